@@ -182,10 +182,10 @@ void compare(const std::filesystem::path& folder, const AccuracyBench& bench, co
   compare_lit(folder, bench, references.lit, threads, setting);
 }
 
-/// Views of which fewer bits a normal are told.
+/// Returns true for views in which normals of fewer bits are compared.
 bool shows_normals(const AccuracyView& view) { return view.voxels_per_pixel == 1; }
 
-/// Light shows what albedo does not.
+/// Compares normals of fewer bits in lit images, because albedo does not depend on normals.
 std::vector<NormalBits> coarser_normals(const AccuracyBenchRequest& request, const AccuracyBench& bench) {
   const AccuracySetting& first = bench.settings.front();
   std::vector<NormalBits> rows =

@@ -19,7 +19,7 @@
 namespace gigabake::bench {
 
 struct AccuracyBenchRequest {
-  BenchScene scene;  ///< its parameters are those of the first setting
+  BenchScene scene;  ///< with the parameters of the first setting
   /// The output folder: one folder per setting, whose shards are replaced, and images.
   std::filesystem::path out;
   Backend backend = Backend::automatic;
@@ -73,7 +73,7 @@ using AccuracyProgress = std::function<void(const std::string& setting)>;
 /// Measures every surface rule with every filter, at the voxel size and at twice the voxel size. Measures area with
 /// coverage also without normals, without facing, without both, with several error bounds, and with LZ4.
 /// All settings use the same cameras. Voxels with equal content hashes are measured once.
-/// Errors  As a bake, and as ReferenceCaster's constructor. UsageError: no setting has such a name. InputError: a view
+/// Errors  Same as a bake and ReferenceCaster's constructor. UsageError: no setting has such a name. InputError: a view
 ///         shows fewer than min_compared_pixels of the surface; then nothing is baked.
 AccuracyBench bench_accuracy(const AccuracyBenchRequest& request, const AccuracyProgress& progress);
 

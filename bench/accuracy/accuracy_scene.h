@@ -14,7 +14,7 @@ struct AccuracyScene {
   FrameRenderer::Options renderer;  ///< uses the threads of the request
 
   /// Bakes the scene with the default rules into request.out and replaces an earlier bake there.
-  /// Errors  As bench_accuracy().
+  /// Errors  Same as bench_accuracy().
   AccuracyScene(const AccuracyBenchRequest& request, const AccuracyProgress& progress);
 };
 

@@ -29,7 +29,7 @@ inline const std::vector<double> accuracy_scales{0.25, 1, 4, 16};
 /// Returns the views from every direction at every scale of `voxels_per_pixel`. An image has at most width × height
 /// pixels, and fewer if the whole scene fits in fewer. Views that cannot show the whole scene show different places of
 /// the surface (visible_places()).
-/// Space   Voxels are those of `lattice`, as the caster's.
+/// Space   Voxels of `lattice`, which is also the lattice of the caster.
 /// Errors  InputError: no triangle of the source is visible.
 std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const BakeParameters& lattice,
                                          const std::vector<double>& voxels_per_pixel, int width, int height);

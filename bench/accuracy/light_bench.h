@@ -34,9 +34,10 @@ struct LightBench {
   double time_ratio() const;  ///< total time of all frames with shadows, divided by that without
 };
 
-/// Bakes the scene with the default rules into `out`, and renders it from the views of bench_accuracy(). samples: rays
-/// per pixel of the reference. progress is called before each view is rendered.
-/// Errors  As bench_accuracy().
+/// Bakes the scene with the default rules into `out`, and renders it from the views of bench_accuracy().
+///
+/// samples: rays per pixel of the reference. progress is called before each view is rendered.
+/// Errors  Same as bench_accuracy().
 LightBench bench_light(const AccuracyBenchRequest& request, const AccuracyProgress& progress);
 
 }  // namespace gigabake::bench

@@ -44,7 +44,7 @@ inline constexpr int motion_block = 16;
 
 /// Bakes the scene with the default rules into `out`. Renders each pair lit, without shadows, with --level-blend off
 /// and on. samples: rays per pixel of the reference. progress is called before each path is rendered.
-/// Errors  As bench_accuracy().
+/// Errors  Same as bench_accuracy().
 MotionBench bench_motion(const AccuracyBenchRequest& request, const AccuracyProgress& progress);
 
 }  // namespace gigabake::bench

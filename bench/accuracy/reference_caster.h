@@ -12,8 +12,9 @@
 
 namespace gigabake::bench {
 
-/// A caster that finds triangles with Embree 3 or 4. Colour is that of ViewMode::albedo, or lit like voxels by the
-/// outer normal of each triangle. Alpha modes are those of a bake; translucent surfaces are composited front to back.
+/// A caster that finds triangles with Embree 3 or 4. Colour is ViewMode::albedo, or lit like voxels by the outer
+/// normal of each triangle. Alpha modes have the same meaning as in a bake; translucent surfaces are composited front
+/// to back.
 /// Space   Lod-0 voxels of `lattice`; only its voxel size and origin are used.
 class ReferenceCaster {
  public:
@@ -41,9 +42,8 @@ class ReferenceCaster {
   LinearPicture draw(const kernels::CastCamera& camera, int samples,
                      const kernels::CastLight& light = kernels::unlit()) const;
 
-  /// Renders an image with shadows. Each ray samples one point of the sun's disc. From the surface that it hits, it
-  /// also samples one cosine-weighted direction of the sky. Directions that do not reach the sky return the light of
-  /// the ground.
+  /// Renders an image with shadows. Each ray samples one point of the sun's disc. At the hit it also samples one
+  /// cosine-weighted direction of the sky. Directions that do not reach the sky return the light of the ground.
   LinearPicture draw_shadowed(const kernels::CastCamera& camera, int samples, const kernels::CastLight& light,
                               double sun_radius_deg) const;
 

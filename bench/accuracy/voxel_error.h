@@ -2,7 +2,7 @@
 ///         alpha and normal.
 ///
 /// The reference uses no vertex snapping, bins, weights or texture pyramids of the kernels. Triangles lie exactly where
-/// the source places them, and texels are those of the finest level. Voxels are read from the shards.
+/// the source places them, and texels are taken from the finest level. Voxels are read from the shards.
 #pragma once
 
 #include <cstdint>
@@ -36,8 +36,9 @@ struct VoxelError {
   double rms_colour = 0, delta_e = 0;  ///< straight linear RGB; CIE76; where both alphas are at least 0.1
 };
 
-/// Measures the voxels of a scene that was baked from the caster's source. coarser: edge of the scene's voxels divided
-/// by that of the caster's lattice; both lattices have the same origin.
+/// Measures the voxels of a scene that was baked from the caster's source.
+///
+/// coarser: edge of the scene's voxels divided by the edge of the caster's. Both lattices have the same origin.
 /// Exact   Independent of the number of threads, on one machine.
 /// Errors  InputError: a shard cannot be read.
 VoxelError voxel_error(const ReferenceCaster& caster, const std::filesystem::path& scene, int coarser,

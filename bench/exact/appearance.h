@@ -1,4 +1,4 @@
-/// Colours and directions as a stored voxel means them, computed from the standards, not from kernels/tables.
+/// The meaning of stored colours and directions, computed from the standards and not from kernels/tables.
 #pragma once
 
 #include <algorithm>
@@ -14,16 +14,18 @@ using Direction = std::array<double, 3>;
 using Rgba16 = std::array<std::uint16_t, 4>;  ///< linear, straight alpha
 inline constexpr Rgba16 white16{65535, 65535, 65535, 65535};
 
-/// IEC 61966-2-1, both ways; 0 … 1.
+/// Converts between sRGB and linear values, both in 0 … 1.
+/// Source  IEC 61966-2-1.
 inline double linear_of(double srgb) { return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4); }
 inline double srgb_of(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
 }
 
-/// How far a stored sRGB code is from the exact linear value, in codes: 0.5 is plain rounding.
+/// Returns the distance of a stored sRGB code from the exact linear value, in codes; 0.5 is rounding.
 inline double code_error(int code, double linear) { return std::abs(code - 255 * srgb_of(linear)); }
 
-/// Cigolle et al. 2014: the sphere as an octahedron unfolded on a square. Unit length.
+/// Returns the unit vector of an octahedral code.
+/// Source  Cigolle et al. 2014.
 inline Direction direction_of(const std::array<std::int8_t, 2>& octahedral) {
   const double u = octahedral[0] / 127.0, v = octahedral[1] / 127.0;
   Direction d{u, v, 1 - std::abs(u) - std::abs(v)};
@@ -42,7 +44,7 @@ inline double angle_deg(const Direction& a, const Direction& b) {
   return std::acos(std::min(1.0, std::max(-1.0, dot / std::sqrt(aa * bb)))) * 180 / std::numbers::pi;
 }
 
-/// Largest angle between a direction and its two stored bytes (measured in tests/lattice/octahedral_test.cpp).
+/// The maximum angle between a direction and its two stored bytes (measured in tests/lattice/octahedral_test.cpp).
 inline constexpr double octahedral_error_deg = 0.96;
 
 }  // namespace gigabake::reference

@@ -14,8 +14,8 @@ std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a / b - (a % b <
 
 mpz_class big(std::int64_t v) { return mpz_class(static_cast<long>(v)); }
 
-/// Keeps sign·(p[axis] - plane) ≥ 0 of a convex polygon: Sutherland and Hodgman 1974, exact also for points and
-/// segments.
+/// Returns the part sign·(p[axis] - plane) ≥ 0 of a convex polygon. It is exact also for points and segments.
+/// Source  Sutherland and Hodgman 1974.
 Polygon clip(const Polygon& in, int axis, const mpq_class& plane, int sign) {
   Polygon out;
   for (std::size_t i = 0; i < in.size(); ++i) {
@@ -32,7 +32,7 @@ Polygon clip(const Polygon& in, int axis, const mpq_class& plane, int sign) {
   return out;
 }
 
-/// First and last slab along the axis whose closed extent may meet the polygon, cut to the window.
+/// Returns the first and last slab along the axis whose closed extent may intersect the polygon, clipped to the window.
 std::array<std::int64_t, 2> slab_range(const Polygon& polygon, int axis, const Window& window) {
   auto [low, high] = std::minmax_element(polygon.begin(), polygon.end(),
                                          [axis](const auto& a, const auto& b) { return a[axis] < b[axis]; });
@@ -68,7 +68,7 @@ Polygon polygon_of(const Triangle& t) {
   return p;
 }
 
-/// Twice the signed area of (a, b, p) seen along the axis.
+/// Returns twice the signed area of (a, b, p) projected along the axis.
 mpz_class edge_function(const LatticeVertex& a, const LatticeVertex& b, const LatticeVertex& p, int axis) {
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   return big(b[u] - a[u]) * big(p[v] - a[v]) - big(b[v] - a[v]) * big(p[u] - a[u]);
@@ -91,7 +91,7 @@ int largest_axis(const std::array<mpz_class, 3>& n) {
   return w;
 }
 
-/// |n| / |n[w]|, w the largest axis: between 1 and √3.
+/// Returns |n| / |n[w]|, where w is the largest axis: between 1 and √3.
 double secant(const std::array<mpz_class, 3>& n) {
   const int w = largest_axis(n);
   double sum = 0;
@@ -151,7 +151,7 @@ bool crosses_centre_segment(const Triangle& t, const Voxel& voxel) {
   for (int axis = 0; axis < 3; ++axis) {
     if (n[axis] == 0 || !column_hits(t, centre, axis)) continue;
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    // n·(p - v0) = 0 solved for p[axis]; compared with the segment's ends without dividing.
+    // Solves n·(p - v0) = 0 for p[axis] and compares the exact result with the segment's ends.
     mpq_class crossing(n[u] * big(t[0][u] - centre[u]) + n[v] * big(t[0][v] - centre[v]), n[axis]);
     crossing.canonicalize();
     crossing += mpq_class(big(t[0][axis]));

@@ -1,8 +1,8 @@
-/// The reference: triangle against voxel in exact rational arithmetic, written from docs/accuracy.md, not from
-/// kernels/.
+/// The reference: triangle/voxel intersection in exact rational arithmetic. It is written from docs/accuracy.md, not
+/// from kernels/.
 ///
 /// Space   Sub-voxels (1/256 voxel) from the lattice origin; voxel i is the half-open cube [256i, 256(i+1)).
-/// Exact   GMP rationals; doubles appear only in the answers of area_voxel2() and Piece-to-double helpers.
+/// Exact   GMP rationals. Only area_voxel2() and the conversions of a Piece to double return doubles.
 /// Range   |coordinate| < 2^62.
 #pragma once
 
@@ -35,32 +35,36 @@ struct Piece {
   Polygon polygon;
 };
 
-/// (v1-v0) × (v2-v0): twice the area vector, by the right hand.
+/// Returns (v1-v0) × (v2-v0): twice the area vector, right-handed.
 std::array<mpz_class, 3> normal_of(const Triangle& t);
 
 bool has_area(const Triangle& t);
 
-/// Every closed voxel of the window that the closed triangle meets, with what it meets there.
+/// Returns the intersection of the closed triangle with each closed voxel of the window that it intersects.
 std::vector<Piece> pieces_in(const Triangle& t, const Window& window);
 
-/// Twice the area vector of a planar polygon, sub-voxels².
+/// Returns twice the area vector of a planar polygon, in sub-voxels².
 RationalPoint area_vector(const Polygon& polygon);
 
-/// area(T ∩ half-open cube) > 0.
+/// Returns true if area(T ∩ half-open cube) > 0.
 bool has_area_in_voxel(const Piece& piece);
 
-/// T meets an axis segment through the centre, half-open like the voxel, of an axis that T is not parallel to.
+/// Returns true if T crosses a segment through the centre along an axis to which T is not parallel. The segment is
+/// half-open like the voxel.
 bool crosses_centre_segment(const Triangle& t, const Voxel& voxel);
 
-/// Those of its pieces' voxels that the rule says the triangle occupies. None for a triangle without area.
+/// Returns the voxels of the pieces that the triangle occupies by the rule; none for a triangle without area.
 std::set<Voxel> occupied(const Triangle& t, const std::vector<Piece>& pieces, SurfaceRule rule);
 std::set<Voxel> occupied(const Triangle& t, SurfaceRule rule, const Window& window);
 
-/// Area in voxel², relative error below 1e-15 · 4. The triangle has area.
+/// Returns the area in voxel².
+/// Exact   Relative error below 4e-15.
+/// Range   The triangle has area.
 double area_voxel2(const Triangle& t);
 double area_voxel2(const Piece& piece, const Triangle& t);
 
-/// Barycentric coordinates, with respect to t, of the piece's centroid. The piece has area.
+/// Returns the barycentric coordinates of the piece's centroid with respect to t.
+/// Range   The piece has area.
 std::array<mpq_class, 3> centroid_barycentric(const Piece& piece, const Triangle& t);
 
 }  // namespace gigabake::reference

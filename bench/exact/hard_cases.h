@@ -1,5 +1,5 @@
-/// The named hard cases: triangles chosen to sit on a tie, with the voxels each rule must give them, worked out by
-/// hand. docs/accuracy-hard-cases.md lists every name with its reason.
+/// The named hard cases: triangles that lie on a tie, with the voxels that each rule must produce, derived by hand.
+/// docs/accuracy-hard-cases.md lists every name with its reason.
 #pragma once
 
 #include <ostream>
@@ -11,7 +11,7 @@
 
 namespace gigabake::reference {
 
-/// Every case is seen through this window: two bricks to each side of the origin's three planes.
+/// The window of every case: two bricks on each side of the origin, per axis.
 inline constexpr std::int64_t hard_case_low = -8, hard_case_high = 8;
 
 struct HardCase {
@@ -22,13 +22,13 @@ struct HardCase {
 
 inline std::ostream& operator<<(std::ostream& out, const HardCase& c) { return out << c.name; }
 
-/// About single voxels, and about planes and slivers across many.
+/// Returns the cases of single voxels; wide_hard_cases() returns planes and slivers across many voxels.
 std::vector<HardCase> small_hard_cases();
 std::vector<HardCase> wide_hard_cases();
 
 inline const std::set<Voxel> none;
 
-/// Voxels low … high, both included.
+/// Returns the voxels low … high, both included.
 std::set<Voxel> cells(const Voxel& low, const Voxel& high);
 std::set<Voxel> operator+(std::set<Voxel> a, const std::set<Voxel>& b);
 

@@ -48,7 +48,7 @@ std::vector<HardCase> inside_a_voxel() {
   };
 }
 
-/// The same triangle lies in six lattice planes in turn; in-plane goes to the voxel above.
+/// Returns the same triangle in six lattice planes. A triangle in a plane belongs to the voxel above.
 std::vector<HardCase> in_lattice_planes() {
   const auto in_plane = [](int axis, std::int64_t at) {
     Triangle t;

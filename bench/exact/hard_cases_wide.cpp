@@ -16,14 +16,14 @@ std::set<Voxel> where(const Predicate& holds) {
 
 const std::set<Voxel> layer = cells({low, low, 0}, {last, last, 0});
 
-/// A square of two triangles about the window, z = a·x + b·y + c.
+/// Returns a square of two triangles around the window, z = a·x + b·y + c.
 std::vector<Triangle> sheet(std::int64_t reach, std::int64_t a, std::int64_t b, std::int64_t c) {
   const auto at = [&](std::int64_t x, std::int64_t y) { return LatticeVertex{x, y, a * x + b * y + c}; };
   return {{at(-reach, -reach), at(reach, -reach), at(reach, reach)},
           {at(-reach, -reach), at(reach, reach), at(-reach, reach)}};
 }
 
-/// A sheet whose axes are turned: its z becomes x.
+/// Returns the mesh with rotated axes: its z becomes x.
 std::vector<Triangle> turned(std::vector<Triangle> mesh) {
   for (Triangle& t : mesh)
     for (LatticeVertex& v : t) v = {v[2], v[0], v[1]};

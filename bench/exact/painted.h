@@ -1,5 +1,5 @@
-/// What voxels must hold, from exact pieces: the averages of docs/accuracy.md, colour alpha and normal, written
-/// plainly.
+/// The expected content of voxels, computed from exact pieces: the averages of colour, alpha and normal in
+/// docs/accuracy.md.
 #pragma once
 
 #include <map>
@@ -15,7 +15,7 @@ struct Painted {
   Triangle triangle;
   Rgba16 colour = white16;  ///< linear, straight
   AlphaMode mode = AlphaMode::opaque;
-  std::optional<std::array<Rgba16, 3>> vertex_colours;  ///< opaque ones: their mean is the value at the centroid
+  std::optional<std::array<Rgba16, 3>> vertex_colours;  ///< opaque; their mean is the value at the centroid
 };
 
 struct ExpectedVoxel {
@@ -26,11 +26,11 @@ struct ExpectedVoxel {
 
   double alpha() const { return visible / area; }
   double linear(int c) const { return colour[c] / visible; }
-  /// Length of the mean normal: how sure its direction is.
+  /// Returns the length of the mean normal: the certainty of its direction.
   double certainty() const;
 };
 
-/// Every voxel of the window that some triangle occupies, visible or not.
+/// Returns every voxel of the window that a triangle occupies, visible or not.
 std::map<Voxel, ExpectedVoxel> expected_voxels(const std::vector<Painted>& scene, SurfaceRule rule,
                                                const Window& window);
 

@@ -17,13 +17,13 @@ namespace {
 
 constexpr unsigned seed = 20261121;
 constexpr int most_cpu_repeats = 3;
-constexpr double promised_rounding = 0x1p-20;  ///< of the tree's edge: kernels/cast/first_hit.h
+constexpr double promised_rounding = 0x1p-20;  ///< fraction of the tree's edge: kernels/cast/first_hit.h
 
 struct Spread {
   double best, median;
 };
 
-/// once(): runs and returns its seconds.
+/// Returns the minimum and the median time. once(): runs and returns its seconds.
 Spread repeat(int repeats, const std::function<double()>& once) {
   once();
   std::vector<double> s;
@@ -32,7 +32,7 @@ Spread repeat(int repeats, const std::function<double()>& once) {
   return {s.front(), s[s.size() / 2]};
 }
 
-/// run(looks): casts the view and returns its seconds.
+/// Times a view with and without attributes. run(looks): casts the view and returns its seconds.
 FirstHitTimes time_view(const char* backend, int repeats, const std::function<double(bool)>& run) {
   const Spread looks = repeat(repeats, [&] { return run(true); }), plain = repeat(repeats, [&] { return run(false); });
   return {backend, plain.best, plain.median, looks.best, looks.median};

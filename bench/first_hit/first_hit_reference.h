@@ -1,4 +1,4 @@
-/// What a first-hit ray must meet, by stepping from voxel to voxel in double precision: no tree, no tables.
+/// A reference for first hits that steps from voxel to voxel in double precision, without tree and tables.
 #pragma once
 
 #include <array>
@@ -9,10 +9,10 @@
 
 namespace gigabake::bench {
 
-/// In voxels of the tree, from its lowest corner.
+/// A ray in voxels of the tree, relative to its lowest corner.
 struct ReferenceRay {
   std::array<double, 3> origin, direction;
-  double end;  ///< in its direction's lengths
+  double end;  ///< in lengths of `direction`
 };
 
 inline ReferenceRay reference_ray(const kernels::FirstHitRay& ray, const kernels::FirstHitTree& tree) {
@@ -26,7 +26,7 @@ inline ReferenceRay reference_ray(const kernels::FirstHitRay& ray, const kernels
   return r;
 }
 
-/// The part of the ray in the cube of a voxel that is grown by `rim` on all sides.
+/// The interval of the ray inside a box; for a voxel, the box is expanded by `rim` on all sides.
 struct Chord {
   double enter, leave;
   bool empty() const { return !(enter <= leave); }
@@ -57,7 +57,7 @@ inline Chord chord(const ReferenceRay& ray, const Voxel& v, double rim) {
   return chord(ray, low, high);
 }
 
-/// visit(voxel, distance) for every voxel of the cube [0, edge)³ along the ray, until it returns true.
+/// Calls visit(voxel, distance) for every voxel of the cube [0, edge)³ along the ray, until it returns true.
 template <class Visit>
 void step_through(const ReferenceRay& ray, std::int64_t edge, const Visit& visit) {
   const Chord inside = chord(ray, {0, 0, 0}, {double(edge), double(edge), double(edge)});
@@ -85,15 +85,15 @@ void step_through(const ReferenceRay& ray, std::int64_t edge, const Visit& visit
 
 enum class Agreement { same, within_rounding, wrong };
 
-/// exists(voxel): whether it is one of the scene's. rounding: voxels; a hit within it of the ray, past voxels that the
-/// ray is less deep in, is as good.
+/// Compares a hit with the reference. exists(voxel): returns true if the scene has the voxel. rounding: voxels. A hit
+/// within this distance of the ray is accepted if the ray penetrates no earlier voxel deeper than this distance.
 template <class Exists>
 Agreement compare(const kernels::FirstHitTree& tree, const kernels::FirstHitRay& lattice_ray,
                   const kernels::FirstHit& hit, double rounding, const Exists& exists) {
   const ReferenceRay ray = reference_ray(lattice_ray, tree);
   const bool met = hit.look != kernels::no_look;
   const double to_voxels = double(1 << tree.bits) * tree.per_edge, distance = double(hit.distance) * to_voxels;
-  const double blur = rounding + (met ? distance * 0x1p-23 : 0);  // a distance is a float
+  const double blur = rounding + (met ? distance * 0x1p-23 : 0);  // because a distance is a float
   Voxel found{};
   for (std::size_t a = 0; a < 3; ++a) found[a] = std::int64_t(hit.voxel >> 21 * a & 0x1fffff);
   if (met) {

@@ -19,7 +19,7 @@ Vector cross(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// forward, right, up; north is up where the view is straight down.
+/// Forward, right and up vectors; up is north if the view is vertical.
 struct Axes {
   Vector forward, right, up;
   explicit Axes(const Vector& towards) : forward(unit(towards)) {
@@ -75,15 +75,15 @@ kernels::FirstHitCamera central(const Box& box, const Vector& eye_from_centre, c
   return c;
 }
 
-/// visit(corner) for the corners of the box's middle height, from its centre: mountains may be cut off, the sky is
-/// less.
+/// Calls visit(corner) with the corners at the box's middle height, relative to its centre. Views may therefore crop
+/// mountains, but show less sky.
 template <class Visit>
 void for_each_corner(const Box& box, const Visit& visit) {
   for (int i = 0; i < 4; ++i)
     visit(Vector{(i & 1) != 0 ? box.half[0] : -box.half[0], (i & 2) != 0 ? box.half[1] : -box.half[1], 0});
 }
 
-/// Of the least parallel picture that shows all of the ground.
+/// Returns half the height of the smallest parallel image that shows the whole ground.
 double fitting_half_height(const Box& box, const Vector& towards, const Picture& picture) {
   const Axes axes(towards);
   double half_height = 0;
@@ -94,7 +94,7 @@ double fitting_half_height(const Box& box, const Vector& towards, const Picture&
   return half_height;
 }
 
-/// How far before the centre an eye sees all of the ground.
+/// Returns the distance from the centre at which an eye sees the whole ground.
 double fitting_distance(const Box& box, const Vector& towards, double fovy_deg, const Picture& picture) {
   const Axes axes(towards);
   const double tangent = std::tan(fovy_deg * std::numbers::pi / 360);
@@ -107,7 +107,7 @@ double fitting_distance(const Box& box, const Vector& towards, double fovy_deg, 
   return distance;
 }
 
-/// From the centre up to the ground above or below it; the centre's height where there is none.
+/// Returns the height of the ground relative to the centre; 0 if there is none.
 double ground_height(const kernels::FirstHitTree& tree, const Box& box) {
   kernels::FirstHitRay down;
   for (std::size_t a = 0; a < 3; ++a) down.origin[a] = box.centre[a];

@@ -1,4 +1,4 @@
-/// Where the first-hit benchmark looks from: fixed views of any scene, by the box that holds its voxels.
+/// The views of the first-hit benchmark: fixed views of any scene, derived from the box of its voxels.
 #pragma once
 
 #include <optional>
@@ -10,14 +10,17 @@
 
 namespace gigabake::bench {
 
-/// A picture, or rays without one.
+/// A camera, or random rays.
 struct FirstHitBenchView {
   std::string name;
-  std::optional<kernels::FirstHitCamera> camera;  ///< none: from anywhere in the box to anywhere, uniformly
+  std::optional<kernels::FirstHitCamera> camera;  ///< nullopt: uniformly random rays between points of the box
 };
 
-/// Whole scene from the south-east, in parallel and in perspective; the same, close enough to fill the picture; grazing
-/// from a corner; straight down; from ten voxels above the ground in the middle; from below it; random rays.
+/// Returns the fixed views and one of random rays.
+///
+/// The views are: the whole scene from the south-east, parallel and in perspective; both again, close enough to
+/// fill the image; grazing from a corner; vertical; from ten voxels above the ground in the middle; from below the
+/// ground; random rays.
 std::vector<FirstHitBenchView> first_hit_views(const kernels::FirstHitTree& tree, int width, int height);
 
 std::vector<kernels::FirstHitRay> random_rays(const kernels::FirstHitTree& tree, std::size_t count, unsigned seed);

@@ -10,8 +10,8 @@ namespace {
 using Rng = std::mt19937_64;
 
 constexpr double voxel_m = 0.01;
-/// A snap that rounds otherwise in long double than in double is nobody's error: vertices keep away from ties, in
-/// sub-voxels, a hundred times farther than the claimed error of placement.
+/// The minimum distance of vertices from rounding ties, in sub-voxels. It is a hundred times the bound of the placement
+/// error, so that long double and double snap to the same vertex.
 constexpr long double tie_margin = 0.03L;
 
 Affine<World, World> rounded(const LongAffine& map) {
@@ -35,7 +35,7 @@ LongAffine placement_of(const HardScene& scene, const Geodetic& origin, std::siz
   return exact_placements(scene, origin)[tile];
 }
 
-/// Small triangles round the tile's own origin, all in one mesh.
+/// Adds small triangles around the tile's own origin, all in one mesh.
 void add_triangles(HardScene& scene, std::size_t tile, const Geodetic& origin, const BakeParameters& parameters,
                    int count, Rng& rng) {
   HardTile& t = scene.tiles[tile];
@@ -58,14 +58,15 @@ void add_triangles(HardScene& scene, std::size_t tile, const Geodetic& origin, c
   }
 }
 
-/// A window of 128 voxels about the tile's origin.
+/// Returns a window of 128 voxels around the tile's origin.
 reference::Window window_about(const LongPoint& p_lattice) {
   reference::Window window{{}, 128};
   for (std::size_t r = 0; r < 3; ++r) window.min[r] = (std::int64_t(floorl(p_lattice[r])) >> 11 << 3) - 64;
   return window;
 }
 
-/// origin: where the scene frame stands; is_asked: by --origin, else it is the first tile's own place.
+/// Returns a case on the earth. origin: the origin of the scene frame. is_asked: --origin specifies it; otherwise it is
+/// the first tile's place.
 HardCase earth_case(const char* name, const char* what, const std::vector<Geodetic>& tiles, const Geodetic& origin,
                     bool is_asked) {
   Rng rng(20260511);
@@ -84,7 +85,7 @@ HardCase earth_case(const char* name, const char* what, const std::vector<Geodet
   return hard;
 }
 
-/// Local, far from the origin: the nodes carry the distance, as they should.
+/// Returns a local scene far from its origin: the transforms contain the distance, as they should.
 HardCase far_case() {
   Rng rng(20260512);
   HardCase hard = lattice_case("far-1000-km-local", "earth", "0.01 m voxels 1,000 km from a local scene's origin");

@@ -18,7 +18,8 @@ using reference::Triangle;
 
 using Rng = std::mt19937_64;
 
-/// Fixed: the suite is the same everywhere. Not std::uniform_int_distribution, which is every library's own.
+/// A fixed seed: the suite is equal on every machine. std::uniform_int_distribution is not used because it differs
+/// between libraries.
 constexpr std::uint64_t seed = 20260511;
 std::int64_t below(Rng& rng, std::int64_t end) { return std::int64_t(rng() % std::uint64_t(end)); }
 
@@ -40,9 +41,10 @@ HardScene scene_of(const std::vector<Painted>& painted) {
   return scene;
 }
 
-/// Slivers between small triangles of about their area in a voxel, so that colour shows what they weigh.
+/// Returns slivers between small triangles of about the sliver's area per voxel, so that the colour shows the sliver's
+/// weight.
 std::vector<HardCase> slivers() {
-  // A little less long than a triangle may be, in few bits.
+  // The sliver is a little shorter than the maximum and needs few bits.
   constexpr std::int64_t far = (longest_side_voxels / 2 - 2048) * subvoxels;
   const std::pair<const char*, Triangle> shapes[] = {
       {"sliver-along-x", {{{-far, 100, 100}, {far, 100, 100}, {far, 101, 100}}}},
@@ -69,7 +71,7 @@ std::vector<HardCase> slivers() {
   return out;
 }
 
-/// Copies of the smallest triangle there is, half a sub-voxel².
+/// Returns copies of the smallest triangle, half a sub-voxel².
 HardMesh smallest_triangles(std::size_t count, const LatticeVertex& at, int material) {
   HardMesh mesh;
   const auto x = float(at[0]), y = float(at[1]), z = float(at[2]);
@@ -79,7 +81,7 @@ HardMesh smallest_triangles(std::size_t count, const LatticeVertex& at, int mate
   return mesh;
 }
 
-/// Sorted by colour: a float, or any sum that saturates, would forget the later ones.
+/// Returns millions of triangles, sorted by colour: a float sum, or a sum that saturates, would lose the later ones.
 HardCase millions(int million) {
   HardCase hard = lattice_case("millions-in-one-voxel", "extremes",
                                std::to_string(million) + " million smallest triangles and one large; closed form");
@@ -105,7 +107,7 @@ HardCase millions(int million) {
   return hard;
 }
 
-/// Layers that lie in one plane, in every order: nobody wins for being first or last.
+/// Returns coplanar layers in random order: the first and the last must have no advantage.
 HardCase coplanar_stack(const char* name, const char* what, const std::function<std::int64_t(std::int64_t)>& z_of) {
   Rng rng(seed);
   HardCase hard = lattice_case(name, "extremes", what);
@@ -129,7 +131,7 @@ HardCase coplanar_stack(const char* name, const char* what, const std::function<
   return hard;
 }
 
-/// The same dozen triangles under a node that scales: positions in the file are divided by what the node multiplies.
+/// Returns the same twelve triangles under a node that scales. Positions in the file are divided by the node's scale.
 HardScene under_scale(double x, double y, double z) {
   Rng rng(seed);
   const double scale[3] = {x, y, z};
@@ -150,7 +152,7 @@ HardScene under_scale(double x, double y, double z) {
 HardCase scaled_case(const char* name, const char* what, std::vector<HardScene> scenes) {
   HardCase hard = lattice_case(name, "extremes", what);
   hard.scenes = std::move(scenes);
-  hard.bounds.placement_m = 1e-6;  // what the file's own floats cannot say of a position below 2 m
+  hard.bounds.placement_m = 1e-6;  // float error of the file's positions below 2 m
   return hard;
 }
 

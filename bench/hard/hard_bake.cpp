@@ -27,7 +27,7 @@ double distance(const LongPoint& a, const LongPoint& b) {
   return double(hypotl(hypotl(a[0] - b[0], a[1] - b[1]), a[2] - b[2]));
 }
 
-/// The vertex in double, step by step as lattice/snap.h goes.
+/// Returns the vertex in double, with the same steps as lattice/snap.h.
 LongPoint in_double(const std::array<double, 12>& m, const float* local) {
   LongPoint p;
   for (std::size_t r = 0; r < 3; ++r)
@@ -42,7 +42,7 @@ LongPoint middle_of(const LatticePoint& at, const BakeParameters& parameters) {
   return p;
 }
 
-/// The pipeline's own vertices against the exact ones.
+/// Compares the vertices of the pipeline with the exact ones.
 void measure_places(const HardScene& scene, const SceneSources& sources, const BakeParameters& parameters,
                     HardBake& out) {
   const std::vector<LongAffine> exact = exact_placements(scene, sources.origin);
@@ -81,7 +81,7 @@ StoredVoxels voxels_of(const Shard& shard) {
 }  // namespace
 
 SceneSources open_hard(const std::filesystem::path& folder, const HardScene& scene) {
-  std::error_code ignored;  // what cannot be removed is met again below
+  std::error_code ignored;  // a folder that cannot be removed fails below
   std::filesystem::remove_all(folder, ignored);
   SourceOptions options;
   options.local = !scene.on_earth;

@@ -1,4 +1,4 @@
-/// A hard scene through the pipeline that bakes everything: files, tiles, a cell, its shard, its voxels.
+/// Bakes a hard scene with the pipeline of every bake: files, tiles, a cell, its shard, its voxels.
 #pragma once
 
 #include <filesystem>
@@ -8,10 +8,11 @@
 
 namespace gigabake::bench {
 
-/// Replaces `folder`. Errors  InputError: as a bake; the cell's own error where it failed.
+/// Bakes the scene and replaces `folder`.
+/// Errors  InputError: as a bake; the cell's own error if the cell failed.
 HardBake bake_hard(const std::filesystem::path& folder, const HardScene& scene, const HardCase& hard,
                    const HardMachine& machine, const SceneSources& sources);
-/// Writes the scene and opens it as a bake does.
+/// Writes the scene and opens it like a bake.
 SceneSources open_hard(const std::filesystem::path& folder, const HardScene& scene);
 
 }  // namespace gigabake::bench

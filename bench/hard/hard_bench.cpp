@@ -10,7 +10,7 @@
 namespace gigabake::bench {
 namespace {
 
-/// A colour is looked at where alpha leaves something of it, and a direction where the mean has one.
+/// The minima below which colour and normal are not compared: a faint colour and a short mean normal are undefined.
 constexpr double least_alpha = 0.02, least_certainty = 0.01;
 
 struct VoxelErrors {
@@ -24,7 +24,7 @@ void add_voxel(const StoredVoxel& stored, const reference::ExpectedVoxel& expect
   grow(errors.alpha_codes, std::abs(stored.rgba[3] - 255 * expected.alpha()));
   if (expected.alpha() < least_alpha) return;
   for (int c = 0; c < 3; ++c) {
-    // What 16 bits lose of a dark premultiplied colour grows as alpha falls: 0.1 codes of an opaque one.
+    // The 16-bit error of a dark premultiplied colour grows as alpha falls; it is 0.1 codes for an opaque colour.
     const double lost = 0.1 / expected.alpha() - 0.1;
     grow(errors.colour_codes, code_error(stored.rgba[std::size_t(c)], expected.linear(c)) - lost);
     grow(errors.colour_linear, std::abs(linear_of(stored.rgba[std::size_t(c)] / 255.0) - expected.linear(c)));
@@ -33,7 +33,7 @@ void add_voxel(const StoredVoxel& stored, const reference::ExpectedVoxel& expect
     grow(errors.normal_deg, angle_deg(direction_of(stored.normal), expected.normal));
 }
 
-/// Of what alpha may be off, presence may be off too.
+/// Compares stored with expected voxels. A voxel may be missing or extra if its alpha is below the bound of alpha.
 VoxelErrors compare(const StoredVoxels& stored, const ExpectedVoxels& expected, const HardBounds& bounds) {
   constexpr double rounding = 0.501;
   const double slack = std::max(0.0, bounds.alpha_codes - rounding);
@@ -88,7 +88,7 @@ void add_figures(const HardCase& hard, const HardBake& bake, const ExpectedVoxel
     for (HardFigure& f : hard.more(bake)) out.figures.push_back(std::move(f));
 }
 
-/// The other ways to write the scene must give the same bits.
+/// Compares the bakes of the scene's other encodings with the first: they must be bit-identical.
 void add_variants(const HardCase& hard, const std::filesystem::path& folder, const HardMachine& machine,
                   const HardBake& first, HardResult& out) {
   if (hard.scenes.size() < 2) return;
@@ -102,7 +102,7 @@ void add_variants(const HardCase& hard, const std::filesystem::path& folder, con
       {"differ in a bit", "of " + std::to_string(hard.scenes.size() - 1) + " ways to write it", differing, 0});
 }
 
-/// "1/4" is no folder.
+/// Returns the name with "/" replaced, because "1/4" is no folder name.
 std::string file_name(std::string name) {
   std::replace(name.begin(), name.end(), '/', '-');
   return name;

@@ -1,6 +1,6 @@
-/// The hard cases as a suite that anybody can run on his machine: scenes made to break a voxelizer, each written as
-/// files, baked as a cell by the pipeline that bakes everything, read back from its shard, and held against an
-/// independent reference: placements in long double, clipping in rationals, closed forms, sets worked out by hand.
+/// The hard cases: a suite of scenes made to break a voxelizer, which runs on any machine. Each case is written as
+/// files, baked as a cell by the pipeline of every bake, and read back from its shard. The result is compared with an
+/// independent reference: long double placements, rational clipping, closed forms, and sets derived by hand.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,14 @@
 namespace gigabake::bench {
 
 struct HardBenchRequest {
-  std::filesystem::path out;  ///< a folder for each case: its scene and its shard, which are replaced
+  std::filesystem::path out;  ///< a folder per case: its scene and its shard, which are replaced
   Backend backend = Backend::automatic;
   int threads = 1;
-  /// Of the triangles in one voxel. The suite as it is published has 17 of them.
+  /// The number of millions of triangles in one voxel. The published suite has 17.
   int million_triangles = 17;
 };
 
-/// One measured number and what is claimed of it.
+/// A measured number and its bound.
 struct HardFigure {
   std::string name;  ///< "missed", "colour": equal names mean the same in each case
   std::string unit;  ///< "voxels", "codes", "°", "m", …
@@ -32,23 +32,23 @@ struct HardFigure {
 
 struct HardResult {
   std::string name, group;
-  std::string what;          ///< what is hard about it, and what it is held against
-  std::uint64_t voxels = 0;  ///< that were baked
+  std::string what;          ///< the difficulty, and the reference it is compared with
+  std::uint64_t voxels = 0;  ///< number of baked voxels
   std::vector<HardFigure> figures;
-  std::string error;  ///< one line; not empty: there is nothing to measure, or a GPU handed the cell back
+  std::string error;  ///< one line; if not empty, the case was not measured, or a GPU rejected the cell
   bool holds() const;
 };
 
 struct HardBench {
   std::string backend;  ///< "cpu" or "cuda"
   std::vector<HardResult> cases;
-  LeakBench leaks = {};  ///< of a few planes: measured, but not yet bounded, and so no part of holds()
+  LeakBench leaks = {};  ///< of three planes: measured, but not bounded yet, so not part of holds()
   bool holds() const;
 };
 
-/// Cost    Ten seconds of a core, and some 250 flushes to disk; 1.6 GB for the 17 million triangles.
-/// Errors  UsageError: cuda without a device, or this build has no exact reference; InputError: `out`. What goes wrong
-///         with a case is its result.
+/// Runs all cases and calls `done` after each. A failure of a case is part of its result.
+/// Cost    Ten CPU seconds and about 250 flushes to disk; 1.6 GB for the 17 million triangles.
+/// Errors  UsageError: cuda without a device, or this build has no exact reference. InputError: `out`.
 HardBench bench_hard(const HardBenchRequest& request, const std::function<void(const HardResult&)>& done);
 
 }  // namespace gigabake::bench

@@ -1,4 +1,4 @@
-/// One hard case: a scene, the cell through which it is seen, what must come out, and what is claimed of the errors.
+/// A hard case: a scene, the window of voxels that is compared, the expected voxels, and the error bounds.
 #pragma once
 
 #include <functional>
@@ -15,10 +15,10 @@
 
 namespace gigabake::bench {
 
-/// Largest errors that are claimed; nothing: not looked at.
+/// The error bounds of a case; nullopt: not measured.
 struct HardBounds {
   double alpha_codes = 0.501;                 ///< of 255
-  std::optional<double> colour_codes = 0.65;  ///< sRGB, opaque: rounding, and what 16 bits lose
+  std::optional<double> colour_codes = 0.65;  ///< sRGB, of opaque colours: rounding and 16-bit quantization
   std::optional<double> colour_linear = {};   ///< of a texture, 0 … 1
   std::optional<double> normal_deg = 1.01;    ///< two octahedral bytes, and 16 bits
   double placement_m = 0;                     ///< of a vertex in double, before the snap
@@ -31,27 +31,28 @@ struct StoredVoxel {
 using StoredVoxels = std::map<reference::Voxel, StoredVoxel>;
 using ExpectedVoxels = std::map<reference::Voxel, reference::ExpectedVoxel>;
 
-/// A scene baked as one cell.
+/// The result of baking a scene as one cell.
 struct HardBake {
   CellReport report;
   StoredVoxels voxels;
   std::string content_hash;
-  double placement_m = 0;  ///< largest distance of a vertex in double from where it is
-  double position_m = 0;   ///< the same after the snap
+  double placement_m = 0;  ///< maximum distance of a double vertex from its exact position
+  double position_m = 0;   ///< maximum distance after the snap
 };
 
 struct HardCase {
   std::string name, group, what;
-  /// Several: the same surface written in other ways, of which no bit may show.
+  /// Several scenes are encodings of the same surface; the bakes must be bit-identical.
   std::vector<HardScene> scenes{};
   BakeParameters parameters{};
   reference::Window window{};
   HardBounds bounds{};
-  /// Worked out by hand; nothing: by the reference alone.
+  /// Derived by hand; nullopt: compared only with the reference.
   std::optional<std::set<reference::Voxel>> by_hand{};
-  /// Where the exact pieces of plain triangles are not the reference: textures, counts beyond clipping.
+  /// Replaces the exact clipping of plain triangles as the reference: for textures, and for counts too large for
+  /// clipping.
   std::function<ExpectedVoxels()> expected{};
-  /// What this case measures besides, of its first scene.
+  /// Returns additional measurements of the case's first scene.
   std::function<std::vector<HardFigure>(const HardBake&)> more{};
 };
 
@@ -60,17 +61,17 @@ struct HardMachine {
   int threads = 1;
 };
 
-/// Replaces `folder`. Errors  None thrown for what goes wrong with the case: HardResult::error.
+/// Runs a case and replaces `folder`. Never throws for a failure of the case: HardResult::error holds it.
 HardResult run_hard_case(const HardCase& hard, const std::filesystem::path& folder, const HardMachine& machine);
 
-/// A case of the lattice: 0.25 m voxels, so that a sub-voxel is 2^-10 m, seen through [-8, 8)³.
+/// The length of a sub-voxel in a lattice case: voxels are 0.25 m, and the window is [-8, 8)³.
 inline constexpr double lattice_unit_m = 1.0 / 1024;
 HardCase lattice_case(std::string name, std::string group, std::string what);
 
-std::vector<HardCase> tie_cases();    ///< occupancy on ties, three rules, worked out by hand
+std::vector<HardCase> tie_cases();    ///< occupancy on ties, three rules, derived by hand
 std::vector<HardCase> value_cases();  ///< colour, alpha and normal
 std::vector<HardCase> extreme_cases(int million_triangles);
-std::vector<HardCase> earth_cases();    ///< tiles in ECEF, and a thousand kilometres away
+std::vector<HardCase> earth_cases();    ///< tiles in ECEF, and 1,000 km from the origin
 std::vector<HardCase> texture_cases();  ///< texture coordinates, seams, masks
 
 }  // namespace gigabake::bench

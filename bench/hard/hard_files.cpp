@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double reach_m = 1000;  ///< of bounding volumes, which no bake looks into
+constexpr double reach_m = 1000;  ///< of bounding volumes, which a bake does not read
 constexpr int byte_type = 5121, short_type = 5123, int_type = 5125, float_type = 5126;
 
 template <class To, class From>
@@ -24,7 +24,7 @@ Json columns_of(const Affine<To, From>& map) {
   return out;
 }
 
-/// One GLB: JSON and its binary chunk, grown accessor by accessor.
+/// A GLB file: JSON and a binary chunk to which accessors are appended.
 class GlbFile {
  public:
   explicit GlbFile(const HardTile& tile) {
@@ -129,7 +129,7 @@ std::filesystem::path write_scene(const std::filesystem::path& folder, const Har
                         {"content", {{"uri", name}}},
                         {"transform", columns_of(scene.tiles[i].transform)}});
   }
-  // The middle of the root's volume says where the tileset stands.
+  // The middle of the root's volume defines the position of the tileset.
   Json root = {{"boundingVolume", volume}, {"geometricError", 1}, {"refine", "ADD"}, {"children", children}};
   for (std::size_t r = 0; r < 3; ++r) root["boundingVolume"]["box"][r] = scene.tiles.at(0).transform.m[r][3];
   const Json tileset = {{"asset", {{"version", "1.0"}, {"gltfUpAxis", "Z"}}}, {"geometricError", 1}, {"root", root}};

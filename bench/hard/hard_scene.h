@@ -1,4 +1,4 @@
-/// A hard scene as its files say it: meshes below nodes below tiles, z up.
+/// A hard scene with the content of its files: meshes, which nodes of tiles place; z up.
 #pragma once
 
 #include <array>
@@ -14,10 +14,10 @@
 namespace gigabake::bench {
 
 struct HardMesh {
-  std::vector<float> position;       ///< 3 a vertex
-  std::vector<std::uint32_t> index;  ///< 3 a triangle
-  std::vector<float> uv;             ///< 2 a vertex, or empty
-  std::vector<std::uint16_t> rgba;   ///< 4 a vertex, linear, or empty
+  std::vector<float> position;       ///< 3 per vertex
+  std::vector<std::uint32_t> index;  ///< 3 per triangle
+  std::vector<float> uv;             ///< 2 per vertex, or empty
+  std::vector<std::uint16_t> rgba;   ///< 4 per vertex, linear, or empty
   int material = 0;
 };
 
@@ -40,23 +40,24 @@ struct HardTile {
   Affine<World, World> transform;  ///< of the tile, in tileset.json
 };
 
-/// A 3D Tiles tileset. On the earth: transforms lead to ECEF.
+/// A 3D Tiles tileset. If it is on the earth, transforms lead to ECEF.
 struct HardScene {
   std::vector<HardTile> tiles;
   bool on_earth = false;
-  std::optional<Geodetic> origin;  ///< --origin; none: the source's own
+  std::optional<Geodetic> origin;  ///< --origin; nullopt: the source's own
 };
 
-/// Adds mesh and node: any integer coordinates up to 2^52 of `unit_m` metres, a power of two, exactly.
+/// Adds a mesh and a node. Integer coordinates up to 2^52 of `unit_m` metres, a power of two, are exact.
 void add_triangle(HardTile& tile, const reference::Triangle& t, double unit_m, int material = 0);
-/// One mesh; coordinates below 2^24 units.
+/// Adds all triangles as one mesh.
+/// Range   Coordinates are below 2^24 units.
 void add_mesh(HardTile& tile, const std::vector<reference::Triangle>& mesh, double unit_m, int material = 0);
-/// A mesh and a material of its own for each.
+/// Adds a mesh with its own material.
 void add_painted(HardTile& tile, const reference::Painted& painted, double unit_m);
 
 Affine<Local, Local> scaled(double x, double y, double z);
 
-/// Writes tileset.json and a GLB a tile. Indices take a byte each where that is enough. Returns the tileset's path.
+/// Writes tileset.json and one GLB per tile. Indices use one byte if possible. Returns the tileset's path.
 /// Errors  InputError: the folder cannot be written.
 std::filesystem::path write_scene(const std::filesystem::path& folder, const HardScene& scene);
 

@@ -20,9 +20,9 @@ reference::ExpectedVoxel plain(double alpha, const std::array<double, 3>& linear
   return v;
 }
 
-/// Texture coordinates as a function of voxels.
+/// A linear map from voxels to texture coordinates.
 struct SheetMap {
-  double u0, v0, step;  ///< of a voxel
+  double u0, v0, step;  ///< step: per voxel
 };
 
 HardCase image_case(const std::string& name, const std::string& what, Image image, AlphaMode mode) {
@@ -36,7 +36,7 @@ HardCase image_case(const std::string& name, const std::string& what, Image imag
   return hard;
 }
 
-/// 16 × 16 voxels in the middle of a layer of voxels.
+/// Adds a square of 16 × 16 voxels in the middle of a layer of voxels.
 void add_sheet(HardCase& hard, std::int64_t layer, const SheetMap& map) {
   const std::int64_t e = sheet_units, z = 256 * layer + 128;
   HardTile& tile = hard.scenes[0].tiles[0];
@@ -48,8 +48,8 @@ void add_sheet(HardCase& hard, std::int64_t layer, const SheetMap& map) {
   }
 }
 
-/// An atlas of a red and a blue chart; the sheet shows the red one up to the seam, which no coarser texel respects.
-/// Bilinear magnification itself shows blue in the last half texel; prefilters add to that, and must not add much.
+/// Returns an atlas of a red and a blue chart. The square shows the red one up to the seam, which coarser texels do not
+/// respect. Bilinear magnification itself shows blue in the last half texel; prefiltering must add only little.
 HardCase seam(const std::string& texels_text, double texels, double bound, double reach_voxels) {
   constexpr int size = 512, border = 301;
   Image atlas{size, size, {}, false};
@@ -63,7 +63,7 @@ HardCase seam(const std::string& texels_text, double texels, double bound, doubl
   const double step = texels / size;
   add_sheet(hard, 0, {double(border) / size - sheet_voxels * step, 0.2, step});
   hard.bounds.colour_linear = bound;
-  // Blue at d texels from the seam is ½ - d up to half a texel.
+  // The fraction of blue at d texels from the seam is ½ - d, up to half a texel.
   const auto integral = [](double d) { return std::min(d, 0.5) * (1 - std::min(d, 0.5)) / 2; };
   hard.expected = [=] {
     ExpectedVoxels out;
@@ -86,18 +86,18 @@ HardCase seam(const std::string& texels_text, double texels, double bound, doubl
   return hard;
 }
 
-/// Length of [low, low + size) in [at, at + 1).
+/// Returns the length of the part of [low, low + size) in [at, at + 1).
 double overlap(double low, double size, std::int64_t at) {
   return std::max(0.0, std::min(low + size, double(at + 1)) - std::max(low, double(at)));
 }
 
-/// A fragment reads the mask round its centroid, not over its area: what one texel covers is right in the mean over
-/// places, and from place to place it may be lost or be several.
+/// The bounds of a masked texel. A fragment samples the mask around its centroid, not over its area. The area of one
+/// texel is therefore right only in the mean over positions; at one position it may be lost or several times too large.
 struct MaskBounds {
   double alpha_codes, mean_area, largest_area, lost;
 };
 
-/// One opaque texel of 65,536, alpha-tested, on 16 sheets; from sheet to sheet it lies elsewhere in its voxel.
+/// Returns one opaque alpha-tested texel of 65,536, on 16 squares; its position in the voxel differs per square.
 HardCase single_texel(const std::string& texels_text, double texels, double area, const MaskBounds& bounds) {
   constexpr int size = 256, at = 128;
   Image image{size, size, std::vector<std::uint8_t>(std::size_t(4) * size * size), true};
@@ -105,7 +105,7 @@ HardCase single_texel(const std::string& texels_text, double texels, double area
   HardCase hard = image_case("single-texel-" + texels_text,
                              "one opaque texel of 65,536, " + texels_text + " texels a voxel, in 16 places; its area",
                              std::move(image), AlphaMode::mask);
-  const double edge = std::sqrt(area) / texels;  // of the texel, in voxels
+  const double edge = std::sqrt(area) / texels;  // edge of the texel, in voxels
   const auto start = [=](std::int64_t quarter) { return 7 + double(quarter) / 4 + (1 / texels - edge) / 2; };
   for (int k = 0; k < sheet_voxels; ++k) {
     const auto from = [&](int quarter) { return (at - (7 + quarter / 4.0) * texels) / size; };
@@ -135,7 +135,7 @@ HardCase single_texel(const std::string& texels_text, double texels, double area
   return hard;
 }
 
-/// Texture coordinates that are no numbers count as 0: of a 2 × 2 texture, its first texel.
+/// Returns texture coordinates that are not finite. They count as 0: the first texel of a 2 × 2 texture.
 HardCase no_numbers() {
   Image image{2, 2, {}, false};
   image.rgba = {255, 0, 0, 255, 0, 255, 0, 255, 0, 255, 0, 255, 0, 255, 0, 255};
@@ -165,7 +165,7 @@ HardCase no_numbers() {
 }  // namespace
 
 std::vector<HardCase> texture_cases() {
-  const double bilinear = 2 - 2 * std::log(2.0);  // of a texel: where the bilinear alpha is at least ½
+  const double bilinear = 2 - 2 * std::log(2.0);  // texels in which the bilinear alpha is at least ½
   return {no_numbers(),
           seam("1/4", 0.25, 0.01, 4),
           seam("1", 1, 0.01, 2),

@@ -1,4 +1,4 @@
-/// Voxels as cubes of quads, and rays that find them, by Embree.
+/// A ray caster, built on Embree, for voxels as cubes of quads.
 #pragma once
 
 #include <array>
@@ -9,12 +9,13 @@
 
 namespace gigabake::bench {
 
-/// Any number of threads may cast.
+/// A caster for a set of voxels; first_hit() is thread-safe.
 class CubeCaster {
  public:
   using Voxel = std::array<std::int64_t, 3>;
 
-  /// voxels: their places in their level, each once. Errors  UsageError: built without Embree.
+  /// Builds the caster. voxels: positions in their level, each once.
+  /// Errors  UsageError: built without Embree.
   CubeCaster(const std::vector<Voxel>& voxels, int threads);
   ~CubeCaster();
   CubeCaster(const CubeCaster&) = delete;
@@ -24,7 +25,8 @@ class CubeCaster {
     Voxel voxel;
     double distance;
   };
-  /// Space  Voxels of the level. direction: unit.
+  /// Returns the first voxel that the ray hits. direction: unit vector.
+  /// Space   Voxels of the level.
   std::optional<Hit> first_hit(const std::array<double, 3>& origin, const std::array<double, 3>& direction) const;
 
  private:

@@ -27,11 +27,11 @@ using Voxel = CubeCaster::Voxel;
 
 constexpr std::uint64_t most_voxels = std::uint64_t(1) << 23;
 constexpr std::size_t rays_at_a_time = std::size_t(1) << 17;
-/// Voxels: what a ray meets by less than this, one of the two may pass. Twice what SceneQuery promises of cells of up
-/// to 1024 voxels (viewer/query/query_tree.h).
+/// The penetration depth, in voxels, below which either caster may miss a voxel. It is twice the bound of SceneQuery
+/// for cells of up to 1024 voxels (viewer/query/query_tree.h).
 constexpr double slight = 1.0 / 64;
 
-/// Every voxel of a level, bricks and constants alike, in the level's own numbers.
+/// Returns every voxel of a level, of bricks and constant nodes, in coordinates of the level.
 std::vector<Voxel> voxels_of(const PagedScene& scene, int lod) {
   std::vector<Voxel> voxels;
   scene.for_each_cell([&](const SceneCell& cell) {
@@ -64,7 +64,7 @@ std::vector<Voxel> voxels_of(const PagedScene& scene, int lod) {
   return voxels;
 }
 
-/// From anywhere in the scene's box, grown by a tenth, to anywhere.
+/// Returns rays from random points of the scene's box, enlarged by a tenth, in random directions.
 std::vector<QueryRay> random_query_rays(const kernels::VoxelBox& box, std::size_t count, std::mt19937_64& generator) {
   std::normal_distribution<double> normal;
   std::vector<QueryRay> rays(count);
@@ -84,7 +84,7 @@ std::vector<QueryRay> random_query_rays(const kernels::VoxelBox& box, std::size_
   return rays;
 }
 
-/// Where the ray is deeper than `slight` in a voxel; empty where it is nowhere.
+/// Returns the part of the ray deeper than `slight` in a voxel; empty if there is none.
 RayChord deep_chord(const QueryRay& ray, const Voxel& voxel, int lod) {
   kernels::VoxelBox box;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -117,7 +117,7 @@ class Comparison {
     if (met == theirs.has_value() && (!met || our_voxel == theirs->voxel)) return add_same(ray, ours, theirs);
     const double never = std::numeric_limits<double>::infinity();
     const double our_way = met ? ours.distance : never, their_way = theirs ? theirs->distance * edge : never;
-    // What the other one passed is the nearer of the two; or they share the edge that the ray comes to both at.
+    // The nearer hit is the voxel that the other caster missed; or the ray hits both voxels at their common edge.
     const Voxel& passed = our_way < their_way ? our_voxel : theirs->voxel;
     if (std::fabs(our_way - their_way) < slight * edge || deep_chord(ray, passed, lod_).empty()) {
       ++result_.grazing;
@@ -127,8 +127,8 @@ class Comparison {
   }
 
  private:
-  /// Of one voxel, distances differ where Embree came into it through a side that is open, and the ray through one that
-  /// another voxel covers: both passed that.
+  /// Adds hits of the same voxel. Distances differ if Embree enters by an open side and SceneQuery by a side that
+  /// another voxel covers. Both missed the covering voxel.
   void add_same(const QueryRay& ray, const QueryHit& ours, const std::optional<CubeCaster::Hit>& theirs) {
     const double edge = kernels::power_of_two(lod_);
     const double gap = theirs ? std::fabs(theirs->distance * edge - ours.distance) : 0;

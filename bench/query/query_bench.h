@@ -1,5 +1,5 @@
-/// What `gigabake query` answers against Embree: rays through the cubes of all voxels of a level, every disagreement
-/// looked at.
+/// Compares `gigabake query` with Embree: rays through the cubes of all voxels of a level. Every disagreement is
+/// classified.
 #pragma once
 
 #include <cstdint>
@@ -19,24 +19,25 @@ struct QueryBenchRequest {
 
 struct QueryBench {
   std::uint64_t rays = 0, hits = 0, trees_built = 0;
-  double query_s = 0, build_and_query_s = 0;  ///< without and with the building of trees
-  double cpu_s = 0;                           ///< of all threads in query_s, however busy the machine is
-  std::uint64_t same = 0;                     ///< both meet the same voxel, or nothing
-  /// Another voxel, or another side of it, and what one of the two passed is met by less than 1/64 of a voxel.
+  double query_s = 0, build_and_query_s = 0;  ///< without and with building trees
+  double cpu_s = 0;                           ///< of all threads during query_s, independent of other load
+  std::uint64_t same = 0;                     ///< both hit the same voxel, or none
+  /// Hits of different voxels or sides, where the ray penetrates the missed voxel by less than 1/64 voxel.
   std::uint64_t grazing = 0;
-  std::uint64_t inside = 0;  ///< rays that begin in a voxel or 1/64 of one before it; not compared
-  std::uint64_t wrong = 0;   ///< none of these
-  double largest_gap = 0;    ///< between the distances of the same voxel, lod-0 voxels
-  std::string first_wrong;   ///< such a ray; empty where there is none
+  std::uint64_t inside = 0;  ///< rays that start in a voxel or within 1/64 voxel before it; not compared
+  std::uint64_t wrong = 0;   ///< all other rays
+  double largest_gap = 0;    ///< maximum distance between hits of the same voxel, lod-0 voxels
+  std::string first_wrong;   ///< the first wrong ray; empty if there is none
 
-  /// Rays that hit a voxel here and were compared.
+  /// Returns the number of compared rays that hit a voxel in `gigabake query`.
   std::uint64_t compared_hits() const { return hits - inside; }
-  /// Whether a ray is wrong, or no hit was compared.
+  /// Returns true if a ray is wrong, or no hit was compared.
   bool failed() const { return wrong != 0 || compared_hits() == 0; }
 };
 
-/// Cost    Embree holds six faces of each voxel that is not covered: some 400 bytes a voxel.
-/// Errors  UsageError: built without Embree; more than 2^23 voxels; InputError, as SceneQuery.
+/// Runs the comparison.
+/// Cost    Embree stores up to six faces per voxel that no neighbour covers: about 400 bytes per voxel.
+/// Errors  UsageError: built without Embree; more than 2^23 voxels. InputError: see SceneQuery.
 QueryBench bench_queries(const QueryBenchRequest& request);
 
 }  // namespace gigabake::bench

@@ -101,7 +101,8 @@ std::string settings_table(const AccuracyBench& bench) {
   return out;
 }
 
-/// A row for settings whose voxels are the same: a filter, a codec or coverage along the axes change none of lod 0.
+/// Returns the table of lod-0 voxels, one row per setting with different voxels. A filter, a codec or directional
+/// coverage changes no lod-0 voxel.
 std::string voxels_table(const AccuracyBench& bench) {
   std::string out =
       "| lod 0 | missed | by ½ | by 1 | extra | centre beyond ½ | beyond √3/2 | farthest | normal, mean; 99 %, ° | "
@@ -144,7 +145,7 @@ std::string views_table(const AccuracySetting& setting) {
   return out;
 }
 
-/// Where voxels are larger than pixels.
+/// Returns the table of lit images, for views whose voxels are larger than pixels.
 std::string lit_table(const AccuracyBench& bench) {
   std::string heads = "| lit FLIP, view and voxels a pixel |", rules = "| --- |", out;
   for (const AccuracySetting& s : bench.settings) heads += " " + s.name + " |", rules += " --- |";
@@ -181,7 +182,7 @@ struct PlotOf {
   const char *file, *title, *x_axis, *y_axis;
   double (*x)(const AccuracySetting&);
   double (*y)(const AccuracySetting&);
-  bool in_voxels = false;  ///< y is, so that voxels of another size have another y
+  bool in_voxels = false;  ///< y is in voxels; then settings of different voxel sizes are not comparable
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// What `bench accuracy` found, for programs and for readers.
+/// Reports of `bench accuracy` as JSON and Markdown.
 #pragma once
 
 #include <string>
@@ -9,26 +9,26 @@
 
 namespace gigabake::bench {
 
-/// What coarse levels ought to reach where a voxel of lod 4 fills a pixel.
+/// A goal for coarse levels, where a voxel of lod 4 fills a pixel.
 struct AccuracyGoal {
   std::string text;  ///< "nadir: holes ≤ 0.02"
   double measured = 0, bound = 0;
   bool holds() const { return measured <= bound; }
 };
 
-/// Of a setting whose voxels are as large as the bench's; none without pictures at 16 voxels a pixel.
+/// Returns the goals of a setting whose voxels have the bench's size; none without images at 16 voxels per pixel.
 std::vector<AccuracyGoal> goals_of(const AccuracySetting& setting);
 
 std::string to_json(const AccuracyBench& bench);
-/// The verdict, then tables: the settings, their voxels of lod 0, fewer bits a normal, the first one's views, the
-/// goals; then what columns are.
+/// Returns the conclusion, then tables of the settings, their lod-0 voxels, normals of fewer bits, the first setting's
+/// views, and the goals. Ends with a description of the columns.
 std::string to_markdown(const AccuracyBench& bench);
 
 struct NamedPlot {
   std::string file;  ///< "flip-bake-time.svg"
   Plot plot;
 };
-/// Mean FLIP against bytes per voxel, bytes in all and seconds of the bake; ΔE of lod 0's voxels against bytes.
+/// Returns plots of mean FLIP against bytes per voxel, total bytes and bake time, and of lod-0 ΔE against bytes.
 std::vector<NamedPlot> plots_of(const AccuracyBench& bench);
 
 }  // namespace gigabake::bench

@@ -9,7 +9,7 @@
 namespace gigabake::bench {
 namespace {
 
-/// So much more of FLIP hardly anybody sees.
+/// An increase of FLIP that is hardly visible.
 constexpr double as_good_flip = 0.01;
 
 template <class Value>
@@ -20,8 +20,8 @@ const AccuracySetting& least(const AccuracyBench& bench, double most_flip, const
   return found != nullptr ? *found : bench.settings.front();
 }
 
-/// " and meets 5 of 7 goals (not: nadir: FLIP ≤ 0.10)"; nothing of a setting whose voxels are larger than the bench's,
-/// and without pictures at 16 voxels a pixel.
+/// Returns text like " and meets 5 of 7 goals (not: nadir: FLIP ≤ 0.10)". Returns "" for a setting whose voxels are
+/// larger than the bench's, and without images at 16 voxels per pixel.
 std::string goals_met(const AccuracySetting& setting, const AccuracyBench& bench) {
   if (setting.parameters.voxel_size_m != bench.voxel_size_m) return "";
   const std::vector<AccuracyGoal> goals = goals_of(setting);
@@ -36,7 +36,7 @@ std::string goals_met(const AccuracySetting& setting, const AccuracyBench& bench
 struct Figure {
   const HardResult* result = nullptr;
   const HardFigure* figure = nullptr;
-  /// 1 at its bound; of a bound of zero only what goes beyond it counts.
+  /// Returns the ratio to the bound. If the bound is 0, returns 0 when it holds and infinity otherwise.
   double share() const {
     if (figure->bound > 0) return figure->measured / figure->bound;
     return figure->measured > 0 ? HUGE_VAL : 0;

@@ -1,4 +1,4 @@
-/// What the tables of `bench accuracy` come to, and what their columns are.
+/// Conclusions from the tables of `bench accuracy`, and descriptions of their columns.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace gigabake::bench {
 
-/// Two sentences: how good the first setting is, and which settings are the best at something.
+/// Returns two sentences: the quality of the first setting, and the settings that are best in some respect.
 std::string verdict(const AccuracyBench& bench);
-/// Two sentences: whether all bounds hold, and which figure comes nearest to its bound or goes beyond it.
+/// Returns two sentences: whether all bounds hold, and the number that is nearest to its bound or beyond it.
 std::string verdict(const HardBench& bench);
 
-/// A list in Markdown: each column of the tables.
+/// Returns a Markdown list of the tables' columns.
 std::string accuracy_columns();
 std::string hard_columns();
 

@@ -15,12 +15,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Those that every case may have: a column each.
+/// The numbers that every case may have, one column each.
 constexpr const char* columns[] = {"missed",        "extra",  "alpha",    "colour",
                                    "linear colour", "normal", "position", "before the snap"};
 
 std::string value_of(const HardFigure& f, double value) {
-  constexpr double nothing = 1e-9;  // what double leaves of an exact zero
+  constexpr double nothing = 1e-9;  // rounding error of an exact zero in double
   if (f.unit != "m") return fmt::format("{:.3g}", std::abs(value) < nothing ? 0 : value);
   return fmt::format("{:.3g}", 1000 * value);  // millimetres
 }
@@ -50,7 +50,7 @@ std::string row_of(const std::string& name, const HardResult& r) {
   return fmt::format("{} {}{} |\n", row, r.error, more);
 }
 
-/// The worst of each figure of cases of one group.
+/// Returns the maximum of each number over the cases of one group.
 HardResult worst_of(const std::vector<const HardResult*>& group) {
   HardResult worst = *group[0];
   worst.voxels = 0;

@@ -1,4 +1,4 @@
-/// What `bench accuracy --hard` found, for programs and for readers.
+/// Reports of `bench accuracy --hard` as JSON and Markdown.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 namespace gigabake::bench {
 
 std::string to_json(const HardBench& bench);
-/// The verdict; a table, in Markdown: a row a case; ties, a row a group unless a bound fails. Then the bounds that do
-/// not hold, and what columns are; last the leaks of a few planes.
+/// Returns the conclusion and a table with one row per case; ties have one row per group unless a bound fails. Then
+/// lists the violated bounds, describes the columns, and appends the leaks of three planes.
 std::string to_markdown(const HardBench& bench);
 
 }  // namespace gigabake::bench

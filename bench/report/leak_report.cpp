@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Of so few pixels a share says little.
+/// The minimum number of pixels for which a fraction is meaningful.
 constexpr std::size_t enough_pixels = 100;
 
 Json to_json(const LeakResult& scene) {
@@ -38,7 +38,7 @@ Json to_json(const LeakResult& scene) {
   return j;
 }
 
-/// Rows of a table that stand for several pictures: what they come to, and the scene that is the worst among them.
+/// The errors of several images in one table row, and the worst of their scenes.
 struct Pooled {
   LeakError error;
   std::string worst;
@@ -74,9 +74,9 @@ std::string worst_of(const Pooled& pooled, bool is_opaque) {
                    : fmt::format(" `{}`: RMS {:.3f} |", pooled.worst, pooled.worst_rms);
 }
 
-/// Views that are the same but for the scene: from above to grazing, from near to far.
+/// A key that is equal for views that differ only in the scene. It sorts from vertical to grazing, from near to far.
 struct ViewKey {
-  double below = 0;  ///< the elevation's negative
+  double below = 0;  ///< negative elevation
   LeakEye eye = LeakEye::anywhere;
   double voxels_per_pixel = 0;
   explicit ViewKey(const LeakRow& row)
@@ -84,13 +84,13 @@ struct ViewKey {
   auto operator<=>(const ViewKey&) const = default;
 };
 
-/// "90, on a lattice plane"
+/// Returns a name like "90, on a lattice plane".
 std::string view_name(const ViewKey& view) {
   return fmt::format("{:g}{}", -view.below,
                      view.eye == LeakEye::anywhere ? "" : fmt::format(", {}", name_of(view.eye)));
 }
 
-/// A row a view, over all scenes that were seen so.
+/// Returns a table with one row per view, over all scenes with this view.
 std::string views_table(const Scenes& scenes) {
   std::map<ViewKey, Pooled> views;
   for (const LeakResult* scene : scenes)
@@ -103,7 +103,7 @@ std::string views_table(const Scenes& scenes) {
   return out;
 }
 
-/// A row a scene, over all its views.
+/// Returns a table with one row per scene, over all its views.
 std::string scenes_table(const Scenes& scenes) {
   std::string out = fmt::format("| scene | what it is | {}\n| --- | --- | {}\n", figure_heads, figure_rules);
   for (const LeakResult* scene : scenes) {

@@ -1,4 +1,4 @@
-/// What `bench accuracy --leaks` found, for programs and for readers.
+/// Reports of `bench accuracy --leaks` as JSON and Markdown.
 #pragma once
 
 #include <string>
@@ -7,15 +7,16 @@
 
 namespace gigabake::bench {
 
-/// One sentence: the worst leak of an opaque surface, and whether leaks are bounded.
+/// Returns one sentence: the worst leak of an opaque surface, and whether leaks are bounded.
 std::string verdict(const LeakBench& bench);
 
-/// Every picture of every scene.
+/// Returns the errors of every image of every scene.
 std::string to_json(const LeakBench& bench);
 
-/// The verdict; in Markdown, for each family a table of its views and one of its scenes; what columns are.
+/// Returns the conclusion; for each family a table of its views and a table of its scenes; a description of the
+/// columns.
 std::string to_markdown(const LeakBench& bench);
-/// The verdict, and one table of all views: within a report of more.
+/// Returns the conclusion and one table of all views, as part of a larger report.
 std::string leaks_in_short(const LeakBench& bench);
 
 }  // namespace gigabake::bench

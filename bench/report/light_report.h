@@ -1,4 +1,4 @@
-/// What `bench accuracy --light` found, for programs and for readers.
+/// Reports of `bench accuracy --light` as JSON and Markdown.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 namespace gigabake::bench {
 
 std::string to_json(const LightBench& bench);
-/// The means in one sentence, and a table of all views.
+/// Returns one sentence with the means, and a table of all views.
 std::string to_markdown(const LightBench& bench);
 
 }  // namespace gigabake::bench

@@ -1,4 +1,4 @@
-/// What `bench accuracy --motion` found, for programs and for readers.
+/// Reports of `bench accuracy --motion` as JSON and Markdown.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 namespace gigabake::bench {
 
 std::string to_json(const MotionBench& bench);
-/// The worst in one sentence, and a table of all pairs.
+/// Returns one sentence with the worst numbers, and a table of all pairs.
 std::string to_markdown(const MotionBench& bench);
 
 }  // namespace gigabake::bench

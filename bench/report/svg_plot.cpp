@@ -26,7 +26,7 @@ std::string text(double x, double y, const char* attributes, const std::string& 
   return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, attributes, escaped(content));
 }
 
-/// From 0 to a little beyond the greatest value, in steps of 1, 2 or 5 times a power of ten.
+/// An axis from 0 to a little beyond the maximum, in steps of 1, 2 or 5 times a power of ten.
 struct Axis {
   double end = 1, step = 1;
 
@@ -75,7 +75,7 @@ class Canvas {
     for (const PlotPoint& p : points) out_ += text(at_x(p.x) + 7, at_y(p.y) - 6, "font-size=\"10\"", p.name);
   }
 
-  /// The title of a point shows where the mouse rests on it.
+  /// Draws a series. The title of a point is visible while the mouse is over it.
   void draw_series(const PlotSeries& series, std::size_t row) {
     const auto dot = [&](double x, double y, const std::string& name) {
       out_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\" fill=\"{}\"><title>{}</title></circle>\n", x, y,

@@ -13,20 +13,22 @@ struct PlotPoint {
 
 struct PlotSeries {
   std::string name;
-  std::string colour;  ///< as SVG writes it
+  std::string colour;  ///< an SVG colour
   std::vector<PlotPoint> points;
 };
 
-/// Both axes are better towards 0, and start there. Points that no other point beats on both are joined by a line.
+/// A plot in which smaller is better on both axes; both start at 0. A line joins the points of the Pareto front.
 struct Plot {
   std::string title, x_axis, y_axis;
   std::vector<PlotSeries> series;
 };
 
-/// Exact  Equal plots give equal text. Range  finite points, x and y ≥ 0.
+/// Returns the plot as SVG.
+/// Exact   Equal plots give equal text.
+/// Range   Points are finite, x and y ≥ 0.
 std::string to_svg(const Plot& plot);
 
-/// The points that no other one beats on both axes, by x.
+/// Returns the Pareto front, the points that no other point beats on both axes, in order of x.
 std::vector<PlotPoint> best_of(const Plot& plot);
 
 }  // namespace gigabake::bench

@@ -69,12 +69,12 @@ using LeakProgress = std::function<void(const std::string& scene)>;
 
 /// Measures the leaks of the generated scenes.
 /// Cost    Bakes about 3·edge² voxels of level 0 per scene, 33 scenes, and renders up to 63 images of each.
-/// Errors  As a bake. Without Embree, scenes with a traced reference are reported as not measured.
+/// Errors  Same as a bake. Without Embree, scenes with a traced reference are reported as not measured.
 LeakBench bench_leaks(const LeakBenchRequest& request, const LeakProgress& progress);
 
 /// Measures the leaks of the user's scene from the same cameras. A pixel is inside if no traced ray passes in it and
 /// its neighbours.
-/// Errors  As a bake. UsageError: built without Embree.
+/// Errors  Same as a bake. UsageError: built without Embree.
 LeakBench bench_leaks_of(const BenchScene& scene, const LeakBenchRequest& request);
 
 }  // namespace gigabake::bench

@@ -16,7 +16,7 @@ struct AlphaPicture {
 
 /// Errors  over inner pixels only.
 struct LeakError {
-  std::size_t inner = 0;     ///< inner pixels; if 0, the other numbers are those of an exact image
+  std::size_t inner = 0;     ///< inner pixels; if 0, the other numbers mean no error
   double below_99 = 0;       ///< fraction with alpha more than .01 below the true one
   double below_90 = 0;       ///< fraction more than .1 below
   double least = 1;          ///< minimum alpha

@@ -26,7 +26,7 @@ struct Face {
   std::uint8_t axis, side;
 };
 
-/// Those that no neighbour covers.
+/// Returns the faces that no neighbour covers.
 std::vector<Face> open_faces(const std::vector<Voxel>& voxels) {
   const std::unordered_set<Voxel, VoxelHash> there(voxels.begin(), voxels.end());
   std::vector<Face> faces;
@@ -72,7 +72,7 @@ struct CubeCaster::State {
     for (std::size_t a = 0; a < 3 && !voxels.empty(); ++a) middle[a] = (low[a] + high[a]) / 2;
   }
 
-  /// Whole numbers from the middle, which floats hold exactly.
+  /// Adds the faces with integer coordinates relative to the middle, which floats represent exactly.
   void add_quads() {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_QUAD);
     auto* vertex = static_cast<float*>(

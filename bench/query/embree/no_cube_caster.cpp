@@ -10,7 +10,7 @@ CubeCaster::CubeCaster(const std::vector<Voxel>&, int) {
 }
 CubeCaster::~CubeCaster() = default;
 std::optional<CubeCaster::Hit> CubeCaster::first_hit(const std::array<double, 3>&, const std::array<double, 3>&) const {
-  return {};  // no caster can be made, so this never runs
+  return {};  // never called: no caster can be constructed
 }
 
 }  // namespace gigabake::bench
