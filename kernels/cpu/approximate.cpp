@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t bricks_per_range = 512;
 
-/// A brick's voxels and the shares that each is in.
+/// The voxels of a brick, and the groups (brick, octant, 2×2×2) that contain each voxel.
 class BrickShares {
  public:
   explicit BrickShares(const std::uint64_t* mask) {
@@ -27,7 +27,7 @@ class BrickShares {
 
   int voxels() const { return voxels_; }
   std::uint32_t count(int share) const { return count_[std::size_t(share)]; }
-  /// From the largest on.
+  /// Returns the groups that contain the voxel, largest first.
   std::array<int, 3> of(int voxel) const {
     const int group = group_[std::size_t(voxel)];
     return {0, octant_share(group), group};
@@ -39,7 +39,8 @@ class BrickShares {
   std::array<std::uint32_t, shares> count_{};
 };
 
-/// Channels [begin, end) of each voxel's bytes, which go together.
+/// Quantizes channels [begin, end) of each voxel's bytes together: the largest group whose channels all fit gets one
+/// value.
 void approximate_codes(const BrickShares& brick, std::uint8_t* bytes, int stride, int begin, int end,
                        std::uint32_t codes) {
   std::array<std::array<CodeRange, 3>, shares> range{};

@@ -17,7 +17,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Adds the time it lives to a counter.
+/// A timer that adds its lifetime to a counter.
 class StageClock {
  public:
   explicit StageClock(double& seconds) : seconds_(seconds) {}
@@ -28,7 +28,8 @@ class StageClock {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// A pair stands twice while it is sorted, and its brick's voxels take about as much again before they are joined.
+/// The memory per pair. The sort needs two copies of a pair; the voxels of its brick need about as much again before
+/// the runs are joined.
 constexpr std::uint64_t bytes_per_pair = 64;
 constexpr std::uint64_t fewest_pairs_per_batch = 1 << 16;
 constexpr std::uint64_t most_pairs_per_batch = 1 << 26;

@@ -1,4 +1,4 @@
-/// A cell baked by the host's threads: the reference that every other backend equals bit for bit.
+/// Bakes a cell on the host's threads. This is the reference: all other backends produce the same bits.
 #pragma once
 
 #include "kernels/body/cell.h"

@@ -1,4 +1,4 @@
-/// Packed bricks as one task makes them, and their concatenation into a level.
+/// Packed bricks, the output of one task, and their concatenation into a level.
 #pragma once
 
 #include <cstdint>
@@ -16,9 +16,9 @@ class BrickRun {
  public:
   explicit BrickRun(bool normals = true) : normals_(normals) {}
 
-  /// voxels: by rising number of their bit in the mask.
+  /// Appends a brick. voxels: in ascending order of their bit in the mask.
   void push_brick(std::uint64_t key, const std::uint64_t mask[8], std::span<const Voxel> voxels);
-  /// facing_bytes a voxel of the brick pushed last; of all bricks or of none.
+  /// Appends facing_bytes per voxel of the last brick. Call it for all bricks or for none.
   void push_facing(std::span<const std::uint8_t> facing) {
     facing_.insert(facing_.end(), facing.begin(), facing.end());
   }
@@ -37,7 +37,7 @@ class BrickRun {
   std::vector<std::uint8_t> facing_;
 };
 
-/// Moves the runs' bricks, in order, to the level's end; frees the runs.
+/// Moves the runs' bricks, in order, to the end of the level and empties the runs.
 void append(Level& level, std::vector<BrickRun>& runs, const ThreadPool& pool);
 
 }  // namespace gigabake::kernels

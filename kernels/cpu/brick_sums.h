@@ -1,4 +1,4 @@
-/// The accumulators of one brick while a thread walks its triangles.
+/// The accumulators of one brick, used by one thread for all triangles of the brick.
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 
 namespace gigabake::kernels {
 
-/// Dense 64-bit sums; after every `fragments_before_flush` triangles they move to 128-bit ones, so that any number of
-/// triangles in one voxel is exact. Reused from brick to brick: it is all zero between them.
+/// Dense 64-bit sums per voxel. After every `fragments_before_flush` triangles they are added to 128-bit sums, so any
+/// number of triangles per voxel is exact. An object is reused for the next brick; all sums are zero between bricks.
 class BrickSums {
  public:
   BrickSums();
@@ -23,12 +23,12 @@ class BrickSums {
     mask_[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
   }
 
-  /// Call after each triangle: a triangle adds at most one fragment a voxel.
+  /// Ends a triangle. Call it after each triangle, which adds at most one fragment per voxel.
   void end_triangle() {
     if (++triangles_ == fragments_before_flush) flush();
   }
 
-  /// Writes the brick's voxels to `run` (nothing if none is visible) and returns to zero.
+  /// Writes the brick's voxels to `run` (no brick if no voxel is visible) and resets all sums to zero.
   void resolve_to(BrickRun& run, std::uint64_t key, const Tables& tables);
 
  private:
@@ -39,7 +39,7 @@ class BrickSums {
 
   std::unique_ptr<std::array<Narrow, brick_voxels>> narrow_store_;
   std::array<Narrow, brick_voxels>& narrow_;
-  std::unique_ptr<std::array<Wide, brick_voxels>> wide_;  ///< made when the first brick needs it
+  std::unique_ptr<std::array<Wide, brick_voxels>> wide_;  ///< allocated by the first flush
   std::uint64_t mask_[8] = {};
   int triangles_ = 0;
   bool flushed_ = false;

@@ -3,7 +3,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// The sums of one group: in registers while its edges are added.
+/// The sums of one group, in registers while edges are added.
 struct GroupMoments {
   GroupMoments() {
     for (int i = 0; i < lane_group; ++i) area[i] = u[i] = v[i] = uu[i] = uv[i] = vv[i] = 0;
@@ -17,7 +17,7 @@ void add_edge_to_group(const TrianglePlane& plane, const SlabPolygon& polygon, i
                        GroupMoments& sum) {
   const int f = e + 1 == polygon.count ? 0 : e + 1;
   const double eu = polygon.u[e], ev = polygon.v[e], fv = polygon.v[f];
-  if (ev == fv) return;  // level edges bound no area in ∮ u dv
+  if (ev == fv) return;  // horizontal edges do not contribute to ∮ u dv
   const Line line = plane.line[polygon.line[e]];
   for (int i = 0; i < lane_group; ++i) {
     CellMoments m{sum.area[i], sum.u[i], sum.v[i], sum.uu[i], sum.uv[i], sum.vv[i]};

@@ -1,4 +1,4 @@
-/// The CPU's way to run kernels/body/coverage.h and surface.h: the cells of a slab side by side, one a vector lane.
+/// The vectorized CPU version of kernels/body/coverage.h and surface.h: one cell of a slab per vector lane.
 #pragma once
 
 #include "kernels/body/coverage.h"
@@ -8,16 +8,18 @@ namespace gigabake::kernels {
 
 inline constexpr int lane_group = 4;
 
-/// Up to 64 cells of one slab. Lanes beyond `count` up to the next multiple of lane_group are computed and ignored.
+/// The cells of one slab, at most 64. Lanes from `count` to the next multiple of lane_group are computed and ignored.
 struct CellLanes {
-  /// In: the cell's lowest corner, voxels from the anchor. After the last cell there is room for a group of zeros.
+  /// Input: the cell's lowest corner, in voxels from the anchor. The arrays have space for one group of zeros at their
+  /// end.
   alignas(64) double u[64 + lane_group], v[64 + lane_group];
-  alignas(64) double area[64], moment_u[64], moment_v[64];        ///< out: as CellMoments
-  alignas(64) float moment_uu[64], moment_uv[64], moment_vv[64];  ///< out of measure_second_moments()
+  alignas(64) double area[64], moment_u[64], moment_v[64];        ///< output: as CellMoments
+  alignas(64) float moment_uu[64], moment_uv[64], moment_vv[64];  ///< output of measure_second_moments()
   int count = 0;
 };
 
-/// Exact  The same bits as add_edge() called cell by cell, whatever the processor.
+/// Computes the areas of all cells; the other two functions also compute moments.
+/// Exact   The same bits as add_edge() called per cell, on all processors.
 void measure_areas(const TrianglePlane& plane, const SlabPolygon& polygon, CellLanes& lanes);
 void measure_moments(const TrianglePlane& plane, const SlabPolygon& polygon, CellLanes& lanes);
 void measure_second_moments(const TrianglePlane& plane, const SlabPolygon& polygon, CellLanes& lanes);

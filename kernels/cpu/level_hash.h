@@ -1,4 +1,4 @@
-/// The content hash of whole levels, before constant bricks leave them.
+/// The content hash of whole levels, computed before constant bricks are removed.
 #pragma once
 
 #include <vector>
@@ -9,11 +9,11 @@
 
 namespace gigabake::kernels {
 
-/// The sum of hash_voxel() over the voxels of one level. window_min: CellParameters::window_min.
-/// Cost   About 6 ns a voxel and thread.
+/// Returns the sum of hash_voxel() over the voxels of one level. window_min: CellParameters::window_min.
+/// Cost    About 6 ns per voxel and thread.
 Hash128 level_hash(const Level& level, int lod, const std::int64_t window_min[3], const ThreadPool& pool);
 
-/// Per lod.
+/// Returns level_hash() of each level, by lod.
 std::vector<Hash128> level_hashes(const std::vector<Level>& levels, const std::int64_t window_min[3],
                                   const ThreadPool& pool);
 

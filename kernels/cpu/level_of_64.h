@@ -1,4 +1,4 @@
-/// A level from the one two below it, with MipFilter::thesis.
+/// The filter of MipFilter::thesis: a level from the level two below it.
 #pragma once
 
 #include "kernels/body/cell.h"
@@ -6,9 +6,9 @@
 
 namespace gigabake::kernels {
 
-/// The level two above `fine`; a voxel exists where one of the 64 of it in `fine` does.
-/// Exact  The stored 8-bit voxels of `fine` decide (kernels/body/mip_of_64.h).
-/// Cost   Reads `fine` once.
+/// Returns the level two above `fine`. A voxel exists if one of its 64 descendants in `fine` exists.
+/// Exact   Depends only on the stored 8-bit voxels of `fine` (kernels/body/mip_of_64.h).
+/// Cost    Reads `fine` once.
 Level level_of_64(const Level& fine, bool normals, const ThreadPool& pool);
 
 }  // namespace gigabake::kernels

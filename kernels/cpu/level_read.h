@@ -1,4 +1,4 @@
-/// A level as those read it who make coarser ones of it.
+/// Functions that read a level to compute coarser levels.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@
 
 namespace gigabake::kernels {
 
-/// Where the bricks start that lie in one and the same brick of a coarser level, and the end. key_above: from a brick's
-/// Morton code to that one's.
+/// Returns the index of the first brick below each coarser brick, and the number of bricks at the end.
+/// key_above: maps a brick's Morton code to that of the coarser brick.
 template <class KeyAbove>
 std::vector<std::size_t> starts_below(const Level& level, const KeyAbove& key_above) {
   std::vector<std::size_t> starts;
@@ -21,7 +21,7 @@ std::vector<std::size_t> starts_below(const Level& level, const KeyAbove& key_ab
   return starts;
 }
 
-/// i: in the level. Its normal is zero where the level has none.
+/// Returns voxel `i` of the level. Its normal is zero if the level has no normals.
 inline Voxel voxel_at(const Level& level, std::size_t i) {
   Voxel v{};
   for (std::size_t c = 0; c < 4; ++c) v.rgba[c] = level.rgba[4 * i + c];

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t parents_per_run = 16;
 
-/// A brick's voxels at their places; the others are stale.
+/// The voxels of a brick at their positions; entries without a mask bit are stale.
 struct OpenBrick {
   const std::uint64_t* mask;
   Voxel voxel[brick_voxels];
@@ -39,14 +39,14 @@ void open_brick(const Level& level, std::size_t brick, OpenBrick& out) {
     }
 }
 
-/// The 2×2×2 voxels below one, x | y<<1 | z<<2.
+/// The 2×2×2 children of a voxel, numbered x | y<<1 | z<<2.
 struct Children {
-  Voxel voxel[8];  ///< zero where there is none
+  Voxel voxel[8];  ///< zero if the child does not exist
   std::size_t index[8];
   std::uint32_t there[2] = {};  ///< byte c: 1 where child c exists
 };
 
-/// What see_children() asks (kernels/body/facing.h).
+/// The accessor that see_children() requires (kernels/body/facing.h).
 struct ChildRasters {
   const Children& children;
   const std::uint32_t* rasters;  ///< of the level
@@ -72,14 +72,14 @@ FacingSums see_finest(const Children& children, bool has_normals, const Tables& 
   return see_voxels(all, raster);
 }
 
-/// edge: of the children's rasters, which are not those of lod 0.
+/// Computes coverage from the children's masks. edge: the edge of the children's masks; the children are not of lod 0.
 FacingSums see(const Children& children, const std::uint32_t* rasters, int edge, std::uint32_t* raster) {
   const ChildRasters from{children, rasters, edge};
   if (edge == 2) return see_children<2>(from, raster);
   return edge == 4 ? see_children<4>(from, raster) : see_children<8>(from, raster);
 }
 
-/// Consecutive bricks with what the level above needs of them.
+/// Consecutive bricks with the data that the next coarser level needs.
 struct LevelRun {
   BrickRun bricks;
   LevelSurface surface;
@@ -87,7 +87,7 @@ struct LevelRun {
 
 class ParentBuilder {
  public:
-  /// surface: of `fine`; empty at lod 0.
+  /// surface: the surface of `fine`; empty if `fine` is lod 0.
   ParentBuilder(const Level& fine, int lod, const LevelSurface& surface, MipFilter filter)
       : fine_(fine),
         surface_(surface),
@@ -97,7 +97,7 @@ class ParentBuilder {
         filter_(filter),
         tables_(TableStore::host().view()) {}
 
-  /// children [begin, end) of `fine` share one parent.
+  /// Builds the parent of the children [begin, end) of `fine`.
   void build(std::size_t begin, std::size_t end, LevelRun& run) {
     for (std::size_t child = begin; child < end; ++child) {
       open_brick(fine_, child, open_);
@@ -107,7 +107,7 @@ class ParentBuilder {
   }
 
  private:
-  /// The open child's 4×4×4 parent voxels.
+  /// Computes the 4×4×4 parent voxels of the open child.
   void fill_octant(int octant) {
     const int base = 4 * (octant & 1) + 8 * 4 * (octant >> 1 & 1) + 64 * 4 * (octant >> 2);
     for (int z = 0; z < 4; ++z)
@@ -117,7 +117,7 @@ class ParentBuilder {
       }
   }
 
-  /// from: the lowest of the eight voxels of the open child; to: the voxel of the parent.
+  /// Filters 2×2×2 voxels. from: the lowest of the eight voxels of the open child; to: the voxel of the parent.
   void filter(int from, int to) {
     Children children;
     for (int c = 0; c < 8; ++c) {
@@ -193,21 +193,21 @@ class ParentBuilder {
   Tables tables_;
   OpenBrick open_;
   Voxel parent_[brick_voxels];
-  Weights weights_[brick_voxels];  ///< with MipFilter::coverage
+  Weights weights_[brick_voxels];  ///< only with MipFilter::coverage
   std::uint32_t raster_[brick_voxels][raster_words(most_raster_edge)];
-  Patch patch_[brick_voxels];  ///< with it and with normals
+  Patch patch_[brick_voxels];  ///< only with MipFilter::coverage and normals
   std::uint64_t mask_[8] = {};
-  std::uint16_t packed_[brick_voxels];  ///< places of the parent's voxels, in order
+  std::uint16_t packed_[brick_voxels];  ///< positions of the parent's voxels, in ascending order
   Voxel packed_voxel_[brick_voxels];
 };
 
-/// A level, and what of its surface the next one needs.
+/// A level, and the surface data that the next coarser level needs.
 struct FilteredLevel {
   Level level;
   LevelSurface surface;
 };
 
-/// of: the array of a run.
+/// Concatenates one array of all runs. of: the array's member.
 template <class Item>
 void join(std::vector<LevelRun>& runs, std::vector<Item> LevelSurface::*of, const ThreadPool& pool,
           std::vector<Item>& all) {

@@ -1,4 +1,4 @@
-/// Stage 4 of a cell: every coarser level from the packed bricks of a level below it.
+/// Stage 4 of a cell: all coarser levels, from the packed bricks of finer levels.
 #pragma once
 
 #include "kernels/body/cell.h"
@@ -8,23 +8,24 @@
 
 namespace gigabake::kernels {
 
-/// What coarser levels are made of, besides voxels. Empty at lod 0 and without MipFilter::coverage.
+/// The input of coarser levels in addition to voxels. Empty at lod 0 and without MipFilter::coverage.
 struct LevelSurface {
-  std::vector<std::uint32_t> rasters;  ///< of the level's voxels, one after the other (kernels/body/facing.h)
+  std::vector<std::uint32_t> rasters;  ///< coverage masks of all voxels, in order (kernels/body/facing.h)
   std::vector<Patch> patches;          ///< (kernels/body/patch.h); empty without normals
 };
 
-/// Adds to levels [0, n) those up to `lods`. A level's bricks are the unique parents of the level below; a voxel exists
-/// where one of its eight children does. surface: of the last level; then of the new last one.
-/// Exact  Colour and normal depend on the stored 8-bit voxels of the level below and on how much of each shows;
-///        coverage on those of lod 0. With MipFilter::thesis a level from 2 on depends on those of the level two below.
-/// Cost   Each level is read once (with MipFilter::thesis twice) and written once (about a quarter of the one below,
-/// for surfaces). With
-///        MipFilter::coverage 20 bytes a voxel of lod 1 besides, and about as much in all for each level above.
+/// Adds levels until there are `lods`. A level's bricks are the unique parents of the bricks below; a voxel exists
+/// if one of its eight children exists. surface: input of the last level; replaced by that of the new last level.
+/// Exact   Colour and normal depend on the stored 8-bit voxels of the level below and on their visible fractions;
+///         coverage depends on the voxels of lod 0. If `filter` is MipFilter::thesis, levels from 2 on depend on the
+///         stored voxels two levels below.
+/// Cost    Each level is read once (MipFilter::thesis: twice) and written once; a surface's level is about a quarter of
+///         the level below. MipFilter::coverage takes 20 more bytes per voxel of lod 1, and about the
+///         same amount for each level above.
 void add_coarser_levels(std::vector<Level>& levels, LevelSurface& surface, int lods, MipFilter filter, bool normals,
                         const ThreadPool& pool);
 
-/// Leaves alpha alone, the largest of the three, to say what a voxel covers.
+/// Removes the directional coverage; alpha, the max of the three coverages, remains as the only coverage.
 void drop_facing(std::vector<Level>& levels);
 
 }  // namespace gigabake::kernels

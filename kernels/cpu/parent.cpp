@@ -19,18 +19,18 @@
 namespace gigabake::kernels {
 namespace {
 
-/// A child's voxel at its place in the parent's window.
+/// A child's voxel and its position in the parent's window.
 struct PlacedVoxel {
-  std::uint64_t brick;  ///< Morton code
-  std::uint32_t bit;    ///< x + 8y + 64z in it
+  std::uint64_t brick;  ///< Morton code of the brick
+  std::uint32_t bit;    ///< x + 8y + 64z in the brick
   const ParentSource* source;
   std::size_t row;
 };
 
-/// The voxels of one level inside of the window, in the order of a level.
+/// The voxels of one level inside the window, sorted like a level.
 class JoinedLevel {
  public:
-  /// below: levels below the children's coarsest one.
+  /// below: the number of levels below the children's coarsest level.
   JoinedLevel(std::span<const ParentChild> children, const ParentParameters& p, int below)
       : parameters_(p), below_(below), lod_(p.child_lod - below) {
     for (const ParentChild& child : children) add(child);
@@ -120,7 +120,7 @@ void expect_columns(const ParentSource& s, const ParentParameters& p) {
   expect((coarsest < voxels) == (voxels > 0 && is_of_64(p.mip, p.child_lod + 1)));
 }
 
-/// Levels of the lattice: the children's at their places in it, those below them empty.
+/// Returns levels by lod of the lattice: the children's coarsest levels joined over the window, finer levels empty.
 std::vector<Level> joined_levels(std::span<const ParentChild> children, const ParentParameters& p,
                                  const ThreadPool& pool, LevelSurface& surface) {
   std::vector<Level> levels(std::size_t(p.child_lod) + 1);
@@ -131,7 +131,7 @@ std::vector<Level> joined_levels(std::span<const ParentChild> children, const Pa
   return levels;
 }
 
-/// Every brick lies below one of the next level: what the nodes of the parent are linked by.
+/// Checks that each brick has a parent in the next level, because the parent's nodes are linked by it.
 void expect_tree(const std::vector<Level>& levels) {
   for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
     const std::vector<std::uint64_t>& above = levels[l + 1].key;

@@ -1,7 +1,7 @@
-/// The levels above a block of cells, or of blocks: a parent, made of what its children keep for it.
+/// An overview of a block of cells or of a block of overviews, computed from the data that its children store for it.
 ///
-/// A parent is a volume as a cell is one, of which level 0 is level child_lod + 1 of the lattice. It is made on the
-/// host whatever bakes the cells: it has a five-hundredth of a cell's voxels, and what it is made of comes from files.
+/// An overview is a volume like a cell; its level 0 is level child_lod + 1 of the lattice. It is always computed on the
+/// host, because it has only 1/500 of a cell's voxels and its input is read from files.
 #pragma once
 
 #include <cstdint>
@@ -13,28 +13,29 @@
 
 namespace gigabake::kernels {
 
-/// A child, which may reach out of the parent's window: what lies outside is another parent's.
+/// A child. It may extend beyond the parent's window; the voxels outside belong to another parent.
 struct ParentChild {
   const ParentSource* source = nullptr;
-  std::int64_t lattice_min[3] = {};  ///< lod-0 voxels, multiples of a voxel of its coarsest level
+  std::int64_t lattice_min[3] = {};  ///< lod-0 voxels, multiples of a voxel of the child's coarsest level
 };
 
 struct ParentParameters {
   std::int64_t window_min[3] = {};  ///< lod-0 voxels, multiples of a voxel of the parent's coarsest level
-  int child_lod = 0;                ///< of all children's coarsest levels
+  int child_lod = 0;                ///< the coarsest lod of all children
   int levels = 0;                   ///< the window has 8 · 2^(child_lod + levels) voxels of lod 0 along its edge
   MipFilter mip = MipFilter::coverage;
   bool normals = true, facing = true;
-  std::uint32_t max_error = 0;  ///< as CellParameters has it
+  std::uint32_t max_error = 0;  ///< as in CellParameters
 };
 
-/// Exact   The voxels that a single cell of the parent's window would have on these levels, before approximate(): where
-///         children end, and in which order they are given, does not show in any bit.
-/// copies  Levels of the children, joined over the window, from a finer one to child_lod: they come before its own.
-/// Range   levels 1 … 10. children: all that the window overlaps, by the same rules; no two have a voxel of one place.
-/// Cost    All bricks are stored: few of so few would be constant. Of the children's coarsest levels, read and sorted,
-/// as much as a level of a cell. Errors  InputError: two children have a voxel of one place, or columns do not fit each
-/// other or the rules.
+/// Computes the overview of `children`.
+/// copies  The children's levels from a finer one to child_lod, joined over the window; they precede the new levels.
+/// Exact   Before approximate(), the voxels equal those of a single cell that has the parent's window. The boundaries
+///         and the order of the children do not change any bit.
+/// Range   levels 1 … 10. children: all children in reach of the window, baked by the same rules, with disjoint voxels.
+/// Cost    Reads and sorts the children's coarsest levels, about as much data as a level of a cell. Stores all bricks,
+///         because few of an overview's few bricks would be constant.
+/// Errors  InputError if two children have the same voxel, or if columns do not fit each other or the rules.
 CellVolume bake_parent(std::span<const ParentChild> children, const ParentParameters& parameters,
                        const ThreadPool& pool, std::vector<Level> copies = {});
 

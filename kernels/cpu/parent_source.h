@@ -1,4 +1,4 @@
-/// What the levels above a volume are made of, taken from its levels (lattice/parent_source.h).
+/// Extracts the input of the overviews above a volume from its levels (lattice/parent_source.h).
 #pragma once
 
 #include "kernels/body/cell.h"
@@ -7,8 +7,8 @@
 
 namespace gigabake::kernels {
 
-/// levels: before approximate() and prune(); surface: of the last of them. Empty where there are none.
-/// lod: of the last of them.
+/// Returns the input of the overviews; empty if there are no levels. levels: before approximate() and prune(). surface,
+/// lod: of the coarsest level.
 ParentSource parent_source(const std::vector<Level>& levels, int lod, const LevelSurface& surface, MipFilter filter);
 
 }  // namespace gigabake::kernels

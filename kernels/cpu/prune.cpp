@@ -10,7 +10,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// What a brick becomes, before nodes are numbered.
+/// The classification of a brick, before nodes are numbered.
 struct Verdict {
   NodeKind kind = NodeKind::brick;
   CommonVoxel value;
@@ -18,7 +18,7 @@ struct Verdict {
 };
 using Verdicts = std::vector<Verdict>;
 
-/// Range of children in the level below, for each brick of `level`. Every brick has at least one.
+/// Returns the index of each brick's first child in the level below, and the end. Every brick has at least one child.
 std::vector<std::size_t> child_starts(const Level& level, const Level& below) {
   std::vector<std::size_t> starts;
   std::size_t child = 0;
@@ -78,7 +78,7 @@ std::vector<Verdicts> judge(const std::vector<Level>& levels, const ThreadPool& 
   return verdicts;
 }
 
-/// Nodes of one level; children are numbered by whoever knows where the next level starts.
+/// Appends the nodes of one level. link_children() sets their children after the next level is appended.
 void add_level_nodes(const Level& level, const Verdicts& verdicts, std::size_t lod, NodeTable& nodes) {
   std::uint32_t brick = 0;
   for (std::size_t b = 0; b < verdicts.size(); ++b) {
@@ -98,7 +98,7 @@ void add_level_nodes(const Level& level, const Verdicts& verdicts, std::size_t l
   }
 }
 
-/// Nodes [begin, end) are the parents of [end, nodes.key.size()).
+/// Links parents to children: nodes [begin, end) are the parents of nodes [end, nodes.key.size()).
 void link_children(NodeTable& nodes, std::size_t begin, std::size_t end) {
   std::size_t parent = begin;
   for (std::size_t child = end; child < nodes.key.size(); ++child) {
@@ -137,7 +137,7 @@ NodeTable nodes_of(const std::vector<Level>& levels, const std::vector<Verdicts>
     const std::size_t begin = nodes.key.size();
     add_level_nodes(levels[lod], verdicts[lod], lod, nodes);
     check_node_count(nodes.key.size());
-    if (begin != 0) link_children(nodes, above, begin);  // the root is nobody's child
+    if (begin != 0) link_children(nodes, above, begin);  // the root has no parent
     above = begin;
   }
   return nodes;

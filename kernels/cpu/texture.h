@@ -1,4 +1,4 @@
-/// A texture, prefiltered in linear light: owns the pyramid that bodies borrow as a TextureView.
+/// A texture, prefiltered in linear light. It owns the mip pyramid that kernels borrow as a TextureView.
 #pragma once
 
 #include <cstddef>
@@ -10,21 +10,21 @@
 
 namespace gigabake::kernels {
 
-/// What a material makes of the image's alpha channel: it decides the pyramid, so each use has its own Texture.
+/// The use of the image's alpha channel. The mip pyramid depends on it, so each use has a separate Texture.
 enum class TextureAlpha : std::uint8_t { ignore, blend, mask };
 
 int level_count(int width, int height);
-/// TextureView::mask_cutoff of a texture that is made so.
+/// Returns TextureView::mask_cutoff of a texture with these parameters.
 std::uint8_t effective_cutoff(TextureAlpha alpha, std::uint8_t mask_cutoff);
 
-/// Never given twice by a process (TextureView::id).
+/// Returns an identifier that is unique in the process (TextureView::id).
 std::uint64_t new_texture_id();
 
 class Texture {
  public:
-  /// rgba: 4·width·height bytes, sRGB colour, straight alpha; TextureAlpha::ignore sets alpha to 255.
-  /// mask_cutoff: for TextureAlpha::mask, 1 … 255; otherwise unused.
-  /// Cost  2.7 bytes a texel besides the image, one pass over it.
+  /// Computes the mip pyramid. rgba: 4·width·height bytes, sRGB colour, straight alpha; TextureAlpha::ignore sets alpha
+  /// to 255. mask_cutoff: 1 … 255, used only with TextureAlpha::mask.
+  /// Cost    2.7 bytes per texel in addition to the image; one pass over it.
   Texture(std::vector<std::uint8_t> rgba, int width, int height, TextureAlpha alpha, std::uint8_t mask_cutoff,
           const ThreadPool& pool);
   TextureView view() const;

@@ -1,6 +1,6 @@
-/// How a texture's level becomes the next coarser one: a row at a time, from the rows that it covers.
+/// The computation of a texture's next coarser level, row by row.
 ///
-/// Exact   Integers: a level is the same whether all of it was there or a few rows at a time.
+/// Exact   Integers: the result does not depend on whether the source level is processed as a whole or in parts.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@ struct LevelExtent {
   int width, height;
 };
 
-/// Source texels of one target texel along one axis. Weights are in 1/target of a texel and sum to `source`: odd sizes
-/// are filtered by exact overlap.
+/// The source texels of one target texel along one axis. Weights are in 1/target of a texel and sum to `source`. For
+/// odd sizes, the weights are the exact overlaps.
 struct Footprint {
   std::int64_t first, last;
   std::int64_t source, target, at;
@@ -34,8 +34,8 @@ struct Footprint {
   }
 };
 
-/// Row y of the next level. row_at(j): the first texel of row j, 4 values each; add(texel, weight, sums): how one of
-/// them counts. out: 4 values a texel.
+/// Computes row y of the next level. row_at(j) returns the first texel of row j, 4 values each. add(texel, weight,
+/// sums) adds a weighted texel to the sums. out: 4 values per texel.
 template <class RowAt, class Add>
 void halve_row(LevelExtent from, int y, const RowAt& row_at, const Add& add, std::uint16_t* out) {
   const int target_width = level_extent(from.width, 1);
@@ -51,7 +51,7 @@ void halve_row(LevelExtent from, int y, const RowAt& row_at, const Add& add, std
   }
 }
 
-/// Texels of level 0: linear, premultiplied; with an alpha test a texel is opaque or absent.
+/// Reads texels of level 0: linear, premultiplied. If there is an alpha test, a texel is opaque or transparent.
 class BaseTexels {
  public:
   explicit BaseTexels(std::uint8_t mask_cutoff) : mask_cutoff_(mask_cutoff), tables_(TableStore::host().view()) {}
@@ -65,12 +65,12 @@ class BaseTexels {
   const Tables tables_;
 };
 
-/// Texels of other levels.
+/// Adds a texel of level 1 or coarser.
 inline void add_linear_texel(const std::uint16_t* p, std::uint64_t weight, std::uint64_t sum[4]) {
   for (int c = 0; c < 4; ++c) sum[c] += weight * p[c];
 }
 
-/// TextureAlpha::ignore.
+/// Sets alpha to 255 for TextureAlpha::ignore.
 inline void make_opaque(std::uint8_t* rgba, std::size_t texels) {
   for (std::size_t i = 0; i < texels; ++i) rgba[4 * i + 3] = 255;
 }

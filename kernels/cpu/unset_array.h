@@ -1,5 +1,5 @@
-/// Memory that a loop is about to fill: a vector would first fill it with zeros, on one thread, and a tenth of a cell's
-/// time went there.
+/// An array without initialization, for memory that a loop fills. A vector first fills it with zeros on one thread,
+/// which took a tenth of a cell's time.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace gigabake::kernels {
 
-/// Owns `size` values, which have none until they are set. Move-only.
+/// An array of `size` values that are indeterminate until they are set. Move-only.
 template <class T>
 class UnsetArray {
  public:

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t bricks_per_run = 16;
 
-/// Everything of a part that is the same for all its triangles.
+/// The data of a part that is the same for all its triangles.
 struct PartSurface {
   PartArrays part;
   Surface surface;
@@ -44,7 +44,7 @@ Surface triangle_surface(const PartSurface& from, const WindowTriangle& w, const
   return s;
 }
 
-/// One thread's tools, kept from brick to brick.
+/// The buffers of one thread, reused for all its bricks.
 class BrickWalker {
  public:
   BrickWalker(std::span<const WindowTriangle> triangles, const std::vector<PartSurface>& parts, SurfaceRule rule)
@@ -78,7 +78,7 @@ class BrickWalker {
     sums_.end_triangle();
   }
 
-  /// cells: bit u + 8 v of slab w.
+  /// Adds the fragments of slab w. cells: bit u + 8 v is set for each cell that the triangle overlaps.
   void add_slab(const TrianglePlane& plane, const Surface& surface, int axis, int w, std::uint64_t cells) {
     const Look look = surface.look();
     int voxel[64];
@@ -139,11 +139,11 @@ class BrickWalker {
   Tables tables_;
   BrickSums sums_;
   CellLanes lanes_;
-  LinearColour linear_;  ///< of the triangle in hand, where its surface is linear
+  LinearColour linear_;  ///< of the current triangle, if its surface is linear
   std::uint64_t fragments_ = 0;
 };
 
-/// Where each brick's pairs start, and the end.
+/// Returns the index of each brick's first pair, and the end.
 std::vector<std::size_t> brick_starts(std::span<const Pair> pairs) {
   std::vector<std::size_t> starts;
   for (std::size_t i = 0; i < pairs.size(); ++i)

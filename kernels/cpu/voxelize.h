@@ -1,4 +1,4 @@
-/// Stage 3 of a cell: a brick's triangles become its voxels.
+/// Stage 3 of a cell: computes the voxels of each brick from its triangles.
 #pragma once
 
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace gigabake::kernels {
 
-/// Appends the bricks of `pairs` (sorted by key, keys beyond those in `level`) that keep a visible voxel.
+/// Appends the bricks of `pairs` that have a visible voxel. Pairs are sorted by key; keys are above those in `level`.
 void voxelize(const CellInput& input, std::span<const WindowTriangle> triangles, const CellParameters& parameters,
               std::span<const Pair> pairs, const ThreadPool& pool, Level& level, CellStats& stats);
 

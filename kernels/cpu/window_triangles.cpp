@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t triangles_per_window_range = 16384;
 
-/// Triangles [begin, end) of a part, and which of them are kept: a bit each.
+/// Triangles [begin, end) of a part, with one bit per triangle that is kept.
 struct Range {
   std::uint32_t part;
   std::size_t begin, end;
@@ -33,7 +33,7 @@ UnsetArray<SnappedVertex> snap_vertices(const PartArrays& part, std::size_t vert
   return out;
 }
 
-/// A part with its vertices on the lattice.
+/// A part with its vertices snapped to the lattice.
 struct SnappedPart {
   PartArrays part;
   UnsetArray<SnappedVertex> vertices;

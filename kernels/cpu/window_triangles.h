@@ -1,4 +1,4 @@
-/// Stage 1 of a cell: the triangles that may touch the window, transformed, snapped, winding restored.
+/// Stage 1 of a cell: the triangles that may overlap the window, transformed and snapped, with their winding restored.
 #pragma once
 
 #include "kernels/body/brick_triangle.h"
@@ -8,7 +8,8 @@
 
 namespace gigabake::kernels {
 
-/// Order follows parts and indices. Counts triangles, non_finite, zero_area, oversized, bad_uv into `stats`.
+/// Returns the triangles in the order of parts and indices. Counts triangles, non_finite, zero_area, oversized and
+/// bad_uv in `stats`.
 UnsetArray<WindowTriangle> window_triangles(const CellInput& input, const CellParameters& parameters,
                                             const ThreadPool& pool, CellStats& stats);
 

@@ -106,7 +106,7 @@ class ValueLeaders {
 
   /// Returns true if all voxels of the group have one value, possibly shared with other groups.
   GB_HD bool are_one(unsigned group) const { return (sharing_ >> group & 1) != 0; }
-  /// Returns the lowest group with the same value; equal for all groups that share a value.
+  /// Returns the number of the group's leader; equal for all groups that share a value.
   GB_HD unsigned leader(unsigned group) const {
     return is_one_ ? 0 : (by_octant_ >> group & 1) != 0 ? group & ~7u : group;
   }
