@@ -19,7 +19,7 @@ bool is_power_of_ten(std::size_t n) {
   return n == 1;
 }
 
-/// Shortens the name alone: a file may have given it any length.
+/// Shortens only the name, because a name from a file may have any length.
 std::string name_of(const SceneLoss& loss) { return as_line(short_path(loss.name, max_name_bytes)); }
 
 std::string line_of(const SceneLoss& loss) {

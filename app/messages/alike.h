@@ -1,4 +1,4 @@
-/// Many lines that say the same of many cells become a few.
+/// Summaries of many similar lines about many cells.
 #pragma once
 
 #include <string>
@@ -10,20 +10,22 @@
 
 namespace gigabake::app {
 
-/// The line without its numbers: lines that differ only in those are alike.
+/// Returns the line with its numbers replaced by '#': lines that differ only in numbers are similar.
 std::string kind_of(std::string_view line);
 
-/// Lets the first few lines of each kind through, and the 10th, 100th, 1000th …, which then says so.
+/// A filter that passes the first three lines of each group of similar lines, then the 10th, 100th, 1000th …. A later
+/// line also states its number in the group.
 class AlikeLines {
  public:
-  /// The line to show; empty: none now.
+  /// Returns the line to print; empty if it is suppressed.
   std::string pass(const std::string& line);
 
  private:
   std::unordered_map<std::string, std::size_t> seen_;
 };
 
-/// One line a loss; of many that are alike the first three, and a line with the number of the others. At most 50.
+/// Returns one line per loss. Of each group of similar losses it lists three, and a line with the number of the others.
+/// At most 50 lines.
 std::vector<std::string> lines_of(const std::vector<SceneLoss>& losses);
 
 }  // namespace gigabake::app

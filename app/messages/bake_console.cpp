@@ -35,7 +35,7 @@ BakeProgress BakeConsole::callbacks() {
   return p;
 }
 
-/// The steps' line and the bake's own share a terminal.
+/// Ends the steps' line first, because both lines share a terminal.
 void BakeConsole::say(const std::string& line) {
   steps_.end_step();
   line_.say(with_flags(line));
@@ -68,7 +68,7 @@ void BakeConsole::planned(const BakePlan& plan) {
   const std::size_t printed = std::min(plan.warnings.size(), warnings_printed);
   for (std::size_t i = 0; i < printed; ++i) say("warning: " + plan.warnings[i]);
   if (printed < plan.warnings.size()) say(fmt::format("warning: likewise {} more", plan.warnings.size() - printed));
-  if (plan.jobs.empty()) return;  // an error is about to say why
+  if (plan.jobs.empty()) return;  // the caller reports the error
   say(fmt::format("{} in {}", counted(plan.triangles, "triangle"), counted(plan.jobs.size(), "cell")));
   if (!plan.losses.empty())
     say(fmt::format("{} missing, not readable or not whole; the last lines list {}",

@@ -1,4 +1,4 @@
-/// What a bake says while it runs, on standard error.
+/// Messages of a running bake on standard error.
 #pragma once
 
 #include <chrono>
@@ -13,12 +13,12 @@ namespace gigabake::app {
 
 class BakeConsole {
  public:
-  /// steps: where the steps before the first cell are told; null: nowhere.
+  /// steps: stream for the steps before the first cell; null: do not print them.
   BakeConsole(std::FILE* steps, StopWish stop);
-  /// Callbacks that point at this object: what was opened, surveyed and planned, how far the cells are and
-  /// which of them went wrong.
+  /// Returns callbacks that point at this object. They print opened sources, the scan, the plan, the progress of the
+  /// cells and their warnings.
   BakeProgress callbacks();
-  /// What follows has standard error for itself.
+  /// Ends the current step's line, so that the caller can print to standard error.
   void end_step() { steps_.end_step(); }
 
  private:

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t slow_cells_printed = 3;
 
-/// Totals over the scene's cells and parents.
+/// Totals over the scene's cells and overviews.
 struct Totals {
   std::uint64_t voxels = 0, finest_voxels = 0, bytes = 0;
   explicit Totals(const SceneDescription& scene) {
@@ -59,7 +59,7 @@ void add_slowest(const std::vector<SlowCell>& cells, nlohmann::ordered_json& j) 
 
 std::string text_of(const nlohmann::ordered_json& j) { return json_text(j) + "\n"; }
 
-/// Of a plan or a scene: what was in the source and is not in the result, with reason.
+/// Prints parts of the source that are missing in the plan or scene, with the reason.
 template <class Counts>
 void print_left_out(const Counts& c) {
   if (c.non_finite + c.zero_area != 0)
@@ -79,7 +79,7 @@ void add_precision(const SourcePrecision& p, nlohmann::ordered_json& j) {
   for (const CoarseSource& c : p.coarse) out["coarse"].push_back({{"name", c.name}, {"spacing_m", c.spacing_m}});
 }
 
-/// What is known of the scene's errors without looking at it again; docs/accuracy.md says what each number is.
+/// Adds the error bounds that are known without reading the scene again; docs/accuracy.md defines each number.
 void add_accuracy(const BakeSummary& s, nlohmann::ordered_json& j) {
   const double half_step_m = s.scene.voxel_size_m / double(2 * subvoxels);
   j["snap_error_bound_m"] = {{"axis", half_step_m}, {"distance", std::numbers::sqrt3 * half_step_m}};
@@ -106,7 +106,7 @@ void add_left_out(const Counts& c, nlohmann::ordered_json& j) {
   for (const SceneLoss& l : c.losses) j["losses"].push_back({{"name", l.name}, {"reason", l.reason}});
 }
 
-/// "12 of 400 cells to bake: 3 new, 9 changed inputs; 0 to check, 388 unchanged".
+/// Prints "12 of 400 cells to bake: 3 new, 9 changed inputs; 0 to check, 388 unchanged".
 void print_counts(const PriorResults& prior) {
   const auto counts = prior.counts();
   const auto of = [&](PriorReason r) { return counts[std::size_t(r)]; };
@@ -196,7 +196,7 @@ void print_cells(const BakePlan& plan, const std::optional<PriorResults>& prior)
                prior ? fmt::format("  {}", name_of(prior->reasons[job.id])) : "");
 }
 
-/// What an earlier bake has not done yet.
+/// The cells that an earlier bake has not finished.
 struct RemainingWork {
   std::size_t cells = 0;
   double fraction = 0;  ///< of the work of all cells
@@ -241,7 +241,8 @@ void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior
 
 namespace {
 
-/// A line each, as they come: of millions of cells a document would take gigabytes. Names of cells are plain ASCII.
+/// Prints one line per cell without building a document: for millions of cells it would take gigabytes. Names of cells
+/// are plain ASCII.
 void print_jobs(const BakePlan& plan, const std::optional<PriorResults>& prior) {
   for (const CellJob& job : plan.jobs) {
     fmt::print(

@@ -1,4 +1,4 @@
-/// What a bake or a plan says at its end: text for people, JSON for programs.
+/// The final report of a bake or a plan: text for people, JSON for programs.
 #pragma once
 
 #include <filesystem>
@@ -12,19 +12,21 @@
 
 namespace gigabake::app {
 
-/// On standard output.
+/// Prints the report of a bake on standard output.
 void print_report(const BakeSummary& summary, const std::filesystem::path& out);
-/// prior: what OUT has of the plan; none: no OUT was named. lists_cells: one line per cell, too.
+/// Prints the report of a plan on standard output. prior: earlier results in OUT; nullopt: no OUT was given.
+/// lists_cells: also print one line per cell.
 void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes,
                   bool lists_cells);
 std::string json_report(const BakeSummary& summary, const std::filesystem::path& out);
 void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes);
 
-/// On standard error: that sources cannot say where their vertices are as finely as voxels are small. Nothing where
-/// they can.
+/// Warns on standard error if the coordinate resolution of sources is too coarse for the voxel size. Prints nothing
+/// otherwise.
 void warn_of(const SourcePrecision& precision);
 
-/// On standard error, and last: nobody should have to look for what is missing. After fifty, how many more.
+/// Prints missing inputs on standard error. Call it last, so that the user sees them at the end. At most 50 lines; the
+/// last line counts the others.
 void print_losses(const std::vector<SceneLoss>& losses);
 
 }  // namespace gigabake::app

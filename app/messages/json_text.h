@@ -6,8 +6,8 @@
 
 namespace gigabake::app {
 
-/// Returns `json` as text, on one line if `indent` is -1. File names need not be UTF-8, JSON must be: invalid bytes
-/// become U+FFFD.
+/// Returns `json` as text, on one line if `indent` is -1. Replaces invalid UTF-8, which file names may contain, by
+/// U+FFFD.
 inline std::string json_text(const nlohmann::ordered_json& json, int indent = 2) {
   return json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }

@@ -1,4 +1,4 @@
-/// What a scene lacks, as `info --json` and `verify --json` print it.
+/// Missing data of a scene in the JSON of `info` and `verify`.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-/// A bake's status as it changes: a bar on a terminal, now and then a line in a log.
+/// Progress display of a bake: a bar on a terminal, periodic lines in a log.
 #pragma once
 
 #include <chrono>
@@ -12,18 +12,18 @@ namespace gigabake::app {
 
 class ProgressLine {
  public:
-  /// line_every_s: in a log. A bar is drawn ten times a second at most.
+  /// line_every_s: seconds between lines in a log. On a terminal, the bar is redrawn at most ten times per second.
   ProgressLine(std::FILE* stream, double line_every_s);
-  /// Leaves the bar's line.
+  /// Ends the bar's line.
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// Where it is time to, and always once when survey or cells are all done.
+  /// Prints the status if the interval has passed, and once when all of the scan or all cells are done.
   void show(const BakeStatus& status);
-  /// A line of its own, where the bar was.
+  /// Prints `line` on a separate line in place of the bar.
   void say(const std::string& line);
-  /// What comes next starts on a line of its own.
+  /// Ends the bar's line, so that further output starts on a new line.
   void leave_bar();
 
  private:
@@ -36,7 +36,7 @@ class ProgressLine {
   bool terminal_, bar_is_there_ = false;
   Clock::duration every_;
   Clock::time_point last_;
-  std::optional<Phase> ended_;  ///< has been shown as all done
+  std::optional<Phase> ended_;  ///< the phase whose completion has been shown
 };
 
 }  // namespace gigabake::app

@@ -11,7 +11,7 @@
 namespace gigabake::app {
 namespace {
 
-/// A status file may come from anywhere, and a terminal obeys what it is shown.
+/// Replaces control characters: a status file is untrusted input, and a terminal would execute its escape sequences.
 std::string plain(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, '?');

@@ -10,7 +10,7 @@ namespace gigabake::app {
 namespace {
 
 constexpr std::chrono::milliseconds look_every{100};
-/// What stops sooner needs no words.
+/// A step that stops within this time prints no message.
 constexpr double patience_s = 0.5;
 
 double steady_now_s() {

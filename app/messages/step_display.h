@@ -1,4 +1,4 @@
-/// A command's steps as standard error shows them.
+/// Progress display of a command's steps on standard error.
 #pragma once
 
 #include <atomic>
@@ -14,26 +14,26 @@
 
 namespace gigabake::app {
 
-/// How steps are stopped.
+/// Callbacks that detect and enforce a stop request.
 struct StopWish {
   std::function<bool()> is_there;  ///< called by every thread that advances a step
-  /// Called where a step goes on for half a second all the same; none: it is waited for, and a line says that the next
-  /// Ctrl-C does not wait.
+  /// Called if a step has not stopped within half a second. If empty, the step may finish, and a line states that the
+  /// next Ctrl-C ends the process at once.
   std::function<void()> end_process;
 };
 
-/// A thread of its own shows the lines, so that a step that is long silent is seen too.
+/// A display whose own thread prints the lines, so that a step without progress is shown too.
 class StepDisplay : private ProgressListener {
  public:
-  /// stream: null says nothing.
+  /// stream: null prints nothing.
   StepDisplay(std::FILE* stream, StopWish stop);
-  /// As end_step().
+  /// Ends the current step, like end_step().
   ~StepDisplay() override;
   StepDisplay(const StepDisplay&) = delete;
   StepDisplay& operator=(const StepDisplay&) = delete;
 
   Progress progress() { return Progress(*this); }
-  /// Nothing more is said of the step; its line is gone from a terminal.
+  /// Stops printing the step, and clears its line on a terminal.
   void end_step();
 
  private:
@@ -48,9 +48,9 @@ class StepDisplay : private ProgressListener {
   const bool is_terminal_;
   const StopWish stop_;
   std::atomic<std::uint64_t> done_{0};
-  std::mutex mutex_;  ///< of what follows
+  std::mutex mutex_;  ///< guards the members below
   StepText text_;
-  std::string shown_;  ///< on a terminal's last line
+  std::string shown_;  ///< text of the terminal's last line
   double stop_seen_s_ = -1;
   bool is_over_ = false, has_pressed_ = false, is_running_ = false;
   std::condition_variable over_;

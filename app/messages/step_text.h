@@ -1,5 +1,5 @@
-/// What is said of a command's steps, and when: nothing in the first two seconds, then a line that is rewritten on a
-/// terminal and a line every ten seconds in a log.
+/// Text and timing of the progress lines of a command's steps. Nothing is printed in the first two seconds. Afterwards
+/// a terminal's line is rewritten, and a log gets a line every ten seconds.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,17 @@
 
 namespace gigabake::app {
 
-/// A value: a test says what time it is. Seconds are of any clock that never goes back.
+/// A pure value: the caller passes the time, so tests need no clock. Times are seconds of any monotonic clock.
 class StepText {
  public:
   StepText(double now_s, bool is_terminal);
 
-  /// A step begins; total 0: nobody knows how much it is.
+  /// Begins a step. total 0: its size is unknown.
   void begin(std::string name, std::uint64_t total, std::string unit, double now_s);
-  /// Nothing is said until another one begins.
+  /// Ends the step: line() returns nullopt until the next begin().
   void end();
-  /// The line to show now, where it is time for one. done: parts of the step. Call it some ten times a second.
+  /// Returns the line to show, or nullopt if the interval has not passed. done: finished parts of the step. Call it
+  /// about ten times per second.
   std::optional<std::string> line(std::uint64_t done, double now_s);
 
  private:

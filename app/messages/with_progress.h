@@ -1,4 +1,4 @@
-/// A command's long work: it says how far it is, and Ctrl-C or SIGTERM stop it.
+/// Wrappers for long work of a command: they print progress and stop on Ctrl-C or SIGTERM.
 #pragma once
 
 #include <cstdio>
@@ -8,9 +8,9 @@
 
 namespace gigabake::app {
 
-/// Returns what work(progress) returns; its line is gone from a terminal by then. told: where the steps are told; null:
-/// nowhere.
-/// Errors  Stopped: by a signal; and what `work` throws.
+/// Returns the result of work(progress), after clearing its line on a terminal. told: stream for the progress; null:
+/// print none.
+/// Errors  Stopped: a signal arrived; and the exceptions of `work`.
 template <class Work>
 auto with_progress(const Work& work, std::FILE* told = stderr) {
   const StopSignals signals;
@@ -18,7 +18,8 @@ auto with_progress(const Work& work, std::FILE* told = stderr) {
   return work(display.progress());
 }
 
-/// Of work that writes nothing: where a step does not hear a signal at once, the process ends all the same.
+/// Like with_progress(), for work that writes no files: if a step ignores a stop signal for half a second, the process
+/// ends.
 template <class Work>
 auto while_reading(const Work& work, std::FILE* told = stderr) {
   const StopSignals signals;

@@ -38,12 +38,14 @@ int on_all_ranks(const std::string& command, const std::function<int(MpiSession&
     return usage;
   } catch (const RankLost& e) {
     print_message("gigabake: rank {}: {}\n", mpi.rank(), e.what());
-    mpi.abort(rank_lost);  // not 1, which starters take for the bake's own failure and do not launch again
+    mpi.abort(rank_lost);  // not 1: launch scripts take 1 for a failure of the bake and do not restart it
   } catch (const std::exception& e) {
     if (mpi.ranks() == 1) throw;
-    if (mpi.rank() == 0 && has_output_failed()) return mpi.from_master(failed);  // the others are done, and wait there
+    if (mpi.rank() == 0 && has_output_failed())
+      return mpi.from_master(failed);  // the others are done and wait in this
+                                       // call
     print_message("gigabake: rank {}: {}\n", mpi.rank(), said(e));
-    mpi.abort(failed);  // this rank alone failed: the others would wait for it for ever
+    mpi.abort(failed);  // only this rank failed: the other ranks would wait for it forever
   }
 }
 

@@ -1,4 +1,4 @@
-/// The frame of a command that runs on all ranks: MPI's start and end, one line where it fails, one exit code.
+/// The wrapper of commands that run on all ranks: MPI start and end, error message, exit code.
 #pragma once
 
 #include <functional>
@@ -8,8 +8,8 @@
 
 namespace gigabake::app {
 
-/// Runs `work` on every rank and returns the exit code that rank 0's `work` gave, on every rank. Does not begin where a
-/// rank runs another command or another build of the program.
+/// Runs `work` on every rank and returns rank 0's exit code on every rank. Does not start if a rank runs another
+/// command or another build of the program.
 int on_all_ranks(const std::string& command, const std::function<int(MpiSession&)>& work);
 
 }  // namespace gigabake::app

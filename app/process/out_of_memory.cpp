@@ -13,7 +13,7 @@ namespace {
 
 std::terminate_handler terminate_otherwise = nullptr;
 
-/// Without memory: nothing here allocates.
+/// Handles std::terminate() without allocating memory.
 [[noreturn]] void end_without_memory() {
   try {
     if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
@@ -22,7 +22,7 @@ std::terminate_handler terminate_otherwise = nullptr;
       if (::write(STDERR_FILENO, part, std::strlen(part)) < 0) break;
     ::_exit(failed);
   } catch (...) {
-    terminate_otherwise();  // prints what it was and aborts
+    terminate_otherwise();  // prints the exception and aborts
   }
   terminate_otherwise();
   ::_exit(failed);

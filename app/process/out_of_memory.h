@@ -1,10 +1,11 @@
-/// The end of a process whose memory ended where no exception can pass.
+/// Handling of failed allocations from which no exception can propagate.
 #pragma once
 
 namespace gigabake::app {
 
-/// From now on std::terminate() over a failed allocation, in a destructor or a thread of a library, is one line and the
-/// exit code of a failure, not an abort with a core. Anything else ends as before.
+/// Installs a terminate handler for failed allocations, for example in a destructor or a library's thread. The process
+/// then prints one line and exits with `failed` instead of dumping core. Other causes of std::terminate() are
+/// unaffected.
 void say_so_where_memory_ends();
 
 }  // namespace gigabake::app

@@ -17,7 +17,7 @@ namespace {
 
 int noted_error = 0;  ///< errno of the first flush that failed
 
-/// Returns 0, or why standard output could not take what was left, now or earlier.
+/// Returns 0, or the errno of the first failed flush of standard output, in this call or an earlier call.
 int flush_error() {
   errno = 0;
   if (std::fflush(stdout) != 0 && noted_error == 0) noted_error = errno;
@@ -33,7 +33,7 @@ std::string failure(int error) {
 void prepare_standard_streams() {
   for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd) {
     if (::fcntl(fd, F_GETFD) >= 0 || errno != EBADF) continue;
-    const int direction = fd == STDIN_FILENO ? O_WRONLY : O_RDONLY;  // takes the lowest number that is free: this one
+    const int direction = fd == STDIN_FILENO ? O_WRONLY : O_RDONLY;  // takes the lowest free number, which is `fd`
     if (::open("/dev/null", direction) < 0 && ::open("/", O_RDONLY | O_DIRECTORY) < 0) ::_exit(failed);
   }
   std::signal(SIGPIPE, SIG_IGN);
@@ -52,7 +52,7 @@ int end_of_output(int exit_code, int write_error) {
   const int error = flush_error();
   if (error == 0 && !has_output_failed()) return exit_code;
   const int reason = error != 0 ? error : write_error;
-  if (reason == EPIPE && write_error == EPIPE) {  // its work was cut short, as by the signal that every command gets
+  if (reason == EPIPE && write_error == EPIPE) {  // the work was cut short: end like commands without a handler
     std::signal(SIGPIPE, SIG_DFL);
     std::raise(SIGPIPE);
   }

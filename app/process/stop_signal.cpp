@@ -22,7 +22,7 @@ void note_signal(int signal) {
     return;
   }
   if (::write(STDERR_FILENO, last_words_of_stop, std::strlen(last_words_of_stop)) < 0) {
-    // Nobody reads it; the process ends all the same.
+    // The write failed, for example on a closed pipe; the process ends anyway.
   }
   std::signal(signal, SIG_DFL);
   std::raise(signal);  // takes effect when this handler returns

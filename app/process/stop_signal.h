@@ -1,16 +1,17 @@
-/// A wish from outside to end: Ctrl-C (SIGINT) or SIGTERM.
+/// Stop requests by signal: Ctrl-C (SIGINT) or SIGTERM.
 #pragma once
 
 #include <string>
 
 namespace gigabake::app {
 
-/// What a second signal prints where a command writes files.
+/// The message that a second signal prints if a command writes files.
 inline constexpr const char* stopped_while_writing =
     "gigabake: stopped at once; files that were whole are as they were, a .part file may be left beside them\n";
 
-/// While it is there, the first of these signals is noted; the second one prints `last_words` and ends the process. The
-/// flag is the process's: one of them at a time. last_words: a literal. Errors  std::runtime_error.
+/// A scope that records the first of these signals; the second signal prints `last_words` and ends the process. The
+/// state belongs to the process: use only one object at a time. last_words: a string literal.
+/// Errors  std::runtime_error: sigaction() failed.
 class StopSignals {
  public:
   explicit StopSignals(const char* last_words = stopped_while_writing);
@@ -19,16 +20,16 @@ class StopSignals {
   StopSignals& operator=(const StopSignals&) = delete;
 };
 
-/// The signal that has come, now or while an earlier one was there; 0: none.
+/// Returns the first stop signal received in this or an earlier scope; 0 if none.
 int stop_signal();
 
-/// What a command that was stopped says last.
+/// Returns the last message of a stopped command.
 std::string stop_line();
 
-/// As shells have it: 128 and the signal; where another rank was signalled, as for SIGTERM.
+/// Returns 128 + the signal, like shells; if only another rank received a signal, 128 + SIGTERM.
 int exit_code_of_stop();
 
-/// Says so and ends the process, without destructors.
+/// Prints stop_line() and ends the process without running destructors.
 [[noreturn]] void end_as_stopped();
 
 }  // namespace gigabake::app
