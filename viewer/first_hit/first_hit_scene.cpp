@@ -85,8 +85,7 @@ void FirstHitBuilder::add_brick(const Position& at, const BrickLevel& level, std
       [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
         const std::size_t o = (x >> 2) | (y >> 2) << 1 | (z >> 2) << 2;
         octants[o].mask |= std::uint64_t(1) << ((x & 3) | (y & 3) << 2 | (z & 3) << 4);
-        looks[o].push_back(look_of(rgba, normal));  // for_each_voxel() visits voxels in the order of the node's
-                                                    // children
+        looks[o].push_back(look_of(rgba, normal));  // in the order of the node's children
       });
   for (std::size_t o = 0; o < 8; ++o) {
     if (looks[o].empty()) continue;
@@ -205,8 +204,7 @@ void FirstHitBuilder::add_shells(const Cube& cube, FirstHitScene& scene) {
   for (std::size_t s = 0; s < 2; ++s) {
     scene.shells[s] = make_shell(scene.nodes, cube.bits, int(s) + 1);
     const int bits = int(2 * s) + 2;
-    const double reach = double(1 << bits), rim = 1;  // unit: voxels of the tree for `reach`, voxels of the shell for
-                                                      // `rim`
+    const double reach = double(1 << bits), rim = 1;  // in voxels of the tree; in voxels of the shell
     double wider[3];
     for (std::size_t a = 0; a < 3; ++a) wider[a] = double(cube.half[a]) / reach + rim;
     scene.view.shells[s].tree =

@@ -32,8 +32,7 @@ struct Clip {
 };
 
 struct CameraOptions {
-  std::optional<Point<Scene>> eye_m;     ///< default: in the south-east, at the min. distance that shows the whole
-                                         ///< scene
+  std::optional<Point<Scene>> eye_m;     ///< default: in the south-east, as near as possible
   std::optional<Point<Scene>> target_m;  ///< default: the middle of the occupied space
   std::optional<Point<Scene>> up;        ///< default: z; north if the camera looks straight up or down
   double fovy_deg = 40;

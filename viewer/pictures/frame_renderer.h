@@ -30,8 +30,7 @@ struct FrameStats {
   std::uint64_t wanted = 0;   ///< bricks and node tiles that rays missed in this frame
   std::uint64_t uploads = 0;  ///< bricks and node tiles uploaded for this frame
   std::uint64_t pages_loading = 0;
-  std::uint64_t files_opened = 0;  ///< since the renderer opened the scene: its pages, and shards, which count each
-                                   ///< time they are opened
+  std::uint64_t files_opened = 0;                   ///< of pages and shards, reopened ones included, by this renderer
   std::uint64_t bytes_held = 0, bytes_allowed = 0;  ///< pools and pages together; allowed: UINT64_MAX means unbounded
   bool complete = false;
   bool starved = false;  ///< the pools are smaller than the working set of this view
@@ -64,8 +63,7 @@ class FrameRenderer {
  public:
   struct Options {
     int threads = 0;                                      ///< 0: all cores
-    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  ///< the same meaning as in SceneStream::Options; also for the
-                                                          ///< members below
+    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  ///< as in SceneStream::Options, like the members below
     std::optional<int> cuda_device;
     bool device_required = false;  ///< false: the CPU casts if the device has too little memory; see problems()
     std::uint64_t device_bytes = std::uint64_t(4) << 30;

@@ -21,8 +21,7 @@
 namespace gigabake {
 
 struct PolygonMesh {
-  std::vector<std::array<Point<Scene>, 3>> triangles;  ///< visible from both sides; triangles that are not finite are
-                                                       ///< ignored
+  std::vector<std::array<Point<Scene>, 3>> triangles;  ///< two-sided; triangles that are not finite are ignored
   /// Returns linear RGBA, premultiplied, at the given weights of a triangle's second and third corner. A point of alpha
   /// below 0.5 is a hole, any other is opaque. Called by several threads.
   std::function<std::array<float, 4>(std::size_t triangle, float second, float third)> colour;

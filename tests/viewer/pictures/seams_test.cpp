@@ -12,8 +12,7 @@ namespace {
 
 constexpr int scene_edge = 256;
 constexpr int picture_edge = 160;  ///< of an image
-constexpr int least_share = 32;    ///< min. fraction of its pixels that show the scene is 1/32; from far away it is
-                                   ///< about 1/15
+constexpr int least_share = 32;    ///< the scene covers at least 1/32 of the pixels; from afar about 1/15
 
 /// Paints rolling ground, two voxels thick, and posts that cross the borders of cells.
 std::optional<Paint> landscape(std::int64_t x, std::int64_t y, std::int64_t z) {
