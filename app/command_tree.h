@@ -1,4 +1,5 @@
-/// The commands and their options as a plain value, for the manual and for shells: what --help says, nothing else.
+/// The commands and their options as a plain value, for the manual and for shell completion. Contains only what --help
+/// lists.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,29 +9,29 @@
 namespace gigabake::app {
 
 struct CommandOption {
-  std::vector<std::string> names;    ///< with dashes, short ones first; a positional's one name
-  std::string value;                 ///< what it takes, as TEXT; empty: nothing
-  std::vector<std::string> choices;  ///< all that it takes, where that is a list
+  std::vector<std::string> names;    ///< with dashes, short names first; the single name of a positional
+  std::string value;                 ///< type of the value, such as TEXT; empty: takes none
+  std::vector<std::string> choices;  ///< all accepted values, if they are a list
   std::string default_value, description;
   bool is_positional = false, is_required = false;
 };
 
 struct Command {
-  std::vector<std::string> path;  ///< gigabake, bench, render
+  std::vector<std::string> path;  ///< for example gigabake, bench, render
   std::string description;
   std::vector<CommandOption> options;
   std::vector<Command> commands;
 
-  /// The path with `separator` between its words.
+  /// Returns the path with `separator` between its words.
   std::string name(const char* separator = " ") const;
-  /// All of them, with dashes.
+  /// Returns all option names, with dashes.
   std::vector<std::string> option_names() const;
 };
 
-/// What is not listed in --help is left out.
+/// Returns the tree of commands and options that --help lists; omits hidden ones.
 Command command_tree(const CLI::App& program, const std::string& name);
 
-/// The command itself and all below it, parents first.
+/// Returns the command itself and all commands below it, parents first.
 std::vector<const Command*> all_commands(const Command& root);
 
 }  // namespace gigabake::app

@@ -1,4 +1,5 @@
-/// The sub-commands. Each file turns arguments into one call and its answer into text or JSON; no logic lives here.
+/// The subcommands. Each file turns arguments into one call and its result into text or JSON; commands contain no
+/// logic.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,7 +9,7 @@ namespace gigabake::app {
 /// Exit codes, the same for every command (docs/cluster.md).
 enum ExitCode : int { complete = 0, failed = 1, usage = 2, cells_failed = 3, rank_lost = 69, drained = 75 };
 
-/// Each adds its sub-command to `app`; its callback sets `exit_code` and throws UsageError or InputError.
+/// Adds the subcommand to `app`; its callback sets `exit_code` and throws UsageError or InputError.
 void add_sample(CLI::App& app, int& exit_code);
 void add_plan(CLI::App& app, int& exit_code);
 void add_bake(CLI::App& app, int& exit_code);
@@ -22,12 +23,12 @@ void add_query(CLI::App& app, int& exit_code);
 void add_view(CLI::App& app, int& exit_code);
 void add_serve(CLI::App& app, int& exit_code);
 void add_bench(CLI::App& app, int& exit_code);
-/// Below `bench`.
+/// Adds the subcommand to `bench`.
 void add_bench_accuracy(CLI::App& bench, int& exit_code);
 void add_bench_pack(CLI::App& bench, int& exit_code);
 void add_bench_query(CLI::App& bench, int& exit_code);
 void add_bench_render(CLI::App& bench, int& exit_code);
-/// Not listed: a rank's supervisor starts it. It ends the process.
+/// Adds the hidden command that a rank's supervisor starts. Its callback ends the process.
 void add_bake_process(CLI::App& app);
 
 }  // namespace gigabake::app

@@ -26,7 +26,7 @@ int run(int argc, char** argv, int& write_error) {
   program.set_help_flag("-h,--help", "this help, and exit");
   program.require_subcommand(1);
   int exit_code = app::complete;
-  // One line per command, in the order --help lists them.
+  // Add the commands in the order in which --help lists them.
   app::add_sample(program, exit_code);
   app::add_plan(program, exit_code);
   app::add_bake(program, exit_code);

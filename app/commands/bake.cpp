@@ -24,7 +24,7 @@ int exit_code_of(const BakeSummary& summary) {
   return summary.scene.losses.empty() ? complete : cells_failed;
 }
 
-/// What --quiet leaves of a bake's progress.
+/// Returns the callbacks that remain under --quiet.
 BakeProgress warnings_alone(const Progress& steps) {
   BakeProgress p;
   p.steps = steps;
@@ -45,7 +45,7 @@ BakeProgress warnings_alone(const Progress& steps) {
   return p;
 }
 
-/// Before anything is done.
+/// Checks the output paths before the bake starts.
 void check_outputs(const BakeOptions& options) {
   expect_bake_output(options.out);
   std::vector<std::filesystem::path> kept = files_of_bake(options.out);
@@ -56,7 +56,7 @@ void check_outputs(const BakeOptions& options) {
   expect_own_file("--metrics", options.metrics, "# HELP gigabake_", kept);
 }
 
-/// The line that a second Ctrl-C prints.
+/// Returns the line that a second Ctrl-C prints.
 std::string state_left(const BakeStatus& s) {
   const CellTally& c = s.cells;
   const std::string done = s.state == BakeState::surveying
@@ -65,8 +65,8 @@ std::string state_left(const BakeStatus& s) {
   return fmt::format("\ngigabake: stopped at once, {}; the same command goes on from there\n", done);
 }
 
-/// What a bake does beside showing its progress: it keeps the last words up to date, and lines of a log get the time
-/// once the source is open. Before that a line is the answer to a command that was just typed.
+/// Returns `progress` with additions: it updates the text for a second Ctrl-C. Once the source is open, lines of a log
+/// get the time. Earlier lines directly answer the command and need none.
 BakeProgress noted_progress(BakeProgress progress, const std::function<void()>& begin_log) {
   progress.opened = [begin_log, show = progress.opened](const SceneSources& sources) {
     begin_log();
@@ -95,7 +95,7 @@ int run(const BakeOptions& options, MpiSession& mpi) {
   set_last_words("\ngigabake: stopped at once, before the first cell; the same command starts again\n");
   if (options.quiet) progress = warnings_alone(progress.steps);
   const BakeSummary summary = bake(mpi, request, noted_progress(progress, begin_log));
-  log_time.reset();  // what follows is the answer of the command
+  log_time.reset();  // lines after this one are the result of the command
   if (mpi.rank() != 0) return complete;
   const std::string report = json_report(summary, request.out);
   if (options.json)
@@ -106,11 +106,11 @@ int run(const BakeOptions& options, MpiSession& mpi) {
   print_losses(summary.scene.losses);
   if (!options.report.empty()) publish_file(options.report, report);
   const int exit_code = exit_code_of(summary);
-  if (summary.lost_ranks != 0) mpi.abort(exit_code);  // a rank that hangs would never join the end
+  if (summary.lost_ranks != 0) mpi.abort(exit_code);  // a rank that hangs would never reach MPI's finalization
   return exit_code;
 }
 
-/// Of every rank.
+/// Runs the bake on every rank.
 int run_until_stopped(const BakeOptions& options, MpiSession& mpi) {
   try {
     return run(options, mpi);
@@ -152,7 +152,7 @@ void add_bake(CLI::App& app, int& exit_code) {
   add_seconds("--cell-timeout", patience.cell_timeout_s, "most seconds for one cell");
   add_seconds("--silence", patience.silence_s, "seconds after which a rank that is not heard of is lost");
   command->callback([options, &exit_code] {
-    watch_for_drain();  // before MPI starts: mpirun passes signals on from the beginning
+    watch_for_drain();  // before MPI starts, because mpirun passes signals on from the beginning
     exit_code = on_all_ranks("bake", [&](MpiSession& mpi) { return run_until_stopped(*options, mpi); });
   });
 }

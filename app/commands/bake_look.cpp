@@ -16,12 +16,13 @@ namespace {
 
 constexpr double silence_s = 15;
 
-/// Of another host nobody can tell.
+/// Returns true if the writer runs on this host. A writer on another host cannot be checked.
 bool writer_is_there(const BakeStatus& s) {
   return s.host == host_name() && s.pid > 0 && (::kill(pid_t(s.pid), 0) == 0 || errno == EPERM);
 }
 
-/// On this host a process that is gone is seen at once; of another host silence alone tells.
+/// Returns true if the writer seems to be dead. On this host its process is checked; on another host only a timeout
+/// shows it.
 bool seems_interrupted(const BakeStatus& s, const std::string& out, double now_s) {
   if (is_over(s.state) || writer_is_there(s) || lock_holder(out)) return false;
   return s.host == host_name() || now_s - s.updated_s > silence_s;
@@ -32,7 +33,7 @@ bool seems_interrupted(const BakeStatus& s, const std::string& out, double now_s
 Seen look(const std::string& out) {
   Seen seen{read_status(out), unix_now_s(), false};
   if (!seems_interrupted(seen.status, out, seen.now_s)) return seen;
-  seen.status = read_status(out);  // it may have ended between the two looks: then this says how
+  seen.status = read_status(out);  // reread, because the bake may have ended since the first read
   seen.interrupted = seems_interrupted(seen.status, out, seen.now_s);
   return seen;
 }

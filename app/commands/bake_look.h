@@ -1,4 +1,4 @@
-/// A bake as its folder shows it.
+/// The state of a bake, read from its folder.
 #pragma once
 
 #include <string>
@@ -10,13 +10,14 @@ namespace gigabake::app {
 struct Seen {
   BakeStatus status;
   double now_s = 0;
-  bool interrupted = false;  ///< it says that it goes on, and nobody is there any more
+  bool interrupted = false;  ///< the status says running, but its writer seems to be dead
 };
 
-/// Errors  as read_status().
+/// Reads the status of the bake in `out`.
+/// Errors  The errors of read_status().
 Seen look(const std::string& out);
 
-/// For the browser's page: state, one line, the share done; "null" where OUT has no readable status.
+/// Returns JSON for the browser's page: state, status line, completed fraction; "null" if OUT has no readable status.
 std::string bake_status_json(const std::string& out);
 
 }  // namespace gigabake::app

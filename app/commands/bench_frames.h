@@ -1,4 +1,4 @@
-/// What `bench render` says of the streaming renderer.
+/// Output of `bench render` for the streaming renderer.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -6,7 +6,7 @@
 namespace gigabake::app {
 namespace {
 
-/// Frames that are listed: the first ones, then about as many spread over the rest.
+/// The counts of listed frames: the first ones, then about `listed_then` frames spread over the rest.
 constexpr std::size_t listed_first = 6, listed_then = 10;
 
 }  // namespace

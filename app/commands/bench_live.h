@@ -1,4 +1,4 @@
-/// What `bench render --what live` says.
+/// Output of `bench render --what live`.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -67,7 +67,7 @@ void print_text(const SceneDifference& d) {
                fmt::join(d.not_compared, " "));
 }
 
-/// As diff(1) has it. Scenes of which no level can be compared are not the same.
+/// Returns an exit code like diff(1). Scenes without a comparable level do not count as equal.
 int exit_code_of(const SceneDifference& d) {
   if (!d.same()) return diff_differs;
   return d.compared.empty() && !d.not_compared.empty() ? diff_trouble : diff_same;

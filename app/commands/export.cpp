@@ -28,13 +28,13 @@ struct ExportOptions {
   std::string scene, format, out;
   int lod = 0;
   bool quiet = false;
-  TilesetOptions tiles = {.threads = 0};  ///< 0: the host's cores shared by its ranks
+  TilesetOptions tiles = {.threads = 0};  ///< 0: the host's cores, divided among its ranks
 };
 
 struct ExportFormat {
   const char* name;
-  const char* suffix;  ///< of its one file; empty where it is always a folder
-  /// Returns the number of voxels of the level. None: it is written by all ranks together.
+  const char* suffix;  ///< of its single file; empty if the output is always a folder
+  /// Returns the number of voxels of the level. Empty if all ranks write the format together.
   std::function<std::uint64_t(const ExportOptions&, const Progress&)> write;
 };
 
@@ -64,7 +64,7 @@ std::vector<std::string> format_names() {
   return names;
 }
 
-/// --to, or else what the name of -o ends in.
+/// Returns the format of --to; without --to, the format for the suffix of -o.
 const ExportFormat& chosen_format(const ExportOptions& o) {
   const std::string suffix = std::filesystem::path(o.out).extension().string();
   for (const ExportFormat& f : formats)
@@ -75,7 +75,8 @@ const ExportFormat& chosen_format(const ExportOptions& o) {
                   o.out, fmt::join(format_names(), ", ")));
 }
 
-/// Errors  UsageError: an option of tilesets with a format that knows none.
+/// Rejects tileset options.
+/// Errors  UsageError: an option of tilesets with a format that has no such option.
 void expect_no_tile_options(const CLI::App& command, const ExportFormat& format) {
   for (const char* name : {"--tile-voxels", "--threads", "--update"})
     if (command.count(name) != 0)
@@ -87,7 +88,7 @@ void print_done(const ExportOptions& o, std::uint64_t voxels) {
   if (!o.quiet) fmt::print("{} of lod {} in {}\n", counted(voxels, "voxel"), o.lod, o.out);
 }
 
-/// What the bytes of an export depend on.
+/// Returns the options that determine the bytes of an export.
 std::vector<NamedOption> shared_options(const ExportOptions& o, const ExportFormat& format) {
   return {{"SCENE", std::filesystem::absolute(o.scene).lexically_normal().string()},
           {"`to`", format.name},

@@ -22,14 +22,14 @@ struct Extent {
   std::array<double, 3> min_m, max_m;
 };
 
-/// What is printed: what scene.xml says of the whole.
+/// The scene-wide values of scene.xml that `info` prints.
 struct Info {
   SceneHeader scene;
   SceneTotals totals;
   StoredBytes stored;
 };
 
-/// Scenes of before version 3 do not say what their shards' columns take.
+/// Reads the scene. Files before version 3 do not store the byte sizes of their shards' columns.
 Info read_info(const std::filesystem::path& scene_xml, const Progress& progress) {
   progress.step("reading the scene");
   const PagedScene scene(scene_xml);
@@ -38,7 +38,7 @@ Info read_info(const std::filesystem::path& scene_xml, const Progress& progress)
           totals.has_stored() ? StoredBytes{totals.level_bytes, totals.node_bytes} : stored_bytes(scene, progress)};
 }
 
-/// Of the cells, scene metres.
+/// Returns the bounds of the cells in scene metres.
 Extent extent_of(const Info& info) {
   Extent e{};
   const auto place_m = [&](std::int64_t voxel, std::size_t k) {

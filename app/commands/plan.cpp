@@ -21,8 +21,8 @@ std::optional<PriorResults> prior_of(const BakePlan& plan, const BakeRequest& re
   return find_prior(plan, read_journal(request.out / "journal"), request.out, mpi.cores());
 }
 
-/// Prints the failure of a bake in which nothing is visible. Returns whether the plan's measurement showed that: pieces
-/// of the whole surface were baked, and none has a voxel. Of a part of the surface it only warns.
+/// Prints the failure of a bake without visible voxels. Returns true if sample cells of the whole surface were baked
+/// and none has a voxel. If they cover only a part of the surface, it only warns.
 bool is_refused_as_empty(const BakeRequest& request, const PlannedBake& planned, const PlanMeasure& measure) {
   constexpr double rounding = 1e-3;
   const MeasuredSize& size = measure.requested();
@@ -58,7 +58,7 @@ int run(const PlanOptions& plan_options, MpiSession& mpi) {
   return plan.losses.empty() ? complete : cells_failed;
 }
 
-/// Rank 0 measures alone: the others hear of its end by its exit code.
+/// Runs the plan. Only rank 0 measures; the other ranks receive its exit code.
 int run_until_stopped(const PlanOptions& options, MpiSession& mpi) {
   try {
     return run(options, mpi);
@@ -84,7 +84,7 @@ void add_plan(CLI::App& app, int& exit_code) {
                     "bake pieces of the scene for about four seconds, aside (default); without, no time is known, and "
                     "voxels and bytes only from the surface's area");
   command->callback([options, &exit_code] {
-    const StopSignals signals;  // before MPI starts: mpirun passes signals on from the beginning
+    const StopSignals signals;  // before MPI starts, because mpirun passes signals on from the beginning
     exit_code = on_all_ranks("plan", [&](MpiSession& mpi) { return run_until_stopped(*options, mpi); });
   });
 }

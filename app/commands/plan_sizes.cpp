@@ -11,7 +11,7 @@
 namespace gigabake::app {
 namespace {
 
-constexpr std::size_t asked = 1;  // the middle one of PlanMeasure::sizes
+constexpr std::size_t asked = 1;  // index of the requested size in PlanMeasure::sizes
 
 std::optional<double> seconds_of(const MeasuredSize& size, const PlanSizes& sizes) {
   if (!size.estimate.bake_s) return std::nullopt;
@@ -31,7 +31,7 @@ std::string row(const MeasuredSize& size, bool is_asked, const PlanSizes& sizes)
                      is_asked ? "   <- asked for" : "");
 }
 
-/// What the numbers stand on.
+/// Returns the basis of the numbers: the area only, or baked sample cells.
 std::string basis(const MeasuredSize& size, const PlanSizes& sizes) {
   if (size.pieces == 0)
     return size.problem.empty()
@@ -57,7 +57,7 @@ std::string suggestion(const PlanSizes& sizes) {
                      wanted_m, verdict);
 }
 
-/// What the bake keeps on a disk while it runs; nothing where all of it is in memory.
+/// Returns the scratch space that the bake needs on disk; empty if all data fits into memory.
 std::string scratch_line(const PlanMeasure& m) {
   const std::optional<std::uint64_t>& textures = m.textures.scratch_bytes;
   std::string line;

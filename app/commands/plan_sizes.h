@@ -1,4 +1,4 @@
-/// Voxels, bytes and minutes of a bake, for the voxel size that was asked for and its neighbours.
+/// Voxels, bytes and minutes of a bake, for the requested voxel size and its neighbours.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,10 +10,10 @@ namespace gigabake::app {
 
 struct PlanSizes {
   PlanMeasure measure;
-  double survey_s = 0;  ///< that a bake spends before its first cell
+  double survey_s = 0;  ///< duration of the scan before the first cell
 };
 
-/// A table, what it stands on, and which voxel size the textures suggest.
+/// Returns a table, the basis of its numbers, and the voxel size that the textures suggest.
 std::string sizes_text(const PlanSizes& sizes);
 void add_sizes(const PlanSizes& sizes, nlohmann::ordered_json& j);
 

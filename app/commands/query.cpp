@@ -53,7 +53,7 @@ struct Asked {
   std::unique_ptr<QueryAsks> asks;
 };
 
-/// The one thing that is asked.
+/// Returns the single query of the command line.
 Asked question_of(const QueryArguments& a, const ThreadPool& pool) {
   const std::array<const std::string*, 7> all{&a.ray, &a.rays, &a.at, &a.heights, &a.grid, &a.sight, &a.sights};
   if (std::count_if(all.begin(), all.end(), [](const std::string* s) { return !s->empty(); }) != 1)
@@ -75,7 +75,7 @@ Asked question_of(const QueryArguments& a, const ThreadPool& pool) {
   return {QueryKind::sight, one_ask({{}, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}}, QueryAim::point, "--sight")};
 }
 
-/// Questions and answers that are under way take an eighth of the memory, trees the rest.
+/// Assigns an eighth of the memory to queries and results in flight, and the rest to trees.
 void share_memory(std::uint64_t memory_bytes, QueryOptions& options, QueryJob& job) {
   constexpr std::uint64_t bytes_per_ray = 1024, fewest_rays = 1024;
   const std::uint64_t all = memory_bytes != 0 ? memory_bytes : host_limits().memory_bytes / 2;
@@ -160,7 +160,7 @@ int run(const QueryArguments& a) {
   return tell(a, job.kind, tally, query);
 }
 
-/// Answers written over the questions or over the scene would destroy them.
+/// Rejects an output file that would overwrite the queries or the scene.
 void expect_apart(const QueryArguments& a) {
   std::vector<std::filesystem::path> inputs = files_of_bake(std::filesystem::path(a.scene).parent_path());
   for (const std::string* table : {&a.rays, &a.heights, &a.sights}) inputs.emplace_back(*table);

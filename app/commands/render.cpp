@@ -107,19 +107,19 @@ FrameRenderer::Options renderer_options_of(const RenderArguments& a) {
   return options;
 }
 
-/// What was drawn coarser than it should be, and the exit code for that.
+/// Prints why images were rendered coarser than requested, and returns the exit code for it.
 int tell_problems(const FrameRenderer& renderer) {
   for (const std::string& problem : renderer.problems())
     print_message("gigabake: drawn coarser: {}\n", with_flags(problem));
   return renderer.problems().empty() ? complete : cells_failed;
 }
 
-/// Of colours that are not the scene's own.
+/// Prints the legend of modes that do not show the scene's own colours.
 void tell_legend(ViewMode mode) {
   if (mode != ViewMode::lit) fmt::print("{}: {}\n", name_of(mode), view_mode_legend(mode));
 }
 
-/// name_of: of the files, by what -o and --depth say.
+/// Writes the files of one image. name_of: returns the file name for the value of -o or --depth.
 template <class NameOf>
 void write_files(const RenderArguments& a, const Picture& picture, double voxel_size_m, const NameOf& name_of) {
   write_picture(name_of(a.picture), picture, voxel_size_m);
@@ -204,7 +204,7 @@ int run_path(const RenderArguments& a) {
   return tell_problems(renderer);
 }
 
-/// Options that mean something along a path only.
+/// Rejects options that apply to a --path only.
 void check_alone(const RenderArguments& a) {
   if (a.frames != 0 || a.fps != 0 || a.live || !a.stats.empty())
     throw UsageError("--frames, --fps, --live and --stats: expected a --path beside them");

@@ -45,7 +45,7 @@ void run(ServeArguments& a) {
                std::filesystem::is_directory(out) ? "scene.xml" : "such folder");
   flush_output();
   report_missing_data(complete);
-  // The server stops from a thread of its own: a signal handler may not.
+  // A separate thread stops the server, because a signal handler must not.
   const std::jthread stopper([&server](const std::stop_token& over) {
     while (!over.stop_requested() && stop_signal() == 0) std::this_thread::sleep_for(stop_check);
     server.stop();

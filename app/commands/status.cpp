@@ -23,7 +23,7 @@ struct StatusOptions {
   bool json = false, follow = false;
 };
 
-/// As the bake's own where it is over; 0 while it goes on.
+/// Returns the exit code of the bake if it has ended; 0 while it runs.
 int exit_code_of(const Seen& seen) {
   if (seen.interrupted || seen.status.state == BakeState::failed) return failed;
   if (seen.status.state == BakeState::incomplete) return cells_failed;

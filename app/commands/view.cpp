@@ -29,7 +29,7 @@ void run(ViewArguments& a) {
     fmt::print("{}\n", line);
     std::fflush(stdout);
   };
-  const PagedScene scene(a.live.scene);  // a file that is no scene is said here, not in a window
+  const PagedScene scene(a.live.scene);  // opened before the window, so that errors are printed on the terminal
   report_missing_data(complete);
   show_window(a.live.scene, std::move(scene_options), window);
 }
