@@ -54,10 +54,11 @@ kernels::CastCamera make_camera(const CameraOptions& options, const PagedScene& 
 
 /// The range of heights of the occupied space in lod-0 voxels of the lattice. Resolution: a brick, or a voxel of the
 /// root overview.
-/// Cost    The same as make_camera() without eye or target.
 struct HeightRange {
   double low = 0, high = 1;
 };
+/// Returns the range of heights of the occupied space.
+/// Cost    The same as make_camera() without eye or target.
 HeightRange occupied_heights(const PagedScene& scene, const PageSource& pages);
 
 }  // namespace gigabake

@@ -105,7 +105,7 @@ class FrameRenderer {
   /// Starts the image of draw_exact() in tiles. meanwhile: an image of the same view in any size, shown where no tile
   /// is finished; null: transparent.
   FrameInTiles begin(const View& view, const Picture* meanwhile);
-  /// Renders at least one tile, then further tiles until `enough`, which is called after each tile, returns true.
+  /// Renders at least one tile, then further tiles until `enough` returns true. enough: called after each tile.
   /// stop: cancels within milliseconds; the next call restarts the unfinished tile.
   /// Exact   The same as draw_exact(), also after cancelled calls and other renderings in between.
   void go_on(FrameInTiles& frame, const kernels::StopAsked& enough, const kernels::StopAsked& stop);
