@@ -11,6 +11,7 @@
 namespace gigabake::kernels {
 
 /// Returns the index of the first brick below each coarser brick, and the number of bricks at the end.
+///
 /// key_above: maps a brick's Morton code to that of the coarser brick.
 template <class KeyAbove>
 std::vector<std::size_t> starts_below(const Level& level, const KeyAbove& key_above) {

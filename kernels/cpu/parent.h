@@ -30,7 +30,7 @@ struct ParentParameters {
 
 /// Computes the overview of `children`.
 /// copies  The children's levels from a finer one to child_lod, joined over the window; they precede the new levels.
-/// Exact   Before approximate(), the voxels equal those of a single cell that has the parent's window. The boundaries
+/// Exact   Before approximate(), the voxels equal the voxels of one cell with the parent's window. The boundaries
 ///         and the order of the children do not change any bit.
 /// Range   levels 1 … 10. children: all children in reach of the window, baked by the same rules, with disjoint voxels.
 /// Cost    Reads and sorts the children's coarsest levels, about as much data as a level of a cell. Stores all bricks,

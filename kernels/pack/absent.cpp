@@ -1,4 +1,4 @@
-// Packing on a device in a build without nvcc: there is none.
+// The stub of device packing for builds without nvcc. It always throws.
 #ifndef GIGABAKE_HAS_CUDA
 #include "kernels/cuda/baker.h"
 #include "kernels/pack/device_pack.h"

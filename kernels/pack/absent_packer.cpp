@@ -1,4 +1,4 @@
-// The packer of a build without nvcc: it cannot be made, as no CudaBaker can.
+// The stub of CudaPacker for builds without nvcc. Its constructor always throws, like that of CudaBaker.
 #ifndef GIGABAKE_HAS_CUDA
 #include "kernels/pack/packer.h"
 
@@ -9,7 +9,7 @@ class CudaPacker::Impl {};
 CudaPacker::CudaPacker(int) { throw CudaFailure(cuda_devices().reason); }
 CudaPacker::~CudaPacker() = default;
 
-// No object exists to call this on.
+// Unreachable, because no object can be created.
 std::optional<PackedCell> CudaPacker::pack(const CudaVolume&, const PackRequest&) {
   throw CudaFailure(cuda_devices().reason);
 }

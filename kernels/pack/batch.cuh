@@ -1,7 +1,7 @@
-/// A batch of chunks while it is packed: its arrays on the device, and the steps over them.
+/// A batch of chunks during packing: its arrays on the device, and the kernels over them.
 ///
-/// A warp or a few have a block of deflate, each lane or warp a segment of it. What a chunk repeats reaches back across
-/// blocks, so that candidates are found for each block from 32 KiB before it on, and nothing waits for its neighbour.
+/// One or more warps process a deflate block; each lane or warp processes a segment of it. Matches may cross block
+/// borders: each block hashes the preceding 32 KiB itself, so blocks are independent.
 #pragma once
 
 #include <cstdint>
@@ -13,27 +13,27 @@
 
 namespace gigabake::kernels::pack {
 
-/// A chunk of the batch. Filled by the host, but for the last two.
+/// A chunk of the batch. The host sets all members but the last three, which place_chunks() sets.
 struct ChunkPlace {
-  std::uint64_t raw;  ///< its first byte among the raw ones
+  std::uint64_t raw;  ///< offset of its first byte in Batch::raw
   std::uint32_t bytes, element_bytes;
-  std::uint32_t staged;               ///< its first byte in Batch::bytes, a multiple of 16, and in Batch::words
-  std::uint32_t first_block, blocks;  ///< among the batch's
-  std::uint32_t as_is;                ///< 1: in stored blocks
-  std::uint32_t packed_bytes;         ///< as stored, both checksums included
-  std::uint64_t packed;               ///< its first byte in the result
+  std::uint32_t staged;               ///< offset in Batch::bytes and Batch::words, a multiple of 16
+  std::uint32_t first_block, blocks;  ///< index in Batch::blocks
+  std::uint32_t as_is;                ///< 1: in stored (uncompressed) blocks
+  std::uint32_t packed_bytes;         ///< size in storage format, including both checksums
+  std::uint64_t packed;               ///< offset of its first byte in the result
 };
 
-/// A block of deflate. Bits begin at the chunk's first block, words and bytes at the chunk's.
+/// A deflate block. first_bit is relative to the first block of the chunk; begin and end are relative to the chunk.
 struct BlockPlace {
   std::uint32_t chunk;
-  std::uint32_t begin, end;  ///< its bytes in the chunk
+  std::uint32_t begin, end;  ///< range of bytes in the chunk
   std::uint64_t first_bit, bits;
   std::uint32_t segment_tokens[deflate::segments_per_block];
-  std::uint32_t segment_bits[deflate::segments_per_block];  ///< before each segment, from the block's first bit on
+  std::uint32_t segment_bits[deflate::segments_per_block];  ///< before each segment, without the header
 };
 
-/// Symbols of a block and how often each occurs, then what it is written with.
+/// The symbol counts of a block, then its codes and header.
 struct BlockSymbols {
   std::uint32_t counts[deflate::block_symbols];
   deflate::BlockCodes codes;
@@ -43,13 +43,13 @@ struct Batch {
   const std::uint8_t* raw;
   ChunkPlace* chunks;
   BlockPlace* blocks;
-  BlockSymbols* symbols;  ///< a block's
-  std::uint8_t* bytes;    ///< all chunks, shuffled where they are to be
-  std::uint32_t* words;   ///< for each byte: its bucket before it, then its match, then tokens of its segment
+  BlockSymbols* symbols;  ///< one per block
+  std::uint8_t* bytes;    ///< all chunks, shuffled if requested
+  std::uint32_t* words;   ///< per byte: the candidate's bucket, then the match, then the tokens of the byte's segment
   std::uint32_t chunk_count, block_count;
-  std::uint8_t* packed;       ///< the result, zero where nothing is yet
-  std::uint64_t* packed_end;  ///< where the batch before ended, then where this one does
-  std::uint64_t* ends;        ///< of each chunk of the batch, in the result
+  std::uint8_t* packed;       ///< the result; unwritten bytes are zero
+  std::uint64_t* packed_end;  ///< the end of the previous batch in the result, then of this batch
+  std::uint64_t* ends;        ///< the end of each chunk of the batch in the result
 };
 
 void stage_bytes(const Batch& batch, cudaStream_t stream);

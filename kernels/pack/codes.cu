@@ -1,4 +1,4 @@
-// From counts of symbols to each block's codes and header, and to where each block and chunk begins.
+// Computes each block's codes and header from symbol counts, and the positions of blocks and chunks.
 #include <cub/block/block_scan.cuh>
 
 #include "kernels/pack/batch.cuh"
@@ -8,8 +8,8 @@ namespace {
 
 constexpr unsigned placers = 256;
 
-/// The keys of an alphabet's symbols that occur, rising: each symbol finds its place by counting those before it. All
-/// of a warp's lanes. Returns how many.
+/// Writes the keys of the symbols that occur, in ascending order. Each symbol counts the smaller keys to find its
+/// index. All lanes of a warp call it. Returns the number of keys.
 __device__ std::uint32_t order(const std::uint32_t* counts, std::uint32_t symbols, std::uint32_t* keys) {
   std::uint32_t used = 0;
   for (std::uint32_t s = threadIdx.x; s < symbols; s += 32) {
@@ -26,7 +26,8 @@ __device__ std::uint32_t order(const std::uint32_t* counts, std::uint32_t symbol
   return __reduce_add_sync(~0u, used);
 }
 
-/// Bits of each segment's tokens, as sums before each. All of a warp's lanes; returns all bits.
+/// Computes the number of bits before each segment. All lanes of a warp call it. Returns the number of bits of all
+/// segments.
 __device__ std::uint32_t place_segments(const std::uint32_t* tokens, const deflate::Code* codes, BlockPlace& block) {
   std::uint32_t before = 0;
   for (std::uint32_t s = 0; s < deflate::segments_per_block; ++s) {
@@ -40,7 +41,7 @@ __device__ std::uint32_t place_segments(const std::uint32_t* tokens, const defla
   return before;
 }
 
-/// A warp a block. Huffman's tree is one lane's work: all else waits for it a few hundred steps.
+/// Uses one warp per block. A single lane builds Huffman's tree; the other lanes wait a few hundred steps.
 __global__ void __launch_bounds__(32) codes(Batch batch) {
   __shared__ std::uint32_t counts[deflate::block_symbols];
   __shared__ deflate::BlockWork work;
@@ -72,7 +73,7 @@ __global__ void __launch_bounds__(32) codes(Batch batch) {
   block.bits = made.header_bits + of_segments + deflate::bits_of(deflate::end_of_block, made.codes).count;
 }
 
-/// Where the blocks of a chunk begin, and how long the chunk is.
+/// Sets the first bit of each block of a chunk. Returns the size of the packed chunk.
 __device__ std::uint32_t place_blocks(const Batch& batch, ChunkPlace& chunk) {
   std::uint64_t bits = 0;
   for (std::uint32_t b = chunk.first_block; b < chunk.first_block + chunk.blocks; ++b) {
@@ -83,7 +84,7 @@ __device__ std::uint32_t place_blocks(const Batch& batch, ChunkPlace& chunk) {
   return chunk.packed_bytes = deflate::frame_bytes + deflate::deflate_size(chunk.bytes, bits);
 }
 
-/// One thread block for all chunks, which are few.
+/// Uses one thread block for all chunks, because there are few.
 __global__ void __launch_bounds__(placers) place(Batch batch) {
   using Scan = cub::BlockScan<std::uint64_t, placers>;
   __shared__ typename Scan::TempStorage room;

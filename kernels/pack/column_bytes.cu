@@ -5,7 +5,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Bytes of the device in a buffer of the host's.
+/// Copies bytes from the device to a page-locked host buffer and waits for the copy.
 std::shared_ptr<PinnedBuffer> brought(DeviceHeap& heap, const std::uint8_t* bytes, std::size_t size, PinnedPool& pinned,
                                       const std::uint8_t*& arrived) {
   std::shared_ptr<PinnedBuffer> buffer = pinned.take();

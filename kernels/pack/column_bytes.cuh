@@ -1,4 +1,4 @@
-/// From columns in device memory to what a file holds of them, in the host's memory.
+/// Transfers columns from device memory to host memory, raw or in storage format.
 #pragma once
 
 #include <memory>
@@ -10,21 +10,22 @@
 
 namespace gigabake::kernels {
 
-/// A column in the buffer that holds all of them raw.
+/// A column in the buffer that holds all raw columns.
 struct RawColumn {
-  PackedColumn* column;  ///< to be told where its bytes are; rows are set
+  PackedColumn* column;  ///< its rows are set; the transfer sets its bytes
   RowShape shape;
-  std::size_t at;     ///< in the buffer
-  std::size_t bytes;  ///< of all of its chunks; zeros stand after the last row
+  std::size_t at;     ///< offset in the buffer
+  std::size_t bytes;  ///< size of all its chunks; zeros follow the last row
 };
 
-/// Brings all columns to the host, and tells each of them where it is. Returns what they borrow. Waits for the stream.
+/// Reads back all columns and sets the `raw` bytes of each. Returns the memory that the columns borrow. Waits for the
+/// stream.
 /// Errors  CudaFailure.
 std::shared_ptr<const void> bring_raw(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
                                       const std::vector<RawColumn>& columns, PinnedPool& pinned);
 
-/// As chunks that deflate has compressed here, with their checksums: what a file holds.
-/// Cost    Device memory as pack_chunks().
+/// Like bring_raw(), but compresses the columns on the device and sets the `stored` chunks, with their checksums.
+/// Cost    Device memory like pack_chunks().
 std::shared_ptr<const void> bring_stored(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
                                          const std::vector<RawColumn>& columns, PinnedPool& pinned);
 

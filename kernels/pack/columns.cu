@@ -16,11 +16,11 @@ __device__ std::uint64_t warp_or(std::uint64_t bits) {
 
 __device__ unsigned lower_lanes() { return (1u << (threadIdx.x & 31)) - 1; }
 
-/// The warp's brick and channel; block y is the channel.
+/// The brick and channel of a warp; blockIdx.y is the channel.
 struct WarpBrick {
-  int lod = -1;  ///< none: there is nothing for this warp
+  int lod = -1;  ///< -1: the warp has no brick
   std::uint32_t brick;
-  std::size_t number;  ///< in FoundShares
+  std::size_t number;  ///< index in FoundShares
 
   __device__ explicit WarpBrick(const LevelsView& levels) {
     const std::uint32_t in_all = blockIdx.x * warps + threadIdx.x / 32;
@@ -32,14 +32,14 @@ struct WarpBrick {
   }
 };
 
-/// The lane's voxel of 32 places of a brick: whether it is there, its place in the brick and its number in the level.
+/// The lane's voxel among 32 positions of a brick: its existence, its position in the brick and its index in the level.
 struct LaneVoxel {
   bool is_there;
-  unsigned place, lanes;  ///< lanes: that have one
+  unsigned place, lanes;  ///< lanes: mask of the lanes that have a voxel
   std::uint32_t number;
 };
 
-/// visit(LaneVoxel) for all of a brick's voxels, in order, by whole warps.
+/// Calls visit(LaneVoxel) for all voxels of a brick, in order. All lanes of a warp call it.
 template <class Visit>
 __device__ void for_each_voxels(const std::uint64_t* mask, std::uint32_t first, const Visit& visit) {
   const unsigned lane = threadIdx.x & 31;
@@ -56,10 +56,10 @@ __device__ const std::uint8_t* bytes_of(const ChannelView& channel, std::uint32_
   return channel.bytes + std::size_t(voxel) * channel.stride;
 }
 
-/// Of lanes with the same key the lowest one. lanes: who ask.
+/// Returns true for the lowest of the lanes with the same key. lanes: the lanes to compare.
 __device__ bool is_lowest(unsigned lanes, unsigned key) { return (__match_any_sync(lanes, key) & lower_lanes()) == 0; }
 
-/// Each group's first value goes to `value`. Returns the groups that have voxels.
+/// Writes the first value of each group to `value`. Returns a mask of the groups that have voxels.
 __device__ std::uint64_t find_groups(const LevelsView& levels, const WarpBrick& at, const ChannelView& channel,
                                      std::uint32_t* value) {
   std::uint64_t seen = 0;
@@ -73,7 +73,7 @@ __device__ std::uint64_t find_groups(const LevelsView& levels, const WarpBrick& 
   return seen;
 }
 
-/// A warp a brick and channel.
+/// Uses one warp per brick and channel.
 __global__ void __launch_bounds__(threads)
     share_bricks(const LevelsView levels, std::uint8_t* share, std::uint32_t* values, Findings* findings) {
   __shared__ std::uint32_t first_value[warps][groups_a_brick];
@@ -108,7 +108,7 @@ __global__ void __launch_bounds__(threads)
   if (any_differs) findings->differ[blockIdx.y][at.lod] = 1;
 }
 
-/// Block y: the level.
+/// Counts alphas; blockIdx.y is the level.
 __global__ void __launch_bounds__(threads) count_alphas(const LevelsView levels, Findings* findings) {
   __shared__ unsigned counts[threads];
   const int lod = int(blockIdx.y);
@@ -121,7 +121,7 @@ __global__ void __launch_bounds__(threads) count_alphas(const LevelsView levels,
     atomicAdd(&findings->alphas[lod][threadIdx.x], (unsigned long long)(counts[threadIdx.x]));
 }
 
-/// A thread a level, block y: the channel. Differences of sums that have gone round are still right.
+/// Uses one thread per level; blockIdx.y is the channel. The difference is correct even if the 32-bit sums overflow.
 __global__ void sum_levels(const LevelsView levels, const std::uint32_t* start, Findings* findings) {
   const unsigned lod = threadIdx.x;
   if (lod >= unsigned(levels.levels)) return;
@@ -135,7 +135,7 @@ __device__ void write_value(const ChannelView& channel, std::uint32_t voxel, std
   for (std::uint32_t i = 0; i < channel.width; ++i) column[std::size_t(row) * channel.width + i] = from[i];
 }
 
-/// Values of a brick's own, or the first of those that share one, in order.
+/// Writes the values of a brick that are stored: separate values, and the first value of each shared group, in order.
 __device__ void write_shared(const LevelsView& levels, const WarpBrick& at, const std::uint8_t* share,
                              std::uint32_t row, std::uint8_t* column) {
   const ChannelView channel = levels.channel[at.lod][blockIdx.y];
@@ -182,7 +182,7 @@ __device__ void write_channel(const LevelsView& levels, const WarpBrick& at, con
   }
 }
 
-/// A warp a brick and channel; the block y after the last channel: masks and where voxels begin.
+/// Uses one warp per brick and channel. The blockIdx.y after the last channel writes the masks and first voxels.
 __global__ void __launch_bounds__(threads)
     write_columns(const LevelsView levels, const std::uint8_t* share, const std::uint32_t* start, const LevelOut* out) {
   const WarpBrick at(levels);
@@ -195,7 +195,7 @@ __global__ void __launch_bounds__(threads)
 struct NodesView {
   const std::uint32_t *key, *first_child, *value;
   const std::uint8_t *lod, *child_mask;
-  const NodeKind* kind;  ///< or null, with the next two
+  const NodeKind* kind;  ///< null if all nodes are bricks, like the next two
   const std::uint16_t* normal;
   const std::uint32_t* facing;
   std::uint32_t count;

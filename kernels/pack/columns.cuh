@@ -1,5 +1,5 @@
-/// A cell's columns on the device: which voxels share a value, how many values that leaves, and then every column's
-/// rows. The rules are lattice/pack's; here they are spread over warps, one for a brick and channel.
+/// A cell's columns on the device: finds the voxels that share a value, counts the values, and writes the columns.
+/// lattice/pack defines the rules; here one warp per brick and channel executes them.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,14 @@ namespace gigabake::kernels {
 
 inline constexpr int most_channels = 6;
 
-/// What a column of values stores of each voxel: `width` bytes, `stride` bytes apart. No bytes: the level has none.
+/// The source of a column of values: `width` bytes per voxel, `stride` bytes apart. bytes is null if the level has no
+/// such channel.
 struct ChannelView {
   const std::uint8_t* bytes;
   std::uint32_t stride, width;
 };
 
-/// All levels of a cell, one behind the other: brick b of a level is brick offset + b of the cell.
+/// The concatenated levels of a cell: brick b of a level is brick offset + b of the cell.
 struct LevelsView {
   const std::uint64_t* mask[most_levels];
   const std::uint32_t* first[most_levels];
@@ -31,54 +32,61 @@ struct LevelsView {
   std::uint32_t bricks_in_all;
 };
 
-/// Range  most_channels a level, as many for each as its levels have; std::length_error beyond 2^32-1 bricks.
+/// Returns the view of `levels`.
+/// Range   At most most_channels per level.
+/// Errors  std::length_error beyond most_channels or 2^32-1 bricks; std::invalid_argument if a level lacks a requested
+///         channel.
 LevelsView view_of(const std::vector<const DeviceLevel*>& levels,
                    const std::vector<std::vector<ChannelPlace>>& channels);
 
-/// What the host must know before it can say how large the columns are.
+/// The results of find_shares() from which the host computes the sizes of the columns.
 struct Findings {
-  std::uint32_t begin[most_channels][most_levels];   ///< of the level's values, in those of all levels and channels
-  std::uint32_t values[most_channels][most_levels];  ///< if they are shared
-  std::uint32_t differ[most_channels][most_levels];  ///< 1: not all voxels are alike
+  std::uint32_t begin[most_channels][most_levels];   ///< index of the level's first value among all levels and channels
+  std::uint32_t values[most_channels][most_levels];  ///< number of values if they are shared
+  std::uint32_t differ[most_channels][most_levels];  ///< 1: some voxels differ
   unsigned long long alphas[most_levels][256];
 
   ValuesStored stored(const LevelsView& levels, int channel, int lod) const;
 };
 
-/// Brick b's channel c is number c · bricks_in_all + b here.
+/// The shared values of all bricks. The entry of channel c of brick b is c · bricks_in_all + b.
 struct FoundShares {
-  DeviceArray<std::uint8_t> share;   ///< share_bytes each
-  DeviceArray<std::uint32_t> start;  ///< where its values begin
+  DeviceArray<std::uint8_t> share;   ///< share_bytes per entry
+  DeviceArray<std::uint32_t> start;  ///< index of the entry's first value
 };
 
-/// Waits for the stream. Errors  CudaFailure.
+/// Finds the voxels that share a value. Waits for the stream.
+/// Errors  CudaFailure.
 FoundShares find_shares(DeviceHeap& heap, const LevelsView& levels, Findings& findings);
 
-/// Where a level's columns are to be made; of those that are not stored null.
+/// The destinations of a level's columns; null for columns that are not stored.
 struct LevelOut {
   std::uint64_t *mask, *first;
   struct Channel {
     ValuesStored stored;
     std::uint8_t *value, *share;
     std::uint64_t* first;
-    std::uint32_t begin;  ///< as Findings::begin
+    std::uint32_t begin;  ///< like Findings::begin
   } channel[most_channels];
 };
 
-/// out: [lod]. Errors  CudaFailure.
+/// Writes the columns of all levels. out: [lod].
+/// Errors  CudaFailure.
 void make_columns(DeviceHeap& heap, const LevelsView& levels, const FoundShares& shares,
                   const std::vector<LevelOut>& out);
 
-/// Where the columns of a node table are to be made. Those of a table of bricks that are zeros are not made here.
+/// The destinations of a node table's columns. If all nodes are bricks, kind, normal and facing are zeros and not
+/// written.
 struct NodesOut {
   std::uint64_t* key;
   std::uint32_t *first_child, *value;
   std::uint8_t *lod, *child_mask;
   NodeKind* kind;
   std::uint16_t* normal;
-  std::uint32_t* facing;  ///< or null
+  std::uint32_t* facing;  ///< null if the channel is off
 };
 
+/// Writes the columns of a node table.
 /// Errors  CudaFailure.
 void make_node_columns(DeviceHeap& heap, const DeviceNodes& nodes, const NodesOut& out);
 

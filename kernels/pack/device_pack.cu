@@ -5,7 +5,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// The last batch's steps.
+/// Returns the seconds of each step of the last batch.
 std::array<double, 6> steps(const StreamClock& clock) {
   std::array<double, 6> seconds{};
   for (int i = 0; i < 6; ++i) seconds[std::size_t(i)] = clock.between(i, i + 1);

@@ -1,4 +1,4 @@
-// From raw bytes to the match of each position.
+// Computes the match of each position from the raw bytes, and the tokens of each segment.
 #include "kernels/pack/batch.cuh"
 #include "lattice/pack/shuffle.h"
 
@@ -6,9 +6,9 @@ namespace gigabake::kernels::pack {
 namespace {
 
 constexpr unsigned threads = 256,
-                   parts = 8;  ///< a block's bytes go to so many thread blocks where each byte is by itself
+                   parts = 8;  ///< thread blocks per deflate block in the kernels with one byte per thread
 
-/// The bytes of a part of a block, from where this thread begins.
+/// The range of bytes of a thread in its part of a block, with a stride of `threads`.
 struct Part {
   std::uint32_t begin, end;
 };
@@ -25,14 +25,14 @@ __global__ void __launch_bounds__(threads) stage(Batch batch) {
     batch.bytes[chunk.staged + i] = batch.raw[chunk.raw + shuffled_from(i, chunk.bytes, chunk.element_bytes)];
 }
 
-/// What a warp enters positions of a chunk in, and where it keeps what lay there before each; null: it keeps nothing.
+/// The table that a warp updates, and the destination of the previous entries of each position; null to discard them.
 struct Entering {
   deflate::Bucket* table;
   std::uint32_t* words;
 };
 
-/// One position a lane, those below `end`. What lies in a position's bucket is the highest lower lane with that bucket,
-/// if there is one, and what lay there before the warp's otherwise.
+/// Enters one position per lane into the table; skips positions from `end` on. The candidate of a position is the
+/// highest lower lane with the same bucket. If there is none, it is the table's entry before the warp's update.
 __device__ void enter_32(std::uint32_t warp_position, std::uint32_t four, std::uint32_t end, const Entering& to) {
   const std::uint32_t lane = threadIdx.x, position = warp_position + lane;
   const bool entered = position < end;
@@ -46,8 +46,8 @@ __device__ void enter_32(std::uint32_t warp_position, std::uint32_t four, std::u
   __syncwarp();
 }
 
-/// A warp enters positions [begin, end), 32 at a time. Their bytes are read 256 ahead: a step that waits for its own
-/// takes as long as memory does.
+/// Enters positions [begin, end), 32 at a time; one warp calls it. Bytes are read 256 positions ahead, which hides the
+/// memory latency.
 __device__ void enter(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end, const Entering& to) {
   constexpr std::uint32_t steps = 8;
   std::uint32_t four[steps], next[steps];
@@ -68,7 +68,7 @@ __device__ void enter(const std::uint8_t* bytes, std::uint32_t begin, std::uint3
   }
 }
 
-/// A warp a block.
+/// Uses one warp per block.
 __global__ void __launch_bounds__(32) candidates(Batch batch) {
   __shared__ deflate::Bucket table[deflate::buckets];
   const BlockPlace& block = batch.blocks[blockIdx.x];
@@ -101,7 +101,7 @@ __global__ void __launch_bounds__(threads) matches(Batch batch) {
   }
 }
 
-/// A warp a block, a lane a segment.
+/// Uses one warp per block and one lane per segment.
 __global__ void __launch_bounds__(32) parse(Batch batch) {
   __shared__ std::uint32_t counts[deflate::block_symbols];
   BlockPlace& block = batch.blocks[blockIdx.x];
@@ -111,7 +111,7 @@ __global__ void __launch_bounds__(32) parse(Batch batch) {
   const std::uint32_t begin = block.begin + lane * deflate::segment_bytes;
   std::uint32_t tokens = 0;
   if (begin < block.end) {
-    // A segment has no more tokens than bytes: they go where its matches were read from.
+    // A segment has at most as many tokens as bytes, so the tokens overwrite the matches already read.
     std::uint32_t *const words = batch.words + staged, *const to = words + begin;
     const auto match_at = [&](std::uint32_t p, std::uint32_t, std::uint32_t) { return deflate::match_of(words[p]); };
     const auto add = [&](deflate::Token token) {

@@ -6,7 +6,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// What the host knows of a batch before it runs.
+/// The layout of a batch, computed on the host before the batch runs.
 struct BatchPlan {
   std::vector<pack::ChunkPlace> chunks;
   std::vector<pack::BlockPlace> blocks;
@@ -30,11 +30,11 @@ void add_chunk(const RawChunk& chunk, BatchPlan& plan) {
     plan.blocks.push_back(block);
   }
   plan.chunks.push_back(place);
-  // Chunks begin where words of 16 bytes do, and what is read beyond one's end is not another's.
+  // Chunks begin at multiples of 16 bytes. Reads beyond a chunk's end do not reach the next chunk.
   plan.staged_bytes += (std::uint64_t(chunk.bytes) + deflate::readable_beyond + 15) / 16 * 16;
 }
 
-/// The chunks from `first` on that are packed together.
+/// Plans the batch that begins with chunk `first`.
 BatchPlan plan_batch(std::span<const RawChunk> chunks, std::size_t first) {
   BatchPlan plan;
   for (; first < chunks.size(); ++first) {
@@ -87,7 +87,7 @@ void pack_batch(DeviceHeap& heap, const BatchPlan& plan, pack::Batch batch, Stre
   mark(6);
 }
 
-/// As large as chunks can get.
+/// Returns the max total size of the packed chunks.
 std::uint64_t most_bytes(std::span<const RawChunk> chunks) {
   std::uint64_t bytes = 0;
   for (const RawChunk& c : chunks) bytes += deflate::frame_bytes + deflate::stored_size(c.bytes);
@@ -101,7 +101,7 @@ PackedChunks pack_chunks(DeviceHeap& heap, const std::uint8_t* raw, std::span<co
   PackedChunks packed;
   packed.ends.resize(chunks.size());
   if (chunks.empty()) return packed;
-  // Bits are set in whole words, of which the last one may reach beyond the last byte.
+  // Bits are set in whole words; the last word may extend beyond the last byte.
   packed.bytes = DeviceArray<std::uint8_t>(heap, (most_bytes(chunks) + 7) / 4 * 4);
   packed.bytes.clear_to_zero();
   DeviceArray<std::uint64_t> ends(heap, chunks.size()), packed_end(heap, 1);

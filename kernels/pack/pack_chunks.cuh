@@ -1,6 +1,6 @@
-/// Chunks of raw bytes on a device to chunks as HDF5 stores them, by the rules of lattice/pack.
+/// Compression of raw chunks in device memory to chunks in HDF5's storage format, by the rules of lattice/pack.
 ///
-/// Exact   The bytes that encode_chunk() of format/shard makes with deflate, chunk for chunk.
+/// Exact   The same bytes as deflate in encode_chunk() of format/shard, chunk by chunk.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +14,16 @@
 namespace gigabake::kernels {
 
 struct PackedChunks {
-  /// All chunks back to back in their first ends.back() bytes. It is as large as if nothing had been packed.
+  /// All chunks, concatenated in the first ends.back() bytes. The array has the size of uncompressed chunks.
   DeviceArray<std::uint8_t> bytes;
-  std::vector<std::uint64_t> ends;  ///< where each chunk ends, and the next one begins
+  std::vector<std::uint64_t> ends;  ///< the end of each chunk, where the next chunk begins
 };
 
-/// raw: of the device; the chunks may lie in it as they like. clock: null, or marked with steps 0 … 6 of the last
-/// batch, whose names are in `pack_steps`. Cost    Device memory besides the result: six bytes for each raw byte of a
-/// batch, which is at most pack_batch_bytes,
-///         or one chunk that is larger. The host waits once, at the end.
-/// Errors  DeviceFull, CudaFailure; also where a chunk is larger than largest_packed_chunk.
+/// Packs `chunks`, which may be in any order. raw: in device memory. clock: null, or the clock that receives the marks
+/// 0 … 6 of the last batch; `pack_steps` has the names of the steps.
+/// Cost    Device memory in addition to the result: at most six bytes per raw byte of a batch. A batch has at most
+///         pack_batch_bytes, or is one larger chunk. The host waits once, at the end.
+/// Errors  DeviceFull, CudaFailure; also if a chunk is larger than largest_packed_chunk.
 PackedChunks pack_chunks(DeviceHeap& heap, const std::uint8_t* raw, std::span<const RawChunk> chunks,
                          StreamClock* clock);
 

@@ -1,7 +1,6 @@
-/// A baked cell's columns, made where its voxels are: what comes down the bus is what a shard's file holds, and the
-/// host has no voxels.
+/// Packing of a baked cell's columns on the device. Only the columns are transferred; the host never receives voxels.
 ///
-/// Built without CUDA there are no baked cells on a device, and so nothing to pack.
+/// Builds without CUDA have no cells on a device; the constructor of CudaPacker always throws there.
 #pragma once
 
 #include <cstdint>
@@ -15,31 +14,32 @@
 
 namespace gigabake::kernels {
 
-/// How columns come to the host.
+/// The format in which columns are transferred to the host.
 enum class ColumnBytes : std::uint8_t {
-  raw,     ///< row after row, for the host to compress
-  stored,  ///< chunk after chunk as a file holds it, compressed by deflate
+  raw,     ///< rows in order, for compression on the host
+  stored,  ///< chunks in storage format, compressed by deflate
 };
 
 struct PackRequest {
-  std::vector<std::vector<ChannelPlace>> channels;  ///< [lod]; what each level's columns of values hold
-  std::vector<RowShape> nodes;                      ///< of the node table's columns, as NodeColumn numbers them
+  std::vector<std::vector<ChannelPlace>> channels;  ///< [lod]; the columns of values of each level
+  std::vector<RowShape> nodes;                      ///< the rows of the node table's columns, in the order of
+                                                    ///< NodeColumn
   ColumnBytes as = ColumnBytes::stored;
-  std::uint64_t memory_bytes = 0;  ///< of device memory, for working arrays and columns. 0: no bound
+  std::uint64_t memory_bytes = 0;  ///< limit of device memory for temporary arrays and columns; 0: no limit
 };
 
-/// A cell without its voxels: what is left of them are columns.
+/// A packed cell: columns instead of voxels.
 struct PackedCell {
-  std::vector<PackedLevel> levels;    ///< [lod]; they and the nodes borrow `memory`
-  std::vector<PackedColumn> nodes;    ///< as they were asked for
-  NodeTable constants;                ///< of the nodes those that are no bricks: kind, lod and value alone
+  std::vector<PackedLevel> levels;    ///< [lod]; borrow `memory`, like the nodes
+  std::vector<PackedColumn> nodes;    ///< in the order of the request
+  NodeTable constants;                ///< only the nodes that are no bricks: kind, lod and value
   std::vector<Hash128> content_hash;  ///< [lod]
-  ParentSource above;                 ///< as CellVolume has it
+  ParentSource above;                 ///< as in CellVolume
   CellStats stats;
-  std::shared_ptr<const void> memory;  ///< page-locked; goes back to the packer with the last who holds it
+  std::shared_ptr<const void> memory;  ///< page-locked; returns to the packer with the last reference
 };
 
-/// Packs on a stream of its own, beside a CudaBaker of the same device that bakes the next cell.
+/// A packer with a separate stream, so that a CudaBaker of the same device can bake the next cell concurrently.
 class CudaPacker {
  public:
   /// Errors  CudaFailure.
@@ -48,13 +48,13 @@ class CudaPacker {
   CudaPacker(const CudaPacker&) = delete;
   CudaPacker& operator=(const CudaPacker&) = delete;
 
-  /// None where the cell came in parts or has no voxels: what is left of it to do is CudaBaker::download()'s. One call
-  /// at a time; the volume stays as it is. Exact   The columns that format/shard makes of the downloaded volume, by the
-  /// rules of lattice/pack; stored chunks
-  ///         are its encode_chunk()'s.
-  /// Cost    On the device once more what the columns take, as much again where they are compressed there, and what
-  ///         pack_chunks() works with (kernels/pack/pack_chunks.cuh). Waits for the stream four times.
-  /// Errors  DeviceFull: with more memory, or on the host, it can be packed. CudaFailure.
+  /// Packs a cell; does not change `volume`. Calls must not be concurrent. Returns nullopt if the cell was baked in
+  /// parts or has no voxels; the caller must then use CudaBaker::download().
+  /// Exact   The columns equal the columns that format/shard makes of the downloaded volume by the rules of
+  ///         lattice/pack. Stored chunks equal the output of its encode_chunk().
+  /// Cost    Device memory: the size of the columns, the same again if they are compressed, and the temporary memory of
+  ///         pack_chunks() (kernels/pack/pack_chunks.cuh). Waits for the stream four times.
+  /// Errors  DeviceFull if more memory or packing on the host would help; CudaFailure.
   std::optional<PackedCell> pack(const CudaVolume& volume, const PackRequest& request);
 
  private:

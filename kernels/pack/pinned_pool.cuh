@@ -1,4 +1,4 @@
-/// Page-locked buffers that are used again: to lock one takes longer than to fill it.
+/// Page-locked buffers that are reused, because page-locking takes longer than filling a buffer.
 #pragma once
 
 #include <atomic>
@@ -10,14 +10,15 @@
 
 namespace gigabake::kernels {
 
-/// As many buffers as are in use at a time. One thread asks; the last who holds a buffer, any thread, lets it go.
+/// A pool with as many buffers as are used concurrently. One thread calls take(); any thread may release a buffer.
 class PinnedPool {
  public:
-  /// A buffer that nobody else holds, of any size. Errors  CudaFailure when it reserves.
+  /// Returns an unused buffer of any size.
+  /// Errors  CudaFailure from its reserve().
   std::shared_ptr<PinnedBuffer> take() {
     for (const std::shared_ptr<PinnedBuffer>& buffer : buffers_)
       if (buffer.use_count() == 1) {
-        std::atomic_thread_fence(std::memory_order_acquire);  // after what its last holder read
+        std::atomic_thread_fence(std::memory_order_acquire);  // after the reads of the last user
         return buffer;
       }
     buffers_.push_back(std::make_shared<PinnedBuffer>());
@@ -28,7 +29,8 @@ class PinnedPool {
   std::vector<std::shared_ptr<PinnedBuffer>> buffers_;
 };
 
-/// Rounded up, so that cells of about the same size do not make a buffer grow again and again.
+/// Returns a capacity of at least `bytes` in steps of 25 %, so that cells of similar size do not enlarge a buffer
+/// repeatedly.
 inline std::size_t roomy(std::size_t bytes) {
   std::size_t room = std::size_t(8) << 20;
   while (room < bytes) room += room / 4;

@@ -1,19 +1,19 @@
-// From tokens and codes to the bytes of stored chunks.
+// Writes the bytes of stored chunks from tokens and codes.
 #include "kernels/pack/batch.cuh"
 
 namespace gigabake::kernels::pack {
 namespace {
 
 constexpr unsigned warps = 8, summers = 256;
-/// What 32 tokens take at most, from anywhere within a word on.
+/// The max number of words that 32 tokens occupy if they begin at any bit of a word.
 constexpr unsigned gathered_words = 32 * 48 / 32 + 2;
 
-/// Sets bits that are zero yet, in words of which other warps may set others.
+/// Sets bits that are still zero. Other warps may set bits of the same words.
 __device__ void set_bits(std::uint32_t* words, std::uint32_t word, std::uint32_t bits) {
   if (bits != 0) atomicOr(words + word, bits);
 }
 
-/// Where a chunk's bits begin: bit 0 of the result's words is bit 0 of its first byte.
+/// The position of a bit in the result. Bit 0 of the result's words is bit 0 of its first byte.
 struct BitPlace {
   std::uint32_t* words;
   std::uint64_t bit;
@@ -32,7 +32,7 @@ __device__ std::uint32_t sum_upto(std::uint32_t count) {
   return count;
 }
 
-/// The bits of a warp's lanes, one lane's behind the other's, to `to`; returns how many. They meet in fast memory.
+/// Concatenates the bits of a warp's lanes in shared memory and writes them to `to`. Returns the number of bits.
 __device__ std::uint32_t write_together(const deflate::Bits& mine, const BitPlace& to, std::uint32_t* gathered) {
   const std::uint32_t lane = threadIdx.x % 32, upto = sum_upto(mine.count);
   const std::uint32_t all = __shfl_sync(~0u, upto, 31);
@@ -57,7 +57,7 @@ __device__ BitPlace moved(const BitPlace& from, std::uint32_t bits) {
   return {from.words + bit / 32, bit % 32};
 }
 
-/// Part of a chunk that is stored as it is: each of its blocks copies its share.
+/// Copies a part of a chunk in stored blocks: thread block `block` copies an equal part of the chunk.
 __device__ void copy_stored(const Batch& batch, const ChunkPlace& chunk, std::uint32_t block) {
   const std::uint32_t size = deflate::stored_size(chunk.bytes), share = size / chunk.blocks + 1;
   std::uint8_t* to = batch.packed + chunk.packed + deflate::zlib_header_bytes;
@@ -65,7 +65,7 @@ __device__ void copy_stored(const Batch& batch, const ChunkPlace& chunk, std::ui
     to[i] = deflate::stored_byte(batch.bytes + chunk.staged, chunk.bytes, i);
 }
 
-/// The tokens of a segment, by one warp.
+/// Writes the tokens of a segment; one warp calls it.
 __device__ void write_segment(const deflate::Token* tokens, std::uint32_t count, const deflate::Code* codes,
                               BitPlace to, std::uint32_t* gathered) {
   for (std::uint32_t t = 0; t < count; t += 32) {
@@ -75,7 +75,7 @@ __device__ void write_segment(const deflate::Token* tokens, std::uint32_t count,
   }
 }
 
-/// Header and end of a block, by one warp.
+/// Writes the header and the end-of-block symbol of a block; one warp calls it.
 __device__ void write_header(const Batch& batch, const ChunkPlace& chunk, const BlockPlace& block,
                              const deflate::BlockCodes& made, std::uint32_t* gathered) {
   BitPlace to = place_of(batch, chunk, block.first_bit);
@@ -92,7 +92,7 @@ __device__ void write_header(const Batch& batch, const ChunkPlace& chunk, const 
   set_bits(to.words, 1, std::uint32_t(bits >> 32));
 }
 
-/// A thread block a block of deflate, its warps by turns a segment.
+/// Uses one thread block per deflate block; its warps write the segments in turn.
 __global__ void __launch_bounds__(warps * 32) write(Batch batch) {
   __shared__ deflate::Code codes[deflate::block_symbols];
   __shared__ std::uint32_t gathered[warps][gathered_words];
@@ -112,7 +112,7 @@ __global__ void __launch_bounds__(warps * 32) write(Batch batch) {
   }
 }
 
-/// The sum of a thread block's sums, for its first thread. Begins with a barrier.
+/// Returns the joined sums of a thread block to all threads. Begins with a barrier.
 template <class Sums>
 __device__ Sums joined(Sums mine) {
   __shared__ Sums all[summers];
@@ -127,7 +127,7 @@ __device__ Sums joined(Sums mine) {
   return all[0];
 }
 
-/// A thread block a chunk: the frame's first bytes, its checksum, and HDF5's.
+/// Writes the zlib header and both checksums of a chunk; one thread block per chunk.
 __global__ void __launch_bounds__(summers) sums(Batch batch) {
   const ChunkPlace chunk = batch.chunks[blockIdx.x];
   const std::uint8_t* bytes = batch.bytes + chunk.staged;
