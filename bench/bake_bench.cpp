@@ -58,7 +58,7 @@ BakeBench bench_bake(const BakeBenchRequest& request) {
   const std::vector<CellReport> one_by_one =
       bake_cells(*make_pipeline(sources, request, device.device), jobs, 1, progress);
   b.alone = stages(one_by_one);
-  // As in a bake, a device's driver starts while tiles are surveyed.
+  // Like in a bake, a device's driver is initialized while tiles are scanned.
   const std::unique_ptr<CellPipeline> pipeline = make_pipeline(sources, request, device.device);
   plan_scene(sources, request.scene);
   progress.step("baking cells overlapped", jobs.size(), "cell");

@@ -1,4 +1,4 @@
-/// Times whole cells, from files to shards: each stage alone, then all of them overlapped.
+/// Times whole cells, from files to shards: each stage separately, then all stages overlapped.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@ namespace gigabake::bench {
 
 struct BakeBenchRequest {
   BenchScene scene;
-  std::filesystem::path out;  ///< shards go to OUT/shards and replace those there; holds no scene
+  std::filesystem::path out;  ///< shards in OUT/shards are replaced; OUT contains no scene
   Backend backend = Backend::automatic;
-  std::size_t most_cells = 16;  ///< of the plan, the first ones
+  std::size_t most_cells = 16;  ///< the first cells of the plan
 };
 
 /// Seconds, summed over the cells.
@@ -28,14 +28,15 @@ struct BakeBench {
   std::string backend;  ///< "cpu" or "cuda": where the kernels ran
   std::size_t cells = 0;
   std::uint64_t triangles = 0, voxels = 0, bytes = 0;
-  StageSeconds alone;       ///< one cell at a time, so that no stage waits for cores that another uses
-  StageSeconds overlapped;  ///< of the run below
+  StageSeconds alone;       ///< one cell in flight, so that stages do not compete for cores
+  StageSeconds overlapped;  ///< of the run that bake_s measures
   double bake_s = 0;        ///< wall time with three cells in flight
-  bool differ = false;      ///< the two runs' content hashes
+  bool differ = false;      ///< whether the content hashes of the two runs differ
   std::string content_hash;
 };
 
-/// One process, no MPI. Errors  InputError: as a bake, a cell that failed, or no voxels; UsageError.
+/// Measures a bake in one process, without MPI.
+/// Errors  InputError: as a bake, a cell that failed, or no voxels. UsageError.
 BakeBench bench_bake(const BakeBenchRequest& request);
 
 }  // namespace gigabake::bench

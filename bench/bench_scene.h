@@ -1,5 +1,4 @@
-/// What the benchmarks have in common: a scene, its plan made in this process, cells baked in it, and what one stop
-/// watch says.
+/// Shared parts of the benchmarks: a scene, its plan and its bake in this process, and a clock.
 #pragma once
 
 #include <chrono>
@@ -25,15 +24,18 @@ struct BenchScene {
   Progress progress = {};
 };
 
-/// Errors  InputError: as a bake of it; no triangles.
+/// Scans the source and plans its cells.
+/// Errors  InputError: as a bake; no triangles.
 BakePlan plan_scene(const SceneSources& sources, const BenchScene& scene);
 
-/// All jobs, at most `in_flight` of them at a time. Errors  InputError: a cell that failed; Stopped.
+/// Bakes all jobs, with at most `in_flight` cells in the pipeline.
+/// Errors  InputError: a cell failed. Stopped.
 std::vector<CellReport> bake_cells(CellPipeline& pipeline, const std::vector<CellJob>& jobs, std::size_t in_flight,
                                    const Progress& progress = {});
 
-/// As `gigabake bake`, by this process alone: plans, bakes and writes shards and scene.xml into `out`, where no shards
-/// are. Errors  as plan_scene() and bake_cells().
+/// Bakes a scene like `gigabake bake`, but in this process: plans, bakes, and writes shards and scene.xml into `out`,
+/// which must not contain shards.
+/// Errors  See plan_scene() and bake_cells().
 std::vector<CellReport> bake_scene(const SceneSources& sources, const BenchScene& scene,
                                    const std::optional<int>& device, const std::filesystem::path& out);
 

@@ -23,7 +23,7 @@ double at_share(std::vector<double> values, double share) {
   return values[std::min(values.size() - 1, std::size_t(share * double(values.size())))];
 }
 
-/// Of the sRGB bytes; infinite where they are the same.
+/// Returns the PSNR of the sRGB bytes; infinite if they are equal.
 double psnr_db(const Picture& a, const Picture& b) {
   double squared = 0;
   for (std::size_t i = 0; i < a.rgba.size(); ++i) squared += std::pow(double(a.rgba[i]) - double(b.rgba[i]), 2);
@@ -31,7 +31,7 @@ double psnr_db(const Picture& a, const Picture& b) {
   return 10 * std::log10(255.0 * 255.0 * double(a.rgba.size()) / squared);
 }
 
-/// Middle and extent of the scene, and the height of the ground in its middle.
+/// The middle and the width of the scene, and the height of the ground in its middle.
 struct Stage {
   Point<Scene> middle_m;
   double width_m = 0, ground_m = 0, voxel_m = 0;
@@ -116,7 +116,8 @@ FrameBenchView bench_view(const NamedView& named, const FrameBenchRequest& reque
   return result;
 }
 
-/// Once around the middle, low over the ground and up again; the eye moves a tenth of the scene's width in 20 frames.
+/// Returns a view of the flight around the middle; its height varies. The eye moves a tenth of the scene's width in 20
+/// frames.
 View on_flight(const Stage& s, double share, const FrameBenchRequest& request) {
   const double angle = 2 * std::numbers::pi * share, w = s.width_m;
   const double up = 0.05 + 0.1 * (1 + std::cos(3 * angle));

@@ -40,7 +40,7 @@ std::uint64_t bytes_of(const kernels::CellInput& input) {
   return bytes;
 }
 
-/// As a device packs it: brick 4 + 64 + 4, voxel 4 + 2 and its facing 3, node 14 bytes.
+/// Counts the bytes of the packed output: 4 + 64 + 4 per brick, 4 + 2 per voxel and 3 for its facing, 14 per node.
 void count_output(const kernels::CellVolume& volume, KernelBench& out) {
   for (const kernels::Level& level : volume.levels) {
     out.bricks += level.key.size();
@@ -63,7 +63,7 @@ std::string hash_of(kernels::CellVolume volume, const CellJob& job) {
   return all.hex();
 }
 
-/// Runs `once` to warm up and then `repeats` times; keeps the run whose kernels were fastest.
+/// Runs `once` for warm-up and then `repeats` times; keeps the run with the fastest kernels.
 void repeat(int repeats, const std::function<double(kernels::CellStats&)>& once, BackendTimes& times) {
   kernels::CellStats stats;
   once(stats);

@@ -1,4 +1,4 @@
-/// Times the kernels of one cell, backend by backend, and compares what they made.
+/// Times the kernels of one cell for each backend and compares the results.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@ namespace gigabake::bench {
 
 struct KernelBenchRequest {
   BenchScene scene;
-  int repeats = 5;                ///< the fastest whole run counts, after one that warms up
-  bool cpu = true, cuda = false;  ///< which backends
+  int repeats = 5;                ///< the fastest whole run counts, after a warm-up run
+  bool cpu = true, cuda = false;  ///< backends to run
 };
 
-/// One backend's fastest run.
+/// The fastest run of one backend.
 struct BackendTimes {
   std::string backend;  ///< "cpu" or "cuda"
   kernels::CellStats stats;
-  double total_s = 0;     ///< kernels alone: input and result stay in the backend's memory
-  double transfer_s = 0;  ///< of upload and download, where there are any
+  double total_s = 0;     ///< kernels only: input and result stay in the backend's memory
+  double transfer_s = 0;  ///< upload and download, if any
   std::string content_hash;
 };
 
@@ -31,15 +31,15 @@ struct KernelBench {
   std::uint64_t input_bytes = 0;    ///< mesh and textures, once
   std::uint64_t output_bytes = 0;   ///< packed levels and nodes, once
   double copy_bytes_per_s = 0;      ///< of the device; 0 without one
-  std::vector<BackendTimes> times;  ///< all of one content hash, or `differ`
+  std::vector<BackendTimes> times;  ///< content hashes are equal, or `differ` is set
   bool differ = false;
 
-  /// Least time that reading the input and writing the output once takes on the device.
+  /// Returns a lower bound of the time: reading the input and writing the output once on the device.
   double floor_s() const { return copy_bytes_per_s > 0 ? double(input_bytes + output_bytes) / copy_bytes_per_s : 0; }
 };
 
-/// The cell with the most triangles of the source's plan.
-/// Errors  InputError: as a bake of it, or the cell has no voxels; UsageError: cuda without a device.
+/// Measures the cell with the most triangles of the source's plan.
+/// Errors  InputError: as a bake, or the cell has no voxels. UsageError: cuda without a device.
 KernelBench bench_kernels(const KernelBenchRequest& request);
 
 }  // namespace gigabake::bench

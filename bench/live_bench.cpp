@@ -44,7 +44,7 @@ LiveBenchFrame compared(const Seen& seen, const Picture& last) {
   return out;
 }
 
-/// All frames until the viewer rests; the last one is that of rest.
+/// Returns all frames until the viewer is at rest; the last is the frame at rest.
 std::vector<Seen> watch_until_rest(LiveScene& scene, LiveScene::ViewerId viewer, Clock::time_point start) {
   std::vector<Seen> all;
   for (;;) {
@@ -61,7 +61,8 @@ void turn(LiveScene& scene, LiveScene::ViewerId viewer) {
   scene.steer(viewer, steering);
 }
 
-/// From a movement, made so long after the one before that a full frame is under way, to a picture from the new place.
+/// Returns the time from a movement to an image from the new pose. The movement follows an earlier one after a pause,
+/// so that a full frame is in progress.
 double answer_s(LiveScene& scene, LiveScene::ViewerId viewer, double pause_s) {
   turn(scene, viewer);
   std::this_thread::sleep_for(std::chrono::duration<double>(Pilot::rest_s + pause_s));

@@ -15,14 +15,14 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Of this thread, so that other programs are not counted.
+/// Returns the CPU time of this thread, so that other programs do not affect it.
 double core_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-/// The fastest of some runs.
+/// Returns the minimum time of several runs.
 template <class Pack>
 double timed(int repeats, const Pack& pack) {
   double least = 1e300;
@@ -34,7 +34,8 @@ double timed(int repeats, const Pack& pack) {
   return least;
 }
 
-/// Returns the chunks. Errors  InputError: there are none.
+/// Returns the chunks.
+/// Errors  InputError: there are none.
 std::vector<FileChunk> some(std::vector<FileChunk> chunks, const PackBenchRequest& request) {
   if (chunks.empty())
     throw InputError(request.shards, "",
@@ -64,7 +65,7 @@ struct FreeCompressor {
   void operator()(libdeflate_compressor* c) const { libdeflate_free_compressor(c); }
 };
 
-/// Of the bytes as they are shuffled, as the host packs them too; without the checksum.
+/// Packs shuffled bytes with libdeflate. Shuffling is timed because the host packer includes it; the checksum is not.
 ColumnPacking by_libdeflate(const FileChunk& chunk, int repeats) {
   const std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor(libdeflate_alloc_compressor(1));
   Bytes bytes(chunk.raw.size()), room(libdeflate_zlib_compress_bound(compressor.get(), chunk.raw.size()));

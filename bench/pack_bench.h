@@ -1,4 +1,4 @@
-/// Times packing of the chunks that a folder's shards hold: by libdeflate's level 1, by the host, by a device.
+/// Times the compression of chunks from a folder's shards: by libdeflate at level 1, by the host, and by a device.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@ namespace gigabake::bench {
 
 struct PackBenchRequest {
   std::filesystem::path shards;                       ///< a folder with *.h5
-  int repeats = 3;                                    ///< the fastest counts
-  std::uint64_t most_bytes = std::uint64_t(1) << 30;  ///< raw bytes, of the first shards
+  int repeats = 3;                                    ///< the minimum time counts
+  std::uint64_t most_bytes = std::uint64_t(1) << 30;  ///< raw bytes, from the first shards
 };
 
-/// Of a column, on every level and in every shard. Seconds of one core's time.
+/// Results for a column, summed over all levels and shards. Times are CPU seconds.
 struct ColumnPacking {
   std::uint64_t chunks = 0, raw_bytes = 0, bytes = 0, libdeflate_bytes = 0;
   double seconds = 0, libdeflate_seconds = 0;
@@ -26,13 +26,14 @@ struct ColumnPacking {
 struct PackBench {
   std::map<std::string, ColumnPacking> columns;
   ColumnPacking all;
-  std::string device_reason;  ///< why no device packed; empty: one did
+  std::string device_reason;  ///< the reason why no device was used; empty: a device was used
   kernels::DevicePacked device;
-  bool differ = false;  ///< the host's bytes from the device's, or what is unpacked from what was packed
+  bool differ = false;  ///< host and device bytes differ, or decompression does not restore the input
   double device_seconds() const;
 };
 
-/// Errors  InputError: no shards, none with a chunk of most_bytes, or a damaged one.
+/// Measures the chunks of a folder.
+/// Errors  InputError: no shards, no chunk within most_bytes, or a damaged shard.
 PackBench bench_pack(const PackBenchRequest& request);
 
 }  // namespace gigabake::bench

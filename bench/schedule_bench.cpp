@@ -14,10 +14,10 @@ enum class Kind : std::uint8_t { report, death, killed, restart, silence, watch 
 
 struct Event {
   double at_s = 0;
-  std::uint64_t number = 0;  ///< events of the same time keep their order
+  std::uint64_t number = 0;  ///< orders events of the same time
   Kind kind = Kind::watch;
   int worker = 0;
-  std::uint32_t process = 0;  ///< the worker's how manieth; what a dead one had to say is never heard
+  std::uint32_t process = 0;  ///< incarnation of the worker; events of a dead one are ignored
   std::uint32_t job = 0, attempt = 0;
   bool operator>(const Event& o) const { return std::tie(at_s, number) > std::tie(o.at_s, o.number); }
 };
@@ -35,14 +35,14 @@ bool share_a_tile(const CellJob& a, const CellJob& b) {
                      [&b](std::uint32_t t) { return std::binary_search(b.tiles.begin(), b.tiles.end(), t); });
 }
 
-/// About so many cells, chosen by chance.
+/// Selects about this number of cells at random.
 std::vector<bool> some_cells(int number, std::uint32_t cells, std::uint64_t seed) {
   std::vector<bool> chosen(cells, false);
   for (int i = 0; i < number; ++i) chosen[std::size_t(uniform(seed, std::uint64_t(i)) * cells)] = true;
   return chosen;
 }
 
-/// Every call of the schedule goes through here.
+/// Measures the time of every call of the schedule.
 class StopWatch {
  public:
   template <class Call>
@@ -116,7 +116,7 @@ class Simulation {
     return std::max(slowest / request_.workers, longest);
   }
 
-  /// One more cell for the worker. False: it gets none.
+  /// Dispatches one more cell to the worker. Returns false if the schedule has none.
   bool give(int worker) {
     SimulatedWorker& w = workers_[std::size_t(worker)];
     if (w.restarting) return false;
@@ -130,7 +130,8 @@ class Simulation {
     return true;
   }
 
-  /// When the cell's report will be there, or its process dead, follows at once: later cells queue behind it.
+  /// Computes when the cell's report arrives or its process dies. The times are final, because later cells queue behind
+  /// this one.
   void bake(int worker, const Assignment& a) {
     SimulatedWorker& w = workers_[std::size_t(worker)];
     const StageTimes t = true_times(jobs_[a.job], request_.seed);
@@ -186,7 +187,7 @@ class Simulation {
     ask_everybody();
   }
 
-  /// Supervisors send signs of life; whoever sent none for long is lost.
+  /// Sends the heartbeats of all workers that are not mute, and marks workers as lost after the heartbeat timeout.
   void watch() {
     for (int w = 0; w < request_.workers; ++w)
       if (now_s_ >= workers_[std::size_t(w)].mute_until_s) timed_([&] { schedule_.heard_from(w, now_s_); });

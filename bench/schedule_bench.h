@@ -1,4 +1,4 @@
-/// Bakes a terrain in virtual time: the real plan and the real schedule, with workers that are only numbers.
+/// Bakes a terrain in virtual time with the real plan and the real schedule; workers are simulated.
 #pragma once
 
 #include <cstdint>
@@ -13,9 +13,9 @@ struct ScheduleBenchRequest {
   std::uint64_t seed = 1;
   ScheduleOptions schedule;
   int deaths = 0;         ///< of baking processes, at random times
-  int silences = 0;       ///< workers that nobody hears of for twice the silence that is suffered
-  int failing_cells = 0;  ///< report an error each time
-  int killing_cells = 0;  ///< kill their process each time
+  int silences = 0;       ///< workers without a heartbeat for twice the heartbeat timeout
+  int failing_cells = 0;  ///< report an error on each attempt
+  int killing_cells = 0;  ///< kill their process on each attempt
 };
 
 struct ScheduleBench {
@@ -24,12 +24,12 @@ struct ScheduleBench {
   std::uint64_t seed = 0;
   double plan_s = 0;         ///< real: make_plan
   double makespan_s = 0;     ///< virtual
-  double lower_bound_s = 0;  ///< no order of work is faster: the slowest stage over all workers, or the longest cell
+  double lower_bound_s = 0;  ///< bound for any order of work: slowest stage over all workers, or longest cell
   std::uint64_t dispatches = 0, retries = 0, stale = 0;
-  std::uint64_t followers = 0;  ///< cells that shared a tile with what their worker took before
+  std::uint64_t followers = 0;  ///< cells that share a tile with the worker's previous cell
   int lost_workers = 0;
   JobCounts counts;
-  double schedule_s = 0;             ///< real: inside the schedule's calls, with the stop watch's own 40 ns each
+  double schedule_s = 0;             ///< real: inside the schedule's calls, including 40 ns per call for timing
   std::uint64_t peak_rss_bytes = 0;  ///< of the whole process so far
   bool differ = false;               ///< a cell was done twice, or is neither done nor failed
 
@@ -37,9 +37,9 @@ struct ScheduleBench {
   double dispatches_per_s() const { return double(dispatches) / schedule_s; }
 };
 
-/// A worker reads, computes and writes three cells at once, one in each stage, in the order in which they came.
-/// Messages take message_s; rank 0 itself takes no time. Not modelled: tiles read anew, stages that take cores from
-/// each other, workers of unequal speed.
+/// Simulates a bake. A worker has three cells in flight, one in each stage, in the order of their dispatch. Messages
+/// take message_s; rank 0 itself takes no time. The model ignores repeated reads of tiles, stages that compete for
+/// cores, and workers of unequal speed.
 ScheduleBench bench_schedule(const ScheduleBenchRequest& request);
 
 }  // namespace gigabake::bench

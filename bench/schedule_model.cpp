@@ -16,17 +16,18 @@ std::uint64_t mixed(std::uint64_t x) {  // splitmix64
   return x ^ x >> 31;
 }
 
-/// Log-normal with mean 1.
+/// Returns a log-normal number with mean 1.
 double log_normal(double sigma, std::uint64_t seed, std::uint64_t index) {
   const double radius = std::sqrt(-2 * std::log(1 - uniform(seed, 2 * index)));
   const double normal = radius * std::cos(2 * std::numbers::pi * uniform(seed, 2 * index + 1));
   return std::exp(sigma * normal - sigma * sigma / 2);
 }
 
-/// Tiles along one axis that reach a column: its own, and the one before that ends in it.
+/// Returns the number of tiles along one axis that contain a column: its own, and the previous tile if it ends in the
+/// column.
 std::uint32_t tiles_over(std::uint32_t column) { return column > 0 && column % columns_of_tile == 0 ? 2 : 1; }
 
-/// Hills, low enough for one cell a column.
+/// Returns a column of a hilly surface with one cell per column.
 ColumnExtent column_at(std::uint32_t x, std::uint32_t y, std::uint32_t index, std::uint64_t seed) {
   const double triangles = mean_triangles * log_normal(sigma_of_triangles, seed, index);
   const auto z = std::int64_t(2000 * std::sin(0.01 * x) * std::cos(0.013 * y));

@@ -1,6 +1,6 @@
-// Writes the scene.xml and the pages of a large scene without the shards of its cells: for what looks at the scene
-// alone, as info does, and with --shards for who looks at it from afar, where the levels above are all that is read. A
-// rolling surface of cells, each with counts and hashes that follow from its number.
+// Writes the scene.xml and the pages of a large generated scene, without the shards of its cells. It serves programs
+// that read only the scene, as info does. The option --shards adds the shards that distant views read: overview levels.
+// The scene is an undulating surface of cells; the counts and hashes of a cell are derived from its number.
 #include <CLI/CLI.hpp>
 #include <array>
 #include <chrono>
@@ -24,7 +24,8 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Lod-0 voxels.
+/// Returns the height of the surface.
+/// Space   Lod-0 voxels.
 double surface_height(double x, double y) { return edge * (3 * std::sin(x / edge / 40) + 3 * std::sin(y / edge / 30)); }
 
 SceneCell made_cell(std::int64_t x, std::int64_t y) {
@@ -49,7 +50,7 @@ SceneCell made_cell(std::int64_t x, std::int64_t y) {
   return cell;
 }
 
-/// As a bake would describe it.
+/// Returns the overview cell with the counts that a bake would give it.
 SceneCell made_parent(const CellJob& job) {
   SceneCell parent = cell_of(job);
   for (std::uint32_t width = job.cell_voxels >> job.first_lod; width >= 8; width /= 2) {
@@ -77,7 +78,8 @@ SceneCell written_parent(const std::filesystem::path& out, const CellJob& job, d
   return parent;
 }
 
-/// With the shards of those that are above other parents, if asked for: whoever sees all of the scene reads no others.
+/// Returns the overviews of all cells. If `shards` is set, writes the shards of overviews of overviews: a view of the
+/// whole scene reads no others.
 std::vector<SceneCell> made_parents(const std::filesystem::path& out, const std::vector<SceneCell>& cells, bool shards,
                                     double voxel_size_m) {
   std::vector<CellJob> jobs;

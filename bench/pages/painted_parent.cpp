@@ -13,7 +13,7 @@
 namespace gigabake {
 namespace {
 
-/// Brick, then bit in it.
+/// A voxel: its brick, then its bit in the brick.
 using Place = std::pair<std::uint64_t, std::uint32_t>;
 
 Place place_of(std::int64_t x, std::int64_t y, std::int64_t z) {
@@ -21,8 +21,8 @@ Place place_of(std::int64_t x, std::int64_t y, std::int64_t z) {
           std::uint32_t((x & 7) + 8 * (y & 7) + 64 * (z & 7))};
 }
 
-/// Columns of the window's finest level: the voxel of the surface, and those that lead up or down to it from the west
-/// and the south, so that there is no hole.
+/// Returns the surface voxels of the window's finest level. Each column also contains the voxels that connect it with
+/// its western and southern neighbours, so that there is no hole.
 std::vector<Place> finest_places(const CellJob& parent, const SurfaceHeight& height) {
   const std::int64_t width = parent.cell_voxels >> parent.first_lod;
   const double voxel = std::ldexp(1, int(parent.first_lod));
@@ -50,7 +50,7 @@ std::vector<Place> finest_places(const CellJob& parent, const SurfaceHeight& hei
   return places;
 }
 
-/// Of the next level: a voxel where one of its eight is.
+/// Returns the voxels of the next coarser level: a voxel exists if one of its eight children exists.
 std::vector<Place> coarser(const std::vector<Place>& places) {
   std::vector<Place> above;
   for (const auto& [brick, bit] : places) {

@@ -1,5 +1,6 @@
-/// A parent's shard without the cells below it: a surface of one height a column, painted on its finest level and taken
-/// up from there. For scenes of more cells than can be baked, of which somebody looks at the levels above.
+/// The shard of an overview, generated without the cells below it: a height field on its finest level, and coarser
+/// levels derived from it. It is for tests of scenes with more cells than can be baked, in which only overview levels
+/// are viewed.
 #pragma once
 
 #include <functional>
@@ -9,11 +10,12 @@
 
 namespace gigabake {
 
-/// Lod-0 voxels.
+/// The height of a surface in lod-0 voxels.
 using SurfaceHeight = std::function<double(double x, double y)>;
 
-/// Opaque, facing up and striped by the level's grid. Cost  some 0.2 µs a voxel.
-/// Range  Where the surface misses the window, the parent has the voxel at its middle.
+/// Returns an opaque surface that faces up, with stripes along the level's grid. If the surface misses the window, the
+/// shard contains the voxel at the window's middle.
+/// Cost    About 0.2 µs per voxel.
 Shard painted_parent(const CellJob& parent, const SurfaceHeight& height, double voxel_size_m);
 
 }  // namespace gigabake
