@@ -60,7 +60,7 @@ bench::AccuracyBenchRequest request_of(const AccuracyOptions& options) {
   return r;
 }
 
-/// A folder that goes, unless a name was given.
+/// The folder of the suite's bakes: a temporary folder that the destructor removes, or the named folder, which is kept.
 class SuiteFolder {
  public:
   explicit SuiteFolder(const std::string& name) : path_(name), is_kept_(!name.empty()) {
@@ -82,7 +82,7 @@ class SuiteFolder {
   bool is_kept_;
 };
 
-/// To the terminal, and to files where they are named.
+/// Prints the results to the terminal, and writes the files that the options name.
 template <class Bench>
 void publish(const Bench& b, const AccuracyOptions& options) {
   const std::string markdown = to_markdown(b);
@@ -133,7 +133,7 @@ int expect_measured(const bench::LeakBench& b) {
   return failed;
 }
 
-/// Fails only if a scene was not measured; no bound on leaks is claimed yet.
+/// Fails only if a scene was not measured; leaks have no documented bound.
 int run_leaks(const AccuracyOptions& options) {
   const bool is_given = !options.bake.source.empty();
   if (is_given && options.bake.voxel_size.empty()) throw UsageError("--leaks with a SCENE: expected --voxel-size too");
@@ -150,7 +150,7 @@ int run_leaks(const AccuracyOptions& options) {
   return expect_measured(b);
 }
 
-/// They measure; what is claimed of it stands in docs/accuracy.md. bench: of light, or of motion.
+/// Runs a benchmark of images without checking bounds; docs/accuracy.md states the bounds. bench: light or motion.
 template <class Bench>
 int run_pictures(const AccuracyOptions& options,
                  Bench (*bench)(const bench::AccuracyBenchRequest&, const bench::AccuracyProgress&)) {
@@ -165,7 +165,7 @@ int run_pictures(const AccuracyOptions& options,
   return complete;
 }
 
-/// Checks the files to write before anything is measured. They may lie in the folder of -o, which is made.
+/// Checks the output files before the measurement. They may lie in the folder of -o, which the command creates.
 void check_files(const AccuracyOptions& options) {
   for (const auto& [option, file] : {std::pair("--json", options.json), {"--markdown", options.markdown}}) {
     expect_no_input(option, file, {options.bake.source});

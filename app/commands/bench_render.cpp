@@ -99,7 +99,7 @@ nlohmann::ordered_json to_json(const bench::FirstHitBench& b) {
   return first;
 }
 
-/// What the benches of whole pictures have in common.
+/// Returns a request with the settings that all image benchmarks share.
 template <class Request>
 Request pictures_of(const bench::FirstHitBenchRequest& rays, const FrameRenderer::Options& renderer) {
   Request request;
@@ -123,7 +123,8 @@ bench::FrameBenchRequest frames_of(const RenderBenchOptions& options, const benc
 int run(const RenderBenchOptions& options) {
   if (options.what == "flight" && options.flight_frames == 0)
     throw UsageError("--flight 0 with --what flight: expected at least one frame, else nothing is measured");
-  const FrameRenderer::Options renderer = renderer_options(options.renderer);  // asks the driver for devices: once
+  const FrameRenderer::Options renderer = renderer_options(options.renderer);  // called once, because it queries the
+                                                                               // driver for devices
   const bench::FirstHitBenchRequest request = request_of(options, renderer);
   nlohmann::ordered_json j{{"bench", "render"}, {"width", request.width}, {"height", request.height}};
   bool all_right = true;

@@ -17,7 +17,7 @@
 namespace gigabake::app {
 namespace {
 
-/// Of a scene without a fault.
+/// Returns the state of a scene without faults.
 std::string state_of(const VerifyResult& r) {
   return r.missing.any() ? "sound, but incomplete: " + describe(r.missing) : std::string("whole");
 }

@@ -1,12 +1,12 @@
-/// What --version says.
+/// The output of --version.
 #pragma once
 
 #include <string>
 
 namespace gigabake::app {
 
-/// The first line has version and commit; then formats, compiler, CUDA and libraries, a line each, without a last end
-/// of line. Loads nothing and asks no driver.
+/// Returns version and commit in the first line; then formats, compiler, CUDA and libraries, one per line. The last
+/// line has no line end. Loads no library and does not query the GPU driver.
 std::string about();
 
 }  // namespace gigabake::app

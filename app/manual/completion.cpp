@@ -8,14 +8,14 @@
 namespace gigabake::app {
 namespace {
 
-/// In single quotes, as all three shells take them.
+/// Returns the text in single quotes, which bash, zsh and fish accept.
 std::string quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return out + "'";
 }
 
-/// What may follow that is no option and no file: a word and what it is.
+/// Returns the words, except options and files, that may follow the command, each with its description.
 std::vector<std::pair<std::string, std::string>> following_words(const Command& command) {
   std::vector<std::pair<std::string, std::string>> words;
   for (const Command& below : command.commands) words.emplace_back(below.path.back(), below.description);
@@ -31,7 +31,7 @@ std::vector<std::string> command_names(const Command& command) {
   return names;
 }
 
-/// Lines of a shell's case: which words lead from a command to one below it.
+/// Returns one line of a shell's case statement per command; each sets `at` to the command's name.
 std::string path_cases(const Command& root, const std::string& indent) {
   std::string text;
   for (const Command* command : all_commands(root))
@@ -40,7 +40,7 @@ std::string path_cases(const Command& root, const std::string& indent) {
   return text;
 }
 
-/// "'gigabake export --to'" of each option that takes a value, by what it takes.
+/// Returns the option's names with the command, such as "'gigabake export --to'", joined by " | ".
 std::string patterns(const Command& command, const CommandOption& o) {
   std::string text;
   for (const std::string& name : o.names) text += (text.empty() ? "" : " | ") + quoted(command.name() + " " + name);

@@ -1,4 +1,4 @@
-/// Completion of the command line in shells.
+/// Command-line completion for shells.
 #pragma once
 
 #include <string>
@@ -7,7 +7,8 @@
 
 namespace gigabake::app {
 
-/// A script for the shell to read: sub-commands, options, the values of options that are lists; file names elsewhere.
+/// Returns a script for the shell. It completes subcommands, options and the values of options that have a list;
+/// otherwise file names.
 std::string bash_completion(const Command& root);
 std::string zsh_completion(const Command& root);
 std::string fish_completion(const Command& root);

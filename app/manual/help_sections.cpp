@@ -19,7 +19,7 @@ const Lines source_kinds{
 };
 const Lines baked_scene{"the folder OUT of a bake, or its scene.xml"};
 
-/// By the command's words after "gigabake".
+/// The examples by command, without the leading "gigabake".
 const std::map<std::string, Lines> examples{
     {"sample", {"gigabake sample village --size 384 --seed 7", "gigabake sample village --json"}},
     {"plan",
@@ -86,7 +86,7 @@ void add_to(CLI::App& app, const std::string& name) {
     text += (text.empty() ? "" : "\n") + section.title + ":\n";
     for (const std::string& line : section.lines) text += "  " + line + "\n";
   }
-  if (!text.empty()) text.pop_back();  // CLI11 ends the line
+  if (!text.empty()) text.pop_back();  // CLI11 adds the end of line
   app.footer(text);
   for (CLI::App* below : app.get_subcommands([](const CLI::App*) { return true; }))
     add_to(*below, name + " " + below->get_name());

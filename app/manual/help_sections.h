@@ -1,4 +1,4 @@
-/// What --help and the manual say of a command besides its options: what its arguments may be, and examples.
+/// Sections of --help and the manual that do not describe options: forms of the arguments, and examples.
 #pragma once
 
 #include <string>
@@ -9,14 +9,14 @@
 namespace gigabake::app {
 
 struct HelpSection {
-  std::string title;               ///< "Examples"
-  std::vector<std::string> lines;  ///< printed as they are
+  std::string title;               ///< for example "Examples"
+  std::vector<std::string> lines;  ///< printed unchanged
 };
 
-/// command: its words, "gigabake bench render".
+/// Returns the sections of a command. command: its full name, such as "gigabake bench render".
 std::vector<HelpSection> help_sections(const std::string& command);
 
-/// To the end of each command's --help.
+/// Appends the sections to the --help of each command.
 void add_help_sections(CLI::App& program);
 
 }  // namespace gigabake::app

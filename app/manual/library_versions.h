@@ -8,11 +8,10 @@
 namespace gigabake {
 
 struct LibraryVersions {
-  std::vector<std::pair<std::string, std::string>> linked;  ///< HDF5, LZ4, libpng: as they run; libdeflate: as built
+  std::vector<std::pair<std::string, std::string>> linked;  ///< HDF5, LZ4, libpng: run-time version; libdeflate: build
   std::vector<std::pair<std::string, std::string>>
-      loaded;          ///< when they are needed (format/system/module.h): as they were
-                       ///< built with; a version is empty where it was without
-  std::string codecs;  ///< of sources, that this build has: "zip draco meshopt webp"
+      loaded;          ///< loaded on demand (format/system/module.h): version of the build; empty if built without
+  std::string codecs;  ///< codecs of sources in this build: "zip draco meshopt webp"
 };
 
 LibraryVersions library_versions();

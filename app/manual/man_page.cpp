@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t longest_list_in_head = 60;  // characters
 
-/// Text as troff takes it: no escapes, no requests, and dashes that can be copied into a shell.
+/// Escapes text for troff: escapes and requests are printed literally, and dashes can be copied into a shell.
 std::string troff(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -36,7 +36,7 @@ std::string listed(const CommandOption& o, const char* separator) {
   return all;
 }
 
-/// What stands before a description is one line, however long.
+/// Returns true if the choices are too long for the line of the option's names, which troff does not break.
 bool has_long_list(const CommandOption& o) {
   std::size_t characters = 0;
   for (const std::string& choice : o.choices) characters += choice.size() + 1;
@@ -77,7 +77,7 @@ std::string options(const Command& command, bool positionals) {
   return text;
 }
 
-/// Lines as they are.
+/// Returns the help sections with their line breaks.
 std::string sections(const Command& command) {
   std::string text;
   for (const HelpSection& section : help_sections(command.name())) {

@@ -7,9 +7,9 @@
 
 namespace gigabake::app {
 
-/// gigabake-bench-render.1
+/// Returns the file name, such as gigabake-bench-render.1.
 std::string man_file(const Command& command);
-/// UTF-8. `root` is the whole program: its commands are referred to.
+/// Returns the page in UTF-8. root: the whole program, whose commands the page refers to.
 std::string man_page(const Command& command, const Command& root);
 
 }  // namespace gigabake::app

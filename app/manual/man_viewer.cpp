@@ -8,14 +8,14 @@
 namespace gigabake::app {
 namespace {
 
-/// Each reads the page from its standard input; tried in this order.
+/// The programs and command lines of the viewers, in the order of preference. Each reads the page from standard input.
 constexpr const char* viewers[][2] = {{"man", "man -l -"}, {"groff", "groff -K utf8 -T utf8 -man | ${PAGER:-less -R}"}};
 
 bool is_installed(const char* program) {
   return std::system(fmt::format("command -v {} >/dev/null 2>&1", program).c_str()) == 0;
 }
 
-/// False: it could not show the page.
+/// Returns false if the viewer could not show the page.
 bool show_with(const char* viewer, const std::string& page) {
   std::fflush(stdout);
   std::FILE* pipe = ::popen(viewer, "w");
@@ -28,7 +28,7 @@ bool show_with(const char* viewer, const std::string& page) {
 
 void show_man_page(const std::string& page) {
   if (::isatty(STDOUT_FILENO) != 0) {
-    std::signal(SIGPIPE, SIG_IGN);  // a reader may leave before the end
+    std::signal(SIGPIPE, SIG_IGN);  // the viewer may close the pipe early
     for (const auto& [program, viewer] : viewers)
       if (is_installed(program) && show_with(viewer, page)) return;
   }

@@ -5,8 +5,8 @@
 
 namespace gigabake::app {
 
-/// On a terminal the page as man (else groff with $PAGER, else less) shows it; where none of these is installed, and
-/// where standard output is no terminal, the page itself.
+/// Shows the page on a terminal with man, or else with groff and $PAGER (default less). Prints the page's source if
+/// neither is installed or standard output is not a terminal.
 void show_man_page(const std::string& page);
 
 }  // namespace gigabake::app

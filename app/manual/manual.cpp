@@ -28,7 +28,7 @@ const Command& command_named(const Command& root, const std::vector<std::string>
   return **found;
 }
 
-/// The words that name commands, but for hidden ones.
+/// Returns the words that name commands, without hidden commands.
 std::vector<std::string> command_words(const CLI::App& app) {
   const Command root = command_tree(app, "gigabake");
   std::vector<std::string> words;

@@ -24,8 +24,8 @@ class AlikeLines {
   std::unordered_map<std::string, std::size_t> seen_;
 };
 
-/// Returns one line per loss. Of each group of similar losses it lists three, and a line with the number of the others.
-/// At most 50 lines.
+/// Returns one line per loss. Lists the first three losses of each group of similar losses, then the
+/// number of the others. At most 50 lines.
 std::vector<std::string> lines_of(const std::vector<SceneLoss>& losses);
 
 }  // namespace gigabake::app

@@ -17,8 +17,8 @@ namespace gigabake::app {
 /// Callbacks that detect and enforce a stop request.
 struct StopWish {
   std::function<bool()> is_there;  ///< called by every thread that advances a step
-  /// Called if a step has not stopped within half a second. If empty, the step may finish, and a line states that the
-  /// next Ctrl-C ends the process at once.
+  /// Ends the process if a step has not stopped within half a second. If empty, the step may finish, and a line
+  /// states that the next Ctrl-C ends the process at once.
   std::function<void()> end_process;
 };
 

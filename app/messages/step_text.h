@@ -27,7 +27,7 @@ class StepText {
   std::string text(std::uint64_t done, double now_s) const;
 
   bool is_terminal_, is_running_ = false;
-  double next_s_;  ///< when something may be said again
+  double next_s_;  ///< earliest time of the next line
   std::string name_, unit_;
   std::uint64_t total_ = 0, seen_ = 0;
   double began_s_ = 0;
