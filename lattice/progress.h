@@ -21,8 +21,8 @@ class ProgressListener {
  public:
   virtual ~ProgressListener() = default;
 
-  /// Begins a step and ends the previous step. name: text for the user, "reading the tileset". total: the number of
-  /// parts, 0 if unknown. unit: the noun of a part, "tile"; empty to print a percentage instead.
+  /// Begins a step and ends the previous step. `name` is text for the user, "reading the tileset". `total` is the
+  /// number of parts, 0 if unknown. `unit` is the noun of a part, "tile"; empty to print a percentage instead.
   virtual void step(const std::string& name, std::uint64_t total, const std::string& unit) = 0;
   /// Reports that `parts` more parts are done; 0 only shows that the step is running.
   /// Errors  Stopped if the listener cancels the step.

@@ -1,5 +1,5 @@
-/// A cell's columns on the device: finds the voxels that share a value, counts the values, and writes the columns.
-/// lattice/pack defines the rules; here one warp per brick and channel executes them.
+/// A cell's columns on the device. The kernels find the voxels that share a value, count the values, and write the
+/// columns. lattice/pack defines the rules; one warp per brick and channel executes them.
 #pragma once
 
 #include <cstdint>

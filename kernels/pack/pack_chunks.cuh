@@ -19,8 +19,8 @@ struct PackedChunks {
   std::vector<std::uint64_t> ends;  ///< the end of each chunk, where the next chunk begins
 };
 
-/// Packs `chunks`, which may be in any order. raw: in device memory. clock: null, or the clock that receives the marks
-/// 0 … 6 of the last batch; `pack_steps` has the names of the steps.
+/// Packs `chunks`, which may be in any order. `raw` is in device memory. `clock` is null or receives the marks 0 … 6 of
+/// the last batch; `pack_steps` has the names of the steps.
 /// Cost    Device memory in addition to the result: at most six bytes per raw byte of a batch. A batch has at most
 ///         pack_batch_bytes, or is one larger chunk. The host waits once, at the end.
 /// Errors  DeviceFull, CudaFailure; also if a chunk is larger than largest_packed_chunk.

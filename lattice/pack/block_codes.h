@@ -129,8 +129,8 @@ GB_HD std::uint32_t put_runs(BlockWork& work, std::uint32_t literals, std::uint3
   return runs;
 }
 
-/// Writes the header of a block: its type, the codes of the code lengths, the code lengths. last: the block is the last
-/// of its chunk.
+/// Writes the header of a block: its type, the codes of the code lengths, the code lengths. `last` means that the block
+/// is the last of its chunk.
 GB_HD void write_header(BlockWork& work, bool last, BlockCodes& out) {
   std::uint32_t literals = literal_symbols, distances = distance_symbols;
   while (literals > end_of_block + 1 && work.lengths[literals - 1] == 0) --literals;

@@ -110,8 +110,8 @@ class ValueLeaders {
   GB_HD unsigned leader(unsigned group) const {
     return is_one_ ? 0 : (by_octant_ >> group & 1) != 0 ? group & ~7u : group;
   }
-  /// Returns true if a voxel stores a value: its group is mixed, or it is the first voxel of its leader. led: a bit for
-  /// the leader of each earlier voxel.
+  /// Returns true if a voxel stores a value: its group is mixed, or it is the first voxel of its leader. `led` has a
+  /// bit for the leader of each earlier voxel.
   GB_HD bool is_new(unsigned group, std::uint64_t led) const {
     return (~(sharing_ >> group & led >> leader(group)) & 1) != 0;
   }
