@@ -289,7 +289,7 @@ PlanMeasure measure_plan(const MpiSession& mpi, const BakeRequest& request, cons
     out.sizes[at] = measured(size_m, sampler, scene_at(size_m, mpi, request, plan));
     if (at == 1) out.textures = textures_of(sources.scene, sampler.tiles(), setup);
   }
-  fill_gaps(out.sizes, out.sizes[1], request);
+  fill_gaps(out.sizes, out.requested(), request);
   return out;
 }
 

@@ -13,16 +13,13 @@ import zlib
 import harness
 
 from mesh_files_test import ecef
+from png_file import chunk
 
 COLOUR = (200, 100, 50)
 # A square of 4 m at z = 0.25 m, y up, is 64 voxels of 0.5 m.
 POSITIONS = struct.pack("<12f", 0, .25, 0, 4, .25, 0, 4, .25, -4, 0, .25, -4)
 INDICES = struct.pack("<6H", 0, 1, 2, 0, 2, 3)
 UVS = struct.pack("<8f", 0, 1, 1, 1, 1, 0, 0, 0)
-
-
-def chunk(kind, data):
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
 
 def png(*chunks, alpha=None, bits=8):

@@ -12,6 +12,7 @@ import zlib
 from pathlib import Path
 
 import harness
+from png_file import chunk
 
 SQUARE = "v 0 0 0.25\nv 4 0 0.25\nv 4 4 0.25\nv 0 4 0.25\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
 FACES = "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n"
@@ -22,8 +23,6 @@ PLY = ("ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty dou
 
 def png(colour):
     """4 × 4 texels of one colour."""
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
     rows = (b"\0" + bytes(colour) * 4) * 4
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", 4, 4, 8, 2, 0, 0, 0)) +
             chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))

@@ -1,9 +1,14 @@
-"""Reading PNG files: eight bits, RGB or RGBA, not interlaced."""
+"""PNG files: reads images of eight bits, RGB or RGBA, not interlaced; writes chunks."""
 import struct
 import zlib
 from pathlib import Path
 
 import numpy
+
+
+def chunk(kind, data):
+    """Returns a chunk with its length and checksum."""
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
 
 def read_png(path):

@@ -1,17 +1,18 @@
 """Images of blocks of one colour each, in the encodings that programs write."""
 import struct
+import sys
 import zlib
+from pathlib import Path
 
 import numpy
 
 from osgeo import gdal
 
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
+from png_file import chunk  # noqa: E402
+
 gdal.UseExceptions()
 ADAM7 = ((0, 0, 8, 8), (4, 0, 8, 8), (0, 4, 4, 8), (2, 0, 4, 4), (0, 2, 2, 4), (1, 0, 2, 2), (0, 1, 1, 2))
-
-
-def chunk(kind, data):
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
 
 def paeth(a, b, c):

@@ -1,9 +1,7 @@
 """Bakes many mesh sources at once and compares voxels, counts, warnings and losses with what the generator expects."""
 import json
-import os
 import re
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 from urllib.parse import quote
@@ -19,14 +17,11 @@ MOST_SHOWN = 4
 WARNING = re.compile(r"(?P<first>.*?)(?: and (?P<more>\d+) more)?: (?P<text>.*)", re.DOTALL)
 
 
-class Program:
-    def __init__(self, executable):
-        self.executable = executable
+class Program(harness.Gigabake):
+    """The program under test; the names of its files may be no UTF-8."""
 
-    def run(self, *arguments):
-        environment = dict(os.environ, **harness.MPI_ENVIRONMENT)
-        return subprocess.run([self.executable, *map(str, arguments)], capture_output=True, text=True, errors="replace",
-                              timeout=300, env=environment, check=False)
+    def run(self, *arguments, **options):
+        return super().run(*arguments, errors="replace", **options)
 
 
 def write_scene(root, cases):

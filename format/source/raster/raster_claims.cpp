@@ -1,5 +1,6 @@
 #include "format/source/raster/raster_claims.h"
 
+#include <algorithm>
 #include <string>
 
 #include "format/source/raster/gdal_ortho.h"
