@@ -1,4 +1,4 @@
-/// Corners of a plane polygon, found by where they are.
+/// Spatial search tree over the corners of a plane polygon.
 #pragma once
 
 #include <algorithm>
@@ -15,20 +15,21 @@ using PlaneCorner = std::array<double, 2>;
 
 using PlaneTriangle = std::array<PlaneCorner, 3>;
 
-/// Twice the signed area of a triangle; positive if it turns counter-clockwise.
+/// Returns the doubled signed area of a triangle; positive if its corners are in counter-clockwise order.
 inline double turn(const PlaneCorner& a, const PlaneCorner& b, const PlaneCorner& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// The distance along x and y: it is at least the straight one.
+/// Returns the L1 distance |dx| + |dy|, an upper bound of the Euclidean distance.
 inline double length(const PlaneCorner& a, const PlaneCorner& b) {
   return std::fabs(b[0] - a[0]) + std::fabs(b[1] - a[1]);
 }
 
-/// A k-d tree in one array: the middle of each range splits it, along the longer side of its box.
+/// A k-d tree in one array. The middle element of each range splits the range along the longer side of its box.
 class CornerTree {
  public:
-  /// `points` outlives the tree; `members` are indices of its points. noise: distances that are rounding errors.
+  /// Builds the tree of `members`, indices of `points`. `points` must outlive the tree. Distances up to `noise` are
+  /// rounding errors.
   CornerTree(const std::vector<PlaneCorner>& points, std::vector<std::uint32_t> members, double noise)
       : points_(points), order_(std::move(members)), noise_(noise) {
     for (const std::uint32_t i : order_)
@@ -41,7 +42,8 @@ class CornerTree {
     sort({0, order_.size()}, box_);
   }
 
-  /// Removes a point; does nothing if it is no member. Cost  log n.
+  /// Removes a point; does nothing if the point is not a member.
+  /// Cost    O(log n).
   void remove(std::uint32_t point) {
     const std::uint32_t place = std::exchange(place_[point], none);
     if (place == none) return;
@@ -53,9 +55,9 @@ class CornerTree {
     }
   }
 
-  /// Returns whether is_hit(index) is true for a member near the triangle; stops at the first. All members in the
-  /// triangle and within `noise` of it are tested.
-  /// Range  The triangle turns counter-clockwise.
+  /// Returns whether is_hit(index) is true for a member near the triangle; stops at the first hit. Tests at least all
+  /// members in the triangle or within `noise` of it.
+  /// Range   The corners of the triangle are in counter-clockwise order.
   template <class IsHit>
   bool any_near(const PlaneTriangle& triangle, const IsHit& is_hit) const {
     return any_near(triangle, is_hit, {0, order_.size()}, box_);
@@ -85,14 +87,14 @@ class CornerTree {
     sort({middle + 1, range.end}, half(box, middle, false));
   }
 
-  /// Returns the part of a range's box below or above the member that splits it.
+  /// Returns the half of the range's box that lies below or above the splitting member.
   Box half(Box box, std::size_t middle, bool is_below) const {
     const std::size_t axis = box.axis();
     (is_below ? box.high : box.low)[axis] = points_[order_[middle]][axis];
     return box;
   }
 
-  /// Is the whole box beyond one of the triangle's sides, or of its own box?
+  /// Returns whether the box lies entirely outside one side of the triangle or of the triangle's bounding box.
   bool is_apart(const PlaneTriangle& t, const Box& box) const {
     for (std::size_t c = 0; c < 2; ++c)
       if (std::max({t[0][c], t[1][c], t[2][c]}) + noise_ < box.low[c] ||
@@ -118,8 +120,8 @@ class CornerTree {
 
   const std::vector<PlaneCorner>& points_;
   std::vector<std::uint32_t> order_;
-  std::vector<std::uint32_t> left_;   ///< members that the range of each middle still has
-  std::vector<std::uint32_t> place_;  ///< of each point in order_, or `none`
+  std::vector<std::uint32_t> left_;   ///< number of remaining members per range, stored at its middle
+  std::vector<std::uint32_t> place_;  ///< index in order_ per point, or `none`
   Box box_;
   double noise_;
 };

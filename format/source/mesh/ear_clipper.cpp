@@ -28,19 +28,19 @@ std::vector<std::uint32_t> EarClipper::triangles() {
     const std::size_t before = left_;
     if (tests_left_ > 0) clip_ears(Blocked::inside_or_on);
     if (tests_left_ > 0 && left_ == before) clip_ears(Blocked::inside);
-    if (left_ == before) clip(flattest());  // it crosses itself
+    if (left_ == before) clip(flattest());  // the polygon crosses itself
   }
   out_.insert(out_.end(), {previous_[first_], first_, next_[first_]});
   return std::move(out_);
 }
 
-/// Is the corner a spike, repeated, or on the line between its neighbours?
+/// Returns whether the corner is a spike, repeated, or on the line through its neighbours.
 bool EarClipper::is_flat(std::uint32_t i) const {
   const PlaneCorner &a = corners_[previous_[i]], &b = corners_[i], &c = corners_[next_[i]];
   return std::fabs(turn(a, b, c)) <= noise_ * (length(a, b) + length(b, c));
 }
 
-/// Cuts off a corner if it is flat, then its neighbours that become flat by this: the rest of a spike.
+/// Cuts off a corner if it is flat, then its neighbours that thereby become flat, such as the rest of a spike.
 void EarClipper::clip_flat(std::uint32_t i) {
   while (left_ > 3 && !is_clipped_[i] && is_flat(i)) {
     const std::uint32_t previous = previous_[i], next = next_[i];
@@ -49,7 +49,8 @@ void EarClipper::clip_flat(std::uint32_t i) {
   }
 }
 
-/// Tests all corners once, and again the neighbours of each corner that is cut off: no other can become an ear by it.
+/// Tests all corners once. Tests the neighbours of each corner that is cut off again, because only they can become ears
+/// by the cut.
 void EarClipper::clip_ears(Blocked blocked) {
   queue_all();
   for (std::size_t at = 0; at < queue_.size() && left_ > 3; ++at) {
@@ -77,7 +78,7 @@ void EarClipper::queue_all() {
   for (std::size_t k = 0; k < left_; ++k, i = next_[i]) queue(i);
 }
 
-/// Takes in the reflex corners. Others do not become reflex by cutting ears.
+/// Builds the tree of reflex corners. Cutting ears does not make other corners reflex.
 void EarClipper::build_tree() {
   std::vector<std::uint32_t> reflex;
   std::uint32_t i = first_;
@@ -102,9 +103,9 @@ bool EarClipper::blocks(std::uint32_t p, std::uint32_t ear, Blocked blocked) con
   const PlaneCorner &q = corners_[p], &a = corners_[before], &b = corners_[ear], &c = corners_[after];
   if (q == a || q == c) return false;
   const auto is_in_angle = [&](const PlaneCorner& r) { return turn(a, b, r) > 0 && turn(b, c, r) > 0; };
-  // The border may touch the ear's tip from outside, or come from the ear's other side.
+  // The polygon may touch the tip of the ear from outside, or reach it from inside the ear's angle.
   if (q == b) return is_in_angle(corners_[previous_[p]]) || is_in_angle(corners_[next_[p]]);
-  // A cut along a line of corners leaves these on either side of it, by a rounding error.
+  // A cut along collinear corners leaves them on either side of the cut, because of rounding errors.
   const double margin = blocked == Blocked::inside ? noise_ : -noise_;
   const auto is_left_of = [&](const PlaneCorner& from, const PlaneCorner& to) {
     return turn(from, to, q) >= margin * length(from, to);
@@ -126,7 +127,7 @@ void EarClipper::clip(std::uint32_t i) {
   --left_;
 }
 
-/// Returns the corner whose triangle is smallest: cutting it off is the least harm.
+/// Returns the corner whose triangle has the smallest area, because cutting it off changes the polygon least.
 std::uint32_t EarClipper::flattest() {
   std::uint32_t i = first_, best = first_;
   const std::size_t looked_at = tests_left_ == 0 ? 1 : left_;

@@ -1,4 +1,4 @@
-/// Polygons in the plane as triangles.
+/// Triangulation of plane polygons.
 #pragma once
 
 #include <cstdint>
@@ -9,20 +9,21 @@
 
 namespace gigabake {
 
-/// Cuts ears off a polygon that turns counter-clockwise, until three corners are left. Spikes, repeated corners and
-/// corners on a straight line become triangles without area, so n corners always give n - 2 triangles.
-/// Cost    n log n for most polygons. A polygon that crosses itself is cut somehow, with a bounded number of tests.
-/// Source  Meisters 1975; only reflex corners can lie in the way of an ear.
+/// Cuts ears off a counter-clockwise polygon until three corners remain. Spikes, repeated corners and corners on a
+/// straight line become triangles of zero area, so n corners always give n - 2 triangles.
+/// Cost    O(n log n) for typical polygons. The number of tests is bounded: the triangulation of a polygon that crosses
+///         itself is arbitrary.
+/// Source  Meisters 1975; only reflex corners can lie inside an ear.
 class EarClipper {
  public:
-  /// noise: distances between corners that are rounding errors.
+  /// `corners` must outlive the object. Distances between corners up to `noise` are rounding errors.
   EarClipper(const std::vector<PlaneCorner>& corners, double noise);
 
-  /// Returns indices of corners, three per triangle. Called once.
+  /// Returns indices of corners, three per triangle. Must be called only once.
   std::vector<std::uint32_t> triangles();
 
  private:
-  /// What may not lie in an ear: a corner inside or on its border; a corner inside.
+  /// The corners that make a triangle no ear: corners inside or on its border, or only corners inside.
   enum class Blocked { inside_or_on, inside };
 
   double turn_at(std::uint32_t i) const { return turn(corners_[previous_[i]], corners_[i], corners_[next_[i]]); }
@@ -41,12 +42,12 @@ class EarClipper {
   const std::vector<PlaneCorner>& corners_;
   double noise_;
   std::vector<std::uint32_t> previous_, next_, out_;
-  std::vector<std::uint32_t> queue_;  ///< corners that may be ears, in rounds
+  std::vector<std::uint32_t> queue_;  ///< corners that may be ears, in the order of their tests
   std::vector<bool> is_clipped_, is_queued_;
   std::size_t left_;
-  std::uint32_t first_ = 0;         ///< a corner that is left
-  std::uint64_t tests_left_;        ///< comparisons of an ear with a corner, before the rest is cut without looking
-  std::optional<CornerTree> tree_;  ///< of the reflex corners that are left
+  std::uint32_t first_ = 0;         ///< a remaining corner
+  std::uint64_t tests_left_;        ///< budget of ear/corner tests; at 0 the rest is cut without tests
+  std::optional<CornerTree> tree_;  ///< the remaining reflex corners
 };
 
 }  // namespace gigabake

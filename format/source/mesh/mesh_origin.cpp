@@ -44,7 +44,7 @@ double PositionExtent::largest() const {
 std::array<double, 3> PositionExtent::origin() const {
   constexpr double far_m = 10000;
   if (largest() <= far_m) return {0, 0, 0};
-  // Halves first: the sum of two large numbers may not be finite.
+  // Halves are added, because the sum of two large numbers may overflow.
   return {std::round(low_[0] / 2 + high_[0] / 2), std::round(low_[1] / 2 + high_[1] / 2),
           std::round(low_[2] / 2 + high_[2] / 2)};
 }
@@ -82,7 +82,7 @@ void MeshOrigins::add(const std::array<double, 3>& position) {
   if (extents_.size() > max_cells) join_cells();
 }
 
-/// A scene of the whole earth: its cells need not be told apart, and must not fill the memory.
+/// Merges all cells into one group. Bounds the memory for meshes that have very many cells, as of the whole earth.
 void MeshOrigins::join_cells() {
   PositionExtent all;
   for (const auto& [cell, extent] : extents_) all.add(extent);
@@ -124,7 +124,7 @@ void MeshOrigins::place(Primitive&& primitive, std::span<const std::uint32_t> po
     for (const std::uint32_t v : from) origin.add_vertex(positions[v], piece);
     take(std::move(piece), origin);
   };
-  std::map<std::size_t, std::vector<std::uint32_t>> corners;  // by group
+  std::map<std::size_t, std::vector<std::uint32_t>> corners;  // indices by group
   if (origins_.size() > 1)
     for (std::size_t i = 0; i < primitive.index.size(); i += 3) {
       const auto triangle = primitive.index.begin() + std::ptrdiff_t(i);

@@ -1,4 +1,4 @@
-/// Origins for a mesh whose coordinates floats would round: positions are stored as floats relative to them.
+/// Origins for a mesh with large coordinates. Positions are stored as floats relative to an origin, to limit rounding.
 #pragma once
 
 #include <array>
@@ -15,19 +15,19 @@
 
 namespace gigabake {
 
-/// So many vertices of a file's beginning are asked where on earth they stand.
+/// The max number of vertices, read from the beginning of a file, that determine the location of a mesh on earth.
 inline constexpr std::size_t most_first_vertices = 64;
 
-/// The bounds of finite positions.
+/// The bounding box of finite positions.
 class PositionExtent {
  public:
   void add(const std::array<double, 3>& position);
   void add(const PositionExtent& other);
 
-  /// Returns the middle in whole metres if a position is beyond 10 km, else zero.
+  /// Returns the centre in whole metres if the absolute value of a coordinate exceeds 10 km, else zero.
   std::array<double, 3> origin() const;
-  /// Returns the distance between two neighbouring floats at the largest coordinate, in the file's own unit; 0 if every
-  /// coordinate is zero.
+  /// Returns the distance between adjacent floats at the coordinate of max absolute value, in the unit of the file;
+  /// 0 if all coordinates are zero.
   float float_step() const;
 
  private:
@@ -37,16 +37,16 @@ class PositionExtent {
   bool is_empty_ = true;
 };
 
-/// The origin of vertices that are near each other. What is left after subtracting it is rounded to floats: projected
-/// coordinates keep their millimetres.
+/// The origin of vertices that are near each other. Positions are rounded to floats after the origin is subtracted, so
+/// projected coordinates keep a precision of millimetres.
 class MeshOrigin {
  public:
   MeshOrigin(const TileRef& tile, const PositionExtent& extent);
 
   bool is_moved() const { return at_ != std::array<double, 3>{0, 0, 0}; }
-  /// Returns PositionExtent::float_step() of its vertices.
+  /// Returns PositionExtent::float_step() of the vertices.
   float float_step() const { return float_step_; }
-  /// The mesh's place with this origin.
+  /// Returns the transform that places the mesh, including the translation by the origin.
   const Affine<Scene, Local>& scene_from_local() const { return scene_from_local_; }
   void add_vertex(const std::array<double, 3>& position, Primitive& to) const;
 
@@ -56,26 +56,27 @@ class MeshOrigin {
   Affine<Scene, Local> scene_from_local_;
 };
 
-/// The origins of a mesh: one for each group of vertices that is far from all others, so that a lost vertex or triangle
-/// does not cost the others their precision. Vertices are of one group if a chain of cells of 131 km connects them.
-/// Exact  The same vertices give the same origins, in whatever order they are added.
+/// The origins of a mesh, one per group of vertices that is far from all other groups. An outlier therefore does not
+/// reduce the precision of other vertices. Vertices belong to one group if adjacent cells of 131 km connect them.
+/// Exact   The origins do not depend on the order in which vertices are added.
 class MeshOrigins {
  public:
   explicit MeshOrigins(const TileRef& tile) : tile_(tile) {}
 
-  /// Takes in a vertex. One that is not finite is of no group.
+  /// Adds a vertex. Ignores a vertex that is not finite.
   void add(const std::array<double, 3>& position);
-  /// Ends the adding of vertices.
+  /// Computes the groups and origins; called once, after all vertices have been added.
   void finish();
 
   std::size_t groups() const { return origins_.size(); }
-  /// Returns the group of a vertex that was added; 0 if it was not, or is not finite.
+  /// Returns the group of an added vertex; 0 if the vertex was not added or is not finite.
   std::size_t group_of(const std::array<double, 3>& position) const;
   const MeshOrigin& origin(std::size_t group) const { return origins_[group]; }
 
   using Take = std::function<void(Primitive&&, const MeshOrigin&)>;
-  /// Fills in the positions of a primitive that has all other lists, and hands it over: in one piece, or if its
-  /// vertices are of several groups, in one piece per group of its triangles' first corners.
+  /// Fills in the positions of a primitive and passes the primitive to `take`. All its other lists must be complete.
+  /// If its triangles belong to several groups, `take` is called once per group with the triangles of the group. The
+  /// first corner of a triangle determines its group.
   void place(Primitive&& primitive, std::span<const std::uint32_t> position_of,
              std::span<const std::array<double, 3>> positions, const Take& take) const;
 
@@ -86,11 +87,11 @@ class MeshOrigins {
 
   const TileRef& tile_;
   std::map<Cell, PositionExtent> extents_;
-  PositionExtent* last_extent_ = nullptr;  ///< of last_cell_
+  PositionExtent* last_extent_ = nullptr;  ///< the extent of last_cell_
   Cell last_cell_{};
-  bool is_one_group_ = false;  ///< there are too many cells
+  bool is_one_group_ = false;  ///< true if there were more than max_cells cells
   std::map<Cell, std::size_t> group_;
-  std::vector<MeshOrigin> origins_;  ///< at least one, once finished
+  std::vector<MeshOrigin> origins_;  ///< not empty after finish()
 };
 
 }  // namespace gigabake

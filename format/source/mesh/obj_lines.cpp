@@ -19,12 +19,12 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
 
-/// Finds carriage returns and line feeds: old programs end lines by the former alone.
+/// Finds carriage returns and line feeds. Old programs end lines with a carriage return only.
 class LineEnds {
  public:
   explicit LineEnds(std::string_view text) : text_(text) {}
 
-  /// Returns the first one from `at` on, or npos. `at` never decreases.
+  /// Returns the position of the first line end at or after `at`, or npos. `at` must not decrease between calls.
   std::size_t next(std::size_t at) {
     if (feed_ < at || at == 0) feed_ = std::min(text_.find('\n', at), text_.size());
     if (return_ < at || at == 0) return_ = std::min(text_.find('\r', at), text_.size());
@@ -37,7 +37,7 @@ class LineEnds {
   std::size_t feed_ = 0, return_ = 0;
 };
 
-/// Takes text block by block.
+/// Splits text that arrives in blocks into lines.
 class Lines {
  public:
   Lines(const std::filesystem::path& file, const std::function<void(const ObjLine&)>& visit)
@@ -52,7 +52,7 @@ class Lines {
     if (!all.empty() && cut_.ends_with('\r')) take_line_end(all.substr(0, 0)), at = all[0] == '\n' ? 1 : 0;
     LineEnds ends(all);
     for (std::size_t end; (end = ends.next(at)) != std::string_view::npos;) {
-      if (all[end] == '\r' && end + 1 == all.size()) break;  // the next block may begin with its line feed
+      if (all[end] == '\r' && end + 1 == all.size()) break;  // the next block may begin with the line feed
       take_line_end(all.substr(at, end - at));
       at = end + (all.substr(end).starts_with("\r\n") ? 2 : 1);
     }
@@ -65,7 +65,7 @@ class Lines {
   }
 
  private:
-  /// What a block cuts is kept until the next one.
+  /// Ends a line. The beginning of a line that a block border cuts is kept in cut_.
   void take_line_end(std::string_view end) {
     if (cut_.empty()) return take_line(end);
     add_to(cut_, end);

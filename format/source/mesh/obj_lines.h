@@ -1,4 +1,4 @@
-/// The lines of OBJ, MTL and other text, in memory or still in its file.
+/// Lines of OBJ, MTL and other text, read from memory or from a file.
 #pragma once
 
 #include <cstdint>
@@ -13,42 +13,45 @@
 
 namespace gigabake {
 
-/// A line of OBJ or MTL: its first word, and the rest without spaces around it.
+/// A line of OBJ or MTL: its first word, and the rest without leading and trailing spaces.
 struct ObjLine {
   std::size_t number = 0;
   std::string_view word, rest;
 };
 
-/// "line 12", made a text only if it is needed.
+/// The text "line 12", created only if it is needed.
 struct LineName {
   std::size_t number = 0;
   operator std::string() const { return "line " + std::to_string(number); }
 };
 
-/// Visits the lines that are not empty and no comments; a backslash at the end joins the next one. Lines end by a line
-/// feed, a carriage return, or both; a byte order mark of UTF-8 at the beginning is no part of them.
-/// Errors  InputError: bytes of zero (UTF-16, binary), before any line is visited.
+/// Visits all lines except empty lines and comments. A backslash at the end of a line joins the next line. A line ends
+/// with a line feed, a carriage return, or both. A UTF-8 byte order mark at the beginning is skipped.
+/// Errors  InputError: the text has zero bytes (UTF-16, binary); thrown before any line is visited.
 void for_each_obj_line(const std::filesystem::path& file, std::span<const std::uint8_t> text,
                        const std::function<void(const ObjLine&)>& visit);
 
-/// As above, of text of any length. Cost  a block of the file and a line are in memory.
-/// Errors  InputError: bytes of zero, before any line of their block is visited; a line of more than 64 MiB.
+/// Visits lines like the overload for text in memory, for text of any length.
+/// Cost    One block of the file and one line in memory.
+/// Errors  InputError: the text has zero bytes, thrown before any line of their block is visited; a line of more than
+///         64 MiB.
 void for_each_obj_line(const std::filesystem::path& file, const SourceBytes& text,
                        const std::function<void(const ObjLine&)>& visit);
 
-/// Of a file's beginning the lines that are there to their end.
+/// Returns `head`, the beginning of a file, without an incomplete line at its end.
 std::span<const std::uint8_t> whole_lines(std::span<const std::uint8_t> head);
 
-/// The word at the beginning of `rest`, which loses it and the spaces behind it.
+/// Removes the first word and the spaces after it from `rest`. Returns the word.
 std::string_view take_word(std::string_view& rest);
 
-/// Returns `text` without a comment at its end: a word that begins with '#'.
+/// Returns `text` without a trailing comment, which begins with '#' at the start of a word.
 std::string_view without_comment(std::string_view text);
 
-/// Returns a name without quotation marks around it, and with '/' in place of '\\'.
+/// Returns a name without enclosing quotation marks, and with '/' in place of '\\'.
 std::string plain_name(std::string_view name);
 
-/// Leading numbers of `text`; stops at the first word that is none. Exact  the nearest double.
+/// Returns up to `most` leading numbers of `text`; stops at the first word that is not a number.
+/// Exact   Each number is rounded to the nearest double.
 std::vector<double> obj_numbers(std::string_view text, std::size_t most);
 
 }  // namespace gigabake

@@ -25,7 +25,7 @@ std::string in_lower_case(std::string_view word) {
   return out;
 }
 
-/// Reads one MTL line by line.
+/// Reads an MTL file line by line.
 class MtlReader {
  public:
   MtlReader(const std::filesystem::path& file, SourceWarnings& warnings)
@@ -77,7 +77,7 @@ class MtlReader {
     return clamped(1 - *entry.transparency);
   }
 
-  /// Is it a property of light or relief? Colours here are without light.
+  /// Returns whether the keyword describes lighting or relief, which are not used, because colours are stored unlit.
   static bool is_lighting(const std::string& key) {
     static const char* const keys[] = {"ka",        "ks",     "ke",     "ns",       "ni",       "tf",       "illum",
                                        "sharpness", "map_ka", "map_ks", "map_ke",   "map_ns",   "bump",     "disp",
@@ -100,19 +100,19 @@ class MtlReader {
 
   void take_colour(ObjMaterial& material) {
     const std::vector<double> v = obj_numbers(line_->rest, 3);
-    if (v.empty()) return warn("MTL lines not understood");  // a spectrum, or CIE XYZ
+    if (v.empty()) return warn("MTL lines not understood");  // Kd is a spectrum or CIE XYZ
     for (std::size_t c = 0; c < 3; ++c) material.base_color[c] = clamped(v[std::min(c, v.size() - 1)]);
     if (std::any_of(v.begin(), v.end(), [](double one) { return one > 1; })) warn("colours (Kd) above 1, taken as 1");
   }
 
-  /// Reads "-s 2 2 1 -clamp on name of file.png": options with their values, then a name that may have spaces.
+  /// Reads a line like "-s 2 2 1 -clamp on name of file.png": options with values, then a name that may have spaces.
   ObjMap map() {
     ObjMap out;
     std::string_view rest = line_->rest;
     while (rest.size() > 1 && rest[0] == '-') {
       std::string_view after = rest;
       const std::string option = in_lower_case(take_word(after));
-      if (after.empty()) break;  // a name with a dash
+      if (after.empty()) break;  // a name that begins with a dash
       take_option(option, after, out);
       rest = after;
     }
@@ -124,7 +124,7 @@ class MtlReader {
     std::string_view next = rest;
     const std::string_view value = take_word(next);
     if (!is_number(value)) {
-      rest = next;  // on, off, a channel
+      rest = next;  // on, off or a channel
       if (option == "-clamp") out.is_clamped = value == "on";
       return;
     }
@@ -171,7 +171,7 @@ NamedFile named_file(const std::filesystem::path& base, std::string_view name, c
     try {
       return {std::string(name), resolve_path(files.root(), base, "", one)};
     } catch (const InputError&) {
-      // Outside the source's folder: its last part may be inside.
+      // The path is outside the folder of the source. The next attempt resolves its last part.
     }
   }
   return {std::string(name), std::nullopt};

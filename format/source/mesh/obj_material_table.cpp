@@ -91,7 +91,7 @@ int ObjMaterialTable::add(const ObjMaterialUse& use, TileMesh& out) {
     const bool is_placed = use.has_uv || !m->material.has_map();
     if (is_placed) material.texture.image = add_image(*m, out);
     if (m->material.placed_map().is_clamped) material.texture.wrap_s = material.texture.wrap_t = Wrap::clamp_to_edge;
-    // Many programs write a black Kd for what has an image.
+    // Many programs write a black Kd for materials that have an image.
     const bool has_colour_map = !m->material.color_map.name.empty();
     if (has_colour_map && use.has_uv) std::fill_n(material.base_color.begin(), 3, 1.0f);
     if (has_colour_map && use.has_uv && !is_usable(*m, m->material.color_map)) make_grey();
@@ -102,7 +102,7 @@ int ObjMaterialTable::add(const ObjMaterialUse& use, TileMesh& out) {
   return int(out.materials.size()) - 1;
 }
 
-/// Returns the index of the colour map, with the alpha map in it; -1 if the material has no image that can be read.
+/// Returns the index of the image that combines the colour map and the alpha map; -1 if neither can be read.
 int ObjMaterialTable::add_image(const Described& m, TileMesh& out) {
   const ObjMap &color = m.material.color_map, &alpha = m.material.alpha_map;
   const bool has_color = is_usable(m, color), has_alpha = is_usable(m, alpha);

@@ -1,4 +1,4 @@
-/// The materials that an OBJ names: what its material files state about them, and where their images are.
+/// The materials that an OBJ names, with the descriptions in its material files and the paths of their images.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,8 @@
 
 namespace gigabake {
 
-/// A material of some faces of an OBJ: those of the same name that have texture coordinates, or colours, or neither.
+/// A material of an OBJ as some faces use it. Faces with and without texture coordinates or colours get separate
+/// materials, even if the name is the same.
 struct ObjMaterialUse {
   std::string name;
   bool has_uv = false, has_colour = false;
@@ -22,26 +23,27 @@ struct ObjMaterialUse {
 
 class ObjMaterialTable {
  public:
-  /// Both outlive this.
+  /// `file` and `files` must outlive the table.
   ObjMaterialTable(const std::filesystem::path& file, const SourceFiles& files) : file_(file), files_(files) {}
 
-  /// Reads the files that a line `mtllib` names. Errors  InputError: a material file that is no text.
+  /// Reads the files that an `mtllib` line names.
+  /// Errors  InputError: a material file is not text.
   void take(const ObjLine& line);
 
-  /// Counts what is missing for materials that faces name: material files, descriptions, images.
+  /// Counts missing material files, descriptions and images of the materials that faces name.
   void warn(const std::set<std::string>& used, SourceWarnings& warnings) const;
-  /// Returns material files and images, there or missing, sorted.
+  /// Returns the sorted paths of all named material files and their images, existing or missing.
   std::vector<std::filesystem::path> dependencies() const;
-  /// Does the material show an image?
+  /// Returns whether the material has an image that can be read.
   bool has_image(const std::string& name) const;
 
   /// Appends the material and its image. Returns its index in out.materials.
   int add(const ObjMaterialUse& use, TileMesh& out);
-  /// Returns how the material's image is placed.
+  /// Returns the placement of the material's image.
   ObjMap placed_map(const std::string& name) const;
 
  private:
-  /// With the file that describes it.
+  /// A material and the path of the file that describes it.
   struct Described {
     ObjMaterial material;
     std::filesystem::path file;
@@ -54,7 +56,7 @@ class ObjMaterialTable {
   const SourceFiles& files_;
   std::map<std::string, Described> described_;
   std::set<std::filesystem::path> mtl_files_;
-  std::set<std::string> missing_;  ///< material files
+  std::set<std::string> missing_;  ///< names of missing material files
   SourceWarnings mtl_warnings_;
   std::map<std::string, int> image_;
 };

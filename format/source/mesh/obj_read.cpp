@@ -16,7 +16,7 @@
 namespace gigabake {
 namespace {
 
-/// A vertex of a primitive with its place in Part::vertex, and a corner.
+/// Memory of a vertex of a primitive including its entry in Part::vertex, and of a corner.
 constexpr std::uint64_t vertex_bytes = 12 + 8 + 8 + 4 + 56, corner_bytes = 4;
 
 using Vector = std::array<double, 3>;
@@ -27,10 +27,10 @@ std::size_t words(std::string_view text) {
   return count;
 }
 
-/// `fo` is the old keyword of faces.
+/// Returns whether the line is a face. `fo` is the obsolete keyword for faces.
 bool is_face(const ObjLine& line) { return line.word == "f" || line.word == "fo"; }
 
-/// How much there is of everything, known before any of it is kept.
+/// Numbers of elements in the file, counted before memory is reserved.
 struct Counts {
   std::uint64_t positions = 0, uvs = 0, triangles = 0;
 };
@@ -46,7 +46,7 @@ Counts counts_of(const std::filesystem::path& file, const SourceBytes& text, Obj
   return out;
 }
 
-/// Is it a keyword that has no meaning for surfaces of triangles: normals, groups, how others show it?
+/// Returns whether a keyword is irrelevant for triangle surfaces, for example normals, groups and display settings.
 bool is_without_meaning(std::string_view word) {
   static const std::set<std::string_view> words{"vn",       "g",      "o",          "s",        "mg",
                                                 "mtllib",   "usemap", "maplib",     "bevel",    "c_interp",
@@ -54,7 +54,7 @@ bool is_without_meaning(std::string_view word) {
   return words.count(word) != 0;
 }
 
-/// Does it belong to curves and surfaces with equations?
+/// Returns whether a keyword belongs to free-form curves and surfaces.
 bool is_free_form(std::string_view word) {
   static const std::set<std::string_view> words{"vp",    "cstype", "deg",  "bmat",  "step", "curv",
                                                 "curv2", "surf",   "parm", "trim",  "hole", "scrv",
@@ -62,18 +62,18 @@ bool is_free_form(std::string_view word) {
   return words.count(word) != 0;
 }
 
-/// Triangles of one material, each pair of position and texture coordinate once.
+/// Triangles of one material. Each pair of position and texture coordinate is stored once.
 struct Part {
   Primitive primitive;
   std::unordered_map<std::uint64_t, std::uint32_t> vertex;
-  std::vector<std::uint32_t> position_of;  ///< of each vertex
+  std::vector<std::uint32_t> position_of;  ///< index of the position per vertex
 
   std::uint64_t triangles() const { return primitive.index.size() / 3; }
   std::uint64_t bytes() const { return position_of.size() * vertex_bytes + primitive.index.size() * corner_bytes; }
 };
 
-/// Without a sink faces are kept as they are read. With one, the faces of large files are read twice: materials and
-/// origins are known only after all faces have been looked at.
+/// The actions for a face. Faces are kept when they are read if there is no sink. Otherwise the faces of large files
+/// are read twice, because materials and origins are known only after all faces have been read.
 enum class Faces { keep, look_at, hand_over };
 
 class ObjReader {
@@ -106,7 +106,7 @@ class ObjReader {
   }
 
  private:
-  /// Takes in all lines but those of faces and their materials.
+  /// Handles all lines except faces and `usemtl`.
   void take_other(const ObjLine& line) {
     if (is_face(line) || line.word == "usemtl") return;
     if (line.word == "v" || line.word == "vt")
@@ -218,7 +218,7 @@ class ObjReader {
     return at->second;
   }
 
-  /// For the face's triangles: in the part that they belong to, and among all that are held.
+  /// Passes parts to the sink if the triangles of the face would exceed the max of their part or of all parts.
   void make_room(const ObjLine& line, const ObjMaterialUse& use) {
     const std::uint64_t max_held = 2 * part_triangles(), triangles = corners_.size() - 2;
     if (material_index_.count(use) == 0) fail_as_changed(line);
@@ -231,7 +231,7 @@ class ObjReader {
     held_triangles_ += triangles;
   }
 
-  /// Between the two readings others may write the file.
+  /// Throws InputError: another program wrote the file between the two passes.
   [[noreturn]] void fail_as_changed(const ObjLine& line) const {
     throw InputError(file_, name_of(line), "is not as it was; it changed meanwhile");
   }
@@ -242,7 +242,7 @@ class ObjReader {
     parts_.erase(part);
   }
 
-  /// By name, as they are numbered then.
+  /// Adds materials in the order of their names, which assigns their indices.
   void add_materials() {
     if (everything_)
       for (auto& [use, index] : material_index_) index = materials_.add(use, out_);
@@ -283,17 +283,17 @@ class ObjReader {
   ObjVertices vertices_;
   MeshOrigins origins_;
   SourceWarnings warnings_;
-  ObjIndexRange range_;  ///< at the line that is read
+  ObjIndexRange range_;  ///< at the current line
   std::string material_;
   bool is_new_material_ = true, shows_image_ = false;
-  std::map<std::string, bool> has_image_;  ///< by material
+  std::map<std::string, bool> has_image_;  ///< whether a material has an image, by its name
   std::set<std::string> used_materials_;
-  std::vector<bool> is_used_;       ///< of each vertex: some face has it
-  std::uint64_t faces_ = 0;         ///< lines
-  std::vector<ObjCorner> corners_;  ///< of the face that is read, and the next two
+  std::vector<bool> is_used_;       ///< whether a face uses the vertex, per vertex
+  std::uint64_t faces_ = 0;         ///< number of face lines
+  std::vector<ObjCorner> corners_;  ///< corners of the current face, like polygon_ and numbers_
   std::vector<Vector> polygon_;
   std::vector<std::uint32_t> numbers_;
-  std::map<ObjMaterialUse, int> material_index_;  ///< in TileMesh::materials, once all faces are known
+  std::map<ObjMaterialUse, int> material_index_;  ///< in TileMesh::materials; set by add_materials()
   std::map<ObjMaterialUse, Part> parts_;
   bool is_streamed_ = false;
   std::uint64_t held_triangles_ = 0;

@@ -1,4 +1,4 @@
-/// Wavefront OBJ as a tile.
+/// Reader of Wavefront OBJ files.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +12,27 @@
 
 namespace gigabake {
 
-/// Reads faces with negative indices, texture coordinates and vertex colours (sRGB), each used for the faces that have
-/// it, mtllib and usemtl; points and lines are counted. docs/format-meshes.md lists what is used and reported.
-/// Exact   Coordinates are read as doubles. Those beyond 10 km are stored relative to the origin of their group
-///         (mesh_origin.h): projected coordinates keep their millimetres.
-/// Sink    A file of more than part_triangles() is read twice: to know what all corners of a material have, then to
-/// hand
-///         parts over as they are full. Its parts' vertices stand in the order of their first use, and where a file
-///         changes from material to material a part may end before it is full.
-/// Cost    The text is read in blocks, so it may be of any length. In memory: 24 bytes for each `v` of the file, 8 more
-///         where it has colours, and 8 for each `vt`: 1.6 GB for the 5·10^7 vertices of 10^8 triangles. Without a sink
-///         the mesh; with one two parts of part_triangles().
-/// What a missing material file would describe is grey, unless it has vertex colours; a warning says so.
-/// Errors  InputError: no text, more vertices than 2^32 or than memory allows, a file that changes meanwhile.
+/// Reads an OBJ file as a tile. Reads faces, negative indices, texture coordinates, vertex colours (sRGB), mtllib and
+/// usemtl. Texture coordinates and colours apply to faces whose corners all have them. Points and lines are counted.
+/// docs/format-meshes.md lists the keywords that are used and reported.
+/// Faces without vertex colours are grey if their material is missing; a warning reports missing material files.
+/// Sink    A file of more than part_triangles() triangles is read twice. The first pass finds the attributes of all
+///         materials; the second passes parts to the sink. A part's vertices are in the order of their first use. If
+///         the material changes often, a part may end before it is full.
+/// Exact   Coordinates are read as doubles. Coordinates beyond 10 km are stored relative to the origin of their group
+///         (mesh_origin.h), so projected coordinates keep a precision of millimetres.
+/// Cost    The text is read in blocks, so its length is not limited. Memory: 24 bytes per `v`, 8 more in files with
+///         colours, and 8 per `vt`: 1.6 GB for the 5·10^7 vertices of 10^8 triangles. In addition the whole mesh, or
+///         two parts of part_triangles() if there is a sink.
+/// Errors  InputError: the file is not text, has more vertices than 2^32 or than fit into memory, or changes while it
+///         is read.
 TileMesh read_obj(const TileRef& tile, const SourceFiles& files, ReadScope scope, const PrimitiveSink& sink = nullptr);
 
-/// Vertices at the beginning of an OBJ, of which `head` holds the first bytes; at most 64.
+/// Returns at most 64 vertices from the beginning of an OBJ. `head` holds the first bytes of the file.
 std::vector<Point<Local>> first_obj_vertices(const std::filesystem::path& file, std::span<const std::uint8_t> head);
 
-/// Material files, there or missing, and images that the OBJ names, sorted. Errors  InputError as read_obj().
+/// Returns the sorted paths of material files and images that the OBJ names, existing or missing.
+/// Errors  InputError like read_obj().
 std::vector<std::filesystem::path> obj_dependencies(const TileRef& tile, const SourceFiles& files);
 
 }  // namespace gigabake

@@ -14,8 +14,8 @@ namespace {
 
 LineName line_name(const ObjLine& line) { return {line.number}; }
 
-/// Reads an index at `at`: 1 is the first, -1 the last before the face. Returns it from 0 on; `count` if there is none
-/// of that number; nothing if it is no number.
+/// Reads an index at `at`: 1 is the first item, -1 the last item before the face. Returns the index counted from 0,
+/// `count` if no such item exists, or nullopt if the text is not a number.
 std::optional<std::uint64_t> index_at(const char*& at, const char* end, std::uint64_t before, std::uint64_t count) {
   long long i = 0;
   const auto parsed = std::from_chars(at < end && *at == '+' ? at + 1 : at, end, i);
@@ -58,7 +58,7 @@ void ObjVertices::take_position(const ObjLine& line, SourceWarnings& warnings) {
   if (colour_.empty()) claim_.add_items(position_.capacity(), sizeof colour_[0], "", "colours of vertices");
   colour_.reserve(position_.capacity());
   colour_.resize(position_.size());
-  // A fourth number may be a weight, and then three colours follow.
+  // The fourth number may be a weight, followed by three colours.
   const std::size_t first = v.size() - 3;
   colour_.back() = {linear16(v[first]), linear16(v[first + 1]), linear16(v[first + 2]), opaque};
   if (std::any_of(v.begin() + std::ptrdiff_t(first), v.end(), [](double one) { return !(one >= 0 && one <= 1); }))
@@ -83,7 +83,7 @@ ObjFaceFault read_obj_corners(std::string_view text, const ObjIndexRange& range,
       else
         c.uv = std::uint32_t(*uv);
     }
-    while (at<end&& * at> ' ') ++at;  // normals are made from triangles
+    while (at<end&& * at> ' ') ++at;  // skips indices of normals, which are computed from triangles
     while (at < end && *at <= ' ') ++at;
     if (corners.size() == max_polygon_corners) return ObjFaceFault::too_many_corners;
     corners.push_back(c);

@@ -1,4 +1,4 @@
-/// The vertices and texture coordinates of an OBJ, and the corners of its faces, which name them.
+/// The vertices and texture coordinates of an OBJ, and the corners of its faces, which refer to them by index.
 #pragma once
 
 #include <array>
@@ -15,22 +15,24 @@ namespace gigabake {
 
 class ObjVertices {
  public:
-  /// claim: for what is allocated; it outlives this.
+  /// `claim` counts all allocated memory; `file` and `claim` must outlive the object.
   explicit ObjVertices(const std::filesystem::path& file, MemoryClaim& claim) : file_(file), claim_(claim) {}
 
-  /// Errors  InputError: more than 2^32 - 1 of either, or more memory than allowed.
+  /// Reserves memory for all vertices and texture coordinates.
+  /// Errors  InputError: a number is not below 2^32 - 1, or the memory exceeds the limit.
   void reserve(std::uint64_t positions, std::uint64_t uvs);
-  /// Takes in a line `v` or `vt`. One without its numbers keeps its place: a vertex becomes NaN.
+  /// Adds the vertex or texture coordinates of a line `v` or `vt`. If numbers are missing, a vertex becomes NaN and
+  /// texture coordinates become 0, so that later indices remain valid.
   void take(const ObjLine& line, SourceWarnings& warnings);
 
   std::size_t positions() const { return position_.size(); }
   std::size_t uvs() const { return uv_.size(); }
   const std::vector<std::array<double, 3>>& position() const { return position_; }
   const std::array<float, 2>& uv(std::uint32_t i) const { return uv_[i]; }
-  /// Has the vertex a colour?
+  /// Returns whether the vertex has a colour.
   bool has_colour(std::uint32_t i) const { return i < colour_.size() && colour_[i][3] == opaque; }
   bool has_colours() const { return !colour_.empty(); }
-  /// Returns its colour: linear, 65535 = 1.
+  /// Returns the linear colour of the vertex; 65535 = 1.
   const std::array<std::uint16_t, 4>& colour(std::uint32_t i) const { return colour_[i]; }
 
  private:
@@ -41,7 +43,7 @@ class ObjVertices {
   const std::filesystem::path& file_;
   MemoryClaim& claim_;
   std::vector<std::array<double, 3>> position_;
-  std::vector<std::array<std::uint16_t, 4>> colour_;  ///< one that is not `opaque`: the vertex has none
+  std::vector<std::array<std::uint16_t, 4>> colour_;  ///< alpha is not `opaque` if the vertex has no colour
   std::vector<std::array<float, 2>> uv_;
 };
 
@@ -50,16 +52,16 @@ struct ObjCorner {
   std::uint32_t position = 0, uv = none;
 };
 
-/// How many vertices and texture coordinates stand before a face, which negative indices count back from, and how many
-/// the file has.
+/// Numbers of vertices and texture coordinates before a face, and in the whole file. Negative indices count back from
+/// the numbers before the face.
 struct ObjIndexRange {
   std::uint64_t positions = 0, uvs = 0, all_positions = 0, all_uvs = 0;
 };
 
 enum class ObjFaceFault : std::uint8_t { none, no_index, no_vertex, too_many_corners };
 
-/// Reads the corners of a line `f`, up to a comment. An index of texture coordinates that are not there is counted in
-/// `bad_uvs`, and the corner has none.
+/// Reads the corners of a line `f`, up to a comment. Indices of missing texture coordinates are counted in `bad_uvs`;
+/// such corners have no texture coordinates.
 ObjFaceFault read_obj_corners(std::string_view text, const ObjIndexRange& range, std::vector<ObjCorner>& corners,
                               std::uint64_t& bad_uvs);
 

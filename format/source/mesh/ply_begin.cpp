@@ -1,4 +1,4 @@
-// What is read of a PLY before its mesh: its first vertices and the images that it names.
+// Reads the parts of a PLY that are needed before its mesh: the first vertices and the names of images.
 #include <algorithm>
 
 #include "format/source/content_pieces.h"
@@ -29,7 +29,7 @@ std::vector<Point<Local>> first_ply_vertices(const std::filesystem::path& file, 
       if (layout.has_position())
         out.push_back({value[*layout.position[0]], value[*layout.position[1]], value[*layout.position[2]]});
     }
-    if (!out.empty() || e.count > most_first_vertices) break;  // the vertices of nearly every file come first
+    if (!out.empty() || e.count > most_first_vertices) break;  // in almost all files the vertices are the first element
   }
   return out;
 }

@@ -8,7 +8,7 @@
 namespace gigabake {
 namespace {
 
-/// The largest value of a colour's type: 1 of what is a float.
+/// Returns the value of full intensity: the max value of an integer type, 1 for floats.
 double full_of(PlyType type) {
   return is_integer(type)
              ? std::ldexp(1, int(8 * byte_count(type)) -

@@ -39,7 +39,7 @@ class HeaderReader {
   HeaderReader(const std::filesystem::path& file, std::span<const std::uint8_t> bytes)
       : file_(file), text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()) {
     if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;
-    // The first line decides: binary values may begin with either byte.
+    // Only the first line determines the type of line ends, because binary values may begin with either byte.
     const std::size_t end = text_.find_first_of("\r\n");
     if (end != std::string_view::npos && text_[end] == '\r' && !text_.substr(end).starts_with("\r\n")) line_end_ = '\r';
   }

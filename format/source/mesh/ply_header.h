@@ -1,4 +1,4 @@
-/// The header of a PLY (Stanford polygon file): which elements follow, and how each value is written.
+/// The header of a PLY (Stanford polygon file), which declares the elements and the types of their values.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ bool is_integer(PlyType type);
 
 struct PlyProperty {
   std::string name;
-  PlyType type = PlyType::float32;  ///< of a list: of its items
-  std::optional<PlyType> count;     ///< of a list: of its length, an integer
+  PlyType type = PlyType::float32;  ///< type of the value, or of the items of a list
+  std::optional<PlyType> count;     ///< integer type of the length of a list; nullopt if the property is no list
 };
 
 struct PlyElement {
@@ -27,7 +27,7 @@ struct PlyElement {
   std::uint64_t count = 0;
   std::vector<PlyProperty> properties;
 
-  /// The index of the first property that has one of these names.
+  /// Returns the index of the first property that has one of the names.
   std::optional<std::size_t> find(std::initializer_list<const char*> names) const;
 };
 
@@ -35,12 +35,13 @@ struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
   std::vector<std::string> textures;  ///< "comment TextureFile NAME", as MeshLab writes it
-  std::size_t bytes = 0;              ///< where the elements begin
-  std::size_t lines = 0;              ///< up to there
+  std::size_t bytes = 0;              ///< size of the header: the offset of the elements
+  std::size_t lines = 0;              ///< number of lines of the header
 };
 
-/// bytes: the file, or its beginning. Errors  InputError with the line: no PLY, not 1.0, an unknown type or keyword, a
-/// count that is none, more than 1024 properties, no end.
+/// Reads the header. `bytes` is the file or its beginning.
+/// Errors  InputError with the line: not a PLY, a version other than 1.0, an unknown type or keyword, an invalid count,
+///         more than 1024 properties of an element, no end of the header.
 PlyHeader read_ply_header(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
 
 }  // namespace gigabake

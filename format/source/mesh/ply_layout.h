@@ -1,4 +1,4 @@
-/// What the header of a PLY says of its vertices and images.
+/// The declarations of vertices and images in the header of a PLY.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ namespace gigabake {
 
 inline constexpr std::uint64_t longest_ply_header = std::uint64_t(1) << 22;
 
-/// Where in a vertex its values are; indices of properties.
+/// The indices of the properties of a vertex that hold its position, colour and texture coordinates.
 struct VertexLayout {
   std::array<std::optional<std::size_t>, 3> position;
   std::array<std::optional<std::size_t>, 4> colour;
@@ -33,10 +33,10 @@ struct VertexLayout {
   bool has_uv() const { return uv[0] && uv[1]; }
 };
 
-/// Returns the image that a comment TextureFile names, if it is there and can be read.
+/// Returns the path of the image that a comment TextureFile names, if the image exists and has a supported format.
 std::optional<std::filesystem::path> ply_image(const TileRef& tile, const SourceFiles& files, const std::string& name);
 
-/// Counts what the header states and the reader does not use: elements, properties, images.
+/// Counts elements, properties and images that the header declares and the reader does not use.
 void warn_of_header(const TileRef& tile, const SourceFiles& files, const PlyHeader& header, SourceWarnings& warnings);
 
 }  // namespace gigabake

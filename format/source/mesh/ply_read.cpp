@@ -25,27 +25,27 @@ using Vector = std::array<double, 3>;
 
 constexpr std::uint64_t most_vertices = 0xffffffff;
 constexpr std::uint32_t unused = ~std::uint32_t(0);
-/// A vertex of a primitive with its number, and a corner.
+/// Memory of a vertex of a primitive including its index, and of a corner.
 constexpr std::uint64_t vertex_bytes = 12 + 8 + 8 + 4, corner_bytes = 4;
 
-/// In place of a texture's number: faces that have no texture coordinates of their own, or only a colour.
+/// The keys of faces without texture: `of_vertices` if the vertices determine the colour, else `of_faces`.
 constexpr int of_vertices = -2, of_faces = -3;
 
-/// What has one texture, or colours of its faces.
+/// The triangles of one texture or of one of the keys of_vertices and of_faces.
 struct Part {
   Primitive primitive;
-  std::vector<std::uint32_t> position_of;  ///< of each vertex
-  std::vector<std::uint32_t> vertex_of;    ///< of each position; unless corners have texture coordinates of their own
+  std::vector<std::uint32_t> position_of;  ///< index of the position per vertex
+  std::vector<std::uint32_t> vertex_of;    ///< vertex per position; empty if corners are not shared
 
   std::uint64_t bytes() const { return position_of.size() * vertex_bytes + primitive.index.size() * corner_bytes; }
 };
 
 struct Face {
   std::vector<std::uint32_t> corners;
-  std::vector<float> uv;  ///< of the corners, two each; or empty
+  std::vector<float> uv;  ///< two values per corner, or empty
   int texture = 0;
   std::optional<PlyColour::Rgba> colour = {};
-  bool is_lost = false;  ///< a corner is no vertex, or there are too many
+  bool is_lost = false;  ///< a corner is not a vertex, or there are too many corners
 };
 
 PlyHeader header_of(const std::filesystem::path& file, const SourceBytes& bytes) {
@@ -88,7 +88,7 @@ class PlyReader {
   }
 
  private:
-  /// Faces may stand before the vertices that they name.
+  /// Checks the header and reserves memory for vertices, because faces may precede the vertices that they name.
   void declare_vertices() {
     bool face_alpha = false;
     for (const PlyElement& e : header_.elements) {
@@ -111,11 +111,11 @@ class PlyReader {
       if (layout.has_colour() && everything_) rgba_.reserve(4 * e.count);
       if (layout.has_uv() && everything_) uv_.reserve(2 * e.count);
     }
-    // Only the last face tells if alpha is 0 everywhere.
+    // All faces must be read to know if their alpha is 0 everywhere.
     if (face_alpha && !has_colour_) has_alpha_ = true, is_streamed_ = false;
   }
 
-  /// Programs that know no alpha write 0 everywhere: then it is left out.
+  /// Returns whether alpha applies. Programs without alpha write 0 everywhere, which means opaque.
   bool is_alpha_used() const { return has_alpha_ && largest_alpha_ > 0; }
 
   void warn_of_alpha() {
@@ -164,7 +164,7 @@ class PlyReader {
       throw InputError(file_, "element face", "expected the property list vertex_indices");
     has_faces_ |= element.count != 0;
     const VertexLayout layout(element);
-    const bool has_colour = !has_colour_ && layout.has_colour();  // those of vertices have precedence
+    const bool has_colour = !has_colour_ && layout.has_colour();  // colours of vertices have precedence
     std::vector<double> value(element.properties.size());
     Face face;
     for (std::uint64_t i = 0; i < element.count; ++i) {
@@ -214,7 +214,7 @@ class PlyReader {
     return -1;
   }
 
-  /// A polygon waits until its vertices are known: its shape decides how it is cut.
+  /// Adds a face. Stores a polygon until all vertices are read, because its triangulation depends on its shape.
   void add(const Face& face) {
     if (face.is_lost) return;
     if (face.corners.size() < 3) {
@@ -260,7 +260,8 @@ class PlyReader {
     return v;
   }
 
-  /// Each begins anew behind a negative index, and every other triangle turns the other way.
+  /// Reads triangle strips. A negative index begins a new strip. The corners of every second triangle are swapped, so
+  /// that all triangles have the same orientation.
   void read_strips(const PlyElement& element) {
     const auto list = element.find({"vertex_indices", "vertex_index"});
     if (!list || !element.properties[*list].count)
@@ -304,7 +305,8 @@ class PlyReader {
     if (out_.materials.empty()) out_.materials.emplace_back();
   }
 
-  /// Moves the part's triangles into a primitive, which a sink gets. Range  All vertices have been read.
+  /// Moves the triangles of the part into a primitive, and passes the primitive to the sink if there is one.
+  /// Range   All vertices have been read.
   void finish_part(int texture, Part& part) {
     if (origins_.groups() == 0) origins_.finish();
     claim_.give_back(is_streamed_ ? part.bytes() : 0);
@@ -331,7 +333,7 @@ class PlyReader {
     sink_(out_.primitives.size() - 1, std::move(p));
   }
 
-  /// One material per texture, however many parts show it.
+  /// Returns the index of the material of a texture. All parts of a texture share one material.
   int material_of(int texture) {
     const auto [at, is_new] = materials_.try_emplace(texture, 0);
     if (is_new) at->second = add_material(texture);
@@ -344,7 +346,7 @@ class PlyReader {
     for (const std::uint32_t corner : triangles_of_polygon(corners)) part.primitive.index.push_back(polygon[corner]);
   }
 
-  /// Without its image a mesh has its vertices' colours, or is grey.
+  /// Adds the material of a texture. If the image is missing, the vertex colours apply; without them it is grey.
   int add_material(int texture) {
     Material material;
     if (is_alpha_used()) material.alpha_mode = AlphaMode::blend;
@@ -373,14 +375,15 @@ class PlyReader {
   bool has_vertices_ = false, has_faces_ = false, is_float_ = false, has_colour_ = false, has_alpha_ = false;
   std::uint16_t largest_alpha_ = 0;
   SourceWarnings warnings_;
-  bool is_streamed_ = sink_ != nullptr;  ///< parts are handed over before the end: the vertices stand first
+  bool is_streamed_ = sink_ != nullptr;  ///< full parts are passed to the sink; requires that vertices precede faces
   MeshOrigins origins_{tile_};
   std::map<int, int> materials_;  ///< in TileMesh::materials, by texture
   std::vector<Vector> position_;
   std::vector<std::uint16_t> rgba_;
   std::vector<float> uv_;
   std::map<int, Part> parts_;
-  std::map<int, std::vector<std::vector<std::uint32_t>>> polygons_;  ///< that stand before the vertices; a part's own
+  std::map<int, std::vector<std::vector<std::uint32_t>>>
+      polygons_;  ///< polygons read before the vertices, by texture; indices into the part
   TileMesh out_;
 };
 

@@ -93,7 +93,7 @@ double PlyValues::word() {
 std::uint64_t PlyValues::length(const PlyProperty& list) {
   const double items = number(*list.count);
   const std::uint64_t item_bytes = format_ == PlyFormat::ascii ? 2 : byte_count(list.type);
-  // In a text the last value needs no space behind it.
+  // One byte is added, because the last value in a text needs no space after it.
   if (!(items >= 0) || items != std::floor(items) || items * double(item_bytes) > double(left() + 1))
     fail("expected the length of a list that the file has room for");
   return std::uint64_t(items);

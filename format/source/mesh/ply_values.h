@@ -1,4 +1,4 @@
-/// The values behind the header of a PLY, one after the other.
+/// Sequential reader of the values after the header of a PLY.
 #pragma once
 
 #include <cstdint>
@@ -12,29 +12,31 @@
 
 namespace gigabake {
 
-/// Cost          A block of the file is in memory.
-/// Errors (all)  InputError with the line (ASCII) or the byte: the file ends, or a word is no number.
+/// Cost          One block of the file in memory.
+/// Errors (all)  InputError with the line (ASCII) or the byte: the file ends early, or a word is not a number.
 class PlyValues {
  public:
-  /// `file` and `header` outlive it.
+  /// Begins after the header. `file` must outlive the object.
   PlyValues(const std::filesystem::path& file, SourceBytes bytes, const PlyHeader& header)
       : file_(file), bytes_(std::move(bytes)), format_(header.format), at_(header.bytes), line_(header.lines + 1) {}
 
-  /// Exact  every type of PLY is a double.
+  /// Reads one value.
+  /// Exact   A double represents each value of a binary PLY exactly.
   double number(PlyType type) { return format_ == PlyFormat::ascii ? word() : binary(type); }
 
-  /// The length of a list, whose items the file has room for.
+  /// Reads the length of a list. Throws InputError if the rest of the file cannot hold its items.
   std::uint64_t length(const PlyProperty& list);
 
-  /// Reads over a property, a list too.
+  /// Skips a property, which may be a list.
   void skip(const PlyProperty& property);
 
-  /// Refuses an element that says it has more items than the file has room for: ask before anything is allocated.
+  /// Throws InputError if the rest of the file cannot hold the declared number of items of an element. Must be called
+  /// before memory for the element is allocated.
   void expect_room_for(const PlyElement& element) const;
 
   [[noreturn]] void fail(const std::string& message) const;
 
-  /// Where in the file the value is that was read last: "line 12" or "byte 345", made a text only if it is needed.
+  /// The position in the file after the last value: "line 12" or "byte 345". The text is created only if needed.
   struct Place {
     bool is_line;
     std::uint64_t at;
@@ -46,7 +48,7 @@ class PlyValues {
   double word();
   double binary(PlyType type);
   std::uint64_t left() const { return bytes_.size() - at_; }
-  /// Makes `bytes` bytes from at_ on available in block_, or all that are left. Returns how many there are.
+  /// Loads at least min(`bytes`, left()) bytes from at_ on into block_. Returns the number of bytes available there.
   std::size_t make_available(std::size_t bytes);
   std::uint8_t byte_at(std::uint64_t i) const { return block_[std::size_t(i - block_begin_)]; }
 

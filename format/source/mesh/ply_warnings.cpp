@@ -1,4 +1,4 @@
-// What the header of a PLY states and its reader does not use.
+// Warnings about declarations in the header of a PLY that the reader does not use.
 #include <algorithm>
 #include <set>
 #include <string_view>
@@ -16,7 +16,7 @@ bool is_used_of_faces(std::string_view name) {
   return names.count(name) != 0;
 }
 
-/// Is it a property without meaning for surfaces: normals, and what scanners state about their accuracy?
+/// Returns whether a property is irrelevant for surfaces, for example a normal or the accuracy of a scanner.
 bool is_without_meaning(std::string_view name) {
   static const std::set<std::string_view> names{"nx",    "ny",      "nz",        "confidence", "intensity",
                                                 "flags", "quality", "curvature", "radius",     "material_index"};

@@ -8,7 +8,8 @@
 namespace gigabake {
 namespace {
 
-/// Along the axis that the normal is nearest to; turning counter-clockwise.
+/// Projects the polygon along the dominant axis of its normal. The result is counter-clockwise and relative to the
+/// first corner.
 std::vector<PlaneCorner> flattened(std::span<const std::array<double, 3>> corners) {
   std::array<double, 3> normal{};
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -28,14 +29,15 @@ std::vector<PlaneCorner> flattened(std::span<const std::array<double, 3>> corner
   return flat;
 }
 
-/// Do all triangles of the fan from the first corner turn as the polygon does? Then they do not overlap.
+/// Returns whether all triangles of the fan from the first corner are counter-clockwise and thus do not overlap.
 bool is_fan(const std::vector<PlaneCorner>& flat) {
   for (std::size_t i = 1; i + 1 < flat.size(); ++i)
     if (turn(flat[0], flat[i], flat[i + 1]) < 0) return false;
   return true;
 }
 
-/// Decimal fractions are rounded to doubles, and a plane is no lattice of them.
+/// Returns the distance below which corners count as collinear. Decimal coordinates are rounded to doubles, so corners
+/// of a straight edge do not lie exactly on a line.
 double rounding_error(std::span<const std::array<double, 3>> corners) {
   double largest = 0;
   for (const auto& p : corners) largest = std::max({largest, std::fabs(p[0]), std::fabs(p[1]), std::fabs(p[2])});

@@ -1,4 +1,4 @@
-/// Polygons in space as triangles.
+/// Triangulation of polygons in space.
 #pragma once
 
 #include <array>
@@ -8,12 +8,13 @@
 
 namespace gigabake {
 
-/// Parts of meshes hold as many triangles (most_part_triangles).
+/// The max number of corners of a polygon. The triangles of a polygon fit into one part (most_part_triangles).
 inline constexpr std::size_t max_polygon_corners = std::size_t(1) << 20;
 
-/// Returns indices of corners, three per triangle, n - 2 triangles that turn as the polygon does. One whose
-/// first corner sees all others becomes a fan. Ears are cut off any other, seen along its mean normal (Newell's).
-/// Cost  n log n (ear_clipper.h).
+/// Returns the n - 2 triangles of a polygon of n corners, as three indices of corners per triangle. The triangles have
+/// the orientation of the polygon. If all triangles from the first corner have this orientation, they form a fan; else
+/// ears are clipped in the projection along the dominant axis of the mean normal (Newell's method).
+/// Cost    O(n log n) (ear_clipper.h).
 std::vector<std::uint32_t> triangles_of_polygon(std::span<const std::array<double, 3>> corners);
 
 }  // namespace gigabake

@@ -45,7 +45,7 @@ bool begins_with_solid(StlBytes bytes) {
          std::equal(solid.begin(), solid.end(), first, [](char c, std::uint8_t b) { return c == std::tolower(b); });
 }
 
-/// head: its first bytes at least.
+/// Returns whether the STL is ASCII. `head` holds the first bytes of the file.
 bool is_text(StlBytes head, std::uint64_t file_bytes) {
   if (head.size() >= head_bytes && file_bytes == head_bytes + facet_bytes * facets_said(head)) return false;
   if (!begins_with_solid(head)) return false;
@@ -53,13 +53,14 @@ bool is_text(StlBytes head, std::uint64_t file_bytes) {
   return std::find(start.begin(), start.end(), std::uint8_t(0)) == start.end();
 }
 
-/// "triangle 12", made a text only if it is needed.
+/// The text "triangle 12", created only if it is needed.
 struct TriangleName {
   std::uint64_t number;
   operator std::string() const { return "triangle " + std::to_string(number); }
 };
 
-/// Visits the facets that `bytes` holds whole, with the number of attribute bytes that are not zero.
+/// Calls take(corners, has_attribute) for each complete facet in `bytes`. A facet has an attribute if one of its two
+/// attribute bytes is not 0.
 template <class Take>
 void for_each_binary_facet(StlBytes bytes, const Take& take) {
   constexpr std::size_t normal_bytes = 12, attribute_at = 48;
@@ -71,8 +72,9 @@ void for_each_binary_facet(StlBytes bytes, const Take& take) {
   }
 }
 
-/// Returns how many facets a binary file holds. Its size decides if it is a whole number of facets; else the header
-/// does, and other bytes follow. Errors  InputError: it is cut.
+/// Returns the number of facets in a binary file. If the size of the file is a whole number of facets, the size
+/// determines the number; else the header does, and the bytes after the facets are ignored.
+/// Errors  InputError: the file is truncated.
 std::uint64_t facets_in(const std::filesystem::path& file, std::uint64_t bytes, StlBytes head,
                         SourceWarnings& warnings) {
   if (bytes < head_bytes) throw InputError(file, "", "the file ends inside the header of a binary STL", bytes);
@@ -116,12 +118,12 @@ std::string lower(std::string_view word) {
   return out;
 }
 
-/// Words of a text STL that need no action of their own.
+/// Returns whether a keyword of a text STL needs no action.
 bool is_frame(const std::string& word) {
   return word == "facet" || word == "endfacet" || word == "color" || word == "endloop";
 }
 
-/// Calls take() for each loop that is there whole; true where the last solid has ended.
+/// Calls take() for each loop of at least three corners. Returns whether the last solid has an "endsolid".
 template <class Text>
 bool for_each_text_loop(const std::filesystem::path& file, const Text& text, const TakeLoop& take,
                         SourceWarnings& warnings) {
@@ -154,7 +156,7 @@ bool for_each_text_loop(const std::filesystem::path& file, const Text& text, con
   return has_ended;
 }
 
-/// Reads an STL twice: where its vertices are decides their origin.
+/// Reads an STL twice, because the origins depend on all vertices.
 class StlReader {
  public:
   StlReader(const TileRef& tile, const SourceFiles& files, const PrimitiveSink& sink)
@@ -203,13 +205,13 @@ class StlReader {
     throw InputError(tile_.path, "", "changed while it was read; bake again");
   }
 
-  /// Adds a facet to the part of the group that its first corner is of.
+  /// Adds a facet to the part of the group to which its first corner belongs.
   void add(std::span<const Vector> loop) {
     const std::uint64_t triangles = loop.size() - 2;
     const std::size_t group = origins_.group_of(loop[0]);
     Primitive& part = parts_[group];
     if (sink_ && !part.index.empty() && part.index.size() / 3 + triangles > part_triangles()) finish_part(group);
-    // Without a sink the whole mesh is held.
+    // Without a sink the whole mesh is in memory.
     if (!sink_) claim_.add_items(loop.size(), 12 + 12, "", "corners of triangles");
     const auto first = std::uint32_t(part.position.size() / 3);
     for (const Vector& p : loop) origins_.origin(group).add_vertex(p, part);
@@ -233,7 +235,7 @@ class StlReader {
   bool is_text_ = false;
   MemoryClaim claim_{tile_.path};
   MeshOrigins origins_{tile_};
-  std::vector<Primitive> parts_;  ///< by group of origins_
+  std::vector<Primitive> parts_;  ///< one part per group of origins_
   TileMesh out_;
 };
 

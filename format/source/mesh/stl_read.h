@@ -1,4 +1,4 @@
-/// STL as a tile.
+/// Reader of STL files.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,18 @@
 
 namespace gigabake {
 
-/// ASCII and binary, which may begin with "solid" too: what is as long as its number of triangles says is binary.
-/// Normals, names and attributes are not looked at; a loop of more than three corners is a polygon.
-/// Sink    The file is read twice, in blocks: for the place of its origin, then to hand over parts as they are full.
-/// Cost    With a sink one part and a block of the file; without one the mesh.
-/// Exact   As OBJ (mesh_origin.h): the same numbers give the same vertices.
-/// Errors  InputError with the line or the byte: a number that is none, a facet without three corners, a file that is
-///         cut.
+/// Reads an STL file as a tile, in ASCII or binary. Binary files may also begin with "solid"; a file is binary if its
+/// size matches the number of triangles in its header. Normals, names and attributes are ignored. A loop of more than
+/// three corners is a polygon.
+/// Sink    Full parts are passed to the sink.
+/// Exact   The same numbers give the same vertices as in an OBJ (mesh_origin.h).
+/// Cost    The file is read twice, in blocks: first to compute origins, then to read triangles. Memory: one part per
+///         group of vertices and one block of the file if there is a sink, else the whole mesh.
+/// Errors  InputError: the file is truncated or not an STL, has a facet of more than 2^20 corners, or changes while it
+///         is read.
 TileMesh read_stl(const TileRef& tile, const SourceFiles& files, const PrimitiveSink& sink = nullptr);
 
-/// Vertices at the beginning of an STL of `file_bytes`, of which `head` holds the first; at most 64.
+/// Returns at most 64 vertices from the beginning of an STL of `file_bytes` bytes. `head` holds its first bytes.
 std::vector<Point<Local>> first_stl_vertices(const std::filesystem::path& file, std::span<const std::uint8_t> head,
                                              std::uint64_t file_bytes);
 
