@@ -6,7 +6,7 @@
 namespace gigabake {
 namespace {
 
-/// Items that lie closer together than this are read with what is between them: asking the system again costs more.
+/// Max gap between two items that one read covers. Reading the bytes of the gap costs less than another system call.
 constexpr std::uint64_t most_gap_bytes = std::uint64_t(1) << 14;
 
 template <class T>
@@ -53,7 +53,7 @@ std::uint64_t bytes_of_component(int type) {
   return std::uint64_t(tinygltf::GetComponentSizeInBytes(std::uint32_t(type)));
 }
 
-/// `bytes` of a view from `offset` on.
+/// Returns `bytes` of a view from `offset` on.
 SourceBytes piece(const GltfDocument& document, int view, std::uint64_t offset, std::uint64_t bytes) {
   return document.view_bytes(view).part(offset, bytes);
 }
@@ -76,12 +76,12 @@ AccessorItems::AccessorItems(const std::filesystem::path& file, const GltfDocume
     stride_ = stride != 0 ? stride : item_bytes_;
     bytes_ = piece(document, a.bufferView, a.byteOffset, count_ == 0 ? 0 : (count_ - 1) * stride_ + item_bytes_);
   } else {
-    bytes_ = SourceBytes(std::vector<std::uint8_t>(item_bytes_));  // every item is this one of zeros
+    bytes_ = SourceBytes(std::vector<std::uint8_t>(item_bytes_));  // every item is this item of zeros
   }
   if (a.sparse.isSparse) add_sparse(file, document, a);
 }
 
-/// All items in memory, those replaced that the sparse ones replace.
+/// Reads all items into memory and replaces some by items of the sparse accessor.
 void AccessorItems::add_sparse(const std::filesystem::path& file, const GltfDocument& document,
                                const tinygltf::Accessor& a) {
   const auto replaced = std::uint64_t(a.sparse.count);

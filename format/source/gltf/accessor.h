@@ -1,4 +1,4 @@
-/// Values of a checked glTF accessor, all or some of them: strided, normalized, sparse.
+/// Values of a checked glTF accessor, which may be strided, normalized or sparse.
 #pragma once
 
 #include <cstdint>
@@ -10,27 +10,29 @@
 
 namespace gigabake {
 
-/// Reads from the accessor's bytes wherever these are, and only as far as what is asked for is spread.
-/// Cost  A block of at most 256 KiB; of a sparse accessor all its values.
-/// Errors  InputError of the file's: cut while it is read; sparse values beyond memory_limit().
+/// Reader of an accessor's bytes, in memory or in the file. It reads only the range that a call requests.
+/// Cost    A block of at most 256 KiB; all values of a sparse accessor.
+/// Errors  InputError of the file: the file is cut while it is read; sparse values exceed memory_limit().
 class AccessorItems {
  public:
   AccessorItems(const std::filesystem::path& file, const GltfDocument& document, int accessor);
 
   std::uint64_t count() const { return count_; }
   int components() const { return components_; }
-  /// Floats are not indices.
+  /// Returns whether the components are unsigned integers, as index components must be.
   bool is_index() const;
-  /// Between neighbouring values of floats() where components are integers (KHR_mesh_quantization); 0 where they are
-  /// floats, whose spacing follows the value.
+  /// Returns the distance between neighbouring values of floats() if components are integers (KHR_mesh_quantization).
+  /// Returns 0 for floats, whose spacing depends on the value.
   float quantization_step() const;
 
-  /// `components` floats an item. Integers are normalized where the accessor says so, else taken as numbers. Components
-  /// that the accessor lacks are `missing`.
+  /// Returns `components` floats per item. Integers are normalized if the accessor requires it, else converted.
+  /// Components that the accessor lacks are `missing`.
   std::vector<float> floats(int components, float missing = 0) const;
-  /// Of some items, ascending. Cost  Items that lie far apart are read one by one.
+  /// Returns the floats of some items, in ascending order.
+  /// Cost    Items that are far apart are read one by one.
   std::vector<float> floats_of(std::span<const std::uint32_t> items, int components, float missing = 0) const;
-  /// Scalars from item `first` on. Range  is_index().
+  /// Returns `count` scalars from item `first` on.
+  /// Range   is_index().
   std::vector<std::uint32_t> indices(std::uint64_t first, std::uint64_t count) const;
 
  private:

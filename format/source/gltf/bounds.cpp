@@ -17,7 +17,7 @@ namespace {
 using Vector = std::array<double, 3>;
 using Map = Affine<Gltf, Local>;
 
-/// The document and what its container says of its place.
+/// JSON of a document, and the RTC_CENTER of its container.
 struct GltfHead {
   Json json;
   Vector rtc_center{};
@@ -52,7 +52,7 @@ GltfHead head_of(const TileRef& tile, const SourceFiles& files) {
   return out;
 }
 
-/// Walks the nodes of the scene that a bake takes.
+/// Bounds of the scene that a bake reads.
 class Bounds {
  public:
   Bounds(const TileRef& tile, const GltfHead& head) : file_(tile.path), json_(head.json) {
@@ -136,7 +136,7 @@ class Bounds {
     }
   }
 
-  /// By what an integer is divided to become a coordinate.
+  /// Returns the divisor that maps an integer of the accessor to a coordinate.
   double divisor_of(const Json& accessor) const {
     if (!accessor.value("normalized", Json(false)).is_boolean() || !accessor.value("normalized", false)) return 1;
     switch (get_index(file_, accessor, "accessors", "componentType").value_or(0)) {

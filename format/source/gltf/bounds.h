@@ -1,4 +1,4 @@
-/// Where a glTF stands, told by its JSON alone: no vertex is read.
+/// Bounds of a glTF document, read from its JSON without any vertices.
 #pragma once
 
 #include "format/source/source.h"
@@ -7,11 +7,12 @@
 
 namespace gigabake {
 
-/// Bounds of a .glb, .gltf or .b3dm without a tile's transform: nodes, the turn to z up by tile.gltf_up, RTC_CENTER and
-/// CESIUM_RTC are in them, as a tileset would have it. Vertices are where their accessors' `min` and `max` say; without
-/// these they are taken to be at their node's origin.
+/// Returns the bounds of a .glb, .gltf or .b3dm without its tile's transform. They include the transforms of nodes,
+/// the rotation to z up by tile.gltf_up, RTC_CENTER and CESIUM_RTC, as bounds in a tileset do. The bounds of vertices
+/// are
+/// `min` and `max` of their accessor; if these are missing, the origin of the node is used.
 /// Cost    Reads the headers and the JSON.
-/// Errors  InputError: malformed in what is looked at. Nothing else is checked.
+/// Errors  InputError: a member that the bounds depend on is malformed. No other member is checked.
 WorldBox gltf_bounds(const TileRef& tile, const SourceFiles& files);
 
 }  // namespace gigabake

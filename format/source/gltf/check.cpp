@@ -15,7 +15,8 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint64_t most_accessor_items = std::uint64_t(1) << 31;
-constexpr std::uint64_t most_unbacked_items = std::uint64_t(1) << 24;  ///< zeros without a buffer: bytes from nowhere
+constexpr std::uint64_t most_unbacked_items = std::uint64_t(1) << 24;  ///< zeros without a buffer: a small file could
+                                                                       ///< require any number
 
 std::string item(const char* list, std::size_t i) { return std::string(list) + "[" + std::to_string(i) + "]"; }
 
@@ -127,7 +128,7 @@ class Checker {
         fail(where + ".uri", "is missing, and there is no binary chunk for this buffer");
       there = bin_bytes_;
     } else if (is_data_uri(*uri)) {
-      there = uri->size();  // or less, which is found where it is unpacked
+      there = uri->size();  // an upper bound; unpacking finds missing bytes
     } else {
       there = size_of_external(where, *uri, *bytes);
     }
@@ -135,7 +136,7 @@ class Checker {
       fail(where + ".byteLength", "says " + std::to_string(*bytes) + " bytes, there are " + std::to_string(there));
   }
 
-  /// At least `wanted` where the file holds that much, perhaps packed.
+  /// Returns the size of an external file. It is at least `wanted` if the file has as many bytes, stored or unpacked.
   std::uint64_t size_of_external(const std::string& where, const std::string& uri, std::uint64_t wanted) const {
     const std::filesystem::path path = resolve_uri(files_.root(), file_, where + ".uri", uri);
     if (!files_.has(path)) fail(where + ".uri", "no such file: " + in_quotes(uri));
@@ -165,10 +166,10 @@ class Checker {
     return it == bytes.end() ? 0 : it->second;
   }
 
-  /// Items are as far apart as the view says, or, those of a sparse accessor, always one behind the other.
+  /// Distance of items: the stride of the view, or, in a sparse accessor, always the size of an item.
   enum class Spacing { of_view, none };
 
-  /// `count` items of item_bytes, from an offset in a view.
+  /// Checks that `count` items of item_bytes are within the view.
   void check_range(const Json& user, const std::string& where, std::uint64_t count, std::uint64_t item_bytes,
                    Spacing spacing) const {
     const auto index = check_reference(user, where, "bufferView", "bufferViews");
@@ -271,7 +272,7 @@ class Checker {
       check_reference(attributes, where + ".EXT_mesh_gpu_instancing", name.c_str(), "accessors");
   }
 
-  /// No node has two parents, and following parents from any node ends.
+  /// Checks that no node has two parents and that there is no cycle.
   void check_forest() const {
     const Json& nodes = get_array(file_, gltf_, "", "nodes");
     constexpr std::size_t none = ~std::size_t(0);
@@ -282,7 +283,7 @@ class Checker {
         if (p != none) fail(item("nodes", child.get<std::size_t>()), "is the child of two nodes");
         p = i;
       }
-    // With one parent each, a cycle is a set of nodes that no root reaches.
+    // Each node has at most one parent, so a cycle is a set of nodes that no root reaches.
     std::vector<std::size_t> reached;
     for (std::size_t i = 0; i < nodes.size(); ++i)
       if (parent[i] == none) reached.push_back(i);

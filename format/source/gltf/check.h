@@ -1,4 +1,4 @@
-/// What a glTF document says about itself, checked before any library follows an index or an offset of it.
+/// Checks of a glTF document before any library uses its indices and offsets.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,11 @@
 
 namespace gigabake {
 
-/// After this returns: every index (buffer, view, accessor, image, sampler, texture, material, mesh, node) is in range;
-/// views lie in their buffers and accessors in their views; nodes form a forest; external files lie inside files.root()
-/// and hold what the document says; every required extension is one we read. bin_bytes: of the GLB's binary chunk.
+/// Checks a document. Afterwards every index (buffer, view, accessor, image, sampler, texture, material, mesh, node)
+/// is in range. Views are within their buffers, accessors are within their views, and nodes form a forest. External
+/// files
+/// are inside files.root() and have the bytes that the document requires. Every required extension is supported.
+/// bin_bytes: size of the GLB's binary chunk.
 /// Errors  InputError(file, "accessors[3].bufferView", …).
 void check_gltf(const SourceFiles& files, const std::filesystem::path& file, const Json& gltf, std::uint64_t bin_bytes);
 

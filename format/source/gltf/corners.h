@@ -1,4 +1,4 @@
-/// Which vertices a glTF primitive draws, in which order: with indices or without, as a list, a strip or a fan.
+/// Vertices of a glTF primitive in the order in which it draws them: with or without indices; a list, a strip or a fan.
 #pragma once
 
 #include <cstdint>
@@ -11,25 +11,26 @@
 
 namespace gigabake {
 
-/// Nothing of them is held.
+/// Reader of a primitive's corners. It keeps none of them in memory.
 class Corners {
  public:
-  /// where, vertices: the primitive's, for messages and as bound of its indices; all outlive this.
-  /// Errors  InputError: indices that are no unsigned integers, a list of triangles with corners left over.
+  /// where, vertices: the primitive's, for messages and as bound of its indices; file, where and document outlive this.
+  /// Errors  InputError: indices are not unsigned integers; the length of a list of triangles is no multiple of 3.
   Corners(const std::filesystem::path& file, const GltfDocument& document, const tinygltf::Primitive& primitive,
           const std::string& where, std::uint64_t vertices);
 
-  /// As glTF names it: 0 points, 1 to 3 lines, 4 to 6 triangles.
+  /// Returns the mode by glTF's numbers: 0 points, 1 to 3 lines, 4 to 6 triangles.
   int mode() const { return mode_; }
-  /// What is drawn, each corner once: points, ends of lines, corners of a list, a strip or a fan.
+  /// Returns the number of drawn vertices: points, ends of lines, or corners of a list, a strip or a fan.
   std::uint64_t drawn() const { return drawn_; }
   /// Range  mode() ≥ 4.
   std::uint64_t triangles() const;
 
-  /// Three corners for each of these triangles, as the winding of a list has them.
-  /// Errors  InputError: an index that is none of the vertices.
+  /// Returns three corners per triangle, in the winding that a list of triangles would have.
+  /// Errors  InputError: an index exceeds the vertices.
   std::vector<std::uint32_t> of_triangles(std::uint64_t first, std::uint64_t count) const;
-  /// Errors  InputError: as of_triangles(), of any index.
+  /// Checks all indices.
+  /// Errors  InputError, as of_triangles().
   void check() const;
 
  private:

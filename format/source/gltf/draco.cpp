@@ -20,7 +20,8 @@ std::uint64_t varint(ByteCursor& in) {
   in.fail("the Draco stream's header has a number of more than 32 bits");
 }
 
-/// How many triangles the stream says it has; nothing where it stands behind metadata, or was written before 2.2.
+/// Returns the number of triangles in the stream's header. Returns nullopt if metadata precede it, or if the stream
+/// is older than 2.2.
 /// Source  Draco bitstream specification 2.2, 4 and 6.
 std::optional<std::uint64_t> announced_triangles(const std::filesystem::path& file,
                                                  std::span<const std::uint8_t> packed) {
@@ -32,7 +33,7 @@ std::optional<std::uint64_t> announced_triangles(const std::filesystem::path& fi
   const int flags = byte() | byte() << 8;
   if (geometry != 1) in.fail("the Draco stream holds no triangles");
   if (major * 256 + minor < 2 * 256 + 2 || (flags & 0x8000) != 0) return std::nullopt;
-  if (method == 1) {  // edge breaker: kind of traversal, vertices, triangles
+  if (method == 1) {  // edge breaker: traversal method, vertices, triangles
     byte();
     varint(in);
   }
@@ -48,7 +49,7 @@ std::vector<float> values_of(const draco::Mesh& mesh, const draco::PointAttribut
   for (std::size_t p = 0; p < points; ++p) {
     float* to = &out[p * as.components];
     const auto index = attribute.mapped_index(draco::PointIndex(std::uint32_t(p)));
-    if (index.value() >= attribute.size()) continue;  // a damaged stream
+    if (index.value() >= attribute.size()) continue;  // the stream is damaged
     attribute.ConvertValue<float>(index, std::int8_t(as.components), to);
     for (std::size_t c = 0; is_share && c < as.components; ++c) to[c] = std::max(to[c] / as.integers_to_one, -1.0f);
   }
@@ -67,7 +68,7 @@ DracoMesh decode_draco(const std::filesystem::path& file, const std::string& whe
     throw InputError(file, where,
                      "the Draco stream says it has " + counted(*announced, "triangle") + ", the document " +
                          std::to_string(most_triangles));
-  constexpr std::uint64_t triangle_bytes = 100;  // three corners, as the library holds them and as they come out
+  constexpr std::uint64_t triangle_bytes = 100;  // three corners, in the library's form and in the output
   MemoryClaim(file).add_items(announced.value_or(0), triangle_bytes, where, "triangles packed by Draco");
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(packed.data()), packed.size());

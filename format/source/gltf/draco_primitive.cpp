@@ -117,7 +117,8 @@ void unpack_draco(const std::filesystem::path& file, const Json& gltf, GltfDocum
           "meshes[" + std::to_string(m) + "].primitives[" + std::to_string(p) + "].extensions." + draco_extension;
       const Json& primitive = gltf["meshes"][m]["primitives"][p];
       if (!primitive.contains("indices")) throw InputError(file, where, "expected indices");
-      // A strip's count is of the strip, and what is packed is a list: no more triangles than that.
+      // The count is that of the strip, but the packed indices are a list: the count is an upper bound of its
+      // triangles.
       const Json& indices = gltf["accessors"][primitive["indices"].get<std::size_t>()];
       const std::uint64_t most = get_index(file, indices, "accessors", "count").value_or(0);
       Unpacker(file, where, document, model.meshes[m].primitives[p], most).unpack();

@@ -23,7 +23,7 @@ std::string same_path(const std::string& path, void*) { return path; }
 
 bool read_no_file(std::vector<unsigned char>*, std::string*, const std::string&, void*) { return false; }
 
-/// Returns what tinygltf reports first. It quotes whole data URIs, and names of files without quotation marks.
+/// Returns tinygltf's first error. tinygltf quotes whole data URIs, and file names without quotation marks.
 std::string first_line(const std::string& text) {
   constexpr std::size_t max_bytes = 200;
   const auto begin = text.find_first_not_of(" \t\r\n");
@@ -43,8 +43,8 @@ void parse(const std::filesystem::path& file, const std::string& text, GltfDocum
 
 bool is_in_view(const Json& image) { return image.contains("bufferView") && image["bufferView"].is_number(); }
 
-/// Puts a byte in place of each buffer and image. tinygltf knows few media types of data URIs, expands paths with the
-/// shell's rules, and looks for images in views of a copy of the binary chunk.
+/// Replaces the bytes of each buffer and image by one byte, because tinygltf is unsuited to read them. It supports few
+/// media types of data URIs, expands paths by the shell's rules, and reads images from a copy of the binary chunk.
 void hide_payloads(Json& gltf) {
   constexpr const char* byte_of_buffer = "data:application/octet-stream;base64,AA==";
   constexpr const char* byte_of_image = "data:image/png;base64,AA==";
@@ -54,7 +54,7 @@ void hide_payloads(Json& gltf) {
     for (Json& image : gltf["images"]) image = {{"uri", byte_of_image}};
 }
 
-/// A pair of braces in the document is hundreds of bytes of the model.
+/// Claims memory for the model: a pair of braces in the document becomes hundreds of bytes of the model.
 void claim_model(const std::filesystem::path& file, const Json& gltf) {
   constexpr std::uint64_t growth = 2;  // of lists, by doubling
   MemoryClaim memory(file);
@@ -91,7 +91,8 @@ void take_buffers(const SourceFiles& files, const std::filesystem::path& file, c
   }
 }
 
-/// Returns an image's encoded bytes. Errors  InputError: it has none, or they cannot be read.
+/// Returns an image's encoded bytes.
+/// Errors  InputError: the image has no bytes, or they cannot be read.
 SourceBytes image_bytes(const SourceFiles& files, const std::filesystem::path& file, const Json& image,
                         const std::string& where, const GltfDocument& document) {
   if (is_in_view(image)) return document.view_bytes(image["bufferView"].get<int>());

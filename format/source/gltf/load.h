@@ -11,21 +11,23 @@ namespace gigabake {
 
 struct GltfDocument {
   tinygltf::Model model;                        ///< without the buffers' bytes
-  std::vector<SourceBytes> buffers;             ///< of the document, then those that were unpacked; what views are in
+  std::vector<SourceBytes> buffers;             ///< of the document, then of unpacked views
   std::vector<SourceBytes> images;              ///< encoded; empty where it cannot be used or was not requested
-  std::vector<std::string> image_faults;        ///< by image: why it cannot be used; empty where it can
+  std::vector<std::string> image_faults;        ///< by image: why it cannot be used; empty if it can
   std::array<double, 3> rtc_center{};           ///< b3dm's or i3dm's RTC_CENTER plus the CESIUM_RTC extension, z up
   std::vector<Affine<World, World>> instances;  ///< as ContentContainer
 
-  /// The bytes of one of the model's views.
+  /// Returns the bytes of a view of the model.
   SourceBytes view_bytes(int view) const;
   /// Appends a buffer and returns its number.
   int add_buffer(std::vector<std::uint8_t> bytes);
 };
 
-/// Cost  The binary chunk of a GLB that is a file of its own stays in the file; everything else is in memory.
-/// Errors  InputError: everything check_gltf() finds, buffers that cannot be read, and what tinygltf refuses. An image
-///         that cannot be used is no error of the document.
+/// Loads a document.
+/// Cost    The binary chunk of a .glb file is not read into memory; all other bytes are.
+/// Errors  InputError: all errors of check_gltf(), buffers that cannot be read, and errors of tinygltf. An image that
+///         cannot
+/// be used is no error of the document.
 GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, bool with_images);
 
 }  // namespace gigabake

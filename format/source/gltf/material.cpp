@@ -27,7 +27,7 @@ const tinygltf::Value* extension_of(const tinygltf::Material& m, const char* nam
   return at == m.extensions.end() ? nullptr : &at->second;
 }
 
-/// The extension replaces the metallic-roughness base colour.
+/// Uses the extension's colour in place of the metallic-roughness base colour.
 void use_specular_glossiness(const tinygltf::Model& model, const tinygltf::Value& gloss, SourceMaterial& out,
                              SourceWarnings& warnings) {
   if (gloss.Has("diffuseFactor") && gloss.Get("diffuseFactor").ArrayLen() == 4)
@@ -36,7 +36,7 @@ void use_specular_glossiness(const tinygltf::Model& model, const tinygltf::Value
   if (gloss.Has("diffuseTexture")) use_texture(model, texture_info(gloss.Get("diffuseTexture")), out, warnings);
 }
 
-/// Returns the value of the shader's uniform for the diffuse colour; null: there is none by a name like that.
+/// Returns the value of the shader's uniform for the diffuse colour; null if no uniform has such a name.
 const tinygltf::Value* diffuse_value(const tinygltf::Value& technique) {
   if (!technique.IsObject() || !technique.Has("values")) return nullptr;
   const tinygltf::Value& values = technique.Get("values");
@@ -51,7 +51,7 @@ const tinygltf::Value* diffuse_value(const tinygltf::Value& technique) {
   return nullptr;
 }
 
-/// Colours of these shaders, which come from glTF 1.0, are as displayed.
+/// Uses the colour of a glTF 1.0 shader. Such colours are sRGB.
 void use_technique(const std::filesystem::path& file, const tinygltf::Model& model, int material,
                    const tinygltf::Value& technique, SourceMaterial& out, SourceWarnings& warnings) {
   const tinygltf::Value* diffuse = diffuse_value(technique);
@@ -74,7 +74,8 @@ std::array<float, 3> emission_of(const tinygltf::Material& m) {
   return out;
 }
 
-/// Returns whether light that the material emits is all that is seen of it. A base texture whose alpha matters stays.
+/// Returns whether the material is visible only by the light that it emits. A base texture that is needed for its alpha
+/// counts as visible.
 bool is_only_emissive(const tinygltf::Material& m, const Material& read) {
   const std::array<float, 3> emission = emission_of(m);
   const bool is_black =
@@ -101,14 +102,14 @@ void use_emission(const tinygltf::Model& model, const tinygltf::Material& m, Sou
   if (passes || info.index < 0) use_texture(model, texture_info(info), out, warnings);
 }
 
-/// Returns the first extension that may describe a base colour and is not read; empty where there is none.
+/// Returns the first extension that may describe a base colour and is not read; empty if there is none.
 std::string unread_description(const tinygltf::Material& m) {
   for (const auto& [name, value] : m.extensions)
     if (!name.starts_with("KHR_materials_") || name == "KHR_materials_common") return name;
   return {};
 }
 
-/// Reads what says which colour the material has.
+/// Reads the material's colour.
 void use_colour(const std::filesystem::path& file, const tinygltf::Model& model, int material, SourceMaterial& out,
                 SourceWarnings& warnings) {
   const tinygltf::Material& m = model.materials[std::size_t(material)];

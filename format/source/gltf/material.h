@@ -1,4 +1,4 @@
-/// glTF materials as the bake sees them: base colour, alpha, texture.
+/// glTF materials reduced to the properties that a bake uses: base colour, alpha, texture.
 #pragma once
 
 #include <array>
@@ -11,23 +11,24 @@
 
 namespace gigabake {
 
-/// A material and where its texture coordinates come from.
+/// A material and the source of its texture coordinates.
 struct SourceMaterial {
   Material material;
   int texcoord_set = 0;
   /// KHR_texture_transform: u' = row 0 · (u, v, 1), v' = row 1 · (u, v, 1).
   std::array<std::array<float, 3>, 2> uv_transform{{{1, 0, 0}, {0, 1, 0}}};
-  std::string texture_fault = {};  ///< why a texture that the material names has no image; empty: it has, or names none
+  std::string texture_fault = {};  ///< why the material's texture has no image; empty if it has one
 };
 
-/// Returns a material of a checked document. Its colour is that of the core's base colour or of
-/// KHR_materials_pbrSpecularGlossiness; of KHR_techniques_webgl where neither is; and what it emits where the base
-/// colour is black, as unlit materials were written before an extension for them existed.
-/// Errors  InputError: only KHR_techniques_webgl describes the material, and names no diffuse colour.
+/// Returns a material of a checked document. Its colour is the core's base colour or that of
+/// KHR_materials_pbrSpecularGlossiness; if both are missing, that of KHR_techniques_webgl. If the base colour is black,
+/// the
+/// emitted colour is used: before an extension for unlit materials existed, they were written so.
+/// Errors  InputError: only KHR_techniques_webgl describes the material, and it has no diffuse colour.
 SourceMaterial source_material(const std::filesystem::path& file, const tinygltf::Model& model, int material,
                                SourceWarnings& warnings);
 
-/// Counts what a document states and no bake uses: extensions, animations, textures that are not colours.
+/// Counts features of a document that no bake uses: extensions, animations, textures that are not colours.
 void count_unused_states(const tinygltf::Model& model, SourceWarnings& warnings);
 
 }  // namespace gigabake

@@ -39,7 +39,8 @@ std::vector<int> root_nodes(const tinygltf::Model& model) {
   return roots;
 }
 
-/// Source  KHR_node_visibility: what is invisible hides all nodes below it.
+/// Returns whether the node is visible.
+/// Source  KHR_node_visibility: an invisible node hides all nodes below it.
 bool is_visible(const tinygltf::Node& n) {
   const auto extension = n.extensions.find("KHR_node_visibility");
   if (extension == n.extensions.end() || !extension->second.Has("visible")) return true;
@@ -47,7 +48,7 @@ bool is_visible(const tinygltf::Node& n) {
   return !visible.IsBool() || visible.Get<bool>();
 }
 
-/// The attributes of EXT_mesh_gpu_instancing, or of one instance where a node has none.
+/// Attributes of EXT_mesh_gpu_instancing; one instance if the node has none.
 class NodeInstances {
  public:
   NodeInstances(const std::filesystem::path& file, const GltfDocument& document, const tinygltf::Node& n,
@@ -74,7 +75,7 @@ class NodeInstances {
 
   std::size_t count() const { return count_; }
 
-  /// To the node's own frame.
+  /// Returns the transform from an instance's frame to the node's.
   Affine<Local, Local> map(std::size_t i) const {
     std::array<double, 3> translation{0, 0, 0}, scale{1, 1, 1};
     std::array<double, 4> rotation{0, 0, 0, 1};

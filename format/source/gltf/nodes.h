@@ -1,4 +1,4 @@
-/// Every placement of a mesh in a glTF scene.
+/// Placements of meshes in a glTF scene.
 #pragma once
 
 #include <cstddef>
@@ -10,16 +10,18 @@
 
 namespace gigabake {
 
-struct Gltf;  ///< Frame: the glTF scene's own, before any turn to z up.
+struct Gltf;  ///< Frame: the glTF scene's, before any rotation to z up.
 
 struct MeshPlacement {
   int mesh = 0;
   Affine<Gltf, Local> gltf_from_local;
 };
 
-/// Calls visit() for each, of the default scene (else the first; else all root nodes), parents before children; the
-/// instances of EXT_mesh_gpu_instancing one by one. Errors  InputError: a transform that is not finite, instancing
-/// attributes that differ in length or are of another type, more than most_placements.
+/// Calls visit() for each placement of the default scene (else the first; else all root nodes), parents before
+/// children. Each instance of EXT_mesh_gpu_instancing is a separate placement.
+/// Errors  InputError: a transform that is not finite, instancing attributes that differ in length or have another
+///         type,
+/// more than most_placements.
 void for_each_placement(const std::filesystem::path& file, const GltfDocument& document,
                         const std::function<void(const MeshPlacement&)>& visit);
 

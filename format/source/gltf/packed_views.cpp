@@ -6,7 +6,7 @@ namespace gigabake {
 namespace {
 
 constexpr const char* meshopt_extension = "EXT_meshopt_compression";
-/// The vertex codec spends at least 4 bytes on 256 equal ones.
+/// The vertex codec needs at least 4 bytes for 256 equal bytes.
 constexpr std::uint64_t most_packed = 64, slack_bytes = 1 << 16;
 
 std::string where_of(std::size_t view) {

@@ -1,5 +1,5 @@
-/// EXT_meshopt_compression: buffer views whose bytes are packed in another buffer, and the buffers without bytes that
-/// they pretend to be in.
+/// EXT_meshopt_compression: buffer views whose bytes are packed in another buffer, and buffers without bytes that such
+/// views refer to.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +12,26 @@
 
 namespace gigabake {
 
-/// A view that must be unpacked: its own buffer has no bytes. Where it has, these are read, and the packed ones not.
+/// A view that must be unpacked because its own buffer has no bytes. A view whose own buffer has bytes is not unpacked.
 struct PackedView {
   std::size_t view = 0, buffer = 0;  ///< of the document
   std::uint64_t byte_offset = 0, byte_length = 0;
-  std::uint64_t byte_stride = 0;  ///< the view's own; 0 where it has none
+  std::uint64_t byte_stride = 0;  ///< the view's own; 0 if it has none
   MeshoptStream stream;
 };
 
-/// Does the buffer only say how long its views are, once unpacked?
+/// Returns whether the buffer has no bytes and only states the length of its unpacked views.
 bool is_absent_fallback(const std::filesystem::path& file, const Json& buffer, std::size_t index, bool has_bin);
 
-/// Of a document whose buffers and views are checked. Errors  InputError: a view of an absent fallback that is not
-/// packed, ranges, strides and lengths that are not as the extension has them.
+/// Returns the packed views of a document whose buffers and views are checked.
+/// Errors  InputError: a view of an absent fallback is not packed; ranges, strides or lengths violate the extension.
 std::vector<PackedView> packed_views(const std::filesystem::path& file, const Json& gltf, bool has_bin);
 
-/// The document with views where their packed bytes are, and with a byte in place of each absent fallback.
+/// Returns the document with views that refer to packed bytes, and with one byte in place of each absent fallback.
 Json without_packed_views(Json gltf, const std::vector<PackedView>& packed);
 
-/// Appends a buffer for each view, and puts the view there. Errors  InputError as decode_meshopt().
+/// Appends a buffer with the unpacked bytes of each view, and makes the view refer to it.
+/// Errors  InputError, as decode_meshopt().
 void unpack_views(const std::filesystem::path& file, const std::vector<PackedView>& packed, GltfDocument& document);
 
 }  // namespace gigabake

@@ -20,14 +20,14 @@
 namespace gigabake {
 namespace {
 
-/// Position, texture coordinates and colour as they are read and as they are kept; indices likewise.
+/// Bytes of position, texture coordinates and colour, both as stored and as converted; likewise of indices.
 constexpr std::uint64_t vertex_bytes = 12 + 8 + 16 + 8, corner_bytes = 8;
 
 struct PrimitiveCounts {
   std::uint64_t triangles = 0, points = 0, lines = 0;
 };
 
-/// A glTF mesh's primitives in TileMesh::primitives, and what they count for each placement.
+/// Primitives of a glTF mesh in TileMesh::primitives, and their counts per placement.
 struct MeshParts {
   std::vector<int> primitives;
   PrimitiveCounts counts;
@@ -46,14 +46,14 @@ std::vector<std::uint16_t> linear_colours(const std::vector<float>& rgba) {
   return out;
 }
 
-/// Where the values of a primitive's vertices are: read all at once, or those of a part.
+/// Readers of the values of a primitive's vertices, for all vertices or for those that a part uses.
 struct VertexValues {
   AccessorItems position;
   std::optional<AccessorItems> colour, uv;
   int material = 0;
 };
 
-/// What a primitive takes, given back when it is handed over.
+/// Memory claim of a primitive, given back when the primitive has been passed on.
 class HeldClaim {
  public:
   explicit HeldClaim(MemoryClaim& claim) : claim_(claim) {}
@@ -108,7 +108,7 @@ class TileReader {
     }
   }
 
-  /// An image that cannot be used costs only itself.
+  /// Makes a material grey whose image cannot be used, so that the rest of the tile can be baked.
   static void make_grey(Material& m) {
     m.texture = {};
     for (std::size_t c = 0; c < 3; ++c) m.base_color[c] *= grey_without_image;
@@ -142,7 +142,7 @@ class TileReader {
 
   void read_primitive(const tinygltf::Primitive& p, const std::string& at, MeshParts& parts) {
     const auto position = p.attributes.find("POSITION");
-    if (position == p.attributes.end()) return;  // the specification lets it draw nothing
+    if (position == p.attributes.end()) return;  // the specification allows it to draw nothing
     if (component_count(model_, position->second) != 3)
       throw InputError(tile_.path, at + ".attributes.POSITION", "expected VEC3");
     const std::uint64_t vertices = model_.accessors[std::size_t(position->second)].count;
@@ -162,7 +162,7 @@ class TileReader {
     }
   }
 
-  /// The one behind the last is for those that name none.
+  /// Returns the primitive's material; the last material is for primitives without one.
   int material_of(const tinygltf::Primitive& p) const {
     return p.material >= 0 ? p.material : int(model_.materials.size());
   }
@@ -239,7 +239,7 @@ class TileReader {
       throw InputError(tile_.path, at, counted(items, "item") + " for " + counted(vertices, "vertex", "vertices"));
   }
 
-  /// What is missing is known from the survey on, not from the first cell that wants it.
+  /// Keeps the images that primitives use. Counts missing images already in the scan, before any cell needs them.
   void keep_images() {
     std::set<std::string> faults;
     std::vector<char> is_used(document_.images.size());
@@ -258,7 +258,7 @@ class TileReader {
     }
   }
 
-  /// The listing of what is missing names the tile.
+  /// Returns the fault without the tile's name, which the list of missing inputs prints next to it.
   std::string without_file(const std::string& fault) const {
     const std::string file = tile_.path.string() + ": ";
     return fault.starts_with(file) ? fault.substr(file.size()) : fault;

@@ -1,4 +1,4 @@
-/// A glTF content file as triangles, materials and encoded images.
+/// Reader of glTF content files: triangles, materials and encoded images.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace gigabake {
 
-/// As read_tile(), for every kind of content that holds glTF.
+/// Reads a content file of any format that contains glTF, as read_tile() does.
 TileMesh read_gltf(const TileRef& tile, const std::filesystem::path& root, ReadScope scope, const PrimitiveSink& sink);
 
 }  // namespace gigabake

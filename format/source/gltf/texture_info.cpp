@@ -18,10 +18,11 @@ std::array<float, 2> pair_or(const tinygltf::Value& object, const char* key, std
   return {float(v.Get(0).GetNumberAsDouble()), float(v.Get(1).GetNumberAsDouble())};
 }
 
+/// Applies the transform of the extension.
 /// Source  KHR_texture_transform: translation · rotation · scale, where "rotation" turns texture coordinates
-///         counter-clockwise as one sees them on the image. The image's v points down, so (1, 0) turns towards (0, -1):
-///         u' = cos u + sin v, v' = -sin u + cos v. The matrix of the extension's text turns the other way
-///         (KhronosGroup/glTF#1563); the Khronos sample viewer and its TextureTransformTest turn as here.
+/// counter-clockwise as seen on the image. The image's v points down, so (1, 0) turns towards (0, -1):
+/// u' = cos u + sin v, v' = -sin u + cos v. The matrix of the extension's text turns the other way
+/// (KhronosGroup/glTF#1563); the Khronos sample viewer and its TextureTransformTest turn as this function does.
 void apply_texture_transform(const tinygltf::Value& t, SourceMaterial& out) {
   const auto offset = pair_or(t, "offset", {0, 0}), scale = pair_or(t, "scale", {1, 1});
   const float rotation = number_or(t, "rotation", 0), c = std::cos(rotation), s = std::sin(rotation);
@@ -29,7 +30,7 @@ void apply_texture_transform(const tinygltf::Value& t, SourceMaterial& out) {
   out.texcoord_set = int(number_or(t, "texCoord", float(out.texcoord_set)));
 }
 
-/// gl: as glTF writes it, one of OpenGL's numbers.
+/// gl: OpenGL's number of the wrap mode, as glTF stores it.
 Wrap wrap_of(int sampler, const char* key, int gl, SourceWarnings& warnings) {
   if (gl == TINYGLTF_TEXTURE_WRAP_REPEAT) return Wrap::repeat;
   if (gl == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return Wrap::mirrored_repeat;
@@ -41,7 +42,7 @@ Wrap wrap_of(int sampler, const char* key, int gl, SourceWarnings& warnings) {
   return clamps ? Wrap::clamp_to_edge : Wrap::repeat;
 }
 
-/// Where there is a plain image too, it is taken: so no texel depends on what gigabake was built with.
+/// Returns the image of a texture. It prefers a plain image to WebP, so that no texel depends on the build options.
 int image_of(const tinygltf::Model& model, const tinygltf::Texture& texture) {
   const auto webp = texture.extensions.find("EXT_texture_webp");
   if (texture.source >= 0 || webp == texture.extensions.end()) return texture.source;

@@ -1,4 +1,4 @@
-/// What a glTF material names as a texture: image, sampler, set of coordinates and their transform.
+/// Texture of a glTF material: image, sampler, set of coordinates and their transform.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace gigabake {
 
-/// A member of an extension's object, or `otherwise` where it is no number.
+/// Returns a member of an extension's object, or `otherwise` if it is no number.
 float number_or(const tinygltf::Value& object, const char* key, float otherwise);
 
-/// A textureInfo as the core and the extensions write it.
+/// A textureInfo of the core or of an extension.
 struct TextureInfo {
   int index = -1;  ///< in the model's textures; -1: none
   int texcoord_set = 0;
@@ -19,10 +19,10 @@ struct TextureInfo {
 };
 
 TextureInfo texture_info(const tinygltf::TextureInfo& info);
-/// Of a textureInfo inside an extension, which nothing has checked.
+/// Reads a textureInfo inside an extension, whose members are not checked.
 TextureInfo texture_info(const tinygltf::Value& info);
 
-/// Sets the texture, its coordinates and, where it has no image that can be used, the fault.
+/// Sets the texture and its coordinates. Sets the fault if the texture has no usable image.
 void use_texture(const tinygltf::Model& model, const TextureInfo& info, SourceMaterial& out, SourceWarnings& warnings);
 
 }  // namespace gigabake

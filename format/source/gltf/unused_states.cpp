@@ -1,4 +1,4 @@
-// count_unused_states(): what a glTF document says that no voxel shows.
+// count_unused_states(): features of a glTF document that have no effect on voxels.
 #include <algorithm>
 #include <set>
 
@@ -8,7 +8,7 @@
 namespace gigabake {
 namespace {
 
-/// Extensions that are read, and those that describe nothing visible.
+/// Extensions that are read, and extensions that describe nothing visible.
 bool is_read_or_invisible(const std::string& extension) {
   static const std::set<std::string> known{"KHR_texture_transform",
                                            "KHR_materials_unlit",

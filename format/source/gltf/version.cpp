@@ -5,7 +5,7 @@
 namespace gigabake {
 namespace {
 
-/// What is a list today was an object of named items; a version was not demanded.
+/// Returns whether lists are objects of named items, as in glTF 1.0, which did not require a version.
 bool is_of_named_items(const Json& gltf) {
   for (const char* list : {"meshes", "accessors", "buffers", "nodes"})
     if (gltf.contains(list) && gltf[list].is_object()) return true;

@@ -1,4 +1,4 @@
-/// Which glTF is it?
+/// Check of the glTF version.
 #pragma once
 
 #include <filesystem>
@@ -7,10 +7,12 @@
 
 namespace gigabake {
 
-/// Errors  InputError: glTF 1.0, with what converts it; another version than 2, or none.
+/// Checks that the document is glTF 2.
+/// Errors  InputError: glTF 1.0, with the command that converts it; another version than 2, or no version.
 void expect_gltf_2(const std::filesystem::path& file, const Json& gltf);
 
-/// Of a document or a container that says it is 1.0. Errors  InputError, with what converts it.
+/// Refuses a document or a container of version 1.0.
+/// Errors  InputError, with the command that converts it.
 [[noreturn]] void refuse_gltf_1(const std::filesystem::path& file);
 
 }  // namespace gigabake

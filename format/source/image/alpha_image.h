@@ -1,4 +1,4 @@
-/// Two images in one.
+/// Image made of the colours of one image and the alpha of another.
 #pragma once
 
 #include <optional>
@@ -7,8 +7,9 @@
 
 namespace gigabake {
 
-/// A PNG with the colours of `color` (none: white) and the alpha of `alpha`: its alpha channel, or where it has none,
-/// its first one. As large as `color`; `alpha` is sampled at the nearest texel. Errors  InputError as decode_image().
+/// Returns a PNG with the colours of `color` (none: white) and the alpha channel of `alpha`. If `alpha` has no alpha
+/// channel, its first channel is used. The size is that of `color`; `alpha` is sampled at the nearest texel.
+/// Errors  InputError, as decode_image().
 EncodedImage with_alpha(const std::optional<EncodedImage>& color, const EncodedImage& alpha);
 
 }  // namespace gigabake

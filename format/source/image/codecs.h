@@ -1,8 +1,8 @@
-/// Decoders of what glTF files pack, each with a library that gigabake may have been built without.
+/// Decoders of packed data in glTF files. Each uses a library that gigabake may be built without.
 ///
-/// Exact   What a decoder gives depends on the packed bytes alone.
-/// Errors  InputError(file, where): bytes that are not as the codec has them, or more than they can unpack to; built
-///         without the library, naming its package. Sizes are checked before memory is taken.
+/// Exact   The output of a decoder depends only on the packed bytes.
+/// Errors  InputError(file, where): bytes that violate the codec's format, or more bytes than they can unpack to; built
+/// without the library, in which case the message names its package. Sizes are checked before memory is allocated.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@
 
 namespace gigabake {
 
-/// Why content that requires a glTF extension is refused, where that is for want of a library; nothing where the
-/// extension is none of a codec's, or is read.
+/// Returns the reason why a required glTF extension is refused if the library for it is missing. Returns nullopt if
+/// the extension is read or needs no codec.
 std::optional<std::string> missing_codec(const std::string& extension);
 
 // EXT_meshopt_compression
@@ -42,7 +42,8 @@ struct MeshoptStream {
 };
 
 bool has_meshopt();
-/// Range  Strides and counts as the extension allows them: the caller checks. Returns count · stride bytes.
+/// Returns count · stride bytes.
+/// Range   Strides and counts that the extension allows; the caller checks them.
 std::vector<std::uint8_t> decode_meshopt(const std::filesystem::path& file, const std::string& where,
                                          const MeshoptStream& stream, std::span<const std::uint8_t> packed);
 
@@ -51,17 +52,17 @@ std::vector<std::uint8_t> decode_meshopt(const std::filesystem::path& file, cons
 struct DracoAttribute {
   std::uint32_t unique_id = 0;
   std::uint32_t components = 0;
-  float integers_to_one = 0;  ///< an accessor's integers are shares of this, where not 0
+  float integers_to_one = 0;  ///< if not 0: integers of the accessor are fractions of this
 };
 
 struct DracoMesh {
   std::uint64_t points = 0;
-  std::vector<std::uint32_t> index;            ///< 3 a triangle
-  std::vector<std::vector<float>> attributes;  ///< components · points each, as they were asked for
+  std::vector<std::uint32_t> index;            ///< 3 per triangle
+  std::vector<std::vector<float>> attributes;  ///< components · points values each, in the requested order
 };
 
 bool has_draco();
-/// most_triangles: what the document says; a stream that says more is refused before it is unpacked.
+/// Decodes a mesh. most_triangles: the document's count; a stream with more triangles is refused before unpacking.
 DracoMesh decode_draco(const std::filesystem::path& file, const std::string& where,
                        std::span<const std::uint8_t> packed, std::span<const DracoAttribute> attributes,
                        std::uint64_t most_triangles);
@@ -69,7 +70,7 @@ DracoMesh decode_draco(const std::filesystem::path& file, const std::string& whe
 // EXT_texture_webp
 
 bool has_webp();
-/// As the header says.
+/// Returns the size that the header states.
 ImageSize webp_size(const EncodedImage& image);
 Image decode_webp(const EncodedImage& image);
 

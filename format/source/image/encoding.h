@@ -1,4 +1,4 @@
-/// Which codec an image is for.
+/// Codecs of images.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,8 @@ namespace gigabake {
 
 enum class Encoding : std::uint8_t { png, jpeg, webp };
 
-/// By its first bytes. Errors  InputError: none of them.
+/// Returns the codec, recognized by the first bytes.
+/// Errors  InputError: the bytes belong to no supported codec.
 Encoding encoding_of(const EncodedImage& encoded);
 
 }  // namespace gigabake

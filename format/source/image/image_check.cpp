@@ -13,7 +13,7 @@ namespace {
 
 /// Longer headers exist (profiles, previews); then all bytes are looked at.
 constexpr std::uint64_t usual_head_bytes = std::uint64_t(1) << 20;
-/// Of a JPEG, where its end marker is: some writers append bytes.
+/// Max distance of a JPEG's end marker from the end of the file: some writers append bytes.
 constexpr std::uint64_t jpeg_tail_bytes = std::uint64_t(1) << 18;
 
 std::string_view text_of(std::span<const std::uint8_t> bytes) {

@@ -37,7 +37,7 @@ std::uint64_t decoder_texel_bytes(const EncodedImage& image, Encoding encoding) 
   return jpeg_has_multiple_scans(&reader.state) ? coefficient_bytes * std::uint64_t(reader.state.num_components) : 0;
 }
 
-/// Before anything of that size is allocated.
+/// Claims memory for a whole image before any of it is allocated.
 void claim_whole(const EncodedImage& image, const ImageSize& size, Encoding encoding) {
   constexpr const char* advice = "make it smaller";
   if (size.width > most_texels_at_once / size.height)

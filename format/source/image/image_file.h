@@ -7,7 +7,8 @@
 
 namespace gigabake {
 
-/// Does the file begin as a PNG, JPEG or WebP does? Cost  reads its first bytes.
+/// Returns whether the file begins like a PNG, JPEG or WebP.
+/// Cost    Reads the first bytes.
 bool is_image_file(const SourceFiles& files, const std::filesystem::path& file);
 
 }  // namespace gigabake

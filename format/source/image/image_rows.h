@@ -1,4 +1,4 @@
-/// Decodes an image row by row, for whoever has no room for all of it.
+/// Decoder of an image row by row, for callers that cannot keep the whole image in memory.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,17 @@ namespace gigabake {
 
 class ImageRows {
  public:
-  /// Null for what no row can be told of before all is read: WebP, a PNG that is interlaced, a JPEG in several scans.
-  /// encoded: outlives it.
+  /// Opens an image. Returns null if no row is complete before all bytes are read: WebP, an interlaced PNG, a JPEG in
+  /// several scans.
+  /// encoded: outlives the decoder.
   /// Errors  InputError, as image_size().
   static std::unique_ptr<ImageRows> open(const EncodedImage& encoded);
   virtual ~ImageRows() = default;
 
   const ImageSize& size() const { return size_; }
-  /// rgba: room for 4 · width bytes. Range  Once for each row, row 0 first.
+  /// Decodes the next row. rgba: buffer of 4 · width bytes.
   /// Exact   The bytes of decode_image().
+  /// Range   Called once per row, row 0 first.
   /// Errors  InputError, as decode_image().
   virtual void next(std::uint8_t* rgba) = 0;
 

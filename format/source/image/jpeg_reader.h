@@ -1,4 +1,4 @@
-/// libjpeg's state, and the way back out of it.
+/// libjpeg's state and error handling.
 #pragma once
 
 #include <csetjmp>
@@ -16,8 +16,8 @@
 
 namespace gigabake {
 
-/// libjpeg reports through callbacks that must not return; a jump leads back to where `back` was set. No C++ object
-/// dies on its way.
+/// Reader of a JPEG. libjpeg reports errors through callbacks that must not return: they jump to `back`. The jump
+/// skips no destructor of a C++ object.
 struct JpegReader {
   jpeg_decompress_struct state{};
   jpeg_error_mgr errors{};
@@ -31,7 +31,7 @@ struct JpegReader {
 
   /// Errors  InputError.
   void begin(const EncodedImage& encoded);
-  /// The next row as RGBA, of `state.image_width` texels; the first starts the decoder, the last ends it.
+  /// Decodes the next row as RGBA, `state.image_width` texels. The first call starts the decoder, the last ends it.
   /// Errors  InputError.
   void next_row(const EncodedImage& encoded, std::uint8_t* rgba);
 

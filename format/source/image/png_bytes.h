@@ -1,4 +1,4 @@
-/// Texels as an encoded image, packed fast rather than small: it is unpacked again soon.
+/// Encoder of texels, optimized for speed instead of size: the image is soon decoded again.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,8 @@
 
 namespace gigabake {
 
-/// texels: 3 or 4 bytes each, row by row. Errors  InputError under `name`: libpng cannot.
+/// Returns a PNG. texels: 3 or 4 bytes each, row by row.
+/// Errors  InputError under `name`: libpng fails.
 std::vector<std::uint8_t> png_bytes(const std::string& name, int width, int height,
                                     std::span<const std::uint8_t> texels);
 

@@ -44,7 +44,7 @@ void PngReader::refuse() const { throw InputError(encoded_.name, "", "not a whol
 bool PngReader::begin() {
   if (setjmp(png_jmpbuf(png_)) != 0) return false;
   png_set_benign_errors(png_, 1);
-  // Of chunks that are not needed to unpack texels none is read: no colour management, and no damage to them matters.
+  // Reads no chunk that texels do not need: colour management has no effect, and damaged chunks do not matter.
   png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
   png_set_read_fn(png_, this, read_bytes);
   png_read_info(png_, info_);

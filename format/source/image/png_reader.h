@@ -1,4 +1,4 @@
-/// A PNG as rows of straight RGBA, 8 bits a channel, the stored codes taken as sRGB.
+/// PNG decoder: rows of straight RGBA, 8 bits per channel, the stored codes interpreted as sRGB.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace gigabake {
 
 /// Space   Row 0 first. Chunks that describe a colour space (gAMA, cHRM, sRGB, iCCP) are not read, at any bit depth.
-/// Exact   16 bits become the nearest of 8; fewer bits, palettes and tRNS are expanded.
+/// Exact   16 bits are rounded to the nearest 8-bit value; fewer bits, palettes and tRNS are expanded.
 /// Errors  InputError: the image is not a whole PNG.
 /// Source  glTF 2.0, "Images": colour-space information of an image must be ignored.
 class PngReader {
@@ -23,9 +23,10 @@ class PngReader {
   PngReader(const PngReader&) = delete;
 
   ImageSize size() const;
-  /// An interlaced image has no row before all of it is read.
+  /// Returns whether the image is interlaced. An interlaced image has no row before all of it is read.
   bool is_interlaced() const;
-  /// Writes 4 · width bytes.  Range  not of an interlaced image.
+  /// Writes 4 · width bytes.
+  /// Range   The image is not interlaced.
   void read_row(std::uint8_t* rgba);
   /// Writes 4 · width · height bytes.
   void read_all(std::uint8_t* rgba);

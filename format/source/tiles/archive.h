@@ -1,4 +1,4 @@
-/// A .3tz archive: a ZIP file that stands for the folder of a tileset.
+/// A .3tz archive: a ZIP file that replaces the folder of a tileset.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,8 @@
 
 namespace gigabake {
 
-/// Thread-safe. Its list of entries is read once; the index that 3tz adds for readers over a network is not needed.
+/// A thread-safe archive. Its entries are listed once; the index that 3tz adds for reading over a network is not
+/// needed.
 class Archive {
  public:
   /// Errors  InputError: no ZIP file, or one that is damaged; gigabake was built without libzip.
@@ -21,12 +22,12 @@ class Archive {
 
   const std::filesystem::path& file() const { return file_; }
 
-  /// Uncompressed bytes of an entry, named as "folder/file"; nothing where there is none.
+  /// Returns the uncompressed bytes of an entry, named as "folder/file"; nullopt if there is no such entry.
   std::optional<std::uint64_t> size_of(const std::string& entry) const;
 
-  /// The first bytes of an entry, at most `most_bytes`.
-  /// Errors  InputError: there is no such entry, its bytes do not have the checksum or the number that the archive
-  ///         says, they are encrypted or compressed by a method that libzip does not know.
+  /// Returns the first bytes of an entry, at most `most_bytes`.
+  /// Errors  InputError: the entry does not exist, does not have the checksum or the length that the archive states, is
+  /// encrypted, or is compressed by a method that libzip does not support.
   std::vector<std::uint8_t> read(const std::string& entry, std::uint64_t most_bytes) const;
 
  private:

@@ -1,4 +1,4 @@
-/// Where the parts of a "Batched 3D Model" begin, by the four numbers behind its length.
+/// Layout of a "Batched 3D Model": the begin of each part, from the four numbers behind the length.
 #pragma once
 
 #include <array>
@@ -14,8 +14,9 @@ struct B3dmLayout {
   TableLengths table_bytes{};
 };
 
-/// Before 1.0 the header had two or three numbers, and what stands in the place of the others today is text: "glTF" or
-/// the beginning of a JSON, as a number larger than any length. Source  3D Tiles 1.0; CesiumJS, B3dmParser.
+/// Returns the layout. Before 1.0 the header had two or three numbers. A fourth or third word is then text: "glTF" or
+/// the beginning of a JSON, which as a number is larger than any length.
+/// Source  3D Tiles 1.0; CesiumJS, B3dmParser.
 inline B3dmLayout b3dm_layout(const std::array<std::uint32_t, 4>& words) {
   constexpr std::uint32_t least_text = 0x22000000;
   if (words[2] >= least_text) return {20, {0, 0, words[1], 0}};         // batch length, batch table

@@ -13,8 +13,9 @@
 
 namespace gigabake {
 
-/// Errors  InputError(file, key): another type than asked for, bytes beyond the binary part, a number that is not
-/// finite.
+/// Values of a feature table.
+/// Errors  InputError(file, key): another type than requested, bytes beyond the binary part, a number that is not
+///         finite.
 class FeatureTable {
  public:
   /// An empty `json` is a table without values. `binary` must outlive the table.
@@ -26,7 +27,7 @@ class FeatureTable {
   std::optional<std::array<double, 3>> vector(const char* key) const;
   bool flag(const char* key) const;
 
-  /// `items` of `components` values each, of every feature; empty where the key is absent.
+  /// Returns `components` values for each of `items` features; empty if the key is absent.
   std::vector<float> floats(const char* key, std::uint64_t items, std::uint64_t components) const;
   std::vector<std::uint16_t> shorts(const char* key, std::uint64_t items, std::uint64_t components) const;
 

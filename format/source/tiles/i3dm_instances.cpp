@@ -33,7 +33,7 @@ Vector oct_decoded(std::uint16_t u, std::uint16_t v) {
   return {x / length, y / length, z / length};
 }
 
-/// Columns of the inverse of the linear part, by Cramer's rule; nothing where it has none.
+/// Returns the columns of the inverse of the linear part, by Cramer's rule; nullopt if it has no inverse.
 std::optional<std::array<Vector, 3>> inverse_rows(const TileTransform& m) {
   const auto column = [&](std::size_t c) { return Vector{m.m[0][c], m.m[1][c], m.m[2][c]}; };
   const Vector a = column(0), b = column(1), c = column(2), bc = cross(b, c);
@@ -114,7 +114,7 @@ class Instances {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       for (std::size_t row = 0; row < 3; ++row)
         out[axis][row] = dot((*tile_from_world_)[row], {enu.m[0][axis], enu.m[1][axis], enu.m[2][axis]});
-      const double length = std::sqrt(dot(out[axis], out[axis]));  // the tile's scale is the tile's to apply
+      const double length = std::sqrt(dot(out[axis], out[axis]));  // the caller applies the tile's scale
       for (double& v : out[axis]) v /= length;
     }
     return out;

@@ -8,7 +8,7 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint32_t most_levels = 32;
-constexpr std::uint32_t most_octree_levels = 10, most_quadtree_levels = 15;  ///< 2^30 tiles a subtree
+constexpr std::uint32_t most_octree_levels = 10, most_quadtree_levels = 15;  ///< 2^30 tiles per subtree
 constexpr std::uint32_t subtree_magic = 0x74627573;                          // "subt"
 
 std::uint32_t level_count(const std::filesystem::path& file, const Json& object, const std::string& where,
@@ -41,7 +41,7 @@ std::optional<ImplicitTiling> implicit_tiling(const std::filesystem::path& file,
   out.is_octree = scheme == "OCTREE";
   out.subtree_levels =
       level_count(file, json, key, "subtreeLevels", out.is_octree ? most_octree_levels : most_quadtree_levels);
-  // The extension first counted from 0.
+  // Earlier versions of the extension count from 0.
   out.available_levels = json.contains("maximumLevel")
                              ? std::uint32_t(std::min<std::uint64_t>(
                                    get_index(file, json, key, "maximumLevel").value_or(0), most_levels)) +
@@ -88,7 +88,7 @@ class SubtreeAvailability::Reader {
     return bits(json_, "", "childSubtreeAvailability", t.tiles_in_level(t.subtree_levels), true);
   }
 
-  /// One object, a list, or a list in the extension for several contents.
+  /// Availability of contents: one object, a list, or, in the extension for several contents, a list.
   std::vector<Bits> contents(const ImplicitTiling& t) const {
     const std::uint64_t count = t.tiles_in_subtree();
     const char* key = "contentAvailability";
@@ -110,7 +110,7 @@ class SubtreeAvailability::Reader {
   Bits bits_of(const Json& availability, const std::string& where, std::uint64_t count) const {
     if (const auto constant = get_index(file_, availability, where, "constant")) return {*constant != 0, {}};
     auto view = get_index(file_, availability, where, "bitstream");
-    if (!view) view = get_index(file_, availability, where, "bufferView");  // the extension's first name for it
+    if (!view) view = get_index(file_, availability, where, "bufferView");  // the extension's earlier name
     if (!view) throw InputError(file_, where, "expected a bitstream or a constant");
     Bits out{false, view_bytes(*view, where)};
     if (out.bytes.size() < (count + 7) / 8)

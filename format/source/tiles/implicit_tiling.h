@@ -1,5 +1,5 @@
-/// 3D Tiles 1.1 "Implicit Tiling", and the extension 3DTILES_implicit_tiling of 1.0: tiles that are not written down
-/// but follow from a subdivision and from bits that say which of them there are.
+/// 3D Tiles 1.1 "Implicit Tiling", and the extension 3DTILES_implicit_tiling of 1.0. Implicit tiles are not listed:
+/// they follow from a subdivision and from bits that state which tiles exist.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace gigabake {
 struct TileCoordinates {
   std::uint32_t level = 0;
   std::uint64_t x = 0, y = 0, z = 0;
-  /// Children in Morton order: bit 0 of `i` is x, bit 1 is y, bit 2 is z (0 in a quadtree).
+  /// Returns a child. Children are in Morton order: bit 0 of `i` is x, bit 1 is y, bit 2 is z (0 in a quadtree).
   TileCoordinates child(int i) const {
     return {level + 1, 2 * x + std::uint64_t(i & 1), 2 * y + std::uint64_t(i >> 1 & 1),
             2 * z + std::uint64_t(i >> 2 & 1)};
@@ -27,7 +27,7 @@ struct TileCoordinates {
 struct ImplicitTiling {
   bool is_octree = false;
   std::uint32_t subtree_levels = 1;    ///< 1 … 10 in an octree, 1 … 15 in a quadtree
-  std::uint32_t available_levels = 1;  ///< of the whole; at most 32
+  std::uint32_t available_levels = 1;  ///< of the whole tileset; at most 32
   std::string subtrees_uri;            ///< template
 
   int children() const { return is_octree ? 8 : 4; }
@@ -35,25 +35,25 @@ struct ImplicitTiling {
   std::uint64_t tiles_in_subtree() const {
     return (tiles_in_level(subtree_levels) - 1) / (std::uint64_t(children()) - 1);
   }
-  /// Morton index; `local` counts from the subtree's root.
+  /// Returns the Morton index; `local` is relative to the subtree's root.
   std::uint64_t index_in_level(const TileCoordinates& local) const;
   std::uint64_t index_in_subtree(const TileCoordinates& local) const {
     return (tiles_in_level(local.level) - 1) / (std::uint64_t(children()) - 1) + index_in_level(local);
   }
 };
 
-/// Nothing where the tile is an explicit one.
+/// Returns the implicit tiling of a tile; nullopt if the tile is explicit.
 /// Errors  InputError: a member that is missing, of another type or out of range.
 std::optional<ImplicitTiling> implicit_tiling(const std::filesystem::path& file, const Json& tile,
                                               const std::string& where);
 
-/// {level}, {x}, {y} and {z} of a template URI, filled in.
+/// Replaces {level}, {x}, {y} and {z} in a template URI.
 std::string filled_template(const std::string& uri, const TileCoordinates& place);
 
-/// Which tiles, contents and further subtrees there are: one .subtree (binary) or subtree JSON, with external buffers.
+/// Availability of tiles, contents and child subtrees: one .subtree (binary) or subtree JSON, with external buffers.
 class SubtreeAvailability {
  public:
-  /// contents: how many a tile may have.
+  /// contents: max number per tile.
   /// Errors  InputError: bits or bytes beyond their buffers, versions and members that are not as specified.
   SubtreeAvailability(const SourceFiles& files, const std::filesystem::path& file, const ImplicitTiling& tiling,
                       std::size_t contents);
@@ -62,7 +62,7 @@ class SubtreeAvailability {
   bool content(std::size_t which, std::uint64_t index_in_subtree) const {
     return which < contents_.size() && contents_[which].at(index_in_subtree);
   }
-  /// index: of the level below the subtree's last.
+  /// index: in the level below the subtree's last.
   bool child_subtree(std::uint64_t index_in_level) const { return children_.at(index_in_level); }
 
  private:

@@ -13,7 +13,7 @@ Archive::Archive(const std::filesystem::path& file) : file_(file) {
 
 Archive::~Archive() = default;
 
-// No archive can be made, so none of these runs.
+// No archive can be created, so none of these functions is called.
 std::optional<std::uint64_t> Archive::size_of(const std::string&) const { return {}; }
 std::vector<std::uint8_t> Archive::read(const std::string&, std::uint64_t) const { return {}; }
 

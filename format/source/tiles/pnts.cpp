@@ -26,7 +26,7 @@ SkippedSource skipped_points(const TileRef& tile, const SourceFiles& files, cons
   SkippedSource out{name, "holds points, which have no surface", true};
   try {
     out.points = points_in(tile, files);
-  } catch (const std::exception&) {  // it would not be baked either way
+  } catch (const std::exception&) {  // points are not baked in any case
   }
   if (out.points != 0) out.reason = "holds " + counted(out.points, "point") + ", which have no surface";
   return out;

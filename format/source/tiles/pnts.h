@@ -1,4 +1,4 @@
-/// 3D Tiles 1.0 "Point Cloud": how much of it there is, since nothing of it is baked.
+/// 3D Tiles 1.0 "Point Cloud": number of points, which are not baked.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,9 @@
 
 namespace gigabake {
 
-/// Of the content `name`, which is a point cloud in `tile`: a line for whoever wonders where it went, with
-/// POINTS_LENGTH of its feature table where that can be read. Cost  Reads headers.
+/// Returns the entry for the content `name`, a point cloud in `tile`, so that the user learns why it is missing. The
+/// entry has POINTS_LENGTH of the feature table if that can be read.
+/// Cost    Reads headers.
 SkippedSource skipped_points(const TileRef& tile, const SourceFiles& files, const std::string& name);
 
 }  // namespace gigabake

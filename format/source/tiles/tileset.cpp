@@ -23,12 +23,12 @@ using Path = std::filesystem::path;
 constexpr std::size_t deepest_external = 32;
 constexpr std::uint64_t max_tileset_tiles = std::uint64_t(1) << 24;
 constexpr std::size_t most_losses = std::size_t(1) << 16;
-/// Text of the external tilesets of a bake, each counted as at least 16 KiB: two inclusions per file double at a step.
+/// Max bytes of external tilesets, each counted as at least 16 KiB: their number can double at each inclusion.
 constexpr std::uint64_t most_external_bytes = std::uint64_t(1) << 32, least_external_bytes = std::uint64_t(1) << 14;
 
 constexpr std::uint64_t content_bytes = sizeof(TilesetContent) + sizeof(TileRef) + 64;
 
-/// What a tile inherits.
+/// State that a tile inherits.
 struct Context {
   SourceFiles files;
   Path file;
@@ -40,7 +40,7 @@ struct Context {
 /// The finest contents of a tile and all below it.
 struct Subtree {
   std::vector<TilesetContent> contents;
-  bool is_missing_some = false;  ///< a finest content is missing and nothing below stood in for it
+  bool is_missing_some = false;  ///< a finest content is missing and no coarser content replaces it
 };
 
 class Reader {
@@ -48,7 +48,7 @@ class Reader {
   Reader(Path root, Tileset& out, const Progress& progress)
       : root_(std::move(root)), out_(out), progress_(progress), memory_(root_) {}
 
-  /// Of a document that check_head() has accepted.
+  /// Reads a document that check_head() has accepted.
   Subtree read_document(const Path& file, const TilesetDocument& document, Context context) {
     std::error_code error;
     const Path canonical = std::filesystem::weakly_canonical(file, error);
@@ -68,7 +68,7 @@ class Reader {
     return found;
   }
 
-  /// Errors  InputError: the document is no tileset that can be read.
+  /// Errors  InputError: the version, a required extension or the root cannot be used.
   static void check_head(const Path& file, const TilesetDocument& document) {
     const Json& json = document.json;
     const Json& asset = get_object(file, json, "", "asset");
@@ -98,7 +98,7 @@ class Reader {
     throw InputError(file, "asset.gltfUpAxis", "expected X, Y or Z, got " + in_quotes(up));
   }
 
-  /// A volume that cannot be read is no anchor; the content tells the place.
+  /// Finds the anchor. A malformed volume is reported and is no anchor; the place then follows from the content.
   void find_anchor(const Json& root, const Context& here) {
     try {
       out_.anchor = tileset_anchor(here.file, root);
@@ -134,7 +134,7 @@ class Reader {
     Context here;
   };
 
-  /// Everything below and including the subtree's root, at `place` of the whole.
+  /// Reads the subtree's root and all tiles below it. place: of the root, in the whole tileset.
   Subtree read_subtree(const Implicit& implicit, const TileCoordinates& place) {
     const std::string key = implicit.where + ".implicitTiling.subtrees.uri";
     const SourceFiles& files = implicit.here.files;
@@ -148,7 +148,7 @@ class Reader {
     return read_implicit_tile(implicit, *available, place, {});
   }
 
-  /// place: of the whole; local: from the subtree's root.
+  /// place: in the whole tileset; local: relative to the subtree's root.
   Subtree read_implicit_tile(const Implicit& implicit, const SubtreeAvailability& available,
                              const TileCoordinates& place, const TileCoordinates& local) {
     const ImplicitTiling& tiling = implicit.tiling;
@@ -192,14 +192,14 @@ class Reader {
       return own;
     }
     if (is_leaf) return own;
-    if (!own.contents.empty() && !own.is_missing_some) return own;  // stands in for its whole subtree
-    out_.skipped.resize(listed);                                    // it was not needed: what is finer stays
+    if (!own.contents.empty() && !own.is_missing_some) return own;  // replaces the whole subtree
+    out_.skipped.resize(listed);                                    // own content is not used: unlist its faults
     finer.is_missing_some = true;
     return finer;
   }
 
-  /// External tilesets are a way to write children: they count although the tile has finer content of its own. What
-  /// cannot be found is not looked for: it may as well be content that is replaced.
+  /// Reads the external tilesets among the tile's contents. They count as children even if the tile has finer content.
+  /// Content that cannot be found is ignored: it may be content that finer content replaces.
   Subtree external_only(const std::vector<std::string>& uris, const std::string& where, const Context& here) {
     Subtree found;
     for (const std::string& uri : uris) {
@@ -218,14 +218,14 @@ class Reader {
     for (const TilesetTile& child : tile.children) add_uris_below(child, uris);
   }
 
-  /// Many tiles of one content are common, and each step to a file asks the system.
+  /// Returns the resolved path and caches the last one: many tiles share one content, and resolving takes system calls.
   const Path& resolved(const std::string& uri, const std::string& key, const Context& here) {
     if (last_.uri != uri || last_.base != here.file || last_.path.empty())
       last_ = {uri, here.file, resolve_uri(here.files.root(), here.file, key, uri)};
     return last_.path;
   }
 
-  /// Returns the file that a URI names; nothing where it cannot be used.
+  /// Returns the file that a URI names; nullopt if it cannot be used.
   std::optional<Path> found_quietly(const std::string& uri, const std::string& key, const Context& here) {
     try {
       const Path path = resolved(uri, key, here);
@@ -235,7 +235,7 @@ class Reader {
     }
   }
 
-  /// Returns the file that a URI names. One that is not there, or that cannot be followed, is listed.
+  /// Returns the file that a URI names. Lists a file that is missing or a URI that cannot be resolved.
   std::optional<Path> existing(const std::string& uri, const std::string& key, const Context& here) {
     const auto path = or_loss(here, key, [&] { return resolved(uri, key, here); });
     if (path && here.files.has(*path)) return *path;
@@ -245,7 +245,7 @@ class Reader {
 
   Subtree read_content(const std::string& uri, const std::string& where, const Context& here) {
     const std::string key = where + ".content.uri";
-    if (uri.empty()) {  // names no surface that an ancestor could stand in for
+    if (uri.empty()) {  // names no surface that the content of an ancestor could replace
       skip(here, key, "is empty or missing", false);
       return {};
     }
@@ -262,7 +262,7 @@ class Reader {
                       in_quotes(uri), key, here);
   }
 
-  /// A content that is no tileset and no composite; `name` in quotes.
+  /// Reads a content that is no tileset and no composite; `name` in quotes.
   Subtree read_model(TilesetContent content, ContentMagic magic, const std::string& name, const std::string& key,
                      const Context& here) {
     memory_.add(content_bytes + 2 * content.path.native().size(), key, "the tiles of the tileset");
@@ -299,7 +299,7 @@ class Reader {
     return found;
   }
 
-  /// What `read` returns; where it fails one file is lost, not the tileset.
+  /// Returns the result of `read`. If it fails, lists the missing content and returns nullopt.
   template <class Read>
   std::optional<std::invoke_result_t<Read>> or_loss(const Context& here, const std::string& key, const Read& read) {
     try {
@@ -310,7 +310,7 @@ class Reader {
     }
   }
 
-  /// An archive in place of a tileset: its tileset.json.
+  /// Reads an archive in place of a tileset: its tileset.json.
   Subtree read_archive(const Path& path, const std::string& key, const Context& here) {
     const auto files = or_loss(here, key, [&] {
       if (here.files.archive()) throw InputError(path, "", "is an archive in an archive; unpack it");
@@ -323,8 +323,8 @@ class Reader {
     return {{}, true};
   }
 
-  /// Returns what is in an external tileset; nothing where the file is another JSON. A tileset that cannot be read
-  /// costs the tile that names it.
+  /// Returns the contents of an external tileset; nullopt if the file is another JSON. A tileset that cannot be read is
+  /// listed, and the tile that names it is incomplete.
   std::optional<Subtree> read_external(const Path& path, const SourceFiles& files, const std::string& key,
                                        const Context& here) {
     const auto document = or_loss(here, key, [&] {
@@ -373,14 +373,14 @@ class Reader {
     out_.skipped.push_back({name_in(root_, here.file) + ": " + key, cause, informative});
   }
 
-  Path root_;  ///< that names of losses are relative to
+  Path root_;  ///< names of missing contents are relative to it
   Tileset& out_;
   const Progress& progress_;
   TilesetInclusions inclusions_;
   struct {
     std::string uri;
     Path base, path;
-  } last_;                        ///< that was resolved
+  } last_;                        ///< last resolved URI
   std::vector<Path> open_files_;  ///< from the first tileset to the one being read
   std::uint64_t tiles_ = 0, external_bytes_ = 0;
   MemoryClaim memory_;

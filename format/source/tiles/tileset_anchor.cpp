@@ -13,7 +13,7 @@ namespace {
 constexpr double degrees = 180 / std::numbers::pi;
 constexpr const char* volume_key = "root.boundingVolume";
 
-/// Centre of a region, which may cross the antimeridian (then west > east).
+/// Returns the centre of a region, which may cross the antimeridian (then west > east).
 Point<Ecef> region_centre(const std::filesystem::path& file, const std::vector<double>& region) {
   const double west = region[0], south = region[1], north = region[3];
   double east = region[2];

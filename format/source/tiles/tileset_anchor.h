@@ -1,4 +1,4 @@
-/// Does the root of a tileset say that it stands on the earth, and where?
+/// Place on the earth that the root of a tileset states.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@
 
 namespace gigabake {
 
-/// Where the root tile's transform puts its origin; else the centre of its bounding volume; nothing where neither is at
-/// the surface of the WGS84 earth. A bounding region is always on the earth.
+/// Returns the origin of the root tile's transform; else the centre of its bounding volume. Returns nullopt if neither
+/// is at the surface of the WGS84 earth. A bounding region is always on the earth.
 /// Errors  InputError(file, "root…"): malformed transform or volume, a region beyond the poles.
 std::optional<Point<Ecef>> tileset_anchor(const std::filesystem::path& file, const Json& root);
 

@@ -13,7 +13,7 @@ namespace {
 
 using Path = std::filesystem::path;
 
-/// The specification demands it of the root; files in use leave it out and mean REPLACE.
+/// The specification requires `refine` of the root; some files omit it and mean REPLACE.
 std::optional<Refine> refine_of(const Path& file, const Json& tile, const std::string& where) {
   const auto text = get_text(file, tile, where, "refine");
   if (!text) return std::nullopt;
@@ -48,7 +48,7 @@ void read_members(const Path& file, const Json& json, const std::string& where, 
   if (const auto m = get_numbers(file, json, where, "transform", 16))
     tile.world_from_tile = std::make_unique<const Affine<World, World>>(affine_from_columns<World, World>(*m));
   tile.refine = refine_of(file, json, where);
-  // What has been taken out of the children were objects.
+  // Children that are objects have been removed: any remaining item is no object.
   if (!get_array(file, json, where, "children").empty())
     throw InputError(file, where + ".children", "expected tiles, which are JSON objects");
   tile.uris = content_uris(file, json, where);
@@ -66,7 +66,7 @@ TilesetTile tile_of(const Path& file, const Json& json, const std::string& where
   return tile;
 }
 
-/// Takes tiles out of the document as they are complete: children before their parent.
+/// Removes each tile from the document once it is complete: children before their parent.
 class TileCollector {
  public:
   explicit TileCollector(const Path& file) : file_(file), memory_(file) {}
@@ -78,7 +78,7 @@ class TileCollector {
     TilesetTile tile = tile_of(file_, complete, where_of(around));
     tile.children = std::move(below_[depth + 1]);
     below_[depth + 1].clear();
-    if (depth > 0 && around.back().items == 0) below_[depth].clear();  // a member that is there twice: the last counts
+    if (depth > 0 && around.back().items == 0) below_[depth].clear();  // a duplicate member: the last one counts
     memory_.add(bytes_of(tile), "", "the tiles of the tileset");
     below_[depth].push_back(std::move(tile));
     return depth > 0;
@@ -115,7 +115,7 @@ class TileCollector {
 
   const Path& file_;
   MemoryClaim memory_;
-  std::vector<std::vector<TilesetTile>> below_;  ///< of each depth: those whose parent is not complete
+  std::vector<std::vector<TilesetTile>> below_;  ///< by depth: tiles whose parent is not complete
 };
 
 }  // namespace

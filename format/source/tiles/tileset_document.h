@@ -1,4 +1,4 @@
-/// The JSON of a tileset, read as a stream: a list of a million tiles takes what tiles need, not what JSON does.
+/// The JSON of a tileset, read as a stream: a million tiles need the memory of tiles, not that of JSON values.
 #pragma once
 
 #include <filesystem>
@@ -19,21 +19,22 @@ enum class Refine : std::uint8_t { add, replace };
 
 struct TilesetTile {
   std::vector<TilesetTile> children;
-  std::vector<std::string> uris;  ///< of its contents; templates where the tile is implicit; empty where one is missing
+  std::vector<std::string> uris;  ///< of its contents; templates if the tile is implicit; empty if one is missing
   std::unique_ptr<const Affine<World, World>> world_from_tile;  ///< its own transform; null: none
   std::unique_ptr<const ImplicitTiling> implicit;               ///< null: an explicit tile
   std::optional<Refine> refine;
-  std::unique_ptr<const std::string> fault;  ///< why it cannot be placed or read, with all below it; null: it can
+  std::unique_ptr<const std::string> fault;  ///< why it cannot be placed or read, with all tiles below it; null: it can
 };
 
 struct TilesetDocument {
-  Json json;                        ///< all of it but the root's children
-  std::optional<TilesetTile> root;  ///< nothing where the document has no "root": it is no tileset
+  Json json;                        ///< without the root's children
+  std::optional<TilesetTile> root;  ///< nullopt if the document has no "root": it is no tileset
 };
 
-/// What `file` holds, be it a tileset or another JSON.
-/// Errors  InputError, as parse_json(); what the tiles take is more than memory_limit() allows. A malformed member of a
-///         tile is that tile's fault.
+/// Parses `file`, a tileset or another JSON.
+/// Errors  InputError, as parse_json(); the tiles need more than memory_limit(). A malformed member of a tile is a
+///         fault of
+/// that tile.
 TilesetDocument parse_tileset(const std::filesystem::path& file, std::span<const std::uint8_t> text,
                               const Progress& progress = {});
 

@@ -1,5 +1,6 @@
-/// Which tilesets include which, so that those that include each other too often are refused before they are followed:
-/// thirty files that name the next one twice are a billion.
+/// Inclusions of tilesets in tilesets, counted to refuse excessive ones before they are read. Thirty files that each
+/// name
+/// the next file twice result in a billion inclusions.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +13,17 @@ namespace gigabake {
 
 class TilesetInclusions {
  public:
-  /// To be called whenever a tileset is read. file: its canonical path; uris: of all its contents.
-  /// Errors  InputError: with what is known so far, the first tileset includes itself somewhere below, or so many that
-  ///         more than 2^18 would have to be read.
-  /// Cost    Looks at all that is known when the first, second, fourth, eighth … tileset is read again.
+  /// Records that a tileset is read; called for every one. file: its canonical path; uris: of all its contents.
+  /// Errors  InputError: in the tilesets read until now, the first one includes itself, or more than 2^18 would have to
+  ///         be
+  /// read.
+  /// Cost    Visits all recorded tilesets when the first, second, fourth, eighth … tileset is read again.
   void read(const std::filesystem::path& file, const std::vector<std::string>& uris);
 
  private:
   struct Tileset {
-    std::vector<std::string> included;  ///< may also be no tilesets
-    double visits = 0;                  ///< of itself and all below; 0: not counted
+    std::vector<std::string> included;  ///< some may be no tilesets
+    double visits = 0;                  ///< of itself and all tilesets below; 0: not counted
     bool is_open = false;
   };
   void expect_few() const;

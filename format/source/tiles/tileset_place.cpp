@@ -11,7 +11,7 @@
 namespace gigabake {
 namespace {
 
-/// Contents that are looked at, evenly spread over the tileset.
+/// Max number of contents that are sampled, evenly spread over the tileset.
 constexpr std::size_t max_sampled_contents = 16;
 constexpr double near_m = 100e3;
 
@@ -36,7 +36,7 @@ WorldBox bounds_of_content(const TilesetContent& content, const SourceFiles& fil
   return out;
 }
 
-/// Contents that cannot be read are left to the survey.
+/// Returns the bounds of samples. Skips contents that cannot be read, which the scan reports.
 std::vector<WorldBox> sampled_bounds(const Tileset& tileset, const SourceFiles& files, BoundsOf what) {
   const std::size_t contents = tileset.contents.size(), samples = std::min(contents, max_sampled_contents);
   std::vector<WorldBox> out;
@@ -65,7 +65,7 @@ Point<Ecef> centre_of(const WorldBox& box) {
   return {centre.x, centre.y, centre.z};
 }
 
-/// Returns the centre of all boxes at the earth's surface; of the first one where that is deep in the earth.
+/// Returns the centre of all boxes if it is at the earth's surface; else that of the first box.
 std::optional<Point<Ecef>> place_of(const std::vector<WorldBox>& boxes) {
   WorldBox all;
   std::optional<Point<Ecef>> first;

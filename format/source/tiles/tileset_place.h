@@ -1,4 +1,4 @@
-/// Where a tileset stands: what its root says is compared with where its content is.
+/// Place of a tileset on the earth: the root's place is compared with that of its content.
 #pragma once
 
 #include <optional>
@@ -11,12 +11,12 @@ namespace gigabake {
 
 struct TilesetPlace {
   std::optional<Point<Ecef>> point;    ///< on the earth; none: a local frame
-  std::optional<std::string> warning;  ///< the root states another place than the content has
+  std::optional<std::string> warning;  ///< the root states another place than that of the content
 };
 
 /// Returns the anchor of the root if some content is near it, else the centre of the content on the earth's surface.
-/// A root's volume may contain the whole earth, be empty, or be a default that nobody has set.
-/// Cost    Opens at most 16 contents. All their vertices are read only if none is where the root says.
+/// A root's volume may contain the whole earth, be empty, or be an exporter's default.
+/// Cost    Opens at most 16 contents. Reads all their vertices only if the bounds of none are near the anchor.
 TilesetPlace tileset_place(const SourceFiles& files, const Tileset& tileset);
 
 }  // namespace gigabake

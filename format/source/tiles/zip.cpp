@@ -8,7 +8,7 @@
 namespace gigabake {
 namespace {
 
-/// Deflate packs at most 1032:1; what claims more is not what it says.
+/// Deflate packs at most 1032:1, so an entry with a higher ratio states a false size.
 constexpr std::uint64_t max_zip_ratio = 1100, least_claim = std::uint64_t(1) << 16;
 
 std::string message_of(zip_error_t* error) {
@@ -63,7 +63,7 @@ std::vector<std::uint8_t> Archive::read(const std::string& entry, std::uint64_t 
     got += step > 0 ? std::uint64_t(step) : 0;
   }
   std::uint8_t beyond = 0;
-  if (step >= 0 && bytes.size() == info.size) step = zip_fread(in, &beyond, 1);  // the end is where the sum is checked
+  if (step >= 0 && bytes.size() == info.size) step = zip_fread(in, &beyond, 1);  // a read beyond the end checks the sum
   const std::string message = step < 0 ? message_of(zip_file_get_error(in)) : "";
   zip_fclose(in);
   if (step < 0) fail("cannot be unpacked: " + message);
