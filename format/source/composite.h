@@ -23,8 +23,8 @@ struct CompositePart {
   std::string name;  ///< "[1]", or "[1][0]" in a composite inside
 };
 
-/// The innermost tiles, in their order. Errors  InputError: a length beyond the file, composites that nest deeper than
-/// eight.
+/// Returns the innermost tiles in their order.
+/// Errors  InputError: a length beyond the file, composites that nest deeper than eight.
 std::vector<CompositePart> parts_of_composite(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
 
 }  // namespace gigabake

@@ -20,7 +20,7 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::uint32_t json_chunk = 0x4e4f534a, bin_chunk = 0x004e4942;
 
-/// As ByteCursor, of a GLB that may still be in its file.
+/// Cursor like ByteCursor, for a GLB that may still be in its file.
 struct GlbCursor {
   const std::filesystem::path& file;
   SourceBytes rest;
@@ -82,7 +82,7 @@ void open_tile_header(ByteCursor& in, const char* kind, std::uint32_t header_byt
   in.rest = in.rest.first(length - 12);
 }
 
-/// What is left of `content`, which is all that `in` began with.
+/// Returns the rest of `content`; `in` began with all of `content`.
 SourceBytes rest_of(const SourceBytes& content, const ByteCursor& in) {
   return content.part(std::uint64_t(in.at()) - content.begin(), in.rest.size());
 }

@@ -1,4 +1,5 @@
-/// The outer layers of a content file: a composite around i3dm or b3dm around GLB around JSON and a binary chunk.
+/// Outer layers of a content file: a composite contains i3dm or b3dm, which contains GLB, which contains JSON and
+/// binary.
 #pragma once
 
 #include <array>
@@ -14,9 +15,9 @@
 namespace gigabake {
 
 struct ContentContainer {
-  SourceBytes content;              ///< of the file: all of it, or one tile of a composite
-  std::string model_uri;            ///< where an i3dm names its glTF instead of holding it
-  std::filesystem::path gltf_file;  ///< that URIs in the glTF are relative to
+  SourceBytes content;              ///< the whole file, or one tile of a composite
+  std::string model_uri;            ///< URI of the glTF if an i3dm does not contain it
+  std::filesystem::path gltf_file;  ///< URIs in the glTF are relative to it
   SourceBytes gltf;                 ///< a whole GLB, or glTF JSON
   SourceBytes json;                 ///< the JSON text within, in memory
   SourceBytes bin;                  ///< the GLB's binary chunk; empty without one
@@ -26,11 +27,12 @@ struct ContentContainer {
   std::vector<Affine<World, World>> instances{1};  ///< an i3dm's, in the tile's z-up frame without rtc_center
 };
 
-/// Where a tile's files are, other ones than its content too. root: SceneSources::root.
+/// Returns the files of the source that a tile belongs to. root: SceneSources::root.
 SourceFiles files_of(const TileRef& tile, const std::filesystem::path& root);
 
-/// Cost  A GLB that is a file of its own stays in it, but for its JSON; everything else is read into memory.
-/// Errors  InputError with the byte where a length, version or magic number is wrong; as i3dm_instances().
+/// Opens a content file.
+/// Cost    A .glb file is not read into memory except for its JSON; all other files are.
+/// Errors  InputError with the byte at which a length, version or magic number is wrong; as i3dm_instances().
 ContentContainer open_container(const TileRef& tile, const SourceFiles& files);
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// What a content file is, by its first bytes; names and media types are not to be trusted.
+/// Format of a content file, recognized by its first bytes; names and media types are not reliable.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@ namespace gigabake {
 
 enum class ContentMagic : std::uint8_t { glb, b3dm, i3dm, points, composite, json, zip, unknown };
 
-/// head: the first bytes of the file; four are enough.
+/// Returns the format. head: at least the first four bytes of the file.
 ContentMagic content_magic(std::span<const std::uint8_t> head);
 
 }  // namespace gigabake

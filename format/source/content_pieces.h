@@ -1,4 +1,4 @@
-/// Pieces of one content file, for whoever needs its beginning alone.
+/// Reader of parts of one content file, for callers that need only its beginning.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,19 @@
 
 namespace gigabake {
 
-/// Offsets are from where the tile begins: in a composite that is inside the file. What is packed (gzip, archives) is
-/// unpacked whole.
+/// Reader of parts. Offsets are relative to the tile, which may begin inside a composite. Packed files (gzip, archives)
+/// are unpacked completely.
 class ContentPieces {
  public:
-  /// Errors  InputError: as SourceFiles::read_content(), of what is packed.
+  /// Errors  InputError, as SourceFiles::read_content(): a packed file cannot be read.
   ContentPieces(const TileRef& tile, const SourceFiles& files);
 
-  /// Fewer bytes where the tile ends or cannot be read.
+  /// Returns fewer bytes if the tile ends or cannot be read.
   std::vector<std::uint8_t> read(std::uint64_t offset, std::uint64_t bytes);
 
  private:
   std::ifstream file_;
-  std::vector<std::uint8_t> whole_;  ///< of what is packed
+  std::vector<std::uint8_t> whole_;  ///< of a packed file
   std::uint64_t begin_ = 0, end_ = 0;
 };
 

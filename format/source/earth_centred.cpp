@@ -19,10 +19,10 @@ namespace {
 
 constexpr double widest_m = 1e6, highest_m = 20e3;
 constexpr double lowest_ground_m = -1000, highest_ground_m = 9000;
-/// Of a mesh format without JSON: where the first vertices are tells whether it is worth reading all.
+/// Bytes of a mesh format without JSON that are read first: the first vertices show whether all are needed.
 constexpr std::uint64_t looked_at_bytes = std::uint64_t(1) << 18;
 
-/// Of which axis points up.
+/// Returns whether the format has a convention for the up axis.
 bool has_convention(ContentKind kind) {
   return kind != ContentKind::obj && kind != ContentKind::ply && kind != ContentKind::stl;
 }
@@ -58,7 +58,7 @@ std::vector<Point<Local>> first_vertices(const TileRef& tile, const std::filesys
   return first_obj_vertices(tile.path, head);
 }
 
-/// The tile's own `gltf_up` says how it turns. Empty where the first vertices are nowhere near the earth's surface.
+/// Returns the bounds, rotated by the tile's `gltf_up`. Empty if no first vertex is near the earth's surface.
 WorldBox bounds_of_plain_mesh(const TileRef& tile, const std::filesystem::path& root) {
   bool is_near = false;
   for (const Point<Local>& p : first_vertices(tile, root)) {
@@ -69,7 +69,7 @@ WorldBox bounds_of_plain_mesh(const TileRef& tile, const std::filesystem::path& 
   return is_near ? vertex_bounds(tile, root) : WorldBox();
 }
 
-/// What is known of one file.
+/// Bounds of one file and their classification.
 struct Found {
   EarthFit fit = EarthFit::none;
   WorldBox bounds;
@@ -83,21 +83,21 @@ Found look_at(const TileRef& tile, const std::filesystem::path& root) {
     out.is_known = !has_convention(tile.kind) || !out.bounds.is_empty;
     out.fit = earth_fit(out.bounds);
   } catch (const std::exception&) {
-    return {};  // the survey reads it too, and says what is wrong
+    return {};  // the scan reads the file too and reports the fault
   }
   return out;
 }
 
-/// Names one file and how many others.
+/// Returns the name of the first tile and the number of the others.
 std::string some(const SceneSources& sources, const std::vector<std::size_t>& tiles) {
   const std::string& first = sources.tiles[tiles[0]].name;
   return tiles.size() == 1 ? first : fmt::format("{} and {} more", first, tiles.size() - 1);
 }
 
-/// Tiles by what they are.
+/// Tiles by the classification of their bounds.
 struct Sorted {
   std::vector<std::size_t> surface, or_projected, none;
-  WorldBox bounds;  ///< of what may be on the earth
+  WorldBox bounds;  ///< of all tiles that may be on the earth
 };
 
 Sorted sorted(const SceneSources& sources, const std::optional<UpAxis>& up) {

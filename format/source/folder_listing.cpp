@@ -20,7 +20,7 @@ void add_uris(const TilesetTile& tile, const Path& file, std::set<Path>& named) 
   for (const TilesetTile& child : tile.children) add_uris(child, file, named);
 }
 
-/// Tilesets of a folder, known by their content.
+/// Tilesets of a folder, recognized by their content.
 class Tilesets {
  public:
   void look_at(const Path& file) {
@@ -31,11 +31,11 @@ class Tilesets {
       add_uris(*document.root, file, named_);
     } catch (const InputError&) {
       if (file.filename() == "tileset.json") throw;
-      return;  // another JSON, or none
+      return;  // not a tileset
     }
   }
 
-  /// Returns the one that none of the others names.
+  /// Returns the tileset that no other tileset names.
   std::optional<Path> root(const Path& folder) const {
     std::vector<Path> roots;
     for (const Path& file : found_)
@@ -87,7 +87,7 @@ class Lister {
   }
 
  private:
-  /// A folder inside the root is listed where it is.
+  /// Skips a link to a folder inside the root: that folder is listed itself.
   void add_link(const Path& link, bool is_folder) {
     std::error_code error;
     const Path target = std::filesystem::canonical(link, error);
@@ -100,7 +100,7 @@ class Lister {
 
   std::string name_in_folder(const Path& path) const { return path.lexically_relative(folder_).generic_string(); }
 
-  /// A file that links lead to as well counts once.
+  /// Removes duplicates: links may lead to a file that is listed itself.
   std::vector<Path> unique_files() {
     std::sort(links_.begin(), links_.end());
     std::set<Path> targets;

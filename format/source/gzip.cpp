@@ -23,14 +23,14 @@ class Inflater {
   Inflater(const Inflater&) = delete;
   Inflater& operator=(const Inflater&) = delete;
 
-  /// Fills `out` as far as there is something; how many bytes there were.
+  /// Fills `out` as far as there are unpacked bytes. Returns their number.
   std::size_t fill(std::span<std::uint8_t> out) {
     std::size_t done = 0;
     int state = ready_ ? Z_OK : Z_MEM_ERROR;
     while (state == Z_OK && done < out.size()) {
       const auto in = uInt(std::min<std::size_t>(rest_.size(), std::numeric_limits<uInt>::max()));
       const auto room = uInt(std::min<std::size_t>(out.size() - done, std::numeric_limits<uInt>::max()));
-      stream_.next_in = const_cast<Bytef*>(rest_.data());  // zlib does not write there
+      stream_.next_in = const_cast<Bytef*>(rest_.data());  // zlib does not write to it
       stream_.avail_in = in;
       stream_.next_out = out.data() + done;
       stream_.avail_out = room;
@@ -42,7 +42,7 @@ class Inflater {
     return done;
   }
 
-  bool ended() const { return ended_; }  ///< and the checksum was right
+  bool ended() const { return ended_; }  ///< the stream is complete and its checksum is right
   std::span<const std::uint8_t> rest() const { return rest_; }
 
  private:
@@ -62,7 +62,7 @@ std::vector<std::uint8_t> unpacked_gzip(const std::filesystem::path& file, std::
   Inflater inflater(packed);
   std::vector<std::uint8_t> out;
   for (std::size_t there = 0; !inflater.ended();) {
-    // One byte more than is allowed says that there is one.
+    // One byte more than allowed shows that the limit is exceeded.
     out.resize(std::size_t(std::min<std::uint64_t>(std::max(first_bytes, 2 * out.size()), most_bytes + 1)));
     const std::size_t more = inflater.fill(std::span(out).subspan(there));
     there += more;

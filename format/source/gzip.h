@@ -1,4 +1,4 @@
-/// Content that is kept as servers send it: packed by gzip.
+/// Unpacking of content that is gzip-compressed, as servers send it.
 #pragma once
 
 #include <cstdint>
@@ -8,15 +8,17 @@
 
 namespace gigabake {
 
-/// No content of 3D Tiles begins as a gzip file does.
+/// Returns whether the bytes begin like gzip. No content format of 3D Tiles begins like this.
 bool is_gzip(std::span<const std::uint8_t> head);
 
-/// What a whole gzip file holds. Cost  memory follows what is unpacked.
+/// Returns the unpacked bytes of a whole gzip file.
+/// Cost    Memory grows with the number of unpacked bytes.
 /// Errors  InputError: damaged, cut, followed by other bytes, or more than `most_bytes`.
 std::vector<std::uint8_t> unpacked_gzip(const std::filesystem::path& file, std::span<const std::uint8_t> packed,
                                         std::uint64_t most_bytes);
 
-/// Its first bytes, at most `most_bytes`, from the first bytes of the file. Where these are damaged, fewer.
+/// Returns the first unpacked bytes, at most `most_bytes`, from the first bytes of the file; fewer if these are
+/// damaged.
 std::vector<std::uint8_t> unpacked_gzip_head(std::span<const std::uint8_t> packed_head, std::size_t most_bytes);
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// Which material of a source makes nothing visible, for messages.
+/// Search for a material that is invisible, for messages.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,10 @@
 
 namespace gigabake {
 
-/// Returns the first material of a glTF or OBJ tile that is invisible everywhere (alpha 0): its name in quotes, or its
-/// number in the file if it has none. Cost  reads the document again. Errors  InputError as read_tile().
+/// Returns the first material of a glTF or OBJ tile that is invisible everywhere (alpha 0). The result is its name in
+/// quotes, or its number in the file if it has no name.
+/// Cost    Reads the document again.
+/// Errors  InputError as read_tile().
 std::optional<std::string> invisible_material(const TileRef& tile, const std::filesystem::path& root);
 
 }  // namespace gigabake

@@ -13,10 +13,10 @@ namespace {
 
 constexpr int deepest_json = 128;
 constexpr std::size_t largest_json_bytes = std::size_t(1) << 28;
-/// What the library's values take with the allocator's share: an item of a vector that grows, a node of a map.
+/// Memory of the library's values with the allocator's overhead: an item of a growing vector, a node of a map.
 constexpr std::uint64_t item_bytes = 32, member_bytes = 112, container_bytes = 80, text_bytes = 64;
 
-/// Parsers recurse; this does not.
+/// Limits the nesting without recursion, because parsers recurse.
 void check_nesting(const std::filesystem::path& file, std::span<const std::uint8_t> text) {
   int depth = 0;
   bool in_string = false;
@@ -87,7 +87,7 @@ class Builder : public nlohmann::json_sax<Json> {
     return expected_in(message);
   }
 
-  /// The library says it at the end of a longer text.
+  /// Returns the expected token from the end of the library's message.
   static std::string expected_in(const std::string& message) {
     const auto at = message.rfind("; expected ");
     if (at != message.npos) return ": " + message.substr(at + 2);
@@ -108,7 +108,7 @@ class Builder : public nlohmann::json_sax<Json> {
 
   void claim(std::uint64_t bytes) { memory_.add(bytes, "", "the values of its JSON"); }
 
-  /// own_bytes: what the value takes besides its place; of a container, claimed already.
+  /// own_bytes: memory of the value without its place; already claimed for a container.
   bool add(Json value, std::uint64_t own_bytes) {
     const bool is_claimed = value.is_structured();
     if (open_.empty()) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t escape_bytes = 6;  // \uXXXX
 
-/// Returns the code of an escape \uXXXX at the beginning of a text; 0: there is none.
+/// Returns the code of an escape \uXXXX at the beginning of a text; 0 if there is none.
 std::uint32_t escaped_code(std::string_view text) {
   if (text.size() < escape_bytes || !text.starts_with("\\u")) return 0;
   std::uint32_t code = 0;
@@ -22,7 +22,7 @@ std::uint32_t escaped_code(std::string_view text) {
 bool is_high_surrogate(std::uint32_t code) { return code >= 0xd800 && code < 0xdc00; }
 bool is_low_surrogate(std::uint32_t code) { return code >= 0xdc00 && code < 0xe000; }
 
-/// Replaces surrogate escapes without their other half. Returns whether there was one.
+/// Replaces surrogate escapes without their other half. Returns whether there was such an escape.
 bool replace_lone_surrogates(std::string& text) {
   bool has_replaced = false;
   for (std::size_t at = text.find('\\'); at < text.size(); at = text.find('\\', at)) {

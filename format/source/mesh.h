@@ -1,5 +1,5 @@
-/// One content file, read: triangles, materials and still-encoded images, in the file's own coordinates with the
-/// affine maps that place them in the scene. Nothing here is snapped, filtered or transformed yet.
+/// A decoded content file: triangles, materials and still-encoded images, in the file's own coordinates with the affine
+/// maps that place them in the scene. Nothing is snapped, filtered or transformed yet.
 #pragma once
 
 #include <array>
@@ -30,17 +30,15 @@ struct Material {
 
 /// A triangle list; every index is < the vertex count (checked at load); strips and fans are expanded.
 struct Primitive {
-  std::vector<float> position;  ///< 3 per vertex, Local metres, may hold NaN/Inf (dropped and counted at snap)
-  float position_step = 0;  ///< between neighbouring values that the file could say, where these are not the floats of
-                            ///< `position`; 0: they are
+  std::vector<float> position;       ///< 3 per vertex, Local metres, may hold NaN/Inf (dropped and counted at snap)
+  float position_step = 0;           ///< distance of neighbouring values in the file; 0: that of floats
   std::vector<std::uint32_t> index;  ///< 3 per triangle, counter-clockwise seen from outside
   std::vector<float> uv;  ///< 2 per vertex, or empty; the set the base colour uses, KHR_texture_transform applied
   std::vector<std::uint16_t> rgba;  ///< 4 per vertex, linear, 65535 = 1, or empty
   int material = 0;                 ///< index into TileMesh::materials (always valid)
 };
 
-/// What is handed over as it is read (PrimitiveSink in source.h) has at most so many triangles, and its own vertices
-/// only.
+/// Max triangles of a part that a PrimitiveSink (source.h) receives. A part has only the vertices that it uses.
 inline constexpr std::uint64_t most_part_triangles = std::uint64_t(1) << 20;
 
 /// One placement of a primitive.
@@ -49,13 +47,13 @@ struct Instance {
   Affine<Scene, Local> scene_from_local;  ///< a negative determinant mirrors: winding is restored by the consumer
 };
 
-/// A file with more placements is refused, and one whose placements take more than memory_limit() allows: a node may
-/// place what takes no bytes in the file.
+/// Max placements in a file. A node may place a mesh that takes no bytes in the file, so placements are also claimed
+/// from memory_limit().
 inline constexpr std::size_t most_placements = std::size_t(1) << 24;
-/// An Instance and what readers and surveys hold beside it.
+/// Bytes of an Instance and of related data in readers and scans.
 inline constexpr std::size_t placement_bytes = 192;
 
-/// An image as its file holds it. PNG, JPEG or WebP by content.
+/// An image in its file's encoding: PNG, JPEG or WebP, recognized by content.
 struct EncodedImage {
   std::string name;  ///< for messages: "tile.glb: images[2]"
   std::vector<std::uint8_t> bytes;
@@ -76,18 +74,18 @@ struct TileMesh {
   std::vector<SourceWarning> warnings;  ///< without the file's name
 };
 
-/// Linear: what has a material or an image that is missing, an sRGB code of 127.
+/// Grey of an object whose material or image is missing: sRGB code 127 as linear value.
 inline constexpr float grey_without_image = 0.2122f;
 
-/// Decoded, straight alpha, sRGB as stored; row 0 first.
+/// A decoded image, straight alpha, sRGB as stored; row 0 first.
 struct Image {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgba;  ///< 4 · width · height
   bool has_alpha = false;          ///< some texel's alpha is below 255
 };
 
-/// Errors  InputError for anything that is not a whole PNG, JPEG or WebP (where built with libwebp), or larger than
-/// 2^28 texels.
+/// Decodes an image.
+/// Errors  InputError if it is not a whole PNG, JPEG or WebP (if built with libwebp), or larger than 2^28 texels.
 Image decode_image(const EncodedImage& image);
 
 }  // namespace gigabake

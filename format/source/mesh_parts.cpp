@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t word_bits = 64;
 
-/// `width` values of each of the vertices; nothing where the mesh has no such values.
+/// Returns `width` values for each of the vertices; empty if the mesh has no such values.
 template <class T>
 std::vector<T> chosen(const std::vector<T>& values, const std::vector<std::uint32_t>& vertices, std::size_t width) {
   std::vector<T> out;
@@ -30,7 +30,7 @@ Primitive part_of(const Primitive& whole, std::uint64_t first_triangle) {
   return with_corners(whole, {from, from + std::ptrdiff_t(3 * triangles)}, vertices);
 }
 
-/// Hands over one primitive and says by how many it came.
+/// Passes on one primitive and returns the number of its parts.
 class HandOver {
  public:
   explicit HandOver(const PrimitiveSink& sink) : sink_(sink) {}

@@ -1,4 +1,4 @@
-/// Scene origins far from what is baked: latitude and longitude swapped, or another place's.
+/// Checks of scene origins far from the sources: latitude and longitude swapped, or the origin of another place.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace gigabake {
 
-/// Returns a warning if the chosen origin is more than 100 km from every place of the sources; asks whether its
-/// latitude and longitude are swapped. `places` may be empty: sources without a place of their own.
+/// Returns a warning if the chosen origin is more than 100 km from every place of the sources. The warning suggests
+/// swapped latitude and longitude. `places` may be empty: no source has a place.
 std::optional<std::string> far_origin_warning(const Geodetic& origin, const std::vector<Geodetic>& places);
 
 /// A source of a scene .json and the place that the file gives it.
@@ -19,7 +19,7 @@ struct NamedPlace {
   Geodetic place;
 };
 
-/// Returns one warning for all places that are more than 100 km from the first one.
+/// Returns one warning for all places that are more than 100 km from the first place.
 std::optional<std::string> far_places_warning(const std::vector<NamedPlace>& places);
 
 }  // namespace gigabake

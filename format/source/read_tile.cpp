@@ -1,4 +1,4 @@
-// read_tile(): whatever holds the tile, as triangles, materials and encoded images.
+// read_tile(): reads a tile of any format as triangles, materials and encoded images.
 #include <exception>
 
 #include "format/source/content_container.h"
@@ -19,7 +19,7 @@ bool holds_gltf(ContentKind kind) {
          kind == ContentKind::i3dm;
 }
 
-/// What a sink throws, past the handlers of what a file does to its readers.
+/// An exception of a sink, wrapped so that the handlers of read errors do not catch it.
 struct SinkFailure {
   std::exception_ptr error;
 };

@@ -30,7 +30,7 @@ std::filesystem::path root_of(const std::filesystem::path& file) {
   return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
 }
 
-/// One listed source, opened in its own frame, and where that frame stands.
+/// One listed source in its own frame, and the position of that frame.
 struct Entry {
   std::string where;
   SceneSources source;
@@ -39,7 +39,7 @@ struct Entry {
   double heading_deg = 0, scale = 1;
 };
 
-/// A misspelt key of our own format would place a source silently at the origin.
+/// Refuses unknown keys: a misspelt key would silently place a source at the origin.
 void expect_only(const std::filesystem::path& file, const Json& object, const std::string& where,
                  std::initializer_list<std::string_view> known) {
   for (const auto& [key, value] : object.items())
@@ -61,7 +61,7 @@ void read_place(const std::filesystem::path& file, const Json& place, const std:
   e.position = Geodetic{(*degrees)[1], (*degrees)[0], (*degrees)[2]};
 }
 
-/// Without a place of its own a source stands where its file puts it: on the earth, or at the scene's origin.
+/// Opens a source. Without "place" it keeps the position in its file: on the earth, or at the scene's origin.
 Entry read_entry(const std::filesystem::path& file, const Json& json, std::size_t i, SourceOptions options,
                  const Progress& progress) {
   Entry e;
@@ -122,7 +122,7 @@ Affine<Scene, Scene> heading_and_scale(const Entry& e) {
   return r;
 }
 
-/// From the entry's own z-up frame to the scene.
+/// Returns the transform from the entry's own z-up frame to the scene.
 Affine<Scene, Scene> placement(const Entry& e, const std::optional<Geodetic>& origin) {
   if (!e.position || !origin)
     return translation<Scene, Scene>(e.position_m[0], e.position_m[1], e.position_m[2]) * heading_and_scale(e);
@@ -131,7 +131,8 @@ Affine<Scene, Scene> placement(const Entry& e, const std::optional<Geodetic>& or
 
 void add_entry(Entry e, SceneSources& out) {
   const Affine<Scene, Scene> place = placement(e, out.origin);
-  // Names of the file, which many tiles of a raster or a composite share: finding them asks the system.
+  // Names of the file, cached because many tiles of a raster or a composite share it and finding them takes system
+  // calls.
   std::filesystem::path file;
   std::string own, name;
   for (TileRef& tile : e.source.tiles) {
@@ -141,7 +142,7 @@ void add_entry(Entry e, SceneSources& out) {
       own = name_in(e.source.root, file);
       name = name_in(out.root, file);
     }
-    tile.name = name + tile.name.substr(std::min(own.size(), tile.name.size()));  // which part of the file it is
+    tile.name = name + tile.name.substr(std::min(own.size(), tile.name.size()));  // keeps the part, e.g. "[1]"
     out.tiles.push_back(std::move(tile));
   }
   for (const std::string& note : e.source.notes) out.notes.push_back(note);

@@ -24,12 +24,12 @@ using Path = std::filesystem::path;
 
 Path folder_of(const Path& file) { return file.has_parent_path() ? file.parent_path() : Path("."); }
 
-/// The source's own frame to the local scene: z up unless told otherwise.
+/// Returns the transform from the source's own frame to the local scene: z up by default.
 Affine<Scene, World> local_scene(const SourceOptions& options) {
   return z_up_from<Scene, World>(options.scene_up.value_or(UpAxis::z));
 }
 
-/// By extension; nothing where the file is no content.
+/// Returns the format by the file name extension; nullopt if the file is no content.
 std::optional<ContentKind> kind_of(const Path& path) {
   static const std::map<std::string, ContentKind> kinds{{".glb", ContentKind::glb},   {".gltf", ContentKind::gltf},
                                                         {".b3dm", ContentKind::b3dm}, {".i3dm", ContentKind::i3dm},
@@ -39,7 +39,7 @@ std::optional<ContentKind> kind_of(const Path& path) {
   return at == kinds.end() ? std::nullopt : std::optional(at->second);
 }
 
-/// Of point clouds nothing is baked, but whoever names one is told so.
+/// Returns whether the file is a mesh or a point cloud. Point clouds are not baked, but are reported to the user.
 bool is_mesh(const Path& path) {
   const std::string extension = lower_extension(path);
   return kind_of(path) || extension == ".cmpt" || extension == ".pnts";
@@ -70,8 +70,7 @@ void add_mesh_file(const Path& path, const SourceOptions& options, SceneSources&
   }
 }
 
-/// Unless its coordinates are earth-centred, a mesh file has no place on the earth of its own; SourceOptions::origin
-/// says where its local frame stands.
+/// Opens mesh files. Only earth-centred ones have a place on the earth; for others SourceOptions::origin sets it.
 SceneSources mesh_sources(const Path& root, const std::vector<Path>& files, const SourceOptions& options,
                           const Progress& progress) {
   SceneSources out;
@@ -100,7 +99,7 @@ SceneSources tileset_sources(const SourceFiles& files, const Path& file, const T
     const Geodetic place = geodetic_of(*found.point);
     if (!out.origin) out.origin = place;
     if (auto warning = far_origin_warning(*out.origin, {place})) out.notes.push_back(std::move(*warning));
-    scene_from_world.m = scene_from_ecef(*out.origin).m;  // this World is the earth
+    scene_from_world.m = scene_from_ecef(*out.origin).m;  // this World is ECEF
   }
   if (found.point && options.local)
     out.notes.push_back(
@@ -141,7 +140,7 @@ SceneSources json_sources(const Path& file, const SourceOptions& options, const 
   throw InputError(file, "", "expected a tileset (\"root\") or a scene (\"gigabake\")");
 }
 
-/// Returns those rasters of a folder that can be opened; the others, as a photo among elevation, are listed as skipped.
+/// Returns the rasters of a folder that can be opened; lists the others, such as a photo, as skipped.
 std::vector<DemOptions> readable_rasters(const Path& root, const std::vector<Path>& files, const SourceOptions& options,
                                          std::vector<SkippedSource>& skipped) {
   std::vector<DemOptions> rasters;
@@ -160,7 +159,7 @@ std::vector<DemOptions> readable_rasters(const Path& root, const std::vector<Pat
   return rasters;
 }
 
-/// Rasters of one grid are one surface; others are placed by their coordinate systems.
+/// Opens rasters. Rasters of one grid are one surface; others are placed by their coordinate systems.
 SceneSources raster_sources(const Path& root, const std::vector<Path>& files, const SourceOptions& options,
                             const Progress& progress) {
   std::vector<SkippedSource> skipped;
@@ -184,7 +183,7 @@ SceneSources raster_sources(const Path& root, const std::vector<Path>& files, co
   return out;
 }
 
-/// A folder with a tileset is that tileset: its tiles have places and several levels of detail.
+/// Opens a folder. If it has a tileset, that tileset is opened, which has transforms and levels of detail.
 SceneSources folder_sources(const Path& folder, const SourceOptions& options, const Progress& progress) {
   std::error_code error;
   if (std::filesystem::is_regular_file(folder / "tileset.json", error))

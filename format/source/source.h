@@ -1,4 +1,4 @@
-/// What a bake reads: content files and where they stand in the scene.
+/// Sources of a bake: content files and their positions in the scene.
 #pragma once
 
 #include <array>
@@ -22,10 +22,10 @@ class Archive;
 struct DemTile;
 
 struct SourceOptions {
-  bool local = false;              ///< no georeference even where the source has one
+  bool local = false;              ///< no georeference even if the source has one
   std::optional<Geodetic> origin;  ///< scene origin; default: the source's own (see open_sources)
-  std::optional<UpAxis> scene_up;  ///< the axis that points up in a tileset's own frame (default z) or in mesh
-                                   ///< files (default y, as glTF has it)
+  std::optional<UpAxis> scene_up;  ///< up axis in a tileset's own frame (default z) or in mesh files (default y, as
+                                   ///< glTF has it)
 };
 
 enum class ContentKind : std::uint8_t { glb, gltf, b3dm, i3dm, obj, dem, ply, stl };
@@ -39,22 +39,22 @@ struct TileRef {
   std::filesystem::path path;  ///< readable file inside the source folder
   std::string name;            ///< path relative to the source root, '/' separated, and "[i]" in a composite: messages
   ContentKind kind = ContentKind::glb;
-  UpAxis gltf_up = UpAxis::y;            ///< tileset's gltfUpAxis: how content turns to z up
-  Affine<Scene, World> scene_from_tile;  ///< tile transforms, ECEF to scene, scene_up, all composed in double
-  std::uint64_t bytes = 0;               ///< file size
-  ByteRange range = {};                  ///< the tile's bytes in a composite; default: the whole file
-  std::shared_ptr<const Archive> archive = nullptr;  ///< that `path` leads into, or none
-  Affine<World, World> world_from_tile = {};     ///< the tileset's transforms alone: where an i3dm's east and north are
-  std::shared_ptr<const DemTile> dem = nullptr;  ///< of ContentKind::dem: which cells of the raster
+  UpAxis gltf_up = UpAxis::y;                        ///< tileset's gltfUpAxis: axis of the content that becomes z
+  Affine<Scene, World> scene_from_tile;              ///< product of tile transforms, ECEF to scene, scene_up, in double
+  std::uint64_t bytes = 0;                           ///< file size
+  ByteRange range = {};                              ///< the tile's bytes in a composite; default: the whole file
+  std::shared_ptr<const Archive> archive = nullptr;  ///< archive that `path` leads into, or none
+  Affine<World, World> world_from_tile = {};         ///< only the tileset's transforms, for east and north of an i3dm
+  std::shared_ptr<const DemTile> dem = nullptr;      ///< of ContentKind::dem: cells of the raster
 };
 
-/// Something the source names and the bake does not have: missing file, unsupported kind. Costs exit code 3 unless
-/// `informative` (pnts content, say: counted and reported, but no triangle is lost).
+/// An input that the source names but the bake cannot use: a missing file, an unsupported format. The exit code is 3
+/// unless it is `informative`, such as a point cloud: it is counted and reported, but no triangle is missing.
 struct SkippedSource {
-  std::string name;    ///< what it was
+  std::string name;    ///< file, or file and key
   std::string reason;  ///< one line
   bool informative = false;
-  std::uint64_t points = 0;  ///< that it holds, of a point cloud
+  std::uint64_t points = 0;  ///< of a point cloud
 };
 
 struct SceneSources {
@@ -62,32 +62,36 @@ struct SceneSources {
   std::vector<TileRef> tiles;      ///< in the source's own order; deterministic
   std::optional<Geodetic> origin;  ///< none: local scene
   std::vector<SkippedSource> skipped;
-  std::vector<std::string> notes;  ///< what somebody should know of the sources' places; one line each
+  std::vector<std::string> notes;  ///< information on the sources' places for the user; one line each
 };
 
-/// Reads what stands at `path`: a content file (docs/format-sources.md), a folder of them (sorted, not recursive into
-/// symlinks), a 3D Tiles tileset .json (1.0 and 1.1) or its .3tz archive, or a scene .json of ours. Opens no mesh, but
-/// looks where mesh files outside tilesets stand (format/source/earth_centred.h).
-/// Georeference: a tileset whose root stands on the WGS84 earth, or a scene .json with lon/lat placements, gets the
-/// ENU frame at `options.origin`, else at the root transform's translation (else its bounding volume's centre); mesh
-/// files that hold earth-centred coordinates get it there or at the centre of their bounds.
-/// With refine REPLACE the finest content is taken; where a finest content file is missing the nearest ancestor's
-/// content stands in for it and the loss is listed in `skipped`.
+/// Opens the source at `path`: a content file (docs/format-sources.md), a folder of content files, a tileset or a
+/// scene. The files of a folder are sorted; symbolic links to folders are not followed. A tileset is a 3D Tiles .json
+/// (1.0 and 1.1) or its .3tz archive; a scene is a gigabake scene .json. Opens no mesh, but reads bounds of mesh files
+/// outside tilesets (format/source/earth_centred.h).
+/// Georeference: a tileset whose root is on the WGS84 earth, or a scene .json with lon/lat placements, gets the ENU
+/// frame
+/// at `options.origin`, else at the root transform's translation (else its bounding volume's centre). Mesh files with
+/// earth-centred coordinates get it at `options.origin` or at the centre of their bounds.
+/// If tiles refine by REPLACE, the finest content is used. If a finest content file is missing, the nearest ancestor's
+/// content replaces it, and the missing file is listed in `skipped`.
 /// Errors  InputError: unreadable, cyclic, malformed, URI leaving the root, unsupported required extension. Stopped.
 SceneSources open_sources(const std::filesystem::path& path, const SourceOptions& options,
                           const Progress& progress = {});
 
 enum class ReadScope : std::uint8_t { positions_only, everything };
 
-/// Takes each primitive as soon as it is read, in the order of TileMesh::primitives; `index` is its place there.
+/// Receives each primitive once it is read, in the order of TileMesh::primitives; `index` is its index in that list.
 using PrimitiveSink = std::function<void(std::size_t index, Primitive&& primitive)>;
 
-/// Reads one content file. Hostile input is checked before any library sees it: nesting, sizes, URIs, views, accessors.
-/// With a sink TileMesh::primitives keeps of each primitive its `material` and `position_step` alone, and a list that
-/// is larger than a part (mesh_parts.h) comes as several primitives, each placed by Instances of its own. Exact   The
-/// triangles, their order within a list, every value and the counts are the same with a sink and without. Errors
-/// InputError naming file, key, byte offset, what was expected; names a required extension that we lack. With a
-///         sink the same, perhaps after some primitives were handed over. What the sink throws passes through.
+/// Reads one content file. Untrusted input is checked before any library reads it: nesting, sizes, URIs, views,
+/// accessors. If a sink is given, TileMesh::primitives keeps only `material` and `position_step` of each primitive. A
+/// list
+/// larger than a part (mesh_parts.h) is passed on as several primitives, each placed by separate Instances.
+/// Exact   The triangles, their order within a list, every value and the counts are the same with a sink and without.
+/// Errors  InputError with file, key, byte offset and expected value; names a required extension that is not supported.
+///         If a
+/// sink is given, it may have received some primitives before. Exceptions of the sink are passed through.
 TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadScope scope,
                    const PrimitiveSink& sink = nullptr);
 

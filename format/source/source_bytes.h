@@ -1,4 +1,4 @@
-/// Bytes of a source, in memory or still in their file: whoever reads them need not know which.
+/// Bytes of a source, in memory or still in their file, with the same interface.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-/// A value: copies and parts share what they look at, and keep it.
+/// A byte range with the semantics of a value: copies and parts share its memory or file and keep it alive.
 class SourceBytes {
  public:
   SourceBytes() = default;
@@ -20,22 +20,23 @@ class SourceBytes {
 
   std::uint64_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
-  /// Where they begin in the file, for messages.
+  /// Returns the offset in the file, for messages.
   std::uint64_t begin() const { return begin_; }
 
-  /// Errors  std::out_of_range of this and the next: who asks has not checked. What a file says is checked before.
+  /// Returns a part of the bytes.
+  /// Errors  std::out_of_range: the range exceeds the bytes. The caller must check ranges that a file states.
   SourceBytes part(std::uint64_t offset, std::uint64_t bytes) const;
-  /// Where they are in memory, or read into `room`, which must live as long as what is returned.
-  /// Errors  also as ReadableFile::read().
+  /// Returns bytes in memory, or reads them into `room`, which must outlive the result.
+  /// Errors  std::out_of_range; as ReadableFile::read().
   std::span<const std::uint8_t> look(std::uint64_t offset, std::uint64_t bytes, std::vector<std::uint8_t>& room) const;
 
   std::vector<std::uint8_t> copy() const;
-  /// The same bytes in memory.
+  /// Returns the same bytes in memory.
   SourceBytes in_memory() const { return file_ ? SourceBytes(copy(), begin_) : *this; }
-  /// Of bytes in memory.
+  /// Returns the bytes, which must be in memory.
   std::span<const std::uint8_t> span() const;
 
-  /// All of them in their order, in blocks of at most `block_bytes`.
+  /// Calls visit() for all bytes in their order, in blocks of at most `block_bytes`.
   void for_each_block(std::size_t block_bytes, const std::function<void(std::span<const std::uint8_t>)>& visit) const;
 
  private:
@@ -44,10 +45,11 @@ class SourceBytes {
   std::shared_ptr<const std::vector<std::uint8_t>> memory_;
   std::shared_ptr<const ReadableFile> file_;
   std::uint64_t begin_ = 0, size_ = 0;
-  std::uint64_t memory_begin_ = 0;  ///< of the file, what memory_ begins with
+  std::uint64_t memory_begin_ = 0;  ///< offset in the file of the first byte of memory_
 };
 
-/// Large enough that asking the system costs nothing beside the copying, small enough for a processor's cache.
+/// Bytes per read: large enough that system calls cost little compared with copying, small enough for a processor's
+/// cache.
 inline constexpr std::size_t read_block_bytes = std::size_t(1) << 18;
 
 }  // namespace gigabake

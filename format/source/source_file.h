@@ -1,4 +1,4 @@
-/// Reading files that nobody vouches for: sizes, JSON and paths are looked at before anything uses them.
+/// Reading of untrusted files: sizes, JSON and paths are checked before use.
 #pragma once
 
 #include <cstdint>
@@ -14,44 +14,45 @@
 
 namespace gigabake {
 
-/// A member of the asked type, or nothing where it is absent. An index is written without a fraction or an exponent:
-/// every parser of ours must see the same number. Errors  InputError(file, where.key): another type, or a number that
-/// is negative, fractional or too large for an index.
+/// Returns a member of the requested type; nullopt if it is absent. An index has no fraction or exponent: all parsers
+/// of gigabake must read the same number.
+/// Errors  InputError(file, where.key): another type, or a number that is negative, fractional or too large for an
+///         index.
 std::optional<std::uint64_t> get_index(const std::filesystem::path& file, const Json& object, const std::string& where,
                                        const char* key);
 std::optional<double> get_number(const std::filesystem::path& file, const Json& object, const std::string& where,
                                  const char* key);
 std::optional<std::string> get_text(const std::filesystem::path& file, const Json& object, const std::string& where,
                                     const char* key);
-/// Exactly `count` finite numbers.
+/// Returns exactly `count` finite numbers.
 std::optional<std::vector<double>> get_numbers(const std::filesystem::path& file, const Json& object,
                                                const std::string& where, const char* key, std::size_t count);
-/// An array or object member; an empty one of that kind where it is absent.
+/// Returns an array or object member; an empty array or object if it is absent.
 const Json& get_array(const std::filesystem::path& file, const Json& object, const std::string& where, const char* key);
 const Json& get_object(const std::filesystem::path& file, const Json& object, const std::string& where,
                        const char* key);
 
-/// Returns `text` with each "%41" as the byte that it means.
+/// Returns `text` with each "%41" replaced by its byte.
 std::string percent_decoded(std::string_view text);
 
-/// The path in `uri`: percent-decoded, query and fragment cut off. A backslash, which no URI may hold, separates
-/// folders, as browsers have it and programs on Windows write it; "%5C" is one in a name.
+/// Returns the path in `uri`: percent-decoded, without query and fragment. A backslash, which is invalid in a URI,
+/// separates folders, as in browsers and as programs on Windows write it; "%5C" is a backslash in a name.
 std::string uri_path(std::string_view uri);
 
-/// The file that `uri`, written in `base`, names by its uri_path().
+/// Returns the file that `uri` in the file `base` refers to by its uri_path().
 /// Errors  InputError: a scheme other than a plain path, an absolute path, or a file (symbolic links followed) outside
-///         `root`. The file need not exist.
+/// `root`. The file need not exist.
 std::filesystem::path resolve_uri(const std::filesystem::path& root, const std::filesystem::path& base,
                                   const std::string& key, std::string_view uri);
 
-/// As resolve_uri(), of a path as other formats write it: without percent signs' meaning.
+/// Resolves a path as resolve_uri() does, but percent signs have no meaning, as in other formats.
 std::filesystem::path resolve_path(const std::filesystem::path& root, const std::filesystem::path& base,
                                    const std::string& key, const std::string& name);
 
-/// ".glb" of "A.GLB".
+/// Returns the lower-case extension: ".glb" for "A.GLB".
 std::string lower_extension(const std::filesystem::path& path);
 
-/// `path` relative to `root`, '/' separated.
+/// Returns `path` relative to `root`, '/' separated.
 std::string name_in(const std::filesystem::path& root, const std::filesystem::path& path);
 
 }  // namespace gigabake

@@ -13,7 +13,7 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint64_t largest_file = std::uint64_t(1) << 32;
-/// Of a gzip file, with its header and the name in it.
+/// Max bytes of a gzip file that its first unpacked bytes need, with its header and the name in it.
 constexpr std::size_t gzip_head_bytes = 1024;
 
 }  // namespace

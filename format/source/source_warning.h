@@ -1,4 +1,4 @@
-/// What a source states and a bake does not use, or uses otherwise: counted per kind, with the first example.
+/// Parts of a source that a bake ignores or changes: counted per class, with the first example.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace gigabake {
 
-/// One kind of warning about one source.
+/// One class of warnings about one source.
 struct SourceWarning {
-  std::string text;          ///< the kind, as "lines not understood"; equal texts of several sources are one message
+  std::string text;          ///< the class, e.g. "lines not understood"; equal texts of several sources are one message
   std::uint64_t count = 0;   ///< how many; 0: `text` is the whole message
-  std::uint64_t of = 0;      ///< out of how many; 0: not stated
-  std::string example = {};  ///< the first one, as "line 12" or "'bark'"
+  std::uint64_t of = 0;      ///< total number of such parts; 0: not stated
+  std::string example = {};  ///< the first one, e.g. "line 12" or "'bark'"
   bool is_loss = false;      ///< triangles are missing: the scene is incomplete, and the exit status is 3
 
   SourceWarning() = default;
@@ -28,25 +28,25 @@ struct SourceWarning {
   friend bool operator==(const SourceWarning&, const SourceWarning&) = default;
 };
 
-/// Counts the warnings of one source while it is read: one per kind, in the order of their first examples. A source may
-/// have one warning for each of 10^8 faces.
+/// Counter of the warnings of one source while it is read: one entry per class, in the order of their first examples.
+/// A source may have one warning for each of 10^8 faces.
 class SourceWarnings {
  public:
-  /// Counts one more of a kind. example: converted to a string in the first call only.
+  /// Counts one more warning of a class. example: converted to a string in the first call only.
   template <class Example>
   void count(std::string_view text, const Example& example) {
     if (!count_known(text, false)) list_.push_back(first(text, example, false));
   }
-  /// Counts like count(), for a part of the source that costs triangles.
+  /// Counts like count(), for a part of the source whose triangles are missing.
   template <class Example>
   void count_loss(std::string_view text, const Example& example) {
     if (!count_known(text, true)) list_.push_back(first(text, example, true));
   }
   /// Adds the warnings of another file that belongs to the source.
   void add(const SourceWarnings& other);
-  /// States out of how many things those of a kind are; does nothing if none was counted.
+  /// Sets the total number of parts of a class; does nothing if no warning of the class was counted.
   void set_of(std::string_view text, std::uint64_t of);
-  /// Returns the warnings and forgets them.
+  /// Returns the warnings and clears them.
   std::vector<SourceWarning> take() { return std::exchange(list_, {}); }
 
  private:

@@ -39,16 +39,16 @@ class Digest {
   std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state_;
 };
 
-/// Reads what a tile names, and notes what it read.
+/// Adds the files that a tile refers to, to its hash and to the list of files.
 class Dependencies {
  public:
   Dependencies(const TileRef& tile, const SourceFiles& files, Digest& digest, std::vector<StampedFile>& read)
       : tile_(tile), files_(files), digest_(digest), read_(read) {}
 
-  /// The stamp is of the name as the tile writes it, the content of the file that resolve_uri() makes of it: where
-  /// these differ (a path through a folder that is not there), nobody can tell from a stamp what will be read.
-  /// base: the file that writes the URI. What is missing is an error where it is needed; as part of the identity it is
-  /// an empty file.
+  /// Adds a file. The stamp is that of the path in the URI; the content is that of resolve_uri(). If the two paths
+  /// differ, as for a path through a missing folder, the stamp is not settled. base: the file that has the URI. A
+  /// missing
+  /// file has the hash of an empty file; its reader reports the error.
   void add(const std::filesystem::path& base, const std::string& key, const std::string& uri) {
     const std::filesystem::path path = resolve_uri(files_.root(), base, key, uri);
     const std::filesystem::path written = base.parent_path() / uri_path(uri);
@@ -58,14 +58,13 @@ class Dependencies {
     digest_.add_file(files_.has(path) ? files_.open(path) : SourceBytes());
   }
 
-  /// Read as it was resolved: only an absolute path names it surely.
-  /// What is missing is an empty file: it may be there the next time.
+  /// Adds a file by its absolute path. A missing file has the hash of an empty file, because it may exist next time.
   void add_file(const std::filesystem::path& path) {
     read_.push_back(files_.stamp(path.string(), path));
     digest_.add_file(files_.has(path) ? files_.open(path) : SourceBytes());
   }
 
-  /// A URI that cannot be followed is an error of whoever needs the file.
+  /// Adds the files of a list. Ignores a URI that cannot be resolved: the reader of the file reports it.
   void add_list(const std::filesystem::path& base, const Json& gltf, const char* list) {
     const Json& items = get_array(base, gltf, "", list);
     for (std::size_t i = 0; i < items.size(); ++i) {
@@ -94,7 +93,7 @@ void add_values(const std::vector<T>& values, Digest& digest) {
   digest.add(values.data(), values.size() * sizeof(T));
 }
 
-/// A raster's tile is what is made of it: other tiles' pixels do not matter.
+/// Returns the identity of a raster's tile, from the tile's mesh: other tiles' pixels have no effect.
 TileIdentity identify_dem(const TileRef& tile, const SourceFiles& files) {
   TileIdentity out;
   for (const std::filesystem::path& file : dem_files(*tile.dem)) {
@@ -111,7 +110,7 @@ TileIdentity identify_dem(const TileRef& tile, const SourceFiles& files) {
   return out;
 }
 
-/// Files that an OBJ, a PLY or an STL names.
+/// Returns the files that an OBJ, a PLY or an STL refers to.
 std::vector<std::filesystem::path> dependencies_of(const TileRef& tile, const SourceFiles& files) {
   if (tile.kind == ContentKind::obj) return obj_dependencies(tile, files);
   return tile.kind == ContentKind::ply ? ply_dependencies(tile, files) : std::vector<std::filesystem::path>();
@@ -121,7 +120,7 @@ TileIdentity identify_plain_mesh(const TileRef& tile, const SourceFiles& files) 
   TileIdentity out;
   Digest digest;
   Dependencies dependencies(tile, files, digest, out.files);
-  if (!files.has(tile.path)) files.open(tile.path);  // says why
+  if (!files.has(tile.path)) files.open(tile.path);  // throws an error with the reason
   dependencies.add_file(tile.path);
   out.files[0].name = files.archive() ? out.files[0].name : tile.path.filename().string();
   for (const std::filesystem::path& file : dependencies_of(tile, files)) dependencies.add_file(file);

@@ -1,4 +1,4 @@
-/// The identity of a content file: everything that read_tile() reads, and where it stands.
+/// Identity of a content file: a hash of all files that read_tile() reads, and of the transform.
 #pragma once
 
 #include <filesystem>
@@ -16,15 +16,16 @@ struct TileIdentity {
       files;  ///< that were read or missed, the content file first; stamps are older than the reading
 };
 
-/// XXH3-128 of the file (of a composite, of the tile's part), of every file it names (buffers, images), of the
-/// placement and the up axis; and which files these were. Errors  InputError as read_tile().
+/// Computes XXH3-128 of the file, of every file that it refers to (buffers, images), of the placement and the up axis.
+/// If the file is a composite, only the tile's part is hashed. Also returns the names and stamps of these files.
+/// Errors  InputError as read_tile().
 TileIdentity identify_tile(const TileRef& tile, const std::filesystem::path& root);
 
-/// The hash alone.
+/// Returns only the hash.
 Hash128 tile_hash(const TileRef& tile, const std::filesystem::path& root);
 
-/// Where one of TileIdentity::files is now. Links are followed anew at each use: one that leads elsewhere today is
-/// another file.
+/// Returns the present path of an entry of TileIdentity::files. Follows links at each call: a link may have been
+/// redirected to another file.
 std::filesystem::path path_of(const TileRef& tile, const StampedFile& file);
 
 }  // namespace gigabake
