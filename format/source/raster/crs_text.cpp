@@ -17,7 +17,8 @@ std::string upper(std::string_view text) {
   return out;
 }
 
-/// AUTHORITY:CODE. An authority is letters, digits and '_'; a code has '.', '+' and '-' besides.
+/// Returns whether a text is AUTHORITY:CODE. Both consist of letters, digits and '_'; a code may also have '.', '+'
+/// and '-'.
 bool is_code(std::string_view text) {
   const auto colon = text.find(':');
   if (colon == 0 || colon == text.npos || colon + 1 == text.size()) return false;
@@ -28,7 +29,8 @@ bool is_code(std::string_view text) {
   return is_word(text.substr(0, colon), "_") && is_word(text.substr(colon + 1), "_.+-");
 }
 
-/// Source  PROJ 9, "Projections" and "Parameters of cartographic projections". A "+" may be left out.
+/// Returns whether a PROJ parameter is known and names no file. The "+" is optional.
+/// Source  PROJ 9, "Projections" and "Parameters of cartographic projections".
 bool is_plain_parameter(std::string_view word) {
   static const std::set<std::string_view> known{
       "a",      "alpha",      "axis",   "azi",    "b",       "datum",    "ellps",   "es",      "f",       "gamma",
@@ -40,7 +42,7 @@ bool is_plain_parameter(std::string_view word) {
       "vunits", "W",          "wktext", "x_0",    "y_0",     "zone"};
   if (word.starts_with('+')) word.remove_prefix(1);
   const std::string_view name = word.substr(0, word.find('='));
-  if (name == "nadgrids") return word == "nadgrids=@null";  // how Web Mercator says that there is none
+  if (name == "nadgrids") return word == "nadgrids=@null";  // Web Mercator: no grid
   if (name == "proj" && (word == "proj=pipeline" || word == "proj=defmodel" || word == "proj=tinshift")) return false;
   return word.empty() || known.contains(name);
 }
@@ -52,11 +54,11 @@ bool are_plain_parameters(std::string_view text) {
   return true;
 }
 
-/// Every quoted text in which a PROJ text stands, whatever member holds it.
+/// Returns whether all PROJ texts in quoted strings of a WKT have only plain parameters.
 bool holds_plain_quotes(std::string_view wkt) {
   for (auto at = wkt.find('"'); at != wkt.npos;) {
     const auto end = wkt.find('"', at + 1);
-    if (end == wkt.npos) return true;  // GDAL refuses it
+    if (end == wkt.npos) return true;  // GDAL rejects such a text
     const std::string_view quoted = wkt.substr(at + 1, end - at - 1);
     const auto proj = quoted.find('+');
     if (quoted.find("proj=") != quoted.npos || quoted.find("init=") != quoted.npos)
@@ -70,7 +72,7 @@ bool is_plain_structure(std::string_view text) {
   return upper(text).find("PARAMETERFILE") == std::string::npos && holds_plain_quotes(text);
 }
 
-/// A keyword and its bracket.
+/// Returns whether a text begins with a keyword and a bracket.
 bool is_wkt(std::string_view text) {
   const auto bracket = text.find_first_of("[(");
   return bracket != 0 && bracket != text.npos &&

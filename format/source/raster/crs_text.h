@@ -1,13 +1,14 @@
-/// Texts that name a coordinate system, before GDAL sees them: it also takes names of files and addresses.
+/// Validation of texts that name a coordinate system, before they reach GDAL, which also accepts files and URLs.
 #pragma once
 
 #include <string>
 
 namespace gigabake {
 
-/// Is it a code ("EPSG:25832", "OGC:CRS84", "EPSG:25832+5783"), a WKT, a PROJJSON, or a PROJ text ("+proj=utm …")
-/// all of whose parameters are known to be numbers and names: none that leads to a file, no pipeline?
-/// A WKT may hold a PROJ text, which is looked at too, and no parameter file.
+/// Returns whether a text names a coordinate system without reference to files.
+/// Accepts codes ("EPSG:25832", "OGC:CRS84", "EPSG:25832+5783"), WKT, PROJJSON and PROJ texts ("+proj=utm …"). All
+/// parameters of a PROJ text must be known to be numbers or names; pipelines are not accepted. WKT must not have a
+/// parameter file; PROJ texts inside it are checked, too.
 bool is_plain_crs(const std::string& text);
 
 }  // namespace gigabake

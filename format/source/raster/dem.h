@@ -1,9 +1,9 @@
-/// Elevation rasters as terrain: two triangles a cell, in tiles, an orthophoto on them.
+/// Elevation rasters as terrain: tiles with two triangles per cell, textured with an orthophoto.
 ///
-/// A vertex is a pixel's centre, its place by the raster's coordinate system and WGS84. Cells with a corner that has no
-/// value are holes. The diagonal goes from the first corner (lowest row and column) to the last.
-/// Exact   All tiles of a raster share one frame and one grid of places, 2^-10 m apart, so that neighbours share their
-///         vertices to the bit.
+/// Vertices are centres of pixels, converted from the coordinate system of the raster to WGS84. Cells with a corner
+/// without a value are holes. The diagonal of a cell connects the first corner (lowest row and column) and the last.
+/// Exact   All tiles of a raster share one frame, and positions are multiples of 2^-10 m, so vertices that neighbouring
+///         tiles share are bit-identical.
 #pragma once
 
 #include <array>
@@ -18,72 +18,74 @@
 
 namespace gigabake {
 
-/// What a scene file says of a raster; members as its keys.
+/// The options of a raster in a scene file; members are named like the keys.
 struct DemOptions {
   std::filesystem::path dem, ortho;      ///< ortho may be empty
-  std::string crs;                       ///< in place of the raster's own: "EPSG:25832", WKT or a PROJ text
-  std::string ortho_crs;                 ///< in place of the orthophoto's own
-  std::optional<double> nodata;          ///< in place of the raster's own
-  std::optional<double> height_scale;    ///< metres a unit; else what the raster says
-  std::optional<double> geoid_offset_m;  ///< added to heights: the geoid above the ellipsoid; unset: 0
-  int tile_cells = 256;                  ///< largest edge of a tile
+  std::string crs;                       ///< overrides that of the raster: "EPSG:25832", WKT or a PROJ text
+  std::string ortho_crs;                 ///< overrides that of the orthophoto
+  std::optional<double> nodata;          ///< overrides that of the raster
+  std::optional<double> height_scale;    ///< metres per unit; overrides the unit of the raster
+  std::optional<double> geoid_offset_m;  ///< height of the geoid above the ellipsoid, added to heights; unset: 0
+  int tile_cells = 256;                  ///< max edge of a tile in cells
 };
 
-/// One file of a surface, and its pixels' place in the surface's grid.
+/// One file of a surface, and the position of its pixels in the grid of the surface.
 struct DemPart {
   DemOptions options;
   int column = 0, row = 0, columns = 0, rows = 0;
-  std::vector<std::string> warnings;  ///< statements of the file that are not used; one line each, without its name.
+  std::vector<std::string> warnings;  ///< unused declarations of the file, one line each, without its name.
                                       ///< Set only on the rank that opened the file
 };
 
-/// One surface: a raster, or several of one pixel grid. Where parts overlap, the last one with a value applies.
+/// A surface: one or more rasters on one pixel grid. If parts overlap, the last part that has a value applies.
 struct DemRaster {
-  std::vector<DemPart> parts;            ///< at least one
+  std::vector<DemPart> parts;            ///< not empty
   int columns = 0, rows = 0;             ///< pixels of the grid that all parts share
-  int texels_per_cell = 1;               ///< of the orthophotos' images
-  std::array<double, 6> geotransform{};  ///< of that grid, as GDAL defines it
-  Geodetic origin;                       ///< of the frame, which is east-north-up: the middle of the first part, on the
-                                         ///< ellipsoid. In a plane y and x are in the members of latitude and longitude
+  int texels_per_cell = 1;               ///< resolution of the image of a tile
+  std::array<double, 6> geotransform{};  ///< of the shared grid, as GDAL defines it
+  Geodetic origin;                       ///< origin of the east-north-up frame: centre of the first part, on the
+                                         ///< ellipsoid. In a plane latitude and longitude hold y and x
   bool is_on_earth = true;
 };
 
-/// A rectangle of cells.
+/// A rectangle of cells of a surface.
 struct DemTile {
   std::shared_ptr<const DemRaster> raster;
   int column = 0, row = 0, columns = 0, rows = 0;
-  std::array<double, 3> offset_m{};  ///< of the tile's own frame in the raster's: whole metres
+  std::array<double, 3> offset_m{};  ///< origin of the tile's frame in the frame of the raster, in whole metres
 };
 
-/// Returns whether a part belongs to a tile, or to the margin of one cell that its image has.
+/// Returns whether a part overlaps a tile or the margin of one cell around its image.
 inline bool touches(const DemTile& tile, const DemPart& part) {
   return part.column <= tile.column + tile.columns + 1 && part.column + part.columns + 1 >= tile.column &&
          part.row <= tile.row + tile.rows + 1 && part.row + part.rows + 1 >= tile.row;
 }
 
-/// The tiles of one surface, at least one.
+/// The tiles of one surface; not empty.
 using DemSurface = std::vector<DemTile>;
 
-/// Reads the heads of rasters, and elevation only where it is refused. Rasters of one coordinate system whose pixels
-/// lie on one grid become one surface, in the place of the first of them. Formats: GeoTIFF (COG), ASCII grid, SRTM HGT,
-/// PNG and JPEG with a world file, VRT of files in its folder. is_local: a raster need not be on the earth, but may be
-/// on another body or in a plane. Errors  InputError naming the key of the scene file to set: a coordinate system that
-/// is missing, unknown, not on the
-///         earth, or that the raster's numbers do not fit; an image in place of heights; no raster; built without GDAL.
+/// Reads the headers of rasters and groups the rasters into surfaces, in the order of their first rasters.
+/// Rasters with the same coordinate system and pixel grid become one surface. Elevation is read only if a raster is
+/// rejected. If `is_local`, a raster may be on another body than the earth or in a plane. Formats: GeoTIFF (COG), ASCII
+/// grid, SRTM HGT, PNG and JPEG with a world file, VRT of files in its folder.
+/// Errors  InputError that names the key of the scene file to set: a coordinate system that is missing, unknown, not on
+///         the earth or does not fit the numbers of the raster; an image instead of heights; a file that is not a
+///         raster; a build without GDAL.
 std::vector<DemSurface> open_dem(const std::vector<DemOptions>& options, bool is_local);
 
-/// One primitive in the tile's own frame (z up), one instance there; the orthophoto's part as an image.
-/// Cost    Reads the tile's window of both rasters, whatever their size.
-/// Errors  InputError: what cannot be read.
+/// The mesh of a tile in the frame of the tile (z up), with its part of the orthophoto as an image.
 struct DemMesh {
   Primitive primitive;
   Material material;
-  std::vector<EncodedImage> images;   ///< one or none
-  std::vector<std::string> warnings;  ///< of this tile's heights; one line each, without the raster's name
+  std::vector<EncodedImage> images;   ///< at most one
+  std::vector<std::string> warnings;  ///< about heights of the tile; one line each, without the raster's name
 };
+/// Reads a tile.
+/// Cost    Reads only the window of the tile from the rasters and orthophotos, independent of their size.
+/// Errors  InputError: a file cannot be read.
 DemMesh read_dem(const DemTile& tile, bool with_ortho);
 
-/// Returns the files that a tile is read from, with the side files that belong to them.
+/// Returns the files from which a tile is read, including their side files.
 std::vector<std::filesystem::path> dem_files(const DemTile& tile);
 
 }  // namespace gigabake

@@ -9,7 +9,7 @@
 namespace gigabake {
 namespace {
 
-/// The surface that heights start from.
+/// The vertical reference system of heights.
 struct VerticalSystem {
   std::string name, unit;
   double unit_m = 1;
@@ -38,7 +38,7 @@ std::optional<VerticalSystem> vertical_system_of(const DemOptions& options, GDAL
   }
   if (auto vertical = vertical_system(dataset.GetSpatialRef())) return vertical;
   if (std::string_view(dataset.GetDriver()->GetDescription()) == "SRTMHGT")
-    return VerticalSystem{"EGM96 height", "metre"};  // by the definition of this format
+    return VerticalSystem{"EGM96 height", "metre"};  // defined by the format
   return std::nullopt;
 }
 
@@ -59,7 +59,7 @@ constexpr double us_survey_foot_m = 1200.0 / 3937, foot_m = 0.3048;
 
 bool is_foot(double unit_m) { return std::fabs(unit_m - foot_m) < 1e-5; }
 
-/// Returns a unit's name in lower case, without a plural's "s", '.', '_' and spaces.
+/// Returns the name of a unit in lower case, with only letters and digits and without the "s" of a plural.
 std::string plain_unit(std::string_view unit) {
   std::string out;
   for (const char c : unit)
@@ -68,8 +68,8 @@ std::string plain_unit(std::string_view unit) {
   return out;
 }
 
-/// Returns metres of a unit; nothing if its name is unknown or "foot", which is one of two.
-/// Source  spellings of GDAL's drivers, EPSG, ESRI and UDUNITS.
+/// Returns the metres of a unit; nullopt if the name is unknown or is "foot", which is ambiguous.
+/// Source  Spellings of GDAL's drivers, EPSG, ESRI and UDUNITS.
 std::optional<double> metres_of(std::string_view unit) {
   static const std::map<std::string_view, double> units{
       {"m", 1},
@@ -113,7 +113,8 @@ bool names_a_foot(std::string_view unit) {
   return name == "ft" || name == "foot" || name == "feet";
 }
 
-/// Heights of a system in feet are often in feet, and often in metres.
+/// Adds a warning if the horizontal unit is not the metre and no unit of heights is declared. Such rasters may have
+/// heights in either unit.
 void check_unit(const DemOptions& options, GDALDataset& dataset, std::vector<std::string>& warnings) {
   GDALRasterBand& band = *dataset.GetRasterBand(1);
   const double scale = height_scale_of(options, dataset);
@@ -135,7 +136,8 @@ int bands_without_alpha(GDALDataset& dataset) {
   return bands;
 }
 
-/// Heights packed into the colours of an image are recognised by their red: the highest byte of a height.
+/// Returns the name of the encoding if heights are packed into colours; else an empty text. The range of red, the most
+/// significant byte of a height, identifies the encoding.
 /// Source  Mapbox Terrain-RGB v1: -10000 m + (65536 R + 256 G + B) · 0.1 m; Terrarium: 256 R + G + B / 256 - 32768 m.
 std::string encoding_of(GDALDataset& dataset) {
   constexpr int edge = 64;
@@ -191,7 +193,7 @@ GDALRasterBand* validity_band(GDALDataset& dataset) {
   for (int i = 2; i <= dataset.GetRasterCount(); ++i)
     if (is_alpha(*dataset.GetRasterBand(i))) return dataset.GetRasterBand(i);
   GDALRasterBand& band = *dataset.GetRasterBand(1);
-  // Nodata of one band is compared with its numbers; nodata of all bands together is a mask.
+  // The nodata value of a single band is compared with its numbers elsewhere; nodata of all bands together is a mask.
   const int flags = band.GetMaskFlags();
   return flags == GMF_NODATA || (flags & GMF_ALL_VALID) != 0 ? nullptr : band.GetMaskBand();
 }

@@ -1,4 +1,4 @@
-/// What a raster says of its numbers that does not fit heights in metres above the ellipsoid.
+/// Checks that the declarations of a raster fit heights in metres above the ellipsoid.
 #pragma once
 
 #include <string>
@@ -8,17 +8,18 @@
 
 namespace gigabake {
 
-/// Returns one warning per thing that the raster says and that is not used: a vertical reference system, bands after
-/// the first one, units. Reads pixels only where the raster is refused.
-/// Errors  InputError naming the key of the scene file to set: an image or an encoded elevation in place of heights,
-///         complex numbers, a scale of 0, depths, heights in another unit than metres.
+/// Returns one warning per declaration of the raster that is not used: a vertical reference system, further bands, or
+/// units. Reads pixels only if the raster is rejected.
+/// Errors  InputError that names the key of the scene file to set: the raster has an image or encoded elevation instead
+///         of heights, complex numbers, a scale of 0, depths, or heights in an unknown unit.
 std::vector<std::string> check_dem(const DemOptions& options, GDALDataset& dataset);
 
-/// Returns the band that is 0 where a pixel has no value, or null: the alpha band, else a mask.
+/// Returns the band that is 0 at pixels without a value: the alpha band, else a mask; null if there is none.
 GDALRasterBand* validity_band(GDALDataset& dataset);
 
-/// Returns metres of one unit of height: of the options, else of the first band's unit, else of the unit of the
-/// vertical reference system. Errors  InputError: a unit that is unknown, or a foot that may be one of two.
+/// Returns the metres of one unit of height. The unit is that of the options, else of the first band, else of the
+/// vertical reference system.
+/// Errors  InputError: the unit is unknown, or is a foot that may be either of two units.
 double height_scale_of(const DemOptions& options, GDALDataset& dataset);
 
 }  // namespace gigabake

@@ -13,14 +13,14 @@ namespace gigabake {
 
 namespace {
 
-/// Returns the file that a tile's messages name: the first of its surface that it touches.
+/// Returns the file that messages about a tile name: the first raster of its surface that the tile touches.
 const std::filesystem::path& file_of(const DemTile& tile) {
   const std::vector<DemPart>& parts = tile.raster->parts;
   const auto at = std::find_if(parts.begin(), parts.end(), [&](const DemPart& part) { return touches(tile, part); });
   return (at == parts.end() ? parts.front() : *at).options.dem;
 }
 
-/// Returns the size of the files of a surface.
+/// Returns the total size of the rasters of a surface.
 std::uint64_t bytes_of(const SourceFiles& files, const DemRaster& raster) {
   std::uint64_t bytes = 0;
   for (const DemPart& part : raster.parts) bytes += files.size_of(part.options.dem);
@@ -41,7 +41,7 @@ SceneSources surface_source(const std::filesystem::path& root, const DemSurface&
     scene_from_raster.m = (scene_from_ecef(*out.origin) * ecef_from_enu(middle)).m;
   const std::uint64_t bytes = bytes_of(SourceFiles(root), raster);
   progress.step("laying out the raster's tiles", tiles.size(), "tile");
-  std::string name;  // finding it asks the system
+  std::string name;  // cached, because name_in() needs system calls
   for (const DemTile& t : tiles) {
     progress.advance();
     TileRef tile;

@@ -34,7 +34,7 @@ std::string wkt_of(const OGRSpatialReference& crs) {
 
 OGRSpatialReference crs_of_text(const std::filesystem::path& file, const char* key, const std::string& text) {
   OGRSpatialReference crs;
-  // GDAL would also fetch an address and open a file.
+  // The check is needed because GDAL may interpret a text as a URL or a file.
   if (!is_plain_crs(text) ||
       crs.SetFromUserInput(text.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) != OGRERR_NONE)
     throw InputError(file, key, "is unknown: " + in_quotes(text) + "; expected EPSG:CODE, WKT or a PROJ text");
@@ -60,7 +60,7 @@ namespace {
 using Path = std::filesystem::path;
 
 constexpr double quantum_m = 1.0 / 1024;
-/// A pixel smaller or larger than this on the ground: degrees taken for metres, or the other way round.
+/// The range of plausible pixel sizes on the ground. Other sizes indicate that degrees and metres were confused.
 constexpr double least_pixel_m = 1e-3, largest_pixel_m = 2e5;
 
 Grid grid_of(const Path& file, GDALDataset& dataset) {
@@ -71,14 +71,15 @@ Grid grid_of(const Path& file, GDALDataset& dataset) {
   return grid;
 }
 
-/// Six digits, however large it is.
+/// Returns a number with six significant digits.
 std::string short_number(double v) {
   std::ostringstream text;
   text << v;
   return text.str();
 }
 
-/// Points of a rectangle of pixels, its middle first. Corners of a raster may lie beside the earth.
+/// Returns sample points of a rectangle of pixels, first its centre. Corners of a raster may lie outside the domain of
+/// its projection.
 std::vector<std::pair<double, double>> sample_points(double column, double row, double columns, double rows) {
   constexpr int steps = 6;
   std::vector<std::pair<double, double>> out{{column + columns / 2, row + rows / 2}};
@@ -93,8 +94,9 @@ std::vector<std::pair<double, double>> sample_points(double column, double row, 
                        "); set the right one in the scene file");
 }
 
-/// Returns the middle of a part. Metres between two neighbouring pixels there say whether the numbers fit the
-/// coordinate system.
+/// Returns the origin of a part: its first sample point that can be located, usually the centre. Checks the distance of
+/// neighbouring pixels there in metres.
+/// Errors  InputError: no sample point can be located, or the distance is implausible for the coordinate system.
 Geodetic checked_origin(const DemPart& part, const Grid& grid, const Ground& ground) {
   for (const auto& [c, r] : sample_points(part.column, part.row, part.columns - 1, part.rows - 1)) {
     std::vector<double> x, y;
@@ -119,7 +121,8 @@ Geodetic checked_origin(const DemPart& part, const Grid& grid, const Ground& gro
   refuse_place(part.options, ground);
 }
 
-/// Places of a rectangle of pixels in the raster's frame, row by row; the tile's own origin where there is no value.
+/// Returns the positions of a tile's vertices in the frame of the raster, row by row. Vertices without a value are at
+/// the origin of the tile.
 std::vector<Point<Scene>> places(const DemTile& tile, const Ground& ground, const std::vector<double>& height_m) {
   const Grid grid{tile.raster->geotransform};
   const Ground::Frame frame(ground, tile.raster->origin);
@@ -151,14 +154,14 @@ void add_triangles(const DemTile& tile, const std::vector<double>& height_m, boo
     for (std::uint32_t c = 0; c < std::uint32_t(tile.columns); ++c) {
       const std::uint32_t a = r * width + c, b = a + 1, d = a + width, e = d + 1;
       if (std::isnan(height_m[a] + height_m[b] + height_m[d] + height_m[e])) continue;
-      if (is_mirrored)  // rows go south: the usual way
+      if (is_mirrored)  // the usual case: rows run from north to south
         out.index.insert(out.index.end(), {a, e, b, a, d, e});
       else
         out.index.insert(out.index.end(), {a, b, e, a, e, d});
     }
 }
 
-/// Sets places of the tiles' middles, in whole metres of the raster's frame.
+/// Sets the origin of each tile to its centre, in whole metres of the frame of the raster.
 void place_tiles(const Ground& ground, std::vector<DemTile>& tiles) {
   const DemRaster& raster = *tiles.front().raster;
   const Grid grid{raster.geotransform};
@@ -171,7 +174,7 @@ void place_tiles(const Ground& ground, std::vector<DemTile>& tiles) {
     }
     const std::vector<char> is_located = ground.locate(x, y);
     const auto at = std::find(is_located.begin(), is_located.end(), 1) - is_located.begin();
-    if (at == std::ptrdiff_t(is_located.size())) continue;  // an error if the tile has a value
+    if (at == std::ptrdiff_t(is_located.size())) continue;  // places() throws if the tile has a value
     const Point<Scene> p = frame(x[std::size_t(at)], y[std::size_t(at)], 0);
     t.offset_m = {std::round(p.x), std::round(p.y), std::round(p.z)};
   }
@@ -190,7 +193,7 @@ void add_files(const Path& file, const char* key, std::vector<Path>& out) {
       out.push_back(file.parent_path() / name);
 }
 
-/// An ASCII grid says how many numbers follow, and each takes a character and a space.
+/// Throws InputError if an ASCII grid is too short for the declared number of values.
 void expect_whole_text(const DemOptions& o, GDALDataset& dataset) {
   if (std::string_view(dataset.GetDriver()->GetDescription()) != "AAIGrid") return;
   const std::uint64_t columns = std::uint64_t(dataset.GetRasterXSize()), rows = std::uint64_t(dataset.GetRasterYSize());
@@ -201,7 +204,7 @@ void expect_whole_text(const DemOptions& o, GDALDataset& dataset) {
                          " values, more than its " + std::to_string(bytes) + " bytes can hold");
 }
 
-/// Returns the bounds of places of a raster's pixels, of a sample.
+/// Returns the bounds of sample points of a raster.
 std::array<double, 4> bounds_of(const DemPart& part, const Grid& grid, const Ground& ground) {
   std::vector<double> x, y;
   for (const auto& [c, r] : sample_points(0, 0, part.columns - 1, part.rows - 1)) {
@@ -218,7 +221,7 @@ std::array<double, 4> bounds_of(const DemPart& part, const Grid& grid, const Gro
   return out;
 }
 
-/// Reads the head of one raster.
+/// Reads the header of one raster and checks the raster.
 RasterHead head_of(const DemOptions& options, bool is_local) {
   RasterHead head;
   const BorrowedRaster dataset = borrow_raster(options.dem, "dem");
@@ -244,7 +247,8 @@ RasterHead head_of(const DemOptions& options, bool is_local) {
   return head;
 }
 
-/// Fits the image of a tile to the orthophotos' resolution, and the tiles' edge to the image.
+/// Sets the resolution of images to the max resolution of the orthophotos. Limits the edge of tiles, so that their
+/// images do not exceed the max size.
 void set_texels(const std::vector<RasterHead>& heads, const SurfaceHead& surface, DemRaster& raster) {
   double texels = 1;
   for (DemPart& part : raster.parts) {
@@ -258,13 +262,13 @@ void set_texels(const std::vector<RasterHead>& heads, const SurfaceHead& surface
                                " are kept; resample the raster to smaller pixels with gdalwarp -tr");
     part.warnings.insert(part.warnings.end(), facts.warnings.begin(), facts.warnings.end());
   }
-  constexpr double tolerance = 0.02;  // a projection's scale
+  constexpr double tolerance = 0.02;  // for the scale factor of a projection
   raster.texels_per_cell = int(std::ceil(std::min(texels, double(max_texels_per_cell)) - tolerance));
   const int cells = (max_texture_edge - 2 * margin_texels(raster.texels_per_cell)) / raster.texels_per_cell;
   for (DemPart& part : raster.parts) part.options.tile_cells = std::max(1, std::min(part.options.tile_cells, cells));
 }
 
-/// Returns for each tile of a raster whether a part may have a value in it.
+/// Returns per tile of a raster whether a part may have a value in the tile.
 std::vector<char> filled_tiles(const DemRaster& raster, int edge) {
   const int columns = (raster.columns - 2) / edge + 1, rows = (raster.rows - 2) / edge + 1;
   std::vector<char> filled(std::size_t(columns) * std::size_t(rows), 0);
@@ -304,7 +308,7 @@ DemSurface surface_of(const std::vector<RasterHead>& heads, const SurfaceHead& s
   DemSurface tiles;
   const int columns = (raster->columns - 2) / edge + 1;
   for (std::size_t i = 0; i < filled.size(); ++i) {
-    if (filled[i] == 0 && !(tiles.empty() && i + 1 == filled.size())) continue;  // one tile stands for an empty raster
+    if (filled[i] == 0 && !(tiles.empty() && i + 1 == filled.size())) continue;  // an empty raster has one tile
     const int column = int(i % std::size_t(columns)) * edge, row = int(i / std::size_t(columns)) * edge;
     tiles.push_back({raster,
                      column,

@@ -10,13 +10,13 @@
 namespace gigabake {
 namespace {
 
-/// Pixels of a part that a tile needs.
+/// The pixels of a part that a tile needs.
 struct Window {
   int column = 0, row = 0, columns = 0, rows = 0;
   bool is_empty() const { return columns <= 0 || rows <= 0; }
 };
 
-/// Returns the part of a tile's vertices that lies in a part, in the pixels of the part.
+/// Returns the intersection of the vertices of a tile with a part, in the pixels of the part.
 Window window_of(const DemTile& tile, const DemPart& part) {
   const auto range = [](int first, int count, int part_first, int part_count) {
     const int begin = std::max(first, part_first), end = std::min(first + count, part_first + part_count);
@@ -27,7 +27,8 @@ Window window_of(const DemTile& tile, const DemPart& part) {
   return {column, row, columns, rows};
 }
 
-/// GDAL before 3.9 takes rows of "nan" after the head of an ASCII grid for a part of the head.
+/// Returns a hint to append to an error message. GDAL before 3.9 parses rows of "nan" after the header of an ASCII grid
+/// as part of the header.
 const char* remedy_of(GDALRasterBand& band) {
   GDALDriver* driver = band.GetDataset() != nullptr ? band.GetDataset()->GetDriver() : nullptr;
   const bool is_text = driver != nullptr && std::string_view(driver->GetDescription()) == "AAIGrid";
@@ -56,7 +57,7 @@ HeightRule height_rule(const DemOptions& o, GDALDataset& dataset, bool is_on_ear
   return rule;
 }
 
-/// GDAL before 3.7 reads signed bytes as unsigned ones.
+/// Restores negative values of signed bytes, which GDAL before 3.7 reads as unsigned.
 void restore_signs(GDALRasterBand& band, std::vector<double>& values) {
   const char* kind = band.GetMetadataItem("PIXELTYPE", "IMAGE_STRUCTURE");
   if (band.GetRasterDataType() != GDT_Byte || kind == nullptr || !EQUAL(kind, "SIGNEDBYTE")) return;
@@ -64,7 +65,8 @@ void restore_signs(GDALRasterBand& band, std::vector<double>& values) {
     if (v > 127) v -= 256;
 }
 
-/// Returns heights of a window of one part; NaN where there is no value.
+/// Returns the heights of a window of one part; NaN for pixels without a value. Returns an empty list if no pixel has
+/// a value.
 std::vector<double> part_heights(const DemPart& part, const Window& w, bool is_on_earth,
                                  std::vector<std::string>& warnings) {
   const DemOptions& o = part.options;
@@ -85,14 +87,14 @@ std::vector<double> part_heights(const DemPart& part, const Window& w, bool is_o
   return z;
 }
 
-/// Returns the number that blocks without data read as.
+/// Returns the value that GDAL returns for omitted blocks.
 double left_out_value(GDALRasterBand& band) {
   int has_nodata = 0;
   const double nodata = band.GetNoDataValue(&has_nodata);
   return has_nodata != 0 ? nodata : 0;
 }
 
-/// Returns whether a number marks a missing height by declaration.
+/// Returns whether a number is declared to mark missing heights.
 bool is_hole(const DemOptions& o, GDALRasterBand& band, double value) {
   int has_nodata = 0;
   const double own = band.GetNoDataValue(&has_nodata);
@@ -111,7 +113,7 @@ bool is_known_empty(const DemOptions& options, GDALDataset& dataset, int column,
   GDALRasterBand& band = *dataset.GetRasterBand(1);
   if (!is_without_data(band, column, row, columns, rows)) return false;
   if (is_hole(options, band, left_out_value(band))) return true;
-  GDALRasterBand* validity = validity_band(dataset);  // what a mask leaves out reads as 0: no value
+  GDALRasterBand* validity = validity_band(dataset);  // omitted blocks of a mask are read as 0: no value
   return validity != nullptr && is_without_data(*validity, column, row, columns, rows);
 }
 

@@ -1,4 +1,4 @@
-/// Heights of a tile, from all parts of its surface.
+/// Reading of the heights of a tile from all parts of its surface.
 #pragma once
 
 #include <string>
@@ -8,17 +8,17 @@
 
 namespace gigabake {
 
-/// Returns heights of a tile's vertices above the ellipsoid, row by row; NaN where there is no value.
-/// Parts of the surface that the tile does not touch stay closed. Heights that no place on earth has are refused if the
-/// raster is on the earth.
-/// Errors  InputError: a part that cannot be read or changed since it was opened.
+/// Returns the heights of a tile's vertices above the ellipsoid, row by row; NaN for vertices without a value.
+/// Opens only parts of the surface that overlap the tile.
+/// Errors  InputError: a part cannot be read or was changed since it was opened, or `is_on_earth` and a height does not
+///         occur on earth.
 std::vector<double> read_heights(const DemTile& tile, bool is_on_earth, std::vector<std::string>& warnings);
 
-/// Returns whether a part of a raster, columns × rows pixels, is known to have no value although nothing of it was
-/// read: blocks that a sparse file leaves out, where these read as nodata.
+/// Returns whether a window of a raster is known to have no value without reading it. The window of columns × rows
+/// pixels must lie in blocks that a sparse file omits, and omitted blocks must read as nodata.
 bool is_known_empty(const DemOptions& options, GDALDataset& dataset, int column, int row, int columns, int rows);
 
-/// Returns the fraction of blocks that a sparse file leaves out and that read as heights of 0.
+/// Returns the fraction of the raster that a sparse file omits and that is read as heights of 0.
 double fraction_left_out(const DemOptions& options, GDALDataset& dataset);
 
 }  // namespace gigabake

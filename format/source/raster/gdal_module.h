@@ -1,4 +1,4 @@
-/// What the module "gdal" does: the functions of format/source/raster/dem.h.
+/// The interface of the module "gdal", which implements the functions of format/source/raster/dem.h.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,8 @@
 namespace gigabake {
 
 struct GdalModule {
-  /// The module has its own lattice/memory_limit.h. To be called before the others, with the program's limit.
+  /// Sets the memory limit of the module, which has its own copy of lattice/memory_limit.h. Must be called before the
+  /// other functions, with the limit of the program.
   void (*set_memory_limit)(std::uint64_t bytes);
   std::vector<DemSurface> (*open_dem)(const std::vector<DemOptions>& options, bool is_local);
   DemMesh (*read_dem)(const DemTile& tile, bool with_ortho);
@@ -19,5 +20,5 @@ struct GdalModule {
 
 }  // namespace gigabake
 
-/// The module's only symbol. Its lifetime is the process's.
+/// Returns the functions of the module; its only exported symbol. The result is valid until the process ends.
 extern "C" const gigabake::GdalModule* gigabake_gdal();

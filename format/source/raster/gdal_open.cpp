@@ -25,9 +25,9 @@ void register_drivers() {
   static std::once_flag once;
   std::call_once(once, [] {
     CPLSetConfigOption("GDAL_CACHEMAX", "64");
-    CPLSetConfigOption("GDAL_PAM_ENABLED", "YES");  // reads .aux.xml; nothing that would be written there is changed
+    CPLSetConfigOption("GDAL_PAM_ENABLED", "YES");  // reads .aux.xml; never writes it, because nothing is modified
     confine_proj();
-    // No others: side files are opened by the first driver that knows them, and some drivers use the network.
+    // Other drivers are not registered: any driver may open a side file of its format, and some use the network.
     GDALRegister_GTiff(), GDALRegister_AAIGrid(), GDALRegister_SRTMHGT(), GDALRegister_PNG(), GDALRegister_JPEG();
     GDALRegister_VRT(), GDALRegister_MEM();
   });
@@ -38,13 +38,13 @@ bool is_vrt(const Path& file) {
   return EQUAL(extension.c_str(), ".vrt");
 }
 
-/// Returns whether the format cannot be read in blocks of its own: each line is behind those before it.
+/// Returns whether the format has no random access to blocks, so that all preceding lines must be read.
 bool is_read_by_lines(GDALDataset& dataset) {
   const std::string_view driver = dataset.GetDriver() != nullptr ? dataset.GetDriver()->GetDescription() : "";
   return driver == "AAIGrid" || driver == "PNG" || driver == "JPEG";
 }
 
-/// Changes of a file that a reader of it would notice.
+/// Size and modification time of a file, which detect changes.
 using FileState = std::tuple<std::uintmax_t, std::filesystem::file_time_type>;
 
 FileState state_of(const Path& file) {
@@ -52,7 +52,7 @@ FileState state_of(const Path& file) {
   return {std::filesystem::file_size(file, error), std::filesystem::last_write_time(file, error)};
 }
 
-/// Open rasters that no thread uses.
+/// Pool of open rasters.
 class Pool {
  public:
   BorrowedRaster borrow(const Path& file, const char* key) {
@@ -95,9 +95,9 @@ class Pool {
             [this, file, state, exceptions](GDALDataset* d) { take_back(file, state, Dataset(d), exceptions); }};
   }
 
-  /// After an error a decoder may be in any state: the raster is opened again.
+  /// Returns a raster to the pool. Closes the raster after an error, because its decoder may be in an invalid state.
   void take_back(const Path& file, const FileState& state, Dataset dataset, int exceptions) {
-    std::list<Idle> closed;  // outside the lock
+    std::list<Idle> closed;  // closed after the lock is released
     const std::lock_guard lock(mutex_);
     if (is_read_by_lines(*dataset)) release(file);
     if (std::uncaught_exceptions() > exceptions) {
@@ -115,17 +115,17 @@ class Pool {
 
   std::mutex mutex_;
   std::condition_variable is_free_;
-  std::list<Idle> idle_;      ///< the last one used first
-  std::set<Path> exclusive_;  ///< of files that one thread opens or reads by lines
+  std::list<Idle> idle_;      ///< most recently used first
+  std::set<Path> exclusive_;  ///< files that a thread is opening or reads line by line
 };
 
-/// Takes the unit of heights from the first source: gdalbuildvrt copies scale and offset, but no unit.
+/// Copies the unit of heights from the first source, because gdalbuildvrt copies scale and offset, but no unit.
 void add_unit_of_source(const Path& file, const char* key, GDALDataset& vrt) {
   GDALRasterBand& band = *vrt.GetRasterBand(1);
   if (*band.GetUnitType() != 0) return;
   const CPLStringList files(vrt.GetFileList());
   for (int i = 0; i < files.size(); ++i) {
-    if (std::string_view(files[i]).starts_with(file.native())) continue;  // the VRT, its overviews and its mask
+    if (std::string_view(files[i]).starts_with(file.native())) continue;  // skips the VRT, its overviews and its mask
     const Dataset source = open_raster(files[i], key);
     band.SetUnitType(source->GetRasterBand(1)->GetUnitType());
     return;
@@ -157,7 +157,7 @@ Dataset open_raster(const Path& file, const char* key) {
 
 BorrowedRaster borrow_raster(const Path& file, const char* key) {
   register_drivers();
-  static Pool& pool = *new Pool;  // lives as long as GDAL, whose own end would come first
+  static Pool& pool = *new Pool;  // never destroyed, because GDAL would be destroyed before it
   return pool.borrow(file, key);
 }
 

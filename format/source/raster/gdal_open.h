@@ -1,4 +1,4 @@
-/// Opens rasters with GDAL and keeps them open between tiles.
+/// Opening of rasters with GDAL, and a pool of rasters that remain open between tiles.
 #pragma once
 
 #include <filesystem>
@@ -14,29 +14,31 @@ struct CloseDataset {
 };
 using Dataset = std::unique_ptr<GDALDataset, CloseDataset>;
 
-/// Opens a raster with the side files of its own name: world file, .prj, .tab, .aux.xml, .msk, .ovr.
-/// No other file is opened: a side file that names files is refused, and so is a VRT with sources outside its folder.
-/// Errors  InputError(file, key).
+/// Opens a raster with side files of the same name: world file, .prj, .tab, .aux.xml, .msk, .ovr.
+/// Other files are never opened: a side file that names files is rejected, like a VRT with sources outside its folder.
+/// Errors  InputError(file, key): the file cannot be opened or is rejected.
 Dataset open_raster(const std::filesystem::path& file, const char* key);
 
-/// An open raster that one thread uses; its destruction makes it available to others again.
+/// An open raster for exclusive use by one thread. Its destruction returns the raster to the pool.
 using BorrowedRaster = std::shared_ptr<GDALDataset>;
 
-/// Returns a raster that is already open, or opens it. Of formats that are read line by line only one is open at a
-/// time, so that no line is read twice: other threads wait. A thread may borrow only one raster at a time.
-/// Errors  InputError(file, key).
+/// Returns an open raster from the pool, or opens the raster. A file in a format that is read line by line is open only
+/// once, so that no line is read twice; other threads wait for it. A thread may borrow only one raster at a time.
+/// Errors  InputError(file, key) like open_raster().
 BorrowedRaster borrow_raster(const std::filesystem::path& file, const char* key);
 
-/// Creates a raster in memory. Errors  InputError(file, key): no memory.
+/// Creates a raster in memory.
+/// Errors  InputError(file, key): the allocation fails.
 Dataset raster_in_memory(const std::filesystem::path& file, const char* key, int columns, int rows, int bands,
                          GDALDataType type);
 
-/// Throws unless every source of a VRT is a raster file in the folder of the VRT or below.
-/// Elements other than those that gdalbuildvrt and gdal_translate write are refused. Errors  InputError(file, key).
+/// Checks that each source of a VRT is a raster file in the folder of the VRT or below.
+/// Accepts only elements that gdalbuildvrt and gdal_translate write.
+/// Errors  InputError(file, key): a source or an element is not accepted.
 void expect_closed_vrt(const std::filesystem::path& file, const char* key);
 
-/// Returns the names of side files that GDAL may open with a raster.
-/// Errors  InputError naming a side file that leads to other files.
+/// Returns the names of the raster and of the side files that GDAL may open with it.
+/// Errors  InputError(side file): the side file names other files.
 std::vector<std::string> safe_side_files(const std::filesystem::path& file);
 
 }  // namespace gigabake

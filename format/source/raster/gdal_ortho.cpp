@@ -11,7 +11,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::uint8_t grey = 127;  ///< where there is no orthophoto
+constexpr std::uint8_t grey = 127;  ///< colour of texels without an orthophoto
 
 struct DestroyTransformer {
   void operator()(void* transformer) const { GDALDestroyGenImgProjTransformer(transformer); }
@@ -27,8 +27,8 @@ std::string ortho_crs_of(const DemOptions& o, GDALDataset& ortho, const OGRSpati
   return own != nullptr ? wkt_of(*own) : "";
 }
 
-/// Makes a map from an orthophoto's pixels to those of `target`, or to coordinates of the raster if that is null.
-/// By the geotransform or ground control points only: geolocation arrays are other files.
+/// Creates a map from the pixels of an orthophoto to the pixels of `target`, or to raster coordinates if that is null.
+/// Uses only the geotransform or ground control points, because geolocation arrays are in other files.
 Transformer transformer_of(const DemOptions& o, GDALDataset& ortho, GDALDataset* target,
                            const OGRSpatialReference* raster_crs) {
   CPLStringList options;
@@ -57,7 +57,7 @@ Grid texel_grid(const DemTile& tile, int texels, int margin) {
   return window;
 }
 
-/// The image over one tile, to which orthophotos are added.
+/// The image of one tile, composed of orthophotos.
 class TileImage {
  public:
   TileImage(const DemTile& tile, const OGRSpatialReference* crs)
@@ -91,7 +91,7 @@ class TileImage {
     const Transformer transformer = transformer_of(o, ortho, &warped, crs_);
     const int count = int(bands.colours.size());
     w->hSrcDS = &ortho, w->hDstDS = &warped;
-    w->eResampleAlg = bands.is_palette ? GRA_NearestNeighbour : GRA_Bilinear;  // no colour is between two indices
+    w->eResampleAlg = bands.is_palette ? GRA_NearestNeighbour : GRA_Bilinear;  // palette indices cannot be interpolated
     w->nBandCount = count;
     w->panSrcBands = static_cast<int*>(CPLMalloc(std::size_t(count) * sizeof(int)));
     w->panDstBands = static_cast<int*>(CPLMalloc(std::size_t(count) * sizeof(int)));
@@ -106,7 +106,7 @@ class TileImage {
     if (!ok) throw InputError(o.ortho, "ortho", "cannot be read" + QuietErrors::last());
   }
 
-  /// A pixel is missing if all of its colours are nodata.
+  /// Sets the nodata values for warping. A pixel has no value if all of its colours are nodata.
   static void set_nodata(const OrthoBands& bands, GDALDataset& ortho, GDALWarpOptions& w) {
     int has_all = 1;
     std::vector<double> nodata;
@@ -147,7 +147,7 @@ class TileImage {
     return bands.is_inverted ? 255 - v : v;
   }
 
-  /// Returns the opacity of an entry of a palette.
+  /// Writes the colour of a palette entry to `rgb` and returns its opacity.
   static double colour_of_index(GDALColorTable& table, int index, double* rgb) {
     GDALColorEntry entry{};
     if (index < 0 || index >= table.GetColorEntryCount() || table.GetColorEntryAsRGB(index, &entry) == 0) entry = {};
@@ -162,7 +162,7 @@ class TileImage {
   std::vector<std::uint8_t> rgb_;
 };
 
-/// Returns whether one of 33 × 33 points of a grid of pixels, turned by `to_other`, lies in the other grid.
+/// Returns whether `transformer` maps at least one of 33 × 33 points of a grid of pixels into the other grid.
 bool reaches(void* transformer, int direction, int columns, int rows, double other_columns, double other_rows) {
   constexpr int steps = 32;
   std::vector<double> x, y, z;
@@ -176,7 +176,8 @@ bool reaches(void* transformer, int direction, int columns, int rows, double oth
   return false;
 }
 
-/// Returns whether a sample of an orthophoto has a pixel with a colour.
+/// Returns whether a sample of an orthophoto has a pixel that is not transparent. Also true if the sample cannot be
+/// read.
 bool has_colour(GDALDataset& ortho, const OrthoBands& bands) {
   constexpr int edge = 128;
   const int width = std::min(edge, ortho.GetRasterXSize()), height = std::min(edge, ortho.GetRasterYSize());
@@ -192,7 +193,7 @@ bool has_colour(GDALDataset& ortho, const OrthoBands& bands) {
   return false;
 }
 
-/// Returns the width of an orthophoto's pixel in the raster's coordinates.
+/// Returns the width of a pixel of an orthophoto in coordinates of the raster.
 double pixel_size(const DemOptions& o, GDALDataset& ortho, const OGRSpatialReference* crs) {
   const Transformer to_raster = transformer_of(o, ortho, nullptr, crs);
   double suggested[6];

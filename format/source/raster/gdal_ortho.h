@@ -1,4 +1,4 @@
-/// Orthophotos over the tiles of an elevation raster.
+/// Orthophotos on the tiles of an elevation raster.
 #pragma once
 
 #include <string>
@@ -8,24 +8,26 @@
 
 namespace gigabake {
 
-/// Bounds of a tile's image: more texels a cell than this are not kept.
+/// Bounds of the image of a tile: max edge, max margin and max texels per cell. Higher resolutions are reduced.
 inline constexpr int max_texture_edge = 4096, max_margin_texels = 64;
 inline constexpr int max_texels_per_cell = max_texture_edge - 2 * max_margin_texels;
 
-/// Returns the width of the image around a tile, in texels, so that filters meet no edge: at most one cell.
+/// Returns the margin of the image around a tile, in texels: at most one cell. Filters need it at the border of the
+/// tile.
 inline int margin_texels(int texels_per_cell) { return std::min(texels_per_cell, max_margin_texels); }
 
-/// What an orthophoto means for an elevation raster.
+/// The properties of an orthophoto that an elevation raster needs.
 struct OrthoFacts {
-  double texels_per_cell = 1;         ///< of the orthophoto's own resolution
+  double texels_per_cell = 1;         ///< at the native resolution of the orthophoto
   std::vector<std::string> warnings;  ///< one line each, without the raster's name
 };
 
-/// Reads the head of a part's orthophoto, and samples of its pixels.
-/// crs: of the raster, or null in a plane. Errors  InputError: colours that are not read; no place.
+/// Reads the header of a part's orthophoto, and samples of its pixels. `crs` is the coordinate system of the raster, or
+/// null in a plane.
+/// Errors  InputError: the colours are not supported, or the location of the orthophoto is unknown.
 OrthoFacts check_ortho(const DemPart& part, const Grid& grid, const OGRSpatialReference* crs);
 
-/// Returns the orthophotos over a tile and its margin as one image; grey where there is none.
+/// Returns the orthophotos on a tile and its margin as one image; texels without an orthophoto are grey.
 EncodedImage read_ortho(const DemTile& tile, const OGRSpatialReference* crs);
 
 }  // namespace gigabake

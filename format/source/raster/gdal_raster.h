@@ -1,4 +1,4 @@
-/// What the parts that GDAL reads share: datasets, grids, coordinate systems.
+/// Error handling, grids and coordinate systems, shared by all code that reads rasters with GDAL.
 #pragma once
 
 #include <algorithm>
@@ -19,8 +19,8 @@
 
 namespace gigabake {
 
-/// GDAL prints errors unless told otherwise; the last one is asked for instead. What GDAL calls fatal is that memory
-/// ended; it would abort next.
+/// Scope in which GDAL prints no errors; last() returns the text of the last error. A fatal error means that no memory
+/// is left: the process then prints a message and exits, because GDAL would abort.
 struct QuietErrors {
   QuietErrors() { CPLPushErrorHandler(end_where_fatal), CPLErrorReset(); }
   ~QuietErrors() { CPLPopErrorHandler(); }
@@ -39,7 +39,7 @@ struct QuietErrors {
   }
 };
 
-/// Pixels to coordinates, as GDAL's geotransform.
+/// Affine map from pixels to coordinates, in the form of GDAL's geotransform.
 struct Grid {
   std::array<double, 6> g{0, 1, 0, 0, 0, 1};
   /// Returns the coordinates of a pixel's centre.
@@ -49,19 +49,20 @@ struct Grid {
   double determinant() const { return g[1] * g[5] - g[2] * g[4]; }
 };
 
-/// The raster's own where it names no files, else nothing.
+/// Returns the coordinate system of the raster; null if there is none or its text names files.
 const OGRSpatialReference* plain_crs_of(GDALDataset& dataset);
 
 std::string wkt_of(const OGRSpatialReference& crs);
 
-/// Returns the system that a text names: EPSG:…, WKT or a PROJ text.
-/// Errors  InputError(file, key): unknown, or a text that leads to files.
+/// Returns the coordinate system that a text names: EPSG:…, WKT or a PROJ text.
+/// Errors  InputError(file, key): the text is unknown or names files.
 OGRSpatialReference crs_of_text(const std::filesystem::path& file, const char* key, const std::string& text);
 
-/// Returns the system of the options, else the raster's own, else nothing. Errors  InputError: an unknown one.
+/// Returns the coordinate system of the options, else of the raster, else nullopt.
+/// Errors  InputError: the coordinate system is unknown.
 std::optional<OGRSpatialReference> whole_crs_of(const DemOptions& options, GDALDataset& dataset);
 
-/// Likewise, without its vertical part.
+/// Returns whole_crs_of() without the vertical part.
 std::optional<OGRSpatialReference> crs_of(const DemOptions& options, GDALDataset& dataset);
 
 }  // namespace gigabake

@@ -10,7 +10,7 @@
 namespace gigabake {
 namespace {
 
-/// Half axes of ellipsoids and spheres that are used for the earth.
+/// The range of semi-major axes of ellipsoids and spheres that are used for the earth.
 constexpr double min_earth_radius_m = 6.3e6, max_earth_radius_m = 6.4e6;
 
 Geodetic geodetic_place(double lon_deg, double lat_deg, double height_m) {
@@ -87,7 +87,7 @@ Ground::Frame::Frame(const Ground& ground, const Geodetic& origin) : ground_(gro
   if (ground.kind_ == Kind::plane) return;
   scene_from_body_ = scene_from_ecef(origin);
   if (ground.kind_ == Kind::earth) return;
-  // The axes depend on latitude and longitude only.
+  // The rotation depends only on latitude and longitude, so only the translation is replaced.
   const Point<Ecef> centre = ground.on_body(origin.longitude_deg, origin.latitude_deg, 0);
   for (auto& row : scene_from_body_.m) row[3] = -(row[0] * centre.x + row[1] * centre.y + row[2] * centre.z);
 }

@@ -1,4 +1,4 @@
-/// Where the pixels of a raster lie: on the earth, on another body, or in a plane.
+/// Location of the pixels of a raster: on the earth, on another body, or in a plane.
 #pragma once
 
 #include <memory>
@@ -12,28 +12,29 @@
 
 namespace gigabake {
 
-/// A raster's coordinate system as a map to places in metres.
-/// Its kind follows from the coordinate system: one of another body's ellipsoid leads to that body; a local system, or
-/// none, is a plane. Only the earth has a georeference.
+/// Map from the coordinate system of a raster to positions in metres.
+/// The ellipsoid of the coordinate system determines the body: the earth or another one. A raster with a local
+/// coordinate system, or without one, lies in a plane. Only rasters on the earth have a georeference.
 class Ground {
  public:
-  /// Errors  InputError: a coordinate system that leads to no longitude and latitude.
+  /// Creates the map for a raster.
+  /// Errors  InputError: the coordinate system is unknown or cannot be converted to longitude and latitude.
   Ground(const DemOptions& options, GDALDataset& dataset);
 
   bool is_on_earth() const { return kind_ == Kind::earth; }
-  /// Returns why the raster has no place on the earth, and what to do; empty if it has one.
+  /// Returns a message with the reason why the raster is not on the earth, and the remedy; empty if it is on the earth.
   std::string why_not_on_earth() const;
   const OGRSpatialReference* crs() const { return crs_ ? &*crs_ : nullptr; }
   std::string name() const;
 
-  /// Turns coordinates of the raster into degrees of longitude and latitude, or into metres in a plane.
-  /// Returns per point whether it has such a place.
+  /// Converts coordinates of the raster to longitude (x) and latitude (y) in degrees, or to metres in a plane.
+  /// Returns 1 per point that could be converted, else 0.
   std::vector<char> locate(std::vector<double>& x, std::vector<double>& y) const;
 
-  /// Returns a place of locate() as a point of the raster's frame: latitude y and longitude x, or y and x in metres.
+  /// Converts a result of locate() to an origin: latitude y and longitude x, or y and x in metres in these members.
   Geodetic origin(double x, double y) const;
 
-  /// Returns the map from (x, y) of locate() and a height to a frame with east, north and up at `origin`.
+  /// A map from results (x, y) of locate() and heights to the east-north-up frame at `origin`.
   class Frame {
    public:
     Frame(const Ground& ground, const Geodetic& origin);
@@ -48,11 +49,11 @@ class Ground {
  private:
   enum class Kind : std::uint8_t { earth, body, plane };
 
-  /// Returns a place on the body's ellipsoid, relative to its centre.
+  /// Converts geodetic coordinates to Cartesian coordinates relative to the centre of the body.
   Point<Ecef> on_body(double lon_deg, double lat_deg, double height_m) const;
 
   Kind kind_ = Kind::plane;
-  double radius_m_ = 0, eccentricity_squared_ = 0;  ///< of another body
+  double radius_m_ = 0, eccentricity_squared_ = 0;  ///< ellipsoid of a body other than the earth
   double plane_unit_m_ = 1;
   std::optional<OGRSpatialReference> crs_;
   std::unique_ptr<OGRCoordinateTransformation> map_;

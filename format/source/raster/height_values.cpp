@@ -11,17 +11,17 @@
 namespace gigabake {
 namespace {
 
-/// Numbers at least this large are a floating-point type's "no value" (the largest float, 9.97e36 of netCDF, 1e20).
+/// Numbers of at least this absolute value mark missing heights (the max float, 9.97e36 of netCDF, 1e20).
 constexpr double huge = 1e15;
 constexpr double common_marker = -9999;
-/// Further numbers that mark missing heights, where they would be no usual height.
+/// Further numbers that mark missing heights unless they would be a usual height.
 constexpr auto markers = std::to_array<double>({-9999, -32768, -32767, -99999, -999999, -2147483648.0, 9999, 32767,
                                                 65535, 99999, 999999, 2147483647.0, 4294967295.0});
-/// Almost all of the earth's surface, then all of it with some margin: the Challenger Deep is at -10,935 m, Mount
-/// Everest at 8,849 m.
+/// The range of heights of almost all of the earth's surface, then the range of all of it with a margin. The Challenger
+/// Deep is at -10,935 m, Mount Everest at 8,849 m.
 constexpr double lowest_usual_m = -9500, highest_usual_m = 9200;
 constexpr double min_plausible_m = -11500, max_plausible_m = 9500;
-/// A lone number that lies farther than this from all others is no part of a landscape.
+/// The min distance from all other heights at which a single height is reported as suspicious.
 constexpr double least_gap_m = 300;
 constexpr std::size_t max_markers_named = 3;
 
@@ -33,7 +33,7 @@ std::string height_text(double v) {
 }
 
 bool is_declared(double v, double nodata) {
-  // A tag is text, and -3.40282e+38 means the largest float.
+  // Nodata in a tag is rounded text; for example, -3.40282e+38 means the lowest float.
   return float(v) == float(nodata) || (std::fabs(v) >= huge && std::fabs(nodata) >= huge);
 }
 
@@ -44,7 +44,7 @@ bool is_marker(double v, double height_m, const HeightRule& rule) {
          std::find(markers.begin(), markers.end(), v) != markers.end();
 }
 
-/// The lowest and the highest height, and their neighbours among the other heights.
+/// The lowest and the highest height, and the heights next to them in order.
 struct Extremes {
   double lowest = std::numeric_limits<double>::infinity(), second_lowest = lowest;
   double highest = -lowest, second_highest = -lowest;

@@ -8,7 +8,7 @@ std::vector<DemSurface> open_dem(const std::vector<DemOptions>& options, bool) {
                    "this gigabake was built without GDAL; install libgdal-dev and build again");
 }
 
-// No tile can be made, so neither of these runs.
+// These functions are never called, because open_dem() throws and thus no tile exists.
 DemMesh read_dem(const DemTile&, bool) { return {}; }
 std::vector<std::filesystem::path> dem_files(const DemTile&) { return {}; }
 

@@ -11,7 +11,7 @@ namespace {
 
 using Path = std::filesystem::path;
 
-/// A 16-bit image that is darker everywhere has another range.
+/// The min fraction of the 16-bit range that samples must reach; else the range of the image is unknown.
 constexpr double min_used_fraction = 0.25;
 constexpr const char* to_bytes_hint = "convert them with gdal_translate -ot Byte -scale MIN MAX 0 255 IN.tif OUT.tif";
 
@@ -20,7 +20,7 @@ bool is_signed_byte(GDALRasterBand& band) {
   return kind != nullptr && EQUAL(kind, "SIGNEDBYTE");
 }
 
-/// Returns the number of bits that a band's numbers use.
+/// Returns the number of bits that the numbers of a band use.
 int bits_of(GDALRasterBand& band) {
   const int type_bits = GDALGetDataTypeSizeBits(band.GetRasterDataType());
   const char* text = band.GetMetadataItem("NBITS", "IMAGE_STRUCTURE");
@@ -30,10 +30,10 @@ int bits_of(GDALRasterBand& band) {
 
 bool is_other_colour(GDALColorInterp colour) {
   return colour >= GCI_HueBand &&
-         colour <= GCI_YCbCr_CrBand;  // also saturation, lightness, cyan, magenta, yellow, black
+         colour <= GCI_YCbCr_CrBand;  // includes saturation, lightness, cyan, magenta, yellow, black
 }
 
-/// Returns the greatest number of a sample of pixels.
+/// Returns the maximum of a sample of pixels; 0 if they cannot be read.
 double sampled_maximum(GDALRasterBand& band) {
   constexpr int edge = 64;
   std::vector<double> sample(std::size_t(edge) * edge, 0);
@@ -58,7 +58,7 @@ void expect_colour_numbers(const Path& file, GDALRasterBand& band) {
                        ", whose range of colours is unknown; " + to_bytes_hint);
 }
 
-/// Sets the range of the colours: all bits that the file says it uses.
+/// Sets the range of the colours to all values of the bits that the file declares.
 void set_range(const Path& file, GDALDataset& dataset, OrthoBands& out) {
   int bits = 0;
   double greatest = 0;
@@ -91,7 +91,7 @@ std::string names_of(GDALDataset& dataset, const std::vector<int>& bands) {
 struct Interpreted {
   std::array<int, 3> rgb{};
   int alpha = 0;
-  std::vector<int> others;  ///< all but the alpha band
+  std::vector<int> others;  ///< all except the alpha band
 
   Interpreted(const Path& file, GDALDataset& dataset) {
     for (int number = 1; number <= dataset.GetRasterCount(); ++number) {

@@ -1,4 +1,4 @@
-/// Which bands of an orthophoto are its colours, and how their numbers become 8 bits.
+/// Selection of the colour bands of an orthophoto, and of the range that maps their numbers to 8 bits.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,19 @@
 
 namespace gigabake {
 
-/// Numbers of bands count from 1.
+/// The bands of an orthophoto. Band numbers begin with 1.
 struct OrthoBands {
-  std::vector<int> colours;  ///< one (grey, or indices of a palette), or red, green and blue
-  int alpha = 0;             ///< or 0
+  std::vector<int> colours;  ///< one band (grey, or palette indices), or red, green and blue
+  int alpha = 0;             ///< 0: none
   bool is_palette = false;
-  bool is_inverted = false;           ///< grey whose 0 is white
+  bool is_inverted = false;           ///< grey with 0 as white
   double max_value = 255;             ///< the number of full intensity
   std::vector<std::string> warnings;  ///< one line each
 };
 
-/// Reads colour interpretations, the palette and the type of a raster, and a sample of its 16-bit pixels.
-/// Errors  InputError(file, "ortho"): numbers that have no range of colours, colours other than red, green and blue.
+/// Selects bands by the colour interpretations, the palette and the data type of a raster. Reads a sample of pixels of
+/// 16-bit bands.
+/// Errors  InputError(file, "ortho"): the range of the colours is unknown, or they are not red, green and blue.
 OrthoBands ortho_bands(const std::filesystem::path& file, GDALDataset& dataset);
 
 }  // namespace gigabake

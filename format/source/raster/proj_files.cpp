@@ -16,8 +16,8 @@ namespace {
 
 using Path = std::filesystem::path;
 
-/// PROJ's folders, which it lists separated by colons. Asked for once, before files go through the functions below: the
-/// answer may itself need a file.
+/// Returns the folders of PROJ, which proj_info() lists separated by colons. The first call must precede the
+/// installation of the functions below, because proj_info() may itself open a file.
 const std::vector<Path>& folders_of_proj() {
   static const std::vector<Path> folders = [] {
     std::vector<Path> out;
@@ -75,7 +75,7 @@ void confine_proj() {
   static const PROJ_FILE_API files{1,          open_file,   read_file, write_file, seek_file,    tell_file,
                                    close_file, file_exists, refuse,    refuse,     refuse_rename};
   folders_of_proj();
-  // The default context is what all others begin as.
+  // All new contexts copy these settings from the default context.
   proj_context_set_fileapi(nullptr, &files, nullptr);
   proj_context_set_enable_network(nullptr, 0);
   OSRSetPROJEnableNetwork(0);

@@ -9,7 +9,7 @@
 namespace gigabake {
 namespace {
 
-/// Size of a tile in the list of tiles and as the source of a scene, with its name.
+/// Memory of a tile in the list of tiles and as a source of a scene, including its name.
 constexpr std::uint64_t tile_bytes = 800;
 constexpr std::uint64_t max_tiles = std::uint64_t(1) << 22;
 

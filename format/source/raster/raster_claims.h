@@ -1,21 +1,21 @@
-/// Memory that rasters are to take, compared with the limit before anything is allocated.
+/// Checks of the memory that rasters need against the limit, before memory is allocated.
 #pragma once
 
 #include "format/source/raster/gdal_raster.h"
 
 namespace gigabake {
 
-/// Claims one tile while it is read: heights, places, vertices and triangles per pixel, and GDAL's own blocks.
-/// Errors  InputError: beyond the limit.
+/// Checks the memory to read one tile: heights, positions, vertices and triangles per pixel, and the blocks of GDAL.
+/// Errors  InputError: the memory exceeds the limit.
 void claim_tile(const DemOptions& options, GDALDataset& dataset);
 
-/// Claims the list of a raster's tiles. edge: cells of a tile.
-/// Errors  InputError: beyond the limit; too many tiles.
+/// Checks the memory of the list of a raster's tiles. `edge` is the edge of a tile in cells.
+/// Errors  InputError: the memory exceeds the limit, or there are more than 2^22 tiles.
 void claim_tiles(const DemRaster& raster, int edge);
 
-/// Claims the image of one tile, if the raster has an orthophoto: its texels, the warped bands with their opacity, and
-/// the encoded and decoded image.
-/// Errors  InputError: beyond the limit.
+/// Checks the memory of the image of one tile, if the raster has an orthophoto. Counts the texels, the warped bands
+/// with opacity, and the encoded and decoded image.
+/// Errors  InputError: the memory exceeds the limit.
 void claim_image(const DemRaster& raster, int edge);
 
 }  // namespace gigabake

@@ -28,7 +28,7 @@ std::string in_case(std::string text, int (*change)(int)) {
   return text;
 }
 
-/// Returns names that GDAL gives side files of a raster, in either case.
+/// Returns the names that GDAL uses for side files of a raster, in upper and lower case.
 std::set<std::string> side_file_names(const Path& file) {
   const std::string name = file.filename().string(), stem = file.stem().string();
   const std::string extension =
@@ -46,7 +46,7 @@ std::set<std::string> side_file_names(const Path& file) {
   return names;
 }
 
-/// Returns whether a file is a regular one and a link does not lead out of its folder.
+/// Returns whether a file is a regular file that is no link to another folder.
 bool is_in_its_folder(const Path& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) return false;
@@ -54,7 +54,7 @@ bool is_in_its_folder(const Path& file) {
   return std::filesystem::canonical(file, error).parent_path() == std::filesystem::canonical(folder, error) && !error;
 }
 
-/// Metadata of these domains are names of files, which GDAL opens.
+/// Returns whether metadata of a domain name files that GDAL opens.
 bool leads_to_files(const char* domain) {
   return domain != nullptr && (EQUAL(domain, "OVERVIEWS") || EQUAL(domain, "GEOLOCATION"));
 }
@@ -77,7 +77,8 @@ Xml xml_of(const Path& file) {
   return Xml(CPLParseXMLFile(file.c_str()));
 }
 
-/// Returns whether the file is XML of GDAL's side files. Errors  InputError: it names files.
+/// Returns whether the file is an XML side file of GDAL.
+/// Errors  InputError: the file names other files.
 bool is_safe_aux_xml(const Path& file) {
   const Xml xml = xml_of(file);
   if (!xml || CPLGetXMLNode(xml.get(), "=PAMDataset") == nullptr) return false;
@@ -85,7 +86,7 @@ bool is_safe_aux_xml(const Path& file) {
   return true;
 }
 
-/// Returns whether a mask or overviews are a TIFF that leads to no other file.
+/// Returns whether a mask or overview file is a TIFF that refers to no other file.
 bool is_safe_tiff(const Path& file) {
   static const char* const driver[] = {"GTiff", nullptr};
   const std::string name = file.filename().string();
@@ -98,7 +99,7 @@ bool is_safe_tiff(const Path& file) {
 bool is_safe(const Path& side) {
   const std::string extension = in_case(side.extension().string(), [](int c) { return std::tolower(c); });
   if (extension == ".xml") return is_safe_aux_xml(side);
-  if (extension == ".ovr") return is_safe_tiff(side);  // without overviews the values are the same
+  if (extension == ".ovr") return is_safe_tiff(side);  // values are the same without overviews
   if (extension == ".msk" && !is_safe_tiff(side))
     throw InputError(side, "", "is no TIFF, as the mask of a raster is; delete it, or write it with GDAL again");
   return true;
@@ -207,7 +208,8 @@ class VrtCheck {
     expect_safe_source(folder / name);
   }
 
-  /// GDAL opens the sources of a VRT itself, with all of their side files.
+  /// Throws InputError if a source of a VRT has unsafe side files, because GDAL opens sources with all side files.
+  /// Checks the source itself if it is a VRT.
   void expect_safe_source(const Path& source) {
     const std::vector<std::string> safe = safe_side_files(source);
     std::set<std::string> names = side_file_names(source);

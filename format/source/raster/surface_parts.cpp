@@ -7,9 +7,9 @@
 namespace gigabake {
 namespace {
 
-/// Rasters of one grid differ by rounding of their numbers, at most by this fraction of a pixel over their whole width.
+/// The max difference, in pixels over the whole width, between rasters of one grid. Their numbers are rounded.
 constexpr double max_offset_pixels = 0.02;
-/// Farther apart than this, in pixels, two rasters are two surfaces: a surface's numbers of pixels are ints.
+/// The max distance between rasters of one surface, in pixels, because the size of a surface must fit into an int.
 constexpr double max_distance_pixels = 1e8;
 
 bool is_same_crs(const RasterHead& a, const RasterHead& b) {
@@ -17,7 +17,7 @@ bool is_same_crs(const RasterHead& a, const RasterHead& b) {
   return a.crs->IsSame(&*b.crs) != 0;
 }
 
-/// Returns the place of b's first pixel in the pixels of a, unless their pixels do not lie on one grid.
+/// Returns the column and row of b's first pixel in the grid of `a`; nullopt if the grids differ.
 std::optional<std::pair<int, int>> offset_of(const RasterHead& a, const RasterHead& b) {
   const double widest = std::max({a.part.columns, a.part.rows, b.part.columns, b.part.rows});
   const double determinant = a.grid.determinant(), pixel = std::sqrt(std::fabs(determinant));
@@ -32,7 +32,7 @@ std::optional<std::pair<int, int>> offset_of(const RasterHead& a, const RasterHe
   return std::pair(int(std::lround(column)), int(std::lround(row)));
 }
 
-/// Makes places of parts relative to the first pixel of all, from those relative to the first part.
+/// Moves the origin of a surface's grid from its first part to the first pixel of all parts, and sets its size.
 void settle(SurfaceHead& surface, std::vector<RasterHead>& heads) {
   int column = 0, row = 0;
   for (const std::size_t i : surface.heads)

@@ -1,4 +1,4 @@
-/// Which rasters form one surface.
+/// Assignment of rasters to surfaces.
 #pragma once
 
 #include <vector>
@@ -7,26 +7,27 @@
 
 namespace gigabake {
 
-/// A raster that is to be part of a surface.
+/// A raster before its assignment to a surface.
 struct RasterHead {
-  DemPart part;  ///< its place in the surface is not set yet
+  DemPart part;  ///< its position in the surface is set by group_surfaces()
   Grid grid;
-  std::optional<OGRSpatialReference> crs;  ///< without its vertical part
-  std::array<double, 4> bounds{};          ///< least x and y, greatest x and y: degrees, or metres in a plane
+  std::optional<OGRSpatialReference> crs;  ///< without the vertical part
+  std::array<double, 4> bounds{};          ///< min x, min y, max x, max y: degrees, or metres in a plane
 };
 
-/// A surface's grid and the heads in it, by their numbers; parts are in the order of these numbers.
+/// The grid of a surface, and the indices of its rasters in ascending order.
 struct SurfaceHead {
   Grid grid;
   int columns = 0, rows = 0;
   std::vector<std::size_t> heads;
 };
 
-/// Groups rasters of one coordinate system whose pixels lie on one grid, and sets each part's place in it.
-/// Returns surfaces in the order of their first rasters.
+/// Groups rasters with the same coordinate system and the same pixel grid, and sets the position of each part in the
+/// grid. Returns the surfaces in the order of their first rasters.
 std::vector<SurfaceHead> group_surfaces(std::vector<RasterHead>& heads);
 
-/// Adds a warning to each part that touches or overlaps a part of another surface: no seam is closed there.
+/// Adds a warning to each part that touches or overlaps a part of another surface, because seams between surfaces are
+/// not closed.
 void warn_of_other_surfaces(const std::vector<SurfaceHead>& surfaces, std::vector<RasterHead>& heads);
 
 }  // namespace gigabake
