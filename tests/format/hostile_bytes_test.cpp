@@ -1,5 +1,5 @@
-// Whole files of every kind, a few of their bytes changed at random: read or refused in one line. Run under the
-// sanitizers by ./check.
+// Whole files of every format with a few bytes changed at random are either read or refused in one line. Run this test
+// under the sanitizers by ./check.
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>

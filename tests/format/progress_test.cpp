@@ -1,4 +1,4 @@
-/// Long steps say what is done, and stop wherever they are asked to, with nothing half-written.
+/// Long steps report their progress. They stop wherever a stop is requested and leave no partial file.
 #include "lattice/progress.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ namespace {
 using made::TempFolder;
 using Path = std::filesystem::path;
 
-/// Stops at the n-th word that it hears.
+/// Stops at the n-th message that it receives.
 class Listener : public ProgressListener {
  public:
   explicit Listener(int stop_at = 0) : stop_at_(stop_at) {}
@@ -120,7 +120,7 @@ TEST(Progress, WithoutAListenerStopsNothingAndIsAsSmallAsAPointer) {
   });
   EXPECT_EQ(done, 10);
   EXPECT_EQ(sizeof(Progress), sizeof(void*)) << "a copy without a listener holds a null pointer and nothing else";
-  // The same calls reach a listener, and one that wants to stop ends them.
+  // The same calls reach a listener. If the listener requests a stop, they end.
   Listener stopping(1);
   EXPECT_THROW(Progress(stopping).step("anything", 3), Stopped);
   EXPECT_EQ(stopping.steps(), 1);

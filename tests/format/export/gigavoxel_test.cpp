@@ -39,7 +39,7 @@ struct ReadVoxel {
 };
 using ReadVoxels = std::map<std::array<std::int64_t, 3>, ReadVoxel>;
 
-/// Of all trees of a scene, by place on the lattice of the level.
+/// Returns the voxels of all trees of a scene, keyed by their position on the lattice of the level.
 ReadVoxels read_back(const std::filesystem::path& folder, const SceneDescription& scene, int lod) {
   ReadVoxels voxels;
   const Files trees = gigavoxel_tree_files(folder / "scene.gvp");

@@ -29,7 +29,7 @@ struct TileVoxel {
 };
 using TileVoxels = std::map<std::array<std::int64_t, 3>, TileVoxel>;
 
-/// What a gzip file of one member holds.
+/// Returns the decompressed content of a gzip file with one member.
 std::string unpacked(const std::string& packed) {
   std::uint32_t bytes = 0;
   std::memcpy(&bytes, packed.data() + packed.size() - 4, 4);
@@ -118,7 +118,7 @@ bool is_of(const TileVoxel& voxel, const made::VoxelBytes& shards, bool has_norm
   return voxel.rgba == shards.rgba && std::equal(normal.begin(), normal.end(), voxel.normal.begin());
 }
 
-/// How many times a voxel stands one voxel beside another tile of the cube than its own.
+/// Returns how often a voxel is adjacent to a tile of the cube other than its own.
 std::size_t padding_of(const made::SceneVoxels& voxels, std::size_t level, std::int64_t edge) {
   const auto is_in_cube = [last = (std::int64_t(1) << level) - 1](const std::array<std::int64_t, 3>& tile) {
     return *std::min_element(tile.begin(), tile.end()) >= 0 && *std::max_element(tile.begin(), tile.end()) <= last;
@@ -199,8 +199,8 @@ TEST(VoxelTileset, IsTheSameForAnyNumberOfThreads) {
   EXPECT_GT(files, 4u);
 }
 
-/// The tree's cube is tight, whatever the scene's size: at most a seventh or, where tiles have 80 voxels at least, half
-/// larger than the scene's longest side, and two voxels of the root.
+/// The tree's cube is tight for a scene of any size. It exceeds the scene's longest side by at most half, and by at
+/// most a seventh if tiles have at least 80 voxels. Two voxels of the root are added.
 TEST(VoxelTileset, TheCubeFitsTheScene) {
   std::mt19937_64 rng(test::RandomSeed{});
   for (int round = 0; round < 2000; ++round) {

@@ -55,14 +55,14 @@ TEST(TerrainTile, HasTheHousesWhoseCentresItHoldsWithWallsFromBelowTheGroundToAb
   for (const MapPoint min : {MapPoint{-96, -96}, {0, -96}, {-96, 0}, {0, 0}}) {
     const TerrainTile t = tile_at(min, {}, true);
     houses += t.houses;
-    std::map<Place, std::vector<double>> posts;  // where walls stand: their heights
+    std::map<Place, std::vector<double>> posts;  // heights of wall corners at each place
     for (const GlbMesh& mesh : t.model.meshes)
       if (t.model.materials[std::size_t(mesh.material)].name == "wall")
         for (const Corner& c : vertices(t, mesh)) posts[{c.e_m, c.n_m}].push_back(c.u_m);
     for (const auto& [place, heights] : posts) {
       const double ground_m = landscape().relief.height_m({place.first, place.second});
       EXPECT_GT(*std::max_element(heights.begin(), heights.end()), ground_m + 1) << place.first << " " << place.second;
-      if (heights.size() == 1) continue;  // a gable's tip stands on its own
+      if (heights.size() == 1) continue;  // a gable's tip has no other corner below it
       EXPECT_LT(*std::min_element(heights.begin(), heights.end()), ground_m) << place.first << " " << place.second;
     }
   }

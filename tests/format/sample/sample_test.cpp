@@ -124,7 +124,7 @@ TEST(Sample, GivesEveryTileTheBoxOfItsVerticesAndTheRootABoxAroundThemAll) {
   }
 }
 
-/// To a millimetre.
+/// Expects `inner` to lie inside of `outer`, to a millimetre.
 void expect_inside(const std::array<double, 6>& inner, const std::array<double, 6>& outer) {
   for (std::size_t c = 0; c < 3; ++c) {
     EXPECT_GE(inner[c], outer[c] - 1e-3);

@@ -1,4 +1,4 @@
-// Parents of a scene with pages: each stands where whoever goes down from the root comes by, and once.
+// Overviews of a scene with pages: each is listed exactly once, in a page that a traversal from the root visits.
 #include <cstdlib>
 #include <gtest/gtest.h>
 #include <map>
@@ -276,7 +276,7 @@ TEST(PagedParents, AreMissedByVerifyIfParentTiersIsRemoved) {
   }));
 }
 
-// 2026-11-24: verify missed a parent where what of a cell lay in its block was empty, so that there was none to bake.
+// 2026-11-24: verify reported a missing overview for blocks in which the cells are empty, so that none is baked.
 TEST(PagedParents, OfBlocksThatHoldNothingOfACellAreNotMissed) {
   const test::RandomSeed seed;
   WrittenScene written(seed);

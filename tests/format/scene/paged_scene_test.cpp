@@ -42,7 +42,7 @@ SceneCell random_cell(std::mt19937_64& rng, const std::array<std::int64_t, 3>& a
           3};
 }
 
-/// Above such cells.
+/// Returns an overview of random_cell() cells.
 SceneCell random_parent(std::mt19937_64& rng, std::int64_t at) {
   SceneCell parent = random_cell(rng, {4 * at, 0, 0});
   parent.lattice_min[2] = 0;
@@ -155,7 +155,7 @@ TEST(PagedScene, OfOneChangedCellHasOneNewPageOfEachLevelAndTheOldSceneStaysWhol
   EXPECT_EQ(read_scene(folder / "scene.xml").cells[7].content_hash[0], (Hash128{1, 2}));
 }
 
-/// Of four levels above cells of 64 voxels.
+/// Writes a random overview of four levels for cells of 64 voxels.
 SceneCell write_random_parent(const fs::path& scene_xml, const SceneCell& cell, std::mt19937_64& rng) {
   std::vector<made::Voxel> voxels;
   for (std::int64_t i = 0; i < 40; ++i)

@@ -1,4 +1,4 @@
-/// What a scene's shards hold, to compare exports with.
+/// The voxels of a scene's shards, as the reference for exports.
 #pragma once
 
 #include <array>
@@ -16,17 +16,18 @@ struct VoxelBytes {
   std::array<std::int8_t, 2> normal{};
   friend bool operator==(const VoxelBytes&, const VoxelBytes&) = default;
 };
-/// By place on the level's lattice, rounded down where a level stands off it.
+/// Voxels keyed by their position on the level's lattice, rounded down where the level is not aligned to it.
 using SceneVoxels = std::map<std::array<std::int64_t, 3>, VoxelBytes>;
 
 /// One level, voxel by voxel.
 SceneVoxels voxels_of_scene(const std::filesystem::path& scene_xml, int lod);
 
-/// A scene of several cells that touch, of random shards whose coarse levels stand off the blocks of 8³ voxels.
+/// Writes a scene of several adjacent cells of random shards whose coarse levels are not aligned to blocks of 8³
+/// voxels.
 SceneDescription write_random_scene(const std::filesystem::path& scene_xml, std::mt19937_64& rng, bool normals);
 
-/// Such a scene in a folder of its own, for one round of a test that tries several. Every third has no normals, the
-/// first among them; while it lives a failure names its seed.
+/// A scene of write_random_scene() in a separate folder, for one round of a test with several rounds. Every third scene
+/// has no normals, including the first. While the object exists, a failure prints its seed.
 class RandomScene {
  public:
   explicit RandomScene(int round);

@@ -171,7 +171,7 @@ TEST(SceneXml, IsRefusedWithElementAndAttributeWhereItIsWrong) {
   }
 }
 
-// Mended 2026-11-22: a scene that had lost a line, or had one twice, was read as if nothing were wrong.
+// 2026-11-22: a scene.xml in which a line was missing or repeated was read without an error.
 TEST(SceneXml, WithALineLostOrDoubledIsRefused) {
   const TempFolder folder;
   const std::string text = whole_scene(folder);

@@ -8,13 +8,13 @@
 
 namespace gigabake::made {
 
-/// Told what was done to the file, with the seed.
+/// Callback that receives a description of the damage, including the seed.
 using Damage = std::function<void(const std::string& what)>;
 
-/// Every few bytes one is another, in one bit or in any; the rest is whole.
+/// Changes one byte in every few, in one bit or in several; the others stay intact.
 void for_each_changed_byte(const std::filesystem::path& path, std::uint64_t seed, const Damage& damage);
 
-/// 300 times a stretch of up to 600 bytes is zeros, ones or noise; the rest is whole.
+/// Replaces a stretch of up to 600 bytes by zeros, ones or noise, 300 times; the other bytes stay intact.
 void for_each_overwritten_stretch(const std::filesystem::path& path, std::uint64_t seed, const Damage& damage);
 
 /// Shorter each time, down to nothing.

@@ -8,8 +8,8 @@
 namespace gigabake {
 namespace {
 
-/// The same scene in every version of the format, each as it was committed when that version was made; today's reader
-/// reads all of them. GIGABAKE_WRITE_GOLDEN=1 writes today's anew.
+/// The same scene in every version of the format, as committed when that version was introduced. The current reader
+/// reads all of them. GIGABAKE_WRITE_GOLDEN=1 writes the current version again.
 struct Version {
   std::string folder;  ///< of the shards' version, and from 2 on that of scene.xml
   bool has_totals;

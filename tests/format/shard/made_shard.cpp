@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t no_child = 0xffffffffu;
 
-/// Planes are stored beside normals alone.
+/// Planes are stored only if normals are stored.
 Facing random_facing(std::mt19937_64& rng, const ShardShape& shape) {
   Facing facing{};
   for (std::size_t a = 0; a < coverage_bytes; ++a) facing[a] = std::uint8_t(1 + rng() % 255);
@@ -61,7 +61,7 @@ void add_node(NodeTable& n, std::uint64_t key, int lod, NodeKind kind) {
   n.facing.push_back({});
 }
 
-/// No leaf-constant nodes far up: they stand for too many voxels to test with.
+/// Coarse levels get no leaf-constant nodes, because such a node covers too many voxels for a test.
 NodeKind random_kind(std::mt19937_64& rng, int lod, bool is_root) {
   const std::uint64_t dice = is_root ? 0 : rng() % 8;
   return dice == 7 && lod < 3 ? NodeKind::leaf_constant : dice == 6 ? NodeKind::constant : NodeKind::brick;
@@ -103,7 +103,7 @@ void set_bit(BrickLevel& level, std::uint32_t x, std::uint32_t y, std::uint32_t 
   level.mask[level.mask.size() - 8 + (z & 7)] |= std::uint64_t(1) << ((x & 7) | (y & 7) << 3);
 }
 
-/// By brick key, then by the order of a brick's voxels.
+/// Voxels keyed by brick key and then by the order within the brick.
 using SortedVoxels = std::map<std::pair<std::uint64_t, std::uint32_t>, Voxel>;
 
 void add_level(const SortedVoxels& voxels, BrickLevel& level) {

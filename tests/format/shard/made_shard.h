@@ -49,17 +49,16 @@ Shard small_shard();
 /// The same with coverage along the axes and planes, which version 3 is the first to know.
 Shard small_shard_with_planes();
 
-/// What the levels above it are made of, which version 4 is the first to keep.
+/// Returns the data from which the levels above small_shard() are computed; stored from version 4 on.
 ParentSource small_above();
 
-/// A parent whose finest level is a copy, which version 5 is the first to know: beside small_shard(), of levels 1
-/// and 2.
+/// Returns an overview of levels 1 and 2 for small_shard(), whose finest level is a copy; supported from version 5 on.
 Shard small_parent();
 
 /// A cell of one leaf-constant root: two levels without bricks.
 Shard constant_shard();
 
-/// A cell with these voxels and no levels above what its edge asks for; each is there once.
+/// A voxel of a cell that has no levels above those that its edge requires. Each voxel occurs once.
 struct Voxel {
   std::array<std::int64_t, 3> at{};  ///< lod 0, lattice
   std::array<std::uint8_t, 4> rgba{};
@@ -68,9 +67,9 @@ struct Voxel {
 /// Levels above the finest repeat the first voxel found below. Voxels outside of the window are left out.
 Shard shard_of(const std::vector<Voxel>& voxels, std::array<std::int64_t, 3> lattice_min, std::uint32_t cell_voxels);
 
-/// Writes the shard of a cell or a parent beside scene.xml, as a bake does, and returns what scene.xml says of it.
+/// Writes the shard of a cell or an overview next to scene.xml, as a bake does, and returns its entry in scene.xml.
 SceneCell write_shard_of(const std::filesystem::path& scene_xml, const Shard& shard);
-/// Writes the shards and scene.xml, and returns what that says.
+/// Writes the shards and scene.xml, and returns the content of scene.xml.
 SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const std::vector<Shard>& shards);
 
 /// A readable account of the first difference; empty where the shards hold the same.

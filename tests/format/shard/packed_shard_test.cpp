@@ -1,4 +1,4 @@
-// A shard of columns that somebody else has packed is the same file as the shard of the voxels.
+// A shard of columns that were packed elsewhere is the same file as the shard of the voxels.
 #include "format/shard/packed_shard.h"
 
 #include <algorithm>
@@ -170,7 +170,7 @@ TEST(PackedShard, UnpacksToTheCoarseLevelsOfItsFile) {
   }
 }
 
-/// The memory that a file is made in is used again, larger files and smaller ones by turns.
+/// The memory of a file is reused for the next file; larger and smaller files alternate.
 TEST(PackedShard, OfSeveralMegabytesIsTheFileOfItsVoxels) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
@@ -217,7 +217,7 @@ TEST(PackedShard, OfLevelsWithoutBricksIsTheFileOfItsVoxelsToo) {
   expect_same_file(made::constant_shard(), PackedByHand::As::stored, Codec::deflate);
 }
 
-/// The rows that a packer makes are those that the file's layout asks for.
+/// The rows that a packer makes are those that the file's layout requires.
 TEST(PackedShard, HasRowsAsItsColumnsAre) {
   const auto expect_row = [](const Hdf5Column& column, const RowShape& row) {
     EXPECT_EQ(column.row_bytes(), row.bytes) << column.name;

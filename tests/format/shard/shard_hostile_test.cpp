@@ -12,7 +12,7 @@ namespace {
 
 using made::TempFolder;
 
-/// Either an error or exactly what was written; anything else is a lie.
+/// Expects an error or exactly the shard that was written.
 void expect_error_or_equal(const std::filesystem::path& path, const Shard& written, const std::string& what) {
   try {
     EXPECT_EQ(made::difference(written, read_shard(path)), "") << what;

@@ -18,7 +18,7 @@ void append(std::vector<NodeRow>& to, const std::vector<NodeRow>& rows) {
   to.insert(to.end(), rows.begin(), rows.end());
 }
 
-/// The shard put together from small parts; keys and lods are those of `written`, since parts have none.
+/// Returns the shard assembled from small parts. Keys and lods come from `written`, because parts do not store them.
 Shard put_together(const ShardPages& pages, const Shard& written) {
   Shard s{pages.header(), {}, {}};
   std::vector<NodeRow> rows;
@@ -49,7 +49,7 @@ Shard put_together(const ShardPages& pages, const Shard& written) {
   return s;
 }
 
-/// Either an error or exactly what was written; anything else is a lie.
+/// Expects an error or exactly the shard that was written.
 void expect_error_or_equal_pages(const std::filesystem::path& path, const Shard& written, const std::string& what) {
   try {
     EXPECT_EQ(made::difference(written, put_together(ShardPages(path), written)), "") << what;

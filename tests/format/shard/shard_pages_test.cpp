@@ -47,7 +47,7 @@ std::string difference(const BrickBlock& block, const BrickLevel& level, std::si
   return "";
 }
 
-/// Reads a random range of the shard and compares it with what was written.
+/// Reads a random range of the shard and compares it with the values that were written.
 void expect_random_range(const ShardPages& pages, const Shard& shard, std::mt19937_64& rng, const std::string& what) {
   const auto count = std::uint32_t(1 + rng() % 700);
   const std::size_t lod = rng() % (shard.levels.size() + 1);
@@ -84,7 +84,7 @@ TEST(ShardPages, GiveForAnyRangeThatPartOfTheWhole) {
   }
 }
 
-/// Columns of several chunks, and more rows than one place of the outline stands for.
+/// Returns a shard with columns of several chunks and with more rows than one entry of the outline covers.
 Shard large_shard(std::mt19937_64& rng) {
   Shard shard;
   do shard = made::random_shard(rng, {8, true, 8});
@@ -133,7 +133,7 @@ TEST(ShardPages, SayWhatTheCellDoesNotHave) {
   EXPECT_EQ(pages.nodes(2, 4096).size(), 1u);
 }
 
-/// What is said when a shard that breaks a rule is written, and then read part by part.
+/// Returns the error message when a shard that breaks a rule is written and then read part by part.
 std::string told_of_pages(const std::filesystem::path& path, const std::function<void(Shard&)>& spoil) {
   Shard shard = made::small_shard();
   spoil(shard);

@@ -123,7 +123,7 @@ TEST(Shard, IsNamedWithTheReasonWhereItCannotBeRead) {
   EXPECT_EQ(message_of(folder / "text.h5").find('\n'), std::string::npos);
 }
 
-/// What a rule says when a shard that breaks it is written and read.
+/// Returns the error message when a shard that breaks a rule is written and read.
 std::string told(const std::filesystem::path& path, const std::function<void(Shard&)>& spoil) {
   Shard shard = made::small_shard();
   spoil(shard);

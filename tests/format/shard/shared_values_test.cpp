@@ -21,7 +21,7 @@ struct Made {
 Made made_bricks(std::mt19937_64& rng, std::size_t bricks, std::size_t width) {
   Made made;
   for (std::size_t b = 0; b < bricks; ++b) {
-    const unsigned shift = unsigned(rng() % 4);  // of the places that are alike
+    const unsigned shift = unsigned(rng() % 4);  // log2 of the number of equal places
     std::map<unsigned, std::uint8_t> value;
     std::uint64_t voxels = 0;
     for (unsigned z = 0; z < 8; ++z) {
@@ -40,7 +40,7 @@ Made made_bricks(std::mt19937_64& rng, std::size_t bricks, std::size_t width) {
   return made;
 }
 
-/// What a shard stores of a channel.
+/// A channel as a shard stores it.
 struct Stored {
   std::vector<std::uint8_t> value, share;
   std::vector<std::uint64_t> first;
@@ -67,7 +67,7 @@ Stored share(const Made& made, std::size_t width, int threads, std::size_t piece
   return out;
 }
 
-/// How many values a brick has: as many as spread_values() takes.
+/// Returns the number of values of a brick: as many as spread_values() takes.
 std::size_t count_values(const std::uint64_t* mask, const std::uint8_t* share) {
   std::array<std::uint8_t, brick_voxels> out;
   std::size_t values = 1;

@@ -1,4 +1,5 @@
-// Packed glTF against the same models unpacked, from the shared data; and what is said where a codec cannot help.
+// Compressed glTF equals the same models uncompressed, from the shared data; unsupported data is refused with a clear
+// message.
 #include "format/source/image/codecs.h"
 
 #include <cmath>

@@ -129,7 +129,7 @@ TEST(GltfRead, RefusesPlacementsFromNowhere) {
   EXPECT_THAT(gltf_refusal(g), HasSubstr("more than 2^24 placements"));
 }
 
-/// Source  KHR_mesh_quantization: integers as they are, or as shares of their range.
+/// Source  KHR_mesh_quantization: integers unchanged, or as fractions of their range.
 TEST(GltfRead, TakesQuantizedPositions) {
   Json g = square_gltf();
   g["extensionsRequired"] = {"KHR_mesh_quantization"};

@@ -1,4 +1,4 @@
-/// What exporters write into glTF beyond the usual: URIs, samplers, extensions, unlit materials of old.
+/// Less common glTF from exporters: URIs, samplers, extensions and old unlit materials.
 #include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -13,8 +13,8 @@ namespace gigabake::test {
 
 class MadeGlb {
  public:
-  /// Of the values, `width` an item, normalized where that is said. stride: 0, or bytes from one item to the next, with
-  /// rubbish between them. Returns the accessor.
+  /// Adds an accessor of the values, `width` per item, and returns its index. Parameter stride: 0, or bytes from one
+  /// item to the next, with random bytes between them.
   template <class T>
   int add(const std::vector<T>& values, int width, int component, bool normalized = false, std::size_t stride = 0) {
     const std::size_t item = sizeof(T) * std::size_t(width), items = values.size() / std::size_t(width);

@@ -75,7 +75,7 @@ TEST(MemoryClaim, DoesNotWrapAround) {
             "");
 }
 
-/// Why a source with this text is refused, after its folder's name.
+/// Returns the reason why a source with this text is refused, without the folder's name.
 std::string line_of_json(const std::string& text) {
   const Folder folder;
   const Path file = folder.file("t.json", text);
@@ -122,7 +122,7 @@ TEST(TilesOfATileset, AreReadAsAStream) {
   EXPECT_EQ(sources.tiles.back().scene_from_tile.m[2][3], 7);
 }
 
-/// What is missing, in the order in which it was missed: children before their parent.
+/// Returns the names of the missing files in the order in which they were found missing: children before their parent.
 std::string missing_in(const std::string& root) {
   const Folder folder;
   const Path file = folder.file("t.json", R"({"asset":{"version":"1.0"},)" + root + "}");

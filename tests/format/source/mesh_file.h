@@ -1,4 +1,4 @@
-/// A mesh file of some text, read as a scene of its own.
+/// A mesh file with a given text, read as a separate scene.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 namespace gigabake::test {
 
-/// A fixture. name: of the file, whose ending says its format.
+/// A fixture. name: the file's name, whose extension selects the format.
 class MeshFile : public testing::Test {
  protected:
   explicit MeshFile(std::string name) : name_(std::move(name)) {}

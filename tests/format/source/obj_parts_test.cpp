@@ -1,4 +1,4 @@
-// Large OBJs, whose text is read in blocks and whose triangles are handed over in parts.
+// Large OBJ files: text is read in blocks, and triangles are passed on in parts.
 #include <array>
 #include <filesystem>
 #include <fstream>
@@ -23,8 +23,8 @@ using testing::HasSubstr;
 
 constexpr std::uint32_t line_vertices = 1000;
 
-/// Vertices with colours and texture coordinates, then faces of material `a` and fewer of `b` in turns; the corners of
-/// `b` have no texture coordinates, and some of `a` are quadrilaterals.
+/// Returns vertices with colours and texture coordinates, then alternating faces of materials `a` and `b`, fewer of
+/// `b`. Corners of `b` have no texture coordinates; some faces of `a` are quadrilaterals.
 std::string large_text() {
   std::mt19937 random(1);
   std::string out = "mtllib gone.mtl\n";
@@ -68,7 +68,7 @@ class ObjParts : public testing::Test {
   SceneSources sources;
 };
 
-/// By material, what its triangles' corners are, one after the other.
+/// The values of all corners of a material's triangles, in order.
 struct CornerValues {
   std::vector<float> position, uv;
   std::vector<std::uint16_t> rgba;
@@ -122,7 +122,7 @@ TEST_F(ObjParts, LoseOneFaceAsTheWholeDoes) {
                           [](const SourceWarning& w) { return w.is_loss && w.count == 1; }));
 }
 
-/// Its second reading finds a material that the first did not.
+/// The second reading of the file finds a material that the first did not find.
 TEST_F(ObjParts, AFileThatChangesMeanwhileIsOneLine) {
   open(large_text() + "usemtl a\nf 1/1 2/1 3/1\n");
   const auto size = std::filesystem::file_size(file);

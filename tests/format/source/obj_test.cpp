@@ -121,7 +121,7 @@ TEST_F(Obj, CountsFacesOfOneAndTwoCorners) {
   EXPECT_TRUE(mesh.warnings.empty());
 }
 
-/// 2026-11-25: a byte order mark hid the first line, and carriage returns alone made the file one line.
+/// 2026-11-25: a byte order mark hid the first line, and carriage returns without line feeds made the file one line.
 TEST_F(Obj, ReadsOtherLineEndsAndAByteOrderMark) {
   folder.write("m.mtl", std::string("\xEF\xBB\xBFnewmtl a\rKd 1 0 0\r"));
   const std::string text = "\xEF\xBB\xBFmtllib m.mtl\n" + square + "usemtl a\nf 1 2 \\\n3\nf 1 3 9\n";

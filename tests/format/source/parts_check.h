@@ -1,4 +1,4 @@
-/// That a tile is the same, read whole and handed over in parts.
+/// Compares a tile that is read whole with the same tile that is read in parts.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,9 @@
 
 namespace gigabake::test {
 
-/// Fails the running test where reading with a sink gives other triangles, values, counts, materials or placements than
-/// reading without, in parts that are not as source.h has them, or refuses with another line. Returns the parts.
+/// Fails the running test if reading with a sink differs from reading without one. Compares triangles, values, counts,
+/// materials, placements and error messages, and checks that the parts conform to source.h. Returns the number of
+/// parts.
 std::size_t expect_same_in_parts(const TileRef& tile, const std::filesystem::path& root);
 
 }  // namespace gigabake::test

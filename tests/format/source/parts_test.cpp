@@ -1,4 +1,4 @@
-// Large files handed over in parts: the same triangles as in one piece.
+// Large files that are passed on in parts have the same triangles as in one piece.
 #include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 using namespace test;
 using testing::HasSubstr;
 
-/// A grid of so many quads along an edge has 1.05 parts of triangles.
+/// The number of quads along the edge of a grid whose triangles fill 1.05 parts.
 constexpr std::uint32_t edge = 742, points = edge + 1, grid_vertices = points * points;
 
 std::vector<std::uint32_t> corners_of_grid() {
@@ -162,7 +162,7 @@ TEST_F(InParts, SeveralPrimitivesAndPlacements) {
   EXPECT_EQ(mesh.instances.size(), 8u);
 }
 
-/// Of other formats, which are read whole first.
+/// Other formats are read whole first.
 TEST_F(InParts, AnStl) {
   std::string bytes(84, ' ');
   const std::uint32_t facets = most_part_triangles + 3;

@@ -1,4 +1,4 @@
-// PLY meshes, written here by hand. Of 2026-11-22: before, a PLY was no source.
+// PLY meshes, written here by hand.
 #include <algorithm>
 #include <cstring>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-/// PNGs of every kind against the codes that their bytes state: no other decoder is the reference.
+/// PNGs of every format, compared with the codes that their bytes state; no other decoder is the reference.
 #include <cstring>
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -47,7 +47,7 @@ EncodedImage png_of(const PngKind& kind, const Bytes& rows) {
   return {"a.png", out};
 }
 
-/// What both readers give, which must be the same.
+/// Returns the texels that both readers give; they must be equal.
 Bytes texels_of(const EncodedImage& encoded) {
   const Image whole = decode_image(encoded);
   if (const auto rows = ImageRows::open(encoded)) {
@@ -58,7 +58,8 @@ Bytes texels_of(const EncodedImage& encoded) {
   return whole.rgba;
 }
 
-/// gAMA says linear, cHRM another white, and iCCP is no profile. A reader that used or refused one would show it.
+/// Returns colour space chunks: gAMA states linear, cHRM another white, and iCCP is no profile. A reader that uses or
+/// refuses one of them fails the test.
 std::vector<std::pair<std::string, Bytes>> colour_space_chunks() {
   Bytes gamma, primaries;
   put_word(gamma, 100000);

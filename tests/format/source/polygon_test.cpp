@@ -46,7 +46,7 @@ TEST(Polygon, TrianglesOfAStarHaveItsAreaWhichOverlapsWouldExceed) {
   }
 }
 
-/// In a plane that is parallel to no axis, `offset` metres from the origin.
+/// Returns the polygon in a plane that is parallel to no axis, `offset` metres from the origin.
 PolygonCorners tilted(const PolygonCorners& flat, double offset) {
   PolygonCorners out;
   for (const auto& [x, y, z] : flat)

@@ -1,4 +1,4 @@
-// STL, written here by hand. Of 2026-11-22: before, an STL was no source.
+// STL meshes, written here by hand.
 #include <cstring>
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -27,7 +27,7 @@ std::string bytes_of(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
-/// With its glTF inside, or a URI where `is_external`.
+/// Returns an i3dm tile that embeds its glTF, or that has a URI if `is_external`.
 std::string i3dm(const Json& table, const std::string& binary, const std::string& model, bool is_external = false) {
   const std::string json = table.dump();
   std::string out = "i3dm";
@@ -256,8 +256,8 @@ class Implicit : public testing::Test {
   SourceFolder folder;
 };
 
-/// Root and its children 1 (x = 1) and 2 (y = 1); below the first a subtree at 2/3/1, the ninth of sixteen and so on:
-/// Morton index of (3, 1) is 7.
+/// The root has children 1 (x = 1) and 2 (y = 1). Below child 1, subtree 2/3/1 is the ninth of sixteen. The Morton
+/// index of (3, 1) is 7.
 TEST_F(Implicit, TakesTheFinestAvailableContent) {
   write_subtree("subtrees/0.0.0.json", 0b01101, 0b01101, 1u << 7);
   write_subtree("subtrees/2.3.1.json", 0b10001, 0b10001, 0);

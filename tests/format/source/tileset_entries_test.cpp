@@ -150,7 +150,8 @@ TEST_F(TilesetEntries, NumbersThatJsonDoesNotHaveAreNamed) {
   }
 }
 
-// 2026-11-25: a root around the earth's centre was a local scene, and one of the whole globe stood off Africa.
+// 2026-11-25: a root around the earth's centre was read as a local scene. A root around the globe was placed off
+// Africa.
 TEST_F(TilesetEntries, ThePlaceIsThatOfTheContentWhereTheRootIsElsewhere) {
   Json child = tile("a.gltf");
   child["transform"] = place_of(zurich);

@@ -7,7 +7,7 @@
 namespace gigabake {
 namespace {
 
-/// Mended on 2026-11-22: threads and memory were guessed from the host alone.
+/// 2026-11-22: the numbers of threads and bytes ignored the limits of the container.
 class HostLimitsTest : public testing::Test {
  protected:
   HostLimitsTest() {

@@ -43,7 +43,7 @@ TEST(ReadableFile, OfAnotherKindOrNoneIsALineThatSaysSo) {
   const test::SourceFolder folder;
   EXPECT_THAT(refusal(folder.path() / "none"), HasSubstr("none: no such file"));
   EXPECT_THAT(refusal(folder.path()), HasSubstr("expected a regular file"));
-  const std::filesystem::path pipe = folder.path() / "pipe";  // nobody writes to it
+  const std::filesystem::path pipe = folder.path() / "pipe";  // has no writer
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   EXPECT_THAT(refusal(pipe), HasSubstr("expected a regular file"));
 }

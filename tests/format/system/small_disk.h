@@ -6,7 +6,7 @@
 
 namespace gigabake {
 
-/// No file may grow beyond so many bytes, as on a full disk; also for the superuser.
+/// Limits every file to this number of bytes, as on a full disk, also for the superuser.
 class SmallDisk {
  public:
   explicit SmallDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

@@ -1,4 +1,4 @@
-// The zlib frame of a chunk: what any reader of deflate gets of it, and that it is what it has always been.
+// The zlib frame of a chunk: every deflate reader decodes it, and its bytes never change.
 #include "format/shard/hdf5/deflate_chunk.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ Bytes framed(Bytes bytes) {
   return zlib_frame({bytes.data(), size}, 0);
 }
 
-/// By libdeflate, which also checks the frame's checksum. Empty where it does not read it.
+/// Decompresses a frame with libdeflate, which also checks the checksum. Returns an empty array if that fails.
 Bytes unframed(const Bytes& frame, std::size_t size) {
   libdeflate_decompressor* reader = libdeflate_alloc_decompressor();
   Bytes bytes(size + 1);
@@ -75,7 +75,7 @@ TEST(DeflateChunk, TakesHardlyMoreThanLibdeflateOfWhatShardsHold) {
   test::Random rng(seed);
   for (const Bytes& bytes : {test::colours(rng, 1 << 17), test::runs(rng, 1 << 17, 20), test::noise(rng, 1 << 17, 40)})
     EXPECT_LE(double(framed(bytes).size()), 1.02 * double(level_1_size(bytes)));
-  // What is nearly nothing is nearly nothing, but for a header a block.
+  // Nearly constant data is packed to almost nothing except for a header per block.
   const Bytes alike = test::periodic(rng, 1 << 17, 640);
   EXPECT_LE(framed(alike).size(), level_1_size(alike) + 4 * 100);
 }
@@ -101,7 +101,7 @@ TEST(DeflateChunk, MakesTheBytesThatItAlwaysMade) {
   EXPECT_EQ(framed(Bytes(small.begin(), small.end())), frame);
 }
 
-/// Candidates as the header says them, found by looking at all earlier positions of a bucket.
+/// The candidates equal those that the header defines, found by comparing all earlier positions of a bucket.
 TEST(DeflateCandidates, AreTheLatestPositionsOfTheBucketWithinReach) {
   const test::RandomSeed seed;
   test::Random rng(seed);

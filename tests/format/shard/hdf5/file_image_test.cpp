@@ -6,7 +6,7 @@
 namespace gigabake {
 namespace {
 
-/// HDF5 clears what it does not write only if it was built to: a gap must not show the file before.
+/// HDF5 clears unwritten bytes only if it is built that way. A gap must not show bytes of the previous file.
 TEST(FileImage, GivesZerosWhereTheFormerFileStood) {
   FileImage image;
   image.begin_file();

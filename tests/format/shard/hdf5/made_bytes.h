@@ -35,7 +35,7 @@ inline Bytes runs(Random& rng, std::size_t size, std::size_t longest) {
   return bytes;
 }
 
-/// Rows of colours of a smooth picture with noise, some of which come again.
+/// Returns rows of colours of a smooth image with noise, some of which repeat.
 inline Bytes colours(Random& rng, std::size_t size) {
   Bytes bytes;
   int grey = 128;
@@ -70,7 +70,7 @@ inline Bytes rising(Random& rng, std::size_t size) {
   return bytes;
 }
 
-/// Half noise, half zeros, so that blocks of both kinds stand in a chunk.
+/// Returns half noise and half zeros, so that a chunk has compressed and stored blocks.
 inline Bytes half_noise(Random& rng, std::size_t size) {
   Bytes bytes = noise(rng, size, 256);
   std::fill(bytes.begin() + std::ptrdiff_t(size / 2), bytes.end(), std::uint8_t(0));
@@ -82,7 +82,7 @@ struct NamedBytes {
   Bytes bytes;
 };
 
-/// One of every kind, of `size` bytes.
+/// Returns one example of each class, of `size` bytes.
 inline std::vector<NamedBytes> made_bytes(Random& rng, std::size_t size) {
   std::vector<NamedBytes> all{{"zeros", Bytes(size)},
                               {"constant", Bytes(size, 0xab)},
