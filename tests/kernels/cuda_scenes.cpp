@@ -29,7 +29,7 @@ MaterialView material(AlphaMode alpha, std::int32_t texture, Wrap wrap) {
   return m;
 }
 
-/// The ground, once more above itself for each of the modes and wraps.
+/// Adds a shifted copy of the ground for each mode and wrap.
 void add_textured_sheets(TestCell& cell, std::initializer_list<AlphaMode> modes) {
   TestCell from = ground("", 64, 10, true, false);
   const CellInput other = from.input();

@@ -1,4 +1,5 @@
-/// Cells that ask everything of a backend: colours, textures, instances, triangles of all sizes, bad ones among them.
+/// Cells that use all features of a backend: colours, textures, instances, triangles of all sizes, and invalid
+/// triangles.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,7 @@ class TestCell {
   /// Range: material is one of `materials`.
   void add_part(std::vector<float> position, std::vector<std::uint32_t> index, std::uint32_t material,
                 std::vector<float> uv = {}, std::vector<std::uint16_t> rgba = {});
-  /// The last part once more, moved and scaled; a negative scale mirrors it.
+  /// Adds a moved and scaled instance of the last part; a negative scale mirrors it.
   void add_instance(double x, double y, double z, double scale);
   /// Returns its index, for MaterialView::texture.
   std::int32_t add_texture(int width, int height, TextureAlpha alpha, unsigned seed);
@@ -45,7 +46,7 @@ class TestCell {
   std::vector<TextureView> views_;
 };
 
-/// Rolling ground of 2·quads² triangles over the window. wanted: texture coordinates, vertex colours.
+/// Returns rolling ground of 2·quads² triangles over the window. uv, rgba: adds texture coordinates, vertex colours.
 TestCell ground(std::string name, std::uint32_t window_voxels, int quads, bool uv, bool rgba);
 /// One texture for each alpha mode, repeated, mirrored, clamped, stretched.
 TestCell textured_ground();

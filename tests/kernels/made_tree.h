@@ -24,7 +24,7 @@ class MadeTree {
  private:
   using Value = std::uint64_t;  ///< colour, normal, plane
 
-  /// alike: what all below is, if it is one.
+  /// Adds a subtree. `alike` is the value of all nodes below if they are equal.
   void add(std::uint64_t key, std::size_t lod, std::optional<Value> alike) {
     const unsigned chance = unsigned(rng_() % 8);
     if (!alike && chance == 0) alike = rng_() % 3;  // few, so that neighbours meet

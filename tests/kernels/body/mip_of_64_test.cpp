@@ -11,7 +11,7 @@ namespace {
 
 const Tables tables_of_64 = TableStore::host().view();
 
-/// Sparse, and by turns dense.
+/// Fills a mask that is sparse or dense, at random.
 void random_mask(std::mt19937_64& random, std::uint64_t mask[8]) {
   for (int w = 0; w < 8; ++w) mask[w] = random() & (random() % 2 != 0 ? random() : random() & random());
 }

@@ -56,8 +56,8 @@ Level two_voxels() {
   return level;
 }
 
-// Mended 2026-11-22: on a CPU the first of such children alone gave the parent its colour; on a GPU, and by the exact
-// reference of tests/reference, all of them do.
+// 2026-11-22: on a CPU only the first of such children gave the parent its colour. On a GPU and in the exact reference
+// of tests/reference all of them do.
 TEST(Levels, TakeTheMeanOfAllChildrenWhereNothingOfAnyShows) {
   std::vector<Level> levels(5);
   levels.back() = two_voxels();

@@ -118,7 +118,7 @@ TEST(NearestTexels, AreOneForATriangleThatLiesOnOnePointOfTheTexture) {
 }
 
 TEST(NearestTexels, AreAMeanAlongTheLineThatATriangleLiesOn) {
-  const WholeCell cell;  // half a texel along u alone, a quarter of it in the first
+  const WholeCell cell;  // half a texel along u, a quarter of it in the first
   const Rgba16 along_u =
       found(stripes(), {0.25 - 1.0 / 32, 0.125, 0, 0.5, 0, 0, Wrap::repeat, Wrap::repeat}, cell.shape());
   EXPECT_NEAR(along_u.c[0], 0.75 * 65535, 1);
@@ -127,7 +127,7 @@ TEST(NearestTexels, AreAMeanAlongTheLineThatATriangleLiesOn) {
   EXPECT_NEAR(along_v.c[0], 0.75 * 65535, 1);
 }
 
-/// What degenerate triangles ask for names any texel, and never memory beyond the image.
+/// A degenerate triangle reads any texel, but never memory beyond the image.
 TEST(NearestTexels, AreOfTheImageWhateverIsAskedFor) {
   constexpr std::uint64_t seed = 53;
   std::mt19937_64 rng(seed);
@@ -148,7 +148,7 @@ TEST(NearestTexels, AreOfTheImageWhateverIsAskedFor) {
 
 /// A polygon that is the cell's half, beyond it on all other sides.
 TEST(NearestTexels, AreThoseOfTheFragmentNotOfItsCell) {
-  const double u[3] = {0.5, 40, 0.5}, v[3] = {-30, -30, 70};  // a sheet that begins at u = 1/2
+  const double u[3] = {0.5, 40, 0.5}, v[3] = {-30, -30, 70};  // a polygon that begins at u = 1/2
   const FragmentShape shape{{0.75, 0.5}, 0.5, 0, 0, 0, 0, 0, u, v, 3};
   const NearestLook look{0, 0.5, 0, 0.5, 0, 0.1, Wrap::repeat, Wrap::repeat};  // two texels a voxel
   EXPECT_EQ(found(stripes(), look, shape).c[0], 65535);

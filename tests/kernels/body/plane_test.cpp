@@ -13,7 +13,7 @@ namespace {
 
 constexpr int edge = 32;  ///< of the cubes that are filled here, voxels
 
-/// A cube of voxels, where has(x, y, z) of their centres and from there on normal(x, y, z) says which are there.
+/// Returns a cube of voxels that contains those whose centres satisfy has(x, y, z), with the normals normal(x, y, z).
 template <class Has, class Normal>
 Level filled(const Has& has, const Normal& normal) {
   Level level;
@@ -105,7 +105,7 @@ TEST(OctahedronPoint, IsTheDirectionThatTheBytesEncode) {
   }
 }
 
-// What verify calls a plane is what the kernels write, and every byte of it.
+// The bytes that verify accepts as planes are exactly those that the kernels write.
 TEST(Plane, IsWrittenAsWhatAShardMayHold) {
   std::array<bool, 256> written{};
   for (std::int32_t offset = -most_offset; offset <= most_offset; ++offset)
@@ -114,8 +114,8 @@ TEST(Plane, IsWrittenAsWhatAShardMayHold) {
   for (int byte = 0; byte < 256; ++byte) EXPECT_EQ(is_plane(std::uint8_t(byte)), written[std::size_t(byte)]) << byte;
 }
 
-// A voxel of level 0 says of a surface only that it lies in it: so a plane is known to a quarter of a voxel of level 1,
-// and to ever less of coarser ones.
+// A voxel of level 0 states only that a surface lies in it. Therefore a plane of level 1 is exact to a quarter of a
+// voxel, and to smaller fractions on coarser levels.
 TEST(Plane, IsWhereTheVoxelsOfAPlaneLie) {
   const std::uint64_t seed = 20261123;
   std::mt19937_64 random(seed);

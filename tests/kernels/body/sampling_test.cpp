@@ -33,7 +33,7 @@ void wrap_anyhow(std::mt19937_64& rng, MaterialView& material) {
   material.wrap_t = sampled_wraps[rng() % 3];
 }
 
-/// Texels a voxel along u and along v of a picture of `size`.
+/// Returns a map of this many texels per voxel along u and along v, for an image of `size`.
 TextureMap map_of(double texels_u, double texels_v, int size) {
   TextureMap map{};
   map.su = texels_u / size;
@@ -62,7 +62,7 @@ std::int64_t wrapped_texel(std::int64_t i, std::int64_t size, Wrap wrap) {
   return r < size ? r : period - 1 - r;
 }
 
-/// What colour the endless plane has at x texels, where texel i's is i.
+/// Returns the colour of the infinite plane at x texels, where texel i has the colour i.
 double plane_at(double x, std::int64_t size, Wrap wrap) {
   const double below = std::floor(x - 0.5), second = x - 0.5 - below;
   return (1 - second) * double(wrapped_texel(std::int64_t(below), size, wrap)) +
@@ -128,7 +128,7 @@ TEST(Sampling, MovesFromOneTexelToTheNextInAStraightLine) {
   }
 }
 
-/// Where alpha is ignored nobody looks at it, and colours are the same.
+/// The filter does not read alpha if it is ignored, and the colours are the same.
 TEST(Sampling, FindsTheSameColoursWithoutAlpha) {
   constexpr std::uint64_t seed = 43;
   std::mt19937_64 rng(seed);
@@ -161,7 +161,7 @@ double mean_of_points(const Texture& texture, const MaterialView& m, double s, d
   return sum / (points * points);
 }
 
-/// Also across the edges of the image.
+/// The mean is exact, also across the edges of the image.
 TEST(Sampling, HasTheExactMeanOverABoxOfUpToOneTexel) {
   constexpr std::uint64_t seed = 44;
   std::mt19937_64 rng(seed);
@@ -196,8 +196,8 @@ TEST(Sampling, OfASliverOnABorderHasAFootprint) {
   }
 }
 
-/// Whatever a fragment's shape: two parts and the whole that they make see the same of a texture that a quadratic
-/// function describes, and its covariance counts.
+/// Two parts and the whole that they form have the same mean of a texture that a quadratic function describes. This
+/// holds for fragments of any shape, and depends on their covariance.
 TEST(Sampling, OfTwoPartsAddsUpToTheWhole) {
   constexpr int size = 64;
   std::vector<std::uint8_t> texels;

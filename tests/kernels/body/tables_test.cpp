@@ -40,7 +40,7 @@ TEST(Tables, RaiseMeanAlphaToOneMinusItself) {
   }
 }
 
-// A sheet passes through 1/n voxels of a column, in the mean.
+// A surface passes through 1/n voxels of a column on average.
 TEST(Tables, HaveOfASheetsVoxelsThatTogetherTheyCoverWhatItDoes) {
   for (int alpha = 0; alpha < 256; ++alpha)
     for (int n = 1; n < int(normal_steps); ++n) {

@@ -1,4 +1,5 @@
-/// The prefiltered pyramid: every level has the mean of the image, and its alpha means what the material says.
+/// The prefiltered pyramid: every level has the mean of the image, and its alpha follows the alpha mode of the
+/// material.
 #include "kernels/cpu/texture.h"
 
 #include <cmath>

@@ -15,8 +15,8 @@ constexpr int lods = 5, cell_bits = lods + 2;
 
 constexpr int edge_bricks = 1 << (cell_bits - 3);
 
-/// A tree of a cell in which bricks stand here and there. A node says that a voxel of its level beyond its upper sides
-/// is empty too, so it is split where one stands there.
+/// A tree of a cell with bricks at random places. An empty node also asserts that the voxels next to its upper sides
+/// are empty. Therefore it is split if a brick is adjacent there.
 struct RandomTree : OneCell {
   std::vector<bool> stands;
   std::vector<NodeWord> nodes = std::vector<NodeWord>(8, empty_node);
@@ -96,8 +96,8 @@ bool is_empty(const RandomTree& tree, const CastLine& line, double step) {
   return !is_here(locate(tree.scene, line, 0, at, true, frame, path).brick);
 }
 
-/// Along a diagonal of x and y, a quarter of a voxel along each with a step, so that points lie on the edges of nodes,
-/// but for some 65536ths: which of two siblings lies ahead is what rounding would decide.
+/// Returns a line along a diagonal of x and y with steps of a quarter of a voxel along each. Its points lie on the
+/// edges of nodes to a few 65536ths, so rounding would decide which of two siblings is next.
 CastLine random_tree_diagonal(std::mt19937_64& random) {
   CastLine line = random_tree_line(random);
   for (int a = 0; a < 2; ++a) {
@@ -113,7 +113,7 @@ struct Leaps {
   std::uint64_t points = 0, count = 0;
 };
 
-/// What a ray steps over is empty: each of its points by itself, found from the root on.
+/// Expects all points of the skipped empty space to be empty, each located separately from the root.
 void expect_empty(const RandomTree& tree, const CastLine& line, Leaps& leaps) {
   const LevelPoints points = level_points(tree.scene, line, 0);
   CellFrame frame;
@@ -132,7 +132,7 @@ void expect_empty(const RandomTree& tree, const CastLine& line, Leaps& leaps) {
   }
 }
 
-/// In all directions, from sides of nodes on, and where siblings are passed as one.
+/// Lines have all directions, begin on sides of nodes, and skip siblings in one step.
 TEST(EmptySpace, IsEmptyAtEachPointThatIsSteppedOver) {
   constexpr std::uint64_t seed = 20261124;
   std::mt19937_64 random(seed);
@@ -148,8 +148,7 @@ TEST(EmptySpace, IsEmptyAtEachPointThatIsSteppedOver) {
   EXPECT_GT(leaps.points, 8 * leaps.count) << "rays leap over brick after brick";
 }
 
-/// A point in whole numbers is the point, to a 65536th and what it is rounded by; also at the far end of the widest
-/// scene there may be.
+/// Fixed-point coordinates equal the point to 1/65536 voxel and its rounding, also at the far end of the widest scene.
 TEST(EmptySpace, IsFoundWhereThePointLies) {
   constexpr std::uint64_t seed = 20261125;
   std::mt19937_64 random(seed);

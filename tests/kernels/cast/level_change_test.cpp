@@ -8,7 +8,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// A tree of 16³ voxels that is empty at lod 0 and has an opaque floor at lod 1, which is all of the scene there is.
+/// A tree of 16³ voxels that is empty at lod 0 and has an opaque floor at lod 1; the scene has no other cell.
 struct FloorOfLod1 : OneCell {
   FloorOfLod1() : OneCell(4, 2) { scene.min[2] = 13; }
 
@@ -27,8 +27,8 @@ struct FloorOfLod1 : OneCell {
   }
 };
 
-// What was found on 2026-11-23: the step over a level's empty space ended behind the scene, and with it the ray, though
-// the next level, which begins before that, still had a surface there.
+// 2026-11-23: skipping a level's empty space ended behind the scene and with it the ray. The next level begins before
+// that place and still had a surface there.
 TEST(LevelChange, ComesBeforeTheEndOfTheSceneWhereEmptySpaceWasSteppedOver) {
   const ThreadPool threads(1);
   const FloorOfLod1 floor;

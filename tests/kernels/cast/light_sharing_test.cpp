@@ -1,4 +1,4 @@
-// Which pixels have the light of others of their block, and which cast rays of their own.
+// Selects the pixels that reuse shadow samples of their block and those that cast separate rays.
 #include "kernels/cast/light_sharing.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ namespace {
 constexpr int tile_edge = 2 * sky_block;
 constexpr int sun = int(LightRay::sun), sky = int(LightRay::sky);
 
-/// A picture of flat ground, a voxel a pixel, whose first rays are finished: all see all of the light.
+/// An image of flat ground, one voxel per pixel, whose first rays are finished: all pixels are fully lit.
 struct Ground {
   CastTile tile{0, 0, tile_edge, tile_edge};
   CastLighting lighting;
@@ -45,7 +45,7 @@ struct Ground {
       for (int x = 0; x < tile_edge; ++x) share_light({lights.data(), tile}, lighting, x, y, at(x, y));
   }
 
-  /// How many pixels of [x0, x0 + size) × [y0, y0 + size) go on with a ray of their own.
+  /// Returns the number of pixels of [x0, x0 + size) × [y0, y0 + size) that cast a separate ray.
   int own_rays(LightRay ray, int x0, int y0, int size) {
     int count = 0;
     for (int y = y0; y < y0 + size; ++y)

@@ -9,7 +9,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// A scene of one brick of 8³ voxels: sheets, loose surface and panes at random places.
+/// A scene of one brick of 8³ voxels: opaque surfaces, residual coverage and translucent surfaces at random places.
 class OneBrick {
  public:
   explicit OneBrick(std::mt19937_64& random) {
@@ -52,7 +52,7 @@ class OneBrick {
   CastBrick brick_;
 };
 
-/// From a point of a cube around the brick towards one of the brick.
+/// Returns a line from a point of a cube around the brick towards a point of the brick.
 CastLine random_line(std::mt19937_64& random) {
   std::uniform_real_distribution<double> around(-12, 20), inside(0, 8);
   CastLine line;

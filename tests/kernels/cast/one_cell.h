@@ -14,7 +14,7 @@ struct OneCell {
   std::vector<std::uint32_t> column_first{0, 1};
   CastScene scene;
 
-  /// Its edge is 2^cell_bits voxels, and it is all of the scene there is.
+  /// Makes a scene of one cell whose edge is 2^cell_bits voxels.
   OneCell(int cell_bits, int lods) {
     scene.cells = {cells.data(), cells.size()};
     scene.column_key = {column_key.data(), column_key.size()};

@@ -14,7 +14,8 @@ bool is_there(const SlotVoxels& slot, int x, int y, int z) { return (slot.row[z]
 
 std::uint32_t content_of(int x, int y, int z) { return std::uint32_t(x + slot_edge * (y + slot_edge * z)); }
 
-/// Voxels in a box that may be a slice, a bar or a corner, one in so many of them; the more boxes the denser.
+/// Returns voxels in random boxes, each a slice, a bar or a corner. Each box is filled with a random density; more
+/// boxes give a denser slot.
 SlotVoxels random_slot(std::mt19937_64& random) {
   SlotVoxels slot;
   for (auto boxes = random() % 4; boxes > 0; --boxes) {
@@ -46,7 +47,7 @@ std::size_t count_parts(const SlotVoxels& slot) {
   return parts;
 }
 
-/// Of points [from, from + size): whether one of the eight voxels around any of them is there.
+/// Returns true if the interpolation of any point of [from, from + size) reads a voxel that exists.
 bool has_field(const SlotVoxels& slot, const int from[3], int size) {
   for (int z = from[2]; z <= from[2] + size; ++z)
     for (int y = from[1]; y <= from[1] + size; ++y)
@@ -75,8 +76,9 @@ CastLine line_along(int axis, bool is_up) {
   return line;
 }
 
-/// Around the middle between voxels, where the field is zero: a ray along an axis may go on to the side of half of the
-/// of the brick where that is empty, else of a quarter, else none; and less than what rounding may be by so much less.
+/// Checks the distance along each axis from the middle between voxels, where the field is zero, to the exit of the
+/// empty part. The part is half of the brick if that is empty, else a quarter, else none. The result is never too long,
+/// and too short only by the rounding error.
 void expect_empty_part(const SlotVoxels& slot, const CastBrick& brick, const CastPoint& point) {
   int edge = 0, from[3] = {0, 0, 0};
   for (const int tried : {2, 4}) {

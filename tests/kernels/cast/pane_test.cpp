@@ -1,4 +1,4 @@
-/// What a ray makes of surface that lets light through.
+/// Compositing of translucent surfaces along a ray.
 #include <gtest/gtest.h>
 #include <random>
 
@@ -7,7 +7,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Pieces of a pane, a few voxels of the ray's way apart at most.
+/// Returns the transmittance of one translucent surface whose samples are `apart` voxels from each other along the ray.
 float light_through(float density, const std::vector<float>& pieces, double apart) {
   CastRay ray;
   double distance = 1000;
@@ -44,7 +44,7 @@ TEST(Pane, LeavesOpaqueSurfaceBehindItOpaque) {
   EXPECT_NEAR(ray.transmittance, 0, 1e-6f);
 }
 
-// Seen slantwise, a pane's steps follow each other far apart along the ray, and are one pane.
+// At a grazing angle the samples of a translucent surface lie far apart along the ray, but count as one surface.
 TEST(Pane, IsOneWhereARayGoesAlongIt) {
   CastRay ray;
   for (int i = 0; i < 5; ++i) {
@@ -54,7 +54,7 @@ TEST(Pane, IsOneWhereARayGoesAlongIt) {
   EXPECT_NEAR(ray.transmittance, 0.7f, 1e-6f);
 }
 
-// Below the first of two parallel sheets and above the second the blended height changes its sign a third time.
+// Between two parallel surfaces the blended signed distance changes its sign a third time.
 TEST(Pane, IsNotMetBetweenTwoSheets) {
   CastLine line{};
   line.direction[2] = -1;

@@ -5,7 +5,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// A level sheet below a ray that goes straight down through voxels of lod 4; points are half a voxel apart.
+/// A horizontal surface below a ray that goes straight down through voxels of lod 4; samples are half a voxel apart.
 struct RayDown {
   CastLine line{};
   CastRay ray;
@@ -15,7 +15,7 @@ struct RayDown {
     ray.lod = 4;
   }
 
-  /// Where the ray met the sheet, if this point is so many voxels above it; then it is the last point.
+  /// Returns the ray's distance to the surface if this sample, `height` voxels above it, is the first at or below it.
   double next(double distance, float height) {
     const CastSheet sheet = {1, {0, 0, 127}, 254 * height};
     const double met = sheet_met(sheet, line, ray.lod, distance, ray);
@@ -37,8 +37,8 @@ TEST(SheetMet, IsWhereTheHeightChangesItsSign) {
   EXPECT_EQ(down.next(124, -0.75f), met_nowhere);
 }
 
-// What was found on 2026-11-23: planes of half a degree, seen straight down from a lattice plane, let all light through
-// wherever a point lay on the sheet itself.
+// 2026-11-23: planes tilted by half a degree, seen straight down from a lattice plane, let all light through. This
+// happened where a sample lay exactly on the surface.
 TEST(SheetMet, IsOnceWhereAPointLiesOnTheSheet) {
   RayDown down;
   EXPECT_EQ(down.next(100, 0.5f), met_nowhere);

@@ -22,7 +22,7 @@ struct Slot {
   CastVoxel& at(int x, int y, int z) { return voxel[x + slot_edge * (y + slot_edge * z)]; }
 };
 
-/// As the pools have it: all voxels of a slot that are not zero.
+/// A brick in the format of the pools: all voxels of a slot that are not zero.
 class Brick {
  public:
   explicit Brick(const Slot& slot) {
@@ -122,8 +122,7 @@ TEST(CastSheet, IsWhereThePlaneOfItsVoxelsIs) {
   }
 }
 
-// What was found on 2026-11-23: coarse levels let light through where a sheet passes from one layer of voxels to the
-// next.
+// 2026-11-23: coarse levels let light through where a surface passes from one layer of voxels to the next.
 TEST(CastSheet, IsOpaqueWhereverARayMeetsIt) {
   RandomPoints points;
   for (int i = 0; i < 200; ++i) {
@@ -182,7 +181,7 @@ TEST(Disagreement, IsOfPlanesThatAreFartherThanThirtyDegreesFromTheSheet) {
   EXPECT_EQ(disagreement(up, sheet_at(180)), 1);
 }
 
-// Where two sheets meet, the blended one may lie nowhere: then their coverages are what is seen.
+// If two surfaces intersect, the blended surface may not exist: then their coverages are composited.
 TEST(CastField, CountsSheetsByTheirCoverageWhereTheyDisagree) {
   const auto slot = std::make_unique<Slot>();
   for (int z = 0; z < slot_edge; ++z)
@@ -209,8 +208,8 @@ TEST(PartInPair, IsHowMuchOfAColumnsSheetLiesInTwoVoxels) {
   EXPECT_EQ(part_in_pair(2.5f, 0.5f), 0);
 }
 
-/// Voxels of sheets whose normals are turned from one direction by up to so many bytes a component; some hold a second
-/// sheet or something loose where `is_mixed`.
+/// Returns voxels of surfaces whose normals differ from one direction by up to `spread` bytes per component. If
+/// `is_mixed`, some voxels have a second surface or residual coverage.
 Slot random_sheets(std::mt19937_64& random, int spread, bool is_mixed) {
   const auto byte = [&](int most) { return int(random() % std::uint64_t(2 * most + 1)) - most; };
   const int to[2] = {byte(60), byte(60)};

@@ -15,7 +15,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Bricks of smooth and of noisy colours, normals all over the sphere or nearly alike.
+/// Returns bricks of smooth and of noisy colours, with normals all over the sphere or nearly equal.
 Level made_level(std::mt19937_64& rng, std::size_t bricks) {
   Level level;
   level.first = {0};

@@ -1,4 +1,4 @@
-/// Which triangles come to which brick: none is missing, none comes twice, and batches only cut the list.
+/// Assignment of triangles to bricks: none is missing, none occurs twice, and batches only split the list.
 #include "kernels/cpu/bin.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ std::int32_t uniform(Rng& rng, std::int32_t low, std::int32_t high) {
   return std::uniform_int_distribution<std::int32_t>(low, high)(rng);
 }
 
-/// Of all sizes, some outside of the window in part.
+/// Returns triangles of all sizes, some partly outside of the window.
 std::vector<WindowTriangle> random_triangles(std::size_t count, std::int32_t window_subvoxels, Rng& rng) {
   std::vector<WindowTriangle> out(count);
   for (std::size_t i = 0; i < count; ++i) {

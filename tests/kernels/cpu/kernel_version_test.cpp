@@ -1,4 +1,4 @@
-/// Voxels that a folder keeps from an earlier bake are taken over by fingerprint: so kernels that give other bytes need
+/// Voxels of an earlier bake in the same folder are reused by fingerprint. Therefore kernels that give other bytes need
 /// another kernel_version.
 #include "lattice/kernel_version.h"
 
@@ -10,7 +10,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Of all test cells' lods, added up.
+/// Returns the sum of the hashes of all test cells' lods.
 Hash128 hash_of_all_cells(SurfaceRule rule, MipFilter filter) {
   const ThreadPool pool(2);
   Hash128 sum{};

@@ -112,7 +112,7 @@ TEST_P(ParentLevels, AreThoseOfOneCellOverAllForEverySizeOfCellsAndBlocks) {
   CellVolume whole = bake_cell(cell.input(), parameters_of(cell, GetParam()), ThreadPool(2));
   ASSERT_EQ(whole.content_hash.size(), std::size_t(whole_lods));
   for (const std::uint32_t edge : {8u, 16u, 32u, 64u}) {
-    // What may be made alike shares a brick, and bricks move with the cells.
+    // Quantization groups span a brick, and bricks move with the cells.
     const std::int64_t z_shift = GetParam().max_error == 0 ? std::int64_t(random() % 8) : 0;
     InBlocks blocks(cell, GetParam(), random);
     EXPECT_EQ(blocks.hashes(edge, z_shift), whole.content_hash) << "cells of " << edge << ", shifted by " << z_shift;

@@ -28,7 +28,7 @@ auto taker(Voxels& voxels) {
   };
 }
 
-/// From the keys of the levels, without nodes.
+/// Returns the voxels of the level by its keys, without nodes.
 Voxels all_voxels(const Level& level) {
   Voxels voxels;
   for (std::size_t b = 0; b < level.key.size(); ++b) for_each_voxel(level, b, demorton(level.key[b]), taker(voxels));

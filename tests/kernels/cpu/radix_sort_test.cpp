@@ -7,7 +7,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Bits above the range are zero, as those of brick keys are.
+/// Bits above the range are zero, like the upper bits of brick keys.
 TEST(RadixSort, IsAStableSortByTheGivenBits) {
   const std::uint64_t seed = 3;
   std::mt19937_64 rng(seed);

@@ -83,7 +83,7 @@ struct Normal {
   std::int16_t n[4];
 };
 
-/// Of vertices that are not on the lattice, in an instance that shears and mirrors.
+/// Computes normals of vertices that are not on the lattice, in an instance that shears and mirrors.
 struct NormalBody {
   GB_HD Normal operator()(const WindowTriangle& w, const Tables&) const {
     const std::uint32_t index[3] = {0, 1, 2};
@@ -134,7 +134,7 @@ struct ResolveBody {
 
 TEST(DeviceBodies, ResolveToTheSameVoxelsAsOnTheCpu) { expect_same_bits<Resolved>(random_sums(50000), ResolveBody{}); }
 
-/// Of children whose rasters have this edge.
+/// The number of words of a parent whose children have rasters of this edge.
 template <int Edge>
 constexpr int parent_words = raster_words(Edge < most_raster_edge ? 2 * Edge : most_raster_edge);
 
@@ -145,7 +145,7 @@ struct Filtered {
   std::uint32_t raster[parent_words<Edge>];
 };
 
-/// Eight voxels, those of coverage 0 absent, with their rasters.
+/// Eight voxels with their rasters; a voxel of coverage 0 does not exist.
 template <int Edge>
 struct FilterCase {
   Voxel child[8];
@@ -213,7 +213,7 @@ TEST(DeviceBodies, FilterTheSameLevelsAsOnTheCpu) {
   expect_same_filter<8>();
 }
 
-/// Eight voxels, those of coverage 0 absent, with where their surfaces lie.
+/// Eight voxels with the moments of their surfaces; a voxel of coverage 0 does not exist.
 struct PatchCase {
   Voxel child[8];
   Patch patch[8];
@@ -225,7 +225,7 @@ struct Joined {
   std::uint8_t plane[2], beside[2][3];
 };
 
-/// Of children of lod 0, and of coarser ones.
+/// Joins the surface moments of children of lod 0, and of coarser lods.
 struct JoinBody {
   GB_HD Joined operator()(const PatchCase& from, const Tables& tables) const {
     Weights weights{};
@@ -244,7 +244,7 @@ struct JoinBody {
   }
 };
 
-/// Half of the cases are nearly one sheet, as most voxels are; the others are anything.
+/// Returns random cases: half of them are nearly one surface, as most voxels are; the others are arbitrary.
 std::vector<PatchCase> random_patches(int count) {
   std::mt19937 random(seed);
   const auto within = [&](int reach) { return int(random() % unsigned(2 * reach + 1)) - reach; };
@@ -269,7 +269,7 @@ TEST(DeviceBodies, JoinPatchesToTheSamePlanesAsOnTheCpu) {
   expect_same_bits<Joined>(random_patches(50000), JoinBody{});
 }
 
-/// A brick of lod l - 2, with room for all of its voxels.
+/// A brick of lod l - 2 with the capacity for all voxels.
 struct Brick64 {
   std::uint64_t mask[8];
   Voxel voxel[brick_voxels];

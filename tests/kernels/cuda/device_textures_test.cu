@@ -21,7 +21,7 @@ using namespace test;
 
 constexpr int fragments = 8;
 
-/// A texture's levels on the device, as long as they are wanted.
+/// The levels of a texture in device memory.
 class TextureOnDevice {
  public:
   explicit TextureOnDevice(const TextureView& host) : base_(host.base, std::size_t(4) * texels(host, 0)), view_(host) {
@@ -48,7 +48,7 @@ struct TexturedTriangle {
   Wrap wrap_s, wrap_t;
 };
 
-/// What is found of each fragment, step after step, so that a difference says where it begins.
+/// Intermediate results of each fragment in order, so that a failure shows the first step that differs.
 struct Steps {
   double area, centroid_u, centroid_v, map[6], corner[2 * Outline::most], image[2 * Outline::most];
   std::int32_t corners, level;

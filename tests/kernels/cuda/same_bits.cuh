@@ -96,7 +96,7 @@ void expect_same_bits(const std::vector<In>& in, Body body) {
   }
 }
 
-/// Of the cell at (u, v) as the polygon covers it.
+/// Returns the moments of the polygon about (u, v).
 GB_HD CellMoments moments_of(const TrianglePlane& plane, const SlabPolygon& polygon, double u, double v) {
   CellMoments m{};
   for (int e = 0; e < polygon.count; ++e) {
