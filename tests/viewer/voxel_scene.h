@@ -21,7 +21,7 @@ struct Paint {
   std::array<std::int8_t, 2> normal{0, 0};  ///< octahedral; 0,0 is up
 };
 
-/// What lod-0 voxel x, y, z of the lattice holds.
+/// Returns the content of the lod-0 voxel x, y, z of the lattice.
 using Painter = std::function<std::optional<Paint>(std::int64_t x, std::int64_t y, std::int64_t z)>;
 
 /// A voxel is a metre and the lattice's corner is the scene's origin.
@@ -36,8 +36,8 @@ class VoxelScene {
   /// Adds the cells of the cube [min, min + edge).
   void add_cells(const Painter& paint, const std::array<std::int64_t, 3>& min, std::int64_t edge);
 
-  /// After all cells: the levels from first_lod up of the cube [min, min + edge), as they are above any cells; the
-  /// first `copied` of them are others' levels.
+  /// Adds the levels from first_lod up of the cube [min, min + edge), computed from the cells; call this after adding
+  /// all cells. The first `copied` levels are duplicated levels.
   void add_parent(const Painter& paint, const std::array<std::int64_t, 3>& min, std::uint32_t edge, int first_lod,
                   int copied = 0);
 
@@ -64,7 +64,7 @@ struct PictureOptions {
   int threads = 2;
 };
 
-/// A small square picture of what is seen from eye_m towards target_m, behind it nothing (alpha 0).
+/// Returns options for a small square image from eye_m towards target_m with a transparent background (alpha 0).
 PictureOptions view(const std::array<double, 3>& eye_m, const std::array<double, 3>& target_m, int edge = 96);
 
 Picture take(const VoxelScene& scene, const PictureOptions& options);

@@ -29,7 +29,7 @@ void expect_sound(const CameraRig& rig, double size_m, const Point<Scene>& middl
   ASSERT_LE(apart_m(p.eye_m, middle), CameraRig::farthest_sizes * size_m * (1 + 1e-6));
 }
 
-/// A hand that knows no limits.
+/// Returns arbitrary input: special values or numbers of random magnitude.
 double wild(std::mt19937_64& random) {
   static const double odd[] = {NAN, HUGE_VAL, -HUGE_VAL, 0, -0.0, 1e308, -1e308, 5e-324, 1e-9, 1, -1};
   const auto pick = random() % 20;
@@ -138,7 +138,7 @@ TEST(CameraRig, DraggingRightTurnsTheViewRightAndDraggingUpLowersTheOrbit) {
 
 TEST(CameraRig, PanningKeepsWhatIsDraggedUnderTheMouse) {
   CameraRig rig({{0, -100, 0}, {0, 0, 0}});
-  rig.pan(0.5, 0.25, 90);  // 90° at 100 m: a picture is 200 m high
+  rig.pan(0.5, 0.25, 90);  // 90° at 100 m: the image is 200 m high
   EXPECT_NEAR(rig.pose().target_m.x, -100, 1e-9);
   EXPECT_NEAR(rig.pose().target_m.z, -50, 1e-9);
   EXPECT_NEAR(apart_m(rig), 100, 1e-9);

@@ -21,7 +21,7 @@ LiveScene::Options small_pictures() {
   return options;
 }
 
-/// Of pictures so large that they take a while, drawn in pieces of so long.
+/// Returns options for images that take long to render, `frame_s` seconds per part.
 LiveScene::Options large_pictures(int edge, double frame_s) {
   LiveScene::Options options = small_pictures();
   options.camera.width = options.camera.height = edge;
@@ -65,7 +65,7 @@ TEST(LiveScene, EndsWithTheExactPictureOfWhereEachViewerRests) {
             scene.full_frame(second, patience_s)->frame.picture.rgba);
 }
 
-/// The first frame after `after` that is as wanted; null where none comes.
+/// Returns the first frame after `after` that satisfies `wanted`, or null on a timeout.
 template <class Wanted>
 LiveScene::FramePtr wait_for(const LiveScene& scene, LiveScene::ViewerId viewer, std::uint64_t after,
                              const Wanted& wanted) {
@@ -76,7 +76,7 @@ LiveScene::FramePtr wait_for(const LiveScene& scene, LiveScene::ViewerId viewer,
   }
 }
 
-// 2026-11-22: a full frame was drawn to its end, however long, whatever hands did meanwhile.
+// 2026-11-22: a full frame was always rendered to its end, whatever the input during this time.
 TEST(LiveScene, AFullPictureUnderWayEndsWhenItsViewerMoves) {
   const made::TempFolder folder;
   write_hill(folder / "scene.xml");
@@ -139,7 +139,7 @@ TEST(LiveScene, WaitsForASceneAndFollowsItsReplacement) {
   write_hill(folder / "scene.xml", {200, 30, 30, 255});
   const auto red = scene.full_frame(viewer, patience_s);
   ASSERT_NE(red, nullptr);
-  EXPECT_EQ(red->frame.picture.width, 48);  // what was asked for while there was nothing
+  EXPECT_EQ(red->frame.picture.width, 48);  // requested before there was a scene
   scene.steer(viewer, turn(0.2));
   const auto turned = scene.full_frame(viewer, patience_s);
   const CameraPose pose = scene.state(viewer)->pose;

@@ -80,7 +80,7 @@ TEST(Pilot, IsAsFarFromTheSceneAtHomeAsANarrowWindowNeeds) {
   EXPECT_NEAR(eye().y, -100, 1e-6);
 }
 
-// 2026-11-25: a window of another shape than home's picture moved the eye that `--eye` names.
+// 2026-11-25: a window of another aspect ratio than the home image moved the eye that `--eye` specifies.
 TEST(Pilot, KeepsAnEyeThatTheUserGaveInAWindowOfAnyShape) {
   Pilot pilot(home(), 0.05);
   Steering narrow;
@@ -101,7 +101,7 @@ TEST(Pilot, DrawsTheFullPictureOnceAndThenNothingMore) {
   EXPECT_FALSE(pilot.next(1e6).has_value());
 }
 
-// 2026-11-22: the first picture was as large as the window, and took seconds on two cores.
+// 2026-11-22: the first image was as large as the window, and took seconds on two cores.
 TEST(Pilot, BeginsSmallAndGrowsWithoutMuchMoreThanTheFullPictureTakes) {
   for (const double full_s : {0.3, 1.0, 4.0, 20.0}) {
     Pilot pilot(home(), 0.06);
@@ -121,7 +121,7 @@ TEST(Pilot, BeginsSmallAndGrowsWithoutMuchMoreThanTheFullPictureTakes) {
   }
 }
 
-// 2026-11-22: frames at rest took a quarter of a second for new data and then as long again to cast what was missing.
+// 2026-11-22: frames at rest waited a quarter of a second for new data, and as long again to cast missing rays.
 TEST(Pilot, GivesNewDataMoreTimeTheLongerItRests) {
   Pilot pilot(home(), 0.06);
   double before_s = 0;
@@ -190,7 +190,7 @@ TEST(Pilot, DrawsSmallWhileItMovesAndFullWhenItRests) {
   pilot.steer(turning(0.01), now_s);
   const auto last = fly(pilot, now_s, now_s + 5, 0.8);
   ASSERT_GE(last.size(), 2u);
-  // Full frames of 0.8 s, 0.05 s asked: a quarter of the edge.
+  // Full frames take 0.8 s, and 0.05 s are requested: a quarter of the edge.
   EXPECT_NEAR(last.front().share, 0.25, 0.07);
   EXPECT_TRUE(last.back().full);
   EXPECT_EQ(last.back().view.camera.eye_m, last.front().view.camera.eye_m);

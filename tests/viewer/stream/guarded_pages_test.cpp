@@ -27,7 +27,7 @@ std::string answer_of(const PageSource& source, const PageKey& key) {
   return "a page";
 }
 
-/// What the guard says of the ground's pages after `lie` has changed them.
+/// Returns the answer of guarded_pages() after `lie` has changed the ground's pages.
 template <class Lie>
 std::string answer_to(const PageKey& key, const Lie& lie) {
   const VoxelScene scene = wide_ground();
@@ -95,7 +95,7 @@ TEST(GuardedPages, DoNotWaitForAProducerThatHangs) {
   gate->opened.notify_all();
 }
 
-/// A picture through a producer that damages what it likes is whole: what is missing is drawn by what is above it.
+/// An image of a scene with damaged pages has no holes: coarser levels replace the refused pages.
 TEST(GuardedPages, OfALiarLeaveNoHoleInThePicture) {
   const VoxelScene scene = wide_ground();
   const PageSource true_pages = scene.pages();

@@ -184,7 +184,7 @@ TEST(OpenShards, AreReadByManyThreadsThoughFewAreOpen) {
     });
 }
 
-/// Of cells of 16 in a row and parents of 64 above them, in pages of two of these; and a root.
+/// Returns a scene of cells of 16 in a row, overviews of 64 in pages of two, and a root.
 SceneDescription row_of_parents() {
   SceneDescription scene;
   scene.voxel_size_m = 1;

@@ -30,7 +30,7 @@ std::vector<PageKey> pages(std::uint32_t first, std::uint32_t count) {
   return keys;
 }
 
-/// Pages made up: each holds its own number, in as many voxels as it is asked to have. Keeps a list of what was read.
+/// A source of synthetic pages: each stores its number in the requested number of voxels. Records all reads.
 class Shelf {
  public:
   explicit Shelf(std::size_t voxels = 100) : voxels_(voxels) {}
@@ -79,7 +79,7 @@ class Shelf {
   std::vector<std::uint32_t> read_;
 };
 
-/// Until nothing that is wanted is left to read, and all is taken in.
+/// Runs passes until no request is left to read and all pages are resident.
 void settle(Pager& pager) {
   do {
     pager.wait();
@@ -88,7 +88,7 @@ void settle(Pager& pager) {
   pager.begin_pass();
 }
 
-/// As settle(), in one pass.
+/// Like settle(), in one pass.
 void settle_at_once(Pager& pager) {
   while (pager.counts().queued > 0) std::this_thread::yield();
   pager.begin_pass();
@@ -199,7 +199,7 @@ TEST(Pager, LeavesWhatDoesNotFitForALaterCall) {
   EXPECT_EQ(pager.counts().peak_bytes, 4 * shelf.page_bytes());
 }
 
-/// A walk over the pages: what it asks for at once stays within half of the memory.
+/// A traversal of the pages: the pages of one request stay within half of the memory.
 TEST(Pager, KeepsWithinItsMemoryButForThePagesBeingRead) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
@@ -294,8 +294,7 @@ TEST(Pager, GoesWhileItReads) {
   EXPECT_LT(shelf.read().size(), 1000u) << "it waited for what nobody reads any more";
 }
 
-/// Finders of several threads against a pager that has too little memory: what is found stays whole until the pass
-/// ends.
+/// Several threads look up pages while the pager has too little memory: found pages stay valid until the pass ends.
 TEST(Pager, IsFoundInByManyThreadsWhileItReadsAndLetsGo) {
   Shelf shelf;
   Pager pager(shelf.source(), {2, 30 * shelf.page_bytes()});

@@ -12,7 +12,7 @@
 namespace gigabake {
 namespace {
 
-/// A source that keeps a list of what was asked for.
+/// A source that records all requests.
 struct Witness {
   std::mutex mutex;
   std::set<std::uint32_t> cells;  ///< of bricks
@@ -76,7 +76,7 @@ TEST(SceneStream, RefusesLessMemoryThanTheRootsTake) {
   EXPECT_THROW(take(scene, options), UsageError);
 }
 
-/// What lay_out_cells() says to a scene of two cells that was changed.
+/// Returns the error of lay_out_cells() for a scene of two cells that `change` has modified.
 std::string layout_complaint(const std::function<void(SceneDescription&)>& change) {
   VoxelScene scene(32);
   for (const std::int64_t x : {0, 32}) scene.add_cell(rippled_ground(), {x, 0, 0});

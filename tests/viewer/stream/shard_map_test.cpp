@@ -53,7 +53,7 @@ struct Asked {
   explicit Asked(const std::shared_ptr<const PagedScene>& scene)
       : map(*scene, one_root()), pager(pages_from_files(scene), {1, UINT64_MAX}) {}
 
-  /// Again and again until nothing is missing.
+  /// Repeats the question until no page is missing.
   template <class Question>
   auto answer(const Question& question) {
     for (;;) {
@@ -151,7 +151,7 @@ TEST(ShardMap, SaysWhereAPageOfTheSceneCannotBeRead) {
   EXPECT_NE(asked.pager.problems()[0].find(lost.file), std::string::npos);
 }
 
-/// A scene of two tiers: cells of 16, parents of 128 and a root that begins at half of its edge.
+/// Returns a scene of two overview levels: cells of 16, overviews of 128 and a root that begins at half of its edge.
 SceneDescription two_tiers() {
   SceneDescription scene;
   scene.parameters = to_json(BakeParameters{.voxel_size_m = 1});

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint32_t slots = 40, voxels = 1000;
 
-/// What stands in the pool, moved as a caster moves it; and what each slot put there.
+/// The voxels of the pool, moved as a caster moves them, and the content that each slot has written.
 class Pool {
  public:
   void put(std::uint32_t slot, std::uint32_t count, std::uint32_t content) {

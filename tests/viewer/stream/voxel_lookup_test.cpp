@@ -44,7 +44,7 @@ struct OpenGround {
 
   std::int64_t coordinate() { return std::int64_t(random() % gappy_edge); }
 
-  /// Asks until all pages that the question needs are here.
+  /// Repeats the question until all required pages are resident.
   template <class Question>
   void read_for(const Question& question) {
     for (PageGaps gaps;; gaps = {}) {

@@ -14,9 +14,9 @@ class HttpClient {
 
   /// False where the server has closed.
   bool send(const std::string& bytes);
-  /// Until the server closes, `most` bytes are there or it has been silent for `silence_s`.
+  /// Receives until the server closes, `most` bytes have arrived or the server has been silent for `silence_s`.
   std::string receive(std::size_t most, double silence_s = 2);
-  /// Until that comes, or nothing for half a minute.
+  /// Receives until `ending` arrives, or nothing for half a minute.
   std::string receive_until(const std::string& ending);
   /// One whole answer with a Content-Length, head and body; what there is of it where it does not come.
   std::string answer();
@@ -25,10 +25,10 @@ class HttpClient {
   int socket_ = -1;
 };
 
-/// One request on a connection of its own. head: further lines, each with its \r\n.
+/// Sends one request on a separate connection. head: further lines, each with its \r\n.
 std::string ask(int port, const std::string& method, const std::string& target, const std::string& head = "",
                 const std::string& body = "");
-/// Of an answer; 0 where there is none.
+/// Returns the status of an answer; 0 if it has none.
 int status_of(const std::string& answer);
 std::string body_of(const std::string& answer);
 

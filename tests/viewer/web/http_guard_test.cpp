@@ -132,7 +132,7 @@ TEST(HttpGuard, RefusesRequestsOfOtherPages) {
   }
 }
 
-// 2026-11-25: a proxy on this machine needed --bind 0.0.0.0, and a refusal did not state what it had received.
+// 2026-11-25: a proxy on this machine needed --bind 0.0.0.0, and a refusal did not state the values that were received.
 TEST(HttpGuard, AcceptsHostAndOriginOfTheExternalUrl) {
   const ExternalUrl external = parse_external_url("HTTPS://Maps.example.com:443/village");
   EXPECT_EQ(external.host, "maps.example.com");

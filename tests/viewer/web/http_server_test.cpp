@@ -74,7 +74,7 @@ std::size_t sent_until_closed(HttpClient& client, const std::string& what, std::
   return sent;
 }
 
-// 2026-11-22: header lines were taken without end, 1.2 GB of them, before anybody looked at the token.
+// 2026-11-22: an unlimited number of header lines, 1.2 GB of them, was received before the token was checked.
 TEST(HttpServer, EndsAHeadThatHasNoEnd) {
   HttpServed served;
   EXPECT_EQ(served.status(), 200);
@@ -101,7 +101,7 @@ TEST(HttpServer, SaysThatAHeadIsTooLong) {
   EXPECT_EQ(status_of(ask(served.port(), "GET", "/", lines)), 431);
 }
 
-/// A byte now and then, so that it is never silent for long. Whether the server closed.
+/// Sends a byte at a time, so that the connection is never silent for long. Returns true if the server closed it.
 bool is_closed_while_dribbling(HttpClient& client, const std::string& bytes) {
   for (int i = 0; i < 1000; ++i) {
     if (!client.send(bytes.substr(std::size_t(i) % bytes.size(), 1))) return true;
@@ -110,7 +110,7 @@ bool is_closed_while_dribbling(HttpClient& client, const std::string& bytes) {
   return false;
 }
 
-// 2026-11-22: who sent a byte every few seconds held a thread for ever.
+// 2026-11-22: a client that sent a byte every few seconds occupied a thread for ever.
 TEST(HttpServer, DropsWhoTakesTooLongForARequest) {
   HttpServer::Limits limits;
   limits.patience = 200ms;
@@ -121,7 +121,7 @@ TEST(HttpServer, DropsWhoTakesTooLongForARequest) {
       "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 4000\r\n\r\n");
   EXPECT_TRUE(is_closed_while_dribbling(slow_head, "X-Slow: yes\r\n"));
   EXPECT_TRUE(is_closed_while_dribbling(slow_body, "[1, 2, 3]"));
-  second.send(good_head + "\r\n");  // closed too, while it said nothing
+  second.send(good_head + "\r\n");  // closed too, after sending nothing
   EXPECT_EQ(status_of(second.answer()), 0);
 }
 
@@ -146,7 +146,7 @@ struct Connection {
   }
 };
 
-/// 2026-11-22: 100 slow clients locked everybody out.
+/// 2026-11-22: 100 slow clients blocked all other clients.
 TEST(WaitingClients, AreDroppedWhenTheyAreLateOrTheOldestOfTooMany) {
   const WaitingClients::Clock::time_point start{};
   WaitingClients waiting(3, 10s);
@@ -154,7 +154,7 @@ TEST(WaitingClients, AreDroppedWhenTheyAreLateOrTheOldestOfTooMany) {
   waiting.expect(a.server, start);
   waiting.expect(b.server, start + 2s);
   waiting.expect(c.server, start + 4s);
-  waiting.expect(a.server, start + 6s);  // answered, and waited for anew
+  waiting.expect(a.server, start + 6s);  // answered, and expected again
   waiting.drop_late(start + 11s);
   EXPECT_FALSE(a.is_dropped() || b.is_dropped() || c.is_dropped());
   waiting.expect(d.server, start + 11s);
@@ -166,7 +166,7 @@ TEST(WaitingClients, AreDroppedWhenTheyAreLateOrTheOldestOfTooMany) {
   EXPECT_FALSE(c.is_dropped() || d.is_dropped());
 }
 
-// 2026-11-22: a hundred slow clients locked everybody out.
+// 2026-11-22: a hundred slow clients blocked all other clients.
 TEST(HttpServer, AnswersAtOnceWhileHundredsAreSlow) {
   HttpServer::Limits limits;
   limits.patience = 10min;
@@ -203,7 +203,7 @@ TEST(HttpServer, AReplyThatTakesLongKeepsNobodyWaiting) {
   });
   const auto waiting = clients(served.port(), 2, "GET /slow HTTP/1.1\r\nHost: localhost\r\n\r\n");
   int third = 0;
-  while (third != 503) {  // the two may be on their way yet
+  while (third != 503) {  // both may still be in transit
     HttpClient client(served.port());
     client.send("GET /slow HTTP/1.1\r\nHost: localhost\r\n\r\n");
     third = status_of(client.receive(12, 0.2));
@@ -213,7 +213,7 @@ TEST(HttpServer, AReplyThatTakesLongKeepsNobodyWaiting) {
   EXPECT_EQ(body_of(waiting[0]->answer()) + body_of(waiting[1]->answer()), "at lastat last");
 }
 
-/// One that never ends, of many bytes, or of none; says when nobody wants it any more.
+/// A stream that never ends, of `bytes` bytes per part. Its destructor signals that the server has released it.
 class EndlessStream : public HttpStream {
  public:
   EndlessStream(std::size_t bytes, std::promise<void>& over) : bytes_(bytes), over_(over) {}

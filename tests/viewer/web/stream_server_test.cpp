@@ -113,7 +113,7 @@ TEST(StreamServer, SaysWhatLiesAtAPixel) {
   EXPECT_LT(off, 0.02 * distance);  // the middle lies between two pixels
   EXPECT_GT(there[0], 0);
   EXPECT_LT(there[0], 32);
-  EXPECT_FALSE(met.contains("lat_lon_height"));  // the hill stands nowhere on the earth
+  EXPECT_FALSE(met.contains("lat_lon_height"));  // the hill has no place on the earth
   EXPECT_EQ(at("&x=0&y=0")["point"], nullptr);
   for (const std::string wrong : {"", "&x=.5", "&x=2&y=0", "&x=nan&y=0", "&x=-0.1&y=.5", "&x=.5m&y=.5"})
     EXPECT_EQ(served.status("GET", "/point?viewer=" + key + wrong), 400) << wrong;
@@ -124,7 +124,7 @@ TEST(StreamServer, StreamsJpegsThatReplaceEachOther) {
   const std::string key = served.viewer();
   HttpClient client(served.port());
   client.send("GET /stream?viewer=" + key + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
-  // The head of the next part comes right behind each picture: browsers show it then.
+  // The head of the next part follows each image at once, because browsers then show the image.
   const std::string next = "\r\n--frame\r\nContent-Type: image/jpeg\r\n\r\n\r\n";
   const std::string start = client.receive_until(next);
   EXPECT_THAT(start, HasSubstr("multipart/x-mixed-replace; boundary=frame"));
@@ -174,7 +174,7 @@ TEST(StreamServer, AnswersStrangersWithAStatus) {
   EXPECT_EQ(served.status("GET", "/"), 200);
 }
 
-// 2026-11-22: as many as asked had a thread each.
+// 2026-11-22: each request had a separate thread, without a limit.
 TEST(StreamServer, MakesFewPicturesOfAViewerAtATime) {
   Served served({}, false);  // no scene: they wait
   const std::string key = served.viewer(), target = "/picture.png?viewer=" + key;
@@ -183,7 +183,7 @@ TEST(StreamServer, MakesFewPicturesOfAViewerAtATime) {
     waiting.push_back(std::make_unique<HttpClient>(served.port()));
     waiting.back()->send("GET " + target + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
   }
-  EXPECT_EQ(served.status("GET", "/state?viewer=" + key), 200);  // both are heard by now
+  EXPECT_EQ(served.status("GET", "/state?viewer=" + key), 200);  // both have been received by now
   EXPECT_EQ(served.status("GET", target), 429);
 }
 
@@ -266,7 +266,7 @@ TEST(StreamServer, AnswersOthersWhileManySayNothingOrListenToNothing) {
   EXPECT_EQ(served.status("GET", "/"), 200);
 }
 
-/// Its state as soon as that is so; what there is after a minute.
+/// Returns the viewer's state as soon as it satisfies `good`, or the last state after a minute.
 json wait_for(Served& served, const std::string& key, const std::function<bool(const json&)>& good) {
   json state;
   for (int i = 0; i < 6000; ++i) {
@@ -284,7 +284,8 @@ TEST(StreamServer, AViewerOfAVeryLargePictureLeavesTurnsToOthers) {
   served.steer(large, R"({"size": [4096, 4096]})");
   const json under_way = wait_for(served, large, [](const json& s) { return s["frame"]["size"][0] == 4096; });
   ASSERT_EQ(under_way["frame"]["size"], json({4096, 4096}));
-  const std::string small = served.viewer();  // not before: who says nothing for ten seconds has left
+  const std::string small = served.viewer();  // created here because a viewer that sends nothing for ten seconds
+                                              // expires
   for (int i = 0; i < 3; ++i) {
     served.steer(large, "{}");
     const json moved = served.steer(small, R"({"turn": [0.1, 0]})");
