@@ -84,7 +84,7 @@ TEST_F(HardSuiteNotices, ACellThatFails) {
 TEST(HardSuiteReport, NamesWhatFails) {
   HardBench bench{"cpu", {{"good", "group", "", 1, {{"missed", "voxels", 0, 0}}, {}}}};
   EXPECT_NE(to_markdown(bench).find("every bound holds"), std::string::npos);
-  // 2026-11-22: the report begins with its verdict and ends with what its columns are.
+  // 2026-11-22: the report begins with its result and ends with an explanation of its columns.
   EXPECT_EQ(
       to_markdown(bench).find("In all 1 hard cases every claimed bound holds. Nearest to its bound comes missed of "
                               "`good`: 0 of 0 voxels.\n"),

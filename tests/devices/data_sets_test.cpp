@@ -1,5 +1,5 @@
-// Every source of the shared data, and the sample terrain, baked on CPU and GPU under every surface rule and MIP
-// filter: the same content hash of every level. Skipped, with the reason, where there is no GPU or no data.
+// Bakes every source of the shared data and the sample terrain on CPU and GPU, with every surface rule and MIP filter.
+// All levels must have the same content hash. Skipped, with the reason, if there is no GPU or no data.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -27,7 +27,7 @@ using Path = std::filesystem::path;
 
 constexpr double voxels_along = 300;  ///< the scene's longest edge
 constexpr std::size_t most_cells = 12;
-constexpr std::uint64_t few_bytes = std::uint64_t(4) << 20;  ///< of device memory: larger cells come in parts
+constexpr std::uint64_t few_bytes = std::uint64_t(4) << 20;  ///< of device memory: larger cells are split
 
 using test::shared_data;
 
@@ -165,7 +165,7 @@ TEST_P(DataSets, HaveTheSameHashesOnCpuAndGpu) {
   }
   std::cout << outcome.sources << " sources, " << outcome.without_cells << " of them without triangles, "
             << outcome.cells << " cells, " << outcome.comparisons << " comparisons\n";
-  // Mended on 2026-11-22: sources that all are refused left nothing to compare, and the test passed.
+  // 2026-11-22: if all sources were refused, nothing was compared, and the test passed.
   EXPECT_GT(outcome.comparisons, 0) << folder << " is there, and nothing of its " << files.size()
                                     << " files was compared";
 }

@@ -1,5 +1,5 @@
-// What a device packs is what the host packs of the same voxels, column by column and byte by byte: of levels made up
-// by chance, and of every cell that asks something of the kernels. Skipped, with the reason, where there is no GPU.
+// A device packs the same columns as the host, byte by byte: for random levels and for all test cells of the kernels.
+// Skipped, with the reason, if there is no GPU.
 #include <gtest/gtest.h>
 #include <map>
 #include <random>
@@ -47,7 +47,7 @@ std::vector<std::uint8_t> stored_chunk(const ColumnRows& column, std::size_t num
   return encode_chunk(whole, {Codec::deflate, planes ? element_bytes(column.column.type) : 1});
 }
 
-/// Of chunks as they are stored. Returns the first difference, or nothing.
+/// Compares chunks in their stored form. Returns the first difference, or an empty string.
 std::string stored_difference(const ColumnRows& host, std::span<const std::span<const std::uint8_t>> device,
                               const ThreadPool& pool) {
   const std::size_t chunks = chunk_count(host.rows, host.column.row_bytes());
@@ -201,7 +201,7 @@ NodeTable one_node() {
   return nodes;
 }
 
-/// A baked cell of these levels. What it says of nodes and keys is no tree.
+/// Uploads a baked cell of these levels. Its nodes and keys form no tree.
 void put_on_device(kernels::DeviceHeap& heap, const std::vector<BrickLevel>& levels, kernels::BakedCell& cell) {
   for (const BrickLevel& level : levels) cell.levels.push_back(on_device(heap, level));
   cell.nodes.count = 1;
@@ -234,7 +234,7 @@ TEST_F(DevicePack, MakesTheHostsColumnsOfRandomLevels) {
   }
 }
 
-/// Beyond 1024 chunks of 128 KiB chunks are larger.
+/// Columns of more than 1024 chunks of 128 KiB have larger chunks.
 TEST_F(DevicePack, MakesTheHostsColumnsOfMoreThanAThousandChunks) {
   std::mt19937_64 rng(5);
   const kernels::Stream stream(device_);

@@ -35,7 +35,7 @@ TEST(InputError, IsWholeWhereItIsShort) {
   EXPECT_STREQ(InputError("a.glb", "nodes[1]", "has a cycle", 9).what(), "a.glb: nodes[1]: has a cycle (at byte 9)");
 }
 
-// 2026-11-25: the end of a message, which says what to do, was cut, while a long path appeared twice.
+// 2026-11-25: the end of a message, which states the remedy, was cut, while a long path appeared twice.
 TEST(InputError, ShortensPathsAndNeverTheCauseOrTheRemedy) {
   const std::string folder = "/data/" + std::string(90, 'f') + "/" + std::string(90, 'g') + "/";
   const std::string cause = "a pixel is 29032 m high, which no place on earth is", remedy = "set 0.3048 for feet";
@@ -59,7 +59,7 @@ TEST(InputError, NamesItsFileOnce) {
 
 // 2026-11-25: 238 of 444 refusals of other people's files ended in "…" before the reason.
 TEST(InputError, HasAllOfItsOwnWordsWhateverTheLengthOfPathsKeysAndNames) {
-  std::string words;  // more than any message of ours
+  std::string words;  // longer than any message of gigabake
   for (int i = 0; i < 50; ++i) words += "word" + std::to_string(i) + " ";
   words += "end";
   const std::string path = "/data/" + std::string(90, 'f') + " " + std::string(190, 'g') + "/a.glb";

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""What must not compile: frames that are mixed, maps in the wrong order, one rule in the place of another. Each wrong
-line stands beside a right one that differs from it in nothing else; the compiler reads all of them at once and must
-refuse the wrong ones, for the reason expected, and no others.
+"""Checks that invalid code does not compile: mixed frames, maps in the wrong order, a rule in place of another.
+
+Each wrong line has a correct one that differs from it only in the mistake. The compiler reads all lines in one run. It
+must refuse exactly the wrong ones, for the expected reason.
 
 Usage: must_not_compile_test.py COMPILER SOURCE_DIR
 """
@@ -54,7 +55,7 @@ PAIRS = [
 
 
 def compiled(compiler, source_dir, lines):
-    """{line of `lines`: errors there}; those elsewhere stand under None."""
+    """Returns {line of `lines`: its errors}; the key None has the errors in other places."""
     head = "".join(f'#include "{header}"\n' for header in HEADERS) + GIVEN
     body = "".join(f"inline auto line_{number}() {{\n#line {number} \"tried\"\n{line} (void)0; return true; }}\n"
                    for number, line in enumerate(lines, 1))

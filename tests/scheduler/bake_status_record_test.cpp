@@ -193,7 +193,7 @@ TEST(BakeStatusRecord, SaysHowItEnded) {
   EXPECT_TRUE(is_over(s.state));
 }
 
-/// A bake by a Schedule whose workers err, die and fall silent, told to the record as the master loop would.
+/// A bake by a Schedule whose workers fail, exit and stop sending, recorded as the master loop would record it.
 class FaultyBake {
  public:
   explicit FaultyBake(unsigned seed) : random_(seed), jobs_(named_jobs(200)), schedule_(jobs_, {}) {

@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-/// Gone with the test.
+/// A temporary folder that is removed with the test.
 class TestFolder {
  public:
   TestFolder() {

@@ -1,4 +1,4 @@
-/// Cells for schedules, made of numbers alone.
+/// Cells for schedules, made from numbers without files.
 #pragma once
 
 #include <random>

@@ -67,7 +67,7 @@ TEST(StackOver, IsCentredOnTheHeight) {
   EXPECT_EQ(s.cells, 1);
 }
 
-/// 2026-11-25: counts were part of a warning's text, so each file had a line of its own.
+/// 2026-11-25: counts were part of a warning's text, so each file had a separate line.
 TEST(MakePlan, AddsUpTheWarningsOfAKindAndListsLosses) {
   SourceWarnings warnings;
   warnings.count("lines not understood", "line 1");
@@ -157,8 +157,8 @@ TEST(CellFingerprints, DoNotDependOnTheOrderOfTilesButOnHowOftenEachIsThere) {
   }
 }
 
-/// Until kernel_version or fingerprint_version is raised, after which every cell is baked again (2026-11-25: the
-/// latter, since shards of before may be of ranks that did not agree; the former, since alpha tests changed).
+/// The values stay the same until kernel_version or fingerprint_version is raised; every cell is then baked again. On
+/// 2026-11-25 both were raised: ranks may have written different shards, and alpha tests changed.
 TEST(CellFingerprints, KeepTheirValuesSoThatOldBakesStayValid) {
   const CellFingerprints local(parameters(128), std::nullopt), placed(parameters(128), Geodetic{46.5, 8.25, 600});
   CellJob job;

@@ -66,7 +66,7 @@ TEST_F(PriorTest, AShardThatWasTouchedInAnyWayIsChecked) {
   write_text(shard(1), read_text(shard(1)) + "x");                 // another size
   std::filesystem::copy_file(shard(2), folder / "copy");           // another file of the same bytes
   std::filesystem::rename(folder / "copy", shard(2));              //
-  const timespec then[2] = {{1000, 0}, {1000, 0}};                 // mtime alone
+  const timespec then[2] = {{1000, 0}, {1000, 0}};                 // only the mtime
   ASSERT_EQ(::utimensat(AT_FDCWD, shard(4).c_str(), then, 0), 0);  //
   std::filesystem::remove(shard(5));
   std::filesystem::create_directory(shard(5));  // no file at all

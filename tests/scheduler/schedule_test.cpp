@@ -34,7 +34,7 @@ TEST(Schedule, BakesEveryCellOnceWhenNothingGoesWrong) {
   EXPECT_EQ(schedule.counts(), (JobCounts{0, 0, 500, 0, 0}));
 }
 
-// Mended on 2026-11-22: bad input was tried three times.
+// 2026-11-22: a cell with invalid input was tried three times.
 TEST(Schedule, SetsACellAsideAtOnceWhereAnotherTryIsUseless) {
   const std::vector<CellJob> jobs = equal_jobs(2);
   Schedule schedule(jobs, {});
@@ -72,7 +72,7 @@ TEST(Schedule, GivesAWorkerNoMoreThanItsSlots) {
   EXPECT_TRUE(schedule.next(1, 0));
 }
 
-/// Hands out what it can, worker by worker; how many each then holds.
+/// Dispatches all possible cells, worker by worker. Returns the number of cells that each worker then has.
 std::vector<int> cells_in_hand(Schedule& schedule, int workers) {
   std::vector<int> hold(std::size_t(workers), 0);
   for (int worker = 0; worker < workers; ++worker) schedule.heard_from(worker, 0);

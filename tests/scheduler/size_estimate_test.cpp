@@ -57,7 +57,7 @@ struct MadeScene {
             0.2,        0.1};
   }
 
-  /// From the first `tiles` of the order, the first `pieces`.
+  /// Bakes the first `pieces` sample cells of the first `tiles` of the order.
   BakedSample sample(std::size_t tiles, std::size_t pieces, std::uint64_t draw) const {
     std::vector<TileSurvey> chosen;
     for (const std::uint32_t t : weighted_order(weights(), draw))

@@ -37,7 +37,7 @@ class SurveyCacheTest : public ::testing::Test {
                                                         R"(%20.bin"}], "images": [{"uri": "skin.png"}]})");
     write_text(folder / "scene" / (name + " .bin"), "positions of " + name);
   }
-  /// As survey_tile() makes it; `settled` as if the files were old.
+  /// Returns the same result as survey_tile(); `settled`: as if the files were old.
   TileSurvey survey(std::uint32_t tile, bool settled = true) const {
     TileIdentity identity = identify_tile(sources.tiles[tile], sources.root);
     TileSurvey s;
@@ -54,7 +54,7 @@ class SurveyCacheTest : public ::testing::Test {
     save_survey_cache(path(), sources, parameters,
                       std::vector{survey(0, settled), survey(1, settled), survey(2, settled)});
   }
-  /// Which tiles need no survey, as "101".
+  /// Returns a digit per tile, for example "101": 1 for a tile that needs no scan.
   std::string found() const {
     std::string out;
     for (const auto& s : SurveyCache(path()).find_all(sources, parameters, 2)) out += s ? '1' : '0';
@@ -158,7 +158,7 @@ TEST_F(SurveyCacheTest, AMovedTileOrAnotherLatticeAsksForASurvey) {
   sources.tiles[0].gltf_up = UpAxis::x;
   EXPECT_EQ(found(), "011");
   sources.tiles[0].gltf_up = UpAxis::y;
-  parameters.normals = false;  // no matter of surveys
+  parameters.normals = false;  // not a parameter of scans
   parameters.mip = MipFilter::box;
   EXPECT_EQ(found(), "111");
   for (const auto& change : std::vector<void (*)(BakeParameters&)>{
@@ -207,7 +207,7 @@ TEST_F(SurveyCacheTest, OfAFileThatIsAbsentCutOrForeignIsEmpty) {
   EXPECT_EQ(found(), "000");
 }
 
-/// 2026-11-25: ranks with other options left what they had surveyed under the keys of rank 0's options.
+/// 2026-11-25: ranks with other options saved their scans under the keys of rank 0's options.
 TEST_F(SurveyCacheTest, OfAnEarlierProgramIsEmpty) {
   save();
   ASSERT_EQ(found(), "111");

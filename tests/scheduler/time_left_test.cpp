@@ -1,4 +1,4 @@
-/// Replayed bakes: the time left is held against what it was, as the replay knows.
+/// Replayed bakes: compares the estimated remaining time with the actual one.
 #include "scheduler/time_left.h"
 
 #include <algorithm>
@@ -43,7 +43,7 @@ struct Band {
   std::size_t estimates = 0;
 };
 
-/// Looks ten times a part, until a tenth of the time is left: what is a second of a minute is told in seconds.
+/// Checks ten times per part, until a tenth of the time is left. A remaining time below a minute is printed in seconds.
 Band replay(const Replay& r) {
   const std::vector<End> ends = ends_of(r);
   const double all_s = ends.back().at_s;
@@ -113,7 +113,7 @@ TEST(TimeLeft, CountsOnlyWorkersThatAreBusy) {
   EXPECT_NEAR(*left.left_s(100, 4), 5, 1e-9);
   left.rests(1);
   EXPECT_NEAR(*left.left_s(100, 4), 10, 1e-9);
-  left.begins(1, 60);  // what it did not work does not make it slow
+  left.begins(1, 60);  // the worker's idle time does not make it slow
   left.ends(1, 10, 61);
   EXPECT_NEAR(*left.left_s(100, 61), 4.5, 1e-9) << "the other has a part nearly done";
 }

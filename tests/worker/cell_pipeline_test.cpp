@@ -66,7 +66,7 @@ class CellPipelineTest : public testing::Test {
     return job;
   }
 
-  /// As the plan does it.
+  /// Sets the hashes of the tiles' sources, as the plan does.
   void know_sources(std::vector<CellJob>& cells) const {
     for (CellJob& job : cells)
       for (const std::uint32_t tile : job.tiles)
@@ -175,7 +175,7 @@ TEST_F(CellPipelineTest, BakesAgainWhatADamagedShardHeld) {
   EXPECT_NO_THROW(read_shard(path));
 }
 
-// Mended 2026-11-22: an edited shard whose checksums fit was taken over.
+// 2026-11-22: an edited shard with correct checksums was reused.
 TEST_F(CellPipelineTest, BakesAgainAShardThatHasNotTheVoxelsOrTheNameThatItSays) {
   const auto cells = jobs();
   const Hash128 expected = hash_of(run(cells, "out"));
@@ -294,7 +294,8 @@ TEST_F(CellPipelineTest, TellsOfEveryReport) {
   for (std::size_t i = 0; i < cells.size(); ++i) EXPECT_TRUE(pipeline.poll());
 }
 
-/// Only decoding finds damage inside the texels; what is no image at all is found by the scan, and is grey.
+/// Damage inside the texels is found only when they are decoded. A file that is no image is found by the scan, and is
+/// grey.
 TEST_F(CellPipelineTest, NamesTheImageThatItCannotDecode) {
   GlbMesh mesh = rolling_ground(32, 0, 0);
   mesh.image = checkered_png(64);
@@ -316,7 +317,7 @@ TEST_F(CellPipelineTest, ReportsACellWithoutVoxelsAsEmptyAndWritesNothing) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "out" / "shards"));
 }
 
-// Mended on 2026-11-22: such a triangle failed every cell that it meets.
+// 2026-11-22: such a triangle failed every cell that it overlaps.
 TEST_F(CellPipelineTest, LeavesOutTrianglesThatReachTooFarWhateverTheCell) {
   GlbMesh mesh = rolling_ground(32, 0, 0);
   const auto cells = jobs();

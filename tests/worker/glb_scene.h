@@ -1,4 +1,4 @@
-/// Small GLB files and scenes of them, written for a test and gone with it.
+/// Small GLB files and scenes of them, written for a test and removed after it.
 #pragma once
 
 #include <array>
@@ -37,7 +37,7 @@ struct GlbMesh {
 /// 2·n² triangles, one metre a step, of rolling ground: x east, y up, z south.
 GlbMesh rolling_ground(int n, double east_m, double north_m);
 
-/// A PNG of n×n texels, a colour of its own each.
+/// Returns a PNG of n×n texels, each with a different colour.
 std::vector<std::uint8_t> checkered_png(int n);
 
 void write_glb(const std::filesystem::path& path, const GlbMesh& mesh);

@@ -27,7 +27,7 @@ TEST(Handoff, PassesEveryValueOnInOrder) {
   between.join();
 }
 
-/// Several cells come from a device at once, each by a thread of its own, and go to several writers.
+/// Several threads read back cells from a device concurrently and pass them to several writers.
 TEST(Handoff, TakesEveryValueOfSeveralGiversAtOnce) {
   constexpr int givers = 3, takers = 4, values = 3000;
   Handoff<int> handoff;
@@ -47,7 +47,7 @@ TEST(Handoff, TakesEveryValueOfSeveralGiversAtOnce) {
   for (const std::atomic<int>& times : taken) ASSERT_EQ(times, 1);
 }
 
-/// Who gives is ahead of who takes by the room that there is, and no further; order stays.
+/// A producer is ahead of the consumer by at most the queue's capacity, and the order is preserved.
 TEST(Handoff, LetsAGiverGoAheadByItsRoom) {
   constexpr int room = 3, values = 40;
   Handoff<int> handoff(room);

@@ -1,4 +1,4 @@
-// Instances stay instances: a survey looks at their boxes, a cell takes those that come near it.
+// Instances stay instances: the scan reads their boxes, and a cell uses those that overlap it.
 #include <chrono>
 #include <cmath>
 #include <cstring>

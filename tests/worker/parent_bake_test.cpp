@@ -1,4 +1,4 @@
-// What a parent has of its children's shards, and what verify says where it has something else.
+// An overview's content, computed from its children's shards, and the faults that verify reports if it differs.
 #include "worker/parent_bake.h"
 
 #include <gtest/gtest.h>
@@ -195,7 +195,7 @@ TEST(ChildOf, AShardInMemoryIsWhatIsReadOfItsFile) {
   }
 }
 
-/// Of the box filter, which needs no rasters.
+/// Returns the source data for the box filter, which needs no rasters.
 ParentSource source_of(const Shard& child) {
   ParentSource source;
   const int top = int(child.header.lods) - 1;

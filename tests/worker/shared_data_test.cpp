@@ -1,5 +1,5 @@
-// Every mesh and tileset of the shared data is surveyed and read, or refused for a reason that is written down in
-// shared_data.txt beside this file. What the program says is printed; a difference fails.
+// Every mesh and tileset of the shared data is scanned and read, or refused with the reason that shared_data.txt in
+// this folder lists. The output of the program is printed; a difference fails the test.
 #include "tests/shared_data.h"
 
 #include <algorithm>
@@ -37,7 +37,7 @@ bool is_mesh_or_tileset(const Path& file) {
   return known.contains(file.extension().string()) && !file.filename().string().ends_with(".report.json");
 }
 
-/// The reason without what differs from file to file: its path, what is in quotes, numbers.
+/// Returns the reason without the parts that differ from file to file: its path, quoted text, numbers.
 std::string kind_of(std::string reason) {
   static const std::regex path("^(tile )?[^ :]*/[^ :]*: "), quoted("'[^']*'"), where("\\[[0-9]+\\]"),
       number("\\b[0-9]+\\b(?!\\.[0-9])"), byte(" \\(at byte [^)]*\\)"), folder("/[^ ]*/data/[^ :]*");
@@ -132,7 +132,7 @@ TEST_P(SharedData, LoadsOrIsRefusedForTheReasonsWrittenDown) {
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
   const std::string table = table_of(GetParam(), try_set(folder));
   std::cout << table;
-  // Only where CMake found a library missing: a reader that says so of itself must not make the test skip.
+  // Skips only if CMake found a library missing. A reader that merely reports a missing library must not skip the test.
   if (!GIGABAKE_READS_EVERYTHING && table.find("this gigabake was built without") != std::string::npos)
     GTEST_SKIP() << "not compared: a library is missing, see the table";
   EXPECT_TRUE(table == written_down(GetParam())) << "tests/worker/shared_data.txt says\n" << written_down(GetParam());

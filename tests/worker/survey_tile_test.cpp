@@ -49,7 +49,7 @@ TEST(SurveyTile, HoldsEveryVertexInItsColumnsRangeAndEndsWhereTheGroundEnds) {
   }
 }
 
-/// 2026-11-22: a plan judges voxels and bytes by them.
+/// 2026-11-22: a plan estimates voxels and bytes from these numbers.
 TEST(SurveyTile, SaysHowManyVoxelsItsSurfaceCrosses) {
   const ScratchFolder folder;
   GlbMesh floor;  // 20 × 20 m, level: 80 × 80 voxels; x right, z towards the eye
@@ -91,10 +91,10 @@ TEST(SurveyTile, DropsAndCountsTrianglesThatAreNotFiniteOrHaveNoArea) {
                 0, 0, 1, /* no area */ 0, 1, 5, /* collinear */ 0, 4, 2 /* none left after the snap */};
   write_glb(folder.path() / "odd.glb", mesh);
   const TileSurvey s = survey(folder.path(), "odd.glb", fine_lattice());
-  ASSERT_EQ(s.error, "");  // mended on 2026-11-22: a reader that refuses the file skipped this test
+  ASSERT_EQ(s.error, "");  // 2026-11-22: a reader that refuses the file skipped this test
   EXPECT_EQ(s.triangles, 6u);
   EXPECT_EQ(s.non_finite, 1u);
-  EXPECT_EQ(s.too_far, 1u);  // 1e30 m away; mended on 2026-11-22: it was counted with NaN
+  EXPECT_EQ(s.too_far, 1u);  // 1e30 m away; 2026-11-22: it was counted with NaN
   EXPECT_EQ(s.zero_area, 3u);
   ASSERT_EQ(s.columns.size(), 1u);
   EXPECT_EQ(s.columns[0].triangles, 1u);

@@ -1,4 +1,4 @@
-/// Who writes: as many as the worker's threads allow, however few those are.
+/// The number of writers follows the worker's thread limit, even if that is small.
 #include "worker/write_crew.h"
 
 #include <gtest/gtest.h>

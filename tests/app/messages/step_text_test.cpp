@@ -7,7 +7,7 @@
 namespace gigabake::app {
 namespace {
 
-/// What is shown of a step that advances evenly, looked at ten times a second.
+/// Returns the lines shown for a step that advances evenly, read ten times a second.
 std::vector<std::string> lines(StepText& text, double from_s, double to_s, double parts_per_s) {
   std::vector<std::string> out;
   const int looks = int((to_s - from_s) * 10 + 0.5);

@@ -69,7 +69,7 @@ TEST(Flip, AnEdgeCountsForMoreThanAWash) {
   EXPECT_GT(flip_of(flat, edge), flip_of(flat, all) / 2);
 }
 
-/// Pictures of linear light, by whole numbers, so that any program makes the same: red, green and blue, 0 … 255.
+/// Images of linear light as integers from 0 to 255 (red, green, blue), so that any program makes the same.
 using Codes = std::array<int, 3>;
 using Maker = Codes (*)(int x, int y);
 
@@ -83,9 +83,9 @@ Codes speckle(int x, int y) {
 }
 Codes other_speckle(int x, int y) { return speckle(x + 100, y); }
 
-/// The authors' implementation, FLIP.h of github.com/NVlabs/flip at commit 1eb247c (version 1.6), was given these
-/// pictures at 67 pixels per degree on 2026-11-22; it computes in float. The mean that its own test expects of its own
-/// two pictures, 0.159691, is not checked here: they are not part of this project.
+/// Compares with the authors' implementation, FLIP.h of github.com/NVlabs/flip at commit 1eb247c (version 1.6). It was
+/// run on these images at 67 pixels per degree on 2026-11-22; it computes in float. Its own test expects a mean of
+/// 0.159691 for two images that are not part of this project, so that is not checked.
 TEST(Flip, AgreesWithTheReferenceImplementation) {
   constexpr int width = 61, height = 47;
   const auto picture = [&](Maker made) {

@@ -1,4 +1,4 @@
-/// Pictures made for a test.
+/// Images made for a test.
 #pragma once
 
 #include <cstdint>

@@ -8,7 +8,7 @@
 namespace gigabake::bench {
 namespace {
 
-/// The left half of an opaque picture is cut away.
+/// Returns the image with a transparent left half.
 LinearPicture right_half(LinearPicture picture) {
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width / 2; ++x)

@@ -47,7 +47,7 @@ GlbMesh textured(GlbMesh mesh, std::vector<std::uint8_t> image) {
   return mesh;
 }
 
-/// From 1000 m above the origin straight down on a square of 2·half_m at height 0; north is up.
+/// Returns a camera 1000 m above the origin that views a square of 2·half_m at height 0; north is up.
 kernels::CastCamera from_above(const BakeParameters& p, double half_m, int pixels) {
   kernels::CastCamera camera;
   const double eye_m[3] = {0, 0, 1000};

@@ -1,4 +1,4 @@
-// Bakes of planes against planes: what is missing, what is too much and what is off, in closed form.
+// Bakes of planes, compared with planes in closed form: missing, extra and misplaced voxels.
 #include "bench/accuracy/voxel_error.h"
 
 #include <cmath>

@@ -29,7 +29,7 @@ Primitive grid(int n) {
   return mesh;
 }
 
-/// Everything that a corner has, as bits: NaN is equal to itself.
+/// The bits of all values of a corner; as bits, NaN equals itself.
 using CornerBits = std::array<std::uint32_t, 9>;
 using Triangle = std::array<CornerBits, 3>;
 

@@ -1,5 +1,5 @@
-// A pyramid that is made row by row has the bytes of one that is made as a whole, of every kind of image that comes in
-// rows; what does not, is said. All of 2026-11-23.
+// A pyramid that is built row by row has the bytes of one that is built from the whole image, for every readable image
+// format. Other formats are refused.
 #include "worker/tiles/texture_rows.h"
 
 #include <cstdio>
@@ -116,7 +116,7 @@ class TextureRowsTest : public testing::Test {
       return {};
     }
   }
-  /// None: it does not come in rows.
+  /// Returns nullopt if the image cannot be read in rows.
   std::optional<Made> in_rows(const EncodedImage& encoded, const TextureRecipe& recipe) const {
     try {
       const auto rows = ImageRows::open(encoded);
@@ -196,7 +196,7 @@ TEST_F(TextureRowsTest, ADamagedImageIsRefusedWhereItIsRefusedAsAWhole) {
     EXPECT_TRUE(entry.path().filename() == "rows" || entry.path().filename() == "whole") << entry.path();
 }
 
-/// As a large one, whose rows are all that is in memory.
+/// Treats an image like a large one, of which only some rows are in memory.
 TEST_F(TextureRowsTest, AnImageThatDoesNotFitIntoMemoryIsMadeInRowsOrRefusedInOneLine) {
   TextureStore store(folder.path() / "scratch", 1000);
   const TextureKey rows{{1, 1}, recipes[0]}, no_rows{{2, 2}, recipes[0]};

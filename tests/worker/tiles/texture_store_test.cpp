@@ -85,7 +85,7 @@ TEST_F(TextureStoreTest, AFileThatIsCutOrChangedIsMadeAnew) {
     EXPECT_EQ(fs::file_size(file(64)), whole);
   };
   for (const std::uint64_t size : {std::uint64_t(0), std::uint64_t(55), whole / 2, whole - 1}) {
-    fs::copy_file(file(64), file(64).string() + ".copy");  // the mapped file itself stays as it is
+    fs::copy_file(file(64), file(64).string() + ".copy");  // the mapped file itself stays unchanged
     fs::resize_file(file(64).string() + ".copy", size);
     fs::rename(file(64).string() + ".copy", file(64));
     expect_made_anew();
@@ -109,7 +109,7 @@ TEST_F(TextureStoreTest, ADiskThatFillsUpIsNamedAndNothingHalfWrittenStays) {
   for (const auto& entry : fs::directory_iterator(scratch)) EXPECT_EQ(entry.path().extension(), ".lock");
 }
 
-/// 2026-11-23: a few bytes of an image may ask for gigabytes.
+/// 2026-11-23: a few bytes of an image may request gigabytes.
 TEST_F(TextureStoreTest, WhatTheDiskHasNoRoomForIsNotBegun) {
   {
     const ScratchPublication file(scratch / "x_large.texture");

@@ -22,7 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// 32,768 triangles of textured ground, 128 m wide, in cells of 32 m; everything is large beside no memory.
+/// 32,768 triangles of textured ground, 128 m wide, in cells of 32 m. The memory limit is 0, so every tile counts as
+/// large.
 class TileStoreTest : public testing::Test {
  protected:
   TileStoreTest() {
@@ -37,7 +38,8 @@ class TileStoreTest : public testing::Test {
     sources = sources_of(folder.path(), {"ground.glb"});
   }
 
-  /// JSON has no word for what is not finite: the accessor's bounds stay as they were.
+  /// Replaces values in the binary part only, because JSON has no infinite numbers: the accessor's bounds stay
+  /// unchanged.
   void replace_in_file(float mark, float value) const {
     std::ifstream in(folder.path() / "ground.glb", std::ios::binary);
     std::string bytes{std::istreambuf_iterator<char>(in), {}};
@@ -70,7 +72,7 @@ class TileStoreTest : public testing::Test {
     return kernels::bake_cell(cell.input(), cell_parameters(job, parameters, 0), callers_thread()).content_hash;
   }
 
-  /// Files of the folder, without those of the lock.
+  /// Returns the names of the folder's files except for lock files.
   std::vector<std::string> left() const {
     std::vector<std::string> names;
     for (const auto& entry : fs::directory_iterator(scratch()))

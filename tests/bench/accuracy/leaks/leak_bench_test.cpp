@@ -8,7 +8,7 @@
 namespace gigabake::bench {
 namespace {
 
-// What was found on 2026-11-23: a pane of alpha .30 showed .24 to 1, by its slope, the view and the level.
+// 2026-11-23: a translucent surface of alpha .30 showed .24 to 1, depending on its slope, the view and the level.
 TEST(Panes, ShowTheirAlphaFromEverySideAtEveryLevel) {
   const ScratchFolder folder;
   LeakBenchRequest request;

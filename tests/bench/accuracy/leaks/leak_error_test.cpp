@@ -13,7 +13,7 @@ constexpr int edge = 20;
 
 std::size_t at(int x, int y) { return std::size_t(y * edge + x); }
 
-/// Nothing but a square in the middle: pixels 4 to 15 along both axes.
+/// Returns an image that is transparent except for a square in the middle: pixels 4 to 15 along both axes.
 AlphaPicture square_of(double alpha) {
   AlphaPicture picture{edge, edge, std::vector<double>(std::size_t(edge * edge), 0)};
   for (int y = 4; y < 16; ++y)

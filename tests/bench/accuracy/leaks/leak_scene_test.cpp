@@ -1,4 +1,4 @@
-// What leak scenes claim to be seen of them, against the triangles that they are written as.
+// Compares the closed-form alpha of leak scenes with the triangles that are written for them.
 #include "bench/accuracy/leaks/leak_scene.h"
 
 #include <algorithm>
@@ -87,7 +87,7 @@ class LeakTruths : public testing::Test {
     if (!ReferenceCaster::is_built()) GTEST_SKIP() << "built without Embree";
   }
 
-  /// Where the closed form knows a pixel's alpha, the triangles must show it; returns how many pixels those were.
+  /// Compares the triangles with the alpha of all pixels that have a closed form. Returns the number of these pixels.
   std::size_t compare(const LeakScene& scene) {
     const std::vector<std::uint8_t> glb = sample::to_glb(scene.model);
     publish_file(folder_.path() / "scene.glb", {reinterpret_cast<const char*>(glb.data()), glb.size()},
