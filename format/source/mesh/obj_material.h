@@ -55,8 +55,8 @@ struct NamedFile {
   bool is_there(const SourceFiles& files) const { return file && files.has(*file); }
 };
 
-/// Resolves a file name that occurs in `base`. If the path lies outside the folder of the source, for example an
-/// absolute path of another machine, its last part is resolved next to `base`.
+/// Resolves a file name that occurs in `base`. If the path lies outside the folder of the source, its last part is
+/// resolved next to `base`. An example is an absolute path of another machine.
 NamedFile named_file(const std::filesystem::path& base, std::string_view name, const SourceFiles& files);
 
 /// Returns the files that an `mtllib` line of an OBJ names. The rest of the line is one name if such a file exists;

@@ -13,9 +13,10 @@
 namespace gigabake {
 
 /// Reads a PLY file as a tile, in ASCII or binary of either byte order.
-/// Vertices: x y z; red green blue alpha (sRGB; integers are divided by the max value of their type); u v, s t or
-/// texture_u texture_v. Faces: vertex_indices or vertex_index, of any number of corners. Corners of faces may have
-/// texture coordinates, `texcoord`, and faces a `texnumber`, which MeshLab writes with "comment TextureFile".
+/// Vertices: x y z; red green blue alpha; u v, s t or texture_u texture_v. Colours are sRGB; integers are divided by
+/// the max value of their type.
+/// Faces: vertex_indices or vertex_index, of any number of corners. Corners of faces may have texture coordinates,
+/// `texcoord`, and faces a `texnumber`, which MeshLab writes with "comment TextureFile".
 /// Triangle strips: "tristrips". All other elements and properties are skipped. If a file has no faces, its vertices
 /// are counted as points. A face of two corners is counted as a line.
 /// Sink    Parts are passed to the sink when they are full, if the vertices precede the faces, as in almost all files.
@@ -23,8 +24,8 @@ namespace gigabake {
 /// Cost    The file is read in blocks. Memory: 24 bytes per vertex, 8 more each for colours and texture coordinates,
 ///         4 per vertex and texture. In addition the whole mesh if there is no sink or faces precede the vertices, else
 ///         two parts.
-/// Errors  InputError with the line or the byte: a malformed header, more elements than the file can hold, a file that
-///         ends early, more memory than memory_limit().
+/// Errors  InputError with the line or the byte: the header is malformed, the file ends early or cannot hold the
+///         declared elements, or the memory exceeds memory_limit().
 TileMesh read_ply(const TileRef& tile, const SourceFiles& files, ReadScope scope, const PrimitiveSink& sink = nullptr);
 
 /// Returns at most 64 vertices from the beginning of a PLY. `head` holds the first bytes of the file.

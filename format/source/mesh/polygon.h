@@ -12,7 +12,7 @@ namespace gigabake {
 inline constexpr std::size_t max_polygon_corners = std::size_t(1) << 20;
 
 /// Returns the n - 2 triangles of a polygon of n corners, as three indices of corners per triangle. The triangles have
-/// the orientation of the polygon. If all triangles from the first corner have this orientation, they form a fan; else
+/// the orientation of the polygon. They form a fan if all triangles from the first corner have this orientation. Else
 /// ears are clipped in the projection along the dominant axis of the mean normal (Newell's method).
 /// Cost    O(n log n) (ear_clipper.h).
 std::vector<std::uint32_t> triangles_of_polygon(std::span<const std::array<double, 3>> corners);

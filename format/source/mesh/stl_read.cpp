@@ -72,8 +72,8 @@ void for_each_binary_facet(StlBytes bytes, const Take& take) {
   }
 }
 
-/// Returns the number of facets in a binary file. If the size of the file is a whole number of facets, the size
-/// determines the number; else the header does, and the bytes after the facets are ignored.
+/// Returns the number of facets in a binary file. The size of the file determines the number if it is a whole number of
+/// facets. Else the header does, and the bytes after the facets are ignored.
 /// Errors  InputError: the file is truncated.
 std::uint64_t facets_in(const std::filesystem::path& file, std::uint64_t bytes, StlBytes head,
                         SourceWarnings& warnings) {

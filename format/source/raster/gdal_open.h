@@ -23,7 +23,7 @@ Dataset open_raster(const std::filesystem::path& file, const char* key);
 using BorrowedRaster = std::shared_ptr<GDALDataset>;
 
 /// Returns an open raster from the pool, or opens the raster. A file in a format that is read line by line is open only
-/// once, so that no line is read twice; other threads wait for it. A thread may borrow only one raster at a time.
+/// once, so that no line is read twice. Other threads wait for it. A thread may borrow only one raster at a time.
 /// Errors  InputError(file, key) like open_raster().
 BorrowedRaster borrow_raster(const std::filesystem::path& file, const char* key);
 

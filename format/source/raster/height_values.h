@@ -23,7 +23,7 @@ struct HeightRule {
 /// Numbers that commonly mark missing heights (-9999, -32768, ±3.4e38 …) also become NaN if the raster does not declare
 /// them. This decision depends only on the number, so it is the same in neighbouring tiles.
 /// Returns one warning per undeclared number that became NaN. Also warns of the lowest or highest height if it is far
-/// from all others of the window, for example 0 or -999 in a landscape at 1500 m; it remains a height.
+/// from all others of the window, for example 0 in a landscape at 1500 m. Such a number remains a height.
 /// Errors  InputError(file, "height_scale"): a height does not occur on earth.
 std::vector<std::string> take_heights(const std::filesystem::path& file, const HeightRule& rule,
                                       std::vector<double>& values);

@@ -1,5 +1,5 @@
-/// Restriction of the files that PROJ may open. A coordinate system comes from an untrusted file, and its text may name
-/// grids and definitions by any path or URL: `+nadgrids=/etc/passwd`, `+nadgrids=http://…`, a parameter file of a WKT.
+/// Restriction of the files that PROJ may open. The text of a coordinate system comes from an untrusted file, and may
+/// name files by any path or URL: `+nadgrids=/etc/passwd`, `+nadgrids=http://…`, or a parameter file of a WKT.
 #pragma once
 
 namespace gigabake {
