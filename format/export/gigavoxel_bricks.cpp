@@ -20,7 +20,7 @@ struct GigavoxelBrickFile::Head {
   std::uint32_t compressed = 0, colour_bytes = 0;
 
   std::uint64_t voxels() const { return size[0] * size[1] * size[2]; }
-  /// Returns the size of the whole record. The gradients have two words of their own.
+  /// Returns the size of the whole record. The gradients have two additional words.
   std::uint64_t record_bytes() const { return bytes + 8 + 7 * voxels(); }
 };
 

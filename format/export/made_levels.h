@@ -12,8 +12,8 @@
 
 namespace gigabake {
 
-/// Each level is computed from the next finer one: coverage as in the bake's `coverage` levels; colour and normal
-/// weighted by coverage; colour in linear light.
+/// Levels that are each computed from the next finer level. Coverage is computed as in the bake's `coverage` levels.
+/// Colour and normal are weighted by coverage; colour in linear light.
 /// Cost    Memory: about one voxel per 64 voxels of a cell's squared edge.
 class MadeLevels {
  public:

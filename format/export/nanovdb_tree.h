@@ -29,8 +29,8 @@ struct NanovdbInnerNode {
   nanovdb_layout::IndexBox box;  ///< bounds of its voxels
 };
 
-/// Nodes of a tree. Takes 16 bytes per leaf (48 while leaves are added) and 32 per inner node, the only memory of an
-/// export that grows with the scene.
+/// Nodes of a tree. Takes 16 bytes per leaf (48 while leaves are added) and 32 per inner node. Only this memory of an
+/// export grows with the scene.
 class NanovdbTree {
  public:
   /// Adds a block that has voxels. The same block may be added several times.

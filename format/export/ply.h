@@ -8,9 +8,9 @@
 
 namespace gigabake {
 
-/// Writes a binary_little_endian PLY. Per vertex: double x y z (voxel centre, scene metres), int i j k (lattice index
-/// at that lod: voxels of 2^lod from the lattice's 0,0,0), uchar red green blue alpha, float nx ny nz (0 if the scene
-/// has no normals).
+/// Writes a binary_little_endian PLY. Position per vertex: double x y z (voxel centre, scene metres), int i j k
+/// (lattice index at that lod: voxels of 2^lod from the lattice's 0,0,0). Attributes: uchar red green blue alpha, float
+/// nx ny nz (0 if the scene has no normals).
 /// Cells are in the scene's order. Levels from 4 up may not be aligned with their lattice; i j k is then rounded down.
 /// Returns the number of voxels.
 /// Cost    One level of one cell in memory.

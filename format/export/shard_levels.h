@@ -45,7 +45,7 @@ class ShardLevel {
   BrickLevel level_;
 };
 
-/// Returns boxes of the bricks and constant nodes of a shard's level, from its node table alone.
+/// Returns boxes of the bricks and constant nodes of a shard's level, from its node table only.
 std::vector<LevelBox> bricks_of(const ShardHeader& header, const NodeTable& nodes, int lod);
 
 /// Cache of the most recently used levels. Thread-safe.

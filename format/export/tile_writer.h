@@ -38,7 +38,7 @@ class TileWriter {
   /// Messages name `target`; tiles are written below `folder`.
   TileWriter(const TileSource& source, std::filesystem::path target, std::filesystem::path folder);
 
-  /// Writes the tile. Returns the statistics of its own voxels and its file's size and checksum; made_of is not set.
+  /// Writes the tile. Returns the statistics of the tile's voxels and its file's size and checksum; made_of is not set.
   /// Errors  InputError: damaged or missing shards, disk full.
   TileRecord write(const TilePlace& tile);
   /// Returns a hash that is equal if the tile's voxels and those around it are equal. Returns nullopt for derived

@@ -10,8 +10,8 @@ namespace {
 
 using NormalBytes = std::array<std::uint8_t, 3>;
 
-/// Returns the best of the 27 nearest byte triples: of those that encode to the same code, the nearest in direction.
-/// Rounding alone misses some codes slightly.
+/// Returns the best of the 27 nearest byte triples: the nearest in direction that encodes to the same code. Rounding
+/// misses some codes slightly.
 NormalBytes nearest_that_comes_back(const std::int8_t oct[2]) {
   double n[3];
   decode_octahedral(oct, n);

@@ -25,7 +25,7 @@ namespace {
 constexpr std::uint64_t level_cache_bytes = std::uint64_t(256) << 20;
 
 /// Returns this rank's tiles. Neighbouring tiles, which read the same shards, belong to one rank. Each block of tiles
-/// goes to the rank with the smallest load.
+/// is assigned to the rank with the smallest load.
 std::vector<TilePlace> share_of(const TileWeights& tiles, const ExportTeam& team) {
   std::vector<std::uint64_t> load(std::size_t(team.ranks()));
   std::vector<TilePlace> own;
@@ -56,7 +56,7 @@ struct FolderFiles {
 };
 
 /// The box to which the tree's cube is fitted. In a bake, every voxel has voxels of the finest level below it, so their
-/// bricks suffice. Other shards may have coarser voxels outside of those bricks.
+/// bricks suffice. Other shards may have coarser voxels outside of the finest bricks.
 enum class Fit { bricks_of_finest, windows_of_cells };
 
 class TilesetExport {

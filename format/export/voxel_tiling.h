@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-/// One tile: its level in the tree (0 is the root) and its position there as a Morton code (bit 3n is bit n of x).
+/// A tile: its level in the tree (0 is the root) and its Morton code there (bit 3n is bit n of x).
 struct TilePlace {
   std::uint32_t level = 0;
   std::uint64_t key = 0;
@@ -52,9 +52,9 @@ struct VoxelTiling {
 /// Converts a box of voxels of some level to voxels of level 0.
 LatticeBox on_lattice(const LevelBox& voxels, int lod);
 
-/// Fits the tree to `bounds` (voxels of level 0, not empty): its root is the smallest cube of voxels that contains
+/// Fits the tree to `bounds` (voxels of level 0, not empty). Its root is the smallest cube of voxels that contains
 /// them.
-/// edge: of tiles. 0: the edge from 80 to 112 that gives the smallest cube; smaller if one tile suffices.
+/// edge: edge of tiles. 0: the edge from 80 to 112 that gives the smallest cube; smaller if one tile suffices.
 /// Range   `levels` may exceed most_tile_levels; the caller must check.
 VoxelTiling tiling_of(const LatticeBox& bounds, int finest, std::uint32_t edge);
 

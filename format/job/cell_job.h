@@ -1,5 +1,5 @@
-/// A cell as it is sent from the plan to a worker rank, and the worker's report. Plain values that a test can replay.
-/// Their byte form is sent over MPI and stored in the journal.
+/// A cell job that the plan sends to a worker rank, and the worker's report. Plain values that a test can replay. Their
+/// byte form is sent over MPI and stored in the journal.
 #pragma once
 
 #include <array>
@@ -65,7 +65,7 @@ struct CellReport {
 /// Returns the job that made a cell or overview of the scene, without its tiles and children, which scenes do not
 /// record.
 CellJob job_of(const SceneCell& cell);
-/// Returns the scene's entry for the job, as far as it is known before baking: without levels and sizes.
+/// Returns the scene's entry for the job, with the fields known before baking: without levels and sizes.
 SceneCell cell_of(const CellJob& job);
 
 /// Returns the path relative to OUT: shards/<name>-<fingerprint>.h5.

@@ -1,4 +1,4 @@
-/// The result of scanning one tile: its extent per lattice column, from positions alone. Rank 0 collects the scans to
+/// The result of scanning one tile: its extent per lattice column, from positions only. Rank 0 collects the scans to
 /// make the plan.
 #pragma once
 
@@ -12,8 +12,8 @@
 
 namespace gigabake {
 
-/// Must be incremented if survey_tile() returns another result for the same files, or if TileSurvey's fields change.
-/// Stored scans of earlier bakes are then discarded.
+/// The version of a scan. Increment it if survey_tile() returns another result for the same files, or if the fields of
+/// TileSurvey change. Stored scans of earlier bakes are then discarded.
 inline constexpr std::uint32_t survey_version = 6;
 
 /// Max side of a triangle's box in voxels. Triangles with a longer side are omitted, because the arithmetic would not
@@ -32,7 +32,7 @@ struct ColumnExtent {
   std::uint64_t crossings = 0;
 };
 
-/// Twice the area of a voxel's face, in squared sub-voxels.
+/// The doubled area of a voxel's face, in squared sub-voxels.
 inline constexpr double crossing_unit = 2.0 * 256 * 256;
 
 struct TileSurvey {

@@ -1,4 +1,4 @@
-/// Pictures and meshes of houses and trees.
+/// Images and meshes of houses and trees.
 #pragma once
 
 #include "format/sample/glb_writer.h"
@@ -14,13 +14,13 @@ Picture paint_roof(std::uint32_t seed);
 /// Paints leaves in the left half and needles in the right half. Alpha is 255 where there is foliage, else 0.
 Picture paint_foliage(std::uint32_t seed);
 
-/// The three pictures, encoded, as files next to the tiles. All tiles with houses or trees refer to them.
+/// The three encoded images, as files next to the tiles. All tiles with houses or trees refer to them.
 struct KitImages {
   GlbImage facade, roof, foliage;
 };
 KitImages paint_kit(std::uint32_t seed);
 
-/// Sizes that the pictures depict; walls and roofs repeat them.
+/// Sizes that the images depict; walls and roofs repeat them.
 inline constexpr double facade_m = 12, roof_width_m = 14, roof_height_m = 9;
 
 constexpr int jpeg_quality = 88;

@@ -83,7 +83,7 @@ Drainage drain(const Raster& height, const std::vector<std::uint8_t>& base) {
   return d;
 }
 
-/// Returns the drained area. Each point divides its water among all lower neighbours by slope: sheets on slopes,
+/// Returns the drained area. Each point divides its water among all lower neighbours by slope: a thin layer on slopes,
 /// streams in hollows.
 Raster drained_area(const Raster& height, const Drainage& d) {
   Raster area = height;

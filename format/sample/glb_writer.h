@@ -61,7 +61,8 @@ struct GlbListedMesh {
   GlbList<std::uint32_t> index;
 };
 
-/// Writes the model with these meshes instead of its own. Writes the same bytes as to_glb() for the same values.
+/// Writes the model with these meshes instead of the model's own. Writes the same bytes as to_glb() for the same
+/// values.
 /// Cost    Memory for the images only, independent of the meshes' size.
 /// Errors  See to_glb(), thrown before anything is written; also exceptions of `put`.
 void write_glb(const GlbModel& model, std::span<const GlbListedMesh> meshes, const GlbPut<std::uint8_t>& put);

@@ -1,6 +1,6 @@
 /// Random numbers and noise for the sample terrain.
 ///
-/// Exact   Integer hashes and IEEE double with + - * / sqrt and floor alone: the same bits on every machine. No call
+/// Exact   Only integer hashes and IEEE double with + - * / sqrt and floor: the same bits on every machine. No call
 ///         into libm, whose last digit differs from one version to the next.
 #pragma once
 

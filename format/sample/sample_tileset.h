@@ -17,7 +17,7 @@ struct TilesetEntry {
   double error_m = 0;                      ///< approximate geometric error of its content; 0: the finest level
 };
 
-/// Extends the box of `coarse` to contain those of `children`, which replace it. The coarser mesh lacks roofs and
+/// Extends the box of `coarse` to contain the boxes of `children`, which replace it. The coarser mesh lacks roofs and
 /// crowns.
 void enclose(const std::vector<TilesetEntry>& children, TilesetEntry& coarse);
 

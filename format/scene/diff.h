@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-/// Differences of one level, in the overlap of a cell of A with a cell of B, or in a cell that only one scene has.
+/// Differences of one level, in the overlap of two cells or in a cell that only one scene has.
 struct LevelDifference {
   int lod = 0;
   std::uint64_t only_in_a = 0, only_in_b = 0, both = 0;

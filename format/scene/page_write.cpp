@@ -65,8 +65,7 @@ class ParentsLeft {
     if (!left_.empty()) highest_ = left_.back()->own_lod();
   }
 
-  /// Moves the overviews that lie in one of the sorted blocks to that block, except those of the highest overview
-  /// level.
+  /// Moves the overviews that lie in one of the sorted blocks to that block, except overviews of the highest level.
   void move_to(std::vector<Block>& blocks) {
     std::map<std::array<std::int64_t, 3>, Block*> at;
     for (Block& block : blocks) at[block.block.min] = &block;

@@ -53,8 +53,8 @@ class PagedScene {
   void for_each_page(const ThreadPool& pool,
                      const std::function<void(std::size_t number, std::span<const SceneCell> cells)>& visit) const;
 
-  /// Visits the overviews of all pages: each page's own, then those of each page below it. Overviews are numbered in
-  /// this order.
+  /// Visits the overviews of all pages: each page's own, then the overviews of each page below it. Overviews are
+  /// numbered in this order.
   void for_each_parent(const VisitCell& visit) const;
   void for_each_parent_below(const PageReference& page, const VisitCell& visit) const;
   std::vector<SceneCell> parents() const;

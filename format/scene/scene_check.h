@@ -9,13 +9,13 @@
 
 namespace gigabake {
 
-/// Checks that cells are windows of one lattice: no two have the same name, file or position, and no two overviews the
-/// same level and position.
+/// Checks that cells are windows of one lattice. No two cells have the same name, file or position, and no two
+/// overviews the same level and position.
 /// Cost    One pass.
 std::vector<SceneFault> faults_of_places(const std::vector<SceneCell>& cells,
                                          const std::vector<SceneCell>& parents = {});
 
-/// Checks that each overview is listed in the smallest page whose block contains it, and that it belongs to one of
+/// Checks that each overview is listed in the smallest page whose block contains it. Checks that it belongs to one of
 /// `tiers`, if there are any.
 /// outer: the page's own block; null for scene.xml, which lists the overviews of the highest level.
 std::vector<SceneFault> faults_of_parent_places(const ScenePage& page, const LatticeBlock* outer,

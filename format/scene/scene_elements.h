@@ -37,8 +37,8 @@ LatticeBlock read_block(const SceneAttributes& a);
 /// Reads voxel size, lattice and channels.
 void read_lattice(const SceneAttributes& a, SceneHeader& header);
 
-/// Returns faults of the root attributes that readers of the thesis's schema use and ours do not, and of attributes
-/// that are not in `known`.
+/// Returns faults of the root attributes that only readers of the thesis's schema use. Also returns faults of
+/// attributes that are not in `known`.
 std::vector<SceneFault> faults_of_root(const SceneAttributes& root, std::span<const std::string_view> known);
 
 /// Returns the attribute names of a group's totals, appended to `others`.

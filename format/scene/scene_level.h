@@ -1,4 +1,4 @@
-/// One level of a scene, brick by brick, as exports need it: dense bricks, constant nodes written out.
+/// Reader of one level of a scene, brick by brick, as exports need it: dense bricks, constant nodes expanded.
 #pragma once
 
 #include <array>
@@ -46,7 +46,7 @@ struct ReadLevel {
 ///         hash in scene.xml.
 ReadLevel read_level(const PagedScene& scene, const SceneCell& shard, int lod);
 
-/// Visits the shards that contain a level: cells, or overviews for levels above those of the cells.
+/// Visits the shards that contain a level: cells, or overviews for levels above the cells' levels.
 void for_each_shard_of_level(const PagedScene& scene, int lod, const PagedScene::VisitCell& visit);
 
 /// Returns the number of voxels of a scene's level, from its totals.

@@ -37,7 +37,8 @@ struct PageReference {
   SceneTotals totals;
 };
 
-/// Either cells or pages, not both. Pages are sorted by z, y, x of their blocks, cells by z, y, x of lattice_min.
+/// A page's content: cells or pages, not both. Pages are sorted by z, y, x of their blocks, cells by z, y, x of
+/// lattice_min.
 struct ScenePage {
   std::vector<SceneCell> cells;
   std::vector<PageReference> pages;

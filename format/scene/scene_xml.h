@@ -94,7 +94,7 @@ struct PageRule {
 /// Writes the new pages, then replaces `path` atomically (temporary file, fsync, rename, fsync folder). Previous pages
 /// remain; call remove_unused_pages(). A scene whose cells have several sizes has no pages.
 void write_scene(const std::filesystem::path& path, const SceneDescription& scene, const PageRule& rule = {});
-/// Reads the scene with all its cells, including those of pages.
+/// Reads the scene with all its cells, including cells of pages.
 /// Errors  InputError: not XML, unknown version, missing or malformed attribute, shard paths leaving the folder. Also:
 ///         a page is missing or does not match its reference, or totals do not match the cells.
 SceneDescription read_scene(const std::filesystem::path& path);

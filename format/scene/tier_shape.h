@@ -33,11 +33,11 @@ enum class CellPart { all, some };
 bool hold_cells(CellPart part, std::span<const SceneCell> parents, const TierShape& lowest,
                 const CellWalk& for_each_cell);
 
-/// Returns what is wrong with the overview levels listed for a scene; nullopt if they are valid.
+/// Returns the fault of the overview levels listed for a scene; nullopt if they are valid.
 std::optional<std::string> fault_of_tiers(std::span<const TierShape> tiers, std::uint32_t cell_voxels);
 
-/// Returns what is wrong with an overview that should belong to one of the levels; nullopt if nothing is wrong or
-/// `tiers` is empty.
+/// Returns the fault of an overview that should belong to one of the levels; nullopt if it is valid or `tiers` is
+/// empty.
 std::optional<std::string> fault_in_tiers(const SceneCell& parent, std::span<const TierShape> tiers);
 
 }  // namespace gigabake

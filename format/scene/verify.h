@@ -19,7 +19,7 @@ struct VerifyResult {
   bool has_totals = true;           ///< whether scene.xml stores the number of cells; if not, a lost cell is not
                                     ///< detected
   MissingData missing;              ///< as stored in scene.xml
-  std::vector<std::string> faults;  ///< one line each: file, dataset, what is wrong; in the scene's order
+  std::vector<std::string> faults;  ///< one line each: file, dataset, fault; in the scene's order
 };
 
 /// Returns the faults of an overview compared with its children, one line each. Must be thread-safe.

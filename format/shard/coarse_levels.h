@@ -1,5 +1,5 @@
-/// The coarsest levels of a shard, which an overview copies from its child. They are read from a file, of which only
-/// the chunks with these rows are read, or from the arrays of a cell baked in this process.
+/// The coarsest levels of a shard, which an overview copies from its child. Their source is the arrays of a cell baked
+/// in this process, or a file. Of a file's chunks, only those with these rows are read.
 #pragma once
 
 #include <vector>

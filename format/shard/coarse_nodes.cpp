@@ -11,7 +11,7 @@
 namespace gigabake {
 namespace {
 
-/// The kinds and child masks of the nodes, read from the root on and only as far as requested.
+/// The classes and child masks of the nodes, read from the root on and only as far as requested.
 class Branches {
  public:
   Branches(const ColumnSource& source, const NodeColumns& columns)

@@ -21,7 +21,7 @@ Hash128 voxel_hash(int lod, std::array<std::int64_t, 3> corner_lattice, const st
 /// Cost    About 16 ns per voxel and thread.
 std::vector<Hash128> content_hash(const Shard& shard, int threads = 1);
 
-/// Returns the hash of one level that was read alone. `lod` is relative to the shard's finest level.
+/// Returns the hash of a single level. `lod` is relative to the shard's finest level.
 /// Cost    About 16 ns per voxel, on the calling thread.
 Hash128 content_hash(const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level, int lod);
 

@@ -1,4 +1,4 @@
-/// The columns of a packed shard, readable like those of a file.
+/// The columns of a packed shard, readable like the columns of a file.
 #pragma once
 
 #include <map>

@@ -14,7 +14,7 @@ namespace gigabake {
 struct PackedShard {
   ShardHeader header;
   std::vector<PackedColumn> nodes;  ///< columns in the order of packed_nodes()
-  NodeTable constants;              ///< the nodes that are not bricks: only kind, lod and value
+  NodeTable constants;              ///< the nodes that are not bricks: only their class, lod and value
   std::vector<PackedLevel> levels;  ///< [lod]; channels in the order of packed_channels()
   ParentSource above = {};          ///< see Shard::above
 };
@@ -26,8 +26,8 @@ std::vector<ChannelPlace> packed_channels(const ShardHeader& header, int lod);
 std::vector<RowShape> packed_nodes(const ShardHeader& header);
 
 /// Writes the shard like write_shard().
-/// Exact   Same bytes as write_shard() for the same voxels, provided that the columns hold what write_shard() would
-///         pack (lattice/pack) and chunks stored already equal the output of encode_chunk().
+/// Exact   Same bytes as write_shard() for the same voxels. The columns must hold the bytes that write_shard() would
+///         pack (lattice/pack). Chunks stored already must equal the output of encode_chunk().
 /// Cost    Reads the columns' bytes once; packs raw columns here.
 /// Errors  InputError: see write_shard().
 StoredShard write_packed_shard(const std::filesystem::path& path, const PackedShard& shard,

@@ -20,7 +20,7 @@ class ShardColumns {
  public:
   explicit ShardColumns(const ShardHeader& header) : header_(header) {}
 
-  /// Call the add functions in this order: nodes, downsample state, then the levels from lod 0.
+  /// Adds the nodes. Call the add functions in this order: nodes, downsample state, levels from lod 0.
   void add_nodes(const NodeTable& nodes);
   void add_nodes(const std::vector<PackedColumn>& nodes);
   void add_above(const ParentSource& above);

@@ -14,7 +14,7 @@ namespace gigabake {
 
 /// Reader of parts of a shard.
 /// Exact   Returns the same values as ShardReader. Checks each part as strictly as the complete shard, with two
-///         exceptions: keys are not read, and the position of a block's first voxel is only checked to lie inside the
+///         exceptions. Keys are not read. The position of a block's first voxel is only checked to lie inside the
 ///         columns.
 /// Cost    Reads the chunks that contain the part. The first call also reads three bytes per node.
 /// Errors  InputError naming file and dataset, from every member.

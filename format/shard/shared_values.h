@@ -24,8 +24,8 @@ struct VoxelGroups {
 VoxelGroups group_voxels(std::span<const std::uint64_t> mask, std::span<const std::uint64_t> first,
                          const ThreadPool& pool);
 
-/// One channel of a level as it is stored. If all voxels are equal, one value is stored. Otherwise groups share values
-/// if that saves a quarter of the bytes.
+/// The stored form of one channel of a level. If all voxels are equal, one value is stored. Otherwise groups share
+/// values if that saves a quarter of the bytes.
 /// The constructor determines which voxels share a value. collect() copies values on demand, piece by piece, so the
 /// values are never all in memory.
 class SharedValues {

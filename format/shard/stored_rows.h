@@ -18,7 +18,7 @@ class StoredRows {
   virtual ~StoredRows() = default;
   virtual std::uint64_t rows() const = 0;
   /// Reads rows [first, first + count).
-  /// Range   `to` has room for `count` rows; first + count ≤ rows().
+  /// Range   `to` has the size of `count` rows; first + count ≤ rows().
   /// Errors  InputError: a chunk is missing or damaged.
   virtual void read(std::uint64_t first, std::uint64_t count, void* to) const = 0;
 };

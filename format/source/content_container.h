@@ -31,7 +31,7 @@ struct ContentContainer {
 SourceFiles files_of(const TileRef& tile, const std::filesystem::path& root);
 
 /// Opens a content file.
-/// Cost    A .glb file is not read into memory except for its JSON; all other files are.
+/// Cost    A plain .glb file in a folder is not read into memory, except for its JSON; all other content is.
 /// Errors  InputError with the byte at which a length, version or magic number is wrong; as i3dm_instances().
 ContentContainer open_container(const TileRef& tile, const SourceFiles& files);
 

@@ -27,8 +27,7 @@ using JsonFold = std::function<bool(const std::vector<OpenJson>& around, Json& c
 
 /// Parses JSON. Strings of any bytes are accepted: repaired_json().
 /// Errors  InputError: not JSON (line, byte and the expected token), nested deeper than 128, longer than 2^28 bytes, or
-///         more
-/// values than memory_limit() allows (lattice/memory_limit.h).
+///         more values than memory_limit() allows (lattice/memory_limit.h).
 Json parse_json(const std::filesystem::path& file, std::span<const std::uint8_t> text, const JsonFold& fold = {});
 
 }  // namespace gigabake

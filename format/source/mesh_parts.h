@@ -15,8 +15,8 @@ namespace gigabake {
 /// most_part_triangles if the memory limit is small, since several parts are in memory at the same time.
 std::uint64_t part_triangles();
 
-/// Returns whether a list is passed on in parts. A part has at most most_part_triangles triangles, in the list's
-/// order, and only the vertices that they use.
+/// Returns whether a list is passed on in parts. A part has at most most_part_triangles triangles, in the list's order,
+/// and only the vertices that they use.
 constexpr bool comes_in_parts(std::uint64_t triangles, std::uint64_t vertices) {
   return triangles > most_part_triangles || vertices > 3 * most_part_triangles;
 }

@@ -131,8 +131,7 @@ Affine<Scene, Scene> placement(const Entry& e, const std::optional<Geodetic>& or
 
 void add_entry(Entry e, SceneSources& out) {
   const Affine<Scene, Scene> place = placement(e, out.origin);
-  // Names of the file, cached because many tiles of a raster or a composite share it and finding them takes system
-  // calls.
+  // Cached names of the file: many tiles of a raster or a composite share it, and finding them takes system calls.
   std::filesystem::path file;
   std::string own, name;
   for (TileRef& tile : e.source.tiles) {

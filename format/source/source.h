@@ -69,10 +69,10 @@ struct SceneSources {
 /// scene. The files of a folder are sorted; symbolic links to folders are not followed. A tileset is a 3D Tiles .json
 /// (1.0 and 1.1) or its .3tz archive; a scene is a gigabake scene .json. Opens no mesh, but reads bounds of mesh files
 /// outside tilesets (format/source/earth_centred.h).
-/// Georeference: a tileset whose root is on the WGS84 earth, or a scene .json with lon/lat placements, gets the ENU
-/// frame
-/// at `options.origin`, else at the root transform's translation (else its bounding volume's centre). Mesh files with
-/// earth-centred coordinates get it at `options.origin` or at the centre of their bounds.
+/// Georeference: the scene gets an ENU frame if a tileset's root is on the WGS84 earth, or if a scene .json has lon/lat
+/// placements. Its origin is `options.origin`, else the root transform's translation, else the centre of the root's
+/// bounding volume. Mesh files with earth-centred coordinates get it at `options.origin` or at the centre of their
+/// bounds.
 /// If tiles refine by REPLACE, the finest content is used. If a finest content file is missing, the nearest ancestor's
 /// content replaces it, and the missing file is listed in `skipped`.
 /// Errors  InputError: unreadable, cyclic, malformed, URI leaving the root, unsupported required extension. Stopped.
@@ -86,12 +86,10 @@ using PrimitiveSink = std::function<void(std::size_t index, Primitive&& primitiv
 
 /// Reads one content file. Untrusted input is checked before any library reads it: nesting, sizes, URIs, views,
 /// accessors. If a sink is given, TileMesh::primitives keeps only `material` and `position_step` of each primitive. A
-/// list
-/// larger than a part (mesh_parts.h) is passed on as several primitives, each placed by separate Instances.
+/// list larger than a part (mesh_parts.h) is passed on as several primitives, each placed by separate Instances.
 /// Exact   The triangles, their order within a list, every value and the counts are the same with a sink and without.
 /// Errors  InputError with file, key, byte offset and expected value; names a required extension that is not supported.
-///         If a
-/// sink is given, it may have received some primitives before. Exceptions of the sink are passed through.
+///         If a sink is given, it may have received some primitives before. Exceptions of the sink are passed through.
 TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadScope scope,
                    const PrimitiveSink& sink = nullptr);
 

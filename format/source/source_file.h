@@ -35,13 +35,13 @@ const Json& get_object(const std::filesystem::path& file, const Json& object, co
 /// Returns `text` with each "%41" replaced by its byte.
 std::string percent_decoded(std::string_view text);
 
-/// Returns the path in `uri`: percent-decoded, without query and fragment. A backslash, which is invalid in a URI,
-/// separates folders, as in browsers and as programs on Windows write it; "%5C" is a backslash in a name.
+/// Returns the path in `uri`: percent-decoded, without query and fragment. A backslash is invalid in a URI, but
+/// separates folders, as in browsers and in files of Windows programs. "%5C" is a backslash in a name.
 std::string uri_path(std::string_view uri);
 
 /// Returns the file that `uri` in the file `base` refers to by its uri_path().
 /// Errors  InputError: a scheme other than a plain path, an absolute path, or a file (symbolic links followed) outside
-/// `root`. The file need not exist.
+///         `root`. The file need not exist.
 std::filesystem::path resolve_uri(const std::filesystem::path& root, const std::filesystem::path& base,
                                   const std::string& key, std::string_view uri);
 

@@ -47,8 +47,7 @@ class Dependencies {
 
   /// Adds a file. The stamp is that of the path in the URI; the content is that of resolve_uri(). If the two paths
   /// differ, as for a path through a missing folder, the stamp is not settled. base: the file that has the URI. A
-  /// missing
-  /// file has the hash of an empty file; its reader reports the error.
+  /// missing file has the hash of an empty file; its reader reports the error.
   void add(const std::filesystem::path& base, const std::string& key, const std::string& uri) {
     const std::filesystem::path path = resolve_uri(files_.root(), base, key, uri);
     const std::filesystem::path written = base.parent_path() / uri_path(uri);

@@ -1,13 +1,13 @@
 /// Identification of a file's content from its metadata, without reading it. Equal stamps mean equal content under the
 /// following rules.
 ///
-/// Every write sets the file's change time to the current time, and so do attempts to hide a write (setting mtime back,
-/// moving another file into place). No program can set the change time.
+/// Every write sets the file's change time to the current time. So do attempts to hide a write, such as setting mtime
+/// back or moving another file into place. No program can set the change time.
 /// A file with the stamp that it had when it was read therefore has the same content. The exception is the clock's
 /// granularity: a second write within the same tick leaves the same stamp.
-/// A stamp is *settled* only if both times lie at least 2 s (the coarsest tick of a file system) before the moment at
-/// which it was taken. Any later write then changes it. An unsettled stamp is never trusted for a file that others
-/// write. (Git calls such a file racily clean.) Take the stamp before reading the file.
+/// A stamp is *settled* only if both times lie at least 2 s before the moment at which it was taken: the coarsest tick
+/// of a file system. Any later write then changes it. An unsettled stamp is never trusted for a file that others write.
+/// (Git calls such a file racily clean.) Take the stamp before reading the file.
 ///
 /// Exact   No device number: hosts of one cluster number the same network file system differently.
 /// Range   The clocks of the host and of its file server agree within 2 s minus a tick (10 ms on most systems). File
@@ -37,8 +37,8 @@ struct StampedFile {
 };
 
 /// Returns the stamp, FileStamp{} if there is no regular file, or nullopt if the system cannot tell.
-/// Cost    Opens the file, because on NFS only that queries the server; a bare stat may return values a minute old. 2
-///         µs on a local disk.
+/// Cost    Opens the file, because on NFS only that queries the server; a bare stat may return values a minute old. The
+///         call takes 2 µs on a local disk.
 std::optional<FileStamp> stamp_of(const std::filesystem::path& path);
 
 /// Returns whether the stamp is settled; true for a missing file. taken_ns: nanoseconds since 1970, read before the

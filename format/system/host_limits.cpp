@@ -109,8 +109,8 @@ std::optional<double> total_memory(const std::filesystem::path& root) {
   return std::nullopt;
 }
 
-/// Returns whether mpirun's daemon started this process. The daemons are a Slurm step of their own, whose numbers do
-/// not describe ranks.
+/// Returns whether mpirun's daemon started this process. The daemons are a separate Slurm step, whose numbers do not
+/// describe ranks.
 bool is_below_daemon_of_mpirun(const Environment& environment) {
   return environment("OMPI_COMM_WORLD_RANK") != nullptr && environment("SLURM_STEP_ID") != nullptr;
 }

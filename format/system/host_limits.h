@@ -23,16 +23,17 @@ struct HostLimits {
   int task_cores = INT_MAX;        ///< cores of this task of a Slurm step
   std::uint64_t memory_bytes = 0;  ///< of all processes of its container or job on this host
 
-  /// Returns the cores available to a process that runs alone; at least 1.
+  /// Returns the cores available to a process without others on its host; at least 1.
   int cores() const;
 };
 
 /// Returns the value of an environment variable, or null.
 using Environment = std::function<const char*(const char*)>;
 
-/// Returns the min of all limits: the mask; cpu.max and memory.max of control groups v2, from the process's own group
-/// upwards, and their v1 counterparts; SLURM_CPUS_ON_NODE, SLURM_CPUS_PER_TASK, SLURM_MEM_PER_NODE and
-/// SLURM_MEM_PER_CPU; MemTotal. A fraction of a core counts as one. `root` is the folder that contains /proc and /sys.
+/// Returns the min of all limits. Control groups: cpu.max and memory.max of v2, from the process's own group upwards,
+/// and their v1 counterparts. Slurm: SLURM_CPUS_ON_NODE, SLURM_CPUS_PER_TASK, SLURM_MEM_PER_NODE and SLURM_MEM_PER_CPU.
+/// Other limits: the mask and MemTotal. A fraction of a core counts as one. `root` is the folder that contains /proc
+/// and /sys.
 /// Exact   A pure function of its arguments and of the files below root.
 /// Errors  None: missing or invalid values impose no limit.
 HostLimits limits_from(const std::filesystem::path& root, const Environment& environment, int allowed_cores);

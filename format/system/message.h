@@ -21,7 +21,7 @@ void print_message(fmt::format_string<Values...> form, Values&&... values) {
 /// another stream, a failure is reported when the stream is flushed at the end of the program.
 void write_part(std::FILE* stream, std::string_view text);
 
-/// While an instance exists, each line of write_message() begins with the time (UTC) and the rank, as in
+/// A guard: while an instance exists, each line of write_message() begins with the time (UTC) and the rank, as in
 /// "2026-11-25T05:12:33Z rank 0: ". Max one instance per process.
 class MessageTime {
  public:

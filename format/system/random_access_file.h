@@ -1,4 +1,4 @@
-/// A file that is written out of order and can be read back where it is incomplete.
+/// A file that is written in any order and can be read back while it is incomplete.
 #pragma once
 
 #include <cstdint>

@@ -8,9 +8,9 @@
 
 namespace gigabake {
 
-/// Writes grids "density" (float fog volume: coverage from 0 to 1), "Cd" (Vec3s: colour in linear light) and, if the
-/// scene has normals, "N" (Vec3s, unit vectors). Existing voxels are active. The grids' metadata have the origin on the
-/// earth. Returns the number of voxels.
+/// Writes one level as grids; existing voxels are active. The grid "density" is a float fog volume: coverage from 0 to
+/// 1. The grid "Cd" has the colour in linear light (Vec3s). The grid "N" has unit vectors (Vec3s); it is written only
+/// if the scene has normals. The grids' metadata have the origin on the earth. Returns the number of voxels.
 /// Space   Index (i, j, k) is the lattice index at that lod; the transform yields the voxel's centre in scene metres.
 /// Exact   Rounding density · 255 and the sRGB of Cd yields the shards' bytes.
 /// Cost    The library holds the grids in memory: 16 KB per brick. Grids of more than `most_bytes` are rejected.

@@ -83,8 +83,8 @@ class Grids : public OpenvdbGrids {
   openvdb::Vec3SGrid::Ptr colour_ = openvdb::Vec3SGrid::create(), normal_;
 };
 
-/// Checks that the disk has room for one more byte. The library ignores failed writes, but on a full disk this write
-/// fails too.
+/// Checks that one more byte fits on the disk. The library ignores failed writes, but on a full disk this write fails
+/// too.
 void expect_room_after(const std::filesystem::path& vdb, const std::filesystem::path& aside) {
   const std::uintmax_t bytes = std::filesystem::file_size(aside);
   const Descriptor file(aside, O_WRONLY | O_APPEND);

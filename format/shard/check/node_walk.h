@@ -1,5 +1,5 @@
-/// Row-by-row check of a node table, except for its keys. A few numbers summarize all preceding rows, so a walk can
-/// resume in the middle, at a place that an earlier walk has passed.
+/// Row-by-row check of a node table, except for its keys. A few numbers summarize all preceding rows, so a check can
+/// resume in the middle, at a place that an earlier check has passed.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ class NodeWalk {
  public:
   /// Starts at the root. Borrows `path`.
   NodeWalk(const std::filesystem::path& path, const ShardHeader& header, std::uint64_t rows);
-  /// Starts at a place that a walk through the same table has passed.
+  /// Starts at a place that an earlier check of the same table has passed.
   NodeWalk(const std::filesystem::path& path, const NodePlace& place, std::uint64_t rows);
 
   const NodePlace& place() const { return place_; }

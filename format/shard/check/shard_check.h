@@ -13,8 +13,8 @@ namespace gigabake {
 /// Checks the attributes of the root group.
 /// Errors  All functions of this file: InputError naming `path`, the dataset and the first row that breaks a rule.
 void check_header(const std::filesystem::path& path, const ShardHeader& header);
-/// Checks the order (level by level from the root, Morton order), that every node but the root has exactly one parent,
-/// and the numbering of bricks.
+/// Checks the order (level by level from the root, Morton order) and the numbering of bricks. Checks that every node
+/// but the root has exactly one parent.
 void check_nodes(const std::filesystem::path& path, const ShardHeader& header, const NodeTable& nodes);
 /// Checks that the level has `bricks_of_nodes` bricks, and that `first` counts the bits of the masks, starting at 0.
 void check_bricks_of_level(const std::filesystem::path& path, const BrickLevel& level, int lod,
@@ -37,7 +37,7 @@ void check_coverage(const std::filesystem::path& path, int lod, std::uint64_t fi
 /// Range   facing_bytes per voxel; empty if the level has no such channel.
 void check_planes(const std::filesystem::path& path, int lod, std::uint64_t first_voxel,
                   std::span<const std::uint8_t> facing);
-/// Checks the planes of constant nodes like those of voxels, starting at row `first_node`.
+/// Checks the planes of constant nodes like the planes of voxels, starting at row `first_node`.
 void check_planes_of_nodes(const std::filesystem::path& path, std::uint64_t first_node, std::span<const Facing> facing);
 
 }  // namespace gigabake

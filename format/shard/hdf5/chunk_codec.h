@@ -18,8 +18,8 @@ namespace gigabake {
 /// The filters applied to a column's chunks before the checksum.
 struct ChunkFilters {
   Codec codec = Codec::lz4;
-  /// Element size in bytes for the shuffle filter, which stores the first bytes of all elements, then the second bytes,
-  /// and so on. 1: not shuffled.
+  /// Element size in bytes for the shuffle filter. The filter stores the first bytes of all elements, then the second
+  /// bytes, and so on. 1: not shuffled.
   /// Range   A chunk's size is a multiple of it.
   std::size_t shuffled_bytes = 1;
 };
@@ -28,8 +28,8 @@ struct ChunkFilters {
 /// Range   raw.size() is a multiple of element_bytes.
 void shuffle_chunk(std::span<const std::uint8_t> raw, std::size_t element_bytes, std::uint8_t* to);
 
-/// Returns the chunk as it is stored, checksum included. Deflate follows the rules of lattice/pack, so a device writes
-/// the same bytes (kernels/pack).
+/// Returns the chunk in its stored form, checksum included. Deflate follows the rules of lattice/pack, so a device
+/// writes the same bytes (kernels/pack).
 std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw, const ChunkFilters& filters);
 
 /// Fills `raw` with the first bytes of a chunk of `chunk_bytes`. Returns false if the checksum is wrong or the frame

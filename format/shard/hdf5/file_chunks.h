@@ -18,7 +18,7 @@ struct FileChunk {
 
 /// Returns all chunks of the file.
 /// Cost    Holds everything in memory: for measurements, not for readers.
-/// Errors  InputError: file, column, what is wrong with it.
+/// Errors  InputError: file, column, fault.
 std::vector<FileChunk> file_chunks(const std::filesystem::path& path);
 
 }  // namespace gigabake

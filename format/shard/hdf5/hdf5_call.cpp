@@ -15,8 +15,8 @@ static_assert(std::is_same_v<hid_t, std::int64_t> && std::is_same_v<herr_t, int>
 
 constexpr std::string_view system_message = "error message = '";
 
-/// Keeps the description of the innermost function that failed, or the first system message. The walk proceeds from the
-/// innermost function outwards.
+/// Keeps the description of the innermost function that failed, or the first system message. Called from the innermost
+/// function outwards.
 herr_t keep_reason(unsigned depth, const H5E_error2_t* error, void* kept) {
   auto& reason = *static_cast<std::string*>(kept);
   if (error->desc == nullptr) return 0;

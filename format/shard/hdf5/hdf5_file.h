@@ -45,7 +45,7 @@ struct ColumnRows {
   std::function<std::span<const std::uint8_t>(std::uint64_t first, std::uint64_t count,
                                               std::vector<std::uint8_t>& scratch)>
       get;
-  /// Replaces `get`: each chunk as it is stored, packed by the same codec as the other columns.
+  /// Replaces `get`: each chunk in its stored form, packed by the same codec as the other columns.
   std::span<const std::span<const std::uint8_t>> stored = {};
 };
 

@@ -15,13 +15,13 @@ namespace gigabake {
 class Hdf5Rows : public StoredRows {
  public:
   /// Borrows `file`. Checks that the dataset's shape and type match `column` and that its size fits the stored bytes.
-  /// Errors  InputError: file, dataset, what is wrong with it.
+  /// Errors  InputError: file, dataset, fault.
   Hdf5Rows(const Hdf5File& file, const Hdf5Column& column);
 
   std::uint64_t rows() const override { return rows_; }
 
   /// Reads rows [first, first + count). Thread-safe.
-  /// Range   `to` has room for `count` rows; first + count ≤ rows().
+  /// Range   `to` has the size of `count` rows; first + count ≤ rows().
   /// Cost    Reads the whole chunks that overlap the range; unpacks each up to the range's end.
   /// Errors  InputError: a chunk is missing, lies outside of the file, or its checksum is wrong.
   void read(std::uint64_t first, std::uint64_t count, void* to) const override;

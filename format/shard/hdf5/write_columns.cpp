@@ -48,7 +48,7 @@ Bytes encode(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scr
   return encode_chunk(padded, filters);
 }
 
-/// Returns the calling thread alone if all columns are packed already, because waking threads would take longer than
+/// Returns only the calling thread if all columns are packed already, because waking threads would take longer than
 /// storing the chunks.
 const ThreadPool& threads_for(std::span<const ColumnRows> columns, const ThreadPool& pool) {
   const bool is_packed =
@@ -108,7 +108,7 @@ class ColumnsInOrder {
     stored_[at.column] += bytes.size();
   }
 
-  /// Creates the columns before `end`. Columns without rows have no chunks, so store() alone would never create them.
+  /// Creates the columns before `end`. Columns without rows have no chunks, so store() would never create them.
   void make_columns_up_to(std::size_t end) {
     for (; made_ < end; ++made_) {
       const ColumnRows& c = columns_[made_];

@@ -7,9 +7,8 @@
 
 namespace gigabake {
 
-/// Returns the bounds of a .glb, .gltf or .b3dm without its tile's transform. They include the transforms of nodes,
-/// the rotation to z up by tile.gltf_up, RTC_CENTER and CESIUM_RTC, as bounds in a tileset do. The bounds of vertices
-/// are
+/// Returns the bounds of a .glb, .gltf or .b3dm without its tile's transform. They include the transforms of nodes, the
+/// rotation to z up by tile.gltf_up, RTC_CENTER and CESIUM_RTC, as bounds in a tileset do. The bounds of vertices are
 /// `min` and `max` of their accessor; if these are missing, the origin of the node is used.
 /// Cost    Reads the headers and the JSON.
 /// Errors  InputError: a member that the bounds depend on is malformed. No other member is checked.

@@ -15,8 +15,7 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint64_t most_accessor_items = std::uint64_t(1) << 31;
-constexpr std::uint64_t most_unbacked_items = std::uint64_t(1) << 24;  ///< zeros without a buffer: a small file could
-                                                                       ///< require any number
+constexpr std::uint64_t most_unbacked_items = std::uint64_t(1) << 24;  ///< zeros; a small file could have any number
 
 std::string item(const char* list, std::size_t i) { return std::string(list) + "[" + std::to_string(i) + "]"; }
 

@@ -9,9 +9,8 @@
 
 namespace gigabake {
 
-/// Checks a document. Afterwards every index (buffer, view, accessor, image, sampler, texture, material, mesh, node)
-/// is in range. Views are within their buffers, accessors are within their views, and nodes form a forest. External
-/// files
+/// Checks a document. Afterwards every index (buffer, view, accessor, image, sampler, texture, material, mesh, node) is
+/// in range. Views are within their buffers, accessors are within their views, and nodes form a forest. External files
 /// are inside files.root() and have the bytes that the document requires. Every required extension is supported.
 /// bin_bytes: size of the GLB's binary chunk.
 /// Errors  InputError(file, "accessors[3].bufferView", …).

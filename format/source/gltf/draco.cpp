@@ -20,8 +20,8 @@ std::uint64_t varint(ByteCursor& in) {
   in.fail("the Draco stream's header has a number of more than 32 bits");
 }
 
-/// Returns the number of triangles in the stream's header. Returns nullopt if metadata precede it, or if the stream
-/// is older than 2.2.
+/// Returns the number of triangles in the stream's header. Returns nullopt if metadata precede it, or if the stream is
+/// older than 2.2.
 /// Source  Draco bitstream specification 2.2, 4 and 6.
 std::optional<std::uint64_t> announced_triangles(const std::filesystem::path& file,
                                                  std::span<const std::uint8_t> packed) {

@@ -117,8 +117,7 @@ void unpack_draco(const std::filesystem::path& file, const Json& gltf, GltfDocum
           "meshes[" + std::to_string(m) + "].primitives[" + std::to_string(p) + "].extensions." + draco_extension;
       const Json& primitive = gltf["meshes"][m]["primitives"][p];
       if (!primitive.contains("indices")) throw InputError(file, where, "expected indices");
-      // The count is that of the strip, but the packed indices are a list: the count is an upper bound of its
-      // triangles.
+      // The count is that of the strip, but the packed indices are a list: it is an upper bound of the triangles.
       const Json& indices = gltf["accessors"][primitive["indices"].get<std::size_t>()];
       const std::uint64_t most = get_index(file, indices, "accessors", "count").value_or(0);
       Unpacker(file, where, document, model.meshes[m].primitives[p], most).unpack();

@@ -12,10 +12,10 @@ namespace gigabake {
 struct GltfDocument {
   tinygltf::Model model;                        ///< without the buffers' bytes
   std::vector<SourceBytes> buffers;             ///< of the document, then of unpacked views
-  std::vector<SourceBytes> images;              ///< encoded; empty where it cannot be used or was not requested
+  std::vector<SourceBytes> images;              ///< encoded; empty if it cannot be used or was not requested
   std::vector<std::string> image_faults;        ///< by image: why it cannot be used; empty if it can
   std::array<double, 3> rtc_center{};           ///< b3dm's or i3dm's RTC_CENTER plus the CESIUM_RTC extension, z up
-  std::vector<Affine<World, World>> instances;  ///< as ContentContainer
+  std::vector<Affine<World, World>> instances;  ///< see ContentContainer
 
   /// Returns the bytes of a view of the model.
   SourceBytes view_bytes(int view) const;
@@ -24,10 +24,9 @@ struct GltfDocument {
 };
 
 /// Loads a document.
-/// Cost    The binary chunk of a .glb file is not read into memory; all other bytes are.
+/// Cost    The binary chunk of a plain .glb file in a folder is not read into memory; all other bytes are.
 /// Errors  InputError: all errors of check_gltf(), buffers that cannot be read, and errors of tinygltf. An image that
-///         cannot
-/// be used is no error of the document.
+///         cannot be used is no error of the document.
 GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, bool with_images);
 
 }  // namespace gigabake

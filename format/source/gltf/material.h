@@ -22,8 +22,7 @@ struct SourceMaterial {
 
 /// Returns a material of a checked document. Its colour is the core's base colour or that of
 /// KHR_materials_pbrSpecularGlossiness; if both are missing, that of KHR_techniques_webgl. If the base colour is black,
-/// the
-/// emitted colour is used: before an extension for unlit materials existed, they were written so.
+/// the emitted colour is used: before an extension for unlit materials existed, they were written so.
 /// Errors  InputError: only KHR_techniques_webgl describes the material, and it has no diffuse colour.
 SourceMaterial source_material(const std::filesystem::path& file, const tinygltf::Model& model, int material,
                                SourceWarnings& warnings);

@@ -20,9 +20,9 @@ std::array<float, 2> pair_or(const tinygltf::Value& object, const char* key, std
 
 /// Applies the transform of the extension.
 /// Source  KHR_texture_transform: translation · rotation · scale, where "rotation" turns texture coordinates
-/// counter-clockwise as seen on the image. The image's v points down, so (1, 0) turns towards (0, -1):
-/// u' = cos u + sin v, v' = -sin u + cos v. The matrix of the extension's text turns the other way
-/// (KhronosGroup/glTF#1563); the Khronos sample viewer and its TextureTransformTest turn as this function does.
+///         counter-clockwise as seen on the image. The image's v points down, so (1, 0) turns towards (0, -1):
+///         u' = cos u + sin v, v' = -sin u + cos v. The matrix of the extension's text turns the other way
+///         (KhronosGroup/glTF#1563); the Khronos sample viewer and its TextureTransformTest turn as this function does.
 void apply_texture_transform(const tinygltf::Value& t, SourceMaterial& out) {
   const auto offset = pair_or(t, "offset", {0, 0}), scale = pair_or(t, "scale", {1, 1});
   const float rotation = number_or(t, "rotation", 0), c = std::cos(rotation), s = std::sin(rotation);

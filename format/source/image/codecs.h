@@ -2,7 +2,8 @@
 ///
 /// Exact   The output of a decoder depends only on the packed bytes.
 /// Errors  InputError(file, where): bytes that violate the codec's format, or more bytes than they can unpack to; built
-/// without the library, in which case the message names its package. Sizes are checked before memory is allocated.
+///         without the library, in which case the message names its package. Sizes are checked before memory is
+///         allocated.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +19,8 @@
 
 namespace gigabake {
 
-/// Returns the reason why a required glTF extension is refused if the library for it is missing. Returns nullopt if
-/// the extension is read or needs no codec.
+/// Returns the reason why a required glTF extension is refused if the library for it is missing. Returns nullopt if the
+/// extension is read or needs no codec.
 std::optional<std::string> missing_codec(const std::string& extension);
 
 // EXT_meshopt_compression

@@ -27,7 +27,7 @@ ImageSize checked(const EncodedImage& image, const ImageSize& size) {
   return size;
 }
 
-/// Returns what the decoder itself holds per texel until all are decoded.
+/// Returns the bytes per texel that the decoder keeps until all texels are decoded.
 std::uint64_t decoder_texel_bytes(const EncodedImage& image, Encoding encoding) {
   constexpr std::uint64_t coefficient_bytes = 2, argb_bytes = 4;
   if (encoding == Encoding::webp) return argb_bytes;

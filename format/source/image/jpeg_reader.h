@@ -16,8 +16,8 @@
 
 namespace gigabake {
 
-/// Reader of a JPEG. libjpeg reports errors through callbacks that must not return: they jump to `back`. The jump
-/// skips no destructor of a C++ object.
+/// Reader of a JPEG. libjpeg reports errors through callbacks that must not return: they jump to `back`. The jump skips
+/// no destructor of a C++ object.
 struct JpegReader {
   jpeg_decompress_struct state{};
   jpeg_error_mgr errors{};

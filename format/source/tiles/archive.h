@@ -26,8 +26,8 @@ class Archive {
   std::optional<std::uint64_t> size_of(const std::string& entry) const;
 
   /// Returns the first bytes of an entry, at most `most_bytes`.
-  /// Errors  InputError: the entry does not exist, does not have the checksum or the length that the archive states, is
-  /// encrypted, or is compressed by a method that libzip does not support.
+  /// Errors  InputError: no such entry; another checksum or length than the archive states; encrypted; compressed by a
+  ///         method that libzip does not support.
   std::vector<std::uint8_t> read(const std::string& entry, std::uint64_t most_bytes) const;
 
  private:

@@ -31,15 +31,11 @@ struct Tileset {
 
 /// Opens a tileset. Nested and external tilesets are followed, also in archives; implicit tiles are those that their
 /// subtrees mark as available. If a tile refines by REPLACE, its content counts only if there is no finer content below
-/// it.
-/// If a finer file is missing, the nearest ancestor's content replaces all of its descendants, so that no surface is
-/// duplicated, and the missing file is listed.
-/// `document`: the JSON of `file`.
-/// A URI, a tile, a subtree or an external tileset that cannot be used is listed; only its part of the tileset is
-/// missing.
-/// Errors  InputError: the first tileset has an unknown version or required extension; a cycle of external tilesets or
-///         more
-/// than 2^24 tiles in all tilesets; more than 2^16 missing contents. Stopped.
+/// it. If a finer file is missing, the nearest ancestor's content replaces all of its descendants, and the missing file
+/// is listed: thus no surface is duplicated. `document`: the JSON of `file`.
+/// A URI, tile, subtree or external tileset that cannot be used is listed; only its part of the tileset is missing.
+/// Errors  InputError: the first tileset has an unknown version or required extension; external tilesets form a cycle.
+///         Also: more than 2^24 tiles in all tilesets, more than 2^16 missing contents. Stopped.
 Tileset open_tileset(const SourceFiles& files, const std::filesystem::path& file, const TilesetDocument& document,
                      const Progress& progress = {});
 

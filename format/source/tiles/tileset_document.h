@@ -33,8 +33,7 @@ struct TilesetDocument {
 
 /// Parses `file`, a tileset or another JSON.
 /// Errors  InputError, as parse_json(); the tiles need more than memory_limit(). A malformed member of a tile is a
-///         fault of
-/// that tile.
+///         fault of that tile.
 TilesetDocument parse_tileset(const std::filesystem::path& file, std::span<const std::uint8_t> text,
                               const Progress& progress = {});
 

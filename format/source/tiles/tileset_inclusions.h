@@ -1,6 +1,5 @@
 /// Inclusions of tilesets in tilesets, counted to refuse excessive ones before they are read. Thirty files that each
-/// name
-/// the next file twice result in a billion inclusions.
+/// name the next file twice result in a billion inclusions.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +14,7 @@ class TilesetInclusions {
  public:
   /// Records that a tileset is read; called for every one. file: its canonical path; uris: of all its contents.
   /// Errors  InputError: in the tilesets read until now, the first one includes itself, or more than 2^18 would have to
-  ///         be
-  /// read.
+  ///         be read.
   /// Cost    Visits all recorded tilesets when the first, second, fourth, eighth … tileset is read again.
   void read(const std::filesystem::path& file, const std::vector<std::string>& uris);
 
