@@ -27,8 +27,8 @@ struct ColumnExtent {
                                       ///< column
   std::uint64_t triangles = 0;        ///< triangles that may touch the column
   /// Approximate number of projected lod-0 voxels of its surface, times crossing_unit: the triangles' areas projected
-  /// along x, y and z, summed. Each triangle is divided evenly among its columns. If surfaces are close together,
-  /// fewer voxels result.
+  /// along x, y and z, summed. Each triangle is divided evenly among its columns. If surfaces are close together, fewer
+  /// voxels result.
   std::uint64_t crossings = 0;
 };
 

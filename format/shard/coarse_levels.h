@@ -1,5 +1,5 @@
 /// The coarsest levels of a shard, which an overview copies from its child. Their source is the arrays of a cell baked
-/// in this process, or a file. Of a file's chunks, only those with these rows are read.
+/// in this process, or a file. Only the file's chunks with these rows are read.
 #pragma once
 
 #include <vector>

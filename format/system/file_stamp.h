@@ -1,8 +1,8 @@
 /// Identification of a file's content from its metadata, without reading it. Equal stamps mean equal content under the
 /// following rules.
 ///
-/// Every write sets the file's change time to the current time. So do attempts to hide a write, such as setting mtime
-/// back or moving another file into place. No program can set the change time.
+/// Every write sets the file's change time to the current time. Attempts to hide a write do so too, such as setting
+/// mtime back or moving another file into place. No program can set the change time.
 /// A file with the stamp that it had when it was read therefore has the same content. The exception is the clock's
 /// granularity: a second write within the same tick leaves the same stamp.
 /// A stamp is *settled* only if both times lie at least 2 s before the moment at which it was taken: the coarsest tick

@@ -1,7 +1,7 @@
 /// Deflate of one chunk in a zlib frame, by the rules of lattice/pack. A device writes the same bytes.
 /// Range   Up to 2^30 bytes.
-/// Cost    4 ns of one core per byte, less than libdeflate's level 1 (docs/experiments/kernels.md). Each thread
-///         keeps its working memory: 0.2 MB plus twice its largest chunk.
+/// Cost    4 ns of one core per byte, less than libdeflate's level 1 (docs/experiments/kernels.md). Each thread keeps
+///         its working memory: 0.2 MB plus twice its largest chunk.
 #pragma once
 
 #include <cstdint>
