@@ -46,8 +46,8 @@ struct TrianglePlane {
 };
 inline constexpr int cut_line = 3;
 
-/// Returns 1/x, and 1 for x = 0. The zero test is part of the sum: with two quotients a compiler would divide by zero
-/// and select afterwards, and division by zero takes a slow path on a device.
+/// Returns 1/x, and 1 for x = 0. The zero test is part of the sum. A compiler would select between two quotients after
+/// a division by zero, which takes a slow path on a device.
 GB_HD double inverse_or_one(double x) { return 1 / (x + (x == 0 ? 1.0 : 0.0)); }
 
 /// Returns both slopes of a line along (du, dv) with one division.

@@ -1,10 +1,11 @@
 /// Directional coverage of a coarser voxel and visibility of each of its children, seen along the axes.
 ///
-/// A voxel's *raster* is its coverage mask along x, y and z: its content projected onto the face across each axis, in
-/// cells of 0…255. It has one cell at lod 0 (AxisCoverage), 2×2 at lod 1, 4×4 at lod 2, and 8×8 from lod 3, where a
-/// cell is the mean of four. Children that lie behind each other occlude each other per cell. Coverage is therefore
-/// exact for opaque voxels up to lod 3; beyond it, two surfaces are confused only within an eighth of a voxel. A single
-/// coverage value does not suffice: half a voxel behind half a voxel may occlude nothing more, or everything.
+/// A voxel's *raster* is its coverage mask along x, y and z: its content projected onto the face across each axis. Its
+/// cells have values 0…255. It has one cell at lod 0 (AxisCoverage), 2×2 at lod 1 and 4×4 at lod 2. Coarser lods have
+/// 8×8, where a cell is the mean of four. Children that lie behind each other occlude each other per cell. Coverage is
+/// therefore exact for opaque voxels up to lod 3; beyond it, two surfaces are confused only within an eighth of a
+/// voxel. A single coverage value does not suffice: half a voxel behind half a voxel may occlude nothing more, or
+/// everything.
 ///
 /// Exact   Integers: host and device return the same bits.
 #pragma once
@@ -130,8 +131,8 @@ GB_HD std::uint32_t even_bytes(std::uint32_t a, std::uint32_t b) {
 }
 
 /// Adds one run of a column of children to the parent's raster. The sums over the lower child, the upper child and
-/// their union are added to `sums`. children: returns run `run` of an axis of a child's raster; zeros if the child does
-/// not exist.
+/// their union are added to `sums`. Parameter children: returns run `run` of an axis of a child's raster; zeros if the
+/// child does not exist.
 /// Range   Edge: 4 or 8.
 template <int Edge, class Children>
 GB_HD void see_run(const Children& children, int axis, int column, int run, std::uint32_t* raster,

@@ -157,8 +157,8 @@ GB_HD Rgba16 nearest_texel(const TextureView& view, Wrap wrap_s, Wrap wrap_t, do
                     texels_between(in_first_period(t, wrap_t) * grid.height, 0, 0, grid.height).first);
 }
 
-/// Linear map from a fragment's (u, v) to (s, t). A degenerate map, for example of a colour ramp along a line, gets a
-/// width of a thousandth of its length, so that the mapped fragment has an area.
+/// Linear map from a fragment's (u, v) to (s, t). A degenerate map, for example of a colour ramp along a line, is
+/// widened to a thousandth of its length. The mapped fragment then has an area.
 struct FragmentMap {
   double su, sv, tu, tv, determinant;
 };
@@ -186,8 +186,8 @@ struct TexelOutline {
 };
 
 /// Writes the outline on the texture to `r`. It is not a return value because nvcc 13.0 would place its corners at the
-/// address of `o` and overwrite the fifth corner before it is read. Found on 2026-11-23, in colours of a device
-/// (DeviceTextures) and in PTX.
+/// address of `o`. It would then overwrite the fifth corner before it is read. Found on 2026-11-23, in colours of a
+/// device (DeviceTextures) and in PTX.
 GB_HD void map_outline(const Outline& o, const FragmentMap& map, Point2 centroid, TexelOutline& r) {
   r.low_x = r.high_x = r.low_y = r.high_y = 0;
   r.count = o.count;

@@ -1,12 +1,12 @@
 /// Plane of a coarser voxel: one byte with the position of its surface, if the voxel holds a single surface.
 ///
-/// The plane is n·x = offset/7. n has the direction of the voxel's stored normal with |x| + |y| + |z| = 1, not unit
-/// length. x is a position from the voxel's centre in half edges. An offset of 7 is therefore a plane that just touches
-/// the cube, in every direction. The byte's lowest two bits hold the fraction of the voxel's surface that lies on the
-/// plane, 3 being all. The higher bits hold offset + 8. The value 0 means no plane.
+/// The plane is n·x = offset/7. The vector n has the direction of the voxel's stored normal with |x| + |y| + |z| = 1,
+/// not unit length. The vector x is a position from the voxel's centre in half edges. An offset of 7 is therefore a
+/// plane that just touches the cube, in every direction. The byte's lowest two bits hold the fraction of the voxel's
+/// surface that lies on the plane, 3 being all. The higher bits hold offset + 8. The value 0 means no plane.
 ///
-/// A voxel whose whole surface lies on its plane stores no coverage along the axes: its alpha, the max of these
-/// coverages, and its normal determine them.
+/// A voxel whose whole surface lies on its plane stores no coverage along the axes. Its normal and its alpha, which is
+/// the max of these coverages, determine them.
 ///
 /// Exact   32-bit integers: host and device return the same bits.
 /// Source  docs/experiments/levels.md (blended planes).

@@ -2,8 +2,8 @@
 ///
 /// Vertex colours are linear over a triangle, so their value at the fragment's centroid is their exact mean. A texture
 /// is averaged over a footprint with the centroid and second moments of the fragment's polygon. A quadratic texture
-/// therefore has its exact mean, and the fragments of a voxel sum to the same result for any division of its surface
-/// into triangles. The footprint is read from the prefiltered pyramid at a level where three texels along each axis
+/// therefore has its exact mean. The fragments of a voxel sum to the same result for any division of its surface into
+/// triangles. The footprint is read from the prefiltered pyramid at a level where three texels along each axis
 /// represent it. A wide footprint is read in up to nine parts.
 ///
 /// Exact   Texel weights and sums are integers; positions are IEEE double, second moments IEEE float: host and device
@@ -123,7 +123,7 @@ struct SlantedBox {
 };
 
 /// Divides a footprint into parts. A footprint with an alpha test has one row. Others that are wide along both axes
-/// have two rows, so that a finer level is read, or three rows if that level is the image itself.
+/// have two rows, so that a finer level is read. They have three rows if that level is the image itself.
 GB_HD SlantedBox slanted_box(float longer, float covariance, float shorter, bool is_tested) {
   SlantedBox r;
   r.slant = covariance / longer;

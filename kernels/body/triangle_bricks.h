@@ -1,6 +1,6 @@
 /// Search for the bricks of a window that a triangle may touch. Small triangles use their bounding box. Large triangles
-/// descend the octree with an exact closed triangle-cube test, so that the cost of a long sliver grows with its length
-/// and not with the volume of its box.
+/// descend the octree with an exact closed triangle-cube test. The cost of a long sliver then grows with its length and
+/// not with the volume of its box.
 #pragma once
 
 #include <cstdint>

@@ -13,7 +13,7 @@ namespace gigabake::kernels {
 
 class BrickPool {
  public:
-  /// Creates a pool. Borrows heap, delivery and pool.
+  /// Creates a pool. Borrows `heap`, `delivery` and `pool`.
   BrickPool(DeviceHeap& heap, Delivery& delivery, const ThreadPool& pool, const PoolSizes& sizes);
 
   void show_in(CastScene& scene) const;

@@ -1,9 +1,9 @@
 /// Ray casting through a paged scene, front to back.
 ///
-/// A ray visits a fixed sequence of samples. On level l they are half a voxel of l apart; l is the level whose voxels
-/// are at most a pixel wide at that distance. Empty space is skipped. The samples and their values depend only on the
-/// ray and the voxels. Once all requested data is resident, the image therefore does not depend on cells, residency or
-/// the order of rays.
+/// A ray visits a fixed sequence of samples. On level l they are half a voxel of l apart. The voxels of level l are at
+/// most a pixel wide at that distance. Empty space is skipped. The samples and their values depend only on the ray and
+/// the voxels. Once all requested data is resident, the image therefore does not depend on cells, residency or the
+/// order of rays.
 ///
 /// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
@@ -64,8 +64,8 @@ GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
 }
 
 /// Returns the number of steps a ray takes in a coarser fallback brick. Samples there are half a voxel of the brick
-/// apart, within the brick and the ray's level. beyond: the first sample that may lie outside the brick. Not inlined,
-/// because fallback bricks are few.
+/// apart, within the brick and the ray's level. Parameter beyond: the first sample that may lie outside the brick. Not
+/// inlined, because fallback bricks are few.
 GB_HD_ONE_COPY double steps_in_coarser(double lod1_distance, int brick_lod, int lod, double step, double beyond) {
   CastLine line;
   line.lod1_distance = lod1_distance;
@@ -96,8 +96,8 @@ struct LevelLook {
 };
 
 /// Composites the blended surface that the ray hit at `met`. Samples its colour at the hit and half a voxel before and
-/// behind, and its opacity at the hit. Returns false if the ray is patient and must wait for missing data. A shadow ray
-/// needs no colour, so it samples only once.
+/// behind, and its opacity at the hit. Returns false if the ray is `patient` and must wait for missing data. A shadow
+/// ray needs no colour, so it samples only once.
 template <CastAim aim>
 GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, double met,
                       CastPath& path, CastRay& ray) {
@@ -207,7 +207,7 @@ GB_HD bool leaves_level(const CastScene& scene, const CastLine& line, CastWalk& 
 }
 
 /// Finds the brick of the current sample. Returns false if the ray skips empty space, switches level, ends, or is
-/// patient and waits for missing data. Rays that are not patient use coarser bricks instead.
+/// `patient` and waits for missing data. Rays that are not `patient` use coarser bricks instead.
 GB_HD bool enter_brick(const CastScene& scene, const CastLine& line, bool patient, CastWalk& walk, CastPath& path,
                        CastRay& ray) {
   if (leaves_level(scene, line, walk, ray)) return false;
@@ -332,7 +332,7 @@ GB_HD void start_walk(const CastScene& scene, const CastLine& line, bool is_cast
 }
 
 /// Continues until the ray is finished (lod = -1) or waits. In a warp, rays that hit a surface wait until all seeking
-/// rays hit one or end, because compositing a surface takes as long as about a dozen steps. On a device all lanes must
+/// rays hit a surface or end. Compositing a surface takes as long as about a dozen steps. On a device all lanes must
 /// call this function.
 template <CastAim aim = CastAim::eye>
 GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, bool is_cast,

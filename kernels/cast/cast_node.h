@@ -22,8 +22,8 @@ struct CastNode {
 };
 
 /// A node packed into one word. If the children are resident and the brick is not empty, the word is the tile of the
-/// children. The reference to the brick is then stored per tile, in CastScene::parent_bricks. Otherwise bit 31 is set,
-/// bits 29 and 30 hold the lowest two bits of `children`, and bits 0 to 28 hold the lowest bits of `brick`. These bits
+/// children. The reference to the brick is then stored per tile, in CastScene::parent_bricks. Otherwise bit 31 is set
+/// and bits 29 and 30 hold the lowest two bits of `children`. Bits 0 to 28 then hold the lowest bits of `brick`, which
 /// distinguish the reasons empty_ref, absent_ref and lost_ref.
 using NodeWord = std::uint32_t;
 inline constexpr std::uint32_t leaf_bit = 1u << 31;

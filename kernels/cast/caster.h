@@ -32,7 +32,7 @@ struct VoxelMove {
 struct PoolSizes {
   std::uint32_t tiles = 0, slots = 0, voxels = 0;
 
-  /// Returns the size of CastMarks::wanted: 16 bits per tile.
+  /// Returns the size of `CastMarks::wanted`: 16 bits per tile.
   std::size_t want_words() const { return (std::size_t(tiles) + 1) / 2; }
   /// Returns the size of the pools and their marks in the memory of the caster's device.
   std::uint64_t bytes() const;
@@ -66,9 +66,9 @@ class Caster {
   virtual void start(const CastCamera& camera, const CastTile& tile) = 0;
 
   /// Casts one pass: continues the unfinished rays among rays [begin, end) of the tile. Returns the number of rays that
-  /// are still unfinished. patient: rays stop at missing data; otherwise they use coarser data and finish. If `stop`
-  /// ends the pass early, the remaining rays are unchanged and the result is above 0. Another pass then continues with
-  /// the same bits.
+  /// are still unfinished. If `patient`, rays stop at missing data; otherwise they use coarser data and finish. If
+  /// `stop` ends the pass early, the remaining rays are unchanged and the result is above 0. Another pass then
+  /// continues with the same bits.
   virtual std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
 
   /// Starts second rays for pixels between two levels. All rays of the tile must be finished. Pixels then blend both

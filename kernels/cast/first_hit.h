@@ -210,8 +210,8 @@ GB_HD std::uint32_t cross_cell(FirstHitWalk& w, std::uint32_t child) {
 }
 
 /// Descends if the child exists, then crosses the next cell if it is empty. One call does both steps to reduce
-/// divergence between the rays of a warp. stack: stack(scale) returns this ray's std::uint32_t& for each odd scale from
-/// least_stacked to most_stacked.
+/// divergence between the rays of a warp. The call stack(scale) returns this ray's std::uint32_t& for each odd scale
+/// from least_stacked to most_stacked.
 template <class Stack>
 GB_HD FirstHitState advance(const FirstHitTree& tree, FirstHitWalk& w, Stack stack) {
   const std::uint32_t first = child_at(w);

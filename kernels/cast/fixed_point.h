@@ -84,8 +84,8 @@ GB_HD LevelPoints level_points(const CastScene& scene, const CastLine& line, int
 inline constexpr float fixed_spare = 4;
 
 /// Returns the distance along the ray to the side of a box that the ray crosses on an axis. Rounding may shorten the
-/// distance, but never lengthens it. at: the coordinate above the lower side of the box, in 1/65536 of any voxel size;
-/// edge: of the box in this unit, a power of two. The result has the same unit.
+/// distance, but never lengthens it. Parameter at: the coordinate above the lower side of the box, in 1/65536 of any
+/// voxel size. Parameter edge: the box's edge in this unit, a power of two. The result has the same unit.
 GB_HD float way_to_side(const CastLine& line, int axis, std::uint32_t at, std::uint32_t edge) {
   const std::uint32_t behind = (at ^ backward(line, axis)) & (edge - 1);
   return (float(edge - behind) - fixed_spare) * line.way_per_voxel[axis];

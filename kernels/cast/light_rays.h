@@ -97,7 +97,7 @@ GB_HD void set_surface(const SurfaceSums& sums, const CastLine& line, PixelLight
 }
 
 /// Finds the surface that the pixel's finished ray hit. Samples it at the hit and half a voxel before and behind.
-/// Returns false if the ray is patient and must wait for evicted data.
+/// Returns false if the ray is `patient` and must wait for evicted data.
 GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, const CastLine& line, bool patient,
                         const CastRay& ray, PixelLight& light) {
   light.has_surface = ray.depth != CastRay::no_depth;

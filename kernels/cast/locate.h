@@ -324,8 +324,8 @@ GB_HD void count_for_level(int from, int to, FixedPoint& point) {
 }
 
 /// Finds the brick that holds the field of level `lod` around a point. If it is not resident, returns the finest
-/// resident coarser brick; if `patient`, returns only waits = true instead. frame: the cell that is tried first;
-/// receives the cell that was found. path: from the same pass.
+/// resident coarser brick; if `patient`, returns only waits = true instead. Parameter frame: the cell that is tried
+/// first; receives the cell that was found. Parameter path: from the same pass.
 /// Cost    One dependent load per level below the deepest node shared with `path`; one more descent per missing level.
 GB_HD CastPlace locate(const CastScene& scene, const CastLine& line, int lod, const FixedPoint& point, bool patient,
                        CellFrame& frame, CastPath& path) {

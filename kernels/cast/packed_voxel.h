@@ -7,9 +7,9 @@
 
 namespace gigabake::kernels {
 
-/// A voxel's contribution to a ray; 65535 represents 1. c[0…2]: linear RGB radiance / 2, premultiplied by the mean of
-/// c[3…5]. c[3…5]: coverage in a view along x, y, z. Missing voxels therefore contribute zero and need no special case.
-/// The other members locate the voxel's surface.
+/// A voxel's contribution to a ray; 65535 represents 1. Members c[0…2] are linear RGB radiance / 2, premultiplied by
+/// the mean of c[3…5]. Members c[3…5] are the coverages in a view along x, y, z. Missing voxels therefore contribute
+/// zero and need no special case. The other members locate the voxel's surface.
 struct CastVoxel {
   std::uint16_t c[6] = {};
   std::int8_t normal[3] = {};  ///< intersection with the octahedron |x| + |y| + |z| = 127; 0, 0, 0: no normal
@@ -19,8 +19,8 @@ struct CastVoxel {
 inline constexpr std::uint8_t clear_plane = 64;
 inline constexpr int cast_channels = 6;
 
-/// A voxel in three words: radiance with 16 bits per channel, coverages in 1/255, and x and y of the normal. Of the
-/// normal's z only the sign is stored, because the octahedron yields its magnitude.
+/// A voxel in three words: radiance with 16 bits per channel, coverages in 1/255, and x and y of the normal. Only the
+/// sign of the normal's z is stored, because the octahedron yields its magnitude.
 ///
 /// word[0]  c[0] | c[1] << 16
 /// word[1]  c[2] | coverage x << 16 | y << 24

@@ -1,4 +1,4 @@
-/// A pass of rays on a device, in waves. Rays are traversed until they hit a blended surface; rays with a hit are
+/// A pass of rays on a device, in waves. Rays are traversed until they hit a blended surface. Rays with a hit are
 /// listed and composite it; rays that continue are listed and traversed again. The lanes of a warp therefore do the
 /// same work. Each kernel is small, because warps of a large kernel wait for instructions.
 #pragma once

@@ -1,4 +1,4 @@
-/// The blended surface ("sheet") around a point: the blended planes of the eight voxels of one level.
+/// The blended surface around a point: the blended planes of the eight voxels of one level.
 ///
 /// The signed distances to the eight planes are interpolated like colours, and weighted by the fraction of each voxel's
 /// surface that lies on its plane. The surface is where the interpolated distance changes its sign. Two neighbouring
@@ -28,7 +28,7 @@ struct CastSheet {
   GB_HD float height() const { return sheet > 0 ? above / (sheet * 254) : 0; }
 
   /// Returns the change of the signed distance per voxel along the line.
-  /// Range   sheet > 0.
+  /// Range   `sheet` > 0.
   GB_HD float rise(const double direction[3]) const {
     const float rises =
         (normal[0] * float(direction[0]) + normal[1] * float(direction[1])) + normal[2] * float(direction[2]);
@@ -220,7 +220,7 @@ enum class PointKind : std::uint8_t {
 /// The surface around a point, without the residual.
 struct CastAround {
   PointKind kind = PointKind::loose;
-  CastSheet sheet;       ///< empty unless kind is `sheet`
+  CastSheet sheet;       ///< empty unless `kind` is `sheet`
   bool is_flat = false;  ///< the blended surface is all there is: no residual
 };
 
@@ -256,8 +256,8 @@ GB_HD CastSample sheet_sample(const CastCorners& corners) {
 }
 
 /// Returns the fraction of a surface within one column of voxels that lies in two of these voxels. Parameter at:
-/// intersection with the column's axis; 0 and 1 are the two voxel centres. reach: extent of the surface up and down
-/// within the column.
+/// intersection with the column's axis; 0 and 1 are the two voxel centres. Parameter reach: extent of the surface up
+/// and down within the column.
 GB_HD float part_in_pair(float at, float reach) {
   const float from = at - reach, to = at + reach;
   const float low = from > -0.5f ? from : -0.5f, high = to < 1.5f ? to : 1.5f;

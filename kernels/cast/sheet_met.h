@@ -13,7 +13,7 @@
 namespace gigabake::kernels {
 
 /// Stores in the ray the signed distance and slope at this sample, for the intersection test at the next sample. Stores
-/// no_height if there is no blended surface (sheet.sheet = 0). lod: of the brick.
+/// no_height if there is no blended surface (`sheet.sheet` = 0). lod: of the brick.
 GB_HD void keep_height(const CastSheet& sheet, const CastLine& line, int lod, double distance, CastRay& ray) {
   ray.height = CastRay::no_height;
   if (!(sheet.sheet > 0)) return;

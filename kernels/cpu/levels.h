@@ -14,14 +14,15 @@ struct LevelSurface {
   std::vector<Patch> patches;          ///< (kernels/body/patch.h); empty without normals
 };
 
-/// Adds levels until there are `lods`. A level's bricks are the unique parents of the bricks below; a voxel exists
-/// if one of its eight children exists. surface: input of the last level; replaced by that of the new last level.
-/// Exact   Colour and normal depend on the stored 8-bit voxels of the level below and on their visible fractions;
-///         coverage depends on the voxels of lod 0. If `filter` is MipFilter::thesis, levels from 2 on depend on the
+/// Adds levels until there are `lods`. A level's bricks are the unique parents of the bricks below. A voxel exists if
+/// one of its eight children exists. Parameter surface: input of the last level; replaced by that of the new last
+/// level.
+/// Exact   Colour and normal depend on the stored 8-bit voxels of the level below and on their visible fractions.
+///         Coverage depends on the voxels of lod 0. If `filter` is MipFilter::thesis, levels from 2 on depend on the
 ///         stored voxels two levels below.
-/// Cost    Each level is read once (MipFilter::thesis: twice) and written once; a surface's level is about a quarter of
-///         the level below. MipFilter::coverage takes 20 more bytes per voxel of lod 1, and about the
-///         same amount for each level above.
+/// Cost    Each level is read once (MipFilter::thesis: twice) and written once. A surface's level is about a quarter of
+///         the level below. MipFilter::coverage takes 20 more bytes per voxel of lod 1, and about the same amount for
+///         each level above.
 void add_coarser_levels(std::vector<Level>& levels, LevelSurface& surface, int lods, MipFilter filter, bool normals,
                         const ThreadPool& pool);
 

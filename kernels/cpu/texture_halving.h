@@ -34,8 +34,8 @@ struct Footprint {
   }
 };
 
-/// Computes row y of the next level. row_at(j) returns the first texel of row j, 4 values each. add(texel, weight,
-/// sums) adds a weighted texel to the sums. out: 4 values per texel.
+/// Computes row y of the next level. The call row_at(j) returns the first texel of row j, 4 values each. The call
+/// add(texel, weight, sums) adds a weighted texel to the sums. out: 4 values per texel.
 template <class RowAt, class Add>
 void halve_row(LevelExtent from, int y, const RowAt& row_at, const Add& add, std::uint16_t* out) {
   const int target_width = level_extent(from.width, 1);

@@ -60,7 +60,7 @@ __device__ std::uint32_t sum_of_eight(std::uint32_t count) {
   return count;
 }
 
-/// A brick distributed over a warp. Lane l owns the groups l and l + 32, and knows the voxel counts of their octants
+/// A brick distributed over a warp. Lane l owns the groups l and l + 32, and stores the voxel counts of their octants
 /// and of the brick.
 struct LaneBrick {
   Group group[groups_a_lane];
@@ -94,7 +94,7 @@ template <class Range>
 struct ShareRanges {
   Range group[groups_a_lane], octant[groups_a_lane], brick;
 
-  /// Computes the ranges of octants and brick from those of the groups. All lanes of the warp must call it.
+  /// Computes the ranges of octants and brick from the ranges of the groups. All lanes of the warp must call it.
   __device__ void join() {
     for (unsigned g = 0; g < groups_a_lane; ++g) {
       octant[g] = group[g];

@@ -66,8 +66,8 @@ struct PairRoom {
   }
 };
 
-/// Counts all pairs in room.raw.counted and writes those that fit. Returns the required queue capacity. A window of one
-/// brick has no tree to descend: its large triangles become pairs directly.
+/// Counts all pairs in `room.raw.counted` and writes those that fit. Returns the required queue capacity. A window of
+/// one brick has no tree to descend: its large triangles become pairs directly.
 std::uint64_t find_pairs(DeviceHeap& heap, const InputView& input, const CellWindow& window, const PairSink& sink,
                          PairRoom& room) {
   pair_kernel<<<grid_of(input.triangle_count, pair_threads), pair_threads, 0, heap.stream()>>>(input, window, sink);

@@ -1,4 +1,4 @@
-/// Stages 1 and 2 on the device: vertices are snapped once, triangles are paired with the bricks that they may overlap,
+/// Stages 1 and 2 on the device. Vertices are snapped once, triangles are paired with the bricks that they may overlap,
 /// and the pairs are sorted by brick.
 #pragma once
 

@@ -28,8 +28,8 @@ struct alignas(8 * sizeof(Index) < 16 ? 8 : 16) Children {
   static constexpr Index none = Index(-1);
 };
 
-/// Returns the children in a brick's mask at (2x, 2y) of two adjacent slabs, `low` and `high`. at_low: index of the low
-/// slab's first voxel; the high slab's voxels follow.
+/// Returns the children in a brick's mask at (2x, 2y) of two adjacent slabs, `low` and `high`. Parameter at_low: index
+/// of the low slab's first voxel; the high slab's voxels follow.
 template <class Index>
 __device__ Children<Index> children_in(std::uint64_t low, std::uint64_t high, std::uint32_t at_low, int x, int y) {
   Children<Index> children;
@@ -98,8 +98,8 @@ struct alignas(8) ColumnSums {
   }
 };
 
-/// Computes the visible coverage of the children of n voxels, by a whole block: one lane per run of 16 cells. rasters:
-/// of the children; to: of the voxels, 8×8 cells each. Edge: of the children's, 4 or 8.
+/// Computes the visible coverage of the children of n voxels, by a whole block: one lane per run of 16 cells. Parameter
+/// rasters: of the children; to: of the voxels, 8×8 cells each. Edge: of the children's, 4 or 8.
 template <int Edge, class Index>
 __device__ void see_columns(const Children<Index>* children, int n, const std::uint32_t* rasters, std::uint32_t* to,
                             ColumnSums* out) {

@@ -28,8 +28,8 @@ struct LowShared {
       ColumnSums sums[most_3];
     };
   };
-  // Slots: voxels of lod 2, those of lod 3 from at_3 on, those of lod 4 from at_4 on, each in the order of their lod-1
-  // bricks.
+  // Slots: voxels of lod 2, voxels of lod 3 from at_3 on, voxels of lod 4 from at_4 on. Each level is in the order of
+  // its lod-1 bricks.
   Slots children[most_above];       ///< numbers of the children, counted per level from the group's first voxel
   std::uint32_t index[most_above];  ///< in the voxel's level
   std::uint32_t rgba[most_above];

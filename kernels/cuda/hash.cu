@@ -20,8 +20,8 @@ struct HashView {
   int lod;
 };
 
-/// Returns the bit (of 512) of the brick's voxel number `rank`. word: this lane's 32 bits of the mask; before: voxels
-/// in the words of lower lanes. Lanes 16 to 31 own no word. All lanes must call it.
+/// Returns the bit (of 512) of the brick's voxel number `rank`. Parameter word: this lane's 32 bits of the mask.
+/// Parameter before: voxels in the words of lower lanes. Lanes 16 to 31 own no word. All lanes must call it.
 __device__ int voxel_bit(std::uint32_t word, int before, int rank) {
   int at = 0;
 #pragma unroll

@@ -69,7 +69,7 @@ __global__ void sum_chunks(std::uint32_t chunks, std::uint32_t* before, std::uin
   if (lod == 1 && lane == 0) total[0] = 0;
 }
 
-/// Clears all masks except those of lod 1, which are written completely.
+/// Clears all masks except those for lod 1, which are written completely.
 __global__ void clear_masks(Tree tree) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
   for (int lod = 2; lod < tree.lods; ++lod)
@@ -120,7 +120,7 @@ __global__ void __launch_bounds__(chunk) open_bricks(const std::uint32_t* key, s
     if (lod < tree.lods) tree.ancestors[at[1]].brick[lod - 2] = at[lod];
 }
 
-/// Computes the masks of lods 1 and 2 from those of lod 0: eight threads per brick of lod 1, one mask word each.
+/// Computes the masks of lods 1 and 2 from the masks of lod 0: eight threads per brick of lod 1, one mask word each.
 __global__ void make_masks(LevelView fine, Tree tree) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x, p = i / 8;
   const int z = int(i % 8);

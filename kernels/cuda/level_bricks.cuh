@@ -35,8 +35,8 @@ struct CoarserBricks {
 };
 
 /// Computes the bricks of the levels [1, lods).
-/// Exact   Keys and masks depend only on those of `finest`. From lod 3 on, a voxel corresponds to a brick three levels
-///         finer.
+/// Exact   Keys and masks depend only on the keys and masks of `finest`. A voxel of lod 3 or above corresponds to a
+///         brick three levels finer.
 /// Cost    Reads the keys three times and the masks of lod 0 once; waits for the stream twice.
 /// Errors  CudaFailure.
 CoarserBricks coarser_bricks(DeviceHeap& heap, const DeviceLevel& finest, int lods);

@@ -20,7 +20,7 @@ struct LevelsAbove {
 };
 
 /// Computes the levels [1, lods).
-/// Cost    With MipFilter::coverage 4 bytes of working memory per lod-1 voxel of a surface.
+/// Cost    MipFilter::coverage takes 4 bytes of working memory per lod-1 voxel of a surface.
 /// Errors  CudaFailure.
 LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceLevel& finest, int lods,
                            MipFilter filter, bool normals);

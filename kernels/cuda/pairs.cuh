@@ -14,7 +14,7 @@ struct LargeItem {
   std::uint32_t triangle, node;  ///< node: Morton code at the current level
 };
 
-/// Counters of pairs and items. They count beyond the arrays' capacities, so that the host knows the required ones.
+/// Counters of pairs and items. They count beyond the arrays' capacities, so that the host reads the required ones.
 struct PairCounters {
   unsigned long long pairs, items[2];
   TriangleCounts<unsigned long long> triangles;

@@ -1,5 +1,5 @@
 /// A cell's columns on the device. The kernels find the voxels that share a value, count the values, and write the
-/// columns. lattice/pack defines the rules; one warp per brick and channel executes them.
+/// columns. The rules are defined in lattice/pack; one warp per brick and channel executes them.
 #pragma once
 
 #include <cstdint>
@@ -75,7 +75,7 @@ struct LevelOut {
 void make_columns(DeviceHeap& heap, const LevelsView& levels, const FoundShares& shares,
                   const std::vector<LevelOut>& out);
 
-/// The destinations of a node table's columns. If all nodes are bricks, kind, normal and facing are zeros and not
+/// The destinations of a node table's columns. If all nodes are bricks, `kind`, normal and facing are zeros and not
 /// written.
 struct NodesOut {
   std::uint64_t* key;

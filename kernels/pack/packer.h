@@ -32,7 +32,7 @@ struct PackRequest {
 struct PackedCell {
   std::vector<PackedLevel> levels;    ///< [lod]; borrow `memory`, like the nodes
   std::vector<PackedColumn> nodes;    ///< in the order of the request
-  NodeTable constants;                ///< only the nodes that are no bricks: kind, lod and value
+  NodeTable constants;                ///< only the nodes that are no bricks: `kind`, lod and value
   std::vector<Hash128> content_hash;  ///< [lod]
   ParentSource above;                 ///< as in CellVolume
   CellStats stats;

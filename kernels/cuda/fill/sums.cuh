@@ -13,8 +13,8 @@
 
 namespace gigabake::kernels {
 
-/// Sums of one voxel. words 2: 64 bits, for bricks of at most fragments_before_flush triangles. words 3: 96 bits, for
-/// up to 2^32 triangles. channels: opaque_sum_count if everything is opaque, else sum_count.
+/// Sums of one voxel. Parameter words: 2 for 64 bits, for bricks of at most fragments_before_flush triangles; 3 for 96
+/// bits, for up to 2^32 triangles. Parameter channels: opaque_sum_count if everything is opaque, else sum_count.
 template <int words, int channels>
 struct VoxelSums {
   using Total = std::conditional_t<words == 2, std::int64_t, __int128>;
