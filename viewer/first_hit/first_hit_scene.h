@@ -37,15 +37,16 @@ class FirstHitBuilder {
   explicit FirstHitBuilder(int lod) : lod_(lod) {}
 
   /// Adds a cell. level: the cell's bricks of `lod`.
-  /// Errors  std::invalid_argument: columns of inconsistent length; a corner whose offset from the first cell's corner
-  ///         is not a multiple of four voxels of `lod`. std::length_error: 2^32 voxels or more.
+  /// Errors  std::invalid_argument: columns of inconsistent length, or a corner not a multiple of four voxels of `lod`
+  ///         from the first one.
+  ///         std::length_error: 2^32 voxels or more.
   void add_cell(const std::array<std::int64_t, 3>& lattice_min, const NodeTable& nodes, const BrickLevel& level);
 
   /// Returns the scene.
   /// Errors  std::length_error: an edge of 2^18 voxels or more.
   FirstHitScene finish();
   /// Returns the scene of one cell. The tree covers the cell's whole window instead of the bounds of its voxels, and
-  /// has no shells. window_voxels: edge of the window in voxels of `lod`, a multiple of 8.
+  /// has no shells. Parameter window_voxels: edge of the window in voxels of `lod`, a multiple of 8.
   FirstHitScene finish_window(std::int64_t window_voxels);
 
  private:

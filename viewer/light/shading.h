@@ -13,11 +13,10 @@ namespace gigabake {
 /// The property of a voxel that is shown.
 enum class Surface : std::uint8_t { colour, normal, coverage };
 
-/// Shades voxels. A voxel's coverage along each axis is its facing. If it has no facing, its alpha is the coverage
-/// along all three axes: at lod 0, with filters without directions, and in bakes without facing.
-/// The coverage filter of version 1 scenes stored the mean over the axes. Two of the three axes are parallel to flat
-/// ground, so the mean underestimates ground seen from above. Shading reverses the mean, so that ground does not become
-/// transparent.
+/// Shades voxels. A voxel's coverage along each axis is its facing. A voxel has none at lod 0, with filters without
+/// directions, and in bakes without facing. Its alpha is then the coverage along all three axes. The coverage filter of
+/// version 1 scenes stored the mean over the axes. Two of the three axes are parallel to flat ground, so the mean
+/// underestimates ground seen from above. Shading reverses the mean, so that ground does not become transparent.
 class Shading {
  public:
   Shading(const kernels::CastLight& light, const SceneHeader& scene, Surface surface = Surface::colour);

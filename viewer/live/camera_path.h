@@ -46,8 +46,8 @@ class CameraPath {
 };
 
 /// Parses a camera path. origin: the scene's; paths in degrees need it. file: for messages.
-/// Errors  InputError: not JSON; a member that is unknown, missing, of a wrong type or out of range; degrees although
-///         the scene has no origin on the earth.
+/// Errors  InputError: not JSON, or degrees although the scene has no origin on the earth. InputError: a member that is
+///         unknown, missing, of a wrong type or out of range.
 CameraPath camera_path_from_json(const std::filesystem::path& file, std::string_view text,
                                  const std::optional<Geodetic>& origin);
 /// Reads and parses a camera path.

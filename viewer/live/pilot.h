@@ -34,8 +34,8 @@ struct Steering {
 /// The render scheduler of one viewer; it only decides, the caller renders. During movement it requests small previews.
 /// At rest it requests a small preview until that is complete, then larger images; the last has full size and is
 /// rendered in tiles. After that it requests nothing. Times are seconds of any clock that never decreases.
-/// Range   Any input is clamped: size to 16 to 4096 per edge, pixel_error to 2^±16, upload_s to 0.1 ms to 1 s, the
-///         sun's azimuth to ±360° and its elevation to ±90°.
+/// Range   Any input is clamped: size to 16 to 4096 per edge, pixel_error to 2^±16, upload_s to 0.1 ms to 1 s. The
+///         sun's azimuth is clamped to ±360° and its elevation to ±90°.
 class Pilot {
  public:
   static constexpr double rest_s = 0.25;       ///< since the last movement

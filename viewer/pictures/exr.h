@@ -12,11 +12,12 @@ namespace gigabake {
 /// R, G, B, A: half, linear, premultiplied. Z: float, metres along the ray to the point at which half of the light is
 /// absorbed; infinity if there is no such point.
 enum class ExrChannels : std::uint8_t {
-  light_and_depth,  ///< R, G, B, A and Z; needs Picture::linear
+  light_and_depth,  ///< R, G, B, A and Z; needs `Picture::linear`
   depth,            ///< Z
 };
 
-/// Returns the file's bytes; rows from top to bottom, ZIP compression. voxel_size_m: converts Picture::depth to metres.
+/// Returns the file's bytes; rows from top to bottom, ZIP compression. voxel_size_m: converts `Picture::depth` to
+/// metres.
 /// Exact   Equal images give equal bytes.
 /// Errors  std::runtime_error: OpenEXR's message; an empty image.
 std::string encode_exr(const Picture& picture, ExrChannels channels, double voxel_size_m);

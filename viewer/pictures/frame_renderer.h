@@ -102,11 +102,11 @@ class FrameRenderer {
   /// Renders the complete image in as many passes as necessary, whatever the size of the pools.
   Frame draw_exact(const View& view, const Progress& progress = {});
 
-  /// Starts the image of draw_exact() in tiles. meanwhile: an image of the same view in any size, shown where no tile
+  /// Starts the image of draw_exact() in tiles. `meanwhile`: an image of the same view in any size, shown where no tile
   /// is finished; null: transparent.
   FrameInTiles begin(const View& view, const Picture* meanwhile);
-  /// Renders at least one tile, then further tiles until `enough` returns true. enough: called after each tile.
-  /// stop: cancels within milliseconds; the next call restarts the unfinished tile.
+  /// Renders at least one tile, then further tiles until `enough` returns true. Calls `enough` after each tile. `stop`
+  /// cancels within milliseconds; the next call restarts the unfinished tile.
   /// Exact   The same as draw_exact(), also after cancelled calls and other renderings in between.
   void go_on(FrameInTiles& frame, const kernels::StopAsked& enough, const kernels::StopAsked& stop);
 

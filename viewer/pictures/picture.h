@@ -27,7 +27,7 @@ struct Picture {
 /// The light values that an image stores.
 enum class PictureLight : std::uint8_t {
   srgb,
-  linear_too,  ///< sRGB and Picture::linear
+  linear_too,  ///< sRGB and `Picture::linear`
 };
 
 /// Returns an image of zeros.

@@ -65,8 +65,8 @@ std::unique_ptr<QueryAsks> grid_asks(const QueryGrid& grid);
 /// Scene coordinates use x,y,z, geographic coordinates lon,lat,height; a height query has no third coordinate. A ray
 /// also has dx,dy,dz (scene coordinates only), azimuth,elevation, or a point on the ray. A line of sight has its end
 /// point. The columns of a second point have the prefix to_. The optional column id is copied to the answer.
-/// Errors  InputError, also from next(): the file cannot be read; or, with the line: a missing, unknown or repeated
-///         column, a wrong number of fields, a field that is not a finite number.
+/// Errors  InputError, also from next(): the file cannot be read. InputError with the line: a missing, unknown or
+///         repeated column, a wrong number of fields, or a field that is not a finite number.
 std::unique_ptr<QueryAsks> table_asks(const std::filesystem::path& file, QueryKind kind, QueryFrame frame,
                                       const ThreadPool& pool);
 

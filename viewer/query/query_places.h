@@ -1,8 +1,8 @@
 /// Lookup of the shard that holds a voxel of a level, for rays: cells, overviews, and cells that a bake lost.
 ///
-/// If the whole scene has one root, a page of its index is read when a ray reaches the blocks of that page, and the
-/// pages in memory are bounded. The index of other scenes is read completely at the start. This includes scenes with
-/// lost cells: the position of a lost cell depends on the other cells of its column.
+/// If the whole scene has one root, a page of its index is read when a ray reaches the blocks of that page. The pages
+/// in memory are bounded. The index of other scenes is read completely at the start. This includes scenes with lost
+/// cells: the position of a lost cell depends on the other cells of its column.
 #pragma once
 
 #include <array>

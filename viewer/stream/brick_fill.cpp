@@ -46,8 +46,8 @@ class BrickFiller {
   std::int64_t lattice(int a, int slot) const { return corner_.min[a] + (std::int64_t(slot) << lod_); }
 
   /// Fills the voxels of `part` that one stored brick covers, then recurses into the up to three boxes that remain. A
-  /// part may need several stored bricks, because bricks of cells may begin at any z, and those of a root overview in
-  /// the middle of a node.
+  /// part may need several stored bricks. The bricks of cells may begin at any z, and bricks of a root overview in the
+  /// middle of a node.
   void fill_part(const SlotPart& part) {
     // In z, voxel centres decide which voxel of an unaligned cell is used.
     const std::int64_t half = std::int64_t(1) << lod_ >> 1;

@@ -2,7 +2,7 @@
 /// Either each cell has a tree, or a few trees of the size of the root overview cover the whole scene.
 ///
 /// The reconstruction kernel of a voxel extends half a voxel below it (kernels/cast/scene.h), possibly outside all
-/// cells. *Rim cells* cover those places: they have a tree of fields, but no voxels of their own.
+/// cells. Cells that cover those places are *rim cells*: they have a tree of fields, but no voxels.
 #pragma once
 
 #include <cstdint>

@@ -22,7 +22,7 @@ namespace {
                    "shard " + std::to_string(key.shard) + ", " + part + ", block " + std::to_string(key.block), what);
 }
 
-/// Checks what rows alone can show; references to other rows are checked when they are followed (voxel_lookup.h).
+/// Checks only the rows themselves; references to other rows are checked when they are followed (voxel_lookup.h).
 std::string fault_of_rows(const std::vector<NodeRow>& rows) {
   if (rows.empty() || rows.size() > nodes_per_block)
     return "expected 1 to " + std::to_string(nodes_per_block) + " rows, got " + std::to_string(rows.size());

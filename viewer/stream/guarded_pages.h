@@ -14,9 +14,9 @@ struct ProducerLimits {
   std::uint64_t most_page_bytes = std::uint64_t(256) << 20;  ///< Page::bytes()
 };
 
-/// Returns a source that calls and validates the producer. With a time limit each call runs in its own thread. A late
-/// call continues there and its page is discarded, so everything that the producer uses must outlive the call. The
-/// producer may be called concurrently, and on other threads than the callers of the returned source.
+/// Returns a source that calls and validates the producer. If there is a time limit, each call runs in its own thread.
+/// A late call continues there and its page is discarded, so everything that the producer uses must outlive the call.
+/// The producer may be called concurrently, and on other threads than the callers of the returned source.
 /// Errors  InputError, from the returned source: the producer threw, is late, or gave a wrong page. A page is wrong if
 ///         it is larger than the limit, not of the key, inconsistent, or without the scene's normals.
 PageSource guarded_pages(PageSource producer, const SceneHeader& scene, const ProducerLimits& limits = {});

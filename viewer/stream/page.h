@@ -1,6 +1,6 @@
-/// Pages, the unit of streaming: a block of a shard's node rows, a block of bricks of one level, or the listing of one
-/// page of the scene. Node rows and bricks are stored in Morton order. A block therefore covers a compact part of the
-/// shard, and a whole tree never has to be resident.
+/// Pages, the unit of streaming. A page is a block of node rows of a shard, a block of bricks of one level, or the
+/// listing of a scene's page. Node rows and bricks are stored in Morton order. A block therefore covers a compact part
+/// of the shard, and a whole tree never has to be resident.
 #pragma once
 
 #include <array>
@@ -18,8 +18,8 @@ namespace gigabake {
 
 inline constexpr std::uint32_t nodes_per_block = 4096, bricks_per_block = 512;
 
-/// The identity of a page. Cells are numbered from 0 in the order of the scene's pages. Overviews follow: those of a
-/// page come before those of the pages below it.
+/// The identity of a page. Cells are numbered from 0 in the order of the scene's pages. Overviews follow: the overviews
+/// of a page come before the overviews of the pages below it.
 struct PageKey {
   std::uint32_t shard = 0;  ///< shard number; for a listing: the number of its first cell
   std::int32_t part = -1;   ///< node_rows; listing or less; otherwise the level of the bricks, relative to the shard's
@@ -64,7 +64,7 @@ struct Page {
 /// Errors  InputError: no such shard, a damaged shard, a shard of another scene, or no such block.
 using PageSource = std::function<Page(const PageKey&)>;
 
-/// Return listings in the order in which the viewer searches them. first: the number of the first entry.
+/// Lists the cells in the order in which the viewer searches them. first: the number of the first entry.
 std::vector<ListedCell> listed_cells(const std::vector<SceneCell>& cells, std::uint32_t first);
 std::vector<ListedPage> listed_pages(const std::vector<PageReference>& pages, std::uint32_t first);
 std::vector<ListedParent> listed_parents(const std::vector<SceneCell>& parents, std::uint32_t first);

@@ -8,8 +8,8 @@
 namespace gigabake {
 namespace {
 
-/// Returns the shapes of the tiers. Scenes before version 5, and scenes in memory, do not store them; the shapes are
-/// then derived from the overviews, which scene.xml lists completely.
+/// Returns the shapes of the overview levels. Scenes before version 5, and scenes in memory, do not store them. The
+/// shapes are then derived from the overviews, which scene.xml lists completely.
 std::vector<TierShape> shapes_of(const PagedScene& scene) {
   if (!scene.header().tiers.empty() || scene.root().parents.size() != scene.totals().parents)
     return scene.header().tiers;

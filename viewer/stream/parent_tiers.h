@@ -1,5 +1,5 @@
-/// Overview levels as a viewer traverses them: tiers of adjacent blocks, up to one root (scheduler/parents.h). The
-/// tiers do not say which overviews exist; the scene's pages list them.
+/// Overview levels as a viewer traverses them: each is a set of adjacent blocks, up to one root (scheduler/parents.h).
+/// They do not specify which overviews exist; the scene's pages list them.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-/// An overview's position in its tier: its window's lowest corner, in windows.
+/// An overview's position in its overview level: its window's lowest corner, in windows.
 using TierBlock = std::array<std::int64_t, 3>;
 
 struct ParentTier {
@@ -27,19 +27,19 @@ struct ParentTier {
 };
 
 struct ParentTiers {
-  std::vector<ParentTier> tiers;  ///< bottom-up; the last tier contains only the root
+  std::vector<ParentTier> tiers;  ///< bottom-up; the last one contains only the root
   std::uint32_t root = 0;         ///< its index among the overviews that scene.xml lists
 
-  /// Returns how many tiers store the level; cells that store it are not counted.
+  /// Returns how many overview levels store the level; cells that store it are not counted.
   std::size_t holders(int lod) const;
-  /// Returns one of the tiers that store the level; tier 0 has the largest overviews.
-  /// Range   holder < holders(lod).
+  /// Returns one of the overview levels that store the level; number 0 has the largest overviews.
+  /// Range   `holder` < holders(lod).
   const ParentTier& holder(int lod, std::size_t holder) const;
 };
 
 /// Returns nullopt if not all of a scene has one common root (format/scene/tier_shape.h), or if the root is too wide
-/// for rays. Levels of different tiers agree: `max_error` of the bake changes no voxel's existence, and overviews store
-/// copies of their children's levels.
+/// for rays. A level is equal in all overviews that store it. The reason is that `max_error` of the bake changes no
+/// voxel's existence, and overviews store copies of their children's levels.
 /// Cost    Reads only scene.xml. Scenes before version 5: also their overviews, and all cells if scene.xml names a
 ///         missing cell or overview.
 std::optional<ParentTiers> parent_tiers(const PagedScene& scene);

@@ -16,8 +16,8 @@ class PoolBooks {
   /// Places the roots of `cells` cells of `lods` levels in the first tiles, permanently.
   PoolBooks(std::size_t cells, int lods, const kernels::PoolSizes& sizes);
 
-  /// Returns the min number of tiles with which every ray can advance: those of the roots, and of the paths to all
-  /// nodes that a ray uses at the same time.
+  /// Returns the min number of tiles with which every ray can advance. These are the tiles of the roots and of the
+  /// paths to all nodes that a ray uses at the same time.
   static std::uint32_t least_tiles(std::size_t cells, int lods);
 
   /// Returns whether the bricks of all roots fit; they are then never evicted.
@@ -39,10 +39,11 @@ class PoolBooks {
   /// Returns whether this round evicted an entry that rays used since then.
   bool evicted_used() const { return evicted_used_; }
 
-  /// Allocates the tile of the node's children; returns false if no room can be made. caster: supplies the usage
-  /// timestamps for eviction.
+  /// Allocates the tile of the node's children; returns false if the pool is full and nothing can be evicted. The
+  /// caster supplies the usage timestamps for eviction.
   bool put_children(std::uint32_t node, std::uint8_t children, kernels::Caster& caster);
-  /// Allocates a slot for a brick of `parts` parts; nullopt if no room can be made. May move bricks in the voxel pool.
+  /// Allocates a slot for a brick of `parts` parts; nullopt if nothing can be evicted. May move bricks in the voxel
+  /// pool.
   std::optional<std::uint32_t> put_brick(std::uint32_t node, std::uint32_t parts, kernels::Caster& caster);
   /// Returns the current place of an allocated brick.
   kernels::BrickPlace brick_place(std::uint32_t slot) const { return {slot, arena_.first(slot)}; }

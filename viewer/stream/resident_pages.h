@@ -1,4 +1,4 @@
-/// Resident pages, each with the pass that found it last. Lookups need no lock, even during eviction: a page's
+/// Resident pages, each with the pass that found it last. Lookups need no lock, even during eviction. A page's
 /// timestamp contains either its last pass or `gone`, and an atomic exchange decides which of the two is written.
 #pragma once
 

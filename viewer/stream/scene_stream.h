@@ -1,4 +1,4 @@
-/// Streams a scene larger than memory to the ray caster: reads the pages that rays request, fills bricks and puts them
+/// Streams a scene larger than memory to the ray caster. Reads the pages that rays request, fills bricks and puts them
 /// into the pools, most urgent first. If one root overview covers the scene, only its tree is known at first, and cells
 /// are found as rays descend to them. Otherwise each cell has a tree.
 #pragma once
@@ -69,14 +69,14 @@ class SceneStream {
   bool settle(std::chrono::milliseconds most) { return pager_.settle(most); }
   bool has_arrivals() const { return pager_.has_arrivals(); }
 
-  /// Makes each serve() from now on also load the roots, requested or not, if the pools have room for all of them. Then
+  /// Makes each serve() from now on also load the roots, requested or not, if the pools can hold all of them. Then
   /// every view has a coarse fallback for the whole scene.
   void want_roots();
   /// Returns whether some of the roots are not resident yet.
   bool lacks_roots() const { return !absent_roots_.empty(); }
 
-  /// Returns the edge of a render tile in pixels: large enough to share page requests and to fill a GPU, small enough
-  /// to bound memory and cancellation latency.
+  /// Returns the edge of a render tile in pixels. It is large enough to share page requests and to fill a GPU, and
+  /// small enough to bound memory and cancellation latency.
   int tile_edge() const { return tile_edge_; }
 
   /// Returns the size of the pools, on host or device, plus the limit of the pages.

@@ -48,13 +48,13 @@ class ShardMap {
   /// Finds cells through overviews, from the root down.
   ShardMap(const PagedScene& scene, ParentTiers tiers);
 
-  /// Returns the last holder of a level, which may be stored more than once. Holder 0 has the largest shards, of which
-  /// an image needs the fewest. The last holder has the original, which the others duplicate.
+  /// Returns the last provider of a level, which may be stored more than once. Provider 0 has the largest shards, so an
+  /// image needs the smallest number of them. The last provider has the original, which the others duplicate.
   int last_holder(int lod) const;
 
   /// Returns the shard of level `lod` that contains lod-0 voxel v. Otherwise returns nullopt and sets `empty` to a box
   /// around v that no shard overlaps.
-  /// Range   holder ≤ last_holder(lod), also for any().
+  /// Range   `holder` ≤ last_holder(lod), also for any().
   std::optional<PlacedShard> find(int lod, int holder, const std::int64_t v[3], const Pager& pager, PageGaps& gaps,
                                   kernels::VoxelBox& empty) const;
 

@@ -109,8 +109,8 @@ unsigned VoxelLookup::may_be_occupied(const PlacedShard& shard, const Question& 
   return found;
 }
 
-/// Returns the boxes that unreadable nodes of the shard may overlap. If another holder stores the level too, asks that
-/// holder.
+/// Returns the boxes that unreadable nodes of the shard may overlap. If another provider stores the level too, queries
+/// that provider.
 unsigned VoxelLookup::unread_occupied(const PlacedShard& shard, const Question& question, unsigned open,
                                       PageGaps& gaps) const {
   Question part = question;
@@ -168,14 +168,14 @@ VoxelPlace VoxelLookup::place(int lod, const std::int64_t v[3], PageGaps& gaps, 
     const std::size_t missing = gaps.missing.size();
     place = place_in(*shard, lod, v, gaps, path);
     if (place.kind != VoxelPlace::Kind::unreadable || gaps.missing.size() != missing) return place;
-    if (holder < map_.last_holder(lod)) continue;  // the next holder has the original
+    if (holder < map_.last_holder(lod)) continue;  // the next provider has the original
     gaps.damaged |= overlap(shard->window, gaps.own);
     gaps.beside_damaged |= shard->is_parent();
     return place;
   }
 }
 
-/// Returns Kind::unreadable if the data can never become resident.
+/// Returns `Kind::unreadable` if the data can never become resident.
 VoxelPlace VoxelLookup::place_in(const PlacedShard& shard, int lod, const std::int64_t v[3], PageGaps& gaps,
                                  NodePath& path) const {
   VoxelPlace place;

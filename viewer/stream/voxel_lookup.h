@@ -53,7 +53,7 @@ class VoxelLookup {
  private:
   const NodeRow* row(const PlacedShard& shard, std::uint32_t index, PageGaps& gaps) const;
   bool lacks_row(const PlacedShard& shard, std::uint32_t index) const;
-  /// A query: a level of a holder, and the mask of the boxes that are not answered yet.
+  /// A query: a level of a provider, and the mask of the boxes that are not answered yet.
   struct Question {
     int lod, holder;
     Boxes boxes;
@@ -63,7 +63,7 @@ class VoxelLookup {
     unsigned reached_by(const kernels::VoxelBox& box) const;
     Question within(const kernels::VoxelBox& box) const;
   };
-  /// These functions return masks of boxes.
+  /// Masks of boxes are the results of these functions.
   unsigned occupied_by_any(Question question, PageGaps& gaps) const;
   unsigned occupied_below(const PlacedShard& shard, std::uint32_t row_index, int level, const std::int64_t corner[3],
                           const Question& question, unsigned open, PageGaps& gaps) const;

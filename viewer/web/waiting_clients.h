@@ -16,8 +16,8 @@ class WaitingClients {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// most: limit of waiting clients. patience: time limit from a client's connection, or its last answer, to the end of
-  /// its request.
+  /// most: limit of waiting clients. `patience`: time limit from a client's connection, or its last answer, to the end
+  /// of its request.
   WaitingClients(std::size_t most, Clock::duration patience) : most_(most), patience_(patience) {}
 
   /// Starts to wait for a request on the socket.

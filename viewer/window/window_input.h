@@ -66,7 +66,7 @@ class WindowInput {
   Steering pending_;
   std::vector<WindowCommand> commands_;
   std::vector<ViewKey> view_keys_;
-  std::set<int> held_;  ///< keys that walk or turn
+  std::set<int> held_;  ///< keys that move or turn
   std::set<int> buttons_;
   double x_ = 0, y_ = 0;
   bool slow_ = false, repeats_ = false, told_held_ = false, touched_ = true;
