@@ -1,11 +1,11 @@
 /// Protocol between a supervisor and its bake process: frames over a local socket, validated on both sides.
 ///
 ///   supervisor → process   sources (the next part of WorkerSetup::sources, first), setup (WorkerSetup, once, after all
-///                          sources), survey (tile, u32), bake (BakeOrder)
-///   process → supervisor   started (empty, once, first: requests are accepted), ready (DeviceAnswer, once), surveyed
-///                          (TileSurvey), baked (BakeAnswer)
+///                          sources), `survey` (tile, u32), bake (BakeOrder)
+///   process → supervisor   started (empty, once, first: requests are accepted), ready (DeviceAnswer, once),
+///                          `surveyed` (TileSurvey), baked (BakeAnswer)
 ///
-/// A frame is magic "GBKE" u32, kind u32, payload bytes u64, XXH3-64 of the payload u64, then the payload; little
+/// A frame is magic "GBKE" u32, `kind` u32, payload bytes u64, XXH3-64 of the payload u64, then the payload; little
 /// endian.
 #pragma once
 
@@ -63,7 +63,7 @@ class FrameReader {
   void add(std::span<const std::uint8_t> bytes);
   /// Returns the next complete frame, if any.
   /// Cost    Memory is proportional to the bytes received, whatever length a header announces.
-  /// Errors  InputError: invalid magic or kind, payload too long, or checksum mismatch. Every later call throws too.
+  /// Errors  InputError: invalid magic or `kind`, payload too long, or checksum mismatch. Every later call throws too.
   std::optional<BakeMessage> next();
 
  private:

@@ -333,7 +333,7 @@ class BakeServer {
 }  // namespace
 
 int serve_bakes(int fd) {
-  // Never destroyed: the destructor would wait for the cells in flight, whose results nobody needs.
+  // Never destroyed: the destructor would wait for the cells in flight, whose results are not needed.
   static BakeServer server(fd);
   return server.run();
 }

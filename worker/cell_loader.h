@@ -39,7 +39,7 @@ struct LoadedCell {
 class CellLoader {
  public:
   /// `sources` and `parameters` must outlive the loader. Caches keep at most `cache_bytes`, half for tiles and half for
-  /// textures; data that cells in flight use is not included. scratch: for tiles above its size limit.
+  /// textures; data that cells in flight use is not included. Tiles above the size limit of `scratch` are stored there.
   CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes, int threads,
              const TileScratch& scratch = {});
 

@@ -224,8 +224,8 @@ void CellStages::pack_on_device(CellInHand& cell, kernels::CudaPacker& packer) {
   pack_beside_others(cell, packer, request);
 }
 
-/// Packs with one bringer's fraction of the memory. A cell that needs more waits for the other bringers and then uses
-/// all of it.
+/// Packs with one readback worker's fraction of the memory. A cell that needs more waits for the other readback workers
+/// and then uses all of it.
 void CellStages::pack_beside_others(CellInHand& cell, kernels::CudaPacker& packer, kernels::PackRequest& request) {
   const std::uint64_t memory = options_.memory_bytes / 4;
   try {

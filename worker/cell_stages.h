@@ -55,8 +55,8 @@ class CellStages {
   /// device fails, the cell is baked on the CPU, and the report has a note.
   void compute(CellInHand& cell);
   /// Reads a cell back from the device, packed as columns. If packing fails, reads the volume back for the host to
-  /// pack. Sets the outcome `empty` if no voxel is occupied. Concurrent with the computation of the next cell.
-  /// bringer: index of the calling thread, at most `bringers`; each thread reads back another cell.
+  /// pack. Sets the outcome `empty` if no voxel is occupied. Concurrent with the computation of the next cell. The
+  /// index of the calling thread is `bringer`, at most `bringers`; each thread reads back another cell.
   void bring(CellInHand& cell, std::size_t bringer);
   /// Writes the volume or the columns to a shard, and fills the report.
   void write(CellInHand& cell);
@@ -86,7 +86,7 @@ class CellStages {
   OverviewInputs overview_inputs_;
   ThreadPool pool_, write_pool_;                               ///< write_pool_: shared by concurrent writers
   std::unique_ptr<kernels::CudaBaker> cuda_;                   ///< made on the thread that reads
-  std::vector<std::unique_ptr<kernels::CudaPacker>> packers_;  ///< one per bringer, and one for the compute stage
+  std::vector<std::unique_ptr<kernels::CudaPacker>> packers_;  ///< one per readback worker, and one for compute()
   std::shared_mutex packing_;                                  ///< exclusive: pack with the whole memory
   std::mutex download_;                                        ///< serializes CudaBaker::download()
 };

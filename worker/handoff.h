@@ -16,7 +16,7 @@ namespace gigabake {
 template <class T>
 class Handoff {
  public:
-  /// room: number of values that may wait without their producer. 0: a rendezvous.
+  /// `room`: number of values that may wait without their producer. 0: a rendezvous.
   explicit Handoff(std::size_t room = 0) : room_(room) {}
 
   /// Returns once the value is taken, or is among the first `room` values in the queue.

@@ -23,9 +23,9 @@ struct ShadedMaterial {
 };
 
 /// Converts a material. The alpha test of AlphaMode::mask is `factor · texel ≥ cutoff`. If there is a texture, the test
-/// becomes a threshold on texels, so that the pyramid can store the fraction that passes; vertex alpha is then ignored.
-/// A cutoff of 0 lets every texel pass, so the material is opaque. A cutoff above the factor lets none pass; the
-/// material is then invisible and needs no image.
+/// becomes a threshold on texels. The pyramid can then store the fraction that passes, and vertex alpha is ignored. A
+/// cutoff of 0 lets every texel pass, so the material is opaque. A cutoff above the factor lets none pass; the material
+/// is then invisible and needs no image.
 ShadedMaterial shaded_material(const Material& material);
 
 }  // namespace gigabake

@@ -43,9 +43,11 @@ ChildOfParent child_of(const PackedShard& shard, std::uint32_t begin);
 /// Returns the in-memory data of a child's shard, by its file name; null if there is none.
 using FindChild = std::function<std::shared_ptr<const ChildOfParent>(const std::string& file)>;
 
-/// Returns all children of an overview. Reads those that `find` does not return from OUT, several concurrently. Claims
-/// twice their bytes from memory_limit(), because the overview's own copy of duplicated levels has as many voxels.
-/// Errors  As read_child(); InputError: a file's fingerprint does not match its name, or the memory limit is exceeded.
+/// Returns all children of an overview. Reads the children that `find` does not return from OUT, several concurrently.
+/// Claims twice their bytes from memory_limit(), because the overview's own copy of duplicated levels has as many
+/// voxels.
+/// Errors  The errors of read_child(). InputError: a file's fingerprint does not match its name, or the memory limit is
+///         exceeded.
 ChildrenOfParent read_children(const std::filesystem::path& out, const CellJob& parent, const FindChild& find,
                                const ThreadPool& pool);
 

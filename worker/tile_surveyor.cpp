@@ -188,8 +188,7 @@ void TileSurveyor::add_cluster(const Primitive& cluster, Placements placements, 
 }
 
 /// Like add_placed() for all placements, but does not count triangles without area. A placement is scanned triangle by
-/// triangle if its box is beyond the lattice or may hold a triangle that is too long, because other triangles may be
-/// valid.
+/// triangle if its box is beyond the lattice or may hold a triangle that is too long. Its other triangles may be valid.
 void TileSurveyor::add_boxes(const Primitive& mesh, Placements placements) {
   const LocalBounds bounds = bounds_of(mesh);
   const std::uint64_t triangles = mesh.index.size() / 3, non_finite = triangles_not_finite(mesh);

@@ -7,7 +7,7 @@ namespace gigabake {
 
 WriteCrew write_crew_for(const WorkerOptions& options) {
   constexpr std::uint64_t bytes_a_writer = std::uint64_t(512) << 20, least_writers = 2, most_writers = 4;
-  constexpr int others = 4;  // reader, compute and bringer threads, which mostly wait
+  constexpr int others = 4;  // reader, compute and readback threads, which mostly wait
   if (!options.cuda_device) return {1, options.threads};
   const std::uint64_t by_memory = options.memory_bytes == 0 ? most_writers : options.memory_bytes / bytes_a_writer,
                       by_threads = std::uint64_t(options.threads / 2);

@@ -13,16 +13,15 @@ struct WriteCrew {
   int threads;  ///< of the pool shared by their loops; the calling writer counts as one, so the pool starts one less
 };
 
-/// Returns the number of writers and pool threads.
-/// With a device, two to four cells are written concurrently. A shared pool packs cells that are read back unpacked; in
-/// all the stages use no more threads than the worker has. Cells packed on the device are only passed to the system,
-/// and HDF5 serves one writer at a time, so more than four writers would wait for each other. If memory is short, fewer
-/// cells are written concurrently.
-/// Without a device the kernels need the threads, and one cell is packed at a time.
+/// Returns the number of writers and pool threads. If there is a device, two to four cells are written concurrently. A
+/// shared pool packs cells that are read back unpacked; in all the stages use no more threads than the worker has.
+/// Cells packed on the device are only passed to the system. HDF5 serves one writer at a time, so more than four
+/// writers would wait for each other. If memory is short, fewer cells are written concurrently. Without a device the
+/// kernels need the threads, and one cell is packed at a time.
 WriteCrew write_crew_for(const WorkerOptions& options);
 
-/// Returns the number of overviews made concurrently with a device: most become ready at the end of a bake, and parts
-/// of each run on one thread.
+/// Returns the number of overviews made concurrently with a device. Most overviews become ready at the end of a bake,
+/// and parts of each run on one thread.
 std::size_t overview_makers_for(const WorkerOptions& options);
 
 /// Returns the number of cells read before a device needs them. A tile's first cell takes as long to read as several

@@ -13,9 +13,9 @@
 
 namespace gigabake {
 
-/// A trade-off: a cluster is small compared with a cell, yet most of its vertices belong to it alone.
+/// A trade-off: a cluster is small compared with a cell, yet most of its vertices occur in no other cluster.
 inline constexpr std::size_t cluster_triangles = 512;
-/// Approximate memory of one cluster of a joined mesh whose triangles share vertices as those of a terrain do.
+/// Approximate memory of one cluster of a joined mesh whose triangles share vertices like a terrain's triangles.
 inline constexpr std::uint64_t cluster_bytes = cluster_triangles * (3 * 4 + 28 * 6 / 10);
 
 /// Splits the mesh's triangles into clusters of at most cluster_triangles. The centroids of a cluster's triangles share

@@ -28,12 +28,12 @@ class LoadedTile {
   const std::vector<SceneBox>& instance_boxes() const { return boxes_; }
   const std::vector<TileImage>& images() const { return directory_.images; }
   /// Returns the image with its encoded bytes.
-  /// Errors  As TileFile::read().
+  /// Errors  The errors of TileFile::read().
   EncodedImage encoded(std::size_t image) const;
 
   /// Returns the given clusters of one primitive as one mesh; null if there are none.
   /// Cost    A single cluster that is in memory is not copied.
-  /// Errors  As TileFile::read().
+  /// Errors  The errors of TileFile::read().
   std::shared_ptr<const Primitive> mesh_of(const std::vector<const TileCluster*>& clusters) const;
   /// Returns all triangles of a primitive as one mesh.
   std::shared_ptr<const Primitive> whole(std::size_t primitive) const;

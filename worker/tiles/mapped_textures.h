@@ -1,5 +1,5 @@
-/// Bounds the resident size of mapped textures. The pages that cells read from a texture file count as this process's
-/// memory until they are released, and a cell may read all of them.
+/// Limit of the resident size of mapped textures. The pages that cells read from a texture file count as this process's
+/// memory until they are released. A cell may read all of them.
 #pragma once
 
 #include <condition_variable>
@@ -12,14 +12,13 @@ namespace gigabake {
 
 /// The texture files that this process has mapped. While any is mapped and memory_limit() is set, a thread polls the
 /// resident size of mapped files every few milliseconds. Above a fraction of the limit it releases the pages of all
-/// textures. A released page is mapped again on the next access, without I/O as long as it is in the page cache.
-/// Thread-safe.
+/// textures. The next access maps a released page again, without I/O if the page cache still has it. Thread-safe.
 class MappedTextures {
  public:
   static MappedTextures& of_process();
 
   void add(void* begin, std::uint64_t bytes);
-  /// Must be called before the mapping ends.
+  /// Removes a mapping; call it before the mapping ends.
   void remove(void* begin);
 
  private:

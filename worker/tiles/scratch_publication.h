@@ -23,8 +23,8 @@ class ScratchPublication {
   std::uint64_t append(std::span<const std::uint8_t> bytes);
   /// Writes at any offset; gaps read as 0. Must not be combined with append().
   void put(std::uint64_t offset, std::span<const std::uint8_t> bytes);
-  /// Does not flush to disk: after a power failure the file may be truncated. Readers then reject it, and it is made
-  /// again.
+  /// Publishes the file without flushing it to disk: after a power failure it may be truncated. Readers then reject it,
+  /// and it is made again.
   void publish();
 
  private:

@@ -1,4 +1,4 @@
-/// A texture's pyramid on scratch, mapped into memory. It is decoded and filtered once; cells then page in only the
+/// A texture's pyramid on scratch, mapped into memory. It is decoded and filtered once. Cells then page in only the
 /// texels that they use, and all ranks of a host share the page cache.
 #pragma once
 

@@ -93,7 +93,7 @@ class PyramidWriter {
     int taken = 0;
   };
 
-  /// Makes the rows of the next level whose source rows are complete, then those of all coarser levels.
+  /// Makes the rows of the next level whose source rows are complete, then the rows of all coarser levels.
   void halve_from(std::size_t l) {
     if (l + 1 == levels_.size()) return;
     const Level& fine = levels_[l];

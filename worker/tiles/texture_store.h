@@ -53,8 +53,8 @@ class TextureStore {
   /// decoded. A texture that is reopened from scratch keeps its id.
   /// Cost    On scratch, a few rows of memory if the image format can be decoded in rows
   ///         (format/source/image/image_rows.h).
-  /// Errors  As decode_image(). IoError: the scratch folder cannot be written, or another process clears it during the
-  ///         call.
+  /// Errors  The errors of decode_image(). IoError: the scratch folder cannot be written, or another process clears it
+  ///         during the call.
   std::shared_ptr<const CellTexture> load(const TextureKey& key, std::uint64_t texture_bytes,
                                           const std::function<EncodedImage()>& encoded);
 

@@ -30,7 +30,7 @@ struct ScratchBytes {
 ScratchBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>& bytes);
 
 /// Writer of a tile's scratch file.
-/// Errors  As ScratchPublication.
+/// Errors  The errors of ScratchPublication.
 class TileFileWriter {
  public:
   explicit TileFileWriter(std::filesystem::path target) : file_(std::move(target)) {}
@@ -55,7 +55,7 @@ class TileFile {
   ///         that the next attempt makes it again.
   std::vector<std::uint8_t> read(const ScratchBytes& stored) const;
   /// Reads position, uv, rgba and index of one cluster.
-  /// Errors  As read().
+  /// Errors  The errors of read().
   Primitive read_cluster(const ScratchBytes& cluster) const;
 
  private:

@@ -1,4 +1,4 @@
-/// Collects a tile's primitives while the tile is read. They stay in memory; those of a large tile go to scratch.
+/// Collects a tile's primitives while the tile is read. They stay in memory, or go to scratch if the tile is large.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ class TileGatherer {
   void take(Primitive&& primitive);
   /// Returns all primitives after the last take(): whole and in memory, or in clusters on scratch. The scratch file is
   /// published here. mesh: the tile without its primitives.
-  /// Errors  As take().
+  /// Errors  The errors of take().
   TileDirectory finish(TileMesh&& mesh);
   bool is_on_scratch() const { return writer_.has_value(); }
 

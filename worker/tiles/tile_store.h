@@ -32,9 +32,9 @@ class TileStore {
   TileStore(const SceneSources& sources, const BakeParameters& parameters, TileScratch scratch, int threads);
 
   /// Loads a tile. If several ranks need the same large tile, one reads it and the others wait for its scratch file.
-  /// expected: tile_hash() at the scan; none: the current content of the files is loaded into memory.
-  /// Errors  As read_tile(); InputError if the files changed since the scan. IoError: the scratch folder cannot be
-  ///         written, for example because its disk is full.
+  /// Parameter expected: tile_hash() at the scan; none: the current content of the files is loaded into memory.
+  /// Errors  The errors of read_tile(). InputError: the files changed since the scan. IoError: the scratch folder
+  ///         cannot be written, for example because its disk is full.
   std::shared_ptr<const LoadedTile> load(std::uint32_t tile, const std::optional<Hash128>& expected) const;
 
   /// Returns true if the source file is so large that the tile may exceed the memory limit per tile. Such a tile goes
