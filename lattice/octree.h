@@ -14,8 +14,8 @@ namespace gigabake {
 inline constexpr std::size_t coverage_bytes = 3, facing_plane = 3, facing_bytes = 4;
 using Facing = std::array<std::uint8_t, facing_bytes>;
 
-/// Returns true if `byte` is a valid plane. 0 means no plane. Otherwise the upper bits are the plane's offset plus 8 (1
-/// to 15); the lower two bits are the fraction of the surface on it (1 to 3).
+/// Returns true if `byte` is a valid plane. The value 0 means no plane. Otherwise the upper bits are the plane's offset
+/// plus 8 (1 to 15). The lower two bits are the fraction of the surface on it (1 to 3).
 constexpr bool is_plane(std::uint8_t byte) { return byte == 0 || (byte < 64 && (byte >> 2) != 0 && (byte & 3) != 0); }
 
 enum class NodeKind : std::uint8_t {

@@ -1,7 +1,7 @@
 /// The codes and the header of a deflate block with dynamic codes, computed from symbol counts.
 ///
 /// The header contains the code lengths of both alphabets as one sequence of runs. Each run becomes as few symbols as
-/// possible: zeros by 11 to 138, then by 3 to 10; repetitions by 3 to 6; the remaining lengths singly.
+/// possible. Zeros are coded by 11 to 138, then by 3 to 10; repetitions by 3 to 6; the remaining lengths singly.
 ///
 /// Exact   Integers: host and device give the same bits.
 /// Source  RFC 1951, 3.2.7.
