@@ -1,4 +1,4 @@
-/// Rough estimate of a plan from its triangles alone; scheduler/size_estimate.h estimates voxels, bytes and time.
+/// Rough estimate of a plan from its triangles only; scheduler/size_estimate.h estimates voxels, bytes and time.
 #pragma once
 
 #include <cstdint>

@@ -17,7 +17,7 @@ class ParentQueue {
   /// jobs: overviews after all cells.
   explicit ParentQueue(const std::vector<CellJob>& jobs);
 
-  /// Records that the job is done or set aside; call it once per job. worker: the worker that finished it, if any.
+  /// Records that the job is done or quarantined; call it once per job. worker: the worker that finished it, if any.
   void settled(std::uint32_t job, std::optional<int> worker);
   /// Returns an overview that is ready; it stays queued until take(). Prefers one whose last child this worker
   /// finished.

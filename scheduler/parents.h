@@ -16,7 +16,7 @@ namespace gigabake {
 
 inline constexpr int most_parent_levels = 3;
 /// Max log2 of a window's edge in voxels; larger scenes have several topmost overviews.
-/// Range   As CellJob::cell_voxels.
+/// Range   The same as CellJob::cell_voxels.
 inline constexpr int most_window_bits = 31;
 
 /// Max log2 of the width of an overview's finest level. An overview also duplicates its children's coarsest levels up

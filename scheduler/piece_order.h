@@ -18,7 +18,7 @@ struct Piece {
 /// Exact   Determined by the seed.
 std::vector<std::uint32_t> weighted_order(const std::vector<std::uint64_t>& weights, std::uint64_t seed);
 
-/// Returns the columns of some tiles in baking order, weighted by their projected voxels. all_tiles: the surveys cover
+/// Returns the columns of some tiles in baking order, weighted by their projected voxels. all_tiles: the scans cover
 /// all tiles. If false, the tiles were themselves drawn by weighted_order(), and their columns are interleaved.
 std::vector<Piece> piece_order(const std::vector<TileSurvey>& surveys, bool all_tiles, std::uint64_t seed);
 

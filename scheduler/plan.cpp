@@ -16,7 +16,7 @@
 namespace gigabake {
 namespace {
 
-/// A column of one tile. Borrows from the surveys.
+/// A column of one tile. Borrows from the tiles' scan results.
 struct TileColumn {
   const ColumnExtent* extent;
   std::uint32_t tile;

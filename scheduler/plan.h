@@ -1,6 +1,6 @@
 /// Plan of a bake: columns of N×N voxels, each with the smallest stack of N³ cells that covers its height.
 ///
-/// Exact   A pure function: equal scan results give equal plans, in any order of arrival.
+/// Exact   A pure function: equal scan results give equal plans, in any order.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ struct BakePlan {
   /// Cells by lattice_min z, y, x; then overviews, once they were added (scheduler/parents.h). jobs[i].id is i.
   std::vector<CellJob> jobs;
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
-  /// By index in sources.tiles: sum of ColumnExtent::crossings over the tile's columns.
+  /// Sums of ColumnExtent::crossings over each tile's columns, by index in sources.tiles.
   std::vector<std::uint64_t> tile_crossings;
   std::vector<std::uint64_t> tile_triangles;
   SourcePrecision precision;
@@ -36,9 +36,9 @@ struct BakePlan {
 /// Max cells of a tile. A tile with more is lost with an error line because it probably has a wrong unit or vertex.
 inline constexpr std::int64_t most_cells_of_a_tile = std::int64_t(1) << 21;
 
-/// Makes the plan. surveys: one per entry of sources.tiles. A stack is centred on its column's height. It starts at a
-/// multiple of the coarsest level's voxel, so that every level of every cell lies on one grid. Cells that no tile
-/// overlaps are left out.
+/// Makes the plan. `surveys` has one entry per entry of sources.tiles. A stack is centred on its column's height. It
+/// starts at a multiple of the coarsest level's voxel, so that every level of every cell lies on one grid. Cells that
+/// no tile overlaps are left out.
 /// Errors  Stopped.
 BakePlan make_plan(std::vector<TileSurvey> surveys, const SceneSources& sources, const BakeParameters& parameters,
                    const Progress& progress = {});

@@ -25,7 +25,7 @@ inline constexpr int device_worker_slots = 15;
 inline int slots_of_worker(int devices) { return devices != 0 ? device_worker_slots : worker_slots; }
 
 struct ScheduleOptions {
-  int strikes = 3;                          ///< failed attempts after which a cell is set aside
+  int strikes = 3;                          ///< failed attempts after which a cell is quarantined
   int slots = worker_slots;                 ///< max cells in flight per worker
   double silence_s = Patience{}.silence_s;  ///< heartbeat timeout after which a worker is lost
 };
@@ -34,7 +34,7 @@ enum class JobState : std::uint8_t {
   pending,    ///< queued, including retries
   running,    ///< in flight at a worker
   done,       ///< baked, by this run or an earlier one
-  failed,     ///< set aside: error() has the reason
+  failed,     ///< quarantined: error() has the reason
   abandoned,  ///< was pending when the schedule was stopped
 };
 
@@ -63,10 +63,10 @@ struct JobCounts {
 /// Scheduler of jobs. Workers are numbers from 0. A worker is known and alive from the first call that names it. Name
 /// all workers before the first next(), so that few cells are distributed evenly. Time is monotonic seconds from an
 /// arbitrary origin.
-/// An overview (parent) is dispatched when all of its children are done or set aside. It goes before cells, and
+/// An overview (parent) is dispatched when all of its children are done or quarantined. It goes before cells, and
 /// preferably to the worker that finished the last child, whose memory still has that child.
 /// Exact   A plain value: the same calls give the same answers; no clock, no randomness.
-/// Ends    A cell is dispatched at most 2 + strikes times, so every job ends as done, failed or abandoned.
+/// Ends    A cell is dispatched at most 2 + `strikes` times, so every job ends as done, failed or abandoned.
 /// Cost    28 bytes per job, more for jobs with failures; a call is O(log jobs), silent() is O(workers).
 class Schedule {
  public:
@@ -86,11 +86,11 @@ class Schedule {
   /// Records a finished cell. Accepts a result of a lost worker if the cell was not dispatched again.
   Verdict finished(int worker, std::uint32_t job, std::uint32_t attempt, double now_s);
   /// Records a failed attempt. If accepted, it counts as a failure: the cell is retried, preferably at another worker,
-  /// or set aside. It is set aside immediately if `retry` is useless.
+  /// or quarantined. It is quarantined immediately if `retry` is useless.
   Verdict failed(int worker, std::uint32_t job, std::uint32_t attempt, const std::string& error, double now_s,
                  Retry retry = Retry::worth_it);
-  /// Records the death of the worker's bake process, which loses all its cells. A cell that was alone in the process
-  /// gets a failure; several cells are marked for isolated retries. The worker stays alive and may get cells.
+  /// Records the death of the worker's bake process, which loses all its cells. A cell that was the only one in the
+  /// process gets a failure; several cells are marked for isolated retries. The worker stays alive and may get cells.
   void process_died(int worker, const std::string& why, double now_s);
   /// Returns the workers lost to heartbeat timeouts since the last call. Their cells are requeued without a failure. A
   /// cell requeued twice this way is marked for an isolated retry, and only an isolated cell gets a failure. Stops the
@@ -99,7 +99,7 @@ class Schedule {
   /// Stops dispatch; running cells may still finish.
   void stop();
 
-  /// Returns the jobs set aside since the last call, in order.
+  /// Returns the jobs quarantined since the last call, in order.
   std::vector<std::uint32_t> take_set_aside();
 
   /// Returns true if no job is running and none will be dispatched.

@@ -49,7 +49,7 @@ struct Ratio {
   }
 };
 
-/// Returns the ratio of all triangles to those of the tiles that were read for the pieces.
+/// Returns the ratio of all triangles to the triangles of the tiles that were read for the pieces.
 double reads_left(const SampledScene& scene, const std::vector<BakedPiece>& pieces) {
   std::set<std::uint32_t> tiles;
   for (const BakedPiece& p : pieces) tiles.insert(p.tile);

@@ -25,7 +25,7 @@ struct SourcePrecision {
 };
 
 /// Returns the comparison.
-/// Exact   Independent of the order of surveys.
+/// Exact   Independent of the order of `surveys`.
 SourcePrecision source_precision(const std::vector<TileSurvey>& surveys, const SceneSources& sources,
                                  double voxel_size_m);
 

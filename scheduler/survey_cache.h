@@ -15,7 +15,7 @@
 
 namespace gigabake {
 
-/// Scan results by their inputs: the tile's name, kind and placement, and the parameters that shape the lattice.
+/// Scan results by their inputs: the tile's name, `kind` and placement, and the parameters that shape the lattice.
 /// Exact   A result is found only if every file that it was made from still has its settled stamp from before the scan
 ///         (format/system/file_stamp.h). Absent files are checked too.
 /// Errors  None: a file that is absent, damaged, truncated or of another format counts as empty.
@@ -44,7 +44,7 @@ class SurveyCache {
   std::unordered_map<Hash128, std::span<const std::uint8_t>, LowHalf> surveys_;  ///< views into bytes_
 };
 
-/// Replaces the file by these results. Leaves out results with an error, and those of files written so recently that
+/// Replaces the file by these results. Leaves out results with an error, and results of files written so recently that
 /// their stamps are not settled.
 /// Errors  InputError: the file is unchanged.
 void save_survey_cache(const std::filesystem::path& path, const SceneSources& sources, const BakeParameters& parameters,

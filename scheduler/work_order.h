@@ -26,7 +26,7 @@ class WorkOrder {
 
   /// Returns the job to dispatch next; it stays waiting until take(). Returns nullopt if none waits. last: the worker's
   /// previous job. If there is none, or no waiting job near it shares a tile with it, the worker starts at a new place.
-  /// That place is far from the others, so that workers do not soon meet in the same tiles.
+  /// The new place is far from the others, so that workers do not soon meet in the same tiles.
   std::optional<std::uint32_t> choose(std::optional<std::uint32_t> last);
   void take(std::uint32_t job) { waiting_.erase(rank_[job]); }
 
