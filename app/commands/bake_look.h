@@ -10,7 +10,7 @@ namespace gigabake::app {
 struct Seen {
   BakeStatus status;
   double now_s = 0;
-  bool interrupted = false;  ///< the status says running, but its writer seems to be dead
+  bool interrupted = false;  ///< the status is `running`, but its writer seems to be dead
 };
 
 /// Reads the status of the bake in `out`.

@@ -14,8 +14,8 @@ namespace gigabake::app {
 
 /// Prints the report of a bake on standard output.
 void print_report(const BakeSummary& summary, const std::filesystem::path& out);
-/// Prints the report of a plan on standard output. lists_cells: also print one line per cell.
-/// prior: earlier results in OUT; nullopt: no OUT was given.
+/// Prints the report of a plan on standard output. If `lists_cells`, also prints one line per cell. Parameter prior:
+/// earlier results in OUT; nullopt: no OUT was given.
 void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes,
                   bool lists_cells);
 std::string json_report(const BakeSummary& summary, const std::filesystem::path& out);

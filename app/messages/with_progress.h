@@ -8,7 +8,7 @@
 
 namespace gigabake::app {
 
-/// Returns the result of work(progress), after clearing its line on a terminal. told: stream for the progress; null:
+/// Returns the result of work(progress), after clearing its line on a terminal. `told`: stream for the progress; null:
 /// print none.
 /// Errors  Stopped: a signal arrived; and the exceptions of `work`.
 template <class Work>

@@ -13,7 +13,7 @@ namespace gigabake::app {
 ///         followed and hard links are recognised.
 void expect_no_input(const char* option, const std::string& name, const std::vector<std::filesystem::path>& inputs);
 
-/// Checks that the parent folder of the path of `option` exists, so that a command fails before its work.
+/// Checks that the parent folder of the path of `option` exists, so that a command fails before its work. Parameter
 /// made: a folder that the command creates itself; it need not exist.
 /// Errors  InputError: the folder is missing, with the command that creates it, or it is a file.
 void expect_parent_folder(const char* option, const std::string& name, const std::filesystem::path& made = {});
