@@ -41,7 +41,7 @@ SharedSources open_together(MpiSession& mpi, const BakeRequest& request, const B
   return sources;
 }
 
-/// On rank 0: tiles with cached scan results, and tiles that must be scanned.
+/// The scan results that rank 0 has cached, and the tiles that must be scanned.
 struct KnownSurveys {
   std::vector<TileSurvey> surveys;
   std::vector<std::uint32_t> missing;
@@ -163,8 +163,8 @@ void choose_devices(MpiSession& mpi, BakeProcess& process, BakeSummary& summary)
     print_message("rank {} on {} uses the CPU: {}\n", mpi.rank(), host_name(), choice.reason);
 }
 
-/// Warns if the ranks may use less than half of the cores: mpirun binds each rank to one core by default if there are
-/// few ranks.
+/// Warns if the ranks may use less than half of the cores. The reason is that mpirun binds each rank to one core by
+/// default if there are few ranks.
 void warn_of_binding(const MpiSession& mpi, const BakeRequest& request) {
   if (mpi.rank() != 0 || mpi.ranks() == 1 || request.threads > 0 || mpi.cores() * mpi.ranks() * 2 > mpi.host_cores())
     return;

@@ -77,7 +77,8 @@ struct BakeSummary {
 /// by then, throws Stopped on every rank instead. Scene and sums are filled on rank 0 only. OUT/scene.xml is replaced
 /// last; shards that it does not name are kept unless request.prune is set.
 /// Errors  CollectiveFailure, with OUT/scene.xml unchanged: the source cannot be opened or has no triangles; OUT cannot
-///         be written or another bake holds it; no cell could be baked; or, without keep_going, any input is missing.
+///         be written or another bake holds it. CollectiveFailure also if no cell could be baked, or if any input is
+///         missing without keep_going.
 BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress);
 
 /// Result of plan_bake().

@@ -33,7 +33,7 @@ std::optional<std::string> scratch_note(const ScratchNeed& need, const std::file
 class BakeScratch {
  public:
   explicit BakeScratch(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  /// If is_not_needed() was called, removes the files that a TileStore wrote, and the folder if it is then empty.
+  /// Removes the files that a TileStore wrote, and the folder if it is then empty; only if is_not_needed() was called.
   ~BakeScratch();
   BakeScratch(const BakeScratch&) = delete;
   BakeScratch& operator=(const BakeScratch&) = delete;

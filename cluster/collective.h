@@ -11,8 +11,8 @@
 
 namespace gigabake {
 
-/// Thrown on every rank when a collective step failed on any rank. The message is set on the lowest rank that failed;
-/// it is empty on the others.
+/// The exception on every rank when a collective step failed on any rank. The message is set on the lowest rank that
+/// failed; it is empty on the others.
 class CollectiveFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -48,8 +48,8 @@ void all_or_none(MpiSession& mpi, const Step& step) {
   fail_together(mpi, line, is_stopped);
 }
 
-/// Like all_or_none(), for a step that reads this rank's own options. It is collective because a rank that ended alone
-/// would leave the others waiting.
+/// Like all_or_none(), for a step that reads this rank's own options. It is collective because the other ranks would
+/// wait forever for a rank that ended.
 /// Errors  CollectiveUsageError on every rank if the step throws UsageError on any rank.
 template <class Step>
 void check_options_together(MpiSession& mpi, const Step& step) {

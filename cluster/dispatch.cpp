@@ -72,7 +72,7 @@ class Master {
     schedule_.stop();
   }
 
-  /// Sends heartbeats to the other ranks; a rank that hears nothing from rank 0 ends the launch.
+  /// Sends heartbeats to the other ranks. A rank that receives none from rank 0 ends the launch.
   void show_life() {
     if (link_.now_s() - shown_s_ < between_signs_s) return;
     shown_s_ = link_.now_s();
@@ -162,7 +162,7 @@ class Master {
   const bool keep_going_;
   DispatchLog& log_;
   Schedule schedule_;
-  std::vector<std::uint32_t> deaths_;  ///< deaths of each rank's bake process that rank 0 knows of
+  std::vector<std::uint32_t> deaths_;  ///< deaths of each rank's bake process that rank 0 has counted
   std::vector<std::string> hosts_;     ///< of each rank, once it has sent a heartbeat
   std::set<int> lost_;
   DispatchResult result_;

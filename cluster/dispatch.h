@@ -19,7 +19,7 @@ struct DispatchOptions : ScheduleOptions {
 };
 
 struct DispatchResult {
-  std::vector<CellReport> reports;  ///< in the order of arrival; a job without a report was not baked
+  std::vector<CellReport> reports;  ///< in the order in which they are received; a job without a report was not baked
   JobCounts counts;
   std::vector<int> lost_ranks;   ///< still lost at the end: no collective call may follow
   std::uint64_t peak_bytes = 0;  ///< max over bake processes of other ranks

@@ -28,7 +28,7 @@ class DispatchLog {
   /// Records that a rank has joined or rejoined.
   void joined(int rank, const std::string& host);
   void handed_out(std::uint32_t job, int rank);
-  /// Records that a cell is baked or empty. order: the job as it was dispatched.
+  /// Records that a cell is baked or empty. order: the dispatched job.
   void finished(const CellReport& report, const CellJob& order);
   /// Records a failed attempt; the cell is retried unless set_aside() follows.
   void attempt_failed(std::uint32_t job);

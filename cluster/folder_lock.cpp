@@ -37,7 +37,8 @@ bool try_lock(const Descriptor& file, short type = F_WRLCK) {
   return ::fcntl(file.get(), F_OFD_SETLK, &range) == 0;
 }
 
-/// Returns false if a previous holder has removed the file since it was opened: a lock on it would then exclude nobody.
+/// Returns false if a previous owner has removed the file since it was opened: a lock on it would then exclude no
+/// process.
 bool is_still_there(const Descriptor& file, const std::filesystem::path& path) {
   struct stat ours {
   }, there{};
@@ -45,14 +46,14 @@ bool is_still_there(const Descriptor& file, const std::filesystem::path& path) {
          ours.st_dev == there.st_dev;
 }
 
-/// Returns the text that the holder wrote: its name on the first line, its PID namespace on the second.
+/// Returns the text that the owner wrote: its name on the first line, its PID namespace on the second.
 std::string text_in(const Descriptor& file) {
   std::array<char, 400> text{};
   const ssize_t bytes = ::pread(file.get(), text.data(), text.size(), 0);
   return {text.data(), std::size_t(std::max<ssize_t>(0, bytes))};
 }
 
-/// Returns the first line that the holder wrote, without control characters.
+/// Returns the first line that the owner wrote, without control characters.
 std::string name_in(const Descriptor& file) {
   std::string line = text_in(file);
   line.erase(std::min(line.find('\n'), line.size()));
@@ -77,7 +78,7 @@ std::string namespace_line() {
   return code ? std::string() : "namespace " + name.string() + "\n";
 }
 
-/// Returns true if the holder is a killed process of this host that has not yet ended. Its dirty data must reach the
+/// Returns true if the owner is a killed process of this host that has not yet ended. Its dirty data must reach the
 /// disk before the system closes its files, which can take seconds. Returns false for a process that is not visible, in
 /// another PID namespace or of another user (hidepid), because its end cannot be observed.
 bool is_ending(const std::string& holder) {
@@ -98,7 +99,7 @@ bool is_ending(const std::string& holder) {
   return has_given_back || has_kill_pending(pid_t(process));
 }
 
-/// Locks the file, after waiting for a holder that is ending. Returns false if the holder continues to run or does not
+/// Locks the file, after waiting for an owner that is ending. Returns false if the owner continues to run or does not
 /// end in time.
 bool lock_after_end(const Descriptor& file) {
   const auto start = std::chrono::steady_clock::now();

@@ -12,12 +12,12 @@ namespace gigabake {
 /// Holds FOLDER/.lock, which names host, process and start time, and removes the file at the end. Reuses a lock file
 /// that another member of the folder's group left. If the process is killed, the system releases the lock; the
 /// remaining file has no effect.
-/// Range   An open file description lock: works between hosts on NFS 4, on NFS 3 with its lock daemon, and on Lustre
-///         with the mount option flock.
+/// Range   Uses an open file description lock. It works between hosts on NFS 4, on NFS 3 with its lock daemon, and on
+///         Lustre with the mount option flock.
 class FolderLock {
  public:
-  /// Acquires the lock. Waits up to 30 s for a holder on this host that was killed and has not yet ended. A holder that
-  /// is not visible in /proc is not waited for.
+  /// Acquires the lock. Waits up to 30 s for an owner on this host that was killed and has not yet ended. Does not wait
+  /// for an owner that is not visible in /proc.
   /// Errors  InputError: another process, named in the message, holds the lock; or the file system cannot lock.
   explicit FolderLock(const std::filesystem::path& folder);
   ~FolderLock();
@@ -29,7 +29,7 @@ class FolderLock {
   Descriptor file_;
 };
 
-/// Returns the current holder as "process 12 on HOST since 2025-01-31T12:00:00Z"; nullopt if there is none.
+/// Returns the current owner as "process 12 on HOST since 2025-01-31T12:00:00Z"; nullopt if there is none.
 std::optional<std::string> lock_holder(const std::filesystem::path& folder);
 
 }  // namespace gigabake

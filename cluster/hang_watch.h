@@ -21,8 +21,8 @@ class HangWatch {
   void start(Clock::time_point now);
   /// Returns the earliest useful time of the next look.
   Clock::time_point next_look() const { return last_look_ + interval_; }
-  /// Records one observation. activity: none if the system does not report it; hangs are then detected by time limits
-  /// only. message_bytes: total sent and received so far.
+  /// Records one observation. If the system does not report `activity`, hangs are detected by time limits only.
+  /// Parameter message_bytes: total sent and received so far.
   void look(Clock::time_point now, const std::optional<ProcessActivity>& activity, std::uint64_t message_bytes);
 
   /// Returns true after `stall` of watched time without any progress.

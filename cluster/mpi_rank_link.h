@@ -10,7 +10,7 @@ namespace gigabake {
 /// Transport of rank 0. Messages to rank 0 itself go to its own bake process.
 class MpiRankLink : public RankLink {
  public:
-  /// Both arguments must outlive it.
+  /// Creates a link; its arguments must outlive it.
   MpiRankLink(MpiSession& mpi, BakeProcess& process) : mpi_(mpi), process_(process), baker_(process) {}
 
   int ranks() const override { return mpi_.ranks(); }

@@ -25,7 +25,7 @@ fs::path plain(const fs::path& path) {
 
 bool is_at_or_below(const fs::path& path, const fs::path& folder) { return is_within(plain(folder), plain(path)); }
 
-/// Returns true for names like those of cells ("c_X_Y_Z") and overviews ("pL_X_Y_Z").
+/// Returns true for names that begin like a cell ("c_X_Y_Z") or an overview ("pL_X_Y_Z").
 bool begins_as_a_shard(std::string_view name) {
   return name.starts_with("c_") || (name.size() > 1 && name[0] == 'p' && name[1] >= '0' && name[1] <= '9');
 }

@@ -34,8 +34,8 @@ class OutputFolder {
   /// Errors  InputError: scene.xml is unchanged.
   void publish(const SceneDescription& scene) const;
   OrphanShards orphans(const SceneDescription& scene) const;
-  /// Removes the orphans and returns what was removed. Call it only after `scene` is published without losses, because
-  /// shards of missing cells may be valid and useful to the next bake.
+  /// Removes the unreferenced shards and returns their list. Call it only after `scene` is published without losses,
+  /// because shards of missing cells may be valid and useful to the next bake.
   OrphanShards remove_orphans(const SceneDescription& scene) const;
 
   std::filesystem::path journal() const { return out_ / "journal"; }

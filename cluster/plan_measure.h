@@ -33,8 +33,8 @@ struct PlanMeasure {
   const MeasuredSize& requested() const { return sizes.at(1); }
 };
 
-/// Measures a plan from plan_bake(). Only rank 0 needs to call it.
-/// measures: bake pieces; if false, voxels and bytes are estimated from the surface area alone, and there are no times.
+/// Measures a plan from plan_bake(). Only rank 0 needs to call it. If `measures`, bakes pieces; otherwise estimates
+/// voxels and bytes from the surface area only, and there are no times.
 /// Cost    About 4 s, at most about 20 s; pieces baked by then are used. The driver's start and the first split of a
 ///         large tile are extra. At most a few pieces' shards, and the clusters of large tiles, are kept in
 ///         request.scratch or in the system's temporary folder.

@@ -26,7 +26,7 @@ class RankBaker {
   std::uint32_t deaths_ = 0;  ///< of the process, as reported to rank 0
 };
 
-/// Returns the payload of a tag_job. deaths: number of deaths of the rank's bake process that rank 0 knows of.
+/// Returns the payload of a tag_job. deaths: number of deaths of the rank's bake process that rank 0 has counted.
 std::vector<std::uint8_t> order_bytes(std::uint32_t deaths, const CellJob& job, std::uint32_t attempt);
 
 }  // namespace gigabake

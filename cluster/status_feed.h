@@ -22,7 +22,8 @@ class StatusFeed {
   StatusFeed(std::filesystem::path out, int ranks, std::filesystem::path metrics, Listener listener);
 
   BakeStatusRecord& record() { return record_; }
-  /// Call it in every iteration of a loop: readers treat a bake without recent status as dead.
+  /// Updates the status; called in every iteration of a loop, because readers treat a bake without recent status as
+  /// dead.
   void turn();
   /// Publishes the status immediately: the bake enters another state, or ends.
   void publish();

@@ -29,7 +29,8 @@ class TileQueue {
 
   bool is_empty() const { return waiting_.empty() && suspects_.empty(); }
 
-  /// Returns the next tile to request, if any. A suspect tile is requested only in isolation.
+  /// Returns the next tile to request, if any. A tile that needs an isolated retry is requested only if none is in
+  /// flight.
   std::optional<std::uint32_t> next(std::size_t in_hand) {
     if (alone_ && in_hand != 0) return std::nullopt;
     alone_ = !suspects_.empty();
@@ -46,8 +47,8 @@ class TileQueue {
     alone_ = false;
   }
 
-  /// Requeues the tiles in flight at a death as suspects. If only one tile was in flight, the death counts as its
-  /// failure. Returns the tile if it has reached the max number of failures.
+  /// Requeues the tiles in flight at a death for isolated retries. If only one tile was in flight, the death counts as
+  /// its failure. Returns the tile if it has reached the max number of failures.
   std::optional<std::uint32_t> put_back(const std::vector<std::uint32_t>& tiles) {
     if (tiles.size() == 1 && ++strikes_[tiles[0]] >= strikes) return tiles[0];
     suspects_.insert(suspects_.end(), tiles.begin(), tiles.end());

@@ -13,9 +13,9 @@
 namespace gigabake {
 
 /// Scans tiles in the rank's own bake process. After the process died, each of its tiles is retried in isolation. A
-/// tile that fails three isolated attempts gets a scan result with an error that says how the process ended.
-/// each: receives each result; died: receives the reason of a death; idle: called at least every few milliseconds and
-/// returns false to stop the scan.
+/// tile that fails three isolated attempts gets a scan result whose error states how the process ended. The callback
+/// `each` receives each result, and `died` the reason of a death. The callback `idle` is called at least every few
+/// milliseconds and returns false to stop the scan.
 /// Errors  std::runtime_error: the process ends repeatedly before it has started.
 void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
                  const std::function<void(TileSurvey)>& each, const std::function<void(const std::string&)>& died,
@@ -27,9 +27,9 @@ struct SurveyListener {
   std::function<void(int rank, const std::string&)> died;  ///< a rank's bake process ended; with the reason
 };
 
-/// Collective call. tiles: on rank 0, the tiles to scan. Returns one result per tile on rank 0, none elsewhere. A tile
-/// that cannot be read has a result with an error. silence_s: rank 0's heartbeat timeout for other ranks. listener:
-/// used on rank 0; if it stops the scan, the results so far are returned.
+/// Collective call. The tiles to scan are given on rank 0. Returns one result per tile on rank 0, none elsewhere. A
+/// tile that cannot be read has a result with an error. silence_s: rank 0's heartbeat timeout for other ranks. The
+/// listener is used on rank 0; if it stops the scan, the results so far are returned.
 /// Errors  RankLost on rank 0: a rank's heartbeat timed out. No collective call may follow.
 std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
                                      double silence_s, const SurveyListener& listener);
