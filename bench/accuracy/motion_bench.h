@@ -43,7 +43,8 @@ inline constexpr double motion_pixels = 0.25;
 inline constexpr int motion_block = 16;
 
 /// Bakes the scene with the default rules into `out`. Renders each pair lit, without shadows, with --level-blend off
-/// and on. samples: rays per pixel of the reference. progress is called before each path is rendered.
+/// and on. Parameter samples: rays per pixel of the reference. The callback `progress` is called before each path is
+/// rendered.
 /// Errors  Same as bench_accuracy().
 MotionBench bench_motion(const AccuracyBenchRequest& request, const AccuracyProgress& progress);
 

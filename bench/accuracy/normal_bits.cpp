@@ -42,7 +42,7 @@ double angle_deg(const Direction& a, const Direction& b) {
   return 2 * std::asin(std::min(1.0, chord / 2)) * 180 / std::numbers::pi;
 }
 
-/// Angles counted by thousandths of a degree.
+/// Histogram of angles in thousandths of a degree.
 class Angles {
  public:
   void add(double deg) {
@@ -51,7 +51,7 @@ class Angles {
     ++of_[std::min(of_.size() - 1, std::size_t(deg * 1000))];
   }
   double mean() const { return count_ == 0 ? 0 : sum_ / double(count_); }
-  /// Below which 99 % are.
+  /// Returns the angle below which 99 % of the angles are.
   double most() const {
     std::uint64_t below = 0;
     for (std::size_t i = 0; i < of_.size(); ++i)
@@ -65,7 +65,7 @@ class Angles {
   std::vector<std::uint64_t> of_ = std::vector<std::uint64_t>(180001);
 };
 
-/// Leaves two bytes that say what fewer bits said, as near as they can.
+/// Rounds the normal to `bits` bits and stores the nearest 16-bit code. Returns the angle of the change in degrees.
 double coarsen(std::int8_t oct[2], int bits) {
   const std::array<float, 3> stored = unit_normal(oct);
   const Octahedral p = rounded({oct[0] / 127.0, oct[1] / 127.0}, bits);

@@ -18,8 +18,8 @@ struct FirstHitBenchView {
 
 /// Returns the fixed views and one of random rays.
 ///
-/// The views are: the whole scene from the south-east, parallel and in perspective; both again, close enough to
-/// fill the image; grazing from a corner; vertical; from ten voxels above the ground in the middle; from below the
+/// Views of the whole scene: from the south-east, parallel and in perspective, and both again, close enough to fill the
+/// image. Other views: grazing from a corner; vertical; from ten voxels above the ground in the middle; from below the
 /// ground; random rays.
 std::vector<FirstHitBenchView> first_hit_views(const kernels::FirstHitTree& tree, int width, int height);
 

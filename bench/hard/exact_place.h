@@ -27,8 +27,8 @@ LongAffine enu_from_ecef(const Geodetic& origin);
 /// Returns the inverse of enu_from_ecef().
 LongAffine ecef_from_enu_at(const Geodetic& place);
 
-/// Returns the placement of each node of each tile, in the order of the files.
-/// origin: the origin of the scene frame, if it is on the earth.
+/// Returns the placement of each node of each tile, in the order of the files. Parameter origin: the origin of the
+/// scene frame, if it is on the earth.
 std::vector<LongAffine> exact_placements(const HardScene& scene, const std::optional<Geodetic>& origin);
 
 /// Returns the position on the lattice before the snap, in sub-voxels.

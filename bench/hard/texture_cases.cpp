@@ -92,7 +92,7 @@ double overlap(double low, double size, std::int64_t at) {
 }
 
 /// The bounds of a masked texel. A fragment samples the mask around its centroid, not over its area. The area of one
-/// texel is therefore right only in the mean over positions; at one position it may be lost or several times too large.
+/// texel is therefore right only in the mean over positions. At one position it may be lost or several times too large.
 struct MaskBounds {
   double alpha_codes, mean_area, largest_area, lost;
 };

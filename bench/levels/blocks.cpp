@@ -38,7 +38,7 @@ void for_each_voxel(const BlockVoxels& voxels, const Visit& visit) {
 
 double ramp(double x, double from, double to) { return std::clamp((x - from) / (to - from), 0.0, 1.0); }
 
-/// How far the voxels lie from the plane through their mean: root of the mean square, in blocks.
+/// Returns the RMS distance of the voxels from the plane through their mean, in blocks.
 double distance_from_plane(const Block& block, const Vector3& mean) {
   double squares = 0;
   for_each_voxel(block.voxels, [&](int x, int y, int z) {
@@ -80,7 +80,7 @@ void fit_plane(Block& block) {
   block.area = seen / shown;
 }
 
-/// The share of a block's own plane, as far as it lies in the block, that is surface.
+/// Returns the fraction of a block's plane, clipped to the block, that is surface.
 double share_of_plane(const Block& b) {
   std::size_t along = 0;
   for (std::size_t a = 1; a < 3; ++a)

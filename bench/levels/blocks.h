@@ -1,4 +1,4 @@
-/// Blocks of 16³ finest voxels: what a voxel of lod 4 stands for, and what candidates for its content are fitted to.
+/// Blocks of 16³ finest voxels: the reference for a voxel of lod 4, to which candidates for its content are fitted.
 ///
 /// Space   Finest voxels of the scene's lattice.
 #pragma once
@@ -25,24 +25,24 @@ struct BlockHash {
 /// Voxel (x, y, z) is bit x + 16 y + 256 z.
 using BlockVoxels = std::bitset<block_edge * block_edge * block_edge>;
 
-/// What is known of a block, and what candidates would store of it.
+/// The voxels of a block, and the values that candidates would store for it.
 struct Block {
   BlockVoxels voxels;
   Vector3 normal_sum{}, place_sum{};  ///< of its voxels: unit normals, centres from the block's lowest corner
 
-  Vector3 facing{};         ///< share of the columns along x, y, z that hold a voxel
-  Vector3 normal{};         ///< unit, of the mean; zero where normals cancel
-  double offset = 0;        ///< of the voxels' mean from the block's centre, along the normal
-  double share = 0;         ///< of the plane, as far as it lies in the block, that is surface
-  double coherence = 0;     ///< 1: its voxels lie on one sheet, 0: on none
-  std::uint64_t parts = 0;  ///< which of its 4×4×4 parts hold a voxel: bit x + 4 y + 16 z
+  Vector3 facing{};         ///< fraction of the columns along x, y, z that have a voxel
+  Vector3 normal{};         ///< unit normal of the mean; zero if normals cancel
+  double offset = 0;        ///< distance of the voxels' mean from the block's centre, along the normal
+  double share = 0;         ///< fraction of the plane, clipped to the block, that is surface
+  double coherence = 0;     ///< 1: all voxels lie on the plane; 0: none
+  std::uint64_t parts = 0;  ///< mask of the 4×4×4 parts that have a voxel: bit x + 4 y + 16 z
   Vector3 spread{};         ///< root of the mean square of the normals' components: SGGX without its rotation
-  double area = 0;          ///< of the surface, in faces of the block, by `facing` and `spread`
+  double area = 0;          ///< of the surface, in faces of the block, computed from `facing` and `spread`
 };
 
 using Blocks = std::unordered_map<BlockIndex, Block, BlockHash>;
 
-/// Of a baked scene's finest level; voxels of less than half coverage are left out.
+/// Returns the blocks of a baked scene's finest level. Leaves out voxels with a coverage below one half.
 /// Errors  InputError: no such scene.
 Blocks read_blocks(const std::filesystem::path& scene_xml);
 

@@ -1,4 +1,4 @@
-/// From cube to cube along a ray.
+/// Traversal of the cubes of a grid along a ray.
 ///
 /// Source  Amanatides & Woo 1987.
 #pragma once
@@ -11,8 +11,8 @@
 
 namespace gigabake::bench {
 
-/// Calls visit(index, from, to) for the cubes of edge `edge` that the ray meets between `begin` and `end`, in their
-/// order; from and to are distances. It ends where visit returns false.
+/// Calls visit(index, from, to) for the cubes of edge `edge` that the ray crosses between `begin` and `end`, in order.
+/// from, to: distances along the ray. Ends when visit returns false.
 template <class Visit>
 void walk_grid(const SightRay& ray, double edge, double begin, double end, const Visit& visit) {
   BlockIndex cube;

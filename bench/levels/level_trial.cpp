@@ -1,5 +1,5 @@
-// gigabake_level_trial SCENE: what a coarse voxel could store, and what a ray would see of it. Blocks of 16³ finest
-// voxels are seen from afar, one block a pixel, without any filter, and held against the finest voxels themselves.
+// gigabake_level_trial SCENE: compares candidates for the content of a coarse voxel. Blocks of 16³ finest voxels are
+// rendered from afar, one block per pixel, without any filter, and compared with the finest voxels.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -27,8 +27,8 @@ struct Picture {
 /// A parallel view of all blocks.
 struct View {
   Vector3 forward, right, up, middle;
-  double reach = 0;  ///< from the middle to all blocks
-  int edge = 0;      ///< of the picture, pixels
+  double reach = 0;  ///< max distance of the blocks from the middle
+  int edge = 0;      ///< edge of the image, pixels
 
   SightRay ray(double x, double y) const {
     SightRay r{middle, forward};
@@ -54,7 +54,7 @@ View view_of(const Blocks& blocks, double elevation_degrees, double azimuth_degr
     }
   double squares = 0;
   for (std::size_t a = 0; a < 3; ++a) {
-    // No candidate's voxels stand in line with the pixels.
+    // Shifts the view so that no candidate's voxels are aligned with the pixels.
     v.middle[a] = (low[a] + high[a]) / 2 + 0.37 * block_edge * double(a + 1);
     squares += (high[a] - low[a]) * (high[a] - low[a]) / 4;
   }
@@ -80,7 +80,7 @@ Picture draw(const ThreadPool& pool, const View& view, int rays, const Alpha& al
   return p;
 }
 
-/// Pixels around which the reference is opaque.
+/// Returns true if the reference is opaque at all pixels around this one.
 bool is_inner(const Picture& reference, int x, int y) {
   for (int v = y - 2; v <= y + 2; ++v)
     for (int u = x - 2; u <= x + 2; ++u)

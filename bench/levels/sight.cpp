@@ -21,7 +21,8 @@ Vector3 point_of(const SightRay& ray, double distance) {
 
 double dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// Cubes of `edge` finest voxels within a block; exists(block, x, y, z) says which are there.
+/// Returns true if the ray crosses an occupied cube of `edge` finest voxels. The callback exists(block, x, y, z)
+/// returns true for occupied cubes of a block.
 template <class Exists>
 bool meets_part(const Blocks& blocks, const SightRay& ray, double length, int edge, const Exists& exists) {
   bool met = false;
@@ -33,7 +34,7 @@ bool meets_part(const Blocks& blocks, const SightRay& ray, double length, int ed
       std::array<int, 3> local;
       for (std::size_t a = 0; a < 3; ++a) {
         local[a] = int(part[a] - index[a] * parts);
-        if (local[a] < 0 || local[a] >= parts) return true;  // a rounding beyond the block's face
+        if (local[a] < 0 || local[a] >= parts) return true;  // rounded to beyond the block's face
       }
       met = exists(*block, local[0], local[1], local[2]);
       return !met;
@@ -43,7 +44,7 @@ bool meets_part(const Blocks& blocks, const SightRay& ray, double length, int ed
   return met;
 }
 
-/// Surface that a ray meets in a block, in layers of an opaque sheet across it, for each block's length of its way.
+/// Returns the opaque layers that a ray of this direction crosses per block edge of its length.
 double by_facing(const Block& b, const Vector3& d) {
   return b.facing[0] * std::abs(d[0]) + b.facing[1] * std::abs(d[1]) + b.facing[2] * std::abs(d[2]);
 }
@@ -74,8 +75,8 @@ double parts_4(const Blocks& blocks, const SightRay& ray, double length) {
                     [](const Block& b, int x, int y, int z) { return (b.parts >> (x + 4 * y + 16 * z) & 1) != 0; });
 }
 
-/// ESVO's contour: a block whose voxels lie on one sheet is its plane, as far as it lies in the block; the others are
-/// three coverages.
+/// Implements ESVO's contours: a coherent block is its plane, clipped to the block. The incoherent fraction of a block
+/// is rendered by its three coverages.
 double plane_where_coherent(const Blocks& blocks, const SightRay& ray, double length) {
   double covered = 0, light = 1;
   walk_grid(ray, block_edge, 0, length, [&](const BlockIndex& index, double from, double to) {
@@ -94,13 +95,13 @@ double plane_where_coherent(const Blocks& blocks, const SightRay& ray, double le
 
 /// The eight blocks around a point, interpolated between their centres.
 struct Blend {
-  double weight = 0;    ///< of the blocks that are there
-  double sheet = 0;     ///< weight · coherence of them
-  double distance = 0;  ///< weight · coherence · how far the point lies above a block's plane
+  double weight = 0;    ///< sum of the weights of the existing blocks
+  double sheet = 0;     ///< sum of weight · coherence
+  double distance = 0;  ///< sum of weight · coherence · signed distance of the point from the block's plane
   Vector3 facing{};
-  Vector3 normal{};                 ///< weight · coherence · normal
-  std::array<double, 8> share{};    ///< of each block's plane that is surface
-  std::array<double, 3> between{};  ///< of the point, 0 … 1
+  Vector3 normal{};                 ///< sum of weight · coherence · normal
+  std::array<double, 8> share{};    ///< fraction of each block's plane that is surface
+  std::array<double, 3> between{};  ///< interpolation weights of the point, 0 … 1
 };
 
 Blend blend_at(const Blocks& blocks, const Vector3& p) {
@@ -135,8 +136,8 @@ Blend blend_at(const Blocks& blocks, const Vector3& p) {
   return r;
 }
 
-/// How much of the sheet through the point is surface: of the blocks that its tangent plane meets, those that are
-/// there, each with its own share. A plane that only cuts a corner of a cube is not missed there.
+/// Returns the fraction of the blended surface at the point that is surface. Only blocks that the tangent plane crosses
+/// count, each with its fraction. A plane that only cuts a corner of a cube therefore counts too.
 double share_of_sheet(const Blend& b) {
   const double length = std::hypot(b.normal[0], b.normal[1], b.normal[2]);
   if (length == 0) return 0;
@@ -155,7 +156,7 @@ double share_of_sheet(const Blend& b) {
   return met == 0 ? 1 : std::min(1.0, there / met);
 }
 
-/// What the product's rays do: three coverages between blocks, half a block a step, and a steep step for opaque.
+/// Models the product's rays: interpolated coverages, samples half a block apart, and a steep opacity function.
 double interpolated_coverages(const Blocks& blocks, const SightRay& ray, double length) {
   double covered = 0;
   for (double t = block_edge / 4.0; t < length && covered < 1; t += block_edge / 2.0) {
@@ -168,8 +169,8 @@ double interpolated_coverages(const Blocks& blocks, const SightRay& ray, double 
   return covered * covered * (3 - 2 * covered);
 }
 
-/// Planes of neighbours, blended: the sheet is where the blended distance changes its sign, which leaves no gap between
-/// two blocks. What lies on no sheet is three coverages.
+/// Blends the planes of neighbouring blocks. The surface is where the blended distance changes its sign, which leaves
+/// no gap between two blocks. The incoherent fraction is rendered by its three coverages.
 double blended_planes(const Blocks& blocks, const SightRay& ray, double length) {
   double covered = 0, light = 1, before = 0, t_before = 0;
   for (double t = block_edge / 4.0; t < length && covered < 1 && light > 0; t += block_edge / 2.0) {

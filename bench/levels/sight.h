@@ -1,4 +1,4 @@
-/// Parallel views of blocks: rays, what they truly meet, and what they would meet of each candidate.
+/// Parallel views of blocks: rays, exact intersections, and the alpha of each candidate.
 #pragma once
 
 #include <string>
@@ -12,19 +12,19 @@ struct SightRay {
   Vector3 origin, direction;  ///< direction: unit
 };
 
-/// Whether the ray meets a finest voxel.
+/// Returns true if the ray crosses a finest voxel.
 bool meets_voxel(const Blocks& blocks, const SightRay& ray, double length);
 
-/// What a candidate shows of a ray: alpha.
+/// Function that returns a candidate's alpha along a ray.
 using Candidate = double (*)(const Blocks& blocks, const SightRay& ray, double length);
 
 struct NamedCandidate {
   std::string name;
-  int bytes;  ///< a coarse voxel stores besides colour and normal, before compression
+  int bytes;  ///< per coarse voxel, in addition to colour and normal, before compression
   Candidate alpha;
 };
 
-/// All that are compared, in the order of the table.
+/// Returns all candidates that are compared, in the order of the table.
 const std::vector<NamedCandidate>& level_candidates();
 
 }  // namespace gigabake::bench

@@ -1,4 +1,4 @@
-/// Scenes with a known alpha at every pixel: planes, hills, steps, walls, a house, panes, wires and a crown. None of
+/// Scenes with a known alpha at every pixel: planes, hills, steps, walls, a house, glass, wires and a crown. None of
 /// them is aligned with the lattice.
 ///
 /// Space   Lod-0 voxels of a lattice at the scene's origin, z up. Voxels are 1 m wide, so coordinates in files are
@@ -14,8 +14,8 @@
 namespace gigabake::bench {
 
 enum class LeakTruth {
-  sheets,  ///< alpha is that of the sheets that a ray crosses
-  traced,  ///< alpha is traced by ReferenceCaster; the sheets define only the inside
+  sheets,  ///< alpha of the flat pieces (`Sheet`) that a ray crosses
+  traced,  ///< alpha is traced by ReferenceCaster; the flat pieces define only the inside
 };
 
 struct LeakScene {
@@ -36,11 +36,11 @@ LeakScene plane_scene(double edge, double slope_deg, double azimuth_deg);
 LeakScene hill_scene(double edge);
 /// Returns stairs of horizontal and vertical faces.
 LeakScene steps_scene(const std::string& name, double edge, double tread, double rise);
-/// Returns a wall of one sheet, or the four sides and the top of a solid wall of this thickness.
+/// Returns a wall of one flat piece, or the four sides and the top of a solid wall of this thickness.
 LeakScene wall_scene(const std::string& name, double edge, double thickness);
 /// Returns four walls and a saddle roof with eaves. It is open at the bottom, so that nothing is behind a hole.
 LeakScene house_scene(double edge);
-/// Returns parallel panes, each with a transmittance of 70 %.
+/// Returns parallel translucent surfaces, each with a transmittance of 70 %.
 LeakScene pane_scene(const std::string& name, double edge, double slope_deg, int layers);
 /// Returns square bars in two directions, 2.6 voxels thick and 19.4 apart.
 LeakScene wires_scene(double edge);

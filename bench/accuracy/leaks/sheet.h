@@ -1,4 +1,5 @@
-/// Flat pieces of a surface, and their intersections with rays. The alpha of a scene of sheets is known in closed form.
+/// Flat pieces of a surface, and their intersections with rays. The alpha of a scene of such pieces is known in closed
+/// form.
 ///
 /// Space   Lod-0 voxels of the lattice, z up.
 #pragma once
@@ -18,12 +19,12 @@ struct Sheet {
   SheetShape shape = SheetShape::parallelogram;
 };
 
-/// Returns true if the ray crosses the sheet. direction: of any length. The border belongs to the sheet, so that a ray
-/// finds no gap between adjacent sheets.
-/// Exact   Computed in double; a sheet seen edge-on is not crossed.
+/// Returns true if the ray crosses the piece. direction: of any length. The border belongs to the piece, so that a ray
+/// finds no gap between adjacent pieces.
+/// Exact   Computed in double; a piece seen edge-on is not crossed.
 bool is_crossed(const Sheet& sheet, const Vector& origin, const Vector& direction);
 
-/// Returns the alpha of the sheets of equal alpha that a ray crosses: 1 - (1 - alpha)^crossed.
+/// Returns the alpha of the pieces of equal alpha that a ray crosses: 1 - (1 - alpha)^crossed.
 double alpha_through(const std::vector<Sheet>& sheets, double sheet_alpha, const Vector& origin,
                      const Vector& direction);
 
