@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`bench accuracy` holds voxels against the triangles, and pictures of them against pictures of the triangles.
+"""Tests `bench accuracy`, which compares voxels with the triangles, and images of both.
 
 Usage: accuracy_test.py GIGABAKE SOURCE_DIR
 """
@@ -100,7 +100,7 @@ def voxels_are_where_the_surface_is(bench):
             assert 0.01 < error["missed"] < 0.2 and error["missed_by_half"] < 0.01, (setting["name"], error)
             assert error["beyond_half"] == 0, (setting["name"], error)
         else:
-            # What is missed are lone texels of an alpha test.
+            # An alpha test may miss isolated texels.
             assert error["missed"] < 0.001 and error["missed_by_half"] == 0 < error["beyond_half"], setting["name"]
 
 
@@ -143,7 +143,7 @@ def goals_are_judged(bench):
 
 def tables_plots_and_pictures_are_there(work, bench):
     table = (work / "accuracy.md").read_text()
-    # 2026-11-22: a verdict in two sentences first, and what the columns are.
+    # Regression of 2026-11-22: the table begins with a result of two sentences and explains the columns.
     verdict = table.splitlines()[0]
     assert verdict.startswith("`area-coverage` at 0.5 m is on average FLIP 0."), verdict
     assert verdict == bench["verdict"].strip() and verdict.count(". ") == 1 and verdict.endswith("."), verdict
@@ -172,7 +172,7 @@ def odd_sizes_are_refused(gigabake, work):
 
 
 def other_distances_are_drawn_alone(gigabake, work):
-    """Where no picture is at a voxel a pixel nobody needs shards with fewer bits a normal."""
+    """Shards with fewer bits per normal are written only if an image has one voxel per pixel."""
     arguments = ("bench", "accuracy", work / "sample/tileset.json", "-o", work / "far", "--voxel-size", 0.25,
                  "--settings", "area-coverage", "--repeats", 1, "--samples", 4, "--voxels", 100, "--size", "16x16")
     gigabake.succeed(*arguments, "--scales", "2,32", "--json", work / "far.json")

@@ -58,11 +58,11 @@ class BadInput(unittest.TestCase):
         self.expect_no_leftovers()
 
     def expect_loss(self, source, *words, cells, **options):
-        """Exit code 3, what is missing ends the log, everything else is there."""
+        """Expects exit code 3, the missing input in the last line of the log, and all other cells in the scene."""
         result = self.bake(source, **options)
         self.assertEqual(result.returncode, 3, result.stderr)
         lines = result.stderr.strip().splitlines()
-        last = lines[-1] if "ranks" not in options else result.stderr  # mpirun adds words of its own
+        last = lines[-1] if "ranks" not in options else result.stderr  # mpirun appends its own lines
         for word in words:
             self.assertIn(word, last)
         info = PROGRAM.info(self.out / "scene.xml")
@@ -165,7 +165,7 @@ class BadInput(unittest.TestCase):
         self.expect_loss(self.changed(change), "images[0].uri: no such file: ", "gone.png", cells=1)
 
     def test_words_and_numbers_that_gltf_does_not_have(self):
-        """Of 2026-11-22: another wrapping than glTF's was taken for repetition."""
+        """Regression of 2026-11-22: an unknown wrapping mode was treated as repetition."""
         def with_material(document, material, sampler):
             document["images"] = [{"uri": DOT}]
             document["samplers"] = [sampler]
@@ -239,7 +239,7 @@ class BadInput(unittest.TestCase):
         return path
 
     def test_plan_and_bake_end_alike_and_say_each_problem_once(self):
-        """2026-11-22: plan said 3 where a bake said 1, and 0 without an image; losses were said three times."""
+        """Regression of 2026-11-22: plan and bake had different exit codes, and losses were reported three times."""
         (self.source / "cut.glb").write_bytes(self.good.read_bytes()[:60])
         (self.source / "pale.glb").write_bytes(self.with_image("gone.png"))
         for uris, code, lost in ((["good.glb"], 0, []), (["cut.glb"], 1, ["cut.glb"]), (["pale.glb"], 3, ["pale.glb"]),
@@ -279,7 +279,7 @@ class BadInput(unittest.TestCase):
         self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
         self.assertNotIn("bake-process", PROGRAM.run("--help").stdout)
 
-    # Where the result goes
+    # Output folder
 
     def test_out_is_a_file(self):
         self.out.write_text("mine")
@@ -332,7 +332,7 @@ class BadInput(unittest.TestCase):
         self.assertIn("cell c_0_0_0", result.stderr.splitlines()[-1])
         self.assertIn("No space left", result.stderr.splitlines()[-1])
         self.expect_no_leftovers()
-        # Why it failed, and what the next bake need not survey again.
+        # Only the status with the error and the cached scan remain.
         self.assertLessEqual({p.name for p in self.out.iterdir()}, {"status.json", "survey.cache"})
 
     def test_a_bake_that_fails_leaves_the_previous_scene(self):

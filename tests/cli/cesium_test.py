@@ -26,7 +26,7 @@ BACKGROUND = (0x88, 0x99, 0xaa)
 
 
 class Quiet(http.server.SimpleHTTPRequestHandler):
-    """No Content-Encoding: as a server that knows nothing of packed tiles."""
+    """A server that sends no Content-Encoding, like a server without support for compressed tiles."""
 
     def log_message(self, *_):
         pass
@@ -63,11 +63,14 @@ class Shown:
         self.draw(False)
 
     def draw(self, is_drawing):
-        """Without a GPU the pictures of one page take all cores: the others rest meanwhile."""
+        """Starts or stops the rendering of this page: without a GPU, one page uses all cores."""
         self.page.evaluate(f"window.shown.scene.requestRenderMode = {'false' if is_drawing else 'true'}; 0")
 
     def wait_for_tiles(self, edge, frames):
-        """Until so many pictures of that size came without another tile; of any size they need the same tiles."""
+        """Waits until `frames` images of this edge length arrived without another tile.
+
+        The screen-space error is scaled with the edge, so that each edge length needs the same tiles.
+        """
         self.page.command("Emulation.setDeviceMetricsOverride", width=edge, height=edge, deviceScaleFactor=1,
                           mobile=False)
         self.page.evaluate(f"""(() => {{
@@ -78,10 +81,10 @@ class Shown:
         self.page.wait_for(f"window.quiet > {frames}", 400)
 
     def from_distance(self, radii, heading=0.3, pitch=-0.7):
-        """What is drawn from so many radii away once all tiles are there: the picture, and how many tiles it took."""
+        """Returns the image from `radii` scene radii away after all tiles are loaded, and the number of tiles."""
         self.page.evaluate(f"window.shown.look({heading}, {pitch}, {radii}); 0")
         self.draw(True)
-        # A large picture takes a second, and tiles come in dozens of pictures.
+        # A large image takes a second, and the tiles arrive over dozens of images: load them with small images first.
         self.wait_for_tiles(EDGE // 8, 12)
         self.wait_for_tiles(EDGE, 3)
         time.sleep(0.5)
@@ -124,7 +127,7 @@ class CesiumTest(unittest.TestCase):
         self.assertLess(abs(numpy.argwhere(red)[:, 0].mean() - numpy.argwhere(green)[:, 0].mean()), 5)
 
     def test_a_thousand_cells_are_drawn_from_far_to_near_without_steps_at_tile_borders(self):
-        """From tiles of 32³ voxels and from those of 126³, which have borders elsewhere: the same pictures."""
+        """Tiles of 32³ and of 126³ voxels, whose borders differ, give the same images."""
         self.program.succeed("sample", self.path / "village", "--size", "128")
         bake = self.path / "bake"
         info = self.program.bake(self.path / "village/tileset.json", bake, 0.5, "--cell-voxels", 8)

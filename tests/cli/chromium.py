@@ -33,7 +33,7 @@ def find():
 
 
 class Page:
-    """One page of a browser of its own."""
+    """A page in a separate browser process."""
 
     def __init__(self, program, url, width, height, options=()):
         self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)  # its helpers write on for a moment
@@ -116,7 +116,7 @@ class Page:
         self.command("Input.dispatchKeyEvent", type="keyUp", **key)
 
     def be_phone(self, width, height):
-        """From now on a phone with a screen of two pixels to one, held upright or across."""
+        """Emulates a phone with two screen pixels per CSS pixel, in portrait or landscape orientation."""
         upright = height > width
         self.command("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=2, mobile=True,
                      screenOrientation={"type": "portraitPrimary" if upright else "landscapePrimary",

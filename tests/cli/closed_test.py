@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""No text of any source reaches the network or a file that is not the source's own.
+"""Checks that text in a source file causes no network access and opens no file outside the source.
 
 Usage: closed_test.py GIGABAKE SOURCE_DIR
 
-A socket listens, and is every protocol's proxy too; a file beside the source's folder must not be opened, which its
-time of access would tell.
+A listening socket also serves as the proxy of every protocol. The access time of a file next to the source's folder
+shows whether the file was opened.
 """
 import json
 import os
@@ -30,7 +30,7 @@ BOUND = ('BOUNDCRS[SOURCECRS[GEOGCRS["x",DATUM["x",ELLIPSOID["WGS 84",6378137,29
 
 
 class Listener:
-    """Accepts whoever comes, and remembers."""
+    """A socket that accepts every connection and records that there was one."""
 
     def __init__(self):
         self.socket = socket.create_server(("127.0.0.1", 0))
@@ -128,7 +128,7 @@ class ClosedTest(unittest.TestCase):
                 self.expect_closed(self.scene(dem="d.asc"), text)
 
     def test_files_beside_a_raster(self):
-        """GDAL looks for masks and overviews beside it, and opens them as whatever they are."""
+        """GDAL looks for masks and overviews in the folder of a raster, and opens them in any format."""
         (self.root / "d.asc").write_text(GRID)
         for address in self.addresses()[1:3]:
             virtual = ('<VRTDataset rasterXSize="20" rasterYSize="20"><VRTRasterBand dataType="Byte" band="1">'

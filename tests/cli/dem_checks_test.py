@@ -77,7 +77,7 @@ class DemChecksTest(unittest.TestCase):
             [warning] = self.warnings(tile_cells=16)  # 20 tiles
             self.assertIn(name, warning)
             self.assertIn("geoid_offset_m", warning)
-        self.assertEqual(self.warnings(geoid_offset_m=0), [])  # somebody has thought of it
+        self.assertEqual(self.warnings(geoid_offset_m=0), [])  # the user specified the offset
         [warning] = self.warnings(crs="EPSG:32611")  # in place of the raster's own, which names the vertical one
         self.assertIn("DHHN92 height", warning)
         self.write()
@@ -102,7 +102,7 @@ class DemChecksTest(unittest.TestCase):
 
     def test_feet_and_depths_need_a_scale(self):
         self.write()
-        [warning] = self.warnings(crs="EPSG:2229+6360")  # in US survey feet, which are applied: raster_test.py
+        [warning] = self.warnings(crs="EPSG:2229+6360")  # in US feet, which are applied: raster_test.py
         self.assertIn("NAVD88 height (ftUS)", warning)
         self.refused("height_scale", "MSL depth", "-1", crs="EPSG:32611+5715")
         self.assertIn("MSL depth", self.warnings(crs="EPSG:32611+5715", height_scale=-1)[0])

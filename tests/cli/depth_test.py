@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""What `--max-error` and `--channels` leave out: every voxel stays within the bound, and flat ground costs little
-beside fine trees.
+"""Tests `--max-error` and `--channels`: each voxel stays within the bound, and flat ground costs few bytes.
 
 Usage: depth_test.py GIGABAKE SOURCE_DIR
 """

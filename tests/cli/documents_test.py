@@ -34,7 +34,7 @@ SMALL = {"sample": {"--size": "64"}, "plan": {"--voxel-size": "2"},
          "bake": {"--voxel-size": "2", "--cell-voxels": "64"},
          "render": {"--size": "64x48", "--frames": "2", "--eye": "60,-60,300", "--target": "0,0,0"},
          "query": {"--step": "20"}}
-# What a document leaves open.
+# Values for the placeholders in documents.
 OPEN_VALUES = {"--path ...": "--path path.json --frames 2 -o f%04d.png", "--grid ...": "--grid=-5,-5,5,5 --step 5"}
 NEEDED = {"bake": [("-o", "OUT"), ("--voxel-size", "2")], "render": [("-o", "P.png")]}
 NUMBERS = [("X,Y,Z,DX,DY,DZ", "0,0,900,0,0,-1"), ("X,Y,Z,X,Y,Z", "0,0,900,5,5,900"), ("X,Y,X,Y", "-5,-5,5,5"),
@@ -86,7 +86,7 @@ def parts(command):
 
 
 class Parser:
-    """What the program accepts: subcommands and options as its completion lists them, values as it parses them."""
+    """The program's command line: subcommands and options from its completion script, values from its own parser."""
 
     def __init__(self):
         script = PROGRAM.succeed("completion", "bash")
@@ -170,7 +170,7 @@ class Documents(harness.FolderTest):
         return ["1" if word == "N" else word for word in out][1:]
 
     def faults_of_block(self, block):
-        """Each command of the block that fails, with what it printed; all run in one folder."""
+        """Runs all commands of the block in one folder. Returns each command that fails, with its output."""
         folder = Path(tempfile.mkdtemp(dir=self.root))
         shutil.copytree(self.root / "made", folder, dirs_exist_ok=True)
         faults = []
@@ -205,7 +205,7 @@ class Documents(harness.FolderTest):
             self.assertTrue(any(line.startswith(begin) for line in lines), f"no document names: {begin}")
 
     def problem_of_tool(self, words):
-        """What does not exist of the files, presets, targets and tests that another command names."""
+        """Returns the first preset, target, test or file that the command names and that does not exist."""
         presets = json.loads((ROOT / "CMakePresets.json").read_text())
         tests = (ROOT / "tests/CMakeLists.txt").read_text()
         kind = "buildPresets" if "--build" in words else "configurePresets"

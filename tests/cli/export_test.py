@@ -36,7 +36,7 @@ def from_morton(code):
 
 
 class Tileset:
-    """Walks the implicit oct-tree by its subtrees, as the specification says; never by listing folders."""
+    """An implicit octree, traversed by its subtrees as 3D Tiles specifies, without listing folders."""
 
     def __init__(self, folder):
         self.folder = folder

@@ -102,7 +102,7 @@ def earth_transform(place):
 
 class ExporterFiles(harness.FolderTest):
     def bake(self, source, *arguments, status=0):
-        """Returns the exported voxels and what was printed."""
+        """Bakes and exports `source`. Returns the exported voxels and the output of the bake."""
         out, ply = self.root / "out", self.root / "out.ply"
         result = PROGRAM.run("bake", source, "-o", out, "--voxel-size", 0.5, *arguments)
         self.assertEqual(result.returncode, status, result.stdout + result.stderr)

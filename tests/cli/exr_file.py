@@ -32,7 +32,7 @@ def read_exr(path):
 
 
 def attributes_of(data):
-    """By name, and where they end."""
+    """Returns the attributes by name, and the offset of the byte after them."""
     found, at = {}, 8
     while data[at]:
         name, kind = data[at:].split(b"\0", 2)[:2]

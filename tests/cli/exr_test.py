@@ -64,7 +64,10 @@ class Exr(harness.FolderTest):
                 self.assertLess(numpy.abs(255 * alpha - shown[..., 3]).max(), 0.6)
 
     def shown(self, light, alpha, colour, channel):
-        """Straight, as docs/viewer.md has it: what is brighter than 0.6 is bent, but for the colour behind."""
+        """Returns the displayed colour for straight alpha (docs/viewer.md).
+
+        Values above 0.6 are compressed, except for the background colour.
+        """
         light = light.astype(float)
         if not colour:
             return bent(light)
@@ -89,7 +92,7 @@ class Exr(harness.FolderTest):
         self.assertEqual((self.root / "beside.png").read_bytes(), self.render("alone.png").read_bytes())
 
     def test_distances_to_a_plane_are_right_within_half_a_voxel(self):
-        # A 250th below the upper face of its voxels, which is where half of the light is gone.
+        # The plane is 1/250 voxel below the upper face of its voxels, at the depth of half the transmittance.
         height, edge = 1.249, 20
         corners = [(x, height, z) for x in (-edge, edge) for z in (-edge, edge)]
         harness.write_glb(self.root / "plane.glb", corners, [0, 1, 2, 2, 1, 3], [(90, 90, 90, 255)] * 4)

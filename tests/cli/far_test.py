@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
-"""A vertex that lies far away, or voxels that are far too small: said once, of the source, before cells are baked; what
-can be baked is baked. Mended on 2026-11-22: a million cells failed, each three times, with 27 MB of log.
+"""A distant vertex or too small voxels cause one message per source before cells are baked.
+
+All other parts of the scene are baked. Regression of 2026-11-22: a million cells failed, three times each, with 27 MB
+of log.
 
 Usage: far_test.py GIGABAKE SOURCE_DIR
 """

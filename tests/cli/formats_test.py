@@ -35,7 +35,7 @@ CMPT = b"cmpt" + struct.pack("<3I", 1, 16 + len(B3DM), 1) + B3DM
 ASC = b"ncols 2\nnrows 2\nxllcorner 500000\nyllcorner 5100000\ncellsize 10\n1.5 2\n3 4\n"
 HGT = b"\0\x40" * (1201 * 1201)
 RASTER = {"gigabake": 1, "sources": [{"dem": "dem.tif", "crs": "EPSG:25832"}]}
-# What README.md calls a source: its files, and the one that `plan` reads ("" is the folder of them).
+# Source formats that README.md names: their files, and the path for `plan` ("" is the folder of the files).
 SOURCES = {
     ".glb": ({"a.glb": MODEL}, "a.glb"),
     ".gltf": ({"a.gltf": made_seeds.text(made_seeds.square())}, "a.gltf"),
@@ -61,7 +61,7 @@ EXPORTS = {"PLY": "ply", "NanoVDB": "nvdb", "OpenVDB": "vdb", "CesiumJS": "3dtil
 
 
 def meshopt():
-    """As EXT_meshopt_compression defines a buffer that no file holds."""
+    """Returns a document with an EXT_meshopt_compression fallback buffer, for which no file has data."""
     document = made_seeds.meshopt()
     document["buffers"][1]["extensions"] = {"EXT_meshopt_compression": {"fallback": True}}
     return document

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What docs/format.md says about a shard is enough to read it: decoded with h5py alone, it holds what export writes.
+"""docs/format.md suffices to read a shard: voxels that this script decodes with h5py equal the exported voxels.
 
 Usage: h5py_test.py GIGABAKE SOURCE_DIR
 """
@@ -60,7 +60,7 @@ def brick_voxels(level, brick):
 
 
 def level_of(shard, lod):
-    """Every voxel of a level: lattice index, colour, normal; constant nodes written out."""
+    """Returns lattice index, colour and normal of each voxel of a level; constant nodes are expanded."""
     nodes = {name: column[:] for name, column in shard["nodes"].items()}
     level = {name: column[:] for name, column in shard[f"lod_{lod}"].items()}
     corner = shard.attrs["lattice_min"] >> lod

@@ -33,7 +33,7 @@ def every_bound_holds(gigabake, work):
 
 
 def the_document_lists_every_case(bench, source):
-    """Ties stand there by their own tables."""
+    """Every case is in the table of the document; cases of ties have separate tables."""
     text = (Path(source) / "docs/accuracy-suite.md").read_text()
     section = text.split("## The suite")[1].split("\n## ")[0]
     listed = re.findall(r"^\| `([^`]+)` \|", section, re.M)
@@ -50,7 +50,7 @@ def wrong_usage_is_refused(gigabake, work):
 
 
 def kept_scenes_can_be_baked(gigabake, work):
-    """With -o everybody can look at a case himself."""
+    """Option -o keeps the scenes, so that a user can bake and inspect each case."""
     gigabake.bake(work / "kept/ecef-antimeridian/tileset.json", work / "baked", 0.01, "--cell-voxels", 128)
 
 

@@ -1,4 +1,4 @@
-"""What the command-line tests share: running the program, small scenes, reading a PLY."""
+"""Shared code of the command-line tests: runs the program, writes small scenes and reads PLY files."""
 import json
 import os
 import struct
@@ -23,7 +23,7 @@ MPI_ENVIRONMENT = {
 
 
 def shared_folder(source):
-    """Where the data sets and the tools for clusters on one machine are."""
+    """Returns the folder of the data sets and of the tools that emulate a cluster on one machine."""
     return Path(os.environ.get("GIGABAKE_SHARED") or Path(source) / "../shared").resolve()
 
 
@@ -61,7 +61,7 @@ class Gigabake:
 
 
 class FolderTest(unittest.TestCase):
-    """Tests that share a folder, `root`, which is gone after the last of them."""
+    """Tests that share the folder `root`, which is removed after the last test."""
 
     @classmethod
     def setUpClass(cls):
@@ -77,7 +77,7 @@ def squares_of_grid(edge):
 
 
 def skip_without(program, library, name):
-    """Ends the test where the program was built without the library that an empty source of this name asks for."""
+    """Exits with code 77 (skipped) if the program was built without the library that reads files of this name."""
     with tempfile.TemporaryDirectory() as scratch:
         probe = Path(scratch) / name
         probe.write_bytes(b"")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Scenes that lack data: each command that reads one says so in one line and exits with 3. Bakes without a voxel fail.
+"""Commands that read an incomplete scene report it in one line and exit with 3. A bake without a voxel fails.
 
 Usage: incomplete_test.py GIGABAKE SOURCE_DIR
 """
@@ -46,7 +46,7 @@ class Incomplete(harness.FolderTest):
         cls.missing, cls.planned = info["missing"]["cells"], info["missing"]["planned_cells"]
         assert 0 < cls.missing < cls.planned and cls.planned == info["cells"] + cls.missing, info["missing"]
 
-    # 2026-11-25: verify said "whole", render and export said nothing, and all of them exited with 0.
+    # Regression of 2026-11-25: verify printed "whole", render and export printed nothing, and all exited with 0.
     def test_every_command_that_reads_a_scene_says_what_is_missing_and_exits_with_3(self):
         scene = self.drained
         exports = [("export", scene, "--to", form, "-o", self.root / ("e" + form))

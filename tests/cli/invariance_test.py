@@ -13,7 +13,7 @@ import harness
 
 SEED = 20260611
 VOXEL_M = 0.25
-SNAP = 1024  # vertices stand on multiples of 1/1024 m: a 256th of a voxel
+SNAP = 1024  # vertices lie on multiples of 1/1024 m = 1/256 voxel
 
 
 def hills(seed=SEED, quads=48, step=0.37):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Manual pages that man takes without a warning, and completion in real shells: both say what --help says.
+"""Checks that the manual pages (read by man without warnings) and the shell completions agree with --help.
 
 Usage: manual_test.py GIGABAKE SOURCE_DIR
 """
@@ -47,7 +47,7 @@ def output(*command, **options):
 
 
 def commands():
-    """Each command's words, from --help alone."""
+    """Returns the words of each command. The only source is --help."""
     def below(words):
         yield words
         listed = output(PROGRAM, *words, "--help").partition("Subcommands:\n")[2].partition("\n\n")[0]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""--memory bounds what files claim, and where memory ends all the same the program says so and ends.
+"""Sizes that files claim are bounded by --memory. If memory runs out nevertheless, the program reports it and exits.
 
 Usage: memory_limit_test.py GIGABAKE SOURCE_DIR
 """
@@ -35,7 +35,7 @@ def png_of_one_colour(edge, is_interlaced):
 
 
 def write_square(path, document):
-    """As GLB: its buffer is the file's own."""
+    """Writes a GLB whose buffer is its binary chunk."""
     document["buffers"] = [{"byteLength": 60}]
     harness.write_glb_document(path, document, made.POSITIONS + made.INDICES)
 

@@ -18,13 +18,13 @@ import made_seeds as made
 
 MEGABYTE = 1 << 20
 LIMIT_MB = 64
-# What docs/cluster.md states for program and libraries, and for what a cell of this size takes besides.
+# The memory that docs/cluster.md states for program and libraries plus a cell of this size.
 PROGRAM = 64 * MEGABYTE
 
 
-# In pieces: what this process holds when it starts a bake counts in the bake's maximum.
+# The points are computed one at a time: memory of this process at the start of a bake counts in the bake's maximum.
 def point(edge, i):
-    """Of (edge + 1)² points of a wavy ground."""
+    """Returns point i of the (edge + 1)² points of a wavy ground."""
     x, y = divmod(i, edge + 1)
     return 0.02 * x, 0.02 * y, 0.1 * ((x ^ y) % 5)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Flying through a scene ten times as large as --memory: what is held, and what the process takes, stay within bounds.
+"""Memory stays within bounds while a camera flies through a scene ten times as large as --memory.
 
 Usage: memory_test.py GIGABAKE SOURCE_DIR
 """
@@ -12,11 +12,11 @@ import harness
 
 MIB = 1 << 20
 STORED_VOXEL_BYTES = 6  # colour and normal
-# What one pass looks at stays beyond the bound: the pages of its bricks' neighbours, and those being read.
+# Exceeds --memory: the neighbour pages of the bricks that one pass samples, and the pages that are being read.
 HELD_SLACK = 2 * MIB
-# Of the process besides --memory and what code and libraries take by themselves (22 MiB, 75 where it reads rasters and
-# writes OpenVDB): pictures, open shards, what is unpacked before it is kept.
-# Measured: 11 to 22 MiB where memory is 0.3 to 4 MiB; a picture is 320 × 180.
+# Memory of the process apart from --memory, code and libraries. Code and libraries take 22 MiB, or 75 MiB in a build
+# that reads rasters and writes OpenVDB. The rest is images, open shards and unpacked data that is not cached yet.
+# Measured: 11 to 22 MiB with --memory from 0.3 to 4 MiB and images of 320 × 180.
 PROCESS_OVERHEAD = 42 * MIB
 
 FLIGHT = [{"time_s": 0, "eye": [45, -60, 25], "target": [0, 0, 5]},

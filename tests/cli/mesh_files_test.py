@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Mesh files of every format, alone and together, give the voxels that their numbers say, wherever on the earth.
+"""Mesh files of every format, single or combined, give the expected voxels anywhere on Earth.
 
-All of it is of 2026-11-22. Usage: mesh_files_test.py GIGABAKE SOURCE_DIR
+All tests are of 2026-11-22. Usage: mesh_files_test.py GIGABAKE SOURCE_DIR
 """
 import json
 import math
@@ -71,7 +71,7 @@ def ecef(latitude, longitude, height):
 
 
 def earth_tile(path, place):
-    """A b3dm whose house stands at the place: RTC_CENTER, and vertices as offsets in earth-centred axes, y up."""
+    """Writes a b3dm with a house at the place: RTC_CENTER, and vertices as offsets in earth-centred axes, y up."""
     centre, (east, north, up) = ecef(*place)
     positions = []
     for x, y, z in VERTICES:
@@ -182,7 +182,7 @@ class MeshFiles(unittest.TestCase):
             self.assertEqual(result.stderr.count("gone.mtl"), 1, result.stderr)
             self.assertIn("warning: house.obj", result.stderr)
 
-    # 2026-11-22: nothing said how many points were skipped.
+    # Regression of 2026-11-22: the number of skipped points was not reported.
     def test_points_alone_are_counted_in_the_refusal(self):
         cloud = self.root / "cloud.ply"
         cloud.write_text("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"

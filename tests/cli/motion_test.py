@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`bench accuracy --motion`: pairs of frames along fixed paths, and what is said of them, on a tiny scene.
+"""Tests `bench accuracy --motion` on a tiny scene: pairs of frames along fixed paths, and the report about them.
 
 Usage: motion_test.py GIGABAKE SOURCE_DIR
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""OBJ, MTL, PLY and STL as other programs write them: the voxels, their colours, and what is reported.
+"""Tests OBJ, MTL, PLY and STL as other programs write them: voxels, colours and messages.
 
 All of it is of 2026-11-25, rebuilt from public bug reports of neighbouring programs. Usage: odd_meshes_test.py GIGABAKE
 SOURCE_DIR

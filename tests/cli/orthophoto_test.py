@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Orthophotos as surveys and GIS tools write them: bands, palettes, types, nodata, resolution, places.
+"""Tests orthophotos as surveying and GIS tools write them: bands, palettes, types, nodata, resolution, places.
 
 Usage: orthophoto_test.py GIGABAKE SOURCE_DIR
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a command writes: never over its inputs, over another bake or over somebody else's file.
+"""A command never writes over its inputs, over another bake or over a file of another program.
 
 Usage: own_files_test.py GIGABAKE SOURCE_DIR
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What is installed is whole: the program with its manual, a library that others' programs find, Debian packages.
+"""Tests the installation: the program with its manual, a library that other programs find, and Debian packages.
 
 Usage: package_test.py GIGABAKE SOURCE_DIR
 """
@@ -41,7 +41,7 @@ class Package(harness.FolderTest):
         self.path = Path(folder.name)
 
     def expect_modules_load(self, prefix):
-        """The installed program finds what it loads when it is needed: an error about the raster is GDAL's."""
+        """Checks that the installed program finds the modules that it loads on demand: GDAL reports the bad raster."""
         for module in BUILD.glob("gigabake-*.so"):
             self.assertTrue((prefix / "lib/gigabake" / module.name).exists(), module)
         if list(BUILD.glob("gigabake-gdal-*.so")):
@@ -60,7 +60,7 @@ class Package(harness.FolderTest):
             self.assertIn("gigabake export", (self.prefix / "share" / file).read_text())
 
     def build(self, name, *settings):
-        """A program of tests/package, against what is installed."""
+        """Builds a program of tests/package against the installed library. Returns its build folder."""
         build = self.path / name
         succeed("cmake", "-S", SOURCE / "tests/package" / name, "-B", build, "-G", "Ninja",
                 f"-DCMAKE_PREFIX_PATH={self.prefix}", *settings)

@@ -122,7 +122,7 @@ class Parents(harness.FolderTest):
         self.assertIn("fingerprint", result.stdout + result.stderr)
 
     def picture(self, out, *options, code=0):
-        """What is seen of a bake before black, and what the program said."""
+        """Renders a bake before a black background. Returns the image and the finished process."""
         path = self.root / "picture.png"
         result = PROGRAM.run("render", self.root / out, "-o", path, "--size", "200x150", "--background", "0,0,0,0",
                              *options)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""gigabake render --path: pictures along a camera path are those of render, with the numbers of every frame.
+"""Tests `gigabake render --path`: its images equal those that render draws per frame; each frame has its numbers.
 
 Usage: path_test.py GIGABAKE SOURCE_DIR
 """
@@ -59,7 +59,7 @@ class Paths(harness.FolderTest):
                              "--fovy", repr(frame["fovy_deg"]), "--size", SIZE)
             self.assertEqual((self.frames / f"{number:03}.png").read_bytes(), (self.root / "one.png").read_bytes())
 
-    # 2026-11-25: after an hour of frames the first write failed, or nothing said where the frames are.
+    # Regression of 2026-11-25: the first write failed after an hour of frames, or no line named the folder.
     def test_prints_where_the_frames_are_and_checks_their_folder_first(self):
         path = self.path({"time_s": 0, "eye": [60, -70, 40], "target": [0, 0, 0]},
                          {"time_s": 1, "eye": [70, -70, 40], "target": [0, 0, 0]})

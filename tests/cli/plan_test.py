@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""plan answers how many voxels, bytes and seconds a bake takes, before it: held against real bakes.
+"""Compares the numbers of voxels, bytes and seconds that `plan` predicts with the results of real bakes.
 
 Usage: plan_test.py GIGABAKE SOURCE_DIR
 """

@@ -36,8 +36,10 @@ def read_png(path):
 
 
 def unfiltered(kind, line, above, step):
-    """A row of bytes, from what is stored of it and the row above. Whole rows at once where the filter allows it;
-    elsewhere byte by byte, in plain integers: ten times as fast as small arrays."""
+    """Returns a row of bytes, decoded from the stored row and from the row above.
+
+    Filters 0 to 2 work on whole rows. Others loop over bytes as Python integers, ten times as fast as small arrays.
+    """
     if kind == 0:
         return line
     if kind == 1:

@@ -30,7 +30,7 @@ def write_tileset(folder, uris, transform=None):
 
 
 def absolute_floats(work, tiles):
-    """What one gets who writes ECEF into a vertex buffer."""
+    """Writes tiles whose vertex buffers have absolute ECEF coordinates in single precision."""
     folder = work / f"absolute{tiles}"
     folder.mkdir()
     names = [f"tile{i}.glb" for i in range(tiles)]
@@ -58,7 +58,7 @@ def plan_and_bake_warn(gigabake, work):
 
 
 def a_bake_that_reads_nothing_warns_too(gigabake, work):
-    """Surveys and shards are taken over from the bake before."""
+    """The bake reuses the scans and shards of the bake before."""
     result = gigabake.run("bake", work / "absolute1/tileset.json", "-o", work / "out", "--voxel-size", 0.25, "--json")
     assert json.loads(result.stdout)["cells_taken_over"] > 0 and len(warnings_of(result)) == 1, result
 

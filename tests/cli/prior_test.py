@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a bake leaves for the next one: `plan -o`, the lock of OUT, `--prune`.
+"""Tests the results that a bake leaves for the next bake: `plan -o`, the lock of OUT, `--prune`.
 
 Usage: prior_test.py GIGABAKE SOURCE_DIR
 """
@@ -37,7 +37,7 @@ class Prior(unittest.TestCase):
     def test_a_plan_says_that_all_is_new_and_makes_no_folder(self):
         said = self.plan()
         self.assertIn("4 of 4 cells to bake: 4 new; 0 to check, 0 unchanged", said)
-        # 2026-11-25: every cell was listed, and what remains was not said.
+        # Regression of 2026-11-25: every cell was listed, and the remaining work was not reported.
         self.assertIn("remaining: 4 cells, 100 % of the work", said)
         self.assertNotIn("c_0_0_0", said)
         self.assertIn("c_0_0_0", self.plan("--cells"))

@@ -1,6 +1,6 @@
-"""What the programs said that a script's tests started: shown where a test fails, kept until the script has passed.
+"""Output of the programs that a test script starts: shown if a test fails, and kept until the script has passed.
 
-A line and an exit code are not enough to see why something failed once, on another machine, under load.
+A line and an exit code do not explain a failure that happens once, on another machine, under load.
 """
 import atexit
 import re
@@ -15,7 +15,7 @@ MOST_SHOWN = 20000
 
 
 def folder():
-    """Testing/programs beside the program under test."""
+    """Returns the folder Testing/programs next to the program under test, or a temporary folder."""
     beside = Path(sys.argv[1]).resolve().parent if len(sys.argv) > 1 else Path("/nowhere")
     try:
         kept = beside / "Testing" / "programs"
@@ -45,7 +45,7 @@ class Transcript:
             kept.write(f"[{end}]\n" + "\n".join(as_text(part) for part in said if part))
 
     def show(self, first):
-        """What those from that one on said."""
+        """Prints the output of the programs from number `first` on."""
         self.failed = True
         for command, path in self.files[first:]:
             said = path.read_text(encoding="utf-8", errors="replace") if path.exists() else ""
@@ -82,12 +82,12 @@ PROGRESS = re.compile(TIME + r"[a-z][a-z ]*: (\d+ %|\d+ of \d+|\d+ (s|min)\b)")
 
 
 def lines_of(stderr):
-    """What a program said, line by line, without how far it was: only a slow machine hears of that."""
+    """Returns the output lines of a program without progress lines, which it prints only on a slow machine."""
     return [line for line in stderr.strip().splitlines() if not PROGRESS.match(line)]
 
 
 def errors_of(process, timeout):
-    """What a process with two pipes said on the second, when it has ended."""
+    """Waits for a process with two pipes. Returns its standard error."""
     try:
         out, errors = process.communicate(timeout=timeout)
     except subprocess.TimeoutExpired:
@@ -99,7 +99,7 @@ def errors_of(process, timeout):
 
 
 class Started(subprocess.Popen):
-    """A program under way. What it says, errors among it, goes to a file."""
+    """A running program whose standard output and standard error go to a file."""
 
     def __init__(self, command, **options):
         command = list(map(str, command))
@@ -108,7 +108,7 @@ class Started(subprocess.Popen):
             super().__init__(command, stdout=kept, stderr=subprocess.STDOUT, **options)
 
     def said(self):
-        """So far."""
+        """Returns the output up to now."""
         return self.path.read_text(encoding="utf-8", errors="replace")
 
     def end(self):
@@ -119,7 +119,7 @@ class Started(subprocess.Popen):
 
 
 class Result(unittest.TextTestResult):
-    """Shows beside a failure what the programs of its test said."""
+    """Test results that also show the output of the programs of a failed test."""
 
     first = 0
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""What programs said that tests started is shown where a test fails, and kept; where all passes nothing stays.
+"""The output of programs is shown and kept if a test fails, and removed if all tests pass.
 
-2026-11-22: a window closed in a test on a loaded machine, and nobody could know why.
+Regression of 2026-11-22: a window closed in a test on a loaded machine, and no output explained it.
 
 Usage: programs_test.py GIGABAKE SOURCE_DIR
 """
@@ -85,7 +85,7 @@ class Programs(unittest.TestCase):
         self.assertTrue(any(text.count("much") == 10000 for text in self.kept()))
 
     def test_how_far_a_program_was_is_no_line_of_what_it_said(self):
-        # 2026-11-23: on a slow machine "writing the picture: 0 s" stood before the error.
+        # Regression of 2026-11-23: on a slow machine a progress line preceded the error.
         said = ("reading the tileset: 30 %\nplanning: 3 of 17 tiles\nwriting the picture: 0 s\n"
                 "sharing: 2 min 5 s\ngigabake: p.exr: cannot write: 5 shards\n")
         self.assertEqual(programs.lines_of(said), ["gigabake: p.exr: cannot write: 5 shards"])

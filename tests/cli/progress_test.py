@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Long commands say how far they are, on standard error alone, and are stopped by SIGTERM and Ctrl-C.
+"""Long commands report their progress on standard error only. SIGTERM and Ctrl-C stop them.
 
 Usage: progress_test.py GIGABAKE SOURCE_DIR
 """
@@ -19,7 +19,7 @@ from programs import lines_of
 SQUARE = [[0, 0, 0], [40, 0, 0], [40, 0, -40], [0, 0, -40]]
 TWO = [0, 1, 2, 0, 2, 3]
 DRAINED = 75
-# What hangs takes for ever; what is stopped takes a second, and ten where the machine is busy.
+# A stopped command ends after a second, or after ten on a busy machine; a hanging command never ends.
 BOUND_S = 60
 
 
@@ -37,7 +37,7 @@ class Progress(harness.FolderTest):
         super().setUpClass()
         cls.square = cls.root / "square.glb"
         harness.write_glb(cls.square, SQUARE, TWO)
-        # Of one file, so that it is long to read and quick to write.
+        # All tiles use the same file: the tileset is slow to read and quick to write.
         child = json.dumps(tile(content={"uri": "square.glb"}))
         text = tileset(tile(children=["CHILD"])).replace('"CHILD"', ",".join([child] * 600000))
         cls.long = cls.root / "tileset.json"
@@ -54,7 +54,7 @@ class Progress(harness.FolderTest):
         return [p for p in self.root.rglob("*") if ".part" in p.name and "killed" not in p.parts]
 
     def expect_stopped(self, process, signal_number, code, *told):
-        """One line, nothing on standard output, nothing half-written. Returns what was on standard error."""
+        """Expects one line, an empty standard output and no partial files. Returns the standard error."""
         begin = time.monotonic()
         process.send_signal(signal_number)
         out, err = process.communicate(timeout=BOUND_S)

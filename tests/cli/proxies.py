@@ -71,7 +71,7 @@ class Nginx:
 
 
 class BlockProxy:
-    """Passes requests on as they are, and replies only in whole blocks of bytes, the rest when the server closes."""
+    """A proxy that forwards requests unchanged, and replies only in whole blocks until the server closes."""
 
     def __init__(self, server_port, block_bytes):
         self.server_port, self.block_bytes = server_port, block_bytes

@@ -26,7 +26,7 @@ PASS = "location / {{ proxy_pass http://127.0.0.1:{port}; {more} }}"
 
 
 class Stream:
-    """A reply without an end, read on a thread of its own."""
+    """An endless reply, read on a separate thread."""
 
     def __init__(self, port, path, encoding="identity"):
         self.connection = socket.create_connection(("127.0.0.1", port))

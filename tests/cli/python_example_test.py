@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The example docs/shard_in_python.py draws a real shard, and what it prints is what info says.
+"""The example docs/shard_in_python.py reads a real shard, and its output agrees with `gigabake info`.
 
 Usage: python_example_test.py GIGABAKE SOURCE_DIR
 """

@@ -86,7 +86,7 @@ class QueryTest(harness.FolderTest):
         self.assertEqual(self.query(*touching, "--ignore-ends", 1)[0]["outcome"], "visible")
         self.assertEqual(self.query("--sight", "9000,0,0,9000,10,0")[0]["outcome"], "outside the scene")
 
-    def test_places_beside_the_scene_are_counted_in_one_line(self):  # 2026-11-25: nothing but the outcome told
+    def test_places_beside_the_scene_are_counted_in_one_line(self):  # 2026-11-25: only the results showed it
         places = self.root / "beside.csv"
         places.write_text("x,y\n0,0\n9000,0\n48.1,9000\n")
         for question, expected in ((("--at", "9000,9000"), "1 of 1 place is outside the bounds"),

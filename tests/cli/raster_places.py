@@ -97,7 +97,7 @@ def translate(source, target, *options, **keys):
 
 
 def reads_of(program, *arguments):
-    """The number of bytes that a command reads: the kernel adds those of a child that has ended to its parent's."""
+    """Returns the number of bytes that a command and its ended children read: the kernel adds up their counts."""
     shell = '"$@" >/dev/null 2>&1; code=$?; cat /proc/$$/io; exit $code'
     result = subprocess.run(["sh", "-c", shell, "sh", str(program.executable), *map(str, arguments)],
                             capture_output=True, text=True, timeout=100, check=True)
@@ -105,7 +105,7 @@ def reads_of(program, *arguments):
 
 
 def opens_of(program, file, *arguments):
-    """How often a command opens a file, its children too."""
+    """Returns the number of times that a command or its children open a file."""
     libc = ctypes.CDLL(None, use_errno=True)
     descriptor = libc.inotify_init1(os.O_NONBLOCK)
     is_opened = 0x20

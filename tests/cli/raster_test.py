@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Elevation rasters as surveys and GIS tools write them: validity, units, neighbours, formats, cost.
+"""Tests elevation rasters as surveying and GIS tools write them: validity, units, neighbours, formats, cost.
 
 Usage: raster_test.py GIGABAKE SOURCE_DIR
 """
@@ -20,7 +20,7 @@ def change(path, work):
 
 
 class ValidityTest(RasterTest):
-    # 2026-11-25: masks, alpha bands and .aux.xml files were not read; under them stood 0 or -9999.
+    # Regression of 2026-11-25: masks, alpha bands and .aux.xml files were ignored; masked heights were 0 or -9999.
     def expect_void(self, source):
         before = {p.name for p in self.folder.iterdir()}
         messages = self.bake(source)
@@ -280,7 +280,7 @@ class CostTest(RasterTest):
             read[name] = reads_of(self.program, *plan)
             opened[name] = opens_of(self.program, self.folder / name, *plan)
         text = (self.folder / "dem.asc").stat().st_size
-        # Of 625 tiles. GDAL reads a text once to know the type of its numbers, in each of two processes.
+        # The grid has 625 tiles. GDAL reads a text once for the type of its numbers, in each of two processes.
         self.assertLess(read["dem.asc"], read["dem.tif"] + 4 * text)
         self.assertLessEqual(opened["dem.asc"], 1.5 * opened["dem.tif"])
         self.assertLess(opened["dem.tif"], 20)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""From the sample terrain to a picture: sensible, repeatable, and refused where the options make no picture.
+"""Renders the sample terrain: images are plausible and reproducible, and unusable options are refused.
 
 Usage: render_test.py GIGABAKE SOURCE_DIR
 """
@@ -46,7 +46,7 @@ class Render(harness.FolderTest):
         ground = image[seen & (image[..., 3] == 255)][:, :3]
         self.assertTrue(40 < ground.mean() < 200, ground.mean())
         self.assertGreater(ground.std(), 12)
-        # Nothing shines through the ground: what is well inside of the silhouette is opaque.
+        # No light passes through the ground: pixels well inside of the silhouette are opaque.
         inside = seen.copy()
         for _ in range(6):
             inside[1:-1, 1:-1] &= inside[:-2, 1:-1] & inside[2:, 1:-1] & inside[1:-1, :-2] & inside[1:-1, 2:]

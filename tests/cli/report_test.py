@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`bake --report`: its accuracy figures are those that an independent reading of the shards computes.
+"""Compares the accuracy numbers of `bake --report` with the results of an independent reader of the shards.
 
 Usage: report_test.py GIGABAKE SOURCE_DIR
 """

@@ -1,4 +1,4 @@
-"""`gigabake sample`: what it says it wrote is there, bakes, and lies where it says; the benchmark terrain's counts."""
+"""Tests `gigabake sample`: it writes the files that it lists, they bake at their place, and voxel counts are right."""
 import json
 import shlex
 import sys

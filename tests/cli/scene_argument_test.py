@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""What is named on the command line: OUT for OUT/scene.xml, the wrong kind of file by what it is, the format of an
-export by its suffix; --quiet, exit codes, and no control characters in what no terminal reads. All mended 2026-11-22.
+"""Tests file arguments: OUT means OUT/scene.xml, a file of a wrong format is named, a suffix selects the export format.
+
+Also tests --quiet, exit codes, and that only terminals get control characters. Regressions of 2026-11-22.
 
 Usage: scene_argument_test.py GIGABAKE SOURCE_DIR
 """
@@ -96,7 +97,7 @@ class SceneArgument(harness.FolderTest):
             for kind in formats:
                 self.refused(1, str(bad), "export", bad, "--to", kind, "-o", self.root / "none")
                 self.assertFalse((self.root / "none").exists(), kind)
-            if changed == swapped:  # info opens no shard: which one a name stands for is verify's to find
+            if changed == swapped:  # info opens no shard: only verify finds swapped shards
                 self.assertEqual(PROGRAM.run("info", bad).returncode, 0)
             else:
                 self.refused(1, str(bad), "info", bad)

@@ -48,14 +48,14 @@ class Scratch(harness.FolderTest):
             self.assertIn("of scratch for 1 large tile", result.stderr)
         self.assertNotIn("scratch", self.bake("much", memory="4G").stderr)
 
-    # 2026-11-23: it said how much scratch there would be.
+    # Regression of 2026-11-23: a quiet bake reported the scratch that it would write.
     def test_quiet_is_quiet(self):
         for _ in range(2):  # the second finds all cells there
             result = self.bake("quiet", "--quiet")
             self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
 
     def plan(self, *options, memory=MEMORY):
-        """What it says, and the most bytes that one of its processes took."""
+        """Returns the output of a plan, and the maximum memory of its processes in bytes."""
         command = [GIGABAKE.executable, "plan", self.tile, "--voxel-size", VOXEL, *CELLS, "--memory", memory, *options]
         with subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
                               env=dict(os.environ, **harness.MPI_ENVIRONMENT)) as process:
@@ -65,7 +65,7 @@ class Scratch(harness.FolderTest):
         self.assertEqual(process.returncode, 0, said)
         return said, usage.ru_maxrss * 1024
 
-    # 2026-11-23: it held the positions of the whole tile, and said nothing of scratch.
+    # Regression of 2026-11-23: plan held the positions of the whole tile in memory and did not report the scratch.
     def test_a_plan_says_the_scratch_and_has_the_cells_of_one_in_memory(self):
         for measure in ("--no-measure", "--measure"):
             mine = self.root / f"plan{measure}"

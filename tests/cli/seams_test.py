@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One scene baked as one cell and as four by four: the pictures tell no difference, however much memory they take.
+"""A scene of one cell and the same scene of 4 × 4 cells give the same images, with any amount of memory.
 
 Usage: seams_test.py GIGABAKE SOURCE_DIR
 """
@@ -22,7 +22,7 @@ VIEWS = {
 
 
 def covered(picture):
-    """The share of the pixels that show something; a picture without alpha is covered everywhere."""
+    """Returns the fraction of pixels that show the scene; an image without alpha is fully covered."""
     return (picture[..., 3] > 0).mean() if picture.shape[2] == 4 else 1
 
 
@@ -58,7 +58,7 @@ class Seams(harness.FolderTest):
                 one = read_png(self.render("one", *options))
                 sixteen = read_png(self.render("sixteen", *options))
                 self.assertEqual(one.shape, sixteen.shape)
-                # Two pictures of nothing are equal, too: an eighth of each shows the scene, in more than one colour.
+                # Two empty images are equal too: more than an eighth of each must show the scene in several colours.
                 for picture in (one, sixteen):
                     self.assertGreater(covered(picture), 1 / 8, f"{name}, {mode}")
                     self.assertGreater(picture.std(), 5, f"{name}, {mode}")
@@ -66,7 +66,7 @@ class Seams(harness.FolderTest):
 
     def test_the_memory_does_not_show_and_too_little_is_refused_in_one_line(self):
         for scene in self.scenes:
-            # Both sizes: with too few nodes for what one ray uses at a time the smaller picture was never finished.
+            # Regression: with fewer nodes than one ray uses at a time, the smaller image was never completed.
             for (camera, pixel_error), size in itertools.product((VIEWS["near"], VIEWS["far and coarse"]),
                                                                  ("160x90", "80x45")):
                 options = (*camera, "--pixel-error", pixel_error)

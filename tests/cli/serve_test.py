@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""gigabake serve: a browser flies through a scene, sees what render draws, and watches a bake that goes on.
+"""Tests `gigabake serve`: a browser flies through a scene, shows the image of `render`, and follows a running bake.
 
 Usage: serve_test.py GIGABAKE SOURCE_DIR
 """
@@ -51,10 +51,10 @@ class Serve(harness.FolderTest):
         return page
 
     def shown(self, page):
-        """What the page shows at rest, without its bar, and its state."""
+        """Returns the page's image at rest without its bar, the expected image, and the page's state."""
         page.evaluate("document.getElementById('bar').style.visibility = 'hidden'")
         deadline = time.monotonic() + 60
-        while True:  # the picture is some milliseconds behind the state, and the state behind the hands
+        while True:  # the image lags the state by ms, and the state lags the input
             page.wait_for(f"{RESTS} && shownState.frame && shownState.frame.full && !Object.keys(pending).length")
             state = page.evaluate("shownState")
             expected, image = self.rendered(state), read_png(page.screenshot())[..., :3]
@@ -63,7 +63,7 @@ class Serve(harness.FolderTest):
             time.sleep(0.2)
 
     def rendered(self, state):
-        """What render draws for the page's camera."""
+        """Returns the image that `render` draws for the page's camera."""
         path = self.root / "rendered.png"
         camera = ["--eye=" + ",".join(map(repr, state["eye"])), "--target=" + ",".join(map(repr, state["target"]))]
         GIGABAKE.succeed("render", self.scene, "-o", path, "--size", "{}x{}".format(*state["size"]), *camera,
@@ -115,7 +115,7 @@ class Serve(harness.FolderTest):
         self.assertEqual(picture, (self.root / "rendered.png").read_bytes())
 
     def boxes(self, page, *names):
-        """Left, top, right and bottom of elements, as far as they are shown."""
+        """Returns left, top, right and bottom of elements."""
         return page.evaluate("[%s].map((name) => document.getElementById(name).getBoundingClientRect())"
                              ".map((box) => [box.left, box.top, box.right, box.bottom])" % json.dumps(names)[1:-1])
 
@@ -173,7 +173,7 @@ class Serve(harness.FolderTest):
 
     @contextlib.contextmanager
     def heard_from(self, server, key):
-        """A viewer that keeps silent for ten seconds has left; this one asks as pages do."""
+        """Polls the server as a page does: a viewer that sends nothing for ten seconds counts as closed."""
         over = threading.Event()
 
         def ask():
@@ -249,7 +249,7 @@ class Serve(harness.FolderTest):
             self.assertIn(expected, result.stderr)
             self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
 
-    def test_names_of_a_series_are_no_typos(self):  # 2026-11-25: a new run_b beside run_a was refused
+    def test_names_of_a_series_are_no_typos(self):  # 2026-11-25: run_b was refused next to run_a
         for name in ("run_a", "run1", "sceneA"):
             (self.root / name / "shards").mkdir(parents=True)
         for name in ("run_b", "run-c", "runb", "run_2", "run12", "sceneB", "out2", "out_b", "outs", "cut_1"):

@@ -1,4 +1,4 @@
-"""gigabake serve under test: started on a free port, asked over HTTP."""
+"""gigabake serve under test: started on a free port, queried over HTTP."""
 import json
 import time
 import urllib.error

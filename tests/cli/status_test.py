@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""gigabake status: of a bake that has ended, goes on, was interrupted or says nonsense; progress and metrics of a bake.
+"""Tests `gigabake status` for a bake that ended, runs, was interrupted or has an invalid status; progress and metrics.
 
 Usage: status_test.py GIGABAKE SOURCE_DIR
 """
@@ -125,7 +125,7 @@ class Status(harness.FolderTest):
             if state != "baking":
                 self.assertEqual(self.show(self.folder_with(state=state), "--follow").returncode, code)
 
-    # a bake that goes on, or not
+    # a bake that still runs, or not
 
     def test_a_silent_bake_whose_process_is_gone_was_interrupted(self):
         gone = self.folder_with(state="baking", updated_s=time.time() - 60, pid=self.ended_process())
@@ -137,7 +137,7 @@ class Status(harness.FolderTest):
         self.assertTrue(json.loads(self.show(gone, "--json").stdout)["interrupted"])
 
     def test_a_process_that_is_gone_is_seen_at_once(self):
-        """Fixed 2026-11-22: after a second Ctrl-C the bake went on for another 15 s, if status was to be believed."""
+        """Fixed 2026-11-22: after a second Ctrl-C, status reported the bake as running for another 15 s."""
         gone = self.folder_with(state="baking", pid=self.ended_process(), host=socket.gethostname())
         result = self.show(gone)
         self.assertEqual(result.returncode, FAILED, result)

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Every command with standard output and standard error on a full disk, closed, or read by somebody who leaves.
+"""Runs every command with standard output and standard error on a full disk, closed, or read by an exiting process.
 
 Usage: streams_test.py GIGABAKE SOURCE_DIR
 
-A message that cannot be written is dropped and the command does its work; an answer that cannot be written is one line
-and exit code 1.
+If a message cannot be written, the command drops it and does its work. If an answer cannot be written, the command
+prints one line and exits with code 1.
 """
 import re
 import subprocess
@@ -52,7 +52,7 @@ class Streams(harness.FolderTest):
             "export": ([self.out, "-o", self.new(".ply")], True),
             "render": ([self.out, "-o", self.new(".png"), "--size", "16x16", "--backend", "cpu"], True),
             "query": ([self.out, "--ray", "4,-4,50,0,0,-1"], True),
-            "view": ([self.new()], False),  # needs a display; a scene that is not there is a message alone
+            "view": ([self.new()], False),  # needs a display; a missing scene causes only a message
             "serve": ([self.out, "--port", "0"], True),
             "completion": (["bash"], True),
             "man": (["bake"], True),
@@ -110,7 +110,7 @@ class Streams(harness.FolderTest):
     # 2026-11-25: SIGABRT, exit code 134.
     def test_a_message_that_cannot_be_written_is_dropped(self):
         for name in self.commands():
-            # Of a server that would go on for ever, an error alone.
+            # An invalid option ends the server with an error.
             words = lambda: self.words(name)[0] + (["--viewers", "0"] if name == "serve" else [])
             expected = self.run_with(words(), "").returncode
             for redirection in (f"2>{FULL}", "<&- 2>&-"):

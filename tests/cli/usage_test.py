@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A command line that is wrong gets one line that says what was probably meant; --help and --version tell the truth.
+"""An invalid command line gets one line that names the probably intended word; --help and --version are correct.
 
 Usage: usage_test.py GIGABAKE SOURCE_DIR
 """
@@ -16,7 +16,7 @@ from pathlib import Path
 
 import harness
 
-# What is typed, what the line must say. All of 2026-11-22.
+# Command lines, and the text that the message must contain. All are of 2026-11-22.
 MISTAKES = [
     (["bkae", "scene.glb"], "gigabake: unknown command 'bkae'; did you mean bake?"),
     (["bench", "acuracy"], "gigabake bench: unknown command 'acuracy'; did you mean accuracy?"),
@@ -50,7 +50,7 @@ def commands(words=()):
 
 
 class Usage(unittest.TestCase):
-    # 2026-11-22: what was missing was named, and not the mistake.
+    # Regression of 2026-11-22: the message named a missing argument instead of the mistake.
     def test_a_mistake_is_named_before_what_is_missing_in_one_line(self):
         for words, expected in MISTAKES:
             with self.subTest(words=[word[:40] for word in words]):
@@ -140,7 +140,7 @@ class ManualOnATerminal(unittest.TestCase):
 
 
 class Jpeg(unittest.TestCase):
-    # 2026-11-22: the file was a PNG whose name said .jpg.
+    # Regression of 2026-11-22: the program wrote a PNG into a file named .jpg.
     def test_render_writes_a_jpeg_where_the_name_says_so(self):
         with tempfile.TemporaryDirectory() as folder:
             GIGABAKE.succeed("sample", f"{folder}/sample", "--size", 64, "--tiles", 1)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""gigabake view, on a screen in memory: keys and mouse steer it, and what it shows is what render draws.
+"""Tests `gigabake view` on a virtual screen: keys and mouse control it, and it shows the image of `render`.
 
 Usage: view_test.py GIGABAKE SOURCE_DIR
 """
@@ -26,13 +26,13 @@ WAIT_S = 60
 
 
 class Screen:
-    """An X server without a screen, and hands that type on it."""
+    """An X server with a virtual screen, and simulated keyboard and mouse input."""
 
     def __init__(self, folder, size):
         read_end, write_end = os.pipe()
         self.process = subprocess.Popen(
             ["Xvfb", "-displayfd", str(write_end), "-screen", "0", "{}x{}x24".format(*size), "-fbdir", str(folder),
-             "-noreset"],  # else it starts anew when its last client leaves, and takes along who comes just then
+             "-noreset"],  # otherwise it resets after its last client, and drops new clients
             pass_fds=(write_end,), stderr=subprocess.DEVNULL)
         os.close(write_end)
         with os.fdopen(read_end) as number:
@@ -49,7 +49,7 @@ class Screen:
         return result.stdout.split()
 
     def image(self):
-        """What is shown, from the server's memory: the XWD format, 32 bits a pixel."""
+        """Returns the displayed image, read from the server's memory: XWD format, 32 bits per pixel."""
         data = self.memory.read_bytes()
         fields = struct.unpack(">25I", data[:100])
         header, width, height, bits, row_bytes, colours = (fields[k] for k in (0, 4, 5, 11, 12, 19))

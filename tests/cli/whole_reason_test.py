@@ -117,7 +117,7 @@ def tile_cases(name):
 
 
 def whole_cases():
-    """Faults that end a command, with the two kinds of names in turn."""
+    """Yields faults that end a command, alternating between long names and names with spaces."""
     for cases in (tileset_cases, scene_cases):
         for i, (long, spaced) in enumerate(zip(cases(LONG), cases(SPACED))):
             yield spaced if i % 2 else long
@@ -125,7 +125,7 @@ def whole_cases():
 
 
 def reason_of(line, file):
-    """What comes after the name of the file, without folders that a reason names itself."""
+    """Returns the text after the name of the file, without folders that the reason names."""
     reason = line.partition(file)[2] if file in line else line
     reason = re.sub(r"(source folder|the bake in) .*?(;|$)", r"\1\2", re.sub(r"/tmp/[^:]*/", "", reason))
     return re.sub(r"n[n ]{19,}(…[n ]*)?", "n", reason)  # names consist of n: only they may be shortened after the path
@@ -183,7 +183,7 @@ class WholeReason(harness.FolderTest):
             case = f"case_{chr(97 + number // 26)}{chr(97 + number % 26)}/"
             with self.subTest(kind=kind, case=case, file=file):
                 short, long = ([line for line in run if case in line] for run in lines)
-                if not short:  # a warning that is counted with those of other files, under another example
+                if not short:  # a warning merged with warnings of other files
                     main = "a.obj" if file == "a.mtl" else file
                     short, long = (self.lines_of(["plan", folder / case / main, "--voxel-size", 0.5, "--local"])
                                    for folder in folders)
