@@ -136,8 +136,9 @@ Blend blend_at(const Blocks& blocks, const Vector3& p) {
   return r;
 }
 
-/// Returns the fraction of the blended surface at the point that is surface. Only blocks that the tangent plane crosses
-/// count, each with its fraction. A plane that only cuts a corner of a cube therefore counts too.
+/// Returns the fraction of the blended surface at the point that is surface: the blocks' weighted fractions, relative
+/// to the weight of the blocks that its tangent plane crosses. A block does not count as crossed if the plane cuts only
+/// a corner.
 double share_of_sheet(const Blend& b) {
   const double length = std::hypot(b.normal[0], b.normal[1], b.normal[2]);
   if (length == 0) return 0;

@@ -20,7 +20,7 @@ using Path = std::filesystem::path;
 
 using test::shared_data;
 
-/// Some bytes replaced, or a piece cut out, or the end cut off; mostly near the front, where the structure is.
+/// Replaces some bytes, cuts out a piece, or cuts off the end; mostly near the front, which has the file's structure.
 void spoil(std::string& bytes, std::mt19937_64& rng) {
   const auto any = [&](std::size_t below) { return std::size_t(rng() % std::max<std::size_t>(below, 1)); };
   const auto place = [&] { return any(rng() % 2 == 0 ? std::min<std::size_t>(bytes.size(), 512) : bytes.size()); };
@@ -46,7 +46,7 @@ void read_all(const Path& file) {
   }
 }
 
-/// A file, and the one to open where that is another.
+/// A file to damage, and the file to open if that is a different one.
 struct Sample {
   const char* file;
   const char* opened = nullptr;

@@ -1,5 +1,5 @@
-// Every file of the validators' and importers' collections ends in success or in one clear line. Run under the
-// sanitizers by ./check, where any wild read is a failure too.
+// Every file of the validators' and importers' collections ends in success or in one clear line. Run this test under
+// the sanitizers by ./check, where an invalid read is a failure too.
 #include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -81,7 +81,7 @@ struct Expected {
   std::size_t losses;
 };
 
-/// Counts from the sets' own READMEs, found with another parser.
+/// The counts come from the READMEs of the data sets and were computed with another parser.
 TEST(SharedScenes, HoldTheTrianglesThatTheirReadmesCount) {
   const Expected all[] = {
       {"mars-terrain-3dtiles/tileset.json", 220, 177950, 0},

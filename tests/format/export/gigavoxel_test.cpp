@@ -196,7 +196,7 @@ TEST(Gigavoxel, IsNotWrittenOverAFolderWithFilesNorWhereAShardIsDamagedOrTheDisk
   EXPECT_EQ(entries(), 2);
 }
 
-/// Reads everything; false where that is refused.
+/// Reads the whole tree. Returns false if the reader refuses it.
 bool is_read(const std::filesystem::path& tree_file) {
   try {
     const GigavoxelTree tree = read_gigavoxel_tree(tree_file);

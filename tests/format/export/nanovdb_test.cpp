@@ -1,4 +1,4 @@
-// Read back with the NanoVDB library, where its headers are installed.
+// Exports are read back with the NanoVDB library if its headers are installed.
 #include "format/export/nanovdb.h"
 
 #include <fstream>

@@ -1,4 +1,4 @@
-// Read back with the OpenVDB library; skipped in builds without it.
+// Exports are read back with the OpenVDB library; skipped in builds without it.
 #include <cmath>
 #include <fstream>
 #include <gtest/gtest.h>

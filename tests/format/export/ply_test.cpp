@@ -65,7 +65,7 @@ TEST(Ply, HoldsCentreIndexColourAndNormalOfAVoxel) {
   EXPECT_EQ(coarse.index[1], 4);
 }
 
-// 2026-11-25: a shard and a scene that agree on a hash which is not that of the voxels were exported with status 0.
+// 2026-11-25: if shard and scene agreed on a hash that differs from the voxels' hash, the export still succeeded.
 TEST(Ply, IsRefusedIfTheVoxelsAreNotThoseOfTheContentHash) {
   const TempFolder folder;
   Shard shard = made::shard_of({{{-3, 9, 17}, {1, 2, 3, 4}, {127, 0}}}, {-8, 8, 16}, 16);

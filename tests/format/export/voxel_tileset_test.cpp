@@ -41,7 +41,7 @@ std::string unpacked(const std::string& packed) {
   return result == LIBDEFLATE_SUCCESS ? text : std::string();
 }
 
-/// A tile's voxels and those around it, at their place among all of its level, from the oct-tree's lowest corner.
+/// Returns a tile's voxels and their neighbours, by position in the level, counted from the octree's lowest corner.
 TileVoxels read_tile(const std::filesystem::path& glb, const std::array<std::int64_t, 3>& tile, std::int64_t edge) {
   TileVoxels voxels;
   const std::string bytes = unpacked(made::bytes_of(glb));
@@ -64,7 +64,7 @@ TileVoxels read_tile(const std::filesystem::path& glb, const std::array<std::int
   return voxels;
 }
 
-/// Every tile of a level, by its place.
+/// Returns every tile of a level, by its position.
 std::map<std::array<std::int64_t, 3>, TileVoxels> read_level(const std::filesystem::path& folder, std::size_t level,
                                                              std::int64_t edge) {
   std::map<std::array<std::int64_t, 3>, TileVoxels> tiles;
@@ -79,7 +79,7 @@ std::map<std::array<std::int64_t, 3>, TileVoxels> read_level(const std::filesyst
   return tiles;
 }
 
-/// The voxels of a level, once each: a tile's own.
+/// Returns the voxels of a level, each once: those inside of their tile.
 TileVoxels own_voxels(const std::filesystem::path& folder, std::size_t level, std::int64_t edge) {
   TileVoxels all;
   for (const auto& [tile, voxels] : read_level(folder, level, edge))
@@ -96,7 +96,7 @@ struct Tree {
         levels(root["implicitTiling"]["availableLevels"]),
         box(root["boundingVolume"]["box"]) {}
 
-  /// Voxels of that size from the lattice's corner to the tree's.
+  /// Returns the number of voxels of that size from the lattice's corner to the tree's corner.
   std::array<std::int64_t, 3> corner(const SceneDescription& scene, double voxel_m) const {
     std::array<std::int64_t, 3> at{};
     for (std::size_t c = 0; c < 3; ++c) at[c] = std::llround((box[c] - box[3] - scene.lattice_origin_m[c]) / voxel_m);
@@ -239,7 +239,7 @@ TEST(VoxelTileset, LevelsAboveTheCellsHaveAVoxelWhereTheLevelBelowHasOne) {
   ASSERT_GT(levels, 1u);
   TileVoxels below = own_voxels(folder / "out", levels - 1, 8);
   for (std::size_t level = levels - 1; level-- > 0;) {
-    std::map<std::array<std::int64_t, 3>, std::array<std::uint32_t, 2>> span;  // least and greatest red of the children
+    std::map<std::array<std::int64_t, 3>, std::array<std::uint32_t, 2>> span;  // min and max red of the children
     for (const auto& [at, voxel] : below) {
       const auto [entry, first] = span.insert({{at[0] >> 1, at[1] >> 1, at[2] >> 1}, {255, 0}});
       entry->second = {std::min(entry->second[0], std::uint32_t(voxel.rgba[0])),

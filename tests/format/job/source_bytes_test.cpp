@@ -67,7 +67,7 @@ std::shared_ptr<const DemTile> random_dem(const std::shared_ptr<const DemRaster>
   return dem;
 }
 
-/// Neighbours share folders and places more often than not, as in a tileset.
+/// Returns sources in which neighbours mostly have the same folder and placement, as in a tileset.
 SceneSources random_sources(Random& random, std::size_t tiles) {
   SceneSources s;
   s.root = random_name(random);
@@ -169,7 +169,7 @@ TEST(SourceBytes, ShareTheRastersAgain) {
   EXPECT_EQ(b.tiles[0].dem->raster, b.tiles[2].dem->raster);
 }
 
-/// A tile of a tileset takes what tells it from its neighbour.
+/// A tile of a tileset takes only the bytes in which it differs from its neighbour.
 TEST(SourceBytes, TakeLittleRoomForTilesOfOneFolder) {
   SceneSources s;
   TileRef tile;

@@ -19,7 +19,7 @@ TerrainTile tile_at(MapPoint min, const TileFrame& frame, bool with_objects = fa
   return make_tile(landscape(), frame, {min, {96, 96}, {48, 48}, {16, 16}, with_objects}, {});
 }
 
-/// East, north, up of every vertex of a mesh, in the tile's frame.
+/// Returns east, north and up of every vertex of a mesh, in the tile's frame.
 std::vector<Corner> vertices(const TerrainTile& t, const GlbMesh& mesh) {
   std::vector<Corner> out;
   const auto& origin = t.model.translation_m;
@@ -29,7 +29,7 @@ std::vector<Corner> vertices(const TerrainTile& t, const GlbMesh& mesh) {
   return out;
 }
 
-/// Ground vertices of row or column `index` of the grid, as exact numbers.
+/// Returns the ground vertices of row or column `index` of the grid, as exact numbers.
 std::vector<std::array<double, 3>> ground_line(const TerrainTile& t, bool column, int index) {
   const std::vector<Corner> all = vertices(t, t.model.meshes[0]);
   std::vector<std::array<double, 3>> line;

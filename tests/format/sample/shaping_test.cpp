@@ -15,7 +15,7 @@ TEST(Turn, IsSineAndCosineToTheLastDigitButOne) {
   for (int i = -72000; i <= 72000; ++i) {
     const double degrees = i * 0.01;
     const Turn t = turn_of(degrees);
-    // The reduction to an octant is exact in degrees; that of the reference is not, away from zero.
+    // Our reduction to an octant is exact in degrees; the reference's reduction is not, except near zero.
     const double tolerance = 3e-16 + std::fabs(degrees) * 4e-18;
     ASSERT_NEAR(t.sine, std::sin(degrees * pi / 180), tolerance) << degrees;
     ASSERT_NEAR(t.cosine, std::cos(degrees * pi / 180), tolerance) << degrees;
@@ -63,7 +63,7 @@ TEST(Erosion, LetsAllWaterOutAndCarvesValleys) {
   for (std::size_t i = 0; i < height.v.size(); ++i) EXPECT_LT(height.v[i], before.v[i] + 30 + 1e-9);
 }
 
-/// Written down once; another machine, compiler or libm must find the same bits.
+/// The bits were recorded once; every machine, compiler and libm must give the same.
 TEST(Relief, IsTheSameToTheLastBitOnEveryMachine) {
   EXPECT_EQ(hash_of(1, 2, 3), 2845626729u);
   EXPECT_EQ(fractal_noise(7, 1.25, -3.5, 5), -0x1.17271461771fep-2);

@@ -27,7 +27,7 @@ std::vector<Voxel> random_voxels(std::mt19937_64& rng, int count) {
   return list;
 }
 
-/// The cube of 64 voxels around 0, cut into cells; cells without voxels are left out.
+/// Splits the cube of 64 voxels around 0 into cells, and leaves out cells without voxels.
 std::vector<Shard> cut(const std::vector<Voxel>& voxels, std::int64_t edge) {
   std::vector<Shard> shards;
   for (std::int64_t z = -32; z < 32; z += edge)

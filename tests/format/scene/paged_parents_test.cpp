@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using made::TempFolder;
 using Corner = std::array<std::int64_t, 3>;
 
-/// Few enough cells make three levels of pages.
+/// The limits of pages; they are so low that a few cells make three levels of pages.
 const PageRule few_cells_a_page{4, 2, 8};
 
 constexpr std::uint32_t cell_edge = 16, levels_a_tier = 2;
@@ -46,7 +46,8 @@ SceneCell listed_shard(std::mt19937_64& rng, const std::string& prefix, const Co
   return shard;
 }
 
-/// Stacks of cells that begin at multiples of 8, on both sides of the lattice's corner, and all parents above them.
+/// Returns stacks of cells that begin at multiples of 8, on both sides of the lattice's corner, and all their
+/// overviews.
 SceneDescription scene_below_one_root(std::mt19937_64& rng) {
   SceneDescription scene;
   scene.generator = "gigabake test";
@@ -101,7 +102,7 @@ TEST(PagedParents, StandInTheSmallestPageAroundThemAndTheRootInSceneXml) {
   const SceneDescription all = read_scene(written.folder / "scene.xml");
   EXPECT_EQ(set_of_names(all.parents), set_of_names(written.scene.parents));
   EXPECT_TRUE(std::is_sorted(all.parents.begin(), all.parents.end(), is_parent_before));
-  std::map<std::int64_t, int> by_edge;  // of blocks of pages
+  std::map<std::int64_t, int> by_edge;  // number of blocks of pages by their edge
   paged.for_each_reference([&](const PageReference& reference) {
     for (const SceneCell& parent : read_page(paged.file(), paged.header(), reference).parents) {
       EXPECT_TRUE(lies_in(parent, reference.block));
@@ -147,7 +148,7 @@ TEST(PagedParents, OfAChangedCellChangeOnePageOfEachLevel) {
   scene.cells[scene.cells.size() / 2].content_hash[0] = {1, 2};
   for (SceneCell& parent : scene.parents)
     if (window_of(parent).holds(cell.lattice_min)) parent.content_hash[0] = {3, 4};
-  std::shuffle(scene.parents.begin(), scene.parents.end(), written.rng);  // their order does not show
+  std::shuffle(scene.parents.begin(), scene.parents.end(), written.rng);  // the result does not depend on the order
   write_scene(written.folder / "scene.xml", scene, few_cells_a_page);
   std::map<std::int64_t, int> changed;
   std::set<std::int64_t> levels;
@@ -264,7 +265,7 @@ TEST(PagedParents, ThatAreMissingAreNamedByVerifyThoughTheScenesSumsAgree) {
   }
 }
 
-// 2026-11-25: verify found no fault, and viewers listed all cells to find what the root has.
+// 2026-11-25: verify found no fault, and viewers listed all cells to find the root's children.
 TEST(PagedParents, AreMissedByVerifyIfParentTiersIsRemoved) {
   const test::RandomSeed seed;
   const WrittenScene written(seed);

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using made::TempFolder;
 
-/// Few enough cells make two levels of pages.
+/// The limits of pages; they are so low that a few cells make two levels of pages.
 const PageRule small_pages{4, 2, 8};
 
 SceneCell random_cell(std::mt19937_64& rng, const std::array<std::int64_t, 3>& at) {
@@ -51,7 +51,7 @@ SceneCell random_parent(std::mt19937_64& rng, std::int64_t at) {
   return parent;
 }
 
-/// Cells at random places of a box, and of one far away, and two parents; their shards are not there.
+/// Returns cells at random places of a box, one cell far away, and two overviews; their shards do not exist.
 SceneDescription random_cells(std::mt19937_64& rng) {
   SceneDescription scene;
   scene.generator = "gigabake test";
@@ -73,7 +73,7 @@ std::vector<std::string> names_of(const std::vector<SceneCell>& cells) {
   return names;
 }
 
-/// Names and contents of the files in pages/.
+/// Returns names and contents of the files in pages/.
 std::map<std::string, std::string> pages_in(const TempFolder& folder) {
   std::map<std::string, std::string> pages;
   for (const auto& entry : fs::directory_iterator(folder / "pages"))
@@ -172,7 +172,7 @@ SceneCell write_random_parent(const fs::path& scene_xml, const SceneCell& cell, 
   return made::write_shard_of(scene_xml, made::with_content_hash(std::move(parent)));
 }
 
-/// The scene of several cells that touch and of a parent, with pages and without: shards that are there.
+/// The scene of several adjacent cells and an overview, with pages and without; the shards exist.
 struct TwoForms {
   TwoForms(const TempFolder& folder, std::mt19937_64& rng) : flat(folder / "flat.xml"), paged(folder / "scene.xml") {
     scene = made::write_random_scene(flat, rng, true);
@@ -262,7 +262,7 @@ std::string replaced_in(std::string text, const std::string& from, const std::st
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
-/// A scene whose pages a test edits; every checksum above an edited page is made to fit.
+/// A scene whose pages a test edits; all checksums above an edited page are corrected.
 class Forgery {
  public:
   explicit Forgery(const TempFolder& folder) : folder_(folder) {
@@ -326,7 +326,7 @@ TEST(PagedScene, WithAPageThatIsNotTheOneThatIsMeantIsRefusedByFileAndReason) {
          fs::copy_file(d / f.above().file, d / f.leaf().file, fs::copy_options::overwrite_existing);
        },
        "Checksum: is not the page"},
-      // A page that refers to itself: no text holds its own checksum, and no block lies in itself.
+      // A page that refers to itself. No text contains its own checksum, and no block lies in itself.
       {[](Forgery& f, const TempFolder&) { f.edit_above(f.leaf().file, f.above().file); }, "Checksum: is not the page"},
       {above("Groups=\"0\"", "Groups=\"1\""), "Groups: differs from what its reference says"},
       {leaf("VoxelSize=\"0.5\"", "VoxelSize=\"0.25\""), "VoxelSize: a page of another scene"},
@@ -369,7 +369,7 @@ TEST(PagedScene, WhoseCellsOfTwoPagesOverlapOrHaveOneNameIsNotWhole) {
   SceneDescription scene;
   scene.voxel_size_m = 0.5;
   for (int i = 0; i < 6; ++i) scene.cells.push_back(random_cell(rng, {0, 0, 4 * i}));
-  // Across the border of two blocks of 32 voxels.
+  // The cell crosses the border of two blocks of 32 voxels.
   scene.cells[1].lattice_min[2] = 56;
   scene.cells[2].lattice_min[2] = 64;
   scene.cells[5].name = scene.cells[0].name;

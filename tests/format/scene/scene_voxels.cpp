@@ -34,7 +34,7 @@ SceneDescription write_random_scene(const std::filesystem::path& scene_xml, std:
     shard.header.origin = Geodetic{48.125, -11.5, 300};
     shards.push_back(with_content_hash(std::move(shard)));
   }
-  // Two cells of one stack share bricks of the coarse levels' blocks.
+  // Two cells of one stack have voxels in the same bricks of the coarse levels.
   Shard top = random_shard(rng, {4, normals, 3});
   top.header = shards[3].header;
   top.header.cell = "c_top";

@@ -19,7 +19,7 @@ struct VoxelBytes {
 /// Voxels keyed by their position on the level's lattice, rounded down where the level is not aligned to it.
 using SceneVoxels = std::map<std::array<std::int64_t, 3>, VoxelBytes>;
 
-/// One level, voxel by voxel.
+/// Returns one level, read voxel by voxel.
 SceneVoxels voxels_of_scene(const std::filesystem::path& scene_xml, int lod);
 
 /// Writes a scene of several adjacent cells of random shards whose coarse levels are not aligned to blocks of 8³

@@ -20,7 +20,7 @@ namespace {
 
 using made::TempFolder;
 
-/// Two whole cells side by side.
+/// Returns two undamaged cells next to each other.
 std::vector<Shard> two_cells() {
   std::mt19937_64 rng(5);
   std::vector<Shard> shards{made::random_shard(rng, {3, true, 5}), made::random_shard(rng, {3, true, 5})};
@@ -48,7 +48,7 @@ TEST(Verify, FindsNothingWrongWithAWholeScene) {
   EXPECT_EQ(r.bytes, scene.cells[0].bytes + scene.cells[1].bytes);
 }
 
-/// Damages one byte of a stored chunk: looks for bytes that the dataset is known to hold.
+/// Damages one byte of a stored chunk, which is found by the known content `held` of the dataset.
 void flip_byte_of(const std::filesystem::path& path, const std::string& held) {
   std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
@@ -123,7 +123,7 @@ void put_text(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
-/// The n-th occurrence of `from`, counted from 0.
+/// Returns the text with the n-th occurrence of `from` replaced, counted from 0.
 std::string edited(std::string text, const std::string& from, const std::string& to, int n = 0) {
   std::size_t at = text.find(from);
   for (; n > 0 && at != std::string::npos; --n) at = text.find(from, at + 1);
@@ -163,7 +163,7 @@ TEST(Verify, NamesTheAttributeOfEveryEditEvenWhereTheChecksumFits) {
   }
 }
 
-/// 2026-11-22: 56 of 141 edits of a scene.xml were called clean.
+/// 2026-11-22: verify found no fault in 56 of 141 edited scene.xml files.
 TEST(Verify, SeesAnyEditByTheChecksum) {
   const TempFolder folder;
   made::write_scene_of(folder / "scene.xml", two_cells());

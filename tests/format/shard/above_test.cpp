@@ -75,7 +75,7 @@ TEST(Above, HashIsOfEveryByte) {
   }
 }
 
-/// A parent of cells of 128: its own levels 0 and 1 are levels 5 and 6.
+/// Returns an overview of cells of 128: its own levels 0 and 1 are levels 5 and 6.
 Shard small_parent() {
   Shard parent = made::small_shard_with_planes();
   parent.header.first_lod = 5;
@@ -116,7 +116,7 @@ TEST(ParentShard, IsRefusedOffItsGridAndOfAnotherNumberOfLevels) {
   expect_refused([](ShardHeader& h) { h.copied_lods = h.lods; });
   expect_refused([](ShardHeader& h) {
     h.cell_voxels >>= h.first_lod;
-    h.first_lod = 0;  // a cell, which copies nothing
+    h.first_lod = 0;  // a cell, which has no duplicated levels
   });
 }
 

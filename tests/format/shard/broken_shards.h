@@ -1,4 +1,4 @@
-/// Ways to spoil made::small_shard() that each break one rule, whether it is then read whole or part by part.
+/// Changes to made::small_shard() that each break one rule, whether the shard is then read as a whole or part by part.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 namespace gigabake::made {
 
 struct BrokenShard {
-  const char* rule;  ///< of the message that the reader gives
+  const char* rule;  ///< as the reader's message states it
   std::function<void(Shard&)> spoil;
 };
 

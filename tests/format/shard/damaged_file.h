@@ -1,4 +1,4 @@
-/// A file damaged in many ways, one after the other.
+/// A file that is damaged in many ways, one at a time.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ void for_each_changed_byte(const std::filesystem::path& path, std::uint64_t seed
 /// Replaces a stretch of up to 600 bytes by zeros, ones or noise, 300 times; the other bytes stay intact.
 void for_each_overwritten_stretch(const std::filesystem::path& path, std::uint64_t seed, const Damage& damage);
 
-/// Shorter each time, down to nothing.
+/// Truncates the file further at each call, down to no byte.
 void for_each_cut(const std::filesystem::path& path, const Damage& damage);
 
 }  // namespace gigabake::made

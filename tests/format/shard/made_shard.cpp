@@ -67,7 +67,7 @@ NodeKind random_kind(std::mt19937_64& rng, int lod, bool is_root) {
   return dice == 7 && lod < 3 ? NodeKind::leaf_constant : dice == 6 ? NodeKind::constant : NodeKind::brick;
 }
 
-/// The node's content, and its children at the table's end.
+/// Fills the node's content and appends its children to the table.
 void grow(std::mt19937_64& rng, const ShardShape& shape, std::size_t i, Shard& s) {
   NodeTable& n = s.nodes;
   const int lod = n.lod[i];
@@ -121,7 +121,7 @@ void add_level(const SortedVoxels& voxels, BrickLevel& level) {
   }
 }
 
-/// Nodes for `levels` of sorted voxels, from the root down.
+/// Returns the nodes for `levels` of sorted voxels, from the root down.
 NodeTable nodes_of(const std::vector<SortedVoxels>& levels) {
   NodeTable n;
   for (int lod = int(levels.size()) - 1; lod >= 0; --lod) {

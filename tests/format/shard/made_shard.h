@@ -1,4 +1,4 @@
-/// Shards and scenes made for tests, and a folder to put them in.
+/// Shards and scenes made for tests, and a temporary folder for them.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace gigabake::made {
 
-/// An empty folder that goes away with its owner.
+/// An empty folder that is removed with this object.
 class TempFolder {
  public:
   TempFolder();
@@ -26,27 +26,28 @@ class TempFolder {
   std::filesystem::path path_;
 };
 
-/// All of a file.
+/// Returns the content of a file.
 std::string bytes_of(const std::filesystem::path& path);
 
 struct ShardShape {
   int lods = 3;
   bool normals = true;
-  int most_children = 8;  ///< of a node
-  bool alike = false;     ///< neighbours often are, so that values are shared
-  bool facing = true;     ///< lod 1 and up
+  int most_children = 8;  ///< per node
+  bool alike = false;     ///< neighbours are often equal, so that values are shared
+  bool facing = true;     ///< for lod 1 and above
 };
 
-/// Any consistent shard: bricks, constant and leaf-constant nodes, voxels of all colours. content_hash is filled.
+/// Returns a random consistent shard: bricks, constant and leaf-constant nodes, voxels of all colours, with
+/// content_hash.
 Shard random_shard(std::mt19937_64& rng, const ShardShape& shape);
 
-/// The shard with the content_hash of its voxels.
+/// Returns the shard with the content_hash of its voxels.
 Shard with_content_hash(Shard shard);
 
-/// A cell of 16³ voxels whose every byte is written down here: the content of the golden files.
+/// Returns a cell of 16³ voxels whose every byte is defined in this module: the content of the golden files.
 Shard small_shard();
 
-/// The same with coverage along the axes and planes, which version 3 is the first to know.
+/// Returns small_shard() with directional coverage and planes, which exist from version 3 on.
 Shard small_shard_with_planes();
 
 /// Returns the data from which the levels above small_shard() are computed; stored from version 4 on.
@@ -55,7 +56,7 @@ ParentSource small_above();
 /// Returns an overview of levels 1 and 2 for small_shard(), whose finest level is a copy; supported from version 5 on.
 Shard small_parent();
 
-/// A cell of one leaf-constant root: two levels without bricks.
+/// Returns a cell of one leaf-constant root: two levels without bricks.
 Shard constant_shard();
 
 /// A voxel of a cell that has no levels above those that its edge requires. Each voxel occurs once.
@@ -64,7 +65,8 @@ struct Voxel {
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
 };
-/// Levels above the finest repeat the first voxel found below. Voxels outside of the window are left out.
+/// Returns the shard of these voxels. Levels above the finest repeat the first voxel found below. Voxels outside of the
+/// window are left out.
 Shard shard_of(const std::vector<Voxel>& voxels, std::array<std::int64_t, 3> lattice_min, std::uint32_t cell_voxels);
 
 /// Writes the shard of a cell or an overview next to scene.xml, as a bake does, and returns its entry in scene.xml.
@@ -72,7 +74,7 @@ SceneCell write_shard_of(const std::filesystem::path& scene_xml, const Shard& sh
 /// Writes the shards and scene.xml, and returns the content of scene.xml.
 SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const std::vector<Shard>& shards);
 
-/// A readable account of the first difference; empty where the shards hold the same.
+/// Returns a readable description of the first difference; empty if the shards are equal.
 std::string difference(const Shard& a, const Shard& b);
 
 }  // namespace gigabake::made

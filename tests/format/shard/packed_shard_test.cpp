@@ -20,7 +20,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Owns what a PackedShard borrows.
+/// Owner of the data that a PackedShard borrows.
 class PackedByHand {
  public:
   enum class As { raw, stored };
@@ -100,7 +100,7 @@ void expect_same_file(const Shard& shard, PackedByHand::As as, Codec codec) {
   const StoredShard voxels = write_shard(folder / "voxels.h5", shard, {pool, codec}),
                     packed = write_packed_shard(folder / "packed.h5", by_hand.packed, {pool, codec});
   EXPECT_TRUE(made::bytes_of(folder / "voxels.h5") == made::bytes_of(folder / "packed.h5"));
-  constexpr std::uint64_t no_memory = 0;  // to make the file in
+  constexpr std::uint64_t no_memory = 0;  // for the file
   write_packed_shard(folder / "as it goes.h5", by_hand.packed, {pool, codec, no_memory});
   EXPECT_TRUE(made::bytes_of(folder / "voxels.h5") == made::bytes_of(folder / "as it goes.h5"));
   EXPECT_EQ(voxels.file, packed.file);
@@ -191,7 +191,7 @@ TEST(PackedShard, OfSeveralMegabytesIsTheFileOfItsVoxels) {
   }
 }
 
-/// Four writers take turns with HDF5, and each has its own memory.
+/// Four writers use HDF5 alternately, and each has its own memory.
 TEST(PackedShard, IsTheSameFileWhereSeveralAreWrittenAtATime) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);

@@ -1,4 +1,5 @@
-// Parts of damaged shards and of shards that lie under right checksums: an error, or an answer that keeps its promises.
+// Parts of damaged shards, and of invalid shards with correct checksums: an error, or an answer that keeps the
+// contract.
 #include <bit>
 #include <gtest/gtest.h>
 #include <random>
@@ -99,7 +100,7 @@ TEST(HostileShardPages, CutWhileTheFileIsOpenAreAnError) {
   EXPECT_THROW(pages.level(0, 0, 1), InputError);
 }
 
-/// One number of the shard becomes another; the file is whole and its checksums are right.
+/// Changes one number of the shard; the file is complete and its checksums are correct.
 void tell_a_lie(std::mt19937_64& rng, Shard& s) {
   const auto lie_in = [&](auto& values) {
     if (values.empty()) return;
@@ -157,7 +158,7 @@ template <class Read>
 void expect_answer_or_error(const Read& read) {
   try {
     read();
-  } catch (const InputError&) {  // refused: as good as an answer that holds
+  } catch (const InputError&) {  // refused, which is as good as a valid answer
   }
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 using made::TempFolder;
 
-/// A difference between rows from `first` on and the same rows of the table; empty where there is none.
+/// Returns a difference between rows from `first` on and the same rows of the table; empty if there is none.
 std::string difference(const std::vector<NodeRow>& rows, const NodeTable& n, std::size_t first) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const NodeRow& row = rows[i];

@@ -56,7 +56,7 @@ std::vector<std::uint8_t> spread(const Made& made, const Stored& shared, std::si
   return out;
 }
 
-/// Pieces of `piece` values each are collected.
+/// Shares values; collects them in pieces of `piece` values each.
 Stored share(const Made& made, std::size_t width, int threads, std::size_t piece = 1u << 30) {
   const ThreadPool pool = ThreadPool(threads);
   const VoxelGroups groups = group_voxels(made.mask, made.first, pool);
@@ -101,7 +101,7 @@ TEST(SharedValues, GiveEveryVoxelItsOwnBytesBack) {
   EXPECT_GT(shared_rounds, 20);
 }
 
-/// Chunks of a shard end wherever they are full, within bricks too.
+/// Chunks of a shard end where they are full, also within bricks.
 TEST(SharedValues, AreTheSameCollectedInAnyPieces) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);

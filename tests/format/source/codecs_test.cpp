@@ -29,7 +29,7 @@ TileMesh read_first(const Path& file) {
   return read_tile(s.tiles.at(0), s.root, ReadScope::everything);
 }
 
-/// Every triangle's corners in the scene.
+/// Returns the corners of all triangles in the scene.
 std::vector<Point<Scene>> corners(const TileMesh& mesh) {
   std::vector<Point<Scene>> out;
   for (const Instance& i : mesh.instances) {
@@ -40,7 +40,7 @@ std::vector<Point<Scene>> corners(const TileMesh& mesh) {
   return out;
 }
 
-/// Largest distance from a point of `a` to its nearest one of `b`; both have some thousands.
+/// Returns the max distance from a point of `a` to the nearest point of `b`; both have some thousands.
 double distance_m(const std::vector<Point<Scene>>& a, const std::vector<Point<Scene>>& b) {
   double farthest = 0;
   for (const auto& p : a) {
@@ -52,7 +52,7 @@ double distance_m(const std::vector<Point<Scene>>& a, const std::vector<Point<Sc
   return std::sqrt(farthest);
 }
 
-/// Texture coordinates' bounds.
+/// Returns the bounds of the texture coordinates.
 std::array<float, 4> uv_bounds(const TileMesh& mesh) {
   std::array<float, 4> b{9, 9, -9, -9};
   for (const Primitive& p : mesh.primitives)
@@ -121,7 +121,7 @@ TEST(Codecs, KtxIsRefusedByNameWithWhatToDo) {
   EXPECT_THAT(refusal(g), HasSubstr("convert the images"));
 }
 
-/// A meshopt view of 16-byte items whose packed bytes are the square's own, which are none of meshopt's.
+/// Returns a meshopt view of 16-byte items with the square's unpacked bytes, which are invalid for meshopt.
 Json packed_square() {
   Json g = test::square_gltf();
   g["buffers"].push_back({{"byteLength", 48}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}});

@@ -1,4 +1,4 @@
-// Mesh files with earth-centred coordinates. All of it is of 2026-11-22: before, they were baked tilted.
+// Mesh files with earth-centred coordinates. 2026-11-22: they were baked tilted.
 #include "format/source/earth_centred.h"
 
 #include <cmath>
@@ -43,7 +43,7 @@ Json standing_square(bool with_position) {
   y_up.m = {{{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}}};
   Affine<World, World> enu, upright;
   enu.m = ecef_from_enu(house_place).m;
-  upright.m = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};  // the file's z is up once it has been turned by the node
+  upright.m = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};  // the node has turned the file's z up
   if (!with_position)
     for (auto& row : enu.m) row[3] = 0;
   const auto m = (y_up * enu * upright).m;
@@ -114,7 +114,7 @@ TEST_F(EarthCentred, ATileStandsUprightHoweverItSaysWhereItIs) {
   EXPECT_EQ(open("").tiles.size(), 3u);
 }
 
-/// 2026-11-22: such a tile was baked tilted, in a local frame, without a word.
+/// 2026-11-22: such a tile was baked tilted, in a local frame, without a warning.
 TEST_F(EarthCentred, ATileAloneIsWhereItsTilesetPutsIt) {
   write_tile("a.b3dm");
   Json root = test::tile("a.b3dm");
@@ -185,7 +185,7 @@ TEST_F(EarthCentred, InASceneATileWithoutAPlaceStaysWhereItIs) {
   EXPECT_NEAR(std::hypot(a.x - b.x, a.y - b.y, a.z - b.z), 0, 1e-6);
 }
 
-/// A square of 100 m whose first corner is there.
+/// Returns a square of 100 m whose first corner is (x, y, z).
 std::string square_at(double x, double y, double z) {
   return fmt::format("v {0} {1} {2}\nv {3} {1} {2}\nv {3} {4} {2}\nf 1 2 3\n", x, y, z, x + 100, y + 100);
 }

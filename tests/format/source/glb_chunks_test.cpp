@@ -1,4 +1,4 @@
-// The chunks of a GLB, which are looked at before anything in them is.
+// The chunks of a GLB are checked before their content.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ class GlbChunks : public testing::Test {
 TEST_F(GlbChunks, AreReadAsTheSpecificationHasThem) {
   EXPECT_EQ(refusal(), "was read");
   const std::size_t whole = glb.size();
-  resize(whole + 12);  // a third one, which means nothing here
+  resize(whole + 12);  // a third chunk, which is ignored
   put(whole, 4), put(whole + 4, 0x21212121);
   EXPECT_EQ(refusal(), "was read");
 }

@@ -81,7 +81,7 @@ TEST(GltfRead, ExpandsStripsAndFansAndCountsPointsAndLines) {
 
 TEST(GltfRead, PutsSparseValuesInPlaceOfDenseOnes) {
   Json g = square_gltf();
-  // Vertex 3 takes the position of vertex 2, indices are the buffer's own 16-bit numbers (3 is the fifth).
+  // Vertex 3 gets the position of vertex 2. The indices are the buffer's own 16-bit numbers (3 is the fifth).
   g["accessors"][0]["sparse"] = {{"count", 1},
                                  {"indices", {{"bufferView", 1}, {"byteOffset", 8}, {"componentType", 5123}}},
                                  {"values", {{"bufferView", 0}, {"byteOffset", 24}}}};
@@ -133,7 +133,8 @@ TEST(GltfRead, RefusesPlacementsFromNowhere) {
 TEST(GltfRead, TakesQuantizedPositions) {
   Json g = square_gltf();
   g["extensionsRequired"] = {"KHR_mesh_quantization"};
-  // The buffer's own 16-bit indices 0 2 1, 0 3 2 as two positions, a third of padding; unused but for the first face.
+  // The buffer's own 16-bit indices 0 2 1, 0 3 2 are read as two positions and a third of padding. Only the first face
+  // uses them.
   g["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 48}, {"byteLength", 12}, {"byteStride", 4}});
   g["accessors"][0] = {{"bufferView", 2}, {"componentType", 5122}, {"count", 2}, {"type", "VEC3"}};
   g["accessors"][1]["count"] = 3;

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 constexpr const char* png_base64 =
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGM4kWIEAANWAV/oF4RSAAAAAElFTkSuQmCC";
 
-/// A square with texture coordinates (its positions' own x and y), and the material `m`.
+/// Returns a square with texture coordinates (its positions' own x and y), and the material `m`.
 Json textured(const Json& m) {
   Json g = test::square_gltf();
   g["accessors"].push_back({{"bufferView", 0}, {"componentType", 5126}, {"count", 4}, {"type", "VEC2"}});
@@ -87,7 +87,7 @@ TEST(GltfStates, TakeImagesOfDataUrisAndPathsWithBackslashes) {
   EXPECT_EQ(there.mesh.images.at(0).bytes, png);
 }
 
-// 2026-11-25: a missing image cost its whole tile, and the message did not say which file was looked for.
+// 2026-11-25: a missing image made its whole tile missing, and the message did not name the file.
 TEST(GltfStates, AnImageThatCannotBeUsedCostsItselfAndIsListedWithItsFile) {
   Json g = textured(base_texture());
   const auto expect_grey = [&](const std::string& uri, const std::string& reason) {
@@ -115,7 +115,7 @@ TEST(GltfStates, AnImageThatNothingShowsIsNotMissed) {
   EXPECT_EQ(Opened(g).warnings(), "");
 }
 
-// 2026-11-25: OpenGL's clamp modes cost the tile.
+// 2026-11-25: OpenGL's clamp modes made the tile missing.
 TEST(GltfStates, WrapModesOfOpenGlAreReadAsClampAndReported) {
   for (const int clamp : {10496, 33069}) {
     Json g = textured(base_texture());
@@ -151,7 +151,7 @@ TEST(GltfStates, TextureTransformsTurnCoordinatesCounterClockwiseOnTheImage) {
   }
 }
 
-// 2026-11-25: what a node hides was baked.
+// 2026-11-25: content that a node hides was baked.
 TEST(GltfStates, HiddenNodesAndAllBelowThemAreNotThere) {
   Json g = test::square_gltf();
   g["extensionsUsed"] = g["extensionsRequired"] = {"KHR_node_visibility"};

@@ -1,4 +1,4 @@
-/// A GLB of a test: its lists go into the binary chunk, its document is the test's to change.
+/// A GLB for a test: its lists go into the binary chunk, and the test may change its document.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ class MadeGlb {
     return int(gltf["accessors"].size()) - 1;
   }
 
-  /// A primitive of the one mesh. Returns it.
+  /// Adds a primitive to the only mesh, and returns it.
   Json& add_primitive(int position, int indices = -1, int mode = 4) {
     Json p{{"attributes", {{"POSITION", position}}}, {"mode", mode}};
     if (indices >= 0) p["indices"] = indices;
@@ -36,7 +36,7 @@ class MadeGlb {
     return gltf["meshes"][0]["primitives"].back();
   }
 
-  /// The file's bytes.
+  /// Returns the bytes of the file.
   std::string glb() const {
     Json whole = gltf;
     whole["buffers"] = Json::array({{{"byteLength", bin.size()}}});
@@ -54,7 +54,7 @@ class MadeGlb {
     return out;
   }
 
-  /// The document whose one buffer is the file `uri`, which should hold `bin`.
+  /// Returns the document whose only buffer is the file `uri`, which should contain `bin`.
   Json gltf_of(const std::string& uri) const {
     Json whole = gltf;
     whole["buffers"] = Json::array({{{"byteLength", bin.size()}, {"uri", uri}}});

@@ -11,13 +11,13 @@
 #include "format/source/source.h"
 #include "lattice/error.h"
 
-// 2026-11-22: --memory bounded neither images nor instances nor JSON.
+// 2026-11-22: --memory limited neither images nor instances nor JSON.
 namespace gigabake {
 namespace {
 
 using Path = std::filesystem::path;
 
-/// The process's limit while it lives.
+/// The process's memory limit during the lifetime of this object.
 struct Limit {
   explicit Limit(std::uint64_t bytes) { set_memory_limit(bytes); }
   ~Limit() { set_memory_limit(0); }
@@ -116,7 +116,7 @@ TEST(TilesOfATileset, AreReadAsAStream) {
   const Folder folder;
   folder.file("a.glb", "glTF");
   const Path file = folder.file("t.json", text + "]}}");
-  const Limit limit(12 << 20);  // half of what the values of the JSON would take
+  const Limit limit(12 << 20);  // half of the memory of the JSON's values
   const SceneSources sources = open_sources(file, {});
   EXPECT_EQ(sources.tiles.size(), std::size_t(tiles));
   EXPECT_EQ(sources.tiles.back().scene_from_tile.m[2][3], 7);
@@ -152,7 +152,7 @@ TEST(TilesOfATileset, AreNamedWhereTheyAreMalformed) {
   const Path file =
       folder.file("t.json", R"({"asset":{"version":"1.0"},"root":{"children":[{},{"children":[{"refine":"MUL"}]}]}})");
   const std::vector<SkippedSource> lost = open_sources(file, {}).skipped;
-  ASSERT_EQ(lost.size(), 1u);  // 2026-11-25: a malformed tile costs itself
+  ASSERT_EQ(lost.size(), 1u);  // 2026-11-25: only a malformed tile is missing, not the tileset
   EXPECT_EQ(lost[0].name, "t.json: root.children[1].children[0]");
   EXPECT_TRUE(lost[0].reason.ends_with("refine: expected ADD or REPLACE, got 'MUL'")) << lost[0].reason;
   EXPECT_EQ(line_of(R"("root":{"children":[7]})"), "t.json: root.children: expected tiles, which are JSON objects");

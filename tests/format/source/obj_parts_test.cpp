@@ -142,7 +142,7 @@ TEST_F(ObjParts, AreClaimedAndTheTextIsNot) {
   set_memory_limit(std::uint64_t(40) << 20);
   tile_hash(sources.tiles.at(0), sources.root);
   EXPECT_EQ(refusal([](std::size_t, Primitive&&) {}), "was read");
-  // 2026-11-25: parts are smaller where the limit is small; with 8 MiB it was refused.
+  // 2026-11-25: parts are smaller if the limit is small; with 8 MiB the file was refused.
   set_memory_limit(std::uint64_t(8) << 20);
   EXPECT_EQ(refusal([](std::size_t, Primitive&&) {}), "was read");
   set_memory_limit(std::uint64_t(256) << 10);
@@ -164,7 +164,7 @@ std::vector<Seen> lines_of(const Text& text) {
   return out;
 }
 
-/// Blocks end anywhere: in a word, before a line's end, behind a backslash.
+/// Blocks may end anywhere: in a word, before a line's end, behind a backslash.
 TEST(ObjLines, AreTheSameInBlocksAsInOnePiece) {
   const test::RandomSeed seed;
   std::mt19937_64 random(seed);

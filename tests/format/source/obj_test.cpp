@@ -135,7 +135,7 @@ TEST_F(Obj, ReadsOtherLineEndsAndAByteOrderMark) {
   }
 }
 
-/// 2026-11-25: texture coordinates, or colours, that some faces lack were used for none.
+/// 2026-11-25: texture coordinates or colours that some faces lack were used for no face.
 TEST_F(Obj, UsesWhatAFaceHas) {
   folder.write("m.mtl", std::string("newmtl a\nmap_Kd t.png\n"));
   folder.write("t.png", png_head);
@@ -158,7 +158,7 @@ TEST_F(Obj, UsesWhatAFaceHas) {
               ElementsAre(65535, 0, 0, 65535));
 }
 
-/// 2026-11-25: of MTL only one spelling each was understood.
+/// 2026-11-25: only one spelling of each MTL keyword was understood.
 TEST_F(Obj, ReadsMaterialsAsExportersWriteThem) {
   const auto material = [&](const std::string& text) {
     folder.write("m.mtl", "newmtl a\n" + text);
@@ -185,7 +185,7 @@ TEST_F(Obj, ReadsMaterialsAsExportersWriteThem) {
   EXPECT_EQ(placed.materials.at(0).texture.wrap_s, Wrap::clamp_to_edge);
 }
 
-/// 2026-11-25: a missing image refused the whole file, and materials that no file describes were white without a word.
+/// 2026-11-25: a missing image refused the whole file. Materials that no file describes were white without a warning.
 TEST_F(Obj, IsGreyWithAWarningWhereItsImageIsMissing) {
   folder.write("m.mtl", std::string("newmtl a\nmap_Kd gone.png\nnewmtl b\nmap_Kd text.tga\n"));
   folder.write("text.tga", std::string("no image"));

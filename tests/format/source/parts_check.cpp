@@ -31,7 +31,7 @@ Primitive expected_part(const Primitive& whole, std::size_t first, std::size_t t
   return out;
 }
 
-/// Bit by bit: a value may be no number.
+/// Compares bit by bit, because a value may be NaN.
 template <class T>
 bool is_same(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);

@@ -91,7 +91,7 @@ TEST_F(InParts, VerticesInRandomOrder) {
   EXPECT_EQ(parts_of(made), 2u);
 }
 
-/// Some of them so far apart that they are read one by one.
+/// Some vertices are so far apart that they are read one by one.
 TEST_F(InParts, AFewOfManyVertices) {
   std::vector<std::uint32_t> corners = numbers<std::uint32_t>(300, 6);
   constexpr std::uint32_t many = 3 * most_part_triangles + 1;
@@ -120,7 +120,7 @@ TEST_F(InParts, TrianglesWithoutIndices) {
   EXPECT_EQ(parts_of(made), 2u);
 }
 
-/// A strip turns every other triangle, in whichever part it is.
+/// A strip reverses every other triangle, in any part.
 TEST_F(InParts, StripsAndFans) {
   std::vector<std::uint32_t> order = numbers<std::uint32_t>(most_part_triangles + 8, 11);
   for (std::uint32_t& v : order) v %= 1000;
@@ -220,7 +220,7 @@ TEST_F(LargeGrid, WhatTheSinkThrowsPassesThrough) {
   EXPECT_THROW(read([](std::size_t, Primitive&&) { throw std::bad_alloc(); }), std::bad_alloc);
 }
 
-/// One part of a grid takes its 2^20 triangles' corners and half as many vertices, 48 MB.
+/// One part of a grid needs memory for the corners of 2^20 triangles and half as many vertices, 48 MB.
 TEST_F(LargeGrid, ClaimsAPartWhereItIsHandedOverInParts) {
   set_memory_limit(std::uint64_t(52) << 20);
   EXPECT_EQ(refusal([](std::size_t, Primitive&&) {}), "was read");
@@ -228,14 +228,14 @@ TEST_F(LargeGrid, ClaimsAPartWhereItIsHandedOverInParts) {
   EXPECT_THAT(refusal([](std::size_t, Primitive&&) {}), HasSubstr("`memory_bytes` allows 44.0 MB"));
 }
 
-/// The file is longer than what the process may take.
+/// The file is longer than the memory limit of the process.
 TEST_F(LargeGrid, IsIdentifiedWithoutBeingHeld) {
   const Hash128 hash = tile_hash(sources.tiles.at(0), sources.root);
   set_memory_limit(std::uint64_t(1) << 20);
   EXPECT_EQ(tile_hash(sources.tiles.at(0), sources.root), hash);
 }
 
-/// 2026-11-23: checked against a spacing of one byte, read with the items' own, so read beyond the view.
+/// 2026-11-23: a stride of 0 was checked as one byte but read as the item size, so the read went beyond the view.
 TEST_F(InParts, AStrideOfZeroIsNone) {
   MadeGlb made;
   const int position = made.add(numbers<float>(9, 19), 3, of_floats);
@@ -247,7 +247,7 @@ TEST_F(InParts, AStrideOfZeroIsNone) {
   EXPECT_THAT(refusal(), HasSubstr("accessors[0]: 6 items from byte 0 leave a buffer view of 36 bytes"));
 }
 
-/// 2026-11-23: likewise of sparse values in a view with a spacing, which has no meaning for them.
+/// 2026-11-23: the same happened for sparse values in a view with a stride, which is invalid for them.
 TEST_F(InParts, SparseValuesHaveNoSpacing) {
   MadeGlb made;
   const int position = made.add(numbers<float>(9, 20), 3, of_floats),

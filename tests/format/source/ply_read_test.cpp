@@ -20,7 +20,7 @@ using testing::Field;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Values as a binary PLY has them.
+/// The values of a binary PLY.
 class Body {
  public:
   explicit Body(bool is_big) : is_big_(is_big) {}
@@ -73,7 +73,7 @@ TEST_F(PlyMesh, ReadsPolygonsAsAnObjDoes) {
       (Point<Scene>{0, 1, 0}));
 }
 
-// 2026-11-25: the whole file and the whole mesh were held.
+// 2026-11-25: the whole file and the whole mesh were kept in memory.
 TEST_F(PlyMesh, ComesInPartsThatAreSmallWhereMemoryIsSmall) {
   std::string vertices, of_faces;
   for (int v = 0; v < 1000; ++v) vertices += std::to_string(v % 37) + " " + std::to_string(v) + " 0\n";
@@ -104,7 +104,7 @@ TEST_F(PlyMesh, ComesInPartsThatAreSmallWhereMemoryIsSmall) {
 TEST_F(PlyMesh, ReadsBothByteOrdersEveryTypeAndWhatItDoesNotKnow) {
   for (const bool is_big : {false, true}) {
     Body body(is_big);
-    body.put<std::uint16_t>({7}).put<std::int8_t>({2}).put<double>({1.5, 2.5});  // an element of somebody's
+    body.put<std::uint16_t>({7}).put<std::int8_t>({2}).put<double>({1.5, 2.5});  // an element of another program
     for (const float x : {0.f, 1.f, 2.f}) {
       body.put<float>({0.5f}).put<double>({x}).put<std::int16_t>({-3}).put<std::uint32_t>({x == 1 ? 4u : 0u});
       body.put<std::uint8_t>({255, 128, 0, 51});
@@ -230,7 +230,7 @@ TEST_F(PlyMesh, LeavesOutOneBadFace) {
               ElementsAre("loss: faces left out, since a corner is none of the vertices: 2, e.g. line 14"));
 }
 
-/// 2026-11-25: colours of faces were read over, and the mesh was white.
+/// 2026-11-25: colours of faces were ignored, and the mesh was white.
 TEST_F(PlyMesh, ReadsColoursOfFaces) {
   const std::string head =
       "ply\nformat ascii 1.0\nelement vertex 4\n" + xyz + "element face 2\n" + faces +
@@ -277,7 +277,7 @@ TEST_F(PlyMesh, ReadsOtherSpellings) {
   }
 }
 
-/// 2026-11-25: one vertex far away moved the origin of all, or made the mesh disappear.
+/// 2026-11-25: one vertex far away moved the origin of all others, or made the mesh disappear.
 TEST_F(PlyMesh, KeepsItsPrecisionWithOneFarVertex) {
   for (const char* far : {"0 0 0", "1e9 1e9 1e9", "1e300 0 0"}) {
     const TileMesh mesh = read(

@@ -23,7 +23,7 @@ double area(const PolygonCorners& p, const std::vector<std::uint32_t>& index) {
   return sum;
 }
 
-/// A star around a point sees all of its border from there, so its area is that of the fan from there.
+/// The area of a star around a point is the area of the fan from that point, which sees the whole border.
 TEST(Polygon, TrianglesOfAStarHaveItsAreaWhichOverlapsWouldExceed) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
@@ -66,7 +66,7 @@ void expect_area(const PolygonCorners& flat, double expected, const char* what) 
     }
 }
 
-/// 2026-11-25: more than 512 corners were a fan, whatever their shape.
+/// 2026-11-25: polygons with more than 512 corners were triangulated as a fan, whatever their shape.
 TEST(Polygon, HasTheAreaOfACombOfAnyLength) {
   for (const int teeth : {2, 127, 128, 5000}) {
     PolygonCorners comb{{0, 0, 0}, {double(teeth), 0, 0}};
@@ -115,7 +115,7 @@ TEST(Polygon, KeepsItsAreaWithSpikesRepeatedCornersHolesAndStraightLines) {
   expect_area(notched, 10, "straight lines");
 }
 
-/// 2026-11-25: columns of a few heights have many corners on one line.
+/// 2026-11-25: columns of a few heights have many collinear corners.
 TEST(Polygon, HasTheAreaOfAHistogram) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
@@ -132,7 +132,7 @@ TEST(Polygon, HasTheAreaOfAHistogram) {
   }
 }
 
-/// 2026-11-25: nothing is right for a polygon that crosses itself, but it ends soon, with as many triangles.
+/// 2026-11-25: no result is correct for a polygon that crosses itself. The function ends soon, with as many triangles.
 TEST(Polygon, ThatCrossesItselfEnds) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);

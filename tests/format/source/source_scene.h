@@ -24,10 +24,10 @@ class SourceFolder {
   std::filesystem::path path_;
 };
 
-/// glTF with one square of two triangles, (0,0,0) to (1,0,1) in its own y-up axes; buffers are data URIs.
+/// Returns glTF with one square of two triangles, (0,0,0) to (1,0,1) in its own y-up axes; buffers are data URIs.
 Json square_gltf();
 
-/// A tile of a 3D Tiles tileset with content and children.
+/// Returns a tile of a 3D Tiles tileset with content and children.
 Json tile(const std::string& uri, const Json& children = Json::array());
 Json tileset(const Json& root);
 

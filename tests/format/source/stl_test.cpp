@@ -19,7 +19,7 @@ using testing::HasSubstr;
 class Stl : public test::MeshFile {
  protected:
   Stl() : MeshFile("a.stl") {}
-  /// A facet each of nine numbers, with a normal of nonsense.
+  /// Returns a binary STL with a facet per nine numbers; the normals are invalid.
   static std::string binary(const std::string& name, const std::vector<std::array<float, 9>>& facets) {
     std::string out = name + std::string(80 - name.size(), '\0');
     const auto count = std::uint32_t(facets.size());
@@ -47,7 +47,7 @@ TEST_F(Stl, ReadsText) {
   EXPECT_EQ(mesh.instances.at(0).scene_from_local({0, 1, 0}), (Point<Scene>{0, 0, 1})) << "y is up";
 }
 
-// 2026-11-25: the whole file and all its vertices as doubles were held.
+// 2026-11-25: the whole file and all its vertices as doubles were kept in memory.
 TEST_F(Stl, ComesInPartsThatAreSmallWhereMemoryIsSmall) {
   std::vector<std::array<float, 9>> facets(40000, facet);
   for (std::size_t i = 0; i < facets.size(); ++i) facets[i][0] = 20000 + float(i);
@@ -135,7 +135,7 @@ TEST_F(Stl, SaysThatTheCountContradictsTheSize) {
   EXPECT_THAT(stl_lines_of(read(binary("attributes", {facet}))), ElementsAre(HasSubstr("triangles with attributes")));
 }
 
-// 2026-11-25: one far facet moved the origin, so that all others snapped to steps of 0.25 m.
+// 2026-11-25: one far facet moved the origin, so that all other facets snapped to steps of 0.25 m.
 TEST_F(Stl, KeepsItsPrecisionWithOneFarFacet) {
   const TileMesh mesh = read(
       "solid a\nouter loop\nvertex 500000.123 5200000 0\nvertex 500001 5200000 0\nvertex 500000 "

@@ -1,4 +1,4 @@
-// 3D Tiles 1.0's instanced and composite tiles, and implicit tiling in both of its forms.
+// Instanced and composite tiles of 3D Tiles 1.0, and both forms of implicit tiling.
 #include <cmath>
 #include <cstring>
 #include <gmock/gmock.h>
@@ -86,7 +86,7 @@ class TileFormats : public testing::Test {
   const std::string square = test::square_gltf().dump();
 };
 
-/// The square's corner (1, 0, 1), y up, is (1, -1, 0) with z up.
+/// Returns the corner (1, 0, 1) of the square, y up, which is (1, -1, 0) with z up.
 Point<Scene> corner(const TileMesh& mesh, std::size_t instance) {
   return mesh.instances.at(instance).scene_from_local({1, 0, 1});
 }
@@ -131,14 +131,14 @@ TEST_F(TileFormats, AnI3dmPlacesOneMeshManyTimes) {
   EXPECT_EQ(mesh.primitives.size(), 1u);
   ASSERT_EQ(mesh.instances.size(), 2u);
   EXPECT_EQ(mesh.counts.triangles, 4u);
-  // x to right (0,1,0) · 2, y to up (0,0,1) · 3: (1, -1, 0) becomes (0, 2, -3), moved by 110.
+  // Right (0,1,0) · 2 is x, up (0,0,1) · 3 is y: (1, -1, 0) becomes (0, 2, -3), moved by 110.
   EXPECT_EQ(corner(mesh, 0), (Point<Scene>{110, 2, -3}));
-  // right (1,0,0), up (0,1,0), all twice as large.
+  // Right is (1,0,0), up (0,1,0), and all is twice as large.
   EXPECT_EQ(corner(mesh, 1), (Point<Scene>{102, 18, 0}));
 }
 
 TEST_F(TileFormats, AnI3dmReadsQuantizedPositionsAndOctahedralNormals) {
-  // up +z is the middle of the square, right +x its right edge's middle.
+  // Up +z is the middle of the square, right +x the middle of its right edge.
   const std::string shorts =
       bytes_of<std::uint16_t>({65535, 0, 32768, /* up */ 32768, 32768, /* right */ 65535, 32768});
   const Json table{{"INSTANCES_LENGTH", 1},
@@ -223,7 +223,8 @@ TEST_F(TileFormats, ACompositeIsTheTilesInIt) {
   EXPECT_THAT(refusal(nested), HasSubstr("nest deeper than 8"));
 }
 
-/// A quadtree of two levels a subtree, four in all, in JSON subtrees. Tiles and contents as bits 0…4, children 0…15.
+/// A quadtree with two levels per subtree, four levels in all, in JSON subtrees. Tiles and contents have bits 0…4,
+/// children 0…15.
 class Implicit : public testing::Test {
  protected:
   void write_subtree(const std::string& name, unsigned tiles, unsigned contents, unsigned children) {

@@ -1,4 +1,4 @@
-// Tiles, tilesets and subtrees as servers keep them: packed by gzip under their own names.
+// Gzip-compressed tiles, tilesets and subtrees under their usual names, as servers store them.
 #include "format/source/gzip.h"
 
 #include <gmock/gmock.h>
@@ -51,7 +51,7 @@ std::string b3dm_of(const std::string& model) {
   return out.append(reinterpret_cast<const char*>(words), sizeof words) + model;
 }
 
-/// An external tileset, an implicit one with its subtree, a b3dm and a glTF; each file as `packed` makes it.
+/// Writes an external tileset, an implicit one with its subtree, a b3dm and a glTF; `packed` packs each file.
 void write_set(const SourceFolder& folder, std::string (*packed)(const std::string&)) {
   Json implicit = test::tile("tile.b3dm");
   implicit["implicitTiling"] = {{"subdivisionScheme", "QUADTREE"},

@@ -38,7 +38,7 @@ TEST_F(HostLimitsTest, AreTheHostsWhereNothingIsNarrower) {
   EXPECT_EQ(limits().memory_bytes, std::uint64_t(131072000) * 1024);
 }
 
-/// 2026-11-22: all 96 cores of the host were taken, and more memory than there was.
+/// 2026-11-22: all 96 cores of the host were used, and more memory than the container has.
 TEST_F(HostLimitsTest, ObeyAContainerOfTwoCpusAndAGigabyte) {
   write("proc/self/cgroup", "0::/\n");
   write("sys/fs/cgroup/cpu.max", "200000 100000\n");

@@ -80,8 +80,8 @@ TEST(DeflateChunk, TakesHardlyMoreThanLibdeflateOfWhatShardsHold) {
   EXPECT_LE(framed(alike).size(), level_1_size(alike) + 4 * 100);
 }
 
-/// Shards are compared byte by byte, and a device must make the same: what these bytes are packed to changes on purpose
-/// only. After such a change, a CHANGELOG entry, and these numbers.
+/// Shards are compared byte by byte, and a device must make the same bytes. The packed bytes therefore change only on
+/// purpose. Such a change needs a CHANGELOG entry and new numbers in this test.
 TEST(DeflateChunk, MakesTheBytesThatItAlwaysMade) {
   test::Random rng(20261123);
   std::string sizes;
@@ -126,7 +126,7 @@ TEST(DeflateCandidates, AreTheLatestPositionsOfTheBucketWithinReach) {
 }
 
 TEST(DeflateSymbols, AreThoseOfTheSpecification) {
-  // Base and extra bits of RFC 1951, 3.2.5, each symbol's first and last value.
+  // Base and extra bits of RFC 1951, 3.2.5: the first and last value of each symbol.
   for (std::uint32_t length = 3, last = 0; length <= 258; ++length) {
     const auto s = deflate::symbol_of_length(length);
     ASSERT_TRUE(s.symbol == last || s.symbol == last + 1 || last == 0) << length;
@@ -142,7 +142,7 @@ TEST(DeflateSymbols, AreThoseOfTheSpecification) {
   EXPECT_EQ(deflate::symbol_of_distance(32768).bits, 8191u);
 }
 
-/// Lengths of the symbols that occur, by the house's rule.
+/// Returns the code lengths of the symbols that occur, by gigabake's rule.
 std::vector<std::uint8_t> lengths_of(const std::vector<std::uint32_t>& counts, std::uint32_t most) {
   std::vector<std::uint32_t> keys, weights(counts.size());
   for (std::uint32_t s = 0; s < counts.size(); ++s)
@@ -153,7 +153,7 @@ std::vector<std::uint8_t> lengths_of(const std::vector<std::uint32_t>& counts, s
   return lengths;
 }
 
-/// Huffman's least total, from a queue of weights.
+/// Returns Huffman's minimal total, computed with a queue of weights.
 std::uint64_t least_bits(const std::vector<std::uint32_t>& counts) {
   std::multiset<std::uint64_t> weights;
   for (const std::uint32_t c : counts)

@@ -1,4 +1,4 @@
-/// Bytes of many shapes for packers: those that one may get wrong, and such as columns of shards hold.
+/// Test data for packers: difficult cases, and bytes like the columns of shards.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ inline Bytes noise(Random& rng, std::size_t size, unsigned values) {
   return bytes;
 }
 
-/// A random piece again and again, with a byte changed here and there.
+/// Returns a random piece, repeated, with some bytes changed.
 inline Bytes periodic(Random& rng, std::size_t size, std::size_t period) {
   Bytes bytes = noise(rng, size, 256);
   for (std::size_t i = period; i < size; ++i) bytes[i] = bytes[i - period];
@@ -27,7 +27,7 @@ inline Bytes periodic(Random& rng, std::size_t size, std::size_t period) {
   return bytes;
 }
 
-/// Runs of up to `longest` equal bytes.
+/// Returns runs of up to `longest` equal bytes.
 inline Bytes runs(Random& rng, std::size_t size, std::size_t longest) {
   Bytes bytes;
   while (bytes.size() < size) bytes.insert(bytes.end(), 1 + rng() % longest, std::uint8_t(rng()));
@@ -50,7 +50,7 @@ inline Bytes colours(Random& rng, std::size_t size) {
   return bytes;
 }
 
-/// Symbols whose counts are Fibonacci's numbers, shuffled: Huffman's tree of them is deeper than deflate allows.
+/// Returns shuffled symbols whose counts are Fibonacci numbers: their Huffman tree is deeper than deflate allows.
 inline Bytes fibonacci(Random& rng, std::size_t size) {
   Bytes bytes;
   for (std::size_t a = 1, b = 1, symbol = 0; bytes.size() < size; ++symbol, b = std::exchange(a, a + b))
@@ -59,7 +59,7 @@ inline Bytes fibonacci(Random& rng, std::size_t size) {
   return bytes;
 }
 
-/// Rising numbers of eight bytes.
+/// Returns increasing numbers of eight bytes.
 inline Bytes rising(Random& rng, std::size_t size) {
   Bytes bytes(size);
   std::uint64_t number = rng() % 1000;
@@ -102,7 +102,7 @@ inline std::vector<NamedBytes> made_bytes(Random& rng, std::size_t size) {
   return all;
 }
 
-/// Sizes around those at which segments, blocks, stored blocks and the window end.
+/// Returns sizes close to the ends of segments, blocks, stored blocks and the window.
 inline const std::vector<std::size_t>& awkward_sizes() {
   static const std::vector<std::size_t> sizes{
       0,     1,     2,     3,     4,     5,     7,     8,     9,     100,    1023,   1024,   1025,   1027,    32767,
