@@ -25,13 +25,13 @@ namespace {
 
 using Path = std::filesystem::path;
 
-constexpr double voxels_along = 300;  ///< the scene's longest edge
+constexpr double voxels_along = 300;  ///< along the scene's longest edge
 constexpr std::size_t most_cells = 12;
 constexpr std::uint64_t few_bytes = std::uint64_t(4) << 20;  ///< of device memory: larger cells are split
 
 using test::shared_data;
 
-/// Longest edge of the tiles' box in the scene, metres; 0 where nothing can be read.
+/// Returns the longest edge of the tiles' box in the scene, metres; 0 if nothing can be read.
 double longest_edge_m(const SceneSources& sources) {
   double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
   for (const TileRef& tile : sources.tiles) {
@@ -86,7 +86,7 @@ class OnBothBackends {
     try {
       sources = open_sources(source, {});
     } catch (const std::exception&) {
-      return;  // tests/format looks at these
+      return;  // tested in tests/format
     }
     BakeParameters parameters;
     parameters.voxel_size_m = std::clamp(longest_edge_m(sources) / voxels_along, 1e-6, 1e6);
@@ -181,7 +181,7 @@ TEST_F(DeviceSample, SampleHasTheSameHashesOnCpuAndGpu) {
   EXPECT_GT(outcome.comparisons, 0);
 }
 
-/// Sets with something to bake: gltf-validator-cases have none.
+/// The sets with content to bake; gltf-validator-cases have none.
 INSTANTIATE_TEST_SUITE_P(Shared, DataSets,
                          testing::Values("mars-terrain-3dtiles", "dem-derived-textured-terrain",
                                          "cesium-3dtiles-samples", "cesium-native-tilesets", "cesiumjs-spec-tiles",

@@ -1,5 +1,5 @@
-// A device that has no memory left to pack in: one line for each cell, the same files. Skipped, with the reason, where
-// there is no GPU.
+// A device without memory for packing gives one line per cell and the same files. Skipped, with the reason, if there is
+// no GPU.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -20,7 +20,7 @@ std::string bytes_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// A job for each column that the tile reaches; the ground's height fits one cell.
+/// Returns a job for each column that the tile overlaps; the ground's height fits one cell.
 std::vector<CellJob> jobs_on_ground(const SceneSources& sources, const BakeParameters& parameters) {
   std::vector<CellJob> jobs;
   for (const ColumnExtent& column : survey_tile(sources, 0, parameters, callers_thread()).columns) {

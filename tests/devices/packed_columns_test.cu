@@ -35,7 +35,7 @@ kernels::PackRequest request_of(const ShardHeader& header, std::size_t lods) {
   return request;
 }
 
-/// A chunk as the host stores it.
+/// Returns a chunk in the host's stored form.
 std::vector<std::uint8_t> stored_chunk(const ColumnRows& column, std::size_t number) {
   const std::size_t row = column.column.row_bytes(), per_chunk = rows_per_chunk(column.rows, row);
   const std::size_t first = number * per_chunk, rows = std::min<std::size_t>(per_chunk, column.rows - first);
@@ -63,7 +63,7 @@ std::string stored_difference(const ColumnRows& host, std::span<const std::span<
   return "chunk " + std::to_string(first - differs.begin()) + " of " + std::to_string(chunks) + " differs";
 }
 
-/// The names, rows and bytes of the columns. Returns the first difference, or nothing.
+/// Compares names, rows and bytes of the columns. Returns the first difference, or an empty string.
 std::string difference(std::span<const ColumnRows> host, std::span<const ColumnRows> device, const ThreadPool& pool) {
   if (host.size() != device.size())
     return std::to_string(host.size()) + " columns, on the device " + std::to_string(device.size());
@@ -98,7 +98,7 @@ class DevicePack : public testing::Test {
     baker_ = std::make_unique<kernels::CudaBaker>(device_, std::uint64_t(64) << 20);
   }
 
-  /// Levels that are on the host and on the device: the host's packer against the device's.
+  /// Compares the host's packer with the device's for levels that exist on both.
   void expect_same_columns(const ShardHeader& header, const NodeTable& nodes, const std::vector<BrickLevel>& levels,
                            const kernels::CudaVolume& volume) {
     for (const kernels::ColumnBytes as : {kernels::ColumnBytes::raw, kernels::ColumnBytes::stored}) {

@@ -142,7 +142,7 @@ TestCell opaque_ground() {
   TestCell soup = triangle_soup(9);
   const CellInput other = soup.input();
   std::mt19937 random(9);
-  for (std::size_t i = 0; i < other.parts.size; ++i) {  // with a texture, then of one colour
+  for (std::size_t i = 0; i < other.parts.size; ++i) {  // with a texture, then with one colour
     const PartView& p = other.parts[i];
     std::vector<float> uv;
     for (std::size_t v = 0; i == 0 && v < 2 * p.position.size / 3; ++v) uv.push_back(float(random() % 100) / 10);

@@ -14,7 +14,7 @@
 
 namespace gigabake::kernels::test {
 
-/// Owns what a CellInput borrows.
+/// Owner of the data that a CellInput borrows.
 class TestCell {
  public:
   TestCell() = default;
@@ -30,11 +30,11 @@ class TestCell {
                 std::vector<float> uv = {}, std::vector<std::uint16_t> rgba = {});
   /// Adds a moved and scaled instance of the last part; a negative scale mirrors it.
   void add_instance(double x, double y, double z, double scale);
-  /// Returns its index, for MaterialView::texture.
+  /// Adds a texture and returns its index, for MaterialView::texture.
   std::int32_t add_texture(int width, int height, TextureAlpha alpha, unsigned seed);
 
   CellInput input();
-  /// One metre is one voxel; the window starts at the lattice's origin.
+  /// Returns parameters in which one metre is one voxel; the window starts at the lattice's origin.
   CellParameters parameters(SurfaceRule surface, MipFilter mip, bool normals) const;
 
  private:
@@ -48,19 +48,20 @@ class TestCell {
 
 /// Returns rolling ground of 2·quads² triangles over the window. uv, rgba: adds texture coordinates, vertex colours.
 TestCell ground(std::string name, std::uint32_t window_voxels, int quads, bool uv, bool rgba);
-/// One texture for each alpha mode, repeated, mirrored, clamped, stretched.
+/// Returns ground with one texture for each alpha mode: repeated, mirrored, clamped, stretched.
 TestCell textured_ground();
-/// Opaque: coloured by its vertices, by textures and by one colour, narrow and wide; nothing by two of them.
+/// Returns opaque ground, coloured by its vertices, by textures and by one colour, narrow and wide; only one of them
+/// each.
 TestCell opaque_ground();
-/// Triangles from a thousandth of a voxel to a hundred thousand voxels wide, some on lattice planes.
+/// Returns triangles from a thousandth of a voxel to a hundred thousand voxels wide, some on lattice planes.
 TestCell triangle_soup(unsigned seed);
-/// 5,000 triangles in one voxel, and as many across one brick.
+/// Returns 5,000 triangles in one voxel, and 5,000 across one brick.
 TestCell crowded_voxel();
-/// NaN and infinite vertices, no area, out of every window, texture coordinates that are no numbers.
+/// Returns invalid triangles: NaN and infinite vertices, no area, outside of every window, NaN texture coordinates.
 TestCell bad_triangles();
-/// Small closed boxes, mirrored and scaled instances of one mesh.
+/// Returns small closed boxes: mirrored and scaled instances of one mesh.
 TestCell instances();
-/// A solid-looking stack of planes: bricks with all 512 voxels of one colour, which become constant nodes.
+/// Returns a dense stack of planes: bricks with all 512 voxels of one colour, which become constant nodes.
 TestCell constant_block();
 
 std::list<TestCell> all_cells();

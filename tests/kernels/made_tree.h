@@ -1,4 +1,4 @@
-/// Levels of a cell of which some bricks, and whole branches, are of one value.
+/// Levels of a cell in which some bricks, and whole branches, have a single value.
 #pragma once
 
 #include <bit>
@@ -11,7 +11,7 @@
 
 namespace gigabake::kernels::test {
 
-/// A tree whose branches end in constant nodes here and there, at any level, finest level first. Keys are whole.
+/// A tree in which random branches end in constant nodes at any level, finest level first. Keys are complete.
 class MadeTree {
  public:
   MadeTree(std::mt19937_64& rng, std::size_t lods, bool normals, bool facing)
@@ -27,7 +27,7 @@ class MadeTree {
   /// Adds a subtree. `alike` is the value of all nodes below if they are equal.
   void add(std::uint64_t key, std::size_t lod, std::optional<Value> alike) {
     const unsigned chance = unsigned(rng_() % 8);
-    if (!alike && chance == 0) alike = rng_() % 3;  // few, so that neighbours meet
+    if (!alike && chance == 0) alike = rng_() % 3;  // few values, so that neighbours are often equal
     const bool is_full = alike || chance < 3;
     const std::optional<Value> own = alike || chance != 1 ? alike : std::optional<Value>(rng_() % 3);
     add_brick(key, lod, is_full, own);

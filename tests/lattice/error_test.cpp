@@ -10,7 +10,7 @@
 namespace gigabake {
 namespace {
 
-// 2026-11-22: a number of 2·10^8 digits came back in a message, twice.
+// 2026-11-22: a message contained a number of 2·10^8 digits, twice.
 TEST(InputError, IsOneShortLineWhateverAFileSays) {
   const std::string digits(200'000, '7'), lines = "a\nb\r\tc\x7f";
   for (const InputError& e :
@@ -22,7 +22,7 @@ TEST(InputError, IsOneShortLineWhateverAFileSays) {
   }
 }
 
-/// 2026-11-22: 2·10⁸ digits of a file came back twice.
+/// 2026-11-22: a message contained 2·10⁸ digits of a file, twice.
 TEST(InputError, KeepsTheFileNameBothEndsOfTheKeyAndTheByte) {
   const std::string folder(500, 'f'), key = "root" + std::string(1000, '.') + "uri";
   const std::string line = InputError(folder + "/tile.glb", key, "is missing" + std::string(1000, '!'), 77).what();

@@ -31,7 +31,7 @@ NO_CALL = r"no match for call|no matching function"
 NO_CONVERSION = (r"cannot (?:convert|initialize)|could not convert|conversion from|no viable conversion|"
                  r"invalid conversion|no known conv")
 NOT_IN_ORDER = NO_OPERATOR + "|no matching function"
-# (the right line, the wrong one, why it is refused)
+# Triples of the correct line, the wrong line and the reason for the refusal.
 PAIRS = [
     ("return scene == scene;", "return scene == ecef;", NO_OPERATOR),
     ("return (scene.x - scene.x) == 0;", "return (ecef - scene) == 0;", NO_OPERATOR),
@@ -61,7 +61,7 @@ def compiled(compiler, source_dir, lines):
                    for number, line in enumerate(lines, 1))
     command = [compiler, "-std=c++20", "-fsyntax-only", "-w", f"-I{source_dir}", "-x", "c++", "-"]
     command += ["-ferror-limit=0"] if "clang" in compiler else ["-fmax-errors=0"]
-    # Messages without quotation marks of some language.
+    # English messages, without the quotation marks of a language.
     run = subprocess.run(command, input=head + body, text=True, capture_output=True, env={**os.environ, "LC_ALL": "C"})
     errors = {}
     for message in run.stderr.splitlines():

@@ -35,7 +35,7 @@ TEST(Octahedral, DecodesEveryPairOfBytesToUnitLengthAndBack) {
       ASSERT_NEAR(length(n), 1, 1e-12);
       std::int8_t again[2];
       encode_octahedral(n[0], n[1], n[2], again);
-      decode_octahedral(again, m);  // on the square's rim two pairs of bytes mean one direction
+      decode_octahedral(again, m);  // on the square's rim two pairs of bytes encode one direction
       for (int c = 0; c < 3; ++c) ASSERT_NEAR(n[c], m[c], 1e-12) << a << ' ' << b;
     }
 }

@@ -111,7 +111,7 @@ TEST(BakeStatusRecord, PutsCellsBackWhenAProcessDiesOrAWorkerIsLost) {
   EXPECT_FALSE(s.workers[0].lost);
   EXPECT_TRUE(s.workers[1].lost);
 
-  b.record.cell_done(baked(5), start_s + 4);  // late good news
+  b.record.cell_done(baked(5), start_s + 4);  // a success that is reported late
   b.record.worker_joined(1, "node9", start_s + 5);
   s = b.record.at(start_s + 6);
   EXPECT_EQ(s.cells.done, 1u);
@@ -202,7 +202,7 @@ class FaultyBake {
     for (int w = 0; w < workers; ++w) schedule_.heard_from(w, now_s_);
   }
 
-  /// The record and the Schedule agree at every step.
+  /// Expects the record and the Schedule to agree at every step.
   void run() {
     while (!schedule_.is_over()) {
       now_s_ += 0.1;

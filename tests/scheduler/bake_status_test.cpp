@@ -13,7 +13,7 @@
 namespace gigabake {
 namespace {
 
-/// Every member differs from its default.
+/// Returns a status in which every member differs from its default.
 BakeStatus made_status() {
   BakeStatus s;
   s.state = BakeState::draining;

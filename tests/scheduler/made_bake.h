@@ -1,4 +1,4 @@
-/// A folder, cells in it and what a bake would report of them, for tests of what a bake leaves behind.
+/// A folder with cells and the reports of a bake, for tests of files that a bake leaves.
 #pragma once
 
 #include <filesystem>
@@ -41,7 +41,7 @@ inline std::string read_text(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Cells of fingerprints that `version` and their number make.
+/// Returns cells whose fingerprints are made of `version` and their number.
 inline BakePlan made_plan(std::uint32_t cells, std::uint64_t version = 1) {
   BakePlan plan;
   for (std::uint32_t i = 0; i < cells; ++i) {

@@ -8,7 +8,7 @@
 
 namespace gigabake {
 
-/// A square of cells of 64 voxels; 3 × 3 of them share a tile. Costs scatter over three powers of ten.
+/// Returns a square of cells of 64 voxels; 3 × 3 of them share a tile. Costs are spread over three powers of ten.
 inline std::vector<CellJob> made_jobs(std::uint32_t number, std::mt19937& random) {
   constexpr std::uint32_t side = 30;
   std::vector<CellJob> jobs(number);

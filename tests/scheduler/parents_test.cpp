@@ -15,8 +15,8 @@ namespace {
 
 using testing::ElementsAre;
 
-/// Cells somewhere on the lattice, clusters far apart among them; their stacks begin at any voxel of the coarsest
-/// level.
+/// Returns cells at random places of the lattice, including clusters far apart; their stacks begin at any voxel of the
+/// coarsest level.
 std::vector<CellJob> scattered_cells(std::mt19937& random, std::uint32_t cell_voxels) {
   const std::int64_t n = cell_voxels, step = std::max<std::int64_t>(8, n / 8);
   std::vector<CellJob> jobs;
@@ -153,7 +153,7 @@ class FourCells : public testing::Test {
       jobs_[i].id = i, jobs_[i].name = "c_" + std::to_string(i), jobs_[i].cell_voxels = 64;
       jobs_[i].fingerprint = {i, 1}, jobs_[i].lattice_min = {1024 * std::int64_t(i / 2) + 64 * (i % 2), 0, 0};
     }
-    add_parents(jobs_);  // 4 and 5 of two cells each, 6 of both
+    add_parents(jobs_);  // 4 and 5 of two cells each, 6 of both overviews
   }
   static CellReport report(const CellJob& job, CellOutcome outcome) {
     CellReport r;
@@ -202,7 +202,7 @@ TEST_F(FourCells, MakeTheirParentReadyForWhoFinishedTheLast) {
   EXPECT_EQ(queue.choose(1), 4u) << "the first where none is its own";
   queue.take(4);
   EXPECT_EQ(queue.choose(2), 5u);
-  queue.take(6);  // done by an earlier run
+  queue.take(6);  // baked by an earlier run
   EXPECT_EQ(queue.waiting(), 0u);
 }
 

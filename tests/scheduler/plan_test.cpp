@@ -54,7 +54,7 @@ TEST(StackOver, CoversTheHeightWithTheFewestCellsOnTheLevelsLattice) {
     ASSERT_GE(s.z_min + s.cells * n, end);
     const std::int64_t coarsest_voxel = std::max<std::int64_t>(8, n / 8);
     ASSERT_EQ(s.z_min % coarsest_voxel, 0);
-    // One cell more than the height needs only where no multiple of the coarsest voxel would do.
+    // A stack has one cell more than its height needs only if no multiple of the coarsest voxel would do.
     const std::int64_t fewest = (end - low + n - 1) / n;
     ASSERT_LE(s.cells, fewest + 1);
     ASSERT_TRUE(s.cells == fewest || end - low + coarsest_voxel - 1 > fewest * n);
@@ -79,7 +79,7 @@ TEST(MakePlan, AddsUpTheWarningsOfAKindAndListsLosses) {
   EXPECT_TRUE(warnings.take().empty());
   warnings.count("lines not understood", "line 9");
   surveys[1].warnings = surveys[2].warnings = warnings.take();
-  SceneSources sources = sources_of(3, "b.obj");  // one file in two places counts once
+  SceneSources sources = sources_of(3, "b.obj");  // one file with two placements counts once
   sources.tiles[0].name = "a.obj";
   const BakePlan plan = make_plan(surveys, sources, parameters(256));
   EXPECT_THAT(plan.warnings, testing::ElementsAre("a.obj and 1 more: lines not understood: 3, e.g. line 1"));

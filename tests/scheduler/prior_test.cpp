@@ -69,7 +69,7 @@ TEST_F(PriorTest, AShardThatWasTouchedInAnyWayIsChecked) {
   const timespec then[2] = {{1000, 0}, {1000, 0}};                 // only the mtime
   ASSERT_EQ(::utimensat(AT_FDCWD, shard(4).c_str(), then, 0), 0);  //
   std::filesystem::remove(shard(5));
-  std::filesystem::create_directory(shard(5));  // no file at all
+  std::filesystem::create_directory(shard(5));  // a folder instead of a file
   const PriorResults r = prior(plan);
   for (const int job : {0, 1, 2, 4}) EXPECT_EQ(r.reasons[std::size_t(job)], PriorReason::to_be_checked) << job;
   EXPECT_EQ(r.reasons[5], PriorReason::shard_missing);

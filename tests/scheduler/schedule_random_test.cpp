@@ -13,17 +13,17 @@ namespace {
 constexpr unsigned first_seed = 1000;
 constexpr int workers = 6;
 
-/// Deals out accidents at random, and remembers what must then hold.
+/// Simulation of workers that fail at random. It checks the invariants after each event.
 class Ordeal {
  public:
   Ordeal(unsigned seed, const std::vector<CellJob>& jobs)
       : random_(seed), jobs_(jobs), schedule_(jobs, {}), times_done_(jobs.size()) {}
 
-  /// The log of all answers: the same for the same seed.
+  /// Runs the simulation. Returns the log of all answers: the same for the same seed.
   std::string run() {
     for (int step = 0; step < 200000 && !schedule_.is_over() && !testing::Test::HasFatalFailure(); ++step) {
       now_s_ += 0.1;
-      one_event(step > 20000 ? 60 : random_() % 100);  // in the end all goes well
+      one_event(step > 20000 ? 60 : random_() % 100);  // at the end there are no more failures
       check();
     }
     EXPECT_TRUE(schedule_.is_over());

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t estimate_seed = 20261122;
 
-/// Forty tiles of up to sixty columns, of which each has its own voxels to a crossing.
+/// A scene of forty tiles of up to sixty columns, each with its own number of voxels per projected voxel.
 struct MadeScene {
   std::vector<TileSurvey> surveys;
   std::vector<std::vector<double>> voxels;  ///< by tile and column_x
@@ -102,7 +102,7 @@ TEST(SizeEstimate, CountsShardsAndSharesWorkAmongRanks) {
   EXPECT_EQ(e.voxels_lod0, 800u);
   EXPECT_EQ(e.voxels, 1200u);
   EXPECT_EQ(e.bytes, 1200u * 3 + 7 * 1000);
-  // 4 s of stages took 2 s; there are 40 triangles to read for 30 that were, and four times the voxels.
+  // Stages of 4 s took 2 s. There are 40 triangles to read for 30 that were read, and four times the voxels.
   ASSERT_TRUE(e.bake_s);
   EXPECT_NEAR(*e.bake_s, 0.5 * (1.0 * 40 / 30 + 3.0 * 4) / 2, 1e-9);
 }

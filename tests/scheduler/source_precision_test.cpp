@@ -8,7 +8,7 @@
 namespace gigabake {
 namespace {
 
-/// Forty placements of thirty files; file f's last placement is the coarsest, 2^-f m.
+/// A scene with forty placements of thirty files; the last placement of file f is the coarsest, 2^-f m.
 struct Placements {
   SceneSources sources;
   std::vector<TileSurvey> surveys;

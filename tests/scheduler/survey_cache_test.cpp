@@ -16,7 +16,7 @@ namespace {
 
 class SurveyCacheTest : public ::testing::Test {
  protected:
-  /// Two tiles with a buffer each and one image for both, tile 1 placed twice.
+  /// Makes two tiles with a buffer each and a common image; tile 1 is placed twice.
   void SetUp() override {
     write_tile("a");
     write_tile("b");

@@ -13,14 +13,14 @@ namespace {
 
 struct Replay {
   std::size_t workers = 1, parts = 1;
-  double first_s = 1;              ///< until a worker's first part has ended; those that follow take a second
-  std::vector<double> slowness{};  ///< of each part, about 1; empty: all are even
+  double first_s = 1;              ///< until a worker's first part has ended; all others take a second
+  std::vector<double> slowness{};  ///< of each part, about 1; empty: all parts take the same time
 };
 
 struct End {
   double at_s;
   std::size_t worker, part;
-  bool is_last = false;  ///< of its worker
+  bool is_last = false;  ///< whether it is the worker's last part
 };
 
 /// Workers take the next part as soon as they can.
@@ -39,7 +39,7 @@ std::vector<End> ends_of(const Replay& r) {
 }
 
 struct Band {
-  double least = 1e9, most = 0;  ///< of estimate / truth
+  double least = 1e9, most = 0;  ///< bounds of estimate / actual time
   std::size_t estimates = 0;
 };
 
@@ -72,7 +72,7 @@ void expect_band(const Replay& r, double least, double most, const std::string& 
   EXPECT_LE(band.most, most) << what;
 }
 
-// Fixed 2026-11-22: the time left rose until a cell ended and fell when one did, by a factor of two and more.
+// 2026-11-22: the time left rose until a cell ended and then fell, by a factor of two and more.
 TEST(TimeLeft, IsRightThroughoutAnEvenBake) {
   for (const std::size_t workers : {1, 2, 7, 32})
     expect_band({workers, workers * 40}, 0.9, 1.1, std::to_string(workers) + " workers");
@@ -83,7 +83,7 @@ TEST(TimeLeft, StaysInANarrowBandWhereAFirstPartTakesLongerThanThoseThatFollow) 
     expect_band({4, 160, first_s}, 0.8, 1.6, "first after " + std::to_string(first_s));
 }
 
-/// 2026-11-22: the time left wandered by a factor of two.
+/// 2026-11-22: the time left varied by a factor of two.
 TEST(TimeLeft, StaysInANarrowBandInANoisyBake) {
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     std::mt19937 dice(seed);

@@ -47,7 +47,7 @@ std::vector<kernels::Level> paint_levels(const Painter& paint, const std::array<
   return levels;
 }
 
-/// The tree with a brick in every node.
+/// Returns the tree with a brick in every node.
 NodeTable nodes_of_bricks(const std::vector<kernels::Level>& levels) {
   NodeTable nodes;
   for (std::size_t lod = levels.size(); lod-- > 0;)

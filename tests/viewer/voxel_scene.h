@@ -1,4 +1,4 @@
-/// Scenes painted voxel by voxel, held in memory: what a bake would have written, without a bake.
+/// Scenes that are painted voxel by voxel and kept in memory: the data that a bake would write, without a bake.
 #pragma once
 
 #include <array>
@@ -24,14 +24,14 @@ struct Paint {
 /// Returns the content of the lod-0 voxel x, y, z of the lattice.
 using Painter = std::function<std::optional<Paint>(std::int64_t x, std::int64_t y, std::int64_t z)>;
 
-/// A voxel is a metre and the lattice's corner is the scene's origin.
+/// A scene in memory. A voxel is a metre wide, and the lattice's corner is the scene's origin.
 class VoxelScene {
  public:
   enum class Nodes { pruned, all_bricks };
 
   explicit VoxelScene(std::uint32_t cell_voxels) : cell_voxels_(cell_voxels) {}
 
-  /// Adds the cell whose lowest corner is given; nothing where the painter leaves it empty.
+  /// Adds the cell whose lowest corner is given; adds nothing if the painter leaves it empty.
   void add_cell(const Painter& paint, const std::array<std::int64_t, 3>& lattice_min, Nodes nodes = Nodes::pruned);
   /// Adds the cells of the cube [min, min + edge).
   void add_cells(const Painter& paint, const std::array<std::int64_t, 3>& min, std::int64_t edge);
@@ -44,7 +44,7 @@ class VoxelScene {
   const SceneDescription& description() const { return description_; }
   PagedScene paged() const { return PagedScene::of_cells("scene.xml", description_); }
   std::vector<Shard>& shards() { return shards_; }
-  /// Borrows this.
+  /// Returns a source of pages that borrows this scene.
   PageSource pages() const;
 
  private:

@@ -50,7 +50,7 @@ TEST(FrameReader, RefusesAFrameWithAnyByteChanged) {
     FrameReader reader;
     reader.add(bytes);
     try {
-      const auto message = reader.next();  // a longer length waits for the rest
+      const auto message = reader.next();  // with a longer length the reader waits for more bytes
       EXPECT_TRUE(!message || message->kind != BakeMessageKind::survey) << "byte " << i;
     } catch (const InputError&) {
       continue;

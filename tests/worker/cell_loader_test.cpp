@@ -30,7 +30,7 @@ class CellLoaderTest : public testing::Test {
     return job;
   }
 
-  /// All of the ground, for any cell: it lies within one of these.
+  /// Returns parameters with a cell so large that it contains all of the ground.
   BakeParameters uncut() const {
     BakeParameters one = parameters;
     one.cell_voxels = 1024;
@@ -73,7 +73,7 @@ TEST_F(CellLoaderTest, ACellOfALargeMeshHasTheBitsOfTheWholeMeshAndFewOfItsTrian
       triangles += triangles_of(near);
     }
   EXPECT_EQ(baked, 16);
-  EXPECT_LT(triangles, 3u * 32768);  // uncut they would be 16 times as many
+  EXPECT_LT(triangles, 3u * 32768);  // without clusters there would be 16 times as many
 }
 
 TEST_F(CellLoaderTest, AMeshThatLiesInOneCellIsNotCut) {

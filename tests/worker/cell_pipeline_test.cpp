@@ -18,7 +18,7 @@
 namespace gigabake {
 namespace {
 
-/// Ground of two textured tiles, side by side, in cells of 64 voxels.
+/// A fixture with ground of two adjacent textured tiles, in cells of 64 voxels.
 class CellPipelineTest : public testing::Test {
  protected:
   CellPipelineTest() {
@@ -32,7 +32,7 @@ class CellPipelineTest : public testing::Test {
     sources = sources_of(folder.path(), {"tile0.glb", "tile1.glb"});
   }
 
-  /// One job per column that the tiles touch; the ground's height fits one cell.
+  /// Returns one job per column that the tiles touch; the ground's height fits one cell.
   std::vector<CellJob> jobs() const {
     const ThreadPool pool(1);
     std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::uint32_t>> columns;
@@ -53,7 +53,8 @@ class CellPipelineTest : public testing::Test {
     return out;
   }
 
-  /// The levels above the cells. Their stacks begin at voxels that are no multiples of its bricks.
+  /// Returns the job of the levels above the cells. The cells' stacks begin at voxels that are no multiples of its
+  /// bricks.
   static CellJob overview_of(const std::vector<CellJob>& cells) {
     CellJob job;
     job.id = std::uint32_t(cells.size());

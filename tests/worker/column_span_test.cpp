@@ -25,7 +25,7 @@ Columns columns_of(const LatticeTriangle& t, const ColumnGrid& grid) {
   return found;
 }
 
-/// Voxels of one triangle as the kernels bake it in a window at 0,0,0; vertices must be exact as float.
+/// Visits the voxels of one triangle that the kernels bake in a window at 0,0,0; vertices must be exact as float.
 template <class Visit>
 void for_each_baked_voxel(const LatticeTriangle& t, SurfaceRule rule, const Visit& visit) {
   std::vector<float> position;
@@ -67,7 +67,7 @@ TEST(ForEachColumn, HoldsEveryVoxelThatTheKernelsOccupyUnderAnySurfaceRule) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   for (int round = 0; round < 600; ++round) {
-    // Steps of 256 and 128 put vertices on voxel corners and centres, where ties are.
+    // Steps of 256 and 128 put vertices on voxel corners and centres, where ties occur.
     const LatticeTriangle t = random_triangle(rng, 64 * 256 - 256, std::array{1, 128, 256}[std::size_t(round % 3)]);
     for (const auto rule : {SurfaceRule::area, SurfaceRule::conservative, SurfaceRule::thin}) {
       const ColumnGrid grid{3 + round % 2, rule != SurfaceRule::area};

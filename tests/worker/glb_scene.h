@@ -13,7 +13,7 @@
 
 namespace gigabake {
 
-/// A folder under the system's temporary folder that goes with the test.
+/// A folder below the system's temporary folder that is removed with the test.
 class ScratchFolder {
  public:
   ScratchFolder();
@@ -34,7 +34,7 @@ struct GlbMesh {
   std::string material = "{}";      ///< glTF material without its texture
 };
 
-/// 2·n² triangles, one metre a step, of rolling ground: x east, y up, z south.
+/// Returns rolling ground of 2·n² triangles with one metre per step: x east, y up, z south.
 GlbMesh rolling_ground(int n, double east_m, double north_m);
 
 /// Returns a PNG of n×n texels, each with a different colour.
@@ -42,10 +42,10 @@ std::vector<std::uint8_t> checkered_png(int n);
 
 void write_glb(const std::filesystem::path& path, const GlbMesh& mesh);
 
-/// The reports of all jobs, in the order in which they come.
+/// Bakes all jobs. Returns the reports in the order in which they are made.
 std::vector<CellReport> bake_all(CellPipeline& pipeline, const std::vector<CellJob>& jobs);
 
-/// The files as tiles of a local scene.
+/// Returns the files as tiles of a local scene.
 SceneSources sources_of(const std::filesystem::path& folder, const std::vector<std::string>& files);
 
 }  // namespace gigabake

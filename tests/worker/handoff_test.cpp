@@ -68,7 +68,7 @@ TEST(Handoff, LetsAGiverGoAheadByItsRoom) {
   giver.join();
 }
 
-/// A giver is held until its own value is taken, not another's.
+/// A producer is blocked until its own value is taken, not another one.
 TEST(Handoff, HoldsEachOfSeveralGivers) {
   Handoff<int> handoff;
   std::atomic<int> given{0};

@@ -28,7 +28,7 @@ TEST(MayMeet, IsFalseForAPrimitiveWithoutAFinitePosition) {
   EXPECT_FALSE(may_meet(scene_box(bounds_of(p), Instance{}, parameters), parameters, {{0, 0, 0}, 8}));
 }
 
-/// A triangle under a random rotation, shear and shift, around the cell's border.
+/// A triangle under a random rotation, shear and shift lies around the cell's border.
 TEST(MayMeet, IsTrueWheneverTheKernelsFindAVoxel) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);

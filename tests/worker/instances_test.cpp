@@ -16,7 +16,7 @@
 namespace gigabake {
 namespace {
 
-/// A fan of `triangles` around the origin, about a metre wide, placed at each x, y, z of `translation`.
+/// Writes a fan of `triangles` around the origin, about a metre wide, placed at each x, y, z of `translation`.
 void write_instanced(const std::filesystem::path& folder, int triangles, const std::vector<float>& translation,
                      const std::vector<float>& rotation) {
   std::vector<float> position{0, 0.5f, 0};
@@ -56,7 +56,7 @@ struct Forest {
   std::vector<float> translation, rotation;
 };
 
-/// All at one height.
+/// Returns trees that all have the same height above the lattice.
 Forest random_forest(std::size_t trees, double extent_m, std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> unit(-1, 1);

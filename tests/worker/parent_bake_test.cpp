@@ -24,7 +24,7 @@ using Corner = std::array<std::int64_t, 3>;
 
 constexpr std::int64_t child_edge = 32;
 
-/// Eight cells of three levels, of any voxels; stacks begin at any voxel of their coarsest level.
+/// Returns eight cells of three levels with random voxels; stacks begin at any voxel of their coarsest level.
 std::vector<Shard> random_children(std::mt19937_64& rng) {
   std::vector<Shard> children;
   for (std::int64_t i = 0; i < 8; ++i) {
@@ -38,7 +38,8 @@ std::vector<Shard> random_children(std::mt19937_64& rng) {
   return children;
 }
 
-/// The child's voxel that holds a lod-0 voxel, by its key, or none. lookup: what the value may point into.
+/// Finds the child's voxel that contains a lod-0 voxel, by its key. Returns false if there is none. lookup: the memory
+/// that the value may point into.
 bool find_in_children(const std::vector<Shard>& children, int lod, const Corner& v, std::optional<LevelLookup>& lookup,
                       VoxelValue& value) {
   for (const Shard& child : children) {
@@ -117,7 +118,7 @@ Shard large_cell(std::mt19937_64& rng) {
   return made::shard_of(voxels, {}, 512);
 }
 
-// 2026-11-25: an overview read the whole node table of each child, 25 ms for a cell of 2048³, one child after another.
+// 2026-11-25: an overview read the whole node table of each child, 25 ms for a cell of 2048³, serially.
 TEST(ReadChild, ReadsOnlyTheRowsThatTheOverviewCopies) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
@@ -140,7 +141,7 @@ TEST(ReadChild, ReadsOnlyTheRowsThatTheOverviewCopies) {
   ASSERT_EQ(child.copied.coarse.nodes.key.size(), copied_nodes);
   ASSERT_GT(cell.nodes.key.size(), 30 * copied_nodes);
   EXPECT_GE(reads.rows, copied_voxels);
-  // mask, first, and of each voxel channel a value, a share and where it begins; of the nodes two columns.
+  // There are mask and first, and per voxel channel a value, a share and their offsets; the nodes have two columns.
   columns += 3 * (2 + 3 * 5);
   const std::uint64_t node_rows = 2 * 4096, brick_rows = columns * (copied_nodes + 1);
   EXPECT_LE(reads.rows, node_rows + brick_rows + 5 * copied_voxels + 5 * cell.above.voxels());
@@ -215,7 +216,7 @@ ParentSource source_of(const Shard& child) {
   return source;
 }
 
-/// Two cells of 32³ and their root, on disk.
+/// A fixture with two cells of 32³ and their root, on disk.
 class Family : public testing::Test {
  protected:
   Family() {

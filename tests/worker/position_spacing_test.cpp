@@ -16,7 +16,7 @@ Instance scaled_by(double x, double y, double z) {
   return instance;
 }
 
-/// A float has 24 bits: written from its exponent, not from its neighbours.
+/// Returns the spacing of a float with 24 bits, computed from its exponent instead of its neighbours.
 double spacing_of(float v) {
   int exponent = 0;
   std::frexp(v, &exponent);

@@ -29,7 +29,8 @@ constexpr const char* all_sets[] = {
 
 using test::shared_data;
 
-/// All but what other files refer to (buffers, images, subtrees, materials) and what describes the set.
+/// Returns true for all files except those that other files refer to (buffers, images, subtrees, materials) and the
+/// set's description.
 bool is_mesh_or_tileset(const Path& file) {
   static const std::set<std::string> known{".gltf", ".glb", ".b3dm", ".i3dm",    ".cmpt", ".pnts", ".json",
                                            ".3tz",  ".obj", ".ply",  ".3dtiles", ".stl",  ".off",  ".dae",
@@ -55,7 +56,7 @@ struct SetOutcome {
   std::map<std::string, int> reasons;
 };
 
-/// Reads a tile as a bake does. Returns why it is lost; empty: it is there.
+/// Reads a tile as a bake does. Returns the reason if it is missing, otherwise an empty string.
 std::string try_tile(const SceneSources& sources, std::uint32_t tile, std::uint64_t& triangles) {
   static const ThreadPool pool(2);
   BakeParameters parameters;
@@ -113,7 +114,7 @@ std::string table_of(const std::string& name, const SetOutcome& set) {
   return text.str();
 }
 
-/// The set's paragraph: its line and the indented ones below it.
+/// Returns the set's paragraph: its line and the indented lines below it.
 std::string written_down(const std::string& name) {
   std::ifstream in(Path(GIGABAKE_SOURCE_DIR) / "tests/worker/shared_data.txt");
   std::string out;

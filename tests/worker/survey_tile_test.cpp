@@ -55,7 +55,7 @@ TEST(SurveyTile, SaysHowManyVoxelsItsSurfaceCrosses) {
   GlbMesh floor;  // 20 × 20 m, level: 80 × 80 voxels; x right, z towards the eye
   floor.position = {-10, 0, -10, 10, 0, -10, 10, 0, 10, -10, 0, 10};
   floor.index = {0, 2, 1, 0, 3, 2};
-  GlbMesh slope = floor;  // its height rises by what its width does: seen from the side it is as large as from above
+  GlbMesh slope = floor;  // its height rises by its width: from the side it is as large as from above
   slope.position[4] = slope.position[7] = 20;
   const auto crossings = [&](const GlbMesh& mesh) {
     write_glb(folder.path() / "mesh.glb", mesh);
@@ -63,7 +63,7 @@ TEST(SurveyTile, SaysHowManyVoxelsItsSurfaceCrosses) {
     for (const ColumnExtent& c : survey(folder.path(), "mesh.glb", fine_lattice()).columns) sum += double(c.crossings);
     return sum / crossing_unit;
   };
-  EXPECT_NEAR(crossings(floor), 6400, 0.1);  // a triangle's share of a column is cut to a whole unit
+  EXPECT_NEAR(crossings(floor), 6400, 0.1);  // a triangle's fraction of a column is rounded down
   EXPECT_NEAR(crossings(slope), 12800, 0.1);
 }
 

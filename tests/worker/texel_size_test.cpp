@@ -13,7 +13,7 @@ const std::vector<std::uint8_t> png = {
     0x0e, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0x68, 0x68, 0x60, 0x68, 0x68, 0x00, 0x00, 0x06, 0x06, 0x02,
     0x01, 0x2c, 0xc1, 0x50, 0xd7, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
 
-/// A square of 4 × 4 m whose corners have these texture coordinates, placed `scale` times as large.
+/// Returns a square of 4 × 4 m whose corners have these texture coordinates, placed `scale` times as large.
 TileMesh square(float u, float v, double scale, bool textured) {
   TileMesh mesh;
   Primitive& p = mesh.primitives.emplace_back();
@@ -32,7 +32,7 @@ TEST(TexelSize, IsWhatATexelTakesOfTheSurface) {
   EXPECT_NEAR(texel_size(square(1, 1, 1, true)).mean_m(), 2, 1e-6);    // 2 × 2 texels on 4 × 4 m
   EXPECT_NEAR(texel_size(square(4, 4, 1, true)).mean_m(), 0.5, 1e-6);  // repeated four times
   EXPECT_NEAR(texel_size(square(1, 1, 10, true)).mean_m(), 20, 1e-6);
-  EXPECT_NEAR(texel_size(square(4, 1, 1, true)).mean_m(), 1, 1e-6);  // of texels that are not square, the root
+  EXPECT_NEAR(texel_size(square(4, 1, 1, true)).mean_m(), 1, 1e-6);  // the root of the area if texels are not square
   EXPECT_EQ(texel_size(square(1, 1, 1, false)).mean_m(), 0);
   EXPECT_EQ(texel_size(square(0, 0, 1, true)).mean_m(), 0);
 }

@@ -1,4 +1,4 @@
-// The kernels' own arithmetic for a voxel's hash gives what the xxHash library gives for its record.
+// The kernels' own hash of a voxel equals the xxHash library's hash of its record.
 #include "lattice/voxel_hash.h"
 
 #include <gtest/gtest.h>

@@ -11,7 +11,7 @@ namespace gigabake::bench {
 namespace {
 
 TEST(ClippedTriangle, InADiagonalPlaneIsTheCubesHexagon) {
-  // x + y + z = 1.5 cuts the unit cube in a regular hexagon with edges of √½.
+  // The plane x + y + z = 1.5 cuts the unit cube in a regular hexagon with edges of √½.
   const Corners triangle{{{9.5, -4, -4}, {-4, 9.5, -4}, {-4, -4, 9.5}}};
   EXPECT_NEAR(area_of(clip_to_cube(triangle, {0, 0, 0}, 1)), 3 * std::sqrt(3.0) / 4, 1e-12);
   EXPECT_TRUE(clip_to_cube(triangle, {1, 1, 1}, 1).empty());
@@ -65,7 +65,7 @@ TEST(ClippedTriangle, IsAsFarAsTheNearestOfItsPoints) {
 }
 
 TEST(ClippedTriangle, PointsInAPolygonAreSpreadOverItsArea) {
-  // The unit square: its mean point, and as many in each quarter.
+  // The unit square: its mean point is exact, and each quarter has the same number of points.
   const std::vector<ClippedCorner> square{{{0, 0, 0}}, {{1, 0, 0}}, {{1, 1, 0}}, {{0, 1, 0}}};
   constexpr int edge = 64;
   std::array<int, 4> in_quarter{};

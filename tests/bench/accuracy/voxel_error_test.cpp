@@ -22,7 +22,7 @@ BakeParameters lattice(double voxel_size_m = voxel_m) {
   return parameters;
 }
 
-/// A square about the origin, level, `up` voxels above the lattice's corner.
+/// Returns a horizontal square around the origin, `up` voxels above the lattice's corner.
 GlbMesh level_square(double half_m, double up, const std::string& material = "{}") {
   const auto h = float(half_m), y = float(1 + up * voxel_m);
   GlbMesh mesh;
@@ -85,7 +85,7 @@ TEST_F(VoxelErrors, OfAPlaneInALatticePlaneAreNone) {
 }
 
 TEST_F(VoxelErrors, OfAPlaneThatIsOffAreItsWholeArea) {
-  // 1.2 voxels too high: 0.7 above the voxels' upper side, 1.2 above their centres.
+  // The offset is 1.2 voxels: 0.7 above the voxels' upper side, 1.2 above their centres.
   const VoxelError near = error_of(level_square(10, 0.5), level_square(10, 1.7));
   EXPECT_EQ(near.missed, 1);
   EXPECT_EQ(near.missed_by_half, 1);
@@ -105,7 +105,7 @@ TEST_F(VoxelErrors, OfHalfAPlaneAreTheOtherHalf) {
   EXPECT_EQ(less.extra, 0);
   const VoxelError more = error_of(level_square(10, 0.5), level_square(5, 0.5));
   EXPECT_EQ(more.missed, 0);
-  // The ring of voxels that touch the smaller square's rim are not farther than the snap.
+  // The voxels that touch the smaller square's rim are within the distance of the snap.
   EXPECT_NEAR(more.extra, 1 - 22 * 22 / 1600.0, 0.01);
 }
 
@@ -158,7 +158,7 @@ TEST_F(VoxelErrors, OfAMirroredPlaneAreNone) {
 }
 
 TEST_F(VoxelErrors, OfCoarserVoxelsAreInTheirs) {
-  // 1 voxel of twice the size above the lattice's corner, and a half.
+  // The square is one voxel of twice the size above the lattice's corner, and a half.
   const VoxelError e = error_of(level_square(10, 3), level_square(10, 3), 2);
   EXPECT_EQ(e.voxels, 400u);
   EXPECT_EQ(e.missed + e.extra, 0);

@@ -5,7 +5,7 @@
 namespace gigabake::bench {
 namespace {
 
-/// One setting, seen from three sides at one scale.
+/// Returns one setting, seen from three sides at one scale.
 AccuracyBench bench_at(const std::string& scale) {
   AccuracyBench bench;
   bench.backend = "cpu";

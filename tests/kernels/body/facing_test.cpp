@@ -5,7 +5,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// a + b - ab/255, to the nearest.
+/// Returns a + b - ab/255, rounded to nearest.
 int either_of(int a, int b) { return a + b - (2 * a * b + 255) / 510; }
 
 TEST(Facing, CoversWhatEitherOfTwoCellsCoversForEveryPair) {

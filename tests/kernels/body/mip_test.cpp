@@ -44,7 +44,7 @@ TEST(ParentSlab, HasAVoxelWhereOneOfEightExists) {
   }
 }
 
-/// Two voxels of one brick, red and blue, below the same voxel.
+/// Returns two voxels of one brick, red and blue, below the same voxel.
 Level two_voxels() {
   Level level;
   level.key = {0};

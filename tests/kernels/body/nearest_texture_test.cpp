@@ -1,4 +1,4 @@
-/// The mean of the texels that a fragment covers, where the sampler picks the nearest.
+/// The mean of the texels that a fragment covers, if the sampler selects the nearest texel.
 #include "kernels/body/nearest_texture.h"
 
 #include <array>
@@ -20,7 +20,7 @@ Texture random_texture(int width, int height, TextureAlpha alpha, std::mt19937_6
   return Texture(std::move(texels), width, height, alpha, 128, ThreadPool(1));
 }
 
-/// A fragment that is the whole unit cell.
+/// A fragment that covers the whole unit cell.
 struct WholeCell {
   double u[4] = {0, 1, 1, 0}, v[4] = {0, 0, 1, 1};
   FragmentShape shape() const { return {{0.5, 0.5}, 1, 1.0f / 12, 0, 1.0f / 12, 0, 0, u, v, 4}; }
@@ -30,7 +30,7 @@ Rgba16 found(const Texture& texture, const NearestLook& look, const FragmentShap
   return nearest_over(texture.view(), look, shape, TableStore::host().view().linear_from_srgb);
 }
 
-/// The texel at whole numbers of the endless plane that an image wraps to, by glTF's words.
+/// Returns the index of a texel of the infinite plane to which an image wraps, as glTF defines it.
 std::int64_t wrapped(std::int64_t i, std::int64_t size, Wrap wrap) {
   if (wrap == Wrap::clamp_to_edge) return std::clamp<std::int64_t>(i, 0, size - 1);
   const std::int64_t period = wrap == Wrap::repeat ? size : 2 * size, r = ((i % period) + period) % period;
@@ -43,7 +43,7 @@ Rgba16 texel_of(const Texture& texture, std::int64_t x, std::int64_t y) {
                     TableStore::host().view().linear_from_srgb);
 }
 
-/// An upright box, whose shares of texels are products.
+/// Returns the mean in an upright box, in which the weights of texels are products.
 std::array<double, 4> mean_in_box(const Texture& texture, const NearestLook& look) {
   const TextureView view = texture.view();
   const double x0 = look.s0 * view.width, x1 = x0 + look.su * view.width, y0 = look.t0 * view.height,
@@ -102,7 +102,7 @@ TEST(NearestTexels, AreOneColourWhereTheTextureHasOne) {
   }
 }
 
-/// Black, white, black, white.
+/// Returns black, white, black and white columns.
 Texture stripes() {
   std::vector<std::uint8_t> texels;
   for (const int grey : {0, 255, 0, 255})
@@ -146,11 +146,11 @@ TEST(NearestTexels, AreOfTheImageWhateverIsAskedFor) {
   }
 }
 
-/// A polygon that is the cell's half, beyond it on all other sides.
+/// The polygon covers half of the cell, and extends beyond it on all other sides.
 TEST(NearestTexels, AreThoseOfTheFragmentNotOfItsCell) {
   const double u[3] = {0.5, 40, 0.5}, v[3] = {-30, -30, 70};  // a polygon that begins at u = 1/2
   const FragmentShape shape{{0.75, 0.5}, 0.5, 0, 0, 0, 0, 0, u, v, 3};
-  const NearestLook look{0, 0.5, 0, 0.5, 0, 0.1, Wrap::repeat, Wrap::repeat};  // two texels a voxel
+  const NearestLook look{0, 0.5, 0, 0.5, 0, 0.1, Wrap::repeat, Wrap::repeat};  // two texels per voxel
   EXPECT_EQ(found(stripes(), look, shape).c[0], 65535);
 }
 

@@ -11,7 +11,7 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr int edge = 32;  ///< of the cubes that are filled here, voxels
+constexpr int edge = 32;  ///< of the cubes that this test fills, voxels
 
 /// Returns a cube of voxels that contains those whose centres satisfy has(x, y, z), with the normals normal(x, y, z).
 template <class Has, class Normal>
@@ -46,7 +46,7 @@ std::vector<Level> levels_above(Level finest) {
   return levels;
 }
 
-/// visit(centre, half edge, voxel number) for each voxel; lengths in voxels of level 0.
+/// Calls visit(centre, half edge, voxel number) for each voxel; lengths in voxels of level 0.
 template <class Visit>
 void for_each_voxel_of(const Level& level, int lod, const Visit& visit) {
   std::size_t v = 0;
@@ -80,7 +80,8 @@ TestPlane random_plane(std::mt19937_64& random) {
   return p;
 }
 
-/// The voxels that the plane meets: whose centres are no farther than half a voxel's reach along its normal.
+/// Returns the voxels that the plane intersects: along its normal, their centres are at most half a voxel's extent
+/// away.
 Level plane_voxels(const TestPlane& plane) {
   return filled([&](const double p[3]) { return std::abs(plane.above(p)) <= 0.5; },
                 [&](const double*) { return plane.octahedral; });

@@ -1,4 +1,4 @@
-/// Sampling a texture: which texels, with what weights, and the mean over a footprint.
+/// Texture sampling: the sampled texels, their weights, and the mean over a footprint.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,7 +21,7 @@ Texture filled(int size, const std::array<std::uint8_t, 4>& rgba) {
   return Texture(std::move(texels), size, size, TextureAlpha::blend, 0, ThreadPool(1));
 }
 
-/// Alpha is ignored.
+/// Returns a random texture whose alpha is ignored.
 Texture any_opaque(std::mt19937_64& rng, int width, int height) {
   std::vector<std::uint8_t> texels(std::size_t(4) * std::size_t(width) * std::size_t(height));
   for (std::uint8_t& x : texels) x = std::uint8_t(rng());
@@ -43,7 +43,7 @@ TextureMap map_of(double texels_u, double texels_v, int size) {
   return map;
 }
 
-/// A box of any size and place; its outline is not looked at.
+/// Returns a box of any size and place; its outline is not used.
 FragmentShape box_at(double u, double v, double width, double height) {
   return {{u, v}, width * height, float(width * width / 12), 0, float(height * height / 12), 0, 0, nullptr, nullptr, 0};
 }
@@ -55,7 +55,7 @@ FragmentShape any_fragment(std::mt19937_64& rng) {
   return f;
 }
 
-/// The texel at whole number i of the endless plane that an image wraps to, by glTF's words.
+/// Returns the index of texel i of the infinite plane to which an image wraps, as glTF defines it.
 std::int64_t wrapped_texel(std::int64_t i, std::int64_t size, Wrap wrap) {
   if (wrap == Wrap::clamp_to_edge) return std::clamp<std::int64_t>(i, 0, size - 1);
   const std::int64_t period = wrap == Wrap::repeat ? size : 2 * size, r = ((i % period) + period) % period;
@@ -89,7 +89,7 @@ TEST(Sampling, WrapsAsTheEndlessPlaneOfTexelsDoes) {
   }
 }
 
-/// Weights sum up to one and quotients are exact, whatever the levels and probes: else colours would drift by a code.
+/// Weights sum up to one and quotients are exact for all levels and probes. Otherwise colours would drift by a code.
 TEST(Sampling, FindsOneColourWhereTheTextureHasOne) {
   constexpr std::uint64_t seed = 42;
   std::mt19937_64 rng(seed);
@@ -119,7 +119,7 @@ TEST(Sampling, MovesFromOneTexelToTheNextInAStraightLine) {
   for (const int grey : {0, 255}) texels.insert(texels.end(), {std::uint8_t(grey), std::uint8_t(grey), 0, 255});
   const Texture texture(std::move(texels), 2, 1, TextureAlpha::ignore, 0, ThreadPool(1));
   const Tables tables = TableStore::host().view();
-  for (int step = 0; step <= 256; ++step) {  // from the middle of one to the middle of the other
+  for (int step = 0; step <= 256; ++step) {  // from the middle of one texel to the middle of the other
     const Rgba16 found =
         sample_level<false>(texture.view(), MaterialView{}, 0, fraction_of(0.25 + step / 512.0, Wrap::repeat),
                             fraction_of(0.5, Wrap::repeat), tables);
@@ -148,7 +148,7 @@ TEST(Sampling, FindsTheSameColoursWithoutAlpha) {
   }
 }
 
-/// Mean of channel 0 of an opaque texture over a box, from many points of it.
+/// Returns the mean of channel 0 of an opaque texture over a box, computed from many points of it.
 double mean_of_points(const Texture& texture, const MaterialView& m, double s, double t, double width, double height) {
   constexpr int points = 200;
   const Tables tables = TableStore::host().view();
@@ -182,7 +182,7 @@ TEST(Sampling, HasTheExactMeanOverABoxOfUpToOneTexel) {
   }
 }
 
-/// Rounding gives a sliver along a voxel's border a width, though its middle lies on the border.
+/// Rounding gives a sliver along a voxel's border a width, although its middle lies on the border.
 TEST(Sampling, OfASliverOnABorderHasAFootprint) {
   const Texture texture = filled(64, {200, 100, 50, 255});
   for (const double texels : {1e3, 1e6, 1e9}) {

@@ -9,7 +9,7 @@ namespace {
 
 const Tables tables = TableStore::host().view();
 
-/// IEC 61966-2-1.
+/// Returns the sRGB value by IEC 61966-2-1.
 double srgb_of(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
 }

@@ -19,7 +19,7 @@ std::vector<std::uint8_t> noise(int width, int height, std::uint64_t seed) {
   return rgba;
 }
 
-/// Mean premultiplied linear colour and alpha of the image, 65535 = 1.
+/// Returns the mean premultiplied linear colour and alpha of the image; 65535 represents 1.
 std::array<double, 4> mean_of(const std::vector<std::uint8_t>& rgba, TextureAlpha use, int cutoff) {
   const Tables tables = TableStore::host().view();
   std::array<double, 4> sum{};

@@ -72,7 +72,7 @@ CastLine random_tree_line(std::mt19937_64& random) {
   CastLine line;
   double squared = 0, direction[3];
   for (double& d : direction) {
-    // Some rays run along an axis, or nearly so, where a side is met at a distance that rounding decides.
+    // Some rays are parallel to an axis, or nearly so. Rounding then decides the distance to a side.
     const auto kind = random() % 8;
     d = kind == 0 ? 0 : kind == 1 ? 1e-9 * turn(random) : turn(random);
     squared += d * d;

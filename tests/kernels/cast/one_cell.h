@@ -1,4 +1,4 @@
-/// A scene of one cell, as rays borrow it; its pools are for the test to fill.
+/// A scene of one cell, as rays borrow it; the test fills its pools.
 #pragma once
 
 #include <cstdint>

@@ -36,7 +36,7 @@ SlotVoxels random_slot(std::mt19937_64& random) {
   return slot;
 }
 
-/// Voxels, and layers that hold any.
+/// Returns the number of voxels, and of layers that have any.
 std::size_t count_parts(const SlotVoxels& slot) {
   std::size_t parts = 0;
   for (const auto& layer : slot.row) {

@@ -87,7 +87,7 @@ TEST(CastField, IsInterpolatedAsEverWhereThereIsNoSheet) {
   }
 }
 
-/// All voxels of a slot lie on one plane through its middle, as far as bytes say it.
+/// Returns a slot whose voxels all lie on one plane through its middle, as exactly as bytes can store it.
 std::unique_ptr<Slot> slot_of_plane(const std::int8_t normal[2]) {
   auto slot = std::make_unique<Slot>();
   const OctahedronPoint n = octahedron_point(normal);

@@ -51,7 +51,7 @@ struct Changes {
   std::size_t colours = 0, alphas = 0, normals = 0;
 };
 
-/// Asserts the bound for every voxel.
+/// Asserts the error bound for every voxel, and returns the changes.
 Changes expect_bound(const Level& exact, const Level& off, std::uint32_t codes) {
   Changes changes;
   EXPECT_EQ(exact.mask, off.mask);
@@ -107,7 +107,7 @@ TEST(Approximate, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one[0].normal, three[0].normal);
 }
 
-/// A full brick whose colour rises by one code a voxel along x.
+/// Returns a full brick whose colour increases by one code per voxel along x.
 Level ramp() {
   Level level;
   level.key = {0};
@@ -134,7 +134,7 @@ TEST(Approximate, TakesTheLargestOfBrickOctantAndGroupThatFits) {
   EXPECT_EQ(reds(4), (std::vector(8, 104))) << "the whole brick";
 }
 
-/// A device's lanes go from groups to voxels, where the host goes from voxels to groups.
+/// The lanes of a device iterate from groups to voxels, the host from voxels to groups.
 TEST(Approximate, NumbersTheVoxelsOfAGroupFromItsLowestOn) {
   std::array<int, brick_voxels> seen{};
   for (unsigned group = 0; group < groups_a_brick; ++group)
@@ -148,7 +148,7 @@ TEST(Approximate, NumbersTheVoxelsOfAGroupFromItsLowestOn) {
   EXPECT_TRUE(std::ranges::all_of(seen, [](int times) { return times == 1; }));
 }
 
-/// Ranges that are joined, empty ones among them, are the range of all that was added.
+/// Joined ranges, including empty ones, equal the range of all values.
 TEST(Approximate, JoinsRangesToThatOfAll) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);

@@ -1,4 +1,4 @@
-/// A brick's sums: exact whatever their number, and clean for the next brick.
+/// The sums of a brick: exact for any number of fragments, and zero for the next brick.
 #include "kernels/cpu/brick_sums.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ Level resolved(BrickSums& sums) {
   return level;
 }
 
-/// √2 voxel² is the largest plane section of a voxel; its weight with full colour comes closest to 2^63.
+/// The largest plane section of a voxel is √2 voxel²; its weight with full colour is closest to 2^63.
 TEST(BrickSums, TakeAnyNumberOfTheHeaviestFragments) {
   constexpr std::int64_t heaviest = 97184015999;  // √2 · 2^36
   BrickSums sums;

@@ -1,4 +1,4 @@
-/// Levels above the cells are those that one cell over everything would have, however it is cut into cells and blocks.
+/// Levels above the cells are the same for any division of the scene into cells and blocks.
 #include "kernels/cpu/parent.h"
 
 #include <array>
@@ -31,19 +31,19 @@ CellParameters parameters_of(const test::TestCell& cell, const ParentRules& rule
   return p;
 }
 
-/// A cell or a parent that is there, and where.
+/// A baked cell or overview, with its position.
 struct Baked {
   ParentSource source;
   std::array<std::int64_t, 3> min;
 };
 
-/// Bakes the whole in cells, then block after block up to one, and adds up the hashes of each level.
+/// Bakes the scene in cells, then in larger and larger blocks up to one, and sums the hashes of each level.
 class InBlocks {
  public:
   InBlocks(test::TestCell& cell, const ParentRules& rules, std::mt19937& random)
       : input_(cell.input()), parameters_(parameters_of(cell, rules)), random_(random) {}
 
-  /// z_shift: of the cells, in voxels of their coarsest level, 0 … 7.
+  /// Returns the hashes of all levels. z_shift: of the cells, in voxels of their coarsest level, 0 … 7.
   std::vector<Hash128> hashes(std::uint32_t cell_voxels, std::int64_t z_shift) {
     bake_cells(cell_voxels, z_shift);
     std::int64_t edge = cell_voxels;

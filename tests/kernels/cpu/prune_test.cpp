@@ -16,7 +16,7 @@ using Place = std::array<std::uint32_t, 3>;
 using Content = std::array<std::uint8_t, 4 + 2 + facing_bytes>;
 using Voxels = std::map<Place, Content>;
 
-/// Takes each voxel once.
+/// Returns a function that adds each voxel once.
 auto taker(Voxels& voxels) {
   return [&voxels](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
                    const std::int8_t* normal, const std::uint8_t* facing) {

@@ -1,4 +1,4 @@
-// The CUDA backend bakes whole cells to the same bits as the CPU. Skipped, with the reason, where there is no GPU.
+// The CUDA backend bakes whole cells to the same bits as the CPU. Skipped, with the reason, if there is no GPU.
 #include <algorithm>
 #include <gtest/gtest.h>
 

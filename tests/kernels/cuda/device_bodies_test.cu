@@ -1,5 +1,4 @@
-// The kernel bodies run on a GPU and on the CPU and return the same bits. Skipped, with a message, where there is no
-// GPU.
+// The kernel bodies run on a GPU and on the CPU and return the same bits. Skipped, with a message, if there is no GPU.
 #include <gtest/gtest.h>
 #include <random>
 #include <vector>
@@ -45,7 +44,7 @@ struct Measured {
   std::int16_t normal[4];
 };
 
-/// Weight and shade of the cells on the brick's diagonal.
+/// Computes weight and shade of the cells on the brick's diagonal.
 struct MeasureBody {
   GB_HD Measured operator()(const WindowTriangle& w, const Tables& tables) const {
     const std::int32_t corner[3] = {0, 0, 0};
@@ -141,7 +140,7 @@ constexpr int parent_words = raster_words(Edge < most_raster_edge ? 2 * Edge : m
 template <int Edge>
 struct Filtered {
   Voxel by_mean[2], by_view;
-  std::uint16_t facing[3];  ///< of 16 bits: there is nothing between members that is compared
+  std::uint16_t facing[3];  ///< 16 bits each, so that there is no padding, which would be compared
   std::uint32_t raster[parent_words<Edge>];
 };
 

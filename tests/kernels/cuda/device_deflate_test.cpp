@@ -1,4 +1,4 @@
-// Packed on a device, chunks have the bytes that the host makes of them. Skipped, with a message, where there is no
+// Chunks that a device packs have the same bytes as those that the host packs. Skipped, with a message, if there is no
 // GPU.
 #include <gtest/gtest.h>
 #include <numeric>
@@ -12,7 +12,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Chunks of any bytes, not back to back, and packed on a device together.
+/// Chunks of any bytes with gaps between them, packed on a device in one call.
 class DeviceDeflate : public testing::Test {
  protected:
   void SetUp() override {
@@ -22,7 +22,7 @@ class DeviceDeflate : public testing::Test {
   }
 
   void add(const std::string& name, const gigabake::test::Bytes& bytes, std::uint32_t element_bytes = 1) {
-    raw_.resize(raw_.size() + names_.size() % 3);  // chunks begin anywhere
+    raw_.resize(raw_.size() + names_.size() % 3);  // chunks begin at any address
     chunks_.push_back({raw_.size(), std::uint32_t(bytes.size()), element_bytes});
     raw_.insert(raw_.end(), bytes.begin(), bytes.end());
     names_.push_back(name + ", " + std::to_string(bytes.size()) + " bytes of " + std::to_string(element_bytes));

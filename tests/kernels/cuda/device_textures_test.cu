@@ -1,4 +1,4 @@
-// Textures on fragments of triangles: a GPU and the CPU find the same colours. Skipped, with a message, where there is
+// Textures on fragments of triangles: a GPU and the CPU compute the same colours. Skipped, with a message, if there is
 // no GPU.
 #include <cmath>
 #include <cstring>
@@ -61,7 +61,7 @@ struct ShadedTriangle {
 
 GB_HD double no_negative_zero(double x) { return x + 0.0; }
 
-/// The cells on the brick's diagonal, as kernels/cpu/voxelize.cpp has them.
+/// Processes the cells on the brick's diagonal like kernels/cpu/voxelize.cpp.
 struct TextureBody {
   TextureView texture;
   bool nearest;

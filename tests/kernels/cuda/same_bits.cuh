@@ -1,4 +1,4 @@
-/// A body runs on a GPU and on the CPU; the answers are compared as bytes. Tests are skipped where there is no GPU.
+/// A body runs on a GPU and on the CPU; the results are compared as bytes. Tests are skipped if there is no GPU.
 #pragma once
 
 #include <cstring>
@@ -56,7 +56,7 @@ __global__ void run_body(Body body, const In* in, Out* out, int count, Tables ta
   if (i < count) out[i] = body(in[i], tables);
 }
 
-/// The host's tables on the device.
+/// The host's tables in device memory.
 class DeviceTables {
  public:
   Tables view() const { return {linear_.data(), srgb_.data(), normal_.data(), thesis_.data(), sheet_.data()}; }
@@ -82,7 +82,7 @@ std::vector<Out> run_on_device(const std::vector<In>& in, Body body) {
   return device_out.to_host();
 }
 
-/// out[i] = body(in[i]) on both; the answers are compared as bytes.
+/// Computes out[i] = body(in[i]) on device and host, and compares the results as bytes.
 template <class Out, class In, class Body>
 void expect_same_bits(const std::vector<In>& in, Body body) {
   if (!has_device()) GTEST_SKIP() << "no CUDA device";
@@ -106,7 +106,7 @@ GB_HD CellMoments moments_of(const TrianglePlane& plane, const SlabPolygon& poly
   return m;
 }
 
-/// Triangles around the brick 0,0,0 of all sizes, many with coordinates on lattice planes.
+/// Returns triangles of all sizes around the brick 0,0,0, many with coordinates on lattice planes.
 inline std::vector<WindowTriangle> random_triangles(int count) {
   std::mt19937 random(seed);
   std::vector<WindowTriangle> out;

@@ -10,7 +10,7 @@
 namespace gigabake {
 namespace {
 
-constexpr double patience_s = 60;  ///< far above what anything here takes
+constexpr double patience_s = 60;  ///< much longer than any step of these tests
 
 LiveScene::Options small_pictures() {
   LiveScene::Options options;
@@ -119,7 +119,7 @@ TEST(LiveScene, DrawsNothingWhileNobodyMoves) {
   const auto full = scene.full_frame(viewer, patience_s);
   ASSERT_NE(full, nullptr);
   EXPECT_EQ(scene.frame_after(viewer, full->number, 0.7), nullptr);
-  scene.steer(viewer, Steering{});  // a touch of the mouse that moves nothing
+  scene.steer(viewer, Steering{});  // a mouse event without movement
   EXPECT_EQ(scene.frame_after(viewer, full->number, 0.3), nullptr);
   EXPECT_TRUE(scene.state(viewer)->resting);
   scene.steer(viewer, turn(0.01));

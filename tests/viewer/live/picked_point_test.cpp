@@ -8,8 +8,8 @@
 namespace gigabake {
 namespace {
 
-/// Eight by four pixels, 90° high, from 100 voxels of half a metre above the scene's middle, straight down; north is
-/// up.
+/// Returns rays of eight by four pixels, 90° high, from 100 voxels of half a metre above the scene's middle, straight
+/// down; north is up.
 PictureRays straight_down() {
   PictureRays rays;
   rays.camera.width = 8;
@@ -23,7 +23,7 @@ PictureRays straight_down() {
   return rays;
 }
 
-/// Level ground 100 voxels below the eye.
+/// Returns level ground 100 voxels below the eye.
 Picture level_ground(const PictureRays& rays) {
   Picture picture = blank_picture(rays.camera.width, rays.camera.height, PictureLight::srgb);
   for (int y = 0; y < 4; ++y)
@@ -49,7 +49,7 @@ TEST(PickedPoint, LiesWhereThePixelsRayEnds) {
 
 TEST(PickedPoint, HasAPlaceOnTheEarthWhereTheSceneHasOne) {
   PictureRays rays = straight_down();
-  rays.lattice_origin_m = {-50 * 0.25, -50 * 0.25, 0};  // pixel 4, 1 then looks at the scene's origin
+  rays.lattice_origin_m = {-50 * 0.25, -50 * 0.25, 0};  // pixel 4, 1 then shows the scene's origin
   rays.origin = Geodetic{46.9, 8.3, 600};
   const auto point = picked_point(level_ground(rays), rays, 0.5, 0.3);
   ASSERT_TRUE(point && point->place);

@@ -33,7 +33,7 @@ Steering walk(double forward) {
   return s;
 }
 
-/// Carries orders out in virtual time, from `now_s` on, until nothing is to be done or `until_s`. Returns the orders.
+/// Executes requests in virtual time from `now_s` on, until there are none or until `until_s`. Returns the requests.
 std::vector<Pilot::Order> fly(Pilot& pilot, double& now_s, double until_s, double full_frame_s) {
   std::vector<Pilot::Order> orders;
   while (now_s < until_s) {
@@ -51,7 +51,7 @@ std::vector<Pilot::Order> fly(Pilot& pilot, double& now_s, double until_s, doubl
   return orders;
 }
 
-// 2026-11-25: a window higher than wide cut the scene at home.
+// 2026-11-25: a window that is higher than wide cut off the scene in the home view.
 TEST(Pilot, IsAsFarFromTheSceneAtHomeAsANarrowWindowNeeds) {
   CameraOptions framed = home();
   framed.is_framed = true;

@@ -9,7 +9,7 @@
 namespace gigabake {
 namespace {
 
-/// A translucent, coloured, rough ball that reaches through eight cells.
+/// Paints a translucent, coloured, rough ball that extends over eight cells.
 std::optional<Paint> rough_ball(std::int64_t x, std::int64_t y, std::int64_t z) {
   std::uint64_t h = std::uint64_t((x * 73856093) ^ (y * 19349663) ^ (z * 83492791)) * 0x9e3779b97f4a7c15ull;
   h ^= h >> 29;

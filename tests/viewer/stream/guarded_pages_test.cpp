@@ -1,4 +1,4 @@
-// Producers of pages that fail, hang or lie: a clear answer, no hole and no crash.
+// Producers of pages that fail, hang or return wrong data: the result is a clear error, no hole and no crash.
 #include "viewer/stream/guarded_pages.h"
 
 #include <chrono>
@@ -126,7 +126,7 @@ TEST(GuardedPages, OfALiarLeaveNoHoleInThePicture) {
                 told),
             whole);
   EXPECT_TRUE(told);
-  // Fewer bricks, and fewer rows, than others refer to.
+  // The page has fewer bricks, and fewer rows, than others refer to.
   covered_by(
       [](const PageKey& key, Page& p) {
         if (key.part != 0 || p.bricks.first.size() < 3) return;

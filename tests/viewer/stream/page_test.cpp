@@ -19,7 +19,7 @@ namespace {
 using made::TempFolder;
 using testing::HasSubstr;
 
-/// Cells side by side, of random content.
+/// Returns adjacent cells with random content.
 std::vector<Shard> cells(std::mt19937_64& rng, int count) {
   std::vector<Shard> shards;
   for (int i = 0; i < count; ++i) {
@@ -126,7 +126,7 @@ TEST(PagesFromFiles, DoNotStopWhereAFileIsMissingOrDamaged) {
   EXPECT_EQ(of_damaged, 1u);
 }
 
-// 2026-11-25: 400 shards were open under any limit of memory, and did not count.
+// 2026-11-25: 400 shards were open under any memory limit, and were not counted.
 TEST(OpenShards, AreAsManyAsAnEighthOfTheMemoryHolds) {
   EXPECT_EQ(open_shards_within(std::uint64_t(64) << 20), 25u);
   EXPECT_EQ(open_shards_within(std::uint64_t(4) << 30), most_open_shards);

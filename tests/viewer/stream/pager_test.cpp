@@ -53,7 +53,7 @@ class Shelf {
   std::uint64_t page_bytes() const { return made(0, voxels_).bytes(); }
 
   void break_page(std::uint32_t block) { broken_.insert(block); }
-  /// Readers wait inside the source until it is opened again.
+  /// Closes the source: readers wait inside it until it is opened again.
   void close() { set_open(false); }
   void open() { set_open(true); }
   void wait_until_reading(std::size_t count) {
@@ -150,7 +150,7 @@ TEST(Pager, LetsGoOfTheLongestUnusedFirst) {
   Pager pager(shelf.source(), {1, 4 * shelf.page_bytes()});
   pager.want(pages(0, 4));
   settle(pager);
-  for (const std::uint32_t last : {3, 1, 0, 2}) {  // a pass each
+  for (const std::uint32_t last : {3, 1, 0, 2}) {  // one pass each
     pager.begin_pass();
     EXPECT_NE(pager.find(page(last)), nullptr);
   }

@@ -60,7 +60,7 @@ TEST(SceneStream, ReadsOnlyTheCellsThatRaysReachAndTheirNeighbours) {
 
 TEST(SceneStream, ReadsEachPageOnceWhereMemoryIsEnoughAndMoreOftenWhereItIsNot) {
   const VoxelScene scene = wide_ground(64);
-  PictureOptions options = view({-20, -20, 80}, {128, 128, 0}, 300);  // two tiles of rays a side
+  PictureOptions options = view({-20, -20, 80}, {128, 128, 0}, 300);  // two render tiles per side
   Witness enough, little;
   const Picture expected = take_watched(scene, options, enough);
   EXPECT_EQ(std::set<PageKey>(enough.pages.begin(), enough.pages.end()).size(), enough.pages.size());

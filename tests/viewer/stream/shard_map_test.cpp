@@ -17,7 +17,7 @@ using made::TempFolder;
 
 constexpr std::int64_t tier_cell_edge = 16;  ///< of a cell
 
-/// Stacks of cells at random places, each beginning at any multiple of 8. The shards are not there.
+/// Returns stacks of cells at random places, each beginning at any multiple of 8. The shards do not exist.
 SceneDescription random_stacks(std::mt19937_64& rng) {
   SceneDescription scene;
   scene.voxel_size_m = 1;
@@ -39,7 +39,7 @@ SceneDescription random_stacks(std::mt19937_64& rng) {
   return scene;
 }
 
-/// One root above all of them.
+/// Returns the overview levels for one root above all of these cells.
 ParentTiers one_root() {
   ParentTier tier;
   tier.first_lod = 2;
@@ -175,7 +175,8 @@ std::optional<ParentTiers> tiers_of(const SceneDescription& scene) {
   return parent_tiers(PagedScene::of_cells("scene.xml", scene));
 }
 
-/// two_tiers(), of which parents copy a level of the cells and the root two of its children's, one of them a copy.
+/// Returns two_tiers() with copies: overviews duplicate a level of the cells. The root duplicates two levels of its
+/// children, one of which is a duplicate already.
 SceneDescription two_tiers_with_copies() {
   SceneDescription scene = two_tiers();
   for (SceneCell& parent : scene.parents) {

@@ -1,5 +1,4 @@
-// Questions about a scene's voxels: neither a way down that is remembered nor asking about several boxes at once
-// changes an answer.
+// Queries of a scene's voxels: neither a cached path nor a query of several boxes changes a result.
 #include "viewer/stream/voxel_lookup.h"
 
 #include <algorithm>
@@ -19,14 +18,14 @@ constexpr std::uint64_t seed = 20261123;
 constexpr std::int64_t gappy_edge = 128;
 constexpr int lods = 5;  ///< of the scene
 
-/// Ground with gaps: one column in three has a voxel, at a height that rolls.
+/// Paints ground with gaps: one column in three has a voxel, at varying heights.
 std::optional<Paint> gappy_ground(std::int64_t x, std::int64_t y, std::int64_t z) {
   if (x < 0 || y < 0 || x >= gappy_edge || y >= gappy_edge || (x * 7 + y * 13) % 3 != 0) return {};
   if (z != 20 + (x * x / 40 + y) % 60) return {};
   return Paint{{std::uint8_t(x), std::uint8_t(y), std::uint8_t(z), 255}, {0, 0}};
 }
 
-/// Cells of 16³ with levels 0 and 1, and a parent of all of them.
+/// Returns cells of 16³ with levels 0 and 1, and an overview of all of them.
 VoxelScene painted() {
   VoxelScene scene(16);
   scene.add_cells(gappy_ground, {0, 0, 0}, gappy_edge);
@@ -56,7 +55,7 @@ struct OpenGround {
     }
   }
 
-  /// A voxel of each brick that there may be.
+  /// Reads a voxel of each possible brick.
   void read_all() {
     for (int lod = 0; lod < lods; ++lod) {
       const std::int64_t bricks = gappy_edge >> (lod + 3), edge = std::int64_t(8) << lod;
@@ -83,7 +82,7 @@ TEST(VoxelLookup, AnswersAlikeWhateverWayItWentBefore) {
   std::int64_t v[3] = {0, 0, 0};
   int bricks = 0;
   for (int i = 0; i < 20000; ++i) {
-    const bool is_near = ground.random() % 2 == 0;  // the next one shares much of its way
+    const bool is_near = ground.random() % 2 == 0;  // the next voxel shares much of the path
     for (std::int64_t& c : v) c = is_near ? (c ^ std::int64_t(ground.random() % 16)) % gappy_edge : ground.coordinate();
     const int lod = int(ground.random() % lods);
     PageGaps gaps;
@@ -97,7 +96,7 @@ TEST(VoxelLookup, AnswersAlikeWhateverWayItWentBefore) {
   EXPECT_GT(bricks, 1000);
 }
 
-/// A node of the level overlaps the box: found by looking at all nodes that may.
+/// Returns true if a node of the level overlaps the box; found by checking all nodes that may overlap it.
 bool is_occupied(const OpenGround& ground, int lod, const kernels::VoxelBox& box) {
   const std::int64_t edge = std::int64_t(8) << lod;
   for (std::int64_t z = box.min[2] / edge * edge; z < box.max[2]; z += edge)

@@ -1,4 +1,4 @@
-/// Bytes over a socket: a client that may be as rude as it likes.
+/// A socket client for tests that sends any bytes, also invalid requests.
 #pragma once
 
 #include <string>
@@ -12,13 +12,13 @@ class HttpClient {
   HttpClient(const HttpClient&) = delete;
   HttpClient& operator=(const HttpClient&) = delete;
 
-  /// False where the server has closed.
+  /// Sends the bytes. Returns false if the server has closed.
   bool send(const std::string& bytes);
   /// Receives until the server closes, `most` bytes have arrived or the server has been silent for `silence_s`.
   std::string receive(std::size_t most, double silence_s = 2);
   /// Receives until `ending` arrives, or nothing for half a minute.
   std::string receive_until(const std::string& ending);
-  /// One whole answer with a Content-Length, head and body; what there is of it where it does not come.
+  /// Receives one whole answer with a Content-Length, head and body; returns the received part if it stays incomplete.
   std::string answer();
 
  private:

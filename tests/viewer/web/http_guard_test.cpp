@@ -36,7 +36,7 @@ TEST(HttpGuard, FindsTheHostOfAnAuthority) {
   EXPECT_EQ(host_of(""), "");
 }
 
-// 2026-11-22: "[::1].evil" and "localhost:80@evil" passed for this machine.
+// 2026-11-22: "[::1].evil" and "localhost:80@evil" were accepted as this machine.
 TEST(HttpGuard, TakesAHostAndAPortAndNothingElseForAnAuthority) {
   const std::pair<const char*, const char*> good[] = {
       {"localhost", "localhost"},
@@ -106,7 +106,7 @@ TEST(HttpGuard, TakesAHostAndAPortAndNothingElseForAnAuthority) {
   EXPECT_EQ(host_of(std::string(256, 'a')), "");
 }
 
-/// 2026-11-22: [::1].evil and localhost:80@evil passed.
+/// 2026-11-22: [::1].evil and localhost:80@evil were accepted.
 TEST(HttpGuard, RefusesHostsThatAreNoneWhereverItListens) {
   for (const char* bad : {"", "[::1].evil", "localhost:80@evil", "localhost, evil"}) {
     EXPECT_EQ(guard_status(get(bad)), 403) << bad;
@@ -119,7 +119,7 @@ TEST(HttpGuard, RefusesANameThatSomebodyPointedHere) {
   EXPECT_EQ(guard_status(get("[::1]:8080")), 200);
   EXPECT_EQ(guard_status(get("evil.com:8080")), 403);
   EXPECT_EQ(guard_status(get("")), 403);
-  EXPECT_EQ(guard_status(get("gpu-7.example:8080"), false), 200);  // there the token guards
+  EXPECT_EQ(guard_status(get("gpu-7.example:8080"), false), 200);  // with such an address the token is the protection
 }
 
 TEST(HttpGuard, RefusesRequestsOfOtherPages) {

@@ -30,7 +30,7 @@ std::vector<std::unique_ptr<HttpClient>> clients(int port, int count, const std:
   return out;
 }
 
-/// A server on a free port, for as long as this lives. Whatever is not handled is answered "fine".
+/// A server on a free port during the lifetime of this object. It answers "fine" to unhandled requests.
 class HttpServed {
  public:
   explicit HttpServed(const HttpServer::Limits& limits = {}, std::function<HttpAnswer(const HttpRequest&)> handle = {})
@@ -67,7 +67,7 @@ std::uint64_t resident_bytes() {
   return resident * std::uint64_t(sysconf(_SC_PAGE_SIZE));
 }
 
-/// Sends until the server closes; how much that was.
+/// Sends until the server closes. Returns the number of bytes sent.
 std::size_t sent_until_closed(HttpClient& client, const std::string& what, std::size_t most) {
   std::size_t sent = 0;
   while (sent < most && client.send(what)) sent += what.size();
@@ -91,7 +91,7 @@ TEST(HttpServer, EndsAHeadThatHasNoEnd) {
   EXPECT_EQ(served.status(), 200);
 }
 
-/// 2026-11-22: header lines without end took 1.2 GB in 25 s.
+/// 2026-11-22: endless header lines took 1.2 GB in 25 s.
 TEST(HttpServer, SaysThatAHeadIsTooLong) {
   HttpServed served;
   EXPECT_EQ(status_of(ask(served.port(), "GET", "/" + std::string(40000, 'a'))), 414);
@@ -125,7 +125,7 @@ TEST(HttpServer, DropsWhoTakesTooLongForARequest) {
   EXPECT_EQ(status_of(second.answer()), 0);
 }
 
-/// Two sockets that are connected: what the server holds, and what its client does.
+/// Two connected sockets: one for the server and one for its client.
 struct Connection {
   int server = -1, client = -1;
   Connection() {
@@ -189,7 +189,7 @@ TEST(HttpServer, ClosesMoreConnectionsThanOneAddressMayHave) {
   while (served.status() != 200) std::this_thread::sleep_for(10ms);  // as soon as the server notices
 }
 
-/// 2026-11-22: one viewer kept the others without a frame for 23 s.
+/// 2026-11-22: one viewer blocked the others' frames for 23 s.
 TEST(HttpServer, AReplyThatTakesLongKeepsNobodyWaiting) {
   std::promise<void> done;
   const std::shared_future<void> is_done = done.get_future().share();

@@ -27,7 +27,7 @@ using testing::StartsWith;
 
 const std::string token = "sesame-sesame-sesame";
 
-/// A server on a free port, for as long as this lives.
+/// A server on a free port during the lifetime of this object.
 class Served {
  public:
   explicit Served(const StreamServer::Options& options = {}, bool with_scene = true) {
@@ -42,7 +42,7 @@ class Served {
     any.port = 0;
     server_.emplace(*scene_, any);
     thread_ = std::thread([this] { server_->serve(); });
-    status_of(ask(port(), "GET", "/"));  // answered: it runs
+    status_of(ask(port(), "GET", "/"));  // an answer shows that it runs
   }
   ~Served() {
     server_->stop();
@@ -176,7 +176,7 @@ TEST(StreamServer, AnswersStrangersWithAStatus) {
 
 // 2026-11-22: each request had a separate thread, without a limit.
 TEST(StreamServer, MakesFewPicturesOfAViewerAtATime) {
-  Served served({}, false);  // no scene: they wait
+  Served served({}, false);  // without a scene the requests wait
   const std::string key = served.viewer(), target = "/picture.png?viewer=" + key;
   std::vector<std::unique_ptr<HttpClient>> waiting;
   for (int i = 0; i < StreamSessions::most_pictures; ++i) {
@@ -277,7 +277,7 @@ json wait_for(Served& served, const std::string& key, const std::function<bool(c
   return state;
 }
 
-// 2026-11-22: one viewer of 4096 x 4096 left the others without a frame for 23 s.
+// 2026-11-22: one viewer of 4096 x 4096 blocked the others' frames for 23 s.
 TEST(StreamServer, AViewerOfAVeryLargePictureLeavesTurnsToOthers) {
   Served served;
   const std::string large = served.viewer();

@@ -13,7 +13,7 @@
 namespace gigabake {
 namespace {
 
-/// n×n squares of two triangles on the plane z = 0, in the order of rows.
+/// Returns n×n squares of two triangles on the plane z = 0, in the order of rows.
 Primitive grid(int n) {
   Primitive mesh;
   mesh.material = 3;
@@ -57,7 +57,7 @@ std::vector<Triangle> triangles_of(const std::vector<Primitive>& clusters) {
   return all;
 }
 
-/// Random triangles between random vertices, some of them not finite.
+/// Returns random triangles between random vertices, some of them not finite.
 Primitive random_mesh(std::size_t vertices, std::size_t triangles, bool has_uv, bool has_rgba, std::mt19937_64& rng) {
   std::normal_distribution<float> place(0, 100);
   Primitive mesh;
@@ -99,7 +99,8 @@ TEST(ClustersOf, KeepWhatIsOfTheWholeMesh) {
   EXPECT_TRUE(clusters_of(Primitive{}).empty());
 }
 
-/// Area of the clusters' rectangles, in squares of the grid. `most`: a vertex beyond it is not looked at.
+/// Returns the area of the clusters' rectangles, in squares of the grid. Ignores rectangles that are `most` or more
+/// wide.
 double covered_area(const std::vector<Primitive>& clusters, double most) {
   double area = 0;
   for (const Primitive& c : clusters) {

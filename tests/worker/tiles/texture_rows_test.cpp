@@ -31,7 +31,7 @@ struct PngKind {
   double gamma = 0;
 };
 
-/// Noise of n columns and m rows.
+/// Returns noise of n columns and m rows.
 EncodedImage png_of(const PngKind& kind, png_uint_32 n, png_uint_32 m) {
   EncodedImage out{"image.png", {}};
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
@@ -100,7 +100,7 @@ std::vector<std::uint8_t> content(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Empty: the image is refused.
+/// The bytes of a texture file; empty if the image is refused.
 using Made = std::vector<std::uint8_t>;
 
 class TextureRowsTest : public testing::Test {

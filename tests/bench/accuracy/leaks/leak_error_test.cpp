@@ -21,7 +21,7 @@ AlphaPicture square_of(double alpha) {
   return picture;
 }
 
-/// All transparent beyond the square.
+/// Returns an image of this alpha that is transparent beyond the square.
 LinearPicture picture_of(const AlphaPicture& alpha) {
   LinearPicture picture{alpha.width, alpha.height, {}};
   for (const double a : alpha.alpha) picture.rgba.insert(picture.rgba.end(), {0, 0, 0, float(a)});
