@@ -93,8 +93,7 @@ bool is_ending(const std::string& holder) {
   if (::kill(pid_t(process), 0) != 0 && errno == ESRCH) return true;  // a child of it still has its files
   if (!std::filesystem::exists(entry, code)) return false;
   const auto program = std::filesystem::read_symlink(entry / "exe", code);
-  // A process that has released its memory has no program link any more; for a process of another user the link is
-  // unreadable.
+  // A process that has released its memory has no program link. The link of another user's process is unreadable.
   const bool has_given_back = program.empty() && code != std::errc::permission_denied;
   return has_given_back || has_kill_pending(pid_t(process));
 }

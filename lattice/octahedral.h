@@ -1,5 +1,5 @@
 /// Unit vectors in two signed bytes (octahedral encoding), rounded to nearest: the error is at most 0.96°.
-/// Source  Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors".
+/// Source  Cigolle et al. 2014 (JCGT 3(2)).
 #pragma once
 
 #include <array>

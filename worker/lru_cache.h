@@ -12,7 +12,8 @@
 
 namespace gigabake {
 
-/// Value has `std::uint64_t bytes() const`. An evicted value stays alive while a caller holds it. Thread-safe.
+/// A cache that evicts the least recently used values; Value has `std::uint64_t bytes() const`. An evicted value stays
+/// alive while a caller holds it. Thread-safe.
 template <class Key, class Value, class KeyHash = std::hash<Key>>
 class LruCache {
  public:

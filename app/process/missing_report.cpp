@@ -17,7 +17,7 @@ struct NotedScene {
   MissingData missing;
 };
 
-/// The scenes that the command of this process reads.
+/// Returns the scenes that the command of this process reads.
 std::vector<NotedScene>& noted_scenes() {
   static std::vector<NotedScene> scenes;
   return scenes;

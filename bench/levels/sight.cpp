@@ -136,8 +136,8 @@ Blend blend_at(const Blocks& blocks, const Vector3& p) {
   return r;
 }
 
-/// Returns the fraction of the blended surface at the point that is surface: the blocks' weighted fractions, relative
-/// to the weight of the blocks that its tangent plane crosses. A block does not count as crossed if the plane cuts only
+/// Returns the fraction of the blended surface at the point that is surface. The blocks' weighted fractions are divided
+/// by the weight of the blocks that its tangent plane crosses. A block does not count as crossed if the plane cuts only
 /// a corner.
 double share_of_sheet(const Blend& b) {
   const double length = std::hypot(b.normal[0], b.normal[1], b.normal[2]);

@@ -309,8 +309,8 @@ GB_HD bool seeks_next(CastTask task) {
 /// The number of seek steps before the next action is chosen again.
 inline constexpr int steps_together = 3;
 
-/// Continues until the ray hit a surface, is finished or waits. The rays of a warp seek together and process samples
-/// together, whichever more of them need. On a device all lanes of a warp must call this function.
+/// Continues until the ray hit a surface, is finished or waits. The rays of a warp either all seek or all process
+/// samples, depending on the need of the majority. On a device all lanes of a warp must call this function.
 template <CastAim aim = CastAim::eye>
 GB_HD void walk_to_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
                          CastWalk& walk, CastPath& path, CastRay& ray) {

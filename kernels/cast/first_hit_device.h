@@ -27,7 +27,7 @@ class CudaFirstHits {
   void upload(Span<const FirstHitRay> rays);
 
   /// Casts rays and returns the seconds that the device needed, measured by its own clock. Results stay on the device
-  /// until the next cast. looks: attributes of the hit voxels are fetched too.
+  /// until the next cast. If `looks`, attributes of the hit voxels are fetched too.
   /// Exact   The same bits as cast_first_hits().
   double cast(const FirstHitCamera& camera, bool looks);
   double cast(bool looks);

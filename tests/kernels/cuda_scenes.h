@@ -25,7 +25,8 @@ class TestCell {
   std::uint32_t window_voxels = 64;
   std::vector<MaterialView> materials;
 
-  /// Range: material is one of `materials`.
+  /// Adds a part.
+  /// Range   material: an index of `materials`.
   void add_part(std::vector<float> position, std::vector<std::uint32_t> index, std::uint32_t material,
                 std::vector<float> uv = {}, std::vector<std::uint16_t> rgba = {});
   /// Adds a moved and scaled instance of the last part; a negative scale mirrors it.

@@ -70,7 +70,6 @@ struct MadeScene {
   }
 };
 
-/// All of 2026-11-22.
 TEST(SizeEstimate, IsTheSumWhereAllPiecesWereBaked) {
   std::mt19937_64 random(estimate_seed);
   const MadeScene made(random);

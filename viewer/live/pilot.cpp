@@ -168,7 +168,7 @@ void Pilot::drawn(const Order& order, const FrameStats& stats) {
     done_ = stats.complete && order.full;
     return;
   }
-  // Uploads at rest take longer, and tell nothing about the time of a frame during movement.
+  // Uploads at rest take longer, so they do not indicate the time of a frame during movement.
   pace_.took(stats.total_s - std::max(0.0, stats.upload_s - upload_s_), order.share);
   const bool nothing_comes = stats.starved || (stats.uploads == 0 && stats.pages_loading == 0);
   if (stats.complete || nothing_comes) done_share_ = order.share;

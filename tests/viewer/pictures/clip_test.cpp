@@ -25,7 +25,8 @@ std::array<double, 2> place_seen(const VoxelScene& scene, const PictureOptions& 
   return {line.origin[0] + line.direction[0] * to_ground, line.origin[1] + line.direction[1] * to_ground};
 }
 
-/// shown(x, y): depth of a place inside the shown part in voxels; negative outside.
+/// Expects the clipped image to be correct. The callback shown(x, y) returns the depth of a place inside the shown part
+/// in voxels, negative outside.
 template <class Shown>
 void expect_clipped(const Clip& clip, const Shown& shown) {
   const VoxelScene scene = wide_ground();
