@@ -30,7 +30,7 @@ class BakeProcessTest : public testing::Test {
     EXPECT_EQ(report.cell.voxels, expected.cell.voxels);
   }
 
-  /// Kills it with three cells in hand; the next process bakes them.
+  /// Kills the process with three cells in flight. The next process bakes them.
   void dies_of(int signal, const std::string& why) {
     BakeProcess process(scene.setup("out"), real_program());
     for (std::uint32_t i = 0; i < 3; ++i) process.submit(jobs[i], 1);
@@ -115,7 +115,7 @@ TEST_F(BakeProcessTest, TakesAStoppedProcessForHungAndGoesOn) {
   EXPECT_EQ(expect<Baked>(process).report.outcome, CellOutcome::baked);
 }
 
-/// Until 2026-11-22 nobody looked at a process that had not begun and had nothing in hand: all ranks waited for ever.
+/// Regression of 2026-11-22: all ranks waited for ever for a process that hung in its start, before it had a cell.
 TEST_F(BakeProcessTest, TakesAProcessThatStopsBeforeItBeginsForHung) {
   BakeProcessOptions options;
   options.program = scene.script("asleep", "exec sleep 600");

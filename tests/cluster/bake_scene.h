@@ -19,13 +19,13 @@ class BakeScene {
   const std::filesystem::path& folder() const { return folder_.path(); }
   std::filesystem::path source() const { return folder() / "terrain"; }
   SceneSources sources() const { return open_sources(source(), {}); }
-  /// For a bake into FOLDER/out.
+  /// Returns the setup of a bake into FOLDER/out.
   WorkerSetup setup(const std::string& out) const;
-  /// As `gigabake bake` plans them, from surveys made here.
+  /// Scans the scene and returns the jobs that `gigabake bake` would plan.
   std::vector<CellJob> jobs() const;
-  /// Of the pipeline in this process.
+  /// Bakes the jobs with the pipeline, in this process. Returns the pipeline's reports.
   std::vector<CellReport> baked_here(const std::vector<CellJob>& jobs, const std::string& out) const;
-  /// An executable shell script. It gets the arguments "bake-process" and the number of its socket, 3.
+  /// Writes an executable shell script. A bake passes it the arguments "bake-process" and the number of its socket, 3.
   std::filesystem::path script(const std::string& name, const std::string& commands) const;
 
  private:

@@ -36,7 +36,7 @@ class ChildProcessTest : public testing::Test {
     ASSERT_EQ(::send(child.socket(), bytes.data(), bytes.size(), MSG_NOSIGNAL), ssize_t(bytes.size()));
   }
 
-  /// Gone or a zombie.
+  /// Returns true if the process does not exist or is a zombie.
   static bool has_ended(pid_t pid) {
     std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
     const std::string text{std::istreambuf_iterator<char>(stat), {}};

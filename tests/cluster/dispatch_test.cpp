@@ -23,7 +23,7 @@ constexpr std::uint64_t seed = 20261122;
 constexpr std::uint32_t cells = 200;
 constexpr double forever_s = 1e5;
 
-/// A bake of cells that are numbers alone, written down by the real log, journal and status.
+/// Bake of cells without content, recorded by the real log, journal and status.
 class Dispatch : public testing::Test {
  protected:
   Dispatch() {
@@ -123,7 +123,7 @@ TEST_F(Dispatch, BakesEveryCellOnceHoweverManyProcessesDie) {
     ranks.at = [&](double) {
       if (deaths < 60 && random() % 8 == 0) ranks.kill_process(int(random() % std::uint64_t(count))), ++deaths;
     };
-    options_.strikes = 1000;  // nobody is to blame
+    options_.strikes = 1000;  // no cell is quarantined
     const DispatchResult result = run(ranks);
     expect_each_once(result);
     EXPECT_EQ(result.counts, (JobCounts{0, 0, cells, 0, 0})) << count << " ranks";
@@ -241,7 +241,7 @@ TEST_F(Dispatch, FinishesWhatIsOutWhenItIsAskedToDrain) {
     const DispatchResult result = run(ranks);
     EXPECT_TRUE(result.is_drained);
     EXPECT_EQ(ranks.orders(), result.counts.done) << "nothing that was begun is left, seed " << seed;
-    EXPECT_LE(ranks.orders(), orders + std::size_t(options_.slots * count));  // what was under way
+    EXPECT_LE(ranks.orders(), orders + std::size_t(options_.slots * count));  // the cells that were in flight
     EXPECT_EQ(result.counts.abandoned, cells - result.counts.done);
     expect_each_once(result);
     EXPECT_EQ(notes_.size(), 1u);
@@ -250,7 +250,7 @@ TEST_F(Dispatch, FinishesWhatIsOutWhenItIsAskedToDrain) {
   }
 }
 
-/// All of it at once, at random.
+/// Combines all these events at random.
 TEST_F(Dispatch, BakesEveryCellOnceWhateverHappensInWhicheverOrder) {
   for (std::uint64_t round = 0; round < 40; ++round) {
     SCOPED_TRACE("round " + std::to_string(round));

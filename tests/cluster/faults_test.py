@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""What a night does to a bake: processes, ranks and mpirun are killed, stopped, starved of memory or told to drain at
-random moments, in the first second too; shards are damaged between runs; a source has a vertex a million kilometres
-away. The same command, given again, ends with the voxels of an undisturbed bake, every time, and nothing hangs.
+"""Bakes survive random faults: repeating the same command always ends with the voxels of an undisturbed bake.
+
+Processes, ranks and mpirun are killed, stopped, starved of memory or drained at random moments, also in their first
+second. Shards are damaged between runs. A source has a vertex a million kilometres away. No run may hang.
 
 Usage: faults_test.py GIGABAKE SOURCE_DIR [--count N] [--seed N|random] [--size METRES]
 """
@@ -21,15 +22,15 @@ import harness
 
 OPTIONS = {"count": 10, "seed": 20261120, "size": 192}
 BAKE_PROCESS = "gigabake-bake"
-# What bounds a launch that hangs, and so no fault takes longer than LONGEST_S.
+# Time limits of the starter, for which no fault takes longer than LONGEST_S.
 BOUNDS = {"GIGABAKE_END_S": "5", "GIGABAKE_QUIET_S": "12", "GIGABAKE_PAUSE_S": "0"}
-# In the starter's launches a rank is stopped while MPI starts; in the others that only takes as long as it takes.
+# Seconds for the start of MPI. The starter's launches need a low limit: only there a rank is stopped in that time.
 MPI_SECONDS_OF_STARTER, MPI_SECONDS = "8", "60"
-LONGEST_S = 120  # ten times what it takes on an idle machine
+LONGEST_S = 120  # ten times the duration on an idle machine
 NO_MEMORY = "no memory"
 RANK_LOST = 69
 
-# (who, what is done to it, when): "start" is the first half second after it appeared.
+# (process, fault, moment): "start" is the first half second of the process.
 KINDS = [("bake process", signal.SIGKILL, "later"), ("bake process", signal.SIGSEGV, "later"),
          ("bake process", signal.SIGSTOP, "later"), ("bake process", NO_MEMORY, "later"),
          ("worker rank", signal.SIGKILL, "later"), ("rank 0", signal.SIGKILL, "later"),
@@ -47,7 +48,7 @@ def descendants(pid):
         try:
             text = stat.read_text()
         except OSError:
-            continue  # it ended meanwhile
+            continue  # it has just ended
         name, rest = text[text.index("(") + 1:text.rindex(")")], text[text.rindex(")") + 2:].split()
         children.setdefault(int(rest[1]), []).append((int(stat.parent.name), name))
     found, ask = [], [pid]
@@ -123,8 +124,8 @@ class Faults(harness.FolderTest):
 
     @classmethod
     def arguments(cls, out):
-        # A disk that others write to may keep a shard's flush for seconds, three of which would set a cell aside.
-        # Mended on 2026-11-22: the stall was 2 s.
+        # The stall exceeds 2 s: a busy disk may delay the flush of a shard for seconds. After three such stalls the
+        # cell would count as failed (2026-11-22).
         return (cls.root / "terrain/tileset.json", out, 0.25, "--cell-voxels", 64, "--stall", 10, "--silence", 5,
                 "--threads", 1)
 
@@ -194,7 +195,7 @@ class Faults(harness.FolderTest):
         return f"{shard.name} {how}"
 
     def expect_code(self, code, log, kind, context):
-        """Of a launch that had a fault."""
+        """Checks the exit code of a launch after its fault."""
         who, what, _ = kind
         if who == "bake process" and what != NO_MEMORY:
             self.assertEqual(code, 0, f"{context}: a bake goes on without one of its processes\n{log}")
@@ -202,7 +203,7 @@ class Faults(harness.FolderTest):
             self.assertIn(code, (0, 1, 3), f"{context}\n{log}")
         elif who != "mpirun":
             self.assertEqual(code, 0, f"{context}: the starter launches again\n{log}")
-        # A program that is still being loaded knows no signal yet.
+        # A program that is still being loaded does not handle signals yet.
         elif what == signal.SIGUSR1 and "content files" in log:
             self.assertIn(code, (0, 75), f"{context}\n{log}")
 
@@ -235,7 +236,7 @@ class Faults(harness.FolderTest):
         print(f"seed {OPTIONS['seed']}, {inflicted} faults, the longest took {slowest:.1f} s: {counts}")
 
     def test_bake_processes_that_die_before_they_begin_are_started_again(self):
-        """Of ranks that have no tile to survey. Until 2026-11-22 such a death ended the bake with exit code 1."""
+        """Regression of 2026-11-22: bakes failed with code 1 if a process of a rank without a tile to scan died."""
         tile, out = self.root / "tile.glb", self.root / "newborn"
         harness.write_glb(tile, [(0, 0, 0), (8, 0, 0), (0, 0, -8)], [(0, 1, 2)], [(200, 100, 50, 255)] * 3)
         launch = Launch(self.program, ["bake", tile, "-o", out, "--voxel-size", 0.25, "--cell-voxels", 8], 3)
@@ -264,14 +265,16 @@ class Faults(harness.FolderTest):
         ranks = []
         while launch.process.poll() is None and len(ranks) < 2:
             ranks = [pid for pid in launch.pids("worker rank") if descendants(pid)]
-        for pid in ranks:  # with its bake process: it surveys
+        for pid in ranks:  # and its bake process, which scans the tile
             for child, _ in descendants(pid):
                 os.kill(child, signal.SIGSTOP)
             os.kill(pid, signal.SIGSTOP)
 
     def silence_in_survey(self, name, happened, *launcher):
-        """The folder, exit code and log of a bake. The survey takes a tenth of a second: where it was over before the
-        ranks stood still, the bake ends without them, and is made again."""
+        """Returns the folder, exit code and log of a bake whose ranks are stopped while they scan a tile.
+
+        The scan takes a tenth of a second. If it ends before the ranks are stopped, the bake is repeated.
+        """
         for attempt in range(5):
             out = self.root / f"{name}_{attempt}"
             launch = Launch(self.program, self.bake(out), 3, *launcher)
@@ -289,7 +292,7 @@ class Faults(harness.FolderTest):
         self.expect_whole(out, 2, "after a rank fell silent")
 
     def test_the_starter_launches_again_where_a_rank_fell_silent_in_the_survey(self):
-        """Mended on 2026-11-22: the launch ended with 1, as a bake that cannot succeed does, and stayed ended."""
+        """Regression of 2026-11-22: the launch ended with code 1 and was not repeated, like a bake that must fail."""
         out, code, log = self.silence_in_survey("silent_survey_again", lambda code, log: "relaunch 1" in log,
                                                 self.starter)
         self.assertEqual(code, 0, log)

@@ -11,7 +11,7 @@ using Time = HangWatch::Clock::time_point;
 
 const Time begin = Time() + std::chrono::hours(5);
 
-/// Looks every half second at a process that does what `activity_at` says.
+/// Returns a watch that has sampled `activity_at` every half second.
 template <class Activity>
 HangWatch watched_for(seconds time, const Activity& activity_at) {
   HangWatch watch(seconds(60));

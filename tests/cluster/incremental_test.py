@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""What changes is baked again, and nothing else: of a thousand tiles one is touched, moved, removed or added, a texture
-or a parameter changes, and the result is that of a clean bake. One bake a folder.
+"""A bake over previous results bakes only the changed cells again and gives the voxels of a clean bake.
+
+One of a thousand tiles is touched, moved, removed or added, or a texture or a parameter changes. One bake per folder.
 
 Usage: incremental_test.py GIGABAKE SOURCE_DIR
 """
@@ -29,7 +30,7 @@ SETTLE_S = 2.1  # younger stamps of files are not trusted
 
 
 def tile(random_values, x, y):
-    """A rough sheet a little smaller than its place, so that it touches the cells of one column alone."""
+    """Returns a rough surface slightly smaller than a tile, so that it overlaps the cells of only one column."""
     quads = 12
     grid = numpy.linspace(0.5, TILE_M - 0.5, quads + 1)
     across, along = numpy.meshgrid(grid + x * TILE_M, grid + y * TILE_M)
@@ -70,7 +71,7 @@ class Incremental(harness.FolderTest):
                                               "--cell-voxels", CELL_VOXELS, "--json", *more, ranks=2))
 
     def expect_as_clean(self, *more):
-        """The bake over what was there gives what a clean one gives; returns the former's report."""
+        """Bakes over previous results and compares with a clean bake. Returns the report of the incremental bake."""
         report = self.bake(self.out, *more)
         clean = self.root / "clean"
         self.bake(clean, *more)

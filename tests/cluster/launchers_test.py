@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""cluster/gigabake-mpirun and cluster/gigabake.sbatch: what they do about every way in which a launch can end. A
-made-up mpirun ends as it is told to; the last tests launch the real one.
+"""Tests cluster/gigabake-mpirun and cluster/gigabake.sbatch for every way in which a launch can end.
+
+A simulated mpirun ends as the test specifies. The last tests launch the real mpirun.
 
 Usage: launchers_test.py GIGABAKE SOURCE_DIR
 """
@@ -17,9 +18,9 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
 import harness  # noqa: E402  (lies in another folder)
 
-# Each launch takes the next line of `ends`: an exit code, "wait" for a signal, whose name it writes down, the state
-# of a bake that ends though mpirun does not, "talk" for a bake that says often that it lives, "mute" for one that says
-# so once, or "lonely" for an mpirun whose ranks are gone.
+# Each launch takes the next line of `ends`: an exit code, or one of these words.
+# - "wait" waits for a signal and records its name. "talk" is a bake that updates its status often, "mute" only once.
+# - "lonely" is an mpirun whose ranks have ended. A state is that of a bake that ends while mpirun still runs.
 MPIRUN = """#!/usr/bin/env bash
 cd "$(dirname "$0")"
 printf '%s\\n' "$*" >>launches
@@ -84,7 +85,10 @@ class Script(unittest.TestCase):
             time.sleep(0.02)
 
     def expect_no_hang(self, run, ends, relaunched):
-        """run: a launch whose bake writes into self.root / "out", to its end; the exit code. Mended on 2026-11-22."""
+        """Runs launches that hang. `run` starts one that bakes into self.root / "out", and returns its exit code.
+
+        Regression of 2026-11-22.
+        """
         reasons = {"mute": "nothing heard of the bake for 5 s", "lonely": "every rank is gone, but mpirun is not"}
         (self.root / "out/status.json").write_text('{"state":"complete"}')  # of an earlier bake
         for end, code in ends:
@@ -233,7 +237,7 @@ class Sbatch(Script):
 
 
 class Real(unittest.TestCase):
-    """With Open MPI's own mpirun."""
+    """Launches with the real mpirun of Open MPI."""
 
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()

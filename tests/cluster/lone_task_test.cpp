@@ -13,7 +13,7 @@ int tasks(const std::map<std::string, std::string>& variables) {
   });
 }
 
-// Mended on 2026-11-22: each of srun's tasks baked the whole scene.
+// Regression of 2026-11-22: each of srun's tasks baked the whole scene.
 TEST(LoneTask, IsATaskOfSrunThatFoundNoOthers) {
   EXPECT_EQ(tasks({{"SLURM_NTASKS", "4"}}), 4);
   EXPECT_EQ(tasks({{"SLURM_JOB_ID", "7"}, {"SLURM_STEP_ID", "0"}, {"SLURM_STEP_NUM_TASKS", "3"}}), 3);
@@ -37,8 +37,8 @@ bool launched(const char* only) {
   return is_launched([&](const char* name) { return std::string(name) == only ? "1" : nullptr; });
 }
 
-/// A launched rank that took itself for the only one would bake everything; a lone one that did not would take 0.3 s
-/// longer to start.
+/// Detection errors are costly. A launched rank that is not detected would bake everything. An unlaunched process that
+/// is taken for a launched one would start 0.3 s later.
 TEST(IsLaunched, KnowsTheLaunchersAndNothingElse) {
   for (const char* name :
        {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMIX_NAMESPACE", "PMI_RANK", "PMI_FD", "SLURM_STEP_ID"})

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""cluster/gigabake-mpirun on three 'hosts' that are network namespaces: one is cut off while it bakes, and the bake
-goes on without it.
+"""Runs cluster/gigabake-mpirun on three "hosts", each a network namespace.
+
+One host is disconnected during the bake, and the bake continues without it.
 
 Usage: netns_test.py GIGABAKE SOURCE_DIR
 

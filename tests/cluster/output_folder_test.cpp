@@ -73,7 +73,7 @@ TEST_F(OutputFolderTest, IsFreeAgainWhenItsHolderWasKilled) {
   ::close(ready[0]), ::close(ready[1]);
 }
 
-// 2026-11-25: `journal` and `.lock` were written through links, and what they led to was cut to nothing.
+// Regression of 2026-11-25: `journal` and `.lock` were written through links, and the linked files were truncated.
 TEST_F(OutputFolderTest, WritesThroughNoLinks) {
   for (const char* name : {"journal", ".lock"})
     for (const bool is_hard : {false, true}) {
@@ -87,8 +87,8 @@ TEST_F(OutputFolderTest, WritesThroughNoLinks) {
     }
 }
 
-// What was found on 2026-11-23: the same command, given again at once after a bake was killed, could end with "is being
-// baked into by" that bake, since a killed process holds its files until the disk has what it was writing.
+// Regression of 2026-11-23: a command repeated directly after its bake was killed could fail with "is being baked into
+// by". A killed process keeps its files open until the disk has its pending writes.
 TEST_F(OutputFolderTest, IsWaitedForWhereItsHolderWasKilledAndItsFilesAreStillOpen) {
   fs::create_directories(out());
   int ready[2];

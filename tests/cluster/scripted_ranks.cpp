@@ -27,7 +27,7 @@ void ScriptedRanks::send(int rank, Tag tag, std::vector<std::uint8_t> bytes) {
   r.inbox.emplace_back(tag, std::move(bytes));
 }
 
-/// The protocol as cluster/message.h has it, written a second time.
+/// Handles a message by an independent implementation of the protocol of cluster/message.h.
 void ScriptedRanks::obey(Rank& rank, Tag tag, const std::vector<std::uint8_t>& bytes) {
   rank.longest_silence_s = std::max(rank.longest_silence_s, now_s_ - rank.heard_s);
   rank.heard_s = now_s_;

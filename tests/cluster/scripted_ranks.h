@@ -1,4 +1,4 @@
-/// Ranks that a test plays: their clock, what they do with cells, and when they die, fall silent or talk nonsense.
+/// Ranks that a test scripts: their clock, their results, their deaths and stalls, and their malformed messages.
 #pragma once
 
 #include <deque>
@@ -14,17 +14,17 @@
 
 namespace gigabake {
 
-/// Time passes in wait() alone. A rank works on its cells one after the other and answers when the time has come.
+/// Simulated ranks. Time passes only in wait(). A rank works on one cell at a time and answers when it is done.
 class ScriptedRanks : public RankLink {
  public:
-  /// What a rank makes of a cell.
+  /// The outcome of a cell in its rank.
   enum class Fate { baked, failed, refused, kills_the_process };
-  /// What becomes of a cell's answer on its way.
+  /// The way in which a rank's answer arrives at rank 0.
   enum class Delivery { once, twice, malformed };
 
   ScriptedRanks(int ranks, std::uint64_t seed) : ranks_(std::size_t(ranks)), random_(seed) {}
 
-  // The script; each may be changed while dispatch() runs, from at().
+  // The script. The function `at` may change each member while dispatch() runs.
   std::function<Fate(int rank, std::uint32_t job)> fate = [](int, std::uint32_t) { return Fate::baked; };
   std::function<Delivery(int rank, std::uint32_t job)> delivery = [](int, std::uint32_t) { return Delivery::once; };
   std::function<void(double now_s)> at = [](double) {};
@@ -33,13 +33,13 @@ class ScriptedRanks : public RankLink {
   void kill_process(int rank);
   void ask_to_drain() { drain_asked_ = true; }
 
-  // What happened.
-  /// Orders that a rank took, of all attempts.
+  // Results.
+  /// Returns the number of orders that ranks accepted, of all attempts.
   std::size_t orders() const { return orders_; }
-  /// Cells in the hand of a rank's bake process.
+  /// Returns the number of cells that are in flight in a rank's bake process.
   std::size_t in_hand(int rank) const { return ranks_[std::size_t(rank)].hand.size(); }
   bool was_told_to_stop(int rank) const { return ranks_[std::size_t(rank)].stopped; }
-  /// The longest time that a rank heard nothing of rank 0.
+  /// Returns the maximum time between two messages of rank 0 to this rank.
   double longest_silence_s(int rank) const { return ranks_[std::size_t(rank)].longest_silence_s; }
 
   int ranks() const override { return int(ranks_.size()); }
@@ -56,7 +56,7 @@ class ScriptedRanks : public RankLink {
   };
   struct Rank {
     std::deque<Work> hand;
-    std::deque<std::pair<Tag, std::vector<std::uint8_t>>> inbox;  ///< what a stalled rank has not read yet
+    std::deque<std::pair<Tag, std::vector<std::uint8_t>>> inbox;  ///< messages that a stalled rank has not read yet
     std::uint32_t deaths = 0;
     bool stalled = false, stopped = false;
     double shown_s = -10, heard_s = 0, longest_silence_s = 0;

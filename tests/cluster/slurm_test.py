@@ -87,7 +87,7 @@ class Slurm(harness.FolderTest):
         self.assertEqual(self.field(job, "JobState"), "COMPLETED", self.logs())
 
     def processes(self, job, name):
-        """Those of that name on the nodes of a job."""
+        """Yields the processes with that name on the nodes of a job."""
         for path in Path("/proc").glob("[0-9]*/environ"):
             try:
                 if (path.parent / "comm").read_text().strip() != name:
@@ -135,7 +135,7 @@ class Slurm(harness.FolderTest):
         out = self.root / "limited"
         job = self.submit(out, 0.16, "--time", "1", "--signal", "B:USR1@55", cell_voxels=64, threads=1)
         self.wait_for_cells(out)
-        # Slurm checks time limits twice a minute: until it has, cells stand still that else would need minutes of work.
+        # Slurm checks time limits only twice a minute. Stopped cells save minutes of work until then.
         self.assertGreater(self.signal(job, "gigabake-bake", signal.SIGSTOP), 0, self.logs())
         self.wait_until(lambda: self.status(out)["state"] == "draining", "the bake is not told of the limit")
         self.signal(job, "gigabake-bake", signal.SIGCONT)

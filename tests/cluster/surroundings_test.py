@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
-"""What surrounds a bake and is not as it should be: locks of others, limits, variables, a hostfile from Windows, a name
-that is no text, a host without /proc. Each is one line that names it, soon. And what a log and a second Ctrl-C say.
+"""Bakes in a faulty environment print one line that names the fault, without a long delay.
+
+The faults are locks of other processes, limits, variables, a hostfile from Windows, a name that is no text, and a host
+without /proc. Also tests the log and the message after a second Ctrl-C.
 
 Usage: surroundings_test.py GIGABAKE SOURCE_DIR
 """
@@ -57,7 +59,7 @@ class Surroundings(harness.FolderTest):
     def refused_soon(self, command):
         start = time.monotonic()
         result = harness.run(command, 60, env=self.environment())
-        self.assertLess(time.monotonic() - start, 8)  # half a minute is what a killed holder gets
+        self.assertLess(time.monotonic() - start, 8)  # a killed owner would get half a minute
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertIn("is being baked into by", result.stderr)
 
@@ -87,7 +89,7 @@ class Surroundings(harness.FolderTest):
             self.assertEqual(result.returncode, 1, result.stderr)
             self.assertIn(f"ulimit -u, which is {limit}", result.stderr.splitlines()[-1])
 
-    # 2026-11-25: a holder that cannot be seen was taken for one that ends, and waited for.
+    # Regression of 2026-11-25: a bake waited for a lock of a process that it cannot see.
     def test_a_holder_out_of_sight_is_not_waited_for(self):
         nobody = 2**22 + 1  # no process has that number
         for name, text in (("old", ""), ("elsewhere", "namespace pid:[1]\n")):
@@ -165,7 +167,7 @@ class Surroundings(harness.FolderTest):
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertIn("a bake needs /proc to be mounted", result.stderr.splitlines()[-1])
 
-    # 2026-11-25: a process that died in the survey was not mentioned.
+    # Regression of 2026-11-25: the death of a process that scans tiles was not reported.
     def test_a_process_that_dies_while_tiles_are_surveyed_is_reported(self):
         large = self.new("large.glb")
         edge = 1000
@@ -194,7 +196,7 @@ class Surroundings(harness.FolderTest):
         result = self.program.run(*self.bake(self.new("ranks")), ranks=2)
         self.assertRegex(result.stderr, TIME)
 
-    # 2026-11-25: the second Ctrl-C said nothing.
+    # Regression of 2026-11-25: the second Ctrl-C printed no message.
     def test_a_second_interrupt_says_what_it_leaves(self):
         out = self.new("out")
         bake = harness.Started([self.program.executable, "bake", self.source, "-o", out, "--voxel-size", "0.01",

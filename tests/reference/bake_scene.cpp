@@ -47,8 +47,8 @@ Part triangle_part(const LatticeVertex& origin, const std::array<float, 9>& posi
   return part;
 }
 
-/// Unit vectors as vertices and the triangle as the map's columns: every double integer arrives exactly. The origin
-/// stands behind the triangle, so that the map does not mirror.
+/// Returns a part with unit vectors as vertices and the triangle as columns of the map: its integers stay exact.
+/// The origin lies behind the triangle, so that the map does not mirror.
 Part wide_triangle_part(const Triangle& t) {
   const auto n = normal_of(t);
   int w = 0;

@@ -20,7 +20,7 @@ struct BakedVoxel {
 };
 using VoxelMap = std::map<Voxel, BakedVoxel>;
 
-/// What a PartView borrows, owned. The map starts as the identity.
+/// Owned data of a PartView. The map starts as the identity.
 struct Part {
   std::vector<float> position;
   std::vector<std::uint32_t> index;
@@ -39,19 +39,19 @@ class BakeScene {
   /// Returns the material's index. Material 0 is opaque white and always there.
   std::uint32_t add_material(const kernels::MaterialView& material);
   std::uint32_t add_colour(const Rgba16& linear, AlphaMode mode = AlphaMode::opaque);
-  /// A material with this square texture (sRGB bytes, straight alpha).
+  /// Adds a material with this square texture (sRGB bytes, straight alpha).
   std::uint32_t add_textured(kernels::MaterialView material, std::vector<std::uint8_t> rgba, int width, int height);
 
   Part& add_part(Part part);
-  /// Any integer coordinates up to 2^52, exactly. A part of its own.
+  /// Adds the triangle as a separate part. Coordinates are integers up to 2^52 and stay exact.
   Part& add_triangle(const Triangle& t, std::uint32_t material = 0);
-  /// One part; coordinates below 2^24 from `origin`.
+  /// Adds the mesh as one part. Coordinates are below 2^24 from `origin`.
   Part& add_mesh(const std::vector<Triangle>& mesh, std::uint32_t material = 0, const LatticeVertex& origin = {});
 
   void set_window(const Voxel& min, std::uint32_t edge);
   Window window() const;
 
-  /// A part and a material of its own.
+  /// Adds a part and a material for it.
   Part& add_painted(const Painted& painted);
 
   std::deque<Part>& parts() { return parts_; }
@@ -63,12 +63,12 @@ class BakeScene {
   std::deque<kernels::Texture> textures_;
 };
 
-/// Every voxel of a level, constant nodes written out. Positions are lod-`lod` voxels of the lattice.
+/// Returns every voxel of a level, with constant nodes expanded. Positions are lod-`lod` voxels of the lattice.
 VoxelMap voxels_at(const kernels::CellVolume& volume, const kernels::CellParameters& parameters, int lod);
 
 std::set<Voxel> positions_of(const VoxelMap& voxels);
 
-/// Every array of the answer is equal. Statistics are not compared.
+/// Returns true if all arrays of the volumes are equal. Statistics are not compared.
 bool same_bits(const kernels::CellVolume& a, const kernels::CellVolume& b);
 
 const ThreadPool& policy_of(int threads);

@@ -1,5 +1,5 @@
-/// A closed surface keeps its inside to itself: no flood fill of empty voxels gets from outside to inside. Which
-/// neighbours the fill may use is what each rule promises (docs/accuracy.md has the proofs).
+/// Closed surfaces separate inside from outside: no flood fill of empty voxels passes through them. The rule determines
+/// the neighbours that the fill may use (docs/accuracy.md has the proofs).
 #include <cmath>
 #include <cstdlib>
 #include <gtest/gtest.h>

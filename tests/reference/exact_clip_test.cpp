@@ -1,4 +1,4 @@
-/// The reference tested against truths that need no clipper: witnesses, sums and figures known in closed form.
+/// Tests of the reference against facts that need no clipper: witnesses, sums and known closed forms.
 #include "bench/exact/exact_clip.h"
 
 #include <cmath>

@@ -76,7 +76,7 @@ TEST(OneTriangle, AMillionVoxelsWideOccupiesExactlyItsPlaneInAWindowOf1024) {
   for (std::size_t i = 0; i < volume.levels[0].rgba.size(); ++i) ASSERT_EQ(volume.levels[0].rgba[i], 255);
 }
 
-/// A sliver across the largest window costs its length: were its box walked, this would take 2^33 bricks.
+/// A sliver across the largest window costs time proportional to its length. Its bounding box has 2^33 bricks.
 TEST(OneTriangle, ASliverAcrossTheLargestWindowCostsItsLength) {
   BakeScene scene;
   scene.set_window({-4096, -4096, -4096}, 8192);
@@ -86,8 +86,8 @@ TEST(OneTriangle, ASliverAcrossTheLargestWindowCostsItsLength) {
   EXPECT_LE(volume.stats.pairs, 8u * 1024);  // a brick on the diagonal touches seven others
 }
 
-/// Neighbouring Fibonacci numbers as edges: two edges of 2^28 sub-voxels span an area of half a sub-voxel², less than
-/// double keeps of the products it is made of. What is one colour must stay that colour.
+/// A triangle with neighbouring Fibonacci numbers as edges: two edges of 2^28 sub-voxels span half a sub-voxel². Double
+/// loses more than this area in the products of the edges. A single colour must stay unchanged.
 class FibonacciSliver : public testing::Test {
  protected:
   static constexpr Triangle sliver{{{0, 0, 100}, {267914296, 165580141, 100}, {165580141, 102334155, 100}}};

@@ -15,13 +15,13 @@ using namespace gigabake::kernels;
 
 constexpr double weight_unit = 68719476736.0;  // 2^36
 
-/// voxel² besides rounding to a weight: for triangles of some voxels, and for those a million voxels wide.
+/// Bounds in voxel² on the error apart from rounding to a weight: for triangles of a few and of a million voxels.
 constexpr double small_bound = 1e-14, large_bound = 1e-9;
 
 struct Weighed {
   std::int64_t weight;
-  double centroid[2];  ///< of the fragment along `axis` + 1 and + 2, voxels from the cell's lowest corner
-  int axis;            ///< that the triangle is projected along
+  double centroid[2];  ///< centroid of the fragment along `axis` + 1 and + 2, in voxels from the cell's lowest corner
+  int axis;            ///< projection axis of the triangle
 };
 
 std::map<Voxel, Weighed> weigh(const Triangle& t, const Window& brick) {

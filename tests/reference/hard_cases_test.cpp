@@ -1,4 +1,4 @@
-/// Every hard case through bake_cell() and through the exact reference: both must give what was worked out by hand.
+/// Every hard case, baked by bake_cell() and by the exact reference. Both must give the values derived by hand.
 #include "bench/exact/hard_cases.h"
 
 #include <fstream>

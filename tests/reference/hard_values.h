@@ -1,4 +1,4 @@
-/// The named hard cases of what a voxel holds, and of what a bake drops and counts. Each is a check of its own.
+/// The hard cases for the values of a voxel, and for triangles that a bake drops and counts. Each case is a check.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-/// What the hard values share: sheets that fill one voxel's cross-section, and the voxel that comes of them.
+/// Shared code of the hard values: squares that fill the cross-section of one voxel, and the resulting voxel.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 
 namespace gigabake::reference {
 
-/// One voxel² in two triangles at height z, all inside voxel (0, 0, z/256), facing up.
+/// Returns one voxel² as two triangles at height z, inside voxel (0, 0, z/256), facing up.
 inline std::vector<Triangle> sheet_at(std::int64_t z) {
   return {{{{0, 0, z}, {256, 0, z}, {256, 256, z}}}, {{{0, 0, z}, {256, 256, z}, {0, 256, z}}}};
 }
@@ -19,7 +19,7 @@ inline std::vector<Triangle> reversed(std::vector<Triangle> mesh) {
 
 inline VoxelMap baked(const BakeScene& scene) { return voxels_at(scene.bake(), scene.parameters, 0); }
 
-/// The scene's only voxel; a failure and zeros where there is none or more.
+/// Returns the scene's only voxel. Otherwise reports a failure and returns zeros.
 inline BakedVoxel only_voxel(const BakeScene& scene) {
   const VoxelMap voxels = baked(scene);
   EXPECT_EQ(voxels.size(), 1u);

@@ -1,4 +1,4 @@
-/// What must not show in any bit: threads, memory, order, how a scene is cut into parts, windows, whole-voxel shifts.
+/// Changes that must not alter any bit: threads, memory, order, partition into parts, windows, whole-voxel shifts.
 #include <algorithm>
 #include <gtest/gtest.h>
 
@@ -116,7 +116,7 @@ TEST_P(Invariance, HoldsForASceneCutIntoFour) {
   expect_same(scene_, "parts");
 }
 
-/// Those of a level's voxels that lie in the window [at, at + window_edge)³ of lod 0.
+/// Returns the voxels of a level that lie in the window [at, at + window_edge)³ of lod 0.
 VoxelMap inside(const VoxelMap& voxels, const Voxel& at, std::int64_t window_edge, int lod) {
   VoxelMap out;
   for (const auto& [p, v] : voxels) {

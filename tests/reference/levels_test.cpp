@@ -15,10 +15,10 @@ namespace {
 
 using namespace gigabake::kernels;
 
-/// (a/b rounded half up), for what is not negative.
+/// Returns a/b rounded half up; a and b are not negative.
 int rounded(int a, int b) { return (2 * a + b) / (2 * b); }
 
-/// What a voxel is made of; null where there is no voxel.
+/// The finer voxels below a coarse voxel; null where a voxel is missing.
 using Finer = std::vector<const BakedVoxel*>;
 
 struct Octet {
@@ -26,7 +26,7 @@ struct Octet {
   std::array<const Raster*, 8> raster{};
 };
 
-/// A parent's raster before it is made smaller, and what of each child the six sides see.
+/// The raster of a coarse voxel before downsampling, and the visible amount of each child from the six sides.
 struct Views {
   Raster fine;
   std::array<long, 8> seen{};
@@ -143,7 +143,7 @@ void expect_parent_by_view(const BakedVoxel& parent, const Octet& o, const Views
   expect_mean(parent, o.child, weight);
 }
 
-/// The level from the one below it, and its rasters from those of the one below.
+/// Checks a level against the finer level and its rasters. Replaces `rasters` by the rasters of the checked level.
 void expect_level_by_view(const VoxelMap& fine, const VoxelMap& coarse, Rasters& rasters) {
   const auto octets = octets_of(fine, rasters);
   Rasters coarse_rasters;
@@ -183,7 +183,7 @@ void expect_levels(const BakeScene& scene, const CellVolume& volume) {
   }
 }
 
-/// Parallel sheets through every layer of voxels of [low, high)³: every voxel there is present and alike.
+/// Fills [low, high)³ with parallel squares in every layer of voxels. All voxels there are present and equal.
 void fill(BakeScene& scene, const Voxel& low, const Voxel& high, std::uint32_t material) {
   std::vector<Triangle> mesh;
   const std::int64_t x0 = low[0] * 256, y0 = low[1] * 256, x1 = high[0] * 256, y1 = high[1] * 256;
@@ -197,7 +197,7 @@ void fill(BakeScene& scene, const Voxel& low, const Voxel& high, std::uint32_t m
 
 class Levels : public testing::TestWithParam<MipFilter> {
  protected:
-  /// Nothing yet, in a window of edge³ voxels from `lowest` on, with the filter under test.
+  /// Returns an empty scene with the filter under test, and a window of edge³ voxels from `lowest` on.
   static BakeScene empty_scene(const Voxel& lowest, std::uint32_t edge) {
     BakeScene scene;
     scene.set_window(lowest, edge);
@@ -259,7 +259,7 @@ TEST_P(Levels, OfAHalfFilledWindowExpandToWhatWasThere) {
   expect_levels(scene, volume);
 }
 
-/// Layers of two colours: parents are all alike, their children are not.
+/// Layers of two colours give equal parents and different children.
 TEST_P(Levels, OfAStripedBlockAreConstantAboveAndBricksBelow) {
   BakeScene scene = empty_scene({0, 0, 0}, 32);
   const std::uint32_t stripes[2] = {scene.add_colour({65535, 0, 0, 65535}), scene.add_colour({0, 65535, 0, 65535})};
@@ -272,7 +272,7 @@ TEST_P(Levels, OfAStripedBlockAreConstantAboveAndBricksBelow) {
   expect_levels(scene, volume);
 }
 
-/// One layer of opaque voxels across the whole window; all voxels of a level are then alike.
+/// Bakes one layer of opaque voxels across the whole window. All voxels of a level are equal.
 CellVolume bake_sheet(BakeScene& scene, std::size_t axis, std::int64_t layer, std::int64_t edge) {
   const std::int64_t h = layer * 256 + 100, far = edge * 256;
   const auto corner = [&](std::int64_t u, std::int64_t v) {

@@ -1,6 +1,6 @@
-/// Normals of slivers and of triangles much smaller than a voxel, against those of the scene's own vertices.
+/// Normals of slivers and of triangles much smaller than a voxel, compared with exact normals of the scene's vertices.
 ///
-/// The reference is computed in long double from what the part says. Bounds: docs/accuracy.md.
+/// The reference is computed in long double from the part's data. Bounds: docs/accuracy.md.
 #include <gtest/gtest.h>
 
 #include "bake_scene.h"
@@ -31,8 +31,8 @@ Direction cross(const Direction& a, const Direction& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// A triangle `length` long and about `width` wide, whose instance turns, scales and perhaps mirrors it and puts one of
-/// its vertices at `at`; in sub-voxels.
+/// Returns a triangle `length` long and about `width` wide, in sub-voxels. Its instance rotates, scales and may mirror
+/// it, and moves one vertex to `at`.
 Part random_part(double length, double width, const Direction& at, Rng& rng) {
   Part part;
   part.index = {0, 1, 2};
@@ -66,7 +66,7 @@ PartArrays arrays_of(const Part& part) {
   return part_arrays({{}, {&white, 1}, {}}, view);
 }
 
-/// By the winding as the instance shows it.
+/// Returns the normal for the winding that the triangle has after the instance's map.
 Direction exact_normal(const Part& part) {
   long double e[2][3];
   for (std::size_t i = 0; i < 2; ++i)

@@ -1,4 +1,4 @@
-/// How a failing random case names itself: enough to write it down as a hard case.
+/// Text that names a failing random case, complete enough to add it as a hard case.
 #pragma once
 
 #include <sstream>

@@ -1,5 +1,5 @@
-/// Scenes of random painted triangles through bake_cell(), in windows of several bricks: which voxels there are, and
-/// the colour, alpha and normal of each, against exact pieces.
+/// Scenes of random painted triangles, baked by bake_cell() in windows of several bricks. Presence, colour, alpha and
+/// normal of each voxel are compared with exact pieces.
 #include <gtest/gtest.h>
 
 #include "bake_scene.h"

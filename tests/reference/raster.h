@@ -1,4 +1,4 @@
-/// What voxels show along each axis, written plainly: what levels by view are held against.
+/// The coverage of voxels along each axis, in plain code. It is the reference for levels that are filtered by view.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace gigabake::reference {
 
-/// What a voxel shows along each axis, in cells: of the plane of the other two axes, the lower of them first.
+/// Coverage of a voxel along each axis, in cells of the plane of the other two axes; the lower axis varies first.
 struct Raster {
   int edge = 1;
   std::array<std::vector<int>, 3> cells;
@@ -26,8 +26,8 @@ inline Raster blank_raster(int edge) {
   return r;
 }
 
-/// What a voxel of lod 0 covers along an axis. One that lets light through holds a sheet, which passes through 1/|n|
-/// voxels of a column in the mean, n of |x| + |y| + |z| = 1: so many together cover what the sheet does.
+/// Returns the coverage of a voxel of lod 0 along an axis. A translucent voxel is part of a layer that crosses 1/|n|
+/// voxels of a column on average, where |x| + |y| + |z| = 1. Together these voxels cover as much as the layer.
 inline int coverage_of(const BakedVoxel& v, int axis) {
   if (v.rgba[3] == 255) return 255;
   double n[3];

@@ -64,7 +64,7 @@ Linear nearest(const Picture& p, double s, double t, const MaterialView& m) {
   return {c[0] / c[3], c[1] / c[3], c[2] / c[3], 1};
 }
 
-/// Texture coordinates as an affine map of sheet coordinates in voxels.
+/// Texture coordinates as an affine map of positions on the square, in voxels.
 struct Mapping {
   double s0, sx, sy, t0, tx, ty;
   double s(double x, double y) const { return s0 + sx * x + sy * y; }
@@ -72,7 +72,7 @@ struct Mapping {
 };
 
 Linear supersampled(const Picture& p, const MaterialView& m, const Mapping& map, int i, int j) {
-  const int samples = m.nearest ? 144 : 48;  // what is nearest has sharp borders
+  const int samples = m.nearest ? 144 : 48;  // nearest sampling has sharp borders
   Linear sum{};
   for (int b = 0; b < samples; ++b)
     for (int a = 0; a < samples; ++a) {
@@ -83,7 +83,7 @@ Linear supersampled(const Picture& p, const MaterialView& m, const Mapping& map,
   return sum;
 }
 
-/// Of all voxels of the sheet, row by row.
+/// Returns the colours of all voxels of the square, row by row.
 std::vector<Linear> supersampled_sheet(const Picture& picture, const MaterialView& material, const Mapping& map) {
   std::vector<Linear> out;
   for (int j = 0; j < sheet_voxels; ++j)
@@ -91,18 +91,18 @@ std::vector<Linear> supersampled_sheet(const Picture& picture, const MaterialVie
   return out;
 }
 
-/// A square of 16 × 16 voxels in the middle of a layer of voxels.
+/// Returns a square of 16 × 16 voxels in the middle of a layer of voxels.
 std::vector<Triangle> sheet() {
   const std::int64_t e = sheet_voxels * 256;
   return {{{{0, 0, 128}, {e, 0, 128}, {e, e, 128}}}, {{{0, 0, 128}, {e, e, 128}, {0, e, 128}}}};
 }
 
-/// Seen from above.
+/// Returns true if a, b, c turn left, seen from above.
 bool turns_left(const LatticeVertex& a, const LatticeVertex& b, const LatticeVertex& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// The sheet, one triangle after the other cut in three at a point inside it.
+/// Returns the square after random triangles of it were split in three at a point inside, up to `count` triangles.
 std::vector<Triangle> cut_sheet(std::size_t count, Rng& rng) {
   std::vector<Triangle> all = sheet();
   while (all.size() < count) {
@@ -175,7 +175,7 @@ struct Case {
   bool is_noise;
   int width, height;
   MaterialView material;
-  Mapping map;  ///< in units of the sheet
+  Mapping map;  ///< from positions on the square in voxels
   double worst, mean, bias;
   double worst_cut = 0;  ///< cut into 1,000 triangles; 0: the same
 };
@@ -193,7 +193,7 @@ MaterialView nearest_of(MaterialView m) {
   return m;
 }
 
-/// n texels a voxel along both axes of a picture of `size`.
+/// Returns a map with n texels per voxel along both axes of an image with `size` texels along an edge.
 Mapping scaled(double n, double size) { return {0.013, n / size, 0, 0.029, 0, n / size}; }
 
 std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.name; }
@@ -285,7 +285,7 @@ TEST(NearestTexture, IsTheTexelItselfWhereAVoxelLiesInOne) {
     for (int c = 0; c < 3; ++c) ASSERT_EQ(v.rgba[c], picture.rgba[4 * std::size_t(p[1] / 4 * 4 + p[0] / 4) + c]);
 }
 
-/// Of one sheet cut in two ways.
+/// Maximum differences between two bakes of a square that is cut in two ways.
 struct Difference {
   int colour = 0, alpha = 0;  ///< codes
 };
@@ -310,7 +310,7 @@ struct Sheet {
   double tested;  ///< the largest error of an alpha test's coverage
 };
 
-/// Of the first one all of the image stands in every voxel.
+/// Returns squares with uneven textures. Each voxel of the first square shows the whole image.
 std::vector<Sheet> uneven_sheets(Rng& rng) {
   return {{"noise of 4 x 4", noise(4, 4, rng), 4, 40, 0.6},
           {"noise", noise(64, 64, rng), 0.25, 3, 0.11},
@@ -363,8 +363,8 @@ TEST(Texture, OfAnAlphaTestCoversWhatItShouldWithinTheStatedBound) {
   }
 }
 
-/// A green chart in the corner of an image that is red elsewhere, up to half a texel from its neighbours: where a
-/// bilinear texture has nothing of them.
+/// Green chart in the corner of a red image, sampled up to half a texel from the red texels. Up to this distance a
+/// bilinear texture has no red.
 TEST(Texture, OfAChartHasLittleOfItsNeighbours) {
   const std::uint64_t seed = 116;
   Rng rng(seed);

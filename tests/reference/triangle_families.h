@@ -1,4 +1,4 @@
-/// Random triangles, family by family: each family aims at one way to get a yes/no decision wrong.
+/// Random triangles by family. Each family tests one way to get a yes/no decision wrong.
 #pragma once
 
 #include <random>
