@@ -1,7 +1,7 @@
-"""Flat figures on planes through voxel centres, of which every voxel and its colour is known.
+"""Flat shapes on planes through voxel centres; all their voxels and colours are known.
 
-A figure has up to four parts, each in a cube of 6³ voxels. The borders of a part keep 0.2 voxel from the voxels beside
-it, so that rounding of coordinates does not change which voxels the part has.
+A shape has up to four parts, each in a cube of 6³ voxels. The borders of a part are 0.2 voxel away from the adjacent
+voxels, so that rounding of coordinates does not change the voxels of the part.
 """
 from dataclasses import dataclass, field
 

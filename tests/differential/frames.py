@@ -3,13 +3,13 @@ import numpy
 
 from odd import VOXEL
 
-# From a z-up point to the file's axes: rows of a matrix.
+# Rotations from a z-up point to the file's axes: rows of a matrix.
 FROM_Z_UP = {
     "z": numpy.eye(3),
     "y": numpy.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], float),
     "x": numpy.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]], float),
 }
-# Where surveys have their coordinates: UTM, Swiss, Gauss-Krüger, a site's own.
+# Typical origins of surveying data: UTM, Swiss, Gauss-Krüger, a local system.
 PLACES = ((500000, 5200000, 400), (2600000, 1200000, 500), (4500000, 5400000, 100), (-12000, 9000, 0), (0, 0, 0))
 
 

@@ -20,7 +20,7 @@ class Buffers:
         return len(self.views) - 1
 
     def accessor(self, values, kind, shape, **keys):
-        """values: rows × components. kind: the type of numpy."""
+        """Adds an accessor. values: rows × components. `kind`: the numpy format of a component."""
         odd = self.odd
         values = numpy.asarray(values).reshape(len(values), -1)
         rows = values.astype("<" + kind)

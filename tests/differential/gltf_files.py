@@ -1,4 +1,4 @@
-"""Writes glTF documents and GLB files: accessors, transforms, materials and URIs of all kinds."""
+"""Writes glTF documents and GLB files: accessors, transforms, materials and all forms of URIs."""
 import base64
 import json
 import struct
@@ -143,7 +143,7 @@ class GltfWriter:
 
     @staticmethod
     def separate_corners(part):
-        """Gives every polygon points of its own."""
+        """Gives every polygon separate points."""
         numbers = [i for p in part.polygons for i in p]
         part.points = part.points[numbers]
         part.place = part.place[numbers] if part.place is not None else None
@@ -267,7 +267,7 @@ class GltfWriter:
         return json.dumps(dict(items), indent=odd.choice([None, None, 1, 4]), ensure_ascii=odd.maybe()).encode()
 
     def glb(self):
-        """The bytes of a GLB, perhaps with a chunk that nobody knows."""
+        """Returns the bytes of a GLB, possibly with a chunk of an unknown format."""
         binary = self.buffers.take_first()
         text = self.text()
         text += b" " * (-len(text) % 4)

@@ -6,7 +6,7 @@ CHILDREN = {"QUADTREE": 4, "OCTREE": 8}
 
 
 def morton(level, place, dimensions):
-    """The number of a tile among those of its level."""
+    """Returns the Morton number of a tile in its level."""
     return sum((place[d] >> bit & 1) << (dimensions * bit + d) for bit in range(level) for d in range(dimensions))
 
 

@@ -171,7 +171,7 @@ class ObjWriter:
         odd, case = self.odd, self.case
         m, _ = self.new_material("beside a map", part.colour)
         if odd.maybe(0.3):
-            m.lines.clear()  # the map alone
+            m.lines.clear()  # only the map remains
         self.add_map(m)
         alpha = self.alpha_lines(m) if m.alpha == 255 else m.alpha
         odd.shuffle(m.lines)

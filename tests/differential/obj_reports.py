@@ -1,4 +1,4 @@
-"""What an OBJ or a MTL may state that a bake does not use, and must report."""
+"""Statements of an OBJ or MTL that a bake does not use and must report."""
 
 NO_UV = "faces without texture coordinates, of materials with an image"
 LOST_VERTEX = "faces left out, since a corner is none of the vertices"
@@ -12,7 +12,7 @@ FORM_LINES = ("cstype bspline", "deg 3", "parm u 0 1", "curv 0 1 1 2 3", "end")
 
 
 def add_reported(writer):
-    """Adds up to two kinds of lines at the end, after all vertices."""
+    """Adds lines of up to two faulty forms at the end, after all vertices."""
     odd, case, lines = writer.odd, writer.case, writer.lines
     kinds = ["twice", "flat", "few", "vertex", "number", "unknown", "form", "short"]
     if writer.is_coloured or NO_UV in writer.warned:

@@ -1,4 +1,4 @@
-"""Random choices of the generator, and what it expects of a file."""
+"""Random choices of the generator, and the results that it expects for a file."""
 import random
 from dataclasses import dataclass, field
 

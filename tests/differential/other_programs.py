@@ -7,7 +7,7 @@ import subprocess
 
 
 def assimp_info(path):
-    """What assimp states about a file: faces and bounds; a text if it refuses the file."""
+    """Returns the faces and bounds that assimp reads from a file, or a text if it refuses the file."""
     result = subprocess.run(["assimp", "info", str(path), "--raw"], capture_output=True, text=True, errors="replace",
                             timeout=60, check=False)
     if result.returncode != 0:

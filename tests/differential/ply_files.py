@@ -148,7 +148,7 @@ class PlyWriter:
         return [(name, kind, points[:, i].tolist()) for i, name in enumerate("xyz")]
 
     def add_plain(self, columns, count, most):
-        """Adds properties that nothing is said about, and one that must be reported."""
+        """Adds properties without expected warnings, and possibly a property that must be reported."""
         odd = self.odd
         for name in odd.sample(PLAIN, odd.randint(0, most)):
             columns.insert(odd.randint(0, len(columns)), (name, odd.choice(["float", "uchar", "double"]), [0] * count))
@@ -164,7 +164,10 @@ class PlyWriter:
         return lists
 
     def add_reported_faces(self, lists, count):
-        """Faces of one or two corners, without area, or with a corner that is no vertex. Not beside other columns."""
+        """Adds faces of one or two corners, without area, or with a corner that is no vertex.
+
+        Callers must not combine them with other columns.
+        """
         odd, case = self.odd, self.case
         for kind in odd.sample(["one", "two", "flat", "lost", "none"], odd.randint(1, 2)):
             lists.append({"one": [0], "two": [0, 1], "flat": [0, 0, 1], "lost": [0, 1, count + 5], "none": []}[kind])

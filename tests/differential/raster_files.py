@@ -59,7 +59,7 @@ class RasterWriter:
             self.entry["tile_cells"] = 16
 
     def choose_grid(self):
-        """Where pixels lie: north or south up, turned, in degrees, metres or feet."""
+        """Chooses the positions of pixels: north or south up, rotated, in degrees, metres or feet."""
         odd = self.odd
         pixel = odd.uniform(1.5, 2.5)
         if self.unit_of_axes == 0:
@@ -128,7 +128,7 @@ class RasterWriter:
                                f"{self.offset}, EPSG:{self.epsg}, {self.entry}")
 
     def choose_void(self):
-        """How the file states that pixels have no value."""
+        """Chooses the way in which the file marks pixels without a value."""
         odd = self.odd
         kinds = ["none", "none", "tag", "tag", "scene", "mask", "outer mask", "alpha"]
         if self.kind == "tif" and self.type in ("Float32", "Float64", "Int16", "Int32"):
@@ -292,7 +292,7 @@ class RasterWriter:
         return case
 
     def undo_void(self):
-        """Without holes after all: masks of tiles and of mosaics are tests of their own."""
+        """Fills the holes again: other tests have masks of tiles and of mosaics."""
         values = self.raw[:, [4]]
         self.raw[VOID], self.height[VOID] = values[VOID[0]], self.height[:, [4]][VOID[0]]
         self.void = "none"

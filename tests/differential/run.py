@@ -73,7 +73,7 @@ def origin_of(seed, batch):
 
 
 def write_case(options, root, number):
-    """Writes a file by its number. Of eight bakes one is of rasters, and one of tilesets on the earth."""
+    """Writes a file by its number. In every eight batches, one has rasters and one has tilesets on Earth."""
     odd = Odd(f"{options.seed}/{number}")
     odd.is_plain = odd.maybe(PLAIN)
     batch = number // BATCH

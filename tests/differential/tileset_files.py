@@ -1,4 +1,4 @@
-"""Writes tilesets of 3D Tiles 1.0 and 1.1: explicit and implicit tiles, with contents of every kind."""
+"""Writes tilesets of 3D Tiles 1.0 and 1.1: explicit and implicit tiles, with contents of every format."""
 import dataclasses
 import gzip
 import json

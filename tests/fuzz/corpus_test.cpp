@@ -1,5 +1,5 @@
-// What fuzzers start from and what they have found: each file ends in success or in one clear line. tests/fuzz/run.py
-// fuzzes.
+// The fuzzers' seeds and findings: each file is read successfully or refused in one clear line. tests/fuzz/run.py runs
+// the fuzzers.
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <ostream>

@@ -1,4 +1,4 @@
-/// Whether a reader behaved.
+/// A check that a reader accepts or properly refuses its input.
 #pragma once
 
 #include <string>
@@ -9,7 +9,8 @@ namespace gigabake::fuzz {
 
 using Reader = void (*)(Bytes);
 
-/// What was wrong: an error that is none of ours, or one that is not one clear line. Empty: read, or refused in one.
+/// Returns the fault: an exception of a foreign type, or a message that is not one clear line. Returns an empty string
+/// if the reader accepts the bytes or refuses them in one line.
 std::string fault_of(Reader reader, Bytes bytes);
 
 }  // namespace gigabake::fuzz

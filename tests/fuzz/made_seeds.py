@@ -1,4 +1,4 @@
-"""Seeds that are made here: the smallest files that use what each reader knows."""
+"""Generated seeds: the smallest files that use each feature of each reader."""
 import base64
 import copy
 import io
@@ -196,7 +196,7 @@ def objs():
 
 
 def plys():
-    """ASCII with all that a face may have, strips, both byte orders, points alone; a far one."""
+    """Returns ASCII with all face properties, strips, both byte orders, only points, and a distant point."""
     xyz = b"property float x\nproperty float y\nproperty float z\n"
     faces = b"property list uchar int vertex_indices\n"
     square_of = b"0 0 0\n1 0 0\n1 1 0\n0 1 1e-3\n"

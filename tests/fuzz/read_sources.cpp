@@ -29,7 +29,7 @@ constexpr std::size_t tiles_read = 3;
 
 std::string text_of(Bytes bytes) { return {bytes.begin(), bytes.end()}; }
 
-/// A survey of what spreads over millions of columns is refused after seconds, which a fuzzer has not.
+/// Returns true if the mesh is small. Scanning a mesh across millions of columns takes seconds, too long for a fuzzer.
 bool is_small(const TileMesh& mesh) {
   constexpr double most_m = 1e5;
   constexpr std::size_t most_points = 100'000;
@@ -47,7 +47,7 @@ bool is_small(const TileMesh& mesh) {
   return true;
 }
 
-/// In parts it is the same, whether it can be read or not.
+/// Checks that reading the tile in parts gives the same triangles, or fails too.
 void read_in_parts(const TileRef& tile, const Path& root) {
   std::uint64_t triangles = 0;
   std::optional<TileMesh> whole, parts;
@@ -188,7 +188,7 @@ void orthophoto(Bytes bytes) {
   read_as_a_bake_does(scene);
 }
 
-/// What comes in rows has the texels that it has as a whole, or is refused as well.
+/// Checks that an image that is decoded by rows has the texels of the whole image, or is refused too.
 void image(Bytes bytes) {
   const EncodedImage encoded{"image", {bytes.begin(), bytes.end()}};
   const Image whole = decode_image(encoded);

@@ -1,9 +1,9 @@
-/// Every reader of bytes that others may have written, called on bytes as the program calls it: what the fuzzers and
-/// the files of tests/fuzz/corpus feed.
+/// Readers of bytes from other programs, called in the same way as by gigabake. The fuzzers and the files of
+/// tests/fuzz/corpus feed them.
 ///
-/// Where a reader takes several files the bytes hold them one after the other, each but the first behind `part_mark`.
-/// Errors (all)  InputError or UsageError: refused. FaultFound: what was read breaks a promise of the reader. Anything
-///         else that is thrown is a fault, too.
+/// A reader of several files gets the files one after the other; `part_mark` precedes each file except the first.
+/// Errors (all)  InputError or UsageError: refused. FaultFound: the data that was read breaks a promise of the reader.
+///         Any other exception is a fault too.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct FaultFound : std::logic_error {
   using std::logic_error::logic_error;
 };
 
-// Sources: opened, identified, surveyed and read with their images, as a bake does.
+// Sources: opened, identified, scanned and read with their images, as in a bake.
 void gltf(Bytes bytes);        ///< GLB or glTF; then data.bin
 void tile(Bytes bytes);        ///< b3dm, i3dm, cmpt; its URIs may name model.glb
 void tileset(Bytes bytes);     ///< a tileset.json; its URIs may name model.glb, nested.json, all.subtree
@@ -44,12 +44,12 @@ void gigavoxel_list(Bytes bytes);  ///< a .gvp
 void gigavoxel_tree(Bytes bytes);  ///< tree.gvx or tree.gvo; then its brick file
 void journal(Bytes bytes);
 void survey_cache(Bytes bytes);
-void bake_status(Bytes bytes);  ///< status.json; what is read is written and read again
+void bake_status(Bytes bytes);  ///< status.json; it is read, written and read again
 
-// What arrives over sockets, and camera paths.
-void bake_messages(Bytes bytes);  ///< the first byte says which decoder
-void camera_path(Bytes bytes);    ///< what is read is written and read again
-void steering(Bytes bytes);       ///< a browser's JSON, carried out
-void http_head(Bytes bytes);      ///< one value a line
+// Messages from sockets, and camera paths.
+void bake_messages(Bytes bytes);  ///< the first byte selects the decoder
+void camera_path(Bytes bytes);    ///< it is read, written and read again
+void steering(Bytes bytes);       ///< a browser's JSON; it is applied
+void http_head(Bytes bytes);      ///< one value per line
 
 }  // namespace gigabake::fuzz

@@ -32,7 +32,7 @@ KINDS = {"gltf": {".gltf", ".glb"}, "tile": {".b3dm", ".i3dm", ".cmpt"}, "subtre
          "orthophoto": {".tif", ".jpg"}, "tileset": {".json"}, "scene_json": {".json"}, "shard": {".h5"},
          "scene_xml": {".xml"}, "gigavoxel_list": {".gvp"}, "gigavoxel_tree": {".gvx", ".gvo"}}
 READERS = sorted({*made_seeds.made(), *KINDS})
-# Libraries whose leaks are theirs (GDAL, HDF5) are not asked for; memory that is never given back shows in the limit.
+# Leak detection is off because of leaks in libraries (GDAL, HDF5); lasting leaks exceed the memory limit.
 ENVIRONMENT = {**os.environ, "UBSAN_OPTIONS": "print_stacktrace=1", "GDAL_PAM_ENABLED": "NO",
                "ASAN_OPTIONS": "detect_leaks=0:allocator_may_return_null=0"}
 LIMITS = ["-rss_limit_mb=4000", "-malloc_limit_mb=3000", "-timeout=60", "-report_slow_units=30",
@@ -40,7 +40,7 @@ LIMITS = ["-rss_limit_mb=4000", "-malloc_limit_mb=3000", "-timeout=60", "-report
 
 
 def with_parts(path):
-    """A file of several, as the reader takes them."""
+    """Returns the parts of a seed of several files, as its reader takes them."""
     content = path.read_bytes()
     beside = []
     if path.suffix == ".gltf":
@@ -74,7 +74,7 @@ def from_folder(folder):
 
 
 def from_program(program):
-    """What bakes and exports of a small square write."""
+    """Returns seeds by reader: files that the program writes when it bakes and exports a small square."""
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "square.gltf"
         source.write_bytes(made_seeds.text(made_seeds.square()))

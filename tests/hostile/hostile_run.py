@@ -1,5 +1,5 @@
-"""What the scripts of mutants share: a program run within limits of time and memory, what is wrong with how it ended,
-and a folder for the mutants that went wrong."""
+"""Shared code of the mutant scripts: runs a program with limits on time and memory, reports faults of how it ended, and
+keeps faulty mutants in a folder."""
 import argparse
 import os
 import resource
@@ -19,14 +19,14 @@ EXIT_CODES = {0, 1, 2, 3, 75}
 
 
 class Ended:
-    """How one run of the program ended."""
+    """The end of one run of the program."""
 
     def __init__(self, command, returncode, stdout, stderr, is_late):
         self.command, self.returncode, self.is_late = command, returncode, is_late
         self.stdout, self.stderr = stdout, stderr
 
     def faults(self):
-        """A line for each thing that no input may bring about."""
+        """Returns a line per fault that no input may cause."""
         name = " ".join(map(str, self.command))
         if self.is_late:
             return [f"{name}: still runs after {SECONDS} s"]
@@ -73,7 +73,7 @@ class LimitedProgram:
 
 
 class Kept:
-    """Mutants that went wrong, each with what was wrong, under `folder`; none where all went well."""
+    """Faulty mutants with their faults, under `folder`, which is created for the first mutant."""
 
     def __init__(self, folder):
         self.folder, self.count = Path(folder), 0

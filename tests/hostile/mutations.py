@@ -128,7 +128,7 @@ def put(slot, value):
 
 
 def other_value(value, rng):
-    """Of another type, or an extreme of its own."""
+    """Returns a value of another type, or an extreme value."""
     if isinstance(value, (int, float)) and rng.random() < 0.8:
         return Raw(rng.choice(NUMBERS))
     if isinstance(value, str) and rng.random() < 0.8:
@@ -172,7 +172,7 @@ def json_changed(value, rng):
 
 
 def mutant_of(seed, rng):
-    """Files, and what was done to them."""
+    """Returns the files of a mutant, and a description of the change."""
     names = sorted({*seed.files, *seed.documents})
     changed = rng.choice(names)
     files, story = dict(seed.files), ""

@@ -13,7 +13,7 @@ ODD_VALUES = ("", "nan", "-nan", "inf", "-1", "0", "1", "1e308", "-1e308", "1e-3
 
 
 class Edit:
-    """What was done; what follows for the judge."""
+    """A description of a change, and its consequences for the expected results."""
 
     def __init__(self, what, loses_cells=False, bars_baking=False):
         self.what, self.loses_cells, self.bars_baking = what, loses_cells, bars_baking
@@ -32,7 +32,7 @@ def xxh3_128(data):
 
 
 def with_checksum(text):
-    """As an attacker who knows docs/format.md would do it."""
+    """Returns the text with a valid checksum, like an attacker with docs/format.md would write it."""
     zeroed = re.sub(r'( Checksum=")[0-9a-f]{32}(")', rf'\g<1>{"0" * 32}\g<2>', text, count=1)
     return zeroed.replace(f' Checksum="{"0" * 32}"', f' Checksum="{xxh3_128(zeroed.encode())}"', 1)
 

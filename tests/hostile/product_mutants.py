@@ -18,7 +18,7 @@ import hostile_run
 import product_edits
 
 VOXEL_M, CELL_VOXELS = 0.5, 32
-# Went wrong once, mended 2026-11-22: an edited shard was taken over; endless names of files, fingerprints, channels.
+# Regressions of 2026-11-22: an edited shard was reused; names of files, fingerprints and channels were unlimited.
 FOUND = [105, 100503, 100807, 101120]
 
 
@@ -63,7 +63,7 @@ class Bake:
 
 
 class Judge:
-    """Runs every command on a mutant and collects what is wrong."""
+    """Runs every command on a mutant and collects faults."""
 
     def __init__(self, bake):
         self.bake, self.named, self.whole = bake, 0, 0
@@ -79,7 +79,7 @@ class Judge:
         verified = run("verify", mutant)
         is_whole = verified.returncode == 0
         self.named, self.whole = self.named + (not is_whole), self.whole + is_whole
-        # Of an old scene verify says itself that it cannot see a lost cell.
+        # In a scene of an old version, verify reports that it cannot detect a lost cell.
         is_right = is_whole and not (edit.loses_cells and "carries no totals" in verified.stdout)
         info = run("info", mutant, "--json")
         if is_right and (info.returncode != 0 or self.hashes_in(info) != self.bake.hashes):

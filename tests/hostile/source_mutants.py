@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Mutants of sources: small scenes of every kind that we read, each with something changed, planned and baked by the
-real program. Every run must end by itself, in time and within its memory, with one of our exit codes, in short lines.
+"""Plans and bakes mutants of sources: small scenes of every format, each with something changed.
+
+Every run of the real program must end within limits of time and memory, with a documented exit code and short lines.
 
 Usage: source_mutants.py GIGABAKE SOURCE_DIR [--count N] [--seed S] [--jobs J] [--keep FOLDER]
 
-Without --seed a random one is taken and printed. What fails is kept in a folder, with the command beside it.
+Without --seed, a random seed is taken and printed. Failing mutants are kept in a folder, together with the command.
 """
 import argparse
 import os
@@ -30,7 +31,7 @@ ENDED_WHEN_ASKED = {75, 128 + signal.SIGTERM, -signal.SIGTERM}  # a bake, anothe
 # A message has up to 1,000 bytes (lattice/quote.h), and what a command puts before it.
 MAX_LINE, MOST_ERRORS = 1200, 50_000
 MOST_BYTES = 3 << 30
-# A mutant may be a scene of a million cells, which takes its time: what has not ended is asked to, and must obey.
+# A mutant may be a scene of a million cells, which takes long. The test sends such a run SIGTERM, and it must end.
 SECONDS_UNTIL_ASKED, SECONDS_TO_OBEY = 20, 10
 FOREIGN = re.compile(r"json\.exception|bad_alloc|length_error|terminate called|std::|Assertion|AddressSanitizer|"
                      r"\(signal \d+|Segmentation")
@@ -42,7 +43,7 @@ def limit_memory():
 
 
 def faults_of(code, was_asked, output, errors):
-    """What is wrong with the end of a run."""
+    """Yields the faults in the end of a run."""
     if code is None:
         yield f"did not end within {SECONDS_TO_OBEY} s of SIGTERM"
     elif code not in OUR_EXIT_CODES | (ENDED_WHEN_ASKED if was_asked else set()):
@@ -59,7 +60,7 @@ def faults_of(code, was_asked, output, errors):
 
 
 def run(command, environment, folder):
-    """Exit code (None: it had to be killed), whether it was asked to end, output and errors."""
+    """Returns exit code (None: it was killed), whether the run got SIGTERM, output and errors."""
     logs = [folder / "output", folder / "errors"]
     with open(logs[0], "wb") as out, open(logs[1], "wb") as err, \
             subprocess.Popen(command, stdout=out, stderr=err, env=environment, preexec_fn=limit_memory,
@@ -92,7 +93,7 @@ class Hunt:
         yield [self.options.gigabake, "bake", str(source), "-o", str(out), *common]
 
     def try_mutant(self, number):
-        """The faults of one mutant, and what it is."""
+        """Returns the faults of one mutant, and its description."""
         rng = random.Random(f"{self.options.seed} {number}")
         seed = self.seeds[number % len(self.seeds)]
         files, story = mutations.mutant_of(seed, rng)

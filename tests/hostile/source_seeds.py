@@ -1,4 +1,4 @@
-"""Small whole scenes of every kind that a bake reads: what mutants are made of."""
+"""Small complete scenes of every format that a bake reads, from which mutants are made."""
 import io
 import json
 import struct
@@ -177,7 +177,7 @@ class Members:
 
 
 class Raw:
-    """Text that stands for itself."""
+    """Text that is written unchanged, not as JSON."""
 
     def __init__(self, text):
         self.text = text

@@ -14,7 +14,7 @@ namespace {
 
 using namespace gigabake;
 
-/// Of all that lies within 64 m of the origin, without textures.
+/// Bakes the scene within 64 m of the origin without textures. Returns the number of voxels.
 std::uint64_t baked_voxels(const char* source) {
   const SceneSources sources = open_sources(source, {});
   std::vector<TileMesh> meshes;

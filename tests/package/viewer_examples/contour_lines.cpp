@@ -1,6 +1,6 @@
-// A shader of one's own: contour lines, a step of so many metres apart, on the light that the scene has anyway.
+// A custom shader: contour lines at a distance of STEP_M metres, on the light of the scene.
 //
-//     contour_lines OUT/scene.xml STEP_M PICTURE.png      prints how many pixels show a surface, and how many a line
+//     `contour_lines OUT/scene.xml STEP_M PICTURE.png`      prints the number of pixels of surfaces and of lines
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -13,7 +13,7 @@
 
 namespace {
 
-/// Black where the surface lies within a tenth of a step of a multiple of it. Lengths are voxels.
+/// Shader that returns black within a tenth of a step above each multiple of the step. Lengths are in voxels.
 struct ContourShader {
   gigabake::kernels::LitShader lit;
   double step = 1;
