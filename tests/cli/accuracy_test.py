@@ -59,7 +59,7 @@ def smaller_voxels_are_not_worse(bench):
 
 
 def ground_seen_from_above_is_right(bench):
-    """The case with least to argue about: lod 0, no silhouettes."""
+    """Tests the simplest case: lod 0, without silhouettes."""
     view = view_of(bench["settings"][0], "nadir 0.25")
     assert view["flip"] < 0.1 and view["psnr_white_db"] > 25 and view["holes"] < 0.001, view
 
@@ -70,7 +70,8 @@ def normals_cost_bytes_and_show_from_afar_alone(bench):
     assert unlit["bytes"] < lit["bytes"], (lit, unlit)
     for direction in DIRECTIONS:
         near, near_unlit = (view_of(s, f"{direction} 0.25") for s in (lit, unlit))
-        # Straight down nothing tells them apart. Slantwise normals say how much of what lets light through covers.
+        # Seen straight down, both results are equal. Seen at an angle, normals determine the coverage of translucent
+        # voxels.
         alike = [key for key in near if key not in ("render_s", "lit_flip")]
         if direction == "nadir":
             assert all(near[key] == near_unlit[key] for key in alike), (near, near_unlit)
@@ -96,7 +97,7 @@ def voxels_are_where_the_surface_is(bench):
         error = setting["voxel_error"]
         assert 15000 < error["points"] <= 20000 and 2000 < error["voxels"] <= 5000, (setting["name"], error)
         assert error["extra"] == error["beyond_whole"] == 0, (setting["name"], error)
-        if setting["surface"] == "thin":  # leaves fall between its centre lines
+        if setting["surface"] == "thin":  # leaves can lie between the centre lines of voxels
             assert 0.01 < error["missed"] < 0.2 and error["missed_by_half"] < 0.01, (setting["name"], error)
             assert error["beyond_half"] == 0, (setting["name"], error)
         else:

@@ -75,7 +75,7 @@ class ArchiveTest(unittest.TestCase):
         self.refuse("holds no tileset.json")
         self.pack()
         content = bytearray(self.archive.read_bytes())
-        at = content.index(b"tiles/a.glb") + 20  # in its packed bytes
+        at = content.index(b"tiles/a.glb") + 20  # in the compressed bytes
         content[at] ^= 0xff
         self.archive.write_bytes(content)
         result = PROGRAM.run("bake", self.archive, "-o", self.root / "out", "--voxel-size", 1)

@@ -47,7 +47,7 @@ class BadInput(unittest.TestCase):
         return PROGRAM.run("bake", source, "-o", self.out, "--voxel-size", "0.5", *arguments, **options)
 
     def expect_refusal(self, source, *words, code=1, arguments=(), **options):
-        """One line on standard error, no scene, no leftovers."""
+        """Expects one line on standard error, no scene and no temporary files."""
         result = self.bake(source, *arguments, **options)
         self.assertEqual(result.returncode, code, result.stderr)
         lines = [line for line in result.stderr.splitlines() if line.startswith("gigabake: ")]
@@ -74,7 +74,7 @@ class BadInput(unittest.TestCase):
         self.assertEqual([p for p in self.root.rglob("*") if p.name.endswith(".part")], [])
 
     def changed(self, change, name="bad.glb"):
-        """A GLB like the good one, its JSON changed."""
+        """Returns the path of a GLB like the good one, with its JSON changed."""
         document, binary = document_of(self.good)
         document = copy.deepcopy(document)
         change(document)
@@ -83,7 +83,7 @@ class BadInput(unittest.TestCase):
         harness.write_glb_document(path, document, binary)
         return path
 
-    # Sources as a whole
+    # Whole sources
 
     def test_missing_source(self):
         self.expect_refusal(self.root / "nowhere.glb", "nowhere.glb", "no such file")
@@ -123,7 +123,7 @@ class BadInput(unittest.TestCase):
             (self.source / "tileset.json").write_text(json.dumps(tileset))
             self.expect_refusal(self.source / "tileset.json", "content.uri")
 
-    # One content file, and nothing else to bake
+    # One content file and nothing else to bake
 
     def test_truncated_file(self):
         whole = self.good.read_bytes()
@@ -174,7 +174,7 @@ class BadInput(unittest.TestCase):
             document["meshes"][0]["primitives"][0]["material"] = 0
         fog = self.changed(lambda d: with_material(d, {"alphaMode": "FOG"}, {}))
         self.expect_refusal(fog, "OPAQUE, MASK, BLEND", "'FOG'")
-        # 2026-11-25: a sampler that glTF does not have costs itself, and is reported.
+        # Regression of 2026-11-25: an invalid sampler only costs the sampler, and is reported.
         for sampler, words in (({"wrapS": 33069}, "read as clamp to edge: 1, e.g. samplers[0].wrapS 33069"),
                                ({"wrapT": 1}, "read as repeat: 1, e.g. samplers[0].wrapT 1")):
             result = self.bake(self.changed(lambda d, s=sampler: with_material(d, {}, s)))
@@ -212,7 +212,7 @@ class BadInput(unittest.TestCase):
         skipped = PROGRAM.info(self.out / "scene.xml")["skipped"]
         self.assertEqual((skipped["points"], skipped["lines"]), (6, 5))
 
-    # Among good files
+    # Bad files among good files
 
     def test_one_bad_file_costs_itself_alone(self):
         harness.write_glb(self.source / "far.glb", SQUARE, TWO, translation=(600, 0, 0))

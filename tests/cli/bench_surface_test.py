@@ -14,7 +14,7 @@ MIN_PIXELS = 4
 
 
 def l_shape(path):
-    """Two arms along two sides of a box of 60 × 60 m: nothing is in its middle."""
+    """Writes two arms along two sides of a box of 60 × 60 m; its middle is empty."""
     path.write_text("v 0 0 0\nv 60 0 0\nv 60 5 0\nv 5 5 0\nv 0 5 0\nv 0 60 0\nv 5 60 0\n"
                     "f 1 2 3 5\nf 5 4 7 6\n")
     return path
@@ -25,7 +25,7 @@ def bench(gigabake, source, work, *more):
                         "--samples", 4, "--backend", "cpu", "--json", work / "b.json", *more)
 
 
-# 2026-11-25: 12 of 12 views were empty, and it printed "FLIP 0.000 ... meets 7 of 7 goals".
+# Regression of 2026-11-25: 12 of 12 views were empty, and the bench printed "FLIP 0.000 ... meets 7 of 7 goals".
 def every_view_shows_the_surface(gigabake, source, work):
     result = bench(gigabake, source, work, "-o", work / "out", "--settings", "area-coverage", "--repeats", 1,
                    "--voxels", 500)
@@ -47,7 +47,7 @@ def light_and_motion_show_the_surface_too(gigabake, source, work):
         assert found and all(row["compared_pixels"] >= MIN_PIXELS for row in found), (mode, found)
 
 
-# 2026-11-25: 0 inner pixels, exit code 0.
+# Regression of 2026-11-25: 0 inner pixels, and exit code 0.
 def leaks_without_inner_pixels_fail(gigabake, work):
     tiny = work / "tiny.obj"
     tiny.write_text("v 0 0 0\nv 40 0 0\nv 0 40 0\nf 1 2 3\n")

@@ -72,7 +72,7 @@ def first_hits_are_timed_and_compared(gigabake, work):
         assert result.returncode == 2 and "--size" in result.stderr, result
 
 
-# 2026-11-25: exit code 0 with 0 voxels, 0 chunks, 0 compared rays or images without a surface.
+# Regression of 2026-11-25: exit code 0 with 0 voxels, 0 chunks, 0 compared rays or images without a surface.
 def what_measured_nothing_fails(gigabake, work):
     (work / "clear.mtl").write_text("newmtl clear\nd 0\n")
     clear = work / "clear.obj"

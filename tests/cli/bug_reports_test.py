@@ -90,7 +90,7 @@ class MeshTest(BugReports):
         self.expect("uri_backslash/image_case.glb", {GREY: 64}, status=3, words=["Textures"])
 
     def test_webp_images_in_data_uris(self):
-        """Their only texel is black, as GDAL reads it."""
+        """Tests that the only texel is black, as GDAL reads it."""
         probe = PROGRAM.run("plan", MESHES / "gltf_webp_data_uri/webp.gltf", "--voxel-size", 0.5)
         if "built without" in probe.stderr:
             self.skipTest("built without libwebp")
@@ -109,7 +109,7 @@ class MeshTest(BugReports):
         self.assertIn("material", plan.stderr)
 
     def test_the_place_of_a_tileset_is_that_of_its_content(self):
-        # google_like.json names a rtc.b3dm that the data lack; exporter_files_test.py makes such a tileset.
+        # google_like.json names an rtc.b3dm that is missing in the data; exporter_files_test.py makes such a tileset.
         for name in ("global_region", "local_box"):
             for origin in ([], ["--origin", PLACE]):
                 voxels = self.expect(f"tileset_root_box_earth_centre/{name}.json", {RED: 64}, *origin)
@@ -154,14 +154,14 @@ class RasterReports(BugReports):
         return list(csv.DictReader(io.StringIO(text)))
 
     def compare(self, name, answer, right):
-        """right: of EXPECT.txt."""
+        """Compares an answer with the expected values (`right`) of EXPECT.txt."""
         if right == "nothing hit":
             self.assertEqual(answer["outcome"], right, name)
             return
         self.assertEqual(answer["outcome"], "hit", name)
         if heights := re.match(r"hit, (?:about )?([\d.]+)(?: to ([\d.]+))?", right):
             low, high = float(heights[1]), float(heights[2] or heights[1])
-            off = 0.5 if heights[2] else 5  # "about": of adjacent, whose voxels are 5 m
+            off = 0.5 if heights[2] else 5  # "about" means within a voxel of 5 m
             self.assertTrue(low - off <= float(answer["height"]) <= high + off, (name, answer, right))
         else:
             colour = [int(c) for c in re.search(r"(\d+),(\d+),(\d+)", right).groups()]
@@ -191,7 +191,7 @@ class RasterReports(BugReports):
         self.assertGreater(compared, 20)
 
     def expect_raster(self, name, file, unit_m=1, epsg=None):
-        """Compares heights between pixels with bilinear ones by GDAL, at 36 places per file."""
+        """Compares heights between pixels with bilinear heights by GDAL, at 36 places per file."""
         raster = gdal.Open(str(RASTERS / name / file))
         band, g = raster.GetRasterBand(1), raster.GetGeoTransform()
         z = band.ReadAsArray().astype("f8")

@@ -38,7 +38,7 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
 
 
 class Shown:
-    """The page of an exported folder."""
+    """The page of an exported folder in a browser."""
 
     def __init__(self, test, folder, wishes=""):
         server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=str(folder)))
@@ -132,7 +132,7 @@ class CesiumTest(unittest.TestCase):
         bake = self.path / "bake"
         info = self.program.bake(self.path / "village/tileset.json", bake, 0.5, "--cell-voxels", 8)
         self.assertGreaterEqual(info["cells"], 1000)
-        # One voxel a pixel at most, so that both draw the finest level wherever they have tiles.
+        # At most one voxel per pixel, so that both exports draw their finest level.
         small = Shown(self, self.export(bake, "small", "--tile-voxels", "32"), "&error=0.05")
         large = Shown(self, self.export(bake, "large", "--tile-voxels", "126"), "&error=0.05")
         pixels = []
@@ -144,7 +144,7 @@ class CesiumTest(unittest.TestCase):
             difference = numpy.abs(first - second).max(-1)
             print(f"{radii} radii: {there.sum()} pixels, {tiles} tiles; {(difference > 1).sum()} differ by more than "
                   f"one code, at most {difference.max()}")
-            # A border without its padding is a line of steps. A ray through a voxel's corner is rounded either way.
+            # A tile border without padding would be a line of steps. A ray through a voxel corner may round either way.
             self.assertLessEqual((difference > 1).sum(), there.sum() / 1000)
             self.assertLessEqual(difference.max(), 3)
         coarse = Shown(self, self.path / "small", "&error=8")

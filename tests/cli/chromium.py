@@ -12,13 +12,13 @@ NAMES = ("chromium", "chromium-browser", "google-chrome")
 OPTIONS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync",
            "--disable-background-networking", "--disable-component-update", "--hide-scrollbars",
            "--disable-dev-shm-usage", "--remote-debugging-pipe")
-# WebGL 2 by software.
+# WebGL 2 by software rendering.
 WEBGL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 ANSWER_S = 120
 
 
 def find():
-    """The browser's program; None where there is none that starts."""
+    """Returns the path of the browser's program; None if no installed browser starts."""
     for name in NAMES:
         program = shutil.which(name)
         if not program:
@@ -27,7 +27,7 @@ def find():
             version = subprocess.run([program, "--version"], capture_output=True, timeout=60, check=False)
         except (OSError, subprocess.TimeoutExpired):
             continue
-        if version.returncode == 0:  # Ubuntu's is a message about a snap
+        if version.returncode == 0:  # Ubuntu's program only prints a message about a snap
             return program
     return None
 
@@ -36,7 +36,7 @@ class Page:
     """A page in a separate browser process."""
 
     def __init__(self, program, url, width, height, options=()):
-        self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)  # its helpers write on for a moment
+        self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)  # helpers write for a moment
         read_end, to_browser = os.pipe()
         from_browser, write_end = os.pipe()
         # The browser reads commands from descriptor 3 and writes answers to 4.
@@ -107,7 +107,7 @@ class Page:
         self.mouse("mouseReleased", *end, button=button, clickCount=1)
 
     def key(self, code, seconds=0.0, shift=False):
-        """Presses a key by its place, as "KeyW", and holds it."""
+        """Presses the key of a code such as "KeyW", and holds it."""
         letter = code.removeprefix("Key")
         key = {"code": code, "key": letter.lower(), "windowsVirtualKeyCode": ord(letter[0]),
                "modifiers": 8 if shift else 0}
@@ -124,7 +124,7 @@ class Page:
         self.command("Emulation.setTouchEmulationEnabled", enabled=True)
 
     def swipe(self, start, end):
-        """One finger."""
+        """Swipes with one finger."""
         for kind, points in (("touchStart", [start]), ("touchMove", [end]), ("touchEnd", [])):
             self.command("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y} for x, y in points])
 

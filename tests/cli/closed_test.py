@@ -62,7 +62,7 @@ class ClosedTest(unittest.TestCase):
         self.folder.cleanup()
 
     def rearm(self):
-        os.utime(self.canary, ns=(1_000_000_000, 2_000_000_000))  # an access older than the change is always renewed
+        os.utime(self.canary, ns=(1_000_000_000, 2_000_000_000))  # an access time before the change is always updated
 
     def is_seen(self, work):
         self.rearm()
@@ -93,7 +93,7 @@ class ClosedTest(unittest.TestCase):
         path.write_text(json.dumps({"gigabake": 1, "sources": [entry]}))
         return path
 
-    # 2026-11-22: "crs" went to the network and opened any file.
+    # Regression of 2026-11-22: "crs" accessed the network and opened any file.
     def test_crs_of_a_scene(self):
         (self.root / "d.asc").write_text(DEGREES)
         targets = self.addresses()
@@ -118,7 +118,7 @@ class ClosedTest(unittest.TestCase):
             result = self.expect_closed(self.scene(dem="d.asc", crs=text), text)
             self.assertEqual(result.returncode, 0, f"{text}: {result.stderr}")
 
-    # 2026-11-22: a raster's own coordinate system did the same.
+    # Regression of 2026-11-22: a raster's own coordinate system had the same effect.
     def test_crs_of_a_raster_itself(self):
         (self.root / "d.asc").write_text(DEGREES)
         for t in self.addresses()[::2]:
@@ -182,7 +182,7 @@ class ClosedTest(unittest.TestCase):
 
 
 class ShardTest(unittest.TestCase):
-    """A shard's data are its own: HDF5 would follow links and lists of files."""
+    """Checks that HDF5 does not follow links and external file lists in a shard."""
 
     def setUp(self):
         try:

@@ -67,7 +67,7 @@ class DemChecksTest(unittest.TestCase):
         PROGRAM.succeed("export", self.root / "out", "--to", "ply", "-o", self.root / "v.ply")
         return harness.read_ply(self.root / "v.ply")["p"]
 
-    # 2026-11-25: a vertical reference system was dropped without a message, an error of some 50 m.
+    # Regression of 2026-11-25: a vertical reference system was dropped without a message, an error of some 50 m.
     def test_a_vertical_reference_system_is_named_once(self):
         self.write()
         self.assertEqual(self.warnings(), [])
@@ -78,7 +78,7 @@ class DemChecksTest(unittest.TestCase):
             self.assertIn(name, warning)
             self.assertIn("geoid_offset_m", warning)
         self.assertEqual(self.warnings(geoid_offset_m=0), [])  # the user specified the offset
-        [warning] = self.warnings(crs="EPSG:32611")  # in place of the raster's own, which names the vertical one
+        [warning] = self.warnings(crs="EPSG:32611")  # replaces the raster's own system, which names the vertical one
         self.assertIn("DHHN92 height", warning)
         self.write()
         [warning] = self.warnings(crs="EPSG:32611+5773")
@@ -110,7 +110,7 @@ class DemChecksTest(unittest.TestCase):
         self.assertIn("US survey foot", feet[0])
         self.assertEqual(self.warnings(crs="EPSG:2229", height_scale=1), [])
 
-    # 2026-11-25: an untagged -9999 was a pit of 10 km.
+    # Regression of 2026-11-25: an untagged -9999 was a pit of 10 km.
     def test_numbers_that_mark_missing_heights_are_holes_and_are_named(self):
         holes = (slice(20, 40), slice(30, 60))
         expected = None
@@ -121,7 +121,7 @@ class DemChecksTest(unittest.TestCase):
             values = numpy.round(self.height).astype("f8")
             values[holes] = marker
             self.write(values, kind=kind)
-            if marker == 123456:  # no number that is commonly used
+            if marker == 123456:  # not a common marker
                 self.refused("height_scale", "nodata")
                 continue
             [warning] = self.warnings(tile_cells=16)
@@ -152,7 +152,7 @@ class DemChecksTest(unittest.TestCase):
             [warning] = self.warnings()
             self.assertIn(f"lowest height, {lone} m", warning)
         self.height = numpy.where(self.height < 0, 0, self.height - 1500)
-        self.write()  # the sea
+        self.write()  # sea level
         self.assertEqual(self.warnings(), [])
 
     def test_heights_in_another_unit_are_refused(self):
@@ -177,7 +177,7 @@ class DemChecksTest(unittest.TestCase):
         self.change(mask)
         self.assertGreater(self.voxels()[:, 2].min(), 10)
 
-    # 2026-11-25: an image of three bands was baked as elevation.
+    # Regression of 2026-11-25: an image of three bands was baked as elevation.
     def test_images_are_refused(self):
         image = numpy.zeros((3, 65, 81), "u1")
         image[0] = numpy.arange(81)
@@ -208,7 +208,7 @@ class DemChecksTest(unittest.TestCase):
         self.assertIn("8 bits", warning)
         self.assertEqual(self.warnings(height_scale=1), [])
 
-    # 2026-11-25: swapped latitude and longitude were taken without a message.
+    # Regression of 2026-11-25: swapped latitude and longitude were accepted without a message.
     def test_an_origin_far_from_the_source_asks_whether_it_is_swapped(self):
         self.write()
         place = PROGRAM.bake(self.root / "dem.tif", self.root / "out", 4)["origin"]
@@ -219,7 +219,7 @@ class DemChecksTest(unittest.TestCase):
         far = self.plan("--origin", f"{-lat},{lon + 180},0").stderr
         self.assertRegex(far, r"warning: --origin .* is 1\d,\d*\d km|warning: --origin .* is 1\d{4} km")
         self.assertIn("swapped?", far)
-        refused = self.plan("--origin", f"{lon},{lat},0")  # a longitude of -119.9 is no latitude
+        refused = self.plan("--origin", f"{lon},{lat},0")  # -119.9 is not a valid latitude
         self.assertEqual(refused.returncode, 2)
         self.assertIn("swapped?", refused.stderr)
         self.write(epsg=25832)

@@ -23,7 +23,7 @@ gdal.UseExceptions()
 
 
 def write_raster(path, values, left, top, pixel, epsg=32611, nodata=None, kind=gdal.GDT_Float32):
-    """values: rows × columns, or bands × rows × columns; the first row is the northernmost."""
+    """Writes rows × columns, or bands × rows × columns; the first row is the northernmost."""
     values = numpy.asarray(values)
     bands = values if values.ndim == 3 else values[None]
     options = ["TILED=YES", "BLOCKXSIZE=64", "BLOCKYSIZE=64"]
@@ -74,7 +74,7 @@ class DemTest(unittest.TestCase):
         self.bake("out", geoid_offset_m=-35)
         p = self.voxels("out")["p"]
         width, height = numpy.ptp(p[:, 0]), numpy.ptp(p[:, 1])
-        self.assertAlmostEqual(width, 160, delta=6)  # 80 cells of 2 m, turned by the grid's convergence
+        self.assertAlmostEqual(width, 160, delta=6)  # 80 cells of 2 m, rotated by the grid's convergence
         self.assertAlmostEqual(height, 128, delta=6)
         self.assertAlmostEqual(p[:, 2].min(), self.height.min() - 35, delta=1)
         self.assertAlmostEqual(p[:, 2].max(), self.height.max() - 35, delta=1)
@@ -124,9 +124,9 @@ class DemTest(unittest.TestCase):
         self.refuse("crs", "has no coordinate system", "EPSG:25832")
         PROGRAM.succeed("plan", self.scene(crs="EPSG:32611"), "--voxel-size", 1)
         self.refuse("crs", "is unknown", crs="EPSG:nothing")
-        self.refuse("crs", "set the right one", crs="EPSG:4326")  # metres taken for degrees
+        self.refuse("crs", "set the right one", crs="EPSG:4326")  # metres read as degrees
         write_raster(self.root / "dem.tif", self.height, -119.8, 34.4, 2e-5)
-        self.refuse("crs", "set the right one")  # degrees taken for metres
+        self.refuse("crs", "set the right one")  # degrees read as metres
 
     def test_what_else_is_wrong_is_said_in_one_line(self):
         self.refuse("ortho", "no such file", ortho="gone.tif")

@@ -13,7 +13,7 @@ VOXEL_M, GROUND_M, LODS = 0.25, 16, 4
 
 
 def ground_and_trees():
-    """Level ground whose colour is rough by a code or two, and balls of small leaves of all colours and directions."""
+    """Returns level ground whose colour varies by one or two codes, and balls of small leaves in all directions."""
     random = numpy.random.default_rng(11)
     x, z = numpy.meshgrid(numpy.arange(GROUND_M * 4 + 1) * VOXEL_M, numpy.arange(GROUND_M * 4 + 1) * VOXEL_M)
     ground = numpy.stack([x, numpy.full_like(x, 0.125), -z], -1).reshape(-1, 3)

@@ -18,17 +18,17 @@ from pathlib import Path
 
 import harness
 
-# Commands of blocks that are not run here, by how they begin, each with the reason.
+# Beginnings of commands in blocks that this test does not run, each with the reason.
 CHECKED = {
     "gigabake view": "needs a display; view_test.py opens one",
     "gigabake serve": "does not end; serve_test.py runs it",
     "gigabake bench": "takes minutes; bench_test.py, accuracy_test.py and leaks_test.py run it on small scenes",
 }
-# Other words that begin a command line.
+# Other first words of a command line.
 SHELL = {"cd", "export"}
-# Begins of commands that build or test everything, which nothing inside of the tests can run.
+# Beginnings of commands that build or test everything; the tests cannot run them.
 TOOLS = {"cmake", "cpack", "ctest", "./quickstart", "./check"}
-STARTERS = {"mpirun": 2}  # and the number of words that belong to it
+STARTERS = {"mpirun": 2}  # the number of words of a starter
 PLACEHOLDER = re.compile(r"[A-Z]{1,}|…|^\.\.+$|%|^<")
 SMALL = {"sample": {"--size": "64"}, "plan": {"--voxel-size": "2"},
          "bake": {"--voxel-size": "2", "--cell-voxels": "64"},
@@ -46,13 +46,13 @@ def documents(root):
 
 
 def without_text(line):
-    """A command without the comment or the description in the next column."""
+    """Returns a command without the comment or the description in the next column."""
     line = re.split(r"\s+# ", line)[0]
     return " ".join((line[:16] + re.split(r"  +", line[16:])[0]).split())
 
 
 def blocks(text):
-    """Yields lists of commands: of each block of shell lines, of each group of indented lines, of each table row."""
+    """Yields a list of commands per block of shell lines, per group of indented lines and per table row."""
     for language, body in re.findall(r"^```(\w*)\n(.*?)^```", text, re.M | re.S):
         if language in ("", "sh", "bash"):
             yield [without_text(line) for line in body.replace("\\\n", " ").splitlines() if line.strip()]
@@ -62,7 +62,7 @@ def blocks(text):
 
 
 def spans(text):
-    """Commands between backquotes, with what starts them left out."""
+    """Yields the commands between backquotes, without their starters."""
     text = re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
     for span in re.findall(r"`([^`]+)`", text):
         words = span.split()
@@ -74,7 +74,7 @@ def spans(text):
 
 
 def parts(command):
-    """The commands of a line, without variables and a starter."""
+    """Yields the commands of a line, without variables and a starter."""
     for part in re.split(r" && |; |[()]", command):
         words = shlex.split(part, posix=False)
         while words and re.match(r"[A-Z_]+=", words[0]):
@@ -94,7 +94,7 @@ class Parser:
             r"'(gigabake[\w ]*)'\) commands=(?:'[^']*'|\S*) options=('[^']*'|\S*) ;;", script)}
 
     def subcommand(self, words):
-        """The longest command that the words begin with."""
+        """Returns the longest command that begins the words."""
         for count in (3, 2):
             if " ".join(words[:count]) in self.options:
                 return " ".join(words[:count])
@@ -137,7 +137,7 @@ class Documents(harness.FolderTest):
         harness.write_glb(cls.root / "made" / "machine.glb", [[0, 9, 0], [4, 9, 0], [4, 9, -4]], [0, 1, 2])
 
     def commands(self):
-        """Document, and the words of each gigabake command, of blocks and between backquotes."""
+        """Yields the document and the words of each gigabake command in blocks and between backquotes."""
         for path, text in self.texts.items():
             for block in blocks(text):
                 for line in block:
@@ -154,7 +154,7 @@ class Documents(harness.FolderTest):
                     self.assertEqual(problem, "")
 
     def real_words(self, words):
-        """The command on files that are there, and small."""
+        """Returns the command with existing, small files as arguments."""
         command, text = words[1], " ".join(words).replace("/tmp/", "")
         for open_value, value in OPEN_VALUES.items():
             text = text.replace(open_value, value)

@@ -49,7 +49,7 @@ class Tileset:
         return self.folder / template.format(level=level, x=x, y=y, z=z)
 
     def tiles(self):
-        """(level, place) of each available tile, all with content."""
+        """Yields (level, place) of each available tile. All tiles have content."""
         levels = self.tiling["subtreeLevels"]
         todo = [(0, (0, 0, 0))]
         while todo:
@@ -74,7 +74,7 @@ class Tileset:
                 todo.append((level + levels, tuple((r << levels) + m for r, m in zip(root, from_morton(int(code))))))
 
     def voxels(self, level, place):
-        """Place in the level, colour, bytes of the normal of each voxel of a tile, without those around it."""
+        """Returns place in the level, colour and normal (bytes) of each voxel of a tile, without its padding."""
         data = gzip.decompress(self.path(self.root["content"]["uri"], level, place).read_bytes())
         magic, version, length, json_bytes, kind = struct.unpack_from("<4sIII4s", data)
         assert (magic, version, length, kind) == (b"glTF", 2, len(data), b"JSON")
@@ -109,7 +109,7 @@ class Tileset:
 
 
 def glb_of(data):
-    """Document and buffer of a binary glTF."""
+    """Returns the document and the buffer of a binary glTF."""
     magic, _, length, json_bytes = struct.unpack_from("<4sIII", data)
     assert magic == b"glTF" and length == len(data)
     return json.loads(data[20:20 + json_bytes]), data[20 + json_bytes + 8:]
@@ -124,7 +124,7 @@ def gigavoxel_nodes(element, path, depth=0):
 
 
 def gigavoxel_bricks(file):
-    """Own voxels of each brick: colours [n][z][y][x][4], gradients."""
+    """Yields the inner voxels of each brick: colours [n][z][y][x][4], gradients."""
     brick = numpy.dtype([("size", "<u8", 3), ("border", "<u4", 3), ("c1", "<i4"), ("n1", "<u4"),
                          ("rgba", "u1", (10, 10, 10, 4)), ("c2", "<i4"), ("n2", "<u4"), ("n", "u1", (10, 10, 10, 3))])
     data = file.read_bytes()
@@ -195,7 +195,7 @@ class Export(harness.FolderTest):
         return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
 
     def test_voxel_3d_tiles_say_what_they_hold(self):
-        """The statistics of all levels and the box of the finest one's bricks, from the tiles themselves."""
+        """Compares the statistics of all levels and the box of the finest level's bricks with the tiles."""
         out = self.root / "said"
         self.program.succeed("export", self.scene, "--to", "3dtiles", "-o", out)
         tileset = Tileset(out)
@@ -218,7 +218,7 @@ class Export(harness.FolderTest):
         self.assertIn("tileset.json", (out / "index.html").read_text())
 
     def test_voxel_3d_tiles_are_the_same_for_any_cells_ranks_and_threads(self):
-        """Upper levels come from parents in one scene and from the cell itself in the other."""
+        """Compares upper levels from overviews of one scene with upper levels from a single cell of the other scene."""
         source = self.root / "village/tileset.json"
         self.program.bake(source, self.root / "large", VOXEL_M, "--cell-voxels", "1024")
         wish = ("--to", "3dtiles", "--tile-voxels", "16")
@@ -229,7 +229,7 @@ class Export(harness.FolderTest):
         self.program.succeed("export", self.scene, *wish, "-o", self.root / "of_ranks", ranks=3)
         of_cells = self.files_of(self.root / "of_cells")
         self.assertEqual(of_cells, self.files_of(self.root / "of_ranks"))
-        of_cells.pop("export.json"), expected.pop("export.json")  # say what shards tiles were made of
+        of_cells.pop("export.json"), expected.pop("export.json")  # they list the shards of the tiles
         self.assertEqual(of_cells, expected)
 
     def test_a_3tz_archive_holds_the_same_files_and_finds_them_by_its_index(self):
@@ -286,7 +286,7 @@ class Export(harness.FolderTest):
             self.assertIn(name, result.stderr)
         self.assertEqual([p.name for p in (self.root / "other").iterdir()], ["file"])
 
-    # 2026-11-25: truncated and swapped tiles were kept, and files that no export wrote were deleted without a message.
+    # Regression of 2026-11-25: truncated and swapped tiles were kept, and other files were deleted without a message.
     def test_an_update_keeps_no_damaged_tile_and_deletes_no_other_file(self):
         wish, out = ("--to", "3dtiles", "--tile-voxels", "16", "-o"), self.root / "repaired"
         self.program.succeed("export", self.scene, *wish, out)
@@ -304,7 +304,7 @@ class Export(harness.FolderTest):
         self.assertIn("notes.txt", refused.stderr)
         self.assertEqual((out / "tiles/notes.txt").read_text(), "mine")
 
-    # 2026-11-25: levels above the cells' could not be exported.
+    # Regression of 2026-11-25: levels above the cells' levels could not be exported.
     def test_every_format_takes_every_level_that_info_lists(self):
         levels = len(self.program.info(self.scene)["lods"])
         for form in ("ply", "nvdb", "3dtiles", "3dtiles-gltf", "gigavoxel-xml", "gigavoxel-binary"):
@@ -316,7 +316,7 @@ class Export(harness.FolderTest):
                 self.program.succeed(*wish, levels - 1)
 
     def test_the_form_of_gltf_2_1_holds_the_same_voxels(self):
-        """EXT_voxels: x to the right, forward, up; the frame of glTF 2.1 has x to the left."""
+        """EXT_voxels has x to the right, forward and up; the frame of glTF 2.1 has x to the left."""
         wish = ("--tile-voxels", "16", "-o")
         self.program.succeed("export", self.scene, "--to", "3dtiles", *wish, self.root / "form_1")
         self.program.succeed("export", self.scene, "--to", "3dtiles-gltf", *wish, self.root / "form_2")
@@ -357,7 +357,7 @@ class Export(harness.FolderTest):
             for node, level, path in gigavoxel_nodes(root[0], [0, 0, 0]):
                 self.assertEqual([int(node["MipMap" + axis]) for axis in "XYZ"], [8 * p for p in path])
                 if node["Type"] != "NON-CONST":
-                    self.assertEqual(node["ColorA"], "0")  # nothing in the village is solid
+                    self.assertEqual(node["ColorA"], "0")  # no voxel of the village is solid
                 elif level == depth:
                     brick = rgba[int(node["Brick"])]
                     there = tuple(numpy.argwhere(brick[..., 3] > 0).T)

@@ -35,7 +35,7 @@ def data_uri(media, data):
 
 
 def document(material, image=None, binary=POSITIONS + INDICES + UVS, uri=None):
-    """A square as glTF whose one buffer is `binary`, then an image's bytes if `image` is bytes."""
+    """Returns a square as glTF with one buffer: `binary`, followed by an image if `image` is bytes."""
     if isinstance(image, bytes):
         offset, binary = len(binary), binary + image + bytes(-len(image) % 4)
         images = [{"bufferView": 3, "mimeType": "image/png"}]
@@ -95,7 +95,7 @@ PLACE = (47.37, 8.54, 430)
 
 
 def earth_transform(place):
-    """The column-major matrix of a tile whose origin is at a place, east, north and up being its axes."""
+    """Returns the column-major matrix of a tile with its origin at a place and the axes east, north and up."""
     centre, axes = ecef(*place)
     return [v for axis in axes for v in (*axis, 0)] + [*centre, 1]
 
@@ -111,7 +111,7 @@ class ExporterFiles(harness.FolderTest):
         return harness.read_ply(ply), result.stdout + result.stderr
 
     def bake_in_a_row(self, paths, status=0):
-        """One bake of all files, each 10 m behind the one before it. Returns the voxels per file, and the text."""
+        """Bakes all files at once, each 10 m behind the previous one. Returns the voxels per file, and the text."""
         scene = self.root / "row.json"
         scene.write_text(json.dumps({"gigabake": 1, "sources": [
             {"path": str(p.relative_to(self.root)), "place": {"position_m": [10 * i, 0, 0]}}
@@ -188,7 +188,7 @@ class ExporterFiles(harness.FolderTest):
         made["root"]["children"][0]["transform"] = earth_transform(PLACE)
         (self.root / "globe.json").write_text(json.dumps(made))
         _, axes = ecef(*PLACE)
-        # The same square by RTC_CENTER, its vertices in earth-centred axes, y up.
+        # The same square by RTC_CENTER, with vertices in earth-centred axes, y up.
         corners = [(x * e + y * n + .25 * u) for x, y in ((0, 0), (4, 0), (4, 4), (0, 4)) for e, n, u in zip(*axes)]
         rows = [corners[i:i + 3] for i in range(0, 12, 3)]
         harness.write_glb(self.root / "rtc.b3dm", [(x, z, -y) for x, y, z in rows], [0, 1, 2, 0, 2, 3],
@@ -209,7 +209,7 @@ class ExporterFiles(harness.FolderTest):
                 self.assertAlmostEqual(shown["latitude_deg"], PLACE[0], 3)
                 self.assertAlmostEqual(shown["longitude_deg"], PLACE[1], 3)
 
-    # 2026-11-25: images of one alpha between the cutoff and 1 were absent as a whole.
+    # Regression of 2026-11-25: images with a constant alpha between the cutoff and 1 were absent.
     def test_an_alpha_test_passes_all_of_an_image_from_the_cutoff_on(self):
         paths = [write_glb(self.root / f"{alpha}.glb", {**TEXTURED, "alphaMode": "MASK", "alphaCutoff": 128 / 255},
                            png(alpha=alpha)) for alpha in (127, 128, 129, 192, 254, 255)]
@@ -218,7 +218,7 @@ class ExporterFiles(harness.FolderTest):
         for path, voxels in zip(paths[1:], row[1:]):
             self.expect_square(voxels, path.name)
 
-    # 2026-11-25: both were taken as local, 6,378 km off, without a message.
+    # Regression of 2026-11-25: both were read as local coordinates, 6,378 km off, without a message.
     def test_packed_content_and_content_at_the_equator_have_their_place(self):
         globe = {"region": [-3.141592653589793, -1.5707963267948966, 3.141592653589793, 1.5707963267948966, 0, 100]}
         for name, place, work in (("packed", PLACE, gzip.compress), ("equator", (0, 180, 0), bytes)):
@@ -282,7 +282,7 @@ class ExporterFiles(harness.FolderTest):
             json.loads(path.read_bytes().decode("utf-8"))
 
     def test_a_damaged_name_costs_no_source(self):
-        """Names in Latin-1 and halves of surrogate pairs, of materials, meshes, ids, URIs and groups."""
+        """Tests names in Latin-1 and unpaired surrogates in materials, meshes, ids, URIs and groups."""
         names = [b"\\ud800", b"x\\uDC00", b"Stra\xdfe", b"\xed\xa0\x80", b"\\u0001\\ufffe]]>&<"]
         for number, name in enumerate(names):
             made, binary = document(FACTOR, uri="B")
@@ -303,10 +303,10 @@ class ExporterFiles(harness.FolderTest):
         self.expect_outputs(obj)
 
     def expect_outputs(self, source):
-        """A source of 64 voxels that also misses something: all documents are well-formed."""
+        """Bakes a source of 64 voxels with a missing input, and checks that all documents are well-formed."""
         report = source.parent / "report.json"
         result = PROGRAM.run("bake", source, "-o", self.root / "out", "--voxel-size", 0.5, "--report", report,
-                             errors="replace")  # a message may have any bytes
+                             errors="replace")  # a message may contain any bytes
         self.assertEqual(result.returncode, 3, result)
         self.assertEqual(PROGRAM.info(self.root / "out")["lods"][0]["voxels"], 64, source)
         json.loads(report.read_bytes().decode("utf-8"))

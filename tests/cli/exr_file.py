@@ -10,7 +10,7 @@ SAMPLE = {1: numpy.dtype("<f2"), 2: numpy.dtype("<f4")}
 
 
 def read_exr(path):
-    """Arrays of height × width, by the names of their channels."""
+    """Returns arrays of height × width by the names of their channels."""
     data = Path(path).read_bytes()
     assert struct.unpack_from("<II", data) == (20000630, 2)
     attributes, at = attributes_of(data)
@@ -53,7 +53,7 @@ def channels_of(listed):
 
 
 def unpacked(packed, size):
-    """Differences of bytes, the even ones before the odd ones."""
+    """Undoes the prediction of bytes and their split into even and odd ones."""
     if len(packed) == size:
         return packed
     values = numpy.frombuffer(zlib.decompress(packed), "u1").astype(int)

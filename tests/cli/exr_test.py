@@ -18,13 +18,13 @@ VOXEL_M = 0.25
 
 
 def srgb_codes(linear):
-    """IEC 61966-2-1, 0 to 255, not rounded."""
+    """Returns sRGB codes from 0 to 255, not rounded (IEC 61966-2-1)."""
     linear = numpy.clip(linear, 0, 1)
     return 255 * numpy.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
 def linear_light(code):
-    """The inverse."""
+    """Returns the linear light of an sRGB code."""
     part = code / 255
     return part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4
 
@@ -58,7 +58,7 @@ class Exr(harness.FolderTest):
             alpha = image["A"].astype(float)
             for k, name in enumerate("RGB"):
                 difference = numpy.abs(srgb_codes(self.shown(image[name], alpha, colour, k)) - shown[..., k])
-                self.assertLess(difference[opaque].max(), 0.7, name)  # rounding, and 11 bits of a half
+                self.assertLess(difference[opaque].max(), 0.7, name)  # rounding, and the 11 bits of a half
                 self.assertLess(difference.max(), 0.7 if colour else 1.2, name)  # a sky is dithered
             if colour:
                 self.assertLess(numpy.abs(255 * alpha - shown[..., 3]).max(), 0.6)

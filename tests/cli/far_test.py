@@ -18,7 +18,7 @@ EDGE = 20  # vertices
 
 
 def ground(far=None):
-    """Positions and indices of a rough square. far: where one vertex in its middle lies, else in its place."""
+    """Returns positions and indices of a rough square. far: a position for a vertex in the middle, or None."""
     positions = [[x, 0.3 * ((7 * x + 3 * z) % 5), -z] for z in range(EDGE) for x in range(EDGE)]
     indices = []
     for z in range(EDGE - 1):

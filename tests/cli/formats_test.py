@@ -20,7 +20,7 @@ import packed_seeds
 SOURCE = Path(sys.argv[2]).resolve()
 MODEL = made_seeds.glb(made_seeds.square(), made_seeds.POSITIONS + made_seeds.INDICES)
 CRS = b"EPSG:25832"
-# GDAL's side file of a GeoTIFF that does not state its system.
+# GDAL's side file of a GeoTIFF without a coordinate system.
 AUX = b"<PAMDataset><SRS>" + CRS + b"</SRS></PAMDataset>"
 VRT = (b'<VRTDataset rasterXSize="4" rasterYSize="4"><SRS>' + CRS + b"</SRS>"
        b"<GeoTransform>500000, 10, 0, 5100160, 0, -10</GeoTransform>"
@@ -56,7 +56,7 @@ SOURCES = {
     "elevation raster": ({"a.json": made_seeds.text(RASTER), "dem.tif": made_seeds.tiff(4, 1)}, "a.json"),
     "scene .json": ({"a.json": made_seeds.scenes()[0], "model.gltf": made_seeds.text(made_seeds.square())}, "a.json"),
 }
-# Exports that docs/commands.md names, and the names of their formats.
+# Exports that docs/commands.md names, with the names of their formats.
 EXPORTS = {"PLY": "ply", "NanoVDB": "nvdb", "OpenVDB": "vdb", "CesiumJS": "3dtiles", "GigaVoxels": "gigavoxel-xml"}
 
 
@@ -89,7 +89,7 @@ class Formats(harness.FolderTest):
             (folder / name).write_bytes(content)
         return folder
 
-    # 2026-11-25: ./quickstart built a program that refused elevation rasters.
+    # Regression of 2026-11-25: ./quickstart built a program that refused elevation rasters.
     def test_every_source_that_the_readme_names_is_read(self):
         sentence = re.search(r"`SOURCE` is (.*?)\(\[all of it\]", self.readme, re.S).group(1)
         named = set(re.findall(r"`(\.?[\w.]+)`", sentence)) - {".json"}
@@ -130,13 +130,13 @@ class Formats(harness.FolderTest):
 
 
 class BuildPackages(unittest.TestCase):
-    """The packages that ./quickstart, cluster/Containerfile and a Debian package are built with."""
+    """Tests the packages that ./quickstart, cluster/Containerfile and a Debian package are built with."""
 
     def test_the_group_build_has_every_library_that_cmake_looks_for(self):
         script = (SOURCE / "tools/install-packages").read_text(encoding="utf-8")
         group = set(re.search(r'^build="(.*?)"', script, re.M | re.S).group(1).split())
         for file in sorted((SOURCE / "cmake").glob("*.cmake")):
-            if not file.name.startswith("install"):  # what others link, not what gigabake is built with
+            if not file.name.startswith("install"):  # packages for users of the library, not for the build
                 named = set(re.findall(r"\blib[\w.+-]+-dev\b", file.read_text(encoding="utf-8")))
                 self.assertLessEqual(named, group, f"{file.name} names packages that the group build lacks")
         self.assertIn("install-packages build\n", (SOURCE / "quickstart").read_text(encoding="utf-8"))
@@ -160,7 +160,7 @@ class BuildPackages(unittest.TestCase):
                                   "-DGB_IMGUI_INCLUDE="), 120)
             commands = (Path(folder) / "compile_commands.json").read_text(encoding="utf-8")
         self.assertEqual(result.returncode, 0, result.stderr)
-        # 2026-11-25: a compiler newer than the developers' stopped a user's build with a warning.
+        # Regression of 2026-11-25: a warning of a newer compiler stopped a user's build.
         self.assertNotIn("-Werror", commands)
         lines = [line for line in result.stderr.splitlines() if line.startswith("gigabake: ")]
         for package in ("libgdal-dev", "libopenvdb-dev", "libimgui-dev"):

@@ -14,7 +14,7 @@ VOXEL_M = 0.25
 
 
 def slab_and_hills():
-    """A bumpy ground, and layers of squares that fill a solid block, so that there are constant nodes too."""
+    """Returns bumpy ground, and a solid block of stacked squares, which gives constant nodes."""
     random = numpy.random.default_rng(7)
     grid = numpy.arange(33) * 0.5
     x, z = numpy.meshgrid(grid, grid)
@@ -31,12 +31,12 @@ def slab_and_hills():
 
 
 def from_morton(key):
-    """x in the lowest bit of each three."""
+    """Decodes a Morton key. Bit 0 of each three belongs to x."""
     return [sum((int(key) >> (3 * bit + axis) & 1) << bit for bit in range(21)) for axis in range(3)]
 
 
 def values_of(level, name, brick, places):
-    """The bytes of one channel of a brick's voxels, in their order."""
+    """Returns the bytes of one channel of a brick's voxels, in their order."""
     value, begin, end = level[name], *level["first"][brick:brick + 2]
     if f"{name}_share" not in level:
         return value[begin:end] if len(value) == level["first"][-1] else numpy.repeat(value, end - begin, axis=0)
@@ -50,8 +50,8 @@ def values_of(level, name, brick, places):
 
 
 def brick_voxels(level, brick):
-    """Places inside the brick, colours and normals, in their stored order."""
-    mask = level["mask"][brick].view("u1").reshape(8, 8)  # [z][y], a bit for each x
+    """Returns places inside the brick, colours and normals, in their stored order."""
+    mask = level["mask"][brick].view("u1").reshape(8, 8)  # [z][y], one bit per x
     places = numpy.argwhere(numpy.unpackbits(mask[:, :, None], axis=2, bitorder="little"))[:, ::-1]
     begin, end = level["first"][brick:brick + 2]
     assert len(places) == end - begin

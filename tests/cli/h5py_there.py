@@ -1,4 +1,4 @@
-"""h5py, with the filter that reads shards of --codec lz4; a test that needs it is skipped without."""
+"""h5py with the filter that reads shards of --codec lz4. Tests that import this module are skipped without them."""
 import sys
 
 try:

@@ -17,7 +17,7 @@ MPI_ENVIRONMENT = {
     "OMPI_MCA_plm_rsh_agent": "/bin/false",
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
-    # Open MPI looks for GPUs through any X screen it finds, and dies with it: another test's, say.
+    # Open MPI probes any X screen for GPUs, and fails if the screen closes: for example the screen of another test.
     "HWLOC_COMPONENTS": "-gl",
 }
 
@@ -49,7 +49,7 @@ class Gigabake:
         return self.info(Path(out) / "scene.xml")
 
     def sample(self, folder, size=96, tiles=2):
-        """A small terrain. Returns its tileset."""
+        """Writes a small terrain. Returns the path of its tileset."""
         self.succeed("sample", folder, "--size", size, "--tiles", tiles)
         return Path(folder) / "tileset.json"
 
@@ -71,7 +71,7 @@ class FolderTest(unittest.TestCase):
 
 
 def squares_of_grid(edge):
-    """Corners of the triangles of a grid of edge × edge vertices, row by row."""
+    """Returns the corners of the triangles of a grid of edge × edge vertices, row by row."""
     corner = (numpy.arange(edge - 1)[:, None] * edge + numpy.arange(edge - 1)).reshape(-1)
     return numpy.stack([corner, corner + 1, corner + edge, corner + 1, corner + edge + 1, corner + edge], -1)
 
@@ -91,7 +91,7 @@ def lod_hashes(info, lods=None):
 
 
 def write_glb(path, positions, indices, colours=None, translation=(0, 0, 0), material=None):
-    """Triangles in glTF's axes. positions: n × 3 floats; colours: n × 4 bytes, linear."""
+    """Writes triangles in glTF's axes. positions: n × 3 floats; colours: n × 4 bytes, linear."""
     positions = numpy.asarray(positions, "<f4")
     indices = numpy.asarray(indices, "<u4").reshape(-1)
     columns = [(positions, 5126, "VEC3", {"min": positions.min(0).tolist(), "max": positions.max(0).tolist()}),
@@ -132,7 +132,7 @@ PLY_VERTEX = numpy.dtype([("p", "<f8", 3), ("ijk", "<i4", 3), ("rgba", "u1", 4),
 
 
 def read_ply(path):
-    """The vertices, sorted by lattice index."""
+    """Returns the vertices, sorted by lattice index."""
     content = Path(path).read_bytes()
     header, body = content.split(b"end_header\n", 1)
     count = int(header.split(b"element vertex ")[1].split(b"\n")[0])

@@ -78,7 +78,7 @@ class Incomplete(harness.FolderTest):
         self.assertEqual(result.returncode, INCOMPLETE, result.stderr)
         self.assertEqual(len(LINE.findall(result.stderr)), 1, result.stderr)
 
-    # 2026-11-25: scenes whose shards were deleted or cut short were "the same voxels".
+    # Regression of 2026-11-25: scenes whose shards were deleted or truncated were "the same voxels".
     def test_diff_refuses_scenes_without_their_files(self):
         out, broken = self.root / "small", self.root / "broken"
         PROGRAM.bake(self.source, out, 0.5)
@@ -94,7 +94,7 @@ class Incomplete(harness.FolderTest):
                 self.assertEqual(result.returncode, 2, result.stdout)
                 self.assertIn("1 of 1 shard is missing or cut short", result.stderr)
 
-    # 2026-11-25: a bake without a voxel exited with 0, and with --prune removed the shards of the scene before it.
+    # Regression of 2026-11-25: a bake without a voxel exited with 0, and --prune removed the previous scene's shards.
     def test_a_bake_without_a_voxel_names_the_material_and_changes_nothing(self):
         glass, ghost, tr = self.root / "glass.glb", self.root / "ghost.glb", self.root / "tr.obj"
         harness.write_glb(glass, *SQUARE, material={
@@ -116,7 +116,7 @@ class Incomplete(harness.FolderTest):
                 self.assertEqual(PROGRAM.run("bake", source, "-o", over, "--voxel-size", 0.5, "--prune").returncode, 1)
                 self.assertEqual({p: p.read_bytes() for p in over.rglob("*") if p.suffix in (".h5", ".xml")}, before)
 
-    # 2026-11-25: U+FFFE in the name of a missing input made scene.xml no XML.
+    # Regression of 2026-11-25: U+FFFE in the name of a missing input made scene.xml invalid XML.
     def test_names_of_missing_inputs_leave_the_scene_well_formed(self):
         names = ["a\ufffe.glb", "b\uffff.glb", "c\x01.glb", "d%FF.glb", "e\u0007.glb", "f<&\".glb"]
         write_tileset(self.root / "names.json", "square.glb", *names)
@@ -130,7 +130,7 @@ class Incomplete(harness.FolderTest):
         self.assertEqual(result.stderr, f"{len(names)} inputs are missing (gigabake info lists them)\n")
         self.assertEqual(json.loads(PROGRAM.run("verify", out, "--json").stdout)["faults"], [])
 
-    # 2026-11-25: identifiers that are not UTF-8 made the answers no JSON.
+    # Regression of 2026-11-25: identifiers that are not UTF-8 made the answers invalid JSON.
     def test_answers_about_identifiers_of_any_bytes_are_json(self):
         out, table = self.root / "asked", self.root / "places.csv"
         PROGRAM.bake(self.source, out, 0.5)

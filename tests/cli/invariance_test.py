@@ -17,7 +17,7 @@ SNAP = 1024  # vertices lie on multiples of 1/1024 m = 1/256 voxel
 
 
 def hills(seed=SEED, quads=48, step=0.37):
-    """A bumpy, coloured ground of 2·quads² triangles, and a few large triangles through it."""
+    """Returns bumpy, coloured ground of 2·quads² triangles with a few large triangles through it."""
     random = numpy.random.default_rng(seed)
     grid = numpy.arange(quads + 1) * step - quads * step / 2
     x, z = numpy.meshgrid(grid, grid)
@@ -35,7 +35,7 @@ def hills(seed=SEED, quads=48, step=0.37):
 
 
 def ecef_from_enu(latitude_deg, longitude_deg, height_m):
-    """Column-major 4 × 4, WGS84."""
+    """Returns the column-major 4 × 4 matrix, WGS84."""
     a, f = 6378137.0, 1 / 298.257223563
     e2 = f * (2 - f)
     lat, lon = math.radians(latitude_deg), math.radians(longitude_deg)
@@ -114,7 +114,7 @@ class Invariance(harness.FolderTest):
                 self.assertEqual(harness.lod_hashes(one, 4), harness.lod_hashes(four, 4), options)
 
     def test_moving_the_scene_by_whole_voxels_moves_the_voxels(self):
-        shift = numpy.array([40, -24, 16])  # scene axes; multiples of 8, so that coarser levels move along
+        shift = numpy.array([40, -24, 16])  # scene axes; multiples of 8, so that coarser levels are shifted too
         east, north, up = shift * VOXEL_M
         self.bake(self.one, "--cell-voxels", 64)
         PROGRAM.succeed("export", self.out / "scene.xml", "--to", "ply", "-o", self.root / "a.ply")

@@ -48,7 +48,7 @@ def the_verdict_says_what_rows_say(bench, text):
 
 
 def voxels_of_level_0_are_opaque(bench):
-    """The case with least to argue about: a plane that is nearly level, seen from above, a voxel a pixel."""
+    """Tests the simplest case: a nearly level plane, seen from above, with one voxel per pixel."""
     scene = next(scene for scene in bench["scenes"] if scene["name"].startswith("plane-0.5-"))
     row = next(row for row in scene["rows"]
                if (row["elevation_deg"], row["voxels_per_pixel"], row["eye"]) == (90, 1, "anywhere"))

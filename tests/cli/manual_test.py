@@ -15,7 +15,7 @@ from pathlib import Path
 import programs
 
 PROGRAM = sys.argv[1]
-# Words that bash would complete, with what must and must not come.
+# Words that bash would complete, with expected and forbidden completions.
 CASES = [
     (["ex"], {"export"}, {"bake"}),
     (["bench", "acc"], {"accuracy"}, {"export"}),
@@ -24,7 +24,7 @@ CASES = [
     (["bench", "render", "--s"], {"--size"}, {"--surface"}),
     (["completion", ""], {"bash", "zsh", "fish"}, set()),
     (["bake", "scene.glb", "--voxel"], {"--voxel-size"}, set()),
-    # Options with a list of words, of 2026-11-22.
+    # Options with a list of words. Regressions of 2026-11-22.
     (["bake", "--surface", ""], {"area", "conservative", "thin"}, {"--surface"}),
     (["plan", "--mip", ""], {"coverage", "thesis", "box"}, set()),
     (["bake", "--codec", "l"], {"lz4"}, {"deflate"}),
@@ -124,7 +124,7 @@ class Completion(unittest.TestCase):
 
     @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
     def test_zsh_completes_commands_options_and_values(self):
-        # The functions that zsh's completion system gives print their words here.
+        # Stubs of the functions of zsh's completion system print their words.
         stub = """
             compdef() { : }; _files() { print files }; compadd() { shift; print -l -- $@ }
             _describe() { [[ $1 == -o ]] && shift; print -l -- ${(@)${(P)2}%%:*} }

@@ -21,12 +21,12 @@ import made_seeds as made
 MEGABYTE = 1 << 20
 
 
-# First column and row of each pass of an interlaced PNG, and how far its texels are apart.
+# First column and row of each pass of an interlaced PNG, and the distances of its texels.
 ADAM7 = ((0, 0, 8, 8), (4, 0, 8, 8), (0, 4, 4, 8), (2, 0, 4, 4), (0, 2, 2, 4), (1, 0, 2, 2), (0, 1, 1, 2))
 
 
 def png_of_one_colour(edge, is_interlaced):
-    """One bit a texel: a few kilobytes, whatever its size."""
+    """Returns a PNG with one bit per texel: a few kilobytes at any size."""
     size = 0
     for x, y, columns, rows in ADAM7 if is_interlaced else ((0, 0, 1, 1),):
         width, height = -(-(edge - x) // columns), -(-(edge - y) // rows)
@@ -40,7 +40,7 @@ def write_square(path, document):
     harness.write_glb_document(path, document, made.POSITIONS + made.INDICES)
 
 
-# 2026-11-22: what the attacks on 0.1.0 found.
+# Regressions of 2026-11-22, found by attacks on 0.1.0.
 class MemoryLimitTest(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
@@ -50,7 +50,7 @@ class MemoryLimitTest(unittest.TestCase):
         self.folder.cleanup()
 
     def run_limited(self, most_bytes, *command):
-        """Exit code, lines of errors, and the most that one of its processes held."""
+        """Returns exit code, lines of errors, and the maximum memory of the processes."""
         def limit():
             resource.setrlimit(resource.RLIMIT_AS, (most_bytes, most_bytes))
         with subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
@@ -65,7 +65,7 @@ class MemoryLimitTest(unittest.TestCase):
         return process.returncode, errors, usage.ru_maxrss << 10
 
     def bake(self, source, memory_mb):
-        """Within its memory, whatever comes of it."""
+        """Bakes within the memory limit, with any result."""
         code, errors, held = self.run_limited(8 << 30, PROGRAM.executable, "bake", source, "-o", self.root / "out",
                                               "--voxel-size", 0.1, "--memory", f"{memory_mb}M", "--threads", 2)
         self.assertLess(held, (memory_mb + 200) * MEGABYTE)
@@ -87,18 +87,18 @@ class MemoryLimitTest(unittest.TestCase):
         document["accessors"].append({"componentType": 5126, "count": 4, "type": "VEC2"})
         write_square(self.root / "a.glb", document)
 
-    # 2026-11-22: a PNG of 800 KB took 1.7 GB.
+    # Regression of 2026-11-22: a PNG of 800 KB took 1.7 GB.
     def test_an_image_that_decodes_to_a_gigabyte(self):
         self.write_square_with_image_of_a_gigabyte(is_interlaced=True)
         self.refuse(self.root / "a.glb", 512, "texels")
 
-    # 2026-11-23: it was refused. Its rows are decoded one after the other, and the pyramid is on scratch.
+    # Regression of 2026-11-23: it was refused. Now its rows are decoded one by one, and the pyramid is on scratch.
     def test_an_image_that_decodes_to_a_gigabyte_in_rows(self):
         self.write_square_with_image_of_a_gigabyte(is_interlaced=False)
         code, errors = self.bake(self.root / "a.glb", 512)
         self.assertEqual(code, 0, errors)
 
-    # 2026-11-22: 844 bytes of instances took more than 5.6 GB.
+    # Regression of 2026-11-22: 844 bytes of instances took more than 5.6 GB.
     def test_instances_from_nowhere(self):
         document = made.square(nodes=[{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {
             "TRANSLATION": 2}}}}])
@@ -106,7 +106,7 @@ class MemoryLimitTest(unittest.TestCase):
         write_square(self.root / "a.glb", document)
         self.refuse(self.root / "a.glb", 512, "placements")
 
-    # 2026-11-22: a grid of 98 bytes kept the program busy for a minute, without a word.
+    # Regression of 2026-11-22: a grid of 98 bytes occupied the program for a minute without a message.
     def test_a_grid_that_is_not_there(self):
         head = "ncols 100000\nnrows 100000\nxllcorner 8\nyllcorner 46\ncellsize 0.00001\n"
         (self.root / "d.asc").write_text(head + "1 2\n")
@@ -123,7 +123,7 @@ class MemoryLimitTest(unittest.TestCase):
         source.write_text('{"asset":{"version":"1.0"},"root":{},"extras":[' + "[]," * 12_000_000 + "0]}")
         return source
 
-    # 2026-11-22: a tileset of 256 MB took 2.6 GB.
+    # Regression of 2026-11-22: a tileset of 256 MB took 2.6 GB.
     def test_json_that_takes_more_than_is_allowed(self):
         code, errors, held = self.run_limited(8 << 30, PROGRAM.executable, "plan", self.json_of_lists(),
                                               "--voxel-size", 1, "--memory", "256M")
@@ -131,9 +131,9 @@ class MemoryLimitTest(unittest.TestCase):
         self.assertIn("--memory allows", errors)
         self.assertLess(held, 600 * MEGABYTE)
 
-    # 2026-11-22: the program aborted, rank 0 too.
+    # Regression of 2026-11-22: the program aborted, rank 0 too.
     def test_json_where_memory_ends(self):
-        """nlohmann's destructor allocates: it used to end in std::terminate."""
+        """Regression: a destructor of nlohmann::json allocates memory, so the program ended in std::terminate."""
         command = [PROGRAM.executable, "plan", self.json_of_lists(), "--voxel-size", 1, "--memory", 0]
         for start in ([], ["mpirun", "-n", 2]):
             code, errors, _ = self.run_limited(1 << 30, *start, *command)

@@ -62,7 +62,7 @@ def obj_of_grid(edge):
 
 
 def grey_jpeg(edge):
-    """Baseline, one component, every block the same: two bits a block."""
+    """Returns a baseline JPEG of one component with equal blocks: two bits per block."""
     def segment(marker, content):
         return bytes([0xff, marker]) + struct.pack(">H", len(content) + 2) + content
     one_code = b"\1" + bytes(15) + b"\0"
@@ -73,7 +73,7 @@ def grey_jpeg(edge):
 
 
 def write_square_with_image(path, image):
-    """Its texture coordinates cover the whole image."""
+    """Writes a square whose texture coordinates cover the whole image."""
     (path.parent / "image").write_bytes(image)
     content = made.POSITIONS + made.INDICES
     document = made.square(images=[{"uri": "image"}], textures=[{"source": 0}],
@@ -88,7 +88,7 @@ def write_square_with_image(path, image):
     harness.write_glb_document(path, document, content + struct.pack("<8f", 0, 0, 1, 0, 1, 1, 0, 1))
 
 
-# 2026-11-25: an STL of 225 MB took 907 MB under 256M, a PLY 297 MB under 128M, a JPEG of 32768² 1,453 MB under 512M.
+# Regression (2026-11-25): an STL of 225 MB took 907 MB under 256M, a PLY 297 MB under 128M, a JPEG 1,453 MB under 512M.
 class MemoryPeak(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
@@ -98,7 +98,7 @@ class MemoryPeak(unittest.TestCase):
         self.folder.cleanup()
 
     def bake(self, source, voxel_size):
-        """Exit code, errors, and the most that one of its processes held."""
+        """Returns exit code, errors, and the maximum memory of the processes."""
         command = [PROGRAM_PATH, "bake", source, "-o", self.root / "out", "--voxel-size", voxel_size, "--local",
                    "--memory", f"{LIMIT_MB}M", "--threads", 2, "--backend", "cpu", "--cell-voxels", 64]
         with subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,

@@ -32,7 +32,7 @@ class Memory(harness.FolderTest):
         cls.info = GIGABAKE.bake(GIGABAKE.sample(cls.root / "sample"), cls.root / "out", 0.06, "--cell-voxels", 512)
 
     def fly(self, memory):
-        """Statistics of each frame, and the most bytes that the process took of the machine's memory."""
+        """Returns the statistics of each frame, and the maximum memory of the process in bytes."""
         path, stats = self.root / "path.json", self.root / "stats.json"
         path.write_text(json.dumps({"keyframes": FLIGHT}))
         command = [GIGABAKE.executable, "render", self.root / "out" / "scene.xml", "--path", path, "--frames", "24",

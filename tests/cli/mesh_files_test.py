@@ -13,14 +13,14 @@ from pathlib import Path
 
 import harness
 
-# A roof on four walls, without a floor: x, y, z (y up) and polygons, some of them not convex.
+# A roof on four walls, without a floor: x, y, z (y up) and polygons, some of which are not convex.
 VERTICES = [(0, 0, 0), (4, 0, 0), (4, 0, -3), (0, 0, -3), (0, 2, 0), (4, 2, 0), (4, 2, -3), (0, 2, -3), (2, 3.5, 0),
             (2, 1, -3)]
 FACES = [(0, 1, 5, 8, 4), (1, 2, 6, 5), (2, 3, 7, 9, 6), (3, 0, 4, 7)]
 
 
 def fan(faces):
-    """The one face that is not convex is seen by its dent."""
+    """Yields triangles. The fan of the only concave face starts at its concave corner."""
     for face in faces:
         face = face[face.index(9):] + face[:face.index(9)] if 9 in face else face
         for i in range(1, len(face) - 1):
@@ -58,7 +58,7 @@ def stl(path, is_text):
 
 
 def ecef(latitude, longitude, height):
-    """WGS84, and the rows east, north, up there."""
+    """Returns the ECEF position (WGS84), and the rows east, north, up at that place."""
     a, e2 = 6378137.0, 6.69437999014e-3
     lat, lon = math.radians(latitude), math.radians(longitude)
     n = a / math.sqrt(1 - e2 * math.sin(lat) ** 2)
@@ -131,7 +131,7 @@ class MeshFiles(unittest.TestCase):
         expected = self.hashes(scenes[0])
         self.assertEqual([self.hashes(scene) for scene in scenes[1:]], [expected] * 2)
 
-    # 2026-11-22: a single tile was baked tilted.
+    # Regression of 2026-11-22: a single tile was baked tilted.
     def test_an_earth_centred_tile_alone_is_as_in_its_tileset(self):
         tiles = self.root / "tiles"
         tiles.mkdir()

@@ -12,7 +12,7 @@ from pathlib import Path
 from harness import Gigabake
 
 PATHS = ("forward", "aside", "climb", "zoom")
-PAIRS = 6  # of each path
+PAIRS = 6  # per path
 WAYS = ("plain", "blended")
 
 

@@ -22,14 +22,14 @@ PLY = ("ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty dou
 
 
 def png(colour):
-    """4 × 4 texels of one colour."""
+    """Returns a PNG of 4 × 4 texels of one colour."""
     rows = (b"\0" + bytes(colour) * 4) * 4
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", 4, 4, 8, 2, 0, 0, 0)) +
             chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
 def comb(teeth):
-    """Teeth of 0.5 m × 3 m on a bar of 1 m."""
+    """Returns teeth of 0.5 m × 3 m on a bar of 1 m."""
     corners = [(0, 0), (teeth, 0)]
     for i in range(teeth, 0, -1):
         corners += [(i, 1), (i - 0.5, 1), (i - 0.5, 4), (i - 1, 4)]

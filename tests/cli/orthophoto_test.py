@@ -16,7 +16,7 @@ GREY = [127, 127, 127]
 
 
 class OrthophotoTest(RasterTest):
-    """Four quarters of 80 × 80 pixels, each of one colour."""
+    """Tests with four quarters of 80 × 80 pixels, each of one colour."""
 
     def setUp(self):
         super().setUp()
@@ -39,7 +39,7 @@ class OrthophotoTest(RasterTest):
         self.change(work)
 
     def expect(self, changed=None, name="photo.tif", messages="", **entry):
-        """changed: colours of quarters other than COLOURS."""
+        """Bakes and compares colours. changed: colours of quarters that differ from COLOURS."""
         said = self.bake(self.scene({"dem": "dem.tif", "ortho": name, **entry}))
         expected = [list(c) for c in {**COLOURS, **(changed or {})}.values()]
         self.assertEqual(self.colours(*COLOURS), expected)
@@ -51,7 +51,7 @@ class OrthophotoTest(RasterTest):
     def refuse(self, *words, name="photo.tif"):
         self.refused(self.scene({"dem": "dem.tif", "ortho": name}), *words)
 
-    # 2026-11-25: bands were taken by their number: infrared as opacity, indices of a palette as grey.
+    # Regression of 2026-11-25: bands were used by number: infrared as opacity, palette indices as grey.
     def test_bands_are_taken_by_their_interpretation(self):
         infrared = numpy.array([0, 0, 255, 40, 128], "u1")[self.index]
         red, green, blue, undefined = gdal.GCI_RedBand, gdal.GCI_GreenBand, gdal.GCI_BlueBand, gdal.GCI_Undefined
@@ -114,12 +114,12 @@ class OrthophotoTest(RasterTest):
         self.interpret(gdal.GCI_CyanBand, gdal.GCI_MagentaBand, gdal.GCI_YellowBand, gdal.GCI_BlackBand)
         self.refuse("not red, green and blue")
 
-    # 2026-11-25: a collar of nodata was black.
+    # Regression of 2026-11-25: a nodata border was black.
     def test_pixels_without_a_value_are_grey(self):
         self.rgb[:, self.index == 3] = 0
         self.photo(self.rgb, nodata=0)
         self.expect({(8, 31): GREY})
-        self.rgb[0, self.index == 1] = 0  # one colour of 0 is none
+        self.rgb[0, self.index == 1] = 0  # a single 0 component is no nodata
         self.photo(self.rgb, nodata=0)
         self.expect({(8, 31): GREY, (8, 8): (0, 30, 20)})
         self.rgb[0, self.index == 1] = 200
@@ -155,7 +155,7 @@ class OrthophotoTest(RasterTest):
         self.assertEqual(self.colours((8, 8), (31, 8)), [list(c) for c in list(COLOURS.values())[:2]])
         self.refused(self.scene({"dem": "dem.tif", "ortho": "photo.tif", "ortho_crs": "EPSG:x"}), "ortho_crs")
 
-    # 2026-11-25: at most 32 texels a pixel of the raster were kept: stripes of 2 m were a grey wash.
+    # Regression of 2026-11-25: only 32 texels per raster pixel were kept, so stripes of 2 m became grey.
     def test_an_orthophoto_keeps_its_resolution(self):
         self.write("coarse.tif", self.height[:6, :6], pixel=90)
         stripes = numpy.zeros((3, 1080, 1080), "u1")

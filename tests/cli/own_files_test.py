@@ -41,7 +41,7 @@ class OwnFilesTest(unittest.TestCase):
             self.assertIn(word, lines[0])
         self.assertEqual(self.contents(), before)
 
-    # 2026-11-25: --report and --metrics replaced the source.
+    # Regression of 2026-11-25: --report and --metrics replaced the source.
     def test_reports_replace_nothing_but_reports(self):
         link, hard = self.root / "link.json", self.root / "hard.json"
         link.symlink_to(self.mesh)
@@ -55,7 +55,7 @@ class OwnFilesTest(unittest.TestCase):
         self.refused("belongs to", arguments=("--report", self.mesh.parent / "r.json"), source=self.mesh.parent)
         report = self.root / "r.json"
         self.refused("--metrics", arguments=("--report", report, "--metrics", report))
-        for _ in range(2):  # its own ones are replaced
+        for _ in range(2):  # the second run replaces the command's own files
             result = self.bake("--report", report, "--metrics", self.root / "m.prom")
             self.assertEqual(result.returncode, 0, result)
         self.assertIn("scene", json.loads(report.read_text()))
@@ -68,7 +68,7 @@ class OwnFilesTest(unittest.TestCase):
         for name in (places, self.out / "scene.xml"):
             self.refused("-o", run=lambda name=name: PROGRAM.run("query", self.out, "--heights", places, "-o", name))
 
-    # 2026-11-25: a folder of sources, and the shards of another bake, were taken as OUT.
+    # Regression of 2026-11-25: a folder of sources, and the shards of another bake, were accepted as OUT.
     def test_a_bake_goes_into_no_folder_of_sources_or_shards(self):
         self.refused("holds sources", "square.obj", out=self.mesh.parent)
         other = self.root / "other"
@@ -94,7 +94,7 @@ class OwnFilesTest(unittest.TestCase):
             self.assertEqual(thesis.read_text(), "mine")
             (self.out / name).unlink()
 
-    # 2026-11-25: a plan that was killed left its folder among the system's temporary files for ever.
+    # Regression of 2026-11-25: the temporary folder of a killed plan was never removed.
     def test_a_killed_plan_leaves_nothing_for_long(self):
         temporary = self.root / "tmp"
         temporary.mkdir()
@@ -112,7 +112,7 @@ class OwnFilesTest(unittest.TestCase):
         os.kill(plan.pid, signal.SIGSTOP)
         small = [PROGRAM.executable, "plan", self.mesh, "--voxel-size", "1"]
         self.assertEqual(harness.run(small, env=environment).returncode, 0)
-        self.assertEqual(len(folders()), 1)  # that of a plan under way stays
+        self.assertEqual(len(folders()), 1)  # the folder of a running plan stays
         self.assertIsNone(plan.poll())
         os.kill(plan.pid, signal.SIGKILL)
         plan.wait()

@@ -81,7 +81,7 @@ class Package(harness.FolderTest):
 
     def test_anothers_program_bakes_exports_and_draws(self):
         program = self.build("terrain_program")
-        # 2026-11-22: the folder was taken from a variable that other packages set, too.
+        # Regression of 2026-11-22: the folder was read from a variable that other packages also set.
         self.assertIn(str(self.prefix / "lib/gigabake"), succeed("readelf", "-d", program))
         baked, exported, drawn = map(int, succeed(
             program, self.root / "village/tileset.json", self.root / "bake/scene.xml", self.path / "village.ply",
@@ -125,14 +125,14 @@ class Package(harness.FolderTest):
                 if line.startswith('#include "'):
                     self.assertIn(line.split('"')[1], listed, f"{header}: {line}")
         everything = self.path / "everything.cpp"
-        # Those for nvcc, which need CUDA's own headers, are left to it.
+        # Headers for nvcc need CUDA's headers and are not compiled.
         everything.write_text("".join(f"#include <{header}>\n" for header in headers if header.endswith(".h")))
         succeed(os.environ.get("CXX", "c++"), "-std=c++20", "-fsyntax-only", "-I", include, everything)
 
     @unittest.skipUnless(shutil.which("cpack") and shutil.which("dpkg-shlibdeps"), "cpack or dpkg-dev is not installed")
     def test_debian_packages_have_the_files_and_name_the_libraries(self):
         pack = ["cpack", "-G", "DEB", "--config", BUILD / "CPackConfig.cmake", "-B", self.path / "packages"]
-        # 2026-11-22: packages had a maintainer at a host that does not exist.
+        # Regression of 2026-11-22: packages named a maintainer at a host that does not exist.
         nobody = {name: value for name, value in os.environ.items() if name not in ("DEBFULLNAME", "DEBEMAIL")}
         refused = harness.run(pack, 900, cwd=self.path, env=nobody)
         self.assertNotEqual(refused.returncode, 0)

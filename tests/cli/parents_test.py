@@ -143,7 +143,7 @@ class Parents(harness.FolderTest):
             self.assertTrue(1 <= int(re.search(r"from (\d+) file", output)[1]) <= most, output)
 
     def test_a_scene_with_an_error_is_drawn_from_its_root_too(self):
-        # 2026-11-25: viewers opened every cell of it.
+        # Regression of 2026-11-25: viewers opened every cell of the scene.
         self.bake("lossy", "--cell-voxels", 16, "--max-error", 4)
         for distance, most in ((4000, 1), (400, 1)):
             options = (f"--eye=0.1,0,{distance}", "--target=0,0,0")
@@ -178,7 +178,7 @@ class Parents(harness.FolderTest):
             self.assertEqual(((whole[..., 3] == 255) & (drawn[..., 3] < 200)).sum(), 0, "a hole")
 
     def voxels_of(self, shards, lod):
-        """Index, colour and normal of a level's voxels in some shards, by their place."""
+        """Returns index, colour and normal of a level's voxels in some shards, by place."""
         parts = []
         for path in shards:
             with h5py_there.h5py.File(path) as shard:

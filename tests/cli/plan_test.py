@@ -28,7 +28,7 @@ class Plan(harness.FolderTest):
         cls.plan = json.loads(GIGABAKE.succeed("plan", cls.tiles, "--voxel-size", VOXEL_M, "--json"))
         cls.plan_s = time.monotonic() - start
 
-    # All of 2026-11-22.
+    # Regressions of 2026-11-22.
     def test_voxels_and_bytes_are_those_of_real_bakes(self):
         sizes = self.plan["sizes"]
         self.assertEqual([size["voxel_size_m"] for size in sizes], [VOXEL_M / 2, VOXEL_M, VOXEL_M * 2])
@@ -53,7 +53,7 @@ class Plan(harness.FolderTest):
         self.assertLess(self.plan_s, LONGEST_S)
 
     def test_the_texels_of_the_textures_suggest_a_voxel_size(self):
-        # The ground's are VOXEL_M large, walls' and leaves' are finer.
+        # The ground's texels have an edge of VOXEL_M; walls and leaves have finer texels.
         texel_m, suggested_m = self.plan["texel_m"], self.plan["suggested_voxel_size_m"]
         self.assertTrue(VOXEL_M / 20 < texel_m < 1.5 * VOXEL_M, texel_m)
         self.assertTrue(0.7 < suggested_m / texel_m < 1.4, (suggested_m, texel_m))

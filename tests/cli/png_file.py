@@ -12,7 +12,7 @@ def chunk(kind, data):
 
 
 def read_png(path):
-    """height × width × channels, of a path or of bytes."""
+    """Returns height × width × channels of a path or of bytes."""
     data = path if isinstance(path, bytes) else Path(path).read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     at, packed = 8, b""
@@ -51,7 +51,7 @@ def unfiltered(kind, line, above, step):
         left, up = out[i - step], above[i]
         if kind == 3:
             predicted = left + up >> 1
-        else:  # Paeth: the nearest to left + up - corner, the first of equals
+        else:  # Paeth: the nearest to left + up - corner; the first wins a tie
             corner = above[i - step]
             to_left, to_up = abs(up - corner), abs(left - corner)
             to_corner = abs(left + up - 2 * corner)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from harness import Gigabake, write_glb, write_glb_document
 
-# On the equator, 6,378,137 m from the earth's centre: floats are half a metre apart there.
+# A place on the equator, 6,378,137 m from the Earth's centre: floats have a spacing of half a metre there.
 EARTH_M = 6378137.0
 TRIANGLE = ((0, 0, 0), (0, 8, 0), (0, 0, 8))
 
@@ -85,7 +85,7 @@ def a_centre_in_double_needs_none(gigabake, work):
 
 
 def quantized_positions_have_their_own_step(gigabake, work):
-    """16 bits over a kilometre: 30.5 mm."""
+    """Tests 16 bits over a kilometre: 30.5 mm."""
     document = {
         "asset": {"version": "2.0"}, "extensionsUsed": ["KHR_mesh_quantization"],
         "extensionsRequired": ["KHR_mesh_quantization"], "scene": 0, "scenes": [{"nodes": [0]}],

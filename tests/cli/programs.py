@@ -20,13 +20,13 @@ def folder():
     try:
         kept = beside / "Testing" / "programs"
         kept.mkdir(parents=True, exist_ok=True)
-    except OSError:  # an installed one
+    except OSError:  # the folder of an installed program
         kept = Path(tempfile.gettempdir())
     return kept
 
 
 class Transcript:
-    """One file a program, in the order of their starts."""
+    """The output files of programs, one per program in the order of their starts."""
 
     def __init__(self):
         self.files = []
@@ -34,7 +34,7 @@ class Transcript:
         atexit.register(self.forget)
 
     def file(self, command):
-        """An open file for all that the program will say."""
+        """Returns an open file for the output of a command."""
         name = f"{Path(sys.argv[0]).stem}-{time.time_ns()}-{len(self.files)}.txt"
         kept = open(folder() / name, "w+", encoding="utf-8", errors="replace")
         self.files.append((" ".join(map(str, command)), Path(kept.name)))
@@ -66,7 +66,7 @@ def as_text(said):
 
 
 def run(command, timeout=300, **options):
-    """subprocess.run(), its output as text."""
+    """Calls subprocess.run() with text output, and records the output."""
     command = list(map(str, command))
     try:
         result = subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False, **options)
@@ -77,7 +77,7 @@ def run(command, timeout=300, **options):
     return result
 
 
-TIME = r"(20[0-9T:-]+Z rank [0-9]+: )?"  # of a log's lines
+TIME = r"(20[0-9T:-]+Z rank [0-9]+: )?"  # timestamps of log lines
 PROGRESS = re.compile(TIME + r"[a-z][a-z ]*: (\d+ %|\d+ of \d+|\d+ (s|min)\b)")
 
 
@@ -112,7 +112,7 @@ class Started(subprocess.Popen):
         return self.path.read_text(encoding="utf-8", errors="replace")
 
     def end(self):
-        """Kills it if it still runs."""
+        """Kills the process if it still runs."""
         if self.poll() is None:
             self.kill()
         self.wait()
@@ -142,6 +142,6 @@ class Result(unittest.TextTestResult):
 
 
 def main(**options):
-    """unittest.main() for scripts that start programs."""
+    """Runs unittest.main() for scripts that start programs."""
     unittest.main(testRunner=unittest.TextTestRunner(resultclass=Result, verbosity=options.pop("verbosity", 1)),
                   **options)

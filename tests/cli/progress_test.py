@@ -128,7 +128,7 @@ class Progress(harness.FolderTest):
                 self.expect_stopped(export, signal.SIGTERM, 128 + signal.SIGTERM, "stopped by SIGTERM")
                 self.assertFalse((self.root / target).exists())
 
-    # 2026-11-22: `status` was wrong after Ctrl-C.
+    # Regression of 2026-11-22: `status` was wrong after Ctrl-C.
     def test_a_bake_that_drains_says_what_a_second_ctrl_c_does_and_status_says_how_it_ended(self):
         out = self.root / "killed"
         bake = self.start("bake", self.square, "-o", out, "--voxel-size", 0.05, "--cell-voxels", 16)

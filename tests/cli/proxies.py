@@ -40,7 +40,7 @@ def free_port():
 
 
 class Nginx:
-    """nginx on a loopback port, until it is closed. http, server: lines of its configuration."""
+    """An nginx on a loopback port, until close(). http, server: lines of its configuration."""
 
     def __init__(self, server, http=""):
         self.folder = tempfile.TemporaryDirectory()
@@ -98,7 +98,7 @@ class BlockProxy:
                     client.sendall(held[:whole])
                     held = held[whole:]
                 client.sendall(held)
-        except OSError:  # either side has left
+        except OSError:  # one side has closed the connection
             pass
 
     def close(self):

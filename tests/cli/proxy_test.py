@@ -20,7 +20,7 @@ from proxies import NGINX, BlockProxy, Nginx, free_port
 from served import Server, answer_of
 
 SIZE = (320, 200)
-# A proxy drops a reply of which it has received nothing for as long as this.
+# A proxy drops a reply after this time without bytes.
 READ_TIMEOUT_S = 7
 PASS = "location / {{ proxy_pass http://127.0.0.1:{port}; {more} }}"
 
@@ -51,7 +51,7 @@ class Stream:
         return body
 
     def images(self):
-        """Those that are followed by the head of another part."""
+        """Returns the images that are followed by the head of another part."""
         return re.findall(rb"Content-Type: image/jpeg\r\n\r\n(.*?)\r\n--frame\r\n(?=Content-Type: image/jpeg\r\n\r\n)",
                           self.body(), re.DOTALL)
 
@@ -62,7 +62,7 @@ class Stream:
 
 
 def without_comments(jpeg):
-    """A JPEG without the comment segments at its start."""
+    """Returns a JPEG without the comment segments at its start."""
     at = 2
     while jpeg[at:at + 2] == b"\xff\xfe":
         at += 2 + int.from_bytes(jpeg[at + 2:at + 4], "big")
@@ -121,7 +121,7 @@ class BehindProxies(harness.FolderTest):
         self.assertEqual(status, 403)
         self.assertIn("received Host 'a.example:81' and Origin 'https://b.example'", json.loads(text)["error"])
 
-    # 2026-11-25: nginx held the end of the last image back until there was another one.
+    # Regression of 2026-11-25: nginx delayed the end of the last image until the next image.
     def test_the_last_image_arrives_without_another_one(self):
         server = self.serve("--port", 0)
         port = int(server.url.split(":")[2].strip("/"))
@@ -164,7 +164,7 @@ class BehindProxies(harness.FolderTest):
             self.skipTest("no Chromium")
         server = self.serve("--port", 0)
         port = int(server.url.split(":")[2].strip("/"))
-        # Host as the browser sends it, so that the page's Origin fits.
+        # The host as the browser sends it, so that it equals the page's Origin.
         nginx = self.closed_at_end(Nginx(PASS.format(port=port, more="proxy_set_header Host $http_host;")))
         page = self.closed_at_end(chromium.Page(program, f"http://127.0.0.1:{nginx.port}/", *SIZE))
         page.wait_for("typeof shownState !== 'undefined' && shownState && shownState.resting")

@@ -75,7 +75,7 @@ class QueryTest(harness.FolderTest):
         self.assertEqual(there["cell"], here["cell"])
         self.assertAlmostEqual(float(there["height"]), height, delta=0.02)
         down = self.query("--ray", f"{lon},{lat},{height + 20},0,-90", "--coordinates", "lonlat")[0]
-        self.assertAlmostEqual(float(down["distance_m"]), 20, delta=1.5 * VOXEL_M)  # to the cube
+        self.assertAlmostEqual(float(down["distance_m"]), 20, delta=1.5 * VOXEL_M)  # distance to the cube
 
     def test_lines_of_sight(self):
         ground = float(self.query("--at", "0,0")[0]["z"])
@@ -139,7 +139,7 @@ class QueryTest(harness.FolderTest):
         self.assertLess(bench["largest_gap_voxels"], 1 / 64)
 
 
-# 2026-11-25: heights were the top of the cube: 0.8 voxel too high on average, more on a slope.
+# Regression of 2026-11-25: heights were the top of the cube: 0.8 voxel too high on average, more on a slope.
 class HeightTest(harness.FolderTest):
     CELL_M, COUNT = 2.0, 81
 
@@ -182,7 +182,7 @@ class HeightTest(harness.FolderTest):
         rows = list(csv.DictReader(io.StringIO(text)))
         self.assertEqual({row["outcome"] for row in rows}, {"hit"})
         self.assertEqual({float(row["height_error_m"]) for row in rows}, {2.0 ** lod / 2})
-        for row in rows[:50]:  # no more digits than are known
+        for row in rows[:50]:  # only significant digits
             self.assertRegex(row["z"], r"^-?\d+\.\d$" if lod < 4 else r"^-?\d+$")
         return (numpy.array([float(row["z"]) for row in rows]) - self.bilinear(heights)) / 2 ** lod
 

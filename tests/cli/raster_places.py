@@ -27,7 +27,7 @@ def lon_lat(x, y, epsg=32632):
 
 
 class RasterTest(harness.FolderTest):
-    """A hill of 40 × 40 pixels, without values in `void`."""
+    """Tests of a hill of 40 × 40 pixels, without values in `void`."""
 
     program = None
     void = (slice(10, 16), slice(20, 28))
@@ -67,7 +67,7 @@ class RasterTest(harness.FolderTest):
             self.assertIn(word, result.stderr.strip().splitlines()[-1])
 
     def at(self, *places, pixel=PIXEL, left=LEFT, top=TOP):
-        """Answers at (column, row) of pixels' centres; also between them."""
+        """Returns the answers at (column, row) of pixel centres, also between them."""
         table = self.folder / "places.csv"
         rows = [lon_lat(left + (c + 0.5) * pixel, top - (r + 0.5) * pixel) for c, r in places]
         table.write_text("lon,lat\n" + "".join(f"{lon:.10f},{lat:.10f}\n" for lon, lat in rows))
@@ -75,7 +75,7 @@ class RasterTest(harness.FolderTest):
         return list(csv.DictReader(io.StringIO(text)))
 
     def expect_heights(self, heights, step=5, tolerance=1):
-        """heights: of the raster's pixels; NaN: nothing is there."""
+        """Compares heights at pixels. heights: the raster's pixels; NaN: no surface is expected."""
         inner = [(c, r) for r in range(2, heights.shape[0] - 2, step) for c in range(2, heights.shape[1] - 2, step)]
         near = {(c, r): heights[r - 1:r + 2, c - 1:c + 2] for c, r in inner}
         sure = [p for p in inner if numpy.isnan(near[p]).all() or not numpy.isnan(near[p]).any()]

@@ -108,7 +108,7 @@ class ValidityTest(RasterTest):
 
 class SurfaceTest(RasterTest):
     def halves(self):
-        """Pixel is area: no column is in both."""
+        """Writes two halves. Pixels are areas, so the halves share no column."""
         self.write("w.tif", self.height[:, :18])
         self.write("e.tif", self.height[:, 18:], left=LEFT + 18 * PIXEL)
 
@@ -119,7 +119,7 @@ class SurfaceTest(RasterTest):
             self.assertEqual(answer["outcome"], "hit", place)
             self.assertAlmostEqual(float(answer["height"]), 100 + 0.4 * place[0] + 4, delta=1)
 
-    # 2026-11-25: between the last column of one file and the first of the next, one pixel was empty.
+    # Regression of 2026-11-25: one pixel between the last column of a file and the first of the next was empty.
     def test_neighbours_of_one_grid_are_one_surface(self):
         self.halves()
         self.expect_no_gap(self.scene({"dem": "w.tif"}, {"dem": "e.tif"}))
@@ -209,7 +209,7 @@ class UnitTest(RasterTest):
         for unit in ("ft", "Feet", "fathom"):
             self.refused(self.of_unit(unit, 0.3048), "height_scale", unit)
 
-    # 2026-11-25: gdalbuildvrt copies scale and offset, but no unit; feet were read as metres.
+    # Regression of 2026-11-25: gdalbuildvrt copies scale and offset, but no unit; feet were read as metres.
     def test_a_vrt_has_the_unit_of_its_sources(self):
         path = self.of_unit("US survey foot", 1200 / 3937)
         vrt = gdal.BuildVRT(str(self.folder / "mosaic.vrt"), [str(path)])
@@ -268,7 +268,7 @@ class UnitTest(RasterTest):
 
 
 class CostTest(RasterTest):
-    # 2026-11-25: each tile opened the file and read its lines from the first one on.
+    # Regression of 2026-11-25: each tile opened the file and read all lines from the first one.
     def test_lines_are_read_once(self):
         rows, columns = numpy.mgrid[0:80, 0:2000]
         path = self.write("dem.tif", (columns + rows / 8).astype("f4") / 16)
@@ -297,7 +297,7 @@ class CostTest(RasterTest):
             self.assertAlmostEqual(float(self.at((20, 20))[0]["height"]), 1.5, delta=0.5)
 
     def sparse(self, name, edge, nodata=None, left=0, top=0):
-        """A raster of which one block of 256 × 256 pixels is filled."""
+        """Writes a raster in which one block of 256 × 256 pixels is filled."""
         path = self.folder / name
         options = ["TILED=YES", "SPARSE_OK=TRUE", "BLOCKXSIZE=256", "BLOCKYSIZE=256"]
         raster = gdal.GetDriverByName("GTiff").Create(str(path), edge, edge, 1, gdal.GDT_Float32, options)
@@ -323,7 +323,7 @@ class CostTest(RasterTest):
             self.assertLess(opens_of(self.program, self.folder / file, *plan), 20)
 
     def test_left_out_blocks_are_zero_without_nodata(self):
-        """GDAL leaves out blocks of zeros also without SPARSE_OK, so that they may be the sea."""
+        """GDAL omits blocks of zeros even without SPARSE_OK; they may be sea level."""
         for left, top in ((0, 0), (256, 256)):
             path = self.sparse("small.tif", 512, None, left, top)
             result = self.plan(path)

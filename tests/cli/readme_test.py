@@ -17,7 +17,7 @@ SKIPPED = 77
 
 
 def write_square(path):
-    """Two triangles, 6 m wide, level at height 0.25 m, y up; red rises with x, green with z."""
+    """Writes two triangles, 6 m wide, level at height 0.25 m, y up; red rises with x, green with z."""
     positions = struct.pack("<12f", 0, 0.25, 0, 6, 0.25, 0, 6, 0.25, -6, 0, 0.25, -6)
     colours = struct.pack("<12f", 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0)
     data = positions + struct.pack("<6H", 0, 1, 2, 0, 2, 3) + colours
@@ -63,7 +63,7 @@ def main():
         subprocess.run(command, check=True, env=environment)
         shard = next((out / "shards").glob("*.h5"))
         names = {}
-        exec("\n".join(lines).replace("SHARD.h5", str(shard)), names)  # as a reader would type them
+        exec("\n".join(lines).replace("SHARD.h5", str(shard)), names)  # as a reader would type the lines
         first, rgb, mask = names["first"], names["rgb"], names["mask"]
         assert len(rgb) == first[-1] == 144, f"{len(rgb)} voxels, 12 x 12 were baked"
         assert sum(bin(int(word)).count("1") for word in mask.reshape(-1)) == 144

@@ -125,7 +125,7 @@ class Render(harness.FolderTest):
         camera = ("--eye", "60,-70,50", "--target", "0,0,0", "--size", "120x80")
         whole = self.root / "whole.png"
         GIGABAKE.succeed("render", broken / "scene.xml", "-o", whole, *camera)
-        for kind, least, most in (("p*.h5", 1, 1), ("c_*.h5", .5, .999)):  # cells have what their parents copied
+        for kind, least, most in (("p*.h5", 1, 1), ("c_*.h5", .5, .999)):  # cells contain levels that overviews copied
             shard = max((broken / "shards").glob(kind), key=lambda path: path.stat().st_size)
             bytes_of_shard = shard.read_bytes()
             shard.write_bytes(bytes_of_shard[:5000])

@@ -7,7 +7,7 @@ import json
 import math
 import sys
 
-import h5py_test  # skips where the shards cannot be read
+import h5py_test  # skips if h5py or its filter is missing
 import harness
 from h5py_test import h5py, numpy
 
@@ -16,7 +16,7 @@ BINS = (1, 64, 128, 192, 255, 256)
 
 
 def by_h5py(out):
-    """Per lod, over all shards of the scene: voxels, bytes on disk, mean alpha, counts of alphas."""
+    """Returns voxels, bytes on disk, mean alpha and counts of alphas per lod, over all shards of the scene."""
     levels = [{"alphas": [], "bytes": 0} for _ in range(6)]
     for path in sorted((out / "shards").glob("*.h5")):
         with h5py.File(path) as shard:
@@ -53,7 +53,7 @@ class Report(harness.FolderTest):
 
     @staticmethod
     def spoil(path, positions):
-        """JSON cannot say NaN in an accessor's bounds, the positions can."""
+        """Writes NaN into the positions: JSON cannot express NaN in an accessor's bounds."""
         content = path.read_bytes()
         clean = numpy.nan_to_num(positions).tobytes()
         assert content.count(clean) == 1
@@ -120,7 +120,7 @@ class Report(harness.FolderTest):
                                   "--json", "--report", report)
         self.assertEqual(printed, report.read_text())
 
-    # 2026-11-25: a missing folder was an error after the bake.
+    # Regression of 2026-11-25: a missing folder was only reported after the bake.
     def test_the_folder_of_a_report_is_checked_before_the_bake(self):
         result = PROGRAM.run("bake", self.root / "scene.glb", "-o", self.root / "never", "--voxel-size", VOXEL_M,
                              "--report", self.root / "absent/report.json")

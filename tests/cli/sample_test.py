@@ -25,7 +25,7 @@ def bytes_are_the_same_again(gigabake, work):
     sample(gigabake, work / "a2", "--seed", 2)
     assert files(work / "a2") != files(work / "b")
     assert files(work / "a2").keys() == files(work / "b").keys()
-    # 2026-11-25: another sample was written over without a question.
+    # Regression of 2026-11-25: another sample was overwritten without an error.
     refused = gigabake.run("sample", work / "a", *SMALL, "--seed", 2)
     assert refused.returncode == 1 and "holds a sample already" in refused.stderr, refused
     assert files(work / "a") == files(work / "b")
@@ -73,7 +73,7 @@ def wrong_options_and_others_folders_are_refused(gigabake, work):
 
 
 def fractal_terrain_has_the_peers_number_of_voxels(gigabake, work):
-    """Surface voxels a column of the 2-million-triangle terrain: the peers' 0.77 million at 512² are 2.9."""
+    """The terrain of 2 million triangles has 2.9 surface voxels per column, like the peers: 0.77 million at 512²."""
     fractal = Path(gigabake.executable).with_name("gigabake_fractal")
     if not fractal.exists():
         print("no gigabake_fractal beside the program: its counts are not checked")

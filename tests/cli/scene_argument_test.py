@@ -41,7 +41,7 @@ class SceneArgument(harness.FolderTest):
         return [("info", scene), ("verify", scene), ("diff", scene, self.out / "scene.xml"),
                 ("export", scene, "-o", self.root / "v.ply"), ("render", scene, *picture)]
 
-    # 2026-11-22: commands took the scene.xml in it and refused the folder.
+    # Regression of 2026-11-22: commands refused a folder but accepted its scene.xml.
     def test_a_folder_is_taken_for_its_scene(self):
         for given in (self.out, f"{self.out}/", self.out / "scene.xml"):
             for command in self.commands_of_a_scene(given):
@@ -56,7 +56,7 @@ class SceneArgument(harness.FolderTest):
         for given, told in ((self.source, "is not a scene but a source"), (self.shards[0], str(self.out / "scene.xml")),
                             (self.root, "is not a scene but a source"), (self.out / "shards", "has no scene.xml")):
             for command in self.commands_of_a_scene(given) + [("view", given), ("serve", given)]:
-                if (command[0], given) != ("serve", self.out / "shards"):  # a bake may begin there
+                if (command[0], given) != ("serve", self.out / "shards"):  # serve may wait for a bake there
                     self.refused(2 if command[0] == "diff" else 1, told, *command)
             self.refused(1, "", "bench", "render", given)
         for given in (self.source, self.shards[0]):
@@ -83,7 +83,7 @@ class SceneArgument(harness.FolderTest):
             self.refused(2, "gigavoxel-binary", "export", self.out, "-o", self.root / name)
             self.assertFalse((self.root / name).exists())
 
-    # 2026-11-22: where two shards were swapped, an export wrote other voxels and ended with 0.
+    # Regression of 2026-11-22: with two swapped shards, an export wrote other voxels and exited with 0.
     def test_an_export_of_a_scene_that_does_not_fit_its_shards_writes_nothing(self):
         bad = self.root / "bad"
         shutil.copytree(self.out, bad)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import harness
 
-# A tile may take a 128th of it in memory; this one takes twenty times as much.
+# A tile may use 1/128 of the memory; this tile needs twenty times as much.
 MEMORY = "64M"
 VOXEL = 1 / 512
 CELLS = ("--local", "--cell-voxels", "128")
@@ -50,7 +50,7 @@ class Scratch(harness.FolderTest):
 
     # Regression of 2026-11-23: a quiet bake reported the scratch that it would write.
     def test_quiet_is_quiet(self):
-        for _ in range(2):  # the second finds all cells there
+        for _ in range(2):  # the second bake finds all cells complete
             result = self.bake("quiet", "--quiet")
             self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
 

@@ -11,7 +11,7 @@ import numpy
 import harness
 from png_file import read_png
 
-# Camera, pixel error: levels that cells of both sizes have (decision 10).
+# Camera and pixel error. They select levels that cells of both sizes have (decision 10).
 VIEWS = {
     "near": (("--eye=10,-15,25", "--target=0,0,5"), 1),
     "near and coarse": (("--eye=10,-15,25", "--target=0,0,5"), 4),

@@ -227,7 +227,7 @@ class Serve(harness.FolderTest):
             self.assertNotIn(host, ("0.0.0.0", "0", "::"))
             self.assertTrue(host == socket.gethostname() or host in own or not host.startswith("127."), host)
 
-    # 2026-11-25: the scene of a folder that was made later was never shown.
+    # Regression of 2026-11-25: the scene of a folder that was created later was never shown.
     def test_a_folder_that_is_not_there_yet_is_waited_for(self):
         out = self.root / "later"
         server = self.serve(out)

@@ -22,7 +22,7 @@ def answer_of(url, body=None, headers=None):
 
 
 class Server:
-    """gigabake serve, until it is closed."""
+    """A running gigabake serve, until close()."""
 
     def __init__(self, program, *arguments):
         self.process = harness.Started([program.executable, "serve", *arguments])

@@ -35,7 +35,7 @@ class Status(harness.FolderTest):
         cls.status = json.loads((cls.out / "status.json").read_text())
 
     def folder_with(self, **changes):
-        """An OUT whose status is the finished bake's, changed."""
+        """Returns an OUT whose status is the finished bake's status with changes."""
         out = Path(tempfile.mkdtemp(dir=self.root))
         status = {**self.status, "updated_s": time.time(), **changes}
         (out / "status.json").write_text(json.dumps(status))
@@ -56,7 +56,7 @@ class Status(harness.FolderTest):
         for text in told:
             self.assertIn(text, lines[0])
 
-    # a bake that ended
+    # a completed bake
 
     def test_a_finished_bake_adds_up(self):
         result = self.show(self.out, "--json")
@@ -173,7 +173,7 @@ class Status(harness.FolderTest):
         self.assertEqual(states[-1], "drained")
         self.assertTrue(3 <= len(states) <= 5 and set(states[:-1]) == {"baking"}, states)
 
-    # nonsense
+    # invalid status files
 
     def test_no_status_is_one_line(self):
         self.expect_one_line(self.show(self.root / "nowhere"), "nowhere", "no such file")

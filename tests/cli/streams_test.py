@@ -39,7 +39,7 @@ class Streams(harness.FolderTest):
         return self.root / f"new{self.fresh}{suffix}"
 
     def commands(self):
-        """Name: (arguments, whether they answer on standard output)."""
+        """Returns a table: name to (arguments, True if the answer goes to standard output)."""
         bake = [self.source, "--voxel-size", "0.5", "--backend", "cpu", "--threads", "1"]
         return {
             "sample": (["--size", "64", "--tiles", "1", self.new()], True),
@@ -67,7 +67,7 @@ class Streams(harness.FolderTest):
         }
 
     def run_with(self, words, redirections, ranks=None):
-        """Under a shell, which can close what subprocess would open."""
+        """Runs a command under a shell, which can close streams that subprocess would open."""
         words = [str(self.program.executable), *map(str, words)]
         launcher = [] if ranks is None else ["mpirun", "-n", str(ranks)]
         line = " ".join(f"'{word}'" for word in words)
@@ -88,7 +88,7 @@ class Streams(harness.FolderTest):
         arguments, answers = self.commands()[name]
         return [*name.split(), *arguments], answers
 
-    # 2026-11-25: exit code 0 and no message.
+    # Regression of 2026-11-25: exit code 0 and no message.
     def test_an_answer_that_cannot_be_written_is_a_failure(self):
         for name in self.commands():
             for redirection, reason in ((f">{FULL}", "No space left on device"), (">&-", "Bad file descriptor")):
@@ -107,7 +107,7 @@ class Streams(harness.FolderTest):
         for words in (["--help"], ["--version"], ["bake", "--help"], ["bench", "query", "--help"]):
             self.assertEqual(self.run_with(words, f">{FULL}").returncode, 1, words)
 
-    # 2026-11-25: SIGABRT, exit code 134.
+    # Regression of 2026-11-25: SIGABRT, exit code 134.
     def test_a_message_that_cannot_be_written_is_dropped(self):
         for name in self.commands():
             # An invalid option ends the server with an error.
@@ -146,7 +146,7 @@ class Streams(harness.FolderTest):
         self.program.succeed(*words)
         return harness.lod_hashes(self.program.info(self.out_of(words) / "scene.xml"))
 
-    # 2026-11-25: a hang of 122 s, then exit code 142.
+    # Regression of 2026-11-25: a hang of 122 s, then exit code 142.
     def test_ranks_without_standard_error_bake(self):
         for redirection in (f"2>{FULL}", "2>&-", "<&- 2>&-"):
             words = self.bake()
@@ -156,7 +156,7 @@ class Streams(harness.FolderTest):
             self.assertLess(time.monotonic() - start, 60)
             self.expect_same_voxels(words)
 
-    # 2026-11-25: SIGPIPE ended the bake.
+    # Regression of 2026-11-25: SIGPIPE ended the bake.
     def test_a_reader_that_leaves_does_not_end_a_bake(self):
         words = self.bake()
         line = " ".join(f"'{word}'" for word in (self.program.executable, *words))
@@ -166,7 +166,7 @@ class Streams(harness.FolderTest):
         self.expect_same_voxels(words)
 
     def test_files_do_not_get_the_numbers_of_closed_streams(self):
-        """A message would be written into a shard."""
+        """Otherwise a message would be written into a shard."""
         words = self.bake()
         self.run_with(words, "<&- >&- 2>&-")
         self.expect_same_voxels(words)

@@ -41,7 +41,7 @@ MISTAKES = [
 
 
 def commands(words=()):
-    """Each command's words and its help."""
+    """Yields the words of each command, and its help."""
     text = GIGABAKE.succeed(*words, "--help")
     yield list(words), text
     listed = text.partition("Subcommands:\n")[2].partition("\n\n")[0]
@@ -76,7 +76,7 @@ class Usage(unittest.TestCase):
             for line in lines:
                 tokens = shlex.split(line, comments=True)
                 if "gigabake" not in tokens:
-                    continue  # a shell's own way to read a completion
+                    continue  # the shell reads completions in a special way
                 typed = tokens[tokens.index("gigabake") + 1:]
                 name = max((n for n in helps if typed[:len(n.split())] == n.split()), key=len)
                 self.assertTrue(name.startswith(words), (words, line))
@@ -105,7 +105,7 @@ class Usage(unittest.TestCase):
                      r"MPI +\w.* v?\d", r"libraries HDF5 \d.*LZ4 \d.*libdeflate \d", r"loaded .*GDAL.*OpenVDB",
                      r"codecs +\w"):
             self.assertRegex(text, rf"(?m)^{line}")
-        # 2026-11-25: a machine without git failed this test. The build looks for git, too, and does without.
+        # Regression of 2026-11-25: this test failed on a machine without git. The build needs no git.
         if not shutil.which("git"):
             return
         head = subprocess.run(["git", "-C", SOURCE, "rev-parse", "--show-toplevel"], capture_output=True, text=True,

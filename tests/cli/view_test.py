@@ -86,7 +86,7 @@ class View(harness.FolderTest):
             lambda: self.screen.hands("search", "--onlyvisible", "--name", "gigabake"))[0]
         self.screen.hands("windowmove", window, 0, 0)
 
-        def focus():  # no window manager does it
+        def focus():  # no window manager sets the focus
             self.screen.hands("windowfocus", window)
             return self.screen.hands("getwindowfocus", "-f") == [window]
 
@@ -106,7 +106,7 @@ class View(harness.FolderTest):
             time.sleep(0.05)
 
     def keep(self, key, kind):
-        """The file that a key saves."""
+        """Returns the path of the file that a key saves."""
         before = set(self.saved.glob(f"gigabake-*.{kind}"))
         self.screen.hands("key", key)
         new = self.wait_for(lambda: set(self.saved.glob(f"gigabake-*.{kind}")) - before)
@@ -121,7 +121,7 @@ class View(harness.FolderTest):
         return read_png(self.keep("p", "png"))[..., :3]
 
     def picture_after(self, move, before):
-        """After as many moves as it takes: of keys that go down and up while the window is busy nothing may come."""
+        """Repeats a move until the image changes, and returns the image. A busy window may ignore a short key press."""
         def differs():
             move()
             after = self.picture()
@@ -140,7 +140,7 @@ class View(harness.FolderTest):
         saved, expected = self.keep("p", "png"), self.rendered(*camera)
         self.assertEqual(saved.read_bytes(), expected.read_bytes())
         image = read_png(expected)[..., :3]
-        self.screen.hands("key", "F1")  # the panel goes
+        self.screen.hands("key", "F1")  # hides the panel
         self.wait_for(lambda: numpy.abs(self.screen.image() - image).mean() < 1)
         self.screen.hands("key", "F1")
         self.wait_for(lambda: numpy.abs(self.screen.image() - image).mean() > 1)
@@ -157,12 +157,12 @@ class View(harness.FolderTest):
             ("level", lambda: self.screen.hands("key", "plus", "key", "plus", "key", "plus", "key", "plus")),
             ("home", lambda: self.screen.hands("key", "h")),
         ]
-        self.screen.hands("key", "F1")  # the panel would take the mouse
+        self.screen.hands("key", "F1")  # the panel would receive the mouse
         start = before = self.picture()
         for name, move in moves:
             with self.subTest(name):
                 before = self.picture_after(move, before)
-        self.assertGreater(numpy.abs(before - start).mean(), 1)  # mode and level are not the camera's
+        self.assertGreater(numpy.abs(before - start).mean(), 1)  # mode and level are not part of the camera
 
     def test_a_recorded_path_can_be_rendered(self):
         self.open_window()
@@ -182,7 +182,7 @@ class View(harness.FolderTest):
     def test_it_measures_and_keeps_views(self):
         self.open_window("--eye=60,-70,50", "--target=0,0,0")
         before = self.picture()
-        # A key may go down and up while the window is busy: then nothing comes of it.
+        # A busy window may ignore a short key press.
         for x, said in ((120, "press C at the other end"), (200, "m across")):
             self.wait_for(lambda: (said in self.title(), self.screen.hands("mousemove", x, 170, "key", "c"))[0]
                           or said in self.title())

@@ -21,7 +21,7 @@ sys.path[:0] = [str(SOURCE / "tests/fuzz"), str(SOURCE / "tests/hostile")]
 import made_seeds as made  # noqa: E402
 import source_seeds  # noqa: E402
 
-MAX_LINE_BYTES = 1000  # lattice/quote.h; a command may add the beginning of a line
+MAX_LINE_BYTES = 1000  # lattice/quote.h; a command may prepend the beginning of a line
 LONG, SPACED = "n" * 4000, "nnnn " * 800 + "n"
 FOLDER = Path("a" * 100 + " " + "b" * 99) / ("c" * 200)
 
@@ -31,7 +31,7 @@ def text(value):
 
 
 def changed(document, *path, value):
-    """A copy with one member set."""
+    """Returns a copy of a document with one member set."""
     document = json.loads(json.dumps(document))
     at = document
     for key in path[:-1]:
@@ -111,7 +111,7 @@ def scene_cases(name):
 
 
 def tile_cases(name):
-    """Faults that cost one tile: fewer than the 50 lines that a bake prints of them."""
+    """Yields faults that cost one tile: fewer than the 50 that a bake prints."""
     for cases in (obj_cases, ply_cases, stl_cases, gltf_cases):
         yield from cases(name)
 
@@ -132,7 +132,7 @@ def reason_of(line, file):
 
 
 class WholeReason(harness.FolderTest):
-    # 2026-11-25: messages lost their middle or their end beyond 240 bytes.
+    # Regression of 2026-11-25: messages lost their middle or their end beyond 240 bytes.
     def lines_of(self, arguments):
         result = PROGRAM.run(*arguments)
         return [line for line in (result.stderr + result.stdout).splitlines() if re.search(r"[a-z]: |^warning", line)]
@@ -147,7 +147,7 @@ class WholeReason(harness.FolderTest):
             self.assertNotRegex(line, "[\0-\x1f\x7f]", what)
 
     def folders(self, name):
-        """A folder of a short name, and one whose path is long."""
+        """Returns a folder with a short name, and a folder with a long path."""
         both = self.root / f"s{name}", self.root / FOLDER / f"l{name}"
         for folder in both:
             folder.mkdir(parents=True)
@@ -173,7 +173,7 @@ class WholeReason(harness.FolderTest):
         for folder in folders:
             harness.write_glb(folder / "good.glb", [[0, 0, 0], [4, 0, 0], [4, 0, -4]], [0, 1, 2])
             for number, (_, files) in enumerate(cases):
-                # Named by letters: lines that differ only in numbers are counted together.
+                # Cases are named by letters: lines that differ only in numbers are merged.
                 case = folder / f"case_{chr(97 + number // 26)}{chr(97 + number % 26)}"
                 case.mkdir()
                 for name, content in files.items():
