@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Levels above the cells, up to the root: the same however the scene is cut and by whomever it is baked; rebuilt where
-something changed; and what becomes of them where a child is lost or was changed.
+"""Tests the overview levels above the cells, up to the root.
+
+The levels are equal for any cell size and any ranks, and are rebuilt after changes. Some tests damage a child.
 
 Usage: parents_test.py GIGABAKE SOURCE_DIR
 """

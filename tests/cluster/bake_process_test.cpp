@@ -94,7 +94,7 @@ TEST_F(BakeProcessTest, HandsBackWhatWasInHandWhenItIsKilled) {
 }
 TEST_F(BakeProcessTest, HandsBackWhatWasInHandWhenItCrashes) {
 #ifdef __SANITIZE_ADDRESS__
-  dies_of(SIGABRT, "killed by signal 6 (SIGABRT)");  // the sanitizer answers SIGSEGV itself
+  dies_of(SIGABRT, "killed by signal 6 (SIGABRT)");  // the sanitizer handles SIGSEGV itself
 #else
   dies_of(SIGSEGV, "killed by signal 11 (SIGSEGV)");
 #endif
@@ -187,7 +187,7 @@ TEST_F(BakeProcessTest, AnswersEveryRequestWithTheLineWhereItCannotBegin) {
   EXPECT_NE(refusal(scene.setup("file")).find("cannot make the folder"), std::string::npos);
 }
 
-/// 2026-11-25: a rank with other options baked other voxels under the fingerprints of rank 0's options.
+/// Regression of 2026-11-25: a rank with other options baked other voxels under the fingerprints of rank 0's options.
 TEST_F(BakeProcessTest, RefusesACellWhoseFingerprintIsOfOtherParameters) {
   WorkerSetup setup = scene.setup("out");
   setup.parameters.surface = SurfaceRule::thin;
@@ -199,7 +199,7 @@ TEST_F(BakeProcessTest, RefusesACellWhoseFingerprintIsOfOtherParameters) {
   EXPECT_FALSE(std::filesystem::exists(scene.folder() / "out" / shard_path(jobs[0])));
 }
 
-/// 2026-11-25: a process that ends before it can take a request was counted against the tiles that waited for it.
+/// Regression of 2026-11-25: if a process ended before its first request, the waiting tiles counted as failed.
 TEST_F(BakeProcessTest, KnowsAProcessThatEndsBeforeItHasStarted) {
   BakeProcessOptions options;
   options.program = scene.script("broken", "exit 3");
@@ -213,7 +213,7 @@ TEST_F(BakeProcessTest, KnowsAProcessThatEndsBeforeItHasStarted) {
   EXPECT_TRUE(expect<Died>(process).has_started);
 }
 
-/// 2026-11-25: without /proc a bake tried for 90 s to start what cannot be started.
+/// Regression of 2026-11-25: without /proc a bake repeated an impossible start for 90 s.
 TEST_F(BakeProcessTest, EndsAtOnceWhereNoProcessCanEverBeStarted) {
   BakeProcessOptions options;
   options.program = "/proc/no/such/program";
@@ -236,7 +236,7 @@ TEST_F(BakeProcessTest, SurveysTilesWhereItCannotBakeCells) {
   EXPECT_EQ(expect<Surveyed>(process).survey.error, "");
 }
 
-/// Feeds three cells at a time and kills at random moments.
+/// Feeds three cells at a time and kills processes at random moments.
 TEST_F(BakeProcessTest, BakesEveryCellOnceHoweverOftenItIsKilled) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
@@ -245,14 +245,14 @@ TEST_F(BakeProcessTest, BakesEveryCellOnceHoweverOftenItIsKilled) {
   for (const CellReport& r : here) expected[r.id] = r;
   std::deque<BakeOrder> waiting;
   while (waiting.size() < 30) waiting.push_back({jobs[waiting.size() % jobs.size()], 1});
-  for (std::size_t i = jobs.size(); i < waiting.size(); ++i) waiting[i].job.id += 1000;  // again, under another number
+  for (std::size_t i = jobs.size(); i < waiting.size(); ++i) waiting[i].job.id += 1000;  // again, with another number
   BakeProcess process(scene.setup("out"), real_program());
   int kills = 0, deaths = 0;
   bool just_died = false;
   while (got.size() < 30) {
     for (; process.in_hand() < 3 && !waiting.empty(); waiting.pop_front())
       process.submit(waiting.front().job, waiting.front().attempt);
-    // Seldom twice without a result between: then it pauses.
+    // Two deaths without a result between them are rare, since the next start is then delayed.
     if (kills < 20 && (just_died ? rng() % 8 == 0 : rng() % 8 != 0)) {
       std::this_thread::sleep_for(std::chrono::microseconds(rng() % 20000));
       if (process.pid() && ::kill(*process.pid(), SIGKILL) == 0) ++kills;

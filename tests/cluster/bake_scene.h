@@ -1,4 +1,4 @@
-/// A small scene on disk, the setup of a bake process for it, and stand-ins for a bake process that misbehaves.
+/// A small scene on disk, the setup of a bake process for it, and scripts that act as faulty bake processes.
 #pragma once
 
 #include <string>
@@ -35,7 +35,7 @@ class BakeScene {
 /// The program under test in place of /proc/self/exe, which is the test.
 BakeProcessOptions real_program();
 
-/// The next event; a failure and an empty Died where none comes within a minute.
+/// Returns the next event. Without an event within a minute, reports a failure and returns an empty Died.
 BakeProcess::Event next_event(BakeProcess& process);
 
 template <class Kind>

@@ -116,7 +116,7 @@ TEST_F(ChildProcessTest, GetsNeitherMpisVariablesNorOpenFiles) {
     ASSERT_EQ(::setenv(name, "1", 1), 0);
   const std::filesystem::path out = scene.folder() / "seen", open = scene.folder() / "open_here";
   std::ofstream(open) << "x";
-  const int fd = ::open(open.c_str(), O_RDONLY);  // a child would inherit it
+  const int fd = ::open(open.c_str(), O_RDONLY);  // a child must not inherit it
   ASSERT_GE(fd, 0);
   ChildProcess child(scene.script("look", "{ env | cut -d= -f1; ls -l /proc/$$/fd; } > " + out.string()),
                      {"bake-process"});
@@ -191,7 +191,7 @@ TEST_F(ChildProcessTest, ThatEndsAtOnceIsOneLineAndThenAPause) {
   EXPECT_GT(Clock::now() - third, milliseconds(900));
 }
 
-/// 2026-11-25: it was tried again and again, as if another start could succeed.
+/// Regression of 2026-11-25: the start was repeated, as if it could succeed.
 TEST_F(ChildProcessTest, ThatCannotBeStartedIsAnError) {
   BakeProcess process(scene.setup("out"), BakeProcessOptions{"/no/such/program"});
   try {

@@ -36,7 +36,7 @@ class Dispatch : public testing::Test {
   }
 
   DispatchResult run(ScriptedRanks& ranks, const std::vector<std::uint32_t>& already_done = {}) {
-    std::filesystem::remove(folder_ / "journal");  // another round's
+    std::filesystem::remove(folder_ / "journal");  // journal of another round
     told_.clear(), notes_.clear();
     feed_.emplace(folder_.path(), ranks.ranks(), "", StatusFeed::Listener());
     feed_->record().planned(plan_.jobs, std::vector<double>(cells, 1), unix_now_s());
@@ -58,7 +58,7 @@ class Dispatch : public testing::Test {
     return result;
   }
 
-  /// Every job that was settled is there once, and reports, log, journal and status say the same.
+  /// Checks that every settled job was reported once, and that reports, log, journal and status agree.
   void expect_each_once(const DispatchResult& result, std::size_t taken_over = 0) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::set<std::uint32_t> seen;
@@ -182,7 +182,7 @@ TEST_F(Dispatch, GivesTheCellsOfASilentRankToOthers) {
   EXPECT_THAT(result.lost_ranks, ElementsAre(2));
   EXPECT_THAT(notes_, ElementsAre("nothing heard of rank 2; its cells are baked elsewhere"));
   EXPECT_GT(ranks.in_hand(2), 0u);
-  expect_all_stopped(ranks);  // it may wake up later
+  expect_all_stopped(ranks);  // the stalled rank may wake up later
 }
 
 TEST_F(Dispatch, WelcomesARankThatWasSilentAndCountsNoneOfItsCellsTwice) {
@@ -217,7 +217,7 @@ TEST_F(Dispatch, CountsAReportThatComesTwiceOnce) {
   const DispatchResult result = run(ranks);
   expect_each_once(result);
   EXPECT_EQ(result.counts, (JobCounts{0, 0, cells - 4, 4, 0}));
-  EXPECT_EQ(ranks.orders(), cells + 4 * 2);  // three tries each
+  EXPECT_EQ(ranks.orders(), cells + 4 * 2);  // three attempts each
 }
 
 TEST_F(Dispatch, EndsWithALineWhereAReportIsMalformedAndTellsEveryRankToStop) {

@@ -42,7 +42,7 @@ KINDS = [("bake process", signal.SIGKILL, "later"), ("bake process", signal.SIGS
 
 
 def descendants(pid):
-    """Every process below pid, as (pid, name)."""
+    """Returns every process below pid, as (pid, name)."""
     children = {}
     for stat in Path("/proc").glob("[0-9]*/stat"):
         try:
@@ -71,7 +71,7 @@ def rank_of(pid):
 
 
 class Launch:
-    """One `gigabake bake` under way: under mpirun, or under the starter that launches again what died or hung."""
+    """A running `gigabake bake`, started by mpirun, or by the starter that repeats launches that died or hung."""
 
     def __init__(self, program, arguments, ranks, starter=None):
         command = ["mpirun", "-n", str(ranks)]
@@ -135,7 +135,7 @@ class Faults(harness.FolderTest):
         return ["bake", source, "-o", out, "--voxel-size", voxel_size, *more]
 
     def expect_whole(self, out, ranks, context):
-        """The same command again, if it was not whole already, ends well and right."""
+        """Repeats the command unless the bake is complete, and checks the result."""
         code, log = Launch(self.program, self.bake(out), ranks).wait()
         self.assertEqual(code, 0, f"{context}\n{log}")
         scene = out / "scene.xml"
@@ -144,8 +144,10 @@ class Faults(harness.FolderTest):
         self.assertEqual([p for p in out.rglob("*.part")], [], context)
 
     def inflict(self, launch, kind, after_s):
-        """False: the bake was over before, and so long is what a bake takes now: the first may have had less of the
-        machine, and then faults would come too late for ever."""
+        """Returns False if the bake ended before the fault. Its duration then bounds the moments of later faults.
+
+        The first bake may have been slow: without the new bound, all faults would come too late.
+        """
         who, what, when = kind
         start = time.monotonic()
         while when == "start" and launch.process.poll() is None and not launch.pids(who):
@@ -161,7 +163,7 @@ class Faults(harness.FolderTest):
             return False
         pid = self.random.choice(pids)
         try:
-            if what == NO_MEMORY:  # little more than it has
+            if what == NO_MEMORY:  # little more than the process has
                 size = 4096 * int(Path(f"/proc/{pid}/statm").read_text().split()[0])
                 most = size + self.random.randrange(1, 1 << 22)
                 resource.prlimit(pid, resource.RLIMIT_AS, (most, most))
@@ -172,7 +174,7 @@ class Faults(harness.FolderTest):
         return True
 
     def damage(self, out):
-        """One shard, between runs."""
+        """Damages one shard between runs."""
         shards = sorted((out / "shards").glob("*.h5"))
         if not shards:
             return "no shard to damage"
@@ -241,7 +243,7 @@ class Faults(harness.FolderTest):
         harness.write_glb(tile, [(0, 0, 0), (8, 0, 0), (0, 0, -8)], [(0, 1, 2)], [(200, 100, 50, 255)] * 3)
         launch = Launch(self.program, ["bake", tile, "-o", out, "--voxel-size", 0.25, "--cell-voxels", 8], 3)
         killed = set()
-        while launch.process.poll() is None and len(killed) < 2:  # a third death of one rank's may end the bake
+        while launch.process.poll() is None and len(killed) < 2:  # a third death in one rank may end the bake
             for pid in sorted(set(launch.pids("bake process")) - killed)[:2 - len(killed)]:
                 os.kill(pid, signal.SIGKILL)
                 killed.add(pid)

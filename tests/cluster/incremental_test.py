@@ -22,11 +22,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
 import harness
 
 SEED = 20261122
-ACROSS = 32  # tiles along an edge; 1024 in all
+ACROSS = 32  # tiles along an edge; 1024 in total
 TILE_M = 8.0
 VOXEL_M = 0.25
 CELL_VOXELS = 32  # a cell is as wide as a tile
-SETTLE_S = 2.1  # younger stamps of files are not trusted
+SETTLE_S = 2.1  # the bake does not trust files with younger time stamps
 
 
 def tile(random_values, x, y):

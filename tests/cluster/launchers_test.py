@@ -71,7 +71,7 @@ class Script(unittest.TestCase):
                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     def signalled(self, process, *signals):
-        """Once the launch waits, sends each signal; the exit code."""
+        """Sends the signals, each once the launch waits. Returns the exit code."""
         for index, number in enumerate(signals):
             self.wait_for("signals" if index else "waits")
             process.send_signal(number)
@@ -90,7 +90,7 @@ class Script(unittest.TestCase):
         Regression of 2026-11-22.
         """
         reasons = {"mute": "nothing heard of the bake for 5 s", "lonely": "every rank is gone, but mpirun is not"}
-        (self.root / "out/status.json").write_text('{"state":"complete"}')  # of an earlier bake
+        (self.root / "out/status.json").write_text('{"state":"complete"}')  # status of an earlier bake
         for end, code in ends:
             self.assertEqual(run(end, 0, arguments=("bake", "S", "-o", str(self.root / "out")), GIGABAKE_END_S="2",
                                  GIGABAKE_QUIET_S="5"), code, end)
@@ -164,7 +164,7 @@ class Mpirun(Script):
         self.assertEqual(self.lines("signals"), ["USR1", "TERM"])
         self.assertEqual(len(self.lines("launches")), 1)
 
-    # 2026-11-22: mpirun hung after 2 of 50 ranks that died in their first second.
+    # Regression of 2026-11-22: mpirun hung after 2 of 50 ranks that died in their first second.
     def test_a_launch_that_hangs_is_killed_and_repeated_unless_its_bake_has_ended(self):
         self.expect_no_hang(self.run_to_end, [("incomplete", 3), ("mute", 0), ("lonely", 0)], relaunched=True)
 
@@ -269,14 +269,14 @@ class Real(unittest.TestCase):
         self.assertEqual(self.run_script("gigabake-mpirun", self.root / "hosts", *self.arguments).returncode, 1)
 
     def test_without_a_launcher_no_daemon_is_started_beside_it(self):
-        """Open MPI would look for its orted along PATH, and end where there is none."""
+        """Open MPI would search PATH for its orted, and fail without it."""
         environment = {**os.environ, **harness.MPI_ENVIRONMENT, "PATH": str(self.root / "nothing")}
         result = harness.run([PROGRAM, *self.arguments], 300, env=environment)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(json.loads(result.stdout)["ranks"], 1)
 
     def test_without_a_launcher_open_mpi_makes_no_folder(self):
-        """2026-11-23: all such processes shared one below /tmp, which the first to end removed beneath the others."""
+        """Regression of 2026-11-23: all such processes shared a folder below /tmp, which the first to end removed."""
         file = self.root / "file"
         file.write_text("no folder can be made here")
         environment = {**os.environ, **harness.MPI_ENVIRONMENT, "TMPDIR": str(file),

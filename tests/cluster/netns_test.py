@@ -22,10 +22,10 @@ import harness
 
 SKIPPED = 77
 TOOL = Path(__file__).resolve().parent / "network_hosts.sh"
-HOSTS = Path("/tmp/netns_mpi")  # where network_hosts.sh keeps its files
+HOSTS = Path("/tmp/netns_mpi")  # folder of the files of network_hosts.sh
 OPTIONS = ("--mca plm rsh --mca pml ob1 --mca btl self,vader,tcp --mca btl_tcp_if_include eth0 "
            "--mca oob_tcp_if_include eth0 --mca orte_keep_fqdn_hostnames 1")
-# ip netns exec reaches a host whose cable is cut; a real remote shell would not.
+# ip netns exec reaches a disconnected host; a real remote shell would not.
 RSH = '#!/bin/bash\n! grep -qx "$1" "$(dirname "$0")/dead" || exit 255\nexec ' + str(HOSTS / "rsh") + ' "$@"\n'
 
 

@@ -96,7 +96,7 @@ TEST_F(OutputFolderTest, IsWaitedForWhereItsHolderWasKilledAndItsFilesAreStillOp
   const pid_t child = ::fork();
   if (child == 0) {
     const FolderLock lock(out());
-    if (::fork() == 0) {  // has the same open files, and the lock with them
+    if (::fork() == 0) {  // the grandchild shares the open files and the lock
       ::usleep(300000);
       ::_exit(0);
     }

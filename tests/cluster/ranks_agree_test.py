@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""The ranks of one launch bake one request with one program: ranks that were started with other options, as another
-command or from another build end the launch, and nothing is written.
+"""All ranks of a launch must run the same request with the same program.
+
+A rank with other options, with another command or from another build ends the launch, and nothing is written.
 
 Usage: ranks_agree_test.py GIGABAKE SOURCE_DIR
 """
@@ -16,7 +17,7 @@ VOXEL = "0.5"
 
 
 def launch(*ranks, timeout=100):
-    """Each rank is (program and arguments, options of mpirun)."""
+    """Starts ranks. Each rank is a pair of (program and arguments, options of mpirun)."""
     command = ["mpirun"]
     for index, (arguments, of_mpirun) in enumerate(ranks):
         command += ([":"] if index else []) + ["-n", "1", *map(str, of_mpirun), *map(str, arguments)]
@@ -24,7 +25,7 @@ def launch(*ranks, timeout=100):
 
 
 def of_another_build(program, path):
-    """A copy of the program with another build id."""
+    """Writes a copy of the program with another build id."""
     content = bytearray(Path(program).read_bytes())
     notes = subprocess.run(["readelf", "-n", program], capture_output=True, text=True, check=True).stdout
     build_id = bytes.fromhex(next(line.split()[-1] for line in notes.splitlines() if "Build ID" in line))
@@ -60,7 +61,7 @@ class RanksAgree(harness.FolderTest):
             self.assertIn(text, lines[0])
         self.assertFalse(self.out().exists())
 
-    # 2026-11-25: each rank baked with its own options under rank 0's fingerprints, and the launch exited with 0.
+    # Regression of 2026-11-25: each rank baked with its own options under rank 0's fingerprints, with exit code 0.
     def test_other_options_end_the_launch(self):
         cases = [(["--surface", "thin"], "--surface is thin on this rank and area on rank 0"),
                  (["--channels", "rgba"], "--channels is"), (["--local"], "--local is given on this rank"),
@@ -93,7 +94,7 @@ class RanksAgree(harness.FolderTest):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(harness.lod_hashes(self.program.info(out / "scene.xml")), self.right)
 
-    # 2026-11-25: "leaves the source folder", and exit code 3.
+    # Regression of 2026-11-25: the message was "leaves the source folder", with exit code 3.
     def test_ranks_may_have_different_working_directories(self):
         (self.root / "a").mkdir()
         (self.root / "b").mkdir()

@@ -21,7 +21,7 @@ import harness
 
 SKIPPED = 77
 TOOL = Path(__file__).resolve().parent / "slurm_nodes.sh"
-CONTROLLER_PORT = 16817  # as slurm_nodes.sh has it
+CONTROLLER_PORT = 16817  # as in slurm_nodes.sh
 
 
 def why_not():
@@ -52,7 +52,7 @@ class Slurm(harness.FolderTest):
 
     @classmethod
     def tool(cls, *arguments):
-        # Its daemons outlive it and must not hold on to a pipe.
+        # Slurm's daemons run longer than the script, so they must not keep a pipe open.
         subprocess.run(["bash", TOOL, *arguments], env=cls.environment, stdout=subprocess.DEVNULL,
                        stderr=subprocess.DEVNULL, timeout=60, check=True)
 
@@ -62,7 +62,7 @@ class Slurm(harness.FolderTest):
         return result.stdout
 
     def submit(self, out, voxel_size, *options, cell_voxels=128, threads=0):
-        """The job's number."""
+        """Submits a bake. Returns the number of the job."""
         return self.run_tool("sbatch", "--parsable", "--nodes", 3, "--ntasks-per-node", 1, "-o",
                              self.root / "job.%A.%a.log", *options, SOURCE / "cluster/gigabake.sbatch", "bake",
                              self.source, "-o", out, "--voxel-size", voxel_size, "--cell-voxels",
@@ -100,7 +100,7 @@ class Slurm(harness.FolderTest):
                 yield int(path.parent.name)
 
     def signal(self, job, name, number):
-        """Returns how many processes got it."""
+        """Returns the number of processes that received the signal."""
         count = 0
         for pid in self.processes(job, name):
             with contextlib.suppress(ProcessLookupError):
@@ -142,11 +142,11 @@ class Slurm(harness.FolderTest):
         self.wait_until(lambda: self.field(job, "Restarts") != "0", "the job is not requeued")
         self.assertIn(self.status(out)["state"], ("drained", "baking", "surveying"), self.logs())
         self.assertIn("drained", self.logs())
-        # Enough of interruptions: the rest is baked without a limit in the way.
+        # After this interruption, the rest is baked without a time limit.
         self.run_tool("scontrol", "update", f"job={job}", "TimeLimit=30")
         self.finish(job)
         PROGRAM.succeed("verify", out / "scene.xml")
-        # Levels 0 and 1 are there in cells of any size, and the same.
+        # Levels 0 and 1 exist, and are equal, for all cell sizes.
         self.assertEqual(harness.lod_hashes(PROGRAM.info(out / "scene.xml"), 2), harness.lod_hashes(self.alone, 2))
 
     def test_an_array_sweeps_a_parameter(self):

@@ -64,7 +64,7 @@ class Surroundings(harness.FolderTest):
         self.assertIn("is being baked into by", result.stderr)
 
     def held_lock(self, out, text):
-        """A lock file of `text` that this process holds."""
+        """Locks OUT for this process. The lock file contains `text`."""
         out.mkdir()
         lock = open(out / ".lock", "w+")
         self.addCleanup(lock.close)
@@ -73,7 +73,7 @@ class Surroundings(harness.FolderTest):
         fcntl.fcntl(lock, F_OFD_SETLK, struct.pack("hhqqi", fcntl.F_WRLCK, os.SEEK_SET, 0, 0, 0))
 
     def as_another_user(self, *arguments, before=()):
-        program = self.root / "program"  # that another user may run, wherever the build is
+        program = self.root / "program"  # a copy that another user may run
         if not program.exists():
             shutil.copy(self.program.executable, program)
         return harness.run([*before, "setpriv", "--reuid", "12002", "--regid", "12345", "--clear-groups", program,
@@ -157,7 +157,7 @@ class Surroundings(harness.FolderTest):
             self.assertEqual(len(result.stderr.splitlines()), 1)
             self.assertIn(str(hosts), result.stderr)
 
-    # 2026-11-25: 16 tiles remained at 0 for 90 s, and no cause was printed.
+    # Regression of 2026-11-25: 16 tiles remained at 0 for 90 s, and no cause was printed.
     @unittest.skipUnless(may_unshare(), "expected root and unshare")
     def test_without_proc_the_cause_is_printed(self):
         start = time.monotonic()

@@ -2,7 +2,7 @@
 
 
 def ascii_grid(odd, values, left, top, pixel, nodata):
-    """The text of a grid; left, top: its upper left corner. nodata: None, or a number."""
+    """Returns the text of a grid. left, top: its upper left corner; nodata: None, or a number."""
     rows, columns = values.shape
     low = top - rows * pixel
     is_upper = odd.choice([str, str, str.upper, str.lower])

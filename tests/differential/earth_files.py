@@ -1,4 +1,4 @@
-"""Writes sources whose coordinates are earth-centred: tilesets, and OBJ and PLY that say nothing about it."""
+"""Writes sources with earth-centred coordinates: tilesets, and OBJ and PLY, which do not name their system."""
 import numpy
 
 from frames import ecef_from_enu
@@ -9,11 +9,11 @@ from tileset_files import TilesetWriter, affine
 
 
 def write_earth(odd, folder, place):
-    """place: the scene's origin (degrees and metres), and where the figure is along x, in blocks."""
+    """Writes a source. place: the scene's origin (degrees and metres), and the figure's x in blocks."""
     origin, slot = place
     earth = ecef_from_enu(*origin) @ affine(numpy.eye(3), (slot * BLOCK * VOXEL, 0, 0))
     kind = odd.choice(["tileset", "tileset", "obj", "ply"])
-    # Vertices near the equator might be projected coordinates.
+    # Coordinates of vertices near the equator could also be projected coordinates.
     if kind == "tileset" or abs(origin[0]) < 1:
         case = TilesetWriter(odd, folder, numpy.linalg.inv(earth), earth).write()
     else:

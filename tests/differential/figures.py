@@ -1,7 +1,7 @@
 """Flat shapes on planes through voxel centres; all their voxels and colours are known.
 
 A shape has up to four parts, each in a cube of 6³ voxels. The borders of a part are 0.2 voxel away from the adjacent
-voxels, so that rounding of coordinates does not change the voxels of the part.
+voxels, so that rounding of coordinates does not change its voxels.
 """
 from dataclasses import dataclass, field
 
@@ -19,8 +19,8 @@ class Part:
     polygons: list                   # lists of indices of points
     cells: list                      # (i, j, k)
     colour: tuple
-    place: numpy.ndarray = None      # n × 2: of a textured part, where its points are in units of blocks of its image
-    blocks: dict = field(default_factory=dict)  # cell -> (column, row) of the block whose colour it has
+    place: numpy.ndarray = None  # n × 2; for a textured part: its points in units of the blocks of its image
+    blocks: dict = field(default_factory=dict)  # cell -> (column, row) of the block with its colour
     kind: str = ""
 
     def metres(self):
@@ -31,7 +31,7 @@ class Part:
 
 
 def inset_outline(outline):
-    """Moves each edge of a rectilinear polygon, counterclockwise, inwards."""
+    """Moves each edge of a rectilinear, counterclockwise polygon inwards."""
     points = numpy.asarray(outline, float)
     out = []
     for i, point in enumerate(points):
@@ -45,7 +45,7 @@ def inset_outline(outline):
 
 
 def columns_of(odd):
-    """Lower and upper ends of columns, each of which overlaps the next one."""
+    """Returns lower and upper ends of columns, each of which overlaps the next."""
     width = odd.randint(1, SLOT)
     columns = [tuple(sorted(odd.sample(range(SLOT + 1), 2)))]
     while len(columns) < width:
@@ -56,7 +56,7 @@ def columns_of(odd):
 
 
 def outline_of(columns):
-    """The outline, counterclockwise, with corners where columns of one height meet."""
+    """Returns the counterclockwise outline, with extra corners where columns of equal height meet."""
     lower = [(x, low) for i, (low, _) in enumerate(columns) for x in (i, i + 1)]
     upper = [(x, high) for i, (_, high) in reversed(list(enumerate(columns))) for x in (i + 1, i)]
     outline = lower + upper
@@ -64,7 +64,7 @@ def outline_of(columns):
 
 
 def with_spikes(odd, corners, most):
-    """Adds corners on edges, repeated corners, and spikes: there and back without any area."""
+    """Adds corners on edges, repeated corners, and spikes, which have no area."""
     out = list(corners)
     for _ in range(odd.randint(0, most)):
         at = odd.randrange(len(out))
@@ -76,7 +76,7 @@ def with_spikes(odd, corners, most):
         elif kind == "middle":
             out.insert(at, tuple(middle))
         elif kind == "overshoot":
-            # Beyond b along the edge and back.
+            # The spike goes along the edge beyond b and back.
             length = numpy.abs(b - a).sum()
             if length > 0:
                 out[at + 1:at + 1] = [tuple(b + (b - a) / length * 0.75), tuple(b)]
@@ -87,7 +87,7 @@ def with_spikes(odd, corners, most):
 
 
 def flat_part(odd, kind):
-    """A part in the plane: points, polygons, cells."""
+    """Returns points, polygons and cells of a part in the plane."""
     if kind in ("outline", "spiky", "columns"):
         columns = columns_of(odd)
         cells = [(i, j) for i, (low, high) in enumerate(columns) for j in range(low, high)]
@@ -111,7 +111,7 @@ def flat_part(odd, kind):
 
 
 def grid_part(odd, width, height):
-    """A rectangle as a grid of quadrangles that share their points."""
+    """Returns a rectangle as a grid of quadrangles that share points."""
     xs = sorted({0, width, *(odd.randrange(width) for _ in range(odd.randint(0, 3)))})
     ys = sorted({0, height, *(odd.randrange(height) for _ in range(odd.randint(0, 3)))})
 
@@ -125,7 +125,7 @@ def grid_part(odd, width, height):
 
 
 def in_space(odd, flat, slot, colour):
-    """Puts a flat part on one of three planes of its cube, the cube at `slot`."""
+    """Puts a flat part on one of three planes of a cube. slot: the position of the cube."""
     points, polygons, cells = flat
     axis, level = odd.randrange(3), odd.randrange(SLOT)
     axes = [a for a in range(3) if a != axis]
@@ -146,7 +146,7 @@ def in_space(odd, flat, slot, colour):
 
 
 def add_place(odd, part, axes, slot):
-    """Gives a textured part its coordinates: of blocks of 3 × 3 voxels the middle one has the block's colour."""
+    """Gives a textured part its coordinates: the middle of each 3 × 3 voxels has the colour of its image block."""
     turned, flipped = odd.maybe(), (odd.maybe(), odd.maybe())
     shift = (odd.randint(-2, 3), odd.randint(-2, 3))
 
@@ -162,7 +162,7 @@ def add_place(odd, part, axes, slot):
 
 
 def figure(odd, kinds, most_parts=4):
-    """Parts in different cubes of the 12³ voxels from 0 on."""
+    """Returns parts in different cubes of the 12³ voxels from 0 on."""
     slots = odd.sample([(x, y, z) for x in range(2) for y in range(2) for z in range(2)], odd.randint(1, most_parts))
     parts = []
     for slot in slots:
@@ -176,7 +176,7 @@ def figure(odd, kinds, most_parts=4):
 
 
 def triangulated(odd, part):
-    """The part with its quadrangles as triangles; outlines are not for formats of triangles."""
+    """Returns the part with its quadrangles as triangles. Outlines are not for formats of triangles."""
     if any(len(p) > 4 for p in part.polygons):
         raise ValueError("only quadrangles")
     triangles = []
@@ -187,5 +187,5 @@ def triangulated(odd, part):
 
 
 def voxels_of(parts, colour=None, alpha=255):
-    """Every voxel with its colour; None: a colour that is not compared."""
+    """Returns every voxel with its colour; None: the colour is not compared."""
     return {cell: (colour or part.colour, alpha) for part in parts for cell in part.cells}

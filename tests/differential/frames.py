@@ -1,4 +1,4 @@
-"""Axes and places of the frames in which files state their coordinates."""
+"""Axes and origins of the frames in which files state their coordinates."""
 import numpy
 
 from odd import VOXEL
@@ -14,14 +14,14 @@ PLACES = ((500000, 5200000, 400), (2600000, 1200000, 500), (4500000, 5400000, 10
 
 
 def in_file(part, up, place=(0, 0, 0), earth=None):
-    """The points of a part, metres, in the axes of a file. earth: the matrix to earth-centred axes, or None."""
+    """Returns the points of a part in metres, in a file's axes. earth: the matrix to earth-centred axes, or None."""
     if earth is not None:
         return part.points * VOXEL @ earth[:3, :3].T + earth[:3, 3]
     return (part.points * VOXEL + numpy.array(place)) @ FROM_Z_UP[up].T
 
 
 def ecef_from_enu(latitude, longitude, height):
-    """The matrix from east, north and up at a place to earth-centred axes. Degrees and metres, WGS84."""
+    """Returns the matrix from east, north and up at a place to earth-centred axes. Degrees and metres, WGS84."""
     lat, lon = numpy.radians([latitude, longitude])
     a, e2 = 6378137.0, 0.0066943799901413165
     n = a / numpy.sqrt(1 - e2 * numpy.sin(lat) ** 2)
@@ -35,7 +35,7 @@ def ecef_from_enu(latitude, longitude, height):
 
 
 def linear(code):
-    """The linear value of an sRGB code."""
+    """Returns the linear value of an sRGB code."""
     v = code / 255
     return v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4
 

@@ -43,7 +43,7 @@ class Buffers:
         return self.accessor(values, "f4", shape)
 
     def sparse(self, values):
-        """Positions some of which, or all, replace others."""
+        """Adds positions as a sparse accessor: some or all positions replace others."""
         odd = self.odd
         rows = numpy.asarray(values, "<f4")
         chosen = sorted(odd.sample(range(len(rows)), odd.randint(1, len(rows))))

@@ -19,7 +19,7 @@ INSTANCING = "EXT_mesh_gpu_instancing"
 
 
 def uri_of(odd, name):
-    """A name as a relative URI, with more or fewer characters encoded."""
+    """Returns a name as a relative URI, with more or fewer characters encoded."""
     safe = odd.choice(["/", "/", "/!$&'()*+,;=@~"])
     out = quote(name, safe=safe)
     if odd.maybe(0.2):
@@ -33,7 +33,7 @@ def data_uri(odd, media_type, data):
 
 
 def matrix_of(odd):
-    """A node's transform: its JSON, and the matrix."""
+    """Returns the JSON of a node's transform, and its matrix."""
     kind = odd.choice(["none", "none", "translation", "trs", "matrix", "mirror"])
     if kind == "none":
         return {}, numpy.eye(4)
@@ -60,7 +60,7 @@ def matrix_of(odd):
 
 
 class GltfWriter:
-    """`is_closed`: everything is in one GLB, as a tile needs it."""
+    """Writes a glTF. `is_closed`: everything is in one GLB, as required for a tile."""
 
     def __init__(self, odd, folder, up, parts=None, is_closed=False):
         self.odd, self.folder, self.up, self.is_closed = odd, folder, up, is_closed
@@ -79,7 +79,7 @@ class GltfWriter:
         self.warned[text] = self.warned.get(text, 0) + count
 
     def store(self, media_type, data, suffix):
-        """A URI under which data is stored, in a file or in the URI."""
+        """Stores data in a file or in a URI. Returns the URI."""
         odd = self.odd
         if self.is_closed or odd.maybe():
             return data_uri(odd, media_type, data)
@@ -92,7 +92,7 @@ class GltfWriter:
         return uri_of(odd, name)
 
     def primitive(self, part, indices, mode, transform):
-        """A primitive of a part; transform: from the mesh to the file."""
+        """Returns a primitive of a part. transform: from the mesh to the file."""
         odd = self.odd
         points = in_file(part, self.up)
         back = numpy.linalg.inv(transform)
@@ -122,7 +122,7 @@ class GltfWriter:
         return out
 
     def primitives(self, part, transform):
-        """The part as one primitive of triangles, or one strip or fan per quadrangle."""
+        """Returns the part as one primitive of triangles, or as one strip or fan per quadrangle."""
         odd = self.odd
         mode = odd.choice([4, 4, 4, 5, 6]) if part.place is None else 4
         if mode == 4:
@@ -151,7 +151,7 @@ class GltfWriter:
         part.polygons = [[next(at) for _ in p] for p in part.polygons]
 
     def add_part(self, part):
-        """A mesh of the part below one or two nodes. Returns the index of the upper node."""
+        """Adds a mesh of the part below one or two nodes. Returns the index of the upper node."""
         odd = self.odd
         outer, outer_matrix = matrix_of(odd)
         inner, inner_matrix = matrix_of(odd) if odd.beyond(0.3) else (None, numpy.eye(4))
@@ -174,14 +174,14 @@ class GltfWriter:
         return len(self.nodes) - 1
 
     def add_instances(self, part, outer, outer_matrix):
-        """One square, and an instance for each voxel of the part."""
+        """Adds one square, and an instance of it for each voxel of the part."""
         odd = self.odd
         axis = int(numpy.argmin(numpy.ptp(part.points, axis=0)))
         square = numpy.array([[a, b] for a, b in ((-0.3, -0.3), (0.3, -0.3), (0.3, 0.3), (-0.3, 0.3))])
         local = numpy.insert(square, axis, 0, axis=1) * 0.5 @ FROM_Z_UP[self.up].T
         centres = (numpy.array(part.cells) + 0.5) * 0.5 @ FROM_Z_UP[self.up].T
         back = numpy.linalg.inv(outer_matrix)
-        # Turning by the node comes last, so that instances only move in the node's own axes.
+        # The node's rotation comes last, so that instances only move in the node's axes.
         local = local @ back[:3, :3].T
         moves = centres @ back[:3, :3].T + back[:3, 3]
         attributes = {"TRANSLATION": self.buffers.plain(moves, "VEC3")}
@@ -207,10 +207,10 @@ class GltfWriter:
             self.required.add(extension)
 
     def add_others(self, roots):
-        """Nodes, scenes and primitives that a bake leaves out."""
+        """Adds nodes, scenes and primitives that a bake must ignore."""
         odd = self.odd
         if odd.maybe(0.15):
-            self.nodes.append({"mesh": 0, "translation": [0, 3, 0]})  # in no scene, or in another one
+            self.nodes.append({"mesh": 0, "translation": [0, 3, 0]})  # in no scene, or in an unused scene
             self.document["scenes"].append({"nodes": [len(self.nodes) - 1]})
             self.document["scene"] = 0
         if odd.maybe(0.1):
@@ -278,7 +278,7 @@ class GltfWriter:
         return struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks
 
     def finish(self):
-        """Lists the buffers in the document: the first one of a GLB has no URI."""
+        """Lists the buffers in the document. The first buffer of a GLB has no URI."""
         entries = []
         for i, data in enumerate(self.buffers.data):
             entry = {"byteLength": len(data)}
@@ -301,7 +301,7 @@ def write_gltf(odd, folder, up):
 
 
 def closed_glb(odd, parts, up):
-    """The bytes of a GLB without other files, its voxels and its warnings."""
+    """Returns the bytes of a GLB without other files, its voxels and its warnings."""
     writer = GltfWriter(odd, None, up, parts, is_closed=True)
     writer.add_all()
     writer.finish()

@@ -11,7 +11,7 @@ REPEAT, MIRROR, CLAMP = 10497, 33648, 33071
 
 
 def srgb(value):
-    """The sRGB code of a linear value."""
+    """Returns the sRGB code of a linear value."""
     v = min(max(value, 0), 1)
     return round(255 * (12.92 * v if v <= 0.0031308 else 1.055 * v ** (1 / 2.4) - 0.055))
 
@@ -28,7 +28,7 @@ class Materials:
         return {name: entries for name, entries in named.items() if entries}
 
     def save(self, part):
-        """A choice for all primitives of one part."""
+        """Makes a choice for all primitives of a part."""
         self.choice = None
         return self.odd.choice(["none", "factor", "unlit"]) if part.place is None else None
 
@@ -83,13 +83,13 @@ class Materials:
             self.writer.use("KHR_materials_unlit")
             entry["extensions"] = {"KHR_materials_unlit": {}}
         if max(part.colour) > 0 and odd.maybe(0.1):
-            entry["emissiveFactor"] = [0.1, 0.2, 0.3]  # light that is added to a colour is not baked
+            entry["emissiveFactor"] = [0.1, 0.2, 0.3]  # a bake ignores light that is added to a colour
         return self.add(entry), voxels_of([part], None, alpha)
 
     def add_alpha(self, entry, factor):
-        """An alpha mode. Returns the alpha of the voxels."""
+        """Adds an alpha mode. Returns the alpha of the voxels."""
         kind = self.odd.choice(["none"] * 5 + ["OPAQUE", "BLEND", "MASK", "whole BLEND"])
-        if kind == "none" or self.choice:  # of several primitives all have one alpha
+        if kind == "none" or self.choice:  # all primitives of a part have the same alpha
             return 255
         entry["alphaMode"] = kind.split()[-1]
         if kind == "whole BLEND":
@@ -100,7 +100,7 @@ class Materials:
         return round(255 * factor[3]) if kind == "BLEND" else 255
 
     def coloured(self, part, attributes, kind):
-        """Colours of vertices, perhaps times a factor."""
+        """Adds colours to vertices, in some files with a factor."""
         odd = self.odd
         values = numpy.array([linear(c) for c in part.colour])
         width = odd.choice([3, 4])
@@ -118,7 +118,7 @@ class Materials:
         return material, voxels_of([part], tuple(srgb(v) for v in seen))
 
     def sampler(self):
-        """Wrap modes along both axes, and the index of a sampler with them; None: repeat."""
+        """Returns the wrap modes along both axes, and the index of a sampler with them. None means repeat."""
         odd = self.odd
         if odd.maybe(0.3):
             return (REPEAT, REPEAT), None
@@ -132,7 +132,7 @@ class Materials:
 
     @staticmethod
     def wrapped(mode, block, blocks):
-        """The block of an image that is seen. Rows count from below, so a mirror's parity is that of 1 - v."""
+        """Returns the visible block of an image. Rows count from below, so a mirrored row has the parity of 1 - v."""
         if mode == CLAMP:
             return min(max(block, 0), blocks - 1)
         if mode == MIRROR and (block // blocks) % 2:
@@ -140,7 +140,7 @@ class Materials:
         return block % blocks
 
     def transformed(self, uv, info):
-        """Coordinates that KHR_texture_transform moves to uv."""
+        """Returns coordinates that KHR_texture_transform maps to uv."""
         odd = self.odd
         offset = numpy.array([odd.choice([0, 0.5, -2]), odd.choice([0, 0.25, 1])])
         scale = numpy.array([odd.choice([1, 2, 0.5, -1]), odd.choice([1, 3, 0.5])])
@@ -158,7 +158,7 @@ class Materials:
         return (uv - offset) @ numpy.linalg.inv(turn).T / scale
 
     def alpha_mode(self, alpha):
-        """Keys of a material whose image has this alpha, and the alpha of voxels."""
+        """Returns the keys of a material whose image has this alpha, and the alpha of voxels."""
         kind = self.odd.choice(["none", "OPAQUE", "BLEND", "MASK"])
         if alpha is None or kind in ("none", "OPAQUE"):
             return {} if kind == "none" else {"alphaMode": "OPAQUE"}, 255

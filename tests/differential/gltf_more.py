@@ -10,7 +10,7 @@ KINDS = {"u1": (0, 255), "i1": (-127, 127), "u2": (0, 65535), "i2": (-32767, 327
 
 
 class Quantized:
-    """Positions as whole numbers; a node's transform gives their size back."""
+    """Quantized positions: integers, with a node's transform that restores the size."""
 
     def __init__(self, odd, points):
         self.kind = odd.choice(["u2", "u2", "i2"])
@@ -28,7 +28,7 @@ class Quantized:
         return {"translation": self.begin.tolist(), "scale": [self.scale] * 3}, matrix
 
     def accessor(self, buffers, points):
-        """points: in the frame below the node."""
+        """Adds the points, which are in the frame below the node."""
         low, high = KINDS[self.kind]
         rows = numpy.clip(numpy.round(points / self.unit), low, high)
         keys = {"normalized": True} if self.is_normalized else {}
@@ -36,7 +36,7 @@ class Quantized:
 
 
 def add_second_node(writer, index, part, slots):
-    """Shows the mesh of a node again, in a free cube of the figure. slots: those in use."""
+    """Shows the mesh of a node again, in a free cube of the figure. slots: the occupied cubes."""
     odd, node = writer.odd, writer.nodes[index]
     here = tuple(int(v) for v in numpy.floor(numpy.array(part.cells[0]) / SLOT))
     free = [(x, y, z) for x in range(2) for y in range(2) for z in range(2) if (x, y, z) not in slots]

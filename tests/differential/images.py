@@ -22,7 +22,7 @@ def paeth(a, b, c):
 
 
 def filtered(odd, rows, bytes_per_pixel):
-    """Rows of bytes with a random filter each."""
+    """Returns rows of bytes, each with a random filter."""
     out, above = b"", bytes(len(rows[0]))
     for row in rows:
         kind = odd.randrange(5)
@@ -36,7 +36,7 @@ def filtered(odd, rows, bytes_per_pixel):
 
 
 def packed_rows(values, bits):
-    """values: rows × columns × channels. Returns the bytes of each row."""
+    """Returns the bytes of each row. values: rows × columns × channels."""
     if bits == 8:
         return [row.astype("u1").tobytes() for row in values]
     if bits == 16:
@@ -50,7 +50,7 @@ def packed_rows(values, bits):
 
 
 def ancillary(odd):
-    """Chunks that say how others would show the colours, which are not used."""
+    """Returns chunks that affect colours in other programs, but not in gigabake."""
     chunks = [chunk(b"gAMA", struct.pack(">I", odd.choice([45455, 100000, 55000]))),
               chunk(b"cHRM", struct.pack(">8I", 31270, 32900, 70800, 29200, 17000, 79700, 13100, 4600)),
               chunk(b"pHYs", struct.pack(">IIB", 2835, 2835, 1)), chunk(b"tEXt", b"Software\0odd"),
@@ -60,7 +60,7 @@ def ancillary(odd):
 
 
 def png(odd, pixels, alpha=None):
-    """pixels: rows × columns × 3. alpha: rows × columns, or None."""
+    """Returns a PNG. pixels: rows × columns × 3. alpha: rows × columns, or None."""
     height, width = pixels.shape[:2]
     colours = sorted({tuple(p) for p in pixels.reshape(-1, 3).tolist()})
     more, bits = b"", odd.choice([8, 8, 8, 16])
@@ -95,7 +95,7 @@ def png(odd, pixels, alpha=None):
 
 
 def gdal_bytes(driver, pixels, options):
-    """The bytes of an image that a driver of GDAL writes."""
+    """Returns the bytes of an image that a GDAL driver writes."""
     memory = gdal.GetDriverByName("MEM").Create("", pixels.shape[1], pixels.shape[0], pixels.shape[2])
     for c in range(pixels.shape[2]):
         memory.GetRasterBand(c + 1).WriteArray(pixels[..., c].astype("u1"))
@@ -120,8 +120,8 @@ class Image:
     def __init__(self, odd, kinds=("png", "png", "jpg", "webp"), alpha=None):
         self.blocks = odd.choice([1, 2, 2, 3, 4])
         self.suffix = "png" if alpha is not None else odd.choice(kinds)
-        # Colours of a JPEG are blurred across squares of 16 pixels.
-        # Alpha tests of more than two pixels a voxel are less exact (docs/accuracy.md).
+        # A JPEG blurs colours across squares of 16 pixels.
+        # Alpha tests with more than two pixels per voxel are less exact (docs/accuracy.md).
         texels = 16 if self.suffix == "jpg" else odd.randint(4, 12 if alpha is None else 6)
         self.colours = dict(zip([(c, r) for c in range(self.blocks) for r in range(self.blocks)],
                                 odd.colours(self.blocks ** 2)))
@@ -144,7 +144,7 @@ class Image:
         self.media_type = {"png": "image/png", "jpg": "image/jpeg", "webp": "image/webp"}[self.suffix]
 
     def colour(self, block, clamped=False):
-        """The colour of a block; blocks beyond the image repeat it, or its border if `clamped`."""
+        """Returns the colour of a block. Blocks beyond the image repeat it, or its border if `clamped`."""
         at = [min(max(b, 0), self.blocks - 1) if clamped else b % self.blocks for b in block]
         return self.colours[tuple(at)]
 

@@ -1,4 +1,4 @@
-"""Bakes many mesh sources at once and compares voxels, counts, warnings and losses with what the generator expects."""
+"""Bakes many mesh sources at once and compares voxels, counts, warnings and losses with the expected ones."""
 import json
 import re
 import shutil
@@ -18,14 +18,14 @@ WARNING = re.compile(r"(?P<first>.*?)(?: and (?P<more>\d+) more)?: (?P<text>.*)"
 
 
 class Program(harness.Gigabake):
-    """The program under test; the names of its files may be no UTF-8."""
+    """The program under test. The names of its files need not be UTF-8."""
 
     def run(self, *arguments, **options):
         return super().run(*arguments, errors="replace", **options)
 
 
 def write_scene(root, cases):
-    """A scene with the cases side by side."""
+    """Writes a scene with the cases in a row."""
     sources = []
     for i, case in enumerate(cases):
         if case.place is None:
@@ -86,7 +86,7 @@ def voxel_differences(case, index, voxels):
 
 
 def warnings_of(report):
-    """(text, count, files) of each warning."""
+    """Returns (text, count, files) of each warning."""
     out = []
     for line in report.get("warnings", []):
         found = WARNING.fullmatch(line)
@@ -108,7 +108,7 @@ def expected_warnings(cases):
 
 
 def total_differences(cases, status, report):
-    """Compares what the report states about all cases together."""
+    """Compares the report's totals of all cases."""
     out = []
     losses = [words for case in cases for words in case.losses]
     if status != (3 if losses else 0):

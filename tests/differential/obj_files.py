@@ -26,13 +26,13 @@ def cased(odd, word):
 @dataclass
 class Material:
     name: bytes
-    lines: list = field(default_factory=list)  # none: no file describes it
+    lines: list = field(default_factory=list)  # empty: no file describes the material
     image: Image = None
     image_name: str = ""
     scale: tuple = (1, 1)
     offset: tuple = (0, 0)
     is_clamped: bool = False
-    alpha: int = 255  # of its alpha map
+    alpha: int = 255  # alpha of its alpha map
 
 
 class ObjWriter:
@@ -93,7 +93,7 @@ class ObjWriter:
         return m, colour
 
     def add_map(self, m):
-        """Describes an image, or one that is missing."""
+        """Describes an image, which may be missing."""
         odd = self.odd
         m.image = Image(odd)
         m.image_name = odd.file_name("." + m.image.suffix)
@@ -130,7 +130,7 @@ class ObjWriter:
             m.lines.append(" ".join([cased(odd, odd.choice(["map_d", "map_opacity"])), *options, m.alpha_name]))
 
     def alpha_lines(self, m):
-        """Opacity in one of its spellings. Returns the alpha of voxels."""
+        """Adds the opacity in one of its spellings. Returns the alpha of voxels."""
         odd = self.odd
         kind = odd.choice(["none"] * 6 + ["opaque", "Tr 0", "Tr 1", "half", "Tr half", "both"])
         lines, alpha = {"none": ([], 255), "opaque": (["d 1.0"], 255), "Tr 0": (["Tr 0"], 255),
@@ -167,7 +167,7 @@ class ObjWriter:
         self.write_part(part, m, colours=part.colour if colours else None)
 
     def add_textured(self, part):
-        """A part with texture coordinates; the image may be missing, or the file that names it."""
+        """Adds a part with texture coordinates. The image or the MTL file may be missing."""
         odd, case = self.odd, self.case
         m, _ = self.new_material("beside a map", part.colour)
         if odd.maybe(0.3):
@@ -193,7 +193,7 @@ class ObjWriter:
         self.write_part(part, m)
 
     def add_without_uv(self, part):
-        """A part whose material has an image, but whose faces have no texture coordinates: Kd colours it."""
+        """Adds a part whose material has an image, but whose faces have no texture coordinates: Kd gives the colour."""
         odd, case = self.odd, self.case
         m, colour = self.new_material("beside a map", part.colour)
         if odd.maybe(0.3):
@@ -248,7 +248,7 @@ class ObjWriter:
             self.lines.append("usemtl " + m.name.decode("latin-1"))
             self.named.append(m)
         elif self.named:
-            # A material stays in use until the next one, so one without any description would be a warning.
+            # A material stays in use until the next `usemtl`. A material without any description would cause a warning.
             self.lines.append("usemtl")
 
     def face(self, polygon, first, first_uv):
@@ -278,7 +278,7 @@ class ObjWriter:
         self.case.triangles = (self.case.triangles or 0) + len(polygon) - 2
 
     def text(self, lines):
-        """The bytes of a text file in one of the encodings and line ends."""
+        """Returns the bytes of a text file in one of the encodings and line ends."""
         odd = self.odd
         end = "\r" if odd.beyond(0.2) else odd.choice(["\n", "\n", "\r\n"])
         out = end.join(lines) + (end if odd.maybe(0.9) else "")
@@ -318,7 +318,7 @@ class ObjWriter:
         return ["mtllib " + line for line in lines] + (["mtllib"] if odd.maybe(0.05) else [])
 
     def write_two_mtl(self, materials):
-        """Materials in two files, which one line names, or two."""
+        """Writes materials to two files. One or two lines name them."""
         odd, names = self.odd, [f"{self.odd.word()}{i}.mtl" for i in (1, 2)]
         for i, name in enumerate(names):
             (self.folder / name).write_bytes(self.text(self.mtl_lines(materials[i::2])))
@@ -352,7 +352,7 @@ class ObjWriter:
                 at -= 1
             body.insert(at, odd.choice(["", "#", "# é".encode().decode("latin-1"), "   "]))
         names = self.write_mtl()
-        # Materials are known whatever the place of mtllib is.
+        # Materials are known for any position of mtllib.
         lines = head + (body + names if odd.maybe(0.1) else names + body)
         case.source = odd.file_name(odd.choice([".obj", ".obj", ".OBJ"]))
         (self.folder / case.source).write_bytes(self.text(lines))

@@ -16,7 +16,7 @@ def add_reported(writer):
     odd, case, lines = writer.odd, writer.case, writer.lines
     kinds = ["twice", "flat", "few", "vertex", "number", "unknown", "form", "short"]
     if writer.is_coloured or NO_UV in writer.warned:
-        kinds = kinds[2:]  # these faces would be reported as ones without colours or texture coordinates
+        kinds = kinds[2:]  # these faces would be reported as faces without colours or texture coordinates
     for kind in sorted(odd.sample(kinds, odd.randint(0, 2)), key=kinds.index):
         count = odd.randint(1, 3)
         if kind == "vertex":

@@ -21,7 +21,7 @@ class Odd(random.Random):
         return self.random() < probability
 
     def number(self, value, exact=False):
-        """A spelling of a number in text. exact: all digits of a double."""
+        """Returns a spelling of a number. exact: with all digits of a double."""
         value = float(value)
         if exact or value != round(value, 6):
             return self.choice([repr(value), f"{value:.17g}", f"{value:.16e}", f"{value:.17E}"])
@@ -38,7 +38,7 @@ class Odd(random.Random):
         return tuple(self.choice((0, 13, 40, 77, 120, 200, 255, self.randrange(256))) for _ in range(3))
 
     def colours(self, count):
-        """Colours far from each other."""
+        """Returns colours that differ strongly."""
         out = []
         while len(out) < count:
             one = tuple(self.randrange(256) for _ in range(3))
@@ -50,7 +50,7 @@ class Odd(random.Random):
         return "".join(self.choice("abcdefghijkmnopqrstuvwxyz") for _ in range(self.randint(3, 8)))
 
     def file_name(self, suffix):
-        """A name that is odd for a URI or a line of words."""
+        """Returns a name with characters that are special in URIs or in lines of words."""
         middle = self.choice(["", "", "", " ", "-", ".", "_", "é", "日本", "%20", "+", "&", "'", "(1)", "~", "@",
                               ",", ";", "=", "!", "$", "#1"])
         return self.word() + middle + self.word() + suffix
@@ -58,21 +58,21 @@ class Odd(random.Random):
 
 @dataclass
 class Case:
-    """One source, and what a bake must make of it."""
+    """A source and its expected result."""
     kind: str
-    source: str  # the path of the file below the folder of the case
+    source: str  # path of the file below the folder of the case
     voxels: dict = field(default_factory=dict)  # (i, j, k) -> (colour or None, alpha)
     triangles: int = None
     skipped_points: int = 0
     skipped_lines: int = 0
-    losses: list = field(default_factory=list)    # the reason of each loss begins with one of these
-    warnings: list = field(default_factory=list)  # (text, count, files) of each warning; no other may appear
-    place: tuple = (0, 0, 0)  # what the file adds to all coordinates, z up, metres
+    losses: list = field(default_factory=list)  # prefix of the reason of each loss
+    warnings: list = field(default_factory=list)  # (text, count, files) of each expected warning
+    place: tuple = (0, 0, 0)  # offset in the file's coordinates, z up, metres
     colour_tolerance: int = 1
-    tolerance: float = 0.4  # metres, of heights: half a voxel and more
+    tolerance: float = 0.4  # metres, for heights: more than half a voxel
     refusal: str = None  # words of the reason, if the program must refuse the file
     outside: dict = field(default_factory=dict)  # counts and bounds for other programs
-    notes: list = field(default_factory=list)  # what the generator chose
-    slot: int = None  # where the voxels are along x, if not by the order of the sources
+    notes: list = field(default_factory=list)  # choices of the generator
+    slot: int = None  # position of the voxels along x, if not in the order of the sources
     folder: object = None
     index: int = None

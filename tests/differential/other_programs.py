@@ -1,4 +1,4 @@
-"""Reads the same files by assimp and GDAL's command-line tools: counts, bounding boxes and values."""
+"""Reads the same files with assimp and GDAL's command-line tools: counts, bounding boxes and values."""
 import json
 import re
 import shutil
@@ -20,12 +20,12 @@ def assimp_info(path):
 
 
 def missing():
-    """The programs that are not installed."""
+    """Returns the programs that are not installed."""
     return [name for name in ("assimp", "gdalinfo", "gdallocationinfo") if shutil.which(name) is None]
 
 
 def raster_differences(case):
-    """Compares the corners by gdalinfo and the values by gdallocationinfo."""
+    """Compares the corners from gdalinfo and the values from gdallocationinfo."""
     if "values" not in case.outside:
         return []
     path = str(case.folder / case.source)
@@ -49,7 +49,7 @@ def raster_differences(case):
 
 
 def differences(case):
-    """Texts about what other programs read otherwise than the generator wrote."""
+    """Returns a text per difference between other programs and the generator."""
     if case.kind == "raster":
         return raster_differences(case)
     if case.kind in ("tileset", "earth") or "unsupported" in case.outside:

@@ -21,7 +21,7 @@ LOST = "faces left out, since a corner is none of the vertices"
 NO_TEXNUMBER = "faces whose texnumber is none of the images"
 ALPHA = "alpha is 0 everywhere, taken as opaque"
 BOTH = "colours of faces are not used, since vertices have some"
-# Properties that say nothing about a surface's shape or colour.
+# Properties that do not describe a surface's shape or colour.
 PLAIN = ("nx", "ny", "nz", "confidence", "intensity", "quality", "curvature", "radius", "flags")
 
 
@@ -42,7 +42,7 @@ class PlyWriter:
         return NEW_NAMES[name] if self.odd.maybe(0.3) else name
 
     def colour_columns(self, colours, alpha):
-        """The columns of one colour per row, of bytes, of 16 bits, or of floats."""
+        """Returns the columns of one colour per row: bytes, 16 bits or floats."""
         odd = self.odd
         kind = odd.choice(["uchar", "uchar", "uchar", "float", "ushort", "double"])
         scale = {"uchar": 1, "ushort": 257, "float": 1 / 255, "double": 1 / 255}[kind]
@@ -54,7 +54,7 @@ class PlyWriter:
         return columns
 
     def alpha_of(self, count):
-        """Alpha of all rows, and what voxels have then."""
+        """Returns the alpha of all rows, and the resulting alpha of voxels."""
         kind = self.odd.choice(["none", "none", "opaque", "zero", "half"])
         if kind == "none":
             return None, 255
@@ -64,7 +64,7 @@ class PlyWriter:
         return [value] * count, 255 if kind == "zero" else value
 
     def add_colours(self, parts):
-        """Colours of vertices, of faces, of both, or none. Sets the voxels."""
+        """Adds colours to vertices, to faces, to both, or to none. Sets the voxels."""
         odd, case = self.odd, self.case
         kind = odd.choice(["vertex", "vertex", "face", "both", "none"])
         alpha, seen = None, 255
@@ -102,7 +102,7 @@ class PlyWriter:
             self.warn(MISSING)
 
     def add_textures(self, parts):
-        """An image for each part, by the number that its faces have."""
+        """Adds an image for each part. The faces state the number of their image."""
         odd, case = self.odd, self.case
         lists, numbers = [], []
         for number, part in enumerate(parts):
@@ -117,7 +117,7 @@ class PlyWriter:
         self.face.append(("texnumber", odd.choice(["int", "uchar"]), numbers))
 
     def add_texture(self, parts):
-        """Texture coordinates of vertices, or of the corners of faces."""
+        """Adds texture coordinates to vertices, or to the corners of faces."""
         odd, case = self.odd, self.case
         self.image = Image(odd, ("png", "jpg"))
         is_there = odd.maybe(0.9)
@@ -178,7 +178,7 @@ class PlyWriter:
                 case.losses.append(LOST)
 
     def strips(self, parts):
-        """The quadrangles as one list of strips, of which a negative number ends each."""
+        """Returns the quadrangles as one list of strips. A negative number ends each strip."""
         out, first = [], 0
         for part in parts:
             for polygon in part.polygons:
@@ -187,7 +187,7 @@ class PlyWriter:
         return [("tristrips", 1, [("vertex_indices", ("int", "int"), [out[:-1] if self.odd.maybe() else out])])]
 
     def elements(self, parts):
-        """(name, number of rows, columns) of each element."""
+        """Returns (name, number of rows, columns) of each element."""
         odd = self.odd
         lists = self.polygons(parts)
         count = sum(len(p.points) for p in parts)
@@ -217,7 +217,7 @@ class PlyWriter:
         return out
 
     def add_unused(self, count):
-        """Vertices that no face has, far from the others."""
+        """Adds distant vertices that no face uses."""
         far = self.odd.choice([0, 1e6, 1e9])
         for i, (name, kind, values) in enumerate(self.vertex):
             self.vertex[i] = (name, kind, values + [far if name in "xyz" else 0])

@@ -1,4 +1,4 @@
-"""Bakes elevation rasters and compares heights and colours at places with what the generator wrote."""
+"""Bakes elevation rasters and compares heights and colours at places with the generator's values."""
 import csv
 import io
 import json

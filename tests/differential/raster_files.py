@@ -1,4 +1,4 @@
-"""Writes elevation rasters and orthophotos through GDAL, and the heights and colours that places have."""
+"""Writes elevation rasters and orthophotos through GDAL, with the expected heights and colours of places."""
 import math
 
 import numpy
@@ -9,7 +9,7 @@ from ascii_grids import ascii_grid
 from odd import Case
 from raster_images import add_mask, add_ortho
 
-# (west, south, coordinate systems) of places on the earth; the unit of a system's axes in metres, 0: degrees.
+# (west, south, coordinate systems) of places on Earth; the unit of a system's axes in metres, 0: degrees.
 REGIONS = {
     "Alps": (8.4, 46.9, ((32632, 1), (25832, 1), (3857, 1), (2056, 1), (4326, 0), (4258, 0))),
     "California": (-121.9, 37.4, ((26910, 1), (32610, 1), (2227, 1200 / 3937), (4269, 0), (3857, 1))),
@@ -53,7 +53,7 @@ class RasterWriter:
         column, row = region[1] % 8, region[1] // 8
         self.left, self.top, _ = to_file.TransformPoint(west + 0.004 * column, south + 0.003 * row)
         self.warned = []
-        # Tiles of 16 pixels, so that one raster may have several.
+        # Tiles of 16 pixels allow several tiles per raster.
         self.size = odd.choice([14, 14, 14, 37])
         if odd.maybe(0.3):
             self.entry["tile_cells"] = 16
@@ -74,7 +74,7 @@ class RasterWriter:
         self.grid = [self.left, cos * width, sin * height, self.top, sin * width, flip * cos * height]
 
     def place(self, column, row):
-        """The coordinates of a point; pixel (0, 0) has its centre at 0.5, 0.5."""
+        """Returns the coordinates of a point. The centre of pixel (0, 0) is at 0.5, 0.5."""
         g = self.grid
         return g[0] + g[1] * column + g[2] * row, g[3] + g[4] * column + g[5] * row
 
@@ -83,14 +83,14 @@ class RasterWriter:
         return lon, lat
 
     def choose_values(self):
-        """Numbers of the file, and the heights that they mean."""
+        """Chooses numbers of the file, and the heights that they represent."""
         odd = self.odd
         self.type = odd.choice(["Float32"] * 4 + ["Int16", "Int16", "UInt16", "Int32", "UInt32", "Float64", "Byte",
                                                   "SignedByte"])
         if self.kind == "asc":
             self.type = odd.choice(["Float32", "Int32"])
         if self.kind == "vrt" and self.type == "SignedByte":
-            self.type = "Int16"  # GDAL before 3.7 leaves out in a VRT that bytes have signs
+            self.type = "Int16"  # in a VRT, GDAL before 3.7 omits that bytes are signed
         self.unit = odd.choice(list(UNITS) + [""] * 8) if self.kind != "asc" else ""
         has_scale = self.kind != "asc" and odd.maybe(0.3)
         small = self.type in ("Byte", "SignedByte")
@@ -178,9 +178,9 @@ class RasterWriter:
             out.append("PREDICTOR=" + odd.choice(["1", "2"] + ["3"] * can_be_3))
         out += odd.sample(["BIGTIFF=YES", "INTERLEAVE=BAND", "GEOTIFF_VERSION=1.1"], odd.randint(0, 3))
         if is_big_endian:
-            out.append("ENDIANNESS=BIG")  # which libtiff does not write right with the predictor of floats
+            out.append("ENDIANNESS=BIG")  # libtiff writes it incorrectly with the predictor of floats
         if odd.maybe(0.15) and self.type != "SignedByte" and self.kind == "tif" and not self.is_point:
-            out += ["PROFILE=BASELINE", "TFW=YES"]  # the rest goes into .aux.xml
+            out += ["PROFILE=BASELINE", "TFW=YES"]  # other metadata goes into .aux.xml
         if self.type == "SignedByte":
             out.append("PIXELTYPE=SIGNEDBYTE")
         return out
@@ -241,7 +241,7 @@ class RasterWriter:
         del copy
 
     def write_tiles(self):
-        """Neighbours without a shared column, as a folder or a VRT. Returns the name for `dem`."""
+        """Writes neighbours without a shared column, as a folder or a VRT. Returns the name for `dem`."""
         odd = self.odd
         folder = self.folder / "tiles"
         folder.mkdir()
@@ -307,8 +307,8 @@ class RasterWriter:
             self.warned.append((BANDS, files, files))
 
     def add_places(self):
-        """Pixels' centres in the raster's inside, and the middle of its hole."""
-        # AREA_OR_POINT=Point moves nothing: GDAL writes and reads the same geotransform.
+        """Adds the centres of inner pixels, and the middle of the hole."""
+        # AREA_OR_POINT=Point causes no shift: GDAL writes and reads the same geotransform.
         end = self.size - 3
         pixels = ((2, 2), (2, end), (end, 2), (end, end), (6, 2), (7, 11))
         if self.kind != "folder":

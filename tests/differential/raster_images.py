@@ -1,4 +1,4 @@
-"""Writes orthophotos: four squares of one colour each over a raster, with bands as cameras and programs write them."""
+"""Writes orthophotos: four squares of one colour each over a raster, with bands as in real files."""
 import numpy
 
 from osgeo import gdal, osr
@@ -23,7 +23,7 @@ def add_mask(path, valid, is_internal):
 
 
 def squares(colours):
-    """rows × columns × 3."""
+    """Returns rows × columns × 3."""
     out = numpy.zeros((EDGE, EDGE, 3), int)
     half = EDGE // 2
     for (column, row), colour in colours.items():
@@ -32,7 +32,7 @@ def squares(colours):
 
 
 def bands_of(odd, kind):
-    """The interpretation of each band."""
+    """Returns the interpretation of each band."""
     return {"rgb": ["red", "green", "blue"], "bgr": ["blue", "green", "red"],
             "infrared": ["red", "green", "blue", "other"], "infrared first": ["other", "red", "green", "blue"],
             "alpha": ["red", "green", "blue", "alpha"], "alpha first": ["alpha", "red", "green", "blue"],
@@ -87,7 +87,7 @@ def fill(raster, kind, names, pixels, transparent):
 
 
 def placed(writer, raster, odd):
-    """Gives the image the raster's extent, larger by a fifth, in the raster's system. Returns the middle of squares."""
+    """Gives the image the raster's extent plus a fifth, in the raster's system. Returns the centres of the squares."""
     size = writer.raw.shape[0]
     begin, width = -0.1 * size, 1.2 * size / EDGE
     g = writer.grid
@@ -105,7 +105,7 @@ def placed(writer, raster, odd):
 
 
 def warped(writer, path, odd):
-    """Turns the image into another system by gdalwarp, with the nearest pixel."""
+    """Transforms the image to another system by gdalwarp, with the nearest pixel."""
     epsg = odd.choice([4326, 3857])
     target = path.with_name("w" + path.name)
     gdal.Warp(str(target), str(path), srcSRS=f"EPSG:{writer.epsg}", dstSRS=f"EPSG:{epsg}", resampleAlg="near",
@@ -136,7 +136,7 @@ def add_ortho(writer):
     fill(raster, kind, names, pixels, transparent)
     middles = placed(writer, raster, odd)
     if kind == "nodata":
-        raster.GetRasterBand(1).SetNoDataValue(1)  # of all bands: a GeoTIFF has one
+        raster.GetRasterBand(1).SetNoDataValue(1)  # for all bands: a GeoTIFF has only one nodata value
     raster = None
     if kind == "mask":
         add_mask(path, ~transparent, odd.maybe())

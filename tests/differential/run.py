@@ -41,8 +41,8 @@ WRITERS = {"obj": obj_files.write_obj, "ply": ply_files.write_ply, "stl": stl_fi
            "earth": earth_files.write_earth}
 SHARES = ["obj"] * 6 + ["ply"] * 5 + ["stl"] * 2 + ["gltf"] * 6 + ["tileset"] * 4
 BATCH = 40
-USUAL_SEED = 20261125  # so that luck decides over no merge
-PLAIN = 0.3  # of the files, which assimp reads too
+USUAL_SEED = 20261125  # a fixed seed, so that no merge depends on luck
+PLAIN = 0.3  # fraction of files that assimp reads too
 
 
 def arguments():
@@ -58,7 +58,7 @@ def arguments():
 
 
 def up_of(seed, batch):
-    """The axis that points up in the sources of a batch, and the options that say so."""
+    """Returns the axis that points up in the sources of a batch, and its options."""
     up = Odd(f"{seed}/batch {batch}").choice(["default", "default", "z", "x"])
     if up == "default":
         return {"tileset": "z"}, "y", []
@@ -66,7 +66,7 @@ def up_of(seed, batch):
 
 
 def origin_of(seed, batch):
-    """A place on the earth: latitude and longitude in degrees, height in metres."""
+    """Returns a place on Earth: latitude and longitude in degrees, height in metres."""
     odd = Odd(f"{seed}/origin {batch}")
     return odd.choice([(47.37, 8.54, 430.0), (-33.9, 151.2, 20.0), (0.0, 180.0, 0.0), (89.5, -45.0, 10.0),
                        (37.4, -122.1, 5.0), (odd.uniform(-90, 90), odd.uniform(-180, 180), odd.uniform(-100, 4000))])
@@ -122,7 +122,7 @@ def check_batch(options, program, root, numbers):
 
 
 def report(options, case, texts, words):
-    """Prints the differences of a file, and keeps it."""
+    """Prints the differences of a file, and keeps the file."""
     text = "\n".join([f"file {case.index} ({case.kind}, {'; '.join(case.notes)}): {case.folder.name}/{case.source}",
                       f"  again: run.py GIGABAKE --seed {options.seed} --only {case.index}"
                       + (f" --kind {options.kind}" if options.kind else "") + f"; options {' '.join(words)}",
@@ -145,7 +145,7 @@ def check_all(options, program, root):
         for future in futures:
             try:
                 wrong |= {case.index for case, _ in future.result()}
-            except Exception:  # of one batch: the others are still worth their results
+            except Exception:  # only this batch failed: the others still have results
                 traceback.print_exc()
                 faults += 1
     return len(wrong) + faults

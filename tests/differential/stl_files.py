@@ -12,7 +12,7 @@ ATTRIBUTES = "triangles with attributes, as colours, which are not used"
 FEWER = "the header states fewer triangles than the file holds, all of which are taken"
 MORE = "the header states more triangles than the file holds"
 TRAILING = "bytes follow the triangles that the header states, and are not read"
-# 1/128 m is the step of a float at 100 km.
+# A float at 100 km has a spacing of 1/128 m.
 PLACES = ((0, 0, 0), (0, 0, 0), (1000, -2000, 50), (-12000, 9000, 0), (100000, 60000, 500))
 
 
@@ -39,7 +39,7 @@ class StlWriter:
         return text.upper() if self.is_upper else text
 
     def text(self):
-        """Text of one or more solids; names may be missing."""
+        """Returns the text of one or more solids. Names may be missing."""
         odd = self.odd
         self.is_upper = odd.beyond(0.15)
         indent = odd.choice(["", " ", "  ", "\t"])
@@ -63,7 +63,7 @@ class StlWriter:
         return (b"\xef\xbb\xbf" if odd.beyond(0.1) else b"") + content.encode()
 
     def binary(self):
-        """Binary, the number in the header and the bytes after the facets as some programs write them."""
+        """Returns a binary STL. Its count and the bytes after the facets vary as in other programs."""
         odd, case, count = self.odd, self.case, len(self.facets)
         head = odd.choice([b"", b"solid made by a test", b"binary STL", b"\xff" * 80, b"COLOR=\xff\0\0\xff", b" " * 80])
         said, after, attribute = count, b"", 0

@@ -12,7 +12,7 @@ def padded(text, start):
 
 
 def b3dm(odd, glb, center):
-    """A b3dm; center: RTC_CENTER, or None."""
+    """Returns a b3dm. center: RTC_CENTER, or None."""
     table = {"BATCH_LENGTH": odd.choice([0, 0, 3])}
     if center is not None:
         table["RTC_CENTER"] = list(center)
@@ -23,7 +23,7 @@ def b3dm(odd, glb, center):
 
 
 def octahedral(normals):
-    """Unit vectors as two numbers from 0 to 65535."""
+    """Encodes unit vectors as two numbers from 0 to 65535."""
     n = normals / numpy.abs(normals).sum(1, keepdims=True)
     folded = (1 - numpy.abs(n[:, [1, 0]])) * numpy.where(n[:, :2] >= 0, 1, -1)
     xy = numpy.where(n[:, 2:] < 0, folded, n[:, :2])
@@ -52,7 +52,7 @@ class InstanceTable:
         self.binary += rows.tobytes()
 
     def add_axes(self, right, up):
-        """Turns the instances: the model's x to `right`, its y to `up`."""
+        """Rotates the instances: the model's x to `right`, its y to `up`."""
         right, up = (numpy.tile(v, (self.count, 1)) for v in (right, up))
         if self.odd.maybe(0.4):
             self.add("NORMAL_UP_OCT32P", octahedral(up))
@@ -68,7 +68,7 @@ class InstanceTable:
             self.add("SCALE_NON_UNIFORM", numpy.full((self.count, 3), scale, "<f4"))
 
     def tile(self, model, is_uri):
-        """The bytes of the i3dm; model: a GLB, or its URI."""
+        """Returns the bytes of the i3dm. model: a GLB, or its URI."""
         model = model + b" " * (-len(model) % 8) if is_uri else model
         binary = self.binary + bytes(-len(self.binary) % 8)
         feature = padded(json.dumps(self.table).encode(), 32)

@@ -19,7 +19,7 @@ BOX = {"box": [3, 3, 3, 6, 0, 0, 0, 6, 0, 0, 0, 6]}
 
 
 def moved(part, matrix):
-    """The part in another frame. matrix: 4 × 4, of metres."""
+    """Returns the part in another frame. matrix: 4 × 4, in metres."""
     points = (part.points * VOXEL) @ matrix[:3, :3].T + matrix[:3, 3]
     return dataclasses.replace(part, points=points / VOXEL, kind="moved")
 
@@ -31,7 +31,7 @@ def affine(linear, move=(0, 0, 0)):
 
 
 class TilesetWriter:
-    """frame: the matrix from the tileset's frame to the scene; earth: its inverse if that is an earth-centred frame."""
+    """Writes a tileset. frame: from its frame to the scene; earth: the inverse if the frame is earth-centred."""
 
     def __init__(self, odd, folder, frame, earth=None):
         self.odd, self.folder, self.frame, self.earth = odd, folder, frame, earth
@@ -45,7 +45,7 @@ class TilesetWriter:
         self.earth_depth = None if earth is None else self.odd.choice([0, 0, 1])
 
     def take(self, made, times=1):
-        """Adds what a GLB shows to the expected result."""
+        """Adds the content of a GLB to the expected result."""
         self.case.voxels.update(made.voxels)
         self.case.triangles += made.triangles * times
         self.case.skipped_points += made.skipped_points * times
@@ -56,7 +56,7 @@ class TilesetWriter:
             self.warned[text] = (files + 1, sum_ + count)
 
     def model(self, part, matrix):
-        """A GLB of a part as the tile with this transform from its frame to the scene shows it."""
+        """Returns a GLB of a part in the frame of a tile. matrix: from that frame to the scene."""
         local = moved(part, numpy.linalg.inv(matrix))
         return closed_glb(self.odd, [local], self.gltf_up)
 
@@ -70,7 +70,7 @@ class TilesetWriter:
         return b3dm(self.odd, glb, center)
 
     def instanced(self, part, matrix, can_name):
-        """A square for each voxel of the part."""
+        """Returns an i3dm with a square for each voxel of the part."""
         odd = self.odd
         axis = int(numpy.argmin(numpy.ptp(part.points, axis=0)))
         square = numpy.insert(numpy.array([[-0.3, -0.3], [0.3, -0.3], [0.3, 0.3], [-0.3, 0.3]]), axis, 0, axis=1)
@@ -98,7 +98,7 @@ class TilesetWriter:
         return table.tile(glb, False)
 
     def content(self, part, matrix, can_name=True):
-        """The bytes and the suffix of a content, which may name other files of its folder."""
+        """Returns the bytes and the suffix of a content, which may name other files of its folder."""
         odd = self.odd
         self.next_folder = odd.choice(["", "", "Data/", "a b/c/"])
         can_be_instanced = part.place is None and abs(numpy.linalg.det(matrix[:3, :3]) - 1) < 0.01
@@ -131,7 +131,7 @@ class TilesetWriter:
         return {self.odd.choice(["uri", "uri", "url"]) if not self.is_new else "uri": uri}
 
     def tile_of(self, parts, matrix, depth=0):
-        """A tile with the parts in it and below it. matrix: from the parent's frame to the scene."""
+        """Returns a tile with the parts in it and below it. matrix: from the parent's frame to the scene."""
         odd = self.odd
         tile = {"boundingVolume": BOX, "geometricError": max(0, 16 - depth)}
         if depth == 0 or odd.maybe(0.3):
@@ -141,7 +141,7 @@ class TilesetWriter:
         if not is_moved:
             own = numpy.eye(4)
         if depth == self.earth_depth:
-            # East, north and up, or the earth's own axes.
+            # The axes are east, north and up, or the earth-centred axes.
             own = (self.earth if odd.maybe(0.7) else affine(numpy.eye(3), self.earth[:3, 3])) @ own
             is_moved = True
         if is_moved:
@@ -159,7 +159,7 @@ class TilesetWriter:
         return tile
 
     def add_coarse(self, tile, matrix):
-        """Content that is not baked, since finer content replaces it."""
+        """Adds content that a bake skips, since finer content replaces it."""
         self.has_coarse = True
         part = figure(self.odd, ["grid"], 1)[0]
         glb, _ = closed_glb(self.odd, [moved(part, numpy.linalg.inv(matrix))], self.gltf_up)
@@ -172,7 +172,7 @@ class TilesetWriter:
             external = self.document(self.tile_of([part], matrix, 2))
             self.number += 1
             name = f"external{self.number}.json"
-            # Its URIs are relative to it.
+            # URIs in the content are relative to it.
             (self.folder / name).write_bytes(self.text(external))
             tile["content"] = self.entry(name)
             return
@@ -218,7 +218,7 @@ class TilesetWriter:
             root = self.tile_of(parts, self.frame)
         (self.folder / case.source).write_bytes(self.text(self.document(root)))
         if odd.maybe(0.1):
-            case.source = ""  # the folder
+            case.source = ""  # the folder is the source
         elif case.source == "tileset.json" and odd.maybe(0.2):
             case.source = odd.file_name(".3tz")
             archive(odd, self.folder, self.folder / case.source)

@@ -38,7 +38,7 @@ def png(edge, colour_type=6):
 
 
 def square(**more):
-    """A glTF document of one square; its buffer is POSITIONS + INDICES."""
+    """Returns a glTF document of one square. Its buffer is POSITIONS + INDICES."""
     return {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
             "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
             "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
@@ -168,7 +168,7 @@ def subtrees():
     document = {"buffers": [{"byteLength": 16}], "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 16}],
                 "tileAvailability": {"bitstream": 0}, "contentAvailability": [{"bitstream": 0}, {"constant": 1}],
                 "childSubtreeAvailability": {"bitstream": 0}}
-    # An oct-tree's subtree of three levels has 73 tiles and 512 children.
+    # An octree's subtree of three levels has 73 tiles and 512 children.
     document["buffers"][0]["byteLength"] = document["bufferViews"][0]["byteLength"] = 64
     body = text(document)
     body += b" " * (-len(body) % 8)
@@ -234,7 +234,7 @@ def stls():
 
 
 def tiff(edge, samples):
-    """Little endian, one strip of bytes, a place in EPSG:25832."""
+    """Returns a TIFF: little endian, one strip of bytes, a place in EPSG:25832."""
     content = bytes((i * 7) & 63 for i in range(edge * edge * samples))
     places = struct.pack("<3d", 10, 10, 0) + struct.pack("<6d", 0, 0, 0, 500000, 5100160, 0)
     tags = [(256, 3, 1, edge), (257, 3, 1, edge), (258, 3, 1, 8), (259, 3, 1, 1), (262, 3, 1, 1 if samples == 1 else 2),
@@ -266,7 +266,7 @@ def camera_paths():
 
 
 def made():
-    """Seeds by reader."""
+    """Returns seeds by reader."""
     gltf = [square(), sparse(), textured(png(4), "image/png"), textured(packed.JPEG, "image/jpeg"),
             textured(packed.WEBP, "image/webp", "EXT_texture_webp"), draco(packed.DRACO_EDGEBREAKER),
             draco(packed.DRACO_SEQUENTIAL), meshopt()]

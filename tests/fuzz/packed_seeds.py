@@ -1,4 +1,4 @@
-"""The smallest files of the formats that need an encoder: 8×8 and 4×4 texels, a square of two triangles."""
+"""The smallest files of formats that need an encoder: 8×8 and 4×4 texels, a square of two triangles."""
 
 JPEG = bytes.fromhex(
     "ffd8ffe000104a46494600010100000100010000ffdb004300100b0c0e0c0a100e0d0e1211101318281a181616183123"

@@ -1,4 +1,4 @@
-// Readers of what a bake writes about itself, and of what its processes tell each other.
+// Readers of a bake's records about itself, and of messages between its processes.
 #include <array>
 #include <string>
 

@@ -1,4 +1,4 @@
-// Readers of what bakes and exports have written.
+// Readers of the results of bakes and exports.
 #include <cstring>
 #include <filesystem>
 

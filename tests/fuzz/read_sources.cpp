@@ -24,7 +24,7 @@ using Path = std::filesystem::path;
 using test::Json;
 using test::SourceFolder;
 
-/// A few bytes of a tileset can place one file a million times.
+/// Maximum number of tiles that are read: a few bytes of a tileset can place one file a million times.
 constexpr std::size_t tiles_read = 3;
 
 std::string text_of(Bytes bytes) { return {bytes.begin(), bytes.end()}; }
@@ -85,7 +85,7 @@ void read_as_a_bake_does(const Path& file) {
   }
 }
 
-/// A folder with what URIs may name.
+/// A folder with files that URIs may name.
 class Neighbours {
  public:
   Neighbours() {
@@ -109,7 +109,7 @@ const Neighbours& neighbours() {
   return folder;
 }
 
-/// All of its subtrees are one file.
+/// Returns an implicit tileset whose subtrees are all in one file.
 Json implicit_tileset(const char* scheme, int levels) {
   const Json content{{"uri", "model.gltf"}};
   Json root = test::tile("");

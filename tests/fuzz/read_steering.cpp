@@ -1,4 +1,4 @@
-// Readers of what a browser or a person tells the viewer.
+// Readers of a browser's or a person's input for the viewer.
 #include <cmath>
 #include <string_view>
 

@@ -38,8 +38,8 @@ void orthophoto(Bytes bytes);  ///< a photo of any format over a raster of 17×1
 void image(Bytes bytes);       ///< PNG, JPEG, WebP
 
 // Results of bakes.
-void shard(Bytes bytes);           ///< as a whole, and page by page
-void scene_xml(Bytes bytes);       ///< and the parameters in it
+void shard(Bytes bytes);           ///< page by page, and the whole shard
+void scene_xml(Bytes bytes);       ///< scene.xml and its parameters
 void gigavoxel_list(Bytes bytes);  ///< a .gvp
 void gigavoxel_tree(Bytes bytes);  ///< tree.gvx or tree.gvo; then its brick file
 void journal(Bytes bytes);

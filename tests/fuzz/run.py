@@ -56,7 +56,7 @@ def with_parts(path):
 
 
 def from_folder(folder):
-    """Seeds by reader: all small files below."""
+    """Returns seeds by reader: all small files below the folder."""
     seeds = {reader: [] for reader in READERS}
     for path in sorted(folder.rglob("*")):
         if not path.is_file() or path.stat().st_size > LARGEST_SEED:
@@ -67,7 +67,7 @@ def from_folder(folder):
         named = {"journal": "journal", "survey.cache": "survey_cache"}
         if path.name in named:
             seeds[named[path.name]].append(path.read_bytes())
-        if path.name == "status.json":  # of no particular machine
+        if path.name == "status.json":  # independent of the machine
             status = json.loads(path.read_bytes())
             seeds["bake_status"].append(made_seeds.text({**status, "out": "out", "host": "host"}))
     return seeds
@@ -107,7 +107,7 @@ def gather(arguments, readers):
 
 
 def fuzz(arguments, reader, seconds):
-    """Runs one fuzzer; its last numbers, and the files that it calls faults."""
+    """Runs one fuzzer. Returns its last statistics, and the files with faults."""
     faults = arguments.work / "faults"
     faults.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(dir="/dev/shm") as scratch:
@@ -128,7 +128,7 @@ def fuzz(arguments, reader, seconds):
 
 
 def merge(arguments, reader):
-    """Faults, seeds that are made, and of the files that together reach all that was reached the smallest."""
+    """Stores faults, generated seeds, and the smallest files that together reach the same code."""
     fresh = arguments.work / "merged" / reader
     shutil.rmtree(fresh, ignore_errors=True)
     fresh.mkdir(parents=True)

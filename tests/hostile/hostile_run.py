@@ -1,5 +1,4 @@
-"""Shared code of the mutant scripts: runs a program with limits on time and memory, reports faults of how it ended, and
-keeps faulty mutants in a folder."""
+"""Shared code of the mutant scripts: runs a program with limits on time and memory, and keeps faulty mutants."""
 import argparse
 import os
 import resource
@@ -14,7 +13,7 @@ import harness
 
 SECONDS = 30
 MEMORY_BYTES = 6 << 30
-MAX_LINE = 1200  # a message of 1,000 bytes (lattice/quote.h), and what a command puts before it
+MAX_LINE = 1200  # a message of 1,000 bytes (lattice/quote.h), and a command's prefix
 EXIT_CODES = {0, 1, 2, 3, 75}
 
 
@@ -44,11 +43,11 @@ class Ended:
 
 
 class LimitedProgram:
-    """Runs one executable, each time with the same bounds."""
+    """Runs one executable with constant limits."""
 
     def __init__(self, executable):
         self.executable = str(Path(executable).resolve())
-        # The address space of a sanitized program is its own affair.
+        # A sanitizer reserves address space, so that it cannot be limited.
         self.is_sanitized = b"__asan_init" in Path(executable).read_bytes()
 
     def _bound(self):
@@ -79,7 +78,7 @@ class Kept:
         self.folder, self.count = Path(folder), 0
 
     def keep(self, name, files, faults):
-        """files: a file or folder, copied."""
+        """Copies the mutant and writes its faults. files: a file or folder."""
         self.count += 1
         target = self.folder / name
         shutil.rmtree(target, ignore_errors=True)

@@ -1,4 +1,4 @@
-"""Ways to change a source: its bytes, its numbers, its JSON."""
+"""Mutations of a source: its bytes, its numbers, its JSON."""
 import re
 import struct
 import zlib
@@ -18,7 +18,7 @@ WORDS = [0, 1, 2, 7, 255, 256, 65535, 65536, 1 << 24, (1 << 31) - 1, 1 << 31, (1
 
 
 def place_in(content, rng):
-    """Mostly near the front, where the structure is."""
+    """Returns a position, in most cases near the front, which has the structure."""
     return rng.randrange(min(len(content), 256) if rng.random() < 0.5 else len(content))
 
 
@@ -59,7 +59,7 @@ def blank_piece(content, rng):
 
 
 def change_word(content, rng):
-    """A number of four bytes, as lengths, counts and offsets are; or of two."""
+    """Changes a number of four bytes, such as a length, count or offset, or a number of two bytes."""
     size = rng.choice([4, 4, 2])
     if len(content) < size:
         return content
@@ -91,7 +91,7 @@ def change_line(content, rng):
 
 
 def claim_picture_size(content, rng):
-    """A PNG whose header is whole and claims another size."""
+    """Returns a PNG with a valid header that claims another size."""
     if not content.startswith(b"\x89PNG") or len(content) < 33:
         return change_word(content, rng)
     head = bytearray(content[12:29])
@@ -104,7 +104,7 @@ BYTE_CHANGES = [change_bytes, flip_bit, cut_end, cut_piece, repeat_piece, insert
 
 
 def slots_of(value, found, most=10_000):
-    """Places of a document, as (container, key)."""
+    """Returns the places of a document, as (container, key)."""
     if len(found) > most:
         return found
     pairs = value.pairs if isinstance(value, Members) else list(enumerate(value)) if isinstance(value, list) else []

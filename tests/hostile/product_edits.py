@@ -1,4 +1,4 @@
-"""One random edit of what a bake wrote."""
+"""Random edits of a bake's results."""
 import ctypes
 import re
 import shutil
@@ -218,24 +218,24 @@ def edit_shard_attribute(rng, shard):
 
 
 def edit_shard_content(rng, out, _other):
-    """Through the library, so that HDF5's own checksums fit; the size and the scene's checksum are made to fit."""
+    """Edits through the library, so that HDF5's checksums are valid; size and checksum in the scene are adapted."""
     path = rng.choice(shards_of(out))
     with h5py.File(path, "r+", libver="latest") as shard:
         how = rng.choice((edit_dataset, edit_dataset, edit_shard_attribute))
         what = how(rng, shard)
     scene = out / "scene.xml"
-    # Without the sizes of columns, which may be absent and would tell of an edit before its voxels do.
+    # Removes the optional sizes of columns, which would reveal an edit before its voxels do.
     text = re.sub(r' (LevelBytes|NodeBytes)="[^"]*"', "", scene.read_text())
     line = next(line for line in text.splitlines() if path.name in line)
     fitting = re.sub(r' Bytes="\d+"', f' Bytes="{path.stat().st_size}"', line)
     text = text.replace(line, fitting)
     total = sum(int(size) for size in re.findall(r'<PagedOctTree [^>]* Bytes="(\d+)"', text))
-    text = re.sub(r' Bytes="\d+"', f' Bytes="{total}"', text, count=1)  # the root's comes first
+    text = re.sub(r' Bytes="\d+"', f' Bytes="{total}"', text, count=1)  # the root's size comes first
     scene.write_text(with_checksum(text))
     return Edit(f"{path.name} {what}")
 
 
-# what spares the next bake work
+# files that save work in the next bake
 
 
 def edit_record(rng, out, _other):
@@ -265,7 +265,7 @@ def edit_record(rng, out, _other):
 
 
 def edit(rng, out, other):
-    """other: a bake of another scene with cells of the same names."""
+    """Applies a random edit. other: a bake of another scene with cells of the same names."""
     how = rng.choice((edit_scene, edit_scene, edit_scene, edit_shard_bytes, edit_shard_files, edit_shard_content,
                       edit_shard_content, edit_record))
     return how(rng, Path(out), Path(other))

@@ -35,7 +35,7 @@ def rolling_ground(quads, phase):
 
 
 class Bake:
-    """A small scene of several cells, its voxels, and the command that made it."""
+    """A small scene of several cells, its voxels, and the command that baked it."""
 
     def __init__(self, program, root):
         self.program, self.root = program, root
@@ -44,7 +44,7 @@ class Bake:
             hostile_run.harness.write_glb(root / f"{name}.glb", *rolling_ground(40, phase))
             self.succeed("bake", root / f"{name}.glb", "-o", root / name, *self.options)
         self.out = root / "whole"
-        self.lods = CELL_VOXELS.bit_length() - 3  # of cells, which exports know; those above are hashed
+        self.lods = CELL_VOXELS.bit_length() - 3  # levels of cells, which exports have; overview levels are hashed
         self.hashes = self.hashes_of(self.out)
         self.voxels = [self.ply(self.out, lod) for lod in range(self.lods)]
 

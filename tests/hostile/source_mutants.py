@@ -27,8 +27,8 @@ import mutations  # noqa: E402
 import source_seeds  # noqa: E402
 
 OUR_EXIT_CODES = {0, 1, 2, 3}
-ENDED_WHEN_ASKED = {75, 128 + signal.SIGTERM, -signal.SIGTERM}  # a bake, another command, one that was just starting
-# A message has up to 1,000 bytes (lattice/quote.h), and what a command puts before it.
+ENDED_WHEN_ASKED = {75, 128 + signal.SIGTERM, -signal.SIGTERM}  # bake, other command, command before its start
+# A message of up to 1,000 bytes (lattice/quote.h), and a command's prefix.
 MAX_LINE, MOST_ERRORS = 1200, 50_000
 MOST_BYTES = 3 << 30
 # A mutant may be a scene of a million cells, which takes long. The test sends such a run SIGTERM, and it must end.

@@ -11,9 +11,9 @@ import packed_seeds as packed
 
 @dataclass
 class Seed:
-    """A folder. Documents are JSON that is written when the mutant is: `wrap` makes the file of it."""
+    """A folder. `documents` has JSON values that are written with the mutant; `wrap` converts the text to a file."""
     name: str
-    main: str                                      # the file that is named to the program
+    main: str  # the file that the program opens
     files: dict = field(default_factory=dict)      # name: bytes
     documents: dict = field(default_factory=dict)  # name: (value, wrap)
     voxel_size: float = 0.5
@@ -32,7 +32,7 @@ def glb_around(text, binary):
 
 
 def in_chunk():
-    """A square whose buffer is the binary chunk."""
+    """Returns a square whose buffer is the binary chunk."""
     document = made.square()
     document["buffers"] = [{"byteLength": len(made.POSITIONS + made.INDICES)}]
     return document
@@ -45,7 +45,7 @@ def external_picture(name, content, kind):
 
 
 def tile_files(kind, *more):
-    """A tile of 3D Tiles 1.0 around a GLB; its feature table is the document."""
+    """Returns a tile of 3D Tiles 1.0 around a GLB. Its feature table is the document."""
     model = glb_of()(made.text(in_chunk()))
 
     def wrap(binary):
@@ -140,11 +140,11 @@ def all_seeds():
 
 
 class TooLong(Exception):
-    """A document that was put into itself, or multiplied too often."""
+    """An error: a document that was inserted into itself, or multiplied too often."""
 
 
 def text_of(value, most=4_000_000):
-    """JSON with pairs in place of objects: so a member may be there twice."""
+    """Returns JSON with lists of pairs as objects, so that a member may occur twice."""
     parts, room = [], [most]
 
     def write(text):

@@ -1,6 +1,6 @@
-/// A small scene in lattice units for bake_cell(), and its answer as a map from voxel to value.
+/// A small scene in lattice units for bake_cell(), and its result as a map from voxel to value.
 ///
-/// One metre is one sub-voxel here (voxel_size_m = 256), so that integer coordinates pass the snap unchanged.
+/// One metre is one sub-voxel (voxel_size_m = 256), so that integer coordinates pass the snap unchanged.
 #pragma once
 
 #include <deque>
@@ -15,7 +15,7 @@ namespace gigabake::reference {
 struct BakedVoxel {
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
-  Facing facing{};  ///< zeros where the level has none
+  Facing facing{};  ///< zeros if the level has no facing
   friend bool operator==(const BakedVoxel&, const BakedVoxel&) = default;
 };
 using VoxelMap = std::map<Voxel, BakedVoxel>;
@@ -36,7 +36,7 @@ class BakeScene {
 
   BakeScene();
 
-  /// Returns the material's index. Material 0 is opaque white and always there.
+  /// Returns the index of the material. Material 0 always exists and is opaque white.
   std::uint32_t add_material(const kernels::MaterialView& material);
   std::uint32_t add_colour(const Rgba16& linear, AlphaMode mode = AlphaMode::opaque);
   /// Adds a material with this square texture (sRGB bytes, straight alpha).

@@ -21,7 +21,7 @@ LatticeVertex rounded(const LatticeVertex& centre, double x, double y, double z)
   return {centre[0] + std::llround(x), centre[1] + std::llround(y), centre[2] + std::llround(z)};
 }
 
-/// A sphere's triangles with radius(ring, sector) at each vertex; poles have sector 0.
+/// Returns a sphere's triangles, with radius(ring, sector) for each vertex; poles have sector 0.
 template <class Radius>
 std::vector<Triangle> globe(const LatticeVertex& centre, int rings, const Radius& radius) {
   std::vector<Triangle> out;
@@ -38,7 +38,7 @@ std::vector<Triangle> globe(const LatticeVertex& centre, int rings, const Radius
   return out;
 }
 
-/// > 0 where d lies on the side that (b-a) × (c-a) points to.
+/// Returns a positive number if d lies on the side that (b-a) × (c-a) points to.
 int side(const LatticeVertex& a, const LatticeVertex& b, const LatticeVertex& c, const LatticeVertex& d) {
   const auto n = normal_of({a, b, c});
   mpz_class sum;
@@ -46,7 +46,7 @@ int side(const LatticeVertex& a, const LatticeVertex& b, const LatticeVertex& c,
   return sgn(sum);
 }
 
-/// The closed triangle contains p: in its plane, and on the inner side of every edge.
+/// Returns true if the closed triangle contains p: p is in its plane, and on the inner side of every edge.
 bool contains(const Triangle& t, const LatticeVertex& p) {
   using Wide = __int128;
   const auto cross = [](const LatticeVertex& o, const LatticeVertex& a, const LatticeVertex& b, int r) {
@@ -64,7 +64,7 @@ bool contains(const Triangle& t, const LatticeVertex& p) {
   return true;
 }
 
-/// All faces of the hull, or none when four points share a plane.
+/// Returns all faces of the hull, or none if four points share a plane.
 std::vector<Triangle> hull_faces(const std::vector<LatticeVertex>& p) {
   std::vector<Triangle> faces;
   for (std::size_t i = 0; i < p.size(); ++i)
@@ -103,7 +103,7 @@ ClosedMesh sphere(const LatticeVertex& centre, double radius, int rings) {
 }
 
 ClosedMesh star(const LatticeVertex& centre, std::int64_t nearest, std::int64_t farthest, int rings, Rng& rng) {
-  std::map<std::pair<int, int>, double> radii;  // each vertex once, so that the mesh closes
+  std::map<std::pair<int, int>, double> radii;  // one radius per vertex, so that the mesh is closed
   return {"star", globe(centre, rings, [&](int ring, int sector) {
             const auto [at, fresh] = radii.try_emplace({ring, sector}, 0);
             if (fresh) at->second = double(uniform(rng, nearest, farthest));

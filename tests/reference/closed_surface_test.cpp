@@ -16,7 +16,7 @@ using namespace gigabake::kernels;
 
 constexpr int edge = 32;
 
-/// Steps of the flood: through faces, or through edges and corners too.
+/// Steps of the flood: through faces only, or also through edges and corners.
 constexpr int by_faces = 1, by_corners = 3;
 
 int longest_step(SurfaceRule rule, const std::vector<Triangle>& mesh) {
@@ -26,7 +26,7 @@ int longest_step(SurfaceRule rule, const std::vector<Triangle>& mesh) {
 
 std::size_t index_of(const Voxel& v) { return std::size_t(v[0] + edge * (v[1] + edge * v[2])); }
 
-/// Voxels of the window [0, 32)³ that an empty path joins to its border.
+/// Returns the voxels of the window [0, 32)³ that an empty path connects with its border.
 std::vector<bool> flooded(const std::set<Voxel>& occupied, int step) {
   std::vector<bool> wet(edge * edge * edge);
   std::vector<Voxel> front;
@@ -90,7 +90,7 @@ std::set<Voxel> occupied_by(const std::vector<Triangle>& mesh, SurfaceRule rule)
   return positions_of(voxels_at(scene.bake(), scene.parameters, 0));
 }
 
-/// Empty voxels that the mesh winds round: all of them, and those that are wet.
+/// Counts of empty voxels inside of the mesh: all voxels, and flooded voxels.
 struct Enclosed {
   int voxels = 0, wet = 0;
 };

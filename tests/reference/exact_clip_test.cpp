@@ -11,7 +11,7 @@
 namespace gigabake::reference {
 namespace {
 
-/// A window that holds the whole triangle, closed contacts too.
+/// Returns a window that contains the whole closed triangle.
 Window around(const Triangle& t) {
   Window w{{t[0][0], t[0][1], t[0][2]}, 0};
   for (int r = 0; r < 3; ++r) {
@@ -30,7 +30,7 @@ bool inside(const RationalPoint& p, const Voxel& voxel) {
   return true;
 }
 
-/// The point is in the closed triangle: it splits the triangle into three whose area vectors add up.
+/// Returns true if the point is in the closed triangle: it splits it into three triangles whose area vectors add up.
 bool inside(const RationalPoint& p, const Triangle& t) {
   Polygon corner(3);
   for (int k = 0; k < 3; ++k)
@@ -115,7 +115,7 @@ TEST(ExactClipFigures, TheDiagonalPlaneOfACubeHasTheAreaOfTheEquilateralTriangle
 }
 
 TEST(ExactClipFigures, AHalfVoxelTieGoesToTheVoxelThatOwnsTheLowerFace) {
-  // The plane x = 256 is met by centre segments along x only, at the end of voxel 0 and the start of voxel 1.
+  // Only centre segments along x hit the plane x = 256, at the end of voxel 0 and the start of voxel 1.
   const Triangle t{{{256, -512, -512}, {256, 2048, -512}, {256, -512, 2048}}};
   for (const Voxel& v : occupied(t, SurfaceRule::thin, {{-1, 0, 0}, 4})) EXPECT_EQ(v[0], 1);
   EXPECT_FALSE(crosses_centre_segment(t, {0, 0, 0}));

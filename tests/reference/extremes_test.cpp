@@ -1,5 +1,5 @@
-/// The largest counts and sizes that the kernels promise: millions of triangles in one voxel, a million voxels in one
-/// triangle.
+/// Tests of the largest counts and sizes that the kernels promise: millions of triangles in one voxel, a million voxels
+/// in one triangle.
 #include <gtest/gtest.h>
 
 #include "bake_scene.h"
@@ -11,7 +11,7 @@ namespace {
 
 using namespace gigabake::kernels;
 
-/// Copies of the smallest triangle there is, half a sub-voxel², in voxel 0.
+/// Returns copies of the smallest possible triangle, half a sub-voxel², in voxel 0.
 Part smallest_triangles(std::size_t count, const std::array<float, 3>& corner, std::uint32_t material) {
   Part part;
   part.material = material;
@@ -22,8 +22,8 @@ Part smallest_triangles(std::size_t count, const std::array<float, 3>& corner, s
   return part;
 }
 
-/// 17 million, sorted by colour: a float, or any sum that saturates, would forget the later ones. Exactly a third of
-/// the area is red, and the one large triangle counts by its area.
+/// The 17 million triangles are sorted by colour: float, or a sum that saturates, would ignore the last ones. Exactly a
+/// third of the area is red, and the large triangle counts by its area.
 TEST(ManyTriangles, SeventeenMillionInOneVoxelAverageExactly) {
   constexpr std::size_t million = 1000000;
   BakeScene scene;
@@ -36,7 +36,7 @@ TEST(ManyTriangles, SeventeenMillionInOneVoxelAverageExactly) {
   const VoxelMap voxels = voxels_at(volume, scene.parameters, 0);
   ASSERT_EQ(voxels.size(), 1u);
   EXPECT_EQ(volume.stats.fragments, 17 * million + 1);
-  // In half sub-voxels²: 6, 5 and 6 million, and 65536 of the large one.
+  // Areas in half sub-voxels²: 6, 5 and 6 million, and 65536 of the large triangle.
   const double whole = 17e6 + 65536;
   const auto& rgba = voxels.begin()->second.rgba;
   EXPECT_LE(code_error(rgba[0], 6e6 / whole), 0.501);
@@ -47,7 +47,7 @@ TEST(ManyTriangles, SeventeenMillionInOneVoxelAverageExactly) {
 
 constexpr std::int64_t far = 500'000 * 256;
 
-/// A triangle a million voxels wide through a window of 1024³, every voxel against its exact plane: the columns' spans.
+/// The triangle is a million voxels wide; every voxel in a window of 1024³ is compared with its exact plane.
 TEST(OneTriangle, AMillionVoxelsWideOccupiesExactlyItsPlaneInAWindowOf1024) {
   BakeScene scene;
   scene.set_window({-512, -512, -512}, 1024);
@@ -63,7 +63,7 @@ TEST(OneTriangle, AMillionVoxelsWideOccupiesExactlyItsPlaneInAWindowOf1024) {
   const mpz_class rise_x = abs(n[0]), rise_y = abs(n[1]);
   for (long j = -512; j < 512; ++j)
     for (long i = -512; i < 512; ++i) {
-      // The open column's plane lies strictly between these heights times n[2]; the triangle covers the whole window.
+      // In the open column, the plane lies strictly between these heights times n[2]. The triangle covers the window.
       const mpz_class centre2 = 2 * offset - n[0] * (512 * i + 256) - n[1] * (512 * j + 256);
       const mpz_class low2 = centre2 - 256 * (rise_x + rise_y), high2 = centre2 + 256 * (rise_x + rise_y);
       mpz_class first, last;

@@ -1,4 +1,4 @@
-/// Fragment weights against exactly clipped areas, and their sum against the area of the mesh. Bounds:
+/// Fragment weights compared with exactly clipped areas, and their sum compared with the area of the mesh. Bounds:
 /// docs/accuracy.md.
 #include <cmath>
 #include <gtest/gtest.h>
@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(
                     RandomTriangles{Family::large_lattice, 1000}),
     [](const auto& row) { return std::string(name_of(row.param.family)); });
 
-/// All weights of the half-open voxels that a triangle has area in, brick by brick.
+/// Returns the sum of the weights of all half-open voxels that contain a part of the triangle, brick by brick.
 double total_weight(const Triangle& t) {
   Voxel low, high;
   for (int r = 0; r < 3; ++r) {
@@ -119,7 +119,7 @@ TEST(FragmentWeightsOfAMesh, AddUpToItsArea) {
         box({-500, 3, 251}, {511, 1020, 771}), random_hull({0, 0, 0}, 2000, 1, 9, rng)}) {
     double area = 0, weight = 0;
     for (const Triangle& t : mesh.triangles) {
-      if (!has_area(t)) continue;  // at a sphere's poles
+      if (!has_area(t)) continue;  // at the poles of a sphere
       area += area_voxel2(t);
       weight += total_weight(t);
     }
@@ -129,7 +129,7 @@ TEST(FragmentWeightsOfAMesh, AddUpToItsArea) {
 
 class FragmentCentroids : public testing::TestWithParam<Family> {};
 
-/// Fragments of a sub-voxel² (1.5e-5) or so and more: the centroid of a lesser one moves no visible colour.
+/// The test has fragments from about a sub-voxel² (1.5e-5) on. Centroids of smaller fragments move no visible colour.
 TEST_P(FragmentCentroids, AreTheExactOnesWithinAThousandthOfAVoxel) {
   const std::uint64_t seed = 71;
   Rng rng(seed);

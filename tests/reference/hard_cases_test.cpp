@@ -73,7 +73,7 @@ std::multiset<std::string> names_in_tables() {
   return names;
 }
 
-/// First column of every table under the heading "Hard cases".
+/// Returns the first column of every table under the heading "Hard cases".
 std::multiset<std::string> names_in_document() {
   std::ifstream file(GIGABAKE_SOURCE_DIR "/docs/accuracy-hard-cases.md");
   std::multiset<std::string> names;

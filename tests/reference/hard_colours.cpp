@@ -65,7 +65,7 @@ void vertex_colours_average_at_the_centroid() {
   expect_colour(only_voxel(scene), 1.0 / 3, 1.0 / 3, 1.0 / 3);
 }
 
-/// A mirror and its inverse on the vertices: the same triangle but for its winding, so every colour must be the same.
+/// Checks that mirroring the map and the vertices only changes the winding: every colour stays within a code.
 void expect_mirroring_keeps_colours(BakeScene& scene, Part part) {
   const VoxelMap plain = (scene.add_part(part), baked(scene));
   EXPECT_GT(plain.size(), 20u);

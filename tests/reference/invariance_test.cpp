@@ -18,7 +18,7 @@ struct Recipe {
   MipFilter mip;
 };
 
-/// One textured, vertex-coloured triangle soup and closed meshes of several materials, mirrored ones too.
+/// Returns textured, vertex-coloured triangles and closed meshes of several materials, some of them mirrored.
 std::vector<Part> soup(Rng& rng, const std::vector<std::uint32_t>& materials) {
   std::vector<Part> parts;
   std::uniform_real_distribution<float> unit(0, 1);
@@ -152,7 +152,7 @@ TEST_P(Invariance, HoldsForAShiftOfSceneAndWindowByWholeVoxels) {
   }
 }
 
-/// A shift that is no multiple of a brick moves every voxel of lod 0, and changes none.
+/// A shift by one voxel, which is no multiple of a brick, moves every voxel of lod 0 and changes none.
 TEST_P(Invariance, HoldsForLodZeroUnderAShiftByOneVoxel) {
   BakeScene moved = make_scene(GetParam(), seed);
   for (Part& part : moved.parts())

@@ -1,5 +1,5 @@
-/// Coarser levels against the filters of docs/accuracy.md written plainly, voxel by voxel; and the pruned tree,
-/// expanded, against levels that were never pruned.
+/// Coarser levels compared with a plain implementation of the filters of docs/accuracy.md. The pruned tree is expanded
+/// and compared with levels that were never pruned.
 #include <gtest/gtest.h>
 
 #include "bake_scene.h"
@@ -82,14 +82,14 @@ std::map<Voxel, Octet> octets_of(const VoxelMap& fine, const Rasters& rasters) {
   return out;
 }
 
-/// The voxels of a level that lie in each voxel `levels` above.
+/// Returns the voxels of a level below each voxel that is `levels` coarser.
 std::map<Voxel, Finer> finer_of(const VoxelMap& fine, int levels) {
   std::map<Voxel, Finer> out;
   for (const auto& [p, v] : fine) out[{p[0] >> levels, p[1] >> levels, p[2] >> levels}].push_back(&v);
   return out;
 }
 
-/// Colour and normal: the finer voxels' mean with these weights.
+/// Checks that colour and normal are the finer voxels' mean with these weights.
 void expect_mean(const BakedVoxel& parent, const Finer& finer, const std::vector<double>& weight) {
   double sum = 0;
   std::array<double, 3> colour{};
@@ -103,7 +103,7 @@ void expect_mean(const BakedVoxel& parent, const Finer& finer, const std::vector
       normal[k] += weight[c] * n[k];
     }
   }
-  // The table of linear values has 16 bits: at worst 0.05 codes, where sRGB is steepest, for each of two roundings.
+  // The table of linear values has 16 bits: at most 0.05 codes per rounding, where sRGB is steepest.
   for (std::size_t c = 0; c < 3; ++c) ASSERT_LE(code_error(parent.rgba[c], colour[c] / sum), 0.6) << "channel " << c;
   const double length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) / sum;
   if (length > 1e-2) {
@@ -111,7 +111,7 @@ void expect_mean(const BakedVoxel& parent, const Finer& finer, const std::vector
   }
 }
 
-/// places: for finer voxels in the parent, whether they exist or not.
+/// Checks a parent against its finer voxels. places: the number of places for finer voxels, empty ones included.
 void expect_parent_by_mean(const BakedVoxel& parent, const Finer& finer, int places, MipFilter filter) {
   std::vector<double> alpha;
   double mean = 0;
@@ -157,7 +157,7 @@ void expect_level_by_view(const VoxelMap& fine, const VoxelMap& coarse, Rasters&
   rasters = std::move(coarse_rasters);
 }
 
-/// The level from the one `levels` below it.
+/// Checks a level against the level that is `levels` finer.
 void expect_level_by_mean(const VoxelMap& fine, int levels, const VoxelMap& coarse, MipFilter filter) {
   const auto all = finer_of(fine, levels);
   ASSERT_EQ(coarse.size(), all.size());
@@ -236,7 +236,7 @@ TEST_P(Levels, OfAFilledBlockAreOneLeafAndExpandToEveryVoxel) {
   expect_levels(scene, volume);
 }
 
-/// One triangle of another colour in one voxel: the branches around it stay leaves, the way down to it does not.
+/// One voxel has a triangle of another colour: branches around it stay leaves, unlike the branch to it.
 TEST_P(Levels, OfAFilledBlockWithOneOddVoxelKeepTheOddVoxel) {
   BakeScene scene = empty_scene({0, 0, 0}, 64);
   fill(scene, {0, 0, 0}, {64, 64, 64}, 0);
@@ -288,7 +288,7 @@ CellVolume bake_sheet(BakeScene& scene, std::size_t axis, std::int64_t layer, st
   return scene.bake();
 }
 
-/// 1, ½^½, (16/64)^(1 - 16/64), and from then on m^(1 - m) with a quarter of the value two before as m.
+/// Expected values: 1, ½^½, (16/64)^(1 - 16/64), then m^(1 - m) where m is a quarter of the value two levels below.
 TEST(LevelsByThesis, OfAFlatOpaqueSheetAreTheThesissInCellsOfEverySize) {
   const std::array<double, 5> thesis{1, .707, .354, .240, .110};
   const std::array<int, 7> code{255, 180, 90, 61, 28, 18, 8};
@@ -311,7 +311,7 @@ TEST(LevelsByThesis, OfAFlatOpaqueSheetAreTheThesissInCellsOfEverySize) {
     }
 }
 
-/// The table's order and links as kernels/body/cell.h and format/shard/shard.h promise them.
+/// Checks the table's order and links as promised by kernels/body/cell.h and format/shard/shard.h.
 void expect_tree(const NodeTable& nodes, int lods) {
   std::vector<int> visits(nodes.key.size(), 0);
   ASSERT_EQ(nodes.lod[0], lods - 1);

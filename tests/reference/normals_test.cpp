@@ -87,7 +87,7 @@ Direction exact_normal(const Part& part) {
   return {double(n[0] / length), double(n[1] / length), double(n[2] / length)};
 }
 
-/// False where nothing of it is left after the snap.
+/// Returns false if the snap leaves no area.
 bool snapped(const PartArrays& part, WindowTriangle& out) {
   BakeScene scene;
   const CellWindow window = window_of(scene.parameters);
@@ -103,7 +103,7 @@ Direction as_direction(const std::int16_t n[3]) { return {double(n[0]), double(n
 struct Shape {
   const char* name;
   double length, width;  ///< sub-voxels
-  double snapped_deg;    ///< what the snapped vertices' normal is off by, at least, in the worst of them
+  double snapped_deg;    ///< min error of the snapped vertices' normal, for the worst triangle
 };
 
 constexpr Shape shapes[] = {{"of 1/8 voxel", 32, 32, 5},
@@ -138,7 +138,7 @@ TEST(TriangleNormal, IsThatOfTheVerticesBeforeTheSnap) {
 TEST(TriangleNormal, IsTheSnappedOneWhereTheSceneHasNoArea) {
   Part part;
   part.index = {0, 1, 2};
-  part.position = {0, 0, 0, 100.3f, 100.3f, 0, 200.6f, 200.6f, 0};  // on a line; moved by a third, no longer
+  part.position = {0, 0, 0, 100.3f, 100.3f, 0, 200.6f, 200.6f, 0};  // on a line, but not after a shift by a third
   part.scene_from_local = {1, 0, 0, 0, 0.7, 0.1, 0, 0.45, 0, 0, 1, 0};
   const PartArrays arrays = arrays_of(part);
   WindowTriangle w;
@@ -151,7 +151,7 @@ TEST(TriangleNormal, IsTheSnappedOneWhereTheSceneHasNoArea) {
   for (int c = 0; c < 3; ++c) EXPECT_EQ(normal[c], of_snapped[c]);
 }
 
-/// The brick, the width of integers and the snapped vertices have no say in it.
+/// The normal does not depend on the brick, the width of integers or the snapped vertices.
 TEST(TriangleNormal, HasTheSameBitsFromWhereverItIsAskedFor) {
   const std::uint64_t seed = 62;
   Rng rng(seed);
@@ -169,7 +169,7 @@ TEST(TriangleNormal, HasTheSameBitsFromWhereverItIsAskedFor) {
   }
 }
 
-/// One triangle an eighth of a voxel large, in the middle of every third voxel.
+/// The scene has a triangle an eighth of a voxel large in the middle of every third voxel.
 TEST(VoxelNormal, IsThatOfItsSmallTriangle) {
   const std::uint64_t seed = 63;
   Rng rng(seed);
@@ -185,7 +185,7 @@ TEST(VoxelNormal, IsThatOfItsSmallTriangle) {
         scene.add_part(part);
       }
   const VoxelMap baked = voxels_at(scene.bake(), scene.parameters, 0);
-  EXPECT_GT(baked.size(), expected.size() * 9 / 10);  // a few have no area after the snap
+  EXPECT_GT(baked.size(), expected.size() * 9 / 10);  // some triangles have no area after the snap
   for (const auto& [position, voxel] : baked)
     ASSERT_LE(angle_deg(direction_of(voxel.normal), expected.at(position)), octahedral_error_deg + 0.05)
         << "seed " << seed;

@@ -12,7 +12,7 @@ namespace {
 
 using namespace gigabake::kernels;
 
-/// A voxel whose whole area is below this is checked for presence only: the ±½ unit of each weight shows in its colour.
+/// A voxel with less area is checked for presence only: the ±½ unit of each weight affects its colour.
 constexpr double smallest_checked_area = 1e-4;
 
 Rgba16 random_colour(Rng& rng) {
@@ -21,7 +21,7 @@ Rgba16 random_colour(Rng& rng) {
   return c;
 }
 
-/// Alpha from a tenth up, so that what 16 bits lose of a premultiplied colour stays small.
+/// Returns alpha from a tenth up, so that the error of a premultiplied colour in 16 bits stays small.
 Painted random_painted(Family family, const Window& window, Rng& rng) {
   Painted p{random_triangle(family, window, rng), random_colour(rng), AlphaMode(uniform(rng, 0, 2)), {}};
   p.colour[3] = std::uint16_t(uniform(rng, 6554, 65535));
@@ -35,7 +35,7 @@ Painted random_painted(Family family, const Window& window, Rng& rng) {
 
 void expect_voxel(const BakedVoxel& baked, const ExpectedVoxel& expected) {
   ASSERT_LE(std::abs(baked.rgba[3] - 255 * expected.alpha()), 0.501);
-  // Premultiplied colours are rounded to 1/65535: at worst 0.05 codes, where sRGB is steepest, over alpha.
+  // Premultiplied colours are rounded to 1/65535: at most 0.05 codes over alpha, where sRGB is steepest.
   for (int c = 0; c < 3; ++c)
     ASSERT_LE(code_error(baked.rgba[c], expected.linear(c)), 0.55 + 0.1 / expected.alpha()) << "channel " << c;
   if (expected.certainty() > 1e-2) {

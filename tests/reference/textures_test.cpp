@@ -1,5 +1,5 @@
-/// Textures on voxels against brute force: the bilinear or nearest texel, as a renderer magnifies it, sampled densely
-/// over the voxel's part of the surface. Bounds: docs/accuracy-images.md.
+/// Textures on voxels compared with brute force: dense samples of the bilinear or nearest texel over the voxel's
+/// surface. Bounds: docs/accuracy-images.md.
 #include <gtest/gtest.h>
 
 #include "bake_scene.h"
@@ -160,7 +160,7 @@ Picture noise(int width, int height, Rng& rng, int darkest = 0, int brightest = 
   return p;
 }
 
-/// Waves of about 16 texels, as photographs have: neighbours resemble each other, also across a repeat.
+/// Returns waves of about 16 texels. As in photographs, adjacent texels are similar, also across a repeat.
 Picture waves(int width, int height) {
   Picture p{width, height, {}};
   const double turn = 2 * std::numbers::pi, a = turn * (width / 16) / width, b = turn * (height / 20) / height;
@@ -177,7 +177,7 @@ struct Case {
   MaterialView material;
   Mapping map;  ///< from positions on the square in voxels
   double worst, mean, bias;
-  double worst_cut = 0;  ///< cut into 1,000 triangles; 0: the same
+  double worst_cut = 0;  ///< for the square cut into 1,000 triangles; 0: equal to `worst`
 };
 
 MaterialView with(AlphaMode mode, Wrap s = Wrap::repeat, Wrap t = Wrap::repeat) {
@@ -305,9 +305,9 @@ Difference between(const VoxelMap& a, const VoxelMap& b) {
 struct Sheet {
   const char* name;
   Picture picture;
-  double texels;  ///< a voxel
-  int codes;      ///< that colours and blended alpha may differ by
-  double tested;  ///< the largest error of an alpha test's coverage
+  double texels;  ///< per voxel
+  int codes;      ///< max difference of colours and blended alpha
+  double tested;  ///< max error of an alpha test's coverage
 };
 
 /// Returns squares with uneven textures. Each voxel of the first square shows the whole image.

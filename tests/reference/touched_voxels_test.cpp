@@ -1,4 +1,4 @@
-/// The overlap bodies of kernels/ against exact clipping, one brick at a time.
+/// The overlap functions of kernels/ compared with exact clipping, one brick at a time.
 #include <cstdlib>
 #include <gtest/gtest.h>
 

@@ -18,7 +18,7 @@ enum class Family {
   axis_parallel,        ///< in a plane x, y or z = constant
   in_lattice_plane,     ///< in a plane x, y or z = 256k
   edge_through_corner,  ///< an edge passes exactly through a voxel corner
-  diagonal_plane,       ///< in a plane such as x + y + z = 256k or x = y, that passes through corners and edges
+  diagonal_plane,       ///< in a plane such as x + y + z = 256k or x = y, which passes through corners and edges
   large,                ///< a million voxels wide, seen through a small window
   large_lattice,        ///< the same with every vertex on a voxel corner
 };
@@ -37,9 +37,9 @@ inline constexpr Family all_families[] = {Family::tiny,
 
 const char* name_of(Family family);
 
-/// A triangle with area that comes near the window's middle.
+/// Returns a random triangle with area near the window's middle.
 Triangle random_triangle(Family family, const Window& window, Rng& rng);
 
-std::int64_t uniform(Rng& rng, std::int64_t low, std::int64_t high);  ///< both ends included
+std::int64_t uniform(Rng& rng, std::int64_t low, std::int64_t high);  ///< both bounds inclusive
 
 }  // namespace gigabake::reference

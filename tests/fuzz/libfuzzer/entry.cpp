@@ -1,4 +1,4 @@
-// One fuzzer: GIGABAKE_READER is one of tests/fuzz/readers.h.
+// A fuzzer of one reader. GIGABAKE_READER is a function of tests/fuzz/readers.h.
 #include <cstdio>
 #include <cstdlib>
 

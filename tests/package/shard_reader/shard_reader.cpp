@@ -1,4 +1,4 @@
-// Counts the voxels of a shard's level, and finds each brick with its Morton code.
+// Counts the voxels of a shard's level, and finds each brick by its Morton code.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>

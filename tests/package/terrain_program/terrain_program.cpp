@@ -1,5 +1,5 @@
-// Bakes one window of a source by itself, exports the finest level of a scene, and draws the scene.
-// Prints three numbers: voxels of the window, voxels of the export, pixels that show voxels.
+// Bakes one window of a source, exports the finest level of a scene, and renders the scene.
+// Prints three numbers: voxels of the window, voxels of the export, pixels of the scene.
 #include <cstdint>
 #include <cstdio>
 #include <exception>

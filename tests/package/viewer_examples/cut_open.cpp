@@ -1,5 +1,5 @@
-// A baked scene cut open along a plane, and the ground's height under its middle.
-// Prints pixels that show voxels of the whole scene, of the half that is left, and the height in metres.
+// Cuts a baked scene open along a plane, and measures the ground's height under its middle.
+// Prints the pixels of the whole scene, the pixels of the remaining half, and the height in metres.
 #include <cstdio>
 #include <exception>
 #include <lattice/parameters.h>
@@ -42,7 +42,7 @@ int main(int arguments, char** argument) {
     QueryHit hit;
     query.first_hits({&ray, 1}, {&hit, 1});
     if (hit.outcome != QueryOutcome::hit) return 1;
-    // A ray ends where it enters a voxel's cube; the ground lies somewhere in the cube.
+    // A ray ends where it enters a voxel's cube. The ground lies somewhere in the cube.
     move_to_surface(query, parameters_from_json(query.scene().header().parameters).surface, {&ray, 1}, {&hit, 1});
     std::printf("%d %d %.3f\n", whole, half, frames.scene_point(ray, hit.distance).z);
     return 0;

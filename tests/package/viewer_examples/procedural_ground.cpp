@@ -1,5 +1,5 @@
-// A scene that no file holds: waves, made brick by brick when the viewer comes to see them.
-// Prints how many pages were made, and how many pixels show voxels.
+// A scene without files: waves, generated brick by brick when the viewer requests them.
+// Prints the number of generated pages, and of pixels with voxels.
 #include <atomic>
 #include <cmath>
 #include <cstdio>
@@ -14,7 +14,7 @@ using namespace gigabake;
 
 constexpr int cells_across = 24;
 
-/// Cells of one brick each, so that a cell has a single level and a single node.
+/// Returns cells of one brick each, so that a cell has a single level and a single node.
 SceneDescription waves() {
   SceneDescription scene;
   scene.voxel_size_m = 0.5;
