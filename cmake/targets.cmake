@@ -26,9 +26,10 @@ set(gb_cuda_options -fmad=false --expt-relaxed-constexpr -lineinfo -Xcompiler=-W
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   list(APPEND gb_cxx_options -Wno-restrict)
 endif()
-# In a unity build, GCC takes a source file for a header with types in an anonymous namespace.
+# In a unity build, GCC takes a source file for a header with types in an anonymous namespace. A local name may also shadow
+# a constant of another file.
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  list(APPEND gb_cxx_options -Wno-subobject-linkage)
+  list(APPEND gb_cxx_options -Wno-subobject-linkage -Wno-shadow -Wshadow=local)
 endif()
 # GCC 13 at -O3 warns of accesses beyond the end of std::string and std::vector where there are none; GCC 12 checks these.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
@@ -61,6 +62,24 @@ function(gb_options target)
   endif()
 endfunction()
 
+# gb_unity_by_folder(target): compiles the files of one folder as one file in a unity build. Headers are half of what a
+# file compiles, so larger groups save time. A file with a UNITY_GROUP keeps it.
+function(gb_unity_by_folder target)
+  if(NOT CMAKE_UNITY_BUILD)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
+  get_target_property(sources ${target} SOURCES)
+  foreach(source ${sources})
+    get_source_file_property(group ${source} UNITY_GROUP)
+    if(source MATCHES "\\.cpp$" AND NOT group)
+      get_filename_component(folder ${source} DIRECTORY)
+      string(MAKE_C_IDENTIFIER "folder_${folder}" group)
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
+    endif()
+  endforeach()
+endfunction()
+
 # gb_library(name [RECURSE] [WITHOUT files…] LIBRARIES libraries… [HEADERS libraries…]): compiles the *.cpp of this
 # folder into the static library gigabake_<name>, and the *.cu if nvcc is found. RECURSE includes subfolders. HEADERS
 # are header-only libraries that only *.cpp files include: programs that link the installed library do not need them.
@@ -87,6 +106,8 @@ function(gb_library name)
   list(TRANSFORM ARG_HEADERS REPLACE "(.+)" "$<BUILD_INTERFACE:\\1>")
   target_link_libraries(gigabake_${name} PUBLIC ${ARG_LIBRARIES} PRIVATE ${ARG_HEADERS})
   gb_options(gigabake_${name})
+  # Deferred: a folder adds further files after this call. EVAL, since a deferred call expands its arguments late.
+  cmake_language(EVAL CODE "cmake_language(DEFER CALL gb_unity_by_folder gigabake_${name})")
 endfunction()
 
 # gb_module(name sources… LIBRARIES libraries…): a shared object that is loaded on demand (format/system/module.h).
@@ -120,11 +141,6 @@ function(gb_test folder label)
   target_link_libraries(gigabake_test_${folder} PRIVATE ${ARGN} gb::json gb::xxhash GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_definitions(gigabake_test_${folder} PRIVATE GIGABAKE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
   gb_options(gigabake_test_${folder})
-  # A unity build is a third faster. A local name may then shadow a constant of another file.
-  set_target_properties(gigabake_test_${folder} PROPERTIES UNITY_BUILD_BATCH_SIZE 6)
-  if(CMAKE_UNITY_BUILD)
-    target_compile_options(gigabake_test_${folder} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:-Wno-shadow;-Wshadow=local>")
-  endif()
   # The libraries are optimized. The tests are compiled with -O1, which is a third faster.
   target_compile_options(gigabake_test_${folder} PRIVATE "$<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release>>:-O1>")
   # GoogleTest takes half of a test's compile time: all test programs share one precompiled header.
@@ -134,6 +150,7 @@ function(gb_test folder label)
   else()
     target_precompile_headers(gigabake_test_${folder} REUSE_FROM gigabake_test_lattice)
   endif()
+  cmake_language(EVAL CODE "cmake_language(DEFER CALL gb_unity_by_folder gigabake_test_${folder})")
   gtest_discover_tests(gigabake_test_${folder} TEST_PREFIX ${folder}. PROPERTIES LABELS ${label} TIMEOUT 600
                        DISCOVERY_TIMEOUT 60 DISCOVERY_MODE PRE_TEST)
 endfunction()

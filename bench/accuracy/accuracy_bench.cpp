@@ -84,9 +84,9 @@ void bake(const SceneSources& sources, const AccuracyBenchRequest& request, cons
 }
 
 /// A cache of voxel errors, keyed by voxel size and content hash.
-class VoxelErrors {
+class KnownVoxelErrors {
  public:
-  VoxelErrors(const ReferenceCaster& caster, const AccuracyBenchRequest& request)
+  KnownVoxelErrors(const ReferenceCaster& caster, const AccuracyBenchRequest& request)
       : caster_(caster), request_(request) {}
 
   const VoxelError& of(const std::filesystem::path& scene, const AccuracySetting& setting) {
@@ -182,30 +182,6 @@ void compare(const std::filesystem::path& folder, const AccuracyBench& bench, co
   compare_lit(folder, bench, references.lit, threads, setting);
 }
 
-/// Returns true for views in which normals of fewer bits are compared.
-bool shows_normals(const AccuracyView& view) { return view.voxels_per_pixel == 1; }
-
-/// Compares normals of fewer bits in lit images, because albedo does not depend on normals.
-std::vector<NormalBits> coarser_normals(const AccuracyBenchRequest& request, const AccuracyBench& bench) {
-  const AccuracySetting& first = bench.settings.front();
-  std::vector<NormalBits> rows =
-      normal_bits(request.out / first.name / "scene.xml", request.out, first.parameters.codec, request.scene.threads);
-  int pictures = 0;
-  for (const AccuracyView& view : bench.views) {
-    if (!shows_normals(view)) continue;
-    ++pictures;
-    LinearPicture exact;
-    for (NormalBits& row : rows) {
-      const auto scene = request.out / ("normals-" + std::to_string(row.bits)) / "scene.xml";
-      const LinearPicture lit = to_linear(lit_picture(scene, view, request.scene.threads));
-      if (row.bits == rows.front().bits) exact = lit;
-      row.lit_flip += picture_error(exact, lit).flip;
-    }
-  }
-  for (NormalBits& row : rows) row.lit_flip /= pictures;
-  return rows;
-}
-
 }  // namespace
 
 std::vector<std::string> accuracy_setting_names() {
@@ -228,7 +204,7 @@ AccuracyBench bench_accuracy(const AccuracyBenchRequest& request, const Accuracy
   bench.views = accuracy_views(caster, request.scene.parameters, request.scales, request.width, request.height);
   const References references = draw_references(caster, request, bench.views);
   bench.reference_s = seconds_since(start);
-  VoxelErrors voxel_errors(caster, request);
+  KnownVoxelErrors voxel_errors(caster, request);
   for (AccuracySetting& setting : settings) {
     progress(setting.name);
     const std::filesystem::path folder = request.out / setting.name;
@@ -237,10 +213,6 @@ AccuracyBench bench_accuracy(const AccuracyBenchRequest& request, const Accuracy
     compare(folder, bench, references, request.scene.threads, setting);
     setting.voxel = voxel_errors.of(folder / "scene.xml", setting);
     bench.settings.push_back(std::move(setting));
-  }
-  if (std::any_of(bench.views.begin(), bench.views.end(), shows_normals)) {
-    progress("fewer bits a normal");
-    bench.normals = coarser_normals(request, bench);
   }
   return bench;
 }

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "bench/accuracy/accuracy_views.h"
-#include "bench/accuracy/normal_bits.h"
 #include "bench/accuracy/picture_error.h"
 #include "bench/accuracy/voxel_error.h"
 #include "bench/bench_scene.h"
@@ -61,7 +60,6 @@ struct AccuracyBench {
   double reference_s = 0;
   std::vector<AccuracyView> views;
   std::vector<AccuracySetting> settings;
-  std::vector<NormalBits> normals;  ///< of the first setting's shards, if there are images at one voxel per pixel
 };
 
 /// Returns the names of all settings, in their order.

@@ -44,12 +44,6 @@ Json to_json(const VoxelError& e) {
           {"delta_e", e.delta_e}};
 }
 
-Json to_json(const NormalBits& n) {
-  return {{"bits", n.bits},         {"sphere_deg", n.sphere_deg}, {"largest_deg", n.largest_deg},
-          {"mean_deg", n.mean_deg}, {"most_deg", n.most_deg},     {"bytes", n.bytes},
-          {"lit_flip", n.lit_flip}};
-}
-
 Json to_json(const AccuracySetting& s) {
   Json j{{"name", s.name},
          {"surface", s.surface},
@@ -121,19 +115,6 @@ std::string voxels_table(const AccuracyBench& bench) {
   const VoxelError& first = bench.settings.front().voxel;
   return out + fmt::format("\nOf {}: {} points of the surface, {} voxels, {} of them with surface to compare.\n",
                            bench.settings.front().name, first.points, first.voxels, first.coloured);
-}
-
-std::string normals_table(const AccuracyBench& bench) {
-  if (bench.normals.empty()) return "";
-  std::string out =
-      "| bits a normal | any direction: mean; largest, ° | from 16 bits: mean; 99 %, ° | MB | bytes/voxel | lit FLIP "
-      "|\n"
-      "| --- | --- | --- | --- | --- | --- |\n";
-  for (const NormalBits& n : bench.normals)
-    out += fmt::format("| {} | {:.2f}; {:.2f} | {:.2f}; {:.2f} | {:.2f} | {:.2f} | {:.4f} |\n", n.bits, n.sphere_deg,
-                       n.largest_deg, n.mean_deg, n.most_deg, 1e-6 * double(n.bytes),
-                       double(n.bytes) / double(bench.settings.front().voxels), n.lit_flip);
-  return out;
 }
 
 std::string views_table(const AccuracySetting& setting) {
@@ -211,7 +192,6 @@ std::string to_json(const AccuracyBench& bench) {
                           {"width", v.camera.width},
                           {"height", v.camera.height}});
   for (const AccuracySetting& s : bench.settings) j["settings"].push_back(to_json(s));
-  for (const NormalBits& n : bench.normals) j["normal_bits"].push_back(to_json(n));
   for (const AccuracyGoal& goal : goals_of(bench.settings.front()))
     j["goals"].push_back(
         {{"goal", goal.text}, {"measured", goal.measured}, {"bound", goal.bound}, {"holds", goal.holds()}});
@@ -223,7 +203,7 @@ std::string to_markdown(const AccuracyBench& bench) {
          fmt::format(
              "Means over {} views, {:g} m voxels, {} rays a pixel in the reference; the bias is its magnitude.\n\n",
              bench.views.size(), bench.voxel_size_m, bench.samples) +
-         settings_table(bench) + "\n" + voxels_table(bench) + "\n" + normals_table(bench) + "\n" +
+         settings_table(bench) + "\n" + voxels_table(bench) + "\n" +
          views_table(bench.settings.front()) + "\n" + lit_table(bench) + "\n" + goals_table(bench) + "\n" +
          accuracy_columns();
 }

@@ -115,16 +115,6 @@ def voxels_have_the_colours_and_normals_of_their_surface(bench):
         assert named(bench, same)["voxel_error"] == exact, same
 
 
-def fewer_bits_a_normal_cost_angles_and_save_bytes(bench):
-    rows = bench["normal_bits"]
-    assert [row["bits"] for row in rows] == [16, 12, 10, 8, 6], rows
-    assert rows[0]["bytes"] == named(bench, "area-coverage")["bytes"], (rows[0], "written again as it was")
-    assert rows[0]["mean_deg"] < 1e-3 and rows[0]["lit_flip"] == 0 and 0.9 < rows[0]["largest_deg"] < 0.97, rows[0]
-    for finer, coarser in zip(rows, rows[1:]):
-        assert coarser["bytes"] < rows[0]["bytes"] and coarser["lit_flip"] > finer["lit_flip"], (finer, coarser)
-        assert coarser["sphere_deg"] > 1.5 * finer["sphere_deg"] and coarser["mean_deg"] > finer["mean_deg"], coarser
-
-
 def a_larger_error_costs_fewer_bytes_and_shows_little(bench):
     exact, *others = (next(s for s in bench["settings"] if s["name"] == "area-coverage" + suffix)
                       for suffix in ("", "-error-1", "-error-2", "-error-4", "-error-8", "-error-16"))
@@ -173,14 +163,12 @@ def odd_sizes_are_refused(gigabake, work):
 
 
 def other_distances_are_drawn_alone(gigabake, work):
-    """Shards with fewer bits per normal are written only if an image has one voxel per pixel."""
     arguments = ("bench", "accuracy", work / "sample/tileset.json", "-o", work / "far", "--voxel-size", 0.25,
                  "--settings", "area-coverage", "--repeats", 1, "--samples", 4, "--voxels", 100, "--size", "16x16")
     gigabake.succeed(*arguments, "--scales", "2,32", "--json", work / "far.json")
     bench = json.loads((work / "far.json").read_text())
     views = [view["view"] for view in bench["settings"][0]["views"]]
     assert views == [f"{d} {s}" for d in DIRECTIONS for s in ("2", "32")], views
-    assert not bench.get("normal_bits") and not list((work / "far").glob("normals-*")), bench.get("normal_bits")
     for wrong in ("0", "-1", "1e9", "near"):
         assert gigabake.run(*arguments, "--scales", wrong).returncode != 0, wrong
 
@@ -195,7 +183,6 @@ def main():
                      ground_seen_from_above_is_right, normals_cost_bytes_and_show_from_afar_alone,
                      facing_costs_bytes_and_shows, voxels_are_where_the_surface_is,
                      voxels_have_the_colours_and_normals_of_their_surface,
-                     fewer_bits_a_normal_cost_angles_and_save_bytes,
                      a_larger_error_costs_fewer_bytes_and_shows_little, goals_are_judged):
             print(test.__name__, flush=True)
             test(bench)
