@@ -73,7 +73,7 @@ int run(int argc, char** argv, int& write_error) {
 
 int main(int argc, char** argv) {
   app::prepare_standard_streams();
-  app::say_so_where_memory_ends();
+  app::install_out_of_memory_handler();
   int write_error = 0;
   const int exit_code = run(argc, argv, write_error);
   return app::end_of_output(exit_code, write_error);

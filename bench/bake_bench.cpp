@@ -50,7 +50,7 @@ BakeBench bench_bake(const BakeBenchRequest& request) {
   const SceneSources sources = open_sources(request.scene.source, request.scene.source_options, request.scene.progress);
   const DeviceChoice device = choose_device({request.backend});
   std::vector<CellJob> jobs = plan_scene(sources, request.scene).jobs;
-  if (jobs.size() > request.most_cells) jobs.resize(request.most_cells);
+  if (jobs.size() > request.max_cells) jobs.resize(request.max_cells);
   BakeBench b;
   b.backend = device.device ? "cuda" : "cpu";
   const Progress& progress = request.scene.progress;

@@ -14,7 +14,7 @@ struct BakeBenchRequest {
   BenchScene scene;
   std::filesystem::path out;  ///< shards in OUT/shards are replaced; OUT contains no scene
   Backend backend = Backend::automatic;
-  std::size_t most_cells = 16;  ///< the first cells of the plan
+  std::size_t max_cells = 16;  ///< the first cells of the plan
 };
 
 /// Seconds, summed over the cells.

@@ -11,7 +11,7 @@ namespace gigabake::bench {
 
 BakePlan plan_scene(const SceneSources& sources, const BenchScene& scene) {
   const ThreadPool pool(scene.threads);
-  std::vector<TileSurvey> surveys;
+  std::vector<TileScan> surveys;
   for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
     surveys.push_back(survey_tile(sources, t, scene.parameters, pool));
   BakePlan plan = make_plan(std::move(surveys), sources, scene.parameters, scene.progress);

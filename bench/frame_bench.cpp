@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint64_t most_frames = 100000;
+constexpr std::uint64_t max_frames = 100000;
 
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -93,7 +93,7 @@ FrameBenchView bench_view(const NamedView& named, const FrameBenchRequest& reque
   Picture first;
   const auto start = Clock::now();
   Frame frame;
-  while (!frame.stats.complete && result.frames_to_complete < most_frames) {
+  while (!frame.stats.complete && result.frames_to_complete < max_frames) {
     frame = renderer.draw(named.view, request.upload_s);
     ++result.frames_to_complete;
     result.uploads += frame.stats.uploads;

@@ -14,7 +14,7 @@
 namespace gigabake::bench {
 namespace {
 
-CellJob largest_cell(const SceneSources& sources, const BenchScene& scene) {
+CellJob max_cell(const SceneSources& sources, const BenchScene& scene) {
   const std::vector<CellJob> jobs = plan_scene(sources, scene).jobs;
   return *std::max_element(jobs.begin(), jobs.end(),
                            [](const CellJob& a, const CellJob& b) { return a.triangles < b.triangles; });
@@ -124,7 +124,7 @@ kernels::CellVolume time_cuda(const KernelBenchRequest& request, int device, con
 KernelBench bench_kernels(const KernelBenchRequest& request) {
   KernelBench out;
   const SceneSources sources = open_sources(request.scene.source, request.scene.source_options, request.scene.progress);
-  const CellJob job = largest_cell(sources, request.scene);
+  const CellJob job = max_cell(sources, request.scene);
   CellLoader loader(sources, request.scene.parameters, ~std::uint64_t(0), request.scene.threads);
   const LoadedCell cell = loader.load(job);
   const kernels::CellInput input = cell.input();

@@ -56,7 +56,7 @@ std::vector<Seen> watch_until_rest(LiveScene& scene, LiveScene::ViewerId viewer,
 }
 
 void turn(LiveScene& scene, LiveScene::ViewerId viewer) {
-  Steering steering;
+  ViewerInput steering;
   steering.turn = {0.05, 0};
   scene.steer(viewer, steering);
 }
@@ -65,7 +65,7 @@ void turn(LiveScene& scene, LiveScene::ViewerId viewer) {
 /// so that a full frame is in progress.
 double answer_s(LiveScene& scene, LiveScene::ViewerId viewer, double pause_s) {
   turn(scene, viewer);
-  std::this_thread::sleep_for(std::chrono::duration<double>(Pilot::rest_s + pause_s));
+  std::this_thread::sleep_for(std::chrono::duration<double>(RenderScheduler::rest_s + pause_s));
   const auto start = Clock::now();
   turn(scene, viewer);
   const auto pose = scene.state(viewer)->pose;
@@ -101,7 +101,7 @@ LiveBench bench_live(const LiveBenchRequest& request) {
   out.median_answer_s = answers[answers.size() / 2];
   out.worst_answer_s = answers.back();
   turn(*scene, viewer);
-  std::this_thread::sleep_for(std::chrono::duration<double>(Pilot::rest_s + 0.2));
+  std::this_thread::sleep_for(std::chrono::duration<double>(RenderScheduler::rest_s + 0.2));
   start = Clock::now();
   scene.reset();
   out.close_s = elapsed_s(start);

@@ -25,13 +25,13 @@ double core_seconds() {
 /// Returns the minimum time of several runs.
 template <class Pack>
 double timed(int repeats, const Pack& pack) {
-  double least = 1e300;
+  double minimum = 1e300;
   for (int i = 0; i < repeats; ++i) {
     const double begin = core_seconds();
     pack();
-    least = std::min(least, core_seconds() - begin);
+    minimum = std::min(minimum, core_seconds() - begin);
   }
-  return least;
+  return minimum;
 }
 
 /// Returns the chunks.
@@ -40,7 +40,7 @@ std::vector<FileChunk> some(std::vector<FileChunk> chunks, const PackBenchReques
   if (chunks.empty())
     throw InputError(request.shards, "",
                      fmt::format("its first chunk has more than {} bytes, or there is none: nothing was measured",
-                                 request.most_bytes));
+                                 request.max_bytes));
   return chunks;
 }
 
@@ -53,7 +53,7 @@ std::vector<FileChunk> chunks_of(const PackBenchRequest& request) {
   std::uint64_t bytes = 0;
   for (const std::filesystem::path& file : files)
     for (FileChunk& chunk : file_chunks(file)) {
-      if ((bytes += chunk.raw.size()) > request.most_bytes) return some(std::move(all), request);
+      if ((bytes += chunk.raw.size()) > request.max_bytes) return some(std::move(all), request);
       chunk.filters.codec = Codec::deflate;
       all.push_back(std::move(chunk));
     }

@@ -12,9 +12,9 @@
 namespace gigabake::bench {
 
 struct PackBenchRequest {
-  std::filesystem::path shards;                       ///< a folder with *.h5
-  int repeats = 3;                                    ///< the minimum time counts
-  std::uint64_t most_bytes = std::uint64_t(1) << 30;  ///< raw bytes, from the first shards
+  std::filesystem::path shards;                      ///< a folder with *.h5
+  int repeats = 3;                                   ///< the minimum time counts
+  std::uint64_t max_bytes = std::uint64_t(1) << 30;  ///< raw bytes, from the first shards
 };
 
 /// Results for a column, summed over all levels and shards. Times are CPU seconds.
@@ -33,7 +33,7 @@ struct PackBench {
 };
 
 /// Measures the chunks of a folder.
-/// Errors  InputError: no shards, no chunk within most_bytes, or a damaged shard.
+/// Errors  InputError: no shards, no chunk within max_bytes, or a damaged shard.
 PackBench bench_pack(const PackBenchRequest& request);
 
 }  // namespace gigabake::bench

@@ -92,7 +92,7 @@ class Simulation {
   }
 
  private:
-  double watch_every_s() const { return request_.schedule.silence_s / 4; }
+  double watch_every_s() const { return request_.schedule.heartbeat_timeout_s / 4; }
 
   void push(Event e) {
     e.number = pushed_++;
@@ -107,13 +107,13 @@ class Simulation {
   }
 
   double lower_bound() const {
-    double slowest = 0, longest = 0;
+    double slowest = 0, maximum = 0;
     for (const CellJob& job : jobs_) {
       const StageTimes t = true_times(job, request_.seed);
       slowest += std::max({t.read_s, t.kernels_s, t.write_s});
-      longest = std::max(longest, t.sum());
+      maximum = std::max(maximum, t.sum());
     }
-    return std::max(slowest / request_.workers, longest);
+    return std::max(slowest / request_.workers, maximum);
   }
 
   /// Dispatches one more cell to the worker. Returns false if the schedule has none.
@@ -147,7 +147,7 @@ class Simulation {
     SimulatedWorker& w = workers_[std::size_t(e.worker)];
     if (e.kind == Kind::watch) return watch();
     if (e.kind == Kind::silence) {
-      w.mute_until_s = now_s_ + 2 * request_.schedule.silence_s;
+      w.mute_until_s = now_s_ + 2 * request_.schedule.heartbeat_timeout_s;
     } else if (now_s_ < w.mute_until_s) {
       Event later = e;
       later.at_s = w.mute_until_s;
@@ -233,7 +233,7 @@ ScheduleBench bench_schedule(const ScheduleBenchRequest& request) {
   out.cells = request.cells;
   out.workers = request.workers;
   out.seed = request.seed;
-  std::vector<TileSurvey> surveys = terrain_surveys(request.cells, request.seed);
+  std::vector<TileScan> surveys = terrain_surveys(request.cells, request.seed);
   SceneSources sources;
   sources.tiles.resize(surveys.size());
   BakeParameters parameters;

@@ -42,7 +42,8 @@ std::vector<std::uint8_t> shared_part(const BakeRequest& request) {
   w.put(to_json(request.parameters));
   w.put(std::uint8_t(request.keep_going)), w.put(std::uint8_t(request.prune));
   w.put(std::uint8_t(request.overviews));
-  w.put(request.patience.stall_s), w.put(request.patience.cell_timeout_s), w.put(request.patience.silence_s);
+  w.put(request.timeouts.no_progress_s), w.put(request.timeouts.cell_timeout_s),
+      w.put(request.timeouts.heartbeat_timeout_s);
   return w.take();
 }
 
@@ -55,7 +56,8 @@ void take_shared_part(const std::vector<std::uint8_t>& bytes, BakeRequest& reque
   get_optional(r, request.source_options.scene_up);
   r.get(parameters);
   r.get(request.keep_going), r.get(request.prune), r.get(request.overviews);
-  r.get(request.patience.stall_s), r.get(request.patience.cell_timeout_s), r.get(request.patience.silence_s);
+  r.get(request.timeouts.no_progress_s), r.get(request.timeouts.cell_timeout_s),
+      r.get(request.timeouts.heartbeat_timeout_s);
   r.expect_end();
   request.source = source, request.out = out;
   request.parameters = parameters_from_json(parameters);
@@ -104,7 +106,7 @@ void expect_same_options(MpiSession& mpi, const std::vector<NamedOption>& own) {
   ByteWriter w;
   for (const NamedOption& option : own) w.put(option.value);
   const std::vector<std::uint8_t> of_first = mpi.from_master(w.take());
-  check_options_together(mpi, [&] {
+  check_options_collectively(mpi, [&] {
     ByteReader r(of_first, "options of rank 0");
     for (const NamedOption& option : own) {
       std::string first;
@@ -113,7 +115,7 @@ void expect_same_options(MpiSession& mpi, const std::vector<NamedOption>& own) {
         throw UsageError(
             fmt::format("{} is {} on this rank and {} on rank 0; all ranks of a launch need the same "
                         "options",
-                        option.name, as_line(option.value, longest_quote_bytes), as_line(first, longest_quote_bytes)));
+                        option.name, as_line(option.value, max_quote_bytes), as_line(first, max_quote_bytes)));
     }
     r.expect_end();
   });

@@ -30,7 +30,7 @@ using Clock = std::chrono::steady_clock;
 
 /// Factor from the heartbeat timeout to the timeout of collective calls. One rank may work for longer than a heartbeat
 /// interval while the others wait, for example on a plan of a million cells.
-constexpr double silences_of_patience = 10;
+constexpr double heartbeat_timeouts_per_collective = 10;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -43,7 +43,7 @@ SharedSources open_together(MpiSession& mpi, const BakeRequest& request, const B
 
 /// The scan results that rank 0 has cached, and the tiles that must be scanned.
 struct KnownSurveys {
-  std::vector<TileSurvey> surveys;
+  std::vector<TileScan> surveys;
   std::vector<std::uint32_t> missing;
 };
 
@@ -52,7 +52,7 @@ KnownSurveys known_surveys(const std::filesystem::path& folder, const SceneSourc
                            const BakeParameters& parameters, int threads, const Progress& progress) {
   progress.step("looking for tiles that are known");
   KnownSurveys known;
-  std::vector<std::optional<TileSurvey>> cached(sources.tiles.size());
+  std::vector<std::optional<TileScan>> cached(sources.tiles.size());
   if (!folder.empty()) cached = SurveyCache(survey_cache_of(folder)).find_all(sources, parameters, threads, progress);
   for (std::uint32_t tile = 0; tile < cached.size(); ++tile) {
     if (cached[tile])
@@ -75,12 +75,12 @@ std::string no_triangles(const BakePlan& plan) {
 }
 
 /// Saves the scan results. If the cache cannot be written, the next bake scans all tiles again; this bake continues.
-void keep_surveys(const BakeRequest& request, const SceneSources& sources, const std::vector<TileSurvey>& surveys,
+void keep_surveys(const BakeRequest& request, const SceneSources& sources, const std::vector<TileScan>& surveys,
                   const BakeProgress& progress) {
   try {
     save_survey_cache(survey_cache_of(request.out), sources, request.parameters, surveys);
   } catch (const InputError& e) {
-    progress.noted(std::string("the next bake surveys all tiles again: ") + e.what());
+    progress.warning(std::string("the next bake surveys all tiles again: ") + e.what());
   }
 }
 
@@ -98,36 +98,36 @@ enum class StoppedSurvey { forget, keep };
 
 /// Returns the scan results of all tiles on rank 0. on_survey: called on rank 0 with the number of results.
 /// Errors  Stopped.
-std::vector<TileSurvey> survey(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
-                               BakeProcess& process, const BakeProgress& progress, StoppedSurvey when_stopped,
-                               const std::function<void(std::size_t)>& on_survey,
-                               const std::function<void(int rank)>& on_death) {
+std::vector<TileScan> survey(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
+                             BakeProcess& process, const BakeProgress& progress, StoppedSurvey when_stopped,
+                             const std::function<void(std::size_t)>& on_survey,
+                             const std::function<void(int rank)>& on_death) {
   KnownSurveys known;
-  all_or_none(mpi, [&] {
+  collective_try(mpi, [&] {
     if (mpi.rank() == 0) known = known_surveys(request.out, sources, request.parameters, mpi.cores(), progress.steps);
   });
   bool is_stopped = false;
-  std::vector<TileSurvey> surveys = survey_tiles(mpi, known.missing, process, request.patience.silence_s,
-                                                 {[&](std::size_t done) {
-                                                    on_survey(known.surveys.size() + done);
-                                                    is_stopped = is_stop_asked(progress.steps);
-                                                    return !is_stopped;
-                                                  },
-                                                  [&](int rank, const std::string& why) {
-                                                    on_death(rank);
-                                                    progress.noted(restart_line(rank, why));
-                                                  }});
+  std::vector<TileScan> surveys = survey_tiles(mpi, known.missing, process, request.timeouts.heartbeat_timeout_s,
+                                               {[&](std::size_t done) {
+                                                  on_survey(known.surveys.size() + done);
+                                                  is_stopped = is_stop_asked(progress.steps);
+                                                  return !is_stopped;
+                                                },
+                                                [&](int rank, const std::string& why) {
+                                                  on_death(rank);
+                                                  progress.warning(restart_line(rank, why));
+                                                }});
   std::move(known.surveys.begin(), known.surveys.end(), std::back_inserter(surveys));
   if (is_stopped && when_stopped == StoppedSurvey::keep) keep_surveys(request, sources, surveys, progress);
-  fail_together(mpi, {}, is_stopped);
+  fail_collectively(mpi, {}, is_stopped);
   return surveys;
 }
 
 /// Collective call. Returns the plan on rank 0.
 BakePlan plan_from(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
-                   std::vector<TileSurvey> surveys, const BakeProgress& progress) {
+                   std::vector<TileScan> surveys, const BakeProgress& progress) {
   BakePlan plan;
-  all_or_none(mpi, [&] {
+  collective_try(mpi, [&] {
     if (mpi.rank() != 0) return;
     plan = make_plan(std::move(surveys), sources, request.parameters, progress.steps);
     if (plan.jobs.empty() && plan.losses.empty()) throw InputError(request.source, "", no_triangles(plan));
@@ -139,8 +139,8 @@ BakePlan plan_from(MpiSession& mpi, const BakeRequest& request, const SceneSourc
 /// Waits until the process has reported its device. Restarts a process that dies before that; gives up after the third
 /// consecutive death.
 DeviceChoice device_of(const MpiSession& mpi, BakeProcess& process) {
-  constexpr std::chrono::milliseconds longest_wait{50};
-  for (int deaths = 0; !process.device(); process.wait(longest_wait)) {
+  constexpr std::chrono::milliseconds max_wait{50};
+  for (int deaths = 0; !process.device(); process.wait(max_wait)) {
     process.prepare();
     const auto event = process.poll();
     const auto* died = event ? std::get_if<BakeProcess::Died>(&*event) : nullptr;
@@ -156,7 +156,7 @@ DeviceChoice device_of(const MpiSession& mpi, BakeProcess& process) {
 /// Chooses devices. A rank without a device prints a line if other ranks have one, because its cells take longer.
 void choose_devices(MpiSession& mpi, BakeProcess& process, BakeSummary& summary) {
   DeviceChoice choice;
-  all_or_none(mpi, [&] { choice = device_of(mpi, process); });
+  collective_try(mpi, [&] { choice = device_of(mpi, process); });
   summary.ranks_with_device = int(mpi.sum_of(choice.device.has_value() ? 1 : 0));
   summary.no_device = choice.reason;
   if (summary.ranks_with_device != 0 && !choice.device && !choice.reason.empty())
@@ -183,19 +183,19 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   const SharedSources shared = open_together(mpi, request, progress);
   const SceneSources& sources = shared.scene;
   std::optional<OutputFolder> out;
-  all_or_none(mpi, [&] {
+  collective_try(mpi, [&] {
     if (mpi.rank() == 0) out.emplace(request.out, request.source);
   });
-  all_or_none(mpi, [&] { expect_output_folder(request.out); });
-  all_or_none(mpi, [&] {
+  collective_try(mpi, [&] { expect_output_folder(request.out); });
+  collective_try(mpi, [&] {
     if (mpi.rank() != 0) return;
     const ScratchNeed need = scratch_need(sources, memory_of(mpi, request));
-    if (const auto note = scratch_note(need, scratch_of(request))) progress.told(*note);
+    if (const auto note = scratch_info(need, scratch_of(request))) progress.info(*note);
   });
   BakeScratch scratch(scratch_of(request));
   BakeProcess process(setup_of(mpi, request, shared), process_options(request));
-  all_or_none(mpi, [&] { process.prepare(); });
-  std::vector<TileSurvey> surveys = survey(
+  collective_try(mpi, [&] { process.prepare(); });
+  std::vector<TileScan> surveys = survey(
       mpi, request, sources, process, progress, StoppedSurvey::keep,
       [&](std::size_t done) {
         feed->record().surveyed(done, sources.tiles.size());
@@ -204,7 +204,7 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
       [&](int rank) { feed->record().process_died(rank, unix_now_s()); });
   choose_devices(mpi, process, summary);  // after the scan, which the driver's start would delay
   BakePlan plan = plan_from(mpi, request, sources, surveys, progress);
-  all_or_none(mpi, [&] { refuse(request, plan.losses, mpi.rank() == 0 && plan.jobs.empty()); });
+  collective_try(mpi, [&] { refuse(request, plan.losses, mpi.rank() == 0 && plan.jobs.empty()); });
   if (mpi.rank() == 0) keep_surveys(request, sources, surveys, progress);
   surveys.clear();
   if (request.overviews) add_parents(plan.jobs);
@@ -212,7 +212,7 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   summary.warnings = plan.warnings;
   summary.survey_s = seconds_since(start);
   const auto planned = Clock::now();
-  if (mpi.rank() != 0) work(mpi, process, request.patience.silence_s);
+  if (mpi.rank() != 0) work(mpi, process, request.timeouts.heartbeat_timeout_s);
   std::optional<std::string> failure;
   try {
     if (mpi.rank() == 0) MasterBake(request, sources, plan, *out, progress, *feed, summary).run(mpi, process);
@@ -221,7 +221,7 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   }
   // A lost rank would never take part in a collective call; the caller ends the other ranks.
   if (failure && summary.lost_ranks != 0) throw std::runtime_error(*failure);
-  if (summary.lost_ranks == 0) fail_together(mpi, failure);
+  if (summary.lost_ranks == 0) fail_collectively(mpi, failure);
   if (summary.lost_ranks == 0 && mpi.sum_of(summary.is_drained ? 1 : 0) == 0) scratch.is_not_needed();
   summary.bake_s = seconds_since(planned);
   return summary;
@@ -248,18 +248,18 @@ PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& own, const BakeProgres
   WorkerSetup setup = setup_of(mpi, on_cpu, planned.sources);
   setup.worker.scratch.clear();  // a plan leaves no files: large tiles are scanned part by part
   BakeProcess process(std::move(setup), process_options(request));
-  std::vector<TileSurvey> surveys = survey(
+  std::vector<TileScan> surveys = survey(
       mpi, request, sources, process, progress, StoppedSurvey::forget,
       [&](std::size_t done) { progress.surveyed(done, sources.tiles.size()); }, [](int) {});
   planned.plan = plan_from(mpi, request, sources, std::move(surveys), progress);
-  all_or_none(mpi, [&] { refuse(request, planned.plan.losses, mpi.rank() == 0 && planned.plan.jobs.empty()); });
+  collective_try(mpi, [&] { refuse(request, planned.plan.losses, mpi.rank() == 0 && planned.plan.jobs.empty()); });
   planned.survey_s = seconds_since(start);
   return planned;
 }
 
 BakeSummary bake(MpiSession& mpi, const BakeRequest& own, const BakeProgress& progress) {
   const BakeRequest request = agreed_request(mpi, own);
-  mpi.set_patience(silences_of_patience * request.patience.silence_s);
+  mpi.set_collective_timeout(heartbeat_timeouts_per_collective * request.timeouts.heartbeat_timeout_s);
   std::optional<StatusFeed> feed;
   if (mpi.rank() == 0) feed.emplace(request.out, mpi.ranks(), request.metrics, progress.status);
   try {

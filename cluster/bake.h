@@ -16,8 +16,8 @@
 #include "lattice/parameters.h"
 #include "lattice/progress.h"
 #include "scheduler/bake_status.h"
-#include "scheduler/patience.h"
 #include "scheduler/plan.h"
+#include "scheduler/timeouts.h"
 #include "worker/backend.h"
 
 namespace gigabake {
@@ -29,13 +29,13 @@ struct BakeRequest {
   BakeParameters parameters;
   int threads = 0;                 ///< per rank; 0: the host's cores divided among its ranks
   std::uint64_t memory_bytes = 0;  ///< per rank; 0: no bound
-  bool memory_is_usual = false;    ///< memory_bytes is the default: a rank uses less if its host has less per rank
+  bool is_default_memory = false;  ///< memory_bytes is the default: a rank uses less if its host has less per rank
   bool keep_going = true;          ///< after a tile or cell failed
   bool overviews = true;           ///< write overview shards, which contain the levels above the cells
   Backend backend = Backend::automatic;
   bool prune = false;     ///< remove shards that the new scene does not use, if it is complete
   std::vector<int> gpus;  ///< devices of each host to use; empty: all
-  Patience patience;
+  Timeouts timeouts;
   std::filesystem::path metrics;  ///< file for rank 0's status in Prometheus format; empty: none
 };
 
@@ -47,8 +47,8 @@ struct BakeProgress {
   std::function<void(const BakePlan&)> planned;
   std::function<void(const BakeStatus&)> status;  ///< ten times per second
   std::function<void(const CellReport&, const CellJob&)> cell_done;
-  std::function<void(const std::string&)> told;   ///< one line of information
-  std::function<void(const std::string&)> noted;  ///< one line of warning; the bake continues
+  std::function<void(const std::string&)> info;     ///< one line of information
+  std::function<void(const std::string&)> warning;  ///< one line of warning; the bake continues
 };
 
 /// Results of a bake. Stage seconds are sums over cells; stages of consecutive cells overlap.
@@ -73,9 +73,9 @@ struct BakeSummary {
   OrphanShards pruned;   ///< removed from OUT
 };
 
-/// Collective call. Locks OUT during the bake. Returns early once is_drain_asked() is true; if no cell has been started
-/// by then, throws Stopped on every rank instead. Scene and sums are filled on rank 0 only. OUT/scene.xml is replaced
-/// last; shards that it does not name are kept unless request.prune is set.
+/// Collective call. Locks OUT during the bake. Returns early once is_drain_requested() is true; if no cell has been
+/// started by then, throws Stopped on every rank instead. Scene and sums are filled on rank 0 only. OUT/scene.xml is
+/// replaced last; shards that it does not name are kept unless request.prune is set.
 /// Errors  CollectiveFailure, with OUT/scene.xml unchanged: the source cannot be opened or has no triangles; OUT cannot
 ///         be written or another bake holds it. CollectiveFailure also if no cell could be baked, or if any input is
 ///         missing without keep_going.

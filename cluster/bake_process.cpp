@@ -15,18 +15,18 @@
 namespace gigabake {
 namespace {
 
-constexpr std::chrono::seconds killed_within{10}, first_pause{1}, longest_pause{60};
+constexpr std::chrono::seconds max_kill_wait{10}, first_pause{1}, max_pause{60};
 /// Bytes of the sources per message: the process holds one message twice while it assembles the sources.
 constexpr std::size_t part_bytes = std::size_t(1) << 24;
 constexpr int deaths_without_pause = 2;
-constexpr int doublings = 6;  // of the pause, up to longest_pause
+constexpr int doublings = 6;  // of the pause, up to max_pause
 
 HangWatch::Clock::duration seconds(double s) {
   return std::chrono::duration_cast<HangWatch::Clock::duration>(std::chrono::duration<double>(s));
 }
 
 /// Returns true if the same start may succeed later because the error is a temporary shortage.
-bool may_pass(const std::error_code& code) {
+bool is_temporary(const std::error_code& code) {
   for (const std::errc shortage :
        {std::errc::resource_unavailable_try_again, std::errc::not_enough_memory, std::errc::too_many_files_open,
         std::errc::too_many_files_open_in_system, std::errc::text_file_busy, std::errc::interrupted})
@@ -45,7 +45,7 @@ BakeProcess::BakeProcess(const WorkerSetup& setup, BakeProcessOptions options)
     : setup_(to_bytes(setup)),
       sources_(setup.sources),
       options_(std::move(options)),
-      watch_(seconds(options_.patience.stall_s)) {}
+      watch_(seconds(options_.timeouts.no_progress_s)) {}
 
 void BakeProcess::prepare() {
   if (!child_ && !is_paused()) start();
@@ -68,7 +68,7 @@ void BakeProcess::survey(std::uint32_t tile) {
 }
 
 void BakeProcess::expect_work() {
-  if (in_hand() == 0) watch_.start(Clock::now());
+  if (in_flight() == 0) watch_.start(Clock::now());
 }
 
 std::optional<BakeProcess::Event> BakeProcess::poll() {
@@ -80,10 +80,10 @@ std::optional<BakeProcess::Event> BakeProcess::poll() {
 }
 
 void BakeProcess::work() {
-  if (!child_ && in_hand() != 0 && !is_paused()) start();
+  if (!child_ && in_flight() != 0 && !is_paused()) start();
   if (channel_) exchange();
-  if (channel_ && is_awaited()) look_for_hang();
-  if (child_ && !channel_) bury();
+  if (channel_ && must_watch()) check_for_hang();
+  if (child_ && !channel_) report_end();
 }
 
 void BakeProcess::start() {
@@ -92,7 +92,7 @@ void BakeProcess::start() {
   try {
     child_ = std::make_unique<ChildProcess>(options_.program, std::vector<std::string>{"bake-process"});
   } catch (const std::system_error& e) {
-    if (!may_pass(e.code())) throw std::runtime_error(fmt::format("{}{}", e.what(), advice(options_.program)));
+    if (!is_temporary(e.code())) throw std::runtime_error(fmt::format("{}{}", e.what(), advice(options_.program)));
     return report_death(reason_of(e));
   }
   channel_.emplace(child_->socket());
@@ -132,7 +132,7 @@ void BakeProcess::take(const BakeMessage& message) {
     return;
   }
   if (message.kind == BakeMessageKind::surveyed) {
-    TileSurvey survey = survey_from_bytes(message.payload);
+    TileScan survey = survey_from_bytes(message.payload);
     const auto asked = std::ranges::find(tiles_, survey.tile);
     if (asked == tiles_.end()) throw InputError("survey", "tile", "nobody asked for it");
     if (asked == tiles_.begin()) tile_since_ = watch_.watched();
@@ -153,18 +153,18 @@ void BakeProcess::take(const BakeMessage& message) {
   deaths_in_a_row_ = 0;
 }
 
-void BakeProcess::look_for_hang() {
+void BakeProcess::check_for_hang() {
   const auto now = Clock::now();
   if (now < watch_.next_look()) return;
   watch_.look(now, child_->activity(), channel_->bytes_moved());
   if (watch_.is_stalled())
-    return end(fmt::format("hung: no CPU time for {:g} s in {}", options_.patience.stall_s, oldest()));
-  const Clock::duration limit = seconds(options_.patience.cell_timeout_s);
+    return end(fmt::format("hung: no CPU time for {:g} s in {}", options_.timeouts.no_progress_s, oldest()));
+  const Clock::duration limit = seconds(options_.timeouts.cell_timeout_s);
   if (!cells_.empty() && watch_.watched() - cell_since_ >= limit)
     return end(
-        fmt::format("not done after {:g} s: cell {}", options_.patience.cell_timeout_s, cells_.front().job.name));
+        fmt::format("not done after {:g} s: cell {}", options_.timeouts.cell_timeout_s, cells_.front().job.name));
   if (!tiles_.empty() && watch_.watched() - tile_since_ >= limit)
-    end(fmt::format("not done after {:g} s: survey of tile {}", options_.patience.cell_timeout_s, tiles_.front()));
+    end(fmt::format("not done after {:g} s: survey of tile {}", options_.timeouts.cell_timeout_s, tiles_.front()));
 }
 
 std::string BakeProcess::oldest() const {
@@ -174,22 +174,22 @@ std::string BakeProcess::oldest() const {
 
 /// Ends the process. why: none if it ended by itself.
 void BakeProcess::end(std::optional<std::string> why) {
-  verdict_ = std::move(why);
+  kill_reason_ = std::move(why);
   channel_.reset();
   child_->kill();  // a process that closed its socket is already ending; its exit status is kept if it ends first
   ending_since_ = Clock::now();
 }
 
 /// Waits for the end of a killed process, so that two bake processes never overlap: a device's memory may be too small
-/// for two. A process that cannot be killed is abandoned after killed_within.
-void BakeProcess::bury() {
+/// for two. A process that cannot be killed is abandoned after max_kill_wait.
+void BakeProcess::report_end() {
   std::optional<std::string> how = child_->ended();
-  if (!how && Clock::now() - ending_since_ < killed_within) return;
+  if (!how && Clock::now() - ending_since_ < max_kill_wait) return;
   if (how && how->find("SIGKILL") != std::string::npos) *how += ": perhaps the system ran out of memory";
   peak_bytes_ = std::max(peak_bytes_, child_->peak_bytes());
   if (!how) abandoned_.push_back(std::move(child_));
   child_.reset();
-  report_death(verdict_ ? *verdict_ : how.value_or("hung up, and cannot be killed"));
+  report_death(kill_reason_ ? *kill_reason_ : how.value_or("hung up, and cannot be killed"));
 }
 
 void BakeProcess::report_death(std::string why) {
@@ -200,15 +200,15 @@ void BakeProcess::report_death(std::string why) {
   const int pauses = ++deaths_in_a_row_ - deaths_without_pause;
   if (pauses > 0)
     not_before_ =
-        Clock::now() + std::min<Clock::duration>(first_pause * (1 << std::min(pauses - 1, doublings)), longest_pause);
+        Clock::now() + std::min<Clock::duration>(first_pause * (1 << std::min(pauses - 1, doublings)), max_pause);
 }
 
-void BakeProcess::wait(std::chrono::milliseconds longest) const {
+void BakeProcess::wait(std::chrono::milliseconds maximum) const {
   if (!events_.empty()) return;
-  Clock::time_point until = Clock::now() + longest;
+  Clock::time_point until = Clock::now() + maximum;
   if (child_ && !channel_) until = std::min(until, Clock::now() + std::chrono::milliseconds(1));
-  if (channel_ && is_awaited()) until = std::min(until, watch_.next_look());
-  if (!child_ && in_hand() != 0) until = std::min(until, not_before_);
+  if (channel_ && must_watch()) until = std::min(until, watch_.next_look());
+  if (!child_ && in_flight() != 0) until = std::min(until, not_before_);
   const auto rest = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
   pollfd socket{channel_ ? child_->socket() : -1, POLLIN, 0};
   if (channel_ && channel_->has_unsent()) socket.events |= POLLOUT;

@@ -15,7 +15,7 @@
 #include "cluster/child_process.h"
 #include "cluster/frame_channel.h"
 #include "cluster/hang_watch.h"
-#include "scheduler/patience.h"
+#include "scheduler/timeouts.h"
 #include "worker/bake_messages.h"
 #include "worker/worker_setup.h"
 
@@ -23,7 +23,7 @@ namespace gigabake {
 
 struct BakeProcessOptions {
   std::filesystem::path program = "/proc/self/exe";  ///< run as PROGRAM bake-process FD
-  Patience patience = {};
+  Timeouts timeouts = {};
 };
 
 /// Max number of consecutive processes that end before they have started. After that number, starting is given up.
@@ -38,7 +38,7 @@ inline constexpr int max_failed_starts = 3;
 class BakeProcess {
  public:
   struct Surveyed {
-    TileSurvey survey;
+    TileScan survey;
   };
   struct Baked {
     CellReport report;
@@ -72,9 +72,9 @@ class BakeProcess {
   /// flight.
   std::optional<Event> poll();
   /// Returns when poll() may have something to do, at most after `longest`.
-  void wait(std::chrono::milliseconds longest) const;
+  void wait(std::chrono::milliseconds maximum) const;
   /// Returns the number of requests without an event.
-  std::size_t in_hand() const { return cells_.size() + tiles_.size(); }
+  std::size_t in_flight() const { return cells_.size() + tiles_.size(); }
   /// Returns the id of the running process.
   std::optional<pid_t> pid() const;
   /// Returns the peak memory of any of its processes so far.
@@ -88,14 +88,14 @@ class BakeProcess {
   void send_setup();
   void exchange();
   void take(const BakeMessage& message);
-  void look_for_hang();
+  void check_for_hang();
   void end(std::optional<std::string> why);
-  void bury();
+  void report_end();
   void report_death(std::string why);
   void expect_work();
   bool is_paused() const { return !child_ && Clock::now() < not_before_; }
   /// Returns true if a hang must be detected: requests are in flight, or the process has not yet reported its device.
-  bool is_awaited() const { return in_hand() != 0 || !device_; }
+  bool must_watch() const { return in_flight() != 0 || !device_; }
   std::string oldest() const;
 
   const std::vector<std::uint8_t> setup_;
@@ -110,7 +110,7 @@ class BakeProcess {
   Clock::duration cell_since_{}, tile_since_{};  ///< watched time at which the current front became the oldest
   std::deque<Event> events_;
   std::optional<DeviceAnswer> device_;
-  std::optional<std::string> verdict_;  ///< reason, if this object killed the process
+  std::optional<std::string> kill_reason_;  ///< reason, if this object killed the process
   Clock::time_point ending_since_{}, not_before_{};
   int deaths_in_a_row_ = 0;
   bool has_started_ = false;      ///< of the current or last process

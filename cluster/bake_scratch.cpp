@@ -42,20 +42,20 @@ fs::path scratch_of(const BakeRequest& request) {
 }
 
 ScratchNeed scratch_need(const SceneSources& sources, std::uint64_t memory_bytes) {
-  const std::uint64_t most = scratch_in({}, memory_bytes).most_tile_bytes;
+  const std::uint64_t maximum = scratch_in({}, memory_bytes).max_tile_bytes;
   ScratchNeed need;
   for (const TileRef& tile : sources.tiles)
-    if (tile.bytes > most) ++need.tiles, need.bytes += tile.bytes;
+    if (tile.bytes > maximum) ++need.tiles, need.bytes += tile.bytes;
   return need;
 }
 
-std::string scratch_text(const ScratchNeed& need) {
+std::string describe_scratch(const ScratchNeed& need) {
   return "about " + readable_size(need.bytes) + " of scratch for " + counted(need.tiles, "large tile");
 }
 
-std::optional<std::string> scratch_note(const ScratchNeed& need, const fs::path& folder) {
+std::optional<std::string> scratch_info(const ScratchNeed& need, const fs::path& folder) {
   if (folder.empty() || need.tiles == 0) return std::nullopt;
-  const std::string wanted = scratch_text(need);
+  const std::string wanted = describe_scratch(need);
   if (const auto room = room_at(folder); room && *room < need.bytes)
     throw InputError(folder, "",
                      wanted + " do not fit on a disk that has " + readable_size(*room) +

@@ -23,11 +23,11 @@ struct ScratchNeed {
 /// Returns the scratch need of a rank with `memory_bytes`.
 ScratchNeed scratch_need(const SceneSources& sources, std::uint64_t memory_bytes);
 /// Returns, for example, "about 640.1 MB of scratch for 1 large tile".
-std::string scratch_text(const ScratchNeed& need);
+std::string describe_scratch(const ScratchNeed& need);
 
 /// Returns one line with the scratch size and folder; nullopt if no tile is large.
 /// Errors  InputError: the disk has less free space.
-std::optional<std::string> scratch_note(const ScratchNeed& need, const std::filesystem::path& folder);
+std::optional<std::string> scratch_info(const ScratchNeed& need, const std::filesystem::path& folder);
 
 /// Owner of the scratch folder. Files are kept for a resumed bake unless is_not_needed() is called.
 class BakeScratch {

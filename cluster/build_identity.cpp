@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cluster/collective.h"
-#include "cluster/time_bound.h"
+#include "cluster/mpi_call_timeout.h"
 #include "lattice/kernel_version.h"
 
 namespace gigabake {
@@ -83,10 +83,10 @@ void expect_same_build(MpiSession& mpi, const std::string& command) {
   const BuildIdentity own = this_build(command);
   std::vector<std::uint8_t> bytes(sizeof own);
   std::memcpy(bytes.data(), &own, sizeof own);
-  const double usual_patience_s = mpi.patience_s();
-  mpi.set_patience(longest_mpi_call_s());  // a program older than this message sends a different one, or none
+  const double previous_timeout_s = mpi.collective_timeout_s();
+  mpi.set_collective_timeout(max_mpi_call_s());  // a program older than this message sends a different one, or none
   bytes = mpi.from_master(std::move(bytes));
-  all_or_none(mpi, [&] {
+  collective_try(mpi, [&] {
     BuildIdentity first;
     if (bytes.size() == sizeof first) std::memcpy(&first, bytes.data(), sizeof first);
     if (bytes.size() != sizeof first || first.magic != own.magic)
@@ -95,7 +95,7 @@ void expect_same_build(MpiSession& mpi, const std::string& command) {
       throw std::runtime_error("this rank runs " + describe(own) + "; rank 0 runs " + describe(first) +
                                ": all ranks of a launch need the same program");
   });
-  mpi.set_patience(usual_patience_s);
+  mpi.set_collective_timeout(previous_timeout_s);
 }
 
 }  // namespace gigabake

@@ -101,7 +101,7 @@ std::vector<char*> environment_without_mpi() {
   return out;
 }
 
-std::string words_of(int status) {
+std::string describe_status(int status) {
   if (WIFEXITED(status)) return "exit code " + std::to_string(WEXITSTATUS(status));
   const int signal = WTERMSIG(status);
   const char* name = ::sigabbrev_np(signal);
@@ -160,7 +160,7 @@ const std::optional<std::string>& ChildProcess::ended() {
   const pid_t who = ::wait4(pid_, &status, WNOHANG, &usage);
   if (who == pid_) {
     final_peak_bytes_ = std::uint64_t(usage.ru_maxrss) * 1024;
-    ended_ = words_of(status);
+    ended_ = describe_status(status);
   } else if (who < 0 && errno != EINTR) {
     ended_ = std::string("unknown end: wait4: ") + std::strerror(errno);  // another caller has waited for it
   }

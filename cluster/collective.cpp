@@ -9,7 +9,7 @@ std::string host_name() {
   return ::gethostname(name, sizeof name - 1) == 0 ? name : "an unnamed host";
 }
 
-void fail_together(MpiSession& mpi, const std::optional<std::string>& line, bool is_stopped) {
+void fail_collectively(MpiSession& mpi, const std::optional<std::string>& line, bool is_stopped) {
   const int weight = mpi.ranks() - mpi.rank();  // of several lines, the lowest rank's is reported
   const int stop_weight = mpi.ranks() + 1;
   const std::int64_t heaviest = mpi.max_of(is_stopped ? stop_weight : line ? weight : 0);

@@ -30,12 +30,12 @@ std::string host_name();
 /// Collective call. Fails on every rank if any rank failed or was stopped. line: why this rank failed; is_stopped: a
 /// stop of this rank was requested.
 /// Errors  On every rank: Stopped if any rank was stopped; else CollectiveFailure if any rank has a line.
-void fail_together(MpiSession& mpi, const std::optional<std::string>& line, bool is_stopped = false);
+void fail_collectively(MpiSession& mpi, const std::optional<std::string>& line, bool is_stopped = false);
 
 /// Collective call. Runs `step` on every rank; an exception on any rank becomes CollectiveFailure or Stopped on all
 /// ranks.
 template <class Step>
-void all_or_none(MpiSession& mpi, const Step& step) {
+void collective_try(MpiSession& mpi, const Step& step) {
   std::optional<std::string> line;
   bool is_stopped = false;
   try {
@@ -45,17 +45,17 @@ void all_or_none(MpiSession& mpi, const Step& step) {
   } catch (const std::exception& e) {
     line = reason_of(e);
   }
-  fail_together(mpi, line, is_stopped);
+  fail_collectively(mpi, line, is_stopped);
 }
 
-/// Like all_or_none(), for a step that reads this rank's own options. It is collective because the other ranks would
+/// Like collective_try(), for a step that reads this rank's own options. It is collective because the other ranks would
 /// wait forever for a rank that ended.
 /// Errors  CollectiveUsageError on every rank if the step throws UsageError on any rank.
 template <class Step>
-void check_options_together(MpiSession& mpi, const Step& step) {
+void check_options_collectively(MpiSession& mpi, const Step& step) {
   bool is_usage = false;
   try {
-    all_or_none(mpi, [&] {
+    collective_try(mpi, [&] {
       try {
         step();
       } catch (const UsageError&) {

@@ -6,19 +6,19 @@
 #include <utility>
 
 #include "cluster/collective.h"
+#include "cluster/heartbeat.h"
 #include "cluster/rank_baker.h"
-#include "cluster/signs_of_life.h"
 #include "scheduler/parents.h"
 
 namespace gigabake {
 namespace {
 
-constexpr double between_signs_s = 1;
+constexpr double heartbeat_interval_s = 1;
 
 /// Executes the decisions of the schedule and reports events back to it.
-class Master {
+class Dispatcher {
  public:
-  Master(RankLink& link, const std::vector<CellJob>& jobs, const DispatchOptions& options, DispatchLog& log)
+  Dispatcher(RankLink& link, const std::vector<CellJob>& jobs, const DispatchOptions& options, DispatchLog& log)
       : link_(link),
         orders_(jobs),
         keep_going_(options.keep_going),
@@ -46,35 +46,35 @@ class Master {
     stop_all();
     result_.counts = schedule_.counts();
     result_.lost_ranks.assign(lost_.begin(), lost_.end());
-    result_.is_drained = link_.is_drain_asked() && result_.counts.abandoned != 0;
+    result_.is_drained = link_.is_drain_requested() && result_.counts.abandoned != 0;
     return std::move(result_);
   }
 
  private:
   void step() {
-    look_for_drain();
+    check_drain();
     log_.turn();
-    show_life();
-    give_out();
+    send_heartbeats();
+    dispatch_cells();
     while (const auto message = link_.receive()) take(*message);
     schedule_.heard_from(0, link_.now_s());
     for (const int rank : schedule_.silent(link_.now_s())) {
       lost_.insert(rank);
       log_.lost(rank);
-      something_came_back_ = true;
+      has_new_events_ = true;
     }
     for (const std::uint32_t job : schedule_.take_set_aside()) set_aside(job);
   }
 
-  void look_for_drain() {
-    if (!link_.is_drain_asked()) return;
+  void check_drain() {
+    if (!link_.is_drain_requested()) return;
     log_.draining();
     schedule_.stop();
   }
 
   /// Sends heartbeats to the other ranks. A rank that receives none from rank 0 ends the launch.
-  void show_life() {
-    if (link_.now_s() - shown_s_ < between_signs_s) return;
+  void send_heartbeats() {
+    if (link_.now_s() - shown_s_ < heartbeat_interval_s) return;
     shown_s_ = link_.now_s();
     for (int rank = 1; rank < link_.ranks(); ++rank)
       if (!lost_.contains(rank)) link_.send(rank, tag_alive, {});
@@ -82,8 +82,8 @@ class Master {
 
   /// Dispatches cells in rounds of one cell per rank, so that the most expensive cells are distributed. Rank 0 is last
   /// in a round because it has the most other work.
-  void give_out() {
-    if (!std::exchange(something_came_back_, false)) return;
+  void dispatch_cells() {
+    if (!std::exchange(has_new_events_, false)) return;
     for (bool gave = true; gave;) {
       gave = false;
       for (int rank = link_.ranks(); rank-- > 0;) {
@@ -104,34 +104,34 @@ class Master {
       const BakeAnswer answer = answer_from_bytes(message.bytes);
       take(message.from, answer.report, answer.attempt);
     }
-    if (message.tag == tag_died) bury(message.from, std::string(message.bytes.begin(), message.bytes.end()));
-    if (message.tag == tag_alive) look_at_life(message);
+    if (message.tag == tag_died) report_end(message.from, std::string(message.bytes.begin(), message.bytes.end()));
+    if (message.tag == tag_alive) take_heartbeat(message);
   }
 
   void hear(int rank) {
     schedule_.heard_from(rank, link_.now_s());
     if (lost_.erase(rank) == 0) return;
-    something_came_back_ = true;
+    has_new_events_ = true;
     log_.joined(rank, hosts_[std::size_t(rank)]);
   }
 
-  void look_at_life(const Message& message) {
-    const SignOfLife sign = sign_from_bytes(message.bytes);
+  void take_heartbeat(const Message& message) {
+    const Heartbeat sign = heartbeat_from_bytes(message.bytes);
     result_.peak_bytes = std::max(result_.peak_bytes, sign.peak_bytes);
     std::string& known = hosts_[std::size_t(message.from)];
     if (known.empty()) log_.joined(message.from, sign.host);
     known = sign.host;
   }
 
-  void bury(int rank, const std::string& why) {
+  void report_end(int rank, const std::string& why) {
     ++deaths_[std::size_t(rank)];
     schedule_.process_died(rank, why, link_.now_s());
     log_.process_died(rank, why);
-    something_came_back_ = true;
+    has_new_events_ = true;
   }
 
   void take(int rank, const CellReport& report, std::uint32_t attempt) {
-    something_came_back_ = true;
+    has_new_events_ = true;
     const bool refused = report.outcome == CellOutcome::refused;
     const bool failed = refused || report.outcome == CellOutcome::failed;
     const Retry retry = refused ? Retry::useless : Retry::worth_it;
@@ -158,7 +158,7 @@ class Master {
   }
 
   RankLink& link_;
-  ParentOrders orders_;
+  OverviewJobs orders_;
   const bool keep_going_;
   DispatchLog& log_;
   Schedule schedule_;
@@ -166,15 +166,15 @@ class Master {
   std::vector<std::string> hosts_;     ///< of each rank, once it has sent a heartbeat
   std::set<int> lost_;
   DispatchResult result_;
-  double shown_s_ = -between_signs_s;
-  bool something_came_back_ = true;
+  double shown_s_ = -heartbeat_interval_s;
+  bool has_new_events_ = true;
 };
 
 }  // namespace
 
 DispatchResult dispatch(RankLink& link, const std::vector<CellJob>& jobs, const std::vector<CellReport>& done,
                         const DispatchOptions& options, DispatchLog& log) {
-  return Master(link, jobs, options, log).run(done);
+  return Dispatcher(link, jobs, options, log).run(done);
 }
 
 }  // namespace gigabake

@@ -34,8 +34,8 @@ DispatchResult dispatch(RankLink& link, const std::vector<CellJob>& jobs, const 
                         const DispatchOptions& options, DispatchLog& log);
 
 /// Worker loop of every other rank: bakes the cells that rank 0 sends until tag_stop arrives.
-/// Errors  RankLost: no message from rank 0 within four times silence_s. Before its first message the bound is that of
-///         a collective call. No collective call may follow.
-void work(MpiSession& mpi, BakeProcess& process, double silence_s);
+/// Errors  RankLost: no message from rank 0 within four times heartbeat_timeout_s. Before its first message the bound
+///         is that of a collective call. No collective call may follow.
+void work(MpiSession& mpi, BakeProcess& process, double heartbeat_timeout_s);
 
 }  // namespace gigabake

@@ -12,26 +12,26 @@
 namespace gigabake {
 namespace {
 
-volatile std::sig_atomic_t drain_asked = 0, interrupted = 0;
+volatile std::sig_atomic_t drain_requested = 0, interrupted = 0;
 
 /// Double buffer: one text may be written while a signal handler prints the other.
-struct LastWords {
+struct InterruptMessage {
   std::array<char, 300> text;
   std::size_t bytes;
 };
-std::array<LastWords, 2> last_words;
-std::atomic<const LastWords*> current_words{nullptr};
-static_assert(std::atomic<const LastWords*>::is_always_lock_free);
+std::array<InterruptMessage, 2> interrupt_messages;
+std::atomic<const InterruptMessage*> current_message{nullptr};
+static_assert(std::atomic<const InterruptMessage*>::is_always_lock_free);
 
-void note(int) { drain_asked = 1; }
+void note(int) { drain_requested = 1; }
 
 void note_interrupt(int signal) {
-  drain_asked = 1;
+  drain_requested = 1;
   if (interrupted == 0) {
     interrupted = 1;
     return;
   }
-  const LastWords* const words = current_words;
+  const InterruptMessage* const words = current_message;
   if (words != nullptr && ::write(STDERR_FILENO, words->text.data(), words->bytes) < 0) {
     // A failed write is ignored; the process ends anyway.
   }
@@ -48,22 +48,22 @@ void watch(int signal, void (*handler)(int)) {
 
 }  // namespace
 
-void watch_for_drain() {
+void install_drain_handlers() {
   watch(SIGUSR1, note);
   watch(SIGTERM, note);
   watch(SIGINT, note_interrupt);
 }
 
-void set_last_words(std::string_view line) {
-  LastWords& next = current_words == last_words.data() ? last_words[1] : last_words[0];
+void set_interrupt_message(std::string_view line) {
+  InterruptMessage& next = current_message == interrupt_messages.data() ? interrupt_messages[1] : interrupt_messages[0];
   next.bytes = std::min(line.size(), next.text.size());
   std::copy_n(line.begin(), next.bytes, next.text.begin());
-  current_words = &next;
+  current_message = &next;
 }
 
-bool is_drain_asked() { return drain_asked != 0; }
+bool is_drain_requested() { return drain_requested != 0; }
 
-void end_with_mpirun() {
+void end_if_mpirun_dies() {
   if (std::getenv("OMPI_COMM_WORLD_RANK") == nullptr) return;
   const pid_t parent = ::getppid();
   if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) throw std::runtime_error("prctl(PR_SET_PDEATHSIG) failed");

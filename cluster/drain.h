@@ -7,20 +7,20 @@
 namespace gigabake {
 
 /// Installs handlers that record these signals instead of ending the process. A second SIGINT prints the text of
-/// set_last_words() and ends the process.
+/// set_interrupt_message() and ends the process.
 /// Errors  std::runtime_error.
-void watch_for_drain();
+void install_drain_handlers();
 
 /// Sets the text that a second SIGINT prints: the state in which it leaves the bake. Truncated to 300 bytes. Not
 /// thread-safe.
-void set_last_words(std::string_view line);
+void set_interrupt_message(std::string_view line);
 
 /// Returns true once one of these signals has arrived.
-bool is_drain_asked();
+bool is_drain_requested();
 
 /// Ends this process when its parent mpirun dies, so that a killed mpirun leaves no rank that continues to write. Does
 /// nothing without mpirun.
 /// Errors  std::runtime_error.
-void end_with_mpirun();
+void end_if_mpirun_dies();
 
 }  // namespace gigabake

@@ -21,7 +21,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::chrono::seconds longest_end{30};
+constexpr std::chrono::seconds max_end_wait{30};
 
 std::filesystem::path lock_path(const std::filesystem::path& folder) { return folder / ".lock"; }
 
@@ -104,7 +104,7 @@ bool lock_after_end(const Descriptor& file) {
   const auto start = std::chrono::steady_clock::now();
   while (!try_lock(file)) {
     if (errno != EAGAIN && errno != EACCES) return false;
-    if (std::chrono::steady_clock::now() - start > longest_end || !is_ending(text_in(file))) {
+    if (std::chrono::steady_clock::now() - start > max_end_wait || !is_ending(text_in(file))) {
       errno = EAGAIN;
       return false;
     }

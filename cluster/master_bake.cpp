@@ -12,9 +12,9 @@
 #include "lattice/counted.h"
 #include "lattice/error.h"
 #include "lattice/quote.h"
+#include "scheduler/cached_results.h"
 #include "scheduler/estimate.h"
 #include "scheduler/merge.h"
-#include "scheduler/prior.h"
 
 namespace gigabake {
 namespace {
@@ -23,7 +23,7 @@ DispatchOptions dispatch_options(const BakeRequest& request, const BakeSummary& 
   DispatchOptions options;
   options.slots = slots_of_worker(summary.ranks_with_device);
   options.keep_going = request.keep_going;
-  options.silence_s = request.patience.silence_s;
+  options.heartbeat_timeout_s = request.timeouts.heartbeat_timeout_s;
   return options;
 }
 
@@ -74,11 +74,11 @@ MasterBake::MasterBake(const BakeRequest& request, const SceneSources& sources, 
       summary_(summary) {}
 
 void MasterBake::run(MpiSession& mpi, BakeProcess& process) {
-  PriorResults prior;
+  CachedResults prior;
   {
     const JournalContent content = read_journal(out_.journal());
     journal_.emplace(out_.journal(), content);
-    prior = find_prior(plan_, content, request_.out, mpi.cores());
+    prior = find_cached(plan_, content, request_.out, mpi.cores());
   }
   plan_dispatch(prior.done);
   MpiRankLink link(mpi, process);
@@ -102,7 +102,7 @@ void MasterBake::plan_dispatch(const std::vector<CellReport>& done) {
   feed_.record().planned(plan_.jobs, costs_of(plan_), unix_now_s());
   for (const CellReport& r : done) feed_.record().already_done(r.id);
   if (const std::size_t cells = cells_among(done); cells != 0)
-    progress_.told(std::to_string(cells) + " of " + counted(plan_.cells(), "cell") + (cells == 1 ? " is" : " are") +
+    progress_.info(std::to_string(cells) + " of " + counted(plan_.cells(), "cell") + (cells == 1 ? " is" : " are") +
                    " there already");
   feed_.publish();
 }
@@ -117,7 +117,7 @@ void MasterBake::forget_orphans() {
   try {
     journal_->keep_only(plan_.jobs);
   } catch (const InputError& e) {
-    progress_.noted(std::string("the journal keeps what was pruned: ") + e.what());
+    progress_.warning(std::string("the journal keeps what was pruned: ") + e.what());
   }
 }
 

@@ -25,7 +25,7 @@ Parts gathered(MpiSession& mpi, std::vector<std::uint8_t> own) {
       continue;
     }
     std::this_thread::sleep_for(std::chrono::microseconds(200));
-    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > mpi.patience_s())
+    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > mpi.collective_timeout_s())
       throw RankLost("nothing heard of another rank; run the same command again");
   }
   return parts;
@@ -33,9 +33,9 @@ Parts gathered(MpiSession& mpi, std::vector<std::uint8_t> own) {
 
 }  // namespace
 
-MpiExportTeam::MpiExportTeam(MpiSession& mpi) : mpi_(mpi) { mpi_.set_patience(86400); }
+MpiExportTeam::MpiExportTeam(MpiSession& mpi) : mpi_(mpi) { mpi_.set_collective_timeout(86400); }
 
-void MpiExportTeam::together(const std::function<void()>& step) const { all_or_none(mpi_, step); }
+void MpiExportTeam::together(const std::function<void()>& step) const { collective_try(mpi_, step); }
 
 Parts MpiExportTeam::exchange(std::vector<std::uint8_t> own) const {
   ByteWriter writer;

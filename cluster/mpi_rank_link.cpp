@@ -8,7 +8,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::chrono::milliseconds longest_wait{2};
+constexpr std::chrono::milliseconds max_wait{2};
 
 }  // namespace
 
@@ -16,11 +16,11 @@ double MpiRankLink::now_s() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-bool MpiRankLink::is_drain_asked() const { return gigabake::is_drain_asked(); }
+bool MpiRankLink::is_drain_requested() const { return gigabake::is_drain_requested(); }
 
 void MpiRankLink::send(int rank, Tag tag, std::vector<std::uint8_t> bytes) {
   if (rank != 0) return mpi_.send(rank, tag, std::move(bytes));
-  if (tag == tag_job) baker_.obey(bytes);
+  if (tag == tag_job) baker_.handle(bytes);
 }
 
 std::optional<Message> MpiRankLink::receive() {
@@ -28,6 +28,6 @@ std::optional<Message> MpiRankLink::receive() {
   return mpi_.poll();
 }
 
-void MpiRankLink::wait() { process_.wait(longest_wait); }
+void MpiRankLink::wait() { process_.wait(max_wait); }
 
 }  // namespace gigabake

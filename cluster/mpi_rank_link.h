@@ -15,7 +15,7 @@ class MpiRankLink : public RankLink {
 
   int ranks() const override { return mpi_.ranks(); }
   double now_s() const override;
-  bool is_drain_asked() const override;
+  bool is_drain_requested() const override;
   void send(int rank, Tag tag, std::vector<std::uint8_t> bytes) override;
   std::optional<Message> receive() override;
   void wait() override;

@@ -14,8 +14,8 @@
 
 #include "cluster/drain.h"
 #include "cluster/host_cores.h"
-#include "cluster/lone_task.h"
-#include "cluster/time_bound.h"
+#include "cluster/launcher.h"
+#include "cluster/mpi_call_timeout.h"
 
 namespace gigabake {
 namespace {
@@ -36,14 +36,14 @@ bool is_done(MPI_Request& request, const char* call) {
 }
 
 /// Polls the request at increasing intervals, so that a waiting rank uses about 1 % of a core.
-void wait_for(MPI_Request& request, double patience_s, const char* call) {
+void wait_for(MPI_Request& request, double collective_timeout_s, const char* call) {
   const auto start = std::chrono::steady_clock::now();
   for (auto pause = std::chrono::microseconds(20); !is_done(request, call);
        pause = std::min(pause * 2, std::chrono::microseconds(2000))) {
     std::this_thread::sleep_for(pause);
-    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > patience_s)
+    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > collective_timeout_s)
       throw RankLost(std::string(call) + ": not every rank answered within " +
-                     std::to_string(std::int64_t(patience_s)) + " s; run the same command again");
+                     std::to_string(std::int64_t(collective_timeout_s)) + " s; run the same command again");
   }
 }
 
@@ -67,11 +67,11 @@ HostShare share_of_host(int rank) {
   return {rank_here, ranks_here, std::min({fair_share(all, std::size_t(rank_here)), of_shared, limits.task_cores})};
 }
 
-std::int64_t reduce(std::int64_t value, MPI_Op operation, double patience_s) {
+std::int64_t reduce(std::int64_t value, MPI_Op operation, double collective_timeout_s) {
   std::int64_t result = value;
   MPI_Request request = MPI_REQUEST_NULL;
   check(MPI_Iallreduce(&value, &result, 1, MPI_INT64_T, operation, MPI_COMM_WORLD, &request), "MPI_Iallreduce");
-  wait_for(request, patience_s, "MPI_Iallreduce");
+  wait_for(request, collective_timeout_s, "MPI_Iallreduce");
   return result;
 }
 
@@ -87,30 +87,30 @@ void expect_no_other_ranks() {
 }
 
 /// Broadcasts rank 0's bytes. Collective.
-void broadcast(void* bytes, std::size_t count, double patience_s) {
+void broadcast(void* bytes, std::size_t count, double collective_timeout_s) {
   MPI_Request request = MPI_REQUEST_NULL;
   check(MPI_Ibcast(bytes, int(count), MPI_BYTE, 0, MPI_COMM_WORLD, &request), "MPI_Ibcast");
-  wait_for(request, patience_s, "MPI_Ibcast");
+  wait_for(request, collective_timeout_s, "MPI_Ibcast");
 }
 
 }  // namespace
 
 /// Pending sends. A list, because MPI keeps pointers to the bytes and the request.
 struct MpiSession::Outbox {
-  struct Letter {
+  struct PendingSend {
     std::vector<std::uint8_t> bytes;
     MPI_Request request = MPI_REQUEST_NULL;
   };
-  std::list<Letter> letters;
+  std::list<PendingSend> letters;
 
-  void drop_sent() {
-    letters.remove_if([](Letter& letter) { return is_done(letter.request, "MPI_Isend"); });
+  void remove_sent() {
+    letters.remove_if([](PendingSend& letter) { return is_done(letter.request, "MPI_Isend"); });
   }
 };
 
 MpiSession::MpiSession() : outbox_(std::make_unique<Outbox>()) {
-  end_with_mpirun();  // before MPI_Init, in which a rank may hang
-  const TimeBound bound(longest_mpi_call_s(), "the start of MPI");
+  end_if_mpirun_dies();  // before MPI_Init, in which a rank may hang
+  const MpiCallTimeout bound(max_mpi_call_s(), "the start of MPI");
   // Open MPI's hwloc probes GPUs through any X display it finds, and ends the process when that display closes.
   ::setenv("HWLOC_COMPONENTS", "-gl", 0);
   if (!is_launched([](const char* name) { return std::getenv(name); })) expect_no_other_ranks();
@@ -131,20 +131,20 @@ int MpiSession::host_cores() const {
 }
 
 MpiSession::~MpiSession() {
-  const TimeBound bound(longest_mpi_call_s(), "MPI_Finalize");
+  const MpiCallTimeout bound(max_mpi_call_s(), "MPI_Finalize");
   MPI_Finalize();
 }
 
 void MpiSession::send(int to, int tag, std::vector<std::uint8_t> bytes) {
   if (bytes.size() > std::size_t(std::numeric_limits<int>::max()))
     throw std::runtime_error("a message to rank " + std::to_string(to) + " has more than 2 GiB");
-  Outbox::Letter& letter = outbox_->letters.emplace_back();
+  Outbox::PendingSend& letter = outbox_->letters.emplace_back();
   letter.bytes = std::move(bytes);
   check(MPI_Isend(letter.bytes.data(), int(letter.bytes.size()), MPI_BYTE, to, tag, MPI_COMM_WORLD, &letter.request),
         "MPI_Isend");
 }
 
-void MpiSession::progress() { outbox_->drop_sent(); }
+void MpiSession::progress() { outbox_->remove_sent(); }
 
 std::optional<Message> MpiSession::poll() {
   progress();
@@ -159,26 +159,26 @@ std::optional<Message> MpiSession::poll() {
   return m;
 }
 
-std::int64_t MpiSession::max_of(std::int64_t value) { return reduce(value, MPI_MAX, patience_s_); }
-std::int64_t MpiSession::sum_of(std::int64_t value) { return reduce(value, MPI_SUM, patience_s_); }
+std::int64_t MpiSession::max_of(std::int64_t value) { return reduce(value, MPI_MAX, collective_timeout_s_); }
+std::int64_t MpiSession::sum_of(std::int64_t value) { return reduce(value, MPI_SUM, collective_timeout_s_); }
 
 int MpiSession::from_master(int value) {
-  broadcast(&value, sizeof value, patience_s_);
+  broadcast(&value, sizeof value, collective_timeout_s_);
   return value;
 }
 
 std::vector<std::uint8_t> MpiSession::from_master(std::vector<std::uint8_t> bytes) {
   constexpr std::size_t part_bytes = std::size_t(1) << 28;  // MPI counts in int; the timeout applies to each part
   std::uint64_t size = bytes.size();
-  broadcast(&size, sizeof size, patience_s_);
+  broadcast(&size, sizeof size, collective_timeout_s_);
   bytes.resize(size);
   for (std::size_t at = 0; at < bytes.size(); at += part_bytes)
-    broadcast(bytes.data() + at, std::min(part_bytes, bytes.size() - at), patience_s_);
+    broadcast(bytes.data() + at, std::min(part_bytes, bytes.size() - at), collective_timeout_s_);
   return bytes;
 }
 
 void MpiSession::abort(int exit_code) {
-  const TimeBound bound(longest_mpi_call_s(), "MPI_Abort");
+  const MpiCallTimeout bound(max_mpi_call_s(), "MPI_Abort");
   MPI_Abort(MPI_COMM_WORLD, exit_code);
   std::abort();
 }

@@ -20,7 +20,7 @@ class RankLost : public std::runtime_error {
 /// The span from MPI_Init to MPI_Finalize; without mpirun a world of one rank. One per process. The process ends if its
 /// mpirun dies.
 /// Errors  RankLost with the MPI call and MPI's error text. If MPI_Init or MPI_Finalize takes too long because another
-///         rank died or hangs, the process ends: cluster/time_bound.h.
+///         rank died or hangs, the process ends: cluster/mpi_call_timeout.h.
 class MpiSession {
  public:
   MpiSession();
@@ -47,8 +47,8 @@ class MpiSession {
   std::optional<Message> poll();
   /// Sets the timeout of collective calls. After it, the call throws RankLost on every waiting rank because another
   /// rank hangs and MPI would wait forever. No other collective call may follow.
-  void set_patience(double patience_s) { patience_s_ = patience_s; }
-  double patience_s() const { return patience_s_; }
+  void set_collective_timeout(double collective_timeout_s) { collective_timeout_s_ = collective_timeout_s; }
+  double collective_timeout_s() const { return collective_timeout_s_; }
   /// Collective. Returns the max over all ranks.
   std::int64_t max_of(std::int64_t value);
   /// Collective. Returns the sum over all ranks.
@@ -63,7 +63,7 @@ class MpiSession {
  private:
   struct Outbox;
   std::unique_ptr<Outbox> outbox_;
-  double patience_s_ = 600;
+  double collective_timeout_s_ = 600;
   int rank_ = 0, ranks_ = 1, rank_on_host_ = 0, ranks_on_host_ = 1, cores_ = 1;
 };
 

@@ -30,7 +30,7 @@ bool begins_as_a_shard(std::string_view name) {
   return name.starts_with("c_") || (name.size() > 1 && name[0] == 'p' && name[1] >= '0' && name[1] <= '9');
 }
 
-bool is_leftover(std::string_view name) {
+bool is_temporary_file(std::string_view name) {
   if (!name.starts_with('.') || !name.ends_with(".part")) return false;
   name.remove_prefix(1);
   const auto is_of = [&](const char* file) { return name.starts_with(file); };
@@ -46,7 +46,7 @@ std::vector<fs::path> files_in(const fs::path& folder, const Wanted& wanted) {
   return found;
 }
 
-std::vector<fs::path> orphans_in(const fs::path& out, const SceneDescription& scene) {
+std::vector<fs::path> find_orphans(const fs::path& out, const SceneDescription& scene) {
   std::unordered_set<std::string> used;
   for (const auto& shards : {&scene.cells, &scene.parents})
     for (const SceneCell& c : *shards) used.insert(fs::path(c.file).filename().string());
@@ -95,7 +95,7 @@ OutputFolder::OutputFolder(fs::path out, const fs::path& source) : out_(std::mov
   expect_no_links(out_);
   lock_.emplace(out_);
   folders_.make(out_ / "shards");
-  remove_leftovers();
+  remove_temporary_files();
   const Publication scene(out_ / "scene.xml"), shard(out_ / "shards" / "c_0_0_0.h5");  // fails early if unwritable
 }
 
@@ -127,18 +127,18 @@ bool OutputFolder::has_whole_scene() const {
 void OutputFolder::publish(const SceneDescription& scene) const {
   write_scene(out_ / "scene.xml", scene);
   remove_unused_pages(out_ / "scene.xml");
-  remove_leftovers();
+  remove_temporary_files();
 }
 
-void OutputFolder::remove_leftovers() const {
+void OutputFolder::remove_temporary_files() const {
   std::error_code error;  // failures to remove files are harmless
   for (const fs::path& folder : {out_, out_ / "shards"})
-    for (const fs::path& path : files_in(folder, is_leftover)) fs::remove(path, error);
+    for (const fs::path& path : files_in(folder, is_temporary_file)) fs::remove(path, error);
 }
 
 OrphanShards OutputFolder::orphans(const SceneDescription& scene) const {
   OrphanShards all;
-  for (const fs::path& path : orphans_in(out_, scene)) {
+  for (const fs::path& path : find_orphans(out_, scene)) {
     std::error_code error;
     const std::uint64_t bytes = fs::file_size(path, error);
     if (error) continue;
@@ -150,7 +150,7 @@ OrphanShards OutputFolder::orphans(const SceneDescription& scene) const {
 
 OrphanShards OutputFolder::remove_orphans(const SceneDescription& scene) const {
   OrphanShards gone;
-  for (const fs::path& path : orphans_in(out_, scene)) {
+  for (const fs::path& path : find_orphans(out_, scene)) {
     std::error_code size_error, error;
     const std::uint64_t bytes = fs::file_size(path, size_error);
     if (!fs::remove(path, error) || error) continue;

@@ -54,7 +54,7 @@ class OutputFolder {
     std::vector<std::filesystem::path> made_;
   };
 
-  void remove_leftovers() const;
+  void remove_temporary_files() const;
 
   std::filesystem::path out_;
   NewFolders folders_;

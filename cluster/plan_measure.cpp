@@ -21,13 +21,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double asked_size_s = 1.5, other_size_s = 0.75;  ///< baking time per voxel size
-constexpr double most_overtime = 4;                        ///< after this multiple, pieces in flight are abandoned
-constexpr double longest_start_s = 30;
-constexpr double slowest_cut = 2e7;  ///< min bytes per second when a large tile is split
-constexpr std::size_t most_tiles = 12, pieces_in_hand = 4, pieces_wanted = 10;
+constexpr double max_overrun = 4;                          ///< after this multiple, pieces in flight are abandoned
+constexpr double max_start_s = 30;
+constexpr double min_split_bytes_per_s = 2e7;  ///< min bytes per second when a large tile is split
+constexpr std::size_t max_tiles = 12, max_pieces_in_flight = 4, pieces_wanted = 10;
 constexpr double voxels_per_thread_s = 4e5;  ///< a guess that sets the size of pieces
 constexpr std::uint64_t seed = 20261122;
-constexpr std::chrono::milliseconds longest_nap{5};
+constexpr std::chrono::milliseconds max_nap{5};
 
 double elapsed_s(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -65,7 +65,7 @@ class SizeSampler {
   /// Runs the measurement; sample() and the other results are valid afterwards. order: tiles in the order of drawing.
   void run(const std::vector<std::uint32_t>& order) {
     wait_for_device();
-    const std::vector<TileSurvey> surveys = survey_some(order);
+    const std::vector<TileScan> surveys = survey_some(order);
     const std::vector<Piece> pieces = piece_order(surveys, surveys.size() == order.size(), seed);
     bake_some(pieces);
   }
@@ -76,26 +76,27 @@ class SizeSampler {
   bool on_device() const { return on_device_; }
 
  private:
-  struct InHand {
+  struct InFlightPiece {
     BakedPiece piece;
     std::size_t cells_left = 0;
     bool is_whole = true;
   };
 
   static BakeProcessOptions limited(BakeProcessOptions options, double budget_s, std::uint64_t large_bytes) {
-    options.patience.cell_timeout_s = std::max(10.0, most_overtime * budget_s) + double(large_bytes) / slowest_cut;
+    options.timeouts.cell_timeout_s =
+        std::max(10.0, max_overrun * budget_s) + double(large_bytes) / min_split_bytes_per_s;
     return options;
   }
 
   void nap() {
     progress_.advance(0);
-    process_.wait(longest_nap);
+    process_.wait(max_nap);
   }
 
   void wait_for_device() {
     const auto start = Clock::now();
     while (!process_.device() && problem_.empty()) {
-      if (elapsed_s(start) > longest_start_s) problem_ = "the process that bakes does not start";
+      if (elapsed_s(start) > max_start_s) problem_ = "the process that bakes does not start";
       process_.prepare();
       nap();
       while (const auto event = process_.poll())
@@ -105,20 +106,20 @@ class SizeSampler {
   }
 
   /// Scans the first readable tiles, within a third of the time budget.
-  std::vector<TileSurvey> survey_some(const std::vector<std::uint32_t>& order) {
-    std::vector<TileSurvey> surveys;
+  std::vector<TileScan> survey_some(const std::vector<std::uint32_t>& order) {
+    std::vector<TileScan> surveys;
     const auto start = Clock::now();
     for (const std::uint32_t tile : order) {
-      if (!problem_.empty() || surveys.size() == most_tiles) break;
+      if (!problem_.empty() || surveys.size() == max_tiles) break;
       if (!surveys.empty() && elapsed_s(start) > budget_s_ / 3) break;
       if (auto survey = survey_one(tile)) surveys.push_back(std::move(*survey));
     }
     return surveys;
   }
 
-  std::optional<TileSurvey> survey_one(std::uint32_t tile) {
+  std::optional<TileScan> survey_one(std::uint32_t tile) {
     process_.survey(tile);
-    while (process_.in_hand() != 0) {
+    while (process_.in_flight() != 0) {
       nap();
       while (auto event = process_.poll()) {
         if (const auto* died = std::get_if<BakeProcess::Died>(&*event)) problem_ = died->why;
@@ -134,10 +135,11 @@ class SizeSampler {
     std::size_t next = 0;
     while (problem_.empty()) {
       const double now_s = elapsed_s(start);
-      while (next < pieces.size() && process_.in_hand() < pieces_in_hand && now_s < budget_s_) submit(pieces[next++]);
-      if (process_.in_hand() == 0) return;
-      if (now_s > most_overtime * budget_s_) {
-        problem_ = fmt::format("a piece takes longer than {:.0f} s", most_overtime * budget_s_);
+      while (next < pieces.size() && process_.in_flight() < max_pieces_in_flight && now_s < budget_s_)
+        submit(pieces[next++]);
+      if (process_.in_flight() == 0) return;
+      if (now_s > max_overrun * budget_s_) {
+        problem_ = fmt::format("a piece takes longer than {:.0f} s", max_overrun * budget_s_);
         return;
       }
       nap();
@@ -147,15 +149,15 @@ class SizeSampler {
 
   void submit(const Piece& piece) {
     const std::vector<CellJob> jobs = jobs_of(piece, setup_.parameters.cell_voxels, std::uint32_t(owner_.size()));
-    InHand in_hand;
-    in_hand.piece.tile = piece.tile;
-    in_hand.piece.crossings = double(piece.column.crossings) / crossing_unit;
-    in_hand.cells_left = jobs.size();
+    InFlightPiece in_flight;
+    in_flight.piece.tile = piece.tile;
+    in_flight.piece.crossings = double(piece.column.crossings) / projected_voxel_unit;
+    in_flight.cells_left = jobs.size();
     for (const CellJob& job : jobs) {
-      owner_.push_back(in_hand_.size());
+      owner_.push_back(in_flight_.size());
       process_.submit(job, 0);
     }
-    in_hand_.push_back(in_hand);
+    in_flight_.push_back(in_flight);
   }
 
   void take(const BakeProcess::Event& event, Clock::time_point start) {
@@ -163,7 +165,7 @@ class SizeSampler {
     const auto* baked = std::get_if<BakeProcess::Baked>(&event);
     if (baked == nullptr) return;
     const CellReport& report = baked->report;
-    InHand& owner = in_hand_[owner_.at(report.id)];
+    InFlightPiece& owner = in_flight_[owner_.at(report.id)];
     owner.is_whole = owner.is_whole && report.outcome != CellOutcome::failed;
     add(report, owner.piece);
     if (--owner.cells_left != 0 || !owner.is_whole) return;
@@ -192,8 +194,8 @@ class SizeSampler {
   const Progress progress_;
   BakeProcess process_;
   BakedSample sample_;
-  std::vector<InHand> in_hand_;
-  std::vector<std::size_t> owner_;  ///< index into in_hand_, by cell id
+  std::vector<InFlightPiece> in_flight_;
+  std::vector<std::size_t> owner_;  ///< index into in_flight_, by cell id
   std::vector<std::uint32_t> tiles_;
   std::string problem_;
   bool on_device_ = false;
@@ -208,7 +210,7 @@ double scale_of(double voxel_size_m, const BakeRequest& request) {
 SampledScene scene_at(double voxel_size_m, const MpiSession& mpi, const BakeRequest& request, const BakePlan& plan) {
   const double scale = scale_of(voxel_size_m, request);
   SampledScene scene;
-  for (const std::uint64_t c : plan.tile_crossings) scene.crossings += scale * double(c) / crossing_unit;
+  for (const std::uint64_t c : plan.tile_crossings) scene.crossings += scale * double(c) / projected_voxel_unit;
   scene.tile_triangles = plan.tile_triangles;
   scene.cells = std::max<std::uint64_t>(1, std::uint64_t(scale * double(plan.jobs.size()) + 0.5));
   scene.ranks = mpi.ranks();
@@ -242,8 +244,8 @@ MeasuredSize measured(double voxel_size_m, const SizeSampler& sampler, const Sam
 TextureFindings textures_of(const SceneSources& sources, const std::vector<std::uint32_t>& tiles,
                             const WorkerSetup& setup) {
   const TileScratch scratch = scratch_in(setup.worker.scratch, setup.worker.memory_bytes);
-  return look_at_textures(sources, tiles, TileStore(sources, setup.parameters, scratch, setup.worker.threads),
-                          scratch.most_tile_bytes);
+  return examine_textures(sources, tiles, TileStore(sources, setup.parameters, scratch, setup.worker.threads),
+                          scratch.max_tile_bytes);
 }
 
 /// Returns the bake's scratch folder as far as the request determines it.
@@ -274,7 +276,7 @@ PlanMeasure measure_plan(const MpiSession& mpi, const BakeRequest& request, cons
   if (!measures) return out;
   const TemporaryFolder folder(request.scratch);
   try {
-    scratch_note(out.scratch, folder.path());
+    scratch_info(out.scratch, folder.path());
   } catch (const InputError& no_room) {
     for (MeasuredSize& size : out.sizes) size.problem = no_room.what();
     return out;

@@ -31,10 +31,10 @@ TileMesh sample_of(const LoadedTile& tile) {
   return sample;
 }
 
-class TextureLook {
+class TextureStatistics {
  public:
-  TextureLook(const SceneSources& sources, const TileStore& store, std::uint64_t most_bytes)
-      : sources_(sources), store_(store), most_bytes_(most_bytes) {}
+  TextureStatistics(const SceneSources& sources, const TileStore& store, std::uint64_t max_bytes)
+      : sources_(sources), store_(store), max_bytes_(max_bytes) {}
 
   void add(std::uint32_t tile) {
     const TileRef& ref = sources_.tiles.at(tile);
@@ -43,7 +43,7 @@ class TextureLook {
     texels_.add(texel_size(mesh));
     for (EncodedImage& encoded : mesh.images) {
       const TileImage image = tile_image(std::move(encoded));
-      if (image.texture_bytes > most_bytes_ && seen_.insert({image.hash.hi, image.hash.lo}).second)
+      if (image.texture_bytes > max_bytes_ && seen_.insert({image.hash.hi, image.hash.lo}).second)
         scratch_bytes_ += double(image.texture_bytes);
     }
     looked_at_bytes_ += double(ref.bytes);
@@ -61,7 +61,7 @@ class TextureLook {
  private:
   const SceneSources& sources_;
   const TileStore& store_;
-  const std::uint64_t most_bytes_;
+  const std::uint64_t max_bytes_;
   TexelSize texels_;
   std::set<std::pair<std::uint64_t, std::uint64_t>> seen_;  ///< images shared by tiles count once
   double scratch_bytes_ = 0, looked_at_bytes_ = 0;
@@ -69,9 +69,9 @@ class TextureLook {
 
 }  // namespace
 
-TextureFindings look_at_textures(const SceneSources& sources, const std::vector<std::uint32_t>& tiles,
-                                 const TileStore& store, std::uint64_t most_bytes) {
-  TextureLook look(sources, store, most_bytes);
+TextureFindings examine_textures(const SceneSources& sources, const std::vector<std::uint32_t>& tiles,
+                                 const TileStore& store, std::uint64_t max_bytes) {
+  TextureStatistics look(sources, store, max_bytes);
   const auto start = std::chrono::steady_clock::now();
   for (const std::uint32_t tile : tiles) {
     if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > longest_s) break;

@@ -18,11 +18,11 @@ struct TextureFindings {
   std::optional<std::uint64_t> scratch_bytes;
 };
 
-/// Examines textures. tiles: tiles that a bake process has already read and baked without failure. most_bytes: max size
+/// Examines textures. tiles: tiles that a bake process has already read and baked without failure. max_bytes: max size
 /// of a texture in memory.
 /// Cost    0.5 s plus the tile in progress. A large tile is loaded from the store, and only part of its triangles is
 ///         read.
-TextureFindings look_at_textures(const SceneSources& sources, const std::vector<std::uint32_t>& tiles,
-                                 const TileStore& store, std::uint64_t most_bytes);
+TextureFindings examine_textures(const SceneSources& sources, const std::vector<std::uint32_t>& tiles,
+                                 const TileStore& store, std::uint64_t max_bytes);
 
 }  // namespace gigabake

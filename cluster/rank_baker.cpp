@@ -7,7 +7,7 @@
 
 namespace gigabake {
 
-void RankBaker::obey(std::span<const std::uint8_t> order) {
+void RankBaker::handle(std::span<const std::uint8_t> order) {
   std::uint32_t known_deaths = 0;
   ByteReader(order, "order").get(known_deaths);
   if (known_deaths != deaths_) return;

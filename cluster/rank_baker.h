@@ -17,7 +17,7 @@ class RankBaker {
   /// Handles the payload of a tag_job. Drops an order that rank 0 sent before it learned of the last death: rank 0
   /// counts that cell as lost with the process.
   /// Errors  InputError when malformed.
-  void obey(std::span<const std::uint8_t> order);
+  void handle(std::span<const std::uint8_t> order);
   /// Returns the next tag_report or tag_died for rank 0, if any; never blocks.
   std::optional<Message> answer();
 

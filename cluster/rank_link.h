@@ -19,7 +19,7 @@ class RankLink {
   /// Returns monotonic seconds from an arbitrary origin.
   virtual double now_s() const = 0;
   /// Returns true if an early, orderly end of the bake was requested.
-  virtual bool is_drain_asked() const = 0;
+  virtual bool is_drain_requested() const = 0;
   /// Returns immediately. Messages to one rank arrive in order, or never if that rank is lost.
   virtual void send(int rank, Tag tag, std::vector<std::uint8_t> bytes) = 0;
   /// Returns the next message from any rank, if any; never blocks.

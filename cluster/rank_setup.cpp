@@ -11,13 +11,13 @@ int threads_of(const MpiSession& mpi, const BakeRequest& request) {
 
 BakeProcessOptions process_options(const BakeRequest& request) {
   BakeProcessOptions options;
-  options.patience = request.patience;
+  options.timeouts = request.timeouts;
   return options;
 }
 
 std::uint64_t memory_of(const MpiSession& mpi, const BakeRequest& request) {
-  if (!request.memory_is_usual) return request.memory_bytes;
-  return usual_memory(request.memory_bytes, host_limits().memory_bytes, mpi.ranks_on_host());
+  if (!request.is_default_memory) return request.memory_bytes;
+  return default_memory(request.memory_bytes, host_limits().memory_bytes, mpi.ranks_on_host());
 }
 
 WorkerSetup setup_of(const MpiSession& mpi, const BakeRequest& request, const SharedSources& sources) {

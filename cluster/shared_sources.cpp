@@ -16,9 +16,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Forwards rank 0's progress and sends heartbeats to the other ranks.
-class SignsWhileOpening : public ProgressListener {
+class HeartbeatsWhileOpening : public ProgressListener {
  public:
-  SignsWhileOpening(MpiSession& mpi, const Progress& listener) : mpi_(mpi), listener_(listener) {}
+  HeartbeatsWhileOpening(MpiSession& mpi, const Progress& listener) : mpi_(mpi), listener_(listener) {}
 
   void step(const std::string& name, std::uint64_t total, const std::string& unit) override {
     listener_.step(name, total, unit);
@@ -29,11 +29,11 @@ class SignsWhileOpening : public ProgressListener {
   }
 
  private:
-  static constexpr std::chrono::seconds between_signs{1};
+  static constexpr std::chrono::seconds heartbeat_interval{1};
 
   /// Sends heartbeats, on the main thread only because MPI is initialized for one thread.
   void show() {
-    if (std::this_thread::get_id() != thread_ || Clock::now() - shown_ < between_signs) return;
+    if (std::this_thread::get_id() != thread_ || Clock::now() - shown_ < heartbeat_interval) return;
     shown_ = Clock::now();
     for (int rank = 1; rank < mpi_.ranks(); ++rank) mpi_.send(rank, tag_alive, {});
     mpi_.progress();
@@ -48,7 +48,8 @@ class SignsWhileOpening : public ProgressListener {
 /// Waits on every rank but 0 until opening the source on rank 0 has succeeded or failed.
 void await_master(MpiSession& mpi) {
   constexpr std::chrono::milliseconds pause{5};
-  for (auto heard = Clock::now(); std::chrono::duration<double>(Clock::now() - heard).count() < mpi.patience_s();) {
+  for (auto heard = Clock::now();
+       std::chrono::duration<double>(Clock::now() - heard).count() < mpi.collective_timeout_s();) {
     if (const auto message = mpi.poll()) {
       if (message->tag == tag_opened) return;
       heard = Clock::now();
@@ -69,13 +70,13 @@ void expect_source(const std::filesystem::path& path) {
 
 SharedSources open_shared_sources(MpiSession& mpi, const std::filesystem::path& path, const SourceOptions& options,
                                   const Progress& progress) {
-  all_or_none(mpi, [&] { expect_source(path); });
+  collective_try(mpi, [&] { expect_source(path); });
   SharedSources sources;
   std::vector<std::uint8_t> bytes;
   std::exception_ptr failure;
   if (mpi.rank() == 0) {
     try {
-      SignsWhileOpening signs(mpi, progress);
+      HeartbeatsWhileOpening signs(mpi, progress);
       sources.scene = open_sources(path, options, Progress(signs));
       bytes = to_bytes(sources.scene);
     } catch (...) {
@@ -85,7 +86,7 @@ SharedSources open_shared_sources(MpiSession& mpi, const std::filesystem::path& 
   } else {
     await_master(mpi);
   }
-  all_or_none(mpi, [&] {
+  collective_try(mpi, [&] {
     if (failure) std::rethrow_exception(failure);
   });
   sources.bytes = std::make_shared<const std::vector<std::uint8_t>>(mpi.from_master(std::move(bytes)));

@@ -13,7 +13,7 @@
 namespace gigabake {
 namespace {
 
-constexpr double tell_every_s = 0.1, write_every_s = 1;
+constexpr double update_every_s = 0.1, write_every_s = 1;
 
 /// Returns true after the interval, and also if the clock was set back.
 bool is_due(double now_s, double last_s, double every_s) { return std::fabs(now_s - last_s) >= every_s; }
@@ -33,8 +33,8 @@ StatusFeed::StatusFeed(std::filesystem::path out, int ranks, std::filesystem::pa
 void StatusFeed::turn() {
   began_ = true;
   const double now_s = unix_now_s();
-  if (!is_due(now_s, told_s_, tell_every_s)) return;
-  told_s_ = now_s;
+  if (!is_due(now_s, updated_s_, update_every_s)) return;
+  updated_s_ = now_s;
   const BakeStatus status = record_.at(now_s);
   if (listener_) listener_(status);
   if (!is_due(now_s, written_s_, write_every_s)) return;
@@ -44,8 +44,8 @@ void StatusFeed::turn() {
 
 void StatusFeed::publish() {
   began_ = true;
-  told_s_ = written_s_ = unix_now_s();
-  const BakeStatus status = record_.at(told_s_);
+  updated_s_ = written_s_ = unix_now_s();
+  const BakeStatus status = record_.at(updated_s_);
   if (listener_) listener_(status);
   write(status);
 }
@@ -65,8 +65,8 @@ void StatusFeed::write(const BakeStatus& status) {
     write_status(out_, status);
     if (!metrics_.empty()) publish_file(metrics_, to_prometheus(status), Durability::while_up);
   } catch (const InputError& e) {
-    if (!complained_) print_message("the bake goes on without its status: {}\n", e.what());
-    complained_ = true;
+    if (!warned_) print_message("the bake goes on without its status: {}\n", e.what());
+    warned_ = true;
   }
 }
 

@@ -38,8 +38,8 @@ class StatusFeed {
   std::filesystem::path out_, metrics_;
   Listener listener_;
   BakeStatusRecord record_;
-  double told_s_ = 0, written_s_ = 0;
-  bool began_ = false, complained_ = false;
+  double updated_s_ = 0, written_s_ = 0;
+  bool began_ = false, warned_ = false;
 };
 
 }  // namespace gigabake

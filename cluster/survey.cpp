@@ -10,7 +10,7 @@
 #include <utility>
 #include <variant>
 
-#include "cluster/signs_of_life.h"
+#include "cluster/heartbeat.h"
 #include "format/job/cell_job.h"
 #include "lattice/bytes.h"
 
@@ -18,8 +18,8 @@ namespace gigabake {
 namespace {
 
 /// Requests in flight per process. It scans four tiles concurrently and must never wait for the next request.
-constexpr std::size_t tiles_in_hand = 8;
-constexpr int strikes = 3;
+constexpr std::size_t max_tiles_in_flight = 8;
+constexpr int max_failures = 3;
 constexpr std::chrono::milliseconds max_scan_wait{5};
 
 /// Order of requests to the process.
@@ -31,11 +31,11 @@ class TileQueue {
 
   /// Returns the next tile to request, if any. A tile that needs an isolated retry is requested only if none is in
   /// flight.
-  std::optional<std::uint32_t> next(std::size_t in_hand) {
-    if (alone_ && in_hand != 0) return std::nullopt;
+  std::optional<std::uint32_t> next(std::size_t in_flight) {
+    if (alone_ && in_flight != 0) return std::nullopt;
     alone_ = !suspects_.empty();
     std::deque<std::uint32_t>& from = alone_ ? suspects_ : waiting_;
-    if (from.empty() || in_hand >= (alone_ ? 1 : tiles_in_hand)) return std::nullopt;
+    if (from.empty() || in_flight >= (alone_ ? 1 : max_tiles_in_flight)) return std::nullopt;
     const std::uint32_t tile = from.front();
     from.pop_front();
     return tile;
@@ -50,39 +50,39 @@ class TileQueue {
   /// Requeues the tiles in flight at a death for isolated retries. If only one tile was in flight, the death counts as
   /// its failure. Returns the tile if it has reached the max number of failures.
   std::optional<std::uint32_t> put_back(const std::vector<std::uint32_t>& tiles) {
-    if (tiles.size() == 1 && ++strikes_[tiles[0]] >= strikes) return tiles[0];
+    if (tiles.size() == 1 && ++failures_[tiles[0]] >= max_failures) return tiles[0];
     suspects_.insert(suspects_.end(), tiles.begin(), tiles.end());
     return std::nullopt;
   }
 
  private:
   std::deque<std::uint32_t> waiting_, suspects_;
-  std::unordered_map<std::uint32_t, int> strikes_;
+  std::unordered_map<std::uint32_t, int> failures_;
   bool alone_ = false;
 };
 
-TileSurvey given_up(std::uint32_t tile, const std::string& why) {
-  TileSurvey survey;
+TileScan given_up(std::uint32_t tile, const std::string& why) {
+  TileScan survey;
   survey.tile = tile;
-  survey.error = "ends the process that reads it (tried " + std::to_string(strikes) + " times): " + why;
+  survey.error = "ends the process that reads it (tried " + std::to_string(max_failures) + " times): " + why;
   return survey;
 }
 
 /// Returns every `ranks`-th tile, starting at `rank`.
-std::vector<std::uint32_t> share_of(const std::vector<std::uint32_t>& tiles, int rank, int ranks) {
+std::vector<std::uint32_t> tiles_of_rank(const std::vector<std::uint32_t>& tiles, int rank, int ranks) {
   std::vector<std::uint32_t> share;
   for (std::size_t i = std::size_t(rank); i < tiles.size(); i += std::size_t(ranks)) share.push_back(tiles[i]);
   return share;
 }
 
 /// Rank 0's collector of messages from the other ranks.
-class SurveyCollector {
+class ScanCollector {
  public:
-  SurveyCollector(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, double silence_s,
-                  const SurveyListener& listener)
-      : mpi_(mpi), silence_s_(silence_s), listener_(listener), ranks_(std::size_t(mpi.ranks())) {
+  ScanCollector(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, double heartbeat_timeout_s,
+                const SurveyListener& listener)
+      : mpi_(mpi), heartbeat_timeout_s_(heartbeat_timeout_s), listener_(listener), ranks_(std::size_t(mpi.ranks())) {
     for (int rank = 0; rank < mpi.ranks(); ++rank)
-      ranks_[std::size_t(rank)] = {share_of(tiles, rank, mpi.ranks()).size(), Clock::now()};
+      ranks_[std::size_t(rank)] = {tiles_of_rank(tiles, rank, mpi.ranks()).size(), Clock::now()};
   }
 
   void collect() {
@@ -109,7 +109,7 @@ class SurveyCollector {
     }
   }
 
-  std::vector<TileSurvey>& surveys() { return surveys_; }
+  std::vector<TileScan>& surveys() { return surveys_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -120,31 +120,31 @@ class SurveyCollector {
 
   void expect_life(int rank) const {
     const Rank& r = ranks_[std::size_t(rank)];
-    if (r.missing == 0 || std::chrono::duration<double>(Clock::now() - r.heard).count() < silence_s_) return;
+    if (r.missing == 0 || std::chrono::duration<double>(Clock::now() - r.heard).count() < heartbeat_timeout_s_) return;
     throw RankLost("nothing heard of rank " + std::to_string(rank) +
                    " while tiles were surveyed; run the same command again, without its host");
   }
 
   MpiSession& mpi_;
-  double silence_s_;
+  double heartbeat_timeout_s_;
   const SurveyListener& listener_;
   std::vector<Rank> ranks_;
-  std::vector<TileSurvey> surveys_;
+  std::vector<TileScan> surveys_;
 };
 
 /// Sends every rank its tiles from rank 0; returns this rank's tiles.
-std::vector<std::uint32_t> share_out(MpiSession& mpi, const std::vector<std::uint32_t>& tiles,
-                                     const BakeProcess& process) {
+std::vector<std::uint32_t> distribute_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles,
+                                            const BakeProcess& process) {
   if (mpi.rank() == 0) {
     for (int rank = 1; rank < mpi.ranks(); ++rank) {
       ByteWriter writer;
-      writer.put(share_of(tiles, rank, mpi.ranks()));
+      writer.put(tiles_of_rank(tiles, rank, mpi.ranks()));
       mpi.send(rank, tag_tiles, writer.take());
     }
-    return share_of(tiles, 0, mpi.ranks());
+    return tiles_of_rank(tiles, 0, mpi.ranks());
   }
   const auto start = std::chrono::steady_clock::now();
-  while (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < mpi.patience_s()) {
+  while (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < mpi.collective_timeout_s()) {
     if (const auto message = mpi.poll()) {
       std::vector<std::uint32_t> own;
       ByteReader(message->bytes, "tiles to survey").get(own);
@@ -157,13 +157,13 @@ std::vector<std::uint32_t> share_out(MpiSession& mpi, const std::vector<std::uin
 
 }  // namespace
 
-void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
-                 const std::function<void(TileSurvey)>& each, const std::function<void(const std::string&)>& died,
-                 const std::function<bool()>& idle) {
+void scan_on_this_rank(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
+                       const std::function<void(TileScan)>& each, const std::function<void(const std::string&)>& died,
+                       const std::function<bool()>& idle) {
   TileQueue queue(tiles);
   int failed_starts = 0;
-  while (!queue.is_empty() || process.in_hand() != 0) {
-    while (const auto tile = queue.next(process.in_hand())) process.survey(*tile);
+  while (!queue.is_empty() || process.in_flight() != 0) {
+    while (const auto tile = queue.next(process.in_flight())) process.survey(*tile);
     process.wait(max_scan_wait);
     while (auto event = process.poll()) {
       if (auto* surveyed = std::get_if<BakeProcess::Surveyed>(&*event)) each(std::move(surveyed->survey));
@@ -184,10 +184,10 @@ void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
 namespace {
 
 /// Scans on every rank but 0. During a scan rank 0 sends only `tag_stop`.
-void survey_for_master(MpiSession& mpi, BakeProcess& process, const std::vector<std::uint32_t>& tiles) {
-  SignsOfLife signs(mpi, process);
-  survey_here(
-      process, tiles, [&](const TileSurvey& s) { mpi.send(0, tag_survey, to_bytes(s)); },
+void scan_for_master(MpiSession& mpi, BakeProcess& process, const std::vector<std::uint32_t>& tiles) {
+  HeartbeatSender signs(mpi, process);
+  scan_on_this_rank(
+      process, tiles, [&](const TileScan& s) { mpi.send(0, tag_survey, to_bytes(s)); },
       [&](const std::string& why) {
         mpi.send(0, tag_died, {why.begin(), why.end()});
       },
@@ -201,20 +201,20 @@ void survey_for_master(MpiSession& mpi, BakeProcess& process, const std::vector<
 
 }  // namespace
 
-std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
-                                     double silence_s, const SurveyListener& listener) {
-  const std::vector<std::uint32_t> own = share_out(mpi, tiles, process);
+std::vector<TileScan> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
+                                   double heartbeat_timeout_s, const SurveyListener& listener) {
+  const std::vector<std::uint32_t> own = distribute_tiles(mpi, tiles, process);
   if (mpi.rank() != 0) {
-    survey_for_master(mpi, process, own);
+    scan_for_master(mpi, process, own);
     return {};
   }
-  SurveyCollector collector(mpi, tiles, silence_s, listener);
+  ScanCollector collector(mpi, tiles, heartbeat_timeout_s, listener);
   const auto collect = [&] {
     collector.collect();
     return listener.surveyed(collector.surveys().size());
   };
-  survey_here(
-      process, own, [&](TileSurvey s) { collector.surveys().push_back(std::move(s)); },
+  scan_on_this_rank(
+      process, own, [&](TileScan s) { collector.surveys().push_back(std::move(s)); },
       [&](const std::string& why) { listener.died(0, why); }, collect);
   bool goes_on = collect();
   for (; goes_on && collector.surveys().size() < tiles.size(); goes_on = collect()) process.wait(max_scan_wait);

@@ -17,9 +17,9 @@ namespace gigabake {
 /// `each` receives each result, and `died` the reason of a death. The callback `idle` is called at least every few
 /// milliseconds and returns false to stop the scan.
 /// Errors  std::runtime_error: the process ends repeatedly before it has started.
-void survey_here(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
-                 const std::function<void(TileSurvey)>& each, const std::function<void(const std::string&)>& died,
-                 const std::function<bool()>& idle);
+void scan_on_this_rank(BakeProcess& process, const std::vector<std::uint32_t>& tiles,
+                       const std::function<void(TileScan)>& each, const std::function<void(const std::string&)>& died,
+                       const std::function<bool()>& idle);
 
 /// Callbacks of rank 0 during the scan.
 struct SurveyListener {
@@ -28,10 +28,10 @@ struct SurveyListener {
 };
 
 /// Collective call. The tiles to scan are given on rank 0. Returns one result per tile on rank 0, none elsewhere. A
-/// tile that cannot be read has a result with an error. silence_s: rank 0's heartbeat timeout for other ranks. The
-/// listener is used on rank 0; if it stops the scan, the results so far are returned.
+/// tile that cannot be read has a result with an error. heartbeat_timeout_s: rank 0's heartbeat timeout for other
+/// ranks. The listener is used on rank 0; if it stops the scan, the results so far are returned.
 /// Errors  RankLost on rank 0: a rank's heartbeat timed out. No collective call may follow.
-std::vector<TileSurvey> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
-                                     double silence_s, const SurveyListener& listener);
+std::vector<TileScan> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
+                                   double heartbeat_timeout_s, const SurveyListener& listener);
 
 }  // namespace gigabake

@@ -21,7 +21,7 @@ constexpr char unlocked_template[] = "gigabake-new-XXXXXX";
 constexpr std::size_t random_characters = 6;
 
 /// Removes folders whose process no longer holds its lock. Failures to remove a folder are harmless.
-void remove_leftovers(const fs::path& parent) {
+void remove_temporary_files(const fs::path& parent) {
   std::error_code error;
   std::vector<fs::path> found;
   for (fs::directory_iterator it(parent, error), end; !error && it != end; it.increment(error))
@@ -44,7 +44,7 @@ TemporaryFolder::TemporaryFolder(const std::filesystem::path& in) {
   std::error_code ignored;
   if (!in.empty()) std::filesystem::create_directories(in, ignored);
   const std::filesystem::path parent = in.empty() ? system_folder() : in;
-  remove_leftovers(parent);
+  remove_temporary_files(parent);
   std::string made = (parent / unlocked_template).string();
   if (::mkdtemp(made.data()) == nullptr)
     throw InputError(

@@ -3,31 +3,35 @@
 #include <utility>
 
 #include "cluster/dispatch.h"
+#include "cluster/heartbeat.h"
 #include "cluster/rank_baker.h"
-#include "cluster/signs_of_life.h"
 
 namespace gigabake {
 namespace {
 
-constexpr std::chrono::milliseconds longest_turn{2};
+constexpr std::chrono::milliseconds max_sleep{2};
 
 /// Multiple of the heartbeat timeout without a message after which rank 0 counts as lost. Rank 0 sends several messages
 /// within that time while it dispatches cells.
-constexpr double silences_of_the_master = 4;
+constexpr double heartbeat_timeouts_of_master = 4;
 
 /// The main loop of a rank other than 0.
 class Worker {
  public:
-  Worker(MpiSession& mpi, BakeProcess& process, double silence_s)
-      : mpi_(mpi), process_(process), baker_(process), silence_s_(silence_s), longest_silence_s_(mpi.patience_s()) {}
+  Worker(MpiSession& mpi, BakeProcess& process, double heartbeat_timeout_s)
+      : mpi_(mpi),
+        process_(process),
+        baker_(process),
+        heartbeat_timeout_s_(heartbeat_timeout_s),
+        max_silence_s_(mpi.collective_timeout_s()) {}
 
   void run() {
     while (!stopped_) {
       signs_.show();
-      while (const auto message = mpi_.poll()) obey(*message);
+      while (const auto message = mpi_.poll()) handle(*message);
       while (auto answer = baker_.answer()) mpi_.send(0, answer->tag, std::move(answer->bytes));
       expect_master();
-      process_.wait(longest_turn);
+      process_.wait(max_sleep);
     }
   }
 
@@ -38,16 +42,16 @@ class Worker {
     if (now - turned_ > own_pause) heard_ = now;  // this rank was stopped: messages may be pending
     turned_ = now;
     const double silent_s = std::chrono::duration<double>(now - heard_).count();
-    if (stopped_ || silent_s < longest_silence_s_) return;
+    if (stopped_ || silent_s < max_silence_s_) return;
     throw RankLost("nothing heard of rank 0 for " + std::to_string(std::int64_t(silent_s)) +
                    " s; run the same command again, without its host");
   }
 
-  void obey(const Message& message) {
+  void handle(const Message& message) {
     heard_ = Clock::now();
-    longest_silence_s_ = silences_of_the_master * silence_s_;  // earlier, rank 0 may examine OUT for longer
+    max_silence_s_ = heartbeat_timeouts_of_master * heartbeat_timeout_s_;  // earlier, rank 0 may examine OUT for longer
     if (message.tag == tag_stop) stopped_ = true;
-    if (message.tag == tag_job) baker_.obey(message.bytes);
+    if (message.tag == tag_job) baker_.handle(message.bytes);
   }
 
   using Clock = std::chrono::steady_clock;
@@ -56,15 +60,17 @@ class Worker {
   MpiSession& mpi_;
   BakeProcess& process_;
   RankBaker baker_;
-  const double silence_s_;
-  double longest_silence_s_;
+  const double heartbeat_timeout_s_;
+  double max_silence_s_;
   Clock::time_point heard_ = Clock::now(), turned_ = Clock::now();
-  SignsOfLife signs_{mpi_, process_};
+  HeartbeatSender signs_{mpi_, process_};
   bool stopped_ = false;
 };
 
 }  // namespace
 
-void work(MpiSession& mpi, BakeProcess& process, double silence_s) { Worker(mpi, process, silence_s).run(); }
+void work(MpiSession& mpi, BakeProcess& process, double heartbeat_timeout_s) {
+  Worker(mpi, process, heartbeat_timeout_s).run();
+}
 
 }  // namespace gigabake

@@ -108,12 +108,12 @@ set(gb_public_headers_viewer
     viewer/light/sky.h
     viewer/light/sun.h
     viewer/live/camera_path.h
-    viewer/live/camera_rig.h
-    viewer/live/frame_pace.h
+    viewer/live/camera_controller.h
+    viewer/live/frame_budget.h
     viewer/live/live_scene.h
     viewer/live/path_frames.h
     viewer/live/picked_point.h
-    viewer/live/pilot.h
+    viewer/live/render_scheduler.h
     viewer/pictures/camera.h
     viewer/pictures/exr.h
     viewer/pictures/frame_renderer.h
@@ -135,7 +135,7 @@ set(gb_public_headers_viewer
     viewer/stream/page.h
     viewer/stream/pager.h
     viewer/stream/parent_tiers.h
-    viewer/stream/pool_books.h
+    viewer/stream/pool_allocator.h
     viewer/stream/scene_stream.h
     viewer/stream/shard_map.h
     viewer/stream/voxel_arena.h

@@ -47,11 +47,11 @@ std::string message_line(const std::filesystem::path& file, const std::string& k
     return path + (member.empty() || path.empty() ? "" : ": ") + member + (path.empty() && member.empty() ? "" : ": ");
   };
   const std::string whole = before_message(file.string(), key);
-  if (whole.size() + message.size() + place.size() <= longest_message_bytes)
+  if (whole.size() + message.size() + place.size() <= max_message_bytes)
     return without_control_characters(whole + message + place);
   const std::string member = short_text(key, max_key_bytes), text = fitted(message);
   const std::size_t rest = member.size() + text.size() + place.size() + 4;
-  const std::size_t left = longest_message_bytes - std::min(rest, longest_message_bytes);
+  const std::size_t left = max_message_bytes - std::min(rest, max_message_bytes);
   const std::string path = short_path(file.string(), std::clamp(left, min_path_bytes, max_path_bytes));
   return without_control_characters(short_text(before_message(path, member) + text + place, max_line_bytes));
 }
@@ -74,7 +74,7 @@ std::string as_line(std::string_view text, std::size_t max_bytes) {
   return without_control_characters(std::string(head_of(text, max_bytes - 3)).append("…"));
 }
 
-std::string in_quotes(std::string_view text) { return "'" + as_line(short_text(text, longest_quote_bytes)) + "'"; }
+std::string in_quotes(std::string_view text) { return "'" + as_line(short_text(text, max_quote_bytes)) + "'"; }
 
 std::string reason_of(const std::exception& error) {
   const auto* of_system = dynamic_cast<const std::system_error*>(&error);

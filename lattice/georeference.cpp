@@ -11,11 +11,11 @@ const GeographicLib::Geocentric& earth() { return GeographicLib::Geocentric::WGS
 }  // namespace
 
 bool is_on_earth(const Point<Ecef>& p, double radius_m) {
-  constexpr double least_earth_radius_m = 6.35e6, widest_m = 3e6;
-  if (!(radius_m <= widest_m)) radius_m = 0;  // such a volume is too large to restrict the centre
-  const double deepest_m = 12e3 + radius_m * radius_m / (2 * least_earth_radius_m);
+  constexpr double min_earth_radius_m = 6.35e6, max_radius_m = 3e6;
+  if (!(radius_m <= max_radius_m)) radius_m = 0;  // such a volume is too large to restrict the centre
+  const double deepest_m = 12e3 + radius_m * radius_m / (2 * min_earth_radius_m);
   const double r = std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-  if (!(r > least_earth_radius_m - deepest_m && r < 6.6e6)) return false;
+  if (!(r > min_earth_radius_m - deepest_m && r < 6.6e6)) return false;
   const double height_m = geodetic_of(p).height_m;
   return height_m > -deepest_m && height_m < 100e3;
 }

@@ -13,9 +13,9 @@
 /// Marks a function that is never inlined. Use it for code that few work items execute: inlining it would cost all
 /// others registers and instruction-cache space.
 #if defined(__CUDACC__)
-#define GB_HD_ONE_COPY __host__ __device__ __noinline__ inline
+#define GB_HD_NOINLINE __host__ __device__ __noinline__ inline
 #else
-#define GB_HD_ONE_COPY __attribute__((noinline)) inline
+#define GB_HD_NOINLINE __attribute__((noinline)) inline
 #endif
 
 /// GB_UNROLL marks a loop that a device must unroll, so that arrays indexed in it stay in registers. GB_NO_UNROLL

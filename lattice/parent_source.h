@@ -15,8 +15,8 @@ namespace gigabake {
 inline constexpr std::size_t source_place_bytes = 4, source_patch_bytes = 8;
 
 /// Returns the edge length, in bits, of a voxel's coverage mask on a level (kernels/body/facing.h).
-inline constexpr int most_raster_edge = 8;
-GB_HD constexpr int raster_edge(int lod) { return lod < 3 ? 1 << lod : most_raster_edge; }
+inline constexpr int max_raster_edge = 8;
+GB_HD constexpr int raster_edge(int lod) { return lod < 3 ? 1 << lod : max_raster_edge; }
 /// Returns the size of a voxel's three masks. At lod 0 the only value is the voxel's alpha, which `rgba` already holds.
 GB_HD constexpr std::size_t raster_bytes(int lod) {
   return lod == 0 ? 0 : std::size_t(3 * raster_edge(lod) * raster_edge(lod));

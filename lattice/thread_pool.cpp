@@ -74,7 +74,7 @@ struct ThreadPool::Pool {
   void help(int thread) {
     std::unique_lock lock(mutex);
     for (Loop* loop = nullptr;;) {
-      opened.wait(lock, [&] { return stopping || (loop = neediest()) != nullptr; });
+      opened.wait(lock, [&] { return stopping || (loop = loop_to_join()) != nullptr; });
       if (stopping) return;
       ++loop->helpers;
       lock.unlock();
@@ -84,7 +84,7 @@ struct ThreadPool::Pool {
     }
   }
 
-  Loop* neediest() const {
+  Loop* loop_to_join() const {
     Loop* found = nullptr;
     for (Loop* loop : loops)
       if (loop->has_ranges() && (found == nullptr || loop->helpers < found->helpers)) found = loop;

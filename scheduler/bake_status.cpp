@@ -9,7 +9,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::size_t most_status_bytes = std::size_t(64) << 20;
+constexpr std::size_t max_status_bytes = std::size_t(64) << 20;
 
 /// Returns the content up to the current end of the file.
 /// Errors  InputError.
@@ -22,7 +22,7 @@ std::string text_of(const std::filesystem::path& file) {
   std::array<char, 65536> part;
   while (in.read(part.data(), part.size()) || in.gcount() > 0) {
     text.append(part.data(), std::size_t(in.gcount()));
-    if (text.size() > most_status_bytes) throw InputError(file, "", "is too large for the status of a bake");
+    if (text.size() > max_status_bytes) throw InputError(file, "", "is too large for the status of a bake");
   }
   if (!in.eof()) throw InputError(file, "", "cannot be read");
   return text;

@@ -83,14 +83,14 @@ struct BakeStatus {
   Throughput recent, overall;                    ///< over the last minute; since the first dispatch
   std::optional<double> left_s;                  ///< none: not enough data yet
   double read_s = 0, kernel_s = 0, write_s = 0;  ///< sums over this run's cells; stages of different cells overlap
-  std::vector<SlowCell> slowest;                 ///< slowest first; at most most_slow_cells
+  std::vector<SlowCell> slowest;                 ///< slowest first; at most max_slow_cells
   std::uint64_t failures = 0;                    ///< number of all losses
-  std::vector<BakeFailure> first_failures;       ///< at most most_failures_listed
+  std::vector<BakeFailure> first_failures;       ///< at most max_failures_listed
   std::uint64_t process_restarts = 0, workers_lost = 0;
   std::vector<WorkerStatus> workers;  ///< by rank
   friend bool operator==(const BakeStatus&, const BakeStatus&) = default;
 };
-inline constexpr std::size_t most_slow_cells = 10, most_failures_listed = 20;
+inline constexpr std::size_t max_slow_cells = 10, max_failures_listed = 20;
 
 /// Returns one JSON object on one line.
 /// Exact   status_from_json() returns the same value; bytes that are not UTF-8 are replaced.

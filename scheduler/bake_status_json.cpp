@@ -43,13 +43,13 @@ OrderedJson json_of(const std::vector<T>& values) {
   return list;
 }
 
-constexpr int deepest = 16;
+constexpr int max_depth = 16;
 
 /// Parses the text.
 /// Errors  InputError.
 Json parsed(const fs::path& file, std::string_view text) {
   const auto shallow = [&file](int depth, Json::parse_event_t, const Json&) {
-    if (depth > deepest) throw InputError(file, "", "is nested too deeply for the status of a bake");
+    if (depth > max_depth) throw InputError(file, "", "is nested too deeply for the status of a bake");
     return true;
   };
   try {

@@ -64,7 +64,7 @@ void BakeStatusRecord::planned(const std::vector<CellJob>& jobs, std::vector<dou
 
 void BakeStatusRecord::lost(const std::string& name, const std::string& line) {
   ++status_.failures;
-  if (status_.first_failures.size() < most_failures_listed) status_.first_failures.push_back({name, line});
+  if (status_.first_failures.size() < max_failures_listed) status_.first_failures.push_back({name, line});
 }
 
 void BakeStatusRecord::already_done(std::uint32_t job) {
@@ -194,7 +194,7 @@ void BakeStatusRecord::note_slow(const CellReport& r, std::int32_t holder) {
   auto& slowest = status_.slowest;
   const auto faster = [&](const SlowCell& other) { return other.seconds < cell.seconds; };
   slowest.insert(std::find_if(slowest.begin(), slowest.end(), faster), std::move(cell));
-  if (slowest.size() > most_slow_cells) slowest.pop_back();
+  if (slowest.size() > max_slow_cells) slowest.pop_back();
 }
 
 /// Returns the remaining time by cost, because cells differ by orders of magnitude.

@@ -13,9 +13,9 @@ constexpr double bytes_per_triangle = 150;
 PlanEstimate estimate(const BakePlan& plan) {
   PlanEstimate e;
   for (const CellJob& job : plan.jobs) {
-    e.largest_cell_triangles = std::max(e.largest_cell_triangles, job.triangles);
+    e.max_cell_triangles = std::max(e.max_cell_triangles, job.triangles);
   }
-  e.kernel_bytes = std::uint64_t(bytes_per_triangle * double(e.largest_cell_triangles));
+  e.kernel_bytes = std::uint64_t(bytes_per_triangle * double(e.max_cell_triangles));
   return e;
 }
 

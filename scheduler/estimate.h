@@ -8,7 +8,7 @@
 namespace gigabake {
 
 struct PlanEstimate {
-  std::uint64_t largest_cell_triangles = 0;
+  std::uint64_t max_cell_triangles = 0;
   std::uint64_t kernel_bytes = 0;  ///< working memory of the largest cell without a memory limit
 };
 

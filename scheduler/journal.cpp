@@ -10,8 +10,8 @@
 namespace gigabake {
 namespace {
 
-constexpr std::size_t most_unsynced = 64;
-constexpr std::chrono::milliseconds longest_unsynced(200);
+constexpr std::size_t max_unsynced = 64;
+constexpr std::chrono::milliseconds max_unsynced_time(200);
 
 std::span<const std::uint8_t> bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
@@ -52,21 +52,21 @@ void Journal::give_up(const char* what) {
   if (file_.is_open() && ::ftruncate(file_.get(), off_t(bytes_)) != 0)
     more = "; half a record stays at its end";  // the next bake truncates it
   file_ = Descriptor();
-  gave_up_ = true;
+  has_failed_ = true;
   throw InputError(path_, "",
                    std::string("cannot ") + what + ": " + std::strerror(reason) + more +
                        "; the next bake checks the cells that are finished from here on");
 }
 
 void Journal::append(const CellJob& job, const CellReport& report) {
-  if (gave_up_ || report.outcome == CellOutcome::failed) return;
+  if (has_failed_ || report.outcome == CellOutcome::failed) return;
   if (!file_.is_open()) open();
   const std::vector<std::uint8_t> record = journal_record({job.fingerprint, job.name, report});
   if (!file_.write_all(record)) give_up("write");
   bytes_ += record.size();
   const auto now = Clock::now();
   if (unsynced_++ == 0) first_unsynced_ = now;
-  if (unsynced_ >= most_unsynced || now - first_unsynced_ >= longest_unsynced) sync();
+  if (unsynced_ >= max_unsynced || now - first_unsynced_ >= max_unsynced_time) sync();
 }
 
 void Journal::sync() {
@@ -76,7 +76,7 @@ void Journal::sync() {
 }
 
 void Journal::keep_only(const std::vector<CellJob>& jobs) {
-  if (gave_up_) return;
+  if (has_failed_) return;
   std::unordered_set<std::string> names;  // as hexadecimal text, as in names of shards
   for (const CellJob& job : jobs) names.insert(job.fingerprint.hex());
   rewrite(read_journal(path_).compacted([&](const Hash128& f) { return names.contains(f.hex()); }));

@@ -1,7 +1,7 @@
 /// OUT/journal: an append-only log of finished cells, so that the next bake need not read each shard.
 ///
 /// The journal is only a cache. If it or its end is lost, workers read the affected shards again. A record of a shard
-/// is trusted only together with the shard's stamp (scheduler/prior.h).
+/// is trusted only together with the shard's stamp (scheduler/cached_results.h).
 #pragma once
 
 #include <chrono>
@@ -49,7 +49,7 @@ class Journal {
   std::filesystem::path path_;
   Descriptor file_;
   std::uint64_t bytes_;  ///< header and complete records
-  bool gave_up_ = false;
+  bool has_failed_ = false;
   std::size_t unsynced_ = 0;
   Clock::time_point first_unsynced_;
 };

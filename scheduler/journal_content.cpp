@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::uint32_t record_magic = 0x6c6c6563;  // "cell"
 /// Max payload: a report has a few hundred bytes, so a larger value is a damaged length.
-constexpr std::uint32_t longest_payload = std::uint32_t(1) << 24;
-constexpr std::uint64_t longest_journal = std::uint64_t(1) << 40;
+constexpr std::uint32_t max_payload_bytes = std::uint32_t(1) << 24;
+constexpr std::uint64_t max_journal_bytes = std::uint64_t(1) << 40;
 
 struct RecordHeader {
   std::uint32_t magic, bytes;
@@ -54,7 +54,7 @@ std::optional<JournalContent::Place> JournalContent::record_at(std::size_t at) c
   if (bytes_.size() - at < sizeof h) return std::nullopt;
   std::memcpy(&h, bytes_.data() + at, sizeof h);
   const std::size_t payload = at + sizeof h;
-  if (h.magic != record_magic || h.bytes > longest_payload || h.bytes > bytes_.size() - payload) return std::nullopt;
+  if (h.magic != record_magic || h.bytes > max_payload_bytes || h.bytes > bytes_.size() - payload) return std::nullopt;
   if (XXH3_64bits(bytes_.data() + payload, h.bytes) != h.hash) return std::nullopt;
   return Place{payload, h.bytes};
 }
@@ -106,7 +106,7 @@ std::vector<std::uint8_t> JournalContent::compacted(const std::function<bool(con
 JournalContent read_journal(const std::filesystem::path& path) {
   std::error_code error;
   if (std::filesystem::status(path, error).type() == std::filesystem::file_type::not_found) return {};
-  return JournalContent(read_whole_file(path, longest_journal));
+  return JournalContent(read_whole_file(path, max_journal_bytes));
 }
 
 }  // namespace gigabake

@@ -66,19 +66,19 @@ CellJob parent_of(const Corner& min, int child_bits, int child_lod, int levels) 
 
 /// Builds the overviews of jobs [first, jobs.size()), whose windows have an edge of 2^bits voxels. add() returns true
 /// if no further overview level follows.
-class Tier {
+class OverviewLevel {
  public:
-  Tier(std::vector<CellJob>& jobs, std::size_t first, int bits)
+  OverviewLevel(std::vector<CellJob>& jobs, std::size_t first, int bits)
       : jobs_(jobs), first_(first), bits_(bits), child_lod_(int(jobs[first].first_lod)) {}
 
   bool add() {
     const JobBox box(std::span<const CellJob>(jobs_).subspan(first_));
-    for (int levels = 1; levels <= most_parent_levels && bits_ + levels <= most_window_bits; ++levels)
+    for (int levels = 1; levels <= max_levels_per_overview && bits_ + levels <= max_window_bits; ++levels)
       if (box.fits(bits_ + levels)) {
         add_root(box.window(bits_ + levels), levels);
         return true;
       }
-    if (bits_ + most_parent_levels > most_window_bits) return true;
+    if (bits_ + max_levels_per_overview > max_window_bits) return true;
     add_blocks();
     return false;
   }
@@ -93,7 +93,7 @@ class Tier {
   /// Adds one overview per block. A cell may extend into the block above its own, because stacks of cells begin at any
   /// voxel of their coarsest level.
   void add_blocks() {
-    const std::int64_t edge = std::int64_t(1) << (bits_ + most_parent_levels), child = std::int64_t(1) << bits_;
+    const std::int64_t edge = std::int64_t(1) << (bits_ + max_levels_per_overview), child = std::int64_t(1) << bits_;
     std::map<Corner, std::vector<std::uint32_t>> blocks;
     for (std::size_t i = first_; i < jobs_.size(); ++i) {
       const Corner& min = jobs_[i].lattice_min;
@@ -101,7 +101,7 @@ class Tier {
       for (; block[0] < min[2] + child; block[0] += edge) blocks[block].push_back(std::uint32_t(i));
     }
     for (auto& [zyx, children] : blocks) {
-      jobs_.push_back(parent_of({zyx[2], zyx[1], zyx[0]}, bits_, child_lod_, most_parent_levels));
+      jobs_.push_back(parent_of({zyx[2], zyx[1], zyx[0]}, bits_, child_lod_, max_levels_per_overview));
       jobs_.back().children = std::move(children);
     }
   }
@@ -129,7 +129,7 @@ void add_parents(std::vector<CellJob>& jobs) {
   if (jobs.size() < 2) return;
   const std::size_t cells = jobs.size();
   int bits = std::countr_zero(jobs[0].cell_voxels);
-  for (std::size_t first = 0, end = cells; !Tier(jobs, first, bits).add(); bits += most_parent_levels) {
+  for (std::size_t first = 0, end = cells; !OverviewLevel(jobs, first, bits).add(); bits += max_levels_per_overview) {
     first = end;
     end = jobs.size();
   }
@@ -142,18 +142,18 @@ void add_parents(std::vector<CellJob>& jobs) {
   }
 }
 
-ParentOrders::ParentOrders(const std::vector<CellJob>& jobs)
+OverviewJobs::OverviewJobs(const std::vector<CellJob>& jobs)
     : jobs_(jobs),
       child_(jobs.size(), Child::lost),
       first_parent_(std::uint32_t(std::find_if(jobs.begin(), jobs.end(), is_parent) - jobs.begin())) {
   for (std::size_t i = first_parent_; i < jobs.size(); ++i) fingerprint_.push_back(jobs[i].fingerprint);
 }
 
-void ParentOrders::is_done(const CellReport& report) {
+void OverviewJobs::is_done(const CellReport& report) {
   child_.at(report.id) = report.outcome == CellOutcome::baked ? Child::baked : Child::empty;
 }
 
-CellJob ParentOrders::order(std::uint32_t id) {
+CellJob OverviewJobs::order(std::uint32_t id) {
   CellJob job = jobs_.at(id);
   if (!is_parent(job)) return job;
   std::vector<Hash128> of_children;

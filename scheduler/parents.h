@@ -14,10 +14,10 @@
 
 namespace gigabake {
 
-inline constexpr int most_parent_levels = 3;
+inline constexpr int max_levels_per_overview = 3;
 /// Max log2 of a window's edge in voxels; larger scenes have several topmost overviews.
 /// Range   The same as CellJob::cell_voxels.
-inline constexpr int most_window_bits = 31;
+inline constexpr int max_window_bits = 31;
 
 /// Max log2 of the width of an overview's finest level. An overview also duplicates its children's coarsest levels up
 /// to that width. Any level needed for an image is then in one file for at least about 64² pixels; above the first
@@ -35,10 +35,10 @@ void add_parents(std::vector<CellJob>& jobs);
 Hash128 parent_fingerprint(const CellJob& parent, std::span<const Hash128> children);
 
 /// Tracks the available children and makes the overview jobs to dispatch.
-class ParentOrders {
+class OverviewJobs {
  public:
   /// jobs must outlive it.
-  explicit ParentOrders(const std::vector<CellJob>& jobs);
+  explicit OverviewJobs(const std::vector<CellJob>& jobs);
 
   /// Records a job that was baked or is empty, in this bake or an earlier one.
   void is_done(const CellReport& report);

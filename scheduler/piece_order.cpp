@@ -8,7 +8,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::uint32_t least_piece_voxels = 64;
+constexpr std::uint32_t min_piece_voxels = 64;
 constexpr double voxels_of_a_sheet = 1.5;  // voxels per voxel of the footprint; above 1 because of the slope
 
 }  // namespace
@@ -28,20 +28,20 @@ std::vector<std::uint32_t> weighted_order(const std::vector<std::uint64_t>& weig
   return order;
 }
 
-std::vector<Piece> piece_order(const std::vector<TileSurvey>& surveys, bool all_tiles, std::uint64_t seed) {
+std::vector<Piece> piece_order(const std::vector<TileScan>& surveys, bool all_tiles, std::uint64_t seed) {
   std::vector<std::vector<Piece>> lists(all_tiles ? 1 : surveys.size());
   for (std::size_t i = 0; i < surveys.size(); ++i)
     for (const ColumnExtent& c : surveys[i].columns) lists[all_tiles ? 0 : i].push_back({surveys[i].tile, c});
   std::vector<Piece> pieces;
   std::vector<std::vector<std::uint32_t>> orders;
-  std::size_t longest = 0;
+  std::size_t maximum = 0;
   for (const std::vector<Piece>& list : lists) {
     std::vector<std::uint64_t> weights;
     for (const Piece& piece : list) weights.push_back(piece.column.crossings);
     orders.push_back(weighted_order(weights, ++seed));
-    longest = std::max(longest, orders.back().size());
+    maximum = std::max(maximum, orders.back().size());
   }
-  for (std::size_t turn = 0; turn < longest; ++turn)
+  for (std::size_t turn = 0; turn < maximum; ++turn)
     for (std::size_t i = 0; i < lists.size(); ++i)
       if (turn < orders[i].size()) pieces.push_back(lists[i][orders[i][turn]]);
   return pieces;
@@ -49,7 +49,7 @@ std::vector<Piece> piece_order(const std::vector<TileSurvey>& surveys, bool all_
 
 std::uint32_t piece_voxels(double voxels, std::uint32_t cell_voxels) {
   std::uint32_t edge = cell_voxels;
-  while (edge > least_piece_voxels && voxels_of_a_sheet * double(edge) * double(edge) > voxels) edge /= 2;
+  while (edge > min_piece_voxels && voxels_of_a_sheet * double(edge) * double(edge) > voxels) edge /= 2;
   return edge;
 }
 

@@ -20,7 +20,7 @@ std::vector<std::uint32_t> weighted_order(const std::vector<std::uint64_t>& weig
 
 /// Returns the columns of some tiles in baking order, weighted by their projected voxels. all_tiles: the scans cover
 /// all tiles. If false, the tiles were themselves drawn by weighted_order(), and their columns are interleaved.
-std::vector<Piece> piece_order(const std::vector<TileSurvey>& surveys, bool all_tiles, std::uint64_t seed);
+std::vector<Piece> piece_order(const std::vector<TileScan>& surveys, bool all_tiles, std::uint64_t seed);
 
 /// Returns the edge in voxels of cells in which a surface has at most `voxels` voxels. It is a power of two from 64 (or
 /// cell_voxels, if smaller) to cell_voxels.

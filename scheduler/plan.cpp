@@ -27,22 +27,22 @@ std::int64_t floor_to(std::int64_t v, std::int64_t multiple) {
   return v - (rest < 0 ? rest + multiple : rest);
 }
 
-bool spreads_too_far(const TileSurvey& survey, std::int64_t cell_voxels) {
+bool spreads_too_far(const TileScan& survey, std::int64_t cell_voxels) {
   std::int64_t cells = 0;
   for (const ColumnExtent& c : survey.columns) {
-    cells += std::min((c.z_end - c.z_min) / cell_voxels, most_cells_of_a_tile) + 1;
-    if (cells > most_cells_of_a_tile) return true;
+    cells += std::min((c.z_end - c.z_min) / cell_voxels, max_cells_per_tile) + 1;
+    if (cells > max_cells_per_tile) return true;
   }
   return false;
 }
 
 /// Replaces the columns of tiles with too many cells by an error.
-void refuse_spread_tiles(std::vector<TileSurvey>& surveys, std::uint32_t cell_voxels) {
-  for (TileSurvey& s : surveys) {
+void refuse_spread_tiles(std::vector<TileScan>& surveys, std::uint32_t cell_voxels) {
+  for (TileScan& s : surveys) {
     if (!spreads_too_far(s, cell_voxels)) continue;
-    TileSurvey refused;
+    TileScan refused;
     refused.tile = s.tile;
-    refused.error = "needs more than " + std::to_string(most_cells_of_a_tile) + " cells of " +
+    refused.error = "needs more than " + std::to_string(max_cells_per_tile) + " cells of " +
                     std::to_string(cell_voxels) +
                     " voxels; enlarge `voxel_size_m` or `cell_voxels`, or check the unit of its coordinates";
     s = std::move(refused);
@@ -50,12 +50,12 @@ void refuse_spread_tiles(std::vector<TileSurvey>& surveys, std::uint32_t cell_vo
 }
 
 /// Returns all columns sorted by position, then by tile.
-std::vector<TileColumn> by_column(const std::vector<TileSurvey>& surveys) {
+std::vector<TileColumn> by_column(const std::vector<TileScan>& surveys) {
   std::size_t number = 0;
-  for (const TileSurvey& s : surveys) number += s.columns.size();
+  for (const TileScan& s : surveys) number += s.columns.size();
   std::vector<TileColumn> all;
   all.reserve(number);
-  for (const TileSurvey& s : surveys)
+  for (const TileScan& s : surveys)
     for (const ColumnExtent& c : s.columns) all.push_back({&c, s.tile});
   std::sort(all.begin(), all.end(), [](const TileColumn& a, const TileColumn& b) {
     return std::tie(a.extent->column_y, a.extent->column_x, a.tile) <
@@ -106,7 +106,7 @@ void add_column(std::span<const TileColumn> column, std::uint32_t cell_voxels, s
   }
 }
 
-void add_columns(const std::vector<TileSurvey>& surveys, std::uint32_t cell_voxels, const Progress& progress,
+void add_columns(const std::vector<TileScan>& surveys, std::uint32_t cell_voxels, const Progress& progress,
                  std::vector<CellJob>& jobs) {
   const std::vector<TileColumn> all = by_column(surveys);
   jobs.reserve(columns_in(all));  // few columns have more than one cell
@@ -119,7 +119,7 @@ void add_columns(const std::vector<TileSurvey>& surveys, std::uint32_t cell_voxe
 }
 
 /// Merges warnings of equal text from several sources: one line per text, with summed counts.
-class WarningKinds {
+class WarningSummary {
  public:
   void add(const std::string& name, const SourceWarning& warning) {
     const auto [kind, is_new] = index_.try_emplace(warning.text, kinds_.size());
@@ -155,9 +155,9 @@ std::string name_of_file(const SceneSources& sources, const std::filesystem::pat
 }
 
 /// Warns about rasters without any baked surface, if all of their tiles could be read.
-void add_empty_rasters(const std::vector<TileSurvey>& surveys, const SceneSources& sources, WarningKinds& kinds) {
+void add_empty_rasters(const std::vector<TileScan>& surveys, const SceneSources& sources, WarningSummary& kinds) {
   std::map<const DemRaster*, bool> has_terrain;
-  for (const TileSurvey& s : surveys)
+  for (const TileScan& s : surveys)
     if (const auto& dem = sources.tiles[s.tile].dem)
       has_terrain[dem->raster.get()] |= s.triangles != 0 || !s.error.empty();
   for (const TileRef& tile : sources.tiles) {
@@ -170,8 +170,8 @@ void add_empty_rasters(const std::vector<TileSurvey>& surveys, const SceneSource
   }
 }
 
-std::vector<std::string> warning_lines(const std::vector<TileSurvey>& surveys, const SceneSources& sources) {
-  WarningKinds kinds;
+std::vector<std::string> warning_lines(const std::vector<TileScan>& surveys, const SceneSources& sources) {
+  WarningSummary kinds;
   const DemRaster* last = nullptr;
   for (const TileRef& tile : sources.tiles) {
     if (!tile.dem || tile.dem->raster.get() == last) continue;
@@ -180,29 +180,29 @@ std::vector<std::string> warning_lines(const std::vector<TileSurvey>& surveys, c
       for (const std::string& warning : part.warnings) kinds.add(name_of_file(sources, part.options.dem), warning);
   }
   add_empty_rasters(surveys, sources, kinds);
-  for (const TileSurvey& s : surveys)
+  for (const TileScan& s : surveys)
     for (const SourceWarning& warning : s.warnings)
       if (!warning.is_loss) kinds.add(sources.tiles[s.tile].name, warning);
   return kinds.lines();
 }
 
 /// Returns the loss of a readable tile's triangles that are too long.
-SceneLoss far_loss(const TileSurvey& s, const std::string& tile, double voxel_size_m) {
-  const double needed_m = s.reach_m / double(longest_side_voxels);
+SceneLoss far_loss(const TileScan& s, const std::string& tile, double voxel_size_m) {
+  const double needed_m = s.reach_m / double(max_side_voxels);
   return {
       fmt::format("{} of tile {}", counted(s.too_far, "triangle"), tile),
       fmt::format("up to {:.3g} voxels ({:.3g} m) long, but at most {} can be baked; mend the vertex that lies so far "
                   "away, or take `voxel_size_m` {:.3g} or larger",
-                  s.reach_m / voxel_size_m, s.reach_m, longest_side_voxels, needed_m * 1.005)};
+                  s.reach_m / voxel_size_m, s.reach_m, max_side_voxels, needed_m * 1.005)};
 }
 
-void add_counts(const std::vector<TileSurvey>& surveys, const SceneSources& sources, double voxel_size_m,
+void add_counts(const std::vector<TileScan>& surveys, const SceneSources& sources, double voxel_size_m,
                 BakePlan& plan) {
   for (const SkippedSource& s : sources.skipped) {
     if (!s.informative) plan.losses.push_back({s.name, s.reason});
     plan.skipped_points += s.points;
   }
-  for (const TileSurvey& s : surveys) {
+  for (const TileScan& s : surveys) {
     plan.triangles += s.triangles;
     plan.tile_triangles.push_back(s.triangles);
     plan.tile_crossings.push_back(0);
@@ -218,7 +218,7 @@ void add_counts(const std::vector<TileSurvey>& surveys, const SceneSources& sour
   }
 }
 
-void name_jobs(const std::vector<TileSurvey>& surveys, const SceneSources& sources, const BakeParameters& parameters,
+void name_jobs(const std::vector<TileScan>& surveys, const SceneSources& sources, const BakeParameters& parameters,
                const Progress& progress, std::vector<CellJob>& jobs) {
   std::sort(jobs.begin(), jobs.end(), [](const CellJob& a, const CellJob& b) {
     return std::tie(a.lattice_min[2], a.lattice_min[1], a.lattice_min[0]) <
@@ -247,10 +247,10 @@ CellStack stack_over(std::int64_t z_min, std::int64_t z_end, std::int64_t cell_v
   }
 }
 
-BakePlan make_plan(std::vector<TileSurvey> surveys, const SceneSources& sources, const BakeParameters& parameters,
+BakePlan make_plan(std::vector<TileScan> surveys, const SceneSources& sources, const BakeParameters& parameters,
                    const Progress& progress) {
   progress.step("planning");
-  std::sort(surveys.begin(), surveys.end(), [](const TileSurvey& a, const TileSurvey& b) { return a.tile < b.tile; });
+  std::sort(surveys.begin(), surveys.end(), [](const TileScan& a, const TileScan& b) { return a.tile < b.tile; });
   refuse_spread_tiles(surveys, parameters.cell_voxels);
   BakePlan plan;
   add_counts(surveys, sources, parameters.voxel_size_m, plan);

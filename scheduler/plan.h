@@ -34,13 +34,13 @@ struct BakePlan {
 };
 
 /// Max cells of a tile. A tile with more is lost with an error line because it probably has a wrong unit or vertex.
-inline constexpr std::int64_t most_cells_of_a_tile = std::int64_t(1) << 21;
+inline constexpr std::int64_t max_cells_per_tile = std::int64_t(1) << 21;
 
 /// Makes the plan. `surveys` has one entry per entry of sources.tiles. A stack is centred on its column's height. It
 /// starts at a multiple of the coarsest level's voxel, so that every level of every cell lies on one grid. Cells that
 /// no tile overlaps are left out.
 /// Errors  Stopped.
-BakePlan make_plan(std::vector<TileSurvey> surveys, const SceneSources& sources, const BakeParameters& parameters,
+BakePlan make_plan(std::vector<TileScan> surveys, const SceneSources& sources, const BakeParameters& parameters,
                    const Progress& progress = {});
 
 /// The lowest voxel and number of cells of the stack over [z_min, z_end).

@@ -9,9 +9,9 @@ namespace gigabake {
 namespace {
 
 /// Max number of losses with a worker that count as coincidence; after more, the cell is retried in isolation.
-constexpr int losses_of_a_bystander = 1;
+constexpr int max_coincidental_losses = 1;
 /// Max pending retries examined for one that this worker may run; the others are left to other workers.
-constexpr int most_looked_at = 64;
+constexpr int max_examined = 64;
 
 }  // namespace
 
@@ -54,11 +54,11 @@ std::optional<Assignment> Schedule::next(int worker, double now_s) {
   const Worker& w = known(worker, now_s);
   if (stopped_ || w.lost || w.alone || counts_.pending == 0) return std::nullopt;
   if (w.hand.empty())
-    if (const auto job = first_allowed(suspects_, worker)) return hand_out(*job, worker, true);
-  if (is_kept_free(worker, now_s) || !has_room(w)) return std::nullopt;
-  if (const auto job = first_allowed(again_, worker)) return hand_out(*job, worker, false);
-  if (const auto job = parents_.choose(worker)) return hand_out(*job, worker, false);
-  if (const auto job = order_.choose(w.last)) return hand_out(*job, worker, false);
+    if (const auto job = first_allowed(suspects_, worker)) return dispatch_job(*job, worker, true);
+  if (is_reserved(worker, now_s) || !has_room(w)) return std::nullopt;
+  if (const auto job = first_allowed(again_, worker)) return dispatch_job(*job, worker, false);
+  if (const auto job = parents_.choose(worker)) return dispatch_job(*job, worker, false);
+  if (const auto job = order_.choose(w.last)) return dispatch_job(*job, worker, false);
   return std::nullopt;
 }
 
@@ -75,11 +75,11 @@ bool Schedule::has_room(const Worker& w) const {
 /// Returns true if the worker must become idle for an isolated retry. Such a retry needs an idle worker, usually the
 /// one whose process died. If that worker does not return, the retry would wait until the end of the bake. After a
 /// timeout, one worker at a time is therefore left without new cells.
-bool Schedule::is_kept_free(int worker, double now_s) {
-  if (kept_free_ && *kept_free_ != worker) return false;
+bool Schedule::is_reserved(int worker, double now_s) {
+  if (reserved_worker_ && *reserved_worker_ != worker) return false;
   const auto job = first_allowed(suspects_, worker);
-  const bool overdue = job && now_s - trouble_.at(*job).since_s >= options_.silence_s;
-  kept_free_ = overdue ? std::optional<int>(worker) : std::nullopt;
+  const bool overdue = job && now_s - trouble_.at(*job).since_s >= options_.heartbeat_timeout_s;
+  reserved_worker_ = overdue ? std::optional<int>(worker) : std::nullopt;
   return overdue;
 }
 
@@ -95,12 +95,12 @@ std::optional<std::uint32_t> Schedule::first_allowed(const Ranks& waiting, int w
   int looked_at = 0;
   for (const std::uint32_t rank : waiting) {
     if (may_try(worker, order_.job(rank))) return order_.job(rank);
-    if (++looked_at == most_looked_at) break;
+    if (++looked_at == max_examined) break;
   }
   return std::nullopt;
 }
 
-Assignment Schedule::hand_out(std::uint32_t job, int worker, bool alone) {
+Assignment Schedule::dispatch_job(std::uint32_t job, int worker, bool alone) {
   withdraw(job);
   Job& j = job_[job];
   j.worker = worker;
@@ -111,7 +111,7 @@ Assignment Schedule::hand_out(std::uint32_t job, int worker, bool alone) {
   w.cost += cell_cost(jobs_[job]);
   if (!is_parent(jobs_[job])) w.last = job;
   w.alone = alone;
-  if (alone && kept_free_ == worker) kept_free_.reset();
+  if (alone && reserved_worker_ == worker) reserved_worker_.reset();
   return {job, ++j.attempt, alone};
 }
 
@@ -142,7 +142,7 @@ Verdict Schedule::failed(int worker, std::uint32_t job, std::uint32_t attempt, c
   heard_from(worker, now_s);
   if (!is_current(worker, job, attempt) || job_[job].state != JobState::running) return Verdict::stale;
   take_back(workers_[std::size_t(worker)], job);
-  strike(job, error, now_s, retry);
+  record_failure(job, error, now_s, retry);
   return Verdict::accepted;
 }
 
@@ -152,7 +152,7 @@ void Schedule::process_died(int worker, const std::string& why, double now_s) {
   for (const std::uint32_t job : jobs) {
     trouble_[job].suspect = true;
     if (jobs.size() == 1)
-      strike(job, why, now_s);
+      record_failure(job, why, now_s);
     else
       put_back(job, now_s);
   }
@@ -162,7 +162,7 @@ std::vector<int> Schedule::silent(double now_s) {
   std::vector<int> lost;
   for (std::size_t i = 0; i < workers_.size(); ++i) {
     const Worker& w = workers_[i];
-    if (w.known && !w.lost && now_s - w.heard_s > options_.silence_s) lost.push_back(int(i));
+    if (w.known && !w.lost && now_s - w.heard_s > options_.heartbeat_timeout_s) lost.push_back(int(i));
   }
   for (const int worker : lost) lose(worker, now_s);
   if (live_ == 0 && !lost.empty()) stop();
@@ -173,14 +173,14 @@ void Schedule::lose(int worker, double now_s) {
   Worker& w = workers_[std::size_t(worker)];
   w.lost = true;
   --live_;
-  if (kept_free_ == worker) kept_free_.reset();
+  if (reserved_worker_ == worker) reserved_worker_.reset();
   const bool alone = w.alone;
   for (const std::uint32_t job : empty_hand(w)) {
     if (alone) {  // the cell may crash machines, so retries are bounded
-      strike(job, "worker " + std::to_string(worker) + " was not heard of any more", now_s);
+      record_failure(job, "worker " + std::to_string(worker) + " was not heard of any more", now_s);
     } else {
       Trouble& t = trouble_[job];
-      t.suspect |= ++t.losses > losses_of_a_bystander;
+      t.suspect |= ++t.losses > max_coincidental_losses;
       put_back(job, now_s);
     }
   }
@@ -225,7 +225,7 @@ void Schedule::put_back(std::uint32_t job, double now_s) {
   pending_cost_ += cell_cost(jobs_[job]);
 }
 
-void Schedule::strike(std::uint32_t job, const std::string& error, double now_s, Retry retry) {
+void Schedule::record_failure(std::uint32_t job, const std::string& error, double now_s, Retry retry) {
   Trouble& t = trouble_[job];
   t.error = error;
   const int worker = job_[job].worker;

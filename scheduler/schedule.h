@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "format/job/cell_job.h"
-#include "scheduler/parent_queue.h"
-#include "scheduler/patience.h"
+#include "scheduler/overview_queue.h"
+#include "scheduler/timeouts.h"
 #include "scheduler/work_order.h"
 
 namespace gigabake {
@@ -25,9 +25,9 @@ inline constexpr int device_worker_slots = 15;
 inline int slots_of_worker(int devices) { return devices != 0 ? device_worker_slots : worker_slots; }
 
 struct ScheduleOptions {
-  int strikes = 3;                          ///< failed attempts after which a cell is quarantined
-  int slots = worker_slots;                 ///< max cells in flight per worker
-  double silence_s = Patience{}.silence_s;  ///< heartbeat timeout after which a worker is lost
+  int strikes = 3;                                              ///< failed attempts after which a cell is quarantined
+  int slots = worker_slots;                                     ///< max cells in flight per worker
+  double heartbeat_timeout_s = Timeouts{}.heartbeat_timeout_s;  ///< heartbeat timeout after which a worker is lost
 };
 
 enum class JobState : std::uint8_t {
@@ -138,32 +138,33 @@ class Schedule {
 
   Worker& known(int worker, double now_s);
   bool has_room(const Worker& w) const;
-  bool is_kept_free(int worker, double now_s);
+  bool is_reserved(int worker, double now_s);
   bool may_try(int worker, std::uint32_t job) const;
   std::optional<std::uint32_t> first_allowed(const Ranks& waiting, int worker) const;
-  Assignment hand_out(std::uint32_t job, int worker, bool alone);
+  Assignment dispatch_job(std::uint32_t job, int worker, bool alone);
 
   bool is_current(int worker, std::uint32_t job, std::uint32_t attempt) const;
   void withdraw(std::uint32_t job);
   void take_back(Worker& w, std::uint32_t job);
   std::vector<std::uint32_t> empty_hand(Worker& w);
   void put_back(std::uint32_t job, double now_s);
-  void strike(std::uint32_t job, const std::string& error, double now_s, Retry retry = Retry::worth_it);
+  void record_failure(std::uint32_t job, const std::string& error, double now_s, Retry retry = Retry::worth_it);
   void lose(int worker, double now_s);
 
   const std::vector<CellJob>& jobs_;
   ScheduleOptions options_;
-  WorkOrder order_;       ///< of jobs never dispatched
-  ParentQueue parents_;   ///< overviews never dispatched
-  Ranks again_;           ///< pending retries
-  Ranks suspects_;        ///< pending isolated retries
-  std::vector<Job> job_;  ///< states independent of stop()
+  WorkOrder order_;        ///< of jobs never dispatched
+  OverviewQueue parents_;  ///< overviews never dispatched
+  Ranks again_;            ///< pending retries
+  Ranks suspects_;         ///< pending isolated retries
+  std::vector<Job> job_;   ///< states independent of stop()
   std::unordered_map<std::uint32_t, Trouble> trouble_;
   std::vector<Worker> workers_;
   std::size_t live_ = 0;
   JobCounts counts_;
   std::uint64_t pending_cost_ = 0;
-  std::optional<int> kept_free_;  ///< the worker that gets no cells, so that it becomes free for an isolated retry
+  std::optional<int>
+      reserved_worker_;  ///< the worker that gets no cells, so that it becomes free for an isolated retry
   std::vector<std::uint32_t> set_aside_;
   bool stopped_ = false;
 };

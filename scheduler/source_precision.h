@@ -13,20 +13,20 @@ namespace gigabake {
 /// A source whose coordinate resolution is too coarse, at its coarsest placement.
 struct CoarseSource {
   std::string name;
-  double spacing_m = 0;  ///< TileSurvey::spacing_m
+  double spacing_m = 0;  ///< TileScan::spacing_m
 };
 
 struct SourcePrecision {
   double wanted_m = 0;               ///< a quarter of a voxel
-  double largest_spacing_m = 0;      ///< over all sources
-  std::vector<CoarseSource> coarse;  ///< sources with a spacing above wanted_m: coarsest first, at most most_listed
+  double max_spacing_m = 0;          ///< over all sources
+  std::vector<CoarseSource> coarse;  ///< sources with a spacing above wanted_m: coarsest first, at most max_listed
   std::uint64_t coarse_sources = 0;  ///< number of all such sources, each name counted once
-  static constexpr std::size_t most_listed = 16;
+  static constexpr std::size_t max_listed = 16;
 };
 
 /// Returns the comparison.
 /// Exact   Independent of the order of `surveys`.
-SourcePrecision source_precision(const std::vector<TileSurvey>& surveys, const SceneSources& sources,
+SourcePrecision source_precision(const std::vector<TileScan>& surveys, const SceneSources& sources,
                                  double voxel_size_m);
 
 }  // namespace gigabake

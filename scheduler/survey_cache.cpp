@@ -17,7 +17,7 @@ namespace gigabake {
 namespace {
 
 constexpr std::array<char, 16> magic = {'g', 'i', 'g', 'a', 'b', 'a', 'k', 'e', ' ', 's', 'u', 'r', 'v', 'e', 'y', 's'};
-constexpr std::uint64_t largest_file = std::uint64_t(1) << 40;
+constexpr std::uint64_t max_file_bytes = std::uint64_t(1) << 40;
 
 /// Generation 1 is invalid: before 0.2.0 a rank might scan with parameters other than those in the key.
 constexpr std::uint64_t cache_generation = 2;
@@ -69,12 +69,12 @@ Hash128 key_of(const TileRef& tile, const BakeParameters& p) {
   return hash_of_bytes(w.take());
 }
 
-bool is_worth_keeping(const TileSurvey& survey) {
+bool is_worth_keeping(const TileScan& survey) {
   return survey.error.empty() && !survey.files.empty() &&
          std::all_of(survey.files.begin(), survey.files.end(), [](const StampedFile& f) { return f.settled; });
 }
 
-bool is_as_it_was(const TileRef& tile, const TileSurvey& survey) {
+bool is_unchanged(const TileRef& tile, const TileScan& survey) {
   return is_worth_keeping(survey) && std::all_of(survey.files.begin(), survey.files.end(), [&](const StampedFile& f) {
            return stamp_of(path_of(tile, f)) == f.stamp;
          });
@@ -91,7 +91,7 @@ SurveyCache::SurveyCache(const std::filesystem::path& path) {
 }
 
 void SurveyCache::load(const std::filesystem::path& path) {
-  bytes_ = read_whole_file(path, largest_file);
+  bytes_ = read_whole_file(path, max_file_bytes);
   FileHeader h{};
   if (bytes_.size() < sizeof h) return;
   std::memcpy(&h, bytes_.data(), sizeof h);
@@ -111,14 +111,14 @@ void SurveyCache::load(const std::filesystem::path& path) {
   }
 }
 
-std::optional<TileSurvey> SurveyCache::find(const SceneSources& sources, std::uint32_t tile,
-                                            const BakeParameters& parameters) const {
+std::optional<TileScan> SurveyCache::find(const SceneSources& sources, std::uint32_t tile,
+                                          const BakeParameters& parameters) const {
   const TileRef& ref = sources.tiles.at(tile);
   const auto it = surveys_.find(key_of(ref, parameters));
   if (it == surveys_.end()) return std::nullopt;
   try {
-    TileSurvey survey = survey_from_bytes(it->second);
-    if (!is_as_it_was(ref, survey)) return std::nullopt;
+    TileScan survey = survey_from_bytes(it->second);
+    if (!is_unchanged(ref, survey)) return std::nullopt;
     survey.tile = tile;
     return survey;
   } catch (const InputError&) {
@@ -126,10 +126,10 @@ std::optional<TileSurvey> SurveyCache::find(const SceneSources& sources, std::ui
   }
 }
 
-std::vector<std::optional<TileSurvey>> SurveyCache::find_all(const SceneSources& sources,
-                                                             const BakeParameters& parameters, int threads,
-                                                             const Progress& progress) const {
-  std::vector<std::optional<TileSurvey>> found(sources.tiles.size());
+std::vector<std::optional<TileScan>> SurveyCache::find_all(const SceneSources& sources,
+                                                           const BakeParameters& parameters, int threads,
+                                                           const Progress& progress) const {
+  std::vector<std::optional<TileScan>> found(sources.tiles.size());
   ThreadPool(threads).parallel_for(found.size(), 64, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) found[i] = find(sources, std::uint32_t(i), parameters);
     progress.advance(end - begin);
@@ -138,12 +138,12 @@ std::vector<std::optional<TileSurvey>> SurveyCache::find_all(const SceneSources&
 }
 
 void save_survey_cache(const std::filesystem::path& path, const SceneSources& sources, const BakeParameters& parameters,
-                       std::span<const TileSurvey> surveys) {
+                       std::span<const TileScan> surveys) {
   std::string content;
   const auto put = [&content](const std::vector<std::uint8_t>& bytes) {
     content.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   };
-  for (const TileSurvey& survey : surveys) {
+  for (const TileScan& survey : surveys) {
     if (!is_worth_keeping(survey)) continue;
     ByteWriter w;
     w.put(key_of(sources.tiles.at(survey.tile), parameters));

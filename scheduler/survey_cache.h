@@ -25,12 +25,11 @@ class SurveyCache {
   SurveyCache(const SurveyCache&) = delete;
   SurveyCache& operator=(const SurveyCache&) = delete;
 
-  std::optional<TileSurvey> find(const SceneSources& sources, std::uint32_t tile,
-                                 const BakeParameters& parameters) const;
+  std::optional<TileScan> find(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters) const;
   /// Returns the cached results by tile.
   /// Cost    Opens each file: 10^5 tiles of two files in 0.4 s on two threads and a local disk.
-  std::vector<std::optional<TileSurvey>> find_all(const SceneSources& sources, const BakeParameters& parameters,
-                                                  int threads, const Progress& progress = {}) const;
+  std::vector<std::optional<TileScan>> find_all(const SceneSources& sources, const BakeParameters& parameters,
+                                                int threads, const Progress& progress = {}) const;
   std::size_t size() const { return surveys_.size(); }
 
  private:
@@ -48,6 +47,6 @@ class SurveyCache {
 /// their stamps are not settled.
 /// Errors  InputError: the file is unchanged.
 void save_survey_cache(const std::filesystem::path& path, const SceneSources& sources, const BakeParameters& parameters,
-                       std::span<const TileSurvey> surveys);
+                       std::span<const TileScan> surveys);
 
 }  // namespace gigabake

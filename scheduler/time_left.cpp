@@ -5,10 +5,10 @@
 namespace gigabake {
 namespace {
 
-constexpr std::size_t least_parts = 4;
-constexpr double least_share = 0.25;
+constexpr std::size_t min_parts = 4;
+constexpr double min_fraction = 0.25;
 /// First parts have no weight once later parts took this many times as long.
-constexpr double forgotten_after = 2;
+constexpr double first_parts_horizon = 2;
 
 }  // namespace
 
@@ -34,14 +34,14 @@ void TimeLeft::rests(std::size_t worker) {
 
 /// Returns the cost per second of one worker.
 double TimeLeft::rate() const {
-  const double share = std::max(0.0, 1 - later_.seconds / (forgotten_after * std::max(first_.seconds, 1e-9)));
+  const double share = std::max(0.0, 1 - later_.seconds / (first_parts_horizon * std::max(first_.seconds, 1e-9)));
   return (later_.cost + share * first_.cost) / std::max(later_.seconds + share * first_.seconds, 1e-9);
 }
 
 std::optional<double> TimeLeft::left_s(double cost_left, double now_s) const {
   const auto busy = std::size_t(std::ranges::count_if(workers_, [](const Worker& w) { return w.since_s.has_value(); }));
   const double ended = first_.cost + later_.cost, speed = rate();
-  if (!(speed > 0) || (parts_ < least_parts * busy && ended < least_share * (ended + cost_left))) return std::nullopt;
+  if (!(speed > 0) || (parts_ < min_parts * busy && ended < min_fraction * (ended + cost_left))) return std::nullopt;
   const double part = ended / double(parts_);
   double in_hand = 0;
   for (const Worker& w : workers_)

@@ -42,7 +42,7 @@ std::size_t shared_tiles(const CellJob& a, const CellJob& b) {
 }
 
 /// Returns 0, ½, ¼, ¾, ⅛ … of `size` (a van der Corput sequence): any prefix is evenly spread.
-std::uint32_t spread_out(std::uint32_t number, std::uint32_t size) {
+std::uint32_t van_der_corput(std::uint32_t number, std::uint32_t size) {
   std::uint64_t reversed = 0;
   for (int bit = 0; bit < 32; ++bit) reversed |= std::uint64_t(number >> bit & 1) << (31 - bit);
   return std::uint32_t(reversed * size >> 32);
@@ -81,13 +81,13 @@ std::optional<std::uint32_t> WorkOrder::choose(std::optional<std::uint32_t> last
   const Class c = class_of(*first);
   std::optional<std::uint32_t> rank;
   if (last) rank = neighbour(c, *last);
-  if (!rank) rank = new_place(c);
+  if (!rank) rank = new_start(c);
   return job_[*rank];
 }
 
 /// Returns a waiting job of this class, at or after a spread-out position, else the first. The class must have one.
-std::uint32_t WorkOrder::new_place(const Class& c) {
-  const auto found = waiting_.at_or_after(c.begin + spread_out(new_places_++, c.end - c.begin));
+std::uint32_t WorkOrder::new_start(const Class& c) {
+  const auto found = waiting_.at_or_after(c.begin + van_der_corput(new_starts_++, c.end - c.begin));
   return found && *found < c.end ? *found : *waiting_.at_or_after(c.begin);
 }
 
@@ -97,13 +97,13 @@ std::optional<std::uint32_t> WorkOrder::neighbour(const Class& c, std::uint32_t 
   const auto at = [this](std::uint32_t rank) { return place_.begin() + std::ptrdiff_t(rank); };
   const auto middle = std::uint32_t(std::lower_bound(at(c.begin), at(c.end), here) - place_.begin());
   std::optional<std::uint32_t> best;
-  std::size_t most = 0;
+  std::size_t maximum = 0;
   std::uint64_t nearest = 0;
   const auto consider = [&](std::uint32_t rank) {
     const std::uint64_t away = place_[rank] < here ? here - place_[rank] : place_[rank] - here;
     const std::size_t shared = shared_tiles(jobs_[last], jobs_[job_[rank]]);
-    if (shared < std::max<std::size_t>(1, most) || (shared == most && away >= nearest)) return;
-    best = rank, most = shared, nearest = away;
+    if (shared < std::max<std::size_t>(1, maximum) || (shared == maximum && away >= nearest)) return;
+    best = rank, maximum = shared, nearest = away;
   };
   auto up = waiting_.at_or_after(middle);
   for (int i = 0; i < looked_at && up && *up < c.end; ++i, up = waiting_.at_or_after(*up + 1)) consider(*up);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "format/job/cell_job.h"
-#include "scheduler/rank_set.h"
+#include "scheduler/index_set.h"
 
 namespace gigabake {
 
@@ -36,14 +36,14 @@ class WorkOrder {
   };
   Class class_of(std::uint32_t rank) const;
   std::optional<std::uint32_t> neighbour(const Class& c, std::uint32_t last) const;
-  std::uint32_t new_place(const Class& c);
+  std::uint32_t new_start(const Class& c);
 
   const std::vector<CellJob>& jobs_;
   std::vector<std::uint32_t> job_, rank_;
   std::vector<std::uint64_t> place_;      ///< by position: Morton code
   std::vector<std::uint32_t> class_end_;  ///< ascending
-  RankSet waiting_;
-  std::uint32_t new_places_ = 0;
+  IndexSet waiting_;
+  std::uint32_t new_starts_ = 0;
 };
 
 }  // namespace gigabake

@@ -12,7 +12,7 @@ int sharers_of_device(int rank, int ranks, int devices) {
   return ranks / devices + (turn < ranks % devices ? 1 : 0);
 }
 
-DeviceChoice choose_device(const DeviceWish& wish) {
+DeviceChoice choose_device(const DeviceRequest& wish) {
   if (wish.backend == Backend::cpu) return {};
   const kernels::CudaDevices devices = kernels::cuda_devices();
   if (devices.usable.empty()) {

@@ -17,7 +17,7 @@ constexpr auto names_of<Backend>() {
 }
 
 /// The device request of the rank with index `rank_on_host` on its host.
-struct DeviceWish {
+struct DeviceRequest {
   Backend backend = Backend::cpu;
   std::vector<int> allowed = {};  ///< ordinals to choose from; empty: all
   int rank_on_host = 0;
@@ -36,6 +36,6 @@ int sharers_of_device(int rank, int ranks, int devices);
 
 /// Assigns the ranks of a host to its devices round-robin; several ranks share a device if there are fewer devices.
 /// Errors  InputError: Backend::cuda and no device; UsageError: an allowed ordinal that the host does not have.
-DeviceChoice choose_device(const DeviceWish& wish);
+DeviceChoice choose_device(const DeviceRequest& wish);
 
 }  // namespace gigabake

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t frame_magic = 0x454b4247;  // "GBKE"
 constexpr std::int32_t no_device = -1;
-constexpr std::uint64_t most_payload_bytes = std::uint64_t(1) << 30;
+constexpr std::uint64_t max_payload_bytes = std::uint64_t(1) << 30;
 
 struct FrameHeader {
   std::uint32_t magic, kind;
@@ -24,7 +24,7 @@ void check(const FrameHeader& h) {
   if (h.magic != frame_magic) throw InputError("bake message", "magic", "expected a frame");
   if (h.kind < std::uint32_t(BakeMessageKind::setup) || h.kind > std::uint32_t(BakeMessageKind::started))
     throw InputError("bake message", "kind", "unknown: " + std::to_string(h.kind));
-  if (h.bytes > most_payload_bytes) throw InputError("bake message", "bytes", "too long: " + std::to_string(h.bytes));
+  if (h.bytes > max_payload_bytes) throw InputError("bake message", "bytes", "too long: " + std::to_string(h.bytes));
 }
 
 template <class Content>

@@ -3,7 +3,7 @@
 ///   supervisor → process   sources (the next part of WorkerSetup::sources, first), setup (WorkerSetup, once, after all
 ///                          sources), `survey` (tile, u32), bake (BakeOrder)
 ///   process → supervisor   started (empty, once, first: requests are accepted), ready (DeviceAnswer, once),
-///                          `surveyed` (TileSurvey), baked (BakeAnswer)
+///                          `surveyed` (TileScan), baked (BakeAnswer)
 ///
 /// A frame is magic "GBKE" u32, `kind` u32, payload bytes u64, XXH3-64 of the payload u64, then the payload; little
 /// endian.

@@ -33,14 +33,14 @@ namespace {
 [[noreturn]] void fail(const char* call) { throw std::system_error(errno, std::generic_category(), call); }
 
 /// Wakeup of one polling thread by other threads.
-class Bell {
+class Wakeup {
  public:
-  Bell() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  Wakeup() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     if (fd_ < 0) fail("eventfd");
   }
-  ~Bell() { ::close(fd_); }
-  Bell(const Bell&) = delete;
-  Bell& operator=(const Bell&) = delete;
+  ~Wakeup() { ::close(fd_); }
+  Wakeup(const Wakeup&) = delete;
+  Wakeup& operator=(const Wakeup&) = delete;
   int fd() const { return fd_; }
   void ring() const {
     if (::eventfd_write(fd_, 1) != 0 && errno != EAGAIN) fail("eventfd_write");  // EAGAIN: already signalled
@@ -57,14 +57,14 @@ class Bell {
 /// Scans tiles, several small ones concurrently, because most of a tile's reading runs on one thread.
 class Surveyor {
  public:
-  Surveyor(const SceneSources& sources, const WorkerSetup& setup, const Bell& done)
+  Surveyor(const SceneSources& sources, const WorkerSetup& setup, const Wakeup& done)
       : sources_(sources),
         parameters_(setup.parameters),
         pool_(setup.worker.threads),
         store_(sources, setup.parameters, scratch_in(setup.worker.scratch, setup.worker.memory_bytes),
                setup.worker.threads),
         done_(done) {
-    for (int t = std::min(most_at_a_time, setup.worker.threads); t > 0; --t) crew_.emplace_back([this] { run(); });
+    for (int t = std::min(max_concurrent, setup.worker.threads); t > 0; --t) crew_.emplace_back([this] { run(); });
   }
   ~Surveyor() {
     {
@@ -85,10 +85,10 @@ class Surveyor {
     asked_.notify_all();
   }
 
-  std::optional<TileSurvey> poll() {
+  std::optional<TileScan> poll() {
     const std::scoped_lock lock(mutex_);
     if (surveys_.empty()) return std::nullopt;
-    TileSurvey survey = std::move(surveys_.front());
+    TileScan survey = std::move(surveys_.front());
     surveys_.pop_front();
     return survey;
   }
@@ -103,7 +103,7 @@ class Surveyor {
     return tile;
   }
 
-  TileSurvey survey(std::uint32_t tile) {
+  TileScan survey(std::uint32_t tile) {
     std::unique_lock one_at_a_time(large_, std::defer_lock);
     if (sources_.tiles[tile].bytes > small_bytes || store_.may_be_large(tile)) one_at_a_time.lock();
     return survey_tile(sources_, tile, parameters_, pool_, &store_);
@@ -111,7 +111,7 @@ class Surveyor {
 
   void run() {
     while (const auto tile = next_tile()) {
-      TileSurvey survey = this->survey(*tile);
+      TileScan survey = this->survey(*tile);
       {
         const std::scoped_lock lock(mutex_);
         surveys_.push_back(std::move(survey));
@@ -120,7 +120,7 @@ class Surveyor {
     }
   }
 
-  static constexpr int most_at_a_time = 4;
+  static constexpr int max_concurrent = 4;
   /// Max size of a tile file that is scanned concurrently with others; larger ones would multiply the process's memory.
   static constexpr std::uint64_t small_bytes = std::uint64_t(16) << 20;
 
@@ -128,12 +128,12 @@ class Surveyor {
   const BakeParameters& parameters_;
   const ThreadPool pool_;
   const TileStore store_;
-  const Bell& done_;
+  const Wakeup& done_;
   std::mutex large_;  ///< held while a large tile is scanned
   std::mutex mutex_;
   std::condition_variable asked_;
   std::deque<std::uint32_t> tiles_;
-  std::deque<TileSurvey> surveys_;
+  std::deque<TileScan> surveys_;
   bool stopping_ = false;
   std::vector<std::thread> crew_;  ///< last, because the threads use the other members
 };
@@ -147,7 +147,7 @@ class BakeServer {
 
   int run() {
     while (receive()) {
-      while (const auto message = inbox_.next()) obey(*message);
+      while (const auto message = inbox_.next()) handle(*message);
       answer();
       wait();
     }
@@ -183,7 +183,7 @@ class BakeServer {
     }
   }
 
-  void obey(const BakeMessage& message) {
+  void handle(const BakeMessage& message) {
     const bool opens = message.kind == BakeMessageKind::setup || message.kind == BakeMessageKind::sources;
     if (opens == setup_.has_value()) throw InputError("bake message", "kind", "expected the setup, once and first");
     switch (message.kind) {
@@ -214,7 +214,7 @@ class BakeServer {
     send(BakeMessageKind::started, {});
   }
 
-  static DeviceAnswer answer_to(const DeviceWish& wish) {
+  static DeviceAnswer answer_to(const DeviceRequest& wish) {
     DeviceAnswer answer;
     try {
       answer.choice = choose_device(wish);
@@ -256,7 +256,7 @@ class BakeServer {
 
   void survey(std::uint32_t tile) {
     if (surveys_ && tile < sources_.tiles.size()) return surveyor_->submit(tile);
-    TileSurvey survey;
+    TileScan survey;
     survey.tile = tile;
     survey.error = surveys_ ? "there is no tile " + std::to_string(tile) : why_not_;
     send(BakeMessageKind::surveyed, to_bytes(survey));
@@ -313,7 +313,7 @@ class BakeServer {
   }
 
   const int fd_;
-  const Bell done_;
+  const Wakeup done_;
   FrameReader inbox_;
   bool hung_up_ = false;
   std::optional<WorkerSetup> setup_;

@@ -4,8 +4,8 @@
 
 #include "format/system/io_error.h"
 #include "lattice/error.h"
-#include "worker/far_triangles.h"
 #include "worker/lattice.h"
+#include "worker/long_triangles.h"
 #include "worker/tiles/clusters.h"
 
 namespace gigabake {
@@ -32,12 +32,12 @@ CellLoader::CellLoader(const SceneSources& sources, const BakeParameters& parame
     : parameters_(parameters),
       pool_(threads),
       tile_store_(sources, parameters, scratch, threads),
-      texture_store_(scratch.folder, scratch.most_tile_bytes),
+      texture_store_(scratch.folder, scratch.max_tile_bytes),
       tiles_(cache_bytes / 2),
       textures_(cache_bytes / 2) {}
 
 /// The textures of a cell in the order of first use, without duplicates.
-struct CellLoader::WantedTextures {
+struct CellLoader::RequiredTextures {
   struct Item {
     TextureKey key;
     const LoadedTile* tile;
@@ -75,7 +75,7 @@ LoadedCell CellLoader::load_whole(const CellJob& job) {
   LoadedCell cell;
   cell.memory = MemoryClaim("cell " + job.name, cell_advice);
   load_tiles(job, cell);
-  WantedTextures wanted;
+  RequiredTextures wanted;
   for (const auto& tile : cell.tiles) add_parts(job, *tile, cell, wanted);
   load_textures(wanted, cell);
   return cell;
@@ -91,7 +91,8 @@ void CellLoader::load_tiles(const CellJob& job, LoadedCell& cell) {
   });
 }
 
-void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCell& cell, WantedTextures& wanted) const {
+void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCell& cell,
+                           RequiredTextures& wanted) const {
   const CellBox box{job.lattice_min, job.cell_voxels};
   const TileMesh& mesh = tile.mesh();
   std::vector<std::int64_t> cell_material(mesh.materials.size(), -1);
@@ -103,7 +104,7 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCel
   };
   for (std::size_t i = 0; i < mesh.instances.size(); ++i) {
     const SceneBox& reach = tile.instance_boxes()[i];
-    if (!may_meet(reach, parameters_, box)) continue;
+    if (!may_overlap(reach, parameters_, box)) continue;
     const Instance& instance = mesh.instances[i];
     std::shared_ptr<const Primitive> near = mesh_near(box, tile, instance, cell.memory);
     if (near == nullptr) continue;
@@ -111,9 +112,9 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCel
     std::int64_t& material = cell_material[of_tile];
     if (material < 0) material = add_material(mesh.materials[of_tile]);
     cell.parts.push_back(part_view(*near, instance, std::uint32_t(material)));
-    if (may_reach_too_far(reach, parameters_)) {
+    if (may_have_long_triangle(reach, parameters_)) {
       cell.memory.add_items(near->index.size(), sizeof(std::uint32_t), "", "corners of triangles");
-      cell.indices.push_back(index_without_far(*near, instance, parameters_));
+      cell.indices.push_back(index_without_long(*near, instance, parameters_));
       cell.parts.back().index = span(cell.indices.back());
     }
     cell.meshes.push_back(std::move(near));
@@ -124,26 +125,26 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCel
 /// of one kernel part and of its triangles.
 std::shared_ptr<const Primitive> CellLoader::mesh_near(const CellBox& box, const LoadedTile& tile,
                                                        const Instance& instance, MemoryClaim& memory) const {
-  constexpr std::uint64_t part_bytes = sizeof(kernels::PartView) + 320, triangle_bytes = 128, most_counted = 64;
+  constexpr std::uint64_t part_bytes = sizeof(kernels::PartView) + 320, triangle_bytes = 128, max_counted = 64;
   const TilePrimitive& primitive = tile.primitives()[std::size_t(instance.primitive)];
-  memory.add_items(1, part_bytes + triangle_bytes * std::min(primitive.triangles, most_counted), "",
+  memory.add_items(1, part_bytes + triangle_bytes * std::min(primitive.triangles, max_counted), "",
                    "what is placed in the cell");
   if (primitive.clusters.size() == 1) return tile.mesh_of({&primitive.clusters.front()});
   std::vector<const TileCluster*> near;
   for (const TileCluster& cluster : primitive.clusters)
-    if (may_meet(scene_box(cluster.bounds, instance, parameters_), parameters_, box)) near.push_back(&cluster);
+    if (may_overlap(scene_box(cluster.bounds, instance, parameters_), parameters_, box)) near.push_back(&cluster);
   memory.add_items(near.size(), cluster_bytes, "", "clusters of triangles");
   return tile.mesh_of(near);
 }
 
-void CellLoader::load_textures(const WantedTextures& wanted, LoadedCell& cell) {
-  const auto bytes = [](const WantedTextures::Item& item) { return item.tile->images()[item.image].texture_bytes; };
-  for (const WantedTextures::Item& item : wanted.items)  // excludes mapped textures: the system can evict their pages
+void CellLoader::load_textures(const RequiredTextures& wanted, LoadedCell& cell) {
+  const auto bytes = [](const RequiredTextures::Item& item) { return item.tile->images()[item.image].texture_bytes; };
+  for (const RequiredTextures::Item& item : wanted.items)  // excludes mapped textures: the system can evict their pages
     if (!texture_store_.is_on_scratch(bytes(item))) cell.memory.add(bytes(item), "", "the textures of the cell");
   cell.textures.resize(wanted.items.size());
   pool_.parallel_for(wanted.items.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
-      const WantedTextures::Item& item = wanted.items[i];
+      const RequiredTextures::Item& item = wanted.items[i];
       cell.textures[i] = textures_.get(item.key, [&] {
         return texture_store_.load(item.key, bytes(item), [&] { return item.tile->encoded(item.image); });
       });

@@ -44,7 +44,7 @@ class CellLoader {
              const TileScratch& scratch = {});
 
   /// Loads a cell. Leaves out instances and clusters whose bounds miss the cell, and images that only they need. Also
-  /// leaves out triangles that are too long (worker/far_triangles.h), independent of the cell.
+  /// leaves out triangles that are too long (worker/long_triangles.h), independent of the cell.
   /// Cost    Proportional to the data near the cell, plus one comparison per instance of its tiles and per cluster of
   ///         instances near it.
   /// Exact   If job.tile_sources is set, a tile's hash is verified when it is read, and is part of its cache key.
@@ -62,15 +62,15 @@ class CellLoader {
   struct TileKeyHash {
     std::size_t operator()(const TileKey& key) const { return key.tile; }
   };
-  struct WantedTextures;
+  struct RequiredTextures;
 
   static TileKey key_of(const CellJob& job, std::size_t tile);
   LoadedCell load_whole(const CellJob& job);
   void load_tiles(const CellJob& job, LoadedCell& cell);
-  void add_parts(const CellJob& job, const LoadedTile& tile, LoadedCell& cell, WantedTextures& wanted) const;
+  void add_parts(const CellJob& job, const LoadedTile& tile, LoadedCell& cell, RequiredTextures& wanted) const;
   std::shared_ptr<const Primitive> mesh_near(const CellBox& box, const LoadedTile& tile, const Instance& instance,
                                              MemoryClaim& memory) const;
-  void load_textures(const WantedTextures& wanted, LoadedCell& cell);
+  void load_textures(const RequiredTextures& wanted, LoadedCell& cell);
 
   const BakeParameters& parameters_;
   ThreadPool pool_;

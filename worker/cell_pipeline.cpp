@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "format/system/io_error.h"
+#include "worker/bounded_queue.h"
 #include "worker/cell_stages.h"
-#include "worker/handoff.h"
-#include "worker/write_crew.h"
+#include "worker/writer_pool_size.h"
 
 namespace gigabake {
 namespace {
@@ -25,13 +25,13 @@ constexpr std::size_t overviews_waiting = 64;
 /// of_input: outcome of an InputError in this stage. The write stage passes `failed`, because its errors are I/O
 /// errors.
 template <class Work>
-void run_stage(CellInHand& cell, double CellReport::*seconds, CellOutcome of_input, const Work& work) {
-  if (cell.decided) return;
+void run_stage(InFlightCell& cell, double CellReport::*seconds, CellOutcome of_input, const Work& work) {
+  if (cell.is_final) return;
   const auto start = std::chrono::steady_clock::now();
   const auto fail = [&](std::string line, CellOutcome outcome = CellOutcome::failed) {
     cell.report.outcome = outcome;
     cell.report.error = std::move(line);
-    cell.decided = true;
+    cell.is_final = true;
     cell.loaded.reset();
     cell.device_input.reset();
     cell.device_volume.reset();
@@ -60,16 +60,17 @@ class CellPipeline::Stages {
       : stages_(std::move(sources), parameters, options),
         has_device_(options.cuda_device.has_value()),
         on_report_(std::move(on_report)),
-        loaded_(cells_ahead_for(options)) {
+        loaded_(readahead_cells_for(options)) {
     reader_ = std::thread([this] { read_all(); });
     computer_ = std::thread([this] { compute_all(); });
     if (has_device_) {
       const std::size_t makers = overview_makers_for(options);
-      suppliers_ = bringers + makers;
-      for (std::size_t b = 0; b < bringers; ++b) bringers_.emplace_back([this, b] { bring_all(b); });
+      producers_ = readback_workers + makers;
+      for (std::size_t b = 0; b < readback_workers; ++b)
+        readback_threads_.emplace_back([this, b] { read_back_all(b); });
       for (std::size_t m = 0; m < makers; ++m) overview_makers_.emplace_back([this] { make_overviews(); });
     }
-    for (int w = write_crew_for(options).writers; w > 0; --w) writers_.emplace_back([this] { write_all(); });
+    for (int w = writer_pool_size_for(options).writers; w > 0; --w) writers_.emplace_back([this] { write_all(); });
   }
 
   ~Stages() {
@@ -80,7 +81,7 @@ class CellPipeline::Stages {
     submitted_.notify_all();
     reader_.join();
     computer_.join();
-    for (std::thread& bringer : bringers_) bringer.join();
+    for (std::thread& readback_worker : readback_threads_) readback_worker.join();
     for (std::thread& maker : overview_makers_) maker.join();
     for (std::thread& writer : writers_) writer.join();
   }
@@ -121,22 +122,22 @@ class CellPipeline::Stages {
   void read_all() {
     stages_.prepare();
     while (auto job = next_job()) {
-      auto cell = std::make_unique<CellInHand>(std::move(*job));
+      auto cell = std::make_unique<InFlightCell>(std::move(*job));
       if (has_device_ && is_parent(cell->job)) {
-        overviews_.give(std::move(cell));
+        overviews_.push(std::move(cell));
         continue;
       }
       read(*cell);
-      loaded_.give(std::move(cell));
+      loaded_.push(std::move(cell));
     }
     loaded_.close();
     overviews_.close();
   }
 
-  void read(CellInHand& cell) {
+  void read(InFlightCell& cell) {
     // A missing child may still appear, because another host may have written it a moment ago.
     const CellOutcome of_input = is_parent(cell.job) ? CellOutcome::failed : CellOutcome::refused;
-    run_stage(cell, &CellReport::read_s, of_input, [this](CellInHand& c) { stages_.read(c); });
+    run_stage(cell, &CellReport::read_s, of_input, [this](InFlightCell& c) { stages_.read(c); });
   }
 
   /// Reads and computes overviews on the host while a device bakes cells, so that the device never waits for an
@@ -144,45 +145,45 @@ class CellPipeline::Stages {
   void make_overviews() {
     while (auto cell = overviews_.take()) {
       read(**cell);
-      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused, [this](CellInHand& c) {
+      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused, [this](InFlightCell& c) {
         stages_.compute(c);
-        stages_.bring(c, 0);
+        stages_.read_back(c, 0);
       });
-      ready_.give(std::move(*cell));
+      ready_.push(std::move(*cell));
     }
-    end_supply();
+    release_producer();
   }
 
   /// Closes the writers' queue when the last thread that feeds it ends.
-  void end_supply() {
-    if (--suppliers_ == 0) ready_.close();
+  void release_producer() {
+    if (--producers_ == 0) ready_.close();
   }
 
   /// Runs the compute stage. CPU only: there is no readback stage; the compute thread feeds the writers.
   void compute_all() {
-    Handoff<std::unique_ptr<CellInHand>>& next = has_device_ ? computed_ : ready_;
+    BoundedQueue<std::unique_ptr<InFlightCell>>& next = has_device_ ? computed_ : ready_;
     while (auto cell = loaded_.take()) {
-      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused, [this](CellInHand& c) {
+      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused, [this](InFlightCell& c) {
         stages_.compute(c);
-        if (!has_device_) stages_.bring(c, 0);
+        if (!has_device_) stages_.read_back(c, 0);
       });
-      next.give(std::move(*cell));
+      next.push(std::move(*cell));
     }
     next.close();
   }
 
-  void bring_all(std::size_t bringer) {
+  void read_back_all(std::size_t readback_worker) {
     while (auto cell = computed_.take()) {
       run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused,
-                [this, bringer](CellInHand& c) { stages_.bring(c, bringer); });
-      ready_.give(std::move(*cell));
+                [this, readback_worker](InFlightCell& c) { stages_.read_back(c, readback_worker); });
+      ready_.push(std::move(*cell));
     }
-    end_supply();
+    release_producer();
   }
 
   void write_all() {
     while (auto cell = ready_.take()) {
-      run_stage(**cell, &CellReport::write_s, CellOutcome::failed, [this](CellInHand& c) { stages_.write(c); });
+      run_stage(**cell, &CellReport::write_s, CellOutcome::failed, [this](InFlightCell& c) { stages_.write(c); });
       {
         const std::scoped_lock lock(mutex_);
         reports_.push_back(std::move((*cell)->report));
@@ -200,12 +201,13 @@ class CellPipeline::Stages {
   std::deque<CellReport> reports_;
   std::size_t in_flight_ = 0;
   bool stopping_ = false;
-  Handoff<std::unique_ptr<CellInHand>> loaded_;
-  Handoff<std::unique_ptr<CellInHand>> computed_, ready_;
-  Handoff<std::unique_ptr<CellInHand>> overviews_{overviews_waiting};  ///< jobs only; their children are not yet read
+  BoundedQueue<std::unique_ptr<InFlightCell>> loaded_;
+  BoundedQueue<std::unique_ptr<InFlightCell>> computed_, ready_;
+  BoundedQueue<std::unique_ptr<InFlightCell>> overviews_{
+      overviews_waiting};  ///< jobs only; their children are not yet read
   std::thread reader_, computer_;
-  std::atomic<std::size_t> suppliers_{0};  ///< with a device: number of threads that feed ready_
-  std::vector<std::thread> bringers_, overview_makers_;
+  std::atomic<std::size_t> producers_{0};  ///< with a device: number of threads that feed ready_
+  std::vector<std::thread> readback_threads_, overview_makers_;
   std::vector<std::thread> writers_;
 };
 

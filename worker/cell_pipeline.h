@@ -27,7 +27,7 @@ struct WorkerOptions {
 };
 
 /// Bakes submitted jobs in order. Reports have the same order, except with a device. Writing is then by far the slowest
-/// stage, and several cells are written concurrently (worker/write_crew.h).
+/// stage, and several cells are written concurrently (worker/writer_pool_size.h).
 /// Exact   A shard depends on its job, the sources and the parameters; not on threads, memory or other jobs.
 /// Errors  Every error of a cell becomes its report with one line of text: `refused` if another attempt would fail the
 ///         same way, else `failed`.

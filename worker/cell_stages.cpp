@@ -12,19 +12,19 @@
 #include "lattice/error.h"
 #include "worker/cell_parameters.h"
 #include "worker/shard_from_volume.h"
-#include "worker/write_crew.h"
+#include "worker/writer_pool_size.h"
 
 namespace gigabake {
 namespace {
 
-constexpr std::uint64_t least_kernel_bytes = std::uint64_t(16) << 20;
+constexpr std::uint64_t min_kernel_bytes = std::uint64_t(16) << 20;
 
 std::uint64_t cache_bytes(const WorkerOptions& options) {
   return options.memory_bytes == 0 ? std::numeric_limits<std::uint64_t>::max() : options.memory_bytes / 4;
 }
 
 std::uint64_t kernel_bytes(const WorkerOptions& options) {
-  return options.memory_bytes == 0 ? 0 : std::max(options.memory_bytes / 2, least_kernel_bytes);
+  return options.memory_bytes == 0 ? 0 : std::max(options.memory_bytes / 2, min_kernel_bytes);
 }
 
 std::uint64_t overview_bytes(const WorkerOptions& options) {
@@ -98,14 +98,14 @@ std::optional<Shard> published_shard(const std::filesystem::path& path, const Ce
   return std::nullopt;
 }
 
-void decide(CellInHand& cell, CellOutcome outcome) {
+void decide(InFlightCell& cell, CellOutcome outcome) {
   cell.report.outcome = outcome;
-  cell.decided = true;
+  cell.is_final = true;
 }
 
 }  // namespace
 
-CellInHand::CellInHand(CellJob cell_job) : job(std::move(cell_job)) { report.id = job.id; }
+InFlightCell::InFlightCell(CellJob cell_job) : job(std::move(cell_job)) { report.id = job.id; }
 
 CellStages::CellStages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options)
     : sources_(std::move(sources)),
@@ -115,12 +115,12 @@ CellStages::CellStages(SceneSources sources, BakeParameters parameters, const Wo
               scratch_in(options_.scratch, options_.memory_bytes)),
       overview_inputs_(overview_bytes(options_)),
       pool_(options_.threads),
-      write_pool_(write_crew_for(options_).threads) {}
+      write_pool_(writer_pool_size_for(options_).threads) {}
 
 /// Runs one step of a cell on the device. Returns false if there is no device or a step failed now or earlier; the CPU
 /// then bakes the cell.
 template <class Step>
-bool CellStages::on_device(CellInHand& cell, const Step& step) {
+bool CellStages::on_device(InFlightCell& cell, const Step& step) {
   if (!options_.cuda_device || !cell.report.note.empty()) return false;
   try {
     step();
@@ -142,12 +142,12 @@ void CellStages::prepare() {
 }
 
 void CellStages::make_baker() {
-  while (packers_.size() < bringers + 1)
+  while (packers_.size() < readback_workers + 1)
     packers_.push_back(std::make_unique<kernels::CudaPacker>(*options_.cuda_device));
   if (!cuda_) cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, options_.memory_bytes / 4);
 }
 
-void CellStages::read(CellInHand& cell) {
+void CellStages::read(InFlightCell& cell) {
   const std::filesystem::path path = options_.out / shard_path(cell.job);
   const FileStamp before = stamp_of(path).value_or(FileStamp{});
   if (auto shard = published_shard(path, cell.job, parameters_, sources_.origin, options_.threads)) {
@@ -170,12 +170,12 @@ void CellStages::read(CellInHand& cell) {
   });
 }
 
-void CellStages::bake_parent(CellInHand& parent) const {
+void CellStages::bake_parent(InFlightCell& parent) const {
   parent.volume = make_parent(parent.job, parent.children, parameters_, pool_);
   parent.children.clear();
 }
 
-void CellStages::compute(CellInHand& cell) {
+void CellStages::compute(InFlightCell& cell) {
   if (is_parent(cell.job)) return bake_parent(cell);
   const bool baked = on_device(cell, [&] {
     cell.device_volume =
@@ -184,24 +184,24 @@ void CellStages::compute(CellInHand& cell) {
     cell.report.on_device = true;
   });
   if (!baked) return bake_on_cpu(cell);
-  if (is_alone_on_device(cell.device_volume->stats())) bring(cell, bringers);
+  if (is_alone_on_device(cell.device_volume->stats())) read_back(cell, readback_workers);
 }
 
 /// Returns true if the next cell, at the same size, would not fit in device memory together with the cells being read
 /// back.
 bool CellStages::is_alone_on_device(const kernels::CellStats& stats) const {
-  return options_.memory_bytes != 0 && (bringers + 1) * stats.peak_bytes > kernel_bytes(options_);
+  return options_.memory_bytes != 0 && (readback_workers + 1) * stats.peak_bytes > kernel_bytes(options_);
 }
 
-void CellStages::bring(CellInHand& cell, std::size_t bringer) {
-  if (cell.device_volume) bring_from_device(cell, *packers_.at(bringer));
+void CellStages::read_back(InFlightCell& cell, std::size_t readback_worker) {
+  if (cell.device_volume) read_back_from_device(cell, *packers_.at(readback_worker));
   cell.loaded.reset();
   take_stats(cell);
   if (!cell.packed && cell.volume.levels.empty()) decide(cell, CellOutcome::empty);
 }
 
-void CellStages::bring_from_device(CellInHand& cell, kernels::CudaPacker& packer) {
-  std::string why;  // reported only after bring_volume(): a non-empty note disables the device for this cell
+void CellStages::read_back_from_device(InFlightCell& cell, kernels::CudaPacker& packer) {
+  std::string why;  // reported only after read_back_volume(): a non-empty note disables the device for this cell
   try {
     pack_on_device(cell, packer);
   } catch (const DeviceFull& e) {
@@ -210,11 +210,11 @@ void CellStages::bring_from_device(CellInHand& cell, kernels::CudaPacker& packer
     why = std::string("packed on the CPU, because the GPU failed: ") + e.what();
   }
   if (cell.packed) return cell.device_volume.reset();
-  bring_volume(cell);
+  read_back_volume(cell);
   if (cell.report.note.empty()) cell.report.note = why;
 }
 
-void CellStages::pack_on_device(CellInHand& cell, kernels::CudaPacker& packer) {
+void CellStages::pack_on_device(InFlightCell& cell, kernels::CudaPacker& packer) {
   const ShardHeader header = header_of(cell);
   kernels::PackRequest request;
   for (std::uint32_t edge = header.cell_voxels; edge >= brick_edge; edge /= 2)
@@ -226,11 +226,11 @@ void CellStages::pack_on_device(CellInHand& cell, kernels::CudaPacker& packer) {
 
 /// Packs with one readback worker's fraction of the memory. A cell that needs more waits for the other readback workers
 /// and then uses all of it.
-void CellStages::pack_beside_others(CellInHand& cell, kernels::CudaPacker& packer, kernels::PackRequest& request) {
+void CellStages::pack_beside_others(InFlightCell& cell, kernels::CudaPacker& packer, kernels::PackRequest& request) {
   const std::uint64_t memory = options_.memory_bytes / 4;
   try {
     const std::shared_lock lock(packing_);
-    request.memory_bytes = memory / bringers;
+    request.memory_bytes = memory / readback_workers;
     cell.packed = packer.pack(*cell.device_volume, request);
     return;
   } catch (const DeviceFull&) {
@@ -240,17 +240,17 @@ void CellStages::pack_beside_others(CellInHand& cell, kernels::CudaPacker& packe
   cell.packed = packer.pack(*cell.device_volume, request);
 }
 
-void CellStages::bring_volume(CellInHand& cell) {
+void CellStages::read_back_volume(InFlightCell& cell) {
   const std::scoped_lock lock(download_);
   if (!on_device(cell, [&] { cell.volume = cuda_->download(std::move(cell.device_volume)); })) bake_on_cpu(cell);
 }
 
-void CellStages::bake_on_cpu(CellInHand& cell) const {
+void CellStages::bake_on_cpu(InFlightCell& cell) const {
   cell.volume =
       kernels::bake_cell(cell.loaded->input(), cell_parameters(cell.job, parameters_, kernel_bytes(options_)), pool_);
 }
 
-void CellStages::take_stats(CellInHand& cell) const {
+void CellStages::take_stats(InFlightCell& cell) const {
   const kernels::CellStats& stats = cell.stats();
   cell.report.peak_bytes = stats.peak_bytes;
   cell.report.bad_uv = stats.bad_uv;
@@ -260,10 +260,10 @@ void CellStages::take_stats(CellInHand& cell) const {
                          " triangles reach farther than 4194304 voxels from the cell; enlarge `voxel_size_m`");
 }
 
-void CellStages::write(CellInHand& cell) {
+void CellStages::write(InFlightCell& cell) {
   const ShardHeader header = header_of(cell);
   const std::filesystem::path path = options_.out / shard_path(cell.job);
-  const ShardWriteOptions how{write_pool_, parameters_.codec, image_bytes_for(options_)};
+  const ShardWriteOptions how{write_pool_, parameters_.codec, file_image_bytes_for(options_)};
   if (cell.packed) {
     const PackedShard shard = shard_from_packed(*cell.packed, header);
     report_shard(cell, shard, write_packed_shard(path, shard, how));
@@ -278,7 +278,7 @@ void CellStages::write(CellInHand& cell) {
 }
 
 template <class AnyShard>
-void CellStages::report_shard(CellInHand& cell, const AnyShard& shard, const StoredShard& stored) const {
+void CellStages::report_shard(InFlightCell& cell, const AnyShard& shard, const StoredShard& stored) const {
   cell.report.shard = stamp_of(options_.out / shard_path(cell.job)).value_or(FileStamp{});
   cell.report.cell = scene_cell(cell.job, shard, stored);
   cell.report.levels = with_stored(summaries(shard, write_pool_), stored.levels);
@@ -290,7 +290,7 @@ void CellStages::keep_for_overviews(const CellJob& job, AnyShard&& shard) {
   overview_inputs_.keep(shard_path(job).generic_string(), child_of(std::forward<AnyShard>(shard), job.kept_lod));
 }
 
-ShardHeader CellStages::header_of(const CellInHand& cell) const {
+ShardHeader CellStages::header_of(const InFlightCell& cell) const {
   ShardHeader h;
   h.generator = generator();
   h.cell = cell.job.name;

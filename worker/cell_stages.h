@@ -21,12 +21,12 @@
 namespace gigabake {
 
 /// A cell in flight through the stages.
-struct CellInHand {
-  explicit CellInHand(CellJob cell_job);
+struct InFlightCell {
+  explicit InFlightCell(CellJob cell_job);
 
   CellJob job;
   CellReport report;
-  bool decided = false;              ///< the report is final; later stages skip the cell
+  bool is_final = false;             ///< the report is final; later stages skip the cell
   std::optional<LoadedCell> loaded;  ///< until there is a volume: a device may fail at any step
   ChildrenOfParent children;         ///< of an overview, instead of `loaded`
   std::shared_ptr<const kernels::CudaInput> device_input;
@@ -38,7 +38,7 @@ struct CellInHand {
 };
 
 /// Number of cells that are read back from a device concurrently: packing one cell leaves most of the device idle.
-inline constexpr std::size_t bringers = 3;
+inline constexpr std::size_t readback_workers = 3;
 
 /// The stages of a pipeline. Each stage may throw; the pipeline turns the exception into a failed report.
 class CellStages {
@@ -50,34 +50,34 @@ class CellStages {
   void prepare();
   /// Reuses the shard of this fingerprint if OUT has a valid one; else loads tiles and textures, and uploads them to
   /// the device. For an overview, takes children from memory where available and reads the others.
-  void read(CellInHand& cell);
+  void read(InFlightCell& cell);
   /// Computes the volume from the loaded data: on the device if there is one and the cell is not an overview. If the
   /// device fails, the cell is baked on the CPU, and the report has a note.
-  void compute(CellInHand& cell);
+  void compute(InFlightCell& cell);
   /// Reads a cell back from the device, packed as columns. If packing fails, reads the volume back for the host to
   /// pack. Sets the outcome `empty` if no voxel is occupied. Concurrent with the computation of the next cell. The
   /// index of the calling thread is `bringer`, at most `bringers`; each thread reads back another cell.
-  void bring(CellInHand& cell, std::size_t bringer);
+  void read_back(InFlightCell& cell, std::size_t readback_worker);
   /// Writes the volume or the columns to a shard, and fills the report.
-  void write(CellInHand& cell);
+  void write(InFlightCell& cell);
 
  private:
   void make_baker();
   template <class Step>
-  bool on_device(CellInHand& cell, const Step& step);
-  void bake_on_cpu(CellInHand& cell) const;
-  void bake_parent(CellInHand& parent) const;
-  void bring_from_device(CellInHand& cell, kernels::CudaPacker& packer);
-  void pack_on_device(CellInHand& cell, kernels::CudaPacker& packer);
-  void pack_beside_others(CellInHand& cell, kernels::CudaPacker& packer, kernels::PackRequest& request);
-  void bring_volume(CellInHand& cell);
+  bool on_device(InFlightCell& cell, const Step& step);
+  void bake_on_cpu(InFlightCell& cell) const;
+  void bake_parent(InFlightCell& parent) const;
+  void read_back_from_device(InFlightCell& cell, kernels::CudaPacker& packer);
+  void pack_on_device(InFlightCell& cell, kernels::CudaPacker& packer);
+  void pack_beside_others(InFlightCell& cell, kernels::CudaPacker& packer, kernels::PackRequest& request);
+  void read_back_volume(InFlightCell& cell);
   bool is_alone_on_device(const kernels::CellStats& stats) const;
-  void take_stats(CellInHand& cell) const;
+  void take_stats(InFlightCell& cell) const;
   template <class AnyShard>
   void keep_for_overviews(const CellJob& job, AnyShard&& shard);
-  ShardHeader header_of(const CellInHand& cell) const;
+  ShardHeader header_of(const InFlightCell& cell) const;
   template <class AnyShard>
-  void report_shard(CellInHand& cell, const AnyShard& shard, const StoredShard& stored) const;
+  void report_shard(InFlightCell& cell, const AnyShard& shard, const StoredShard& stored) const;
 
   const SceneSources sources_;
   const BakeParameters parameters_;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "kernels/body/triangle_fate.h"
+#include "kernels/body/classify_triangle.h"
 #include "lattice/brick.h"
 
 namespace gigabake {

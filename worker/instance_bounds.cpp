@@ -38,7 +38,7 @@ SceneBox scene_box(const LocalBounds& bounds, const Instance& instance, const Ba
   return box;
 }
 
-bool may_meet(const SceneBox& box, const BakeParameters& parameters, const CellBox& cell) {
+bool may_overlap(const SceneBox& box, const BakeParameters& parameters, const CellBox& cell) {
   if (box.is_empty()) return false;
   for (std::size_t r = 0; r < 3; ++r) {
     const auto plane_m = [&](double voxel) { return parameters.lattice_origin_m[r] + voxel * parameters.voxel_size_m; };

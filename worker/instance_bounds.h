@@ -33,6 +33,6 @@ struct CellBox {
 };
 
 /// Returns false only if no geometry inside the box (of scene_box()) can touch a voxel of the cell.
-bool may_meet(const SceneBox& box, const BakeParameters& parameters, const CellBox& cell);
+bool may_overlap(const SceneBox& box, const BakeParameters& parameters, const CellBox& cell);
 
 }  // namespace gigabake

@@ -13,7 +13,7 @@ std::uint16_t to_16_bit(float share) {
   return std::uint16_t(std::lround(std::isfinite(share) ? std::clamp(share, 0.0f, 1.0f) * 65535.0f : 0.0f));
 }
 
-void make_absent(ShadedMaterial& m) {
+void make_invisible(ShadedMaterial& m) {
   m.image = -1;
   m.view.base_rgba[3] = 0;
   m.view.cutoff = 65535;
@@ -26,10 +26,10 @@ void set_alpha_test(const Material& material, ShadedMaterial& m) {
     return;
   }
   m.view.cutoff = to_16_bit(material.alpha_cutoff);
-  if (cutoff > 1) return make_absent(m);
+  if (cutoff > 1) return make_invisible(m);
   if (m.image < 0) return;
   const double threshold = std::ceil(255 * cutoff / factor - cutoff_slack);
-  if (!(threshold <= 255)) return make_absent(m);
+  if (!(threshold <= 255)) return make_invisible(m);
   m.recipe = {kernels::TextureAlpha::mask, std::uint8_t(std::max(threshold, 1.0))};
 }
 

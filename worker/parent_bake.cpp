@@ -17,9 +17,9 @@ std::vector<kernels::Level> copies_of(const CellJob& parent, const ChildrenOfPar
                                       const ThreadPool& pool) {
   std::vector<const ChildLevels*> copied;
   for (const auto& child : children) copied.push_back(&child->copied);
-  const CopyWindow window{parent.lattice_min, parent.cell_voxels,
-                          parent.first_lod,   parent.first_lod + parent.copied_lods,
-                          p.normals,          has_facing(p)};
+  const DuplicatedWindow window{parent.lattice_min, parent.cell_voxels,
+                                parent.first_lod,   parent.first_lod + parent.copied_lods,
+                                p.normals,          has_facing(p)};
   return joined_levels(copied, window, pool);
 }
 

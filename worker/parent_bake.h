@@ -13,7 +13,7 @@
 #include "kernels/body/cell.h"
 #include "lattice/parameters.h"
 #include "lattice/thread_pool.h"
-#include "worker/copied_levels.h"
+#include "worker/duplicated_levels.h"
 
 namespace gigabake {
 

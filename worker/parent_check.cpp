@@ -12,16 +12,16 @@ namespace gigabake {
 namespace {
 
 /// The parts of an overview and its children that are compared.
-struct ReadFamily {
+struct OverviewFamily {
   ShardHeader header;
   ParentSource above;
   ChildrenOfParent children;
 };
-std::optional<ReadFamily> read_family(const std::filesystem::path& folder, const SceneCell& parent,
-                                      std::span<const SceneCell> children) {
+std::optional<OverviewFamily> read_overview_family(const std::filesystem::path& folder, const SceneCell& parent,
+                                                   std::span<const SceneCell> children) {
   try {
     const ShardReader reader(folder / parent.file);
-    ReadFamily family{reader.header(), reader.above(), {}};
+    OverviewFamily family{reader.header(), reader.above(), {}};
     for (const SceneCell& child : children)
       family.children.push_back(
           std::make_shared<const ChildOfParent>(read_child(ShardReader(folder / child.file), job_of(parent))));
@@ -35,7 +35,7 @@ class Comparison {
  public:
   Comparison(std::filesystem::path file, const SceneCell& parent) : file_(std::move(file)), parent_(parent) {}
 
-  void compare(const ReadFamily& family, const kernels::CellVolume& made) {
+  void compare(const OverviewFamily& family, const kernels::CellVolume& made) {
     const std::uint32_t lods = family.header.generator == generator() ? parent_.lods : parent_.copied_lods;
     for (std::uint32_t l = 0; l < lods; ++l)
       if (l >= made.content_hash.size() || made.content_hash[l] != family.header.content_hash[l])
@@ -60,9 +60,9 @@ class Comparison {
 
 }  // namespace
 
-std::vector<std::string> faults_of_parent(const std::filesystem::path& folder, const SceneHeader& scene,
-                                          const SceneCell& parent, std::span<const SceneCell> children) {
-  const std::optional<ReadFamily> family = read_family(folder, parent, children);
+std::vector<std::string> overview_faults(const std::filesystem::path& folder, const SceneHeader& scene,
+                                         const SceneCell& parent, std::span<const SceneCell> children) {
+  const std::optional<OverviewFamily> family = read_overview_family(folder, parent, children);
   if (!family) return {};
   Comparison comparison(folder / parent.file, parent);
   try {

@@ -16,7 +16,7 @@ namespace gigabake {
 /// Parameter children: the cells or overviews of the scene that its window overlaps. If a child cannot be read, the
 /// comparison stops and reports no fault for it; the child's own check reports it.
 /// Cost    Reads each child's downsample state and duplicated levels.
-std::vector<std::string> faults_of_parent(const std::filesystem::path& folder, const SceneHeader& scene,
-                                          const SceneCell& parent, std::span<const SceneCell> children);
+std::vector<std::string> overview_faults(const std::filesystem::path& folder, const SceneHeader& scene,
+                                         const SceneCell& parent, std::span<const SceneCell> children);
 
 }  // namespace gigabake

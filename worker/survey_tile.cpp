@@ -6,7 +6,7 @@
 
 #include "format/source/tile_hash.h"
 #include "lattice/error.h"
-#include "worker/tile_surveyor.h"
+#include "worker/tile_scanner.h"
 
 namespace gigabake {
 namespace {
@@ -18,14 +18,14 @@ std::vector<std::vector<const Instance*>> placements_of(const TileMesh& mesh) {
   return placed;
 }
 
-TileMesh add_held(const TileRef& tile, const std::filesystem::path& root, TileSurveyor& surveyor) {
+TileMesh add_held(const TileRef& tile, const std::filesystem::path& root, TileScanner& surveyor) {
   TileMesh mesh = read_tile(tile, root, ReadScope::positions_only);
   const auto placed = placements_of(mesh);
   for (std::size_t p = 0; p < placed.size(); ++p) surveyor.add(mesh.primitives[p], placed[p]);
   return mesh;
 }
 
-TileMesh add_stored(const LoadedTile& tile, TileSurveyor& surveyor) {
+TileMesh add_stored(const LoadedTile& tile, TileScanner& surveyor) {
   const auto placed = placements_of(tile.mesh());
   for (std::size_t p = 0; p < placed.size(); ++p) surveyor.add(tile, p, placed[p]);
   return tile.mesh();
@@ -33,7 +33,7 @@ TileMesh add_stored(const LoadedTile& tile, TileSurveyor& surveyor) {
 
 /// Scans the tile without holding the whole mesh in memory. Reads the file twice, because a part is read before its
 /// placements are known.
-TileMesh add_in_parts(const TileRef& tile, const std::filesystem::path& root, TileSurveyor& surveyor) {
+TileMesh add_in_parts(const TileRef& tile, const std::filesystem::path& root, TileScanner& surveyor) {
   TileMesh mesh = read_tile(tile, root, ReadScope::positions_only, [](std::size_t, const Primitive&) {});
   const auto placed = placements_of(mesh);
   read_tile(tile, root, ReadScope::positions_only, [&](std::size_t p, const Primitive& part) {
@@ -43,15 +43,15 @@ TileMesh add_in_parts(const TileRef& tile, const std::filesystem::path& root, Ti
   return mesh;
 }
 
-void take_counts(const TileMesh& mesh, TileSurvey& survey) {
+void take_counts(const TileMesh& mesh, TileScan& survey) {
   survey.triangles = mesh.counts.triangles;
   survey.skipped_points = mesh.counts.skipped_points;
   survey.skipped_lines = mesh.counts.skipped_lines;
   survey.warnings = mesh.warnings;
 }
 
-TileSurvey unreadable(std::uint32_t tile, std::string reason) {
-  TileSurvey survey;
+TileScan unreadable(std::uint32_t tile, std::string reason) {
+  TileScan survey;
   survey.tile = tile;
   survey.error = std::move(reason);
   return survey;
@@ -59,15 +59,15 @@ TileSurvey unreadable(std::uint32_t tile, std::string reason) {
 
 }  // namespace
 
-TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters,
-                       const ThreadPool& pool, const TileStore* store) {
-  TileSurvey survey;
+TileScan survey_tile(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters,
+                     const ThreadPool& pool, const TileStore* store) {
+  TileScan survey;
   survey.tile = tile;
   const TileRef& ref = sources.tiles.at(tile);
   try {
     // The identity is taken first, because the files' stamps must be older than everything that is read from the files.
     TileIdentity identity = identify_tile(ref, sources.root);
-    TileSurveyor surveyor(ref, parameters, pool);
+    TileScanner surveyor(ref, parameters, pool);
     if (store == nullptr || !store->may_be_large(tile))
       take_counts(add_held(ref, sources.root, surveyor), survey);
     else if (store->has_scratch())

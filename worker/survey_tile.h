@@ -20,11 +20,11 @@ namespace gigabake {
 /// Instances  A primitive placed at least 16 times, with more than 2^20 triangles in all, is scanned by the boxes of
 ///         its placements. Columns and heights may then extend slightly beyond its triangles, and a column counts all
 ///         triangles of an instance whose box overlaps it.
-/// Too far  A triangle is left out and counted if a side of its box exceeds longest_side (worker/far_triangles.h). The
-/// same holds if a vertex is beyond the lattice.
+/// Too far  A triangle is left out and counted if a side of its box exceeds max_triangle_side
+/// (worker/long_triangles.h). The same holds if a vertex is beyond the lattice.
 /// Cost    Time is linear in triangles, boxes and columns; a tile with more than 2^21 columns is an error.
-/// Errors  Throws nothing: TileSurvey::error holds one line with the reason why the tile has no columns.
-TileSurvey survey_tile(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters,
-                       const ThreadPool& pool, const TileStore* store = nullptr);
+/// Errors  Throws nothing: TileScan::error holds one line with the reason why the tile has no columns.
+TileScan survey_tile(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters,
+                     const ThreadPool& pool, const TileStore* store = nullptr);
 
 }  // namespace gigabake

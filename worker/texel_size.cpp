@@ -11,7 +11,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::size_t most_triangles = std::size_t(1) << 22;
+constexpr std::size_t max_triangles = std::size_t(1) << 22;
 
 using TriangleCorners = std::array<std::array<double, 3>, 3>;
 
@@ -74,7 +74,7 @@ TexelSize texel_size(const TileMesh& mesh) {
   for (const Instance& instance : mesh.instances) {
     const Primitive& primitive = mesh.primitives[std::size_t(instance.primitive)];
     triangles += primitive.index.size() / 3;
-    if (triangles > most_triangles) break;
+    if (triangles > max_triangles) break;
     const int image = shaded_material(mesh.materials[std::size_t(primitive.material)]).image;
     if (image < 0 || primitive.uv.empty()) continue;
     if (texels.find(image) == texels.end()) {

@@ -14,15 +14,15 @@ void put(ByteWriter& writer, const WorkerOptions& options) {
   writer.put(options.scratch.string());
 }
 
-void put(ByteWriter& writer, const DeviceWish& wish) {
+void put(ByteWriter& writer, const DeviceRequest& wish) {
   writer.put(wish.backend);
   writer.put(wish.allowed);
   writer.put(wish.rank_on_host);
   writer.put(wish.ranks_on_host);
 }
 
-DeviceWish get_device_wish(ByteReader& reader) {
-  DeviceWish wish;
+DeviceRequest get_device_wish(ByteReader& reader) {
+  DeviceRequest wish;
   reader.get(wish.backend), reader.get(wish.allowed), reader.get(wish.rank_on_host), reader.get(wish.ranks_on_host);
   if (wish.rank_on_host < 0) throw InputError("device wish", "rank_on_host", "expected 0 or more");
   if (wish.ranks_on_host <= wish.rank_on_host) throw InputError("device wish", "ranks_on_host", "expected more");

@@ -15,7 +15,7 @@ namespace gigabake {
 struct WorkerSetup {
   BakeParameters parameters;
   WorkerOptions worker;  ///< except cuda_device, which the process chooses
-  DeviceWish device;
+  DeviceRequest device;
   /// Serialized as in format/job/source_bytes.h. Relative paths are relative to the process's working folder, which it
   /// inherits.
   std::shared_ptr<const std::vector<std::uint8_t>> sources;

@@ -25,7 +25,7 @@ int exit_code_of(const BakeSummary& summary) {
 }
 
 /// Returns the callbacks that remain under --quiet.
-BakeProgress warnings_alone(const Progress& steps) {
+BakeProgress warnings_only(const Progress& steps) {
   BakeProgress p;
   p.steps = steps;
   p.opened = [](const SceneSources& sources) {
@@ -40,8 +40,8 @@ BakeProgress warnings_alone(const Progress& steps) {
   p.cell_done = [](const CellReport& report, const CellJob& job) {
     if (!report.note.empty()) print_message("cell {}: {}\n", job.name, with_flags(report.note));
   };
-  p.told = [](const std::string&) {};
-  p.noted = [](const std::string& line) { print_message("{}\n", with_flags(line)); };
+  p.info = [](const std::string&) {};
+  p.warning = [](const std::string& line) { print_message("{}\n", with_flags(line)); };
   return p;
 }
 
@@ -73,7 +73,7 @@ BakeProgress noted_progress(BakeProgress progress, const std::function<void()>& 
     show(sources);
   };
   progress.status = [show = progress.status](const BakeStatus& status) {
-    set_last_words(state_left(status));
+    set_interrupt_message(state_left(status));
     show(status);
   };
   return progress;
@@ -81,10 +81,10 @@ BakeProgress noted_progress(BakeProgress progress, const std::function<void()>& 
 
 int run(const BakeOptions& options, MpiSession& mpi) {
   const BakeRequest request = options.request_of(mpi);
-  all_or_none(mpi, [&] {
+  collective_try(mpi, [&] {
     if (mpi.rank() == 0) check_outputs(options);
   });
-  BakeConsole console(mpi.rank() == 0 && !options.quiet ? stderr : nullptr, {is_drain_asked, {}});
+  BakeConsole console(mpi.rank() == 0 && !options.quiet ? stderr : nullptr, {is_drain_requested, {}});
   BakeProgress progress = console.callbacks();
   const bool has_time = options.log_time.value_or(::isatty(STDERR_FILENO) == 0);
   std::optional<MessageTime> log_time;
@@ -92,8 +92,8 @@ int run(const BakeOptions& options, MpiSession& mpi) {
     if (has_time) log_time.emplace(mpi.rank());
   };
   if (mpi.rank() != 0) begin_log();
-  set_last_words("\ngigabake: stopped at once, before the first cell; the same command starts again\n");
-  if (options.quiet) progress = warnings_alone(progress.steps);
+  set_interrupt_message("\ngigabake: stopped at once, before the first cell; the same command starts again\n");
+  if (options.quiet) progress = warnings_only(progress.steps);
   const BakeSummary summary = bake(mpi, request, noted_progress(progress, begin_log));
   log_time.reset();  // lines after this one are the result of the command
   if (mpi.rank() != 0) return complete;
@@ -144,15 +144,15 @@ void add_bake(CLI::App& app, int& exit_code) {
   command->add_flag_function(
       "--log-time,!--no-log-time", [options](std::int64_t given) { options->log_time = given > 0; },
       "time and rank before each line of the log (default where standard error is not a terminal)");
-  Patience& patience = options->asked.patience;
+  Timeouts& timeouts = options->asked.timeouts;
   const auto add_seconds = [command](const char* name, double& seconds, const char* description) {
     command->add_option(name, seconds, fmt::format("{} ({:g})", description, seconds));
   };
-  add_seconds("--stall", patience.stall_s, "seconds without any work after which a bake process hangs");
-  add_seconds("--cell-timeout", patience.cell_timeout_s, "most seconds for one cell");
-  add_seconds("--silence", patience.silence_s, "seconds after which a rank that is not heard of is lost");
+  add_seconds("--stall", timeouts.no_progress_s, "seconds without any work after which a bake process hangs");
+  add_seconds("--cell-timeout", timeouts.cell_timeout_s, "most seconds for one cell");
+  add_seconds("--silence", timeouts.heartbeat_timeout_s, "seconds after which a rank that is not heard of is lost");
   command->callback([options, &exit_code] {
-    watch_for_drain();  // before MPI starts, because mpirun passes signals on from the beginning
+    install_drain_handlers();  // before MPI starts, because mpirun passes signals on from the beginning
     exit_code = on_all_ranks("bake", [&](MpiSession& mpi) { return run_until_stopped(*options, mpi); });
   });
 }

@@ -165,7 +165,7 @@ int run(const BakeBenchOptions& options) {
   r.scene = scene_of(request);
   r.out = request.out;
   r.backend = request.backend;
-  r.most_cells = options.cells;
+  r.max_cells = options.cells;
   const bench::BakeBench b = with_progress([&](const Progress& progress) {
     r.scene.progress = progress;
     return bench::bench_bake(r);
@@ -223,8 +223,8 @@ void add_bench_schedule(CLI::App& bench, int& exit_code) {
   auto* command = bench.add_subcommand("schedule", "A made-up terrain baked in virtual time by workers that may fail");
   auto options = std::make_shared<ScheduleBenchOptions>();
   bench::ScheduleBenchRequest& r = options->request;
-  const auto add = [command](const char* name, auto& value, int least, int most, const char* text) {
-    command->add_option(name, value, text)->capture_default_str()->check(CLI::Range(least, most));
+  const auto add = [command](const char* name, auto& value, int minimum, int maximum, const char* text) {
+    command->add_option(name, value, text)->capture_default_str()->check(CLI::Range(minimum, maximum));
   };
   add("--cells", r.cells, 1, 100000000, "of the terrain");
   add("--workers", r.workers, 1, 1000000, "that bake it");

@@ -68,7 +68,7 @@ void add_bench_pack(CLI::App& bench, int& exit_code) {
   command->add_option("--repeats", options->request.repeats, "runs; the fastest counts")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  command->add_option("--most-bytes", options->request.most_bytes, "raw bytes to pack, of the first shards")
+  command->add_option("--most-bytes", options->request.max_bytes, "raw bytes to pack, of the first shards")
       ->capture_default_str();
   command->add_flag("--json", options->json, "print JSON");
   command->callback([options, &exit_code] {

@@ -30,7 +30,7 @@ void print_text(const bench::QueryBench& b) {
   fmt::print(
       "against Embree: {} the same, {} graze what one of the two passed, {} begin in or at a voxel, {} wrong;\n"
       "distances differ by at most {:.2g} voxels\n",
-      b.same, b.grazing, b.inside, b.wrong, b.largest_gap);
+      b.same, b.grazing, b.inside, b.wrong, b.max_gap);
   if (!b.first_wrong.empty()) fmt::print("wrong: {}\n", b.first_wrong);
 }
 
@@ -47,7 +47,7 @@ nlohmann::ordered_json json_of(const bench::QueryBench& b) {
           {"grazing", b.grazing},
           {"inside", b.inside},
           {"wrong", b.wrong},
-          {"largest_gap_voxels", b.largest_gap}};
+          {"largest_gap_voxels", b.max_gap}};
 }
 
 int run(QueryBenchArguments& a) {

@@ -32,7 +32,7 @@ void print_json(const SceneDifference& d) {
                            {"only_in_b", l.only_in_b},
                            {"both", l.both},
                            {"recoloured", l.recoloured},
-                           {"largest_rgba", l.largest},
+                           {"largest_rgba", l.maximum},
                            {"mean_rgba", l.mean},
                            {"turned", l.turned},
                            {"refaced", l.refaced}});
@@ -55,7 +55,7 @@ void print_text(const SceneDifference& d) {
           "  lod {:<2} {} only in A, {} only in B; of {} in both {} differ in colour (r g b alpha by at most "
           "{}, on "
           "average {:.2f}), {} in their normal, {} in coverage along an axis\n",
-          l.lod, counted(l.only_in_a, "voxel"), l.only_in_b, l.both, l.recoloured, fmt::join(l.largest, " "),
+          l.lod, counted(l.only_in_a, "voxel"), l.only_in_b, l.both, l.recoloured, fmt::join(l.maximum, " "),
           fmt::join(l.mean, " "), l.turned, l.refaced);
   }
   if (!d.compared.empty() || d.not_compared.empty())

@@ -11,14 +11,14 @@
 #include "app/process/stop_signal.h"
 #include "cluster/empty_scene.h"
 #include "format/system/message.h"
-#include "scheduler/prior.h"
+#include "scheduler/cached_results.h"
 
 namespace gigabake::app {
 namespace {
 
-std::optional<PriorResults> prior_of(const BakePlan& plan, const BakeRequest& request, const MpiSession& mpi) {
+std::optional<CachedResults> prior_of(const BakePlan& plan, const BakeRequest& request, const MpiSession& mpi) {
   if (request.out.empty()) return std::nullopt;
-  return find_prior(plan, read_journal(request.out / "journal"), request.out, mpi.cores());
+  return find_cached(plan, read_journal(request.out / "journal"), request.out, mpi.cores());
 }
 
 /// Prints the failure of a bake without visible voxels. Returns true if sample cells of the whole surface were baked
@@ -49,7 +49,7 @@ int run(const PlanOptions& plan_options, MpiSession& mpi) {
   const BakePlan& plan = planned.plan;
   const PlanSizes sizes{measure_plan(mpi, request, planned.sources, plan, plan_options.measures, progress.steps),
                         planned.survey_s};
-  const std::optional<PriorResults> prior = prior_of(plan, request, mpi);
+  const std::optional<CachedResults> prior = prior_of(plan, request, mpi);
   console.end_step();
   if (is_refused_as_empty(request, planned, sizes.measure)) return failed;
   options.json ? print_json_report(plan, prior, sizes) : print_report(plan, prior, sizes, plan_options.lists_cells);

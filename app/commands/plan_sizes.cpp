@@ -61,7 +61,7 @@ std::string suggestion(const PlanSizes& sizes) {
 std::string scratch_line(const PlanMeasure& m) {
   const std::optional<std::uint64_t>& textures = m.textures.scratch_bytes;
   std::string line;
-  if (m.scratch.tiles != 0) line = scratch_text(m.scratch);
+  if (m.scratch.tiles != 0) line = describe_scratch(m.scratch);
   if (textures.value_or(0) != 0)
     line += (line.empty() ? "about " : " and ") + readable_size(*textures) +
             (line.empty() ? " of scratch for large textures" : " for large textures");

@@ -31,7 +31,7 @@ namespace {
 struct QueryArguments {
   std::string scene, out;
   std::string ray, rays, at, heights, grid, sight, sights;
-  double step = 0, most_distance_m = 0, ends_m = 0;
+  double step = 0, max_distance_m = 0, ignore_ends_m = 0;
   QueryFrame frame = QueryFrame::scene;
   QueryFormat format = QueryFormat::csv;
   QueryOptions options;
@@ -39,18 +39,18 @@ struct QueryArguments {
   bool quiet = false;
 };
 
-std::unique_ptr<QueryAsks> one_ray(const QueryArguments& a) {
+std::unique_ptr<QuerySource> one_ray(const QueryArguments& a) {
   const char* const form =
       "X,Y,Z,DX,DY,DZ or X,Y,Z,AZIMUTH,ELEVATION, the latter alone with --coordinates lonlat, in place of X,Y,Z then";
   const auto v =
       a.frame == QueryFrame::lonlat ? numbers("--ray", form, a.ray, {5}) : numbers("--ray", form, a.ray, {5, 6});
-  QueryAsk ask{{}, {v[0], v[1], v[2]}, {v[3], v[4], v.size() == 6 ? v[5] : 0}};
-  return one_ask(ask, v.size() == 6 ? QueryAim::direction : QueryAim::angles, "--ray");
+  QueryInput ask{{}, {v[0], v[1], v[2]}, {v[3], v[4], v.size() == 6 ? v[5] : 0}};
+  return single_query(ask, v.size() == 6 ? DirectionForm::direction : DirectionForm::angles, "--ray");
 }
 
 struct Asked {
   QueryKind kind;
-  std::unique_ptr<QueryAsks> asks;
+  std::unique_ptr<QuerySource> asks;
 };
 
 /// Returns the single query of the command line.
@@ -60,31 +60,32 @@ Asked question_of(const QueryArguments& a, const ThreadPool& pool) {
     throw UsageError("expected one of --ray, --rays, --at, --heights, --grid, --sight and --sights");
   if (!a.grid.empty() != (a.step != 0)) throw UsageError("--grid and --step: expected both or none of them");
   if (!a.ray.empty()) return {QueryKind::ray, one_ray(a)};
-  if (!a.rays.empty()) return {QueryKind::ray, table_asks(a.rays, QueryKind::ray, a.frame, pool)};
-  if (!a.sights.empty()) return {QueryKind::sight, table_asks(a.sights, QueryKind::sight, a.frame, pool)};
-  if (!a.heights.empty()) return {QueryKind::height, table_asks(a.heights, QueryKind::height, a.frame, pool)};
+  if (!a.rays.empty()) return {QueryKind::ray, table_queries(a.rays, QueryKind::ray, a.frame, pool)};
+  if (!a.sights.empty()) return {QueryKind::sight, table_queries(a.sights, QueryKind::sight, a.frame, pool)};
+  if (!a.heights.empty()) return {QueryKind::height, table_queries(a.heights, QueryKind::height, a.frame, pool)};
   if (!a.at.empty()) {
     const auto v = numbers("--at", "X,Y, or LON,LAT with --coordinates lonlat", a.at, {2});
-    return {QueryKind::height, one_ask({{}, {v[0], v[1], 0}, {}}, QueryAim::point, "--at")};
+    return {QueryKind::height, single_query({{}, {v[0], v[1], 0}, {}}, DirectionForm::point, "--at")};
   }
   if (!a.grid.empty()) {
     const auto v = numbers("--grid", "X,Y,X,Y: its lower and its upper corner", a.grid, {4});
-    return {QueryKind::height, grid_asks({{v[0], v[1], v[2], v[3]}, a.step})};
+    return {QueryKind::height, grid_queries({{v[0], v[1], v[2], v[3]}, a.step})};
   }
   const auto v = numbers("--sight", "X,Y,Z,X,Y,Z: two points", a.sight, {6});
-  return {QueryKind::sight, one_ask({{}, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}}, QueryAim::point, "--sight")};
+  return {QueryKind::sight,
+          single_query({{}, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}}, DirectionForm::point, "--sight")};
 }
 
 /// Assigns an eighth of the memory to queries and results in flight, and the rest to trees.
 void share_memory(std::uint64_t memory_bytes, QueryOptions& options, QueryJob& job) {
-  constexpr std::uint64_t bytes_per_ray = 1024, fewest_rays = 1024;
+  constexpr std::uint64_t bytes_per_ray = 1024, min_rays = 1024;
   const std::uint64_t all = memory_bytes != 0 ? memory_bytes : host_limits().memory_bytes / 2;
-  job.rays_at_a_time = std::size_t(std::clamp(all / 8 / bytes_per_ray, fewest_rays, std::uint64_t(job.rays_at_a_time)));
-  const std::uint64_t rays = job.rays_at_a_time * bytes_per_ray;
+  job.batch_rays = std::size_t(std::clamp(all / 8 / bytes_per_ray, min_rays, std::uint64_t(job.batch_rays)));
+  const std::uint64_t rays = job.batch_rays * bytes_per_ray;
   options.memory_bytes = all > rays ? all - rays : 0;
 }
 
-QueryTally write_answers(const QueryArguments& a, const QueryJob& job, SceneQuery& query, QueryAsks& asks,
+QueryTally write_answers(const QueryArguments& a, const QueryJob& job, SceneQuery& query, QuerySource& asks,
                          const ThreadPool& pool, const Progress& progress) {
   if (a.out.empty())
     return run_query(
@@ -148,8 +149,8 @@ int run(const QueryArguments& a) {
   job.kind = question.kind;
   job.frame = a.frame;
   job.format = a.format;
-  if (a.most_distance_m != 0) job.most_distance_m = a.most_distance_m;
-  job.ends_m = a.ends_m;
+  if (a.max_distance_m != 0) job.max_distance_m = a.max_distance_m;
+  job.ignore_ends_m = a.ignore_ends_m;
   QueryOptions options = a.options;
   share_memory(a.options.memory_bytes, options, job);
   SceneQuery query(std::make_shared<const PagedScene>(a.scene), options, pool);
@@ -197,9 +198,10 @@ void add_query(CLI::App& app, int& exit_code) {
                   "metres that a ray gets wider a metre: it meets the coarsest voxels that are no wider; 0: those of "
                   "--lod")
       ->capture_default_str();
-  command.add_option("--max-distance", a->most_distance_m, "metres that rays and lines of sight go (no end)");
+  command.add_option("--max-distance", a->max_distance_m, "metres that rays and lines of sight go (no end)");
   command
-      .add_option("--ignore-ends", a->ends_m, "metres: what is so near to a point of a line of sight does not block it")
+      .add_option("--ignore-ends", a->ignore_ends_m,
+                  "metres: what is so near to a point of a line of sight does not block it")
       ->capture_default_str();
   command.add_option("--threads", a->threads, "CPU threads (all cores)");
   command.add_option("--memory", a->options.memory_bytes, "bytes to hold, as 512M or 4G; 0: half of the host's (1G)")

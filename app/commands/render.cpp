@@ -108,14 +108,14 @@ FrameRenderer::Options renderer_options_of(const RenderArguments& a) {
 }
 
 /// Prints why images were rendered coarser than requested, and returns the exit code for it.
-int tell_problems(const FrameRenderer& renderer) {
+int print_problems(const FrameRenderer& renderer) {
   for (const std::string& problem : renderer.problems())
     print_message("gigabake: drawn coarser: {}\n", with_flags(problem));
   return renderer.problems().empty() ? complete : cells_failed;
 }
 
 /// Prints the legend of modes that do not show the scene's own colours.
-void tell_legend(ViewMode mode) {
+void print_legend(ViewMode mode) {
   if (mode != ViewMode::lit) fmt::print("{}: {}\n", name_of(mode), view_mode_legend(mode));
 }
 
@@ -142,7 +142,7 @@ int run(const RenderArguments& a) {
   check_outputs(a);
   FrameRenderer renderer(a.scene, renderer_options_of(a));
   set_sun(a.sun, renderer.scene().header(), view);
-  if (!a.quiet) tell_sun(a.sun, view);
+  if (!a.quiet) print_sun(a.sun, view);
   const auto draw = [&](const Progress& progress) {
     Frame drawn = renderer.draw_exact(view, progress);
     progress.step("writing the picture");
@@ -154,9 +154,9 @@ int run(const RenderArguments& a) {
     fmt::print("{}: {}x{} in {:.2f} s; {} from {}, {:.0f} MB of voxels held\n", a.picture, frame.picture.width,
                frame.picture.height, frame.stats.total_s, counted(frame.stats.uploads, "upload"),
                counted(frame.stats.files_opened, "file"), double(frame.stats.bytes_held) / 1e6);
-    tell_legend(view.mode);
+    print_legend(view.mode);
   }
-  return tell_problems(renderer);
+  return print_problems(renderer);
 }
 
 std::vector<double> frame_times(const RenderArguments& a, const CameraPath& path) {
@@ -180,7 +180,7 @@ int run_path(const RenderArguments& a) {
   if (!a.depth.empty()) numbered_file(a.depth, 0, "depth");
   FrameRenderer renderer(a.scene, renderer_options_of(a));
   set_sun(a.sun, renderer.scene().header(), view);
-  if (!a.quiet) tell_sun(a.sun, view);
+  if (!a.quiet) print_sun(a.sun, view);
   const CameraPath path = read_camera_path(a.path, renderer.scene().header().origin);
   std::vector<PathFrame> frames;
   const auto take = [&](const PathFrame& frame, const Picture& picture) {
@@ -199,13 +199,13 @@ int run_path(const RenderArguments& a) {
   if (!a.quiet) {
     fmt::print("{}{}{}\n", counted(frames.size(), "frame"),
                incomplete > 0 ? fmt::format(", {} of them incomplete", incomplete) : "", range_of_files(a, frames));
-    tell_legend(view.mode);
+    print_legend(view.mode);
   }
-  return tell_problems(renderer);
+  return print_problems(renderer);
 }
 
 /// Rejects options that apply to a --path only.
-void check_alone(const RenderArguments& a) {
+void check_path_options(const RenderArguments& a) {
   if (a.frames != 0 || a.fps != 0 || a.live || !a.stats.empty())
     throw UsageError("--frames, --fps, --live and --stats: expected a --path beside them");
 }
@@ -247,7 +247,7 @@ void add_render(CLI::App& app, int& exit_code) {
   command.add_option("--upload-ms", a->upload_ms, "time for new data in each frame of --live")->capture_default_str();
   command.add_flag("-q,--quiet", a->quiet, "print errors alone");
   command.callback([a, &exit_code] {
-    if (a->path.empty()) check_alone(*a);
+    if (a->path.empty()) check_path_options(*a);
     a->scene = scene_argument(a->scene).string();
     exit_code = a->path.empty() ? run(*a) : run_path(*a);
   });

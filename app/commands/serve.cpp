@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "app/commands.h"
-#include "app/commands/bake_look.h"
+#include "app/commands/bake_state.h"
 #include "app/options/live_options.h"
 #include "app/options/scene_argument.h"
 #include "app/process/missing_report.h"
@@ -24,15 +24,15 @@ constexpr std::chrono::milliseconds stop_check{50};
 struct ServeArguments {
   LiveArguments live;
   StreamServer::Options server;
-  std::size_t most_viewers = LiveScene::Options{}.most_viewers;
+  std::size_t max_viewers = LiveScene::Options{}.max_viewers;
 };
 
 void run(ServeArguments& a) {
   const std::filesystem::path scene = live_scene_argument(a.live.scene);
   const std::filesystem::path out = scene.has_parent_path() ? scene.parent_path() : ".";
   LiveScene::Options scene_options = live_options(a.live);
-  if (a.most_viewers < 1 || a.most_viewers > 64) throw UsageError("--viewers: expected 1 to 64");
-  scene_options.most_viewers = a.most_viewers;
+  if (a.max_viewers < 1 || a.max_viewers > 64) throw UsageError("--viewers: expected 1 to 64");
+  scene_options.max_viewers = a.max_viewers;
   if (a.server.token.empty() && StreamServer::is_public(a.server)) a.server.token = random_key();
   a.server.bake_status = [out] { return bake_status_json(out.string()); };
   LiveScene live(scene, std::move(scene_options));
@@ -67,7 +67,7 @@ void add_serve(CLI::App& app, int&) {
   command.add_option("--token", a->server.token, "what a browser must know (beyond this machine: made up and printed)");
   command.add_option("--external-url", a->server.external_url,
                      "address under which a proxy on this machine shows the page: https://HOST/PATH/ (docs/viewer.md)");
-  command.add_option("--viewers", a->most_viewers, "how many may look at a time")->capture_default_str();
+  command.add_option("--viewers", a->max_viewers, "how many may look at a time")->capture_default_str();
   command.callback([a] { run(*a); });
 }
 

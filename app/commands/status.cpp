@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "app/commands.h"
-#include "app/commands/bake_look.h"
+#include "app/commands/bake_state.h"
 #include "app/messages/json_text.h"
 #include "app/messages/progress_line.h"
 #include "app/messages/status_text.h"

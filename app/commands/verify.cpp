@@ -37,7 +37,7 @@ void add_verify(CLI::App& app, int& exit_code) {
     const std::filesystem::path file = scene_argument(*scene);
     const auto check_parent = [&file](const SceneHeader& header, const SceneCell& parent,
                                       std::span<const SceneCell> children) {
-      return faults_of_parent(file.parent_path(), header, parent, children);
+      return overview_faults(file.parent_path(), header, parent, children);
     };
     const auto verify = [&](const Progress& progress) {
       return verify_scene(file, host_limits().cores(), progress, check_parent);

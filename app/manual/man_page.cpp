@@ -7,7 +7,7 @@
 namespace gigabake::app {
 namespace {
 
-constexpr std::size_t longest_list_in_head = 60;  // characters
+constexpr std::size_t max_list_characters_in_head = 60;  // characters
 
 /// Escapes text for troff: escapes and requests are printed literally, and dashes can be copied into a shell.
 std::string troff(const std::string& text) {
@@ -40,7 +40,7 @@ std::string listed(const CommandOption& o, const char* separator) {
 bool has_long_list(const CommandOption& o) {
   std::size_t characters = 0;
   for (const std::string& choice : o.choices) characters += choice.size() + 1;
-  return characters > longest_list_in_head;
+  return characters > max_list_characters_in_head;
 }
 
 std::string value_of(const CommandOption& o) {

@@ -16,7 +16,7 @@ constexpr std::size_t warnings_printed = 5;
 
 }  // namespace
 
-BakeConsole::BakeConsole(std::FILE* steps, StopWish stop)
+BakeConsole::BakeConsole(std::FILE* steps, StopCallbacks stop)
     : steps_(steps, std::move(stop)), line_(stderr, line_every_s), start_(std::chrono::steady_clock::now()) {}
 
 BakeProgress BakeConsole::callbacks() {
@@ -30,8 +30,8 @@ BakeProgress BakeConsole::callbacks() {
     line_.show(status);
   };
   p.cell_done = [this](const CellReport& report, const CellJob& job) { cell_done(report, job); };
-  p.told = [this](const std::string& line) { say(line); };
-  p.noted = [this](const std::string& line) { note(line); };
+  p.info = [this](const std::string& line) { say(line); };
+  p.warning = [this](const std::string& line) { note(line); };
   return p;
 }
 
@@ -80,7 +80,7 @@ void BakeConsole::cell_done(const CellReport& report, const CellJob& job) {
 }
 
 void BakeConsole::note(const std::string& line) {
-  const std::string shown = alike_.pass(line);
+  const std::string shown = similar_lines_.pass(line);
   if (!shown.empty()) say(shown);
 }
 

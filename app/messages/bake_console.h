@@ -4,8 +4,8 @@
 #include <chrono>
 #include <cstdio>
 
-#include "app/messages/alike.h"
 #include "app/messages/progress_line.h"
+#include "app/messages/similar_lines.h"
 #include "app/messages/step_display.h"
 #include "cluster/bake.h"
 
@@ -14,7 +14,7 @@ namespace gigabake::app {
 class BakeConsole {
  public:
   /// steps: stream for the steps before the first cell; null: do not print them.
-  BakeConsole(std::FILE* steps, StopWish stop);
+  BakeConsole(std::FILE* steps, StopCallbacks stop);
   /// Returns callbacks that point at this object. They print opened sources, the scan, the plan, the progress of the
   /// cells and their warnings.
   BakeProgress callbacks();
@@ -32,7 +32,7 @@ class BakeConsole {
 
   StepDisplay steps_;
   ProgressLine line_;
-  AlikeLines alike_;
+  SimilarLineFilter similar_lines_;
   std::chrono::steady_clock::time_point start_;
 };
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <utility>
 
-#include "app/messages/alike.h"
 #include "app/messages/json_text.h"
+#include "app/messages/similar_lines.h"
 #include "app/messages/status_text.h"
 #include "app/options/flags.h"
 #include "app/process/standard_streams.h"
@@ -73,7 +73,7 @@ void print_left_out(const Counts& c) {
 void add_precision(const SourcePrecision& p, nlohmann::ordered_json& j) {
   nlohmann::ordered_json& out = j["source_precision"];
   out = {{"wanted_m", p.wanted_m},
-         {"largest_spacing_m", p.largest_spacing_m},
+         {"largest_spacing_m", p.max_spacing_m},
          {"coarse_sources", p.coarse_sources},
          {"coarse", nlohmann::ordered_json::array()}};
   for (const CoarseSource& c : p.coarse) out["coarse"].push_back({{"name", c.name}, {"spacing_m", c.spacing_m}});
@@ -107,19 +107,19 @@ void add_left_out(const Counts& c, nlohmann::ordered_json& j) {
 }
 
 /// Prints "12 of 400 cells to bake: 3 new, 9 changed inputs; 0 to check, 388 unchanged".
-void print_counts(const PriorResults& prior) {
+void print_counts(const CachedResults& prior) {
   const auto counts = prior.counts();
-  const auto of = [&](PriorReason r) { return counts[std::size_t(r)]; };
+  const auto of = [&](CacheStatus r) { return counts[std::size_t(r)]; };
   std::size_t to_bake = 0;
   std::string why;
   for (const auto& [reason, words] :
-       {std::pair(PriorReason::new_cell, "new"), std::pair(PriorReason::inputs_changed, "changed inputs"),
-        std::pair(PriorReason::shard_missing, "without a shard")}) {
+       {std::pair(CacheStatus::new_cell, "new"), std::pair(CacheStatus::inputs_changed, "changed inputs"),
+        std::pair(CacheStatus::shard_missing, "without a shard")}) {
     to_bake += of(reason);
     if (of(reason) != 0) why += fmt::format("{} {} {}", why.empty() ? ":" : ",", of(reason), words);
   }
   fmt::print("{} of {} to bake{}; {} to check, {} unchanged\n", to_bake, counted(prior.reasons.size(), "cell"), why,
-             of(PriorReason::to_be_checked), of(PriorReason::unchanged));
+             of(CacheStatus::to_be_checked), of(CacheStatus::unchanged));
 }
 
 }  // namespace
@@ -189,7 +189,7 @@ std::string json_report(const BakeSummary& s, const std::filesystem::path& out) 
 
 namespace {
 
-void print_cells(const BakePlan& plan, const std::optional<PriorResults>& prior) {
+void print_cells(const BakePlan& plan, const std::optional<CachedResults>& prior) {
   for (const CellJob& job : plan.jobs)
     fmt::print("  {:<24} lattice {} {} {}  {}  {}{}\n", job.name, job.lattice_min[0], job.lattice_min[1],
                job.lattice_min[2], counted(job.tiles.size(), "tile"), counted(job.triangles, "triangle"),
@@ -202,12 +202,12 @@ struct RemainingWork {
   double fraction = 0;  ///< of the work of all cells
   std::optional<double> bake_s;
 
-  RemainingWork(const BakePlan& plan, const PriorResults& prior, const PlanSizes& sizes) {
+  RemainingWork(const BakePlan& plan, const CachedResults& prior, const PlanSizes& sizes) {
     double all = 0, remaining = 0;
     for (const CellJob& job : plan.jobs) {
       all += double(cell_cost(job));
-      const PriorReason reason = prior.reasons[job.id];
-      if (reason == PriorReason::unchanged || reason == PriorReason::to_be_checked) continue;
+      const CacheStatus reason = prior.reasons[job.id];
+      if (reason == CacheStatus::unchanged || reason == CacheStatus::to_be_checked) continue;
       remaining += double(cell_cost(job));
       ++cells;
     }
@@ -224,11 +224,11 @@ void print_remaining(const RemainingWork& r) {
 
 }  // namespace
 
-void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes,
+void print_report(const BakePlan& plan, const std::optional<CachedResults>& prior, const PlanSizes& sizes,
                   bool lists_cells) {
   const PlanEstimate e = estimate(plan);
   fmt::print("{}, {}, {} of them in the largest cell\n", counted(plan.jobs.size(), "cell"),
-             counted(plan.triangles, "triangle"), e.largest_cell_triangles);
+             counted(plan.triangles, "triangle"), e.max_cell_triangles);
   print_left_out(plan);
   if (lists_cells) print_cells(plan, prior);
   if (prior) {
@@ -243,7 +243,7 @@ namespace {
 
 /// Prints one line per cell without building a document: for millions of cells it would take gigabytes. Names of cells
 /// are plain ASCII.
-void print_jobs(const BakePlan& plan, const std::optional<PriorResults>& prior) {
+void print_jobs(const BakePlan& plan, const std::optional<CachedResults>& prior) {
   for (const CellJob& job : plan.jobs) {
     fmt::print(
         "{}\n    {{\"name\": \"{}\", \"lattice_min\": [{}], \"tiles\": {}, \"triangles\": {}, \"fingerprint\": \"{}\"",
@@ -256,16 +256,16 @@ void print_jobs(const BakePlan& plan, const std::optional<PriorResults>& prior) 
 
 }  // namespace
 
-void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes) {
+void print_json_report(const BakePlan& plan, const std::optional<CachedResults>& prior, const PlanSizes& sizes) {
   const PlanEstimate e = estimate(plan);
   nlohmann::ordered_json j;
   j["cells"] = plan.jobs.size();
   j["triangles"] = plan.triangles;
-  j["estimate"] = {{"largest_cell_triangles", e.largest_cell_triangles}, {"kernel_bytes", e.kernel_bytes}};
+  j["estimate"] = {{"largest_cell_triangles", e.max_cell_triangles}, {"kernel_bytes", e.kernel_bytes}};
   add_sizes(sizes, j);
   if (prior) {
     const auto counts = prior->counts();
-    for (std::size_t r = 0; r < counts.size(); ++r) j["prior"][std::string(name_of(PriorReason(r)))] = counts[r];
+    for (std::size_t r = 0; r < counts.size(); ++r) j["prior"][std::string(name_of(CacheStatus(r)))] = counts[r];
     const RemainingWork remaining(plan, *prior, sizes);
     j["remaining"] = {{"cells", remaining.cells}, {"fraction", remaining.fraction}, {"bake_s", nullptr}};
     if (remaining.bake_s) j["remaining"]["bake_s"] = *remaining.bake_s;

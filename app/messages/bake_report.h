@@ -8,7 +8,7 @@
 
 #include "app/commands/plan_sizes.h"
 #include "cluster/bake.h"
-#include "scheduler/prior.h"
+#include "scheduler/cached_results.h"
 
 namespace gigabake::app {
 
@@ -16,10 +16,10 @@ namespace gigabake::app {
 void print_report(const BakeSummary& summary, const std::filesystem::path& out);
 /// Prints the report of a plan on standard output. If `lists_cells`, also prints one line per cell. Parameter prior:
 /// earlier results in OUT; nullopt: no OUT was given.
-void print_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes,
+void print_report(const BakePlan& plan, const std::optional<CachedResults>& prior, const PlanSizes& sizes,
                   bool lists_cells);
 std::string json_report(const BakeSummary& summary, const std::filesystem::path& out);
-void print_json_report(const BakePlan& plan, const std::optional<PriorResults>& prior, const PlanSizes& sizes);
+void print_json_report(const BakePlan& plan, const std::optional<CachedResults>& prior, const PlanSizes& sizes);
 
 /// Warns on standard error if the coordinate resolution of sources is too coarse for the voxel size. Prints nothing
 /// otherwise.

@@ -33,7 +33,7 @@ void ProgressLine::show(const BakeStatus& status) {
     const int filled = int(bar_width * share);
     write_part(stream_,
                fmt::format("\r\033[K[{:=<{}}{: <{}}] {}", "", filled, "", bar_width - filled, one_line(status)));
-    bar_is_there_ = true;
+    bar_is_shown_ = true;
   } else {
     write_line(one_line(status));
   }
@@ -45,9 +45,9 @@ void ProgressLine::show(const BakeStatus& status) {
 }
 
 void ProgressLine::say(const std::string& line) {
-  if (bar_is_there_) write_part(stream_, "\r\033[K");
+  if (bar_is_shown_) write_part(stream_, "\r\033[K");
   write_line(line);
-  bar_is_there_ = false;
+  bar_is_shown_ = false;
 }
 
 void ProgressLine::write_line(const std::string& line) {
@@ -56,8 +56,8 @@ void ProgressLine::write_line(const std::string& line) {
 }
 
 void ProgressLine::leave_bar() {
-  if (bar_is_there_) write_part(stream_, "\n");
-  bar_is_there_ = false;
+  if (bar_is_shown_) write_part(stream_, "\n");
+  bar_is_shown_ = false;
 }
 
 }  // namespace gigabake::app

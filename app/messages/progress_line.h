@@ -33,7 +33,7 @@ class ProgressLine {
   enum class Phase { survey, cells };
 
   std::FILE* stream_;
-  bool terminal_, bar_is_there_ = false;
+  bool terminal_, bar_is_shown_ = false;
   Clock::duration every_;
   Clock::time_point last_;
   std::optional<Phase> ended_;  ///< the phase whose completion has been shown

@@ -9,9 +9,9 @@
 namespace gigabake::app {
 namespace {
 
-constexpr std::chrono::milliseconds look_every{100};
+constexpr std::chrono::milliseconds poll_interval{100};
 /// A step that stops within this time prints no message.
-constexpr double patience_s = 0.5;
+constexpr double stop_grace_s = 0.5;
 
 double steady_now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -19,12 +19,12 @@ double steady_now_s() {
 
 }  // namespace
 
-StepDisplay::StepDisplay(std::FILE* stream, StopWish stop)
+StepDisplay::StepDisplay(std::FILE* stream, StopCallbacks stop)
     : stream_(stream),
       is_terminal_(stream != nullptr && ::isatty(::fileno(stream)) == 1),
       stop_(std::move(stop)),
       text_(steady_now_s(), is_terminal_),
-      shower_([this] { show_until_the_end(); }) {}
+      display_thread_([this] { display_loop(); }) {}
 
 StepDisplay::~StepDisplay() {
   end_step();
@@ -33,7 +33,7 @@ StepDisplay::~StepDisplay() {
     is_over_ = true;
   }
   over_.notify_all();
-  shower_.join();
+  display_thread_.join();
 }
 
 void StepDisplay::end_step() {
@@ -55,13 +55,13 @@ void StepDisplay::advance(std::uint64_t parts) {
   if (stop_.is_there()) throw Stopped();
 }
 
-void StepDisplay::show_until_the_end() {
+void StepDisplay::display_loop() {
   std::unique_lock lock(mutex_);
-  while (!over_.wait_for(lock, look_every, [this] { return is_over_; })) {
+  while (!over_.wait_for(lock, poll_interval, [this] { return is_over_; })) {
     const double now_s = steady_now_s();
     const auto line = text_.line(done_, now_s);
     if (is_running_ && stop_.is_there())
-      press_stop(now_s);
+      enforce_stop(now_s);
     else if (line)
       show_line(*line);
   }
@@ -78,9 +78,9 @@ void StepDisplay::show_line(const std::string& line) {
   std::fflush(stream_);
 }
 
-void StepDisplay::press_stop(double now_s) {
+void StepDisplay::enforce_stop(double now_s) {
   if (stop_seen_s_ < 0) stop_seen_s_ = now_s;
-  if (has_pressed_ || now_s - stop_seen_s_ < patience_s) return;
+  if (has_pressed_ || now_s - stop_seen_s_ < stop_grace_s) return;
   has_pressed_ = true;
   if (stop_.end_process) {
     clear_line();

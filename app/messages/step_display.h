@@ -15,7 +15,7 @@
 namespace gigabake::app {
 
 /// Callbacks that detect and enforce a stop request.
-struct StopWish {
+struct StopCallbacks {
   std::function<bool()> is_there;  ///< called by every thread that advances a step
   /// Ends the process if a step has not stopped within half a second. If empty, the step may finish, and a line
   /// states that the next Ctrl-C ends the process at once.
@@ -26,7 +26,7 @@ struct StopWish {
 class StepDisplay : private ProgressListener {
  public:
   /// stream: null prints nothing.
-  StepDisplay(std::FILE* stream, StopWish stop);
+  StepDisplay(std::FILE* stream, StopCallbacks stop);
   /// Ends the current step, like end_step().
   ~StepDisplay() override;
   StepDisplay(const StepDisplay&) = delete;
@@ -39,14 +39,14 @@ class StepDisplay : private ProgressListener {
  private:
   void step(const std::string& name, std::uint64_t total, const std::string& unit) override;
   void advance(std::uint64_t parts) override;
-  void show_until_the_end();
+  void display_loop();
   void show_line(const std::string& line);
-  void press_stop(double now_s);
+  void enforce_stop(double now_s);
   void clear_line();
 
   std::FILE* stream_;
   const bool is_terminal_;
-  const StopWish stop_;
+  const StopCallbacks stop_;
   std::atomic<std::uint64_t> done_{0};
   std::mutex mutex_;  ///< guards the members below
   StepText text_;
@@ -54,7 +54,7 @@ class StepDisplay : private ProgressListener {
   double stop_seen_s_ = -1;
   bool is_over_ = false, has_pressed_ = false, is_running_ = false;
   std::condition_variable over_;
-  std::thread shower_;
+  std::thread display_thread_;
 };
 
 }  // namespace gigabake::app

@@ -23,7 +23,7 @@ auto with_progress(const Work& work, std::FILE* told = stderr) {
 template <class Work>
 auto while_reading(const Work& work, std::FILE* told = stderr) {
   const StopSignals signals;
-  StepDisplay display(told, {[] { return stop_signal() != 0; }, [] { end_as_stopped(); }});
+  StepDisplay display(told, {[] { return stop_signal() != 0; }, [] { exit_as_stopped(); }});
   return work(display.progress());
 }
 

@@ -13,11 +13,11 @@
 namespace gigabake::app {
 namespace {
 
-constexpr std::uint64_t most_usual_memory = std::uint64_t(4) << 30;
+constexpr std::uint64_t max_default_memory = std::uint64_t(4) << 30;
 
-void expect_seconds(const char* option, double s, double least) {
-  if (s >= least && s <= 1e6) return;
-  throw UsageError(fmt::format("{}: expected {:g} to 1e6 seconds, got {:g}", option, least, s));
+void expect_seconds(const char* option, double s, double minimum) {
+  if (s >= minimum && s <= 1e6) return;
+  throw UsageError(fmt::format("{}: expected {:g} to 1e6 seconds, got {:g}", option, minimum, s));
 }
 
 /// Returns the channel names with commas; shards separate them by spaces.
@@ -86,7 +86,7 @@ void BakeOptions::add_to(CLI::App& command) {
 
 BakeRequest BakeOptions::request_of(MpiSession& mpi) const {
   BakeRequest own;
-  check_options_together(mpi, [&] {
+  check_options_collectively(mpi, [&] {
     if (mpi.rank() == 0)
       expect_source(source);  // the path is checked on rank 0 only, because other ranks may have
                               // another working directory
@@ -113,13 +113,13 @@ BakeRequest BakeOptions::checked_request() const {
   choose_channels(channels, r.parameters);
   check(r.parameters);
   if (r.threads < 0 || r.threads > 1024) throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
-  r.memory_is_usual = !memory_bytes;
-  r.memory_bytes = memory_bytes.value_or(usual_memory(most_usual_memory, host_limits().memory_bytes, 1));
+  r.is_default_memory = !memory_bytes;
+  r.memory_bytes = memory_bytes.value_or(default_memory(max_default_memory, host_limits().memory_bytes, 1));
   if (memory_bytes.value_or(0) != 0 && *memory_bytes < (std::uint64_t(64) << 20))
     throw UsageError("--memory: expected at least 64M, or 0 for no bound");
-  expect_seconds("--stall", r.patience.stall_s, 1);
-  expect_seconds("--cell-timeout", r.patience.cell_timeout_s, 1);
-  expect_seconds("--silence", r.patience.silence_s, 5);
+  expect_seconds("--stall", r.timeouts.no_progress_s, 1);
+  expect_seconds("--cell-timeout", r.timeouts.cell_timeout_s, 1);
+  expect_seconds("--silence", r.timeouts.heartbeat_timeout_s, 5);
   return r;
 }
 

@@ -5,7 +5,7 @@
 namespace gigabake::app {
 namespace {
 
-constexpr std::size_t longest_list = 200;  // characters; longer lists do not fit into a one-line message
+constexpr std::size_t max_list_characters = 200;  // characters; longer lists do not fit into a one-line message
 
 }  // namespace
 
@@ -19,7 +19,7 @@ CLI::Validator one_of(const std::vector<std::string>& words) {
   const auto check = [words](std::string& text) {
     if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
     const std::string all = joined(words);
-    if (all.size() > longest_list)
+    if (all.size() > max_list_characters)
       return "there is no '" + text + "'; --help lists all " + std::to_string(words.size());
     return "expected one of " + all + ", got '" + text + "'";
   };

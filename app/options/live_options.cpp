@@ -33,7 +33,7 @@ LiveScene::Options live_options(const LiveArguments& a) {
   out.look = [sun = a.sun](const SceneHeader& scene) {
     View view;
     set_sun(sun, scene, view);
-    Steering first;
+    ViewerInput first;
     first.sun = {view.sun.azimuth_deg, view.sun.elevation_deg};
     first.shadows = view.shadows;
     first.level_blend = view.level_blend;

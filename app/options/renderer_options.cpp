@@ -67,7 +67,7 @@ void set_sun(const SunArguments& a, const SceneHeader& scene, View& view) {
   view.level_blend = a.level_blend;
 }
 
-void tell_sun(const SunArguments& a, const View& view) {
+void print_sun(const SunArguments& a, const View& view) {
   if (!a.time.empty())
     print_message("gigabake: {}: the sun stands at {:.2f}, {:.2f}\n", a.time, view.sun.azimuth_deg,
                   view.sun.elevation_deg);

@@ -39,7 +39,7 @@ void set_light(const LightArguments& arguments, FrameRenderer::Options& options)
 /// Errors  UsageError: an invalid value; --time for a scene that has no position on the earth.
 void set_sun(const SunArguments& arguments, const SceneHeader& scene, View& view);
 /// Prints the sun's position at --time, and a line if the sun is below the horizon.
-void tell_sun(const SunArguments& arguments, const View& view);
+void print_sun(const SunArguments& arguments, const View& view);
 
 void add_renderer_options(CLI::App& command, RendererArguments& arguments);
 /// Errors  UsageError; InputError: --backend cuda and no device.

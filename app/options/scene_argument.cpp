@@ -149,7 +149,7 @@ std::filesystem::path scene_argument(const std::string& given) {
   if (kind == Named::begun_folder)
     throw InputError(given, "", "has no scene.xml yet: no bake has ended there; gigabake status says how it goes");
   fs::path scene = kind == Named::baked_folder ? fs::path(given) / "scene.xml" : fs::path(given);
-  note_missing_data(scene);
+  record_missing_data(scene);
   return scene;
 }
 

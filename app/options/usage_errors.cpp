@@ -32,10 +32,10 @@ std::size_t edits_between(const std::string& a, const std::string& b) {
 /// Returns the only known word that begins with `word`. Rejects words of fewer than four characters, because they match
 /// too many.
 std::optional<std::string> only_one_that_begins(const std::string& word, const std::vector<std::string>& known) {
-  constexpr std::size_t fewest_characters = 4;
+  constexpr std::size_t min_characters = 4;
   std::optional<std::string> found;
   for (const std::string& candidate : known) {
-    if (word.size() < fewest_characters || !candidate.starts_with(word)) continue;
+    if (word.size() < min_characters || !candidate.starts_with(word)) continue;
     if (found) return std::nullopt;
     found = candidate;
   }
@@ -142,12 +142,12 @@ std::string wrong_words(const CLI::App& program, const CLI::ParseError& error) {
 std::optional<std::string> meant_by(const std::string& word, const std::vector<std::string>& known) {
   if (word.size() > max_typed) return std::nullopt;
   std::optional<std::string> nearest;
-  std::size_t fewest = 0;
+  std::size_t minimum = 0;
   for (const std::string& candidate : known) {
     const std::size_t edits = edits_between(word, candidate);
-    if (3 * edits > candidate.size() || (nearest && edits >= fewest)) continue;
+    if (3 * edits > candidate.size() || (nearest && edits >= minimum)) continue;
     nearest = candidate;
-    fewest = edits;
+    minimum = edits;
   }
   return nearest ? nearest : only_one_that_begins(word, known);
 }

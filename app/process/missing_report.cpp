@@ -12,14 +12,14 @@
 namespace gigabake::app {
 namespace {
 
-struct NotedScene {
+struct RecordedScene {
   std::filesystem::path file;
   MissingData missing;
 };
 
 /// Returns the scenes that the command of this process reads.
-std::vector<NotedScene>& noted_scenes() {
-  static std::vector<NotedScene> scenes;
+std::vector<RecordedScene>& recorded_scenes() {
+  static std::vector<RecordedScene> scenes;
   return scenes;
 }
 
@@ -30,10 +30,10 @@ bool& is_reported() {
 
 }  // namespace
 
-void note_missing_data(const std::filesystem::path& scene_xml) {
+void record_missing_data(const std::filesystem::path& scene_xml) {
   try {
     const PagedScene scene(scene_xml);
-    noted_scenes().push_back({scene_xml, missing_data(scene.header(), scene.totals().cells)});
+    recorded_scenes().push_back({scene_xml, missing_data(scene.header(), scene.totals().cells)});
   } catch (const std::exception&) {
     // The command reads the same file and reports the fault.
   }
@@ -41,12 +41,12 @@ void note_missing_data(const std::filesystem::path& scene_xml) {
 
 int report_missing_data(int exit_code) {
   bool any = false;
-  for (const NotedScene& scene : noted_scenes()) {
+  for (const RecordedScene& scene : recorded_scenes()) {
     if (!scene.missing.any()) continue;
     any = true;
     if (is_reported()) continue;
     put_output_before_messages();
-    const std::string where = noted_scenes().size() > 1 ? scene.file.string() + ": " : std::string();
+    const std::string where = recorded_scenes().size() > 1 ? scene.file.string() + ": " : std::string();
     print_message("{}{} (gigabake info lists them)\n", where, describe(scene.missing));
   }
   is_reported() = true;

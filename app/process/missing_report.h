@@ -7,7 +7,7 @@ namespace gigabake::app {
 
 /// Records missing data of the scene for report_missing_data(). Ignores a scene that cannot be read; the command
 /// reports that error. scene_argument() calls it for every scene on the command line.
-void note_missing_data(const std::filesystem::path& scene_xml);
+void record_missing_data(const std::filesystem::path& scene_xml);
 
 /// Prints one line per recorded scene that lacks data, at the first call only. Returns `exit_code`, but cells_failed in
 /// place of complete if a scene lacks data.

@@ -8,7 +8,7 @@
 #include "app/process/standard_streams.h"
 #include "cluster/build_identity.h"
 #include "cluster/collective.h"
-#include "cluster/lone_task.h"
+#include "cluster/launcher.h"
 #include "format/system/message.h"
 #include "lattice/error.h"
 
@@ -16,9 +16,9 @@ namespace gigabake::app {
 
 int on_all_ranks(const std::string& command, const std::function<int(MpiSession&)>& work) {
   const Environment environment = [](const char* name) { return std::getenv(name); };
-  const int tasks = tasks_of_srun(environment);
+  const int tasks = slurm_task_count(environment);
   MpiSession mpi;
-  if (const auto line = lone_task(mpi.ranks(), tasks)) {
+  if (const auto line = unlaunched_rank_error(mpi.ranks(), tasks)) {
     const char* task = environment("SLURM_PROCID");
     if (task == nullptr || std::atoi(task) == 0) print_message("gigabake: {}\n", *line);
     return usage;

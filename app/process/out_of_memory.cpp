@@ -30,6 +30,6 @@ std::terminate_handler terminate_otherwise = nullptr;
 
 }  // namespace
 
-void say_so_where_memory_ends() { terminate_otherwise = std::set_terminate(end_without_memory); }
+void install_out_of_memory_handler() { terminate_otherwise = std::set_terminate(end_without_memory); }
 
 }  // namespace gigabake::app

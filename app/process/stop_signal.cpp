@@ -12,13 +12,13 @@
 namespace gigabake::app {
 namespace {
 
-volatile std::sig_atomic_t noted_signal = 0;
+volatile std::sig_atomic_t received_signal = 0;
 
 const char* last_words_of_stop = nullptr;
 
 void note_signal(int signal) {
-  if (noted_signal == 0) {
-    noted_signal = signal;
+  if (received_signal == 0) {
+    received_signal = signal;
     return;
   }
   if (::write(STDERR_FILENO, last_words_of_stop, std::strlen(last_words_of_stop)) < 0) {
@@ -48,16 +48,16 @@ StopSignals::~StopSignals() {
   std::signal(SIGTERM, SIG_DFL);
 }
 
-int stop_signal() { return noted_signal; }
+int stop_signal() { return received_signal; }
 
 std::string stop_line() {
   return fmt::format("gigabake: stopped by {}; nothing is left half-written",
-                     noted_signal == SIGINT ? "SIGINT" : "SIGTERM");
+                     received_signal == SIGINT ? "SIGINT" : "SIGTERM");
 }
 
-int exit_code_of_stop() { return 128 + (noted_signal != 0 ? int(noted_signal) : SIGTERM); }
+int exit_code_of_stop() { return 128 + (received_signal != 0 ? int(received_signal) : SIGTERM); }
 
-void end_as_stopped() {
+void exit_as_stopped() {
   print_message("{}\n", stop_line());
   std::_Exit(exit_code_of_stop());
 }

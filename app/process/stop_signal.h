@@ -30,6 +30,6 @@ std::string stop_line();
 int exit_code_of_stop();
 
 /// Prints stop_line() and ends the process without running destructors.
-[[noreturn]] void end_as_stopped();
+[[noreturn]] void exit_as_stopped();
 
 }  // namespace gigabake::app

@@ -13,7 +13,7 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-constexpr int fewest_pixels = 8;
+constexpr int min_pixels = 8;
 
 Vector along(const Vector& from, const Vector& direction, double distance) {
   return {from[0] + distance * direction[0], from[1] + distance * direction[1], from[2] + distance * direction[2]};
@@ -45,8 +45,8 @@ Vector first_surface(const ReferenceCaster& caster, const Vector& place, const V
   return hit ? along(outside, forward, *hit) : place;
 }
 
-int pixels_across(double voxels, double voxels_per_pixel, int most) {
-  return int(std::clamp(std::ceil(voxels / voxels_per_pixel) + 2, double(fewest_pixels), double(most)));
+int pixels_across(double voxels, double voxels_per_pixel, int maximum) {
+  return int(std::clamp(std::ceil(voxels / voxels_per_pixel) + 2, double(min_pixels), double(maximum)));
 }
 
 AccuracyView make_view(const ReferenceCaster& caster, const BakeParameters& lattice, const Direction& direction,
@@ -106,15 +106,15 @@ std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const Ba
   return views;
 }
 
-std::vector<std::array<double, 3>> visible_places(const SourceTriangles& source, std::size_t most) {
+std::vector<std::array<double, 3>> visible_places(const SourceTriangles& source, std::size_t maximum) {
   constexpr std::uint64_t seed = 20261125;
   // Some points of a masked surface have no alpha, so more points than places are sampled.
   constexpr std::size_t tries = 16;
-  const std::vector<Vector> points = surface_points(source, tries * most, seed);
+  const std::vector<Vector> points = surface_points(source, tries * maximum, seed);
   if (points.empty()) throw InputError("the source", "", "has no visible surface; nothing can be compared");
   std::vector<Vector> places;
-  for (std::size_t i = 0; i < std::min(most, points.size()); ++i)
-    places.push_back(points[i * points.size() / std::min(most, points.size())]);
+  for (std::size_t i = 0; i < std::min(maximum, points.size()); ++i)
+    places.push_back(points[i * points.size() / std::min(maximum, points.size())]);
   return places;
 }
 

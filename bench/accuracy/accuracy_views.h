@@ -37,7 +37,7 @@ std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const Ba
 /// Returns at least one and at most `most` places of the visible surface, distributed over its area. The result is
 /// deterministic.
 /// Errors  InputError: no triangle is visible.
-std::vector<std::array<double, 3>> visible_places(const SourceTriangles& source, std::size_t most);
+std::vector<std::array<double, 3>> visible_places(const SourceTriangles& source, std::size_t maximum);
 
 /// The minimum number of pixels with surface: a view with fewer measures nothing.
 inline constexpr std::uint64_t min_compared_pixels = 4;

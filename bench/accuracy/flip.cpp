@@ -57,11 +57,11 @@ struct Sensitivity {
 };
 constexpr Sensitivity sensitivities[3] = {
     {{1, 0}, {0.0047, 1e-5}}, {{1, 0}, {0.0053, 1e-5}}, {{34.1, 13.5}, {0.04, 0.025}}};
-constexpr double widest_b = 0.04;
+constexpr double max_b = 0.04;
 
 Plane seen(const Plane& in, const Sensitivity& s, Size size) {
   const int radius =
-      int(std::ceil(3 * std::sqrt(widest_b / (2 * std::pow(std::numbers::pi, 2))) * flip_pixels_per_degree));
+      int(std::ceil(3 * std::sqrt(max_b / (2 * std::pow(std::numbers::pi, 2))) * flip_pixels_per_degree));
   Plane out(in.size(), 0);
   double weights = 0;
   for (int g = 0; g < 2; ++g) {

@@ -9,8 +9,8 @@ namespace gigabake::bench {
 namespace {
 
 std::uint64_t key_of(std::int64_t x, std::int64_t y, std::int64_t z) {
-  constexpr std::uint64_t most = (1u << 21) - 1;
-  return (std::uint64_t(x) & most) | (std::uint64_t(y) & most) << 21 | (std::uint64_t(z) & most) << 42;
+  constexpr std::uint64_t maximum = (1u << 21) - 1;
+  return (std::uint64_t(x) & maximum) | (std::uint64_t(y) & maximum) << 21 | (std::uint64_t(z) & maximum) << 42;
 }
 
 }  // namespace

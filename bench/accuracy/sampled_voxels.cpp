@@ -10,9 +10,9 @@ namespace gigabake::bench {
 namespace {
 
 /// Selects one voxel at random from each run of consecutive voxels.
-class OneOfEachRun {
+class RunSampler {
  public:
-  OneOfEachRun(std::uint64_t run, std::uint64_t seed) : run_(run), seed_(seed) {}
+  RunSampler(std::uint64_t run, std::uint64_t seed) : run_(run), seed_(seed) {}
 
   bool takes_next() {
     const std::uint64_t place = count_ % run_;
@@ -28,10 +28,10 @@ class OneOfEachRun {
 }  // namespace
 
 std::vector<SampledVoxel> sample_voxels(const SceneDescription& scene, const std::filesystem::path& scene_path,
-                                        std::uint64_t most, std::uint64_t seed) {
+                                        std::uint64_t maximum, std::uint64_t seed) {
   std::uint64_t voxels = 0;
   for (const SceneCell& cell : scene.cells) voxels += cell.voxels.at(0);
-  OneOfEachRun choice(std::max<std::uint64_t>(1, (voxels + most - 1) / most), seed);
+  RunSampler choice(std::max<std::uint64_t>(1, (voxels + maximum - 1) / maximum), seed);
   std::vector<SampledVoxel> sampled;
   for (const SceneCell& cell : scene.cells) {
     const ShardReader shard = open_shard_of_scene(scene_path, scene, cell);

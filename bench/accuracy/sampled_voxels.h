@@ -19,6 +19,6 @@ struct SampledVoxel {
 /// Returns at most `most` voxels of lod 0: one at random from each run of equal length, in the order of the shards.
 /// Errors  InputError: a shard cannot be read.
 std::vector<SampledVoxel> sample_voxels(const SceneDescription& scene, const std::filesystem::path& scene_path,
-                                        std::uint64_t most, std::uint64_t seed);
+                                        std::uint64_t maximum, std::uint64_t seed);
 
 }  // namespace gigabake::bench

@@ -26,17 +26,17 @@ void for_each_triangle(const SourceTriangles& source, const Visit& visit) {
 
 }  // namespace
 
-std::vector<std::array<double, 3>> surface_points(const SourceTriangles& source, std::uint64_t most,
+std::vector<std::array<double, 3>> surface_points(const SourceTriangles& source, std::uint64_t maximum,
                                                   std::uint64_t seed) {
   double area = 0;
   for_each_triangle(source, [&](TriangleName, const Corners&, double a) { area += a; });
   std::vector<Vector> points;
   double before = 0;
   std::uint64_t i = 0;
-  const auto place = [&] { return (double(i) + uniform(seed, 3 * i)) / double(most) * area; };
+  const auto place = [&] { return (double(i) + uniform(seed, 3 * i)) / double(maximum) * area; };
   for_each_triangle(source, [&](TriangleName name, const Corners& corners, double a) {
     before += a;
-    for (; i < most && place() < before; ++i) {
+    for (; i < maximum && place() < before; ++i) {
       const std::vector<ClippedCorner> whole{{corners[0], 0, 0}, {corners[1], 1, 0}, {corners[2], 0, 1}};
       const ClippedCorner p = point_in(whole, uniform(seed, 3 * i + 1), uniform(seed, 3 * i + 2));
       if (source.colour({name.part, name.triangle, float(p.second), float(p.third)})[3] > 0) points.push_back(p.at);

@@ -21,8 +21,8 @@ namespace {
 /// A bound of the movement of a snapped vertex, per axis and in total.
 constexpr double snap = 1.0 / 256;
 constexpr double half_diagonal = 0.8660254037844386;
-constexpr double farthest_looked = 64;
-constexpr double least_area = 1e-4, least_alpha = 0.1;
+constexpr double max_distance = 64;
+constexpr double min_area = 1e-4, min_alpha = 0.1;
 
 double sum_of_squares(const Rgb& a, const Rgb& b) {
   double sum = 0;
@@ -69,16 +69,16 @@ struct SourceColour {
 };
 
 struct Verdict {
-  double distance = farthest_looked;  ///< from the centre
+  double distance = max_distance;  ///< from the centre
   bool is_touched = false;
   std::optional<double> angle_deg;
   std::optional<SourceColour> source;
 };
 
 /// Compares a voxel with the triangles around it.
-class VoxelJudge {
+class VoxelComparison {
  public:
-  VoxelJudge(const ReferenceCaster& caster, double edge, bool has_normals, const VoxelErrorSample& sample)
+  VoxelComparison(const ReferenceCaster& caster, double edge, bool has_normals, const VoxelErrorSample& sample)
       : caster_(caster), source_(caster.triangles()), edge_(edge), has_normals_(has_normals), sample_(sample) {}
 
   Verdict judge(const SampledVoxel& voxel, std::uint64_t number) const {
@@ -115,7 +115,7 @@ class VoxelJudge {
   /// Returns the triangles within the radius of the voxel's corners; if there is none, the nearest ones.
   std::vector<Nearby> around(const Vector& centre) const {
     std::vector<Nearby> nearby;
-    for (double radius = edge_; nearby.empty() && radius <= farthest_looked * edge_; radius *= 2)
+    for (double radius = edge_; nearby.empty() && radius <= max_distance * edge_; radius *= 2)
       for (const TriangleName name : caster_.near(centre, radius)) {
         const Corners corners = source_.corners(name.part, name.triangle);
         const Vector n = normal_of(corners);
@@ -131,16 +131,16 @@ class VoxelJudge {
   std::optional<double> angle(const std::vector<Nearby>& nearby, double nearest,
                               const std::array<std::int8_t, 2>& stored) const {
     const std::array<float, 3> n = unit_normal(stored.data());
-    std::optional<double> least;
+    std::optional<double> minimum;
     for (const Nearby& t : nearby) {
       if (t.distance > nearest + snap * edge_) continue;
       Vector m = normal_of(t.corners);
       if (source_.is_mirrored(t.name.part)) m = {-m[0], -m[1], -m[2]};
       const double cosine = (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) / std::sqrt(dot(m, m));
       const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
-      if (!least || angle < *least) least = angle;
+      if (!minimum || angle < *minimum) minimum = angle;
     }
-    return least;
+    return minimum;
   }
 
   /// Returns the reference colour of the voxel: the mean over all surface in it.
@@ -154,7 +154,7 @@ class VoxelJudge {
       area += f.area;
       if (f.area > 0) fragments.push_back(std::move(f));
     }
-    if (area < least_area * edge_ * edge_) return {};
+    if (area < min_area * edge_ * edge_) return {};
     SourceColour sum;
     std::uint64_t drawn = number << 20;
     for (const Fragment& f : fragments) add(f, area, sum, drawn);
@@ -193,7 +193,7 @@ class ColourSum {
     texels_ += source.texels;
     bias_ += alpha - source.alpha;
     alpha_squares_ += (alpha - source.alpha) * (alpha - source.alpha);
-    if (std::min(alpha, source.alpha) < least_alpha) return;
+    if (std::min(alpha, source.alpha) < min_alpha) return;
     ++colours_;
     Rgb stored;
     for (std::size_t c = 0; c < 3; ++c)
@@ -234,7 +234,7 @@ void sum_up(const std::vector<SampledVoxel>& voxels, const std::vector<Verdict>&
     error.extra += v.is_touched ? 0 : one;
     error.beyond_half += v.distance > 0.5 + snap ? one : 0;
     error.beyond_whole += v.distance > half_diagonal + snap ? one : 0;
-    error.farthest = std::max(error.farthest, v.distance);
+    error.max_distance = std::max(error.max_distance, v.distance);
     if (v.angle_deg) angles.push_back(*v.angle_deg);
     if (v.source) colours.add(*v.source, voxels[i].rgba);
   }
@@ -251,7 +251,7 @@ VoxelError voxel_error(const ReferenceCaster& caster, const std::filesystem::pat
   judge_points(ReferenceVoxels(description, scene, 0), surface_points(caster.triangles(), sample.points, sample.seed),
                coarser, error);
   const std::vector<SampledVoxel> voxels = sample_voxels(description, scene, sample.voxels, sample.seed);
-  const VoxelJudge judge(caster, coarser, description.has_normals, sample);
+  const VoxelComparison judge(caster, coarser, description.has_normals, sample);
   std::vector<Verdict> verdicts(voxels.size());
   ThreadPool(threads).parallel_for(voxels.size(), 256, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) verdicts[i] = judge.judge(voxels[i], i);

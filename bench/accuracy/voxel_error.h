@@ -27,7 +27,7 @@ struct VoxelError {
   double missed = 0, missed_by_half = 0, missed_by_one = 0;
   /// Fractions of voxels without a triangle within 1/256 of their cube, and without one within ½ + 1/256 and √3/2 +
   /// 1/256 of their centre. `farthest` is the maximum distance from a centre to the nearest triangle, clamped to 64.
-  double extra = 0, beyond_half = 0, beyond_whole = 0, farthest = 0;
+  double extra = 0, beyond_half = 0, beyond_whole = 0, max_distance = 0;
   double normal_deg = 0, normal_99_deg = 0;  ///< from the nearest triangle's normal: mean and 99th percentile; 0
                                              ///< without normals
   std::uint64_t coloured = 0;  ///< voxels with at least 10⁻⁴ voxel² of surface; their alpha was compared

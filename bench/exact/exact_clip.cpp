@@ -84,7 +84,7 @@ bool column_hits(const Triangle& t, const LatticeVertex& centre, int axis) {
   return negative == 0 || positive == 0;
 }
 
-int largest_axis(const std::array<mpz_class, 3>& n) {
+int max_axis(const std::array<mpz_class, 3>& n) {
   int w = 0;
   for (int r = 1; r < 3; ++r)
     if (abs(n[r]) > abs(n[w])) w = r;
@@ -93,7 +93,7 @@ int largest_axis(const std::array<mpz_class, 3>& n) {
 
 /// Returns |n| / |n[w]|, where w is the largest axis: between 1 and √3.
 double secant(const std::array<mpz_class, 3>& n) {
-  const int w = largest_axis(n);
+  const int w = max_axis(n);
   double sum = 0;
   for (int r = 0; r < 3; ++r) {
     const double ratio = mpq_class(mpq_class(n[r]) / mpq_class(n[w])).get_d();
@@ -178,17 +178,17 @@ std::set<Voxel> occupied(const Triangle& t, const std::vector<Piece>& pieces, Su
 
 double area_voxel2(const Triangle& t) {
   const auto n = normal_of(t);
-  return std::abs(n[largest_axis(n)].get_d()) * secant(n) / 2 / (voxel_edge * voxel_edge);
+  return std::abs(n[max_axis(n)].get_d()) * secant(n) / 2 / (voxel_edge * voxel_edge);
 }
 
 double area_voxel2(const Piece& piece, const Triangle& t) {
   const auto n = normal_of(t);
-  return std::abs(area_vector(piece.polygon)[largest_axis(n)].get_d()) * secant(n) / 2 / (voxel_edge * voxel_edge);
+  return std::abs(area_vector(piece.polygon)[max_axis(n)].get_d()) * secant(n) / 2 / (voxel_edge * voxel_edge);
 }
 
 std::array<mpq_class, 3> centroid_barycentric(const Piece& piece, const Triangle& t) {
   const auto n = normal_of(t);
-  const int w = largest_axis(n), u = (w + 1) % 3, v = (w + 2) % 3;
+  const int w = max_axis(n), u = (w + 1) % 3, v = (w + 2) % 3;
   const Polygon& p = piece.polygon;
   mpq_class area, cu, cv;
   for (std::size_t i = 1; i + 1 < p.size(); ++i) {

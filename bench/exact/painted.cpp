@@ -7,7 +7,7 @@
 namespace gigabake::reference {
 namespace {
 
-constexpr double smallest_weight = 1.0 / 68719476736.0;  // 2^-36 voxel²
+constexpr double min_weight = 1.0 / 68719476736.0;  // 2^-36 voxel²
 
 Direction unit_normal(const Triangle& t) {
   const auto n = normal_of(t);
@@ -48,7 +48,7 @@ std::map<Voxel, ExpectedVoxel> expected_voxels(const std::vector<Painted>& scene
     for (const Piece& piece : pieces) {
       if (!hit.count(piece.voxel)) continue;
       ExpectedVoxel& v = out[piece.voxel];
-      const double w = std::max(smallest_weight, area_voxel2(piece, p.triangle));
+      const double w = std::max(min_weight, area_voxel2(piece, p.triangle));
       const auto colour = colour_on(p, piece);
       v.area += w;
       v.visible += w * colour[3];

@@ -16,7 +16,7 @@ namespace gigabake::bench {
 namespace {
 
 constexpr unsigned seed = 20261121;
-constexpr int most_cpu_repeats = 3;
+constexpr int max_cpu_repeats = 3;
 constexpr double promised_rounding = 0x1p-20;  ///< fraction of the tree's edge: kernels/cast/first_hit.h
 
 struct Spread {
@@ -83,7 +83,7 @@ class Bench {
       if (!request_.cpu) cast_on_cpu(view, {{hits.data(), count}, {}});
       for (std::size_t i = 0; i < count; ++i) row.differ += std::memcmp(&hits[i], &device_hits[i], sizeof hits[i]) != 0;
     }
-    for (const kernels::FirstHit& hit : hits) row.hits += hit.look != kernels::no_look;
+    for (const kernels::FirstHit& hit : hits) row.hits += hit.look != kernels::no_attributes;
     if (reference_) check(view, hits, row);
     return row;
   }
@@ -96,8 +96,8 @@ class Bench {
   }
 
   FirstHitTimes time_cpu(const FirstHitBenchView& view, std::vector<kernels::FirstHit>& hits) const {
-    std::vector<kernels::FirstHitLook> looks(hits.size());
-    return time_view("cpu", std::min(request_.repeats, most_cpu_repeats), [&](bool with_looks) {
+    std::vector<kernels::VoxelAttributes> looks(hits.size());
+    return time_view("cpu", std::min(request_.repeats, max_cpu_repeats), [&](bool with_looks) {
       const auto start = Clock::now();
       cast_on_cpu(view, {{hits.data(), hits.size()}, {looks.data(), with_looks ? looks.size() : 0}});
       return seconds_since(start);

@@ -45,7 +45,7 @@ HardScene scene_of(const std::vector<Painted>& painted) {
 /// weight.
 std::vector<HardCase> slivers() {
   // The sliver is a little shorter than the maximum and needs few bits.
-  constexpr std::int64_t far = (longest_side_voxels / 2 - 2048) * subvoxels;
+  constexpr std::int64_t far = (max_side_voxels / 2 - 2048) * subvoxels;
   const std::pair<const char*, Triangle> shapes[] = {
       {"sliver-along-x", {{{-far, 100, 100}, {far, 100, 100}, {far, 101, 100}}}},
       {"sliver-on-lattice-edge", {{{-far, 0, 0}, {far, 0, 0}, {far, 1, 0}}}},
@@ -72,7 +72,7 @@ std::vector<HardCase> slivers() {
 }
 
 /// Returns copies of the smallest triangle, half a sub-voxel².
-HardMesh smallest_triangles(std::size_t count, const LatticeVertex& at, int material) {
+HardMesh min_triangles(std::size_t count, const LatticeVertex& at, int material) {
   HardMesh mesh;
   const auto x = float(at[0]), y = float(at[1]), z = float(at[2]);
   mesh.position = {x, y, z, x + 1, y, z, x, y + 1, z};
@@ -92,7 +92,7 @@ HardCase millions(int million) {
   const auto unit = scaled(lattice_unit_m, lattice_unit_m, lattice_unit_m);
   tile.materials = {{{65535, 0, 0, 65535}}, {{0, 65535, 0, 65535}}, {{0, 0, 65535, 65535}}};
   for (int c = 2; c >= 0; --c) {
-    tile.meshes.push_back(smallest_triangles(a_million, {10 + 95 * c, 200 - 90 * c, 10}, c));
+    tile.meshes.push_back(min_triangles(a_million, {10 + 95 * c, 200 - 90 * c, 10}, c));
     for (int i = 0; i < of_colour[c]; ++i) tile.nodes.push_back({int(tile.meshes.size()) - 1, unit});
   }
   add_mesh(tile, {{{{0, 0, 100}, {256, 0, 100}, {0, 256, 100}}}}, lattice_unit_m, 1);

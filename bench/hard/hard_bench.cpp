@@ -11,7 +11,7 @@ namespace gigabake::bench {
 namespace {
 
 /// The minima below which colour and normal are not compared: a faint colour and a short mean normal are undefined.
-constexpr double least_alpha = 0.02, least_certainty = 0.01;
+constexpr double min_alpha = 0.02, min_certainty = 0.01;
 
 struct VoxelErrors {
   std::uint64_t missed = 0, extra = 0;
@@ -22,14 +22,14 @@ void add_voxel(const StoredVoxel& stored, const reference::ExpectedVoxel& expect
   using namespace reference;
   const auto grow = [](double& worst, double error) { worst = std::max(worst, error); };
   grow(errors.alpha_codes, std::abs(stored.rgba[3] - 255 * expected.alpha()));
-  if (expected.alpha() < least_alpha) return;
+  if (expected.alpha() < min_alpha) return;
   for (int c = 0; c < 3; ++c) {
     // The 16-bit error of a dark premultiplied colour grows as alpha falls; it is 0.1 codes for an opaque colour.
     const double lost = 0.1 / expected.alpha() - 0.1;
     grow(errors.colour_codes, code_error(stored.rgba[std::size_t(c)], expected.linear(c)) - lost);
     grow(errors.colour_linear, std::abs(linear_of(stored.rgba[std::size_t(c)] / 255.0) - expected.linear(c)));
   }
-  if (expected.certainty() > least_certainty)
+  if (expected.certainty() > min_certainty)
     grow(errors.normal_deg, angle_deg(direction_of(stored.normal), expected.normal));
 }
 

@@ -94,7 +94,7 @@ double overlap(double low, double size, std::int64_t at) {
 /// The bounds of a masked texel. A fragment samples the mask around its centroid, not over its area. The area of one
 /// texel is therefore right only in the mean over positions. At one position it may be lost or several times too large.
 struct MaskBounds {
-  double alpha_codes, mean_area, largest_area, lost;
+  double alpha_codes, mean_area, max_area, lost;
 };
 
 /// Returns one opaque alpha-tested texel of 65,536, on 16 squares; its position in the voxel differs per square.
@@ -125,12 +125,12 @@ HardCase single_texel(const std::string& texels_text, double texels, double area
     std::array<double, sheet_voxels> found{};
     for (const auto& [voxel, stored] : bake.voxels)
       found[std::size_t(voxel[2])] += stored.rgba[3] / 255.0 * texels * texels;
-    double sum = 0, largest = 0, lost = 0;
-    for (const double a : found) sum += a, largest = std::max(largest, a), lost += a == 0;
+    double sum = 0, maximum = 0, lost = 0;
+    for (const double a : found) sum += a, maximum = std::max(maximum, a), lost += a == 0;
     return std::vector<HardFigure>{{"lost", "of 16", lost, bounds.lost},
                                    {"mean area", "texels off " + std::to_string(area).substr(0, 4),
                                     std::abs(sum / sheet_voxels - area), bounds.mean_area},
-                                   {"largest area", "texels", largest, bounds.largest_area}};
+                                   {"largest area", "texels", maximum, bounds.max_area}};
   };
   return hard;
 }

@@ -25,8 +25,8 @@ namespace {
 
 using Voxel = CubeCaster::Voxel;
 
-constexpr std::uint64_t most_voxels = std::uint64_t(1) << 23;
-constexpr std::size_t rays_at_a_time = std::size_t(1) << 17;
+constexpr std::uint64_t max_voxels = std::uint64_t(1) << 23;
+constexpr std::size_t batch_rays = std::size_t(1) << 17;
 /// The penetration depth, in voxels, below which either caster may miss a voxel. It is twice the bound of SceneQuery
 /// for cells of up to 1024 voxels (viewer/query/query_tree.h).
 constexpr double slight = 1.0 / 64;
@@ -41,7 +41,7 @@ std::vector<Voxel> voxels_of(const PagedScene& scene, int lod) {
     Voxel corner;
     for (std::size_t a = 0; a < 3; ++a) corner[a] = cell.lattice_min[a] >> lod;
     const auto add = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-      if (voxels.size() >= most_voxels) throw UsageError("lod", "more than 2^23 voxels; expected a coarser level");
+      if (voxels.size() >= max_voxels) throw UsageError("lod", "more than 2^23 voxels; expected a coarser level");
       voxels.push_back({x, y, z});
     };
     for (std::size_t n = 0; n < nodes.key.size(); ++n) {
@@ -134,7 +134,7 @@ class Comparison {
     const double gap = theirs ? std::fabs(theirs->distance * edge - ours.distance) : 0;
     if (gap < slight * edge) {
       ++result_.same;
-      result_.largest_gap = std::max(result_.largest_gap, gap);
+      result_.max_gap = std::max(result_.max_gap, gap);
       return;
     }
     Voxel before{};
@@ -170,7 +170,7 @@ QueryBench bench_queries(const QueryBenchRequest& request) {
   Comparison comparison(cubes, request.lod, result);
   std::mt19937_64 generator(request.seed);
   while (result.rays < request.rays) {
-    const auto count = std::size_t(std::min<std::uint64_t>(rays_at_a_time, request.rays - result.rays));
+    const auto count = std::size_t(std::min<std::uint64_t>(batch_rays, request.rays - result.rays));
     const std::vector<QueryRay> rays = random_query_rays(query.window(), count, generator);
     std::vector<QueryHit> hits(count);
     const auto with_trees = Clock::now();

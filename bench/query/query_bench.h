@@ -26,7 +26,7 @@ struct QueryBench {
   std::uint64_t grazing = 0;
   std::uint64_t inside = 0;  ///< rays that start in a voxel or within 1/64 voxel before it; not compared
   std::uint64_t wrong = 0;   ///< all other rays
-  double largest_gap = 0;    ///< maximum distance between hits of the same voxel, lod-0 voxels
+  double max_gap = 0;        ///< maximum distance between hits of the same voxel, lod-0 voxels
   std::string first_wrong;   ///< the first wrong ray; empty if there is none
 
   /// Returns the number of compared rays that hit a voxel in `gigabake query`.

@@ -33,7 +33,7 @@ Json to_json(const VoxelError& e) {
           {"extra", e.extra},
           {"beyond_half", e.beyond_half},
           {"beyond_whole", e.beyond_whole},
-          {"farthest", e.farthest},
+          {"farthest", e.max_distance},
           {"normal_deg", e.normal_deg},
           {"normal_99_deg", e.normal_99_deg},
           {"coloured", e.coloured},
@@ -109,8 +109,8 @@ std::string voxels_table(const AccuracyBench& bench) {
     out += fmt::format(
         "| {} | {:.5f} | {:.5f} | {:.5f} | {:.5f} | {:.3f} | {:.5f} | {:.3f} | {} | {:.2f} | {:+.4f} | {:.4f} | {:.4f} "
         "| {:.2f} |\n",
-        s.name, e.missed, e.missed_by_half, e.missed_by_one, e.extra, e.beyond_half, e.beyond_whole, e.farthest, normal,
-        e.texels, e.alpha_bias, e.rms_alpha, e.rms_colour, e.delta_e);
+        s.name, e.missed, e.missed_by_half, e.missed_by_one, e.extra, e.beyond_half, e.beyond_whole, e.max_distance,
+        normal, e.texels, e.alpha_bias, e.rms_alpha, e.rms_colour, e.delta_e);
   }
   const VoxelError& first = bench.settings.front().voxel;
   return out + fmt::format("\nOf {}: {} points of the surface, {} voxels, {} of them with surface to compare.\n",
@@ -169,13 +169,13 @@ struct PlotOf {
 }  // namespace
 
 std::vector<AccuracyGoal> goals_of(const AccuracySetting& setting) {
-  constexpr double most_holes = 0.02, most_bias = 0.02, most_flip = 0.10;
+  constexpr double max_holes = 0.02, max_bias = 0.02, most_flip = 0.10;
   if (std::none_of(setting.views.begin(), setting.views.end(), [](const ViewError& v) { return v.view == "nadir 16"; }))
     return {};
-  std::vector<AccuracyGoal> goals{{"nadir: holes ≤ 0.02", at(setting, "nadir 16").error.holes, most_holes}};
+  std::vector<AccuracyGoal> goals{{"nadir: holes ≤ 0.02", at(setting, "nadir 16").error.holes, max_holes}};
   for (const char* direction : {"nadir", "oblique", "grazing"})
     goals.push_back({std::string(direction) + ": coverage bias within ±0.02",
-                     std::fabs(at(setting, std::string(direction) + " 16").error.coverage_bias), most_bias});
+                     std::fabs(at(setting, std::string(direction) + " 16").error.coverage_bias), max_bias});
   for (const char* direction : {"nadir", "oblique", "grazing"})
     goals.push_back(
         {std::string(direction) + ": FLIP ≤ 0.10", at(setting, std::string(direction) + " 16").error.flip, most_flip});
@@ -203,9 +203,8 @@ std::string to_markdown(const AccuracyBench& bench) {
          fmt::format(
              "Means over {} views, {:g} m voxels, {} rays a pixel in the reference; the bias is its magnitude.\n\n",
              bench.views.size(), bench.voxel_size_m, bench.samples) +
-         settings_table(bench) + "\n" + voxels_table(bench) + "\n" +
-         views_table(bench.settings.front()) + "\n" + lit_table(bench) + "\n" + goals_table(bench) + "\n" +
-         accuracy_columns();
+         settings_table(bench) + "\n" + voxels_table(bench) + "\n" + views_table(bench.settings.front()) + "\n" +
+         lit_table(bench) + "\n" + goals_table(bench) + "\n" + accuracy_columns();
 }
 
 std::vector<NamedPlot> plots_of(const AccuracyBench& bench) {

@@ -20,7 +20,7 @@ struct AccuracyGoal {
 std::vector<AccuracyGoal> goals_of(const AccuracySetting& setting);
 
 std::string to_json(const AccuracyBench& bench);
-/// Returns the conclusion, then tables of the settings, their lod-0 voxels, normals of fewer bits, the first setting's
+/// Returns the conclusion, then tables of the settings, their lod-0 voxels, the first setting's
 /// views, and the goals. Ends with a description of the columns.
 std::string to_markdown(const AccuracyBench& bench);
 

@@ -13,7 +13,7 @@ namespace {
 constexpr double as_good_flip = 0.01;
 
 template <class Value>
-const AccuracySetting& least(const AccuracyBench& bench, double most_flip, const Value& value) {
+const AccuracySetting& minimum(const AccuracyBench& bench, double most_flip, const Value& value) {
   const AccuracySetting* found = nullptr;
   for (const AccuracySetting& s : bench.settings)
     if (s.mean.flip <= most_flip && (found == nullptr || value(s) < value(*found))) found = &s;
@@ -60,15 +60,15 @@ std::string verdict(const AccuracyBench& bench) {
   const AccuracySetting& first = bench.settings.front();
   const auto flip = [](const AccuracySetting& s) { return s.mean.flip; };
   const auto bytes = [](const AccuracySetting& s) { return double(s.bytes); };
-  const AccuracySetting& nearest = least(bench, HUGE_VAL, flip);
-  const AccuracySetting& smallest = least(bench, nearest.mean.flip + as_good_flip, bytes);
+  const AccuracySetting& nearest = minimum(bench, HUGE_VAL, flip);
+  const AccuracySetting& min_bytes = minimum(bench, nearest.mean.flip + as_good_flip, bytes);
   return fmt::format(
       "`{}` at {:g} m is on average FLIP {:.3f} away from pictures of the triangles (0: the same, 1: nothing alike){}. "
       "Of {} settings `{}` comes nearest (FLIP {:.3f}, {:.1f} MB), and of those within {:g} of it `{}` takes the least "
       "disk ({:.1f} MB, {:.2f} s to bake).\n",
       first.name, first.parameters.voxel_size_m, first.mean.flip, goals_met(first, bench), bench.settings.size(),
-      nearest.name, nearest.mean.flip, 1e-6 * bytes(nearest), as_good_flip, smallest.name, 1e-6 * bytes(smallest),
-      smallest.bake_s);
+      nearest.name, nearest.mean.flip, 1e-6 * bytes(nearest), as_good_flip, min_bytes.name, 1e-6 * bytes(min_bytes),
+      min_bytes.bake_s);
 }
 
 std::string verdict(const HardBench& bench) {

@@ -30,7 +30,7 @@ Json to_json(const LeakResult& scene) {
     if (row.error.inner > 0)
       one.update({{"below_99", row.error.below_99},
                   {"below_90", row.error.below_90},
-                  {"least_alpha", row.error.least},
+                  {"least_alpha", row.error.minimum},
                   {"rms_alpha", row.error.rms},
                   {"bias_alpha", row.error.bias}});
     j["rows"].push_back(one);
@@ -64,7 +64,7 @@ constexpr char figure_rules[] = "--- | --- | --- | --- | --- | --- |";
 std::string figures_of(const LeakError& e) {
   if (e.inner == 0) return "0 | | | | | |";
   return fmt::format("{} | {:.2f} | {:.2f} | {:.2f} | {:.3f} | {:+.3f} |", e.inner, 100 * e.below_99, 100 * e.below_90,
-                     e.least, e.rms, e.bias);
+                     e.minimum, e.rms, e.bias);
 }
 
 std::string worst_of(const Pooled& pooled, bool is_opaque) {
@@ -133,7 +133,7 @@ struct WorstLeak {
 
 WorstLeak worst_leak(const LeakBench& bench) {
   WorstLeak worst;
-  const auto badness = [](const LeakError& e) { return std::pair(e.below_99, 1 - e.least); };
+  const auto badness = [](const LeakError& e) { return std::pair(e.below_99, 1 - e.minimum); };
   for (const LeakResult& scene : bench.scenes)
     for (const LeakRow& row : scene.rows) {
       if (!scene.is_opaque || row.error.inner == 0) continue;
@@ -168,11 +168,11 @@ std::string verdict(const LeakBench& bench) {
   const WorstLeak worst = worst_leak(bench);
   if (worst.row == nullptr) return "No opaque surface shows enough inner pixels to say whether it leaks.\n";
   const LeakError& e = worst.row->error;
-  const std::string asked = fmt::format("asked are at most {:g} % and {:g}", 100 * most_below_99, least_opaque_alpha);
+  const std::string asked = fmt::format("asked are at most {:g} % and {:g}", 100 * most_below_99, min_opaque_alpha);
   const std::string where = fmt::format("`{}` from {}° at {:g} voxels a pixel", worst.scene->name,
                                         worst.row->elevation_deg, worst.row->voxels_per_pixel);
   const std::string figures = fmt::format("{:.1f} % of the inner pixels are below alpha .99 and the least is {:.2f}",
-                                          100 * e.below_99, e.least);
+                                          100 * e.below_99, e.minimum);
   if (bench.is_bounded())
     return fmt::format("Leaks are bounded in all {} pictures of opaque surfaces: the worst is {}, where {} ({}).\n",
                        worst.pictures, where, figures, asked);
@@ -188,7 +188,7 @@ std::string to_json(const LeakBench& bench) {
          {"bounded", bench.is_bounded()},
          {"verdict", verdict(bench)}};
   if (bench.edge > 0) j["edge_voxels"] = bench.edge;
-  j["bounds"] = {{"most_below_99", most_below_99}, {"least_alpha", least_opaque_alpha}};
+  j["bounds"] = {{"most_below_99", most_below_99}, {"least_alpha", min_opaque_alpha}};
   j["scenes"] = Json::array();
   for (const LeakResult& scene : bench.scenes) j["scenes"].push_back(to_json(scene));
   return j.dump(2) + "\n";

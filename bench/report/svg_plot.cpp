@@ -92,10 +92,10 @@ class Canvas {
 
  private:
   static double greatest(const Plot& plot, double PlotPoint::*value) {
-    double most = 0;
+    double maximum = 0;
     for (const PlotSeries& series : plot.series)
-      for (const PlotPoint& p : series.points) most = std::max(most, p.*value);
-    return most;
+      for (const PlotPoint& p : series.points) maximum = std::max(maximum, p.*value);
+    return maximum;
   }
 
   void line(double x1, double y1, double x2, double y2, const char* colour) {

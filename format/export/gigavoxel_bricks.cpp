@@ -14,7 +14,7 @@ namespace gigabake {
 /// The part of a brick's record before the colours.
 struct GigavoxelBrickFile::Head {
   static constexpr std::uint64_t bytes = 3 * 8 + 3 * 4 + 2 * 4;
-  static constexpr std::uint64_t widest = 512;
+  static constexpr std::uint64_t maximum = 512;
   std::array<std::uint64_t, 3> size{};
   std::array<std::uint32_t, 3> border{};
   std::uint32_t compressed = 0, colour_bytes = 0;
@@ -47,7 +47,7 @@ GigavoxelBrickFile::Head GigavoxelBrickFile::read_head(std::uint64_t at) const {
   read_at(at + 36, &head.compressed, sizeof head.compressed);
   read_at(at + 40, &head.colour_bytes, sizeof head.colour_bytes);
   for (std::size_t c = 0; c < 3; ++c)
-    if (head.size[c] > Head::widest || head.border[c] > Head::widest || head.border[c] + brick_[c] > head.size[c])
+    if (head.size[c] > Head::maximum || head.border[c] > Head::maximum || head.border[c] + brick_[c] > head.size[c])
       throw InputError(path_, "", "a brick's size does not hold the tree's bricks", at);
   if (head.compressed != 0) throw InputError(path_, "", "has an S3TC brick; expected uncompressed ones", at + 36);
   if (head.colour_bytes != 4 * head.voxels())

@@ -14,13 +14,13 @@
 namespace gigabake {
 namespace {
 
-constexpr std::uint32_t most_levels = 16, widest_brick = 256;
+constexpr std::uint32_t max_levels = 16, max_brick_edge = 256;
 
 /// Checks the rules that hold for every tree, independent of its file format.
 void check(const std::filesystem::path& file, const GigavoxelHeader& h) {
-  if (h.max_depth < 1 || h.max_depth > most_levels) throw InputError(file, "MaxDepth", "expected 1 to 16 levels");
+  if (h.max_depth < 1 || h.max_depth > max_levels) throw InputError(file, "MaxDepth", "expected 1 to 16 levels");
   for (std::size_t c = 0; c < 3; ++c) {
-    if (h.brick[c] < 1 || h.brick[c] > widest_brick)
+    if (h.brick[c] < 1 || h.brick[c] > max_brick_edge)
       throw InputError(file, fmt::format("Brick{}Size", gigavoxel_axes[c]), "expected 1 to 256 voxels");
     if (std::uint64_t(h.volume[c]) != std::uint64_t(h.brick[c]) << (h.max_depth - 1))
       throw InputError(file, fmt::format("Volume{}Size", gigavoxel_axes[c]),

@@ -9,7 +9,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::uint32_t most_blocks = 1u << 30;
+constexpr std::uint32_t max_blocks = 1u << 30;
 
 GigavoxelNode node_of(const NodeTable& nodes, std::size_t n, bool normals) {
   const bool constant = nodes.kind[n] != NodeKind::brick;
@@ -44,7 +44,7 @@ GigavoxelTree gigavoxel_tree(const ShardHeader& cell, const NodeTable& nodes, in
   for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] > lod; ++n) {
     if (nodes.child_mask[n] == 0) continue;
     const std::size_t block = tree.nodes.size() / 8;
-    if (block >= most_blocks) throw InputError(cell.cell, "", "has more oct-tree nodes than the format can number");
+    if (block >= max_blocks) throw InputError(cell.cell, "", "has more oct-tree nodes than the format can number");
     tree.nodes[place[n]].child_block = std::uint32_t(block);
     tree.nodes.resize(tree.nodes.size() + 8);
     std::uint32_t row = nodes.first_child[n];

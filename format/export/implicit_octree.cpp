@@ -44,8 +44,8 @@ void append(std::string& to, std::uint64_t value, std::size_t bytes) {
 }  // namespace
 
 std::uint32_t subtree_levels(std::uint32_t levels) {
-  constexpr std::uint32_t most = 6;
-  const std::uint32_t files = (levels + most - 1) / most;  // from the root down
+  constexpr std::uint32_t maximum = 6;
+  const std::uint32_t files = (levels + maximum - 1) / maximum;  // from the root down
   return (levels + files - 1) / files;
 }
 

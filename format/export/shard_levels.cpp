@@ -81,7 +81,7 @@ std::shared_ptr<ShardLevels::Entry> ShardLevels::entry_of(const Key& key) {
 void ShardLevels::forget_oldest(std::uint64_t more) {
   const std::scoped_lock lock(mutex_);
   bytes_ += more;
-  while (bytes_ > most_bytes_ && by_use_.size() > 1) {
+  while (bytes_ > max_bytes_ && by_use_.size() > 1) {
     const auto oldest = entries_.find(by_use_.back());
     const std::shared_ptr<const ShardLevel> level = oldest->second.first->level;
     if (level == nullptr) break;  // another thread is reading it

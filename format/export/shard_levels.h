@@ -51,8 +51,8 @@ std::vector<LevelBox> bricks_of(const ShardHeader& header, const NodeTable& node
 /// Cache of the most recently used levels. Thread-safe.
 class ShardLevels {
  public:
-  /// most_bytes: max size of unused levels that are kept.
-  ShardLevels(const PagedScene& scene, std::uint64_t most_bytes) : scene_(scene), most_bytes_(most_bytes) {}
+  /// max_bytes: max size of unused levels that are kept.
+  ShardLevels(const PagedScene& scene, std::uint64_t max_bytes) : scene_(scene), max_bytes_(max_bytes) {}
 
   std::shared_ptr<const ShardLevel> get(const SceneCell& shard, int lod);
 
@@ -66,7 +66,7 @@ class ShardLevels {
   void forget_oldest(std::uint64_t more);
 
   const PagedScene& scene_;
-  std::uint64_t most_bytes_, bytes_ = 0;
+  std::uint64_t max_bytes_, bytes_ = 0;
   std::mutex mutex_;
   std::list<Key> by_use_;  ///< most recently used first
   std::map<Key, std::pair<std::shared_ptr<Entry>, std::list<Key>::iterator>> entries_;

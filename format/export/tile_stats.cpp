@@ -102,7 +102,7 @@ LatticeBox TileStats::bounds(int lod) const {
   return all;
 }
 
-TileWeights TileStats::tiles(const VoxelTiling& tiling, const MadeLevels& made) const {
+TileWeights TileStats::tiles(const VoxelTiling& tiling, const DerivedLevels& made) const {
   progress_.step("listing tiles", (scene_.totals().cells + scene_.totals().parents) / std::uint64_t(team_.ranks()),
                  "shard");
   std::vector<TileWeights> of_thread(std::size_t(pool_.threads()));
@@ -119,7 +119,7 @@ TileWeights TileStats::tiles(const VoxelTiling& tiling, const MadeLevels& made) 
     for_each_own_level(tiling.finest, tiling.coarsest(), levels_of_tiles, count);
     for (int lod = tiling.finest; team_.rank() == 0 && lod <= tiling.coarsest(); ++lod)
       if (made.has(lod))
-        for (const MadeLevels::Voxel& v : made.level(lod))
+        for (const DerivedLevels::Voxel& v : made.level(lod))
           count_in_tiles(tiling, lod, {v.at, {v.at[0] + 1, v.at[1] + 1, v.at[2] + 1}}, of_thread[0]);
   });
   TileWeights& of_rank = of_thread[0];

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <map>
 
+#include "format/export/derived_levels.h"
 #include "format/export/export_team.h"
 #include "format/export/level_owners.h"
-#include "format/export/made_levels.h"
 #include "format/export/voxel_tiling.h"
 #include "lattice/progress.h"
 #include "lattice/thread_pool.h"
@@ -27,7 +27,7 @@ class TileStats {
   /// Returns the bounding box of the bricks that hold a level's voxels, in voxels of level 0.
   LatticeBox bounds(int lod) const;
   /// Errors  InputError also if a scene with overviews lacks one above a tile.
-  TileWeights tiles(const VoxelTiling& tiling, const MadeLevels& made) const;
+  TileWeights tiles(const VoxelTiling& tiling, const DerivedLevels& made) const;
 
  private:
   template <class LevelsOf, class Visit>

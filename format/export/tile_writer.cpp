@@ -88,7 +88,7 @@ void TileWriter::fill(const TilePlace& tile) {
   };
   grid_.clear(box);
   if (source_.made.has(lod)) {
-    for (const MadeLevels::Voxel& v : source_.made.level(lod))
+    for (const DerivedLevels::Voxel& v : source_.made.level(lod))
       if (holds(box, v.at)) set(v.at, v.rgba.data(), v.normal.data());
     return;
   }

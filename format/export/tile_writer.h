@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "format/export/derived_levels.h"
 #include "format/export/gzip_pack.h"
 #include "format/export/level_owners.h"
-#include "format/export/made_levels.h"
 #include "format/export/shard_levels.h"
 #include "format/export/tileset_record.h"
 #include "format/export/voxel_grid.h"
@@ -26,7 +26,7 @@ TileBox box_of(const VoxelTiling& tiling, const SceneHeader& scene, const TilePl
 struct TileSource {
   const PagedScene& scene;
   const LevelOwners& owners;
-  const MadeLevels& made;
+  const DerivedLevels& made;
   const VoxelTiling& tiling;
   ShardLevels& levels;
   TilesetForm form;

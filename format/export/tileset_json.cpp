@@ -22,12 +22,12 @@ Json scaled(const std::array<std::uint8_t, n>& bytes, double zero, double step) 
 /// Returns the values of bytes after the schema's normalized, offset and scale.
 Json statistics_of(const VoxelStatistics& voxels) {
   if (voxels.voxels == 0) return Json::object();
-  Json least = scaled(voxels.least_normal, 128, 127), greatest = scaled(voxels.greatest_normal, 128, 127);
-  least.push_back(1.0);
+  Json minimum = scaled(voxels.min_normal, 128, 127), greatest = scaled(voxels.max_normal, 128, 127);
+  minimum.push_back(1.0);
   greatest.push_back(1.0);
   const Json properties = {
-      {"color", {{"min", scaled(voxels.least_rgba, 0, 255)}, {"max", scaled(voxels.greatest_rgba, 0, 255)}}},
-      {"normal", {{"min", least}, {"max", greatest}}}};
+      {"color", {{"min", scaled(voxels.min_rgba, 0, 255)}, {"max", scaled(voxels.max_rgba, 0, 255)}}},
+      {"normal", {{"min", minimum}, {"max", greatest}}}};
   return {{"classes", {{"voxel", {{"count", voxels.voxels}, {"properties", properties}}}}}};
 }
 

@@ -31,10 +31,10 @@ void get_bytes(const RecordJson& row, std::size_t& at, std::array<std::uint8_t, 
 RecordJson row_of(const TilePlace& tile, const TileRecord& record) {
   const VoxelStatistics& s = record.statistics;
   RecordJson row = {tile.level, tile.key, record.made_of.hex(), s.voxels, record.bytes, record.checksum.hex()};
-  put_bytes(row, s.least_rgba);
-  put_bytes(row, s.greatest_rgba);
-  put_bytes(row, s.least_normal);
-  put_bytes(row, s.greatest_normal);
+  put_bytes(row, s.min_rgba);
+  put_bytes(row, s.max_rgba);
+  put_bytes(row, s.min_normal);
+  put_bytes(row, s.max_normal);
   return row;
 }
 
@@ -48,10 +48,10 @@ std::pair<TilePlace, TileRecord> tile_of(const RecordJson& row) {
   record.bytes = row.at(4).get<std::uint64_t>();
   record.checksum = Hash128::from_hex(row.at(5).get<std::string>()).value();
   std::size_t at = 6;
-  get_bytes(row, at, record.statistics.least_rgba);
-  get_bytes(row, at, record.statistics.greatest_rgba);
-  get_bytes(row, at, record.statistics.least_normal);
-  get_bytes(row, at, record.statistics.greatest_normal);
+  get_bytes(row, at, record.statistics.min_rgba);
+  get_bytes(row, at, record.statistics.max_rgba);
+  get_bytes(row, at, record.statistics.min_normal);
+  get_bytes(row, at, record.statistics.max_normal);
   return {tile, record};
 }
 

@@ -55,10 +55,10 @@ const std::vector<NormalBytes>& all_normal_bytes() {
 }
 
 template <std::size_t n>
-void widen(std::array<std::uint8_t, n>& least, std::array<std::uint8_t, n>& greatest, const std::uint8_t* low,
+void widen(std::array<std::uint8_t, n>& minimum, std::array<std::uint8_t, n>& greatest, const std::uint8_t* low,
            const std::uint8_t* high) {
   for (std::size_t c = 0; c < n; ++c) {
-    least[c] = std::min(least[c], low[c]);
+    minimum[c] = std::min(minimum[c], low[c]);
     greatest[c] = std::max(greatest[c], high[c]);
   }
 }
@@ -71,14 +71,14 @@ std::array<std::uint8_t, 3> normal_bytes(const std::int8_t oct[2]) {
 
 void VoxelStatistics::add(const std::uint8_t* rgba, const std::uint8_t* normal) {
   ++voxels;
-  widen(least_rgba, greatest_rgba, rgba, rgba);
-  widen(least_normal, greatest_normal, normal, normal);
+  widen(min_rgba, max_rgba, rgba, rgba);
+  widen(min_normal, max_normal, normal, normal);
 }
 
 void VoxelStatistics::add(const VoxelStatistics& other) {
   voxels += other.voxels;
-  widen(least_rgba, greatest_rgba, other.least_rgba.data(), other.greatest_rgba.data());
-  widen(least_normal, greatest_normal, other.least_normal.data(), other.greatest_normal.data());
+  widen(min_rgba, max_rgba, other.min_rgba.data(), other.max_rgba.data());
+  widen(min_normal, max_normal, other.min_normal.data(), other.max_normal.data());
 }
 
 VoxelGrid::VoxelGrid(std::uint32_t tile_edge, bool normals, GridOrder order)

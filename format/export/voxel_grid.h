@@ -16,8 +16,8 @@ std::array<std::uint8_t, 3> normal_bytes(const std::int8_t oct[2]);
 /// Min and max bytes of a set of voxels.
 struct VoxelStatistics {
   std::uint64_t voxels = 0;
-  std::array<std::uint8_t, 4> least_rgba{255, 255, 255, 255}, greatest_rgba{};
-  std::array<std::uint8_t, 3> least_normal{255, 255, 255}, greatest_normal{};
+  std::array<std::uint8_t, 4> min_rgba{255, 255, 255, 255}, max_rgba{};
+  std::array<std::uint8_t, 3> min_normal{255, 255, 255}, max_normal{};
 
   void add(const std::uint8_t* rgba, const std::uint8_t* normal);
   void add(const VoxelStatistics& other);

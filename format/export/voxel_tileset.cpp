@@ -68,7 +68,7 @@ class TilesetExport {
     bounds_ = fit == Fit::bricks_of_finest ? survey.bounds(options.lod) : scene.totals().window;
     if (bounds_.is_empty()) throw InputError(scene.file(), "Voxels", "there is no voxel of the level");
     tiling_ = tiling_of(bounds_, options.lod, options.tile_voxels);
-    if (tiling_.levels > most_tile_levels)
+    if (tiling_.levels > max_tile_levels)
       throw InputError(scene.file(), "LatticeMin", "cells lie too far apart for one oct-tree");
     team_.together([&] { made_.emplace(scene_, owners_, tiling_.coarsest()); });
     weights_ = survey.tiles(tiling_, *made_);
@@ -195,7 +195,7 @@ class TilesetExport {
   TilesetForm form_;
   LatticeBox bounds_;
   VoxelTiling tiling_;
-  std::optional<MadeLevels> made_;
+  std::optional<DerivedLevels> made_;
   TileWeights weights_;
   TileRecords tiles_;
 };

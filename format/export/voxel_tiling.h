@@ -29,7 +29,7 @@ inline bool holds(const LevelBox& box, const LevelIndex& at) {
   return true;
 }
 
-inline constexpr std::uint32_t most_tile_levels = 21;  ///< bits per axis in a Morton code
+inline constexpr std::uint32_t max_tile_levels = 21;  ///< bits per axis in a Morton code
 
 /// The cube that the octree divides. A tile has `edge`³ voxels of one level of the lattice.
 struct VoxelTiling {
@@ -55,7 +55,7 @@ LatticeBox on_lattice(const LevelBox& voxels, int lod);
 /// Fits the tree to `bounds` (voxels of level 0, not empty). Its root is the smallest cube of voxels that contains
 /// them.
 /// edge: edge of tiles. 0: the edge from 80 to 112 that gives the smallest cube; smaller if one tile suffices.
-/// Range   `levels` may exceed most_tile_levels; the caller must check.
+/// Range   `levels` may exceed max_tile_levels; the caller must check.
 VoxelTiling tiling_of(const LatticeBox& bounds, int finest, std::uint32_t edge);
 
 /// Returns "LEVEL/X/Y/Z", as in the templates of implicit tilesets.

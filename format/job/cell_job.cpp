@@ -77,7 +77,7 @@ std::vector<std::uint8_t> to_bytes(const CellReport& report) {
   return w.take();
 }
 
-std::vector<std::uint8_t> to_bytes(const TileSurvey& survey) {
+std::vector<std::uint8_t> to_bytes(const TileScan& survey) {
   ByteWriter w;
   const auto put = [&w](const auto& field) { w.put(field); };
   each_field_of_survey(survey, put);
@@ -106,9 +106,9 @@ CellReport report_from_bytes(std::span<const std::uint8_t> bytes) {
   return report;
 }
 
-TileSurvey survey_from_bytes(std::span<const std::uint8_t> bytes) {
+TileScan survey_from_bytes(std::span<const std::uint8_t> bytes) {
   ByteReader r(bytes, "tile survey");
-  TileSurvey survey;
+  TileScan survey;
   const auto get = [&r](auto& field) { r.get(field); };
   each_field_of_survey(survey, get);
   std::uint64_t files = 0, warnings = 0;

@@ -27,7 +27,7 @@ struct CellJob {
   std::vector<std::uint32_t> tiles;           ///< indices into SceneSources::tiles, ascending
   std::uint64_t triangles = 0;                ///< estimate, used to order the jobs
   Hash128 fingerprint;
-  std::vector<Hash128> tile_sources;  ///< TileSurvey::source of each of `tiles`; empty: not checked
+  std::vector<Hash128> tile_sources;  ///< TileScan::source of each of `tiles`; empty: not checked
   std::uint32_t first_lod = 0;        ///< overview: its finest level on the lattice. 0: a cell
   std::uint32_t copied_lods = 0;      ///< overview: number of levels from first_lod on that duplicate the children's
   std::uint32_t kept_lod = 0;         ///< its overview copies lattice levels from this one on. 0: it has no overview
@@ -74,9 +74,9 @@ std::string shard_file(const std::string& name, const Hash128& fingerprint);
 
 std::vector<std::uint8_t> to_bytes(const CellJob& job);
 std::vector<std::uint8_t> to_bytes(const CellReport& report);
-std::vector<std::uint8_t> to_bytes(const TileSurvey& survey);
+std::vector<std::uint8_t> to_bytes(const TileScan& survey);
 CellJob job_from_bytes(std::span<const std::uint8_t> bytes);        ///< Errors InputError when malformed
 CellReport report_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors InputError when malformed
-TileSurvey survey_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors InputError when malformed
+TileScan survey_from_bytes(std::span<const std::uint8_t> bytes);    ///< Errors InputError when malformed
 
 }  // namespace gigabake

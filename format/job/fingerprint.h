@@ -17,7 +17,7 @@ class CellFingerprints {
  public:
   CellFingerprints(const BakeParameters& parameters, const std::optional<Geodetic>& origin);
 
-  /// Returns the fingerprint of a cell. tile_sources: TileSurvey::source of job.tiles, in any order.
+  /// Returns the fingerprint of a cell. tile_sources: TileScan::source of job.tiles, in any order.
   Hash128 of(const CellJob& job, std::vector<Hash128> tile_sources) const;
   /// Returns whether the job's fingerprint matches these parameters and this origin. Returns true for an overview job,
   /// whose fingerprint derives from its children's, and for a job without tile_sources, whose results are not stored by

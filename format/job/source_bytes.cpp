@@ -17,7 +17,7 @@ namespace {
 constexpr const char* what = "sources";
 /// Max length of the prefix that a tile's name shares with the previous one. Without this bound, malformed bytes could
 /// request any amount of memory.
-constexpr std::size_t most_shared = 4096;
+constexpr std::size_t max_shared_prefix = 4096;
 
 /// The parts that a tile has in addition to its placement.
 enum TileFlag : std::uint8_t { has_range = 1, has_archive = 2, has_raster = 4, all_flags = 7 };
@@ -64,7 +64,7 @@ std::filesystem::path get_path(ByteReader& r) {
 /// Writes the length of the prefix shared with the previous text, and the rest of the text.
 void put_next(ByteWriter& w, const std::string& before, const std::string& text) {
   const auto [end, ignored] = std::ranges::mismatch(before, text);
-  const std::size_t shared = std::min(std::size_t(end - before.begin()), most_shared);
+  const std::size_t shared = std::min(std::size_t(end - before.begin()), max_shared_prefix);
   w.put(std::uint16_t(shared));
   w.put(text.substr(shared));
 }
@@ -73,7 +73,7 @@ void get_next(ByteReader& r, std::string& text) {
   std::uint16_t shared = 0;
   std::string rest;
   r.get(shared), r.get(rest);
-  if (shared > std::min(text.size(), most_shared)) refuse("tile.name", "a beginning that the tile before has");
+  if (shared > std::min(text.size(), max_shared_prefix)) refuse("tile.name", "a beginning that the tile before has");
   text.resize(shared);
   text += rest;
 }

@@ -13,12 +13,12 @@
 namespace gigabake {
 
 /// The version of a scan. Increment it if survey_tile() returns another result for the same files, or if the fields of
-/// TileSurvey change. Stored scans of earlier bakes are then discarded.
+/// TileScan change. Stored scans of earlier bakes are then discarded.
 inline constexpr std::uint32_t survey_version = 6;
 
 /// Max side of a triangle's box in voxels. Triangles with a longer side are omitted, because the arithmetic would not
 /// be exact (decision 151).
-inline constexpr std::int64_t longest_side_voxels = 4186112;
+inline constexpr std::int64_t max_side_voxels = 4186112;
 
 /// One column of N×N voxels that a tile's triangles touch.
 struct ColumnExtent {
@@ -26,16 +26,16 @@ struct ColumnExtent {
   std::int64_t z_min = 0, z_end = 0;  ///< lod-0 voxel range [z_min, z_end) that contains all voxels of the tile in this
                                       ///< column
   std::uint64_t triangles = 0;        ///< triangles that may touch the column
-  /// Approximate number of projected lod-0 voxels of its surface, times crossing_unit: the triangles' areas projected
-  /// along x, y and z, summed. Each triangle is divided evenly among its columns. If surfaces are close together, fewer
-  /// voxels result.
+  /// Approximate number of projected lod-0 voxels of its surface, times projected_voxel_unit: the triangles' areas
+  /// projected along x, y and z, summed. Each triangle is divided evenly among its columns. If surfaces are close
+  /// together, fewer voxels result.
   std::uint64_t crossings = 0;
 };
 
 /// The doubled area of a voxel's face, in squared sub-voxels.
-inline constexpr double crossing_unit = 2.0 * 256 * 256;
+inline constexpr double projected_voxel_unit = 2.0 * 256 * 256;
 
-struct TileSurvey {
+struct TileScan {
   std::uint32_t tile = 0;             ///< index into SceneSources::tiles
   std::vector<ColumnExtent> columns;  ///< sorted by (column_x, column_y), unique
   std::uint64_t triangles = 0;        ///< all triangles of the file, including instances

@@ -73,7 +73,7 @@ double Surveyor::effort(int from, int to, double run_m) const {
   return run_m * (0.5 * (burden_[from] + burden_[to])) * (1 + slope_burden * slope * slope);
 }
 
-std::vector<int> Surveyor::shortest(int from, int to) const {
+std::vector<int> Surveyor::minimum(int from, int to) const {
   struct Front {
     double effort;
     int index;
@@ -112,7 +112,7 @@ std::vector<int> Surveyor::shortest(int from, int to) const {
 
 std::vector<MapPoint> Surveyor::way(MapPoint from, MapPoint to) {
   std::vector<MapPoint> points;
-  for (const int i : shortest(nearest(from), nearest(to))) {
+  for (const int i : minimum(nearest(from), nearest(to))) {
     points.push_back(height_.point(i % height_.edge, i / height_.edge));
     burden_[i] *= 0.5;
   }

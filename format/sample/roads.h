@@ -34,7 +34,7 @@ class Surveyor {
 
  private:
   double effort(int from, int to, double distance_m) const;
-  std::vector<int> shortest(int from, int to) const;
+  std::vector<int> minimum(int from, int to) const;
   int nearest(MapPoint p) const;
 
   Raster height_;

@@ -110,8 +110,8 @@ class Writer {
 
   /// Writes a coarse tile: at most a quarter of the tiles' resolution, without houses and trees.
   TilesetEntry write_coarse(TilePlan plan, const std::string& name) {
-    const auto coarser = [](GridSize fine, int least, int most) {
-      return GridSize{std::clamp(fine.e / 4, least, most), std::clamp(fine.n / 4, least, most)};
+    const auto coarser = [](GridSize fine, int minimum, int maximum) {
+      return GridSize{std::clamp(fine.e / 4, minimum, maximum), std::clamp(fine.n / 4, minimum, maximum)};
     };
     plan.quads = coarser(plan.quads, 1, coarse_quads);
     plan.texels = coarser(plan.texels, 16, coarse_texels);

@@ -60,7 +60,7 @@ class CellFinder {
  private:
   const std::vector<SceneCell>& cells_;
   std::vector<std::size_t> by_x_;
-  std::int64_t largest_edge_ = 0;
+  std::int64_t max_edge_ = 0;
 };
 
 }  // namespace gigabake

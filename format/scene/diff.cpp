@@ -63,7 +63,7 @@ class DifferenceSum {
     ++d_.recoloured;
     for (std::size_t c = 0; c < 4; ++c) {
       const int difference = std::abs(int(a.rgba[c]) - int(b.rgba[c]));
-      d_.largest[c] = std::max(d_.largest[c], difference);
+      d_.maximum[c] = std::max(d_.maximum[c], difference);
       sum_[c] += std::uint64_t(difference);
     }
   }
@@ -281,17 +281,17 @@ void expect_comparable(const std::filesystem::path& path, const SceneHeader& a, 
     throw InputError(path, "Channels", "cannot be compared: only one of the scenes has normals");
 }
 
-std::uint32_t largest_cell(const SceneDescription& scene) {
-  std::uint32_t largest = 0;
-  for (const SceneCell& c : scene.cells) largest = std::max(largest, c.cell_voxels);
-  return largest;
+std::uint32_t max_cell(const SceneDescription& scene) {
+  std::uint32_t maximum = 0;
+  for (const SceneCell& c : scene.cells) maximum = std::max(maximum, c.cell_voxels);
+  return maximum;
 }
 
 /// Finds the parts of two scenes that may differ, according to their pages. If two pages of the same block have equal
 /// voxels on every level, their cells need no comparison.
-class UnlikePages {
+class DifferingPages {
  public:
-  UnlikePages(const PagedScene& a, const PagedScene& b) : a_(a), b_(b) {}
+  DifferingPages(const PagedScene& a, const PagedScene& b) : a_(a), b_(b) {}
 
   /// Compares the lists of two groups of the same block, or of two whole scenes.
   void compare(const ScenePage& a, const ScenePage& b) {
@@ -329,7 +329,7 @@ class UnlikePages {
 };
 
 std::pair<Side, Side> sides_of(const PagedScene& a, const PagedScene& b) {
-  UnlikePages pages(a, b);
+  DifferingPages pages(a, b);
   pages.compare(a.root(), b.root());
   std::sort(pages.left.begin(), pages.left.end(), is_before);
   std::sort(pages.right.begin(), pages.right.end(), is_before);
@@ -372,7 +372,7 @@ SceneDifference diff_scenes(const std::filesystem::path& a, const std::filesyste
   const PagedScene scene_a(a), scene_b(b);
   expect_comparable(b, scene_a.header(), scene_b.header());
   const auto [left, right] = sides_of(scene_a, scene_b);
-  if (largest_cell(left.scene) >= largest_cell(right.scene)) return SceneComparison(left, right).run(progress);
+  if (max_cell(left.scene) >= max_cell(right.scene)) return SceneComparison(left, right).run(progress);
   SceneDifference difference = SceneComparison(right, left).run(progress);
   exchange(difference);
   return difference;

@@ -18,7 +18,7 @@ struct LevelDifference {
   std::uint64_t recoloured = 0;  ///< of `both`: r, g, b or alpha differ
   std::uint64_t turned = 0;      ///< of `both`: the normal differs
   std::uint64_t refaced = 0;     ///< of `both`: the coverage along an axis differs, and both scenes have it
-  std::array<int, 4> largest{};  ///< max |a − b| of 8-bit r, g, b, alpha
+  std::array<int, 4> maximum{};  ///< max |a − b| of 8-bit r, g, b, alpha
   std::array<double, 4> mean{};  ///< mean |a − b| over `recoloured`
   bool any() const { return only_in_a + only_in_b + recoloured + turned + refaced != 0; }
 };

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* page_folder = "pages";
 /// Edge of the largest blocks: eight of them cover every lattice.
-constexpr std::int64_t largest_block = std::int64_t(1) << 52;
+constexpr std::int64_t max_block_edge = std::int64_t(1) << 52;
 
 /// The content of one block: items [begin, end) of `cells` or of `pages`, and overviews.
 struct Block {
@@ -162,7 +162,7 @@ ScenePage write_pages(const fs::path& scene_xml, const SceneDescription& scene, 
   for (const SceneCell& cell : scene.cells) cells.push_back(&cell);
   std::int64_t edge = std::int64_t(scene.cells.at(0).cell_voxels) * rule.block_cells;
   std::vector<PageReference> pages = writer.of_cells(std::move(cells), edge);
-  while (pages.size() > rule.most_groups_of_a_file && edge <= largest_block / rule.block_cells)
+  while (pages.size() > rule.max_groups_per_file && edge <= max_block_edge / rule.block_cells)
     pages = writer.of_pages(std::move(pages), edge *= rule.block_cells);
   flush_file_system_of(scene_xml.parent_path() / page_folder);
   return {{}, std::move(pages), writer.parents().taken()};

@@ -47,8 +47,8 @@ std::vector<SceneFault> SceneAttributes::unknown_parts(std::span<const std::stri
     const std::string_view name = a.name();
     const auto at = std::find(known.begin(), known.end(), name);
     const std::uint64_t bit = at == known.end() ? 0 : std::uint64_t(1) << (at - known.begin());
-    if (bit == 0) faults.push_back(fault(as_line(name, longest_quote_bytes), "is no attribute of this element"));
-    if ((seen & bit) != 0) faults.push_back(fault(as_line(name, longest_quote_bytes), "stands there twice"));
+    if (bit == 0) faults.push_back(fault(as_line(name, max_quote_bytes), "is no attribute of this element"));
+    if ((seen & bit) != 0) faults.push_back(fault(as_line(name, max_quote_bytes), "stands there twice"));
     seen |= bit;
   }
   for (const pugi::xml_node child : node_.children()) {
@@ -56,13 +56,13 @@ std::vector<SceneFault> SceneAttributes::unknown_parts(std::span<const std::stri
     if (child.type() != pugi::node_element)
       faults.push_back(fault("", "holds " + in_quotes(child.value()) + ", which is no element"));
     else if (std::find(known_elements.begin(), known_elements.end(), name) == known_elements.end())
-      faults.push_back(fault(as_line(name, longest_quote_bytes), "is no element of this one"));
+      faults.push_back(fault(as_line(name, max_quote_bytes), "is no element of this one"));
   }
   return faults;
 }
 
 SceneFault SceneAttributes::fault(const std::string& key, const std::string& what) const {
-  const std::string element = as_line(node_.name(), longest_quote_bytes);
+  const std::string element = as_line(node_.name(), max_quote_bytes);
   return {key.empty() ? element : element + " " + key, what, std::uint64_t(node_.offset_debug())};
 }
 

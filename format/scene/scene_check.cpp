@@ -27,7 +27,7 @@ class SceneFaults {
 };
 
 /// Checks the stored totals of versions 2 and 3.
-void check_said(const SceneTotals& totals, const SaidTotals& said, SceneFaults& faults) {
+void check_said(const SceneTotals& totals, const StoredTotals& said, SceneFaults& faults) {
   const char* const advice = "; lines were lost, added or changed: bake again";
   faults.expect(said.cells == totals.cells, "OctTreeGroup Cells",
                 fmt::format("says {}, but {} are listed{}", said.cells, totals.cells, advice));
@@ -63,14 +63,14 @@ std::vector<SceneFault> faults_of_places(const std::vector<SceneCell>& cells, co
   std::unordered_set<std::string_view> names, files;
   std::set<std::pair<std::uint32_t, std::array<std::int64_t, 3>>> places;
   for (const SceneCell& parent : parents) {
-    const std::string name = "PagedOctTree " + as_line(parent.name, longest_quote_bytes);
+    const std::string name = "PagedOctTree " + as_line(parent.name, max_quote_bytes);
     faults.expect(names.insert(parent.name).second, name, "another shard has the same name");
     faults.expect(files.insert(parent.file).second, name, "another shard has the same TreeFile");
     faults.expect(places.insert({parent.own_lod(), parent.lattice_min}).second, name,
                   "another parent has the same levels and LatticeMin");
   }
   for (const SceneCell& cell : cells) {
-    const std::string name = "PagedOctTree " + as_line(cell.name, longest_quote_bytes);
+    const std::string name = "PagedOctTree " + as_line(cell.name, max_quote_bytes);
     faults.expect(names.insert(cell.name).second, name, "another cell has the same name");
     faults.expect(files.insert(cell.file).second, name, "another cell has the same TreeFile");
     faults.expect(places.insert({0, cell.lattice_min}).second, name, "another cell has the same LatticeMin");
@@ -88,7 +88,7 @@ std::vector<SceneFault> faults_of_parent_places(const ScenePage& page, const Lat
     if (outer == nullptr) highest = std::max(highest, parent.own_lod());
   std::size_t roots = 0;
   for (const SceneCell& parent : page.parents) {
-    const std::string name = "PagedOctTree " + as_line(parent.name, longest_quote_bytes);
+    const std::string name = "PagedOctTree " + as_line(parent.name, max_quote_bytes);
     const bool is_highest = parent.own_lod() == highest;
     roots += is_highest;
     faults.expect(outer == nullptr || !is_highest, name, "is the root and stands in a page; expected it in scene.xml");
@@ -127,8 +127,8 @@ std::vector<SceneFault> overlaps_of_cells(const std::vector<SceneCell>& all, con
     if (block != nullptr && block_around(all[i].lattice_min, block->edge) != *block) continue;
     for (const std::size_t other : finder.overlapping(window_of(all[i])))
       faults.expect(other <= i || all[other].lattice_min == all[i].lattice_min,
-                    "PagedOctTree " + as_line(all[i].name, longest_quote_bytes),
-                    "overlaps cell " + as_line(all[other].name, longest_quote_bytes));
+                    "PagedOctTree " + as_line(all[i].name, max_quote_bytes),
+                    "overlaps cell " + as_line(all[other].name, max_quote_bytes));
   }
   return std::move(faults.all);
 }

@@ -13,7 +13,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::int64_t farthest_voxel = std::int64_t(1) << 52, farthest_end = 2 * farthest_voxel;
+constexpr std::int64_t max_voxel = std::int64_t(1) << 52, farthest_end = 2 * max_voxel;
 
 std::optional<double> parsed_number(const std::string& text) {
   double v = 0;
@@ -52,8 +52,7 @@ void read_place(const SceneAttributes& a, SceneCell& c, int version) {
   if (!std::has_single_bit(c.cell_voxels) || edge < 8 || edge > 8192)
     a.fail("CellVoxels", "expected a power of two from 8 to 8192 voxels of the finest level");
   for (const std::int64_t x : c.lattice_min)
-    if (x % 8 != 0 || x < -farthest_voxel || x > farthest_voxel)
-      a.fail("LatticeMin", "expected multiples of 8 within ±2^52");
+    if (x % 8 != 0 || x < -max_voxel || x > max_voxel) a.fail("LatticeMin", "expected multiples of 8 within ±2^52");
   c.lods = a.value<std::uint32_t>("Lods");
   if (c.lods != std::uint32_t(std::bit_width(edge / 8))) a.fail("Lods", "does not fit CellVoxels");
   if (is_parent && version >= 4) c.copied_lods = a.value<std::uint32_t>("CopiedLods");
@@ -218,7 +217,7 @@ SceneTotals read_totals(const SceneAttributes& a, int version) {
   if (t.cells == 0) return t;
   t.window = {a.triple<std::int64_t>("LatticeMin"), a.triple<std::int64_t>("LatticeEnd")};
   for (std::size_t c = 0; c < 3; ++c)
-    if (t.window.min[c] < -farthest_voxel || t.window.end[c] > farthest_end || t.window.min[c] >= t.window.end[c])
+    if (t.window.min[c] < -max_voxel || t.window.end[c] > farthest_end || t.window.min[c] >= t.window.end[c])
       a.fail("LatticeMin", "expected a box of the lattice within ±2^53, up to LatticeEnd");
   return t;
 }
@@ -263,7 +262,7 @@ std::vector<SceneFault> faults_of_blocks(const std::vector<PageReference>& pages
   std::vector<SceneFault> faults;
   std::set<std::array<std::int64_t, 3>> seen;
   for (const PageReference& page : pages) {
-    const std::string key = "OctTreeGroup " + as_line(page.file, longest_quote_bytes);
+    const std::string key = "OctTreeGroup " + as_line(page.file, max_quote_bytes);
     if (page.block.edge != pages[0].block.edge)
       faults.push_back({key, "has a block of another size than its neighbours", {}});
     if (!seen.insert(page.block.min).second) faults.push_back({key, "another page has the same block", {}});

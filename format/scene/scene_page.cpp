@@ -13,7 +13,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::uint64_t most_page_bytes = std::uint64_t(1) << 28;
+constexpr std::uint64_t max_page_bytes = std::uint64_t(1) << 28;
 
 std::span<const std::string_view> known_of_page() {
   static const std::vector<std::string_view> known =
@@ -60,7 +60,7 @@ std::vector<SceneFault> contradictions_of(const ScenePage& page, const PageRefer
     add({{"OctTreeGroup Groups", fmt::format("says {}, but {} are listed", reference.groups, page.pages.size()), {}}});
   for (const SceneCell& cell : page.cells)
     if (block_around(cell.lattice_min, reference.block.edge) != reference.block)
-      add({{"PagedOctTree " + as_line(cell.name, longest_quote_bytes), "does not begin in the block of its page", {}}});
+      add({{"PagedOctTree " + as_line(cell.name, max_quote_bytes), "does not begin in the block of its page", {}}});
   add(faults_of_blocks(page.pages, &reference.block));
   add(faults_of_places(page.cells, page.parents));
   add(faults_of_parent_places(page, &reference.block, header.tiers));
@@ -77,7 +77,7 @@ PageReading read_page_text(const std::filesystem::path& scene_xml, const SceneHe
     throw InputError(path, "",
                      "is missing, though the scene refers to it; if a bake has replaced the scene meanwhile, open it "
                      "again, else bake again");
-  const SceneText text(path, most_page_bytes);
+  const SceneText text(path, max_page_bytes);
   if (!text.checksum().is_said || text.checksum().value != reference.checksum)
     throw InputError(path, "OctTreeGroup Checksum",
                      "is not the page that the scene refers to, or was changed since; bake again");
@@ -92,11 +92,11 @@ PageReading read_page_text(const std::filesystem::path& scene_xml, const SceneHe
   add(faults_of_root(a, known_of_page()));
   add(content.faults);
   for (const SceneLoss& loss : content.losses)
-    add({{"Loss " + as_line(loss.name, longest_quote_bytes), "stands in a page; expected it in scene.xml", {}}});
+    add({{"Loss " + as_line(loss.name, max_quote_bytes), "stands in a page; expected it in scene.xml", {}}});
   reading.page = {std::move(content.cells), std::move(content.pages), std::move(content.parents)};
   if (version < 5)
     for (const SceneCell& parent : reading.page.parents)
-      reading.contradictions.push_back({"PagedOctTree " + as_line(parent.name, longest_quote_bytes),
+      reading.contradictions.push_back({"PagedOctTree " + as_line(parent.name, max_quote_bytes),
                                         "is a parent and stands in a page of version 3 or 4; expected it in scene.xml",
                                         {}});
   std::ranges::move(contradictions_of(reading.page, reference, header), std::back_inserter(reading.contradictions));

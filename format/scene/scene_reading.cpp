@@ -15,7 +15,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::uint64_t most_scene_bytes = std::uint64_t(64) << 30;
+constexpr std::uint64_t max_scene_bytes = std::uint64_t(64) << 30;
 
 /// Returns the attributes that the outermost group and nested groups may have.
 std::span<const std::string_view> known_of_scene(int version) {
@@ -87,7 +87,7 @@ class SceneReader {
   void read_said(const SceneAttributes& a) {
     a.hash("Checksum");
     reading_.said =
-        SaidTotals{a.value<std::uint64_t>("Cells"), a.values<std::uint64_t>("Voxels"), a.hash("ContentHash")};
+        StoredTotals{a.value<std::uint64_t>("Cells"), a.values<std::uint64_t>("Voxels"), a.hash("ContentHash")};
     if (reading_.version < 3) return;
     reading_.said->parents = a.value<std::uint64_t>("Parents");
     reading_.totals = read_totals(a, reading_.version);
@@ -115,7 +115,7 @@ InputError error_of(const std::filesystem::path& file, const SceneFault& fault) 
 }
 
 SceneReading read_scene_text(const std::filesystem::path& path) {
-  const SceneText text(path, most_scene_bytes);
+  const SceneText text(path, max_scene_bytes);
   SceneReading reading;
   SceneReader(path, reading).read(text.document());
   if (reading.version >= 2 && !text.checksum().is_said)

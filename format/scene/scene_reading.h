@@ -24,7 +24,7 @@ struct SceneFault {
 InputError error_of(const std::filesystem::path& file, const SceneFault& fault);
 
 /// Stored summary of all cells and overviews, in the root.
-struct SaidTotals {
+struct StoredTotals {
   std::uint64_t cells = 0;
   std::vector<std::uint64_t> voxels;  ///< per lod
   Hash128 content_hash;               ///< of all lods
@@ -35,7 +35,7 @@ struct SceneReading {
   SceneDescription scene;            ///< cells and overviews that scene.xml itself lists
   std::vector<PageReference> pages;  ///< instead of cells
   int version = newest_scene_version;
-  std::optional<SaidTotals> said;     ///< empty in version 1
+  std::optional<StoredTotals> said;   ///< empty in version 1
   std::optional<SceneTotals> totals;  ///< stored by version 3 and later
   /// Unknown or missing parts that affect no voxel; a wrong checksum.
   std::vector<SceneFault> faults;

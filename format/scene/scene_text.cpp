@@ -7,8 +7,8 @@
 
 namespace gigabake {
 
-SceneText::SceneText(const std::filesystem::path& path, std::uint64_t most_bytes)
-    : bytes_(read_whole_file(path, most_bytes)),
+SceneText::SceneText(const std::filesystem::path& path, std::uint64_t max_bytes)
+    : bytes_(read_whole_file(path, max_bytes)),
       checksum_(checksum_of({reinterpret_cast<const char*>(bytes_.data()), bytes_.size()})) {
   const pugi::xml_parse_result result = document_.load_buffer_inplace(bytes_.data(), bytes_.size());
   if (!result)

@@ -12,8 +12,8 @@ namespace gigabake {
 
 class SceneText {
  public:
-  /// Errors  InputError: the file is missing, larger than most_bytes, or not XML.
-  SceneText(const std::filesystem::path& path, std::uint64_t most_bytes);
+  /// Errors  InputError: the file is missing, larger than max_bytes, or not XML.
+  SceneText(const std::filesystem::path& path, std::uint64_t max_bytes);
 
   const pugi::xml_document& document() const { return document_; }
   const TextChecksum& checksum() const { return checksum_; }

@@ -38,7 +38,7 @@ void set_tiers(pugi::xml_node group, const std::vector<TierShape>& tiers) {
 
 void write_scene(const std::filesystem::path& path, const SceneDescription& scene, const PageRule& rule) {
   const SceneTotals totals(scene);
-  const bool has_pages = scene.cells.size() > rule.most_cells_of_a_file && totals.cell_voxels != 0;
+  const bool has_pages = scene.cells.size() > rule.max_cells_per_file && totals.cell_voxels != 0;
   const ScenePage paged = has_pages ? write_pages(path, scene, rule) : ScenePage();
   pugi::xml_document document;
   pugi::xml_node group = document.append_child("OctTreeGroup");

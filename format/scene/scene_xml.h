@@ -85,10 +85,10 @@ struct SceneDescription : SceneHeader {
 
 /// Rule for splitting a scene into pages; bakes use the defaults.
 struct PageRule {
-  std::size_t most_cells_of_a_file = 4096;  ///< a scene with more cells has pages
+  std::size_t max_cells_per_file = 4096;  ///< a scene with more cells has pages
   std::uint32_t block_cells = 16;  ///< cells along an edge of a finest block; also blocks along an edge of the next; 2,
                                    ///< 4, 8, …
-  std::size_t most_groups_of_a_file = 256;  ///< max page references in scene.xml
+  std::size_t max_groups_per_file = 256;  ///< max page references in scene.xml
 };
 
 /// Writes the new pages, then replaces `path` atomically (temporary file, fsync, rename, fsync folder). Previous pages

@@ -15,7 +15,7 @@ namespace {
 
 using Corner = std::array<std::int64_t, 3>;
 
-constexpr int most_window_bits = 31;
+constexpr int max_window_bits = 31;
 
 TierShape shape_of(const SceneCell& parent) { return {parent.first_lod, parent.copied_lods, parent.lods}; }
 
@@ -82,8 +82,8 @@ std::optional<std::string> fault_of_tiers(std::span<const TierShape> tiers, std:
   std::uint32_t first_lod = 0;
   for (const TierShape& tier : tiers) {
     if (tier.first_lod < 1 || tier.first_lod < first_lod || tier.copied_lods >= tier.lods ||
-        tier.lods > std::uint32_t(most_window_bits) || tier.first_lod > std::uint32_t(most_window_bits) ||
-        tier.window_bits() > most_window_bits)
+        tier.lods > std::uint32_t(max_window_bits) || tier.first_lod > std::uint32_t(max_window_bits) ||
+        tier.window_bits() > max_window_bits)
       return "are none of parents";
     if (tier.own_lod() != next)
       return fmt::format("a tier begins at lod {}, and lod {} is missing or twice", tier.own_lod(), next);
@@ -103,8 +103,8 @@ std::optional<std::string> fault_in_tiers(const SceneCell& parent, std::span<con
   return "has levels of no tier of ParentTiers";
 }
 
-bool hold_cells(CellPart part, std::span<const SceneCell> parents, const TierShape& lowest,
-                const CellWalk& for_each_cell) {
+bool cover_cells(CellPart part, std::span<const SceneCell> parents, const TierShape& lowest,
+                 const CellWalk& for_each_cell) {
   Tier tier;
   for (const SceneCell& parent : parents)
     if (shape_of(parent) == lowest) tier.insert(parent.lattice_min);
@@ -124,7 +124,7 @@ std::vector<TierShape> tiers_of(std::span<const SceneCell> parents, const SceneH
   std::vector<TierShape> shapes;
   for (const auto& [lod, shape] : shapes_by_lod(parents)) shapes.push_back(shape);
   if (shapes.empty() || fault_of_tiers(shapes, cell_voxels) || !hang_from_one_root(parents, shapes)) return {};
-  if (may_lack_parents(header) && !hold_cells(CellPart::all, parents, shapes.front(), for_each_cell)) return {};
+  if (may_lack_parents(header) && !cover_cells(CellPart::all, parents, shapes.front(), for_each_cell)) return {};
   return shapes;
 }
 

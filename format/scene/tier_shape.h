@@ -30,8 +30,8 @@ enum class CellPart { all, some };
 
 /// Returns whether that part of each cell lies below overviews of the lowest level. `parents` are all overviews of that
 /// level.
-bool hold_cells(CellPart part, std::span<const SceneCell> parents, const TierShape& lowest,
-                const CellWalk& for_each_cell);
+bool cover_cells(CellPart part, std::span<const SceneCell> parents, const TierShape& lowest,
+                 const CellWalk& for_each_cell);
 
 /// Returns the fault of the overview levels listed for a scene; nullopt if they are valid.
 std::optional<std::string> fault_of_tiers(std::span<const TierShape> tiers, std::uint32_t cell_voxels);

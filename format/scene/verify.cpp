@@ -148,7 +148,7 @@ class SceneVerification {
       result_.faults.emplace_back(
           InputError(scene_xml_, "OctTreeGroup ParentTiers", "is missing, although all cells have one root; bake again")
               .what());
-    else if (expected != header_.tiers || !hold_cells(CellPart::some, parents, header_.tiers.front(), walk))
+    else if (expected != header_.tiers || !cover_cells(CellPart::some, parents, header_.tiers.front(), walk))
       result_.faults.emplace_back(InputError(scene_xml_, "OctTreeGroup ParentTiers",
                                              "a parent above cells or parents is missing, twice or elsewhere than it "
                                              "says; bake again")
@@ -194,7 +194,7 @@ class SceneVerification {
     if (twice.empty() || !pages_) return;
     pages_->for_each_cell([&](const SceneCell& cell) {
       if (std::binary_search(twice.begin(), twice.end(), hash_of_name(cell)))
-        result_.faults.emplace_back(InputError(scene_xml_, "PagedOctTree " + as_line(cell.name, longest_quote_bytes),
+        result_.faults.emplace_back(InputError(scene_xml_, "PagedOctTree " + as_line(cell.name, max_quote_bytes),
                                                "another cell has the same name")
                                         .what());
     });

@@ -31,7 +31,7 @@ BrickLevel read_brick_level(const ColumnSource& source, const ShardHeader& heade
   const std::uint64_t voxels = level.first.back();
   for (const VoxelChannel& channel : stored_channels(version, header, lod)) {
     const ChannelRows rows(source, columns.group, channel, bricks, voxels);
-    rows.read(0, level.mask, 0, voxels, make_room(channel, voxels, level));
+    rows.read(0, level.mask, 0, voxels, resize_channel(channel, voxels, level));
   }
   check_coverage(source.path(), lod, 0, level.rgba);
   check_planes(source.path(), lod, 0, level.facing);

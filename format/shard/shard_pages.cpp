@@ -133,7 +133,7 @@ std::vector<NodeRow> ShardPages::nodes(std::uint64_t first, std::uint32_t count)
 BrickBlock ShardPages::level(int lod, std::uint64_t first, std::uint32_t count) const {
   const Level& columns = open_level(lod);
   const std::string name = LevelColumns(lod).group;
-  const std::uint64_t bricks = clipped(file_, name, first, std::min(count, most_bricks), columns.bricks);
+  const std::uint64_t bricks = clipped(file_, name, first, std::min(count, max_bricks), columns.bricks);
   BrickBlock block;
   block.mask = read_range<std::uint64_t>(columns.mask, first, bricks, 8);
   const auto starts = read_range<std::uint64_t>(columns.first, first, bricks + 1);
@@ -146,7 +146,7 @@ BrickBlock ShardPages::level(int lod, std::uint64_t first, std::uint32_t count) 
   block.first.reserve(starts.size());
   for (const std::uint64_t start : starts) block.first.push_back(std::uint32_t(start - begin));
   for (const ChannelRows& channel : columns.channels)
-    channel.read(first, block.mask, begin, voxels, make_room(channel.channel(), voxels, block));
+    channel.read(first, block.mask, begin, voxels, resize_channel(channel.channel(), voxels, block));
   check_coverage(file_.path(), lod, begin, block.rgba);
   check_planes(file_.path(), lod, begin, block.facing);
   return block;

@@ -31,10 +31,10 @@ class ShardPages {
   /// Errors  InputError also if row `first` does not exist.
   std::vector<NodeRow> nodes(std::uint64_t first, std::uint32_t count) const;
   /// Returns up to `count` bricks, starting at `first`; fewer at the end of the level.
-  /// Range   count ≤ most_bricks.
+  /// Range   count ≤ max_bricks.
   /// Errors  InputError also if brick `first` does not exist.
   BrickBlock level(int lod, std::uint64_t first, std::uint32_t count) const;
-  static constexpr std::uint32_t most_bricks = 1u << 22;  ///< max bricks of a block: its voxels are counted in 32 bits
+  static constexpr std::uint32_t max_bricks = 1u << 22;  ///< max bricks of a block: its voxels are counted in 32 bits
 
  private:
   struct Nodes;

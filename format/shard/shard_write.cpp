@@ -56,7 +56,7 @@ StoredShard make_file(Hdf5File file, const ShardHeader& header, const ParentSour
 /// Returns the mutex that serializes the building of packed files in memory. HDF5 locks each of its calls, and a
 /// blocked thread sleeps until it is woken. Four concurrent writers of files with 2,000 calls each take four times as
 /// long as one after the other.
-std::mutex& hdf5_turn() {
+std::mutex& hdf5_mutex() {
   static std::mutex turn;
   return turn;
 }
@@ -110,7 +110,7 @@ StoredShard write_packed_shard(const std::filesystem::path& path, const PackedSh
   Publication publication(path);
   const Ahead ahead(shard);
   const bool in_memory = ahead.bytes <= options.image_bytes;
-  std::unique_lock turn(hdf5_turn(), std::defer_lock);
+  std::unique_lock turn(hdf5_mutex(), std::defer_lock);
   if (in_memory && ahead.is_packed) turn.lock();
   StoredShard stored =
       make_file(in_memory ? Hdf5File::create(image, path) : Hdf5File::create(publication.aside(), path), shard.header,

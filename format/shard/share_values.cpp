@@ -23,7 +23,7 @@ struct BrickVoxels {
 
 /// The groups of a brick as bits, and the values of their first voxels.
 struct BrickGroups {
-  std::array<std::uint32_t, groups_a_brick> first;
+  std::array<std::uint32_t, groups_per_brick> first;
   std::uint64_t mixed = 0;  ///< groups whose voxels differ
   std::uint32_t mixed_voxels = 0;
 };
@@ -71,7 +71,7 @@ void collect_values(const BrickVoxels& brick, Width width, const std::uint8_t* s
   }
   const ValueLeaders leaders(share);
   // Copies every voxel; a voxel without a new value is overwritten by the next. A branch would be mispredicted.
-  std::array<std::uint8_t, widest_value*(brick_voxels + 1)> value;
+  std::array<std::uint8_t, max_value_bytes*(brick_voxels + 1)> value;
   std::uint64_t led = 0;
   std::size_t values = 0;
   for (std::size_t v = 0; v < brick.group.size(); ++v) {
@@ -173,7 +173,7 @@ void SharedValues::collect(std::uint64_t begin, std::span<std::uint8_t> to) cons
 void SharedValues::collect_shared(std::uint64_t begin, std::span<std::uint8_t> to) const {
   auto b = std::size_t(std::upper_bound(first_.begin(), first_.end(), begin) - first_.begin()) - 1;
   with_known_width(width_, [&](auto known) {
-    std::array<std::uint8_t, widest_value * brick_voxels> aside;
+    std::array<std::uint8_t, max_value_bytes * brick_voxels> aside;
     for (std::size_t at = 0; at < to.size(); ++b) {
       const std::size_t values = first_[b + 1] - first_[b], skipped = begin > first_[b] ? begin - first_[b] : 0;
       const std::size_t wanted = std::min((values - skipped) * known, to.size() - at);

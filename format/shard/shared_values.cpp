@@ -20,7 +20,7 @@ std::size_t count_voxels(const std::uint64_t* mask) {
 template <class Visit>
 std::size_t for_each_value(const std::uint64_t* mask, const std::uint8_t* share, const Visit& visit) {
   const ValueLeaders leaders(share);
-  std::array<std::uint16_t, groups_a_brick> value_of;
+  std::array<std::uint16_t, groups_per_brick> value_of;
   std::uint64_t led = 0;
   std::size_t voxel = 0, values = 0;
   for_each_group_of_voxels(mask, [&](std::uint8_t group) {

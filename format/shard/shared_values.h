@@ -31,7 +31,7 @@ VoxelGroups group_voxels(std::span<const std::uint64_t> mask, std::span<const st
 class SharedValues {
  public:
   /// Borrows groups and voxel_first (of the same level) and bytes.
-  /// Range   1 ≤ width ≤ widest_value.
+  /// Range   1 ≤ width ≤ max_value_bytes.
   /// Cost    3 to 5 ns of one core per voxel (the sample at 0.0625 m), and the same again for collect().
   SharedValues(const VoxelGroups& groups, std::span<const std::uint64_t> voxel_first,
                ChannelBytes<const std::uint8_t> bytes, std::size_t width, const ThreadPool& pool);

@@ -89,7 +89,7 @@ ChannelBytes<const std::uint8_t> bytes_of(const VoxelChannel& channel, const Bri
 
 /// Resizes the channel's array to `voxels` entries and returns its bytes.
 template <class Bricks>
-ChannelBytes<std::uint8_t> make_room(const VoxelChannel& channel, std::size_t voxels, Bricks& bricks) {
+ChannelBytes<std::uint8_t> resize_channel(const VoxelChannel& channel, std::size_t voxels, Bricks& bricks) {
   auto* bytes = with_array(channel, bricks, [&](auto& array) {
     array.resize(bytes_a_voxel(channel.array) * voxels);
     return reinterpret_cast<std::uint8_t*>(array.data());

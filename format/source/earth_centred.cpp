@@ -17,10 +17,10 @@
 namespace gigabake {
 namespace {
 
-constexpr double widest_m = 1e6, highest_m = 20e3;
+constexpr double max_half_diagonal_m = 1e6, highest_m = 20e3;
 constexpr double lowest_ground_m = -1000, highest_ground_m = 9000;
 /// Bytes of a mesh format without JSON that are read first: the first vertices show whether all are needed.
-constexpr std::uint64_t looked_at_bytes = std::uint64_t(1) << 18;
+constexpr std::uint64_t first_read_bytes = std::uint64_t(1) << 18;
 
 /// Returns whether the format has a convention for the up axis.
 bool has_convention(ContentKind kind) {
@@ -52,7 +52,7 @@ WorldBox bounds_of_instances(const TileRef& tile, const SourceFiles& files) {
 
 std::vector<Point<Local>> first_vertices(const TileRef& tile, const std::filesystem::path& root) {
   ContentPieces pieces(tile, SourceFiles(root));
-  const std::vector<std::uint8_t> head = pieces.read(0, looked_at_bytes);
+  const std::vector<std::uint8_t> head = pieces.read(0, first_read_bytes);
   if (tile.kind == ContentKind::ply) return first_ply_vertices(tile.path, head);
   if (tile.kind == ContentKind::stl) return first_stl_vertices(tile.path, head, tile.bytes);
   return first_obj_vertices(tile.path, head);
@@ -76,7 +76,7 @@ struct Found {
   bool is_known = false;
 };
 
-Found look_at(const TileRef& tile, const std::filesystem::path& root) {
+Found classify_file(const TileRef& tile, const std::filesystem::path& root) {
   Found out;
   try {
     out.bounds = has_convention(tile.kind) ? stated_bounds(tile, SourceFiles(root)) : bounds_of_plain_mesh(tile, root);
@@ -105,7 +105,7 @@ Sorted sorted(const SceneSources& sources, const std::optional<UpAxis>& up) {
   for (std::size_t i = 0; i < sources.tiles.size(); ++i) {
     TileRef tile = sources.tiles[i];
     if (!has_convention(tile.kind)) tile.gltf_up = up.value_or(UpAxis::z);
-    const Found found = look_at(tile, sources.root);
+    const Found found = classify_file(tile, sources.root);
     if (!found.is_known) continue;
     if (found.fit == EarthFit::none) {
       out.none.push_back(i);
@@ -128,7 +128,7 @@ WorldBox vertex_bounds(const TileRef& tile, const std::filesystem::path& root) {
 }
 
 EarthFit earth_fit(const WorldBox& bounds) {
-  if (bounds.is_empty || !(bounds.half_diagonal() < widest_m)) return EarthFit::none;
+  if (bounds.is_empty || !(bounds.half_diagonal() < max_half_diagonal_m)) return EarthFit::none;
   const Point<Ecef> centre = ecef(bounds.centre());
   if (!is_on_earth(centre, bounds.half_diagonal()) || geodetic_of(centre).height_m > highest_m) return EarthFit::none;
   const auto may_be_heights = [&](std::size_t axis) {

@@ -23,7 +23,7 @@ void add_uris(const TilesetTile& tile, const Path& file, std::set<Path>& named) 
 /// Tilesets of a folder, recognized by their content.
 class Tilesets {
  public:
-  void look_at(const Path& file) {
+  void add_if_tileset(const Path& file) {
     try {
       const TilesetDocument document = parse_tileset(file, SourceFiles(file.parent_path()).read_content(file));
       if (!document.root || !document.json.contains("asset")) return;
@@ -77,7 +77,7 @@ class Lister {
     FolderListing out;
     std::sort(json_.begin(), json_.end());
     Tilesets tilesets;
-    for (const Path& file : json_) tilesets.look_at(file);
+    for (const Path& file : json_) tilesets.add_if_tileset(file);
     out.tileset = tilesets.root(folder_);
     out.files = unique_files();
     if (left_out_ != 0)

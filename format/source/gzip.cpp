@@ -58,17 +58,17 @@ bool is_gzip(std::span<const std::uint8_t> head) {
 }
 
 std::vector<std::uint8_t> unpacked_gzip(const std::filesystem::path& file, std::span<const std::uint8_t> packed,
-                                        std::uint64_t most_bytes) {
+                                        std::uint64_t max_bytes) {
   Inflater inflater(packed);
   std::vector<std::uint8_t> out;
   for (std::size_t there = 0; !inflater.ended();) {
     // One byte more than allowed shows that the limit is exceeded.
-    out.resize(std::size_t(std::min<std::uint64_t>(std::max(first_bytes, 2 * out.size()), most_bytes + 1)));
+    out.resize(std::size_t(std::min<std::uint64_t>(std::max(first_bytes, 2 * out.size()), max_bytes + 1)));
     const std::size_t more = inflater.fill(std::span(out).subspan(there));
     there += more;
-    if (there > most_bytes)
+    if (there > max_bytes)
       throw InputError(file, "",
-                       "gzip unpacks to more than " + std::to_string(most_bytes) +
+                       "gzip unpacks to more than " + std::to_string(max_bytes) +
                            " bytes, the most that a file may have or `memory_bytes` allows");
     if (!inflater.ended() && there < out.size())
       throw InputError(file, "", "gzip ends early or is damaged", packed.size() - inflater.rest().size());
@@ -79,9 +79,9 @@ std::vector<std::uint8_t> unpacked_gzip(const std::filesystem::path& file, std::
   return out;
 }
 
-std::vector<std::uint8_t> unpacked_gzip_head(std::span<const std::uint8_t> packed_head, std::size_t most_bytes) {
+std::vector<std::uint8_t> unpacked_gzip_head(std::span<const std::uint8_t> packed_head, std::size_t max_bytes) {
   Inflater inflater(packed_head);
-  std::vector<std::uint8_t> out(most_bytes);
+  std::vector<std::uint8_t> out(max_bytes);
   out.resize(inflater.fill(out));
   return out;
 }

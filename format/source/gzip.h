@@ -13,12 +13,12 @@ bool is_gzip(std::span<const std::uint8_t> head);
 
 /// Returns the unpacked bytes of a whole gzip file.
 /// Cost    Memory grows with the number of unpacked bytes.
-/// Errors  InputError: damaged, cut, followed by other bytes, or more than `most_bytes`.
+/// Errors  InputError: damaged, cut, followed by other bytes, or more than `max_bytes`.
 std::vector<std::uint8_t> unpacked_gzip(const std::filesystem::path& file, std::span<const std::uint8_t> packed,
-                                        std::uint64_t most_bytes);
+                                        std::uint64_t max_bytes);
 
-/// Returns the first unpacked bytes, at most `most_bytes`, from the first bytes of the file; fewer if these are
+/// Returns the first unpacked bytes, at most `max_bytes`, from the first bytes of the file; fewer if these are
 /// damaged.
-std::vector<std::uint8_t> unpacked_gzip_head(std::span<const std::uint8_t> packed_head, std::size_t most_bytes);
+std::vector<std::uint8_t> unpacked_gzip_head(std::span<const std::uint8_t> packed_head, std::size_t max_bytes);
 
 }  // namespace gigabake

@@ -12,7 +12,7 @@ namespace gigabake {
 namespace {
 
 constexpr int deepest_json = 128;
-constexpr std::size_t largest_json_bytes = std::size_t(1) << 28;
+constexpr std::size_t max_json_bytes = std::size_t(1) << 28;
 /// Memory of the library's values with the allocator's overhead: an item of a growing vector, a node of a map.
 constexpr std::uint64_t item_bytes = 32, member_bytes = 112, container_bytes = 80, text_bytes = 64;
 
@@ -138,7 +138,7 @@ class Builder : public nlohmann::json_sax<Json> {
 }  // namespace
 
 Json parse_json(const std::filesystem::path& file, std::span<const std::uint8_t> text, const JsonFold& fold) {
-  if (text.size() > largest_json_bytes)
+  if (text.size() > max_json_bytes)
     throw InputError(file, "", "has more than 2^28 bytes of JSON; split it, or keep buffers in files of their own");
   check_nesting(file, text);
   if (text.size() >= 3 && text[0] == 0xef && text[1] == 0xbb && text[2] == 0xbf)

@@ -39,7 +39,7 @@ struct Primitive {
 };
 
 /// Max triangles of a part that a PrimitiveSink (source.h) receives. A part has only the vertices that it uses.
-inline constexpr std::uint64_t most_part_triangles = std::uint64_t(1) << 20;
+inline constexpr std::uint64_t max_part_triangles = std::uint64_t(1) << 20;
 
 /// One placement of a primitive.
 struct Instance {
@@ -49,7 +49,7 @@ struct Instance {
 
 /// Max placements in a file. A node may place a mesh that takes no bytes in the file, so placements are also claimed
 /// from memory_limit().
-inline constexpr std::size_t most_placements = std::size_t(1) << 24;
+inline constexpr std::size_t max_placements = std::size_t(1) << 24;
 /// Bytes of an Instance and of related data in readers and scans.
 inline constexpr std::size_t placement_bytes = 192;
 

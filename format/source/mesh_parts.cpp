@@ -24,24 +24,24 @@ std::vector<T> chosen(const std::vector<T>& values, const std::vector<std::uint3
 }
 
 Primitive part_of(const Primitive& whole, std::uint64_t first_triangle) {
-  const std::uint64_t triangles = std::min(whole.index.size() / 3 - first_triangle, most_part_triangles);
+  const std::uint64_t triangles = std::min(whole.index.size() / 3 - first_triangle, max_part_triangles);
   const auto from = whole.index.begin() + std::ptrdiff_t(3 * first_triangle);
   std::vector<std::uint32_t> vertices;
   return with_corners(whole, {from, from + std::ptrdiff_t(3 * triangles)}, vertices);
 }
 
 /// Passes on one primitive and returns the number of its parts.
-class HandOver {
+class PartPasser {
  public:
-  explicit HandOver(const PrimitiveSink& sink) : sink_(sink) {}
+  explicit PartPasser(const PrimitiveSink& sink) : sink_(sink) {}
 
   int operator()(Primitive&& whole) {
     const std::size_t before = left_.size();
     const std::uint64_t triangles = whole.index.size() / 3;
-    if (!comes_in_parts(triangles, whole.position.size() / 3)) {
+    if (!is_split(triangles, whole.position.size() / 3)) {
       add(std::move(whole));
     } else {
-      for (std::uint64_t first = 0; first == 0 || first < triangles; first += most_part_triangles)
+      for (std::uint64_t first = 0; first == 0 || first < triangles; first += max_part_triangles)
         add(part_of(whole, first));
     }
     return int(left_.size() - before);
@@ -62,8 +62,8 @@ class HandOver {
 }  // namespace
 
 std::uint64_t part_triangles() {
-  constexpr std::uint64_t fewest = std::uint64_t(1) << 14, limit_bytes_per_triangle = 1024;
-  return std::clamp(memory_limit() / limit_bytes_per_triangle, fewest, most_part_triangles);
+  constexpr std::uint64_t min_triangles = std::uint64_t(1) << 14, limit_bytes_per_triangle = 1024;
+  return std::clamp(memory_limit() / limit_bytes_per_triangle, min_triangles, max_part_triangles);
 }
 
 Primitive without_lists(const Primitive& primitive) {
@@ -113,8 +113,8 @@ void UsedVertices::renumber(std::span<std::uint32_t> corners) const {
   }
 }
 
-void hand_over_parts(TileMesh& mesh, const PrimitiveSink& sink) {
-  HandOver hand_over(sink);
+void pass_on_parts(TileMesh& mesh, const PrimitiveSink& sink) {
+  PartPasser hand_over(sink);
   std::vector<int> first, count;
   int sum = 0;
   for (Primitive& primitive : mesh.primitives) {

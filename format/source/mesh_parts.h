@@ -12,13 +12,13 @@
 namespace gigabake {
 
 /// Returns the number of triangles that a reader collects before it passes on a part. It is less than
-/// most_part_triangles if the memory limit is small, since several parts are in memory at the same time.
+/// max_part_triangles if the memory limit is small, since several parts are in memory at the same time.
 std::uint64_t part_triangles();
 
-/// Returns whether a list is passed on in parts. A part has at most most_part_triangles triangles, in the list's order,
+/// Returns whether a list is passed on in parts. A part has at most max_part_triangles triangles, in the list's order,
 /// and only the vertices that they use.
-constexpr bool comes_in_parts(std::uint64_t triangles, std::uint64_t vertices) {
-  return triangles > most_part_triangles || vertices > 3 * most_part_triangles;
+constexpr bool is_split(std::uint64_t triangles, std::uint64_t vertices) {
+  return triangles > max_part_triangles || vertices > 3 * max_part_triangles;
 }
 
 /// The vertices that some corners use, each once, ascending.
@@ -51,6 +51,6 @@ Primitive without_lists(const Primitive& primitive);
 
 /// Passes on the primitives of a complete mesh. The mesh keeps only the properties that a sink leaves.
 /// Cost    Memory of one part in addition to the mesh.
-void hand_over_parts(TileMesh& mesh, const PrimitiveSink& sink);
+void pass_on_parts(TileMesh& mesh, const PrimitiveSink& sink);
 
 }  // namespace gigabake

@@ -40,7 +40,7 @@ TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadS
     if (tile.kind == ContentKind::ply) return read_ply(tile, files_of(tile, root), scope, sink ? guarded : sink);
     if (tile.kind == ContentKind::stl) return read_stl(tile, files_of(tile, root), sink ? guarded : sink);
     TileMesh mesh = read_dem_tile(tile, scope);
-    if (sink) hand_over_parts(mesh, guarded);
+    if (sink) pass_on_parts(mesh, guarded);
     return mesh;
   } catch (const SinkFailure& failure) {
     std::rethrow_exception(failure.error);

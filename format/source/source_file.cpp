@@ -12,7 +12,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::uint64_t largest_index = std::uint64_t(1) << 53;
+constexpr std::uint64_t max_index = std::uint64_t(1) << 53;
 
 const Json* find(const std::filesystem::path& file, const Json& object, const std::string& where, const char* key) {
   if (!object.is_object()) throw InputError(file, where, "expected a JSON object");
@@ -31,7 +31,7 @@ std::optional<std::uint64_t> get_index(const std::filesystem::path& file, const 
                                        const char* key) {
   const Json* j = find(file, object, where, key);
   if (j == nullptr) return std::nullopt;
-  if (!j->is_number_unsigned() || j->get<std::uint64_t>() > largest_index)
+  if (!j->is_number_unsigned() || j->get<std::uint64_t>() > max_index)
     fail(file, where, key, "a whole number that is not negative");
   return j->get<std::uint64_t>();
 }

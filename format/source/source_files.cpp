@@ -12,7 +12,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::uint64_t largest_file = std::uint64_t(1) << 32;
+constexpr std::uint64_t max_file_bytes = std::uint64_t(1) << 32;
 /// Max bytes of a gzip file that its first unpacked bytes need, with its header and the name in it.
 constexpr std::size_t gzip_head_bytes = 1024;
 
@@ -32,17 +32,17 @@ std::uint64_t SourceFiles::size_of(const std::filesystem::path& file) const {
 }
 
 std::vector<std::uint8_t> SourceFiles::read(const std::filesystem::path& file) const {
-  if (!archive_) return read_whole_file(file, largest_file);
+  if (!archive_) return read_whole_file(file, max_file_bytes);
   const std::string entry = name_in(root_, file);
-  if (archive_->size_of(entry).value_or(0) > largest_file)
+  if (archive_->size_of(entry).value_or(0) > max_file_bytes)
     throw InputError(file, "", "larger than 4 GiB; split it into tiles");
   MemoryClaim(file).add_items(archive_->size_of(entry).value_or(0), 1, "", "bytes of the file");
-  return archive_->read(entry, largest_file);
+  return archive_->read(entry, max_file_bytes);
 }
 
 std::vector<std::uint8_t> SourceFiles::read_content(const std::filesystem::path& file) const {
   std::vector<std::uint8_t> bytes = read(file);
-  return is_gzip(bytes) ? unpacked_gzip(file, bytes, std::min(largest_file, memory_limit())) : bytes;
+  return is_gzip(bytes) ? unpacked_gzip(file, bytes, std::min(max_file_bytes, memory_limit())) : bytes;
 }
 
 SourceBytes SourceFiles::open(const std::filesystem::path& file) const {
@@ -54,7 +54,7 @@ SourceBytes SourceFiles::open_content(const std::filesystem::path& file) const {
   if (!archive_) {
     const SourceBytes bytes = open(file);
     std::vector<std::uint8_t> room;
-    if (bytes.size() <= largest_file &&
+    if (bytes.size() <= max_file_bytes &&
         content_magic(bytes.look(0, std::min<std::uint64_t>(bytes.size(), 4), room)) == ContentMagic::glb)
       return bytes;
   }
@@ -65,13 +65,13 @@ std::vector<std::uint8_t> SourceFiles::read_referenced(const std::filesystem::pa
   std::vector<std::uint8_t> bytes = read(file);
   if (!is_gzip(bytes)) return bytes;
   try {
-    return unpacked_gzip(file, bytes, std::min(largest_file, memory_limit()));
+    return unpacked_gzip(file, bytes, std::min(max_file_bytes, memory_limit()));
   } catch (const InputError&) {
     return bytes;
   }
 }
 
-std::vector<std::uint8_t> SourceFiles::content_head(const std::filesystem::path& file, std::size_t most_bytes) const {
+std::vector<std::uint8_t> SourceFiles::content_head(const std::filesystem::path& file, std::size_t max_bytes) const {
   if (!has(file)) return {};
   std::vector<std::uint8_t> head;
   if (archive_) {
@@ -82,8 +82,8 @@ std::vector<std::uint8_t> SourceFiles::content_head(const std::filesystem::path&
     in.read(reinterpret_cast<char*>(head.data()), std::streamsize(head.size()));
     head.resize(std::size_t(in.gcount()));
   }
-  if (is_gzip(head)) return unpacked_gzip_head(head, most_bytes);
-  head.resize(std::min(head.size(), most_bytes));
+  if (is_gzip(head)) return unpacked_gzip_head(head, max_bytes);
+  head.resize(std::min(head.size(), max_bytes));
   return head;
 }
 

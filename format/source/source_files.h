@@ -41,8 +41,8 @@ class SourceFiles {
   /// Reads a buffer or an image that another file refers to. Unpacks it if it is a whole gzip file with a correct
   /// checksum; otherwise returns the bytes unchanged.
   std::vector<std::uint8_t> read_referenced(const std::filesystem::path& file) const;
-  /// Returns the first bytes of read_content(), at most `most_bytes`; empty if there is no file.
-  std::vector<std::uint8_t> content_head(const std::filesystem::path& file, std::size_t most_bytes) const;
+  /// Returns the first bytes of read_content(), at most `max_bytes`; empty if there is no file.
+  std::vector<std::uint8_t> content_head(const std::filesystem::path& file, std::size_t max_bytes) const;
   /// Returns the stamp of the file under the name `name`; for a file in an archive, that of the archive by absolute
   /// path.
   StampedFile stamp(const std::string& name, const std::filesystem::path& file) const;

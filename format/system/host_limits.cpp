@@ -16,7 +16,7 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint64_t mebi = std::uint64_t(1) << 20;
-constexpr std::uint64_t least_memory = 64 * mebi;
+constexpr std::uint64_t min_memory = 64 * mebi;
 constexpr double no_limit = HUGE_VAL;
 
 std::optional<double> number_in(const std::string& text) {
@@ -157,8 +157,8 @@ HostLimits host_limits() {
       "/", [](const char* name) { return std::getenv(name); }, int(cores_of_this_process().count()));
 }
 
-std::uint64_t usual_memory(std::uint64_t wished, std::uint64_t memory_bytes, int processes) {
-  return std::clamp(memory_bytes / 2 / std::uint64_t(std::max(1, processes)), std::min(least_memory, wished), wished);
+std::uint64_t default_memory(std::uint64_t wished, std::uint64_t memory_bytes, int processes) {
+  return std::clamp(memory_bytes / 2 / std::uint64_t(std::max(1, processes)), std::min(min_memory, wished), wished);
 }
 
 }  // namespace gigabake

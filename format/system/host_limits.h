@@ -43,6 +43,6 @@ HostLimits host_limits();
 
 /// Returns the memory to use if the user specified none: `wished`, or half of a fair share if that is less; at least 64
 /// MiB.
-std::uint64_t usual_memory(std::uint64_t wished, std::uint64_t memory_bytes, int processes);
+std::uint64_t default_memory(std::uint64_t wished, std::uint64_t memory_bytes, int processes);
 
 }  // namespace gigabake

@@ -11,7 +11,7 @@
 namespace gigabake {
 
 Publication::Publication(std::filesystem::path target)
-    : target_(std::move(target)), aside_(make_beside(target_, [](const std::filesystem::path& aside) {
+    : target_(std::move(target)), aside_(create_temporary(target_, [](const std::filesystem::path& aside) {
         return Descriptor(aside, O_WRONLY | O_CREAT | O_EXCL).is_open();
       })) {}
 

@@ -20,7 +20,8 @@ FolderPublication::FolderPublication(std::filesystem::path target, Replaces repl
   if (std::filesystem::exists(target_, ignored) &&
       !(is_folder && (replaces_ == Replaces::a_folder || std::filesystem::is_empty(target_, ignored))))
     throw InputError(target_, "", "is there already; expected the name of a new folder: remove it or name another");
-  aside_ = make_beside(target_, [](const std::filesystem::path& aside) { return ::mkdir(aside.c_str(), 0777) == 0; });
+  aside_ =
+      create_temporary(target_, [](const std::filesystem::path& aside) { return ::mkdir(aside.c_str(), 0777) == 0; });
 }
 
 FolderPublication::~FolderPublication() {
@@ -32,7 +33,7 @@ bool FolderPublication::swap_in() const {
   if (::renameat2(AT_FDCWD, aside_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) return true;
   if (errno == ENOENT) return false;  // the target does not exist
   const std::filesystem::path before =
-      make_beside(target_, [](const std::filesystem::path& name) { return ::mkdir(name.c_str(), 0777) == 0; });
+      create_temporary(target_, [](const std::filesystem::path& name) { return ::mkdir(name.c_str(), 0777) == 0; });
   rename_into_place(target_, before);
   rename_into_place(aside_, target_);
   rename_into_place(before, aside_);

@@ -14,7 +14,7 @@
 namespace gigabake {
 namespace {
 
-constexpr int most_attempts = 1000;
+constexpr int max_attempts = 1000;
 
 void flush(const std::filesystem::path& path, int flags) {
   const Descriptor file(path, flags);
@@ -32,10 +32,10 @@ std::filesystem::path folder_of(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
 
-std::filesystem::path make_beside(const std::filesystem::path& target,
-                                  const std::function<bool(const std::filesystem::path&)>& make) {
+std::filesystem::path create_temporary(const std::filesystem::path& target,
+                                       const std::function<bool(const std::filesystem::path&)>& make) {
   // A killed process may have left a file of this name; then the next number is tried.
-  for (int attempt = 0; attempt < most_attempts; ++attempt) {
+  for (int attempt = 0; attempt < max_attempts; ++attempt) {
     static std::atomic<unsigned> count{0};
     const std::filesystem::path aside =
         folder_of(target) /

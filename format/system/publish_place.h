@@ -14,8 +14,8 @@ std::filesystem::path folder_of(const std::filesystem::path& path);
 
 /// Returns a new name next to `target`, for which make(name) succeeded. `make` returns false with the reason in errno.
 /// Errors  InputError: nothing can be created there.
-std::filesystem::path make_beside(const std::filesystem::path& target,
-                                  const std::function<bool(const std::filesystem::path&)>& make);
+std::filesystem::path create_temporary(const std::filesystem::path& target,
+                                       const std::function<bool(const std::filesystem::path&)>& make);
 
 /// Renames the complete file or folder, replacing the target.
 /// Errors  InputError.

@@ -7,14 +7,14 @@
 
 namespace gigabake {
 
-std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& path, std::uint64_t most_bytes) {
+std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& path, std::uint64_t max_bytes) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw IoError(path, "", "no such file");
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path, "", "expected a regular file");
   const std::uint64_t bytes = std::filesystem::file_size(path, error);
   if (error) throw IoError(path, "", "cannot be read: " + error.message());
-  if (bytes > most_bytes)
-    throw InputError(path, "", "larger than " + std::to_string(most_bytes) + " bytes; split it into tiles");
+  if (bytes > max_bytes)
+    throw InputError(path, "", "larger than " + std::to_string(max_bytes) + " bytes; split it into tiles");
   MemoryClaim(path).add_items(bytes, 1, "", "bytes of the file");
   std::vector<std::uint8_t> content(bytes);
   std::ifstream in(path, std::ios::binary);

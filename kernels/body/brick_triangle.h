@@ -24,7 +24,7 @@ inline constexpr std::int64_t small_extent = 1 << 14;
 /// plane values below 2^61.
 inline constexpr std::int64_t narrow_extent = 1 << 19;
 /// Max |coordinate| relative to the window, in sub-voxels (4 million voxels): the 128-bit path stays below 2^100.
-inline constexpr std::int64_t widest_coordinate = 1 << 30;
+inline constexpr std::int64_t max_coordinate = 1 << 30;
 
 /// A snapped triangle, relative to its window's lowest corner, in sub-voxels.
 struct WindowTriangle {
@@ -205,8 +205,8 @@ GB_HD std::uint64_t cut_by_plane(const BrickTriangle<I>& t, std::uint64_t cells,
   const P at_corner = nw * w - (P(t.n[0]) * P(t.p[0][0]) + P(t.n[1]) * P(t.p[0][1]) + P(t.n[2]) * P(t.p[0][2]));
   const P slack = closed ? 0 : 1;  // open: min < 0 < max
   // A cell passes if the plane value at its lowest corner lies in [least, most].
-  const P most = -(at_corner + smaller<P>(nu, 0) + smaller<P>(nv, 0) + smaller<P>(nw, 0) + slack);
-  const P least = -(at_corner + larger<P>(nu, 0) + larger<P>(nv, 0) + larger<P>(nw, 0) - slack);
+  const P maximum = -(at_corner + smaller<P>(nu, 0) + smaller<P>(nv, 0) + smaller<P>(nw, 0) + slack);
+  const P minimum = -(at_corner + larger<P>(nu, 0) + larger<P>(nv, 0) + larger<P>(nw, 0) - slack);
   std::uint64_t kept = 0;
   for (std::uint64_t rest = cells; rest != 0; rest &= rest - 1) {
 #if defined(__CUDA_ARCH__)
@@ -216,7 +216,7 @@ GB_HD std::uint64_t cut_by_plane(const BrickTriangle<I>& t, std::uint64_t cells,
 #endif
     // The product of a normal component in its own width and a small number takes one instruction on a device.
     const P value = P(t.n[0]) * P(I((cell & 7) << subvoxel_bits)) + P(t.n[1]) * P(I((cell >> 3) << subvoxel_bits));
-    if (value >= least && value <= most) kept |= rest & (~rest + 1);
+    if (value >= minimum && value <= maximum) kept |= rest & (~rest + 1);
   }
   return kept;
 }

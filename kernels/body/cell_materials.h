@@ -16,7 +16,7 @@ enum class CellMaterials : std::uint8_t {
 };
 
 /// Returns true if every voxel that a triangle overlaps is visible.
-constexpr bool all_show(CellMaterials m) { return m != CellMaterials::any; }
+constexpr bool all_visible(CellMaterials m) { return m != CellMaterials::any; }
 
 inline CellMaterials materials_in(const CellInput& input) {
   for (std::size_t i = 0; i < input.materials.size; ++i)

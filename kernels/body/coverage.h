@@ -144,10 +144,10 @@ struct FragmentShape {
 };
 
 /// Min projected area (voxel²) at which the centroid is computed as moment over area. Below it, rounding dominates.
-inline constexpr double smallest_centroid_area = 1e-9;
+inline constexpr double min_centroid_area = 1e-9;
 
 /// Returns true if the fragment is large enough to compute its centroid as moment over area.
-GB_HD bool has_centroid(double projected_area) { return std::fabs(projected_area) >= smallest_centroid_area; }
+GB_HD bool has_centroid(double projected_area) { return std::fabs(projected_area) >= min_centroid_area; }
 
 GB_HD double clamp01(double x) { return x < 0 ? 0 : (x > 1 ? 1 : x); }
 

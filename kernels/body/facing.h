@@ -90,7 +90,7 @@ GB_HD constexpr int low_child(int axis, int column) {
 }
 
 /// Sums over the cells of all added columns.
-struct FacingSums {
+struct CoverageSums {
   std::uint32_t covered[3] = {};
   std::uint32_t seen[8] = {};  ///< visible coverage of each child, from the six sides
 
@@ -151,8 +151,8 @@ GB_HD void see_run(const Children& children, int axis, int column, int run, std:
 
 /// Computes the parent's raster and sums from children with 2×2 cells per axis.
 template <class Children>
-GB_HD FacingSums see_small(const Children& children, std::uint32_t* raster) {
-  FacingSums result;
+GB_HD CoverageSums see_small(const Children& children, std::uint32_t* raster) {
+  CoverageSums result;
   GB_UNROLL
   for (int axis = 0; axis < 3; ++axis) {
     std::uint32_t either[4];
@@ -175,11 +175,11 @@ GB_HD FacingSums see_small(const Children& children, std::uint32_t* raster) {
 
 /// Computes the parent's raster, which is overwritten completely, and the sums of its children.
 template <int Edge, class Children>
-GB_HD FacingSums see_children(const Children& children, std::uint32_t* raster) {
+GB_HD CoverageSums cover_children(const Children& children, std::uint32_t* raster) {
   if constexpr (Edge == 2) {
     return see_small(children, raster);
   } else {
-    FacingSums result;
+    CoverageSums result;
     for (int axis = 0; axis < 3; ++axis)
       for (int column = 0; column < 4; ++column) {
         std::uint32_t sums[3] = {};
@@ -191,11 +191,11 @@ GB_HD FacingSums see_children(const Children& children, std::uint32_t* raster) {
 }
 
 /// Computes the parent's raster and sums of eight lod-0 voxels, whose rasters are their axis coverage.
-GB_HD FacingSums see_voxels(const AxisCoverage& c, std::uint32_t raster[3]) {
+GB_HD CoverageSums see_voxels(const AxisCoverage& c, std::uint32_t raster[3]) {
   const std::uint32_t *x = c.along[0], *y = c.along[1], *z = c.along[2];
   const std::uint32_t low[3] = {even_bytes(x[0], x[1]), (y[0] & 0xffff) | y[1] << 16, z[0]};
   const std::uint32_t high[3] = {even_bytes(x[0] >> 8, x[1] >> 8), y[0] >> 16 | (y[1] & 0xffff0000), z[1]};
-  FacingSums result;
+  CoverageSums result;
   GB_UNROLL
   for (int axis = 0; axis < 3; ++axis) {
     raster[axis] = cover_4(low[axis], high[axis]);

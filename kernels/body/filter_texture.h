@@ -8,7 +8,7 @@
 /// Space   One level: texels.
 /// Exact   Weights are integers with sum 2^15, made of IEEE floats: host and device agree, and a uniform colour is
 ///         preserved.
-/// Range   Boxes with edges up to the root of `widest_squared`; a wider box is replaced by the widest box that fits.
+/// Range   Boxes with edges up to the root of `max_width_squared`; a wider box is replaced by the widest box that fits.
 /// Cost    Nine texels.
 #pragma once
 
@@ -33,7 +33,7 @@ GB_HD std::int32_t rounded(float x) {
 
 /// Squared edge of the widest box that three texels represent. A wider box would mostly give the middle texel a
 /// negative weight.
-inline constexpr float widest_squared = 7.5f;
+inline constexpr float max_width_squared = 7.5f;
 
 /// Footprint on one level: a box, by its squared edges (texels²), and a covariance (texels²). A negative square
 /// describes a footprint narrower than the level's texels, and sharpens.
@@ -42,14 +42,14 @@ struct LevelFootprint {
 };
 
 /// Position of a sample on an image.
-struct ImagePlace {
+struct ImagePosition {
   std::int64_t at;  ///< 2^-32 of the image
   bool is_turned;   ///< the image is mirrored at this position
 };
 
 /// Returns the position of s on the image. For clamp_to_edge, positions up to half an image beyond the edge are kept,
 /// because a footprint may lie on both sides.
-GB_HD ImagePlace image_place(double s, Wrap wrap) {
+GB_HD ImagePosition image_position(double s, Wrap wrap) {
   if (wrap != Wrap::clamp_to_edge) {
     const bool is_turned = wrap == Wrap::mirrored_repeat && low_word(s + 3145728.0) >> 31 != 0;
     return {std::int64_t(fraction_of(s, wrap)), is_turned};
@@ -141,7 +141,7 @@ GB_HD float half_square(float x) { return x > 0 ? 0.5f * x * x : 0; }
 
 /// Returns the fraction of a box that passes the alpha test. Alpha is a plane over the box: `beyond` the cutoff at its
 /// centre, with changes `along` one edge and `across` the other.
-GB_HD float passing_share(float beyond, float along, float across) {
+GB_HD float passing_fraction(float beyond, float along, float across) {
   const float longer = larger(larger(along, across), 1.0f), shorter = larger(smaller(along, across), longer / 64);
   const float far = 0.5f * (longer + shorter), near = 0.5f * (longer - shorter);
   // Outside the range of the slopes the differences of squares would cancel. Uniform alpha passes if it equals the
@@ -157,8 +157,8 @@ GB_HD float passing_share(float beyond, float along, float across) {
 /// Applies an alpha test to an interpolated box, as a renderer does per point. The passing fraction is that of a plane
 /// with the mean and slopes of alpha.
 /// Range   alpha is not 0.
-GB_HD_ONE_COPY Rgba16 test_box(Rgba16 mean, std::uint8_t cutoff, float along, float across) {
-  const float share = passing_share(float(int(mean.c[3]) - int(cutoff * 257u)), along, across);
+GB_HD_NOINLINE Rgba16 test_box(Rgba16 mean, std::uint8_t cutoff, float along, float across) {
+  const float share = passing_fraction(float(int(mean.c[3]) - int(cutoff * 257u)), along, across);
   const auto alpha = std::uint32_t(rounded(share * 65535));
   Rgba16 r;
   for (int c = 0; c < 3; ++c) {
@@ -188,8 +188,8 @@ GB_HD Rgba16 test_footprint(const Rgba16& mean, std::uint8_t cutoff, const Alpha
 
 /// Returns the mean of level l over a footprint around (s, t).
 template <bool opaque>
-GB_HD Rgba16 filtered_sample(const TextureView& view, const MaterialView& m, int l, const ImagePlace& s,
-                             const ImagePlace& t, LevelFootprint footprint, const Tables& tables) {
+GB_HD Rgba16 filtered_sample(const TextureView& view, const MaterialView& m, int l, const ImagePosition& s,
+                             const ImagePosition& t, LevelFootprint footprint, const Tables& tables) {
   const std::int32_t width = level_extent(view.width, l), height = level_extent(view.height, l);
   const AxisTaps across = axis_taps<weight_s_bits>(s.at, width, m.wrap_s, l == 0, footprint.width_squared),
                  down = axis_taps<weight_t_bits>(t.at, height, m.wrap_t, l == 0, footprint.height_squared);

@@ -26,7 +26,7 @@ struct Weights {
   std::uint32_t child[2], facing;
 
   GB_HD std::uint32_t of(int c) const { return child[c / 4] >> 8 * (c % 4) & 255; }
-  GB_HD std::uint32_t largest_facing() const {
+  GB_HD std::uint32_t max_facing() const {
     const std::uint32_t x = facing & 255, y = facing >> 8 & 255, z = facing >> 16, xy = x > y ? x : y;
     return xy > z ? xy : z;
   }
@@ -34,7 +34,7 @@ struct Weights {
 
 /// Weights children by visible coverage. Weights are uniform if all round to zero. there: byte c is 1 if child c
 /// exists. edge: of the children's rasters.
-GB_HD Weights weights_of(const FacingSums& seen, int edge, const std::uint32_t there[2]) {
+GB_HD Weights weights_of(const CoverageSums& seen, int edge, const std::uint32_t there[2]) {
   Weights w{};
   GB_UNROLL
   for (int c = 0; c < 8; ++c)
@@ -108,7 +108,7 @@ GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, Mip
     sums.add(children[c], n, w, tables);
     each(c, w, n);
   }
-  return sums.voxel(by_view ? weights.largest_facing() : mean_coverage(sums.weight, filter, tables), tables);
+  return sums.voxel(by_view ? weights.max_facing() : mean_coverage(sums.weight, filter, tables), tables);
 }
 
 struct NothingForEach {

@@ -16,10 +16,10 @@
 namespace gigabake::kernels {
 
 /// Returns the key of the brick two levels above that contains a brick.
-GB_HD std::uint64_t key_two_above(std::uint64_t key) { return parent_key(parent_key(key)); }
+GB_HD std::uint64_t grandparent_key(std::uint64_t key) { return parent_key(parent_key(key)); }
 
 /// Returns the voxel of the brick two levels above that corresponds to an octant of the lower brick: x + 8y + 64z.
-GB_HD int voxel_two_above(std::uint64_t key, int octant) {
+GB_HD int grandparent_voxel(std::uint64_t key, int octant) {
   const std::uint32_t code = std::uint32_t(key & 63) << 3 | std::uint32_t(octant);
   return gather_three_bits(code) + 8 * gather_three_bits(code >> 1) + 64 * gather_three_bits(code >> 2);
 }

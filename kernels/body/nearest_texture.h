@@ -30,12 +30,12 @@ namespace gigabake::kernels {
 /// Polygon of a fragment, in voxels from its cell's lowest corner. The slab polygon has at most five corners, and each
 /// side of the cell adds at most one.
 struct Outline {
-  static constexpr int most = 9;
-  Point2 at[most];
+  static constexpr int maximum = 9;
+  Point2 at[maximum];
   int count;
 
   GB_HD void add(Point2 p) {
-    if (count < most) at[count++] = p;  // rounding may bend a sliver, which adds a cut
+    if (count < maximum) at[count++] = p;  // rounding may bend a sliver, which adds a cut
   }
 };
 
@@ -69,12 +69,12 @@ GB_HD Outline outline_of(const FragmentShape& f) {
 }
 
 /// Texture mapping of a fragment. It is passed by value: a caller that rarely calls nearest_over() keeps its registers.
-struct NearestLook {
+struct NearestMap {
   double s0, su, sv, t0, tu, tv;  ///< as in TextureMap
   Wrap wrap_s, wrap_t;
 };
 
-GB_HD NearestLook nearest_look(const MaterialView& m, const TextureMap& map) {
+GB_HD NearestMap nearest_map(const MaterialView& m, const TextureMap& map) {
   return {map.s0, map.su, map.sv, map.t0, map.tu, map.tv, m.wrap_s, m.wrap_t};
 }
 
@@ -94,7 +94,7 @@ GB_HD std::int32_t wrapped_texel(std::int32_t i, std::int32_t size, Wrap wrap) {
 }
 
 /// Max number of texels in a fragment's box. The finest level within this limit is used.
-inline constexpr int most_texels_inside = 64;
+inline constexpr int max_texels_inside = 64;
 
 /// Texels along one axis that a footprint may overlap.
 struct TexelSpan {
@@ -107,10 +107,10 @@ struct TexelSpan {
 /// Returns the texels of a fragment that extends from middle + low to middle + high on the wrapped row. Far beyond a
 /// clamped edge the first texel is moved closer, because all texels there are equal.
 GB_HD TexelSpan texels_between(double middle, double low, double high, std::int32_t size) {
-  constexpr double most = most_texels_inside + 2;
+  constexpr double maximum = max_texels_inside + 2;
   const double first = std::floor(middle + low), count = std::ceil(middle + high) - first;
-  const double near = first < -most ? -most : at_most(first, 2.0 * size);
-  return {std::int32_t(near), std::int32_t(count < 1 ? 1 : at_most(count, most)), middle - first};
+  const double near = first < -maximum ? -maximum : at_most(first, 2.0 * size);
+  return {std::int32_t(near), std::int32_t(count < 1 ? 1 : at_most(count, maximum)), middle - first};
 }
 
 /// Returns one texel of the image, linear and premultiplied. If there is an alpha test, the texel is opaque or
@@ -163,12 +163,12 @@ struct FragmentMap {
   double su, sv, tu, tv, determinant;
 };
 
-GB_HD FragmentMap fragment_map(const NearestLook& look, double width, double height) {
-  constexpr double least = 1.0 / 1024;
+GB_HD FragmentMap fragment_map(const NearestMap& look, double width, double height) {
+  constexpr double minimum = 1.0 / 1024;
   double xu = look.su * width, xv = look.sv * width, yu = look.tu * height, yv = look.tv * height;
   const double along_u = xu * xu + yu * yu, along_v = xv * xv + yv * yv, longer = larger(along_u, along_v);
-  const double determinant = xu * yv - xv * yu, across = determinant < 0 ? -least : least;
-  if (std::fabs(determinant) < least * longer) {
+  const double determinant = xu * yv - xv * yu, across = determinant < 0 ? -minimum : minimum;
+  if (std::fabs(determinant) < minimum * longer) {
     const bool moves_v = along_u >= along_v;
     const double dx = across * (moves_v ? -yu : yv), dy = across * (moves_v ? xu : -xv);
     (moves_v ? xv : xu) += dx;
@@ -179,8 +179,8 @@ GB_HD FragmentMap fragment_map(const NearestLook& look, double width, double hei
 
 /// Corners of a fragment on the texture, relative to its centroid; first in images, later in texels.
 struct TexelOutline {
-  double x[Outline::most], y[Outline::most];
-  Line line[Outline::most];
+  double x[Outline::maximum], y[Outline::maximum];
+  Line line[Outline::maximum];
   double low_x, high_x, low_y, high_y;
   int count;
 };
@@ -202,12 +202,12 @@ GB_HD void map_outline(const Outline& o, const FragmentMap& map, Point2 centroid
   }
 }
 
-/// Returns the finest level with at most most_texels_inside texels in the outline's box.
+/// Returns the finest level with at most max_texels_inside texels in the outline's box.
 GB_HD int level_for(const TextureView& view, const TexelOutline& o) {
   const double across = o.high_x - o.low_x, down = o.high_y - o.low_y;
   int l = 0;
   while (l + 1 < view.levels &&
-         (across * level_extent(view.width, l) + 1) * (down * level_extent(view.height, l) + 1) > most_texels_inside)
+         (across * level_extent(view.width, l) + 1) * (down * level_extent(view.height, l) + 1) > max_texels_inside)
     ++l;
   return l;
 }
@@ -253,12 +253,12 @@ GB_HD double covered_area(const TexelOutline& o, unsigned edges, double column, 
 /// orientation.
 GB_HD Rgba16 mean_of_covered(const TexelGrid& grid, const TexelSpan& columns, const TexelSpan& rows,
                              const TexelOutline& o, double weight_scale) {
-  constexpr double most_weight = 1 << 30;  // covered areas sum to 2^24, so only rounding could exceed this limit
+  constexpr double max_weight = 1 << 30;  // covered areas sum to 2^24, so only rounding could exceed this limit
   std::uint64_t sum[4] = {0, 0, 0, 0}, weights = 0;
   for (std::int32_t j = 0; j < rows.count; ++j) {
     const unsigned edges = edges_in_row(o, j);
     for (std::int32_t i = 0; i < columns.count; ++i) {
-      const double wanted = at_most(covered_area(o, edges, i, j) * weight_scale, most_weight);
+      const double wanted = at_most(covered_area(o, edges, i, j) * weight_scale, max_weight);
       if (wanted < 0.5) continue;
       const auto weight = std::uint64_t(floor_to_int64(wanted + 0.5));
       const Rgba16 texel = grid.texel(columns.first + i, rows.first + j);
@@ -274,7 +274,7 @@ GB_HD Rgba16 mean_of_covered(const TexelGrid& grid, const TexelSpan& columns, co
 
 /// Returns the premultiplied linear mean of the texels that a fragment covers. A fragment too small to measure gets its
 /// centroid's texel.
-GB_HD_ONE_COPY Rgba16 nearest_over(const TextureView& view, NearestLook look, FragmentShape f,
+GB_HD_NOINLINE Rgba16 nearest_over(const TextureView& view, NearestMap look, FragmentShape f,
                                    const std::uint16_t* linear_from_srgb) {
   const double s_middle = (look.s0 + look.su * f.centroid.u) + look.sv * f.centroid.v,
                t_middle = (look.t0 + look.tu * f.centroid.u) + look.tv * f.centroid.v;

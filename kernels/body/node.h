@@ -37,7 +37,7 @@ GB_HD CommonVoxel common_voxel(std::uint32_t rgba, std::uint16_t normal, const s
   return {rgba, facing != nullptr ? pack_facing(facing) : alpha | alpha << 8 | alpha << 16, normal};
 }
 
-GB_HD bool are_alike(const CommonVoxel& a, const CommonVoxel& b) {
+GB_HD bool are_equal(const CommonVoxel& a, const CommonVoxel& b) {
   return a.rgba == b.rgba && a.normal == b.normal && a.facing == b.facing;
 }
 

@@ -66,7 +66,7 @@ GB_HD void scene_edge(const PartArrays& part, std::uint32_t from, std::uint32_t 
 }
 
 /// Min sine of the angle between a triangle's edges. Below it, the computed area is only rounding error.
-inline constexpr double least_sine = 1.0 / (std::int64_t(1) << 40);
+inline constexpr double min_sine = 1.0 / (std::int64_t(1) << 40);
 
 /// Returns the unit normal (32767) by the winding, in scene axes. It is computed from the unsnapped vertices; if the
 /// triangle has no area in the scene, from the snapped triangle `t`.
@@ -81,9 +81,9 @@ GB_HD void triangle_normal(const PartArrays& part, std::uint32_t triangle, const
   scene_edge(part, v[0], v[1], a);
   scene_edge(part, v[0], v[2], b);
   const double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-  constexpr double least = 1e-280, most = 1e280;  // squares in this range are finite and exceed rounding errors
+  constexpr double minimum = 1e-280, maximum = 1e280;  // squares in this range are finite and exceed rounding errors
   const double squared = dot(n, n);
-  if (squared > least && squared < most && squared > least_sine * least_sine * (dot(a, a) * dot(b, b)))
+  if (squared > minimum && squared < maximum && squared > min_sine * min_sine * (dot(a, a) * dot(b, b)))
     scale_to_unit(n, normal);
   else
     snapped_normal(t, normal);

@@ -18,32 +18,32 @@
 namespace gigabake::kernels {
 
 /// Surface moments of one voxel. Eight bytes, so that a GPU reads them with one load.
-struct alignas(8) Patch {
-  std::int16_t place[3];   ///< mean position of the surface; place_unit = 1
-  std::uint8_t spread;     ///< mean squared distance from its plane; 256 = 1, max 255
-  std::uint8_t agreement;  ///< length of the mean of its unit normals, minus one; 256 = 1
+struct alignas(8) SurfaceMoments {
+  std::int16_t place[3];          ///< mean position of the surface; position_unit = 1
+  std::uint8_t spread;            ///< mean squared distance from its plane; 256 = 1, max 255
+  std::uint8_t normal_coherence;  ///< length of the mean of its unit normals, minus one; 256 = 1
 };
 
 /// Returns the patch of a lod-0 voxel.
-GB_HD Patch finest_patch() { return {{0, 0, 0}, 0, 255}; }
+GB_HD SurfaceMoments finest_patch() { return {{0, 0, 0}, 0, 255}; }
 
-inline constexpr std::int32_t place_unit = 1 << 14;
+inline constexpr std::int32_t position_unit = 1 << 14;
 
 /// Sums over the children of a voxel, each weighted by its visible coverage (Weights), as for colour.
 struct PatchSums {
   std::int32_t weight = 0, place[3] = {}, normal[3] = {};
 
-  /// Returns a child's position along an axis in half edges of the parent, 2·place_unit = 1.
-  GB_HD static std::int32_t place_in_parent(const Patch& patch, int child, int axis) {
-    return ((child >> axis & 1) != 0 ? place_unit : -place_unit) + patch.place[axis];
+  /// Returns a child's position along an axis in half edges of the parent, 2·position_unit = 1.
+  GB_HD static std::int32_t place_in_parent(const SurfaceMoments& patch, int child, int axis) {
+    return ((child >> axis & 1) != 0 ? position_unit : -position_unit) + patch.place[axis];
   }
 
   /// Adds a child. n: of the child. w: 0 … 255.
-  GB_HD void add(const Patch& patch, int child, const UnitNormal& n, std::int32_t w) {
+  GB_HD void add(const SurfaceMoments& patch, int child, const UnitNormal& n, std::int32_t w) {
     weight += w;
     for (int a = 0; a < 3; ++a) {
       place[a] += w * place_in_parent(patch, child, a);
-      normal[a] += w * ((patch.agreement + 1) * n.c[a] >> 8);
+      normal[a] += w * ((patch.normal_coherence + 1) * n.c[a] >> 8);
     }
   }
 
@@ -52,23 +52,24 @@ struct PatchSums {
   GB_HD std::int64_t by_weight() const { return (std::uint32_t(1) << 31) / std::uint32_t(weight); }
 
   /// Returns the patch except for `spread`. n: of the parent.
-  GB_HD Patch patch(const UnitNormal& n) const {
+  GB_HD SurfaceMoments patch(const UnitNormal& n) const {
     const std::int64_t by = by_weight();
-    Patch out{};
+    SurfaceMoments out{};
     std::int32_t along = 0;
     for (int a = 0; a < 3; ++a) {
       out.place[a] = std::int16_t((place[a] * by + (std::int64_t(1) << 31)) >> 32);
       along += std::int32_t(normal[a] * by >> 31) * n.c[a];  // below 2^30 by the Cauchy-Schwarz inequality
     }
     const std::int32_t length = (along + (1 << 21)) >> 22;  // 256 = 1
-    out.agreement = std::uint8_t(length < 1 ? 0 : length - 1);
+    out.normal_coherence = std::uint8_t(length < 1 ? 0 : length - 1);
     return out;
   }
 };
 
 /// Returns a child's contribution to the spread of its parent, 65536 = 1. It is the child's own spread plus the squared
 /// distance of its position from the parent's plane. Max 4·65536.
-GB_HD std::int32_t spread_in_parent(const Patch& of_child, int child, const Patch& of_parent, const UnitNormal& n) {
+GB_HD std::int32_t spread_in_parent(const SurfaceMoments& of_child, int child, const SurfaceMoments& of_parent,
+                                    const UnitNormal& n) {
   std::int32_t off = 0;  // 2^22 = one half edge
   for (int a = 0; a < 3; ++a)
     off += (n.c[a] >> 3) * ((PatchSums::place_in_parent(of_child, child, a) / 2 - of_parent.place[a]) >> 4);
@@ -89,10 +90,10 @@ GB_HD std::int32_t spread_of_centres(const UnitNormal& n) {
 /// Returns the patch of the parent of eight voxels. sums: over children of non-zero weight. patch(c) is ignored if
 /// child c's weight is 0. is_finest: the children are of lod 0.
 template <class PatchOf>
-GB_HD Patch join_patches(const PatchSums& sums, const PatchOf& patch, const Weights& weights, const Voxel& parent,
-                         bool is_finest, const Tables& tables) {
+GB_HD SurfaceMoments join_patches(const PatchSums& sums, const PatchOf& patch, const Weights& weights,
+                                  const Voxel& parent, bool is_finest, const Tables& tables) {
   const UnitNormal n = unit_normal_of(parent.normal, tables);
-  Patch out = sums.patch(n);
+  SurfaceMoments out = sums.patch(n);
   std::int32_t spread = 0;
   GB_UNROLL
   for (int c = 0; c < 8; ++c) spread += std::int32_t(weights.of(c)) * spread_in_parent(patch(c), c, out, n);
@@ -105,7 +106,7 @@ GB_HD Patch join_patches(const PatchSums& sums, const PatchOf& patch, const Weig
 /// A voxel and its patch, both computed from eight children.
 struct VoxelPatch {
   Voxel voxel;
-  Patch patch;
+  SurfaceMoments patch;
 };
 
 /// Computes a voxel by filter_children() by view and its patch by join_patches().

@@ -18,7 +18,7 @@
 
 namespace gigabake::kernels {
 
-inline constexpr int most_coherence = 3, most_offset = 7;
+inline constexpr int max_coherence = 3, max_offset = 7;
 
 struct Plane {
   std::int32_t offset = 0;     ///< -7 … 7; error up to 1/30 voxel, which is 1/30 pixel
@@ -32,7 +32,7 @@ GB_HD std::uint8_t pack_plane(const Plane& p) {
 /// Returns the plane of any byte, with an offset within ±8. Bits outside the fields are ignored.
 GB_HD Plane unpack_plane(std::uint8_t byte) { return {(byte >> 2 & 15) - 8, byte & 3}; }
 
-GB_HD bool is_all_sheet(std::uint8_t plane) { return (plane & 3) == most_coherence; }
+GB_HD bool is_all_sheet(std::uint8_t plane) { return (plane & 3) == max_coherence; }
 
 /// Point on the octahedron |x| + |y| + |z| = 127.
 struct OctahedronPoint {
@@ -50,11 +50,11 @@ GB_HD OctahedronPoint octahedron_point(const std::int8_t normal[2]) {
 }
 
 /// Returns max(|x|, |y|, |z|), which is at least 43.
-GB_HD std::int32_t largest_of(const OctahedronPoint& n) {
+GB_HD std::int32_t max_component(const OctahedronPoint& n) {
   const std::int32_t x = n.c[0] < 0 ? -n.c[0] : n.c[0], y = n.c[1] < 0 ? -n.c[1] : n.c[1],
                      z = n.c[2] < 0 ? -n.c[2] : n.c[2];
-  const std::int32_t most = x > y ? x : y;
-  return most > z ? most : z;
+  const std::int32_t maximum = x > y ? x : y;
+  return maximum > z ? maximum : z;
 }
 
 }  // namespace gigabake::kernels

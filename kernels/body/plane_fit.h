@@ -27,28 +27,28 @@ GB_HD std::int32_t ramp_256(std::int32_t x, std::int32_t from, std::int32_t to) 
 
 /// Returns the degree to which a patch is a single surface, 0 … 3. It rises with the length of the mean normal (0.65 to
 /// 0.8) and falls with the distance from the plane (0.12 to 0.2 edges).
-GB_HD int coherence_of(const Patch& patch) {
-  const std::int32_t alike = ramp_256(patch.agreement, 165, 204);
+GB_HD int coherence_of(const SurfaceMoments& patch) {
+  const std::int32_t alike = ramp_256(patch.normal_coherence, 165, 204);
   const std::int32_t far = ramp_256(patch.spread, 15, 41);
-  return int((most_coherence * alike * (256 - far) + 32768) >> 16);
+  return int((max_coherence * alike * (256 - far) + 32768) >> 16);
 }
 
 /// Returns the plane of a patch. is_finest: at lod 1, whose children locate the surface only to a voxel. There a third
 /// of the offsets carries as much information as all of them, and takes fewer bytes of a shard.
-GB_HD Plane plane_of(const Patch& patch, const std::int8_t normal[2], bool is_finest) {
+GB_HD Plane plane_of(const SurfaceMoments& patch, const std::int8_t normal[2], bool is_finest) {
   const int coherence = coherence_of(patch);
   if (coherence == 0) return {};
   const OctahedronPoint n = octahedron_point(normal);
   std::int32_t above = 0;
   for (int a = 0; a < 3; ++a) above += n.c[a] * patch.place[a];
-  const std::int32_t step = is_finest ? 3 : 1, most = most_offset / step;
-  const std::int32_t steps = rounded_ratio(above >> 4, 127 * (place_unit >> 4) * step / most_offset);
-  return {step * (steps < -most ? -most : (steps > most ? most : steps)), coherence};
+  const std::int32_t step = is_finest ? 3 : 1, maximum = max_offset / step;
+  const std::int32_t steps = rounded_ratio(above >> 4, 127 * (position_unit >> 4) * step / max_offset);
+  return {step * (steps < -maximum ? -maximum : (steps > maximum ? maximum : steps)), coherence};
 }
 
 /// Returns the coverage to store: 0 if the whole surface lies on the plane, because the plane then determines it.
-GB_HD std::uint32_t coverage_beside(const Plane& plane, std::uint32_t coverage) {
-  return plane.coherence == most_coherence ? 0 : coverage;
+GB_HD std::uint32_t stored_coverage(const Plane& plane, std::uint32_t coverage) {
+  return plane.coherence == max_coherence ? 0 : coverage;
 }
 
 }  // namespace gigabake::kernels

@@ -71,16 +71,15 @@ GB_HD Spread texel_spread(const TextureMap& m, float uu, float uv, float vv) {
 /// beyond the cell. A box with the spread of half a cell extends a quarter beyond its border, which reads texels
 /// outside an atlas chart. Ending at the border would lose too much spread. The variance of a convex shape is at most
 /// half the square of its centre's distance from the border, so `least` only guards against rounding.
-GB_HD float share_within_cell(double middle, float variance) {
-  constexpr float beyond = 1.1f, least = 0.875f;
+GB_HD float narrowing_factor(double middle, float variance) {
+  constexpr float beyond = 1.1f, minimum = 0.875f;
   const float reach = beyond * float(smaller(middle, 1 - middle));
-  return larger(least, smaller(1.0f, reach * inverse_root(3 * variance)));
+  return larger(minimum, smaller(1.0f, reach * inverse_root(3 * variance)));
 }
 
 /// Returns the spread of a wide footprint.
 GB_HD Spread spread_within_cell(const TextureMap& m, const FragmentShape& f) {
-  const float u = share_within_cell(f.centroid.u - f.cell_u, f.uu),
-              v = share_within_cell(f.centroid.v - f.cell_v, f.vv);
+  const float u = narrowing_factor(f.centroid.u - f.cell_u, f.uu), v = narrowing_factor(f.centroid.v - f.cell_v, f.vv);
   return texel_spread(m, f.uu * (u * u), f.uv * (u * v), f.vv * (v * v));
 }
 
@@ -94,9 +93,9 @@ struct FootprintParts {
 };
 
 /// Returns the finest level on which a box of this squared edge, in texels of level 0, is no wider than
-/// `widest_squared`.
+/// `max_width_squared`.
 GB_HD int level_of(std::int32_t levels, float width_squared) {
-  const float ratio = (width_squared + 3) * (1 / (widest_squared + 3));
+  const float ratio = (width_squared + 3) * (1 / (max_width_squared + 3));
   std::int32_t bits;  // exponent, then fraction
   std::memcpy(&bits, &ratio, sizeof bits);
   constexpr std::int32_t one = 0x3f800000;
@@ -104,15 +103,15 @@ GB_HD int level_of(std::int32_t levels, float width_squared) {
 }
 
 /// Squared edge of the widest box that is read as a whole. Nine texels reproduce a box's shape up to this width, and
-/// its moments up to `widest_squared`.
-inline constexpr float widest_whole = 4.2f;
+/// its moments up to `max_width_squared`.
+inline constexpr float max_whole_squared = 4.2f;
 
 /// Returns the number of adjacent parts of a box with squared edge `squared`, each about as long as the root of
 /// `wanted`.
 GB_HD std::int32_t parts_along(float squared, float wanted) {
-  constexpr std::int32_t most = 4;
+  constexpr std::int32_t maximum = 4;
   const float ratio = squared / wanted;
-  return ratio < most * most ? std::int32_t(std::sqrt(ratio) + 0.5f) : most;
+  return ratio < maximum * maximum ? std::int32_t(std::sqrt(ratio) + 0.5f) : maximum;
 }
 
 /// Slanted box on a texture: along one axis of the texture its edge also moves by `slant` along the other axis. The
@@ -129,10 +128,10 @@ GB_HD SlantedBox slanted_box(float longer, float covariance, float shorter, bool
   r.slant = covariance / longer;
   r.long_squared = 12 * longer;
   r.short_squared = 12 * larger(0.0f, shorter - covariance * r.slant);
-  const float wholes = is_tested ? 0 : r.short_squared * (1 / widest_whole);
+  const float wholes = is_tested ? 0 : r.short_squared * (1 / max_whole_squared);
   r.rows = wholes <= 1 ? 1 : (wholes > 4 && wholes <= 9 ? 3 : 2);
   r.short_squared /= float(r.rows * r.rows);
-  const std::int32_t along = parts_along(r.long_squared, larger(r.short_squared, 0.5f * widest_whole));
+  const std::int32_t along = parts_along(r.long_squared, larger(r.short_squared, 0.5f * max_whole_squared));
   r.columns = r.rows == 3 ? 3 : larger(along, is_tested ? 1 : 2);
   r.long_squared /= float(r.columns * r.columns);
   return r;
@@ -140,7 +139,7 @@ GB_HD SlantedBox slanted_box(float longer, float covariance, float shorter, bool
 
 /// Returns the parts of a wide footprint. is_tested: by alpha. Then a level ≥ 1 is read, whose alpha is the fraction of
 /// texels that pass.
-GB_HD_ONE_COPY FootprintParts wide_footprint(Spread all, std::int32_t width, std::int32_t height, std::int32_t levels,
+GB_HD_NOINLINE FootprintParts wide_footprint(Spread all, std::int32_t width, std::int32_t height, std::int32_t levels,
                                              bool is_tested) {
   const bool along_s = 1.01f * all.ss >= all.tt;  // the factor keeps rounding from deciding if both are equal
   const SlantedBox box = slanted_box(along_s ? all.ss : all.tt, all.st, along_s ? all.tt : all.ss, is_tested);
@@ -162,7 +161,7 @@ GB_HD_ONE_COPY FootprintParts wide_footprint(Spread all, std::int32_t width, std
 
 GB_HD FootprintParts footprint_parts(const TextureView& view, const TextureMap& m, const FragmentShape& f) {
   const Spread spread = texel_spread(m, f.uu, f.uv, f.vv);
-  if (12 * larger(spread.ss, spread.tt) <= widest_whole) return {spread, 0, 0, 0, 0, 1, 1, 0, 0x80000001u};
+  if (12 * larger(spread.ss, spread.tt) <= max_whole_squared) return {spread, 0, 0, 0, 0, 1, 1, 0, 0x80000001u};
   return wide_footprint(spread_within_cell(m, f), view.width, view.height, view.levels, view.mask_cutoff != 0);
 }
 
@@ -175,16 +174,16 @@ GB_HD float level_scale(int level) {
 }
 
 /// Min squared width of a footprint relative to its level's texels. Sharpening more would cause ringing.
-inline constexpr float narrowest_squared = -1.2f;
+inline constexpr float min_width_squared = -1.2f;
 
 /// Returns a footprint on its level. Texels of coarser levels are boxes themselves, and their width is subtracted. At
 /// level 0 nothing is subtracted.
 GB_HD LevelFootprint level_footprint(const FootprintParts& parts) {
   const float scale = level_scale(parts.level), own = 3 - 3 * scale;
-  const float narrowest = parts.level == 0 ? 0 : narrowest_squared;
-  LevelFootprint r{larger(12 * parts.part.ss * scale - own, narrowest),
-                   larger(12 * parts.part.tt * scale - own, narrowest), 0};
-  const float limit = larger(0.0f, smaller(r.width_squared + r.height_squared, 2 * widest_squared)) * (1.0f / 24);
+  const float minimum = parts.level == 0 ? 0 : min_width_squared;
+  LevelFootprint r{larger(12 * parts.part.ss * scale - own, minimum), larger(12 * parts.part.tt * scale - own, minimum),
+                   0};
+  const float limit = larger(0.0f, smaller(r.width_squared + r.height_squared, 2 * max_width_squared)) * (1.0f / 24);
   r.covariance = larger(-limit, smaller(parts.part.st * scale, limit));
   return r;
 }
@@ -215,8 +214,8 @@ GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const 
   float column = first_column, row = -0.5f * float(parts.rows - 1);
   GB_NO_UNROLL
   for (std::int32_t i = 0; i < count; ++i) {
-    const ImagePlace at_s = image_place(s + double(column * parts.along_s + row * parts.across_s), m.wrap_s),
-                     at_t = image_place(t + double(column * parts.along_t + row * parts.across_t), m.wrap_t);
+    const ImagePosition at_s = image_position(s + double(column * parts.along_s + row * parts.across_s), m.wrap_s),
+                        at_t = image_position(t + double(column * parts.along_t + row * parts.across_t), m.wrap_t);
     const Rgba16 p = filtered_sample<opaque>(view, m, parts.level, at_s, at_t, footprint, tables);
     for (int c = 0; c < 4; ++c) sum[c] += p.c[c];
     row += column < last_column ? 0 : 1.0f;

@@ -16,10 +16,10 @@
 namespace gigabake::kernels {
 
 /// Max texture coordinate. Coordinates beyond it (or NaN/Inf) are unusable; the triangle is baked with 0 and counted.
-inline constexpr double largest_uv = 1 << 20;
+inline constexpr double max_uv = 1 << 20;
 
 /// Variation of a triangle's colour over its fragments.
-enum class Look : std::uint8_t {
+enum class ShadingRate : std::uint8_t {
   flat,     ///< uniform: no fragment needs its moments
   linear,   ///< opaque with vertex colours: LinearColour describes it completely
   varying,  ///< each fragment is shaded at its centroid
@@ -35,15 +35,15 @@ struct Surface {
   std::int16_t normal[3] = {};
 
   GB_HD bool is_opaque() const { return material.alpha_mode == AlphaMode::opaque; }
-  GB_HD Look look() const {
-    if (texture == nullptr && !has_vertex_rgba) return Look::flat;
-    return texture == nullptr && is_opaque() ? Look::linear : Look::varying;
+  GB_HD ShadingRate look() const {
+    if (texture == nullptr && !has_vertex_rgba) return ShadingRate::flat;
+    return texture == nullptr && is_opaque() ? ShadingRate::linear : ShadingRate::varying;
   }
 };
 
 GB_HD bool usable_uv(const float uv[6]) {
   for (int i = 0; i < 6; ++i)
-    if (!(uv[i] >= -largest_uv && uv[i] <= largest_uv)) return false;
+    if (!(uv[i] >= -max_uv && uv[i] <= max_uv)) return false;
   return true;
 }
 
@@ -87,12 +87,12 @@ GB_HD Point2 small_centroid(const TrianglePlane& t, double cell_u, double cell_v
 
 /// Sets the variances of a fragment, clamped to the range possible in a unit cell, because rounding may exceed it.
 GB_HD void set_variances(const CellMoments& m, float inverse_area, FragmentShape& f) {
-  constexpr float most = 0.25f;
+  constexpr float maximum = 0.25f;
   const auto u = float(f.centroid.u - f.cell_u), v = float(f.centroid.v - f.cell_v);
   const float twelfth = inverse_area * (1.0f / 12);
-  f.uu = larger(0.0f, smaller(m.uu * twelfth - u * u, most));
-  f.vv = larger(0.0f, smaller(m.vv * twelfth - v * v, most));
-  f.uv = larger(-most, smaller(0.5f * m.uv * twelfth - u * v, most));
+  f.uu = larger(0.0f, smaller(m.uu * twelfth - u * u, maximum));
+  f.vv = larger(0.0f, smaller(m.vv * twelfth - v * v, maximum));
+  f.uv = larger(-maximum, smaller(0.5f * m.uv * twelfth - u * v, maximum));
 }
 
 /// Returns the shape of a fragment. m: with second moments. (polygon_u, polygon_v): the slab polygon that contains it.
@@ -134,7 +134,7 @@ GB_HD Rgba16 shade_untextured(const Surface& s, const double mean[4]) {
 template <bool opaque>
 GB_HD Rgba16 shade_textured(const TextureView& texture, const MaterialView& m, const TextureMap& map,
                             const Rgba16& factor, const FragmentShape& f, const Tables& tables) {
-  const Rgba16 texel = m.nearest ? nearest_over(texture, nearest_look(m, map), f, tables.linear_from_srgb)
+  const Rgba16 texel = m.nearest ? nearest_over(texture, nearest_map(m, map), f, tables.linear_from_srgb)
                                  : texture_over<opaque>(texture, m, map, f, tables);
   return opaque ? apply_opaque(factor, texel) : apply_material(m, factor, texel);
 }
@@ -198,10 +198,10 @@ GB_HD Fragment linear_fragment(const LinearColour& l, double u, double v, const 
     for (int c = 0; c < 3; ++c) f.colour[c] = f.weight * colour_near(l, c, u, v, weight_scale);
     return f;
   }
-  const double most = double(f.weight) * 65535;
+  const double maximum = double(f.weight) * 65535;
   for (int c = 0; c < 3; ++c) {
     const double x = integral_of(l, c, u, v, m);
-    f.colour[c] = floor_to_int64((x > 0 ? (x < most ? x : most) : 0) + 0.5);
+    f.colour[c] = floor_to_int64((x > 0 ? (x < maximum ? x : maximum) : 0) + 0.5);
   }
   return f;
 }

@@ -15,7 +15,7 @@ namespace gigabake::kernels {
 
 inline constexpr int brick_subvoxel_bits = 11;  ///< 8 voxels · 256
 /// Max number of bricks in a triangle's box for direct enumeration. Triangles with more bricks descend the octree.
-inline constexpr int most_direct_bricks = 8;
+inline constexpr int max_direct_bricks = 8;
 
 /// Returns a brick's lowest corner, in window sub-voxels.
 GB_HD void brick_corner(std::uint64_t key, std::int32_t corner[3]) {
@@ -60,7 +60,7 @@ GB_HD void for_each_key(const BrickBox& box, const Visit& visit) {
 /// edge axes; the caller has already compared the boxes.
 /// Source  Akenine-Möller 2001.
 template <class I>
-GB_HD bool meets_cube(const WindowTriangle& t, const std::int64_t corner[3], std::int64_t edge) {
+GB_HD bool intersects_cube(const WindowTriangle& t, const std::int64_t corner[3], std::int64_t edge) {
   I p[3][3], n[3];
   for (int i = 0; i < 3; ++i)
     for (int c = 0; c < 3; ++c) p[i][c] = I(t.p[i][c]) - I(corner[c]);
@@ -83,7 +83,7 @@ GB_HD bool meets_cube(const WindowTriangle& t, const std::int64_t corner[3], std
   return true;
 }
 
-GB_HD bool extends_at_most(const WindowTriangle& t, std::int64_t extent) {
+GB_HD bool is_within_extent(const WindowTriangle& t, std::int64_t extent) {
   for (int c = 0; c < 3; ++c) {
     const std::int64_t lo = smaller(smaller(t.p[0][c], t.p[1][c]), t.p[2][c]);
     const std::int64_t hi = larger(larger(t.p[0][c], t.p[1][c]), t.p[2][c]);
@@ -92,8 +92,8 @@ GB_HD bool extends_at_most(const WindowTriangle& t, std::int64_t extent) {
   return true;
 }
 
-GB_HD bool is_narrow(const WindowTriangle& t) { return extends_at_most(t, narrow_extent); }
-GB_HD bool is_small(const WindowTriangle& t) { return extends_at_most(t, small_extent); }
+GB_HD bool is_narrow(const WindowTriangle& t) { return is_within_extent(t, narrow_extent); }
+GB_HD bool is_small(const WindowTriangle& t) { return is_within_extent(t, small_extent); }
 
 /// Calls visit(I()) with the narrowest integer I that the triangle's arithmetic fits.
 template <class Visit>
@@ -111,7 +111,7 @@ GB_HD bool may_touch_node(const WindowTriangle& t, const BrickBox& box, bool nar
     if ((node[c] << level) > box.last[c] || ((node[c] + 1) << level) <= box.first[c]) return false;
     corner[c] = node[c] * edge;
   }
-  return narrow ? meets_cube<std::int64_t>(t, corner, edge) : meets_cube<__int128>(t, corner, edge);
+  return narrow ? intersects_cube<std::int64_t>(t, corner, edge) : intersects_cube<__int128>(t, corner, edge);
 }
 
 /// Calls visit(key) for the bricks below an octree node that the triangle may touch. Level 0 is a brick.
@@ -135,7 +135,7 @@ template <class Visit>
 void for_each_brick(const WindowTriangle& t, const CellWindow& window, const Visit& visit) {
   BrickBox box;
   if (!brick_box(t, window.rule, window.bricks, box)) return;
-  if (brick_count(box) <= most_direct_bricks) return for_each_key(box, visit);
+  if (brick_count(box) <= max_direct_bricks) return for_each_key(box, visit);
   const std::int32_t root[3] = {0, 0, 0};
   descend(t, box, is_narrow(t), root, window.levels, visit);
 }

@@ -15,7 +15,7 @@
 namespace gigabake::kernels {
 
 /// Number of levels of the largest window, which has 8192 voxels along its edge.
-inline constexpr int most_levels = 11;
+inline constexpr int max_levels = 11;
 
 /// Lattice frame to which vertices are snapped.
 struct SnapWindow {

@@ -7,7 +7,7 @@ namespace gigabake::kernels {
 namespace {
 
 /// Number of voxels that are moved at a time through the temporary buffer.
-constexpr std::size_t voxels_on_their_way = std::size_t(1) << 20;
+constexpr std::size_t move_buffer_voxels = std::size_t(1) << 20;
 constexpr unsigned brick_threads = 128;
 /// Number of bricks that a thread of the host prepares for upload at a time.
 constexpr std::size_t bricks_per_range = 64;
@@ -104,14 +104,14 @@ void BrickPool::put(const std::vector<BrickPlace>& places, const std::vector<Cas
 void BrickPool::move(const std::vector<VoxelMove>& moves) {
   if (moves.empty()) return;
   const VoxelMove* const sent = delivery_.send(moves);
-  if (on_its_way_.empty()) on_its_way_ = DeviceArray<PackedVoxel>(heap_, voxels_on_their_way);
+  if (move_buffer_.empty()) move_buffer_ = DeviceArray<PackedVoxel>(heap_, move_buffer_voxels);
   for (std::size_t begin = 0, end = 0; begin < moves.size(); begin = end) {
-    while (end < moves.size() && end_of(moves[end]) - moves[begin].to <= voxels_on_their_way) ++end;
+    while (end < moves.size() && end_of(moves[end]) - moves[begin].to <= move_buffer_voxels) ++end;
     gather_bricks<<<unsigned(end - begin), brick_threads, 0, heap_.stream()>>>(sent + begin, voxels_.data(),
-                                                                               heads_.data(), on_its_way_.data());
+                                                                               heads_.data(), move_buffer_.data());
     check_launch("gather_bricks");
     const std::size_t count = end_of(moves[end - 1]) - moves[begin].to;
-    check_cuda(cudaMemcpyAsync(voxels_.data() + moves[begin].to, on_its_way_.data(), count * sizeof(PackedVoxel),
+    check_cuda(cudaMemcpyAsync(voxels_.data() + moves[begin].to, move_buffer_.data(), count * sizeof(PackedVoxel),
                                cudaMemcpyDeviceToDevice, heap_.stream()),
                "cudaMemcpyAsync");
   }

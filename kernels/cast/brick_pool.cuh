@@ -28,7 +28,7 @@ class BrickPool {
   Delivery& delivery_;
   const ThreadPool& pool_;
   DeviceArray<CastHead> heads_;
-  DeviceArray<PackedVoxel> voxels_, on_its_way_;
+  DeviceArray<PackedVoxel> voxels_, move_buffer_;
 };
 
 }  // namespace gigabake::kernels

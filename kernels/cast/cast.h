@@ -46,7 +46,7 @@ GB_HD float way_out_of_empty_part(std::uint64_t blocks, const CastLine& line, co
   float way[3];
   GB_UNROLL
   for (int a = 0; a < 3; ++a) way[a] = way_to_side(line, a, u[a], edge);
-  return smallest_of(way);
+  return min_of(way);
 }
 
 /// Returns the latest distance at which to switch to the next level. Inside a surface the switch is deferred, because
@@ -66,7 +66,7 @@ GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
 /// Returns the number of steps a ray takes in a coarser fallback brick. Samples there are half a voxel of the brick
 /// apart, within the brick and the ray's level. Parameter beyond: the first sample that may lie outside the brick. Not
 /// inlined, because fallback bricks are few.
-GB_HD_ONE_COPY double steps_in_coarser(double lod1_distance, int brick_lod, int lod, double step, double beyond) {
+GB_HD_NOINLINE double steps_in_coarser(double lod1_distance, int brick_lod, int lod, double step, double beyond) {
   CastLine line;
   line.lod1_distance = lod1_distance;
   double steps = larger_of(beyond - step, 1);
@@ -176,7 +176,7 @@ GB_HD bool is_met(double met, CastWalk& walk, CastRay& ray) {
 
 /// Handles a sample with a zero field. Returns true if the ray hit a surface before it.
 GB_HD bool leaves_sheet(CastWalk& walk, CastRay& ray) {
-  if (is_met(sheet_left(ray), walk, ray)) return true;
+  if (is_met(extrapolated_hit(ray), walk, ray)) return true;
   ray.is_seen = false;
   ray.height = CastRay::no_height;
   return false;
@@ -218,8 +218,9 @@ GB_HD bool enter_brick(const CastScene& scene, const CastLine& line, bool patien
     return false;
   }
   const bool is_brick = is_here(place.brick);
-  const double beyond = ray.step + steps_within(is_brick ? way_out_of_node(line, place.at, place.node_lod) : place.way,
-                                                short_power_of_two(1 - ray.lod));
+  const double beyond =
+      ray.step + steps_within(is_brick ? exit_distance_node(line, place.at, place.node_lod) : place.way,
+                              short_power_of_two(1 - ray.lod));
   if (!is_brick) {
     if (!leaves_sheet(walk, ray)) ray.step = beyond;
     return false;
@@ -261,7 +262,7 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
   const double distance = point_distance(line, ray.lod, ray.step);
   const CastPoint point = point_in_brick(point_of(line, walk, ray), walk.lod);
   const CastCorners corners = corners_of(scene.brick(walk.head), point);
-  const CastAround around = look_around(corners, brick.lod == ray.lod);
+  const CastAround around = classify_neighbourhood(corners, brick.lod == ray.lod);
   const CastSheet& sheet = around.sheet;
   if (is_met(sheet_met(sheet, line, brick.lod, distance, ray), walk, ray)) return;
   ray.is_seen = false;
@@ -274,7 +275,7 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
   if (is_loose) composite<aim>(loose.sample, loose.pane, line, brick, steps, distance, camera, ray);
   ray.step += steps;
   if (is_loose || sheet.sheet > 0) ray.past = ray.step;
-  walk.task = ray.transmittance < least_light ? CastTask::none : CastTask::seek;
+  walk.task = ray.transmittance < transmittance_cutoff ? CastTask::none : CastTask::seek;
 }
 
 /// Composites the surface that the ray hit, then continues with the sample behind it.
@@ -283,7 +284,7 @@ GB_HD void pass_sheet(const CastScene& scene, const CastCamera& camera, const Ca
                       CastWalk& walk, CastPath& path, CastRay& ray) {
   const bool is_there = meet_sheet<aim>(scene, camera, line, patient, ray.met, path, ray);
   ray.is_seen = is_there;
-  walk.task = !is_there || ray.transmittance < least_light ? CastTask::none : CastTask::seek;
+  walk.task = !is_there || ray.transmittance < transmittance_cutoff ? CastTask::none : CastTask::seek;
 }
 
 /// Tests whether any ray of the processor's group has a task: one ray on a host, one warp on a device. All lanes of the

@@ -37,8 +37,8 @@ struct CastLayer {
 static_assert(sizeof(CastLayer) == sizeof(PackedVoxel));
 inline constexpr int last_places = slot_edge * slot_edge - 64;
 inline constexpr std::uint32_t last_places_mask = (1u << last_places) - 1;
-inline constexpr int most_parts = slot_edge + slot_voxels;
-static_assert(most_parts < 1 << (32 - last_places));
+inline constexpr int max_parts = slot_edge + slot_voxels;
+static_assert(max_parts < 1 << (32 - last_places));
 
 /// A brick for reading: the mask of its layers, and its parts.
 struct BrickView {

@@ -18,7 +18,7 @@ namespace gigabake::kernels {
 /// A pixel's line of sight, clipped to the scene's box.
 struct CastLine {
   double origin[3], direction[3];  ///< direction: unit length
-  float way_per_voxel[3];          ///< 1 / |direction| per axis, at most 1e20
+  float inv_direction[3];          ///< 1 / |direction| per axis, at most 1e20
   double enter, leave;  ///< distances at which the line enters and leaves the box; enter > leave: it misses the box
   double lod1_distance;
 };
@@ -27,7 +27,7 @@ struct CastLine {
 GB_HD void set_direction(CastLine& line, int axis, double d) {
   const float across = float(d < 0 ? -d : d);
   line.direction[axis] = d;
-  line.way_per_voxel[axis] = across > 1e-20f ? 1 / across : 1e20f;
+  line.inv_direction[axis] = across > 1e-20f ? 1 / across : 1e20f;
 }
 
 /// Returns all bits set if the line runs towards lower coordinates on the axis, otherwise 0.

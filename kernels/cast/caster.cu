@@ -18,7 +18,7 @@ namespace gigabake::kernels {
 namespace {
 
 /// Max number of requests reported per pass. Rays repeat the remaining requests in the next pass.
-constexpr std::uint32_t most_wants = 1u << 20;
+constexpr std::uint32_t max_requests = 1u << 20;
 
 __global__ void start_rays(CastScene scene, CastCamera camera, CastTile tile, CastRay* rays) {
   int x, y;
@@ -51,7 +51,7 @@ __global__ void list_wants(const std::uint32_t* wanted, std::uint32_t words, std
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
   if (i >= words || wanted[i] == 0) return;
   std::uint32_t at = atomicAdd(count, std::uint32_t(__popc(wanted[i])));
-  for (std::uint32_t left = wanted[i]; left != 0 && at < most_wants; left &= left - 1)
+  for (std::uint32_t left = wanted[i]; left != 0 && at < max_requests; left &= left - 1)
     list[at++] = 32 * i + std::uint32_t(lowest_one(left));
 }
 
@@ -72,7 +72,7 @@ class CudaCaster final : public Caster {
         tile_used_(zeros<std::uint32_t>(sizes.tiles)),
         slot_used_(zeros<std::uint32_t>(sizes.slots)),
         wanted_(zeros<std::uint32_t>(sizes.want_words())),
-        want_list_(heap_, std::min<std::size_t>(32 * wanted_.size(), most_wants)),
+        want_list_(heap_, std::min<std::size_t>(32 * wanted_.size(), max_requests)),
         count_(heap_, 1),
         unfinished_(heap_, 1),
         arrival_(stream_.handle, pool),
@@ -181,8 +181,8 @@ class CudaCaster final : public Caster {
     use_device();
     start_rays_once();
     const std::size_t rays = ray_count();
-    const CastPixels here{room_for(out.srgb, srgb_, 4 * rays), room_for(out.linear, linear_, 4 * rays),
-                          room_for(out.depth, depth_, rays)};
+    const CastPixels here{device_array_for(out.srgb, srgb_, 4 * rays), device_array_for(out.linear, linear_, 4 * rays),
+                          device_array_for(out.depth, depth_, rays)};
     blend();
     const CastRay* shown = is_lit_ ? light_.lit(rays_.data(), camera_, tile_) : rays_.data();
     write_pixels<<<grid_of_tile(tile_), tile_threads, 0, stream_.handle>>>(scene_, camera_, tile_, shown, background,
@@ -259,7 +259,7 @@ class CudaCaster final : public Caster {
 
   /// Returns device memory for `size` values that are requested at `host`; null if none are requested.
   template <class T>
-  T* room_for(const T* host, DeviceArray<T>& array, std::size_t size) {
+  T* device_array_for(const T* host, DeviceArray<T>& array, std::size_t size) {
     if (host == nullptr) return nullptr;
     if (array.size() < size) array = DeviceArray<T>(heap_, size);
     return array.data();

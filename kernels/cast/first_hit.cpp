@@ -34,14 +34,14 @@ double beam_limit(const FirstHitCamera& camera, int tile, double reach) {
 void look_up(const FirstHitView& scene, const FirstHitResult& result, std::size_t i) {
   if (result.looks.empty()) return;
   const std::uint32_t look = result.hits[i].look;
-  result.looks[i] = look == no_look ? FirstHitLook{} : scene.looks[look];
+  result.looks[i] = look == no_attributes ? VoxelAttributes{} : scene.looks[look];
 }
 
 }  // namespace
 
 FirstHitBeams plan_beams(const FirstHitView& scene, const FirstHitCamera& camera) {
   constexpr int tile_bits[2] = {2, 3};
-  constexpr double farthest = 32;  // edges; up to this distance the slack covers rounding errors
+  constexpr double max_distance = 32;  // edges; up to this distance the slack covers rounding errors
   const FirstHitTree& tree = scene.tree;
   double squared = 0;
   for (int a = 0; a < 3; ++a) squared += (tree.centre[a] - camera.eye[a]) * (tree.centre[a] - camera.eye[a]);
@@ -50,7 +50,7 @@ FirstHitBeams plan_beams(const FirstHitView& scene, const FirstHitCamera& camera
     beams.slack = tree.edge * 0x1p-15f;
     const double limit =
         std::fmin(beam_limit(camera, 1 << tile_bits[i], double(scene.shells[i].reach) - double(beams.slack)),
-                  farthest * double(tree.edge));
+                  max_distance * double(tree.edge));
     if (scene.shells[i].tree.nodes.empty() || limit < std::sqrt(squared)) continue;
     beams.shell = scene.shells[i].tree;
     beams.tile_bits = tile_bits[i];

@@ -12,21 +12,21 @@ constexpr unsigned whole_warp = ~0u;
 constexpr int pixels_x = 16, pixels_y = 8;
 constexpr int refill_at = 8;  ///< min number of idle rays for which a warp fetches new rays
 constexpr int moves_between_refills = 4;
-constexpr std::size_t most_rays = std::size_t(1) << 31;
+constexpr std::size_t max_rays = std::size_t(1) << 31;
 
 /// Stack of one ray. The stacks of neighbouring rays are interleaved.
 using SharedStack = FirstHitSlots<threads>;
 
 struct DeviceResult {
   FirstHit* hits;
-  FirstHitLook* looks;  ///< or null
-  const FirstHitLook* of_voxels;
+  VoxelAttributes* looks;  ///< or null
+  const VoxelAttributes* of_voxels;
 
   __device__ void set(std::size_t i, const FirstHit& hit) const {
     hits[i] = hit;
     if (looks == nullptr) return;
-    FirstHitLook look;
-    if (hit.look != no_look) look = of_voxels[hit.look];
+    VoxelAttributes look;
+    if (hit.look != no_attributes) look = of_voxels[hit.look];
     looks[i] = look;
   }
 };
@@ -62,7 +62,7 @@ __global__ void __launch_bounds__(threads) cast_rays(const __grid_constant__ Fir
   const std::uint32_t warp = (blockIdx.x * threads + threadIdx.x) / 32, lane = threadIdx.x % 32;
   std::uint32_t next = min(warp * per_warp, count), mine = 0;
   const std::uint32_t end = min(next + per_warp, count);
-  FirstHitWalk walk;
+  FirstHitTraversal walk;
   bool walking = false;
   for (;;) {
     const unsigned idle = __ballot_sync(whole_warp, !walking);
@@ -72,7 +72,7 @@ __global__ void __launch_bounds__(threads) cast_rays(const __grid_constant__ Fir
       if (!walking) {
         mine = next + std::uint32_t(__popc(idle & ((1u << lane) - 1)));
         if (mine < end) {
-          walking = begin_walk(tree, rays[mine], 0, walk);
+          walking = begin_traversal(tree, rays[mine], 0, walk);
           if (!walking) result.set(mine, {});
         }
       }
@@ -162,7 +162,7 @@ class CudaFirstHits::Impl {
   }
 
   void upload(Span<const FirstHitRay> rays) {
-    if (rays.size > most_rays) throw std::length_error("more than 2^31 rays at once");
+    if (rays.size > max_rays) throw std::length_error("more than 2^31 rays at once");
     check_cuda(cudaSetDevice(device_), "cudaSetDevice");
     rays_ = copy_to_device(heap_, rays);
     check_cuda(cudaStreamSynchronize(stream_.get()), "cudaStreamSynchronize (rays)");
@@ -199,7 +199,9 @@ class CudaFirstHits::Impl {
   }
 
   std::vector<FirstHit> hits() const { return copy_to_host(hits_, count_, stream_.get()); }
-  std::vector<FirstHitLook> looks() const { return copy_to_host(hit_looks_, has_looks_ ? count_ : 0, stream_.get()); }
+  std::vector<VoxelAttributes> looks() const {
+    return copy_to_host(hit_looks_, has_looks_ ? count_ : 0, stream_.get());
+  }
   std::uint64_t device_bytes() const {
     return nodes_.bytes() + shells_[0].bytes() + shells_[1].bytes() + looks_.bytes();
   }
@@ -215,7 +217,7 @@ class CudaFirstHits::Impl {
   DeviceResult result_for(std::size_t count, bool looks) {
     check_cuda(cudaSetDevice(device_), "cudaSetDevice");
     if (hits_.size() < count) hits_ = DeviceArray<FirstHit>(heap_, count);
-    if (looks && hit_looks_.size() < count) hit_looks_ = DeviceArray<FirstHitLook>(heap_, count);
+    if (looks && hit_looks_.size() < count) hit_looks_ = DeviceArray<VoxelAttributes>(heap_, count);
     count_ = count;
     has_looks_ = looks;
     return {hits_.data(), looks ? hit_looks_.data() : nullptr, looks_.data()};
@@ -227,11 +229,11 @@ class CudaFirstHits::Impl {
   DeviceHeap heap_{stream_.get(), books_};
   FirstHitView scene_;  ///< with the device's arrays
   DeviceArray<FirstHitNode> nodes_, shells_[2];
-  DeviceArray<FirstHitLook> looks_;
+  DeviceArray<VoxelAttributes> looks_;
   DeviceArray<FirstHitRay> rays_;
   DeviceArray<float> starts_;
   DeviceArray<FirstHit> hits_;
-  DeviceArray<FirstHitLook> hit_looks_;
+  DeviceArray<VoxelAttributes> hit_looks_;
   std::size_t count_ = 0;
   bool has_looks_ = false;
   StopWatch watch_;
@@ -243,7 +245,7 @@ void CudaFirstHits::upload(Span<const FirstHitRay> rays) { impl_->upload(rays); 
 double CudaFirstHits::cast(const FirstHitCamera& camera, bool looks) { return impl_->cast(camera, looks); }
 double CudaFirstHits::cast(bool looks) { return impl_->cast(looks); }
 std::vector<FirstHit> CudaFirstHits::hits() const { return impl_->hits(); }
-std::vector<FirstHitLook> CudaFirstHits::looks() const { return impl_->looks(); }
+std::vector<VoxelAttributes> CudaFirstHits::looks() const { return impl_->looks(); }
 std::uint64_t CudaFirstHits::device_bytes() const { return impl_->device_bytes(); }
 
 }  // namespace gigabake::kernels

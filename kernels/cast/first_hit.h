@@ -23,9 +23,9 @@
 
 namespace gigabake::kernels {
 
-inline constexpr int least_stacked = 7, most_stacked = 21;  ///< scales of the inner levels of the deepest tree
-inline constexpr int first_hit_stack = (most_stacked - least_stacked) / 2 + 1;
-inline constexpr std::uint32_t no_look = 0xffffffffu;
+inline constexpr int min_stacked = 7, max_stacked = 21;  ///< scales of the inner levels of the deepest tree
+inline constexpr int first_hit_stack = (max_stacked - min_stacked) / 2 + 1;
+inline constexpr std::uint32_t no_attributes = 0xffffffffu;
 
 struct FirstHitRay {
   double origin[3] = {};    ///< lod-0 voxels of the lattice
@@ -34,9 +34,9 @@ struct FirstHitRay {
 };
 
 struct alignas(16) FirstHit {
-  std::uint64_t voxel = 0;       ///< x | y << 21 | z << 42, in the tree's voxels from its lowest corner
-  float distance = INFINITY;     ///< from the ray's origin to the voxel's surface; 0 inside a voxel
-  std::uint32_t look = no_look;  ///< no_look: no hit
+  std::uint64_t voxel = 0;             ///< x | y << 21 | z << 42, in the tree's voxels from its lowest corner
+  float distance = INFINITY;           ///< from the ray's origin to the voxel's surface; 0 inside a voxel
+  std::uint32_t look = no_attributes;  ///< no_attributes: no hit
 };
 
 GB_HD std::uint32_t bits_of(float v) {
@@ -112,9 +112,9 @@ struct FirstHitSlots {
   std::uint32_t* slots;
   GB_HD std::uint32_t& operator()(std::uint32_t scale) const {
     if constexpr (stride % 2 == 0)  // a multiplication; otherwise a halving would precede it
-      return slots[scale * (stride / 2) - least_stacked * (stride / 2)];
+      return slots[scale * (stride / 2) - min_stacked * (stride / 2)];
     else
-      return slots[(scale - least_stacked) / 2 * stride];
+      return slots[(scale - min_stacked) / 2 * stride];
   }
 };
 
@@ -128,13 +128,13 @@ struct FirstHitLine {
 
 /// Computes the ray's segment inside the box. Returns false if the ray misses the box.
 GB_HD bool enter_box(const FirstHitTree& tree, const FirstHitRay& ray, float start, FirstHitLine& line) {
-  constexpr float least_direction = 0x1p-60f;
+  constexpr float min_direction = 0x1p-60f;
   double at[3], enter = start * tree.per_edge, leave = ray.end * tree.per_edge;
   line.mirror = 0;
   for (int a = 0; a < 3; ++a) {
     const bool falls = ray.direction[a] < 0;
     line.mirror |= falls ? 3u << 2 * a : 0;
-    line.direction[a] = larger(std::fabs(ray.direction[a]), least_direction);
+    line.direction[a] = larger(std::fabs(ray.direction[a]), min_direction);
     line.inverse[a] = 1 / line.direction[a];
     // Refined by one Newton step, because an origin may be far away.
     const double d = line.direction[a], rough = line.inverse[a];
@@ -158,7 +158,7 @@ GB_HD bool enter_box(const FirstHitTree& tree, const FirstHitRay& ray, float sta
 
 /// State of a traversal. The ray is at point p of the line, at distance t from the line's origin. The point lies in a
 /// cell of bit `scale`, a child of `node`.
-struct FirstHitWalk {
+struct FirstHitTraversal {
   FirstHitLine line;
   std::uint32_t p[3];
   float t;
@@ -170,24 +170,24 @@ struct FirstHitWalk {
 enum class FirstHitState : std::int32_t { walking, met, missed };
 
 /// Starts a traversal. Returns false if the ray cannot hit a voxel. start: lower bound of the hit's distance.
-GB_HD bool begin_walk(const FirstHitTree& tree, const FirstHitRay& ray, float start, FirstHitWalk& walk) {
+GB_HD bool begin_traversal(const FirstHitTree& tree, const FirstHitRay& ray, float start, FirstHitTraversal& walk) {
   if (tree.nodes.empty() || !enter_box(tree, ray, start, walk.line)) return false;
   for (int a = 0; a < 3; ++a) walk.p[a] = bits_of(walk.line.origin[a]);
   walk.t = 0;
-  walk.scale = most_stacked;
+  walk.scale = max_stacked;
   walk.index = 0;
   walk.node = load_node(tree, 0);
   return true;
 }
 
 /// Returns the number of the node's child that contains p.
-GB_HD std::uint32_t child_at(const FirstHitWalk& w) {
+GB_HD std::uint32_t child_at(const FirstHitTraversal& w) {
   return (((w.p[0] >> w.scale & 3) ^ w.line.mirror) ^ (w.p[1] >> (w.scale - 2) & 12)) ^ (w.p[2] >> (w.scale - 4) & 48);
 }
 
 /// Crosses the empty cell that contains p, or the 2×2×2 cells around it if all of them are empty. Returns the bits in
 /// which positions before and behind the crossed face differ, and lower bits.
-GB_HD std::uint32_t cross_cell(FirstHitWalk& w, std::uint32_t child) {
+GB_HD std::uint32_t cross_cell(FirstHitTraversal& w, std::uint32_t child) {
   const bool all_empty = (bits_from(w.node.mask, child & 42) & 0x00330033u) == 0;
   const std::uint32_t inside = (1u << (w.scale + (all_empty ? 1 : 0))) - 1;
   std::uint32_t last[3], p[3];  // last: the cell's highest point
@@ -211,9 +211,9 @@ GB_HD std::uint32_t cross_cell(FirstHitWalk& w, std::uint32_t child) {
 
 /// Descends if the child exists, then crosses the next cell if it is empty. One call does both steps to reduce
 /// divergence between the rays of a warp. The call stack(scale) returns this ray's std::uint32_t& for each odd scale
-/// from least_stacked to most_stacked.
+/// from min_stacked to max_stacked.
 template <class Stack>
-GB_HD FirstHitState advance(const FirstHitTree& tree, FirstHitWalk& w, Stack stack) {
+GB_HD FirstHitState advance(const FirstHitTree& tree, FirstHitTraversal& w, Stack stack) {
   const std::uint32_t first = child_at(w);
   const bool exists = (bits_from(w.node.mask, first) & 1) != 0;
   if (exists && w.scale == std::uint32_t(23 - tree.bits))
@@ -237,12 +237,12 @@ GB_HD FirstHitState advance(const FirstHitTree& tree, FirstHitWalk& w, Stack sta
 }
 
 /// Returns the hit of a traversal in state `met`.
-GB_HD FirstHit met(const FirstHitTree& tree, const FirstHitWalk& w) {
+GB_HD FirstHit met(const FirstHitTree& tree, const FirstHitTraversal& w) {
   FirstHit hit;
-  const std::uint32_t most = (1u << tree.bits) - 1;
+  const std::uint32_t maximum = (1u << tree.bits) - 1;
   for (int a = 0; a < 3; ++a) {
-    const std::uint32_t v = w.p[a] >> w.scale & most;
-    hit.voxel |= std::uint64_t((w.line.mirror >> 2 * a & 1) != 0 ? most - v : v) << 21 * a;
+    const std::uint32_t v = w.p[a] >> w.scale & maximum;
+    hit.voxel |= std::uint64_t((w.line.mirror >> 2 * a & 1) != 0 ? maximum - v : v) << 21 * a;
   }
   hit.distance = (w.line.enter + w.t) * tree.edge;
   hit.look = w.node.end - std::uint32_t(bit_count(w.node.mask >> child_at(w)));
@@ -251,8 +251,8 @@ GB_HD FirstHit met(const FirstHitTree& tree, const FirstHitWalk& w) {
 
 template <class Stack>
 GB_HD FirstHit first_hit(const FirstHitTree& tree, const FirstHitRay& ray, float start, Stack stack) {
-  FirstHitWalk walk;
-  if (!begin_walk(tree, ray, start, walk)) return {};
+  FirstHitTraversal walk;
+  if (!begin_traversal(tree, ray, start, walk)) return {};
   FirstHitState state = FirstHitState::walking;
   while (state == FirstHitState::walking) state = advance(tree, walk, stack);
   return state == FirstHitState::met ? met(tree, walk) : FirstHit{};

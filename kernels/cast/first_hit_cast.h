@@ -9,7 +9,7 @@ namespace gigabake::kernels {
 /// Results, one entry per ray; row by row for images.
 struct FirstHitResult {
   Span<FirstHit> hits;
-  Span<FirstHitLook> looks;  ///< attributes of the hit voxels, zero for a miss; empty: not requested
+  Span<VoxelAttributes> looks;  ///< attributes of the hit voxels, zero for a miss; empty: not requested
 };
 
 /// Returns the finest beams whose rays stay within the shell's reach up to the scene's centre.

@@ -34,7 +34,7 @@ class CudaFirstHits {
 
   /// Returns the hits of the last cast. looks(): empty if attributes were not fetched.
   std::vector<FirstHit> hits() const;
-  std::vector<FirstHitLook> looks() const;
+  std::vector<VoxelAttributes> looks() const;
 
   std::uint64_t device_bytes() const;  ///< of the scene
 

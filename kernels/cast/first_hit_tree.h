@@ -7,7 +7,7 @@
 
 namespace gigabake::kernels {
 
-inline constexpr int most_first_hit_bits = 18;  ///< log2 of a tree's edge; float coordinates then resolve 1/32 voxel
+inline constexpr int max_first_hit_bits = 18;  ///< log2 of a tree's edge; float coordinates then resolve 1/32 voxel
 
 /// A node. Child (x, y, z) is bit x + 4y + 16z. Existing children are stored contiguously, in ascending order of their
 /// bits.
@@ -19,7 +19,7 @@ struct alignas(16) FirstHitNode {
 };
 
 /// The attributes of a voxel.
-struct alignas(8) FirstHitLook {
+struct alignas(8) VoxelAttributes {
   std::uint32_t rgba = 0;      ///< sRGB colour and coverage, from the lowest byte on
   std::int8_t normal[2] = {};  ///< octahedral
   std::int8_t unused[2] = {};
@@ -32,7 +32,7 @@ struct FirstHitTree {
   double half[3] = {};    ///< half extent of the box in units of the cube's edge; includes a margin of one voxel
   double per_edge = 0;    ///< 1 / edge
   float edge = 0;         ///< of the cube, lod-0 voxels; a power of two
-  std::int32_t bits = 0;  ///< even, 2 to most_first_hit_bits
+  std::int32_t bits = 0;  ///< even, 2 to max_first_hit_bits
 };
 
 /// A dilated mip: a tree of coarser voxels around the same centre. It has each coarse voxel that contains a voxel of
@@ -47,7 +47,7 @@ struct FirstHitShell {
 struct FirstHitView {
   FirstHitTree tree;
   FirstHitShell shells[2];  ///< of 4³ and of 16³ voxels
-  Span<const FirstHitLook> looks;
+  Span<const VoxelAttributes> looks;
 };
 
 }  // namespace gigabake::kernels

@@ -27,7 +27,7 @@ inline constexpr double fixed_bias = 1.5 * double(std::int64_t(1) << (52 - fract
 inline constexpr std::uint64_t fixed_bias_bits = std::bit_cast<std::uint64_t>(fixed_bias);
 
 /// The upper bound for the edge of a scene in voxels. Rays sample less than this distance beyond the scene.
-inline constexpr std::int64_t widest_scene = std::int64_t(1) << 33;
+inline constexpr std::int64_t max_scene_edge = std::int64_t(1) << 33;
 
 inline constexpr std::uint32_t node_mask = (fixed_one << brick_bits) - 1;
 
@@ -88,10 +88,10 @@ inline constexpr float fixed_spare = 4;
 /// voxel size. Parameter edge: the box's edge in this unit, a power of two. The result has the same unit.
 GB_HD float way_to_side(const CastLine& line, int axis, std::uint32_t at, std::uint32_t edge) {
   const std::uint32_t behind = (at ^ backward(line, axis)) & (edge - 1);
-  return (float(edge - behind) - fixed_spare) * line.way_per_voxel[axis];
+  return (float(edge - behind) - fixed_spare) * line.inv_direction[axis];
 }
 
-GB_HD float smallest_of(const float v[3]) {
+GB_HD float min_of(const float v[3]) {
   const float two = v[0] < v[1] ? v[0] : v[1];
   return two < v[2] ? two : v[2];
 }

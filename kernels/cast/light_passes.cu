@@ -9,7 +9,7 @@ namespace {
 /// Blocks per multiprocessor, as for the kernel that casts the remaining rays of a tile.
 constexpr unsigned min_lighting = 3;
 
-__global__ void forget_light(PixelLight* lights, std::size_t pixels) {
+__global__ void clear_light(PixelLight* lights, std::size_t pixels) {
   const std::size_t i = std::size_t(blockIdx.x) * blockDim.x + threadIdx.x;
   if (i < pixels) lights[i] = PixelLight();
 }
@@ -82,7 +82,7 @@ void LightPasses::start(const CastLighting& lighting, std::shared_ptr<const Surf
     lit_ = DeviceArray<CastRay>(heap_, pixels);
     list_ = DeviceArray<std::uint32_t>(heap_, pixels);
   }
-  forget_light<<<grid_of(pixels, tile_threads), tile_threads, 0, stream_>>>(lights_.data(), pixels);
+  clear_light<<<grid_of(pixels, tile_threads), tile_threads, 0, stream_>>>(lights_.data(), pixels);
   check_launch("forget_light");
 }
 

@@ -123,7 +123,7 @@ GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, co
 /// interpolation around the surface.
 inline constexpr float light_clearance = 1.5f;
 /// The min cosine between the normal and the sky's direction. Light at a smaller angle contributes almost nothing.
-inline constexpr float least_cosine = 1.0f / 32;
+inline constexpr float min_cosine = 1.0f / 32;
 
 /// Returns the rank (0 to 63) of pixel (x, y) of the image in its block of sky_block × sky_block; ranks of neighbours
 /// differ strongly.
@@ -142,7 +142,7 @@ GB_HD const float* light_direction(const CastLighting& lighting, int x, int y, L
 /// Tests whether the result of this ray affects the pixel.
 GB_HD bool lights_up(const PixelLight& light, const float direction[3], LightRay ray) {
   if (!light.has_surface || !(direction[2] > 0)) return false;
-  return ray == LightRay::sun ? light.facing > 0 : dot3(light.normal, direction) > least_cosine;
+  return ray == LightRay::sun ? light.facing > 0 : dot3(light.normal, direction) > min_cosine;
 }
 
 /// Tests whether a pixel casts this ray first. To the sky, every other pixel does, in a checkerboard pattern; to the

@@ -49,14 +49,14 @@ GB_HD LightBlock block_around(const CastTile& tile, int edge, int x, int y) {
 /// Visibility of the sun from the pixels of a block that cast a ray to the sun first and show the same surface.
 struct SunSeen {
   int pixels = 0;
-  float sum = 0, least = 1, most = 0;
+  float sum = 0, minimum = 1, maximum = 0;
 
   /// Tests whether the samples are uniform: at least three pixels, which all see (to within 1/64) the whole sun or none
   /// of it.
   GB_HD bool is_told() const {
     constexpr int enough = 3;
     constexpr float bound = 1.0f / 64;
-    return pixels >= enough && (least >= 1 - bound || most <= bound);
+    return pixels >= enough && (minimum >= 1 - bound || maximum <= bound);
   }
 };
 
@@ -70,8 +70,8 @@ GB_HD SunSeen sun_around(const TileLights& tile, int x, int y, const PixelLight&
       const float seen = other.seen[int(LightRay::sun)];
       ++sun.pixels;
       sun.sum += seen;
-      if (seen < sun.least) sun.least = seen;
-      if (seen > sun.most) sun.most = seen;
+      if (seen < sun.minimum) sun.minimum = seen;
+      if (seen > sun.maximum) sun.maximum = seen;
     }
   return sun;
 }
@@ -92,7 +92,7 @@ GB_HD bool sky_around(const TileLights& tile, const CastLighting& lighting, int 
       if (!counts || !is_same_surface(own, other)) continue;
       const float* direction = light_direction(lighting, tile.tile.x + i, tile.tile.y + j, LightRay::sky);
       const float by = dot3(own.normal, direction);
-      if (!(by > least_cosine)) continue;
+      if (!(by > min_cosine)) continue;
       seen += by * other.seen[int(LightRay::sky)];
       all += by;
     }

@@ -242,7 +242,7 @@ struct FoundCell {
 
 /// Finds the cell that holds a voxel. Not inlined, because few steps enter another cell. x, y, z: the voxel that holds
 /// the point.
-GB_HD_ONE_COPY FoundCell look_for_cell(const CastScene& scene, std::int64_t x, std::int64_t y, std::int64_t z,
+GB_HD_NOINLINE FoundCell look_for_cell(const CastScene& scene, std::int64_t x, std::int64_t y, std::int64_t z,
                                        CastLine line) {
   const std::int64_t v[3] = {x, y, z};
   VoxelBox box;
@@ -251,7 +251,7 @@ GB_HD_ONE_COPY FoundCell look_for_cell(const CastScene& scene, std::int64_t x, s
   constexpr float spare = 0.001f;
   for (int a = 0; a < 3; ++a) {
     const std::int64_t left = backward(line, a) != 0 ? v[a] - box.min[a] : box.max[a] - v[a] - 1;
-    const float way = (float(left) - spare) * line.way_per_voxel[a];
+    const float way = (float(left) - spare) * line.inv_direction[a];
     if (way < found.way) found.way = way;
   }
   found.cell = no_cell;
@@ -275,18 +275,18 @@ GB_HD bool enter_cell(const CastScene& scene, const CastLine& line, const FixedP
 }
 
 /// Returns the exit distance from the node of level `lod` around a point, in lod-0 voxels.
-GB_HD float way_out_of_node(const CastLine& line, const FixedPoint& point, int lod) {
+GB_HD float exit_distance_node(const CastLine& line, const FixedPoint& point, int lod) {
   float way[3];
   GB_UNROLL
   for (int a = 0; a < 3; ++a) way[a] = way_to_side(line, a, point.in_node(a, lod), node_mask + 1);
-  return smallest_of(way) * short_power_of_two(lod - fraction_bits);
+  return min_of(way) * short_power_of_two(lod - fraction_bits);
 }
 
 /// Returns the exit distance, in lod-0 voxels, from the empty node at which the descent of a ray on level `of` ended.
 /// The distance extends over empty siblings that the ray enters next. The field is also zero beyond the node's upper
 /// sides, up to the next voxel of level `of`.
-GB_HD float way_out_of_empty(const CastScene& scene, const CastLine& line, const FixedPoint& point,
-                             const CastDescent& at, int of) {
+GB_HD float exit_distance_empty(const CastScene& scene, const CastLine& line, const FixedPoint& point,
+                                const CastDescent& at, int of) {
   constexpr float edge = float(node_mask + 1);
   float way[3];
   std::uint32_t ahead = 0;  // bit a: the node has a sibling ahead along axis a
@@ -303,8 +303,8 @@ GB_HD float way_out_of_empty(const CastScene& scene, const CastLine& line, const
     const std::uint32_t bit = 1u << axis;
     if ((ahead & bit) == 0 || scene.nodes[node ^ bit] != empty_node) break;
     // Stop if rounding could change which side the ray crosses first.
-    const float unit = axis == 0 ? line.way_per_voxel[0] : axis == 1 ? line.way_per_voxel[1] : line.way_per_voxel[2];
-    const float latest = smallest_of(way) + 2 * fixed_spare * unit;
+    const float unit = axis == 0 ? line.inv_direction[0] : axis == 1 ? line.inv_direction[1] : line.inv_direction[2];
+    const float latest = min_of(way) + 2 * fixed_spare * unit;
     if ((axis != 0 && way[0] <= latest) || (axis != 1 && way[1] <= latest) || (axis != 2 && way[2] <= latest)) break;
     node ^= bit;
     ahead ^= bit;
@@ -313,8 +313,8 @@ GB_HD float way_out_of_empty(const CastScene& scene, const CastLine& line, const
   }
   const float beyond = float(fixed_one - (fixed_one >> (at.lod - of)));
   GB_UNROLL
-  for (int a = 0; a < 3; ++a) way[a] += backward(line, a) != 0 ? 0 : beyond * line.way_per_voxel[a];
-  return smallest_of(way) * short_power_of_two(at.lod - fraction_bits);
+  for (int a = 0; a < 3; ++a) way[a] += backward(line, a) != 0 ? 0 : beyond * line.inv_direction[a];
+  return min_of(way) * short_power_of_two(at.lod - fraction_bits);
 }
 
 /// Converts fixed-point coordinates from level `from` to level `to`. Each level's origin is its lowest voxel centre.
@@ -341,7 +341,7 @@ GB_HD CastPlace locate(const CastScene& scene, const CastLine& line, int lod, co
     const CastDescent end = descend(scene, frame.cell, place.lod, local, path);
     const CastNode node = scene.node_of(end.word);
     if (node.brick == empty_ref) {
-      place.way = way_out_of_empty(scene, line, place.at, end, place.lod);
+      place.way = exit_distance_empty(scene, line, place.at, end, place.lod);
       return place;
     }
     if (known < 0) known = end.lod;
@@ -354,7 +354,7 @@ GB_HD CastPlace locate(const CastScene& scene, const CastLine& line, int lod, co
       return place;
     }
     if (place.lod == scene.lods - 1) {  // the root is not resident either
-      place.way = way_out_of_node(line, place.at, place.lod);
+      place.way = exit_distance_node(line, place.at, place.lod);
       return place;
     }
     const int coarser = end.lod == place.lod ? place.lod + 1 : end.lod;

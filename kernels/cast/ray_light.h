@@ -47,7 +47,7 @@ GB_HD float exp_minus(float x) {
 
 /// Returns a channel of debug colour n: six hues in three brightnesses. Not inlined, because few images show debug
 /// colours.
-GB_HD_ONE_COPY float painted(std::uint32_t n, int channel) {
+GB_HD_NOINLINE float debug_color(std::uint32_t n, int channel) {
   const std::uint32_t hue = n % 6, tone = n / 6 % 3;
   const bool lit = channel == 0 ? hue == 0 || hue == 1 || hue == 5 : (channel == 1 ? hue >= 1 && hue <= 3 : hue >= 3);
   return (lit ? 0.9f : 0.1f) * (1 - 0.3f * float(tone));
@@ -60,7 +60,7 @@ struct BrickTraits {
   bool waits = false;
 };
 
-GB_HD std::uint32_t paint_number(const BrickTraits& brick, CastPaint paint) {
+GB_HD std::uint32_t debug_color_index(const BrickTraits& brick, CastPaint paint) {
   if (paint == CastPaint::lod) return std::uint32_t(brick.lod);
   return paint == CastPaint::cell ? brick.cell * 2654435761u >> 20 : (brick.waits ? 0u : 2u);
 }
@@ -71,9 +71,9 @@ GB_HD void radiance_of(const CastSample& s, const BrickTraits& brick, CastPaint 
   for (int k = 0; k < 3; ++k) rgb[k] = s.c[k] * scale;
   if (paint == CastPaint::shaded) return;
   const float grey = 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
-  const std::uint32_t n = paint_number(brick, paint);
+  const std::uint32_t n = debug_color_index(brick, paint);
   GB_UNROLL
-  for (int k = 0; k < 3; ++k) rgb[k] = painted(n, k) * (0.25f + grey);
+  for (int k = 0; k < 3; ++k) rgb[k] = debug_color(n, k) * (0.25f + grey);
 }
 
 /// Returns the amount of surface per voxel of ray length, estimated from the coverages along the axes. The product
@@ -111,14 +111,14 @@ GB_HD float stop_light(float covered, int lod, float density, CastRay& ray) {
 }
 
 /// The distance in voxels, measured across the surface, within which translucent samples count as one surface.
-inline constexpr float pane_reach = 2;
+inline constexpr float merge_distance_voxels = 2;
 
 /// Extends the current surface by the sample at `distance`, or starts a new surface. Parameter across: |cosine| between
 /// ray and normal; voxel: edge of the surface's voxels.
 GB_HD void stay_in_surface(double distance, float across, float voxel, CastRay& ray) {
   if (float(distance) >= ray.apart) ray.before = ray.covered;
   constexpr float slowest = 1.0f / 32;
-  ray.apart = float(distance) + pane_reach * voxel / (across > slowest ? across : slowest);
+  ray.apart = float(distance) + merge_distance_voxels * voxel / (across > slowest ? across : slowest);
 }
 
 /// Returns the ray's coverage after `more` coverage of a surface with opacity `density`. The number of voxels of a
@@ -127,14 +127,16 @@ GB_HD void stay_in_surface(double distance, float across, float voxel, CastRay& 
 GB_HD float covered_in_surface(float more, float density, const CastRay& ray) {
   const float covered = ray.covered + more;
   if (density >= 1) return covered;
-  const float most = ray.before + (1 - ray.before) * density;
-  return covered <= most ? covered : (most > ray.covered ? most : ray.covered);
+  const float maximum = ray.before + (1 - ray.before) * density;
+  return covered <= maximum ? covered : (maximum > ray.covered ? maximum : ray.covered);
 }
 
 /// Returns the opacity scale of a fallback brick; it grows with the difference of the levels. At the border to a brick
 /// of another level, neither brick contains the whole surface. Too much coverage makes edges too thick until finer data
 /// is resident; too little would leave holes in the ground.
-GB_HD float solidity(const BrickTraits& brick, const CastRay& ray) { return float(1 + brick.lod - ray.lod); }
+GB_HD float fallback_opacity_scale(const BrickTraits& brick, const CastRay& ray) {
+  return float(1 + brick.lod - ray.lod);
+}
 
 /// The type of a ray.
 enum class CastAim : std::uint8_t {
@@ -165,17 +167,17 @@ template <CastAim aim>
 GB_HD void composite(const CastSample& s, const CastPane& pane, const CastLine& line, const BrickTraits& brick,
                      double steps, double distance, const CastCamera& camera, CastRay& ray) {
   const double way = steps * step_length(ray.lod);
-  const float part = solidity(brick, ray) * float(way * power_of_two(-brick.lod));
+  const float part = fallback_opacity_scale(brick, ray) * float(way * power_of_two(-brick.lod));
   if (pane.density < 1) stay_in_surface(distance, pane.across, short_power_of_two(brick.lod), ray);
   const float covered = covered_in_surface(crossings(s, line.direction, brick.lod) * part, pane.density, ray);
   take_light<aim>(s, brick, stop_light(covered, brick.lod, 1, ray), distance, way, camera, ray);
 }
 
-inline constexpr float least_light = 1.0f / 1024;
+inline constexpr float transmittance_cutoff = 1.0f / 1024;
 
 /// Finishes the ray if its transmittance is too low to be visible, as if the last surface were opaque.
 GB_HD void finish_opaque(CastRay& ray) {
-  if (ray.lod < 0 || ray.transmittance >= least_light) return;
+  if (ray.lod < 0 || ray.transmittance >= transmittance_cutoff) return;
   const float scale = 1 / (1 - ray.transmittance);
   for (float& channel : ray.rgb) channel *= scale;
   ray.transmittance = 0;

@@ -6,7 +6,7 @@ namespace {
 
 /// Blocks per multiprocessor, measured on an H200. Four traversal blocks are faster than five; with four, registers
 /// just do not spill.
-constexpr unsigned min_walking = 4, min_looking = 4, min_casting = 3;
+constexpr unsigned min_traversal = 4, min_sampling = 4, min_casting = 3;
 
 __device__ CastLine line_of(const RayPass& pass, std::uint32_t ray) {
   const auto width = std::uint32_t(pass.tile.width);
@@ -22,7 +22,8 @@ __device__ void keep(const RayPass& pass, std::uint32_t index, CastTask task, Ca
 
 /// Traverses a ray and lists it if it hits a surface. All lanes of a warp participate. A ray that ends where it starts
 /// is stored too, because no other code writes it.
-__device__ void walk_and_list(const RayPass& pass, bool is_cast, bool starts, std::uint32_t index, const RayList& met) {
+__device__ void traverse_and_list(const RayPass& pass, bool is_cast, bool starts, std::uint32_t index,
+                                  const RayList& met) {
   CastWalk walk;
   CastPath path;
   CastRay ray;
@@ -35,24 +36,24 @@ __device__ void walk_and_list(const RayPass& pass, bool is_cast, bool starts, st
   append(walk.task == CastTask::meet, index, met);
 }
 
-__global__ void __launch_bounds__(tile_threads, min_walking)
-    walk_tile(const __grid_constant__ RayPass pass, std::size_t begin, std::size_t end, RayList met) {
+__global__ void __launch_bounds__(tile_threads, min_traversal)
+    traverse_tile(const __grid_constant__ RayPass pass, std::size_t begin, std::size_t end, RayList met) {
   int x, y;
   const bool is_in = pixel_of_thread(pass.tile, x, y);
   const std::size_t i = std::size_t(y) * std::size_t(pass.tile.width) + std::size_t(x);
-  walk_and_list(pass, is_in && i >= begin && i < end, pass.starts, std::uint32_t(i), met);
+  traverse_and_list(pass, is_in && i >= begin && i < end, pass.starts, std::uint32_t(i), met);
 }
 
-__global__ void __launch_bounds__(tile_threads, min_walking)
-    walk_listed(const __grid_constant__ RayPass pass, RayList from, RayList met) {
+__global__ void __launch_bounds__(tile_threads, min_traversal)
+    traverse_listed(const __grid_constant__ RayPass pass, RayList from, RayList met) {
   const std::uint32_t count = *from.count, first = blockIdx.x * blockDim.x;
   if (first >= count) return;
   const bool is_in = first + threadIdx.x < count;
-  walk_and_list(pass, is_in, false, is_in ? from.rays[first + threadIdx.x] : 0, met);
+  traverse_and_list(pass, is_in, false, is_in ? from.rays[first + threadIdx.x] : 0, met);
 }
 
-__global__ void __launch_bounds__(tile_threads, min_looking)
-    look_at_sheets(const __grid_constant__ RayPass pass, RayList met, RayList going_on) {
+__global__ void __launch_bounds__(tile_threads, min_sampling)
+    look_at_sheets(const __grid_constant__ RayPass pass, RayList met, RayList continuing) {
   const std::uint32_t count = *met.count, first = blockIdx.x * blockDim.x;
   if (first >= count) return;
   const bool is_in = first + threadIdx.x < count;
@@ -64,7 +65,7 @@ __global__ void __launch_bounds__(tile_threads, min_looking)
     pass_sheet<CastAim::eye>(pass.scene, pass.camera, line_of(pass, index), pass.patient, walk, path, ray);
     keep(pass, index, walk.task, ray);
   }
-  append(walk.task == CastTask::seek, index, going_on);
+  append(walk.task == CastTask::seek, index, continuing);
 }
 
 /// Casts the rays that remain after the rounds to their end.
@@ -86,23 +87,23 @@ void RayRounds::cast(const RayPass& pass, std::size_t begin, std::size_t end) {
   const std::size_t rays = std::size_t(pass.tile.width) * std::size_t(pass.tile.height);
   if (met_.size() < rays) {
     met_ = DeviceArray<std::uint32_t>(heap_, rays);
-    going_on_ = DeviceArray<std::uint32_t>(heap_, rays);
+    continuing_ = DeviceArray<std::uint32_t>(heap_, rays);
   }
   counts_.clear_to_zero();
   const unsigned grid = grid_of(rays, tile_threads);
-  RayList going_on{going_on_.data(), counts_.data()};
+  RayList continuing{continuing_.data(), counts_.data()};
   for (std::size_t round = 0; round < rounds; ++round) {
     const RayList met{met_.data(), counts_.data() + 2 * round};
     if (round == 0)
-      walk_tile<<<grid_of_tile(pass.tile), tile_threads, 0, stream_>>>(pass, begin, end, met);
+      traverse_tile<<<grid_of_tile(pass.tile), tile_threads, 0, stream_>>>(pass, begin, end, met);
     else
-      walk_listed<<<grid, tile_threads, 0, stream_>>>(pass, going_on, met);
+      traverse_listed<<<grid, tile_threads, 0, stream_>>>(pass, continuing, met);
     check_launch("walk");
-    going_on.count = counts_.data() + 2 * round + 1;
-    look_at_sheets<<<grid, tile_threads, 0, stream_>>>(pass, met, going_on);
+    continuing.count = counts_.data() + 2 * round + 1;
+    look_at_sheets<<<grid, tile_threads, 0, stream_>>>(pass, met, continuing);
     check_launch("look_at_sheets");
   }
-  cast_listed<<<grid, tile_threads, 0, stream_>>>(pass, going_on);
+  cast_listed<<<grid, tile_threads, 0, stream_>>>(pass, continuing);
   check_launch("cast_listed");
 }
 

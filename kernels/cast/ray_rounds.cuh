@@ -36,7 +36,7 @@ class RayRounds {
 
   DeviceHeap& heap_;
   cudaStream_t stream_;
-  DeviceArray<std::uint32_t> counts_, met_, going_on_;
+  DeviceArray<std::uint32_t> counts_, met_, continuing_;
 };
 
 }  // namespace gigabake::kernels

@@ -87,7 +87,7 @@ GB_HD float length_along(const double direction[3], const float n[3]) {
 }
 
 /// Returns the translucent surface at a point. Not inlined, because few points lie in translucent surfaces.
-GB_HD_ONE_COPY CastPane pane_at(CastCorners corners, double x, double y, double z) {
+GB_HD_NOINLINE CastPane pane_at(CastCorners corners, double x, double y, double z) {
   const double direction[3] = {x, y, z};
   float there = 0, hidden = 0, across = 0;
   GB_NO_UNROLL
@@ -140,14 +140,14 @@ GB_HD BlendedPlanes blend_planes(const CastCorners& corners) {
     if (first == 0) first = n;
     is_flat = is_flat && is_all_sheet(voxel.plane) && is_same_slope(n, first);
     const int along = dot(n, from_first) - dot(n, byte_vector(127 * (c & 1), 127 * (c >> 1 & 1), 127 * (c >> 2)));
-    const int above = 2 * most_offset * along - 127 * 127 * unpack_plane(voxel.plane).offset;
+    const int above = 2 * max_offset * along - 127 * 127 * unpack_plane(voxel.plane).offset;
     const float by = corners.weight(c) * sheet_part(voxel);
     GB_UNROLL
     for (int a = 0; a < 3; ++a) r.normal[a] += by * float(voxel.normal[a]);
     r.sheet += by;
     r.above += by * float(above);
   }
-  r.above *= 1.0f / (127 * most_offset);
+  r.above *= 1.0f / (127 * max_offset);
   return {r, bits, is_flat};
 }
 
@@ -158,11 +158,11 @@ struct SheetNormal {
 };
 
 GB_HD SheetNormal normal_of(const CastSheet& sheet) {
-  float most = 0;
+  float maximum = 0;
   int n[3];
   GB_UNROLL
-  for (int a = 0; a < 3; ++a) most = std::fabs(sheet.normal[a]) > most ? std::fabs(sheet.normal[a]) : most;
-  const float scale = most > 0 ? 127 / most : 0;
+  for (int a = 0; a < 3; ++a) maximum = std::fabs(sheet.normal[a]) > maximum ? std::fabs(sheet.normal[a]) : maximum;
+  const float scale = maximum > 0 ? 127 / maximum : 0;
   GB_UNROLL
   for (int a = 0; a < 3; ++a) n[a] = int(sheet.normal[a] * scale + (sheet.normal[a] < 0 ? -0.5f : 0.5f));
   const ByteVector bytes = byte_vector(n[0], n[1], n[2]);
@@ -183,7 +183,7 @@ GB_HD float disagreement(ByteVector normal, const SheetNormal& sheet) {
 /// Returns the residual: coverage that the blended surface does not represent. It consists of voxels without a full
 /// plane, and of planes more than 30° off the surface. The latter store one coverage; their normal distributes it over
 /// the axes.
-GB_HD CastSample loose_sample(const CastCorners& corners, const CastSheet& sheet) {
+GB_HD CastSample residual_sample(const CastCorners& corners, const CastSheet& sheet) {
   const SheetNormal normal = normal_of(sheet);
   CastSample r;
   GB_NO_UNROLL
@@ -196,9 +196,9 @@ GB_HD CastSample loose_sample(const CastCorners& corners, const CastSheet& sheet
       by *= disagreement(normal_of(voxel), normal);
       if (by == 0) continue;
       const OctahedronPoint n{{voxel.normal[0], voxel.normal[1], voxel.normal[2]}};
-      const float most = float(largest_of(n));
+      const float maximum = float(max_component(n));
       GB_UNROLL
-      for (int a = 0; a < 3; ++a) along[a] = std::fabs(float(n.c[a])) / most;
+      for (int a = 0; a < 3; ++a) along[a] = std::fabs(float(n.c[a])) / maximum;
     }
     const float mean = ((along[0] + along[1]) + along[2]) * (1.0f / 3);
     GB_UNROLL
@@ -227,16 +227,16 @@ struct CastAround {
 /// Classifies the neighbourhood of a point. is_wanted: the brick has the ray's level. Fallback bricks of coarser levels
 /// are rendered by their coverages only. The eye may be nearer to them than a voxel's width, so their planes may lie
 /// behind it.
-GB_HD CastAround look_around(const CastCorners& corners, bool is_wanted) {
+GB_HD CastAround classify_neighbourhood(const CastCorners& corners, bool is_wanted) {
   const BlendedPlanes planes = blend_planes(corners);
   if ((planes.bits & clear_plane) != 0) return {PointKind::pane, {}};
   return planes.bits != 0 && is_wanted ? CastAround{PointKind::sheet, planes.sheet, planes.is_flat} : CastAround{};
 }
 
-/// Returns the residual at a point. around: the result of look_around().
+/// Returns the residual at a point. around: the result of classify_neighbourhood().
 GB_HD CastLoose loose_at(const CastCorners& corners, const CastAround& around, const double direction[3]) {
   if (around.is_flat) return {};
-  if (around.kind == PointKind::sheet) return {loose_sample(corners, around.sheet), {}};
+  if (around.kind == PointKind::sheet) return {residual_sample(corners, around.sheet), {}};
   return {interpolate(corners),
           around.kind == PointKind::pane ? pane_at(corners, direction[0], direction[1], direction[2]) : CastPane{}};
 }
@@ -270,7 +270,7 @@ struct SheetOpacity {
 };
 
 /// The min reach: a plane's offset is known to 1/15 voxel, and its normal to some degrees.
-inline constexpr float least_reach = 0.125f;
+inline constexpr float min_reach = 0.125f;
 
 /// Returns v[axis] without indexing: on a device an array with a computed index cannot be kept in registers.
 GB_HD float component(const float v[3], int axis) { return axis == 0 ? v[0] : (axis == 1 ? v[1] : v[2]); }
@@ -309,10 +309,10 @@ GB_HD SheetColumns columns_around(const BrickView& brick, const CastPoint& point
   r.along = z > (y > x ? y : x) ? 2 : (y > x ? 1 : 0);
   r.u = r.along == 0 ? 1 : 0;
   r.v = r.along == 2 ? 1 : 2;
-  const float most = component(sheet.normal, r.along);
-  r.slope_u = component(sheet.normal, r.u) / most;
-  r.slope_v = component(sheet.normal, r.v) / most;
-  r.reach = least_reach + 0.5f * (std::fabs(r.slope_u) + std::fabs(r.slope_v));
+  const float maximum = component(sheet.normal, r.along);
+  r.slope_u = component(sheet.normal, r.u) / maximum;
+  r.slope_v = component(sheet.normal, r.v) / maximum;
+  r.reach = min_reach + 0.5f * (std::fabs(r.slope_u) + std::fabs(r.slope_v));
   r.at[0] = component(point.between, r.along);
   r.at[1] = component(point.between, r.u);
   r.at[2] = component(point.between, r.v);
@@ -320,7 +320,7 @@ GB_HD SheetColumns columns_around(const BrickView& brick, const CastPoint& point
 }
 
 /// The min part() of a column that is used to estimate the density of a surface.
-inline constexpr float least_part = 0.25f;
+inline constexpr float min_part = 0.25f;
 
 /// Returns the max density of the surface among the columns nearby, within the brick. The range is one and a half
 /// voxels along x and y and one voxel along z. Near the border of an opaque surface some columns are full; in a
@@ -336,7 +336,7 @@ GB_HD float densest_near(const SheetColumns& columns, const CastPoint& point) {
   for (int j = first_v; j <= last_v; ++j)
     for (int i = first_u; i <= last_u && densest < 1; ++i) {
       const float part = columns.part(i, j);
-      if (part < least_part) continue;
+      if (part < min_part) continue;
       const float together = columns.together(i, j), density = together < part ? together / part : 1;
       densest = density > densest ? density : densest;
     }

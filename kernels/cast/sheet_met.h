@@ -32,7 +32,7 @@ GB_HD float way_to_sheet(float height, float rise) { return rise == 0 ? CastRay:
 /// hit if it lies within one step after the previous sample, otherwise met_nowhere. Without extrapolation a surface at
 /// the end of the field would be missed, because no sample follows behind it. Rounding of a plane's offset to the
 /// voxel's border can cause this.
-GB_HD double sheet_left(const CastRay& ray) {
+GB_HD double extrapolated_hit(const CastRay& ray) {
   if (ray.height == CastRay::no_height) return met_nowhere;
   const float ahead = way_to_sheet(ray.height, ray.rise);
   return ahead > 0 && double(ahead) <= step_length(ray.lod) * (1 + 1e-6) ? double(ray.height_at) + double(ahead)
@@ -41,9 +41,9 @@ GB_HD double sheet_left(const CastRay& ray) {
 
 /// Returns the distance of the ray's hit between the previous sample and this one: the signed distance is 0 here or
 /// changed its sign. If the previous sample had no surface (for example at the start of a level), extrapolates
-/// backwards by one step at most. If this sample has no surface, returns sheet_left(). lod: of the brick.
+/// backwards by one step at most. If this sample has no surface, returns extrapolated_hit(). lod: of the brick.
 GB_HD double sheet_met(const CastSheet& sheet, const CastLine& line, int lod, double distance, const CastRay& ray) {
-  if (!(sheet.sheet > 0)) return sheet_left(ray);
+  if (!(sheet.sheet > 0)) return extrapolated_hit(ray);
   const float height = sheet.height() * short_power_of_two(lod);
   if (ray.height != CastRay::no_height) {
     if (height == 0) return distance;

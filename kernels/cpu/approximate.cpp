@@ -14,9 +14,9 @@ namespace {
 constexpr std::size_t bricks_per_range = 512;
 
 /// The voxels of a brick, and the groups (brick, octant, 2×2×2) that contain each voxel.
-class BrickShares {
+class GroupedBrick {
  public:
-  explicit BrickShares(const std::uint64_t* mask) {
+  explicit GroupedBrick(const std::uint64_t* mask) {
     for (int z = 0; z < brick_edge; ++z)
       for (std::uint64_t rest = mask[z]; rest != 0; rest &= rest - 1, ++voxels_) {
         const int group = group_share(64 * z + std::countr_zero(rest));
@@ -41,7 +41,7 @@ class BrickShares {
 
 /// Quantizes channels [begin, end) of each voxel's bytes together: the largest group whose channels all fit gets one
 /// value.
-void approximate_codes(const BrickShares& brick, std::uint8_t* bytes, int stride, int begin, int end,
+void approximate_codes(const GroupedBrick& brick, std::uint8_t* bytes, int stride, int begin, int end,
                        std::uint32_t codes) {
   std::array<std::array<CodeRange, 3>, shares> range{};
   for (int v = 0; v < brick.voxels(); ++v)
@@ -61,7 +61,7 @@ void approximate_codes(const BrickShares& brick, std::uint8_t* bytes, int stride
     }
 }
 
-void approximate_normals(const BrickShares& brick, std::int8_t* normal, std::uint32_t codes) {
+void approximate_normals(const GroupedBrick& brick, std::int8_t* normal, std::uint32_t codes) {
   const std::int16_t* units = TableStore::host().view().unit_normal;
   const auto unit = [&](std::uint16_t code) { return units + 4 * std::size_t(code); };
   std::array<std::uint16_t, brick_voxels> code;
@@ -91,7 +91,7 @@ void approximate(std::vector<Level>& levels, std::uint32_t codes, const ThreadPo
   for (Level& level : levels)
     pool.parallel_for(level.key.size(), bricks_per_range, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t b = begin; b < end; ++b) {
-        const BrickShares brick(&level.mask[8 * b]);
+        const GroupedBrick brick(&level.mask[8 * b]);
         std::uint8_t* rgba = &level.rgba[4 * level.first[b]];
         approximate_codes(brick, rgba, 4, 0, 3, codes);
         approximate_codes(brick, rgba, 4, 3, 4, codes);

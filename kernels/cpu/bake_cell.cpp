@@ -31,13 +31,13 @@ class StageClock {
 /// The memory per pair. The sort needs two copies of a pair; the voxels of its brick need about as much again before
 /// the runs are joined.
 constexpr std::uint64_t bytes_per_pair = 64;
-constexpr std::uint64_t fewest_pairs_per_batch = 1 << 16;
-constexpr std::uint64_t most_pairs_per_batch = 1 << 26;
+constexpr std::uint64_t min_pairs_per_batch = 1 << 16;
+constexpr std::uint64_t max_pairs_per_batch = 1 << 26;
 
 std::uint64_t pairs_per_batch(const CellParameters& parameters, std::uint64_t triangle_bytes) {
-  if (parameters.memory_bytes == 0) return most_pairs_per_batch;
+  if (parameters.memory_bytes == 0) return max_pairs_per_batch;
   const std::uint64_t left = parameters.memory_bytes > triangle_bytes ? parameters.memory_bytes - triangle_bytes : 0;
-  return std::clamp(left / bytes_per_pair, fewest_pairs_per_batch, most_pairs_per_batch);
+  return std::clamp(left / bytes_per_pair, min_pairs_per_batch, max_pairs_per_batch);
 }
 
 std::uint64_t bytes_of(const Level& l) {

@@ -25,7 +25,7 @@ void fill_from(const Level& fine, std::size_t brick, const Tables& tables, Coars
   const std::uint64_t* mask = &fine.mask[8 * brick];
   for (int octant = 0; octant < 8; ++octant) {
     if (!has_voxels(mask, octant)) continue;
-    const int to = voxel_two_above(fine.key[brick], octant);
+    const int to = grandparent_voxel(fine.key[brick], octant);
     out.mask[to >> 6] |= std::uint64_t(1) << (to & 63);
     out.voxel[to] = filter_64(
         mask, octant, fine.first[brick], [&](std::size_t i) { return voxel_at(fine, i); }, tables);
@@ -45,7 +45,7 @@ void pack(const CoarseBrick& brick, std::uint64_t key, BrickRun& run) {
 
 Level level_of_64(const Level& fine, bool normals, const ThreadPool& pool) {
   const Tables tables = TableStore::host().view();
-  const std::vector<std::size_t> starts = starts_below(fine, key_two_above);
+  const std::vector<std::size_t> starts = starts_below(fine, grandparent_key);
   const std::size_t bricks = starts.size() - 1;
   std::vector<BrickRun> runs((bricks + coarse_bricks_per_run - 1) / coarse_bricks_per_run, BrickRun(normals));
   pool.parallel_for(bricks, coarse_bricks_per_run, [&](std::size_t begin, std::size_t end, int) {
@@ -53,7 +53,7 @@ Level level_of_64(const Level& fine, bool normals, const ThreadPool& pool) {
     for (std::size_t b = begin; b < end; ++b) {
       for (std::uint64_t& word : brick->mask) word = 0;
       for (std::size_t child = starts[b]; child < starts[b + 1]; ++child) fill_from(fine, child, tables, *brick);
-      pack(*brick, key_two_above(fine.key[starts[b]]), runs[b / coarse_bricks_per_run]);
+      pack(*brick, grandparent_key(fine.key[starts[b]]), runs[b / coarse_bricks_per_run]);
     }
   });
   Level out;

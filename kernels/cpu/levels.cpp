@@ -46,7 +46,7 @@ struct Children {
   std::uint32_t there[2] = {};  ///< byte c: 1 where child c exists
 };
 
-/// The accessor that see_children() requires (kernels/body/facing.h).
+/// The accessor that cover_children() requires (kernels/body/facing.h).
 struct ChildRasters {
   const Children& children;
   const std::uint32_t* rasters;  ///< of the level
@@ -62,7 +62,7 @@ struct ChildRasters {
   }
 };
 
-FacingSums see_finest(const Children& children, bool has_normals, const Tables& tables, std::uint32_t* raster) {
+CoverageSums see_finest(const Children& children, bool has_normals, const Tables& tables, std::uint32_t* raster) {
   AxisCoverage all;
   for (int c = 0; c < 8; ++c) {
     std::uint32_t coverage[3];
@@ -73,10 +73,10 @@ FacingSums see_finest(const Children& children, bool has_normals, const Tables& 
 }
 
 /// Computes coverage from the children's masks. edge: the edge of the children's masks; the children are not of lod 0.
-FacingSums see(const Children& children, const std::uint32_t* rasters, int edge, std::uint32_t* raster) {
+CoverageSums see(const Children& children, const std::uint32_t* rasters, int edge, std::uint32_t* raster) {
   const ChildRasters from{children, rasters, edge};
-  if (edge == 2) return see_children<2>(from, raster);
-  return edge == 4 ? see_children<4>(from, raster) : see_children<8>(from, raster);
+  if (edge == 2) return cover_children<2>(from, raster);
+  return edge == 4 ? cover_children<4>(from, raster) : cover_children<8>(from, raster);
 }
 
 /// Consecutive bricks with the data that the next coarser level needs.
@@ -129,8 +129,8 @@ class ParentBuilder {
     }
     mask_[to >> 6] |= std::uint64_t(1) << (to & 63);
     if (filters_by_view(filter_)) {
-      const FacingSums seen = edge_ == 1 ? see_finest(children, has_planes_, tables_, raster_[to])
-                                         : see(children, surface_.rasters.data(), edge_, raster_[to]);
+      const CoverageSums seen = edge_ == 1 ? see_finest(children, has_planes_, tables_, raster_[to])
+                                           : see(children, surface_.rasters.data(), edge_, raster_[to]);
       weights_[to] = weights_of(seen, edge_, children.there);
       if (has_planes_)
         filter_patch(children, to);
@@ -155,7 +155,7 @@ class ParentBuilder {
     const std::uint32_t all = weights_[voxel].facing;
     const Plane plane =
         has_planes_ ? plane_of(patch_[voxel], parent_[voxel].normal, surface_.patches.empty()) : Plane();
-    const std::uint32_t coverage = coverage_beside(plane, all);
+    const std::uint32_t coverage = stored_coverage(plane, all);
     for (std::size_t axis = 0; axis < coverage_bytes; ++axis) facing[axis] = byte_of(coverage, int(axis));
     facing[facing_plane] = pack_plane(plane);
   }
@@ -194,8 +194,8 @@ class ParentBuilder {
   OpenBrick open_;
   Voxel parent_[brick_voxels];
   Weights weights_[brick_voxels];  ///< only with MipFilter::coverage
-  std::uint32_t raster_[brick_voxels][raster_words(most_raster_edge)];
-  Patch patch_[brick_voxels];  ///< only with MipFilter::coverage and normals
+  std::uint32_t raster_[brick_voxels][raster_words(max_raster_edge)];
+  SurfaceMoments patch_[brick_voxels];  ///< only with MipFilter::coverage and normals
   std::uint64_t mask_[8] = {};
   std::uint16_t packed_[brick_voxels];  ///< positions of the parent's voxels, in ascending order
   Voxel packed_voxel_[brick_voxels];

@@ -10,8 +10,8 @@ namespace gigabake::kernels {
 
 /// The input of coarser levels in addition to voxels. Empty at lod 0 and without MipFilter::coverage.
 struct LevelSurface {
-  std::vector<std::uint32_t> rasters;  ///< coverage masks of all voxels, in order (kernels/body/facing.h)
-  std::vector<Patch> patches;          ///< (kernels/body/patch.h); empty without normals
+  std::vector<std::uint32_t> rasters;   ///< coverage masks of all voxels, in order (kernels/body/facing.h)
+  std::vector<SurfaceMoments> patches;  ///< (kernels/body/patch.h); empty without normals
 };
 
 /// Adds levels until there are `lods`. A level's bricks are the unique parents of the bricks below. A voxel exists if

@@ -38,7 +38,7 @@ std::vector<std::uint8_t> bytes_of_all(const std::vector<T>& items) {
 }  // namespace
 
 ParentSource parent_source(const std::vector<Level>& levels, int lod, const LevelSurface& surface, MipFilter filter) {
-  static_assert(sizeof(Patch) == source_patch_bytes && std::endian::native == std::endian::little);
+  static_assert(sizeof(SurfaceMoments) == source_patch_bytes && std::endian::native == std::endian::little);
   ParentSource source;
   if (levels.empty()) return source;
   add_level(levels.back(), 0, source);

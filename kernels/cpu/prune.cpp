@@ -11,12 +11,12 @@ namespace gigabake::kernels {
 namespace {
 
 /// The classification of a brick, before nodes are numbered.
-struct Verdict {
+struct BrickClass {
   NodeKind kind = NodeKind::brick;
   CommonVoxel value;
   bool stored = true;  ///< false below a leaf-constant node
 };
-using Verdicts = std::vector<Verdict>;
+using BrickClasses = std::vector<BrickClass>;
 
 /// Returns the index of each brick's first child in the level below, and the end. Every brick has at least one child.
 std::vector<std::size_t> child_starts(const Level& level, const Level& below) {
@@ -36,53 +36,53 @@ CommonVoxel voxel_of(const Level& level, std::size_t i) {
                       level.facing.empty() ? nullptr : &level.facing[facing_bytes * i]);
 }
 
-Verdict judge_brick(const Level& level, std::size_t b) {
-  Verdict v;
+BrickClass classify_brick(const Level& level, std::size_t b) {
+  BrickClass v;
   if (!is_full(&level.first[b])) return v;
   const std::size_t first = level.first[b];
   v.value = voxel_of(level, first);
   bool is_constant = true;
   for (std::size_t i = first + 1; is_constant && i < first + brick_voxels; ++i)
-    is_constant = are_alike(v.value, voxel_of(level, i));
+    is_constant = are_equal(v.value, voxel_of(level, i));
   v.kind = kind_of_brick(is_constant);
   return v;
 }
 
-bool branch_is_constant(const Verdict& parent, const Verdicts& below, std::size_t begin, std::size_t end) {
+bool branch_is_constant(const BrickClass& parent, const BrickClasses& below, std::size_t begin, std::size_t end) {
   if (end - begin != 8) return false;
   return std::all_of(
       below.begin() + std::ptrdiff_t(begin), below.begin() + std::ptrdiff_t(end),
-      [&](const Verdict& child) { return ends_branch(child.kind) && are_alike(child.value, parent.value); });
+      [&](const BrickClass& child) { return ends_branch(child.kind) && are_equal(child.value, parent.value); });
 }
 
-std::vector<Verdicts> judge(const std::vector<Level>& levels, const ThreadPool& pool) {
-  std::vector<Verdicts> verdicts;
+std::vector<BrickClasses> judge(const std::vector<Level>& levels, const ThreadPool& pool) {
+  std::vector<BrickClasses> classes;
   for (std::size_t lod = 0; lod < levels.size(); ++lod) {
     const Level& level = levels[lod];
     const std::vector<std::size_t> children =
         lod == 0 ? std::vector<std::size_t>() : child_starts(level, levels[lod - 1]);
-    Verdicts v(level.key.size());
+    BrickClasses v(level.key.size());
     pool.parallel_for(v.size(), 256, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t b = begin; b < end; ++b) {
-        v[b] = judge_brick(level, b);
+        v[b] = classify_brick(level, b);
         if (!stores_voxels(v[b].kind))
           v[b].kind =
-              kind_of_constant(lod == 0 || branch_is_constant(v[b], verdicts[lod - 1], children[b], children[b + 1]));
+              kind_of_constant(lod == 0 || branch_is_constant(v[b], classes[lod - 1], children[b], children[b + 1]));
       }
     });
     for (std::size_t b = 0; lod > 0 && b < v.size(); ++b)
       if (ends_branch(v[b].kind))
-        for (std::size_t c = children[b]; c < children[b + 1]; ++c) verdicts[lod - 1][c].stored = false;
-    verdicts.push_back(std::move(v));
+        for (std::size_t c = children[b]; c < children[b + 1]; ++c) classes[lod - 1][c].stored = false;
+    classes.push_back(std::move(v));
   }
-  return verdicts;
+  return classes;
 }
 
 /// Appends the nodes of one level. link_children() sets their children after the next level is appended.
-void add_level_nodes(const Level& level, const Verdicts& verdicts, std::size_t lod, NodeTable& nodes) {
+void add_level_nodes(const Level& level, const BrickClasses& classes, std::size_t lod, NodeTable& nodes) {
   std::uint32_t brick = 0;
-  for (std::size_t b = 0; b < verdicts.size(); ++b) {
-    const Verdict& v = verdicts[b];
+  for (std::size_t b = 0; b < classes.size(); ++b) {
+    const BrickClass& v = classes[b];
     const CommonVoxel value = value_of_node(v.kind, v.value, !level.facing.empty());
     const std::uint32_t number = stores_voxels(v.kind) ? brick++ : value.rgba;
     if (!v.stored) continue;
@@ -110,12 +110,12 @@ void link_children(NodeTable& nodes, std::size_t begin, std::size_t end) {
   }
 }
 
-void remove_constant_bricks(Level& level, const Verdicts& verdicts) {
-  if (std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return stores_voxels(v.kind); })) return;
+void remove_constant_bricks(Level& level, const BrickClasses& classes) {
+  if (std::all_of(classes.begin(), classes.end(), [](const BrickClass& v) { return stores_voxels(v.kind); })) return;
   Level kept;
   kept.first.push_back(0);
-  for (std::size_t b = 0; b < verdicts.size(); ++b) {
-    if (!stores_voxels(verdicts[b].kind)) continue;
+  for (std::size_t b = 0; b < classes.size(); ++b) {
+    if (!stores_voxels(classes[b].kind)) continue;
     const auto first = std::ptrdiff_t(level.first[b]), end = std::ptrdiff_t(level.first[b + 1]);
     kept.key.push_back(level.key[b]);
     kept.mask.insert(kept.mask.end(), &level.mask[8 * b], &level.mask[8 * b] + 8);
@@ -130,12 +130,12 @@ void remove_constant_bricks(Level& level, const Verdicts& verdicts) {
   level = std::move(kept);
 }
 
-NodeTable nodes_of(const std::vector<Level>& levels, const std::vector<Verdicts>& verdicts) {
+NodeTable nodes_of(const std::vector<Level>& levels, const std::vector<BrickClasses>& classes) {
   NodeTable nodes;
   std::size_t above = 0;
   for (std::size_t lod = levels.size(); lod-- > 0;) {
     const std::size_t begin = nodes.key.size();
-    add_level_nodes(levels[lod], verdicts[lod], lod, nodes);
+    add_level_nodes(levels[lod], classes[lod], lod, nodes);
     check_node_count(nodes.key.size());
     if (begin != 0) link_children(nodes, above, begin);  // the root has no parent
     above = begin;
@@ -146,14 +146,14 @@ NodeTable nodes_of(const std::vector<Level>& levels, const std::vector<Verdicts>
 }  // namespace
 
 NodeTable prune(std::vector<Level>& levels, const ThreadPool& pool) {
-  const std::vector<Verdicts> verdicts = judge(levels, pool);
-  NodeTable nodes = nodes_of(levels, verdicts);
-  for (std::size_t lod = 0; lod < levels.size(); ++lod) remove_constant_bricks(levels[lod], verdicts[lod]);
+  const std::vector<BrickClasses> classes = judge(levels, pool);
+  NodeTable nodes = nodes_of(levels, classes);
+  for (std::size_t lod = 0; lod < levels.size(); ++lod) remove_constant_bricks(levels[lod], classes[lod]);
   return nodes;
 }
 
 NodeTable brick_nodes(const std::vector<Level>& levels) {
-  std::vector<Verdicts> all_bricks;
+  std::vector<BrickClasses> all_bricks;
   for (const Level& level : levels) all_bricks.emplace_back(level.key.size());
   return nodes_of(levels, all_bricks);
 }

@@ -72,7 +72,7 @@ class BrickWalker {
     if ((slab[0] | slab[1] | slab[2] | slab[3] | slab[4] | slab[5] | slab[6] | slab[7]) == 0) return;
     const TrianglePlane plane = make_plane(t);
     const Surface surface = triangle_surface(parts_[w.part], w, t, plane);
-    if (surface.look() == Look::linear) linear_ = make_linear_colour(surface, plane);
+    if (surface.look() == ShadingRate::linear) linear_ = make_linear_colour(surface, plane);
     for (int i = 0; i < 8; ++i)
       if (slab[i] != 0) add_slab(plane, surface, t.axis, i, slab[i]);
     sums_.end_triangle();
@@ -80,7 +80,7 @@ class BrickWalker {
 
   /// Adds the fragments of slab w. cells: bit u + 8 v is set for each cell that the triangle overlaps.
   void add_slab(const TrianglePlane& plane, const Surface& surface, int axis, int w, std::uint64_t cells) {
-    const Look look = surface.look();
+    const ShadingRate look = surface.look();
     int voxel[64];
     lanes_.count = 0;
     for (std::uint64_t rest = cells; rest != 0; rest &= rest - 1) {
@@ -92,16 +92,17 @@ class BrickWalker {
     }
     const SlabPolygon polygon = cut_slab(plane, double(w - plane.anchor[2]));
     measure(plane, polygon, look);
-    if (look == Look::linear)
+    if (look == ShadingRate::linear)
       add_linear_cells(plane, surface, voxel);
     else
       add_cells(plane, polygon, surface, voxel);
     fragments_ += std::uint64_t(lanes_.count);
   }
 
-  void measure(const TrianglePlane& plane, const SlabPolygon& polygon, Look look) {
-    if (look == Look::flat) return measure_areas(plane, polygon, lanes_);
-    look == Look::linear ? measure_moments(plane, polygon, lanes_) : measure_second_moments(plane, polygon, lanes_);
+  void measure(const TrianglePlane& plane, const SlabPolygon& polygon, ShadingRate look) {
+    if (look == ShadingRate::flat) return measure_areas(plane, polygon, lanes_);
+    look == ShadingRate::linear ? measure_moments(plane, polygon, lanes_)
+                                : measure_second_moments(plane, polygon, lanes_);
   }
 
   CellMoments moments_of(int lane) const {
@@ -121,7 +122,7 @@ class BrickWalker {
 
   void add_cells(const TrianglePlane& plane, const SlabPolygon& polygon, const Surface& surface, const int voxel[64]) {
     Rgba16 rgba;
-    const bool varies = surface.look() != Look::flat, opaque = surface.is_opaque();
+    const bool varies = surface.look() != ShadingRate::flat, opaque = surface.is_opaque();
     if (!varies) rgba = shade<false>(surface, plane, {}, tables_);
     for (int i = 0; i < lanes_.count; ++i) {
       if (varies) {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "kernels/body/classify_triangle.h"
 #include "kernels/body/part.h"
-#include "kernels/body/triangle_fate.h"
 #include "kernels/body/window.h"
 #include "lattice/thread_pool.h"
 
@@ -51,12 +51,12 @@ void judge(const SnappedPart& from, const CellWindow& window, Range& range) {
   for (std::size_t t = range.begin; t < range.end; ++t) {
     std::uint32_t v[3];
     const WindowTriangle triangle = from.triangle(range.part, std::uint32_t(t), v);
-    const Fate fate = fate_of(window, from.part, v, triangle.p);
+    const TriangleClass fate = classify_triangle(window, from.part, v, triangle.p);
     ++range.counts.fate[int(fate)];
     range.counts.bad_uv += has_bad_uv(fate, from.part, v);
     const std::size_t bit = t - range.begin;
-    range.kept[bit / 64] |= std::uint64_t(fate == Fate::kept) << bit % 64;
-    range.kept_count += fate == Fate::kept;
+    range.kept[bit / 64] |= std::uint64_t(fate == TriangleClass::kept) << bit % 64;
+    range.kept_count += fate == TriangleClass::kept;
   }
 }
 

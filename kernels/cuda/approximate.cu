@@ -5,7 +5,7 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr unsigned threads = 256, warps = threads / 32, groups_a_lane = groups_a_brick / 32;
+constexpr unsigned threads = 256, warps = threads / 32, groups_a_lane = groups_per_brick / 32;
 static_assert(groups_a_lane == 2 && 32 % octants_a_brick == 0, "eight lanes side by side have an octant's groups");
 
 /// The voxel arrays of a level that approximation reads and changes.

@@ -27,25 +27,25 @@ PairCounters read(DeviceHeap& heap, const DeviceArray<PairCounters>& counters) {
 /// Descends all large triangles from the root to the bricks in parallel. Returns the largest length of a queue.
 std::uint64_t descend_large(DeviceHeap& heap, const InputView& input, const CellWindow& window, const PairSink& sink,
                             const DeviceArray<PairCounters>& counters) {
-  std::uint64_t longest = 0;
+  std::uint64_t maximum = 0;
   int from = 0;
   for (int level = window.levels; level > 0; --level, from = 1 - from) {
     check_cuda(cudaMemsetAsync(&sink.counters->items[1 - from], 0, sizeof sink.counters->items[0], heap.stream()),
                "cudaMemsetAsync");
     descend_kernel<<<descend_blocks, threads, 0, heap.stream()>>>(input, window, sink, from, level);
     check_launch("descend_kernel");
-    longest = std::max<std::uint64_t>(longest, read(heap, counters).items[1 - from]);
+    maximum = std::max<std::uint64_t>(maximum, read(heap, counters).items[1 - from]);
   }
-  return longest;
+  return maximum;
 }
 
 /// Output buffers of one attempt. They hold no pairs if only the pairs per unit are counted.
-struct PairRoom {
+struct PairBuffers {
   RawPairs raw;
   DeviceArray<LargeItem> items;
   DeviceArray<PairCounters> counters;
 
-  PairRoom(DeviceHeap& heap, const BinCapacity& capacity)
+  PairBuffers(DeviceHeap& heap, const BinCapacity& capacity)
       : raw{DeviceArray<std::uint32_t>(heap, capacity.pairs), DeviceArray<std::uint32_t>(heap, capacity.pairs)},
         items(heap, 2 * capacity.nodes),
         counters(heap, 1) {
@@ -69,7 +69,7 @@ struct PairRoom {
 /// Counts all pairs in `room.raw.counted` and writes those that fit. Returns the required queue capacity. A window of
 /// one brick has no tree to descend: its large triangles become pairs directly.
 std::uint64_t find_pairs(DeviceHeap& heap, const InputView& input, const CellWindow& window, const PairSink& sink,
-                         PairRoom& room) {
+                         PairBuffers& room) {
   pair_kernel<<<grid_of(input.triangle_count, pair_threads), pair_threads, 0, heap.stream()>>>(input, window, sink);
   check_launch("pair_kernel");
   room.raw.counted = read(heap, room.counters);
@@ -89,7 +89,7 @@ std::uint32_t counted_pairs(const PairCounters& counted) {
 RawPairs pairs_in(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                   BinCapacity& capacity) {
   for (;;) {
-    PairRoom room(heap, capacity);
+    PairBuffers room(heap, capacity);
     const std::uint64_t nodes = find_pairs(heap, input, window, room.sink(range), room), pairs = room.raw.counted.pairs;
     counted_pairs(room.raw.counted);
     if (pairs <= capacity.pairs && nodes <= capacity.nodes) return std::move(room.raw);
@@ -111,14 +111,14 @@ __global__ void gather_keys(const std::uint32_t* sorted, std::uint32_t* start, s
 }
 
 /// Max bricks of a range for which pairs are counted per brick; pairs of larger ranges are sorted.
-constexpr std::uint32_t most_counted_bricks = 1 << 21;
+constexpr std::uint32_t max_counted_bricks = 1 << 21;
 
 /// Counts the pairs of each brick, or, if `triangle` is given, writes the triangles to their bricks' places.
 PairCounters pairs_by_brick(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                             DeviceArray<std::uint32_t>& brick, DeviceArray<std::uint32_t>* triangle,
                             BinCapacity& capacity) {
   for (;;) {
-    PairRoom room(heap, {0, capacity.nodes});
+    PairBuffers room(heap, {0, capacity.nodes});
     PairSink sink = room.sink(range);
     sink.brick = brick.data();
     if (triangle == nullptr) {
@@ -227,7 +227,7 @@ std::vector<std::uint64_t> pairs_by_unit(DeviceHeap& heap, const InputView& inpu
   DeviceArray<unsigned long long> counts(heap, units);
   BinCapacity capacity{0};
   for (;;) {
-    PairRoom room(heap, capacity);
+    PairBuffers room(heap, capacity);
     counts.clear_to_zero();
     PairSink sink = room.sink(all_keys(window));
     sink.unit_pairs = counts.data();
@@ -246,8 +246,8 @@ std::vector<std::uint64_t> pairs_by_unit(DeviceHeap& heap, const InputView& inpu
 
 BrickLists bin_triangles(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                          BinCapacity& capacity, CellStats& stats) {
-  return range.end - range.first <= most_counted_bricks ? counted_lists(heap, input, window, range, capacity, stats)
-                                                        : sorted_lists(heap, input, window, range, capacity, stats);
+  return range.end - range.first <= max_counted_bricks ? counted_lists(heap, input, window, range, capacity, stats)
+                                                       : sorted_lists(heap, input, window, range, capacity, stats);
 }
 
 }  // namespace gigabake::kernels

@@ -13,9 +13,9 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Units are the nodes this many levels below the root, but not finer than least_unit_level, as small launches do not
+/// Units are the nodes this many levels below the root, but not finer than min_unit_level, as small launches do not
 /// pay.
-constexpr int levels_above_units = 5, least_unit_level = 2;
+constexpr int levels_above_units = 5, min_unit_level = 2;
 constexpr double live_share = 1.2;  ///< capacity over the expected input and output, which are estimated from the cell
                                     ///< before
 
@@ -179,7 +179,7 @@ ParentSource CellBake::source_of(const LevelsAbove& all, int lod, MipFilter filt
 
 /// Bakes levels up to the units' on the device, part by part, and the coarser, small levels from them on the host.
 void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
-  Units units{std::clamp(cell.window.levels - levels_above_units, std::min(least_unit_level, cell.window.levels),
+  Units units{std::clamp(cell.window.levels - levels_above_units, std::min(min_unit_level, cell.window.levels),
                          cell.window.levels),
               {0}};
   heap_.limit_to(0);

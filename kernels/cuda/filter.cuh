@@ -18,7 +18,7 @@ constexpr int filter_threads = 128;
 struct VoxelArrays {
   const std::uint32_t* rgba;
   const std::uint16_t* normal;  ///< or null
-  const Patch* patch;           ///< (kernels/body/patch.h); null at lod 0, or if not required
+  const SurfaceMoments* patch;  ///< (kernels/body/patch.h); null at lod 0, or if not required
 };
 
 /// The 2×2×2 children of a voxel, ordered x | y<<1 | z<<2.
@@ -67,14 +67,14 @@ struct ChildRasters {
 
 /// Edge: of the children's coverage masks.
 template <int Edge, class Index>
-__device__ Weights weights_by_view(const FacingSums& seen, const Children<Index>& children) {
+__device__ Weights weights_by_view(const CoverageSums& seen, const Children<Index>& children) {
   std::uint32_t there[2] = {};
 #pragma unroll
   for (int c = 0; c < 8; ++c) there[c / 4] |= std::uint32_t(children.at[c] != Children<Index>::none) << 8 * (c % 4);
   return weights_of(seen, Edge, there);
 }
 
-/// FacingSums of a voxel, by column and child, as written by the lanes that process its columns.
+/// CoverageSums of a voxel, by column and child, as written by the lanes that process its columns.
 struct alignas(8) ColumnSums {
   std::uint16_t covered[3][4];  ///< axis, column
   std::uint16_t seen[3][8];     ///< axis, child
@@ -85,8 +85,8 @@ struct alignas(8) ColumnSums {
     seen[axis][low] = std::uint16_t(sums[0] + sums[2] - sums[1]);
     seen[axis][high] = std::uint16_t(sums[1] + sums[2] - sums[0]);
   }
-  __device__ FacingSums total() const {
-    FacingSums sums;
+  __device__ CoverageSums total() const {
+    CoverageSums sums;
 #pragma unroll
     for (int axis = 0; axis < 3; ++axis) {
 #pragma unroll
@@ -103,7 +103,7 @@ struct alignas(8) ColumnSums {
 template <int Edge, class Index>
 __device__ void see_columns(const Children<Index>* children, int n, const std::uint32_t* rasters, std::uint32_t* to,
                             ColumnSums* out) {
-  constexpr int runs = runs_per_column<Edge>, lanes = 12 * runs, words = raster_words(most_raster_edge);
+  constexpr int runs = runs_per_column<Edge>, lanes = 12 * runs, words = raster_words(max_raster_edge);
   for (int first = int(threadIdx.x & ~31u); first < n * lanes; first += filter_threads) {  // all lanes of a warp
                                                                                            // iterate together
     const int i = first + int(threadIdx.x & 31), voxel = i / lanes;
@@ -125,7 +125,7 @@ struct FilteredVoxel {
   std::uint32_t rgba, facing;
   std::uint16_t normal;
   Plane plane;
-  Patch patch;
+  SurfaceMoments patch;
 };
 
 /// Filters a voxel from its children. Loads are independent of each other.
@@ -149,7 +149,7 @@ __device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<I
   };
   const VoxelPatch made = filter_patches(voxel, patch, w, is_finest, tables);
   const Plane plane = plane_of(made.patch, made.voxel.normal, is_finest);
-  return {pack_rgba(made.voxel.rgba), coverage_beside(plane, w.facing), pack_normal(made.voxel.normal), plane,
+  return {pack_rgba(made.voxel.rgba), stored_coverage(plane, w.facing), pack_normal(made.voxel.normal), plane,
           made.patch};
 }
 
@@ -158,7 +158,7 @@ struct VoxelsOut {
   std::uint32_t* rgba;
   std::uint16_t* normal;  ///< or null
   std::uint8_t* facing;   ///< null without MipFilter::coverage
-  Patch* patch;           ///< null without MipFilter::coverage or normals, or if no later launch reads it
+  SurfaceMoments* patch;  ///< null without MipFilter::coverage or normals, or if no later launch reads it
 
   __device__ void put(std::size_t i, const FilteredVoxel& v) const {
     rgba[i] = v.rgba;

@@ -36,7 +36,8 @@ __global__ void __launch_bounds__(threads) filter_octants(LevelOf64 in, Tables t
   };
   const Voxel v = filter_64(mask, octant, in.fine.first[brick], voxel, tables);
   const std::uint32_t key = in.fine.key[brick];
-  const std::uint32_t to = index_of(in, brick_at(in, std::uint32_t(key_two_above(key))), voxel_two_above(key, octant));
+  const std::uint32_t to =
+      index_of(in, brick_at(in, std::uint32_t(grandparent_key(key))), grandparent_voxel(key, octant));
   in.out.put(to, {pack_rgba(v.rgba), 0, pack_normal(v.normal), {}, {}});
 }
 

@@ -72,14 +72,14 @@ __global__ void __launch_bounds__(filter_threads) filter_high_level(HighLevel in
     if (t < n) s.children[t] = children_of(in, s, begin + t);
     __syncthreads();
     if (by_view) {
-      constexpr int words = raster_words(most_raster_edge);
-      see_columns<most_raster_edge>(s.children, n, in.rasters_below, in.rasters + words * std::size_t(first + begin),
-                                    s.sums);
+      constexpr int words = raster_words(max_raster_edge);
+      see_columns<max_raster_edge>(s.children, n, in.rasters_below, in.rasters + words * std::size_t(first + begin),
+                                   s.sums);
       __syncthreads();
     }
     if (t < n) {
       Weights w{};
-      if (by_view) w = weights_by_view<most_raster_edge>(s.sums[t].total(), s.children[t]);
+      if (by_view) w = weights_by_view<max_raster_edge>(s.sums[t].total(), s.children[t]);
       in.out.put(first + begin + t, filter_voxel<by_view>(below, s.children[t], w, in.filter, tables));
     }
     __syncthreads();

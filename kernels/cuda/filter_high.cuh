@@ -16,7 +16,7 @@ struct HighLevel {
   VoxelsOut out;
   const std::uint32_t* rasters_below;  ///< null without MipFilter::coverage; so is `rasters`
   std::uint32_t* rasters;
-  const Patch* patches_below;  ///< null without MipFilter::coverage or normals
+  const SurfaceMoments* patches_below;  ///< null without MipFilter::coverage or normals
   MipFilter filter;
 };
 

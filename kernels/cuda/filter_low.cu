@@ -7,14 +7,14 @@ namespace gigabake::kernels {
 namespace {
 
 /// Bricks of lod 1 that a block filters together if their voxels fit; otherwise it filters them one at a time.
-constexpr int most_bricks = 4, most_1 = 512, most_2 = 128, most_3 = 8 * most_bricks;
+constexpr int max_bricks = 4, most_1 = 512, most_2 = 128, most_3 = 8 * max_bricks;
 constexpr int blocks = 8;  ///< per multiprocessor
-constexpr int at_3 = most_2, at_4 = at_3 + most_3, most_above = at_4 + most_bricks;
-static_assert(filter_threads == 32 * most_bricks && most_1 >= brick_voxels && most_2 >= 64);
+constexpr int at_3 = most_2, at_4 = at_3 + most_3, max_above = at_4 + max_bricks;
+static_assert(filter_threads == 32 * max_bricks && most_1 >= brick_voxels && most_2 >= 64);
 
 using Slots = Children<std::uint16_t>;
 
-/// State of the block's bricks [0, most_bricks) of lod 1; levels are numbered from lod 1.
+/// State of the block's bricks [0, max_bricks) of lod 1; levels are numbered from lod 1.
 struct LowShared {
   union {
     std::uint32_t raster_1[most_1][raster_words(2)];
@@ -22,29 +22,29 @@ struct LowShared {
   };
   alignas(16) std::uint32_t raster_2[most_2][raster_words(4)];
   union {
-    Patch patch_1[most_1];
+    SurfaceMoments patch_1[most_1];
     struct {  ///< replaces patch_1 once lod 2 is done
-      alignas(16) std::uint32_t raster_4[most_bricks][raster_words(8)];
+      alignas(16) std::uint32_t raster_4[max_bricks][raster_words(8)];
       ColumnSums sums[most_3];
     };
   };
   // Slots: voxels of lod 2, voxels of lod 3 from at_3 on, voxels of lod 4 from at_4 on. Each level is in the order of
   // its lod-1 bricks.
-  Slots children[most_above];       ///< numbers of the children, counted per level from the group's first voxel
-  std::uint32_t index[most_above];  ///< in the voxel's level
-  std::uint32_t rgba[most_above];
-  std::uint16_t normal[most_above];
-  Patch patch[at_4];                         ///< of lods 2 and 3
-  std::uint64_t mask[4][most_bricks][8];     ///< [level]: of the brick, or of the coarser brick that contains it
-  std::uint32_t before[4][most_bricks][8];   ///< index in the level of the first voxel of each mask word
-  std::uint32_t child[most_bricks][8];       ///< by octant
-  std::uint32_t first_0[most_bricks][8][4];  ///< index of the first voxel of lod 0 of each slab pair
-  std::uint32_t corner[most_bricks];         ///< key of the brick
-  std::uint16_t slab_2[most_bricks][4];      ///< mask of the lod-2 voxels in the brick, bit x + 4y of each slab
-  std::uint16_t slab_3[most_bricks][2];      ///< mask of the lod-3 voxels, bit x + 2y
-  std::uint16_t before_2[4 * most_bricks + 1], before_3[2 * most_bricks + 1];  ///< voxels of the block before each slab
-  std::uint16_t list_1[most_1];                                                ///< brick · 512 + voxel
-  std::uint8_t list_2[most_2];                                                 ///< brick · 64 + x + 4y + 16z
+  Slots children[max_above];       ///< numbers of the children, counted per level from the group's first voxel
+  std::uint32_t index[max_above];  ///< in the voxel's level
+  std::uint32_t rgba[max_above];
+  std::uint16_t normal[max_above];
+  SurfaceMoments patch[at_4];               ///< of lods 2 and 3
+  std::uint64_t mask[4][max_bricks][8];     ///< [level]: of the brick, or of the coarser brick that contains it
+  std::uint32_t before[4][max_bricks][8];   ///< index in the level of the first voxel of each mask word
+  std::uint32_t child[max_bricks][8];       ///< by octant
+  std::uint32_t first_0[max_bricks][8][4];  ///< index of the first voxel of lod 0 of each slab pair
+  std::uint32_t corner[max_bricks];         ///< key of the brick
+  std::uint16_t slab_2[max_bricks][4];      ///< mask of the lod-2 voxels in the brick, bit x + 4y of each slab
+  std::uint16_t slab_3[max_bricks][2];      ///< mask of the lod-3 voxels, bit x + 2y
+  std::uint16_t before_2[4 * max_bricks + 1], before_3[2 * max_bricks + 1];  ///< voxels of the block before each slab
+  std::uint16_t list_1[most_1];                                              ///< brick · 512 + voxel
+  std::uint8_t list_2[most_2];                                               ///< brick · 64 + x + 4y + 16z
 };
 
 /// Bricks [begin, end) of the block, and their voxels per level.
@@ -68,7 +68,7 @@ __device__ Group group_of(const LowShared& s, int begin, int end) {
 /// children.
 __device__ void open_bricks(const LowLevels& in, LowShared& s) {
   const int level = int(threadIdx.x) / 32, lane = int(threadIdx.x) % 32, b = lane / 8, w = lane % 8;
-  const std::uint32_t p = blockIdx.x * most_bricks + std::uint32_t(b);
+  const std::uint32_t p = blockIdx.x * max_bricks + std::uint32_t(b);
   const bool there = p < in.bricks && level < in.levels;
   const LowLevel& up = in.level[level];
   const std::uint32_t brick = !there ? 0 : level == 0 ? p : in.ancestors[p].brick[level - 1];
@@ -90,9 +90,9 @@ __device__ void open_bricks(const LowLevels& in, LowShared& s) {
   if (w == 0) s.corner[b] = there ? in.key[p] : 0;
 }
 
-/// Computes the masks of lods 2 and 3. The first 4 · most_bricks threads must call it.
+/// Computes the masks of lods 2 and 3. The first 4 · max_bricks threads must call it.
 __device__ void open_slabs(LowShared& s) {
-  constexpr unsigned lanes = (1u << 4 * most_bricks) - 1;
+  constexpr unsigned lanes = (1u << 4 * max_bricks) - 1;
   const int t = int(threadIdx.x), b = t / 4, z = t % 4;
   const std::uint64_t rows = parent_slab(s.mask[0][b][2 * z], s.mask[0][b][2 * z + 1]);
   const auto slab = std::uint32_t((rows & 0xf) | (rows >> 4 & 0xf0) | (rows >> 8 & 0xf00) | (rows >> 12 & 0xf000));
@@ -102,7 +102,7 @@ __device__ void open_slabs(LowShared& s) {
   half |= __shfl_down_sync(lanes, half, 1, 2);
   int upto_2 = __popc(slab), upto_3 = z % 2 == 0 ? __popc(half) : 0;
 #pragma unroll
-  for (int d = 1; d < 4 * most_bricks; d *= 2) {
+  for (int d = 1; d < 4 * max_bricks; d *= 2) {
     const int lower_2 = __shfl_up_sync(lanes, upto_2, d, 16), lower_3 = __shfl_up_sync(lanes, upto_3, d, 16);
     if (t >= d) upto_2 += lower_2, upto_3 += lower_3;
   }
@@ -123,7 +123,7 @@ __device__ void open_children(const LowLevels& in, LowShared& s) {
     for (int w = 0; w < 2 * pair; ++w) below += std::uint32_t(__popcll(in.fine.mask[8 * std::size_t(child) + w]));
     s.first_0[b][octant][pair] = below;
   }
-  if (t < 4 * most_bricks) open_slabs(s);
+  if (t < 4 * max_bricks) open_slabs(s);
 }
 
 /// Returns the index in its level of the voxel at (x, y, z) in the cube of brick b, which has 2^bits voxels per axis.
@@ -173,8 +173,8 @@ __device__ void list_upper_voxels(const LowLevels& in, const Group& g, LowShared
 }
 
 /// Computes the visible coverage of up to eight lod-0 voxels. Reads normals only of translucent voxels.
-__device__ FacingSums see_finest(const LowLevels& in, const Children<std::uint32_t>& children, const Tables& tables,
-                                 std::uint32_t raster[3]) {
+__device__ CoverageSums see_finest(const LowLevels& in, const Children<std::uint32_t>& children, const Tables& tables,
+                                   std::uint32_t raster[3]) {
   AxisCoverage all;
 #pragma unroll
   for (int c = 0; c < 8; ++c) {
@@ -238,7 +238,7 @@ __device__ void filter_lod_2(const LowLevels& in, const Group& g, const Tables& 
     Weights w{};
     if (by_view) {
       const ChildRasters<2, std::uint16_t> rasters{children, s.raster_1[0]};
-      w = weights_by_view<2>(see_children<2>(rasters, s.raster_2[i]), children);
+      w = weights_by_view<2>(cover_children<2>(rasters, s.raster_2[i]), children);
     }
     filter_slot<by_view>(in, 1, i, below, w, tables, s);
   }
@@ -308,8 +308,8 @@ __global__ void __launch_bounds__(filter_threads, blocks)
   __syncthreads();
   open_children(in, s);
   __syncthreads();
-  const std::uint32_t left = in.bricks - blockIdx.x * most_bricks;
-  const int bricks = left < most_bricks ? int(left) : most_bricks;
+  const std::uint32_t left = in.bricks - blockIdx.x * max_bricks;
+  const int bricks = left < max_bricks ? int(left) : max_bricks;
   const Group all = group_of(s, 0, bricks);
   const int together = all.n1 <= most_1 && all.n2 <= most_2 ? bricks : 1;
   for (int begin = 0; begin < bricks; begin += together) {
@@ -322,7 +322,7 @@ __global__ void __launch_bounds__(filter_threads, blocks)
 
 void filter_low(DeviceHeap& heap, const LowLevels& levels, const Tables& tables) {
   const auto kernel = filters_by_view(levels.filter) ? filter_low_levels<true> : filter_low_levels<false>;
-  kernel<<<grid_of(levels.bricks, most_bricks), filter_threads, 0, heap.stream()>>>(levels, tables);
+  kernel<<<grid_of(levels.bricks, max_bricks), filter_threads, 0, heap.stream()>>>(levels, tables);
   check_launch("filter_low_levels");
 }
 

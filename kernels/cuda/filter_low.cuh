@@ -8,7 +8,7 @@
 
 namespace gigabake::kernels {
 
-inline constexpr int most_low_levels = 4;
+inline constexpr int max_low_levels = 4;
 
 struct LowLevel {
   const std::uint64_t* mask;
@@ -18,7 +18,7 @@ struct LowLevel {
 
 struct LowLevels {
   LevelView fine;  ///< lod 0
-  LowLevel level[most_low_levels];
+  LowLevel level[max_low_levels];
   int levels;                        ///< 1…4, beginning with lod 1
   const std::uint32_t *key, *start;  ///< of lod 1
   const Ancestors* ancestors;

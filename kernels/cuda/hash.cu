@@ -8,7 +8,7 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr unsigned threads = 256, most_blocks = 2048;
+constexpr unsigned threads = 256, max_blocks = 2048;
 
 struct HashView {
   const std::uint32_t *key, *first, *rgba;
@@ -87,7 +87,7 @@ std::vector<Hash128> level_hashes(DeviceHeap& heap, const std::vector<DeviceLeve
                         l.bricks,
                         {window_min[0], window_min[1], window_min[2]},
                         int(lod)};
-    hash_level<<<std::min(grid_of(32 * std::uint64_t(l.bricks), threads), most_blocks), threads, 0, heap.stream()>>>(
+    hash_level<<<std::min(grid_of(32 * std::uint64_t(l.bricks), threads), max_blocks), threads, 0, heap.stream()>>>(
         view, sums.data() + lod);
     check_launch("hash_level");
   }

@@ -10,9 +10,9 @@
 #include "kernels/body/brick_triangle.h"
 #include "kernels/body/cell.h"
 #include "kernels/body/cell_materials.h"
+#include "kernels/body/classify_triangle.h"
 #include "kernels/body/part.h"
 #include "kernels/body/tables.h"
-#include "kernels/body/triangle_fate.h"
 #include "kernels/body/window.h"
 #include "kernels/cuda/memory.cuh"
 

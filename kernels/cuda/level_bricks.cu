@@ -13,26 +13,26 @@ constexpr unsigned chunk = 1024, threads = 256;
 
 /// The levels coarser than lod 0 under construction; arrays are indexed by lod.
 struct Tree {
-  std::uint32_t *key[most_levels], *start[most_levels], *first[most_levels];
-  std::uint64_t* mask[most_levels];
-  std::uint32_t bricks[most_levels];
+  std::uint32_t *key[max_levels], *start[max_levels], *first[max_levels];
+  std::uint64_t* mask[max_levels];
+  std::uint32_t bricks[max_levels];
   Ancestors* ancestors;
   int lods;
 };
 
 /// Returns the coarsest lod at which brick i opens a new brick: its key differs from that of brick i - 1 up to there.
 __device__ int opened_levels(const std::uint32_t* key, std::uint32_t i, int lods) {
-  const int most = lods - 1;
-  if (i == 0) return most;
+  const int maximum = lods - 1;
+  if (i == 0) return maximum;
   const int opened = (31 - __clz(int(key[i] ^ key[i - 1]))) / 3;
-  return opened < most ? opened : most;
+  return opened < maximum ? opened : maximum;
 }
 
 /// Writes before[lod · chunks + c]: the number of bricks of level `lod` that the lod-0 bricks of chunk c open.
 __global__ void __launch_bounds__(chunk) count_opened(const std::uint32_t* key, std::uint32_t bricks, int lods,
                                                       std::uint32_t chunks, std::uint32_t* before) {
-  __shared__ std::uint32_t counts[most_levels];
-  if (threadIdx.x < most_levels) counts[threadIdx.x] = 0;
+  __shared__ std::uint32_t counts[max_levels];
+  if (threadIdx.x < max_levels) counts[threadIdx.x] = 0;
   __syncthreads();
   const std::uint32_t i = blockIdx.x * chunk + threadIdx.x;
   const int opened = i < bricks ? opened_levels(key, i, lods) : 0;
@@ -85,7 +85,7 @@ __device__ void set_voxel(std::uint64_t* mask, std::uint32_t key) {
 /// Writes keys and first children of all levels and, from lod 3 on, their masks. One thread per brick of lod 0.
 __global__ void __launch_bounds__(chunk) open_bricks(const std::uint32_t* key, std::uint32_t bricks,
                                                      std::uint32_t chunks, const std::uint32_t* before, Tree tree) {
-  __shared__ std::uint32_t sums[most_levels][chunk / 32];
+  __shared__ std::uint32_t sums[max_levels][chunk / 32];
   const unsigned lane = threadIdx.x % 32, warp = threadIdx.x / 32;
   const std::uint32_t i = blockIdx.x * chunk + threadIdx.x;
   const int opened = i < bricks ? opened_levels(key, i, tree.lods) : 0;
@@ -99,11 +99,11 @@ __global__ void __launch_bounds__(chunk) open_bricks(const std::uint32_t* key, s
     sums[warp][lane] = before[warp * chunks + blockIdx.x] + sum_upto(count, lane) - count;
   }
   __syncthreads();
-  std::uint32_t at[most_levels];  // the brick of each level that contains this one
+  std::uint32_t at[max_levels];  // the brick of each level that contains this one
   at[0] = i;
   const std::uint32_t mine = i < bricks ? key[i] : 0;
 #pragma unroll
-  for (int lod = 1; lod < most_levels; ++lod) {
+  for (int lod = 1; lod < max_levels; ++lod) {
     if (lod >= tree.lods) break;
     const unsigned who = __ballot_sync(~0u, opened >= lod);
     at[lod] = sums[lod][warp] + unsigned(__popc(who & ((2u << lane) - 1))) - 1;
@@ -146,7 +146,7 @@ __global__ void make_masks(LevelView fine, Tree tree) {
 
 /// The bricks of all coarser levels in one sequence, level after level.
 struct AllBricks {
-  std::uint32_t end[most_levels];  ///< [lod]; 0 for lod 0
+  std::uint32_t end[max_levels];  ///< [lod]; 0 for lod 0
 
   __device__ int lod_of(std::uint32_t i) const {
     int lod = 1;
@@ -180,7 +180,7 @@ __global__ void place_voxels(Tree tree, AllBricks all, std::uint32_t bricks, con
   if (i == 0) total[0] = 0;
 }
 
-using Counts = std::array<std::uint32_t, most_levels>;
+using Counts = std::array<std::uint32_t, max_levels>;
 
 Counts read_counts(DeviceHeap& heap, const DeviceArray<std::uint32_t>& from) {
   Counts counts{};

@@ -24,7 +24,7 @@ DeviceArray<std::uint32_t> room_for_rasters(DeviceHeap& heap, MipFilter filter, 
 /// Returns how many levels from lod 1 on are made of eight children and filtered in one launch.
 int low_levels(MipFilter filter, int lods) {
   int levels = 0;
-  while (levels < most_low_levels && levels + 1 < lods && !is_of_64(filter, levels + 1)) ++levels;
+  while (levels < max_low_levels && levels + 1 < lods && !is_of_64(filter, levels + 1)) ++levels;
   return levels;
 }
 
@@ -62,9 +62,9 @@ LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceL
   LowLevels low{};
   low.fine = view_of(finest);
   low.levels = low_levels(filter, lods);
-  std::vector<DeviceArray<Patch>> patches(bricks.levels.size());
+  std::vector<DeviceArray<SurfaceMoments>> patches(bricks.levels.size());
   for (std::size_t l = std::size_t(low.levels) - 1; filters_by_view(filter) && normals && l < patches.size(); ++l) {
-    patches[l] = DeviceArray<Patch>(heap, bricks.levels[l].voxels);
+    patches[l] = DeviceArray<SurfaceMoments>(heap, bricks.levels[l].voxels);
     voxels_out[l].patch = patches[l].data();
   }
   for (int l = 0; l < low.levels; ++l) {

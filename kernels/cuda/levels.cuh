@@ -12,11 +12,11 @@
 namespace gigabake::kernels {
 
 struct LevelsAbove {
-  std::vector<DeviceLevel> levels;     ///< of lods 1 and coarser
-  DeviceArray<std::uint32_t> rasters;  ///< coverage masks of the coarsest level (kernels/body/facing.h); empty without
-                                       ///< MipFilter::coverage
-  DeviceArray<Patch> patches;          ///< of the coarsest level (kernels/body/patch.h); empty without
-                                       ///< MipFilter::coverage or normals
+  std::vector<DeviceLevel> levels;      ///< of lods 1 and coarser
+  DeviceArray<std::uint32_t> rasters;   ///< coverage masks of the coarsest level (kernels/body/facing.h); empty without
+                                        ///< MipFilter::coverage
+  DeviceArray<SurfaceMoments> patches;  ///< of the coarsest level (kernels/body/patch.h); empty without
+                                        ///< MipFilter::coverage or normals
 };
 
 /// Computes the levels [1, lods).

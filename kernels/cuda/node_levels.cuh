@@ -12,8 +12,8 @@ namespace gigabake::kernels {
 
 /// All levels by lod. Items number the bricks of all levels consecutively in the order of nodes, coarsest level first.
 struct NodeLevels {
-  const std::uint32_t *key[most_levels], *first[most_levels];
-  std::uint32_t bricks[most_levels], offset[most_levels];
+  const std::uint32_t *key[max_levels], *first[max_levels];
+  std::uint32_t bricks[max_levels], offset[max_levels];
   int count;
 
   __device__ int lod_of(std::uint32_t item) const {

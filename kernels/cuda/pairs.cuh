@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
+#include "kernels/body/classify_triangle.h"
 #include "kernels/body/triangle_bricks.h"
-#include "kernels/body/triangle_fate.h"
 #include "kernels/cuda/bin.cuh"
 
 namespace gigabake::kernels {

@@ -10,9 +10,9 @@ constexpr unsigned threads = 256, warps = threads / 32;
 
 /// The voxel arrays of all levels, by lod.
 struct PrunedVoxels {
-  const std::uint32_t* rgba[most_levels];
-  const std::uint16_t* normal[most_levels];  ///< or null
-  const std::uint8_t* facing[most_levels];   ///< or null
+  const std::uint32_t* rgba[max_levels];
+  const std::uint16_t* normal[max_levels];  ///< or null
+  const std::uint8_t* facing[max_levels];   ///< or null
 
   __device__ CommonVoxel at(int lod, std::uint32_t voxel) const {
     return common_voxel(rgba[lod][voxel], normal[lod] == nullptr ? std::uint16_t(0) : normal[lod][voxel],
@@ -38,7 +38,7 @@ struct Numbers {
 
 /// Classifies one brick per warp.
 __global__ void __launch_bounds__(threads)
-    judge_bricks(const NodeLevels levels, const PrunedVoxels voxels, std::uint32_t items, Verdicts out) {
+    classify_bricks(const NodeLevels levels, const PrunedVoxels voxels, std::uint32_t items, Verdicts out) {
   const std::uint32_t item = blockIdx.x * warps + threadIdx.x / 32, lane = threadIdx.x % 32;
   if (item >= items) return;
   const int lod = levels.lod_of(item);
@@ -46,7 +46,7 @@ __global__ void __launch_bounds__(threads)
   const CommonVoxel own = voxels.at(lod, *first);
   bool is_constant = is_full(first);
   for (std::uint32_t i = lane; is_constant && i < std::uint32_t(brick_voxels); i += 32)
-    is_constant = are_alike(own, voxels.at(lod, *first + i));
+    is_constant = are_equal(own, voxels.at(lod, *first + i));
   const NodeKind kind = kind_of_brick(__all_sync(~0u, is_constant));
   if (lane != 0) return;
   out.kind[item] = kind;
@@ -63,7 +63,7 @@ __global__ void __launch_bounds__(threads) end_branches(const NodeLevels levels,
   if (stores_voxels(out.kind[item])) return;
   int like_it = 0;
   levels.for_each_child(lod, key, [&](std::uint32_t child, std::uint32_t) {
-    like_it += ends_branch(out.kind[child]) && are_alike(out.voxel[child], out.voxel[item]) ? 1 : 0;
+    like_it += ends_branch(out.kind[child]) && are_equal(out.voxel[child], out.voxel[item]) ? 1 : 0;
   });
   const NodeKind kind = kind_of_constant(lod == 0 || like_it == 8);
   out.kind[item] = kind;
@@ -198,7 +198,7 @@ PrunedLevels prune_levels(DeviceHeap& heap, const std::vector<DeviceLevel>& leve
   is_stored.clear_to_zero();
   has_voxels.clear_to_zero();
   const Verdicts verdicts{kind.data(), voxel.data(), is_stored.data(), has_voxels.data()};
-  judge_bricks<<<grid_of(items, warps), threads, 0, heap.stream()>>>(placed, voxels, items, verdicts);
+  classify_bricks<<<grid_of(items, warps), threads, 0, heap.stream()>>>(placed, voxels, items, verdicts);
   check_launch("judge_bricks");
   for (int lod = 0; lod < placed.count; ++lod) {
     end_branches<<<grid_of(placed.bricks[lod], threads), threads, 0, heap.stream()>>>(placed, lod, verdicts);

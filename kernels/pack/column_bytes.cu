@@ -6,10 +6,10 @@ namespace gigabake::kernels {
 namespace {
 
 /// Copies bytes from the device to a page-locked host buffer and waits for the copy.
-std::shared_ptr<PinnedBuffer> brought(DeviceHeap& heap, const std::uint8_t* bytes, std::size_t size, PinnedPool& pinned,
-                                      const std::uint8_t*& arrived) {
+std::shared_ptr<PinnedBuffer> read_back(DeviceHeap& heap, const std::uint8_t* bytes, std::size_t size,
+                                        PinnedPool& pinned, const std::uint8_t*& arrived) {
   std::shared_ptr<PinnedBuffer> buffer = pinned.take();
-  std::byte* to = buffer->reserve(roomy(size));
+  std::byte* to = buffer->reserve(rounded_capacity(size));
   check_cuda(cudaMemcpyAsync(to, bytes, size, cudaMemcpyDeviceToHost, heap.stream()), "cudaMemcpyAsync (columns)");
   check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (columns)");
   arrived = reinterpret_cast<const std::uint8_t*>(to);
@@ -18,16 +18,16 @@ std::shared_ptr<PinnedBuffer> brought(DeviceHeap& heap, const std::uint8_t* byte
 
 }  // namespace
 
-std::shared_ptr<const void> bring_raw(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
-                                      const std::vector<RawColumn>& columns, PinnedPool& pinned) {
+std::shared_ptr<const void> read_back_raw(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
+                                          const std::vector<RawColumn>& columns, PinnedPool& pinned) {
   const std::uint8_t* arrived = nullptr;
-  std::shared_ptr<PinnedBuffer> buffer = brought(heap, raw.data(), raw.size(), pinned, arrived);
+  std::shared_ptr<PinnedBuffer> buffer = read_back(heap, raw.data(), raw.size(), pinned, arrived);
   for (const RawColumn& c : columns) c.column->raw = {arrived + c.at, c.column->rows * c.shape.bytes};
   return buffer;
 }
 
-std::shared_ptr<const void> bring_stored(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
-                                         const std::vector<RawColumn>& columns, PinnedPool& pinned) {
+std::shared_ptr<const void> read_back_stored(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
+                                             const std::vector<RawColumn>& columns, PinnedPool& pinned) {
   std::vector<RawChunk> chunks;
   for (const RawColumn& c : columns) {
     const std::size_t bytes = chunk_bytes(c.column->rows, c.shape.bytes);
@@ -36,7 +36,7 @@ std::shared_ptr<const void> bring_stored(DeviceHeap& heap, const DeviceArray<std
   }
   const PackedChunks packed = pack_chunks(heap, raw.data(), chunks, nullptr);
   const std::uint8_t* arrived = nullptr;
-  std::shared_ptr<PinnedBuffer> buffer = brought(heap, packed.bytes.data(), packed.ends.back(), pinned, arrived);
+  std::shared_ptr<PinnedBuffer> buffer = read_back(heap, packed.bytes.data(), packed.ends.back(), pinned, arrived);
   std::size_t chunk = 0;
   std::uint64_t begin = 0;
   for (const RawColumn& c : columns)

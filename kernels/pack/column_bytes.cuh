@@ -21,12 +21,12 @@ struct RawColumn {
 /// Reads back all columns and sets the `raw` bytes of each. Returns the memory that the columns borrow. Waits for the
 /// stream.
 /// Errors  CudaFailure.
-std::shared_ptr<const void> bring_raw(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
-                                      const std::vector<RawColumn>& columns, PinnedPool& pinned);
+std::shared_ptr<const void> read_back_raw(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
+                                          const std::vector<RawColumn>& columns, PinnedPool& pinned);
 
-/// Like bring_raw(), but compresses the columns on the device and sets the `stored` chunks, with their checksums.
+/// Like read_back_raw(), but compresses the columns on the device and sets the `stored` chunks, with their checksums.
 /// Cost    Device memory like pack_chunks().
-std::shared_ptr<const void> bring_stored(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
-                                         const std::vector<RawColumn>& columns, PinnedPool& pinned);
+std::shared_ptr<const void> read_back_stored(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
+                                             const std::vector<RawColumn>& columns, PinnedPool& pinned);
 
 }  // namespace gigabake::kernels

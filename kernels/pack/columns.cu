@@ -76,7 +76,7 @@ __device__ std::uint64_t find_groups(const LevelsView& levels, const WarpBrick& 
 /// Uses one warp per brick and channel.
 __global__ void __launch_bounds__(threads)
     share_bricks(const LevelsView levels, std::uint8_t* share, std::uint32_t* values, Findings* findings) {
-  __shared__ std::uint32_t first_value[warps][groups_a_brick];
+  __shared__ std::uint32_t first_value[warps][groups_per_brick];
   const WarpBrick at(levels);
   if (at.lod < 0) return;
   const ChannelView channel = levels.channel[at.lod][blockIdx.y];
@@ -141,16 +141,17 @@ __device__ void write_shared(const LevelsView& levels, const WarpBrick& at, cons
   const ChannelView channel = levels.channel[at.lod][blockIdx.y];
   const ValueLeaders leaders(share);
   std::uint64_t led = 0;
-  for_each_voxels(
-      levels.mask[at.lod] + 8 * std::size_t(at.brick), levels.first[at.lod][at.brick], [&](const LaneVoxel& v) {
-        const unsigned group = group_of(v.place), leader = leaders.leader(group), lane = threadIdx.x & 31;
-        const bool is_first = v.is_there && is_lowest(v.lanes, leaders.are_one(group) ? leader : groups_a_brick + lane);
-        const bool is_new = is_first && leaders.is_new(group, led);
-        const unsigned lanes = __ballot_sync(~0u, is_new);
-        if (is_new) write_value(channel, v.number, column, row + __popc(lanes & lower_lanes()));
-        row += __popc(lanes);
-        led |= warp_or(v.is_there ? std::uint64_t(1) << leader : 0);
-      });
+  for_each_voxels(levels.mask[at.lod] + 8 * std::size_t(at.brick), levels.first[at.lod][at.brick],
+                  [&](const LaneVoxel& v) {
+                    const unsigned group = group_of(v.place), leader = leaders.leader(group), lane = threadIdx.x & 31;
+                    const bool is_first =
+                        v.is_there && is_lowest(v.lanes, leaders.are_one(group) ? leader : groups_per_brick + lane);
+                    const bool is_new = is_first && leaders.is_new(group, led);
+                    const unsigned lanes = __ballot_sync(~0u, is_new);
+                    if (is_new) write_value(channel, v.number, column, row + __popc(lanes & lower_lanes()));
+                    row += __popc(lanes);
+                    led |= warp_or(v.is_there ? std::uint64_t(1) << leader : 0);
+                  });
 }
 
 __device__ void write_brick(const LevelsView& levels, const WarpBrick& at, const LevelOut& out) {
@@ -247,7 +248,7 @@ LevelsView view_of(const std::vector<const DeviceLevel*>& levels,
     view.voxels[l] = level.voxels;
     view.offset[l] = std::uint32_t(bricks);
     bricks += level.bricks;
-    if (channels.at(l).size() > std::size_t(most_channels)) throw std::length_error("more channels than are packed");
+    if (channels.at(l).size() > std::size_t(max_channels)) throw std::length_error("more channels than are packed");
     for (std::size_t c = 0; level.voxels != 0 && c < channels[l].size(); ++c)
       view.channel[l][c] = view_of_channel(level, channels[l][c]);
     view.channels = std::max(view.channels, int(channels[l].size()));

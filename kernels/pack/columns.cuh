@@ -12,7 +12,7 @@
 
 namespace gigabake::kernels {
 
-inline constexpr int most_channels = 6;
+inline constexpr int max_channels = 6;
 
 /// The source of a column of values: `width` bytes per voxel, `stride` bytes apart. bytes is null if the level has no
 /// such channel.
@@ -23,28 +23,28 @@ struct ChannelView {
 
 /// The concatenated levels of a cell: brick b of a level is brick offset + b of the cell.
 struct LevelsView {
-  const std::uint64_t* mask[most_levels];
-  const std::uint32_t* first[most_levels];
-  const std::uint32_t* rgba[most_levels];
-  std::uint32_t bricks[most_levels], offset[most_levels], voxels[most_levels];
-  ChannelView channel[most_levels][most_channels];
+  const std::uint64_t* mask[max_levels];
+  const std::uint32_t* first[max_levels];
+  const std::uint32_t* rgba[max_levels];
+  std::uint32_t bricks[max_levels], offset[max_levels], voxels[max_levels];
+  ChannelView channel[max_levels][max_channels];
   int levels, channels;
   std::uint32_t bricks_in_all;
 };
 
 /// Returns the view of `levels`.
-/// Range   At most most_channels per level.
-/// Errors  std::length_error beyond most_channels or 2^32-1 bricks; std::invalid_argument if a level lacks a requested
+/// Range   At most max_channels per level.
+/// Errors  std::length_error beyond max_channels or 2^32-1 bricks; std::invalid_argument if a level lacks a requested
 ///         channel.
 LevelsView view_of(const std::vector<const DeviceLevel*>& levels,
                    const std::vector<std::vector<ChannelPlace>>& channels);
 
 /// The results of find_shares() from which the host computes the sizes of the columns.
 struct Findings {
-  std::uint32_t begin[most_channels][most_levels];   ///< index of the level's first value among all levels and channels
-  std::uint32_t values[most_channels][most_levels];  ///< number of values if they are shared
-  std::uint32_t differ[most_channels][most_levels];  ///< 1: some voxels differ
-  unsigned long long alphas[most_levels][256];
+  std::uint32_t begin[max_channels][max_levels];   ///< index of the level's first value among all levels and channels
+  std::uint32_t values[max_channels][max_levels];  ///< number of values if they are shared
+  std::uint32_t differ[max_channels][max_levels];  ///< 1: some voxels differ
+  unsigned long long alphas[max_levels][256];
 
   ValuesStored stored(const LevelsView& levels, int channel, int lod) const;
 };
@@ -67,7 +67,7 @@ struct LevelOut {
     std::uint8_t *value, *share;
     std::uint64_t* first;
     std::uint32_t begin;  ///< like Findings::begin
-  } channel[most_channels];
+  } channel[max_channels];
 };
 
 /// Writes the columns of all levels. out: [lod].

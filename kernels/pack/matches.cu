@@ -96,7 +96,7 @@ __global__ void __launch_bounds__(threads) matches(Batch batch) {
     std::uint32_t& word = batch.words[staged + p];
     const std::uint32_t end = deflate::segment_end(p, block.end);
     const deflate::Match match =
-        deflate::match_in(deflate::Bucket(word), batch.bytes + staged, p, end, deflate::shortest_match - 1);
+        deflate::match_in(deflate::Bucket(word), batch.bytes + staged, p, end, deflate::min_match - 1);
     word = deflate::match_token(match.length, match.distance);
   }
 }

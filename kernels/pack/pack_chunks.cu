@@ -38,7 +38,7 @@ void add_chunk(const RawChunk& chunk, BatchPlan& plan) {
 BatchPlan plan_batch(std::span<const RawChunk> chunks, std::size_t first) {
   BatchPlan plan;
   for (; first < chunks.size(); ++first) {
-    if (chunks[first].bytes > largest_packed_chunk)
+    if (chunks[first].bytes > max_packed_chunk_bytes)
       throw CudaFailure("a chunk of " + std::to_string(chunks[first].bytes) + " bytes is packed on the host only");
     if (!plan.chunks.empty() && plan.staged_bytes + chunks[first].bytes > pack_batch_bytes) break;
     add_chunk(chunks[first], plan);
@@ -88,7 +88,7 @@ void pack_batch(DeviceHeap& heap, const BatchPlan& plan, pack::Batch batch, Stre
 }
 
 /// Returns the max total size of the packed chunks.
-std::uint64_t most_bytes(std::span<const RawChunk> chunks) {
+std::uint64_t max_bytes(std::span<const RawChunk> chunks) {
   std::uint64_t bytes = 0;
   for (const RawChunk& c : chunks) bytes += deflate::frame_bytes + deflate::stored_size(c.bytes);
   return bytes;
@@ -102,7 +102,7 @@ PackedChunks pack_chunks(DeviceHeap& heap, const std::uint8_t* raw, std::span<co
   packed.ends.resize(chunks.size());
   if (chunks.empty()) return packed;
   // Bits are set in whole words; the last word may extend beyond the last byte.
-  packed.bytes = DeviceArray<std::uint8_t>(heap, (most_bytes(chunks) + 7) / 4 * 4);
+  packed.bytes = DeviceArray<std::uint8_t>(heap, (max_bytes(chunks) + 7) / 4 * 4);
   packed.bytes.clear_to_zero();
   DeviceArray<std::uint64_t> ends(heap, chunks.size()), packed_end(heap, 1);
   packed_end.clear_to_zero();

@@ -23,7 +23,7 @@ struct PackedChunks {
 /// the last batch; `pack_steps` has the names of the steps.
 /// Cost    Device memory in addition to the result: at most six bytes per raw byte of a batch. A batch has at most
 ///         pack_batch_bytes, or is one larger chunk. The host waits once, at the end.
-/// Errors  DeviceFull, CudaFailure; also if a chunk is larger than largest_packed_chunk.
+/// Errors  DeviceFull, CudaFailure; also if a chunk is larger than max_packed_chunk_bytes.
 PackedChunks pack_chunks(DeviceHeap& heap, const std::uint8_t* raw, std::span<const RawChunk> chunks,
                          StreamClock* clock);
 

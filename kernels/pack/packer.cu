@@ -151,7 +151,7 @@ class CudaPacker::Impl {
     raw.clear_to_zero();
     make_columns(heap_, view, shares, plan.outs(raw.data()));
     make_node_columns(heap_, nodes, plan.nodes(raw.data()));
-    const auto bring = request.as == ColumnBytes::stored ? bring_stored : bring_raw;
+    const auto bring = request.as == ColumnBytes::stored ? read_back_stored : read_back_raw;
     out.memory = bring(heap_, raw, plan.columns(), pinned_);
   }
 

@@ -11,7 +11,7 @@ struct RawChunk {
   std::uint32_t element_bytes = 1;  ///< element size of HDF5's shuffle, which divides `bytes`; 1: no shuffle
 };
 
-inline constexpr std::uint32_t largest_packed_chunk = 1u << 26;
+inline constexpr std::uint32_t max_packed_chunk_bytes = 1u << 26;
 /// The max number of raw bytes that are packed together.
 inline constexpr std::uint64_t pack_batch_bytes = std::uint64_t(1) << 26;
 

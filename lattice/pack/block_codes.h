@@ -160,8 +160,8 @@ GB_HD void write_header(BlockWork& work, bool last, BlockCodes& out) {
 GB_HD void make_block_codes(BlockWork& work, bool last, BlockCodes& out) {
   for (std::uint32_t s = 0; s < block_symbols; ++s) work.lengths[s] = 0;
   std::uint8_t* const of_distances = work.lengths + literal_symbols;
-  code_lengths(work.keys, int(work.used_literals), longest_code, work.weights, work.lengths);
-  code_lengths(work.keys + literal_symbols, int(work.used_distances), longest_code, work.weights, of_distances);
+  code_lengths(work.keys, int(work.used_literals), max_code_bits, work.weights, work.lengths);
+  code_lengths(work.keys + literal_symbols, int(work.used_distances), max_code_bits, work.weights, of_distances);
   assign_codes(work.lengths, literal_symbols, out.codes);
   assign_codes(of_distances, distance_symbols, out.codes + literal_symbols);
   write_header(work, last, out);

@@ -15,8 +15,8 @@ namespace gigabake {
 /// thousand chunks, so large columns have larger chunks.
 /// Range   rows ≥ 1.
 GB_HD std::size_t rows_per_chunk(std::size_t rows, std::size_t row_bytes) {
-  constexpr std::size_t chunk_bytes = 128 << 10, most_chunks = 1024;
-  const std::size_t of_a_page = chunk_bytes / row_bytes, of_few = (rows + most_chunks - 1) / most_chunks;
+  constexpr std::size_t chunk_bytes = 128 << 10, max_chunks = 1024;
+  const std::size_t of_a_page = chunk_bytes / row_bytes, of_few = (rows + max_chunks - 1) / max_chunks;
   const std::size_t wanted = of_a_page > of_few ? of_a_page : of_few;
   return wanted < 1 ? 1 : wanted < rows ? wanted : rows;
 }

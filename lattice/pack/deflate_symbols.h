@@ -14,7 +14,7 @@ namespace gigabake::deflate {
 inline constexpr std::uint32_t literal_symbols = 286, distance_symbols = 30, end_of_block = 256;
 /// The literal/length alphabet is first, then the distance alphabet: one array holds the counts or codes of a block.
 inline constexpr std::uint32_t block_symbols = literal_symbols + distance_symbols;
-inline constexpr std::uint32_t longest_match = 258;
+inline constexpr std::uint32_t max_match = 258;
 
 /// Returns ⌊log2 value⌋.
 /// Range   value > 0.
@@ -36,7 +36,7 @@ struct SymbolAndBits {
 GB_HD SymbolAndBits symbol_of_length(std::uint32_t length) {
   const std::uint32_t above = length - 3, bits = floor_log2(above | 4) - 2;
   const SymbolAndBits found{257 + 4 * bits + (above >> bits), above & ((1u << bits) - 1), bits};
-  return length == longest_match ? SymbolAndBits{285, 0, 0} : found;
+  return length == max_match ? SymbolAndBits{285, 0, 0} : found;
 }
 
 /// Returns the symbol of a distance as an index below `block_symbols`.
@@ -61,7 +61,7 @@ GB_HD void count_symbols(Token token, const Add& add) {
 
 /// A code in the low 16 bits, first bit lowest, and its length << 16; 0 for a symbol without a code.
 using Code = std::uint32_t;
-inline constexpr std::uint32_t longest_code = 15;
+inline constexpr std::uint32_t max_code_bits = 15;
 GB_HD std::uint32_t code_bits(Code code) { return code & 0xffff; }
 GB_HD std::uint32_t code_length(Code code) { return code >> 16; }
 

@@ -60,22 +60,22 @@ GB_HD void inner_depths(std::uint32_t* weights, int size) {
 }
 
 /// Counts the symbols of each code length from the depths of inner_depths(). Limits lengths to `most`.
-GB_HD void count_lengths(const std::uint32_t* inner, int size, std::uint32_t most, std::uint32_t* of_length) {
-  for (std::uint32_t l = 0; l <= most; ++l) of_length[l] = 0;
+GB_HD void count_lengths(const std::uint32_t* inner, int size, std::uint32_t maximum, std::uint32_t* of_length) {
+  for (std::uint32_t l = 0; l <= maximum; ++l) of_length[l] = 0;
   std::uint32_t places = 1;
   int root = size - 2;
   for (std::uint32_t depth = 0; places > 0; ++depth) {
     std::uint32_t nodes = 0;
     for (; root >= 0 && inner[root] == depth; --root) ++nodes;
-    of_length[depth < most ? depth : most] += places - nodes;
+    of_length[depth < maximum ? depth : maximum] += places - nodes;
     places = 2 * nodes;
   }
   std::uint32_t taken = 0;
-  for (std::uint32_t l = 1; l <= most; ++l) taken += of_length[l] << (most - l);
-  for (; taken > 1u << most; --taken) {
-    std::uint32_t shorter = most - 1;
+  for (std::uint32_t l = 1; l <= maximum; ++l) taken += of_length[l] << (maximum - l);
+  for (; taken > 1u << maximum; --taken) {
+    std::uint32_t shorter = maximum - 1;
     while (of_length[shorter] == 0) --shorter;
-    --of_length[most];
+    --of_length[maximum];
     --of_length[shorter];
     of_length[shorter + 1] += 2;
   }
@@ -84,14 +84,14 @@ GB_HD void count_lengths(const std::uint32_t* inner, int size, std::uint32_t mos
 /// Computes the lengths of the symbols of `keys`, which ascend; does not write other lengths. weights: `size` entries
 /// of temporary memory.
 /// Range   2 ≤ size ≤ 2^most.
-GB_HD void code_lengths(const std::uint32_t* keys, int size, std::uint32_t most, std::uint32_t* weights,
+GB_HD void code_lengths(const std::uint32_t* keys, int size, std::uint32_t maximum, std::uint32_t* weights,
                         std::uint8_t* lengths) {
   for (int i = 0; i < size; ++i) weights[i] = key_count(keys[i]);
   inner_depths(weights, size);
-  std::uint32_t of_length[longest_code + 1];
-  count_lengths(weights, size, most, of_length);
+  std::uint32_t of_length[max_code_bits + 1];
+  count_lengths(weights, size, maximum, of_length);
   int at = 0;
-  for (std::uint32_t length = most; length > 0; --length)
+  for (std::uint32_t length = maximum; length > 0; --length)
     for (std::uint32_t n = of_length[length]; n > 0; --n) lengths[key_symbol(keys[at++])] = std::uint8_t(length);
 }
 
@@ -110,11 +110,11 @@ GB_HD std::uint32_t first_bit_lowest(std::uint32_t code, std::uint32_t length) {
 
 /// Computes the canonical codes of `lengths`; a length of 0 gives code 0.
 GB_HD void assign_codes(const std::uint8_t* lengths, std::uint32_t symbols, Code* codes) {
-  std::uint32_t of_length[longest_code + 1] = {}, next[longest_code + 1];
+  std::uint32_t of_length[max_code_bits + 1] = {}, next[max_code_bits + 1];
   for (std::uint32_t s = 0; s < symbols; ++s) ++of_length[lengths[s]];
   std::uint32_t code = 0;
   of_length[0] = next[0] = 0;
-  for (std::uint32_t l = 1; l <= longest_code; ++l) next[l] = code = (code + of_length[l - 1]) << 1;
+  for (std::uint32_t l = 1; l <= max_code_bits; ++l) next[l] = code = (code + of_length[l - 1]) << 1;
   for (std::uint32_t s = 0; s < symbols; ++s) {
     const std::uint32_t length = lengths[s];
     codes[s] = length == 0 ? 0 : length << 16 | first_bit_lowest(next[length]++, length);

@@ -24,7 +24,7 @@ namespace gigabake::deflate {
 inline constexpr std::uint32_t block_bytes = 1 << 15, segment_bytes = 1 << 10;
 inline constexpr std::uint32_t segments_per_block = block_bytes / segment_bytes;
 inline constexpr std::uint32_t readable_beyond = 16;
-inline constexpr std::uint32_t shortest_match = 4, longest_distance = 32767;
+inline constexpr std::uint32_t min_match = 4, max_distance = 32767;
 /// The match length from which the parser does not search for a better match at the next byte.
 inline constexpr std::uint32_t long_enough = 16;
 
@@ -46,7 +46,7 @@ inline constexpr std::uint32_t bucket_bits = 14, buckets = 1 << bucket_bits;
 GB_HD std::uint32_t bucket_of(std::uint32_t bytes) { return bytes * 0x9E3779B1u >> (32 - bucket_bits); }
 GB_HD Bucket bucket_with(std::uint32_t position) { return Bucket(position); }
 GB_HD std::uint32_t distance_to(Bucket bucket, std::uint32_t position) { return (position - bucket) & 0xffff; }
-GB_HD bool in_reach(std::uint32_t distance) { return distance - 1 < longest_distance; }
+GB_HD bool in_reach(std::uint32_t distance) { return distance - 1 < max_distance; }
 
 /// Returns the content of an empty bucket for a block that begins at `position`: out of reach for all positions of that
 /// block. aged() must update the table at the start of each block, before positions wrap at 65,536.
@@ -76,23 +76,24 @@ GB_HD std::uint32_t equal_of_eight(const std::uint8_t* a, const std::uint8_t* b)
 }
 
 /// Returns the number of equal bytes before the first difference, at most `most`.
-GB_HD std::uint32_t equal_bytes(const std::uint8_t* a, const std::uint8_t* b, std::uint32_t most) {
-  for (std::uint32_t n = 0; n < most; n += 8)
-    if (const std::uint32_t equal = equal_of_eight(a + n, b + n); equal < 8) return n + equal < most ? n + equal : most;
-  return most;
+GB_HD std::uint32_t equal_bytes(const std::uint8_t* a, const std::uint8_t* b, std::uint32_t maximum) {
+  for (std::uint32_t n = 0; n < maximum; n += 8)
+    if (const std::uint32_t equal = equal_of_eight(a + n, b + n); equal < 8)
+      return n + equal < maximum ? n + equal : maximum;
+  return maximum;
 }
 
 /// Returns the match of `position` with the candidate `found`, if it is longer than `length`; else no match. The match
 /// ends before `end`. Most candidates are rejected early: they differ in the four bytes that end a match of length + 1.
-/// Range   length ≥ shortest_match - 1.
+/// Range   length ≥ min_match - 1.
 GB_HD Match match_in(Bucket found, const std::uint8_t* bytes, std::uint32_t position, std::uint32_t end,
                      std::uint32_t length) {
   const std::uint32_t distance = distance_to(found, position);
-  const std::uint32_t most = end - position < longest_match ? end - position : longest_match;
-  if (!in_reach(distance) || length >= most) return {};
-  const std::uint8_t *const here = bytes + position, *const tried = here + length + 1 - shortest_match;
+  const std::uint32_t maximum = end - position < max_match ? end - position : max_match;
+  if (!in_reach(distance) || length >= maximum) return {};
+  const std::uint8_t *const here = bytes + position, *const tried = here + length + 1 - min_match;
   if (four_bytes(tried) != four_bytes(tried - distance)) return {};
-  const std::uint32_t equal = equal_bytes(here, here - distance, most);
+  const std::uint32_t equal = equal_bytes(here, here - distance, maximum);
   return equal > length ? Match{equal, distance} : Match{};
 }
 GB_HD Match match_of(Token token) { return {token >> 16, token & 0xffff}; }
@@ -100,7 +101,7 @@ GB_HD Match match_of(Token token) { return {token >> 16, token & 0xffff}; }
 /// Returns the end of the positions that the table contains, at most `end`. These are the positions with at least four
 /// bytes after them.
 GB_HD std::uint32_t entered_before(std::uint32_t chunk_bytes, std::uint32_t end) {
-  const std::uint32_t all = chunk_bytes < shortest_match ? 0 : chunk_bytes - (shortest_match - 1);
+  const std::uint32_t all = chunk_bytes < min_match ? 0 : chunk_bytes - (min_match - 1);
   return all < end ? all : end;
 }
 
@@ -123,7 +124,7 @@ GB_HD bool better_one_later(const Match& here, const Match& next) {
 template <class MatchAt, class Add>
 GB_HD void parse_segment(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end, MatchAt& match_at,
                          Add& add) {
-  Match here = match_at(begin, end, shortest_match - 1);
+  Match here = match_at(begin, end, min_match - 1);
   for (std::uint32_t at = begin;;) {
     if (here.length == 0) {
       add(bytes[at++]);
@@ -140,7 +141,7 @@ GB_HD void parse_segment(const std::uint8_t* bytes, std::uint32_t begin, std::ui
       at += here.length;
     }
     if (at == end) return;
-    here = match_at(at, end, shortest_match - 1);
+    here = match_at(at, end, min_match - 1);
   }
 }
 

@@ -18,7 +18,7 @@ enum class VoxelArray : std::uint8_t { rgba, normal, facing };
 struct ChannelPlace {
   VoxelArray array;
   std::size_t stride;         ///< bytes from voxel to voxel
-  std::size_t offset, width;  ///< bytes within a voxel; width ≤ widest_value
+  std::size_t offset, width;  ///< bytes within a voxel; width ≤ max_value_bytes
 };
 
 /// The row of a column: its size, and the element size of HDF5's shuffle filter (1: not shuffled). Columns of values

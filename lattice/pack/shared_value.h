@@ -19,8 +19,8 @@ namespace gigabake {
 /// The bytes of a brick's `share`. Byte o < 8, bit g: group g of octant o has one value. Byte 8, bit o: octant o has
 /// one value. Byte 9: 1 if the whole brick has one value, else 0.
 inline constexpr std::size_t share_bytes = 10;
-inline constexpr unsigned groups_a_brick = 64, octants_a_brick = 8;
-inline constexpr std::size_t widest_value = 4;  ///< max size of a voxel's value, bytes
+inline constexpr unsigned groups_per_brick = 64, octants_a_brick = 8;
+inline constexpr std::size_t max_value_bytes = 4;  ///< max size of a voxel's value, bytes
 
 /// Returns 8·octant + group of voxel (x, y, z), numbered x + 8y + 64z.
 GB_HD constexpr unsigned group_of(unsigned voxel) {
@@ -33,7 +33,7 @@ GB_HD constexpr unsigned group_of(unsigned voxel) {
 GB_HD constexpr std::uint64_t octant_groups(unsigned octant) { return std::uint64_t(0xff) << 8 * octant; }
 
 /// Loads a value byte by byte, because copying three bytes to a word would wait for the store.
-/// Range   width ≤ widest_value.
+/// Range   width ≤ max_value_bytes.
 template <class Width>
 GB_HD std::uint32_t value_at(const std::uint8_t* bytes, Width width) {
   std::uint32_t value = 0;

@@ -23,7 +23,7 @@ from verdict import verdict
 FOLDERS = ["app", "bench", "cluster", "format", "kernels", "lattice", "scheduler", "tests", "viewer", "worker"]
 SOURCE = {".h", ".cpp", ".cu", ".cuh"}
 # These replace another file if a library is missing.
-STUB = re.compile(r"(^|/)(absent\w*|no_\w+)\.cpp$")
+STUB = re.compile(r"_stub\.cpp$")
 # CMakeLists.txt exclude these from unity builds, or compile each into a separate program or module.
 APART = re.compile(r"bench/|tests/bench/|tests/fuzz/read_|format/source/mesh/|format/export/openvdb/")
 
@@ -142,7 +142,7 @@ GOOD = in_scene(
            "template <>\nstruct std::hash<g::A> {};\n",
     two__h="namespace h { struct A {}; struct B { struct A {}; }; }\nnamespace g { using h::B; }\n"
            "template <>\nstruct std::hash<h::A> {};\n#if X\nstruct C {\n#else\nstruct C : A {\n#endif\n};\n",
-    no_zip__cpp="namespace g { struct Z {}; }\n",
+    zip_stub__cpp="namespace g { struct Z {}; }\n",
     zip__cpp="namespace g {\nstruct Z { int n; };\nint Z::f(int small) { return small; }\n}\n",
     three__cpp="namespace g { namespace {\nstruct B {};\nusing Map = std::map<int, int>;\n"
                "int area(Box box) { struct Local {}; return 1; }\nA make() { return {1, 2}; }\n"

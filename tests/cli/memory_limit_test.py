@@ -49,10 +49,10 @@ class MemoryLimitTest(unittest.TestCase):
     def tearDown(self):
         self.folder.cleanup()
 
-    def run_limited(self, most_bytes, *command):
+    def run_limited(self, max_bytes, *command):
         """Returns exit code, lines of errors, and the maximum memory of the processes."""
         def limit():
-            resource.setrlimit(resource.RLIMIT_AS, (most_bytes, most_bytes))
+            resource.setrlimit(resource.RLIMIT_AS, (max_bytes, max_bytes))
         with subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                               env={**os.environ, **harness.MPI_ENVIRONMENT}, preexec_fn=limit) as process:
             errors = process.stderr.read()

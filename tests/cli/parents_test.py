@@ -139,17 +139,17 @@ class Parents(harness.FolderTest):
             self.assertLess((numpy.abs(fine - cut).max(2) > 2).mean(), .002, (options, f"seed {SEED}"))
 
     def test_a_picture_from_afar_opens_few_files_and_is_told_how_many(self):
-        for distance, most in ((4000, 1), (400, 1)):
+        for distance, maximum in ((4000, 1), (400, 1)):
             output = self.picture("fine", f"--eye=0.1,0,{distance}", "--target=0,0,0")[1].stdout
-            self.assertTrue(1 <= int(re.search(r"from (\d+) file", output)[1]) <= most, output)
+            self.assertTrue(1 <= int(re.search(r"from (\d+) file", output)[1]) <= maximum, output)
 
     def test_a_scene_with_an_error_is_drawn_from_its_root_too(self):
         # Regression of 2026-11-25: viewers opened every cell of the scene.
         self.bake("lossy", "--cell-voxels", 16, "--max-error", 4)
-        for distance, most in ((4000, 1), (400, 1)):
+        for distance, maximum in ((4000, 1), (400, 1)):
             options = (f"--eye=0.1,0,{distance}", "--target=0,0,0")
             lossy, result = self.picture("lossy", *options)
-            self.assertTrue(1 <= int(re.search(r"from (\d+) file", result.stdout)[1]) <= most, result.stdout)
+            self.assertTrue(1 <= int(re.search(r"from (\d+) file", result.stdout)[1]) <= maximum, result.stdout)
         for eye, pixel_error in (("2,-9,6", 1), ("0.1,0,20", 3), ("0.1,0,30", 8), ("0.1,0,60", 8)):
             options = ("--eye=" + eye, "--target=0,0,0", "--pixel-error", pixel_error)
             exact, lossy = self.picture("fine", *options)[0], self.picture("lossy", *options)[0]

@@ -11,7 +11,7 @@ import time
 import unittest
 from pathlib import Path
 
-MOST_SHOWN = 20000
+MAX_SHOWN = 20000
 
 
 def folder():
@@ -49,8 +49,8 @@ class Transcript:
         self.failed = True
         for command, path in self.files[first:]:
             said = path.read_text(encoding="utf-8", errors="replace") if path.exists() else ""
-            cut = f"... {len(said) - MOST_SHOWN} characters more in the file\n" if len(said) > MOST_SHOWN else ""
-            print(f"--- {command}\n--- said, and {path} keeps:\n{cut}{said[-MOST_SHOWN:]}", file=sys.stderr, flush=True)
+            cut = f"... {len(said) - MAX_SHOWN} characters more in the file\n" if len(said) > MAX_SHOWN else ""
+            print(f"--- {command}\n--- said, and {path} keeps:\n{cut}{said[-MAX_SHOWN:]}", file=sys.stderr, flush=True)
 
     def forget(self):
         if not self.failed:

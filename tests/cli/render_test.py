@@ -125,7 +125,8 @@ class Render(harness.FolderTest):
         camera = ("--eye", "60,-70,50", "--target", "0,0,0", "--size", "120x80")
         whole = self.root / "whole.png"
         GIGABAKE.succeed("render", broken / "scene.xml", "-o", whole, *camera)
-        for kind, least, most in (("p*.h5", 1, 1), ("c_*.h5", .5, .999)):  # cells contain levels that overviews copied
+        # Cells contain levels that overviews duplicate.
+        for kind, minimum, maximum in (("p*.h5", 1, 1), ("c_*.h5", .5, .999)):
             shard = max((broken / "shards").glob(kind), key=lambda path: path.stat().st_size)
             bytes_of_shard = shard.read_bytes()
             shard.write_bytes(bytes_of_shard[:5000])
@@ -136,7 +137,7 @@ class Render(harness.FolderTest):
                 self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
                 self.assertIn(shard.name, result.stderr)
                 same = (read_png(picture) == read_png(whole)).all(axis=2).mean()
-                self.assertTrue(least <= same <= most, (kind, same))
+                self.assertTrue(minimum <= same <= maximum, (kind, same))
                 shard.unlink(missing_ok=True)
             shard.write_bytes(bytes_of_shard)
 

@@ -39,7 +39,7 @@ class BakeProcessTest : public testing::Test {
     const Died died = expect<Died>(process);
     EXPECT_EQ(died.why.find(why), 0u) << died.why;
     ASSERT_EQ(died.cells.size(), 3u);
-    EXPECT_EQ(process.in_hand(), 0u);
+    EXPECT_EQ(process.in_flight(), 0u);
     EXPECT_FALSE(process.pid());
     const auto expected = scene.baked_here({jobs[0], jobs[1], jobs[2]}, "here");
     for (std::size_t i = 0; i < 3; ++i) {
@@ -62,9 +62,9 @@ TEST_F(BakeProcessTest, BakesWhatThePipelineBakesInThisProcess) {
   ASSERT_GE(expected.size(), 25u);
   BakeProcess process(scene.setup("out"), real_program());
   for (const CellJob& job : jobs) process.submit(job, 1);
-  EXPECT_EQ(process.in_hand(), jobs.size());
+  EXPECT_EQ(process.in_flight(), jobs.size());
   for (const CellReport& e : expected) expect_same_voxels(expect<Baked>(process).report, e);
-  EXPECT_EQ(process.in_hand(), 0u);
+  EXPECT_EQ(process.in_flight(), 0u);
   EXPECT_GT(process.peak_bytes(), std::uint64_t(1) << 20);
 }
 
@@ -78,7 +78,7 @@ TEST_F(BakeProcessTest, SurveysWhileItBakes) {
     const BakeProcess::Event event = next_event(process);
     ASSERT_NE(event.index(), 2u) << std::get<Died>(event).why;
     if (const auto* surveyed = std::get_if<Surveyed>(&event)) {
-      const TileSurvey here = survey_tile(sources, surveyed->survey.tile, setup.parameters, ThreadPool(1));
+      const TileScan here = survey_tile(sources, surveyed->survey.tile, setup.parameters, ThreadPool(1));
       EXPECT_EQ(to_bytes(surveyed->survey), to_bytes(here));
       ++surveys;
     } else {
@@ -102,7 +102,7 @@ TEST_F(BakeProcessTest, HandsBackWhatWasInHandWhenItCrashes) {
 
 TEST_F(BakeProcessTest, TakesAStoppedProcessForHungAndGoesOn) {
   BakeProcessOptions options = real_program();
-  options.patience.stall_s = 2;
+  options.timeouts.no_progress_s = 2;
   BakeProcess process(scene.setup("out"), options);
   process.survey(0);
   expect<Surveyed>(process);
@@ -119,7 +119,7 @@ TEST_F(BakeProcessTest, TakesAStoppedProcessForHungAndGoesOn) {
 TEST_F(BakeProcessTest, TakesAProcessThatStopsBeforeItBeginsForHung) {
   BakeProcessOptions options;
   options.program = scene.script("asleep", "exec sleep 600");
-  options.patience.stall_s = 2;
+  options.timeouts.no_progress_s = 2;
   BakeProcess process(scene.setup("out"), options);
   process.prepare();
   EXPECT_EQ(expect<Died>(process).why, "hung: no CPU time for 2 s in its start");
@@ -128,8 +128,8 @@ TEST_F(BakeProcessTest, TakesAProcessThatStopsBeforeItBeginsForHung) {
 TEST_F(BakeProcessTest, EndsACellThatTakesTooLong) {
   BakeProcessOptions options;
   options.program = scene.script("busy", "while :; do :; done");
-  options.patience.stall_s = 20;
-  options.patience.cell_timeout_s = 2;
+  options.timeouts.no_progress_s = 20;
+  options.timeouts.cell_timeout_s = 2;
   BakeProcess process(scene.setup("out"), options);
   process.submit(jobs[3], 1);
   EXPECT_EQ(expect<Died>(process).why, "not done after 2 s: cell " + jobs[3].name);
@@ -137,7 +137,7 @@ TEST_F(BakeProcessTest, EndsACellThatTakesTooLong) {
 
 TEST_F(BakeProcessTest, LeavesAnIdleProcessAlone) {
   BakeProcessOptions options = real_program();
-  options.patience.stall_s = 1;
+  options.timeouts.no_progress_s = 1;
   BakeProcess process(scene.setup("out"), options);
   process.survey(0);
   expect<Surveyed>(process);
@@ -250,7 +250,7 @@ TEST_F(BakeProcessTest, BakesEveryCellOnceHoweverOftenItIsKilled) {
   int kills = 0, deaths = 0;
   bool just_died = false;
   while (got.size() < 30) {
-    for (; process.in_hand() < 3 && !waiting.empty(); waiting.pop_front())
+    for (; process.in_flight() < 3 && !waiting.empty(); waiting.pop_front())
       process.submit(waiting.front().job, waiting.front().attempt);
     // Two deaths without a result between them are rare, since the next start is then delayed.
     if (kills < 20 && (just_died ? rng() % 8 == 0 : rng() % 8 != 0)) {

@@ -31,7 +31,7 @@ std::vector<CellJob> BakeScene::jobs() const {
   const WorkerSetup s = setup("");
   const SceneSources sources = this->sources();
   const ThreadPool pool(1);
-  std::vector<TileSurvey> surveys;
+  std::vector<TileScan> surveys;
   for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
     surveys.push_back(survey_tile(sources, t, s.parameters, pool));
   return make_plan(surveys, sources, s.parameters).jobs;

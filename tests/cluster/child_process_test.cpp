@@ -166,7 +166,7 @@ TEST_F(ChildProcessTest, ThatNeverReadsBlocksNobody) {
   for (job.id = 0; job.id < 5000; ++job.id) process.submit(job, 1);
   while (Clock::now() < start + milliseconds(200)) EXPECT_FALSE(process.poll());
   EXPECT_LT(Clock::now() - start, std::chrono::seconds(5));
-  EXPECT_EQ(process.in_hand(), 5000u);
+  EXPECT_EQ(process.in_flight(), 5000u);
 }
 
 TEST_F(ChildProcessTest, ThatFloodsItsSupervisorIsEnded) {
@@ -186,7 +186,7 @@ TEST_F(ChildProcessTest, ThatEndsAtOnceIsOneLineAndThenAPause) {
   const auto third = Clock::now();
   process.survey(0);
   EXPECT_FALSE(process.poll());
-  EXPECT_EQ(process.in_hand(), 1u);
+  EXPECT_EQ(process.in_flight(), 1u);
   expect<Died>(process);
   EXPECT_GT(Clock::now() - third, milliseconds(900));
 }

@@ -30,9 +30,9 @@ class Dispatch : public testing::Test {
     std::mt19937 random(seed);
     plan_.jobs = made_jobs(cells, random);
     for (CellJob& job : plan_.jobs) job.name = "c_" + std::to_string(job.id) + "_0_0", job.fingerprint = {job.id, 1};
-    progress_.noted = [this](const std::string& line) { notes_.push_back(line); };
+    progress_.warning = [this](const std::string& line) { notes_.push_back(line); };
     progress_.cell_done = [this](const CellReport& report, const CellJob&) { told_.push_back(report.id); };
-    options_.silence_s = 10;
+    options_.heartbeat_timeout_s = 10;
   }
 
   DispatchResult run(ScriptedRanks& ranks, const std::vector<std::uint32_t>& already_done = {}) {
@@ -102,7 +102,7 @@ TEST_P(DispatchOnRanks, BakesEveryCellOnceAndTellsEveryRankThatItLivesAndWhenToS
   EXPECT_EQ(result.peak_bytes, std::uint64_t(GetParam() - 1) << 20);
   EXPECT_THAT(notes_, IsEmpty());
   expect_all_stopped(ranks);
-  for (int rank = 1; rank < GetParam(); ++rank) EXPECT_LT(ranks.longest_silence_s(rank), 1.2) << "rank " << rank;
+  for (int rank = 1; rank < GetParam(); ++rank) EXPECT_LT(ranks.max_silence_s(rank), 1.2) << "rank " << rank;
 }
 
 INSTANTIATE_TEST_SUITE_P(Counts, DispatchOnRanks, testing::Values(1, 2, 3, 5, 7, 64, 301));
@@ -181,7 +181,7 @@ TEST_F(Dispatch, GivesTheCellsOfASilentRankToOthers) {
   EXPECT_EQ(result.counts, (JobCounts{0, 0, cells, 0, 0}));
   EXPECT_THAT(result.lost_ranks, ElementsAre(2));
   EXPECT_THAT(notes_, ElementsAre("nothing heard of rank 2; its cells are baked elsewhere"));
-  EXPECT_GT(ranks.in_hand(2), 0u);
+  EXPECT_GT(ranks.in_flight(2), 0u);
   expect_all_stopped(ranks);  // the stalled rank may wake up later
 }
 
@@ -234,7 +234,7 @@ TEST_F(Dispatch, FinishesWhatIsOutWhenItIsAskedToDrain) {
     ScriptedRanks ranks(count, seed);
     std::size_t orders = 0;
     ranks.at = [&](double now_s) {
-      if (now_s < 2 || ranks.is_drain_asked()) return;
+      if (now_s < 2 || ranks.is_drain_requested()) return;
       ranks.ask_to_drain();
       orders = ranks.orders();
     };

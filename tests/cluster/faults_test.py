@@ -165,8 +165,8 @@ class Faults(harness.FolderTest):
         try:
             if what == NO_MEMORY:  # little more than the process has
                 size = 4096 * int(Path(f"/proc/{pid}/statm").read_text().split()[0])
-                most = size + self.random.randrange(1, 1 << 22)
-                resource.prlimit(pid, resource.RLIMIT_AS, (most, most))
+                maximum = size + self.random.randrange(1, 1 << 22)
+                resource.prlimit(pid, resource.RLIMIT_AS, (maximum, maximum))
             else:
                 os.kill(pid, what)
         except (FileNotFoundError, ProcessLookupError):

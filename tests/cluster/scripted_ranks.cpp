@@ -28,8 +28,8 @@ void ScriptedRanks::send(int rank, Tag tag, std::vector<std::uint8_t> bytes) {
 }
 
 /// Handles a message by an independent implementation of the protocol of cluster/message.h.
-void ScriptedRanks::obey(Rank& rank, Tag tag, const std::vector<std::uint8_t>& bytes) {
-  rank.longest_silence_s = std::max(rank.longest_silence_s, now_s_ - rank.heard_s);
+void ScriptedRanks::handle(Rank& rank, Tag tag, const std::vector<std::uint8_t>& bytes) {
+  rank.max_silence_s = std::max(rank.max_silence_s, now_s_ - rank.heard_s);
   rank.heard_s = now_s_;
   if (tag != tag_job) return;
   std::uint32_t known_deaths = 0;
@@ -62,7 +62,7 @@ void ScriptedRanks::answer(int rank, const Work& work) {
 void ScriptedRanks::work(int rank) {
   Rank& r = ranks_[std::size_t(rank)];
   if (r.stalled) return;
-  for (; !r.inbox.empty(); r.inbox.pop_front()) obey(r, r.inbox.front().first, r.inbox.front().second);
+  for (; !r.inbox.empty(); r.inbox.pop_front()) handle(r, r.inbox.front().first, r.inbox.front().second);
   while (!r.hand.empty() && r.hand.front().done_s <= now_s_) {
     const Work done = r.hand.front();
     r.hand.pop_front();

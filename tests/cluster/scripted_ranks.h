@@ -37,14 +37,14 @@ class ScriptedRanks : public RankLink {
   /// Returns the number of orders that ranks accepted, of all attempts.
   std::size_t orders() const { return orders_; }
   /// Returns the number of cells that are in flight in a rank's bake process.
-  std::size_t in_hand(int rank) const { return ranks_[std::size_t(rank)].hand.size(); }
+  std::size_t in_flight(int rank) const { return ranks_[std::size_t(rank)].hand.size(); }
   bool was_told_to_stop(int rank) const { return ranks_[std::size_t(rank)].stopped; }
   /// Returns the maximum time between two messages of rank 0 to this rank.
-  double longest_silence_s(int rank) const { return ranks_[std::size_t(rank)].longest_silence_s; }
+  double max_silence_s(int rank) const { return ranks_[std::size_t(rank)].max_silence_s; }
 
   int ranks() const override { return int(ranks_.size()); }
   double now_s() const override { return now_s_; }
-  bool is_drain_asked() const override { return drain_asked_; }
+  bool is_drain_requested() const override { return drain_asked_; }
   void send(int rank, Tag tag, std::vector<std::uint8_t> bytes) override;
   std::optional<Message> receive() override;
   void wait() override;
@@ -59,10 +59,10 @@ class ScriptedRanks : public RankLink {
     std::deque<std::pair<Tag, std::vector<std::uint8_t>>> inbox;  ///< messages that a stalled rank has not read yet
     std::uint32_t deaths = 0;
     bool stalled = false, stopped = false;
-    double shown_s = -10, heard_s = 0, longest_silence_s = 0;
+    double shown_s = -10, heard_s = 0, max_silence_s = 0;
   };
 
-  void obey(Rank& rank, Tag tag, const std::vector<std::uint8_t>& bytes);
+  void handle(Rank& rank, Tag tag, const std::vector<std::uint8_t>& bytes);
   void work(int rank);
   void answer(int rank, const Work& work);
   void say(int rank, Tag tag, std::vector<std::uint8_t> bytes) { under_way_.push_back({rank, tag, std::move(bytes)}); }

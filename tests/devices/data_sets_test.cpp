@@ -26,13 +26,13 @@ namespace {
 using Path = std::filesystem::path;
 
 constexpr double voxels_along = 300;  ///< along the scene's longest edge
-constexpr std::size_t most_cells = 12;
+constexpr std::size_t max_cells = 12;
 constexpr std::uint64_t few_bytes = std::uint64_t(4) << 20;  ///< of device memory: larger cells are split
 
 using test::shared_data;
 
 /// Returns the longest edge of the tiles' box in the scene, metres; 0 if nothing can be read.
-double longest_edge_m(const SceneSources& sources) {
+double max_edge_m(const SceneSources& sources) {
   double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
   for (const TileRef& tile : sources.tiles) {
     TileMesh mesh;
@@ -89,15 +89,15 @@ class OnBothBackends {
       return;  // tested in tests/format
     }
     BakeParameters parameters;
-    parameters.voxel_size_m = std::clamp(longest_edge_m(sources) / voxels_along, 1e-6, 1e6);
+    parameters.voxel_size_m = std::clamp(max_edge_m(sources) / voxels_along, 1e-6, 1e6);
     parameters.cell_voxels = 256;
-    std::vector<TileSurvey> surveys;
+    std::vector<TileScan> surveys;
     for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
       surveys.push_back(survey_tile(sources, t, parameters, pool_));
     BakePlan plan = make_plan(std::move(surveys), sources, parameters);
     ++outcome.sources;
     outcome.without_cells += plan.jobs.empty();
-    if (plan.jobs.size() > most_cells) plan.jobs.resize(most_cells);
+    if (plan.jobs.size() > max_cells) plan.jobs.resize(max_cells);
     CellLoader loader(sources, parameters, std::uint64_t(1) << 30, pool_.threads());
     for (const CellJob& job : plan.jobs) compare_cell(loader, job, parameters, outcome);
   }

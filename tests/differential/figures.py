@@ -63,10 +63,10 @@ def outline_of(columns):
     return [p for i, p in enumerate(outline) if p != outline[i - 1]]
 
 
-def with_spikes(odd, corners, most):
+def with_spikes(odd, corners, maximum):
     """Adds corners on edges, repeated corners, and spikes, which have no area."""
     out = list(corners)
-    for _ in range(odd.randint(0, most)):
+    for _ in range(odd.randint(0, maximum)):
         at = odd.randrange(len(out))
         a, b = numpy.array(out[at - 1]), numpy.array(out[at])
         kind = odd.choice(["spike", "repeat", "middle", "overshoot"])
@@ -161,9 +161,9 @@ def add_place(odd, part, axes, slot):
         part.blocks[cell] = (int(column), int(row)) if all(inside) else None
 
 
-def figure(odd, kinds, most_parts=4):
+def figure(odd, kinds, max_parts=4):
     """Returns parts in different cubes of the 12³ voxels from 0 on."""
-    slots = odd.sample([(x, y, z) for x in range(2) for y in range(2) for z in range(2)], odd.randint(1, most_parts))
+    slots = odd.sample([(x, y, z) for x in range(2) for y in range(2) for z in range(2)], odd.randint(1, max_parts))
     parts = []
     for slot in slots:
         kind = odd.choice(kinds)

@@ -68,7 +68,7 @@ class Buffers:
         return self.accessor(rows, "f4", "VEC3", min=rows.min(0).tolist(), max=rows.max(0).tolist())
 
     def indices(self, numbers, vertices):
-        kinds = [k for k, most in (("u1", 255), ("u2", 65535), ("u4", 1 << 32)) if vertices <= most]
+        kinds = [k for k, maximum in (("u1", 255), ("u2", 65535), ("u4", 1 << 32)) if vertices <= maximum]
         kind = self.odd.choice(kinds)
         entry = {"bufferView": self.view(numpy.array(numbers, "<" + kind).tobytes()), "componentType": COMPONENTS[kind],
                  "count": len(numbers), "type": "SCALAR"}

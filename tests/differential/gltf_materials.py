@@ -105,12 +105,12 @@ class Materials:
         values = numpy.array([linear(c) for c in part.colour])
         width = odd.choice([3, 4])
         number = odd.choice(["f4", "u1", "u2"])
-        most = {"f4": 1, "u1": 255, "u2": 65535}[number]
-        stored = values if number == "f4" else numpy.round(values * most)
-        rows = numpy.tile([*stored, most][:width], (len(part.points), 1))
+        maximum = {"f4": 1, "u1": 255, "u2": 65535}[number]
+        stored = values if number == "f4" else numpy.round(values * maximum)
+        rows = numpy.tile([*stored, maximum][:width], (len(part.points), 1))
         keys = {} if number == "f4" else {"normalized": True}
         attributes["COLOR_0"] = self.writer.buffers.accessor(rows, number, f"VEC{width}", **keys)
-        seen, material = stored / most, None
+        seen, material = stored / maximum, None
         if kind == "both":
             factor = [odd.choice([0.5, 1, 0.25]) for _ in range(3)]
             seen = seen * factor

@@ -13,7 +13,7 @@ from odd import BLOCK, VOXEL
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
 import harness  # noqa: E402
 
-MOST_SHOWN = 4
+MAX_SHOWN = 4
 WARNING = re.compile(r"(?P<first>.*?)(?: and (?P<more>\d+) more)?: (?P<text>.*)", re.DOTALL)
 
 
@@ -55,7 +55,7 @@ def bake(program, root, cases, arguments):
 
 
 def shown(items):
-    return ", ".join(map(str, items[:MOST_SHOWN])) + (f" and {len(items) - MOST_SHOWN} more" if len(items) > 4 else "")
+    return ", ".join(map(str, items[:MAX_SHOWN])) + (f" and {len(items) - MAX_SHOWN} more" if len(items) > 4 else "")
 
 
 def is_colour(seen, colour, tolerance):

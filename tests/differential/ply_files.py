@@ -147,10 +147,10 @@ class PlyWriter:
             kind = "double" if is_large else "float"
         return [(name, kind, points[:, i].tolist()) for i, name in enumerate("xyz")]
 
-    def add_plain(self, columns, count, most):
+    def add_plain(self, columns, count, maximum):
         """Adds properties without expected warnings, and possibly a property that must be reported."""
         odd = self.odd
-        for name in odd.sample(PLAIN, odd.randint(0, most)):
+        for name in odd.sample(PLAIN, odd.randint(0, maximum)):
             columns.insert(odd.randint(0, len(columns)), (name, odd.choice(["float", "uchar", "double"]), [0] * count))
         if odd.maybe(0.1):
             columns.append((odd.choice(["label", "scalar_Value", "material_id"]), "int", list(range(count))))
@@ -199,8 +199,8 @@ class PlyWriter:
             return [("vertex", len(self.vertex[0][2]), self.vertex), *self.strips(parts)]
         if not self.face and odd.beyond(0.3):
             self.add_reported_faces(lists, count)
-        longest = max(map(len, lists))
-        kind = (odd.choice(["uchar", "uchar", "int", "uint", "ushort", "short"]) if longest < 256 else "int",
+        maximum = max(map(len, lists))
+        kind = (odd.choice(["uchar", "uchar", "int", "uint", "ushort", "short"]) if maximum < 256 else "int",
                 odd.choice(["int", "int", "uint", "short", "ushort"]))
         self.face.insert(odd.randint(0, len(self.face)), (odd.choice(["vertex_indices", "vertex_index"]), kind, lists))
         self.add_plain(self.face, len(lists), 1)

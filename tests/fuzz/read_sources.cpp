@@ -31,8 +31,8 @@ std::string text_of(Bytes bytes) { return {bytes.begin(), bytes.end()}; }
 
 /// Returns true if the mesh is small. Scanning a mesh across millions of columns takes seconds, too long for a fuzzer.
 bool is_small(const TileMesh& mesh) {
-  constexpr double most_m = 1e5;
-  constexpr std::size_t most_points = 100'000;
+  constexpr double max_m = 1e5;
+  constexpr std::size_t max_points = 100'000;
   std::size_t points = 0;
   Point<Scene> first{};
   for (const Instance& i : mesh.instances) {
@@ -40,8 +40,7 @@ bool is_small(const TileMesh& mesh) {
     for (std::size_t v = 0; v + 2 < p.size(); v += 3) {
       const Point<Scene> at = i.scene_from_local({p[v], p[v + 1], p[v + 2]});
       if (points++ == 0) first = at;
-      if (std::fabs(at.x - first.x) > most_m || std::fabs(at.y - first.y) > most_m || points > most_points)
-        return false;
+      if (std::fabs(at.x - first.x) > max_m || std::fabs(at.y - first.y) > max_m || points > max_points) return false;
     }
   }
   return true;

@@ -4,8 +4,8 @@
 
 #include "tests/fuzz/readers.h"
 #include "viewer/live/camera_path.h"
-#include "viewer/live/pilot.h"
-#include "viewer/live/steering_json.h"
+#include "viewer/live/render_scheduler.h"
+#include "viewer/live/viewer_input_json.h"
 #include "viewer/web/http_guard.h"
 
 namespace gigabake::fuzz {
@@ -35,7 +35,7 @@ void steering(Bytes bytes) {
   CameraOptions home;
   home.eye_m = {100, -100, 50};
   home.target_m = {0, 0, 0};
-  Pilot pilot(home, 0.03);
+  RenderScheduler pilot(home, 0.03);
   std::string_view rest = text_of(bytes);
   for (double now_s = 0; !rest.empty(); now_s += 0.05) {
     pilot.steer(steering_from_json(take_line(rest)), now_s);

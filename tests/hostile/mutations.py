@@ -103,9 +103,9 @@ BYTE_CHANGES = [change_bytes, flip_bit, cut_end, cut_piece, repeat_piece, insert
                 change_word, change_digits, change_line, claim_picture_size]
 
 
-def slots_of(value, found, most=10_000):
+def slots_of(value, found, maximum=10_000):
     """Returns the places of a document, as (container, key)."""
-    if len(found) > most:
+    if len(found) > maximum:
         return found
     pairs = value.pairs if isinstance(value, Members) else list(enumerate(value)) if isinstance(value, list) else []
     for i, (_, inner) in enumerate(pairs):

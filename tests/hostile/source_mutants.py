@@ -29,8 +29,8 @@ import source_seeds  # noqa: E402
 OUR_EXIT_CODES = {0, 1, 2, 3}
 ENDED_WHEN_ASKED = {75, 128 + signal.SIGTERM, -signal.SIGTERM}  # bake, other command, command before its start
 # A message of up to 1,000 bytes (lattice/quote.h), and a command's prefix.
-MAX_LINE, MOST_ERRORS = 1200, 50_000
-MOST_BYTES = 3 << 30
+MAX_LINE, MAX_ERRORS = 1200, 50_000
+MAX_BYTES = 3 << 30
 # A mutant may be a scene of a million cells, which takes long. The test sends such a run SIGTERM, and it must end.
 SECONDS_UNTIL_ASKED, SECONDS_TO_OBEY = 20, 10
 FOREIGN = re.compile(r"json\.exception|bad_alloc|length_error|terminate called|std::|Assertion|AddressSanitizer|"
@@ -38,7 +38,7 @@ FOREIGN = re.compile(r"json\.exception|bad_alloc|length_error|terminate called|s
 
 
 def limit_memory():
-    resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, MOST_BYTES))
+    resource.setrlimit(resource.RLIMIT_AS, (MAX_BYTES, MAX_BYTES))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
@@ -48,7 +48,7 @@ def faults_of(code, was_asked, output, errors):
         yield f"did not end within {SECONDS_TO_OBEY} s of SIGTERM"
     elif code not in OUR_EXIT_CODES | (ENDED_WHEN_ASKED if was_asked else set()):
         yield f"exit code {code}"
-    if len(errors) > MOST_ERRORS:
+    if len(errors) > MAX_ERRORS:
         yield f"{len(errors)} characters of errors"
     for line in [*output.splitlines(), *errors.splitlines()]:
         if len(line) > MAX_LINE:

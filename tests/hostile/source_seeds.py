@@ -143,9 +143,9 @@ class TooLong(Exception):
     """An error: a document that was inserted into itself, or multiplied too often."""
 
 
-def text_of(value, most=4_000_000):
+def text_of(value, maximum=4_000_000):
     """Returns JSON with lists of pairs as objects, so that a member may occur twice."""
-    parts, room = [], [most]
+    parts, room = [], [maximum]
 
     def write(text):
         room[0] -= len(text)

@@ -90,9 +90,9 @@ TEST(AsLine, CutsBetweenCharacters) {
   for (int i = 0; i < 1000; ++i) {
     std::string text;
     while (text.size() < 200) text += std::array{"a", "ü", "–", "🌍"}[random() % 4];
-    const std::size_t most = 8 + random() % 150;
-    const std::string line = as_line(text, most), kept = line.substr(0, line.size() - 3);
-    ASSERT_LE(line.size(), most);
+    const std::size_t maximum = 8 + random() % 150;
+    const std::string line = as_line(text, maximum), kept = line.substr(0, line.size() - 3);
+    ASSERT_LE(line.size(), maximum);
     ASSERT_TRUE(line.ends_with("…"));
     ASSERT_TRUE(text.starts_with(kept));
     ASSERT_NE(static_cast<unsigned char>(text[kept.size()]) & 0xc0, 0x80);

@@ -102,11 +102,11 @@ ClosedMesh sphere(const LatticeVertex& centre, double radius, int rings) {
   return {"sphere", globe(centre, rings, [radius](int, int) { return radius; })};
 }
 
-ClosedMesh star(const LatticeVertex& centre, std::int64_t nearest, std::int64_t farthest, int rings, Rng& rng) {
+ClosedMesh star(const LatticeVertex& centre, std::int64_t nearest, std::int64_t max_distance, int rings, Rng& rng) {
   std::map<std::pair<int, int>, double> radii;  // one radius per vertex, so that the mesh is closed
   return {"star", globe(centre, rings, [&](int ring, int sector) {
             const auto [at, fresh] = radii.try_emplace({ring, sector}, 0);
-            if (fresh) at->second = double(uniform(rng, nearest, farthest));
+            if (fresh) at->second = double(uniform(rng, nearest, max_distance));
             return at->second;
           })};
 }

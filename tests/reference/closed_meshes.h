@@ -17,7 +17,7 @@ struct ClosedMesh {
 ClosedMesh box(const LatticeVertex& low, const LatticeVertex& high);
 ClosedMesh sphere(const LatticeVertex& centre, double radius, int rings);
 /// Returns a spiky, star-shaped sphere whose vertices have random radii between the two bounds.
-ClosedMesh star(const LatticeVertex& centre, std::int64_t nearest, std::int64_t farthest, int rings, Rng& rng);
+ClosedMesh star(const LatticeVertex& centre, std::int64_t nearest, std::int64_t max_distance, int rings, Rng& rng);
 /// Returns the octahedron |x| + |y| + |z| = radius about the centre.
 ClosedMesh octahedron(const LatticeVertex& centre, std::int64_t radius);
 ClosedMesh torus(const LatticeVertex& centre, double radius, double tube, int segments);

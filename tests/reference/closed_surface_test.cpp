@@ -19,7 +19,7 @@ constexpr int edge = 32;
 /// Steps of the flood: through faces only, or also through edges and corners.
 constexpr int by_faces = 1, by_corners = 3;
 
-int longest_step(SurfaceRule rule, const std::vector<Triangle>& mesh) {
+int max_step(SurfaceRule rule, const std::vector<Triangle>& mesh) {
   if (rule == SurfaceRule::thin) return by_faces;
   return rule == SurfaceRule::conservative || !holds_lattice_corner(mesh) ? by_corners : by_faces;
 }
@@ -119,7 +119,7 @@ TEST_P(ClosedSurface, IsNeverLeakedThroughByAFloodFillOfEmptyVoxels) {
     SCOPED_TRACE(mesh.name + " " + std::to_string(number++) + ", seed " + std::to_string(seed));
     ASSERT_GT(volume(mesh.triangles), 0);
     const std::set<Voxel> occupied = occupied_by(mesh.triangles, GetParam());
-    const int step = longest_step(GetParam(), mesh.triangles);
+    const int step = max_step(GetParam(), mesh.triangles);
     const Enclosed inside = enclosed_by(mesh.triangles, occupied, flooded(occupied, step));
     ASSERT_EQ(inside.wet, 0);
     enclosed += inside.voxels;

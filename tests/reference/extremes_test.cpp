@@ -12,7 +12,7 @@ namespace {
 using namespace gigabake::kernels;
 
 /// Returns copies of the smallest possible triangle, half a sub-voxel², in voxel 0.
-Part smallest_triangles(std::size_t count, const std::array<float, 3>& corner, std::uint32_t material) {
+Part min_triangles(std::size_t count, const std::array<float, 3>& corner, std::uint32_t material) {
   Part part;
   part.material = material;
   const auto& c = corner;
@@ -28,9 +28,9 @@ TEST(ManyTriangles, SeventeenMillionInOneVoxelAverageExactly) {
   constexpr std::size_t million = 1000000;
   BakeScene scene;
   scene.set_window({0, 0, 0}, 8);
-  scene.add_part(smallest_triangles(6 * million, {10, 10, 10}, scene.add_colour({0, 0, 65535, 65535})));
-  scene.add_part(smallest_triangles(5 * million, {200, 10, 10}, scene.add_colour({0, 65535, 0, 65535})));
-  scene.add_part(smallest_triangles(6 * million, {200, 200, 10}, scene.add_colour({65535, 0, 0, 65535})));
+  scene.add_part(min_triangles(6 * million, {10, 10, 10}, scene.add_colour({0, 0, 65535, 65535})));
+  scene.add_part(min_triangles(5 * million, {200, 10, 10}, scene.add_colour({0, 65535, 0, 65535})));
+  scene.add_part(min_triangles(6 * million, {200, 200, 10}, scene.add_colour({65535, 0, 0, 65535})));
   scene.add_mesh({{{{0, 0, 100}, {256, 0, 100}, {0, 256, 100}}}}, scene.add_colour({0, 65535, 0, 65535}));
   const CellVolume volume = scene.bake(2);
   const VoxelMap voxels = voxels_at(volume, scene.parameters, 0);

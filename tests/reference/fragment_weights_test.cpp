@@ -97,9 +97,9 @@ INSTANTIATE_TEST_SUITE_P(
 double total_weight(const Triangle& t) {
   Voxel low, high;
   for (int r = 0; r < 3; ++r) {
-    const auto [least, most] = std::minmax({t[0][r], t[1][r], t[2][r]});
-    low[r] = least >> 11;
-    high[r] = most >> 11;
+    const auto [minimum, maximum] = std::minmax({t[0][r], t[1][r], t[2][r]});
+    low[r] = minimum >> 11;
+    high[r] = maximum >> 11;
   }
   double sum = 0;
   for (std::int64_t z = low[2]; z <= high[2]; ++z)

@@ -126,15 +126,15 @@ void expect_parent_by_mean(const BakedVoxel& parent, const Finer& finer, int pla
 
 void expect_parent_by_view(const BakedVoxel& parent, const Octet& o, const Views& views) {
   const int edge = views.fine.edge;
-  int largest = 0;
+  int maximum = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     int sum = 0;
     for (const int cell : views.fine.cells[axis]) sum += cell;
     const int facing = std::max(1, rounded(sum, edge * edge));
     ASSERT_EQ(int(parent.facing[axis]), kernels::is_all_sheet(parent.facing[facing_plane]) ? 0 : facing) << axis;
-    largest = std::max(largest, facing);
+    maximum = std::max(maximum, facing);
   }
-  ASSERT_EQ(int(parent.rgba[3]), largest) << "alpha";
+  ASSERT_EQ(int(parent.rgba[3]), maximum) << "alpha";
   const long six_sides = 6L * (edge / 2) * (edge / 2);
   std::vector<double> weight(8);
   double sum = 0;

@@ -13,7 +13,7 @@ namespace {
 using namespace gigabake::kernels;
 
 /// A voxel with less area is checked for presence only: the ±½ unit of each weight affects its colour.
-constexpr double smallest_checked_area = 1e-4;
+constexpr double min_checked_area = 1e-4;
 
 Rgba16 random_colour(Rng& rng) {
   Rgba16 c;
@@ -58,7 +58,7 @@ class RandomScenes : public testing::TestWithParam<Family> {
       const auto found = baked.find(position);
       ASSERT_EQ(found != baked.end(), 255 * expected.alpha() >= 0.5);
       if (found == baked.end()) continue;
-      if (expected.area >= smallest_checked_area) expect_voxel(found->second, expected);
+      if (expected.area >= min_checked_area) expect_voxel(found->second, expected);
       if (HasFatalFailure()) return;
       baked.erase(found);
     }

@@ -291,15 +291,15 @@ struct Difference {
 };
 
 Difference between(const VoxelMap& a, const VoxelMap& b) {
-  Difference most;
+  Difference maximum;
   for (const auto& [p, v] : a) {
     const auto other = b.find(p);
     const std::array<std::uint8_t, 4> rgba = other == b.end() ? std::array<std::uint8_t, 4>{} : other->second.rgba;
-    most.alpha = std::max(most.alpha, std::abs(int(v.rgba[3]) - int(rgba[3])));
+    maximum.alpha = std::max(maximum.alpha, std::abs(int(v.rgba[3]) - int(rgba[3])));
     for (std::size_t c = 0; c < 3 && v.rgba[3] > 32 && rgba[3] > 32; ++c)
-      most.colour = std::max(most.colour, std::abs(int(v.rgba[c]) - int(rgba[c])));
+      maximum.colour = std::max(maximum.colour, std::abs(int(v.rgba[c]) - int(rgba[c])));
   }
-  return most;
+  return maximum;
 }
 
 struct Sheet {

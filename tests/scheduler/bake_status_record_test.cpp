@@ -94,7 +94,7 @@ TEST(BakeStatusRecord, ListsWhatWillBeMissing) {
   EXPECT_EQ(s.failures, 31u);
   EXPECT_EQ(s.cells.set_aside, 30u);
   EXPECT_EQ(s.cells.failed_attempts, 30u);
-  ASSERT_EQ(s.first_failures.size(), most_failures_listed);
+  ASSERT_EQ(s.first_failures.size(), max_failures_listed);
   EXPECT_EQ(s.first_failures[0], (BakeFailure{"tile a.glb", "not JSON"}));
   EXPECT_EQ(s.first_failures[1], (BakeFailure{"cell c_0_0_0", "died"}));
 }
@@ -130,8 +130,8 @@ TEST(BakeStatusRecord, KeepsTheSlowestCells) {
     b.record.cell_done(baked(job, job), start_s);
   }
   const BakeStatus s = b.record.at(start_s + 1);
-  ASSERT_EQ(s.slowest.size(), most_slow_cells);
-  for (std::uint32_t i = 0; i < most_slow_cells; ++i)
+  ASSERT_EQ(s.slowest.size(), max_slow_cells);
+  for (std::uint32_t i = 0; i < max_slow_cells; ++i)
     EXPECT_EQ(s.slowest[i], (SlowCell{"c_" + std::to_string(99 - i) + "_0_0", double(99 - i), int((99 - i) % 4)}));
 }
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "scheduler/parent_queue.h"
+#include "scheduler/overview_queue.h"
 #include "tests/random_seed.h"
 
 namespace gigabake {
@@ -65,7 +65,7 @@ TEST(Parents, LeadToOneRootAndEachHasAllThatItsWindowOverlaps) {
       ASSERT_EQ(p.id, i);
       EXPECT_TRUE(names.insert(p.name).second) << p.name;
       ASSERT_GE(levels_of(p), 1);
-      ASSERT_LE(levels_of(p), most_parent_levels);
+      ASSERT_LE(levels_of(p), max_levels_per_overview);
       for (const std::int64_t x : p.lattice_min) EXPECT_EQ(x % (std::int64_t(p.cell_voxels) / 8), 0);
       for (std::uint32_t j = 0; j < i; ++j) {
         const bool is_below = jobs[j].cell_voxels >> 3 == std::uint32_t(1) << (own_lod(p) - 1);
@@ -93,9 +93,9 @@ TEST(Parents, CopyWhatTheirChildrenHaveAndNeverTheirFinestLevel) {
     for (std::size_t i = cells; i < jobs.size(); ++i) {
       const CellJob& p = jobs[i];
       const bool of_cells = p.children.front() < cells;
-      const std::uint32_t most = 1u << (of_cells ? parent_width_bits_of_cells : parent_width_bits_of_parents);
+      const std::uint32_t maximum = 1u << (of_cells ? parent_width_bits_of_cells : parent_width_bits_of_parents);
       EXPECT_GE(p.first_lod, 1u) << p.name;
-      EXPECT_LE(p.cell_voxels >> p.first_lod, std::max(most, 8u << levels_of(p))) << p.name;
+      EXPECT_LE(p.cell_voxels >> p.first_lod, std::max(maximum, 8u << levels_of(p))) << p.name;
       for (const std::uint32_t child : p.children) {
         EXPECT_GT(p.first_lod, jobs[child].first_lod) << p.name << " copies of " << jobs[child].name;
         EXPECT_EQ(jobs[child].cell_voxels >> (own_lod(p) - 1), 8u) << p.name << " follows " << jobs[child].name;
@@ -166,7 +166,7 @@ class FourCells : public testing::Test {
 
 TEST_F(FourCells, HaveParentsThatAreOrderedWithTheShardsThatThereAre) {
   ASSERT_EQ(jobs_.size(), 7u);
-  ParentOrders orders(jobs_);
+  OverviewJobs orders(jobs_);
   orders.is_done(report(jobs_[0], CellOutcome::baked));
   orders.is_done(report(jobs_[1], CellOutcome::empty));
   EXPECT_EQ(orders.order(0).fingerprint, jobs_[0].fingerprint);
@@ -176,7 +176,7 @@ TEST_F(FourCells, HaveParentsThatAreOrderedWithTheShardsThatThereAre) {
 }
 
 TEST_F(FourCells, HaveParentsOfOtherNamesWhereACellIsLost) {
-  ParentOrders orders(jobs_);
+  OverviewJobs orders(jobs_);
   for (const std::uint32_t cell : {0u, 1u, 3u}) orders.is_done(report(jobs_[cell], CellOutcome::baked));
   orders.is_done(report(orders.order(4), CellOutcome::baked));
   const CellJob holed = orders.order(5);
@@ -190,7 +190,7 @@ TEST_F(FourCells, HaveParentsOfOtherNamesWhereACellIsLost) {
 }
 
 TEST_F(FourCells, MakeTheirParentReadyForWhoFinishedTheLast) {
-  ParentQueue queue(jobs_);
+  OverviewQueue queue(jobs_);
   EXPECT_EQ(queue.waiting(), 3u);
   EXPECT_FALSE(queue.choose(0));
   queue.settled(0, 1);

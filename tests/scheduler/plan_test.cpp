@@ -21,8 +21,8 @@ BakeParameters parameters(std::uint32_t cell_voxels) {
   return p;
 }
 
-std::vector<TileSurvey> random_surveys(std::uint32_t tiles, std::mt19937& random) {
-  std::vector<TileSurvey> surveys(tiles);
+std::vector<TileScan> random_surveys(std::uint32_t tiles, std::mt19937& random) {
+  std::vector<TileScan> surveys(tiles);
   const auto below = [&random](int n) { return std::int64_t(random() % unsigned(n)); };
   for (std::uint32_t t = 0; t < tiles; ++t) {
     surveys[t].tile = t;
@@ -55,9 +55,9 @@ TEST(StackOver, CoversTheHeightWithTheFewestCellsOnTheLevelsLattice) {
     const std::int64_t coarsest_voxel = std::max<std::int64_t>(8, n / 8);
     ASSERT_EQ(s.z_min % coarsest_voxel, 0);
     // A stack has one cell more than its height needs only if no multiple of the coarsest voxel would do.
-    const std::int64_t fewest = (end - low + n - 1) / n;
-    ASSERT_LE(s.cells, fewest + 1);
-    ASSERT_TRUE(s.cells == fewest || end - low + coarsest_voxel - 1 > fewest * n);
+    const std::int64_t minimum = (end - low + n - 1) / n;
+    ASSERT_LE(s.cells, minimum + 1);
+    ASSERT_TRUE(s.cells == minimum || end - low + coarsest_voxel - 1 > minimum * n);
   }
 }
 
@@ -73,7 +73,7 @@ TEST(MakePlan, AddsUpTheWarningsOfAKindAndListsLosses) {
   warnings.count("lines not understood", "line 1");
   warnings.count("lines not understood", "line 2");
   warnings.count_loss("faces that cannot be used", "line 5");
-  std::vector<TileSurvey> surveys(3);
+  std::vector<TileScan> surveys(3);
   for (std::uint32_t t = 0; t < surveys.size(); ++t) surveys[t].tile = t;
   surveys[0].warnings = warnings.take();
   EXPECT_TRUE(warnings.take().empty());
@@ -94,7 +94,7 @@ TEST(MakePlan, HandsEveryTileToEveryCellThatItReaches) {
     const auto surveys = random_surveys(12, random);
     const std::int64_t n = 256;
     const BakePlan plan = make_plan(surveys, sources_of(12), parameters(256));
-    for (const TileSurvey& s : surveys)
+    for (const TileScan& s : surveys)
       for (const ColumnExtent& c : s.columns)
         for (std::int64_t z = c.z_min; z < c.z_end; ++z) {
           const auto holds = [&](const CellJob& j) {
@@ -169,7 +169,7 @@ TEST(CellFingerprints, KeepTheirValuesSoThatOldBakesStayValid) {
 }
 
 TEST(MakePlan, ListsWhatTheSourceLacksThenTilesThatCouldNotBeRead) {
-  std::vector<TileSurvey> surveys(1);
+  std::vector<TileScan> surveys(1);
   surveys[0].error = "a.glb: truncated";
   SceneSources sources = sources_of(1, "a.glb");
   sources.skipped = {{"x", "points", true}, {"y", "missing", false}};
@@ -181,7 +181,7 @@ TEST(MakePlan, ListsWhatTheSourceLacksThenTilesThatCouldNotBeRead) {
 }
 
 TEST(MakePlan, RefusesATileThatNeedsMillionsOfCellsAndBakesTheOthers) {
-  std::vector<TileSurvey> surveys(2);
+  std::vector<TileScan> surveys(2);
   surveys[0].columns = {{0, 0, -(std::int64_t(1) << 40), std::int64_t(1) << 40, 1}};
   surveys[1].tile = 1;
   surveys[1].columns = {{0, 0, 0, 10, 1}};
@@ -193,7 +193,7 @@ TEST(MakePlan, RefusesATileThatNeedsMillionsOfCellsAndBakesTheOthers) {
 }
 
 TEST(MakePlan, LeavesOutTheEmptyMiddleOfATallStack) {
-  std::vector<TileSurvey> surveys(2);
+  std::vector<TileScan> surveys(2);
   surveys[0].columns = {{0, 0, 0, 10, 1}};
   surveys[1].tile = 1;
   surveys[1].columns = {{0, 0, 1000000, 1000010, 1}};

@@ -14,7 +14,7 @@ constexpr std::uint64_t estimate_seed = 20261122;
 
 /// A scene of forty tiles of up to sixty columns, each with its own number of voxels per projected voxel.
 struct MadeScene {
-  std::vector<TileSurvey> surveys;
+  std::vector<TileScan> surveys;
   std::vector<std::vector<double>> voxels;  ///< by tile and column_x
   SampledScene scene;
   double all = 0;
@@ -23,13 +23,14 @@ struct MadeScene {
     std::uniform_int_distribution<int> columns(1, 60), size(1, 100000);
     std::normal_distribution<double> ratio(0.8, 0.1);
     for (std::uint32_t t = 0; t < 40; ++t) {
-      TileSurvey& s = surveys.emplace_back();
+      TileScan& s = surveys.emplace_back();
       s.tile = t;
       voxels.emplace_back();
       const double kind = ratio(random);
       for (int x = columns(random); x > 0; --x) {
         const double crossings = size(random);
-        s.columns.push_back({std::int64_t(voxels[t].size()), 0, 0, 1, 100, std::uint64_t(crossings * crossing_unit)});
+        s.columns.push_back(
+            {std::int64_t(voxels[t].size()), 0, 0, 1, 100, std::uint64_t(crossings * projected_voxel_unit)});
         voxels[t].push_back(crossings * kind * (1 + 0.5 * (ratio(random) - 0.8)));
         all += voxels[t].back();
         scene.crossings += crossings;
@@ -40,7 +41,7 @@ struct MadeScene {
 
   std::vector<std::uint64_t> weights() const {
     std::vector<std::uint64_t> weights;
-    for (const TileSurvey& s : surveys) {
+    for (const TileScan& s : surveys) {
       weights.push_back(0);
       for (const ColumnExtent& c : s.columns) weights.back() += c.crossings;
     }
@@ -50,7 +51,7 @@ struct MadeScene {
   BakedPiece baked(const Piece& piece) const {
     const double v = voxels[piece.tile][std::size_t(piece.column.column_x)];
     const auto lod0 = std::uint64_t(v);
-    return {piece.tile, double(piece.column.crossings) / crossing_unit,
+    return {piece.tile, double(piece.column.crossings) / projected_voxel_unit,
             lod0,       lod0 * 4 / 3,
             lod0 * 4,   lod0 * 4 + 20000,
             1,          0.1,
@@ -59,7 +60,7 @@ struct MadeScene {
 
   /// Bakes the first `pieces` sample cells of the first `tiles` of the order.
   BakedSample sample(std::size_t tiles, std::size_t pieces, std::uint64_t draw) const {
-    std::vector<TileSurvey> chosen;
+    std::vector<TileScan> chosen;
     for (const std::uint32_t t : weighted_order(weights(), draw))
       if (chosen.size() < tiles) chosen.push_back(surveys[t]);
     BakedSample sample;

@@ -11,11 +11,11 @@ namespace {
 /// A scene with forty placements of thirty files; the last placement of file f is the coarsest, 2^-f m.
 struct Placements {
   SceneSources sources;
-  std::vector<TileSurvey> surveys;
+  std::vector<TileScan> surveys;
   Placements() {
     for (std::uint32_t t = 0; t < 40; ++t) {
       sources.tiles.emplace_back().name = "file" + std::to_string(t % 30);
-      TileSurvey& s = surveys.emplace_back();
+      TileScan& s = surveys.emplace_back();
       s.tile = t;
       s.spacing_m = std::ldexp(t < 30 && t + 30 < 40 ? 0.5 : 1.0, -int(t % 30));
     }
@@ -26,7 +26,7 @@ TEST(SourcePrecision, ListsEachSourceOnceCoarsestFirstUpToAQuarterOfAVoxel) {
   const Placements p;
   const SourcePrecision precision = source_precision(p.surveys, p.sources, std::ldexp(1.0, -5));
   EXPECT_EQ(precision.wanted_m, std::ldexp(1.0, -7));
-  EXPECT_EQ(precision.largest_spacing_m, 1);
+  EXPECT_EQ(precision.max_spacing_m, 1);
   ASSERT_EQ(precision.coarse_sources, 7u) << "a spacing of just a quarter is fine enough";
   for (std::size_t i = 0; i < 7; ++i) {
     EXPECT_EQ(precision.coarse[i].name, "file" + std::to_string(i));
@@ -38,7 +38,7 @@ TEST(SourcePrecision, CountsAllAndListsSixteen) {
   const Placements p;
   const SourcePrecision precision = source_precision(p.surveys, p.sources, 1e-12);
   EXPECT_EQ(precision.coarse_sources, 30u);
-  EXPECT_EQ(precision.coarse.size(), SourcePrecision::most_listed);
+  EXPECT_EQ(precision.coarse.size(), SourcePrecision::max_listed);
 }
 
 TEST(SourcePrecision, IsTheSameForAnyOrderOfSurveys) {

@@ -38,9 +38,9 @@ class SurveyCacheTest : public ::testing::Test {
     write_text(folder / "scene" / (name + " .bin"), "positions of " + name);
   }
   /// Returns the same result as survey_tile(); `settled`: as if the files were old.
-  TileSurvey survey(std::uint32_t tile, bool settled = true) const {
+  TileScan survey(std::uint32_t tile, bool settled = true) const {
     TileIdentity identity = identify_tile(sources.tiles[tile], sources.root);
-    TileSurvey s;
+    TileScan s;
     s.tile = tile;
     s.columns = {{tile, 0, 0, 8, 5}};
     s.triangles = 5;
@@ -67,7 +67,7 @@ class SurveyCacheTest : public ::testing::Test {
   BakeParameters parameters;
 };
 
-void expect_equal(const TileSurvey& a, const TileSurvey& b) {
+void expect_equal(const TileScan& a, const TileScan& b) {
   EXPECT_EQ(a.tile, b.tile);
   EXPECT_EQ(a.source, b.source);
   EXPECT_EQ(a.triangles, b.triangles);
@@ -142,7 +142,7 @@ TEST_F(SurveyCacheTest, AnEditThatSetsSizeAndTimeBackAsksForASurvey) {
 
 TEST_F(SurveyCacheTest, ATouchedFileOfEqualContentIsSurveyedAgainAndGivesTheSameFingerprint) {
   save();
-  const TileSurvey before = survey(0);
+  const TileScan before = survey(0);
   const timespec times[2] = {{1000, 0}, {1000, 0}};
   ASSERT_EQ(::utimensat(AT_FDCWD, (folder / "scene/a.gltf").c_str(), times, 0), 0);
   EXPECT_EQ(found(), "011");
@@ -184,7 +184,7 @@ TEST_F(SurveyCacheTest, KeepsWhatWasReadLaterThanThat) {
 }
 
 TEST_F(SurveyCacheTest, DoesNotKeepTilesThatCouldNotBeRead) {
-  TileSurvey failed = survey(0);
+  TileScan failed = survey(0);
   failed.error = "cannot be read";
   save_survey_cache(path(), sources, parameters, std::vector{failed, survey(1)});
   EXPECT_EQ(found(), "010");

@@ -39,7 +39,7 @@ std::vector<End> ends_of(const Replay& r) {
 }
 
 struct Band {
-  double least = 1e9, most = 0;  ///< bounds of estimate / actual time
+  double minimum = 1e9, maximum = 0;  ///< bounds of estimate / actual time
   std::size_t estimates = 0;
 };
 
@@ -58,18 +58,18 @@ Band replay(const Replay& r) {
     }
     const auto told_s = left.left_s(double(r.parts - next), now_s);
     if (!told_s) continue;
-    band.least = std::min(band.least, *told_s / (all_s - now_s));
-    band.most = std::max(band.most, *told_s / (all_s - now_s));
+    band.minimum = std::min(band.minimum, *told_s / (all_s - now_s));
+    band.maximum = std::max(band.maximum, *told_s / (all_s - now_s));
     ++band.estimates;
   }
   return band;
 }
 
-void expect_band(const Replay& r, double least, double most, const std::string& what) {
+void expect_band(const Replay& r, double minimum, double maximum, const std::string& what) {
   const Band band = replay(r);
   EXPECT_GT(band.estimates, r.parts / r.workers) << what;
-  EXPECT_GE(band.least, least) << what;
-  EXPECT_LE(band.most, most) << what;
+  EXPECT_GE(band.minimum, minimum) << what;
+  EXPECT_LE(band.maximum, maximum) << what;
 }
 
 // 2026-11-22: the time left rose until a cell ended and then fell, by a factor of two and more.

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "scheduler/estimate.h"
-#include "scheduler/rank_set.h"
+#include "scheduler/index_set.h"
 #include "tests/scheduler/made_jobs.h"
 
 namespace gigabake {
@@ -13,12 +13,12 @@ namespace {
 
 constexpr unsigned order_seed = 78;
 
-TEST(RankSet, AgreesWithAnOrderedSetWhateverItsSize) {
+TEST(IndexSet, AgreesWithAnOrderedSetWhateverItsSize) {
   std::mt19937 random(order_seed);
   for (const std::uint32_t size : {0u, 1u, 63u, 64u, 65u, 4096u, 4097u, 300000u}) {
     std::set<std::uint32_t> expected;
     for (std::uint32_t i = 0; i < size; ++i) expected.insert(expected.end(), i);
-    RankSet set(size);
+    IndexSet set(size);
     for (int i = 0; i < 20000; ++i) {
       const auto x = std::uint32_t(random() % (size + 200));
       const auto above = expected.lower_bound(x);

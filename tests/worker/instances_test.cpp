@@ -81,7 +81,7 @@ BakeParameters metre_lattice() {
 
 using ColumnsByPlace = std::map<std::pair<std::int64_t, std::int64_t>, ColumnExtent>;
 
-ColumnsByPlace by_place(const TileSurvey& survey) {
+ColumnsByPlace by_place(const TileScan& survey) {
   ColumnsByPlace columns;
   for (const ColumnExtent& c : survey.columns) columns[{c.column_x, c.column_y}] = c;
   return columns;
@@ -94,8 +94,8 @@ TEST(Instances, SurveyedByBoxesReachWhereTheirTrianglesReachAndHardlyFarther) {
   const ScratchFolder few, many;
   write_instanced(few.path(), 300, forest.translation, forest.rotation);   // 900 000 triangles: one by one
   write_instanced(many.path(), 400, forest.translation, forest.rotation);  // 1 200 000: by boxes
-  const TileSurvey exact = survey_tile(forest_sources(few.path()), 0, metre_lattice(), pool);
-  const TileSurvey boxed = survey_tile(forest_sources(many.path()), 0, metre_lattice(), pool);
+  const TileScan exact = survey_tile(forest_sources(few.path()), 0, metre_lattice(), pool);
+  const TileScan boxed = survey_tile(forest_sources(many.path()), 0, metre_lattice(), pool);
   ASSERT_EQ(exact.error + boxed.error, "");
   EXPECT_EQ(boxed.triangles, 1200000u);
   const ColumnsByPlace near = by_place(exact), far = by_place(boxed);
@@ -120,7 +120,7 @@ TEST(Instances, AMillionOfAThousandTrianglesAreSurveyedInSecondsAndBytesEach) {
   write_instanced(folder.path(), 1000, forest.translation, forest.rotation);
   const std::uint64_t before = peak_bytes();
   const auto start = std::chrono::steady_clock::now();
-  const TileSurvey s = survey_tile(forest_sources(folder.path()), 0, metre_lattice(), ThreadPool(2));
+  const TileScan s = survey_tile(forest_sources(folder.path()), 0, metre_lattice(), ThreadPool(2));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double bytes = double(peak_bytes() - before) / 1e6;
   std::cout << "a million instances: " << seconds << " s, " << bytes << " bytes each at the peak\n";

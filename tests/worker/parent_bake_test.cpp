@@ -61,7 +61,7 @@ TEST(CopiedLevels, HoldTheVoxelsOfTheChildrenThatLieInTheWindowAndNoOthers) {
   std::mt19937_64 rng(seed);
   const made::TempFolder folder;
   const std::vector<Shard> children = random_children(rng);
-  const CopyWindow window{{0, 0, 0}, 64, 1, 3, true, true};
+  const DuplicatedWindow window{{0, 0, 0}, 64, 1, 3, true, true};
   std::vector<ChildLevels> read;
   for (const Shard& child : children) {
     write_shard(folder / "child.h5", child, {});
@@ -260,7 +260,7 @@ class Family : public testing::Test {
     write_and_describe();
     const auto check = [this](const SceneHeader& header, const SceneCell& parent, std::span<const SceneCell> children) {
       EXPECT_EQ(children.size(), 2u);
-      return faults_of_parent(folder_ / "", header, parent, children);
+      return overview_faults(folder_ / "", header, parent, children);
     };
     return verify_scene(folder_ / "scene.xml", 2, {}, check).faults;
   }

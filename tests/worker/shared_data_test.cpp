@@ -61,7 +61,7 @@ std::string try_tile(const SceneSources& sources, std::uint32_t tile, std::uint6
   static const ThreadPool pool(2);
   BakeParameters parameters;
   parameters.voxel_size_m = 1;
-  const TileSurvey survey = survey_tile(sources, tile, parameters, pool);
+  const TileScan survey = survey_tile(sources, tile, parameters, pool);
   if (!survey.error.empty()) return survey.error;
   try {
     const TileMesh mesh = read_tile(sources.tiles[tile], sources.root, ReadScope::everything);

@@ -20,8 +20,8 @@ BakeParameters fine_lattice() {
   return p;
 }
 
-TileSurvey survey(const std::filesystem::path& folder, const std::string& file, const BakeParameters& parameters,
-                  int threads = 2) {
+TileScan survey(const std::filesystem::path& folder, const std::string& file, const BakeParameters& parameters,
+                int threads = 2) {
   const ThreadPool pool(threads);
   return survey_tile(sources_of(folder, {file}), 0, parameters, pool);
 }
@@ -32,7 +32,7 @@ TEST(SurveyTile, HoldsEveryVertexInItsColumnsRangeAndEndsWhereTheGroundEnds) {
   write_glb(folder.path() / "ground.glb", mesh);
   BakeParameters parameters = fine_lattice();
   parameters.surface = SurfaceRule::conservative;  // a vertex on a voxel's face touches the voxel
-  const TileSurvey s = survey(folder.path(), "ground.glb", parameters);
+  const TileScan s = survey(folder.path(), "ground.glb", parameters);
   ASSERT_EQ(s.error, "");
   EXPECT_EQ(s.triangles, 800u);
   EXPECT_EQ(s.columns.size(), 6u * 6u);  // x from -28 to 52 voxels and y from 12 to 92: columns -2…3 and 0…5
@@ -61,7 +61,7 @@ TEST(SurveyTile, SaysHowManyVoxelsItsSurfaceCrosses) {
     write_glb(folder.path() / "mesh.glb", mesh);
     double sum = 0;
     for (const ColumnExtent& c : survey(folder.path(), "mesh.glb", fine_lattice()).columns) sum += double(c.crossings);
-    return sum / crossing_unit;
+    return sum / projected_voxel_unit;
   };
   EXPECT_NEAR(crossings(floor), 6400, 0.1);  // a triangle's fraction of a column is rounded down
   EXPECT_NEAR(crossings(slope), 12800, 0.1);
@@ -70,9 +70,9 @@ TEST(SurveyTile, SaysHowManyVoxelsItsSurfaceCrosses) {
 TEST(SurveyTile, IsEqualForAnyNumberOfThreads) {
   const ScratchFolder folder;
   write_glb(folder.path() / "ground.glb", rolling_ground(150, 0, 0));
-  const TileSurvey one = survey(folder.path(), "ground.glb", fine_lattice(), 1);
+  const TileScan one = survey(folder.path(), "ground.glb", fine_lattice(), 1);
   for (int threads : {2, 5}) {
-    const TileSurvey many = survey(folder.path(), "ground.glb", fine_lattice(), threads);
+    const TileScan many = survey(folder.path(), "ground.glb", fine_lattice(), threads);
     ASSERT_EQ(one.columns.size(), many.columns.size());
     for (std::size_t i = 0; i < one.columns.size(); ++i) {
       const ColumnExtent &a = one.columns[i], &b = many.columns[i];
@@ -90,7 +90,7 @@ TEST(SurveyTile, DropsAndCountsTrianglesThatAreNotFiniteOrHaveNoArea) {
   mesh.index = {0, 1, 2, /* good */ 0,    1, 3, /* NaN */ 0,       1, 6, /* off the lattice */
                 0, 0, 1, /* no area */ 0, 1, 5, /* collinear */ 0, 4, 2 /* none left after the snap */};
   write_glb(folder.path() / "odd.glb", mesh);
-  const TileSurvey s = survey(folder.path(), "odd.glb", fine_lattice());
+  const TileScan s = survey(folder.path(), "odd.glb", fine_lattice());
   ASSERT_EQ(s.error, "");  // 2026-11-22: a reader that refuses the file skipped this test
   EXPECT_EQ(s.triangles, 6u);
   EXPECT_EQ(s.non_finite, 1u);
@@ -114,7 +114,7 @@ TEST(SurveyTile, NamesWhatItSurveyedByItsContent) {
 TEST(SurveyTile, SaysWhichFilesItReadAsTheyWereBefore) {
   const ScratchFolder folder;
   write_glb(folder.path() / "a.glb", rolling_ground(4, 0, 0));
-  const TileSurvey s = survey(folder.path(), "a.glb", fine_lattice());
+  const TileScan s = survey(folder.path(), "a.glb", fine_lattice());
   ASSERT_EQ(s.files.size(), 1u);
   EXPECT_EQ(s.files[0].name, "a.glb");
   EXPECT_EQ(s.files[0].stamp, stamp_of(folder.path() / "a.glb"));
@@ -125,7 +125,7 @@ TEST(SurveyTile, SaysInOneLineWhyATileCannotBeRead) {
   const ScratchFolder folder;
   std::ofstream(folder.path() / "torn.glb") << "glTF";
   for (const char* file : {"torn.glb", "absent.glb"}) {
-    const TileSurvey s = survey(folder.path(), file, fine_lattice());
+    const TileScan s = survey(folder.path(), file, fine_lattice());
     EXPECT_NE(s.error.find(file), std::string::npos) << s.error;
     EXPECT_EQ(s.error.find('\n'), std::string::npos);
     EXPECT_TRUE(s.columns.empty());
@@ -140,7 +140,7 @@ TEST(SurveyTile, RefusesATileThatSpreadsOverMillionsOfColumns) {
   write_glb(folder.path() / "world.glb", mesh);
   BakeParameters fine = fine_lattice();
   fine.voxel_size_m = 0.01;
-  const TileSurvey s = survey(folder.path(), "world.glb", fine);
+  const TileScan s = survey(folder.path(), "world.glb", fine);
   EXPECT_NE(s.error.find("`voxel_size_m`"), std::string::npos) << s.error;
   EXPECT_TRUE(s.columns.empty());
   BakeParameters coarse = fine_lattice();

@@ -14,11 +14,11 @@
 namespace gigabake {
 namespace {
 
-using kernels::FirstHitLook;
 using kernels::FirstHitNode;
+using kernels::VoxelAttributes;
 
-constexpr std::uint64_t most_looks = 0xffffffffu;
-constexpr std::int64_t widest_constant_in_shells = 64;
+constexpr std::uint64_t max_looks = 0xffffffffu;
+constexpr std::int64_t max_constant_edge_in_shells = 64;
 constexpr std::int64_t shell_rim = 17;  ///< voxels between the box and the cube's faces
 
 void require(bool condition, const char* what) {
@@ -26,12 +26,12 @@ void require(bool condition, const char* what) {
 }
 
 std::length_error too_wide() {
-  return std::length_error("2^" + std::to_string(kernels::most_first_hit_bits) +
+  return std::length_error("2^" + std::to_string(kernels::max_first_hit_bits) +
                            " voxels an edge or more; keep a coarser lod");
 }
 
-FirstHitLook look_of(const std::uint8_t rgba[4], const std::int8_t normal[2]) {
-  FirstHitLook look;
+VoxelAttributes look_of(const std::uint8_t rgba[4], const std::int8_t normal[2]) {
+  VoxelAttributes look;
   for (int c = 0; c < 4; ++c) look.rgba |= std::uint32_t(rgba[c]) << 8 * c;
   look.normal[0] = normal[0];
   look.normal[1] = normal[1];
@@ -75,11 +75,11 @@ std::uint64_t FirstHitScene::tree_bytes() const {
   return (nodes.size() + shells[0].size() + shells[1].size()) * sizeof(FirstHitNode);
 }
 
-std::uint64_t FirstHitScene::bytes() const { return tree_bytes() + looks.size() * sizeof(FirstHitLook); }
+std::uint64_t FirstHitScene::bytes() const { return tree_bytes() + looks.size() * sizeof(VoxelAttributes); }
 
 void FirstHitBuilder::add_brick(const Position& at, const BrickLevel& level, std::size_t brick) {
   FirstHitNode octants[8];
-  std::vector<FirstHitLook> looks[8];
+  std::vector<VoxelAttributes> looks[8];
   for_each_voxel(
       level, brick, {0, 0, 0},
       [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
@@ -109,14 +109,14 @@ void FirstHitBuilder::add_cell(const std::array<std::int64_t, 3>& lattice_min, c
     const std::int64_t apart = lattice_min[a] - first_corner_[a];
     cell[a] = apart / (std::int64_t(1) << lod_);
     require(apart % (std::int64_t(4) << lod_) == 0, "cells are no multiple of four voxels of this lod apart");
-    if (std::abs(cell[a]) >= std::int64_t(1) << kernels::most_first_hit_bits) throw too_wide();
+    if (std::abs(cell[a]) >= std::int64_t(1) << kernels::max_first_hit_bits) throw too_wide();
   }
   for (std::size_t n = 0; n < nodes.key.size(); ++n) {
     if (nodes.lod[n] < lod_ || (nodes.lod[n] > lod_ && nodes.kind[n] != NodeKind::leaf_constant)) continue;
     const BrickCoordinate in_cell = demorton(nodes.key[n]);
     const std::int64_t edge = std::int64_t(brick_edge) << (nodes.lod[n] - lod_);
     const Position at{cell[0] + in_cell.x * edge, cell[1] + in_cell.y * edge, cell[2] + in_cell.z * edge};
-    if (looks_.size() + brick_voxels > most_looks) throw std::length_error("2^32 voxels or more; keep a coarser lod");
+    if (looks_.size() + brick_voxels > max_looks) throw std::length_error("2^32 voxels or more; keep a coarser lod");
     if (nodes.kind[n] == NodeKind::brick) {
       require(nodes.value[n] < level.mask.size() / brick_edge, "a node's brick is out of range");
       add_brick(at, level, nodes.value[n]);
@@ -132,7 +132,7 @@ void FirstHitBuilder::add_cell(const std::array<std::int64_t, 3>& lattice_min, c
 
 FirstHitBuilder::Cube FirstHitBuilder::cube_of_voxels() const {
   Cube cube;
-  std::int64_t most = 0;
+  std::int64_t maximum = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     std::int64_t low = INT64_MAX, high = INT64_MIN;
     for (const Leaf& leaf : leaves_) {
@@ -146,10 +146,10 @@ FirstHitBuilder::Cube FirstHitBuilder::cube_of_voxels() const {
     const std::int64_t centre = (low + high) / 2 / 4 * 4;
     cube.corner[a] = centre;
     cube.half[a] = std::max(high - centre, centre - low) + 1;
-    most = std::max(most, cube.half[a] + shell_rim);
+    maximum = std::max(maximum, cube.half[a] + shell_rim);
   }
-  while (most > std::int64_t(1) << (cube.bits - 1)) cube.bits += 2;
-  if (cube.bits > kernels::most_first_hit_bits) throw too_wide();
+  while (maximum > std::int64_t(1) << (cube.bits - 1)) cube.bits += 2;
+  if (cube.bits > kernels::max_first_hit_bits) throw too_wide();
   for (std::int64_t& corner : cube.corner) corner -= std::int64_t(1) << (cube.bits - 1);
   return cube;
 }
@@ -158,7 +158,7 @@ FirstHitBuilder::Cube FirstHitBuilder::cube_of_window(std::int64_t edge) {
   Cube cube;
   cube.half.fill(edge / 2 + 1);
   while (cube.half[0] > std::int64_t(1) << (cube.bits - 1)) cube.bits += 2;
-  if (cube.bits > kernels::most_first_hit_bits) throw too_wide();
+  if (cube.bits > kernels::max_first_hit_bits) throw too_wide();
   cube.corner.fill(edge / 2 - (std::int64_t(1) << (cube.bits - 1)));
   return cube;
 }
@@ -219,11 +219,11 @@ FirstHitScene FirstHitBuilder::finish() {
     scene.lod = lod_;
     return scene;
   }
-  std::int64_t widest = 0;
-  for (const Constant& constant : constants_) widest = std::max(widest, constant.edge);
+  std::int64_t maximum = 0;
+  for (const Constant& constant : constants_) maximum = std::max(maximum, constant.edge);
   const Cube cube = cube_of_voxels();
   FirstHitScene scene = place_tree(cube);
-  if (widest <= widest_constant_in_shells) add_shells(cube, scene);
+  if (maximum <= max_constant_edge_in_shells) add_shells(cube, scene);
   return scene;
 }
 

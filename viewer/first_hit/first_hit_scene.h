@@ -20,7 +20,7 @@ struct FirstHitScene {
 
   std::vector<kernels::FirstHitNode> nodes;
   std::array<std::vector<kernels::FirstHitNode>, 2> shells;  ///< empty if a constant is wider than 64 voxels
-  std::vector<kernels::FirstHitLook> looks;                  ///< one per voxel, and 64 per constant node
+  std::vector<kernels::VoxelAttributes> looks;               ///< one per voxel, and 64 per constant node
   kernels::FirstHitView view;                                ///< of the arrays above
   std::array<std::int64_t, 3> lattice_min{};                 ///< lod-0 voxel at the tree's lowest corner
   int lod = 0;                                               ///< of the tree's voxels
@@ -79,7 +79,7 @@ class FirstHitBuilder {
   std::array<std::int64_t, 3> first_corner_{};
   std::vector<Leaf> leaves_;
   std::vector<Constant> constants_;
-  std::vector<kernels::FirstHitLook> looks_;
+  std::vector<kernels::VoxelAttributes> looks_;
   std::uint64_t voxels_ = 0;
 };
 

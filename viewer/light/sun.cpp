@@ -50,7 +50,7 @@ DateAndTime date_and_time(const std::string& time) {
 }
 
 /// Returns the offset of local time from UTC in minutes. zone: Z, or an offset such as +02:00.
-int minutes_ahead(const std::string& zone, const std::string& time) {
+int utc_offset_minutes(const std::string& zone, const std::string& time) {
   if (zone == "Z") return 0;
   int hours = 0, minutes = 0, end = 0;
   char sign = 0;
@@ -63,7 +63,7 @@ int minutes_ahead(const std::string& zone, const std::string& time) {
 
 /// Returns the refraction at an elevation, in degrees.
 /// Source  Sæmundsson 1986, in Meeus 1998, chapter 16.
-double raised_by_air(double elevation_deg) {
+double refraction_deg(double elevation_deg) {
   if (elevation_deg < -1) return 0;
   return 1.02 / 60 / std::tan((elevation_deg + 10.3 / (elevation_deg + 5.11)) * degree);
 }
@@ -80,7 +80,7 @@ JulianDay julian_day(const std::string& time) {
   const std::chrono::sys_days date = std::chrono::year_month_day{
       std::chrono::year(t.year), std::chrono::month(unsigned(t.month)), std::chrono::day(unsigned(t.day))};
   const double minutes =
-      60.0 * t.hour + t.minute + t.second / 60.0 - minutes_ahead(time.substr(std::size_t(t.rest)), time);
+      60.0 * t.hour + t.minute + t.second / 60.0 - utc_offset_minutes(time.substr(std::size_t(t.rest)), time);
   return 2440587.5 + double(date.time_since_epoch().count()) + minutes / 1440;
 }
 
@@ -107,7 +107,7 @@ SunDirection sun_at(const Geodetic& place, JulianDay day) {
   const double north = cosine(lat) * sine(dec) - sine(lat) * cosine(dec) * cosine(hour);
   const double east = -cosine(dec) * sine(hour);
   const double elevation = std::atan2(up, std::hypot(north, east)) / degree;
-  return {turned(std::atan2(east, north) / degree), elevation + raised_by_air(elevation)};
+  return {turned(std::atan2(east, north) / degree), elevation + refraction_deg(elevation)};
 }
 
 }  // namespace gigabake

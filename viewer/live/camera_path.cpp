@@ -19,7 +19,7 @@ Point<Scene> point(const Values<3>& v) { return {v[0], v[1], v[2]}; }
 
 /// A segment of a curve and its neighbours: four keyframes, of which the outer two may be missing.
 template <std::size_t n>
-struct Stretch {
+struct CurveSegment {
   std::optional<Values<n>> before, after;
   Values<n> from, to;
   double before_s = 0, from_s = 0, to_s = 0, after_s = 0;
@@ -31,7 +31,7 @@ double slope(double a, double b, double c, double ab_s, double bc_s) {
 }
 
 template <std::size_t n>
-Values<n> between(const Stretch<n>& s, double time_s) {
+Values<n> between(const CurveSegment<n>& s, double time_s) {
   if (s.from == s.to) return s.from;
   const double width_s = s.to_s - s.from_s, u = (time_s - s.from_s) / width_s;
   const bool leaves = s.before && *s.before == s.from, arrives = s.after && *s.after == s.to;
@@ -52,7 +52,7 @@ Values<n> between(const Stretch<n>& s, double time_s) {
 /// Interpolates between keyframes i and i + 1. of(keyframe): the values to interpolate.
 template <std::size_t n, class Of>
 Values<n> interpolate(const std::vector<CameraKeyframe>& keys, std::size_t i, double time_s, const Of& of) {
-  Stretch<n> s;
+  CurveSegment<n> s;
   s.from = of(keys[i]);
   s.to = of(keys[i + 1]);
   s.from_s = keys[i].time_s;

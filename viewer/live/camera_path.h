@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lattice/frames.h"
-#include "viewer/live/camera_rig.h"
+#include "viewer/live/camera_controller.h"
 #include "viewer/pictures/camera.h"
 
 namespace gigabake {

@@ -3,15 +3,15 @@
 
 #include "format/system/read_file.h"
 #include "lattice/georeference.h"
+#include "viewer/live/camera_controller.h"
 #include "viewer/live/camera_path.h"
-#include "viewer/live/camera_rig.h"
 #include "viewer/live/json_members.h"
 
 namespace gigabake {
 namespace {
 
-constexpr std::uint64_t most_path_bytes = std::uint64_t(1) << 24;
-constexpr double longest_s = 1e6;
+constexpr std::uint64_t max_path_file_bytes = std::uint64_t(1) << 24;
+constexpr double max_time_s = 1e6;
 
 /// The coordinates of a file's triples. `geographic` is the earlier name of lat_lon_height.
 enum class Coordinates { scene, lat_lon_height, geographic };
@@ -26,9 +26,9 @@ constexpr auto names_of<Coordinates>() {
 namespace {
 
 /// Converts the coordinate triples of a file to scene coordinates.
-class Places {
+class CoordinateReader {
  public:
-  Places(const JsonMembers& path, const std::optional<Geodetic>& origin) {
+  CoordinateReader(const JsonMembers& path, const std::optional<Geodetic>& origin) {
     geographic_ = path.choice<Coordinates>("coordinates").value_or(Coordinates::scene) != Coordinates::scene;
     if (!geographic_) return;
     if (!origin) path.fail("coordinates", "the scene stands nowhere on the earth; expected scene");
@@ -36,7 +36,7 @@ class Places {
   }
 
   Point<Scene> required(const JsonMembers& key, const char* name) const {
-    const auto v = key.numbers<3>(name, -farthest_m, farthest_m);
+    const auto v = key.numbers<3>(name, -max_coordinate_m, max_coordinate_m);
     if (!v)
       key.fail(name, geographic_ ? "is missing; expected [latitude, longitude, height]"
                                  : "is missing; expected [x, y, z] in scene metres");
@@ -51,16 +51,16 @@ class Places {
   Affine<Scene, Ecef> scene_from_ecef_;
 };
 
-CameraKeyframe read_keyframe(const JsonMembers& json, const Places& places) {
+CameraKeyframe read_keyframe(const JsonMembers& json, const CoordinateReader& places) {
   json.only({"time_s", "eye", "target", "fovy_deg", "up"});
   CameraKeyframe key;
-  const auto time_s = json.number("time_s", -longest_s, longest_s);
+  const auto time_s = json.number("time_s", -max_time_s, max_time_s);
   if (!time_s) json.fail("time_s", "is missing; expected seconds");
   key.time_s = *time_s;
   key.pose.eye_m = places.required(json, "eye");
   key.pose.target_m = places.required(json, "target");
   key.fovy_deg = json.number("fovy_deg", 0.01, 170);
-  if (const auto up = json.numbers<3>("up", -farthest_m, farthest_m)) {
+  if (const auto up = json.numbers<3>("up", -max_coordinate_m, max_coordinate_m)) {
     if (*up == std::array<double, 3>{}) json.fail("up", "expected a direction other than 0, 0, 0");
     key.up = {(*up)[0], (*up)[1], (*up)[2]};
   }
@@ -76,7 +76,7 @@ CameraPath camera_path_from_json(const std::filesystem::path& file, std::string_
   const nlohmann::json json = parse_object(file, text);
   const JsonMembers path(file, json, "");
   path.only({"coordinates", "keyframes"});
-  const Places places(path, origin);
+  const CoordinateReader places(path, origin);
   const nlohmann::json list = path.array("keyframes");
   if (list.empty()) path.fail("keyframes", "expected an array of at least one keyframe");
   std::vector<CameraKeyframe> keyframes;
@@ -90,7 +90,7 @@ CameraPath camera_path_from_json(const std::filesystem::path& file, std::string_
 }
 
 CameraPath read_camera_path(const std::filesystem::path& file, const std::optional<Geodetic>& origin) {
-  const std::vector<std::uint8_t> text = read_whole_file(file, most_path_bytes);
+  const std::vector<std::uint8_t> text = read_whole_file(file, max_path_file_bytes);
   return camera_path_from_json(file, {reinterpret_cast<const char*>(text.data()), text.size()}, origin);
 }
 

@@ -40,18 +40,19 @@ void JsonMembers::only(std::initializer_list<std::string_view> known) const {
   }
 }
 
-double JsonMembers::checked(const char* key, const nlohmann::json& value, double least, double most,
+double JsonMembers::checked(const char* key, const nlohmann::json& value, double minimum, double maximum,
                             const std::string& expected) const {
   if (!value.is_number()) fail(key, "expected " + expected);
   const double v = value.get<double>();
-  if (!(v >= least && v <= most)) fail(key, fmt::format("expected {} from {:g} to {:g}", expected, least, most));
+  if (!(v >= minimum && v <= maximum))
+    fail(key, fmt::format("expected {} from {:g} to {:g}", expected, minimum, maximum));
   return v;
 }
 
-std::optional<double> JsonMembers::number(const char* key, double least, double most) const {
+std::optional<double> JsonMembers::number(const char* key, double minimum, double maximum) const {
   const nlohmann::json* value = find(key);
   if (!value) return std::nullopt;
-  return checked(key, *value, least, most, "a number");
+  return checked(key, *value, minimum, maximum, "a number");
 }
 
 std::optional<bool> JsonMembers::flag(const char* key) const {

@@ -28,9 +28,9 @@ class JsonMembers {
 
   /// Throws if the object has any other member, because a misspelt one would be ignored silently.
   void only(std::initializer_list<std::string_view> known) const;
-  std::optional<double> number(const char* key, double least, double most) const;
+  std::optional<double> number(const char* key, double minimum, double maximum) const;
   template <std::size_t n>
-  std::optional<std::array<double, n>> numbers(const char* key, double least, double most) const;
+  std::optional<std::array<double, n>> numbers(const char* key, double minimum, double maximum) const;
   /// Returns the enum value of that name.
   template <class Enum>
   std::optional<Enum> choice(const char* key) const;
@@ -41,7 +41,7 @@ class JsonMembers {
 
  private:
   const nlohmann::json* find(const char* key) const;
-  double checked(const char* key, const nlohmann::json& value, double least, double most,
+  double checked(const char* key, const nlohmann::json& value, double minimum, double maximum,
                  const std::string& expected) const;
 
   std::filesystem::path file_;
@@ -60,13 +60,13 @@ std::optional<Enum> JsonMembers::choice(const char* key) const {
 }
 
 template <std::size_t n>
-std::optional<std::array<double, n>> JsonMembers::numbers(const char* key, double least, double most) const {
+std::optional<std::array<double, n>> JsonMembers::numbers(const char* key, double minimum, double maximum) const {
   const nlohmann::json* value = find(key);
   if (!value) return std::nullopt;
   const std::string expected = "an array of " + std::to_string(n) + " numbers";
   if (!value->is_array() || value->size() != n) fail(key, "expected " + expected);
   std::array<double, n> out;
-  for (std::size_t i = 0; i < n; ++i) out[i] = checked(key, (*value)[i], least, most, expected);
+  for (std::size_t i = 0; i < n; ++i) out[i] = checked(key, (*value)[i], minimum, maximum, expected);
   return out;
 }
 

@@ -8,9 +8,9 @@
 namespace gigabake {
 namespace {
 
-constexpr double look_every_s = 0.5, wait_for_pages_s = 0.005;
+constexpr double check_interval_s = 0.5, wait_for_pages_s = 0.005;
 /// Time slice of a full-size image, and the interval at which its progress is shown.
-constexpr double slice_s = 0.1, show_every_s = 0.25;
+constexpr double slice_s = 0.1, show_interval_s = 0.25;
 
 std::chrono::duration<double> seconds(double s) { return std::chrono::duration<double>(std::min(s, 3600.0)); }
 
@@ -27,7 +27,7 @@ LiveScene::~LiveScene() {
 void LiveScene::stop() {
   const std::lock_guard lock(mutex_);
   stop_ = true;
-  end_now_ = true;
+  cancel_ = true;
   wake_drawing_.notify_all();
   wake_viewers_.notify_all();
 }
@@ -38,13 +38,13 @@ double LiveScene::now_s() const {
 
 // Members for callers on any thread.
 
-std::optional<LiveScene::ViewerId> LiveScene::add_viewer(const Steering& first) {
+std::optional<LiveScene::ViewerId> LiveScene::add_viewer(const ViewerInput& first) {
   const std::lock_guard lock(mutex_);
-  if (viewers_.size() >= options_.most_viewers) return std::nullopt;
+  if (viewers_.size() >= options_.max_viewers) return std::nullopt;
   const auto viewer = std::make_shared<Viewer>();
   viewer->id = ViewerId(++ids_);
   viewer->settings = first;
-  if (home_) show_home(*viewer);
+  if (home_) apply_home(*viewer);
   viewers_.push_back(viewer);
   wake_drawing_.notify_all();
   return viewer->id;
@@ -52,7 +52,7 @@ std::optional<LiveScene::ViewerId> LiveScene::add_viewer(const Steering& first) 
 
 void LiveScene::remove_viewer(ViewerId id) {
   const std::lock_guard lock(mutex_);
-  if (const auto viewer = find(id); viewer && viewer.get() == for_whom_) end_now_ = true;
+  if (const auto viewer = find(id); viewer && viewer.get() == rendered_viewer_) cancel_ = true;
   std::erase_if(viewers_, [&](const auto& v) { return v->id == id; });
   wake_viewers_.notify_all();
 }
@@ -62,13 +62,13 @@ std::shared_ptr<LiveScene::Viewer> LiveScene::find(ViewerId id) const {
   return found == viewers_.end() ? nullptr : *found;
 }
 
-bool LiveScene::steer(ViewerId id, const Steering& steering) {
+bool LiveScene::steer(ViewerId id, const ViewerInput& steering) {
   const std::lock_guard lock(mutex_);
   const auto viewer = find(id);
   if (!viewer) return false;
   if (viewer->pilot) {
     viewer->pilot->steer(with_sun(steering), now_s());
-    if (viewer->pilot->is_stale()) (viewer.get() == for_whom_ ? end_now_ : end_soon_) = true;
+    if (viewer->pilot->is_stale()) (viewer.get() == rendered_viewer_ ? cancel_ : yield_) = true;
   } else if (steering.size) {
     viewer->settings.size = steering.size;
   }
@@ -86,7 +86,7 @@ std::optional<ViewerState> LiveScene::state(ViewerId id) const {
   out.problem = problem_.empty() ? viewer->problem : problem_;
   out.problems = problems_;
   if (!viewer->pilot) return out;
-  const Pilot& pilot = *viewer->pilot;
+  const RenderScheduler& pilot = *viewer->pilot;
   out.resting = pilot.rests();
   out.drawn = viewer->drawn_share;
   out.pose = pilot.rig().pose();
@@ -129,22 +129,22 @@ bool LiveScene::has_scene() const {
 void LiveScene::draw_all() {
   for (;;) {
     reload_if_replaced();
-    Pilot::Order order;
-    double ask_again_s = HUGE_VAL;
-    const auto viewer = next_order(order, ask_again_s);
+    RenderScheduler::RenderRequest order;
+    double next_call_s = HUGE_VAL;
+    const auto viewer = next_order(order, next_call_s);
     if (viewer) {
       draw(viewer, order);
       continue;
     }
     std::unique_lock lock(mutex_);
     if (stop_) return;
-    wake_drawing_.wait_for(lock, seconds(std::clamp(ask_again_s - now_s(), 0.001, look_every_s)));
+    wake_drawing_.wait_for(lock, seconds(std::clamp(next_call_s - now_s(), 0.001, check_interval_s)));
   }
 }
 
 void LiveScene::reload_if_replaced() {
-  if (now_s() < looked_s_ + look_every_s) return;
-  looked_s_ = now_s();
+  if (now_s() < checked_s_ + check_interval_s) return;
+  checked_s_ = now_s();
   const std::optional<FileStamp> stamp = stamp_of(path_);
   if (!stamp) return;
   if (*stamp == FileStamp{}) {
@@ -161,7 +161,7 @@ void LiveScene::reload_if_replaced() {
 void LiveScene::reload() {
   std::unique_ptr<FrameRenderer> renderer;
   CameraOptions home;
-  Steering look;
+  ViewerInput look;
   std::string problem;
   try {
     const PagedScene readable(path_);  // if it throws, the previous scene stays
@@ -179,7 +179,7 @@ void LiveScene::reload() {
   home_ = home;
   look_ = look;
   place_ = renderer_->scene().header().origin;
-  for (const auto& viewer : viewers_) show_home(*viewer);
+  for (const auto& viewer : viewers_) apply_home(*viewer);
 }
 
 /// Frees the pools of the previous scene, so that two sets of pools never exist at the same time.
@@ -189,7 +189,7 @@ void LiveScene::release_renderer() {
   renderer_.reset();
 }
 
-void LiveScene::show_home(Viewer& viewer) {
+void LiveScene::apply_home(Viewer& viewer) {
   viewer.problem.clear();
   if (viewer.pilot) {
     viewer.pilot->new_scene(*home_);
@@ -201,7 +201,7 @@ void LiveScene::show_home(Viewer& viewer) {
 }
 
 /// Sets the sun from the steering's time, if the scene has an origin on the earth.
-Steering LiveScene::with_sun(Steering steering) const {
+ViewerInput LiveScene::with_sun(ViewerInput steering) const {
   if (steering.time && place_) {
     const SunDirection sun = sun_at(*place_, *steering.time);
     steering.sun = {sun.azimuth_deg, sun.elevation_deg};
@@ -209,7 +209,7 @@ Steering LiveScene::with_sun(Steering steering) const {
   return steering;
 }
 
-std::shared_ptr<LiveScene::Viewer> LiveScene::next_order(Pilot::Order& order, double& ask_again_s) {
+std::shared_ptr<LiveScene::Viewer> LiveScene::next_order(RenderScheduler::RenderRequest& order, double& next_call_s) {
   const std::lock_guard lock(mutex_);
   if (stop_ || !renderer_) return nullptr;
   for (std::size_t i = 0; i < viewers_.size(); ++i) {
@@ -218,49 +218,49 @@ std::shared_ptr<LiveScene::Viewer> LiveScene::next_order(Pilot::Order& order, do
     if (const auto wanted = viewer->pilot->next(now_s())) {
       std::rotate(viewers_.begin(), viewers_.begin() + std::ptrdiff_t(i) + 1, viewers_.end());
       order = *wanted;
-      for_whom_ = order.moving ? nullptr : viewer.get();
-      end_now_ = end_soon_ = false;
+      rendered_viewer_ = order.moving ? nullptr : viewer.get();
+      cancel_ = yield_ = false;
       return viewer;
     }
-    ask_again_s = std::min(ask_again_s, viewer->pilot->ask_again_s());
+    next_call_s = std::min(next_call_s, viewer->pilot->next_call_s());
   }
   return nullptr;
 }
 
 /// Renders the order; returns nullopt if there is no new image to show.
-std::optional<Frame> LiveScene::carry_out(Viewer& viewer, const Pilot::Order& order) {
+std::optional<Frame> LiveScene::render_request(Viewer& viewer, const RenderScheduler::RenderRequest& order) {
   if (order.in_tiles) return slice(viewer, order);
   viewer.in_tiles.reset();
-  Frame frame = renderer_->sketch(order.view, {order.upload_s, order.roots_s, [this] { return end_now_.load(); }});
-  if (end_now_) return std::nullopt;
+  Frame frame = renderer_->sketch(order.view, {order.upload_s, order.roots_s, [this] { return cancel_.load(); }});
+  if (cancel_) return std::nullopt;
   return frame;
 }
 
-std::optional<Frame> LiveScene::slice(Viewer& viewer, const Pilot::Order& order) {
+std::optional<Frame> LiveScene::slice(Viewer& viewer, const RenderScheduler::RenderRequest& order) {
   if (!viewer.in_tiles || viewer.in_tiles_pose != order.pose) {
     const bool sketched = viewer.frame && viewer.frame_pose == order.pose;
     viewer.in_tiles = renderer_->begin(order.view, sketched ? &viewer.frame->frame.picture : nullptr);
     viewer.in_tiles_pose = order.pose;
   }
-  FrameInTiles& work = *viewer.in_tiles;
+  ProgressiveFrame& work = *viewer.in_tiles;
   const double end_s = now_s() + slice_s;
   renderer_->go_on(
-      work, [&] { return end_soon_ || now_s() >= end_s; }, [this] { return end_now_.load(); });
+      work, [&] { return yield_ || now_s() >= end_s; }, [this] { return cancel_.load(); });
   if (work.is_complete()) {
     Frame frame{std::move(work.picture), work.stats};
     viewer.in_tiles.reset();
     return frame;
   }
-  if (end_now_ || now_s() < viewer.drawn_s + show_every_s) return std::nullopt;
+  if (cancel_ || now_s() < viewer.drawn_s + show_interval_s) return std::nullopt;
   return Frame{work.picture, work.stats};
 }
 
-void LiveScene::draw(const std::shared_ptr<Viewer>& viewer, const Pilot::Order& order) {
+void LiveScene::draw(const std::shared_ptr<Viewer>& viewer, const RenderScheduler::RenderRequest& order) {
   std::optional<Frame> frame;
   PictureRays rays;
   std::string problem;
   try {
-    frame = carry_out(*viewer, order);
+    frame = render_request(*viewer, order);
     if (frame) rays = rays_of(order.view.camera);
   } catch (const std::exception& e) {
     problem = e.what();
@@ -269,7 +269,7 @@ void LiveScene::draw(const std::shared_ptr<Viewer>& viewer, const Pilot::Order& 
   const std::uint64_t problems = renderer_->problems().size();
   {
     std::unique_lock lock(mutex_);
-    for_whom_ = nullptr;
+    rendered_viewer_ = nullptr;
     viewer->problem = problem;
     problems_ = problems;
     const auto& work = viewer->in_tiles;
@@ -277,7 +277,7 @@ void LiveScene::draw(const std::shared_ptr<Viewer>& viewer, const Pilot::Order& 
     if (!problem.empty()) {
       viewer->pilot->failed();
     } else if (frame) {
-      hand_over(*viewer, order, std::move(*frame), rays);
+      publish_frame(*viewer, order, std::move(*frame), rays);
     }
     wake_viewers_.notify_all();
     // The missing pages are in flight. Rendering again before they arrive would only take CPU time from their readers.
@@ -291,7 +291,8 @@ PictureRays LiveScene::rays_of(const CameraOptions& camera) const {
   return {renderer_->rays_of(camera), scene.lattice_origin_m, scene.voxel_size_m, scene.origin};
 }
 
-void LiveScene::hand_over(Viewer& viewer, const Pilot::Order& order, Frame drawn, const PictureRays& rays) {
+void LiveScene::publish_frame(Viewer& viewer, const RenderScheduler::RenderRequest& order, Frame drawn,
+                              const PictureRays& rays) {
   const auto frame = std::make_shared<LiveFrame>();
   const double apart_s = now_s() - viewer.drawn_s;
   viewer.drawn_s = now_s();

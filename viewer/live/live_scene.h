@@ -19,7 +19,7 @@
 
 #include "format/system/file_stamp.h"
 #include "viewer/live/picked_point.h"
-#include "viewer/live/pilot.h"
+#include "viewer/live/render_scheduler.h"
 #include "viewer/pictures/frame_renderer.h"
 
 namespace gigabake {
@@ -41,7 +41,7 @@ struct ViewerState {
   std::string problem;         ///< reason for no scene or no frame; empty: no error
   std::uint64_t problems = 0;  ///< number of missing or damaged shards found so far
   CameraPose pose;
-  CameraRig::Style style = CameraRig::Style::orbit;
+  CameraController::Style style = CameraController::Style::orbit;
   View full_view;
   double speed_m_per_s = 0, upload_s = 0;
   bool resting = false;  ///< the last frame is complete at full size, or has failed
@@ -55,10 +55,10 @@ class LiveScene {
     FrameRenderer::Options renderer;
     CameraOptions camera;   ///< initial camera of every viewer
     double frame_s = 0.06;  ///< target time of a frame while the viewer moves
-    std::size_t most_viewers = 16;
+    std::size_t max_viewers = 16;
     /// Returns the initial view of a new viewer.
     /// Errors  UsageError: the message is shown in place of the scene.
-    std::function<Steering(const SceneHeader&)> look = [](const SceneHeader&) { return Steering{}; };
+    std::function<ViewerInput(const SceneHeader&)> look = [](const SceneHeader&) { return ViewerInput{}; };
     std::function<void()> changed = [] {};  ///< after each frame and each scene; called by the rendering thread
   };
   enum class ViewerId : std::uint64_t {};
@@ -70,12 +70,12 @@ class LiveScene {
   LiveScene(const LiveScene&) = delete;
   LiveScene& operator=(const LiveScene&) = delete;
 
-  /// first: input that is applied once a scene is loaded. Returns nullopt if there are most_viewers already.
-  std::optional<ViewerId> add_viewer(const Steering& first = {});
+  /// first: input that is applied once a scene is loaded. Returns nullopt if there are max_viewers already.
+  std::optional<ViewerId> add_viewer(const ViewerInput& first = {});
   void remove_viewer(ViewerId id);
 
   /// The members below return nullopt, false or nullptr if there is no such viewer.
-  bool steer(ViewerId id, const Steering& steering);
+  bool steer(ViewerId id, const ViewerInput& steering);
   std::optional<ViewerState> state(ViewerId id) const;
   /// Waits for a frame whose number exceeds `after` and returns the latest frame; nullptr after timeout_s.
   FramePtr frame_after(ViewerId id, std::uint64_t after, double timeout_s) const;
@@ -89,56 +89,56 @@ class LiveScene {
  private:
   struct Viewer {
     ViewerId id;
-    std::optional<Pilot> pilot;  ///< set once a scene is loaded
-    Steering settings;           ///< requested before a scene was loaded
+    std::optional<RenderScheduler> pilot;  ///< set once a scene is loaded
+    ViewerInput settings;                  ///< requested before a scene was loaded
     FramePtr frame;
     std::uint64_t frame_pose = 0;  ///< `pose` of the order that `frame` answers
     double drawn_s = -HUGE_VAL;    ///< time of the last frame
     double drawn_share = 0;
     std::string problem;
 
-    std::optional<FrameInTiles> in_tiles;  ///< used by the rendering thread only
-    std::uint64_t in_tiles_pose = 0;       ///< `pose` of the order that in_tiles answers
+    std::optional<ProgressiveFrame> in_tiles;  ///< used by the rendering thread only
+    std::uint64_t in_tiles_pose = 0;           ///< `pose` of the order that in_tiles answers
   };
 
   void draw_all();
   void reload_if_replaced();
   void reload();
   void release_renderer();
-  std::shared_ptr<Viewer> next_order(Pilot::Order& order, double& ask_again_s);
-  void draw(const std::shared_ptr<Viewer>& viewer, const Pilot::Order& order);
-  std::optional<Frame> carry_out(Viewer& viewer, const Pilot::Order& order);
-  std::optional<Frame> slice(Viewer& viewer, const Pilot::Order& order);
+  std::shared_ptr<Viewer> next_order(RenderScheduler::RenderRequest& order, double& next_call_s);
+  void draw(const std::shared_ptr<Viewer>& viewer, const RenderScheduler::RenderRequest& order);
+  std::optional<Frame> render_request(Viewer& viewer, const RenderScheduler::RenderRequest& order);
+  std::optional<Frame> slice(Viewer& viewer, const RenderScheduler::RenderRequest& order);
   PictureRays rays_of(const CameraOptions& camera) const;
-  void hand_over(Viewer& viewer, const Pilot::Order& order, Frame frame, const PictureRays& rays);
+  void publish_frame(Viewer& viewer, const RenderScheduler::RenderRequest& order, Frame frame, const PictureRays& rays);
   std::shared_ptr<Viewer> find(ViewerId id) const;
   double now_s() const;
-  void show_home(Viewer& viewer);
-  Steering with_sun(Steering steering) const;
+  void apply_home(Viewer& viewer);
+  ViewerInput with_sun(ViewerInput steering) const;
   FramePtr wait_for_frame(ViewerId id, double timeout_s, const std::function<bool(const Viewer&)>& good) const;
 
   const std::filesystem::path path_;
   const Options options_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 
-  mutable std::mutex mutex_;  ///< guards the members up to for_whom_
+  mutable std::mutex mutex_;  ///< guards the members up to rendered_viewer_
   mutable std::condition_variable wake_drawing_, wake_viewers_;
   std::vector<std::shared_ptr<Viewer>> viewers_;  ///< in order of their next turn
   std::optional<CameraOptions> home_;             ///< set if a scene is loaded
-  Steering look_;                                 ///< initial view of new viewers, from options_.look
+  ViewerInput look_;                              ///< initial view of new viewers, from options_.look
   std::optional<Geodetic> place_;                 ///< the scene's origin on the earth
   std::string problem_;
   std::uint64_t problems_ = 0, ids_ = 0;
   bool stop_ = false;
-  const Viewer* for_whom_ = nullptr;  ///< viewer at rest for which an image is being rendered
+  const Viewer* rendered_viewer_ = nullptr;  ///< viewer at rest for which an image is being rendered
 
-  std::atomic<bool> end_now_ = false;   ///< cancel: the image in progress would be discarded
-  std::atomic<bool> end_soon_ = false;  ///< yield: another viewer moves and waits for its turn
+  std::atomic<bool> cancel_ = false;  ///< cancel: the image in progress would be discarded
+  std::atomic<bool> yield_ = false;   ///< yield: another viewer moves and waits for its turn
 
   // Members of the rendering thread.
   std::unique_ptr<FrameRenderer> renderer_;
   FileStamp stamp_;
-  double looked_s_ = -HUGE_VAL;
+  double checked_s_ = -HUGE_VAL;
   std::thread thread_;
 };
 

@@ -11,9 +11,9 @@
 namespace gigabake {
 namespace {
 
-constexpr double most_frames = 1e6, full_upload_s = 1;
+constexpr double max_frames = 1e6, full_upload_s = 1;
 /// The limit of consecutive draws without an upload: the missing data does not fit in memory or cannot be read.
-constexpr int most_idle_draws = 200;
+constexpr int max_idle_draws = 200;
 constexpr auto wait_for_pages = std::chrono::milliseconds(2);
 
 nlohmann::ordered_json triple(const std::optional<Point<Scene>>& p) {
@@ -23,7 +23,7 @@ nlohmann::ordered_json triple(const std::optional<Point<Scene>>& p) {
 }  // namespace
 
 std::vector<double> times_of_frames(const CameraPath& path, int frames) {
-  if (frames < 1 || frames > most_frames) throw UsageError("frames", "expected 1 to 1000000");
+  if (frames < 1 || frames > max_frames) throw UsageError("frames", "expected 1 to 1000000");
   std::vector<double> out;
   for (int i = 0; i < frames; ++i)
     out.push_back(frames == 1 ? path.first_s()
@@ -35,7 +35,7 @@ std::vector<double> times_at_rate(const CameraPath& path, double frames_per_s) {
   if (!(frames_per_s > 0) || !std::isfinite(frames_per_s))
     throw UsageError("frames_per_s", "expected a positive number");
   const double intervals = std::floor((path.last_s() - path.first_s()) * frames_per_s + 1e-6);
-  if (!(intervals < most_frames)) throw UsageError("frames_per_s", "more than 1000000 frames along this path");
+  if (!(intervals < max_frames)) throw UsageError("frames_per_s", "more than 1000000 frames along this path");
   std::vector<double> out;
   for (double i = 0; i <= intervals; ++i) out.push_back(std::min(path.first_s() + i / frames_per_s, path.last_s()));
   return out;
@@ -55,7 +55,7 @@ std::filesystem::path numbered_file(const std::string& pattern, std::size_t numb
   return fmt::format("{}{:0{}}{}", pattern.substr(0, at), number, padded ? width[1] - '0' : 1, pattern.substr(end + 1));
 }
 
-Frame draw_to_the_end(FrameRenderer& renderer, const View& view, int& draws, const Progress& progress) {
+Frame draw_to_completion(FrameRenderer& renderer, const View& view, int& draws, const Progress& progress) {
   FrameStats sum;
   draws = 0;
   for (int idle = 0;;) {
@@ -67,7 +67,7 @@ Frame draw_to_the_end(FrameRenderer& renderer, const View& view, int& draws, con
     sum.total_s += frame.stats.total_s;
     sum.uploads += frame.stats.uploads;
     idle = frame.stats.uploads > 0 ? 0 : idle + 1;
-    if (frame.stats.complete || idle >= most_idle_draws) {
+    if (frame.stats.complete || idle >= max_idle_draws) {
       frame.stats.cast_s = sum.cast_s;
       frame.stats.upload_s = sum.upload_s;
       frame.stats.total_s = sum.total_s;
@@ -94,7 +94,7 @@ void draw_path(FrameRenderer& renderer, const CameraPath& path, const View& view
     try {
       out.draws = 1;
       frame = finish == Finish::live ? renderer.draw(there, upload_s)
-                                     : draw_to_the_end(renderer, there, out.draws, progress);
+                                     : draw_to_completion(renderer, there, out.draws, progress);
     } catch (const UsageError& e) {
       throw UsageError(fmt::format("{} (at {:g} s of the path)", e.what(), times_s[i]));
     }

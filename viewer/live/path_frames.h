@@ -37,7 +37,7 @@ enum class Finish {
 
 /// Draws until the frame is complete, or until 200 consecutive draws upload nothing while no page is loading. Times and
 /// uploads are sums.
-Frame draw_to_the_end(FrameRenderer& renderer, const View& view, int& draws, const Progress& progress = {});
+Frame draw_to_completion(FrameRenderer& renderer, const View& view, int& draws, const Progress& progress = {});
 
 /// Calls take(frame, picture) for each time, in order. upload_s: the upload time limit of each draw of Finish::live.
 /// Errors  as FrameRenderer::draw(); a UsageError names the time on the path.

@@ -16,8 +16,8 @@ namespace {
 using Vector = std::array<double, 3>;
 
 constexpr int max_image_edge = 32768;
-constexpr std::int64_t most_pixels = std::int64_t(1) << 28;
-constexpr double farthest_voxel = double(std::int64_t(1) << 40);
+constexpr std::int64_t max_pixels = std::int64_t(1) << 28;
+constexpr double max_voxel = double(std::int64_t(1) << 40);
 
 Vector operator+(const Vector& a, const Vector& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 Vector operator-(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
@@ -42,7 +42,7 @@ Vector to_voxels(const Point<Scene>& p_scene_m, const SceneHeader& scene, const 
   for (std::size_t a = 0; a < 3; ++a) {
     v[a] = (p_m[a] - scene.lattice_origin_m[a]) / scene.voxel_size_m;
     if (!std::isfinite(p_m[a])) throw UsageError(name, "expected three finite numbers");
-    if (!(std::fabs(v[a]) <= farthest_voxel)) throw UsageError(name, "more than 2^40 voxels from the scene's origin");
+    if (!(std::fabs(v[a]) <= max_voxel)) throw UsageError(name, "more than 2^40 voxels from the scene's origin");
   }
   return v;
 }
@@ -72,21 +72,21 @@ const Vector oblique_view{-0.62, 0.60, -0.505};
 
 /// Max. number of cells whose nodes are read. A larger scene is framed by its root overview, or by the boxes of its
 /// cells if it has no overview.
-constexpr std::size_t most_cells_read = 256, most_cells_read_below_a_root = 32;
+constexpr std::size_t max_cells_read = 256, max_cells_read_below_root = 32;
 
 /// Calls visit(row, lowest corner, edge) for the finest nodes in the rows, in voxels; only for nodes of edge ≥ `least`.
 template <class Visit>
-void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vector& corner, double edge, double least,
+void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vector& corner, double edge, double minimum,
                  const Visit& visit) {
   const NodeRow& node = rows[row];
   const auto children = std::size_t(std::popcount(node.child_mask));
-  if (edge <= least || children == 0 || node.first_child + children > rows.size()) return visit(node, corner, edge);
+  if (edge <= minimum || children == 0 || node.first_child + children > rows.size()) return visit(node, corner, edge);
   std::size_t next = node.first_child;
   for (int child = 0; child < 8; ++child) {
     if ((node.child_mask >> child & 1) == 0) continue;
     const double half = edge / 2;
     visit_nodes(rows, next++, corner + Vector{child & 1 ? half : 0, child & 2 ? half : 0, child & 4 ? half : 0}, half,
-                least, visit);
+                minimum, visit);
   }
 }
 
@@ -107,7 +107,7 @@ Vector corner_of(const SceneCell& shard) {
 template <class Visit>
 void visit_cells(const PagedScene& scene, const PageSource& pages, const Visit& visit) {
   const auto visit_box = [&](const NodeRow&, const Vector& corner, double edge) { visit(corner, edge); };
-  const bool few = scene.totals().cells <= most_cells_read;
+  const bool few = scene.totals().cells <= max_cells_read;
   std::uint32_t number = 0;
   scene.for_each_cell([&](const SceneCell& cell) {
     const std::vector<NodeRow> rows =
@@ -144,7 +144,7 @@ bool visit_root(const PagedScene& scene, std::uint32_t root, const PageSource& p
 template <class Visit>
 void for_each_occupied_box(const PagedScene& scene, const PageSource& pages, const Visit& visit) {
   std::optional<ParentTiers> tiers;
-  if (scene.totals().cells > most_cells_read_below_a_root) tiers = parent_tiers(scene);
+  if (scene.totals().cells > max_cells_read_below_root) tiers = parent_tiers(scene);
   if (!tiers || !visit_root(scene, tiers->root, pages, visit)) visit_cells(scene, pages, visit);
 }
 
@@ -224,7 +224,7 @@ kernels::CastClip cast_clip(const Clip& clip, const SceneHeader& scene) {
 
 void check_picture_size(const CameraOptions& o) {
   if (o.width < 1 || o.height < 1 || o.width > max_image_edge || o.height > max_image_edge ||
-      std::int64_t(o.width) * o.height > most_pixels)
+      std::int64_t(o.width) * o.height > max_pixels)
     throw UsageError("size", std::to_string(o.width) + "x" + std::to_string(o.height) +
                                  " is no picture; expected 1 to 32768 a side and at most 2^28 pixels");
 }

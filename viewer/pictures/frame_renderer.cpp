@@ -39,7 +39,7 @@ Point<Scene> to_scene_m(const SceneHeader& scene, const double voxels[3]) {
 }
 
 /// A view counts as larger than the memory budget if pages of this multiple of the budget have been read.
-constexpr std::uint64_t pages_over = 4;
+constexpr std::uint64_t max_page_reread_factor = 4;
 
 }  // namespace
 
@@ -69,7 +69,7 @@ struct FrameRenderer::State {
         scene(std::move(opened)),
         policy(threads_of(wishes)),
         source(pages ? guarded_pages(pages, scene->header())
-                     : pages_from_open_shards(scene, files_opened, most_open(wishes))) {
+                     : pages_from_open_shards(scene, files_opened, max_open(wishes))) {
     fill(filling_of({}));
   }
 
@@ -82,13 +82,13 @@ struct FrameRenderer::State {
   static std::uint64_t memory_of(const Options& wishes) {
     return std::min(wishes.memory_bytes, host_limits().memory_bytes / 2);
   }
-  static std::size_t most_open(const Options& wishes) { return open_shards_within(memory_of(wishes)); }
+  static std::size_t max_open(const Options& wishes) { return open_shards_within(memory_of(wishes)); }
 
   /// Returns the memory for pools and pages, which is reduced by open shards. A scene can have fewer shards than the
   /// limit.
   std::uint64_t bytes_next_to_shards() const {
     const std::uint64_t shards = scene->totals().cells + scene->totals().parents, all = memory_of(options);
-    return all - std::min(std::min<std::uint64_t>(most_open(options), shards) * open_shard_bytes, all / 8);
+    return all - std::min(std::min<std::uint64_t>(max_open(options), shards) * open_shard_bytes, all / 8);
   }
 
   void fill(const Filling& wish) {
@@ -118,7 +118,7 @@ struct FrameRenderer::State {
   /// repeatedly if there is memory for it.
   bool is_starved(const SceneStream::Served& served) const {
     const std::uint64_t read = stream->page_counts().bytes_read - bytes_read_before;
-    return served.is_full || read / pages_over > stream->page_bytes_allowed();
+    return served.is_full || read / max_page_reread_factor > stream->page_bytes_allowed();
   }
 
   void look_at(const View& view) {
@@ -145,8 +145,8 @@ struct FrameRenderer::State {
     return air(options.haze_visibility_m, scene->header().voxel_size_m, view.sun);
   }
 
-  PictureLook look_of(const View& view) {
-    PictureLook look{to_cast(view.background, shows_light(view.mode) ? view.sun : SunDirection{})};
+  RenderSettings look_of(const View& view) {
+    RenderSettings look{to_cast(view.background, shows_light(view.mode) ? view.sun : SunDirection{})};
     if (const auto part = light_part_of(view)) look.lighting = lighting(view.sun, *part, haze_of(view));
     if (view.mode == ViewMode::height && !heights) heights = occupied_heights(*scene, source);
     look.shader = shader_of(view, heights.value_or(HeightRange{}));
@@ -162,7 +162,7 @@ struct FrameRenderer::State {
     stats.starved = starved;
   }
 
-  void put_in_wanted(const kernels::CastCamera& camera, const SketchLimits& limits) {
+  void put_in_wanted(const kernels::CastCamera& camera, const PreviewLimits& limits) {
     const auto start = Clock::now();
     const kernels::StopAsked enough = [over = after(limits.upload_s - upload_s), &limits] {
       return over() || is_asked(limits.stop);
@@ -175,11 +175,11 @@ struct FrameRenderer::State {
   }
 
   /// Waits until every tree has a resident root, or the time is over; the view's rays are cast afterwards.
-  void wait_for_roots(const kernels::CastCamera& camera, const SketchLimits& limits) {
+  void wait_for_roots(const kernels::CastCamera& camera, const PreviewLimits& limits) {
     const auto start = Clock::now();
-    stream->want_roots();
+    stream->request_roots();
     const kernels::StopAsked over = after(limits.roots_s);
-    while (stream->lacks_roots() && !over() && !is_asked(limits.stop)) {
+    while (stream->has_pending_roots() && !over() && !is_asked(limits.stop)) {
       put_in_wanted(camera, limits);
       if (!put_in) stream->wait(std::chrono::milliseconds(5));
     }
@@ -189,7 +189,7 @@ struct FrameRenderer::State {
 
   /// Casts rays that wait for data uploaded within the time limit and resume where they stopped. This loads several
   /// levels in one frame at about the cost of one cast. Coarser bricks are the fallback for data still missing.
-  void cast(const View& view, const kernels::CastCamera& camera, const SketchLimits& limits, Picture& picture) {
+  void cast(const View& view, const kernels::CastCamera& camera, const PreviewLimits& limits, Picture& picture) {
     kernels::Caster& caster = stream->caster();
     const std::size_t rays = std::size_t(camera.width) * std::size_t(camera.height);
     std::future<Picture> blank = std::async(std::launch::async, blank_picture, camera.width, camera.height, view.light);
@@ -204,7 +204,7 @@ struct FrameRenderer::State {
     }
     if (waiting > 0) caster.cast(0, rays, false, limits.stop);
     wanted = waiting > 0 ? caster.wanted() : std::vector<std::uint32_t>();
-    const PictureLook look = look_of(view);
+    const RenderSettings look = look_of(view);
     was_complete = waiting == 0;
     if (look.blends_levels) {
       caster.start_blend();
@@ -222,7 +222,7 @@ struct FrameRenderer::State {
   }
 
   /// Casts secondary rays in the same way as cast().
-  void cast_more(const kernels::CastCamera& camera, const SketchLimits& limits,
+  void cast_more(const kernels::CastCamera& camera, const PreviewLimits& limits,
                  const std::function<std::size_t(bool patient)>& pass) {
     const std::vector<std::uint32_t> wanted_before = wanted;
     std::size_t waiting = was_complete ? pass(true) : SIZE_MAX;
@@ -242,7 +242,7 @@ struct FrameRenderer::State {
   }
 
   /// Renders one pass over resident and newly uploaded data.
-  Frame pass_over(const View& view, const SketchLimits& limits, bool roots_first) {
+  Frame pass_over(const View& view, const PreviewLimits& limits, bool roots_first) {
     const auto start = Clock::now();
     const kernels::CastCamera camera = camera_of(view);
     const std::uint64_t uploads_before = stream->uploads();
@@ -303,13 +303,13 @@ Frame FrameRenderer::draw(const View& view, double upload_s) {
   return state_->pass_over(view, {upload_s, 0, {}}, false);
 }
 
-Frame FrameRenderer::sketch(const View& view, const SketchLimits& limits) {
+Frame FrameRenderer::sketch(const View& view, const PreviewLimits& limits) {
   state_->show(view);
   return state_->pass_over(view, limits, true);
 }
 
 Frame FrameRenderer::draw_exact(const View& view, const Progress& progress) {
-  FrameInTiles frame = begin(view, nullptr);
+  ProgressiveFrame frame = begin(view, nullptr);
   progress.step("drawing", frame.tiles.size());
   const auto tile_done = [&] {
     progress.advance();
@@ -319,10 +319,10 @@ Frame FrameRenderer::draw_exact(const View& view, const Progress& progress) {
   return {std::move(frame.picture), frame.stats};
 }
 
-FrameInTiles FrameRenderer::begin(const View& view, const Picture* meanwhile) {
+ProgressiveFrame FrameRenderer::begin(const View& view, const Picture* meanwhile) {
   check_picture_size(view.camera);
   state_->show(view);
-  FrameInTiles frame;
+  ProgressiveFrame frame;
   frame.view = view;
   const int width = view.camera.width, height = view.camera.height;
   frame.picture =
@@ -331,14 +331,14 @@ FrameInTiles FrameRenderer::begin(const View& view, const Picture* meanwhile) {
   return frame;
 }
 
-void FrameRenderer::go_on(FrameInTiles& frame, const kernels::StopAsked& enough, const kernels::StopAsked& stop) {
+void FrameRenderer::go_on(ProgressiveFrame& frame, const kernels::StopAsked& enough, const kernels::StopAsked& stop) {
   State& s = *state_;
   const auto start = Clock::now();
   s.show(frame.view);
   s.wanted.clear();
   const std::uint64_t uploads_before = s.stream->uploads();
   const kernels::CastCamera camera = s.camera_of(frame.view);
-  const PictureLook look = s.look_of(frame.view);
+  const RenderSettings look = s.look_of(frame.view);
   while (!frame.is_complete()) {
     if (!render_tile(*s.stream, camera, frame.tiles[frame.done], look, stop, frame.picture)) break;
     ++frame.done;

@@ -42,7 +42,7 @@ struct Frame {
 };
 
 /// A full-resolution image in progress. The caller owns this value, so several images can be rendered alternately.
-struct FrameInTiles {
+struct ProgressiveFrame {
   View view;
   Picture picture;                       ///< final in finished tiles; the initial image elsewhere
   std::vector<kernels::CastTile> tiles;  ///< from the middle outwards
@@ -53,7 +53,7 @@ struct FrameInTiles {
 };
 
 /// Time limits of one sketch().
-struct SketchLimits {
+struct PreviewLimits {
   double upload_s = 0.02;   ///< for new data; some data is always uploaded
   double roots_s = 0;       ///< max. wait at the start if trees lack all bricks
   kernels::StopAsked stop;  ///< cancels the call; the frame is then unusable
@@ -97,18 +97,18 @@ class FrameRenderer {
 
   /// Renders a preview for a moving eye. It never switches to draw_exact(). The roots of all trees are uploaded first,
   /// so that each tree has a fallback.
-  Frame sketch(const View& view, const SketchLimits& limits);
+  Frame sketch(const View& view, const PreviewLimits& limits);
 
   /// Renders the complete image in as many passes as necessary, whatever the size of the pools.
   Frame draw_exact(const View& view, const Progress& progress = {});
 
   /// Starts the image of draw_exact() in tiles. `meanwhile`: an image of the same view in any size, shown where no tile
   /// is finished; null: transparent.
-  FrameInTiles begin(const View& view, const Picture* meanwhile);
+  ProgressiveFrame begin(const View& view, const Picture* meanwhile);
   /// Renders at least one tile, then further tiles until `enough` returns true. Calls `enough` after each tile. `stop`
   /// cancels within milliseconds; the next call restarts the unfinished tile.
   /// Exact   The same as draw_exact(), also after cancelled calls and other renderings in between.
-  void go_on(FrameInTiles& frame, const kernels::StopAsked& enough, const kernels::StopAsked& stop);
+  void go_on(ProgressiveFrame& frame, const kernels::StopAsked& enough, const kernels::StopAsked& stop);
 
   /// Returns one line for each shard found missing or damaged; its parts are shown by their ancestors.
   std::vector<std::string> problems() const;

@@ -8,7 +8,7 @@ namespace gigabake {
 namespace {
 
 /// Interval at which a wait for pages checks `stop`.
-constexpr std::chrono::milliseconds look_up{10};
+constexpr std::chrono::milliseconds stop_check_interval{10};
 
 /// Max. number of intervals before rays are cast again although some of their pages are still being read. More pages
 /// per pass save time, because a pass costs the same for one page as for many.
@@ -16,7 +16,7 @@ constexpr int max_page_checks = 5;
 
 /// Waits for pages. Returns false if `stop` cancelled it.
 bool wait_for_served_pages(SceneStream& stream, const SceneStream::Served& served, const kernels::StopAsked& stop) {
-  for (int looks = 1; !stream.settle(look_up); ++looks) {
+  for (int looks = 1; !stream.settle(stop_check_interval); ++looks) {
     if (stop && stop()) return false;
     if (looks >= max_page_checks && (served.uploads != 0 || stream.has_arrivals())) break;
   }
@@ -49,7 +49,7 @@ bool finish_rays(SceneStream& stream, const double eye[3], std::size_t count, co
 
 /// Casts the tile's primary rays, then rays between levels, then shadow rays. Returns false if `stop` cancelled it.
 bool finish_tile(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
-                 const PictureLook& look, const kernels::StopAsked& stop) {
+                 const RenderSettings& look, const kernels::StopAsked& stop) {
   kernels::Caster& caster = stream.caster();
   const std::size_t pixels = std::size_t(tile.width) * std::size_t(tile.height);
   caster.start(camera, tile);
@@ -144,7 +144,7 @@ std::vector<kernels::CastTile> tiles_of(int width, int height, int edge) {
 }
 
 bool render_tile(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
-                 const PictureLook& look, const kernels::StopAsked& stop, Picture& picture) {
+                 const RenderSettings& look, const kernels::StopAsked& stop, Picture& picture) {
   if (!finish_tile(stream, camera, tile, look, stop)) return false;
   Picture part =
       blank_picture(tile.width, tile.height, picture.linear.empty() ? PictureLight::srgb : PictureLight::linear_too);
@@ -157,10 +157,10 @@ bool render_tile(SceneStream& stream, const kernels::CastCamera& camera, const k
 
 Picture render(SceneStream& stream, const kernels::CastCamera& camera, const Background& background, PictureLight light,
                const std::optional<kernels::CastLighting>& lighting) {
-  return render(stream, camera, PictureLook{to_cast(background), lighting}, light);
+  return render(stream, camera, RenderSettings{to_cast(background), lighting}, light);
 }
 
-Picture render(SceneStream& stream, const kernels::CastCamera& camera, const PictureLook& look, PictureLight light) {
+Picture render(SceneStream& stream, const kernels::CastCamera& camera, const RenderSettings& look, PictureLight light) {
   Picture picture = blank_picture(camera.width, camera.height, light);
   for (const kernels::CastTile& tile : tiles_of(camera.width, camera.height, stream.tile_edge()))
     render_tile(stream, camera, tile, look, {}, picture);

@@ -41,7 +41,7 @@ kernels::CastPixels pixels_of(Picture& picture);
 std::vector<kernels::CastTile> tiles_of(int width, int height, int edge);
 
 /// Background and lighting of an image, applied to the results of its rays.
-struct PictureLook {
+struct RenderSettings {
   kernels::CastBackground background;
   std::optional<kernels::CastLighting> lighting = {};  ///< lights the surface's own colours, which rays must return
   std::shared_ptr<const kernels::SurfaceShader> shader = {};  ///< shader of that light; null: kernels::LitShader
@@ -51,13 +51,13 @@ struct PictureLook {
 /// Renders one tile into the whole image. Returns false if `stop` cancelled it; the image is unchanged then.
 /// Exact   The same pixels as render(), for any tiling.
 bool render_tile(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
-                 const PictureLook& look, const kernels::StopAsked& stop, Picture& picture);
+                 const RenderSettings& look, const kernels::StopAsked& stop, Picture& picture);
 
 /// Renders the whole image.
 /// Exact   The same bytes for any number of threads and any memory budget of `stream`. Damaged parts are shown by the
 ///         next coarser intact level; see SceneStream::problems().
 /// Space   8 bytes per pixel, 24 with linear light, in addition to `stream`.
-Picture render(SceneStream& stream, const kernels::CastCamera& camera, const PictureLook& look, PictureLight light);
+Picture render(SceneStream& stream, const kernels::CastCamera& camera, const RenderSettings& look, PictureLight light);
 /// Renders the whole image with only a background and lighting.
 Picture render(SceneStream& stream, const kernels::CastCamera& camera, const Background& background,
                PictureLight light = PictureLight::srgb, const std::optional<kernels::CastLighting>& lighting = {});

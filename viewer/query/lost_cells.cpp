@@ -44,7 +44,7 @@ std::map<StackColumn, std::int64_t> stack_bases(const std::vector<SceneCell>& ce
   return bases;
 }
 
-SceneCell stand_in(const std::string& name, const SceneCell& like, const std::array<std::int64_t, 3>& min) {
+SceneCell placeholder(const std::string& name, const SceneCell& like, const std::array<std::int64_t, 3>& min) {
   SceneCell cell;
   cell.name = name;
   cell.lattice_min = min;
@@ -76,15 +76,15 @@ std::vector<SceneCell> lost_cells(const SceneHeader& scene, const std::vector<Sc
     const StackColumn column{place->at[0], place->at[1]};
     const std::array<std::int64_t, 3> corner{column.first * edge, column.second * edge, 0};
     if (const auto base = bases.find(column); base != bases.end())
-      lost.push_back(stand_in(name, cells.front(), {corner[0], corner[1], base->second + place->at[2] * edge}));
+      lost.push_back(placeholder(name, cells.front(), {corner[0], corner[1], base->second + place->at[2] * edge}));
     else if (!std::exchange(filled[column], true))
       for (std::int64_t z = low; z < high; z += edge)
-        lost.push_back(stand_in(name, cells.front(), {corner[0], corner[1], z}));
+        lost.push_back(placeholder(name, cells.front(), {corner[0], corner[1], z}));
   }
   return lost;
 }
 
-bool lacks_cells(const SceneHeader& scene) {
+bool has_lost_cells(const SceneHeader& scene) {
   return std::ranges::any_of(scene.losses, [](const SceneLoss& loss) { return loss.name.starts_with(cell_prefix); });
 }
 

@@ -16,6 +16,6 @@ namespace gigabake {
 std::vector<SceneCell> lost_cells(const SceneHeader& scene, const std::vector<SceneCell>& cells);
 
 /// Returns whether the scene lists a lost cell.
-bool lacks_cells(const SceneHeader& scene);
+bool has_lost_cells(const SceneHeader& scene);
 
 }  // namespace gigabake

@@ -9,21 +9,21 @@
 namespace gigabake {
 namespace {
 
-class OneAsk final : public QueryAsks {
+class SingleQuery final : public QuerySource {
  public:
-  OneAsk(QueryAsk ask, QueryAim aim, std::string option)
+  SingleQuery(QueryInput ask, DirectionForm aim, std::string option)
       : ask_{std::move(ask)}, aim_(aim), option_(std::move(option)) {}
 
-  std::vector<QueryAsk> next(std::size_t) override { return std::exchange(ask_, {}); }
-  QueryAim aim() const override { return aim_; }
+  std::vector<QueryInput> next(std::size_t) override { return std::exchange(ask_, {}); }
+  DirectionForm aim() const override { return aim_; }
   std::uint64_t count() const override { return 1; }
   [[noreturn]] void refuse(std::size_t, const std::string& why) const override {
     throw UsageError(option_ + ": " + why);
   }
 
  private:
-  std::vector<QueryAsk> ask_;
-  QueryAim aim_;
+  std::vector<QueryInput> ask_;
+  DirectionForm aim_;
   std::string option_;
 };
 
@@ -33,24 +33,24 @@ std::uint64_t points_along(double low, double high, double step) {
   return steps < 0x1p40 ? std::uint64_t(steps) + 1 : std::uint64_t(1) << 41;
 }
 
-class GridAsks final : public QueryAsks {
+class GridQueries final : public QuerySource {
  public:
-  explicit GridAsks(const QueryGrid& grid) : grid_(grid) {
+  explicit GridQueries(const QueryGrid& grid) : grid_(grid) {
     bool good = std::isfinite(grid.step) && grid.step > 0;
     for (const double v : grid.box) good = good && std::isfinite(v);
     if (!good || grid.box[2] < grid.box[0] || grid.box[3] < grid.box[1])
       throw UsageError("grid", "expected finite numbers, the lower corner first, and a step above 0");
     columns_ = points_along(grid.box[0], grid.box[2], grid.step);
     rows_ = points_along(grid.box[1], grid.box[3], grid.step);
-    constexpr std::uint64_t most = std::uint64_t(1) << 40;
-    if (columns_ > most || rows_ > most || columns_ > most / rows_)
+    constexpr std::uint64_t maximum = std::uint64_t(1) << 40;
+    if (columns_ > maximum || rows_ > maximum || columns_ > maximum / rows_)
       throw UsageError("grid", "more than 2^40 points; expected a larger step or a smaller box");
   }
 
-  std::vector<QueryAsk> next(std::size_t most) override {
+  std::vector<QueryInput> next(std::size_t maximum) override {
     first_ = at_;
-    std::vector<QueryAsk> asks(std::size_t(std::min<std::uint64_t>(most, count() - at_)));
-    for (QueryAsk& ask : asks) ask.from = point(at_++);
+    std::vector<QueryInput> asks(std::size_t(std::min<std::uint64_t>(maximum, count() - at_)));
+    for (QueryInput& ask : asks) ask.from = point(at_++);
     return asks;
   }
   std::uint64_t count() const override { return columns_ * rows_; }
@@ -70,18 +70,18 @@ class GridAsks final : public QueryAsks {
 
 }  // namespace
 
-QueryRay ray_of(const QueryAsk& ask, QueryKind kind, QueryAim aim, const QueryFrames& frames) {
+QueryRay ray_of(const QueryInput& ask, QueryKind kind, DirectionForm aim, const QueryFrames& frames) {
   if (kind == QueryKind::height) return frames.down(ask.from[0], ask.from[1]);
   if (kind == QueryKind::sight) return frames.segment(ask.from, ask.to);
-  if (aim == QueryAim::direction) return frames.ray(ask.from, ask.to);
-  if (aim == QueryAim::angles) return frames.ray_by_angles(ask.from, ask.to[0], ask.to[1]);
+  if (aim == DirectionForm::direction) return frames.ray(ask.from, ask.to);
+  if (aim == DirectionForm::angles) return frames.ray_by_angles(ask.from, ask.to[0], ask.to[1]);
   return frames.ray_through(ask.from, ask.to);
 }
 
-std::unique_ptr<QueryAsks> one_ask(const QueryAsk& ask, QueryAim aim, std::string option) {
-  return std::make_unique<OneAsk>(ask, aim, std::move(option));
+std::unique_ptr<QuerySource> single_query(const QueryInput& ask, DirectionForm aim, std::string option) {
+  return std::make_unique<SingleQuery>(ask, aim, std::move(option));
 }
 
-std::unique_ptr<QueryAsks> grid_asks(const QueryGrid& grid) { return std::make_unique<GridAsks>(grid); }
+std::unique_ptr<QuerySource> grid_queries(const QueryGrid& grid) { return std::make_unique<GridQueries>(grid); }
 
 }  // namespace gigabake

@@ -21,9 +21,9 @@ enum class QueryKind : std::uint8_t {
 };
 
 /// The form in which a ray's direction is given.
-enum class QueryAim : std::uint8_t { direction, angles, point };
+enum class DirectionForm : std::uint8_t { direction, angles, point };
 
-struct QueryAsk {
+struct QueryInput {
   std::string id;
   QueryPoint from{};  ///< height: the third coordinate is ignored
   QueryPoint to{};    ///< direction, point, or azimuth and elevation; height: unused
@@ -31,15 +31,15 @@ struct QueryAsk {
 
 /// Returns the ray of a query.
 /// Errors  std::invalid_argument, as QueryFrames.
-QueryRay ray_of(const QueryAsk& ask, QueryKind kind, QueryAim aim, const QueryFrames& frames);
+QueryRay ray_of(const QueryInput& ask, QueryKind kind, DirectionForm aim, const QueryFrames& frames);
 
-class QueryAsks {
+class QuerySource {
  public:
-  virtual ~QueryAsks() = default;
+  virtual ~QuerySource() = default;
 
   /// Returns the next `most` queries or fewer; an empty vector at the end.
-  virtual std::vector<QueryAsk> next(std::size_t most) = 0;
-  virtual QueryAim aim() const { return QueryAim::point; }
+  virtual std::vector<QueryInput> next(std::size_t maximum) = 0;
+  virtual DirectionForm aim() const { return DirectionForm::point; }
   virtual bool have_ids() const { return false; }
   /// Returns the total number of queries; 0 if it is unknown.
   virtual std::uint64_t count() const { return 0; }
@@ -49,7 +49,7 @@ class QueryAsks {
 };
 
 /// Returns a sequence of one query, given by an option. option: its name, for messages.
-std::unique_ptr<QueryAsks> one_ask(const QueryAsk& ask, QueryAim aim, std::string option);
+std::unique_ptr<QuerySource> single_query(const QueryInput& ask, DirectionForm aim, std::string option);
 
 /// Points `step` apart from the lower corner on, row by row in ascending order of the second coordinate.
 struct QueryGrid {
@@ -58,7 +58,7 @@ struct QueryGrid {
 };
 /// Returns a height query for each point of the grid.
 /// Errors  UsageError: the grid has no points, or more than 2^40.
-std::unique_ptr<QueryAsks> grid_asks(const QueryGrid& grid);
+std::unique_ptr<QuerySource> grid_queries(const QueryGrid& grid);
 
 /// Returns the queries of a CSV file with a header line; "-" is standard input. The header names the columns, in any
 /// order.
@@ -67,7 +67,7 @@ std::unique_ptr<QueryAsks> grid_asks(const QueryGrid& grid);
 /// point. The columns of a second point have the prefix to_. The optional column id is copied to the answer.
 /// Errors  InputError, also from next(): the file cannot be read. InputError with the line: a missing, unknown or
 ///         repeated column, a wrong number of fields, or a field that is not a finite number.
-std::unique_ptr<QueryAsks> table_asks(const std::filesystem::path& file, QueryKind kind, QueryFrame frame,
-                                      const ThreadPool& pool);
+std::unique_ptr<QuerySource> table_queries(const std::filesystem::path& file, QueryKind kind, QueryFrame frame,
+                                           const ThreadPool& pool);
 
 }  // namespace gigabake

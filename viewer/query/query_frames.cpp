@@ -120,7 +120,7 @@ QueryPoint QueryFrames::lonlat_point(const Point<Scene>& p) const {
   return {g.longitude_deg, g.latitude_deg, g.height_m};
 }
 
-QueryPoint QueryFrames::asked_point(const Point<Scene>& p) const {
+QueryPoint QueryFrames::point_in_query_frame(const Point<Scene>& p) const {
   return frame_ == QueryFrame::scene ? QueryPoint{p.x, p.y, p.z} : lonlat_point(p);
 }
 

@@ -49,7 +49,7 @@ class QueryFrames {
   double voxels(double metres) const { return metres / voxel_size_m_; }
   Point<Scene> scene_point(const QueryRay& ray, double distance) const;
   /// Returns the point in the frame of the queries.
-  QueryPoint asked_point(const Point<Scene>& p) const;
+  QueryPoint point_in_query_frame(const Point<Scene>& p) const;
   /// Returns the point as longitude, latitude and height.
   /// Range   is_on_earth().
   QueryPoint lonlat_point(const Point<Scene>& p) const;

@@ -18,7 +18,7 @@ constexpr std::size_t answers_per_piece = 1024;
 
 class Run {
  public:
-  Run(const QueryJob& job, SceneQuery& query, QueryAsks& asks, const ThreadPool& pool)
+  Run(const QueryJob& job, SceneQuery& query, QuerySource& asks, const ThreadPool& pool)
       : job_(job),
         query_(query),
         asks_(asks),
@@ -26,15 +26,16 @@ class Run {
         surface_(parameters_from_json(query.scene().header().parameters).surface),
         frames_(query.scene().header(), query.window(), job.frame),
         text_(job.format, job.kind, frames_, query.scene().header().voxel_size_m, asks.have_ids()) {
-    if (!(job.most_distance_m > 0)) throw UsageError("max_distance", "expected metres above 0");
-    if (!(job.ends_m >= 0 && std::isfinite(job.ends_m))) throw UsageError("ignore_ends", "expected metres, 0 or more");
+    if (!(job.max_distance_m > 0)) throw UsageError("max_distance", "expected metres above 0");
+    if (!(job.ignore_ends_m >= 0 && std::isfinite(job.ignore_ends_m)))
+      throw UsageError("ignore_ends", "expected metres, 0 or more");
   }
 
   QueryTally all(const std::function<void(std::string_view)>& write, const Progress& progress) {
     QueryTally tally{};
     bool first = true;
     for (;;) {
-      const std::vector<QueryAsk> asks = asks_.next(job_.rays_at_a_time);
+      const std::vector<QueryInput> asks = asks_.next(job_.batch_rays);
       if (asks.empty()) break;
       const std::vector<QueryRay> rays = rays_of(asks);
       std::vector<QueryHit> hits(rays.size());
@@ -51,18 +52,18 @@ class Run {
   }
 
  private:
-  QueryRay ray_for(const QueryAsk& ask) const {
+  QueryRay ray_for(const QueryInput& ask) const {
     QueryRay ray = ray_of(ask, job_.kind, asks_.aim(), frames_);
     if (job_.kind == QueryKind::height) return ray;
-    ray.end = std::fmin(ray.end, frames_.voxels(job_.most_distance_m));
+    ray.end = std::fmin(ray.end, frames_.voxels(job_.max_distance_m));
     if (job_.kind != QueryKind::sight) return ray;
-    ray.begin = frames_.voxels(job_.ends_m);
+    ray.begin = frames_.voxels(job_.ignore_ends_m);
     ray.end -= ray.begin;
     if (!(ray.begin < ray.end)) throw std::invalid_argument("the two points are nearer than what is not looked at");
     return ray;
   }
 
-  std::vector<QueryRay> rays_of(const std::vector<QueryAsk>& asks) const {
+  std::vector<QueryRay> rays_of(const std::vector<QueryInput>& asks) const {
     std::vector<QueryRay> rays(asks.size());
     std::mutex mutex;
     std::size_t first_bad = asks.size();
@@ -94,7 +95,7 @@ class Run {
     return names;
   }
 
-  std::vector<std::string> texts(const std::vector<QueryAsk>& asks, const std::vector<QueryRay>& rays,
+  std::vector<std::string> texts(const std::vector<QueryInput>& asks, const std::vector<QueryRay>& rays,
                                  const std::vector<QueryHit>& hits, bool first) {
     const std::vector<const std::string*> names = names_of_shards(hits);
     std::vector<std::string> pieces((hits.size() + answers_per_piece - 1) / answers_per_piece);
@@ -108,7 +109,7 @@ class Run {
 
   const QueryJob& job_;
   SceneQuery& query_;
-  QueryAsks& asks_;
+  QuerySource& asks_;
   const ThreadPool& pool_;
   SurfaceRule surface_;
   QueryFrames frames_;
@@ -117,7 +118,7 @@ class Run {
 
 }  // namespace
 
-QueryTally run_query(const QueryJob& job, SceneQuery& query, QueryAsks& asks, const ThreadPool& pool,
+QueryTally run_query(const QueryJob& job, SceneQuery& query, QuerySource& asks, const ThreadPool& pool,
                      const std::function<void(std::string_view)>& write, const Progress& progress) {
   progress.step("casting rays", asks.count(), "ray");
   return Run(job, query, asks, pool).all(write, progress);

@@ -17,10 +17,10 @@ struct QueryJob {
   QueryKind kind = QueryKind::ray;
   QueryFrame frame = QueryFrame::scene;
   QueryFormat format = QueryFormat::csv;
-  double most_distance_m = std::numeric_limits<double>::infinity();
+  double max_distance_m = std::numeric_limits<double>::infinity();
   /// Line of sight: voxels closer than this to either end point do not block it.
-  double ends_m = 0;
-  std::size_t rays_at_a_time = std::size_t(1) << 17;
+  double ignore_ends_m = 0;
+  std::size_t batch_rays = std::size_t(1) << 17;
 };
 
 /// Number of answers per outcome.
@@ -28,8 +28,8 @@ using QueryTally = std::array<std::uint64_t, names_of<QueryOutcome>().size()>;
 
 /// Answers all queries and passes the text to `write`, piece by piece, in the calling thread.
 /// Exact   The text does not depend on the number of threads, the batch size or the memory.
-/// Errors  The errors of SceneQuery::first_hits() and QueryAsks::refuse(); exceptions of `write`.
-QueryTally run_query(const QueryJob& job, SceneQuery& query, QueryAsks& asks, const ThreadPool& pool,
+/// Errors  The errors of SceneQuery::first_hits() and QuerySource::refuse(); exceptions of `write`.
+QueryTally run_query(const QueryJob& job, SceneQuery& query, QuerySource& asks, const ThreadPool& pool,
                      const std::function<void(std::string_view)>& write, const Progress& progress = {});
 
 }  // namespace gigabake

@@ -41,7 +41,7 @@ QueryPlaces::QueryPlaces(NumberedShards& numbers, std::uint64_t page_bytes, cons
   const PagedScene& scene = numbers.scene();
   first_lost_ = std::uint32_t(scene.totals().cells + scene.totals().parents);
   std::optional<ParentTiers> tiers;
-  if (!lacks_cells(scene.header())) tiers = parent_tiers(scene);
+  if (!has_lost_cells(scene.header())) tiers = parent_tiers(scene);
   if (!tiers) {
     lay_out(scene, pool);
     return;
@@ -113,8 +113,8 @@ QueryPlace QueryPlaces::find_in_layout(const std::int64_t v[3]) const {
 
 QueryPlace QueryPlaces::find_in_pages(int lod, const std::int64_t v[3]) const {
   QueryPlace place;
-  PageGaps gaps;
-  const std::optional<PlacedShard> found = map_->find(lod, map_->last_holder(lod), v, *pager_, gaps, place.box);
+  MissingPages gaps;
+  const std::optional<ShardExtent> found = map_->find(lod, map_->last_holder(lod), v, *pager_, gaps, place.box);
   if (found) {
     place.kind = QueryPlace::Kind::shard;
     place.shard = found->number;

@@ -17,7 +17,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::size_t block_bytes = std::size_t(1) << 22, longest_line_bytes = std::size_t(1) << 16;
+constexpr std::size_t block_bytes = std::size_t(1) << 22, max_line_bytes = std::size_t(1) << 16;
 
 struct Closed {
   void operator()(std::FILE* file) const {
@@ -25,7 +25,7 @@ struct Closed {
   }
 };
 
-/// A column: it holds a coordinate of QueryAsk or the id.
+/// A column: it holds a coordinate of QueryInput or the id.
 struct TableColumn {
   enum class Holds { from, to, id };
   Holds holds = Holds::id;
@@ -72,18 +72,18 @@ Names names_in(QueryFrame frame) {
   return {{"lon", "lat", "height"}, {"to_lon", "to_lat", "to_height"}};
 }
 
-class TableAsks final : public QueryAsks {
+class TableQueries final : public QuerySource {
  public:
-  TableAsks(const std::filesystem::path& path, QueryKind kind, QueryFrame frame, const ThreadPool& pool)
+  TableQueries(const std::filesystem::path& path, QueryKind kind, QueryFrame frame, const ThreadPool& pool)
       : path_(path == "-" ? std::filesystem::path("standard input") : path), pool_(pool) {
     file_.reset(path == "-" ? stdin : std::fopen(path.c_str(), "rb"));
     if (!file_) throw InputError(path_, "", std::strerror(errno));
     read_head(kind, frame);
   }
 
-  std::vector<QueryAsk> next(std::size_t most) override {
-    const std::vector<std::string_view> lines = read_lines(most);
-    std::vector<QueryAsk> asks(lines.size());
+  std::vector<QueryInput> next(std::size_t maximum) override {
+    const std::vector<std::string_view> lines = read_lines(maximum);
+    std::vector<QueryInput> asks(lines.size());
     std::mutex mutex;
     std::size_t first_bad = lines.size();
     std::string why;
@@ -104,7 +104,7 @@ class TableAsks final : public QueryAsks {
     return asks;
   }
 
-  QueryAim aim() const override { return aim_; }
+  DirectionForm aim() const override { return aim_; }
   bool have_ids() const override { return has_id_; }
   [[noreturn]] void refuse(std::size_t i, const std::string& why) const override { fail(numbers_[i], why); }
 
@@ -127,17 +127,17 @@ class TableAsks final : public QueryAsks {
 
   /// Returns the next nonempty lines of the buffer, and reads a block if it holds no full line. The last line of the
   /// file may lack its line end.
-  std::vector<std::string_view> read_lines(std::size_t most) {
+  std::vector<std::string_view> read_lines(std::size_t maximum) {
     std::vector<std::string_view> lines;
     numbers_.clear();
     while (lines.empty() && (!at_end_ || at_ < text_.size())) {
       if (!at_end_ && text_.find('\n', at_) == std::string::npos) at_end_ = !fill();
-      while (lines.size() < most && at_ < text_.size()) {
+      while (lines.size() < maximum && at_ < text_.size()) {
         const std::size_t end = text_.find('\n', at_);
-        if (end == std::string::npos && !at_end_ && text_.size() - at_ <= longest_line_bytes) break;
+        if (end == std::string::npos && !at_end_ && text_.size() - at_ <= max_line_bytes) break;
         const std::string_view line = std::string_view(text_).substr(at_, std::min(end, text_.size()) - at_);
         ++line_;
-        if (line.size() > longest_line_bytes) fail(line_, "longer than 65536 bytes; expected a table of numbers");
+        if (line.size() > max_line_bytes) fail(line_, "longer than 65536 bytes; expected a table of numbers");
         at_ = end == std::string::npos ? text_.size() : end + 1;
         if (trimmed(line).empty()) continue;
         lines.push_back(trimmed(line));
@@ -197,22 +197,22 @@ class TableAsks final : public QueryAsks {
     bool good = has(known.from[0]) && has(known.from[1]) && (kind == QueryKind::height || has(known.from[2]));
     has_id_ = has("id");
     std::size_t aims = 0, named = 0;
-    const auto offer = [&](QueryAim aim, std::initializer_list<std::string_view> names) {
+    const auto offer = [&](DirectionForm aim, std::initializer_list<std::string_view> names) {
       const auto there = std::size_t(std::count_if(names.begin(), names.end(), [&](auto n) { return has(n); }));
       named += there > 0 ? 1 : 0;
       if (there < names.size()) return;
       aim_ = aim;
       ++aims;
     };
-    offer(QueryAim::direction, {"dx", "dy", "dz"});
-    offer(QueryAim::angles, {"azimuth", "elevation"});
-    offer(QueryAim::point, {known.to[0], known.to[1], known.to[2]});
+    offer(DirectionForm::direction, {"dx", "dy", "dz"});
+    offer(DirectionForm::angles, {"azimuth", "elevation"});
+    offer(DirectionForm::point, {known.to[0], known.to[1], known.to[2]});
     good = good && (kind == QueryKind::height || (aims == 1 && named == 1));
     if (!good) fail(numbers_[0], "expected the columns " + expected(kind, frame));
   }
 
   /// Returns the error in the line; empty if there is none.
-  std::string parse(std::string_view line, QueryAsk& ask, std::vector<std::string>& fields) const {
+  std::string parse(std::string_view line, QueryInput& ask, std::vector<std::string>& fields) const {
     const bool plain = line.find('"') == std::string_view::npos;
     if (!plain && !split(line, fields)) return "a quote that is not closed, or text behind it";
     std::size_t at = 0, count = plain ? std::size_t(std::count(line.begin(), line.end(), ',')) + 1 : fields.size();
@@ -246,15 +246,15 @@ class TableAsks final : public QueryAsks {
   std::uint64_t line_ = 0;
   std::vector<std::uint64_t> numbers_;  ///< line numbers of the last read_lines()
   std::vector<TableColumn> columns_;
-  QueryAim aim_ = QueryAim::point;
+  DirectionForm aim_ = DirectionForm::point;
   bool has_id_ = false;
 };
 
 }  // namespace
 
-std::unique_ptr<QueryAsks> table_asks(const std::filesystem::path& file, QueryKind kind, QueryFrame frame,
-                                      const ThreadPool& pool) {
-  return std::make_unique<TableAsks>(file, kind, frame, pool);
+std::unique_ptr<QuerySource> table_queries(const std::filesystem::path& file, QueryKind kind, QueryFrame frame,
+                                           const ThreadPool& pool) {
+  return std::make_unique<TableQueries>(file, kind, frame, pool);
 }
 
 }  // namespace gigabake

@@ -14,7 +14,7 @@ namespace gigabake {
 namespace {
 
 /// A degree is about 2^17 metres.
-constexpr int more_decimals_of_degrees = 5, most_decimals = 9, decimals_of_normals = 3;
+constexpr int extra_degree_decimals = 5, max_decimals = 9, decimals_of_normals = 3;
 
 void add_integer(std::int64_t v, std::string& text) {
   char digits[24];
@@ -46,7 +46,7 @@ void add_fixed(double v, int decimals, std::string& text) {
 }
 
 /// Returns the number of decimals of metres that resolve `step_m`.
-int decimals_for(double step_m) { return std::clamp(-int(std::floor(std::log10(step_m) + 1e-9)), 0, most_decimals); }
+int decimals_for(double step_m) { return std::clamp(-int(std::floor(std::log10(step_m) + 1e-9)), 0, max_decimals); }
 
 void add_quoted_csv(const std::string& field, std::string& text) {
   if (field.find_first_of(",\"\r\n") == std::string::npos) {
@@ -124,7 +124,7 @@ int QueryText::height_decimals(const QueryHit& hit) const {
 void QueryText::add_lonlat(const QueryPoint& p, int height_decimals, std::string& text) const {
   for (std::size_t a = 0; a < 3; ++a) {
     if (a > 0) text += ',';
-    add_fixed(p[a], a < 2 ? decimals_ + more_decimals_of_degrees : height_decimals, text);
+    add_fixed(p[a], a < 2 ? decimals_ + extra_degree_decimals : height_decimals, text);
   }
 }
 
@@ -149,7 +149,7 @@ void QueryText::add_csv(const QueryAnswer& answer, std::string& text) const {
     add_fixed(frames_.metres(hit.distance), height_decimals(hit), text);
   text += ',';
   if (is_hit) {
-    add_point(frames_.asked_point(frames_.scene_point(answer.ray, hit.distance)), height_decimals(hit), text);
+    add_point(frames_.point_in_query_frame(frames_.scene_point(answer.ray, hit.distance)), height_decimals(hit), text);
     if (kind_ == QueryKind::height) {
       text += ',';
       add_fixed(height_error_m(hit), decimals_, text);
@@ -203,7 +203,7 @@ void QueryText::add_members(const QueryAnswer& answer, bool with_scene_metres, s
       text += ',';
       add_fixed(p.z, height_decimals(hit), text);
     } else {
-      add_point(frames_.asked_point(p), height_decimals(hit), text);
+      add_point(frames_.point_in_query_frame(p), height_decimals(hit), text);
     }
     if (kind_ == QueryKind::height) {
       text += "],\"height_error_m\":";
@@ -243,7 +243,7 @@ void QueryText::add_json(const QueryAnswer& answer, std::string& text) const {
   text += '}';
 }
 
-QueryPoint QueryText::asked_lonlat(const QueryPoint& asked) const {
+QueryPoint QueryText::input_lonlat(const QueryPoint& asked) const {
   return frames_.frame() == QueryFrame::lonlat ? asked : frames_.lonlat_point({asked[0], asked[1], asked[2]});
 }
 
@@ -255,13 +255,13 @@ void QueryText::add_geojson(const QueryAnswer& answer, std::string& text) const 
   text += "{\"type\":\"Feature\",\"geometry\":";
   if (kind_ == QueryKind::sight) {
     text += "{\"type\":\"LineString\",\"coordinates\":[[";
-    add_lonlat(asked_lonlat(answer.ask.from), decimals_, text);
+    add_lonlat(input_lonlat(answer.ask.from), decimals_, text);
     text += "],[";
-    add_lonlat(is_hit ? met() : asked_lonlat(answer.ask.to), decimals_, text);
+    add_lonlat(is_hit ? met() : input_lonlat(answer.ask.to), decimals_, text);
     text += "]]}";
   } else if (is_hit || kind_ == QueryKind::height) {
     text += "{\"type\":\"Point\",\"coordinates\":[";
-    add_lonlat(is_hit ? met() : asked_lonlat({answer.ask.from[0], answer.ask.from[1], 0}), height_decimals(answer.hit),
+    add_lonlat(is_hit ? met() : input_lonlat({answer.ask.from[0], answer.ask.from[1], 0}), height_decimals(answer.hit),
                text);
     if (!is_hit) text.erase(text.rfind(','));
     text += "]}";

@@ -17,7 +17,7 @@ constexpr auto names_of<QueryFormat>() {
 
 /// A query and its answer.
 struct QueryAnswer {
-  const QueryAsk& ask;
+  const QueryInput& ask;
   const QueryRay& ray;
   const QueryHit& hit;
   const std::string& shard;  ///< name of the cell or overview; empty if there is none
@@ -46,7 +46,7 @@ class QueryText {
   /// Returns the number of decimals for the third coordinate and for a distance to the point.
   int height_decimals(const QueryHit& hit) const;
   double height_error_m(const QueryHit& hit) const;
-  QueryPoint asked_lonlat(const QueryPoint& asked) const;
+  QueryPoint input_lonlat(const QueryPoint& asked) const;
   std::string_view outcome(QueryOutcome outcome) const;
 
   QueryFormat format_;

@@ -80,7 +80,7 @@ std::optional<QueryHit> QueryTree::first_hit(const QueryRay& ray, double from, d
   local.end = float((chord.leave - chord.enter) / (unit_ * grown_));
   std::uint32_t slots[kernels::first_hit_stack];
   const kernels::FirstHit found = kernels::first_hit(scene_.view.tree, local, 0, kernels::FirstHitSlots<1>{slots});
-  if (found.look == kernels::no_look) return {};
+  if (found.look == kernels::no_attributes) return {};
   QueryHit hit;
   hit.outcome = QueryOutcome::hit;
   hit.lod = lod_;
@@ -95,7 +95,7 @@ std::optional<QueryHit> QueryTree::first_hit(const QueryRay& ray, double from, d
   const RayChord exact = chord_of(ray, box, 0);
   const double rough = chord.enter + double(found.distance) * unit_ * grown_;
   hit.distance = std::fmin(std::fmax(exact.empty() ? rough : exact.enter, from), to);
-  const kernels::FirstHitLook& look = scene_.looks[found.look];
+  const kernels::VoxelAttributes& look = scene_.looks[found.look];
   hit.rgba = look.rgba;
   hit.normal[0] = look.normal[0];
   hit.normal[1] = look.normal[1];

@@ -43,14 +43,14 @@ Exit exit_of(const QueryRay& ray, const kernels::VoxelBox& box) {
 
 /// Moves across the face into the next box, never across an edge. A box that shares only an edge is reached through
 /// the boxes between.
-void cross_face(const QueryRay& ray, const kernels::VoxelBox& box, const Exit& exit, QueryWalk& walk) {
+void cross_face(const QueryRay& ray, const kernels::VoxelBox& box, const Exit& exit, QueryTraversal& walk) {
   walk.at = std::fmax(walk.at, exit.at);
   set_voxel(ray, walk.at, walk.v);
   for (int a = 0; a < 3; ++a) walk.v[a] = std::clamp(walk.v[a], box.min[a], box.max[a] - 1);
   walk.v[exit.axis] = ray.direction[exit.axis] > 0 ? box.max[exit.axis] : box.min[exit.axis] - 1;
 }
 
-void end_at_missing(std::uint32_t shard, double at, QueryWalk& walk) {
+void end_at_missing(std::uint32_t shard, double at, QueryTraversal& walk) {
   walk.nearest = {};
   walk.nearest.outcome = QueryOutcome::missing;
   walk.nearest.distance = at;
@@ -61,8 +61,8 @@ void end_at_missing(std::uint32_t shard, double at, QueryWalk& walk) {
 
 }  // namespace
 
-QueryWalk start_walk(const QueryRay& ray, const QueryLevels& levels, const QueryPlaces& places) {
-  QueryWalk walk;
+QueryTraversal start_walk(const QueryRay& ray, const QueryLevels& levels, const QueryPlaces& places) {
+  QueryTraversal walk;
   const RayChord inside = chord_of(ray, places.window(), 0);
   if (inside.empty()) {
     walk.nearest.outcome = QueryOutcome::outside;
@@ -80,8 +80,8 @@ QueryWalk start_walk(const QueryRay& ray, const QueryLevels& levels, const Query
   return walk;
 }
 
-bool walk_on(const QueryRay& ray, const QueryLevels& levels, const QueryPlaces& places, const QueryTrees& trees,
-             QueryWalk& walk, QueryNeed& needed) {
+bool advance_walk(const QueryRay& ray, const QueryLevels& levels, const QueryPlaces& places, const QueryTrees& trees,
+                  QueryTraversal& walk, QueryNeed& needed) {
   // A hit may lie up to a rim outside its window. A closer hit is possible until the ray reaches its distance.
   while (!walk.finished && walk.at <= walk.leave && walk.at < walk.nearest.distance) {
     const QueryPlace place = places.find(walk.lod, walk.v);

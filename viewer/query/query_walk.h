@@ -46,7 +46,7 @@ class QueryTrees {
 };
 
 /// The state of a ray's traversal.
-struct QueryWalk {
+struct QueryTraversal {
   std::int64_t v[3] = {};  ///< lod-0 voxel at distance `at`
   double at = 0;
   double leave = 0;  ///< distance at which the ray leaves the scene
@@ -58,11 +58,11 @@ struct QueryWalk {
 /// Starts a traversal.
 /// Range   All numbers of the ray are finite except `end`, its direction is of unit length; levels.finest <
 ///         places.lods().
-QueryWalk start_walk(const QueryRay& ray, const QueryLevels& levels, const QueryPlaces& places);
+QueryTraversal start_walk(const QueryRay& ray, const QueryLevels& levels, const QueryPlaces& places);
 
 /// Continues until the ray is finished and returns true. If a tree or page is not resident, sets `needed` to it and
 /// returns false.
-bool walk_on(const QueryRay& ray, const QueryLevels& levels, const QueryPlaces& places, const QueryTrees& trees,
-             QueryWalk& walk, QueryNeed& needed);
+bool advance_walk(const QueryRay& ray, const QueryLevels& levels, const QueryPlaces& places, const QueryTrees& trees,
+                  QueryTraversal& walk, QueryNeed& needed);
 
 }  // namespace gigabake

@@ -32,7 +32,7 @@ QueryLevels checked_levels(const QueryOptions& options, int lods) {
   return {options.lod, options.spread};
 }
 
-std::vector<QueryTreeKey> most_wanted_first(const std::vector<Waiting>& waiting) {
+std::vector<QueryTreeKey> most_requested_first(const std::vector<Waiting>& waiting) {
   std::unordered_map<QueryTreeKey, std::uint64_t, QueryTreeKeyHash> sums;
   for (const Waiting& w : waiting)
     for (const auto& [key, rays] : w.wants) sums[key] += rays;
@@ -66,13 +66,13 @@ struct SceneQuery::State {
 
   /// Traverses all unfinished rays once. Returns the data for which they wait.
   std::vector<Waiting> pass(std::span<const QueryRay> rays, const std::vector<std::uint32_t>& active,
-                            std::vector<QueryWalk>& walks) const {
+                            std::vector<QueryTraversal>& walks) const {
     std::vector<Waiting> waiting(std::size_t(pool.threads()));
     pool.parallel_for(active.size(), rays_per_range, [&](std::size_t begin, std::size_t end, int thread) {
       Waiting& w = waiting[std::size_t(thread)];
       for (std::size_t i = begin; i < end; ++i) {
         QueryNeed needed;
-        if (walk_on(rays[active[i]], levels, places, trees, walks[active[i]], needed)) continue;
+        if (advance_walk(rays[active[i]], levels, places, trees, walks[active[i]], needed)) continue;
         w.rays.push_back(active[i]);
         if (needed.is_page)
           w.pages.insert(needed.page);
@@ -109,7 +109,7 @@ const std::vector<std::string>& SceneQuery::problems() const { return state_->tr
 
 void SceneQuery::first_hits(std::span<const QueryRay> rays, std::span<QueryHit> answers, const Progress& progress) {
   State& s = *state_;
-  std::vector<QueryWalk> walks(rays.size());
+  std::vector<QueryTraversal> walks(rays.size());
   std::vector<std::uint32_t> active(rays.size());
   s.pool.parallel_for(rays.size(), rays_per_range, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -125,7 +125,7 @@ void SceneQuery::first_hits(std::span<const QueryRay> rays, std::span<QueryHit> 
     for (const Waiting& w : waiting) active.insert(active.end(), w.rays.begin(), w.rays.end());
     progress.advance(before - active.size());
     s.places.read(missing_pages(waiting));
-    const std::vector<QueryTreeKey> trees = most_wanted_first(waiting);
+    const std::vector<QueryTreeKey> trees = most_requested_first(waiting);
     if (!trees.empty()) s.trees.build(trees);
   }
   for (std::size_t i = 0; i < walks.size(); ++i) answers[i] = walks[i].nearest;

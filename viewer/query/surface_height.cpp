@@ -60,11 +60,11 @@ double surface_distance(const QueryRay& ray, const QueryHit& hit, SurfaceRule ru
   double n[3];
   decode_octahedral(hit.normal, n);
   const double edge = kernels::power_of_two(hit.lod);
-  double cosine = 0, sum = 0, largest = 0, from_centre = 0, advance = 0;
+  double cosine = 0, sum = 0, maximum = 0, from_centre = 0, advance = 0;
   for (int a = 0; a < 3; ++a) {
     cosine += n[a] * ray.direction[a];
     sum += std::fabs(n[a]);
-    largest = std::fmax(largest, std::fabs(n[a]));
+    maximum = std::fmax(maximum, std::fabs(n[a]));
     from_centre += n[a] * (ray.origin[a] - (double(hit.voxel[a]) + 0.5 * edge));
     advance += std::fabs(ray.direction[a]);
   }
@@ -73,7 +73,7 @@ double surface_distance(const QueryRay& ray, const QueryHit& hit, SurfaceRule ru
   cosine = std::fabs(cosine);
   // A plane intersects a cube if it lies within half of `extent` of the centre. Under `thin`, a lod-0 voxel is marked
   // only if the plane intersects its axes.
-  const double extent = rule == SurfaceRule::thin ? sum * (edge - 1) + largest : sum * edge;
+  const double extent = rule == SurfaceRule::thin ? sum * (edge - 1) + maximum : sum * edge;
   const double below_centre = 0.5 * (extent - cosine * edge / advance);
   return (from_centre + below_centre) / cosine;
 }

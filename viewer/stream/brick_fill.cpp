@@ -19,7 +19,7 @@ struct SlotPart {
 class BrickFiller {
  public:
   BrickFiller(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,
-              PageGaps& gaps, CastBrick& brick)
+              MissingPages& gaps, CastBrick& brick)
       : lod_(node.lod),
         top_(layout.scene.lods - 1),
         corner_(box_of(node, layout)),
@@ -89,7 +89,7 @@ class BrickFiller {
   /// Returns the voxel of the finest readable coarser level. Its plane is cleared, because it describes a larger voxel.
   std::optional<kernels::CastVoxel> coarser_voxel(const std::int64_t v[3]) {
     for (int lod = lod_ + 1; lod <= top_; ++lod) {
-      PageGaps gaps;
+      MissingPages gaps;
       const VoxelPlace place = lookup_.place(lod, v, gaps, path_);
       gaps_.missing.insert(gaps_.missing.end(), gaps.missing.begin(), gaps.missing.end());
       if (place.kind == VoxelPlace::Kind::unreadable) continue;
@@ -161,7 +161,7 @@ class BrickFiller {
   VoxelBox corner_;
   const VoxelLookup& lookup_;
   const Shading& shading_;
-  PageGaps& gaps_;
+  MissingPages& gaps_;
   CastBrick& brick_;
   NodePath path_;
   kernels::SlotVoxels slot_;
@@ -178,7 +178,8 @@ VoxelBox box_of(const FieldNode& node, const CellLayout& layout) {
   return box;
 }
 
-std::uint8_t children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, PageGaps& gaps) {
+std::uint8_t children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup,
+                         MissingPages& gaps) {
   VoxelLookup::Boxes boxes;
   for (unsigned octant = 0; octant < 8; ++octant) {
     boxes[octant] = box_of(node.child(octant), layout);
@@ -188,7 +189,7 @@ std::uint8_t children_of(const FieldNode& node, const CellLayout& layout, const 
 }
 
 bool fill_brick(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,
-                PageGaps& gaps, CastBrick& brick) {
+                MissingPages& gaps, CastBrick& brick) {
   return BrickFiller(node, layout, lookup, shading, gaps, brick).fill();
 }
 

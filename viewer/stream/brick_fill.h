@@ -29,10 +29,11 @@ kernels::VoxelBox box_of(const FieldNode& node, const CellLayout& layout);
 /// gaps.missing stays empty.
 /// Range   node.lod > 0.
 /// Range  node.lod > 0.
-std::uint8_t children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, PageGaps& gaps);
+std::uint8_t children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup,
+                         MissingPages& gaps);
 
 /// Fills the brick; returns false if its whole field is zero. The result is valid only if gaps.missing stays empty.
 bool fill_brick(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,
-                PageGaps& gaps, kernels::CastBrick& brick);
+                MissingPages& gaps, kernels::CastBrick& brick);
 
 }  // namespace gigabake

@@ -14,7 +14,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::size_t most_cells = std::size_t(1) << 28;
+constexpr std::size_t max_cells = std::size_t(1) << 28;
 
 /// A fault of a scene, without the file that it was read from.
 struct LayoutRefusal {
@@ -98,7 +98,7 @@ void measure(const LatticeBox& window, const Columns& columns, kernels::CastScen
   for (std::size_t a = 0; a < 3; ++a) {
     scene.min[a] = double(window.min[a]);
     scene.max[a] = double(window.end[a]);
-    if (window.end[a] - window.min[a] > kernels::widest_scene)
+    if (window.end[a] - window.min[a] > kernels::max_scene_edge)
       throw LayoutRefusal{"cells", "they are more than 2^33 voxels apart; bake fewer sources at once"};
   }
   scene.set_corner();
@@ -146,7 +146,7 @@ CellLayout lay_out_columns(const Columns& columns, int cell_bits, const LatticeB
 
 CellLayout lay_out(const std::vector<SceneCell>& cells) {
   if (cells.empty()) throw LayoutRefusal{"", "the scene has no cells: there is nothing to show"};
-  if (cells.size() > most_cells)
+  if (cells.size() > max_cells)
     throw LayoutRefusal{"cells", "more than a picture can address; use a larger `cell_voxels`"};
   for (const SceneCell& cell : cells) check_cell(cell, cells[0]);
   const Columns columns = with_rims(columns_of(cells), cells[0].cell_voxels);

@@ -64,9 +64,9 @@ class Guard {
 
   Page operator()(const PageKey& key) {
     Page page = in_time(key);
-    if (page.bytes() > limits_.most_page_bytes)
+    if (page.bytes() > limits_.max_page_bytes)
       refuse_page(key,
-                  std::to_string(page.bytes()) + " bytes; expected at most " + std::to_string(limits_.most_page_bytes));
+                  std::to_string(page.bytes()) + " bytes; expected at most " + std::to_string(limits_.max_page_bytes));
     const bool rows = key.part == PageKey::node_rows, bricks = key.part >= 0;
     if ((!rows && !page.rows.empty()) || (!bricks && !page.bricks.mask.empty())) refuse_page(key, "it is another page");
     std::string fault;
@@ -93,8 +93,8 @@ class Guard {
 
   Page in_time(const PageKey& key) {
     if (limits_.seconds <= 0) return page_from(key, [&] { return (*producer_)(key); });
-    if (late_ >= limits_.most_late)
-      refuse_page(key, "it was late " + std::to_string(limits_.most_late) + " times and is not asked again");
+    if (late_ >= limits_.max_late)
+      refuse_page(key, "it was late " + std::to_string(limits_.max_late) + " times and is not asked again");
     std::packaged_task<Page()> task([producer = producer_, key] { return (*producer)(key); });
     std::future<Page> page = task.get_future();
     std::thread(std::move(task)).detach();

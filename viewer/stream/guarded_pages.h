@@ -9,9 +9,9 @@
 namespace gigabake {
 
 struct ProducerLimits {
-  double seconds = 30;                                       ///< for a page; 0: no limit
-  int most_late = 3;                                         ///< after this many late pages it is not called again
-  std::uint64_t most_page_bytes = std::uint64_t(256) << 20;  ///< Page::bytes()
+  double seconds = 30;                                      ///< for a page; 0: no limit
+  int max_late = 3;                                         ///< after this many late pages it is not called again
+  std::uint64_t max_page_bytes = std::uint64_t(256) << 20;  ///< Page::bytes()
 };
 
 /// Returns a source that calls and validates the producer. If there is a time limit, each call runs in its own thread.

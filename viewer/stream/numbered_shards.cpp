@@ -9,7 +9,7 @@ namespace gigabake {
 namespace {
 
 /// A full page of cells takes about 300 KB.
-constexpr std::size_t most_kept = 32;
+constexpr std::size_t max_kept = 32;
 constexpr std::int32_t deepest = 64;  // the block edge halves with each page level
 
 }  // namespace
@@ -38,7 +38,7 @@ std::shared_ptr<const ScenePage> NumberedShards::read(const PageReference& refer
   const std::scoped_lock lock(mutex_);
   if (auto other = find()) return other;
   kept_.push_front({first, depth, page});
-  if (kept_.size() > most_kept) kept_.pop_back();
+  if (kept_.size() > max_kept) kept_.pop_back();
   return page;
 }
 

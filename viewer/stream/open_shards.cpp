@@ -9,13 +9,13 @@
 namespace gigabake {
 
 std::size_t open_shards_within(std::uint64_t memory_bytes) {
-  constexpr std::uint64_t fewest = 4;
-  return std::size_t(std::clamp<std::uint64_t>(memory_bytes / 8 / open_shard_bytes, fewest, most_open_shards));
+  constexpr std::uint64_t minimum = 4;
+  return std::size_t(std::clamp<std::uint64_t>(memory_bytes / 8 / open_shard_bytes, minimum, max_open_shards));
 }
 
-OpenShards::OpenShards(NumberedShards& numbers, std::size_t most_open,
+OpenShards::OpenShards(NumberedShards& numbers, std::size_t max_open,
                        std::shared_ptr<std::atomic<std::uint64_t>> files_opened)
-    : numbers_(numbers), most_open_(most_open), files_opened_(std::move(files_opened)) {}
+    : numbers_(numbers), max_open_(max_open), files_opened_(std::move(files_opened)) {}
 
 std::shared_ptr<OpenShards::Shard> OpenShards::entry_of(std::uint32_t number) {
   std::shared_ptr<Shard> closed;  // destroyed after the lock is released
@@ -24,7 +24,7 @@ std::shared_ptr<OpenShards::Shard> OpenShards::entry_of(std::uint32_t number) {
     uses_.splice(uses_.begin(), uses_, found->second.use);
     return found->second.shard;
   }
-  if (entries_.size() >= most_open_) {
+  if (entries_.size() >= max_open_) {
     const auto oldest = entries_.find(uses_.back());
     closed = std::move(oldest->second.shard);
     entries_.erase(oldest);

@@ -21,12 +21,12 @@ std::size_t open_shards_within(std::uint64_t memory_bytes);
 
 /// Returns the source of pages_from_files() (page.h) with a different limit of open shards.
 PageSource pages_from_open_shards(std::shared_ptr<const PagedScene> scene,
-                                  std::shared_ptr<std::atomic<std::uint64_t>> files_opened, std::size_t most_open);
+                                  std::shared_ptr<std::atomic<std::uint64_t>> files_opened, std::size_t max_open);
 
 class OpenShards {
  public:
   /// Borrows `numbers`. files_opened: if given, counts each shard that is opened.
-  OpenShards(NumberedShards& numbers, std::size_t most_open,
+  OpenShards(NumberedShards& numbers, std::size_t max_open,
              std::shared_ptr<std::atomic<std::uint64_t>> files_opened = {});
 
   /// Returns an open shard, which stays open while the pointer is held. Thread-safe: a thread that waits for its file
@@ -47,7 +47,7 @@ class OpenShards {
   std::shared_ptr<const ShardPages> open(std::uint32_t number);
 
   NumberedShards& numbers_;
-  std::size_t most_open_;
+  std::size_t max_open_;
   std::shared_ptr<std::atomic<std::uint64_t>> files_opened_;
   std::mutex mutex_;
   std::list<std::uint32_t> uses_;  ///< numbers, most recently used first

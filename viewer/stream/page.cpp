@@ -44,19 +44,19 @@ std::vector<ListedPage> listed_pages(const std::vector<PageReference>& pages, st
 
 PageSource pages_from_files(std::shared_ptr<const PagedScene> scene,
                             std::shared_ptr<std::atomic<std::uint64_t>> files_opened) {
-  return pages_from_open_shards(std::move(scene), std::move(files_opened), most_open_shards);
+  return pages_from_open_shards(std::move(scene), std::move(files_opened), max_open_shards);
 }
 
 PageSource pages_from_open_shards(std::shared_ptr<const PagedScene> scene,
-                                  std::shared_ptr<std::atomic<std::uint64_t>> files_opened, std::size_t most_open) {
+                                  std::shared_ptr<std::atomic<std::uint64_t>> files_opened, std::size_t max_open) {
   struct Files {
     NumberedShards numbers;
     OpenShards shards;
     Files(std::shared_ptr<const PagedScene> scene, const std::shared_ptr<std::atomic<std::uint64_t>>& opened,
-          std::size_t most_open)
-        : numbers(std::move(scene), opened), shards(numbers, most_open, opened) {}
+          std::size_t max_open)
+        : numbers(std::move(scene), opened), shards(numbers, max_open, opened) {}
   };
-  return [files = std::make_shared<Files>(std::move(scene), files_opened, most_open)](const PageKey& key) {
+  return [files = std::make_shared<Files>(std::move(scene), files_opened, max_open)](const PageKey& key) {
     if (key.part <= PageKey::listing) return files->numbers.listing(key);
     const auto shard = files->shards.get(key.shard);
     Page page;

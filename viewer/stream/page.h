@@ -70,7 +70,7 @@ std::vector<ListedPage> listed_pages(const std::vector<PageReference>& pages, st
 std::vector<ListedParent> listed_parents(const std::vector<SceneCell>& parents, std::uint32_t first);
 
 /// Max number of open shards; the least recently used is closed. Processes may have 1024 files open.
-inline constexpr std::size_t most_open_shards = 400;
+inline constexpr std::size_t max_open_shards = 400;
 
 /// Returns a source that reads the scene's pages and shards. files_opened: if given, counts each file that is opened.
 PageSource pages_from_files(std::shared_ptr<const PagedScene> scene,

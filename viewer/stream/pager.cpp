@@ -56,16 +56,16 @@ struct Pager::State {
   ~State();
 
   bool may_read() const;
-  void read_on(const std::stop_token& stop);
+  void reader_loop(const std::stop_token& stop);
   void take(Arrival arrival);
   void list_unused_above(std::uint64_t limit);
   std::uint64_t bytes() const { return pages.bytes() + arrived_bytes; }
   std::uint64_t queued() const { return (queue.size() - next) + reading; }
 
   template <class Condition>
-  bool wait_until(std::chrono::milliseconds most, const Condition& holds) {
+  bool wait_until(std::chrono::milliseconds maximum, const Condition& holds) {
     std::unique_lock lock(mutex);
-    return arrived.wait_for(lock, most, holds);
+    return arrived.wait_for(lock, maximum, holds);
   }
 
   const PageSource source;
@@ -83,7 +83,7 @@ struct Pager::State {
   bool first_of_call = false;  ///< no page of this queue was read yet: the first may exceed the limit, or some passes
                                ///< never end
   std::uint64_t reading = 0;
-  std::unordered_set<PageKey, PageKeyHash> in_hand;  ///< being read, or arrived
+  std::unordered_set<PageKey, PageKeyHash> in_flight;  ///< being read, or arrived
   std::vector<Arrival> arrivals;
   std::uint64_t arrived_bytes = 0, reads = 0, peak_bytes = 0, bytes_read = 0;
   std::vector<std::string> problems;
@@ -94,7 +94,7 @@ struct Pager::State {
 Pager::State::State(PageSource page_source, const Options& options)
     : source(std::move(page_source)), memory_bytes(options.memory_bytes) {
   for (int t = 0; t < std::max(1, options.threads); ++t)
-    readers.emplace_back([this](const std::stop_token& stop) { read_on(stop); });
+    readers.emplace_back([this](const std::stop_token& stop) { reader_loop(stop); });
 }
 
 Pager::State::~State() {
@@ -106,7 +106,7 @@ bool Pager::State::may_read() const {
   return (first_of_call && reading == 0 && arrivals.empty()) || bytes() - pages.candidate_bytes() < memory_bytes;
 }
 
-void Pager::State::read_on(const std::stop_token& stop) {
+void Pager::State::reader_loop(const std::stop_token& stop) {
   std::unique_lock lock(mutex);
   while (wanted.wait(lock, stop, [&] { return next < queue.size(); }) && !stop.stop_requested()) {
     if (!may_read()) {
@@ -116,7 +116,7 @@ void Pager::State::read_on(const std::stop_token& stop) {
     }
     const PageKey key = queue[next++];
     first_of_call = false;
-    in_hand.insert(key);
+    in_flight.insert(key);
     ++reading;
     lock.unlock();
     Arrival arrival = read_page(source, key);
@@ -132,7 +132,7 @@ void Pager::State::take(Arrival arrival) {
     ++reads;
     bytes_read += arrival.bytes;
     arrived_bytes += arrival.bytes;
-    pages.let_go(memory_bytes - std::min(memory_bytes, arrived_bytes));
+    pages.evict(memory_bytes - std::min(memory_bytes, arrived_bytes));
     peak_bytes = std::max(peak_bytes, bytes());
   } else if (known_problems.insert(arrival.problem).second) {
     problems.push_back(arrival.problem);
@@ -158,7 +158,7 @@ bool Pager::begin_pass() {
   s.list_unused_above(s.memory_bytes);
   s.pages.begin_pass();
   for (Arrival& arrival : s.arrivals) {
-    s.in_hand.erase(arrival.key);
+    s.in_flight.erase(arrival.key);
     if (arrival.page)
       s.pages.add(arrival.key, std::move(*arrival.page), arrival.bytes);
     else
@@ -167,7 +167,7 @@ bool Pager::begin_pass() {
   const bool anything = !s.arrivals.empty();
   s.arrivals.clear();
   s.arrived_bytes = 0;
-  s.pages.let_go(s.memory_bytes);
+  s.pages.evict(s.memory_bytes);
   return anything;
 }
 
@@ -182,20 +182,20 @@ void Pager::want(const std::vector<PageKey>& most_urgent_first) {
   s.queue.clear();
   s.next = 0;
   s.first_of_call = true;
-  std::unordered_set<PageKey, PageKeyHash> seen = s.in_hand;
+  std::unordered_set<PageKey, PageKeyHash> seen = s.in_flight;
   for (const PageKey& key : most_urgent_first)
     if (!s.pages.has(key) && !s.damaged.contains(key) && seen.insert(key).second) s.queue.push_back(key);
   s.wanted.notify_all();
 }
 
-bool Pager::wait(std::chrono::milliseconds most) {
+bool Pager::wait(std::chrono::milliseconds maximum) {
   State& s = *state_;
-  return s.wait_until(most, [&] { return !s.arrivals.empty() || s.queued() == 0; });
+  return s.wait_until(maximum, [&] { return !s.arrivals.empty() || s.queued() == 0; });
 }
 
-bool Pager::settle(std::chrono::milliseconds most) {
+bool Pager::settle(std::chrono::milliseconds maximum) {
   State& s = *state_;
-  return s.wait_until(most, [&] { return s.queued() == 0; });
+  return s.wait_until(maximum, [&] { return s.queued() == 0; });
 }
 
 bool Pager::has_arrivals() const {

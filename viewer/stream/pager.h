@@ -49,10 +49,10 @@ class Pager {
   void want(const std::vector<PageKey>& most_urgent_first);
 
   /// Waits until something has arrived for begin_pass(), or nothing is queued. Returns false on timeout.
-  bool wait(std::chrono::milliseconds most = std::chrono::hours(1));
+  bool wait(std::chrono::milliseconds maximum = std::chrono::hours(1));
 
   /// Waits until nothing is queued. Returns false on timeout.
-  bool settle(std::chrono::milliseconds most);
+  bool settle(std::chrono::milliseconds maximum);
   /// Returns whether begin_pass() would make a page resident or mark one as damaged.
   bool has_arrivals() const;
 

@@ -38,7 +38,7 @@ void ResidentPages::add(const PageKey& key, Page page, std::uint64_t page_bytes)
   bytes_ += page_bytes;
 }
 
-bool ResidentPages::longer_unused_above(const Candidate& a, const Candidate& b) {
+bool ResidentPages::is_more_recent(const Candidate& a, const Candidate& b) {
   return std::tie(a.used, a.key) > std::tie(b.used, b.key);
 }
 
@@ -55,12 +55,12 @@ void ResidentPages::list_unused() {
     candidates_.push_back({used, key, &resident});
     candidate_bytes_ += resident.bytes;
   }
-  std::make_heap(candidates_.begin(), candidates_.end(), longer_unused_above);
+  std::make_heap(candidates_.begin(), candidates_.end(), is_more_recent);
 }
 
-void ResidentPages::let_go(std::uint64_t bytes) {
+void ResidentPages::evict(std::uint64_t bytes) {
   while (bytes_ > bytes && !candidates_.empty()) {
-    std::pop_heap(candidates_.begin(), candidates_.end(), longer_unused_above);
+    std::pop_heap(candidates_.begin(), candidates_.end(), is_more_recent);
     Candidate candidate = candidates_.back();
     candidates_.pop_back();
     Resident& resident = *candidate.resident;

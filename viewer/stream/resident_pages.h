@@ -30,12 +30,12 @@ class ResidentPages {
   /// Inserts a page as last used in the previous pass. Call it between begin_pass() and the pass.
   void add(const PageKey& key, Page page, std::uint64_t page_bytes);
 
-  /// Lists the pages that this pass has not found so far: the candidates of let_go(), until the next call.
+  /// Lists the pages that this pass has not found so far: the candidates of evict(), until the next call.
   void list_unused();
   void list_none();
   /// Evicts candidates, least recently used first, until resident pages take at most `bytes` or no candidate is left. A
   /// candidate that was found after it was listed stays.
-  void let_go(std::uint64_t bytes);
+  void evict(std::uint64_t bytes);
 
   std::uint64_t bytes() const { return bytes_; }
   std::uint64_t candidate_bytes() const { return candidate_bytes_; }
@@ -55,7 +55,7 @@ class ResidentPages {
     PageKey key;
     Resident* resident;
   };
-  static bool longer_unused_above(const Candidate& a, const Candidate& b);
+  static bool is_more_recent(const Candidate& a, const Candidate& b);
 
   std::uint64_t pass_ = 0, bytes_ = 0, candidate_bytes_ = 0;
   std::unordered_map<PageKey, Resident, PageKeyHash> residents_;

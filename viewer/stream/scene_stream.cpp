@@ -15,10 +15,10 @@ using kernels::Want;
 
 /// Requests that are answered in parallel before the clock is checked and the pools are filled. Enough per thread to
 /// outweigh the start of the threads, few enough to be done within 2 ms.
-constexpr std::size_t wants_per_thread = 128, least_wants_per_batch = 256;
+constexpr std::size_t requests_per_thread = 128, min_requests_per_batch = 256;
 /// Max requests examined per call, the most urgent first: more would only add requests that the pager cannot serve.
-constexpr std::size_t most_wants = 8192;
-constexpr std::uint32_t least_slots = 16;
+constexpr std::size_t max_requests = 8192;
+constexpr std::uint32_t min_slots = 16;
 /// Average parts of a surface brick: its voxels, with their borders, and its layers. If the average is higher, the
 /// voxel pool is full before the slots are.
 constexpr std::uint32_t parts_per_slot = 90;
@@ -28,8 +28,8 @@ constexpr int cpu_tile_edge = 128, device_tile_edge = 1024;
 static_assert(cpu_tile_edge % kernels::sky_block == 0 && device_tile_edge % kernels::sky_block == 0,
               "pixels share their light within blocks: tiles must not cut these");
 
-std::size_t wants_per_batch(const ThreadPool& policy) {
-  return std::max(least_wants_per_batch, wants_per_thread * std::size_t(policy.threads()));
+std::size_t requests_per_batch(const ThreadPool& policy) {
+  return std::max(min_requests_per_batch, requests_per_thread * std::size_t(policy.threads()));
 }
 
 std::uint32_t node_of(std::uint32_t want) { return want / 2; }
@@ -53,8 +53,8 @@ std::uint64_t bytes_for_pages(const SceneStream::Options& options) {
 }
 
 kernels::PoolSizes pool_sizes(const CellLayout& layout, std::uint64_t bytes) {
-  const std::uint32_t least = PoolBooks::least_tiles(layout.cells.size(), layout.scene.lods);
-  const kernels::PoolSizes first{least, least_slots, least_slots * kernels::most_parts};
+  const std::uint32_t minimum = PoolAllocator::min_tiles(layout.cells.size(), layout.scene.lods);
+  const kernels::PoolSizes first{minimum, min_slots, min_slots * kernels::max_parts};
   const std::uint64_t one = kernels::PoolSizes{1, 2, 2 * parts_per_slot}.bytes(), roots = first.bytes();
   if (roots > bytes)
     throw UsageError("memory_bytes", "the roots of " + counted(layout.cells.size(), "tree") + " alone need " +
@@ -73,7 +73,7 @@ std::unique_ptr<kernels::Caster> make_caster(const CellLayout& layout, const ker
 }  // namespace
 
 struct SceneStream::Answer {
-  PageGaps gaps;
+  MissingPages gaps;
   std::uint8_t children = 0;
   bool is_empty = false;
 };
@@ -108,19 +108,19 @@ SceneStream::SceneStream(const PagedScene& scene, Opened opened, PageSource sour
   const kernels::PoolSizes sizes = pool_sizes(layout_, bytes_for_pools(options));
   pool_bytes_ = sizes.bytes();
   caster_ = make_caster(layout_, sizes, options, policy);
-  new_bricks_.reserve(wants_per_batch(policy));
+  new_bricks_.reserve(requests_per_batch(policy));
 }
 
-void SceneStream::want_roots() {
+void SceneStream::request_roots() {
   if (wants_roots_ || !books_.roots_stay()) return;
   wants_roots_ = true;
   for (std::uint32_t root = 0; root < layout_.cells.size(); ++root)
-    absent_roots_.push_back(2 * root + std::uint32_t(Want::brick));
-  forget_roots_that_came();
+    pending_roots_.push_back(2 * root + std::uint32_t(Want::brick));
+  remove_loaded_roots();
 }
 
 /// Returns whether the request was fulfilled after it was made.
-bool SceneStream::has_come(std::uint32_t want) const {
+bool SceneStream::is_fulfilled(std::uint32_t want) const {
   const kernels::CastNode& node = books_.node(node_of(want));
   return (what_of(want) == Want::brick ? node.brick : node.children) != kernels::absent_ref;
 }
@@ -138,19 +138,19 @@ double SceneStream::urgency(std::uint32_t want, const double eye[3]) const {
 }
 
 /// Returns the requests of rays and the pending roots, most urgent first. Roots count as far away.
-std::vector<std::uint32_t> SceneStream::by_urgency(const std::vector<std::uint32_t>& wanted,
-                                                   const double eye[3]) const {
-  std::vector<std::uint64_t> ranked(wanted.size() + absent_roots_.size());
+std::vector<std::uint32_t> SceneStream::sort_by_urgency(const std::vector<std::uint32_t>& wanted,
+                                                        const double eye[3]) const {
+  std::vector<std::uint64_t> ranked(wanted.size() + pending_roots_.size());
   policy_.parallel_for(ranked.size(), 2048, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const bool is_seen = i < wanted.size();
-      const std::uint32_t want = is_seen ? wanted[i] : absent_roots_[i - wanted.size()];
+      const std::uint32_t want = is_seen ? wanted[i] : pending_roots_[i - wanted.size()];
       ranked[i] = ranked_want(urgency(want, eye) * (is_seen ? 1 : unseen_root), want);
     }
   });
-  if (ranked.size() > most_wants) {
-    std::nth_element(ranked.begin(), ranked.begin() + most_wants, ranked.end());
-    ranked.resize(most_wants);
+  if (ranked.size() > max_requests) {
+    std::nth_element(ranked.begin(), ranked.begin() + max_requests, ranked.end());
+    ranked.resize(max_requests);
   }
   std::sort(ranked.begin(), ranked.end());
   std::vector<std::uint32_t> sorted;
@@ -158,8 +158,8 @@ std::vector<std::uint32_t> SceneStream::by_urgency(const std::vector<std::uint32
   return sorted;
 }
 
-void SceneStream::forget_roots_that_came() {
-  std::erase_if(absent_roots_, [&](std::uint32_t want) { return has_come(want); });
+void SceneStream::remove_loaded_roots() {
+  std::erase_if(pending_roots_, [&](std::uint32_t want) { return is_fulfilled(want); });
 }
 
 void SceneStream::answer(std::uint32_t want, Answer& out, kernels::CastBrick& brick) const {
@@ -170,7 +170,7 @@ void SceneStream::answer(std::uint32_t want, Answer& out, kernels::CastBrick& br
   else
     out.is_empty = !fill_brick(node, layout_, lookup_, shading_, out.gaps, brick);
   // Next to an unreadable overview, an empty brick proves nothing about finer levels.
-  out.gaps.damaged |= out.is_empty && out.gaps.beside_damaged;
+  out.gaps.damaged |= out.is_empty && out.gaps.is_overview_damaged;
 }
 
 /// Returns false if the pool is full.
@@ -195,9 +195,9 @@ SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& wanted,
                                        const kernels::StopAsked& enough, const Keep& keep) {
   Served served;
   std::vector<PageKey> missing;
-  const std::vector<std::uint32_t> wants = by_urgency(wanted, eye);
+  const std::vector<std::uint32_t> wants = sort_by_urgency(wanted, eye);
   std::vector<Answer> answers;
-  const std::size_t per_batch = wants_per_batch(policy_);
+  const std::size_t per_batch = requests_per_batch(policy_);
   std::vector<kernels::CastBrick> bricks(std::min(wants.size(), per_batch));
   books_.begin_round(keep.used_since, !keep.all);
   for (std::size_t from = 0; from < wants.size() && !served.is_full; from += per_batch) {
@@ -210,7 +210,7 @@ SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& wanted,
     for (std::size_t i = 0; i < count; ++i) {
       missing.insert(missing.end(), answers[i].gaps.missing.begin(), answers[i].gaps.missing.end());
       if (served.is_full || !answers[i].gaps.missing.empty()) continue;
-      if (!books_.is_settled(node_of(wants[from + i])) || has_come(wants[from + i])) continue;
+      if (!books_.is_settled(node_of(wants[from + i])) || is_fulfilled(wants[from + i])) continue;
       if (enter(wants[from + i], answers[i], bricks[i]))
         ++served.uploads;
       else
@@ -224,7 +224,7 @@ SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& wanted,
   }
   caster_->put_nodes(books_.take_changes());
   pager_.want(missing);
-  forget_roots_that_came();
+  remove_loaded_roots();
   served.evicted_used = books_.evicted_used();
   uploads_ += served.uploads;
   return served;

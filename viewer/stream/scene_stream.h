@@ -16,7 +16,7 @@
 #include "viewer/light/shading.h"
 #include "viewer/stream/cell_layout.h"
 #include "viewer/stream/pager.h"
-#include "viewer/stream/pool_books.h"
+#include "viewer/stream/pool_allocator.h"
 #include "viewer/stream/shard_map.h"
 #include "viewer/stream/voxel_lookup.h"
 
@@ -64,16 +64,16 @@ class SceneStream {
   /// Makes pages resident that were read since the last call.
   void begin_pass() { pager_.begin_pass(); }
   /// Waits until something was read, or nothing is being read. Returns false on timeout.
-  bool wait(std::chrono::milliseconds most) { return pager_.wait(most); }
+  bool wait(std::chrono::milliseconds maximum) { return pager_.wait(maximum); }
   /// Waits until nothing is being read. Returns false on timeout.
-  bool settle(std::chrono::milliseconds most) { return pager_.settle(most); }
+  bool settle(std::chrono::milliseconds maximum) { return pager_.settle(maximum); }
   bool has_arrivals() const { return pager_.has_arrivals(); }
 
   /// Makes each serve() from now on also load the roots, requested or not, if the pools can hold all of them. Then
   /// every view has a coarse fallback for the whole scene.
-  void want_roots();
+  void request_roots();
   /// Returns whether some of the roots are not resident yet.
-  bool lacks_roots() const { return !absent_roots_.empty(); }
+  bool has_pending_roots() const { return !pending_roots_.empty(); }
 
   /// Returns the edge of a render tile in pixels. It is large enough to share page requests and to fill a GPU, and
   /// small enough to bound memory and cancellation latency.
@@ -101,10 +101,10 @@ class SceneStream {
 
   void answer(std::uint32_t want, Answer& out, kernels::CastBrick& brick) const;
   bool enter(std::uint32_t want, const Answer& answer, kernels::CastBrick& brick);
-  std::vector<std::uint32_t> by_urgency(const std::vector<std::uint32_t>& wanted, const double eye[3]) const;
-  bool has_come(std::uint32_t want) const;
+  std::vector<std::uint32_t> sort_by_urgency(const std::vector<std::uint32_t>& wanted, const double eye[3]) const;
+  bool is_fulfilled(std::uint32_t want) const;
   double urgency(std::uint32_t want, const double eye[3]) const;
-  void forget_roots_that_came();
+  void remove_loaded_roots();
 
   const ThreadPool& policy_;
   std::uint64_t page_bytes_, pool_bytes_;
@@ -114,10 +114,10 @@ class SceneStream {
   Shading shading_;
   Pager pager_;
   VoxelLookup lookup_;
-  PoolBooks books_;
+  PoolAllocator books_;
   std::unique_ptr<kernels::Caster> caster_;
   bool wants_roots_ = false;
-  std::vector<std::uint32_t> absent_roots_;  ///< requests
+  std::vector<std::uint32_t> pending_roots_;  ///< requests
   std::vector<std::uint32_t> new_slots_;
   std::vector<kernels::CastBrick> new_bricks_;
   std::uint64_t uploads_ = 0;

@@ -46,7 +46,7 @@ bool overlap(const VoxelBox& a, const VoxelBox& b) {
   return true;
 }
 
-const Page* find_page(const Pager& pager, const PageKey& key, PageGaps& gaps) {
+const Page* find_page(const Pager& pager, const PageKey& key, MissingPages& gaps) {
   const Page* page = pager.find(key);
   if (page == nullptr && !pager.is_damaged(key)) gaps.missing.push_back(key);
   return page;
@@ -72,13 +72,13 @@ ShardMap::Cells::const_iterator ShardMap::first_above(const Cells& cells, const 
                           [](const ListedCell& cell, const auto& v) { return cell.min < v; });
 }
 
-PlacedShard ShardMap::placed(const ListedCell& cell) const {
+ShardExtent ShardMap::placed(const ListedCell& cell) const {
   return {cell.number, 0, cell_bits_ - 2, 0, cube_at(cell.min.data(), std::int64_t(1) << cell_bits_)};
 }
 
 /// Returns null if the listing is not resident. If it can never be read, `missed` may be incomplete.
 const Page* ShardMap::find_listing(const ListedPage& listed, std::int32_t part, const VoxelBox& missed,
-                                   const Pager& pager, PageGaps& gaps) const {
+                                   const Pager& pager, MissingPages& gaps) const {
   const PageKey key{listed.first_cell, part, 0};
   const Page* page = find_page(pager, key, gaps);
   if (page == nullptr && pager.is_damaged(key)) gaps.damaged |= overlap(missed, gaps.own);
@@ -86,15 +86,15 @@ const Page* ShardMap::find_listing(const ListedPage& listed, std::int32_t part, 
 }
 
 /// Descends through the scene's pages: an overview is listed in the smallest page whose block contains it.
-std::optional<PlacedShard> ShardMap::find_parent(const ParentTier& tier, const TierBlock& block, const Pager& pager,
-                                                 PageGaps& gaps) const {
+std::optional<ShardExtent> ShardMap::find_parent(const ParentTier& tier, const TierBlock& block, const Pager& pager,
+                                                 MissingPages& gaps) const {
   const std::array<std::int64_t, 3> corner = tier.corner_of(block);
   const VoxelBox window = cube_at(corner.data(), tier.edge());
   const std::vector<ListedParent>* parents = &parents_;
   const std::vector<ListedPage>* pages = &pages_;
   for (std::int32_t part = PageKey::listing;; --part) {
     if (const ListedParent* found = parent_at(*parents, std::uint32_t(tier.own_lod()), corner))
-      return PlacedShard{cell_count_ + found->index, tier.first_lod, tier.lods, tier.own_lod(), window};
+      return ShardExtent{cell_count_ + found->index, tier.first_lod, tier.lods, tier.own_lod(), window};
     if (pages->empty() || pages->front().block.edge < tier.edge()) return {};
     const ListedPage* listed = page_around(*pages, block_around(corner, pages->front().block.edge));
     const Page* page = listed != nullptr ? find_listing(*listed, part, window, pager, gaps) : nullptr;
@@ -105,8 +105,8 @@ std::optional<PlacedShard> ShardMap::find_parent(const ParentTier& tier, const T
 }
 
 /// Returns the list of the cells that begin in the block around v; null if there are none or it is not resident.
-const ShardMap::Cells* ShardMap::cells_around(const std::array<std::int64_t, 3>& v, const Pager& pager, PageGaps& gaps,
-                                              LatticeBlock& block) const {
+const ShardMap::Cells* ShardMap::cells_around(const std::array<std::int64_t, 3>& v, const Pager& pager,
+                                              MissingPages& gaps, LatticeBlock& block) const {
   block = {{-everywhere, -everywhere, -everywhere}, 2 * everywhere};
   if (pages_.empty()) return &cells_;
   const std::vector<ListedPage>* pages = &pages_;
@@ -123,7 +123,7 @@ const ShardMap::Cells* ShardMap::cells_around(const std::array<std::int64_t, 3>&
   }
 }
 
-std::optional<PlacedShard> ShardMap::find_cell(const std::int64_t v[3], const Pager& pager, PageGaps& gaps,
+std::optional<ShardExtent> ShardMap::find_cell(const std::int64_t v[3], const Pager& pager, MissingPages& gaps,
                                                VoxelBox& empty) const {
   const std::int64_t edge = std::int64_t(1) << cell_bits_;
   const std::int64_t low[3] = {v[0] >> cell_bits_ << cell_bits_, v[1] >> cell_bits_ << cell_bits_, v[2]};
@@ -148,8 +148,8 @@ int ShardMap::last_holder(int lod) const {
   return lod < cell_lods_ ? parents : parents - 1;
 }
 
-std::optional<PlacedShard> ShardMap::find(int lod, int holder, const std::int64_t v[3], const Pager& pager,
-                                          PageGaps& gaps, VoxelBox& empty) const {
+std::optional<ShardExtent> ShardMap::find(int lod, int holder, const std::int64_t v[3], const Pager& pager,
+                                          MissingPages& gaps, VoxelBox& empty) const {
   if (lod < cell_lods_ && holder == last_holder(lod)) return find_cell(v, pager, gaps, empty);
   const ParentTier& tier = tiers_->holder(lod, std::size_t(holder));
   const TierBlock block = tier.block_of({v[0], v[1], v[2]});

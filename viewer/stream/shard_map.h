@@ -17,14 +17,14 @@
 namespace gigabake {
 
 /// Data that a lookup could not read.
-struct PageGaps {
-  kernels::VoxelBox own{};       ///< set by the caller: only damage of shards that store this box counts
-  std::vector<PageKey> missing;  ///< not resident yet; may contain duplicates
-  bool damaged = false;          ///< a page of a shard that stores `own` cannot be read
-  bool beside_damaged = false;   ///< an overview's page cannot be read; its children may have more data
+struct MissingPages {
+  kernels::VoxelBox own{};           ///< set by the caller: only damage of shards that store this box counts
+  std::vector<PageKey> missing;      ///< not resident yet; may contain duplicates
+  bool damaged = false;              ///< a page of a shard that stores `own` cannot be read
+  bool is_overview_damaged = false;  ///< an overview's page cannot be read; its children may have more data
 };
 
-struct PlacedShard {
+struct ShardExtent {
   std::uint32_t number = 0;  ///< PageKey::shard
   std::int32_t first_lod = 0, lods = 0;
   std::int32_t own_lod = 0;  ///< finest level that none of its children stores
@@ -37,7 +37,7 @@ struct PlacedShard {
 bool overlap(const kernels::VoxelBox& a, const kernels::VoxelBox& b);
 
 /// Returns null if the page is not resident; gaps.missing or Pager::is_damaged() gives the reason.
-const Page* find_page(const Pager& pager, const PageKey& key, PageGaps& gaps);
+const Page* find_page(const Pager& pager, const PageKey& key, MissingPages& gaps);
 
 /// Several threads may call it concurrently between two passes of the pager.
 class ShardMap {
@@ -55,12 +55,12 @@ class ShardMap {
   /// Returns the shard of level `lod` that contains lod-0 voxel v. Otherwise returns nullopt and sets `empty` to a box
   /// around v that no shard overlaps.
   /// Range   `holder` ≤ last_holder(lod), also for any().
-  std::optional<PlacedShard> find(int lod, int holder, const std::int64_t v[3], const Pager& pager, PageGaps& gaps,
+  std::optional<ShardExtent> find(int lod, int holder, const std::int64_t v[3], const Pager& pager, MissingPages& gaps,
                                   kernels::VoxelBox& empty) const;
 
-  /// Calls visit(PlacedShard) for the shards of level `lod` that overlap the box until one call returns true.
+  /// Calls visit(ShardExtent) for the shards of level `lod` that overlap the box until one call returns true.
   template <class Visit>
-  bool any(int lod, int holder, const kernels::VoxelBox& box, const Pager& pager, PageGaps& gaps,
+  bool any(int lod, int holder, const kernels::VoxelBox& box, const Pager& pager, MissingPages& gaps,
            const Visit& visit) const {
     if (lod >= cell_lods_ || holder < last_holder(lod))
       return any_parent(tiers_->holder(lod, std::size_t(holder)), box, pager, gaps, visit);
@@ -73,26 +73,26 @@ class ShardMap {
  private:
   using Cells = std::vector<ListedCell>;
   static Cells::const_iterator first_above(const Cells& cells, const std::array<std::int64_t, 3>& min);
-  PlacedShard placed(const ListedCell& cell) const;
+  ShardExtent placed(const ListedCell& cell) const;
   const Page* find_listing(const ListedPage& listed, std::int32_t part, const kernels::VoxelBox& missed,
-                           const Pager& pager, PageGaps& gaps) const;
+                           const Pager& pager, MissingPages& gaps) const;
   /// Returns the tier's overview of that block; nullopt also if a page that may list it is not resident.
-  std::optional<PlacedShard> find_parent(const ParentTier& tier, const TierBlock& block, const Pager& pager,
-                                         PageGaps& gaps) const;
-  const Cells* cells_around(const std::array<std::int64_t, 3>& v, const Pager& pager, PageGaps& gaps,
+  std::optional<ShardExtent> find_parent(const ParentTier& tier, const TierBlock& block, const Pager& pager,
+                                         MissingPages& gaps) const;
+  const Cells* cells_around(const std::array<std::int64_t, 3>& v, const Pager& pager, MissingPages& gaps,
                             LatticeBlock& block) const;
-  std::optional<PlacedShard> find_cell(const std::int64_t v[3], const Pager& pager, PageGaps& gaps,
+  std::optional<ShardExtent> find_cell(const std::int64_t v[3], const Pager& pager, MissingPages& gaps,
                                        kernels::VoxelBox& empty) const;
 
   template <class Visit>
-  bool any_parent(const ParentTier& tier, const kernels::VoxelBox& box, const Pager& pager, PageGaps& gaps,
+  bool any_parent(const ParentTier& tier, const kernels::VoxelBox& box, const Pager& pager, MissingPages& gaps,
                   const Visit& visit) const {
     const TierBlock low = tier.block_of({box.min[0], box.min[1], box.min[2]});
     const TierBlock high = tier.block_of({box.max[0] - 1, box.max[1] - 1, box.max[2] - 1});
     for (std::int64_t z = low[2]; z <= high[2]; ++z)
       for (std::int64_t y = low[1]; y <= high[1]; ++y)
         for (std::int64_t x = low[0]; x <= high[0]; ++x) {
-          const std::optional<PlacedShard> found = find_parent(tier, {x, y, z}, pager, gaps);
+          const std::optional<ShardExtent> found = find_parent(tier, {x, y, z}, pager, gaps);
           if (found && visit(*found)) return true;
         }
     return false;
@@ -100,8 +100,8 @@ class ShardMap {
 
   /// Visits the cells of the column at x, y that overlap the box in z. They may be in several lists, stacked in z.
   template <class Visit>
-  bool any_of_column(std::int64_t x, std::int64_t y, const kernels::VoxelBox& box, const Pager& pager, PageGaps& gaps,
-                     const Visit& visit) const {
+  bool any_of_column(std::int64_t x, std::int64_t y, const kernels::VoxelBox& box, const Pager& pager,
+                     MissingPages& gaps, const Visit& visit) const {
     const std::int64_t edge = std::int64_t(1) << cell_bits_;
     for (std::int64_t low = box.min[2] - edge + 1; low < box.max[2];) {
       LatticeBlock block;

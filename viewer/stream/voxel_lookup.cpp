@@ -27,7 +27,7 @@ VoxelBox common_box(const VoxelBox& a, const VoxelBox& b) {
 }
 
 /// Returns the lowest level on which the path to this voxel of the shard equals the stored path.
-int shared_level(const NodePath& path, const PlacedShard& shard, const std::int64_t local[3]) {
+int shared_level(const NodePath& path, const ShardExtent& shard, const std::int64_t local[3]) {
   if (path.shard != shard.number) return shard.top();
   const auto differ = std::uint64_t((local[0] ^ path.v[0]) | (local[1] ^ path.v[1]) | (local[2] ^ path.v[2]));
   const int level = differ < std::uint64_t(brick_edge) ? 0 : kernels::highest_bit(differ) - 2;
@@ -40,14 +40,14 @@ std::uint32_t child_row(const NodeRow& parent, int child) {
 
 }  // namespace
 
-const NodeRow* VoxelLookup::row(const PlacedShard& shard, std::uint32_t index, PageGaps& gaps) const {
+const NodeRow* VoxelLookup::row(const ShardExtent& shard, std::uint32_t index, MissingPages& gaps) const {
   const Page* page = find_page(pager_, {shard.number, PageKey::node_rows, index / nodes_per_block}, gaps);
   return page == nullptr || index % nodes_per_block >= page->rows.size() ? nullptr
                                                                          : &page->rows[index % nodes_per_block];
 }
 
 /// Returns whether the row can never be read: its page cannot, or has fewer rows than other rows refer to.
-bool VoxelLookup::lacks_row(const PlacedShard& shard, std::uint32_t index) const {
+bool VoxelLookup::lacks_row(const ShardExtent& shard, std::uint32_t index) const {
   const PageKey key{shard.number, PageKey::node_rows, index / nodes_per_block};
   if (pager_.is_damaged(key)) return true;
   const Page* page = pager_.find(key);
@@ -79,14 +79,14 @@ VoxelLookup::Question VoxelLookup::Question::within(const VoxelBox& box) const {
   return part;
 }
 
-std::uint8_t VoxelLookup::occupied(int lod, const Boxes& boxes, PageGaps& gaps) const {
+std::uint8_t VoxelLookup::occupied(int lod, const Boxes& boxes, MissingPages& gaps) const {
   return std::uint8_t(occupied_by_any({lod, 0, boxes, 255}, gaps));
 }
 
-unsigned VoxelLookup::occupied_by_any(Question question, PageGaps& gaps) const {
+unsigned VoxelLookup::occupied_by_any(Question question, MissingPages& gaps) const {
   const unsigned asked = question.open;
   if (asked == 0) return 0;
-  map_.any(question.lod, question.holder, question.around(), pager_, gaps, [&](const PlacedShard& shard) {
+  map_.any(question.lod, question.holder, question.around(), pager_, gaps, [&](const ShardExtent& shard) {
     question.open &=
         ~occupied_below(shard, 0, shard.top(), shard.window.min, question, question.reached_by(shard.window), gaps);
     return question.open == 0;
@@ -95,14 +95,14 @@ unsigned VoxelLookup::occupied_by_any(Question question, PageGaps& gaps) const {
 }
 
 /// Returns the boxes that shards stored below an unreadable overview may overlap.
-unsigned VoxelLookup::may_be_occupied(const PlacedShard& shard, const Question& question, PageGaps& gaps) const {
-  gaps.beside_damaged = true;
+unsigned VoxelLookup::may_be_occupied(const ShardExtent& shard, const Question& question, MissingPages& gaps) const {
+  gaps.is_overview_damaged = true;
   const int below = shard.own_lod - 1;
   unsigned found = 0;
   Question part = question.within(shard.window);
   const unsigned asked = part.open;
   if (asked == 0) return 0;
-  map_.any(below, map_.last_holder(below), part.around(), pager_, gaps, [&](const PlacedShard& stored) {
+  map_.any(below, map_.last_holder(below), part.around(), pager_, gaps, [&](const ShardExtent& stored) {
     found |= part.reached_by(stored.window);
     return found == asked;
   });
@@ -111,8 +111,8 @@ unsigned VoxelLookup::may_be_occupied(const PlacedShard& shard, const Question& 
 
 /// Returns the boxes that unreadable nodes of the shard may overlap. If another provider stores the level too, queries
 /// that provider.
-unsigned VoxelLookup::unread_occupied(const PlacedShard& shard, const Question& question, unsigned open,
-                                      PageGaps& gaps) const {
+unsigned VoxelLookup::unread_occupied(const ShardExtent& shard, const Question& question, unsigned open,
+                                      MissingPages& gaps) const {
   Question part = question;
   part.open = open;
   if (question.holder < map_.last_holder(question.lod)) {
@@ -125,9 +125,9 @@ unsigned VoxelLookup::unread_occupied(const PlacedShard& shard, const Question& 
 }
 
 /// Returns the boxes that nodes below row_index overlap. The node exists and overlaps the boxes of `open`.
-unsigned VoxelLookup::occupied_below(const PlacedShard& shard, std::uint32_t row_index, int level,
+unsigned VoxelLookup::occupied_below(const ShardExtent& shard, std::uint32_t row_index, int level,
                                      const std::int64_t corner[3], const Question& question, unsigned open,
-                                     PageGaps& gaps) const {
+                                     MissingPages& gaps) const {
   if (level == question.lod || open == 0) return open;
   const NodeRow* node = row(shard, row_index, gaps);
   if (node == nullptr) return lacks_row(shard, row_index) ? unread_occupied(shard, question, open, gaps) : 0;
@@ -143,7 +143,7 @@ unsigned VoxelLookup::occupied_below(const PlacedShard& shard, std::uint32_t row
   return found;
 }
 
-void VoxelLookup::set_content(const PlacedShard& shard, const NodeRow& found, int lod, PageGaps& gaps,
+void VoxelLookup::set_content(const ShardExtent& shard, const NodeRow& found, int lod, MissingPages& gaps,
                               VoxelPlace& place) const {
   if (found.kind != NodeKind::brick) {
     place.kind = VoxelPlace::Kind::constant;
@@ -160,23 +160,23 @@ void VoxelLookup::set_content(const PlacedShard& shard, const NodeRow& found, in
   place.brick = found.value % bricks_per_block;
 }
 
-VoxelPlace VoxelLookup::place(int lod, const std::int64_t v[3], PageGaps& gaps, NodePath& path) const {
+VoxelPlace VoxelLookup::place(int lod, const std::int64_t v[3], MissingPages& gaps, NodePath& path) const {
   for (int holder = 0;; ++holder) {
     VoxelPlace place;
-    const std::optional<PlacedShard> shard = map_.find(lod, holder, v, pager_, gaps, place.box);
+    const std::optional<ShardExtent> shard = map_.find(lod, holder, v, pager_, gaps, place.box);
     if (!shard) return place;
     const std::size_t missing = gaps.missing.size();
     place = place_in(*shard, lod, v, gaps, path);
     if (place.kind != VoxelPlace::Kind::unreadable || gaps.missing.size() != missing) return place;
     if (holder < map_.last_holder(lod)) continue;  // the next provider has the original
     gaps.damaged |= overlap(shard->window, gaps.own);
-    gaps.beside_damaged |= shard->is_parent();
+    gaps.is_overview_damaged |= shard->is_parent();
     return place;
   }
 }
 
 /// Returns `Kind::unreadable` if the data can never become resident.
-VoxelPlace VoxelLookup::place_in(const PlacedShard& shard, int lod, const std::int64_t v[3], PageGaps& gaps,
+VoxelPlace VoxelLookup::place_in(const ShardExtent& shard, int lod, const std::int64_t v[3], MissingPages& gaps,
                                  NodePath& path) const {
   VoxelPlace place;
   const std::size_t missing = gaps.missing.size();

@@ -45,14 +45,14 @@ class VoxelLookup {
   /// Returns a mask: bit i is set if a node of level `lod` overlaps boxes[i] (lod-0 voxels). The mask is invalid if
   /// pages are missing. Unreadable data counts as occupied: for a cell all of it, for an overview all shards below it,
   /// so that rays reach its cells.
-  std::uint8_t occupied(int lod, const Boxes& boxes, PageGaps& gaps) const;
+  std::uint8_t occupied(int lod, const Boxes& boxes, MissingPages& gaps) const;
 
   /// Returns the content of the voxel of level `lod` that contains lod-0 voxel v.
-  VoxelPlace place(int lod, const std::int64_t v[3], PageGaps& gaps, NodePath& path) const;
+  VoxelPlace place(int lod, const std::int64_t v[3], MissingPages& gaps, NodePath& path) const;
 
  private:
-  const NodeRow* row(const PlacedShard& shard, std::uint32_t index, PageGaps& gaps) const;
-  bool lacks_row(const PlacedShard& shard, std::uint32_t index) const;
+  const NodeRow* row(const ShardExtent& shard, std::uint32_t index, MissingPages& gaps) const;
+  bool lacks_row(const ShardExtent& shard, std::uint32_t index) const;
   /// A query: a level of a provider, and the mask of the boxes that are not answered yet.
   struct Question {
     int lod, holder;
@@ -64,13 +64,15 @@ class VoxelLookup {
     Question within(const kernels::VoxelBox& box) const;
   };
   /// Masks of boxes are the results of these functions.
-  unsigned occupied_by_any(Question question, PageGaps& gaps) const;
-  unsigned occupied_below(const PlacedShard& shard, std::uint32_t row_index, int level, const std::int64_t corner[3],
-                          const Question& question, unsigned open, PageGaps& gaps) const;
-  unsigned unread_occupied(const PlacedShard& shard, const Question& question, unsigned open, PageGaps& gaps) const;
-  VoxelPlace place_in(const PlacedShard& shard, int lod, const std::int64_t v[3], PageGaps& gaps, NodePath& path) const;
-  unsigned may_be_occupied(const PlacedShard& shard, const Question& question, PageGaps& gaps) const;
-  void set_content(const PlacedShard& shard, const NodeRow& found, int lod, PageGaps& gaps, VoxelPlace& place) const;
+  unsigned occupied_by_any(Question question, MissingPages& gaps) const;
+  unsigned occupied_below(const ShardExtent& shard, std::uint32_t row_index, int level, const std::int64_t corner[3],
+                          const Question& question, unsigned open, MissingPages& gaps) const;
+  unsigned unread_occupied(const ShardExtent& shard, const Question& question, unsigned open, MissingPages& gaps) const;
+  VoxelPlace place_in(const ShardExtent& shard, int lod, const std::int64_t v[3], MissingPages& gaps,
+                      NodePath& path) const;
+  unsigned may_be_occupied(const ShardExtent& shard, const Question& question, MissingPages& gaps) const;
+  void set_content(const ShardExtent& shard, const NodeRow& found, int lod, MissingPages& gaps,
+                   VoxelPlace& place) const;
 
   const ShardMap& map_;
   const Pager& pager_;

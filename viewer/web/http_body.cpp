@@ -10,7 +10,7 @@ namespace gigabake {
 namespace {
 
 /// Polling interval in which a producer with a slow client notices that the server stops.
-constexpr std::chrono::milliseconds stop_look{100};
+constexpr std::chrono::milliseconds stop_poll_interval{100};
 
 }  // namespace
 
@@ -21,26 +21,26 @@ void HttpBody::make(const std::atomic<bool>& stopping) {
       bytes = stream_->next();
     } catch (const std::exception&) {  // the stream ends; the client's next request reports the error
     }
-    hand_over(std::move(bytes));
+    publish_bytes(std::move(bytes));
   }
-  hand_over(std::nullopt);
+  publish_bytes(std::nullopt);
 }
 
 bool HttpBody::wait_until_taken(const std::atomic<bool>& stopping) {
   std::unique_lock lock(mutex_);
-  while (!suspended_ && !ended_ && !gone_ && !stopping) wake_.wait_for(lock, stop_look);
+  while (!suspended_ && !ended_ && !gone_ && !stopping) wake_.wait_for(lock, stop_poll_interval);
   return suspended_ && !ended_ && !gone_ && !stopping;
 }
 
 /// Polls the socket itself, because libmicrohttpd does not watch suspended connections.
-bool HttpBody::client_has_left() const {
+bool HttpBody::is_client_disconnected() const {
   pollfd look{socket_, POLLRDHUP, 0};
   return ::poll(&look, 1, 0) > 0;
 }
 
-void HttpBody::hand_over(std::optional<std::string> bytes) {
+void HttpBody::publish_bytes(std::optional<std::string> bytes) {
   const std::lock_guard lock(mutex_);
-  ended_ = ended_ || !bytes || (suspended_ && client_has_left());
+  ended_ = ended_ || !bytes || (suspended_ && is_client_disconnected());
   if (bytes && !ended_) {
     bytes_ = std::move(*bytes);
     taken_ = 0;
@@ -65,7 +65,7 @@ ssize_t HttpBody::take(char* to, std::size_t room) {
   return ssize_t(count);
 }
 
-void HttpBody::let_go() {
+void HttpBody::detach() {
   const std::lock_guard lock(mutex_);
   gone_ = true;
   wake_.notify_all();

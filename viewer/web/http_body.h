@@ -28,12 +28,12 @@ class HttpBody {
   /// code at the end. Called by the sender.
   ssize_t take(char* to, std::size_t room);
   /// Marks connection and socket as invalid. The sender's last call.
-  void let_go();
+  void detach();
 
  private:
   bool wait_until_taken(const std::atomic<bool>& stopping);
-  void hand_over(std::optional<std::string> bytes);
-  bool client_has_left() const;
+  void publish_bytes(std::optional<std::string> bytes);
+  bool is_client_disconnected() const;
 
   MHD_Connection* const connection_;
   const int socket_;

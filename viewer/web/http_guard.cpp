@@ -61,8 +61,8 @@ std::optional<Refusal> refusal_of_body(const RequestHead& head) {
   std::uint64_t length = 0;
   const char* end = head.content_length.data() + head.content_length.size();
   const auto [at, error] = std::from_chars(head.content_length.data(), end, length);
-  if (error == std::errc::result_out_of_range || length > most_body_bytes)
-    return Refusal{413, "expected a body of at most " + std::to_string(most_body_bytes) + " bytes"};
+  if (error == std::errc::result_out_of_range || length > max_body_bytes)
+    return Refusal{413, "expected a body of at most " + std::to_string(max_body_bytes) + " bytes"};
   if (error != std::errc() || at != end) return Refusal{411, "expected a Content-Length"};
   // Pages of other origins can send forms and plain text without a preflight request, but not JSON.
   if (!ascii_lower(head.content_type).starts_with("application/json")) return Refusal{415, "expected application/json"};

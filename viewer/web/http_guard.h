@@ -43,7 +43,7 @@ struct Refusal {
   std::string why;
 };
 
-inline constexpr std::uint64_t most_body_bytes = 4096;
+inline constexpr std::uint64_t max_body_bytes = 4096;
 
 /// Returns why a request is refused; nullopt: it is accepted. local: the server is bound to this machine only. Any
 /// other Host then indicates a foreign page whose host name resolves to this machine (DNS rebinding). external: the

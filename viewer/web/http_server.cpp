@@ -85,7 +85,7 @@ struct HttpServer::State {
   const Limits limits;
   ListenSocket listening;
   const int port = listening.port();
-  WaitingClients waiting{limits.waiting, limits.patience};
+  WaitingClients waiting{limits.waiting, limits.request_timeout};
   ReplyThreads threads{limits.threads};
   std::mutex mutex;
   std::condition_variable wake;
@@ -95,13 +95,13 @@ struct HttpServer::State {
       : handlers(std::move(h)), limits(l), listening(address, wanted_port) {}
 
   MHD_Daemon* start() {
-    return MHD_start_daemon(MHD_USE_AUTO_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr, on_request,
-                            this, MHD_OPTION_LISTEN_SOCKET, MHD_socket(listening.release()),
-                            MHD_OPTION_CONNECTION_MEMORY_LIMIT, limits.head_bytes, MHD_OPTION_CONNECTION_LIMIT,
-                            unsigned(limits.connections), MHD_OPTION_PER_IP_CONNECTION_LIMIT,
-                            unsigned(limits.an_address), MHD_OPTION_CONNECTION_TIMEOUT, unsigned(limits.silence_s),
-                            MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_NOTIFY_CONNECTION, on_connection, this,
-                            MHD_OPTION_NOTIFY_COMPLETED, on_answered, this, MHD_OPTION_END);
+    return MHD_start_daemon(
+        MHD_USE_AUTO_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr, on_request, this,
+        MHD_OPTION_LISTEN_SOCKET, MHD_socket(listening.release()), MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+        limits.head_bytes, MHD_OPTION_CONNECTION_LIMIT, unsigned(limits.connections),
+        MHD_OPTION_PER_IP_CONNECTION_LIMIT, unsigned(limits.connections_per_address), MHD_OPTION_CONNECTION_TIMEOUT,
+        unsigned(limits.idle_timeout_s), MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_NOTIFY_CONNECTION, on_connection,
+        this, MHD_OPTION_NOTIFY_COMPLETED, on_answered, this, MHD_OPTION_END);
   }
 
   // Callbacks of libmicrohttpd, all on its one thread.
@@ -136,7 +136,7 @@ struct HttpServer::State {
       if (*part_size == 0) return state.answer(connection, going);
       going.request.body.append(part, *part_size);
       *part_size = 0;
-      return going.request.body.size() <= most_body_bytes ? MHD_YES : MHD_NO;
+      return going.request.body.size() <= max_body_bytes ? MHD_YES : MHD_NO;
     } catch (...) {  // out of memory: closes this connection
       return MHD_NO;
     }
@@ -160,11 +160,11 @@ struct HttpServer::State {
     }
     if (const auto* reply = std::get_if<HttpReply>(&answer)) return send(connection, *reply);
     if (auto* stream = std::get_if<HttpStreamReply>(&answer)) return send_stream(connection, std::move(*stream));
-    make_later(connection, exchange, std::get<HttpLater>(std::move(answer)));
+    make_later(connection, exchange, std::get<SlowReply>(std::move(answer)));
     return MHD_YES;
   }
 
-  void make_later(MHD_Connection* connection, Exchange& exchange, HttpLater later) {
+  void make_later(MHD_Connection* connection, Exchange& exchange, SlowReply later) {
     MHD_suspend_connection(connection);
     const bool started = threads.start([this, connection, &exchange, make = std::move(later)] {
       try {
@@ -194,7 +194,7 @@ struct HttpServer::State {
     const Response response(MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, stream_block_bytes, take_from_stream,
                                                               owner.get(), let_go_of_stream));
     if (!response) {
-      body->let_go();
+      body->detach();
       return MHD_NO;
     }
     owner.release();  // the response owns it now
@@ -209,7 +209,7 @@ struct HttpServer::State {
 
   static void let_go_of_stream(void* body) {
     const std::unique_ptr<std::shared_ptr<HttpBody>> owner(static_cast<std::shared_ptr<HttpBody>*>(body));
-    (*owner)->let_go();
+    (*owner)->detach();
   }
 
   MHD_Result queue(MHD_Connection* connection, const Response& response, int status, const std::string& type) {
@@ -235,7 +235,7 @@ void HttpServer::serve() {
   {
     std::unique_lock lock(s.mutex);
     while (!s.stopping) {
-      s.wake.wait_for(lock, s.limits.patience / 8);
+      s.wake.wait_for(lock, s.limits.request_timeout / 8);
       s.waiting.drop_late(WaitingClients::Clock::now());
     }
   }

@@ -38,7 +38,7 @@ struct HttpReply {
 };
 
 /// A slow reply, computed on a separate thread. HttpServer::Handlers::failed converts its exceptions to replies.
-using HttpLater = std::function<HttpReply()>;
+using SlowReply = std::function<HttpReply()>;
 
 /// A response body of unknown length.
 class HttpStream {
@@ -55,18 +55,18 @@ struct HttpStreamReply {
   std::vector<std::pair<std::string, std::string>> headers = {};
 };
 
-using HttpAnswer = std::variant<HttpReply, HttpLater, HttpStreamReply>;
+using HttpAnswer = std::variant<HttpReply, SlowReply, HttpStreamReply>;
 
 class HttpServer {
  public:
   struct Limits {
     std::size_t head_bytes = 16384;             ///< limit of request line and header; beyond it status 414 or 431
     std::size_t connections = 512;              ///< limit in total; further connections wait to be accepted
-    std::size_t an_address = 256;               ///< limit per client address; further connections are closed at once
+    std::size_t connections_per_address = 256;  ///< limit per client address; further connections are closed at once
     std::size_t waiting = 64;                   ///< limit without a complete request; beyond it the oldest is closed
     std::size_t threads = 160;                  ///< limit of slow replies and streams; further ones get status 503
-    std::chrono::milliseconds patience{10000};  ///< time limit of a request, since connection or last answer
-    int silence_s = 5;                          ///< timeout of a connection without activity
+    std::chrono::milliseconds request_timeout{10000};  ///< time limit of a request, since connection or last answer
+    int idle_timeout_s = 5;                            ///< timeout of a connection without activity
     /// Small, because buffered data reaches a slow client too late to be useful.
     int send_buffer_bytes = 1 << 17;
   };

@@ -8,7 +8,7 @@ constexpr std::string_view jpeg_start = "\xff\xd8";
 /// The maximum content of a JPEG's comment segment, and the number of such segments that fill a proxy's buffers.
 constexpr int max_comment_bytes = 65533, large_comments = 4;
 /// Proxies close replies that send nothing for 60 s (nginx) or 30 s. Calls of fill() are a second apart.
-constexpr int fills_between_signs_of_life = 5;
+constexpr int fills_between_keepalives = 5;
 
 }  // namespace
 
@@ -35,7 +35,7 @@ std::string ImageParts::fill() {
   if (!has_started_) return "";
   const int number = fills_++;
   if (number < large_comments) return comment(max_comment_bytes);
-  return number % fills_between_signs_of_life == 0 ? comment(0) : "";
+  return number % fills_between_keepalives == 0 ? comment(0) : "";
 }
 
 }  // namespace gigabake

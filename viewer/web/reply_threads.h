@@ -12,7 +12,7 @@ namespace gigabake {
 
 class ReplyThreads {
  public:
-  explicit ReplyThreads(std::size_t most) : most_(most) {}
+  explicit ReplyThreads(std::size_t maximum) : most_(maximum) {}
   ~ReplyThreads() { finish(); }
   ReplyThreads(const ReplyThreads&) = delete;
   ReplyThreads& operator=(const ReplyThreads&) = delete;

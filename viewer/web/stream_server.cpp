@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lattice/error.h"
-#include "viewer/live/steering_json.h"
+#include "viewer/live/viewer_input_json.h"
 #include "viewer/pictures/jpeg.h"
 #include "viewer/pictures/png.h"
 #include "viewer/web/external_url.h"
@@ -24,7 +24,7 @@ constexpr int moving_quality = 75, resting_quality = 92;
 /// picture_s: time limit of a full image. Without a new image, a stream sends filler after first_fill_s, then every
 /// next_fill_s.
 constexpr double picture_s = 60, first_fill_s = 0.25, next_fill_s = 1;
-constexpr std::chrono::seconds bake_look{1};
+constexpr std::chrono::seconds bake_query_interval{1};
 constexpr const char* json_type = "application/json";
 
 HttpReply error_reply(int status, const std::string& why) {
@@ -57,8 +57,8 @@ HttpReply page_part(const char* type, std::string_view text) { return {200, type
 void check_options(const StreamServer::Options& o) {
   if (o.port < 0 || o.port > 65535) throw UsageError("port", "expected 1 to 65535, or 0 for any that is free");
   if (!is_token(o.token)) throw UsageError("token", "expected letters, digits, - and _ only");
-  if (o.token.size() < StreamServer::least_token && !(o.token.empty() && !StreamServer::is_public(o)))
-    throw UsageError("token", fmt::format("expected at least {} letters or digits", StreamServer::least_token));
+  if (o.token.size() < StreamServer::min_token_length && !(o.token.empty() && !StreamServer::is_public(o)))
+    throw UsageError("token", fmt::format("expected at least {} letters or digits", StreamServer::min_token_length));
 }
 
 /// A stream of one viewer's images, as parts that replace each other.
@@ -104,8 +104,8 @@ struct StreamServer::State {
 
   std::mutex bake_mutex;  ///< guards the three members below
   std::string bake = "null";
-  bool bake_is_asked = false;
-  std::chrono::steady_clock::time_point bake_told{};
+  bool is_bake_queried = false;
+  std::chrono::steady_clock::time_point bake_queried_at{};
 
   HttpServer http;  ///< last, because it calls the members above
 
@@ -160,12 +160,12 @@ struct StreamServer::State {
         {"/", false, &State::page},
         {"/viewer.js", false, &State::script},
         {"/viewer.css", false, &State::style},
-        {"/bake", false, &State::tell_bake},
+        {"/bake", false, &State::get_bake},
         {"/viewers", true, &State::open},
-        {"/state", false, &State::for_viewer<&State::tell_state>},
+        {"/state", false, &State::for_viewer<&State::get_state>},
         {"/stream", false, &State::for_viewer<&State::stream>},
         {"/picture.png", false, &State::for_viewer<&State::picture>},
-        {"/point", false, &State::for_viewer<&State::tell_point>},
+        {"/point", false, &State::for_viewer<&State::get_point>},
         {"/steer", true, &State::for_viewer<&State::steer>},
     };
     const bool is_post = request.head.method == "POST";
@@ -188,16 +188,16 @@ struct StreamServer::State {
   HttpAnswer style(const HttpRequest&) { return page_part("text/css; charset=utf-8", web_style); }
 
   /// Queries the bake status at most once a second and by one thread at a time. Other requests get the previous status.
-  HttpAnswer tell_bake(const HttpRequest&) {
+  HttpAnswer get_bake(const HttpRequest&) {
     const std::lock_guard lock(bake_mutex);
-    if (bake_is_asked || std::chrono::steady_clock::now() - bake_told < bake_look)
+    if (is_bake_queried || std::chrono::steady_clock::now() - bake_queried_at < bake_query_interval)
       return HttpReply{200, json_type, bake};
-    bake_is_asked = true;
+    is_bake_queried = true;
     return [this] {
       const std::string told = bake_status();
       const std::lock_guard lock_again(bake_mutex);
-      bake_is_asked = false;
-      bake_told = std::chrono::steady_clock::now();
+      is_bake_queried = false;
+      bake_queried_at = std::chrono::steady_clock::now();
       return HttpReply{200, json_type, bake = told};
     };
   }
@@ -214,7 +214,7 @@ struct StreamServer::State {
     const auto key = sessions.open(steering_from_json(request.body));
     if (!key) return error_reply(503, "as many look already as this server takes; try again later");
     const nlohmann::ordered_json told{
-        {"viewer", *key}, {"modes", names_of<ViewMode>()}, {"styles", names_of<CameraRig::Style>()}};
+        {"viewer", *key}, {"modes", names_of<ViewMode>()}, {"styles", names_of<CameraController::Style>()}};
     return HttpReply{201, json_type, told.dump()};
   }
 
@@ -225,7 +225,7 @@ struct StreamServer::State {
     return error_reply(404, "expected viewer=KEY as POST /viewers gives it; that one is not known, or has left");
   }
 
-  HttpAnswer tell_state(const HttpRequest&, ViewerId viewer) {
+  HttpAnswer get_state(const HttpRequest&, ViewerId viewer) {
     const auto state = scene.state(viewer);
     const auto frame = scene.frame_after(viewer, 0, 0);
     if (!state) return error_reply(404, "that viewer has left");
@@ -233,7 +233,7 @@ struct StreamServer::State {
   }
 
   /// Returns the scene point that a pixel of the last frame shows.
-  HttpAnswer tell_point(const HttpRequest& request, ViewerId viewer) {
+  HttpAnswer get_point(const HttpRequest& request, ViewerId viewer) {
     const auto right = share_of(request.argument("x")), down = share_of(request.argument("y"));
     if (!right || !down) return error_reply(400, "expected x and y from 0 to 1, from the picture's upper left corner");
     const auto frame = scene.frame_after(viewer, 0, 0);
@@ -243,7 +243,7 @@ struct StreamServer::State {
 
   HttpAnswer steer(const HttpRequest& request, ViewerId viewer) {
     scene.steer(viewer, steering_from_json(request.body));
-    return tell_state(request, viewer);
+    return get_state(request, viewer);
   }
 
   HttpAnswer stream(const HttpRequest& request, ViewerId viewer) {

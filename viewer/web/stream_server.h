@@ -26,11 +26,11 @@ class StreamServer {
     std::function<std::string()> bake_status = [] { return std::string("null"); };
     HttpServer::Limits limits;
   };
-  static constexpr std::size_t least_token = 16;
+  static constexpr std::size_t min_token_length = 16;
 
   /// Binds the port; borrows the scene.
-  /// Errors  UsageError: reachable from other machines without a token of least_token letters or digits; an invalid
-  ///         external URL. InputError: the address cannot be bound.
+  /// Errors  UsageError: reachable from other machines without a token of min_token_length letters or digits; an
+  ///         invalid external URL. InputError: the address cannot be bound.
   StreamServer(LiveScene& scene, const Options& options);
   ~StreamServer();
 

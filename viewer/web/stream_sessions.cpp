@@ -6,23 +6,23 @@ namespace gigabake {
 namespace {
 
 /// Session timeout. A page requests its state every second; a reloaded page uses a new key.
-constexpr std::chrono::seconds longest_silence{10};
+constexpr std::chrono::seconds session_timeout{10};
 
 }  // namespace
 
-void StreamSessions::drop_those_that_left() {
+void StreamSessions::remove_expired() {
   const auto now = Clock::now();
   std::erase_if(sessions_, [&](const auto& entry) {
     const bool left =
-        entry.second.stream == 0 && entry.second.pictures == 0 && now - entry.second.heard > longest_silence;
+        entry.second.stream == 0 && entry.second.pictures == 0 && now - entry.second.heard > session_timeout;
     if (left) scene_.remove_viewer(entry.second.viewer);
     return left;
   });
 }
 
-std::optional<std::string> StreamSessions::open(const Steering& first) {
+std::optional<std::string> StreamSessions::open(const ViewerInput& first) {
   const std::lock_guard lock(mutex_);
-  drop_those_that_left();
+  remove_expired();
   const auto viewer = scene_.add_viewer(first);
   if (!viewer) return std::nullopt;
   const std::string key = random_key();
@@ -35,7 +35,7 @@ std::optional<LiveScene::ViewerId> StreamSessions::touch(const std::string& key)
   const auto found = sessions_.find(key);
   if (found == sessions_.end()) return std::nullopt;
   found->second.heard = Clock::now();
-  drop_those_that_left();
+  remove_expired();
   return found->second.viewer;
 }
 
@@ -62,7 +62,7 @@ void StreamSessions::end_stream(const std::string& key, std::uint64_t stream) {
 bool StreamSessions::begin_picture(const std::string& key) {
   const std::lock_guard lock(mutex_);
   const auto found = sessions_.find(key);
-  if (found == sessions_.end() || found->second.pictures >= most_pictures) return false;
+  if (found == sessions_.end() || found->second.pictures >= max_images) return false;
   ++found->second.pictures;
   return true;
 }

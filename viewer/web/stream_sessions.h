@@ -19,7 +19,7 @@ class StreamSessions {
 
   /// Adds a viewer and returns its key. first: the initial input. Returns nullopt if the scene accepts no more viewers,
   /// even after the removal of viewers that have left.
-  std::optional<std::string> open(const Steering& first);
+  std::optional<std::string> open(const ViewerInput& first);
   /// Returns the viewer of a key and extends its session; nullopt: no such key.
   std::optional<LiveScene::ViewerId> touch(const std::string& key);
 
@@ -28,10 +28,10 @@ class StreamSessions {
   bool is_streaming(const std::string& key, std::uint64_t stream);
   void end_stream(const std::string& key, std::uint64_t stream);
 
-  /// Begins the rendering of one image. Returns false if there is no such key or most_pictures are in progress.
+  /// Begins the rendering of one image. Returns false if there is no such key or max_images are in progress.
   bool begin_picture(const std::string& key);
   void end_picture(const std::string& key);
-  static constexpr int most_pictures = 2;
+  static constexpr int max_images = 2;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -42,7 +42,7 @@ class StreamSessions {
     int pictures = 0;          ///< number of images in progress
   };
 
-  void drop_those_that_left();
+  void remove_expired();
 
   LiveScene& scene_;
   std::mutex mutex_;

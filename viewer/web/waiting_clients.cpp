@@ -22,7 +22,7 @@ void WaitingClients::heard(int socket) {
 
 void WaitingClients::drop_late(Clock::time_point now) {
   const std::lock_guard lock(mutex_);
-  while (!in_order_.empty() && now - in_order_.begin()->second.since > patience_) drop_oldest();
+  while (!in_order_.empty() && now - in_order_.begin()->second.since > request_timeout_) drop_oldest();
 }
 
 void WaitingClients::drop_oldest() {

@@ -5,7 +5,7 @@
 #include <imgui.h>
 
 #include "lattice/counted.h"
-#include "viewer/live/steering_json.h"
+#include "viewer/live/viewer_input_json.h"
 
 namespace gigabake {
 namespace {
@@ -37,7 +37,7 @@ std::optional<Enum> choose(const char* label, Enum current) {
 }
 
 /// Shows the sun's direction, and the day and hour from which it can be computed.
-void show_sun(const ViewerState& state, Steering& out, SunClock& clock) {
+void show_sun(const ViewerState& state, ViewerInput& out, SunClock& clock) {
   float azimuth = float(state.full_view.sun.azimuth_deg), elevation = float(state.full_view.sun.elevation_deg);
   if (azimuth < 0) azimuth += 360;
   const bool turned = ImGui::SliderFloat("sun from north", &azimuth, 0, 360, "%.1f deg");
@@ -49,7 +49,7 @@ void show_sun(const ViewerState& state, Steering& out, SunClock& clock) {
   if (other_day || other_hour) out.time = julian_day("2026-01-01T00:00Z") + (clock.day - 1) + double(clock.hour) / 24;
 }
 
-void show_choices(const ViewerState& state, Steering& out, SunClock& clock) {
+void show_choices(const ViewerState& state, ViewerInput& out, SunClock& clock) {
   if (const auto mode = choose("mode (M)", state.full_view.mode)) out.mode = mode;
   if (const auto style = choose("move (O)", state.style)) out.style = style;
   float pixel_error = float(state.full_view.camera.pixel_error), upload_ms = float(state.upload_s * 1e3);

@@ -8,7 +8,7 @@
 namespace gigabake {
 
 struct PanelAnswer {
-  Steering steering;
+  ViewerInput steering;
   bool save_picture = false, record = false;
 };
 

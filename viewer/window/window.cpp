@@ -13,22 +13,22 @@
 
 #include "format/system/publish.h"
 #include "lattice/quote.h"
+#include "viewer/live/bookmarks.h"
 #include "viewer/live/camera_path.h"
-#include "viewer/live/kept_views.h"
 #include "viewer/pictures/png.h"
 #include "viewer/window/panel.h"
-#include "viewer/window/screen_picture.h"
+#include "viewer/window/screen_image.h"
 #include "viewer/window/window_input.h"
 
 namespace gigabake {
 namespace {
 
-constexpr double held_look_s = 1.0 / 60, idle_look_s = 0.5;
+constexpr double held_poll_s = 1.0 / 60, idle_poll_s = 0.5;
 /// Dear ImGui reacts to an event one frame later, and its layout settles in the frame after that.
 constexpr int redraws_after_event = 3;
-constexpr int most_files = 9999;
+constexpr int max_files = 9999;
 /// Time for which the window's title shows the last message.
-constexpr double said_s = 15;
+constexpr double message_s = 15;
 
 [[noreturn]] void fail_at(const char* what) {
   const char* why = nullptr;
@@ -79,12 +79,12 @@ double half_levels(double pixel_error, int coarser) {
 
 /// Returns the first unused name, starting with gigabake-0001.png.
 std::filesystem::path free_name(const std::filesystem::path& folder, const char* kind) {
-  for (int i = 1; i <= most_files; ++i) {
+  for (int i = 1; i <= max_files; ++i) {
     std::filesystem::path path = folder / fmt::format("gigabake-{:04}.{}", i, kind);
     if (!std::filesystem::exists(path)) return path;
   }
   throw std::runtime_error(
-      fmt::format("{}: {} files gigabake-*.{} are there already", short_path(folder.string()), most_files, kind));
+      fmt::format("{}: {} files gigabake-*.{} are there already", short_path(folder.string()), max_files, kind));
 }
 
 class Window {
@@ -102,7 +102,7 @@ class Window {
   void run() {
     int redraws = redraws_after_event;
     while (glfwWindowShouldClose(window_) == 0) {
-      glfwWaitEventsTimeout(redraws > 0 || input_.holds() ? held_look_s : idle_look_s);
+      glfwWaitEventsTimeout(redraws > 0 || input_.holds() ? held_poll_s : idle_poll_s);
       obey();
       const bool news = take_frame();
       finish_picture();
@@ -118,7 +118,7 @@ class Window {
   ViewerState state() const { return scene_.state(viewer_).value(); }
 
   void obey() {
-    Steering steering = input_.take_steering();
+    ViewerInput steering = input_.take_steering();
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
     if (width > 0 && height > 0 && std::array{width, height} != size_) steering.size = size_ = {width, height};
@@ -128,16 +128,16 @@ class Window {
     if (steering.moves() || settings || steering.walk || steering.swing) scene_.steer(viewer_, steering);
   }
 
-  void obey(WindowCommand command, Steering& steering) {
+  void obey(WindowCommand command, ViewerInput& steering) {
     const ViewerState now = state();
     constexpr std::size_t modes = names_of<ViewMode>().size();
-    const bool orbits = now.style == CameraRig::Style::orbit;
+    const bool orbits = now.style == CameraController::Style::orbit;
     switch (command) {
       case WindowCommand::next_mode:
         steering.mode = ViewMode((std::size_t(now.full_view.mode) + 1) % modes);
         break;
       case WindowCommand::next_style:
-        steering.style = orbits ? CameraRig::Style::fly : CameraRig::Style::orbit;
+        steering.style = orbits ? CameraController::Style::fly : CameraController::Style::orbit;
         break;
       case WindowCommand::coarser:
         steering.pixel_error = half_levels(now.full_view.camera.pixel_error, 1);
@@ -149,7 +149,7 @@ class Window {
         measure();
         break;
       case WindowCommand::save_picture:
-        want_picture();
+        request_image();
         break;
       case WindowCommand::record:
         toggle_recording();
@@ -167,7 +167,7 @@ class Window {
     }
   }
 
-  void obey(ViewKey key, Steering& steering) {
+  void obey(ViewKey key, ViewerInput& steering) {
     if (!frame_) return;
     try {
       if (key.keeps) {
@@ -209,8 +209,8 @@ class Window {
 
   /// Shows a message in the window, but not on the console.
   void note(const std::string& text) {
-    said_ = text;
-    said_at_s_ = glfwGetTime();
+    message_ = text;
+    message_at_s_ = glfwGetTime();
     input_.touch();
   }
 
@@ -224,22 +224,22 @@ class Window {
     const std::string loading = loading_text(state(), frame_.get());
     std::string title = name_;
     if (!loading.empty()) title += " - " + loading;
-    if (!said_.empty() && glfwGetTime() < said_at_s_ + said_s) title += " - " + said_;
+    if (!message_.empty() && glfwGetTime() < message_at_s_ + message_s) title += " - " + message_;
     if (title == title_) return;
     title_ = title;
     glfwSetWindowTitle(window_, title.c_str());
   }
 
-  void want_picture() {
-    wants_picture_ = true;
+  void request_image() {
+    image_is_requested_ = true;
     if (!state().resting) note("the picture is saved as soon as it is complete");
   }
 
   void finish_picture() {
-    if (!wants_picture_) return;
+    if (!image_is_requested_) return;
     const auto full = scene_.full_frame(viewer_, 0);
     if (!full) return;
-    wants_picture_ = false;
+    image_is_requested_ = false;
     const Picture& picture = full->frame.picture;
     save("png", fmt::format(", {}x{}", picture.width, picture.height),
          [&](const auto& path) { write_png(path, picture); });
@@ -275,15 +275,16 @@ class Window {
     PanelAnswer answer;
     const std::optional<PickedPoint> place = pointed();
     if (shows_panel_)
-      answer = show_panel(state(), frame_.get(), recorder_.has_value(), said_, place ? place_text(*place) : "", clock_);
+      answer =
+          show_panel(state(), frame_.get(), recorder_.has_value(), message_, place ? place_text(*place) : "", clock_);
     if (shows_keys_) show_keys();
     ImGui::Render();
     ImGui_ImplOpenGL2_RenderDrawData(ImGui::GetDrawData());
     glfwSwapBuffers(window_);
-    const Steering& s = answer.steering;
+    const ViewerInput& s = answer.steering;
     const bool lights = s.sun || s.time || s.shadows || s.level_blend;
     if (s.home || s.mode || s.style || s.pixel_error || s.upload_s || lights) scene_.steer(viewer_, s);
-    if (answer.save_picture) want_picture();
+    if (answer.save_picture) request_image();
     if (answer.record) toggle_recording();
   }
 
@@ -292,18 +293,18 @@ class Window {
   GLFWwindow* window_;
   WindowInput input_;
   Gui gui_;
-  ScreenPicture picture_;
+  ScreenImage picture_;
   LiveScene scene_;
   const LiveScene::ViewerId viewer_;
   LiveScene::FramePtr frame_;
   std::array<int, 2> size_{};
   std::optional<PathRecorder> recorder_;
-  const KeptViews views_;
+  const Bookmarks views_;
   std::optional<PickedPoint> measured_from_;
   const char* closed_by_ = "its window was";
-  std::string said_, title_;
-  double said_at_s_ = 0;
-  bool wants_picture_ = false, shows_panel_ = true, shows_keys_ = false;
+  std::string message_, title_;
+  double message_at_s_ = 0;
+  bool image_is_requested_ = false, shows_panel_ = true, shows_keys_ = false;
   SunClock clock_;
 };
 

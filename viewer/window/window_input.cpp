@@ -57,13 +57,13 @@ WindowInput::WindowInput(GLFWwindow* window) : window_(window) {
 
 WindowInput::~WindowInput() { glfwSetWindowUserPointer(window_, nullptr); }
 
-Steering WindowInput::take_steering() {
-  Steering out = std::exchange(pending_, {});
-  if (!held_.empty() || told_held_) {
+ViewerInput WindowInput::take_steering() {
+  ViewerInput out = std::exchange(pending_, {});
+  if (!held_.empty() || sent_held_) {
     out.walk = total(held_, walks, slow_);
     out.swing = total(held_, swings, slow_);
   }
-  told_held_ = !held_.empty();
+  sent_held_ = !held_.empty();
   return out;
 }
 

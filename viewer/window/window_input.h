@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "viewer/live/pilot.h"
+#include "viewer/live/render_scheduler.h"
 
 struct GLFWwindow;
 
@@ -41,7 +41,7 @@ class WindowInput {
   WindowInput& operator=(const WindowInput&) = delete;
 
   /// Returns all movements since the last call, and the held keys.
-  Steering take_steering();
+  ViewerInput take_steering();
   /// Returns the commands of keys pressed since the last call.
   std::vector<WindowCommand> take_commands();
   std::vector<ViewKey> take_view_keys();
@@ -63,13 +63,13 @@ class WindowInput {
   double window_height() const;
 
   GLFWwindow* window_;
-  Steering pending_;
+  ViewerInput pending_;
   std::vector<WindowCommand> commands_;
   std::vector<ViewKey> view_keys_;
   std::set<int> held_;  ///< keys that move or turn
   std::set<int> buttons_;
   double x_ = 0, y_ = 0;
-  bool slow_ = false, repeats_ = false, told_held_ = false, touched_ = true;
+  bool slow_ = false, repeats_ = false, sent_held_ = false, touched_ = true;
 };
 
 }  // namespace gigabake

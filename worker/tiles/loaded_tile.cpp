@@ -9,7 +9,7 @@ namespace gigabake {
 namespace {
 
 /// Min triangles of a mesh that is worth splitting.
-constexpr std::uint64_t least_cut_triangles = 4 * cluster_triangles;
+constexpr std::uint64_t min_split_triangles = 4 * cluster_triangles;
 
 template <class T>
 std::uint64_t bytes_held(const std::vector<T>& v) {
@@ -56,7 +56,7 @@ void LoadedTile::cut(const BakeParameters& parameters, const ThreadPool& pool) {
   pool.parallel_for(primitives().size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t p = begin; p < end; ++p) {
       TilePrimitive& primitive = directory_.primitives[p];
-      if (is_wide[p] == 0 || primitive.triangles < least_cut_triangles) continue;
+      if (is_wide[p] == 0 || primitive.triangles < min_split_triangles) continue;
       primitive.clusters = in_memory(clusters_of(*primitive.clusters.front().mesh));
     }
   });

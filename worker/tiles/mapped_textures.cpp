@@ -13,7 +13,7 @@ namespace gigabake {
 namespace {
 
 /// Texels of a few rows of a wide image; with a smaller limit they would be paged in again and again.
-constexpr std::uint64_t least_bytes = std::uint64_t(16) << 20;
+constexpr std::uint64_t min_bytes = std::uint64_t(16) << 20;
 constexpr std::chrono::milliseconds interval{4};
 
 /// Returns the resident bytes of mapped files; 0 if the system does not report them.
@@ -28,7 +28,7 @@ std::uint64_t resident_file_bytes() {
 
 }  // namespace
 
-std::uint64_t max_mapped_texture_bytes() { return std::max(least_bytes, memory_limit() / 8); }
+std::uint64_t max_mapped_texture_bytes() { return std::max(min_bytes, memory_limit() / 8); }
 
 MappedTextures& MappedTextures::of_process() {
   static MappedTextures textures;

@@ -72,7 +72,7 @@ void make_scratch_folder(const std::filesystem::path& folder) {
   if (error) throw IoError(folder, "", "cannot make the scratch folder: " + error.message());
 }
 
-ScratchTurn::ScratchTurn(std::filesystem::path file) : lock_(file += ".lock", O_RDWR | O_CREAT | O_NOFOLLOW) {
+ScratchLock::ScratchLock(std::filesystem::path file) : lock_(file += ".lock", O_RDWR | O_CREAT | O_NOFOLLOW) {
   struct flock whole {};
   whole.l_type = F_WRLCK;
   whole.l_whence = SEEK_SET;

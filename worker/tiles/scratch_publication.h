@@ -40,9 +40,9 @@ void make_scratch_folder(const std::filesystem::path& folder);
 
 /// Exclusive file lock for making one scratch file, released at the end of the scope. Other ranks that need the same
 /// file wait for it. The system releases the lock if the process dies.
-class ScratchTurn {
+class ScratchLock {
  public:
-  explicit ScratchTurn(std::filesystem::path file);
+  explicit ScratchLock(std::filesystem::path file);
 
  private:
   Descriptor lock_;
@@ -51,10 +51,10 @@ class ScratchTurn {
 /// Returns the content of a scratch file, and makes the file if it is missing. One rank makes it while the others wait.
 /// find: returns null if the file does not exist. make: writes the file and returns its content.
 template <class Find, class Make>
-auto found_or_made(const std::filesystem::path& file, const Find& find, const Make& make) -> decltype(find()) {
+auto find_or_make(const std::filesystem::path& file, const Find& find, const Make& make) -> decltype(find()) {
   if (auto found = find()) return found;
   make_scratch_folder(file.parent_path());
-  const ScratchTurn turn(file);
+  const ScratchLock turn(file);
   if (auto found = find()) return found;
   return make();
 }

@@ -21,14 +21,14 @@ namespace {
 
 bool is_sensible(const TextureHead& head, std::uint64_t file_bytes) {
   return head.magic == TextureHead::right_magic && head.version == texture_file_version && head.width > 0 &&
-         head.height > 0 && std::uint64_t(head.width) * std::uint64_t(head.height) <= most_texels && head.levels > 0 &&
+         head.height > 0 && std::uint64_t(head.width) * std::uint64_t(head.height) <= max_texels && head.levels > 0 &&
          head.levels <= kernels::max_texture_levels && head.mask_cutoff < 256 &&
          head.bytes == head.bytes_before(head.levels) && file_bytes == sizeof head + head.bytes;
 }
 
 /// Hashes mapped bytes and releases their pages immediately: only texels that cells use should count as this process's
 /// memory.
-std::uint64_t hash_and_let_go(const std::uint8_t* begin, std::uint64_t bytes) {
+std::uint64_t hash_and_release(const std::uint8_t* begin, std::uint64_t bytes) {
   constexpr std::uint64_t at_once = std::uint64_t(16) << 20, page = 4096;
   XXH3_state_t state;
   XXH3_64bits_reset(&state);
@@ -91,7 +91,7 @@ std::shared_ptr<const TextureFile> TextureFile::open(const std::filesystem::path
   if (!is_sensible(head, size)) return nullptr;
   const auto* texels = static_cast<const std::uint8_t*>(begin) + sizeof head;
   const auto level_at = [&](int l) { return texels + head.bytes_before(l); };
-  const auto level_hash = [&](int l) { return hash_and_let_go(level_at(l), head.level_bytes(l)); };
+  const auto level_hash = [&](int l) { return hash_and_release(level_at(l), head.level_bytes(l)); };
   if (!is_checked && checksum_of_levels(head, level_hash) != head.checksum) return nullptr;
   kernels::TextureView& v = texture->view_;
   v.base = texels;

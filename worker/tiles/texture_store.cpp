@@ -34,7 +34,7 @@ std::shared_ptr<const CellTexture> TextureStore::load(const TextureKey& key, std
                                                       const std::function<EncodedImage()>& encoded) {
   if (!is_on_scratch(texture_bytes)) return std::make_shared<const CellTexture>(make_texture(encoded(), key.recipe));
   const std::filesystem::path file = folder_ / file_name(key);
-  return found_or_made(
+  return find_or_make(
       file, [&] { return stored(key, file); },
       [&] {
         write(file, encoded(), key.recipe);
@@ -55,7 +55,7 @@ void TextureStore::write(const std::filesystem::path& file, const EncodedImage& 
 }
 
 bool TextureStore::is_on_scratch(std::uint64_t texture_bytes) const {
-  return !folder_.empty() && texture_bytes > std::min(most_bytes_, ImageSize::texture_bytes_of(most_texels_at_once));
+  return !folder_.empty() && texture_bytes > std::min(max_bytes_, ImageSize::texture_bytes_of(max_whole_image_texels));
 }
 
 std::shared_ptr<const CellTexture> TextureStore::stored(const TextureKey& key, const std::filesystem::path& file,

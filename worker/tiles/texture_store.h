@@ -42,9 +42,9 @@ class CellTexture {
 
 class TextureStore {
  public:
-  /// folder: empty: all textures are in memory. most_bytes: max size of a texture that is held in memory.
-  TextureStore(std::filesystem::path folder, std::uint64_t most_bytes)
-      : folder_(std::move(folder)), most_bytes_(most_bytes) {}
+  /// folder: empty: all textures are in memory. max_bytes: max size of a texture that is held in memory.
+  TextureStore(std::filesystem::path folder, std::uint64_t max_bytes)
+      : folder_(std::move(folder)), max_bytes_(max_bytes) {}
 
   /// Returns true if a texture of this size is mapped from scratch, false if it is held in memory.
   bool is_on_scratch(std::uint64_t texture_bytes) const;
@@ -65,7 +65,7 @@ class TextureStore {
                                             WasWritten by = WasWritten::before);
 
   const std::filesystem::path folder_;
-  const std::uint64_t most_bytes_;
+  const std::uint64_t max_bytes_;
   std::mutex mutex_;
   std::mutex whole_image_;  ///< serializes full decodes: each may use all of the memory limit
   std::unordered_map<TextureKey, std::uint64_t, TextureKeyHash> id_;  ///< of textures whose file has been verified

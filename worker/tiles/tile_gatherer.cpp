@@ -31,36 +31,36 @@ TilePrimitive cut_one(const Primitive& mesh, std::vector<std::uint8_t>& bytes) {
 
 }  // namespace
 
-TileGatherer::TileGatherer(const std::filesystem::path& tile, Limit limit, const ThreadPool& pool)
+TilePrimitiveCollector::TilePrimitiveCollector(const std::filesystem::path& tile, Limit limit, const ThreadPool& pool)
     : limit_(std::move(limit)), pool_(pool), claim_(tile) {}
 
-TileGatherer::~TileGatherer() {
+TilePrimitiveCollector::~TilePrimitiveCollector() {
   if (cutting_.valid()) cutting_.wait();
 }
 
-void TileGatherer::take(Primitive&& primitive) {
+void TilePrimitiveCollector::take(Primitive&& primitive) {
   const std::uint64_t bytes = list_bytes(primitive);
   bytes_ += bytes;
   pending_.push_back(std::move(primitive));
   if (limit_.scratch_file.empty()) return claim_.add(bytes, "", "triangles");
-  if (!writer_ && bytes_ > limit_.most_bytes) writer_.emplace(limit_.scratch_file);
+  if (!writer_ && bytes_ > limit_.max_bytes) writer_.emplace(limit_.scratch_file);
   const std::uint64_t enough =
-      std::clamp(limit_.most_bytes / 2, part_bytes(), part_bytes() * std::uint64_t(pool_.threads()));
+      std::clamp(limit_.max_bytes / 2, part_bytes(), part_bytes() * std::uint64_t(pool_.threads()));
   if (writer_ && bytes_ >= enough) cut_pending();
 }
 
 /// Splits and writes one batch while the next is read.
-void TileGatherer::cut_pending() {
+void TilePrimitiveCollector::cut_pending() {
   wait();
   bytes_ = 0;
   cutting_ = std::async(std::launch::async, [this, batch = std::exchange(pending_, {})] { cut(batch); });
 }
 
-void TileGatherer::wait() {
+void TilePrimitiveCollector::wait() {
   if (cutting_.valid()) cutting_.get();
 }
 
-void TileGatherer::cut(const std::vector<Primitive>& batch) {
+void TilePrimitiveCollector::cut(const std::vector<Primitive>& batch) {
   std::vector<TilePrimitive> done(batch.size());
   if (cut_bytes_.size() < batch.size()) cut_bytes_.resize(batch.size());
   pool_.parallel_for(batch.size(), 1, [&](std::size_t begin, std::size_t end, int) {
@@ -76,7 +76,7 @@ void TileGatherer::cut(const std::vector<Primitive>& batch) {
   }
 }
 
-TileDirectory TileGatherer::finish(TileMesh&& mesh) {
+TileDirectory TilePrimitiveCollector::finish(TileMesh&& mesh) {
   TileDirectory all{std::move(mesh), {}, {}};
   for (EncodedImage& image : std::exchange(all.mesh.images, {})) all.images.push_back(tile_image(std::move(image)));
   if (writer_) {

@@ -16,15 +16,15 @@
 
 namespace gigabake {
 
-class TileGatherer {
+class TilePrimitiveCollector {
  public:
   struct Limit {
-    std::uint64_t most_bytes = 0;        ///< of primitives in memory; above it all go to the file
+    std::uint64_t max_bytes = 0;         ///< of primitives in memory; above it all go to the file
     std::filesystem::path scratch_file;  ///< empty: all stay in memory
   };
   /// tile: for messages. The pool splits primitives into clusters while the next primitive is read.
-  TileGatherer(const std::filesystem::path& tile, Limit limit, const ThreadPool& pool);
-  ~TileGatherer();
+  TilePrimitiveCollector(const std::filesystem::path& tile, Limit limit, const ThreadPool& pool);
+  ~TilePrimitiveCollector();
 
   /// Adds a primitive.
   /// Errors  InputError: more than memory_limit() would have to stay in memory. IoError: the scratch file cannot be

@@ -20,7 +20,7 @@ TileStore::TileStore(const SceneSources& sources, const BakeParameters& paramete
     : sources_(sources), parameters_(parameters), scratch_(std::move(scratch)), pool_(threads) {}
 
 bool TileStore::may_be_large(std::uint32_t tile) const {
-  return sources_.tiles.at(tile).bytes > scratch_.most_tile_bytes;
+  return sources_.tiles.at(tile).bytes > scratch_.max_tile_bytes;
 }
 
 std::shared_ptr<const LoadedTile> TileStore::load(std::uint32_t tile, const std::optional<Hash128>& expected) const {
@@ -28,7 +28,7 @@ std::shared_ptr<const LoadedTile> TileStore::load(std::uint32_t tile, const std:
   const std::filesystem::path file = scratch_.folder / ("t_" + expected->hex() + ".clusters");
   const auto find = [&] { return stored(file); };
   const auto make = [&] { return read(tile, expected, file); };
-  if (may_be_large(tile)) return found_or_made(file, find, make);
+  if (may_be_large(tile)) return find_or_make(file, find, make);
   const auto found = find();  // a small source file whose compressed triangles may exceed the limit
   return found ? found : make();
 }
@@ -43,7 +43,7 @@ std::shared_ptr<const LoadedTile> TileStore::stored(const std::filesystem::path&
 std::shared_ptr<const LoadedTile> TileStore::read(std::uint32_t tile, const std::optional<Hash128>& expected,
                                                   const std::filesystem::path& file) const {
   const TileRef& ref = sources_.tiles.at(tile);
-  TileGatherer gatherer(ref.path, {scratch_.most_tile_bytes, file}, pool_);
+  TilePrimitiveCollector gatherer(ref.path, {scratch_.max_tile_bytes, file}, pool_);
   TileMesh mesh = read_tile(ref, sources_.root, ReadScope::everything,
                             [&](std::size_t, Primitive&& primitive) { gatherer.take(std::move(primitive)); });
   // The hash is compared after the read, so that a replacement of the file during the read is detected too.

@@ -18,8 +18,8 @@
 namespace gigabake {
 
 struct TileScratch {
-  std::filesystem::path folder;       ///< empty: every tile is held in memory
-  std::uint64_t most_tile_bytes = 0;  ///< max bytes in memory of a tile's triangles, or of a texture; else on scratch
+  std::filesystem::path folder;      ///< empty: every tile is held in memory
+  std::uint64_t max_tile_bytes = 0;  ///< max bytes in memory of a tile's triangles, or of a texture; else on scratch
 };
 
 /// Returns the limits of a rank with `memory_bytes`. A tile's triangles or a texture may take 1/128 of it in memory; 0

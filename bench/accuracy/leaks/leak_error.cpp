@@ -47,7 +47,7 @@ LeakError leak_error(const std::vector<bool>& inner, const AlphaPicture& truth, 
     ++e.inner;
     below_99 += off < -0.01;
     below_90 += off < -0.1;
-    e.least = std::min(e.least, alpha);
+    e.minimum = std::min(e.minimum, alpha);
     sum += off;
     squares += off * off;
   }
@@ -67,7 +67,7 @@ LeakError together(const LeakError& a, const LeakError& b) {
   e.inner = a.inner + b.inner;
   e.below_99 = mean_of_both(a, a.below_99, b, b.below_99);
   e.below_90 = mean_of_both(a, a.below_90, b, b.below_90);
-  e.least = std::min(a.least, b.least);
+  e.minimum = std::min(a.minimum, b.minimum);
   e.bias = mean_of_both(a, a.bias, b, b.bias);
   e.rms = std::sqrt(mean_of_both(a, a.rms * a.rms, b, b.rms * b.rms));
   return e;

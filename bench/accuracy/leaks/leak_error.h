@@ -19,7 +19,7 @@ struct LeakError {
   std::size_t inner = 0;     ///< inner pixels; if 0, the other numbers mean no error
   double below_99 = 0;       ///< fraction with alpha more than .01 below the true one
   double below_90 = 0;       ///< fraction more than .1 below
-  double least = 1;          ///< minimum alpha
+  double minimum = 1;        ///< minimum alpha
   double rms = 0, bias = 0;  ///< of alpha minus the true one
 };
 
@@ -38,7 +38,7 @@ LeakError leak_error(const std::vector<bool>& inner, const AlphaPicture& truth, 
 LeakError together(const LeakError& a, const LeakError& b);
 
 /// The bounds for an opaque surface (docs/accuracy-rendering.md, Leaks).
-inline constexpr double most_below_99 = 0.001, least_opaque_alpha = 0.95;
-inline bool is_bounded(const LeakError& e) { return e.below_99 <= most_below_99 && e.least >= least_opaque_alpha; }
+inline constexpr double most_below_99 = 0.001, min_opaque_alpha = 0.95;
+inline bool is_bounded(const LeakError& e) { return e.below_99 <= most_below_99 && e.minimum >= min_opaque_alpha; }
 
 }  // namespace gigabake::bench

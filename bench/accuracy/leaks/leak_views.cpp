@@ -53,7 +53,7 @@ std::vector<LeakView> leak_views(const LeakSubject& subject, const LeakViewRange
   std::vector<LeakView> views;
   const auto add = [&](double elevation_deg, LeakEye kind, const std::vector<double>& scales) {
     for (const double voxels_per_pixel : scales)
-      if (subject.width >= fewest_pixels_wide * voxels_per_pixel)
+      if (subject.width >= min_pixels_wide * voxels_per_pixel)
         views.push_back(make_view(subject, elevation_deg, kind, voxels_per_pixel, range, lattice));
   };
   for (const double elevation_deg : range.elevations_deg) {

@@ -35,8 +35,8 @@ struct LeakSubject {
 LeakSubject subject_of(const LeakScene& scene);
 
 /// Returns every elevation at every distance, and the vertical view also from a lattice plane. Omits views in which the
-/// scene is less than fewest_pixels_wide wide.
-inline constexpr double fewest_pixels_wide = 24;
+/// scene is less than min_pixels_wide wide.
+inline constexpr double min_pixels_wide = 24;
 std::vector<LeakView> leak_views(const LeakSubject& subject, const LeakViewRange& range, const BakeParameters& lattice);
 
 /// Returns the exact alpha along the ray through each pixel's centre.

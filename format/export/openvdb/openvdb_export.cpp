@@ -29,7 +29,7 @@ std::unique_ptr<OpenvdbGrids> grids_of(const SceneHeader& scene, int lod) {
 std::uint64_t openvdb_memory_bytes() { return host_limits().memory_bytes / 2; }
 
 std::uint64_t export_openvdb(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& vdb,
-                             std::uint64_t most_bytes, const Progress& progress) {
+                             std::uint64_t max_bytes, const Progress& progress) {
   const auto [scene, voxels] = open_scene_level(scene_xml, lod);
   const std::unique_ptr<OpenvdbGrids> grids = grids_of(scene.header(), lod);
   Publication publication(vdb);
@@ -37,10 +37,10 @@ std::uint64_t export_openvdb(const std::filesystem::path& scene_xml, int lod, co
   progress.step("gathering the voxels", voxels);
   const auto add = [&](const LevelIndex& lowest, const DenseBrick& part) {
     grids->add(checked_index(scene_xml, lowest), part);
-    if (++parts % 256 == 0 && grids->bytes() > most_bytes)
+    if (++parts % 256 == 0 && grids->bytes() > max_bytes)
       throw InputError(scene_xml, "",
                        fmt::format("its grids take more than {} MiB of memory; a coarser `lod` or `to` nvdb takes less",
-                                   most_bytes >> 20));
+                                   max_bytes >> 20));
   };
   for_each_block_part(scene, lod, add, progress);
   progress.step("writing the grids");

@@ -13,11 +13,11 @@ namespace gigabake {
 /// if the scene has normals. The grids' metadata have the origin on the earth. Returns the number of voxels.
 /// Space   Index (i, j, k) is the lattice index at that lod; the transform yields the voxel's centre in scene metres.
 /// Exact   Rounding density · 255 and the sRGB of Cd yields the shards' bytes.
-/// Cost    The library holds the grids in memory: 16 KB per brick. Grids of more than `most_bytes` are rejected.
+/// Cost    The library holds the grids in memory: 16 KB per brick. Grids of more than `max_bytes` are rejected.
 /// Errors  UsageError: this build has no OpenVDB. InputError: no such level, damaged shards, disk full, indices beyond
 ///         32 bits, or too large. No file is left behind.
 std::uint64_t export_openvdb(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& vdb,
-                             std::uint64_t most_bytes, const Progress& progress = {});
+                             std::uint64_t max_bytes, const Progress& progress = {});
 
 /// Returns half of this machine's memory.
 std::uint64_t openvdb_memory_bytes();

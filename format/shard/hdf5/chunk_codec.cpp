@@ -74,9 +74,9 @@ bool decode_block(std::span<const std::uint8_t> stored, std::size_t size, std::s
   }
   const auto* from = reinterpret_cast<const char*>(stored.data());
   auto* to = reinterpret_cast<char*>(raw.data());
-  const int most = int(raw.size());
-  return most == (raw.size() == size ? LZ4_decompress_safe(from, to, int(stored.size()), most)
-                                     : LZ4_decompress_safe_partial(from, to, int(stored.size()), most, most));
+  const int maximum = int(raw.size());
+  return maximum == (raw.size() == size ? LZ4_decompress_safe(from, to, int(stored.size()), maximum)
+                                        : LZ4_decompress_safe_partial(from, to, int(stored.size()), maximum, maximum));
 }
 
 bool decode_frame(std::span<const std::uint8_t> in, std::size_t chunk_bytes, std::span<std::uint8_t> raw) {

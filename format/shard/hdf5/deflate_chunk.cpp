@@ -112,12 +112,12 @@ void parse_block(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t e
 
 /// The first bits of a token (literal or length): its code, the extra bits after it, and the number of both << 24.
 /// Indexed by the literal byte or by 256 + length, so that writing needs no branch that could be mispredicted.
-using FirstBits = std::array<std::uint32_t, 256 + rules::longest_match + 1>;
+using FirstBits = std::array<std::uint32_t, 256 + rules::max_match + 1>;
 
 void fill_first_bits(const rules::Code* codes, FirstBits& first) {
   for (std::uint32_t byte = 0; byte < 256; ++byte)
     first[byte] = rules::code_bits(codes[byte]) | rules::code_length(codes[byte]) << 24;
-  for (std::uint32_t length = rules::shortest_match; length <= rules::longest_match; ++length) {
+  for (std::uint32_t length = rules::min_match; length <= rules::max_match; ++length) {
     const rules::Bits bits = rules::bits_of_length(length, codes);
     first[256 + length] = std::uint32_t(bits.bits) | bits.count << 24;
   }

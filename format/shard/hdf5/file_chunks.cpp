@@ -76,7 +76,7 @@ void add_chunks(const std::filesystem::path& path, const Hdf5Id& file, const std
 
 std::vector<FileChunk> file_chunks(const std::filesystem::path& path) {
   const Hdf5Call call{path, ""};
-  calm_hdf5(call);
+  configure_hdf5(call);
   const Hdf5Id file = call.id("H5Fopen", H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   std::vector<std::string> names;
   call("H5Lvisit", H5Lvisit(file.get(), H5_INDEX_NAME, H5_ITER_INC, add_name, &names));

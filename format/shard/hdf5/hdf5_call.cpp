@@ -61,7 +61,7 @@ void Hdf5Call::fail(const char* name) const {
 /// A plugin's comment would be stored in the file, so its bytes would depend on the machine. The flush at exit crashes
 /// on a file that could not be closed because of a full disk; the codebase closes every file itself. A shard must
 /// contain all its data, so links to other files are not followed.
-void calm_hdf5(const Hdf5Call& call) {
+void configure_hdf5(const Hdf5Call& call) {
   static const herr_t once [[maybe_unused]] = H5dont_atexit();  // a second call would leave an error on the stack
   call("H5Eset_auto2", H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr));
   call("H5PLset_loading_state", H5PLset_loading_state(0));

@@ -48,6 +48,6 @@ struct Hdf5Call {
 
 /// Disables HDF5's own printing of errors and configures the library. HDF5 keeps this setting per thread, so call it on
 /// every thread before any other call.
-void calm_hdf5(const Hdf5Call& call);
+void configure_hdf5(const Hdf5Call& call);
 
 }  // namespace gigabake

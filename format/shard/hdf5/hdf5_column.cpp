@@ -26,7 +26,7 @@ Hdf5Id creation_properties(const Hdf5Call& call, const Hdf5Column& column, std::
 
 Hdf5Id Hdf5File::open_column(const Hdf5Column& column) const {
   const Hdf5Call call{path_, column.name};
-  calm_hdf5(call);
+  configure_hdf5(call);
   // Disables HDF5's cache of unpacked chunks: chunks are read and written as stored, so the cache would only take
   // memory.
   const Hdf5Id access = call.id("H5Pcreate", H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
@@ -53,7 +53,7 @@ Hdf5Id Hdf5File::make_column(const Hdf5Column& column, std::uint64_t rows, Codec
 
 bool Hdf5File::has_column(const Hdf5Column& column) const {
   const Hdf5Call call{path_, column.name};
-  calm_hdf5(call);
+  configure_hdf5(call);
   return call("H5Lexists", H5Lexists(file_.get(), column.name.c_str(), H5P_DEFAULT)) > 0;
 }
 

@@ -10,7 +10,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::size_t largest_text = 64 << 10;
+constexpr std::size_t max_text = 64 << 10;
 
 /// Returns the access properties of all files. The newest format of HDF5 1.10 has checksums in object headers and chunk
 /// indexes. Published files never change, so locks are disabled: many cluster file systems lack them.
@@ -96,13 +96,13 @@ Hdf5Id created(const Hdf5Call& call, const std::filesystem::path& path, const Hd
 
 Hdf5File Hdf5File::create(const std::filesystem::path& path, const std::filesystem::path& called) {
   const Hdf5Call call{called, ""};
-  calm_hdf5(call);
+  configure_hdf5(call);
   return {called, created(call, path, access_properties(call))};
 }
 
 Hdf5File Hdf5File::create(FileImage& image, const std::filesystem::path& called) {
   const Hdf5Call call{called, ""};
-  calm_hdf5(call);
+  configure_hdf5(call);
   image.begin_file();
   return {called, created(call, called, access_to_memory(call, image))};
 }
@@ -111,7 +111,7 @@ Hdf5File Hdf5File::open(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path, "", "no such file; bake the scene again");
   const Hdf5Call call{path, ""};
-  calm_hdf5(call);
+  configure_hdf5(call);
   const Hdf5Id access = access_properties(call);
   return {path, call.id("H5Fopen", H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose)};
 }
@@ -175,7 +175,7 @@ std::string Hdf5File::read_text(const char* name) const {
   const Hdf5Id space = call.id("H5Aget_space", H5Aget_space(attribute.get()), H5Sclose);
   const Hdf5Id type = call.id("H5Aget_type", H5Aget_type(attribute.get()), H5Tclose);
   const std::size_t size = H5Tget_size(type.get());
-  if (call("H5Tget_class", H5Tget_class(type.get())) != H5T_STRING || size == 0 || size > largest_text ||
+  if (call("H5Tget_class", H5Tget_class(type.get())) != H5T_STRING || size == 0 || size > max_text ||
       call("H5Tis_variable_str", H5Tis_variable_str(type.get())) != 0 ||
       call("H5Sget_simple_extent_npoints", H5Sget_simple_extent_npoints(space.get())) != 1)
     fail(name, "is not a fixed-length text");

@@ -15,10 +15,10 @@
 namespace gigabake {
 namespace {
 
-constexpr std::uint64_t largest_chunk = std::uint64_t(1) << 31;
+constexpr std::uint64_t max_chunk_bytes = std::uint64_t(1) << 31;
 
 /// Returns the max number of bytes that one stored byte can expand to.
-std::uint64_t best_ratio(Codec codec) { return codec == Codec::lz4 ? 255 : 1032; }
+std::uint64_t max_expansion_ratio(Codec codec) { return codec == Codec::lz4 ? 255 : 1032; }
 
 std::uint64_t size_of_file(const Hdf5File& file) {
   struct stat status {};
@@ -63,7 +63,7 @@ std::uint64_t checked_rows(const Hdf5File& file, const Hdf5Column& column, const
   const std::uint64_t stored = H5Dget_storage_size(set.get());
   if (stored > file_bytes) file.fail(column.name, "says that more of it is stored than the file has bytes");
   if (shape[0] == 0) return 0;
-  if (shape[0] > stored * best_ratio(checked_filters(file, column, set).codec) / column.row_bytes())
+  if (shape[0] > stored * max_expansion_ratio(checked_filters(file, column, set).codec) / column.row_bytes())
     file.fail(column.name, "says it has " + counted(shape[0], "row") + ", more than what is stored can hold");
   return shape[0];
 }
@@ -76,7 +76,7 @@ std::uint64_t checked_chunk_rows(const Hdf5File& file, const Hdf5Column& column,
   hsize_t chunk[2] = {0, column.width};
   if (call("H5Pget_layout", H5Pget_layout(properties.get())) != H5D_CHUNKED ||
       call("H5Pget_chunk", H5Pget_chunk(properties.get(), column.dimensions(), chunk)) != column.dimensions() ||
-      chunk[0] == 0 || chunk[0] > rows || chunk[0] > largest_chunk / column.row_bytes() || chunk[1] != column.width)
+      chunk[0] == 0 || chunk[0] > rows || chunk[0] > max_chunk_bytes / column.row_bytes() || chunk[1] != column.width)
     file.fail(column.name, "is not stored in the chunks that were expected");
   return chunk[0];
 }
@@ -116,7 +116,7 @@ Hdf5Rows::Chunk Hdf5Rows::find_chunk(std::uint64_t index) const {
   const std::scoped_lock lock(mutex_);
   if (const auto found = chunks_.find(index); found != chunks_.end()) return found->second;
   const Hdf5Call call{file_.path(), column_.name};
-  calm_hdf5(call);
+  configure_hdf5(call);
   const hsize_t row[2] = {index * chunk_rows_, 0};
   unsigned skipped_filters = 0;
   haddr_t offset = 0;

@@ -24,7 +24,7 @@ struct ChunkPlace {
   std::size_t column, number;
 };
 
-std::size_t rows_a_chunk(const ColumnRows& c) { return rows_per_chunk(c.rows, c.column.row_bytes()); }
+std::size_t rows_per_chunk_of(const ColumnRows& c) { return rows_per_chunk(c.rows, c.column.row_bytes()); }
 
 std::vector<ChunkPlace> all_chunks(std::span<const ColumnRows> columns) {
   std::vector<ChunkPlace> chunks;
@@ -39,7 +39,7 @@ std::vector<ChunkPlace> all_chunks(std::span<const ColumnRows> columns) {
 Bytes encode(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scratch) {
   const Hdf5Column& column = from.column;
   const ChunkFilters filters{codec, column.planes == BytePlanes::yes ? element_bytes(column.type) : 1};
-  const std::size_t per_chunk = rows_a_chunk(from), first = number * per_chunk;
+  const std::size_t per_chunk = rows_per_chunk_of(from), first = number * per_chunk;
   const std::size_t rows = std::min<std::size_t>(per_chunk, from.rows - first);
   const std::span<const std::uint8_t> raw = from.get(first, rows, scratch);
   if (rows == per_chunk) return encode_chunk(raw, filters);
@@ -102,8 +102,8 @@ class ColumnsInOrder {
   void store(const ChunkPlace& at, std::span<const std::uint8_t> bytes) {
     make_columns_up_to(at.column + 1);
     const Hdf5Call call{file_.path(), columns_[at.column].column.name};
-    calm_hdf5(call);
-    const hsize_t offset[2] = {at.number * rows_a_chunk(columns_[at.column]), 0};
+    configure_hdf5(call);
+    const hsize_t offset[2] = {at.number * rows_per_chunk_of(columns_[at.column]), 0};
     call("H5Dwrite_chunk", H5Dwrite_chunk(set_->get(), H5P_DEFAULT, 0, offset, bytes.size(), bytes.data()));
     stored_[at.column] += bytes.size();
   }
@@ -113,7 +113,7 @@ class ColumnsInOrder {
     for (; made_ < end; ++made_) {
       const ColumnRows& c = columns_[made_];
       set_.reset();
-      calm_hdf5({file_.path(), c.column.name});
+      configure_hdf5({file_.path(), c.column.name});
       if (!c.group.empty()) file_.make_group(c.group);
       set_.emplace(file_.make_column(c.column, c.rows, codec_));
     }

@@ -7,7 +7,7 @@ namespace gigabake {
 namespace {
 
 /// Max gap between two items that one read covers. Reading the bytes of the gap costs less than another system call.
-constexpr std::uint64_t most_gap_bytes = std::uint64_t(1) << 14;
+constexpr std::uint64_t max_gap_bytes = std::uint64_t(1) << 14;
 
 template <class T>
 T load(const unsigned char* from) {
@@ -131,7 +131,7 @@ void AccessorItems::for_each(std::size_t count, const ItemAt& item_at, const Vis
     std::size_t end = i + 1;
     for (; end < count; ++end) {
       const std::uint64_t next = item_at(end) * stride_;
-      if (next - last > most_gap_bytes || next + item_bytes_ - begin > read_block_bytes) break;
+      if (next - last > max_gap_bytes || next + item_bytes_ - begin > read_block_bytes) break;
       last = next;
     }
     const unsigned char* block = bytes_.look(begin, last + item_bytes_ - begin, room).data();

@@ -14,8 +14,8 @@
 namespace gigabake {
 namespace {
 
-constexpr std::uint64_t most_accessor_items = std::uint64_t(1) << 31;
-constexpr std::uint64_t most_unbacked_items = std::uint64_t(1) << 24;  ///< zeros; a small file could have any number
+constexpr std::uint64_t max_accessor_items = std::uint64_t(1) << 31;
+constexpr std::uint64_t max_unbacked_items = std::uint64_t(1) << 24;  ///< zeros; a small file could have any number
 
 std::string item(const char* list, std::size_t i) { return std::string(list) + "[" + std::to_string(i) + "]"; }
 
@@ -191,11 +191,11 @@ class Checker {
     const auto type = components.find(get_text(file_, a, where, "type").value_or(""));
     if (type == components.end()) fail(where + ".type", "expected SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4");
     const std::uint64_t count = get_index(file_, a, where, "count").value_or(0);
-    if (count == 0 || count > most_accessor_items) fail(where + ".count", "expected 1 to 2^31");
+    if (count == 0 || count > max_accessor_items) fail(where + ".count", "expected 1 to 2^31");
     const std::uint64_t item_bytes = type->second * bytes;
     if (a.contains("bufferView"))
       check_range(a, where, count, item_bytes, Spacing::of_view);
-    else if (count > most_unbacked_items)
+    else if (count > max_unbacked_items)
       fail(where + ".count", counted(count, "item") + " without a buffer view");
     if (a.contains("sparse")) check_sparse(a["sparse"], where + ".sparse", count, item_bytes);
   }

@@ -62,12 +62,12 @@ bool has_draco() { return true; }
 
 DracoMesh decode_draco(const std::filesystem::path& file, const std::string& where,
                        std::span<const std::uint8_t> packed, std::span<const DracoAttribute> attributes,
-                       std::uint64_t most_triangles) {
+                       std::uint64_t max_triangles) {
   const auto announced = announced_triangles(file, packed);
-  if (announced && *announced > most_triangles)
+  if (announced && *announced > max_triangles)
     throw InputError(file, where,
                      "the Draco stream says it has " + counted(*announced, "triangle") + ", the document " +
-                         std::to_string(most_triangles));
+                         std::to_string(max_triangles));
   constexpr std::uint64_t triangle_bytes = 100;  // three corners, in the library's form and in the output
   MemoryClaim(file).add_items(announced.value_or(0), triangle_bytes, where, "triangles packed by Draco");
   draco::DecoderBuffer buffer;

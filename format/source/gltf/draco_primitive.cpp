@@ -29,7 +29,7 @@ int add_accessor(GltfDocument& document, const std::vector<T>& values, int type,
   return int(model.accessors.size()) - 1;
 }
 
-float largest_of(int component) {
+float max_of(int component) {
   switch (component) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
       return 127;
@@ -47,17 +47,17 @@ float largest_of(int component) {
 class Unpacker {
  public:
   Unpacker(const std::filesystem::path& file, const std::string& where, GltfDocument& document,
-           tinygltf::Primitive& primitive, std::uint64_t most_triangles)
-      : file_(file), where_(where), document_(document), primitive_(primitive), most_triangles_(most_triangles) {}
+           tinygltf::Primitive& primitive, std::uint64_t max_triangles)
+      : file_(file), where_(where), document_(document), primitive_(primitive), max_triangles_(max_triangles) {}
 
   void unpack() {
     const tinygltf::Value& own = primitive_.extensions.at(draco_extension);
     if (!own.Has("bufferView") || !own.Has("attributes")) fail("expected bufferView and attributes");
     const tinygltf::Value& ids = own.Get("attributes");
     for (const auto& [name, accessor] : primitive_.attributes)
-      if (ids.Has(name)) want(name, accessor, ids.Get(name));
+      if (ids.Has(name)) request(name, accessor, ids.Get(name));
     const SourceBytes packed = document_.view_bytes(own.Get("bufferView").GetNumberAsInt()).in_memory();
-    DracoMesh mesh = decode_draco(file_, where_, packed.span(), wanted_, most_triangles_);
+    DracoMesh mesh = decode_draco(file_, where_, packed.span(), requested_, max_triangles_);
     for (std::size_t i = 0; i < names_.size(); ++i)
       primitive_.attributes[names_[i]] =
           add_accessor(document_, mesh.attributes[i], types_[i], TINYGLTF_COMPONENT_TYPE_FLOAT);
@@ -69,28 +69,28 @@ class Unpacker {
  private:
   [[noreturn]] void fail(const std::string& message) const { throw InputError(file_, where_, message); }
 
-  void want(const std::string& name, int accessor, const tinygltf::Value& id) {
+  void request(const std::string& name, int accessor, const tinygltf::Value& id) {
     const tinygltf::Accessor& a = document_.model.accessors[std::size_t(accessor)];
     const int components = tinygltf::GetNumComponentsInType(std::uint32_t(a.type));
     if (!id.IsInt() || id.GetNumberAsInt() < 0) fail("expected the number of an attribute at " + name);
     if (components < 1 || components > 4) fail(name + ": expected a scalar or a vector");
     names_.push_back(name);
     types_.push_back(a.type);
-    wanted_.push_back({std::uint32_t(id.GetNumberAsInt()), std::uint32_t(components),
-                       a.normalized ? largest_of(a.componentType) : 0});
+    requested_.push_back(
+        {std::uint32_t(id.GetNumberAsInt()), std::uint32_t(components), a.normalized ? max_of(a.componentType) : 0});
   }
 
   const std::filesystem::path& file_;
   const std::string& where_;
   GltfDocument& document_;
   tinygltf::Primitive& primitive_;
-  std::uint64_t most_triangles_;
+  std::uint64_t max_triangles_;
   std::vector<std::string> names_;
   std::vector<int> types_;
-  std::vector<DracoAttribute> wanted_;
+  std::vector<DracoAttribute> requested_;
 };
 
-bool is_packed_alone(const tinygltf::Model& model, const tinygltf::Primitive& primitive) {
+bool has_only_packed_data(const tinygltf::Model& model, const tinygltf::Primitive& primitive) {
   const auto position = primitive.attributes.find("POSITION");
   return primitive.extensions.contains(draco_extension) && position != primitive.attributes.end() &&
          model.accessors[std::size_t(position->second)].bufferView < 0;
@@ -112,15 +112,15 @@ void unpack_draco(const std::filesystem::path& file, const Json& gltf, GltfDocum
   tinygltf::Model& model = document.model;
   for (std::size_t m = 0; m < model.meshes.size(); ++m)
     for (std::size_t p = 0; p < model.meshes[m].primitives.size(); ++p) {
-      if (!is_packed_alone(model, model.meshes[m].primitives[p])) continue;
+      if (!has_only_packed_data(model, model.meshes[m].primitives[p])) continue;
       const std::string where =
           "meshes[" + std::to_string(m) + "].primitives[" + std::to_string(p) + "].extensions." + draco_extension;
       const Json& primitive = gltf["meshes"][m]["primitives"][p];
       if (!primitive.contains("indices")) throw InputError(file, where, "expected indices");
       // The count is that of the strip, but the packed indices are a list: it is an upper bound of the triangles.
       const Json& indices = gltf["accessors"][primitive["indices"].get<std::size_t>()];
-      const std::uint64_t most = get_index(file, indices, "accessors", "count").value_or(0);
-      Unpacker(file, where, document, model.meshes[m].primitives[p], most).unpack();
+      const std::uint64_t maximum = get_index(file, indices, "accessors", "count").value_or(0);
+      Unpacker(file, where, document, model.meshes[m].primitives[p], maximum).unpack();
     }
 }
 

@@ -73,7 +73,7 @@ void claim_model(const std::filesystem::path& file, const Json& gltf) {
                      "meshes", "primitives");
 }
 
-void take_buffers(const SourceFiles& files, const std::filesystem::path& file, const Json& gltf, const SourceBytes& bin,
+void load_buffers(const SourceFiles& files, const std::filesystem::path& file, const Json& gltf, const SourceBytes& bin,
                   GltfDocument& out) {
   const Json& buffers = get_array(file, gltf, "", "buffers");
   for (std::size_t i = 0; i < buffers.size(); ++i) {
@@ -101,7 +101,7 @@ SourceBytes image_bytes(const SourceFiles& files, const std::filesystem::path& f
   return SourceBytes(uri_bytes(files, file, where + ".uri", *uri));
 }
 
-void take_images(const SourceFiles& files, const std::filesystem::path& file, const Json& gltf, bool with_images,
+void load_images(const SourceFiles& files, const std::filesystem::path& file, const Json& gltf, bool with_images,
                  GltfDocument& out) {
   const Json& images = get_array(file, gltf, "", "images");
   out.images.resize(images.size());
@@ -150,8 +150,8 @@ GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, b
   claim_model(file, plain);
   parse(file, plain.dump(), out);
   out.model.buffers.clear();
-  take_buffers(files, file, json, container.bin, out);
-  take_images(files, file, json, with_images, out);
+  load_buffers(files, file, json, container.bin, out);
+  load_images(files, file, json, with_images, out);
   unpack_views(file, packed, out);
   unpack_draco(file, json, out);
   return out;

@@ -118,8 +118,7 @@ void for_each_placement(const std::filesystem::path& file, const GltfDocument& d
     if (node.mesh < 0) continue;
     const NodeInstances instances(file, document, node, claim);
     placed += instances.count();
-    if (placed > most_placements)
-      throw InputError(file, "nodes", "more than 2^24 placements of meshes; split the file");
+    if (placed > max_placements) throw InputError(file, "nodes", "more than 2^24 placements of meshes; split the file");
     claim.add_items(instances.count(), placement_bytes, "nodes", "placements of meshes");
     for (std::size_t i = 0; i < instances.count(); ++i) visit({node.mesh, map * instances.map(i)});
   }

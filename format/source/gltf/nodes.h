@@ -20,7 +20,7 @@ struct MeshPlacement {
 /// Calls visit() for each placement of the default scene (else the first; else all root nodes), parents before
 /// children. Each instance of EXT_mesh_gpu_instancing is a separate placement.
 /// Errors  InputError: a transform that is not finite, instancing attributes that differ in length or have another
-///         type, more than most_placements.
+///         type, more than max_placements.
 void for_each_placement(const std::filesystem::path& file, const GltfDocument& document,
                         const std::function<void(const MeshPlacement&)>& visit);
 

@@ -7,7 +7,7 @@ namespace {
 
 constexpr const char* meshopt_extension = "EXT_meshopt_compression";
 /// The vertex codec needs at least 4 bytes for 256 equal bytes.
-constexpr std::uint64_t most_packed = 64, slack_bytes = 1 << 16;
+constexpr std::uint64_t max_expansion_ratio = 64, slack_bytes = 1 << 16;
 
 std::string where_of(std::size_t view) {
   return "bufferViews[" + std::to_string(view) + "].extensions." + meshopt_extension;
@@ -61,7 +61,7 @@ PackedView packed_view(const std::filesystem::path& file, const Json& gltf, std:
   const std::uint64_t bytes = get_index(file, view, where, "byteLength").value_or(0);
   if (out.stream.count > bytes / out.stream.stride || out.stream.count * out.stream.stride != bytes)
     throw InputError(file, where, "count times byteStride is not the view's byteLength");
-  if (bytes > slack_bytes && (bytes - slack_bytes) / most_packed > out.byte_length)
+  if (bytes > slack_bytes && (bytes - slack_bytes) / max_expansion_ratio > out.byte_length)
     throw InputError(
         file, where,
         std::to_string(bytes) + " bytes are more than " + std::to_string(out.byte_length) + " packed ones can hold");

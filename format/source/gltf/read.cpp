@@ -122,7 +122,7 @@ class TileReader {
     out_.counts.triangles += times * parts.counts.triangles;
     out_.counts.skipped_points += times * parts.counts.points;
     out_.counts.skipped_lines += times * parts.counts.lines;
-    if (document_.instances.size() * parts.primitives.size() > most_placements - out_.instances.size())
+    if (document_.instances.size() * parts.primitives.size() > max_placements - out_.instances.size())
       throw InputError(tile_.path, "", "more than 2^24 placements of meshes; split the tile");
     claim_.add_items(times * parts.primitives.size(), placement_bytes, "nodes", "placements of meshes");
     const Affine<World, Local> model = z_up_from<World, Gltf>(tile_.gltf_up) * placement.gltf_from_local;
@@ -154,10 +154,10 @@ class TileReader {
     VertexValues values{AccessorItems(tile_.path, document_, position->second), {}, {}, material_of(p)};
     find_appearance(p, at, values);
     parts.counts.triangles += corners.triangles();
-    if (!sink_ || !comes_in_parts(corners.triangles(), vertices)) {
+    if (!sink_ || !is_split(corners.triangles(), vertices)) {
       add_whole(corners, values, at, parts);
     } else {
-      for (std::uint64_t first = 0; first == 0 || first < corners.triangles(); first += most_part_triangles)
+      for (std::uint64_t first = 0; first == 0 || first < corners.triangles(); first += max_part_triangles)
         add_part(corners, first, values, at, parts);
     }
   }
@@ -199,7 +199,7 @@ class TileReader {
   void add_part(const Corners& corners, std::uint64_t first, const VertexValues& values, const std::string& at,
                 MeshParts& parts) {
     HeldClaim claim(claim_);
-    const std::uint64_t triangles = std::min(corners.triangles() - first, most_part_triangles);
+    const std::uint64_t triangles = std::min(corners.triangles() - first, max_part_triangles);
     claim.add_items(triangles * 3, corner_bytes, at, "corners of triangles");
     claim.add_items(values.position.count() / 64 + 1, UsedVertices::bytes_of_64, at, "marks of vertices");
     Primitive out;

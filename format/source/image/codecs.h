@@ -63,10 +63,10 @@ struct DracoMesh {
 };
 
 bool has_draco();
-/// Decodes a mesh. most_triangles: the document's count; a stream with more triangles is refused before unpacking.
+/// Decodes a mesh. max_triangles: the document's count; a stream with more triangles is refused before unpacking.
 DracoMesh decode_draco(const std::filesystem::path& file, const std::string& where,
                        std::span<const std::uint8_t> packed, std::span<const DracoAttribute> attributes,
-                       std::uint64_t most_triangles);
+                       std::uint64_t max_triangles);
 
 // EXT_texture_webp
 

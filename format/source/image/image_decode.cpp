@@ -22,7 +22,7 @@ std::string texels_of(const ImageSize& size) {
 }
 
 ImageSize checked(const EncodedImage& image, const ImageSize& size) {
-  if (size.width == 0 || size.height == 0 || size.width > most_texels / size.height)
+  if (size.width == 0 || size.height == 0 || size.width > max_texels / size.height)
     fail(image, "has " + texels_of(size) + "; expected 1 to 2^30");
   return size;
 }
@@ -40,7 +40,7 @@ std::uint64_t decoder_texel_bytes(const EncodedImage& image, Encoding encoding) 
 /// Claims memory for a whole image before any of it is allocated.
 void claim_whole(const EncodedImage& image, const ImageSize& size, Encoding encoding) {
   constexpr const char* advice = "make it smaller";
-  if (size.width > most_texels_at_once / size.height)
+  if (size.width > max_whole_image_texels / size.height)
     fail(image, "has " + texels_of(size) +
                     "; more than 2^28 are read row by row, and only where it is on scratch: a PNG that is not "
                     "interlaced or a JPEG in one scan, in a bake with a bound of `memory_bytes`");

@@ -9,7 +9,7 @@ namespace gigabake {
 
 /// Max texels of an image, and of an image that is decoded as a whole: indices of texels and libpng's sizes have 32
 /// bits.
-inline constexpr std::uint64_t most_texels = std::uint64_t(1) << 30, most_texels_at_once = std::uint64_t(1) << 28;
+inline constexpr std::uint64_t max_texels = std::uint64_t(1) << 30, max_whole_image_texels = std::uint64_t(1) << 28;
 
 struct ImageSize {
   std::uint64_t width = 0, height = 0;
@@ -19,7 +19,7 @@ struct ImageSize {
 };
 
 /// Reads only the header.
-/// Range   Returns a size of 1 to most_texels texels.
+/// Range   Returns a size of 1 to max_texels texels.
 /// Errors  InputError: no PNG, JPEG or WebP (if built with libwebp), a header that is damaged, no texels or too many.
 ImageSize image_size(const EncodedImage& image);
 

@@ -35,22 +35,23 @@ void PositionExtent::add(const PositionExtent& other) {
   add(other.high_);
 }
 
-double PositionExtent::largest() const {
-  double largest = 0;
-  for (std::size_t c = 0; c < 3; ++c) largest = std::max({largest, std::fabs(low_[c]), std::fabs(high_[c])});
-  return largest;
+double PositionExtent::max_magnitude() const {
+  double max_magnitude = 0;
+  for (std::size_t c = 0; c < 3; ++c)
+    max_magnitude = std::max({max_magnitude, std::fabs(low_[c]), std::fabs(high_[c])});
+  return max_magnitude;
 }
 
 std::array<double, 3> PositionExtent::origin() const {
   constexpr double far_m = 10000;
-  if (largest() <= far_m) return {0, 0, 0};
+  if (max_magnitude() <= far_m) return {0, 0, 0};
   // Halves are added, because the sum of two large numbers may overflow.
   return {std::round(low_[0] / 2 + high_[0] / 2), std::round(low_[1] / 2 + high_[1] / 2),
           std::round(low_[2] / 2 + high_[2] / 2)};
 }
 
 float PositionExtent::float_step() const {
-  const auto at = float(largest());
+  const auto at = float(max_magnitude());
   return at > 0 ? std::nextafter(at, std::numeric_limits<float>::infinity()) - at : 0;
 }
 

@@ -16,7 +16,7 @@
 namespace gigabake {
 
 /// The max number of vertices, read from the beginning of a file, that determine the location of a mesh on earth.
-inline constexpr std::size_t most_first_vertices = 64;
+inline constexpr std::size_t max_first_vertices = 64;
 
 /// The bounding box of finite positions.
 class PositionExtent {
@@ -31,7 +31,7 @@ class PositionExtent {
   float float_step() const;
 
  private:
-  double largest() const;
+  double max_magnitude() const;
 
   std::array<double, 3> low_{0, 0, 0}, high_{0, 0, 0};
   bool is_empty_ = true;

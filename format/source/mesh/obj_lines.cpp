@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view blank = " \t\r\f\v";
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-constexpr std::size_t longest_line = std::size_t(1) << 26;
+constexpr std::size_t max_line_bytes = std::size_t(1) << 26;
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(blank);
@@ -99,7 +99,7 @@ class Lines {
   }
 
   void add_to(std::string& line, std::string_view text) const {
-    if (text.size() > longest_line - line.size())
+    if (text.size() > max_line_bytes - line.size())
       throw InputError(file_, "line " + std::to_string(number_ + 1), "is longer than 64 MiB");
     line += text;
   }
@@ -152,9 +152,9 @@ std::string plain_name(std::string_view name) {
   return out;
 }
 
-std::vector<double> obj_numbers(std::string_view text, std::size_t most) {
+std::vector<double> obj_numbers(std::string_view text, std::size_t max_count) {
   std::vector<double> out;
-  while (out.size() < most && !text.empty()) {
+  while (out.size() < max_count && !text.empty()) {
     std::string_view word = take_word(text);
     if (word.starts_with('+')) word.remove_prefix(1);
     double v = 0;

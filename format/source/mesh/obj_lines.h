@@ -52,6 +52,6 @@ std::string plain_name(std::string_view name);
 
 /// Returns up to `most` leading numbers of `text`; stops at the first word that is not a number.
 /// Exact   Each number is rounded to the nearest double.
-std::vector<double> obj_numbers(std::string_view text, std::size_t most);
+std::vector<double> obj_numbers(std::string_view text, std::size_t max_count);
 
 }  // namespace gigabake

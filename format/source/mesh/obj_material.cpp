@@ -128,9 +128,9 @@ class MtlReader {
       if (option == "-clamp") out.is_clamped = value == "on";
       return;
     }
-    const std::size_t most = option == "-s" || option == "-o" || option == "-t" ? 3 : option == "-mm" ? 2 : 1;
+    const std::size_t max_count = option == "-s" || option == "-o" || option == "-t" ? 3 : option == "-mm" ? 2 : 1;
     std::vector<double> values;
-    for (next = rest; values.size() < most && is_number(value_of(next)); rest = next)
+    for (next = rest; values.size() < max_count && is_number(value_of(next)); rest = next)
       values.push_back(obj_numbers(take_word(next), 1).front());
     const auto first_two = [&](double missing) {
       return std::array<double, 2>{values[0], values.size() > 1 ? values[1] : missing};

@@ -101,7 +101,7 @@ class ObjReader {
     add_materials();
     if (is_streamed_) read_faces(text, Faces::hand_over);
     for (auto& [use, part] : parts_) add_primitive(use, part);
-    if (sink_ && !is_streamed_) hand_over_parts(out_, sink_);
+    if (sink_ && !is_streamed_) pass_on_parts(out_, sink_);
     return std::move(out_);
   }
 
@@ -147,7 +147,7 @@ class ObjReader {
   void take_face(const ObjLine& line, Faces faces) {
     std::uint64_t bad_uvs = 0;
     const ObjFaceFault fault = read_obj_corners(line.rest, range_, corners_, bad_uvs);
-    if (faces != Faces::hand_over) look_at_face(line, fault, bad_uvs);
+    if (faces != Faces::hand_over) inspect_face(line, fault, bad_uvs);
     if (fault != ObjFaceFault::none || corners_.size() < 3) return;
     const ObjMaterialUse use = use_of_corners();
     if (!everything_ || !use.has_uv)
@@ -169,7 +169,7 @@ class ObjReader {
     return use;
   }
 
-  void look_at_face(const ObjLine& line, ObjFaceFault fault, std::uint64_t bad_uvs) {
+  void inspect_face(const ObjLine& line, ObjFaceFault fault, std::uint64_t bad_uvs) {
     ++faces_;
     if (fault == ObjFaceFault::no_vertex)
       count_lost_face(line, "faces left out, since a corner is none of the vertices");
@@ -309,7 +309,7 @@ TileMesh read_obj(const TileRef& tile, const SourceFiles& files, ReadScope scope
 std::vector<Point<Local>> first_obj_vertices(const std::filesystem::path& file, std::span<const std::uint8_t> head) {
   std::vector<Point<Local>> out;
   for_each_obj_line(file, whole_lines(head), [&](const ObjLine& line) {
-    if (line.word != "v" || out.size() == most_first_vertices) return;
+    if (line.word != "v" || out.size() == max_first_vertices) return;
     const std::vector<double> v = obj_numbers(line.rest, 3);
     if (v.size() == 3) out.push_back({v[0], v[1], v[2]});
   });

@@ -20,7 +20,7 @@ std::vector<Point<Local>> first_ply_vertices(const std::filesystem::path& file, 
     if (e.properties.empty()) continue;
     const VertexLayout layout(e);
     std::vector<double> value(e.properties.size());
-    for (std::uint64_t i = 0; i < std::min<std::uint64_t>(e.count, most_first_vertices); ++i) {
+    for (std::uint64_t i = 0; i < std::min<std::uint64_t>(e.count, max_first_vertices); ++i) {
       for (std::size_t p = 0; p < value.size(); ++p)
         if (e.properties[p].count)
           values.skip(e.properties[p]);
@@ -29,7 +29,7 @@ std::vector<Point<Local>> first_ply_vertices(const std::filesystem::path& file, 
       if (layout.has_position())
         out.push_back({value[*layout.position[0]], value[*layout.position[1]], value[*layout.position[2]]});
     }
-    if (!out.empty() || e.count > most_first_vertices) break;  // in almost all files the vertices are the first element
+    if (!out.empty() || e.count > max_first_vertices) break;  // in almost all files the vertices are the first element
   }
   return out;
 }
@@ -37,7 +37,7 @@ std::vector<Point<Local>> first_ply_vertices(const std::filesystem::path& file, 
 std::vector<std::filesystem::path> ply_dependencies(const TileRef& tile, const SourceFiles& files) {
   ContentPieces pieces(tile, files);
   std::vector<std::filesystem::path> out;
-  for (const std::string& name : read_ply_header(tile.path, pieces.read(0, longest_ply_header)).textures)
+  for (const std::string& name : read_ply_header(tile.path, pieces.read(0, max_ply_header_bytes)).textures)
     if (const NamedFile image = named_file(tile.path, name, files); image.file) out.push_back(*image.file);
   return out;
 }

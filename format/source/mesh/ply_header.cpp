@@ -12,7 +12,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::size_t most_properties = 1024, longest_line = 4096;
+constexpr std::size_t max_properties = 1024, max_line_bytes = 4096;
 constexpr std::string_view blank = " \t\r";
 
 std::string_view take_word(std::string_view& rest) {
@@ -76,7 +76,7 @@ class HeaderReader {
   std::string_view next_line() {
     ++line_;
     const std::size_t end = text_.find(line_end_, at_);
-    if (end == std::string_view::npos || end - at_ > longest_line) fail("the header has no \"end_header\"");
+    if (end == std::string_view::npos || end - at_ > max_line_bytes) fail("the header has no \"end_header\"");
     const std::string_view line = text_.substr(at_, end - at_);
     at_ = end + 1;
     return line;
@@ -122,7 +122,7 @@ class HeaderReader {
   void take_property(std::string_view rest) {
     if (out_.elements.empty()) fail("a property before any element");
     std::vector<PlyProperty>& properties = out_.elements.back().properties;
-    if (properties.size() == most_properties) fail("more than 1024 properties of one element");
+    if (properties.size() == max_properties) fail("more than 1024 properties of one element");
     PlyProperty property;
     std::string_view word = take_word(rest);
     if (word == "list") {

@@ -14,7 +14,7 @@
 
 namespace gigabake {
 
-inline constexpr std::uint64_t longest_ply_header = std::uint64_t(1) << 22;
+inline constexpr std::uint64_t max_ply_header_bytes = std::uint64_t(1) << 22;
 
 /// The indices of the properties of a vertex that hold its position, colour and texture coordinates.
 struct VertexLayout {

@@ -23,7 +23,7 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-constexpr std::uint64_t most_vertices = 0xffffffff;
+constexpr std::uint64_t max_vertices = 0xffffffff;
 constexpr std::uint32_t unused = ~std::uint32_t(0);
 /// Memory of a vertex of a primitive including its index, and of a corner.
 constexpr std::uint64_t vertex_bytes = 12 + 8 + 8 + 4, corner_bytes = 4;
@@ -50,7 +50,7 @@ struct Face {
 
 PlyHeader header_of(const std::filesystem::path& file, const SourceBytes& bytes) {
   std::vector<std::uint8_t> room;
-  return read_ply_header(file, bytes.look(0, std::min(bytes.size(), longest_ply_header), room));
+  return read_ply_header(file, bytes.look(0, std::min(bytes.size(), max_ply_header_bytes), room));
 }
 
 class PlyReader {
@@ -81,7 +81,7 @@ class PlyReader {
       }
     }
     finish();
-    if (sink_ && !is_streamed_) hand_over_parts(out_, sink_);
+    if (sink_ && !is_streamed_) pass_on_parts(out_, sink_);
     warn_of_alpha();
     out_.warnings = warnings_.take();
     return std::move(out_);
@@ -100,8 +100,7 @@ class PlyReader {
       has_vertices_ = true;
       const VertexLayout layout(e);
       if (!layout.has_position()) throw InputError(file_, "element vertex", "expected the properties x, y and z");
-      if (e.count >= most_vertices)
-        throw InputError(file_, "element vertex", "more than 2^32 vertices; split the file");
+      if (e.count >= max_vertices) throw InputError(file_, "element vertex", "more than 2^32 vertices; split the file");
       vertices_ = e.count;
       is_float_ = e.properties[*layout.position[0]].type == PlyType::float32;
       has_colour_ = layout.has_colour();
@@ -116,10 +115,10 @@ class PlyReader {
   }
 
   /// Returns whether alpha applies. Programs without alpha write 0 everywhere, which means opaque.
-  bool is_alpha_used() const { return has_alpha_ && largest_alpha_ > 0; }
+  bool is_alpha_used() const { return has_alpha_ && max_alpha_ > 0; }
 
   void warn_of_alpha() {
-    if (has_alpha_ && has_faces_ && largest_alpha_ == 0)
+    if (has_alpha_ && has_faces_ && max_alpha_ == 0)
       warnings_.count("alpha is 0 everywhere, taken as opaque", in_quotes("alpha"));
   }
 
@@ -151,7 +150,7 @@ class PlyReader {
   PlyColour::Rgba colour_of(const PlyElement& element, const VertexLayout& layout, const std::vector<double>& value) {
     const PlyColour colour(element, layout, value);
     if (colour.is_clamped) warnings_.count("colours outside 0 to 1, taken as the nearer of both", values_.place());
-    largest_alpha_ = std::max(largest_alpha_, colour.rgba[3]);
+    max_alpha_ = std::max(max_alpha_, colour.rgba[3]);
     return colour.rgba;
   }
 
@@ -373,7 +372,7 @@ class PlyReader {
   PlyValues values_;
   std::uint64_t vertices_ = 0;
   bool has_vertices_ = false, has_faces_ = false, is_float_ = false, has_colour_ = false, has_alpha_ = false;
-  std::uint16_t largest_alpha_ = 0;
+  std::uint16_t max_alpha_ = 0;
   SourceWarnings warnings_;
   bool is_streamed_ = sink_ != nullptr;  ///< full parts are passed to the sink; requires that vertices precede faces
   MeshOrigins origins_{tile_};

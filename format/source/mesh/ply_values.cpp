@@ -68,7 +68,7 @@ std::size_t PlyValues::make_available(std::size_t bytes) {
 }
 
 double PlyValues::word() {
-  constexpr std::size_t longest_word = std::size_t(1) << 20;
+  constexpr std::size_t max_word_bytes = std::size_t(1) << 20;
   std::size_t available = make_available(1);
   for (; available > 0 && byte_at(at_) <= ' '; available = make_available(1)) {
     line_ += byte_at(at_) == '\n' ? 1 : 0;
@@ -76,7 +76,7 @@ double PlyValues::word() {
   }
   std::size_t length = 0;
   while (length < available && byte_at(at_ + length) > ' ')
-    if (++length == available && length < longest_word) available = make_available(length + 1);
+    if (++length == available && length < max_word_bytes) available = make_available(length + 1);
   if (length == 0) fail("the file ends inside its elements");
   std::string_view text(reinterpret_cast<const char*>(block_.data()) + (at_ - block_begin_), length);
   if (text.starts_with('+')) text.remove_prefix(1);
@@ -104,10 +104,10 @@ void PlyValues::skip(const PlyProperty& property) {
 }
 
 void PlyValues::expect_room_for(const PlyElement& element) const {
-  std::uint64_t least_bytes = 0;
+  std::uint64_t min_bytes = 0;
   for (const PlyProperty& p : element.properties)
-    least_bytes += format_ == PlyFormat::ascii ? 2 : byte_count(p.count.value_or(p.type));
-  if (least_bytes != 0 && element.count > (left() + 1) / least_bytes)
+    min_bytes += format_ == PlyFormat::ascii ? 2 : byte_count(p.count.value_or(p.type));
+  if (min_bytes != 0 && element.count > (left() + 1) / min_bytes)
     fail("the header says " + counted(element.count, "element") + " " + in_quotes(element.name) +
          ", for which the file has no room");
 }

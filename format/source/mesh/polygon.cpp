@@ -39,9 +39,10 @@ bool is_fan(const std::vector<PlaneCorner>& flat) {
 /// Returns the distance below which corners count as collinear. Decimal coordinates are rounded to doubles, so corners
 /// of a straight edge do not lie exactly on a line.
 double rounding_error(std::span<const std::array<double, 3>> corners) {
-  double largest = 0;
-  for (const auto& p : corners) largest = std::max({largest, std::fabs(p[0]), std::fabs(p[1]), std::fabs(p[2])});
-  return std::ldexp(largest, -46);
+  double max_magnitude = 0;
+  for (const auto& p : corners)
+    max_magnitude = std::max({max_magnitude, std::fabs(p[0]), std::fabs(p[1]), std::fabs(p[2])});
+  return std::ldexp(max_magnitude, -46);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 namespace gigabake {
 
-/// The max number of corners of a polygon. The triangles of a polygon fit into one part (most_part_triangles).
+/// The max number of corners of a polygon. The triangles of a polygon fit into one part (max_part_triangles).
 inline constexpr std::size_t max_polygon_corners = std::size_t(1) << 20;
 
 /// Returns the n - 2 triangles of a polygon of n corners, as three indices of corners per triangle. The triangles have

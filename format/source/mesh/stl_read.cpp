@@ -250,11 +250,11 @@ std::vector<Point<Local>> first_stl_vertices(const std::filesystem::path& file, 
   std::vector<Point<Local>> out;
   const TakeLoop take = [&](std::span<const Vector> loop) {
     for (const Vector& p : loop)
-      if (out.size() < most_first_vertices) out.push_back({p[0], p[1], p[2]});
+      if (out.size() < max_first_vertices) out.push_back({p[0], p[1], p[2]});
   };
   if (!is_text(head, file_bytes)) {
     const StlBytes facets = head.subspan(std::min(head.size(), head_bytes));
-    for_each_binary_facet(facets.first(std::min(facets.size(), facet_bytes * most_first_vertices)),
+    for_each_binary_facet(facets.first(std::min(facets.size(), facet_bytes * max_first_vertices)),
                           [&](std::span<const Vector> corners, bool) { take(corners); });
     return out;
   }

@@ -9,7 +9,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::size_t longest_text = std::size_t(1) << 16;
+constexpr std::size_t max_text_bytes = std::size_t(1) << 16;
 
 std::string upper(std::string_view text) {
   std::string out(text);
@@ -83,7 +83,7 @@ bool is_wkt(std::string_view text) {
 }  // namespace
 
 bool is_plain_crs(const std::string& text) {
-  if (text.size() > longest_text || text.find('\0') != text.npos) return false;
+  if (text.size() > max_text_bytes || text.find('\0') != text.npos) return false;
   const auto begin = text.find_first_not_of(" \t\r\n");
   if (begin == text.npos) return false;
   const std::string_view trimmed = std::string_view(text).substr(begin, text.find_last_not_of(" \t\r\n") + 1 - begin);

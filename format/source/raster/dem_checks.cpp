@@ -145,9 +145,9 @@ std::string encoding_of(GDALDataset& dataset) {
   if (dataset.GetRasterBand(1)->RasterIO(GF_Read, 0, 0, dataset.GetRasterXSize(), dataset.GetRasterYSize(), red.data(),
                                          edge, edge, GDT_Byte, 0, 0) != CE_None)
     return "";
-  const auto [least, greatest] = std::minmax_element(red.begin(), red.end());
+  const auto [minimum, greatest] = std::minmax_element(red.begin(), red.end());
   if (*greatest <= 2 && *greatest > 0) return "Mapbox Terrain-RGB";
-  return *least >= 124 && *greatest <= 163 && *greatest - *least <= 16 ? "Terrarium" : "";
+  return *minimum >= 124 && *greatest <= 163 && *greatest - *minimum <= 16 ? "Terrarium" : "";
 }
 
 [[noreturn]] void refuse_image(const DemOptions& options, GDALDataset& dataset, const std::string& what) {

@@ -61,7 +61,7 @@ using Path = std::filesystem::path;
 
 constexpr double quantum_m = 1.0 / 1024;
 /// The range of plausible pixel sizes on the ground. Other sizes indicate that degrees and metres were confused.
-constexpr double least_pixel_m = 1e-3, largest_pixel_m = 2e5;
+constexpr double min_pixel_m = 1e-3, max_pixel_m = 2e5;
 
 Grid grid_of(const Path& file, GDALDataset& dataset) {
   Grid grid;
@@ -111,7 +111,7 @@ Geodetic checked_origin(const DemPart& part, const Grid& grid, const Ground& gro
     for (const std::size_t i : {1, 2}) {
       const Point<Scene> p = frame(x[i], y[i], 0);
       const double pixel_m = std::hypot(p.x, p.y, p.z);
-      if (!(pixel_m >= least_pixel_m && pixel_m <= largest_pixel_m))
+      if (!(pixel_m >= min_pixel_m && pixel_m <= max_pixel_m))
         throw InputError(part.options.dem, "crs",
                          "a pixel would be " + short_number(pixel_m) + " m wide in the raster's coordinate system (" +
                              ground.name() + "); set the right one in the scene file");

@@ -22,7 +22,7 @@ constexpr auto markers = std::to_array<double>({-9999, -32768, -32767, -99999, -
 constexpr double lowest_usual_m = -9500, highest_usual_m = 9200;
 constexpr double min_plausible_m = -11500, max_plausible_m = 9500;
 /// The min distance from all other heights at which a single height is reported as suspicious.
-constexpr double least_gap_m = 300;
+constexpr double min_gap_m = 300;
 constexpr std::size_t max_markers_named = 3;
 
 std::string height_text(double v) {
@@ -66,11 +66,11 @@ void warn_of_gaps(const std::vector<double>& height_m, std::vector<std::string>&
   if (!(e.second_lowest <= e.second_highest)) return;  // fewer than three heights
   const auto warn = [&](const char* which, double height) {
     warnings.push_back(std::string("the ") + which + " height, " + height_text(height) + " m, is more than " +
-                       height_text(least_gap_m) +
+                       height_text(min_gap_m) +
                        " m from all others near it; if it marks missing values, set it as \"nodata\" in a scene .json");
   };
-  if (e.second_lowest - e.lowest > std::max(least_gap_m, e.highest - e.second_lowest)) warn("lowest", e.lowest);
-  if (e.highest - e.second_highest > std::max(least_gap_m, e.second_highest - e.lowest)) warn("highest", e.highest);
+  if (e.second_lowest - e.lowest > std::max(min_gap_m, e.highest - e.second_lowest)) warn("lowest", e.lowest);
+  if (e.highest - e.second_highest > std::max(min_gap_m, e.second_highest - e.lowest)) warn("highest", e.highest);
 }
 
 [[noreturn]] void refuse_height(const std::filesystem::path& file, double height_m) {

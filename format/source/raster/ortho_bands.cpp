@@ -82,7 +82,7 @@ std::string names_of(GDALDataset& dataset, const std::vector<int>& bands) {
     const std::string name = *band.GetDescription() != 0
                                  ? band.GetDescription()
                                  : GDALGetColorInterpretationName(band.GetColorInterpretation());
-    out += (out.empty() ? "" : ", ") + std::to_string(number) + " (" + as_line(name, longest_quote_bytes) + ")";
+    out += (out.empty() ? "" : ", ") + std::to_string(number) + " (" + as_line(name, max_quote_bytes) + ")";
   }
   return out;
 }

@@ -19,10 +19,10 @@ bool is_same_crs(const RasterHead& a, const RasterHead& b) {
 
 /// Returns the column and row of b's first pixel in the grid of `a`; nullopt if the grids differ.
 std::optional<std::pair<int, int>> offset_of(const RasterHead& a, const RasterHead& b) {
-  const double widest = std::max({a.part.columns, a.part.rows, b.part.columns, b.part.rows});
+  const double maximum = std::max({a.part.columns, a.part.rows, b.part.columns, b.part.rows});
   const double determinant = a.grid.determinant(), pixel = std::sqrt(std::fabs(determinant));
   for (const std::size_t i : {1, 2, 4, 5})
-    if (!(std::fabs(a.grid.g[i] - b.grid.g[i]) * widest <= max_offset_pixels * pixel)) return std::nullopt;
+    if (!(std::fabs(a.grid.g[i] - b.grid.g[i]) * maximum <= max_offset_pixels * pixel)) return std::nullopt;
   const double dx = b.grid.g[0] - a.grid.g[0], dy = b.grid.g[3] - a.grid.g[3];
   const double column = (dx * a.grid.g[5] - dy * a.grid.g[2]) / determinant;
   const double row = (dy * a.grid.g[1] - dx * a.grid.g[4]) / determinant;

@@ -25,10 +25,10 @@ class Archive {
   /// Returns the uncompressed bytes of an entry, named as "folder/file"; nullopt if there is no such entry.
   std::optional<std::uint64_t> size_of(const std::string& entry) const;
 
-  /// Returns the first bytes of an entry, at most `most_bytes`.
+  /// Returns the first bytes of an entry, at most `max_bytes`.
   /// Errors  InputError: no such entry; another checksum or length than the archive states; encrypted; compressed by a
   ///         method that libzip does not support.
-  std::vector<std::uint8_t> read(const std::string& entry, std::uint64_t most_bytes) const;
+  std::vector<std::uint8_t> read(const std::string& entry, std::uint64_t max_bytes) const;
 
  private:
   struct State;

@@ -18,9 +18,9 @@ struct B3dmLayout {
 /// the beginning of a JSON, which as a number is larger than any length.
 /// Source  3D Tiles 1.0; CesiumJS, B3dmParser.
 inline B3dmLayout b3dm_layout(const std::array<std::uint32_t, 4>& words) {
-  constexpr std::uint32_t least_text = 0x22000000;
-  if (words[2] >= least_text) return {20, {0, 0, words[1], 0}};         // batch length, batch table
-  if (words[3] >= least_text) return {24, {0, 0, words[0], words[1]}};  // batch table, its binary part, batch length
+  constexpr std::uint32_t min_text = 0x22000000;
+  if (words[2] >= min_text) return {20, {0, 0, words[1], 0}};         // batch length, batch table
+  if (words[3] >= min_text) return {24, {0, 0, words[0], words[1]}};  // batch table, its binary part, batch length
   return {28, words};
 }
 

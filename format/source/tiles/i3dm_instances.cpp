@@ -52,7 +52,7 @@ class Instances {
       : file_(file), table_(table), world_from_tile_(world_from_tile), rtc_(rtc_center) {
     const auto count = table.count("INSTANCES_LENGTH");
     if (!count) fail("INSTANCES_LENGTH", "is missing");
-    if (*count > most_placements) fail("INSTANCES_LENGTH", "more than 2^24 instances; split the tile");
+    if (*count > max_placements) fail("INSTANCES_LENGTH", "more than 2^24 instances; split the tile");
     MemoryClaim(file).add_items(*count, placement_bytes, "feature table.INSTANCES_LENGTH", "instances");
     count_ = *count;
     read_positions();

@@ -7,15 +7,15 @@
 namespace gigabake {
 namespace {
 
-constexpr std::uint32_t most_levels = 32;
-constexpr std::uint32_t most_octree_levels = 10, most_quadtree_levels = 15;  ///< 2^30 tiles per subtree
-constexpr std::uint32_t subtree_magic = 0x74627573;                          // "subt"
+constexpr std::uint32_t max_levels = 32;
+constexpr std::uint32_t max_octree_levels = 10, max_quadtree_levels = 15;  ///< 2^30 tiles per subtree
+constexpr std::uint32_t subtree_magic = 0x74627573;                        // "subt"
 
 std::uint32_t level_count(const std::filesystem::path& file, const Json& object, const std::string& where,
-                          const char* key, std::uint32_t most) {
+                          const char* key, std::uint32_t maximum) {
   const auto levels = get_index(file, object, where, key);
-  if (!levels || *levels == 0 || *levels > most)
-    throw InputError(file, where + "." + key, "expected 1 to " + std::to_string(most) + " levels");
+  if (!levels || *levels == 0 || *levels > maximum)
+    throw InputError(file, where + "." + key, "expected 1 to " + std::to_string(maximum) + " levels");
   return std::uint32_t(*levels);
 }
 
@@ -40,13 +40,13 @@ std::optional<ImplicitTiling> implicit_tiling(const std::filesystem::path& file,
     throw InputError(file, key + ".subdivisionScheme", "expected QUADTREE or OCTREE, got " + in_quotes(scheme));
   out.is_octree = scheme == "OCTREE";
   out.subtree_levels =
-      level_count(file, json, key, "subtreeLevels", out.is_octree ? most_octree_levels : most_quadtree_levels);
+      level_count(file, json, key, "subtreeLevels", out.is_octree ? max_octree_levels : max_quadtree_levels);
   // Earlier versions of the extension count from 0.
-  out.available_levels = json.contains("maximumLevel")
-                             ? std::uint32_t(std::min<std::uint64_t>(
-                                   get_index(file, json, key, "maximumLevel").value_or(0), most_levels)) +
-                                   1
-                             : level_count(file, json, key, "availableLevels", most_levels);
+  out.available_levels =
+      json.contains("maximumLevel")
+          ? std::uint32_t(std::min<std::uint64_t>(get_index(file, json, key, "maximumLevel").value_or(0), max_levels)) +
+                1
+          : level_count(file, json, key, "availableLevels", max_levels);
   const auto uri = get_text(file, get_object(file, json, key, "subtrees"), key + ".subtrees", "uri");
   if (!uri) throw InputError(file, key + ".subtrees.uri", "is missing");
   out.subtrees_uri = *uri;

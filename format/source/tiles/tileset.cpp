@@ -22,9 +22,9 @@ using Path = std::filesystem::path;
 
 constexpr std::size_t deepest_external = 32;
 constexpr std::uint64_t max_tileset_tiles = std::uint64_t(1) << 24;
-constexpr std::size_t most_losses = std::size_t(1) << 16;
+constexpr std::size_t max_missing_contents = std::size_t(1) << 16;
 /// Max bytes of external tilesets, each counted as at least 16 KiB: their number can double at each inclusion.
-constexpr std::uint64_t most_external_bytes = std::uint64_t(1) << 32, least_external_bytes = std::uint64_t(1) << 14;
+constexpr std::uint64_t max_external_bytes = std::uint64_t(1) << 32, min_external_bytes = std::uint64_t(1) << 14;
 
 constexpr std::uint64_t content_bytes = sizeof(TilesetContent) + sizeof(TileRef) + 64;
 
@@ -141,7 +141,7 @@ class Reader {
     const std::string uri = filled_template(implicit.tiling.subtrees_uri, place);
     const std::optional<Path> path = existing(uri, key, implicit.here);
     if (!path) return {{}, true};
-    const auto available = or_loss(
+    const auto available = or_missing(
         implicit.here, key, [&] { return SubtreeAvailability(files, *path, implicit.tiling, implicit.uris.size()); });
     if (!available) return {{}, true};
     if (!available->tile(0)) return {};
@@ -237,7 +237,7 @@ class Reader {
 
   /// Returns the file that a URI names. Lists a file that is missing or a URI that cannot be resolved.
   std::optional<Path> existing(const std::string& uri, const std::string& key, const Context& here) {
-    const auto path = or_loss(here, key, [&] { return resolved(uri, key, here); });
+    const auto path = or_missing(here, key, [&] { return resolved(uri, key, here); });
     if (path && here.files.has(*path)) return *path;
     if (path) skip(here, key, in_quotes(uri) + " is missing", false);
     return std::nullopt;
@@ -251,7 +251,7 @@ class Reader {
     }
     const std::optional<Path> path = existing(uri, key, here);
     if (!path) return {{}, true};
-    const auto head = or_loss(here, key, [&] { return here.files.content_head(*path, 4); });
+    const auto head = or_missing(here, key, [&] { return here.files.content_head(*path, 4); });
     if (!head) return {{}, true};
     const ContentMagic magic = content_magic(*head);
     if (magic == ContentMagic::zip) return read_archive(*path, key, here);
@@ -289,7 +289,7 @@ class Reader {
   }
 
   Subtree read_composite(const Path& path, const std::string& uri, const std::string& key, const Context& here) {
-    const auto parts = or_loss(here, key, [&] { return parts_of_composite(path, here.files.read_content(path)); });
+    const auto parts = or_missing(here, key, [&] { return parts_of_composite(path, here.files.read_content(path)); });
     if (!parts) return {{}, true};
     Subtree found;
     for (const CompositePart& part : *parts)
@@ -301,7 +301,7 @@ class Reader {
 
   /// Returns the result of `read`. If it fails, lists the missing content and returns nullopt.
   template <class Read>
-  std::optional<std::invoke_result_t<Read>> or_loss(const Context& here, const std::string& key, const Read& read) {
+  std::optional<std::invoke_result_t<Read>> or_missing(const Context& here, const std::string& key, const Read& read) {
     try {
       return read();
     } catch (const InputError& e) {
@@ -312,7 +312,7 @@ class Reader {
 
   /// Reads an archive in place of a tileset: its tileset.json.
   Subtree read_archive(const Path& path, const std::string& key, const Context& here) {
-    const auto files = or_loss(here, key, [&] {
+    const auto files = or_missing(here, key, [&] {
       if (here.files.archive()) throw InputError(path, "", "is an archive in an archive; unpack it");
       return SourceFiles(std::make_shared<const Archive>(path));
     });
@@ -327,12 +327,12 @@ class Reader {
   /// listed, and the tile that names it is incomplete.
   std::optional<Subtree> read_external(const Path& path, const SourceFiles& files, const std::string& key,
                                        const Context& here) {
-    const auto document = or_loss(here, key, [&] {
+    const auto document = or_missing(here, key, [&] {
       TilesetDocument read = read_json(files, path);
       if (read.root) check_head(path, read);
       return read;
     });
-    if (external_bytes_ > most_external_bytes)
+    if (external_bytes_ > max_external_bytes)
       throw InputError(path, "", "external tilesets include each other too often: over 4 GiB, or over 2^18 files");
     if (!document) return Subtree{{}, true};
     if (!document->root) return std::nullopt;
@@ -343,7 +343,7 @@ class Reader {
 
   TilesetDocument read_json(const SourceFiles& files, const Path& path) {
     const std::vector<std::uint8_t> text = files.read_content(path);
-    external_bytes_ += std::max<std::uint64_t>(text.size(), least_external_bytes);
+    external_bytes_ += std::max<std::uint64_t>(text.size(), min_external_bytes);
     return parse_tileset(path, text, progress_);
   }
 
@@ -367,7 +367,7 @@ class Reader {
   }
 
   void skip(const Context& here, const std::string& key, const std::string& reason, bool informative) {
-    if (out_.skipped.size() == most_losses)
+    if (out_.skipped.size() == max_missing_contents)
       throw InputError(here.file, key, "more than 2^16 contents are missing or cannot be read; is the set complete?");
     const std::string cause = reason_without_place(reason, here.file, key);
     out_.skipped.push_back({name_in(root_, here.file) + ": " + key, cause, informative});

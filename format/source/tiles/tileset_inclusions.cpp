@@ -9,7 +9,7 @@
 namespace gigabake {
 namespace {
 
-constexpr double most_visits = 1 << 18;
+constexpr double max_visits = 1 << 18;
 
 bool may_be_tileset(const std::filesystem::path& file) {
   static const std::set<std::string> models{".glb", ".gltf", ".b3dm", ".i3dm", ".cmpt", ".pnts"};
@@ -35,7 +35,7 @@ void TilesetInclusions::read(const std::filesystem::path& file, const std::vecto
 void TilesetInclusions::expect_few() const {
   std::map<std::string, Tileset> tilesets = tilesets_;
   const double visits = visits_of(first_, tilesets);
-  if (visits > most_visits)
+  if (visits > max_visits)
     throw InputError(first_, "",
                      "external tilesets include each other too often: more than 2^18 would have to be read");
 }

@@ -9,7 +9,7 @@ namespace gigabake {
 namespace {
 
 /// Deflate packs at most 1032:1, so an entry with a higher ratio states a false size.
-constexpr std::uint64_t max_zip_ratio = 1100, least_claim = std::uint64_t(1) << 16;
+constexpr std::uint64_t max_zip_ratio = 1100, min_checked_bytes = std::uint64_t(1) << 16;
 
 std::string message_of(zip_error_t* error) {
   std::string text = zip_error_strerror(error);
@@ -45,15 +45,15 @@ std::optional<std::uint64_t> Archive::size_of(const std::string& entry) const {
   return info.size;
 }
 
-std::vector<std::uint8_t> Archive::read(const std::string& entry, std::uint64_t most_bytes) const {
+std::vector<std::uint8_t> Archive::read(const std::string& entry, std::uint64_t max_bytes) const {
   const std::scoped_lock lock(state_->mutex);
   const auto fail = [&](const std::string& message) { throw InputError(file_ / entry, "", message); };
   zip_stat_t info;
   zip_stat_init(&info);
   if (zip_stat(state_->zip, entry.c_str(), ZIP_FL_ENC_RAW, &info) != 0) fail("no such file in the archive");
-  if (info.size > least_claim && info.size / max_zip_ratio > info.comp_size)
+  if (info.size > min_checked_bytes && info.size / max_zip_ratio > info.comp_size)
     fail("says it has " + std::to_string(info.size) + " bytes in " + std::to_string(info.comp_size) + " packed ones");
-  std::vector<std::uint8_t> bytes(std::min<std::uint64_t>(info.size, most_bytes));
+  std::vector<std::uint8_t> bytes(std::min<std::uint64_t>(info.size, max_bytes));
   zip_file_t* in = zip_fopen_index(state_->zip, info.index, 0);
   if (in == nullptr) fail("cannot be unpacked: " + message_of(zip_get_error(state_->zip)));
   std::uint64_t got = 0;

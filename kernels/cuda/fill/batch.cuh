@@ -9,14 +9,14 @@ namespace gigabake::kernels {
 
 inline constexpr int bricks_per_block = 8;
 /// Groups of more triangles are divided into one block per brick, so that the last blocks do not run long.
-inline constexpr std::uint32_t most_pairs_together = 512;
+inline constexpr std::uint32_t max_pairs_together = 512;
 
 struct BatchCounters {
-  unsigned items, heavy, hard;                   ///< of the current batch
-  unsigned most_items, most_pairs, most_staged;  ///< maxima over the batches
-  unsigned long long fragments, voxels;          ///< sums over all batches; voxels: marked ones, including invisible
-                                                 ///< ones
-  unsigned visible;                              ///< visible voxels of the cell; known after the last batch
+  unsigned items, heavy, hard;                ///< of the current batch
+  unsigned max_items, max_pairs, max_staged;  ///< maxima over the batches
+  unsigned long long fragments, voxels;       ///< sums over all batches; voxels: marked ones, including invisible
+                                              ///< ones
+  unsigned visible;                           ///< visible voxels of the cell; known after the last batch
 };
 
 struct BatchView {

@@ -22,7 +22,7 @@ struct FillWidth {
   static constexpr int blocks = is_hard ? 3 : materials == CellMaterials::any ? 4 : 5;
   static constexpr std::size_t bytes = (228 * 1024 / blocks - 1024) / 128 * 128;  ///< the driver reserves 1 KiB per
                                                                                   ///< block
-  using Sums = VoxelSums<is_hard ? 3 : 2, all_show(materials) ? opaque_sum_count : sum_count>;
+  using Sums = VoxelSums<is_hard ? 3 : 2, all_visible(materials) ? opaque_sum_count : sum_count>;
 };
 
 /// The block's bricks: masks, item counts and places.
@@ -42,10 +42,10 @@ struct BlockBricks {
 template <bool is_hard, CellMaterials materials>
 struct FillShared : BlockBricks {
   using Sums = typename FillWidth<is_hard, materials>::Sums;
-  using Item = FillItem<is_hard, materials>;
+  using Item = SlabFragment<is_hard, materials>;
   static constexpr int pool_bytes = (FillWidth<is_hard, materials>::bytes - sizeof(BlockBricks)) / 16 * 16;
-  static constexpr int least_items = 16;
-  static_assert(pool_bytes >= brick_voxels * int(sizeof(Sums)) + least_items * int(sizeof(Item)));
+  static constexpr int min_items = 16;
+  static_assert(pool_bytes >= brick_voxels * int(sizeof(Sums)) + min_items * int(sizeof(Item)));
 
   alignas(16) unsigned char pool[pool_bytes];
 

@@ -31,7 +31,7 @@ struct CutItem {
   std::int16_t normal[3];
   std::uint16_t edge_lines;  ///< SlabPolygon::line, two bits each
   std::uint8_t corners, axis, slab, brick;
-  Look look;  ///< flat: only if all_show(materials)
+  ShadingRate look;  ///< flat: only if all_visible(materials)
 };
 
 /// Data that only textured fragments need.
@@ -52,7 +52,7 @@ struct VaryingLook : TexturedLook<is_hard> {
 };
 
 template <bool is_hard, CellMaterials materials>
-struct FillItem : CutItem {
+struct SlabFragment : CutItem {
   using Varying = std::conditional_t<materials == CellMaterials::any, VaryingLook<is_hard>, TexturedLook<is_hard>>;
   union {
     LinearColour colour;  ///< if look is flat: only `low`
@@ -60,7 +60,7 @@ struct FillItem : CutItem {
   };
 };
 template <bool is_hard>
-struct FillItem<is_hard, CellMaterials::plain> : CutItem {
+struct SlabFragment<is_hard, CellMaterials::plain> : CutItem {
   LinearColour colour;
 };
 
@@ -78,17 +78,17 @@ __device__ void set_varying(const Surface& surface, const TrianglePlane& plane, 
 
 template <bool is_hard, CellMaterials materials>
 __device__ void set_look(const InputView& in, const WindowTriangle& w, const TrianglePlane& plane,
-                         FillItem<is_hard, materials>& out) {
+                         SlabFragment<is_hard, materials>& out) {
   const DevicePart& part = in.parts[w.part];
   Surface surface = surface_of(part, in.materials, in.textures);
   if (surface.has_vertex_rgba) load_vertex_rgba(part, w.index, surface.vertex_rgba);
   out.look = surface.look();
-  if (out.look == Look::linear) {
+  if (out.look == ShadingRate::linear) {
     out.colour = make_linear_colour(surface, plane);
-  } else if (all_show(materials) && (materials == CellMaterials::plain || out.look == Look::flat)) {
+  } else if (all_visible(materials) && (materials == CellMaterials::plain || out.look == ShadingRate::flat)) {
     for (int c = 0; c < 3; ++c) out.colour.low[c] = surface.material.base_rgba[c];
   } else if constexpr (materials != CellMaterials::plain) {
-    out.look = Look::varying;
+    out.look = ShadingRate::varying;
     set_varying(surface, plane, out.varying);
     if (surface.texture != nullptr) out.varying.map = texture_map(part, w.index, plane, *surface.texture);
     if constexpr (materials == CellMaterials::any) {
@@ -134,7 +134,7 @@ __device__ inline void cut_polygon(const TrianglePlane& plane, double slab, CutI
 
 template <class I, class N, bool is_hard, CellMaterials materials>
 __device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
-                             std::uint32_t where, FillItem<is_hard, materials>& out) {
+                             std::uint32_t where, SlabFragment<is_hard, materials>& out) {
   const BrickTriangle<I, N> t = make_brick_triangle<I, N>(w, corner);
   triangle_normal(in.parts[w.part], w.index, t, out.normal);
   const TrianglePlane plane = make_plane(t);
@@ -149,7 +149,7 @@ __device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const
 /// Cuts an item from the triangle of a pair. corner: the brick's; where: see ItemView.
 template <bool is_hard, CellMaterials materials>
 __device__ void cut_item(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
-                         std::uint32_t where, FillItem<is_hard, materials>& out) {
+                         std::uint32_t where, SlabFragment<is_hard, materials>& out) {
   out.axis = std::uint8_t(where >> 3 & 3);
   out.slab = std::uint8_t(where & 7);
   if constexpr (is_hard)
@@ -199,19 +199,19 @@ __device__ Rgba16 shade_item(const Tables& tables, const CutItem& item, const Va
       for (int c = 0; c < 4; ++c) s.vertex_rgba[i][c] = look.vertex_rgba[i][c];
   s.texture = look.texture;
   if (look.texture != nullptr) s.map = look.map;
-  if (s.look() == Look::flat) return shade<false>(s, {}, {}, tables);
+  if (s.look() == ShadingRate::flat) return shade<false>(s, {}, {}, tables);
   const TrianglePlane plane = plane_of(look);
   return shade<false>(s, plane, fragment_shape(plane, m, u, v, item.u, item.v, item.corners), tables);
 }
 
 template <bool is_hard, CellMaterials materials>
-__device__ Fragment fragment_of(const Tables& tables, const FillItem<is_hard, materials>& item, int cell) {
+__device__ Fragment fragment_of(const Tables& tables, const SlabFragment<is_hard, materials>& item, int cell) {
   const double u = double((cell & 7) - item.anchor_u), v = double((cell >> 3) - item.anchor_v);
   constexpr Moments wanted = materials == CellMaterials::plain ? Moments::first : Moments::second;
   const CellMoments m = measure<wanted>(item, u, v, cell >> 3);
-  if (item.look == Look::linear) return linear_fragment(item.colour, u, v, m, item.weight_scale, item.normal);
+  if (item.look == ShadingRate::linear) return linear_fragment(item.colour, u, v, m, item.weight_scale, item.normal);
   Rgba16 rgba;
-  if (materials == CellMaterials::plain || item.look == Look::flat)
+  if (materials == CellMaterials::plain || item.look == ShadingRate::flat)
     rgba = opaque_colour({{item.colour.low[0], item.colour.low[1], item.colour.low[2], 0}});
   else if constexpr (materials != CellMaterials::plain)
     rgba = shade_item(tables, item, item.varying, m, u, v);

@@ -36,16 +36,16 @@ struct ItemRange {
 
 /// Iterator over all items of the pairs [first, end) of a batch of `pairs`, range by range. All threads of a block or
 /// warp iterate identically.
-class ItemWalk {
+class FragmentIterator {
  public:
-  __device__ ItemWalk(const ItemView& items, std::uint32_t first, std::uint32_t end, std::uint32_t pairs)
+  __device__ FragmentIterator(const ItemView& items, std::uint32_t first, std::uint32_t end, std::uint32_t pairs)
       : items_(&items), first_(first), end_(end), pairs_(pairs), group_(first / pairs_per_group) {
     if (first < end) open_group();  // without pairs there are no items to read
   }
   __device__ bool has_more() const { return range_.begin < range_.end; }
   /// Returns the next range, of at most `most` items.
-  __device__ ItemRange take(std::uint32_t most) {
-    const ItemRange taken{range_.begin, range_.begin + smaller(most, range_.end - range_.begin)};
+  __device__ ItemRange take(std::uint32_t maximum) {
+    const ItemRange taken{range_.begin, range_.begin + smaller(maximum, range_.end - range_.begin)};
     range_.begin = taken.end;
     open_group();
     return taken;

@@ -39,7 +39,7 @@ __device__ void mark_brick(const BatchView& view, std::uint32_t brick, MarkedBlo
   const unsigned lane = threadIdx.x & 31, warp = threadIdx.x / 32;
   unsigned* mask = block.mask[warp];
   const std::uint32_t first = view.bricks.start[view.begin], pairs = view.bricks.start[view.end] - first;
-  ItemWalk walk(view.items, view.bricks.start[brick] - first, view.bricks.start[brick + 1] - first, pairs);
+  FragmentIterator walk(view.items, view.bricks.start[brick] - first, view.bricks.start[brick + 1] - first, pairs);
   std::uint32_t items = 0;
   MarkedItems all;
   while (walk.has_more()) {
@@ -69,7 +69,7 @@ __device__ void assign_group(const BatchView& view, std::uint32_t group, unsigne
   const std::uint32_t first = view.begin + group * bricks_per_block,
                       bricks = smaller<std::uint32_t>(bricks_per_block, view.end - first);
   const std::uint32_t* start = view.bricks.start + first;
-  const bool together = start[bricks] - start[0] <= most_pairs_together;
+  const bool together = start[bricks] - start[0] <= max_pairs_together;
   view.is_easy[group] = together && wide == 0;
   if (together && wide != 0) push(view.hard, view.counters->hard, BrickSpan(first, bricks));
   for (std::uint32_t b = 0; !together && b < bricks; ++b) {
@@ -82,8 +82,8 @@ __device__ void assign_group(const BatchView& view, std::uint32_t group, unsigne
 /// Updates the maxima that the host reads, whether the batch fits or not.
 __device__ void count_batch(const BatchView& view) {
   BatchCounters& c = *view.counters;
-  c.most_items = larger(c.most_items, c.items);
-  c.most_pairs = larger(c.most_pairs, view.bricks.start[view.end] - view.bricks.start[view.begin]);
+  c.max_items = larger(c.max_items, c.items);
+  c.max_pairs = larger(c.max_pairs, view.bricks.start[view.end] - view.bricks.start[view.begin]);
 }
 
 }  // namespace

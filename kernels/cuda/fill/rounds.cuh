@@ -37,7 +37,7 @@ __device__ Round next_round(const Round& last, int bricks, const Shared& shared)
 inline constexpr std::uint32_t no_item = ~0u;
 
 /// Returns this thread's item among the next `room` items, or no_item.
-__device__ inline std::uint32_t take_item(ItemWalk& walk, std::uint32_t room) {
+__device__ inline std::uint32_t take_item(FragmentIterator& walk, std::uint32_t room) {
   std::uint32_t mine = no_item;
   for (std::uint32_t taken = 0; taken < room && walk.has_more();) {
     const ItemRange range = walk.take(room - taken);
@@ -76,7 +76,7 @@ template <bool is_hard, CellMaterials materials>
 __device__ void cut_chunk(const BatchView& view, std::uint32_t first_brick, const NextItem& next,
                           FillShared<is_hard, materials>& shared) {
   if (next.cells == 0) return;
-  FillItem<is_hard, materials>& out = shared.item(int(threadIdx.x));
+  SlabFragment<is_hard, materials>& out = shared.item(int(threadIdx.x));
   out.cells = next.cells;
   out.brick = std::uint8_t(brick_of_item(shared.start, next.where >> 6));
   std::int32_t corner[3];
@@ -116,7 +116,7 @@ __device__ void add_chunk(const BatchView& view, const Round& round, FillShared<
   for (const std::uint32_t cells : shared.warp_cells) total += cells;
   for (std::uint32_t f = threadIdx.x; f < total; f += fill_threads) {
     const FragmentPlace place = place_of(shared, f);
-    const FillItem<is_hard, materials>& item = shared.item(place.item);
+    const SlabFragment<is_hard, materials>& item = shared.item(place.item);
     const int cell = nth_bit(item.cells, place.cell);
     const int voxel = voxel_of_cell(item.axis, item.slab, cell), word = 16 * item.brick + (voxel >> 5);
     const int slot = shared.below[word] + __popc(shared.mask[word] & ((1u << (voxel & 31)) - 1)) - round.first;
@@ -133,7 +133,7 @@ __device__ void resolve_round(const BatchView& view, BrickSpan span, const Round
     Voxel out;
     const bool visible = shared.sums(slot).resolve_to(view.input.tables, out);
     shared.sums(slot).clear();
-    if (!all_show(materials) && !visible)
+    if (!all_visible(materials) && !visible)
       drop_voxel(view.mask + 8 * std::size_t(span.first), round.first + slot, shared);
     const std::uint32_t at = first + std::uint32_t(slot);
     if (at >= view.capacity) continue;  // the host counts, enlarges the array and retries
@@ -148,13 +148,13 @@ __device__ void fill_bricks(const BatchView& view, BrickSpan span, FillShared<is
   open_bricks(view, span, shared);
   const std::uint32_t pairs = view.bricks.start[view.end] - view.bricks.start[view.begin];
   Round round{0, 0, 0, 0, 0};
-  ItemWalk walk(view.items, 0, 0, pairs);
+  FragmentIterator walk(view.items, 0, 0, pairs);
   for (;;) {
     const Round last = round;
     const bool ends = !walk.has_more();
     if (ends && last.end != int(span.bricks)) {
       round = next_round(last, int(span.bricks), shared);
-      walk = ItemWalk(view.items, shared.start[round.brick], shared.start[round.end], pairs);
+      walk = FragmentIterator(view.items, shared.start[round.brick], shared.start[round.end], pairs);
     }
     const NextItem next = fetch_item(view, take_item(walk, round.room), shared);
     if (ends) {
@@ -167,7 +167,7 @@ __device__ void fill_bricks(const BatchView& view, BrickSpan span, FillShared<is
     add_chunk(view, round, shared);
     __syncthreads();
   }
-  if (all_show(materials)) return;
+  if (all_visible(materials)) return;
   __syncthreads();
   close_bricks(view, span, shared);
 }

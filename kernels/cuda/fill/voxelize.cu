@@ -47,8 +47,7 @@ __global__ void __launch_bounds__(fill_threads) fill_hard_bricks(BatchView view)
 __global__ void unstage(BatchView view, const std::uint32_t* first, std::uint32_t* rgba, std::uint16_t* normal,
                         std::uint32_t capacity) {
   if (blockIdx.x == 0 && threadIdx.x == 0 && items_fit(view))
-    view.counters->most_staged =
-        larger(view.counters->most_staged, view.place[view.end - 1] + view.marked[view.end - 1]);
+    view.counters->max_staged = larger(view.counters->max_staged, view.place[view.end - 1] + view.marked[view.end - 1]);
   const std::uint32_t brick = view.begin + (blockIdx.x * blockDim.x + threadIdx.x) / 32, lane = threadIdx.x & 31;
   if (brick >= view.end || !items_fit(view)) return;
   const std::uint32_t staged = view.marked[brick], from = view.place[brick];
@@ -126,10 +125,10 @@ class Filler {
         materials_(materials),
         sizes_(sizes),
         stage_rgba_(heap, sizes.stage_voxels),
-        marked_(heap, all_show(materials) ? 0 : lists.bricks),
-        place_(heap, all_show(materials) ? 0 : lists.bricks),
+        marked_(heap, all_visible(materials) ? 0 : lists.bricks),
+        place_(heap, all_visible(materials) ? 0 : lists.bricks),
         items_of_(heap, sizes.bricks_per_batch),
-        heavy_(heap, bricks_per_block * (sizes.pairs_per_batch / most_pairs_together + 1)),
+        heavy_(heap, bricks_per_block * (sizes.pairs_per_batch / max_pairs_together + 1)),
         hard_(heap, sizes.bricks_per_batch),
         where_(heap, sizes.items_per_batch),
         first_(heap, sizes.pairs_per_batch),
@@ -145,7 +144,7 @@ class Filler {
     out_.rgba = DeviceArray<std::uint32_t>(heap_, sizes.voxels);
     if (normals) out_.normal = DeviceArray<std::uint16_t>(heap_, sizes.voxels);
     counters_.clear_to_zero();
-    if (!all_show(materials)) marked_.clear_to_zero();  // batches that do not fit leave it unchanged
+    if (!all_visible(materials)) marked_.clear_to_zero();  // batches that do not fit leave it unchanged
     out_.count.clear_to_zero();
     out_.first.clear_to_zero();
     view_.input = input;
@@ -154,7 +153,7 @@ class Filler {
                    sizes.items_per_batch, sizes.pairs_per_batch, &counters_.data()->items};
     view_.mask = out_.mask.data();
     view_.visible = out_.count.data();
-    const bool at_once = all_show(materials);
+    const bool at_once = all_visible(materials);
     view_.marked = at_once ? out_.count.data() : marked_.data();
     view_.place = at_once ? out_.first.data() : place_.data();
     view_.items_of = items_of_.data();
@@ -187,14 +186,14 @@ class Filler {
  private:
   void fill_batch() {
     const cudaStream_t stream = heap_.stream();
-    check_cuda(cudaMemsetAsync(view_.counters, 0, offsetof(BatchCounters, most_items), stream), "cudaMemsetAsync");
+    check_cuda(cudaMemsetAsync(view_.counters, 0, offsetof(BatchCounters, max_items), stream), "cudaMemsetAsync");
     find_items<<<item_blocks, pairs_per_group, 0, stream>>>(view_.input, rule_, view_.bricks, view_.begin, view_.end,
                                                             view_.items);
     check_launch("find_items");
     mark_bricks<<<grid_of(view_.end - view_.begin, bricks_per_block), 32 * bricks_per_block, 0, stream>>>(view_);
     check_launch("mark_bricks");
     std::size_t bytes = temporary_bytes_;
-    if (all_show(materials_)) {
+    if (all_visible(materials_)) {
       sum_visible(temporary_.data(), bytes, view_.begin, view_.end);
       if (materials_ == CellMaterials::plain)
         launch_fill<CellMaterials::plain>(view_, stream);
@@ -260,9 +259,9 @@ DeviceLevel without_empty(DeviceHeap& heap, const BrickLists& lists, Filled fill
 }
 
 /// Sizes of a batch: small next to a cell's input and output, and large next to the cost of a launch.
-constexpr std::uint64_t least_pairs_per_batch = std::uint64_t(1) << 16, pairs_per_batch = std::uint64_t(1) << 20,
+constexpr std::uint64_t min_pairs_per_batch = std::uint64_t(1) << 16, pairs_per_batch = std::uint64_t(1) << 20,
                         voxels_per_batch = std::uint64_t(3) << 20;
-constexpr double least_bricks_per_batch = 660;
+constexpr double min_bricks_per_batch = 660;
 constexpr double spare = 1.125;  ///< factor over the expected sizes, so that retries are rare
 
 std::uint32_t counted_32(std::uint64_t n) {
@@ -270,8 +269,8 @@ std::uint32_t counted_32(std::uint64_t n) {
   return std::uint32_t(n);
 }
 
-std::uint32_t with_room(double wanted, std::uint64_t least) {
-  return counted_32(std::max(std::uint64_t(spare * wanted), least));
+std::uint32_t with_room(double wanted, std::uint64_t minimum) {
+  return counted_32(std::max(std::uint64_t(spare * wanted), minimum));
 }
 
 /// Returns the max pairs per batch: its items and stage share the memory that the cell's voxels leave.
@@ -282,9 +281,9 @@ std::uint64_t pairs_that_fit(const BrickLists& lists, const FillRatios& ratios, 
                of_pair = spare * (ratios.pairs_spread * ratios.items_per_pair * item_bytes + sizeof(std::uint32_t) +
                                   (at_once ? 0 : voxel_bytes * ratios.voxels_per_pair * ratios.voxels_spread));
   // Not fewer than enough bricks to occupy a device: bricks take long where triangles are much smaller than voxels.
-  const std::uint64_t least =
-      std::max(least_pairs_per_batch, std::uint64_t(least_bricks_per_batch * pairs / lists.bricks));
-  return std::max(least, std::uint64_t(std::max(0.0, room_bytes - kept) / of_pair));
+  const std::uint64_t minimum =
+      std::max(min_pairs_per_batch, std::uint64_t(min_bricks_per_batch * pairs / lists.bricks));
+  return std::max(minimum, std::uint64_t(std::max(0.0, room_bytes - kept) / of_pair));
 }
 
 FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios, bool at_once, double room_bytes) {
@@ -306,10 +305,10 @@ bool fits(const Filled& filled, FillSizes& s) {
   const BatchCounters& counted = filled.counted;
   const FillSizes tried = s;
   counted_32(counted.voxels);
-  s.pairs_per_batch = std::max(s.pairs_per_batch, counted.most_pairs);
-  s.items_per_batch = std::max(s.items_per_batch, counted.most_items);
+  s.pairs_per_batch = std::max(s.pairs_per_batch, counted.max_pairs);
+  s.items_per_batch = std::max(s.items_per_batch, counted.max_items);
   s.voxels = std::max(s.voxels, filled.counted.visible);
-  s.stage_voxels = std::max(s.stage_voxels, counted.most_staged);
+  s.stage_voxels = std::max(s.stage_voxels, counted.max_staged);
   return s.pairs_per_batch == tried.pairs_per_batch && s.items_per_batch == tried.items_per_batch &&
          s.voxels == tried.voxels && s.stage_voxels == tried.stage_voxels;
 }
@@ -319,17 +318,17 @@ void learn(const Filled& filled, const BrickLists& lists, const FillSizes& sizes
   const double pairs = double(lists.triangle.size());
   const double mean_batch = pairs * std::min(1.0, double(sizes.bricks_per_batch) / double(lists.bricks));
   ratios.voxels_per_pair = std::max(0.01, double(filled.counted.visible) / pairs);
-  ratios.items_per_pair = std::max(0.01, double(counted.most_items) / std::max(1.0, double(counted.most_pairs)));
-  ratios.pairs_spread = std::max(1.0, double(counted.most_pairs) / mean_batch);
+  ratios.items_per_pair = std::max(0.01, double(counted.max_items) / std::max(1.0, double(counted.max_pairs)));
+  ratios.pairs_spread = std::max(1.0, double(counted.max_pairs) / mean_batch);
   if (sizes.stage_voxels != 0)
-    ratios.voxels_spread = std::max(1.0, double(counted.most_staged) / (mean_batch * ratios.voxels_per_pair));
+    ratios.voxels_spread = std::max(1.0, double(counted.max_staged) / (mean_batch * ratios.voxels_per_pair));
 }
 
 }  // namespace
 
 DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, std::uint64_t room_bytes, const CellWindow& window,
                      BrickLists lists, bool normals, CellMaterials materials, FillRatios& ratios, CellStats& stats) {
-  FillSizes sizes = first_sizes(lists, ratios, all_show(materials), double(room_bytes) - double(heap.live()));
+  FillSizes sizes = first_sizes(lists, ratios, all_visible(materials), double(room_bytes) - double(heap.live()));
   for (;;) {
     Filled filled = Filler(heap, input, window.rule, lists, normals, materials, sizes).fill(lists.bricks);
     if (!fits(filled, sizes)) continue;

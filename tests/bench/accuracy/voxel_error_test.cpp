@@ -71,7 +71,7 @@ TEST_F(VoxelErrors, OfAPlaneAgainstItselfAreNone) {
   EXPECT_EQ(e.coloured, 1600u);
   EXPECT_EQ(e.points, 200000u);
   EXPECT_EQ(e.missed + e.extra + e.beyond_half + e.beyond_whole, 0);
-  EXPECT_NEAR(e.farthest, 0, 1e-6);
+  EXPECT_NEAR(e.max_distance, 0, 1e-6);
   EXPECT_NEAR(e.normal_99_deg, 0, 1e-4);
   EXPECT_NEAR(e.alpha_bias, 0, 1e-6);
   EXPECT_LT(e.rms_colour, 0.004) << "half a code";
@@ -81,7 +81,7 @@ TEST_F(VoxelErrors, OfAPlaneAgainstItselfAreNone) {
 TEST_F(VoxelErrors, OfAPlaneInALatticePlaneAreNone) {
   const VoxelError e = error_of(level_square(10, 3), level_square(10, 3));
   EXPECT_EQ(e.missed + e.extra, 0) << "it belongs to the voxels above, and is on the rim of those below";
-  EXPECT_NEAR(e.farthest, 0.5, 1e-6);
+  EXPECT_NEAR(e.max_distance, 0.5, 1e-6);
 }
 
 TEST_F(VoxelErrors, OfAPlaneThatIsOffAreItsWholeArea) {
@@ -92,11 +92,11 @@ TEST_F(VoxelErrors, OfAPlaneThatIsOffAreItsWholeArea) {
   EXPECT_EQ(near.missed_by_one, 0);
   EXPECT_NEAR(near.extra, 1, 1e-9);
   EXPECT_NEAR(near.beyond_whole, 1, 1e-9);
-  EXPECT_NEAR(near.farthest, 1.2, 1e-5);
+  EXPECT_NEAR(near.max_distance, 1.2, 1e-5);
   EXPECT_EQ(near.coloured, 0u);
   const VoxelError far = error_of(level_square(10, 0.5), level_square(10, 5.5));
   EXPECT_EQ(far.missed_by_one, 1);
-  EXPECT_NEAR(far.farthest, 5, 1e-5);
+  EXPECT_NEAR(far.max_distance, 5, 1e-5);
 }
 
 TEST_F(VoxelErrors, OfHalfAPlaneAreTheOtherHalf) {
@@ -162,7 +162,7 @@ TEST_F(VoxelErrors, OfCoarserVoxelsAreInTheirs) {
   const VoxelError e = error_of(level_square(10, 3), level_square(10, 3), 2);
   EXPECT_EQ(e.voxels, 400u);
   EXPECT_EQ(e.missed + e.extra, 0);
-  EXPECT_NEAR(e.farthest, 0, 1e-6);
+  EXPECT_NEAR(e.max_distance, 0, 1e-6);
 }
 
 TEST_F(VoxelErrors, DoNotDependOnThreads) {
@@ -176,10 +176,10 @@ TEST_F(VoxelErrors, DoNotDependOnThreads) {
 TEST_F(VoxelErrors, AreOfAtMostAsManyVoxelsAsAskedFor) {
   const auto scene = bake(sources("plane.glb", level_square(10, 0.5)), lattice());
   const SceneDescription description = read_scene(scene);
-  for (const std::uint64_t most : {1, 7, 1000, 1599, 1600, 9999}) {
-    const std::size_t sampled = sample_voxels(description, scene, most, 5).size();
-    EXPECT_LE(sampled, most);
-    EXPECT_GE(sampled, std::min<std::uint64_t>(most, 1600) / 2);
+  for (const std::uint64_t maximum : {1, 7, 1000, 1599, 1600, 9999}) {
+    const std::size_t sampled = sample_voxels(description, scene, maximum, 5).size();
+    EXPECT_LE(sampled, maximum);
+    EXPECT_GE(sampled, std::min<std::uint64_t>(maximum, 1600) / 2);
   }
 }
 

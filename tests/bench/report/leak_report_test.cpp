@@ -8,11 +8,11 @@
 namespace gigabake::bench {
 namespace {
 
-LeakError error_of(std::size_t inner, double below_99, double least) {
+LeakError error_of(std::size_t inner, double below_99, double minimum) {
   LeakError e;
   e.inner = inner;
   e.below_99 = below_99;
-  e.least = least;
+  e.minimum = minimum;
   return e;
 }
 
@@ -87,7 +87,7 @@ TEST(LeakBench, MeasuresAFewPlanesFromTheirFilesToTheirRows) {
     EXPECT_FALSE(std::filesystem::exists(folder.path() / scene.name)) << "nothing is kept";
     for (const LeakRow& row : scene.rows) {
       EXPECT_LE(row.error.inner, 26u * 26);
-      EXPECT_GT(row.error.least, 0.1) << scene.name << " is there";
+      EXPECT_GT(row.error.minimum, 0.1) << scene.name << " is there";
     }
   }
 }

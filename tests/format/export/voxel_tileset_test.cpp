@@ -205,23 +205,23 @@ TEST(VoxelTileset, TheCubeFitsTheScene) {
   std::mt19937_64 rng(test::RandomSeed{});
   for (int round = 0; round < 2000; ++round) {
     LatticeBox bounds;
-    const std::int64_t most = std::int64_t(1) << (1 + rng() % 30);
+    const std::int64_t maximum = std::int64_t(1) << (1 + rng() % 30);
     for (std::size_t c = 0; c < 3; ++c) {
       bounds.min[c] = std::int64_t(rng() % 2000000) - 1000000;
-      bounds.end[c] = bounds.min[c] + 1 + std::int64_t(rng() % std::uint64_t(most));
+      bounds.end[c] = bounds.min[c] + 1 + std::int64_t(rng() % std::uint64_t(maximum));
     }
     const int finest = int(rng() % 4);
     const VoxelTiling tiling = tiling_of(bounds, finest, 0);
     const std::int64_t root_voxel = std::int64_t(1) << tiling.coarsest(), cube = root_voxel * tiling.edge;
-    std::int64_t longest = 0;
+    std::int64_t max_edge = 0;
     for (std::size_t c = 0; c < 3; ++c) {
       ASSERT_LE(tiling.corner[c], bounds.min[c]);
       ASSERT_GE(tiling.corner[c] + cube, bounds.end[c]);
       ASSERT_EQ(tiling.corner[c] % root_voxel, 0);
-      longest = std::max(longest, bounds.end[c] - bounds.min[c]);
+      max_edge = std::max(max_edge, bounds.end[c] - bounds.min[c]);
     }
     ASSERT_LE(tiling.edge, 112u);
-    ASSERT_LE(double(cube), 1.5 * double(longest) + 3.0 * double(root_voxel));
+    ASSERT_LE(double(cube), 1.5 * double(max_edge) + 3.0 * double(root_voxel));
   }
 }
 

@@ -31,7 +31,7 @@ SourceWarning lost_faces() {
   return lost;
 }
 
-TileSurvey some_survey() {
+TileScan some_survey() {
   return {5,
           {{-1, 2, -300, 400, 17}, {0, 0, 1, 2, 3}},
           1,
@@ -102,8 +102,8 @@ TEST(CellReport, IsRefusedWhereItsOutcomeIsUnknown) {
   }
 }
 
-TEST(TileSurvey, ComesBackFromItsBytes) {
-  const TileSurvey survey = some_survey(), back = survey_from_bytes(to_bytes(survey));
+TEST(TileScan, ComesBackFromItsBytes) {
+  const TileScan survey = some_survey(), back = survey_from_bytes(to_bytes(survey));
   EXPECT_EQ(back.tile, survey.tile);
   ASSERT_EQ(back.columns.size(), 2u);
   EXPECT_EQ(back.columns[0].z_min, -300);

@@ -48,7 +48,7 @@ LevelDifference sum_of_lod(const SceneDifference& d, int lod) {
       sum.only_in_b += l.only_in_b;
       sum.recoloured += l.recoloured;
       sum.turned += l.turned;
-      for (std::size_t c = 0; c < 4; ++c) sum.largest[c] = std::max(sum.largest[c], l.largest[c]);
+      for (std::size_t c = 0; c < 4; ++c) sum.maximum[c] = std::max(sum.maximum[c], l.maximum[c]);
     }
   return sum;
 }
@@ -100,7 +100,7 @@ TEST(Diff, CountsWhatChangedHoweverCellsAreCut) {
     EXPECT_EQ(d.only_in_b, 0u);
     EXPECT_EQ(d.recoloured, expected.recoloured);
     EXPECT_EQ(d.turned, expected.turned);
-    EXPECT_EQ(d.largest, (std::array{0, 40, 0, 0}));
+    EXPECT_EQ(d.maximum, (std::array{0, 40, 0, 0}));
     const LevelDifference back = sum_of_lod(diff_scenes(folder / "b/scene.xml", folder / "a/scene.xml"), 0);
     EXPECT_EQ(back.only_in_a, 0u);
     EXPECT_EQ(back.only_in_b, expected.only_in_a);
@@ -123,7 +123,7 @@ TEST(Diff, NamesTheCellThatDiffersAndByHowMuch) {
   const LevelDifference& l = d.cells[0].levels[0];
   EXPECT_EQ(l.both, 2u);
   EXPECT_EQ(l.recoloured, 2u);
-  EXPECT_EQ(l.largest, (std::array{0, 3, 0, 10}));
+  EXPECT_EQ(l.maximum, (std::array{0, 3, 0, 10}));
   EXPECT_EQ(l.mean, (std::array<double, 4>{0, 2, 0, 5}));
 }
 
@@ -153,7 +153,7 @@ TEST(Diff, SeesVoxelsInAConstantBranchAsThoseThatAreWrittenOut) {
   const LevelDifference d = sum_of_lod(diff_scenes(folder / "a/scene.xml", folder / "b/scene.xml"), 0);
   EXPECT_EQ(d.only_in_a + d.only_in_b, 0u);
   EXPECT_EQ(d.recoloured, 1u);
-  EXPECT_EQ(d.largest[0], 190);
+  EXPECT_EQ(d.maximum[0], 190);
 }
 
 TEST(Diff, OfScenesOnDifferentLatticesIsAnError) {

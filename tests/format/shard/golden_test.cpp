@@ -70,8 +70,8 @@ TEST(GoldenToday, WriterStoresWhatTheNewestVersionStores) {
   EXPECT_EQ(made::difference(read_shard(folder / today.cells[0].file), read_shard(golden(newest) / then.cells[0].file)),
             "");
   EXPECT_EQ(today.cells[0].content_hash, then.cells[0].content_hash);
-  const SaidTotals said = read_scene_text(folder / "scene.xml").said.value();
-  const SaidTotals said_then = read_scene_text(golden(newest) / "scene.xml").said.value();
+  const StoredTotals said = read_scene_text(folder / "scene.xml").said.value();
+  const StoredTotals said_then = read_scene_text(golden(newest) / "scene.xml").said.value();
   EXPECT_EQ(said.voxels, said_then.voxels);
   EXPECT_EQ(said.content_hash, said_then.content_hash);
 }

@@ -82,7 +82,7 @@ void grow(std::mt19937_64& rng, const ShardShape& shape, std::size_t i, Shard& s
   if (lod == 0 || n.kind[i] == NodeKind::leaf_constant) return;
   n.first_child[i] = std::uint32_t(n.key.size());
   while (n.child_mask[i] == 0) n.child_mask[i] = std::uint8_t(rng());
-  while (std::popcount(n.child_mask[i]) > shape.most_children) n.child_mask[i] &= std::uint8_t(n.child_mask[i] - 1);
+  while (std::popcount(n.child_mask[i]) > shape.max_children) n.child_mask[i] &= std::uint8_t(n.child_mask[i] - 1);
   for (std::uint64_t c = 0; c < 8; ++c)
     if (n.child_mask[i] >> c & 1) add_node(n, n.key[i] << 3 | c, lod - 1, random_kind(rng, lod - 1, false));
 }

@@ -248,7 +248,7 @@ TEST(PackedShard, HasRowsAsItsColumnsAre) {
     expect_row(of_channel.share, share_row);
     expect_row(of_channel.first, first_row);
     EXPECT_LE(places[c].offset + places[c].width, places[c].stride);
-    EXPECT_LE(places[c].width, widest_value);
+    EXPECT_LE(places[c].width, max_value_bytes);
   }
 }
 

@@ -42,14 +42,14 @@ std::vector<Point<Scene>> corners(const TileMesh& mesh) {
 
 /// Returns the max distance from a point of `a` to the nearest point of `b`; both have some thousands.
 double distance_m(const std::vector<Point<Scene>>& a, const std::vector<Point<Scene>>& b) {
-  double farthest = 0;
+  double max_distance = 0;
   for (const auto& p : a) {
     double nearest = std::numeric_limits<double>::infinity();
     for (const auto& q : b)
       nearest = std::min(nearest, (p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y) + (p.z - q.z) * (p.z - q.z));
-    farthest = std::max(farthest, nearest);
+    max_distance = std::max(max_distance, nearest);
   }
-  return std::sqrt(farthest);
+  return std::sqrt(max_distance);
 }
 
 /// Returns the bounds of the texture coordinates.

@@ -65,12 +65,12 @@ TEST(MemoryClaim, SaysHowMuchIsWantedAndAllowedAndWhatRaisesIt) {
 
 TEST(MemoryClaim, DoesNotWrapAround) {
   const Limit limit(1 << 20);
-  constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
-  EXPECT_NE(refusal([] { MemoryClaim("a").add_items(most / 2, 4, "", "x"); }), "");
+  constexpr std::uint64_t maximum = std::numeric_limits<std::uint64_t>::max();
+  EXPECT_NE(refusal([] { MemoryClaim("a").add_items(maximum / 2, 4, "", "x"); }), "");
   EXPECT_NE(refusal([] {
               MemoryClaim claim("a");
               claim.add(1 << 20, "", "x");
-              claim.add(most, "", "x");
+              claim.add(maximum, "", "x");
             }),
             "");
 }
@@ -99,7 +99,7 @@ TEST(ParsedJson, SaysLineByteAndWhatWasExpectedInItsOwnWords) {
                                   std::string("\"\xff\""), std::string("nul"), std::string("")}) {
     const std::string line = line_of_json(text);
     EXPECT_NE(line, "");
-    EXPECT_LE(line.size(), longest_message_bytes);
+    EXPECT_LE(line.size(), max_message_bytes);
     EXPECT_EQ(line.find("exception"), std::string::npos) << line;
     EXPECT_EQ(line.find("777777"), std::string::npos) << line;
   }

@@ -91,7 +91,7 @@ TEST_F(ObjParts, HoldTheTrianglesOfTheWhole) {
   std::vector<int> materials;
   const TileMesh parts = read([&](std::size_t index, Primitive&& p) {
     EXPECT_EQ(index, materials.size());
-    EXPECT_LE(p.index.size() / 3, most_part_triangles);
+    EXPECT_LE(p.index.size() / 3, max_part_triangles);
     EXPECT_LE(p.position.size() / 3, 3 * line_vertices);
     materials.push_back(p.material);
     of_parts[p.material].add(p);

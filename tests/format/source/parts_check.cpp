@@ -54,7 +54,7 @@ Streamed read(const TileRef& tile, const std::filesystem::path& root, ReadScope 
   Streamed out;
   const PrimitiveSink sink = [&](std::size_t index, Primitive&& primitive) {
     EXPECT_EQ(index, out.parts.size());
-    EXPECT_LE(primitive.index.size() / 3, most_part_triangles);
+    EXPECT_LE(primitive.index.size() / 3, max_part_triangles);
     out.parts.push_back(std::move(primitive));
   };
   try {
@@ -79,7 +79,7 @@ void expect_same_placements(const TileMesh& whole, const TileMesh& parts, const 
 
 std::size_t parts_of(const Primitive& whole) {
   const std::size_t triangles = whole.index.size() / 3;
-  return std::max<std::size_t>(1, (triangles + most_part_triangles - 1) / most_part_triangles);
+  return std::max<std::size_t>(1, (triangles + max_part_triangles - 1) / max_part_triangles);
 }
 
 void expect_same(const TileMesh& whole, const Streamed& streamed) {
@@ -91,8 +91,8 @@ void expect_same(const TileMesh& whole, const Streamed& streamed) {
     for (std::size_t k = 0; k < parts; ++k, ++at) {
       ASSERT_LT(at, streamed.parts.size());
       const std::string what = "part " + std::to_string(at);
-      const std::size_t begin = k * most_part_triangles, end = std::min(begin + most_part_triangles, triangles);
-      const bool is_whole = triangles <= most_part_triangles && vertices <= 3 * most_part_triangles;
+      const std::size_t begin = k * max_part_triangles, end = std::min(begin + max_part_triangles, triangles);
+      const bool is_whole = triangles <= max_part_triangles && vertices <= 3 * max_part_triangles;
       expect_same(streamed.parts[at], is_whole ? w : expected_part(w, begin, end - begin), what);
       for (const Primitive& p : {std::cref(streamed.parts[at]), std::cref(streamed.mesh.primitives.at(at))}) {
         EXPECT_EQ(p.material, w.material) << what;

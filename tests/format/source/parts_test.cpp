@@ -94,7 +94,7 @@ TEST_F(InParts, VerticesInRandomOrder) {
 /// Some vertices are so far apart that they are read one by one.
 TEST_F(InParts, AFewOfManyVertices) {
   std::vector<std::uint32_t> corners = numbers<std::uint32_t>(300, 6);
-  constexpr std::uint32_t many = 3 * most_part_triangles + 1;
+  constexpr std::uint32_t many = 3 * max_part_triangles + 1;
   for (std::uint32_t& c : corners) c %= many;
   corners[0] = 0, corners[1] = many - 1;
   MadeGlb made;
@@ -107,7 +107,7 @@ TEST_F(InParts, AFewOfManyVertices) {
 }
 
 TEST_F(InParts, IndicesOfSixteenBits) {
-  std::vector<std::uint16_t> corners = numbers<std::uint16_t>(3 * (2 * most_part_triangles + 5), 8);
+  std::vector<std::uint16_t> corners = numbers<std::uint16_t>(3 * (2 * max_part_triangles + 5), 8);
   for (std::uint16_t& c : corners) c %= 60000;
   MadeGlb made;
   made.add_primitive(made.add(numbers<float>(3 * 60000, 9), 3, of_floats), made.add(corners, 1, of_shorts));
@@ -116,13 +116,13 @@ TEST_F(InParts, IndicesOfSixteenBits) {
 
 TEST_F(InParts, TrianglesWithoutIndices) {
   MadeGlb made;
-  made.add_primitive(made.add(numbers<float>(9 * (most_part_triangles + 1), 10), 3, of_floats));
+  made.add_primitive(made.add(numbers<float>(9 * (max_part_triangles + 1), 10), 3, of_floats));
   EXPECT_EQ(parts_of(made), 2u);
 }
 
 /// A strip reverses every other triangle, in any part.
 TEST_F(InParts, StripsAndFans) {
-  std::vector<std::uint32_t> order = numbers<std::uint32_t>(most_part_triangles + 8, 11);
+  std::vector<std::uint32_t> order = numbers<std::uint32_t>(max_part_triangles + 8, 11);
   for (std::uint32_t& v : order) v %= 1000;
   MadeGlb made;
   const int position = made.add(numbers<float>(3 * 1000, 12), 3, of_floats), indices = made.add(order, 1, of_words);
@@ -165,7 +165,7 @@ TEST_F(InParts, SeveralPrimitivesAndPlacements) {
 /// Other formats are read whole first.
 TEST_F(InParts, AnStl) {
   std::string bytes(84, ' ');
-  const std::uint32_t facets = most_part_triangles + 3;
+  const std::uint32_t facets = max_part_triangles + 3;
   std::memcpy(&bytes[80], &facets, sizeof facets);
   const std::vector<float> values = numbers<float>(std::size_t(facets) * 12, 16);
   bytes.reserve(84 + 50 * std::size_t(facets));

@@ -36,9 +36,9 @@ std::string gzipped(const std::string& text) {
 
 Bytes bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
 
-std::string error_of(const std::string& packed, std::uint64_t most_bytes = 1 << 20) {
+std::string error_of(const std::string& packed, std::uint64_t max_bytes = 1 << 20) {
   try {
-    unpacked_gzip("tile.b3dm", bytes_of(packed), most_bytes);
+    unpacked_gzip("tile.b3dm", bytes_of(packed), max_bytes);
   } catch (const InputError& e) {
     return e.what();
   }

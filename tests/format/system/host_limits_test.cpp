@@ -95,10 +95,10 @@ TEST_F(HostLimitsTest, TakeNonsenseForNoLimit) {
 
 TEST(UsualMemory, IsHalfOfAFairShareAtMost) {
   const std::uint64_t gib = std::uint64_t(1) << 30;
-  EXPECT_EQ(usual_memory(4 * gib, 64 * gib, 1), 4 * gib);
-  EXPECT_EQ(usual_memory(4 * gib, gib, 1), gib / 2);
-  EXPECT_EQ(usual_memory(4 * gib, 8 * gib, 4), gib);
-  EXPECT_EQ(usual_memory(4 * gib, 1, 100), std::uint64_t(64) << 20);
+  EXPECT_EQ(default_memory(4 * gib, 64 * gib, 1), 4 * gib);
+  EXPECT_EQ(default_memory(4 * gib, gib, 1), gib / 2);
+  EXPECT_EQ(default_memory(4 * gib, 8 * gib, 4), gib);
+  EXPECT_EQ(default_memory(4 * gib, 1, 100), std::uint64_t(64) << 20);
 }
 
 TEST(HostLimits, OfThisProcessAreAtLeastACoreAndAtMostTheHosts) {

@@ -54,8 +54,8 @@ TEST(MipOf64, StandsWhereItsOctantLies) {
     for (std::uint32_t y = 0; y < 8; ++y)
       for (std::uint32_t x = 0; x < 8; ++x) {
         const std::uint64_t brick = morton(4 * 5 + x / 2, 4 * 6 + y / 2, 4 * 7 + z / 2);
-        EXPECT_EQ(key_two_above(brick), morton(5, 6, 7));
-        EXPECT_EQ(voxel_two_above(brick, int(x % 2 + 2 * (y % 2) + 4 * (z % 2))), int(x + 8 * y + 64 * z));
+        EXPECT_EQ(grandparent_key(brick), morton(5, 6, 7));
+        EXPECT_EQ(grandparent_voxel(brick, int(x % 2 + 2 * (y % 2) + 4 * (z % 2))), int(x + 8 * y + 64 * z));
       }
 }
 

@@ -12,7 +12,7 @@ namespace {
 const Tables mip_tables = TableStore::host().view();
 
 TEST(Weights, AreAsMuchAsShowsOfEachChild) {
-  FacingSums seen;
+  CoverageSums seen;
   for (std::uint32_t c = 0; c < 8; ++c) seen.seen[c] = 6 * c;
   const std::uint32_t all[2] = {0x01010101, 0x01010101};
   const Weights w = weights_of(seen, 1, all);
@@ -21,15 +21,15 @@ TEST(Weights, AreAsMuchAsShowsOfEachChild) {
 
 TEST(Weights, AreAlikeWhereAllChildrenAreTooFaintAndNoneForThoseThatAreNotThere) {
   const std::uint32_t there[2] = {0x01000001, 0x00010000};
-  const Weights w = weights_of(FacingSums{}, 8, there);
+  const Weights w = weights_of(CoverageSums{}, 8, there);
   for (int c = 0; c < 8; ++c) EXPECT_EQ(w.of(c), c == 0 || c == 3 || c == 6 ? 1u : 0u) << c;
-  EXPECT_EQ(w.largest_facing(), 1u) << "what exists does not vanish";
+  EXPECT_EQ(w.max_facing(), 1u) << "what exists does not vanish";
 }
 
 TEST(Weights, TellTheLargestFacing) {
-  EXPECT_EQ((Weights{{0, 0}, 0x010203}.largest_facing()), 3u);
-  EXPECT_EQ((Weights{{0, 0}, 0x010302}.largest_facing()), 3u);
-  EXPECT_EQ((Weights{{0, 0}, 0x030201}.largest_facing()), 3u);
+  EXPECT_EQ((Weights{{0, 0}, 0x010203}.max_facing()), 3u);
+  EXPECT_EQ((Weights{{0, 0}, 0x010302}.max_facing()), 3u);
+  EXPECT_EQ((Weights{{0, 0}, 0x030201}.max_facing()), 3u);
 }
 
 TEST(ParentSlab, HasAVoxelWhereOneOfEightExists) {
@@ -61,7 +61,7 @@ Level two_voxels() {
 TEST(Levels, TakeTheMeanOfAllChildrenWhereNothingOfAnyShows) {
   std::vector<Level> levels(5);
   levels.back() = two_voxels();
-  LevelSurface rasters{std::vector<std::uint32_t>(2 * std::size_t(raster_words(most_raster_edge)), 0), {}};
+  LevelSurface rasters{std::vector<std::uint32_t>(2 * std::size_t(raster_words(max_raster_edge)), 0), {}};
   add_coarser_levels(levels, rasters, 6, MipFilter::coverage, true, ThreadPool(1));
   ASSERT_EQ(levels.size(), 6u);
   const std::uint8_t half = mip_tables.srgb_from_linear[(65535 + 1) / 2];

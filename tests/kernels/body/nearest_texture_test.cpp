@@ -26,7 +26,7 @@ struct WholeCell {
   FragmentShape shape() const { return {{0.5, 0.5}, 1, 1.0f / 12, 0, 1.0f / 12, 0, 0, u, v, 4}; }
 };
 
-Rgba16 found(const Texture& texture, const NearestLook& look, const FragmentShape& shape) {
+Rgba16 found(const Texture& texture, const NearestMap& look, const FragmentShape& shape) {
   return nearest_over(texture.view(), look, shape, TableStore::host().view().linear_from_srgb);
 }
 
@@ -44,7 +44,7 @@ Rgba16 texel_of(const Texture& texture, std::int64_t x, std::int64_t y) {
 }
 
 /// Returns the mean in an upright box, in which the weights of texels are products.
-std::array<double, 4> mean_in_box(const Texture& texture, const NearestLook& look) {
+std::array<double, 4> mean_in_box(const Texture& texture, const NearestMap& look) {
   const TextureView view = texture.view();
   const double x0 = look.s0 * view.width, x1 = x0 + look.su * view.width, y0 = look.t0 * view.height,
                y1 = y0 + look.tv * view.height;
@@ -68,14 +68,14 @@ TEST(NearestTexels, AreWeighedByTheAreaThatIsCovered) {
     const Texture texture = random_texture(width, height, i % 2 == 0 ? TextureAlpha::blend : TextureAlpha::mask, rng);
     const auto unit = [&rng] { return std::uniform_real_distribution<double>(0, 1)(rng); };
     const double reach = i % 3 == 0 ? 3 : 1000;
-    const NearestLook look{reach * (2 * unit() - 1),
-                           (0.01 + 6.9 * unit()) / width,
-                           0,
-                           reach * (2 * unit() - 1),
-                           0,
-                           (0.01 + 6.9 * unit()) / height,
-                           all_wraps[rng() % 3],
-                           all_wraps[rng() % 3]};
+    const NearestMap look{reach * (2 * unit() - 1),
+                          (0.01 + 6.9 * unit()) / width,
+                          0,
+                          reach * (2 * unit() - 1),
+                          0,
+                          (0.01 + 6.9 * unit()) / height,
+                          all_wraps[rng() % 3],
+                          all_wraps[rng() % 3]};
     const Rgba16 mean = found(texture, look, cell.shape());
     const std::array<double, 4> wanted = mean_in_box(texture, look);
     for (std::size_t c = 0; c < 4; ++c)
@@ -150,7 +150,7 @@ TEST(NearestTexels, AreOfTheImageWhateverIsAskedFor) {
 TEST(NearestTexels, AreThoseOfTheFragmentNotOfItsCell) {
   const double u[3] = {0.5, 40, 0.5}, v[3] = {-30, -30, 70};  // a polygon that begins at u = 1/2
   const FragmentShape shape{{0.75, 0.5}, 0.5, 0, 0, 0, 0, 0, u, v, 3};
-  const NearestLook look{0, 0.5, 0, 0.5, 0, 0.1, Wrap::repeat, Wrap::repeat};  // two texels per voxel
+  const NearestMap look{0, 0.5, 0, 0.5, 0, 0.1, Wrap::repeat, Wrap::repeat};  // two texels per voxel
   EXPECT_EQ(found(stripes(), look, shape).c[0], 65535);
 }
 

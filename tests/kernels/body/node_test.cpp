@@ -35,13 +35,13 @@ TEST(CellWindow, ComesFromTheParameters) {
   p.window_voxels = 8192;
   p.window_min[1] = -64;
   p.surface = SurfaceRule::thin;
-  const CellWindow largest = window_of(p);
-  EXPECT_EQ(largest.edge, 8192 * 256);
-  EXPECT_EQ(largest.bricks, 1024);
-  EXPECT_EQ(largest.levels + 1, most_levels);
-  EXPECT_EQ(key_bits(largest), 30);
-  EXPECT_EQ(largest.min[1], -64);
-  EXPECT_EQ(largest.rule, SurfaceRule::thin);
+  const CellWindow maximum = window_of(p);
+  EXPECT_EQ(maximum.edge, 8192 * 256);
+  EXPECT_EQ(maximum.bricks, 1024);
+  EXPECT_EQ(maximum.levels + 1, max_levels);
+  EXPECT_EQ(key_bits(maximum), 30);
+  EXPECT_EQ(maximum.min[1], -64);
+  EXPECT_EQ(maximum.rule, SurfaceRule::thin);
   p.window_voxels = 8;
   EXPECT_EQ(window_of(p).levels, 0);
 }

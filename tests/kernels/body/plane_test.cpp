@@ -109,8 +109,8 @@ TEST(OctahedronPoint, IsTheDirectionThatTheBytesEncode) {
 // The bytes that verify accepts as planes are exactly those that the kernels write.
 TEST(Plane, IsWrittenAsWhatAShardMayHold) {
   std::array<bool, 256> written{};
-  for (std::int32_t offset = -most_offset; offset <= most_offset; ++offset)
-    for (std::int32_t coherence = 0; coherence <= most_coherence; ++coherence)
+  for (std::int32_t offset = -max_offset; offset <= max_offset; ++offset)
+    for (std::int32_t coherence = 0; coherence <= max_coherence; ++coherence)
       written[pack_plane({offset, coherence})] = true;
   for (int byte = 0; byte < 256; ++byte) EXPECT_EQ(is_plane(std::uint8_t(byte)), written[std::size_t(byte)]) << byte;
 }
@@ -129,8 +129,8 @@ TEST(Plane, IsWhereTheVoxelsOfAPlaneLie) {
         const std::uint8_t* facing = &level.facing[facing_bytes * v];
         if (!is_all_sheet(facing[facing_plane])) return;
         const double offset = -plane.above(centre) / half,
-                     said = unpack_plane(facing[facing_plane]).offset / double(most_offset);
-        ASSERT_NEAR(said, offset, 1.0 / half + (lod == 1 ? 1.5 : 0.5) / most_offset)
+                     said = unpack_plane(facing[facing_plane]).offset / double(max_offset);
+        ASSERT_NEAR(said, offset, 1.0 / half + (lod == 1 ? 1.5 : 0.5) / max_offset)
             << "seed " << seed << " plane " << i << " lod " << lod;
       });
     }
@@ -184,14 +184,14 @@ TEST(Plane, IsNoneWithoutNormals) {
 
 TEST(Plane, ComesBackFromItsByte) {
   EXPECT_EQ(pack_plane(Plane()), 0);
-  for (int offset = -most_offset; offset <= most_offset; ++offset)
-    for (int coherence = 1; coherence <= most_coherence; ++coherence) {
+  for (int offset = -max_offset; offset <= max_offset; ++offset)
+    for (int coherence = 1; coherence <= max_coherence; ++coherence) {
       const std::uint8_t byte = pack_plane({offset, coherence});
       const Plane again = unpack_plane(byte);
       EXPECT_NE(byte, 0);
       EXPECT_EQ(again.offset, offset);
       EXPECT_EQ(again.coherence, coherence);
-      EXPECT_EQ(is_all_sheet(byte), coherence == most_coherence);
+      EXPECT_EQ(is_all_sheet(byte), coherence == max_coherence);
     }
 }
 

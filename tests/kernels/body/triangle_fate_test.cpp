@@ -1,8 +1,8 @@
-#include "kernels/body/triangle_fate.h"
-
 #include <gtest/gtest.h>
 #include <limits>
 #include <vector>
+
+#include "kernels/body/classify_triangle.h"
 
 namespace gigabake::kernels {
 namespace {
@@ -16,7 +16,7 @@ class TriangleFate : public testing::Test {
     window_ = window_of(parameters);
   }
 
-  Fate fate(const std::vector<float>& position) {
+  TriangleClass fate(const std::vector<float>& position) {
     const std::uint32_t index[3] = {0, 1, 2};
     PartArrays part{position.data(), index,         uv_, nullptr, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, 0,
                     false,           uv_ != nullptr};
@@ -25,7 +25,7 @@ class TriangleFate : public testing::Test {
       const SnappedVertex vertex = snap_vertex(window_, part, i);
       for (int c = 0; c < 3; ++c) p[i][c] = vertex.v[c];
     }
-    const Fate fate = fate_of(window_, part, index, p);
+    const TriangleClass fate = classify_triangle(window_, part, index, p);
     bad_uv_ = has_bad_uv(fate, part, index);
     return fate;
   }
@@ -38,35 +38,35 @@ class TriangleFate : public testing::Test {
 constexpr float far_m = 1 << 23, nan_m = std::numeric_limits<float>::quiet_NaN(), huge_m = 1e30f;
 
 TEST_F(TriangleFate, KeepsWhatMayTouchTheWindow) {
-  EXPECT_EQ(fate({1, 1, 1, 2, 1, 1, 1, 2, 1}), Fate::kept);
-  EXPECT_EQ(fate({-9, -9, 4, 30, -9, 4, -9, 30, 4}), Fate::kept);
+  EXPECT_EQ(fate({1, 1, 1, 2, 1, 1, 1, 2, 1}), TriangleClass::kept);
+  EXPECT_EQ(fate({-9, -9, 4, 30, -9, 4, -9, 30, 4}), TriangleClass::kept);
 }
 
 TEST_F(TriangleFate, KeepsContactWithTheWindowsFacesAndNothingBeyond) {
-  EXPECT_EQ(fate({8, 0, 0, 8, 1, 0, 8, 0, 1}), Fate::kept);
-  EXPECT_EQ(fate({0, 0, 0, 0, 1, 0, 0, 0, 1}), Fate::kept);
-  EXPECT_EQ(fate({8.01f, 0, 0, 8.01f, 1, 0, 8.01f, 0, 1}), Fate::elsewhere);
-  EXPECT_EQ(fate({-0.01f, 0, 0, -0.01f, 1, 0, -0.01f, 0, 1}), Fate::elsewhere);
+  EXPECT_EQ(fate({8, 0, 0, 8, 1, 0, 8, 0, 1}), TriangleClass::kept);
+  EXPECT_EQ(fate({0, 0, 0, 0, 1, 0, 0, 0, 1}), TriangleClass::kept);
+  EXPECT_EQ(fate({8.01f, 0, 0, 8.01f, 1, 0, 8.01f, 0, 1}), TriangleClass::elsewhere);
+  EXPECT_EQ(fate({-0.01f, 0, 0, -0.01f, 1, 0, -0.01f, 0, 1}), TriangleClass::elsewhere);
 }
 
 TEST_F(TriangleFate, DropsVerticesThatAreNoNumbersOrOffTheLatticeWhereverTheOthersAre) {
-  EXPECT_EQ(fate({nan_m, 1, 1, 2, 1, 1, 1, 2, 1}), Fate::non_finite);
-  EXPECT_EQ(fate({1, 1, 1, 2, 1, huge_m, 1, 2, 1}), Fate::non_finite);
-  EXPECT_EQ(fate({far_m, 1, 1, 2, 1, 1, 1, nan_m, 1}), Fate::non_finite);
+  EXPECT_EQ(fate({nan_m, 1, 1, 2, 1, 1, 1, 2, 1}), TriangleClass::non_finite);
+  EXPECT_EQ(fate({1, 1, 1, 2, 1, huge_m, 1, 2, 1}), TriangleClass::non_finite);
+  EXPECT_EQ(fate({far_m, 1, 1, 2, 1, 1, 1, nan_m, 1}), TriangleClass::non_finite);
 }
 
 TEST_F(TriangleFate, DropsWhatHasNoAreaAfterTheSnapInsideTheWindowAlone) {
-  EXPECT_EQ(fate({1, 1, 1, 2, 2, 2, 3, 3, 3}), Fate::zero_area);
-  EXPECT_EQ(fate({1, 1, 1, 1.001f, 1, 1, 1, 1.001f, 1}), Fate::zero_area);
-  EXPECT_EQ(fate({11, 1, 1, 12, 2, 2, 13, 3, 3}), Fate::elsewhere);
-  EXPECT_EQ(fate({-far_m, 1, 1, 1, 1, 1, far_m, 1, 1}), Fate::zero_area);
+  EXPECT_EQ(fate({1, 1, 1, 2, 2, 2, 3, 3, 3}), TriangleClass::zero_area);
+  EXPECT_EQ(fate({1, 1, 1, 1.001f, 1, 1, 1, 1.001f, 1}), TriangleClass::zero_area);
+  EXPECT_EQ(fate({11, 1, 1, 12, 2, 2, 13, 3, 3}), TriangleClass::elsewhere);
+  EXPECT_EQ(fate({-far_m, 1, 1, 1, 1, 1, far_m, 1, 1}), TriangleClass::zero_area);
 }
 
 TEST_F(TriangleFate, SaysOfWhatReachesTooFarThatItDoesWhereItMeetsTheWindow) {
-  EXPECT_EQ(fate({1, 1, 1, far_m, 1, 1, 1, 2, 1}), Fate::oversized);
-  EXPECT_EQ(fate({10, 10, 1, far_m, 10, 1, 10, 12, 1}), Fate::elsewhere);
-  const float last = float(widest_coordinate / subvoxels);
-  EXPECT_EQ(fate({1, 1, 1, last, 1, 1, 1, 2, 1}), Fate::kept);
+  EXPECT_EQ(fate({1, 1, 1, far_m, 1, 1, 1, 2, 1}), TriangleClass::oversized);
+  EXPECT_EQ(fate({10, 10, 1, far_m, 10, 1, 10, 12, 1}), TriangleClass::elsewhere);
+  const float last = float(max_coordinate / subvoxels);
+  EXPECT_EQ(fate({1, 1, 1, last, 1, 1, 1, 2, 1}), TriangleClass::kept);
 }
 
 TEST_F(TriangleFate, HasBadTextureCoordinatesOnlyWhereItIsKept) {

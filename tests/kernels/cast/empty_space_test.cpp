@@ -156,7 +156,7 @@ TEST(EmptySpace, IsFoundWhereThePointLies) {
   for (int i = 0; i < 1000; ++i) {
     CastLine line = random_tree_line(random);
     if (i % 2 == 1)
-      for (double& o : line.origin) o += double(widest_scene);
+      for (double& o : line.origin) o += double(max_scene_edge);
     for (int lod = 0; lod < lods; ++lod) {
       const double step = double(random() % 400);
       const FixedPoint at = level_points(tree.scene, line, lod).at(line, lod, step);

@@ -41,7 +41,7 @@ class OneBrick {
     voxel.normal[0] = std::int8_t(x);
     voxel.normal[1] = std::int8_t(y);
     voxel.normal[2] = std::int8_t(127 - x - y);
-    if (random() % 2 == 0) voxel.plane = pack_plane({below(15) - 7, 1 + below(most_coherence)});
+    if (random() % 2 == 0) voxel.plane = pack_plane({below(15) - 7, 1 + below(max_coherence)});
     if (random() % 32 == 0) voxel.plane = clear_plane;
     return voxel;
   }

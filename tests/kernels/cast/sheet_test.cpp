@@ -15,7 +15,7 @@
 namespace gigabake::kernels {
 namespace {
 
-const std::uint8_t whole_sheet = pack_plane({0, most_coherence});
+const std::uint8_t whole_sheet = pack_plane({0, max_coherence});
 
 struct Slot {
   CastVoxel voxel[slot_voxels] = {};
@@ -66,7 +66,7 @@ struct CastField {
 };
 
 CastField field_at(const CastCorners& corners, bool is_wanted, const double direction[3]) {
-  const CastAround around = look_around(corners, is_wanted);
+  const CastAround around = classify_neighbourhood(corners, is_wanted);
   return {loose_at(corners, around, direction).sample, around.sheet};
 }
 
@@ -98,7 +98,7 @@ std::unique_ptr<Slot> slot_of_plane(const std::int8_t normal[2]) {
         if (std::abs(away) > 1) continue;
         CastVoxel v = opaque_voxel();
         for (int a = 0; a < 3; ++a) v.normal[a] = std::int8_t(n.c[a]);
-        v.plane = pack_plane({int(std::lround(away * most_offset)), most_coherence});
+        v.plane = pack_plane({int(std::lround(away * max_offset)), max_coherence});
         slot->at(x, y, z) = v;
       }
   return slot;
@@ -117,7 +117,7 @@ TEST(CastSheet, IsWhereThePlaneOfItsVoxelsIs) {
       if (sheet.sheet == 0) continue;
       double above = 0;
       for (int a = 0; a < 3; ++a) above += n.c[a] / 127.0 * (p.base[a] + double(p.between[a]) - 4);
-      ASSERT_NEAR(sheet.height(), above, 0.25 / most_offset + 0.5 / 127 + 1e-5) << "half a unit of offset and place";
+      ASSERT_NEAR(sheet.height(), above, 0.25 / max_offset + 0.5 / 127 + 1e-5) << "half a unit of offset and place";
     }
   }
 }
@@ -211,14 +211,14 @@ TEST(PartInPair, IsHowMuchOfAColumnsSheetLiesInTwoVoxels) {
 /// Returns voxels of surfaces whose normals differ from one direction by up to `spread` bytes per component. If
 /// `is_mixed`, some voxels have a second surface or residual coverage.
 Slot random_sheets(std::mt19937_64& random, int spread, bool is_mixed) {
-  const auto byte = [&](int most) { return int(random() % std::uint64_t(2 * most + 1)) - most; };
+  const auto byte = [&](int maximum) { return int(random() % std::uint64_t(2 * maximum + 1)) - maximum; };
   const int to[2] = {byte(60), byte(60)};
   Slot slot;
   for (CastVoxel& voxel : slot.voxel) {
     if (random() % 2 == 0) continue;
     const auto normal = [&](int a) { return std::int8_t(to[a] + byte(spread)); };
     const int x = normal(0), y = normal(1), z = std::max(0, 127 - std::abs(x) - std::abs(y));
-    const int coherence = is_mixed && random() % 8 == 0 ? 1 : most_coherence;
+    const int coherence = is_mixed && random() % 8 == 0 ? 1 : max_coherence;
     for (int k = 0; k < 3; ++k) voxel.c[3 + k] = std::uint16_t(257 * (1 + random() % 255));
     voxel = {{9, 9, 9, voxel.c[3], voxel.c[4], voxel.c[5]},
              {std::int8_t(x), std::int8_t(y < 0 ? std::abs(x) + z - 127 : 127 - std::abs(x) - z), std::int8_t(z)},
@@ -236,9 +236,9 @@ TEST(Sheet, IsAllThereIsWhereItIsCalledFlat) {
     RandomPoints points;
     for (int n = 0; n < 50; ++n) {
       const CastCorners corners = corners_of(brick.view(), points.next());
-      const CastAround around = look_around(corners, true);
+      const CastAround around = classify_neighbourhood(corners, true);
       if (around.kind != PointKind::sheet) continue;
-      const CastSample loose = loose_sample(corners, around.sheet);
+      const CastSample loose = residual_sample(corners, around.sheet);
       ++(around.is_flat ? flat : others);
       for (int k = 0; around.is_flat && k < cast_channels; ++k) ASSERT_EQ(loose.c[k], 0);
     }

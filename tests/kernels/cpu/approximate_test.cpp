@@ -137,7 +137,7 @@ TEST(Approximate, TakesTheLargestOfBrickOctantAndGroupThatFits) {
 /// The lanes of a device iterate from groups to voxels, the host from voxels to groups.
 TEST(Approximate, NumbersTheVoxelsOfAGroupFromItsLowestOn) {
   std::array<int, brick_voxels> seen{};
-  for (unsigned group = 0; group < groups_a_brick; ++group)
+  for (unsigned group = 0; group < groups_per_brick; ++group)
     for (const unsigned further : {0u, 1u, 8u, 9u, 64u, 65u, 72u, 73u}) {
       const unsigned voxel = lowest_voxel_of(group) + further;
       EXPECT_EQ(group_of(voxel), group);

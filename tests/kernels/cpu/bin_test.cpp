@@ -71,11 +71,11 @@ TEST_P(Bin, GivesTheSamePairsInAnyBatches) {
   parameters.window_voxels = 256;
   parameters.surface = GetParam();
   const auto triangles = random_triangles(2000, 256 * 256, rng);
-  const auto pairs_in_batches_of = [&](std::uint64_t most) {
+  const auto pairs_in_batches_of = [&](std::uint64_t maximum) {
     std::vector<Pair> all;
     std::uint64_t end_key = 0;
     CellStats stats;
-    for (const Batch& batch : plan_batches(triangles, parameters, most, pool)) {
+    for (const Batch& batch : plan_batches(triangles, parameters, maximum, pool)) {
       EXPECT_GE(batch.first_key, end_key);
       end_key = batch.end_key;
       const auto pairs = sorted_pairs(triangles, parameters, batch, pool, stats);

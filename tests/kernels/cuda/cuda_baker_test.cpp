@@ -108,7 +108,7 @@ TEST_F(CudaBakerTest, BakesTheSameBitsAsTheCpuWhereCoverageAlongTheAxesIsNotKept
 
 TEST_F(CudaBakerTest, BakesTheSameBitsInPartsOfAnySize) {
   std::list<test::TestCell> cells = test::all_cells();
-  std::uint64_t most_parts = 0;
+  std::uint64_t max_parts = 0;
   for (test::TestCell& cell : cells)
     for (const auto& [rule, filter] :
          {std::pair(SurfaceRule::area, MipFilter::coverage), std::pair(SurfaceRule::conservative, MipFilter::thesis),
@@ -120,12 +120,12 @@ TEST_F(CudaBakerTest, BakesTheSameBitsInPartsOfAnySize) {
         SCOPED_TRACE(cell.name + ", rule " + std::to_string(int(rule)) + ", bytes " + std::to_string(bytes));
         parameters.memory_bytes = bytes;
         const CellVolume device = baker_->bake_cell(input, parameters);
-        most_parts = std::max(most_parts, device.stats.batches);
+        max_parts = std::max(max_parts, device.stats.batches);
         expect_equal_counts(host.stats, device.stats);
         expect_equal(host, device);
       }
     }
-  EXPECT_GT(most_parts, 100u);
+  EXPECT_GT(max_parts, 100u);
 }
 
 TEST_F(CudaBakerTest, KeepsToItsMemory) {

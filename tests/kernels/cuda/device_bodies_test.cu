@@ -135,7 +135,7 @@ TEST(DeviceBodies, ResolveToTheSameVoxelsAsOnTheCpu) { expect_same_bits<Resolved
 
 /// The number of words of a parent whose children have rasters of this edge.
 template <int Edge>
-constexpr int parent_words = raster_words(Edge < most_raster_edge ? 2 * Edge : most_raster_edge);
+constexpr int parent_words = raster_words(Edge < max_raster_edge ? 2 * Edge : max_raster_edge);
 
 template <int Edge>
 struct Filtered {
@@ -157,7 +157,7 @@ struct FilterCase {
     return out;
   }
 
-  GB_HD FacingSums see(const Tables& tables, std::uint32_t* to) const {
+  GB_HD CoverageSums see(const Tables& tables, std::uint32_t* to) const {
     if constexpr (Edge == 1) {
       AxisCoverage all;
       for (int c = 0; c < 8; ++c) {
@@ -167,7 +167,7 @@ struct FilterCase {
       }
       return see_voxels(all, to);
     } else {
-      return see_children<Edge>(*this, to);
+      return cover_children<Edge>(*this, to);
     }
   }
 };
@@ -176,7 +176,7 @@ template <int Edge>
 struct FilterBody {
   GB_HD Filtered<Edge> operator()(const FilterCase<Edge>& from, const Tables& tables) const {
     Filtered<Edge> out;
-    const FacingSums seen = from.see(tables, out.raster);
+    const CoverageSums seen = from.see(tables, out.raster);
     std::uint32_t there[2] = {};
     for (int c = 0; c < 8; ++c) there[c / 4] |= std::uint32_t(from.child[c].rgba[3] != 0) << 8 * (c % 4);
     const Weights weights = weights_of(seen, Edge, there);
@@ -215,12 +215,12 @@ TEST(DeviceBodies, FilterTheSameLevelsAsOnTheCpu) {
 /// Eight voxels with the moments of their surfaces; a voxel of coverage 0 does not exist.
 struct PatchCase {
   Voxel child[8];
-  Patch patch[8];
+  SurfaceMoments patch[8];
   std::uint32_t facing;
 };
 
 struct Joined {
-  Patch patch[2];
+  SurfaceMoments patch[2];
   std::uint8_t plane[2], beside[2][3];
 };
 
@@ -237,7 +237,7 @@ struct JoinBody {
       const Plane plane = plane_of(made.patch, made.voxel.normal, i == 0);
       out.patch[i] = made.patch;
       out.plane[i] = pack_plane(plane);
-      for (int a = 0; a < 3; ++a) out.beside[i][a] = byte_of(coverage_beside(plane, from.facing), a);
+      for (int a = 0; a < 3; ++a) out.beside[i][a] = byte_of(stored_coverage(plane, from.facing), a);
     }
     return out;
   }
@@ -254,9 +254,9 @@ std::vector<PatchCase> random_patches(int count) {
     for (int c = 0; c < 8; ++c) {
       for (int a = 0; a < 2; ++a) f.child[c].normal[a] = flat ? normal[a] : std::int8_t(within(127));
       f.child[c].rgba[3] = random() % 3 == 0 ? 0 : std::uint8_t(random());
-      for (std::int16_t& x : f.patch[c].place) x = std::int16_t(within(flat ? 2000 : place_unit));
+      for (std::int16_t& x : f.patch[c].place) x = std::int16_t(within(flat ? 2000 : position_unit));
       f.patch[c].spread = std::uint8_t(random() % (flat ? 40 : 256));
-      f.patch[c].agreement = std::uint8_t(255 - random() % (flat ? 60 : 256));
+      f.patch[c].normal_coherence = std::uint8_t(255 - random() % (flat ? 60 : 256));
     }
     f.child[random() % 8].rgba[3] = 255;
     f.facing = std::uint32_t(random()) & 0xffffff;

@@ -72,7 +72,7 @@ TEST_F(DeviceDeflate, MakesTheHostsBytesOfOneChunkOfOneByteAndOfNoChunk) {
 }
 
 TEST_F(DeviceDeflate, RefusesAChunkThatIsTooLarge) {
-  chunks_.push_back({0, largest_packed_chunk + 1, 1});
+  chunks_.push_back({0, max_packed_chunk_bytes + 1, 1});
   EXPECT_THROW(pack_on_device(device_, raw_, chunks_, 1), CudaFailure);
 }
 

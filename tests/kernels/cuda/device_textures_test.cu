@@ -50,7 +50,7 @@ struct TexturedTriangle {
 
 /// Intermediate results of each fragment in order, so that a failure shows the first step that differs.
 struct Steps {
-  double area, centroid_u, centroid_v, map[6], corner[2 * Outline::most], image[2 * Outline::most];
+  double area, centroid_u, centroid_v, map[6], corner[2 * Outline::maximum], image[2 * Outline::maximum];
   std::int32_t corners, level;
   std::uint16_t rgba[4];
 };
@@ -72,7 +72,7 @@ struct TextureBody {
     out.centroid_u = f.centroid.u;
     out.centroid_v = f.centroid.v;
     const Outline outline = outline_of(f);
-    const FragmentMap map = fragment_map(nearest_look(surface.material, surface.map), texture.width, texture.height);
+    const FragmentMap map = fragment_map(nearest_map(surface.material, surface.map), texture.width, texture.height);
     TexelOutline image;
     map_outline(outline, map, {f.centroid.u - f.cell_u, f.centroid.v - f.cell_v}, image);
     const double all[6] = {map.su, map.sv, map.tu, map.tv, surface.map.s0, surface.map.t0};

@@ -12,7 +12,7 @@ namespace gigabake {
 namespace {
 
 using kernels::FirstHit;
-using kernels::FirstHitLook;
+using kernels::VoxelAttributes;
 using namespace first_hit_test;
 
 class CudaFirstHit : public testing::Test {
@@ -25,9 +25,9 @@ class CudaFirstHit : public testing::Test {
 
   /// Compares with the device's last cast.
   static void expect_equal(const kernels::CudaFirstHits& device, const std::vector<FirstHit>& hits,
-                           const std::vector<FirstHitLook>& looks) {
+                           const std::vector<VoxelAttributes>& looks) {
     const std::vector<FirstHit> device_hits = device.hits();
-    const std::vector<FirstHitLook> device_looks = device.looks();
+    const std::vector<VoxelAttributes> device_looks = device.looks();
     ASSERT_EQ(device_hits.size(), hits.size());
     ASSERT_EQ(device_looks.size(), looks.size());
     int different = 0;
@@ -50,7 +50,7 @@ TEST_F(CudaFirstHit, CastsRaysAsTheCpuDoes) {
     for (const std::size_t count : {std::size_t(1), std::size_t(33), std::size_t(200000)}) {
       const std::vector<kernels::FirstHitRay> rays = random_rays(count, -20, 84);
       std::vector<FirstHit> hits(count);
-      std::vector<FirstHitLook> looks(count);
+      std::vector<VoxelAttributes> looks(count);
       kernels::cast_first_hits(scene.view, {rays.data(), count}, {{hits.data(), count}, {looks.data(), count}}, pool_);
       device.upload({rays.data(), count});
       device.cast(true);
@@ -67,7 +67,7 @@ TEST_F(CudaFirstHit, CastsPicturesAsTheCpuDoes) {
   for (const kernels::FirstHitCamera& c : cameras_on_hills()) {
     const std::size_t count = std::size_t(c.width) * std::size_t(c.height);
     std::vector<FirstHit> hits(count);
-    std::vector<FirstHitLook> looks(count);
+    std::vector<VoxelAttributes> looks(count);
     kernels::cast_first_hits(scene.view, c, {{hits.data(), count}, {looks.data(), count}}, pool_);
     device.cast(c, true);
     expect_equal(device, hits, looks);
@@ -80,7 +80,7 @@ TEST_F(CudaFirstHit, MeetsNothingInAnEmptyScene) {
   const std::vector<kernels::FirstHitRay> rays = random_rays(100, -1, 1);
   device.upload({rays.data(), rays.size()});
   device.cast(false);
-  for (const FirstHit& hit : device.hits()) EXPECT_EQ(hit.look, kernels::no_look);
+  for (const FirstHit& hit : device.hits()) EXPECT_EQ(hit.look, kernels::no_attributes);
   EXPECT_TRUE(device.looks().empty());
 }
 

@@ -94,13 +94,13 @@ TEST(Light, ASkyHasNoBandsAndTheRightMean) {
   FrameRenderer renderer = lit_renderer(town);
   View view = lit_view({32, 32, 90}, {32, 300, 160}, 400);
   const Picture sky = renderer.draw_exact(view).picture;
-  int equal_rows = 0, most_equal_rows = 0;
+  int equal_rows = 0, max_equal_rows = 0;
   for (std::ptrdiff_t y = 1; y < 400; ++y) {
     const auto row = sky.rgba.begin() + 1600 * y;
     equal_rows = std::equal(row, row + 1600, row - 1600) ? equal_rows + 1 : 0;
-    most_equal_rows = std::max(most_equal_rows, equal_rows);
+    max_equal_rows = std::max(max_equal_rows, equal_rows);
   }
-  EXPECT_LE(most_equal_rows, 1);
+  EXPECT_LE(max_equal_rows, 1);
   double worst = 0;
   for (std::size_t top = 0; top < 400; top += 8)
     for (std::size_t k = 0; k < 3; ++k) {

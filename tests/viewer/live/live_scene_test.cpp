@@ -17,7 +17,7 @@ LiveScene::Options small_pictures() {
   options.renderer.threads = 1;
   options.camera.width = 96;
   options.camera.height = 64;
-  options.most_viewers = 3;
+  options.max_viewers = 3;
   return options;
 }
 
@@ -29,8 +29,8 @@ LiveScene::Options large_pictures(int edge, double frame_s) {
   return options;
 }
 
-Steering turn(double right) {
-  Steering s;
+ViewerInput turn(double right) {
+  ViewerInput s;
   s.turn = {right, 0};
   return s;
 }
@@ -119,7 +119,7 @@ TEST(LiveScene, DrawsNothingWhileNobodyMoves) {
   const auto full = scene.full_frame(viewer, patience_s);
   ASSERT_NE(full, nullptr);
   EXPECT_EQ(scene.frame_after(viewer, full->number, 0.7), nullptr);
-  scene.steer(viewer, Steering{});  // a mouse event without movement
+  scene.steer(viewer, ViewerInput{});  // a mouse event without movement
   EXPECT_EQ(scene.frame_after(viewer, full->number, 0.3), nullptr);
   EXPECT_TRUE(scene.state(viewer)->resting);
   scene.steer(viewer, turn(0.01));
@@ -132,7 +132,7 @@ TEST(LiveScene, WaitsForASceneAndFollowsItsReplacement) {
   const auto viewer = scene.add_viewer().value();
   EXPECT_EQ(scene.frame_after(viewer, 0, 0.2), nullptr);
   EXPECT_FALSE(scene.state(viewer)->has_scene);
-  Steering size;
+  ViewerInput size;
   size.size = std::array<int, 2>{48, 40};
   scene.steer(viewer, size);
 

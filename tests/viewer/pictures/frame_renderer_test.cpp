@@ -112,7 +112,7 @@ TEST(FrameRenderer, AFrameInTilesEndsWithinAStepWhenAskedAndComesToTheSameBits) 
   const Picture expected = renderer_of(scene, std::uint64_t(1) << 28).draw_exact(view).picture;
   for (const std::uint64_t memory : {std::uint64_t(3000000), std::uint64_t(1) << 28}) {
     FrameRenderer renderer = renderer_of(scene, memory);
-    FrameInTiles frame = renderer.begin(view, nullptr);
+    ProgressiveFrame frame = renderer.begin(view, nullptr);
     ASSERT_GT(frame.tiles.size(), 4u);
     std::mt19937 random(17);
     int stops = 0;
@@ -171,10 +171,11 @@ TEST(FrameRenderer, AFirstSketchHasASurfaceWhereverTheFinalPictureHas) {
     FrameRenderer renderer = renderer_of(scene, std::uint64_t(1) << 28);
     for (int frames = 0;; ++frames) {
       const Frame frame = renderer.sketch(view, {0.0001, 60, {}});
-      int least = 0;
+      int minimum = 0;
       for (std::size_t i = 3; i < last.rgba.size(); i += 4)
-        least = std::min(least, int(frame.picture.rgba[i]) - int(last.rgba[i]));
-      EXPECT_GE(least, -13) << "frame " << frames << " from " << eye_m[0] << ": a twentieth of the light comes through";
+        minimum = std::min(minimum, int(frame.picture.rgba[i]) - int(last.rgba[i]));
+      EXPECT_GE(minimum, -13) << "frame " << frames << " from " << eye_m[0]
+                              << ": a twentieth of the light comes through";
       if (frame.stats.complete) break;
     }
   }

@@ -56,15 +56,15 @@ View ground_view(double distance, double middle, LevelBlend blend) {
 }
 
 /// Returns the max. difference of a channel between two images, in the middle of the image.
-int largest_change(const Picture& a, const Picture& b) {
-  int most = 0;
+int max_change(const Picture& a, const Picture& b) {
+  int maximum = 0;
   for (std::size_t y = 40; y < 56; ++y)
     for (std::size_t x = 40; x < 56; ++x)
       for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t i = 4 * (y * 96 + x) + k;
-        most = std::max(most, std::abs(int(a.rgba[i]) - int(b.rgba[i])));
+        maximum = std::max(maximum, std::abs(int(a.rgba[i]) - int(b.rgba[i])));
       }
-  return most;
+  return maximum;
 }
 
 /// Returns ground of 256 × 256 voxels.
@@ -88,17 +88,17 @@ TEST(LevelBlend, NoPixelJumpsFromLevelToLevelAsTheEyeMoves) {
   options.threads = 2;
   FrameRenderer renderer(scene.description(), "scene.xml", scene.pages(), options);
   const double lod1 = 96 / std::tan(20 * 3.14159265358979 / 180);
-  int largest[2] = {0, 0};
+  int maximum[2] = {0, 0};
   for (const LevelBlend blend : {LevelBlend::off, LevelBlend::on}) {
     Picture last;
     for (double distance = 0.9 * lod1; distance < 2.3 * lod1; distance *= 1.02) {
       Picture now = renderer.draw_exact(ground_view(distance, 128, blend)).picture;
-      if (last.width > 0) largest[int(blend)] = std::max(largest[int(blend)], largest_change(last, now));
+      if (last.width > 0) maximum[int(blend)] = std::max(maximum[int(blend)], max_change(last, now));
       last = std::move(now);
     }
   }
-  EXPECT_GT(largest[0], 90);
-  EXPECT_LT(largest[1], 60);
+  EXPECT_GT(maximum[0], 90);
+  EXPECT_LT(maximum[1], 60);
 }
 
 TEST(LevelBlend, IsTheSameBytesInTilesAsAWholeAndWithAnyMemory) {

@@ -127,16 +127,16 @@ void expect_alike(const VoxelScene& one, const VoxelScene& many) {
   FrameRenderer expected = renderer_of(one, one.pages()), drawn = renderer_of(many, many.pages());
   for (const Eye& eye : std::span(eyes).first(4)) {
     const Picture a = expected.draw_exact(at(eye)).picture, b = drawn.draw_exact(at(eye)).picture;
-    int largest = 0;
-    for (std::size_t i = 0; i < a.rgba.size(); ++i) largest = std::max(largest, std::abs(a.rgba[i] - b.rgba[i]));
-    EXPECT_LE(largest, 2) << "from " << eye.eye_m[2];
+    int maximum = 0;
+    for (std::size_t i = 0; i < a.rgba.size(); ++i) maximum = std::max(maximum, std::abs(a.rgba[i] - b.rgba[i]));
+    EXPECT_LE(maximum, 2) << "from " << eye.eye_m[2];
   }
 }
 
 TEST(DrawnFromParents, ShowsNoSeamWhereStacksOfCellsBeginAnywhere) { expect_alike(whole(), in_stacks()); }
 
-/// Returns the shards that the image needs; the image must show the scene in at least `least_covered` pixels.
-std::set<std::uint32_t> shards_read(const VoxelScene& scene, const Eye& eye, std::size_t least_covered) {
+/// Returns the shards that the image needs; the image must show the scene in at least `min_covered` pixels.
+std::set<std::uint32_t> shards_read(const VoxelScene& scene, const Eye& eye, std::size_t min_covered) {
   std::mutex mutex;
   std::set<std::uint32_t> shards;
   FrameRenderer renderer = renderer_of(scene, [&, inner = scene.pages()](const PageKey& key) {
@@ -144,7 +144,7 @@ std::set<std::uint32_t> shards_read(const VoxelScene& scene, const Eye& eye, std
     shards.insert(key.shard);
     return inner(key);
   });
-  EXPECT_GT(mostly_covered_pixels(renderer.draw_exact(at(eye)).picture), least_covered);
+  EXPECT_GT(mostly_covered_pixels(renderer.draw_exact(at(eye)).picture), min_covered);
   return shards;
 }
 

@@ -58,14 +58,14 @@ struct Ball {
   /// Paints every voxel that the sphere intersects, like a bake of its surface.
   Painter shell() const {
     return [*this](std::int64_t x, std::int64_t y, std::int64_t z) -> std::optional<Paint> {
-      double nearest = 0, farthest = 0;
+      double nearest = 0, max_distance = 0;
       for (std::size_t a = 0; a < 3; ++a) {
         const double low = double(std::array{x, y, z}[a]) - centre[a];
         const double near = std::max({low, -low - 1, 0.0}), far = std::max(std::fabs(low), std::fabs(low + 1));
         nearest += near * near;
-        farthest += far * far;
+        max_distance += far * far;
       }
-      if (nearest > radius * radius || farthest < radius * radius) return {};
+      if (nearest > radius * radius || max_distance < radius * radius) return {};
       return Paint{{90, 160, 40, 255}, {}};
     };
   }
@@ -75,12 +75,12 @@ constexpr Ball ball{{31.3, 32.1, 30.7}, 26};
 
 /// Expects alpha ≥ `least` where the ray passes well inside the ball, and background where the ray misses it; voxels
 /// have the size `voxel_m`.
-void expect_silhouette(const Picture& p, const CameraOptions& c, const Ball& b, double voxel_m, int least = 255) {
+void expect_silhouette(const Picture& p, const CameraOptions& c, const Ball& b, double voxel_m, int minimum = 255) {
   for (int y = 0; y < p.height; ++y)
     for (int x = 0; x < p.width; ++x) {
       const double distance = b.distance_to_ray(of(c.eye_m), direction(c, x, y));
       if (distance < b.radius - 0.5 * voxel_m) {
-        ASSERT_GE(alpha_at(p, x, y), least) << x << "," << y << " at " << distance << " m";
+        ASSERT_GE(alpha_at(p, x, y), minimum) << x << "," << y << " at " << distance << " m";
       } else if (distance > b.radius + 1.8 * voxel_m) {
         ASSERT_EQ(alpha_at(p, x, y), 0) << x << "," << y << " at " << distance << " m";
       }

@@ -11,8 +11,8 @@ namespace gigabake {
 namespace {
 
 constexpr int scene_edge = 256;
-constexpr int picture_edge = 160;  ///< of an image
-constexpr int least_share = 32;    ///< the scene covers at least 1/32 of the pixels; from afar about 1/15
+constexpr int picture_edge = 160;         ///< of an image
+constexpr int min_coverage_divisor = 32;  ///< the scene covers at least 1/32 of the pixels; from afar about 1/15
 
 /// Paints rolling ground, two voxels thick, and posts that cross the borders of cells.
 std::optional<Paint> landscape(std::int64_t x, std::int64_t y, std::int64_t z) {
@@ -56,14 +56,14 @@ std::size_t covered_pixels(const Picture& picture) {
   return covered;
 }
 
-int largest_difference(const Picture& a, const Picture& b) {
+int max_difference(const Picture& a, const Picture& b) {
   EXPECT_EQ(a.rgba.size(), std::size_t(picture_edge) * picture_edge * 4);
   EXPECT_EQ(a.rgba.size(), b.rgba.size());
-  EXPECT_GT(covered_pixels(a), a.rgba.size() / 4 / least_share) << "the picture shows next to nothing";
-  int largest = 0;
+  EXPECT_GT(covered_pixels(a), a.rgba.size() / 4 / min_coverage_divisor) << "the picture shows next to nothing";
+  int maximum = 0;
   for (std::size_t i = 0; i < std::min(a.rgba.size(), b.rgba.size()); ++i)
-    largest = std::max(largest, std::abs(a.rgba[i] - b.rgba[i]));
-  return largest;
+    maximum = std::max(maximum, std::abs(a.rgba[i] - b.rgba[i]));
+  return maximum;
 }
 
 /// Returns the difference in voxels; infinity if a value is NaN or only one of the rays hits the scene.
@@ -83,7 +83,7 @@ TEST(Seams, AreNotSeenBetweenCellsInAnyModeFromNearAndFar) {
     for (const Place& place : places) {
       View there{view(place.eye_m, place.target_m, picture_edge).camera, mode, {false, {0, 0, 0, 0}}};
       there.camera.pixel_error = place.pixel_error;
-      EXPECT_LE(largest_difference(whole.draw_exact(there).picture, parts.draw_exact(there).picture), 2)
+      EXPECT_LE(max_difference(whole.draw_exact(there).picture, parts.draw_exact(there).picture), 2)
           << name_of(mode) << " from " << place.eye_m[0] << ", pixel error " << place.pixel_error;
     }
 }
@@ -96,14 +96,15 @@ TEST(Seams, LeaveNoHoleInDepthFromNearAndFar) {
     const std::vector<float> a = take(one, options).depth, b = take(sixteen, options).depth;
     ASSERT_EQ(a.size(), std::size_t(picture_edge) * picture_edge);
     ASSERT_EQ(b.size(), a.size());
-    float largest = 0;
+    float maximum = 0;
     std::size_t met = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {
       met += a[i] < kernels::CastRay::no_depth;
-      largest = std::max(largest, difference(a[i], b[i]));
+      maximum = std::max(maximum, difference(a[i], b[i]));
     }
-    EXPECT_LE(largest, 1e-3f) << "voxels, pixel error " << place.pixel_error;
-    EXPECT_GT(met, a.size() / least_share) << "next to nothing of the scene was met; pixel error " << place.pixel_error;
+    EXPECT_LE(maximum, 1e-3f) << "voxels, pixel error " << place.pixel_error;
+    EXPECT_GT(met, a.size() / min_coverage_divisor)
+        << "next to nothing of the scene was met; pixel error " << place.pixel_error;
   }
 }
 

@@ -20,7 +20,7 @@ std::optional<Paint> rough_ball(std::int64_t x, std::int64_t y, std::int64_t z) 
 
 Picture draw(const VoxelScene& scene, const std::array<double, 3>& eye, std::uint64_t pool_bytes,
              std::optional<int> device, const std::optional<kernels::CastLighting>& light = {}, const Clip& clip = {},
-             const PictureLook* look = nullptr, const kernels::CastPolygons& polygons = {}) {
+             const RenderSettings* look = nullptr, const kernels::CastPolygons& polygons = {}) {
   const ThreadPool policy(2);
   SceneStream::Options options;
   options.light = light ? kernels::unlit() : afternoon_light();
@@ -98,11 +98,11 @@ TEST(CastOnDevice, BlendsLevelsShadesAndHidesBehindPolygonsWithTheSameBitsAsOnTh
   for (std::size_t i = 0; i < pixels; i += 3) distance[i] = 500 + float(i % 1000);
   const kernels::CastLighting unhidden = lighting({200, 30}, kernels::CastLightPart::unhidden, air(600, 1));
   const kernels::CastLighting all = lighting({200, 30}, kernels::CastLightPart::all, {});
-  const PictureLook looks[] = {{.background = {}, .blends_levels = true},
-                               {.background = {}, .lighting = all, .blends_levels = true},
-                               {.background = {}, .lighting = unhidden, .shader = kernels::height_shader({0, 64})},
-                               {.background = {}, .lighting = unhidden, .shader = kernels::slope_shader({})}};
-  for (const PictureLook& look : looks)
+  const RenderSettings looks[] = {{.background = {}, .blends_levels = true},
+                                  {.background = {}, .lighting = all, .blends_levels = true},
+                                  {.background = {}, .lighting = unhidden, .shader = kernels::height_shader({0, 64})},
+                                  {.background = {}, .lighting = unhidden, .shader = kernels::slope_shader({})}};
+  for (const RenderSettings& look : looks)
     for (const std::array<double, 3>& eye : {std::array{120.0, -40.0, 80.0}, std::array{900.0, 700.0, 400.0}}) {
       const kernels::CastPolygons polygons{distance.data(), rgba.data()};
       const auto drawn = [&](std::uint64_t pool, std::optional<int> device) {

@@ -60,7 +60,7 @@ TEST(GuardedPages, RefuseLies) {
   EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.normal.clear(); }), HasSubstr("normals"));
   EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.facing.resize(4); }), HasSubstr("facing"));
   const VoxelScene scene = wide_ground();
-  EXPECT_THAT(answer_of(guarded_pages(scene.pages(), scene.description(), {.most_page_bytes = 100}), bricks_key),
+  EXPECT_THAT(answer_of(guarded_pages(scene.pages(), scene.description(), {.max_page_bytes = 100}), bricks_key),
               HasSubstr("expected at most 100"));
 }
 
@@ -86,7 +86,7 @@ TEST(GuardedPages, DoNotWaitForAProducerThatHangs) {
     return {};
   };
   const VoxelScene scene = wide_ground();
-  const PageSource guarded = guarded_pages(hangs, scene.description(), {.seconds = 0.05, .most_late = 2});
+  const PageSource guarded = guarded_pages(hangs, scene.description(), {.seconds = 0.05, .max_late = 2});
   EXPECT_THAT(answer_of(guarded, bricks_key), HasSubstr("no page within"));
   EXPECT_THAT(answer_of(guarded, bricks_key), HasSubstr("no page within"));
   EXPECT_THAT(answer_of(guarded, bricks_key), HasSubstr("not asked again"));

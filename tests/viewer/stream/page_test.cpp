@@ -129,7 +129,7 @@ TEST(PagesFromFiles, DoNotStopWhereAFileIsMissingOrDamaged) {
 // 2026-11-25: 400 shards were open under any memory limit, and were not counted.
 TEST(OpenShards, AreAsManyAsAnEighthOfTheMemoryHolds) {
   EXPECT_EQ(open_shards_within(std::uint64_t(64) << 20), 25u);
-  EXPECT_EQ(open_shards_within(std::uint64_t(4) << 30), most_open_shards);
+  EXPECT_EQ(open_shards_within(std::uint64_t(4) << 30), max_open_shards);
   EXPECT_EQ(open_shards_within(0), 4u);
   for (std::uint64_t bytes = std::uint64_t(16) << 20; bytes < std::uint64_t(4) << 30; bytes *= 2)
     EXPECT_LE(open_shards_within(bytes) * open_shard_bytes, bytes / 8);
@@ -223,9 +223,9 @@ TEST(NumberedShards, CountCellsThenParentsPageByPage) {
   Pager pager(pages_from_files(scene), {1, UINT64_MAX});
   for (std::int64_t x = 0; x < 512; x += 48)
     for (const int lod : {2, 4, 6}) {
-      std::optional<PlacedShard> found;
+      std::optional<ShardExtent> found;
       for (int round = 0; round < 4; ++round) {
-        PageGaps gaps;
+        MissingPages gaps;
         kernels::VoxelBox empty;
         const std::int64_t v[3] = {x, 5, 5};
         found = map.find(lod, 0, v, pager, gaps, empty);

@@ -57,7 +57,7 @@ struct Asked {
   template <class Question>
   auto answer(const Question& question) {
     for (;;) {
-      PageGaps gaps;
+      MissingPages gaps;
       gaps.own = own;
       auto found = question(gaps);
       damaged = gaps.damaged;
@@ -104,8 +104,8 @@ TEST(ShardMap, FindsTheCellsOfAnyPlaceThroughPagesOfPages) {
       if (window.holds(asked_for.min)) holds = i;
     }
     std::set<std::uint32_t> found;
-    asked.answer([&](PageGaps& gaps) {
-      return asked.map.any(1, 0, box, asked.pager, gaps, [&](const PlacedShard& shard) {
+    asked.answer([&](MissingPages& gaps) {
+      return asked.map.any(1, 0, box, asked.pager, gaps, [&](const ShardExtent& shard) {
         found.insert(shard.number);
         return false;
       });
@@ -113,7 +113,7 @@ TEST(ShardMap, FindsTheCellsOfAnyPlaceThroughPagesOfPages) {
     EXPECT_EQ(found, expected);
     VoxelBox empty;
     const auto shard =
-        asked.answer([&](PageGaps& gaps) { return asked.map.find(0, 0, box.min, asked.pager, gaps, empty); });
+        asked.answer([&](MissingPages& gaps) { return asked.map.find(0, 0, box.min, asked.pager, gaps, empty); });
     ASSERT_EQ(shard.has_value(), holds.has_value());
     if (shard) {
       EXPECT_EQ(shard->number, *holds);
@@ -141,11 +141,11 @@ TEST(ShardMap, SaysWhereAPageOfTheSceneCannotBeRead) {
   VoxelBox empty;
   const std::int64_t inside[3] = {lost.totals.window.min[0], lost.totals.window.min[1], lost.totals.window.min[2]};
   const auto shard =
-      asked.answer([&](PageGaps& gaps) { return asked.map.find(0, 0, inside, asked.pager, gaps, empty); });
+      asked.answer([&](MissingPages& gaps) { return asked.map.find(0, 0, inside, asked.pager, gaps, empty); });
   EXPECT_FALSE(shard.has_value());
   EXPECT_TRUE(asked.damaged) << "of what is asked for";
   asked.own = {{-2000, 0, 0}, {-1999, 1, 1}};
-  asked.answer([&](PageGaps& gaps) { return asked.map.find(0, 0, inside, asked.pager, gaps, empty); });
+  asked.answer([&](MissingPages& gaps) { return asked.map.find(0, 0, inside, asked.pager, gaps, empty); });
   EXPECT_FALSE(asked.damaged) << "of something beside";
   ASSERT_EQ(asked.pager.problems().size(), 1u);
   EXPECT_NE(asked.pager.problems()[0].find(lost.file), std::string::npos);
@@ -205,7 +205,7 @@ TEST(ShardMap, AsksTheLargestShardOfALevelFirstAndTheCellsLast) {
   const auto scene = std::make_shared<const PagedScene>(PagedScene::of_cells("scene.xml", two_tiers_with_copies()));
   const ShardMap map(*scene, *parent_tiers(*scene));
   const Pager pager([](const PageKey&) { return Page(); }, {1, UINT64_MAX});
-  PageGaps gaps;
+  MissingPages gaps;
   VoxelBox empty;
   const std::int64_t v[3] = {0, 0, 130};
   EXPECT_EQ(map.last_holder(0), 0);

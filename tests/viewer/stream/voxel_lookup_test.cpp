@@ -46,7 +46,7 @@ struct OpenGround {
   /// Repeats the question until all required pages are resident.
   template <class Question>
   void read_for(const Question& question) {
-    for (PageGaps gaps;; gaps = {}) {
+    for (MissingPages gaps;; gaps = {}) {
       question(gaps);
       if (gaps.missing.empty()) return;
       pager.want(gaps.missing);
@@ -61,7 +61,7 @@ struct OpenGround {
       const std::int64_t bricks = gappy_edge >> (lod + 3), edge = std::int64_t(8) << lod;
       for (std::int64_t i = 0; i < bricks * bricks * bricks; ++i) {
         const std::int64_t v[3] = {i % bricks * edge, i / bricks % bricks * edge, i / bricks / bricks * edge};
-        read_for([&](PageGaps& gaps) {
+        read_for([&](MissingPages& gaps) {
           NodePath path;
           lookup.place(lod, v, gaps, path);
         });
@@ -85,7 +85,7 @@ TEST(VoxelLookup, AnswersAlikeWhateverWayItWentBefore) {
     const bool is_near = ground.random() % 2 == 0;  // the next voxel shares much of the path
     for (std::int64_t& c : v) c = is_near ? (c ^ std::int64_t(ground.random() % 16)) % gappy_edge : ground.coordinate();
     const int lod = int(ground.random() % lods);
-    PageGaps gaps;
+    MissingPages gaps;
     NodePath fresh;
     const VoxelPlace expected = ground.lookup.place(lod, v, gaps, fresh),
                      found = ground.lookup.place(lod, v, gaps, path);
@@ -103,7 +103,7 @@ bool is_occupied(const OpenGround& ground, int lod, const kernels::VoxelBox& box
     for (std::int64_t y = box.min[1] / edge * edge; y < box.max[1]; y += edge)
       for (std::int64_t x = box.min[0] / edge * edge; x < box.max[0]; x += edge) {
         const std::int64_t v[3] = {x, y, z};
-        PageGaps gaps;
+        MissingPages gaps;
         NodePath path;
         if (ground.lookup.place(lod, v, gaps, path).kind != VoxelPlace::Kind::nothing) return true;
       }
@@ -122,7 +122,7 @@ TEST(VoxelLookup, AnswersForEightBoxesWhatItAnswersForEach) {
         box.min[a] = ground.coordinate();
         box.max[a] = std::min(gappy_edge, box.min[a] + 1 + std::int64_t(ground.random() % 40));
       }
-    PageGaps gaps;
+    MissingPages gaps;
     const std::uint8_t found = ground.lookup.occupied(lod, boxes, gaps);
     ASSERT_TRUE(gaps.missing.empty()) << "seed " << seed << ", " << i;
     for (std::size_t b = 0; b < boxes.size(); ++b)

@@ -34,13 +34,13 @@ bool HttpClient::send(const std::string& bytes) {
   return true;
 }
 
-std::string HttpClient::receive(std::size_t most, double silence_s) {
+std::string HttpClient::receive(std::size_t maximum, double idle_timeout_s) {
   std::string out;
   char buffer[16384];
-  while (out.size() < most) {
+  while (out.size() < maximum) {
     pollfd wait{socket_, POLLIN, 0};
-    if (::poll(&wait, 1, int(std::lround(silence_s * 1000))) <= 0) break;
-    const ssize_t n = ::recv(socket_, buffer, std::min(sizeof buffer, most - out.size()), 0);
+    if (::poll(&wait, 1, int(std::lround(idle_timeout_s * 1000))) <= 0) break;
+    const ssize_t n = ::recv(socket_, buffer, std::min(sizeof buffer, maximum - out.size()), 0);
     if (n <= 0) break;
     out.append(buffer, std::size_t(n));
   }

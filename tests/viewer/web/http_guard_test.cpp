@@ -169,8 +169,8 @@ TEST(HttpGuard, RefusesExternalUrlsThatAreNone) {
 
 TEST(HttpGuard, TakesSmallJsonBodiesWithALengthOnly) {
   EXPECT_EQ(guard_status(post("2")), 200);
-  EXPECT_EQ(guard_status(post(std::to_string(most_body_bytes))), 200);
-  EXPECT_EQ(guard_status(post(std::to_string(most_body_bytes + 1))), 413);
+  EXPECT_EQ(guard_status(post(std::to_string(max_body_bytes))), 200);
+  EXPECT_EQ(guard_status(post(std::to_string(max_body_bytes + 1))), 413);
   EXPECT_EQ(guard_status(post("99999999999999999999999")), 413);
   for (const char* bad : {"", "-1", "2x", " 2", "0x2"}) EXPECT_EQ(guard_status(post(bad)), 411) << bad;
   RequestHead head = post("2");

@@ -68,9 +68,9 @@ std::uint64_t resident_bytes() {
 }
 
 /// Sends until the server closes. Returns the number of bytes sent.
-std::size_t sent_until_closed(HttpClient& client, const std::string& what, std::size_t most) {
+std::size_t sent_until_closed(HttpClient& client, const std::string& what, std::size_t maximum) {
   std::size_t sent = 0;
-  while (sent < most && client.send(what)) sent += what.size();
+  while (sent < maximum && client.send(what)) sent += what.size();
   return sent;
 }
 
@@ -80,12 +80,12 @@ TEST(HttpServer, EndsAHeadThatHasNoEnd) {
   EXPECT_EQ(served.status(), 200);
   const std::uint64_t before = resident_bytes();
   const std::string line = "X-Never: " + std::string(100, 'e') + "\r\n", long_line(4096, 'a'), short_lines = "a:\r\n";
-  const std::size_t most = std::size_t(256) << 20;
+  const std::size_t maximum = std::size_t(256) << 20;
   for (const std::string& first : {good_head, std::string("GET /"), good_head + "X-Never: ", std::string()})
     for (const std::string& more : {line, long_line, short_lines}) {
       HttpClient client(served.port());
       client.send(first);
-      EXPECT_LT(sent_until_closed(client, more, most), most) << first << more;
+      EXPECT_LT(sent_until_closed(client, more, maximum), maximum) << first << more;
     }
   EXPECT_LT(resident_bytes(), before + (std::uint64_t(64) << 20));
   EXPECT_EQ(served.status(), 200);
@@ -113,7 +113,7 @@ bool is_closed_while_dribbling(HttpClient& client, const std::string& bytes) {
 // 2026-11-22: a client that sent a byte every few seconds occupied a thread for ever.
 TEST(HttpServer, DropsWhoTakesTooLongForARequest) {
   HttpServer::Limits limits;
-  limits.patience = 200ms;
+  limits.request_timeout = 200ms;
   HttpServed served(limits);
   HttpClient slow_head(served.port()), slow_body(served.port()), second(served.port());
   slow_head.send(good_head);
@@ -169,8 +169,8 @@ TEST(WaitingClients, AreDroppedWhenTheyAreLateOrTheOldestOfTooMany) {
 // 2026-11-22: a hundred slow clients blocked all other clients.
 TEST(HttpServer, AnswersAtOnceWhileHundredsAreSlow) {
   HttpServer::Limits limits;
-  limits.patience = 10min;
-  limits.silence_s = 600;
+  limits.request_timeout = 10min;
+  limits.idle_timeout_s = 600;
   HttpServed served(limits);
   const auto start = std::chrono::steady_clock::now();
   const auto silent = clients(served.port(), 150, ""), begun = clients(served.port(), 150, good_head + "X-Slow: y");
@@ -180,7 +180,7 @@ TEST(HttpServer, AnswersAtOnceWhileHundredsAreSlow) {
 
 TEST(HttpServer, ClosesMoreConnectionsThanOneAddressMayHave) {
   HttpServer::Limits limits;
-  limits.an_address = 4;
+  limits.connections_per_address = 4;
   HttpServed served(limits);
   auto held = clients(served.port(), 4, good_head + "\r\n");
   for (const auto& client : held) EXPECT_EQ(status_of(client->answer()), 200);
@@ -232,7 +232,7 @@ TEST(HttpServer, EndsStreamsOfClientsThatLeaveOrListenToNothing) {
   for (const std::size_t bytes : {std::size_t(0), std::size_t(1) << 20}) {
     std::promise<void> left, deaf;
     HttpServer::Limits limits;
-    limits.silence_s = 1;
+    limits.idle_timeout_s = 1;
     HttpServed served(limits, [&](const HttpRequest& request) {
       return HttpStreamReply{"text/plain",
                              std::make_shared<EndlessStream>(bytes, request.path == "/left" ? left : deaf)};

@@ -36,7 +36,7 @@ class Served {
     live.renderer.threads = 1;
     live.camera.width = 96;
     live.camera.height = 64;
-    live.most_viewers = 4;
+    live.max_viewers = 4;
     scene_.emplace(folder_ / "scene.xml", live);
     StreamServer::Options any = options;
     any.port = 0;
@@ -179,7 +179,7 @@ TEST(StreamServer, MakesFewPicturesOfAViewerAtATime) {
   Served served({}, false);  // without a scene the requests wait
   const std::string key = served.viewer(), target = "/picture.png?viewer=" + key;
   std::vector<std::unique_ptr<HttpClient>> waiting;
-  for (int i = 0; i < StreamSessions::most_pictures; ++i) {
+  for (int i = 0; i < StreamSessions::max_images; ++i) {
     waiting.push_back(std::make_unique<HttpClient>(served.port()));
     waiting.back()->send("GET " + target + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
   }

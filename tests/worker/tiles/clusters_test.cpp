@@ -101,12 +101,12 @@ TEST(ClustersOf, KeepWhatIsOfTheWholeMesh) {
 
 /// Returns the area of the clusters' rectangles, in squares of the grid. Ignores rectangles that are `most` or more
 /// wide.
-double covered_area(const std::vector<Primitive>& clusters, double most) {
+double covered_area(const std::vector<Primitive>& clusters, double maximum) {
   double area = 0;
   for (const Primitive& c : clusters) {
     const LocalBounds b = bounds_of(c);
     const double width = b.high[0] - b.low[0], depth = b.high[1] - b.low[1];
-    if (width < most && depth < most) area += width * depth;
+    if (width < maximum && depth < maximum) area += width * depth;
   }
   return area;
 }

@@ -113,16 +113,16 @@ TEST_F(TileStoreTest, ASmallTileStaysInMemory) {
   EXPECT_FALSE(roomy.may_be_large(0));
   EXPECT_EQ(roomy.load(0, hash())->whole(0)->index.size(), 3u * 32768);
   EXPECT_FALSE(fs::exists(scratch()));
-  EXPECT_EQ(scratch_in(scratch(), 0).most_tile_bytes, std::numeric_limits<std::uint64_t>::max());
+  EXPECT_EQ(scratch_in(scratch(), 0).max_tile_bytes, std::numeric_limits<std::uint64_t>::max());
 }
 
 TEST_F(TileStoreTest, ASurveyIsTheSameFromScratchAndInParts) {
   const ThreadPool pool(2);
   const TileStore clusters_on_disk = store(), nowhere(sources, parameters, {{}, 0}, 2);
-  const TileSurvey a = survey_tile(sources, 0, parameters, pool),
-                   parts = survey_tile(sources, 0, parameters, pool, &nowhere);
+  const TileScan a = survey_tile(sources, 0, parameters, pool),
+                 parts = survey_tile(sources, 0, parameters, pool, &nowhere);
   EXPECT_FALSE(fs::exists(scratch()));
-  const TileSurvey b = survey_tile(sources, 0, parameters, pool, &clusters_on_disk);
+  const TileScan b = survey_tile(sources, 0, parameters, pool, &clusters_on_disk);
   EXPECT_EQ(a.error + b.error + parts.error, "");
   EXPECT_EQ(to_bytes(a), to_bytes(b));
   EXPECT_EQ(to_bytes(a), to_bytes(parts));
@@ -138,9 +138,9 @@ TEST_F(TileStoreTest, ASurveyIsTheSameOfMeshesThatCannotBeBounded) {
     replace_in_file(mark, wrong);
     const ThreadPool pool(2);
     const TileStore clusters_on_disk = store(), nowhere(sources, parameters, {{}, 0}, 2);
-    const TileSurvey a = survey_tile(sources, 0, parameters, pool),
-                     b = survey_tile(sources, 0, parameters, pool, &clusters_on_disk),
-                     parts = survey_tile(sources, 0, parameters, pool, &nowhere);
+    const TileScan a = survey_tile(sources, 0, parameters, pool),
+                   b = survey_tile(sources, 0, parameters, pool, &clusters_on_disk),
+                   parts = survey_tile(sources, 0, parameters, pool, &nowhere);
     EXPECT_EQ(a.error, b.error);
     EXPECT_EQ(to_bytes(a), to_bytes(b)) << wrong;
     EXPECT_EQ(to_bytes(a), to_bytes(parts)) << wrong;
@@ -252,11 +252,11 @@ TEST_F(TileStoreTest, SeveralRanksThatWantATileMakeOneFile) {
   EXPECT_EQ(left().size(), 1u);
 }
 
-TEST(TileGatherer, MakesTheFolderWhenATileTurnsOutToBeLarge) {
+TEST(TilePrimitiveCollector, MakesTheFolderWhenATileTurnsOutToBeLarge) {
   const ScratchFolder folder;
   const ThreadPool pool(1);
   const fs::path file = folder.path() / "not/yet/t_0.clusters";
-  TileGatherer gatherer("tile.glb", {100, file}, pool);
+  TilePrimitiveCollector gatherer("tile.glb", {100, file}, pool);
   Primitive mesh;
   mesh.position.assign(90, 1.0f);
   mesh.index.assign(30, 7);
@@ -271,10 +271,10 @@ TEST(TileGatherer, MakesTheFolderWhenATileTurnsOutToBeLarge) {
   EXPECT_NE(TileFile::open(file), nullptr);
 }
 
-TEST(TileGatherer, RefusesWhatMemoryCannotHoldWhereThereIsNoScratch) {
+TEST(TilePrimitiveCollector, RefusesWhatMemoryCannotHoldWhereThereIsNoScratch) {
   set_memory_limit(1 << 20);
   const ThreadPool pool(1);
-  TileGatherer gatherer("tile.glb", {0, {}}, pool);
+  TilePrimitiveCollector gatherer("tile.glb", {0, {}}, pool);
   Primitive mesh;
   mesh.position.assign(1 << 19, 0.0f);
   EXPECT_THROW(gatherer.take(std::move(mesh)), InputError);

@@ -55,7 +55,7 @@ TEST(LeakError, ABorderThatIsTransparentIsNoLeak) {
   const LeakError e = leak_error(inner_pixels(truth), truth, picture_of(truth));
   EXPECT_EQ(e.inner, 36u);
   for (const double zero : {e.below_99, e.below_90, e.rms, e.bias}) EXPECT_EQ(zero, 0);
-  EXPECT_EQ(e.least, 1);
+  EXPECT_EQ(e.minimum, 1);
   EXPECT_TRUE(is_bounded(e));
 }
 
@@ -66,7 +66,7 @@ TEST(LeakError, OneTransparentPixelInsideIsOne) {
   const LeakError e = leak_error(inner_pixels(truth), truth, picture);
   EXPECT_DOUBLE_EQ(e.below_99, 1.0 / 36);
   EXPECT_DOUBLE_EQ(e.below_90, 1.0 / 36);
-  EXPECT_EQ(e.least, 0);
+  EXPECT_EQ(e.minimum, 0);
   EXPECT_DOUBLE_EQ(e.bias, -1.0 / 36);
   EXPECT_DOUBLE_EQ(e.rms, 1.0 / 6);
   EXPECT_FALSE(is_bounded(e));
@@ -88,7 +88,7 @@ TEST(LeakError, TheTwoThresholdsAreThoseOfTheirNames) {
   const LeakError e = leak_error(inner_pixels(truth), truth, picture);
   EXPECT_DOUBLE_EQ(e.below_99, 2.0 / 36);
   EXPECT_DOUBLE_EQ(e.below_90, 1.0 / 36);
-  EXPECT_NEAR(e.least, 0.899, 1e-6);
+  EXPECT_NEAR(e.minimum, 0.899, 1e-6);
 }
 
 TEST(LeakError, APaneMayBeTooThinAndTooThick) {
@@ -105,12 +105,12 @@ TEST(LeakError, APaneMayBeTooThinAndTooThick) {
 
 TEST(LeakError, OfTwoPicturesIsThatOfAllTheirPixels) {
   LeakError a, b;
-  a.inner = 30, a.below_99 = 0.1, a.least = 0.5, a.bias = -0.1, a.rms = 0.2;
-  b.inner = 10, b.below_99 = 0.5, b.least = 0.8, b.bias = 0.3, b.rms = 0.4;
+  a.inner = 30, a.below_99 = 0.1, a.minimum = 0.5, a.bias = -0.1, a.rms = 0.2;
+  b.inner = 10, b.below_99 = 0.5, b.minimum = 0.8, b.bias = 0.3, b.rms = 0.4;
   const LeakError both = together(a, b);
   EXPECT_EQ(both.inner, 40u);
   EXPECT_DOUBLE_EQ(both.below_99, 0.2);
-  EXPECT_EQ(both.least, 0.5);
+  EXPECT_EQ(both.minimum, 0.5);
   EXPECT_NEAR(both.bias, 0, 1e-12);
   EXPECT_DOUBLE_EQ(both.rms, std::sqrt((30 * 0.04 + 10 * 0.16) / 40));
   EXPECT_EQ(together(LeakError(), b).below_99, b.below_99);

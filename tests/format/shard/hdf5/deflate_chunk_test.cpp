@@ -115,7 +115,7 @@ TEST(DeflateCandidates, AreTheLatestPositionsOfTheBucketWithinReach) {
       const std::uint32_t bucket = deflate::bucket_of(deflate::four_bytes(&bytes[p]));
       const std::int64_t exact = p - latest.try_emplace(bucket, -100000).first->second;
       const std::uint32_t found = deflate::distance_to(table[bucket], p);
-      ASSERT_EQ(deflate::in_reach(found), exact <= deflate::longest_distance) << p;
+      ASSERT_EQ(deflate::in_reach(found), exact <= deflate::max_distance) << p;
       if (deflate::in_reach(found)) {
         ASSERT_EQ(found, exact) << p;
       }
@@ -143,18 +143,18 @@ TEST(DeflateSymbols, AreThoseOfTheSpecification) {
 }
 
 /// Returns the code lengths of the symbols that occur, by gigabake's rule.
-std::vector<std::uint8_t> lengths_of(const std::vector<std::uint32_t>& counts, std::uint32_t most) {
+std::vector<std::uint8_t> lengths_of(const std::vector<std::uint32_t>& counts, std::uint32_t maximum) {
   std::vector<std::uint32_t> keys, weights(counts.size());
   for (std::uint32_t s = 0; s < counts.size(); ++s)
     if (counts[s] != 0) keys.push_back(deflate::order_key(counts[s], s));
   std::sort(keys.begin(), keys.end());
   std::vector<std::uint8_t> lengths(counts.size());
-  deflate::code_lengths(keys.data(), int(keys.size()), most, weights.data(), lengths.data());
+  deflate::code_lengths(keys.data(), int(keys.size()), maximum, weights.data(), lengths.data());
   return lengths;
 }
 
 /// Returns Huffman's minimal total, computed with a queue of weights.
-std::uint64_t least_bits(const std::vector<std::uint32_t>& counts) {
+std::uint64_t min_bits(const std::vector<std::uint32_t>& counts) {
   std::multiset<std::uint64_t> weights;
   for (const std::uint32_t c : counts)
     if (c != 0) weights.insert(c);
@@ -172,22 +172,22 @@ TEST(CodeLengths, AreCompleteWithinTheLimitAndLeastWhereItDoesNotBind) {
   const test::RandomSeed seed;
   test::Random rng(seed);
   for (int round = 0; round < 3000; ++round) {
-    const std::uint32_t most = round % 3 == 0 ? 7 : 15, symbols = most == 7 ? 19 : 286;
+    const std::uint32_t maximum = round % 3 == 0 ? 7 : 15, symbols = maximum == 7 ? 19 : 286;
     std::vector<std::uint32_t> counts(symbols);
     const unsigned spread = 1 + rng() % 15;
     for (std::uint32_t& c : counts) c = rng() % 3 == 0 ? 0 : std::uint32_t(rng() % (1u << rng() % spread));
     deflate::ensure_two(counts.data(), symbols);
-    const auto lengths = lengths_of(counts, most);
+    const auto lengths = lengths_of(counts, maximum);
     std::uint64_t taken = 0, bits = 0;
     for (std::uint32_t s = 0; s < symbols; ++s) {
       ASSERT_EQ(lengths[s] == 0, counts[s] == 0);
-      ASSERT_LE(lengths[s], most);
-      if (lengths[s] != 0) taken += 1u << (most - lengths[s]);
+      ASSERT_LE(lengths[s], maximum);
+      if (lengths[s] != 0) taken += 1u << (maximum - lengths[s]);
       bits += std::uint64_t(lengths[s]) * counts[s];
     }
-    ASSERT_EQ(taken, 1u << most) << "round " << round;
-    if (*std::max_element(lengths.begin(), lengths.end()) < most) {
-      ASSERT_EQ(bits, least_bits(counts)) << "round " << round;
+    ASSERT_EQ(taken, 1u << maximum) << "round " << round;
+    if (*std::max_element(lengths.begin(), lengths.end()) < maximum) {
+      ASSERT_EQ(bits, min_bits(counts)) << "round " << round;
     }
   }
 }

@@ -28,9 +28,9 @@ inline Bytes periodic(Random& rng, std::size_t size, std::size_t period) {
 }
 
 /// Returns runs of up to `longest` equal bytes.
-inline Bytes runs(Random& rng, std::size_t size, std::size_t longest) {
+inline Bytes runs(Random& rng, std::size_t size, std::size_t maximum) {
   Bytes bytes;
-  while (bytes.size() < size) bytes.insert(bytes.end(), 1 + rng() % longest, std::uint8_t(rng()));
+  while (bytes.size() < size) bytes.insert(bytes.end(), 1 + rng() % maximum, std::uint8_t(rng()));
   bytes.resize(size);
   return bytes;
 }

@@ -1,0 +1,23 @@
+/// Detection of the launcher from the environment. srun without Open MPI's interface starts tasks that do not know of
+/// each other; each would bake everything.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "format/system/host_limits.h"
+
+namespace gigabake {
+
+/// Returns the number of tasks of this Slurm step, this process included. Returns 1 under mpirun, in a batch script,
+/// which is no task, and without Slurm. Call it before MPI_Init, which sets some of the variables itself.
+int slurm_task_count(const Environment& environment);
+
+/// Returns true if mpirun, srun or another launcher started this process, so that other ranks may exist. Call it before
+/// MPI_Init, which sets some of the variables itself.
+bool is_launched(const Environment& environment);
+
+/// Returns the error line if Slurm started `tasks` tasks but the MPI world has only one rank; else nullopt.
+std::optional<std::string> unlaunched_rank_error(int ranks, int tasks);
+
+}  // namespace gigabake

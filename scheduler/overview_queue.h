@@ -1,0 +1,44 @@
+/// Queue of overviews (parents) that were never dispatched: some wait for children, the others are ready.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "format/job/cell_job.h"
+
+namespace gigabake {
+
+/// Queue of overviews.
+/// Exact   A plain value: the same calls give the same answers.
+/// Cost    8 bytes per job and child; a call visits the overviews of one job, or those that are ready.
+class OverviewQueue {
+ public:
+  /// jobs: overviews after all cells.
+  explicit OverviewQueue(const std::vector<CellJob>& jobs);
+
+  /// Records that the job is done or quarantined; call it once per job. worker: the worker that finished it, if any.
+  void settled(std::uint32_t job, std::optional<int> worker);
+  /// Returns an overview that is ready; it stays queued until take(). Prefers one whose last child this worker
+  /// finished.
+  std::optional<std::uint32_t> choose(int worker) const;
+  /// Removes an overview, ready or not: it was dispatched or is already done.
+  void take(std::uint32_t parent);
+  /// Returns the number of overviews that wait for children.
+  std::size_t waiting() const { return waiting_; }
+
+ private:
+  struct Ready {
+    std::uint32_t parent;
+    std::optional<int> worker;
+  };
+  static constexpr std::uint32_t taken = 0xffffffffu;
+
+  std::uint32_t first_parent_;
+  std::vector<std::uint32_t> missing_;                  ///< by overview: number of unsettled children, or `taken`
+  std::vector<std::uint32_t> parents_begin_, parents_;  ///< by job: begin of its overviews in parents_
+  std::vector<Ready> ready_;                            ///< in the order in which they became ready
+  std::size_t waiting_ = 0;
+};
+
+}  // namespace gigabake

@@ -1,0 +1,50 @@
+#include "cluster/launcher.h"
+
+#include <gtest/gtest.h>
+#include <map>
+
+namespace gigabake {
+namespace {
+
+int tasks(const std::map<std::string, std::string>& variables) {
+  return slurm_task_count([&](const char* name) {
+    const auto it = variables.find(name);
+    return it == variables.end() ? nullptr : it->second.c_str();
+  });
+}
+
+// Regression of 2026-11-22: each of srun's tasks baked the whole scene.
+TEST(LoneTask, IsATaskOfSrunThatFoundNoOthers) {
+  EXPECT_EQ(tasks({{"SLURM_NTASKS", "4"}}), 4);
+  EXPECT_EQ(tasks({{"SLURM_JOB_ID", "7"}, {"SLURM_STEP_ID", "0"}, {"SLURM_STEP_NUM_TASKS", "3"}}), 3);
+  const auto line = unlaunched_rank_error(1, 4);
+  ASSERT_TRUE(line);
+  EXPECT_NE(line->find("srun --mpi=pmix"), std::string::npos);
+  EXPECT_LE(line->size() + std::string("gigabake: ").size(), 300u);
+  EXPECT_FALSE(unlaunched_rank_error(4, 4));
+}
+
+TEST(LoneTask, IsNoneInABatchScriptNorUnderMpirunNorAlone) {
+  EXPECT_EQ(tasks({}), 1);
+  EXPECT_EQ(tasks({{"SLURM_JOB_ID", "7"}, {"SLURM_NTASKS", "4"}, {"SLURM_PROCID", "0"}}), 1);
+  EXPECT_EQ(tasks({{"SLURM_JOB_ID", "7"}, {"SLURM_NTASKS", "4"}, {"OMPI_COMM_WORLD_SIZE", "1"}}), 1);
+  EXPECT_EQ(tasks({{"SLURM_STEP_NUM_TASKS", "3"}, {"OMPI_COMM_WORLD_SIZE", "1"}}), 1);
+  EXPECT_EQ(tasks({{"SLURM_STEP_ID", "0"}, {"SLURM_STEP_NUM_TASKS", "1"}, {"SLURM_NTASKS", "4"}}), 1);
+  EXPECT_EQ(tasks({{"SLURM_NTASKS", "many"}}), 1);
+}
+
+bool launched(const char* only) {
+  return is_launched([&](const char* name) { return std::string(name) == only ? "1" : nullptr; });
+}
+
+/// Detection errors are costly. A launched rank that is not detected would bake everything. An unlaunched process that
+/// is taken for a launched one would start 0.3 s later.
+TEST(IsLaunched, KnowsTheLaunchersAndNothingElse) {
+  for (const char* name :
+       {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMIX_NAMESPACE", "PMI_RANK", "PMI_FD", "SLURM_STEP_ID"})
+    EXPECT_TRUE(launched(name)) << name;
+  for (const char* name : {"OMPI_MCA_btl", "SLURM_JOB_ID", "HOME", ""}) EXPECT_FALSE(launched(name)) << name;
+}
+
+}  // namespace
+}  // namespace gigabake

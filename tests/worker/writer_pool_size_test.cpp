@@ -1,0 +1,69 @@
+/// The number of writers follows the worker's thread limit, even if that is small.
+#include "worker/writer_pool_size.h"
+
+#include <gtest/gtest.h>
+#include <utility>
+
+namespace gigabake {
+namespace {
+
+WorkerOptions beside_device(int threads) {
+  WorkerOptions options;
+  options.threads = threads;
+  options.cuda_device = 0;
+  return options;
+}
+
+TEST(WriterPoolSize, LeavesThreadsToTheOtherStagesWhereThereAreEnough) {
+  for (int threads = 1; threads <= 256; ++threads) {
+    const WriterPoolSize crew = writer_pool_size_for(beside_device(threads));
+    ASSERT_GE(crew.writers, 2) << threads;
+    ASSERT_LE(crew.writers, 4) << threads;
+    ASSERT_GE(crew.threads, 1) << threads;
+    if (threads < 8) continue;
+    ASSERT_LE(crew.writers + crew.threads - 1, threads - 4) << threads;
+  }
+}
+
+TEST(WriterPoolSize, WritesFewCellsAtATimeWhereMemoryIsShort) {
+  WorkerOptions options = beside_device(32);
+  options.memory_bytes = std::uint64_t(1) << 30;
+  EXPECT_EQ(writer_pool_size_for(options).writers, 2);
+  EXPECT_EQ(writer_pool_size_for(options).threads, 27);
+  options.memory_bytes = std::uint64_t(2) << 30;
+  EXPECT_EQ(writer_pool_size_for(options).writers, 4);
+  options.memory_bytes = std::uint64_t(1) << 62;
+  EXPECT_EQ(writer_pool_size_for(options).writers, 4);
+}
+
+TEST(CellsAhead, AreFewWhereMemoryIsShortAndNoneWithoutADevice) {
+  WorkerOptions options = beside_device(16);
+  EXPECT_EQ(readahead_cells_for(options), 3u);
+  for (const auto& [gibibytes, ahead] : {std::pair(0.5, 0u), {1.5, 1u}, {2.0, 2u}, {3.0, 3u}, {64.0, 3u}}) {
+    options.memory_bytes = std::uint64_t(gibibytes * (1 << 30));
+    EXPECT_EQ(readahead_cells_for(options), ahead) << gibibytes;
+  }
+  options.cuda_device.reset();
+  EXPECT_EQ(readahead_cells_for(options), 0u);
+}
+
+TEST(ImageBytes, AreASixteenthOfTheMemoryForAllWriters) {
+  for (const std::uint64_t mebibytes : {64, 1024, 2048, 5000, 1 << 20}) {
+    WorkerOptions options = beside_device(16);
+    options.memory_bytes = mebibytes << 20;
+    const std::uint64_t all = file_image_bytes_for(options) * std::uint64_t(writer_pool_size_for(options).writers);
+    EXPECT_LE(all, options.memory_bytes / 16) << mebibytes;
+    EXPECT_LE(all, std::uint64_t(256) << 20) << mebibytes;
+  }
+  EXPECT_EQ(file_image_bytes_for(beside_device(16)), std::uint64_t(64) << 20);
+}
+
+TEST(WriterPoolSize, IsOneWriterWithAllThreadsWithoutADevice) {
+  WorkerOptions options;
+  options.threads = 12;
+  EXPECT_EQ(writer_pool_size_for(options).writers, 1);
+  EXPECT_EQ(writer_pool_size_for(options).threads, 12);
+}
+
+}  // namespace
+}  // namespace gigabake

@@ -1,0 +1,112 @@
+/// The interactive render scheduler: turns user input into render requests of a view, size and time limit.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "viewer/live/camera_controller.h"
+#include "viewer/live/frame_budget.h"
+#include "viewer/pictures/frame_renderer.h"
+
+namespace gigabake {
+
+/// User input from the events of a window or browser. Unset members change nothing.
+struct ViewerInput {
+  std::array<double, 2> turn{}, pan{};  ///< right and up, in image heights, as for CameraController
+  double zoom = 0;                      ///< notches, as CameraController::zoom()
+  bool home = false;
+  std::optional<std::array<double, 3>> walk;   ///< held keys from now on: forward, right, up, each −1 to 1
+  std::optional<std::array<double, 2>> swing;  ///< held keys from now on: turn right and up, image heights per second
+  std::optional<CameraPose> pose;
+  std::optional<CameraController::Style> style;
+  std::optional<ViewMode> mode;
+  std::optional<double> pixel_error;
+  std::optional<std::array<double, 2>> sun;  ///< azimuth and elevation, degrees
+  std::optional<JulianDay> time;             ///< LiveScene converts it to `sun` if the scene has an origin
+  std::optional<Shadows> shadows;
+  std::optional<LevelBlend> level_blend;
+  std::optional<double> upload_s;
+  std::optional<std::array<int, 2>> size;  ///< of the full-size image
+
+  bool moves() const;
+};
+
+/// The render scheduler of one viewer; it only decides, the caller renders. During movement it requests small previews.
+/// At rest it requests a small preview until that is complete, then larger images; the last has full size and is
+/// rendered in tiles. After that it requests nothing. Times are seconds of any clock that never decreases.
+/// Range   Any input is clamped: size to 16 to 4096 per edge, pixel_error to 2^±16, upload_s to 0.1 ms to 1 s. The
+///         sun's azimuth is clamped to ±360° and its elevation to ±90°.
+class RenderScheduler {
+ public:
+  static constexpr double rest_s = 0.25;   ///< since the last movement
+  static constexpr double max_hold_s = 1;  ///< held keys are released if no input confirms them for this time
+
+  static constexpr double max_root_wait_s = 0.7;       ///< time limit of the first image's wait for data in all cells
+  static constexpr double max_preview_upload_s = 0.5;  ///< of one preview, however long the viewer rests
+
+  struct RenderRequest {
+    View view;
+    bool full = false;       ///< of full size
+    bool in_tiles = false;   ///< tiles of final pixels, without a time limit; false: a preview
+    bool moving = false;     ///< the viewer moves; the frame is shown even if a newer pose exists
+    double share = 1;        ///< fraction of the full width and height
+    double upload_s = 0;     ///< of a preview: time limit for uploading new data
+    double roots_s = 0;      ///< of a preview: time limit of the wait while cells have no data
+    std::uint64_t pose = 0;  ///< orders of equal number show the same view
+  };
+
+  /// home: has an eye and a target. frame_s: the target time of a frame during movement.
+  RenderScheduler(const CameraOptions& home, double frame_s);
+
+  void steer(const ViewerInput& steering, double now_s);
+  /// Replaces the scene, so that all images are rendered again. A pose that the viewer has changed stays; otherwise the
+  /// pose is home.
+  void new_scene(const CameraOptions& home);
+
+  /// Applies the held keys and returns the next image to render; nullopt if the last frame is final.
+  std::optional<RenderRequest> next(double now_s);
+  /// Returns the time at which to call next() again if there is no input; HUGE_VAL: never. Valid right after next()
+  /// returned nullopt.
+  double next_call_s() const;
+  /// Records that an order, or a part of an order in tiles, was rendered.
+  void drawn(const RenderRequest& order, const FrameStats& stats);
+  /// Returns true if the view has changed since the last order, so that its image would be discarded.
+  bool is_stale() const { return stale_; }
+  /// Records that an order failed. It is not repeated before the view changes.
+  void failed();
+
+  /// Returns true if the last order was complete at full size, or failed, and the view has not changed since.
+  bool rests() const { return done_ && !stale_; }
+
+  const CameraController& rig() const { return rig_; }
+  const View& full_view() const { return view_; }
+  double upload_s() const { return upload_s_; }
+
+ private:
+  void set_home(const CameraOptions& home);
+  CameraPose fitted_home() const;
+  void apply_settings(const ViewerInput& s);
+  void advance(double now_s);
+  bool holds() const;
+  double next_share(bool moving) const;
+
+  CameraController rig_;
+  FrameBudget frame_budget_;
+  View view_;  ///< full size; the eye is that of rig_
+  double upload_s_ = 0.02;
+  std::array<double, 3> walk_{};
+  std::array<double, 2> swing_{};
+  double held_s_ = 0, advanced_s_ = 0, moved_s_ = -HUGE_VAL;
+  bool at_home_ = true;
+  CameraPose home_;
+  double home_aspect_ = 1;  ///< aspect ratio (width/height) at which home_ shows the whole scene; 0: no requirement
+  bool stale_ = true;       ///< the view has changed since the last order
+  double done_share_ = 0;   ///< size of the largest complete image of this pose
+  bool done_ = false;       ///< the full-size image is complete, or has failed
+  bool any_drawn_ = false;  ///< an image of this scene has been rendered
+  std::uint64_t pose_ = 0;  ///< counts the different views
+  double looked_s_ = 0;     ///< time of the first order of this view
+  double next_call_s_ = 0;
+};
+
+}  // namespace gigabake

@@ -1,0 +1,170 @@
+#include "viewer/stream/pool_allocator.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gigabake {
+namespace {
+
+using kernels::absent_ref;
+using kernels::CastNode;
+using kernels::empty_ref;
+using kernels::lost_ref;
+
+/// Part of a pool that is evicted at once, so that the timestamps are rarely scanned.
+constexpr std::size_t parts_of_pool = 16;
+
+std::uint32_t root_tiles(std::size_t cells) { return std::uint32_t((cells + 7) / 8); }
+
+std::uint32_t last_use(std::uint32_t stamp, std::uint32_t born) { return std::max(stamp, born); }
+
+}  // namespace
+
+PoolAllocator::PoolAllocator(std::size_t cells, int lods, const kernels::PoolSizes& sizes)
+    : cells_(cells),
+      lods_(lods),
+      roots_stay_(cells < sizes.slots / 2),
+      nodes_(std::size_t(8) * sizes.tiles),
+      is_changed_(nodes_.size()),
+      tiles_(sizes.tiles),
+      slots_(sizes.slots),
+      arena_(sizes.slots, sizes.voxels) {
+  for (std::uint32_t t = 0; t < root_tiles(cells); ++t) tiles_[t].used = true;
+  for (std::uint32_t t = sizes.tiles; t-- > root_tiles(cells);) free_tiles_.push_back(t);
+  for (std::uint32_t s = sizes.slots; s-- > 0;) free_slots_.push_back(s);
+}
+
+std::uint32_t PoolAllocator::min_tiles(std::size_t cells, int lods) {
+  // To find a surface a ray samples points on both sides of it, which may lie in different bricks of two levels.
+  constexpr std::uint32_t ways_down = 4;
+  return root_tiles(cells) + ways_down * std::uint32_t(lods);
+}
+
+FieldNode PoolAllocator::place_of(std::uint32_t node) const {
+  if (node < cells_) return {node, lods_ - 1, {0, 0, 0}};
+  return tiles_[node / 8].place.child(node % 8);
+}
+
+bool PoolAllocator::is_settled(std::uint32_t node) const {
+  const Tile& tile = tiles_[node / 8];
+  return tile.used && (node < cells_ || tile.round != round_);
+}
+
+void PoolAllocator::begin_round(std::uint32_t used_since, bool may_evict_used) {
+  ++round_;
+  used_since_ = used_since;
+  may_evict_used_ = may_evict_used;
+  evicted_used_ = false;
+}
+
+void PoolAllocator::change(std::uint32_t node, const CastNode& value) {
+  nodes_[node] = value;
+  if (is_changed_[node]) return;
+  is_changed_[node] = true;
+  changed_.push_back(node);
+}
+
+std::vector<kernels::NodeChange> PoolAllocator::take_changes() {
+  std::vector<kernels::NodeChange> changes;
+  changes.reserve(changed_.size());
+  for (const std::uint32_t node : changed_) {
+    changes.push_back({node, nodes_[node]});
+    is_changed_[node] = false;
+  }
+  changed_.clear();
+  return changes;
+}
+
+bool PoolAllocator::put_children(std::uint32_t node, std::uint8_t children, kernels::Caster& caster) {
+  if (free_tiles_.empty() && !free_some_tiles(node / 8, caster)) return false;
+  const std::uint32_t t = free_tiles_.back();
+  free_tiles_.pop_back();
+  tiles_[t] = {node, place_of(node), caster.pass(), round_, 0, true};
+  if (node >= cells_) ++tiles_[node / 8].resident_children;
+  const bool finest = tiles_[t].place.lod == 1;
+  for (std::uint32_t c = 0; c < 8; ++c) {
+    const bool there = (children >> c & 1) != 0;
+    change(8 * t + c, {there && !finest ? absent_ref : empty_ref, there ? absent_ref : empty_ref});
+  }
+  change(node, {t, nodes_[node].brick});
+  return true;
+}
+
+std::optional<std::uint32_t> PoolAllocator::put_brick(std::uint32_t node, std::uint32_t parts,
+                                                      kernels::Caster& caster) {
+  while (free_slots_.empty() || arena_.free() < parts)
+    if (!free_some_slots(caster)) return {};
+  if (!arena_.has_room(parts)) caster.move_voxels(arena_.close_gaps());
+  const std::uint32_t s = free_slots_.back();
+  free_slots_.pop_back();
+  slots_[s] = {node, caster.pass(), round_, true};
+  arena_.take(s, parts);
+  change(node, {nodes_[node].children, s});
+  return s;
+}
+
+void PoolAllocator::set_empty(std::uint32_t node) { change(node, {nodes_[node].children, empty_ref}); }
+
+void PoolAllocator::set_lost(std::uint32_t node, kernels::Want what) {
+  CastNode value = nodes_[node];
+  (what == kernels::Want::brick ? value.brick : value.children) = lost_ref;
+  change(node, value);
+}
+
+void PoolAllocator::release_slot(std::uint32_t slot) {
+  change(slots_[slot].owner, {nodes_[slots_[slot].owner].children, absent_ref});
+  slots_[slot].used = false;
+  arena_.give_back(slot);
+  free_slots_.push_back(slot);
+}
+
+void PoolAllocator::release_tile(std::uint32_t tile) {
+  for (std::uint32_t n = 8 * tile; n < 8 * tile + 8; ++n)
+    if (kernels::is_here(nodes_[n].brick)) release_slot(nodes_[n].brick);
+  const std::uint32_t parent = tiles_[tile].parent;
+  change(parent, {absent_ref, nodes_[parent].brick});
+  if (parent >= cells_) --tiles_[parent / 8].resident_children;
+  tiles_[tile].used = false;
+  free_tiles_.push_back(tile);
+}
+
+/// Returns up to `most` of the least recently used candidates. candidates: last use and index.
+std::vector<std::uint32_t> PoolAllocator::oldest(std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates,
+                                                 std::size_t maximum) {
+  if (candidates.size() > maximum) {
+    std::nth_element(candidates.begin(), candidates.begin() + std::ptrdiff_t(maximum), candidates.end());
+    candidates.resize(maximum);
+  }
+  std::sort(candidates.begin(), candidates.end());
+  std::vector<std::uint32_t> gone;
+  for (const auto& [stamp, who] : candidates) {
+    if (stamp >= used_since_ && !(may_evict_used_ && gone.empty())) break;
+    evicted_used_ |= stamp >= used_since_;
+    gone.push_back(who);
+  }
+  return gone;
+}
+
+/// stays: the tile of the node whose children are allocated; it is not evicted.
+bool PoolAllocator::free_some_tiles(std::uint32_t stays, kernels::Caster& caster) {
+  const std::vector<std::uint32_t>& stamps = caster.tile_stamps();
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates;
+  for (std::uint32_t t = root_tiles(cells_); t < tiles_.size(); ++t)
+    if (tiles_[t].used && tiles_[t].resident_children == 0 && tiles_[t].round != round_ && t != stays)
+      candidates.emplace_back(last_use(stamps[t], tiles_[t].born), t);
+  for (const std::uint32_t t : oldest(std::move(candidates), 1 + tiles_.size() / parts_of_pool)) release_tile(t);
+  return !free_tiles_.empty();
+}
+
+bool PoolAllocator::free_some_slots(kernels::Caster& caster) {
+  const std::vector<std::uint32_t>& stamps = caster.slot_stamps();
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates;
+  for (std::uint32_t s = 0; s < slots_.size(); ++s)
+    if (slots_[s].used && slots_[s].round != round_ && !(roots_stay_ && slots_[s].owner < cells_))
+      candidates.emplace_back(last_use(stamps[s], slots_[s].born), s);
+  const std::vector<std::uint32_t> gone = oldest(std::move(candidates), 1 + slots_.size() / parts_of_pool);
+  for (const std::uint32_t s : gone) release_slot(s);
+  return !gone.empty();
+}
+
+}  // namespace gigabake

@@ -1,0 +1,94 @@
+/// LRU allocator of the ray caster's node and brick pools.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "kernels/cast/caster.h"
+#include "viewer/stream/brick_fill.h"
+#include "viewer/stream/voxel_arena.h"
+
+namespace gigabake {
+
+class PoolAllocator {
+ public:
+  /// Places the roots of `cells` cells of `lods` levels in the first tiles, permanently.
+  PoolAllocator(std::size_t cells, int lods, const kernels::PoolSizes& sizes);
+
+  /// Returns the min number of tiles with which every ray can advance. These are the tiles of the roots and of the
+  /// paths to all nodes that a ray uses at the same time.
+  static std::uint32_t min_tiles(std::size_t cells, int lods);
+
+  /// Returns whether the bricks of all roots fit; they are then never evicted.
+  bool roots_stay() const { return roots_stay_; }
+
+  /// Returns how many tiles, slots and places of the voxel pool are in use.
+  kernels::PoolSizes in_use() const {
+    return {std::uint32_t(tiles_.size() - free_tiles_.size()), std::uint32_t(slots_.size() - free_slots_.size()),
+            arena_.size() - arena_.free()};
+  }
+  const kernels::CastNode& node(std::uint32_t node) const { return nodes_[node]; }
+  FieldNode place_of(std::uint32_t node) const;
+  /// Returns whether the node's tile is in use and was allocated before this round.
+  bool is_settled(std::uint32_t node) const;
+
+  /// Begins a round: entries allocated from now on stay until the next round. Entries that rays used in pass
+  /// `used_since` or later stay too, unless `may_evict_used` is true and nothing else can be evicted.
+  void begin_round(std::uint32_t used_since, bool may_evict_used);
+  /// Returns whether this round evicted an entry that rays used since then.
+  bool evicted_used() const { return evicted_used_; }
+
+  /// Allocates the tile of the node's children; returns false if the pool is full and nothing can be evicted. The
+  /// caster supplies the usage timestamps for eviction.
+  bool put_children(std::uint32_t node, std::uint8_t children, kernels::Caster& caster);
+  /// Allocates a slot for a brick of `parts` parts; nullopt if nothing can be evicted. May move bricks in the voxel
+  /// pool.
+  std::optional<std::uint32_t> put_brick(std::uint32_t node, std::uint32_t parts, kernels::Caster& caster);
+  /// Returns the current place of an allocated brick.
+  kernels::BrickPlace brick_place(std::uint32_t slot) const { return {slot, arena_.first(slot)}; }
+
+  void set_empty(std::uint32_t node);
+  void set_lost(std::uint32_t node, kernels::Want what);
+
+  /// Returns the changed nodes for the caster, each once with its current value, and clears the list.
+  std::vector<kernels::NodeChange> take_changes();
+
+ private:
+  struct Tile {
+    std::uint32_t parent = 0;  ///< node
+    FieldNode place;           ///< of the parent
+    std::uint32_t born = 0;    ///< pass of the allocation
+    std::uint32_t round = 0;
+    std::uint32_t resident_children = 0;  ///< number of its nodes that have a tile of children
+    bool used = false;
+  };
+  struct Slot {
+    std::uint32_t owner = 0;  ///< node
+    std::uint32_t born = 0, round = 0;
+    bool used = false;
+  };
+
+  void change(std::uint32_t node, const kernels::CastNode& value);
+  bool free_some_tiles(std::uint32_t stays, kernels::Caster& caster);
+  bool free_some_slots(kernels::Caster& caster);
+  void release_tile(std::uint32_t tile);
+  void release_slot(std::uint32_t slot);
+  std::vector<std::uint32_t> oldest(std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates,
+                                    std::size_t maximum);
+
+  std::size_t cells_;
+  std::int32_t lods_;
+  bool roots_stay_;
+  std::vector<kernels::CastNode> nodes_;
+  std::vector<bool> is_changed_;  ///< by node: whether it is in changed_
+  std::vector<Tile> tiles_;
+  std::vector<Slot> slots_;
+  VoxelArena arena_;
+  std::vector<std::uint32_t> free_tiles_, free_slots_;
+  std::vector<std::uint32_t> changed_;  ///< nodes
+  std::uint32_t round_ = 0, used_since_ = 0;
+  bool may_evict_used_ = false, evicted_used_ = false;
+};
+
+}  // namespace gigabake
