@@ -1,7 +1,9 @@
 #include "format/source/folder_listing.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
+#include <string_view>
 
 #include "format/source/source_file.h"
 #include "format/source/source_files.h"
@@ -29,9 +31,9 @@ class Tilesets {
       if (!document.root || !document.json.contains("asset")) return;
       found_.push_back(file.lexically_normal());
       add_uris(*document.root, file, named_);
-    } catch (const InputError&) {
+    } catch (const InputError& e) {
       if (file.filename() == "tileset.json") throw;
-      return;  // not a tileset
+      if (!fault_ && looks_like_tileset(file)) fault_ = e;  // else another JSON file or no JSON
     }
   }
 
@@ -40,6 +42,7 @@ class Tilesets {
     std::vector<Path> roots;
     for (const Path& file : found_)
       if (!named_.contains(file)) roots.push_back(file);
+    if (found_.empty() && fault_) throw *fault_;  // without it coarse and fine tiles would be baked together
     if (roots.empty()) return found_.empty() ? std::nullopt : std::optional(found_.front());
     if (roots.size() > 1)
       throw InputError(folder, "",
@@ -52,8 +55,22 @@ class Tilesets {
   }
 
  private:
+  /// Returns whether a text that is no JSON has the members of a tileset.
+  static bool looks_like_tileset(const Path& file) {
+    std::vector<std::uint8_t> bytes;
+    try {
+      bytes = SourceFiles(file.parent_path()).read_content(file);
+    } catch (const InputError&) {
+      return false;
+    }
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const auto has = [&](std::string_view name) { return text.find(name) != text.npos; };
+    return has("\"root\"") && has("\"asset\"") && has("\"boundingVolume\"");
+  }
+
   std::vector<Path> found_;
   std::set<Path> named_;
+  std::optional<InputError> fault_;  ///< why a tileset cannot be read
 };
 
 class Lister {

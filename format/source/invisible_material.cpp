@@ -14,7 +14,7 @@ namespace {
 
 bool is_invisible(const Material& m) {
   if (m.alpha_mode == AlphaMode::opaque) return false;
-  return m.base_color[3] == 0 || (m.alpha_mode == AlphaMode::mask && m.alpha_cutoff > 1);
+  return m.base_color[3] < min_visible_alpha || (m.alpha_mode == AlphaMode::mask && m.alpha_cutoff > 1);
 }
 
 std::optional<std::string> of_gltf(const TileRef& tile, const std::filesystem::path& root) {
@@ -32,7 +32,7 @@ std::optional<std::string> of_obj(const TileRef& tile, const SourceFiles& files)
     if (file.extension() != ".mtl" || !files.has(file)) continue;
     SourceWarnings unused;
     for (const auto& [name, material] : read_mtl(file, files.read(file), unused))
-      if (material.base_color[3] == 0) return in_quotes(name);
+      if (material.base_color[3] < min_visible_alpha) return in_quotes(name);
   }
   return std::nullopt;
 }

@@ -76,7 +76,7 @@ Entry read_entry(const std::filesystem::path& file, const Json& json, std::size_
   e.scale = get_number(file, json, e.where, "scale").value_or(1);
   if (!(e.scale > 0)) throw InputError(file, e.where + ".scale", "expected a positive number");
   options.local |= is_placed;
-  const std::filesystem::path target = resolve_uri(root_of(file), file, e.where + ".path", *path);
+  const std::filesystem::path target = resolve_name(root_of(file), file, e.where + ".path", *path);
   if (is_scene(target)) throw InputError(file, e.where + ".path", in_quotes(*path) + " is a scene; scenes do not nest");
   e.source = open_sources(target, options, progress);
   if (!is_placed) e.position = e.source.origin;

@@ -125,6 +125,17 @@ std::filesystem::path resolve_path(const std::filesystem::path& root, const std:
   return target;
 }
 
+std::filesystem::path resolve_name(const std::filesystem::path& root, const std::filesystem::path& base,
+                                   const std::string& key, const std::string& name) {
+  std::error_code error;
+  if (name.find('\\') != std::string::npos && !std::filesystem::exists(base.parent_path() / name, error)) {
+    std::string with_slashes = name;
+    std::replace(with_slashes.begin(), with_slashes.end(), '\\', '/');
+    return resolve_path(root, base, key, with_slashes);
+  }
+  return resolve_path(root, base, key, name);
+}
+
 std::string lower_extension(const std::filesystem::path& path) {
   std::string e = path.extension().string();
   std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return char(std::tolower(c)); });

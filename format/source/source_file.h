@@ -49,6 +49,12 @@ std::filesystem::path resolve_uri(const std::filesystem::path& root, const std::
 std::filesystem::path resolve_path(const std::filesystem::path& root, const std::filesystem::path& base,
                                    const std::string& key, const std::string& name);
 
+/// Returns the file that a scene .json names: a plain path, in which a percent sign has no meaning. A backslash
+/// separates folders unless a file has it in its name.
+/// Errors  InputError like resolve_uri().
+std::filesystem::path resolve_name(const std::filesystem::path& root, const std::filesystem::path& base,
+                                   const std::string& key, const std::string& name);
+
 /// Returns the lower-case extension: ".glb" for "A.GLB".
 std::string lower_extension(const std::filesystem::path& path);
 

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Elevation rasters whose numbers are not heights in metres above the ellipsoid: each is reported or refused.
+"""Elevation rasters whose numbers are not heights in metres above the ellipsoid: each is reported or refused. Also the
+cost of reading rasters, in opens and bytes.
 
 Usage: dem_checks_test.py GIGABAKE SOURCE_DIR
 """
 import json
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -13,6 +15,7 @@ import numpy
 
 import harness
 from dem_test import gdal, osr, write_raster
+from raster_places import LEFT, PIXEL, TOP, RasterTest, opens_of, reads_of, translate
 
 
 class DemChecksTest(unittest.TestCase):
@@ -228,7 +231,96 @@ class DemChecksTest(unittest.TestCase):
         self.assertIn("Swapped, it would be 0 km away", swapped)
 
 
+class CostTest(RasterTest):
+    # Regression of 2026-11-25: each tile opened the file and read its lines from the first one on.
+    def test_lines_are_read_once(self):
+        rows, columns = numpy.mgrid[0:80, 0:2000]
+        path = self.write("dem.tif", (columns + rows / 8).astype("f4") / 16)
+        translate(path, self.folder / "dem.asc", "-of AAIGrid")
+        read, opened = {}, {}
+        for name in ("dem.tif", "dem.asc"):
+            scene = self.scene({"dem": name, "crs": "EPSG:32632", "tile_cells": 16})
+            plan = ("plan", scene, "--voxel-size", 8, "--no-measure", "--threads", 2)
+            read[name] = reads_of(self.program, *plan)
+            opened[name] = opens_of(self.program, self.folder / name, *plan)
+        text = (self.folder / "dem.asc").stat().st_size
+        # The grid has 625 tiles. GDAL reads a text once to know the type of its numbers, in each of two processes.
+        self.assertLess(read["dem.asc"], read["dem.tif"] + 4 * text)
+        self.assertLessEqual(opened["dem.asc"], 1.5 * opened["dem.tif"])
+        self.assertLess(opened["dem.tif"], 20)
+
+    def test_an_ascii_grid_that_gdal_cannot_read_says_why(self):
+        head = f"ncols 40\nnrows 40\nxllcorner {LEFT}\nyllcorner {TOP - 80}\ncellsize 2\n"
+        rows = [" ".join(["nan"] * 40)] * 2 + [" ".join(["1.5"] * 40)] * 38
+        (self.folder / "nan.asc").write_text(head + "\n".join(rows) + "\n")
+        scene = self.scene({"dem": "nan.asc", "crs": "EPSG:32632"})
+        result = self.program.run("bake", scene, "-o", self.folder / "out", "--voxel-size", 1)
+        if result.returncode != 0:  # GDAL before 3.9
+            self.assertIn("NODATA_value", result.stderr)
+        else:
+            self.assertAlmostEqual(float(self.at((20, 20))[0]["height"]), 1.5, delta=0.5)
+
+    def sparse(self, name, edge, nodata=None, left=0, top=0):
+        """A raster of which one block of 256 × 256 pixels is filled."""
+        path = self.folder / name
+        options = ["TILED=YES", "SPARSE_OK=TRUE", "BLOCKXSIZE=256", "BLOCKYSIZE=256"]
+        raster = gdal.GetDriverByName("GTiff").Create(str(path), edge, edge, 1, gdal.GDT_Float32, options)
+        raster.SetGeoTransform([LEFT, PIXEL, 0, TOP, 0, -PIXEL])
+        crs = osr.SpatialReference()
+        crs.ImportFromEPSG(32632)
+        raster.SetProjection(crs.ExportToWkt())
+        if nodata is not None:
+            raster.GetRasterBand(1).SetNoDataValue(nodata)
+        raster.GetRasterBand(1).WriteArray(numpy.full((256, 256), 50, "f4"), left, top)
+        raster = None
+        return path
+
+    def test_blocks_that_a_sparse_file_leaves_out_are_no_tiles(self):
+        declared = self.sparse("sparse.tif", 8000, -9999, 2560, 5120)
+        self.sparse("bare.tif", 8000, None, 2560, 5120)
+        for source, file in ((declared, declared), (self.scene({"dem": "bare.tif", "nodata": 0}), "bare.tif")):
+            result = self.plan(source)
+            self.assertEqual(result["triangles"], 2 * 255 * 255)
+            self.assertEqual(result["warnings"], [])
+            plan = ("plan", source, "--voxel-size", 8, "--no-measure")
+            self.assertLess(reads_of(self.program, *plan), 2e7)
+            self.assertLess(opens_of(self.program, self.folder / file, *plan), 20)
+
+    # 2026-11-25: a mosaic of sparse files took 60 times as long as the files: GDAL takes each source as filled.
+    def test_a_mosaic_of_sparse_files_costs_as_these_do(self):
+        one, two = self.sparse("one.tif", 8000, -9999, 2560, 5120), self.sparse("two.tif", 8000, -9999, 5120, 256)
+        raster = gdal.Open(str(two), gdal.GA_Update)
+        raster.SetGeoTransform([LEFT + 8000 * PIXEL, PIXEL, 0, TOP, 0, -PIXEL])
+        raster = None
+        for name, files, blocks in (("one", [one], 1), ("both", [one, two], 2)):
+            vrt = gdal.BuildVRT(str(self.folder / f"{name}.vrt"), [str(file) for file in files])
+            vrt = None
+            source = self.folder / f"{name}.vrt"
+            started = time.monotonic()
+            self.assertEqual(self.plan(source)["triangles"], blocks * 2 * 255 * 255)
+            self.assertLess(time.monotonic() - started, 20)
+            self.assertLess(reads_of(self.program, "plan", source, "--voxel-size", 8, "--no-measure"), 2e7)
+
+    def test_a_mosaic_shows_each_number_that_is_no_hole_of_it(self):
+        """Blocks that the file leaves out are -9999: holes of the file, and heights of a VRT with another nodata."""
+        self.sparse("part.tif", 512, -50, 256, 0)
+        for options, blocks in (("", 1), ("-a_nodata -1", 4)):
+            translate(self.folder / "part.tif", self.folder / "part.vrt", "-of VRT " + options)
+            triangles = self.plan(self.folder / "part.vrt")["triangles"]
+            self.assertEqual(triangles, 2 * 511 * 511 if blocks == 4 else 2 * 255 * 255)
+
+    def test_left_out_blocks_are_zero_without_nodata(self):
+        """GDAL leaves out blocks of zeros also without SPARSE_OK, so that they may be the sea."""
+        for left, top in ((0, 0), (256, 256)):
+            path = self.sparse("small.tif", 512, None, left, top)
+            result = self.plan(path)
+            self.assertIn("75 % of its blocks, which are taken as heights of 0", result["warnings"][0])
+            self.assertEqual(result["triangles"], 2 * 511 * 511)
+            scene = self.scene({"dem": "small.tif", "nodata": 0, "tile_cells": 100})
+            self.assertEqual(self.plan(scene)["triangles"], 2 * 255 * 255)
+
+
 if __name__ == "__main__":
-    PROGRAM = harness.Gigabake(sys.argv[1])
+    PROGRAM = RasterTest.program = harness.Gigabake(sys.argv[1])
     harness.skip_without(PROGRAM, "GDAL", "probe.tif")
     harness.main(argv=sys.argv[:1], verbosity=2)

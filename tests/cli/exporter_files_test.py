@@ -256,6 +256,67 @@ class ExporterFiles(harness.FolderTest):
         self.expect_square(voxels, "folder")
         self.assertEqual((voxels["p"][:, 0].min(), voxels["p"][:, 0].max()), (100.25, 103.75))
 
+    def test_a_texture_or_sampler_that_is_not_there_costs_one_image(self):
+        grey, base = (127, 127, 127), {"pbrMetallicRoughness": {"baseColorTexture": {}}}
+        cases = (({"textures": [{"source": 7}]}, TEXTURED, grey), ({"textures": []}, TEXTURED, grey), ({}, base, grey),
+                 ({"textures": [{"source": 0, "sampler": 7}]}, TEXTURED, COLOUR),
+                 ({"textures": [{"source": "0"}]}, TEXTURED, grey))
+        paths = [write_glb(self.root / f"none{i}.glb", material, png(), **changes)
+                 for i, (changes, material, _) in enumerate(cases)]
+        row, text = self.bake_in_a_row(paths, status=3)
+        for path, voxels, case in zip(paths, row, cases):
+            self.expect_square(voxels, path.name, case[2])
+            self.assertIn(path.name, text)
+
+    def test_numbers_of_samplers_and_techniques_without_another_colour(self):
+        technique = {"technique": 0, "values": {"u_diffuse": {"index": 0}}}
+        samplers = [{"wrapS": 33071.0, "wrapT": "repeat", "magFilter": -1}]
+        paths = [write_glb(self.root / "float.glb", TEXTURED, png(), samplers=samplers,
+                           textures=[{"source": 0, "sampler": 0}]),
+                 write_glb(self.root / "metallic.glb", {"pbrMetallicRoughness": {"metallicFactor": 0},
+                                                        "extensions": {"KHR_techniques_webgl": technique}}, png())]
+        row, text = self.bake_in_a_row(paths)
+        for path, voxels in zip(paths, row):
+            self.expect_square(voxels, path.name)
+        self.assertIn("float.glb: wrap modes that glTF does not have, read as repeat: 1, e.g. samplers[0].wrapT", text)
+
+    def test_an_entry_that_is_no_tile_costs_itself(self):
+        write_b3dm(self.root / "a.b3dm", FACTOR)
+        made = tileset("a.b3dm")
+        made["root"]["children"][:0] = [None, 7]
+        (self.root / "null.json").write_text(json.dumps(made))
+        voxels, text = self.bake(self.root / "null.json", status=3)
+        self.expect_square(voxels, "null")
+        self.assertIn("root.children: expected tiles, which are JSON objects", text)
+
+    def test_a_folder_whose_tileset_cannot_be_read_is_not_its_tiles(self):
+        folder = self.root / "unreadable"
+        folder.mkdir()
+        write_b3dm(folder / "coarse.b3dm", FACTOR)
+        write_b3dm(folder / "fine.b3dm", FACTOR)
+        text = json.dumps(tileset("fine.b3dm", content={"uri": "coarse.b3dm"}))
+        for content, words in (("\ufeff" + text, "byte order mark"), (text.replace("10,", "NaN,"), "NaN is no JSON"),
+                               (text[:-1], "expected '}'")):
+            (folder / "Scene.json").write_text(content)
+            result = PROGRAM.run("bake", folder, "-o", self.root / "out", "--voxel-size", 0.5)
+            self.assertEqual(result.returncode, 1, result)
+            self.assertIn("Scene.json", result.stderr)
+            self.assertIn(words, result.stderr)
+
+    def test_paths_of_a_scene_are_plain(self):
+        (self.root / "sub").mkdir(exist_ok=True)
+        names = ["100%.glb", "a%20b.glb", "c d#1?.glb", "sub/%41.glb"]
+        for name in names:
+            write_glb(self.root / name, FACTOR)
+        for path in (*names, "sub\\%41.glb"):
+            scene = self.root / "plain.json"
+            scene.write_text(json.dumps({"gigabake": 1, "sources": [{"path": path}]}))
+            self.expect_square(self.bake(scene)[0], path)
+        scene.write_text(json.dumps({"gigabake": 1, "sources": [{"path": "c%20d%231%3F.glb"}]}))
+        result = PROGRAM.run("plan", scene, "--voxel-size", 0.5)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("c%20d%231%3F.glb", result.stderr)
+
     def test_names_of_any_bytes_leave_every_output_well_formed(self):
         name = "n\u0001\u001b\ufffe\uffff\ud800<&\"'>]]>\u2028\U0001f600"
         write_b3dm(self.root / "a.b3dm", FACTOR)

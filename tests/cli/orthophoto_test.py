@@ -68,6 +68,40 @@ class OrthophotoTest(RasterTest):
         self.interpret(red, green, blue, gdal.GCI_AlphaBand)
         self.expect()
 
+    # 2026-11-25: a band that states its colour was taken by its number if another did not state its own.
+    def test_bands_that_state_their_colour_keep_it(self):
+        red, green, blue, undefined = gdal.GCI_RedBand, gdal.GCI_GreenBand, gdal.GCI_BlueBand, gdal.GCI_Undefined
+        r, g, b = self.rgb
+        for bands, interpretations in (([g, r, b], (green, red, undefined)), ([b, g, r], (blue, undefined, red))):
+            self.photo(bands)
+            self.interpret(*interpretations)
+            if interpretations[0] == green:
+                self.expect(messages="taken as bands 2 (Red), 1 (Green), 3 (Undefined)")
+            else:
+                self.expect(messages="taken as bands 3 (Red), 2 (Undefined), 1 (Blue)")
+
+    # 2026-11-25: an alpha band of 0 and 1, or of 0 and 255 in 16 bits, made the image invisible without a message.
+    def test_alpha_bands_of_masks_are_opaque(self):
+        bands = (gdal.GCI_RedBand, gdal.GCI_GreenBand, gdal.GCI_BlueBand, gdal.GCI_AlphaBand)
+        valid = self.index != 3
+        for scale, kind, greatest in ((1, gdal.GDT_Byte, 1), (1, gdal.GDT_Byte, 255), (257, gdal.GDT_UInt16, 1),
+                                      (257, gdal.GDT_UInt16, 255), (257, gdal.GDT_UInt16, 65535)):
+            self.photo([*(self.rgb.astype("u2") * scale), valid * greatest], kind)
+            self.interpret(*bands)
+            self.expect({(8, 31): GREY})
+
+    def test_black_and_white_in_other_encodings(self):
+        bits, white, black = (self.index % 2).astype("u1"), (255, 255, 255), (0, 0, 0)
+        usual, inverted = (white, black, white, black), (black, white, black, white)
+        for options, expected in (("-co COMPRESS=CCITTFAX4", usual), ("-co PHOTOMETRIC=MINISWHITE", inverted),
+                                  ("-a_nodata 0", (white, GREY, white, GREY))):
+            self.photo(bits)
+            translate(self.folder / "photo.tif", self.folder / "bits.tif", "-co NBITS=1 " + options)
+            self.expect(dict(zip(COLOURS, map(tuple, expected))), name="bits.tif")
+        self.photo(self.rgb[0])
+        translate(self.folder / "photo.tif", self.folder / "grey.tif", "-co PHOTOMETRIC=MINISWHITE")
+        self.expect({place: (255 - c[0],) * 3 for place, c in COLOURS.items()}, name="grey.tif")
+
     def test_two_bands_without_an_alpha_are_grey_and_one_more(self):
         grey = numpy.array([0, 50, 100, 150, 200], "u1")[self.index]
         expected = {place: (v, v, v) for place, v in zip(COLOURS, (50, 100, 150, 200))}

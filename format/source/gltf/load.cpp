@@ -1,5 +1,8 @@
 #include "format/source/gltf/load.h"
 
+#include <cmath>
+#include <limits>
+
 #include "format/source/data_uri.h"
 #include "format/source/gltf/check.h"
 #include "format/source/gltf/draco_primitive.h"
@@ -12,6 +15,8 @@
 
 namespace gigabake {
 namespace {
+
+constexpr int no_index = std::numeric_limits<int>::max();  ///< in place of a number that names nothing
 
 bool keep_nothing(tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int, void*) {
   return true;
@@ -52,6 +57,40 @@ void hide_payloads(Json& gltf) {
     for (Json& buffer : gltf["buffers"]) buffer = {{"byteLength", 1u}, {"uri", byte_of_buffer}};
   if (gltf.contains("images"))
     for (Json& image : gltf["images"]) image = {{"uri", byte_of_image}};
+}
+
+/// Makes a member an int: 3.0 becomes 3, and any other value becomes an index that names nothing.
+void fit_int(Json& object, const char* key) {
+  const auto at = object.find(key);
+  if (at == object.end()) return;
+  const double value = at->is_number() ? at->get<double>() : -1;
+  const bool fits = value >= 0 && value < no_index && value == std::floor(value);
+  *at = fits ? int(value) : no_index;
+}
+
+/// Prepares a material's use of a texture. A use without an index names no texture.
+void fit_texture_use(Json& owner, const char* key) {
+  if (!owner.contains(key) || !owner[key].is_object()) return;
+  if (!owner[key].contains("index")) owner[key]["index"] = no_index;
+  fit_int(owner[key], "index");
+}
+
+/// Prepares textures and samplers, so that one that cannot be used costs one image: tinygltf would wrap or refuse such
+/// numbers.
+void fit_textures(Json& gltf) {
+  if (gltf.contains("textures"))
+    for (Json& texture : gltf["textures"]) fit_int(texture, "source"), fit_int(texture, "sampler");
+  if (gltf.contains("samplers"))
+    for (Json& sampler : gltf["samplers"])
+      for (const char* key : {"magFilter", "minFilter", "wrapS", "wrapT"}) fit_int(sampler, key);
+  if (!gltf.contains("materials")) return;
+  for (Json& material : gltf["materials"]) {
+    for (const char* key : {"normalTexture", "occlusionTexture", "emissiveTexture"}) fit_texture_use(material, key);
+    for (const char* key : {"baseColorTexture", "metallicRoughnessTexture"})
+      if (material.contains("pbrMetallicRoughness")) fit_texture_use(material["pbrMetallicRoughness"], key);
+    const Json::json_pointer gloss("/extensions/KHR_materials_pbrSpecularGlossiness");
+    if (material.contains(gloss)) fit_texture_use(material[gloss], "diffuseTexture");
+  }
 }
 
 /// Claims memory for the model: a pair of braces in the document becomes hundreds of bytes of the model.
@@ -141,6 +180,7 @@ GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, b
   Json plain = without_packed_views(json, packed);
   hide_packed_indices(plain);
   hide_payloads(plain);
+  fit_textures(plain);
   out.rtc_center = container.rtc_center;
   out.instances = std::move(container.instances);
   const Json& extensions = get_object(file, json, "", "extensions");

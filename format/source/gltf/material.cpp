@@ -117,8 +117,10 @@ void use_colour(const std::filesystem::path& file, const tinygltf::Model& model,
   if (const tinygltf::Value* gloss = extension_of(m, gloss_extension))
     return use_specular_glossiness(model, *gloss, out, warnings);
   const bool has_core = !m.values.empty();
+  const bool has_core_colour = m.values.contains("baseColorFactor") || m.values.contains("baseColorTexture");
   const tinygltf::Value* technique = extension_of(m, techniques_extension);
-  if (!has_core && technique != nullptr) return use_technique(file, model, material, *technique, out, warnings);
+  if (technique != nullptr && (!has_core || (!has_core_colour && diffuse_value(*technique) != nullptr)))
+    return use_technique(file, model, material, *technique, out, warnings);
   if (const std::string unread = unread_description(m); !has_core && !unread.empty())
     warnings.count("materials that only an extension describes which is not read, taken as white",
                    name_of(model, material) + " (" + unread + ")");

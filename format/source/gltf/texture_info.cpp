@@ -1,8 +1,11 @@
 #include "format/source/gltf/texture_info.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "format/source/image/codecs.h"
+#include "lattice/counted.h"
 
 namespace gigabake {
 namespace {
@@ -27,7 +30,7 @@ void apply_texture_transform(const tinygltf::Value& t, SourceMaterial& out) {
   const auto offset = pair_or(t, "offset", {0, 0}), scale = pair_or(t, "scale", {1, 1});
   const float rotation = number_or(t, "rotation", 0), c = std::cos(rotation), s = std::sin(rotation);
   out.uv_transform = {{{c * scale[0], s * scale[1], offset[0]}, {-s * scale[0], c * scale[1], offset[1]}}};
-  out.texcoord_set = int(number_or(t, "texCoord", float(out.texcoord_set)));
+  out.texcoord_set = index_or(t, "texCoord", out.texcoord_set);
 }
 
 /// gl: OpenGL's number of the wrap mode, as glTF stores it.
@@ -43,11 +46,17 @@ Wrap wrap_of(int sampler, const char* key, int gl, SourceWarnings& warnings) {
 }
 
 /// Returns the image of a texture. It prefers a plain image to WebP, so that no texel depends on the build options.
-int image_of(const tinygltf::Model& model, const tinygltf::Texture& texture) {
+int image_of(const tinygltf::Texture& texture) {
   const auto webp = texture.extensions.find("EXT_texture_webp");
   if (texture.source >= 0 || webp == texture.extensions.end()) return texture.source;
-  const int image = webp->second.Has("source") ? webp->second.Get("source").GetNumberAsInt() : -1;
-  return image < int(model.images.size()) ? image : -1;
+  return index_or(webp->second, "source", -1);
+}
+
+/// Returns why a texture has no image.
+std::string fault_of(const tinygltf::Model& model, const tinygltf::Texture& texture, int image) {
+  if (image >= 0) return "names no image of the file, which has " + counted(model.images.size(), "image");
+  if (texture.extensions.contains("KHR_texture_basisu")) return *missing_codec("KHR_texture_basisu");
+  return "is missing: expected a PNG, JPEG or WebP image";
 }
 
 }  // namespace
@@ -57,13 +66,18 @@ float number_or(const tinygltf::Value& object, const char* key, float otherwise)
   return float(object.Get(key).GetNumberAsDouble());
 }
 
+int index_or(const tinygltf::Value& object, const char* key, int otherwise) {
+  if (!object.IsObject() || !object.Has(key) || !object.Get(key).IsNumber()) return otherwise;
+  return int(std::clamp(object.Get(key).GetNumberAsDouble(), -1.0, double(std::numeric_limits<int>::max())));
+}
+
 TextureInfo texture_info(const tinygltf::TextureInfo& info) {
   const auto transform = info.extensions.find(transform_extension);
   return {info.index, info.texCoord, transform == info.extensions.end() ? nullptr : &transform->second};
 }
 
 TextureInfo texture_info(const tinygltf::Value& info) {
-  TextureInfo out{int(number_or(info, "index", -1)), int(number_or(info, "texCoord", 0)), nullptr};
+  TextureInfo out{index_or(info, "index", -1), index_or(info, "texCoord", 0), nullptr};
   if (info.IsObject() && info.Has("extensions") && info.Get("extensions").Has(transform_extension))
     out.transform = &info.Get("extensions").Get(transform_extension);
   return out;
@@ -73,20 +87,22 @@ void use_texture(const tinygltf::Model& model, const TextureInfo& info, SourceMa
   if (info.index < 0) return;
   const std::string where = "textures[" + std::to_string(info.index) + "]";
   if (std::size_t(info.index) >= model.textures.size()) {
-    out.texture_fault = where + ": is beyond the " + std::to_string(model.textures.size()) + " textures";
+    out.texture_fault =
+        "a material names no texture of the file, which has " + counted(model.textures.size(), "texture");
     return;
   }
   out.texcoord_set = info.texcoord_set;
   if (info.transform != nullptr) apply_texture_transform(*info.transform, out);
   const tinygltf::Texture& texture = model.textures[std::size_t(info.index)];
   TextureUse& use = out.material.texture;
-  use.image = image_of(model, texture);
-  if (use.image < 0)
-    out.texture_fault =
-        where + ".source: " +
-        (texture.extensions.contains("KHR_texture_basisu") ? *missing_codec("KHR_texture_basisu")
-                                                           : "is missing: expected a PNG, JPEG or WebP image");
+  use.image = image_of(texture);
+  if (use.image < 0 || std::size_t(use.image) >= model.images.size()) {
+    out.texture_fault = where + ".source: " + fault_of(model, texture, use.image);
+    use.image = -1;
+  }
   if (texture.sampler < 0) return;
+  if (std::size_t(texture.sampler) >= model.samplers.size())
+    return warnings.count_loss("samplers that are not there, repeat in their place", where + ".sampler");
   const tinygltf::Sampler& sampler = model.samplers[std::size_t(texture.sampler)];
   use.wrap_s = wrap_of(texture.sampler, "wrapS", sampler.wrapS, warnings);
   use.wrap_t = wrap_of(texture.sampler, "wrapT", sampler.wrapT, warnings);

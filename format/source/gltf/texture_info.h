@@ -10,6 +10,8 @@ namespace gigabake {
 
 /// Returns a member of an extension's object, or `otherwise` if it is no number.
 float number_or(const tinygltf::Value& object, const char* key, float otherwise);
+/// Returns a member as a number of -1 or more; `otherwise` if it is no number.
+int index_or(const tinygltf::Value& object, const char* key, int otherwise);
 
 /// A textureInfo of the core or of an extension.
 struct TextureInfo {

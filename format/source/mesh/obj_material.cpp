@@ -15,6 +15,7 @@ namespace {
 
 bool is_number(std::string_view word) {
   double v = 0;
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
   const auto end = std::from_chars(word.data(), word.data() + word.size(), v);
   return !word.empty() && end.ec == std::errc() && end.ptr == word.data() + word.size();
 }
@@ -43,9 +44,9 @@ class MtlReader {
     if (key == "kd")
       take_colour(material);
     else if (key == "d" && !line.rest.starts_with("-halo"))
-      current_->dissolve = number();
+      current_->dissolve = opacity();
     else if (key == "tr")
-      current_->transparency = number();
+      current_->transparency = opacity();
     else if (key == "map_kd")
       material.color_map = map();
     else if (key == "map_d" || key == "map_opacity")
@@ -91,11 +92,12 @@ class MtlReader {
     warnings_.count(text, "line " + std::to_string(line_->number) + " of " + in_quotes(file_name_));
   }
 
-  std::optional<double> number() {
+  std::optional<double> opacity() {
     const std::vector<double> v = obj_numbers(line_->rest, 1);
-    if (!v.empty()) return v[0];
-    warn("MTL lines not understood");
-    return std::nullopt;
+    if (v.empty()) warn("MTL lines not understood");
+    if (v.empty()) return std::nullopt;
+    if (!(v[0] >= 0 && v[0] <= 1)) warn("opacities (d, Tr) outside 0 to 1, taken as the nearer of both");
+    return v[0];
   }
 
   void take_colour(ObjMaterial& material) {
@@ -103,6 +105,8 @@ class MtlReader {
     if (v.empty()) return warn("MTL lines not understood");  // Kd is a spectrum or CIE XYZ
     for (std::size_t c = 0; c < 3; ++c) material.base_color[c] = clamped(v[std::min(c, v.size() - 1)]);
     if (std::any_of(v.begin(), v.end(), [](double one) { return one > 1; })) warn("colours (Kd) above 1, taken as 1");
+    if (!std::all_of(v.begin(), v.end(), [](double one) { return one >= 0; }))
+      warn("colours (Kd) below 0 or not a number, taken as 0");
   }
 
   /// Reads a line like "-s 2 2 1 -clamp on name of file.png": options with values, then a name that may have spaces.

@@ -5,6 +5,7 @@
 
 #include "format/source/image/alpha_image.h"
 #include "format/source/image/image_file.h"
+#include "format/source/invisible_material.h"
 #include "lattice/error.h"
 
 namespace gigabake {
@@ -14,9 +15,19 @@ void ObjMaterialTable::take(const ObjLine& line) {
     if (!mtl.is_there(files_))
       missing_.insert(mtl.name);
     else
-      for (auto& [name, material] : read_mtl(*mtl.file, files_.read(*mtl.file), mtl_warnings_))
-        described_[name] = {std::move(material), *mtl.file};
+      for (const auto& [name, material] : read_mtl(*mtl.file, files_.read(*mtl.file), mtl_warnings_))
+        describe(name, {material, *mtl.file});
   }
+}
+
+/// A comment may follow a name, unless a material or a file has the whole name.
+void ObjMaterialTable::describe(const std::string& name, Described described) {
+  for (ObjMap* map : {&described.material.color_map, &described.material.alpha_map}) {
+    const std::string plain(without_comment(map->name));
+    if (plain != map->name && !named_file(described.file, map->name, files_).is_there(files_)) map->name = plain;
+  }
+  described_.try_emplace(std::string(without_comment(name)), described);
+  described_[name] = std::move(described);
 }
 
 const ObjMaterialTable::Described* ObjMaterialTable::find(const std::string& name) const {
@@ -53,7 +64,7 @@ void ObjMaterialTable::warn(const std::set<std::string>& used, SourceWarnings& w
       warnings.count("materials that faces name and no file describes, taken as white", in_quotes(name));
     if (m == nullptr) continue;
     const ObjMaterial& material = m->material;
-    if (material.base_color[3] == 0)
+    if (material.base_color[3] < min_visible_alpha)
       warnings.count("materials with alpha 0, whose faces are invisible", in_quotes(name));
     for (const ObjMap& map : {material.color_map, material.alpha_map}) {
       if (map.name.empty() || is_usable(*m, map)) continue;

@@ -48,6 +48,7 @@ class ObjMaterialTable {
     ObjMaterial material;
     std::filesystem::path file;
   };
+  void describe(const std::string& name, Described described);
   const Described* find(const std::string& name) const;
   bool is_usable(const Described& material, const ObjMap& map) const;
   int add_image(const Described& material, TileMesh& out);

@@ -80,6 +80,8 @@ class PlyReader {
         for (std::uint64_t i = 0; i < element.count; ++i) skip(element);
       }
     }
+    if (const std::uint64_t bytes = values_.bytes_after(); bytes != 0)
+      warnings_.count("bytes follow the elements that the header states, and are not read", counted(bytes, "byte"));
     finish();
     if (sink_ && !is_streamed_) pass_on_parts(out_, sink_);
     warn_of_alpha();

@@ -67,13 +67,23 @@ std::size_t PlyValues::make_available(std::size_t bytes) {
   return std::size_t(block_begin_ + block_.size() - at_);
 }
 
-double PlyValues::word() {
-  constexpr std::size_t max_word_bytes = std::size_t(1) << 20;
+std::size_t PlyValues::skip_blanks() {
   std::size_t available = make_available(1);
   for (; available > 0 && byte_at(at_) <= ' '; available = make_available(1)) {
     line_ += byte_at(at_) == '\n' ? 1 : 0;
     ++at_;
   }
+  return available;
+}
+
+std::uint64_t PlyValues::bytes_after() {
+  if (format_ == PlyFormat::ascii) skip_blanks();
+  return left();
+}
+
+double PlyValues::word() {
+  constexpr std::size_t max_word_bytes = std::size_t(1) << 20;
+  std::size_t available = skip_blanks();
   std::size_t length = 0;
   while (length < available && byte_at(at_ + length) > ' ')
     if (++length == available && length < max_word_bytes) available = make_available(length + 1);

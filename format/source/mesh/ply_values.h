@@ -34,6 +34,9 @@ class PlyValues {
   /// before memory for the element is allocated.
   void expect_room_for(const PlyElement& element) const;
 
+  /// Returns how many bytes follow, from the first that is no blank in a text.
+  std::uint64_t bytes_after();
+
   [[noreturn]] void fail(const std::string& message) const;
 
   /// The position in the file after the last value: "line 12" or "byte 345". The text is created only if needed.
@@ -46,6 +49,8 @@ class PlyValues {
 
  private:
   double word();
+  /// Goes to the next word. Returns how many bytes of it, or from it on, are in block_.
+  std::size_t skip_blanks();
   double binary(PlyType type);
   std::uint64_t left() const { return bytes_.size() - at_; }
   /// Loads at least min(`bytes`, left()) bytes from at_ on into block_. Returns the number of bytes available there.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <string_view>
 #include <utility>
 
 #include "format/source/mesh/mesh_origin.h"
@@ -101,6 +102,8 @@ void read_binary(const std::filesystem::path& file, const SourceBytes& bytes, St
                  SourceWarnings& warnings) {
   constexpr std::size_t block_bytes = read_block_bytes / facet_bytes * facet_bytes;
   const std::uint64_t facets = facets_in(file, bytes.size(), head, warnings);
+  const std::string_view name(reinterpret_cast<const char*>(head.data()), name_bytes);
+  if (name.find("COLOR=") != name.npos) warnings.count("a colour in the header, which is not used", "COLOR=");
   std::uint64_t facet = 0;
   bytes.part(head_bytes, facet_bytes * facets).for_each_block(block_bytes, [&](StlBytes block) {
     for_each_binary_facet(block, [&](std::span<const Vector> corners, bool has_attribute) {
@@ -119,9 +122,7 @@ std::string lower(std::string_view word) {
 }
 
 /// Returns whether a keyword of a text STL needs no action.
-bool is_frame(const std::string& word) {
-  return word == "facet" || word == "endfacet" || word == "color" || word == "endloop";
-}
+bool is_frame(const std::string& word) { return word == "facet" || word == "endfacet" || word == "endloop"; }
 
 /// Calls take() for each loop of at least three corners. Returns whether the last solid has an "endsolid".
 template <class Text>
@@ -143,6 +144,8 @@ bool for_each_text_loop(const std::filesystem::path& file, const Text& text, con
       if (v.size() != 3) warnings.count_loss("vertices without three coordinates, whose facets are left out", name);
       if (loop.size() == max_polygon_corners) throw InputError(file, name, "a facet of more than 1048576 corners");
       loop.push_back(v.size() == 3 ? Vector{v[0], v[1], v[2]} : Vector{std::nan(""), 0, 0});
+    } else if (word == "color") {
+      warnings.count("colours of facets, which are not used", name);
     } else if (!is_frame(word)) {
       warnings.count("lines not understood", name);
     }

@@ -59,11 +59,17 @@ constexpr double us_survey_foot_m = 1200.0 / 3937, foot_m = 0.3048;
 
 bool is_foot(double unit_m) { return std::fabs(unit_m - foot_m) < 1e-5; }
 
-/// Returns the name of a unit in lower case, with only letters and digits and without the "s" of a plural.
-std::string plain_unit(std::string_view unit) {
+/// Returns a unit's name in lower case, without '.', '_' and spaces.
+std::string letters_of(std::string_view unit) {
   std::string out;
   for (const char c : unit)
     if (std::isalnum(static_cast<unsigned char>(c)) != 0) out += char(std::tolower(static_cast<unsigned char>(c)));
+  return out;
+}
+
+/// Returns letters_of() a unit without a plural's "s".
+std::string plain_unit(std::string_view unit) {
+  std::string out = letters_of(unit);
   if (out.size() > 2 && out.back() == 's') out.pop_back();
   return out;
 }
@@ -78,7 +84,9 @@ std::optional<double> metres_of(std::string_view unit) {
       {"mtr", 1},
       {"metro", 1},
       {"meterabovesealevel", 1},
+      {"metreabovesealevel", 1},
       {"mabovemsl", 1},
+      {"masl", 1},
       {"dm", 0.1},
       {"decimeter", 0.1},
       {"decimetre", 0.1},
@@ -104,7 +112,8 @@ std::optional<double> metres_of(std::string_view unit) {
       {"surveyfoot", us_survey_foot_m},
       {"surveyfeet", us_survey_foot_m},
   };
-  const auto at = units.find(plain_unit(unit));
+  auto at = units.find(letters_of(unit));  // "ftus" is no plural
+  if (at == units.end()) at = units.find(plain_unit(unit));
   return at == units.end() ? std::nullopt : std::optional(at->second);
 }
 
@@ -113,15 +122,26 @@ bool names_a_foot(std::string_view unit) {
   return name == "ft" || name == "foot" || name == "feet";
 }
 
+/// Returns metres per unit of the third axis of a system without a vertical part ("+proj=utm … +vunits=us-ft"); 1 if
+/// there is none.
+double third_axis_m(const OGRSpatialReference* crs) {
+  constexpr int third = 2;
+  double unit_m = 1;
+  OGRAxisOrientation up = OAO_Up;
+  if (crs == nullptr || crs->IsGeocentric() != 0 || crs->GetAxesCount() <= third) return 1;
+  return crs->GetAxis(nullptr, third, &up, &unit_m) != nullptr && unit_m > 0 ? unit_m : 1;
+}
+
 /// Adds a warning if the horizontal unit is not the metre and no unit of heights is declared. Such rasters may have
 /// heights in either unit.
 void check_unit(const DemOptions& options, GDALDataset& dataset, std::vector<std::string>& warnings) {
   GDALRasterBand& band = *dataset.GetRasterBand(1);
   const double scale = height_scale_of(options, dataset);
   const auto crs = whole_crs_of(options, dataset);
-  if (!crs || crs->IsProjected() == 0 || *band.GetUnitType() != 0 || options.height_scale) return;
+  if (!crs || (crs->IsProjected() == 0 && crs->IsLocal() == 0) || *band.GetUnitType() != 0 || options.height_scale)
+    return;
   const char* unit = nullptr;
-  const double unit_m = crs->GetTargetLinearUnits("PROJCS", &unit);
+  const double unit_m = crs->GetTargetLinearUnits(nullptr, &unit);
   if (std::fabs(unit_m - 1) < 1e-9 || std::fabs(scale - 1) > 1e-9) return;
   warnings.push_back("its coordinates are in " + in_quotes(unit != nullptr ? unit : "another unit") +
                      " and it does not say in which unit its heights are: taken as metres; set height_scale in a "
@@ -204,7 +224,11 @@ double height_scale_of(const DemOptions& options, GDALDataset& dataset) {
   const std::optional<double> metres = metres_of(unit);
   if (metres) return *metres;
   const std::optional<VerticalSystem> vertical = vertical_system_of(options, dataset);
-  if (plain_unit(unit).empty()) return vertical ? vertical->unit_m : 1;
+  if (plain_unit(unit).empty()) {
+    if (vertical) return vertical->unit_m;
+    const auto crs = whole_crs_of(options, dataset);
+    return third_axis_m(crs ? &*crs : nullptr);
+  }
   if (vertical && names_a_foot(unit) && is_foot(vertical->unit_m)) return vertical->unit_m;
   throw InputError(options.dem, "height_scale",
                    "the raster's heights are in " + in_quotes(unit) +
@@ -212,7 +236,7 @@ double height_scale_of(const DemOptions& options, GDALDataset& dataset) {
 }
 
 std::vector<std::string> check_dem(const DemOptions& options, GDALDataset& dataset) {
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings = side_file_warnings(options.dem);
   check_bands(options, dataset, warnings);
   check_vertical(options, dataset, warnings);
   check_unit(options, dataset, warnings);

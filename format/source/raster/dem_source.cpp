@@ -103,7 +103,7 @@ std::vector<DemOptions> dem_options(const std::filesystem::path& scene_file, con
   const auto file = [&](const char* key) {
     const auto name = get_text(scene_file, entry, where, key);
     if (!name) return std::filesystem::path();
-    const std::filesystem::path path = resolve_path(root, scene_file, where + "." + key, *name);
+    const std::filesystem::path path = resolve_name(root, scene_file, where + "." + key, *name);
     if (!SourceFiles(root).has(path) && !std::filesystem::is_directory(path, error))
       throw InputError(scene_file, where + "." + key, "no such file: " + in_quotes(*name));
     return path;

@@ -122,8 +122,10 @@ Geodetic checked_origin(const DemPart& part, const Grid& grid, const Ground& gro
 }
 
 /// Returns the positions of a tile's vertices in the frame of the raster, row by row. Vertices without a value are at
-/// the origin of the tile.
-std::vector<Point<Scene>> places(const DemTile& tile, const Ground& ground, const std::vector<double>& height_m) {
+/// the origin of the tile. Corners of a global raster whose heights do not exist on the earth become holes.
+std::vector<Point<Scene>> places(const DemTile& tile, const Ground& ground, std::vector<double>& height_m,
+                                 std::vector<std::string>& warnings) {
+  bool is_off_earth = false;
   const Grid grid{tile.raster->geotransform};
   const Ground::Frame frame(ground, tile.raster->origin);
   std::vector<Point<Scene>> out;
@@ -136,15 +138,19 @@ std::vector<Point<Scene>> places(const DemTile& tile, const Ground& ground, cons
     }
     const std::vector<char> is_located = ground.locate(x, y);
     for (std::size_t c = 0; c < std::size_t(width); ++c) {
-      const double h = height_m[std::size_t(r) * std::size_t(width) + c];
+      double& h = height_m[std::size_t(r) * std::size_t(width) + c];
+      is_off_earth |= is_located[c] == 0 && !std::isnan(h);
+      if (is_located[c] == 0) h = std::numeric_limits<double>::quiet_NaN();
       if (std::isnan(h)) {
         out.push_back({tile.offset_m[0], tile.offset_m[1], tile.offset_m[2]});
         continue;
       }
-      if (is_located[c] == 0) refuse_place(tile.raster->parts[0].options, ground);
       out.push_back(frame(x[c], y[c], h));
     }
   }
+  if (is_off_earth)
+    warnings.push_back("has heights at places that are not on the earth in its coordinate system (" + ground.name() +
+                       "), taken as holes");
   return out;
 }
 
@@ -268,28 +274,6 @@ void set_texels(const std::vector<RasterHead>& heads, const SurfaceHead& surface
   for (DemPart& part : raster.parts) part.options.tile_cells = std::max(1, std::min(part.options.tile_cells, cells));
 }
 
-/// Returns per tile of a raster whether a part may have a value in the tile.
-std::vector<char> filled_tiles(const DemRaster& raster, int edge) {
-  const int columns = (raster.columns - 2) / edge + 1, rows = (raster.rows - 2) / edge + 1;
-  std::vector<char> filled(std::size_t(columns) * std::size_t(rows), 0);
-  for (const DemPart& part : raster.parts) {
-    const BorrowedRaster dataset = borrow_raster(part.options.dem, "dem");
-    const int last_row = std::min(rows - 1, (part.row + part.rows - 1) / edge);
-    const int last_column = std::min(columns - 1, (part.column + part.columns - 1) / edge);
-    for (int row = std::max(0, part.row - 1) / edge; row <= last_row; ++row)
-      for (int column = std::max(0, part.column - 1) / edge; column <= last_column; ++column) {
-        char& is_filled = filled[std::size_t(row) * std::size_t(columns) + std::size_t(column)];
-        const int left = std::max(column * edge, part.column), top = std::max(row * edge, part.row);
-        const int right = std::min(column * edge + edge + 1, part.column + part.columns);
-        const int bottom = std::min(row * edge + edge + 1, part.row + part.rows);
-        if (is_filled == 0 && right > left && bottom > top)
-          is_filled =
-              !is_known_empty(part.options, *dataset, left - part.column, top - part.row, right - left, bottom - top);
-      }
-  }
-  return filled;
-}
-
 DemSurface surface_of(const std::vector<RasterHead>& heads, const SurfaceHead& surface) {
   auto raster = std::make_shared<DemRaster>();
   for (const std::size_t i : surface.heads) raster->parts.push_back(heads[i].part);
@@ -338,8 +322,8 @@ DemMesh mesh_of(const DemTile& tile, bool with_ortho) {
   const DemOptions& first = raster.parts[0].options;
   const Ground ground(first, *borrow_raster(first.dem, "dem"));
   DemMesh out;
-  const std::vector<double> height_m = read_heights(tile, raster.is_on_earth, out.warnings);
-  for (const Point<Scene>& p : places(tile, ground, height_m)) {
+  std::vector<double> height_m = read_heights(tile, raster.is_on_earth, out.warnings);
+  for (const Point<Scene>& p : places(tile, ground, height_m, out.warnings)) {
     const double xyz[3] = {p.x, p.y, p.z};
     for (std::size_t c = 0; c < 3; ++c)
       out.primitive.position.push_back(float(std::floor(xyz[c] / quantum_m + 0.5) * quantum_m - tile.offset_m[c]));

@@ -1,6 +1,13 @@
 #include "format/source/raster/gdal_heights.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cpl_minixml.h>
+#include <cstring>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <string_view>
 
 #include "format/source/raster/dem_checks.h"
@@ -107,6 +114,161 @@ bool is_without_data(GDALRasterBand& band, int column, int row, int columns, int
   return (band.GetDataCoverageStatus(column, row, columns, rows, 0, nullptr) & GDAL_DATA_COVERAGE_STATUS_DATA) == 0;
 }
 
+/// One raster of a mosaic. Rectangles: left, top, width and height in pixels.
+struct MosaicSource {
+  std::filesystem::path file;
+  int band = 1;
+  std::array<double, 4> from{}, to{};  ///< in the source and in the mosaic
+  std::vector<double> holes = {};      ///< numbers that are no heights
+  bool is_changed = false;             ///< the mosaic computes other numbers from it
+};
+
+std::array<double, 4> rectangle_of(const CPLXMLNode* node, const char* name) {
+  std::array<double, 4> out{};
+  const char* const keys[] = {"xOff", "yOff", "xSize", "ySize"};
+  for (std::size_t i = 0; i < 4; ++i)
+    out[i] = CPLAtof(CPLGetXMLValue(node, (std::string(name) + "." + keys[i]).c_str(), "0"));
+  return out;
+}
+
+std::optional<MosaicSource> source_of(const std::filesystem::path& vrt, const char* text) {
+  const std::unique_ptr<CPLXMLNode, decltype(&CPLDestroyXMLNode)> xml(CPLParseXMLString(text), &CPLDestroyXMLNode);
+  if (!xml) return std::nullopt;
+  MosaicSource out;
+  out.file = vrt.parent_path() / CPLGetXMLValue(xml.get(), "SourceFilename", "");
+  const std::string band = CPLGetXMLValue(xml.get(), "SourceBand", "1");
+  out.band = std::atoi(band.c_str());
+  if (out.band < 1) return std::nullopt;  // a mask
+  out.from = rectangle_of(xml.get(), "SrcRect"), out.to = rectangle_of(xml.get(), "DstRect");
+  for (const auto& rectangle : {out.from, out.to})
+    if (!(rectangle[2] > 0 && rectangle[3] > 0)) return std::nullopt;
+  if (const char* nodata = CPLGetXMLValue(xml.get(), "NODATA", nullptr)) out.holes.push_back(CPLAtof(nodata));
+  for (const char* name : {"ScaleOffset", "ScaleRatio", "LUT", "UseMaskBand", "ColorTableComponent"})
+    out.is_changed |= CPLGetXMLNode(xml.get(), name) != nullptr;
+  return out;
+}
+
+/// Bilinear and other filters read pixels around a window.
+constexpr double filter_pixels = 4;
+
+struct IndexRange {
+  int begin = 0, end = 0;
+};
+
+/// Converts a range of pixels of the mosaic into pixels of the source, along one axis.
+IndexRange source_span(const MosaicSource& s, std::size_t axis, int begin, int size, int source_size) {
+  const double scale = s.from[axis + 2] / s.to[axis + 2];
+  const double low = std::max(double(begin), s.to[axis]),
+               high = std::min(double(begin) + size, s.to[axis] + s.to[axis + 2]);
+  if (!(high > low)) return {};
+  const double margin = scale == 1 ? 1 : filter_pixels * std::max(scale, 1.0);
+  const double first = s.from[axis] + (low - s.to[axis]) * scale - margin;
+  const double last = s.from[axis] + (high - s.to[axis]) * scale + margin;
+  return {int(std::clamp(std::floor(first), 0.0, double(source_size))),
+          int(std::clamp(std::ceil(last), 0.0, double(source_size)))};
+}
+
+/// Returns the rasters of a mosaic whose pixels without a source are holes. Empty if `vrt` is no such mosaic.
+std::vector<MosaicSource> mosaic_sources(const DemOptions& options, GDALDataset& vrt) {
+  GDALRasterBand& band = *vrt.GetRasterBand(1);
+  if (!EQUAL(vrt.GetDriver() != nullptr ? vrt.GetDriver()->GetDescription() : "", "VRT")) return {};
+  if (validity_band(vrt) != nullptr || !is_hole(options, band, left_out_value(band))) return {};
+  std::vector<MosaicSource> out;
+  char** list = band.GetMetadata("vrt_sources");
+  for (char** item = list; item != nullptr && *item != nullptr; ++item) {
+    const char* text = std::strchr(*item, '=');
+    const auto source = text != nullptr ? source_of(options.dem, text + 1) : std::nullopt;
+    if (!source) return {};
+    out.push_back(*source);
+    out.back().holes.push_back(left_out_value(band));
+    if (options.nodata) out.back().holes.push_back(*options.nodata);
+  }
+  return out;
+}
+
+/// A source of a mosaic, opened to find out which windows of the mosaic it leaves empty.
+class SourceCoverage {
+ public:
+  explicit SourceCoverage(const MosaicSource& source) : source_(source), raster_(borrow_raster(source.file, "dem")) {
+    if (source.is_changed || source.band > raster_->GetRasterCount()) return;
+    const double value = left_out_value(*raster_->GetRasterBand(source.band));
+    is_hole_ = std::isnan(value) || std::find(source.holes.begin(), source.holes.end(), value) != source.holes.end();
+  }
+
+  /// Returns whether the source has no value in a window of the mosaic: it is elsewhere, or its blocks are left out.
+  bool is_empty(int left, int top, int columns, int rows) const {
+    const IndexRange x = source_span(source_, 0, left, columns, raster_->GetRasterXSize());
+    const IndexRange y = source_span(source_, 1, top, rows, raster_->GetRasterYSize());
+    if (x.begin >= x.end || y.begin >= y.end) return true;
+    return is_hole_ &&
+           is_without_data(*raster_->GetRasterBand(source_.band), x.begin, y.begin, x.end - x.begin, y.end - y.begin);
+  }
+
+ private:
+  const MosaicSource& source_;
+  BorrowedRaster raster_;
+  bool is_hole_ = false;  ///< a block that is left out is one
+};
+
+/// Pixels of a part: the first, and the one behind the last.
+struct PixelWindow {
+  int left, top, right, bottom;
+};
+
+class FilledTiles {
+ public:
+  FilledTiles(const DemRaster& raster, int edge)
+      : edge_(edge),
+        columns_((raster.columns - 2) / edge + 1),
+        rows_((raster.rows - 2) / edge + 1),
+        filled_(std::size_t(columns_) * std::size_t(rows_), 0) {}
+
+  void add(const DemPart& part) {
+    BorrowedRaster dataset = borrow_raster(part.options.dem, "dem");
+    const std::vector<MosaicSource> sources = mosaic_sources(part.options, *dataset);
+    if (sources.empty())
+      return add_windows(part, {0, 0, part.columns, part.rows}, [&](int left, int top, int columns, int rows) {
+        return is_known_empty(part.options, *dataset, left, top, columns, rows);
+      });
+    dataset.reset();  // a thread may borrow only one
+    for (const MosaicSource& source : sources) {
+      const SourceCoverage coverage(source);
+      add_windows(part, window_of(source, part), [&](int left, int top, int columns, int rows) {
+        return coverage.is_empty(left, top, columns, rows);
+      });
+    }
+  }
+
+  std::vector<char> take() { return std::move(filled_); }
+
+ private:
+  static PixelWindow window_of(const MosaicSource& source, const DemPart& part) {
+    const auto pixel = [](double at, int size) { return int(std::clamp(at, 0.0, double(size))); };
+    return {pixel(std::floor(source.to[0]), part.columns), pixel(std::floor(source.to[1]), part.rows),
+            pixel(std::ceil(source.to[0] + source.to[2]), part.columns),
+            pixel(std::ceil(source.to[1] + source.to[3]), part.rows)};
+  }
+
+  /// is_empty: called with a window in pixels of the part, per tile that is not filled yet.
+  void add_windows(const DemPart& part, const PixelWindow& within,
+                   const std::function<bool(int, int, int, int)>& is_empty) {
+    const int last_row = std::min(rows_ - 1, (part.row + within.bottom - 1) / edge_);
+    const int last_column = std::min(columns_ - 1, (part.column + within.right - 1) / edge_);
+    for (int row = std::max(0, part.row + within.top - 1) / edge_; row <= last_row; ++row)
+      for (int column = std::max(0, part.column + within.left - 1) / edge_; column <= last_column; ++column) {
+        char& is_filled = filled_[std::size_t(row) * std::size_t(columns_) + std::size_t(column)];
+        const int left = std::max(column * edge_, part.column), top = std::max(row * edge_, part.row);
+        const int right = std::min(column * edge_ + edge_ + 1, part.column + part.columns);
+        const int bottom = std::min(row * edge_ + edge_ + 1, part.row + part.rows);
+        if (is_filled == 0 && right > left && bottom > top)
+          is_filled = !is_empty(left - part.column, top - part.row, right - left, bottom - top);
+      }
+  }
+
+  int edge_, columns_, rows_;
+  std::vector<char> filled_;
+};
+
 }  // namespace
 
 bool is_known_empty(const DemOptions& options, GDALDataset& dataset, int column, int row, int columns, int rows) {
@@ -123,6 +285,12 @@ double fraction_left_out(const DemOptions& options, GDALDataset& dataset) {
   double percent = 100;
   band.GetDataCoverageStatus(0, 0, band.GetXSize(), band.GetYSize(), 0, &percent);
   return percent < 0 ? 0 : 1 - percent / 100;
+}
+
+std::vector<char> filled_tiles(const DemRaster& raster, int edge) {
+  FilledTiles tiles(raster, edge);
+  for (const DemPart& part : raster.parts) tiles.add(part);
+  return tiles.take();
 }
 
 std::vector<double> read_heights(const DemTile& tile, bool is_on_earth, std::vector<std::string>& warnings) {

@@ -18,6 +18,11 @@ std::vector<double> read_heights(const DemTile& tile, bool is_on_earth, std::vec
 /// pixels must lie in blocks that a sparse file omits, and omitted blocks must read as nodata.
 bool is_known_empty(const DemOptions& options, GDALDataset& dataset, int column, int row, int columns, int rows);
 
+/// Returns for each tile of `edge` cells, row by row, whether a part may have a value in it. Opens the files of a
+/// mosaic (VRT), because GDAL reports them as filled.
+/// Errors  InputError: a file cannot be opened.
+std::vector<char> filled_tiles(const DemRaster& raster, int edge);
+
 /// Returns the fraction of the raster that a sparse file omits and that is read as heights of 0.
 double fraction_left_out(const DemOptions& options, GDALDataset& dataset);
 

@@ -97,6 +97,9 @@ class TileImage {
     w->panDstBands = static_cast<int*>(CPLMalloc(std::size_t(count) * sizeof(int)));
     for (int i = 0; i < count; ++i) w->panSrcBands[i] = bands.colours[std::size_t(i)], w->panDstBands[i] = i + 1;
     w->nSrcAlphaBand = bands.alpha, w->nDstAlphaBand = count + 1;
+    if (bands.alpha != 0)
+      w->papszWarpOptions =
+          CSLSetNameValue(w->papszWarpOptions, "SRC_ALPHA_MAX", std::to_string(bands.max_alpha).c_str());
     set_nodata(bands, ortho, *w);
     w->pfnTransformer = GDALGenImgProjTransform, w->pTransformerArg = transformer.get();
     GDALWarpOperation operation;
@@ -211,6 +214,7 @@ OrthoFacts check_ortho(const DemPart& part, const Grid& grid, const OGRSpatialRe
   const OrthoBands bands = ortho_bands(o.ortho, *ortho);
   OrthoFacts out;
   out.warnings = bands.warnings;
+  for (const std::string& line : side_file_warnings(o.ortho)) out.warnings.push_back("of the orthophoto: " + line);
   out.texels_per_cell = std::sqrt(std::fabs(grid.determinant())) / pixel_size(o, *ortho, crs);
   const Dataset target = raster_in_memory(o.ortho, "ortho", 1, 1, 1, GDT_Byte);
   Grid of_part = grid;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 
 #include "lattice/error.h"
@@ -75,6 +76,13 @@ void set_range(const Path& file, GDALDataset& dataset, OrthoBands& out) {
                          " in a sample, so their range is unknown; " + to_bytes_hint);
 }
 
+/// Returns the number of full opacity: all bits of the alpha band. Many masks are 0 and 1, or 0 and 255 in 16 bits.
+double max_alpha_of(GDALRasterBand& band) {
+  const double all_bits = std::ldexp(1, bits_of(band)) - 1, greatest = sampled_maximum(band);
+  if (greatest == 1) return 1;
+  return greatest > 0 && greatest <= 255 ? std::min(all_bits, 255.0) : all_bits;
+}
+
 std::string names_of(GDALDataset& dataset, const std::vector<int>& bands) {
   std::string out;
   for (const int number : bands) {
@@ -110,6 +118,16 @@ struct Interpreted {
     }
   }
   bool has_rgb() const { return rgb[0] != 0 && rgb[1] != 0 && rgb[2] != 0; }
+
+  /// Returns red, green and blue: bands that state it, and the others in their order for what no band states.
+  std::vector<int> completed_rgb() const {
+    std::vector<int> out(rgb.begin(), rgb.end());
+    for (const int number : others) {
+      const auto missing = std::find(out.begin(), out.end(), 0);
+      if (missing != out.end() && std::find(out.begin(), out.end(), number) == out.end()) *missing = number;
+    }
+    return out;
+  }
 };
 
 void add_band_warnings(GDALDataset& dataset, const Interpreted& bands, OrthoBands& out) {
@@ -131,6 +149,7 @@ OrthoBands ortho_bands(const Path& file, GDALDataset& dataset) {
   const Interpreted bands(file, dataset);
   if (bands.others.empty()) throw InputError(file, "ortho", "has no colours, only an alpha band");
   out.alpha = bands.alpha;
+  if (out.alpha != 0) out.max_alpha = max_alpha_of(*dataset.GetRasterBand(out.alpha));
   GDALRasterBand& first = *dataset.GetRasterBand(bands.others[0]);
   if (const GDALColorTable* table = first.GetColorTable();
       table != nullptr && (bands.others.size() == 1 || first.GetColorInterpretation() == GCI_PaletteIndex)) {
@@ -140,10 +159,8 @@ OrthoBands ortho_bands(const Path& file, GDALDataset& dataset) {
     out.is_palette = true;
     out.colours = {bands.others[0]};
   } else {
-    if (bands.has_rgb())
-      out.colours.assign(bands.rgb.begin(), bands.rgb.end());
-    else if (bands.others.size() >= 3)
-      out.colours.assign(bands.others.begin(), bands.others.begin() + 3);
+    if (bands.others.size() >= 3)
+      out.colours = bands.completed_rgb();
     else
       out.colours = {bands.others[0]};
     set_range(file, dataset, out);

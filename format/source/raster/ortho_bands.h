@@ -17,6 +17,7 @@ struct OrthoBands {
   bool is_palette = false;
   bool is_inverted = false;           ///< grey with 0 as white
   double max_value = 255;             ///< the number of full intensity
+  double max_alpha = 255;             ///< the number of full opacity in the alpha band
   std::vector<std::string> warnings;  ///< one line each
 };
 

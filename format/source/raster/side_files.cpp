@@ -249,6 +249,18 @@ std::vector<std::string> safe_side_files(const Path& file) {
   return out;
 }
 
+std::vector<std::string> side_file_warnings(const Path& file) {
+  const std::vector<std::string> safe = safe_side_files(file);
+  std::vector<std::string> out;
+  std::error_code error;
+  for (const std::string& name : side_file_names(file))
+    if (name.ends_with(".aux.xml") && std::filesystem::exists(file.parent_path() / name, error) &&
+        std::find(safe.begin(), safe.end(), name) == safe.end())
+      out.push_back("its side file " + in_quotes(name) +
+                    " is not read: it is damaged, not of GDAL, or a link that leads out of the folder");
+  return out;
+}
+
 void expect_closed_vrt(const Path& file, const char* key) { VrtCheck(file, key, 0).run(); }
 
 }  // namespace gigabake

@@ -55,11 +55,10 @@ class Reader {
     if (std::find(open_files_.begin(), open_files_.end(), canonical) != open_files_.end())
       throw InputError(file, "root", "the tileset includes itself");
     if (open_files_.size() == deepest_external) throw InputError(file, "root", "external tilesets nest deeper than 32");
-    const bool is_first = open_files_.empty();
-    open_files_.push_back(canonical);
     context.file = file;
     context.gltf_up = up_axis(file, get_object(file, document.json, "", "asset"));
-    if (is_first) find_anchor(document.json["root"], context);
+    if (open_files_.empty()) find_anchor(document.json["root"], context);
+    open_files_.push_back(canonical);
     std::vector<std::string> uris;
     add_uris_below(*document.root, uris);
     inclusions_.read(canonical, uris);
@@ -119,6 +118,8 @@ class Reader {
     Subtree finer;
     for (std::size_t i = 0; i < tile.children.size(); ++i)
       join(finer, read_tile(tile.children[i], where + ".children[" + std::to_string(i) + "]", here));
+    finer.is_missing_some |= tile.bad_children != 0;
+    if (tile.bad_children != 0) skip(here, where + ".children", "expected tiles, which are JSON objects", false);
     if (tile.implicit) {
       join(finer, read_subtree({*tile.implicit, tile.uris, where, here}, {}));
       return finer;
@@ -143,8 +144,7 @@ class Reader {
     if (!path) return {{}, true};
     const auto available = or_missing(
         implicit.here, key, [&] { return SubtreeAvailability(files, *path, implicit.tiling, implicit.uris.size()); });
-    if (!available) return {{}, true};
-    if (!available->tile(0)) return {};
+    if (!available || !available->tile(0)) return {{}, !available};
     return read_implicit_tile(implicit, *available, place, {});
   }
 

@@ -19,7 +19,8 @@ enum class Refine : std::uint8_t { add, replace };
 
 struct TilesetTile {
   std::vector<TilesetTile> children;
-  std::vector<std::string> uris;  ///< of its contents; templates if the tile is implicit; empty if one is missing
+  std::uint64_t bad_children = 0;  ///< entries of `children` that are not tiles
+  std::vector<std::string> uris;   ///< of its contents; templates if the tile is implicit; empty if one is missing
   std::unique_ptr<const Affine<World, World>> world_from_tile;  ///< its own transform; null: none
   std::unique_ptr<const ImplicitTiling> implicit;               ///< null: an explicit tile
   std::optional<Refine> refine;

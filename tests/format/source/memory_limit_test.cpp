@@ -155,7 +155,11 @@ TEST(TilesOfATileset, AreNamedWhereTheyAreMalformed) {
   ASSERT_EQ(lost.size(), 1u);  // 2026-11-25: only a malformed tile is missing, not the tileset
   EXPECT_EQ(lost[0].name, "t.json: root.children[1].children[0]");
   EXPECT_TRUE(lost[0].reason.ends_with("refine: expected ADD or REPLACE, got 'MUL'")) << lost[0].reason;
-  EXPECT_EQ(line_of(R"("root":{"children":[7]})"), "t.json: root.children: expected tiles, which are JSON objects");
+  const Path other = folder.file("u.json", R"({"asset":{"version":"1.0"},"root":{"children":[7]}})");
+  const std::vector<SkippedSource> no_tile = open_sources(other, {}).skipped;
+  ASSERT_EQ(no_tile.size(), 1u);  // 2026-11-25: an entry that is no tile costs itself
+  EXPECT_EQ(no_tile[0].name, "u.json: root.children");
+  EXPECT_EQ(no_tile[0].reason, "expected tiles, which are JSON objects");
   EXPECT_EQ(line_of(R"("root":[])"), "t.json: root: expected a JSON object");
 }
 
