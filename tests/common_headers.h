@@ -1,4 +1,4 @@
-/// What nearly every test includes, compiled once for all of them. Tests include what they need all the same.
+/// Headers that nearly every test includes, precompiled for all tests. Each test still includes the headers it needs.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-/// Real terrain and models that stand beside the checkout, or elsewhere; tests skip where they are absent.
+/// Real terrain and models, stored next to the checkout or elsewhere. Tests that need them skip if they are absent.
 #pragma once
 
 #include <cstdlib>

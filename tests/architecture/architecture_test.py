@@ -55,7 +55,7 @@ RESERVED = [
     (r"tiny_gltf\.h|hdf5\.h|pugixml\.hpp|png\.h|jpeglib\.h|(OpenEXR|Imath)/.*", 
      r"format/|viewer/.*\.cpp|app/manual/library_versions\.cpp|tests/", "files are format's business"),
     (r"openvdb/.*", r"format/export/openvdb/.*\.cpp|tests/", "a build without OpenVDB has the rest"),
-    (r"nanovdb/.*", r"tests/", "format/export/nanovdb_layout.h says what is needed of it"),
+    (r"nanovdb/.*", r"tests/", "format/export/nanovdb_layout.h declares the layout that the export needs"),
 ]
 
 # Headers that a folder's headers must not include for the folders that include them.
@@ -105,7 +105,7 @@ def carried_headers(root, header, seen):
 def include_problems(root, name, text):
     room = room_of(name)
     if room is None:
-        yield "stands in no room: name its folder in the table of this test and in docs/architecture.md"
+        yield "belongs to no module: add its folder to the table of this test and to docs/architecture.md"
         return
     for quoted, bracketed in includes(text):
         if quoted and not (room == "tests" and (root / name).parent.joinpath(quoted).exists()):
@@ -125,7 +125,7 @@ def quoted_problems(root, room, quoted):
     if target.split("/")[0] != room.split("/")[0]:
         for carried in carried_headers(root, quoted, set()):
             if re.fullmatch(HEAVY, carried):
-                yield f'includes "{quoted}", which carries <{carried}> out of its room'
+                yield f'includes "{quoted}", which includes <{carried}> outside its module'
 
 
 def text_problems(name, text):
@@ -157,11 +157,11 @@ def message_problems(name, text):
 
 def header_problems(name, text):
     if not text.startswith("///"):
-        yield "does not open with what it is (///)"
+        yield "does not begin with a description of its content (///)"
     if "#pragma once" not in text:
         yield "lacks #pragma once"
     if re.search(r"^using namespace", text, re.M):
-        yield "opens a namespace for everyone who includes it"
+        yield "opens a namespace in each file that includes it"
 
 
 def problems(root):

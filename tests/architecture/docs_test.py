@@ -142,14 +142,14 @@ def glossary_problems(root):
 def architecture_problems(root):
     """docs/architecture.md has a row per module, and its flow names structs that their headers declare."""
     text = (root / "docs/architecture.md").read_text(encoding="utf-8")
-    yield from (f"has no row for the room {room}" for room in ROOMS if f"`{room}`" not in text)
+    yield from (f"has no row for the module {room}" for room in ROOMS if f"`{room}`" not in text)
     flow = text.split("## The flow")[1].split("\n## ")[0]
     for row in re.findall(r"^\| [^|]*→[^|]*\|([^|]*)\|([^|]*)\|", flow, re.M):
         headers = [root / name for name in re.findall(r"`([\w/]+\.h)`", row[1])]
         declared = "".join(header.read_text(encoding="utf-8") for header in headers if header.exists())
         for name in re.findall(r"`([A-Z]\w+)`", row[0]) if headers else []:
             if not re.search(rf"(struct|class) {name}\b", declared):
-                yield f"says that {name} is declared in {row[1].strip()}"
+                yield f"states that {name} is declared in {row[1].strip()}, which does not declare it"
 
 
 def version_problems(root):

@@ -76,7 +76,7 @@ def normals_cost_bytes_and_show_from_afar_alone(bench):
         if direction == "nadir":
             assert all(near[key] == near_unlit[key] for key in alike), (near, near_unlit)
         assert abs(near["flip"] - near_unlit["flip"]) < 0.01, (near["flip"], near_unlit["flip"])
-        assert near["lit_flip"] < near_unlit["lit_flip"], "what has no normals is lit from everywhere"
+        assert near["lit_flip"] < near_unlit["lit_flip"], "voxels without normals are lit from all directions"
     assert lit["mean"]["flip"] < unlit["mean"]["flip"], "planes of coarser levels lie along normals"
 
 

@@ -240,7 +240,7 @@ class Documents(harness.FolderTest):
                 count += 1
                 message = f"{path.name}: {' '.join(words)}"
                 known = words[0] in TOOLS or "/" in words[0] or words[0] == "python3"
-                self.assertTrue(known, f"{message}: what is {words[0]}? Add it to this test")
+                self.assertTrue(known, f"{message}: unknown program {words[0]}: add it to this test")
                 self.assertEqual(self.problem_of_tool(words), "", message)
         self.assertGreater(count, 20)
 

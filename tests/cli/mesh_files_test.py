@@ -54,7 +54,7 @@ def stl(path, is_text):
                       "endfacet"]
         return path.write_text("\n".join(lines + ["endsolid house", ""]))
     body = b"".join(struct.pack("<3f9fH", 0, 0, 0, *sum(facet, ()), 0) for facet in facets)
-    return path.write_bytes(b"solid, says this one".ljust(80) + struct.pack("<I", len(facets)) + body)
+    return path.write_bytes(b"solid, but a binary file".ljust(80) + struct.pack("<I", len(facets)) + body)
 
 
 def ecef(latitude, longitude, height):
@@ -175,11 +175,11 @@ class MeshFiles(unittest.TestCase):
     def test_a_missing_material_file_costs_colour_and_one_line(self):
         path = self.root / "house.obj"
         obj(path)
-        path.write_text("mtllib gone.mtl\nusemtl wall\n" + path.read_text())
+        path.write_text("mtllib missing.mtl\nusemtl wall\n" + path.read_text())
         for command in (("plan", path), ("bake", path, "-o", self.root / "out")):
             result = PROGRAM.run(*command, "--voxel-size", 1)
             self.assertEqual(result.returncode, 0, result.stderr)
-            self.assertEqual(result.stderr.count("gone.mtl"), 1, result.stderr)
+            self.assertEqual(result.stderr.count("missing.mtl"), 1, result.stderr)
             self.assertIn("warning: house.obj", result.stderr)
 
     # Regression of 2026-11-22: the number of skipped points was not reported.

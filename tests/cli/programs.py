@@ -50,7 +50,7 @@ class Transcript:
         for command, path in self.files[first:]:
             said = path.read_text(encoding="utf-8", errors="replace") if path.exists() else ""
             cut = f"... {len(said) - MAX_SHOWN} characters more in the file\n" if len(said) > MAX_SHOWN else ""
-            print(f"--- {command}\n--- said, and {path} keeps:\n{cut}{said[-MAX_SHOWN:]}", file=sys.stderr, flush=True)
+            print(f"--- {command}\n--- output, also in {path}:\n{cut}{said[-MAX_SHOWN:]}", file=sys.stderr, flush=True)
 
     def forget(self):
         if not self.failed:

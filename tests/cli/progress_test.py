@@ -104,7 +104,7 @@ class Progress(harness.FolderTest):
             self.assertTrue(select.select([master], [], [], BOUND_S)[0], shown)
             shown += os.read(master, 65536)
             if len(shown) and time.monotonic() - begin < 1:
-                self.fail(f"said within a second: {shown}")
+                self.fail(f"printed within a second: {shown}")
         os.write(master, b"\x03")
         plan.wait(timeout=BOUND_S)
         self.assertEqual(plan.returncode, 128 + signal.SIGINT)

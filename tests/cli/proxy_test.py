@@ -128,7 +128,7 @@ class BehindProxies(harness.FolderTest):
         proxies = {
             "nginx": Nginx(PASS.format(port=port, more=f"proxy_read_timeout {READ_TIMEOUT_S}s;")),
             "nginx, gzip": Nginx(PASS.format(port=port, more=""), "gzip on; gzip_types *; gzip_proxied any;"),
-            "nginx that buffers whatever a server says": Nginx(PASS.format(
+            "nginx that buffers all replies": Nginx(PASS.format(
                 port=port, more="proxy_ignore_headers X-Accel-Buffering; proxy_buffers 4 128k; "
                                 "proxy_buffer_size 128k; proxy_busy_buffers_size 128k; "
                                 f"proxy_read_timeout {READ_TIMEOUT_S}s;")),

@@ -131,7 +131,7 @@ class Results(harness.FolderTest):
     def test_diff_compares_by_voxel_where_cells_are_cut_differently(self):
         answer = json.loads(PROGRAM.succeed("diff", self.a, self.b, "--json"))
         self.assertTrue(answer["same"])
-        self.assertEqual(answer["lods_compared"], [0, 1, 2, 3], "a cell's level beside its parent's")
+        self.assertEqual(answer["lods_compared"], [0, 1, 2, 3], "a level of a cell and a level of its overview")
 
     def test_diff_says_where_and_by_how_much(self):
         positions, indices, colours = bumpy_ground()

@@ -42,7 +42,7 @@ def suggested_commands_bake_what_was_written(gigabake, work):
         assert program == "gigabake"
         gigabake.succeed(*arguments)
         infos.append(gigabake.info(work / name / "scene.xml"))
-        assert infos[-1]["triangles"] == said["triangles"], "the finest tiles, and those alone"
+        assert infos[-1]["triangles"] == said["triangles"], "the finest tiles only"
     assert said["houses"] > 0 and said["trees"] > 0
     georeferenced, local = (info["lods"][0]["voxels"] for info in infos)
     assert abs(georeferenced - local) < 0.01 * local, (georeferenced, local)
@@ -76,7 +76,7 @@ def fractal_terrain_has_the_peers_number_of_voxels(gigabake, work):
     """The terrain of 2 million triangles has 2.9 surface voxels per column, like the peers: 0.77 million at 512²."""
     fractal = Path(gigabake.executable).with_name("gigabake_fractal")
     if not fractal.exists():
-        print("no gigabake_fractal beside the program: its counts are not checked")
+        print("no gigabake_fractal next to the program: its counts are not checked")
         return
     terrain = work / "fractal.glb"
     Gigabake(fractal).succeed(terrain, "--quads", 1024)

@@ -132,7 +132,7 @@ class Serve(harness.FolderTest):
             for left, top, right, bottom in (bar, keys):
                 self.assertTrue(0 <= left < right <= width and 0 <= top < bottom <= height, (bar, keys, width, height))
             self.assertLessEqual(bar[3], keys[1], "the bar covers the keys")
-            self.assertLess(bar[3], height / 3, "the bar covers the picture")
+            self.assertLess(bar[3], height / 3, "the bar covers the image")
         before = page.evaluate("JSON.stringify(shownState.eye)")
         page.swipe((300, 200), (380, 190))
         page.wait_for(f"JSON.stringify(shownState.eye) !== {json.dumps(before)}")

@@ -219,7 +219,7 @@ class View(harness.FolderTest):
         start = time.monotonic()
         GIGABAKE.succeed("render", self.scene, "-o", self.root / "large.png", "--threads", "1", "--size", "1280x960",
                          "--eye=30,-40,30", "--target=0,0,0")
-        self.assertLess(closed_s, 0.75 * (time.monotonic() - start), "as long as the picture takes")
+        self.assertLess(closed_s, 0.75 * (time.monotonic() - start), "it took as long as the image")
 
     def test_the_title_says_what_was_saved(self):  # 2026-11-22
         self.open_window()

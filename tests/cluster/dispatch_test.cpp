@@ -45,7 +45,7 @@ class Dispatch : public testing::Test {
     DispatchLog log(plan_, *journal_, *feed_, progress_);
     const auto script = ranks.at;
     ranks.at = [script](double now_s) {
-      if (now_s > forever_s) throw std::logic_error("it goes on for ever");
+      if (now_s > forever_s) throw std::logic_error("the script never ends");
       script(now_s);
     };
     std::vector<CellReport> done;

@@ -200,7 +200,7 @@ class Faults(harness.FolderTest):
         """Checks the exit code of a launch after its fault."""
         who, what, _ = kind
         if who == "bake process" and what != NO_MEMORY:
-            self.assertEqual(code, 0, f"{context}: a bake goes on without one of its processes\n{log}")
+            self.assertEqual(code, 0, f"{context}: a bake continues without one of its processes\n{log}")
         elif what == NO_MEMORY:
             self.assertIn(code, (0, 1, 3), f"{context}\n{log}")
         elif who != "mpirun":
@@ -312,7 +312,7 @@ class Faults(harness.FolderTest):
             self.assertIn(code, (1, 3), log)
             self.assertIn("No space left on device", log)
             subprocess.run(["mount", "-o", "remount,size=400m", out], check=True)
-            self.expect_whole(out, 2, "after the disk had room again")
+            self.expect_whole(out, 2, "after the disk had space again")
         finally:
             subprocess.run(["umount", out], check=True)
 

@@ -51,7 +51,7 @@ void ScriptedRanks::answer(int rank, const Work& work) {
   answer.report.outcome = end == Fate::baked    ? CellOutcome::empty
                           : end == Fate::failed ? CellOutcome::failed
                                                 : CellOutcome::refused;
-  if (end != Fate::baked) answer.report.error = "as the script says";
+  if (end != Fate::baked) answer.report.error = "as scripted";
   std::vector<std::uint8_t> bytes = to_bytes(answer);
   const Delivery way = delivery(rank, work.job);
   if (way == Delivery::malformed) bytes.resize(random_() % bytes.size());

@@ -137,7 +137,7 @@ class Slurm(harness.FolderTest):
         self.wait_for_cells(out)
         # Slurm checks time limits only twice a minute. Stopped cells save minutes of work until then.
         self.assertGreater(self.signal(job, "gigabake-bake", signal.SIGSTOP), 0, self.logs())
-        self.wait_until(lambda: self.status(out)["state"] == "draining", "the bake is not told of the limit")
+        self.wait_until(lambda: self.status(out)["state"] == "draining", "the bake does not learn the limit")
         self.signal(job, "gigabake-bake", signal.SIGCONT)
         self.wait_until(lambda: self.field(job, "Restarts") != "0", "the job is not requeued")
         self.assertIn(self.status(out)["state"], ("drained", "baking", "surveying"), self.logs())

@@ -169,7 +169,7 @@ class ObjWriter:
     def add_textured(self, part):
         """Adds a part with texture coordinates. The image or the MTL file may be missing."""
         odd, case = self.odd, self.case
-        m, _ = self.new_material("beside a map", part.colour)
+        m, _ = self.new_material("next to a map", part.colour)
         if odd.maybe(0.3):
             m.lines.clear()  # only the map remains
         self.add_map(m)
@@ -195,7 +195,7 @@ class ObjWriter:
     def add_without_uv(self, part):
         """Adds a part whose material has an image, but whose faces have no texture coordinates: Kd gives the colour."""
         odd, case = self.odd, self.case
-        m, colour = self.new_material("beside a map", part.colour)
+        m, colour = self.new_material("next to a map", part.colour)
         if odd.maybe(0.3):
             m.lines.clear()
             colour = WHITE

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes odd but valid sources and compares what gigabake, assimp and GDAL read with what the generator wrote.
 
-Usage: run.py GIGABAKE [--files N] [--seed S] [--keep DIR] [--only NUMBER] [--kind KIND]
+Usage: run.py GIGABAKE [--files N] [--seed S] [--keep DIR] [--only NUMBER] [--kind FORMAT]
 
 File NUMBER of seed S is always the same. A file with a difference is kept in DIR, with a text of its differences.
 """
@@ -52,7 +52,7 @@ def arguments():
     parser.add_argument("--seed", help="a number, or random (GIGABAKE_TEST_SEED, or the same in every run)")
     parser.add_argument("--keep", type=Path, help="folder for files with differences")
     parser.add_argument("--only", type=int, help="one file by its number, which is kept whatever its result")
-    parser.add_argument("--kind", choices=WRITERS, help="files of one kind only")
+    parser.add_argument("--kind", choices=WRITERS, metavar="FORMAT", help="files of one format only")
     parser.add_argument("--jobs", type=int, default=2)
     return parser.parse_args()
 

@@ -5,10 +5,11 @@
   cmake --preset release -DGIGABAKE_TESTS=OFF && cmake --build --preset release     the program that writes seeds
   tests/fuzz/run.py fuzz --seconds 600 --jobs 2 --data ../shared/data     every reader, from all seeds there are
   tests/fuzz/run.py fuzz obj shard                                        these readers
-  tests/fuzz/run.py merge                                                 tests/fuzz/corpus anew
+  tests/fuzz/run.py merge                                                 makes tests/fuzz/corpus again
 
-Seeds are what made_seeds.py makes, what the program writes from that, and small files of --data. What is found stands
-in WORK/<reader>/ and WORK/faults/. `merge` fuzzes without --data: nobody else's files get into the project.
+Seeds are the files that made_seeds.py makes, the files that the program writes from them, and small files of --data.
+Inputs that the fuzzers find are written to WORK/<reader>/ and WORK/faults/. `merge` fuzzes without --data, so that no
+files of other people get into the project.
 """
 import argparse
 import hashlib
@@ -162,7 +163,7 @@ def main():
     parser.add_argument("--program", type=Path, default=SOURCE / "build/release/gigabake")
     parser.add_argument("--data", type=Path, help="a folder of sources")
     parser.add_argument("--work", type=Path, default=SOURCE / "build/fuzz/work")
-    parser.add_argument("--most-bytes", type=int, default=2_000, help="merge: beside faults and seeds")
+    parser.add_argument("--most-bytes", type=int, default=2_000, help="merge: max bytes without faults and seeds")
     arguments = parser.parse_args()
     readers = arguments.readers or READERS
     if unknown := set(readers) - set(READERS):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Mutants of what a bake wrote: scene.xml, shards, journal, survey cache, status. Whatever happened to them, no command
-crashes, hangs or says an endless line; a scene that verify calls whole has the voxels of the bake; and the bake, given
-again, ends with them.
+"""Mutants of the files of a bake: scene.xml, shards, journal, scan cache, status. On each mutant no command crashes,
+hangs or prints an endless line; a scene that verify calls whole has the voxels of the bake; and a repeated bake ends
+with these voxels.
 
 Usage: product_mutants.py GIGABAKE SOURCE_DIR [--count N] [--seed S] [--keep FOLDER]
 """
@@ -83,11 +83,11 @@ class Judge:
         is_right = is_whole and not (edit.loses_cells and "carries no totals" in verified.stdout)
         info = run("info", mutant, "--json")
         if is_right and (info.returncode != 0 or self.hashes_in(info) != self.bake.hashes):
-            faults.append("verify calls it whole, but info says other voxels")
+            faults.append("verify calls it whole, but info prints other voxels")
         faults += self.wrong_exports(mutant, is_right, run)
         different = run("diff", self.bake.out, mutant)
         if is_right and different.returncode != 0:
-            faults.append("verify calls it whole, but diff says that it differs")
+            faults.append("verify calls it whole, but diff reports a difference")
         run("render", mutant, "-o", self.bake.root / "picture.png", "--size", "48x32", "--backend", "cpu")
         return faults + self.wrong_after_another_bake(mutant, edit, run)
 
@@ -119,7 +119,7 @@ class Judge:
             return [f"bake again fails: exit {again.returncode} {again.stderr}"]
         verified = run("verify", mutant)
         if verified.returncode != 0:
-            return [f"bake again does not mend it: {verified.stdout}{verified.stderr}"]
+            return [f"a repeated bake does not fix it: {verified.stdout}{verified.stderr}"]
         try:
             voxels = self.bake.ply(mutant, 0)
         except AssertionError as error:

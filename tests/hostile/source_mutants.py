@@ -56,7 +56,7 @@ def faults_of(code, was_asked, output, errors):
         if line.endswith("…"):
             yield f"a line without its end: {line}"
         if FOREIGN.search(line):
-            yield f"a line that is not ours: {line[:200]}"
+            yield f"a line that is not gigabake's: {line[:200]}"
 
 
 def run(command, environment, folder):

@@ -129,7 +129,7 @@ def other_seeds():
     yield Seed("grid and photo", "s.json", {"d.asc": grid, "o.tif": made.tiff(4, 3)},
                {"s.json": ({"gigabake": 1, "sources": [{"dem": "d.asc", "ortho": "o.tif", **keys}]}, bytes)})
     world = b"10\n0\n0\n-10\n500000\n5100160\n"
-    yield Seed("picture as raster", "s.json", {"d.png": made.png(8, 0), "d.wld": world, "d.pgw": world},
+    yield Seed("image as raster", "s.json", {"d.png": made.png(8, 0), "d.wld": world, "d.pgw": world},
                {"s.json": ({"gigabake": 1, "sources": [{"dem": "d.png", **keys}]}, bytes)})
     yield Seed("hgt", "s.json", {"N46E008.hgt": b"\0\x10" * (1201 * 1201)},
                {"s.json": ({"gigabake": 1, "sources": [{"dem": "N46E008.hgt", "tile_cells": 2048}]}, bytes)}, 5000)

@@ -160,7 +160,7 @@ Picture noise(int width, int height, Rng& rng, int darkest = 0, int brightest = 
   return p;
 }
 
-/// Returns waves of about 16 texels. As in photographs, adjacent texels are similar, also across a repeat.
+/// Returns waves of about 16 texels. Adjacent texels are similar, as in photographs, also across a repeat.
 Picture waves(int width, int height) {
   Picture p{width, height, {}};
   const double turn = 2 * std::numbers::pi, a = turn * (width / 16) / width, b = turn * (height / 20) / height;

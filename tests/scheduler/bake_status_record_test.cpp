@@ -138,7 +138,7 @@ TEST(BakeStatusRecord, KeepsTheSlowestCells) {
 TEST(BakeStatusRecord, EstimatesTheTimeLeftFromCostAndNotFromCells) {
   Bake b(4, {70, 10, 10, 10});
   for (std::uint32_t job = 0; job < 4; ++job) b.record.handed_out(job, 0, start_s);
-  EXPECT_FALSE(b.record.at(start_s + 7).left_s) << "nobody knows before the first cell";
+  EXPECT_FALSE(b.record.at(start_s + 7).left_s) << "no estimate before the first cell";
   b.record.cell_done(baked(0), start_s + 7);
   EXPECT_NEAR(*b.record.at(start_s + 7).left_s, 3, 1e-9);
   b.record.cell_done(baked(1), start_s + 8);
@@ -163,7 +163,8 @@ TEST(BakeStatusRecord, TakesWorkOfAnEarlierRunForNoWorkOfThisOne) {
 TEST(BakeStatusRecord, TellsTheLastMinuteFromTheWholeBake) {
   Bake b(1000);
   for (std::uint32_t job = 0; job < 100; ++job) b.record.cell_done(baked(job), start_s + 0.5 * job);
-  EXPECT_NEAR(b.record.at(start_s + 50).recent.cells_per_s, 2, 1e-9) << "a young bake is as old as it is";
+  EXPECT_NEAR(b.record.at(start_s + 50).recent.cells_per_s, 2, 1e-9)
+      << "the rate of a young bake is over its whole duration";
   for (std::uint32_t job = 100; job < 160; ++job) b.record.cell_done(baked(job), start_s + 200 + 0.5 * (job - 100));
   const BakeStatus s = b.record.at(start_s + 230);
   EXPECT_NEAR(s.recent.cells_per_s, 1, 0.05);

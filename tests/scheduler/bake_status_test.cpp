@@ -17,7 +17,7 @@ namespace {
 BakeStatus made_status() {
   BakeStatus s;
   s.state = BakeState::draining;
-  s.reason = "no room \"left\" on\nthe disk";
+  s.reason = "no space \"left\" on\nthe disk";
   s.out = "/shared/out";
   s.host = "node1";
   s.pid = 4321;
@@ -145,7 +145,7 @@ TEST(BakeStatus, IsPublishedWholeAndReadBack) {
   write_status(out.path(), {});
   write_status(out.path(), made_status());
   EXPECT_EQ(read_status(out.path()), made_status());
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(out.path()), {}), 1) << "nothing left aside";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(out.path()), {}), 1) << "no temporary file is left";
 }
 
 TEST(BakeStatus, RefusesAFileTooLargeToBeAStatus) {

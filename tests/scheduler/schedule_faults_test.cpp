@@ -79,12 +79,12 @@ TEST(ScheduleFaults, BlameNobodyButSuspectAllWhenAProcessDiesWithSeveralCells) {
   take(schedule, 1);
   schedule.process_died(0, "killed by signal 9", 1);
   EXPECT_EQ(schedule.out(), 1u);
-  EXPECT_FALSE(take(schedule, 1, 1).alone) << "it has something in hand";
+  EXPECT_FALSE(take(schedule, 1, 1).alone) << "the worker has cells in flight";
   for (int i = 0; i < 3; ++i) {
     const Assignment a = take(schedule, 0, 1);
     EXPECT_TRUE(a.alone);
     EXPECT_EQ(schedule.error(a.job), "");
-    EXPECT_FALSE(schedule.next(0, 1)) << "nothing beside a suspect";
+    EXPECT_FALSE(schedule.next(0, 1)) << "no other cell during an isolated retry";
     tried.insert(a.job);
     EXPECT_EQ(schedule.finished(0, a.job, a.attempt, 2), Verdict::accepted);
   }
@@ -100,7 +100,7 @@ TEST(ScheduleFaults, StrikeACellThatWasAloneWhenItsProcessDied) {
   schedule.process_died(0, "killed by signal 11", 0);
   for (const int worker : {1, 2}) {
     EXPECT_EQ(take(schedule, worker).job, job);
-    EXPECT_FALSE(schedule.next(worker, 0)) << "the other cell is not put beside it";
+    EXPECT_FALSE(schedule.next(worker, 0)) << "the other cell waits for the isolated retry";
     schedule.process_died(worker, "killed by signal 11", 0);
   }
   EXPECT_EQ(schedule.state(job), JobState::failed);
@@ -114,14 +114,14 @@ TEST(ScheduleFaults, LetOneWorkerRunDryForASuspectThatWaitsTooLong) {
   take(schedule, 0), take(schedule, 0);
   std::vector<Assignment> hand;
   for (int i = 0; i < 3; ++i) hand.push_back(take(schedule, 1));
-  schedule.process_died(0, "gone for good", 0);
+  schedule.process_died(0, "ended for good", 0);
   schedule.finished(1, hand[0].job, 1, 30);
   EXPECT_FALSE(take(schedule, 1, 30).alone) << "no reason to stall yet";
   schedule.finished(1, hand[1].job, 1, 61);
-  EXPECT_FALSE(schedule.next(1, 61)) << "it makes room";
-  EXPECT_TRUE(schedule.next(2, 61)->alone) << "somebody with empty hands is quicker";
-  EXPECT_TRUE(schedule.next(3, 61)->alone) << "and another one";
-  EXPECT_TRUE(schedule.next(1, 61)) << "nothing left to make room for";
+  EXPECT_FALSE(schedule.next(1, 61)) << "the worker finishes its other cells first";
+  EXPECT_TRUE(schedule.next(2, 61)->alone) << "an idle worker takes it at once";
+  EXPECT_TRUE(schedule.next(3, 61)->alone) << "so does another idle worker";
+  EXPECT_TRUE(schedule.next(1, 61)) << "no isolated retry is left";
 }
 
 TEST(ScheduleFaults, TakeASilentWorkersCellsAwayWithoutBlame) {
@@ -150,7 +150,7 @@ TEST(ScheduleFaults, WelcomeALostWorkerBackButNotItsLateResults) {
   EXPECT_EQ(schedule.finished(0, given.job, given.attempt, 62), Verdict::stale);
   EXPECT_EQ(schedule.failed(0, kept.job, kept.attempt, "late", 62), Verdict::stale);
   EXPECT_EQ(schedule.counts(), before);
-  EXPECT_EQ(schedule.finished(0, kept.job, kept.attempt, 62), Verdict::accepted) << "nobody else has it";
+  EXPECT_EQ(schedule.finished(0, kept.job, kept.attempt, 62), Verdict::accepted) << "no other worker has the cell";
   EXPECT_EQ(schedule.state(kept.job), JobState::done);
   EXPECT_EQ(schedule.finished(1, again.job, again.attempt, 63), Verdict::accepted);
   EXPECT_TRUE(schedule.next(0, 63));

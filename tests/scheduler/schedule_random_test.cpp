@@ -55,7 +55,7 @@ class Ordeal {
       ASSERT_TRUE(s == JobState::done || s == JobState::failed) << "parent " << a->job << " before child " << child;
     }
     auto& hand = hands_[worker];
-    ASSERT_TRUE(hand.empty() || (!a->alone && !hand.back().alone)) << "a suspect in company";
+    ASSERT_TRUE(hand.empty() || (!a->alone && !hand.back().alone)) << "another cell during an isolated retry";
     hand.push_back(*a);
     ASSERT_LE(hand.size(), std::size_t(worker_slots));
     given_.push_back({worker, *a});

@@ -237,7 +237,7 @@ TEST(FileStamp, IsSettledTwoSecondsAfterTheLastOfItsTimes) {
   EXPECT_TRUE(is_settled({1, 5 * s, 6 * s, 9}, 8 * s));
   EXPECT_FALSE(is_settled({1, 5 * s, 6 * s, 9}, 8 * s - 1));
   EXPECT_FALSE(is_settled({1, 7 * s, 6 * s, 9}, 8 * s));
-  EXPECT_FALSE(is_settled({1, 5 * s, 100 * s, 9}, 8 * s)) << "a change in the future says that clocks differ";
+  EXPECT_FALSE(is_settled({1, 5 * s, 100 * s, 9}, 8 * s)) << "a change in the future shows that clocks differ";
   EXPECT_TRUE(is_settled({}, 0));
 }
 

@@ -62,7 +62,7 @@ TEST(WorkOrder, FollowsTheTilesThatAWorkerHasRead) {
     order.take(*job);
     mine = job;
   }
-  EXPECT_LT(moves, 300) << "100 tiles, and 10 workers who meet at times";
+  EXPECT_LT(moves, 300) << "100 tiles, and 10 workers that sometimes share a tile";
 }
 
 TEST(WorkOrder, StartsWorkersFarApart) {

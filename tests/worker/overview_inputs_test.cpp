@@ -30,7 +30,7 @@ TEST(OverviewInputs, StayWithinTheirBudgetAndEvictUsedChildrenFirst) {
   const auto used = inputs.find("b");
   inputs.keep("d", child_of_bytes(30));
   EXPECT_EQ(inputs.find("b"), nullptr);
-  EXPECT_EQ(used->source.rgba.size(), 30u) << "a caller keeps what it found";
+  EXPECT_EQ(used->source.rgba.size(), 30u) << "a caller keeps the child that it found";
   EXPECT_NE(inputs.find("a"), nullptr);
   EXPECT_LE(inputs.bytes(), 100u);
   inputs.keep("e", child_of_bytes(101));

@@ -31,8 +31,8 @@ TEST(PictureError, APlainDifferenceHasItsClosedForm) {
       picture_error(plain(16, 16, float(a), float(a), float(a), 1), plain(16, 16, float(b), float(b), float(b), 1));
   EXPECT_NEAR(e.rms_colour, b - a, 1e-6);
   EXPECT_NEAR(e.psnr_black_db, -20 * std::log10(srgb_code(b) - srgb_code(a)), 1e-4);
-  EXPECT_NEAR(e.psnr_white_db, e.psnr_black_db, 1e-9) << "nothing of the background shows";
-  EXPECT_NEAR(e.delta_e, 116 * (std::cbrt(b) - std::cbrt(a)), 1e-3) << "greys differ in lightness alone";
+  EXPECT_NEAR(e.psnr_white_db, e.psnr_black_db, 1e-9) << "the background is hidden";
+  EXPECT_NEAR(e.delta_e, 116 * (std::cbrt(b) - std::cbrt(a)), 1e-3) << "greys differ only in lightness";
   EXPECT_EQ(e.holes, 0);
 }
 

@@ -80,7 +80,7 @@ TEST_F(VoxelErrors, OfAPlaneAgainstItselfAreNone) {
 
 TEST_F(VoxelErrors, OfAPlaneInALatticePlaneAreNone) {
   const VoxelError e = error_of(level_square(10, 3), level_square(10, 3));
-  EXPECT_EQ(e.missed + e.extra, 0) << "it belongs to the voxels above, and is on the rim of those below";
+  EXPECT_EQ(e.missed + e.extra, 0) << "the plane belongs to the voxels above it and touches the voxels below it";
   EXPECT_NEAR(e.max_distance, 0.5, 1e-6);
 }
 

@@ -142,7 +142,7 @@ TEST(Sample, PutsManyTilesIntoBlocksThatAreTilesetsOfTheirOwn) {
   const SampleReport report = write_sample(f.path, o);
   EXPECT_EQ(report.tiles, 17u * 17u);
   const SceneSources s = open_sources(f.path / "tileset.json", {});
-  EXPECT_EQ(s.tiles.size(), 17u * 17u) << "the finest, and no coarser mesh beside them";
+  EXPECT_EQ(s.tiles.size(), 17u * 17u) << "the finest tiles, without a coarser mesh";
   EXPECT_TRUE(s.skipped.empty());
   std::uint64_t triangles = 0;
   for (const TileRef& t : s.tiles) triangles += read_tile(t, s.root, ReadScope::positions_only).counts.triangles;
@@ -155,7 +155,7 @@ TEST(Sample, PutsManyTilesIntoBlocksThatAreTilesetsOfTheirOwn) {
     EXPECT_LT(child["geometricError"], root["geometricError"]);
     const std::string uri = child["content"]["uri"];
     const auto block = nlohmann::json::parse(std::ifstream(f.path / uri))["root"];
-    EXPECT_FALSE(block.contains("transform")) << "the outermost tileset stands on the earth, and what is in it with it";
+    EXPECT_FALSE(block.contains("transform")) << "only the outermost tileset states the place on the earth";
     EXPECT_EQ(box_of(block), box_of(child));
     EXPECT_TRUE(fs::exists(f.path / "tiles" / std::string(block["content"]["uri"])));
     for (const auto& tile : block["children"]) expect_inside(box_of(tile), box_of(block));

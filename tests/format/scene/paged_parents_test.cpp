@@ -310,7 +310,7 @@ TEST(PagedParents, OfScenesOfManyVersionsAreTheSame) {
   const TempFolder folder;
   write_scene(folder / "scene.xml", then, {4, 8, 2});
   EXPECT_EQ(made::bytes_of(folder / "scene.xml"), made::bytes_of(golden / "pages_scene_5/scene.xml"))
-      << "what is written today";
+      << "the current writer gives the bytes of the golden file";
 }
 
 }  // namespace

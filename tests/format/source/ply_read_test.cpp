@@ -155,11 +155,11 @@ TEST_F(PlyMesh, ReadsTextureCoordinatesOfCornersAndOfVertices) {
 }
 
 TEST_F(PlyMesh, IsGreyWithAWarningWhereItsImageIsMissing) {
-  const std::string text = "ply\nformat ascii 1.0\ncomment TextureFile /home/me/gone.png\nelement vertex 4\n" + xyz +
+  const std::string text = "ply\nformat ascii 1.0\ncomment TextureFile /home/me/missing.png\nelement vertex 4\n" + xyz +
                            "element face 1\n" + faces + "property list uchar float texcoord\nend_header\n" + square +
                            "3 0 1 2 6 0 0 1 0 0.5 0.25\n";
   const TileMesh mesh = read(text);
-  EXPECT_THAT(mesh.warnings, ElementsAre(Field(&SourceWarning::example, HasSubstr("gone.png"))));
+  EXPECT_THAT(mesh.warnings, ElementsAre(Field(&SourceWarning::example, HasSubstr("missing.png"))));
   EXPECT_EQ(mesh.materials.at(0).base_color[0], grey_without_image);
   EXPECT_EQ(mesh.materials.at(0).texture.image, -1);
 }

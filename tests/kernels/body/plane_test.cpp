@@ -178,7 +178,7 @@ TEST(Plane, IsNoneWithoutNormals) {
   EXPECT_TRUE(surface.patches.empty());
   for (std::size_t v = 0; v < levels[3].rgba.size() / 4; ++v) {
     EXPECT_EQ(levels[3].facing[facing_bytes * v + facing_plane], 0);
-    EXPECT_NE(levels[3].facing[facing_bytes * v], 0) << "coverage says all";
+    EXPECT_NE(levels[3].facing[facing_bytes * v], 0) << "coverage describes the whole voxel";
   }
 }
 

@@ -161,11 +161,11 @@ TEST(CastSheet, HasTheLooseAloneInWhatIsLoose) {
     const Brick brick(*slot);
     return field_at(corners_of(brick.view(), middle), true, down).loose.mean_coverage();
   };
-  EXPECT_EQ(loose(), 0) << "all of it is sheet";
+  EXPECT_EQ(loose(), 0) << "planes describe all of the coverage";
   slot->at(3, 3, 3).plane = 0;
   EXPECT_NEAR(loose(), 1.0f / 8, 1e-6f);
   slot->at(4, 3, 3).plane = pack_plane({0, 2});
-  EXPECT_NEAR(loose(), 2.0f / 8, 1e-6f) << "what is not all sheet";
+  EXPECT_NEAR(loose(), 2.0f / 8, 1e-6f) << "a voxel that its plane describes only in part";
 }
 
 TEST(Disagreement, IsOfPlanesThatAreFartherThanThirtyDegreesFromTheSheet) {

@@ -127,7 +127,7 @@ TEST(FrameRenderer, AFrameInTilesEndsWithinAStepWhenAskedAndComesToTheSameBits) 
       renderer.go_on(
           frame, [] { return true; }, stop);
       EXPECT_LE(frame.done, before + 1);
-      EXPECT_LE(after_stop, 8) << "it went on after it was asked to stop";
+      EXPECT_LE(after_stop, 8) << "it continued after a stop was requested";
       stops += frame.done == before ? 1 : 0;
       if (turn % 5 == 0) renderer.sketch(other, {0.001, 0, {}});
       ASSERT_LT(turn, 3000);
@@ -206,7 +206,7 @@ TEST(FrameRenderer, DrawsWhatIsDamagedAsItsParentAndSaysSo) {
     for (std::size_t i = 0; i < frame.picture.depth.size(); ++i)
       different += frame.picture.depth[i] != expected.picture.depth[i] ? 1 : 0;
     EXPECT_GT(different, 0u);
-    EXPECT_LT(different, frame.picture.depth.size() / 3) << "the cell is a fifth of the picture";
+    EXPECT_LT(different, frame.picture.depth.size() / 3) << "the cell covers a fifth of the image";
   }
 }
 

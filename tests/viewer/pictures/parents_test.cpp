@@ -191,7 +191,7 @@ TEST(DrawnFromParents, ShowsTheParentWhereACellIsDamaged) {
   EXPECT_EQ(renderer.problems(), std::vector<std::string>{"shards/damaged.h5: no such file"});
   EXPECT_EQ(mostly_covered_pixels(drawn), mostly_covered_pixels(expected)) << "there is no hole";
   EXPECT_GT(different_pixels(drawn, expected), 0u);
-  EXPECT_LT(different_pixels(drawn, expected), expected.depth.size() / 4) << "the other cells are drawn as they are";
+  EXPECT_LT(different_pixels(drawn, expected), expected.depth.size() / 4) << "the other cells are unchanged";
 }
 
 TEST(DrawnFromParents, ShowsTheCellsWhereAParentIsDamaged) {
@@ -217,7 +217,7 @@ TEST(DrawnFromParents, TakesFromItsChildrenWhatADamagedParentHasCopiesOf) {
   FrameRenderer whole = renderer_of(scene, scene.pages()), renderer = renderer_of(scene, damaged(scene, root));
   for (const std::size_t eye : {1u, 3u}) {  // these eyes see levels 1 to 3
     EXPECT_EQ(renderer.draw_exact(at(eyes[eye])).picture.rgba, whole.draw_exact(at(eyes[eye])).picture.rgba) << eye;
-    EXPECT_EQ(renderer.problems().size(), 1u) << "it is said";
+    EXPECT_EQ(renderer.problems().size(), 1u) << "one line reports the damage";
   }
 }
 

@@ -59,7 +59,7 @@ std::size_t covered_pixels(const Picture& picture) {
 int max_difference(const Picture& a, const Picture& b) {
   EXPECT_EQ(a.rgba.size(), std::size_t(picture_edge) * picture_edge * 4);
   EXPECT_EQ(a.rgba.size(), b.rgba.size());
-  EXPECT_GT(covered_pixels(a), a.rgba.size() / 4 / min_coverage_divisor) << "the picture shows next to nothing";
+  EXPECT_GT(covered_pixels(a), a.rgba.size() / 4 / min_coverage_divisor) << "the image is nearly empty";
   int maximum = 0;
   for (std::size_t i = 0; i < std::min(a.rgba.size(), b.rgba.size()); ++i)
     maximum = std::max(maximum, std::abs(a.rgba[i] - b.rgba[i]));

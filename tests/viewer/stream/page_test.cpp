@@ -212,7 +212,7 @@ TEST(NumberedShards, CountCellsThenParentsPageByPage) {
   const TempFolder folder;
   write_scene(folder / "scene.xml", row_of_parents(), {4, 8, 2});
   const auto scene = std::make_shared<const PagedScene>(folder / "scene.xml");
-  ASSERT_EQ(scene->root().parents.size(), 1u) << "the root; those of 64 and of 256 are in pages";
+  ASSERT_EQ(scene->root().parents.size(), 1u) << "the root only; overviews of 64 and 256 voxels are in pages";
   NumberedShards numbers(scene, {});
   std::uint32_t number = 0;
   scene->for_each_cell([&](const SceneCell& cell) { EXPECT_EQ(numbers.shard(number++).name, cell.name); });

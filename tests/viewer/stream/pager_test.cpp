@@ -108,7 +108,7 @@ TEST(Pager, GivesWhatWasWantedFromTheNextPassOn) {
   EXPECT_EQ(pager.find(page(1)), nullptr);
   pager.want({page(1)});
   pager.wait();
-  EXPECT_EQ(pager.find(page(1)), nullptr) << "it came in the middle of a pass";
+  EXPECT_EQ(pager.find(page(1)), nullptr) << "the page arrived during a pass";
   EXPECT_TRUE(pager.begin_pass());
   EXPECT_THAT(here(pager, 0, 3), ElementsAre(1));
   EXPECT_FALSE(pager.begin_pass());
@@ -178,7 +178,7 @@ TEST(Pager, KeepsWhatThePassFindsHoweverLittleMemoryThereIs) {
     pager.begin_pass();
   }
   EXPECT_EQ(here(pager, 0, 20).size(), 20u);
-  EXPECT_EQ(pager.counts().reads, 20u) << "a page was let go that each pass used";
+  EXPECT_EQ(pager.counts().reads, 20u) << "a page that each pass used was evicted";
   pager.begin_pass();
   pager.begin_pass();
   EXPECT_THAT(here(pager, 0, 20), IsEmpty());
@@ -291,7 +291,7 @@ TEST(Pager, GoesWhileItReads) {
       shelf.open();
     });
   }
-  EXPECT_LT(shelf.read().size(), 1000u) << "it waited for what nobody reads any more";
+  EXPECT_LT(shelf.read().size(), 1000u) << "it waited for reads that were not needed any more";
 }
 
 /// Several threads look up pages while the pager has too little memory: found pages stay valid until the pass ends.

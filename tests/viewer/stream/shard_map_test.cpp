@@ -125,7 +125,7 @@ TEST(ShardMap, FindsTheCellsOfAnyPlaceThroughPagesOfPages) {
       const LatticeBox window = window_of(cell);
       const VoxelBox other{{window.min[0], window.min[1], window.min[2]},
                            {window.end[0], window.end[1], window.end[2]}};
-      EXPECT_FALSE(overlap(empty, other)) << cell.name << " reaches into what is said to be empty above a point";
+      EXPECT_FALSE(overlap(empty, other)) << cell.name << " overlaps the box that is reported as empty";
     }
   }
 }
@@ -143,10 +143,10 @@ TEST(ShardMap, SaysWhereAPageOfTheSceneCannotBeRead) {
   const auto shard =
       asked.answer([&](MissingPages& gaps) { return asked.map.find(0, 0, inside, asked.pager, gaps, empty); });
   EXPECT_FALSE(shard.has_value());
-  EXPECT_TRUE(asked.damaged) << "of what is asked for";
+  EXPECT_TRUE(asked.damaged) << "the requested part is damaged";
   asked.own = {{-2000, 0, 0}, {-1999, 1, 1}};
   asked.answer([&](MissingPages& gaps) { return asked.map.find(0, 0, inside, asked.pager, gaps, empty); });
-  EXPECT_FALSE(asked.damaged) << "of something beside";
+  EXPECT_FALSE(asked.damaged) << "only another part is damaged";
   ASSERT_EQ(asked.pager.problems().size(), 1u);
   EXPECT_NE(asked.pager.problems()[0].find(lost.file), std::string::npos);
 }

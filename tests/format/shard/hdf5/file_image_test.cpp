@@ -17,7 +17,7 @@ TEST(FileImage, GivesZerosWhereTheFormerFileStood) {
   EXPECT_EQ(std::count(bytes, bytes + 100, 0), 100);
   std::fill_n(bytes, 100, std::uint8_t(9));
   bytes = static_cast<std::uint8_t*>(image.grow(5000));
-  EXPECT_EQ(std::count(bytes, bytes + 100, 9), 100) << "the file keeps what it has";
+  EXPECT_EQ(std::count(bytes, bytes + 100, 9), 100) << "the file keeps its bytes";
   EXPECT_EQ(std::count(bytes + 100, bytes + 5000, 0), 4900);
 }
 
