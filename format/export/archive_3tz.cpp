@@ -145,7 +145,7 @@ class ArchiveWriter {
  private:
   void put(ZipEntry entry, std::span<const std::uint8_t> packed) {
     if (packed.size() >= 0xffffffffu)
-      throw InputError(entry.name, "", "takes 4 GiB or more, which an archive's files may not");
+      throw InputError(entry.name, "", "takes 4 GiB or more; a file in an archive must be smaller");
     entry.packed_bytes = std::uint32_t(packed.size());
     entry.at = at_;
     write(local_header(entry));

@@ -48,17 +48,18 @@ GigavoxelBrickFile::Head GigavoxelBrickFile::read_head(std::uint64_t at) const {
   read_at(at + 40, &head.colour_bytes, sizeof head.colour_bytes);
   for (std::size_t c = 0; c < 3; ++c)
     if (head.size[c] > Head::maximum || head.border[c] > Head::maximum || head.border[c] + brick_[c] > head.size[c])
-      throw InputError(path_, "", "a brick's size does not hold the tree's bricks", at);
+      throw InputError(path_, "", "a brick's size does not fit the tree's brick size and the border", at);
   if (head.compressed != 0) throw InputError(path_, "", "has an S3TC brick; expected uncompressed ones", at + 36);
   if (head.colour_bytes != 4 * head.voxels())
-    throw InputError(path_, "", "expected four bytes of colour a voxel", at + 40);
+    throw InputError(path_, "", "expected four bytes of colour per voxel", at + 40);
   return head;
 }
 
 GigavoxelBrickData GigavoxelBrickFile::read(std::size_t number) const {
   if (number >= begin_.size())
-    throw InputError(path_, "",
-                     "the tree names brick " + std::to_string(number) + ", there are " + std::to_string(begin_.size()));
+    throw InputError(
+        path_, "",
+        "the tree refers to brick " + std::to_string(number) + ", the file has " + std::to_string(begin_.size()));
   const std::uint64_t at = begin_[number];
   const Head head = read_head(at);
   GigavoxelBrickData brick{head.size, head.border, std::vector<std::uint8_t>(4 * head.voxels()),
@@ -68,7 +69,7 @@ GigavoxelBrickData GigavoxelBrickFile::read(std::size_t number) const {
   std::array<std::uint32_t, 2> gradient{};
   read_at(second, &gradient, sizeof gradient);
   if (gradient[0] != 0 || gradient[1] != brick.gradient.size())
-    throw InputError(path_, "", "expected three bytes of gradient a voxel, uncompressed", second);
+    throw InputError(path_, "", "expected three uncompressed bytes of gradient per voxel", second);
   read_at(second + sizeof gradient, brick.gradient.data(), brick.gradient.size());
   return brick;
 }

@@ -24,10 +24,10 @@ void check(const std::filesystem::path& file, const GigavoxelHeader& h) {
       throw InputError(file, fmt::format("Brick{}Size", gigavoxel_axes[c]), "expected 1 to 256 voxels");
     if (std::uint64_t(h.volume[c]) != std::uint64_t(h.brick[c]) << (h.max_depth - 1))
       throw InputError(file, fmt::format("Volume{}Size", gigavoxel_axes[c]),
-                       "is not the brick's size doubled for each level");
+                       "is not the brick's size times 2^(MaxDepth - 1)");
     if (!std::isfinite(h.corner_m[c]) || !(h.delta_m[c] > 0) || !std::isfinite(h.delta_m[c]))
       throw InputError(file, fmt::format("Delta{}", gigavoxel_axes[c]),
-                       "expected finite places and voxels of positive size");
+                       "expected finite positions and voxels of positive size");
   }
 }
 
@@ -72,7 +72,8 @@ class XmlTree {
   }
 
   void read_node(pugi::xml_node element, std::size_t n, std::uint32_t depth) {
-    if (number<std::uint32_t>(element, "Depth") != depth) fail(element, "Depth", "is not the element's own");
+    if (number<std::uint32_t>(element, "Depth") != depth)
+      fail(element, "Depth", "is not the element's depth in the tree");
     const std::string_view type = element.attribute("Type").value();
     GigavoxelNode& node = tree_.nodes[n];
     node.is_constant = type != "NON-CONST";
@@ -88,7 +89,7 @@ class XmlTree {
   void read_constant(pugi::xml_node element, GigavoxelNode& node) {
     for (unsigned c = 0; c < 4; ++c) {
       const double share = number<double>(element, std::string("Color") + "RGBA"[c]);
-      if (!(share >= 0 && share <= 1.001)) fail(element, "ColorR", "expected shares from 0 to 1");
+      if (!(share >= 0 && share <= 1.001)) fail(element, "ColorR", "expected fractions from 0 to 1");
       node.value |= std::min(255u, std::uint32_t(share * 255 + 0.5)) << (8 * c);
     }
     for (std::size_t c = 0; c < 3; ++c) {
@@ -138,11 +139,11 @@ void check_blocks(const std::filesystem::path& file, const GigavoxelTree& tree) 
   for (std::size_t n = 0; n < tree.nodes.size(); ++n) {
     const std::uint64_t byte = header_bytes + 8 * n;
     const std::size_t child = tree.nodes[n].child_block, own = n / 8;
-    if (n % 8 == 0 && own > 0 && depth[own] == 0) throw InputError(file, "", "no node has this block's", byte);
+    if (n % 8 == 0 && own > 0 && depth[own] == 0) throw InputError(file, "", "no node refers to this block", byte);
     if (child == 0) continue;
     if (own == 0 && n > 0) throw InputError(file, "", "only the first node of the first block is in use", byte);
     if (child <= own || child >= blocks || depth[child] != 0)
-      throw InputError(file, "", "a node's children are not a later block of its own", byte);
+      throw InputError(file, "", "a node's children are not in a later block that no other node refers to", byte);
     depth[child] = std::uint8_t(depth[own] + 1);
     if (depth[child] >= tree.header.max_depth) throw InputError(file, "", "the tree is deeper than MaxDepth", byte);
   }
@@ -213,7 +214,7 @@ std::vector<std::filesystem::path> gigavoxel_tree_files(const std::filesystem::p
     if (name != "PagedOctTree" && name != "OctTree") continue;
     const std::filesystem::path file = std::filesystem::path(tree.attribute("TreeFile").value()).lexically_normal();
     if (file.empty() || file.is_absolute() || *file.begin() == "..")
-      throw InputError(gvp, "TreeFile", "expected a path inside of the folder", std::uint64_t(tree.offset_debug()));
+      throw InputError(gvp, "TreeFile", "expected a path inside the folder", std::uint64_t(tree.offset_debug()));
     files.push_back(gvp.parent_path() / file);
   }
   return files;

@@ -46,7 +46,7 @@ NanovdbTree tree_of(const PagedScene& scene, int lod, const Progress& progress) 
   const auto add = [&](const LevelIndex& lowest, const DenseBrick&) {
     for (const std::int64_t i : lowest)
       if (i != std::int32_t(i))
-        throw InputError(scene.file(), "LatticeMin", "NanoVDB has no room for indices beyond 32 bits");
+        throw InputError(scene.file(), "LatticeMin", "NanoVDB cannot store indices of more than 32 bits");
     tree.add(lowest);
   };
   for_each_block_part(scene, lod, add, progress);
@@ -133,7 +133,8 @@ std::uint64_t export_nanovdb(const std::filesystem::path& scene_xml, int lod, co
     RandomAccessFile file(nvdb, publication.aside(), writer.bytes());
     progress.step("writing the voxels", voxels);
     const auto write = [&](const LevelIndex& lowest, const DenseBrick& brick) {
-      if (!writer.write_leaf(file, lowest, brick)) throw InputError(scene_xml, "", "its shards changed meanwhile");
+      if (!writer.write_leaf(file, lowest, brick))
+        throw InputError(scene_xml, "", "its shards changed during the export");
     };
     for_each_block_part(scene, lod, write, progress);
     writer.write_nodes(file);

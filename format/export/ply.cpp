@@ -69,7 +69,7 @@ class VertexStream {
       const double centre_m = scene_.lattice_origin_m[c] + (double(corner[c]) + half) * scene_.voxel_size_m;
       const std::int64_t index = corner[c] >> lod_;
       const auto index32 = std::int32_t(index);
-      if (index != index32) throw InputError(shard, "lattice_min", "a PLY has no room for indices beyond 32 bits");
+      if (index != index32) throw InputError(shard, "lattice_min", "a PLY cannot store indices of more than 32 bits");
       std::memcpy(to + 8 * c, &centre_m, 8);
       std::memcpy(to + 24 + 4 * c, &index32, 4);
     }

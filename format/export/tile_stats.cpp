@@ -135,7 +135,7 @@ void TileStats::expect_whole_levels(const TileWeights& tiles, const VoxelTiling&
   for (const auto& [tile, weight] : tiles)
     if (tile.level > 0 && !tiles.contains({tile.level - 1, tile.key >> 3}))
       throw InputError(scene_.file(), "PagedOctTree",
-                       fmt::format("no parent has lod {} over a place that has lod {}: bake again, so that it is made",
+                       fmt::format("no overview has lod {} where there is lod {}; bake again to create it",
                                    tiling.lod(tile.level) + 1, tiling.lod(tile.level)));
 }
 

@@ -22,8 +22,8 @@ html, body, #scene { margin: 0; width: 100%; height: 100%; overflow: hidden; bac
 "use strict";
 // ?cesium=/folder/ names another folder of this server that holds Cesium.js; ?error=4 is the size of a drawn voxel in
 // pixels; ?nearest draws voxels as cubes.
-const wishes = new URLSearchParams(location.search);
-const own = wishes.has("cesium") ? new URL(wishes.get("cesium"), location.href) : null;
+const query = new URLSearchParams(location.search);
+const own = query.has("cesium") ? new URL(query.get("cesium"), location.href) : null;
 const cesium = own && own.origin === location.origin ? own.href
   : "https://cesium.com/downloads/cesiumjs/releases/1.145/Build/Cesium/";
 window.CESIUM_BASE_URL = cesium;
@@ -66,8 +66,8 @@ async function show() {
       material.alpha = fsInput.metadata.color.a;
     }` });
   const voxels = scene.primitives.add(new Cesium.VoxelPrimitive({ provider, customShader }));
-  voxels.nearestSampling = wishes.has("nearest");
-  voxels.screenSpaceError = Number(wishes.get("error") || 1);
+  voxels.nearestSampling = query.has("nearest");
+  voxels.screenSpaceError = Number(query.get("error") || 1);
   while (!voxels.ready) await nextFrame(scene);
   // The box that holds the scene; the oct-tree's cube is larger.
   const { lowest, highest } = tileset.metadata.properties;

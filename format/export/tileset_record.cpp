@@ -98,14 +98,15 @@ void expect_only_exported_files(const std::filesystem::path& folder) {
     const std::filesystem::path file = entry.path().lexically_relative(folder);
     if (!entry.is_directory() && !is_exported(file))
       throw InputError(folder, file.string(),
-                       "is no file of an export, and `update` replaces the folder; move it away");
+                       "is not a file of an export, and `update` replaces the folder; move the file elsewhere");
   }
 }
 
 TilesetRecord read_record(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / record_name;
   if (!std::filesystem::is_regular_file(file))
-    throw InputError(folder, record_name, "is missing: no voxel tileset of an earlier export; name another folder");
+    throw InputError(folder, record_name,
+                     "is missing: the folder is not a voxel tileset of an earlier export; name another folder");
   const std::vector<std::uint8_t> bytes = read_whole_file(file);
   try {
     const RecordJson json = RecordJson::parse(bytes.begin(), bytes.end());

@@ -98,7 +98,7 @@ Json voxel_schema() {
         {"componentType", "UINT8"},
         {"normalized", true}}},
       {"normal",
-       {{"description", "x, y, z of the surface's normal (0 where it is not known), and 1 where there is a voxel"},
+       {{"description", "x, y, z of the surface's normal (0 where it is unknown), and 1 where there is a voxel"},
         {"type", "VEC4"},
         {"componentType", "UINT8"},
         {"normalized", true},

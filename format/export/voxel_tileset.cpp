@@ -66,7 +66,7 @@ class TilesetExport {
       : scene_(scene), progress_(progress), team_(team), pool_(options.threads), owners_(scene), form_(options.form) {
     const TileStats survey(scene_, owners_, team_, pool_, progress_);
     bounds_ = fit == Fit::bricks_of_finest ? survey.bounds(options.lod) : scene.totals().window;
-    if (bounds_.is_empty()) throw InputError(scene.file(), "Voxels", "there is no voxel of the level");
+    if (bounds_.is_empty()) throw InputError(scene.file(), "Voxels", "the level has no voxels");
     tiling_ = tiling_of(bounds_, options.lod, options.tile_voxels);
     if (tiling_.levels > max_tile_levels)
       throw InputError(scene.file(), "LatticeMin", "cells lie too far apart for one oct-tree");
@@ -217,14 +217,14 @@ std::uint64_t export_3dtiles(const std::filesystem::path& scene_xml, const Tiles
   std::optional<SceneLevel> level;
   std::optional<FolderPublication> publication;  // set on rank 0
   TilesetRecord before;
-  if (is_archive && options.update) throw UsageError("update", "an archive is written whole; expected a folder");
+  if (is_archive && options.update) throw UsageError("update", "an archive cannot be updated; expected a folder");
   team.together([&] {
     level.emplace(open_scene_level(scene_xml, options.lod));
     if (level->scene.totals().cells == 0) throw InputError(scene_xml, "PagedOctTree", "the scene has no cells");
     if (options.update) before = read_record(target);
     if (options.update) expect_only_exported_files(target);
     if (!options.update && std::filesystem::exists(target / record_name))
-      throw InputError(target, "", "is an export already; `update` brings it up to date, or name another folder");
+      throw InputError(target, "", "is an export already; use `update`, or name another folder");
     if (team.rank() == 0) publication.emplace(target, options.update ? Replaces::a_folder : Replaces::nothing);
   });
   const std::filesystem::path aside = shared_path(team, publication ? publication->aside() : "");
@@ -240,7 +240,7 @@ std::uint64_t export_3dtiles(const std::filesystem::path& scene_xml, const Tiles
   team.together([&] {
     if (!publication) return;
     if (!tileset->has_all_voxels())
-      throw InputError(scene_xml, "Voxels", "the shards have not as many voxels as scene.xml says");
+      throw InputError(scene_xml, "Voxels", "the number of voxels in the shards differs from scene.xml");
     tileset->write_documents(target, aside);
     if (!is_archive) tileset->write_extras(target, aside);
     is_archive ? write_archive_3tz(aside, publication->target(), progress) : publication->publish();

@@ -73,7 +73,7 @@ void get_next(ByteReader& r, std::string& text) {
   std::uint16_t shared = 0;
   std::string rest;
   r.get(shared), r.get(rest);
-  if (shared > std::min(text.size(), max_shared_prefix)) refuse("tile.name", "a beginning that the tile before has");
+  if (shared > std::min(text.size(), max_shared_prefix)) refuse("tile.name", "a prefix of the previous tile's name");
   text.resize(shared);
   text += rest;
 }
@@ -122,7 +122,8 @@ DemPart get_part(ByteReader& r) {
     r.get(value);
     *number = value;
   }
-  if (o.tile_cells < 1 || part.columns < 2 || part.rows < 2) refuse("raster", "cells and at least 2 × 2 pixels");
+  if (o.tile_cells < 1 || part.columns < 2 || part.rows < 2)
+    refuse("raster", "at least one cell per tile and 2 × 2 pixels");
   return part;
 }
 
@@ -142,10 +143,10 @@ std::shared_ptr<const DemRaster> get_raster(ByteReader& r) {
   r.get(columns), r.get(rows), r.get(texels);
   r.get(raster->geotransform), r.get(raster->origin), r.get(is_on_earth);
   if (raster->parts.empty() || columns < 2 || rows < 2 || texels < 1)
-    refuse("raster", "parts and at least 2 × 2 pixels");
+    refuse("raster", "at least one part and 2 × 2 pixels");
   for (const DemPart& part : raster->parts)
     if (part.column < 0 || part.row < 0 || part.columns > columns - part.column || part.rows > rows - part.row)
-      refuse("raster", "parts inside it");
+      refuse("raster", "parts inside the raster");
   raster->columns = columns, raster->rows = rows, raster->texels_per_cell = texels;
   raster->is_on_earth = is_on_earth != 0;
   return raster;
@@ -170,7 +171,7 @@ std::shared_ptr<const DemTile> get_dem(ByteReader& r, const std::vector<std::sha
   if (number >= rasters.size()) refuse("tile.raster", "the number of a raster");
   const DemRaster& raster = *rasters[number];
   if (!is_inside(column, columns, raster.columns) || !is_inside(row, rows, raster.rows))
-    refuse("tile.raster", "cells of the raster");
+    refuse("tile.raster", "cells inside the raster");
   dem->raster = rasters[number];
   dem->column = column, dem->row = row, dem->columns = columns, dem->rows = rows;
   return dem;
@@ -230,16 +231,17 @@ class TileReader {
     std::uint8_t flags = 0;
     r_.get(tile.kind), r_.get(tile.gltf_up);
     r_.get(flags);
-    if (flags > all_flags) refuse("tile.flags", "known ones alone");
+    if (flags > all_flags) refuse("tile.flags", "known flags only");
     get_next(r_, path_), get_next(r_, name_);
     r_.get(tile.bytes);
     get_next_place(r_, scene_);
     get_next_place(r_, world_);
-    if (!scene_.is_finite()) refuse("tile.scene_from_tile", "a finite place");
+    if (!scene_.is_finite()) refuse("tile.scene_from_tile", "a finite transform");
     if ((flags & has_range) != 0) r_.get(tile.range);
     if ((flags & has_archive) != 0) tile.archive = get_archive();
     if ((flags & has_raster) != 0) tile.dem = get_dem(r_, rasters_);
-    if ((tile.kind == ContentKind::dem) != (tile.dem != nullptr)) refuse("tile.raster", "one, of an elevation tile");
+    if ((tile.kind == ContentKind::dem) != (tile.dem != nullptr))
+      refuse("tile.raster", "a raster only for an elevation tile");
     tile.path = path_, tile.name = name_, tile.scene_from_tile = scene_, tile.world_from_tile = world_;
     return tile;
   }

@@ -29,12 +29,12 @@ std::string place_name(const char* what, std::size_t x, std::size_t y) {
 void check(const SampleOptions& o) {
   if (!(o.size_m >= 64 && o.size_m <= 1e5)) throw UsageError("size_m", "expected 64 to 100000 metres");
   if (o.tiles < 1 || o.tiles > max_sample_tiles)
-    throw UsageError("tiles", "expected 1 to " + std::to_string(max_sample_tiles) + " along an edge");
+    throw UsageError("tiles", "expected 1 to " + std::to_string(max_sample_tiles) + " per edge");
   const double tile_m = o.size_m / o.tiles;
   if (!(o.ground_step_m > 0) || tile_m / o.ground_step_m > 4096)
-    throw UsageError("ground_step_m", "expected at most 4096 steps along a tile");
+    throw UsageError("ground_step_m", "expected at most 4096 steps per tile edge");
   if (!(o.texel_m > 0) || tile_m / o.texel_m > 16384)
-    throw UsageError("texel_m", "expected at most 16384 texels along a tile");
+    throw UsageError("texel_m", "expected at most 16384 texels per tile edge");
   if (!(std::fabs(o.origin.latitude_deg) <= 85 && std::fabs(o.origin.longitude_deg) <= 360 &&
         std::fabs(o.origin.height_m) < 9000))
     throw UsageError("origin", "expected a latitude within ±85°, a longitude and a height in metres");

@@ -274,9 +274,9 @@ class SceneComparison {
 
 void expect_comparable(const std::filesystem::path& path, const SceneHeader& a, const SceneHeader& b) {
   if (a.voxel_size_m != b.voxel_size_m)
-    throw InputError(path, "VoxelSize", "cannot be compared: the other scene's voxels are of another size");
+    throw InputError(path, "VoxelSize", "cannot be compared: the other scene has another voxel size");
   if (a.lattice_origin_m != b.lattice_origin_m || a.origin != b.origin)
-    throw InputError(path, "LatticeOrigin", "cannot be compared: the other scene stands on another lattice");
+    throw InputError(path, "LatticeOrigin", "cannot be compared: the other scene has another lattice");
   if (a.has_normals != b.has_normals)
     throw InputError(path, "Channels", "cannot be compared: only one of the scenes has normals");
 }

@@ -47,16 +47,16 @@ std::vector<SceneFault> SceneAttributes::unknown_parts(std::span<const std::stri
     const std::string_view name = a.name();
     const auto at = std::find(known.begin(), known.end(), name);
     const std::uint64_t bit = at == known.end() ? 0 : std::uint64_t(1) << (at - known.begin());
-    if (bit == 0) faults.push_back(fault(as_line(name, max_quote_bytes), "is no attribute of this element"));
-    if ((seen & bit) != 0) faults.push_back(fault(as_line(name, max_quote_bytes), "stands there twice"));
+    if (bit == 0) faults.push_back(fault(as_line(name, max_quote_bytes), "is not an attribute of this element"));
+    if ((seen & bit) != 0) faults.push_back(fault(as_line(name, max_quote_bytes), "occurs twice"));
     seen |= bit;
   }
   for (const pugi::xml_node child : node_.children()) {
     const std::string_view name = child.name();
     if (child.type() != pugi::node_element)
-      faults.push_back(fault("", "holds " + in_quotes(child.value()) + ", which is no element"));
+      faults.push_back(fault("", "holds " + in_quotes(child.value()) + ", which is not an element"));
     else if (std::find(known_elements.begin(), known_elements.end(), name) == known_elements.end())
-      faults.push_back(fault(as_line(name, max_quote_bytes), "is no element of this one"));
+      faults.push_back(fault(as_line(name, max_quote_bytes), "is not allowed in this element"));
   }
   return faults;
 }

@@ -30,20 +30,20 @@ class SceneFaults {
 void check_said(const SceneTotals& totals, const StoredTotals& said, SceneFaults& faults) {
   const char* const advice = "; lines were lost, added or changed: bake again";
   faults.expect(said.cells == totals.cells, "OctTreeGroup Cells",
-                fmt::format("says {}, but {} are listed{}", said.cells, totals.cells, advice));
+                fmt::format("states {}, but {} are listed{}", said.cells, totals.cells, advice));
   faults.expect(said.parents == totals.parents, "OctTreeGroup Parents",
-                fmt::format("says {}, but {} are listed{}", said.parents, totals.parents, advice));
+                fmt::format("states {}, but {} are listed{}", said.parents, totals.parents, advice));
   faults.expect(said.voxels == totals.voxels, "OctTreeGroup Voxels",
-                fmt::format("are not the sums of the cells that are listed{}", advice));
+                fmt::format("are not the sums of the listed cells{}", advice));
   faults.expect(said.content_hash == totals.all_content(), "OctTreeGroup ContentHash",
-                fmt::format("says {}, but the cells that are listed have {}{}", said.content_hash.hex(),
+                fmt::format("states {}, but the listed cells have {}{}", said.content_hash.hex(),
                             totals.all_content().hex(), advice));
 }
 
 void check_parameters(const BakeParameters& p, const SceneReading& reading, SceneFaults& faults) {
   const SceneDescription& scene = reading.scene;
   const auto expect = [&faults](bool holds, const char* key) {
-    faults.expect(holds, "OctTreeGroup Parameters", fmt::format("{} is another than the scene's", key));
+    faults.expect(holds, "OctTreeGroup Parameters", fmt::format("{} differs from the scene's", key));
   };
   expect(p.voxel_size_m == scene.voxel_size_m, "voxel_size_m");
   expect(p.lattice_origin_m == scene.lattice_origin_m, "lattice_origin_m");
@@ -67,7 +67,7 @@ std::vector<SceneFault> faults_of_places(const std::vector<SceneCell>& cells, co
     faults.expect(names.insert(parent.name).second, name, "another shard has the same name");
     faults.expect(files.insert(parent.file).second, name, "another shard has the same TreeFile");
     faults.expect(places.insert({parent.own_lod(), parent.lattice_min}).second, name,
-                  "another parent has the same levels and LatticeMin");
+                  "another overview has the same levels and LatticeMin");
   }
   for (const SceneCell& cell : cells) {
     const std::string name = "PagedOctTree " + as_line(cell.name, max_quote_bytes);
@@ -91,17 +91,18 @@ std::vector<SceneFault> faults_of_parent_places(const ScenePage& page, const Lat
     const std::string name = "PagedOctTree " + as_line(parent.name, max_quote_bytes);
     const bool is_highest = parent.own_lod() == highest;
     roots += is_highest;
-    faults.expect(outer == nullptr || !is_highest, name, "is the root and stands in a page; expected it in scene.xml");
+    faults.expect(outer == nullptr || !is_highest, name,
+                  "is the root and is listed in a page; expected it in scene.xml");
     faults.expect(outer == nullptr || lies_in(parent, *outer), name, "does not lie in the block of its page");
     if (!page.pages.empty() && !is_highest) {
       const LatticeBlock below = block_around(parent.lattice_min, page.pages[0].block.edge);
       faults.expect(!blocks.contains(below.min) || !lies_in(parent, below), name,
-                    "lies in the block of a smaller page; expected it there");
+                    "belongs to the block of a smaller page; expected it there");
     }
     if (const auto fault = fault_in_tiers(parent, tiers)) faults.expect(false, name, *fault);
   }
   faults.expect(tiers.empty() || outer != nullptr || (roots == 1 && highest == tiers.back().own_lod()),
-                "OctTreeGroup ParentTiers", "names a root that is not listed, or more than once; bake again");
+                "OctTreeGroup ParentTiers", "names a root that is missing or listed more than once; bake again");
   return std::move(faults.all);
 }
 
@@ -145,7 +146,7 @@ std::vector<SceneFault> faults_of_parameters(const SceneReading& reading) {
   try {
     check_parameters(parameters_from_json(reading.scene.parameters), reading, faults);
   } catch (const std::exception&) {
-    faults.expect(false, key, "are not all there, or not within their range; expected those of a bake");
+    faults.expect(false, key, "are incomplete or out of range; expected the parameters of a bake");
   }
   return faults.all;
 }

@@ -54,7 +54,7 @@ void read_place(const SceneAttributes& a, SceneCell& c, int version) {
   for (const std::int64_t x : c.lattice_min)
     if (x % 8 != 0 || x < -max_voxel || x > max_voxel) a.fail("LatticeMin", "expected multiples of 8 within ±2^52");
   c.lods = a.value<std::uint32_t>("Lods");
-  if (c.lods != std::uint32_t(std::bit_width(edge / 8))) a.fail("Lods", "does not fit CellVoxels");
+  if (c.lods != std::uint32_t(std::bit_width(edge / 8))) a.fail("Lods", "does not match CellVoxels");
   if (is_parent && version >= 4) c.copied_lods = a.value<std::uint32_t>("CopiedLods");
   if (c.copied_lods >= c.lods) a.fail("CopiedLods", "expected fewer than Lods");
 }
@@ -70,12 +70,12 @@ SceneCell read_cell(const SceneAttributes& a, int version) {
   c.voxels = a.values<std::uint64_t>("Voxels");
   c.content_hash = a.hashes("ContentHash");
   if (c.voxels.size() != c.lods || c.content_hash.size() != c.lods)
-    a.fail("Voxels", "expected one count and one hash a lod");
+    a.fail("Voxels", "expected one count and one hash per lod");
   c.fingerprint = a.hash("Fingerprint");
   if (version < 3 || !(a.has("LevelBytes") || a.has("NodeBytes"))) return c;
   c.level_bytes = a.values<std::uint64_t>("LevelBytes");
   c.node_bytes = a.value<std::uint64_t>("NodeBytes");
-  if (c.level_bytes.size() != c.lods) a.fail("LevelBytes", "expected one number a lod");
+  if (c.level_bytes.size() != c.lods) a.fail("LevelBytes", "expected one number per lod");
   return c;
 }
 
@@ -185,7 +185,7 @@ GroupContent read_content(const std::filesystem::path& file, pugi::xml_node grou
   ContentReader reader(file, header, version, known);
   reader.read(group, 0);
   if (!reader.content.cells.empty() && !reader.content.pages.empty())
-    SceneAttributes(file, group).fail("", "has cells and pages; expected one or the other");
+    SceneAttributes(file, group).fail("", "has both cells and pages; expected only one of the two");
   return std::move(reader.content);
 }
 
@@ -237,7 +237,7 @@ void read_lattice(const SceneAttributes& a, SceneHeader& header) {
   if (!(header.voxel_size_m > 0)) a.fail("VoxelSize", "expected a positive number of metres");
   header.lattice_origin_m = a.triple<double>("LatticeOrigin");
   if (!parse_channels(a.text("Channels"), header.has_normals, header.has_facing))
-    a.fail("Channels", "expected 'rgba', then perhaps 'normal' and 'facing'");
+    a.fail("Channels", "expected 'rgba', optionally followed by 'normal' and 'facing'");
 }
 
 std::vector<SceneFault> faults_of_root(const SceneAttributes& root, std::span<const std::string_view> known) {
@@ -267,7 +267,7 @@ std::vector<SceneFault> faults_of_blocks(const std::vector<PageReference>& pages
       faults.push_back({key, "has a block of another size than its neighbours", {}});
     if (!seen.insert(page.block.min).second) faults.push_back({key, "another page has the same block", {}});
     if (outer != nullptr && (page.block.edge >= outer->edge || block_around(page.block.min, outer->edge) != *outer))
-      faults.push_back({key, "its block does not lie in that of the group above it", {}});
+      faults.push_back({key, "its block is not inside the block of the group above it", {}});
   }
   return faults;
 }
@@ -277,7 +277,7 @@ std::vector<SceneFault> faults_of_totals(const SceneTotals& said, const SceneTot
   const auto expect = [&](bool holds, const char* key) {
     if (!holds)
       faults.push_back(
-          {element + " " + key, "is not that of the cells below; lines were lost, added or changed: bake again", {}});
+          {element + " " + key, "differs from the cells below; lines were lost, added or changed: bake again", {}});
   };
   expect(said.cells == are.cells, "Cells");
   expect(said.parents == are.parents, "Parents");

@@ -85,7 +85,7 @@ ReadLevel read_level(const PagedScene& scene, const SceneCell& shard, int lod) {
   ReadLevel read{reader.header(), reader.nodes(), reader.level(shard_lod)};
   if (content_hash(read.header, read.nodes, read.level, shard_lod) != shard.content_hash.at(std::size_t(shard_lod)))
     throw InputError(scene.folder() / shard.file, fmt::format("/lod_{}", shard_lod),
-                     "the voxels are not those of the content hash in scene.xml; bake again");
+                     "the voxels do not match the content hash in scene.xml; bake again");
   return read;
 }
 

@@ -33,12 +33,10 @@ int expect_page_of(const std::filesystem::path& path, const SceneAttributes& a, 
   if (own.voxel_size_m != header.voxel_size_m || own.lattice_origin_m != header.lattice_origin_m ||
       own.has_normals != header.has_normals || own.has_facing != header.has_facing)
     a.fail("VoxelSize", "a page of another scene: voxel size, lattice or channels differ; bake again");
-  if (read_block(a) != reference.block) a.fail("BlockMin", "is of another block than its reference says; bake again");
-  if (a.value<std::uint64_t>("Groups") != reference.groups)
-    a.fail("Groups", "differs from what its reference says; bake again");
+  if (read_block(a) != reference.block) a.fail("BlockMin", "is of another block than its reference; bake again");
+  if (a.value<std::uint64_t>("Groups") != reference.groups) a.fail("Groups", "differs from its reference; bake again");
   const auto differences = faults_of_totals(read_totals(a, version), reference.totals, "OctTreeGroup");
-  if (!differences.empty())
-    throw InputError(path, differences[0].key, "differs from what its reference says; bake again");
+  if (!differences.empty()) throw InputError(path, differences[0].key, "differs from its reference; bake again");
   return version;
 }
 
@@ -74,9 +72,10 @@ PageReading read_page_text(const std::filesystem::path& scene_xml, const SceneHe
   const std::filesystem::path path = scene_xml.parent_path() / reference.file;
   std::error_code error;
   if (!std::filesystem::exists(path, error))
-    throw InputError(path, "",
-                     "is missing, though the scene refers to it; if a bake has replaced the scene meanwhile, open it "
-                     "again, else bake again");
+    throw InputError(
+        path, "",
+        "is missing, but the scene refers to it; if a bake has replaced the scene since it was opened, open it "
+        "again, otherwise bake again");
   const SceneText text(path, max_page_bytes);
   if (!text.checksum().is_said || text.checksum().value != reference.checksum)
     throw InputError(path, "OctTreeGroup Checksum",
@@ -92,13 +91,14 @@ PageReading read_page_text(const std::filesystem::path& scene_xml, const SceneHe
   add(faults_of_root(a, known_of_page()));
   add(content.faults);
   for (const SceneLoss& loss : content.losses)
-    add({{"Loss " + as_line(loss.name, max_quote_bytes), "stands in a page; expected it in scene.xml", {}}});
+    add({{"Loss " + as_line(loss.name, max_quote_bytes), "is listed in a page; expected it in scene.xml", {}}});
   reading.page = {std::move(content.cells), std::move(content.pages), std::move(content.parents)};
   if (version < 5)
     for (const SceneCell& parent : reading.page.parents)
-      reading.contradictions.push_back({"PagedOctTree " + as_line(parent.name, max_quote_bytes),
-                                        "is a parent and stands in a page of version 3 or 4; expected it in scene.xml",
-                                        {}});
+      reading.contradictions.push_back(
+          {"PagedOctTree " + as_line(parent.name, max_quote_bytes),
+           "is an overview and is listed in a page of version 3 or 4; expected it in scene.xml",
+           {}});
   std::ranges::move(contradictions_of(reading.page, reference, header), std::back_inserter(reading.contradictions));
   return reading;
 }

@@ -97,7 +97,7 @@ class SceneReader {
 
   void read_tiers(const SceneAttributes& a) {
     const auto numbers = a.values<std::uint32_t>("ParentTiers");
-    if (numbers.empty() || numbers.size() % 3 != 0) a.fail("ParentTiers", "expected three numbers a tier");
+    if (numbers.empty() || numbers.size() % 3 != 0) a.fail("ParentTiers", "expected three numbers per overview level");
     for (std::size_t t = 0; t < numbers.size(); t += 3)
       reading_.scene.tiers.push_back({numbers[t], numbers[t + 1], numbers[t + 2]});
     if (const auto fault = fault_of_tiers(reading_.scene.tiers, reading_.totals->cell_voxels))
@@ -120,7 +120,7 @@ SceneReading read_scene_text(const std::filesystem::path& path) {
   SceneReader(path, reading).read(text.document());
   if (reading.version >= 2 && !text.checksum().is_said)
     reading.faults.push_back(
-        {"OctTreeGroup Checksum", "is not that of this text, which was changed after it was written; bake again", {}});
+        {"OctTreeGroup Checksum", "does not match this text, which was changed after it was written; bake again", {}});
   return reading;
 }
 

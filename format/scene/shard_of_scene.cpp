@@ -13,7 +13,7 @@ std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, 
   expect(header.cell == cell.name, "cell", "is " + in_quotes(header.cell) + ", scene.xml says " + in_quotes(cell.name));
   expect(header.lattice_min == cell.lattice_min && header.cell_voxels == cell.cell_voxels && header.lods == cell.lods &&
              header.first_lod == cell.first_lod && header.copied_lods == cell.copied_lods,
-         "lattice_min", "is another window of the lattice than scene.xml says");
+         "lattice_min", "is of another window than in scene.xml");
   expect(header.voxel_size_m == scene.voxel_size_m, "voxel_size_m", "differs from scene.xml");
   expect(header.lattice_origin_m == scene.lattice_origin_m, "lattice_origin_m", "differs from scene.xml");
   expect(header.origin == scene.origin, "origin", "differs from scene.xml");
@@ -30,7 +30,7 @@ void expect_shard_of_scene(const std::filesystem::path& shard, const ShardHeader
   const auto differences = differences_from_scene(header, scene, cell);
   if (!differences.empty())
     throw InputError(shard, differences[0].attribute,
-                     differences[0].what + "; gigabake verify names all that is wrong, bake again mends it");
+                     differences[0].what + "; gigabake verify lists all faults; bake again to fix them");
 }
 
 ShardReader open_shard_of_scene(const std::filesystem::path& scene_xml, const SceneHeader& scene,

@@ -78,15 +78,16 @@ bool hang_from_one_root(std::span<const SceneCell> parents, const std::vector<Ti
 
 std::optional<std::string> fault_of_tiers(std::span<const TierShape> tiers, std::uint32_t cell_voxels) {
   std::uint32_t next = std::uint32_t(std::bit_width(cell_voxels / std::uint32_t(brick_edge)));
-  if (next == 0) return "the cells are of several sizes";
+  if (next == 0) return "the cells have different sizes";
   std::uint32_t first_lod = 0;
   for (const TierShape& tier : tiers) {
     if (tier.first_lod < 1 || tier.first_lod < first_lod || tier.copied_lods >= tier.lods ||
         tier.lods > std::uint32_t(max_window_bits) || tier.first_lod > std::uint32_t(max_window_bits) ||
         tier.window_bits() > max_window_bits)
-      return "are none of parents";
+      return "are not numbers of overview levels";
     if (tier.own_lod() != next)
-      return fmt::format("a tier begins at lod {}, and lod {} is missing or twice", tier.own_lod(), next);
+      return fmt::format("an overview level begins at lod {}, but lod {} is missing or duplicated", tier.own_lod(),
+                         next);
     next = tier.end_lod();
     first_lod = tier.first_lod;
   }
@@ -99,8 +100,8 @@ std::optional<std::string> fault_in_tiers(const SceneCell& parent, std::span<con
     if (tier.own_lod() == parent.own_lod())
       return is_of_tier(parent, tier, &tier == &tiers.back())
                  ? std::nullopt
-                 : std::optional<std::string>("has other levels or another grid than ParentTiers says");
-  return "has levels of no tier of ParentTiers";
+                 : std::optional<std::string>("has other levels or another grid than in ParentTiers");
+  return "has levels that ParentTiers does not list";
 }
 
 bool cover_cells(CellPart part, std::span<const SceneCell> parents, const TierShape& lowest,

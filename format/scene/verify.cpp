@@ -39,9 +39,9 @@ void check_voxels(const Shard& shard, const SceneCell& cell, Faults& faults) {
   for (std::size_t lod = 0; lod < voxels.size(); ++lod) {
     const std::string level = "/lod_" + std::to_string(lod);
     faults.expect(lod < cell.voxels.size() && voxels[lod] == cell.voxels[lod], level,
-                  "holds " + counted(voxels[lod], "voxel") + ", scene.xml says otherwise");
+                  "holds " + counted(voxels[lod], "voxel") + ", but scene.xml has another number");
     faults.expect(hash[lod] == shard.header.content_hash[lod], level,
-                  "the voxels are not those of the shard's content_hash");
+                  "the voxels do not match the shard's content_hash");
   }
 }
 
@@ -57,7 +57,7 @@ std::optional<Shard> read_whole(const ShardReader& reader, Faults& faults) {
 }
 
 void check_stored(const ShardReader& reader, const SceneCell& cell, Faults& faults) {
-  const char* const differs = "of the columns differ from what scene.xml says";
+  const char* const differs = "of the columns differ from scene.xml";
   for (std::size_t lod = 0; lod < std::min(cell.level_bytes.size(), std::size_t(reader.header().lods)); ++lod)
     faults.expect(reader.level_bytes(int(lod)) == cell.level_bytes[lod], "LevelBytes", differs);
   faults.expect(reader.node_bytes() == cell.node_bytes, "NodeBytes", differs);
@@ -74,7 +74,7 @@ std::vector<std::string> check_cell(const SceneHeader& scene, const SceneCell& c
     if (!cell.level_bytes.empty()) check_stored(reader, cell, faults);
     const std::uint64_t bytes = std::filesystem::file_size(path);
     faults.expect(bytes == cell.bytes, "Bytes",
-                  "the file has " + std::to_string(bytes) + ", scene.xml says " + std::to_string(cell.bytes));
+                  "the file has " + std::to_string(bytes) + ", scene.xml states " + std::to_string(cell.bytes));
   } catch (const std::exception& error) {
     faults.lines.emplace_back(error.what());
   }
@@ -150,8 +150,8 @@ class SceneVerification {
               .what());
     else if (expected != header_.tiers || !cover_cells(CellPart::some, parents, header_.tiers.front(), walk))
       result_.faults.emplace_back(InputError(scene_xml_, "OctTreeGroup ParentTiers",
-                                             "a parent above cells or parents is missing, twice or elsewhere than it "
-                                             "says; bake again")
+                                             "an overview of cells or overviews is missing, duplicated or not where it "
+                                             "states; bake again")
                                       .what());
   }
 

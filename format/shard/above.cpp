@@ -28,14 +28,15 @@ void check_above(const std::filesystem::path& path, const ShardHeader& header, c
     const std::uint8_t* place = &above.place[source_place_bytes * v];
     table.expect(place[0] <= 1 && (place[0] == 1 || coarsest == v), v, "the coarsest level does not come first");
     table.expect(std::all_of(place + 1, place + 4, [&](std::uint8_t x) { return x < brick_edge << place[0]; }), v,
-                 "a place outside of its level");
+                 "a position outside its level");
     table.expect(above.rgba[4 * v + 3] != 0, v, "a voxel without coverage");
     coarsest += place[0] == 0;
   }
   const std::size_t raster = raster_bytes(int(header.first_lod + header.lods) - 1);
-  table.expect(above.raster.empty() || above.raster.size() == raster * coarsest, 0, "raster has not a row a voxel");
+  table.expect(above.raster.empty() || above.raster.size() == raster * coarsest, 0,
+               "raster does not have one row per voxel");
   table.expect(above.patch.empty() || above.patch.size() == source_patch_bytes * coarsest, 0,
-               "patch has not a row a voxel");
+               "patch does not have one row per voxel");
 }
 
 }  // namespace gigabake

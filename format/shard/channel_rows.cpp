@@ -28,13 +28,14 @@ ChannelRows::ChannelRows(const ColumnSource& source, const std::string& group, c
       voxels_(voxels) {
   if (!source.has(columns_.share)) {
     if (value_->rows() != voxels && (value_->rows() != 1 || voxels == 0))
-      throw InputError(source.path(), group, std::string(channel.name) + " does not fit first");
+      throw InputError(source.path(), group, std::string(channel.name) + " does not match first");
     return;
   }
   share_ = source.open(columns_.share);
   first_ = source.open(columns_.first);
   if (share_->rows() != bricks || first_->rows() != bricks + 1)
-    throw InputError(source.path(), group, std::string(channel.name) + " is not shared by as many bricks as there are");
+    throw InputError(source.path(), group,
+                     std::string(channel.name) + " is shared by another number of bricks than there are");
 }
 
 void ChannelRows::read(std::uint64_t brick, std::span<const std::uint64_t> mask, std::uint64_t first_voxel,
@@ -58,7 +59,7 @@ void ChannelRows::read_shared(std::uint64_t brick, std::span<const std::uint64_t
   table.expect(brick > 0 || first[0] == 0, 0, "does not begin at 0");
   for (std::size_t b = 0; b < bricks; ++b)
     table.expect(first[b + 1] > first[b] && first[b + 1] - first[b] <= brick_voxels, brick + b,
-                 "does not count the values that are shared");
+                 "does not count the shared values");
   table.expect(
       first.back() <= value_->rows() && (brick + bricks + 1 < first_->rows() || first.back() == value_->rows()),
       brick + bricks, "does not end at the number of values");
@@ -67,7 +68,7 @@ void ChannelRows::read_shared(std::uint64_t brick, std::span<const std::uint64_t
   for (std::size_t b = 0; b < bricks; ++b) {
     const std::span values(value.data() + (first[b] - first[0]) * width, (first[b + 1] - first[b]) * width);
     const bool fits = spread_values(&mask[8 * b], &share[share_bytes * b], values, width, {to[voxel], to.stride});
-    table.expect(fits && share[share_bytes * b + 9] <= 1, brick + b, "does not count the values that are shared");
+    table.expect(fits && share[share_bytes * b + 9] <= 1, brick + b, "does not count the shared values");
     for (std::size_t w = 0; w < 8; ++w) voxel += std::size_t(std::popcount(mask[8 * b + w]));
   }
 }

@@ -60,7 +60,7 @@ void read_constants(const ColumnSource& source, const ShardHeader& header, const
   if (first == n.kind.end()) return;
   const BrokenRule table{source.path(), "/nodes"};
   const auto begin = std::uint64_t(first - n.kind.begin());
-  table.expect(header.first_lod == 0, begin, "is a constant node of a parent");
+  table.expect(header.first_lod == 0, begin, "is a constant node of an overview");
   const auto end = std::uint64_t(std::find_if(n.kind.rbegin(), n.kind.rend(), is_constant).base() - n.kind.begin());
   const auto read = [&](const Hdf5Column& column, void* to) {
     const std::unique_ptr<StoredRows> rows = source.open(column);

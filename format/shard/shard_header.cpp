@@ -31,7 +31,7 @@ std::vector<Hash128> hashes(const Hdf5File& file, const char* name) {
 void read_channels(const Hdf5File& file, ShardHeader& h) {
   const std::string channels = file.read_text("channels");
   if (!parse_channels(channels, h.has_normals, h.has_facing))
-    file.fail("channels", "expected 'rgba', then perhaps 'normal' and 'facing', got " + in_quotes(channels));
+    file.fail("channels", "expected 'rgba', optionally followed by 'normal' and 'facing', got " + in_quotes(channels));
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ std::int32_t read_version(const Hdf5File& file) {
   const auto version = scalar<std::int32_t>(file, "version", Hdf5Type::i32);
   if (version < oldest_shard_version || version > shard_version)
     file.fail("version", "expected " + std::to_string(oldest_shard_version) + " to " + std::to_string(shard_version) +
-                             ", got " + std::to_string(version) + "; another gigabake wrote this shard");
+                             ", got " + std::to_string(version) + "; another version of gigabake wrote this shard");
   return version;
 }
 

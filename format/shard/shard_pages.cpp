@@ -32,7 +32,7 @@ std::vector<T> read_all(const Hdf5Rows& column) {
 std::uint64_t clipped(const Hdf5File& file, const std::string& dataset, std::uint64_t first, std::uint64_t count,
                       std::uint64_t all) {
   if (first >= all)
-    file.fail(dataset, "has " + counted(all, "row") + "; row " + std::to_string(first) + " was asked for");
+    file.fail(dataset, "has " + counted(all, "row") + "; row " + std::to_string(first) + " was requested");
   return std::min(count, all - first);
 }
 
@@ -64,8 +64,8 @@ struct ShardPages::Level {
   Level(const Hdf5File& file, const std::vector<VoxelChannel>& of_voxels, const LevelColumns& columns,
         std::uint64_t bricks_of_nodes)
       : source(file), bricks(bricks_of_nodes), mask(file, columns.mask), first(file, columns.first) {
-    if (mask.rows() != bricks) file.fail(columns.group, "there are not as many bricks as nodes of this level");
-    if (first.rows() != bricks + 1) file.fail(columns.group, "first does not fit mask");
+    if (mask.rows() != bricks) file.fail(columns.group, "the number of bricks differs from the nodes of this level");
+    if (first.rows() != bricks + 1) file.fail(columns.group, "first does not match mask");
     voxels = read_range<std::uint64_t>(first, bricks, 1)[0];
     for (const VoxelChannel& channel : of_voxels) channels.emplace_back(source, columns.group, channel, bricks, voxels);
   }

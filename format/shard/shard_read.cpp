@@ -85,7 +85,7 @@ ParentSource ShardReader::above() const {
   if (columns.raster.width != 0 && file_.has_column(columns.raster)) read_rows(file_, columns.raster, above.raster);
   if (file_.has_column(columns.patch)) read_rows(file_, columns.patch, above.patch);
   check_above(path_, header_, above);
-  if (hash_of(above) != *hash) file_.fail("/above", "is not what above_hash says");
+  if (hash_of(above) != *hash) file_.fail("/above", "does not match above_hash");
   return above;
 }
 

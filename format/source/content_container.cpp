@@ -141,7 +141,7 @@ void open_i3dm(const TileRef& tile, const SourceFiles& files, ByteCursor in, Con
 SourceBytes content_of(const TileRef& tile, const SourceBytes& file) {
   if (tile.range == ByteRange()) return file;
   if (tile.range.end > file.size() || tile.range.begin > tile.range.end)
-    throw InputError(tile.path, "", "is shorter than it was; it changed meanwhile");
+    throw InputError(tile.path, "", "became shorter while it was read");
   return file.part(tile.range.begin, tile.range.end - tile.range.begin);
 }
 

@@ -19,7 +19,7 @@ FolderPublication::FolderPublication(std::filesystem::path target, Replaces repl
   const bool is_folder = std::filesystem::is_directory(target_, ignored);
   if (std::filesystem::exists(target_, ignored) &&
       !(is_folder && (replaces_ == Replaces::a_folder || std::filesystem::is_empty(target_, ignored))))
-    throw InputError(target_, "", "is there already; expected the name of a new folder: remove it or name another");
+    throw InputError(target_, "", "exists already; expected the name of a new folder: remove it or name another");
   aside_ =
       create_temporary(target_, [](const std::filesystem::path& aside) { return ::mkdir(aside.c_str(), 0777) == 0; });
 }

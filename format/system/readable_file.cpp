@@ -23,7 +23,7 @@ void ReadableFile::read(std::uint64_t offset, std::span<std::uint8_t> out) const
     const ssize_t got = ::pread(file_.get(), out.data(), out.size(), off_t(offset));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) throw IoError(path_, "", std::string("cannot be read: ") + std::strerror(errno), offset);
-    if (got == 0) throw IoError(path_, "", "is shorter than it was; it changed meanwhile", offset);
+    if (got == 0) throw IoError(path_, "", "became shorter while it was read", offset);
     out = out.subspan(std::size_t(got));
     offset += std::uint64_t(got);
   }

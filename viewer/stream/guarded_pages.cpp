@@ -39,11 +39,11 @@ std::string fault_of_bricks(const BrickBlock& block, bool has_normals) {
   const std::size_t bricks = block.mask.size() / brick_edge;
   if (bricks == 0 || bricks > bricks_per_block || block.mask.size() % brick_edge != 0)
     return "expected 1 to " + std::to_string(bricks_per_block) + " bricks of 8 words";
-  if (block.first.size() != bricks + 1 || block.first[0] != 0) return "first does not fit mask";
+  if (block.first.size() != bricks + 1 || block.first[0] != 0) return "first does not match mask";
   for (std::size_t b = 0; b < bricks; ++b) {
     std::uint32_t voxels = 0;
     for (std::size_t z = 0; z < brick_edge; ++z) voxels += std::uint32_t(std::popcount(block.mask[brick_edge * b + z]));
-    if (block.first[b + 1] != block.first[b] + voxels) return "first does not fit mask";
+    if (block.first[b + 1] != block.first[b] + voxels) return "first does not match mask";
   }
   const std::size_t voxels = block.first[bricks];
   if (block.rgba.size() != 4 * voxels) return "expected 4 bytes of rgba a voxel";

@@ -14,7 +14,7 @@ namespace {
 std::array<std::int32_t, 3> checked_index(const std::filesystem::path& scene_xml, const LevelIndex& index) {
   for (const std::int64_t i : index)
     if (i != std::int32_t(i))
-      throw InputError(scene_xml, "LatticeMin", "OpenVDB has no room for indices beyond 32 bits");
+      throw InputError(scene_xml, "LatticeMin", "OpenVDB cannot store indices of more than 32 bits");
   return {std::int32_t(index[0]), std::int32_t(index[1]), std::int32_t(index[2])};
 }
 
@@ -34,7 +34,7 @@ std::uint64_t export_openvdb(const std::filesystem::path& scene_xml, int lod, co
   const std::unique_ptr<OpenvdbGrids> grids = grids_of(scene.header(), lod);
   Publication publication(vdb);
   std::uint64_t parts = 0;
-  progress.step("gathering the voxels", voxels);
+  progress.step("collecting the voxels", voxels);
   const auto add = [&](const LevelIndex& lowest, const DenseBrick& part) {
     grids->add(checked_index(scene_xml, lowest), part);
     if (++parts % 256 == 0 && grids->bytes() > max_bytes)

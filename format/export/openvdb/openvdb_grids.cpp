@@ -104,7 +104,7 @@ void Grids::write(const std::filesystem::path& vdb, const std::filesystem::path&
     in.setCopyMaxBytes(0);
     in.open(false);
     if (in.readGrid(grids.back()->getName())->activeVoxelCount() != grids.back()->activeVoxelCount())
-      throw InputError(vdb, "", "cannot write: what was written is not what is read back");
+      throw InputError(vdb, "", "cannot write: the file read back differs from the grids written");
   } catch (const openvdb::Exception& e) {
     throw InputError(vdb, "", std::string("cannot write: ") + e.what());
   }

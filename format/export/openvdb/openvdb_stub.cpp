@@ -5,7 +5,8 @@ namespace gigabake {
 
 std::uint64_t export_openvdb(const std::filesystem::path&, int, const std::filesystem::path&, std::uint64_t,
                              const Progress&) {
-  throw UsageError("`to` vdb: this build has no OpenVDB (libopenvdb-dev was not there); `to` nvdb needs no library");
+  throw UsageError(
+      "`to` vdb: this build has no OpenVDB (libopenvdb-dev was not installed); `to` nvdb needs no library");
 }
 
 std::uint64_t openvdb_memory_bytes() { return 0; }

@@ -14,7 +14,7 @@ NodeWalk::NodeWalk(const std::filesystem::path& path, const ShardHeader& header,
 
 NodeWalk::NodeWalk(const std::filesystem::path& path, const NodePlace& place, std::uint64_t rows)
     : table_{path, "/nodes"}, place_(place), rows_(rows) {
-  table_.expect(rows > 0 && rows < no_child, 0, "a shard has 1 to 2^32-2 nodes");
+  table_.expect(rows > 0 && rows < no_child, 0, "expected 1 to 2^32-2 nodes");
 }
 
 void NodeWalk::check_links(NodeKind kind, std::uint8_t child_mask, std::uint32_t first_child,
@@ -24,15 +24,15 @@ void NodeWalk::check_links(NodeKind kind, std::uint8_t child_mask, std::uint32_t
   else
     table_.expect(first_child == place_.next_child, place_.row, "first_child is out of order");
   table_.expect(kind != NodeKind::brick || value == place_.next_brick, place_.row,
-                "value is not its level's next brick");
+                "value is not the next brick of its level");
 }
 
 void NodeWalk::step(std::uint32_t lod, NodeKind kind, std::uint8_t child_mask) {
   const std::uint64_t row = place_.row;
   const auto children = std::uint64_t(std::popcount(child_mask));
   table_.expect(row < place_.level_end, row, "has no parent");
-  table_.expect(lod == place_.lod, row, "lod is not that of a child of its parent");
-  table_.expect(kind <= NodeKind::leaf_constant, row, "kind is unknown");
+  table_.expect(lod == place_.lod, row, "lod does not follow its parent's lod");
+  table_.expect(kind <= NodeKind::leaf_constant, row, "the node's type is unknown");
   const bool is_leaf = lod == 0 || kind == NodeKind::leaf_constant;
   table_.expect(is_leaf || children > 0, row, "children are missing");
   table_.expect(!is_leaf || children == 0, row, "a leaf has children");

@@ -9,7 +9,7 @@
 namespace gigabake {
 namespace {
 
-constexpr const char* no_plane = "plane is none of 0 and 5 to 63 with its lowest two bits not 0";
+constexpr const char* no_plane = "plane is neither 0 nor 5 to 63 with its lowest two bits not 0";
 
 std::string level_name(int lod) { return "/lod_" + std::to_string(lod); }
 
@@ -23,7 +23,7 @@ void check_keys_of_children(const BrokenRule& table, const NodeTable& n, std::si
   std::size_t child = n.first_child[i];
   for (std::uint64_t c = 0; c < 8; ++c) {
     if ((n.child_mask[i] >> c & 1) == 0) continue;
-    table.expect(n.key[child] == (n.key[i] << 3 | c), child, "is not the child its parent says");
+    table.expect(n.key[child] == (n.key[i] << 3 | c), child, "is not the child that its parent refers to");
     ++child;
   }
 }
@@ -32,22 +32,22 @@ void check_keys_of_children(const BrokenRule& table, const NodeTable& n, std::si
 
 void check_header(const std::filesystem::path& path, const ShardHeader& h) {
   const BrokenRule table{path, "attributes"};
-  table.expect(h.first_lod < 32, 0, "first_lod is no level of a lattice");
+  table.expect(h.first_lod < 32, 0, "first_lod is not a level of a lattice");
   const std::uint32_t edge = h.cell_voxels >> h.first_lod;
   table.expect(std::has_single_bit(h.cell_voxels) && edge >= 8 && edge <= 8192, 0,
-               "cell_voxels is no power of two from 8 to 8192 voxels of the first level");
-  table.expect(h.lods == std::uint32_t(std::bit_width(edge / 8)), 0, "lods does not fit cell_voxels");
+               "cell_voxels is not a power of two from 8 to 8192 voxels of the first level");
+  table.expect(h.lods == std::uint32_t(std::bit_width(edge / 8)), 0, "lods does not match cell_voxels");
   table.expect(h.copied_lods < h.lods && (h.first_lod != 0 || h.copied_lods == 0), 0,
-               "copied_lods leaves no level of its own, or is of a cell");
+               "copied_lods is not less than lods, or not 0 for a cell");
   table.expect(h.voxel_size_m > 0 && std::isfinite(h.voxel_size_m), 0, "voxel_size_m is not positive");
   for (int c = 0; c < 3; ++c) {
     table.expect(std::isfinite(h.lattice_origin_m[std::size_t(c)]), 0, "lattice_origin_m is not finite");
     const std::int64_t low = h.lattice_min[std::size_t(c)];
     table.expect(low % 8 == 0 && std::abs(double(low)) <= 0x1p52, 0, "lattice_min is not a multiple of 8 within 2^52");
     table.expect(h.first_lod == 0 || low % (std::int64_t(h.cell_voxels) / 8) == 0, 0,
-                 "lattice_min of a parent is no multiple of a voxel of its coarsest level");
+                 "lattice_min of an overview is not a multiple of a voxel of its coarsest level");
   }
-  table.expect(h.content_hash.size() == h.lods, 0, "content_hash has not one entry a lod");
+  table.expect(h.content_hash.size() == h.lods, 0, "content_hash does not have one entry per lod");
 }
 
 void check_nodes(const std::filesystem::path& path, const ShardHeader& header, const NodeTable& n) {
@@ -59,7 +59,7 @@ void check_nodes(const std::filesystem::path& path, const ShardHeader& header, c
                0, "columns differ in length");
   NodeWalk walk(path, header, count);
   for (std::size_t i = 0; i < count; ++i) {
-    table.expect(header.first_lod == 0 || n.kind[i] == NodeKind::brick, i, "is a constant node of a parent");
+    table.expect(header.first_lod == 0 || n.kind[i] == NodeKind::brick, i, "is a constant node of an overview");
     walk.check_links(n.kind[i], n.child_mask[i], n.first_child[i], n.value[i]);
     walk.step(n.lod[i], n.kind[i], n.child_mask[i]);
     check_key(table, header, n, i);
@@ -72,8 +72,8 @@ void check_bricks_of_level(const std::filesystem::path& path, const BrickLevel& 
                            std::uint64_t bricks_of_nodes) {
   const BrokenRule table{path, level_name(lod)};
   const std::size_t bricks = level.mask.size() / 8;
-  table.expect(bricks == bricks_of_nodes, bricks, "there are not as many bricks as nodes of this level");
-  table.expect(level.first.size() == bricks + 1 && level.first[0] == 0, 0, "first does not fit mask");
+  table.expect(bricks == bricks_of_nodes, bricks, "the number of bricks differs from the nodes of this level");
+  table.expect(level.first.size() == bricks + 1 && level.first[0] == 0, 0, "first does not match mask");
   check_bricks(path, lod, 0, level.mask, level.first);
 }
 

@@ -36,7 +36,7 @@ Hdf5Id Hdf5File::open_column(const Hdf5Column& column) const {
   const Hdf5Id create = call.id("H5Dget_create_plist", H5Dget_create_plist(set.get()), H5Pclose);
   if (call("H5Pget_layout", H5Pget_layout(create.get())) == H5D_VIRTUAL ||
       call("H5Pget_external_count", H5Pget_external_count(create.get())) != 0)
-    fail(column.name, "has its data in other files; a shard has all of it in itself");
+    fail(column.name, "stores its data in other files; a shard must contain all of its data");
   return set;
 }
 

@@ -44,7 +44,7 @@ ChunkFilters checked_filters(const Hdf5File& file, const Hdf5Column& column, con
     if (found == std::vector{H5Z_FILTER_SHUFFLE, packed, H5Z_FILTER_FLETCHER32})
       return {codec, element_bytes(column.type)};
   }
-  file.fail(column.name, "is not stored with the filters that were expected");
+  file.fail(column.name, "is not stored with the expected filters");
 }
 
 /// Returns the number of rows. Rejects a damaged shape that would allocate more than the stored bytes can expand to.
@@ -61,10 +61,10 @@ std::uint64_t checked_rows(const Hdf5File& file, const Hdf5Column& column, const
   if (call("H5Tequal", H5Tequal(type.get(), hdf5_type(column.type))) == 0)
     file.fail(column.name, "has another type than expected");
   const std::uint64_t stored = H5Dget_storage_size(set.get());
-  if (stored > file_bytes) file.fail(column.name, "says that more of it is stored than the file has bytes");
+  if (stored > file_bytes) file.fail(column.name, "states a stored size that exceeds the size of the file");
   if (shape[0] == 0) return 0;
   if (shape[0] > stored * max_expansion_ratio(checked_filters(file, column, set).codec) / column.row_bytes())
-    file.fail(column.name, "says it has " + counted(shape[0], "row") + ", more than what is stored can hold");
+    file.fail(column.name, "states " + counted(shape[0], "row") + ", more than its stored bytes can hold");
   return shape[0];
 }
 
@@ -77,7 +77,7 @@ std::uint64_t checked_chunk_rows(const Hdf5File& file, const Hdf5Column& column,
   if (call("H5Pget_layout", H5Pget_layout(properties.get())) != H5D_CHUNKED ||
       call("H5Pget_chunk", H5Pget_chunk(properties.get(), column.dimensions(), chunk)) != column.dimensions() ||
       chunk[0] == 0 || chunk[0] > rows || chunk[0] > max_chunk_bytes / column.row_bytes() || chunk[1] != column.width)
-    file.fail(column.name, "is not stored in the chunks that were expected");
+    file.fail(column.name, "is not stored in the expected chunks");
   return chunk[0];
 }
 

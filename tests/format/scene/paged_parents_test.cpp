@@ -184,19 +184,19 @@ TEST(PagedParents, ThatStandInAWrongPageOrTwiceAreRefused) {
   EXPECT_EQ(told(paged.root(), nullptr), "");
   ScenePage page = inner;
   page.parents.push_back(lower[0]);
-  EXPECT_EQ(told(page, &above->block), "lies in the block of a smaller page; expected it there\n");
+  EXPECT_EQ(told(page, &above->block), "belongs to the block of a smaller page; expected it there\n");
   page = paged.root();
   page.parents.push_back(lower[0]);
-  EXPECT_EQ(told(page, nullptr), "lies in the block of a smaller page; expected it there\n");
+  EXPECT_EQ(told(page, nullptr), "belongs to the block of a smaller page; expected it there\n");
   page = {{}, {}, {lower[0]}};
   const LatticeBlock elsewhere = block_around({5000, 5000, 5000}, below->block.edge);
   EXPECT_EQ(told(page, &elsewhere), "does not lie in the block of its page\n");
   page = {{}, {}, {paged.root().parents.back()}};
   const LatticeBlock all{{-4096, -4096, -4096}, 8192};
-  EXPECT_EQ(told(page, &all), "is the root and stands in a page; expected it in scene.xml\n");
+  EXPECT_EQ(told(page, &all), "is the root and is listed in a page; expected it in scene.xml\n");
   page = paged.root();
   page.parents.push_back(paged.root().parents.back());
-  EXPECT_EQ(told(page, nullptr), "names a root that is not listed, or more than once; bake again\n");
+  EXPECT_EQ(told(page, nullptr), "names a root that is missing or listed more than once; bake again\n");
   EXPECT_FALSE(faults_of_places({}, {lower[0], lower[0]}).empty()) << "twice in one page";
   page = {{}, {}, {lower[0]}};
   page.parents[0].lods = 1;
@@ -225,11 +225,11 @@ TEST(PagedParents, WhoseTiersSceneXmlContradictsAreRefused) {
     const char *tiers, *told;
   } cases[] = {{"", "expected three numbers"},
                {"2 0 2 4 0 2 6 0", "expected three numbers"},
-               {"2 0 2 5 0 1 6 0 2", "lod 4 is missing or twice"},
-               {"2 0 2 4 0 2", "has levels of no tier"},
-               {"2 0 2 4 0 2 6 0 40", "are none of parents"},
-               {"2 0 4294967295 1 0 1", "are none of parents"},
-               {"2 2 2 4 0 2", "are none of parents"},
+               {"2 0 2 5 0 1 6 0 2", "lod 4 is missing or duplicated"},
+               {"2 0 2 4 0 2", "has levels that ParentTiers does not list"},
+               {"2 0 2 4 0 2 6 0 40", "are not numbers of overview levels"},
+               {"2 0 4294967295 1 0 1", "are not numbers of overview levels"},
+               {"2 2 2 4 0 2", "are not numbers of overview levels"},
                {"2 0 2 4 0 2 6 0 3", "has other levels"}};
   const test::RandomSeed seed;
   const WrittenScene written(seed);
@@ -249,7 +249,7 @@ TEST(PagedParents, ThatAreMissingAreNamedByVerifyThoughTheScenesSumsAgree) {
   const auto says_so = [&] {
     const auto faults = verify_scene(written.folder / "scene.xml", 1).faults;
     return std::ranges::any_of(faults, [](const std::string& fault) {
-      return fault.find("ParentTiers: a parent above cells or parents is missing") != std::string::npos;
+      return fault.find("ParentTiers: an overview of cells or overviews is missing") != std::string::npos;
     });
   };
   EXPECT_FALSE(says_so());

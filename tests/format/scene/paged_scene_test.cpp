@@ -318,7 +318,7 @@ TEST(PagedScene, WithAPageThatIsNotTheOneThatIsMeantIsRefusedByFileAndReason) {
     const char* told;
   } cases[] = {
       {[](Forgery& f, const TempFolder& d) { fs::remove(d / f.leaf().file); },
-       "is missing, though the scene refers to it"},
+       "is missing, but the scene refers to it"},
       {[](Forgery& f, const TempFolder& d) { fs::resize_file(d / f.leaf().file, 99); }, "not a scene"},
       {[](Forgery& f, const TempFolder&) { f.edit(f.leaf().file, "Bytes=\"", "Bytes=\"1"); },
        "Checksum: is not the page"},
@@ -328,18 +328,18 @@ TEST(PagedScene, WithAPageThatIsNotTheOneThatIsMeantIsRefusedByFileAndReason) {
        "Checksum: is not the page"},
       // A page that refers to itself. No text contains its own checksum, and no block lies in itself.
       {[](Forgery& f, const TempFolder&) { f.edit_above(f.leaf().file, f.above().file); }, "Checksum: is not the page"},
-      {above("Groups=\"0\"", "Groups=\"1\""), "Groups: differs from what its reference says"},
+      {above("Groups=\"0\"", "Groups=\"1\""), "Groups: differs from its reference"},
       {leaf("VoxelSize=\"0.5\"", "VoxelSize=\"0.25\""), "VoxelSize: a page of another scene"},
       {leaf("Channels=\"rgba normal\"", "Channels=\"rgba\""), "VoxelSize: a page of another scene"},
       {leaf("Version=\"5\"", "Version=\"6\""), "Version: expected 3 to 5"},
       {leaf("BlockVoxels=\"32\"", "BlockVoxels=\"16\""), "BlockMin: is of another block"},
-      {leaf(" Cells=\"", " Cells=\"1"), "Cells: differs from what its reference says"},
+      {leaf(" Cells=\"", " Cells=\"1"), "Cells: differs from its reference"},
       {leaf("Triangles=\"", "Triangle=\""), "PagedOctTree Triangles: is missing"},
       {leaf("CellVoxels=\"16\" Lods", "CellVoxels=\"32\" FirstLod=\"1\" CopiedLods=\"0\" Lods"),
-       "is not that of the cells below"},
+       "differs from the cells below"},
       {above("BlockVoxels=\"32\"", "BlockVoxels=\"4611686018427387904\""), "BlockVoxels: expected a power of two"},
       {above("GroupFile=\"pages", "GroupFile=\"../pages"), "GroupFile: expected a path inside"},
-      {above("Bytes=\"", "Bytes=\"1"), "Bytes: differs from what its reference says"},
+      {above("Bytes=\"", "Bytes=\"1"), "Bytes: differs from its reference"},
   };
   for (const auto& c : cases) {
     const TempFolder folder;

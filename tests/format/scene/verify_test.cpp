@@ -102,7 +102,7 @@ TEST(Verify, SeesVoxelsThatDoNotAddUpToTheContentHash) {
   shards[1].levels[0].rgba[0] ^= 1;
   made::write_scene_of(folder / "scene.xml", shards);
   const std::string faults = all_faults(folder / "scene.xml");
-  EXPECT_NE(faults.find("right.h5: /lod_0: the voxels are not those"), std::string::npos) << faults;
+  EXPECT_NE(faults.find("right.h5: /lod_0: the voxels do not match"), std::string::npos) << faults;
 }
 
 TEST(Verify, SeesCellsThatOverlapOrShareTheirName) {
@@ -143,15 +143,15 @@ TEST(Verify, NamesTheAttributeOfEveryEditEvenWhereTheChecksumFits) {
       {"BrickYSize=\"8\"", "BrickYSize=\"9\"", "OctTreeGroup BrickYSize: expected 8"},
       {"Generator=\"gigabake test\"", "Generator=\"\"", "OctTreeGroup Generator: is empty"},
       {"Parameters=\"{", "Parameters=\"", "OctTreeGroup Parameters: expected the bake's parameters as JSON"},
-      {"&quot;voxel_size_m&quot;:0.25", "&quot;voxel_size_m&quot;:0.5", "voxel_size_m is another than the scene's"},
-      {"&quot;cell_voxels&quot;:32", "&quot;cell_voxels&quot;:64", "cell_voxels is another than the scene's"},
-      {"&quot;surface&quot;:&quot;area", "&quot;surface&quot;:&quot;arena", "are not all there, or not within"},
+      {"&quot;voxel_size_m&quot;:0.25", "&quot;voxel_size_m&quot;:0.5", "voxel_size_m differs from the scene's"},
+      {"&quot;cell_voxels&quot;:32", "&quot;cell_voxels&quot;:64", "cell_voxels differs from the scene's"},
+      {"&quot;surface&quot;:&quot;area", "&quot;surface&quot;:&quot;arena", "are incomplete or out of range"},
       {"Radius=\"", "Radius=\"nan\" Was=\"", "PagedOctTree Radius: expected 6.9282"},
       {"Radius=\"", "Radius=\"1", "PagedOctTree Radius: expected 6.9282"},
       {"CenterY=\"4\" ", "", "PagedOctTree CenterY: expected 4"},
-      {"<PagedOctTree ", "<PagedOctTree Colour=\"red\" ", "PagedOctTree Colour: is no attribute of this element"},
-      {"<PagedOctTree ", "<PagedOctTree Lods=\"3\" ", "PagedOctTree Lods: stands there twice"},
-      {"  <PagedOctTree ", "<Cell/><PagedOctTree ", "OctTreeGroup Cell: is no element of this one"},
+      {"<PagedOctTree ", "<PagedOctTree Colour=\"red\" ", "PagedOctTree Colour: is not an attribute of this element"},
+      {"<PagedOctTree ", "<PagedOctTree Lods=\"3\" ", "PagedOctTree Lods: occurs twice"},
+      {"  <PagedOctTree ", "<Cell/><PagedOctTree ", "OctTreeGroup Cell: is not allowed in this element"},
       {"  <PagedOctTree ", "words <PagedOctTree ", "OctTreeGroup: holds ' words '"},
       {"</OctTreeGroup>", "</OctTreeGroup><Other/>", "Other: is a second root"},
   };
@@ -174,7 +174,7 @@ TEST(Verify, SeesAnyEditByTheChecksum) {
                                  {"  <PagedOctTree", "   <PagedOctTree"}}) {
     put_text(folder / "scene.xml", edited(text, from, to));
     try {
-      EXPECT_NE(all_faults(folder / "scene.xml").find("Checksum: is not that of this text"), std::string::npos) << to;
+      EXPECT_NE(all_faults(folder / "scene.xml").find("Checksum: does not match this text"), std::string::npos) << to;
     } catch (const InputError& error) {
       EXPECT_NE(std::string(error.what()).find("Checksum: expected 32"), std::string::npos) << error.what();
     }

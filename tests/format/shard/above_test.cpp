@@ -42,7 +42,7 @@ TEST(Above, IsRefusedWhereARuleIsBroken) {
     EXPECT_THROW(ShardReader(folder / "s.h5").above(), InputError) << what;
     EXPECT_EQ(ShardReader(folder / "s.h5").unreadable_columns().size(), 1u) << what;
   };
-  expect_refused("place outside", [](ParentSource& a) { a.place[5] = 8; });
+  expect_refused("position outside", [](ParentSource& a) { a.place[5] = 8; });
   expect_refused("level 2", [](ParentSource& a) { a.place[4] = 2; });
   expect_refused("coarsest last", [](ParentSource& a) { a.place[0] = 1; });
   expect_refused("no coverage", [](ParentSource& a) { a.rgba[7] = 0; });

@@ -16,21 +16,23 @@ struct BrokenShard {
 
 inline std::vector<BrokenShard> broken_shards() {
   return {
-      {"lods does not fit", [](Shard& s) { s.header.lods = 3; }},
+      {"lods does not match", [](Shard& s) { s.header.lods = 3; }},
       {"columns differ in length", [](Shard& s) { s.nodes.value.pop_back(); }},
-      {"kind is unknown", [](Shard& s) { s.nodes.kind[2] = NodeKind(3); }},
+      {"the node's type is unknown", [](Shard& s) { s.nodes.kind[2] = NodeKind(3); }},
       {"first_child is out of order", [](Shard& s) { s.nodes.first_child[0] = 2; }},
       {"has more children than there are rows", [](Shard& s) { s.nodes.child_mask[0] = 0xff; }},
       {"has no parent", [](Shard& s) { s.nodes.child_mask[0] = 1; }},
-      {"value is not its level's next brick", [](Shard& s) { s.nodes.value[1] = 7; }},
-      {"not as many bricks", [](Shard& s) { s.nodes.kind[1] = NodeKind::constant; }},
+      {"value is not the next brick of its level", [](Shard& s) { s.nodes.value[1] = 7; }},
+      {"number of bricks differs", [](Shard& s) { s.nodes.kind[1] = NodeKind::constant; }},
       {"first does not count the mask's bits", [](Shard& s) { s.levels[0].mask[0] = 1; }},
-      {"rgb does not fit first", [](Shard& s) { s.levels[0].rgba.resize(16, 1), s.levels[0].normal.resize(8); }},
+      {"rgb does not match first", [](Shard& s) { s.levels[0].rgba.resize(16, 1), s.levels[0].normal.resize(8); }},
       {"a voxel without coverage", [](Shard& s) { s.levels[0].rgba[3] = 0; }},
       {"normal does not fit", [](Shard& s) { s.levels[0].normal.resize(4); }},
-      {"/lod_1: row 1: plane is none", [](Shard& s) { s = small_shard_with_planes(), s.levels[1].facing[7] = 0x3c; }},
-      {"/lod_1: row 0: plane is none", [](Shard& s) { s = small_shard_with_planes(), s.levels[1].facing[3] = 0x43; }},
-      {"/nodes: row 2: plane is none", [](Shard& s) { s = small_shard_with_planes(), s.nodes.facing[2][3] = 3; }},
+      {"/lod_1: row 1: plane is neither",
+       [](Shard& s) { s = small_shard_with_planes(), s.levels[1].facing[7] = 0x3c; }},
+      {"/lod_1: row 0: plane is neither",
+       [](Shard& s) { s = small_shard_with_planes(), s.levels[1].facing[3] = 0x43; }},
+      {"/nodes: row 2: plane is neither", [](Shard& s) { s = small_shard_with_planes(), s.nodes.facing[2][3] = 3; }},
   };
 }
 

@@ -154,18 +154,18 @@ TEST(ShardPages, AreRefusedWhereTheyDoNotFitTheRest) {
   std::vector<made::BrokenShard> cases = made::broken_shards();
   const std::vector<made::BrokenShard> more = {
       {"columns differ in length", [](Shard& s) { s.nodes.child_mask.pop_back(); }},
-      {"lod is not that of a child", [](Shard& s) { s.nodes.lod[0] = 0; }},
-      {"lod is not that of a child", [](Shard& s) { s.nodes.lod[2] = 1; }},
+      {"lod does not follow its parent's lod", [](Shard& s) { s.nodes.lod[0] = 0; }},
+      {"lod does not follow its parent's lod", [](Shard& s) { s.nodes.lod[2] = 1; }},
       {"first_child is out of order", [](Shard& s) { s.nodes.first_child[0] = 0; }},
       {"first_child without children", [](Shard& s) { s.nodes.first_child[1] = 0; }},
       {"a leaf has children", [](Shard& s) { s.nodes.kind[0] = NodeKind::leaf_constant; }},
       {"children are missing", [](Shard& s) { s.nodes.child_mask[0] = 0; }},
-      {"first does not fit mask",
+      {"first does not match mask",
        [](Shard& s) {
          s.levels[0].first = {0, 3, 3};
        }},
-      {"rgb does not fit first", [](Shard& s) { s.levels[0].first[1] = std::uint64_t(1) << 60; }},
-      {"rgb does not fit first",
+      {"rgb does not match first", [](Shard& s) { s.levels[0].first[1] = std::uint64_t(1) << 60; }},
+      {"rgb does not match first",
        [](Shard& s) {
          s.levels[0].first = {1, 4};
        }},
@@ -174,7 +174,7 @@ TEST(ShardPages, AreRefusedWhereTheyDoNotFitTheRest) {
          s.levels[0].first = {1, 4};
          s.levels[0].rgba.resize(16, 1), s.levels[0].normal.resize(8);
        }},
-      {"rgb does not fit first", [](Shard& s) { s.levels[0].rgba.resize(8), s.levels[0].normal.resize(4); }},
+      {"rgb does not match first", [](Shard& s) { s.levels[0].rgba.resize(8), s.levels[0].normal.resize(4); }},
   };
   cases.insert(cases.end(), more.begin(), more.end());
   EXPECT_EQ(told_of_pages(folder / "s.h5", [](Shard&) {}), "");

@@ -135,7 +135,7 @@ TEST(Shard, IsRefusedWhereItsPartsDoNotFitEachOther) {
   const TempFolder folder;
   std::vector<made::BrokenShard> cases = made::broken_shards();
   const std::vector<made::BrokenShard> more = {
-      {"cell_voxels is no power", [](Shard& s) { s.header.cell_voxels = 24; }},
+      {"cell_voxels is not a power", [](Shard& s) { s.header.cell_voxels = 24; }},
       {"voxel_size_m is not positive", [](Shard& s) { s.header.voxel_size_m = NAN; }},
       {"not a multiple of 8", [](Shard& s) { s.header.lattice_min[1] = 4; }},
       {"keys are out of Morton order",
@@ -143,9 +143,9 @@ TEST(Shard, IsRefusedWhereItsPartsDoNotFitEachOther) {
          s.nodes.key = {0, 6, 0};
        }},
       {"key is outside the cell", [](Shard& s) { s.nodes.key[2] = 8; }},
-      {"is not the child its parent says", [](Shard& s) { s.nodes.child_mask[0] = 0x21; }},
+      {"is not the child that its parent refers to", [](Shard& s) { s.nodes.child_mask[0] = 0x21; }},
       {"first does not count the mask's bits", [](Shard& s) { s.levels[0].first[1] = std::uint64_t(1) << 60; }},
-      {"content_hash has not one entry", [](Shard& s) { s.header.content_hash.pop_back(); }},
+      {"content_hash does not have one entry", [](Shard& s) { s.header.content_hash.pop_back(); }},
   };
   cases.insert(cases.end(), more.begin(), more.end());
   for (const auto& c : cases) EXPECT_NE(told(folder / "s.h5", c.spoil).find(c.rule), std::string::npos) << c.rule;

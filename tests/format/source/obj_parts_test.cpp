@@ -134,7 +134,7 @@ TEST_F(ObjParts, AFileThatChangesMeanwhileIsOneLine) {
               HasSubstr("is not as it was; it changed meanwhile"));
   open(large_text());
   EXPECT_THAT(refusal([&](std::size_t, Primitive&&) { std::filesystem::resize_file(file, 10'000); }),
-              HasSubstr("a.obj: is shorter than it was; it changed meanwhile"));
+              HasSubstr("a.obj: became shorter while it was read"));
 }
 
 TEST_F(ObjParts, AreClaimedAndTheTextIsNot) {

@@ -204,7 +204,7 @@ class LargeGrid : public InParts {
 TEST_F(LargeGrid, CutWhileItIsReadIsOneLineAndNoSignal) {
   const auto& file = sources.tiles.at(0).path;
   const std::string line = refusal([&](std::size_t, Primitive&&) { std::filesystem::resize_file(file, 10'000); });
-  EXPECT_THAT(line, HasSubstr("a.glb: is shorter than it was; it changed meanwhile (at byte "));
+  EXPECT_THAT(line, HasSubstr("a.glb: became shorter while it was read (at byte "));
 }
 
 TEST_F(LargeGrid, NamesABadIndexOfTheLastPartAsInOnePiece) {

@@ -58,7 +58,7 @@ TEST(ReadableFile, CutAfterItWasOpenedIsALineThatSaysSo) {
     text_at(file, 5, 100);
     FAIL();
   } catch (const IoError& e) {
-    EXPECT_THAT(e.what(), HasSubstr("a: is shorter than it was; it changed meanwhile (at byte 10)"));
+    EXPECT_THAT(e.what(), HasSubstr("a: became shorter while it was read (at byte 10)"));
   }
 }
 

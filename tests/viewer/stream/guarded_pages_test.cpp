@@ -54,8 +54,8 @@ TEST(GuardedPages, RefuseLies) {
   EXPECT_THAT(answer_to(rows_key, [](Page& p) { p.rows[0].first_child = 0xffffffff; }), HasSubstr("beyond every"));
   EXPECT_THAT(answer_to(rows_key, [](Page& p) { p.bricks.mask.resize(8); }), HasSubstr("another page"));
   EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.mask.pop_back(); }), HasSubstr("level 0"));
-  EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.mask[0] ^= 1; }), HasSubstr("first does not fit"));
-  EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.first.back() += 7; }), HasSubstr("first does not fit"));
+  EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.mask[0] ^= 1; }), HasSubstr("first does not match"));
+  EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.first.back() += 7; }), HasSubstr("first does not match"));
   EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.rgba.pop_back(); }), HasSubstr("4 bytes of rgba"));
   EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.normal.clear(); }), HasSubstr("normals"));
   EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.facing.resize(4); }), HasSubstr("facing"));

@@ -82,8 +82,8 @@ TEST(PagesFromFiles, SayWhichPartThereIsNot) {
   const PageSource source = pages_of(folder, scene);
   EXPECT_THAT(refusal_of(source, {2, -1, 0}), HasSubstr("scene.xml: shard 2: the scene has 2 cells and 0 parents"));
   EXPECT_THAT(refusal_of(source, {0, 3, 0}), HasSubstr("c_0.h5: /lod_3: the cell has no such level"));
-  EXPECT_THAT(refusal_of(source, {0, 0, 0xffffffffu}), HasSubstr("was asked for"));
-  EXPECT_THAT(refusal_of(source, {0, -1, 0xffffffffu}), HasSubstr("was asked for"));
+  EXPECT_THAT(refusal_of(source, {0, 0, 0xffffffffu}), HasSubstr("was requested"));
+  EXPECT_THAT(refusal_of(source, {0, -1, 0xffffffffu}), HasSubstr("was requested"));
 }
 
 TEST(PagesFromFiles, RefuseAShardThatIsNotTheScenes) {
@@ -95,7 +95,7 @@ TEST(PagesFromFiles, RefuseAShardThatIsNotTheScenes) {
   other.cells[1].lattice_min[0] += 8;
   const PageSource source = pages_of(folder, other);
   EXPECT_THAT(refusal_of(source, {0, -1, 0}), HasSubstr("c_0.h5: fingerprint: differs from scene.xml"));
-  EXPECT_THAT(refusal_of(source, {1, 0, 0}), HasSubstr("c_1.h5: lattice_min: is another window"));
+  EXPECT_THAT(refusal_of(source, {1, 0, 0}), HasSubstr("c_1.h5: lattice_min: is of another window"));
 }
 
 TEST(PagesFromFiles, DoNotStopWhereAFileIsMissingOrDamaged) {
