@@ -55,7 +55,9 @@ std::vector<SceneFault> contradictions_of(const ScenePage& page, const PageRefer
     std::move(faults.begin(), faults.end(), std::back_inserter(all));
   };
   if (page.pages.size() != reference.groups)
-    add({{"OctTreeGroup Groups", fmt::format("says {}, but {} are listed", reference.groups, page.pages.size()), {}}});
+    add({{"OctTreeGroup Groups",
+          fmt::format("states {}, but {} are listed", reference.groups, page.pages.size()),
+          {}}});
   for (const SceneCell& cell : page.cells)
     if (block_around(cell.lattice_min, reference.block.edge) != reference.block)
       add({{"PagedOctTree " + as_line(cell.name, max_quote_bytes), "does not begin in the block of its page", {}}});

@@ -10,7 +10,8 @@ std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, 
   const auto expect = [&](bool holds, const char* attribute, const std::string& what) {
     if (!holds) found.push_back({attribute, what});
   };
-  expect(header.cell == cell.name, "cell", "is " + in_quotes(header.cell) + ", scene.xml says " + in_quotes(cell.name));
+  expect(header.cell == cell.name, "cell",
+         "is " + in_quotes(header.cell) + ", scene.xml states " + in_quotes(cell.name));
   expect(header.lattice_min == cell.lattice_min && header.cell_voxels == cell.cell_voxels && header.lods == cell.lods &&
              header.first_lod == cell.first_lod && header.copied_lods == cell.copied_lods,
          "lattice_min", "is of another window than in scene.xml");

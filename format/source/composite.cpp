@@ -21,7 +21,7 @@ void add_parts(ByteCursor in, int depth, const std::string& name, std::vector<Co
     const ContentMagic magic = content_magic(head.take(4, "a tile of the composite"));
     head.word("a tile of the composite");
     const std::uint32_t length = head.word("a tile of the composite");
-    if (length < 12) head.fail("a tile of the composite says it has " + std::to_string(length) + " bytes");
+    if (length < 12) head.fail("a tile of the composite states a length of " + std::to_string(length) + " bytes");
     const std::string part = name + "[" + std::to_string(i) + "]";
     const std::span<const std::uint8_t> bytes = in.take(length, "a tile of the composite");
     if (magic == ContentMagic::composite)

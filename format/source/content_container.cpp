@@ -50,7 +50,7 @@ void open_glb(const std::filesystem::path& file, ContentContainer& out) {
   if (version != 2) in.fail("expected GLB version 2, got " + std::to_string(version));
   const std::uint32_t length = in.word("the GLB header");
   if (length < 12 || length > out.gltf.size())
-    in.fail("the GLB says it has " + std::to_string(length) + " bytes, the file holds " +
+    in.fail("the GLB states a length of " + std::to_string(length) + " bytes, the file holds " +
             std::to_string(out.gltf.size()));
   out.gltf = out.gltf.part(0, length);
   in.rest = out.gltf.part(12, length - 12);
@@ -77,7 +77,7 @@ void open_tile_header(ByteCursor& in, const char* kind, std::uint32_t header_byt
   const std::uint32_t length = in.word(header.c_str());
   const std::uint64_t there = in.rest.size() + 12;
   if (length < header_bytes || length > there)
-    in.fail(std::string("the ") + kind + " says it has " + std::to_string(length) + " bytes, the file holds " +
+    in.fail(std::string("the ") + kind + " states a length of " + std::to_string(length) + " bytes, the file holds " +
             std::to_string(there));
   in.rest = in.rest.first(length - 12);
 }

@@ -143,7 +143,7 @@ void place_on_earth(const SourceOptions& options, SceneSources& sources) {
     if (!found.or_projected.empty() && !options.local)
       sources.notes.push_back(fmt::format(
           "warning: {} may hold projected coordinates, or earth-centred ones at the equator; taken as a local frame. A "
-          "tileset.json around it puts it on the earth",
+          "tileset.json that refers to it places it on the earth",
           some(sources, found.or_projected)));
     return;
   }

@@ -99,7 +99,7 @@ class Lister {
     out.files = unique_files();
     if (left_out_ != 0)
       out.note = counted(left_out_, "symbolic link") +
-                 " not followed, since they leave the folder or lead nowhere: " + example_;
+                 " not followed, since they lead out of the folder or to no file: " + example_;
     return out;
   }
 

@@ -139,7 +139,7 @@ class Builder : public nlohmann::json_sax<Json> {
 
 Json parse_json(const std::filesystem::path& file, std::span<const std::uint8_t> text, const JsonFold& fold) {
   if (text.size() > max_json_bytes)
-    throw InputError(file, "", "has more than 2^28 bytes of JSON; split it, or keep buffers in files of their own");
+    throw InputError(file, "", "has more than 2^28 bytes of JSON; split it, or store buffers in separate files");
   check_nesting(file, text);
   if (text.size() >= 3 && text[0] == 0xef && text[1] == 0xbb && text[2] == 0xbf)
     throw InputError(file, "", "JSON starts with a byte order mark; save it without");

@@ -111,7 +111,7 @@ std::vector<Entry> raster_entries(const std::filesystem::path& file, const Json&
   }
   if (options.local && out.size() > 1)
     throw InputError(file, out[1].where + ".dem",
-                     "its pixels are not on the grid of the first raster, so that `local` gives them no common place");
+                     "its pixels are not on the grid of the first raster, so `local` cannot place them together");
   return out;
 }
 

@@ -76,7 +76,7 @@ SceneSources mesh_sources(const Path& root, const std::vector<Path>& files, cons
   SceneSources out;
   out.root = root;
   if (!options.local) out.origin = options.origin;
-  progress.step("looking at the files", files.size(), "file");
+  progress.step("inspecting the files", files.size(), "file");
   for (const Path& file : files) {
     add_mesh_file(file, options, out);
     progress.advance();
@@ -103,9 +103,9 @@ SceneSources tileset_sources(const SourceFiles& files, const Path& file, const T
   }
   if (found.point && options.local)
     out.notes.push_back(
-        "warning: the tileset stands on the earth; in a local frame (`local`, or a place in a scene "
+        "warning: the tileset is placed on the earth; in a local frame (`local`, or a place in a scene "
         ".json) it is tilted and some 6,400 km away");
-  progress.step("looking at the tiles' files", tileset.contents.size(), "tile");
+  progress.step("inspecting the tiles' files", tileset.contents.size(), "tile");
   Path named;
   std::string name;
   for (const TilesetContent& c : tileset.contents) {
@@ -170,9 +170,8 @@ SceneSources raster_sources(const Path& root, const std::vector<Path>& files, co
   for (std::size_t i = 1; i < surfaces.size(); ++i) {
     SceneSources& surface = surfaces[i];
     if (!out.origin || !surface.origin)
-      throw InputError(
-          surface.tiles.front().path, "",
-          "its pixels are not on the grid of the first raster, so that `local` gives them no common place");
+      throw InputError(surface.tiles.front().path, "",
+                       "its pixels are not on the grid of the first raster, so `local` cannot place them together");
     const Affine<Scene, Scene> place = scene_from_ecef(*out.origin) * ecef_from_enu(*surface.origin);
     for (TileRef& tile : surface.tiles) {
       tile.scene_from_tile = place * tile.scene_from_tile;

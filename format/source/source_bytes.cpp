@@ -16,7 +16,7 @@ SourceBytes::SourceBytes(std::vector<std::uint8_t> bytes, std::uint64_t begin)
 SourceBytes::SourceBytes(std::shared_ptr<const ReadableFile> file) : file_(std::move(file)), size_(file_->bytes()) {}
 
 SourceBytes SourceBytes::part(std::uint64_t offset, std::uint64_t bytes) const {
-  if (offset > size_ || bytes > size_ - offset) throw std::out_of_range("a part leaves its bytes");
+  if (offset > size_ || bytes > size_ - offset) throw std::out_of_range("a part exceeds its bytes");
   SourceBytes out = *this;
   out.begin_ += offset;
   out.size_ = bytes;
@@ -26,7 +26,7 @@ SourceBytes SourceBytes::part(std::uint64_t offset, std::uint64_t bytes) const {
 std::span<const std::uint8_t> SourceBytes::look(std::uint64_t offset, std::uint64_t bytes,
                                                 std::vector<std::uint8_t>& room) const {
   if (!file_) return part(offset, bytes).span();
-  if (offset > size_ || bytes > size_ - offset) throw std::out_of_range("a look leaves its bytes");
+  if (offset > size_ || bytes > size_ - offset) throw std::out_of_range("a view exceeds its bytes");
   if (room.size() < bytes) room.resize(bytes);
   const std::span<std::uint8_t> out = std::span(room).first(bytes);
   file_->read(begin_ + offset, out);

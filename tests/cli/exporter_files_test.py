@@ -165,8 +165,8 @@ class ExporterFiles(harness.FolderTest):
         row, text = self.bake_in_a_row(paths)
         for path, voxels in zip(paths, row):
             self.expect_square(voxels, path.name)
-        self.assertIn("clamp.glb: wrap modes that glTF does not have, read as clamp to edge: 2, e.g. samplers[0].wrapS "
-                      "10496", text)
+        self.assertIn("clamp.glb: wrap modes that glTF does not define, read as clamp to edge: 2, e.g. "
+                      "samplers[0].wrapS 10496", text)
 
     def test_an_image_that_cannot_be_used_costs_itself(self):
         paths = [write_glb(self.root / "lost.glb", TEXTURED, "Textures\\T.PNG"),

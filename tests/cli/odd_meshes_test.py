@@ -117,14 +117,14 @@ class OddMeshes(unittest.TestCase):
     def test_what_is_not_used_is_reported(self):
         colours, warnings = self.material("map_Kd gone.png\n")
         self.assertEqual(sum(colours.values()), 64)
-        self.assertIn("images are missing, what they show is grey: 1, e.g. 'gone.png'", warnings)
+        self.assertIn("images are missing, replaced by grey: 1, e.g. 'gone.png'", warnings)
         self.assertIn("colours (Kd) above 1", self.material("Kd 255 0 0\n")[1])
         colours, warnings = self.bake("a.obj", SQUARE.replace("0.25\n", "0.25 200 100 50\n") + FACES)
         self.assertEqual(colours, {WHITE: 64})
         self.assertIn("vertex colours outside 0 to 1", warnings)
         colours, warnings = self.bake("a.obj", SQUARE + FACES + "f 1 2 9\nf 1 2\n", status=3)
         self.assertEqual(colours, {WHITE: 64})
-        self.assertIn("a corner is none of the vertices: 1 of 4, e.g. line 11", warnings)
+        self.assertIn("a corner refers to no vertex: 1 of 4, e.g. line 11", warnings)
 
     def test_a_missing_material_file_describes_only_the_materials_that_faces_name(self):
         grey = (127, 127, 127)
@@ -198,7 +198,7 @@ class OddMeshes(unittest.TestCase):
             self.assertEqual(self.bake("a.obj", utm + far + FACES), ({WHITE: 64}, ""), far)
 
     def test_an_empty_result_names_its_cause(self):
-        for text, words in ((SQUARE, "no triangles"), (SQUARE + "f 1 2 9\n", "none of the vertices")):
+        for text, words in ((SQUARE, "no triangles"), (SQUARE + "f 1 2 9\n", "refers to no vertex")):
             self.assertIn(words, self.bake("a.obj", text, status=1))
         (self.root / "m.mtl").write_text("newmtl a\nd 0\n")
         self.assertIn("material 'a'", self.bake("a.obj", "mtllib m.mtl\n" + SQUARE + "usemtl a\n" + FACES, status=1))

@@ -221,7 +221,7 @@ class Materials:
         else:
             visible = 255
         if self.is_missing:
-            writer.case.losses = ["images that cannot be used"]
+            writer.case.losses = ["unusable images"]
             return self.add(entry), voxels_of([part], (127, 127, 127))
         seen = {}
         for cell, block in part.blocks.items():

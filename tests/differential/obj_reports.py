@@ -1,8 +1,8 @@
 """Statements of an OBJ or MTL that a bake does not use and must report."""
 
 NO_UV = "faces without texture coordinates, of materials with an image"
-LOST_VERTEX = "faces left out, since a corner is none of the vertices"
-LOST_NUMBER = "faces left out, since a corner is no number"
+LOST_VERTEX = "faces left out, since a corner refers to no vertex"
+LOST_NUMBER = "faces left out, since a corner is not a number"
 SHORT_VERTEX = "vertices without three coordinates, whose faces are left out"
 UNKNOWN = "lines not understood"
 FREE_FORM = "lines of free-form curves and surfaces, which are not baked"

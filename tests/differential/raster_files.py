@@ -20,13 +20,13 @@ TYPES = {"Byte": (gdal.GDT_Byte, "u1"), "Int16": (gdal.GDT_Int16, "i2"), "UInt16
          "Int32": (gdal.GDT_Int32, "i4"), "UInt32": (gdal.GDT_UInt32, "u4"), "Float32": (gdal.GDT_Float32, "f4"),
          "Float64": (gdal.GDT_Float64, "f8"), "SignedByte": (gdal.GDT_Byte, "i1")}
 VOID = (slice(5, 9), slice(5, 9))
-EIGHT_BITS = ("has heights of 8 bits, whole metres from 0 to 255, as grey images have; set height_scale in a scene "
-              ".json, the metres of one step (1: they are metres)")
+EIGHT_BITS = ("has 8-bit heights, taken as whole metres from 0 to 255; set height_scale in a scene "
+              ".json to the metres of one step (1: they are metres)")
 FEET = ("its coordinates are in 'US survey foot' and it does not say in which unit its heights are: taken as metres; "
         "set height_scale in a scene .json (1, or a foot: 0.3048)")
 UNDECLARED = ("pixels of {} are taken as holes, though the raster does not declare this number as nodata; declare it, "
               "or set \"nodata\" in a scene .json")
-BANDS = "has 2 bands; heights are those of the first one (without a name), the others are not used"
+BANDS = "has 2 bands; heights are read from the first band (without a name), the others are not used"
 
 
 def system(epsg):

@@ -22,7 +22,7 @@ constexpr const char* light_names[4] = {"R", "G", "B", "A"};
 /// An output stream into a string.
 class Bytes final : public Imf::OStream {
  public:
-  Bytes() : OStream("a picture") {}
+  Bytes() : OStream("an image") {}
 
   void write(const char data[], int size) override {
     const auto count = std::size_t(size);

@@ -88,8 +88,8 @@ void AccessorItems::add_sparse(const std::filesystem::path& file, const GltfDocu
   const int type = a.sparse.indices.componentType;
   const std::uint64_t index_bytes = bytes_of_component(type);
   MemoryClaim claim(file);
-  claim.add_items(count_, item_bytes_, "accessors", "items of a sparse one");
-  claim.add_items(replaced, index_bytes + item_bytes_, "accessors", "items of a sparse one");
+  claim.add_items(count_, item_bytes_, "accessors", "items of a sparse accessor");
+  claim.add_items(replaced, index_bytes + item_bytes_, "accessors", "items of a sparse accessor");
   std::vector<std::uint8_t> plain(count_ * item_bytes_);
   for_each(
       count_, [](std::size_t i) { return i; },

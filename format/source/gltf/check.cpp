@@ -103,7 +103,7 @@ class Checker {
                                              "CESIUM_primitive_outline",
                                              "KHR_xmp_json_ld"};
     for (const Json& e : get_array(file_, gltf_, "", "extensionsRequired")) {
-      const std::string name = e.is_string() ? e.get<std::string>() : "what is no text";
+      const std::string name = e.is_string() ? e.get<std::string>() : "(not a string)";
       if (const auto why = missing_codec(name)) fail("extensionsRequired", *why);
       if (!known.contains(name)) fail("extensionsRequired", "the extension " + in_quotes(name) + " is not supported");
     }
@@ -125,7 +125,7 @@ class Checker {
       there = size_of_external(where, *uri, *bytes);
     }
     if (*bytes > there)
-      fail(where + ".byteLength", "says " + std::to_string(*bytes) + " bytes, there are " + std::to_string(there));
+      fail(where + ".byteLength", "states " + std::to_string(*bytes) + " bytes, there are " + std::to_string(there));
   }
 
   /// Returns the size of an external file. It is at least `wanted` if the file has as many bytes, stored or unpacked.
@@ -144,8 +144,8 @@ class Checker {
     const auto bytes = get_index(file_, view, where, "byteLength");
     if (!bytes || *bytes == 0) fail(where + ".byteLength", "expected at least 1");
     if (offset > whole || *bytes > whole - offset)
-      fail(where, "bytes " + std::to_string(offset) + " to " + std::to_string(offset + *bytes) + " leave a buffer of " +
-                      std::to_string(whole) + " bytes");
+      fail(where, "bytes " + std::to_string(offset) + " to " + std::to_string(offset + *bytes) +
+                      " exceed a buffer of " + std::to_string(whole) + " bytes");
     if (get_index(file_, view, where, "byteStride").value_or(4) > 1024)
       fail(where + ".byteStride", "expected at most 252");
     get_index(file_, view, where, "target");
@@ -172,7 +172,7 @@ class Checker {
     const std::uint64_t step = stride != 0 && spacing == Spacing::of_view ? stride : item_bytes;
     const std::uint64_t offset = get_index(file_, user, where, "byteOffset").value_or(0);
     if (offset > whole || item_bytes > whole - offset || (count - 1) > (whole - offset - item_bytes) / step)
-      fail(where, counted(count, "item") + " from byte " + std::to_string(offset) + " leave a buffer view of " +
+      fail(where, counted(count, "item") + " from byte " + std::to_string(offset) + " exceed a buffer view of " +
                       std::to_string(whole) + " bytes");
   }
 

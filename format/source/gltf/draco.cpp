@@ -66,7 +66,7 @@ DracoMesh decode_draco(const std::filesystem::path& file, const std::string& whe
   const auto announced = announced_triangles(file, packed);
   if (announced && *announced > max_triangles)
     throw InputError(file, where,
-                     "the Draco stream says it has " + counted(*announced, "triangle") + ", the document " +
+                     "the Draco stream states " + counted(*announced, "triangle") + ", the document " +
                          std::to_string(max_triangles));
   constexpr std::uint64_t triangle_bytes = 100;  // three corners, in the library's form and in the output
   MemoryClaim(file).add_items(announced.value_or(0), triangle_bytes, where, "triangles packed by Draco");

@@ -122,7 +122,7 @@ void use_colour(const std::filesystem::path& file, const tinygltf::Model& model,
   if (technique != nullptr && (!has_core || (!has_core_colour && diffuse_value(*technique) != nullptr)))
     return use_technique(file, model, material, *technique, out, warnings);
   if (const std::string unread = unread_description(m); !has_core && !unread.empty())
-    warnings.count("materials that only an extension describes which is not read, taken as white",
+    warnings.count("materials that only an unsupported extension describes, taken as white",
                    name_of(model, material) + " (" + unread + ")");
   for (std::size_t c = 0; c < 4 && pbr.baseColorFactor.size() == 4; ++c)
     out.material.base_color[c] = clamp01(pbr.baseColorFactor[c]);

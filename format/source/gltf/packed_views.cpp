@@ -37,7 +37,7 @@ MeshoptStream stream_of(const std::filesystem::path& file, const Json& json, con
     throw InputError(file, where + ".count", "expected a multiple of 3");
   if ((s.filter == MeshoptFilter::octahedral && s.stride != 4 && s.stride != 8) ||
       (s.filter == MeshoptFilter::quaternion && s.stride != 8) || (is_index && s.filter != MeshoptFilter::none))
-    throw InputError(file, where + ".filter", "does not go with the mode and the stride");
+    throw InputError(file, where + ".filter", "does not match the mode and the stride");
   return s;
 }
 
@@ -56,7 +56,7 @@ PackedView packed_view(const std::filesystem::path& file, const Json& gltf, std:
   out.byte_length = get_index(file, json, where, "byteLength").value_or(0);
   const std::uint64_t whole = get_index(file, gltf["buffers"][out.buffer], "buffers", "byteLength").value_or(0);
   if (out.byte_offset > whole || out.byte_length > whole - out.byte_offset || out.byte_length == 0)
-    throw InputError(file, where, "its bytes leave a buffer of " + std::to_string(whole));
+    throw InputError(file, where, "its bytes exceed a buffer of " + std::to_string(whole));
   out.stream = stream_of(file, json, where);
   const std::uint64_t bytes = get_index(file, view, where, "byteLength").value_or(0);
   if (out.stream.count > bytes / out.stream.stride || out.stream.count * out.stream.stride != bytes)
@@ -64,7 +64,7 @@ PackedView packed_view(const std::filesystem::path& file, const Json& gltf, std:
   if (bytes > slack_bytes && (bytes - slack_bytes) / max_expansion_ratio > out.byte_length)
     throw InputError(
         file, where,
-        std::to_string(bytes) + " bytes are more than " + std::to_string(out.byte_length) + " packed ones can hold");
+        std::to_string(bytes) + " bytes are more than " + std::to_string(out.byte_length) + " packed bytes can hold");
   return out;
 }
 

@@ -201,7 +201,7 @@ class TileReader {
     HeldClaim claim(claim_);
     const std::uint64_t triangles = std::min(corners.triangles() - first, max_part_triangles);
     claim.add_items(triangles * 3, corner_bytes, at, "corners of triangles");
-    claim.add_items(values.position.count() / 64 + 1, UsedVertices::bytes_of_64, at, "marks of vertices");
+    claim.add_items(values.position.count() / 64 + 1, UsedVertices::bytes_of_64, at, "flags of vertices");
     Primitive out;
     out.index = corners.of_triangles(first, triangles);
     const UsedVertices used(out.index);
@@ -246,7 +246,7 @@ class TileReader {
     for (const Primitive& p : out_.primitives) {
       const std::string& fault = materials_[std::size_t(p.material)].texture_fault;
       if (!fault.empty() && faults.insert(fault).second)
-        warnings_.count_loss("images that cannot be used, grey in their place", without_file(fault));
+        warnings_.count_loss("unusable images, replaced by grey", without_file(fault));
       const int image = out_.materials[std::size_t(p.material)].texture.image;
       if (image >= 0) is_used[std::size_t(image)] = 1;
     }

@@ -39,8 +39,8 @@ Wrap wrap_of(int sampler, const char* key, int gl, SourceWarnings& warnings) {
   if (gl == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return Wrap::mirrored_repeat;
   if (gl == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Wrap::clamp_to_edge;
   const bool clamps = gl == gl_clamp || gl == gl_clamp_to_border;
-  warnings.count(clamps ? "wrap modes that glTF does not have, read as clamp to edge"
-                        : "wrap modes that glTF does not have, read as repeat",
+  warnings.count(clamps ? "wrap modes that glTF does not define, read as clamp to edge"
+                        : "wrap modes that glTF does not define, read as repeat",
                  "samplers[" + std::to_string(sampler) + "]." + key + " " + std::to_string(gl));
   return clamps ? Wrap::clamp_to_edge : Wrap::repeat;
 }

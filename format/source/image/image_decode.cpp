@@ -42,8 +42,8 @@ void claim_whole(const EncodedImage& image, const ImageSize& size, Encoding enco
   constexpr const char* advice = "make it smaller";
   if (size.width > max_whole_image_texels / size.height)
     fail(image, "has " + texels_of(size) +
-                    "; more than 2^28 are read row by row, and only where it is on scratch: a PNG that is not "
-                    "interlaced or a JPEG in one scan, in a bake with a bound of `memory_bytes`");
+                    "; more than 2^28 are possible only for a PNG without interlacing or a JPEG in one scan, and "
+                    "only with a limit of `memory_bytes`");
   MemoryClaim(image.name, advice)
       .add(size.texture_bytes() + decoder_texel_bytes(image, encoding) * size.width * size.height, "", texels_of(size));
 }

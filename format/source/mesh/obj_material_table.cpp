@@ -53,7 +53,7 @@ ObjMap ObjMaterialTable::placed_map(const std::string& name) const {
 
 void ObjMaterialTable::warn(const std::set<std::string>& used, SourceWarnings& warnings) const {
   for (const std::string& mtl : missing_)
-    warnings.count("material files are missing, what they describe is grey", in_quotes(mtl));
+    warnings.count("material files are missing, their materials are grey", in_quotes(mtl));
   warnings.add(mtl_warnings_);
   std::size_t named = 0;
   for (const std::string& name : used) {
@@ -61,7 +61,7 @@ void ObjMaterialTable::warn(const std::set<std::string>& used, SourceWarnings& w
     ++named;
     const Described* m = find(name);
     if (m == nullptr && missing_.empty())
-      warnings.count("materials that faces name and no file describes, taken as white", in_quotes(name));
+      warnings.count("materials that faces use and no file defines, taken as white", in_quotes(name));
     if (m == nullptr) continue;
     const ObjMaterial& material = m->material;
     if (material.base_color[3] < min_visible_alpha)
@@ -69,15 +69,15 @@ void ObjMaterialTable::warn(const std::set<std::string>& used, SourceWarnings& w
     for (const ObjMap& map : {material.color_map, material.alpha_map}) {
       if (map.name.empty() || is_usable(*m, map)) continue;
       const bool is_there = named_file(m->file, map.name, files_).is_there(files_);
-      warnings.count(is_there ? "images are no PNG, JPEG or WebP, what they show is grey"
-                              : "images are missing, what they show is grey",
-                     in_quotes(map.name));
+      warnings.count(
+          is_there ? "images are not PNG, JPEG or WebP, replaced by grey" : "images are missing, replaced by grey",
+          in_quotes(map.name));
     }
     if (!material.color_map.name.empty() && !material.alpha_map.name.empty() &&
         !material.color_map.is_placed_as(material.alpha_map))
       warnings.count("materials whose map_d has other options than map_Kd, which are not applied", in_quotes(name));
   }
-  warnings.set_of("materials that faces name and no file describes, taken as white", named);
+  warnings.set_of("materials that faces use and no file defines, taken as white", named);
 }
 
 std::vector<std::filesystem::path> ObjMaterialTable::dependencies() const {

@@ -171,13 +171,12 @@ class ObjReader {
 
   void inspect_face(const ObjLine& line, ObjFaceFault fault, std::uint64_t bad_uvs) {
     ++faces_;
-    if (fault == ObjFaceFault::no_vertex)
-      count_lost_face(line, "faces left out, since a corner is none of the vertices");
-    if (fault == ObjFaceFault::no_index) count_lost_face(line, "faces left out, since a corner is no number");
+    if (fault == ObjFaceFault::no_vertex) count_lost_face(line, "faces left out, since a corner refers to no vertex");
+    if (fault == ObjFaceFault::no_index) count_lost_face(line, "faces left out, since a corner is not a number");
     if (fault == ObjFaceFault::too_many_corners)
       count_lost_face(line, "faces left out, since they have more than 2^20 corners");
     if (fault != ObjFaceFault::none) return;
-    if (bad_uvs != 0) warnings_.count("faces that name texture coordinates which are not there", name_of(line));
+    if (bad_uvs != 0) warnings_.count("faces that refer to missing texture coordinates", name_of(line));
     if (corners_.size() == 1) ++out_.counts.skipped_points;
     if (corners_.size() == 2) ++out_.counts.skipped_lines;
     if (corners_.empty()) warnings_.count("lines not understood", name_of(line));
@@ -233,7 +232,7 @@ class ObjReader {
 
   /// Throws InputError: another program wrote the file between the two passes.
   [[noreturn]] void fail_as_changed(const ObjLine& line) const {
-    throw InputError(file_, name_of(line), "is not as it was; it changed meanwhile");
+    throw InputError(file_, name_of(line), "changed while it was read; bake again");
   }
 
   void hand_over(std::map<ObjMaterialUse, Part>::iterator part) {

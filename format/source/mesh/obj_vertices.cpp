@@ -40,7 +40,7 @@ void ObjVertices::reserve(std::uint64_t positions, std::uint64_t uvs) {
 void ObjVertices::take(const ObjLine& line, SourceWarnings& warnings) {
   const bool is_position = line.word == "v";
   if ((is_position ? position_.size() == position_.capacity() : uv_.size() == uv_.capacity()))
-    throw InputError(file_, line_name(line), "is not as it was; the file changed meanwhile");
+    throw InputError(file_, line_name(line), "changed while it was read; bake again");
   if (is_position) return take_position(line, warnings);
   const std::vector<double> v = obj_numbers(line.rest, 2);
   if (v.empty()) warnings.count("texture coordinates without a number, taken as 0", line_name(line));
@@ -62,7 +62,7 @@ void ObjVertices::take_position(const ObjLine& line, SourceWarnings& warnings) {
   const std::size_t first = v.size() - 3;
   colour_.back() = {linear16(v[first]), linear16(v[first + 1]), linear16(v[first + 2]), opaque};
   if (std::any_of(v.begin() + std::ptrdiff_t(first), v.end(), [](double one) { return !(one >= 0 && one <= 1); }))
-    warnings.count("vertex colours outside 0 to 1, taken as the nearer of both", line_name(line));
+    warnings.count("vertex colours outside 0 to 1, clamped to this range", line_name(line));
 }
 
 ObjFaceFault read_obj_corners(std::string_view text, const ObjIndexRange& range, std::vector<ObjCorner>& corners,

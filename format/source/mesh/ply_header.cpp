@@ -102,7 +102,7 @@ class HeaderReader {
     const std::string_view count = take_word(rest);
     const auto parsed = std::from_chars(count.data(), count.data() + count.size(), element.count);
     if (count.empty() || parsed.ec != std::errc() || parsed.ptr != count.data() + count.size())
-      fail("expected how many elements follow, got " + in_quotes(count));
+      fail("expected the number of elements, got " + in_quotes(count));
     out_.elements.push_back(std::move(element));
   }
 
@@ -115,7 +115,7 @@ class HeaderReader {
         {"float", PlyType::float32},  {"float32", PlyType::float32}, {"double", PlyType::float64},
         {"float64", PlyType::float64}};
     const auto at = types.find(name);
-    if (at == types.end()) fail("expected a type of PLY, as uchar, int or float32, got " + in_quotes(name));
+    if (at == types.end()) fail("expected a PLY type such as uchar, int or float32, got " + in_quotes(name));
     return at->second;
   }
 

@@ -98,7 +98,7 @@ class PlyReader {
       if ((e.name == "face" || e.name == "tristrips") && !has_vertices_) is_streamed_ = false;
       if (e.name == "face" && VertexLayout(e).has_colour() && VertexLayout(e).colour[3]) face_alpha = true;
       if (e.name != "vertex") continue;
-      if (has_vertices_) throw InputError(file_, "element vertex", "is there twice");
+      if (has_vertices_) throw InputError(file_, "element vertex", "occurs twice");
       has_vertices_ = true;
       const VertexLayout layout(e);
       if (!layout.has_position()) throw InputError(file_, "element vertex", "expected the properties x, y and z");
@@ -151,7 +151,7 @@ class PlyReader {
 
   PlyColour::Rgba colour_of(const PlyElement& element, const VertexLayout& layout, const std::vector<double>& value) {
     const PlyColour colour(element, layout, value);
-    if (colour.is_clamped) warnings_.count("colours outside 0 to 1, taken as the nearer of both", values_.place());
+    if (colour.is_clamped) warnings_.count("colours outside 0 to 1, clamped to this range", values_.place());
     max_alpha_ = std::max(max_alpha_, colour.rgba[3]);
     return colour.rgba;
   }
@@ -195,7 +195,7 @@ class PlyReader {
       const double v = values_.number(list.type);
       if (!face.is_lost && !is_index(v)) {
         face.is_lost = true;
-        warnings_.count_loss("faces left out, since a corner is none of the vertices", values_.place());
+        warnings_.count_loss("faces left out, since a corner refers to no vertex", values_.place());
       }
       if (!face.is_lost) face.corners.push_back(std::uint32_t(v));
     }
@@ -211,7 +211,7 @@ class PlyReader {
 
   int texture_number(double v) {
     if (v >= 0 && v < double(header_.textures.size())) return int(v);
-    if (!header_.textures.empty()) warnings_.count("faces whose texnumber is none of the images", values_.place());
+    if (!header_.textures.empty()) warnings_.count("faces whose texnumber refers to no image", values_.place());
     return -1;
   }
 
@@ -225,7 +225,7 @@ class PlyReader {
     }
     const bool is_uv_right = face.uv.size() == 2 * face.corners.size(), has_uv = everything_ && is_uv_right;
     if (!is_uv_right && !face.uv.empty())
-      warnings_.count("faces with another number of texture coordinates than corners", values_.place());
+      warnings_.count("faces whose numbers of texture coordinates and corners differ", values_.place());
     const bool is_corner_its_own = everything_ && (has_uv || face.colour);
     const int texture = has_uv ? face.texture : face.colour && everything_ ? of_faces : of_vertices;
     Part& part = parts_[texture];
@@ -285,7 +285,7 @@ class PlyReader {
         continue;
       }
       if (!is_index(v)) {
-        warnings_.count_loss("triangles of strips left out, since a corner is none of the vertices", values_.place());
+        warnings_.count_loss("triangles of strips left out, since a corner refers to no vertex", values_.place());
         for (; n > 1; --n) values_.number(list.type);
         return;
       }

@@ -105,7 +105,7 @@ std::uint64_t PlyValues::length(const PlyProperty& list) {
   const std::uint64_t item_bytes = format_ == PlyFormat::ascii ? 2 : byte_count(list.type);
   // One byte is added, because the last value in a text needs no space after it.
   if (!(items >= 0) || items != std::floor(items) || items * double(item_bytes) > double(left() + 1))
-    fail("expected the length of a list that the file has room for");
+    fail("expected the length of a list that fits in the file");
   return std::uint64_t(items);
 }
 
@@ -118,8 +118,8 @@ void PlyValues::expect_room_for(const PlyElement& element) const {
   for (const PlyProperty& p : element.properties)
     min_bytes += format_ == PlyFormat::ascii ? 2 : byte_count(p.count.value_or(p.type));
   if (min_bytes != 0 && element.count > (left() + 1) / min_bytes)
-    fail("the header says " + counted(element.count, "element") + " " + in_quotes(element.name) +
-         ", for which the file has no room");
+    fail("the header states " + counted(element.count, "element") + " " + in_quotes(element.name) +
+         ", more than the file can hold");
 }
 
 }  // namespace gigabake

@@ -55,7 +55,7 @@ void warn_of_header(const TileRef& tile, const SourceFiles& files, const PlyHead
   for (const std::string& name : header.textures) {
     if (ply_image(tile, files, name)) continue;
     const bool is_there = named_file(tile.path, name, files).is_there(files);
-    warnings.count(is_there ? "images are no PNG, JPEG or WebP: taken without" : "images are missing: taken without",
+    warnings.count(is_there ? "images are not PNG, JPEG or WebP: ignored" : "images are missing: ignored",
                    in_quotes(name));
   }
   const bool has_uv = has_texture_coordinates(header);

@@ -22,7 +22,7 @@
 namespace gigabake {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "a binary STL is read as it is");
+static_assert(std::endian::native == std::endian::little, "a binary STL is read without swapping bytes");
 
 using StlBytes = std::span<const std::uint8_t>;
 using Vector = std::array<double, 3>;
@@ -83,8 +83,8 @@ std::uint64_t facets_in(const std::filesystem::path& file, std::uint64_t bytes, 
   const bool is_whole = there > 0 && (bytes - head_bytes) % facet_bytes == 0;
   if (said > there && !is_whole)
     throw InputError(file, "",
-                     "expected " + counted(said, "triangle") + " as the header says, the file holds " +
-                         std::to_string(there) + "; it is cut, or no STL",
+                     "expected " + counted(said, "triangle") + " as the header states, the file holds " +
+                         std::to_string(there) + "; it is cut short, or not an STL",
                      name_bytes);
   if (said > there)
     warnings.count_loss("the header states more triangles than the file holds",
@@ -108,7 +108,7 @@ void read_binary(const std::filesystem::path& file, const SourceBytes& bytes, St
   bytes.part(head_bytes, facet_bytes * facets).for_each_block(block_bytes, [&](StlBytes block) {
     for_each_binary_facet(block, [&](std::span<const Vector> corners, bool has_attribute) {
       if (has_attribute)
-        warnings.count("triangles with attributes, as colours, which are not used", TriangleName{facet});
+        warnings.count("triangles with attributes such as colours, which are not used", TriangleName{facet});
       ++facet;
       take(corners);
     });
@@ -201,7 +201,8 @@ class StlReader {
   void for_each_loop(const TakeLoop& take, SourceWarnings& warnings) const {
     if (!is_text_) return read_binary(tile_.path, bytes_, head_, take, warnings);
     if (!for_each_text_loop(tile_.path, bytes_, take, warnings))
-      throw InputError(tile_.path, "", "expected \"endsolid\" at the end: the file is cut, or no STL", bytes_.size());
+      throw InputError(tile_.path, "", "expected \"endsolid\" at the end: the file is cut short, or not an STL",
+                       bytes_.size());
   }
 
   [[noreturn]] void fail_as_changed() const {

@@ -52,7 +52,7 @@ void check_vertical(const DemOptions& options, GDALDataset& dataset, std::vector
   if (options.geoid_offset_m) return;
   warnings.push_back("its vertical reference system " + in_quotes(vertical->name) +
                      " is not applied: heights are taken as metres above the WGS84 ellipsoid and may be up to 100 m "
-                     "off; set geoid_offset_m in a scene .json (0: leave them as they are)");
+                     "off; set geoid_offset_m in a scene .json (0: keep them unchanged)");
 }
 
 constexpr double us_survey_foot_m = 1200.0 / 3937, foot_m = 0.3048;
@@ -175,7 +175,7 @@ std::string encoding_of(GDALDataset& dataset) {
   if (!encoding.empty())
     throw InputError(options.dem, "dem",
                      "looks like elevation packed into colours (" + encoding +
-                         "); decode it to heights in metres first, with gdal_calc.py, say");
+                         "); decode it to heights in metres first, for example with gdal_calc.py");
   throw InputError(
       options.dem, "dem",
       "is an image (" + what + "), not heights; name it as \"ortho\" of an elevation raster in a scene .json");
@@ -195,15 +195,15 @@ void check_bands(const DemOptions& options, GDALDataset& dataset, std::vector<st
   if (type == GDT_Byte && bands >= 3) refuse_image(options, dataset, std::to_string(bands) + " bands of 8 bits");
   const double scale = band.GetScale();
   if (!std::isfinite(scale) || scale == 0 || !std::isfinite(band.GetOffset()))
-    throw InputError(options.dem, "dem", "its scale or offset of heights is no number, or 0");
+    throw InputError(options.dem, "dem", "the scale of its heights is 0, or their scale or offset is not finite");
   if (bands > 1)
-    warnings.push_back("has " + std::to_string(bands) + " bands; heights are those of the first one (" +
+    warnings.push_back("has " + std::to_string(bands) + " bands; heights are read from the first band (" +
                        (*band.GetDescription() != 0 ? in_quotes(band.GetDescription()) : "without a name") +
                        "), the others are not used");
   const char* kind = band.GetMetadataItem("PIXELTYPE", "IMAGE_STRUCTURE");
   if (type == GDT_Byte && kind == nullptr && scale == 1 && !options.height_scale)
     warnings.push_back(
-        "has heights of 8 bits, whole metres from 0 to 255, as grey images have; set height_scale in a scene .json, "
+        "has 8-bit heights, taken as whole metres from 0 to 255; set height_scale in a scene .json to "
         "the metres of one step (1: they are metres)");
 }
 

@@ -67,7 +67,7 @@ Grid grid_of(const Path& file, GDALDataset& dataset) {
   Grid grid;
   if (dataset.GetGeoTransform(grid.g.data()) != CE_None || !std::isnormal(grid.determinant()))
     throw InputError(file, "dem",
-                     "the raster does not say where its pixels lie; give it a geotransform or a world file");
+                     "the raster does not state the position of its pixels; give it a geotransform or a world file");
   return grid;
 }
 
@@ -206,7 +206,7 @@ void expect_whole_text(const DemOptions& o, GDALDataset& dataset) {
   const std::uint64_t bytes = std::filesystem::file_size(o.dem);
   if (columns * rows > bytes)
     throw InputError(o.dem, "dem",
-                     "the grid says it has " + std::to_string(columns) + " × " + std::to_string(rows) +
+                     "the grid states " + std::to_string(columns) + " × " + std::to_string(rows) +
                          " values, more than its " + std::to_string(bytes) + " bytes can hold");
 }
 

@@ -36,7 +36,8 @@ Transformer transformer_of(const DemOptions& o, GDALDataset& ortho, GDALDataset*
   double ignored[6];
   const bool is_placed = ortho.GetGeoTransform(ignored) == CE_None;
   if (!is_placed && ortho.GetGCPCount() == 0)
-    throw InputError(o.ortho, "ortho", "does not say where its pixels lie; give it a geotransform or a world file");
+    throw InputError(o.ortho, "ortho",
+                     "does not state the position of its pixels; give it a geotransform or a world file");
   options.SetNameValue("SRC_METHOD", is_placed ? "GEOTRANSFORM" : "GCP_POLYNOMIAL");
   if (!source.empty() && raster_crs != nullptr) {
     options.SetNameValue("SRC_SRS", source.c_str());

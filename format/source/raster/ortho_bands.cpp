@@ -138,7 +138,7 @@ void add_band_warnings(GDALDataset& dataset, const Interpreted& bands, OrthoBand
   if (!unused.empty())
     out.warnings.push_back("bands of the orthophoto that are not used: " + names_of(dataset, unused));
   if (out.colours.size() == 3 && !bands.has_rgb())
-    out.warnings.push_back("the orthophoto does not say which of its bands are red, green and blue: taken as bands " +
+    out.warnings.push_back("the orthophoto does not state which of its bands are red, green and blue: taken as bands " +
                            names_of(dataset, out.colours));
 }
 

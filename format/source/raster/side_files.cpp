@@ -101,7 +101,8 @@ bool is_safe(const Path& side) {
   if (extension == ".xml") return is_safe_aux_xml(side);
   if (extension == ".ovr") return is_safe_tiff(side);  // values are the same without overviews
   if (extension == ".msk" && !is_safe_tiff(side))
-    throw InputError(side, "", "is no TIFF, as the mask of a raster is; delete it, or write it with GDAL again");
+    throw InputError(side, "",
+                     "is not a TIFF, which the mask of a raster must be; delete it, or write it with GDAL again");
   return true;
 }
 
@@ -166,9 +167,9 @@ class VrtCheck {
   VrtCheck(const Path& vrt, const char* key, int depth) : vrt_(vrt), key_(key), depth_(depth) {}
 
   void run() {
-    if (depth_ > max_vrt_depth) fail("has more than 8 VRTs inside each other");
+    if (depth_ > max_vrt_depth) fail("nests more than 8 VRTs");
     const Xml xml = xml_of(vrt_);
-    if (!xml) fail("is no VRT that can be read" + QuietErrors::last());
+    if (!xml) fail("is not a readable VRT" + QuietErrors::last());
     check(xml.get());
   }
 
@@ -179,7 +180,7 @@ class VrtCheck {
     for (; node != nullptr; node = node->psNext) {
       if (node->eType == CXT_Attribute && EQUAL(node->pszValue, "subClass") &&
           !EQUAL(node->psChild->pszValue, "VRTSourcedRasterBand"))
-        fail("is a VRT of the kind " + in_quotes(node->psChild->pszValue) +
+        fail("is a VRT of the subclass " + in_quotes(node->psChild->pszValue) +
              ", which is not read; use gdal_translate to write a GeoTIFF");
       if (node->eType == CXT_Element) check_element(*node);
       check(node->psChild);

@@ -71,7 +71,7 @@ void warn_of_other_surfaces(const std::vector<SurfaceHead>& surfaces, std::vecto
       if (surface_of[i] != surface_of[j] && are_close(heads[i], heads[j])) {
         heads[i].part.warnings.push_back("touches or overlaps " +
                                          in_quotes(heads[j].part.options.dem.filename().string()) +
-                                         ", whose pixels lie on another grid: each is baked as it is, with a gap or "
+                                         ", whose pixels lie on another grid: each is baked unchanged, with a gap or "
                                          "two surfaces there; resample both "
                                          "to one grid with gdalwarp -t_srs -tr -tap");
         break;

@@ -128,7 +128,7 @@ class SubtreeAvailability::Reader {
     const std::span<const std::uint8_t> buffer =
         buffer_bytes(get_index(file_, views[index], at, "buffer").value_or(0), external);
     if (offset > buffer.size() || length > buffer.size() - offset)
-      throw InputError(file_, at, "leaves a buffer of " + std::to_string(buffer.size()) + " bytes");
+      throw InputError(file_, at, "exceeds a buffer of " + std::to_string(buffer.size()) + " bytes");
     const auto bytes = buffer.subspan(offset, length);
     return {bytes.begin(), bytes.end()};
   }

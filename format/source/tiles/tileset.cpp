@@ -79,7 +79,7 @@ class Reader {
         "3DTILES_content_gltf",       "3DTILES_multiple_contents",     "3DTILES_implicit_tiling", "3DTILES_metadata",
         "3DTILES_bounding_volume_S2", "3DTILES_batch_table_hierarchy", "MAXAR_content_3tz"};
     for (const Json& e : get_array(file, json, "", "extensionsRequired")) {
-      const std::string name = e.is_string() ? e.get<std::string>() : "what is no text";
+      const std::string name = e.is_string() ? e.get<std::string>() : "(not a string)";
       if (!known.contains(name))
         throw InputError(file, "extensionsRequired", "the extension " + in_quotes(name) + " is not supported");
     }

@@ -52,7 +52,7 @@ std::vector<std::uint8_t> Archive::read(const std::string& entry, std::uint64_t 
   zip_stat_init(&info);
   if (zip_stat(state_->zip, entry.c_str(), ZIP_FL_ENC_RAW, &info) != 0) fail("no such file in the archive");
   if (info.size > min_checked_bytes && info.size / max_zip_ratio > info.comp_size)
-    fail("says it has " + std::to_string(info.size) + " bytes in " + std::to_string(info.comp_size) + " packed ones");
+    fail("states " + std::to_string(info.size) + " bytes in " + std::to_string(info.comp_size) + " packed bytes");
   std::vector<std::uint8_t> bytes(std::min<std::uint64_t>(info.size, max_bytes));
   zip_file_t* in = zip_fopen_index(state_->zip, info.index, 0);
   if (in == nullptr) fail("cannot be unpacked: " + message_of(zip_get_error(state_->zip)));

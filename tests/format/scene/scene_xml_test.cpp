@@ -141,7 +141,7 @@ TEST(SceneXml, IsRefusedWithElementAndAttributeWhereItIsWrong) {
   } cases[] = {
       {"<OctTreeGroup", "<OctTreeGrouq", "not a scene"},
       {"Version=\"5\"", "Version=\"6\"", "OctTreeGroup Version: expected 1 to 5"},
-      {"Parents=\"0\"", "Parents=\"1\"", "OctTreeGroup Parents: says 1, but 0 are listed"},
+      {"Parents=\"0\"", "Parents=\"1\"", "OctTreeGroup Parents: states 1, but 0 are listed"},
       {"Lods=\"2\"", "FirstLod=\"0\" Lods=\"2\"", "PagedOctTree FirstLod: expected 1 to 28"},
       {"Lods=\"2\"", "FirstLod=\"33\" Lods=\"2\"", "PagedOctTree FirstLod: expected 1 to 28"},
       {"Lods=\"2\"", "FirstLod=\"2\" Lods=\"2\"", "PagedOctTree CellVoxels: expected a power of two"},
@@ -180,9 +180,9 @@ TEST(SceneXml, WithALineLostOrDoubledIsRefused) {
   const struct {
     std::string text, told;
   } cases[] = {
-      {replaced(text, line, ""), "OctTreeGroup Cells: says 1, but 0 are listed"},
+      {replaced(text, line, ""), "OctTreeGroup Cells: states 1, but 0 are listed"},
       {replaced(text, line, line + line), "PagedOctTree c_0_0_0: another cell has the same name"},
-      {replaced(text, "Cells=\"1\"", "Cells=\"2\""), "OctTreeGroup Cells: says 2, but 1 are listed"},
+      {replaced(text, "Cells=\"1\"", "Cells=\"2\""), "OctTreeGroup Cells: states 2, but 1 are listed"},
       {replaced(text, "Voxels=\"515 2\" ContentHash", "Voxels=\"515 3\" ContentHash"), "OctTreeGroup Voxels: are not"},
       {replaced(text, " Cells=", " Sells="), "OctTreeGroup Cells: is missing"},
       {replaced(text, "Origin=\"34.4263", "Origin=\"91"), "OctTreeGroup Origin: expected a latitude"},

@@ -219,7 +219,7 @@ TEST(Verify, AndEveryReaderSeeSwappedShards) {
   std::filesystem::rename(folder / "shards/right.h5", folder / "shards/left.h5");
   std::filesystem::rename(folder / "shards/aside.h5", folder / "shards/right.h5");
   const std::string faults = all_faults(folder / "scene.xml");
-  EXPECT_NE(faults.find("left.h5: cell: is 'right', scene.xml says 'left'"), std::string::npos) << faults;
+  EXPECT_NE(faults.find("left.h5: cell: is 'right', scene.xml states 'left'"), std::string::npos) << faults;
   const std::filesystem::path xml = folder / "scene.xml", out = folder / "out";
   EXPECT_THROW(export_ply(xml, 0, out), InputError);
   EXPECT_THROW(export_nanovdb(xml, 0, out), InputError);

@@ -78,7 +78,7 @@ TEST_F(GlbChunks, EndWithTheFile) {
 
 TEST_F(GlbChunks, AreAsLongAsTheirBuffer) {
   put(bin_header(), 32);
-  EXPECT_THAT(refusal(), HasSubstr("buffers[0].byteLength: says 36 bytes, there are 32"));
+  EXPECT_THAT(refusal(), HasSubstr("buffers[0].byteLength: states 36 bytes, there are 32"));
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ TEST(GltfStates, AnImageThatCannotBeUsedCostsItselfAndIsListedWithItsFile) {
   const auto expect_grey = [&](const std::string& uri, const std::string& reason) {
     g["images"][0] = {{"uri", uri}};
     const Opened made(g);
-    EXPECT_THAT(made.warnings(), HasSubstr("loss: images that cannot be used, grey in their place: 1, e.g. images[0]"));
+    EXPECT_THAT(made.warnings(), HasSubstr("loss: unusable images, replaced by grey: 1, e.g. images[0]"));
     EXPECT_THAT(made.warnings(), HasSubstr(reason));
     EXPECT_EQ(made.mesh.primitives.size(), 1u);
     EXPECT_EQ(made.mesh.materials.at(0).base_color[0], grey_without_image);

@@ -99,17 +99,16 @@ TEST_F(Obj, LeavesOutOneBadFace) {
     EXPECT_EQ(mesh.primitives.at(0).index.size(), 3u) << bad;
     EXPECT_THAT(lines_of(mesh), ElementsAre(line)) << bad;
   };
-  expect("f 1 2 5", "loss: faces left out, since a corner is none of the vertices: 1 of 2, e.g. line 5");
-  expect("f 1 2 0", "loss: faces left out, since a corner is none of the vertices: 1 of 2, e.g. line 5");
-  expect("f 99999999999999999999 1 2",
-         "loss: faces left out, since a corner is none of the vertices: 1 of 2, e.g. line 5");
-  expect("f -5 1 2", "loss: faces left out, since a corner is none of the vertices: 1 of 2, e.g. line 5");
-  expect("f a b c", "loss: faces left out, since a corner is no number: 1 of 2, e.g. line 5");
+  expect("f 1 2 5", "loss: faces left out, since a corner refers to no vertex: 1 of 2, e.g. line 5");
+  expect("f 1 2 0", "loss: faces left out, since a corner refers to no vertex: 1 of 2, e.g. line 5");
+  expect("f 99999999999999999999 1 2", "loss: faces left out, since a corner refers to no vertex: 1 of 2, e.g. line 5");
+  expect("f -5 1 2", "loss: faces left out, since a corner refers to no vertex: 1 of 2, e.g. line 5");
+  expect("f a b c", "loss: faces left out, since a corner is not a number: 1 of 2, e.g. line 5");
   expect("v 1 2", "loss: vertices without three coordinates, whose faces are left out: 1, e.g. line 5");
   expect("flavour 7", "lines not understood: 1, e.g. line 5");
   expect("curv2 1 2", "lines of free-form curves and surfaces, which are not baked: 1, e.g. line 5");
   expect("mtllib ../../../etc/passwd",
-         "material files are missing, what they describe is grey: 1, e.g. '../../../etc/passwd'");
+         "material files are missing, their materials are grey: 1, e.g. '../../../etc/passwd'");
 }
 
 /// 2026-11-25: such a face refused the whole file.
@@ -191,9 +190,9 @@ TEST_F(Obj, IsGreyWithAWarningWhereItsImageIsMissing) {
   folder.write("text.tga", std::string("no image"));
   const TileMesh mesh = read("mtllib m.mtl\n" + square +
                              "vt 0 0\nusemtl a\nf 1/1 2/1 3/1\nusemtl b\nf 1/1 2/1 4/1\nusemtl b\xE4rk\nf 1 3 4\n");
-  EXPECT_THAT(lines_of(mesh), ElementsAre("images are missing, what they show is grey: 1, e.g. 'gone.png'",
-                                          "images are no PNG, JPEG or WebP, what they show is grey: 1, e.g. 'text.tga'",
-                                          HasSubstr("no file describes, taken as white: 1 of 3")));
+  EXPECT_THAT(lines_of(mesh), ElementsAre("images are missing, replaced by grey: 1, e.g. 'gone.png'",
+                                          "images are not PNG, JPEG or WebP, replaced by grey: 1, e.g. 'text.tga'",
+                                          HasSubstr("no file defines, taken as white: 1 of 3")));
   EXPECT_EQ(mesh.materials.at(0).base_color[0], grey_without_image);
   EXPECT_EQ(mesh.materials.at(1).base_color[0], grey_without_image);
   EXPECT_EQ(mesh.materials.at(2).base_color[0], 1);

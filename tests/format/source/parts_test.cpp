@@ -244,7 +244,7 @@ TEST_F(InParts, AStrideOfZeroIsNone) {
   EXPECT_EQ(parts_of(made), 1u);
   made.gltf["accessors"][0]["count"] = 6;
   open(made);
-  EXPECT_THAT(refusal(), HasSubstr("accessors[0]: 6 items from byte 0 leave a buffer view of 36 bytes"));
+  EXPECT_THAT(refusal(), HasSubstr("accessors[0]: 6 items from byte 0 exceed a buffer view of 36 bytes"));
 }
 
 /// 2026-11-23: the same happened for sparse values in a view with a stride, which is invalid for them.
@@ -259,7 +259,7 @@ TEST_F(InParts, SparseValuesHaveNoSpacing) {
                                          {"indices", {{"bufferView", where}, {"componentType", of_words}}},
                                          {"values", {{"bufferView", values}}}};
   open(made);
-  EXPECT_THAT(refusal(), HasSubstr("accessors[0].sparse.values: 2 items from byte 0 leave a buffer view of 16 bytes"));
+  EXPECT_THAT(refusal(), HasSubstr("accessors[0].sparse.values: 2 items from byte 0 exceed a buffer view of 16 bytes"));
 }
 
 TEST(UsedVertices, AreAscendingAndKeepTheirCorners) {

@@ -195,17 +195,18 @@ TEST_F(PlyMesh, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(refusal("ply\nformat text 1.0\n"), HasSubstr("line 2: expected the format"));
   EXPECT_THAT(refusal("ply\nformat ascii 1.0\n"), HasSubstr("no \"end_header\""));
   EXPECT_THAT(refusal("ply\nelement vertex 0\nend_header\n"), HasSubstr("no format"));
-  EXPECT_THAT(refusal("ply\nformat ascii 1.0\nelement vertex many\n"), HasSubstr("line 3: expected how many"));
+  EXPECT_THAT(refusal("ply\nformat ascii 1.0\nelement vertex many\n"),
+              HasSubstr("line 3: expected the number of elements"));
   EXPECT_THAT(refusal("ply\nformat ascii 1.0\nelement vertex 1\nproperty bits x\n"),
-              HasSubstr("line 4: expected a type"));
+              HasSubstr("line 4: expected a PLY type"));
   EXPECT_THAT(refusal("ply\nformat ascii 1.0\nelement face 1\nproperty list float int a\n"), HasSubstr("integer type"));
   EXPECT_THAT(refusal("ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nend_header\n1\n"),
               HasSubstr("x, y and z"));
   EXPECT_THAT(refusal(ascii("4", "1", square + "3 0 1\n")), HasSubstr("the file ends"));
   EXPECT_THAT(refusal(ascii("4", "1", square + "x 0 1 2\n")), HasSubstr("expected a number, got 'x'"));
   EXPECT_THAT(refusal(ascii("4", "1", square + "999999999 0 1\n")), HasSubstr("the length of a list"));
-  EXPECT_THAT(refusal(ascii("400000000000", "1", square)), HasSubstr("no room"));
-  EXPECT_THAT(refusal(ascii("4", "18446744073709551615", square)), HasSubstr("no room"));
+  EXPECT_THAT(refusal(ascii("400000000000", "1", square)), HasSubstr("more than the file can hold"));
+  EXPECT_THAT(refusal(ascii("4", "18446744073709551615", square)), HasSubstr("more than the file can hold"));
 }
 
 TEST_F(PlyMesh, SaysTheByteWhereABinaryFileIsWrong) {
@@ -216,10 +217,10 @@ TEST_F(PlyMesh, SaysTheByteWhereABinaryFileIsWrong) {
   const TileMesh mesh = read(header + body.text);
   EXPECT_EQ(mesh.counts.triangles, 0u);
   EXPECT_THAT(ply_lines_of(mesh),
-              ElementsAre("loss: faces left out, since a corner is none of the vertices: 1, e.g. byte " +
+              ElementsAre("loss: faces left out, since a corner refers to no vertex: 1, e.g. byte " +
                           std::to_string(header.size() + 36 + 13)));
-  EXPECT_THAT(refusal(header + body.text.substr(0, 20)), HasSubstr("no room"));
-  EXPECT_THAT(refusal(header + body.text.substr(0, 45)), HasSubstr("room"));
+  EXPECT_THAT(refusal(header + body.text.substr(0, 20)), HasSubstr("more than the file can hold"));
+  EXPECT_THAT(refusal(header + body.text.substr(0, 45)), HasSubstr("fits in the file"));
 }
 
 /// 2026-11-25: one wrong index refused the whole file.
@@ -227,7 +228,7 @@ TEST_F(PlyMesh, LeavesOutOneBadFace) {
   const TileMesh mesh = read(ascii("4", "3", square + "3 0 1 4\n3 0 1 2\n3 0 1 -1\n"));
   EXPECT_EQ(mesh.counts.triangles, 1u);
   EXPECT_THAT(ply_lines_of(mesh),
-              ElementsAre("loss: faces left out, since a corner is none of the vertices: 2, e.g. line 14"));
+              ElementsAre("loss: faces left out, since a corner refers to no vertex: 2, e.g. line 14"));
 }
 
 /// 2026-11-25: colours of faces were ignored, and the mesh was white.

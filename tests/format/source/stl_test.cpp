@@ -90,7 +90,8 @@ TEST_F(Stl, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(refusal(""), HasSubstr("ends inside the header of a binary STL (at byte 0)"));
   EXPECT_THAT(
       refusal(binary("cut", {facet, facet}).substr(0, 150)),
-      HasSubstr("expected 2 triangles as the header says, the file holds 1; it is cut, or no STL (at byte 80)"));
+      HasSubstr(
+          "expected 2 triangles as the header states, the file holds 1; it is cut short, or not an STL (at byte 80)"));
   EXPECT_THAT(refusal(std::string(80, 'x') + "\xff\xff\xff\xff"), HasSubstr("expected 4294967295 triangles"));
   EXPECT_THAT(refusal("solid a\n" + loop + end), HasSubstr("expected \"endsolid\""));
   EXPECT_THAT(refusal("solid a\n" + loop), HasSubstr("expected \"endsolid\""));

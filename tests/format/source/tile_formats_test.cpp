@@ -293,7 +293,7 @@ TEST_F(Implicit, RefusesBitsThatAreNotThereAndEndlessTrees) {
   };
   write_subtree("subtrees/0.0.0.json", 1, 1, 0);
   folder.write("subtrees/0.0.0.json.t", std::string());
-  EXPECT_THAT(refusal(), HasSubstr("leaves a buffer of 0 bytes"));
+  EXPECT_THAT(refusal(), HasSubstr("exceeds a buffer of 0 bytes"));
   folder.write("subtrees/0.0.0.json", Json{{"tileAvailability", {{"constant", 1}}}});
   EXPECT_THAT(refusal(), HasSubstr("childSubtreeAvailability: is missing"));
   folder.write("subtrees/0.0.0.json", std::string("subt\1\0\0\0\377\377\377\377\377\377\377\177", 16));

@@ -236,7 +236,7 @@ TEST_F(FolderOfTiles, FollowsLinksWithinItAndCountsTheOthers) {
   EXPECT_THAT(names(s), testing::SizeIs(4));
   ASSERT_EQ(s.notes.size(), 1u);
   EXPECT_THAT(s.notes[0],
-              HasSubstr("3 symbolic links not followed, since they leave the folder or lead nowhere: broken"));
+              HasSubstr("3 symbolic links not followed, since they lead out of the folder or to no file: broken"));
 }
 
 }  // namespace
