@@ -76,7 +76,7 @@ class ByteReader {
     for (T& v : values) get(v);
   }
   void expect_end() const {
-    if (at_ != bytes_.size()) fail("has bytes left over");
+    if (at_ != bytes_.size()) fail("has bytes after its end");
   }
 
  private:

@@ -121,7 +121,7 @@ std::optional<BakeMessage> FrameReader::next() {
   if (rest.size() - sizeof h < h.bytes) return std::nullopt;
   const std::span<const std::uint8_t> payload = rest.subspan(sizeof h, h.bytes);
   if (XXH3_64bits(payload.data(), payload.size()) != h.xxh3)
-    throw InputError("bake message", "xxh3", "its payload is not what was sent");
+    throw InputError("bake message", "xxh3", "its payload does not match its hash");
   taken_ += sizeof h + payload.size();
   return BakeMessage{BakeMessageKind(h.kind), {payload.begin(), payload.end()}};
 }

@@ -185,7 +185,8 @@ class BakeServer {
 
   void handle(const BakeMessage& message) {
     const bool opens = message.kind == BakeMessageKind::setup || message.kind == BakeMessageKind::sources;
-    if (opens == setup_.has_value()) throw InputError("bake message", "kind", "expected the setup, once and first");
+    if (opens == setup_.has_value())
+      throw InputError("bake message", "kind", "expected one setup, as the first message");
     switch (message.kind) {
       case BakeMessageKind::sources:
         source_bytes_.insert(source_bytes_.end(), message.payload.begin(), message.payload.end());
@@ -277,7 +278,7 @@ class BakeServer {
     make_pipeline();
     if (pipeline_ && !fingerprints_->match(order.job))
       return answer_without_shard(order, CellOutcome::refused,
-                                  "its fingerprint is of other parameters than this process bakes with");
+                                  "its fingerprint does not match the parameters of this process");
     if (pipeline_) {
       attempts_.emplace_back(order.job.id, order.attempt);
       return pipeline_->submit(std::move(order.job));

@@ -128,7 +128,7 @@ std::shared_ptr<const Primitive> CellLoader::mesh_near(const CellBox& box, const
   constexpr std::uint64_t part_bytes = sizeof(kernels::PartView) + 320, triangle_bytes = 128, max_counted = 64;
   const TilePrimitive& primitive = tile.primitives()[std::size_t(instance.primitive)];
   memory.add_items(1, part_bytes + triangle_bytes * std::min(primitive.triangles, max_counted), "",
-                   "what is placed in the cell");
+                   "meshes of the cell");
   if (primitive.clusters.size() == 1) return tile.mesh_of({&primitive.clusters.front()});
   std::vector<const TileCluster*> near;
   for (const TileCluster& cluster : primitive.clusters)

@@ -257,7 +257,7 @@ void CellStages::take_stats(InFlightCell& cell) const {
   if (stats.oversized != 0)
     throw InputError(cell.job.name, "",
                      std::to_string(stats.oversized) +
-                         " triangles reach farther than 4194304 voxels from the cell; enlarge `voxel_size_m`");
+                         " triangles extend more than 4194304 voxels beyond the cell; enlarge `voxel_size_m`");
 }
 
 void CellStages::write(InFlightCell& cell) {

@@ -78,7 +78,7 @@ class LevelJoin {
     const NodeTable& n = child.coarse.nodes;
     const int own_lod = int(lod_) - int(child.first_lod);
     if (lod_ < child.begin || lod_ - child.begin >= child.coarse.levels.size())
-      throw InputError("parent", "children", "one of them has no level " + std::to_string(lod_));
+      throw InputError("parent", "children", "a child has no level " + std::to_string(lod_));
     for (std::uint32_t node = 0; node < n.key.size() && n.lod[node] >= own_lod; ++node) {
       const int down = n.lod[node] - own_lod;
       if (n.kind[node] == NodeKind::leaf_constant || down == 0)
@@ -165,7 +165,7 @@ class LevelJoin {
       for_each_voxel_in(bricks_[i], from, [&](std::uint32_t bit, std::size_t) {
         const std::uint64_t one = std::uint64_t(1) << (bit & 63);
         if ((mask[bit >> 6] & one) != 0)
-          throw InputError("parent", "children", "two of them have a voxel of one place");
+          throw InputError("parent", "children", "two children have a voxel at the same position");
         mask[bit >> 6] |= one;
         ++voxels;
       });

@@ -31,7 +31,7 @@ ChildOfParent read_child(const ShardReader& reader, const CellJob& parent) {
   ChildOfParent child{reader.above(), {}};
   if (child.source.empty())
     throw InputError(reader.path(), "/above",
-                     "is missing, of which the levels above are made: remove the file and bake again");
+                     "is missing, but overviews are made from it: remove the file and bake again");
   child.copied = read_child_levels(reader, parent.first_lod);
   return child;
 }
@@ -71,7 +71,7 @@ std::shared_ptr<const ChildOfParent> read_child_file(const std::filesystem::path
   const ShardReader reader(out / file);
   // The fingerprint in the header differs from the name if another bake has replaced the child.
   if (shard_file(reader.header().cell, reader.header().fingerprint) != file)
-    throw InputError(out / file, "fingerprint", "is not that of its name: remove the file and bake again");
+    throw InputError(out / file, "fingerprint", "does not match the file's name: remove the file and bake again");
   return std::make_shared<const ChildOfParent>(read_child(reader, parent));
 }
 
@@ -87,7 +87,7 @@ ChildrenOfParent read_children(const std::filesystem::path& out, const CellJob& 
     children[c] = find(file);
     if (!children[c] || children[c]->copied.begin != parent.first_lod) children[c] = read_child_file(out, file, parent);
     const std::scoped_lock lock(claiming);
-    memory.add_items(2, bytes_of(*children[c]), "", "copies of its children's levels");
+    memory.add_items(2, bytes_of(*children[c]), "", "duplicated levels of its children");
   });
   return children;
 }

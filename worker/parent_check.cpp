@@ -40,15 +40,15 @@ class Comparison {
     for (std::uint32_t l = 0; l < lods; ++l)
       if (l >= made.content_hash.size() || made.content_hash[l] != family.header.content_hash[l])
         add("/lod_" + std::to_string(l),
-            l < parent_.copied_lods ? "is no copy of its children's level " : "is not what its children make of level ",
+            l < parent_.copied_lods ? "is not a copy of its children's level "
+                                    : "does not follow from its children for level ",
             std::to_string(parent_.first_lod + l));
     if (lods == parent_.lods && hash_of(made.above) != hash_of(family.above))
-      add("/above", "is not what its children make of level ", std::to_string(parent_.first_lod + lods - 1));
+      add("/above", "does not follow from its children for level ", std::to_string(parent_.first_lod + lods - 1));
   }
   void add(const std::string& dataset, const std::string& what, const std::string& more) {
     faults.emplace_back(
-        InputError(file_, dataset,
-                   what + more + ": one of them has changed, or this has; remove the file and bake again")
+        InputError(file_, dataset, what + more + ": a child or this file has changed; remove the file and bake again")
             .what());
   }
   std::vector<std::string> faults;
@@ -69,7 +69,7 @@ std::vector<std::string> overview_faults(const std::filesystem::path& folder, co
     const BakeParameters parameters = parameters_from_json(scene.parameters);
     comparison.compare(*family, make_parent(job_of(parent), family->children, parameters, callers_thread()));
   } catch (const InputError& error) {
-    comparison.add("", "cannot be made of its children: ", error.what());
+    comparison.add("", "cannot be made from its children: ", error.what());
   }
   return std::move(comparison.faults);
 }

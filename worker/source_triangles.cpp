@@ -65,7 +65,7 @@ SourceTriangles::SourceTriangles(const SceneSources& sources, const BakeParamete
       voxel_size_m_(lattice.voxel_size_m),
       lattice_origin_m_(lattice.lattice_origin_m) {
   measure();
-  if (!(box_.min[0] <= box_.max[0])) throw InputError(sources.root, "", "holds no triangles to look at");
+  if (!(box_.min[0] <= box_.max[0])) throw InputError(sources.root, "", "has no triangles to show");
 }
 
 std::array<double, 3> SourceTriangles::to_lattice(const kernels::PartView& part, std::size_t vertex) const {

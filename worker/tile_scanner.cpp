@@ -241,7 +241,7 @@ bool TileScanner::add_box(const SceneBox& box, std::uint64_t triangles, std::uin
 
 void TileScanner::refuse() const {
   throw InputError(tile_.path, "",
-                   "its triangles spread over more than " + std::to_string(max_columns) + " columns of " +
+                   "its triangles cover more than " + std::to_string(max_columns) + " columns of " +
                        std::to_string(parameters_.cell_voxels) +
                        " voxels; enlarge `voxel_size_m` or `cell_voxels`, or check the unit of its coordinates");
 }

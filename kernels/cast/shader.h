@@ -136,7 +136,7 @@ class HostShader : public SurfaceShader {
     shade_on_host(tile, shader_, out, policy);
   }
   void on_device(const ShadedTile&, CastRay*, void*) const override {
-    throw CudaFailure("the shader was compiled for the CPU alone; cast there, or make it with device_shader()");
+    throw CudaFailure("the shader was compiled for the CPU only; cast there, or create it with device_shader()");
   }
 
  protected:

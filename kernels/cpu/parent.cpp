@@ -39,7 +39,7 @@ class JoinedLevel {
     });
     for (std::size_t i = 1; i < voxels_.size(); ++i)
       if (voxels_[i].brick == voxels_[i - 1].brick && voxels_[i].bit == voxels_[i - 1].bit)
-        throw InputError("parent", "children", "two of them have a voxel of one place");
+        throw InputError("parent", "children", "two children have a voxel at the same position");
   }
 
   Level level(const ThreadPool& pool) const {
@@ -107,7 +107,7 @@ class JoinedLevel {
 void expect_columns(const ParentSource& s, const ParentParameters& p) {
   const auto expect = [](bool holds) {
     if (!holds)
-      throw InputError("parent", "children", "columns of one of them do not fit each other or the parent's rules");
+      throw InputError("parent", "children", "columns of a child do not match each other or the rules of an overview");
   };
   const std::size_t voxels = s.voxels();
   expect(s.place.size() == source_place_bytes * voxels && s.rgba.size() == 4 * voxels);
@@ -138,7 +138,7 @@ void expect_tree(const std::vector<Level>& levels) {
     for (std::size_t b = 0, at = 0; b < levels[l].key.size(); ++b) {
       while (at < above.size() && above[at] < parent_key(levels[l].key[b])) ++at;
       if (at == above.size() || above[at] != parent_key(levels[l].key[b]))
-        throw InputError("parent", "children", "a level of one of them has voxels where the level above it has none");
+        throw InputError("parent", "children", "a level of a child has voxels where the next coarser level has none");
     }
   }
 }

@@ -133,7 +133,7 @@ CudaDevices cuda_devices() {
       devices.usable.push_back(d);
     else
       devices.reason = std::string(p.name) + " has compute capability " + std::to_string(p.major) + "." +
-                       std::to_string(p.minor) + ", 8.0 is the oldest that works";
+                       std::to_string(p.minor) + "; at least 8.0 is required";
   }
   if (count == 0) devices.reason = "this machine has no CUDA device";
   return devices;

@@ -41,7 +41,7 @@ void append(const DeviceArray<T>& from, std::vector<T>& to) {
   to.resize(before + from.size());
   if (from.empty()) return;
   check_cuda(cudaMemcpy(to.data() + before, from.data(), from.bytes(), cudaMemcpyDeviceToHost),
-             "cudaMemcpy (what coarser levels are made of)");
+             "cudaMemcpy (input of coarser levels)");
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ bool any_full_brick(DeviceHeap& heap, const NodeLevels& levels, std::uint32_t no
   find_full_bricks<<<grid_of(nodes, threads), threads, 0, heap.stream()>>>(levels, nodes, full.data());
   check_launch("find_full_bricks");
   std::uint32_t any_full = 0;
-  heap.bring(&any_full, full.data(), sizeof any_full, "looking for full bricks");
+  heap.bring(&any_full, full.data(), sizeof any_full, "searching for full bricks");
   return any_full != 0;
 }
 

@@ -163,7 +163,7 @@ class Progress(harness.FolderTest):
         result = PROGRAM.run("plan", self.square, "--voxel-size", 1, "--json")
         self.assertEqual(result.returncode, 0)
         json.loads(result.stdout)
-        self.assertNotRegex(result.stderr, "planning|reading|looking")
+        self.assertNotRegex(result.stderr, "planning|reading|inspecting")
 
 
 if __name__ == "__main__":

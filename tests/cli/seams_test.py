@@ -77,7 +77,7 @@ class Seams(harness.FolderTest):
             for memory in ("1", "1000", "20K"):
                 result = GIGABAKE.run("render", self.scenes[scene], "-o", self.root / "refused.png", "--memory", memory)
                 self.assertEqual(result.returncode, 2, result)
-                self.assertRegex(result.stderr, r"^gigabake: --memory: the roots of \d+ trees? alone need \d+K\n$")
+                self.assertRegex(result.stderr, r"^gigabake: --memory: the roots of \d+ trees? need at least \d+K\n$")
                 self.assertFalse((self.root / "refused.png").exists())
 
 

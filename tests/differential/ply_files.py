@@ -14,7 +14,7 @@ NEW_NAMES = {"char": "int8", "uchar": "uint8", "short": "int16", "ushort": "uint
              "float": "float32", "double": "float64"}
 NO_UV = "images without texture coordinates"
 NO_IMAGE = "texture coordinates without an image"
-MISSING = "images are missing: taken without"
+MISSING = "images are missing: ignored"
 UNUSED = "properties that are not used"
 ELEMENTS = "elements that are not read"
 LOST = "faces left out, since a corner refers to no vertex"

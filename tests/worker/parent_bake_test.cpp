@@ -283,7 +283,8 @@ TEST_F(Family, HasAParentThatIsNamedWhereACopyIsNone) {
   parent_ = made::with_content_hash(std::move(parent_));
   const std::vector<std::string> named = faults();
   ASSERT_EQ(named.size(), 1u);
-  EXPECT_NE(named[0].find("p3_0_0_0.h5: /lod_0: is no copy of its children's level 1"), std::string::npos) << named[0];
+  EXPECT_NE(named[0].find("p3_0_0_0.h5: /lod_0: is not a copy of its children's level 1"), std::string::npos)
+      << named[0];
 }
 
 TEST_F(Family, HasAParentThatIsNamedWhereItsOwnVoxelsAreWrong) {
@@ -291,7 +292,7 @@ TEST_F(Family, HasAParentThatIsNamedWhereItsOwnVoxelsAreWrong) {
   parent_ = made::with_content_hash(std::move(parent_));
   const std::vector<std::string> named = faults();
   ASSERT_EQ(named.size(), 1u);
-  EXPECT_NE(named[0].find("/lod_2: is not what its children make of level 3"), std::string::npos) << named[0];
+  EXPECT_NE(named[0].find("/lod_2: does not follow from its children for level 3"), std::string::npos) << named[0];
   parent_.header.generator = "gigabake 0.1.9";
   EXPECT_EQ(faults(), std::vector<std::string>()) << "another version may make another level of the same children";
 }

@@ -27,7 +27,7 @@ void require(bool condition, const char* what) {
 
 std::length_error too_wide() {
   return std::length_error("2^" + std::to_string(kernels::max_first_hit_bits) +
-                           " voxels an edge or more; keep a coarser lod");
+                           " voxels an edge or more; use a coarser lod");
 }
 
 VoxelAttributes look_of(const std::uint8_t rgba[4], const std::int8_t normal[2]) {
@@ -46,7 +46,7 @@ void check_columns(const NodeTable& nodes, const BrickLevel& level) {
   require(level.mask.size() == bricks * brick_edge && level.first.size() == bricks + 1 &&
               level.first[bricks] * 4 == level.rgba.size() &&
               (level.normal.empty() || level.normal.size() * 2 == level.rgba.size()),
-          "the level's columns do not fit together");
+          "the level's columns do not match each other");
   for (std::size_t b = 0; b < bricks; ++b) {
     std::uint64_t voxels = 0;
     for (std::size_t z = 0; z < brick_edge; ++z) voxels += std::uint64_t(std::popcount(level.mask[brick_edge * b + z]));
@@ -108,7 +108,8 @@ void FirstHitBuilder::add_cell(const std::array<std::int64_t, 3>& lattice_min, c
   for (std::size_t a = 0; a < 3; ++a) {
     const std::int64_t apart = lattice_min[a] - first_corner_[a];
     cell[a] = apart / (std::int64_t(1) << lod_);
-    require(apart % (std::int64_t(4) << lod_) == 0, "cells are no multiple of four voxels of this lod apart");
+    require(apart % (std::int64_t(4) << lod_) == 0,
+            "distances between cells are not multiples of four voxels of this lod");
     if (std::abs(cell[a]) >= std::int64_t(1) << kernels::max_first_hit_bits) throw too_wide();
   }
   for (std::size_t n = 0; n < nodes.key.size(); ++n) {
@@ -116,7 +117,7 @@ void FirstHitBuilder::add_cell(const std::array<std::int64_t, 3>& lattice_min, c
     const BrickCoordinate in_cell = demorton(nodes.key[n]);
     const std::int64_t edge = std::int64_t(brick_edge) << (nodes.lod[n] - lod_);
     const Position at{cell[0] + in_cell.x * edge, cell[1] + in_cell.y * edge, cell[2] + in_cell.z * edge};
-    if (looks_.size() + brick_voxels > max_looks) throw std::length_error("2^32 voxels or more; keep a coarser lod");
+    if (looks_.size() + brick_voxels > max_looks) throw std::length_error("2^32 voxels or more; use a coarser lod");
     if (nodes.kind[n] == NodeKind::brick) {
       require(nodes.value[n] < level.mask.size() / brick_edge, "a node's brick is out of range");
       add_brick(at, level, nodes.value[n]);
@@ -228,7 +229,8 @@ FirstHitScene FirstHitBuilder::finish() {
 }
 
 FirstHitScene FirstHitBuilder::finish_window(std::int64_t window_voxels) {
-  require(window_voxels >= brick_edge && window_voxels % brick_edge == 0, "a window of no whole bricks");
+  require(window_voxels >= brick_edge && window_voxels % brick_edge == 0,
+          "the window does not consist of whole bricks");
   if (leaves_.empty() && constants_.empty()) return finish();
   return place_tree(cube_of_window(window_voxels));
 }

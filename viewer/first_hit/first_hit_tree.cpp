@@ -126,7 +126,7 @@ std::vector<FirstHitNode> FirstHitTreeBuilder::finish() {
       parents.back().node.end = std::uint32_t(nodes_.size());
     }
     level = {};
-    if (nodes_.size() > 0xffffffffu) throw std::length_error("a tree of 2^32 nodes or more; keep a coarser lod");
+    if (nodes_.size() > 0xffffffffu) throw std::length_error("a tree of 2^32 nodes or more; use a coarser lod");
   }
   nodes_[0] = levels_.back().at(0).node;
   return std::move(nodes_);

@@ -23,9 +23,10 @@ double turned(double deg) { return deg - 360 * std::floor(deg / 360); }
 double centuries(JulianDay day) { return (day - 2451545) / 36525; }
 
 [[noreturn]] void bad_time(const std::string& time) {
-  throw UsageError("time", fmt::format("expected a date and time from 1900 to 2100 with Z or its distance to UTC, as "
-                                       "2026-06-21T15:00Z or 2026-06-21T17:00+02:00, got '{}'",
-                                       time));
+  throw UsageError("time",
+                   fmt::format("expected a date and time from 1900 to 2100 with Z or its offset from UTC, such as "
+                               "2026-06-21T15:00Z or 2026-06-21T17:00+02:00, got '{}'",
+                               time));
 }
 
 struct DateAndTime {

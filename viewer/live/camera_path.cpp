@@ -78,11 +78,11 @@ void set(CameraOptions& camera, const CameraKeyframe& key) {
 }  // namespace
 
 CameraPath::CameraPath(std::vector<CameraKeyframe> keyframes) : keyframes_(std::move(keyframes)) {
-  if (keyframes_.empty()) throw UsageError("a camera path needs a keyframe");
+  if (keyframes_.empty()) throw UsageError("a camera path needs at least one keyframe");
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     const std::string where = "keyframes[" + std::to_string(i) + "]";
     if (i > 0 && !(keyframes_[i].time_s > keyframes_[i - 1].time_s))
-      throw UsageError(where + ".time_s: expected more than that of the keyframe before");
+      throw UsageError(where + ".time_s: expected more than that of the previous keyframe");
     if (keyframes_[i].pose.eye_m == keyframes_[i].pose.target_m)
       throw UsageError(where + ".target: the same place as the eye; there is no direction to look");
   }

@@ -31,7 +31,7 @@ class CoordinateReader {
   CoordinateReader(const JsonMembers& path, const std::optional<Geodetic>& origin) {
     geographic_ = path.choice<Coordinates>("coordinates").value_or(Coordinates::scene) != Coordinates::scene;
     if (!geographic_) return;
-    if (!origin) path.fail("coordinates", "the scene stands nowhere on the earth; expected scene");
+    if (!origin) path.fail("coordinates", "the scene has no position on the earth; expected scene");
     scene_from_ecef_ = scene_from_ecef(*origin);
   }
 

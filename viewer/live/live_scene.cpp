@@ -149,7 +149,7 @@ void LiveScene::reload_if_replaced() {
   if (!stamp) return;
   if (*stamp == FileStamp{}) {
     const std::lock_guard lock(mutex_);
-    if (!home_) problem_ = path_.string() + ": not there yet";
+    if (!home_) problem_ = path_.string() + ": does not exist yet";
     return;
   }
   if (*stamp == stamp_) return;

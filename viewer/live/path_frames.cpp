@@ -43,7 +43,7 @@ std::vector<double> times_at_rate(const CameraPath& path, double frames_per_s) {
 
 std::filesystem::path numbered_file(const std::string& pattern, std::size_t number, const std::string& field) {
   const auto fail = [&] {
-    throw UsageError(field, "expected a name with one %d or %04d for the number of the frame, as frames/%04d.png");
+    throw UsageError(field, "expected a name with one %d or %04d for the number of the frame, such as frames/%04d.png");
   };
   const std::size_t at = pattern.find('%');
   if (at == std::string::npos || pattern.find('%', at + 1) != std::string::npos) fail();

@@ -5,26 +5,26 @@ namespace gigabake {
 std::string view_mode_legend(ViewMode mode) {
   switch (mode) {
     case ViewMode::lit:
-      return "as the eye sees it: sun, sky and air on the surface's colours";
+      return "the surface's colours in the light of sun and sky, seen through the air";
     case ViewMode::albedo:
       return "the surface's colours without light";
     case ViewMode::normal:
       return "direction of the surface: red east, green north, blue up, each from 0 (opposite) to 255";
     case ViewMode::coverage:
-      return "how much of a voxel is surface: white all of it, black none";
+      return "coverage of a voxel: white full, black none";
     case ViewMode::lod:
       return "level of the voxels: 0 (finest) red, 1 yellow, 2 green, 3 cyan, 4 blue, 5 magenta; from 6 on the same, "
              "darker";
     case ViewMode::cell:
-      return "one colour per cell, that is per shard; neighbours may share one";
+      return "one colour per cell (per shard); neighbours may have the same colour";
     case ViewMode::requests:
       return "red where finer voxels were requested and are not resident, green elsewhere";
     case ViewMode::sun:
-      return "what the sun alone lights, with shadows";
+      return "light of the sun only, with shadows";
     case ViewMode::sky:
-      return "what the sky alone lights, as far as a surface sees it or other surface in front of it";
+      return "light of the sky only; surfaces that hide the sky reflect light instead";
     case ViewMode::shadow:
-      return "how much of the sun a surface sees: white all of it, black none";
+      return "visible fraction of the sun: white full, black none";
     case ViewMode::height:
       return "height above the scene's lowest voxel: blue the lowest, then green, yellow, brown, white the highest";
     case ViewMode::slope:

@@ -226,7 +226,7 @@ void check_picture_size(const CameraOptions& o) {
   if (o.width < 1 || o.height < 1 || o.width > max_image_edge || o.height > max_image_edge ||
       std::int64_t(o.width) * o.height > max_pixels)
     throw UsageError("size", std::to_string(o.width) + "x" + std::to_string(o.height) +
-                                 " is no picture; expected 1 to 32768 a side and at most 2^28 pixels");
+                                 " is not an image size; expected 1 to 32768 per side and at most 2^28 pixels");
 }
 
 void check_pixel_error(double pixel_error) {

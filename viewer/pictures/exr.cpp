@@ -67,7 +67,7 @@ Imf::Slice slice(Imf::PixelType type, const T* first, std::size_t per_pixel, int
 void check(const Picture& p, bool needs_light) {
   const std::size_t pixels = std::size_t(p.width) * std::size_t(p.height);
   if (pixels == 0 || p.depth.size() != pixels || (needs_light && p.linear.size() != 4 * pixels))
-    throw std::runtime_error("cannot make an EXR: the picture has no depth or no linear light");
+    throw std::runtime_error("cannot make an EXR: the image has no depth or no linear colours");
 }
 
 }  // namespace

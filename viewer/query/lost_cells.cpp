@@ -72,7 +72,9 @@ std::vector<SceneCell> lost_cells(const SceneHeader& scene, const std::vector<Sc
     }
     const std::string name = loss.name.substr(cell_prefix.size());
     const auto place = place_of(name);
-    if (!place) throw InputError({}, loss.name, "a lost cell whose place its name does not say; bake the scene again");
+    if (!place)
+      throw InputError({}, loss.name,
+                       "the name of this missing cell does not state its position; bake the scene again");
     const StackColumn column{place->at[0], place->at[1]};
     const std::array<std::int64_t, 3> corner{column.first * edge, column.second * edge, 0};
     if (const auto base = bases.find(column); base != bases.end())

@@ -31,7 +31,7 @@ QueryFrames::QueryFrames(const SceneHeader& scene, const kernels::VoxelBox& wind
     scene_from_ecef_ = scene_from_ecef(*scene.origin);
     ecef_from_scene_ = ecef_from_enu(*scene.origin);
   } else if (frame == QueryFrame::lonlat) {
-    throw UsageError("coordinates", "the scene does not say where on earth it stands; expected scene");
+    throw UsageError("coordinates", "the scene has no position on the earth; expected scene");
   }
 }
 

@@ -59,7 +59,8 @@ class Run {
     if (job_.kind != QueryKind::sight) return ray;
     ray.begin = frames_.voxels(job_.ignore_ends_m);
     ray.end -= ray.begin;
-    if (!(ray.begin < ray.end)) throw std::invalid_argument("the two points are nearer than what is not looked at");
+    if (!(ray.begin < ray.end))
+      throw std::invalid_argument("the ignored ends cover the whole line between the two points");
     return ray;
   }
 

@@ -214,11 +214,10 @@ class TableQueries final : public QuerySource {
   /// Returns the error in the line; empty if there is none.
   std::string parse(std::string_view line, QueryInput& ask, std::vector<std::string>& fields) const {
     const bool plain = line.find('"') == std::string_view::npos;
-    if (!plain && !split(line, fields)) return "a quote that is not closed, or text behind it";
+    if (!plain && !split(line, fields)) return "a quote that is not closed, or text after it";
     std::size_t at = 0, count = plain ? std::size_t(std::count(line.begin(), line.end(), ',')) + 1 : fields.size();
     if (count != columns_.size())
-      return "expected " + std::to_string(columns_.size()) + " fields, as many as columns, got " +
-             std::to_string(count);
+      return "expected " + std::to_string(columns_.size()) + " fields, one per column, got " + std::to_string(count);
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       const std::size_t comma = plain ? std::min(line.find(',', at), line.size()) : 0;
       const std::string_view field = trimmed(plain ? line.substr(at, comma - at) : std::string_view(fields[c]));

@@ -82,8 +82,8 @@ QueryText::QueryText(QueryFormat format, QueryKind kind, const QueryFrames& fram
     : format_(format), kind_(kind), frames_(frames), decimals_(decimals_for(voxel_size_m / 1000)), has_ids_(has_ids) {
   if (format == QueryFormat::geojson && !frames.is_on_earth())
     throw UsageError("format",
-                     "GeoJSON is longitudes and latitudes, and the scene does not say where on earth it "
-                     "stands; expected csv or json");
+                     "GeoJSON needs longitudes and latitudes, and the scene has no position on the "
+                     "earth; expected csv or json");
 }
 
 std::string_view QueryText::outcome(QueryOutcome outcome) const {

@@ -27,7 +27,7 @@ struct Waiting {
 
 QueryLevels checked_levels(const QueryOptions& options, int lods) {
   if (options.lod < 0 || options.lod >= lods)
-    throw UsageError("lod", "expected 0 to " + std::to_string(lods - 1) + ", which this scene has");
+    throw UsageError("lod", "expected 0 to " + std::to_string(lods - 1) + ", the levels of this scene");
   if (!(options.spread >= 0 && options.spread <= 1)) throw UsageError("spread", "expected 0 to 1");
   return {options.lod, options.spread};
 }

@@ -58,8 +58,8 @@ std::size_t TreeStore::admit(std::vector<Building>& all, bool must) {
     const std::uint64_t more = all[i].bytes;
     if (more > memory_bytes_)
       throw UsageError("memory_bytes", "level " + std::to_string(all[i].key.lod) + " of cell " + all[i].shard.name +
-                                           " alone needs " + readable_size(more) +
-                                           "; expected that much or a coarser lod");
+                                           " needs " + readable_size(more) +
+                                           "; expected at least that much, or a coarser lod");
     const bool is_first = must && i == 0;
     if (bytes_ + sum + more > memory_bytes_) make_room(sum + more, is_first ? Evict::any : Evict::unused);
     if (bytes_ + sum + more > memory_bytes_) return i;

@@ -147,7 +147,7 @@ CellLayout lay_out_columns(const Columns& columns, int cell_bits, const LatticeB
 CellLayout lay_out(const std::vector<SceneCell>& cells) {
   if (cells.empty()) throw LayoutRefusal{"", "the scene has no cells: there is nothing to show"};
   if (cells.size() > max_cells)
-    throw LayoutRefusal{"cells", "more than a picture can address; use a larger `cell_voxels`"};
+    throw LayoutRefusal{"cells", "more than an image can address; use a larger `cell_voxels`"};
   for (const SceneCell& cell : cells) check_cell(cell, cells[0]);
   const Columns columns = with_rims(columns_of(cells), cells[0].cell_voxels);
   return lay_out_columns(columns, std::countr_zero(cells[0].cell_voxels), window_of(cells));

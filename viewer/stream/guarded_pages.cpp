@@ -27,10 +27,10 @@ std::string fault_of_rows(const std::vector<NodeRow>& rows) {
   if (rows.empty() || rows.size() > nodes_per_block)
     return "expected 1 to " + std::to_string(nodes_per_block) + " rows, got " + std::to_string(rows.size());
   for (const NodeRow& row : rows) {
-    if (row.kind > NodeKind::leaf_constant) return "a node of no kind";
+    if (row.kind > NodeKind::leaf_constant) return "a node of unknown type";
     if (row.kind == NodeKind::leaf_constant && row.child_mask != 0) return "a leaf with children";
     if (row.child_mask != 0 && row.first_child > 0xffffffffu - 8) return "children beyond every table";
-    if (!is_plane(row.facing[facing_plane])) return "a plane that is none";
+    if (!is_plane(row.facing[facing_plane])) return "an invalid plane";
   }
   return {};
 }
@@ -46,12 +46,11 @@ std::string fault_of_bricks(const BrickBlock& block, bool has_normals) {
     if (block.first[b + 1] != block.first[b] + voxels) return "first does not match mask";
   }
   const std::size_t voxels = block.first[bricks];
-  if (block.rgba.size() != 4 * voxels) return "expected 4 bytes of rgba a voxel";
-  if (block.normal.size() != (has_normals ? 2 * voxels : 0))
-    return "normals do not fit the scene, which has them or not";
-  if (!block.facing.empty() && block.facing.size() != facing_bytes * voxels) return "facing does not fit";
+  if (block.rgba.size() != 4 * voxels) return "expected 4 bytes of rgba per voxel";
+  if (block.normal.size() != (has_normals ? 2 * voxels : 0)) return "normals do not match the channels of the scene";
+  if (!block.facing.empty() && block.facing.size() != facing_bytes * voxels) return "facing does not match the voxels";
   for (std::size_t v = 0; v < block.facing.size(); v += facing_bytes)
-    if (!is_plane(block.facing[v + facing_plane])) return "a plane that is none";
+    if (!is_plane(block.facing[v + facing_plane])) return "an invalid plane";
   return {};
 }
 
@@ -68,7 +67,8 @@ class Guard {
       refuse_page(key,
                   std::to_string(page.bytes()) + " bytes; expected at most " + std::to_string(limits_.max_page_bytes));
     const bool rows = key.part == PageKey::node_rows, bricks = key.part >= 0;
-    if ((!rows && !page.rows.empty()) || (!bricks && !page.bricks.mask.empty())) refuse_page(key, "it is another page");
+    if ((!rows && !page.rows.empty()) || (!bricks && !page.bricks.mask.empty()))
+      refuse_page(key, "it is a page of another type");
     std::string fault;
     if (rows) fault = fault_of_rows(page.rows);
     if (bricks) fault = fault_of_bricks(page.bricks, has_normals_);
@@ -87,14 +87,14 @@ class Guard {
     } catch (const std::exception& error) {
       refuse_page(key, error.what());
     } catch (...) {
-      refuse_page(key, "it failed for no stated reason");
+      refuse_page(key, "it failed for an unknown reason");
     }
   }
 
   Page in_time(const PageKey& key) {
     if (limits_.seconds <= 0) return page_from(key, [&] { return (*producer_)(key); });
     if (late_ >= limits_.max_late)
-      refuse_page(key, "it was late " + std::to_string(limits_.max_late) + " times and is not asked again");
+      refuse_page(key, "it was late " + std::to_string(limits_.max_late) + " times and is not requested again");
     std::packaged_task<Page()> task([producer = producer_, key] { return (*producer)(key); });
     std::future<Page> page = task.get_future();
     std::thread(std::move(task)).detach();

@@ -85,7 +85,7 @@ SceneCell NumberedShards::shard(std::uint32_t number) {
       return listing.page->parents[index - listing.first_parent];
   }
   throw InputError(scene_->file(), "shard " + std::to_string(number),
-                   "the scene has " + counted(cells, "cell") + " and " + counted(parents, "parent"));
+                   "the scene has " + counted(cells, "cell") + " and " + counted(parents, "overview"));
 }
 
 Page NumberedShards::listing(const PageKey& key) {

@@ -44,7 +44,7 @@ Arrival read_page(const PageSource& source, const PageKey& key) {
   } catch (const std::exception& error) {
     arrival.problem = one_line(problem_with(key, error.what()));
   } catch (...) {
-    arrival.problem = problem_with(key, "cannot be read, for no stated reason");
+    arrival.problem = problem_with(key, "cannot be read, for an unknown reason");
   }
   return arrival;
 }

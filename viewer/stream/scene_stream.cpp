@@ -26,7 +26,7 @@ constexpr std::uint32_t parts_per_slot = 90;
 constexpr double unseen_root = 1.0 / 64;
 constexpr int cpu_tile_edge = 128, device_tile_edge = 1024;
 static_assert(cpu_tile_edge % kernels::sky_block == 0 && device_tile_edge % kernels::sky_block == 0,
-              "pixels share their light within blocks: tiles must not cut these");
+              "pixels share shadow samples within blocks: tiles must not cut these");
 
 std::size_t requests_per_batch(const ThreadPool& policy) {
   return std::max(min_requests_per_batch, requests_per_thread * std::size_t(policy.threads()));
@@ -57,7 +57,7 @@ kernels::PoolSizes pool_sizes(const CellLayout& layout, std::uint64_t bytes) {
   const kernels::PoolSizes first{minimum, min_slots, min_slots * kernels::max_parts};
   const std::uint64_t one = kernels::PoolSizes{1, 2, 2 * parts_per_slot}.bytes(), roots = first.bytes();
   if (roots > bytes)
-    throw UsageError("memory_bytes", "the roots of " + counted(layout.cells.size(), "tree") + " alone need " +
+    throw UsageError("memory_bytes", "the roots of " + counted(layout.cells.size(), "tree") + " need at least " +
                                          std::to_string(roots / 2 * 3 / 1024 + 1) + "K");
   const auto more = std::uint32_t(std::min<std::uint64_t>((bytes - roots) / one, 1u << 24));  // 32-bit index
                                                                                               // bits

@@ -17,7 +17,7 @@ namespace {
 
 [[noreturn]] void fail_to_listen(const std::string& address, int port, const std::string& why) {
   throw InputError(fmt::format("{}:{}", address, port), "",
-                   "cannot listen there (" + why + "); is another server using it? `port` 0 takes any that is free");
+                   "cannot listen there (" + why + "); is another server using it? `port` 0 selects a free port");
 }
 
 struct FreeAddresses {

@@ -55,7 +55,7 @@ std::optional<double> share_of(const std::string& text) {
 HttpReply page_part(const char* type, std::string_view text) { return {200, type, std::string(text)}; }
 
 void check_options(const StreamServer::Options& o) {
-  if (o.port < 0 || o.port > 65535) throw UsageError("port", "expected 1 to 65535, or 0 for any that is free");
+  if (o.port < 0 || o.port > 65535) throw UsageError("port", "expected 1 to 65535, or 0 for any free port");
   if (!is_token(o.token)) throw UsageError("token", "expected letters, digits, - and _ only");
   if (o.token.size() < StreamServer::min_token_length && !(o.token.empty() && !StreamServer::is_public(o)))
     throw UsageError("token", fmt::format("expected at least {} letters or digits", StreamServer::min_token_length));
@@ -212,7 +212,7 @@ struct StreamServer::State {
 
   HttpAnswer open(const HttpRequest& request) {
     const auto key = sessions.open(steering_from_json(request.body));
-    if (!key) return error_reply(503, "as many look already as this server takes; try again later");
+    if (!key) return error_reply(503, "the server has its maximum number of viewers; try again later");
     const nlohmann::ordered_json told{
         {"viewer", *key}, {"modes", names_of<ViewMode>()}, {"styles", names_of<CameraController::Style>()}};
     return HttpReply{201, json_type, told.dump()};
@@ -222,22 +222,22 @@ struct StreamServer::State {
   HttpAnswer for_viewer(const HttpRequest& request) {
     const auto viewer = sessions.touch(request.argument("viewer"));
     if (viewer) return (this->*handle)(request, *viewer);
-    return error_reply(404, "expected viewer=KEY as POST /viewers gives it; that one is not known, or has left");
+    return error_reply(404, "expected viewer=KEY from POST /viewers; this viewer is unknown, or has left");
   }
 
   HttpAnswer get_state(const HttpRequest&, ViewerId viewer) {
     const auto state = scene.state(viewer);
     const auto frame = scene.frame_after(viewer, 0, 0);
-    if (!state) return error_reply(404, "that viewer has left");
+    if (!state) return error_reply(404, "the viewer has left");
     return HttpReply{200, json_type, to_json(*state, frame.get())};
   }
 
   /// Returns the scene point that a pixel of the last frame shows.
   HttpAnswer get_point(const HttpRequest& request, ViewerId viewer) {
     const auto right = share_of(request.argument("x")), down = share_of(request.argument("y"));
-    if (!right || !down) return error_reply(400, "expected x and y from 0 to 1, from the picture's upper left corner");
+    if (!right || !down) return error_reply(400, "expected x and y from 0 to 1, from the image's upper left corner");
     const auto frame = scene.frame_after(viewer, 0, 0);
-    if (!frame) return error_reply(404, "there is no picture yet");
+    if (!frame) return error_reply(404, "there is no image yet");
     return HttpReply{200, json_type, to_json(picked_point(frame->frame.picture, frame->rays, *right, *down))};
   }
 
@@ -255,10 +255,10 @@ struct StreamServer::State {
   HttpAnswer picture(const HttpRequest& request, ViewerId viewer) {
     const std::string key = request.argument("viewer");
     if (!sessions.begin_picture(key))
-      return error_reply(429, "pictures of this viewer are on their way; wait for them");
+      return error_reply(429, "images of this viewer are already being sent; wait for them");
     return [this, viewer, over = std::shared_ptr<void>(nullptr, [this, key](void*) { sessions.end_picture(key); })] {
       const auto frame = scene.full_frame(viewer, picture_s);
-      if (!frame) return error_reply(504, "the picture is not complete yet; hold still and try again");
+      if (!frame) return error_reply(504, "the image is not complete yet; do not move the camera and try again");
       HttpReply reply{200, "image/png", encode_png(frame->frame.picture)};
       reply.headers.emplace_back("Content-Disposition", "attachment; filename=\"gigabake.png\"");
       return reply;

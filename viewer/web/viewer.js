@@ -140,7 +140,7 @@ function statsLine(state) {
   const parts = [`${size[0]}×${size[1]}`, `${(stats.total_s * 1000).toFixed(0)} ms`,
     `${megabytes(stats.bytes_held)}${allowed} MB`];
   if (rate > 0 && !state.resting) parts.push(`${rate.toFixed(1)} fps`);
-  if (!stats.complete && stats.wanted) parts.push(`${stats.wanted} wanted, ${stats.pages_loading} loading`);
+  if (!stats.complete && stats.wanted) parts.push(`${stats.wanted} requested, ${stats.pages_loading} loading`);
   if (state.problems) parts.push(`${state.problems} shards damaged`);
   return parts.join(' · ');
 }
@@ -179,7 +179,7 @@ async function fetchPicture() {
 async function save() {
   if (saving) return;
   saving = true;
-  note('The picture is saved as soon as it is complete.');
+  note('The image is saved as soon as it is complete.');
   try {
     const blob = await fetchPicture();
     const head = new DataView(await blob.slice(16, 24).arrayBuffer());  // a PNG's width and height
@@ -271,7 +271,7 @@ function placeText({scene, lat_lon_height: place, distance_m: distance}) {
 }
 
 function measure() {
-  if (!over) return note('Point at something to measure from it.', 4000);
+  if (!over) return note('Point at a surface to measure from it.', 4000);
   if (!measuredFrom) {
     measuredFrom = over;
     return note(`From ${placeText(over)}: press C at the other end.`);
@@ -289,12 +289,12 @@ const keptAs = (digit) => `gigabake view ${digit} of ${location.pathname}`;
 function keep(digit) {
   if (!shownState || !shownState.scene) return;
   localStorage.setItem(keptAs(digit), JSON.stringify([...shownState.eye, ...shownState.target]));
-  note(`Kept as view ${digit}.`, 3000);
+  note(`Saved as view ${digit}.`, 3000);
 }
 
 function goTo(digit) {
   const pose = localStorage.getItem(keptAs(digit));
-  if (!pose) return note(`Nothing is kept as view ${digit}: Shift ${digit} keeps this one.`, 4000);
+  if (!pose) return note(`No view is saved as ${digit}: Shift ${digit} saves this one.`, 4000);
   for (const movement of ['turn', 'pan', 'zoom']) delete pending[movement];  // they would change the bookmarked pose
   steer({pose: JSON.parse(pose)});
 }

@@ -21,8 +21,8 @@ void show_numbers(const LiveFrame& f) {
   line(fmt::format("{} x {}{}", f.frame.picture.width, f.frame.picture.height, s.complete ? ", complete" : ""));
   line(fmt::format("{:.1f} fps, {:.1f} ms a frame", f.frames_per_s, s.total_s * 1e3));
   line(fmt::format("rays {:.1f} ms, uploads {:.1f} ms", s.cast_s * 1e3, s.upload_s * 1e3));
-  line(fmt::format("{} wanted, {} uploaded, {} loading", s.wanted, s.uploads, counted(s.pages_loading, "page")));
-  line(fmt::format("{} held of {}", megabytes(s.bytes_held), megabytes(s.bytes_allowed)));
+  line(fmt::format("{} requested, {} uploaded, {} loading", s.wanted, s.uploads, counted(s.pages_loading, "page")));
+  line(fmt::format("{} of {} used", megabytes(s.bytes_held), megabytes(s.bytes_allowed)));
 }
 
 /// Shows a combo box; returns the new value if another one than `current` was chosen.
@@ -77,13 +77,13 @@ PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool re
   ImGui::SetNextWindowPos({8, 8}, ImGuiCond_Once);
   ImGui::Begin("gigabake (F1)", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
   const std::string loading = loading_text(state, frame);
-  line(loading.empty() ? "all is shown" : loading);
+  line(loading.empty() ? "complete" : loading);
   if (frame) show_numbers(*frame);
   if (state.has_scene) {
     show_choices(state, out.steering, clock);
     out.steering.home = ImGui::Button("Home (H)");
     ImGui::SameLine();
-    out.save_picture = ImGui::Button("Picture (P)");
+    out.save_picture = ImGui::Button("Save image (P)");
     ImGui::SameLine();
     out.record = ImGui::Button(recording ? "Stop recording (R)" : "Record path (R)");
   }
@@ -99,16 +99,16 @@ PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool re
 void show_keys() {
   static constexpr const char* keys[][2] = {{"left button", "turn; Shift: move across the view"},
                                             {"right button", "move across the view"},
-                                            {"wheel", "nearer, farther; in flight the speed"},
-                                            {"W A S D Q E", "walk; down and up; Shift: slower"},
+                                            {"wheel", "nearer or farther; flight: speed"},
+                                            {"W A S D Q E", "move; down and up; Shift: slower"},
                                             {"arrows", "turn"},
                                             {"O", "orbit or fly"},
                                             {"M", "next mode"},
                                             {"+ -", "coarser, finer"},
                                             {"H", "the whole scene"},
-                                            {"C", "measure: at each end once"},
+                                            {"C", "measure: press it at each end"},
                                             {"1 to 9", "go to a saved view; Shift: save it"},
-                                            {"P", "save the picture"},
+                                            {"P", "save the image"},
                                             {"R", "record a path"},
                                             {"F1", "the panel"},
                                             {"?", "these keys"},

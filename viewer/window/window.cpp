@@ -84,7 +84,7 @@ std::filesystem::path free_name(const std::filesystem::path& folder, const char*
     if (!std::filesystem::exists(path)) return path;
   }
   throw std::runtime_error(
-      fmt::format("{}: {} files gigabake-*.{} are there already", short_path(folder.string()), max_files, kind));
+      fmt::format("{}: {} files gigabake-*.{} exist already", short_path(folder.string()), max_files, kind));
 }
 
 class Window {
@@ -172,10 +172,10 @@ class Window {
     try {
       if (key.keeps) {
         views_.keep(key.digit, state().pose);
-        return say("kept " + std::filesystem::absolute(views_.file_of(key.digit)).lexically_normal().string());
+        return say("saved " + std::filesystem::absolute(views_.file_of(key.digit)).lexically_normal().string());
       }
       steering.pose = views_.kept(key.digit, frame_->rays.origin);
-      if (!steering.pose) return note(fmt::format("no view is kept as {0}: Shift {0} keeps this one", key.digit));
+      if (!steering.pose) return note(fmt::format("no view is saved as {0}: Shift {0} saves this one", key.digit));
       steering.turn = steering.pan = {};  // movements from before the jump would change the bookmarked pose
       steering.zoom = 0;
     } catch (const std::exception& e) {
@@ -192,7 +192,7 @@ class Window {
 
   void measure() {
     const std::optional<PickedPoint> to = pointed();
-    if (!to) return note("point at something to measure from it");
+    if (!to) return note("point at a surface to measure from it");
     const std::optional<PickedPoint> from = std::exchange(measured_from_, {});
     if (from) return say(distance_text(*from, *to));
     measured_from_ = to;
@@ -232,7 +232,7 @@ class Window {
 
   void request_image() {
     image_is_requested_ = true;
-    if (!state().resting) note("the picture is saved as soon as it is complete");
+    if (!state().resting) note("the image is saved as soon as it is complete");
   }
 
   void finish_picture() {
@@ -301,7 +301,7 @@ class Window {
   std::optional<PathRecorder> recorder_;
   const Bookmarks views_;
   std::optional<PickedPoint> measured_from_;
-  const char* closed_by_ = "its window was";
+  const char* closed_by_ = "the window was closed";
   std::string message_, title_;
   double message_at_s_ = 0;
   bool image_is_requested_ = false, shows_panel_ = true, shows_keys_ = false;

@@ -38,7 +38,7 @@ void ScratchPublication::expect_room(std::uint64_t bytes) const {
   const std::filesystem::space_info space = std::filesystem::space(target_.parent_path(), unknown);
   if (!unknown && space.available < bytes)
     throw IoError(target_, "",
-                  "would take " + readable_size(bytes) + " of a disk that has " + readable_size(space.available) +
+                  "needs " + readable_size(bytes) + " on a disk that has " + readable_size(space.available) +
                       " left; name another folder with `scratch` or raise `memory_bytes`");
 }
 

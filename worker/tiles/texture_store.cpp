@@ -39,7 +39,7 @@ std::shared_ptr<const CellTexture> TextureStore::load(const TextureKey& key, std
       [&] {
         write(file, encoded(), key.recipe);
         if (auto found = stored(key, file, WasWritten::here)) return found;
-        throw IoError(file, "", "is not there, though it was just written; is another bake clearing the folder?");
+        throw IoError(file, "", "is missing, although it was just written; does another bake clear the folder?");
       });
 }
 

@@ -45,7 +45,7 @@ void get_numbered(ByteReader& r, Enum& value, Enum last) {
   std::uint8_t number = 0;
   r.get(number);
   if (number > std::uint8_t(last))
-    throw InputError(directory_name, "", "holds " + std::to_string(number) + ", which is no value");
+    throw InputError(directory_name, "", "holds " + std::to_string(number) + ", which is not a valid value");
   value = Enum(number);
 }
 
@@ -134,7 +134,7 @@ void check(const TileDirectory& d) {
   for (const Primitive& p : d.mesh.primitives) is_right = is_right && within(p.material, d.mesh.materials.size());
   for (const Material& m : d.mesh.materials)
     is_right = is_right && (m.texture.image < 0 || within(m.texture.image, d.images.size()));
-  if (!is_right) throw InputError(directory_name, "", "names what is not there");
+  if (!is_right) throw InputError(directory_name, "", "refers to missing items");
 }
 
 }  // namespace

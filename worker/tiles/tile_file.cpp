@@ -114,7 +114,7 @@ std::shared_ptr<const TileFile> TileFile::open(const std::filesystem::path& path
 void TileFile::fail_other_bytes(const ScratchBytes& stored) const {
   std::error_code ignored;
   std::filesystem::remove(path_, ignored);
-  throw IoError(path_, "", "does not hold what was written; the scratch file is made again at the next try",
+  throw IoError(path_, "", "differs from the data written; the scratch file is created again at the next attempt",
                 stored.offset);
 }
 

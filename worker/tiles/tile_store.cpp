@@ -54,7 +54,7 @@ std::shared_ptr<const LoadedTile> TileStore::read(std::uint32_t tile, const std:
     return std::make_shared<const LoadedTile>(std::move(directory), nullptr, parameters_, pool_);
   std::shared_ptr<const TileFile> clusters = TileFile::open(file);
   if (clusters == nullptr)
-    throw IoError(file, "", "is not there, though it was just written; is another bake clearing the folder?");
+    throw IoError(file, "", "is missing, although it was just written; does another bake clear the folder?");
   return std::make_shared<const LoadedTile>(std::move(directory), std::move(clusters), parameters_, pool_);
 }
 

@@ -188,7 +188,7 @@ TEST(GltfStates, TechniquesGiveTheirDiffuseColourOrAreRefused) {
 
 TEST(GltfStates, MaterialsOfUnknownExtensionsAreReported) {
   const Opened made(textured({{"name", "glass"}, {"extensions", {{"VENDOR_paint", {{"colour", 3}}}}}}));
-  EXPECT_THAT(made.warnings(), HasSubstr("not read, taken as white: 1, e.g. 'glass' (VENDOR_paint)"));
+  EXPECT_THAT(made.warnings(), HasSubstr("describes, taken as white: 1, e.g. 'glass' (VENDOR_paint)"));
 }
 
 // 2026-11-25: unlit materials of before 2018 were black.

@@ -335,7 +335,7 @@ TEST(QueryTable, RefusesWhatIsNoTableAndSaysWhere) {
   EXPECT_THAT(refusal_of(stored, heights, "x,y,z\n"), HasSubstr("no column is called"));
   EXPECT_THAT(refusal_of(stored, sights, "x,y,z,to_x,to_y,to_z\n1,1,1,1,1,1\n"), HasSubstr("both points are the same"));
   EXPECT_THAT(refusal_of(stored, {.kind = QueryKind::ray, .format = QueryFormat::geojson}, head),
-              HasSubstr("where on earth"));
+              HasSubstr("no position on the earth"));
 }
 
 TEST(QueryText, SaysTheSameForEveryNumberOfRaysAtATime) {

@@ -50,9 +50,9 @@ TEST(GuardedPages, GiveWhatHoldsTogether) {
 TEST(GuardedPages, RefuseLies) {
   EXPECT_THAT(answer_to(rows_key, [](Page& p) { p.rows.clear(); }), HasSubstr("shard 0, nodes, block 0"));
   EXPECT_THAT(answer_to(rows_key, [](Page& p) { p.rows.resize(5000); }), HasSubstr("expected 1 to 4096 rows"));
-  EXPECT_THAT(answer_to(rows_key, [](Page& p) { p.rows[0].kind = NodeKind(9); }), HasSubstr("no kind"));
+  EXPECT_THAT(answer_to(rows_key, [](Page& p) { p.rows[0].kind = NodeKind(9); }), HasSubstr("unknown type"));
   EXPECT_THAT(answer_to(rows_key, [](Page& p) { p.rows[0].first_child = 0xffffffff; }), HasSubstr("beyond every"));
-  EXPECT_THAT(answer_to(rows_key, [](Page& p) { p.bricks.mask.resize(8); }), HasSubstr("another page"));
+  EXPECT_THAT(answer_to(rows_key, [](Page& p) { p.bricks.mask.resize(8); }), HasSubstr("page of another type"));
   EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.mask.pop_back(); }), HasSubstr("level 0"));
   EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.mask[0] ^= 1; }), HasSubstr("first does not match"));
   EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.first.back() += 7; }), HasSubstr("first does not match"));
@@ -70,7 +70,7 @@ TEST(GuardedPages, SayWhyAProducerFailed) {
   EXPECT_THAT(answer_of(guarded_pages(fails, scene.description()), bricks_key), HasSubstr("the line is dead"));
   const PageSource throws_a_number = [](const PageKey&) -> Page { throw 7; };
   EXPECT_THAT(answer_of(guarded_pages(throws_a_number, scene.description()), bricks_key),
-              HasSubstr("no stated reason"));
+              HasSubstr("an unknown reason"));
 }
 
 TEST(GuardedPages, DoNotWaitForAProducerThatHangs) {
@@ -89,7 +89,7 @@ TEST(GuardedPages, DoNotWaitForAProducerThatHangs) {
   const PageSource guarded = guarded_pages(hangs, scene.description(), {.seconds = 0.05, .max_late = 2});
   EXPECT_THAT(answer_of(guarded, bricks_key), HasSubstr("no page within"));
   EXPECT_THAT(answer_of(guarded, bricks_key), HasSubstr("no page within"));
-  EXPECT_THAT(answer_of(guarded, bricks_key), HasSubstr("not asked again"));
+  EXPECT_THAT(answer_of(guarded, bricks_key), HasSubstr("not requested again"));
   const std::scoped_lock lock(gate->mutex);
   gate->open = true;
   gate->opened.notify_all();

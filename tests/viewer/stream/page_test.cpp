@@ -80,7 +80,7 @@ TEST(PagesFromFiles, SayWhichPartThereIsNot) {
   const TempFolder folder;
   const SceneDescription scene = made::write_scene_of(folder / "scene.xml", cells(rng, 2));
   const PageSource source = pages_of(folder, scene);
-  EXPECT_THAT(refusal_of(source, {2, -1, 0}), HasSubstr("scene.xml: shard 2: the scene has 2 cells and 0 parents"));
+  EXPECT_THAT(refusal_of(source, {2, -1, 0}), HasSubstr("scene.xml: shard 2: the scene has 2 cells and 0 overviews"));
   EXPECT_THAT(refusal_of(source, {0, 3, 0}), HasSubstr("c_0.h5: /lod_3: the cell has no such level"));
   EXPECT_THAT(refusal_of(source, {0, 0, 0xffffffffu}), HasSubstr("was requested"));
   EXPECT_THAT(refusal_of(source, {0, -1, 0xffffffffu}), HasSubstr("was requested"));
