@@ -62,7 +62,7 @@ std::string no_more_processes() {
   const bool is_known = ::getrlimit(RLIMIT_NPROC, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
   return "the system cannot start more threads and processes; raise the limit (ulimit -u" +
          (is_known ? ", which is " + std::to_string(limit.rlim_cur) : std::string()) +
-         ", or the container's pids.max), or take fewer threads";
+         ", or the container's pids.max), or use fewer threads";
 }
 
 }  // namespace

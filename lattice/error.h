@@ -16,7 +16,7 @@ inline constexpr std::size_t max_message_bytes = 240;
 
 /// The message for a failed allocation.
 inline constexpr const char* not_enough_memory =
-    "not enough memory; give the process more, or take fewer ranks on the machine, fewer threads or smaller tiles";
+    "not enough memory; give the process more, or use fewer ranks on the machine, fewer threads or smaller tiles";
 
 /// Returns `text` as one line: control characters become spaces. If `max_bytes` (at least 8) is below 200, a longer
 /// text is cut at its end and gets a "…". Otherwise, a longer text loses the middle of its longest words.

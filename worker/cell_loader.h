@@ -20,7 +20,7 @@
 
 namespace gigabake {
 
-inline constexpr const char* cell_advice = "take a smaller `cell_voxels`";
+inline constexpr const char* cell_advice = "use a smaller `cell_voxels`";
 
 /// The input of bake_cell() and the owners of its memory. Move-only.
 struct LoadedCell {

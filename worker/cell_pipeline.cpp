@@ -41,7 +41,7 @@ void run_stage(InFlightCell& cell, double CellReport::*seconds, CellOutcome of_i
   try {
     work(cell);
   } catch (const std::bad_alloc&) {
-    fail("not enough memory for this cell; take a smaller `cell_voxels` or fewer ranks on the machine");
+    fail("not enough memory for this cell; use a smaller `cell_voxels` or fewer ranks on the machine");
   } catch (const IoError& e) {
     fail(e.what());
   } catch (const InputError& e) {

@@ -79,7 +79,7 @@ std::shared_ptr<const ChildOfParent> read_child_file(const std::filesystem::path
 
 ChildrenOfParent read_children(const std::filesystem::path& out, const CellJob& parent, const FindChild& find,
                                const ThreadPool& pool) {
-  MemoryClaim memory("parent " + parent.name, "take fewer ranks on the machine");
+  MemoryClaim memory("parent " + parent.name, "use fewer ranks on the machine");
   std::mutex claiming;
   ChildrenOfParent children(parent.child_files.size());
   pool.parallel_for(children.size(), 1, [&](std::size_t c, std::size_t, int) {

@@ -69,7 +69,7 @@ std::vector<std::uint8_t> unpacked_gzip(const std::filesystem::path& file, std::
     if (there > max_bytes)
       throw InputError(file, "",
                        "gzip unpacks to more than " + std::to_string(max_bytes) +
-                           " bytes, the most that a file may have or `memory_bytes` allows");
+                           " bytes, the limit of a file or of `memory_bytes`");
     if (!inflater.ended() && there < out.size())
       throw InputError(file, "", "gzip ends early or is damaged", packed.size() - inflater.rest().size());
     if (inflater.ended()) out.resize(there);

@@ -183,7 +183,7 @@ class View(harness.FolderTest):
         self.open_window("--eye=60,-70,50", "--target=0,0,0")
         before = self.picture()
         # A busy window may ignore a short key press.
-        for x, said in ((120, "press C at the other end"), (200, "m across")):
+        for x, said in ((120, "press C at the other end"), (200, "m horizontal")):
             self.wait_for(lambda: (said in self.title(), self.screen.hands("mousemove", x, 170, "key", "c"))[0]
                           or said in self.title())
         view = self.saved / "gigabake-view-1.json"

@@ -5,7 +5,7 @@ from figures import voxels_of
 from frames import linear
 from images import Image
 
-OTHER_TEXTURES = "textures that are not the base colour's, not used"
+OTHER_TEXTURES = "textures other than the base colour's, not used"
 NO_UV = "primitives without the texture coordinates of their texture"
 REPEAT, MIRROR, CLAMP = 10497, 33648, 33071
 

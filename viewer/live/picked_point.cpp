@@ -39,7 +39,7 @@ std::string place_text(const PickedPoint& point) {
 
 std::string distance_text(const PickedPoint& from, const PickedPoint& to) {
   const double across = std::hypot(to.at_m.x - from.at_m.x, to.at_m.y - from.at_m.y), up = to.at_m.z - from.at_m.z;
-  return fmt::format("{:.2f} m: {:.2f} m across, {:.2f} m up", std::hypot(across, up), across, up);
+  return fmt::format("{:.2f} m: {:.2f} m horizontal, {:.2f} m vertical", std::hypot(across, up), across, up);
 }
 
 }  // namespace gigabake

@@ -32,7 +32,7 @@ std::optional<PickedPoint> picked_point(const Picture& picture, const PictureRay
 
 /// Returns "48.1234567° 11.1234567° 520.25 m, 83.10 m away"; in scene metres if the scene has no origin on the earth.
 std::string place_text(const PickedPoint& point);
-/// Returns "12.34 m: 10.00 m across, 7.23 m up".
+/// Returns "12.34 m: 10.00 m horizontal, 7.23 m vertical".
 std::string distance_text(const PickedPoint& from, const PickedPoint& to);
 
 }  // namespace gigabake

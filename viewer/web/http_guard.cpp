@@ -137,13 +137,14 @@ std::optional<Refusal> refusal_of(const RequestHead& head, bool local, const Ext
   if (!local && host.empty()) return Refusal{400, "expected one Host header: a name or an address, and a port"};
   const bool is_external = !host.empty() && ascii_lower(host) == external.host;
   if (local && !is_loopback(host) && !is_external)
-    return Refusal{403, "expected the host localhost" + received(head) +
-                            "; for other machines start with `bind` and a token, behind a proxy with `external_url`"};
+    return Refusal{403,
+                   "expected the host localhost" + received(head) +
+                       "; to serve other machines, start with `bind` and a token; behind a proxy, with `external_url`"};
   const std::string origin = ascii_lower(head.origin);
   if (!origin.empty() && origin != "http://" + ascii_lower(head.host) &&
       origin != "https://" + ascii_lower(head.host) && (external.host.empty() || origin != external.origin))
-    return Refusal{403, "expected a request of this server's own page" + received(head) +
-                            "; behind a proxy that changes Host start with `external_url`"};
+    return Refusal{403, "expected a request from this server's own page" + received(head) +
+                            "; behind a proxy that changes Host, start with `external_url`"};
   return head.method == "POST" ? refusal_of_body(head) : std::nullopt;
 }
 

@@ -179,7 +179,7 @@ async function fetchPicture() {
 async function save() {
   if (saving) return;
   saving = true;
-  note('The image is saved as soon as it is complete.');
+  note('The image will be saved once it is complete.');
   try {
     const blob = await fetchPicture();
     const head = new DataView(await blob.slice(16, 24).arrayBuffer());  // a PNG's width and height
@@ -278,7 +278,7 @@ function measure() {
   }
   const [east, north, up] = over.scene.map((v, i) => v - measuredFrom.scene[i]);
   const across = Math.hypot(east, north);
-  note(`${Math.hypot(across, up).toFixed(2)} m: ${across.toFixed(2)} m across, ${up.toFixed(2)} m up`, 20000);
+  note(`${Math.hypot(across, up).toFixed(2)} m: ${across.toFixed(2)} m horizontal, ${up.toFixed(2)} m vertical`, 20000);
   measuredFrom = null;
 }
 

@@ -232,7 +232,7 @@ class Window {
 
   void request_image() {
     image_is_requested_ = true;
-    if (!state().resting) note("the image is saved as soon as it is complete");
+    if (!state().resting) note("the image will be saved once it is complete");
   }
 
   void finish_picture() {

@@ -67,7 +67,7 @@ class Bounds {
   WorldBox of_scene() {
     for (const std::size_t n : roots()) pending_.push_back({n, Map()});
     for (std::size_t visits = 0; !pending_.empty(); ++visits) {
-      if (visits > list("nodes").size()) throw InputError(file_, "nodes", "the hierarchy is no tree");
+      if (visits > list("nodes").size()) throw InputError(file_, "nodes", "the hierarchy is not a tree");
       const auto [node, parent] = pending_.back();
       pending_.pop_back();
       visit(node, parent);

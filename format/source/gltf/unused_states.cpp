@@ -34,7 +34,7 @@ bool is_read_or_invisible(const std::string& extension) {
 
 void count_textures(const tinygltf::Material& m, const std::string& where, SourceWarnings& warnings) {
   const auto count = [&](int index, const char* name) {
-    if (index >= 0) warnings.count("textures that are not the base colour's, not used", where + "." + name);
+    if (index >= 0) warnings.count("textures other than the base colour's, not used", where + "." + name);
   };
   count(m.normalTexture.index, "normalTexture");
   count(m.occlusionTexture.index, "occlusionTexture");
@@ -54,11 +54,11 @@ void count_unused_states(const tinygltf::Model& model, SourceWarnings& warnings)
   for (std::size_t i = 0; i < model.animations.size(); ++i)
     warnings.count("animations, not played", "animations[" + std::to_string(i) + "]");
   for (std::size_t i = 0; i < model.skins.size(); ++i)
-    warnings.count("skins, taken at rest", "skins[" + std::to_string(i) + "]");
+    warnings.count("skins, taken in their rest pose", "skins[" + std::to_string(i) + "]");
   for (std::size_t i = 0; i < model.meshes.size(); ++i) {
     const auto& primitives = model.meshes[i].primitives;
     if (std::any_of(primitives.begin(), primitives.end(), [](const auto& p) { return !p.targets.empty(); }))
-      warnings.count("meshes with morph targets, taken without", "meshes[" + std::to_string(i) + "]");
+      warnings.count("meshes with morph targets, which are not applied", "meshes[" + std::to_string(i) + "]");
   }
 }
 

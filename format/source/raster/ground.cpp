@@ -45,7 +45,7 @@ Ground::Ground(const DemOptions& options, GDALDataset& dataset) : crs_(crs_of(op
 std::string Ground::why_not_on_earth() const {
   if (kind_ == Kind::earth) return "";
   if (!crs_)
-    return "the raster has no coordinate system, or one that leads to files; set it in the scene file, as \"crs\": "
+    return "the raster has no coordinate system, or one that refers to files; set it in the scene file, as \"crs\": "
            "\"EPSG:25832\", or use `local`";
   return "the raster's coordinate system (" + name() + ") is " +
          (kind_ == Kind::body ? "of another body than the earth" : "a local one") +

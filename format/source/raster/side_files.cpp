@@ -223,7 +223,7 @@ class VrtCheck {
       if (std::filesystem::exists(source.parent_path() / side, error) &&
           std::find(safe.begin(), safe.end(), side) == safe.end())
         throw InputError(source.parent_path() / side, "",
-                         "may lead to other files; delete it, or write it with GDAL again");
+                         "may refer to other files; delete it, or write it with GDAL again");
     std::array<char, 2048> head{};
     if (VSILFILE* file = VSIFOpenL(source.c_str(), "rb")) {
       VSIFReadL(head.data(), 1, head.size() - 1, file);

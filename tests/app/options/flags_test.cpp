@@ -9,7 +9,7 @@ namespace gigabake::app {
 namespace {
 
 TEST(WithFlags, PutsOptionsWhereALibraryHasFields) {
-  EXPECT_EQ(with_flags("take a smaller `cell_voxels`"), "take a smaller --cell-voxels");
+  EXPECT_EQ(with_flags("use a smaller `cell_voxels`"), "use a smaller --cell-voxels");
   EXPECT_EQ(with_flags("`voxel_size_m`: enlarge it or `cell_voxels`"), "--voxel-size: enlarge it or --cell-voxels");
   EXPECT_EQ(with_flags("`to`"), "--to");
 }

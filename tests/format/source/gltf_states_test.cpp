@@ -218,7 +218,7 @@ TEST(GltfStates, LightOfOtherMaterialsIsReportedAndNotUsed) {
   g["extensionsUsed"] = {"KHR_materials_transmission", "EXT_mesh_features"};
   const Opened made(g);
   EXPECT_EQ(made.mesh.materials.at(0).base_color[0], 1.0f);
-  EXPECT_THAT(made.warnings(), HasSubstr("not the base colour's, not used: 2, e.g. materials[0].normalTexture"));
+  EXPECT_THAT(made.warnings(), HasSubstr("other than the base colour's, not used: 2, e.g. materials[0].normalTexture"));
   EXPECT_THAT(made.warnings(), HasSubstr("extensions that are not read: 1, e.g. 'KHR_materials_transmission'"));
 }
 

@@ -66,7 +66,7 @@ TEST(PickedPoint, IsSaidInDegreesOnTheEarthElseInSceneMetres) {
 }
 
 TEST(PickedPoint, LiesSoFarFromAnother) {
-  EXPECT_EQ(distance_text({{1, 2, 10}, 5, {}}, {{4, 6, -2}, 9, {}}), "13.00 m: 5.00 m across, -12.00 m up");
+  EXPECT_EQ(distance_text({{1, 2, 10}, 5, {}}, {{4, 6, -2}, 9, {}}), "13.00 m: 5.00 m horizontal, -12.00 m vertical");
 }
 
 }  // namespace
