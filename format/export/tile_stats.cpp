@@ -75,7 +75,7 @@ void TileStats::for_each_own_level(int finest, int coarsest, const LevelsOf& lev
 }
 
 LatticeBox TileStats::bounds(int lod) const {
-  progress_.step("reading where bricks lie", scene_.totals().cells / std::uint64_t(team_.ranks()), "shard");
+  progress_.step("reading the positions of bricks", scene_.totals().cells / std::uint64_t(team_.ranks()), "shard");
   std::vector<LatticeBox> own(std::size_t(pool_.threads()));
   const auto levels_that_count = [lod](const LevelOwner& owner) {
     std::vector<int> levels{lod};

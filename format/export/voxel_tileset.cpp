@@ -69,7 +69,7 @@ class TilesetExport {
     if (bounds_.is_empty()) throw InputError(scene.file(), "Voxels", "the level has no voxels");
     tiling_ = tiling_of(bounds_, options.lod, options.tile_voxels);
     if (tiling_.levels > max_tile_levels)
-      throw InputError(scene.file(), "LatticeMin", "cells lie too far apart for one oct-tree");
+      throw InputError(scene.file(), "LatticeMin", "cells are too far apart for one oct-tree");
     team_.together([&] { made_.emplace(scene_, owners_, tiling_.coarsest()); });
     weights_ = survey.tiles(tiling_, *made_);
   }

@@ -150,7 +150,7 @@ void assemble(std::string text, const Binary& binary, const PutBytes& put) {
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const std::size_t padded = (binary.bytes() + 3) / 4 * 4, total = 12 + 8 + text.size() + 8 + padded;
   if (total > std::numeric_limits<std::uint32_t>::max())
-    throw UsageError("a GLB holds at most 4 GiB and this one would need " + std::to_string(total) +
+    throw UsageError("a GLB holds at most 4 GiB, but this one would need " + std::to_string(total) +
                      " bytes: use more tiles or a smaller texture");
   std::vector<std::uint8_t> head;
   append_word(head, magic);

@@ -34,8 +34,7 @@ ChannelRows::ChannelRows(const ColumnSource& source, const std::string& group, c
   share_ = source.open(columns_.share);
   first_ = source.open(columns_.first);
   if (share_->rows() != bricks || first_->rows() != bricks + 1)
-    throw InputError(source.path(), group,
-                     std::string(channel.name) + " is shared by another number of bricks than there are");
+    throw InputError(source.path(), group, std::string(channel.name) + " is shared by the wrong number of bricks");
 }
 
 void ChannelRows::read(std::uint64_t brick, std::span<const std::uint64_t> mask, std::uint64_t first_voxel,

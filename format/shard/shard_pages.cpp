@@ -142,7 +142,7 @@ BrickBlock ShardPages::level(int lod, std::uint64_t first, std::uint32_t count) 
   const BrokenRule table{file_.path(), name};
   table.expect(first > 0 || begin == 0, 0, "first does not begin at 0");
   table.expect(begin <= columns.voxels && voxels <= columns.voxels - begin, first,
-               "first goes beyond the number of voxels");
+               "first exceeds the number of voxels");
   block.first.reserve(starts.size());
   for (const std::uint64_t start : starts) block.first.push_back(std::uint32_t(start - begin));
   for (const ChannelRows& channel : columns.channels)

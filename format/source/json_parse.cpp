@@ -83,7 +83,7 @@ class Builder : public nlohmann::json_sax<Json> {
     for (const std::string_view name : {"NaN", "nan", "Infinity", "inf"})
       for (const std::size_t before : {1u, 2u})
         if (byte >= before && text.substr(std::min(byte - before, text.size())).starts_with(name))
-          return ": " + std::string(name) + " is no JSON number";
+          return ": " + std::string(name) + " is not a JSON number";
     return expected_in(message);
   }
 

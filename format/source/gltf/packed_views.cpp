@@ -105,7 +105,7 @@ void unpack_views(const std::filesystem::path& file, const std::vector<PackedVie
   std::vector<std::uint8_t> room;
   for (const PackedView& p : packed) {
     const SourceBytes& from = document.buffers[p.buffer];
-    if (p.byte_offset + p.byte_length > from.size()) throw InputError(file, where_of(p.view), "leaves its buffer");
+    if (p.byte_offset + p.byte_length > from.size()) throw InputError(file, where_of(p.view), "exceeds its buffer");
     std::vector<std::uint8_t> plain =
         decode_meshopt(file, where_of(p.view), p.stream, from.look(p.byte_offset, p.byte_length, room));
     tinygltf::BufferView& view = document.model.bufferViews[p.view];

@@ -232,7 +232,7 @@ double height_scale_of(const DemOptions& options, GDALDataset& dataset) {
   if (vertical && names_a_foot(unit) && is_foot(vertical->unit_m)) return vertical->unit_m;
   throw InputError(options.dem, "height_scale",
                    "the raster's heights are in " + in_quotes(unit) +
-                       "; set the metres of one in the scene file (a foot: 0.3048, a US survey foot: 0.3048006096)");
+                       "; set the metres per unit in the scene file (a foot: 0.3048, a US-survey foot: 0.3048006096)");
 }
 
 std::vector<std::string> check_dem(const DemOptions& options, GDALDataset& dataset) {

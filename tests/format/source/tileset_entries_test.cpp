@@ -144,7 +144,7 @@ TEST_F(TilesetEntries, NumbersThatJsonDoesNotHaveAreNamed) {
       FAIL() << number;
     } catch (const InputError& e) {
       const std::string name = number[0] == '-' ? number + 1 : number;
-      EXPECT_THAT(e.what(), HasSubstr(name + " is no JSON number"));
+      EXPECT_THAT(e.what(), HasSubstr(name + " is not a JSON number"));
     }
   }
 }
