@@ -7,7 +7,7 @@
 namespace gigabake {
 
 StoredBytes stored_bytes(const PagedScene& scene, const Progress& progress) {
-  progress.step("looking into the shards", scene.totals().cells + scene.totals().parents);
+  progress.step("inspecting the shards", scene.totals().cells + scene.totals().parents);
   StoredBytes bytes;
   const auto add = [&](const SceneCell& c) {
     const ShardReader reader = open_shard_of_scene(scene.file(), scene.header(), c);

@@ -221,7 +221,7 @@ class SceneVerification {
     std::map<std::uint32_t, CellFinder> finders;
     for (const auto& [lod, tier] : tiers) finders.emplace(lod, CellFinder(tier));
     std::vector<std::vector<std::string>> of_parent(parents.size());
-    progress_.step("checking the levels above the cells", parents.size());
+    progress_.step("checking the overviews", parents.size());
     pool_.parallel_for(parents.size(), 1, [&](std::size_t i, std::size_t, int) {
       const auto below = finders.find(parents[i].own_lod());
       std::optional<std::vector<SceneCell>> children;

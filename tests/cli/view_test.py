@@ -211,7 +211,7 @@ class View(harness.FolderTest):
 
     def test_a_full_picture_that_takes_seconds_ends_at_once_with_escape(self):  # 2026-11-22
         self.open_window("--threads", "1", "--eye=30,-40,30", "--target=0,0,0", size=(1280, 960))
-        self.wait_for(lambda: "% drawn" in self.title())
+        self.wait_for(lambda: "% rendered" in self.title())
         start = time.monotonic()
         self.screen.hands("key", "Escape")
         self.assertEqual(self.process.wait(timeout=WAIT_S), 0, self.process.said())

@@ -83,7 +83,7 @@ Frame draw_to_completion(FrameRenderer& renderer, const View& view, int& draws, 
 void draw_path(FrameRenderer& renderer, const CameraPath& path, const View& view, const std::vector<double>& times_s,
                Finish finish, double upload_s, const std::function<void(const PathFrame&, const Picture&)>& take,
                const Progress& progress) {
-  progress.step("drawing", times_s.size(), "frame");
+  progress.step("rendering", times_s.size(), "frame");
   for (std::size_t i = 0; i < times_s.size(); ++i) {
     PathFrame out;
     View there = view;

@@ -310,7 +310,7 @@ Frame FrameRenderer::sketch(const View& view, const PreviewLimits& limits) {
 
 Frame FrameRenderer::draw_exact(const View& view, const Progress& progress) {
   ProgressiveFrame frame = begin(view, nullptr);
-  progress.step("drawing", frame.tiles.size());
+  progress.step("rendering", frame.tiles.size());
   const auto tile_done = [&] {
     progress.advance();
     return false;

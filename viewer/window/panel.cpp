@@ -68,7 +68,7 @@ std::string loading_text(const ViewerState& state, const LiveFrame* frame) {
   if (state.resting || !state.problem.empty()) return "";
   if (!state.has_scene || !frame) return "loading";
   if (frame->frame.stats.complete) return "";
-  return state.drawn > 0 ? fmt::format("loading, {:.0f} % drawn", std::floor(100 * state.drawn)) : "loading";
+  return state.drawn > 0 ? fmt::format("loading, {:.0f} % rendered", std::floor(100 * state.drawn)) : "loading";
 }
 
 PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool recording, const std::string& said,

@@ -18,7 +18,7 @@ struct SunClock {
   float hour = 12;
 };
 
-/// Returns the progress as text, such as "loading, 45 % drawn"; empty if the frame is final. frame may be nullptr.
+/// Returns the progress as text, such as "loading, 45 % rendered"; empty if the frame is final. frame may be nullptr.
 std::string loading_text(const ViewerState& state, const LiveFrame* frame);
 
 /// Shows the panel; call it between ImGui::NewFrame() and ImGui::Render(). frame may be nullptr. Lines of empty texts
