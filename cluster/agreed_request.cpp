@@ -123,7 +123,7 @@ void expect_same_options(MpiSession& mpi, const std::vector<NamedOption>& own) {
 
 BakeRequest agreed_request(MpiSession& mpi, const BakeRequest& own) {
   if (mpi.ranks() == 1) return own;
-  std::vector<NamedOption> options = {named_path(mpi, "SCENE", own.source), named_path(mpi, "`out`", own.out)};
+  std::vector<NamedOption> options = {named_path(mpi, "SOURCE", own.source), named_path(mpi, "`out`", own.out)};
   for (NamedOption& option : named_options(own)) options.push_back(std::move(option));
   expect_same_options(mpi, options);
   BakeRequest agreed = own;

@@ -60,9 +60,9 @@ void check_outputs(const BakeOptions& options) {
 std::string state_left(const BakeStatus& s) {
   const CellTally& c = s.cells;
   const std::string done = s.state == BakeState::surveying
-                               ? fmt::format("{} of {} tiles surveyed", s.tiles_surveyed, s.tiles)
-                               : fmt::format("{} of {} cells are in OUT", c.taken_over + c.done + c.empty, c.planned);
-  return fmt::format("\ngigabake: stopped at once, {}; the same command goes on from there\n", done);
+                               ? fmt::format("{} of {} tiles scanned", s.tiles_surveyed, s.tiles)
+                               : fmt::format("{} of {} cells are in SCENE", c.taken_over + c.done + c.empty, c.planned);
+  return fmt::format("\ngigabake: stopped immediately, {}; the same command resumes the bake\n", done);
 }
 
 /// Returns `progress` with additions: it updates the text for a second Ctrl-C. Once the source is open, lines of a log
@@ -92,7 +92,8 @@ int run(const BakeOptions& options, MpiSession& mpi) {
     if (has_time) log_time.emplace(mpi.rank());
   };
   if (mpi.rank() != 0) begin_log();
-  set_interrupt_message("\ngigabake: stopped at once, before the first cell; the same command starts again\n");
+  set_interrupt_message(
+      "\ngigabake: stopped immediately, before the first cell; the same command starts the bake again\n");
   if (options.quiet) progress = warnings_only(progress.steps);
   const BakeSummary summary = bake(mpi, request, noted_progress(progress, begin_log));
   log_time.reset();  // lines after this one are the result of the command
@@ -116,7 +117,7 @@ int run_until_stopped(const BakeOptions& options, MpiSession& mpi) {
     return run(options, mpi);
   } catch (const Stopped&) {
     if (mpi.rank() == 0)
-      print_message("gigabake: asked to end before the first cell; run the same command again to go on\n");
+      print_message("gigabake: stopped by a signal before the first cell; run the same command again to resume\n");
     return drained;
   }
 }
@@ -128,29 +129,32 @@ void add_bake(CLI::App& app, int& exit_code) {
       app.add_subcommand("bake", "Bake a scene into paged sparse voxel oct-trees; under mpirun on all ranks");
   auto options = std::make_shared<BakeOptions>();
   options->add_to(*command);
-  command->add_option("-o,--out", options->out, "folder of the result: scene.xml and shards/")->required();
+  command->add_option("-o,--out", options->out, "folder of the baked scene: scene.xml and shards/")->required();
   command->add_option("--metrics", options->metrics,
-                      "file that Prometheus' node_exporter reads (*.prom), rewritten every second");
-  command->add_option("--report", options->report, "file for what --json prints: counts, times, accuracy figures");
+                      "file to write for Prometheus' node_exporter (*.prom), updated every second");
+  command->add_option("--report", options->report,
+                      "JSON file to write, with the contents that --json prints: counts, times, accuracy");
   command->add_flag("--keep-going,!--no-keep-going", options->asked.keep_going,
-                    "bake the rest after a tile or cell failed (default), or stop there and publish nothing");
+                    "after a tile or cell failed, bake the rest (default), or stop and publish nothing");
   command->add_flag("--overviews,!--no-overviews", options->asked.overviews,
-                    "write overview shards, which contain the levels above the cells (default); without them a view of "
-                    "the whole scene opens every cell, and no level is coarser than a cell's");
+                    "write overview shards, which contain the levels above the cells (default); without them, a view "
+                    "of the whole scene loads every cell, and no level is coarser than the coarsest of a cell");
   command->add_flag("--prune", options->asked.prune,
-                    "once the scene is whole, remove shards that it does not have; without, they stay for a return to "
-                    "earlier settings");
-  command->add_flag("-q,--quiet", options->quiet, "print errors, warnings and what is missing alone");
+                    "once the scene is complete, remove shards that it does not use (default: keep them; a bake with "
+                    "earlier settings reuses them)");
+  command->add_flag("-q,--quiet", options->quiet, "print only errors, warnings and missing inputs");
   command->add_flag_function(
       "--log-time,!--no-log-time", [options](std::int64_t given) { options->log_time = given > 0; },
-      "time and rank before each line of the log (default where standard error is not a terminal)");
+      "print time and rank before each line of the log (default if standard error is not a terminal)");
   Timeouts& timeouts = options->asked.timeouts;
   const auto add_seconds = [command](const char* name, double& seconds, const char* description) {
     command->add_option(name, seconds, fmt::format("{} ({:g})", description, seconds));
   };
-  add_seconds("--stall", timeouts.no_progress_s, "seconds without any work after which a bake process hangs");
-  add_seconds("--cell-timeout", timeouts.cell_timeout_s, "most seconds for one cell");
-  add_seconds("--silence", timeouts.heartbeat_timeout_s, "seconds after which a rank that is not heard of is lost");
+  add_seconds("--stall", timeouts.no_progress_s,
+              "seconds without progress after which a bake process counts as hung and is killed");
+  add_seconds("--cell-timeout", timeouts.cell_timeout_s, "max seconds for one cell");
+  add_seconds("--silence", timeouts.heartbeat_timeout_s,
+              "heartbeat timeout: seconds without a message after which a rank counts as lost");
   command->callback([options, &exit_code] {
     install_drain_handlers();  // before MPI starts, because mpirun passes signals on from the beginning
     exit_code = on_all_ranks("bake", [&](MpiSession& mpi) { return run_until_stopped(*options, mpi); });

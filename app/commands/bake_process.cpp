@@ -56,7 +56,7 @@ int run(int fd) {
 }  // namespace
 
 void add_bake_process(CLI::App& app) {
-  auto* command = app.add_subcommand("bake-process", "What `gigabake bake` starts on each rank")->group("");
+  auto* command = app.add_subcommand("bake-process", "Process that `gigabake bake` starts on each rank")->group("");
   auto fd = std::make_shared<int>(-1);
   command->add_option("FD", *fd, "number of the socket to the supervisor")->required();
   command->callback([fd] { std::_Exit(run(*fd)); });  // _Exit, because serve_bakes leaves threads running

@@ -41,7 +41,8 @@ Seen look(const std::string& out) {
 std::string bake_status_json(const std::string& out) {
   try {
     const Seen seen = look(out);
-    const std::string line = seen.interrupted ? "interrupted: nobody bakes this any more" : one_line(seen.status);
+    const std::string line =
+        seen.interrupted ? "interrupted: no process bakes this scene any more" : one_line(seen.status);
     return json_text({{"state", name_of(seen.status.state)},
                       {"interrupted", seen.interrupted},
                       {"line", line},

@@ -32,13 +32,13 @@ void print_text(const bench::KernelBench& b) {
              counted(b.bricks, "brick"));
   fmt::print("input {}, output {}", readable_bytes(b.input_bytes), readable_bytes(b.output_bytes));
   if (b.floor_s() > 0)
-    fmt::print("; both once at {:.2f} TB/s take {:.4f} ms", b.copy_bytes_per_s * 1e-12, 1e3 * b.floor_s());
+    fmt::print("; copying both once at {:.2f} TB/s takes {:.4f} ms", b.copy_bytes_per_s * 1e-12, 1e3 * b.floor_s());
   fmt::print("\n");
   for (const bench::BackendTimes& t : b.times) {
     const kernels::CellStats& s = t.stats;
     fmt::print("\n{}: {:.3f} ms, {:.0f} million voxels/s, {:.0f} million fragments/s", t.backend, 1e3 * t.total_s,
                1e-6 * double(b.voxels) / t.total_s, 1e-6 * double(s.fragments) / t.total_s);
-    if (b.floor_s() > 0 && t.backend == "cuda") fmt::print(", {:.1f} × the floor", t.total_s / b.floor_s());
+    if (b.floor_s() > 0 && t.backend == "cuda") fmt::print(", {:.1f} × this lower bound", t.total_s / b.floor_s());
     fmt::print("\n");
     for (const Stage& stage : stages(s))
       fmt::print("  {:<10} {:9.3f} ms  {:4.0f} %\n", stage.name, 1e3 * stage.seconds, 100 * stage.seconds / t.total_s);
@@ -48,7 +48,8 @@ void print_text(const bench::KernelBench& b) {
                double(s.peak_bytes) / double(b.input_bytes + b.output_bytes));
     fmt::print("  content hash {}\n", t.content_hash);
   }
-  if (b.times.size() > 1) fmt::print("\nthe backends {}\n", b.differ ? "DIFFER" : "made the same bits");
+  if (b.times.size() > 1)
+    fmt::print("\nthe results of the backends {}\n", b.differ ? "DIFFER" : "are equal in all bits");
 }
 
 void print_json(const bench::KernelBench& b) {
@@ -82,7 +83,7 @@ void print_text(const bench::BakeBench& b) {
              counted(b.voxels, "voxel"), readable_bytes(b.bytes));
   line("one by one", b.alone);
   line("overlapped", b.overlapped);
-  fmt::print("{:.2f} s overlapped, {:.2f} × its slowest stage alone ({}); {:.1f} million voxels/s\n", b.bake_s,
+  fmt::print("{:.2f} s overlapped, {:.2f} × the time of its slowest stage ({}); {:.1f} million voxels/s\n", b.bake_s,
              b.bake_s / b.alone.slowest(), b.alone.slowest_name(), 1e-6 * double(b.voxels) / b.bake_s);
   fmt::print("content hash {}{}\n", b.content_hash, b.differ ? ", and the two runs DIFFER" : " in both runs");
 }
@@ -110,11 +111,12 @@ void print_json(const bench::BakeBench& b) {
 void print_text(const bench::ScheduleBench& b) {
   fmt::print("{}, {}, seed {}: planned in {:.2f} s\n", counted(b.cells, "cell"), counted(b.workers, "worker"), b.seed,
              b.plan_s);
-  fmt::print("makespan {:.2f} s, {:.4f} × the least possible {:.2f} s\n", b.makespan_s, b.ratio(), b.lower_bound_s);
-  fmt::print("{} handed out, {} again, {} to a worker that had read a tile of it; {}, {} lost\n", b.dispatches,
-             b.retries, b.followers, counted(b.stale, "late result"), counted(b.lost_workers, "worker"));
+  fmt::print("makespan {:.2f} s, {:.4f} × the lower bound of {:.2f} s\n", b.makespan_s, b.ratio(), b.lower_bound_s);
+  fmt::print(
+      "cells dispatched {} times, {} of them repeated, {} to a worker that had read a tile of the cell; {}, {} lost\n",
+      b.dispatches, b.retries, b.followers, counted(b.stale, "late result"), counted(b.lost_workers, "worker"));
   fmt::print("{} done, {} failed, {} abandoned{}\n", b.counts.done, b.counts.failed, b.counts.abandoned,
-             b.differ ? ", which DIFFERS from what the workers did" : "");
+             b.differ ? ", which DIFFERS from the results of the workers" : "");
   fmt::print("{:.0f} dispatches/s of scheduling, peak memory {}\n", b.dispatches_per_s(),
              readable_bytes(b.peak_rss_bytes));
 }
@@ -174,11 +176,12 @@ int run(const BakeBenchOptions& options) {
 }
 
 void add_bench_bake(CLI::App& bench, int& exit_code) {
-  auto* command = bench.add_subcommand("bake", "Whole cells from files to shards: each stage alone, then overlapped");
+  auto* command =
+      bench.add_subcommand("bake", "Time whole cells from files to shards: stages one by one, then overlapped");
   auto options = std::make_shared<BakeBenchOptions>();
   options->bake.add_to(*command);
   command->add_option("-o,--out", options->bake.out, "folder for the shards, which are replaced")->required();
-  command->add_option("--cells", options->cells, "of the plan, the first so many")
+  command->add_option("--cells", options->cells, "number of cells, from the first of the plan")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000));
   command->callback([options, &exit_code] { exit_code = run(*options); });
@@ -205,10 +208,11 @@ int run(const KernelOptions& options) {
 }
 
 void add_bench_kernels(CLI::App& bench, int& exit_code) {
-  auto* command = bench.add_subcommand("kernels", "The kernels of a scene's largest cell, on every backend there is");
+  auto* command =
+      bench.add_subcommand("kernels", "Time the kernels of a source's largest cell on each available backend");
   auto options = std::make_shared<KernelOptions>();
   options->bake.add_to(*command);
-  command->add_option("--repeats", options->repeats, "runs; the fastest counts")
+  command->add_option("--repeats", options->repeats, "number of runs; the fastest is reported")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
   command->callback([options, &exit_code] { exit_code = run(*options); });
@@ -220,23 +224,24 @@ struct ScheduleBenchOptions {
 };
 
 void add_bench_schedule(CLI::App& bench, int& exit_code) {
-  auto* command = bench.add_subcommand("schedule", "A made-up terrain baked in virtual time by workers that may fail");
+  auto* command = bench.add_subcommand(
+      "schedule", "Simulate the schedule of a bake: synthetic terrain, virtual time, and workers that may fail");
   auto options = std::make_shared<ScheduleBenchOptions>();
   bench::ScheduleBenchRequest& r = options->request;
   const auto add = [command](const char* name, auto& value, int minimum, int maximum, const char* text) {
     command->add_option(name, value, text)->capture_default_str()->check(CLI::Range(minimum, maximum));
   };
-  add("--cells", r.cells, 1, 100000000, "of the terrain");
-  add("--workers", r.workers, 1, 1000000, "that bake it");
-  command->add_option("--seed", r.seed, "of terrain, times and failures")->capture_default_str();
-  add("--deaths", r.deaths, 0, 1000000, "baking processes that die, at random times");
-  add("--silences", r.silences, 0, 1000000, "workers that fall silent for a while, at random times");
-  add("--failing-cells", r.failing_cells, 0, 1000000, "cells that end in an error each time");
-  add("--killing-cells", r.killing_cells, 0, 1000000, "cells that kill their process each time");
+  add("--cells", r.cells, 1, 100000000, "cells of the terrain");
+  add("--workers", r.workers, 1, 1000000, "number of workers");
+  command->add_option("--seed", r.seed, "seed of terrain, times and failures")->capture_default_str();
+  add("--deaths", r.deaths, 0, 1000000, "number of bake processes that die at random times");
+  add("--silences", r.silences, 0, 1000000, "number of workers that stop sending for a while, at random times");
+  add("--failing-cells", r.failing_cells, 0, 1000000, "number of cells that fail in each attempt");
+  add("--killing-cells", r.killing_cells, 0, 1000000, "number of cells that kill their process in each attempt");
   command->add_flag("--json", options->json, "print JSON");
   command->callback([options, &exit_code] {
     const bench::ScheduleBench b = while_reading([&](const Progress& progress) {
-      progress.step("scheduling cells that are made up");
+      progress.step("scheduling synthetic cells");
       return bench::bench_schedule(options->request);
     });
     exit_code = print(b, options->json);
@@ -246,7 +251,7 @@ void add_bench_schedule(CLI::App& bench, int& exit_code) {
 }  // namespace
 
 void add_bench(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("bench", "Times parts of gigabake, with the error of the same run");
+  auto* command = app.add_subcommand("bench", "Measure speed and accuracy of parts of gigabake");
   command->require_subcommand(1);
   add_bench_kernels(*command, exit_code);
   add_bench_bake(*command, exit_code);

@@ -40,7 +40,7 @@ int threads_of(const BakeOptions& bake) { return bake.asked.threads > 0 ? bake.a
 std::pair<int, int> picture_size(const AccuracyOptions& options) {
   const auto [width, height] = size_option(options.size);
   if (std::min(width, height) < 8 || std::max(width, height) > 4096)
-    throw UsageError("--size: expected 8 to 4096 pixels a side");
+    throw UsageError("--size: expected 8 to 4096 pixels per side");
   return {width, height};
 }
 
@@ -92,7 +92,7 @@ void publish(const Bench& b, const AccuracyOptions& options) {
 }
 
 int run_hard(const AccuracyOptions& options) {
-  if (!options.bake.source.empty()) throw UsageError("--hard has scenes of its own: expected no SCENE");
+  if (!options.bake.source.empty()) throw UsageError("--hard generates its scenes: expected no SOURCE");
   const SuiteFolder folder(options.bake.out);
   const bench::HardBenchRequest request{folder.path(), options.bake.asked.backend, threads_of(options.bake),
                                         options.million_triangles};
@@ -136,8 +136,8 @@ int expect_measured(const bench::LeakBench& b) {
 /// Fails only if a scene was not measured; leaks have no documented bound.
 int run_leaks(const AccuracyOptions& options) {
   const bool is_given = !options.bake.source.empty();
-  if (is_given && options.bake.voxel_size.empty()) throw UsageError("--leaks with a SCENE: expected --voxel-size too");
-  if (is_given && !options.families.empty()) throw UsageError("--scenes: they are made; expected no SCENE beside it");
+  if (is_given && options.bake.voxel_size.empty()) throw UsageError("--leaks with a SOURCE: expected --voxel-size");
+  if (is_given && !options.families.empty()) throw UsageError("--scenes selects generated scenes: expected no SOURCE");
   const SuiteFolder folder(options.bake.out);
   const bench::LeakBenchRequest request = leak_request_of(options, folder.path());
   const bench::LeakBench b = with_progress([&](const Progress& progress) {
@@ -178,7 +178,7 @@ int run(const AccuracyOptions& options) {
   if (options.hard) return run_hard(options);
   if (options.leaks) return run_leaks(options);
   if (options.bake.source.empty() || options.bake.out.empty() || options.bake.voxel_size.empty())
-    throw UsageError("expected SCENE, -o and --voxel-size, or --hard, or --leaks");
+    throw UsageError("expected SOURCE, -o and --voxel-size, or --hard, or --leaks");
   if (options.light) return run_pictures(options, bench::bench_light);
   if (options.motion) return run_pictures(options, bench::bench_motion);
   bench::AccuracyBenchRequest request = request_of(options);
@@ -195,43 +195,44 @@ int run(const AccuracyOptions& options) {
 }  // namespace
 
 void add_bench_accuracy(CLI::App& bench, int& exit_code) {
-  auto* command =
-      bench.add_subcommand("accuracy", "Speed against error: many settings, each against pictures of the triangles");
+  auto* command = bench.add_subcommand(
+      "accuracy", "Measure speed and error of many settings, compared with images of the triangles");
   auto o = std::make_shared<AccuracyOptions>();
   BakeOptions& bake = o->bake;
-  command->add_option("SCENE", bake.source, "what to bake: see below");
-  command->add_option("-o,--out", bake.out, "folder for bakes, pictures and plots, which are replaced");
-  command->add_option("--voxel-size", bake.voxel_size, "metres; half of the settings have voxels of twice that");
+  command->add_option("SOURCE", bake.source, "input of the bakes: see below");
+  command->add_option("-o,--out", bake.out, "folder for bakes, images and plots, which are replaced");
+  command->add_option("--voxel-size", bake.voxel_size,
+                      "edge of a voxel, metres; half of the settings use twice this edge");
   auto* hard = command->add_flag(
       "--hard", o->hard,
-      "the suite of hard cases instead, which needs no SCENE: exit code 1 where a claimed bound fails");
+      "run the suite of hard cases instead, which needs no SOURCE; exit code 1 if a claimed bound does not hold");
   command
-      ->add_flag(
-          "--leaks", o->leaks,
-          "light through opaque surfaces instead, from every side and distance: of SCENE, or without one of planes, "
-          "hills, steps, walls, panes, wires and a crown")
+      ->add_flag("--leaks", o->leaks,
+                 "measure light through opaque surfaces instead, from each side and distance; without SOURCE: through "
+                 "generated planes, hills, steps, walls, translucent surfaces, wires and a tree crown")
       ->excludes(hard);
   command
       ->add_flag("--motion", o->motion,
-                 "motion instead: how much frames a fraction of a pixel apart differ along fixed paths, of voxels with "
-                 "levels blended and without, and of triangles")
+                 "measure motion instead: the difference between frames that are a fraction of a pixel apart on fixed "
+                 "paths, for voxels with and without blended levels, and for triangles")
       ->excludes(hard);
   command
       ->add_flag("--light", o->light,
-                 "the light of pictures instead: sun and sky with shadows against triangles that stand in their light, "
-                 "and what frames take with them and without")
+                 "measure lighting instead: sun and sky with shadows, compared with shadowed triangles, and the time "
+                 "of frames with and without shadows")
       ->excludes(hard);
   command
       ->add_option("--scene-voxels", o->scene_voxels,
-                   "how wide the scenes of --leaks are; from afar only scenes are seen that are 24 pixels wide there")
+                   "width of the scenes of --leaks in voxels; distant views include only scenes that are at least 24 "
+                   "pixels wide")
       ->capture_default_str()
       ->check(CLI::Range(32, 32768));
-  command->add_option("--scenes", o->families, "of --leaks, some kinds alone, with commas between them (all)")
+  command->add_option("--scenes", o->families, "classes of scenes for --leaks, separated by commas (all)")
       ->delimiter(',')
       ->check(one_of(bench::leak_families()));
   command
       ->add_option("--million-triangles", o->million_triangles,
-                   "of the hard case that has all of them in one voxel, in millions")
+                   "millions of triangles of the hard case that has all triangles in one voxel")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
   command
@@ -241,32 +242,31 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
   add_choice(*command, "--up", bake.asked.source_options.scene_up,
              "axis that points up in the source (tilesets z, mesh files y)");
   command->add_flag("--local", bake.asked.source_options.local,
-                    "no georeference: the source's own frame, turned to z up");
-  command->add_option("--threads", bake.asked.threads, "all cores unless said otherwise");
-  add_choice(*command, "--backend", bake.asked.backend, "where cells are baked; auto: on a GPU where there is one");
-  command->add_option("--samples", o->samples, "rays of the reference, a pixel")
+                    "no georeference: use the source's frame, rotated to z up");
+  command->add_option("--threads", bake.asked.threads, "CPU threads (all cores)");
+  add_choice(*command, "--backend", bake.asked.backend, "backend of the bakes; auto: a GPU if there is one");
+  command->add_option("--samples", o->samples, "rays per pixel of the reference")
       ->capture_default_str()
       ->check(CLI::Range(1, 65536));
-  command->add_option("--settings", o->settings, "some of them alone, with commas between them (all)")
+  command->add_option("--settings", o->settings, "settings to measure, separated by commas (all)")
       ->delimiter(',')
       ->check(one_of(bench::accuracy_setting_names()));
   command
-      ->add_option(
-          "--voxels", o->voxels,
-          "that are held against the triangles, of each setting, at most; and four times as many points of the "
-          "surface")
+      ->add_option("--voxels", o->voxels,
+                   "max voxels of each setting to compare with the triangles; four times as many points of the surface "
+                   "are compared")
       ->capture_default_str()
       ->check(CLI::Range(1, 10000000));
-  command->add_option("--repeats", o->repeats, "bakes of each setting; the fastest counts")
+  command->add_option("--repeats", o->repeats, "number of bakes of each setting; the fastest is reported")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  command->add_option("--scales", o->scales, "of the pictures: voxels a pixel, with commas between them")
+  command->add_option("--scales", o->scales, "scales of the images in voxels per pixel, separated by commas")
       ->delimiter(',')
       ->capture_default_str()
       ->check(CLI::Range(1.0 / 16, 65536.0));
-  command->add_option("--size", o->size, "WIDTHxHEIGHT of the largest pictures")->capture_default_str();
-  command->add_option("--json", o->json, "JSON file to write: all figures");
-  command->add_option("--markdown", o->markdown, "Markdown file to write: the tables that are printed");
+  command->add_option("--size", o->size, "WIDTHxHEIGHT of the largest images")->capture_default_str();
+  command->add_option("--json", o->json, "JSON file to write: all results");
+  command->add_option("--markdown", o->markdown, "Markdown file to write: the printed tables");
   command->callback([o, &exit_code] { exit_code = run(*o); });
 }
 

@@ -12,7 +12,8 @@ constexpr std::size_t listed_first = 6, listed_then = 10;
 }  // namespace
 
 void print_text(const bench::LiveBench& b) {
-  fmt::print("somebody looks, {}x{}: every frame until it rests, against the last one\n\n", b.width, b.height);
+  fmt::print("interactive viewer, {}x{}: each frame until the image is complete, compared with the last frame\n\n",
+             b.width, b.height);
   fmt::print("{:>8} {:>12} {:>9} {:>12}\n", "after, s", "pixels", "holes, %", "mean error");
   const std::size_t step = std::max<std::size_t>(1, b.frames.size() / listed_then);
   for (std::size_t i = 0; i < b.frames.size(); ++i) {
@@ -21,9 +22,9 @@ void print_text(const bench::LiveBench& b) {
     fmt::print("{:>8.2f} {:>12} {:>9.2f} {:>12.2f}\n", f.at_s, fmt::format("{}x{}", f.width, f.height), 100 * f.holes,
                f.mean_error);
   }
-  fmt::print("\nat rest after {:.2f} s; render takes {:.2f} s for the same picture: {}\n", b.rest_s, b.render_s,
-             b.same_as_rendered ? "the same bytes" : "NOT the same bytes");
-  fmt::print("a movement during a full frame is answered after {:.0f} ms (median), {:.0f} ms (worst)\n",
+  fmt::print("\ncomplete after {:.2f} s; render takes {:.2f} s for the same image: {}\n", b.rest_s, b.render_s,
+             b.same_as_rendered ? "equal bytes" : "bytes DIFFER");
+  fmt::print("a movement during a full frame shows after {:.0f} ms (median), {:.0f} ms (max)\n",
              1e3 * b.median_answer_s, 1e3 * b.worst_answer_s);
   fmt::print("closing during a full frame takes {:.0f} ms\n", 1e3 * b.close_s);
 }

@@ -19,7 +19,8 @@ void print_line(const std::string& name, const bench::ColumnPacking& p) {
 }
 
 void print_pack_text(const bench::PackBench& b) {
-  fmt::print("{:<16} {:>7} {:>13}  {:>21}  {:>21}  bytes\n", "column", "chunks", "raw bytes", "a core", "libdeflate 1");
+  fmt::print("{:<16} {:>7} {:>13}  {:>21}  {:>21}  bytes\n", "column", "chunks", "raw bytes", "one core",
+             "libdeflate 1");
   for (const auto& [name, packing] : b.columns) print_line(name, packing);
   print_line("all", b.all);
   if (b.device_reason.empty()) {
@@ -30,7 +31,7 @@ void print_pack_text(const bench::PackBench& b) {
   } else {
     fmt::print("device: {}\n", b.device_reason);
   }
-  fmt::print("{}\n", b.differ ? "what was packed DIFFERS" : "all packed alike, and unpacked to what was packed");
+  fmt::print("{}\n", b.differ ? "the packed data DIFFER" : "all results are equal, and unpacking restores the input");
 }
 
 void print_pack_json(const bench::PackBench& b) {
@@ -56,19 +57,20 @@ void print_pack_json(const bench::PackBench& b) {
 }  // namespace
 
 void add_bench_pack(CLI::App& bench, int& exit_code) {
-  auto* command = bench.add_subcommand("pack", "Deflate of a bake's shards: the host's, a device's and libdeflate's");
+  auto* command =
+      bench.add_subcommand("pack", "Time Deflate of a bake's shards: on the host, on a GPU and by libdeflate");
   struct Options {
     bench::PackBenchRequest request;
     bool json = false;
   };
   auto options = std::make_shared<Options>();
-  command->add_option("shards", options->request.shards, "folder with shards, whose chunks are packed again")
+  command->add_option("shards", options->request.shards, "folder with shards; their chunks are compressed again")
       ->required()
       ->check(CLI::ExistingDirectory);
-  command->add_option("--repeats", options->request.repeats, "runs; the fastest counts")
+  command->add_option("--repeats", options->request.repeats, "number of runs; the fastest is reported")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  command->add_option("--most-bytes", options->request.max_bytes, "raw bytes to pack, of the first shards")
+  command->add_option("--most-bytes", options->request.max_bytes, "max raw bytes to compress, from the first shards")
       ->capture_default_str();
   command->add_flag("--json", options->json, "print JSON");
   command->callback([options, &exit_code] {

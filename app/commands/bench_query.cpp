@@ -23,12 +23,12 @@ struct QueryBenchArguments {
 };
 
 void print_text(const bench::QueryBench& b) {
-  fmt::print("{}, {} of them hit; {:.2f} million/s, {:.2f} with {} built; {:.2f} µs of one core a ray\n",
+  fmt::print("{}, {} of them hit; {:.2f} million/s, {:.2f} with {} built; {:.2f} µs of one core per ray\n",
              counted(b.rays, "ray"), b.hits, 1e-6 * double(b.rays) / b.query_s,
              1e-6 * double(b.rays) / b.build_and_query_s, counted(b.trees_built, "tree"),
              1e6 * b.cpu_s / double(b.rays));
   fmt::print(
-      "against Embree: {} the same, {} graze what one of the two passed, {} begin in or at a voxel, {} wrong;\n"
+      "against Embree: {} equal, {} graze a voxel that only one of the two hits, {} begin in or at a voxel, {} wrong;\n"
       "distances differ by at most {:.2g} voxels\n",
       b.same, b.grazing, b.inside, b.wrong, b.max_gap);
   if (!b.first_wrong.empty()) fmt::print("wrong: {}\n", b.first_wrong);
@@ -55,7 +55,7 @@ int run(QueryBenchArguments& a) {
   a.request.scene = scene_argument(a.scene);
   a.request.threads = a.threads != 0 ? a.threads : host_limits().cores();
   const bench::QueryBench result = while_reading([&](const Progress& progress) {
-    progress.step("casting rays here and with Embree");
+    progress.step("casting rays with gigabake and Embree");
     return bench::bench_queries(a.request);
   });
   if (a.json)
@@ -70,14 +70,17 @@ int run(QueryBenchArguments& a) {
 }  // namespace
 
 void add_bench_query(CLI::App& bench, int& exit_code) {
-  CLI::App& command = *bench.add_subcommand("query", "Rays of `query` against Embree, through the voxels' cubes");
+  CLI::App& command = *bench.add_subcommand(
+      "query", "Compare the rays of `query` with rays that Embree casts through the cubes of the voxels");
   const auto a = std::make_shared<QueryBenchArguments>();
-  command.add_option("SCENE", a->scene, "OUT of a bake, or OUT/scene.xml")->required();
-  command.add_option("--rays", a->request.rays, "how many")->capture_default_str()->check(CLI::Range(1, 1000000000));
+  command.add_option("SCENE", a->scene, "folder of a bake, or its scene.xml")->required();
+  command.add_option("--rays", a->request.rays, "number of rays")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000000));
   command.add_option("--lod", a->request.lod, "level of the voxels")->capture_default_str()->check(CLI::Range(0, 10));
-  command.add_option("--seed", a->request.seed, "another seed, other rays")->capture_default_str();
+  command.add_option("--seed", a->request.seed, "seed of the random rays")->capture_default_str();
   command.add_option("--threads", a->threads, "CPU threads (all cores)");
-  command.add_option("--memory", a->request.memory_bytes, "bytes of trees to hold, as 512M (1G)")
+  command.add_option("--memory", a->request.memory_bytes, "max bytes of trees in memory, such as 512M (1G)")
       ->transform(CLI::AsSizeValue(false));
   command.add_flag("--json", a->json, "print JSON");
   command.callback([a, &exit_code] { exit_code = run(*a); });

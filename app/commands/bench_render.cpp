@@ -69,8 +69,8 @@ void print_text(const bench::FirstHitBench& b) {
                  mrays_per_s(row, t.median_s), mrays_per_s(row, t.best_with_looks_s),
                  mrays_per_s(row, t.median_with_looks_s), row.differ, row.within_rounding, row.wrong);
   fmt::print(
-      "\ndiffer: hits that are not the same bits on both backends; rounded, wrong: of {} a view that were\n"
-      "compared with steps in double precision, those right within 2^-20 of the tree's edge, and not even so\n",
+      "\ndiffer: hits whose bits differ between the backends; rounded, wrong: of the {} per view that were\n"
+      "compared with double precision, those with an error up to 2^-20 of the tree's edge, and those with more\n",
       counted(b.rows.empty() ? 0 : b.rows[0].reference_rays, "hit"));
 }
 
@@ -147,13 +147,13 @@ int run(const RenderBenchOptions& options) {
   }
   if (wants("frames") || wants("flight")) {
     const auto result =
-        timed("drawing frames", [&] { return bench::bench_frames(frames_of(options, request, renderer)); });
+        timed("rendering frames", [&] { return bench::bench_frames(frames_of(options, request, renderer)); });
     if (result.surface_pixels() == 0) print_message("gigabake: no frame shows a voxel: nothing was measured\n");
     tell("frames", result);
   }
   if (wants("live")) {
     const auto result = timed(
-        "moving a viewer", [&] { return bench::bench_live(pictures_of<bench::LiveBenchRequest>(request, renderer)); });
+        "running a viewer", [&] { return bench::bench_live(pictures_of<bench::LiveBenchRequest>(request, renderer)); });
     if (result.surface_pixels == 0) print_message("gigabake: the viewer shows no voxel: nothing was measured\n");
     tell("live", result);
   }
@@ -164,26 +164,26 @@ int run(const RenderBenchOptions& options) {
 }  // namespace
 
 void add_bench_render(CLI::App& bench, int& exit_code) {
-  auto* command = bench.add_subcommand("render", "Rays and frames from fixed views, and a flight");
+  auto* command = bench.add_subcommand("render", "Time rays and frames from fixed views and along a flight");
   auto options = std::make_shared<RenderBenchOptions>();
-  command->add_option("SCENE", options->scene, "OUT of a bake, or OUT/scene.xml")->required();
-  command->add_option("--size", options->size, "WIDTHxHEIGHT in pixels, and as many random rays")
+  command->add_option("SCENE", options->scene, "folder of a bake, or its scene.xml")->required();
+  command->add_option("--size", options->size, "WIDTHxHEIGHT in pixels; there are as many random rays")
       ->capture_default_str();
-  command->add_option("--repeats", options->repeats, "runs of each view; at most three on the CPU")
+  command->add_option("--repeats", options->repeats, "runs per view; at most three on the CPU")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  command->add_option("--what", options->what, "which part; frames: fixed views and the flight")
+  command->add_option("--what", options->what, "part to run; frames: fixed views and the flight")
       ->capture_default_str()
       ->check(one_of({"all", "first-hits", "frames", "flight", "live"}));
-  command->add_option("--flight", options->flight_frames, "frames of the flight")
+  command->add_option("--flight", options->flight_frames, "number of frames of the flight")
       ->capture_default_str()
       ->check(CLI::Range(0, 100000));
-  command->add_option("--upload-ms", options->upload_ms, "time for new data in each frame")
+  command->add_option("--upload-ms", options->upload_ms, "milliseconds for uploads per frame")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1e6));
   add_renderer_options(*command, options->renderer);
-  command->add_option("--lod", options->lod, "the finest level that is kept")->check(CLI::Range(0, 10));
-  command->add_option("--reference-rays", options->reference_rays, "of each view, that are checked")
+  command->add_option("--lod", options->lod, "finest level to keep")->check(CLI::Range(0, 10));
+  command->add_option("--reference-rays", options->reference_rays, "rays per view to check")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000000));
   command->add_flag("--json", options->json, "print JSON");

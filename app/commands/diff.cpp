@@ -76,17 +76,16 @@ int exit_code_of(const SceneDifference& d) {
 }  // namespace
 
 void add_diff(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand(
-      "diff",
-      "Do two scenes hold the same voxels? Which cells differ, by how much; levels with equal recorded hashes are not "
-      "read (verify reads them); exit code 0: the same, 1: they differ, 2: they cannot be compared, 3: the same, but "
-      "incomplete");
+  auto* command = app.add_subcommand("diff",
+                                     "Compare the voxels of two scenes, and list the cells that differ and by how "
+                                     "much; levels with equal recorded hashes are not read (verify reads them); exit "
+                                     "code 0: equal, 1: different, 2: not comparable, 3: equal, but incomplete");
   auto a = std::make_shared<std::string>(), b = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false), quiet = std::make_shared<bool>(false);
-  command->add_option("A", *a, "OUT of a bake, or OUT/scene.xml")->required();
-  command->add_option("B", *b, "the same of another")->required();
+  command->add_option("A", *a, "folder of a bake, or its scene.xml")->required();
+  command->add_option("B", *b, "folder of another bake, or its scene.xml")->required();
   command->add_flag("--json", *json, "print the answer as JSON");
-  command->add_flag("-q,--quiet", *quiet, "print nothing: the exit code says whether they differ");
+  command->add_flag("-q,--quiet", *quiet, "print nothing; the exit code is the answer");
   command->callback([a, b, json, quiet, &exit_code] {
     try {
       const SceneDifference d = while_reading(

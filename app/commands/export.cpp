@@ -69,10 +69,10 @@ const ExportFormat& chosen_format(const ExportOptions& o) {
   const std::string suffix = std::filesystem::path(o.out).extension().string();
   for (const ExportFormat& f : formats)
     if (o.format.empty() ? *f.suffix != 0 && suffix == f.suffix : o.format == f.name) return f;
-  throw UsageError(
-      fmt::format("--to: the name '{}' does not say the format; expected .ply, .nvdb, .vdb or .3tz at its end, or "
-                  "--to with one of {}",
-                  o.out, fmt::join(format_names(), ", ")));
+  throw UsageError(fmt::format(
+      "--to: the name '{}' does not determine the format; expected a name that ends in .ply, .nvdb, .vdb or .3tz, or "
+      "--to with one of {}",
+      o.out, fmt::join(format_names(), ", ")));
 }
 
 /// Rejects tileset options.
@@ -80,8 +80,7 @@ const ExportFormat& chosen_format(const ExportOptions& o) {
 void expect_no_tile_options(const CLI::App& command, const ExportFormat& format) {
   for (const char* name : {"--tile-voxels", "--threads", "--update"})
     if (command.count(name) != 0)
-      throw UsageError(
-          fmt::format("{}: is of --to 3dtiles and 3dtiles-gltf; {} has no such option", name, format.name));
+      throw UsageError(fmt::format("{}: is an option of --to 3dtiles and 3dtiles-gltf, not of {}", name, format.name));
 }
 
 void print_done(const ExportOptions& o, std::uint64_t voxels) {
@@ -120,14 +119,14 @@ int run_on_rank(const ExportOptions& options, const ExportFormat& format, MpiSes
 void add_tile_options(CLI::App& command, ExportOptions& options) {
   command
       .add_option("--tile-voxels", options.tiles.tile_voxels,
-                  "3dtiles: edge of a tile in voxels, 8 to 126 (80 to 112, as fits the scene)")
+                  "3dtiles: edge of a tile in voxels, 8 to 126 (80 to 112, chosen to fit the scene)")
       ->check(CLI::Range(8, 126));
   command
       .add_option("--threads", options.tiles.threads,
                   "3dtiles: threads of each rank (the host's cores shared by its ranks)")
       ->check(CLI::Range(0, 1024));
   command.add_flag("--update", options.tiles.update,
-                   "3dtiles: the folder is an earlier export of the scene; rewrite the tiles that changed");
+                   "3dtiles: update an earlier export of the scene; only tiles that changed are rewritten");
 }
 
 }  // namespace
@@ -136,15 +135,15 @@ void add_export(CLI::App& app, int& exit_code) {
   auto* command =
       app.add_subcommand("export", "Write a baked scene's voxels in another format; 3dtiles under mpirun on all ranks");
   auto o = std::make_shared<ExportOptions>();
-  command->add_option("SCENE", o->scene, "OUT of a bake, or OUT/scene.xml")->required();
-  command->add_option("--to", o->format, "the format (what -o ends in: .ply, .nvdb, .vdb, .3tz)")
+  command->add_option("SCENE", o->scene, "folder of a bake, or its scene.xml")->required();
+  command->add_option("--to", o->format, "format (default: by the suffix of -o: .ply, .nvdb, .vdb, .3tz)")
       ->check(one_of(format_names()));
   command->add_option("-o,--out", o->out, "file to write; new folder for the formats of many files")->required();
   command->add_option("--lod", o->lod, "level to write; 3dtiles and gigavoxel: the finest")
       ->capture_default_str()
       ->check(CLI::Range(0, 62));
   add_tile_options(*command, *o);
-  command->add_flag("-q,--quiet", o->quiet, "print errors alone");
+  command->add_flag("-q,--quiet", o->quiet, "print only errors");
   command->callback([o, command, &exit_code] {
     const ExportFormat& format = chosen_format(*o);
     o->scene = scene_argument(o->scene).string();

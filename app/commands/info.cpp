@@ -129,10 +129,10 @@ void print_text(const Info& info) {
 }  // namespace
 
 void add_info(CLI::App& app, int&) {
-  auto* command = app.add_subcommand("info", "Levels, voxels, bytes, extents and content hash of a baked scene");
+  auto* command = app.add_subcommand("info", "Print levels, voxels, bytes, extents and content hash of a baked scene");
   auto scene = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false);
-  command->add_option("SCENE", *scene, "OUT of a bake, or OUT/scene.xml")->required();
+  command->add_option("SCENE", *scene, "folder of a bake, or its scene.xml")->required();
   command->add_flag("--json", *json, "print the answer as JSON");
   command->callback([scene, json] {
     const std::filesystem::path file = scene_argument(*scene);

@@ -71,18 +71,18 @@ int run_until_stopped(const PlanOptions& options, MpiSession& mpi) {
 }  // namespace
 
 void add_plan(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("plan",
-                                     "What a bake would come to: voxels, bytes on disk and minutes, of this voxel "
-                                     "size, half and twice it; and its cells");
+  auto* command = app.add_subcommand(
+      "plan",
+      "Predict voxels, bytes on disk and minutes of a bake, for this voxel size, half and twice it; list its cells");
   auto options = std::make_shared<PlanOptions>();
   options->bake.add_to(*command);
   command->add_option("-o,--out", options->bake.out,
-                      "folder of an earlier bake: print how many cells remain to be baked, why, and how long that "
-                      "takes; nothing is written");
+                      "folder of an earlier bake: also print how many cells a bake into it would bake, why, and how "
+                      "long that takes; nothing is written");
   command->add_flag("--cells", options->lists_cells, "list every cell, with -o also whether it would be baked and why");
   command->add_flag("--measure,!--no-measure", options->measures,
-                    "bake pieces of the scene for about four seconds, aside (default); without, no time is known, and "
-                    "voxels and bytes only from the surface's area");
+                    "bake pieces of the scene for about four seconds into a temporary folder (default); without this, "
+                    "no time is predicted, and voxels and bytes only from the area of the surface");
   command->callback([options, &exit_code] {
     const StopSignals signals;  // before MPI starts, because mpirun passes signals on from the beginning
     exit_code = on_all_ranks("plan", [&](MpiSession& mpi) { return run_until_stopped(*options, mpi); });

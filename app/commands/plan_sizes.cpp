@@ -28,15 +28,15 @@ std::string row(const MeasuredSize& size, bool is_asked, const PlanSizes& sizes)
   return fmt::format("  {:>10} {:>12} {:>14}   {}{}\n", fmt::format("{:g} m", size.voxel_size_m),
                      readable_count(double(size.estimate.voxels_lod0)), readable_bytes(size.estimate.bytes),
                      seconds ? "about " + readable_seconds(*seconds) : "not measured",
-                     is_asked ? "   <- asked for" : "");
+                     is_asked ? "   <- requested" : "");
 }
 
 /// Returns the basis of the numbers: the area only, or baked sample cells.
 std::string basis(const MeasuredSize& size, const PlanSizes& sizes) {
   if (size.pieces == 0)
     return size.problem.empty()
-               ? std::string("from the surface's area alone, nothing was baked; real bakes may be off by half\n")
-               : fmt::format("from the surface's area alone, since nothing could be measured: {}\n",
+               ? std::string("from the surface's area only, nothing was baked; real bakes may differ by half\n")
+               : fmt::format("from the surface's area only, because nothing could be measured: {}\n",
                              with_flags(size.problem));
   std::string text =
       fmt::format("measured: {} of {} baked in {:.1f} s by one rank on {}, {:.1f} % of the surface",
@@ -50,11 +50,11 @@ std::string suggestion(const PlanSizes& sizes) {
   const double texel_m = sizes.measure.textures.texel_m;
   if (texel_m <= 0) return "";
   const double wanted_m = round_size(texel_m), asked_m = sizes.measure.sizes[asked].voxel_size_m;
-  const char* verdict = asked_m > 1.5 * wanted_m   ? "coarser ones lose some of it"
-                        : asked_m < wanted_m / 1.5 ? "finer ones sharpen shapes, not colours"
-                                                   : "as asked for";
-  return fmt::format("texels of the textures are about {:.2g} m: voxels of {:g} m show what is in them; {}\n", texel_m,
-                     wanted_m, verdict);
+  const char* verdict = asked_m > 1.5 * wanted_m   ? "coarser voxels lose some of it"
+                        : asked_m < wanted_m / 1.5 ? "finer voxels sharpen shapes, not colours"
+                                                   : "this is the requested size";
+  return fmt::format("texels of the textures are about {:.2g} m: voxels of {:g} m show their full detail; {}\n",
+                     texel_m, wanted_m, verdict);
 }
 
 /// Returns the scratch space that the bake needs on disk; empty if all data fits into memory.
@@ -67,7 +67,7 @@ std::string scratch_line(const PlanMeasure& m) {
             (line.empty() ? " of scratch for large textures" : " for large textures");
   if (line.empty()) return "";
   line += " in " + m.scratch_folder.string() + " while cells are baked";
-  return line + (textures ? "\n" : ", and 7 bytes a texel of large textures\n");
+  return line + (textures ? "\n" : ", and 7 bytes per texel of large textures\n");
 }
 
 void add_scratch(const PlanMeasure& m, nlohmann::ordered_json& j) {

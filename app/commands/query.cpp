@@ -41,7 +41,7 @@ struct QueryArguments {
 
 std::unique_ptr<QuerySource> one_ray(const QueryArguments& a) {
   const char* const form =
-      "X,Y,Z,DX,DY,DZ or X,Y,Z,AZIMUTH,ELEVATION, the latter alone with --coordinates lonlat, in place of X,Y,Z then";
+      "X,Y,Z,DX,DY,DZ or X,Y,Z,AZIMUTH,ELEVATION, only the latter with --coordinates lonlat, in place of X,Y,Z then";
   const auto v =
       a.frame == QueryFrame::lonlat ? numbers("--ray", form, a.ray, {5}) : numbers("--ray", form, a.ray, {5, 6});
   QueryInput ask{{}, {v[0], v[1], v[2]}, {v[3], v[4], v.size() == 6 ? v[5] : 0}};
@@ -68,7 +68,7 @@ Asked question_of(const QueryArguments& a, const ThreadPool& pool) {
     return {QueryKind::height, single_query({{}, {v[0], v[1], 0}, {}}, DirectionForm::point, "--at")};
   }
   if (!a.grid.empty()) {
-    const auto v = numbers("--grid", "X,Y,X,Y: its lower and its upper corner", a.grid, {4});
+    const auto v = numbers("--grid", "X,Y,X,Y: lower and upper corner", a.grid, {4});
     return {QueryKind::height, grid_queries({{v[0], v[1], v[2], v[3]}, a.step})};
   }
   const auto v = numbers("--sight", "X,Y,Z,X,Y,Z: two points", a.sight, {6});
@@ -135,7 +135,7 @@ int tell(const QueryArguments& a, QueryKind kind, const QueryTally& tally, Scene
                of(QueryOutcome::missing), counted(query.counts().trees_built, "tree"),
                readable_size(query.counts().peak_bytes));
   if (of(QueryOutcome::missing) > 0)
-    print_message("gigabake: {} came to a cell that is missing; bake the scene again\n",
+    print_message("gigabake: {} reached a cell that is missing; bake the scene again\n",
                   counted(of(QueryOutcome::missing), "ray"));
   if (!a.quiet) warn_of_outside(kind, tally);
   return of(QueryOutcome::missing) > 0 ? cells_failed : complete;
@@ -177,36 +177,39 @@ void add_questions(CLI::App& command, QueryArguments& a) {
   command.add_option(
       "--grid", a.grid,
       "X,Y,X,Y: heights at points from a lower to an upper corner, --step apart, to within half a voxel");
-  command.add_option("--step", a.step, "metres, or degrees, between points of --grid");
+  command.add_option("--step", a.step, "distance between points of --grid, metres or degrees");
   command.add_option("--sight", a.sight, "X,Y,Z,X,Y,Z: whether two points see each other");
   command.add_option("--sights", a.sights, "CSV file of pairs of points");
-  add_choice(command, "--coordinates", a.frame, "scene metres, or longitude, latitude and height; of answers too");
+  add_choice(command, "--coordinates", a.frame,
+             "coordinates of input and answers: scene metres, or longitude, latitude and height");
 }
 
 }  // namespace
 
 void add_query(CLI::App& app, int& exit_code) {
-  CLI::App& command = *app.add_subcommand("query", "What rays meet first: rays, heights, lines of sight");
+  CLI::App& command = *app.add_subcommand("query", "Print what rays hit first: rays, heights, lines of sight");
   const auto a = std::make_shared<QueryArguments>();
-  command.add_option("SCENE", a->scene, "OUT of a bake, or OUT/scene.xml")->required();
+  command.add_option("SCENE", a->scene, "folder of a bake, or its scene.xml")->required();
   add_questions(command, *a);
-  add_choice(command, "--format", a->format, "of the answers");
+  add_choice(command, "--format", a->format, "format of the answers");
   command.add_option("-o,--output", a->out, "file to write (standard output)");
-  command.add_option("--lod", a->options.lod, "the finest level that rays look at")->capture_default_str();
+  command.add_option("--lod", a->options.lod, "finest level that rays hit")->capture_default_str();
   command
       .add_option("--footprint", a->options.spread,
-                  "metres that a ray gets wider a metre: it meets the coarsest voxels that are no wider; 0: those of "
-                  "--lod")
+                  "growth of a ray's width, metres per metre: it hits the coarsest voxels that are not wider than the "
+                  "ray; 0: the voxels of --lod")
       ->capture_default_str();
-  command.add_option("--max-distance", a->max_distance_m, "metres that rays and lines of sight go (no end)");
+  command.add_option("--max-distance", a->max_distance_m, "max length of rays and lines of sight, metres (unlimited)");
   command
       .add_option("--ignore-ends", a->ignore_ends_m,
-                  "metres: what is so near to a point of a line of sight does not block it")
+                  "metres: surfaces within this distance of an end of a line of sight do not block it")
       ->capture_default_str();
   command.add_option("--threads", a->threads, "CPU threads (all cores)");
-  command.add_option("--memory", a->options.memory_bytes, "bytes to hold, as 512M or 4G; 0: half of the host's (1G)")
+  command
+      .add_option("--memory", a->options.memory_bytes,
+                  "max bytes of voxels in memory, such as 512M or 4G; 0: half of the host's memory (1G)")
       ->transform(CLI::AsSizeValue(false));
-  command.add_flag("-q,--quiet", a->quiet, "print errors alone");
+  command.add_flag("-q,--quiet", a->quiet, "print only errors");
   command.callback([a, &exit_code] {
     a->scene = scene_argument(a->scene).string();
     expect_apart(*a);

@@ -67,7 +67,8 @@ Clip clip_options(const RenderArguments& a) {
     clip.box_m = {Point<Scene>{v[0], v[1], v[2]}, Point<Scene>{v[3], v[4], v[5]}};
   }
   if (!a.clip_plane.empty()) {
-    const auto v = numbers("--clip-plane", "X,Y,Z,DX,DY,DZ: a point and the way that is shown", a.clip_plane, {6});
+    const auto v =
+        numbers("--clip-plane", "X,Y,Z,DX,DY,DZ: a point and the direction to the shown side", a.clip_plane, {6});
     clip.plane = {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
   }
   return clip;
@@ -88,7 +89,7 @@ CameraOptions camera_options(const RenderArguments& a) {
 View view_of(const RenderArguments& a) {
   if (!a.depth.empty() && picture_format("--depth", a.depth) != PictureFormat::exr)
     throw UsageError(fmt::format("--depth: expected a name that ends in .exr, got '{}'", a.depth));
-  if (a.depth == a.picture) throw UsageError("--depth: expected another file than -o, which holds depth already");
+  if (a.depth == a.picture) throw UsageError("--depth: expected another file than -o, which contains depth already");
   View view;
   const PictureFormat format = picture_format("-o", a.picture);
   if (format == PictureFormat::exr) view.light = PictureLight::linear_too;
@@ -110,7 +111,7 @@ FrameRenderer::Options renderer_options_of(const RenderArguments& a) {
 /// Prints why images were rendered coarser than requested, and returns the exit code for it.
 int print_problems(const FrameRenderer& renderer) {
   for (const std::string& problem : renderer.problems())
-    print_message("gigabake: drawn coarser: {}\n", with_flags(problem));
+    print_message("gigabake: rendered from coarser levels: {}\n", with_flags(problem));
   return renderer.problems().empty() ? complete : cells_failed;
 }
 
@@ -145,7 +146,7 @@ int run(const RenderArguments& a) {
   if (!a.quiet) print_sun(a.sun, view);
   const auto draw = [&](const Progress& progress) {
     Frame drawn = renderer.draw_exact(view, progress);
-    progress.step("writing the picture");
+    progress.step("writing the image");
     write_files(a, drawn.picture, renderer.scene().header().voxel_size_m, [](const std::string& name) { return name; });
     return drawn;
   };
@@ -160,7 +161,7 @@ int run(const RenderArguments& a) {
 }
 
 std::vector<double> frame_times(const RenderArguments& a, const CameraPath& path) {
-  if ((a.frames != 0) == (a.fps != 0)) throw UsageError("--path: expected either --frames or --fps beside it");
+  if ((a.frames != 0) == (a.fps != 0)) throw UsageError("--path: expected either --frames or --fps");
   return a.frames != 0 ? times_of_frames(path, a.frames) : times_at_rate(path, a.fps);
 }
 
@@ -207,45 +208,47 @@ int run_path(const RenderArguments& a) {
 /// Rejects options that apply to a --path only.
 void check_path_options(const RenderArguments& a) {
   if (a.frames != 0 || a.fps != 0 || a.live || !a.stats.empty())
-    throw UsageError("--frames, --fps, --live and --stats: expected a --path beside them");
+    throw UsageError("--frames, --fps, --live and --stats: expected --path as well");
 }
 
 }  // namespace
 
 void add_render(CLI::App& app, int& exit_code) {
   const auto a = std::make_shared<RenderArguments>();
-  CLI::App& command = *app.add_subcommand("render", "Pictures of a baked scene: one, or many along a path");
-  command.add_option("SCENE", a->scene, "OUT of a bake, or OUT/scene.xml")->required();
+  CLI::App& command = *app.add_subcommand("render", "Render a baked scene: one image, or many along a path");
+  command.add_option("SCENE", a->scene, "folder of a bake, or its scene.xml")->required();
   command
       .add_option("-o,--output", a->picture,
-                  "picture to write: .png, .jpg or .exr (OpenEXR, linear light and depth); along a path "
-                  "frames/%04d.png or alike")
+                  "image to write: .png, .jpg or .exr (OpenEXR, linear light and depth); along a path: a pattern such "
+                  "as frames/%04d.png")
       ->required();
-  command.add_option("--depth", a->depth, "OpenEXR file to write besides: distances, metres; along a path as -o");
+  command.add_option("--depth", a->depth,
+                     "additional OpenEXR file to write: distances, metres; along a path: a pattern as for -o");
   command.add_option("--eye", a->eye, "X,Y,Z: camera, scene metres (south-east of the target, all in view)");
-  command.add_option("--target", a->target, "X,Y,Z: what the camera looks at (the middle of the scene)");
-  command.add_option("--up", a->up, "X,Y,Z: direction that is up in the picture (0,0,1)");
+  command.add_option("--target", a->target, "X,Y,Z: point at the centre of the image (the middle of the scene)");
+  command.add_option("--up", a->up, "X,Y,Z: direction that is up in the image (0,0,1)");
   command.add_option("--fovy", a->fovy_deg, "vertical field of view, degrees")->capture_default_str();
   command.add_option("--size", a->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command.add_option("--background", a->background, "sky, or R,G,B[,A]: sRGB, 0 to 255 each")->capture_default_str();
-  command.add_option("--pixel-error", a->pixel_error, "pixels that a voxel may be wide")->capture_default_str();
-  command.add_option("--clip-box", a->clip_box, "X,Y,Z,X,Y,Z: show what is in this box alone, scene metres");
+  command.add_option("--pixel-error", a->pixel_error, "max width of a voxel in pixels")->capture_default_str();
+  command.add_option("--clip-box", a->clip_box, "X,Y,Z,X,Y,Z: show only voxels in this box, scene metres");
   command.add_option("--clip-plane", a->clip_plane,
-                     "X,Y,Z,DX,DY,DZ: show what lies beyond the plane through X,Y,Z in the direction DX,DY,DZ alone");
-  command.add_option("--polygons", a->polygons,
-                     "mesh file, as .glb, in scene metres: its triangles stand among the voxels, in the picture and in "
-                     "its depth");
+                     "X,Y,Z,DX,DY,DZ: show only the side of the plane through X,Y,Z to which DX,DY,DZ points");
+  command.add_option(
+      "--polygons", a->polygons,
+      "mesh file, such as .glb, in scene metres: its triangles are rendered with the voxels, in colour and depth");
   add_light_options(command, a->light);
   add_sun_options(command, a->sun);
   add_renderer_options(command, a->renderer);
   command.add_option("--path", a->path, "camera path, JSON (docs/viewer.md); instead of --eye and --target");
-  command.add_option("--frames", a->frames, "so many, evenly along the path");
-  command.add_option("--fps", a->fps, "so many for each second of the path");
-  add_choice(command, "--mode", a->mode, "what is shown; what the colours mean: see below");
-  command.add_option("--stats", a->stats, "JSON file to write: what each frame of the path took");
-  command.add_flag("--live", a->live, "each frame once, complete or not, as somebody passing sees it");
-  command.add_option("--upload-ms", a->upload_ms, "time for new data in each frame of --live")->capture_default_str();
-  command.add_flag("-q,--quiet", a->quiet, "print errors alone");
+  command.add_option("--frames", a->frames, "number of frames, evenly distributed along the path");
+  command.add_option("--fps", a->fps, "frames per second of the path");
+  add_choice(command, "--mode", a->mode, "quantity to show; its colours: see below");
+  command.add_option("--stats", a->stats, "JSON file to write: the statistics of each frame of the path");
+  command.add_flag("--live", a->live, "render each frame once, complete or not, as an interactive viewer shows it");
+  command.add_option("--upload-ms", a->upload_ms, "milliseconds for uploads per frame of --live")
+      ->capture_default_str();
+  command.add_flag("-q,--quiet", a->quiet, "print only errors");
   command.callback([a, &exit_code] {
     if (a->path.empty()) check_path_options(*a);
     a->scene = scene_argument(a->scene).string();

@@ -26,10 +26,10 @@ struct Options {
 };
 
 std::string bake_command(const Options& o, const char* source, const char* more) {
-  return fmt::format("gigabake bake {}/{} --voxel-size {}{} -o OUT", o.dir, source, o.sample.texel_m, more);
+  return fmt::format("gigabake bake {}/{} --voxel-size {}{} -o SCENE", o.dir, source, o.sample.texel_m, more);
 }
 
-constexpr char render_command[] = "gigabake render OUT/scene.xml -o PICTURE.png";
+constexpr char render_command[] = "gigabake render SCENE/scene.xml -o IMAGE.png";
 
 void print_json(const Options& o, const sample::SampleReport& r) {
   const Geodetic& at = o.sample.origin;
@@ -87,9 +87,9 @@ void add_sample(CLI::App& app, int&) {
       ->excludes(tiles);
   command->add_option("--ground-step", o->sample.ground_step_m, "edge of the ground's quads, about, metres")
       ->capture_default_str();
-  command->add_option("--texel", o->sample.texel_m, "texel of the ground's pictures, about, metres")
+  command->add_option("--texel", o->sample.texel_m, "texel of the ground's images, about, metres")
       ->capture_default_str();
-  command->add_option("--seed", o->sample.seed, "another seed, another landscape")->capture_default_str();
+  command->add_option("--seed", o->sample.seed, "seed of the terrain")->capture_default_str();
   command->add_option("--origin,--origin-lat-lon", o->origin,
                       "LAT,LON,HEIGHT of the map's middle (46.9312,8.3017,610)");
   command->add_flag("--json", o->json, "print the answer as JSON");

@@ -37,7 +37,7 @@ void run(ServeArguments& a) {
   a.server.bake_status = [out] { return bake_status_json(out.string()); };
   LiveScene live(scene, std::move(scene_options));
   StreamServer server(live, a.server);
-  const StopSignals signals("gigabake: stopped at once; serving changes no file\n");
+  const StopSignals signals("gigabake: stopped immediately; serving changes no file\n");
   fmt::print("{}\n", server.url());
   if (!a.server.external_url.empty()) fmt::print("the proxy connects to {} port {}\n", a.server.bind, server.port());
   if (!std::filesystem::exists(scene))
@@ -59,15 +59,17 @@ void run(ServeArguments& a) {
 void add_serve(CLI::App& app, int&) {
   const auto a = std::make_shared<ServeArguments>();
   CLI::App& command = *app.add_subcommand(
-      "serve", "A baked scene, or one that is being baked, in a browser: prints the address to open");
+      "serve", "Show a baked scene, or one that is being baked, in a browser; prints the address to open");
   add_live_options(command, a->live);
-  command.add_option("--bind", a->server.bind, "address to listen on; beyond this machine a token is asked for")
+  command
+      .add_option("--bind", a->server.bind, "address to listen on; if other machines can reach it, a token is required")
       ->capture_default_str();
-  command.add_option("--port", a->server.port, "port; 0: any that is free")->capture_default_str();
-  command.add_option("--token", a->server.token, "what a browser must know (beyond this machine: made up and printed)");
+  command.add_option("--port", a->server.port, "port; 0: any free port")->capture_default_str();
+  command.add_option("--token", a->server.token,
+                     "secret that browsers must send (if other machines can connect: generated and printed)");
   command.add_option("--external-url", a->server.external_url,
                      "address under which a proxy on this machine shows the page: https://HOST/PATH/ (docs/viewer.md)");
-  command.add_option("--viewers", a->max_viewers, "how many may look at a time")->capture_default_str();
+  command.add_option("--viewers", a->max_viewers, "max number of concurrent viewers")->capture_default_str();
   command.callback([a] { run(*a); });
 }
 

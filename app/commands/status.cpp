@@ -38,8 +38,8 @@ void print_json(const Seen& seen) {
 
 void print_text(const Seen& seen) {
   fmt::print("{}", describe(seen.status, seen.now_s, seen.interrupted ? Writer::gone : Writer::there));
-  if (seen.interrupted) fmt::print("nobody bakes this any more; run the same command again to go on\n");
-  if (seen.status.state == BakeState::drained) fmt::print("run the same command again to go on\n");
+  if (seen.interrupted) fmt::print("no process bakes this scene any more; run the same command again to resume\n");
+  if (seen.status.state == BakeState::drained) fmt::print("run the same command again to resume\n");
 }
 
 int follow(const StatusOptions& options) {
@@ -70,12 +70,12 @@ int show(const StatusOptions& options) {
 
 void add_status(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("status",
-                                     "How a bake is going, from any host that sees its folder; exit code: the bake's "
-                                     "own once it is over, 1 if it was interrupted, 0 while it goes on");
+                                     "Print the progress of a bake, from any host that sees its folder; exit code: the "
+                                     "bake's own after its end, 1 if it was interrupted, 0 while it runs");
   auto options = std::make_shared<StatusOptions>();
-  command->add_option("OUT", options->out, "folder of the bake, or its scene.xml")->required();
+  command->add_option("SCENE", options->out, "folder of a bake, or its scene.xml")->required();
   command->add_flag("--json", options->json, "print the answer as JSON, one line each time");
-  command->add_flag("--follow", options->follow, "every second, until the bake ends");
+  command->add_flag("--follow", options->follow, "print the status every second until the bake ends");
   command->callback([options, &exit_code] {
     options->out = bake_folder_argument(options->out).string();
     exit_code = options->follow ? follow(*options) : show(*options);

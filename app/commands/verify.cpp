@@ -30,9 +30,9 @@ void add_verify(CLI::App& app, int& exit_code) {
                                      "fault, 3 if it is sound but incomplete");
   auto scene = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false), quiet = std::make_shared<bool>(false);
-  command->add_option("SCENE", *scene, "OUT of a bake, or OUT/scene.xml")->required();
+  command->add_option("SCENE", *scene, "folder of a bake, or its scene.xml")->required();
   command->add_flag("--json", *json, "print the answer as JSON");
-  command->add_flag("-q,--quiet", *quiet, "print faults alone: nothing where there are none");
+  command->add_flag("-q,--quiet", *quiet, "print only faults");
   command->callback([scene, json, quiet, &exit_code] {
     const std::filesystem::path file = scene_argument(*scene);
     const auto check_parent = [&file](const SceneHeader& header, const SceneCell& parent,
@@ -57,8 +57,10 @@ void add_verify(CLI::App& app, int& exit_code) {
     for (const std::string& fault : r.faults) fmt::print("{}\n", fault);
     if (*quiet) return;
     if (!r.has_totals)
-      fmt::print("{}: carries no totals, as scenes of version 1: a lost cell is not seen; bake again to have them\n",
-                 file.string());
+      fmt::print(
+          "{}: has no summary because it is a scene of version 1, so missing cells cannot be detected; bake it again "
+          "to add the summary\n",
+          file.string());
     fmt::print("{}, {}, {}: {}\n", counted(r.cells, "cell"), counted(r.voxels, "voxel"), readable_bytes(r.bytes),
                r.faults.empty() ? state_of(r) : counted(r.faults.size(), "fault"));
   });

@@ -38,10 +38,11 @@ void run(ViewArguments& a) {
 
 void add_view(CLI::App& app, int&) {
   const auto a = std::make_shared<ViewArguments>();
-  CLI::App& command = *app.add_subcommand("view", "A baked scene in a window, to fly through (keys: docs/viewer.md)");
+  CLI::App& command =
+      *app.add_subcommand("view", "Show a baked scene in a window, to fly through (keys: docs/viewer.md)");
   add_live_options(command, a->live);
   command.add_option("--size", a->size, "WIDTHxHEIGHT of the window")->capture_default_str();
-  command.add_option("-o,--output", a->output, "folder for pictures and paths that are saved")->capture_default_str();
+  command.add_option("-o,--output", a->output, "folder for saved images and paths")->capture_default_str();
   command.callback([a] { run(*a); });
 }
 

@@ -23,7 +23,7 @@ std::string listed(const Versions& versions) {
 
 std::string cuda() {
   const kernels::CudaBuild build = kernels::cuda_build();
-  if (build.toolkit.empty()) return "not built in: cells are baked and pictures drawn on the CPU";
+  if (build.toolkit.empty()) return "not built in: the CPU bakes cells and renders images";
   return fmt::format("toolkit {}, for GPU architectures {}", build.toolkit, build.architectures);
 }
 

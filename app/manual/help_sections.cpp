@@ -15,44 +15,45 @@ const Lines source_kinds{
     "a folder          every mesh file below it",
     "3D Tiles          tileset.json, or its archive .3tz",
     "a raster          elevation, .tif (where gigabake was built with GDAL)",
-    "a scene .json     places several of these; docs/format-sources.md has its keys",
+    "a scene .json     a list of these with their places; docs/format-sources.md lists its keys",
 };
-const Lines baked_scene{"the folder OUT of a bake, or its scene.xml"};
+const Lines baked_scene{"the folder of a bake, or its scene.xml"};
 
 /// The examples by command, without the leading "gigabake".
 const std::map<std::string, Lines> examples{
     {"sample", {"gigabake sample village --size 384 --seed 7", "gigabake sample village --json"}},
     {"plan",
      {"gigabake plan village/tileset.json --voxel-size 0.25",
-      "gigabake plan village/tileset.json --voxel-size 0.25 -o OUT --json"}},
+      "gigabake plan village/tileset.json --voxel-size 0.25 -o SCENE --json"}},
     {"bake",
-     {"gigabake bake village/tileset.json --voxel-size 0.25 -o OUT",
-      "gigabake bake scan.obj --voxel-size 0.01 --up z --codec lz4 -o OUT",
-      "mpirun -n 8 gigabake bake city/tileset.json --voxel-size 0.5 --origin 46.93,8.30,610 -o OUT"}},
-    {"status", {"gigabake status OUT", "gigabake status OUT --follow"}},
-    {"info", {"gigabake info OUT", "gigabake info OUT --json"}},
-    {"verify", {"gigabake verify OUT", "gigabake verify OUT --json"}},
-    {"diff", {"gigabake diff OUT OTHER", "gigabake diff OUT OTHER --json"}},
-    {"export", {"gigabake export OUT --lod 2 -o coarse.ply", "gigabake export OUT --to 3dtiles -o tiles"}},
+     {"gigabake bake village/tileset.json --voxel-size 0.25 -o SCENE",
+      "gigabake bake scan.obj --voxel-size 0.01 --up z --codec lz4 -o SCENE",
+      "mpirun -n 8 gigabake bake city/tileset.json --voxel-size 0.5 --origin 46.93,8.30,610 -o SCENE"}},
+    {"status", {"gigabake status SCENE", "gigabake status SCENE --follow"}},
+    {"info", {"gigabake info SCENE", "gigabake info SCENE --json"}},
+    {"verify", {"gigabake verify SCENE", "gigabake verify SCENE --json"}},
+    {"diff", {"gigabake diff SCENE OTHER", "gigabake diff SCENE OTHER --json"}},
+    {"export", {"gigabake export SCENE --lod 2 -o coarse.ply", "gigabake export SCENE --to 3dtiles -o tiles"}},
     {"render",
-     {"gigabake render OUT -o picture.png",
-      "gigabake render OUT -o picture.jpg --eye 175,-215,95 --target 0,0,0 --size 1920x1080",
-      "gigabake render OUT -o levels.png --mode lod",
-      "gigabake render OUT -o frames/%04d.png --path flight.json --fps 25 --stats flight-stats.json"}},
+     {"gigabake render SCENE -o image.png",
+      "gigabake render SCENE -o image.jpg --eye 175,-215,95 --target 0,0,0 --size 1920x1080",
+      "gigabake render SCENE -o levels.png --mode lod",
+      "gigabake render SCENE -o frames/%04d.png --path flight.json --fps 25 --stats flight-stats.json"}},
     {"query",
-     {"gigabake query OUT --ray 0,0,200,0,0,-1 --format json",
-      "gigabake query OUT --rays rays.csv -o hits.csv --coordinates lonlat",
-      "gigabake query OUT --grid 0,0,100,100 --step 0.5 -o heights.csv",
-      "gigabake query OUT --sight 175,-215,95,0,0,40 --ignore-ends 1 --format geojson"}},
-    {"view", {"gigabake view OUT", "gigabake view OUT --size 1920x1080 -o pictures"}},
-    {"serve", {"gigabake serve OUT", "gigabake serve OUT --port 0", "gigabake serve OUT --bind 0.0.0.0 --viewers 4"}},
+     {"gigabake query SCENE --ray 0,0,200,0,0,-1 --format json",
+      "gigabake query SCENE --rays rays.csv -o hits.csv --coordinates lonlat",
+      "gigabake query SCENE --grid 0,0,100,100 --step 0.5 -o heights.csv",
+      "gigabake query SCENE --sight 175,-215,95,0,0,40 --ignore-ends 1 --format geojson"}},
+    {"view", {"gigabake view SCENE", "gigabake view SCENE --size 1920x1080 -o images"}},
+    {"serve",
+     {"gigabake serve SCENE", "gigabake serve SCENE --port 0", "gigabake serve SCENE --bind 0.0.0.0 --viewers 4"}},
     {"bench", {"gigabake bench kernels village/tileset.json --voxel-size 0.25"}},
     {"bench kernels", {"gigabake bench kernels village/tileset.json --voxel-size 0.25 --repeats 3"}},
     {"bench bake", {"gigabake bench bake village/tileset.json --voxel-size 0.25 --cells 4 -o FOLDER"}},
     {"bench schedule", {"gigabake bench schedule --cells 100000 --workers 100 --deaths 5"}},
-    {"bench pack", {"gigabake bench pack OUT/shards --repeats 5"}},
-    {"bench query", {"gigabake bench query OUT --rays 1000000 --lod 1"}},
-    {"bench render", {"gigabake bench render OUT --size 1280x720 --what frames"}},
+    {"bench pack", {"gigabake bench pack SCENE/shards --repeats 5"}},
+    {"bench query", {"gigabake bench query SCENE --rays 1000000 --lod 1"}},
+    {"bench render", {"gigabake bench render SCENE --size 1280x720 --what frames"}},
     {"bench accuracy",
      {"gigabake bench accuracy village/tileset.json --voxel-size 0.5 -o FOLDER --settings area-coverage,thin-coverage",
       "gigabake bench accuracy --hard", "gigabake bench accuracy --leaks --json leaks.json"}},
@@ -60,7 +61,7 @@ const std::map<std::string, Lines> examples{
     {"man", {"gigabake man", "gigabake man bench render", "gigabake man bake > gigabake-bake.1"}},
     {"",
      {"gigabake sample village", "gigabake plan village/tileset.json --voxel-size 0.25",
-      "gigabake bake village/tileset.json --voxel-size 0.25 -o OUT", "gigabake view OUT"}},
+      "gigabake bake village/tileset.json --voxel-size 0.25 -o SCENE", "gigabake view SCENE"}},
 };
 
 bool reads_sources(const std::string& words) {
@@ -70,7 +71,7 @@ bool reads_sources(const std::string& words) {
 
 bool reads_a_scene(const std::string& words) {
   return words == "info" || words == "verify" || words == "export" || words == "render" || words == "query" ||
-         words == "view" || words == "serve" || words == "bench render" || words == "bench query";
+         words == "view" || words == "serve" || words == "status" || words == "bench render" || words == "bench query";
 }
 
 Lines legends() {
@@ -98,7 +99,7 @@ std::vector<HelpSection> help_sections(const std::string& command) {
   const std::size_t space = command.find(' ');
   const std::string words = space == std::string::npos ? "" : command.substr(space + 1);
   std::vector<HelpSection> sections;
-  if (reads_sources(words)) sections.push_back({"SCENE may be", source_kinds});
+  if (reads_sources(words)) sections.push_back({"SOURCE may be", source_kinds});
   if (reads_a_scene(words)) sections.push_back({"SCENE may be", baked_scene});
   if (words == "render") sections.push_back({"Modes", legends()});
   const auto found = examples.find(words);

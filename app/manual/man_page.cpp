@@ -109,11 +109,11 @@ std::string man_page(const Command& command, const Command& root) {
   }
   page += ".SH OPTIONS\n" + options(command, false);
   page += sections(command);
-  page += ".SH EXIT STATUS\n" + entry("0", "complete") + entry("1", "failed; one line says why") +
-          entry("2", "wrong usage") + entry("3", "some cells or sources are missing; the last lines list them") +
-          entry("69",
-                "under mpirun: a rank died or fell silent and the launch ended; the same command goes on from there") +
-          entry("75", "drained: the same command goes on from there");
+  page +=
+      ".SH EXIT STATUS\n" + entry("0", "complete") + entry("1", "failed; one line states the reason") +
+      entry("2", "wrong usage") + entry("3", "some cells or sources are missing; the last lines list them") +
+      entry("69", "under mpirun: a rank died or stopped responding, and the launch ended; the same command resumes") +
+      entry("75", "drained: the same command resumes");
   page += ".SH SEE ALSO\n";
   std::string others;
   for (const Command* other : all_commands(root))

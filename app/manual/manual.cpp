@@ -42,9 +42,10 @@ std::vector<std::string> command_words(const CLI::App& app) {
 
 void add_man(CLI::App& app) {
   auto* command = app.add_subcommand(
-      "man", "The manual page of a command; on a terminal formatted and paged, into a pipe or file as man reads it");
+      "man",
+      "Print the manual page of a command: formatted and paged on a terminal, as input for man in a pipe or file");
   auto o = std::make_shared<ManOptions>();
-  command->add_option("COMMAND", o->command, "the command's words, as bench render; none: gigabake itself")
+  command->add_option("COMMAND", o->command, "words of the command, such as bench render; none: gigabake itself")
       ->check(one_of(command_words(app)));
   command->add_option("--all", o->folder, "folder to write the pages of all commands to, instead");
   command->callback([o, &app] {
@@ -56,9 +57,10 @@ void add_man(CLI::App& app) {
 }
 
 void add_completion(CLI::App& app) {
-  auto* command = app.add_subcommand("completion", "Completion for a shell: source <(gigabake completion bash)");
+  auto* command =
+      app.add_subcommand("completion", "Print the completion script of a shell: source <(gigabake completion bash)");
   auto shell = std::make_shared<std::string>();
-  command->add_option("SHELL", *shell, "which shell")->required()->check(one_of({"bash", "zsh", "fish"}));
+  command->add_option("SHELL", *shell, "name of the shell")->required()->check(one_of({"bash", "zsh", "fish"}));
   command->callback([shell, &app] {
     const Command root = command_tree(app, "gigabake");
     fmt::print("{}", *shell == "bash"  ? bash_completion(root)

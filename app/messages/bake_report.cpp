@@ -135,11 +135,11 @@ void print_report(const BakeSummary& s, const std::filesystem::path& out) {
   if (s.bad_uv != 0)
     fmt::print("{} texture coordinates that are no numbers; baked as if 0\n",
                counted(s.bad_uv, "triangle has", "triangles have"));
-  fmt::print("survey {:.2f} s, bake {:.2f} s on {} × {}; ", s.survey_s, s.bake_s, counted(s.ranks, "rank"),
+  fmt::print("scan {:.2f} s, bake {:.2f} s on {} × {}; ", s.survey_s, s.bake_s, counted(s.ranks, "rank"),
              counted(s.threads, "thread"));
   if (s.ranks_with_device != 0)
     fmt::print("{} on the GPUs of {}; ", counted(s.cells_on_device, "cell"), counted(s.ranks_with_device, "rank"));
-  fmt::print("stages read {:.2f} s, kernels {:.2f} s, write {:.2f} s: {} sets the pace\n", s.read_s, s.kernel_s,
+  fmt::print("stages read {:.2f} s, kernels {:.2f} s, write {:.2f} s: {} takes longest\n", s.read_s, s.kernel_s,
              s.write_s, slowest_stage(s));
   print_slowest(s.status.slowest);
   fmt::print("peak memory {} (kernels {})\n", readable_bytes(s.peak_process_bytes),

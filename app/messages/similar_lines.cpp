@@ -47,7 +47,7 @@ std::string kind_of(std::string_view line) {
 std::string SimilarLineFilter::pass(const std::string& line) {
   const std::size_t seen = ++seen_[kind_of(line)];
   if (seen <= max_lines_per_group) return line;
-  return is_power_of_ten(seen) ? fmt::format("{} (the {}th of this kind)", line, seen) : "";
+  return is_power_of_ten(seen) ? fmt::format("{} (the {}th such line)", line, seen) : "";
 }
 
 std::vector<std::string> lines_of(const std::vector<SceneLoss>& losses) {

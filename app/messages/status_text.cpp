@@ -26,7 +26,7 @@ std::string rate(const Throughput& t) {
 }
 
 std::string survey_line(const BakeStatus& s) {
-  std::string line = fmt::format("{}/{} tiles surveyed", s.tiles_surveyed, s.tiles);
+  std::string line = fmt::format("{}/{} tiles scanned", s.tiles_surveyed, s.tiles);
   if (s.tiles_surveyed != 0)
     line += ", " +
             readable_seconds((s.updated_s - s.started_s) / double(s.tiles_surveyed) *
@@ -38,13 +38,13 @@ std::string survey_line(const BakeStatus& s) {
 std::string head(const BakeStatus& s, double now_s, Writer writer) {
   std::string line = fmt::format("{} {}: ", plain(s.out), name_of(s.state));
   if (writer == Writer::gone)
-    line = fmt::format("{} interrupted while {}: last heard of {} ago, after {}", plain(s.out), name_of(s.state),
+    line = fmt::format("{} interrupted while {}: last update {} ago, after {}", plain(s.out), name_of(s.state),
                        readable_seconds(now_s - s.updated_s), readable_seconds(s.updated_s - s.started_s));
   else if (is_over(s.state))
     line += fmt::format("ended {} ago after {}", readable_seconds(now_s - s.updated_s),
                         readable_seconds(s.updated_s - s.started_s));
   else
-    line += fmt::format("for {} now, last heard of {} ago", readable_seconds(now_s - s.started_s),
+    line += fmt::format("running for {}, last update {} ago", readable_seconds(now_s - s.started_s),
                         readable_seconds(now_s - s.updated_s));
   line += fmt::format("; {}, rank 0 on {} (process {})\n", counted(s.ranks, "rank"), plain(s.host), s.pid);
   if (!s.reason.empty()) line += plain(with_flags(s.reason)) + "\n";
@@ -54,7 +54,7 @@ std::string head(const BakeStatus& s, double now_s, Writer writer) {
 std::string cells_lines(const BakeStatus& s, Writer writer) {
   const bool goes_on = !is_over(s.state) && writer == Writer::there;
   const CellTally& c = s.cells;
-  std::string text = fmt::format("cells  {} of {}: {} baked, {} empty, {} taken over; {} in hand, {} wait", settled(c),
+  std::string text = fmt::format("cells  {} of {}: {} baked, {} empty, {} reused; {} in flight, {} pending", settled(c),
                                  c.planned, c.done, c.empty, c.taken_over, c.running, c.pending);
   if (c.set_aside != 0) text += fmt::format("; {} given up", c.set_aside);
   if (c.failed_attempts != 0) text += fmt::format("; {} failed", counted(c.failed_attempts, "attempt"));
@@ -128,7 +128,7 @@ std::string one_line(const BakeStatus& s) {
   std::string line = fmt::format("{}/{} cells, {} voxels/s, {:.1f} MB/s", settled(s.cells), s.cells.planned,
                                  readable_count(t.voxels_per_s), t.bytes_per_s / 1e6);
   if (s.cells.set_aside != 0) line += fmt::format(", {} given up", s.cells.set_aside);
-  if (s.state == BakeState::draining) line += fmt::format(", draining: {} in hand", s.cells.running);
+  if (s.state == BakeState::draining) line += fmt::format(", draining: {} in flight", s.cells.running);
   if (s.state == BakeState::baking && s.left_s) line += ", " + readable_seconds(*s.left_s) + " left";
   if (s.state >= BakeState::publishing) line += fmt::format(", {}", name_of(s.state));
   return line;

@@ -86,7 +86,7 @@ void StepDisplay::enforce_stop(double now_s) {
     clear_line();
     stop_.end_process();
   }
-  show_line("stopping; Ctrl-C once more stops at once");
+  show_line("stopping; press Ctrl-C again to stop immediately");
 }
 
 void StepDisplay::clear_line() {

@@ -30,7 +30,7 @@ void choose_channels(std::string names, BakeParameters& parameters) {
   const std::string asked = names;
   std::replace(names.begin(), names.end(), ',', ' ');
   if (asked.find(' ') != std::string::npos || !parse_channels(names, parameters.normals, parameters.facing))
-    throw UsageError("--channels: expected rgba, then perhaps ,normal and ,facing, got '" + asked + "'");
+    throw UsageError("--channels: expected rgba, optionally followed by ,normal and ,facing, got '" + asked + "'");
 }
 
 std::vector<std::string> all_channels() {
@@ -46,41 +46,41 @@ BakeOptions::BakeOptions() : channels(with_commas(channel_names(asked.parameters
 
 void BakeOptions::add_to(CLI::App& command) {
   BakeParameters& p = asked.parameters;
-  command.add_option("SCENE", source, "what to bake: see below")->required();
+  command.add_option("SOURCE", source, "input of the bake: see below")->required();
   command.add_option("--voxel-size", voxel_size, "edge of a voxel at the finest level, metres")->required();
   add_choice(command, "--surface", p.surface, "which voxels a triangle occupies (docs/accuracy.md)");
   add_choice(command, "--mip", p.mip, "filter of coarser levels (docs/accuracy.md)");
   command
       .add_option("--channels", channels,
-                  "what voxels say; facing is coverage along x, y and z, which the filter coverage has")
+                  "attributes of voxels; facing: coverage along x, y and z, which only the filter coverage computes")
       ->capture_default_str()
       ->check(one_of(all_channels()));
   command
       .add_option("--max-error", p.max_error,
-                  "how far a voxel may be off, in codes of 255 (normals: chord/2): more is stored once, less exactly")
+                  "max error of a voxel, in codes of 255 (normals: chord/2); larger values store less exact voxels in "
+                  "fewer bytes")
       ->capture_default_str();
-  add_choice(command, "--codec", p.codec, "how shards are compressed; lz4 is larger and faster");
+  add_choice(command, "--codec", p.codec, "compression of shards; lz4 is larger and faster");
   command.add_option("--cell-voxels", p.cell_voxels, "edge of a cell in voxels, a power of two from 8 to 8192")
       ->capture_default_str();
   command.add_option("--lattice-origin", lattice_origin,
-                     "X,Y,Z: scene position of the lattice's corner, metres (0,0,0)");
+                     "X,Y,Z: position of the lattice's corner in the scene, metres (0,0,0)");
   command.add_option("--origin,--origin-lat-lon", origin,
-                     "LAT,LON,HEIGHT: where the scene frame stands on the earth (the source's own)");
-  command.add_flag("--local", asked.source_options.local, "no georeference: the source's own frame, turned to z up");
+                     "LAT,LON,HEIGHT: origin of the scene on the earth (the source's origin)");
+  command.add_flag("--local", asked.source_options.local, "no georeference: use the source's frame, rotated to z up");
   add_choice(command, "--up", asked.source_options.scene_up,
              "axis that points up in the source (tilesets z, mesh files y)");
   command.add_option("--threads", asked.threads, "threads of each rank (the host's cores shared by its ranks)");
   command
-      .add_option(
-          "--memory", memory_bytes,
-          "bytes that each rank aims for, as 512M or 4G; 0: no bound (4G, or less where the host, its container "
-          "or its batch job has less than twice that for a rank)")
+      .add_option("--memory", memory_bytes,
+                  "target for the memory of each rank, such as 512M or 4G; 0: no bound (4G, or less if the host, its "
+                  "container or its batch job has less than twice that per rank)")
       ->transform(CLI::AsSizeValue(false));
   command.add_option("--scratch", asked.scratch,
-                     "folder for tiles and textures that take more than a 128th of --memory, while the command runs "
-                     "(bake: OUT/scratch; plan: among the system's temporary files)");
-  add_choice(command, "--backend", asked.backend, "where the kernels run; auto: on a GPU where there is one");
-  command.add_option("--gpus", asked.gpus, "devices of each host to use, as 0,2 (all)")->delimiter(',');
+                     "folder for temporary copies of tiles and textures that need more than a 128th of --memory (bake: "
+                     "SCENE/scratch; plan: the system's temporary folder)");
+  add_choice(command, "--backend", asked.backend, "backend of the kernels; auto: a GPU if there is one");
+  command.add_option("--gpus", asked.gpus, "GPUs of each host to use, such as 0,2 (all)")->delimiter(',');
   command.add_flag("--json", json, "print the answer as JSON");
 }
 

@@ -6,12 +6,12 @@
 namespace gigabake::app {
 
 void add_live_options(CLI::App& command, LiveArguments& a) {
-  command.add_option("SCENE", a.scene, "OUT of a bake, or OUT/scene.xml")->required();
-  command.add_option("--eye", a.eye, "X,Y,Z: camera at first, scene metres (south-east of the target, all in view)");
-  command.add_option("--target", a.target, "X,Y,Z: what it looks at (the middle of the scene)");
+  command.add_option("SCENE", a.scene, "folder of a bake, or its scene.xml")->required();
+  command.add_option("--eye", a.eye, "X,Y,Z: initial camera, scene metres (south-east of the target, all in view)");
+  command.add_option("--target", a.target, "X,Y,Z: point that the camera initially faces (the middle of the scene)");
   command.add_option("--fovy", a.fovy_deg, "vertical field of view, degrees")->capture_default_str();
-  command.add_option("--pixel-error", a.pixel_error, "pixels that a voxel may be wide")->capture_default_str();
-  command.add_option("--frame-ms", a.frame_ms, "what a frame should take while the camera moves")
+  command.add_option("--pixel-error", a.pixel_error, "max width of a voxel in pixels")->capture_default_str();
+  command.add_option("--frame-ms", a.frame_ms, "target milliseconds per frame while the camera moves")
       ->capture_default_str();
   add_light_options(command, a.light);
   add_sun_options(command, a.sun);

@@ -50,7 +50,7 @@ void expect_no_input(const char* option, const std::string& name, const std::vec
   for (const fs::path& input : inputs)
     if (!input.empty() && is_part_of(name, input))
       refuse(option, name,
-             plain(name) == plain(input) ? "is what the command reads or keeps; name another file"
+             plain(name) == plain(input) ? "is a file that the command reads or keeps; name another file"
                                          : "belongs to " + short_path(input.string()) + "; name another file");
 }
 

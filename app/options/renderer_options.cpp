@@ -14,22 +14,24 @@ void add_light_options(CLI::App& command, LightArguments& a) {
   command.add_option("--exposure", a.exposure_stops, "stops: 1 shows twice the light, -1 half of it")
       ->capture_default_str();
   command
-      .add_option("--haze", a.haze, "off, or metres at which the air leaves a twentieth of what is there; before a sky")
+      .add_option("--haze", a.haze,
+                  "off, or the distance in metres at which the air transmits a twentieth of the light; only with a sky "
+                  "background")
       ->capture_default_str();
 }
 
 void add_sun_options(CLI::App& command, SunArguments& a) {
   auto* sun = command.add_option("--sun", a.sun,
-                                 "AZIMUTH,ELEVATION of the sun, degrees: from north by east, and above the horizon "
+                                 "AZIMUTH,ELEVATION of the sun, degrees: clockwise from north, and above the horizon "
                                  "(225,42)");
   command
-      .add_option("--time", a.time,
-                  "when: the sun stands as it then does over the scene's place; as 2026-06-21T15:00Z or with +02:00")
+      .add_option(
+          "--time", a.time,
+          "time that determines the sun's direction at the scene's location, such as 2026-06-21T15:00Z or with +02:00")
       ->excludes(sun);
-  add_choice(command, "--shadows", a.shadows,
-             "whether surfaces stand in the light of the sun and the sky, in --mode lit");
+  add_choice(command, "--shadows", a.shadows, "shadows of the sun and the sky, in --mode lit");
   add_choice(command, "--level-blend", a.level_blend,
-             "whether what lies between two levels is filtered from both, so that nothing pops as the eye moves");
+             "whether voxels between two levels are filtered from both, so that nothing pops as the camera moves");
 }
 
 void set_light(const LightArguments& a, FrameRenderer::Options& options) {
@@ -45,7 +47,8 @@ namespace {
 SunDirection sun_option(const SunArguments& a, const SceneHeader& scene) {
   if (!a.time.empty()) {
     const JulianDay day = julian_day(a.time);
-    if (!scene.origin) throw UsageError("--time: the scene has no place on the earth; give --sun AZIMUTH,ELEVATION");
+    if (!scene.origin)
+      throw UsageError("--time: the scene has no location on the earth; specify --sun AZIMUTH,ELEVATION");
     return sun_at(*scene.origin, day);
   }
   if (a.sun.empty()) return {};
@@ -69,19 +72,20 @@ void set_sun(const SunArguments& a, const SceneHeader& scene, View& view) {
 
 void print_sun(const SunArguments& a, const View& view) {
   if (!a.time.empty())
-    print_message("gigabake: {}: the sun stands at {:.2f}, {:.2f}\n", a.time, view.sun.azimuth_deg,
-                  view.sun.elevation_deg);
+    print_message("gigabake: {}: the sun is at {:.2f}, {:.2f}\n", a.time, view.sun.azimuth_deg, view.sun.elevation_deg);
   if (view.sun.elevation_deg <= 0)
-    print_message("gigabake: the sun is {:.1f}° below the horizon: the sky alone lights the scene\n",
+    print_message("gigabake: the sun is {:.1f}° below the horizon: only the sky lights the scene\n",
                   -view.sun.elevation_deg);
 }
 
 void add_renderer_options(CLI::App& command, RendererArguments& a) {
-  add_choice(command, "--backend", a.backend, "where rays are cast; auto: on a GPU where there is one");
+  add_choice(command, "--backend", a.backend, "backend that casts rays; auto: a GPU if there is one");
   command.add_option("--threads", a.threads, "CPU threads (all cores)");
-  command.add_option("--memory", a.memory_bytes, "bytes of voxels to hold, as 512M or 4G; 0: half of the host's (1G)")
+  command
+      .add_option("--memory", a.memory_bytes,
+                  "max bytes of voxels in memory, such as 512M or 4G; 0: half of the host's memory (1G)")
       ->transform(CLI::AsSizeValue(false));
-  command.add_option("--gpu-memory", a.device_bytes, "bytes of voxels to hold on a GPU besides (4G)")
+  command.add_option("--gpu-memory", a.device_bytes, "max bytes of voxels in GPU memory (4G)")
       ->transform(CLI::AsSizeValue(false));
 }
 

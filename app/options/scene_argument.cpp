@@ -64,18 +64,18 @@ Named kind_of(const fs::path& path) {
 [[noreturn]] void refuse_shard(const fs::path& shard) {
   const fs::path scene = fs::absolute(shard).lexically_normal().parent_path().parent_path() / "scene.xml";
   throw InputError(shard, "",
-                   "is an HDF5 file, as the shard of one cell; name the scene that has it" +
-                       (is_file(scene) ? ": " + short_path(scene.string()) : std::string(", OUT/scene.xml")));
+                   "is an HDF5 file, such as the shard of one cell; name its scene" +
+                       (is_file(scene) ? ": " + short_path(scene.string()) : std::string(", SCENE/scene.xml")));
 }
 
 void expect_baked(const fs::path& given, Named kind) {
   if (kind == Named::shard) refuse_shard(given);
   if (kind == Named::source || kind == Named::source_folder)
     throw InputError(given, "",
-                     "is not a scene but a source; bake it first (gigabake bake SOURCE -o OUT --voxel-size 0.25), then "
-                     "name OUT");
+                     "is not a scene but a source; bake it first (gigabake bake SOURCE -o SCENE --voxel-size 0.25), "
+                     "then name SCENE");
   if (kind == Named::unknown && is_folder(given))
-    throw InputError(given, "", "has no scene.xml; expected OUT of a bake, or OUT/scene.xml");
+    throw InputError(given, "", "has no scene.xml; expected the folder of a bake, or its scene.xml");
 }
 
 /// Returns the first source in the folder, or an empty path. Ignores .json files except tileset.json, because they may
@@ -116,12 +116,12 @@ fs::path future_scene(const fs::path& given) {
   const fs::path named = names_scene ? given.parent_path() : given;
   const fs::path out = named.empty() ? fs::path(".") : named;
   if (is_folder(out)) return out / "scene.xml";
-  if (is_there(out)) throw InputError(out, "", "is not a folder; expected OUT of a bake, or OUT/scene.xml");
+  if (is_there(out)) throw InputError(out, "", "is not a folder; expected the folder of a bake, or its scene.xml");
   if (has_source_suffix(out) || out.extension() == ".xml" || out.extension() == ".h5")
-    throw InputError(out, "", "no such file; expected OUT of a bake, or OUT/scene.xml");
+    throw InputError(out, "", "no such file; expected the folder of a bake, or its scene.xml");
   const fs::path parent = out.has_parent_path() ? out.parent_path() : fs::path(".");
   if (!is_folder(parent))
-    throw InputError(out, "", "its folder does not exist; expected OUT of a bake, done or to come");
+    throw InputError(out, "", "its folder does not exist; expected the folder of a bake, finished or not yet started");
   const fs::path similar = similar_bake(out, parent);
   if (!similar.empty())
     throw InputError(out, "", "no such folder; is " + similar.string() + " meant? To wait for a bake, make the folder");
@@ -147,7 +147,7 @@ std::filesystem::path scene_argument(const std::string& given) {
   const Named kind = kind_of(given);
   expect_baked(given, kind);
   if (kind == Named::begun_folder)
-    throw InputError(given, "", "has no scene.xml yet: no bake has ended there; gigabake status says how it goes");
+    throw InputError(given, "", "has no scene.xml yet: no bake has ended there; gigabake status prints its progress");
   fs::path scene = kind == Named::baked_folder ? fs::path(given) / "scene.xml" : fs::path(given);
   record_missing_data(scene);
   return scene;
@@ -157,7 +157,7 @@ std::filesystem::path live_scene_argument(const std::string& given) {
   const Named kind = kind_of(given);
   if (!is_there(given)) return future_scene(given);
   if (kind == Named::unknown && is_file(given))
-    throw InputError(given, "", "is not a scene; expected OUT of a bake, or OUT/scene.xml");
+    throw InputError(given, "", "is not a scene; expected the folder of a bake, or its scene.xml");
   if (kind == Named::unknown && is_folder(given)) return fs::path(given) / "scene.xml";
   return kind == Named::begun_folder ? fs::path(given) / "scene.xml" : scene_argument(given);
 }
@@ -173,12 +173,13 @@ void expect_source(const std::string& given) {
   const Named kind = kind_of(given);
   if (kind == Named::baked_scene || kind == Named::baked_folder || kind == Named::begun_folder)
     throw InputError(given, "",
-                     "is not a source but what a bake wrote; name the .glb, tileset.json or folder that was baked, or "
-                     "look at the result with gigabake render or view");
+                     "is not a source but the result of a bake; name the .glb, tileset.json or folder that was baked, "
+                     "or show the result with gigabake render or view");
   if (kind == Named::shard)
-    throw InputError(given, "",
-                     "is not a source but an HDF5 file, as the shard of one baked cell; name the .glb, tileset.json or "
-                     "folder that was baked");
+    throw InputError(
+        given, "",
+        "is not a source but an HDF5 file, such as the shard of one baked cell; name the .glb, tileset.json or "
+        "folder that was baked");
 }
 
 }  // namespace gigabake::app

@@ -7,7 +7,7 @@ namespace gigabake::app {
 
 /// The message that a second signal prints if a command writes files.
 inline constexpr const char* stopped_while_writing =
-    "gigabake: stopped at once; files that were whole are as they were, a .part file may be left beside them\n";
+    "gigabake: stopped immediately; complete files are unchanged, but a .part file may be left next to them\n";
 
 /// A scope that records the first of these signals; the second signal prints `last_words` and ends the process. The
 /// state belongs to the process: use only one object at a time. last_words: a string literal.

@@ -42,8 +42,8 @@ def the_document_lists_every_case(bench, source):
 
 
 def wrong_usage_is_refused(gigabake, work):
-    for arguments, text in ((("--hard", work), "expected no SCENE"),
-                            ((), "expected SCENE, -o and --voxel-size, or --hard, or --leaks"),
+    for arguments, text in ((("--hard", work), "expected no SOURCE"),
+                            ((), "expected SOURCE, -o and --voxel-size, or --hard, or --leaks"),
                             (("--hard", "--backend", "abacus"), "--backend: expected one of")):
         result = gigabake.run("bench", "accuracy", *arguments)
         assert result.returncode == 2 and text in result.stderr, result

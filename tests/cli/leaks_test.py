@@ -84,8 +84,8 @@ def a_scene_of_ones_own_is_measured(gigabake, work):
 
 
 def wrong_usage_is_refused(gigabake, work):
-    for arguments, text in ((("--leaks", work), "--voxel-size too"), (("--leaks", "--hard"), "--hard"),
-                            (("--leaks", work, "--voxel-size", 1, "--scenes", "steps"), "expected no SCENE"),
+    for arguments, text in ((("--leaks", work), "expected --voxel-size"), (("--leaks", "--hard"), "--hard"),
+                            (("--leaks", work, "--voxel-size", 1, "--scenes", "steps"), "expected no SOURCE"),
                             (("--leaks", "--size", "4x4"), "--size: expected 8 to 4096"),
                             (("--leaks", "--scene-voxels", 8), "--scene-voxels")):
         result = gigabake.run("bench", "accuracy", *arguments)

@@ -73,8 +73,8 @@ class Paths(harness.FolderTest):
                         ["-o", missing / "%d.png", "--path", path, "--frames", 1],
                         ["-o", self.root / "%d.png", "--path", path, "--frames", 1, "--stats", missing / "s.json"]):
             self.refuse(1, "its folder does not exist", *options)
-        self.refuse(1, "what the command reads", "--path", path, "--frames", 1, "--stats", path)
-        self.refuse(1, "what the command reads", "--path", path, "--frames", 1, "--stats", self.scene)
+        self.refuse(1, "a file that the command reads", "--path", path, "--frames", 1, "--stats", path)
+        self.refuse(1, "a file that the command reads", "--path", path, "--frames", 1, "--stats", self.scene)
 
     def test_modes_show(self):
         path = self.path({"time_s": 0, "eye": [60, -70, 40], "target": [0, 0, 0]})

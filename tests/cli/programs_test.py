@@ -86,7 +86,7 @@ class Programs(unittest.TestCase):
 
     def test_how_far_a_program_was_is_no_line_of_what_it_said(self):
         # Regression of 2026-11-23: on a slow machine a progress line preceded the error.
-        said = ("reading the tileset: 30 %\nplanning: 3 of 17 tiles\nwriting the picture: 0 s\n"
+        said = ("reading the tileset: 30 %\nplanning: 3 of 17 tiles\nwriting the image: 0 s\n"
                 "sharing: 2 min 5 s\ngigabake: p.exr: cannot write: 5 shards\n")
         self.assertEqual(programs.lines_of(said), ["gigabake: p.exr: cannot write: 5 shards"])
 

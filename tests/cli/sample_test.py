@@ -38,7 +38,7 @@ def suggested_commands_bake_what_was_written(gigabake, work):
     assert sum(len(f) for f in files(work / "c").values()) == said["bytes"]
     infos = []
     for name in ("bake", "bake_local"):
-        program, *arguments = shlex.split(said[name].replace("OUT", str(work / name)))
+        program, *arguments = shlex.split(said[name].replace("SCENE", str(work / name)))
         assert program == "gigabake"
         gigabake.succeed(*arguments)
         infos.append(gigabake.info(work / name / "scene.xml"))

@@ -136,7 +136,7 @@ class SceneArgument(harness.FolderTest):
 
     def test_verify_of_an_old_scene_says_that_it_has_no_totals(self):
         scene = Path(SOURCE) / "tests/format/golden/version_1/scene.xml"
-        self.assertIn("carries no totals", PROGRAM.succeed("verify", scene))
+        self.assertIn("has no summary", PROGRAM.succeed("verify", scene))
         self.assertFalse(json.loads(PROGRAM.succeed("verify", scene, "--json"))["has_totals"])
         self.assertNotIn("totals", PROGRAM.succeed("verify", self.out))
 

@@ -30,7 +30,7 @@ MISTAKES = [
     (["info", "--xyzzy", "a"], "gigabake info: unknown option '--xyzzy'; gigabake info --help lists them"),
     (["info", "-x", "a"], "gigabake info: unknown option '-x'; gigabake info --help lists them"),
     (["info", "a", "b"], "gigabake info: did not expect 'b'"),
-    (["bake"], "gigabake bake: missing SCENE, --voxel-size, -o,--out; gigabake bake --help has examples"),
+    (["bake"], "gigabake bake: missing SOURCE, --voxel-size, -o,--out; gigabake bake --help has examples"),
     (["bake", "scene.glb", "-o", "out"], "missing --voxel-size;"),
     (["plan", "scene.glb", "--voxel-size", "1", "--backend", "gpu"],
      "--backend: expected one of auto, cpu, cuda, got 'gpu'"),
@@ -86,7 +86,8 @@ class Usage(unittest.TestCase):
     def test_help_lists_what_a_scene_may_be_and_what_modes_mean(self):
         for words, text in commands():
             usage = re.search(r"^Usage:.*$", text, re.M).group()
-            self.assertEqual("SCENE may be:" in text, "SCENE" in usage, words)
+            for name in ("SOURCE", "SCENE"):
+                self.assertEqual(f"{name} may be:" in text, name in usage, words)
         for kind in (".glb", "tileset.json", ".obj", "scene .json", "folder"):
             self.assertIn(kind, GIGABAKE.succeed("bake", "--help"))
         modes = GIGABAKE.succeed("render", "--help").partition("Modes:\n")[2].partition("\n\n")[0]
@@ -145,7 +146,7 @@ class Jpeg(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             GIGABAKE.succeed("sample", f"{folder}/sample", "--size", 64, "--tiles", 1)
             GIGABAKE.succeed("bake", f"{folder}/sample/tileset.json", "-o", f"{folder}/out", "--voxel-size", 0.5)
-            for name in ("picture.jpg", "picture.JPEG"):
+            for name in ("image.jpg", "image.JPEG"):
                 said = GIGABAKE.succeed("render", f"{folder}/out/scene.xml", "-o", f"{folder}/{name}",
                                         "--size", "64x48", "--mode", "lod")
                 data = (Path(folder) / name).read_bytes()

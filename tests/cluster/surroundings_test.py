@@ -210,7 +210,7 @@ class Surroundings(harness.FolderTest):
                 time.sleep(0.02)
             bake.send_signal(signal.SIGINT)
         self.assertEqual(bake.wait(30), -signal.SIGINT)
-        self.assertRegex(bake.said(), r"\ngigabake: stopped at once, .*; the same command ")
+        self.assertRegex(bake.said(), r"\ngigabake: stopped immediately, .*; the same command ")
 
 
 if __name__ == "__main__":
