@@ -49,7 +49,7 @@ std::vector<Seen> watch_until_rest(LiveScene& scene, LiveScene::ViewerId viewer,
   std::vector<Seen> all;
   for (;;) {
     const auto frame = scene.frame_after(viewer, all.empty() ? 0 : all.back().frame->number, patience_s);
-    if (!frame) throw InputError("live", "", "no picture came within ten minutes");
+    if (!frame) throw InputError("live", "", "no image arrived within ten minutes");
     all.push_back({elapsed_s(start), frame});
     if (scene.full_frame(viewer, 0) == frame) return all;
   }
@@ -71,7 +71,7 @@ double answer_s(LiveScene& scene, LiveScene::ViewerId viewer, double pause_s) {
   const auto pose = scene.state(viewer)->pose;
   for (std::uint64_t after = 0;;) {
     const auto frame = scene.frame_after(viewer, after, patience_s);
-    if (!frame) throw InputError("live", "", "no picture came within ten minutes");
+    if (!frame) throw InputError("live", "", "no image arrived within ten minutes");
     if (frame->view.camera.eye_m == pose.eye_m) return elapsed_s(start);
     after = frame->number;
   }

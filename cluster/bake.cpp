@@ -50,7 +50,7 @@ struct KnownSurveys {
 /// Finds cached scan results. folder: OUT of an earlier bake; may be empty.
 KnownSurveys known_surveys(const std::filesystem::path& folder, const SceneSources& sources,
                            const BakeParameters& parameters, int threads, const Progress& progress) {
-  progress.step("looking for tiles that are known");
+  progress.step("finding tiles whose scans are cached");
   KnownSurveys known;
   std::vector<std::optional<TileScan>> cached(sources.tiles.size());
   if (!folder.empty()) cached = SurveyCache(survey_cache_of(folder)).find_all(sources, parameters, threads, progress);
@@ -80,7 +80,7 @@ void keep_surveys(const BakeRequest& request, const SceneSources& sources, const
   try {
     save_survey_cache(survey_cache_of(request.out), sources, request.parameters, surveys);
   } catch (const InputError& e) {
-    progress.warning(std::string("the next bake surveys all tiles again: ") + e.what());
+    progress.warning(std::string("the next bake scans all tiles again: ") + e.what());
   }
 }
 
@@ -146,7 +146,7 @@ DeviceChoice device_of(const MpiSession& mpi, BakeProcess& process) {
     const auto* died = event ? std::get_if<BakeProcess::Died>(&*event) : nullptr;
     if (died == nullptr) continue;
     if (++deaths == max_failed_starts) throw_no_start(died->why);
-    print_message("rank {} on {}: the process that bakes ended before it began, and is started again: {}\n", mpi.rank(),
+    print_message("rank {} on {}: the bake process ended during its start, and is started again: {}\n", mpi.rank(),
                   host_name(), died->why);
   }
   if (!process.device()->error.empty()) throw std::runtime_error(process.device()->error);

@@ -116,7 +116,7 @@ void BakeProcess::exchange() {
     while (const auto message = channel_->receive()) take(*message);
     if (channel_->hung_up()) end({});
   } catch (const InputError& e) {
-    end(fmt::format("talked nonsense: {}", e.what()));
+    end(fmt::format("sent an invalid message: {}", e.what()));
   } catch (const std::system_error& e) {
     end(e.what());
   }
@@ -134,7 +134,7 @@ void BakeProcess::take(const BakeMessage& message) {
   if (message.kind == BakeMessageKind::surveyed) {
     TileScan survey = survey_from_bytes(message.payload);
     const auto asked = std::ranges::find(tiles_, survey.tile);
-    if (asked == tiles_.end()) throw InputError("survey", "tile", "nobody asked for it");
+    if (asked == tiles_.end()) throw InputError("scan", "tile", "was not requested");
     if (asked == tiles_.begin()) tile_since_ = watch_.watched();
     tiles_.erase(asked);
     events_.push_back(Surveyed{std::move(survey)});
@@ -143,7 +143,7 @@ void BakeProcess::take(const BakeMessage& message) {
     const auto asked = std::ranges::find_if(cells_, [&](const BakeOrder& order) {
       return order.job.id == answer.report.id && order.attempt == answer.attempt;
     });
-    if (asked == cells_.end()) throw InputError("cell report", "id", "nobody asked for it");
+    if (asked == cells_.end()) throw InputError("cell report", "id", "was not requested");
     if (asked == cells_.begin()) cell_since_ = watch_.watched();
     cells_.erase(asked);
     events_.push_back(Baked{std::move(answer.report), answer.attempt});
@@ -164,12 +164,12 @@ void BakeProcess::check_for_hang() {
     return end(
         fmt::format("not done after {:g} s: cell {}", options_.timeouts.cell_timeout_s, cells_.front().job.name));
   if (!tiles_.empty() && watch_.watched() - tile_since_ >= limit)
-    end(fmt::format("not done after {:g} s: survey of tile {}", options_.timeouts.cell_timeout_s, tiles_.front()));
+    end(fmt::format("not done after {:g} s: scan of tile {}", options_.timeouts.cell_timeout_s, tiles_.front()));
 }
 
 std::string BakeProcess::oldest() const {
   if (!cells_.empty()) return "cell " + cells_.front().job.name;
-  return tiles_.empty() ? "its start" : fmt::format("the survey of tile {}", tiles_.front());
+  return tiles_.empty() ? "its start" : fmt::format("the scan of tile {}", tiles_.front());
 }
 
 /// Ends the process. why: none if it ended by itself.
@@ -189,7 +189,7 @@ void BakeProcess::report_end() {
   peak_bytes_ = std::max(peak_bytes_, child_->peak_bytes());
   if (!how) abandoned_.push_back(std::move(child_));
   child_.reset();
-  report_death(kill_reason_ ? *kill_reason_ : how.value_or("hung up, and cannot be killed"));
+  report_death(kill_reason_ ? *kill_reason_ : how.value_or("closed its connection, and cannot be killed"));
 }
 
 void BakeProcess::report_death(std::string why) {
@@ -219,7 +219,7 @@ void BakeProcess::wait(std::chrono::milliseconds maximum) const {
 std::optional<pid_t> BakeProcess::pid() const { return channel_ ? std::optional(child_->pid()) : std::nullopt; }
 
 void throw_no_start(const std::string& why) {
-  throw std::runtime_error("the process that bakes ended before it began: " + why);
+  throw std::runtime_error("the bake process ended during its start: " + why);
 }
 
 std::uint64_t BakeProcess::peak_bytes() const { return std::max(peak_bytes_, child_ ? child_->peak_bytes() : 0); }

@@ -60,7 +60,7 @@ std::optional<std::string> scratch_info(const ScratchNeed& need, const fs::path&
     throw InputError(folder, "",
                      wanted + " do not fit on a disk that has " + readable_size(*room) +
                          " left; name another folder with `scratch` or raise `memory_bytes`");
-  return wanted + " in " + folder.string() + " while cells are baked, and 7 bytes a texel of large textures";
+  return wanted + " in " + folder.string() + " while cells are baked, and 7 bytes per texel of large textures";
 }
 
 BakeScratch::~BakeScratch() {

@@ -11,7 +11,9 @@ std::string restart_line(int rank, const std::string& why) {
 void DispatchLog::draining() {
   if (feed_.record().state() != BakeState::baking) return;
   feed_.record().enter(BakeState::draining);
-  progress_.warning("asked to end: the cells in hand are finished, no new ones begun; Ctrl-C once more stops at once");
+  progress_.warning(
+      "draining: cells in flight are finished, and no further cells are started; press Ctrl-C again to stop "
+      "immediately");
 }
 
 void DispatchLog::joined(int rank, const std::string& host) { feed_.record().worker_joined(rank, host, unix_now_s()); }
@@ -38,7 +40,7 @@ void DispatchLog::process_died(int rank, const std::string& why) {
 
 void DispatchLog::lost(int rank) {
   feed_.record().worker_lost(rank, unix_now_s());
-  progress_.warning("nothing heard of rank " + std::to_string(rank) + "; its cells are baked elsewhere");
+  progress_.warning("no message from rank " + std::to_string(rank) + "; other ranks bake its cells");
 }
 
 /// Appends to the journal. If the journal cannot be written, this bake continues, and the next bake takes longer
@@ -47,7 +49,7 @@ void DispatchLog::write_down(const CellReport& report, const CellJob& order) {
   try {
     journal_.append(order, report);
   } catch (const InputError& e) {
-    progress_.warning(std::string("the bake goes on without its journal: ") + e.what());
+    progress_.warning(std::string("the bake continues without its journal: ") + e.what());
   }
 }
 

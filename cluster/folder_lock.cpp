@@ -59,7 +59,7 @@ std::string name_in(const Descriptor& file) {
   line.erase(std::min(line.find('\n'), line.size()));
   for (char& c : line)
     if (static_cast<unsigned char>(c) < 32) c = '?';
-  return line.empty() ? "a process that has not said who it is" : line;
+  return line.empty() ? "an unidentified process" : line;
 }
 
 /// Returns true if SIGKILL is pending: bit SIGKILL - 1 of the hexadecimal masks in /proc/PID/status.

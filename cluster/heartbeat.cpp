@@ -12,7 +12,7 @@ constexpr std::chrono::seconds heartbeat_interval{2};
 
 Heartbeat heartbeat_from_bytes(const std::vector<std::uint8_t>& bytes) {
   Heartbeat sign;
-  ByteReader reader(bytes, "sign of life");
+  ByteReader reader(bytes, "heartbeat");
   reader.get(sign.peak_bytes), reader.get(sign.host);
   reader.expect_end();
   return sign;

@@ -27,9 +27,9 @@ bool is_launched(const Environment& environment) {
 std::optional<std::string> unlaunched_rank_error(int ranks, int tasks) {
   if (ranks > 1 || tasks <= 1) return std::nullopt;
   return "Slurm started " + std::to_string(tasks) +
-         " tasks, but this one finds itself alone: start them with `srun --mpi=pmix` (`srun --mpi=list` names what "
-         "there "
-         "is) or with mpirun; where each is to bake by itself: env -u SLURM_NTASKS -u SLURM_STEP_NUM_TASKS gigabake …";
+         " tasks, but MPI of this task sees only one rank: start the tasks with `srun --mpi=pmix` (`srun --mpi=list` "
+         "lists the available types) or with mpirun; if each task shall bake separately: env -u SLURM_NTASKS -u "
+         "SLURM_STEP_NUM_TASKS gigabake …";
 }
 
 }  // namespace gigabake

@@ -103,7 +103,7 @@ void MasterBake::plan_dispatch(const std::vector<CellReport>& done) {
   for (const CellReport& r : done) feed_.record().already_done(r.id);
   if (const std::size_t cells = cells_among(done); cells != 0)
     progress_.info(std::to_string(cells) + " of " + counted(plan_.cells(), "cell") + (cells == 1 ? " is" : " are") +
-                   " there already");
+                   " complete already");
   feed_.publish();
 }
 
@@ -117,7 +117,7 @@ void MasterBake::forget_orphans() {
   try {
     journal_->keep_only(plan_.jobs);
   } catch (const InputError& e) {
-    progress_.warning(std::string("the journal keeps what was pruned: ") + e.what());
+    progress_.warning(std::string("the journal still lists pruned shards: ") + e.what());
   }
 }
 

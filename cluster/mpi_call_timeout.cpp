@@ -54,7 +54,7 @@ double max_mpi_call_s() {
 MpiCallTimeout::MpiCallTimeout(double longest_s, const char* call) {
   const std::string line = fmt::format(
       "gigabake: {} did not return within {:g} s: another rank died or hangs; run the same command again "
-      "(GIGABAKE_MPI_SECONDS sets the bound)\n",
+      "(GIGABAKE_MPI_SECONDS sets this limit)\n",
       call, longest_s);
   last_line_bytes = rank_from_launcher() < printing_ranks ? std::min(line.size(), sizeof last_line) : 0;
   std::memcpy(last_line, line.data(), last_line_bytes);

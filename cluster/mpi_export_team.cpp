@@ -26,7 +26,7 @@ Parts gathered(MpiSession& mpi, std::vector<std::uint8_t> own) {
     }
     std::this_thread::sleep_for(std::chrono::microseconds(200));
     if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > mpi.collective_timeout_s())
-      throw RankLost("nothing heard of another rank; run the same command again");
+      throw RankLost("no message from another rank; run the same command again");
   }
   return parts;
 }

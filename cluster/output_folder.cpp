@@ -88,9 +88,8 @@ void OutputFolder::NewFolders::make(const fs::path& folder) {
 
 OutputFolder::OutputFolder(fs::path out, const fs::path& source) : out_(std::move(out)) {
   if (fs::is_directory(source) && is_at_or_below(out_, source))
-    throw InputError(
-        out_, "",
-        "lies in the folder that is baked; choose an output folder outside of " + short_path(source.string()));
+    throw InputError(out_, "",
+                     "lies in the source folder; choose an output folder outside of " + short_path(source.string()));
   folders_.make(out_);
   expect_no_links(out_);
   lock_.emplace(out_);
@@ -163,7 +162,7 @@ OrphanShards OutputFolder::remove_orphans(const SceneDescription& scene) const {
 void expect_output_folder(const fs::path& out) {
   std::error_code error;
   if (!fs::is_directory(out / "shards", error))
-    throw InputError(out / "shards", "", "is not there on this host; every host must see the same output folder");
+    throw InputError(out / "shards", "", "does not exist on this host; every host must see the same output folder");
 }
 
 }  // namespace gigabake

@@ -96,7 +96,7 @@ class SizeSampler {
   void wait_for_device() {
     const auto start = Clock::now();
     while (!process_.device() && problem_.empty()) {
-      if (elapsed_s(start) > max_start_s) problem_ = "the process that bakes does not start";
+      if (elapsed_s(start) > max_start_s) problem_ = "the bake process does not start";
       process_.prepare();
       nap();
       while (const auto event = process_.poll())
@@ -251,7 +251,7 @@ TextureFindings textures_of(const SceneSources& sources, const std::vector<std::
 /// Returns the bake's scratch folder as far as the request determines it.
 std::filesystem::path scratch_of_bake(const BakeRequest& request) {
   if (!request.out.empty()) return scratch_of(request);
-  return request.scratch.empty() ? std::filesystem::path("OUT") / "scratch" : request.scratch;
+  return request.scratch.empty() ? std::filesystem::path("SCENE") / "scratch" : request.scratch;
 }
 
 /// Scales the estimate of the requested size for sizes at which no piece was baked.

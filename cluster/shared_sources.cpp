@@ -57,7 +57,7 @@ void await_master(MpiSession& mpi) {
       std::this_thread::sleep_for(pause);
     }
   }
-  throw RankLost("nothing heard of rank 0 while it opened the source; run the same command again");
+  throw RankLost("no message from rank 0 while it opened the source; run the same command again");
 }
 
 /// Checks that this host sees the source; otherwise every tile that the host reads would be missing.

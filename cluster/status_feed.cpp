@@ -65,7 +65,7 @@ void StatusFeed::write(const BakeStatus& status) {
     write_status(out_, status);
     if (!metrics_.empty()) publish_file(metrics_, to_prometheus(status), Durability::while_up);
   } catch (const InputError& e) {
-    if (!warned_) print_message("the bake goes on without its status: {}\n", e.what());
+    if (!warned_) print_message("the bake continues without its status: {}\n", e.what());
     warned_ = true;
   }
 }

@@ -64,7 +64,7 @@ class TileQueue {
 TileScan given_up(std::uint32_t tile, const std::string& why) {
   TileScan survey;
   survey.tile = tile;
-  survey.error = "ends the process that reads it (tried " + std::to_string(max_failures) + " times): " + why;
+  survey.error = "terminates the process that reads it (tried " + std::to_string(max_failures) + " times): " + why;
   return survey;
 }
 
@@ -121,8 +121,8 @@ class ScanCollector {
   void expect_life(int rank) const {
     const Rank& r = ranks_[std::size_t(rank)];
     if (r.missing == 0 || std::chrono::duration<double>(Clock::now() - r.heard).count() < heartbeat_timeout_s_) return;
-    throw RankLost("nothing heard of rank " + std::to_string(rank) +
-                   " while tiles were surveyed; run the same command again, without its host");
+    throw RankLost("no message from rank " + std::to_string(rank) +
+                   " while tiles were scanned; run the same command again, without its host");
   }
 
   MpiSession& mpi_;
@@ -147,12 +147,12 @@ std::vector<std::uint32_t> distribute_tiles(MpiSession& mpi, const std::vector<s
   while (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < mpi.collective_timeout_s()) {
     if (const auto message = mpi.poll()) {
       std::vector<std::uint32_t> own;
-      ByteReader(message->bytes, "tiles to survey").get(own);
+      ByteReader(message->bytes, "tiles to scan").get(own);
       return own;
     }
     process.wait(max_scan_wait);
   }
-  throw RankLost("nothing heard of rank 0 before tiles were surveyed; run the same command again");
+  throw RankLost("no message from rank 0 before tiles were scanned; run the same command again");
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ class Worker {
     turned_ = now;
     const double silent_s = std::chrono::duration<double>(now - heard_).count();
     if (stopped_ || silent_s < max_silence_s_) return;
-    throw RankLost("nothing heard of rank 0 for " + std::to_string(std::int64_t(silent_s)) +
+    throw RankLost("no message from rank 0 for " + std::to_string(std::int64_t(silent_s)) +
                    " s; run the same command again, without its host");
   }
 

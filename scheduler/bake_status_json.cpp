@@ -130,7 +130,7 @@ class Members {
 BakeState state_of(const Members& m) {
   const std::string name = m.text("state");
   const std::optional<BakeState> state = value_named<BakeState>(name);
-  if (!state) m.refuse("state", "names no state of a bake: " + in_quotes(name));
+  if (!state) m.refuse("state", "is not a state of a bake: " + in_quotes(name));
   return *state;
 }
 

@@ -45,18 +45,18 @@ class Exposition {
 std::string label(const char* key, std::string_view value) { return fmt::format(",{}=\"{}\"", key, escaped(value)); }
 
 void add_state(Exposition& e, const BakeStatus& s) {
-  e.head("gigabake_state", "gauge", "1 for the state the bake is in.");
+  e.head("gigabake_state", "gauge", "1 for the current state of the bake, else 0.");
   for (const BakeState state : values_of<BakeState>())
     e.sample("gigabake_state", label("state", name_of(state)), state == s.state);
   e.gauge("gigabake_started_timestamp_seconds", "When the bake started, Unix time.", s.started_s);
-  e.gauge("gigabake_updated_timestamp_seconds", "When this was written, Unix time.", s.updated_s);
+  e.gauge("gigabake_updated_timestamp_seconds", "When this file was written, Unix time.", s.updated_s);
   e.gauge("gigabake_ranks", "Ranks of the bake.", s.ranks);
   e.gauge("gigabake_tiles", "Tiles of the source.", double(s.tiles));
-  e.gauge("gigabake_tiles_surveyed", "Tiles surveyed so far.", double(s.tiles_surveyed));
+  e.gauge("gigabake_tiles_surveyed", "Tiles scanned so far.", double(s.tiles_surveyed));
 }
 
 void add_cells(Exposition& e, const CellTally& c) {
-  e.head("gigabake_cells", "gauge", "Cells of the plan by what has become of them.");
+  e.head("gigabake_cells", "gauge", "Cells of the plan by state.");
   const auto cells = [&e](const char* state, std::uint64_t n) {
     e.sample("gigabake_cells", label("state", state), double(n));
   };
@@ -66,7 +66,7 @@ void add_cells(Exposition& e, const CellTally& c) {
   cells("done", c.done);
   cells("empty", c.empty);
   cells("set_aside", c.set_aside);
-  e.counter("gigabake_failed_attempts_total", "Attempts at cells that went wrong.", double(c.failed_attempts));
+  e.counter("gigabake_failed_attempts_total", "Failed attempts to bake a cell.", double(c.failed_attempts));
 }
 
 }  // namespace
@@ -85,7 +85,7 @@ std::string to_prometheus(const BakeStatus& s) {
   e.gauge("gigabake_missing", "Tiles and cells that will be missing from the scene.", double(s.failures));
   e.counter("gigabake_process_restarts_total", "Bake processes that died and were started again.",
             double(s.process_restarts));
-  e.counter("gigabake_workers_lost_total", "Workers that fell silent.", double(s.workers_lost));
+  e.counter("gigabake_workers_lost_total", "Workers whose heartbeat timed out.", double(s.workers_lost));
   return e.take();
 }
 

@@ -50,7 +50,7 @@ void Journal::give_up(const char* what) {
   const int reason = errno;
   std::string more;
   if (file_.is_open() && ::ftruncate(file_.get(), off_t(bytes_)) != 0)
-    more = "; half a record stays at its end";  // the next bake truncates it
+    more = "; its last record is incomplete";  // the next bake truncates it
   file_ = Descriptor();
   has_failed_ = true;
   throw InputError(path_, "",

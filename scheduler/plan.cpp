@@ -189,11 +189,10 @@ std::vector<std::string> warning_lines(const std::vector<TileScan>& surveys, con
 /// Returns the loss of a readable tile's triangles that are too long.
 SceneLoss far_loss(const TileScan& s, const std::string& tile, double voxel_size_m) {
   const double needed_m = s.reach_m / double(max_side_voxels);
-  return {
-      fmt::format("{} of tile {}", counted(s.too_far, "triangle"), tile),
-      fmt::format("up to {:.3g} voxels ({:.3g} m) long, but at most {} can be baked; mend the vertex that lies so far "
-                  "away, or take `voxel_size_m` {:.3g} or larger",
-                  s.reach_m / voxel_size_m, s.reach_m, max_side_voxels, needed_m * 1.005)};
+  return {fmt::format("{} of tile {}", counted(s.too_far, "triangle"), tile),
+          fmt::format("up to {:.3g} voxels ({:.3g} m) long, but at most {} can be baked; fix the distant vertex, or "
+                      "set `voxel_size_m` to {:.3g} or more",
+                      s.reach_m / voxel_size_m, s.reach_m, max_side_voxels, needed_m * 1.005)};
 }
 
 void add_counts(const std::vector<TileScan>& surveys, const SceneSources& sources, double voxel_size_m,

@@ -177,7 +177,7 @@ void Schedule::lose(int worker, double now_s) {
   const bool alone = w.alone;
   for (const std::uint32_t job : empty_hand(w)) {
     if (alone) {  // the cell may crash machines, so retries are bounded
-      record_failure(job, "worker " + std::to_string(worker) + " was not heard of any more", now_s);
+      record_failure(job, "worker " + std::to_string(worker) + " stopped sending messages", now_s);
     } else {
       Trouble& t = trouble_[job];
       t.suspect |= ++t.losses > max_coincidental_losses;

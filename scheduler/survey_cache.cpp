@@ -105,7 +105,7 @@ void SurveyCache::load(const std::filesystem::path& path) {
     r.get(key);
     r.get(bytes);
     at += sizeof key + sizeof bytes;
-    if (bytes > content.size() - at) throw InputError(path, "", "a survey reaches beyond the end", at);
+    if (bytes > content.size() - at) throw InputError(path, "", "a scan extends beyond the end", at);
     surveys_[key] = content.subspan(at, bytes);
     at += bytes;
   }

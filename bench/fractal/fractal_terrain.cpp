@@ -174,17 +174,18 @@ void write(const sample::GlbModel& model, const sample::GlbListedMesh& mesh, con
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App program{"Writes the benchmark's fractal terrain as a GLB: one unit wide, z up after gigabake's turn."};
+  CLI::App program{"Writes the benchmark's fractal terrain as a GLB: one unit wide, z up after gigabake's rotation."};
   Options o;
   program.add_option("OUT", o.out, "GLB file to write")->required();
-  program.add_option("--quads", o.quads, "along an edge, a power of two")
+  program.add_option("--quads", o.quads, "quads along an edge, a power of two")
       ->capture_default_str()
       ->check(CLI::Range(2, 8192));
   program.add_option("--texture", o.texture, "texels along an edge of a JPEG texture; 0: vertex colours")
       ->capture_default_str()
       ->check(CLI::Range(0, 16384));
   program.add_option("--seed", o.seed)->capture_default_str();
-  program.add_option("--roughness", o.roughness, "of the largest step, of the edge")->capture_default_str();
+  program.add_option("--roughness", o.roughness, "roughness of the largest step, relative to the edge")
+      ->capture_default_str();
   program.add_option("--persistence", o.persistence, "roughness of a step over that of twice the step")
       ->capture_default_str();
   CLI11_PARSE(program, argc, argv);

@@ -112,7 +112,7 @@ std::vector<HardCase> earth_cases() {
                  true),
       earth_case("ecef-antimeridian", "tiles 0.2 m to either side of 180°, ECEF; WGS84 in long double",
                  {{-16.8, 180 - 1e-6, 30}, {-16.8, -180 + 1e-6, 30}}, fiji, true),
-      earth_case("ecef-own-origin", "the scene stands where its tileset does; WGS84 in long double", {zurich}, zurich,
+      earth_case("ecef-own-origin", "the scene has the origin of its tileset; WGS84 in long double", {zurich}, zurich,
                  false),
       earth_case("far-1000-km-ecef", "0.01 m voxels 1,000 km from the scene's origin, ECEF; WGS84 in long double",
                  {zurich}, {56.36, 8.54, 0}, true),

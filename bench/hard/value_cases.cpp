@@ -43,10 +43,10 @@ std::vector<HardCase> colours() {
                        AlphaMode::opaque,
                        std::array<Rgba16, 3>{red, green, blue}};
   return {
-      value_case("tiny-beside-large", "half a sub-voxel² beside two hundred thousand times as much", tiny),
+      value_case("tiny-beside-large", "half a sub-voxel² next to two hundred thousand times this area", tiny),
       value_case("touch-takes-colour", "a mere touch occupies a voxel, and it has a colour",
                  {{touching, red, AlphaMode::opaque, {}}}, SurfaceRule::conservative),
-      value_case("touch-loses-against-area", "a touch has no say beside area",
+      value_case("touch-loses-against-area", "a touch has no weight next to area",
                  {{touching, red, AlphaMode::opaque, {}},
                   {{{{300, 20, 20}, {500, 30, 20}, {400, 230, 20}}}, green, AlphaMode::opaque, {}}},
                  SurfaceRule::conservative),
@@ -66,7 +66,7 @@ std::vector<HardCase> alphas() {
              {{reference::white16, opaque}, {with_alpha(black, 32768), blend}}),
       sheets("alpha-just-absent", "128.4 of 65535 rounds to 0 of 255", {{with_alpha(red, 128), blend}}),
       sheets("alpha-just-there", "129 of 65535 rounds to 1 of 255", {{with_alpha(red, 129), blend}}),
-      sheets("mask-below-cutoff", "glTF: alpha ≥ cutoff is there, anything below is not",
+      sheets("mask-below-cutoff", "glTF: alpha ≥ cutoff is visible, smaller alpha is not",
              {{with_alpha(red, 32767), mask}}),
       sheets("mask-at-cutoff", "the same, at the cutoff", {{with_alpha(red, 32768), mask}}),
       sheets("opaque-ignores-alpha", "glTF: OPAQUE ignores alpha", {{with_alpha(red, 0), opaque}}),
@@ -78,7 +78,7 @@ std::vector<HardCase> normals() {
   add_sheet(opposite, 100);
   add_sheet(opposite, 120);
   for (std::size_t i = 2; i < 4; ++i) std::swap(opposite[i].triangle[1], opposite[i].triangle[2]);
-  HardCase cancelling = value_case("opposite-sheets", "their normals cancel: +z stands for no direction", opposite);
+  HardCase cancelling = value_case("opposite-sheets", "their normals cancel: +z represents no direction", opposite);
   cancelling.more = [](const HardBake& bake) {
     double wrong = 0;
     for (const auto& [voxel, stored] : bake.voxels) wrong += stored.normal != std::array<std::int8_t, 2>{0, 0};
@@ -87,7 +87,8 @@ std::vector<HardCase> normals() {
   std::vector<Painted> invisible;
   add_sheet(invisible, 100, {65535, 65535, 65535, 0}, AlphaMode::blend);
   invisible.push_back({{{{100, 10, 10}, {100, 200, 10}, {100, 10, 200}}}, reference::white16, AlphaMode::opaque, {}});
-  return {cancelling, value_case("invisible-has-no-normal", "what has alpha 0 has no say in the direction", invisible)};
+  return {cancelling,
+          value_case("invisible-has-no-normal", "a surface of alpha 0 has no weight in the direction", invisible)};
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ void write(const std::filesystem::path& out, std::uint64_t cells, bool shards) {
   scene.parents = made_parents(out, scene.cells, shards, parameters.voxel_size_m);
   const auto start = std::chrono::steady_clock::now();
   write_scene(out / "scene.xml", scene);
-  fmt::print("{} cells and {} parents written in {:.2f} s\n", cells, scene.parents.size(), seconds_since(start));
+  fmt::print("{} cells and {} overviews written in {:.2f} s\n", cells, scene.parents.size(), seconds_since(start));
 }
 
 }  // namespace
@@ -121,11 +121,11 @@ void write(const std::filesystem::path& out, std::uint64_t cells, bool shards) {
 int main(int argc, char** argv) {
   CLI::App app("Writes a scene of many cells without their shards");
   bool shards = false;
-  app.add_flag("--shards", shards, "with the shards of parents that are above other parents: some GB for 10^6 cells");
+  app.add_flag("--shards", shards, "also write the shards of overviews of overviews: some GB for 10^6 cells");
   std::string out;
   std::uint64_t cells = 1000000;
   app.add_option("OUT", out, "folder to write to")->required();
-  app.add_option("--cells", cells, "how many")->check(CLI::Range(std::uint64_t(1), std::uint64_t(1) << 28));
+  app.add_option("--cells", cells, "number of cells")->check(CLI::Range(std::uint64_t(1), std::uint64_t(1) << 28));
   CLI11_PARSE(app, argc, argv);
   try {
     gigabake::write(out, cells, shards);

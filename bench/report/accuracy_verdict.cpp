@@ -63,9 +63,9 @@ std::string verdict(const AccuracyBench& bench) {
   const AccuracySetting& nearest = minimum(bench, HUGE_VAL, flip);
   const AccuracySetting& min_bytes = minimum(bench, nearest.mean.flip + as_good_flip, bytes);
   return fmt::format(
-      "`{}` at {:g} m is on average FLIP {:.3f} away from pictures of the triangles (0: the same, 1: nothing alike){}. "
-      "Of {} settings `{}` comes nearest (FLIP {:.3f}, {:.1f} MB), and of those within {:g} of it `{}` takes the least "
-      "disk ({:.1f} MB, {:.2f} s to bake).\n",
+      "`{}` at {:g} m has a mean FLIP of {:.3f} to images of the triangles (0: equal, 1: nothing in common){}. "
+      "Of {} settings `{}` has the smallest error (FLIP {:.3f}, {:.1f} MB); of the settings within {:g} of it `{}` "
+      "takes the least disk ({:.1f} MB, {:.2f} s to bake).\n",
       first.name, first.parameters.voxel_size_m, first.mean.flip, goals_met(first, bench), bench.settings.size(),
       nearest.name, nearest.mean.flip, 1e-6 * bytes(nearest), as_good_flip, min_bytes.name, 1e-6 * bytes(min_bytes),
       min_bytes.bake_s);
@@ -87,30 +87,33 @@ std::string verdict(const HardBench& bench) {
 }
 
 std::string accuracy_columns() {
-  return "- setting: surface rule, filter of coarser levels, `x2` with voxels twice as large, and what else differs\n"
+  return "- setting: surface rule, filter of coarser levels, `x2` with voxels twice as large, and other differences\n"
          "- bake, s: from the sources to scene.xml in one process, the fastest of `--repeats`; render, s: all views\n"
          "- MB, bytes/voxel: on disk, all levels\n"
-         "- FLIP: difference as an eye sees it, 0 to 1, mean over the pixels, over black or white, the worse\n"
+         "- FLIP: perceived difference, 0 to 1, mean over the pixels; the larger one of a black and a white "
+         "background\n"
          "- compared pixels: in which the reference shows the surface; with fewer than 4 in a view the command fails\n"
-         "- PSNR, dB: of the colours over that background; more is better\n"
+         "- PSNR, dB: of the colours over that background; higher is better\n"
          "- coverage bias: mean opacity minus the reference's; above 0 the scene looks too thick\n"
-         "- holes: share of light that shines through where the reference is opaque\n"
-         "- IoU: of the pixels at least half covered in either picture, those covered in both; 1 is the same outline\n"
+         "- holes: fraction of light that passes where the reference is opaque\n"
+         "- IoU: of the pixels that are at least half covered in either image, the fraction covered in both; 1: equal "
+         "outlines\n"
          "- RMS colour: of linear red, green, blue; ΔE: CIE76, below 2 hardly visible\n"
-         "- missed, by ½, by 1: share of the surface without a voxel as near as 1/256, ½, 1 voxel\n"
-         "- extra: share of voxels that no triangle touches; centre beyond ½, √3/2: whose centre is farther from the "
-         "surface, in voxels; farthest: the farthest such centre\n"
+         "- missed, by ½, by 1: fraction of the surface without a voxel within 1/256, ½, 1 voxel\n"
+         "- extra: fraction of voxels that no triangle touches; centre beyond ½, √3/2: fraction of voxels whose centre "
+         "has a larger distance to the surface, in voxels; farthest: max distance of a centre\n"
          "- normal: angle to the triangle's; texels: of the source along a voxel's edge; alpha: coverage of a voxel\n"
-         "- voxels a pixel, in the views' names: how many voxels of level 0 a pixel is wide\n";
+         "- voxels a pixel, in the views' names: width of a pixel in voxels of level 0\n";
 }
 
 std::string hard_columns() {
-  return "- each figure: measured ≤ what is claimed at most; **fails** where it is more\n"
-         "- missed: voxels that the exact reference has and the bake has not; extra: the other way round\n"
+  return "- each number: measured ≤ claimed bound; **fails** if it is larger\n"
+         "- missed: voxels of the exact reference that the bake lacks; extra: voxels of the bake that the reference "
+         "lacks\n"
          "- alpha, colour: largest difference in codes of 255; linear colour: in linear light, codes\n"
          "- normal: largest angle; position: largest distance of a voxel's surface from the reference, and before the "
          "snap to the lattice\n"
-         "- more: figures that single cases have\n";
+         "- more: numbers of single cases\n";
 }
 
 }  // namespace gigabake::bench

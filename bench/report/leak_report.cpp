@@ -105,7 +105,7 @@ std::string views_table(const Scenes& scenes) {
 
 /// Returns a table with one row per scene, over all its views.
 std::string scenes_table(const Scenes& scenes) {
-  std::string out = fmt::format("| scene | what it is | {}\n| --- | --- | {}\n", figure_heads, figure_rules);
+  std::string out = fmt::format("| scene | description | {}\n| --- | --- | {}\n", figure_heads, figure_rules);
   for (const LeakResult* scene : scenes) {
     Pooled pooled;
     for (const LeakRow& row : scene->rows) pooled.add(*scene, row);
@@ -149,35 +149,37 @@ WorstLeak worst_leak(const LeakBench& bench) {
 }
 
 std::string leak_columns() {
-  return "- inner pixels: those around which, in a square of 7 × 7 pixels, the reference shows nothing but the inside; "
-         "the picture itself has no say\n"
-         "- below .99, .9: share of them whose alpha is more than .01, .1 below the true one, which is 1 where the "
-         "scene is opaque\n"
-         "- least alpha, RMS, bias: of alpha, and of alpha minus the true one, over inner pixels; where the reference "
-         "is traced its own noise is in the RMS\n"
-         "- elevation: of the eye above the horizon; on a lattice plane: straight down from a height that is a "
+  return "- inner pixels: pixels whose 7 × 7 neighbourhood shows only the inside of the surface in the reference; the "
+         "image under test does not matter\n"
+         "- below .99, .9: fraction of inner pixels whose alpha is more than .01, .1 below the reference, which is 1 "
+         "if the scene is opaque\n"
+         "- least alpha, RMS, bias: min of alpha; RMS and mean of alpha minus the reference, over inner pixels; the "
+         "RMS includes the noise of a traced reference\n"
+         "- elevation: of the camera above the horizon; on a lattice plane: straight down from a height that is a "
          "multiple of 64 voxels, so that all rays sample at one phase; where levels change: a level ends and the next "
-         "begins on the surface, in the middle of the picture\n"
-         "- voxels a pixel: how many voxels of level 0 a pixel is wide; only views in which a scene is at least 24 "
-         "pixels wide are there: `--scene-voxels` makes scenes wider\n";
+         "begins on the surface, in the middle of the image\n"
+         "- voxels a pixel: width of a pixel in voxels of level 0; only views in which a scene is at least 24 pixels "
+         "wide are measured: `--scene-voxels` makes scenes wider\n";
 }
 
 }  // namespace
 
 std::string verdict(const LeakBench& bench) {
   const WorstLeak worst = worst_leak(bench);
-  if (worst.row == nullptr) return "No opaque surface shows enough inner pixels to say whether it leaks.\n";
+  if (worst.row == nullptr) return "No opaque surface shows enough inner pixels to measure leaks.\n";
   const LeakError& e = worst.row->error;
-  const std::string asked = fmt::format("asked are at most {:g} % and {:g}", 100 * most_below_99, min_opaque_alpha);
+  const std::string asked =
+      fmt::format("required: at most {:g} % and at least {:g}", 100 * most_below_99, min_opaque_alpha);
   const std::string where = fmt::format("`{}` from {}° at {:g} voxels a pixel", worst.scene->name,
                                         worst.row->elevation_deg, worst.row->voxels_per_pixel);
-  const std::string figures = fmt::format("{:.1f} % of the inner pixels are below alpha .99 and the least is {:.2f}",
+  const std::string figures = fmt::format("{:.1f} % of the inner pixels are below alpha .99 and the min is {:.2f}",
                                           100 * e.below_99, e.minimum);
   if (bench.is_bounded())
-    return fmt::format("Leaks are bounded in all {} pictures of opaque surfaces: the worst is {}, where {} ({}).\n",
+    return fmt::format("Leaks are bounded in all {} images of opaque surfaces: the worst is {}, where {} ({}).\n",
                        worst.pictures, where, figures, asked);
   return fmt::format(
-      "Leaks are not yet bounded: the worst is {}, where {} ({}; {} of {} pictures of opaque surfaces keep to it).\n",
+      "Leaks are not yet bounded: the worst is {}, where {} ({}; {} of {} images of opaque surfaces are within the "
+      "bounds).\n",
       where, figures, asked, worst.bounded, worst.pictures);
 }
 
@@ -210,8 +212,8 @@ std::string leaks_in_short(const LeakBench& bench) {
   Scenes all;
   for (const LeakResult& scene : bench.scenes) all.push_back(&scene);
   if (all.empty()) return "";
-  return "\n### Leaks of a few opaque planes\n\n" + verdict(bench) +
-         "They have no say in whether the suite holds.\n\n" + views_table(all) + "\n" + leak_columns();
+  return "\n### Leaks of a few opaque planes\n\n" + verdict(bench) + "They do not affect whether the suite holds.\n\n" +
+         views_table(all) + "\n" + leak_columns();
 }
 
 }  // namespace gigabake::bench

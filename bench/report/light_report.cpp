@@ -29,9 +29,9 @@ std::string to_json(const LightBench& bench) {
 
 std::string to_markdown(const LightBench& bench) {
   std::string out = fmt::format(
-      "Light with shadows: mean FLIP {:.3f} against triangles in each other's light ({} rays a pixel); without shadows "
-      "{:.3f}, where triangles cast none {:.3f}. Frames take {:.1f} times as long as without, on {} threads.\n\n"
-      "| view | pixels | of them compared | FLIP | without shadows | neither casts any | frame, ms | without, ms |\n"
+      "Light with shadows: mean FLIP {:.3f} against shadowed triangles ({} rays a pixel); without shadows in the image "
+      "{:.3f}, without shadows in both {:.3f}. Frames take {:.1f} times as long as without, on {} threads.\n\n"
+      "| view | pixels | of them compared | FLIP | without shadows | without in both | frame, ms | without, ms |\n"
       "| --- | --- | --- | --- | --- | --- | --- | --- |\n",
       bench.mean_flip(), bench.samples, bench.mean_flip_without(), bench.mean_flip_unshadowed(), bench.time_ratio(),
       bench.threads);

@@ -40,12 +40,12 @@ std::string to_json(const MotionBench& bench) {
 
 std::string to_markdown(const MotionBench& bench) {
   std::string out = fmt::format(
-      "Frames {} of a pixel apart, {}×{}, {} rays a pixel of the reference. The worst pair differs by {:.2f} times "
-      "what "
-      "triangles' does, and by {:.2f} times where levels are blended; stills against triangles: mean FLIP {:.4f} and "
+      "Frames {} of a pixel apart, {}×{}, {} rays a pixel of the reference. The worst pair differs by {:.2f} times the "
+      "difference of triangles, and by {:.2f} times with blended levels; stills against triangles: mean FLIP {:.4f} "
+      "and "
       "{:.4f}.\n\n"
-      "| path | compared pixels | triangles differ by | voxels: FLIP; ratio; worst block; still | levels blended: the "
-      "same |\n"
+      "| path | compared pixels | triangles differ by | voxels: FLIP; ratio; worst block; still | levels blended: "
+      "likewise |\n"
       "| --- | --- | --- | --- | --- |\n",
       motion_pixels, bench.width, bench.height, bench.samples, bench.worst_ratio(&MotionRow::plain),
       bench.worst_ratio(&MotionRow::blended), bench.mean_still(&MotionRow::plain),

@@ -90,7 +90,7 @@ TEST(HardSuiteReport, NamesWhatFails) {
                               "`good`: 0 of 0 voxels.\n"),
       0u)
       << to_markdown(bench);
-  EXPECT_NE(to_markdown(bench).find("- missed: voxels that"), std::string::npos);
+  EXPECT_NE(to_markdown(bench).find("- missed: voxels of"), std::string::npos);
   bench.cases.push_back({"bad", "ties, area", "", 1, {{"missed", "voxels", 2, 0}}, {}});
   EXPECT_NE(to_markdown(bench).find("| `bad` | 1 | 2 ≤ 0 **fails** |"), std::string::npos) << to_markdown(bench);
   EXPECT_EQ(to_markdown(bench).find("In 1 of 2 hard cases a claimed bound does not hold. Farthest beyond its bound is "

@@ -136,7 +136,7 @@ def tables_plots_and_pictures_are_there(work, bench):
     table = (work / "accuracy.md").read_text()
     # Regression of 2026-11-22: the table begins with a result of two sentences and explains the columns.
     verdict = table.splitlines()[0]
-    assert verdict.startswith("`area-coverage` at 0.5 m is on average FLIP 0."), verdict
+    assert verdict.startswith("`area-coverage` at 0.5 m has a mean FLIP of 0."), verdict
     assert verdict == bench["verdict"].strip() and verdict.count(". ") == 1 and verdict.endswith("."), verdict
     for column in ("bake, s", "MB", "bytes/voxel", "FLIP", "PSNR", "coverage bias", "holes", "IoU", "RMS colour", "ΔE",
                    "missed", "extra", "farthest", "normal", "texels", "alpha"):

@@ -65,7 +65,7 @@ class Plan(harness.FolderTest):
         text = GIGABAKE.succeed("plan", self.tiles, "--voxel-size", VOXEL_M)
         rows = re.findall(r"^ +[\d.]+ m .* about .*$", text, re.M)
         self.assertEqual(len(rows), 3, text)
-        self.assertIn("asked for", rows[1])
+        self.assertIn("requested", rows[1])
         self.assertRegex(text, r"measured: \d+ pieces? of \d+ tiles? baked in \d")
         self.assertRegex(text.splitlines()[-1], r"texels of the textures are about 0\.\d+ m: voxels of 0\.\d+ m show")
 

@@ -78,7 +78,8 @@ class Scratch(harness.FolderTest):
             self.assertEqual(much["scratch"]["bytes"], 0)
             self.assertEqual(list(mine.glob("*")), [])
         self.assertGreater(few["sizes"][1]["pieces"], 0, few)
-        self.assertRegex(self.plan("--no-measure")[0], r"about \S+ MB of scratch for 1 large tile in OUT/scratch while")
+        self.assertRegex(self.plan("--no-measure")[0],
+                         r"about \S+ MB of scratch for 1 large tile in SCENE/scratch while")
         self.assertNotIn("scratch", self.plan("--no-measure", memory="4G")[0])
 
     def test_a_folder_of_ones_own_is_used_and_left_as_it_was(self):

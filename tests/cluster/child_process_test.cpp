@@ -173,7 +173,7 @@ TEST_F(ChildProcessTest, ThatFloodsItsSupervisorIsEnded) {
   BakeProcess process(scene.setup("out"), misbehaving("exec cat /dev/zero >&3"));
   process.survey(2);
   const Died died = expect<Died>(process);
-  EXPECT_EQ(died.why.find("talked nonsense"), 0u) << died.why;
+  EXPECT_EQ(died.why.find("sent an invalid message"), 0u) << died.why;
   EXPECT_EQ(died.tiles, std::vector<std::uint32_t>{2});
 }
 

@@ -180,7 +180,7 @@ TEST_F(Dispatch, GivesTheCellsOfASilentRankToOthers) {
   expect_each_once(result);
   EXPECT_EQ(result.counts, (JobCounts{0, 0, cells, 0, 0}));
   EXPECT_THAT(result.lost_ranks, ElementsAre(2));
-  EXPECT_THAT(notes_, ElementsAre("nothing heard of rank 2; its cells are baked elsewhere"));
+  EXPECT_THAT(notes_, ElementsAre("no message from rank 2; other ranks bake its cells"));
   EXPECT_GT(ranks.in_flight(2), 0u);
   expect_all_stopped(ranks);  // the stalled rank may wake up later
 }

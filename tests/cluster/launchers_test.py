@@ -89,7 +89,7 @@ class Script(unittest.TestCase):
 
         Regression of 2026-11-22.
         """
-        reasons = {"mute": "nothing heard of the bake for 5 s", "lonely": "every rank is gone, but mpirun is not"}
+        reasons = {"mute": "no status update of the bake for 5 s", "lonely": "every rank has ended, but mpirun has not"}
         (self.root / "out/status.json").write_text('{"state":"complete"}')  # status of an earlier bake
         for end, code in ends:
             self.assertEqual(run(end, 0, arguments=("bake", "S", "-o", str(self.root / "out")), GIGABAKE_END_S="2",
@@ -130,7 +130,7 @@ class Mpirun(Script):
         (self.root / "dead").write_text("node1\n")
         self.assertEqual(self.run_to_end(0), 0)
         self.assertEqual(self.lines("hosts_seen"), ["node2 slots=2", "node3 slots=2", "--"])
-        self.assertIn("node1 does not answer", self.errors)
+        self.assertIn("node1 does not respond", self.errors)
         (self.root / "dead").unlink()
         (self.root / "launches").unlink()
         self.assertEqual(self.run_to_end(0), 0)

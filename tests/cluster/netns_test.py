@@ -79,7 +79,7 @@ class Hosts(unittest.TestCase):
         code = process.wait(timeout=180)
         log = (self.root / "log").read_text()
         self.assertEqual(code, 0, log)
-        self.assertIn("10.77.0.3 does not answer", log)
+        self.assertIn("10.77.0.3 does not respond", log)
         status = json.loads((self.out / "status.json").read_text())
         self.assertEqual((status["state"], status["ranks"]), ("complete", 2), log)
         PROGRAM.succeed("verify", self.out / "scene.xml")

@@ -203,7 +203,7 @@ class Surroundings(harness.FolderTest):
                                 "--cell-voxels", "1024", "--threads", "1"], env=self.environment())
         self.addCleanup(bake.end)
         for seen in (lambda: list((out / "shards").glob(".c_*")) or list((out / "shards").glob("c_*")),
-                     lambda: "asked to end" in bake.said()):
+                     lambda: "cells in flight are finished" in bake.said()):
             for _ in range(1200):
                 if seen():
                     break

@@ -169,7 +169,7 @@ TEST(ScheduleFaults, SuspectACellThatWasLostTwiceAndBlameItWhenItIsLostAlone) {
     EXPECT_THAT(schedule.silent(now_s), ElementsAre(worker));
   }
   EXPECT_EQ(schedule.state(0), JobState::failed);
-  EXPECT_EQ(schedule.error(0), "worker 5 was not heard of any more (tried 3 times)");
+  EXPECT_EQ(schedule.error(0), "worker 5 stopped sending messages (tried 3 times)");
 }
 
 TEST(ScheduleFaults, EndTheBakeWhenNobodyIsLeft) {

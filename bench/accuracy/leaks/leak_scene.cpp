@@ -175,7 +175,7 @@ LeakScene wall_scene(const std::string& name, double edge, double thickness) {
   if (thickness > 0)
     sheets = sides_of(heading.at(-edge / 2, -thickness / 2, -edge / 4), length, heading.step(0, thickness, 0), up);
   LeakScene scene = sheets_scene(
-      name, "thin walls", thickness > 0 ? fmt::format("solid, {:g} thick", thickness) : "one upright sheet", sheets);
+      name, "thin walls", thickness > 0 ? fmt::format("solid, {:g} thick", thickness) : "one upright layer", sheets);
   scene.width = edge / 2;
   return scene;
 }

@@ -28,15 +28,15 @@ TEST(LeakReport, NamesTheWorstLeakInOneSentence) {
   const LeakBench bench = made_bench(error_of(400, 0, 1), error_of(300, 0.277, 0.8));
   EXPECT_EQ(verdict(bench),
             "Leaks are not yet bounded: the worst is `steep` from 10° at 16 voxels a pixel, where 27.7 % of the inner "
-            "pixels are below alpha .99 and the least is 0.80 (asked are at most 0.1 % and 0.95; 1 of 2 pictures of "
-            "opaque surfaces keep to it).\n");
+            "pixels are below alpha .99 and the min is 0.80 (required: at most 0.1 % and at least 0.95; 1 of 2 "
+            "images of opaque surfaces are within the bounds).\n");
   EXPECT_EQ(to_markdown(bench).find(verdict(bench)), 0u);
 }
 
 TEST(LeakReport, APaneIsNoLeakOfAnOpaqueSurface) {
   const LeakBench bench = made_bench(error_of(400, 0, 1), error_of(300, 0.0005, 0.96));
   EXPECT_TRUE(bench.is_bounded());
-  EXPECT_EQ(verdict(bench).find("Leaks are bounded in all 2 pictures of opaque surfaces: the worst is `steep`"), 0u);
+  EXPECT_EQ(verdict(bench).find("Leaks are bounded in all 2 images of opaque surfaces: the worst is `steep`"), 0u);
 }
 
 TEST(LeakReport, AFewPixelsAreNotTheWorstLeak) {
