@@ -17,7 +17,7 @@ struct Seen {
 /// Errors  The errors of read_status().
 Seen look(const std::string& out);
 
-/// Returns JSON for the browser's page: state, status line, completed fraction; "null" if OUT has no readable status.
+/// Returns JSON for the browser's page: state, status line, completed fraction; "null" if SCENE has no readable status.
 std::string bake_status_json(const std::string& out);
 
 }  // namespace gigabake::app

@@ -15,7 +15,7 @@ namespace gigabake::app {
 /// Prints the report of a bake on standard output.
 void print_report(const BakeSummary& summary, const std::filesystem::path& out);
 /// Prints the report of a plan on standard output. If `lists_cells`, also prints one line per cell. Parameter prior:
-/// earlier results in OUT; nullopt: no OUT was given.
+/// earlier results in SCENE; nullopt: no SCENE was given.
 void print_report(const BakePlan& plan, const std::optional<CachedResults>& prior, const PlanSizes& sizes,
                   bool lists_cells);
 std::string json_report(const BakeSummary& summary, const std::filesystem::path& out);

@@ -23,7 +23,7 @@ void expect_parent_folder(const char* option, const std::string& name, const std
 void expect_own_file(const char* option, const std::string& name, std::string_view beginning,
                      const std::vector<std::filesystem::path>& inputs);
 
-/// Returns the files and folders that a bake keeps in OUT, including those that do not exist yet.
+/// Returns the files and folders that a bake keeps in SCENE, including those that do not exist yet.
 std::vector<std::filesystem::path> files_of_bake(const std::filesystem::path& out);
 
 }  // namespace gigabake::app

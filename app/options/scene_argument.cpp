@@ -109,7 +109,7 @@ fs::path similar_bake(const fs::path& out, const fs::path& parent) {
   return {};
 }
 
-/// Returns OUT/scene.xml of a bake that has not started yet.
+/// Returns SCENE/scene.xml of a bake that has not started yet.
 /// Errors  InputError: a name that looks like a typo, or that cannot become the folder of a bake.
 fs::path future_scene(const fs::path& given) {
   const bool names_scene = given.filename() == "scene.xml" || !given.has_filename();

@@ -6,7 +6,7 @@
 
 namespace gigabake::app {
 
-/// Returns OUT/scene.xml if `given` is that file or OUT. Returns a path that is missing or cannot be classified
+/// Returns SCENE/scene.xml if `given` is that file or SCENE. Returns a path that is missing or cannot be classified
 /// unchanged; its reader reports the error. Records missing data of the scene for the command's exit code
 /// (app/process/missing_report.h).
 /// Errors  InputError: a source, a shard, or a folder without a scene.xml. The message names its class and the command
@@ -18,12 +18,12 @@ std::filesystem::path scene_argument(const std::string& given);
 /// Errors  InputError: also a name without a parent folder, or one that is probably a misspelt bake in the same folder.
 std::filesystem::path live_scene_argument(const std::string& given);
 
-/// Returns OUT if `given` is OUT or OUT/scene.xml.
+/// Returns SCENE if `given` is SCENE or SCENE/scene.xml.
 /// Errors  InputError: `given` is a source or a shard file.
 std::filesystem::path bake_folder_argument(const std::string& given);
 
 /// Checks the output folder of a bake.
-/// Errors  InputError: the folder contains sources, or belongs to another bake's OUT.
+/// Errors  InputError: the folder contains sources, or belongs to another bake's SCENE.
 void expect_bake_output(const std::string& given);
 
 /// Checks that `given` is neither a baked scene nor a shard.

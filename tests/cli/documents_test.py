@@ -36,7 +36,7 @@ SMALL = {"sample": {"--size": "64"}, "plan": {"--voxel-size": "2"},
          "query": {"--step": "20"}}
 # Values for the placeholders in documents.
 OPEN_VALUES = {"--path ...": "--path path.json --frames 2 -o f%04d.png", "--grid ...": "--grid=-5,-5,5,5 --step 5"}
-NEEDED = {"bake": [("-o", "OUT"), ("--voxel-size", "2")], "render": [("-o", "P.png")]}
+NEEDED = {"bake": [("-o", "SCENE"), ("--voxel-size", "2")], "render": [("-o", "P.png")]}
 NUMBERS = [("X,Y,Z,DX,DY,DZ", "0,0,900,0,0,-1"), ("X,Y,Z,X,Y,Z", "0,0,900,5,5,900"), ("X,Y,X,Y", "-5,-5,5,5"),
            ("X,Y", "0,0")]
 
@@ -127,8 +127,8 @@ class Documents(harness.FolderTest):
         cls.parser = Parser()
         scene = cls.root / "made" / "scene"
         PROGRAM.sample(scene, size=64, tiles=1)
-        PROGRAM.bake(scene / "tileset.json", cls.root / "made" / "OUT", 2, "--cell-voxels", 64)
-        shutil.copytree(cls.root / "made" / "OUT", cls.root / "made" / "OTHER")
+        PROGRAM.bake(scene / "tileset.json", cls.root / "made" / "SCENE", 2, "--cell-voxels", 64)
+        shutil.copytree(cls.root / "made" / "SCENE", cls.root / "made" / "OTHER")
         keyframe = {"time_s": 0, "eye": [60, -60, 300], "target": [0, 0, 0]}
         (cls.root / "made" / "path.json").write_text(json.dumps({"keyframes": [keyframe, {**keyframe, "time_s": 1}]}))
         for name, columns in (("rays", "x,y,z,dx,dy,dz\n0,0,900,0,0,-1"), ("places", "x,y\n0,0"),
@@ -179,8 +179,8 @@ class Documents(harness.FolderTest):
                 if words[0] != "gigabake" or any(" ".join(words).startswith(begin) for begin in CHECKED):
                     continue
                 words = self.real_words(words)
-                if words[0] == "bake" and words[words.index("-o") + 1] == "OUT":
-                    shutil.rmtree(folder / "OUT", ignore_errors=True)
+                if words[0] == "bake" and words[words.index("-o") + 1] == "SCENE":
+                    shutil.rmtree(folder / "SCENE", ignore_errors=True)
                 if "-o" in words:
                     (folder / words[words.index("-o") + 1]).parent.mkdir(exist_ok=True)
                 result = PROGRAM.run(*words, cwd=folder)

@@ -68,7 +68,7 @@ class OwnFilesTest(unittest.TestCase):
         for name in (places, self.out / "scene.xml"):
             self.refused("-o", run=lambda name=name: PROGRAM.run("query", self.out, "--heights", places, "-o", name))
 
-    # Regression of 2026-11-25: a folder of sources, and the shards of another bake, were accepted as OUT.
+    # Regression of 2026-11-25: a folder of sources, and the shards of another bake, were accepted as SCENE.
     def test_a_bake_goes_into_no_folder_of_sources_or_shards(self):
         self.refused("holds sources", "square.obj", out=self.mesh.parent)
         other = self.root / "other"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests the results that a bake leaves for the next bake: `plan -o`, the lock of OUT, `--prune`.
+"""Tests the results that a bake leaves for the next bake: `plan -o`, the lock of SCENE, `--prune`.
 
 Usage: prior_test.py GIGABAKE SOURCE_DIR
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests file arguments: OUT means OUT/scene.xml, a file of a wrong format is named, a suffix selects the export format.
+"""Tests file arguments: SCENE means SCENE/scene.xml, wrong formats are named, a suffix selects the export format.
 
 Also tests --quiet, exit codes, and that only terminals get control characters. Regressions of 2026-11-22.
 

@@ -35,7 +35,7 @@ class Status(harness.FolderTest):
         cls.status = json.loads((cls.out / "status.json").read_text())
 
     def folder_with(self, **changes):
-        """Returns an OUT whose status is the finished bake's status with changes."""
+        """Returns a SCENE whose status is the finished bake's status with changes."""
         out = Path(tempfile.mkdtemp(dir=self.root))
         status = {**self.status, "updated_s": time.time(), **changes}
         (out / "status.json").write_text(json.dumps(status))

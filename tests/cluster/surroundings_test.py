@@ -64,7 +64,7 @@ class Surroundings(harness.FolderTest):
         self.assertIn("is being baked into by", result.stderr)
 
     def held_lock(self, out, text):
-        """Locks OUT for this process. The lock file contains `text`."""
+        """Locks SCENE for this process. The lock file contains `text`."""
         out.mkdir()
         lock = open(out / ".lock", "w+")
         self.addCleanup(lock.close)

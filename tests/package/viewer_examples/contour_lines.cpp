@@ -1,6 +1,6 @@
 // A custom shader: contour lines at a distance of STEP_M metres, on the light of the scene.
 //
-//     `contour_lines OUT/scene.xml STEP_M PICTURE.png`      prints the number of pixels of surfaces and of lines
+//     `contour_lines SCENE/scene.xml STEP_M PICTURE.png`    prints the number of pixels of surfaces and of lines
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -49,7 +49,7 @@ int draw(const char* scene, double step_m, const char* file) {
 
 int main(int argc, char** argv) {
   if (argc != 4 || !(std::atof(argv[2]) > 0)) {
-    std::fprintf(stderr, "usage: contour_lines OUT/scene.xml STEP_M PICTURE.png\n");
+    std::fprintf(stderr, "usage: contour_lines SCENE/scene.xml STEP_M PICTURE.png\n");
     return EXIT_FAILURE;
   }
   try {
