@@ -156,7 +156,7 @@ TEST(SceneXml, IsRefusedWithElementAndAttributeWhereItIsWrong) {
        "PagedOctTree LatticeMin: expected multiples of 8"},
       {"c_0_0_0\" LatticeMin=\"-16 32 8\"", "c_0_0_0\" LatticeMin=\"-16 32 99999999999999999999\"",
        "PagedOctTree LatticeMin"},
-      {"Lods=\"2\"", "Lods=\"3\"", "PagedOctTree Lods: does not fit"},
+      {"Lods=\"2\"", "Lods=\"3\"", "PagedOctTree Lods: does not match"},
       {"\"12\" Voxels=\"", "\"12\" Voxels=\"5 ", "PagedOctTree Voxels: expected one count"},
       {"Fingerprint=\"", "Fingerprint=\"z", "PagedOctTree Fingerprint: expected 32 hexadecimal"},
   };

@@ -27,7 +27,7 @@ inline std::vector<BrokenShard> broken_shards() {
       {"first does not count the mask's bits", [](Shard& s) { s.levels[0].mask[0] = 1; }},
       {"rgb does not match first", [](Shard& s) { s.levels[0].rgba.resize(16, 1), s.levels[0].normal.resize(8); }},
       {"a voxel without coverage", [](Shard& s) { s.levels[0].rgba[3] = 0; }},
-      {"normal does not fit", [](Shard& s) { s.levels[0].normal.resize(4); }},
+      {"normal does not match", [](Shard& s) { s.levels[0].normal.resize(4); }},
       {"/lod_1: row 1: plane is neither",
        [](Shard& s) { s = small_shard_with_planes(), s.levels[1].facing[7] = 0x3c; }},
       {"/lod_1: row 0: plane is neither",
