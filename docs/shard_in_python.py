@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """A shard in Python: h5py reads it, numpy unpacks it, matplotlib draws a slice and two histograms.
 
-    python3 docs/shard_in_python.py SCENE/shards/CELL.h5 [LOD] [PICTURE.png]
+    python3 docs/shard_in_python.py SCENE/shards/CELL.h5 [LOD] [IMAGE.png]
 
 The cells below (`# %%`) also run one by one in Jupyter, VS Code or Spyder. On Debian 12 and Ubuntu 24.04:
 apt install python3-h5py python3-matplotlib hdf5-filter-plugin. Elsewhere: pip install h5py hdf5plugin matplotlib.
-What the columns mean: docs/format.md.
+The columns are described in docs/format.md.
 """
 # %% The file
 import sys
@@ -14,7 +14,7 @@ import h5py
 import matplotlib
 import numpy
 
-matplotlib.use("Agg")  # a picture, no window
+matplotlib.use("Agg")  # writes an image, opens no window
 from matplotlib import pyplot
 
 path = sys.argv[1]
@@ -26,13 +26,13 @@ voxel_m = shard.attrs["voxel_size_m"] * 2**lod
 corner_m = shard.attrs["lattice_origin_m"] + shard.attrs["lattice_min"] * shard.attrs["voxel_size_m"]
 print(f"{shard.attrs['cell'].decode()}: {shard.attrs['lods']} levels, voxels of lod {lod} are {voxel_m} m")
 
-# %% Which voxels there are: 512 bits a brick
+# %% Masks of the occupied voxels: 512 bits per brick
 level = shard[f"lod_{lod}"]
 mask = level["mask"][:]
 bits = numpy.unpackbits(mask.view("u1").reshape(len(mask), 8, 8, 1), axis=3, bitorder="little")  # [brick][z][y][x]
 brick, z, y, x = numpy.nonzero(bits)  # in the order of the columns below
 
-# %% Where the bricks are: Morton codes in the oct-tree's nodes
+# %% Positions of the bricks: Morton codes in the nodes of the octree
 nodes = shard["nodes"]
 is_brick = (nodes["lod"][:] == lod) & (nodes["kind"][:] == 0)
 key = nodes["key"][:][is_brick]
@@ -48,7 +48,7 @@ position_m = corner_m + (index + 0.5) * voxel_m
 
 
 def values(name):
-    """A channel, a row for each voxel: neighbours that are alike share one on disk (docs/format.md)."""
+    """Returns a channel with one row per voxel. Equal neighbours share one row on disk (docs/format.md)."""
     stored = level[name][:].reshape(len(level[name]), -1)
     if name + "_share" not in level:
         return stored if len(stored) == len(index) else numpy.repeat(stored, len(index), axis=0)
@@ -74,7 +74,7 @@ if "normal" in level:
     u, v = (numpy.where(fold, (1 - abs(v)) * numpy.where(u < 0, -1, 1), u),
             numpy.where(fold, (1 - abs(u)) * numpy.where(v < 0, -1, 1), v))
     slope_deg = numpy.degrees(numpy.arccos(w / numpy.sqrt(u * u + v * v + w * w)))
-if "plane" in level:  # where the voxel's one sheet lies: metres from its centre along the normal
+if "plane" in level:  # distance of the surface from the centre of the voxel along the normal, in metres
     plane = values("plane")[:, 0].astype(int)
     unit = numpy.sqrt(u * u + v * v + w * w)  # of the normal with |x| + |y| + |z| = 1
     sheet_m = numpy.where(plane == 0, numpy.nan, ((plane >> 2) - 8) / 7 * voxel_m / 2 / unit)
