@@ -208,7 +208,7 @@ class DemChecksTest(unittest.TestCase):
         self.assertIn("2 bands", warning)
         self.write(numpy.round(self.height), kind=gdal.GDT_Byte)
         [warning] = self.warnings()
-        self.assertIn("8 bits", warning)
+        self.assertIn("8-bit", warning)
         self.assertEqual(self.warnings(height_scale=1), [])
 
     # Regression of 2026-11-25: swapped latitude and longitude were accepted without a message.
