@@ -278,7 +278,7 @@ class ExporterFiles(harness.FolderTest):
         row, text = self.bake_in_a_row(paths)
         for path, voxels in zip(paths, row):
             self.expect_square(voxels, path.name)
-        self.assertIn("float.glb: wrap modes that glTF does not have, read as repeat: 1, e.g. samplers[0].wrapT", text)
+        self.assertIn("float.glb: wrap modes that glTF does not define, read as repeat: 1, e.g. samplers[0].wrapT", text)
 
     def test_an_entry_that_is_no_tile_costs_itself(self):
         write_b3dm(self.root / "a.b3dm", FACTOR)
@@ -295,7 +295,7 @@ class ExporterFiles(harness.FolderTest):
         write_b3dm(folder / "coarse.b3dm", FACTOR)
         write_b3dm(folder / "fine.b3dm", FACTOR)
         text = json.dumps(tileset("fine.b3dm", content={"uri": "coarse.b3dm"}))
-        for content, words in (("\ufeff" + text, "byte order mark"), (text.replace("10,", "NaN,"), "NaN is no JSON"),
+        for content, words in (("\ufeff" + text, "byte order mark"), (text.replace("10,", "NaN,"), "NaN is not a JSON"),
                                (text[:-1], "expected '}'")):
             (folder / "Scene.json").write_text(content)
             result = PROGRAM.run("bake", folder, "-o", self.root / "out", "--voxel-size", 0.5)

@@ -207,7 +207,7 @@ class SurfaceTest(RasterTest):
         for old, new, words in (('relativeToVRT="1">w.tif', f'relativeToVRT="0">{self.folder}/w.tif', "relative"),
                                 ('relativeToVRT="1">w.tif', 'relativeToVRT="1">gone.tif', "no such file"),
                                 ("w.tif<", "../w.tif<", "not in the folder"),
-                                ("<VRTRasterBand ", '<VRTRasterBand subClass="VRTDerivedRasterBand" ', "kind"),
+                                ("<VRTRasterBand ", '<VRTRasterBand subClass="VRTDerivedRasterBand" ', "subclass"),
                                 ("<VRTRasterBand ", "<GDALWarpOptions/><VRTRasterBand ", "GDALWarpOptions")):
             self.assertIn(old, text)
             (self.folder / "in.vrt").write_text(text.replace(old, new))
