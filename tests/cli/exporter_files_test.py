@@ -278,7 +278,8 @@ class ExporterFiles(harness.FolderTest):
         row, text = self.bake_in_a_row(paths)
         for path, voxels in zip(paths, row):
             self.expect_square(voxels, path.name)
-        self.assertIn("float.glb: wrap modes that glTF does not define, read as repeat: 1, e.g. samplers[0].wrapT", text)
+        self.assertIn("float.glb: wrap modes that glTF does not define, read as repeat: 1, e.g. samplers[0].wrapT",
+                      text)
 
     def test_an_entry_that_is_no_tile_costs_itself(self):
         write_b3dm(self.root / "a.b3dm", FACTOR)
