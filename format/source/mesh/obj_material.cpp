@@ -102,7 +102,8 @@ class MtlReader {
 
   void take_colour(ObjMaterial& material) {
     const std::vector<double> v = obj_numbers(line_->rest, 3);
-    if (v.empty()) return warn("MTL lines not understood");  // Kd is a spectrum or CIE XYZ
+    // Kd has one or three numbers; a spectrum or CIE XYZ is not read.
+    if (v.size() != 1 && v.size() != 3) return warn("MTL lines not understood");
     for (std::size_t c = 0; c < 3; ++c) material.base_color[c] = clamped(v[std::min(c, v.size() - 1)]);
     if (std::any_of(v.begin(), v.end(), [](double one) { return one > 1; })) warn("colours (Kd) above 1, taken as 1");
     if (!std::all_of(v.begin(), v.end(), [](double one) { return one >= 0; }))
