@@ -67,7 +67,7 @@ class Far(unittest.TestCase):
                 for said in (plan, result):
                     self.assertEqual(said.returncode, 3, said.stderr)
                     self.assertEqual(said.stderr.count("6 triangles of tile far.glb: up to"), 1, said.stderr)
-                    self.assertIn("take --voxel-size", said.stderr)
+                    self.assertIn("set --voxel-size", said.stderr)
                     self.assertNotIn("tried", said.stderr)
                 self.assertRegex(plan.stdout, r"^\d cells?")
                 self.assertEqual(harness.lod_hashes(PROGRAM.info(self.out / "scene.xml")), expected)

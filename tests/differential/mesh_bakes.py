@@ -4,7 +4,6 @@ import re
 import shutil
 import sys
 from pathlib import Path
-from urllib.parse import quote
 
 import numpy
 
@@ -29,10 +28,10 @@ def write_scene(root, cases):
     sources = []
     for i, case in enumerate(cases):
         if case.place is None:
-            sources.append({"path": quote(f"{case.folder.name}/{case.source}")})
+            sources.append({"path": f"{case.folder.name}/{case.source}"})
             continue
         place = [BLOCK * VOXEL * i - case.place[0], -case.place[1], -case.place[2]]
-        sources.append({"path": quote(f"{case.folder.name}/{case.source}"), "place": {"position_m": place}})
+        sources.append({"path": f"{case.folder.name}/{case.source}", "place": {"position_m": place}})
     path = root / "scene.json"
     path.write_text(json.dumps({"gigabake": 1, "sources": sources}))
     return path
