@@ -8,7 +8,8 @@ from frames import bounds_of, in_file
 from odd import Case
 
 WHITE = (255, 255, 255)
-ATTRIBUTES = "triangles with attributes, as colours, which are not used"
+ATTRIBUTES = "triangles with attributes such as colours, which are not used"
+HEADER_COLOUR = "a colour in the header, which is not used"
 FEWER = "the header states fewer triangles than the file holds, all of which are taken"
 MORE = "the header states more triangles than the file holds"
 TRAILING = "bytes follow the triangles that the header states, and are not read"
@@ -83,6 +84,8 @@ class StlWriter:
         if kind == "attributes":
             attribute = odd.randint(1, 65535)
             case.warnings = [(ATTRIBUTES, count, 1)]
+        if head.startswith(b"COLOR="):
+            case.warnings = [*case.warnings, (HEADER_COLOUR, 1, 1)]
         case.notes.append(f"binary, {kind}, header {head[:12]!r}")
         content = head[:80].ljust(80, odd.choice([b"\0", b" "])) + struct.pack("<I", said)
         for facet in self.facets:
