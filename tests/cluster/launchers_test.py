@@ -30,6 +30,7 @@ say() { printf '{"state":"%s","reason":""}\\n' "$1" >out/part; mv out/part out/s
 hang() { sleep 20 >/dev/null 2>&1 & wait; }
 case $end in
   wait) ;;
+  early) echo >waits; while :; do sleep 0.05; done ;;
   lonely) trap '' TERM; exec -a mpirun bash -c 'trap "" TERM; read -r _ <>"$0"' lonely ;;
   complete | incomplete | drained | failed) say baking; sleep 0.2; say "$end"; hang ;;
   talk) for _ in 1 2 3 4 5 6; do say baking; sleep 0.9; done; exit 0 ;;
@@ -216,6 +217,15 @@ class Sbatch(Script):
         process = self.begin("wait", SLURM_RESTART_COUNT="100")
         self.assertEqual(self.signalled(process, signal.SIGUSR1), 75)
         self.assertEqual((self.lines("signals"), self.lines("requeues")), (["USR1"], ["requeue 17"]))
+
+    def test_a_launch_that_dies_of_the_request_is_drained(self):
+        """mpirun that has not finished its start dies of USR1. Until 2026-11-26 this counted as a dead launch."""
+        process = self.begin("early", SLURM_RESTART_COUNT="100")
+        self.assertEqual(self.signalled(process, signal.SIGUSR1), 128 + signal.SIGUSR1)
+        self.assertEqual(self.lines("requeues"), ["requeue 17"])
+        (self.root / "waits").unlink()
+        self.assertEqual(self.signalled(self.begin("early", "early"), signal.SIGTERM), 75)
+        self.assertEqual(self.lines("requeues"), ["requeue 17"])
 
     def test_term_drains_and_does_not_requeue(self):
         self.assertEqual(self.signalled(self.begin("wait"), signal.SIGTERM), 75)

@@ -9,7 +9,6 @@ Skipped without root, without iproute2 (tools/install-packages cluster) and with
 """
 import json
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -19,33 +18,21 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
 import harness
+import namespaces
 
 SKIPPED = 77
 TOOL = Path(__file__).resolve().parent / "network_hosts.sh"
-HOSTS = Path("/tmp/netns_mpi")  # folder of the files of network_hosts.sh
 OPTIONS = ("--mca plm rsh --mca pml ob1 --mca btl self,vader,tcp --mca btl_tcp_if_include eth0 "
            "--mca oob_tcp_if_include eth0 --mca orte_keep_fqdn_hostnames 1")
 # ip netns exec reaches a disconnected host; a real remote shell would not.
-RSH = '#!/bin/bash\n! grep -qx "$1" "$(dirname "$0")/dead" || exit 255\nexec ' + str(HOSTS / "rsh") + ' "$@"\n'
-
-
-def why_not():
-    if os.geteuid() != 0:
-        return "only root may make network namespaces"
-    if not shutil.which("ip"):
-        return "ip is not installed (iproute2)"
-    if HOSTS.exists():
-        return "hosts made of network namespaces are up already"
-    probe = subprocess.run(["unshare", "--net", "ip", "link", "add", "type", "bridge"], capture_output=True, text=True,
-                           check=False)
-    return f"no network namespaces: {probe.stderr.strip()}" if probe.returncode != 0 else None
+RSH = '#!/bin/bash\n! grep -qx "$1" "$(dirname "$0")/dead" || exit 255\nexec "$(dirname "$0")/network/rsh" "$@"\n'
 
 
 class Hosts(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.root = Path(self.folder.name)
-        subprocess.run(["bash", TOOL, "up", "3"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(["bash", TOOL, "up", "3", self.root / "network"], check=True, stdout=subprocess.DEVNULL)
         (self.root / "rsh").write_text(RSH)
         (self.root / "rsh").chmod(0o755)
         (self.root / "hosts").write_text("".join(f"10.77.0.{i} slots=1\n" for i in (1, 2, 3)))
@@ -53,7 +40,7 @@ class Hosts(unittest.TestCase):
         self.source, self.out = self.root / "sample/tileset.json", self.root / "out"
 
     def tearDown(self):
-        subprocess.run(["bash", TOOL, "down", "3"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(["bash", TOOL, "down", "3", self.root / "network"], check=True, stdout=subprocess.DEVNULL)
         self.folder.cleanup()
 
     def launch(self, voxel_size):
@@ -88,8 +75,9 @@ class Hosts(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if reason := why_not():
+    if reason := namespaces.why_not():
         print(f"skipped: {reason}")
         sys.exit(SKIPPED)
+    namespaces.enter()
     PROGRAM, SOURCE = harness.Gigabake(str(Path(sys.argv[1]).resolve())), Path(sys.argv[2]).resolve()
     harness.main(argv=sys.argv[:1], verbosity=2)

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# network_hosts.sh up N | down N: N 'hosts' for netns_test.py, the network namespaces nd1 to ndN on the bridge brmpi with
-# the addresses 10.77.0.1 and on. Needs root and iproute2. Writes /tmp/netns_mpi/rsh, a remote shell to them.
+# network_hosts.sh up N FOLDER | down N FOLDER: N 'hosts' for netns_test.py, the network namespaces nd1 to ndN on the
+# bridge brmpi with the addresses 10.77.0.1 and on. Needs root and iproute2. Writes FOLDER/rsh, a remote shell to them.
 set -euo pipefail
 bridge=brmpi
-folder=/tmp/netns_mpi
+folder=${3:?the folder of the remote shell}
 
 add_host() {
   ip netns add "nd$1"
@@ -47,5 +47,5 @@ case ${1:-} in
     ip link del "$bridge" 2>/dev/null || true
     rm -rf "$folder"
     ;;
-  *) echo "network_hosts.sh: expected up N or down N" >&2; exit 2 ;;
+  *) echo "network_hosts.sh: expected up N FOLDER or down N FOLDER" >&2; exit 2 ;;
 esac
