@@ -1,0 +1,5 @@
+# Filter for pages. Links to files that are no API pages become their text. Doxygen links names of headers itself, but
+# not in code, and prints code in headings as markup.
+s:\[([^]]*)\]\((\.\./|adr/|query|format)[^)]*\):\1:g
+s:`([a-z_0-9]+/[a-z_0-9/]+\.h)`:\1:g
+/^#/s:`::g
