@@ -11,9 +11,9 @@
 #include "app/process/out_of_memory.h"
 #include "app/process/standard_streams.h"
 #include "app/process/stop_signal.h"
+#include "core/base/error.h"
+#include "core/base/progress.h"
 #include "format/system/message.h"
-#include "lattice/error.h"
-#include "lattice/progress.h"
 
 using namespace gigabake;
 

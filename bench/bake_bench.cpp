@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 #include <memory>
 
-#include "lattice/counted.h"
-#include "lattice/error.h"
-#include "scheduler/schedule.h"
+#include "core/base/counted.h"
+#include "core/base/error.h"
+#include "scheduler/queue/schedule.h"
 
 namespace gigabake::bench {
 namespace {

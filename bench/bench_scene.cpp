@@ -2,10 +2,10 @@
 
 #include <thread>
 
-#include "lattice/error.h"
-#include "lattice/thread_pool.h"
-#include "scheduler/merge.h"
-#include "worker/survey_tile.h"
+#include "core/base/error.h"
+#include "core/base/thread_pool.h"
+#include "scheduler/plan/merge.h"
+#include "worker/scan/survey_tile.h"
 
 namespace gigabake::bench {
 

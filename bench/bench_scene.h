@@ -7,11 +7,11 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/progress.h"
+#include "core/octree/parameters.h"
 #include "format/source/source.h"
-#include "lattice/parameters.h"
-#include "lattice/progress.h"
-#include "scheduler/plan.h"
-#include "worker/cell_pipeline.h"
+#include "scheduler/plan/plan.h"
+#include "worker/pipeline/cell_pipeline.h"
 
 namespace gigabake::bench {
 

@@ -4,12 +4,12 @@
 #include <functional>
 #include <set>
 
-#include "format/shard/content_hash.h"
+#include "core/base/error.h"
+#include "format/shard/levels/content_hash.h"
 #include "kernels/cuda/baker.h"
-#include "lattice/error.h"
-#include "worker/cell_loader.h"
-#include "worker/cell_parameters.h"
-#include "worker/shard_from_volume.h"
+#include "worker/pipeline/cell_loader.h"
+#include "worker/pipeline/cell_parameters.h"
+#include "worker/pipeline/shard_from_volume.h"
 
 namespace gigabake::bench {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <thread>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "viewer/live/live_scene.h"
 
 namespace gigabake::bench {

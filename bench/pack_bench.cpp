@@ -6,9 +6,9 @@
 #include <libdeflate.h>
 #include <memory>
 
+#include "core/base/error.h"
 #include "format/shard/hdf5/file_chunks.h"
 #include "kernels/cuda/baker.h"
-#include "lattice/error.h"
 
 namespace gigabake::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "format/job/survey.h"
-#include "scheduler/schedule.h"
+#include "scheduler/queue/schedule.h"
 
 namespace gigabake::bench {
 

@@ -20,7 +20,7 @@ install(DIRECTORY ${manual}/bash/ DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-comp
 install(DIRECTORY ${manual}/zsh/ DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT runtime)
 install(DIRECTORY ${manual}/fish/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT runtime)
 
-include(cmake/install_rooms.cmake)
+include(cmake/install_components.cmake)
 
 # cpack -G DEB makes gigabake and gigabake-dev, each with its licence and changelog in Debian's folders.
 set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_SOURCE_DIR}/cmake/packager.cmake)
@@ -58,7 +58,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libpugixml-dev, libgeographiclib-dev, libtinygltf-dev, libpng-dev, \
 zlib1g-dev, libjpeg-dev, libzip-dev, libdraco-dev, libmeshoptimizer-dev, libwebp-dev, libmicrohttpd-dev, libopenexr-dev")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION}")
-set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Libraries and headers for CMake, one a room: gigabake::shard and ::scene read
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Libraries and headers for CMake, one a component: gigabake::shard and ::scene read
 and write its files, ::source reads meshes and tilesets, ::export writes other
 formats, ::kernels makes voxels, ::viewer makes pictures.")
 include(CPack)

@@ -1,109 +1,109 @@
 # The headers that are installed, per component; all others are private. A public header includes only public headers
-# (tests/cli/package_test.py).
-set(gb_public_headers_lattice
-    lattice/brick.h
-    lattice/cuda_failure.h
-    lattice/error.h
-    lattice/frames.h
-    lattice/hash128.h
-    lattice/host_device.h
-    lattice/kernel_version.h
-    lattice/morton.h
-    lattice/octahedral.h
-    lattice/octree.h
-    lattice/parameters.h
-    lattice/parent_source.h
-    lattice/progress.h
-    lattice/rounding.h
-    lattice/rules.h
-    lattice/snap.h
-    lattice/srgb.h
-    lattice/thread_pool.h
-    lattice/transform.h)
+# (tests/cli/programs/package_test.py).
+set(gb_public_headers_core
+    core/octree/brick.h
+    core/base/cuda_failure.h
+    core/base/error.h
+    core/math/frames.h
+    core/io/hash128.h
+    core/base/host_device.h
+    core/base/kernel_version.h
+    core/octree/morton.h
+    core/math/octahedral.h
+    core/octree/octree.h
+    core/octree/parameters.h
+    core/octree/parent_source.h
+    core/base/progress.h
+    core/math/rounding.h
+    core/base/rules.h
+    core/math/snap.h
+    core/math/srgb.h
+    core/base/thread_pool.h
+    core/math/transform.h)
 set(gb_public_headers_georeference
-    lattice/georeference.h)
+    core/math/georeference.h)
 set(gb_public_headers_system
     format/system/file_stamp.h
     format/system/io_error.h)
 set(gb_public_headers_shard
-    format/shard/brick_walk.h
-    format/shard/channels.h
+    format/shard/levels/brick_walk.h
+    format/shard/columns/channels.h
     format/shard/check/shard_check.h
-    format/shard/content_hash.h
+    format/shard/levels/content_hash.h
     format/shard/hdf5/chunk_codec.h
     format/shard/hdf5/file_image.h
     format/shard/hdf5/hdf5_call.h
     format/shard/hdf5/hdf5_file.h
-    format/shard/level_lookup.h
-    format/shard/level_summary.h
+    format/shard/levels/level_lookup.h
+    format/shard/levels/level_summary.h
     format/shard/shard.h
     format/shard/shard_pages.h
     format/shard/shard_reader.h)
 set(gb_public_headers_scene
     format/scene/cell_window.h
-    format/scene/diff.h
-    format/scene/missing_data.h
+    format/scene/check/diff.h
+    format/scene/check/missing_data.h
     format/scene/paged_scene.h
     format/scene/scene_level.h
     format/scene/scene_page.h
     format/scene/scene_totals.h
-    format/scene/scene_xml.h
-    format/scene/verify.h)
+    format/scene/xml/scene_xml.h
+    format/scene/check/verify.h)
 set(gb_public_headers_source
-    format/source/composite.h
-    format/source/content_magic.h
+    format/source/content/composite.h
+    format/source/content/content_magic.h
     format/source/mesh.h
     format/source/source.h
     format/source/source_warning.h)
 set(gb_public_headers_export
     format/export/export_team.h
-    format/export/gigavoxel.h
-    format/export/gigavoxel_read.h
-    format/export/gigavoxel_tree.h
-    format/export/nanovdb.h
-    format/export/ply.h
-    format/export/voxel_tileset.h)
+    format/export/gigavoxels/gigavoxel.h
+    format/export/gigavoxels/gigavoxel_read.h
+    format/export/gigavoxels/gigavoxel_tree.h
+    format/export/nanovdb/nanovdb.h
+    format/export/ply/ply.h
+    format/export/voxel_tiles/voxel_tileset.h)
 set(gb_public_headers_kernels
     kernels/body/cell.h
     kernels/body/mask.h
-    kernels/body/material.h
-    kernels/body/plane.h
+    kernels/body/texture/material.h
+    kernels/body/mip/plane.h
     kernels/body/tables.h
-    kernels/body/texture_view.h
-    kernels/cast/cast.h
-    kernels/cast/cast_brick.h
-    kernels/cast/cast_camera.h
-    kernels/cast/cast_line.h
-    kernels/cast/cast_node.h
-    kernels/cast/caster.h
-    kernels/cast/first_hit.h
-    kernels/cast/first_hit_camera.h
-    kernels/cast/first_hit_cast.h
-    kernels/cast/first_hit_device.h
-    kernels/cast/first_hit_tree.h
-    kernels/cast/fixed_point.h
-    kernels/cast/light_rays.h
-    kernels/cast/light_sharing.h
-    kernels/cast/lighting.h
-    kernels/cast/locate.h
-    kernels/cast/pack_brick.h
-    kernels/cast/packed_voxel.h
-    kernels/cast/pixel.h
-    kernels/cast/ray_light.h
-    kernels/cast/sample.h
-    kernels/cast/scene.h
-    kernels/cast/shade.h
-    kernels/cast/shader.cuh
-    kernels/cast/shader.h
-    kernels/cast/sheet.h
-    kernels/cast/sheet_met.h
-    kernels/cast/tile_grid.cuh
+    kernels/body/texture/texture_view.h
+    kernels/marching/cast.h
+    kernels/pool/cast_brick.h
+    kernels/marching/cast_camera.h
+    kernels/marching/cast_line.h
+    kernels/marching/cast_node.h
+    kernels/render/caster.h
+    kernels/first_hit/first_hit.h
+    kernels/first_hit/first_hit_camera.h
+    kernels/first_hit/first_hit_cast.h
+    kernels/first_hit/first_hit_device.h
+    kernels/first_hit/first_hit_tree.h
+    kernels/marching/fixed_point.h
+    kernels/light/light_rays.h
+    kernels/light/light_sharing.h
+    kernels/light/lighting.h
+    kernels/marching/locate.h
+    kernels/pool/pack_brick.h
+    kernels/pool/packed_voxel.h
+    kernels/marching/pixel.h
+    kernels/marching/ray_light.h
+    kernels/marching/sample.h
+    kernels/marching/scene.h
+    kernels/light/shade.h
+    kernels/light/shader.cuh
+    kernels/light/shader.h
+    kernels/marching/sheet.h
+    kernels/marching/sheet_met.h
+    kernels/marching/tile_grid.cuh
     kernels/cpu/bake_cell.h
-    kernels/cpu/texture.h
+    kernels/cpu/texture/texture.h
     kernels/cuda/baker.h
-    kernels/cuda/build.h)
+    kernels/cuda/device/build.h)
 set(gb_public_headers_viewer
-    viewer/first_hit/first_hit_scene.h
+    viewer/query/first_hit_scene.h
     viewer/light/shading.h
     viewer/light/sky.h
     viewer/light/sun.h

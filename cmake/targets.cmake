@@ -80,17 +80,22 @@ function(gb_unity_by_folder target)
   endforeach()
 endfunction()
 
-# gb_library(name [RECURSE] [WITHOUT files…] LIBRARIES libraries… [HEADERS libraries…]): compiles the *.cpp of this
-# folder into the static library gigabake_<name>, and the *.cu if nvcc is found. RECURSE includes subfolders. HEADERS
-# are header-only libraries that only *.cpp files include: programs that link the installed library do not need them.
+# gb_library(name [RECURSE] [FOLDERS subfolders…] [WITHOUT files…] LIBRARIES libraries… [HEADERS libraries…]): compiles the
+# *.cpp of this folder into the static library gigabake_<name>, and the *.cu if nvcc is found. RECURSE includes all
+# subfolders, FOLDERS some. HEADERS are header-only libraries that only *.cpp files include: programs that link the
+# installed library do not need them.
 function(gb_library name)
-  cmake_parse_arguments(ARG "RECURSE" "" "WITHOUT;LIBRARIES;HEADERS" ${ARGN})
+  cmake_parse_arguments(ARG "RECURSE" "" "FOLDERS;WITHOUT;LIBRARIES;HEADERS" ${ARGN})
   if(ARG_RECURSE)
     set(glob GLOB_RECURSE)
   else()
     set(glob GLOB)
   endif()
   file(${glob} sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  foreach(folder ${ARG_FOLDERS})
+    file(GLOB more CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
+    list(APPEND sources ${more})
+  endforeach()
   list(TRANSFORM ARG_WITHOUT PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
   list(REMOVE_ITEM sources ${ARG_WITHOUT})
   if(GIGABAKE_HAS_CUDA)
@@ -144,11 +149,11 @@ function(gb_test folder label)
   # The libraries are optimized. The tests are compiled with -O1, which is a third faster.
   target_compile_options(gigabake_test_${folder} PRIVATE "$<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release>>:-O1>")
   # GoogleTest takes half of a test's compile time: all test programs share one precompiled header.
-  if(folder STREQUAL lattice)
-    target_precompile_headers(gigabake_test_lattice PRIVATE
+  if(folder STREQUAL core)
+    target_precompile_headers(gigabake_test_core PRIVATE
       "$<$<COMPILE_LANGUAGE:CXX>:${CMAKE_SOURCE_DIR}/tests/common_headers.h>")
   else()
-    target_precompile_headers(gigabake_test_${folder} REUSE_FROM gigabake_test_lattice)
+    target_precompile_headers(gigabake_test_${folder} REUSE_FROM gigabake_test_core)
   endif()
   cmake_language(EVAL CODE "cmake_language(DEFER CALL gb_unity_by_folder gigabake_test_${folder})")
   gtest_discover_tests(gigabake_test_${folder} TEST_PREFIX ${folder}. PROPERTIES LABELS ${label} TIMEOUT 600

@@ -12,7 +12,7 @@
 #include "app/options/output_file.h"
 #include "app/options/scene_argument.h"
 #include "app/process/on_all_ranks.h"
-#include "cluster/drain.h"
+#include "cluster/process/drain.h"
 #include "format/system/message.h"
 #include "format/system/publish.h"
 

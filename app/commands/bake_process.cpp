@@ -10,9 +10,9 @@
 
 #include "app/commands.h"
 #include "app/options/flags.h"
+#include "core/base/error.h"
 #include "format/system/message.h"
-#include "lattice/error.h"
-#include "worker/bake_service.h"
+#include "worker/pipeline/bake_service.h"
 
 namespace gigabake::app {
 namespace {

@@ -6,10 +6,10 @@
 
 #include "app/messages/json_text.h"
 #include "app/messages/status_text.h"
-#include "cluster/collective.h"
-#include "cluster/folder_lock.h"
-#include "cluster/status_feed.h"
-#include "lattice/error.h"
+#include "cluster/bake/status_feed.h"
+#include "cluster/mpi/collective.h"
+#include "cluster/process/folder_lock.h"
+#include "core/base/error.h"
 
 namespace gigabake::app {
 namespace {

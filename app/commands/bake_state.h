@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scheduler/bake_status.h"
+#include "scheduler/status/bake_status.h"
 
 namespace gigabake::app {
 

@@ -10,9 +10,9 @@
 #include "bench/bake_bench.h"
 #include "bench/kernel_bench.h"
 #include "bench/schedule_bench.h"
+#include "core/base/counted.h"
 #include "format/system/host_limits.h"
 #include "kernels/cuda/baker.h"
-#include "lattice/counted.h"
 
 namespace gigabake::app {
 namespace {

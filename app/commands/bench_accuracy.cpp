@@ -16,11 +16,11 @@
 #include "bench/report/leak_report.h"
 #include "bench/report/light_report.h"
 #include "bench/report/motion_report.h"
+#include "core/base/counted.h"
+#include "core/base/error.h"
 #include "format/system/host_limits.h"
 #include "format/system/message.h"
 #include "format/system/publish.h"
-#include "lattice/counted.h"
-#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {

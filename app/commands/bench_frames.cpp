@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "lattice/counted.h"
+#include "core/base/counted.h"
 
 namespace gigabake::app {
 namespace {

@@ -6,7 +6,7 @@
 #include "app/messages/json_text.h"
 #include "app/messages/status_text.h"
 #include "bench/pack_bench.h"
-#include "lattice/counted.h"
+#include "core/base/counted.h"
 
 namespace gigabake::app {
 namespace {

@@ -7,10 +7,10 @@
 #include "app/messages/with_progress.h"
 #include "app/options/scene_argument.h"
 #include "bench/query/query_bench.h"
+#include "core/base/counted.h"
+#include "core/base/error.h"
 #include "format/system/host_limits.h"
 #include "format/system/message.h"
-#include "lattice/counted.h"
-#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {

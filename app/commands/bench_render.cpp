@@ -14,10 +14,10 @@
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
 #include "bench/first_hit/first_hit_bench.h"
+#include "core/base/counted.h"
+#include "core/base/error.h"
 #include "format/system/host_limits.h"
 #include "format/system/message.h"
-#include "lattice/counted.h"
-#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {

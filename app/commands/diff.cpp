@@ -1,4 +1,4 @@
-#include "format/scene/diff.h"
+#include "format/scene/check/diff.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,9 +10,9 @@
 #include "app/messages/with_progress.h"
 #include "app/options/flags.h"
 #include "app/options/scene_argument.h"
+#include "core/base/counted.h"
+#include "core/base/progress.h"
 #include "format/system/message.h"
-#include "lattice/counted.h"
-#include "lattice/progress.h"
 
 namespace gigabake::app {
 namespace {

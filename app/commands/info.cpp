@@ -10,8 +10,8 @@
 #include "app/messages/with_progress.h"
 #include "app/options/flags.h"
 #include "app/options/scene_argument.h"
+#include "core/base/counted.h"
 #include "format/scene/stored_bytes.h"
-#include "lattice/counted.h"
 
 namespace gigabake::app {
 namespace {

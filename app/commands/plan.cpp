@@ -9,9 +9,9 @@
 #include "app/options/flags.h"
 #include "app/process/on_all_ranks.h"
 #include "app/process/stop_signal.h"
-#include "cluster/empty_scene.h"
+#include "cluster/bake/empty_scene.h"
 #include "format/system/message.h"
-#include "scheduler/cached_results.h"
+#include "scheduler/journal/cached_results.h"
 
 namespace gigabake::app {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "app/messages/status_text.h"
 #include "app/options/flags.h"
-#include "lattice/counted.h"
-#include "lattice/memory_limit.h"
+#include "core/base/counted.h"
+#include "core/base/memory_limit.h"
 
 namespace gigabake::app {
 namespace {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "cluster/plan_measure.h"
+#include "cluster/bake/plan_measure.h"
 
 namespace gigabake::app {
 

@@ -16,13 +16,13 @@
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
 #include "app/process/standard_streams.h"
+#include "core/base/counted.h"
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
 #include "format/system/host_limits.h"
 #include "format/system/message.h"
 #include "format/system/output_file.h"
 #include "format/system/publish.h"
-#include "lattice/counted.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
 #include "viewer/query/query_job.h"
 
 namespace gigabake::app {

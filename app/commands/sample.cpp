@@ -1,4 +1,4 @@
-#include "format/sample/sample.h"
+#include "sample/sample.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,9 +11,9 @@
 #include "app/messages/json_text.h"
 #include "app/messages/status_text.h"
 #include "app/options/text_values.h"
+#include "core/base/counted.h"
+#include "core/base/error.h"
 #include "format/system/host_limits.h"
-#include "lattice/counted.h"
-#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {

@@ -11,8 +11,8 @@
 #include "app/process/missing_report.h"
 #include "app/process/standard_streams.h"
 #include "app/process/stop_signal.h"
-#include "lattice/error.h"
-#include "lattice/progress.h"
+#include "core/base/error.h"
+#include "core/base/progress.h"
 #include "viewer/web/http_guard.h"
 #include "viewer/web/stream_server.h"
 

@@ -1,4 +1,4 @@
-#include "format/scene/verify.h"
+#include "format/scene/check/verify.h"
 
 #include <fmt/format.h>
 #include <memory>
@@ -10,9 +10,9 @@
 #include "app/messages/status_text.h"
 #include "app/messages/with_progress.h"
 #include "app/options/scene_argument.h"
+#include "core/base/counted.h"
 #include "format/system/host_limits.h"
-#include "lattice/counted.h"
-#include "worker/parent_check.h"
+#include "worker/overview/parent_check.h"
 
 namespace gigabake::app {
 namespace {

@@ -4,10 +4,10 @@
 #include <gigabake_commit.h>
 
 #include "app/manual/library_versions.h"
-#include "cluster/mpi_version.h"
-#include "format/scene/scene_reading.h"
+#include "cluster/mpi/mpi_version.h"
+#include "format/scene/xml/scene_reading.h"
 #include "format/shard/shard_layout.h"
-#include "kernels/cuda/build.h"
+#include "kernels/cuda/device/build.h"
 
 namespace gigabake::app {
 namespace {

@@ -8,8 +8,8 @@
 #include "app/manual/man_page.h"
 #include "app/manual/man_viewer.h"
 #include "app/options/choices.h"
+#include "core/base/error.h"
 #include "format/system/publish.h"
-#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {

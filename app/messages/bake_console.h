@@ -7,7 +7,7 @@
 #include "app/messages/progress_line.h"
 #include "app/messages/similar_lines.h"
 #include "app/messages/step_display.h"
-#include "cluster/bake.h"
+#include "cluster/bake/bake.h"
 
 namespace gigabake::app {
 

@@ -12,11 +12,11 @@
 #include "app/messages/status_text.h"
 #include "app/options/flags.h"
 #include "app/process/standard_streams.h"
+#include "core/base/counted.h"
+#include "core/base/host_device.h"
+#include "core/base/quote.h"
 #include "format/system/message.h"
-#include "lattice/counted.h"
-#include "lattice/host_device.h"
-#include "lattice/quote.h"
-#include "scheduler/estimate.h"
+#include "scheduler/plan/estimate.h"
 
 namespace gigabake::app {
 namespace {

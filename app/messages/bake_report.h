@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "app/commands/plan_sizes.h"
-#include "cluster/bake.h"
-#include "scheduler/cached_results.h"
+#include "cluster/bake/bake.h"
+#include "scheduler/journal/cached_results.h"
 
 namespace gigabake::app {
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "format/scene/missing_data.h"
+#include "format/scene/check/missing_data.h"
 
 namespace gigabake::app {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "scheduler/bake_status.h"
+#include "scheduler/status/bake_status.h"
 
 namespace gigabake::app {
 

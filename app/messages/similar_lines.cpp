@@ -4,9 +4,9 @@
 #include <cctype>
 #include <fmt/format.h>
 
-#include "cluster/tile_loss.h"
-#include "lattice/error.h"
-#include "lattice/quote.h"
+#include "cluster/bake/tile_loss.h"
+#include "core/base/error.h"
+#include "core/base/quote.h"
 
 namespace gigabake::app {
 namespace {

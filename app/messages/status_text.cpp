@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "app/options/flags.h"
-#include "lattice/counted.h"
+#include "core/base/counted.h"
 
 namespace gigabake::app {
 namespace {

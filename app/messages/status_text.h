@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "scheduler/bake_status.h"
+#include "scheduler/status/bake_status.h"
 
 namespace gigabake::app {
 

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "app/messages/step_text.h"
-#include "lattice/progress.h"
+#include "core/base/progress.h"
 
 namespace gigabake::app {
 

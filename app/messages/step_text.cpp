@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "app/messages/status_text.h"
-#include "lattice/counted.h"
+#include "core/base/counted.h"
 
 namespace gigabake::app {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "scheduler/time_left.h"
+#include "scheduler/status/time_left.h"
 
 namespace gigabake::app {
 

@@ -6,9 +6,9 @@
 #include "app/options/choices.h"
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
-#include "format/shard/channels.h"
+#include "core/base/error.h"
+#include "format/shard/columns/channels.h"
 #include "format/system/host_limits.h"
-#include "lattice/error.h"
 
 namespace gigabake::app {
 namespace {

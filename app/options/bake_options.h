@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "cluster/bake.h"
+#include "cluster/bake/bake.h"
 
 namespace gigabake::app {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lattice/rules.h"
+#include "core/base/rules.h"
 
 namespace gigabake::app {
 

@@ -8,7 +8,7 @@
 namespace gigabake::app {
 namespace {
 
-/// The field names that UsageError and messages use (lattice/error.h), with the option that sets each field.
+/// The field names that UsageError and messages use (core/base/error.h), with the option that sets each field.
 constexpr auto flags = std::to_array<std::pair<std::string_view, std::string_view>>({
     {"backend", "--backend"},
     {"bind", "--bind"},

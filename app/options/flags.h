@@ -4,7 +4,7 @@
 #include <exception>
 #include <string>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake::app {
 

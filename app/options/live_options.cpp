@@ -1,7 +1,7 @@
 #include "app/options/live_options.h"
 
 #include "app/options/text_values.h"
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake::app {
 

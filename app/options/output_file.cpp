@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 #include <fstream>
 
+#include "core/base/error.h"
+#include "core/base/quote.h"
 #include "format/system/path_within.h"
-#include "lattice/error.h"
-#include "lattice/quote.h"
 
 namespace gigabake::app {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <fmt/format.h>
 
+#include "core/base/error.h"
 #include "format/system/publish.h"
-#include "lattice/error.h"
 #include "viewer/pictures/exr.h"
 #include "viewer/pictures/jpeg.h"
 #include "viewer/pictures/png.h"

@@ -1,8 +1,8 @@
 #include "app/options/polygon_file.h"
 
+#include "core/base/error.h"
 #include "format/system/host_limits.h"
-#include "lattice/error.h"
-#include "worker/source_triangles.h"
+#include "worker/scan/source_triangles.h"
 
 namespace gigabake::app {
 

@@ -5,8 +5,8 @@
 
 #include "app/options/choices.h"
 #include "app/options/text_values.h"
+#include "core/base/error.h"
 #include "format/system/message.h"
-#include "lattice/error.h"
 
 namespace gigabake::app {
 

@@ -8,8 +8,8 @@
 
 #include "app/options/name_typo.h"
 #include "app/process/missing_report.h"
-#include "lattice/error.h"
-#include "lattice/quote.h"
+#include "core/base/error.h"
+#include "core/base/quote.h"
 
 namespace gigabake::app {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake::app {
 

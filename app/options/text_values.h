@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "lattice/frames.h"
+#include "core/math/frames.h"
 
 namespace gigabake::app {
 

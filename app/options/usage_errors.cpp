@@ -5,8 +5,8 @@
 
 #include "app/command_tree.h"
 #include "app/options/choices.h"
-#include "lattice/error.h"
-#include "lattice/quote.h"
+#include "core/base/error.h"
+#include "core/base/quote.h"
 
 namespace gigabake::app {
 namespace {

@@ -6,11 +6,11 @@
 #include "app/options/flags.h"
 #include "app/process/missing_report.h"
 #include "app/process/standard_streams.h"
-#include "cluster/build_identity.h"
-#include "cluster/collective.h"
-#include "cluster/launcher.h"
+#include "cluster/launch/build_identity.h"
+#include "cluster/launch/launcher.h"
+#include "cluster/mpi/collective.h"
+#include "core/base/error.h"
 #include "format/system/message.h"
-#include "lattice/error.h"
 
 namespace gigabake::app {
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "cluster/mpi_session.h"
+#include "cluster/mpi/mpi_session.h"
 
 namespace gigabake::app {
 

@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "app/commands.h"
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake::app {
 namespace {

@@ -4,8 +4,8 @@
 #include <limits>
 #include <map>
 
-#include "kernels/cast/cast_camera.h"
-#include "lattice/error.h"
+#include "core/base/error.h"
+#include "kernels/marching/cast_camera.h"
 #include "viewer/light/sky.h"
 #include "viewer/pictures/frame_renderer.h"
 #include "viewer/pictures/png.h"

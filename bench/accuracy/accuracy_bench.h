@@ -13,7 +13,7 @@
 #include "bench/accuracy/picture_error.h"
 #include "bench/accuracy/voxel_error.h"
 #include "bench/bench_scene.h"
-#include "worker/backend.h"
+#include "worker/pipeline/backend.h"
 
 namespace gigabake::bench {
 

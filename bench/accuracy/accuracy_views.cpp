@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "bench/accuracy/surface_points.h"
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake::bench {
 namespace {

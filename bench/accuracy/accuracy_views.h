@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/accuracy/reference_caster.h"
-#include "lattice/parameters.h"
+#include "core/octree/parameters.h"
 #include "viewer/pictures/camera.h"
 
 namespace gigabake::bench {

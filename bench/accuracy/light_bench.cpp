@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "bench/accuracy/accuracy_scene.h"
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "viewer/light/sky.h"
 #include "viewer/pictures/png.h"
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "core/math/srgb.h"
 #include "kernels/body/tables.h"
-#include "lattice/srgb.h"
 #include "viewer/light/sky.h"
 
 namespace gigabake::bench {

@@ -8,7 +8,7 @@
 
 #include "bench/accuracy/accuracy_scene.h"
 #include "bench/accuracy/flip.h"
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "viewer/light/sky.h"
 #include "viewer/pictures/png.h"
 

@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "bench/accuracy/linear_picture.h"
-#include "kernels/cast/cast.h"
-#include "kernels/cast/shade.h"
-#include "worker/source_triangles.h"
+#include "kernels/light/shade.h"
+#include "kernels/marching/cast.h"
+#include "worker/scan/source_triangles.h"
 
 namespace gigabake::bench {
 

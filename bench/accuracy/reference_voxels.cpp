@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "format/scene/shard_of_scene.h"
-#include "format/shard/brick_walk.h"
+#include "format/shard/levels/brick_walk.h"
 
 namespace gigabake::bench {
 namespace {

@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "format/scene/scene_xml.h"
+#include "format/scene/xml/scene_xml.h"
 #include "format/shard/shard.h"
 
 namespace gigabake::bench {

@@ -4,7 +4,7 @@
 
 #include "bench/schedule_model.h"
 #include "format/scene/shard_of_scene.h"
-#include "format/shard/brick_walk.h"
+#include "format/shard/levels/brick_walk.h"
 
 namespace gigabake::bench {
 namespace {

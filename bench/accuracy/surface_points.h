@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/source_triangles.h"
+#include "worker/scan/source_triangles.h"
 
 namespace gigabake::bench {
 

@@ -11,9 +11,9 @@
 #include "bench/accuracy/sampled_voxels.h"
 #include "bench/accuracy/surface_points.h"
 #include "bench/schedule_model.h"
+#include "core/base/thread_pool.h"
+#include "core/math/octahedral.h"
 #include "kernels/body/tables.h"
-#include "lattice/octahedral.h"
-#include "lattice/thread_pool.h"
 
 namespace gigabake::bench {
 namespace {

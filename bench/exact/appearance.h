@@ -44,7 +44,7 @@ inline double angle_deg(const Direction& a, const Direction& b) {
   return std::acos(std::min(1.0, std::max(-1.0, dot / std::sqrt(aa * bb)))) * 180 / std::numbers::pi;
 }
 
-/// The maximum angle between a direction and its two stored bytes (measured in tests/lattice/octahedral_test.cpp).
+/// The maximum angle between a direction and its two stored bytes (measured in tests/core/octahedral_test.cpp).
 inline constexpr double octahedral_error_deg = 0.96;
 
 }  // namespace gigabake::reference

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lattice/rules.h"
+#include "core/base/rules.h"
 
 namespace gigabake::reference {
 namespace {

@@ -12,8 +12,8 @@
 #include <set>
 #include <vector>
 
-#include "lattice/host_device.h"
-#include "lattice/rules.h"
+#include "core/base/host_device.h"
+#include "core/base/rules.h"
 
 namespace gigabake::reference {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lattice/rules.h"
+#include "core/base/rules.h"
 
 namespace gigabake::reference {
 namespace {

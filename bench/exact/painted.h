@@ -7,7 +7,7 @@
 
 #include "bench/exact/appearance.h"
 #include "bench/exact/exact_clip.h"
-#include "lattice/rules.h"
+#include "core/base/rules.h"
 
 namespace gigabake::reference {
 

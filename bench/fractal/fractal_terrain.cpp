@@ -10,12 +10,12 @@
 #include <span>
 #include <vector>
 
-#include "format/sample/glb_writer.h"
-#include "format/sample/noise.h"
-#include "format/sample/picture.h"
+#include "core/base/error.h"
 #include "format/system/output_file.h"
 #include "format/system/publish.h"
-#include "lattice/error.h"
+#include "sample/glb_writer.h"
+#include "sample/settlement/picture.h"
+#include "sample/terrain/noise.h"
 
 using namespace gigabake;
 

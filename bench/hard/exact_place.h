@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/hard/hard_scene.h"
-#include "lattice/parameters.h"
+#include "core/octree/parameters.h"
 
 namespace gigabake::bench {
 

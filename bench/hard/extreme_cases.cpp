@@ -6,7 +6,7 @@
 
 #include "bench/hard/hard_case.h"
 #include "format/job/survey.h"
-#include "kernels/body/brick_triangle.h"
+#include "kernels/body/voxelize/brick_triangle.h"
 
 namespace gigabake::bench {
 namespace {

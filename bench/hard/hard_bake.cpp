@@ -6,9 +6,9 @@
 
 #include "bench/bench_scene.h"
 #include "bench/hard/exact_place.h"
-#include "format/shard/brick_walk.h"
-#include "lattice/error.h"
-#include "worker/lattice.h"
+#include "core/base/error.h"
+#include "format/shard/levels/brick_walk.h"
+#include "worker/pipeline/lattice.h"
 
 namespace gigabake::bench {
 namespace {
@@ -27,7 +27,7 @@ double distance(const LongPoint& a, const LongPoint& b) {
   return double(hypotl(hypotl(a[0] - b[0], a[1] - b[1]), a[2] - b[2]));
 }
 
-/// Returns the vertex in double, with the same steps as lattice/snap.h.
+/// Returns the vertex in double, with the same steps as core/math/snap.h.
 LongPoint in_double(const std::array<double, 12>& m, const float* local) {
   LongPoint p;
   for (std::size_t r = 0; r < 3; ++r)

@@ -5,7 +5,7 @@
 
 #include "bench/hard/exact_place.h"
 #include "bench/hard/hard_bake.h"
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake::bench {
 namespace {

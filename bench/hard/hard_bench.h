@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bench/accuracy/leaks/leak_bench.h"
-#include "worker/backend.h"
+#include "worker/pipeline/backend.h"
 
 namespace gigabake::bench {
 

@@ -10,8 +10,8 @@
 
 #include "bench/hard/hard_bench.h"
 #include "bench/hard/hard_scene.h"
+#include "core/octree/parameters.h"
 #include "format/job/cell_job.h"
-#include "lattice/parameters.h"
 
 namespace gigabake::bench {
 

@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/hard/hard_scene.h"
+#include "core/base/error.h"
 #include "format/system/publish.h"
-#include "lattice/error.h"
 #include "viewer/pictures/png.h"
 
 namespace gigabake::bench {

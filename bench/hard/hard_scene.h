@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "bench/exact/painted.h"
+#include "core/math/frames.h"
 #include "format/source/mesh.h"
-#include "lattice/frames.h"
 
 namespace gigabake::bench {
 

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "bench/hard/hard_case.h"
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake::bench {
 namespace {

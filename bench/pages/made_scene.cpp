@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "bench/pages/painted_parent.h"
+#include "core/octree/parameters.h"
 #include "format/scene/paged_scene.h"
-#include "format/shard/brick_walk.h"
+#include "format/shard/levels/brick_walk.h"
 #include "format/system/host_limits.h"
-#include "lattice/parameters.h"
-#include "scheduler/parents.h"
+#include "scheduler/plan/parents.h"
 
 namespace gigabake {
 namespace {

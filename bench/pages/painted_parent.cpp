@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
-#include "format/shard/content_hash.h"
-#include "kernels/cpu/prune.h"
-#include "lattice/morton.h"
-#include "worker/shard_from_volume.h"
+#include "core/octree/morton.h"
+#include "format/shard/levels/content_hash.h"
+#include "kernels/cpu/prune/prune.h"
+#include "worker/pipeline/shard_from_volume.h"
 
 namespace gigabake {
 namespace {

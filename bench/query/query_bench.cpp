@@ -13,11 +13,11 @@
 
 #include "bench/bench_scene.h"
 #include "bench/query/cube_caster.h"
+#include "core/base/error.h"
 #include "format/scene/paged_scene.h"
 #include "format/scene/shard_of_scene.h"
-#include "format/shard/brick_walk.h"
-#include "lattice/error.h"
-#include "viewer/first_hit/first_hit_scene.h"
+#include "format/shard/levels/brick_walk.h"
+#include "viewer/query/first_hit_scene.h"
 #include "viewer/query/scene_query.h"
 
 namespace gigabake::bench {

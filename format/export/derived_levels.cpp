@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "lattice/octahedral.h"
-#include "lattice/srgb.h"
+#include "core/math/octahedral.h"
+#include "core/math/srgb.h"
 
 namespace gigabake {
 namespace {

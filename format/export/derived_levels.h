@@ -8,7 +8,7 @@
 
 #include "format/export/level_owners.h"
 #include "format/export/shard_levels.h"
-#include "format/export/voxel_tiling.h"
+#include "format/export/voxel_tiles/voxel_tiling.h"
 
 namespace gigabake {
 

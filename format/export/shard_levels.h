@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "format/export/level_owners.h"
-#include "format/export/voxel_tiling.h"
+#include "format/export/voxel_tiles/voxel_tiling.h"
 #include "format/scene/scene_level.h"
-#include "format/shard/brick_walk.h"
+#include "format/shard/levels/brick_walk.h"
 
 namespace gigabake {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lattice/octahedral.h"
+#include "core/math/octahedral.h"
 
 namespace gigabake {
 namespace {

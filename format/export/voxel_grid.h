@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/export/voxel_tiling.h"
+#include "format/export/voxel_tiles/voxel_tiling.h"
 
 namespace gigabake {
 
-/// Returns three bytes b for the direction (b − 128) / 127. Encoding it again (lattice/octahedral.h) yields the shard's
-/// two bytes.
+/// Returns three bytes b for the direction (b − 128) / 127. Encoding it again (core/math/octahedral.h) yields the
+/// shard's two bytes.
 std::array<std::uint8_t, 3> normal_bytes(const std::int8_t oct[2]);
 
 /// Min and max bytes of a set of voxels.

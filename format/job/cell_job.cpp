@@ -1,6 +1,6 @@
 #include "format/job/cell_job.h"
 
-#include "lattice/bytes.h"
+#include "core/io/bytes.h"
 
 namespace gigabake {
 namespace {

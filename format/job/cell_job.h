@@ -9,16 +9,16 @@
 #include <string>
 #include <vector>
 
+#include "core/base/rules.h"
 #include "format/job/survey.h"
-#include "format/scene/scene_xml.h"
-#include "format/shard/level_summary.h"
+#include "format/scene/xml/scene_xml.h"
+#include "format/shard/levels/level_summary.h"
 #include "format/shard/shard.h"
 #include "format/system/file_stamp.h"
-#include "lattice/rules.h"
 
 namespace gigabake {
 
-/// A cell, or an overview: the levels above a block of cells or of other overviews (scheduler/parents.h).
+/// A cell, or an overview: the levels above a block of cells or of other overviews (scheduler/plan/parents.h).
 struct CellJob {
   std::uint32_t id = 0;                       ///< index into BakePlan::jobs
   std::string name;                           ///< "c_X_Y_Z": column and stack index; "pL_X_Y_Z" for an overview

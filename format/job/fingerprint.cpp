@@ -5,8 +5,8 @@
 #include <tuple>
 #include <xxhash.h>
 
-#include "lattice/bytes.h"
-#include "lattice/kernel_version.h"
+#include "core/base/kernel_version.h"
+#include "core/io/bytes.h"
 
 namespace gigabake {
 namespace {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/octree/parameters.h"
 #include "format/job/cell_job.h"
-#include "lattice/parameters.h"
 
 namespace gigabake {
 

@@ -1,8 +1,8 @@
 /// Serialization of a bake's options for the bake processes.
 #pragma once
 
-#include "lattice/bytes.h"
-#include "lattice/parameters.h"
+#include "core/io/bytes.h"
+#include "core/octree/parameters.h"
 
 namespace gigabake {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
+#include "core/io/bytes.h"
 #include "format/source/raster/dem.h"
 #include "format/source/tiles/archive.h"
-#include "lattice/bytes.h"
 
 namespace gigabake {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/scene/scene_xml.h"
+#include "format/scene/xml/scene_xml.h"
 
 namespace gigabake {
 

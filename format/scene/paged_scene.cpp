@@ -7,8 +7,8 @@
 #include <tuple>
 #include <utility>
 
-#include "format/scene/scene_check.h"
-#include "format/scene/scene_reading.h"
+#include "format/scene/check/scene_check.h"
+#include "format/scene/xml/scene_reading.h"
 
 namespace gigabake {
 

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
+#include "core/base/thread_pool.h"
 #include "format/scene/scene_page.h"
 #include "format/scene/scene_totals.h"
-#include "lattice/thread_pool.h"
 
 namespace gigabake {
 

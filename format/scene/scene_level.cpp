@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 #include <map>
 
+#include "core/base/error.h"
 #include "format/scene/shard_of_scene.h"
-#include "format/shard/brick_walk.h"
-#include "format/shard/content_hash.h"
-#include "lattice/error.h"
+#include "format/shard/levels/brick_walk.h"
+#include "format/shard/levels/content_hash.h"
 
 namespace gigabake {
 namespace {

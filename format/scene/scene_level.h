@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <functional>
 
+#include "core/base/progress.h"
 #include "format/scene/paged_scene.h"
 #include "format/shard/shard.h"
-#include "lattice/progress.h"
 
 namespace gigabake {
 

@@ -5,10 +5,10 @@
 #include <iterator>
 #include <numeric>
 
-#include "format/scene/scene_check.h"
-#include "format/scene/scene_elements.h"
-#include "format/scene/scene_reading.h"
-#include "format/scene/scene_text.h"
+#include "format/scene/check/scene_check.h"
+#include "format/scene/xml/scene_elements.h"
+#include "format/scene/xml/scene_reading.h"
+#include "format/scene/xml/scene_text.h"
 
 namespace gigabake {
 namespace {

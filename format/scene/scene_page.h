@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/base/error.h"
 #include "format/scene/scene_totals.h"
-#include "format/scene/scene_xml.h"
-#include "lattice/error.h"
+#include "format/scene/xml/scene_xml.h"
 
 namespace gigabake {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "format/scene/cell_window.h"
-#include "format/scene/scene_xml.h"
+#include "format/scene/xml/scene_xml.h"
 
 namespace gigabake {
 

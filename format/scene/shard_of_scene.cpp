@@ -1,6 +1,6 @@
 #include "format/scene/shard_of_scene.h"
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/progress.h"
 #include "format/scene/paged_scene.h"
-#include "lattice/progress.h"
 
 namespace gigabake {
 

@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
+#include "core/octree/brick.h"
 #include "format/scene/scene_page.h"
-#include "lattice/brick.h"
 
 namespace gigabake {
 namespace {

@@ -1,5 +1,5 @@
 /// The overview levels of a scene as scene.xml lists them: each level consists of overviews of one size, up to one root
-/// (scheduler/parents.h). They determine where overviews are, without listing the overviews.
+/// (scheduler/plan/parents.h). They determine where overviews are, without listing the overviews.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "format/scene/scene_xml.h"
+#include "format/scene/xml/scene_xml.h"
 
 namespace gigabake {
 

@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <vector>
 
-#include "format/shard/level_summary.h"
+#include "core/codec/packed_level.h"
+#include "format/shard/columns/voxel_channel.h"
+#include "format/shard/levels/level_summary.h"
 #include "format/shard/shard.h"
-#include "format/shard/voxel_channel.h"
-#include "lattice/pack/packed_level.h"
 
 namespace gigabake {
 
@@ -27,7 +27,7 @@ std::vector<RowShape> packed_nodes(const ShardHeader& header);
 
 /// Writes the shard like write_shard().
 /// Exact   Same bytes as write_shard() for the same voxels. The columns must hold the bytes that write_shard() would
-///         pack (lattice/pack). Chunks stored already must equal the output of encode_chunk().
+///         pack (core/codec). Chunks stored already must equal the output of encode_chunk().
 /// Cost    Reads the columns' bytes once; packs raw columns here.
 /// Errors  InputError: see write_shard().
 StoredShard write_packed_shard(const std::filesystem::path& path, const PackedShard& shard,

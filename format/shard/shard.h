@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "lattice/frames.h"
-#include "lattice/hash128.h"
-#include "lattice/octree.h"
-#include "lattice/parent_source.h"
-#include "lattice/rules.h"
-#include "lattice/thread_pool.h"
+#include "core/base/rules.h"
+#include "core/base/thread_pool.h"
+#include "core/io/hash128.h"
+#include "core/math/frames.h"
+#include "core/octree/octree.h"
+#include "core/octree/parent_source.h"
 
 namespace gigabake {
 

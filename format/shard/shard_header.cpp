@@ -2,10 +2,10 @@
 
 #include <sstream>
 
-#include "format/shard/channels.h"
+#include "core/base/error.h"
 #include "format/shard/check/shard_check.h"
+#include "format/shard/columns/channels.h"
 #include "format/shard/shard_layout.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

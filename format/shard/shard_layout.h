@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "format/shard/columns/shared_values.h"
+#include "format/shard/columns/voxel_channel.h"
 #include "format/shard/hdf5/hdf5_file.h"
-#include "format/shard/shared_values.h"
-#include "format/shard/voxel_channel.h"
 
 namespace gigabake {
 

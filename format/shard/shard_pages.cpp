@@ -4,14 +4,14 @@
 #include <deque>
 #include <optional>
 
-#include "format/shard/channel_rows.h"
+#include "core/base/counted.h"
+#include "core/base/error.h"
 #include "format/shard/check/shard_check.h"
 #include "format/shard/check/shard_outline.h"
+#include "format/shard/columns/channel_rows.h"
 #include "format/shard/hdf5/hdf5_rows.h"
 #include "format/shard/shard_header.h"
 #include "format/shard/shard_layout.h"
-#include "lattice/counted.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -1,14 +1,14 @@
 #include <algorithm>
 
-#include "format/shard/above.h"
+#include "core/base/error.h"
 #include "format/shard/check/shard_check.h"
-#include "format/shard/coarse_levels.h"
 #include "format/shard/hdf5/hdf5_rows.h"
+#include "format/shard/levels/above.h"
+#include "format/shard/levels/coarse_levels.h"
 #include "format/shard/shard.h"
 #include "format/shard/shard_header.h"
 #include "format/shard/shard_layout.h"
 #include "format/shard/shard_reader.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

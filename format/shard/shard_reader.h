@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-struct CoarseLevels;  // format/shard/coarse_levels.h
+struct CoarseLevels;  // format/shard/levels/coarse_levels.h
 
 /// Reader of a shard. Checks every size, count and checksum before using the data.
 /// Errors  InputError naming file and dataset, from every member.

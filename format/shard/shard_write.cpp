@@ -1,11 +1,11 @@
 #include <fcntl.h>
 #include <mutex>
 
-#include "format/shard/above.h"
-#include "format/shard/channels.h"
+#include "format/shard/columns/channels.h"
+#include "format/shard/columns/shard_columns.h"
+#include "format/shard/levels/above.h"
 #include "format/shard/packed_shard.h"
 #include "format/shard/shard.h"
-#include "format/shard/shard_columns.h"
 #include "format/shard/shard_layout.h"
 #include "format/system/descriptor.h"
 #include "format/system/publish.h"

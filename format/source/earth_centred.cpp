@@ -3,16 +3,16 @@
 #include <cmath>
 #include <fmt/format.h>
 
-#include "format/source/content_container.h"
-#include "format/source/content_pieces.h"
+#include "core/base/error.h"
+#include "core/math/georeference.h"
+#include "core/math/transform.h"
+#include "format/source/content/content_container.h"
+#include "format/source/content/content_pieces.h"
 #include "format/source/gltf/bounds.h"
 #include "format/source/mesh/obj_read.h"
 #include "format/source/mesh/ply_read.h"
 #include "format/source/mesh/stl_read.h"
 #include "format/source/origin_check.h"
-#include "lattice/error.h"
-#include "lattice/georeference.h"
-#include "lattice/transform.h"
 
 namespace gigabake {
 namespace {

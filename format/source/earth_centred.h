@@ -1,9 +1,9 @@
 /// Detection of mesh files whose coordinates are earth-centred (WGS84, metres), which the files do not state.
 #pragma once
 
+#include "core/math/world_box.h"
 #include "format/source/source.h"
 #include "format/source/source_files.h"
-#include "lattice/world_box.h"
 
 namespace gigabake {
 

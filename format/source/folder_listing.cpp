@@ -5,12 +5,12 @@
 #include <set>
 #include <string_view>
 
+#include "core/base/counted.h"
+#include "core/base/error.h"
 #include "format/source/source_file.h"
 #include "format/source/source_files.h"
 #include "format/source/tiles/tileset_document.h"
 #include "format/system/path_within.h"
-#include "lattice/counted.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lattice/progress.h"
+#include "core/base/progress.h"
 
 namespace gigabake {
 

@@ -1,13 +1,13 @@
 #include "format/source/invisible_material.h"
 
-#include "format/source/content_container.h"
+#include "core/base/error.h"
+#include "format/source/content/content_container.h"
 #include "format/source/gltf/load.h"
 #include "format/source/gltf/material.h"
 #include "format/source/mesh/obj_material.h"
 #include "format/source/mesh/obj_read.h"
 #include "format/source/source_files.h"
 #include "format/source/source_warning.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

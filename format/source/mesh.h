@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/base/rules.h"
+#include "core/math/frames.h"
 #include "format/source/source_warning.h"
-#include "lattice/frames.h"
-#include "lattice/rules.h"
 
 namespace gigabake {
 

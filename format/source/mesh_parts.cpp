@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "lattice/memory_limit.h"
+#include "core/base/memory_limit.h"
 
 namespace gigabake {
 namespace {

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <limits>
 
-#include "lattice/georeference.h"
-#include "lattice/quote.h"
+#include "core/base/quote.h"
+#include "core/math/georeference.h"
 
 namespace gigabake {
 namespace {

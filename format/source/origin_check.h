@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lattice/frames.h"
+#include "core/math/frames.h"
 
 namespace gigabake {
 

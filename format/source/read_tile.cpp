@@ -1,14 +1,14 @@
 // read_tile(): reads a tile of any format as triangles, materials and encoded images.
 #include <exception>
 
-#include "format/source/content_container.h"
+#include "core/base/error.h"
+#include "format/source/content/content_container.h"
 #include "format/source/gltf/read.h"
 #include "format/source/mesh/obj_read.h"
 #include "format/source/mesh/ply_read.h"
 #include "format/source/mesh/stl_read.h"
 #include "format/source/mesh_parts.h"
 #include "format/source/raster/dem_source.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 

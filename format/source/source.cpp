@@ -3,19 +3,19 @@
 #include <algorithm>
 #include <map>
 
+#include "core/base/error.h"
+#include "core/math/georeference.h"
+#include "core/math/transform.h"
 #include "format/source/earth_centred.h"
 #include "format/source/folder_listing.h"
+#include "format/source/json/scene_json.h"
 #include "format/source/origin_check.h"
 #include "format/source/raster/dem_source.h"
-#include "format/source/scene_json.h"
 #include "format/source/source_file.h"
 #include "format/source/source_files.h"
 #include "format/source/tiles/pnts.h"
 #include "format/source/tiles/tileset.h"
 #include "format/source/tiles/tileset_place.h"
-#include "lattice/error.h"
-#include "lattice/georeference.h"
-#include "lattice/transform.h"
 
 namespace gigabake {
 namespace {

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "format/source/composite.h"
+#include "core/base/progress.h"
+#include "core/base/rules.h"
+#include "core/math/frames.h"
+#include "format/source/content/composite.h"
 #include "format/source/mesh.h"
-#include "lattice/frames.h"
-#include "lattice/progress.h"
-#include "lattice/rules.h"
 
 namespace gigabake {
 

@@ -4,10 +4,10 @@
 #include <cctype>
 #include <cmath>
 
+#include "core/base/counted.h"
+#include "core/base/error.h"
+#include "core/base/quote.h"
 #include "format/system/path_within.h"
-#include "lattice/counted.h"
-#include "lattice/error.h"
-#include "lattice/quote.h"
 
 namespace gigabake {
 namespace {

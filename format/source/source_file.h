@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "format/source/json_parse.h"
+#include "format/source/json/json_parse.h"
 #include "format/system/read_file.h"
 
 namespace gigabake {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <fstream>
 
-#include "format/source/content_magic.h"
-#include "format/source/gzip.h"
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
+#include "format/source/content/content_magic.h"
+#include "format/source/content/gzip.h"
 #include "format/source/source_file.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
 
 namespace gigabake {
 namespace {
@@ -53,9 +53,9 @@ SourceBytes SourceFiles::open(const std::filesystem::path& file) const {
 SourceBytes SourceFiles::open_content(const std::filesystem::path& file) const {
   if (!archive_) {
     const SourceBytes bytes = open(file);
-    std::vector<std::uint8_t> room;
+    std::vector<std::uint8_t> buffer;
     if (bytes.size() <= max_file_bytes &&
-        content_magic(bytes.look(0, std::min<std::uint64_t>(bytes.size(), 4), room)) == ContentMagic::glb)
+        content_magic(bytes.look(0, std::min<std::uint64_t>(bytes.size(), 4), buffer)) == ContentMagic::glb)
       return bytes;
   }
   return SourceBytes(read_content(file));

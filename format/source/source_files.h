@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "format/source/source_bytes.h"
+#include "format/source/content/source_bytes.h"
 #include "format/source/tiles/archive.h"
 #include "format/system/file_stamp.h"
 

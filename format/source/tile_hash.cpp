@@ -4,13 +4,13 @@
 #include <memory>
 #include <xxhash.h>
 
-#include "format/source/content_container.h"
-#include "format/source/data_uri.h"
+#include "core/base/error.h"
+#include "format/source/content/content_container.h"
+#include "format/source/content/data_uri.h"
 #include "format/source/gltf/version.h"
 #include "format/source/mesh/obj_read.h"
 #include "format/source/mesh/ply_read.h"
 #include "format/source/raster/dem.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <vector>
 
+#include "core/io/hash128.h"
 #include "format/source/source.h"
 #include "format/system/file_stamp.h"
-#include "lattice/hash128.h"
 
 namespace gigabake {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "lattice/hash128.h"
+#include "core/io/hash128.h"
 
 namespace gigabake {
 

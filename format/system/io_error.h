@@ -1,7 +1,7 @@
 /// I/O failures, as distinguished from bad input: a retry on the same file may succeed.
 #pragma once
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <utility>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

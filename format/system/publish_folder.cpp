@@ -7,9 +7,9 @@
 #include <unistd.h>
 #include <utility>
 
+#include "core/base/error.h"
 #include "format/system/descriptor.h"
 #include "format/system/publish_place.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <unistd.h>
 
+#include "core/base/error.h"
 #include "format/system/descriptor.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -5,7 +5,7 @@
 #include <unistd.h>
 #include <utility>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 

@@ -2,8 +2,8 @@
 
 #include <fstream>
 
+#include "core/base/memory_limit.h"
 #include "format/system/io_error.h"
-#include "lattice/memory_limit.h"
 
 namespace gigabake {
 

@@ -11,14 +11,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/body/material.h"
-#include "kernels/body/texture_view.h"
-#include "lattice/hash128.h"
-#include "lattice/host_device.h"
-#include "lattice/octree.h"
-#include "lattice/parent_source.h"
-#include "lattice/rules.h"
-#include "lattice/snap.h"
+#include "core/base/host_device.h"
+#include "core/base/rules.h"
+#include "core/io/hash128.h"
+#include "core/math/snap.h"
+#include "core/octree/octree.h"
+#include "core/octree/parent_source.h"
+#include "kernels/body/texture/material.h"
+#include "kernels/body/texture/texture_view.h"
 
 namespace gigabake::kernels {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lattice/octahedral.h"
-#include "lattice/srgb.h"
+#include "core/math/octahedral.h"
+#include "core/math/srgb.h"
 
 namespace gigabake::kernels {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lattice/host_device.h"
+#include "core/base/host_device.h"
 
 namespace gigabake::kernels {
 

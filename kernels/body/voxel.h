@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "lattice/host_device.h"
-#include "lattice/octree.h"
+#include "core/base/host_device.h"
+#include "core/octree/octree.h"
 
 namespace gigabake::kernels {
 

@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <chrono>
 
-#include "kernels/body/window.h"
-#include "kernels/cpu/approximate.h"
-#include "kernels/cpu/bin.h"
-#include "kernels/cpu/level_hash.h"
-#include "kernels/cpu/levels.h"
-#include "kernels/cpu/parent_source.h"
-#include "kernels/cpu/prune.h"
-#include "kernels/cpu/voxelize.h"
-#include "kernels/cpu/window_triangles.h"
-#include "lattice/thread_pool.h"
+#include "core/base/thread_pool.h"
+#include "kernels/body/voxelize/window.h"
+#include "kernels/cpu/mip/level_hash.h"
+#include "kernels/cpu/mip/levels.h"
+#include "kernels/cpu/mip/parent_source.h"
+#include "kernels/cpu/prune/prune.h"
+#include "kernels/cpu/voxelize/approximate.h"
+#include "kernels/cpu/voxelize/bin.h"
+#include "kernels/cpu/voxelize/voxelize.h"
+#include "kernels/cpu/voxelize/window_triangles.h"
 
 namespace gigabake::kernels {
 namespace {

@@ -1,8 +1,8 @@
 /// Bakes a cell on the host's threads. This is the reference: all other backends produce the same bits.
 #pragma once
 
+#include "core/base/thread_pool.h"
 #include "kernels/body/cell.h"
-#include "lattice/thread_pool.h"
 
 namespace gigabake::kernels {
 

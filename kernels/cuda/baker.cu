@@ -1,15 +1,15 @@
 #include <algorithm>
 
-#include "kernels/cpu/approximate.h"
-#include "kernels/cpu/level_hash.h"
-#include "kernels/cpu/prune.h"
+#include "core/base/thread_pool.h"
+#include "kernels/cpu/mip/level_hash.h"
+#include "kernels/cpu/prune/prune.h"
+#include "kernels/cpu/voxelize/approximate.h"
 #include "kernels/cuda/baker.h"
 #include "kernels/cuda/cell.cuh"
-#include "kernels/cuda/download.cuh"
-#include "kernels/cuda/hash.cuh"
-#include "kernels/cuda/input.cuh"
-#include "kernels/cuda/stream.cuh"
-#include "lattice/thread_pool.h"
+#include "kernels/cuda/device/download.cuh"
+#include "kernels/cuda/device/input.cuh"
+#include "kernels/cuda/device/stream.cuh"
+#include "kernels/cuda/mip/hash.cuh"
 
 namespace gigabake::kernels {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/cuda_failure.h"
 #include "kernels/body/cell.h"
-#include "lattice/cuda_failure.h"
 
 namespace gigabake::kernels {
 

@@ -1,14 +1,14 @@
 #include <algorithm>
 #include <span>
 
-#include "kernels/body/mip.h"
-#include "kernels/cpu/level_hash.h"
-#include "kernels/cpu/levels.h"
-#include "kernels/cpu/parent_source.h"
-#include "kernels/cuda/approximate.cuh"
+#include "kernels/body/mip/mip.h"
+#include "kernels/cpu/mip/level_hash.h"
+#include "kernels/cpu/mip/levels.h"
+#include "kernels/cpu/mip/parent_source.h"
 #include "kernels/cuda/cell.cuh"
-#include "kernels/cuda/download.cuh"
-#include "kernels/cuda/hash.cuh"
+#include "kernels/cuda/device/download.cuh"
+#include "kernels/cuda/mip/hash.cuh"
+#include "kernels/cuda/voxelize/approximate.cuh"
 
 namespace gigabake::kernels {
 namespace {

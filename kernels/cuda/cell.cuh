@@ -7,15 +7,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/cpu/levels.h"
+#include "core/base/thread_pool.h"
+#include "core/octree/voxel_hash.h"
+#include "kernels/cpu/mip/levels.h"
 #include "kernels/cuda/baker.h"
-#include "kernels/cuda/bin.cuh"
-#include "kernels/cuda/clock.cuh"
-#include "kernels/cuda/fill/voxelize.cuh"
-#include "kernels/cuda/levels.cuh"
-#include "kernels/cuda/pinned.cuh"
-#include "lattice/thread_pool.h"
-#include "lattice/voxel_hash.h"
+#include "kernels/cuda/device/clock.cuh"
+#include "kernels/cuda/device/pinned.cuh"
+#include "kernels/cuda/mip/levels.cuh"
+#include "kernels/cuda/voxelize/bin.cuh"
+#include "kernels/cuda/voxelize/voxelize.cuh"
 
 namespace gigabake::kernels {
 

@@ -6,10 +6,10 @@
 
 #include <cstdint>
 
-#include "kernels/cuda/memory.cuh"
-#include "lattice/pack/block_codes.h"
-#include "lattice/pack/matches.h"
-#include "lattice/pack/stored_chunk.h"
+#include "core/codec/block_codes.h"
+#include "core/codec/matches.h"
+#include "core/codec/stored_chunk.h"
+#include "kernels/cuda/device/memory.cuh"
 
 namespace gigabake::kernels::pack {
 

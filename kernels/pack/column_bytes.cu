@@ -1,6 +1,6 @@
+#include "core/codec/chunk_rows.h"
 #include "kernels/pack/column_bytes.cuh"
 #include "kernels/pack/pack_chunks.cuh"
-#include "lattice/pack/chunk_rows.h"
 
 namespace gigabake::kernels {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "kernels/cuda/memory.cuh"
+#include "kernels/cuda/device/memory.cuh"
 #include "kernels/pack/packer.h"
 #include "kernels/pack/pinned_pool.cuh"
 

@@ -1,14 +1,14 @@
 /// A cell's columns on the device. The kernels find the voxels that share a value, count the values, and write the
-/// columns. The rules are defined in lattice/pack; one warp per brick and channel executes them.
+/// columns. The rules are defined in core/codec; one warp per brick and channel executes them.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "kernels/body/window.h"
-#include "kernels/cuda/levels.cuh"
+#include "core/codec/shared_value.h"
+#include "kernels/body/voxelize/window.h"
+#include "kernels/cuda/mip/levels.cuh"
 #include "kernels/pack/packer.h"
-#include "lattice/pack/shared_value.h"
 
 namespace gigabake::kernels {
 

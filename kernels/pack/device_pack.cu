@@ -1,4 +1,4 @@
-#include "kernels/cuda/stream.cuh"
+#include "kernels/cuda/device/stream.cuh"
 #include "kernels/pack/device_pack.h"
 #include "kernels/pack/pack_chunks.cuh"
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "core/base/cuda_failure.h"
 #include "kernels/pack/raw_chunk.h"
-#include "lattice/cuda_failure.h"
 
 namespace gigabake::kernels {
 

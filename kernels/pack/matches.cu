@@ -1,6 +1,6 @@
 // Computes the match of each position from the raw bytes, and the tokens of each segment.
+#include "core/codec/shuffle.h"
 #include "kernels/pack/batch.cuh"
-#include "lattice/pack/shuffle.h"
 
 namespace gigabake::kernels::pack {
 namespace {

@@ -1,4 +1,4 @@
-/// Compression of raw chunks in device memory to chunks in HDF5's storage format, by the rules of lattice/pack.
+/// Compression of raw chunks in device memory to chunks in HDF5's storage format, by the rules of core/codec.
 ///
 /// Exact   The same bytes as deflate in encode_chunk() of format/shard, chunk by chunk.
 #pragma once
@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "kernels/cuda/clock.cuh"
-#include "kernels/cuda/memory.cuh"
+#include "kernels/cuda/device/clock.cuh"
+#include "kernels/cuda/device/memory.cuh"
 #include "kernels/pack/raw_chunk.h"
 
 namespace gigabake::kernels {

@@ -1,15 +1,15 @@
 #include <algorithm>
 
-#include "kernels/body/node.h"
+#include "core/codec/chunk_rows.h"
+#include "kernels/body/prune/node.h"
 #include "kernels/cuda/cell.cuh"
-#include "kernels/cuda/clock.cuh"
-#include "kernels/cuda/hash.cuh"
-#include "kernels/cuda/prune.cuh"
-#include "kernels/cuda/stream.cuh"
+#include "kernels/cuda/device/clock.cuh"
+#include "kernels/cuda/device/stream.cuh"
+#include "kernels/cuda/mip/hash.cuh"
+#include "kernels/cuda/prune/prune.cuh"
 #include "kernels/pack/column_bytes.cuh"
 #include "kernels/pack/columns.cuh"
 #include "kernels/pack/packer.h"
-#include "lattice/pack/chunk_rows.h"
 
 namespace gigabake::kernels {
 namespace {

@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/codec/packed_level.h"
 #include "kernels/body/cell.h"
 #include "kernels/cuda/baker.h"
-#include "lattice/pack/packed_level.h"
 
 namespace gigabake::kernels {
 
@@ -51,7 +51,7 @@ class CudaPacker {
   /// Packs a cell; does not change `volume`. Calls must not be concurrent. Returns nullopt if the cell was baked in
   /// parts or has no voxels; the caller must then use CudaBaker::download().
   /// Exact   The columns equal the columns that format/shard makes of the downloaded volume by the rules of
-  ///         lattice/pack. Stored chunks equal the output of its encode_chunk().
+  ///         core/codec. Stored chunks equal the output of its encode_chunk().
   /// Cost    Device memory: the size of the columns, the same again if they are compressed, and the temporary memory of
   ///         pack_chunks() (kernels/pack/pack_chunks.cuh). Waits for the stream four times.
   /// Errors  DeviceFull if more memory or packing on the host would help; CudaFailure.

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "kernels/cuda/pinned.cuh"
+#include "kernels/cuda/device/pinned.cuh"
 
 namespace gigabake::kernels {
 

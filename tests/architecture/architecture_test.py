@@ -9,36 +9,40 @@ from pathlib import Path
 
 from verdict import verdict
 
+RAYS = ["kernels/pool", "kernels/marching", "kernels/light"]
 # Modules that rendering an image of a scene needs.
-SHOWN = ["lattice", "format/system", "format/shard", "format/scene", "kernels/body", "kernels/cast"]
+SHOWN = ["core", "format/system", "format/shard", "format/scene", "kernels/body", "kernels/render", *RAYS]
 # Each module with the other modules of gigabake that it may include. A module only includes modules listed before it.
-ROOMS = {
-    "lattice": [],
-    "format/system": ["lattice"],
-    "format/source": ["lattice", "format/system"],
-    "format/shard": ["lattice", "format/system"],
-    "format/scene": ["lattice", "format/system", "format/shard"],
-    "format/job": ["lattice", "format/system", "format/source", "format/shard", "format/scene"],
-    "format/export": ["lattice", "format/system", "format/shard", "format/scene"],
-    "format/sample": ["lattice", "format/system"],
-    "kernels/body": ["lattice"],
-    "kernels/cpu": ["lattice", "kernels/body"],
-    "kernels/cuda": ["lattice", "kernels/body", "kernels/cpu"],
-    "kernels/pack": ["lattice", "kernels/body", "kernels/cpu", "kernels/cuda"],
-    "kernels/cast": ["lattice", "kernels/body", "kernels/cuda"],
-    "worker": ["lattice", "format/system", "format/source", "format/shard", "format/job", "kernels/body", "kernels/cpu",
+MODULES = {
+    "core": [],
+    "format/system": ["core"],
+    "format/source": ["core", "format/system"],
+    "format/shard": ["core", "format/system"],
+    "format/scene": ["core", "format/system", "format/shard"],
+    "format/job": ["core", "format/system", "format/source", "format/shard", "format/scene"],
+    "format/export": ["core", "format/system", "format/shard", "format/scene"],
+    "sample": ["core", "format/system"],
+    "kernels/body": ["core"],
+    "kernels/cpu": ["core", "kernels/body"],
+    "kernels/cuda": ["core", "kernels/body", "kernels/cpu"],
+    "kernels/pack": ["core", "kernels/body", "kernels/cpu", "kernels/cuda"],
+    "kernels/pool": ["core", "kernels/body"],
+    "kernels/marching": ["core", "kernels/body", "kernels/cuda", "kernels/pool"],
+    "kernels/light": ["core", "kernels/body", "kernels/cuda", "kernels/pool", "kernels/marching"],
+    "kernels/first_hit": ["core", "kernels/body", "kernels/cuda"],
+    "kernels/render": ["core", "kernels/body", "kernels/cuda", "kernels/first_hit", *RAYS],
+    "worker": ["core", "format/system", "format/source", "format/shard", "format/job", "kernels/body", "kernels/cpu",
                "kernels/cuda", "kernels/pack"],
-    "scheduler": ["lattice", "format/system", "format/source", "format/job"],
-    "cluster": ["lattice", "format/system", "format/source", "format/scene", "format/job", "format/export", "scheduler",
+    "scheduler": ["core", "format/system", "format/source", "format/job"],
+    "cluster": ["core", "format/system", "format/source", "format/scene", "format/job", "format/export", "scheduler",
                 "worker"],
     "viewer/light": SHOWN,
-    "viewer/first_hit": SHOWN,
-    "viewer/stream": SHOWN + ["viewer/light"],
-    "viewer/query": SHOWN + ["viewer/first_hit", "viewer/stream"],
-    "viewer/pictures": SHOWN + ["viewer/light", "viewer/stream"],
-    "viewer/live": SHOWN + ["viewer/light", "viewer/stream", "viewer/pictures"],
-    "viewer/window": SHOWN + ["viewer/live", "viewer/pictures"],
-    "viewer/web": SHOWN + ["viewer/live", "viewer/pictures"],
+    "viewer/stream": [*SHOWN, "viewer/light"],
+    "viewer/query": [*SHOWN, "kernels/first_hit", "viewer/stream"],
+    "viewer/pictures": [*SHOWN, "viewer/light", "viewer/stream"],
+    "viewer/live": [*SHOWN, "viewer/light", "viewer/stream", "viewer/pictures"],
+    "viewer/window": [*SHOWN, "viewer/live", "viewer/pictures"],
+    "viewer/web": [*SHOWN, "viewer/live", "viewer/pictures"],
 }
 # These may include all modules.
 JOINTS = ["app", "bench", "tests"]
@@ -46,16 +50,17 @@ JOINTS = ["app", "bench", "tests"]
 # Tuples of header, files that may include it, and the reason.
 RESERVED = [
     (r"mpi\.h", r"cluster/|tests/cluster/", "only cluster/ talks MPI"),
-    (r"cuda\w*\.h|cooperative_groups.*|cub/.*|thrust/.*", r"kernels/(cuda|cast|pack)/|tests/",
-     "only kernels/cuda, kernels/cast and kernels/pack talk CUDA"),
-    (r"thread|future|mutex|condition_variable", r"(?!kernels/|lattice/)|lattice/thread_pool\.cpp",
-     "kernels and lattice loop through lattice/thread_pool.h"),
-    (r"fstream|filesystem|iostream|cstdio", r"(?!kernels/|lattice/)|lattice/(error|memory_limit|byte_cursor)\.(h|cpp)",
-     "kernels and lattice know no files"),
+    (r"cuda\w*\.h|cooperative_groups.*|cub/.*|thrust/.*", r"kernels/(?!body/|cpu/)\w+/|tests/",
+     "kernels/body and kernels/cpu, and all other folders, have no CUDA code"),
+    (r"thread|future|mutex|condition_variable", r"(?!kernels/|core/)|core/base/thread_pool\.cpp",
+     "kernels and core loop through core/base/thread_pool.h"),
+    (r"fstream|filesystem|iostream|cstdio",
+     r"(?!kernels/|core/)|core/(base/error|base/memory_limit|io/byte_cursor)\.(h|cpp)",
+     "kernels and core know no files"),
     (r"tiny_gltf\.h|hdf5\.h|pugixml\.hpp|png\.h|jpeglib\.h|(OpenEXR|Imath)/.*", 
-     r"format/|viewer/.*\.cpp|app/manual/library_versions\.cpp|tests/", "files are format's business"),
+     r"format/|sample/|viewer/.*\.cpp|app/manual/library_versions\.cpp|tests/", "format/ reads and writes files"),
     (r"openvdb/.*", r"format/export/openvdb/.*\.cpp|tests/", "a build without OpenVDB has the rest"),
-    (r"nanovdb/.*", r"tests/", "format/export/nanovdb_layout.h declares the layout that the export needs"),
+    (r"nanovdb/.*", r"tests/", "format/export/nanovdb/nanovdb_layout.h declares the layout that the export needs"),
 ]
 
 # Headers that a folder's headers must not include for the folders that include them.
@@ -64,22 +69,22 @@ HEAVY = r"nlohmann/json\.hpp|tiny_gltf\.h|hdf5\.h|pugixml\.hpp"
 # Options of mpirun and srun, and the separator of images in a stream.
 OPTIONS_OF_OTHERS = {"--bind-to", "--mpi", "--frame"}
 
-CUDA_FOLDERS = ("kernels/cuda/", "kernels/cast/", "kernels/pack/", "tests/")
+CUDA_FILES = re.compile(r"kernels/(?!body/|cpu/)\w+/|tests/")
 SOURCE = {".h", ".cpp", ".cu", ".cuh"}
 LONGEST_FILE = 400
 LONGEST_LINE = 120
 
 
-def room_of(name):
+def module_of(name):
     """Returns the module of a path from the source root; None if it is in no module."""
     parts = name.split("/")
     if parts[0] in JOINTS:
         return parts[0]
-    return next((room for room in ("/".join(parts[:n]) for n in (2, 1)) if room in ROOMS), None)
+    return next((module for module in ("/".join(parts[:n]) for n in (2, 1)) if module in MODULES), None)
 
 
 def sources(root):
-    for folder in sorted({room.split("/")[0] for room in ROOMS} | set(JOINTS)):
+    for folder in sorted({module.split("/")[0] for module in MODULES} | set(JOINTS)):
         for path in sorted((root / folder).rglob("*")):
             if path.suffix in SOURCE | {".py"}:
                 yield path
@@ -103,26 +108,26 @@ def carried_headers(root, header, seen):
 
 
 def include_problems(root, name, text):
-    room = room_of(name)
-    if room is None:
+    module = module_of(name)
+    if module is None:
         yield "belongs to no module: add its folder to the table of this test and to docs/architecture.md"
         return
     for quoted, bracketed in includes(text):
-        if quoted and not (room == "tests" and (root / name).parent.joinpath(quoted).exists()):
-            yield from quoted_problems(root, room, quoted)
+        if quoted and not (module == "tests" and (root / name).parent.joinpath(quoted).exists()):
+            yield from quoted_problems(root, module, quoted)
         for header, allowed, why in RESERVED:
             if bracketed and re.fullmatch(header, bracketed) and not re.match(allowed, name):
                 yield f"includes <{bracketed}>: {why}"
 
 
-def quoted_problems(root, room, quoted):
-    target = room_of(quoted)
+def quoted_problems(root, module, quoted):
+    target = module_of(quoted)
     if not (root / quoted).exists():
         yield f'includes "{quoted}", which is not a path from the source root'
         return
-    if target != room and room not in JOINTS and target not in ROOMS[room]:
-        yield f'includes "{quoted}": {room}/ may include {", ".join(ROOMS[room]) or "nothing of ours"} only'
-    if target.split("/")[0] != room.split("/")[0]:
+    if target != module and module not in JOINTS and target not in MODULES[module]:
+        yield f'includes "{quoted}": {module}/ may include {", ".join(MODULES[module]) or "nothing of ours"} only'
+    if target.split("/")[0] != module.split("/")[0]:
         for carried in carried_headers(root, quoted, set()):
             if re.fullmatch(HEAVY, carried):
                 yield f'includes "{quoted}", which includes <{carried}> outside its module'
@@ -144,7 +149,7 @@ def option_problems(text):
     for literal in re.findall(r'"(?:[^"\\\n]|\\.)*"', text):
         for option in re.findall(r"(?<![\w-])--[a-z][a-z-]+", literal):
             if option not in OPTIONS_OF_OTHERS:
-                yield f"names the option {option}: a library names the field (lattice/error.h, UsageError)"
+                yield f"names the option {option}: a library names the field (core/base/error.h, UsageError)"
 
 
 def message_problems(name, text):
@@ -172,12 +177,12 @@ def problems(root):
         if path.suffix in SOURCE:
             found += include_problems(root, name, text)
             found += message_problems(name, text)
-            if room_of(name) in ROOMS:
+            if module_of(name) in MODULES:
                 found += option_problems(text)
         if path.suffix in {".h", ".cuh"}:
             found += header_problems(name, text)
-        if path.suffix in {".cu", ".cuh"} and not name.startswith(CUDA_FOLDERS):
-            found.append("only kernels/cuda, kernels/cast, kernels/pack and tests have CUDA files")
+        if path.suffix in {".cu", ".cuh"} and not CUDA_FILES.match(name):
+            found.append("only subfolders of kernels/, except body and cpu, and tests have CUDA files")
         for problem in found:
             yield f"{name}: {problem}"
 

@@ -16,11 +16,11 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
-from architecture_test import JOINTS, ROOMS, room_of
+from architecture_test import JOINTS, MODULES, module_of
 from declarations import declarations
 from verdict import verdict
 
-FOLDERS = ["app", "bench", "cluster", "format", "kernels", "lattice", "scheduler", "tests", "viewer", "worker"]
+FOLDERS = ["app", "bench", "cluster", "format", "kernels", "core", "sample", "scheduler", "tests", "viewer", "worker"]
 SOURCE = {".h", ".cpp", ".cu", ".cuh"}
 # These replace another file if a library is missing.
 STUB = re.compile(r"_stub\.cpp$")
@@ -98,8 +98,8 @@ def clashes(files, folder_of):
 
 def may_include(name, header, folder):
     """Returns True if a file, or a file that is compiled with it, may include a header of gigabake."""
-    room, target = room_of(name), room_of(header)
-    return room in JOINTS or header.startswith(folder + "/") or target in ROOMS.get(room, [])
+    module, target = module_of(name), module_of(header)
+    return module in JOINTS or header.startswith(folder + "/") or target in MODULES.get(module, [])
 
 
 def hidden(files, folder_of):

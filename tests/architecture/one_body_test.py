@@ -3,10 +3,10 @@
 
 A rule in a device file would not be tested on a machine without a GPU, and could differ from the CPU's. Device files
 may not
-  - name a value of a rule's enum (lattice/rules.h, lattice/octree.h): they pass it, or call a function of kernels/body,
-    such as filters_by_view() or Surface::look();
+  - name a value of a rule's enum (core/base/rules.h, core/octree/octree.h): they pass it, or call a function of
+    kernels/body, such as filters_by_view() or Surface::look();
   - use the scale of a channel (65535, 32767, 255, 127): packing, scaling and opacity are defined in kernels/body;
-  - round, or compute a root or a power: kernels/body and lattice/rounding.h do;
+  - round, or compute a root or a power: kernels/body and core/math/rounding.h do;
   - compare a channel, a weight or a rule with anything but null.
 They may compare counts, indices, pointers, and decisions of kernels/body or of a template parameter (`Fate`, `Look`,
 `CellMaterials`, `by_view`). Comments and strings are ignored.
@@ -19,7 +19,7 @@ from pathlib import Path
 
 from verdict import verdict
 
-ENUM_HEADERS = ["lattice/rules.h", "lattice/octree.h"]
+ENUM_HEADERS = ["core/base/rules.h", "core/octree/octree.h"]
 
 SCALES = re.compile(r"(?<![\w.])(65535|32767|255|127)u?(?![\w.])")
 ROUNDING = re.compile(r"\b(floor|ceil|round|lround|llround|trunc|rint|nearbyint|sqrt|rsqrt|cbrt|pow|exp|log)f?\s*\("

@@ -1,4 +1,4 @@
-#include "cluster/bake_process.h"
+#include "cluster/process/bake_process.h"
 
 #include <algorithm>
 #include <csignal>
@@ -11,7 +11,7 @@
 
 #include "bake_scene.h"
 #include "tests/random_seed.h"
-#include "worker/survey_tile.h"
+#include "worker/scan/survey_tile.h"
 
 namespace gigabake {
 namespace {

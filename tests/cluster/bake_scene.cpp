@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "format/job/source_bytes.h"
-#include "scheduler/plan.h"
-#include "worker/survey_tile.h"
+#include "scheduler/plan/plan.h"
+#include "worker/scan/survey_tile.h"
 
 namespace gigabake {
 

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "cluster/bake_process.h"
+#include "cluster/process/bake_process.h"
 #include "format/job/cell_job.h"
 #include "tests/worker/glb_scene.h"
-#include "worker/worker_setup.h"
+#include "worker/pipeline/worker_setup.h"
 
 namespace gigabake {
 

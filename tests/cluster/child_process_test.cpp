@@ -1,4 +1,4 @@
-#include "cluster/child_process.h"
+#include "cluster/process/child_process.h"
 
 #include <algorithm>
 #include <cerrno>

@@ -1,11 +1,11 @@
-#include "cluster/dispatch.h"
+#include "cluster/bake/dispatch.h"
 
 #include <algorithm>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <set>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "scripted_ranks.h"
 #include "tests/scheduler/made_bake.h"
 #include "tests/scheduler/made_jobs.h"

@@ -1,4 +1,4 @@
-#include "cluster/hang_watch.h"
+#include "cluster/process/hang_watch.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cluster/launcher.h"
+#include "cluster/launch/launcher.h"
 
 #include <gtest/gtest.h>
 #include <map>

@@ -15,7 +15,7 @@ import time
 import unittest
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli/support"))
 import harness  # noqa: E402  (lies in another folder)
 
 # Each launch takes the next line of `ends`: an exit code, or one of these words.

@@ -1,11 +1,11 @@
-#include "cluster/output_folder.h"
+#include "cluster/bake/output_folder.h"
 
 #include <csignal>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "tests/scheduler/made_bake.h"
 
 namespace gigabake {

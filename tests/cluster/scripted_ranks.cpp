@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string>
 
-#include "lattice/bytes.h"
-#include "worker/bake_messages.h"
+#include "core/io/bytes.h"
+#include "worker/pipeline/bake_messages.h"
 
 namespace gigabake {
 namespace {
@@ -27,7 +27,7 @@ void ScriptedRanks::send(int rank, Tag tag, std::vector<std::uint8_t> bytes) {
   r.inbox.emplace_back(tag, std::move(bytes));
 }
 
-/// Handles a message by an independent implementation of the protocol of cluster/message.h.
+/// Handles a message by an independent implementation of the protocol of cluster/mpi/message.h.
 void ScriptedRanks::handle(Rank& rank, Tag tag, const std::vector<std::uint8_t>& bytes) {
   rank.max_silence_s = std::max(rank.max_silence_s, now_s_ - rank.heard_s);
   rank.heard_s = now_s_;

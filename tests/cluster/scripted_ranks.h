@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "cluster/rank_link.h"
+#include "cluster/mpi/rank_link.h"
 #include "format/job/cell_job.h"
 
 namespace gigabake {

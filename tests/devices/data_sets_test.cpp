@@ -7,18 +7,18 @@
 #include <iostream>
 #include <set>
 
-#include "format/sample/sample.h"
-#include "format/shard/content_hash.h"
+#include "core/base/error.h"
+#include "format/shard/levels/content_hash.h"
 #include "format/source/source.h"
 #include "format/system/host_limits.h"
 #include "kernels/cuda/baker.h"
-#include "lattice/error.h"
-#include "scheduler/plan.h"
+#include "sample/sample.h"
+#include "scheduler/plan/plan.h"
 #include "tests/shared_data.h"
-#include "worker/cell_loader.h"
-#include "worker/cell_parameters.h"
-#include "worker/shard_from_volume.h"
-#include "worker/survey_tile.h"
+#include "worker/pipeline/cell_loader.h"
+#include "worker/pipeline/cell_parameters.h"
+#include "worker/pipeline/shard_from_volume.h"
+#include "worker/scan/survey_tile.h"
 
 namespace gigabake {
 namespace {

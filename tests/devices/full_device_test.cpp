@@ -9,8 +9,8 @@
 
 #include "kernels/cuda/baker.h"
 #include "tests/worker/glb_scene.h"
-#include "worker/cell_pipeline.h"
-#include "worker/survey_tile.h"
+#include "worker/pipeline/cell_pipeline.h"
+#include "worker/scan/survey_tile.h"
 
 namespace gigabake {
 namespace {

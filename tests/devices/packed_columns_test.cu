@@ -4,18 +4,18 @@
 #include <map>
 #include <random>
 
+#include "core/codec/chunk_rows.h"
+#include "format/shard/columns/shard_columns.h"
 #include "format/shard/packed_shard.h"
-#include "format/shard/shard_columns.h"
-#include "kernels/body/node.h"
-#include "kernels/cpu/prune.h"
+#include "kernels/body/prune/node.h"
+#include "kernels/cpu/prune/prune.h"
 #include "kernels/cuda/cell.cuh"
-#include "kernels/cuda/stream.cuh"
+#include "kernels/cuda/device/stream.cuh"
 #include "kernels/pack/packer.h"
-#include "lattice/pack/chunk_rows.h"
 #include "tests/kernels/cuda_scenes.h"
 #include "tests/kernels/made_tree.h"
 #include "tests/random_seed.h"
-#include "worker/shard_from_volume.h"
+#include "worker/pipeline/shard_from_volume.h"
 
 namespace gigabake {
 namespace {

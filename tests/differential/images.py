@@ -8,7 +8,7 @@ import numpy
 
 from osgeo import gdal
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli/support"))
 from png_file import chunk  # noqa: E402
 
 gdal.UseExceptions()

@@ -9,7 +9,7 @@ import numpy
 
 from odd import BLOCK, VOXEL
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli/support"))
 import harness  # noqa: E402
 
 MAX_SHOWN = 4

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 #include <random>
 
+#include "core/base/error.h"
 #include "format/source/source.h"
 #include "format/source/tile_hash.h"
 #include "format/system/read_file.h"
-#include "lattice/error.h"
 #include "tests/format/source/source_scene.h"
 #include "tests/random_seed.h"
 #include "tests/shared_data.h"

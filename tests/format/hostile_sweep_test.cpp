@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/error.h"
 #include "format/source/source.h"
 #include "format/source/tile_hash.h"
-#include "lattice/error.h"
 #include "tests/format/source/parts_check.h"
 #include "tests/shared_data.h"
 

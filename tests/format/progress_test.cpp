@@ -1,5 +1,5 @@
 /// Long steps report their progress. They stop wherever a stop is requested and leave no partial file.
-#include "lattice/progress.h"
+#include "core/base/progress.h"
 
 #include <algorithm>
 #include <atomic>
@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "format/export/gigavoxel.h"
-#include "format/export/nanovdb.h"
-#include "format/export/ply.h"
-#include "format/export/voxel_tileset.h"
-#include "format/scene/diff.h"
+#include "format/export/gigavoxels/gigavoxel.h"
+#include "format/export/nanovdb/nanovdb.h"
+#include "format/export/ply/ply.h"
+#include "format/export/voxel_tiles/voxel_tileset.h"
+#include "format/scene/check/diff.h"
+#include "format/scene/check/verify.h"
 #include "format/scene/stored_bytes.h"
-#include "format/scene/verify.h"
 #include "format/source/source.h"
 #include "tests/format/shard/made_shard.h"
 

@@ -2,8 +2,8 @@
 
 #include <exception>
 
-#include "lattice/error.h"
-#include "lattice/quote.h"
+#include "core/base/error.h"
+#include "core/base/quote.h"
 
 namespace gigabake::fuzz {
 namespace {

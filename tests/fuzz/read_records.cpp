@@ -2,15 +2,15 @@
 #include <array>
 #include <string>
 
+#include "core/base/error.h"
 #include "format/job/cell_job.h"
-#include "lattice/error.h"
-#include "scheduler/bake_status.h"
-#include "scheduler/journal_content.h"
-#include "scheduler/survey_cache.h"
+#include "scheduler/journal/journal_content.h"
+#include "scheduler/journal/survey_cache.h"
+#include "scheduler/status/bake_status.h"
 #include "tests/format/source/source_scene.h"
 #include "tests/fuzz/readers.h"
-#include "worker/bake_messages.h"
-#include "worker/worker_setup.h"
+#include "worker/pipeline/bake_messages.h"
+#include "worker/pipeline/worker_setup.h"
 
 namespace gigabake::fuzz {
 namespace {

@@ -2,12 +2,12 @@
 #include <cstring>
 #include <filesystem>
 
-#include "format/export/gigavoxel_read.h"
-#include "format/scene/scene_xml.h"
+#include "core/octree/parameters.h"
+#include "format/export/gigavoxels/gigavoxel_read.h"
+#include "format/scene/xml/scene_xml.h"
 #include "format/shard/shard.h"
 #include "format/shard/shard_pages.h"
 #include "format/shard/shard_reader.h"
-#include "lattice/parameters.h"
 #include "tests/format/source/source_scene.h"
 #include "tests/fuzz/readers.h"
 

@@ -5,17 +5,17 @@
 #include <optional>
 #include <string>
 
-#include "format/source/content_magic.h"
+#include "core/base/error.h"
+#include "core/base/thread_pool.h"
+#include "format/source/content/content_magic.h"
 #include "format/source/image/image_rows.h"
 #include "format/source/mesh.h"
 #include "format/source/source.h"
 #include "format/source/tile_hash.h"
 #include "format/system/read_file.h"
-#include "lattice/error.h"
-#include "lattice/thread_pool.h"
 #include "tests/format/source/source_scene.h"
 #include "tests/fuzz/readers.h"
-#include "worker/survey_tile.h"
+#include "worker/scan/survey_tile.h"
 
 namespace gigabake::fuzz {
 namespace {

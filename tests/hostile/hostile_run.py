@@ -8,12 +8,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli/support"))
 import harness
 
 SECONDS = 30
 MEMORY_BYTES = 6 << 30
-MAX_LINE = 1200  # a message of 1,000 bytes (lattice/quote.h), and a command's prefix
+MAX_LINE = 1200  # a message of 1,000 bytes (core/base/quote.h), and a command's prefix
 EXIT_CODES = {0, 1, 2, 3, 75}
 
 

@@ -28,7 +28,7 @@ import source_seeds  # noqa: E402
 
 OUR_EXIT_CODES = {0, 1, 2, 3}
 ENDED_WHEN_ASKED = {75, 128 + signal.SIGTERM, -signal.SIGTERM}  # bake, other command, command before its start
-# A message of up to 1,000 bytes (lattice/quote.h), and a command's prefix.
+# A message of up to 1,000 bytes (core/base/quote.h), and a command's prefix.
 MAX_LINE, MAX_ERRORS = 1200, 50_000
 MAX_BYTES = 3 << 30
 # A mutant may be a scene of a million cells, which takes long. The test sends such a run SIGTERM, and it must end.

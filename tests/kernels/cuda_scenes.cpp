@@ -5,9 +5,9 @@
 #include <limits>
 #include <utility>
 
-#include "lattice/host_device.h"
-#include "lattice/rules.h"
-#include "lattice/thread_pool.h"
+#include "core/base/host_device.h"
+#include "core/base/rules.h"
+#include "core/base/thread_pool.h"
 
 namespace gigabake::kernels::test {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "kernels/cpu/bake_cell.h"
-#include "kernels/cpu/texture.h"
+#include "kernels/cpu/texture/texture.h"
 
 namespace gigabake::kernels::test {
 

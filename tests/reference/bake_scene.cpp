@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "lattice/brick.h"
-#include "lattice/host_device.h"
-#include "lattice/octree.h"
-#include "lattice/rules.h"
-#include "lattice/thread_pool.h"
+#include "core/base/host_device.h"
+#include "core/base/rules.h"
+#include "core/base/thread_pool.h"
+#include "core/octree/brick.h"
+#include "core/octree/octree.h"
 
 namespace gigabake::reference {
 

@@ -8,7 +8,7 @@
 
 #include "bench/exact/painted.h"
 #include "kernels/cpu/bake_cell.h"
-#include "kernels/cpu/texture.h"
+#include "kernels/cpu/texture/texture.h"
 
 namespace gigabake::reference {
 

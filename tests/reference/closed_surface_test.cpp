@@ -6,7 +6,7 @@
 
 #include "bake_scene.h"
 #include "closed_meshes.h"
-#include "lattice/rules.h"
+#include "core/base/rules.h"
 #include "print.h"
 
 namespace gigabake::reference {

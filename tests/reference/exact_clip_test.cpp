@@ -4,7 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "lattice/rules.h"
+#include "core/base/rules.h"
 #include "print.h"
 #include "triangle_families.h"
 

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "closed_meshes.h"
-#include "kernels/cpu/cell_lanes.h"
+#include "kernels/cpu/voxelize/cell_lanes.h"
 #include "print.h"
 
 namespace gigabake::reference {

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "bake_scene.h"
+#include "core/base/rules.h"
 #include "hard_values.h"
-#include "lattice/rules.h"
 #include "print.h"
 
 namespace gigabake::reference {

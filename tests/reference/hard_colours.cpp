@@ -1,6 +1,6 @@
+#include "core/base/rules.h"
 #include "hard_values.h"
 #include "hard_values_scene.h"
-#include "lattice/rules.h"
 
 namespace gigabake::reference {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "bake_scene.h"
 #include "closed_meshes.h"
-#include "lattice/rules.h"
+#include "core/base/rules.h"
 
 namespace gigabake::reference {
 namespace {

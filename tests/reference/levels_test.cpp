@@ -4,9 +4,9 @@
 
 #include "bake_scene.h"
 #include "closed_meshes.h"
-#include "kernels/body/plane.h"
-#include "lattice/octree.h"
-#include "lattice/rules.h"
+#include "core/base/rules.h"
+#include "core/octree/octree.h"
+#include "kernels/body/mip/plane.h"
 #include "print.h"
 #include "raster.h"
 

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "bake_scene.h"
-#include "kernels/body/classify_triangle.h"
-#include "kernels/body/part.h"
-#include "kernels/body/triangle_bricks.h"
+#include "kernels/body/voxelize/classify_triangle.h"
+#include "kernels/body/voxelize/part.h"
+#include "kernels/body/voxelize/triangle_bricks.h"
 #include "triangle_families.h"
 
 namespace gigabake::reference {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bench/exact/exact_clip.h"
-#include "lattice/rules.h"
+#include "core/base/rules.h"
 
 namespace gigabake::reference {
 

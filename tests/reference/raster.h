@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bake_scene.h"
-#include "lattice/octahedral.h"
+#include "core/math/octahedral.h"
 
 namespace gigabake::reference {
 

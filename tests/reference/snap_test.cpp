@@ -1,5 +1,5 @@
 /// The snap compared with exact rationals: the distance that a vertex moves, and the rounding of ties.
-#include "lattice/snap.h"
+#include "core/math/snap.h"
 
 #include <cmath>
 #include <gmpxx.h>

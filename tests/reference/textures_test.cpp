@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "bake_scene.h"
-#include "lattice/rules.h"
+#include "core/base/rules.h"
 #include "triangle_families.h"
 
 namespace gigabake::reference {

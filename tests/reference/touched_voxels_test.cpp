@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <gtest/gtest.h>
 
-#include "kernels/body/brick_triangle.h"
+#include "kernels/body/voxelize/brick_triangle.h"
 #include "print.h"
 #include "triangle_families.h"
 

@@ -1,10 +1,10 @@
-#include "scheduler/bake_status_record.h"
+#include "scheduler/status/bake_status_record.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <random>
 
-#include "scheduler/schedule.h"
+#include "scheduler/queue/schedule.h"
 #include "tests/scheduler/made_jobs.h"
 
 namespace gigabake {

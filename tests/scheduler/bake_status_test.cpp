@@ -1,4 +1,4 @@
-#include "scheduler/bake_status.h"
+#include "scheduler/status/bake_status.h"
 
 #include <fstream>
 #include <gmock/gmock.h>
@@ -8,7 +8,7 @@
 #include <sstream>
 #include <unistd.h>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

@@ -1,11 +1,11 @@
-#include "scheduler/cached_results.h"
+#include "scheduler/journal/cached_results.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include "made_bake.h"
-#include "scheduler/journal.h"
+#include "scheduler/journal/journal.h"
 
 namespace gigabake {
 namespace {

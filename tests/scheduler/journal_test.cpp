@@ -1,9 +1,9 @@
-#include "scheduler/journal.h"
+#include "scheduler/journal/journal.h"
 
 #include <gtest/gtest.h>
 #include <thread>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "made_bake.h"
 #include "tests/format/system/small_disk.h"
 #include "tests/random_seed.h"

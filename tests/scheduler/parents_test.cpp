@@ -1,4 +1,4 @@
-#include "scheduler/parents.h"
+#include "scheduler/plan/parents.h"
 
 #include <bit>
 #include <gmock/gmock.h>
@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "scheduler/overview_queue.h"
+#include "scheduler/queue/overview_queue.h"
 #include "tests/random_seed.h"
 
 namespace gigabake {

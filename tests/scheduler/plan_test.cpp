@@ -1,4 +1,4 @@
-#include "scheduler/plan.h"
+#include "scheduler/plan/plan.h"
 
 #include <algorithm>
 #include <gmock/gmock.h>
@@ -7,7 +7,7 @@
 #include <set>
 
 #include "format/job/fingerprint.h"
-#include "scheduler/merge.h"
+#include "scheduler/plan/merge.h"
 
 namespace gigabake {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <set>
 
-#include "scheduler/schedule.h"
+#include "scheduler/queue/schedule.h"
 #include "tests/scheduler/made_jobs.h"
 
 namespace gigabake {

@@ -3,8 +3,8 @@
 #include <map>
 #include <sstream>
 
-#include "scheduler/parents.h"
-#include "scheduler/schedule.h"
+#include "scheduler/plan/parents.h"
+#include "scheduler/queue/schedule.h"
 #include "tests/scheduler/made_jobs.h"
 
 namespace gigabake {

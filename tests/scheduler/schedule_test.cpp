@@ -1,10 +1,10 @@
-#include "scheduler/schedule.h"
+#include "scheduler/queue/schedule.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <map>
 
-#include "scheduler/estimate.h"
+#include "scheduler/plan/estimate.h"
 #include "tests/scheduler/made_jobs.h"
 
 namespace gigabake {

@@ -1,11 +1,11 @@
-#include "scheduler/size_estimate.h"
+#include "scheduler/plan/size_estimate.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <numeric>
 #include <random>
 
-#include "scheduler/piece_order.h"
+#include "scheduler/plan/piece_order.h"
 
 namespace gigabake {
 namespace {

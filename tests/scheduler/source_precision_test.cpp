@@ -1,4 +1,4 @@
-#include "scheduler/source_precision.h"
+#include "scheduler/plan/source_precision.h"
 
 #include <algorithm>
 #include <cmath>

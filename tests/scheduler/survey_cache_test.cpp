@@ -1,4 +1,4 @@
-#include "scheduler/survey_cache.h"
+#include "scheduler/journal/survey_cache.h"
 
 #include <fcntl.h>
 #include <fstream>
@@ -8,7 +8,7 @@
 
 #include "format/source/tile_hash.h"
 #include "made_bake.h"
-#include "scheduler/plan.h"
+#include "scheduler/plan/plan.h"
 #include "tests/random_seed.h"
 
 namespace gigabake {

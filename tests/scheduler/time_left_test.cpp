@@ -1,5 +1,5 @@
 /// Replayed bakes: compares the estimated remaining time with the actual one.
-#include "scheduler/time_left.h"
+#include "scheduler/status/time_left.h"
 
 #include <algorithm>
 #include <cmath>

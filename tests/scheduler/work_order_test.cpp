@@ -1,11 +1,11 @@
-#include "scheduler/work_order.h"
+#include "scheduler/queue/work_order.h"
 
 #include <gtest/gtest.h>
 #include <numeric>
 #include <set>
 
-#include "scheduler/estimate.h"
-#include "scheduler/index_set.h"
+#include "scheduler/plan/estimate.h"
+#include "scheduler/queue/index_set.h"
 #include "tests/scheduler/made_jobs.h"
 
 namespace gigabake {

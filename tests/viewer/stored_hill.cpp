@@ -1,6 +1,6 @@
 #include "stored_hill.h"
 
-#include "lattice/parameters.h"
+#include "core/octree/parameters.h"
 #include "tests/format/shard/made_shard.h"
 
 namespace gigabake {

@@ -4,10 +4,10 @@
 #include <bit>
 #include <string>
 
-#include "format/shard/brick_walk.h"
-#include "kernels/cpu/levels.h"
-#include "kernels/cpu/prune.h"
-#include "lattice/parameters.h"
+#include "core/octree/parameters.h"
+#include "format/shard/levels/brick_walk.h"
+#include "kernels/cpu/mip/levels.h"
+#include "kernels/cpu/prune/prune.h"
 
 namespace gigabake {
 namespace {

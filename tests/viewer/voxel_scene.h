@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "format/scene/scene_xml.h"
+#include "format/scene/xml/scene_xml.h"
 #include "format/shard/shard.h"
-#include "kernels/cpu/levels.h"
+#include "kernels/cpu/mip/levels.h"
 #include "viewer/pictures/camera.h"
 #include "viewer/pictures/picture.h"
 #include "viewer/stream/page.h"

@@ -1,9 +1,9 @@
-#include "worker/backend.h"
+#include "worker/pipeline/backend.h"
 
 #include <gtest/gtest.h>
 
+#include "core/base/error.h"
 #include "kernels/cuda/baker.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

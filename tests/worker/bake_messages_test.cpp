@@ -1,9 +1,9 @@
-#include "worker/bake_messages.h"
+#include "worker/pipeline/bake_messages.h"
 
 #include <gtest/gtest.h>
 #include <random>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "tests/random_seed.h"
 
 namespace gigabake {

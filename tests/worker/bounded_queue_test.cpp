@@ -1,4 +1,4 @@
-#include "worker/bounded_queue.h"
+#include "worker/pipeline/bounded_queue.h"
 
 #include <algorithm>
 #include <atomic>

@@ -1,10 +1,10 @@
-#include "worker/cell_loader.h"
+#include "worker/pipeline/cell_loader.h"
 
 #include <gtest/gtest.h>
 
 #include "glb_scene.h"
 #include "kernels/cpu/bake_cell.h"
-#include "worker/cell_parameters.h"
+#include "worker/pipeline/cell_parameters.h"
 
 namespace gigabake {
 namespace {

@@ -1,4 +1,4 @@
-#include "worker/cell_pipeline.h"
+#include "worker/pipeline/cell_pipeline.h"
 
 #include <algorithm>
 #include <atomic>
@@ -8,12 +8,12 @@
 #include <map>
 #include <thread>
 
-#include "format/shard/content_hash.h"
+#include "core/base/error.h"
+#include "format/shard/levels/content_hash.h"
 #include "format/shard/shard.h"
 #include "format/source/tile_hash.h"
 #include "glb_scene.h"
-#include "lattice/error.h"
-#include "worker/survey_tile.h"
+#include "worker/scan/survey_tile.h"
 
 namespace gigabake {
 namespace {

@@ -1,4 +1,4 @@
-#include "worker/column_span.h"
+#include "worker/scan/column_span.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 #include <random>
 #include <utility>
 
+#include "core/octree/morton.h"
 #include "kernels/cpu/bake_cell.h"
-#include "lattice/morton.h"
 #include "tests/random_seed.h"
 
 namespace gigabake {

@@ -1,11 +1,11 @@
-#include "worker/coordinate_resolution.h"
+#include "worker/scan/coordinate_resolution.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
 
 #include "glb_scene.h"
-#include "worker/survey_tile.h"
+#include "worker/scan/survey_tile.h"
 
 namespace gigabake {
 namespace {

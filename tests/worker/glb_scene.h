@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/octree/parameters.h"
 #include "format/source/source.h"
-#include "lattice/parameters.h"
-#include "worker/cell_pipeline.h"
+#include "worker/pipeline/cell_pipeline.h"
 
 namespace gigabake {
 

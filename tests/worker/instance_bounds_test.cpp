@@ -1,4 +1,4 @@
-#include "worker/instance_bounds.h"
+#include "worker/scan/instance_bounds.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 
 #include "kernels/cpu/bake_cell.h"
 #include "tests/random_seed.h"
-#include "worker/lattice.h"
+#include "worker/pipeline/lattice.h"
 
 namespace gigabake {
 namespace {

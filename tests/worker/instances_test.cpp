@@ -10,8 +10,8 @@
 
 #include "glb_scene.h"
 #include "tests/random_seed.h"
-#include "worker/cell_loader.h"
-#include "worker/survey_tile.h"
+#include "worker/pipeline/cell_loader.h"
+#include "worker/scan/survey_tile.h"
 
 namespace gigabake {
 namespace {

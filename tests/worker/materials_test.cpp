@@ -1,4 +1,4 @@
-#include "worker/materials.h"
+#include "worker/pipeline/materials.h"
 
 #include <gtest/gtest.h>
 #include <limits>

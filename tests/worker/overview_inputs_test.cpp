@@ -1,4 +1,4 @@
-#include "worker/overview_inputs.h"
+#include "worker/overview/overview_inputs.h"
 
 #include <gtest/gtest.h>
 

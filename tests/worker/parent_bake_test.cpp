@@ -1,21 +1,21 @@
 // An overview's content, computed from its children's shards, and the faults that verify reports if it differs.
-#include "worker/parent_bake.h"
+#include "worker/overview/parent_bake.h"
 
 #include <gtest/gtest.h>
 #include <map>
 #include <optional>
 #include <random>
 
-#include "format/scene/verify.h"
-#include "format/shard/brick_walk.h"
-#include "format/shard/level_lookup.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
-#include "lattice/morton.h"
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
+#include "core/octree/morton.h"
+#include "format/scene/check/verify.h"
+#include "format/shard/levels/brick_walk.h"
+#include "format/shard/levels/level_lookup.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
-#include "worker/parent_check.h"
-#include "worker/shard_from_volume.h"
+#include "worker/overview/parent_check.h"
+#include "worker/pipeline/shard_from_volume.h"
 
 namespace gigabake {
 namespace {

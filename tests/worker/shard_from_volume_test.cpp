@@ -1,9 +1,9 @@
-#include "worker/shard_from_volume.h"
+#include "worker/pipeline/shard_from_volume.h"
 
 #include <gtest/gtest.h>
 
-#include "format/shard/brick_walk.h"
-#include "format/shard/content_hash.h"
+#include "format/shard/levels/brick_walk.h"
+#include "format/shard/levels/content_hash.h"
 #include "kernels/cpu/bake_cell.h"
 
 namespace gigabake {

@@ -13,9 +13,9 @@
 #include <set>
 #include <sstream>
 
+#include "core/base/error.h"
 #include "format/source/source.h"
-#include "lattice/error.h"
-#include "worker/survey_tile.h"
+#include "worker/scan/survey_tile.h"
 
 namespace gigabake {
 namespace {

@@ -1,4 +1,4 @@
-#include "worker/survey_tile.h"
+#include "worker/scan/survey_tile.h"
 
 #include <cmath>
 #include <fstream>
@@ -6,9 +6,9 @@
 #include <limits>
 #include <map>
 
+#include "core/math/snap.h"
 #include "glb_scene.h"
-#include "lattice/snap.h"
-#include "worker/lattice.h"
+#include "worker/pipeline/lattice.h"
 
 namespace gigabake {
 namespace {

@@ -1,4 +1,4 @@
-#include "worker/texel_size.h"
+#include "worker/scan/texel_size.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

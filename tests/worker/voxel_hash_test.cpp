@@ -1,10 +1,10 @@
 // The kernels' own hash of a voxel equals the xxHash library's hash of its record.
-#include "lattice/voxel_hash.h"
+#include "core/octree/voxel_hash.h"
 
 #include <gtest/gtest.h>
 #include <random>
 
-#include "format/shard/content_hash.h"
+#include "format/shard/levels/content_hash.h"
 
 namespace gigabake {
 namespace {

@@ -1,9 +1,9 @@
-#include "worker/worker_setup.h"
+#include "worker/pipeline/worker_setup.h"
 
 #include <gtest/gtest.h>
 #include <random>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "tests/random_seed.h"
 
 namespace gigabake {

@@ -1,5 +1,5 @@
 /// The number of writers follows the worker's thread limit, even if that is small.
-#include "worker/writer_pool_size.h"
+#include "worker/pipeline/writer_pool_size.h"
 
 #include <gtest/gtest.h>
 #include <utility>

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/body/plane.h"
+#include "core/octree/parameters.h"
+#include "kernels/body/mip/plane.h"
 #include "kernels/body/tables.h"
-#include "lattice/parameters.h"
 
 namespace gigabake {
 namespace {

@@ -4,9 +4,9 @@
 #include <array>
 #include <cstdint>
 
-#include "format/scene/scene_xml.h"
-#include "kernels/cast/scene.h"
-#include "kernels/cast/shade.h"
+#include "format/scene/xml/scene_xml.h"
+#include "kernels/light/shade.h"
+#include "kernels/marching/scene.h"
 
 namespace gigabake {
 

@@ -3,10 +3,10 @@
 
 #include <array>
 
-#include "kernels/cast/cast.h"
-#include "kernels/cast/lighting.h"
-#include "kernels/cast/pixel.h"
-#include "kernels/cast/shade.h"
+#include "kernels/light/lighting.h"
+#include "kernels/light/shade.h"
+#include "kernels/marching/cast.h"
+#include "kernels/marching/pixel.h"
 #include "viewer/light/sun.h"
 
 namespace gigabake {

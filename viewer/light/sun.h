@@ -4,7 +4,7 @@
 #include <array>
 #include <string>
 
-#include "lattice/frames.h"
+#include "core/math/frames.h"
 
 namespace gigabake {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "lattice/frames.h"
+#include "core/math/frames.h"
 #include "viewer/live/camera_controller.h"
 
 namespace gigabake {

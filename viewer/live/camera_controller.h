@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "lattice/frames.h"
-#include "lattice/rules.h"
+#include "core/base/rules.h"
+#include "core/math/frames.h"
 
 namespace gigabake {
 

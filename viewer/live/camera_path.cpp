@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

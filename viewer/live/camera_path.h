@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lattice/frames.h"
+#include "core/math/frames.h"
 #include "viewer/live/camera_controller.h"
 #include "viewer/pictures/camera.h"
 

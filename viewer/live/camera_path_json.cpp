@@ -1,8 +1,8 @@
 #include <cmath>
 #include <string>
 
+#include "core/math/georeference.h"
 #include "format/system/read_file.h"
-#include "lattice/georeference.h"
 #include "viewer/live/camera_controller.h"
 #include "viewer/live/camera_path.h"
 #include "viewer/live/json_members.h"

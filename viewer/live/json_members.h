@@ -10,8 +10,8 @@
 #include <string>
 #include <string_view>
 
-#include "lattice/error.h"
-#include "lattice/rules.h"
+#include "core/base/error.h"
+#include "core/base/rules.h"
 
 namespace gigabake {
 

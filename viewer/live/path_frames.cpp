@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <thread>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "viewer/pictures/frame_stats_json.h"
 
 namespace gigabake {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lattice/progress.h"
+#include "core/base/progress.h"
 #include "viewer/live/camera_path.h"
 #include "viewer/pictures/frame_renderer.h"
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <fmt/format.h>
 
-#include "kernels/cast/cast_line.h"
-#include "kernels/cast/pixel.h"
-#include "lattice/georeference.h"
+#include "core/math/georeference.h"
+#include "kernels/marching/cast_line.h"
+#include "kernels/marching/pixel.h"
 
 namespace gigabake {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "kernels/cast/cast_camera.h"
-#include "lattice/frames.h"
+#include "core/math/frames.h"
+#include "kernels/marching/cast_camera.h"
 #include "viewer/pictures/picture.h"
 
 namespace gigabake {

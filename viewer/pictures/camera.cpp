@@ -6,8 +6,8 @@
 #include <numbers>
 #include <string>
 
-#include "lattice/brick.h"
-#include "lattice/error.h"
+#include "core/base/error.h"
+#include "core/octree/brick.h"
 #include "viewer/stream/parent_tiers.h"
 
 namespace gigabake {

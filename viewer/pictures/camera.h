@@ -4,9 +4,9 @@
 #include <array>
 #include <optional>
 
+#include "core/math/frames.h"
 #include "format/scene/paged_scene.h"
-#include "kernels/cast/cast.h"
-#include "lattice/frames.h"
+#include "kernels/marching/cast.h"
 #include "viewer/stream/page.h"
 
 namespace gigabake {

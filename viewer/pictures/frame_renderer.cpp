@@ -8,9 +8,9 @@
 #include <future>
 #include <utility>
 
+#include "core/base/cuda_failure.h"
+#include "core/base/error.h"
 #include "format/system/host_limits.h"
-#include "lattice/cuda_failure.h"
-#include "lattice/error.h"
 #include "viewer/pictures/view_needs.h"
 #include "viewer/stream/guarded_pages.h"
 #include "viewer/stream/open_shards.h"

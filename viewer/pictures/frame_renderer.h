@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/progress.h"
 #include "format/scene/paged_scene.h"
-#include "lattice/progress.h"
 #include "viewer/pictures/picture.h"
 #include "viewer/pictures/view.h"
 #include "viewer/stream/page.h"

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "kernels/cast/cast.h"
-#include "kernels/cast/pixel.h"
-#include "kernels/cast/shader.h"
+#include "kernels/light/shader.h"
+#include "kernels/marching/cast.h"
+#include "kernels/marching/pixel.h"
 #include "viewer/light/sky.h"
 #include "viewer/stream/scene_stream.h"
 
@@ -45,7 +45,7 @@ struct RenderSettings {
   kernels::CastBackground background;
   std::optional<kernels::CastLighting> lighting = {};  ///< lights the surface's own colours, which rays must return
   std::shared_ptr<const kernels::SurfaceShader> shader = {};  ///< shader of that light; null: kernels::LitShader
-  bool blends_levels = false;                                 ///< kernels/cast/level_blend.h
+  bool blends_levels = false;                                 ///< kernels/marching/level_blend.h
 };
 
 /// Renders one tile into the whole image. Returns false if `stop` cancelled it; the image is unchanged then.

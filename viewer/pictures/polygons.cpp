@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/cast/cast_line.h"
-#include "kernels/cast/ray_light.h"
+#include "kernels/marching/cast_line.h"
+#include "kernels/marching/ray_light.h"
 
 namespace gigabake {
 namespace {

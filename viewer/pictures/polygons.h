@@ -11,11 +11,11 @@
 #include <memory>
 #include <vector>
 
-#include "format/scene/scene_xml.h"
-#include "kernels/cast/cast_camera.h"
-#include "kernels/cast/shade.h"
-#include "lattice/frames.h"
-#include "lattice/thread_pool.h"
+#include "core/base/thread_pool.h"
+#include "core/math/frames.h"
+#include "format/scene/xml/scene_xml.h"
+#include "kernels/light/shade.h"
+#include "kernels/marching/cast_camera.h"
 #include "viewer/light/sun.h"
 
 namespace gigabake {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string_view>
 
-#include "kernels/cast/shader.h"
-#include "lattice/rules.h"
+#include "core/base/rules.h"
+#include "kernels/light/shader.h"
 #include "viewer/light/sky.h"
 #include "viewer/pictures/camera.h"
 #include "viewer/pictures/picture.h"
@@ -60,7 +60,7 @@ struct View {
   SunDirection sun = {};
   Shadows shadows = Shadows::off;
   LevelBlend level_blend = LevelBlend::off;
-  /// Replaces the light of ViewMode::lit (kernels/cast/shader.h); null: none.
+  /// Replaces the light of ViewMode::lit (kernels/light/shader.h); null: none.
   std::shared_ptr<const kernels::SurfaceShader> shader = {};
   std::shared_ptr<const PolygonMesh> polygons = {};  ///< triangles among the voxels; null: none
 };

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "format/scene/scene_xml.h"
+#include "format/scene/xml/scene_xml.h"
 
 namespace gigabake {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "lattice/thread_pool.h"
+#include "core/base/thread_pool.h"
 #include "viewer/query/query_frames.h"
 
 namespace gigabake {

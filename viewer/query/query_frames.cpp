@@ -4,8 +4,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "lattice/error.h"
-#include "lattice/georeference.h"
+#include "core/base/error.h"
+#include "core/math/georeference.h"
 
 namespace gigabake {
 namespace {

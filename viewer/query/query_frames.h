@@ -4,8 +4,8 @@
 #include <array>
 #include <optional>
 
-#include "format/scene/scene_xml.h"
-#include "lattice/frames.h"
+#include "core/math/frames.h"
+#include "format/scene/xml/scene_xml.h"
 #include "viewer/query/query_ray.h"
 
 namespace gigabake {

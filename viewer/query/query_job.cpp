@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "lattice/error.h"
-#include "lattice/parameters.h"
+#include "core/base/error.h"
+#include "core/octree/parameters.h"
 #include "viewer/query/surface_height.h"
 
 namespace gigabake {

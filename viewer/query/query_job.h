@@ -6,7 +6,7 @@
 #include <functional>
 #include <string_view>
 
-#include "lattice/progress.h"
+#include "core/base/progress.h"
 #include "viewer/query/query_asks.h"
 #include "viewer/query/query_text.h"
 #include "viewer/query/scene_query.h"

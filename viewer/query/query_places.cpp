@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "viewer/query/lost_cells.h"
 
 namespace gigabake {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "format/scene/paged_scene.h"
-#include "kernels/cast/locate.h"
+#include "kernels/marching/locate.h"
 #include "viewer/stream/cell_layout.h"
 #include "viewer/stream/numbered_shards.h"
 #include "viewer/stream/shard_map.h"

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "kernels/cast/locate.h"
-#include "lattice/rules.h"
+#include "core/base/rules.h"
+#include "kernels/marching/locate.h"
 
 namespace gigabake {
 

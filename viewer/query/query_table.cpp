@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "viewer/query/query_asks.h"
 
 namespace gigabake {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <string_view>
 
-#include "lattice/error.h"
-#include "lattice/octahedral.h"
-#include "lattice/valid_text.h"
+#include "core/base/error.h"
+#include "core/base/valid_text.h"
+#include "core/math/octahedral.h"
 #include "viewer/query/surface_height.h"
 
 namespace gigabake {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/base/error.h"
 #include "format/scene/shard_of_scene.h"
-#include "kernels/cast/first_hit.h"
-#include "lattice/error.h"
+#include "kernels/first_hit/first_hit.h"
 
 namespace gigabake {
 namespace {

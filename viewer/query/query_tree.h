@@ -1,4 +1,4 @@
-/// First-hit tree (kernels/cast/first_hit.h) of one level of one shard.
+/// First-hit tree (kernels/first_hit/first_hit.h) of one level of one shard.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 #include "format/scene/paged_scene.h"
 #include "format/shard/shard_reader.h"
-#include "viewer/first_hit/first_hit_scene.h"
+#include "viewer/query/first_hit_scene.h"
 #include "viewer/query/query_ray.h"
 
 namespace gigabake {

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/cast/cast.h"
+#include "kernels/marching/cast.h"
 
 namespace gigabake {
 namespace {
 
-/// Returns the distance at which a ray begins to sample a level; images use the same steps (kernels/cast/cast.h).
+/// Returns the distance at which a ray begins to sample a level; images use the same steps (kernels/marching/cast.h).
 double level_start(const QueryLevels& levels, int lod) {
   if (lod <= levels.finest) return 0;
   kernels::CastLine line{};

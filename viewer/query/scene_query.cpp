@@ -6,8 +6,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "lattice/counted.h"
-#include "lattice/error.h"
+#include "core/base/counted.h"
+#include "core/base/error.h"
 #include "viewer/query/query_places.h"
 #include "viewer/query/query_walk.h"
 #include "viewer/query/tree_store.h"

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "core/base/progress.h"
+#include "core/base/thread_pool.h"
 #include "format/scene/paged_scene.h"
-#include "lattice/progress.h"
-#include "lattice/thread_pool.h"
 #include "viewer/query/query_ray.h"
 
 namespace gigabake {

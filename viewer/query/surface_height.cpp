@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "lattice/octahedral.h"
+#include "core/math/octahedral.h"
 
 namespace gigabake {
 namespace {

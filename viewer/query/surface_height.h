@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "lattice/rules.h"
+#include "core/base/rules.h"
 #include "viewer/query/query_ray.h"
 #include "viewer/query/scene_query.h"
 

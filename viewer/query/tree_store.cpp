@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
 
 namespace gigabake {
 

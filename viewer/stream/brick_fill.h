@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "kernels/cast/caster.h"
+#include "kernels/render/caster.h"
 #include "viewer/light/shading.h"
 #include "viewer/stream/cell_layout.h"
 #include "viewer/stream/voxel_lookup.h"

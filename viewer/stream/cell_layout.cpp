@@ -6,10 +6,10 @@
 #include <map>
 #include <utility>
 
-#include "kernels/cast/locate.h"
-#include "lattice/counted.h"
-#include "lattice/error.h"
-#include "lattice/morton.h"
+#include "core/base/counted.h"
+#include "core/base/error.h"
+#include "core/octree/morton.h"
+#include "kernels/marching/locate.h"
 
 namespace gigabake {
 namespace {

@@ -1,7 +1,7 @@
 /// The octrees that rays traverse, in lookup order: columns by interleaved coordinates, bottom-up in each column.
 /// Either each cell has a tree, or a few trees of the size of the root overview cover the whole scene.
 ///
-/// The reconstruction kernel of a voxel extends half a voxel below it (kernels/cast/scene.h), possibly outside all
+/// The reconstruction kernel of a voxel extends half a voxel below it (kernels/marching/scene.h), possibly outside all
 /// cells. Cells that cover those places are *rim cells*: they have a tree of fields, but no voxels.
 #pragma once
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "format/scene/cell_window.h"
-#include "kernels/cast/scene.h"
+#include "kernels/marching/scene.h"
 
 namespace gigabake {
 

@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "lattice/counted.h"
-#include "lattice/error.h"
+#include "core/base/counted.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

@@ -8,7 +8,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "viewer/stream/resident_pages.h"
 
 namespace gigabake {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "format/scene/tier_shape.h"
-#include "kernels/cast/scene.h"
+#include "kernels/marching/scene.h"
 
 namespace gigabake {
 namespace {

@@ -1,5 +1,5 @@
-/// Overview levels as a viewer traverses them: each is a set of adjacent blocks, up to one root (scheduler/parents.h).
-/// They do not specify which overviews exist; the scene's pages list them.
+/// Overview levels as a viewer traverses them: each is a set of adjacent blocks, up to one root
+/// (scheduler/plan/parents.h). They do not specify which overviews exist; the scene's pages list them.
 #pragma once
 
 #include <array>

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "kernels/cast/caster.h"
+#include "kernels/render/caster.h"
 #include "viewer/stream/brick_fill.h"
 #include "viewer/stream/voxel_arena.h"
 

@@ -4,9 +4,9 @@
 #include <bit>
 #include <utility>
 
+#include "core/base/counted.h"
+#include "core/base/error.h"
 #include "format/system/host_limits.h"
-#include "lattice/counted.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

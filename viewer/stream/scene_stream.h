@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "format/scene/paged_scene.h"
-#include "kernels/cast/caster.h"
+#include "kernels/render/caster.h"
 #include "viewer/light/shading.h"
 #include "viewer/stream/cell_layout.h"
 #include "viewer/stream/pager.h"

@@ -4,7 +4,7 @@
 #include <tuple>
 #include <utility>
 
-#include "lattice/brick.h"
+#include "core/octree/brick.h"
 
 namespace gigabake {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "format/scene/paged_scene.h"
-#include "kernels/cast/locate.h"
+#include "kernels/marching/locate.h"
 #include "viewer/stream/pager.h"
 #include "viewer/stream/parent_tiers.h"
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "kernels/cast/caster.h"
+#include "kernels/render/caster.h"
 
 namespace gigabake {
 

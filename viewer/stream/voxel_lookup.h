@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "kernels/cast/locate.h"
+#include "kernels/marching/locate.h"
 #include "viewer/stream/pager.h"
 #include "viewer/stream/shard_map.h"
 

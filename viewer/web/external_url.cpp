@@ -13,7 +13,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "viewer/web/http_guard.h"
 
 namespace gigabake {

@@ -10,7 +10,7 @@
 #include <unistd.h>
 #include <utility>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "viewer/live/viewer_input_json.h"
 #include "viewer/pictures/jpeg.h"
 #include "viewer/pictures/png.h"

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "lattice/counted.h"
+#include "core/base/counted.h"
 #include "viewer/live/viewer_input_json.h"
 
 namespace gigabake {

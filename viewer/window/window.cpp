@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/base/quote.h"
 #include "format/system/publish.h"
-#include "lattice/quote.h"
 #include "viewer/live/bookmarks.h"
 #include "viewer/live/camera_path.h"
 #include "viewer/pictures/png.h"

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "kernels/cpu/radix_sort.h"
-#include "lattice/morton.h"
+#include "core/octree/morton.h"
+#include "kernels/cpu/voxelize/radix_sort.h"
 
 namespace gigabake {
 namespace {

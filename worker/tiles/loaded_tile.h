@@ -5,10 +5,10 @@
 #include <memory>
 #include <vector>
 
+#include "core/base/thread_pool.h"
+#include "core/octree/parameters.h"
 #include "format/source/mesh.h"
-#include "lattice/parameters.h"
-#include "lattice/thread_pool.h"
-#include "worker/instance_bounds.h"
+#include "worker/scan/instance_bounds.h"
 #include "worker/tiles/tile_directory.h"
 #include "worker/tiles/tile_file.h"
 

@@ -7,7 +7,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "lattice/memory_limit.h"
+#include "core/base/memory_limit.h"
 
 namespace gigabake {
 namespace {

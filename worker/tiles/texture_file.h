@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "kernels/body/texture_view.h"
+#include "kernels/body/texture/texture_view.h"
 
 namespace gigabake {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "kernels/body/texture_view.h"
+#include "kernels/body/texture/texture_view.h"
 #include "worker/tiles/texture_file.h"
 
 namespace gigabake {

@@ -8,8 +8,8 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "kernels/cpu/texture.h"
-#include "kernels/cpu/texture_halving.h"
+#include "kernels/cpu/texture/texture.h"
+#include "kernels/cpu/texture/texture_halving.h"
 #include "worker/tiles/scratch_publication.h"
 #include "worker/tiles/texture_layout.h"
 

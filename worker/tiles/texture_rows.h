@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "format/source/image/image_rows.h"
-#include "worker/materials.h"
+#include "worker/pipeline/materials.h"
 
 namespace gigabake {
 

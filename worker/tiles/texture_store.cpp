@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/memory_limit.h"
+#include "core/base/thread_pool.h"
 #include "format/source/image/image_rows.h"
 #include "format/system/io_error.h"
-#include "lattice/memory_limit.h"
-#include "lattice/thread_pool.h"
 #include "worker/tiles/scratch_publication.h"
 #include "worker/tiles/texture_rows.h"
 

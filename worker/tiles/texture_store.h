@@ -9,10 +9,10 @@
 #include <optional>
 #include <unordered_map>
 
+#include "core/io/hash128.h"
 #include "format/source/mesh.h"
-#include "kernels/cpu/texture.h"
-#include "lattice/hash128.h"
-#include "worker/materials.h"
+#include "kernels/cpu/texture/texture.h"
+#include "worker/pipeline/materials.h"
 #include "worker/tiles/texture_file.h"
 
 namespace gigabake {

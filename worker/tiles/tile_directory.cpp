@@ -2,10 +2,10 @@
 
 #include <utility>
 
+#include "core/base/error.h"
+#include "core/io/bytes.h"
 #include "format/source/image/image_size.h"
 #include "format/system/hash_bytes.h"
-#include "lattice/bytes.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "core/io/hash128.h"
 #include "format/source/mesh.h"
-#include "lattice/hash128.h"
-#include "worker/instance_bounds.h"
+#include "worker/scan/instance_bounds.h"
 #include "worker/tiles/tile_file.h"
 
 namespace gigabake {

@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/memory_limit.h"
+#include "core/base/thread_pool.h"
 #include "format/source/mesh.h"
-#include "lattice/memory_limit.h"
-#include "lattice/thread_pool.h"
 #include "worker/tiles/tile_directory.h"
 #include "worker/tiles/tile_file.h"
 

@@ -9,10 +9,10 @@
 #include <memory>
 #include <optional>
 
+#include "core/base/thread_pool.h"
+#include "core/io/hash128.h"
+#include "core/octree/parameters.h"
 #include "format/source/source.h"
-#include "lattice/hash128.h"
-#include "lattice/parameters.h"
-#include "lattice/thread_pool.h"
 #include "worker/tiles/loaded_tile.h"
 
 namespace gigabake {

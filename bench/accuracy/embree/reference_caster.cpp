@@ -9,7 +9,7 @@
 
 #include "bench/accuracy/embree/rtcore.h"
 #include "bench/schedule_model.h"
-#include "lattice/thread_pool.h"
+#include "core/base/thread_pool.h"
 
 namespace gigabake::bench {
 namespace {

@@ -1,5 +1,5 @@
 #include "bench/accuracy/reference_caster.h"
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake::bench {
 

@@ -8,8 +8,8 @@
 #include "bench/accuracy/accuracy_views.h"
 #include "bench/accuracy/leaks/leak_views.h"
 #include "bench/bench_scene.h"
+#include "core/base/error.h"
 #include "format/system/publish.h"
-#include "lattice/error.h"
 #include "viewer/pictures/frame_renderer.h"
 #include "viewer/pictures/png.h"
 

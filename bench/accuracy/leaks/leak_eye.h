@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "lattice/rules.h"
+#include "core/base/rules.h"
 
 namespace gigabake {
 namespace bench {

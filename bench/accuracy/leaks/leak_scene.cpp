@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <numbers>
 
-#include "format/sample/noise.h"
+#include "sample/terrain/noise.h"
 
 namespace gigabake::bench {
 namespace {

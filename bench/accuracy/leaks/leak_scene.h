@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/accuracy/leaks/sheet.h"
-#include "format/sample/glb_writer.h"
+#include "sample/glb_writer.h"
 
 namespace gigabake::bench {
 

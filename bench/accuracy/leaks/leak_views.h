@@ -6,8 +6,8 @@
 #include "bench/accuracy/leaks/leak_error.h"
 #include "bench/accuracy/leaks/leak_eye.h"
 #include "bench/accuracy/leaks/leak_scene.h"
-#include "kernels/cast/cast.h"
-#include "lattice/parameters.h"
+#include "core/octree/parameters.h"
+#include "kernels/marching/cast.h"
 #include "viewer/pictures/camera.h"
 
 namespace gigabake::bench {

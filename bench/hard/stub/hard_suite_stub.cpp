@@ -1,5 +1,5 @@
 #include "bench/hard/hard_bench.h"
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake::bench {
 

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
+#include "core/base/error.h"
 #include "format/export/openvdb/openvdb_module.h"
 #include "format/system/host_limits.h"
 #include "format/system/module.h"
 #include "format/system/publish.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

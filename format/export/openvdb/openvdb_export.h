@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "lattice/progress.h"
+#include "core/base/progress.h"
 
 namespace gigabake {
 

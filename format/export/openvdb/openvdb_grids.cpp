@@ -4,11 +4,11 @@
 #include <openvdb/openvdb.h>
 #include <unistd.h>
 
+#include "core/base/error.h"
+#include "core/math/octahedral.h"
+#include "core/math/srgb.h"
 #include "format/export/openvdb/openvdb_module.h"
 #include "format/system/descriptor.h"
-#include "lattice/error.h"
-#include "lattice/octahedral.h"
-#include "lattice/srgb.h"
 
 namespace gigabake {
 namespace {

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "format/scene/scene_level.h"
-#include "format/scene/scene_xml.h"
+#include "format/scene/xml/scene_xml.h"
 
 namespace gigabake {
 

@@ -1,5 +1,5 @@
+#include "core/base/error.h"
 #include "format/export/openvdb/openvdb_export.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 

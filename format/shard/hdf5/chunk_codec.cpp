@@ -7,8 +7,8 @@
 #include <memory>
 #include <new>
 
+#include "core/codec/matches.h"
 #include "format/shard/hdf5/deflate_chunk.h"
-#include "lattice/pack/matches.h"
 
 namespace gigabake {
 namespace {
@@ -138,7 +138,7 @@ void shuffle_chunk(std::span<const std::uint8_t> raw, std::size_t element_bytes,
     std::copy(raw.begin(), raw.end(), to);
     return;
   }
-  // Inverse loop order of shuffled_from() in lattice/pack: the output is written sequentially.
+  // Inverse loop order of shuffled_from() in core/codec: the output is written sequentially.
   const std::size_t elements = raw.size() / element_bytes;
   for (std::size_t b = 0; b < element_bytes; ++b)
     for (std::size_t i = 0; i < elements; ++i) *to++ = raw[i * element_bytes + b];

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "lattice/rules.h"
+#include "core/base/rules.h"
 
 namespace gigabake {
 
@@ -28,7 +28,7 @@ struct ChunkFilters {
 /// Range   raw.size() is a multiple of element_bytes.
 void shuffle_chunk(std::span<const std::uint8_t> raw, std::size_t element_bytes, std::uint8_t* to);
 
-/// Returns the chunk in its stored form, checksum included. Deflate follows the rules of lattice/pack, so a device
+/// Returns the chunk in its stored form, checksum included. Deflate follows the rules of core/codec, so a device
 /// writes the same bytes (kernels/pack).
 std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw, const ChunkFilters& filters);
 

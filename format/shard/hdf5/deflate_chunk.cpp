@@ -6,9 +6,9 @@
 #include <libdeflate.h>
 #include <memory>
 
-#include "lattice/pack/block_codes.h"
-#include "lattice/pack/matches.h"
-#include "lattice/pack/stored_chunk.h"
+#include "core/codec/block_codes.h"
+#include "core/codec/matches.h"
+#include "core/codec/stored_chunk.h"
 
 namespace gigabake {
 namespace {
@@ -149,7 +149,7 @@ void write_block(Workplace& at, bool last, TokenWriter& writer) {
 
 }  // namespace
 
-std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::size_t room) {
+std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::size_t buffer) {
   // Kept per thread, because allocating it takes longer than packing a typical chunk.
   thread_local const std::unique_ptr<Workplace> kept = std::make_unique<Workplace>();
   Workplace& at = *kept;
@@ -169,7 +169,7 @@ std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::s
 
   const std::uint32_t packed = rules::deflate_size(size, writer.bits());
   std::vector<std::uint8_t> out;
-  out.reserve(rules::zlib_header_bytes + packed + rules::checksum_bytes + room);
+  out.reserve(rules::zlib_header_bytes + packed + rules::checksum_bytes + buffer);
   for (std::uint32_t i = 0; i < rules::zlib_header_bytes; ++i) out.push_back(rules::zlib_header_byte(i));
   if (rules::stored_as_is(size, writer.bits()))
     for (std::uint32_t i = 0; i < packed; ++i) out.push_back(rules::stored_byte(bytes.data(), size, i));

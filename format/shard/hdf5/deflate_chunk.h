@@ -1,4 +1,4 @@
-/// Deflate of one chunk in a zlib frame, by the rules of lattice/pack. A device writes the same bytes.
+/// Deflate of one chunk in a zlib frame, by the rules of core/codec. A device writes the same bytes.
 /// Range   Up to 2^30 bytes.
 /// Cost    4 ns of one core per byte, less than libdeflate's level 1 (docs/experiments/kernels.md). Each thread keeps
 ///         its working memory: 0.2 MB plus twice its largest chunk.
@@ -10,9 +10,9 @@
 
 namespace gigabake {
 
-/// Returns the zlib frame of `bytes`. `room` more bytes are reserved, so that the caller can append to the frame
+/// Returns the zlib frame of `bytes`. `buffer` more bytes are reserved, so that the caller can append to the frame
 /// without reallocation.
 /// Range   `bytes` must be followed by deflate::readable_beyond readable bytes, whose values do not matter.
-std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::size_t room);
+std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::size_t buffer);
 
 }  // namespace gigabake

@@ -2,9 +2,9 @@
 
 #include <hdf5.h>
 
+#include "core/base/error.h"
 #include "format/shard/hdf5/hdf5_call.h"
 #include "format/shard/hdf5/hdf5_types.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -18,13 +18,13 @@ std::span<const std::uint8_t> FileImage::file() const {
 }
 
 void* FileImage::grow(std::size_t bytes) noexcept {
-  if (bytes > room_) {
-    const std::size_t room = std::max(bytes, room_ + room_ / 2);
-    std::unique_ptr<std::uint8_t[]> larger(new (std::nothrow) std::uint8_t[room]);
+  if (bytes > buffer_) {
+    const std::size_t buffer = std::max(bytes, buffer_ + buffer_ / 2);
+    std::unique_ptr<std::uint8_t[]> larger(new (std::nothrow) std::uint8_t[buffer]);
     if (!larger) return nullptr;
     std::copy_n(bytes_.get(), length_, larger.get());
     bytes_ = std::move(larger);
-    room_ = room;
+    buffer_ = buffer;
   }
   if (bytes > length_) std::fill_n(bytes_.get() + length_, bytes - length_, std::uint8_t(0));
   length_ = bytes;

@@ -26,7 +26,7 @@ class FileImage {
 
  private:
   std::unique_ptr<std::uint8_t[]> bytes_;
-  std::size_t room_ = 0, length_ = 0;  ///< capacity of bytes_; the length of the file so far
+  std::size_t buffer_ = 0, length_ = 0;  ///< capacity of bytes_; the length of the file so far
 };
 
 }  // namespace gigabake

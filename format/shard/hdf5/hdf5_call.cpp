@@ -5,8 +5,8 @@
 #include <string_view>
 #include <type_traits>
 
+#include "core/base/error.h"
 #include "format/shard/hdf5/hdf5_types.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -1,8 +1,8 @@
 #include <hdf5.h>
 
+#include "core/codec/chunk_rows.h"
 #include "format/shard/hdf5/hdf5_file.h"
 #include "format/shard/hdf5/hdf5_types.h"
-#include "lattice/pack/chunk_rows.h"
 
 namespace gigabake {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <hdf5.h>
 
+#include "core/base/error.h"
 #include "format/shard/hdf5/hdf5_types.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

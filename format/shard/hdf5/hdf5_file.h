@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "core/base/thread_pool.h"
 #include "format/shard/hdf5/chunk_codec.h"
 #include "format/shard/hdf5/file_image.h"
 #include "format/shard/hdf5/hdf5_call.h"
-#include "lattice/thread_pool.h"
 
 namespace gigabake {
 

@@ -8,9 +8,9 @@
 #include <unistd.h>
 #include <vector>
 
+#include "core/base/counted.h"
 #include "format/shard/hdf5/chunk_codec.h"
 #include "format/shard/hdf5/hdf5_types.h"
-#include "lattice/counted.h"
 
 namespace gigabake {
 namespace {

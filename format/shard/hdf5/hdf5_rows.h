@@ -7,8 +7,8 @@
 #include <span>
 #include <unordered_map>
 
+#include "format/shard/columns/stored_rows.h"
 #include "format/shard/hdf5/hdf5_file.h"
-#include "format/shard/stored_rows.h"
 
 namespace gigabake {
 

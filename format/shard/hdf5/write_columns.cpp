@@ -4,9 +4,9 @@
 #include <optional>
 #include <utility>
 
+#include "core/codec/chunk_rows.h"
 #include "format/shard/hdf5/chunk_codec.h"
 #include "format/shard/hdf5/hdf5_file.h"
-#include "lattice/pack/chunk_rows.h"
 
 namespace gigabake {
 namespace {

@@ -124,7 +124,7 @@ float AccessorItems::quantization_step() const {
 /// Calls visit(i, address of item item_at(i)). item_at: ascending.
 template <class ItemAt, class Visit>
 void AccessorItems::for_each(std::size_t count, const ItemAt& item_at, const Visit& visit) const {
-  std::vector<std::uint8_t> room;
+  std::vector<std::uint8_t> buffer;
   for (std::size_t i = 0; i < count;) {
     const std::uint64_t begin = item_at(i) * stride_;
     std::uint64_t last = begin;
@@ -134,7 +134,7 @@ void AccessorItems::for_each(std::size_t count, const ItemAt& item_at, const Vis
       if (next - last > max_gap_bytes || next + item_bytes_ - begin > read_block_bytes) break;
       last = next;
     }
-    const unsigned char* block = bytes_.look(begin, last + item_bytes_ - begin, room).data();
+    const unsigned char* block = bytes_.look(begin, last + item_bytes_ - begin, buffer).data();
     for (; i < end; ++i) visit(i, block + (item_at(i) * stride_ - begin));
   }
 }

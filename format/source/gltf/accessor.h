@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "core/base/memory_limit.h"
 #include "format/source/gltf/load.h"
-#include "lattice/memory_limit.h"
 
 namespace gigabake {
 

@@ -3,13 +3,13 @@
 #include <cstring>
 #include <utility>
 
-#include "format/source/content_magic.h"
-#include "format/source/content_pieces.h"
+#include "core/base/error.h"
+#include "core/math/transform.h"
+#include "format/source/content/content_magic.h"
+#include "format/source/content/content_pieces.h"
 #include "format/source/gltf/nodes.h"
 #include "format/source/tiles/b3dm_layout.h"
 #include "format/source/tiles/feature_table.h"
-#include "lattice/error.h"
-#include "lattice/transform.h"
 
 namespace gigabake {
 namespace {

@@ -1,9 +1,9 @@
 /// Bounds of a glTF document, read from its JSON without any vertices.
 #pragma once
 
+#include "core/math/world_box.h"
 #include "format/source/source.h"
 #include "format/source/source_files.h"
-#include "lattice/world_box.h"
 
 namespace gigabake {
 

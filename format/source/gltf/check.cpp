@@ -4,12 +4,12 @@
 #include <map>
 #include <set>
 
-#include "format/source/data_uri.h"
+#include "core/base/counted.h"
+#include "core/base/error.h"
+#include "format/source/content/data_uri.h"
 #include "format/source/gltf/packed_views.h"
 #include "format/source/gltf/version.h"
 #include "format/source/image/codecs.h"
-#include "lattice/counted.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

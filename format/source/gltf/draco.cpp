@@ -2,10 +2,10 @@
 #include <draco/core/decoder_buffer.h>
 #include <draco/mesh/mesh.h>
 
+#include "core/base/counted.h"
+#include "core/base/memory_limit.h"
+#include "core/io/byte_cursor.h"
 #include "format/source/image/codecs.h"
-#include "lattice/byte_cursor.h"
-#include "lattice/counted.h"
-#include "lattice/memory_limit.h"
 
 namespace gigabake {
 namespace {

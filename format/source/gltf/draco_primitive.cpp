@@ -2,8 +2,8 @@
 
 #include <cstring>
 
+#include "core/base/error.h"
 #include "format/source/image/codecs.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -3,15 +3,15 @@
 #include <cmath>
 #include <limits>
 
-#include "format/source/data_uri.h"
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
+#include "core/base/quote.h"
+#include "format/source/content/data_uri.h"
 #include "format/source/gltf/check.h"
 #include "format/source/gltf/draco_primitive.h"
 #include "format/source/gltf/packed_views.h"
 #include "format/source/image/image_check.h"
 #include "format/source/loss_reason.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
-#include "lattice/quote.h"
 
 namespace gigabake {
 namespace {

@@ -5,7 +5,7 @@
 #include <tiny_gltf.h>
 #include <vector>
 
-#include "format/source/content_container.h"
+#include "format/source/content/content_container.h"
 
 namespace gigabake {
 

@@ -4,9 +4,9 @@
 #include <cctype>
 #include <cmath>
 
+#include "core/base/error.h"
+#include "core/math/srgb.h"
 #include "format/source/gltf/texture_info.h"
-#include "lattice/error.h"
-#include "lattice/srgb.h"
 
 namespace gigabake {
 namespace {

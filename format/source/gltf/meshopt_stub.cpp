@@ -1,5 +1,5 @@
+#include "core/base/error.h"
 #include "format/source/image/codecs.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 

@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
+#include "core/math/transform.h"
 #include "format/source/gltf/accessor.h"
 #include "format/source/mesh.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
-#include "lattice/transform.h"
 
 namespace gigabake {
 namespace {

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <functional>
 
+#include "core/math/frames.h"
 #include "format/source/gltf/load.h"
-#include "lattice/frames.h"
 
 namespace gigabake {
 

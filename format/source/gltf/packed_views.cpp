@@ -1,6 +1,6 @@
 #include "format/source/gltf/packed_views.h"
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {
@@ -102,12 +102,12 @@ Json without_packed_views(Json gltf, const std::vector<PackedView>& packed) {
 }
 
 void unpack_views(const std::filesystem::path& file, const std::vector<PackedView>& packed, GltfDocument& document) {
-  std::vector<std::uint8_t> room;
+  std::vector<std::uint8_t> buffer;
   for (const PackedView& p : packed) {
     const SourceBytes& from = document.buffers[p.buffer];
     if (p.byte_offset + p.byte_length > from.size()) throw InputError(file, where_of(p.view), "exceeds its buffer");
     std::vector<std::uint8_t> plain =
-        decode_meshopt(file, where_of(p.view), p.stream, from.look(p.byte_offset, p.byte_length, room));
+        decode_meshopt(file, where_of(p.view), p.stream, from.look(p.byte_offset, p.byte_length, buffer));
     tinygltf::BufferView& view = document.model.bufferViews[p.view];
     view.byteOffset = 0;
     view.byteLength = plain.size();

@@ -6,16 +6,16 @@
 #include <optional>
 #include <set>
 
+#include "core/base/counted.h"
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
+#include "core/math/transform.h"
 #include "format/source/gltf/accessor.h"
 #include "format/source/gltf/corners.h"
 #include "format/source/gltf/load.h"
 #include "format/source/gltf/material.h"
 #include "format/source/gltf/nodes.h"
 #include "format/source/mesh_parts.h"
-#include "lattice/counted.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
-#include "lattice/transform.h"
 
 namespace gigabake {
 namespace {

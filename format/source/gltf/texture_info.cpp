@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/counted.h"
 #include "format/source/image/codecs.h"
-#include "lattice/counted.h"
 
 namespace gigabake {
 namespace {

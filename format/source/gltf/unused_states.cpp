@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <set>
 
+#include "core/base/error.h"
 #include "format/source/gltf/material.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

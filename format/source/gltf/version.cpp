@@ -1,6 +1,6 @@
 #include "format/source/gltf/version.h"
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

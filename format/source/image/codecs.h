@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "core/base/rules.h"
 #include "format/source/image/image_size.h"
 #include "format/source/mesh.h"
-#include "lattice/rules.h"
 
 namespace gigabake {
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <string_view>
 
+#include "core/base/error.h"
 #include "format/source/image/encoding.h"
 #include "format/source/image/image_size.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {
@@ -23,10 +23,10 @@ std::string_view text_of(std::span<const std::uint8_t> bytes) {
 /// Returns whether every chunk of texels is whole. An image without its last chunk, IEND, can be decoded.
 bool has_all_chunks(const SourceBytes& png) {
   constexpr std::uint64_t signature_bytes = 8, frame_bytes = 12;
-  std::vector<std::uint8_t> room;
+  std::vector<std::uint8_t> buffer;
   bool has_texels = false;
   for (std::uint64_t at = signature_bytes; at + frame_bytes <= png.size();) {
-    const std::span<const std::uint8_t> head = png.look(at, 8, room);
+    const std::span<const std::uint8_t> head = png.look(at, 8, buffer);
     const std::uint64_t bytes = std::uint64_t(head[0]) << 24 | head[1] << 16 | head[2] << 8 | head[3];
     const std::string_view type = text_of(head.subspan(4));
     if (type == "IEND") return has_texels;
@@ -38,15 +38,15 @@ bool has_all_chunks(const SourceBytes& png) {
 }
 
 bool has_end_marker(const SourceBytes& jpeg) {
-  std::vector<std::uint8_t> room;
+  std::vector<std::uint8_t> buffer;
   const std::uint64_t bytes = std::min(jpeg.size(), jpeg_tail_bytes);
-  return text_of(jpeg.look(jpeg.size() - bytes, bytes, room)).find("\xff\xd9") != std::string_view::npos;
+  return text_of(jpeg.look(jpeg.size() - bytes, bytes, buffer)).find("\xff\xd9") != std::string_view::npos;
 }
 
 /// Source  WebP container: the length behind "RIFF" does not count the first 8 bytes.
 bool has_all_of_riff(const SourceBytes& webp) {
-  std::vector<std::uint8_t> room;
-  const std::span<const std::uint8_t> head = webp.look(0, 8, room);
+  std::vector<std::uint8_t> buffer;
+  const std::span<const std::uint8_t> head = webp.look(0, 8, buffer);
   const std::uint64_t bytes = head[4] | head[5] << 8 | head[6] << 16 | std::uint64_t(head[7]) << 24;
   return bytes + 8 <= webp.size();
 }
@@ -70,8 +70,8 @@ void check_head(EncodedImage& head, const SourceBytes& bytes) {
 
 void check_image(const std::filesystem::path& file, const std::string& key, const SourceBytes& bytes) {
   if (bytes.empty()) throw InputError(file, key, "is empty");
-  std::vector<std::uint8_t> room;
-  const auto first = bytes.look(0, std::min(bytes.size(), usual_head_bytes), room);
+  std::vector<std::uint8_t> buffer;
+  const auto first = bytes.look(0, std::min(bytes.size(), usual_head_bytes), buffer);
   EncodedImage head{file.string() + ": " + key, {first.begin(), first.end()}};
   check_head(head, bytes);
   if (!is_whole(bytes, encoding_of(head))) throw InputError(file, key, "the image is cut short");

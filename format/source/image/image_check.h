@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "format/source/source_bytes.h"
+#include "format/source/content/source_bytes.h"
 
 namespace gigabake {
 

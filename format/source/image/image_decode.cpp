@@ -1,14 +1,14 @@
 // decode_image(): PNG, JPEG and WebP to straight RGBA.
 #include <string_view>
 
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
 #include "format/source/image/codecs.h"
 #include "format/source/image/encoding.h"
 #include "format/source/image/image_size.h"
 #include "format/source/image/jpeg_reader.h"
 #include "format/source/image/png_reader.h"
 #include "format/source/mesh.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
 
 namespace gigabake {
 namespace {

@@ -1,7 +1,7 @@
 #include "format/source/image/image_file.h"
 
+#include "core/base/error.h"
 #include "format/source/image/encoding.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 

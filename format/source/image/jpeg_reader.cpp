@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <png.h>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <csetjmp>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

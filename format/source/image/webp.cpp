@@ -1,7 +1,7 @@
 #include <webp/decode.h>
 
+#include "core/base/error.h"
 #include "format/source/image/codecs.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/math/transform.h"
 #include "format/source/mesh_parts.h"
-#include "lattice/transform.h"
 
 namespace gigabake {
 namespace {

@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
+#include "core/math/frames.h"
 #include "format/source/mesh.h"
 #include "format/source/source.h"
-#include "lattice/frames.h"
 
 namespace gigabake {
 

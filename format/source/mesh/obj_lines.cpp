@@ -4,7 +4,7 @@
 #include <charconv>
 #include <string>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "format/source/source_bytes.h"
+#include "format/source/content/source_bytes.h"
 
 namespace gigabake {
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string_view>
 
+#include "core/base/error.h"
 #include "format/source/source_file.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/base/error.h"
 #include "format/source/image/alpha_image.h"
 #include "format/source/image/image_file.h"
 #include "format/source/invisible_material.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 void ObjMaterialTable::take(const ObjLine& line) {

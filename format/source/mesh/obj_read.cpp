@@ -5,13 +5,13 @@
 #include <set>
 #include <unordered_map>
 
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
 #include "format/source/mesh/mesh_origin.h"
 #include "format/source/mesh/obj_material_table.h"
 #include "format/source/mesh/obj_vertices.h"
 #include "format/source/mesh/polygon.h"
 #include "format/source/mesh_parts.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
 
 namespace gigabake {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/error.h"
+#include "core/math/srgb.h"
 #include "format/source/mesh/polygon.h"
-#include "lattice/error.h"
-#include "lattice/srgb.h"
 
 namespace gigabake {
 namespace {

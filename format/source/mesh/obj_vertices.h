@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/base/memory_limit.h"
 #include "format/source/mesh/obj_lines.h"
 #include "format/source/source_warning.h"
-#include "lattice/memory_limit.h"
 
 namespace gigabake {
 

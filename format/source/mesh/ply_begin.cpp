@@ -1,14 +1,14 @@
 // Reads the parts of a PLY that are needed before its mesh: the first vertices and the names of images.
 #include <algorithm>
 
-#include "format/source/content_pieces.h"
+#include "core/base/error.h"
+#include "format/source/content/content_pieces.h"
 #include "format/source/mesh/mesh_origin.h"
 #include "format/source/mesh/obj_material.h"
 #include "format/source/mesh/ply_layout.h"
 #include "format/source/mesh/ply_read.h"
 #include "format/source/mesh/ply_values.h"
 #include "format/source/source_file.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 

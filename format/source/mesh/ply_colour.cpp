@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lattice/srgb.h"
+#include "core/math/srgb.h"
 
 namespace gigabake {
 namespace {

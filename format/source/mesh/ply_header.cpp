@@ -6,8 +6,8 @@
 #include <map>
 #include <string_view>
 
+#include "core/base/error.h"
 #include "format/source/source_file.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -6,6 +6,10 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/counted.h"
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
+#include "core/math/transform.h"
 #include "format/source/mesh/mesh_origin.h"
 #include "format/source/mesh/ply_colour.h"
 #include "format/source/mesh/ply_layout.h"
@@ -13,10 +17,6 @@
 #include "format/source/mesh/polygon.h"
 #include "format/source/mesh_parts.h"
 #include "format/source/source_file.h"
-#include "lattice/counted.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
-#include "lattice/transform.h"
 
 namespace gigabake {
 namespace {
@@ -49,8 +49,8 @@ struct Face {
 };
 
 PlyHeader header_of(const std::filesystem::path& file, const SourceBytes& bytes) {
-  std::vector<std::uint8_t> room;
-  return read_ply_header(file, bytes.look(0, std::min(bytes.size(), max_ply_header_bytes), room));
+  std::vector<std::uint8_t> buffer;
+  return read_ply_header(file, bytes.look(0, std::min(bytes.size(), max_ply_header_bytes), buffer));
 }
 
 class PlyReader {

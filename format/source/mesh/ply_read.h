@@ -1,4 +1,4 @@
-/// Reader of PLY meshes. (format/export/ply.h writes voxels as a PLY file.)
+/// Reader of PLY meshes. (format/export/ply/ply.h writes voxels as a PLY file.)
 #pragma once
 
 #include <cstdint>

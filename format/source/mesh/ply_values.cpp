@@ -7,9 +7,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/base/counted.h"
+#include "core/base/error.h"
 #include "format/source/source_file.h"
-#include "lattice/counted.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {
@@ -61,7 +61,7 @@ std::size_t PlyValues::make_available(std::size_t bytes) {
   const std::uint64_t wanted = std::min<std::uint64_t>(bytes, left());
   if (at_ < block_begin_ || at_ + wanted > block_begin_ + block_.size()) {
     block_ =
-        bytes_.look(at_, std::min<std::uint64_t>(std::max<std::uint64_t>(wanted, read_block_bytes), left()), room_);
+        bytes_.look(at_, std::min<std::uint64_t>(std::max<std::uint64_t>(wanted, read_block_bytes), left()), buffer_);
     block_begin_ = at_;
   }
   return std::size_t(block_begin_ + block_.size() - at_);

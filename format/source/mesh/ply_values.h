@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "format/source/content/source_bytes.h"
 #include "format/source/mesh/ply_header.h"
-#include "format/source/source_bytes.h"
 
 namespace gigabake {
 
@@ -62,7 +62,7 @@ class PlyValues {
   PlyFormat format_;
   std::uint64_t at_;
   std::size_t line_;
-  std::vector<std::uint8_t> room_;
+  std::vector<std::uint8_t> buffer_;
   std::span<const std::uint8_t> block_;
   std::uint64_t block_begin_ = 0;
 };

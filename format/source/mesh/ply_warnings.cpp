@@ -3,10 +3,10 @@
 #include <set>
 #include <string_view>
 
+#include "core/base/error.h"
 #include "format/source/image/image_file.h"
 #include "format/source/mesh/obj_material.h"
 #include "format/source/mesh/ply_layout.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

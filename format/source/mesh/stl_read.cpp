@@ -9,15 +9,15 @@
 #include <string_view>
 #include <utility>
 
+#include "core/base/counted.h"
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
+#include "core/math/transform.h"
 #include "format/source/mesh/mesh_origin.h"
 #include "format/source/mesh/obj_lines.h"
 #include "format/source/mesh/polygon.h"
 #include "format/source/mesh_parts.h"
 #include "format/source/source_warning.h"
-#include "lattice/counted.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
-#include "lattice/transform.h"
 
 namespace gigabake {
 namespace {
@@ -164,7 +164,7 @@ class StlReader {
  public:
   StlReader(const TileRef& tile, const SourceFiles& files, const PrimitiveSink& sink)
       : tile_(tile), sink_(sink), bytes_(files.open(tile.path)) {
-    const StlBytes head = bytes_.look(0, std::min<std::uint64_t>(bytes_.size(), looked_at), room_);
+    const StlBytes head = bytes_.look(0, std::min<std::uint64_t>(bytes_.size(), looked_at), buffer_);
     head_.assign(head.begin(), head.end());
     is_text_ = is_text(head_, bytes_.size());
   }
@@ -235,7 +235,7 @@ class StlReader {
   const TileRef& tile_;
   const PrimitiveSink& sink_;
   SourceBytes bytes_;
-  std::vector<std::uint8_t> room_, head_;
+  std::vector<std::uint8_t> buffer_, head_;
   bool is_text_ = false;
   MemoryClaim claim_{tile_.path};
   MeshOrigins origins_{tile_};

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "core/math/frames.h"
 #include "format/source/mesh.h"
-#include "lattice/frames.h"
 
 namespace gigabake {
 

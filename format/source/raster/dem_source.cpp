@@ -4,10 +4,10 @@
 #include <initializer_list>
 #include <string_view>
 
+#include "core/base/error.h"
+#include "core/math/georeference.h"
+#include "core/math/transform.h"
 #include "format/source/origin_check.h"
-#include "lattice/error.h"
-#include "lattice/georeference.h"
-#include "lattice/transform.h"
 
 namespace gigabake {
 

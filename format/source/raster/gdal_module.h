@@ -10,7 +10,7 @@
 namespace gigabake {
 
 struct GdalModule {
-  /// Sets the memory limit of the module, which has its own copy of lattice/memory_limit.h. Must be called before the
+  /// Sets the memory limit of the module, which has its own copy of core/base/memory_limit.h. Must be called before the
   /// other functions, with the limit of the program.
   void (*set_memory_limit)(std::uint64_t bytes);
   std::vector<DemSurface> (*open_dem)(const std::vector<DemOptions>& options, bool is_local);

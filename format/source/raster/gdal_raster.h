@@ -14,8 +14,8 @@
 #include <unistd.h>
 #include <utility>
 
+#include "core/base/error.h"
 #include "format/source/raster/dem.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 

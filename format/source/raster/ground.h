@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "core/math/frames.h"
 #include "format/source/raster/gdal_raster.h"
-#include "lattice/frames.h"
 
 namespace gigabake {
 

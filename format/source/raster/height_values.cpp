@@ -6,7 +6,7 @@
 #include <set>
 #include <sstream>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

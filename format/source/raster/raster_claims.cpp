@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string>
 
-#include "format/source/raster/gdal_ortho.h"
-#include "lattice/memory_limit.h"
+#include "core/base/memory_limit.h"
+#include "format/source/raster/gdal/gdal_ortho.h"
 
 namespace gigabake {
 namespace {

@@ -5,10 +5,10 @@
 #include <set>
 #include <string_view>
 
-#include "format/source/raster/gdal_open.h"
+#include "core/base/error.h"
+#include "format/source/raster/gdal/gdal_open.h"
 #include "format/source/raster/gdal_raster.h"
 #include "format/system/path_within.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "lattice/counted.h"
-#include "lattice/error.h"
+#include "core/base/counted.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
+#include "core/math/georeference.h"
 #include "format/source/mesh.h"
-#include "lattice/error.h"
-#include "lattice/georeference.h"
-#include "lattice/memory_limit.h"
 
 namespace gigabake {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/math/frames.h"
 #include "format/source/tiles/feature_table.h"
-#include "lattice/frames.h"
 
 namespace gigabake {
 

@@ -1,8 +1,8 @@
 #include "format/source/tiles/implicit_tiling.h"
 
-#include "lattice/byte_cursor.h"
-#include "lattice/error.h"
-#include "lattice/morton.h"
+#include "core/base/error.h"
+#include "core/io/byte_cursor.h"
+#include "core/octree/morton.h"
 
 namespace gigabake {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <cstring>
 
-#include "format/source/content_pieces.h"
+#include "core/base/counted.h"
+#include "format/source/content/content_pieces.h"
 #include "format/source/tiles/feature_table.h"
-#include "lattice/counted.h"
 
 namespace gigabake {
 namespace {

@@ -5,15 +5,15 @@
 #include <set>
 #include <type_traits>
 
-#include "format/source/content_magic.h"
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
+#include "core/base/quote.h"
+#include "format/source/content/content_magic.h"
 #include "format/source/loss_reason.h"
 #include "format/source/tiles/implicit_tiling.h"
 #include "format/source/tiles/pnts.h"
 #include "format/source/tiles/tileset_anchor.h"
 #include "format/source/tiles/tileset_inclusions.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
-#include "lattice/quote.h"
 
 namespace gigabake {
 namespace {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "lattice/error.h"
-#include "lattice/georeference.h"
-#include "lattice/transform.h"
+#include "core/base/error.h"
+#include "core/math/georeference.h"
+#include "core/math/transform.h"
 
 namespace gigabake {
 namespace {

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <optional>
 
+#include "core/math/frames.h"
 #include "format/source/source_file.h"
-#include "lattice/frames.h"
 
 namespace gigabake {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cctype>
 
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
+#include "core/math/transform.h"
 #include "format/source/loss_reason.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
-#include "lattice/transform.h"
 
 namespace gigabake {
 namespace {

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "core/base/progress.h"
+#include "core/math/frames.h"
 #include "format/source/source_file.h"
 #include "format/source/tiles/implicit_tiling.h"
-#include "lattice/frames.h"
-#include "lattice/progress.h"
 
 namespace gigabake {
 

@@ -3,8 +3,8 @@
 #include <bit>
 #include <set>
 
+#include "core/base/error.h"
 #include "format/source/source_file.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

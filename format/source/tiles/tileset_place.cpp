@@ -4,9 +4,9 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "core/base/error.h"
+#include "core/math/georeference.h"
 #include "format/source/earth_centred.h"
-#include "lattice/error.h"
-#include "lattice/georeference.h"
 
 namespace gigabake {
 namespace {

@@ -2,8 +2,8 @@
 #include <mutex>
 #include <zip.h>
 
+#include "core/base/error.h"
 #include "format/source/tiles/archive.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -1,5 +1,5 @@
+#include "core/base/error.h"
 #include "format/source/tiles/archive.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 

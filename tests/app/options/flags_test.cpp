@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <stdexcept>
 
-#include "lattice/parameters.h"
+#include "core/octree/parameters.h"
 
 namespace gigabake::app {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "bench/accuracy/sampled_voxels.h"
 #include "bench/bench_scene.h"
-#include "scheduler/merge.h"
+#include "scheduler/plan/merge.h"
 #include "tests/worker/glb_scene.h"
 
 namespace gigabake::bench {

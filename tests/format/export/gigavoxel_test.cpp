@@ -1,14 +1,14 @@
-#include "format/export/gigavoxel.h"
+#include "format/export/gigavoxels/gigavoxel.h"
 
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <gtest/gtest.h>
 
-#include "format/export/gigavoxel_bricks.h"
-#include "format/export/gigavoxel_read.h"
-#include "lattice/error.h"
-#include "lattice/octahedral.h"
+#include "core/base/error.h"
+#include "core/math/octahedral.h"
+#include "format/export/gigavoxels/gigavoxel_bricks.h"
+#include "format/export/gigavoxels/gigavoxel_read.h"
 #include "tests/format/scene/scene_voxels.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/format/system/small_disk.h"

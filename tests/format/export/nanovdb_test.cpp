@@ -1,11 +1,11 @@
 // Exports are read back with the NanoVDB library if its headers are installed.
-#include "format/export/nanovdb.h"
+#include "format/export/nanovdb/nanovdb.h"
 
 #include <fstream>
 #include <gtest/gtest.h>
 
-#include "lattice/error.h"
-#include "lattice/octahedral.h"
+#include "core/base/error.h"
+#include "core/math/octahedral.h"
 #include "tests/format/scene/scene_voxels.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/format/system/small_disk.h"

@@ -3,10 +3,10 @@
 #include <fstream>
 #include <gtest/gtest.h>
 
+#include "core/base/error.h"
+#include "core/math/octahedral.h"
+#include "core/math/srgb.h"
 #include "format/export/openvdb/openvdb_export.h"
-#include "lattice/error.h"
-#include "lattice/octahedral.h"
-#include "lattice/srgb.h"
 #include "tests/format/scene/scene_voxels.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/format/system/small_disk.h"

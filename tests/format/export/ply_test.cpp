@@ -1,4 +1,4 @@
-#include "format/export/ply.h"
+#include "format/export/ply/ply.h"
 
 #include <cmath>
 #include <cstring>
@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <sstream>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
 

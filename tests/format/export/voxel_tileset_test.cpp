@@ -1,4 +1,4 @@
-#include "format/export/voxel_tileset.h"
+#include "format/export/voxel_tiles/voxel_tileset.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +9,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "format/export/md5.h"
+#include "core/base/error.h"
+#include "core/math/octahedral.h"
 #include "format/export/voxel_grid.h"
-#include "format/export/voxel_tiling.h"
-#include "lattice/error.h"
-#include "lattice/octahedral.h"
+#include "format/export/voxel_tiles/md5.h"
+#include "format/export/voxel_tiles/voxel_tiling.h"
 #include "tests/format/scene/scene_voxels.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/format/system/small_disk.h"

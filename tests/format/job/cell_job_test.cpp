@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "tests/random_seed.h"
 
 namespace gigabake {

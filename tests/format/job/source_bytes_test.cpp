@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <random>
 
+#include "core/base/error.h"
 #include "format/source/raster/dem.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <map>
 
-#include "format/sample/terrain_tile.h"
+#include "sample/terrain/terrain_tile.h"
 
 namespace gigabake::sample {
 namespace {

@@ -1,4 +1,4 @@
-#include "format/sample/sample.h"
+#include "sample/sample.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "core/base/error.h"
 #include "format/source/source.h"
-#include "lattice/error.h"
 
 namespace gigabake::sample {
 namespace {

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 #include <numeric>
 
-#include "format/sample/erosion.h"
-#include "format/sample/noise.h"
-#include "format/sample/relief.h"
+#include "sample/terrain/erosion.h"
+#include "sample/terrain/noise.h"
+#include "sample/terrain/relief.h"
 
 namespace gigabake::sample {
 namespace {

@@ -1,10 +1,10 @@
-#include "format/scene/diff.h"
+#include "format/scene/check/diff.h"
 
 #include <gtest/gtest.h>
 #include <map>
 #include <random>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
 

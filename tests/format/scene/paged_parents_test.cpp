@@ -5,15 +5,15 @@
 #include <random>
 #include <set>
 
-#include "format/scene/diff.h"
+#include "core/base/error.h"
+#include "format/scene/check/diff.h"
+#include "format/scene/check/scene_check.h"
+#include "format/scene/check/scene_checksum.h"
+#include "format/scene/check/verify.h"
 #include "format/scene/paged_scene.h"
-#include "format/scene/scene_check.h"
-#include "format/scene/scene_checksum.h"
-#include "format/scene/scene_reading.h"
 #include "format/scene/tier_shape.h"
-#include "format/scene/verify.h"
+#include "format/scene/xml/scene_reading.h"
 #include "format/system/publish.h"
-#include "lattice/error.h"
 #include "tests/format/scene/scene_voxels.h"
 
 namespace gigabake {

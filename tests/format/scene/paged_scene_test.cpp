@@ -4,16 +4,16 @@
 #include <map>
 #include <set>
 
-#include "format/export/nanovdb.h"
-#include "format/scene/diff.h"
-#include "format/scene/page_write.h"
-#include "format/scene/scene_checksum.h"
+#include "core/base/error.h"
+#include "format/export/nanovdb/nanovdb.h"
+#include "format/scene/check/diff.h"
+#include "format/scene/check/scene_checksum.h"
+#include "format/scene/check/verify.h"
 #include "format/scene/scene_level.h"
-#include "format/scene/scene_reading.h"
 #include "format/scene/stored_bytes.h"
-#include "format/scene/verify.h"
+#include "format/scene/xml/page_write.h"
+#include "format/scene/xml/scene_reading.h"
 #include "format/system/publish.h"
-#include "lattice/error.h"
 #include "tests/format/scene/scene_voxels.h"
 
 namespace gigabake {

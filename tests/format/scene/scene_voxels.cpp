@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "format/shard/brick_walk.h"
+#include "format/shard/levels/brick_walk.h"
 #include "format/shard/shard_reader.h"
 
 namespace gigabake::made {

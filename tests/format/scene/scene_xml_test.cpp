@@ -1,4 +1,4 @@
-#include "format/scene/scene_xml.h"
+#include "format/scene/xml/scene_xml.h"
 
 #include <cmath>
 #include <fstream>
@@ -6,8 +6,8 @@
 #include <limits>
 #include <random>
 
+#include "core/base/error.h"
 #include "format/system/publish.h"
-#include "lattice/error.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
 

@@ -1,18 +1,18 @@
-#include "format/scene/verify.h"
+#include "format/scene/check/verify.h"
 
 #include <fstream>
 #include <gtest/gtest.h>
 #include <random>
 #include <regex>
 
-#include "format/export/gigavoxel.h"
-#include "format/export/nanovdb.h"
-#include "format/export/ply.h"
-#include "format/export/voxel_tileset.h"
-#include "format/scene/scene_checksum.h"
-#include "format/scene/scene_reading.h"
+#include "core/base/error.h"
+#include "format/export/gigavoxels/gigavoxel.h"
+#include "format/export/nanovdb/nanovdb.h"
+#include "format/export/ply/ply.h"
+#include "format/export/voxel_tiles/voxel_tileset.h"
+#include "format/scene/check/scene_checksum.h"
 #include "format/scene/stored_bytes.h"
-#include "lattice/error.h"
+#include "format/scene/xml/scene_reading.h"
 #include "tests/format/shard/made_shard.h"
 
 namespace gigabake {

@@ -1,10 +1,10 @@
-#include "format/shard/above.h"
+#include "format/shard/levels/above.h"
 
 #include <gtest/gtest.h>
 
-#include "format/shard/content_hash.h"
+#include "core/base/error.h"
+#include "format/shard/levels/content_hash.h"
 #include "format/shard/shard_reader.h"
-#include "lattice/error.h"
 #include "made_shard.h"
 #include "tests/random_seed.h"
 

@@ -1,4 +1,4 @@
-#include "format/shard/content_hash.h"
+#include "format/shard/levels/content_hash.h"
 
 #define XXH_INLINE_ALL
 #include <cstring>

@@ -1,8 +1,8 @@
 #include <cstdlib>
 #include <gtest/gtest.h>
 
-#include "format/scene/scene_reading.h"
-#include "format/scene/verify.h"
+#include "format/scene/check/verify.h"
+#include "format/scene/xml/scene_reading.h"
 #include "made_shard.h"
 
 namespace gigabake {

@@ -1,4 +1,4 @@
-#include "format/shard/level_summary.h"
+#include "format/shard/levels/level_summary.h"
 
 #include <gtest/gtest.h>
 

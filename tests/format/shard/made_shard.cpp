@@ -6,9 +6,9 @@
 #include <fstream>
 #include <map>
 
-#include "format/shard/brick_walk.h"
-#include "format/shard/content_hash.h"
-#include "lattice/parameters.h"
+#include "core/octree/parameters.h"
+#include "format/shard/levels/brick_walk.h"
+#include "format/shard/levels/content_hash.h"
 
 namespace gigabake::made {
 namespace {

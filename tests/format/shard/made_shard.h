@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "format/scene/scene_xml.h"
+#include "format/scene/xml/scene_xml.h"
 #include "format/shard/shard.h"
 
 namespace gigabake::made {

@@ -6,12 +6,12 @@
 #include <gtest/gtest.h>
 #include <list>
 
-#include "format/shard/brick_walk.h"
-#include "format/shard/coarse_levels.h"
+#include "core/codec/chunk_rows.h"
+#include "format/shard/columns/shard_columns.h"
 #include "format/shard/hdf5/chunk_codec.h"
-#include "format/shard/shard_columns.h"
+#include "format/shard/levels/brick_walk.h"
+#include "format/shard/levels/coarse_levels.h"
 #include "format/shard/shard_reader.h"
-#include "lattice/pack/chunk_rows.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
 

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 #include <random>
 
+#include "core/base/error.h"
 #include "damaged_file.h"
 #include "format/shard/shard_pages.h"
-#include "lattice/error.h"
 #include "made_shard.h"
 #include "tests/random_seed.h"
 

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "broken_shards.h"
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "made_shard.h"
 #include "tests/random_seed.h"
 

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "broken_shards.h"
+#include "core/base/error.h"
 #include "format/shard/shard_reader.h"
-#include "lattice/error.h"
 #include "made_shard.h"
 #include "tests/random_seed.h"
 

@@ -1,4 +1,4 @@
-#include "format/shard/shared_values.h"
+#include "format/shard/columns/shared_values.h"
 
 #include <algorithm>
 #include <array>

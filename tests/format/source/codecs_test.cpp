@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 #include <limits>
 
+#include "core/base/error.h"
 #include "format/source/source.h"
 #include "format/system/read_file.h"
-#include "lattice/error.h"
 #include "source_scene.h"
 #include "tests/shared_data.h"
 

@@ -6,10 +6,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/error.h"
+#include "core/math/georeference.h"
+#include "core/math/transform.h"
 #include "format/source/source.h"
-#include "lattice/error.h"
-#include "lattice/georeference.h"
-#include "lattice/transform.h"
 #include "source_scene.h"
 
 namespace gigabake {

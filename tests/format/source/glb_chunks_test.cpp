@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/error.h"
 #include "format/source/source.h"
-#include "lattice/error.h"
 #include "made_glb.h"
 
 namespace gigabake {

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/error.h"
 #include "format/source/source.h"
-#include "lattice/error.h"
 #include "source_scene.h"
 
 namespace gigabake {

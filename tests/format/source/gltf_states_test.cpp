@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "format/source/data_uri.h"
+#include "core/base/error.h"
+#include "core/math/srgb.h"
+#include "format/source/content/data_uri.h"
 #include "format/source/source.h"
-#include "lattice/error.h"
-#include "lattice/srgb.h"
 #include "source_scene.h"
 
 namespace gigabake {

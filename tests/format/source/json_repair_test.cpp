@@ -1,4 +1,4 @@
-#include "format/source/json_repair.h"
+#include "format/source/json/json_repair.h"
 
 #include <gtest/gtest.h>
 #include <string>

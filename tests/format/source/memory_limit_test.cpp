@@ -1,4 +1,4 @@
-#include "lattice/memory_limit.h"
+#include "core/base/memory_limit.h"
 
 #include <filesystem>
 #include <fstream>
@@ -6,10 +6,10 @@
 #include <limits>
 #include <unistd.h>
 
+#include "core/base/error.h"
 #include "format/source/image/image_size.h"
 #include "format/source/image/png_bytes.h"
 #include "format/source/source.h"
-#include "lattice/error.h"
 
 // 2026-11-22: --memory limited neither images nor instances nor JSON.
 namespace gigabake {

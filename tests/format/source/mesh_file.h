@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <string>
 
+#include "core/base/error.h"
 #include "format/source/source.h"
-#include "lattice/error.h"
 #include "source_scene.h"
 
 namespace gigabake::test {

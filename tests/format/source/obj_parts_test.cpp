@@ -7,12 +7,12 @@
 #include <map>
 #include <random>
 
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
 #include "format/source/mesh/obj_lines.h"
 #include "format/source/mesh_parts.h"
 #include "format/source/source.h"
 #include "format/source/tile_hash.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
 #include "source_scene.h"
 #include "tests/random_seed.h"
 

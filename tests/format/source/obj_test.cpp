@@ -2,9 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/error.h"
 #include "format/source/source.h"
 #include "format/source/tile_hash.h"
-#include "lattice/error.h"
 #include "mesh_file.h"
 #include "source_scene.h"
 

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <gtest/gtest.h>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake::test {
 namespace {

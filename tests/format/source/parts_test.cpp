@@ -5,11 +5,11 @@
 #include <numeric>
 #include <random>
 
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
 #include "format/source/mesh_parts.h"
 #include "format/source/source.h"
 #include "format/source/tile_hash.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
 #include "made_glb.h"
 #include "parts_check.h"
 #include "source_scene.h"

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 #include <limits>
 
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
 #include "format/source/source.h"
 #include "format/source/tile_hash.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
 #include "mesh_file.h"
 #include "source_scene.h"
 

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include "core/base/error.h"
 #include "format/source/image/image_check.h"
 #include "format/source/image/image_rows.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

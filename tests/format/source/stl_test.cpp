@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
 #include "format/source/source.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
 #include "mesh_file.h"
 #include "source_scene.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

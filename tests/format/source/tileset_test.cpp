@@ -1,9 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/error.h"
+#include "core/math/georeference.h"
 #include "format/source/source.h"
-#include "lattice/error.h"
-#include "lattice/georeference.h"
 #include "source_scene.h"
 
 namespace gigabake {

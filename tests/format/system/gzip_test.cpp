@@ -1,15 +1,15 @@
 // Gzip-compressed tiles, tilesets and subtrees under their usual names, as servers store them.
-#include "format/source/gzip.h"
+#include "format/source/content/gzip.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <random>
 #include <zlib.h>
 
+#include "core/base/error.h"
 #include "format/source/source.h"
 #include "format/source/source_files.h"
 #include "format/source/tile_hash.h"
-#include "lattice/error.h"
 #include "tests/format/source/source_scene.h"
 
 namespace gigabake {

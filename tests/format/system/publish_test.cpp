@@ -5,7 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "small_disk.h"
 #include "tests/format/shard/made_shard.h"
 

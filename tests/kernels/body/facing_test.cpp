@@ -1,4 +1,4 @@
-#include "kernels/body/facing.h"
+#include "kernels/body/mip/facing.h"
 
 #include <gtest/gtest.h>
 

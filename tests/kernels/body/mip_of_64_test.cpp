@@ -1,10 +1,10 @@
-#include "kernels/body/mip_of_64.h"
+#include "kernels/body/mip/mip_of_64.h"
 
 #include <gtest/gtest.h>
 #include <random>
 #include <vector>
 
-#include "lattice/morton.h"
+#include "core/octree/morton.h"
 
 namespace gigabake::kernels {
 namespace {

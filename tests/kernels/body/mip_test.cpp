@@ -1,10 +1,10 @@
-#include "kernels/body/mip.h"
+#include "kernels/body/mip/mip.h"
 
 #include <gtest/gtest.h>
 #include <random>
 
 #include "kernels/body/mask.h"
-#include "kernels/cpu/levels.h"
+#include "kernels/cpu/mip/levels.h"
 
 namespace gigabake::kernels {
 namespace {

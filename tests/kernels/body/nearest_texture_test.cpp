@@ -1,13 +1,13 @@
 /// The mean of the texels that a fragment covers, if the sampler selects the nearest texel.
-#include "kernels/body/nearest_texture.h"
+#include "kernels/body/texture/nearest_texture.h"
 
 #include <array>
 #include <gtest/gtest.h>
 #include <random>
 
+#include "core/base/thread_pool.h"
 #include "kernels/body/tables.h"
-#include "kernels/cpu/texture.h"
-#include "lattice/thread_pool.h"
+#include "kernels/cpu/texture/texture.h"
 
 namespace gigabake::kernels {
 namespace {

@@ -1,9 +1,9 @@
-#include "kernels/body/node.h"
+#include "kernels/body/prune/node.h"
 
 #include <gtest/gtest.h>
 
-#include "kernels/body/level_voxel.h"
-#include "kernels/body/window.h"
+#include "kernels/body/mip/level_voxel.h"
+#include "kernels/body/voxelize/window.h"
 
 namespace gigabake::kernels {
 namespace {

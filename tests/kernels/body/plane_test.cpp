@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "kernels/body/plane_fit.h"
-#include "kernels/cpu/levels.h"
-#include "lattice/morton.h"
-#include "lattice/octahedral.h"
+#include "core/math/octahedral.h"
+#include "core/octree/morton.h"
+#include "kernels/body/mip/plane_fit.h"
+#include "kernels/cpu/mip/levels.h"
 
 namespace gigabake::kernels {
 namespace {

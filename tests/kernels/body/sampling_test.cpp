@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "kernels/body/shade.h"
+#include "core/base/thread_pool.h"
 #include "kernels/body/tables.h"
-#include "kernels/cpu/texture.h"
-#include "lattice/thread_pool.h"
+#include "kernels/body/texture/shade.h"
+#include "kernels/cpu/texture/texture.h"
 
 namespace gigabake::kernels {
 namespace {

@@ -1,13 +1,13 @@
 /// The prefiltered pyramid: every level has the mean of the image, and its alpha follows the alpha mode of the
 /// material.
-#include "kernels/cpu/texture.h"
+#include "kernels/cpu/texture/texture.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
 
+#include "core/base/thread_pool.h"
 #include "kernels/body/tables.h"
-#include "lattice/thread_pool.h"
 
 namespace gigabake::kernels {
 namespace {

@@ -2,7 +2,7 @@
 #include <limits>
 #include <vector>
 
-#include "kernels/body/classify_triangle.h"
+#include "kernels/body/voxelize/classify_triangle.h"
 
 namespace gigabake::kernels {
 namespace {

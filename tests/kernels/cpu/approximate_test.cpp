@@ -1,4 +1,4 @@
-#include "kernels/cpu/approximate.h"
+#include "kernels/cpu/voxelize/approximate.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <random>
 #include <tuple>
 
-#include "kernels/body/approximate.h"
-#include "lattice/brick.h"
+#include "core/octree/brick.h"
+#include "kernels/body/voxelize/approximate.h"
 #include "tests/random_seed.h"
 
 namespace gigabake::kernels {

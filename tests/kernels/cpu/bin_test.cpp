@@ -1,11 +1,11 @@
 /// Assignment of triangles to bricks: none is missing, none occurs twice, and batches only split the list.
-#include "kernels/cpu/bin.h"
+#include "kernels/cpu/voxelize/bin.h"
 
 #include <gtest/gtest.h>
 #include <random>
 #include <set>
 
-#include "kernels/body/triangle_bricks.h"
+#include "kernels/body/voxelize/triangle_bricks.h"
 
 namespace gigabake::kernels {
 namespace {

@@ -1,5 +1,5 @@
 /// The sums of a brick: exact for any number of fragments, and zero for the next brick.
-#include "kernels/cpu/brick_sums.h"
+#include "kernels/cpu/voxelize/brick_sums.h"
 
 #include <gtest/gtest.h>
 

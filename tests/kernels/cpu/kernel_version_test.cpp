@@ -1,6 +1,6 @@
 /// Voxels of an earlier bake in the same folder are reused by fingerprint. Therefore kernels that give other bytes need
 /// another kernel_version.
-#include "lattice/kernel_version.h"
+#include "core/base/kernel_version.h"
 
 #include <gtest/gtest.h>
 

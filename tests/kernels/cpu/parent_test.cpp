@@ -1,13 +1,13 @@
 /// Levels above the cells are the same for any division of the scene into cells and blocks.
-#include "kernels/cpu/parent.h"
+#include "kernels/cpu/mip/parent.h"
 
 #include <array>
 #include <bit>
 #include <gtest/gtest.h>
 #include <random>
 
+#include "core/base/error.h"
 #include "kernels/cpu/bake_cell.h"
-#include "lattice/error.h"
 #include "tests/kernels/cuda_scenes.h"
 #include "tests/random_seed.h"
 

@@ -1,11 +1,11 @@
-#include "kernels/cpu/prune.h"
+#include "kernels/cpu/prune/prune.h"
 
 #include <algorithm>
 #include <array>
 #include <gtest/gtest.h>
 #include <map>
 
-#include "format/shard/brick_walk.h"
+#include "format/shard/levels/brick_walk.h"
 #include "tests/kernels/made_tree.h"
 #include "tests/random_seed.h"
 

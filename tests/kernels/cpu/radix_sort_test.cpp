@@ -1,4 +1,4 @@
-#include "kernels/cpu/radix_sort.h"
+#include "kernels/cpu/voxelize/radix_sort.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>

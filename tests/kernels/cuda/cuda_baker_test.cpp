@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <gtest/gtest.h>
 
+#include "core/base/thread_pool.h"
 #include "kernels/cpu/bake_cell.h"
 #include "kernels/cuda/baker.h"
-#include "lattice/thread_pool.h"
 #include "tests/kernels/cuda_scenes.h"
 
 namespace gigabake::kernels {

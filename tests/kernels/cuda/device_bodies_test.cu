@@ -3,14 +3,14 @@
 #include <random>
 #include <vector>
 
-#include "kernels/body/brick_triangle.h"
-#include "kernels/body/mip.h"
-#include "kernels/body/mip_of_64.h"
-#include "kernels/body/part.h"
-#include "kernels/body/plane_fit.h"
-#include "kernels/body/surface.h"
-#include "kernels/body/triangle_bricks.h"
-#include "lattice/snap.h"
+#include "core/math/snap.h"
+#include "kernels/body/mip/mip.h"
+#include "kernels/body/mip/mip_of_64.h"
+#include "kernels/body/mip/plane_fit.h"
+#include "kernels/body/voxelize/brick_triangle.h"
+#include "kernels/body/voxelize/part.h"
+#include "kernels/body/voxelize/surface.h"
+#include "kernels/body/voxelize/triangle_bricks.h"
 #include "tests/kernels/cuda/same_bits.cuh"
 
 namespace gigabake::kernels {

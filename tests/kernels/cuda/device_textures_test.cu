@@ -8,10 +8,10 @@
 #include <random>
 #include <vector>
 
-#include "kernels/body/surface.h"
-#include "kernels/body/triangle_bricks.h"
-#include "kernels/cpu/texture.h"
-#include "lattice/thread_pool.h"
+#include "core/base/thread_pool.h"
+#include "kernels/body/voxelize/surface.h"
+#include "kernels/body/voxelize/triangle_bricks.h"
+#include "kernels/cpu/texture/texture.h"
 #include "tests/kernels/cuda/same_bits.cuh"
 
 namespace gigabake::kernels {
@@ -61,7 +61,7 @@ struct ShadedTriangle {
 
 GB_HD double no_negative_zero(double x) { return x + 0.0; }
 
-/// Processes the cells on the brick's diagonal like kernels/cpu/voxelize.cpp.
+/// Processes the cells on the brick's diagonal like kernels/cpu/voxelize/voxelize.cpp.
 struct TextureBody {
   TextureView texture;
   bool nearest;

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "kernels/body/brick_triangle.h"
-#include "kernels/body/coverage.h"
 #include "kernels/body/tables.h"
-#include "kernels/body/window.h"
+#include "kernels/body/voxelize/brick_triangle.h"
+#include "kernels/body/voxelize/coverage.h"
+#include "kernels/body/voxelize/window.h"
 
 namespace gigabake::kernels::test {
 

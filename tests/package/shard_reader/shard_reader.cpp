@@ -1,12 +1,12 @@
 // Counts the voxels of a shard's level, and finds each brick by its Morton code.
+#include <core/octree/morton.h>
+#include <core/octree/octree.h>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <format/shard/brick_walk.h>
+#include <format/shard/levels/brick_walk.h>
 #include <format/shard/shard_reader.h>
-#include <lattice/morton.h>
-#include <lattice/octree.h>
 
 int main(int arguments, char** argument) {
   if (arguments != 3) return 2;

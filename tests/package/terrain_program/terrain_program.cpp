@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <exception>
-#include <format/export/ply.h>
+#include <format/export/ply/ply.h>
 #include <format/source/source.h>
 #include <kernels/cpu/bake_cell.h>
 #include <vector>

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "kernels/cast/shader.h"
-#include "lattice/error.h"
+#include "core/base/error.h"
+#include "kernels/light/shader.h"
 #include "viewer/light/sky.h"
 #include "viewer/pictures/frame_renderer.h"
 #include "viewer/pictures/png.h"

@@ -1,8 +1,8 @@
 // Cuts a baked scene open along a plane, and measures the ground's height under its middle.
 // Prints the pixels of the whole scene, the pixels of the remaining half, and the height in metres.
+#include <core/octree/parameters.h>
 #include <cstdio>
 #include <exception>
-#include <lattice/parameters.h>
 #include <viewer/pictures/frame_renderer.h>
 #include <viewer/pictures/png.h>
 #include <viewer/query/query_frames.h>

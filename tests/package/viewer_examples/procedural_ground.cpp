@@ -2,9 +2,9 @@
 // Prints the number of generated pages, and of pixels with voxels.
 #include <atomic>
 #include <cmath>
+#include <core/octree/parameters.h>
 #include <cstdio>
 #include <exception>
-#include <lattice/parameters.h>
 #include <viewer/pictures/frame_renderer.h>
 #include <viewer/pictures/png.h>
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "lattice/octahedral.h"
+#include "core/math/octahedral.h"
 #include "tests/viewer/ground_scene.h"
 #include "tests/viewer/voxel_scene.h"
 #include "viewer/light/sky.h"

@@ -1,11 +1,11 @@
 // Shaders: they receive the surface's position and normal, and the image shows their result.
-#include "kernels/cast/shader.h"
+#include "kernels/light/shader.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "lattice/error.h"
-#include "lattice/octahedral.h"
+#include "core/base/error.h"
+#include "core/math/octahedral.h"
 #include "tests/viewer/voxel_scene.h"
 #include "viewer/pictures/frame_renderer.h"
 

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <utility>
 
-#include "lattice/octahedral.h"
+#include "core/math/octahedral.h"
 #include "tests/viewer/voxel_scene.h"
 #include "viewer/light/sky.h"
 #include "viewer/pictures/frame_renderer.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "viewer/light/sky.h"
 
 namespace gigabake {

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "tests/format/shard/made_shard.h"
 
 namespace gigabake {

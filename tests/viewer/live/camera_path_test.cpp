@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "lattice/error.h"
-#include "lattice/georeference.h"
+#include "core/base/error.h"
+#include "core/math/georeference.h"
 #include "viewer/live/path_frames.h"
 
 namespace gigabake {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "kernels/cast/cast.h"
+#include "kernels/marching/cast.h"
 
 namespace gigabake {
 namespace {

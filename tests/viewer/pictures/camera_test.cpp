@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "tests/viewer/voxel_scene.h"
 
 namespace gigabake {

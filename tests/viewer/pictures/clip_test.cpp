@@ -2,8 +2,8 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "kernels/cast/cast_line.h"
-#include "lattice/error.h"
+#include "core/base/error.h"
+#include "kernels/marching/cast_line.h"
 #include "tests/viewer/ground_scene.h"
 
 namespace gigabake {

@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "tests/viewer/ground_scene.h"
 #include "viewer/pictures/frame_renderer.h"
 

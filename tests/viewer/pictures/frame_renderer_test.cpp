@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <random>
 
+#include "core/base/error.h"
 #include "kernels/cuda/baker.h"
-#include "lattice/error.h"
 #include "tests/viewer/ground_scene.h"
 
 namespace gigabake {

@@ -1,5 +1,5 @@
 // Blending between levels: weight and level of the second ray, and its effect in images.
-#include "kernels/cast/level_blend.h"
+#include "kernels/marching/level_blend.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -9,7 +9,7 @@
 #include <span>
 #include <string>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/viewer/voxel_scene.h"
 #include "viewer/pictures/frame_renderer.h"

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <iterator>
 
+#include "core/base/error.h"
 #include "format/source/mesh.h"
-#include "lattice/error.h"
 
 namespace gigabake {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "kernels/cast/cast_line.h"
+#include "kernels/marching/cast_line.h"
 #include "tests/viewer/voxel_scene.h"
 #include "viewer/pictures/frame_renderer.h"
 

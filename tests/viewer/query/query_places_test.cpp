@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "lattice/error.h"
-#include "lattice/parameters.h"
+#include "core/base/error.h"
+#include "core/octree/parameters.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
 

@@ -10,8 +10,8 @@
 #include <set>
 
 #include "bench/first_hit/first_hit_reference.h"
-#include "lattice/error.h"
-#include "lattice/parameters.h"
+#include "core/base/error.h"
+#include "core/octree/parameters.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
 #include "viewer/query/query_job.h"

@@ -9,7 +9,7 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "tests/viewer/ground_scene.h"
 #include "viewer/pictures/frame_renderer.h"
 

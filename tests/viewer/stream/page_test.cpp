@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <thread>
 
-#include "lattice/error.h"
-#include "lattice/parameters.h"
+#include "core/base/error.h"
+#include "core/octree/parameters.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
 #include "viewer/stream/open_shards.h"

@@ -10,7 +10,7 @@
 #include <set>
 #include <thread>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "tests/random_seed.h"
 
 namespace gigabake {

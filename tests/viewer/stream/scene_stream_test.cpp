@@ -6,7 +6,7 @@
 #include <mutex>
 #include <set>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "tests/viewer/ground_scene.h"
 
 namespace gigabake {

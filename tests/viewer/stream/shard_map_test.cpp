@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-#include "lattice/parameters.h"
+#include "core/octree/parameters.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
 

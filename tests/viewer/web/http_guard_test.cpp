@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <set>
 
-#include "lattice/error.h"
+#include "core/base/error.h"
 #include "viewer/web/external_url.h"
 
 namespace gigabake {

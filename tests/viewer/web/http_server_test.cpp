@@ -10,8 +10,8 @@
 #include <unistd.h>
 #include <vector>
 
+#include "core/base/error.h"
 #include "http_client.h"
-#include "lattice/error.h"
 #include "viewer/web/waiting_clients.h"
 
 namespace gigabake {

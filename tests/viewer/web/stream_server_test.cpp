@@ -11,9 +11,9 @@
 #include <random>
 #include <thread>
 
+#include "core/base/error.h"
 #include "format/source/mesh.h"
 #include "http_client.h"
-#include "lattice/error.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/viewer/stored_hill.h"
 #include "viewer/web/stream_sessions.h"

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "tests/random_seed.h"
-#include "worker/instance_bounds.h"
+#include "worker/scan/instance_bounds.h"
 
 namespace gigabake {
 namespace {

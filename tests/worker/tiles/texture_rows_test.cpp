@@ -13,10 +13,10 @@
 #include <random>
 
 #include "../glb_scene.h"
-#include "kernels/cpu/texture.h"
-#include "lattice/error.h"
-#include "lattice/memory_limit.h"
-#include "lattice/thread_pool.h"
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
+#include "core/base/thread_pool.h"
+#include "kernels/cpu/texture/texture.h"
 #include "worker/tiles/texture_file.h"
 #include "worker/tiles/texture_store.h"
 

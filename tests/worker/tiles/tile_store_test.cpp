@@ -7,14 +7,14 @@
 #include <thread>
 
 #include "../glb_scene.h"
+#include "core/base/memory_limit.h"
 #include "format/source/tile_hash.h"
 #include "format/system/io_error.h"
 #include "kernels/cpu/bake_cell.h"
-#include "lattice/memory_limit.h"
 #include "tests/format/system/small_disk.h"
-#include "worker/cell_loader.h"
-#include "worker/cell_parameters.h"
-#include "worker/survey_tile.h"
+#include "worker/pipeline/cell_loader.h"
+#include "worker/pipeline/cell_parameters.h"
+#include "worker/scan/survey_tile.h"
 #include "worker/tiles/tile_gatherer.h"
 
 namespace gigabake {

@@ -9,9 +9,9 @@
 #include <set>
 #include <string>
 
-#include "lattice/pack/block_codes.h"
-#include "lattice/pack/matches.h"
-#include "lattice/pack/stored_chunk.h"
+#include "core/codec/block_codes.h"
+#include "core/codec/matches.h"
+#include "core/codec/stored_chunk.h"
 #include "tests/format/shard/hdf5/made_bytes.h"
 #include "tests/random_seed.h"
 

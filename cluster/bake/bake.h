@@ -1,0 +1,95 @@
+/// A complete bake on all ranks: scan, plan, dispatch, merge, publish.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "cluster/bake/output_folder.h"
+#include "cluster/bake/shared_sources.h"
+#include "cluster/mpi/collective.h"
+#include "cluster/mpi/mpi_session.h"
+#include "core/base/progress.h"
+#include "core/octree/parameters.h"
+#include "format/scene/xml/scene_xml.h"
+#include "format/source/source.h"
+#include "scheduler/plan/plan.h"
+#include "scheduler/queue/timeouts.h"
+#include "scheduler/status/bake_status.h"
+#include "worker/pipeline/backend.h"
+
+namespace gigabake {
+
+struct BakeRequest {
+  std::filesystem::path source, out;
+  std::filesystem::path scratch;  ///< folder for the clusters of large tiles during the bake; empty: OUT/scratch
+  SourceOptions source_options;
+  BakeParameters parameters;
+  int threads = 0;                 ///< per rank; 0: the host's cores divided among its ranks
+  std::uint64_t memory_bytes = 0;  ///< per rank; 0: no bound
+  bool is_default_memory = false;  ///< memory_bytes is the default: a rank uses less if its host has less per rank
+  bool keep_going = true;          ///< after a tile or cell failed
+  bool overviews = true;           ///< write overview shards, which contain the levels above the cells
+  Backend backend = Backend::automatic;
+  bool prune = false;     ///< remove shards that the new scene does not use, if it is complete
+  std::vector<int> gpus;  ///< devices of each host to use; empty: all
+  Timeouts timeouts;
+  std::filesystem::path metrics;  ///< file for rank 0's status in Prometheus format; empty: none
+};
+
+/// Callbacks on rank 0, in the order of events; only `steps` is called on every rank.
+struct BakeProgress {
+  Progress steps;  ///< on every rank: steps before the first cell
+  std::function<void(const SceneSources&)> opened;
+  std::function<void(std::size_t done, std::size_t all)> surveyed;  ///< plan_bake() only; a bake has it in `status`
+  std::function<void(const BakePlan&)> planned;
+  std::function<void(const BakeStatus&)> status;  ///< ten times per second
+  std::function<void(const CellReport&, const CellJob&)> cell_done;
+  std::function<void(const std::string&)> info;     ///< one line of information
+  std::function<void(const std::string&)> warning;  ///< one line of warning; the bake continues
+};
+
+/// Results of a bake. Stage seconds are sums over cells; stages of consecutive cells overlap.
+struct BakeSummary {
+  SceneDescription scene;
+  SourcePrecision precision;
+  std::vector<LevelSummary> levels;   ///< of all cells of the scene, per lod
+  std::vector<std::string> warnings;  ///< BakePlan::warnings
+  BakeStatus status;                  ///< at the end
+  double survey_s = 0, bake_s = 0, read_s = 0, kernel_s = 0, write_s = 0;
+  std::uint64_t peak_kernel_bytes = 0;   ///< max over cells
+  std::uint64_t bad_uv = 0;              ///< in the cells of this run; a triangle that crosses cells counts in each
+  std::uint64_t peak_process_bytes = 0;  ///< max over bake processes and rank 0
+  std::size_t cells_planned = 0, cells_empty = 0, cells_on_device = 0;
+  std::size_t cells_taken_over = 0;  ///< reused from earlier bakes into OUT
+  std::size_t lost_ranks = 0;        ///< still lost at the end: no collective call may follow
+  bool is_drained = false;           ///< ended on request with cells left
+  int ranks_with_device = 0;
+  std::string no_device;  ///< reason why rank 0 has no device
+  int ranks = 1, threads = 1;
+  OrphanShards orphans;  ///< kept in OUT, though the scene does not use them
+  OrphanShards pruned;   ///< removed from OUT
+};
+
+/// Collective call. Locks OUT during the bake. Returns early once is_drain_requested() is true; if no cell has been
+/// started by then, throws Stopped on every rank instead. Scene and sums are filled on rank 0 only. OUT/scene.xml is
+/// replaced last; shards that it does not name are kept unless request.prune is set.
+/// Errors  CollectiveFailure, with OUT/scene.xml unchanged: the source cannot be opened or has no triangles; OUT cannot
+///         be written or another bake holds it. CollectiveFailure also if no cell could be baked, or if any input is
+///         missing without keep_going.
+BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress);
+
+/// Result of plan_bake().
+struct PlannedBake {
+  BakePlan plan;  ///< on rank 0 only
+  SharedSources sources;
+  double survey_s = 0;  ///< opening, scan and plan
+};
+
+/// Collective call. Scans and plans only.
+/// Errors  CollectiveFailure and Stopped, as bake(). Sources that bake() would refuse are refused here too.
+PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress);
+
+}  // namespace gigabake

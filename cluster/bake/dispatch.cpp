@@ -1,0 +1,180 @@
+#include "cluster/bake/dispatch.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "cluster/bake/rank_baker.h"
+#include "cluster/mpi/collective.h"
+#include "cluster/mpi/heartbeat.h"
+#include "scheduler/plan/parents.h"
+
+namespace gigabake {
+namespace {
+
+constexpr double heartbeat_interval_s = 1;
+
+/// Executes the decisions of the schedule and reports events back to it.
+class Dispatcher {
+ public:
+  Dispatcher(RankLink& link, const std::vector<CellJob>& jobs, const DispatchOptions& options, DispatchLog& log)
+      : link_(link),
+        orders_(jobs),
+        keep_going_(options.keep_going),
+        log_(log),
+        schedule_(jobs, options),
+        deaths_(std::size_t(link.ranks())),
+        hosts_(std::size_t(link.ranks())) {}
+
+  DispatchResult run(const std::vector<CellReport>& done) {
+    for (const CellReport& report : done) {
+      orders_.is_done(report);
+      schedule_.already_done(report.id);
+    }
+    for (int rank = 0; rank < link_.ranks(); ++rank) schedule_.heard_from(rank, link_.now_s());
+    log_.joined(0, host_name());
+    try {
+      while (!schedule_.is_over()) {
+        step();
+        link_.wait();
+      }
+    } catch (...) {
+      stop_all();  // no rank may wait for a master that has failed
+      throw;
+    }
+    stop_all();
+    result_.counts = schedule_.counts();
+    result_.lost_ranks.assign(lost_.begin(), lost_.end());
+    result_.is_drained = link_.is_drain_requested() && result_.counts.abandoned != 0;
+    return std::move(result_);
+  }
+
+ private:
+  void step() {
+    check_drain();
+    log_.turn();
+    send_heartbeats();
+    dispatch_cells();
+    while (const auto message = link_.receive()) take(*message);
+    schedule_.heard_from(0, link_.now_s());
+    for (const int rank : schedule_.silent(link_.now_s())) {
+      lost_.insert(rank);
+      log_.lost(rank);
+      has_new_events_ = true;
+    }
+    for (const std::uint32_t job : schedule_.take_set_aside()) set_aside(job);
+  }
+
+  void check_drain() {
+    if (!link_.is_drain_requested()) return;
+    log_.draining();
+    schedule_.stop();
+  }
+
+  /// Sends heartbeats to the other ranks. A rank that receives none from rank 0 ends the launch.
+  void send_heartbeats() {
+    if (link_.now_s() - shown_s_ < heartbeat_interval_s) return;
+    shown_s_ = link_.now_s();
+    for (int rank = 1; rank < link_.ranks(); ++rank)
+      if (!lost_.contains(rank)) link_.send(rank, tag_alive, {});
+  }
+
+  /// Dispatches cells in rounds of one cell per rank, so that the most expensive cells are distributed. Rank 0 is last
+  /// in a round because it has the most other work.
+  void dispatch_cells() {
+    if (!std::exchange(has_new_events_, false)) return;
+    for (bool gave = true; gave;) {
+      gave = false;
+      for (int rank = link_.ranks(); rank-- > 0;) {
+        if (lost_.contains(rank)) continue;
+        if (const auto assignment = schedule_.next(rank, link_.now_s())) {
+          log_.handed_out(assignment->job, rank);
+          link_.send(rank, tag_job,
+                     order_bytes(deaths_[std::size_t(rank)], orders_.order(assignment->job), assignment->attempt));
+          gave = true;
+        }
+      }
+    }
+  }
+
+  void take(const Message& message) {
+    hear(message.from);
+    if (message.tag == tag_report) {
+      const BakeAnswer answer = answer_from_bytes(message.bytes);
+      take(message.from, answer.report, answer.attempt);
+    }
+    if (message.tag == tag_died) report_end(message.from, std::string(message.bytes.begin(), message.bytes.end()));
+    if (message.tag == tag_alive) take_heartbeat(message);
+  }
+
+  void hear(int rank) {
+    schedule_.heard_from(rank, link_.now_s());
+    if (lost_.erase(rank) == 0) return;
+    has_new_events_ = true;
+    log_.joined(rank, hosts_[std::size_t(rank)]);
+  }
+
+  void take_heartbeat(const Message& message) {
+    const Heartbeat sign = heartbeat_from_bytes(message.bytes);
+    result_.peak_bytes = std::max(result_.peak_bytes, sign.peak_bytes);
+    std::string& known = hosts_[std::size_t(message.from)];
+    if (known.empty()) log_.joined(message.from, sign.host);
+    known = sign.host;
+  }
+
+  void report_end(int rank, const std::string& why) {
+    ++deaths_[std::size_t(rank)];
+    schedule_.process_died(rank, why, link_.now_s());
+    log_.process_died(rank, why);
+    has_new_events_ = true;
+  }
+
+  void take(int rank, const CellReport& report, std::uint32_t attempt) {
+    has_new_events_ = true;
+    const bool refused = report.outcome == CellOutcome::refused;
+    const bool failed = refused || report.outcome == CellOutcome::failed;
+    const Retry retry = refused ? Retry::useless : Retry::worth_it;
+    const Verdict verdict = failed ? schedule_.failed(rank, report.id, attempt, report.error, link_.now_s(), retry)
+                                   : schedule_.finished(rank, report.id, attempt, link_.now_s());
+    if (verdict == Verdict::stale) return;
+    if (failed) return log_.attempt_failed(report.id);
+    orders_.is_done(report);
+    log_.finished(report, orders_.order(report.id));
+    result_.reports.push_back(report);
+  }
+
+  void set_aside(std::uint32_t job) {
+    CellReport report;
+    report.id = job;
+    report.error = schedule_.error(job);
+    log_.set_aside(report);
+    if (!keep_going_) schedule_.stop();
+    result_.reports.push_back(std::move(report));
+  }
+
+  void stop_all() {
+    for (int rank = 1; rank < link_.ranks(); ++rank) link_.send(rank, tag_stop, {});
+  }
+
+  RankLink& link_;
+  OverviewJobs orders_;
+  const bool keep_going_;
+  DispatchLog& log_;
+  Schedule schedule_;
+  std::vector<std::uint32_t> deaths_;  ///< deaths of each rank's bake process that rank 0 has counted
+  std::vector<std::string> hosts_;     ///< of each rank, once it has sent a heartbeat
+  std::set<int> lost_;
+  DispatchResult result_;
+  double shown_s_ = -heartbeat_interval_s;
+  bool has_new_events_ = true;
+};
+
+}  // namespace
+
+DispatchResult dispatch(RankLink& link, const std::vector<CellJob>& jobs, const std::vector<CellReport>& done,
+                        const DispatchOptions& options, DispatchLog& log) {
+  return Dispatcher(link, jobs, options, log).run(done);
+}
+
+}  // namespace gigabake

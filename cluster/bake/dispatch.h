@@ -1,0 +1,41 @@
+/// Dispatch of cells: rank 0 sends jobs to every rank's bake process, its own included, and collects the reports.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cluster/bake/dispatch_log.h"
+#include "cluster/mpi/mpi_session.h"
+#include "cluster/mpi/rank_link.h"
+#include "cluster/process/bake_process.h"
+#include "format/job/cell_job.h"
+#include "scheduler/queue/schedule.h"
+
+namespace gigabake {
+
+struct DispatchOptions : ScheduleOptions {
+  bool keep_going = true;  ///< after a cell failed permanently; if false, no further cells are dispatched
+};
+
+struct DispatchResult {
+  std::vector<CellReport> reports;  ///< in the order in which they are received; a job without a report was not baked
+  JobCounts counts;
+  std::vector<int> lost_ranks;   ///< still lost at the end: no collective call may follow
+  std::uint64_t peak_bytes = 0;  ///< max over bake processes of other ranks
+  bool is_drained = false;       ///< ended on request with cells left
+};
+
+/// Dispatches jobs; only on rank 0. done: reports of jobs that an earlier run has baked. Sends tag_stop to all other
+/// ranks at the end, also if it throws.
+/// Exact   Each job is reported at most once, even if ranks die or rejoin.
+/// Errors  InputError: a rank's message is malformed.
+DispatchResult dispatch(RankLink& link, const std::vector<CellJob>& jobs, const std::vector<CellReport>& done,
+                        const DispatchOptions& options, DispatchLog& log);
+
+/// Worker loop of every other rank: bakes the cells that rank 0 sends until tag_stop arrives.
+/// Errors  RankLost: no message from rank 0 within four times heartbeat_timeout_s. Before its first message the bound
+///         is that of a collective call. No collective call may follow.
+void work(MpiSession& mpi, BakeProcess& process, double heartbeat_timeout_s);
+
+}  // namespace gigabake

@@ -1,0 +1,18 @@
+/// The error of a bake, or of its plan, that found triangles but no visible voxel.
+#pragma once
+
+#include <string_view>
+
+#include "core/base/error.h"
+#include "format/source/source.h"
+#include "scheduler/plan/plan.h"
+
+namespace gigabake {
+
+/// Returns the error to throw. It names the first invisible material (alpha 0), if there is one.
+/// consequence: completes "nothing is visible, so …".
+/// Cost    Reads the materials of tiles up to the first tile with an invisible material.
+InputError nothing_visible(const std::filesystem::path& source, const SceneSources& sources, const BakePlan& plan,
+                           std::string_view consequence);
+
+}  // namespace gigabake

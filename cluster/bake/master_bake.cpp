@@ -1,0 +1,141 @@
+#include "cluster/bake/master_bake.h"
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <sys/resource.h>
+
+#include "cluster/bake/dispatch.h"
+#include "cluster/bake/empty_scene.h"
+#include "cluster/bake/tile_loss.h"
+#include "cluster/mpi/mpi_rank_link.h"
+#include "core/base/counted.h"
+#include "core/base/error.h"
+#include "core/base/quote.h"
+#include "scheduler/journal/cached_results.h"
+#include "scheduler/plan/estimate.h"
+#include "scheduler/plan/merge.h"
+
+namespace gigabake {
+namespace {
+
+DispatchOptions dispatch_options(const BakeRequest& request, const BakeSummary& summary) {
+  DispatchOptions options;
+  options.slots = slots_of_worker(summary.ranks_with_device);
+  options.keep_going = request.keep_going;
+  options.heartbeat_timeout_s = request.timeouts.heartbeat_timeout_s;
+  return options;
+}
+
+std::uint64_t peak_bytes_here() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return std::uint64_t(usage.ru_maxrss) * 1024;
+}
+
+std::vector<double> costs_of(const BakePlan& plan) {
+  std::vector<double> costs;
+  for (const CellJob& job : plan.jobs) costs.push_back(double(cell_cost(job)));
+  return costs;
+}
+
+void add_times(const std::vector<CellReport>& reports, const BakePlan& plan, BakeSummary& summary) {
+  for (const CellReport& r : reports) {
+    summary.read_s += r.read_s;
+    summary.kernel_s += r.kernel_s;
+    summary.write_s += r.write_s;
+    summary.peak_kernel_bytes = std::max(summary.peak_kernel_bytes, r.peak_bytes);
+    summary.cells_empty += r.outcome == CellOutcome::empty && r.id < plan.cells();
+    summary.cells_on_device += r.on_device;
+    summary.bad_uv += r.bad_uv;
+  }
+}
+
+}  // namespace
+
+void refuse(const BakeRequest& request, const std::vector<SceneLoss>& losses, bool nothing_baked) {
+  if (losses.empty() || (request.keep_going && !nothing_baked)) return;
+  const std::size_t more = losses.size() - 1;
+  const bool is_named = !reason_without_tile(losses[0]).empty();
+  throw InputError(is_named ? std::filesystem::path() : request.source, "",
+                   std::string(nothing_baked ? "nothing could be baked" : "stopped (`no_keep_going`)") +
+                       (more == 0 ? "" : " (" + counted(losses.size(), "loss", "losses") + ")") + ": " +
+                       (is_named ? "" : short_path(losses[0].name) + ": ") + losses[0].reason);
+}
+
+MasterBake::MasterBake(const BakeRequest& request, const SceneSources& sources, const BakePlan& plan,
+                       const OutputFolder& out, const BakeProgress& progress, StatusFeed& feed, BakeSummary& summary)
+    : request_(request),
+      sources_(sources),
+      plan_(plan),
+      out_(out),
+      progress_(progress),
+      feed_(feed),
+      summary_(summary) {}
+
+void MasterBake::run(MpiSession& mpi, BakeProcess& process) {
+  CachedResults prior;
+  {
+    const JournalContent content = read_journal(out_.journal());
+    journal_.emplace(out_.journal(), content);
+    prior = find_cached(plan_, content, request_.out, mpi.cores());
+  }
+  plan_dispatch(prior.done);
+  MpiRankLink link(mpi, process);
+  DispatchLog log(plan_, *journal_, feed_, progress_);
+  DispatchResult result = dispatch(link, plan_.jobs, prior.done, dispatch_options(request_, summary_), log);
+  summary_.cells_taken_over = cells_among(prior.done);
+  summary_.cells_planned = plan_.cells();
+  summary_.is_drained = result.is_drained;
+  summary_.lost_ranks = result.lost_ranks.size();
+  summary_.peak_process_bytes = std::max({result.peak_bytes, process.peak_bytes(), peak_bytes_here()});
+  std::move(prior.done.begin(), prior.done.end(), std::back_inserter(result.reports));
+  add_times(result.reports, plan_, summary_);  // before prior reports are added to the scene: reused cells took no time
+  for (const CellReport& r : result.reports)
+    if (r.outcome == CellOutcome::baked) add_levels(r.levels, r.cell.first_lod, r.cell.copied_lods, summary_.levels);
+  summary_.scene = merge(plan_, result.reports, sources_.origin, request_.parameters);
+  publish();
+}
+
+void MasterBake::plan_dispatch(const std::vector<CellReport>& done) {
+  for (const SceneLoss& l : plan_.losses) feed_.record().lost(l.name, l.reason);
+  feed_.record().planned(plan_.jobs, costs_of(plan_), unix_now_s());
+  for (const CellReport& r : done) feed_.record().already_done(r.id);
+  if (const std::size_t cells = cells_among(done); cells != 0)
+    progress_.info(std::to_string(cells) + " of " + counted(plan_.cells(), "cell") + (cells == 1 ? " is" : " are") +
+                   " complete already");
+  feed_.publish();
+}
+
+std::size_t MasterBake::cells_among(const std::vector<CellReport>& reports) const {
+  return std::size_t(
+      std::count_if(reports.begin(), reports.end(), [this](const CellReport& r) { return r.id < plan_.cells(); }));
+}
+
+/// Drops removed shards from the journal. A failure is harmless because the scene is already published.
+void MasterBake::forget_orphans() {
+  try {
+    journal_->keep_only(plan_.jobs);
+  } catch (const InputError& e) {
+    progress_.warning(std::string("the journal still lists pruned shards: ") + e.what());
+  }
+}
+
+void MasterBake::publish() {
+  feed_.record().enter(BakeState::publishing);
+  feed_.publish();
+  out_.expect_shards(summary_.scene);
+  if (summary_.is_drained && out_.has_whole_scene()) return;  // keep the complete scene until this one is complete
+  refuse(request_, summary_.scene.losses, summary_.scene.cells.empty() && !summary_.is_drained);
+  const bool is_empty = summary_.scene.cells.empty();
+  if (is_empty && summary_.scene.losses.empty())
+    throw nothing_visible(request_.source, sources_, plan_, "nothing was published");
+  if (!is_empty) out_.publish(summary_.scene);  // empty without losses: drained before the first voxel
+  if (request_.prune && summary_.scene.losses.empty()) {
+    summary_.pruned = out_.remove_orphans(summary_.scene);
+    forget_orphans();
+  }
+  summary_.orphans = out_.orphans(summary_.scene);
+}
+
+}  // namespace gigabake

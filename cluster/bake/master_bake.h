@@ -1,0 +1,47 @@
+/// Rank 0's work from the plan to the scene: finds cached results, dispatches the rest, merges the reports, publishes
+/// the scene.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "cluster/bake/bake.h"
+#include "cluster/bake/output_folder.h"
+#include "cluster/bake/status_feed.h"
+#include "cluster/mpi/mpi_session.h"
+#include "cluster/process/bake_process.h"
+#include "scheduler/journal/journal.h"
+
+namespace gigabake {
+
+/// Throws if these losses prevent publication of the scene.
+/// Errors  InputError.
+void refuse(const BakeRequest& request, const std::vector<SceneLoss>& losses, bool nothing_baked);
+
+class MasterBake {
+ public:
+  /// All arguments must outlive it.
+  MasterBake(const BakeRequest& request, const SceneSources& sources, const BakePlan& plan, const OutputFolder& out,
+             const BakeProgress& progress, StatusFeed& feed, BakeSummary& summary);
+
+  /// Bakes the cells that earlier bakes have not left in OUT, publishes the scene and completes the summary.
+  /// Errors  InputError: OUT/scene.xml is unchanged.
+  void run(MpiSession& mpi, BakeProcess& process);
+
+ private:
+  void plan_dispatch(const std::vector<CellReport>& done);
+  std::size_t cells_among(const std::vector<CellReport>& reports) const;
+  void forget_orphans();
+  void publish();
+
+  const BakeRequest& request_;
+  const SceneSources& sources_;
+  const BakePlan& plan_;
+  const OutputFolder& out_;
+  const BakeProgress& progress_;
+  StatusFeed& feed_;
+  BakeSummary& summary_;
+  std::optional<Journal> journal_;
+};
+
+}  // namespace gigabake

@@ -1,0 +1,71 @@
+/// The output folder OUT of a bake, as rank 0 manages it: scene.xml, shards/ and caches for the next bake.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "cluster/process/folder_lock.h"
+#include "format/scene/xml/scene_xml.h"
+
+namespace gigabake {
+
+/// Shards that no cell of the scene uses; they come from earlier parameters, tiles or textures. While they are kept, a
+/// bake with these earlier inputs reuses them.
+struct OrphanShards {
+  std::size_t files = 0;
+  std::uint64_t bytes = 0;
+};
+
+class OutputFolder {
+ public:
+  /// Creates OUT and OUT/shards if they are missing, locks OUT, removes temporary files of killed writers, and tests
+  /// writing. Folders that it created and that stay empty are removed with the object. The lock is held for the
+  /// object's life.
+  /// Errors  InputError: OUT is not a folder, cannot be written, or lies in the source folder, or another bake holds
+  ///         it. Its files are then unchanged.
+  OutputFolder(std::filesystem::path out, const std::filesystem::path& source);
+  /// Moves cells whose shard is not in OUT to the losses: a rank may have written to a local disk.
+  void expect_shards(SceneDescription& scene) const;
+  /// Returns true if scene.xml exists and records no losses.
+  bool has_whole_scene() const;
+  /// Replaces scene.xml; removes pages of the previous scene and temporary files of killed writers.
+  /// Errors  InputError: scene.xml is unchanged.
+  void publish(const SceneDescription& scene) const;
+  OrphanShards orphans(const SceneDescription& scene) const;
+  /// Removes the unreferenced shards and returns their list. Call it only after `scene` is published without losses,
+  /// because shards of missing cells may be valid and useful to the next bake.
+  OrphanShards remove_orphans(const SceneDescription& scene) const;
+
+  std::filesystem::path journal() const { return out_ / "journal"; }
+
+ private:
+  /// Folders created by this object; empty ones are removed with it.
+  class NewFolders {
+   public:
+    NewFolders() = default;
+    ~NewFolders();
+    NewFolders(const NewFolders&) = delete;
+    NewFolders& operator=(const NewFolders&) = delete;
+    void make(const std::filesystem::path& folder);
+
+   private:
+    std::vector<std::filesystem::path> made_;
+  };
+
+  void remove_temporary_files() const;
+
+  std::filesystem::path out_;
+  NewFolders folders_;
+  std::optional<FolderLock> lock_;
+};
+
+/// Returns the file in which a bake into `out` keeps its scan results for the next bake.
+inline std::filesystem::path survey_cache_of(const std::filesystem::path& out) { return out / "survey.cache"; }
+
+/// Checks on every rank, after rank 0 has created the folder, that it is visible.
+/// Errors  InputError: this host does not see the folder.
+void expect_output_folder(const std::filesystem::path& out);
+
+}  // namespace gigabake

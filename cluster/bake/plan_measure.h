@@ -1,0 +1,46 @@
+/// Measured estimate of a bake: bakes samples of the scene into a temporary folder.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "cluster/bake/bake.h"
+#include "cluster/bake/bake_scratch.h"
+#include "cluster/bake/plan_textures.h"
+#include "core/base/progress.h"
+#include "scheduler/plan/size_estimate.h"
+
+namespace gigabake {
+
+struct MeasuredSize {
+  double voxel_size_m = 0;
+  SizeEstimate estimate;
+  std::size_t pieces = 0, tiles = 0;  ///< number of sample pieces baked, and of tiles that they come from
+  std::uint64_t voxels_found = 0;     ///< voxels of lod 0 in the pieces
+  double wall_s = 0;                  ///< wall time of the pieces
+  bool on_device = false;
+  std::string problem;  ///< one line; not empty: why fewer pieces were baked than planned
+};
+
+struct PlanMeasure {
+  std::vector<MeasuredSize> sizes;       ///< half the requested voxel size, the requested size, and twice that size
+  int ranks = 1, threads = 1;            ///< of the bake; pieces are baked by one rank
+  ScratchNeed scratch;                   ///< of the bake's large tiles
+  std::filesystem::path scratch_folder;  ///< the bake's scratch folder; "OUT/scratch" if OUT is not given
+  TextureFindings textures;
+
+  const MeasuredSize& requested() const { return sizes.at(1); }
+};
+
+/// Measures a plan from plan_bake(). Only rank 0 needs to call it. If `measures`, bakes pieces; otherwise estimates
+/// voxels and bytes from the surface area only, and there are no times.
+/// Cost    About 4 s, at most about 20 s; pieces baked by then are used. The driver's start and the first split of a
+///         large tile are extra. At most a few pieces' shards, and the clusters of large tiles, are kept in
+///         request.scratch or in the system's temporary folder.
+/// Errors  InputError: no temporary folder can be made. Stopped. An error of the sources is reported in `problem` of a
+///         size, as is a disk with too little space for large tiles.
+PlanMeasure measure_plan(const MpiSession& mpi, const BakeRequest& request, const SharedSources& sources,
+                         const BakePlan& plan, bool measures, const Progress& progress = {});
+
+}  // namespace gigabake

@@ -1,0 +1,26 @@
+/// The sources of a bake on all ranks: rank 0 opens them once, and every rank's bake process receives the result.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "cluster/mpi/mpi_session.h"
+#include "core/base/progress.h"
+#include "format/source/source.h"
+
+namespace gigabake {
+
+struct SharedSources {
+  SceneSources scene;                                      ///< on rank 0 only; empty elsewhere
+  std::shared_ptr<const std::vector<std::uint8_t>> bytes;  ///< format/job/source_bytes.h, on every rank
+};
+
+/// Collective. Rank 0 opens the source and sends heartbeats to the other ranks during that time.
+/// Errors  CollectiveFailure: an error of open_sources() on rank 0, or another rank does not see the path. Stopped: a
+///         stop was requested on rank 0. RankLost: no message from rank 0 within the timeout of a collective call.
+SharedSources open_shared_sources(MpiSession& mpi, const std::filesystem::path& path, const SourceOptions& options,
+                                  const Progress& progress);
+
+}  // namespace gigabake

@@ -1,0 +1,26 @@
+/// Agreement of all ranks of a launch on one request.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cluster/bake/bake.h"
+#include "cluster/mpi/mpi_session.h"
+
+namespace gigabake {
+
+/// An option as messages name it, and its value as text.
+struct NamedOption {
+  std::string name, value;
+};
+
+/// Collective. Compares the options of all ranks.
+/// Errors  CollectiveUsageError: a rank's value differs from rank 0's; the message names the first such option.
+void expect_same_options(MpiSession& mpi, const std::vector<NamedOption>& own);
+
+/// Collective. Returns rank 0's request with this rank's own threads, memory, devices and scratch folder. Source and
+/// OUT become absolute if there are several ranks, because ranks may have different working directories.
+/// Errors  CollectiveUsageError: source, OUT or an option that affects results differs between ranks.
+BakeRequest agreed_request(MpiSession& mpi, const BakeRequest& own);
+
+}  // namespace gigabake

@@ -1,0 +1,60 @@
+/// Exceptions for bad input and failed I/O. Each message is one line: the place, the expected value and the remedy.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace gigabake {
+
+/// The message length above which paths, the key and other texts of a file or command line lose their middle
+/// (core/base/quote.h). The message's own words are never shortened.
+inline constexpr std::size_t max_message_bytes = 240;
+
+/// The message for a failed allocation.
+inline constexpr const char* not_enough_memory =
+    "not enough memory; give the process more, or use fewer ranks on the machine, fewer threads or smaller tiles";
+
+/// Returns `text` as one line: control characters become spaces. If `max_bytes` (at least 8) is below 200, a longer
+/// text is cut at its end and gets a "…". Otherwise, a longer text loses the middle of its longest words.
+std::string as_line(std::string_view text, std::size_t max_bytes = max_message_bytes);
+
+/// The max length of a file's text that a message quotes.
+inline constexpr std::size_t max_quote_bytes = 60;
+
+/// Returns a file's text for a message: in quotes, on one line, without its middle beyond max_quote_bytes.
+std::string in_quotes(std::string_view text);
+
+/// Returns the message for the user: what(), or the remedy if memory or processes ran out.
+std::string reason_of(const std::exception& error);
+
+/// An error in a file or in an operation on it; caught at the cell boundary and in `main`.
+/// `what()` is one line, "FILE: KEY: MESSAGE (at byte N)", or "KEY: MESSAGE" without a file. Beyond
+/// max_message_bytes, paths and the key lose their middle; cause and remedy remain.
+class InputError : public std::runtime_error {
+ public:
+  InputError(const std::filesystem::path& file, const std::string& key, const std::string& message,
+             std::optional<std::uint64_t> byte_offset = {});
+};
+
+/// An invalid option or combination of options; exit code 2. `what()` has the format of InputError's.
+///
+/// Messages of libraries name a field of a struct between backquotes, because a library has no command-line options.
+/// app/options/flags.h replaces the field by its option before the message is printed.
+class UsageError : public std::runtime_error {
+ public:
+  explicit UsageError(const std::string& message) : std::runtime_error(as_line(message)) {}
+  /// Sets the message "`FIELD`: MESSAGE" for one field with a wrong value.
+  UsageError(std::string_view field, const std::string& message)
+      : std::runtime_error(as_line("`" + std::string(field) + "`: " + message)), field_(field) {}
+  /// Returns the field with the wrong value; empty if the error concerns several fields or none.
+  const std::string& field() const { return field_; }
+
+ private:
+  std::string field_;
+};
+
+}  // namespace gigabake

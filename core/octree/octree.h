@@ -1,0 +1,51 @@
+/// A cell's sparse voxel octree in memory: the result of the kernels and the content of a shard.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/octree/brick.h"
+
+namespace gigabake {
+
+/// The directional data of a voxel of lod 1 and up. Three bytes are its coverage seen along x, y and z. Byte
+/// facing_plane is the plane of its surface, if it has one plane (kernels/body/mip/plane.h).
+inline constexpr std::size_t coverage_bytes = 3, facing_plane = 3, facing_bytes = 4;
+using Facing = std::array<std::uint8_t, facing_bytes>;
+
+/// Returns true if `byte` is a valid plane. The value 0 means no plane. Otherwise the upper bits are the plane's offset
+/// plus 8 (1 to 15). The lower two bits are the fraction of the surface on it (1 to 3).
+constexpr bool is_plane(std::uint8_t byte) { return byte == 0 || (byte < 64 && (byte >> 2) != 0 && (byte & 3) != 0); }
+
+enum class NodeKind : std::uint8_t {
+  brick = 0,          ///< value: the index of the brick in its level
+  constant = 1,       ///< all 512 voxels exist and are equal; children may differ. value: rgba
+  leaf_constant = 2,  ///< like constant, for all finer levels too: no children are stored. value: rgba
+};
+
+/// The octree's nodes: levels from the root (lod = lods-1) to lod 0, in Morton order within a level.
+struct NodeTable {
+  std::vector<std::uint64_t> key;  ///< Morton code (x lowest bit) of the brick in its level
+  std::vector<std::uint8_t> lod;
+  std::vector<NodeKind> kind;
+  std::vector<std::uint8_t> child_mask;  ///< bit c: child c = x | y<<1 | z<<2 is stored
+  std::vector<std::uint32_t>
+      first_child;                   ///< node index of the lowest stored child; the others follow. 0xffffffff: none
+  std::vector<std::uint32_t> value;  ///< brick index, or rgba as bytes r,g,b,a, lowest first
+  std::vector<std::array<std::int8_t, 2>> normal;  ///< constant nodes: octahedral; others: zero
+  std::vector<Facing> facing;                      ///< constant nodes of lod 1 and up; empty if the channel is off
+};
+
+/// The bricks of one level in Morton order. Voxel (x,y,z) of a brick is bit x+8y of word z. The voxels of a brick are
+/// stored in ascending order of word, then bit.
+struct BrickLevel {
+  std::vector<std::uint64_t> mask;   ///< 8 per brick
+  std::vector<std::uint64_t> first;  ///< bricks+1 entries: the index of each brick's first voxel
+  std::vector<std::uint8_t> rgba;    ///< 4 per voxel: sRGB colour, coverage
+  std::vector<std::int8_t> normal;   ///< 2 per voxel: octahedral; empty if the channel is off
+  /// facing_bytes per voxel. Empty at lod 0, where voxels have no directional data, and if the channel is off.
+  std::vector<std::uint8_t> facing;
+};
+
+}  // namespace gigabake

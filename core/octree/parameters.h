@@ -1,0 +1,37 @@
+/// The parameters of a bake. They and the sources determine its result; scene.xml and fingerprints contain them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/base/rules.h"
+#include "core/math/frames.h"
+
+namespace gigabake {
+
+struct BakeParameters {
+  double voxel_size_m = 0;                   ///< > 0
+  std::array<double, 3> lattice_origin_m{};  ///< scene position of the lowest corner of voxel 0,0,0
+  std::uint32_t cell_voxels = 1024;          ///< N: a power of two, 8 … 8192
+  SurfaceRule surface = SurfaceRule::area;
+  MipFilter mip = MipFilter::coverage;
+  bool normals = true;
+  bool facing = true;           ///< coverage along each axis; only for MipFilter::coverage: has_facing()
+  std::uint32_t max_error = 0;  ///< max deviation of a stored voxel, codes of 255, 0 … 127 (docs/accuracy.md)
+  Codec codec = Codec::deflate;
+};
+
+/// Returns true if the shards of such a bake have the channel `facing`.
+bool has_facing(const BakeParameters& parameters);
+/// Returns one line of JSON with fixed key order and shortest round-trip numbers: equal parameters give equal text.
+std::string to_json(const BakeParameters& parameters);
+/// Parses the text of to_json().
+/// Errors  InputError if `json` is invalid; UsageError like check().
+BakeParameters parameters_from_json(const std::string& json);
+/// Checks the ranges of all fields.
+/// Errors  UsageError with the field whose value is out of range.
+void check(const BakeParameters& parameters);
+
+}  // namespace gigabake

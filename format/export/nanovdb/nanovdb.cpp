@@ -1,0 +1,146 @@
+#include "format/export/nanovdb/nanovdb.h"
+
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "core/base/error.h"
+#include "core/math/octahedral.h"
+#include "format/export/nanovdb/nanovdb_grid.h"
+#include "format/system/publish.h"
+
+namespace gigabake {
+namespace {
+
+using namespace nanovdb_layout;
+
+/// Converts a brick to a leaf; value(n) returns the stored value of voxel n.
+template <class Value, class ValueOf>
+LeafNode<Value> leaf_of(const LevelIndex& lowest, const DenseBrick& brick, const ValueOf& value) {
+  auto leaf = LeafNode<Value>();
+  IndexBox box;
+  for (std::size_t voxel = 0; voxel < brick_voxels; ++voxel) {
+    if (!brick.has(voxel)) continue;
+    const std::array<std::size_t, 3> at{voxel & 7, voxel >> 3 & 7, voxel >> 6};
+    const std::size_t n = at[0] << 6 | at[1] << 3 | at[2];
+    leaf.mask[n >> 6] |= std::uint64_t(1) << (n & 63);
+    leaf.values[n] = value(voxel);
+    for (std::size_t c = 0; c < 3; ++c) {
+      box.min[c] = std::min(box.min[c], std::int32_t(lowest[c] + std::int64_t(at[c])));
+      box.max[c] = std::max(box.max[c], std::int32_t(lowest[c] + std::int64_t(at[c])));
+    }
+  }
+  leaf.box_min = box.min;
+  for (std::size_t c = 0; c < 3; ++c) leaf.box_extent[c] = std::uint8_t(box.max[c] - box.min[c]);
+  return leaf;
+}
+
+IndexBox box_of(const LeafNode<Rgba8>& leaf) {
+  IndexBox box{leaf.box_min, leaf.box_min};
+  for (std::size_t c = 0; c < 3; ++c) box.max[c] += leaf.box_extent[c];
+  return box;
+}
+
+NanovdbTree tree_of(const PagedScene& scene, int lod, const Progress& progress) {
+  NanovdbTree tree;
+  const auto add = [&](const LevelIndex& lowest, const DenseBrick&) {
+    for (const std::int64_t i : lowest)
+      if (i != std::int32_t(i))
+        throw InputError(scene.file(), "LatticeMin", "NanoVDB cannot store indices of more than 32 bits");
+    tree.add(lowest);
+  };
+  for_each_block_part(scene, lod, add, progress);
+  tree.finish();
+  return tree;
+}
+
+/// The grids of a file and their offsets.
+class NanovdbWriter {
+ public:
+  NanovdbWriter(NanovdbTree& tree, const NanovdbFrame& frame, bool normals)
+      : tree_(tree), rgba_("rgba", tree, frame), written_(tree.leaves().size()) {
+    std::uint64_t at = sizeof(FileHeader) + head_bytes(rgba_);
+    if (normals) at += head_bytes(normal_.emplace("normal", tree, frame));
+    rgba_.begin_at(at);
+    at += rgba_.bytes();
+    if (normal_) normal_->begin_at(at);
+    bytes_ = at + (normal_ ? normal_->bytes() : 0);
+  }
+
+  std::uint64_t bytes() const { return bytes_; }
+
+  /// Returns false if the tree has no such leaf.
+  bool write_leaf(RandomAccessFile& file, const LevelIndex& lowest, const DenseBrick& brick) {
+    const std::uint32_t leaf = tree_.leaf(lowest);
+    if (leaf == written_.size()) return false;
+    const auto rgba = leaf_of<Rgba8>(lowest, brick, [&](std::size_t voxel) { return Rgba8{brick.rgba[voxel]}; });
+    rgba_.write_leaf(file, leaf, rgba, written_[leaf]);
+    if (normal_)
+      normal_->write_leaf(
+          file, leaf,
+          leaf_of<Vec3f>(lowest, brick,
+                         [&](std::size_t voxel) { return Vec3f{unit_normal(brick.normal[voxel].data())}; }),
+          written_[leaf]);
+    written_[leaf] = true;
+    tree_.widen(leaf, box_of(rgba));
+    return true;
+  }
+
+  /// Writes everything except the leaves. Call it after the last leaf.
+  void write_nodes(RandomAccessFile& file) {
+    FileHeader header;
+    header.grids = normal_ ? 2 : 1;
+    file.write_value(0, header);
+    const std::uint64_t second = write_meta_data(file, sizeof header, rgba_);
+    if (normal_) write_meta_data(file, second, *normal_);
+    rgba_.write_nodes(file);
+    if (normal_) normal_->write_nodes(file);
+  }
+
+ private:
+  template <class Value>
+  static std::uint64_t head_bytes(const NanovdbGrid<Value>& grid) {
+    return sizeof(FileMetaData) + grid.name().size() + 1;
+  }
+  /// Returns the offset of the next metadata.
+  template <class Value>
+  static std::uint64_t write_meta_data(RandomAccessFile& file, std::uint64_t at, const NanovdbGrid<Value>& grid) {
+    file.write_value(at, grid.meta_data());
+    file.write(at + sizeof(FileMetaData),
+               {reinterpret_cast<const std::uint8_t*>(grid.name().c_str()), grid.name().size() + 1});
+    return at + head_bytes(grid);
+  }
+
+  NanovdbTree& tree_;
+  NanovdbGrid<Rgba8> rgba_;
+  std::optional<NanovdbGrid<Vec3f>> normal_;
+  std::vector<bool> written_;
+  std::uint64_t bytes_ = 0;
+};
+
+}  // namespace
+
+std::uint64_t export_nanovdb(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& nvdb,
+                             const Progress& progress) {
+  const auto [scene, voxels] = open_scene_level(scene_xml, lod);
+  Publication publication(nvdb);
+  progress.step("finding the bricks", voxels);
+  NanovdbTree tree = tree_of(scene, lod, progress);
+  const SceneHeader& header = scene.header();
+  NanovdbWriter writer(tree, {std::ldexp(header.voxel_size_m, lod), header.lattice_origin_m, voxels},
+                       header.has_normals);
+  {
+    RandomAccessFile file(nvdb, publication.aside(), writer.bytes());
+    progress.step("writing the voxels", voxels);
+    const auto write = [&](const LevelIndex& lowest, const DenseBrick& brick) {
+      if (!writer.write_leaf(file, lowest, brick))
+        throw InputError(scene_xml, "", "its shards changed during the export");
+    };
+    for_each_block_part(scene, lod, write, progress);
+    writer.write_nodes(file);
+  }
+  publication.publish();
+  return voxels;
+}
+
+}  // namespace gigabake

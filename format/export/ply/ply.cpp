@@ -1,0 +1,113 @@
+#include "format/export/ply/ply.h"
+
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+#include <fstream>
+
+#include "core/base/error.h"
+#include "core/math/octahedral.h"
+#include "format/scene/scene_level.h"
+#include "format/scene/xml/scene_xml.h"
+#include "format/shard/levels/brick_walk.h"
+#include "format/system/publish.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::size_t vertex_bytes = 3 * 8 + 3 * 4 + 4 + 3 * 4;
+
+std::string header(const SceneHeader& scene, int lod, std::uint64_t voxels) {
+  return fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment {}, lod {}, voxels of {} m\nelement vertex {}\n"
+      "property double x\nproperty double y\nproperty double z\nproperty int i\nproperty int j\nproperty int k\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
+      "property float nx\nproperty float ny\nproperty float nz\nend_header\n",
+      scene.generator, lod, std::ldexp(scene.voxel_size_m, lod), voxels);
+}
+
+/// Writes the vertices shard by shard.
+class VertexStream {
+ public:
+  VertexStream(const SceneHeader& scene, int lod, const std::filesystem::path& target,
+               const std::filesystem::path& aside, const Progress& progress)
+      : scene_(scene), lod_(lod), target_(target), progress_(progress), out_(aside, std::ios::binary) {}
+
+  void write(std::string_view bytes) {
+    errno = 0;
+    if (!out_.write(bytes.data(), std::streamsize(bytes.size())))
+      throw InputError(target_, "", std::string("cannot write: ") + std::strerror(errno));
+  }
+
+  void write_shard(const std::filesystem::path& shard, const ReadLevel& read) {
+    const std::array<std::int64_t, 3>& low = read.header.lattice_min;
+    for_each_voxel_of_level(
+        read.nodes, read.level, lod_ - int(read.header.first_lod),
+        [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
+          add_vertex(shard,
+                     {low[0] + (std::int64_t(x) << lod_), low[1] + (std::int64_t(y) << lod_),
+                      low[2] + (std::int64_t(z) << lod_)},
+                     rgba, normal);
+        });
+  }
+
+  void finish() {
+    flush();
+    out_.close();
+    if (!out_) throw InputError(target_, "", std::string("cannot write: ") + std::strerror(errno));
+  }
+
+ private:
+  void add_vertex(const std::filesystem::path& shard, const std::array<std::int64_t, 3>& corner,
+                  const std::uint8_t* rgba, const std::int8_t* normal) {
+    if (used_ + vertex_bytes > buffer_.size()) flush();
+    char* const to = buffer_.data() + used_;
+    const double half = std::ldexp(0.5, lod_);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double centre_m = scene_.lattice_origin_m[c] + (double(corner[c]) + half) * scene_.voxel_size_m;
+      const std::int64_t index = corner[c] >> lod_;
+      const auto index32 = std::int32_t(index);
+      if (index != index32) throw InputError(shard, "lattice_min", "a PLY cannot store indices of more than 32 bits");
+      std::memcpy(to + 8 * c, &centre_m, 8);
+      std::memcpy(to + 24 + 4 * c, &index32, 4);
+    }
+    std::memcpy(to + 36, rgba, 4);
+    const std::array<float, 3> n = scene_.has_normals ? unit_normal(normal) : std::array<float, 3>{};
+    std::memcpy(to + 40, n.data(), 12);
+    used_ += vertex_bytes;
+  }
+  void flush() {
+    write({buffer_.data(), used_});
+    progress_.advance(used_ / vertex_bytes);
+    used_ = 0;
+  }
+
+  const SceneHeader& scene_;
+  int lod_;
+  const std::filesystem::path& target_;
+  const Progress& progress_;
+  std::ofstream out_;
+  std::array<char, vertex_bytes * 4096> buffer_;
+  std::size_t used_ = 0;
+};
+
+}  // namespace
+
+std::uint64_t export_ply(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& ply,
+                         const Progress& progress) {
+  const auto [scene, voxels] = open_scene_level(scene_xml, lod);
+  Publication publication(ply);
+  progress.step("writing the voxels", voxels);
+  VertexStream stream(scene.header(), lod, ply, publication.aside(), progress);
+  stream.write(header(scene.header(), lod, voxels));
+  for_each_shard_of_level(scene, lod, [&paged = scene, &stream, lod](const SceneCell& shard) {
+    stream.write_shard(paged.folder() / shard.file, read_level(paged, shard, lod));
+  });
+  stream.finish();
+  publication.publish();
+  return voxels;
+}
+
+}  // namespace gigabake

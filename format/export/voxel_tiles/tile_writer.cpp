@@ -1,0 +1,122 @@
+#include "format/export/voxel_tiles/tile_writer.h"
+
+#include <span>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/io/bytes.h"
+#include "core/octree/morton.h"
+#include "format/system/hash_bytes.h"
+#include "format/system/output_file.h"
+#include "format/system/read_file.h"
+
+namespace gigabake {
+namespace {
+
+/// Returns the range of a padded box on the lattice, extended by one voxel for levels of earlier bakes that are not
+/// aligned with it.
+LatticeBox reach_of(const LevelBox& box, int lod) {
+  LatticeBox reach = on_lattice(box, lod);
+  for (std::int64_t& end : reach.end) end += std::int64_t(1) << lod;
+  return reach;
+}
+
+GridOrder order_of(TilesetForm form) {
+  return form == TilesetForm::gltf_2_1 ? GridOrder::right_forward_up : GridOrder::y_up;
+}
+
+}  // namespace
+
+TileBox box_of(const VoxelTiling& tiling, const SceneHeader& scene, const TilePlace& tile) {
+  const double voxel_m = scene.voxel_size_m;
+  TileBox box;
+  box.edge_m = double(std::int64_t(tiling.edge) << tiling.lod(tile.level)) * voxel_m;
+  const BrickCoordinate at = demorton(tile.key);
+  const std::array<std::uint32_t, 3> place{at.x, at.y, at.z};
+  for (std::size_t c = 0; c < 3; ++c)
+    box.centre_m[c] = (scene.lattice_origin_m[c] + double(tiling.corner[c]) * voxel_m) + (place[c] + 0.5) * box.edge_m;
+  return box;
+}
+
+TileWriter::TileWriter(const TileSource& source, std::filesystem::path target, std::filesystem::path folder)
+    : source_(source),
+      target_(std::move(target)),
+      folder_(std::move(folder)),
+      grid_(source.tiling.edge, source.scene.header().has_normals, order_of(source.form)) {}
+
+TileRecord TileWriter::write(const TilePlace& tile) {
+  fill(tile);
+  return write_file(tile);
+}
+
+std::optional<Hash128> TileWriter::made_of(const TilePlace& tile) {
+  const int lod = source_.tiling.lod(tile.level);
+  if (source_.made.has(lod)) return std::nullopt;
+  const LatticeBox reach = reach_of(source_.tiling.padded_box(tile), lod);
+  ByteWriter writer;
+  for (const LevelOwner& owner : owners_near(tile)) {
+    if (intersection(window_of(owner.shard), reach).is_empty()) continue;
+    writer.put(owner.shard.lattice_min);
+    writer.put(owner.shard.cell_voxels);
+    writer.put(owner.shard.content_hash.at(std::size_t(lod) - owner.shard.first_lod));
+  }
+  return hash_of_bytes(writer.take());
+}
+
+bool TileWriter::take_over(const TilePlace& tile, const TileRecord& record, const std::filesystem::path& from) {
+  const std::filesystem::path earlier = from / name_of(tile), to = folder_ / name_of(tile);
+  std::error_code failed;
+  if (std::filesystem::file_size(earlier, failed) != record.bytes || failed) return false;
+  if (hash_of_bytes(read_whole_file(earlier)) != record.checksum) return false;
+  std::filesystem::create_directories(to.parent_path());
+  std::filesystem::create_hard_link(earlier, to, failed);
+  if (failed) std::filesystem::copy_file(earlier, to, failed);
+  if (failed) throw InputError(to, "", "cannot be written: " + failed.message());
+  return true;
+}
+
+TileRecord TileWriter::write_empty(const TilePlace& tile) {
+  grid_.clear(source_.tiling.padded_box(tile));
+  return write_file(tile);
+}
+
+void TileWriter::fill(const TilePlace& tile) {
+  const LevelBox box = source_.tiling.padded_box(tile);
+  const int lod = source_.tiling.lod(tile.level);
+  const auto set = [this](const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal) {
+    grid_.set(at, rgba, normal);
+  };
+  grid_.clear(box);
+  if (source_.made.has(lod)) {
+    for (const DerivedLevels::Voxel& v : source_.made.level(lod))
+      if (holds(box, v.at)) set(v.at, v.rgba.data(), v.normal.data());
+    return;
+  }
+  const LatticeBox reach = reach_of(box, lod);
+  for (const LevelOwner& owner : owners_near(tile))
+    if (!intersection(window_of(owner.shard), reach).is_empty())
+      source_.levels.get(owner.shard, lod)->for_each_voxel_in(box, set);
+}
+
+const std::vector<LevelOwner>& TileWriter::owners_near(const TilePlace& tile) {
+  const TilePlace block{tile.level, tile.key >> 6 << 6};
+  if (block == block_) return owners_;
+  const int lod = source_.tiling.lod(tile.level);
+  LevelBox box = source_.tiling.padded_box(block);
+  for (std::int64_t& end : box.end) end += 3 * std::int64_t(source_.tiling.edge);
+  owners_ = source_.owners.of(lod, reach_of(box, lod));
+  block_ = block;
+  return owners_;
+}
+
+TileRecord TileWriter::write_file(const TilePlace& tile) {
+  OutputFile out(target_, folder_ / name_of(tile));
+  const TileBox box = box_of(source_.tiling, source_.scene.header(), tile);
+  source_.form == TilesetForm::gltf_2_1 ? make_voxel_node(grid_, box, file_) : make_voxel_tile(grid_, box, file_);
+  const std::span<const std::uint8_t> packed = packer_.packed(file_);
+  out.write(packed);
+  out.finish();
+  return {{}, grid_.statistics(), packed.size(), hash_of_bytes(packed)};
+}
+
+}  // namespace gigabake

@@ -1,0 +1,69 @@
+/// Writer of a scene's voxels as tiles.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/io/hash128.h"
+#include "format/export/derived_levels.h"
+#include "format/export/level_owners.h"
+#include "format/export/shard_levels.h"
+#include "format/export/voxel_grid.h"
+#include "format/export/voxel_tiles/gzip_pack.h"
+#include "format/export/voxel_tiles/tileset_record.h"
+#include "format/export/voxel_tiles/voxel_tile.h"
+#include "format/export/voxel_tiles/voxel_tileset.h"
+#include "format/export/voxel_tiles/voxel_tiling.h"
+
+namespace gigabake {
+
+/// Returns the tile's box in scene metres, without padding.
+TileBox box_of(const VoxelTiling& tiling, const SceneHeader& scene, const TilePlace& tile);
+
+/// State shared by all threads. Borrows its members.
+struct TileSource {
+  const PagedScene& scene;
+  const LevelOwners& owners;
+  const DerivedLevels& made;
+  const VoxelTiling& tiling;
+  ShardLevels& levels;
+  TilesetForm form;
+};
+
+/// Writer for one thread. Consecutive tiles at neighbouring positions cost less.
+class TileWriter {
+ public:
+  /// Messages name `target`; tiles are written below `folder`.
+  TileWriter(const TileSource& source, std::filesystem::path target, std::filesystem::path folder);
+
+  /// Writes the tile. Returns the statistics of the tile's voxels and its file's size and checksum; made_of is not set.
+  /// Errors  InputError: damaged or missing shards, disk full.
+  TileRecord write(const TilePlace& tile);
+  /// Returns a hash that is equal if the tile's voxels and those around it are equal. Returns nullopt for derived
+  /// levels.
+  std::optional<Hash128> made_of(const TilePlace& tile);
+  /// Links or copies the same tile from an earlier export's folder. Returns false if that file is missing or does not
+  /// match the record; the caller must then write the tile.
+  /// Errors  InputError: the tile cannot be written here.
+  bool take_over(const TilePlace& tile, const TileRecord& record, const std::filesystem::path& from);
+  /// Writes a tile without voxels.
+  TileRecord write_empty(const TilePlace& tile);
+
+ private:
+  void fill(const TilePlace& tile);
+  const std::vector<LevelOwner>& owners_near(const TilePlace& tile);
+  TileRecord write_file(const TilePlace& tile);
+  std::string name_of(const TilePlace& tile) const { return "tiles/" + path_of(tile) + ".glb"; }
+
+  TileSource source_;
+  std::filesystem::path target_, folder_;
+  VoxelGrid grid_;
+  GzipPacker packer_;
+  std::vector<std::uint8_t> file_;         ///< content before gzip
+  TilePlace block_{~std::uint32_t(0), 0};  ///< block of 4³ tiles whose owners are in owners_
+  std::vector<LevelOwner> owners_;
+};
+
+}  // namespace gigabake

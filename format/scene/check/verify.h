@@ -1,0 +1,36 @@
+/// Verification of a scene: every checksum, reference and invariant of its shards.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "format/scene/check/missing_data.h"
+#include "format/scene/xml/scene_xml.h"
+
+namespace gigabake {
+
+struct VerifyResult {
+  std::uint64_t cells = 0, voxels = 0, bytes = 0;  ///< as stored in scene.xml
+  bool has_totals = true;           ///< whether scene.xml stores the number of cells; if not, a lost cell is not
+                                    ///< detected
+  MissingData missing;              ///< as stored in scene.xml
+  std::vector<std::string> faults;  ///< one line each: file, dataset, fault; in the scene's order
+};
+
+/// Returns the faults of an overview compared with its children, one line each. Must be thread-safe.
+/// children: the cells or overviews directly below it that its window overlaps.
+using ParentCheck = std::function<std::vector<std::string>(const SceneHeader& scene, const SceneCell& parent,
+                                                           std::span<const SceneCell> children)>;
+
+/// Reads every shard completely and compares it with scene.xml, including the hashes of its voxels.
+/// Cost    One read of all shards; one cell in memory for each of `threads`.
+/// Errors  InputError if scene.xml itself cannot be read; faults of shards are returned. Stopped.
+VerifyResult verify_scene(const std::filesystem::path& scene_xml, int threads, const Progress& progress = {},
+                          const ParentCheck& check_parent = {});
+
+}  // namespace gigabake

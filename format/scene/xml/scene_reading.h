@@ -1,0 +1,60 @@
+/// The raw content of a scene.xml and the faults of its text. verify reports all faults; read_scene() rejects those
+/// that would make voxels wrong.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "format/scene/scene_page.h"
+#include "format/scene/xml/scene_xml.h"
+
+namespace gigabake {
+
+inline constexpr int newest_scene_version = 5;
+
+/// A fault in a scene.xml.
+struct SceneFault {
+  std::string key, message;                  ///< key: element and attribute
+  std::optional<std::uint64_t> byte_offset;  ///< position of the element
+};
+InputError error_of(const std::filesystem::path& file, const SceneFault& fault);
+
+/// Stored summary of all cells and overviews, in the root.
+struct StoredTotals {
+  std::uint64_t cells = 0;
+  std::vector<std::uint64_t> voxels;  ///< per lod
+  Hash128 content_hash;               ///< of all lods
+  std::uint64_t parents = 0;          ///< none before version 3
+};
+
+struct SceneReading {
+  SceneDescription scene;            ///< cells and overviews that scene.xml itself lists
+  std::vector<PageReference> pages;  ///< instead of cells
+  int version = newest_scene_version;
+  std::optional<StoredTotals> said;   ///< empty in version 1
+  std::optional<SceneTotals> totals;  ///< stored by version 3 and later
+  /// Unknown or missing parts that affect no voxel; a wrong checksum.
+  std::vector<SceneFault> faults;
+};
+
+/// Reads scene.xml without its pages.
+/// Errors  InputError: not XML; unknown version; an attribute that determines voxels or their positions is missing or
+///         malformed; shard paths leave the folder.
+SceneReading read_scene_text(const std::filesystem::path& path);
+
+/// The raw content of a page.
+struct PageReading {
+  ScenePage page;
+  std::vector<SceneFault> faults;          ///< see SceneReading::faults
+  std::vector<SceneFault> contradictions;  ///< faults that read_page() rejects
+};
+/// Reads a page.
+/// Errors  InputError: see read_page(), except for contradictions.
+PageReading read_page_text(const std::filesystem::path& scene_xml, const SceneHeader& header,
+                           const PageReference& reference);
+
+}  // namespace gigabake

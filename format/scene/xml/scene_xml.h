@@ -1,0 +1,102 @@
+/// The list of a scene's shards and their positions (scene.xml, the thesis's schema with our attributes;
+/// docs/format.md).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <iterator>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/math/frames.h"
+#include "format/shard/shard.h"
+
+namespace gigabake {
+
+/// One cell or one overview in a scene's list.
+struct SceneCell {
+  std::string name;
+  std::string file;  ///< shard, relative to the scene.xml
+  std::array<std::int64_t, 3> lattice_min{};
+  std::uint32_t cell_voxels = 0;
+  std::uint32_t lods = 0;
+  std::uint64_t bytes = 0;
+  std::uint64_t triangles = 0;
+  std::vector<std::uint64_t> voxels;  ///< per lod
+  Hash128 fingerprint;
+  std::vector<Hash128> content_hash;            ///< per lod
+  std::vector<std::uint64_t> level_bytes = {};  ///< part of `bytes`, per lod, as stored; empty: not recorded
+  std::uint64_t node_bytes = 0;                 ///< recorded together with level_bytes
+  std::uint32_t first_lod = 0;                  ///< lattice level of the shard's level 0. 0: a cell; else an overview
+  std::uint32_t copied_lods = 0;                ///< number of finest levels that duplicate the children's; overviews
+                                                ///< only
+
+  /// Returns the finest native level on the lattice. Sums over a scene start here, to count duplicated levels once.
+  std::uint32_t own_lod() const { return first_lod + copied_lods; }
+  /// Returns the number of voxels on native levels.
+  std::uint64_t own_voxels() const {
+    return std::accumulate(voxels.begin() + std::min<std::ptrdiff_t>(copied_lods, std::ssize(voxels)), voxels.end(),
+                           std::uint64_t(0));
+  }
+};
+
+/// An input, cell or overview that the bake could not process.
+struct SceneLoss {
+  std::string name, reason;
+};
+
+/// The levels shared by all overviews of one size (an overview level). Their windows are aligned to their edge. The
+/// root, the only overview of its level, is aligned to half of its edge.
+struct TierShape {
+  std::uint32_t first_lod = 0, copied_lods = 0, lods = 0;  ///< see SceneCell
+
+  std::uint32_t own_lod() const { return first_lod + copied_lods; }
+  std::uint32_t end_lod() const { return first_lod + lods; }
+  /// Returns log2 of a window's edge in voxels of lod 0.
+  int window_bits() const { return int(end_lod()) + 2; }
+  friend bool operator==(const TierShape&, const TierShape&) = default;
+};
+
+/// The content of scene.xml that does not depend on the number of cells.
+struct SceneHeader {
+  std::string generator;
+  double voxel_size_m = 0;
+  std::array<double, 3> lattice_origin_m{};
+  std::optional<Geodetic> origin;
+  bool has_normals = true;
+  bool has_facing = false;
+  std::string parameters;  ///< the bake's parameters as one line of JSON
+  std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
+  std::vector<SceneLoss> losses;
+  std::vector<TierShape> tiers;  ///< empty unless all cells have one root and scene.xml lists them (tier_shape.h);
+                                 ///< write_scene() uses the overviews instead
+};
+
+/// A scene with all its cells in memory, about 700 bytes each. Use PagedScene to visit cell by cell.
+struct SceneDescription : SceneHeader {
+  std::vector<SceneCell> cells;    ///< sorted by lattice_min z, y, x
+  std::vector<SceneCell> parents;  ///< overviews, each after its children
+};
+
+/// Rule for splitting a scene into pages; bakes use the defaults.
+struct PageRule {
+  std::size_t max_cells_per_file = 4096;  ///< a scene with more cells has pages
+  std::uint32_t block_cells = 16;  ///< cells along an edge of a finest block; also blocks along an edge of the next; 2,
+                                   ///< 4, 8, …
+  std::size_t max_groups_per_file = 256;  ///< max page references in scene.xml
+};
+
+/// Writes the new pages, then replaces `path` atomically (temporary file, fsync, rename, fsync folder). Previous pages
+/// remain; call remove_unused_pages(). A scene whose cells have several sizes has no pages.
+void write_scene(const std::filesystem::path& path, const SceneDescription& scene, const PageRule& rule = {});
+/// Reads the scene with all its cells, including cells of pages.
+/// Errors  InputError: not XML, unknown version, missing or malformed attribute, shard paths leaving the folder. Also:
+///         a page is missing or does not match its reference, or totals do not match the cells.
+SceneDescription read_scene(const std::filesystem::path& path);
+
+}  // namespace gigabake

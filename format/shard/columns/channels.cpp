@@ -1,0 +1,15 @@
+#include "format/shard/columns/channels.h"
+
+namespace gigabake {
+
+std::string channel_names(bool has_normals, bool has_facing) {
+  return std::string("rgba") + (has_normals ? " normal" : "") + (has_facing ? " facing" : "");
+}
+
+bool parse_channels(std::string_view text, bool& has_normals, bool& has_facing) {
+  has_normals = text.find(" normal") != std::string_view::npos;
+  has_facing = text.find(" facing") != std::string_view::npos;
+  return text == channel_names(has_normals, has_facing);
+}
+
+}  // namespace gigabake

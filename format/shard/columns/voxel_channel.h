@@ -1,0 +1,100 @@
+/// The channels of a voxel: the column that stores each of them, and its position in memory. To add a channel, add it
+/// here, to BrickLevel and to BrickBlock. Code that writes, reads, pages and shares values iterates over the channels.
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+#include <vector>
+
+#include "core/codec/packed_level.h"
+#include "format/shard/hdf5/hdf5_file.h"
+#include "format/shard/shard.h"
+
+namespace gigabake {
+
+struct VoxelChannel {
+  const char* name;    ///< of the column
+  Hdf5Type type;       ///< of one element
+  std::size_t width;   ///< bytes per voxel
+  VoxelArray array;    ///< array that holds the channel in memory
+  std::size_t offset;  ///< first byte within the array's entry per voxel
+};
+
+/// Returns whether shards of that version store, per voxel, the position of its surface along the normal. Others have
+/// no planes.
+inline bool has_planes(std::int32_t version, const ShardHeader& header) {
+  return version >= 3 && header.has_facing && header.has_normals;
+}
+
+/// Returns the channels that a shard of that version stores per voxel of a level.
+inline std::vector<VoxelChannel> stored_channels(std::int32_t version, const ShardHeader& header, int lod) {
+  std::vector<VoxelChannel> channels;
+  if (version == 1)
+    channels = {{"rgba", Hdf5Type::u8, 4, VoxelArray::rgba, 0}};
+  else
+    channels = {{"rgb", Hdf5Type::u8, 3, VoxelArray::rgba, 0}, {"alpha", Hdf5Type::u8, 1, VoxelArray::rgba, 3}};
+  if (header.has_normals) channels.push_back({"normal", Hdf5Type::i8, 2, VoxelArray::normal, 0});
+  if (header.has_facing && int(header.first_lod) + lod > 0) {
+    channels.push_back({"facing", Hdf5Type::u8, coverage_bytes, VoxelArray::facing, 0});
+    if (has_planes(version, header)) channels.push_back({"plane", Hdf5Type::u8, 1, VoxelArray::facing, facing_plane});
+  }
+  return channels;
+}
+
+/// One channel in memory: the bytes of voxel v begin at first + v·stride. Borrowed.
+template <class Byte>
+struct ChannelBytes {
+  Byte* first;
+  std::size_t stride;
+  Byte* operator[](std::size_t voxel) const { return first + voxel * stride; }
+};
+
+/// Calls body(width) with a compile-time width for widths 1 to 3. The copies are then instructions, not calls.
+template <class Body>
+void with_known_width(std::size_t width, const Body& body) {
+  switch (width) {
+    case 1:
+      return body(std::integral_constant<std::size_t, 1>());
+    case 2:
+      return body(std::integral_constant<std::size_t, 2>());
+    case 3:
+      return body(std::integral_constant<std::size_t, 3>());
+    default:
+      return body(width);
+  }
+}
+
+inline std::size_t bytes_a_voxel(VoxelArray array) {
+  return array == VoxelArray::rgba ? 4 : array == VoxelArray::normal ? 2 : facing_bytes;
+}
+
+/// Calls use(array) with the vector that holds the channel. Bricks: BrickLevel or BrickBlock.
+template <class Bricks, class Use>
+auto with_array(const VoxelChannel& channel, Bricks& bricks, const Use& use) {
+  if (channel.array == VoxelArray::rgba) return use(bricks.rgba);
+  return channel.array == VoxelArray::facing ? use(bricks.facing) : use(bricks.normal);
+}
+
+template <class Bricks>
+std::size_t array_bytes(const VoxelChannel& channel, const Bricks& bricks) {
+  return with_array(channel, bricks, [](const auto& array) { return array.size(); });
+}
+
+template <class Bricks>
+ChannelBytes<const std::uint8_t> bytes_of(const VoxelChannel& channel, const Bricks& bricks) {
+  const auto* bytes = with_array(channel, bricks,
+                                 [](const auto& array) { return reinterpret_cast<const std::uint8_t*>(array.data()); });
+  return {bytes + channel.offset, bytes_a_voxel(channel.array)};
+}
+
+/// Resizes the channel's array to `voxels` entries and returns its bytes.
+template <class Bricks>
+ChannelBytes<std::uint8_t> resize_channel(const VoxelChannel& channel, std::size_t voxels, Bricks& bricks) {
+  auto* bytes = with_array(channel, bricks, [&](auto& array) {
+    array.resize(bytes_a_voxel(channel.array) * voxels);
+    return reinterpret_cast<std::uint8_t*>(array.data());
+  });
+  return {bytes + channel.offset, bytes_a_voxel(channel.array)};
+}
+
+}  // namespace gigabake

@@ -1,0 +1,121 @@
+#include "format/shard/levels/content_hash.h"
+
+#define XXH_INLINE_ALL
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <mutex>
+#include <xxhash.h>
+
+#include "core/base/thread_pool.h"
+#include "format/shard/levels/brick_walk.h"
+
+namespace gigabake {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "hashes are defined over little-endian integers");
+
+constexpr std::size_t nodes_per_range = 4096;
+constexpr std::size_t record_bytes = 34, facing_record_bytes = 40;
+
+void put_record(unsigned char* to, std::int32_t lod, const std::array<std::int64_t, 3>& corner_lattice,
+                const std::uint8_t* rgba, const std::int8_t* normal, const std::uint8_t* facing) {
+  std::memcpy(to, &lod, 4);
+  std::memcpy(to + 4, corner_lattice.data(), 24);
+  std::memcpy(to + 28, rgba, 4);
+  std::memcpy(to + 32, normal, 2);
+  if (facing == nullptr) return;
+  std::memcpy(to + 34, facing, facing_bytes);
+  to[38] = to[39] = 0;
+}
+
+Hash128 hash_record(const unsigned char* record, bool has_facing) {
+  const XXH128_hash_t h = XXH3_128bits(record, has_facing ? facing_record_bytes : record_bytes);
+  return {h.low64, h.high64};
+}
+
+/// Hash sum over the voxels of one level. Hashes records in batches, when their stores have reached the cache. A hash
+/// that loads from stores still in flight would stall on every voxel.
+class LevelSum {
+ public:
+  LevelSum(int lod, const std::array<std::int64_t, 3>& lattice_min) : lod_(lod), min_(lattice_min) {}
+
+  /// `facing` must be null for all voxels of the level, or for none.
+  void add(std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal,
+           const std::uint8_t* facing) {
+    put_record(
+        &records_[facing_record_bytes * count_], lod_,
+        {min_[0] + (std::int64_t(x) << lod_), min_[1] + (std::int64_t(y) << lod_), min_[2] + (std::int64_t(z) << lod_)},
+        rgba, normal, facing);
+    has_facing_ = facing != nullptr;
+    if (++count_ == batch) flush();
+  }
+  Hash128 value() {
+    flush();
+    return sum_;
+  }
+
+ private:
+  static constexpr std::size_t batch = 256;
+  void flush() {
+    for (std::size_t i = 0; i < count_; ++i) sum_ += hash_record(&records_[facing_record_bytes * i], has_facing_);
+    count_ = 0;
+  }
+
+  std::int32_t lod_;
+  std::array<std::int64_t, 3> min_;
+  Hash128 sum_;
+  std::size_t count_ = 0;
+  bool has_facing_ = false;
+  std::array<unsigned char, batch * facing_record_bytes> records_;
+};
+
+/// Adds the voxels of node `n` on its own level and, for a leaf-constant node, on all finer levels.
+void add_node(const Shard& s, std::size_t n, std::vector<LevelSum>& sums) {
+  const auto add_to = [&sums](int lod) {
+    return [&sum = sums[std::size_t(lod)]](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
+                                           const std::int8_t* normal,
+                                           const std::uint8_t* facing) { sum.add(x, y, z, rgba, normal, facing); };
+  };
+  const int lod = s.nodes.lod[n];
+  if (s.nodes.kind[n] == NodeKind::brick)
+    return for_each_voxel(s.levels[std::size_t(lod)], s.nodes.value[n], demorton(s.nodes.key[n]), add_to(lod));
+  const int lowest = s.nodes.kind[n] == NodeKind::leaf_constant ? 0 : lod;
+  for (int l = lod; l >= lowest; --l) for_each_constant_voxel(s.nodes, n, lod - l, add_to(l));
+}
+
+}  // namespace
+
+Hash128 voxel_hash(int lod, std::array<std::int64_t, 3> corner_lattice, const std::uint8_t rgba[4],
+                   const std::int8_t normal[2], const std::uint8_t* facing) {
+  unsigned char record[facing_record_bytes];
+  put_record(record, lod, corner_lattice, rgba, normal, facing);
+  return hash_record(record, facing != nullptr);
+}
+
+std::vector<Hash128> content_hash(const Shard& shard, int threads) {
+  std::vector<Hash128> total(shard.header.lods);
+  std::mutex mutex;
+  ThreadPool(threads).parallel_for(shard.nodes.key.size(), nodes_per_range,
+                                   [&](std::size_t begin, std::size_t end, int) {
+                                     std::vector<LevelSum> sums;
+                                     for (std::uint32_t lod = 0; lod < shard.header.lods; ++lod)
+                                       sums.emplace_back(int(shard.header.first_lod + lod), shard.header.lattice_min);
+                                     for (std::size_t n = begin; n < end; ++n) add_node(shard, n, sums);
+                                     const std::scoped_lock lock(mutex);
+                                     for (std::size_t lod = 0; lod < sums.size(); ++lod)
+                                       total[lod] += sums[lod].value();
+                                   });
+  return total;
+}
+
+Hash128 content_hash(const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level, int lod) {
+  LevelSum sum(int(header.first_lod) + lod, header.lattice_min);
+  const auto add = [&sum](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
+                          const std::int8_t* normal,
+                          const std::uint8_t* facing) { sum.add(x, y, z, rgba, normal, facing); };
+  for_each_voxel_of_level(nodes, level, lod, add);
+  return sum.value();
+}
+
+}  // namespace gigabake

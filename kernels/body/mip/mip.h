@@ -1,0 +1,123 @@
+/// Filter for one voxel of a coarser level, from its 2×2×2 children.
+///
+/// Exact   Integers (colour, coverage) and IEEE double (octahedral encode): host and device return the same bits.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/host_device.h"
+#include "core/base/rules.h"
+#include "core/math/octahedral.h"
+#include "kernels/body/mip/facing.h"
+#include "kernels/body/tables.h"
+#include "kernels/body/voxelize/resolve.h"
+
+namespace gigabake::kernels {
+
+/// Returns true if the filter weights children by their visibility along the axes, and false if by their coverage.
+GB_HD constexpr bool filters_by_view(MipFilter filter) { return filter == MipFilter::coverage; }
+
+/// Returns true if a voxel of level `lod` is filtered from the 64 voxels two levels below it
+/// (kernels/body/mip/mip_of_64.h). Otherwise it is filtered from its eight children.
+GB_HD constexpr bool is_of_64(MipFilter filter, int lod) { return filter == MipFilter::thesis && lod >= 2; }
+
+/// Weights of eight children, 0 … 255, and their parent's coverage along x, y and z; a byte each.
+struct Weights {
+  std::uint32_t child[2], facing;
+
+  GB_HD std::uint32_t of(int c) const { return child[c / 4] >> 8 * (c % 4) & 255; }
+  GB_HD std::uint32_t max_facing() const {
+    const std::uint32_t x = facing & 255, y = facing >> 8 & 255, z = facing >> 16, xy = x > y ? x : y;
+    return xy > z ? xy : z;
+  }
+};
+
+/// Weights children by visible coverage. Weights are uniform if all round to zero. there: byte c is 1 if child c
+/// exists. edge: of the children's rasters.
+GB_HD Weights weights_of(const CoverageSums& seen, int edge, const std::uint32_t there[2]) {
+  Weights w{};
+  GB_UNROLL
+  for (int c = 0; c < 8; ++c)
+    if ((there[c / 4] >> 8 * (c % 4) & 1) != 0) w.child[c / 4] |= seen.weight(c, edge) << 8 * (c % 4);
+  if ((w.child[0] | w.child[1]) == 0) w.child[0] = there[0], w.child[1] = there[1];
+  GB_UNROLL
+  for (int a = 0; a < 3; ++a) w.facing |= std::uint32_t(seen.facing(a, edge)) << 8 * a;
+  return w;
+}
+
+/// Normal of length 32767, as stored in Tables.
+struct UnitNormal {
+  std::int32_t c[3];
+};
+
+GB_HD UnitNormal unit_normal_of(const std::int8_t normal[2], const Tables& tables) {
+  const std::int16_t* n = tables.unit_normal + 4 * index_of_32_bits(pack_normal(normal));
+#if defined(__CUDA_ARCH__)
+  const short4 all = *reinterpret_cast<const short4*>(n);  // one load
+  return {{all.x, all.y, all.z}};
+#else
+  return {{n[0], n[1], n[2]}};
+#endif
+}
+
+/// Weighted sums over children of everything that a level's filter keeps, except coverage.
+struct MipSums {
+  std::uint32_t weight = 0, colour[3] = {};
+  std::int32_t normal[3] = {};
+
+  /// Adds a child. w: 0 … 255. n: of the voxel.
+  GB_HD void add(const Voxel& v, const UnitNormal& n, std::uint32_t w, const Tables& tables) {
+    weight += w;
+    for (int k = 0; k < 3; ++k) {
+      colour[k] += w * tables.linear_from_srgb[v.rgba[k]];
+      normal[k] += std::int32_t(w) * n.c[k];
+    }
+  }
+
+  /// Returns the filtered voxel. Its alpha is at least 1, so that an existing voxel does not vanish from a coarser
+  /// level.
+  /// Range   weight ≠ 0.
+  GB_HD Voxel voxel(std::uint32_t alpha, const Tables& tables) const {
+    Voxel out;
+    for (int k = 0; k < 3; ++k) out.rgba[k] = tables.srgb_from_linear[(colour[k] + weight / 2) / weight];
+    out.rgba[3] = std::uint8_t(alpha < 1 ? 1 : alpha);
+    encode_octahedral(normal[0], normal[1], normal[2], out.normal);
+    return out;
+  }
+};
+
+/// Returns the coverage of filters without directions. alpha_sum: over the children; a missing child adds 0.
+GB_HD std::uint32_t mean_coverage(std::uint32_t alpha_sum, MipFilter filter, const Tables& tables) {
+  return filter == MipFilter::thesis ? tables.thesis_alpha[8 * alpha_sum] : (alpha_sum + 4) / 8;
+}
+
+/// Returns the parent of eight voxels; missing voxels must be zero. by_view: filters_by_view(filter). If by_view,
+/// `weights` is the result of weights_of(), else it is unused. each(c, w, n) is called with child c's weight and
+/// normal; children of weight 0 may be skipped.
+template <bool by_view, class Each>
+GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, MipFilter filter, const Tables& tables,
+                            const Each& each) {
+  MipSums sums;
+  GB_UNROLL
+  for (int c = 0; c < 8; ++c) {
+    const std::uint32_t w = by_view ? weights.of(c) : children[c].rgba[3];
+#if !defined(__CUDA_ARCH__)
+    if (w == 0) continue;  // It would add nothing. On a device all lanes run the same code, so the test is omitted.
+#endif
+    const UnitNormal n = unit_normal_of(children[c].normal, tables);
+    sums.add(children[c], n, w, tables);
+    each(c, w, n);
+  }
+  return sums.voxel(by_view ? weights.max_facing() : mean_coverage(sums.weight, filter, tables), tables);
+}
+
+struct NothingForEach {
+  GB_HD void operator()(int, std::uint32_t, const UnitNormal&) const {}
+};
+
+template <bool by_view>
+GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, MipFilter filter, const Tables& tables) {
+  return filter_children<by_view>(children, weights, filter, tables, NothingForEach{});
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,87 @@
+/// Rules of a node table: constant nodes, the order of children, and the max number of nodes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+
+#include "core/base/host_device.h"
+#include "core/octree/brick.h"
+#include "core/octree/octree.h"
+#include "kernels/body/voxel.h"
+
+namespace gigabake::kernels {
+
+inline constexpr std::uint32_t no_child = 0xffffffffu;
+
+/// Morton code of a brick's parent in the next coarser level, and the brick's index among the parent's eight children.
+GB_HD std::uint64_t parent_key(std::uint64_t key) { return key >> 3; }
+GB_HD int octant_of(std::uint64_t key) { return int(key & 7); }
+
+/// Returns true if a brick has all of its voxels. Only such a brick may be a constant node. first: as
+/// BrickLevel::first.
+template <class Index>
+GB_HD bool is_full(const Index first[2]) {
+  return first[1] - first[0] == Index(brick_voxels);
+}
+
+/// Values of a voxel, for comparison with the other voxels of its brick and of the branch below.
+struct CommonVoxel {
+  std::uint32_t rgba = 0, facing = 0;  ///< facing: alpha along each axis at lod 0 and in levels without facing
+  std::uint16_t normal = 0;
+};
+
+/// Returns the values of a voxel. facing: its bytes, or null if the level has none.
+GB_HD CommonVoxel common_voxel(std::uint32_t rgba, std::uint16_t normal, const std::uint8_t* facing) {
+  const std::uint32_t alpha = byte_of(rgba, 3);
+  return {rgba, facing != nullptr ? pack_facing(facing) : alpha | alpha << 8 | alpha << 16, normal};
+}
+
+GB_HD bool are_equal(const CommonVoxel& a, const CommonVoxel& b) {
+  return a.rgba == b.rgba && a.normal == b.normal && a.facing == b.facing;
+}
+
+/// Returns the node type of a brick. is_constant: the brick is full and all its voxels are equal.
+GB_HD NodeKind kind_of_brick(bool is_constant) { return is_constant ? NodeKind::constant : NodeKind::brick; }
+GB_HD bool stores_voxels(NodeKind kind) { return kind == NodeKind::brick; }
+/// Returns true if no node below this node is stored.
+GB_HD bool ends_branch(NodeKind kind) { return kind == NodeKind::leaf_constant; }
+/// Returns the type of a constant node. like_all_below: all eight children exist, end their branches and equal the
+/// node; at lod 0 always true.
+GB_HD NodeKind kind_of_constant(bool like_all_below) {
+  return like_all_below ? NodeKind::leaf_constant : NodeKind::constant;
+}
+
+/// Returns the value that a node's row stores. Bricks store voxels instead, and nodes of levels without facing store no
+/// facing.
+GB_HD CommonVoxel value_of_node(NodeKind kind, const CommonVoxel& voxel, bool has_facing) {
+  if (stores_voxels(kind)) return {};
+  return {voxel.rgba, has_facing ? voxel.facing : 0, voxel.normal};
+}
+
+/// Children of a node, stored consecutively in ascending order of their keys.
+struct NodeChildren {
+  std::uint32_t first = no_child;
+  std::uint8_t mask = 0;  ///< bit c: child c is stored
+
+  /// Adds a child. Call in ascending order of keys.
+  GB_HD void add(std::uint32_t node, std::uint64_t key) {
+    if (mask == 0) first = node;
+    mask = std::uint8_t(mask | 1u << octant_of(key));
+  }
+};
+
+/// Fills the table's columns other than the children for `count` nodes that are all bricks.
+inline void set_all_bricks(NodeTable& nodes, std::size_t count) {
+  nodes.kind.assign(count, NodeKind::brick);
+  nodes.normal.assign(count, {});
+  nodes.facing.assign(count, {});
+}
+
+/// Checks the number of nodes.
+/// Errors  std::length_error beyond 2^32-1 nodes.
+inline void check_node_count(std::uint64_t nodes) {
+  if (nodes >= no_child) throw std::length_error("an oct-tree of more than 2^32-1 nodes; use a smaller `cell_voxels`");
+}
+
+}  // namespace gigabake::kernels

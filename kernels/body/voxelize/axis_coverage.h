@@ -1,0 +1,47 @@
+/// Coverage of lod-0 voxels along x, y and z: the input of all coarser levels.
+///
+/// An opaque voxel has full coverage. A translucent voxel holds a piece of a surface with normal n, |x| + |y| + |z| =
+/// 1. Such a surface passes through 1/|n_a| voxels of a column along axis a on average. Each of these voxels has the
+/// surface's alpha, however small its piece is. A voxel therefore covers 1 - (1 - alpha)^|n_a| along a, so that a whole
+/// column covers as much as the surface. Coverage stays nearly full where alpha is nearly 1, for any normal, so no
+/// surface turns into a grating.
+///
+/// Exact   Integers: host and device return the same bits.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/host_device.h"
+#include "kernels/body/mip/plane.h"
+#include "kernels/body/tables.h"
+#include "kernels/body/voxel.h"
+
+namespace gigabake::kernels {
+
+/// Axis coverage of eight voxels: byte c of an axis's two words belongs to voxel c; 0 if the voxel does not exist.
+struct AxisCoverage {
+  std::uint32_t along[3][2] = {};
+
+  GB_HD void add(int c, const std::uint32_t coverage[3]) {
+    for (int a = 0; a < 3; ++a) along[a][c / 4] |= coverage[a] << 8 * (c % 4);
+  }
+};
+
+GB_HD std::uint32_t sheet_coverage(std::uint32_t alpha, std::int32_t normal_component, const Tables& tables) {
+  const std::int32_t n = normal_component < 0 ? -normal_component : normal_component;
+  return tables.sheet_coverage[alpha * normal_steps + std::uint32_t(n)];
+}
+
+/// Returns true if alpha is 255. rgba: packed by pack_rgba().
+GB_HD bool is_opaque(std::uint32_t rgba) { return rgba >> 24 == 255; }
+
+/// Computes the coverage of an existing lod-0 voxel along each axis. Without normals it is equal along all axes.
+GB_HD void coverage_of_finest(const Voxel& voxel, bool has_normals, const Tables& tables, std::uint32_t coverage[3]) {
+  const std::uint32_t alpha = voxel.rgba[3];
+  for (int a = 0; a < 3; ++a) coverage[a] = alpha;
+  if (alpha == 255 || !has_normals) return;
+  const OctahedronPoint n = octahedron_point(voxel.normal);
+  for (int a = 0; a < 3; ++a) coverage[a] = sheet_coverage(alpha, n.c[a], tables);
+}
+
+}  // namespace gigabake::kernels

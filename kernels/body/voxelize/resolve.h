@@ -1,0 +1,35 @@
+/// Conversion of accumulators to voxels.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "core/base/host_device.h"
+#include "core/math/octahedral.h"
+#include "kernels/body/tables.h"
+#include "kernels/body/voxel.h"
+#include "kernels/body/voxelize/accumulate.h"
+
+namespace gigabake::kernels {
+
+/// Returns 65535·part/whole, rounded to 16 bits.
+GB_HD std::uint16_t ratio16(double part, double inverse_whole) {
+  const double r = std::floor(part * inverse_whole * 65535 + 0.5);
+  return std::uint16_t(r > 65535 ? 65535 : r);
+}
+
+/// Computes the voxel of an accumulator. Returns false if alpha rounds to 0; such a voxel is not stored.
+/// Exact   Sums are exact integers; the means are IEEE double: host and device return the same bits.
+template <class I>
+GB_HD bool resolve(const I sums[sum_count], const Tables& tables, Voxel& out) {
+  const double weight = double(sums[sum_weight]), alpha = double(sums[sum_weight] * 65535 - sums[sum_clear]);
+  const double coverage = sums[sum_clear] == 0 ? 255 : std::floor(alpha / (weight * 65535) * 255 + 0.5);
+  if (!(coverage >= 1)) return false;
+  const double inverse = 1 / alpha;
+  for (int c = 0; c < 3; ++c) out.rgba[c] = tables.srgb_from_linear[ratio16(double(sums[sum_red + c]), inverse)];
+  out.rgba[3] = std::uint8_t(coverage > 255 ? 255 : coverage);
+  encode_octahedral(double(sums[sum_nx]), double(sums[sum_ny]), double(sums[sum_nz]), out.normal);
+  return true;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,143 @@
+/// Search for the bricks of a window that a triangle may touch. Small triangles use their bounding box. Large triangles
+/// descend the octree with an exact closed triangle-cube test. The cost of a long sliver then grows with its length and
+/// not with the volume of its box.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/host_device.h"
+#include "core/base/rules.h"
+#include "core/octree/morton.h"
+#include "kernels/body/voxelize/brick_triangle.h"
+#include "kernels/body/voxelize/window.h"
+
+namespace gigabake::kernels {
+
+inline constexpr int brick_subvoxel_bits = 11;  ///< 8 voxels · 256
+/// Max number of bricks in a triangle's box for direct enumeration. Triangles with more bricks descend the octree.
+inline constexpr int max_direct_bricks = 8;
+
+/// Returns a brick's lowest corner, in window sub-voxels.
+GB_HD void brick_corner(std::uint64_t key, std::int32_t corner[3]) {
+  const BrickCoordinate at = demorton(key);
+  corner[0] = std::int32_t(at.x) << brick_subvoxel_bits;
+  corner[1] = std::int32_t(at.y) << brick_subvoxel_bits;
+  corner[2] = std::int32_t(at.z) << brick_subvoxel_bits;
+}
+
+struct BrickBox {
+  std::int32_t first[3], last[3];  ///< inclusive
+};
+
+/// Computes the bricks of the triangle's bounding box inside the window. Returns false if there are none.
+GB_HD bool brick_box(const WindowTriangle& t, SurfaceRule rule, std::int32_t window_bricks, BrickBox& box) {
+  for (int c = 0; c < 3; ++c) {
+    const std::int32_t lo = smaller(smaller(t.p[0][c], t.p[1][c]), t.p[2][c]);
+    const std::int32_t hi = larger(larger(t.p[0][c], t.p[1][c]), t.p[2][c]);
+    const bool closed = rule != SurfaceRule::area;
+    box.first[c] = larger((closed ? lo - 1 : lo) >> brick_subvoxel_bits, 0);
+    box.last[c] = smaller((closed || hi == lo ? hi : hi - 1) >> brick_subvoxel_bits, window_bricks - 1);
+    if (box.first[c] > box.last[c]) return false;
+  }
+  return true;
+}
+
+GB_HD std::int64_t brick_count(const BrickBox& box) {
+  return (std::int64_t(box.last[0]) - box.first[0] + 1) * (box.last[1] - box.first[1] + 1) *
+         (box.last[2] - box.first[2] + 1);
+}
+
+/// Calls visit(key) for every brick of the box.
+template <class Visit>
+GB_HD void for_each_key(const BrickBox& box, const Visit& visit) {
+  for (std::int32_t z = box.first[2]; z <= box.last[2]; ++z)
+    for (std::int32_t y = box.first[1]; y <= box.last[1]; ++y)
+      for (std::int32_t x = box.first[0]; x <= box.last[0]; ++x)
+        visit(morton(std::uint32_t(x), std::uint32_t(y), std::uint32_t(z)));
+}
+
+/// Returns true if the closed triangle intersects the closed cube [corner, corner+edge]³. Tests the plane and the nine
+/// edge axes; the caller has already compared the boxes.
+/// Source  Akenine-Möller 2001.
+template <class I>
+GB_HD bool intersects_cube(const WindowTriangle& t, const std::int64_t corner[3], std::int64_t edge) {
+  I p[3][3], n[3];
+  for (int i = 0; i < 3; ++i)
+    for (int c = 0; c < 3; ++c) p[i][c] = I(t.p[i][c]) - I(corner[c]);
+  I plane = 0, low = 0, high = 0;
+  for (int c = 0; c < 3; ++c) {
+    const int a = (c + 1) % 3, b = (c + 2) % 3;
+    n[c] = (p[1][a] - p[0][a]) * (p[2][b] - p[0][b]) - (p[1][b] - p[0][b]) * (p[2][a] - p[0][a]);
+    plane -= n[c] * p[0][c];
+    low += smaller<I>(n[c] * edge, 0);
+    high += larger<I>(n[c] * edge, 0);
+  }
+  if (plane + low > 0 || plane + high < 0) return false;
+  for (int c = 0; c < 3; ++c)
+    for (int i = 0; i < 3; ++i) {
+      const int a = (c + 1) % 3, b = (c + 2) % 3, j = (i + 1) % 3;
+      I ea = -(p[j][b] - p[i][b]), eb = p[j][a] - p[i][a];
+      if (n[c] < 0) ea = -ea, eb = -eb;
+      if ((larger<I>(ea, 0) + larger<I>(eb, 0)) * edge - (ea * p[i][a] + eb * p[i][b]) < 0) return false;
+    }
+  return true;
+}
+
+GB_HD bool is_within_extent(const WindowTriangle& t, std::int64_t extent) {
+  for (int c = 0; c < 3; ++c) {
+    const std::int64_t lo = smaller(smaller(t.p[0][c], t.p[1][c]), t.p[2][c]);
+    const std::int64_t hi = larger(larger(t.p[0][c], t.p[1][c]), t.p[2][c]);
+    if (hi - lo > extent) return false;
+  }
+  return true;
+}
+
+GB_HD bool is_narrow(const WindowTriangle& t) { return is_within_extent(t, narrow_extent); }
+GB_HD bool is_small(const WindowTriangle& t) { return is_within_extent(t, small_extent); }
+
+/// Calls visit(I()) with the narrowest integer I that the triangle's arithmetic fits.
+template <class Visit>
+GB_HD auto with_integer_for(const WindowTriangle& t, const Visit& visit) {
+  if (is_small(t)) return visit(std::int32_t());
+  return is_narrow(t) ? visit(std::int64_t()) : visit(__int128());
+}
+
+/// Returns true if the triangle may touch the octree node (x, y, z) of 2^level bricks per axis. box: of the triangle.
+GB_HD bool may_touch_node(const WindowTriangle& t, const BrickBox& box, bool narrow, const std::int32_t node[3],
+                          int level) {
+  const std::int64_t edge = std::int64_t(1) << (brick_subvoxel_bits + level);
+  std::int64_t corner[3];
+  for (int c = 0; c < 3; ++c) {
+    if ((node[c] << level) > box.last[c] || ((node[c] + 1) << level) <= box.first[c]) return false;
+    corner[c] = node[c] * edge;
+  }
+  return narrow ? intersects_cube<std::int64_t>(t, corner, edge) : intersects_cube<__int128>(t, corner, edge);
+}
+
+/// Calls visit(key) for the bricks below an octree node that the triangle may touch. Level 0 is a brick.
+template <class Visit>
+void descend(const WindowTriangle& t, const BrickBox& box, bool narrow, const std::int32_t node[3], int level,
+             const Visit& visit) {
+  if (!may_touch_node(t, box, narrow, node, level)) return;
+  if (level == 0) {
+    visit(morton(std::uint32_t(node[0]), std::uint32_t(node[1]), std::uint32_t(node[2])));
+    return;
+  }
+  for (int child = 0; child < 8; ++child) {
+    const std::int32_t next[3] = {node[0] * 2 + (child & 1), node[1] * 2 + (child >> 1 & 1),
+                                  node[2] * 2 + (child >> 2)};
+    descend(t, box, narrow, next, level - 1, visit);
+  }
+}
+
+/// Calls visit(key) for every brick of the window that the triangle may touch.
+template <class Visit>
+void for_each_brick(const WindowTriangle& t, const CellWindow& window, const Visit& visit) {
+  BrickBox box;
+  if (!brick_box(t, window.rule, window.bricks, box)) return;
+  if (brick_count(box) <= max_direct_bricks) return for_each_key(box, visit);
+  const std::int32_t root[3] = {0, 0, 0};
+  descend(t, box, is_narrow(t), root, window.levels, visit);
+}
+
+}  // namespace gigabake::kernels

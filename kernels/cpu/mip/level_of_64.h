@@ -1,0 +1,14 @@
+/// The filter of MipFilter::thesis: a level from the level two below it.
+#pragma once
+
+#include "core/base/thread_pool.h"
+#include "kernels/body/cell.h"
+
+namespace gigabake::kernels {
+
+/// Returns the level two above `fine`. A voxel exists if one of its 64 descendants in `fine` exists.
+/// Exact   Depends only on the stored 8-bit voxels of `fine` (kernels/body/mip/mip_of_64.h).
+/// Cost    Reads `fine` once.
+Level level_of_64(const Level& fine, bool normals, const ThreadPool& pool);
+
+}  // namespace gigabake::kernels

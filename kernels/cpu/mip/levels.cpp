@@ -1,0 +1,266 @@
+#include "kernels/cpu/mip/levels.h"
+
+#include <algorithm>
+#include <bit>
+#include <memory>
+#include <span>
+
+#include "core/base/rules.h"
+#include "core/base/thread_pool.h"
+#include "core/octree/brick.h"
+#include "kernels/body/mask.h"
+#include "kernels/body/mip/mip.h"
+#include "kernels/body/mip/plane_fit.h"
+#include "kernels/body/prune/node.h"
+#include "kernels/cpu/mip/level_of_64.h"
+#include "kernels/cpu/mip/level_read.h"
+#include "kernels/cpu/voxelize/brick_run.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr std::size_t parents_per_run = 16;
+
+/// The voxels of a brick at their positions; entries without a mask bit are stale.
+struct OpenBrick {
+  const std::uint64_t* mask;
+  Voxel voxel[brick_voxels];
+  std::size_t index[brick_voxels];  ///< in the level
+};
+
+void open_brick(const Level& level, std::size_t brick, OpenBrick& out) {
+  out.mask = &level.mask[8 * brick];
+  std::size_t from = level.first[brick];
+  for (int word = 0; word < 8; ++word)
+    for (std::uint64_t rest = out.mask[word]; rest != 0; rest &= rest - 1, ++from) {
+      const int at = 64 * word + std::countr_zero(rest);
+      out.voxel[at] = voxel_at(level, from);
+      out.index[at] = from;
+    }
+}
+
+/// The 2×2×2 children of a voxel, numbered x | y<<1 | z<<2.
+struct Children {
+  Voxel voxel[8];  ///< zero if the child does not exist
+  std::size_t index[8];
+  std::uint32_t there[2] = {};  ///< byte c: 1 where child c exists
+};
+
+/// The accessor that cover_children() requires (kernels/body/mip/facing.h).
+struct ChildRasters {
+  const Children& children;
+  const std::uint32_t* rasters;  ///< of the level
+  int edge;
+
+  template <int N>
+  CellRun<N> cells(int child, int axis, int run) const {
+    CellRun<N> out = {};
+    if ((children.there[child / 4] >> 8 * (child % 4) & 1) == 0) return out;
+    const std::size_t at = children.index[child] * std::size_t(raster_words(edge));
+    std::copy_n(rasters + at + axis * edge * edge / 4 + N * run, N, out.word);
+    return out;
+  }
+};
+
+CoverageSums see_finest(const Children& children, bool has_normals, const Tables& tables, std::uint32_t* raster) {
+  AxisCoverage all;
+  for (int c = 0; c < 8; ++c) {
+    std::uint32_t coverage[3];
+    coverage_of_finest(children.voxel[c], has_normals, tables, coverage);
+    all.add(c, coverage);
+  }
+  return see_voxels(all, raster);
+}
+
+/// Computes coverage from the children's masks. edge: the edge of the children's masks; the children are not of lod 0.
+CoverageSums see(const Children& children, const std::uint32_t* rasters, int edge, std::uint32_t* raster) {
+  const ChildRasters from{children, rasters, edge};
+  if (edge == 2) return cover_children<2>(from, raster);
+  return edge == 4 ? cover_children<4>(from, raster) : cover_children<8>(from, raster);
+}
+
+/// Consecutive bricks with the data that the next coarser level needs.
+struct LevelRun {
+  BrickRun bricks;
+  LevelSurface surface;
+};
+
+class ParentBuilder {
+ public:
+  /// surface: the surface of `fine`; empty if `fine` is lod 0.
+  ParentBuilder(const Level& fine, int lod, const LevelSurface& surface, MipFilter filter)
+      : fine_(fine),
+        surface_(surface),
+        has_planes_(!fine.normal.empty()),
+        edge_(raster_edge(lod - 1)),
+        raster_words_(raster_words(raster_edge(lod))),
+        filter_(filter),
+        tables_(TableStore::host().view()) {}
+
+  /// Builds the parent of the children [begin, end) of `fine`.
+  void build(std::size_t begin, std::size_t end, LevelRun& run) {
+    for (std::size_t child = begin; child < end; ++child) {
+      open_brick(fine_, child, open_);
+      fill_octant(octant_of(fine_.key[child]));
+    }
+    pack(parent_key(fine_.key[begin]), run);
+  }
+
+ private:
+  /// Computes the 4×4×4 parent voxels of the open child.
+  void fill_octant(int octant) {
+    const int base = 4 * (octant & 1) + 8 * 4 * (octant >> 1 & 1) + 64 * 4 * (octant >> 2);
+    for (int z = 0; z < 4; ++z)
+      for (std::uint64_t rest = parent_slab(open_.mask[2 * z], open_.mask[2 * z + 1]); rest != 0; rest &= rest - 1) {
+        const int at = std::countr_zero(rest);  // x + 8y
+        filter(2 * (at & 7) + 16 * (at >> 3) + 128 * z, base + at + 64 * z);
+      }
+  }
+
+  /// Filters 2×2×2 voxels. from: the lowest of the eight voxels of the open child; to: the voxel of the parent.
+  void filter(int from, int to) {
+    Children children;
+    for (int c = 0; c < 8; ++c) {
+      const int at = from + (c & 1) + 8 * (c >> 1 & 1) + 64 * (c >> 2);
+      const bool there = (open_.mask[at >> 6] >> (at & 63) & 1) != 0;
+      children.there[c / 4] |= std::uint32_t(there) << 8 * (c % 4);
+      children.voxel[c] = there ? open_.voxel[at] : Voxel{};
+      children.index[c] = open_.index[at];
+    }
+    mask_[to >> 6] |= std::uint64_t(1) << (to & 63);
+    if (filters_by_view(filter_)) {
+      const CoverageSums seen = edge_ == 1 ? see_finest(children, has_planes_, tables_, raster_[to])
+                                           : see(children, surface_.rasters.data(), edge_, raster_[to]);
+      weights_[to] = weights_of(seen, edge_, children.there);
+      if (has_planes_)
+        filter_patch(children, to);
+      else
+        parent_[to] = filter_children<true>(children.voxel, weights_[to], filter_, tables_);
+    } else {
+      parent_[to] = filter_children<false>(children.voxel, {}, filter_, tables_);
+    }
+  }
+
+  void filter_patch(const Children& children, int to) {
+    const bool is_finest = surface_.patches.empty();
+    const auto patch = [&](int c) {
+      return is_finest || weights_[to].of(c) == 0 ? finest_patch() : surface_.patches[children.index[c]];
+    };
+    const VoxelPatch made = filter_patches(children.voxel, patch, weights_[to], is_finest, tables_);
+    parent_[to] = made.voxel;
+    patch_[to] = made.patch;
+  }
+
+  void put_facing(int voxel, std::uint8_t facing[facing_bytes]) const {
+    const std::uint32_t all = weights_[voxel].facing;
+    const Plane plane =
+        has_planes_ ? plane_of(patch_[voxel], parent_[voxel].normal, surface_.patches.empty()) : Plane();
+    const std::uint32_t coverage = stored_coverage(plane, all);
+    for (std::size_t axis = 0; axis < coverage_bytes; ++axis) facing[axis] = byte_of(coverage, int(axis));
+    facing[facing_plane] = pack_plane(plane);
+  }
+
+  void pack(std::uint64_t key, LevelRun& run) {
+    std::size_t count = 0;
+    for (int word = 0; word < 8; ++word)
+      for (std::uint64_t rest = mask_[word]; rest != 0; rest &= rest - 1)
+        packed_[count++] = std::uint16_t(64 * word + std::countr_zero(rest));
+    const std::span<const std::uint16_t> voxels(packed_, count);
+    for (std::size_t i = 0; i < count; ++i) packed_voxel_[i] = parent_[voxels[i]];
+    run.bricks.push_brick(key, mask_, {packed_voxel_, count});
+    if (filters_by_view(filter_)) pack_views(voxels, run);
+    for (std::uint64_t& word : mask_) word = 0;
+  }
+
+  void pack_views(std::span<const std::uint16_t> voxels, LevelRun& run) {
+    std::vector<std::uint32_t>& rasters = run.surface.rasters;
+    const std::size_t words = std::size_t(raster_words_), before = rasters.size();
+    std::uint8_t facing[facing_bytes * brick_voxels];
+    rasters.resize(before + words * voxels.size());
+    for (std::size_t i = 0; i < voxels.size(); ++i) {
+      put_facing(voxels[i], facing + facing_bytes * i);
+      std::copy_n(raster_[voxels[i]], words, rasters.begin() + std::ptrdiff_t(before + words * i));
+      if (has_planes_) run.surface.patches.push_back(patch_[voxels[i]]);
+    }
+    run.bricks.push_facing({facing, facing_bytes * voxels.size()});
+  }
+
+  const Level& fine_;
+  const LevelSurface& surface_;
+  bool has_planes_;
+  int edge_, raster_words_;
+  MipFilter filter_;
+  Tables tables_;
+  OpenBrick open_;
+  Voxel parent_[brick_voxels];
+  Weights weights_[brick_voxels];  ///< only with MipFilter::coverage
+  std::uint32_t raster_[brick_voxels][raster_words(max_raster_edge)];
+  SurfaceMoments patch_[brick_voxels];  ///< only with MipFilter::coverage and normals
+  std::uint64_t mask_[8] = {};
+  std::uint16_t packed_[brick_voxels];  ///< positions of the parent's voxels, in ascending order
+  Voxel packed_voxel_[brick_voxels];
+};
+
+/// A level, and the surface data that the next coarser level needs.
+struct FilteredLevel {
+  Level level;
+  LevelSurface surface;
+};
+
+/// Concatenates one array of all runs. of: the array's member.
+template <class Item>
+void join(std::vector<LevelRun>& runs, std::vector<Item> LevelSurface::*of, const ThreadPool& pool,
+          std::vector<Item>& all) {
+  std::vector<std::size_t> at{0};
+  for (const LevelRun& run : runs) at.push_back(at.back() + (run.surface.*of).size());
+  all.resize(at.back());
+  pool.parallel_for(runs.size(), 4, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t r = begin; r < end; ++r) {
+      std::vector<Item>& part = runs[r].surface.*of;
+      std::copy(part.begin(), part.end(), all.begin() + std::ptrdiff_t(at[r]));
+      part = {};
+    }
+  });
+}
+
+FilteredLevel coarser_level(const Level& fine, int lod, const LevelSurface& surface, MipFilter filter, bool normals,
+                            const ThreadPool& pool) {
+  const std::vector<std::size_t> starts = starts_below(fine, parent_key);
+  const std::size_t parents = starts.size() - 1;
+  std::vector<LevelRun> runs((parents + parents_per_run - 1) / parents_per_run, {BrickRun(normals), {}});
+  std::vector<std::unique_ptr<ParentBuilder>> builders(std::size_t(pool.threads()));
+  pool.parallel_for(parents, parents_per_run, [&](std::size_t begin, std::size_t end, int thread) {
+    auto& builder = builders[std::size_t(thread)];
+    if (!builder) builder = std::make_unique<ParentBuilder>(fine, lod, surface, filter);
+    for (std::size_t p = begin; p < end; ++p) builder->build(starts[p], starts[p + 1], runs[p / parents_per_run]);
+  });
+  FilteredLevel out;
+  join(runs, &LevelSurface::rasters, pool, out.surface.rasters);
+  join(runs, &LevelSurface::patches, pool, out.surface.patches);
+  std::vector<BrickRun> bricks;
+  for (LevelRun& run : runs) bricks.push_back(std::move(run.bricks));
+  append(out.level, bricks, pool);
+  return out;
+}
+
+}  // namespace
+
+void add_coarser_levels(std::vector<Level>& levels, LevelSurface& surface, int lods, MipFilter filter, bool normals,
+                        const ThreadPool& pool) {
+  while (int(levels.size()) < lods) {
+    const int lod = int(levels.size());
+    if (is_of_64(filter, lod)) {
+      levels.push_back(level_of_64(levels[std::size_t(lod) - 2], normals, pool));
+      continue;
+    }
+    FilteredLevel next = coarser_level(levels.back(), lod, surface, filter, normals, pool);
+    levels.push_back(std::move(next.level));
+    surface = std::move(next.surface);
+  }
+}
+
+void drop_facing(std::vector<Level>& levels) {
+  for (Level& level : levels) level.facing = {};
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,170 @@
+#include "kernels/cpu/mip/parent.h"
+
+#include <algorithm>
+#include <cstring>
+#include <iterator>
+#include <tuple>
+
+#include "core/base/error.h"
+#include "core/octree/morton.h"
+#include "kernels/body/mip/mip.h"
+#include "kernels/body/prune/node.h"
+#include "kernels/cpu/mip/level_hash.h"
+#include "kernels/cpu/mip/levels.h"
+#include "kernels/cpu/mip/parent_source.h"
+#include "kernels/cpu/prune/prune.h"
+#include "kernels/cpu/voxelize/approximate.h"
+#include "kernels/cpu/voxelize/brick_run.h"
+
+namespace gigabake::kernels {
+namespace {
+
+/// A child's voxel and its position in the parent's window.
+struct PlacedVoxel {
+  std::uint64_t brick;  ///< Morton code of the brick
+  std::uint32_t bit;    ///< x + 8y + 64z in the brick
+  const ParentSource* source;
+  std::size_t row;
+};
+
+/// The voxels of one level inside the window, sorted like a level.
+class JoinedLevel {
+ public:
+  /// below: the number of levels below the children's coarsest level.
+  JoinedLevel(std::span<const ParentChild> children, const ParentParameters& p, int below)
+      : parameters_(p), below_(below), lod_(p.child_lod - below) {
+    for (const ParentChild& child : children) add(child);
+    std::sort(voxels_.begin(), voxels_.end(), [](const PlacedVoxel& a, const PlacedVoxel& b) {
+      return std::tie(a.brick, a.bit) < std::tie(b.brick, b.bit);
+    });
+    for (std::size_t i = 1; i < voxels_.size(); ++i)
+      if (voxels_[i].brick == voxels_[i - 1].brick && voxels_[i].bit == voxels_[i - 1].bit)
+        throw InputError("parent", "children", "two children have a voxel at the same position");
+  }
+
+  Level level(const ThreadPool& pool) const {
+    BrickRun run(parameters_.normals);
+    std::vector<Voxel> voxels;
+    for (std::size_t i = 0; i < voxels_.size();) {
+      const std::uint64_t brick = voxels_[i].brick;
+      std::uint64_t mask[8] = {};
+      voxels.clear();
+      for (; i < voxels_.size() && voxels_[i].brick == brick; ++i) {
+        mask[voxels_[i].bit >> 6] |= std::uint64_t(1) << (voxels_[i].bit & 63);
+        voxels.push_back(voxel(voxels_[i]));
+      }
+      run.push_brick(brick, mask, voxels);
+    }
+    Level level;
+    std::vector<BrickRun> runs{std::move(run)};
+    append(level, runs, pool);
+    return level;
+  }
+
+  LevelSurface surface() const {
+    LevelSurface surface;
+    if (!filters_by_view(parameters_.mip) || lod_ == 0) return surface;
+    const std::size_t bytes = raster_bytes(lod_), words = bytes / sizeof(std::uint32_t);
+    surface.rasters.resize(words * voxels_.size());
+    surface.patches.resize(parameters_.normals ? voxels_.size() : 0);
+    for (std::size_t i = 0; i < voxels_.size(); ++i) {
+      const PlacedVoxel& v = voxels_[i];
+      std::memcpy(&surface.rasters[words * i], &v.source->raster[bytes * v.row], bytes);
+      if (parameters_.normals)
+        std::memcpy(&surface.patches[i], &v.source->patch[source_patch_bytes * v.row], source_patch_bytes);
+    }
+    return surface;
+  }
+
+ private:
+  void add(const ParentChild& child) {
+    std::int64_t corner[3];
+    for (int a = 0; a < 3; ++a) corner[a] = (child.lattice_min[a] - parameters_.window_min[a]) >> lod_;
+    const std::int64_t edge = std::int64_t(brick_edge) << (parameters_.levels + below_);
+    for (std::size_t row = 0; row < child.source->voxels(); ++row) {
+      const std::uint8_t* place = &child.source->place[source_place_bytes * row];
+      if (int(place[0]) != below_) continue;
+      std::int64_t at[3];
+      for (int a = 0; a < 3; ++a) at[a] = corner[a] + place[1 + a];
+      if (std::any_of(at, at + 3, [edge](std::int64_t x) { return x < 0 || x >= edge; })) continue;
+      voxels_.push_back({morton(std::uint32_t(at[0] >> 3), std::uint32_t(at[1] >> 3), std::uint32_t(at[2] >> 3)),
+                         std::uint32_t((at[0] & 7) + 8 * (at[1] & 7) + 64 * (at[2] & 7)), child.source, row});
+    }
+  }
+
+  Voxel voxel(const PlacedVoxel& v) const {
+    Voxel out{};
+    std::copy_n(&v.source->rgba[4 * v.row], 4, out.rgba);
+    if (parameters_.normals) std::copy_n(&v.source->normal[2 * v.row], 2, out.normal);
+    return out;
+  }
+
+  const ParentParameters& parameters_;
+  const int below_, lod_;
+  std::vector<PlacedVoxel> voxels_;
+};
+
+void expect_columns(const ParentSource& s, const ParentParameters& p) {
+  const auto expect = [](bool holds) {
+    if (!holds)
+      throw InputError("parent", "children", "columns of a child do not match each other or the rules of an overview");
+  };
+  const std::size_t voxels = s.voxels();
+  expect(s.place.size() == source_place_bytes * voxels && s.rgba.size() == 4 * voxels);
+  std::size_t coarsest = 0;
+  while (coarsest < voxels && s.place[source_place_bytes * coarsest] == 0) ++coarsest;
+  const bool by_view = filters_by_view(p.mip) && p.child_lod > 0;
+  expect(s.normal.size() == (p.normals ? 2 * voxels : 0));
+  expect(s.raster.size() == (by_view ? raster_bytes(p.child_lod) * coarsest : 0));
+  expect(s.patch.size() == (by_view && p.normals ? source_patch_bytes * coarsest : 0));
+  expect((coarsest < voxels) == (voxels > 0 && is_of_64(p.mip, p.child_lod + 1)));
+}
+
+/// Returns levels by lod of the lattice: the children's coarsest levels joined over the window, finer levels empty.
+std::vector<Level> joined_levels(std::span<const ParentChild> children, const ParentParameters& p,
+                                 const ThreadPool& pool, LevelSurface& surface) {
+  std::vector<Level> levels(std::size_t(p.child_lod) + 1);
+  const JoinedLevel coarsest(children, p, 0);
+  levels.back() = coarsest.level(pool);
+  surface = coarsest.surface();
+  if (is_of_64(p.mip, p.child_lod + 1)) levels[levels.size() - 2] = JoinedLevel(children, p, 1).level(pool);
+  return levels;
+}
+
+/// Checks that each brick has a parent in the next level, because the parent's nodes are linked by it.
+void expect_tree(const std::vector<Level>& levels) {
+  for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
+    const std::vector<std::uint64_t>& above = levels[l + 1].key;
+    for (std::size_t b = 0, at = 0; b < levels[l].key.size(); ++b) {
+      while (at < above.size() && above[at] < parent_key(levels[l].key[b])) ++at;
+      if (at == above.size() || above[at] != parent_key(levels[l].key[b]))
+        throw InputError("parent", "children", "a level of a child has voxels where the next coarser level has none");
+    }
+  }
+}
+
+}  // namespace
+
+CellVolume bake_parent(std::span<const ParentChild> children, const ParentParameters& p, const ThreadPool& pool,
+                       std::vector<Level> copies) {
+  for (const ParentChild& child : children) expect_columns(*child.source, p);
+  CellVolume volume;
+  LevelSurface surface;
+  std::vector<Level> levels = joined_levels(children, p, pool, surface);
+  if (levels.back().key.empty()) return volume;
+  const int own_lod = p.child_lod + 1, lods = own_lod + p.levels, first_lod = own_lod - int(copies.size());
+  add_coarser_levels(levels, surface, lods, p.mip, p.normals, pool);
+  volume.above = parent_source(levels, lods - 1, surface, p.mip);
+  levels.erase(levels.begin(), levels.begin() + own_lod);
+  if (!p.facing) drop_facing(levels);
+  approximate(levels, p.max_error, pool);
+  levels.insert(levels.begin(), std::move_iterator(copies.begin()), std::move_iterator(copies.end()));
+  expect_tree(levels);
+  for (const Level& level : levels)
+    volume.content_hash.push_back(level_hash(level, first_lod + int(volume.content_hash.size()), p.window_min, pool));
+  volume.nodes = brick_nodes(levels);
+  volume.levels = std::move(levels);
+  return volume;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,51 @@
+#include "kernels/cpu/mip/parent_source.h"
+
+#include <bit>
+#include <cstring>
+
+#include "core/octree/brick.h"
+#include "core/octree/morton.h"
+#include "kernels/body/mip/mip.h"
+
+namespace gigabake::kernels {
+namespace {
+
+void add_places(const Level& level, std::uint8_t below, std::vector<std::uint8_t>& place) {
+  for (std::size_t b = 0; b < level.key.size(); ++b) {
+    const BrickCoordinate at = demorton(level.key[b]);
+    for (int z = 0; z < brick_edge; ++z)
+      for (std::uint64_t rest = level.mask[8 * b + std::size_t(z)]; rest != 0; rest &= rest - 1) {
+        const int bit = std::countr_zero(rest);
+        place.insert(place.end(), {below, std::uint8_t(brick_edge * at.x + std::uint32_t(bit & 7)),
+                                   std::uint8_t(brick_edge * at.y + std::uint32_t(bit >> 3)),
+                                   std::uint8_t(brick_edge * at.z + std::uint32_t(z))});
+      }
+  }
+}
+
+void add_level(const Level& level, std::uint8_t below, ParentSource& source) {
+  add_places(level, below, source.place);
+  source.rgba.insert(source.rgba.end(), level.rgba.begin(), level.rgba.end());
+  source.normal.insert(source.normal.end(), level.normal.begin(), level.normal.end());
+}
+
+template <class T>
+std::vector<std::uint8_t> bytes_of_all(const std::vector<T>& items) {
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(items.data());
+  return {bytes, bytes + items.size() * sizeof(T)};
+}
+
+}  // namespace
+
+ParentSource parent_source(const std::vector<Level>& levels, int lod, const LevelSurface& surface, MipFilter filter) {
+  static_assert(sizeof(SurfaceMoments) == source_patch_bytes && std::endian::native == std::endian::little);
+  ParentSource source;
+  if (levels.empty()) return source;
+  add_level(levels.back(), 0, source);
+  if (is_of_64(filter, lod + 1)) add_level(levels[levels.size() - 2], 1, source);
+  source.raster = bytes_of_all(surface.rasters);
+  source.patch = bytes_of_all(surface.patches);
+  return source;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,161 @@
+#include "kernels/cpu/prune/prune.h"
+
+#include <algorithm>
+
+#include "core/base/thread_pool.h"
+#include "core/octree/brick.h"
+#include "kernels/body/prune/node.h"
+#include "kernels/body/voxel.h"
+
+namespace gigabake::kernels {
+namespace {
+
+/// The classification of a brick, before nodes are numbered.
+struct BrickClass {
+  NodeKind kind = NodeKind::brick;
+  CommonVoxel value;
+  bool stored = true;  ///< false below a leaf-constant node
+};
+using BrickClasses = std::vector<BrickClass>;
+
+/// Returns the index of each brick's first child in the level below, and the end. Every brick has at least one child.
+std::vector<std::size_t> child_starts(const Level& level, const Level& below) {
+  std::vector<std::size_t> starts;
+  std::size_t child = 0;
+  for (const std::uint64_t key : level.key) {
+    starts.push_back(child);
+    while (child < below.key.size() && parent_key(below.key[child]) == key) ++child;
+  }
+  starts.push_back(child);
+  return starts;
+}
+
+CommonVoxel voxel_of(const Level& level, std::size_t i) {
+  return common_voxel(pack_rgba(&level.rgba[4 * i]),
+                      level.normal.empty() ? std::uint16_t(0) : pack_normal(&level.normal[2 * i]),
+                      level.facing.empty() ? nullptr : &level.facing[facing_bytes * i]);
+}
+
+BrickClass classify_brick(const Level& level, std::size_t b) {
+  BrickClass v;
+  if (!is_full(&level.first[b])) return v;
+  const std::size_t first = level.first[b];
+  v.value = voxel_of(level, first);
+  bool is_constant = true;
+  for (std::size_t i = first + 1; is_constant && i < first + brick_voxels; ++i)
+    is_constant = are_equal(v.value, voxel_of(level, i));
+  v.kind = kind_of_brick(is_constant);
+  return v;
+}
+
+bool branch_is_constant(const BrickClass& parent, const BrickClasses& below, std::size_t begin, std::size_t end) {
+  if (end - begin != 8) return false;
+  return std::all_of(
+      below.begin() + std::ptrdiff_t(begin), below.begin() + std::ptrdiff_t(end),
+      [&](const BrickClass& child) { return ends_branch(child.kind) && are_equal(child.value, parent.value); });
+}
+
+std::vector<BrickClasses> judge(const std::vector<Level>& levels, const ThreadPool& pool) {
+  std::vector<BrickClasses> classes;
+  for (std::size_t lod = 0; lod < levels.size(); ++lod) {
+    const Level& level = levels[lod];
+    const std::vector<std::size_t> children =
+        lod == 0 ? std::vector<std::size_t>() : child_starts(level, levels[lod - 1]);
+    BrickClasses v(level.key.size());
+    pool.parallel_for(v.size(), 256, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t b = begin; b < end; ++b) {
+        v[b] = classify_brick(level, b);
+        if (!stores_voxels(v[b].kind))
+          v[b].kind =
+              kind_of_constant(lod == 0 || branch_is_constant(v[b], classes[lod - 1], children[b], children[b + 1]));
+      }
+    });
+    for (std::size_t b = 0; lod > 0 && b < v.size(); ++b)
+      if (ends_branch(v[b].kind))
+        for (std::size_t c = children[b]; c < children[b + 1]; ++c) classes[lod - 1][c].stored = false;
+    classes.push_back(std::move(v));
+  }
+  return classes;
+}
+
+/// Appends the nodes of one level. link_children() sets their children after the next level is appended.
+void add_level_nodes(const Level& level, const BrickClasses& classes, std::size_t lod, NodeTable& nodes) {
+  std::uint32_t brick = 0;
+  for (std::size_t b = 0; b < classes.size(); ++b) {
+    const BrickClass& v = classes[b];
+    const CommonVoxel value = value_of_node(v.kind, v.value, !level.facing.empty());
+    const std::uint32_t number = stores_voxels(v.kind) ? brick++ : value.rgba;
+    if (!v.stored) continue;
+    nodes.key.push_back(level.key[b]);
+    nodes.lod.push_back(std::uint8_t(lod));
+    nodes.kind.push_back(v.kind);
+    nodes.child_mask.push_back(0);
+    nodes.first_child.push_back(no_child);
+    nodes.value.push_back(number);
+    nodes.normal.push_back({std::int8_t(byte_of(value.normal, 0)), std::int8_t(byte_of(value.normal, 1))});
+    nodes.facing.push_back(
+        {byte_of(value.facing, 0), byte_of(value.facing, 1), byte_of(value.facing, 2), byte_of(value.facing, 3)});
+  }
+}
+
+/// Links parents to children: nodes [begin, end) are the parents of nodes [end, nodes.key.size()).
+void link_children(NodeTable& nodes, std::size_t begin, std::size_t end) {
+  std::size_t parent = begin;
+  for (std::size_t child = end; child < nodes.key.size(); ++child) {
+    while (nodes.key[parent] != parent_key(nodes.key[child])) ++parent;
+    NodeChildren children{nodes.first_child[parent], nodes.child_mask[parent]};
+    children.add(std::uint32_t(child), nodes.key[child]);
+    nodes.first_child[parent] = children.first;
+    nodes.child_mask[parent] = children.mask;
+  }
+}
+
+void remove_constant_bricks(Level& level, const BrickClasses& classes) {
+  if (std::all_of(classes.begin(), classes.end(), [](const BrickClass& v) { return stores_voxels(v.kind); })) return;
+  Level kept;
+  kept.first.push_back(0);
+  for (std::size_t b = 0; b < classes.size(); ++b) {
+    if (!stores_voxels(classes[b].kind)) continue;
+    const auto first = std::ptrdiff_t(level.first[b]), end = std::ptrdiff_t(level.first[b + 1]);
+    kept.key.push_back(level.key[b]);
+    kept.mask.insert(kept.mask.end(), &level.mask[8 * b], &level.mask[8 * b] + 8);
+    kept.rgba.insert(kept.rgba.end(), level.rgba.begin() + 4 * first, level.rgba.begin() + 4 * end);
+    if (!level.normal.empty())
+      kept.normal.insert(kept.normal.end(), level.normal.begin() + 2 * first, level.normal.begin() + 2 * end);
+    if (!level.facing.empty())
+      kept.facing.insert(kept.facing.end(), level.facing.begin() + std::ptrdiff_t(facing_bytes) * first,
+                         level.facing.begin() + std::ptrdiff_t(facing_bytes) * end);
+    kept.first.push_back(kept.rgba.size() / 4);
+  }
+  level = std::move(kept);
+}
+
+NodeTable nodes_of(const std::vector<Level>& levels, const std::vector<BrickClasses>& classes) {
+  NodeTable nodes;
+  std::size_t above = 0;
+  for (std::size_t lod = levels.size(); lod-- > 0;) {
+    const std::size_t begin = nodes.key.size();
+    add_level_nodes(levels[lod], classes[lod], lod, nodes);
+    check_node_count(nodes.key.size());
+    if (begin != 0) link_children(nodes, above, begin);  // the root has no parent
+    above = begin;
+  }
+  return nodes;
+}
+
+}  // namespace
+
+NodeTable prune(std::vector<Level>& levels, const ThreadPool& pool) {
+  const std::vector<BrickClasses> classes = judge(levels, pool);
+  NodeTable nodes = nodes_of(levels, classes);
+  for (std::size_t lod = 0; lod < levels.size(); ++lod) remove_constant_bricks(levels[lod], classes[lod]);
+  return nodes;
+}
+
+NodeTable brick_nodes(const std::vector<Level>& levels) {
+  std::vector<BrickClasses> all_bricks;
+  for (const Level& level : levels) all_bricks.emplace_back(level.key.size());
+  return nodes_of(levels, all_bricks);
+}
+
+}  // namespace gigabake::kernels

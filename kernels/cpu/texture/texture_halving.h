@@ -1,0 +1,78 @@
+/// The computation of a texture's next coarser level, row by row.
+///
+/// Exact   Integers: the result does not depend on whether the source level is processed as a whole or in parts.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "kernels/body/tables.h"
+#include "kernels/body/texture/nearest_texture.h"
+#include "kernels/body/texture/texture_view.h"
+
+namespace gigabake::kernels {
+
+struct LevelExtent {
+  int width, height;
+};
+
+/// The source texels of one target texel along one axis. Weights are in 1/target of a texel and sum to `source`. For
+/// odd sizes, the weights are the exact overlaps.
+struct Footprint {
+  std::int64_t first, last;
+  std::int64_t source, target, at;
+
+  Footprint(int source_size, int target_size, int x)
+      : first(std::int64_t(x) * source_size / target_size),
+        last(((std::int64_t(x) + 1) * source_size - 1) / target_size),
+        source(source_size),
+        target(target_size),
+        at(x) {}
+  std::uint64_t weight(std::int64_t i) const {
+    return std::uint64_t(std::min((i + 1) * target, (at + 1) * source) - std::max(i * target, at * source));
+  }
+};
+
+/// Computes row y of the next level. The call row_at(j) returns the first texel of row j, 4 values each. The call
+/// add(texel, weight, sums) adds a weighted texel to the sums. out: 4 values per texel.
+template <class RowAt, class Add>
+void halve_row(LevelExtent from, int y, const RowAt& row_at, const Add& add, std::uint16_t* out) {
+  const int target_width = level_extent(from.width, 1);
+  const std::uint64_t whole = std::uint64_t(from.width) * std::uint64_t(from.height);
+  const Footprint rows(from.height, level_extent(from.height, 1), y);
+  for (int x = 0; x < target_width; ++x) {
+    const Footprint columns(from.width, target_width, x);
+    std::uint64_t sum[4] = {0, 0, 0, 0};
+    for (std::int64_t j = rows.first; j <= rows.last; ++j)
+      for (std::int64_t i = columns.first; i <= columns.last; ++i)
+        add(row_at(j) + 4 * i, rows.weight(j) * columns.weight(i), sum);
+    for (int c = 0; c < 4; ++c) out[4 * std::size_t(x) + std::size_t(c)] = std::uint16_t((sum[c] + whole / 2) / whole);
+  }
+}
+
+/// Reads texels of level 0: linear, premultiplied. If there is an alpha test, a texel is opaque or transparent.
+class BaseTexels {
+ public:
+  explicit BaseTexels(std::uint8_t mask_cutoff) : mask_cutoff_(mask_cutoff), tables_(TableStore::host().view()) {}
+  void operator()(const std::uint8_t* p, std::uint64_t weight, std::uint64_t sum[4]) const {
+    const Rgba16 texel = base_texel(p, mask_cutoff_, tables_.linear_from_srgb);
+    for (int c = 0; c < 4; ++c) sum[c] += weight * texel.c[c];
+  }
+
+ private:
+  const std::uint8_t mask_cutoff_;
+  const Tables tables_;
+};
+
+/// Adds a texel of level 1 or coarser.
+inline void add_linear_texel(const std::uint16_t* p, std::uint64_t weight, std::uint64_t sum[4]) {
+  for (int c = 0; c < 4; ++c) sum[c] += weight * p[c];
+}
+
+/// Sets alpha to 255 for TextureAlpha::ignore.
+inline void make_opaque(std::uint8_t* rgba, std::size_t texels) {
+  for (std::size_t i = 0; i < texels; ++i) rgba[4 * i + 3] = 255;
+}
+
+}  // namespace gigabake::kernels

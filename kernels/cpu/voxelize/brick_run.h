@@ -1,0 +1,43 @@
+/// Packed bricks, the output of one task, and their concatenation into a level.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/thread_pool.h"
+#include "kernels/body/cell.h"
+#include "kernels/body/voxel.h"
+
+namespace gigabake::kernels {
+
+/// Consecutive bricks of a level in Morton order.
+class BrickRun {
+ public:
+  explicit BrickRun(bool normals = true) : normals_(normals) {}
+
+  /// Appends a brick. voxels: in ascending order of their bit in the mask.
+  void push_brick(std::uint64_t key, const std::uint64_t mask[8], std::span<const Voxel> voxels);
+  /// Appends facing_bytes per voxel of the last brick. Call it for all bricks or for none.
+  void push_facing(std::span<const std::uint8_t> facing) {
+    facing_.insert(facing_.end(), facing.begin(), facing.end());
+  }
+  std::size_t voxels() const { return rgba_.size() / 4; }
+  std::size_t bricks() const { return key_.size(); }
+
+  friend void append(Level& level, std::vector<BrickRun>& runs, const ThreadPool& pool);
+
+ private:
+  void make_room(Level& level, std::size_t bricks, std::size_t voxels, const ThreadPool& pool) const;
+
+  bool normals_;
+  std::vector<std::uint64_t> key_, mask_;
+  std::vector<std::uint8_t> rgba_;
+  std::vector<std::int8_t> normal_;
+  std::vector<std::uint8_t> facing_;
+};
+
+/// Moves the runs' bricks, in order, to the end of the level and empties the runs.
+void append(Level& level, std::vector<BrickRun>& runs, const ThreadPool& pool);
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,48 @@
+/// The accumulators of one brick, used by one thread for all triangles of the brick.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "core/octree/brick.h"
+#include "kernels/body/voxelize/accumulate.h"
+#include "kernels/body/voxelize/resolve.h"
+#include "kernels/cpu/voxelize/brick_run.h"
+
+namespace gigabake::kernels {
+
+/// Dense 64-bit sums per voxel. After every `fragments_before_flush` triangles they are added to 128-bit sums, so any
+/// number of triangles per voxel is exact. An object is reused for the next brick; all sums are zero between bricks.
+class BrickSums {
+ public:
+  BrickSums();
+
+  void add(int voxel, const Fragment& fragment) {
+    accumulate(narrow_[voxel].data(), fragment);
+    mask_[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
+  }
+
+  /// Ends a triangle. Call it after each triangle, which adds at most one fragment per voxel.
+  void end_triangle() {
+    if (++triangles_ == fragments_before_flush) flush();
+  }
+
+  /// Writes the brick's voxels to `run` (no brick if no voxel is visible) and resets all sums to zero.
+  void resolve_to(BrickRun& run, std::uint64_t key, const Tables& tables);
+
+ private:
+  using Narrow = std::array<std::int64_t, sum_count>;
+  using Wide = std::array<__int128, sum_count>;
+
+  void flush();
+
+  std::unique_ptr<std::array<Narrow, brick_voxels>> narrow_store_;
+  std::array<Narrow, brick_voxels>& narrow_;
+  std::unique_ptr<std::array<Wide, brick_voxels>> wide_;  ///< allocated by the first flush
+  std::uint64_t mask_[8] = {};
+  int triangles_ = 0;
+  bool flushed_ = false;
+};
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,175 @@
+#include "kernels/cpu/voxelize/voxelize.h"
+
+#include <bit>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/rules.h"
+#include "core/base/thread_pool.h"
+#include "kernels/body/voxelize/part.h"
+#include "kernels/body/voxelize/surface.h"
+#include "kernels/body/voxelize/triangle_bricks.h"
+#include "kernels/cpu/voxelize/brick_run.h"
+#include "kernels/cpu/voxelize/brick_sums.h"
+#include "kernels/cpu/voxelize/cell_lanes.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr std::size_t bricks_per_run = 16;
+
+/// The data of a part that is the same for all its triangles.
+struct PartSurface {
+  PartArrays part;
+  Surface surface;
+};
+
+std::vector<PartSurface> part_surfaces(const CellInput& input) {
+  std::vector<PartSurface> out;
+  for (std::size_t i = 0; i < input.parts.size; ++i) {
+    const PartArrays part = part_arrays(input, input.parts[i]);
+    out.push_back({part, surface_of(part, input.materials.data, input.textures.data)});
+  }
+  return out;
+}
+
+template <class I>
+Surface triangle_surface(const PartSurface& from, const WindowTriangle& w, const BrickTriangle<I>& t,
+                         const TrianglePlane& plane) {
+  Surface s = from.surface;
+  triangle_normal(from.part, w.index, t, s.normal);
+  if (s.has_vertex_rgba) load_vertex_rgba(from.part, w.index, s.vertex_rgba);
+  if (s.texture != nullptr) s.map = texture_map(from.part, w.index, plane, *s.texture);
+  return s;
+}
+
+/// The buffers of one thread, reused for all its bricks.
+class BrickWalker {
+ public:
+  BrickWalker(std::span<const WindowTriangle> triangles, const std::vector<PartSurface>& parts, SurfaceRule rule)
+      : triangles_(triangles), parts_(parts), rule_(rule), tables_(TableStore::host().view()) {}
+
+  void walk(const Pair* begin, const Pair* end, BrickRun& run) {
+    const std::uint64_t key = brick_of(*begin);
+    std::int32_t corner[3];
+    brick_corner(key, corner);
+    for (const Pair* pair = begin; pair != end; ++pair) {
+      const WindowTriangle& t = triangles_[triangle_of(*pair)];
+      with_integer_for(t, [&]<class I>(I) { add_triangle<I>(t, corner); });
+    }
+    sums_.resolve_to(run, key, tables_);
+  }
+
+  std::uint64_t fragments() const { return fragments_; }
+
+ private:
+  template <class I>
+  void add_triangle(const WindowTriangle& w, const std::int32_t corner[3]) {
+    const BrickTriangle<I> t = make_brick_triangle<I>(w, corner);
+    std::uint64_t slab[8];
+    touched_voxels(t, rule_, slab);
+    if ((slab[0] | slab[1] | slab[2] | slab[3] | slab[4] | slab[5] | slab[6] | slab[7]) == 0) return;
+    const TrianglePlane plane = make_plane(t);
+    const Surface surface = triangle_surface(parts_[w.part], w, t, plane);
+    if (surface.look() == ShadingRate::linear) linear_ = make_linear_colour(surface, plane);
+    for (int i = 0; i < 8; ++i)
+      if (slab[i] != 0) add_slab(plane, surface, t.axis, i, slab[i]);
+    sums_.end_triangle();
+  }
+
+  /// Adds the fragments of slab w. cells: bit u + 8 v is set for each cell that the triangle overlaps.
+  void add_slab(const TrianglePlane& plane, const Surface& surface, int axis, int w, std::uint64_t cells) {
+    const ShadingRate look = surface.look();
+    int voxel[64];
+    lanes_.count = 0;
+    for (std::uint64_t rest = cells; rest != 0; rest &= rest - 1) {
+      const int cell = std::countr_zero(rest), u = cell & 7, v = cell >> 3;
+      voxel[lanes_.count] = voxel_of_cell(axis, w, cell);
+      lanes_.u[lanes_.count] = double(u - plane.anchor[0]);
+      lanes_.v[lanes_.count] = double(v - plane.anchor[1]);
+      ++lanes_.count;
+    }
+    const SlabPolygon polygon = cut_slab(plane, double(w - plane.anchor[2]));
+    measure(plane, polygon, look);
+    if (look == ShadingRate::linear)
+      add_linear_cells(plane, surface, voxel);
+    else
+      add_cells(plane, polygon, surface, voxel);
+    fragments_ += std::uint64_t(lanes_.count);
+  }
+
+  void measure(const TrianglePlane& plane, const SlabPolygon& polygon, ShadingRate look) {
+    if (look == ShadingRate::flat) return measure_areas(plane, polygon, lanes_);
+    look == ShadingRate::linear ? measure_moments(plane, polygon, lanes_)
+                                : measure_second_moments(plane, polygon, lanes_);
+  }
+
+  CellMoments moments_of(int lane) const {
+    return {lanes_.area[lane], lanes_.moment_u[lane], lanes_.moment_v[lane], 0, 0, 0};
+  }
+
+  CellMoments second_moments_of(int i) const {
+    return {lanes_.area[i],      lanes_.moment_u[i],  lanes_.moment_v[i],
+            lanes_.moment_uu[i], lanes_.moment_uv[i], lanes_.moment_vv[i]};
+  }
+
+  void add_linear_cells(const TrianglePlane& plane, const Surface& surface, const int voxel[64]) {
+    for (int i = 0; i < lanes_.count; ++i)
+      sums_.add(voxel[i],
+                linear_fragment(linear_, lanes_.u[i], lanes_.v[i], moments_of(i), plane.weight_scale, surface.normal));
+  }
+
+  void add_cells(const TrianglePlane& plane, const SlabPolygon& polygon, const Surface& surface, const int voxel[64]) {
+    Rgba16 rgba;
+    const bool varies = surface.look() != ShadingRate::flat, opaque = surface.is_opaque();
+    if (!varies) rgba = shade<false>(surface, plane, {}, tables_);
+    for (int i = 0; i < lanes_.count; ++i) {
+      if (varies) {
+        const FragmentShape shape =
+            fragment_shape(plane, second_moments_of(i), lanes_.u[i], lanes_.v[i], polygon.u, polygon.v, polygon.count);
+        rgba = opaque ? shade<true>(surface, plane, shape, tables_) : shade<false>(surface, plane, shape, tables_);
+      }
+      sums_.add(voxel[i], make_fragment(surface, rgba, weight_of(lanes_.area[i], plane.weight_scale)));
+    }
+  }
+
+  std::span<const WindowTriangle> triangles_;
+  const std::vector<PartSurface>& parts_;
+  SurfaceRule rule_;
+  Tables tables_;
+  BrickSums sums_;
+  CellLanes lanes_;
+  LinearColour linear_;  ///< of the current triangle, if its surface is linear
+  std::uint64_t fragments_ = 0;
+};
+
+/// Returns the index of each brick's first pair, and the end.
+std::vector<std::size_t> brick_starts(std::span<const Pair> pairs) {
+  std::vector<std::size_t> starts;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (i == 0 || brick_of(pairs[i]) != brick_of(pairs[i - 1])) starts.push_back(i);
+  starts.push_back(pairs.size());
+  return starts;
+}
+
+}  // namespace
+
+void voxelize(const CellInput& input, std::span<const WindowTriangle> triangles, const CellParameters& parameters,
+              std::span<const Pair> pairs, const ThreadPool& pool, Level& level, CellStats& stats) {
+  const std::vector<PartSurface> parts = part_surfaces(input);
+  const std::vector<std::size_t> starts = brick_starts(pairs);
+  const std::size_t bricks = starts.size() - 1;
+  std::vector<BrickRun> runs((bricks + bricks_per_run - 1) / bricks_per_run, BrickRun(parameters.normals));
+  std::vector<std::unique_ptr<BrickWalker>> walkers(pool.threads());
+  pool.parallel_for(bricks, bricks_per_run, [&](std::size_t begin, std::size_t end, int thread) {
+    if (!walkers[thread]) walkers[thread] = std::make_unique<BrickWalker>(triangles, parts, parameters.surface);
+    for (std::size_t b = begin; b < end; ++b)
+      walkers[thread]->walk(pairs.data() + starts[b], pairs.data() + starts[b + 1], runs[b / bricks_per_run]);
+  });
+  for (const auto& walker : walkers)
+    if (walker) stats.fragments += walker->fragments();
+  append(level, runs, pool);
+}
+
+}  // namespace gigabake::kernels

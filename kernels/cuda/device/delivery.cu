@@ -1,0 +1,35 @@
+#include "kernels/cuda/device/delivery.cuh"
+
+namespace gigabake::kernels {
+
+Delivery::Delivery(DeviceHeap& heap) : heap_(heap) {
+  for (Part& part : parts_)
+    check_cuda(cudaEventCreateWithFlags(&part.copied, cudaEventDisableTiming), "cudaEventCreate");
+}
+
+Delivery::~Delivery() {
+  for (const Part& part : parts_) {
+    cudaEventSynchronize(part.copied);  // the device may still read the buffers
+    cudaEventDestroy(part.copied);
+  }
+}
+
+std::byte* Delivery::room(std::size_t bytes) {
+  turn_ = (turn_ + 1) % parts_.size();
+  bytes_ = bytes;
+  Part& part = parts_[turn_];
+  check_cuda(cudaEventSynchronize(part.copied), "cudaEventSynchronize");
+  if (part.device.size() < bytes) part.device = DeviceArray<std::byte>(heap_, bytes + bytes / 2);
+  return part.host.reserve(part.device.size());
+}
+
+const std::byte* Delivery::send() {
+  Part& part = parts_[turn_];
+  std::byte* const host = part.host.reserve(bytes_);
+  check_cuda(cudaMemcpyAsync(part.device.data(), host, bytes_, cudaMemcpyHostToDevice, heap_.stream()),
+             "cudaMemcpyAsync");
+  check_cuda(cudaEventRecord(part.copied, heap_.stream()), "cudaEventRecord");
+  return part.device.data();
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,50 @@
+/// Upload of bytes to a device in stream order.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstring>
+#include <cuda_runtime.h>
+#include <vector>
+
+#include "kernels/cuda/device/memory.cuh"
+#include "kernels/cuda/device/pinned.cuh"
+
+namespace gigabake::kernels {
+
+/// Page-locked buffers used alternately: the host fills one while the other is copied, so that it rarely waits.
+class Delivery {
+ public:
+  explicit Delivery(DeviceHeap& heap);
+  ~Delivery();
+  Delivery(const Delivery&) = delete;
+  Delivery& operator=(const Delivery&) = delete;
+
+  /// Returns a host buffer to fill before send(). Waits if the device is still copying from that buffer.
+  /// Errors  CudaFailure, DeviceFull.
+  std::byte* room(std::size_t bytes);
+  /// Starts the copy of the buffer. Returns the device pointer, valid for launches before the second next room().
+  /// Errors  CudaFailure.
+  const std::byte* send();
+
+  /// Uploads a vector with room() and send().
+  template <class T>
+  const T* send(const std::vector<T>& values) {
+    const std::size_t bytes = values.size() * sizeof(T);
+    std::memcpy(room(bytes), values.data(), bytes);
+    return reinterpret_cast<const T*>(send());
+  }
+
+ private:
+  struct Part {
+    PinnedBuffer host;
+    DeviceArray<std::byte> device;
+    cudaEvent_t copied = nullptr;
+  };
+
+  DeviceHeap& heap_;
+  std::array<Part, 2> parts_;
+  std::size_t turn_ = 0, bytes_ = 0;
+};
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,44 @@
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include "kernels/cuda/device/memory.cuh"
+
+namespace gigabake::kernels {
+
+void check_cuda(cudaError_t code, const char* call) {
+  if (code == cudaSuccess) return;
+  cudaGetLastError();  // clears the error, or the next call would report it again
+  throw CudaFailure(std::string(call) + ": " + cudaGetErrorString(code));
+}
+
+void* DeviceHeap::take(std::size_t bytes) {
+  if (limit_ != 0 && live_ + bytes > limit_)
+    throw DeviceFull(std::to_string(live_ + bytes) + " bytes where " + std::to_string(limit_) + " are allowed");
+  void* data = nullptr;
+  const cudaError_t code = cudaMallocAsync(&data, std::max<std::size_t>(bytes, 1), stream_);
+  if (code == cudaErrorMemoryAllocation) {
+    cudaGetLastError();
+    throw DeviceFull("cudaMallocAsync: no " + std::to_string(bytes) + " bytes are left on the device");
+  }
+  check_cuda(code, "cudaMallocAsync");
+  live_ += bytes;
+  books_.add(std::int64_t(bytes));
+  return data;
+}
+
+void DeviceHeap::give(void* data, std::size_t bytes) noexcept {
+  if (data == nullptr) return;
+  cudaFreeAsync(data, stream_);
+  live_ -= bytes;
+  books_.add(-std::int64_t(bytes));
+}
+
+void DeviceHeap::bring(void* host, const void* device, std::size_t bytes, const char* what) {
+  std::byte* arrived = arrived_.reserve(bytes);
+  check_cuda(cudaMemcpyAsync(arrived, device, bytes, cudaMemcpyDeviceToHost, stream_), what);
+  check_cuda(cudaStreamSynchronize(stream_), what);
+  std::memcpy(host, arrived, bytes);
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,116 @@
+/// Device memory: stream-ordered arrays of one pool, with counters of live and peak bytes.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cuda_runtime.h>
+#include <utility>
+
+#include "core/base/cuda_failure.h"
+#include "kernels/cuda/device/pinned.cuh"
+
+namespace gigabake::kernels {
+
+/// Throws if `code` is an error.
+/// Errors  CudaFailure, naming the call.
+void check_cuda(cudaError_t code, const char* call);
+
+/// Live and peak bytes of all heaps of a baker.
+class DeviceBooks {
+ public:
+  void add(std::int64_t bytes) {
+    const std::int64_t now = live_ += bytes;
+    std::int64_t peak = peak_;
+    while (peak < now && !peak_.compare_exchange_weak(peak, now)) {
+    }
+  }
+  std::uint64_t peak_bytes() const { return std::uint64_t(peak_.load()); }
+  void restart_peak() { peak_ = live_.load(); }
+
+ private:
+  std::atomic<std::int64_t> live_{0}, peak_{0};
+};
+
+/// Allocator of one stream. If another stream reads an array, the host must wait for that stream before it frees the
+/// array.
+class DeviceHeap {
+ public:
+  DeviceHeap(cudaStream_t stream, DeviceBooks& books) : stream_(stream), books_(books) {}
+
+  /// Allocates memory in stream order.
+  /// Errors  DeviceFull, CudaFailure.
+  void* take(std::size_t bytes);
+  void give(void* data, std::size_t bytes) noexcept;
+  /// Sets the limit of live bytes beyond which take() fails; bytes that are live already may exceed it. 0: only the
+  /// device's memory limits.
+  void limit_to(std::uint64_t bytes) { limit_ = bytes; }
+
+  /// Copies a few bytes to the host and waits for the copy and for the kernels before it. Copies through page-locked
+  /// memory, because the driver would stage a copy to pageable memory itself. what: names the step in an error's
+  /// message.
+  void bring(void* host, const void* device, std::size_t bytes, const char* what);
+
+  std::uint64_t live() const { return live_; }
+  cudaStream_t stream() const { return stream_; }
+
+ private:
+  cudaStream_t stream_;
+  DeviceBooks& books_;
+  std::atomic<std::uint64_t> live_{0};  ///< another thread than the baking one may free arrays
+  std::uint64_t limit_ = 0;
+  PinnedBuffer arrived_;
+};
+
+/// Array on the device, freed in stream order. Not initialised.
+template <class T>
+class DeviceArray {
+ public:
+  DeviceArray() = default;
+  DeviceArray(DeviceHeap& heap, std::size_t size)
+      : heap_(&heap), data_(static_cast<T*>(heap.take(size * sizeof(T)))), size_(size) {}
+  DeviceArray(DeviceArray&& o) noexcept { *this = std::move(o); }
+  DeviceArray& operator=(DeviceArray&& o) noexcept {
+    std::swap(heap_, o.heap_);
+    std::swap(data_, o.data_);
+    std::swap(size_, o.size_);
+    return *this;
+  }
+  ~DeviceArray() {
+    if (heap_ != nullptr) heap_->give(data_, size_ * sizeof(T));
+  }
+
+  T* data() const { return data_; }
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  std::size_t bytes() const { return size_ * sizeof(T); }
+
+  void clear_to_zero() { check_cuda(cudaMemsetAsync(data_, 0, bytes(), heap_->stream()), "cudaMemsetAsync"); }
+
+ private:
+  DeviceHeap* heap_ = nullptr;
+  T* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// Temporary storage of a cub scan or selection.
+using TemporaryStorage = DeviceArray<std::uint8_t>;
+
+/// Runs step(temporary, bytes) of cub twice: first with null to query the bytes, then with temporary storage.
+template <class Step>
+void with_temporary(DeviceHeap& heap, const Step& step) {
+  std::size_t bytes = 0;
+  step(nullptr, bytes);
+  const TemporaryStorage temporary(heap, bytes);
+  step(static_cast<void*>(temporary.data()), bytes);
+}
+
+/// Returns the number of blocks of `threads` threads that cover `items`; at least one, because CUDA rejects empty
+/// launches.
+inline unsigned grid_of(std::uint64_t items, unsigned threads) {
+  return unsigned(items == 0 ? 1 : (items + threads - 1) / threads);
+}
+
+inline void check_launch(const char* kernel) { check_cuda(cudaGetLastError(), kernel); }
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,24 @@
+/// A level in device memory.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/cuda/device/memory.cuh"
+
+namespace gigabake::kernels {
+
+/// Bricks are in Morton order; voxels are ordered by brick, then by bit number.
+struct DeviceLevel {
+  DeviceArray<std::uint32_t> key, first;  ///< first: bricks + 1
+  DeviceArray<std::uint64_t> mask;        ///< 8 per brick
+  DeviceArray<std::uint32_t> rgba;        ///< four bytes, red in the lowest
+  DeviceArray<std::uint16_t> normal;      ///< two bytes, or empty
+  DeviceArray<std::uint8_t> facing;       ///< facing_bytes per voxel, or empty
+  std::uint32_t bricks = 0, voxels = 0;
+
+  std::uint64_t bytes() const {
+    return key.bytes() + first.bytes() + mask.bytes() + rgba.bytes() + normal.bytes() + facing.bytes();
+  }
+};
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,175 @@
+/// Building blocks of the filter kernels: a voxel's children, their visible coverage, and the filtered voxel.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/rules.h"
+#include "core/octree/octree.h"
+#include "kernels/body/mask.h"
+#include "kernels/body/mip/mip.h"
+#include "kernels/body/mip/plane_fit.h"
+#include "kernels/body/voxel.h"
+
+namespace gigabake::kernels {
+
+constexpr int filter_threads = 128;
+
+/// Voxel arrays in memory, accessed by index.
+struct VoxelArrays {
+  const std::uint32_t* rgba;
+  const std::uint16_t* normal;  ///< or null
+  const SurfaceMoments* patch;  ///< (kernels/body/mip/patch.h); null at lod 0, or if not required
+};
+
+/// The 2×2×2 children of a voxel, ordered x | y<<1 | z<<2.
+template <class Index>
+struct alignas(8 * sizeof(Index) < 16 ? 8 : 16) Children {
+  Index at[8];  ///< index in the children's array, or `none`
+  static constexpr Index none = Index(-1);
+};
+
+/// Returns the children in a brick's mask at (2x, 2y) of two adjacent slabs, `low` and `high`. Parameter at_low: index
+/// of the low slab's first voxel; the high slab's voxels follow.
+template <class Index>
+__device__ Children<Index> children_in(std::uint64_t low, std::uint64_t high, std::uint32_t at_low, int x, int y) {
+  Children<Index> children;
+#pragma unroll
+  for (int dz = 0; dz < 2; ++dz) {
+    const std::uint64_t word = dz == 0 ? low : high;
+#pragma unroll
+    for (int dy = 0; dy < 2; ++dy) {
+      const int bit = 2 * x + 8 * (2 * y + dy);
+      const auto two = std::uint32_t(word >> bit) & 3;
+      const std::uint32_t at = at_low + bits_below(word, bit);
+      Index* pair = children.at + 2 * dy + 4 * dz;
+      pair[0] = (two & 1) != 0 ? Index(at) : Children<Index>::none;
+      pair[1] = (two & 2) != 0 ? Index(at + (two & 1)) : Children<Index>::none;
+    }
+    at_low += std::uint32_t(bit_count(word));
+  }
+  return children;
+}
+
+/// Access to the children's coverage masks for see_run() (kernels/body/mip/facing.h); the masks are stored
+/// consecutively.
+template <int Edge, class Index>
+struct ChildRasters {
+  const Children<Index>& children;
+  const std::uint32_t* rasters;
+
+  template <int N>
+  __device__ CellRun<N> cells(int child, int axis, int run) const {
+    const Index at = children.at[child];
+    if (at == Children<Index>::none) return {};
+    return reinterpret_cast<const CellRun<N>*>(
+        rasters)[(std::size_t(raster_words(Edge)) * at + axis * Edge * Edge / 4) / N + run];
+  }
+};
+
+/// Edge: of the children's coverage masks.
+template <int Edge, class Index>
+__device__ Weights weights_by_view(const CoverageSums& seen, const Children<Index>& children) {
+  std::uint32_t there[2] = {};
+#pragma unroll
+  for (int c = 0; c < 8; ++c) there[c / 4] |= std::uint32_t(children.at[c] != Children<Index>::none) << 8 * (c % 4);
+  return weights_of(seen, Edge, there);
+}
+
+/// CoverageSums of a voxel, by column and child, as written by the lanes that process its columns.
+struct alignas(8) ColumnSums {
+  std::uint16_t covered[3][4];  ///< axis, column
+  std::uint16_t seen[3][8];     ///< axis, child
+
+  __device__ void put(int axis, int column, const std::uint32_t sums[3]) {
+    const int low = low_child(axis, column), high = low | 1 << axis;
+    covered[axis][column] = std::uint16_t(sums[2]);
+    seen[axis][low] = std::uint16_t(sums[0] + sums[2] - sums[1]);
+    seen[axis][high] = std::uint16_t(sums[1] + sums[2] - sums[0]);
+  }
+  __device__ CoverageSums total() const {
+    CoverageSums sums;
+#pragma unroll
+    for (int axis = 0; axis < 3; ++axis) {
+#pragma unroll
+      for (int column = 0; column < 4; ++column) sums.covered[axis] += covered[axis][column];
+#pragma unroll
+      for (int child = 0; child < 8; ++child) sums.seen[child] += seen[axis][child];
+    }
+    return sums;
+  }
+};
+
+/// Computes the visible coverage of the children of n voxels, by a whole block: one lane per run of 16 cells. Parameter
+/// rasters: of the children; to: of the voxels, 8×8 cells each. Edge: of the children's, 4 or 8.
+template <int Edge, class Index>
+__device__ void see_columns(const Children<Index>* children, int n, const std::uint32_t* rasters, std::uint32_t* to,
+                            ColumnSums* out) {
+  constexpr int runs = runs_per_column<Edge>, lanes = 12 * runs, words = raster_words(max_raster_edge);
+  for (int first = int(threadIdx.x & ~31u); first < n * lanes; first += filter_threads) {  // all lanes of a warp
+                                                                                           // iterate together
+    const int i = first + int(threadIdx.x & 31), voxel = i / lanes;
+    const int run = i % runs, column = i / runs % 4, axis = (i - voxel * lanes) / (4 * runs);
+    std::uint32_t sums[3] = {};
+    if (voxel < n)
+      see_run<Edge>(ChildRasters<Edge, Index>{children[voxel], rasters}, axis, column, run,
+                    to + std::size_t(words) * voxel, sums);
+#pragma unroll
+    for (int d = 1; d < runs; d *= 2)
+#pragma unroll
+      for (std::uint32_t& sum : sums) sum += __shfl_xor_sync(~0u, sum, d);
+    if (voxel < n && run == 0) out[voxel].put(axis, column, sums);
+  }
+}
+
+/// A filtered voxel. facing: x in the lowest byte.
+struct FilteredVoxel {
+  std::uint32_t rgba, facing;
+  std::uint16_t normal;
+  Plane plane;
+  SurfaceMoments patch;
+};
+
+/// Filters a voxel from its children. Loads are independent of each other.
+template <bool by_view, class Index>
+__device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<Index>& children, const Weights& w,
+                                      MipFilter filter, const Tables& tables) {
+  Voxel voxel[8];
+#pragma unroll
+  for (int c = 0; c < 8; ++c) {
+    const bool there = children.at[c] != Children<Index>::none;
+    voxel[c] = unpack_voxel(there ? below.rgba[children.at[c]] : 0,
+                            there && below.normal != nullptr ? below.normal[children.at[c]] : std::uint16_t(0));
+  }
+  if (!by_view || below.normal == nullptr) {
+    const Voxel v = filter_children<by_view>(voxel, w, filter, tables);
+    return {pack_rgba(v.rgba), w.facing, pack_normal(v.normal), {}, {}};
+  }
+  const bool is_finest = below.patch == nullptr;
+  const auto patch = [&](int c) {
+    return is_finest || children.at[c] == Children<Index>::none ? finest_patch() : below.patch[children.at[c]];
+  };
+  const VoxelPatch made = filter_patches(voxel, patch, w, is_finest, tables);
+  const Plane plane = plane_of(made.patch, made.voxel.normal, is_finest);
+  return {pack_rgba(made.voxel.rgba), stored_coverage(plane, w.facing), pack_normal(made.voxel.normal), plane,
+          made.patch};
+}
+
+/// Output arrays of a level's voxels.
+struct VoxelsOut {
+  std::uint32_t* rgba;
+  std::uint16_t* normal;  ///< or null
+  std::uint8_t* facing;   ///< null without MipFilter::coverage
+  SurfaceMoments* patch;  ///< null without MipFilter::coverage or normals, or if no later launch reads it
+
+  __device__ void put(std::size_t i, const FilteredVoxel& v) const {
+    rgba[i] = v.rgba;
+    if (normal != nullptr) normal[i] = v.normal;
+    if (facing == nullptr) return;
+    std::uint8_t* to = facing + facing_bytes * i;
+    for (int a = 0; a < 3; ++a) to[a] = byte_of(v.facing, a);
+    to[facing_plane] = pack_plane(v.plane);
+    if (patch != nullptr) patch[i] = v.patch;
+  }
+};
+
+}  // namespace gigabake::kernels

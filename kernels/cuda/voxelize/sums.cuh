@@ -1,0 +1,73 @@
+/// Accumulators of a brick's voxels in shared memory.
+///
+/// Exact   The sum does not depend on the number and order of fragments. A sum is two or three 32-bit words with
+///         carries, because shared memory has native 32-bit atomic additions but no 64-bit ones.
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "core/base/host_device.h"
+#include "kernels/body/voxelize/accumulate.h"
+#include "kernels/body/voxelize/resolve.h"
+
+namespace gigabake::kernels {
+
+/// Sums of one voxel. Parameter words: 2 for 64 bits, for bricks of at most fragments_before_flush triangles; 3 for 96
+/// bits, for up to 2^32 triangles. Parameter channels: opaque_sum_count if everything is opaque, else sum_count.
+template <int words, int channels>
+struct VoxelSums {
+  using Total = std::conditional_t<words == 2, std::int64_t, __int128>;
+
+  unsigned word[(words * channels) | 1];  ///< odd size: adjacent lanes use different banks
+
+  __device__ void clear() {
+    for (unsigned& w : word) w = 0;
+  }
+
+  /// Adds the low words of all channels first. An upper word needs the carry of the lower one, so the latencies of the
+  /// channels overlap.
+  __device__ void add(const Fragment& f) {
+    std::uint64_t rest[sum_count];  // remainder for the next word and those above it
+    bool is_there[sum_count];
+    for (bool& there : is_there) there = false;
+    contribute(f, [&](Sum channel, std::int64_t value) {
+      if (channel >= channels) return;
+      is_there[channel] = true;
+      rest[channel] = std::uint64_t(value);
+    });
+#pragma unroll
+    for (int w = 0; w < words; ++w)
+#pragma unroll
+      for (int c = 0; c < channels; ++c)
+        if (is_there[c]) add_word(words * c + w, rest[c]);
+  }
+
+  __device__ bool resolve_to(const Tables& tables, Voxel& out) const {
+    Total s[sum_count];
+    s[sum_clear] = 0;
+    for (int c = 0; c < channels; ++c) {
+      const unsigned* at = word + words * c;
+      const std::int64_t low = std::int64_t(std::uint64_t(at[1]) << 32 | at[0]);
+      if constexpr (words == 2)
+        s[c] = low;
+      else
+        s[c] = __int128(std::int32_t(at[2])) * (__int128(1) << 64) + __int128(std::uint64_t(low));
+    }
+    return resolve(s, tables, out);
+  }
+
+ private:
+  __device__ void add_word(int at, std::uint64_t& rest) {
+    const auto part = std::uint32_t(rest);
+    const bool is_third = at % words == 2;
+    bool carry = false;
+    if (!is_third || part != 0) {  // the third word rarely changes
+      const std::uint32_t before = atomicAdd(&word[at], part);
+      carry = before + part < part;
+    }
+    rest = std::uint64_t(std::int64_t(rest) >> 32) + (carry ? 1 : 0);
+  }
+};
+
+}  // namespace gigabake::kernels

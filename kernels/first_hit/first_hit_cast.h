@@ -1,0 +1,23 @@
+/// First hits of many rays on the CPU, and code that both backends share.
+#pragma once
+
+#include "core/base/thread_pool.h"
+#include "kernels/first_hit/first_hit_camera.h"
+
+namespace gigabake::kernels {
+
+/// Results, one entry per ray; row by row for images.
+struct FirstHitResult {
+  Span<FirstHit> hits;
+  Span<VoxelAttributes> looks;  ///< attributes of the hit voxels, zero for a miss; empty: not requested
+};
+
+/// Returns the finest beams whose rays stay within the shell's reach up to the scene's centre.
+FirstHitBeams plan_beams(const FirstHitView& scene, const FirstHitCamera& camera);
+
+void cast_first_hits(const FirstHitView& scene, const FirstHitCamera& camera, const FirstHitResult& result,
+                     const ThreadPool& pool);
+void cast_first_hits(const FirstHitView& scene, Span<const FirstHitRay> rays, const FirstHitResult& result,
+                     const ThreadPool& pool);
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,46 @@
+/// The CUDA backend of first hits: the scene is resident on the device, which casts images and rays.
+///
+/// In a build without CUDA the constructor throws; cuda_devices() (cuda_baker.h) gives the reason.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/base/cuda_failure.h"
+#include "kernels/first_hit/first_hit_cast.h"
+
+namespace gigabake::kernels {
+
+/// First hits on one device. Not thread-safe.
+/// Errors  CudaFailure, from every member.
+class CudaFirstHits {
+ public:
+  /// Copies the scene to the device. device: an ordinal that cuda_devices() returned.
+  CudaFirstHits(int device, const FirstHitView& scene);
+  ~CudaFirstHits();
+  CudaFirstHits(const CudaFirstHits&) = delete;
+  CudaFirstHits& operator=(const CudaFirstHits&) = delete;
+
+  /// Uploads rays for cast().
+  /// Errors  std::length_error: more than 2^31 rays.
+  void upload(Span<const FirstHitRay> rays);
+
+  /// Casts rays and returns the seconds that the device needed, measured by its own clock. Results stay on the device
+  /// until the next cast. If `looks`, attributes of the hit voxels are fetched too.
+  /// Exact   The same bits as cast_first_hits().
+  double cast(const FirstHitCamera& camera, bool looks);
+  double cast(bool looks);
+
+  /// Returns the hits of the last cast. looks(): empty if attributes were not fetched.
+  std::vector<FirstHit> hits() const;
+  std::vector<VoxelAttributes> looks() const;
+
+  std::uint64_t device_bytes() const;  ///< of the scene
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,53 @@
+/// The voxels of a whole scene for first-hit rays: a tree with 4×4×4 children per node, down to single voxels.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/host_device.h"
+
+namespace gigabake::kernels {
+
+inline constexpr int max_first_hit_bits = 18;  ///< log2 of a tree's edge; float coordinates then resolve 1/32 voxel
+
+/// A node. Child (x, y, z) is bit x + 4y + 16z. Existing children are stored contiguously, in ascending order of their
+/// bits.
+struct alignas(16) FirstHitNode {
+  std::uint64_t mask = 0;  ///< mask of the existing children
+  std::uint32_t end = 0;   ///< index after the node of the highest child; if the children are voxels, index after its
+                           ///< look
+  std::uint32_t unused = 0;
+};
+
+/// The attributes of a voxel.
+struct alignas(8) VoxelAttributes {
+  std::uint32_t rgba = 0;      ///< sRGB colour and coverage, from the lowest byte on
+  std::int8_t normal[2] = {};  ///< octahedral
+  std::int8_t unused[2] = {};
+};
+
+/// A cube of 2^bits voxels per edge, centred on a box that contains all voxels.
+struct FirstHitTree {
+  Span<const FirstHitNode> nodes;  ///< [0] is the root; empty: no voxels
+  double centre[3] = {};           ///< lod-0 voxels of the scene's lattice
+  double half[3] = {};    ///< half extent of the box in units of the cube's edge; includes a margin of one voxel
+  double per_edge = 0;    ///< 1 / edge
+  float edge = 0;         ///< of the cube, lod-0 voxels; a power of two
+  std::int32_t bits = 0;  ///< even, 2 to max_first_hit_bits
+};
+
+/// A dilated mip: a tree of coarser voxels around the same centre. It has each coarse voxel that contains a voxel of
+/// the scene, and its 26 neighbours. Points outside the shell are farther than `reach` from every voxel along some
+/// axis.
+struct FirstHitShell {
+  FirstHitTree tree;
+  float reach = 0;  ///< lod-0 voxels: an edge of the shell's voxels
+};
+
+/// A scene that first-hit rays borrow.
+struct FirstHitView {
+  FirstHitTree tree;
+  FirstHitShell shells[2];  ///< of 4³ and of 16³ voxels
+  Span<const VoxelAttributes> looks;
+};
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,220 @@
+/// The light of a pixel: the visible fractions of the sun and the sky at its surface.
+///
+/// A pixel's surface is where half of its ray's light is absorbed. One cone leads from this surface to the sun, and one
+/// to the sky. Not every pixel casts them: pixels of a block share results (kernels/light/light_sharing.h). A cone is
+/// an ordinary ray whose levels have voxels as wide as the cone, but not finer than the pixel's own. It requests
+/// missing data, and surfaces stop it. The width of the voxels that it passes determines the width of a shadow's
+/// border.
+///
+/// Directions without sky show other surfaces, which send the ground's light. An unshadowed surface of any slope
+/// therefore receives the same light as in shade_voxel().
+///
+/// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
+/// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
+/// Source  Crassin et al. 2011, "Interactive Indirect Illumination Using Voxel Cone Tracing".
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/host_device.h"
+#include "kernels/light/lighting.h"
+#include "kernels/marching/cast.h"
+#include "kernels/marching/pixel.h"
+
+namespace gigabake::kernels {
+
+/// A pixel's rays to the light.
+enum class LightRay : std::int32_t { sun, sky };
+inline constexpr int light_rays = 2;
+
+/// The light at a pixel's surface.
+struct PixelLight {
+  float normal[3] = {0, 0, 1};  ///< of the surface, unit
+  float at[3] = {0, 0, 0};      ///< position relative to the eye
+  float depth = 0;
+  float facing = 0;             ///< mean of max(0, cosine between the sun's direction and the normal)
+  float up = 1;                 ///< visible fraction of the sky without occluders
+  float seen[light_rays] = {};  ///< by ray: fraction of the light that is visible
+  std::int32_t lod = 0;         ///< the pixel's level at that distance
+  std::uint32_t done = 0;       ///< bit r: ray r is finished or not cast; bit light_rays: the surface is known
+  std::uint32_t first = 0;      ///< bit r: ray r is cast before shadow samples are reused
+  std::uint32_t then = 0;       ///< bit r: ray r is cast afterwards, because the samples are not uniform
+  bool has_surface = false;     ///< false: the ray lost less than half of its light
+
+  static constexpr std::uint32_t all = (2u << light_rays) - 1;
+  GB_HD bool has(int bit) const { return (done >> bit & 1) != 0; }
+  GB_HD bool is_first(LightRay ray) const { return (first >> int(ray) & 1) != 0; }
+  GB_HD bool is_cast(LightRay ray) const { return ((first | then) >> int(ray) & 1) != 0; }
+};
+
+GB_HD int lod_at(const CastScene& scene, const CastLine& line, double distance) {
+  int lod = 0;
+  while (lod + 1 < scene.lods && distance >= lod_start(line, lod + 1)) ++lod;
+  return lod;
+}
+
+GB_HD float dot3(const float a[3], const float b[3]) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
+
+/// Sums over voxels, weighted by interpolation weight and coverage.
+struct SurfaceSums {
+  float weight = 0, facing = 0, up = 0, normal[3] = {0, 0, 0};
+};
+
+/// Adds the eight voxels around a point. A voxel without a normal sees the whole sky and no sun, as in shade_voxel().
+GB_HD void add_surface(const CastCorners& corners, const float to_sun[3], SurfaceSums& sums) {
+  GB_NO_UNROLL
+  for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
+    const int c = lowest_one(left);
+    const CastVoxel voxel = corners.stored(c);
+    const int covered = (voxel.c[3] + voxel.c[4]) + voxel.c[5];
+    if (covered == 0) continue;
+    const float by = corners.weight(c) * float(covered);
+    sums.weight += by;
+    float n[3] = {float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
+    const float squared = dot3(n, n);
+    if (!(squared > 0)) {
+      sums.up += by;
+      continue;
+    }
+    const float unit = 1 / std::sqrt(squared);
+    for (int a = 0; a < 3; ++a) {
+      n[a] *= unit;
+      sums.normal[a] += by * n[a];
+    }
+    const float cosine = dot3(n, to_sun);
+    if (cosine > 0) sums.facing += by * cosine;
+    sums.up += by * (0.5f + 0.5f * n[2]);
+  }
+}
+
+/// Sets the surface. It faces the eye if the voxels have no normals or their normals cancel.
+GB_HD void set_surface(const SurfaceSums& sums, const CastLine& line, PixelLight& light) {
+  light.facing = sums.weight > 0 ? sums.facing / sums.weight : 0;
+  light.up = sums.weight > 0 ? sums.up / sums.weight : 1;
+  const float length = std::sqrt(dot3(sums.normal, sums.normal));
+  for (int a = 0; a < 3; ++a) light.normal[a] = length > 0 ? sums.normal[a] / length : -float(line.direction[a]);
+}
+
+/// Finds the surface that the pixel's finished ray hit. Samples it at the hit and half a voxel before and behind.
+/// Returns false if the ray is `patient` and must wait for evicted data.
+GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, const CastLine& line, bool patient,
+                        const CastRay& ray, PixelLight& light) {
+  light.has_surface = ray.depth != CastRay::no_depth;
+  if (!light.has_surface) return true;
+  light.depth = ray.depth;
+  light.lod = lod_at(scene, line, double(ray.depth));
+  LevelLook at(scene, line, light.lod);
+  CastPath path;
+  SurfaceSums sums;
+  GB_NO_UNROLL
+  for (int side = -1; side <= 1; ++side) {
+    at.look(scene, line, double(ray.depth) + side * step_length(light.lod), patient, path);
+    if (at.place.waits && patient) return false;
+    if (is_here(at.place.brick))
+      add_surface(corners_of(scene.brick(at.place.brick), at.point()), lighting.light.to_sun, sums);
+  }
+  for (int a = 0; a < 3; ++a) light.at[a] = float(line.direction[a] * double(ray.depth));
+  set_surface(sums, line, light);
+  return true;
+}
+
+/// The distance above the surface, in voxels of the pixel's level, at which a ray to the light starts: beyond the
+/// interpolation around the surface.
+inline constexpr float light_clearance = 1.5f;
+/// The min cosine between the normal and the sky's direction. Light at a smaller angle contributes almost nothing.
+inline constexpr float min_cosine = 1.0f / 32;
+
+/// Returns the rank (0 to 63) of pixel (x, y) of the image in its block of sky_block × sky_block; ranks of neighbours
+/// differ strongly.
+GB_HD int place_in_block(int x, int y) {
+  return int(dither_rank(std::uint32_t(x) % sky_block, std::uint32_t(y) % sky_block));
+}
+
+/// Returns the direction to the light for a ray of pixel (x, y) of the image. The pixel's position in its block
+/// determines the part of the sun or the sky.
+GB_HD const float* light_direction(const CastLighting& lighting, int x, int y, LightRay ray) {
+  constexpr int places_per_direction = sky_block * sky_block / sun_directions;
+  const int place = place_in_block(x, y);
+  return ray == LightRay::sun ? lighting.sun[place / places_per_direction] : lighting.sky[place % sky_directions];
+}
+
+/// Tests whether the result of this ray affects the pixel.
+GB_HD bool lights_up(const PixelLight& light, const float direction[3], LightRay ray) {
+  if (!light.has_surface || !(direction[2] > 0)) return false;
+  return ray == LightRay::sun ? light.facing > 0 : dot3(light.normal, direction) > min_cosine;
+}
+
+/// Tests whether a pixel casts this ray first. To the sky, every other pixel does, in a checkerboard pattern; to the
+/// sun, every other pixel of every other row.
+GB_HD bool is_cast_first(int x, int y, LightRay ray) {
+  return place_in_block(x, y) < (ray == LightRay::sun ? sky_block * sky_block / 4 : sky_directions);
+}
+
+/// Returns the line from the surface to a light. Towards the sun, whose shadows have sharp borders, the start is moved
+/// along the ray. The rest of the clearance, at grazing angles, is added along the normal.
+GB_HD CastLine line_to_light(const CastScene& scene, const CastCamera& camera, const PixelLight& light,
+                             const float direction[3], double lod1, bool is_sun) {
+  const float clearance = light_clearance * float(power_of_two(light.lod));
+  const float cosine = dot3(light.normal, direction);
+  const float along = !is_sun ? 0 : (cosine > 0.25f ? clearance / cosine : 4 * clearance);
+  const float left = clearance - (cosine > 0 ? along * cosine : 0), lift = left > 0 ? left : 0;
+  CastLine line;
+  line.enter = light.lod == 0 ? 0 : lod1 * power_of_two(light.lod - 1);
+  line.leave = double(far_voxel);
+  line.lod1_distance = lod1;
+  // Beyond its voxels only coarser levels have a field, which must not cast shadows.
+  const double border = 2 * power_of_two(light.lod);
+  for (int a = 0; a < 3; ++a) {
+    const double d = direction[a];
+    set_direction(line, a, d);
+    // The cone's tip lies behind the start of the ray, where the cone is as wide as the pixel's voxels.
+    line.origin[a] =
+        camera.eye[a] + double(light.at[a]) + double(light.normal[a] * lift) + d * (double(along) - line.enter);
+    clip_to_box(line, a, larger_of(scene.min[a] - border, camera.clip.min[a]),
+                smaller_of(scene.max[a] + border, camera.clip.max[a]));
+  }
+  clip_to_plane(line, camera.clip);  // clipped parts cast no shadows
+  return line;
+}
+
+/// Casts a ray of a pixel whose surface is known, from its start, until it is finished or waits. On a device all lanes
+/// of a warp must call this function. is_cast: false if a lane has no ray.
+GB_HD void cast_to_light(const CastScene& scene, const CastCamera& camera, const CastLighting& lighting, int x, int y,
+                         LightRay which, bool patient, bool is_cast, PixelLight& light) {
+  CastLine line{};
+  CastRay ray;
+  if (is_cast) {
+    const bool is_sun = which == LightRay::sun;
+    line = line_to_light(scene, camera, light, light_direction(lighting, x, y, which),
+                         is_sun ? lighting.sun_lod1 : lighting.sky_lod1, is_sun);
+    ray = start_ray(scene, line);
+  }
+  cast_ray<CastAim::light>(scene, camera, line, patient, is_cast, ray);
+  if (!is_cast || ray.lod >= 0) return;
+  light.seen[int(which)] = ray.transmittance;
+  light.done |= 1u << int(which);
+}
+
+/// Calls find_surface() if the surface is not known, and selects the rays to light that the pixel casts first.
+GB_HD void find_surface_once(const CastScene& scene, const CastLighting& lighting, const CastLine& line, bool patient,
+                             const CastRay& ray, int x, int y, PixelLight& light) {
+  if (light.has(light_rays) || !find_surface(scene, lighting, line, patient, ray, light)) return;
+  for (int r = 0; lighting.part != CastLightPart::unhidden && r < light_rays; ++r) {
+    const auto which = LightRay(r);
+    if (is_cast_first(x, y, which) && lights_up(light, light_direction(lighting, x, y, which), which))
+      light.first |= 1u << r;
+  }
+  light.done = PixelLight::all & ~light.first;
+}
+
+/// Casts one pass over a pixel. Results that the pass stores are final.
+GB_HD void light_pixel(const CastScene& scene, const CastCamera& camera, const CastLighting& lighting,
+                       const CastLine& line, const CastRay& ray, int x, int y, bool patient, PixelLight& light) {
+  find_surface_once(scene, lighting, line, patient, ray, x, y, light);
+  for (int r = 0; light.has(light_rays) && r < light_rays; ++r)
+    if (!light.has(r)) cast_to_light(scene, camera, lighting, x, y, LightRay(r), patient, true, light);
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,356 @@
+/// Ray casting through a paged scene, front to back.
+///
+/// A ray visits a fixed sequence of samples. On level l they are half a voxel of l apart. The voxels of level l are at
+/// most a pixel wide at that distance. Empty space is skipped. The samples and their values depend only on the ray and
+/// the voxels. Once all requested data is resident, the image therefore does not depend on cells, residency or the
+/// order of rays.
+///
+/// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
+/// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
+/// Source  Crassin et al. 2009, "GigaVoxels" (rays that request missing data).
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "core/base/host_device.h"
+#include "kernels/marching/cast_camera.h"
+#include "kernels/marching/cast_line.h"
+#include "kernels/marching/locate.h"
+#include "kernels/marching/ray_light.h"
+#include "kernels/marching/sample.h"
+#include "kernels/marching/scene.h"
+#include "kernels/marching/sheet.h"
+#include "kernels/marching/sheet_met.h"
+
+namespace gigabake::kernels {
+
+GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
+  CastRay ray;
+  if (!(line.enter <= line.leave)) return ray;
+  ray.lod = 0;
+  while (ray.lod + 1 < scene.lods && line.enter >= lod_start(line, ray.lod + 1)) ++ray.lod;
+  const double step = std::floor((line.enter - lod_start(line, ray.lod)) * steps_per_voxel(ray.lod) - 0.5);
+  ray.step = step > 0 ? step : 0;
+  return ray;
+}
+
+/// Returns the distance from `u` to the exit of the empty half- or quarter-brick around it; 0 if neither is empty.
+/// Unit: 1/65536 of the brick's voxels. blocks: of the brick. u: the point in the brick.
+GB_HD float way_out_of_empty_part(std::uint64_t blocks, const CastLine& line, const std::uint32_t u[3]) {
+  const int x = int(u[0] >> fraction_bits), y = int(u[1] >> fraction_bits), z = int(u[2] >> fraction_bits);
+  constexpr std::uint64_t eight_blocks = 0x330033;
+  const bool is_half = (blocks >> block_of(x & 4, y & 4, z & 4) & eight_blocks) == 0;
+  if (!is_half && (blocks >> block_of(x, y, z) & 1) != 0) return 0;
+  const std::uint32_t edge = fixed_one << (is_half ? 2 : 1);
+  float way[3];
+  GB_UNROLL
+  for (int a = 0; a < 3; ++a) way[a] = way_to_side(line, a, u[a], edge);
+  return min_of(way);
+}
+
+/// Returns the latest distance at which to switch to the next level. Inside a surface the switch is deferred, because
+/// coverages of two levels cannot be added.
+GB_HD double lod_end(const CastLine& line, int lod) { return lod_start(line, lod + 1) + 8 * step_length(lod + 1); }
+
+/// Switches to the next level. It begins behind the ray's last surface or at its regular start, independent of the
+/// empty space that was skipped.
+GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
+  const double from = point_distance(line, ray.lod, ray.past) - lod_start(line, ray.lod + 1);
+  ++ray.lod;
+  const double step = std::ceil(from * steps_per_voxel(ray.lod) - 0.5);
+  ray.step = step > 0 ? step : 0;
+  ray.past = -1;
+}
+
+/// Returns the number of steps a ray takes in a coarser fallback brick. Samples there are half a voxel of the brick
+/// apart, within the brick and the ray's level. Parameter beyond: the first sample that may lie outside the brick. Not
+/// inlined, because fallback bricks are few.
+GB_HD_NOINLINE double steps_in_coarser(double lod1_distance, int brick_lod, int lod, double step, double beyond) {
+  CastLine line;
+  line.lod1_distance = lod1_distance;
+  double steps = larger_of(beyond - step, 1);
+  const double to_end = std::ceil((lod_end(line, lod) - point_distance(line, lod, step)) * steps_per_voxel(lod));
+  if (to_end >= 1 && steps > to_end) steps = to_end;
+  const double wide = power_of_two(brick_lod - lod);
+  return steps < wide ? steps : wide;
+}
+
+/// Samples one level at arbitrary distances along a ray.
+struct LevelLook {
+  LevelPoints points;
+  std::int32_t lod;
+  CellFrame frame;
+  CastPlace place;  ///< of the last sample
+
+  GB_HD LevelLook(const CastScene& scene, const CastLine& line, int level)
+      : points(level_points(scene, line, level)), lod(level) {}
+
+  GB_HD void look(const CastScene& scene, const CastLine& line, double distance, bool patient, CastPath& path) {
+    const FixedPoint at = points.at(line, lod, (distance - point_distance(line, lod, 0)) * steps_per_voxel(lod));
+    place = locate(scene, line, lod, at, patient, frame, path);
+  }
+  /// Returns the properties of the brick that holds the last sample.
+  GB_HD BrickTraits traits() const { return {place.lod, frame.cell, place.waits}; }
+  GB_HD CastPoint point() const { return point_in_brick(place.at, place.lod); }
+};
+
+/// Composites the blended surface that the ray hit at `met`. Samples its colour at the hit and half a voxel before and
+/// behind, and its opacity at the hit. Returns false if the ray is `patient` and must wait for missing data. A shadow
+/// ray needs no colour, so it samples only once.
+template <CastAim aim>
+GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, double met,
+                      CastPath& path, CastRay& ray) {
+  LevelLook at(scene, line, ray.lod);
+  CastSample sample;
+  BrickTraits brick;
+  double half = 0;
+  float across = 1;
+  SheetOpacity seen;
+  GB_NO_UNROLL
+  for (int side = 0; side < (aim == CastAim::eye ? 3 : 1); ++side) {
+    at.look(scene, line, side == 0 ? met : (side == 1 ? met - half : met + half), patient, path);
+    if (at.place.waits && patient) return false;
+    if (!is_here(at.place.brick)) {
+      if (side == 0) return true;
+      continue;
+    }
+    const BrickView here = scene.brick(at.place.brick);
+    const CastPoint point = at.point();
+    const CastCorners corners = corners_of(here, point);
+    if (side == 0) {
+      const CastSheet sheet = blend_planes(corners).sheet;
+      if (!(sheet.sheet > 0)) return true;
+      seen = opacity_of_sheet(here, point, sheet);
+      half = power_of_two(at.place.lod - 1);
+      brick = at.traits();
+      if (seen.density < 1 && is_between_sheets(sheet, line, ray)) return true;
+      across = length_along(line.direction, sheet.normal);
+    }
+    const CastSample more = sheet_sample(corners);
+    GB_UNROLL
+    for (int k = 0; k < cast_channels; ++k) sample.c[k] += more.c[k];
+  }
+  if (seen.density < 1) stay_in_surface(met, across, float(2 * half), ray);
+  const float covered = covered_in_surface(seen.opacity, seen.density, ray);
+  take_light<aim>(sample, brick, stop_light(covered, brick.lod, seen.density, ray), met, 0, camera, ray);
+  return true;
+}
+
+/// The next action of a ray.
+enum class CastTask : std::uint8_t {
+  seek,  ///< skip samples where the field is zero
+  pass,  ///< process the current sample
+  meet,  ///< composite the surface that was hit before the current sample
+  none   ///< finished, or waiting for data
+};
+
+/// The state of a ray within a pass; only CastRay survives the pass. CastPath is separate: a device indexes it by
+/// computed values, so it cannot be kept in registers like this struct. Values that a step can recompute are not
+/// stored, to save registers.
+struct CastWalk {
+  CastTask task = CastTask::none;
+  bool waits = false;         ///< like CastPlace::waits, of the brick
+  LevelPoints points;         ///< of the ray's level
+  CellFrame frame;            ///< of the latest cell
+  std::int32_t lod = 0;       ///< level of the brick that holds the sample
+  double in_brick_until = 0;  ///< samples before this step lie in that brick; later ones may not
+  CastHead head;              ///< of the brick
+};
+
+/// Returns the ray's current sample, in the coordinates of its brick.
+GB_HD FixedPoint point_of(const CastLine& line, const CastWalk& walk, const CastRay& ray) {
+  FixedPoint point = walk.points.at(line, ray.lod, ray.step);
+  point.bits[2] -= walk.frame.low;
+  if (walk.lod != ray.lod) count_for_level(ray.lod, walk.lod, point);
+  return point;
+}
+
+/// Returns true if the ray hit a surface before the current sample; that surface is then composited first.
+GB_HD bool is_met(double met, CastWalk& walk, CastRay& ray) {
+  if (ray.is_seen || met == met_nowhere) return false;
+  ray.met = met;
+  walk.task = CastTask::meet;
+  return true;
+}
+
+/// Handles a sample with a zero field. Returns true if the ray hit a surface before it.
+GB_HD bool leaves_sheet(CastWalk& walk, CastRay& ray) {
+  if (is_met(extrapolated_hit(ray), walk, ray)) return true;
+  ray.is_seen = false;
+  ray.height = CastRay::no_height;
+  return false;
+}
+
+/// Returns the first step at which the ray may have left the level or the scene; at most one step early.
+GB_HD double level_until(const CastScene& scene, const CastLine& line, int lod) {
+  const double start = lod_start(line, lod);
+  const double end = lod + 1 < scene.lods ? smaller_of(lod_start(line, lod + 1), line.leave) : line.leave;
+  return (end - start) * steps_per_voxel(lod) - 1.5;
+}
+
+/// Returns true if the ray ended or switched to the next level.
+GB_HD bool leaves_level(const CastScene& scene, const CastLine& line, CastWalk& walk, CastRay& ray) {
+  const double distance = point_distance(line, ray.lod, ray.step);
+  const bool in_surface = ray.step == ray.past;
+  // Test this first: a step over empty space may end behind the scene, while the next level still has a surface there.
+  const double next_lod = in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1);
+  if (ray.lod + 1 < scene.lods && distance >= next_lod && next_lod <= line.leave) {
+    enter_next_lod(line, ray);
+    walk.points = level_points(scene, line, ray.lod);
+    return true;
+  }
+  if (distance <= line.leave) return false;
+  ray.lod = -1;
+  walk.task = CastTask::none;
+  return true;
+}
+
+/// Finds the brick of the current sample. Returns false if the ray skips empty space, switches level, ends, or is
+/// `patient` and waits for missing data. Rays that are not `patient` use coarser bricks instead.
+GB_HD bool enter_brick(const CastScene& scene, const CastLine& line, bool patient, CastWalk& walk, CastPath& path,
+                       CastRay& ray) {
+  if (leaves_level(scene, line, walk, ray)) return false;
+  const FixedPoint at = walk.points.at(line, ray.lod, ray.step);
+  const CastPlace place = locate(scene, line, ray.lod, at, patient, walk.frame, path);
+  if (place.waits && patient) {
+    walk.task = CastTask::none;
+    return false;
+  }
+  const bool is_brick = is_here(place.brick);
+  const double beyond =
+      ray.step + steps_within(is_brick ? exit_distance_node(line, place.at, place.node_lod) : place.way,
+                              short_power_of_two(1 - ray.lod));
+  if (!is_brick) {
+    if (!leaves_sheet(walk, ray)) ray.step = beyond;
+    return false;
+  }
+  walk.in_brick_until = smaller_of(beyond, level_until(scene, line, ray.lod));
+  walk.lod = place.lod;
+  walk.waits = place.waits;
+  walk.head = load_head(scene.heads + place.brick);
+  return true;
+}
+
+/// Advances by one step towards a sample with a non-zero field or a surface hit. The ray stops where it leaves the
+/// scene or waits.
+GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patient, CastWalk& walk, CastPath& path,
+                        CastRay& ray) {
+  if (!(ray.step < walk.in_brick_until)) {
+    walk.in_brick_until = -1;
+    if (!enter_brick(scene, line, patient, walk, path, ray)) return;
+  }
+  const FixedPoint at = point_of(line, walk, ray);
+  if (!is_zero(walk.head.blocks, scene.brick(walk.head), point_in_brick(at, walk.lod))) {
+    walk.task = CastTask::pass;
+    return;
+  }
+  if (leaves_sheet(walk, ray)) return;
+  if (walk.lod != ray.lod) {
+    ray.step += steps_in_coarser(line.lod1_distance, walk.lod, ray.lod, ray.step, walk.in_brick_until);
+    return;
+  }
+  const std::uint32_t u[3] = {at.in_node(0, walk.lod), at.in_node(1, walk.lod), at.in_node(2, walk.lod)};
+  ray.step += steps_within(way_out_of_empty_part(walk.head.blocks, line, u), 2.0f / fixed_one);
+}
+
+/// Composites the residual at the current sample, unless the ray hit a surface before it.
+template <CastAim aim>
+GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const CastLine& line, CastWalk& walk,
+                      CastRay& ray) {
+  const BrickTraits brick{walk.lod, walk.frame.cell, walk.waits};
+  const double distance = point_distance(line, ray.lod, ray.step);
+  const CastPoint point = point_in_brick(point_of(line, walk, ray), walk.lod);
+  const CastCorners corners = corners_of(scene.brick(walk.head), point);
+  const CastAround around = classify_neighbourhood(corners, brick.lod == ray.lod);
+  const CastSheet& sheet = around.sheet;
+  if (is_met(sheet_met(sheet, line, brick.lod, distance, ray), walk, ray)) return;
+  ray.is_seen = false;
+  keep_height(sheet, line, brick.lod, distance, ray);
+  const CastLoose loose = loose_at(corners, around, line.direction);
+  double steps = 1;
+  if (brick.lod != ray.lod)
+    steps = steps_in_coarser(line.lod1_distance, brick.lod, ray.lod, ray.step, walk.in_brick_until);
+  const bool is_loose = loose.sample.mean_coverage() > 0;
+  if (is_loose) composite<aim>(loose.sample, loose.pane, line, brick, steps, distance, camera, ray);
+  ray.step += steps;
+  if (is_loose || sheet.sheet > 0) ray.past = ray.step;
+  walk.task = ray.transmittance < transmittance_cutoff ? CastTask::none : CastTask::seek;
+}
+
+/// Composites the surface that the ray hit, then continues with the sample behind it.
+template <CastAim aim>
+GB_HD void pass_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
+                      CastWalk& walk, CastPath& path, CastRay& ray) {
+  const bool is_there = meet_sheet<aim>(scene, camera, line, patient, ray.met, path, ray);
+  ray.is_seen = is_there;
+  walk.task = !is_there || ray.transmittance < transmittance_cutoff ? CastTask::none : CastTask::seek;
+}
+
+/// Tests whether any ray of the processor's group has a task: one ray on a host, one warp on a device. All lanes of the
+/// warp must call this function.
+GB_HD bool any_ray(bool has_task) {
+#if defined(__CUDA_ARCH__)
+  return __any_sync(0xffffffffu, has_task ? 1 : 0) != 0;
+#else
+  return has_task;
+#endif
+}
+
+/// Tests whether the group of rays seeks next instead of processing samples: the action that more of its rays need.
+GB_HD bool seeks_next(CastTask task) {
+#if defined(__CUDA_ARCH__)
+  return __popc(__ballot_sync(0xffffffffu, task == CastTask::seek ? 1 : 0)) >=
+         __popc(__ballot_sync(0xffffffffu, task == CastTask::pass ? 1 : 0));
+#else
+  return task == CastTask::seek;
+#endif
+}
+
+/// The number of seek steps before the next action is chosen again.
+inline constexpr int steps_together = 3;
+
+/// Continues until the ray hit a surface, is finished or waits. The rays of a warp either all seek or all process
+/// samples, depending on the need of the majority. On a device all lanes of a warp must call this function.
+template <CastAim aim = CastAim::eye>
+GB_HD void walk_to_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
+                         CastWalk& walk, CastPath& path, CastRay& ray) {
+  while (any_ray(walk.task == CastTask::seek || walk.task == CastTask::pass)) {
+    if (seeks_next(walk.task)) {
+      for (int step = 0; step < steps_together && walk.task == CastTask::seek; ++step)
+        seek_surface(scene, line, patient, walk, path, ray);
+    } else if (walk.task == CastTask::pass) {
+      pass_point<aim>(scene, camera, line, walk, ray);
+    }
+  }
+}
+
+/// Prepares a ray for the pass. is_cast: false if a lane of a device has no ray.
+GB_HD void start_walk(const CastScene& scene, const CastLine& line, bool is_cast, const CastRay& ray, CastWalk& walk) {
+  if (!is_cast || ray.lod < 0) return;
+  walk.task = CastTask::seek;
+  walk.points = level_points(scene, line, ray.lod);
+}
+
+/// Continues until the ray is finished (lod = -1) or waits. In a warp, rays that hit a surface wait until all seeking
+/// rays hit a surface or end. Compositing a surface takes as long as about a dozen steps. On a device all lanes must
+/// call this function.
+template <CastAim aim = CastAim::eye>
+GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, bool is_cast,
+                    CastRay& ray) {
+  CastWalk walk;
+  CastPath path;
+  start_walk(scene, line, is_cast, ray, walk);
+  while (any_ray(walk.task != CastTask::none)) {
+    walk_to_sheet<aim>(scene, camera, line, patient, walk, path, ray);
+    if (walk.task == CastTask::meet) pass_sheet<aim>(scene, camera, line, patient, walk, path, ray);
+  }
+  finish_opaque(ray);
+}
+
+/// A rectangle of the image: ray i is pixel (x + i mod width, y + i div width).
+struct CastTile {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,71 @@
+/// The camera that rays are cast for: eye and image plane, haze, clipping, and the tone curve of the screen.
+///
+/// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
+/// Exact   IEEE float, no transcendental functions: host and device return the same bits.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/host_device.h"
+#include "kernels/marching/scene.h"
+
+namespace gigabake::kernels {
+
+/// Haze: the fraction 1 - e^(-distance · per_voxel) of the light that reaches the eye comes from the air.
+struct CastHaze {
+  float rgb[3] = {0, 0, 0};
+  float per_voxel = 0;
+};
+
+/// The tone curve from light to displayed values. Up to the knee the value is light · exposure. Brighter light is
+/// compressed smoothly: it stays below 1, and different intensities remain distinguishable.
+struct CastTone {
+  float exposure = 1;
+  float knee = 1;  ///< 0 to 1; 1: values are not compressed, and are clamped at 1
+};
+
+/// Returns the displayed value of a light ≥ 0; increases monotonically.
+GB_HD float shown_light(const CastTone& tone, float light) {
+  const float exposed = light * tone.exposure, rest = 1 - tone.knee, over = exposed - tone.knee;
+  return over <= 0 || rest <= 0 ? exposed : tone.knee + rest * (over / (over + rest));
+}
+
+/// The colours that a ray shows.
+enum class CastPaint : std::int32_t {
+  shaded,  ///< the voxels' radiance
+  lod,     ///< one debug colour per level
+  cell,    ///< one debug colour per cell
+  waits,   ///< red where finer data was requested
+};
+
+/// The visible part of the scene: the box and the half-space normal · p ≥ offset. Everything is visible by default.
+struct CastClip {
+  double min[3] = {-double(far_voxel), -double(far_voxel), -double(far_voxel)};
+  double max[3] = {double(far_voxel), double(far_voxel), double(far_voxel)};
+  double normal[3] = {0, 0, 0};
+  double offset = 0;
+};
+
+/// Polygons between the voxels, rendered to one entry per pixel of the whole image, row 0 at the top; null: no
+/// polygons.
+struct CastPolygons {
+  const float* distance = nullptr;  ///< along the pixel's ray; CastPolygons::nowhere: no polygon
+  const float* rgba = nullptr;      ///< linear RGB, premultiplied by the opacity
+
+  static constexpr float nowhere = 3e38f;
+};
+
+struct CastCamera {
+  double eye[3] = {};
+  double forward[3] = {};            ///< unit
+  double right[3] = {}, up[3] = {};  ///< from the image's centre to its right and upper edges, at the tip of `forward`
+  std::int32_t width = 0, height = 0;
+  double lod1_depth = 0;  ///< depth (along forward) from which lod-1 voxels are at most a pixel wide; > 0
+  CastHaze haze;
+  CastTone tone;
+  CastPaint paint = CastPaint::shaded;
+  CastClip clip;
+  CastPolygons polygons;  ///< the caster's memory; in Caster::start(), the caller's
+};
+
+}  // namespace gigabake::kernels

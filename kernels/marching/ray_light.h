@@ -1,0 +1,187 @@
+/// Compositing along a ray: coverage, transmittance, colour and depth.
+///
+/// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
+/// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "core/base/host_device.h"
+#include "kernels/marching/cast_camera.h"
+#include "kernels/marching/cast_line.h"
+#include "kernels/marching/locate.h"
+#include "kernels/marching/sample.h"
+#include "kernels/marching/sheet.h"
+
+namespace gigabake::kernels {
+
+/// The state of a ray. An unfinished ray continues from this state in the next pass.
+struct alignas(16) CastRay {
+  float rgb[3] = {0, 0, 0};  ///< linear, premultiplied
+  float transmittance = 1;
+  float covered = 0;       ///< sum of the coverages of all surfaces so far: 1 is opaque
+  float before = 0;        ///< value of `covered` at the start of the current surface
+  float apart = 0;         ///< distance from which on samples belong to another surface
+  float depth = no_depth;  ///< distance at which half of the light has been absorbed
+  double step = 0;         ///< index of the level's next sample; an integer like `past`
+  double past = -1;        ///< index of the sample after the level's last sample in a surface
+
+  double met = 0;            ///< distance of the latest hit of a blended surface before the current sample
+  float height = no_height;  ///< signed distance of the previous sample, lod-0 voxels; no_height: no surface
+  float height_at = 0;       ///< distance of that sample along the ray
+  float rise = 0;            ///< change of `height` per lod-0 voxel along the ray at that sample
+  std::int32_t lod = -1;     ///< -1: finished
+  bool is_seen = false;      ///< the hit at `met` has been composited
+
+  static constexpr float no_depth = 3e38f, no_height = 3e38f;
+};
+
+/// Returns e^-x for x ≥ 0 with a relative error of 2e-5; less than 2e-7 beyond 16.
+GB_HD float exp_minus(float x) {
+  const float y = (x < 16 ? x : 16) * (-1.0f / 64);
+  float e = 1 + y * (1 + y * (0.5f + y * (1.0f / 6 + y * (1.0f / 24 + y * (1.0f / 120)))));
+  for (int i = 0; i < 6; ++i) e *= e;
+  return e;
+}
+
+/// Returns a channel of debug colour n: six hues in three brightnesses. Not inlined, because few images show debug
+/// colours.
+GB_HD_NOINLINE float debug_color(std::uint32_t n, int channel) {
+  const std::uint32_t hue = n % 6, tone = n / 6 % 3;
+  const bool lit = channel == 0 ? hue == 0 || hue == 1 || hue == 5 : (channel == 1 ? hue >= 1 && hue <= 3 : hue >= 3);
+  return (lit ? 0.9f : 0.1f) * (1 - 0.3f * float(tone));
+}
+
+/// The properties of a sample's brick that debug colours show.
+struct BrickTraits {
+  std::int32_t lod = 0;
+  std::uint32_t cell = no_cell;
+  bool waits = false;
+};
+
+GB_HD std::uint32_t debug_color_index(const BrickTraits& brick, CastPaint paint) {
+  if (paint == CastPaint::lod) return std::uint32_t(brick.lod);
+  return paint == CastPaint::cell ? brick.cell * 2654435761u >> 20 : (brick.waits ? 0u : 2u);
+}
+
+/// Computes a sample's radiance, or a debug colour scaled by the sample's brightness so that shapes remain visible.
+GB_HD void radiance_of(const CastSample& s, const BrickTraits& brick, CastPaint paint, float rgb[3]) {
+  const float scale = 2 / s.mean_coverage();
+  for (int k = 0; k < 3; ++k) rgb[k] = s.c[k] * scale;
+  if (paint == CastPaint::shaded) return;
+  const float grey = 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
+  const std::uint32_t n = debug_color_index(brick, paint);
+  GB_UNROLL
+  for (int k = 0; k < 3; ++k) rgb[k] = debug_color(n, k) * (0.25f + grey);
+}
+
+/// Returns the amount of surface per voxel of ray length, estimated from the coverages along the axes. The product
+/// |d|·coverage is exact for surfaces across an axis and for boxes, the root of squares for spheres. Coarse voxels
+/// contain mostly flat surfaces, so their estimate is 3/4 box and 1/4 sphere.
+GB_HD float crossings(const CastSample& s, const double direction[3], int lod) {
+  const float x = s.c[3] * std::fabs(float(direction[0]));
+  const float y = s.c[4] * std::fabs(float(direction[1]));
+  const float z = s.c[5] * std::fabs(float(direction[2]));
+  const float box = (x + y) + z;
+  return lod == 0 ? box : 0.75f * box + 0.25f * std::sqrt((x * x + y * y) + z * z);
+}
+
+/// Returns the opacity of accumulated coverage. Opacity is linear, not exponential: fragments of one surface in two
+/// voxels must sum to opaque, while e^-x would transmit a third. Voxels of coarser levels are as wide as a pixel, and
+/// interpolation spreads their borders over two voxels; a steeper step compensates for this.
+///
+/// If the surface's own opacity `density` is below 1, the step ends at this value.
+///
+/// Source  Vicini, Jakob, Kaplanyan 2021, "A non-exponential transmittance model for volumetric scene representations".
+GB_HD float hidden_by(float covered, int lod, float density) {
+  if (lod == 0 || covered >= density) return covered;
+  const float part = covered / density;
+  return density * (part * part * (3 - 2 * part));
+}
+
+/// Returns the absorbed light, as a fraction of the light at the ray's start, when the ray's coverage rises to
+/// `covered`. Updates ray.covered. lod: of the brick.
+GB_HD float stop_light(float covered, int lod, float density, CastRay& ray) {
+  const float before = hidden_by(ray.covered, lod, density);
+  ray.covered = covered < 1 ? covered : 1;
+  if (before >= 1) return ray.transmittance;
+  const float more = (hidden_by(ray.covered, lod, density) - before) / (1 - before);
+  return more > 0 ? ray.transmittance * more : 0;
+}
+
+/// The distance in voxels, measured across the surface, within which translucent samples count as one surface.
+inline constexpr float merge_distance_voxels = 2;
+
+/// Extends the current surface by the sample at `distance`, or starts a new surface. Parameter across: |cosine| between
+/// ray and normal; voxel: edge of the surface's voxels.
+GB_HD void stay_in_surface(double distance, float across, float voxel, CastRay& ray) {
+  if (float(distance) >= ray.apart) ray.before = ray.covered;
+  constexpr float slowest = 1.0f / 32;
+  ray.apart = float(distance) + merge_distance_voxels * voxel / (across > slowest ? across : slowest);
+}
+
+/// Returns the ray's coverage after `more` coverage of a surface with opacity `density`. The number of voxels of a
+/// translucent surface that a ray hits depends on the slope, so their sum is limited to `density`. Coverages of an
+/// opaque surface add up.
+GB_HD float covered_in_surface(float more, float density, const CastRay& ray) {
+  const float covered = ray.covered + more;
+  if (density >= 1) return covered;
+  const float maximum = ray.before + (1 - ray.before) * density;
+  return covered <= maximum ? covered : (maximum > ray.covered ? maximum : ray.covered);
+}
+
+/// Returns the opacity scale of a fallback brick; it grows with the difference of the levels. At the border to a brick
+/// of another level, neither brick contains the whole surface. Too much coverage makes edges too thick until finer data
+/// is resident; too little would leave holes in the ground.
+GB_HD float fallback_opacity_scale(const BrickTraits& brick, const CastRay& ray) {
+  return float(1 + brick.lod - ray.lod);
+}
+
+/// The type of a ray.
+enum class CastAim : std::uint8_t {
+  eye,   ///< primary ray: computes colours and depth
+  light  ///< shadow ray: computes only the transmittance, with the same bits as a primary ray
+};
+
+/// Composites a sample that absorbs the fraction `weight` of the initial light. The sample represents the length `way`
+/// around `distance`.
+template <CastAim aim>
+GB_HD void take_light(const CastSample& s, const BrickTraits& brick, float weight, double distance, double way,
+                      const CastCamera& camera, CastRay& ray) {
+  if constexpr (aim == CastAim::light) {
+    ray.transmittance -= weight;
+    return;
+  }
+  const float seen = exp_minus(float(distance) * camera.haze.per_voxel);
+  float rgb[3];
+  radiance_of(s, brick, camera.paint, rgb);
+  for (int k = 0; k < 3; ++k) ray.rgb[k] += weight * (rgb[k] * seen + camera.haze.rgb[k] * (1 - seen));
+  if (ray.depth == CastRay::no_depth && ray.transmittance - weight < 0.5f)
+    ray.depth = float(distance) + float(way) * ((ray.transmittance - 0.5f) / weight - 0.5f);
+  ray.transmittance -= weight;
+}
+
+/// Composites a sample that represents `steps` samples of the ray's level.
+template <CastAim aim>
+GB_HD void composite(const CastSample& s, const CastPane& pane, const CastLine& line, const BrickTraits& brick,
+                     double steps, double distance, const CastCamera& camera, CastRay& ray) {
+  const double way = steps * step_length(ray.lod);
+  const float part = fallback_opacity_scale(brick, ray) * float(way * power_of_two(-brick.lod));
+  if (pane.density < 1) stay_in_surface(distance, pane.across, short_power_of_two(brick.lod), ray);
+  const float covered = covered_in_surface(crossings(s, line.direction, brick.lod) * part, pane.density, ray);
+  take_light<aim>(s, brick, stop_light(covered, brick.lod, 1, ray), distance, way, camera, ray);
+}
+
+inline constexpr float transmittance_cutoff = 1.0f / 1024;
+
+/// Finishes the ray if its transmittance is too low to be visible, as if the last surface were opaque.
+GB_HD void finish_opaque(CastRay& ray) {
+  if (ray.lod < 0 || ray.transmittance >= transmittance_cutoff) return;
+  const float scale = 1 / (1 - ray.transmittance);
+  for (float& channel : ray.rgb) channel *= scale;
+  ray.transmittance = 0;
+  ray.lod = -1;
+}
+
+}  // namespace gigabake::kernels

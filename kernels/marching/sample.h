@@ -1,0 +1,92 @@
+/// The field that rays integrate: trilinear interpolation of the eight voxels around a point of one level.
+///
+/// Two columns of cells may not be aligned at a level (along z, above lod 3). A voxel of the other cell then replaces
+/// the voxel centre that lies in it; it was stored this way in the brick's border.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/host_device.h"
+#include "core/octree/brick.h"
+#include "kernels/marching/locate.h"
+#include "kernels/marching/scene.h"
+
+namespace gigabake::kernels {
+
+struct CastSample {
+  float c[cast_channels] = {};  ///< like CastVoxel::c, but 1 represents 1
+
+  GB_HD float mean_coverage() const { return ((c[3] + c[4]) + c[5]) * (1.0f / 3); }
+};
+
+/// A point of a brick in the brick's voxels, between the centres of `base` and `base` + 1.
+struct CastPoint {
+  int base[3];       ///< 0…7
+  float between[3];  ///< 0…1
+};
+
+/// Returns the position of a point in its brick.
+/// Range   lod: the brick's level; the point is relative to the lowest voxel centre of that level.
+GB_HD CastPoint point_in_brick(const FixedPoint& at, int lod) {
+  CastPoint r;
+  for (int a = 0; a < 3; ++a) {
+    const std::uint32_t u = at.in_node(a, lod);
+    r.base[a] = int(u >> fraction_bits);
+    r.between[a] = float(u & (fixed_one - 1)) * (1.0f / fixed_one);
+  }
+  return r;
+}
+
+/// The interpolation taps: the eight voxels around a point, x | y<<1 | z<<2, and the point's position between them.
+struct CastCorners {
+  const PackedVoxel* parts;
+  LayerWindow low, high;
+  float between[3];
+
+  /// Returns a mask of the taps that have a voxel (bit c: tap c). Sums over voxels iterate over these bits in ascending
+  /// order. Usually fewer than half of the bits are set, and lanes of a warp stay busy although each visits other
+  /// voxels.
+  GB_HD std::uint32_t there() const { return low.two_by_two() | high.two_by_two() << 4; }
+
+  /// Returns the voxel of a tap.
+  /// Range   corner: a bit of there().
+  GB_HD CastVoxel stored(int corner) const {
+    const LayerWindow layer = corner < 4 ? low : high;
+    return unpack_voxel(load_packed(parts + layer.place((corner & 1) + slot_edge * (corner >> 1 & 1))));
+  }
+
+  /// Returns the interpolation weight of a tap.
+  GB_HD float weight(int corner) const {
+    const float x = (corner & 1) != 0 ? between[0] : 1 - between[0];
+    const float y = (corner & 2) != 0 ? between[1] : 1 - between[1];
+    return x * y * ((corner & 4) != 0 ? between[2] : 1 - between[2]);
+  }
+};
+
+GB_HD CastCorners corners_of(const BrickView& brick, const CastPoint& point) {
+  const int at = point.base[0] + slot_edge * point.base[1];
+  return {brick.parts,
+          window_of(load_layer(brick, point.base[2]), at),
+          window_of(load_layer(brick, point.base[2] + 1), at),
+          {point.between[0], point.between[1], point.between[2]}};
+}
+
+/// Tests whether the field is zero at the point. Reads no layer if the point's block is zero. blocks: of the brick.
+GB_HD bool is_zero(std::uint64_t blocks, const BrickView& brick, const CastPoint& point) {
+  return is_empty_block(blocks, point.base) || corners_of(brick, point).there() == 0;
+}
+
+GB_HD CastSample interpolate(const CastCorners& corners) {
+  CastSample r;
+  GB_NO_UNROLL
+  for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
+    const int c = lowest_one(left);
+    const CastVoxel voxel = corners.stored(c);
+    const float by = corners.weight(c) * (1.0f / 65535);
+    GB_UNROLL
+    for (int k = 0; k < cast_channels; ++k) r.c[k] += by * voxel.c[k];
+  }
+  return r;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,368 @@
+/// The blended surface around a point: the blended planes of the eight voxels of one level.
+///
+/// The signed distances to the eight planes are interpolated like colours, and weighted by the fraction of each voxel's
+/// surface that lies on its plane. The surface is where the interpolated distance changes its sign. Two neighbouring
+/// points use the same function, so their surfaces join, and no ray passes between them. Distances are measured along
+/// octahedral normals (kernels/body/mip/plane.h), so they are up to 1.7 times too long. Their zeros and signs are
+/// exact.
+///
+/// Exact   IEEE float: host and device return the same bits.
+/// Source  Ohtake et al. 2003, "Multi-level Partition of Unity Implicits"; docs/experiments/levels.md.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "core/base/host_device.h"
+#include "kernels/body/mip/plane.h"
+#include "kernels/marching/sample.h"
+#include "kernels/marching/scene.h"
+
+namespace gigabake::kernels {
+
+struct CastSheet {
+  float sheet = 0;       ///< sum of interpolation weight · sheet_part() of the existing voxels
+  float normal[3] = {};  ///< sum of the same weights · octahedral normal, 127 represents 1
+  float above = 0;       ///< sum of the same weights · signed distance of the point; 127 represents half a voxel
+
+  /// Returns the point's signed distance in voxels; 0 if there is no surface.
+  GB_HD float height() const { return sheet > 0 ? above / (sheet * 254) : 0; }
+
+  /// Returns the change of the signed distance per voxel along the line.
+  /// Range   `sheet` > 0.
+  GB_HD float rise(const double direction[3]) const {
+    const float rises =
+        (normal[0] * float(direction[0]) + normal[1] * float(direction[1])) + normal[2] * float(direction[2]);
+    return rises / (sheet * 127);
+  }
+};
+
+/// A translucent surface; its opacity does not depend on the viewing angle.
+struct CastPane {
+  float density = 1;  ///< alpha of the existing lod-0 voxels; 1 if all are opaque
+  float across = 1;   ///< |cosine| between ray and normal: 1 crosses the surface perpendicularly, 0 runs along it
+};
+
+/// The volumetric residual around a point: coverage that no blended surface represents.
+struct CastLoose {
+  CastSample sample;
+  CastPane pane = {};
+};
+
+GB_HD int coherence_of(const CastVoxel& voxel) { return unpack_plane(voxel.plane).coherence; }
+
+/// Returns the blend weight of a voxel's plane: coherence × mean coverage, 0 to 3. Planes of barely covered voxels are
+/// unreliable.
+GB_HD float sheet_part(const CastVoxel& voxel) {
+  const int covered = (voxel.c[3] + voxel.c[4]) + voxel.c[5];
+  return float(coherence_of(voxel) * covered) * (1.0f / (3 * 65535));
+}
+
+/// A vector of three signed bytes x, y, z; the fourth byte is 0.
+using ByteVector = std::uint32_t;
+
+GB_HD ByteVector byte_vector(int x, int y, int z) {
+  return std::uint32_t(x & 255) | std::uint32_t(y & 255) << 8 | std::uint32_t(z & 255) << 16;
+}
+
+GB_HD ByteVector normal_of(const CastVoxel& voxel) {
+  return byte_vector(voxel.normal[0], voxel.normal[1], voxel.normal[2]);
+}
+
+GB_HD std::int32_t dot(ByteVector a, ByteVector b) {
+#if defined(__CUDA_ARCH__)
+  return __dp4a(int(a), int(b), 0);
+#else
+  std::int32_t sum = 0;
+  for (int i = 0; i < 24; i += 8) sum += std::int8_t(a >> i & 255) * std::int8_t(b >> i & 255);
+  return sum;
+#endif
+}
+
+/// Returns |cosine| between a unit direction and a vector of any length; 1 for a zero vector.
+GB_HD float length_along(const double direction[3], const float n[3]) {
+  const float squared = (n[0] * n[0] + n[1] * n[1]) + n[2] * n[2];
+  if (!(squared > 0)) return 1;
+  const double dot = (direction[0] * double(n[0]) + direction[1] * double(n[1])) + direction[2] * double(n[2]);
+  return std::fabs(float(dot)) / std::sqrt(squared);
+}
+
+/// Returns the translucent surface at a point. Not inlined, because few points lie in translucent surfaces.
+GB_HD_NOINLINE CastPane pane_at(CastCorners corners, double x, double y, double z) {
+  const double direction[3] = {x, y, z};
+  float there = 0, hidden = 0, across = 0;
+  GB_NO_UNROLL
+  for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
+    const int c = lowest_one(left);
+    const CastVoxel voxel = corners.stored(c);
+    if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
+    const float to[3] = {float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
+    const float weight = corners.weight(c);
+    there += weight;
+    hidden += weight * voxel.c[3];
+    across += weight * (voxel.plane == 0 ? 1 : length_along(direction, to));
+  }
+  return there > 0 ? CastPane{hidden / (there * 65535), across / there} : CastPane{};
+}
+
+/// The blended planes of the voxels around a point.
+struct BlendedPlanes {
+  CastSheet sheet;
+  int bits = 0;          ///< bitwise OR of the plane bytes
+  bool is_flat = false;  ///< the voxels are one flat surface: disagreement() is 0 for each of them
+};
+
+/// Tests whether two normals are within 12.9° of each other. If all normals are this close to one of them, the blended
+/// normal is too. Rounding to bytes turns it by less than half a degree, so each normal is within 30° of the blended
+/// one.
+GB_HD bool is_same_slope(ByteVector a, ByteVector b) {
+  const int along = dot(a, b);
+  const float all = float(dot(a, a)) * float(dot(b, b));
+  return along > 0 && float(along) * float(along) >= 0.95f * all;
+}
+
+/// Blends the planes of the voxels. The point's position between the voxels is rounded to 1/127 voxel. The signed
+/// distance to a plane is then one dot product of bytes.
+GB_HD BlendedPlanes blend_planes(const CastCorners& corners) {
+  int place[3];
+  GB_UNROLL
+  for (int a = 0; a < 3; ++a) place[a] = int(corners.between[a] * 127 + 0.5f);
+  const ByteVector from_first = byte_vector(place[0], place[1], place[2]);
+  CastSheet r;
+  ByteVector first = 0;
+  bool is_flat = true;
+  int bits = 0;
+  GB_NO_UNROLL
+  for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
+    const int c = lowest_one(left);
+    const CastVoxel voxel = corners.stored(c);
+    bits |= voxel.plane;
+    const ByteVector n = normal_of(voxel);
+    if (first == 0) first = n;
+    is_flat = is_flat && is_all_sheet(voxel.plane) && is_same_slope(n, first);
+    const int along = dot(n, from_first) - dot(n, byte_vector(127 * (c & 1), 127 * (c >> 1 & 1), 127 * (c >> 2)));
+    const int above = 2 * max_offset * along - 127 * 127 * unpack_plane(voxel.plane).offset;
+    const float by = corners.weight(c) * sheet_part(voxel);
+    GB_UNROLL
+    for (int a = 0; a < 3; ++a) r.normal[a] += by * float(voxel.normal[a]);
+    r.sheet += by;
+    r.above += by * float(above);
+  }
+  r.above *= 1.0f / (127 * max_offset);
+  return {r, bits, is_flat};
+}
+
+/// A normal of a blended surface, scaled to 127 along its largest axis.
+struct SheetNormal {
+  ByteVector bytes;
+  float squared;
+};
+
+GB_HD SheetNormal normal_of(const CastSheet& sheet) {
+  float maximum = 0;
+  int n[3];
+  GB_UNROLL
+  for (int a = 0; a < 3; ++a) maximum = std::fabs(sheet.normal[a]) > maximum ? std::fabs(sheet.normal[a]) : maximum;
+  const float scale = maximum > 0 ? 127 / maximum : 0;
+  GB_UNROLL
+  for (int a = 0; a < 3; ++a) n[a] = int(sheet.normal[a] * scale + (sheet.normal[a] < 0 ? -0.5f : 0.5f));
+  const ByteVector bytes = byte_vector(n[0], n[1], n[2]);
+  return {bytes, float(dot(bytes, bytes))};
+}
+
+/// Returns the disagreement of a voxel's normal with the blended surface: 0 within 30°, rising to 1 at 45°. At the edge
+/// of two surfaces the blended surface may lie on neither of them.
+GB_HD float disagreement(ByteVector normal, const SheetNormal& sheet) {
+  const int along = dot(normal, sheet.bytes);
+  if (along <= 0) return 1;
+  const float squared = 4 * (float(along) * float(along)), all = float(dot(normal, normal)) * sheet.squared;
+  if (squared >= 3 * all) return 0;  // most voxels of a surface take this exit, which avoids the division
+  const float left = 3 - squared / all;
+  return left < 1 ? left : 1;
+}
+
+/// Returns the residual: coverage that the blended surface does not represent. It consists of voxels without a full
+/// plane, and of planes more than 30° off the surface. The latter store one coverage; their normal distributes it over
+/// the axes.
+GB_HD CastSample residual_sample(const CastCorners& corners, const CastSheet& sheet) {
+  const SheetNormal normal = normal_of(sheet);
+  CastSample r;
+  GB_NO_UNROLL
+  for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
+    const int c = lowest_one(left);
+    const CastVoxel voxel = corners.stored(c);
+    if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
+    float by = corners.weight(c) * (1.0f / 65535), along[3] = {1, 1, 1};
+    if (is_all_sheet(voxel.plane)) {
+      by *= disagreement(normal_of(voxel), normal);
+      if (by == 0) continue;
+      const OctahedronPoint n{{voxel.normal[0], voxel.normal[1], voxel.normal[2]}};
+      const float maximum = float(max_component(n));
+      GB_UNROLL
+      for (int a = 0; a < 3; ++a) along[a] = std::fabs(float(n.c[a])) / maximum;
+    }
+    const float mean = ((along[0] + along[1]) + along[2]) * (1.0f / 3);
+    GB_UNROLL
+    for (int k = 0; k < 3; ++k) {
+      r.c[k] += by * mean * voxel.c[k];
+      r.c[3 + k] += by * along[k] * voxel.c[3 + k];
+    }
+  }
+  return r;
+}
+
+/// The class of the surface around a point.
+enum class PointKind : std::uint8_t {
+  loose,  ///< no plane: residual only
+  pane,   ///< translucent surface of lod 0
+  sheet   ///< some voxels have a plane
+};
+
+/// The surface around a point, without the residual.
+struct CastAround {
+  PointKind kind = PointKind::loose;
+  CastSheet sheet;       ///< empty unless `kind` is `sheet`
+  bool is_flat = false;  ///< the blended surface is all there is: no residual
+};
+
+/// Classifies the neighbourhood of a point. is_wanted: the brick has the ray's level. Fallback bricks of coarser levels
+/// are rendered by their coverages only. The eye may be nearer to them than a voxel's width, so their planes may lie
+/// behind it.
+GB_HD CastAround classify_neighbourhood(const CastCorners& corners, bool is_wanted) {
+  const BlendedPlanes planes = blend_planes(corners);
+  if ((planes.bits & clear_plane) != 0) return {PointKind::pane, {}};
+  return planes.bits != 0 && is_wanted ? CastAround{PointKind::sheet, planes.sheet, planes.is_flat} : CastAround{};
+}
+
+/// Returns the residual at a point. around: the result of classify_neighbourhood().
+GB_HD CastLoose loose_at(const CastCorners& corners, const CastAround& around, const double direction[3]) {
+  if (around.is_flat) return {};
+  if (around.kind == PointKind::sheet) return {residual_sample(corners, around.sheet), {}};
+  return {interpolate(corners),
+          around.kind == PointKind::pane ? pane_at(corners, direction[0], direction[1], direction[2]) : CastPane{}};
+}
+
+/// Returns the colour and coverage of the blended surface, without the residual.
+GB_HD CastSample sheet_sample(const CastCorners& corners) {
+  CastSample r;
+  GB_NO_UNROLL
+  for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
+    const int c = lowest_one(left);
+    const CastVoxel voxel = corners.stored(c);
+    const float by = corners.weight(c) * sheet_part(voxel) * (1.0f / 65535);
+    GB_UNROLL
+    for (int k = 0; k < cast_channels; ++k) r.c[k] += by * voxel.c[k];
+  }
+  return r;
+}
+
+/// Returns the fraction of a surface within one column of voxels that lies in two of these voxels. Parameter at:
+/// intersection with the column's axis; 0 and 1 are the two voxel centres. Parameter reach: extent of the surface up
+/// and down within the column.
+GB_HD float part_in_pair(float at, float reach) {
+  const float from = at - reach, to = at + reach;
+  const float low = from > -0.5f ? from : -0.5f, high = to < 1.5f ? to : 1.5f;
+  return high > low ? (high - low) / (2 * reach) : 0;
+}
+
+/// The fraction of a surface that exists, and its opacity where it is complete.
+struct SheetOpacity {
+  float opacity = 1, density = 1;
+};
+
+/// The min reach: a plane's offset is known to 1/15 voxel, and its normal to some degrees.
+inline constexpr float min_reach = 0.125f;
+
+/// Returns v[axis] without indexing: on a device an array with a computed index cannot be kept in registers.
+GB_HD float component(const float v[3], int axis) { return axis == 0 ? v[0] : (axis == 1 ? v[1] : v[2]); }
+
+/// The columns of voxels around a point, along the axis closest to the surface's normal. The point lies between columns
+/// (0, 0) and (1, 1).
+struct SheetColumns {
+  BrickView brick;
+  int base[3];
+  int along, u, v;  ///< axes
+  float slope_u, slope_v, reach;
+  float at[3];  ///< position of the point between the voxels along `along`, u and v
+
+  /// Returns the fraction of the tangent plane within this column that lies in the column's two voxels.
+  GB_HD float part(int i, int j) const {
+    return part_in_pair(at[0] - (slope_u * (float(i) - at[1]) + slope_v * (float(j) - at[2])), reach);
+  }
+
+  /// Returns the sum of the coverages of these two voxels along the axis, which is exact.
+  GB_HD float together(int i, int j) const {
+    const int x = base[0] + (u == 0 ? i : 0);
+    const int y = base[1] + (u == 1 ? i : (v == 1 ? j : 0));
+    const int z = base[2] + (v == 2 ? j : 0);
+    const int low = coverage_at(brick, x, y, z, along);
+    const int high =
+        coverage_at(brick, x + (along == 0 ? 1 : 0), y + (along == 1 ? 1 : 0), z + (along == 2 ? 1 : 0), along);
+    return float(low + high) * (1.0f / 65535);
+  }
+};
+
+GB_HD SheetColumns columns_around(const BrickView& brick, const CastPoint& point, const CastSheet& sheet) {
+  const float x = std::fabs(sheet.normal[0]), y = std::fabs(sheet.normal[1]), z = std::fabs(sheet.normal[2]);
+  SheetColumns r;
+  r.brick = brick;
+  for (int a = 0; a < 3; ++a) r.base[a] = point.base[a];
+  r.along = z > (y > x ? y : x) ? 2 : (y > x ? 1 : 0);
+  r.u = r.along == 0 ? 1 : 0;
+  r.v = r.along == 2 ? 1 : 2;
+  const float maximum = component(sheet.normal, r.along);
+  r.slope_u = component(sheet.normal, r.u) / maximum;
+  r.slope_v = component(sheet.normal, r.v) / maximum;
+  r.reach = min_reach + 0.5f * (std::fabs(r.slope_u) + std::fabs(r.slope_v));
+  r.at[0] = component(point.between, r.along);
+  r.at[1] = component(point.between, r.u);
+  r.at[2] = component(point.between, r.v);
+  return r;
+}
+
+/// The min part() of a column that is used to estimate the density of a surface.
+inline constexpr float min_part = 0.25f;
+
+/// Returns the max density of the surface among the columns nearby, within the brick. The range is one and a half
+/// voxels along x and y and one voxel along z. Near the border of an opaque surface some columns are full; in a
+/// translucent surface none is. The range along z is smaller because z positions of coarse bricks follow the cells,
+/// which must not show in the image.
+GB_HD float densest_near(const SheetColumns& columns, const CastPoint& point) {
+  const int base_u = columns.u == 0 ? point.base[0] : point.base[1];
+  const int base_v = columns.v == 1 ? point.base[1] : slot_edge;  // z: no farther than the point's own voxels
+  const int first_u = base_u > 0 ? -1 : 0, last_u = base_u + 2 < slot_edge ? 2 : 1;
+  const int first_v = columns.v == 1 && base_v > 0 ? -1 : 0, last_v = base_v + 2 < slot_edge ? 2 : 1;
+  float densest = 0;
+  GB_NO_UNROLL
+  for (int j = first_v; j <= last_v; ++j)
+    for (int i = first_u; i <= last_u && densest < 1; ++i) {
+      const float part = columns.part(i, j);
+      if (part < min_part) continue;
+      const float together = columns.together(i, j), density = together < part ? together / part : 1;
+      densest = density > densest ? density : densest;
+    }
+  return densest;
+}
+
+/// Returns the opacity of the surface through a point: the covered part of the tangent plane in the voxels of four
+/// columns. The rest of the plane may lie in other voxels. If no column nearby is almost full, the surface is
+/// translucent and its density is its opacity here. Otherwise the missing part is beyond the surface's border.
+GB_HD SheetOpacity opacity_of_sheet(const BrickView& brick, const CastPoint& point, const CastSheet& sheet) {
+  const SheetColumns columns = columns_around(brick, point, sheet);
+  float there = 0, met = 0;
+  GB_NO_UNROLL
+  for (int column = 0; column < 4; ++column) {
+    const int i = column & 1, j = column >> 1;
+    const float weight = (i != 0 ? columns.at[1] : 1 - columns.at[1]) * (j != 0 ? columns.at[2] : 1 - columns.at[2]);
+    const float part = columns.part(i, j), together = columns.together(i, j);
+    there += weight * (together < part ? together : part);
+    met += weight * part;
+  }
+  if (!(met > 0)) return {};
+  const float opacity = there / met;
+  if (opacity >= 1) return {opacity, 1};
+  const float densest = densest_near(columns, point), full = 4 * densest - 3;
+  return {opacity, full >= 1 || densest == 0 ? 1 : (full > 0 ? opacity + (1 - opacity) * full : opacity)};
+}
+
+}  // namespace gigabake::kernels

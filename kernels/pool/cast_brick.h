@@ -1,0 +1,142 @@
+/// A brick of the pools: a mask of the existing voxels among its 9³ places, and these voxels, packed contiguously.
+///
+/// The places are the brick's own 8³ voxels and the lowest layers of its upper neighbours. Bricks at surfaces are
+/// mostly empty, so a brick takes only as much memory as it has voxels. Per layer, a bit mask yields the place of each
+/// voxel.
+/// Source  Crassin et al. 2009, "GigaVoxels" (bricks with borders); ranks of bits as in Kämpe, Sintorn, Assarsson 2013,
+///         "High Resolution Sparse Voxel DAGs".
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+#include "core/base/host_device.h"
+#include "core/octree/brick.h"
+#include "kernels/pool/packed_voxel.h"
+
+namespace gigabake::kernels {
+
+inline constexpr int slot_edge = brick_edge + 1, slot_voxels = slot_edge * slot_edge * slot_edge;
+
+/// The header of a brick, indexed by slot. The brick's parts lie in the voxel pool from `first` on. First come its
+/// layers that have voxels, upwards, each in the place of one voxel; then its voxels, layer by layer.
+struct alignas(16) CastHead {
+  /// The mask of blocks of 2×2×2 points in which the field is not zero, bit x + 4y + 16z. A bit is set if one of the 27
+  /// voxels from 2(x,y,z) to 2(x,y,z) + 2 exists.
+  std::uint64_t blocks;
+  std::uint32_t first;
+  std::uint32_t layers;  ///< bit z: the layer has voxels
+};
+
+/// A layer of one z. Bit x + 9y of `bits` is set if the voxel exists; the voxels are stored in this order. The upper
+/// bits of the last word, from bit 17 on, hold the place of the first voxel that is not in the first word. The place is
+/// relative to the brick's first part.
+struct CastLayer {
+  std::uint32_t bits[3];
+};
+static_assert(sizeof(CastLayer) == sizeof(PackedVoxel));
+inline constexpr int last_places = slot_edge * slot_edge - 64;
+inline constexpr std::uint32_t last_places_mask = (1u << last_places) - 1;
+inline constexpr int max_parts = slot_edge + slot_voxels;
+static_assert(max_parts < 1 << (32 - last_places));
+
+/// A brick for reading: the mask of its layers, and its parts.
+struct BrickView {
+  std::uint32_t layers;
+  const PackedVoxel* parts;
+};
+
+/// Returns the index of the lowest set bit.
+/// Range   bits ≠ 0.
+GB_HD int lowest_one(std::uint32_t bits) {
+#if defined(__CUDA_ARCH__)
+  return __ffs(int(bits)) - 1;
+#else
+  return std::countr_zero(bits);
+#endif
+}
+
+GB_HD int ones_in(std::uint32_t bits) {
+#if defined(__CUDA_ARCH__)
+  return __popc(bits);
+#else
+  return std::popcount(bits);
+#endif
+}
+
+/// Packs a layer. places: its 81 bits, the other bits are 0. first: place of its first voxel, relative to the brick's
+/// first part.
+GB_HD CastLayer make_layer(const std::uint32_t places[3], std::uint32_t first) {
+  return {{places[0], places[1], places[2] | (first + std::uint32_t(ones_in(places[0]))) << last_places}};
+}
+
+/// Returns the bit in CastHead::blocks of the block that holds point x, y, z.
+GB_HD int block_of(int x, int y, int z) { return x / 2 + 4 * (y / 2) + 16 * (z / 2); }
+
+/// Tests whether the field is zero in the point's block.
+GB_HD bool is_empty_block(std::uint64_t blocks, const int point[3]) {
+  return (blocks >> block_of(point[0], point[1], point[2]) & 1) == 0;
+}
+
+/// A layer's voxels from voxel 0 of the window on: bit k of `bits`, k ≤ 10, is set if the voxel k places later exists.
+struct LayerWindow {
+  std::uint32_t bits;
+  std::uint32_t first, second;  ///< indices of the parts of the first existing voxels of this row and of the next row
+
+  GB_HD bool has(int k) const { return (bits >> k & 1) != 0; }
+  /// Returns the bits of voxels 0 and 1, and of voxels 0 and 1 of the next row.
+  GB_HD std::uint32_t two_by_two() const { return (bits & 3) | (bits >> (slot_edge - 2) & 12); }
+  /// Returns the index of a voxel's part.
+  /// Range   has(k); k is 0, 1, slot_edge or slot_edge + 1.
+  GB_HD std::uint32_t place(int k) const {
+    const bool is_next_row = k >= slot_edge;
+    const std::uint32_t row = is_next_row ? bits >> slot_edge : bits;
+    return (is_next_row ? second : first) + (k == 1 || k == slot_edge + 1 ? row & 1 : 0);
+  }
+};
+
+/// Returns the window that begins at voxel `at` = x + 9y.
+GB_HD LayerWindow window_of(const CastLayer& layer, int at) {
+  const int word = at / 32, bit = at % 32;
+  const std::uint32_t last = layer.bits[2] & last_places_mask, second = layer.bits[1];
+  const std::uint32_t own = word == 0 ? layer.bits[0] : word == 1 ? second : last;
+  const std::uint32_t next = word == 0 ? second : word == 1 ? last : 0;
+  const auto bits = std::uint32_t((own | std::uint64_t(next) << 32) >> bit);
+  const std::uint32_t behind_first_word = layer.bits[2] >> last_places;
+  const int since =
+      word == 0 ? -ones_in(own >> bit) : ones_in(own & ((1u << bit) - 1)) + (word == 1 ? 0 : ones_in(second));
+  const std::uint32_t first = behind_first_word + std::uint32_t(since);
+  return {bits, first, first + std::uint32_t(ones_in(bits & ((1u << slot_edge) - 1)))};
+}
+
+GB_HD CastHead load_head(const CastHead* at) {
+#if defined(__CUDA_ARCH__)
+  const uint4 words = __ldg(reinterpret_cast<const uint4*>(at));
+  return {words.x | std::uint64_t(words.y) << 32, words.z, words.w};
+#else
+  return *at;
+#endif
+}
+
+GB_HD PackedVoxel load_packed(const PackedVoxel* at) {
+#if defined(__CUDA_ARCH__)
+  return {{__ldg(at->word), __ldg(at->word + 1), __ldg(at->word + 2)}};
+#else
+  return *at;
+#endif
+}
+
+GB_HD CastLayer load_layer(const BrickView& brick, int z) {
+  if ((brick.layers >> z & 1) == 0) return {};
+  const PackedVoxel part = load_packed(brick.parts + ones_in(brick.layers & ((1u << z) - 1)));
+  return {{part.word[0], part.word[1], part.word[2]}};
+}
+
+/// Returns the voxel's coverage in a view along the axis, or 0 if the voxel does not exist. Unit: 65535 represents 1.
+/// x, y, z: 0 … 8.
+GB_HD int coverage_at(const BrickView& brick, int x, int y, int z, int axis) {
+  const LayerWindow window = window_of(load_layer(brick, z), x + slot_edge * y);
+  return window.has(0) ? coverage_along(load_packed(brick.parts + window.first), axis) : 0;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,67 @@
+/// A voxel for ray casting, and its packed form in the voxel pool.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/host_device.h"
+
+namespace gigabake::kernels {
+
+/// A voxel's contribution to a ray; 65535 represents 1. Members c[0…2] are linear RGB radiance / 2, premultiplied by
+/// the mean of c[3…5]. Members c[3…5] are the coverages in a view along x, y, z. Missing voxels therefore contribute
+/// zero and need no special case. The other members locate the voxel's surface.
+struct CastVoxel {
+  std::uint16_t c[6] = {};
+  std::int8_t normal[3] = {};  ///< intersection with the octahedron |x| + |y| + |z| = 127; 0, 0, 0: no normal
+  std::uint8_t plane = 0;      ///< kernels/body/mip/plane.h, 0: none; or clear_plane
+};
+/// The value of CastVoxel::plane for a translucent voxel of lod 0, which has no plane.
+inline constexpr std::uint8_t clear_plane = 64;
+inline constexpr int cast_channels = 6;
+
+/// A voxel in three words: radiance with 16 bits per channel, coverages in 1/255, and x and y of the normal. Only the
+/// sign of the normal's z is stored, because the octahedron yields its magnitude.
+///
+/// word[0]  c[0] | c[1] << 16
+/// word[1]  c[2] | coverage x << 16 | y << 24
+/// word[2]  coverage z | normal x << 8 | y << 16 | plane << 24 | (normal z < 0) << 31
+struct PackedVoxel {
+  std::uint32_t word[3];
+};
+inline constexpr std::int8_t no_normal = -128;  ///< a value of x that no normal has
+
+/// Packs a voxel.
+/// Exact   unpack_voxel() returns the same voxel.
+/// Range   Coverages are multiples of 257; the normal lies on the octahedron, or there is none.
+GB_HD PackedVoxel pack_voxel(const CastVoxel& voxel) {
+  const std::uint32_t behind = voxel.normal[2] < 0 ? 1 : 0;
+  const bool has_normal = (voxel.normal[0] | voxel.normal[1] | voxel.normal[2]) != 0;
+  const std::int8_t x = has_normal ? voxel.normal[0] : no_normal;
+  return {{std::uint32_t(voxel.c[0]) | std::uint32_t(voxel.c[1]) << 16,
+           std::uint32_t(voxel.c[2]) | std::uint32_t(voxel.c[3] / 257) << 16 | std::uint32_t(voxel.c[4] / 257) << 24,
+           std::uint32_t(voxel.c[5] / 257) | std::uint32_t(std::uint8_t(x)) << 8 |
+               std::uint32_t(std::uint8_t(voxel.normal[1])) << 16 | std::uint32_t(voxel.plane) << 24 | behind << 31}};
+}
+
+/// Returns the coverage in a view along an axis (0 … 2); 65535 represents 1.
+GB_HD int coverage_along(const PackedVoxel& voxel, int axis) {
+  return 257 * int((axis == 2 ? voxel.word[2] : voxel.word[1] >> (16 + 8 * axis)) & 255);
+}
+
+GB_HD CastVoxel unpack_voxel(const PackedVoxel& packed) {
+  CastVoxel voxel;
+  voxel.c[0] = std::uint16_t(packed.word[0] & 65535);
+  voxel.c[1] = std::uint16_t(packed.word[0] >> 16);
+  voxel.c[2] = std::uint16_t(packed.word[1] & 65535);
+  for (int a = 0; a < 3; ++a) voxel.c[3 + a] = std::uint16_t(coverage_along(packed, a));
+  voxel.plane = std::uint8_t(packed.word[2] >> 24 & 127);
+  const int x = std::int8_t(packed.word[2] >> 8 & 255), y = std::int8_t(packed.word[2] >> 16 & 255);
+  if (x == no_normal) return voxel;
+  const int z = 127 - (x < 0 ? -x : x) - (y < 0 ? -y : y);
+  voxel.normal[0] = std::int8_t(x);
+  voxel.normal[1] = std::int8_t(y);
+  voxel.normal[2] = std::int8_t((packed.word[2] >> 31) != 0 ? -z : z);
+  return voxel;
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,34 @@
+/// Pool of bricks on a device: heads by slot, and the parts of all bricks in one array.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/thread_pool.h"
+#include "kernels/cuda/device/delivery.cuh"
+#include "kernels/cuda/device/memory.cuh"
+#include "kernels/render/caster.h"
+
+namespace gigabake::kernels {
+
+class BrickPool {
+ public:
+  /// Creates a pool. Borrows `heap`, `delivery` and `pool`.
+  BrickPool(DeviceHeap& heap, Delivery& delivery, const ThreadPool& pool, const PoolSizes& sizes);
+
+  void show_in(CastScene& scene) const;
+
+  /// Implements Caster::put_bricks() and move_voxels(). The arguments may change after the return; the stream executes
+  /// the copies in order.
+  void put(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks);
+  void move(const std::vector<VoxelMove>& moves);
+
+ private:
+  DeviceHeap& heap_;
+  Delivery& delivery_;
+  const ThreadPool& pool_;
+  DeviceArray<CastHead> heads_;
+  DeviceArray<PackedVoxel> voxels_, move_buffer_;
+};
+
+}  // namespace gigabake::kernels

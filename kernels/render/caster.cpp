@@ -1,0 +1,232 @@
+#include "kernels/render/caster.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <utility>
+
+#include "core/base/thread_pool.h"
+#include "kernels/body/tables.h"
+#include "kernels/light/light_sharing.h"
+#include "kernels/marching/level_blend.h"
+
+namespace gigabake::kernels {
+namespace {
+
+constexpr int block_edge = 8;  ///< pixels; neighbouring pixels use the same bricks
+constexpr std::size_t blocks_per_range = 4;
+
+class CpuCaster final : public Caster {
+ public:
+  CpuCaster(const CastScene& scene, const PoolSizes& sizes, const ThreadPool& pool)
+      : pool_(pool),
+        scene_(scene),
+        nodes_(std::size_t(8) * sizes.tiles, pack_node({})),
+        parent_bricks_(sizes.tiles),
+        heads_(new CastHead[sizes.slots]),
+        voxels_(new PackedVoxel[sizes.voxels]),
+        tile_used_(sizes.tiles),
+        slot_used_(sizes.slots),
+        wanted_(sizes.want_words()) {
+    scene_.nodes = nodes_.data();
+    scene_.parent_bricks = parent_bricks_.data();
+    scene_.heads = heads_.get();
+    scene_.voxels = voxels_.get();
+    scene_.marks = {tile_used_.data(), slot_used_.data(), wanted_.data()};
+    scene_.pass = 0;
+  }
+
+  void put_bricks(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) override {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      CastHead& head = heads_[places[i].slot];
+      head = bricks[i].head;
+      head.first = places[i].first;
+      std::copy(bricks[i].parts.begin(), bricks[i].parts.end(), voxels_.get() + places[i].first);
+    }
+  }
+
+  void move_voxels(const std::vector<VoxelMove>& moves) override {
+    for (const VoxelMove& move : moves) {
+      std::memmove(voxels_.get() + move.to, voxels_.get() + move.from, sizeof(PackedVoxel) * move.count);
+      heads_[move.slot].first = move.to;
+    }
+  }
+
+  void put_nodes(const std::vector<NodeChange>& changes) override {
+    for (const NodeChange& change : changes) {
+      nodes_[change.node] = pack_node(change.value);
+      if (is_here(change.value.children)) parent_bricks_[change.value.children] = change.value.brick;
+      nodes_end_ = std::max<std::size_t>(nodes_end_, change.node + 1);
+    }
+  }
+
+  void start(const CastCamera& camera, const CastTile& tile) override {
+    camera_ = camera;
+    tile_ = tile;
+    lights_.clear();
+    is_blending_ = false;
+    rays_.resize(std::size_t(tile.width) * std::size_t(tile.height));
+    for_each_ray(0, rays_.size(), {}, [&](std::size_t i) { rays_[i] = start_ray(scene_, line_of(i)); });
+  }
+
+  std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
+    return one_pass(begin, end, stop, [&](std::size_t i) {
+      CastRay& ray = rays_[i];
+      if (ray.lod >= 0) cast_ray(scene_, camera_, line_of(i), patient, true, ray);
+      return ray.lod < 0;
+    });
+  }
+
+  void start_blend() override {
+    coarser_.resize(rays_.size());
+    is_blending_ = true;
+    for_each_ray(0, rays_.size(), {},
+                 [&](std::size_t i) { coarser_[i] = start_coarser(scene_, line_of(i), coarser_line(i), rays_[i]); });
+  }
+
+  std::size_t cast_blend(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
+    const CastCamera coarser = coarser_camera(camera_);
+    return one_pass(begin, end, stop, [&](std::size_t i) {
+      CastRay& second = coarser_[i];
+      if (second.lod >= 0) cast_ray(scene_, coarser, coarser_line(i), patient, true, second);
+      return second.lod < 0;
+    });
+  }
+
+  void start_light(const CastLighting& lighting, std::shared_ptr<const SurfaceShader> shader) override {
+    blend();
+    lighting_ = lighting;
+    shader_ = shader ? std::move(shader) : lit_shader({lighting.light, lighting.part});
+    lights_.assign(rays_.size(), PixelLight());
+  }
+
+  std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
+    return one_pass(begin, end, stop, [&](std::size_t i) {
+      PixelLight& light = lights_[i];
+      if (light.done != PixelLight::all)
+        light_pixel(scene_, camera_, lighting_, line_of(i), rays_[i], pixel_x(i), pixel_y(i), patient, light);
+      return light.done == PixelLight::all;
+    });
+  }
+
+  void share_light() override {
+    for_each_ray(0, rays_.size(), {}, [&](std::size_t i) {
+      const int x = int(i % std::size_t(tile_.width)), y = int(i / std::size_t(tile_.width));
+      kernels::share_light({lights_.data(), tile_}, lighting_, x, y, lights_[i]);
+    });
+  }
+
+  std::vector<std::uint32_t> wanted() override {
+    std::vector<std::uint32_t> found;
+    for (std::size_t i = 0; i < want_words(); ++i)
+      for (std::uint32_t left = wanted_[i]; left != 0; left &= left - 1)
+        found.push_back(std::uint32_t(32 * i) + std::uint32_t(kernels::lowest_one(left)));
+    return found;
+  }
+
+  std::uint32_t pass() const override { return scene_.pass; }
+  const std::vector<std::uint32_t>& tile_stamps() override { return tile_used_; }
+  const std::vector<std::uint32_t>& slot_stamps() override { return slot_used_; }
+
+  void resolve(const CastBackground& background, const CastPixels& out) override {
+    const Tables tables = TableStore::host().view();
+    blend();
+    shade();
+    for_each_ray(0, rays_.size(), {}, [&](std::size_t i) {
+      const CastRay& lit = lights_.empty() ? rays_[i] : lit_[i];
+      const CastRay shown = before_polygons(lit, camera_, pixel_x(i), pixel_y(i));
+      write_pixel(shown, line_of(i), camera_.tone, tile_, background, tables, i, out);
+    });
+  }
+
+ private:
+  int pixel_x(std::size_t ray) const { return tile_.x + int(ray % std::size_t(tile_.width)); }
+  int pixel_y(std::size_t ray) const { return tile_.y + int(ray / std::size_t(tile_.width)); }
+  CastLine line_of(std::size_t ray) const { return line_of_sight(scene_, camera_, pixel_x(ray), pixel_y(ray)); }
+  CastLine coarser_line(std::size_t ray) const {
+    return line_of_sight(scene_, coarser_camera(camera_), pixel_x(ray), pixel_y(ray));
+  }
+
+  /// Blends the second rays into the first rays, once.
+  void blend() {
+    if (!is_blending_) return;
+    is_blending_ = false;
+    for_each_ray(0, rays_.size(), {},
+                 [&](std::size_t i) { rays_[i] = blended(scene_, line_of(i), rays_[i], coarser_[i]); });
+  }
+
+  /// Returns the number of words with the requests of all nodes ever written, and of roots.
+  std::size_t want_words() const { return (2 * std::max(nodes_end_, scene_.cells.size) + 31) / 32; }
+
+  void shade() {
+    if (lights_.empty()) return;
+    lit_.resize(rays_.size());
+    const double* eye = camera_.eye;
+    shader_->on_host({rays_.data(), lights_.data(), tile_, lighting_, {eye[0], eye[1], eye[2]}}, lit_.data(), pool_);
+  }
+
+  /// Runs one pass. go_on(ray): continues a ray and returns true if it is finished. Returns the number of unfinished
+  /// rays.
+  template <class GoOn>
+  std::size_t one_pass(std::size_t begin, std::size_t end, const StopAsked& stop, const GoOn& go_on) {
+    ++scene_.pass;
+    std::fill_n(wanted_.begin(), want_words(), 0);
+    std::atomic<std::size_t> unfinished{0};
+    const bool whole = for_each_ray(begin, end, stop, [&](std::size_t i) {
+      if (!go_on(i)) unfinished.fetch_add(1, std::memory_order_relaxed);
+    });
+    return whole ? unfinished.load() : std::max<std::size_t>(unfinished, 1);
+  }
+
+  /// Calls body(ray) for rays [begin, end). Returns false if `stop` ended the pass before the last block of rays.
+  template <class Body>
+  bool for_each_ray(std::size_t begin, std::size_t end, const StopAsked& stop, const Body& body) {
+    std::atomic<bool> stopped{false};
+    const auto across = std::size_t(tile_.width + block_edge - 1) / block_edge;
+    const auto down = std::size_t(tile_.height + block_edge - 1) / block_edge;
+    pool_.parallel_for(across * down, blocks_per_range, [&](std::size_t first, std::size_t last, int) {
+      if (stop && !stopped && stop()) stopped = true;
+      for (std::size_t b = first; b < last && !stopped; ++b) {
+        const int x0 = int(b % across) * block_edge, y0 = int(b / across) * block_edge;
+        for (int y = y0; y < std::min(y0 + block_edge, tile_.height); ++y)
+          for (int x = x0; x < std::min(x0 + block_edge, tile_.width); ++x) {
+            const std::size_t i = std::size_t(y) * std::size_t(tile_.width) + std::size_t(x);
+            if (i >= begin && i < end) body(i);
+          }
+      }
+    });
+    return !stopped;
+  }
+
+  const ThreadPool& pool_;
+  CastScene scene_;
+  std::vector<NodeWord> nodes_;
+  std::vector<std::uint32_t> parent_bricks_;
+  std::size_t nodes_end_ = 0;  ///< nodes from this index were never written
+  // Not initialised: untouched pages cost no memory.
+  std::unique_ptr<CastHead[]> heads_;
+  std::unique_ptr<PackedVoxel[]> voxels_;
+  std::vector<std::uint32_t> tile_used_, slot_used_, wanted_;
+  CastCamera camera_;
+  CastTile tile_;
+  std::vector<CastRay> rays_, coarser_, lit_;
+  bool is_blending_ = false;
+  CastLighting lighting_;
+  std::shared_ptr<const SurfaceShader> shader_;
+  std::vector<PixelLight> lights_;  ///< of the tile's pixels; empty: no lighting
+};
+
+}  // namespace
+
+std::uint64_t PoolSizes::bytes() const {
+  const std::uint64_t tile = 8 * sizeof(NodeWord) + 2 * sizeof(std::uint32_t);
+  const std::uint64_t slot = sizeof(CastHead) + sizeof(std::uint32_t);
+  return tiles * tile + want_words() * sizeof(std::uint32_t) + slots * slot +
+         voxels * std::uint64_t(sizeof(PackedVoxel));
+}
+
+std::unique_ptr<Caster> make_cpu_caster(const CastScene& scene, const PoolSizes& sizes, const ThreadPool& pool) {
+  return std::make_unique<CpuCaster>(scene, sizes, pool);
+}
+
+}  // namespace gigabake::kernels

@@ -1,0 +1,29 @@
+/// The tilesets of a sample, as JSON (3D Tiles 1.1).
+#pragma once
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "sample/terrain/earth.h"
+
+namespace gigabake::sample {
+
+/// One tile of a tileset: a mesh, or another tileset.
+struct TilesetEntry {
+  std::string uri;
+  std::array<double, 3> min_m{}, max_m{};  ///< east, north, up in the tangent plane of the map's origin
+  double error_m = 0;                      ///< approximate geometric error of its content; 0: the finest level
+};
+
+/// Extends the box of `coarse` to contain the boxes of `children`, which replace it. The coarser mesh lacks roofs and
+/// crowns.
+void enclose(const std::vector<TilesetEntry>& children, TilesetEntry& coarse);
+
+/// Returns a tileset whose root is `coarse`. earth: the root transforms the tangent plane to the earth; null: the
+/// parent tileset does.
+nlohmann::ordered_json tileset_of(const TilesetEntry& coarse, const std::vector<TilesetEntry>& children,
+                                  const Earth* earth);
+
+}  // namespace gigabake::sample

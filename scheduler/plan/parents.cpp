@@ -1,0 +1,173 @@
+#include "scheduler/plan/parents.h"
+
+#define XXH_INLINE_ALL
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <map>
+#include <xxhash.h>
+
+#include "core/octree/brick.h"
+
+namespace gigabake {
+namespace {
+
+using Corner = std::array<std::int64_t, 3>;
+
+std::int64_t floor_multiple(std::int64_t v, std::int64_t of) {
+  const std::int64_t rest = v % of;
+  return v - (rest < 0 ? rest + of : rest);
+}
+
+/// The bounding box of some jobs' windows on the lattice, half-open.
+struct JobBox {
+  Corner min, end;
+
+  explicit JobBox(std::span<const CellJob> jobs) : min(jobs[0].lattice_min), end(min) {
+    for (const CellJob& job : jobs)
+      for (std::size_t a = 0; a < 3; ++a) {
+        min[a] = std::min(min[a], job.lattice_min[a]);
+        end[a] = std::max(end[a], job.lattice_min[a] + std::int64_t(job.cell_voxels));
+      }
+  }
+  /// Returns the lowest corner of a window of 2^bits voxels: the largest multiple of half its edge at or below `min`.
+  Corner window(int bits) const {
+    Corner low;
+    for (std::size_t a = 0; a < 3; ++a) low[a] = floor_multiple(min[a], std::int64_t(1) << (bits - 1));
+    return low;
+  }
+  bool fits(int bits) const {
+    const Corner low = window(bits);
+    for (std::size_t a = 0; a < 3; ++a)
+      if (end[a] > low[a] + (std::int64_t(1) << bits)) return false;
+    return true;
+  }
+};
+
+/// Returns the finest lattice level that an overview of 2^bits voxels stores. child_lod: the children's finest level.
+int finest_copy(int bits, int child_lod) {
+  const int width = child_lod == 0 ? parent_width_bits_of_cells : parent_width_bits_of_parents;
+  return std::max(bits - width, child_lod + 1);
+}
+
+/// Makes an overview job. child_lod: the finest level that its children store.
+CellJob parent_of(const Corner& min, int child_bits, int child_lod, int levels) {
+  CellJob job;
+  const std::int64_t child = std::int64_t(1) << child_bits;
+  const int own_lod = child_bits - std::countr_zero(unsigned(brick_edge)) + 1;
+  job.first_lod = std::uint32_t(std::min(own_lod, finest_copy(child_bits + levels, child_lod)));
+  job.copied_lods = std::uint32_t(own_lod) - job.first_lod;
+  job.cell_voxels = std::uint32_t(1) << (child_bits + levels);
+  job.lattice_min = min;
+  job.name = "p" + std::to_string(own_lod);
+  for (const std::int64_t x : min) job.name += "_" + std::to_string(floor_multiple(x, child) / child);
+  return job;
+}
+
+/// Builds the overviews of jobs [first, jobs.size()), whose windows have an edge of 2^bits voxels. add() returns true
+/// if no further overview level follows.
+class OverviewLevel {
+ public:
+  OverviewLevel(std::vector<CellJob>& jobs, std::size_t first, int bits)
+      : jobs_(jobs), first_(first), bits_(bits), child_lod_(int(jobs[first].first_lod)) {}
+
+  bool add() {
+    const JobBox box(std::span<const CellJob>(jobs_).subspan(first_));
+    for (int levels = 1; levels <= max_levels_per_overview && bits_ + levels <= max_window_bits; ++levels)
+      if (box.fits(bits_ + levels)) {
+        add_root(box.window(bits_ + levels), levels);
+        return true;
+      }
+    if (bits_ + max_levels_per_overview > max_window_bits) return true;
+    add_blocks();
+    return false;
+  }
+
+ private:
+  void add_root(const Corner& min, int levels) {
+    CellJob root = parent_of(min, bits_, child_lod_, levels);
+    for (std::size_t i = first_; i < jobs_.size(); ++i) root.children.push_back(std::uint32_t(i));
+    jobs_.push_back(std::move(root));
+  }
+
+  /// Adds one overview per block. A cell may extend into the block above its own, because stacks of cells begin at any
+  /// voxel of their coarsest level.
+  void add_blocks() {
+    const std::int64_t edge = std::int64_t(1) << (bits_ + max_levels_per_overview), child = std::int64_t(1) << bits_;
+    std::map<Corner, std::vector<std::uint32_t>> blocks;
+    for (std::size_t i = first_; i < jobs_.size(); ++i) {
+      const Corner& min = jobs_[i].lattice_min;
+      Corner block{floor_multiple(min[2], edge), floor_multiple(min[1], edge), floor_multiple(min[0], edge)};
+      for (; block[0] < min[2] + child; block[0] += edge) blocks[block].push_back(std::uint32_t(i));
+    }
+    for (auto& [zyx, children] : blocks) {
+      jobs_.push_back(parent_of({zyx[2], zyx[1], zyx[0]}, bits_, child_lod_, max_levels_per_overview));
+      jobs_.back().children = std::move(children);
+    }
+  }
+
+  std::vector<CellJob>& jobs_;
+  const std::size_t first_;
+  const int bits_, child_lod_;
+};
+
+}  // namespace
+
+Hash128 parent_fingerprint(const CellJob& parent, std::span<const Hash128> children) {
+  XXH3_state_t state;
+  XXH3_128bits_reset(&state);
+  XXH3_128bits_update(&state, &parent.lattice_min, sizeof parent.lattice_min);
+  XXH3_128bits_update(&state, &parent.cell_voxels, sizeof parent.cell_voxels);
+  XXH3_128bits_update(&state, &parent.first_lod, sizeof parent.first_lod);
+  XXH3_128bits_update(&state, &parent.copied_lods, sizeof parent.copied_lods);
+  XXH3_128bits_update(&state, children.data(), children.size_bytes());
+  const XXH128_hash_t h = XXH3_128bits_digest(&state);
+  return {h.low64, h.high64};
+}
+
+void add_parents(std::vector<CellJob>& jobs) {
+  if (jobs.size() < 2) return;
+  const std::size_t cells = jobs.size();
+  int bits = std::countr_zero(jobs[0].cell_voxels);
+  for (std::size_t first = 0, end = cells; !OverviewLevel(jobs, first, bits).add(); bits += max_levels_per_overview) {
+    first = end;
+    end = jobs.size();
+  }
+  for (std::size_t i = cells; i < jobs.size(); ++i) {
+    std::vector<Hash128> of_children;
+    for (const std::uint32_t child : jobs[i].children) of_children.push_back(jobs[child].fingerprint);
+    for (const std::uint32_t child : jobs[i].children) jobs[child].kept_lod = jobs[i].first_lod;
+    jobs[i].id = std::uint32_t(i);
+    jobs[i].fingerprint = parent_fingerprint(jobs[i], of_children);
+  }
+}
+
+OverviewJobs::OverviewJobs(const std::vector<CellJob>& jobs)
+    : jobs_(jobs),
+      child_(jobs.size(), Child::lost),
+      first_parent_(std::uint32_t(std::find_if(jobs.begin(), jobs.end(), is_parent) - jobs.begin())) {
+  for (std::size_t i = first_parent_; i < jobs.size(); ++i) fingerprint_.push_back(jobs[i].fingerprint);
+}
+
+void OverviewJobs::is_done(const CellReport& report) {
+  child_.at(report.id) = report.outcome == CellOutcome::baked ? Child::baked : Child::empty;
+}
+
+CellJob OverviewJobs::order(std::uint32_t id) {
+  CellJob job = jobs_.at(id);
+  if (!is_parent(job)) return job;
+  std::vector<Hash128> of_children;
+  for (const std::uint32_t child : job.children) {
+    const Hash128& fingerprint = child < first_parent_ ? jobs_[child].fingerprint : fingerprint_[child - first_parent_];
+    of_children.push_back(child_[child] == Child::lost ? Hash128{} : fingerprint);
+    if (child_[child] == Child::baked) job.child_files.push_back(shard_file(jobs_[child].name, fingerprint));
+  }
+  job.fingerprint = fingerprint_[id - first_parent_] = parent_fingerprint(job, of_children);
+  return job;
+}
+
+bool is_made_of_all(const CellReport& parent, const CellJob& planned) {
+  return parent.outcome != CellOutcome::baked || parent.cell.fingerprint == planned.fingerprint;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,54 @@
+/// Plan of a bake: columns of N×N voxels, each with the smallest stack of N³ cells that covers its height.
+///
+/// Exact   A pure function: equal scan results give equal plans, in any order.
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/octree/parameters.h"
+#include "format/job/cell_job.h"
+#include "format/job/survey.h"
+#include "format/source/source.h"
+#include "scheduler/plan/source_precision.h"
+
+namespace gigabake {
+
+struct BakePlan {
+  /// Cells by lattice_min z, y, x; then overviews, once they were added (scheduler/plan/parents.h). jobs[i].id is i.
+  std::vector<CellJob> jobs;
+  std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
+  /// Sums of ColumnExtent::crossings over each tile's columns, by index in sources.tiles.
+  std::vector<std::uint64_t> tile_crossings;
+  std::vector<std::uint64_t> tile_triangles;
+  SourcePrecision precision;
+  std::vector<std::string> warnings;  ///< deviations of the bake from the files; one line per type of warning
+  std::vector<SceneLoss> losses;      ///< losses of the source, then tiles that could not be read or placed
+
+  std::size_t cells() const {
+    return std::size_t(std::partition_point(jobs.begin(), jobs.end(), [](const CellJob& j) { return !is_parent(j); }) -
+                       jobs.begin());
+  }
+};
+
+/// Max cells of a tile. A tile with more is lost with an error line because it probably has a wrong unit or vertex.
+inline constexpr std::int64_t max_cells_per_tile = std::int64_t(1) << 21;
+
+/// Makes the plan. `surveys` has one entry per entry of sources.tiles. A stack is centred on its column's height. It
+/// starts at a multiple of the coarsest level's voxel, so that every level of every cell lies on one grid. Cells that
+/// no tile overlaps are left out.
+/// Errors  Stopped.
+BakePlan make_plan(std::vector<TileScan> surveys, const SceneSources& sources, const BakeParameters& parameters,
+                   const Progress& progress = {});
+
+/// The lowest voxel and number of cells of the stack over [z_min, z_end).
+/// Range   z_min < z_end.
+struct CellStack {
+  std::int64_t z_min = 0;
+  std::int64_t cells = 0;
+};
+CellStack stack_over(std::int64_t z_min, std::int64_t z_end, std::int64_t cell_voxels);
+
+}  // namespace gigabake

@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+"""`bench accuracy --hard`: the suite of hard cases, as a user runs it.
+
+Usage: hard_test.py GIGABAKE SOURCE_DIR
+"""
+import json
+import re
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from harness import Gigabake
+
+
+def every_bound_holds(gigabake, work):
+    result = gigabake.run("bench", "accuracy", "--hard", "--backend", "cpu", "--million-triangles", 1,
+                          "--json", work / "hard.json", "-o", work / "kept")
+    if "without GMP" in result.stderr:
+        print(f"skipped: {result.stderr.strip()}")
+        sys.exit(77)
+    assert result.returncode == 0, result
+    assert "every bound holds" in result.stdout, result
+    bench = json.loads((work / "hard.json").read_text())
+    assert bench["holds"] and bench["backend"] == "cpu", bench
+    for case in bench["cases"]:
+        assert case["holds"] and "error" not in case, case
+        for name, figure in case["figures"].items():
+            assert figure["measured"] <= figure["bound"], (case["name"], name, figure)
+    leaks = bench["leaks"]
+    assert len(leaks["scenes"]) == 3 and all(scene["opaque"] and scene["rows"] for scene in leaks["scenes"]), leaks
+    assert leaks["bounded"] or "not yet bounded" in result.stdout, result
+    return bench
+
+
+def the_document_lists_every_case(bench, source):
+    """Every case is in the table of the document; cases of ties have separate tables."""
+    text = (Path(source) / "docs/accuracy-suite.md").read_text()
+    section = text.split("## The suite")[1].split("\n## ")[0]
+    listed = re.findall(r"^\| `([^`]+)` \|", section, re.M)
+    names = [case["name"] for case in bench["cases"] if not case["group"].startswith("ties")]
+    assert listed == names, (listed, names)
+
+
+def wrong_usage_is_refused(gigabake, work):
+    for arguments, text in ((("--hard", work), "expected no SOURCE"),
+                            ((), "expected SOURCE, -o and --voxel-size, or --hard, or --leaks"),
+                            (("--hard", "--backend", "abacus"), "--backend: expected one of")):
+        result = gigabake.run("bench", "accuracy", *arguments)
+        assert result.returncode == 2 and text in result.stderr, result
+
+
+def kept_scenes_can_be_baked(gigabake, work):
+    """Option -o keeps the scenes, so that a user can bake and inspect each case."""
+    gigabake.bake(work / "kept/ecef-antimeridian/tileset.json", work / "baked", 0.01, "--cell-voxels", 128)
+
+
+def main():
+    gigabake = Gigabake(sys.argv[1])
+    with tempfile.TemporaryDirectory() as folder:
+        work = Path(folder)
+        bench = every_bound_holds(gigabake, work)
+        the_document_lists_every_case(bench, sys.argv[2])
+        wrong_usage_is_refused(gigabake, work)
+        kept_scenes_can_be_baked(gigabake, work)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,227 @@
+#!/usr/bin/env python3
+"""`gigabake query`: heights against the voxels of a PLY, rays against Embree, and input that is none.
+
+Usage: query_test.py GIGABAKE SOURCE_DIR
+"""
+import csv
+import io
+import json
+import shutil
+import sys
+from pathlib import Path
+
+import numpy
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import harness
+from programs import lines_of
+
+VOXEL_M = 0.5
+
+
+class QueryTest(harness.FolderTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.program = harness.Gigabake(sys.argv[1])
+        tileset = cls.program.sample(cls.root / "village", size=64, tiles=2)
+        cls.out = cls.root / "out"
+        cls.program.bake(tileset, cls.out, VOXEL_M, "--cell-voxels", 64)
+
+    def query(self, *arguments):
+        return list(csv.DictReader(io.StringIO(self.program.succeed("query", self.out, *arguments))))
+
+    def refused(self, *arguments, code=None):
+        result = self.program.run("query", self.out, *arguments)
+        self.assertIn(result.returncode, [code] if code else [1, 2])
+        self.assertEqual(result.stdout, "")
+        self.assertEqual(len(lines_of(result.stderr)), 1, result.stderr)
+        return result.stderr
+
+    def test_heights_lie_on_the_highest_voxels_of_an_export(self):
+        self.program.succeed("export", self.out, "-o", self.root / "all.ply", "-q")
+        tops = {}
+        for x, y, z in harness.read_ply(self.root / "all.ply")["p"]:
+            tops[x, y] = max(tops.get((x, y), -1e9), z)
+        self.assertGreater(len(tops), 10000)
+        table = self.root / "places.csv"
+        table.write_text("x,y\n" + "".join(f"{x},{y}\n" for x, y in tops))
+        rows = self.query("--heights", table)
+        self.assertEqual(len(rows), len(tops))
+        for row, top in zip(rows, tops.values()):
+            self.assertEqual(row["outcome"], "hit")
+            self.assertLessEqual(float(row["z"]), top + VOXEL_M / 2 + 0.006)
+            self.assertEqual(float(row["height_error_m"]), VOXEL_M / 2)
+        below = [top - float(row["z"]) for row, top in zip(rows, tops.values())]
+        self.assertLess(numpy.median(below), VOXEL_M)
+
+    def test_a_grid_larger_than_memory_is_the_same(self):
+        grid = ["--grid", "-40,-40,40,40", "--step", "0.25", "-q"]
+        self.program.succeed("query", self.out, *grid, "-o", self.root / "much.csv")
+        self.program.succeed("query", self.out, *grid, "-o", self.root / "little.csv", "--memory", "12M",
+                             "--threads", 1)
+        much = (self.root / "much.csv").read_bytes()
+        self.assertEqual(much, (self.root / "little.csv").read_bytes())
+        self.assertEqual(much.count(b"\n"), 321 * 321 + 1)
+        outcomes = {row["outcome"] for row in csv.DictReader(io.StringIO(much.decode()))}
+        self.assertLessEqual({"hit"}, outcomes)
+        self.assertLessEqual(outcomes, {"hit", "nothing hit", "outside the scene"})
+
+    def test_longitudes_and_latitudes_say_the_same_as_metres(self):
+        here = self.query("--at", "3.25,-7.75")[0]
+        collection = json.loads(self.program.succeed("query", self.out, "--at", "3.25,-7.75", "--format", "geojson"))
+        feature = collection["features"][0]
+        lon, lat, height = feature["geometry"]["coordinates"]
+        self.assertEqual(feature["properties"]["cell"], here["cell"])
+        there = self.query("--at", f"{lon},{lat}", "--coordinates", "lonlat")[0]
+        self.assertEqual(there["cell"], here["cell"])
+        self.assertAlmostEqual(float(there["height"]), height, delta=0.02)
+        down = self.query("--ray", f"{lon},{lat},{height + 20},0,-90", "--coordinates", "lonlat")[0]
+        self.assertAlmostEqual(float(down["distance_m"]), 20, delta=1.5 * VOXEL_M)  # distance to the cube
+
+    def test_lines_of_sight(self):
+        ground = float(self.query("--at", "0,0")[0]["z"])
+        self.assertEqual(self.query("--sight", f"0,0,{ground + 2},1,1,{ground + 3}")[0]["outcome"], "visible")
+        self.assertEqual(self.query("--sight", f"0,0,{ground + 2},0,1,{ground - 2}")[0]["outcome"], "blocked")
+        touching = ["--sight", f"0,0,{ground + 30},0,0,{ground - 0.1}"]
+        self.assertEqual(self.query(*touching)[0]["outcome"], "blocked")
+        self.assertEqual(self.query(*touching, "--ignore-ends", 1)[0]["outcome"], "visible")
+        self.assertEqual(self.query("--sight", "9000,0,0,9000,10,0")[0]["outcome"], "outside the scene")
+
+    def test_places_beside_the_scene_are_counted_in_one_line(self):  # 2026-11-25: only the results showed it
+        places = self.root / "beside.csv"
+        places.write_text("x,y\n0,0\n9000,0\n48.1,9000\n")
+        for question, expected in ((("--at", "9000,9000"), "1 of 1 place is outside the bounds"),
+                                   (("--heights", places), "2 of 3 places are outside the bounds"),
+                                   (("--ray", "9000,0,0,1,0,0"), "1 of 1 ray is outside the bounds")):
+            result = self.program.run("query", self.out, *question)
+            self.assertEqual(result.returncode, 0, result)
+            self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+            self.assertIn(expected, result.stderr)
+            self.assertEqual(self.program.run("query", self.out, *question, "-q").stderr, "")
+        self.assertEqual(self.program.run("query", self.out, "--at", "0,0").stderr, "")
+
+    def test_says_what_is_wrong(self):
+        self.assertIn("nan", self.refused("--ray", "0,0,9,0,nan,1", code=2))
+        self.assertIn("direction is zero", self.refused("--ray", "0,0,9,0,0,0", code=2))
+        self.assertIn("expected one of --ray", self.refused(code=2))
+        self.assertIn("2^40", self.refused("--grid", "0,0,1,1", "--step", "1e-9", code=2))
+        self.assertIn("--step", self.refused("--grid", "0,0,1,1", code=2))
+        self.assertIn("--lod", self.refused("--at", "0,0", "--lod", "40", code=2))
+        self.assertIn("--memory", self.refused("--at", "0,0", "--memory", "1K", code=2))
+        self.assertIn("latitude", self.refused("--at", "8,1000", "--coordinates", "lonlat", code=2))
+        table = self.root / "bad.csv"
+        table.write_text("x,y,z,dx,dy,dz\n0,0,50,0,0,-1\n0,0,50,0,zero,-1\n")
+        self.assertIn("line 3: dy: expected a finite number, got 'zero'", self.refused("--rays", table, code=1))
+        self.refused("--rays", table, "-o", self.root / "none.csv", code=1)
+        self.assertFalse((self.root / "none.csv").exists())
+        self.assertIn("No such file", self.refused("--rays", self.root / "absent.csv", code=1))
+
+    def test_a_missing_cell_is_no_silent_miss(self):
+        broken = self.root / "broken"
+        shutil.copytree(self.out, broken)
+        cell = self.query("--at", "0.1,0.1")[0]["cell"]
+        for shard in (broken / "shards").glob(cell + "-*.h5"):
+            shard.unlink()
+        result = self.program.run("query", broken, "--at", "0.1,0.1")
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("cell missing", result.stdout)
+        self.assertIn(cell, result.stdout)
+        self.assertIn(cell, result.stderr)
+
+    def test_agrees_with_embree(self):
+        result = self.program.run("bench", "query", self.out, "--rays", 20000, "--json")
+        if "without Embree" in result.stderr:
+            self.skipTest("built without Embree")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        bench = json.loads(result.stdout)
+        self.assertEqual(bench["wrong"], 0)
+        self.assertEqual(bench["same"] + bench["grazing"] + bench["inside"], 20000)
+        self.assertLess(bench["grazing"], 40)
+        self.assertLess(bench["largest_gap_voxels"], 1 / 64)
+
+
+# Regression of 2026-11-25: heights were the top of the cube: 0.8 voxel too high on average, more on a slope.
+class HeightTest(harness.FolderTest):
+    CELL_M, COUNT = 2.0, 81
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.program = harness.Gigabake(sys.argv[1])
+        random = numpy.random.default_rng(2026)
+        cls.places = random.uniform(-70, 70, (6000, 2))
+        lines = "".join(f"{x!r},{y!r}\n" for x, y in cls.places.tolist())
+        (cls.root / "places.csv").write_text("x,y\n" + lines)
+
+    def axis(self):
+        return (numpy.arange(self.COUNT) - self.COUNT // 2) * self.CELL_M
+
+    def bake(self, name, text, *options):
+        (self.root / f"{name}.obj").write_text(text)
+        out = self.root / name
+        self.program.succeed("bake", self.root / f"{name}.obj", "--up", "z", "--voxel-size", 1, "--cell-voxels", 64,
+                             "-q", "-o", out, *options)
+        return out
+
+    def terrain(self, heights):
+        x, n = self.axis(), self.COUNT
+        text = [f"v {x[i]} {x[j]} {heights[i, j]}" for i in range(n) for j in range(n)]
+        for i in range(n - 1):
+            for a in range(i * n + 1, i * n + n):
+                text += [f"f {a} {a + n} {a + n + 1}", f"f {a} {a + n + 1} {a + 1}"]
+        return "\n".join(text)
+
+    def bilinear(self, heights):
+        at = (self.places - self.axis()[0]) / self.CELL_M
+        i, j = numpy.floor(at).astype(int).T
+        u, v = (at - numpy.floor(at)).T
+        return ((1 - u) * (1 - v) * heights[i, j] + u * (1 - v) * heights[i + 1, j]
+                + (1 - u) * v * heights[i, j + 1] + u * v * heights[i + 1, j + 1])
+
+    def errors(self, out, heights, lod=0):
+        text = self.program.succeed("query", out, "--heights", self.root / "places.csv", "--lod", lod)
+        rows = list(csv.DictReader(io.StringIO(text)))
+        self.assertEqual({row["outcome"] for row in rows}, {"hit"})
+        self.assertEqual({float(row["height_error_m"]) for row in rows}, {2.0 ** lod / 2})
+        for row in rows[:50]:  # only significant digits
+            self.assertRegex(row["z"], r"^-?\d+\.\d$" if lod < 4 else r"^-?\d+$")
+        return (numpy.array([float(row["z"]) for row in rows]) - self.bilinear(heights)) / 2 ** lod
+
+    def hills(self, amplitude, slope):
+        x, y = numpy.meshgrid(self.axis(), self.axis(), indexing="ij")
+        return amplitude * (numpy.sin(x / 17) + numpy.cos(y / 13) + numpy.sin((x + 2 * y) / 9) / 2) + slope * x
+
+    def test_heights_agree_with_bilinear_interpolation(self):
+        for name, amplitude, options in ("hills", 5, []), ("thin", 5, ["--surface", "thin"]):
+            heights = self.hills(amplitude, 0.2)
+            out = self.bake(name, self.terrain(heights), *options)
+            for lod in 0, 1, 2:
+                with self.subTest(name=name, lod=lod):
+                    errors = self.errors(out, heights, lod)
+                    self.assertLess(abs(errors.mean()), 0.05)
+                    self.assertLess(errors.std(), 0.35)
+                    self.assertLess(numpy.percentile(abs(errors), 95), 0.55)
+            self.assertLess(abs(self.errors(out, heights, 4).mean()), 0.1)
+
+    def test_steep_slopes(self):
+        for slope in 1.5, 3, 8:
+            heights = self.hills(1, slope)
+            out = self.bake(f"slope{slope}", self.terrain(heights))
+            with self.subTest(slope=slope):
+                errors = self.errors(out, heights)
+                self.assertLess(abs(errors.mean()), 0.05)
+                self.assertLess(errors.std(), 0.5)
+
+    def test_a_steep_leaf_and_a_wall_keep_their_height(self):
+        leaf = "v 0.4 0.2 10.2\nv 0.5 0.2 10.8\nv 0.5 0.8 10.8\nv 0.4 0.8 10.2\nf 1 2 3 4\n"
+        wall = "v 5.5 0 0\nv 5.5 9 0\nv 5.5 9 20.3\nv 5.5 0 20.3\nf 5 6 7 8\n"
+        ground = "v -9 -9 0.1\nv 20 -9 0.1\nv 20 20 0.1\nv -9 20 0.1\nf 9 10 11 12\n"
+        out = self.bake("leaf", leaf + wall + ground)
+        for x, top in (0.1, 10.5), (0.9, 10.5), (5.2, 20.5), (5.9, 20.5):
+            row = next(csv.DictReader(io.StringIO(self.program.succeed("query", out, "--at", f"{x},0.5"))))
+            self.assertAlmostEqual(float(row["z"]), top, delta=0.55, msg=str(x))
+
+
+if __name__ == "__main__":
+    harness.main(argv=sys.argv[:1], verbosity=2)

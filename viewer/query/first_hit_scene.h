@@ -1,0 +1,92 @@
+/// A whole scene for first-hit rays, built once from its shards.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "format/scene/xml/scene_xml.h"
+#include "format/shard/shard.h"
+#include "kernels/first_hit/first_hit_tree.h"
+
+namespace gigabake {
+
+/// The tree, shells and voxel attributes of a scene.
+struct FirstHitScene {
+  FirstHitScene() = default;
+  FirstHitScene(FirstHitScene&&) = default;  // a copy's view would borrow from the original
+  FirstHitScene& operator=(FirstHitScene&&) = default;
+
+  std::vector<kernels::FirstHitNode> nodes;
+  std::array<std::vector<kernels::FirstHitNode>, 2> shells;  ///< empty if a constant is wider than 64 voxels
+  std::vector<kernels::VoxelAttributes> looks;               ///< one per voxel, and 64 per constant node
+  kernels::FirstHitView view;                                ///< of the arrays above
+  std::array<std::int64_t, 3> lattice_min{};                 ///< lod-0 voxel at the tree's lowest corner
+  int lod = 0;                                               ///< of the tree's voxels
+  std::uint64_t voxels = 0;
+
+  std::uint64_t tree_bytes() const;  ///< without the looks
+  std::uint64_t bytes() const;
+};
+
+/// Builds a scene from cells, added in any order.
+class FirstHitBuilder {
+ public:
+  /// lod: the finest level that is stored.
+  explicit FirstHitBuilder(int lod) : lod_(lod) {}
+
+  /// Adds a cell. level: the cell's bricks of `lod`.
+  /// Errors  std::invalid_argument: columns of inconsistent length, or a corner not a multiple of four voxels of `lod`
+  ///         from the first one.
+  ///         std::length_error: 2^32 voxels or more.
+  void add_cell(const std::array<std::int64_t, 3>& lattice_min, const NodeTable& nodes, const BrickLevel& level);
+
+  /// Returns the scene.
+  /// Errors  std::length_error: an edge of 2^18 voxels or more.
+  FirstHitScene finish();
+  /// Returns the scene of one cell. The tree covers the cell's whole window instead of the bounds of its voxels, and
+  /// has no shells. Parameter window_voxels: edge of the window in voxels of `lod`, a multiple of 8.
+  FirstHitScene finish_window(std::int64_t window_voxels);
+
+ private:
+  using Position = std::array<std::int64_t, 3>;  ///< voxels from the first cell's corner
+
+  struct Leaf {
+    std::array<std::int32_t, 3> at;  ///< in nodes of 4×4×4 voxels
+    kernels::FirstHitNode node;
+  };
+  struct Constant {
+    Position at;
+    std::int64_t edge;
+    std::uint32_t look;
+  };
+  /// The cube of the root.
+  struct Cube {
+    Position corner, half;  ///< half of the box that contains the voxels
+    int bits = 6;
+  };
+
+  void add_brick(const Position& at, const BrickLevel& level, std::size_t brick);
+  Cube cube_of_voxels() const;
+  static Cube cube_of_window(std::int64_t edge);
+  std::vector<kernels::FirstHitNode> build_nodes(const Cube& cube);
+  FirstHitScene place_tree(const Cube& cube);
+  static void add_shells(const Cube& cube, FirstHitScene& scene);
+
+  int lod_;
+  bool empty_ = true;
+  std::array<std::int64_t, 3> first_corner_{};
+  std::vector<Leaf> leaves_;
+  std::vector<Constant> constants_;
+  std::vector<kernels::VoxelAttributes> looks_;
+  std::uint64_t voxels_ = 0;
+};
+
+/// Builds the scene from its shards.
+/// Cost    Reads the node table and one level of every cell. Memory: 16 bytes per nonempty block of 4×4×4 voxels (three
+///         times that during the build) and 8 bytes per voxel.
+/// Errors  InputError: no such lod; the errors of FirstHitBuilder; shards that cannot be read.
+FirstHitScene build_first_hit_scene(const SceneDescription& scene, const std::filesystem::path& scene_path, int lod);
+
+}  // namespace gigabake

@@ -1,0 +1,342 @@
+#include "worker/pipeline/bake_service.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <system_error>
+#include <thread>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/memory_limit.h"
+#include "format/job/fingerprint.h"
+#include "format/job/source_bytes.h"
+#include "worker/pipeline/bake_messages.h"
+#include "worker/pipeline/cell_pipeline.h"
+#include "worker/pipeline/worker_setup.h"
+#include "worker/scan/survey_tile.h"
+
+namespace gigabake {
+namespace {
+
+[[noreturn]] void fail(const char* call) { throw std::system_error(errno, std::generic_category(), call); }
+
+/// Wakeup of one polling thread by other threads.
+class Wakeup {
+ public:
+  Wakeup() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    if (fd_ < 0) fail("eventfd");
+  }
+  ~Wakeup() { ::close(fd_); }
+  Wakeup(const Wakeup&) = delete;
+  Wakeup& operator=(const Wakeup&) = delete;
+  int fd() const { return fd_; }
+  void ring() const {
+    if (::eventfd_write(fd_, 1) != 0 && errno != EAGAIN) fail("eventfd_write");  // EAGAIN: already signalled
+  }
+  void silence() const {
+    eventfd_t rings = 0;
+    if (::eventfd_read(fd_, &rings) != 0 && errno != EAGAIN) fail("eventfd_read");
+  }
+
+ private:
+  int fd_;
+};
+
+/// Scans tiles, several small ones concurrently, because most of a tile's reading runs on one thread.
+class Surveyor {
+ public:
+  Surveyor(const SceneSources& sources, const WorkerSetup& setup, const Wakeup& done)
+      : sources_(sources),
+        parameters_(setup.parameters),
+        pool_(setup.worker.threads),
+        store_(sources, setup.parameters, scratch_in(setup.worker.scratch, setup.worker.memory_bytes),
+               setup.worker.threads),
+        done_(done) {
+    for (int t = std::min(max_concurrent, setup.worker.threads); t > 0; --t) crew_.emplace_back([this] { run(); });
+  }
+  ~Surveyor() {
+    {
+      const std::scoped_lock lock(mutex_);
+      stopping_ = true;
+    }
+    asked_.notify_all();
+    for (std::thread& thread : crew_) thread.join();
+  }
+  Surveyor(const Surveyor&) = delete;
+  Surveyor& operator=(const Surveyor&) = delete;
+
+  void submit(std::uint32_t tile) {
+    {
+      const std::scoped_lock lock(mutex_);
+      tiles_.push_back(tile);
+    }
+    asked_.notify_all();
+  }
+
+  std::optional<TileScan> poll() {
+    const std::scoped_lock lock(mutex_);
+    if (surveys_.empty()) return std::nullopt;
+    TileScan survey = std::move(surveys_.front());
+    surveys_.pop_front();
+    return survey;
+  }
+
+ private:
+  std::optional<std::uint32_t> next_tile() {
+    std::unique_lock lock(mutex_);
+    asked_.wait(lock, [this] { return stopping_ || !tiles_.empty(); });
+    if (stopping_) return std::nullopt;
+    const std::uint32_t tile = tiles_.front();
+    tiles_.pop_front();
+    return tile;
+  }
+
+  TileScan survey(std::uint32_t tile) {
+    std::unique_lock one_at_a_time(large_, std::defer_lock);
+    if (sources_.tiles[tile].bytes > small_bytes || store_.may_be_large(tile)) one_at_a_time.lock();
+    return survey_tile(sources_, tile, parameters_, pool_, &store_);
+  }
+
+  void run() {
+    while (const auto tile = next_tile()) {
+      TileScan survey = this->survey(*tile);
+      {
+        const std::scoped_lock lock(mutex_);
+        surveys_.push_back(std::move(survey));
+      }
+      done_.ring();
+    }
+  }
+
+  static constexpr int max_concurrent = 4;
+  /// Max size of a tile file that is scanned concurrently with others; larger ones would multiply the process's memory.
+  static constexpr std::uint64_t small_bytes = std::uint64_t(16) << 20;
+
+  const SceneSources& sources_;
+  const BakeParameters& parameters_;
+  const ThreadPool pool_;
+  const TileStore store_;
+  const Wakeup& done_;
+  std::mutex large_;  ///< held while a large tile is scanned
+  std::mutex mutex_;
+  std::condition_variable asked_;
+  std::deque<std::uint32_t> tiles_;
+  std::deque<TileScan> surveys_;
+  bool stopping_ = false;
+  std::vector<std::thread> crew_;  ///< last, because the threads use the other members
+};
+
+/// Cell id and number of the attempt.
+using Attempt = std::pair<std::uint32_t, std::uint32_t>;
+
+class BakeServer {
+ public:
+  explicit BakeServer(int fd) : fd_(fd) {}
+
+  int run() {
+    while (receive()) {
+      while (const auto message = inbox_.next()) handle(*message);
+      answer();
+      wait();
+    }
+    return 0;
+  }
+
+ private:
+  void wait() const {
+    std::array<pollfd, 2> ready{pollfd{fd_, POLLIN, 0}, pollfd{done_.fd(), POLLIN, 0}};
+    if (::poll(ready.data(), ready.size(), -1) < 0 && errno != EINTR) fail("poll");
+  }
+
+  /// Reads all available bytes. Returns false if the peer closed the connection.
+  bool receive() {
+    std::array<std::uint8_t, 65536> part;
+    while (!hung_up_) {
+      const ssize_t got = ::recv(fd_, part.data(), part.size(), MSG_DONTWAIT);
+      if (got > 0) inbox_.add(std::span(part).first(std::size_t(got)));
+      if (got == 0 || (got < 0 && errno == ECONNRESET)) return false;
+      if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return true;
+      if (got < 0 && errno != EINTR) fail("recv");
+    }
+    return false;
+  }
+
+  void send(BakeMessageKind kind, const std::vector<std::uint8_t>& payload) {
+    const std::vector<std::uint8_t> bytes = frame(kind, payload);
+    for (std::size_t sent = 0; sent < bytes.size() && !hung_up_;) {
+      const ssize_t now = ::send(fd_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
+      if (now >= 0) sent += std::size_t(now);
+      if (now < 0 && (errno == EPIPE || errno == ECONNRESET)) hung_up_ = true;
+      if (now < 0 && !hung_up_ && errno != EINTR) fail("send");
+    }
+  }
+
+  void handle(const BakeMessage& message) {
+    const bool opens = message.kind == BakeMessageKind::setup || message.kind == BakeMessageKind::sources;
+    if (opens == setup_.has_value())
+      throw InputError("bake message", "kind", "expected one setup, as the first message");
+    switch (message.kind) {
+      case BakeMessageKind::sources:
+        source_bytes_.insert(source_bytes_.end(), message.payload.begin(), message.payload.end());
+        return;
+      case BakeMessageKind::setup:
+        return open(setup_from_bytes(message.payload));
+      case BakeMessageKind::survey:
+        return survey(tile_of_request(message.payload));
+      case BakeMessageKind::bake:
+        return bake(order_from_bytes(message.payload));
+      default:
+        throw InputError("bake message", "kind", "expected a request");
+    }
+  }
+
+  /// Starts the device choice on another thread: the driver takes about a second, while tiles are scanned.
+  void open(WorkerSetup setup) {
+    setup_ = std::move(setup);
+    set_memory_limit(setup_->worker.memory_bytes);
+    chosen_ = choice_.get_future();
+    chooser_ = std::thread([this, wish = setup_->device] {
+      choice_.set_value(answer_to(wish));
+      done_.ring();
+    });
+    open_scene();
+    send(BakeMessageKind::started, {});
+  }
+
+  static DeviceAnswer answer_to(const DeviceRequest& wish) {
+    DeviceAnswer answer;
+    try {
+      answer.choice = choose_device(wish);
+    } catch (const std::exception& e) {
+      answer.error = e.what();
+    }
+    return answer;
+  }
+
+  bool is_device_known() const {
+    return chosen_.valid() && chosen_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  }
+
+  /// Waits until the device is known.
+  void take_device() {
+    const DeviceAnswer answer = chosen_.get();
+    if (!answer.error.empty()) {
+      why_not_ = answer.error;
+      surveys_ = false;  // because the bake will fail
+    }
+    setup_->worker.cuda_device = answer.choice.device;
+    // Kernels of ranks that share a device run one after the other. While one rank's kernels run, the other ranks may
+    // pack on all of their cores.
+    if (setup_->worker.threads_are_a_share) setup_->worker.threads *= answer.choice.sharers;
+    send(BakeMessageKind::ready, to_bytes(answer));
+    if (setup_->worker.cuda_device) make_pipeline();
+  }
+
+  void open_scene() {
+    try {
+      sources_ = sources_from_bytes(std::exchange(source_bytes_, {}));
+      fingerprints_.emplace(setup_->parameters, sources_.origin);
+      surveyor_ = std::make_unique<Surveyor>(sources_, *setup_, done_);
+      surveys_ = true;
+    } catch (const std::exception& e) {
+      why_not_ = reason_of(e);
+    }
+  }
+
+  void survey(std::uint32_t tile) {
+    if (surveys_ && tile < sources_.tiles.size()) return surveyor_->submit(tile);
+    TileScan survey;
+    survey.tile = tile;
+    survey.error = surveys_ ? "there is no tile " + std::to_string(tile) : why_not_;
+    send(BakeMessageKind::surveyed, to_bytes(survey));
+  }
+
+  void make_pipeline() {
+    if (pipeline_ || !why_not_.empty()) return;
+    try {
+      pipeline_ =
+          std::make_unique<CellPipeline>(sources_, setup_->parameters, setup_->worker, [this] { done_.ring(); });
+    } catch (const std::exception& e) {
+      why_not_ = reason_of(e);
+    }
+  }
+
+  void bake(BakeOrder order) {
+    if (chosen_.valid()) take_device();
+    make_pipeline();
+    if (pipeline_ && !fingerprints_->match(order.job))
+      return answer_without_shard(order, CellOutcome::refused,
+                                  "its fingerprint does not match the parameters of this process");
+    if (pipeline_) {
+      attempts_.emplace_back(order.job.id, order.attempt);
+      return pipeline_->submit(std::move(order.job));
+    }
+    answer_without_shard(order, CellOutcome::failed, why_not_);
+  }
+
+  void answer_without_shard(const BakeOrder& order, CellOutcome outcome, std::string why) {
+    BakeAnswer answer;
+    answer.attempt = order.attempt;
+    answer.report.id = order.job.id;
+    answer.report.outcome = outcome;
+    answer.report.error = std::move(why);
+    send(BakeMessageKind::baked, to_bytes(answer));
+  }
+
+  void answer() {
+    done_.silence();  // before polling, so that later results wake the thread again
+    if (is_device_known()) take_device();
+    while (surveyor_) {
+      const auto survey = surveyor_->poll();
+      if (!survey) break;
+      send(BakeMessageKind::surveyed, to_bytes(*survey));
+    }
+    while (pipeline_) {
+      auto report = pipeline_->poll();
+      if (!report) break;
+      // The first entry of this cell, because the cell may have been requested again.
+      const auto attempt = std::ranges::find(attempts_, report->id, &Attempt::first);
+      send(BakeMessageKind::baked, to_bytes(BakeAnswer{std::move(*report), attempt->second}));
+      attempts_.erase(attempt);
+    }
+  }
+
+  const int fd_;
+  const Wakeup done_;
+  FrameReader inbox_;
+  bool hung_up_ = false;
+  std::optional<WorkerSetup> setup_;
+  std::vector<std::uint8_t> source_bytes_;  ///< until the setup arrives
+  SceneSources sources_;
+  std::optional<CellFingerprints> fingerprints_;  ///< of this process's parameters and sources
+  std::string why_not_;  ///< not empty: the error answered to every request that needs the scene or the device
+  std::promise<DeviceAnswer> choice_;
+  std::future<DeviceAnswer> chosen_;  ///< valid from the setup until take_device()
+  std::thread chooser_;
+  std::unique_ptr<Surveyor> surveyor_;
+  bool surveys_ = false;  ///< accepts more tiles
+  std::unique_ptr<CellPipeline> pipeline_;
+  std::vector<Attempt> attempts_;  ///< of the cells in the pipeline
+};
+
+}  // namespace
+
+int serve_bakes(int fd) {
+  // Never destroyed: the destructor would wait for the cells in flight, whose results are not needed.
+  static BakeServer server(fd);
+  return server.run();
+}
+
+}  // namespace gigabake

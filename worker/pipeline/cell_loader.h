@@ -1,0 +1,83 @@
+/// First stage of a cell: loads everything that the kernels borrow. Data is read, decoded and prefiltered, or taken
+/// from the cache.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/base/memory_limit.h"
+#include "core/octree/parameters.h"
+#include "format/job/cell_job.h"
+#include "format/source/mesh.h"
+#include "format/source/source.h"
+#include "kernels/cpu/bake_cell.h"
+#include "worker/lru_cache.h"
+#include "worker/tiles/loaded_tile.h"
+#include "worker/tiles/texture_store.h"
+#include "worker/tiles/tile_store.h"
+
+namespace gigabake {
+
+inline constexpr const char* cell_advice = "use a smaller `cell_voxels`";
+
+/// The input of bake_cell() and the owners of its memory. Move-only.
+struct LoadedCell {
+  MemoryClaim memory{"cell", cell_advice};  ///< of instances and textures; tiles are claimed while they are read
+  std::vector<std::shared_ptr<const LoadedTile>> tiles;
+  std::vector<std::shared_ptr<const Primitive>> meshes;  ///< of parts: whole primitives, or the clusters near the cell
+  std::vector<std::shared_ptr<const CellTexture>> textures;
+  std::vector<std::vector<std::uint32_t>> indices;  ///< lists without the triangles that are too long, if any
+  std::vector<kernels::PartView> parts;
+  std::vector<kernels::MaterialView> materials;
+  std::vector<kernels::TextureView> texture_views;
+
+  kernels::CellInput input() const;
+};
+
+class CellLoader {
+ public:
+  /// `sources` and `parameters` must outlive the loader. Caches keep at most `cache_bytes`, half for tiles and half for
+  /// textures; data that cells in flight use is not included. Tiles above the size limit of `scratch` are stored there.
+  CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes, int threads,
+             const TileScratch& scratch = {});
+
+  /// Loads a cell. Leaves out instances and clusters whose bounds miss the cell, and images that only they need. Also
+  /// leaves out triangles that are too long (worker/scan/long_triangles.h), independent of the cell.
+  /// Cost    Proportional to the data near the cell, plus one comparison per instance of its tiles and per cluster of
+  ///         instances near it.
+  /// Exact   If job.tile_sources is set, a tile's hash is verified when it is read, and is part of its cache key.
+  /// Errors  InputError naming the tile or image that cannot be read, or the tile that changed since its scan. IoError:
+  ///         scratch cannot be written or is corrupt; another attempt reads the tiles again.
+  LoadedCell load(const CellJob& job);
+
+ private:
+  /// Key of a cached tile. A changed tile gets a new entry; the old one is evicted eventually.
+  struct TileKey {
+    std::uint32_t tile;
+    std::optional<Hash128> source;
+    friend bool operator==(const TileKey&, const TileKey&) = default;
+  };
+  struct TileKeyHash {
+    std::size_t operator()(const TileKey& key) const { return key.tile; }
+  };
+  struct RequiredTextures;
+
+  static TileKey key_of(const CellJob& job, std::size_t tile);
+  LoadedCell load_whole(const CellJob& job);
+  void load_tiles(const CellJob& job, LoadedCell& cell);
+  void add_parts(const CellJob& job, const LoadedTile& tile, LoadedCell& cell, RequiredTextures& wanted) const;
+  std::shared_ptr<const Primitive> mesh_near(const CellBox& box, const LoadedTile& tile, const Instance& instance,
+                                             MemoryClaim& memory) const;
+  void load_textures(const RequiredTextures& wanted, LoadedCell& cell);
+
+  const BakeParameters& parameters_;
+  ThreadPool pool_;
+  TileStore tile_store_;  ///< has its own threads, because tiles are read concurrently on pool_
+  TextureStore texture_store_;
+  LruCache<TileKey, LoadedTile, TileKeyHash> tiles_;
+  LruCache<TextureKey, CellTexture, TextureKeyHash> textures_;
+};
+
+}  // namespace gigabake

@@ -1,0 +1,36 @@
+#include "worker/pipeline/cell_parameters.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "worker/pipeline/lattice.h"
+
+namespace gigabake {
+
+kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters& p, std::uint64_t kernel_bytes) {
+  kernels::CellParameters c;
+  c.frame = snap_frame(p);
+  std::ranges::copy(job.lattice_min, c.window_min);
+  c.window_voxels = job.cell_voxels;
+  c.surface = p.surface;
+  c.mip = p.mip;
+  c.normals = p.normals;
+  c.facing = has_facing(p);
+  c.max_error = p.max_error;
+  c.memory_bytes = kernel_bytes;
+  return c;
+}
+
+kernels::ParentParameters parent_parameters(const CellJob& job, const BakeParameters& p) {
+  kernels::ParentParameters out;
+  std::ranges::copy(job.lattice_min, out.window_min);
+  out.child_lod = int(job.first_lod + job.copied_lods) - 1;
+  out.levels = std::countr_zero(job.cell_voxels / brick_edge) - out.child_lod;
+  out.mip = p.mip;
+  out.normals = p.normals;
+  out.facing = has_facing(p);
+  out.max_error = p.max_error;
+  return out;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,20 @@
+/// Converts the bake's parameters and a cell's job to kernel parameters.
+#pragma once
+
+#include <cstdint>
+
+#include "core/octree/parameters.h"
+#include "format/job/cell_job.h"
+#include "kernels/body/cell.h"
+#include "kernels/cpu/mip/parent.h"
+
+namespace gigabake {
+
+/// Returns the parameters of a cell. kernel_bytes: target for working memory; 0: no bound.
+kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters& parameters,
+                                        std::uint64_t kernel_bytes);
+
+/// Returns the parameters of an overview.
+kernels::ParentParameters parent_parameters(const CellJob& job, const BakeParameters& parameters);
+
+}  // namespace gigabake

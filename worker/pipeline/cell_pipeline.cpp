@@ -1,0 +1,223 @@
+#include "worker/pipeline/cell_pipeline.h"
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <new>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "format/system/io_error.h"
+#include "worker/pipeline/bounded_queue.h"
+#include "worker/pipeline/cell_stages.h"
+#include "worker/pipeline/writer_pool_size.h"
+
+namespace gigabake {
+namespace {
+
+/// Overviews queued with a device before the reader blocks.
+constexpr std::size_t overviews_waiting = 64;
+
+/// Runs one stage on a cell; an exception makes the report final.
+/// of_input: outcome of an InputError in this stage. The write stage passes `failed`, because its errors are I/O
+/// errors.
+template <class Work>
+void run_stage(InFlightCell& cell, double CellReport::*seconds, CellOutcome of_input, const Work& work) {
+  if (cell.is_final) return;
+  const auto start = std::chrono::steady_clock::now();
+  const auto fail = [&](std::string line, CellOutcome outcome = CellOutcome::failed) {
+    cell.report.outcome = outcome;
+    cell.report.error = std::move(line);
+    cell.is_final = true;
+    cell.loaded.reset();
+    cell.device_input.reset();
+    cell.device_volume.reset();
+    cell.packed.reset();
+    cell.volume = {};
+  };
+  try {
+    work(cell);
+  } catch (const std::bad_alloc&) {
+    fail("not enough memory for this cell; use a smaller `cell_voxels` or fewer ranks on the machine");
+  } catch (const IoError& e) {
+    fail(e.what());
+  } catch (const InputError& e) {
+    fail(e.what(), of_input);
+  } catch (const std::exception& e) {
+    fail(e.what());
+  }
+  cell.report.*seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+class CellPipeline::Stages {
+ public:
+  Stages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options, std::function<void()> on_report)
+      : stages_(std::move(sources), parameters, options),
+        has_device_(options.cuda_device.has_value()),
+        on_report_(std::move(on_report)),
+        loaded_(readahead_cells_for(options)) {
+    reader_ = std::thread([this] { read_all(); });
+    computer_ = std::thread([this] { compute_all(); });
+    if (has_device_) {
+      const std::size_t makers = overview_makers_for(options);
+      producers_ = readback_workers + makers;
+      for (std::size_t b = 0; b < readback_workers; ++b)
+        readback_threads_.emplace_back([this, b] { read_back_all(b); });
+      for (std::size_t m = 0; m < makers; ++m) overview_makers_.emplace_back([this] { make_overviews(); });
+    }
+    for (int w = writer_pool_size_for(options).writers; w > 0; --w) writers_.emplace_back([this] { write_all(); });
+  }
+
+  ~Stages() {
+    {
+      const std::scoped_lock lock(mutex_);
+      stopping_ = true;
+    }
+    submitted_.notify_all();
+    reader_.join();
+    computer_.join();
+    for (std::thread& readback_worker : readback_threads_) readback_worker.join();
+    for (std::thread& maker : overview_makers_) maker.join();
+    for (std::thread& writer : writers_) writer.join();
+  }
+
+  void submit(CellJob job) {
+    {
+      const std::scoped_lock lock(mutex_);
+      jobs_.push_back(std::move(job));
+      ++in_flight_;
+    }
+    submitted_.notify_all();
+  }
+
+  std::optional<CellReport> poll() {
+    const std::scoped_lock lock(mutex_);
+    if (reports_.empty()) return std::nullopt;
+    CellReport report = std::move(reports_.front());
+    reports_.pop_front();
+    --in_flight_;
+    return report;
+  }
+
+  std::size_t in_flight() const {
+    const std::scoped_lock lock(mutex_);
+    return in_flight_;
+  }
+
+ private:
+  std::optional<CellJob> next_job() {
+    std::unique_lock lock(mutex_);
+    submitted_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });
+    if (stopping_) return std::nullopt;
+    CellJob job = std::move(jobs_.front());
+    jobs_.pop_front();
+    return job;
+  }
+
+  void read_all() {
+    stages_.prepare();
+    while (auto job = next_job()) {
+      auto cell = std::make_unique<InFlightCell>(std::move(*job));
+      if (has_device_ && is_parent(cell->job)) {
+        overviews_.push(std::move(cell));
+        continue;
+      }
+      read(*cell);
+      loaded_.push(std::move(cell));
+    }
+    loaded_.close();
+    overviews_.close();
+  }
+
+  void read(InFlightCell& cell) {
+    // A missing child may still appear, because another host may have written it a moment ago.
+    const CellOutcome of_input = is_parent(cell.job) ? CellOutcome::failed : CellOutcome::refused;
+    run_stage(cell, &CellReport::read_s, of_input, [this](InFlightCell& c) { stages_.read(c); });
+  }
+
+  /// Reads and computes overviews on the host while a device bakes cells, so that the device never waits for an
+  /// overview.
+  void make_overviews() {
+    while (auto cell = overviews_.take()) {
+      read(**cell);
+      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused, [this](InFlightCell& c) {
+        stages_.compute(c);
+        stages_.read_back(c, 0);
+      });
+      ready_.push(std::move(*cell));
+    }
+    release_producer();
+  }
+
+  /// Closes the writers' queue when the last thread that feeds it ends.
+  void release_producer() {
+    if (--producers_ == 0) ready_.close();
+  }
+
+  /// Runs the compute stage. CPU only: there is no readback stage; the compute thread feeds the writers.
+  void compute_all() {
+    BoundedQueue<std::unique_ptr<InFlightCell>>& next = has_device_ ? computed_ : ready_;
+    while (auto cell = loaded_.take()) {
+      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused, [this](InFlightCell& c) {
+        stages_.compute(c);
+        if (!has_device_) stages_.read_back(c, 0);
+      });
+      next.push(std::move(*cell));
+    }
+    next.close();
+  }
+
+  void read_back_all(std::size_t readback_worker) {
+    while (auto cell = computed_.take()) {
+      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused,
+                [this, readback_worker](InFlightCell& c) { stages_.read_back(c, readback_worker); });
+      ready_.push(std::move(*cell));
+    }
+    release_producer();
+  }
+
+  void write_all() {
+    while (auto cell = ready_.take()) {
+      run_stage(**cell, &CellReport::write_s, CellOutcome::failed, [this](InFlightCell& c) { stages_.write(c); });
+      {
+        const std::scoped_lock lock(mutex_);
+        reports_.push_back(std::move((*cell)->report));
+      }
+      if (on_report_) on_report_();
+    }
+  }
+
+  CellStages stages_;
+  const bool has_device_;
+  const std::function<void()> on_report_;
+  mutable std::mutex mutex_;
+  std::condition_variable submitted_;
+  std::deque<CellJob> jobs_;
+  std::deque<CellReport> reports_;
+  std::size_t in_flight_ = 0;
+  bool stopping_ = false;
+  BoundedQueue<std::unique_ptr<InFlightCell>> loaded_;
+  BoundedQueue<std::unique_ptr<InFlightCell>> computed_, ready_;
+  BoundedQueue<std::unique_ptr<InFlightCell>> overviews_{
+      overviews_waiting};  ///< jobs only; their children are not yet read
+  std::thread reader_, computer_;
+  std::atomic<std::size_t> producers_{0};  ///< with a device: number of threads that feed ready_
+  std::vector<std::thread> readback_threads_, overview_makers_;
+  std::vector<std::thread> writers_;
+};
+
+CellPipeline::CellPipeline(SceneSources sources, BakeParameters parameters, const WorkerOptions& options,
+                           std::function<void()> on_report)
+    : stages_(std::make_unique<Stages>(std::move(sources), parameters, options, std::move(on_report))) {}
+CellPipeline::~CellPipeline() = default;
+
+void CellPipeline::submit(CellJob job) { stages_->submit(std::move(job)); }
+std::optional<CellReport> CellPipeline::poll() { return stages_->poll(); }
+std::size_t CellPipeline::in_flight() const { return stages_->in_flight(); }
+
+}  // namespace gigabake

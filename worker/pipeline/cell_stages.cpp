@@ -1,0 +1,311 @@
+#include "worker/pipeline/cell_stages.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "core/base/error.h"
+#include "format/shard/levels/brick_walk.h"
+#include "format/shard/levels/content_hash.h"
+#include "format/shard/packed_shard.h"
+#include "format/shard/shard_reader.h"
+#include "kernels/cpu/bake_cell.h"
+#include "worker/pipeline/cell_parameters.h"
+#include "worker/pipeline/shard_from_volume.h"
+#include "worker/pipeline/writer_pool_size.h"
+
+namespace gigabake {
+namespace {
+
+constexpr std::uint64_t min_kernel_bytes = std::uint64_t(16) << 20;
+
+std::uint64_t cache_bytes(const WorkerOptions& options) {
+  return options.memory_bytes == 0 ? std::numeric_limits<std::uint64_t>::max() : options.memory_bytes / 4;
+}
+
+std::uint64_t kernel_bytes(const WorkerOptions& options) {
+  return options.memory_bytes == 0 ? 0 : std::max(options.memory_bytes / 2, min_kernel_bytes);
+}
+
+std::uint64_t overview_bytes(const WorkerOptions& options) {
+  constexpr std::uint64_t unbounded = std::uint64_t(512) << 20;
+  return options.memory_bytes == 0 ? unbounded : options.memory_bytes / 32;
+}
+
+const WorkerOptions& with_shard_folder(const WorkerOptions& options) {
+  std::error_code error;
+  std::filesystem::create_directories(options.out / "shards", error);
+  if (error) throw InputError(options.out / "shards", "", "cannot make the folder: " + error.message());
+  return options;
+}
+
+template <class AnyShard>
+SceneCell scene_cell(const CellJob& job, const AnyShard& shard, const StoredShard& stored) {
+  SceneCell cell = cell_of(job);
+  cell.lods = shard.header.lods;
+  cell.bytes = stored.file;
+  cell.triangles = shard.header.triangles;
+  cell.voxels = count_voxels(shard);
+  cell.content_hash = shard.header.content_hash;
+  cell.level_bytes = stored.levels;
+  cell.node_bytes = stored.nodes;
+  return cell;
+}
+
+std::vector<LevelSummary> with_stored(std::vector<LevelSummary> levels, const std::vector<std::uint64_t>& stored) {
+  for (std::size_t lod = 0; lod < levels.size(); ++lod) levels[lod].stored_bytes = stored[lod];
+  return levels;
+}
+
+std::vector<LevelSummary> summaries(const Shard& shard, const ThreadPool& pool) {
+  return summarize_levels(shard, pool);
+}
+
+std::vector<LevelSummary> summaries(const PackedShard& shard, const ThreadPool&) { return summarize_levels(shard); }
+
+/// Returns the sizes of a shard that an earlier run wrote.
+StoredShard stored_shard(const std::filesystem::path& path, std::size_t lods) {
+  const ShardReader reader(path);
+  StoredShard stored{std::filesystem::file_size(path), {}, reader.node_bytes()};
+  for (std::size_t lod = 0; lod < lods; ++lod) stored.levels.push_back(reader.level_bytes(int(lod)));
+  return stored;
+}
+
+/// Returns true if the header is the one that this bake would write. The fingerprint covers all fields; comparing them
+/// detects an edited file.
+bool is_of_job(const ShardHeader& h, const CellJob& job, const BakeParameters& p,
+               const std::optional<Geodetic>& origin) {
+  return h.fingerprint == job.fingerprint && h.cell == job.name && h.lattice_min == job.lattice_min &&
+         h.cell_voxels == job.cell_voxels && h.first_lod == job.first_lod && h.copied_lods == job.copied_lods &&
+         h.voxel_size_m == p.voxel_size_m && h.lattice_origin_m == p.lattice_origin_m && h.origin == origin &&
+         h.has_normals == p.normals && h.has_facing == has_facing(p);
+}
+
+/// Returns the shard of an earlier run if it is complete, matches the job, and its voxels match the stored hash.
+/// Cost    Hashing takes 16 ns per voxel and thread, little compared with reading.
+std::optional<Shard> published_shard(const std::filesystem::path& path, const CellJob& job, const BakeParameters& p,
+                                     const std::optional<Geodetic>& origin, int threads) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;
+  try {
+    Shard shard = read_shard(path);
+    if (is_of_job(shard.header, job, p, origin) && !shard.above.empty() &&
+        content_hash(shard, threads) == shard.header.content_hash)
+      return shard;
+  } catch (const InputError&) {
+    // A damaged shard is baked again and replaced.
+  }
+  return std::nullopt;
+}
+
+void decide(InFlightCell& cell, CellOutcome outcome) {
+  cell.report.outcome = outcome;
+  cell.is_final = true;
+}
+
+}  // namespace
+
+InFlightCell::InFlightCell(CellJob cell_job) : job(std::move(cell_job)) { report.id = job.id; }
+
+CellStages::CellStages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options)
+    : sources_(std::move(sources)),
+      parameters_(parameters),
+      options_(with_shard_folder(options)),
+      loader_(sources_, parameters_, cache_bytes(options_), options_.threads,
+              scratch_in(options_.scratch, options_.memory_bytes)),
+      overview_inputs_(overview_bytes(options_)),
+      pool_(options_.threads),
+      write_pool_(writer_pool_size_for(options_).threads) {}
+
+/// Runs one step of a cell on the device. Returns false if there is no device or a step failed now or earlier; the CPU
+/// then bakes the cell.
+template <class Step>
+bool CellStages::on_device(InFlightCell& cell, const Step& step) {
+  if (!options_.cuda_device || !cell.report.note.empty()) return false;
+  try {
+    step();
+    return true;
+  } catch (const CudaFailure& e) {
+    cell.report.on_device = false;
+    cell.report.note = std::string("baked on the CPU, because the GPU failed: ") + e.what();
+    cell.device_input.reset();
+    return false;
+  }
+}
+
+void CellStages::prepare() {
+  try {
+    if (options_.cuda_device) make_baker();
+  } catch (const CudaFailure&) {
+    cuda_.reset();
+  }
+}
+
+void CellStages::make_baker() {
+  while (packers_.size() < readback_workers + 1)
+    packers_.push_back(std::make_unique<kernels::CudaPacker>(*options_.cuda_device));
+  if (!cuda_) cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, options_.memory_bytes / 4);
+}
+
+void CellStages::read(InFlightCell& cell) {
+  const std::filesystem::path path = options_.out / shard_path(cell.job);
+  const FileStamp before = stamp_of(path).value_or(FileStamp{});
+  if (auto shard = published_shard(path, cell.job, parameters_, sources_.origin, options_.threads)) {
+    cell.report.shard = before;
+    const StoredShard stored = stored_shard(path, shard->levels.size());
+    cell.report.cell = scene_cell(cell.job, *shard, stored);
+    cell.report.levels = with_stored(summarize_levels(*shard), stored.levels);
+    keep_for_overviews(cell.job, *std::move(shard));
+    return decide(cell, CellOutcome::baked);
+  }
+  if (is_parent(cell.job)) {
+    cell.children = read_children(
+        options_.out, cell.job, [this](const std::string& file) { return overview_inputs_.find(file); }, pool_);
+    return;
+  }
+  cell.loaded = loader_.load(cell.job);
+  on_device(cell, [&] {
+    make_baker();
+    cell.device_input = cuda_->upload(cell.loaded->input());
+  });
+}
+
+void CellStages::bake_parent(InFlightCell& parent) const {
+  parent.volume = make_parent(parent.job, parent.children, parameters_, pool_);
+  parent.children.clear();
+}
+
+void CellStages::compute(InFlightCell& cell) {
+  if (is_parent(cell.job)) return bake_parent(cell);
+  const bool baked = on_device(cell, [&] {
+    cell.device_volume =
+        cuda_->bake(*cell.device_input, cell_parameters(cell.job, parameters_, kernel_bytes(options_)));
+    cell.device_input.reset();
+    cell.report.on_device = true;
+  });
+  if (!baked) return bake_on_cpu(cell);
+  if (is_alone_on_device(cell.device_volume->stats())) read_back(cell, readback_workers);
+}
+
+/// Returns true if the next cell, at the same size, would not fit in device memory together with the cells being read
+/// back.
+bool CellStages::is_alone_on_device(const kernels::CellStats& stats) const {
+  return options_.memory_bytes != 0 && (readback_workers + 1) * stats.peak_bytes > kernel_bytes(options_);
+}
+
+void CellStages::read_back(InFlightCell& cell, std::size_t readback_worker) {
+  if (cell.device_volume) read_back_from_device(cell, *packers_.at(readback_worker));
+  cell.loaded.reset();
+  take_stats(cell);
+  if (!cell.packed && cell.volume.levels.empty()) decide(cell, CellOutcome::empty);
+}
+
+void CellStages::read_back_from_device(InFlightCell& cell, kernels::CudaPacker& packer) {
+  std::string why;  // reported only after read_back_volume(): a non-empty note disables the device for this cell
+  try {
+    pack_on_device(cell, packer);
+  } catch (const DeviceFull& e) {
+    why = std::string("packed on the CPU, because the GPU has not enough memory: ") + e.what();
+  } catch (const CudaFailure& e) {
+    why = std::string("packed on the CPU, because the GPU failed: ") + e.what();
+  }
+  if (cell.packed) return cell.device_volume.reset();
+  read_back_volume(cell);
+  if (cell.report.note.empty()) cell.report.note = why;
+}
+
+void CellStages::pack_on_device(InFlightCell& cell, kernels::CudaPacker& packer) {
+  const ShardHeader header = header_of(cell);
+  kernels::PackRequest request;
+  for (std::uint32_t edge = header.cell_voxels; edge >= brick_edge; edge /= 2)
+    request.channels.push_back(packed_channels(header, int(request.channels.size())));
+  request.nodes = packed_nodes(header);
+  request.as = parameters_.codec == Codec::deflate ? kernels::ColumnBytes::stored : kernels::ColumnBytes::raw;
+  pack_beside_others(cell, packer, request);
+}
+
+/// Packs with one readback worker's fraction of the memory. A cell that needs more waits for the other readback workers
+/// and then uses all of it.
+void CellStages::pack_beside_others(InFlightCell& cell, kernels::CudaPacker& packer, kernels::PackRequest& request) {
+  const std::uint64_t memory = options_.memory_bytes / 4;
+  try {
+    const std::shared_lock lock(packing_);
+    request.memory_bytes = memory / readback_workers;
+    cell.packed = packer.pack(*cell.device_volume, request);
+    return;
+  } catch (const DeviceFull&) {
+  }
+  const std::scoped_lock lock(packing_);
+  request.memory_bytes = memory;
+  cell.packed = packer.pack(*cell.device_volume, request);
+}
+
+void CellStages::read_back_volume(InFlightCell& cell) {
+  const std::scoped_lock lock(download_);
+  if (!on_device(cell, [&] { cell.volume = cuda_->download(std::move(cell.device_volume)); })) bake_on_cpu(cell);
+}
+
+void CellStages::bake_on_cpu(InFlightCell& cell) const {
+  cell.volume =
+      kernels::bake_cell(cell.loaded->input(), cell_parameters(cell.job, parameters_, kernel_bytes(options_)), pool_);
+}
+
+void CellStages::take_stats(InFlightCell& cell) const {
+  const kernels::CellStats& stats = cell.stats();
+  cell.report.peak_bytes = stats.peak_bytes;
+  cell.report.bad_uv = stats.bad_uv;
+  if (stats.oversized != 0)
+    throw InputError(cell.job.name, "",
+                     std::to_string(stats.oversized) +
+                         " triangles extend more than 4194304 voxels beyond the cell; enlarge `voxel_size_m`");
+}
+
+void CellStages::write(InFlightCell& cell) {
+  const ShardHeader header = header_of(cell);
+  const std::filesystem::path path = options_.out / shard_path(cell.job);
+  const ShardWriteOptions how{write_pool_, parameters_.codec, file_image_bytes_for(options_)};
+  if (cell.packed) {
+    const PackedShard shard = shard_from_packed(*cell.packed, header);
+    report_shard(cell, shard, write_packed_shard(path, shard, how));
+    keep_for_overviews(cell.job, shard);
+    cell.packed.reset();
+  } else {
+    Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header);
+    report_shard(cell, shard, write_shard(path, shard, how));
+    keep_for_overviews(cell.job, std::move(shard));
+  }
+  decide(cell, CellOutcome::baked);
+}
+
+template <class AnyShard>
+void CellStages::report_shard(InFlightCell& cell, const AnyShard& shard, const StoredShard& stored) const {
+  cell.report.shard = stamp_of(options_.out / shard_path(cell.job)).value_or(FileStamp{});
+  cell.report.cell = scene_cell(cell.job, shard, stored);
+  cell.report.levels = with_stored(summaries(shard, write_pool_), stored.levels);
+}
+
+template <class AnyShard>
+void CellStages::keep_for_overviews(const CellJob& job, AnyShard&& shard) {
+  if (job.kept_lod == 0) return;
+  overview_inputs_.keep(shard_path(job).generic_string(), child_of(std::forward<AnyShard>(shard), job.kept_lod));
+}
+
+ShardHeader CellStages::header_of(const InFlightCell& cell) const {
+  ShardHeader h;
+  h.generator = generator();
+  h.cell = cell.job.name;
+  h.lattice_min = cell.job.lattice_min;
+  h.cell_voxels = cell.job.cell_voxels;
+  h.first_lod = cell.job.first_lod;
+  h.copied_lods = cell.job.copied_lods;
+  h.voxel_size_m = parameters_.voxel_size_m;
+  h.lattice_origin_m = parameters_.lattice_origin_m;
+  h.origin = sources_.origin;
+  h.fingerprint = cell.job.fingerprint;
+  h.has_normals = parameters_.normals;
+  h.has_facing = has_facing(parameters_);
+  h.triangles = cell.stats().triangles;
+  return h;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,94 @@
+/// The work of each pipeline stage on one cell. It has no threads and no queues; cell_pipeline.h overlaps the stages.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <shared_mutex>
+#include <vector>
+
+#include "core/base/thread_pool.h"
+#include "format/job/cell_job.h"
+#include "kernels/body/cell.h"
+#include "kernels/cuda/baker.h"
+#include "kernels/pack/packer.h"
+#include "worker/overview/overview_inputs.h"
+#include "worker/overview/parent_bake.h"
+#include "worker/pipeline/cell_loader.h"
+#include "worker/pipeline/cell_pipeline.h"
+
+namespace gigabake {
+
+/// A cell in flight through the stages.
+struct InFlightCell {
+  explicit InFlightCell(CellJob cell_job);
+
+  CellJob job;
+  CellReport report;
+  bool is_final = false;             ///< the report is final; later stages skip the cell
+  std::optional<LoadedCell> loaded;  ///< until there is a volume: a device may fail at any step
+  ChildrenOfParent children;         ///< of an overview, instead of `loaded`
+  std::shared_ptr<const kernels::CudaInput> device_input;
+  std::unique_ptr<kernels::CudaVolume> device_volume;  ///< until it is packed or on the host
+  std::optional<kernels::PackedCell> packed;           ///< if set, there is no volume
+  kernels::CellVolume volume;
+
+  const kernels::CellStats& stats() const { return packed ? packed->stats : volume.stats; }
+};
+
+/// Number of cells that are read back from a device concurrently: packing one cell leaves most of the device idle.
+inline constexpr std::size_t readback_workers = 3;
+
+/// The stages of a pipeline. Each stage may throw; the pipeline turns the exception into a failed report.
+class CellStages {
+ public:
+  /// Errors  InputError: OUT/shards cannot be created.
+  CellStages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options);
+
+  /// Initializes the device on the thread that will read. An error is ignored because the first cell reports it again.
+  void prepare();
+  /// Reuses the shard of this fingerprint if OUT has a valid one; else loads tiles and textures, and uploads them to
+  /// the device. For an overview, takes children from memory where available and reads the others.
+  void read(InFlightCell& cell);
+  /// Computes the volume from the loaded data: on the device if there is one and the cell is not an overview. If the
+  /// device fails, the cell is baked on the CPU, and the report has a note.
+  void compute(InFlightCell& cell);
+  /// Reads a cell back from the device, packed as columns. If packing fails, reads the volume back for the host to
+  /// pack. Sets the outcome `empty` if no voxel is occupied. Concurrent with the computation of the next cell. The
+  /// index of the calling thread is `bringer`, at most `bringers`; each thread reads back another cell.
+  void read_back(InFlightCell& cell, std::size_t readback_worker);
+  /// Writes the volume or the columns to a shard, and fills the report.
+  void write(InFlightCell& cell);
+
+ private:
+  void make_baker();
+  template <class Step>
+  bool on_device(InFlightCell& cell, const Step& step);
+  void bake_on_cpu(InFlightCell& cell) const;
+  void bake_parent(InFlightCell& parent) const;
+  void read_back_from_device(InFlightCell& cell, kernels::CudaPacker& packer);
+  void pack_on_device(InFlightCell& cell, kernels::CudaPacker& packer);
+  void pack_beside_others(InFlightCell& cell, kernels::CudaPacker& packer, kernels::PackRequest& request);
+  void read_back_volume(InFlightCell& cell);
+  bool is_alone_on_device(const kernels::CellStats& stats) const;
+  void take_stats(InFlightCell& cell) const;
+  template <class AnyShard>
+  void keep_for_overviews(const CellJob& job, AnyShard&& shard);
+  ShardHeader header_of(const InFlightCell& cell) const;
+  template <class AnyShard>
+  void report_shard(InFlightCell& cell, const AnyShard& shard, const StoredShard& stored) const;
+
+  const SceneSources sources_;
+  const BakeParameters parameters_;
+  const WorkerOptions options_;
+  CellLoader loader_;
+  OverviewInputs overview_inputs_;
+  ThreadPool pool_, write_pool_;                               ///< write_pool_: shared by concurrent writers
+  std::unique_ptr<kernels::CudaBaker> cuda_;                   ///< made on the thread that reads
+  std::vector<std::unique_ptr<kernels::CudaPacker>> packers_;  ///< one per readback worker, and one for compute()
+  std::shared_mutex packing_;                                  ///< exclusive: pack with the whole memory
+  std::mutex download_;                                        ///< serializes CudaBaker::download()
+};
+
+}  // namespace gigabake

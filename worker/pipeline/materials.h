@@ -1,0 +1,31 @@
+/// Converts materials of source files to kernel materials.
+#pragma once
+
+#include <cstdint>
+
+#include "format/source/mesh.h"
+#include "kernels/body/texture/material.h"
+#include "kernels/cpu/texture/texture.h"
+
+namespace gigabake {
+
+/// Prefiltering of a material's image. Materials with equal recipes share one texture.
+struct TextureRecipe {
+  kernels::TextureAlpha alpha = kernels::TextureAlpha::ignore;
+  std::uint8_t mask_cutoff = 0;  ///< of TextureAlpha::mask: min 8-bit texel alpha that passes, 1 … 255
+  friend bool operator==(const TextureRecipe&, const TextureRecipe&) = default;
+};
+
+struct ShadedMaterial {
+  kernels::MaterialView view;  ///< the caller sets `texture` if `image` is not -1
+  int image = -1;              ///< index into TileMesh::images, or -1
+  TextureRecipe recipe;
+};
+
+/// Converts a material. The alpha test of AlphaMode::mask is `factor · texel ≥ cutoff`. If there is a texture, the test
+/// becomes a threshold on texels. The pyramid can then store the fraction that passes, and vertex alpha is ignored. A
+/// cutoff of 0 lets every texel pass, so the material is opaque. A cutoff above the factor lets none pass; the material
+/// is then invisible and needs no image.
+ShadedMaterial shaded_material(const Material& material);
+
+}  // namespace gigabake

@@ -1,0 +1,65 @@
+#include "worker/pipeline/worker_setup.h"
+
+#include "core/io/bytes.h"
+#include "format/job/option_bytes.h"
+
+namespace gigabake {
+namespace {
+
+void put(ByteWriter& writer, const WorkerOptions& options) {
+  writer.put(std::int32_t(options.threads));
+  writer.put(options.threads_are_a_share);
+  writer.put(options.memory_bytes);
+  writer.put(options.out.string());
+  writer.put(options.scratch.string());
+}
+
+void put(ByteWriter& writer, const DeviceRequest& wish) {
+  writer.put(wish.backend);
+  writer.put(wish.allowed);
+  writer.put(wish.rank_on_host);
+  writer.put(wish.ranks_on_host);
+}
+
+DeviceRequest get_device_wish(ByteReader& reader) {
+  DeviceRequest wish;
+  reader.get(wish.backend), reader.get(wish.allowed), reader.get(wish.rank_on_host), reader.get(wish.ranks_on_host);
+  if (wish.rank_on_host < 0) throw InputError("device wish", "rank_on_host", "expected 0 or more");
+  if (wish.ranks_on_host <= wish.rank_on_host) throw InputError("device wish", "ranks_on_host", "expected more");
+  return wish;
+}
+
+WorkerOptions get_worker_options(ByteReader& reader) {
+  WorkerOptions options;
+  std::int32_t threads = 0;
+  std::string out, scratch;
+  reader.get(threads), reader.get(options.threads_are_a_share), reader.get(options.memory_bytes), reader.get(out),
+      reader.get(scratch);
+  if (threads < 1) throw InputError("worker options", "threads", "expected 1 or more");
+  options.threads = threads;
+  options.out = out;
+  options.scratch = scratch;
+  return options;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> to_bytes(const WorkerSetup& setup) {
+  ByteWriter w;
+  put(w, setup.parameters);
+  put(w, setup.worker);
+  put(w, setup.device);
+  return w.take();
+}
+
+WorkerSetup setup_from_bytes(std::span<const std::uint8_t> bytes) {
+  ByteReader r(bytes, "worker setup");
+  WorkerSetup setup;
+  setup.parameters = get_parameters(r);
+  setup.worker = get_worker_options(r);
+  setup.device = get_device_wish(r);
+  r.expect_end();
+  return setup;
+}
+
+}  // namespace gigabake

@@ -1,0 +1,42 @@
+/// Triangles too long for exact arithmetic, typically because a vertex has a wrong unit. They are left out independent
+/// of the cell grid, and a scan counts them.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "core/octree/parameters.h"
+#include "format/job/survey.h"
+#include "format/source/mesh.h"
+#include "kernels/body/voxelize/brick_triangle.h"
+#include "worker/scan/column_span.h"
+#include "worker/scan/instance_bounds.h"
+
+namespace gigabake {
+
+/// Max side in sub-voxels. It keeps the vertices of a triangle within kernels::max_coordinate of the lowest corner
+/// of every cell that the triangle overlaps.
+inline constexpr std::int64_t max_triangle_side = max_side_voxels * subvoxels;
+static_assert(max_triangle_side + 8192 * subvoxels == kernels::max_coordinate);  // edge of the largest cell
+
+/// Returns the longest side of the triangle's box, in sub-voxels.
+inline std::int64_t side_of(const LatticeTriangle& t) {
+  std::int64_t side = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t low = std::min({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
+    const std::int64_t high = std::max({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
+    side = std::max(side, high - low);
+  }
+  return side;
+}
+
+/// Returns false only if no triangle inside the box can be too long.
+bool may_have_long_triangle(const SceneBox& box, const BakeParameters& parameters);
+
+/// Returns the primitive's index list without the triangles that are too long with this instance's transform; keeps the
+/// order.
+std::vector<std::uint32_t> index_without_long(const Primitive& primitive, const Instance& instance,
+                                              const BakeParameters& parameters);
+
+}  // namespace gigabake

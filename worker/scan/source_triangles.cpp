@@ -1,0 +1,158 @@
+#include "worker/scan/source_triangles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "core/base/error.h"
+#include "kernels/body/tables.h"
+#include "kernels/body/texture/nearest_texture.h"
+#include "kernels/body/voxelize/surface.h"
+
+namespace gigabake {
+namespace {
+
+/// Returns a job whose cell is so large that it contains the whole source.
+CellJob everything(const SceneSources& sources) {
+  CellJob job;
+  constexpr std::int64_t reach = std::int64_t(1) << 31;
+  job.lattice_min = {-reach, -reach, -reach};
+  job.cell_voxels = std::numeric_limits<std::uint32_t>::max();
+  job.tiles.resize(sources.tiles.size());
+  std::iota(job.tiles.begin(), job.tiles.end(), 0u);
+  return job;
+}
+
+struct Weights {
+  double of[3];
+  explicit Weights(const TrianglePoint& at) : of{1.0 - at.second - at.third, at.second, at.third} {}
+};
+
+kernels::Rgba16 factor_at(const kernels::PartView& part, const kernels::MaterialView& material,
+                          const std::uint32_t vertex[3], const Weights& weights) {
+  kernels::Rgba16 factor;
+  for (std::size_t c = 0; c < 4; ++c) {
+    factor.c[c] = material.base_rgba[c];
+    if (part.rgba.empty()) continue;
+    double sum = 0.5;
+    for (int k = 0; k < 3; ++k) sum += weights.of[k] * part.rgba[4 * std::size_t(vertex[k]) + c];
+    factor.c[c] = kernels::scale16(factor.c[c], std::uint32_t(std::clamp(sum, 0.0, 65535.0)));
+  }
+  return factor;
+}
+
+kernels::Rgba16 texel_at(const kernels::PartView& part, const kernels::MaterialView& material,
+                         const kernels::TextureView& texture, const std::uint32_t vertex[3], const Weights& weights) {
+  float uv[6];
+  for (int i = 0; i < 6; ++i) uv[i] = part.uv.empty() ? 0 : part.uv[2 * std::size_t(vertex[i / 2]) + i % 2];
+  double s = 0, t = 0;
+  for (int k = 0; k < 3 && kernels::usable_uv(uv); ++k) {
+    s += weights.of[k] * uv[2 * k];
+    t += weights.of[k] * uv[2 * k + 1];
+  }
+  const kernels::Tables tables = kernels::TableStore::host().view();
+  if (material.nearest)
+    return kernels::nearest_texel(texture, material.wrap_s, material.wrap_t, s, t, tables.linear_from_srgb);
+  return kernels::sample_level<false>(texture, material, 0, kernels::fraction_of(s, material.wrap_s),
+                                      kernels::fraction_of(t, material.wrap_t), tables);
+}
+
+}  // namespace
+
+SourceTriangles::SourceTriangles(const SceneSources& sources, const BakeParameters& lattice, int threads)
+    : cell_(CellLoader(sources, lattice, 0, threads).load(everything(sources))),
+      voxel_size_m_(lattice.voxel_size_m),
+      lattice_origin_m_(lattice.lattice_origin_m) {
+  measure();
+  if (!(box_.min[0] <= box_.max[0])) throw InputError(sources.root, "", "has no triangles to show");
+}
+
+std::array<double, 3> SourceTriangles::to_lattice(const kernels::PartView& part, std::size_t vertex) const {
+  std::array<double, 3> p;
+  for (std::size_t r = 0; r < 3; ++r) {
+    const double* m = part.scene_from_local + 4 * r;
+    const float* local = part.position.data + 3 * vertex;
+    p[r] = (m[0] * local[0] + m[1] * local[1] + m[2] * local[2] + m[3] - lattice_origin_m_[r]) / voxel_size_m_;
+  }
+  return p;
+}
+
+void SourceTriangles::measure() {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  box_ = {{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
+  for (const kernels::PartView& part : cell_.parts)
+    for (std::size_t i = 0; i < part.index.size; ++i) {
+      const std::array<double, 3> p = to_lattice(part, part.index[i]);
+      if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
+      for (std::size_t a = 0; a < 3; ++a) {
+        box_.min[a] = std::min(box_.min[a], p[a]);
+        box_.max[a] = std::max(box_.max[a], p[a]);
+      }
+    }
+  for (std::size_t a = 0; a < 3; ++a) middle_[a] = std::floor((box_.min[a] + box_.max[a]) / 2);
+}
+
+std::array<std::array<double, 3>, 3> SourceTriangles::corners(std::size_t part, std::size_t triangle) const {
+  const kernels::PartView& view = cell_.parts[part];
+  std::array<std::array<double, 3>, 3> corners;
+  for (std::size_t k = 0; k < 3; ++k) corners[k] = to_lattice(view, view.index[3 * triangle + k]);
+  return corners;
+}
+
+double SourceTriangles::texels(std::size_t part, std::size_t triangle) const {
+  const kernels::PartView& view = cell_.parts[part];
+  const std::int32_t texture = cell_.materials[view.material].texture;
+  if (texture < 0 || view.uv.empty()) return 0;
+  const auto uv = [&](std::size_t corner, std::size_t c) {
+    return double(view.uv[2 * std::size_t(view.index[3 * triangle + corner]) + c]);
+  };
+  const double area = (uv(1, 0) - uv(0, 0)) * (uv(2, 1) - uv(0, 1)) - (uv(2, 0) - uv(0, 0)) * (uv(1, 1) - uv(0, 1));
+  const kernels::TextureView& image = cell_.texture_views[std::size_t(texture)];
+  const double texels = std::fabs(area) / 2 * image.width * image.height;
+  return std::isfinite(texels) ? texels : 0;
+}
+
+bool SourceTriangles::is_mirrored(std::size_t part) const {
+  const double* m = cell_.parts[part].scene_from_local;
+  return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
+             m[2] * (m[4] * m[9] - m[5] * m[8]) <
+         0;
+}
+
+std::array<double, 3> SourceTriangles::outside(std::size_t part, std::size_t triangle) const {
+  const auto p = corners(part, triangle);
+  std::array<double, 3> u, v;
+  for (std::size_t a = 0; a < 3; ++a) u[a] = p[1][a] - p[0][a], v[a] = p[2][a] - p[0][a];
+  const std::array<double, 3> n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+  const double length = std::hypot(n[0], n[1], n[2]) * (is_mirrored(part) ? -1 : 1);
+  if (!(std::fabs(length) > 0)) return {};
+  return {n[0] / length, n[1] / length, n[2] / length};
+}
+
+std::vector<float> SourceTriangles::positions(std::size_t part) const {
+  const kernels::PartView& view = cell_.parts[part];
+  std::vector<float> out;
+  out.reserve(view.position.size);
+  for (std::size_t v = 0; v < view.position.size / 3; ++v) {
+    const std::array<double, 3> p = to_lattice(view, v);
+    for (std::size_t a = 0; a < 3; ++a) out.push_back(float(p[a] - middle_[a]));
+  }
+  return out;
+}
+
+std::array<float, 4> SourceTriangles::colour(const TrianglePoint& at) const {
+  const kernels::PartView& part = cell_.parts[at.part];
+  const kernels::MaterialView& material = cell_.materials[part.material];
+  const std::uint32_t* vertex = part.index.data + 3 * std::size_t(at.triangle);
+  const Weights weights(at);
+  kernels::Rgba16 texel{{65535, 65535, 65535, 65535}};
+  if (material.texture >= 0)
+    texel = texel_at(part, material, cell_.texture_views[std::size_t(material.texture)], vertex, weights);
+  const kernels::Rgba16 rgba = kernels::apply_material(material, factor_at(part, material, vertex, weights), texel);
+  std::array<float, 4> out;
+  for (std::size_t c = 0; c < 4; ++c) out[c] = float(rgba.c[c]) / 65535;
+  return out;
+}
+
+}  // namespace gigabake
