@@ -60,5 +60,5 @@ zlib1g-dev, libjpeg-dev, libzip-dev, libdraco-dev, libmeshoptimizer-dev, libwebp
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION}")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Libraries and headers for CMake, one a component: gigabake::shard and ::scene read
 and write its files, ::source reads meshes and tilesets, ::export writes other
-formats, ::kernels makes voxels, ::viewer makes pictures.")
+formats, ::kernels voxelizes, ::viewer renders images.")
 include(CPack)

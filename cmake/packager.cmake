@@ -3,7 +3,7 @@
 if(NOT "$ENV{DEBEMAIL}" STREQUAL "")
   set(CPACK_PACKAGE_CONTACT "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
 elseif(DEFINED CPACK_GENERATOR)
-  message(FATAL_ERROR "set DEBFULLNAME and DEBEMAIL: a package names whoever packs it")
+  message(FATAL_ERROR "set DEBFULLNAME and DEBEMAIL: a package names its packager")
 else()
   set(CPACK_PACKAGE_CONTACT "installed by hand <>")
 endif()

@@ -169,7 +169,7 @@ struct PlotOf {
 }  // namespace
 
 std::vector<AccuracyGoal> goals_of(const AccuracySetting& setting) {
-  constexpr double max_holes = 0.02, max_bias = 0.02, most_flip = 0.10;
+  constexpr double max_holes = 0.02, max_bias = 0.02, max_flip = 0.10;
   if (std::none_of(setting.views.begin(), setting.views.end(), [](const ViewError& v) { return v.view == "nadir 16"; }))
     return {};
   std::vector<AccuracyGoal> goals{{"nadir: holes ≤ 0.02", at(setting, "nadir 16").error.holes, max_holes}};
@@ -178,7 +178,7 @@ std::vector<AccuracyGoal> goals_of(const AccuracySetting& setting) {
                      std::fabs(at(setting, std::string(direction) + " 16").error.coverage_bias), max_bias});
   for (const char* direction : {"nadir", "oblique", "grazing"})
     goals.push_back(
-        {std::string(direction) + ": FLIP ≤ 0.10", at(setting, std::string(direction) + " 16").error.flip, most_flip});
+        {std::string(direction) + ": FLIP ≤ 0.10", at(setting, std::string(direction) + " 16").error.flip, max_flip});
   return goals;
 }
 

@@ -13,10 +13,10 @@ namespace {
 constexpr double as_good_flip = 0.01;
 
 template <class Value>
-const AccuracySetting& minimum(const AccuracyBench& bench, double most_flip, const Value& value) {
+const AccuracySetting& minimum(const AccuracyBench& bench, double max_flip, const Value& value) {
   const AccuracySetting* found = nullptr;
   for (const AccuracySetting& s : bench.settings)
-    if (s.mean.flip <= most_flip && (found == nullptr || value(s) < value(*found))) found = &s;
+    if (s.mean.flip <= max_flip && (found == nullptr || value(s) < value(*found))) found = &s;
   return found != nullptr ? *found : bench.settings.front();
 }
 

@@ -30,7 +30,7 @@ Json to_json(const LeakResult& scene) {
     if (row.error.inner > 0)
       one.update({{"below_99", row.error.below_99},
                   {"below_90", row.error.below_90},
-                  {"least_alpha", row.error.minimum},
+                  {"min_alpha", row.error.minimum},
                   {"rms_alpha", row.error.rms},
                   {"bias_alpha", row.error.bias}});
     j["rows"].push_back(one);
@@ -169,7 +169,7 @@ std::string verdict(const LeakBench& bench) {
   if (worst.row == nullptr) return "No opaque surface shows enough inner pixels to measure leaks.\n";
   const LeakError& e = worst.row->error;
   const std::string asked =
-      fmt::format("required: at most {:g} % and at least {:g}", 100 * most_below_99, min_opaque_alpha);
+      fmt::format("required: at most {:g} % and at least {:g}", 100 * max_below_99, min_opaque_alpha);
   const std::string where = fmt::format("`{}` from {}° at {:g} voxels a pixel", worst.scene->name,
                                         worst.row->elevation_deg, worst.row->voxels_per_pixel);
   const std::string figures = fmt::format("{:.1f} % of the inner pixels are below alpha .99 and the min is {:.2f}",
@@ -190,7 +190,7 @@ std::string to_json(const LeakBench& bench) {
          {"bounded", bench.is_bounded()},
          {"verdict", verdict(bench)}};
   if (bench.edge > 0) j["edge_voxels"] = bench.edge;
-  j["bounds"] = {{"most_below_99", most_below_99}, {"least_alpha", min_opaque_alpha}};
+  j["bounds"] = {{"max_below_99", max_below_99}, {"min_alpha", min_opaque_alpha}};
   j["scenes"] = Json::array();
   for (const LeakResult& scene : bench.scenes) j["scenes"].push_back(to_json(scene));
   return j.dump(2) + "\n";

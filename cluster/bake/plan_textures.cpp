@@ -12,7 +12,7 @@
 namespace gigabake {
 namespace {
 
-constexpr double longest_s = 0.5;
+constexpr double max_sampling_s = 0.5;
 constexpr std::size_t sampled_clusters = 256;  ///< per primitive of a large tile
 
 /// Returns clusters spread evenly over each primitive, and the images.
@@ -74,7 +74,7 @@ TextureFindings examine_textures(const SceneSources& sources, const std::vector<
   TextureStatistics look(sources, store, max_bytes);
   const auto start = std::chrono::steady_clock::now();
   for (const std::uint32_t tile : tiles) {
-    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > longest_s) break;
+    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > max_sampling_s) break;
     try {
       look.add(tile);
     } catch (const std::exception&) {

@@ -51,15 +51,15 @@ double max_mpi_call_s() {
   return seconds >= min_s && seconds <= max_s ? seconds : default_s;
 }
 
-MpiCallTimeout::MpiCallTimeout(double longest_s, const char* call) {
+MpiCallTimeout::MpiCallTimeout(double limit_s, const char* call) {
   const std::string line = fmt::format(
       "gigabake: {} did not return within {:g} s: another rank died or hangs; run the same command again "
       "(GIGABAKE_MPI_SECONDS sets this limit)\n",
-      call, longest_s);
+      call, limit_s);
   last_line_bytes = rank_from_launcher() < printing_ranks ? std::min(line.size(), sizeof last_line) : 0;
   std::memcpy(last_line, line.data(), last_line_bytes);
   if (std::signal(SIGALRM, end_by_timeout) == SIG_ERR) throw std::runtime_error("signal(SIGALRM) failed");
-  set_timer(longest_s);
+  set_timer(limit_s);
 }
 
 MpiCallTimeout::~MpiCallTimeout() {

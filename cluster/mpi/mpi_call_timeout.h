@@ -13,7 +13,7 @@ double max_mpi_call_s();
 /// Errors  std::runtime_error: the system sets no timer.
 class MpiCallTimeout {
  public:
-  MpiCallTimeout(double longest_s, const char* call);
+  MpiCallTimeout(double limit_s, const char* call);
   ~MpiCallTimeout();
   MpiCallTimeout(const MpiCallTimeout&) = delete;
   MpiCallTimeout& operator=(const MpiCallTimeout&) = delete;

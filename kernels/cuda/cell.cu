@@ -207,8 +207,8 @@ void CellBake::bake_units(const Cell& cell, const Units& units, std::size_t firs
 /// Returns false and changes nothing if the part does not fit. A single unit has no limit; if it does not fit either,
 /// throws DeviceFull.
 bool CellBake::bake_part(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out) {
-  const bool is_smallest = end - first == 1;
-  heap_.limit_to(is_smallest ? 0 : cell.limit);
+  const bool is_min_size = end - first == 1;
+  heap_.limit_to(is_min_size ? 0 : cell.limit);
   try {
     CellStats stats;
     BinCapacity capacity;
@@ -221,7 +221,7 @@ bool CellBake::bake_part(const Cell& cell, const Units& units, std::size_t first
     count_batch(out.cell_stats);
     return true;
   } catch (const DeviceFull&) {
-    if (is_smallest) throw;
+    if (is_min_size) throw;
     return false;
   }
 }

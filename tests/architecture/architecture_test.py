@@ -71,8 +71,8 @@ OPTIONS_OF_OTHERS = {"--bind-to", "--mpi", "--frame"}
 
 CUDA_FILES = re.compile(r"kernels/(?!body/|cpu/)\w+/|tests/")
 SOURCE = {".h", ".cpp", ".cu", ".cuh"}
-LONGEST_FILE = 400
-LONGEST_LINE = 120
+MAX_FILE_LINES = 400
+MAX_LINE = 120
 
 
 def module_of(name):
@@ -135,11 +135,11 @@ def quoted_problems(root, module, quoted):
 
 def text_problems(name, text):
     lines = text.splitlines()
-    if len(lines) > LONGEST_FILE:
-        yield f"has {len(lines)} lines, more than {LONGEST_FILE}: it holds more than one idea"
+    if len(lines) > MAX_FILE_LINES:
+        yield f"has {len(lines)} lines, more than {MAX_FILE_LINES}: it holds more than one idea"
     for number, line in enumerate(lines, 1):
-        if len(line) > LONGEST_LINE:
-            yield f"line {number} has {len(line)} characters, more than {LONGEST_LINE}"
+        if len(line) > MAX_LINE:
+            yield f"line {number} has {len(line)} characters, more than {MAX_LINE}"
         if re.search(r"\b(TODO|FIXME|XXX)\b", line) and not name.startswith("tests/architecture/"):
             yield f"line {number} leaves something to do"
 

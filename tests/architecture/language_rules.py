@@ -44,7 +44,8 @@ PHRASES = [(re.compile(pattern, re.I), better) for pattern, better in (
 CLAUSES = re.compile(r"(?<![A-Za-z])what (?:is|are|was|were|it|they|he|of|has|have|can|lies|comes|follows)\b")
 SUPERLATIVE = re.compile(
     r"(?:^|_)(most|least|longest|shortest|largest|smallest|widest|narrowest|farthest|fewest)(?:_|$)")
-PLAIN_SUPERLATIVE = re.compile(r"(?:^|_)(?:at_(?:most|least)|(?:most|least)_significant|least_squares)(?:_|$)")
+PLAIN_SUPERLATIVE = re.compile(
+    r"(?:^|_)(?:at_(?:most|least)|(?:most|least)_significant|least_squares|least_recently_used)(?:_|$)")
 IDENTIFIER = re.compile(r"[A-Za-z_]\w*")
 MONTH = "January|February|March|April|May|June|July|August|September|October|November|December"
 HISTORY = re.compile(

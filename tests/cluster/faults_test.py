@@ -22,11 +22,11 @@ import harness
 
 OPTIONS = {"count": 10, "seed": 20261120, "size": 192}
 BAKE_PROCESS = "gigabake-bake"
-# Time limits of the starter, for which no fault takes longer than LONGEST_S.
+# Time limits of the starter, for which no fault takes longer than MAX_S.
 BOUNDS = {"GIGABAKE_END_S": "5", "GIGABAKE_QUIET_S": "12", "GIGABAKE_PAUSE_S": "0"}
 # Seconds for the start of MPI. The starter's launches need a low limit: only there a rank is stopped in that time.
 MPI_SECONDS_OF_STARTER, MPI_SECONDS = "8", "60"
-LONGEST_S = 120  # ten times the duration on an idle machine
+MAX_S = 120  # ten times the duration on an idle machine
 NO_MEMORY = "no memory"
 RANK_LOST = 69
 
@@ -99,7 +99,7 @@ class Launch:
             return [ranks[0]] if 0 in ranks else []
         return [pid for rank, pid in ranks.items() if rank != 0]
 
-    def wait(self, seconds=LONGEST_S):
+    def wait(self, seconds=MAX_S):
         try:
             code = self.process.wait(seconds)
         except subprocess.TimeoutExpired:

@@ -191,7 +191,7 @@ def archives():
 def objs():
     faces = b"v 0 0 0\nv 1 0 0 1 0 0\nv 1 1 0\nv 0 1 1e-3\nv 5e6 4e6 100\nvt 0 0\nvt 1 1 0\nvn 0 0 1\n"
     return [b"mtllib material.mtl\n" + faces + b"g one\nusemtl m\nf 1/1/1 2/2/1 3/1/1 4//1\nf -1 -2 -3\nl 1 2\np 1\n" +
-            PART + b"newmtl m\nKd 1 0.5 0\nd 0.5\nmap_Kd gone.png\nnewmtl n\nTr 1\nmap_d -o 1 1 gone.png\n",
+            PART + b"newmtl m\nKd 1 0.5 0\nd 0.5\nmap_Kd missing.png\nnewmtl n\nTr 1\nmap_d -o 1 1 missing.png\n",
             faces + b"f 1 2 3 \\\n4\n"]
 
 

@@ -26,7 +26,7 @@ from pathlib import Path
 import made_seeds
 
 SOURCE = Path(__file__).resolve().parents[2]
-LARGEST_SEED = 100_000
+MAX_SEED = 100_000
 KINDS = {"gltf": {".gltf", ".glb"}, "tile": {".b3dm", ".i3dm", ".cmpt"}, "subtree": {".subtree"}, "archive": {".3tz"},
          "obj": {".obj"}, "ply": {".ply"}, "stl": {".stl"}, "image": {".png", ".jpg", ".webp"},
          "raster": {".tif", ".asc", ".hgt"},
@@ -60,10 +60,10 @@ def from_folder(folder):
     """Returns seeds by reader: all small files below the folder."""
     seeds = {reader: [] for reader in READERS}
     for path in sorted(folder.rglob("*")):
-        if not path.is_file() or path.stat().st_size > LARGEST_SEED:
+        if not path.is_file() or path.stat().st_size > MAX_SEED:
             continue
         for reader, kinds in KINDS.items():
-            if path.suffix in kinds and len(seed := with_parts(path)) <= LARGEST_SEED:
+            if path.suffix in kinds and len(seed := with_parts(path)) <= MAX_SEED:
                 seeds[reader].append(seed)
         named = {"journal": "journal", "survey.cache": "survey_cache"}
         if path.name in named:
@@ -143,7 +143,7 @@ def merge(arguments, reader):
     total = 0
     for path in sorted(fresh.iterdir(), key=lambda p: (p.stat().st_size, p.name)):
         total += path.stat().st_size
-        if total > arguments.most_bytes and kept:
+        if total > arguments.max_bytes and kept:
             break
         kept[path.name[:12]] = path.read_bytes()
     shutil.rmtree(corpus, ignore_errors=True)

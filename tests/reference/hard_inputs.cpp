@@ -89,7 +89,7 @@ void oversized_is_counted_for_the_cell_to_fail() {
   EXPECT_EQ(scene.bake().stats.oversized, 1u);
 }
 
-void widest_is_not_oversized() {
+void max_width_is_not_oversized() {
   BakeScene scene;
   const std::int64_t far = std::int64_t(1) << 30;
   scene.add_triangle({{{-far, -far, 10}, {far, -far, 10}, {0, far, 10}}});
@@ -156,7 +156,7 @@ std::vector<HardValue> hard_inputs() {
           {"off-the-lattice", off_the_lattice_is_dropped},
           {"unused-bad-vertex", bad_vertices_that_no_triangle_uses_do_not_count},
           {"oversized", oversized_is_counted_for_the_cell_to_fail},
-          {"widest", widest_is_not_oversized},
+          {"widest", max_width_is_not_oversized},
           {"no-area-after-snap", no_area_after_the_snap_is_dropped},
           {"half-a-sub-voxel", half_a_sub_voxel_snaps_up},
           {"far-from-origin", far_from_the_origin},

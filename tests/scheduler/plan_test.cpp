@@ -44,7 +44,7 @@ SceneSources sources_of(std::size_t tiles, const std::string& name = "tile") {
   return sources;
 }
 
-TEST(StackOver, CoversTheHeightWithTheFewestCellsOnTheLevelsLattice) {
+TEST(StackOver, CoversTheHeightWithMinCellsOnTheLevelsLattice) {
   std::mt19937 random(plan_seed);
   for (int i = 0; i < 100000; ++i) {
     const std::int64_t n = std::int64_t(8) << (random() % 8), low = std::int64_t(random() % 20001) - 10000;

@@ -35,7 +35,7 @@ TEST_F(LruCacheTest, LoadsOnceWhatFits) {
   EXPECT_EQ(cache.bytes(), 30u);
 }
 
-TEST_F(LruCacheTest, EvictsTheLongestUnused) {
+TEST_F(LruCacheTest, EvictsTheLeastRecentlyUsed) {
   for (int id : {1, 2, 3, 1, 4, 1, 3, 2}) get(id);  // 4 pushes 2 out, and 2 pushes 4
   EXPECT_EQ(loads, (std::vector{1, 2, 3, 4, 2}));
 }

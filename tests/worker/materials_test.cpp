@@ -44,7 +44,7 @@ TEST(ShadedMaterial, KeepsTheImagesAlphaWhenBlended) {
   EXPECT_EQ(shaded_material(textured(AlphaMode::blend)).recipe.alpha, kernels::TextureAlpha::blend);
 }
 
-TEST(ShadedMaterial, TurnsTheCutoffIntoTheLeastTexelThatPasses) {
+TEST(ShadedMaterial, TurnsTheCutoffIntoTheMinTexelThatPasses) {
   const auto cutoff_of = [](float cutoff, float factor) {
     const auto m = shaded_material(textured(AlphaMode::mask, factor, cutoff));
     EXPECT_EQ(m.recipe.alpha, kernels::TextureAlpha::mask);

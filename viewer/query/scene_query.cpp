@@ -32,7 +32,7 @@ QueryLevels checked_levels(const QueryOptions& options, int lods) {
   return {options.lod, options.spread};
 }
 
-std::vector<QueryTreeKey> most_requested_first(const std::vector<Waiting>& waiting) {
+std::vector<QueryTreeKey> by_request_count(const std::vector<Waiting>& waiting) {
   std::unordered_map<QueryTreeKey, std::uint64_t, QueryTreeKeyHash> sums;
   for (const Waiting& w : waiting)
     for (const auto& [key, rays] : w.wants) sums[key] += rays;
@@ -125,7 +125,7 @@ void SceneQuery::first_hits(std::span<const QueryRay> rays, std::span<QueryHit> 
     for (const Waiting& w : waiting) active.insert(active.end(), w.rays.begin(), w.rays.end());
     progress.advance(before - active.size());
     s.places.read(missing_pages(waiting));
-    const std::vector<QueryTreeKey> trees = most_requested_first(waiting);
+    const std::vector<QueryTreeKey> trees = by_request_count(waiting);
     if (!trees.empty()) s.trees.build(trees);
   }
   for (std::size_t i = 0; i < walks.size(); ++i) answers[i] = walks[i].nearest;

@@ -94,12 +94,12 @@ void TreeStore::finish(std::vector<Building>& all) {
   }
 }
 
-void TreeStore::build(const std::vector<QueryTreeKey>& most_requested_first) {
+void TreeStore::build(const std::vector<QueryTreeKey>& by_request_count) {
   bool any = false;
-  for (std::size_t at = 0; at < most_requested_first.size();) {
-    std::vector<Building> all(std::min(std::size_t(pool_.threads()), most_requested_first.size() - at));
+  for (std::size_t at = 0; at < by_request_count.size();) {
+    std::vector<Building> all(std::min(std::size_t(pool_.threads()), by_request_count.size() - at));
     for (std::size_t i = 0; i < all.size(); ++i) {
-      all[i].key = most_requested_first[at + i];
+      all[i].key = by_request_count[at + i];
       all[i].shard = numbers_.shard(all[i].key.shard);
     }
     open(all);

@@ -35,7 +35,7 @@ class TreeStore final : public QueryTrees {
   /// not used in this pass; for the first tree of the list also others. The first tree is resident or unreadable
   /// afterwards.
   /// Errors  UsageError: the memory does not suffice for one of the trees.
-  void build(const std::vector<QueryTreeKey>& most_requested_first);
+  void build(const std::vector<QueryTreeKey>& by_request_count);
 
   SceneCell shard(std::uint32_t number) { return numbers_.shard(number); }
   const QueryCounts& counts() const { return counts_; }

@@ -175,7 +175,7 @@ const Page* Pager::find(const PageKey& key) const { return state_->pages.find(ke
 
 bool Pager::is_damaged(const PageKey& key) const { return state_->damaged.contains(key); }
 
-void Pager::want(const std::vector<PageKey>& most_urgent_first) {
+void Pager::want(const std::vector<PageKey>& by_urgency) {
   State& s = *state_;
   const std::scoped_lock lock(s.mutex);
   s.list_unused_above(s.memory_bytes / 8 * 7);
@@ -183,7 +183,7 @@ void Pager::want(const std::vector<PageKey>& most_urgent_first) {
   s.next = 0;
   s.first_of_call = true;
   std::unordered_set<PageKey, PageKeyHash> seen = s.in_flight;
-  for (const PageKey& key : most_urgent_first)
+  for (const PageKey& key : by_urgency)
     if (!s.pages.has(key) && !s.damaged.contains(key) && seen.insert(key).second) s.queue.push_back(key);
   s.wanted.notify_all();
 }

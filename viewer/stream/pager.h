@@ -46,7 +46,7 @@ class Pager {
   /// Replaces the request queue; pages being read are completed. Skips pages that are resident or damaged. Except for
   /// the first request, pages that do not fit next to those that the last pass used are left to a later call. Call it
   /// at the end of a pass: pages not found by then may be evicted before the next pass begins.
-  void want(const std::vector<PageKey>& most_urgent_first);
+  void want(const std::vector<PageKey>& by_urgency);
 
   /// Waits until something has arrived for begin_pass(), or nothing is queued. Returns false on timeout.
   bool wait(std::chrono::milliseconds maximum = std::chrono::hours(1));

@@ -12,7 +12,7 @@ bool ReplyThreads::start(std::function<void()> work) {
     one.thread.join();
     return true;
   });
-  if (finished_ || running_.size() >= most_) return false;
+  if (finished_ || running_.size() >= max_count_) return false;
   Running& one = running_.emplace_back();
   try {
     one.thread = std::thread([&one, does = std::move(work)] {

@@ -12,7 +12,7 @@ namespace gigabake {
 
 class ReplyThreads {
  public:
-  explicit ReplyThreads(std::size_t maximum) : most_(maximum) {}
+  explicit ReplyThreads(std::size_t maximum) : max_count_(maximum) {}
   ~ReplyThreads() { finish(); }
   ReplyThreads(const ReplyThreads&) = delete;
   ReplyThreads& operator=(const ReplyThreads&) = delete;
@@ -29,7 +29,7 @@ class ReplyThreads {
     std::thread thread;
   };
 
-  const std::size_t most_;
+  const std::size_t max_count_;
   std::mutex mutex_;
   bool finished_ = false;
   std::list<Running> running_;

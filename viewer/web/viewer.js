@@ -4,7 +4,7 @@
 const SEND_MS = 33;      // between two messages of user input
 const HOLD_MS = 300;     // interval at which held keys are confirmed; the server releases them after 1 s
 const STATE_MS = 500;
-const LONGEST_EDGE = 4096;
+const MAX_EDGE = 4096;
 const PLACE_MS = 200;    // between two requests of the point under the mouse
 const JULIAN_DAY_OF_1970 = 2440587.5;
 
@@ -53,7 +53,7 @@ function offer(id, names) {
 // Uses the image's size on the screen: after a rotation of a phone, the window's inner size is outdated for a while.
 function wantedSize() {
   const {clientWidth: width, clientHeight: height} = picture;
-  const scale = Math.min(window.devicePixelRatio || 1, LONGEST_EDGE / Math.max(width, height, 1));
+  const scale = Math.min(window.devicePixelRatio || 1, MAX_EDGE / Math.max(width, height, 1));
   return [Math.max(1, Math.round(width * scale)), Math.max(1, Math.round(height * scale))];
 }
 

@@ -7,7 +7,7 @@ namespace gigabake {
 void WaitingClients::expect(int socket, Clock::time_point now) {
   heard(socket);
   const std::lock_guard lock(mutex_);
-  while (in_order_.size() >= most_ && !in_order_.empty()) drop_oldest();
+  while (in_order_.size() >= max_count_ && !in_order_.empty()) drop_oldest();
   order_of_[socket] = ++count_;
   in_order_[count_] = {socket, now};
 }

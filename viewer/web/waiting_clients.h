@@ -19,7 +19,7 @@ class WaitingClients {
   /// most: limit of waiting clients. `patience`: time limit from a client's connection, or its last answer, to the end
   /// of its request.
   WaitingClients(std::size_t maximum, Clock::duration request_timeout)
-      : most_(maximum), request_timeout_(request_timeout) {}
+      : max_count_(maximum), request_timeout_(request_timeout) {}
 
   /// Starts to wait for a request on the socket.
   void expect(int socket, Clock::time_point now);
@@ -31,7 +31,7 @@ class WaitingClients {
  private:
   void drop_oldest();
 
-  const std::size_t most_;
+  const std::size_t max_count_;
   const Clock::duration request_timeout_;
   std::mutex mutex_;
   std::uint64_t count_ = 0;

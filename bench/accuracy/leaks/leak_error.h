@@ -38,7 +38,7 @@ LeakError leak_error(const std::vector<bool>& inner, const AlphaPicture& truth, 
 LeakError together(const LeakError& a, const LeakError& b);
 
 /// The bounds for an opaque surface (docs/accuracy-rendering.md, Leaks).
-inline constexpr double most_below_99 = 0.001, min_opaque_alpha = 0.95;
-inline bool is_bounded(const LeakError& e) { return e.below_99 <= most_below_99 && e.minimum >= min_opaque_alpha; }
+inline constexpr double max_below_99 = 0.001, min_opaque_alpha = 0.95;
+inline bool is_bounded(const LeakError& e) { return e.below_99 <= max_below_99 && e.minimum >= min_opaque_alpha; }
 
 }  // namespace gigabake::bench

@@ -13,7 +13,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::int64_t max_voxel = std::int64_t(1) << 52, farthest_end = 2 * max_voxel;
+constexpr std::int64_t max_voxel = std::int64_t(1) << 52, max_end = 2 * max_voxel;
 
 std::optional<double> parsed_number(const std::string& text) {
   double v = 0;
@@ -217,17 +217,17 @@ SceneTotals read_totals(const SceneAttributes& a, int version) {
   if (t.cells == 0) return t;
   t.window = {a.triple<std::int64_t>("LatticeMin"), a.triple<std::int64_t>("LatticeEnd")};
   for (std::size_t c = 0; c < 3; ++c)
-    if (t.window.min[c] < -max_voxel || t.window.end[c] > farthest_end || t.window.min[c] >= t.window.end[c])
+    if (t.window.min[c] < -max_voxel || t.window.end[c] > max_end || t.window.min[c] >= t.window.end[c])
       a.fail("LatticeMin", "expected a box of the lattice within ±2^53, up to LatticeEnd");
   return t;
 }
 
 LatticeBlock read_block(const SceneAttributes& a) {
   LatticeBlock block{a.triple<std::int64_t>("BlockMin"), a.value<std::int64_t>("BlockVoxels")};
-  if (block.edge < 8 || block.edge > farthest_end || !std::has_single_bit(std::uint64_t(block.edge)))
+  if (block.edge < 8 || block.edge > max_end || !std::has_single_bit(std::uint64_t(block.edge)))
     a.fail("BlockVoxels", "expected a power of two from 8 to 2^53");
   for (const std::int64_t x : block.min)
-    if (x < -farthest_end || x > farthest_end || x % block.edge != 0)
+    if (x < -max_end || x > max_end || x % block.edge != 0)
       a.fail("BlockMin", "expected multiples of BlockVoxels within ±2^53");
   return block;
 }

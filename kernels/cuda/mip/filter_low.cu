@@ -7,25 +7,25 @@ namespace gigabake::kernels {
 namespace {
 
 /// Bricks of lod 1 that a block filters together if their voxels fit; otherwise it filters them one at a time.
-constexpr int max_bricks = 4, most_1 = 512, most_2 = 128, most_3 = 8 * max_bricks;
+constexpr int max_bricks = 4, max_voxels_1 = 512, max_voxels_2 = 128, max_voxels_3 = 8 * max_bricks;
 constexpr int blocks = 8;  ///< per multiprocessor
-constexpr int at_3 = most_2, at_4 = at_3 + most_3, max_above = at_4 + max_bricks;
-static_assert(filter_threads == 32 * max_bricks && most_1 >= brick_voxels && most_2 >= 64);
+constexpr int at_3 = max_voxels_2, at_4 = at_3 + max_voxels_3, max_above = at_4 + max_bricks;
+static_assert(filter_threads == 32 * max_bricks && max_voxels_1 >= brick_voxels && max_voxels_2 >= 64);
 
 using Slots = Children<std::uint16_t>;
 
 /// State of the block's bricks [0, max_bricks) of lod 1; levels are numbered from lod 1.
 struct LowShared {
   union {
-    std::uint32_t raster_1[most_1][raster_words(2)];
-    alignas(16) std::uint32_t raster_3[most_3][raster_words(8)];  ///< replaces raster_1 once lod 2 is done
+    std::uint32_t raster_1[max_voxels_1][raster_words(2)];
+    alignas(16) std::uint32_t raster_3[max_voxels_3][raster_words(8)];  ///< replaces raster_1 once lod 2 is done
   };
-  alignas(16) std::uint32_t raster_2[most_2][raster_words(4)];
+  alignas(16) std::uint32_t raster_2[max_voxels_2][raster_words(4)];
   union {
-    SurfaceMoments patch_1[most_1];
+    SurfaceMoments patch_1[max_voxels_1];
     struct {  ///< replaces patch_1 once lod 2 is done
       alignas(16) std::uint32_t raster_4[max_bricks][raster_words(8)];
-      ColumnSums sums[most_3];
+      ColumnSums sums[max_voxels_3];
     };
   };
   // Slots: voxels of lod 2, voxels of lod 3 from at_3 on, voxels of lod 4 from at_4 on. Each level is in the order of
@@ -43,8 +43,8 @@ struct LowShared {
   std::uint16_t slab_2[max_bricks][4];      ///< mask of the lod-2 voxels in the brick, bit x + 4y of each slab
   std::uint16_t slab_3[max_bricks][2];      ///< mask of the lod-3 voxels, bit x + 2y
   std::uint16_t before_2[4 * max_bricks + 1], before_3[2 * max_bricks + 1];  ///< voxels of the block before each slab
-  std::uint16_t list_1[most_1];                                              ///< brick · 512 + voxel
-  std::uint8_t list_2[most_2];                                               ///< brick · 64 + x + 4y + 16z
+  std::uint16_t list_1[max_voxels_1];                                        ///< brick · 512 + voxel
+  std::uint8_t list_2[max_voxels_2];                                         ///< brick · 64 + x + 4y + 16z
 };
 
 /// Bricks [begin, end) of the block, and their voxels per level.
@@ -311,7 +311,7 @@ __global__ void __launch_bounds__(filter_threads, blocks)
   const std::uint32_t left = in.bricks - blockIdx.x * max_bricks;
   const int bricks = left < max_bricks ? int(left) : max_bricks;
   const Group all = group_of(s, 0, bricks);
-  const int together = all.n1 <= most_1 && all.n2 <= most_2 ? bricks : 1;
+  const int together = all.n1 <= max_voxels_1 && all.n2 <= max_voxels_2 ? bricks : 1;
   for (int begin = 0; begin < bricks; begin += together) {
     if (begin != 0) __syncthreads();
     filter_group<by_view>(in, group_of(s, begin, begin + together), tables, s);

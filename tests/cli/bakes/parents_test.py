@@ -175,7 +175,7 @@ class Parents(harness.FolderTest):
                 damage(cell)
             drawn, result = self.picture(name, *options, code=3)
             named = re.findall(r"^gigabake: rendered from coarser levels: (\S+\.h5): ", result.stderr, re.MULTILINE)
-            self.assertTrue(named and set(named) <= {str(cell) for cell in cells}, "what is hidden need not be named")
+            self.assertTrue(named and set(named) <= {str(cell) for cell in cells}, "hidden cells need not be named")
             different = numpy.abs(drawn - whole).max(2) > 0
             self.assertTrue(.002 < different.mean() < .3, (name, different.mean()))
             self.assertEqual(((whole[..., 3] == 255) & (drawn[..., 3] < 200)).sum(), 0, "a hole")

@@ -17,7 +17,7 @@ import harness
 
 VOXEL_M = 0.5
 MAX_VOXELS_OFF, MAX_BYTES_OFF = 0.15, 0.30
-LONGEST_S = 120  # a plan takes about five seconds
+MAX_S = 120  # a plan takes about five seconds
 
 
 class Plan(harness.FolderTest):
@@ -52,7 +52,7 @@ class Plan(harness.FolderTest):
         seconds = [size["seconds"] for size in self.plan["sizes"]]
         self.assertTrue(all(s > 0 for s in seconds), seconds)
         self.assertGreater(seconds[0], seconds[2])
-        self.assertLess(self.plan_s, LONGEST_S)
+        self.assertLess(self.plan_s, MAX_S)
 
     def test_the_texels_of_the_textures_suggest_a_voxel_size(self):
         # The ground's texels have an edge of VOXEL_M; walls and leaves have finer texels.
@@ -78,7 +78,7 @@ class Plan(harness.FolderTest):
         for options in (("--no-measure",), ()):
             result = subprocess.run(
                 [GIGABAKE.executable, "plan", str(self.tiles), "--voxel-size", "2", "--json", *options],
-                capture_output=True, text=True, timeout=LONGEST_S, check=True, **environment)
+                capture_output=True, text=True, timeout=MAX_S, check=True, **environment)
             plan = json.loads(result.stdout)
             self.assertEqual(list(temporary.glob("gigabake-plan*")), [])
             measured = not options

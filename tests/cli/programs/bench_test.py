@@ -42,7 +42,7 @@ def chunks_are_packed_again(gigabake, work):
     assert result.returncode != 0 and "holds no shards" in result.stderr, result
 
 
-def schedules_are_near_the_least_possible_time(gigabake, _):
+def schedules_are_near_the_lower_bound(gigabake, _):
     size = ("bench", "schedule", "--cells", 20000, "--workers", 50, "--seed", 3)
     bench = json.loads(gigabake.succeed(*size, "--json"))
     assert bench["done"] == bench["dispatches"] == 20000 and not bench["differ"], bench
@@ -112,7 +112,7 @@ def main():
         work = Path(folder)
         gigabake.succeed("sample", work / "sample", "--size", 96)
         for test in (kernels_are_timed_with_their_hash, bakes_are_timed_alone_and_overlapped, chunks_are_packed_again,
-                     schedules_are_near_the_least_possible_time, schedules_survive_failures,
+                     schedules_are_near_the_lower_bound, schedules_survive_failures,
                      first_hits_are_timed_and_compared, what_measured_nothing_fails, a_scene_is_not_overwritten):
             print(test.__name__, flush=True)
             test(gigabake, work)

@@ -33,14 +33,14 @@ def every_scene_has_its_rows(bench):
         assert any(row["inner_pixels"] > 0 for row in scene["rows"]), scene
         for row in scene["rows"]:
             if row["inner_pixels"] > 0:
-                assert 0 <= row["below_90"] <= row["below_99"] <= 1 and 0 <= row["least_alpha"] <= 1, (scene, row)
+                assert 0 <= row["below_90"] <= row["below_99"] <= 1 and 0 <= row["min_alpha"] <= 1, (scene, row)
                 assert abs(row["bias_alpha"]) <= row["rms_alpha"] + 1e-9 <= 1, (scene, row)
 
 
 def the_verdict_says_what_rows_say(bench, text):
     opaque = [row for scene in bench["scenes"] if scene["opaque"] for row in scene["rows"] if row["inner_pixels"] > 0]
     bounds = bench["bounds"]
-    within = [row["below_99"] <= bounds["most_below_99"] and row["least_alpha"] >= bounds["least_alpha"]
+    within = [row["below_99"] <= bounds["max_below_99"] and row["min_alpha"] >= bounds["min_alpha"]
               for row in opaque]
     assert bench["bounded"] == all(within), bench["verdict"]
     assert text.startswith(bench["verdict"]) and bench["verdict"].startswith("Leaks are "), text

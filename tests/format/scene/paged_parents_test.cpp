@@ -88,7 +88,7 @@ struct WrittenScene {
   SceneDescription scene;
 };
 
-TEST(PagedParents, StandInTheSmallestPageAroundThemAndTheRootInSceneXml) {
+TEST(PagedParents, AreListedInTheInnermostPageAndTheRootInSceneXml) {
   const test::RandomSeed seed;
   const WrittenScene written(seed);
   const PagedScene paged(written.folder / "scene.xml");

@@ -186,11 +186,11 @@ TEST_F(Obj, ReadsMaterialsAsExportersWriteThem) {
 
 /// 2026-11-25: a missing image refused the whole file. Materials that no file describes were white without a warning.
 TEST_F(Obj, IsGreyWithAWarningWhereItsImageIsMissing) {
-  folder.write("m.mtl", std::string("newmtl a\nmap_Kd gone.png\nnewmtl b\nmap_Kd text.tga\n"));
+  folder.write("m.mtl", std::string("newmtl a\nmap_Kd missing.png\nnewmtl b\nmap_Kd text.tga\n"));
   folder.write("text.tga", std::string("no image"));
   const TileMesh mesh = read("mtllib m.mtl\n" + square +
                              "vt 0 0\nusemtl a\nf 1/1 2/1 3/1\nusemtl b\nf 1/1 2/1 4/1\nusemtl b\xE4rk\nf 1 3 4\n");
-  EXPECT_THAT(lines_of(mesh), ElementsAre("images are missing, replaced by grey: 1, e.g. 'gone.png'",
+  EXPECT_THAT(lines_of(mesh), ElementsAre("images are missing, replaced by grey: 1, e.g. 'missing.png'",
                                           "images are not PNG, JPEG or WebP, replaced by grey: 1, e.g. 'text.tga'",
                                           HasSubstr("no file defines, taken as white: 1 of 3")));
   EXPECT_EQ(mesh.materials.at(0).base_color[0], grey_without_image);

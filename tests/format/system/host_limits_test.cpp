@@ -47,7 +47,7 @@ TEST_F(HostLimitsTest, ObeyAContainerOfTwoCpusAndAGigabyte) {
   EXPECT_EQ(limits().memory_bytes, 1073741824u);
 }
 
-TEST_F(HostLimitsTest, ObeyTheNarrowestGroupOnTheWayUp) {
+TEST_F(HostLimitsTest, AreTheMinOfAllParentGroups) {
   write("proc/self/cgroup", "0::/kube/pod/box\n");
   write("sys/fs/cgroup/kube/pod/box/cpu.max", "max 100000\n");
   write("sys/fs/cgroup/kube/pod/cpu.max", "150000 100000\n");

@@ -26,7 +26,7 @@ TEST(Weights, AreAlikeWhereAllChildrenAreTooFaintAndNoneForThoseThatAreNotThere)
   EXPECT_EQ(w.max_facing(), 1u) << "what exists does not vanish";
 }
 
-TEST(Weights, TellTheLargestFacing) {
+TEST(Weights, ReportTheMaxFacing) {
   EXPECT_EQ((Weights{{0, 0}, 0x010203}.max_facing()), 3u);
   EXPECT_EQ((Weights{{0, 0}, 0x010302}.max_facing()), 3u);
   EXPECT_EQ((Weights{{0, 0}, 0x030201}.max_facing()), 3u);

@@ -120,7 +120,7 @@ Level ramp() {
   return level;
 }
 
-TEST(Approximate, TakesTheLargestOfBrickOctantAndGroupThatFits) {
+TEST(Approximate, TakesBrickBeforeOctantBeforeGroup) {
   const ThreadPool pool(1);
   const auto reds = [&](std::uint32_t codes) {
     std::vector<Level> levels{ramp()};

@@ -228,7 +228,7 @@ TEST(FirstHit, BeamsSkipNoVoxel) {
   EXPECT_EQ(tiles, (std::set<int>{0, 4, 8}));
 }
 
-TEST(FirstHit, AgreesInTheWidestScene) {
+TEST(FirstHit, AgreesInASceneOfMaxExtent) {
   const auto twice = [](std::int64_t x, std::int64_t y, std::int64_t z) { return dust(20)(x & 0x1ffff, y, z); };
   VoxelScene voxels(32);
   voxels.add_cells(twice, {0, 0, 0}, 64);

@@ -135,7 +135,7 @@ TEST(OpenShards, AreAsManyAsAnEighthOfTheMemoryHolds) {
     EXPECT_LE(open_shards_within(bytes) * open_shard_bytes, bytes / 8);
 }
 
-TEST(OpenShards, CloseTheLongestUnusedAndOpenItAgainWhenAskedFor) {
+TEST(OpenShards, CloseTheLeastRecentlyUsedAndOpenItAgainOnRequest) {
   std::mt19937_64 rng(4);
   const TempFolder folder;
   const SceneDescription scene = made::write_scene_of(folder / "scene.xml", cells(rng, 3));

@@ -117,7 +117,7 @@ TEST(Pager, GivesWhatWasWantedFromTheNextPassOn) {
   EXPECT_EQ(pager.counts().queued, 0u);
 }
 
-TEST(Pager, ReadsTheMostUrgentFirstAndNothingTwice) {
+TEST(Pager, ReadsInOrderOfUrgencyAndNothingTwice) {
   Shelf shelf;
   Pager pager(shelf.source(), {1, plenty});
   pager.want({page(5), page(2), page(5), page(9), page(2)});
@@ -145,7 +145,7 @@ TEST(Pager, ReadsOnlyWhatWasWantedLastButFinishesWhatItHasBegun) {
   EXPECT_EQ(pager.counts().queued, 0u);
 }
 
-TEST(Pager, LetsGoOfTheLongestUnusedFirst) {
+TEST(Pager, EvictsTheLeastRecentlyUsedFirst) {
   Shelf shelf;
   Pager pager(shelf.source(), {1, 4 * shelf.page_bytes()});
   pager.want(pages(0, 4));

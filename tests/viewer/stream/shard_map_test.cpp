@@ -186,7 +186,7 @@ SceneDescription two_tiers_with_copies() {
   return scene;
 }
 
-TEST(ParentTiers, NameTheLargestParentsFirstOfThoseThatHoldALevel) {
+TEST(ParentTiers, NameTheParentsOfALevelInOrderOfSize) {
   const auto tiers = tiers_of(two_tiers_with_copies());
   ASSERT_TRUE(tiers.has_value());
   EXPECT_EQ(tiers->holders(0), 0u);
@@ -201,7 +201,7 @@ TEST(ParentTiers, NameTheLargestParentsFirstOfThoseThatHoldALevel) {
   EXPECT_FALSE(tiers_of(scene).has_value()) << "a parent that copies something else than its neighbours";
 }
 
-TEST(ShardMap, AsksTheLargestShardOfALevelFirstAndTheCellsLast) {
+TEST(ShardMap, RequestsTheShardsOfALevelInOrderOfSizeAndTheCellsLast) {
   const auto scene = std::make_shared<const PagedScene>(PagedScene::of_cells("scene.xml", two_tiers_with_copies()));
   const ShardMap map(*scene, *parent_tiers(*scene));
   const Pager pager([](const PageKey&) { return Page(); }, {1, UINT64_MAX});

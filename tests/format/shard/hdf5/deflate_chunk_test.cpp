@@ -168,7 +168,7 @@ std::uint64_t min_bits(const std::vector<std::uint32_t>& counts) {
   return bits;
 }
 
-TEST(CodeLengths, AreCompleteWithinTheLimitAndLeastWhereItDoesNotBind) {
+TEST(CodeLengths, AreCompleteWithinTheLimitAndMinimalWhereItDoesNotBind) {
   const test::RandomSeed seed;
   test::Random rng(seed);
   for (int round = 0; round < 3000; ++round) {
