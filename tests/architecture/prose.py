@@ -19,7 +19,7 @@ SCRIPT_NOISE = re.compile(r"""(?P<text>"(?:\\.|[^"\\])*"|'[^'\n]*')|(?<!\S)(?P<c
 MARGIN = re.compile(r"^\s*(?:///<?|//|/\*+|#+|\*/|\*(?= ))?\s?|\s*\*/\s*$")
 FIELD = re.compile(r"\{[^{}\n]*\}")
 QUOTED = re.compile(r"`[^`\n]*`|\bhttps?://[^\s)]+|\b\w+\([^()\n]*\)|"
-                    r"\b[\w./-]+\.(?:h|cpp|cuh?|py|md|json|cmake|txt|cache|xml|sh|js|html)\b")
+                    r"\btools/[\w-]+|\b[\w./-]+\.(?:h|cpp|cuh?|py|md|json|cmake|txt|cache|xml|sh|js|html)\b")
 LINK = re.compile(r"\]\([^)\n]*\)|<[^>\n]*>")
 WORDS = re.compile(r"\b[A-Za-z][a-z']*[,;:]? +[A-Za-z][a-z']*[,;:]? +[A-Za-z]")
 
