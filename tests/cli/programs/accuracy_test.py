@@ -11,6 +11,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from harness import Gigabake
+from stored_tables import table_of
 
 DIRECTIONS = ("nadir", "oblique", "grazing")
 SCALES = ("0.25", "1", "4", "16")
@@ -174,6 +175,11 @@ def other_distances_are_drawn_alone(gigabake, work):
         assert gigabake.run(*arguments, "--scales", wrong).returncode != 0, wrong
 
 
+def tables_of_the_document_can_be_stored(bench, source):
+    for name, count in (("settings", 14), ("max-error", 8), ("views", 12)):
+        assert len(table_of(source, name, bench)) == count, name
+
+
 def main():
     gigabake = Gigabake(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
@@ -188,6 +194,7 @@ def main():
             print(test.__name__, flush=True)
             test(bench)
         tables_plots_and_pictures_are_there(work, bench)
+        tables_of_the_document_can_be_stored(bench, sys.argv[2])
         odd_sizes_are_refused(gigabake, work)
         odd_settings_are_refused(gigabake, work)
         other_distances_are_drawn_alone(gigabake, work)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from harness import Gigabake
+from stored_tables import table_of
 
 MIN_PIXELS = 4
 
@@ -40,12 +41,15 @@ def every_view_shows_the_surface(gigabake, source, work):
     assert "compared pixels" in result.stdout, result.stdout
 
 
-def light_and_motion_show_the_surface_too(gigabake, source, work):
+def light_and_motion_show_the_surface_too(gigabake, source, work, root):
     for mode, rows in (("--light", "views"), ("--motion", "pairs")):
         result = bench(gigabake, source, work, "-o", work / "out", mode)
         assert result.returncode == 0, result
         found = json.loads((work / "b.json").read_text())[rows]
         assert found and all(row["compared_pixels"] >= MIN_PIXELS for row in found), (mode, found)
+        if mode == "--light":
+            table = table_of(root, "light", json.loads((work / "b.json").read_text()))
+            assert len(table) == len(found) and set(table) <= set(result.stdout.splitlines()), result.stdout
 
 
 # Regression of 2026-11-25: 0 inner pixels, and exit code 0.
@@ -95,7 +99,7 @@ def main():
         work = Path(folder)
         source = l_shape(work / "l.obj")
         every_view_shows_the_surface(gigabake, source, work)
-        light_and_motion_show_the_surface_too(gigabake, source, work)
+        light_and_motion_show_the_surface_too(gigabake, source, work, sys.argv[2])
         leaks_without_inner_pixels_fail(gigabake, work)
         a_view_without_enough_pixels_fails_before_anything_is_baked(gigabake, work)
         an_invisible_surface_is_refused(gigabake, work)

@@ -11,9 +11,10 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from harness import Gigabake
+from stored_tables import table_of
 
 
-def every_bound_holds(gigabake, work):
+def every_bound_holds(gigabake, work, source):
     result = gigabake.run("bench", "accuracy", "--hard", "--backend", "cpu", "--million-triangles", 1,
                           "--json", work / "hard.json", "-o", work / "kept")
     if "without GMP" in result.stderr:
@@ -30,6 +31,8 @@ def every_bound_holds(gigabake, work):
     leaks = bench["leaks"]
     assert len(leaks["scenes"]) == 3 and all(scene["opaque"] and scene["rows"] for scene in leaks["scenes"]), leaks
     assert leaks["bounded"] or "not yet bounded" in result.stdout, result
+    printed = set(result.stdout.replace("|  |", "| |").splitlines())
+    assert set(table_of(source, "hard-cases", bench)) <= printed, result.stdout
     return bench
 
 
@@ -59,7 +62,7 @@ def main():
     gigabake = Gigabake(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
-        bench = every_bound_holds(gigabake, work)
+        bench = every_bound_holds(gigabake, work, sys.argv[2])
         the_document_lists_every_case(bench, sys.argv[2])
         wrong_usage_is_refused(gigabake, work)
         kept_scenes_can_be_baked(gigabake, work)

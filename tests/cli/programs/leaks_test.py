@@ -10,6 +10,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from harness import Gigabake
+from stored_tables import table_of
 
 TRACED = {"wires", "crown"}
 ELEVATIONS = {90, 60, 35, 20, 10, 5, 2}
@@ -46,6 +47,13 @@ def the_verdict_says_what_rows_say(bench, text):
     assert text.startswith(bench["verdict"]) and bench["verdict"].startswith("Leaks are "), text
     worst = max(row["below_99"] for row in opaque if row["inner_pixels"] >= 100)
     assert f"{100 * worst:.1f} % of the inner pixels" in bench["verdict"], (worst, bench["verdict"])
+
+
+def the_table_of_the_document_can_be_stored(bench, source):
+    rows = [row.split(" | ") for row in table_of(source, "leaks", bench)]
+    opaque = [row for scene in bench["scenes"] if scene["opaque"] for row in scene["rows"] if row["inner_pixels"] > 0]
+    assert rows[0][0] == "| planes" and rows[-1][0] == "| all", rows
+    assert rows[-1][1].split(" of ")[1] == f"{len(opaque):,}", (rows[-1], len(opaque))
 
 
 def voxels_of_level_0_are_opaque(bench):
@@ -100,6 +108,7 @@ def main():
         bench, text = measure(gigabake, work)
         every_scene_has_its_rows(bench)
         the_verdict_says_what_rows_say(bench, text)
+        the_table_of_the_document_can_be_stored(bench, sys.argv[2])
         voxels_of_level_0_are_opaque(bench)
         families_have_tables(text)
         scenes_and_pictures_are_kept(gigabake, work)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from harness import Gigabake
+from stored_tables import table_of
 
 PATHS = ("forward", "aside", "climb", "zoom")
 PAIRS = 6  # per path
@@ -49,6 +50,12 @@ def levels_are_blended(bench):
     assert any(pair["plain"]["pair"] != pair["blended"]["pair"] for pair in bench["pairs"]), bench
 
 
+def tables_of_the_document_can_be_stored(bench, source):
+    assert len(table_of(source, "motion", bench)) == len(WAYS), bench
+    rows = [row.split(" | ")[0] for row in table_of(source, "motion-pairs", bench)]
+    assert len(rows) == len(set(rows)) == 14 and "| `aside 0.4`" in rows, rows
+
+
 def main():
     gigabake = Gigabake(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
@@ -58,6 +65,7 @@ def main():
         every_path_has_its_pairs(bench)
         what_is_said_of_all_follows_from_the_pairs(bench, text)
         levels_are_blended(bench)
+        tables_of_the_document_can_be_stored(bench, sys.argv[2])
 
 
 if __name__ == "__main__":
