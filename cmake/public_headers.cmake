@@ -1,54 +1,47 @@
 # The headers that are installed, per component; all others are private. A public header includes only public headers
 # (tests/cli/programs/package_test.py).
 set(gb_public_headers_core
-    core/octree/brick.h
     core/base/cuda_failure.h
     core/base/error.h
-    core/math/frames.h
-    core/io/hash128.h
     core/base/host_device.h
-    core/base/kernel_version.h
-    core/octree/morton.h
-    core/math/octahedral.h
-    core/octree/octree.h
-    core/octree/parameters.h
-    core/octree/parent_source.h
     core/base/progress.h
-    core/math/rounding.h
     core/base/rules.h
+    core/base/thread_pool.h
+    core/io/hash128.h
+    core/math/frames.h
+    core/math/octahedral.h
+    core/math/rounding.h
     core/math/snap.h
     core/math/srgb.h
-    core/base/thread_pool.h
-    core/math/transform.h)
+    core/octree/brick.h
+    core/octree/morton.h
+    core/octree/octree.h
+    core/octree/parameters.h
+    core/octree/parent_source.h)
 set(gb_public_headers_georeference
     core/math/georeference.h)
 set(gb_public_headers_system
-    format/system/file_stamp.h
     format/system/io_error.h)
 set(gb_public_headers_shard
-    format/shard/levels/brick_walk.h
-    format/shard/columns/channels.h
     format/shard/check/shard_check.h
-    format/shard/levels/content_hash.h
     format/shard/hdf5/chunk_codec.h
     format/shard/hdf5/file_image.h
     format/shard/hdf5/hdf5_call.h
     format/shard/hdf5/hdf5_file.h
-    format/shard/levels/level_lookup.h
-    format/shard/levels/level_summary.h
+    format/shard/levels/brick_walk.h
+    format/shard/levels/content_hash.h
     format/shard/shard.h
-    format/shard/shard_pages.h
     format/shard/shard_reader.h)
 set(gb_public_headers_scene
     format/scene/cell_window.h
     format/scene/check/diff.h
     format/scene/check/missing_data.h
+    format/scene/check/verify.h
     format/scene/paged_scene.h
     format/scene/scene_level.h
     format/scene/scene_page.h
     format/scene/scene_totals.h
-    format/scene/xml/scene_xml.h
-    format/scene/check/verify.h)
+    format/scene/xml/scene_xml.h)
 set(gb_public_headers_source
     format/source/content/composite.h
     format/source/content/content_magic.h
@@ -58,62 +51,43 @@ set(gb_public_headers_source
 set(gb_public_headers_export
     format/export/export_team.h
     format/export/gigavoxels/gigavoxel.h
-    format/export/gigavoxels/gigavoxel_read.h
-    format/export/gigavoxels/gigavoxel_tree.h
     format/export/nanovdb/nanovdb.h
     format/export/ply/ply.h
     format/export/voxel_tiles/voxel_tileset.h)
 set(gb_public_headers_kernels
     kernels/body/cell.h
-    kernels/body/mask.h
-    kernels/body/texture/material.h
     kernels/body/mip/plane.h
     kernels/body/tables.h
+    kernels/body/texture/material.h
     kernels/body/texture/texture_view.h
-    kernels/marching/cast.h
-    kernels/pool/cast_brick.h
-    kernels/marching/cast_camera.h
-    kernels/marching/cast_line.h
-    kernels/marching/cast_node.h
-    kernels/render/caster.h
-    kernels/first_hit/first_hit.h
-    kernels/first_hit/first_hit_camera.h
-    kernels/first_hit/first_hit_cast.h
-    kernels/first_hit/first_hit_device.h
-    kernels/first_hit/first_hit_tree.h
-    kernels/marching/fixed_point.h
+    kernels/cpu/bake_cell.h
+    kernels/cpu/texture/texture.h
+    kernels/cuda/baker.h
     kernels/light/light_rays.h
     kernels/light/light_sharing.h
     kernels/light/lighting.h
+    kernels/light/shade.h
+    kernels/light/shader.cuh
+    kernels/light/shader.h
+    kernels/marching/cast.h
+    kernels/marching/cast_camera.h
+    kernels/marching/cast_line.h
+    kernels/marching/cast_node.h
+    kernels/marching/fixed_point.h
     kernels/marching/locate.h
-    kernels/pool/pack_brick.h
-    kernels/pool/packed_voxel.h
     kernels/marching/pixel.h
     kernels/marching/ray_light.h
     kernels/marching/sample.h
     kernels/marching/scene.h
-    kernels/light/shade.h
-    kernels/light/shader.cuh
-    kernels/light/shader.h
     kernels/marching/sheet.h
     kernels/marching/sheet_met.h
     kernels/marching/tile_grid.cuh
-    kernels/cpu/bake_cell.h
-    kernels/cpu/texture/texture.h
-    kernels/cuda/baker.h
-    kernels/cuda/device/build.h)
+    kernels/pool/cast_brick.h
+    kernels/pool/packed_voxel.h)
 set(gb_public_headers_viewer
-    viewer/query/first_hit_scene.h
     viewer/light/shading.h
     viewer/light/sky.h
     viewer/light/sun.h
-    viewer/live/camera_path.h
-    viewer/live/camera_controller.h
-    viewer/live/frame_budget.h
-    viewer/live/live_scene.h
-    viewer/live/path_frames.h
-    viewer/live/picked_point.h
-    viewer/live/render_scheduler.h
     viewer/pictures/camera.h
     viewer/pictures/exr.h
     viewer/pictures/frame_renderer.h
@@ -122,21 +96,9 @@ set(gb_public_headers_viewer
     viewer/pictures/png.h
     viewer/pictures/polygons.h
     viewer/pictures/view.h
-    viewer/query/query_asks.h
     viewer/query/query_frames.h
-    viewer/query/query_job.h
     viewer/query/query_ray.h
-    viewer/query/query_text.h
     viewer/query/scene_query.h
     viewer/query/surface_height.h
-    viewer/stream/brick_fill.h
-    viewer/stream/cell_layout.h
     viewer/stream/guarded_pages.h
-    viewer/stream/page.h
-    viewer/stream/pager.h
-    viewer/stream/parent_tiers.h
-    viewer/stream/pool_allocator.h
-    viewer/stream/scene_stream.h
-    viewer/stream/shard_map.h
-    viewer/stream/voxel_arena.h
-    viewer/stream/voxel_lookup.h)
+    viewer/stream/page.h)

@@ -4,11 +4,16 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 
 #include "kernels/body/tables.h"
 #include "kernels/marching/cast.h"
 
 namespace gigabake::kernels {
+
+/// Returns whether the current work should stop early. Several threads call it, about once a millisecond; empty: never
+/// stop.
+using StopAsked = std::function<bool()>;
 
 /// Linear RGB of a sky: at the horizon, straight up, straight down.
 struct CastSky {

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -42,10 +41,6 @@ struct NodeChange {
   std::uint32_t node;
   CastNode value;
 };
-
-/// Returns whether the current work should stop early. Several threads call it, about once a millisecond; empty: never
-/// stop.
-using StopAsked = std::function<bool()>;
 
 /// Casts rays through a paged scene.
 /// Errors  CudaFailure from all members of a caster on a GPU.

@@ -8,6 +8,7 @@
 #include "format/shard/levels/brick_walk.h"
 #include "kernels/cpu/mip/levels.h"
 #include "kernels/cpu/prune/prune.h"
+#include "viewer/pictures/render.h"
 
 namespace gigabake {
 namespace {

@@ -11,6 +11,7 @@
 #include "core/base/cuda_failure.h"
 #include "core/base/error.h"
 #include "format/system/host_limits.h"
+#include "viewer/pictures/render.h"
 #include "viewer/pictures/view_needs.h"
 #include "viewer/stream/guarded_pages.h"
 #include "viewer/stream/open_shards.h"

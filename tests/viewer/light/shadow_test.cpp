@@ -8,6 +8,7 @@
 #include "tests/viewer/voxel_scene.h"
 #include "viewer/light/sky.h"
 #include "viewer/pictures/frame_renderer.h"
+#include "viewer/pictures/render.h"
 
 namespace gigabake {
 namespace {

@@ -13,6 +13,7 @@
 #include "tests/format/shard/made_shard.h"
 #include "tests/viewer/voxel_scene.h"
 #include "viewer/pictures/frame_renderer.h"
+#include "viewer/pictures/render.h"
 #include "viewer/stream/numbered_shards.h"
 #include "viewer/stream/scene_stream.h"
 

@@ -5,6 +5,7 @@
 #include "kernels/cuda/baker.h"
 #include "tests/viewer/voxel_scene.h"
 #include "viewer/light/sky.h"
+#include "viewer/pictures/render.h"
 
 namespace gigabake {
 namespace {

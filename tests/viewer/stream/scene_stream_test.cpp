@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "tests/viewer/ground_scene.h"
+#include "viewer/pictures/render.h"
 
 namespace gigabake {
 namespace {
