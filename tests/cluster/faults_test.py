@@ -41,22 +41,22 @@ KINDS = [("bake process", signal.SIGKILL, "later"), ("bake process", signal.SIGS
          ("bake process", signal.SIGKILL, "start"), ("mpirun", signal.SIGKILL, "start")]
 
 
-def descendants(pid):
-    """Returns every process below pid, as (pid, name)."""
-    children = {}
-    for stat in Path("/proc").glob("[0-9]*/stat"):
+def children(pid):
+    """Returns the child processes of any thread of pid, as (pid, name)."""
+    found = []
+    for path in Path("/proc").glob(f"{pid}/task/*/children"):
         try:
-            text = stat.read_text()
+            for child in path.read_text().split():
+                found.append((int(child), Path(f"/proc/{child}/comm").read_text().strip()))
         except OSError:
             continue  # it has just ended
-        name, rest = text[text.index("(") + 1:text.rindex(")")], text[text.rindex(")") + 2:].split()
-        children.setdefault(int(rest[1]), []).append((int(stat.parent.name), name))
-    found, ask = [], [pid]
-    while ask:
-        below = children.get(ask.pop(), [])
-        found += below
-        ask += [child for child, _ in below]
     return found
+
+
+def descendants(pid):
+    """Returns every process below pid, as (pid, name). It reads few files, since faults must hit short steps."""
+    below = children(pid)
+    return below + [process for child, _ in below for process in descendants(child)]
 
 
 def rank_of(pid):
@@ -264,13 +264,14 @@ class Faults(harness.FolderTest):
         self.program.succeed("verify", out / "scene.xml")
 
     def stop_surveying_ranks(self, launch):
-        ranks = []
-        while launch.process.poll() is None and len(ranks) < 2:
-            ranks = [pid for pid in launch.pids("worker rank") if descendants(pid)]
-        for pid in ranks:  # and its bake process, which scans the tile
-            for child, _ in descendants(pid):
-                os.kill(child, signal.SIGSTOP)
-            os.kill(pid, signal.SIGSTOP)
+        """Stops each rank, and its bake process, as soon as the bake process exists: it then scans tiles."""
+        stopped = set()
+        while launch.process.poll() is None and len(stopped) < 2:
+            for pid in set(launch.pids("worker rank")) - stopped:
+                processes = [child for child, _ in children(pid)]
+                for process in [*processes, pid] if processes else []:
+                    os.kill(process, signal.SIGSTOP)
+                    stopped.add(pid)
 
     def silence_in_survey(self, name, happened, *launcher):
         """Returns the folder, exit code and log of a bake whose ranks are stopped while they scan a tile.
