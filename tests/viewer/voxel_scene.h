@@ -11,7 +11,7 @@
 #include "format/shard/shard.h"
 #include "kernels/cpu/mip/levels.h"
 #include "viewer/pictures/camera.h"
-#include "viewer/pictures/picture.h"
+#include "viewer/pictures/render.h"
 #include "viewer/stream/page.h"
 
 namespace gigabake {
