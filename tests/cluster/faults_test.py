@@ -44,12 +44,16 @@ KINDS = [("bake process", signal.SIGKILL, "later"), ("bake process", signal.SIGS
 def children(pid):
     """Returns the child processes of any thread of pid, as (pid, name)."""
     found = []
-    for path in Path("/proc").glob(f"{pid}/task/*/children"):
+    try:
+        files = list(Path("/proc").glob(f"{pid}/task/*/children"))
+    except OSError:
+        return found  # pid has just ended
+    for path in files:
         try:
             for child in path.read_text().split():
                 found.append((int(child), Path(f"/proc/{child}/comm").read_text().strip()))
         except OSError:
-            continue  # it has just ended
+            continue  # the thread or the child has just ended
     return found
 
 
