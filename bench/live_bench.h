@@ -13,7 +13,7 @@ struct LiveBenchRequest {
   std::filesystem::path scene;  ///< scene.xml of a bake
   int width = 1280, height = 720;
   FrameRenderer::Options renderer;
-  int movements = 9;  ///< each while a full frame is being rendered
+  int movements = 9;  ///< number of movements, each during the rendering of a full frame
 };
 
 /// A frame compared with the frame at rest of the same camera; the smaller frame is enlarged.
@@ -27,7 +27,7 @@ struct LiveBenchFrame {
 struct LiveBench {
   int width = 0, height = 0;
   double render_s = 0;                 ///< opening the scene again and rendering the same image without a pause
-  double rest_s = 0;                   ///< until the image at rest
+  double rest_s = 0;                   ///< from opening the scene to the image at rest
   std::vector<LiveBenchFrame> frames;  ///< up to the frame at rest
   double median_answer_s = 0, worst_answer_s = 0;  ///< from a movement to the next image
   double close_s = 0;                              ///< closing a scene that is rendering a full frame

@@ -14,7 +14,7 @@ enum class PictureFormat { png, jpeg, exr };
 PictureFormat picture_format(const char* option, const std::string& name);
 
 /// Writes an image. An EXR file contains light and depth.
-/// Errors  InputError: the file and the system's reason; no partial file remains.
+/// Errors  InputError, naming the file and the system's reason; no partial file remains.
 void write_picture(const std::string& name, const Picture& picture, double voxel_size_m);
 
 }  // namespace gigabake::app

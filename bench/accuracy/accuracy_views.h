@@ -34,7 +34,7 @@ inline const std::vector<double> accuracy_scales{0.25, 1, 4, 16};
 std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const BakeParameters& lattice,
                                          const std::vector<double>& voxels_per_pixel, int width, int height);
 
-/// Returns at least one and at most `most` places of the visible surface, distributed over its area. The result is
+/// Returns at least one and at most `maximum` places of the visible surface, distributed over its area. The result is
 /// deterministic.
 /// Errors  InputError: no triangle is visible.
 std::vector<std::array<double, 3>> visible_places(const SourceTriangles& source, std::size_t maximum);

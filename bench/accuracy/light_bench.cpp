@@ -10,7 +10,7 @@
 namespace gigabake::bench {
 namespace {
 
-constexpr int timed_frames = 3;  ///< the minimum time counts
+constexpr int timed_frames = 3;  ///< images timed per view; the minimum time is recorded
 
 View view_with(const AccuracyView& from, Shadows shadows) {
   View view{from.camera, ViewMode::lit, {false, {0, 0, 0, 0}}};

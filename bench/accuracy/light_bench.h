@@ -11,14 +11,14 @@
 
 namespace gigabake::bench {
 
-/// The errors from one camera, of images after tone mapping.
+/// The errors of images from one camera, after tone mapping.
 struct LightRow {
   std::string view;  ///< AccuracyView::name()
   int width = 0, height = 0;
   std::uint64_t compared_pixels = 0;        ///< pixels in which the reference shows the surface
-  double flip = 0;                          ///< with shadows, against the reference
-  double flip_without = 0;                  ///< without shadows, against the same reference
-  double flip_unshadowed = 0;               ///< without shadows, both: the error that is not the light's
+  double flip = 0;                          ///< image with shadows, compared with the reference
+  double flip_without = 0;                  ///< image without shadows, compared with the same reference
+  double flip_unshadowed = 0;               ///< image and reference without shadows: errors not due to shadows
   double frame_s = 0, frame_without_s = 0;  ///< after all requested data is resident
 };
 
@@ -34,7 +34,7 @@ struct LightBench {
   double time_ratio() const;  ///< total time of all frames with shadows, divided by that without
 };
 
-/// Bakes the scene with the default rules into `out`, and renders it from the views of bench_accuracy().
+/// Bakes the scene with the default rules into request.out, and renders it from the views of bench_accuracy().
 ///
 /// samples: rays per pixel of the reference. progress is called before each view is rendered.
 /// Errors  Same as bench_accuracy().

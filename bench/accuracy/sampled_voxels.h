@@ -16,7 +16,7 @@ struct SampledVoxel {
   std::array<std::int8_t, 2> normal{};  ///< zeros if the scene has none
 };
 
-/// Returns at most `most` voxels of lod 0: one at random from each run of equal length, in the order of the shards.
+/// Returns at most `maximum` voxels of lod 0: one at random from each run of equal length, in the order of the shards.
 /// Errors  InputError: a shard cannot be read.
 std::vector<SampledVoxel> sample_voxels(const SceneDescription& scene, const std::filesystem::path& scene_path,
                                         std::uint64_t maximum, std::uint64_t seed);

@@ -9,7 +9,7 @@
 
 namespace gigabake::bench {
 
-/// Returns one random point in each of `most` equal parts of the area, in the order of the triangles. Omits points
+/// Returns one random point in each of `maximum` equal parts of the area, in the order of the triangles. Omits points
 /// where the source's alpha is 0.
 /// Space   Voxels of the lattice.
 std::vector<std::array<double, 3>> surface_points(const SourceTriangles& source, std::uint64_t maximum,

@@ -26,7 +26,7 @@ struct VoxelError {
   /// Fractions of the surface without a voxel within 1/256 (a snapped vertex moves by up to 1/512), ½ and 1.
   double missed = 0, missed_by_half = 0, missed_by_one = 0;
   /// Fractions of voxels without a triangle within 1/256 of their cube, and without one within ½ + 1/256 and √3/2 +
-  /// 1/256 of their centre. `farthest` is the maximum distance from a centre to the nearest triangle, clamped to 64.
+  /// 1/256 of their centre. `max_distance` is the maximum distance from a centre to the nearest triangle, at most 64.
   double extra = 0, beyond_half = 0, beyond_whole = 0, max_distance = 0;
   double normal_deg = 0, normal_99_deg = 0;  ///< from the nearest triangle's normal: mean and 99th percentile; 0
                                              ///< without normals

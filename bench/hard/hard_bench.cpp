@@ -24,7 +24,8 @@ void add_voxel(const StoredVoxel& stored, const reference::ExpectedVoxel& expect
   grow(errors.alpha_codes, std::abs(stored.rgba[3] - 255 * expected.alpha()));
   if (expected.alpha() < min_alpha) return;
   for (int c = 0; c < 3; ++c) {
-    // The 16-bit error of a dark premultiplied colour grows as alpha falls; it is 0.1 codes for an opaque colour.
+    // Premultiplied colours are rounded to 16 bits. The error is at most 0.1 codes of 255 for a dark opaque colour, and
+    // inversely proportional to alpha.
     const double lost = 0.1 / expected.alpha() - 0.1;
     grow(errors.colour_codes, code_error(stored.rgba[std::size_t(c)], expected.linear(c)) - lost);
     grow(errors.colour_linear, std::abs(linear_of(stored.rgba[std::size_t(c)] / 255.0) - expected.linear(c)));

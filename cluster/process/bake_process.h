@@ -71,7 +71,7 @@ class BakeProcess {
   /// Returns the next event, if any. Also sends, receives, starts and kills: call it often while requests are in
   /// flight.
   std::optional<Event> poll();
-  /// Returns when poll() may have something to do, at most after `longest`.
+  /// Returns when poll() may have something to do, or after `maximum`.
   void wait(std::chrono::milliseconds maximum) const;
   /// Returns the number of requests without an event.
   std::size_t in_flight() const { return cells_.size() + tiles_.size(); }

@@ -59,7 +59,7 @@ GB_HD void inner_depths(std::uint32_t* weights, int size) {
   for (int next = size - 3; next >= 0; --next) weights[next] = weights[weights[next]] + 1;
 }
 
-/// Counts the symbols of each code length from the depths of inner_depths(). Limits lengths to `most`.
+/// Counts the symbols of each code length from the depths of inner_depths(). Limits lengths to `maximum`.
 GB_HD void count_lengths(const std::uint32_t* inner, int size, std::uint32_t maximum, std::uint32_t* of_length) {
   for (std::uint32_t l = 0; l <= maximum; ++l) of_length[l] = 0;
   std::uint32_t places = 1;

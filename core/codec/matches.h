@@ -75,7 +75,7 @@ GB_HD std::uint32_t equal_of_eight(const std::uint8_t* a, const std::uint8_t* b)
 #endif
 }
 
-/// Returns the number of equal bytes before the first difference, at most `most`.
+/// Returns the number of equal bytes before the first difference, at most `maximum`.
 GB_HD std::uint32_t equal_bytes(const std::uint8_t* a, const std::uint8_t* b, std::uint32_t maximum) {
   for (std::uint32_t n = 0; n < maximum; n += 8)
     if (const std::uint32_t equal = equal_of_eight(a + n, b + n); equal < 8)

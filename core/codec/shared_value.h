@@ -65,7 +65,7 @@ struct GroupValues {
 };
 
 /// Returns true if all voxels of the groups in `which` are equal.
-/// Range   The groups are not empty; at least one.
+/// Range   `which` has at least one group, and none of its groups is empty.
 GB_HD bool are_alike(const GroupValues& values, std::uint64_t which) {
   if ((values.mixed & which) != 0) return false;
   const std::uint32_t first = values.first[lowest_bit(which)];

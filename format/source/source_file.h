@@ -35,8 +35,8 @@ const Json& get_object(const std::filesystem::path& file, const Json& object, co
 /// Returns `text` with each "%41" replaced by its byte.
 std::string percent_decoded(std::string_view text);
 
-/// Returns the path in `uri`: percent-decoded, without query and fragment. A backslash is invalid in a URI, but
-/// separates folders, as in browsers and in files of Windows programs. "%5C" is a backslash in a name.
+/// Returns the path in `uri`: percent-decoded, without query and fragment. A backslash is invalid in a URI. It is
+/// read as a slash, as in browsers, because Windows programs write it. "%5C" is a backslash in a name.
 std::string uri_path(std::string_view uri);
 
 /// Returns the file that `uri` in the file `base` refers to by its uri_path().

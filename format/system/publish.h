@@ -22,7 +22,7 @@ class Publication {
   const std::filesystem::path& aside() const { return aside_; }
 
   /// Calls fsync, renames the file over the target, and calls fsync on the folder; with while_up, only renames.
-  /// Errors  InputError: path and the system's reason.
+  /// Errors  InputError, naming the path and the system's reason.
   void publish(Durability durability = Durability::across_power_loss);
 
  private:

@@ -23,7 +23,7 @@ class FolderPublication {
 
   /// Flushes the file system once, independent of the number of files, and renames. A replaced folder is exchanged with
   /// the new one atomically if the file system supports it; otherwise the target is missing for a moment.
-  /// Errors  InputError: path and the system's reason.
+  /// Errors  InputError, naming the path and the system's reason.
   void publish();
 
  private:

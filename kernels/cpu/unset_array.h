@@ -1,5 +1,5 @@
-/// An array without initialization, for memory that a loop fills. A vector first fills it with zeros on one thread,
-/// which took a tenth of a cell's time.
+/// An array without initialization, for memory that a loop fills. A vector would first fill the memory
+/// with zeros on one thread; measured, this took a tenth of the time to bake a cell.
 #pragma once
 
 #include <cstddef>

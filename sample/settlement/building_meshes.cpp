@@ -69,8 +69,8 @@ void add_trunk(GlbMesh& mesh, const Corner& foot, double radius_m, double height
   }
 }
 
-/// Appends a card at the relative height `level` (0 … 1) of the crown, in direction `heading_deg`, tilted up by
-/// `lift_deg` degrees.
+/// Appends a square card of the crown, `reach_m` from `centre` in direction `heading_deg`, tilted up by `lift_deg`.
+/// half_m: half the card's edge.
 void add_crown_card(const Tree& tree, const Corner& centre, double heading_deg, double lift_deg, double reach_m,
                     double half_m, GlbMesh& foliage) {
   const Turn h = turn_of(heading_deg), l = turn_of(lift_deg);

@@ -32,7 +32,7 @@ void Schedule::already_done(std::uint32_t job) {
   parents_.settled(job, std::nullopt);
 }
 
-/// Returns the worker's entry; a new worker is alive.
+/// Returns the worker's entry. If the worker is unknown, registers it as alive.
 Schedule::Worker& Schedule::known(int worker, double now_s) {
   if (std::size_t(worker) >= workers_.size()) workers_.resize(std::size_t(worker) + 1);
   Worker& w = workers_[std::size_t(worker)];

@@ -85,13 +85,15 @@ std::optional<std::uint32_t> WorkOrder::choose(std::optional<std::uint32_t> last
   return job_[*rank];
 }
 
-/// Returns a waiting job of this class, at or after a spread-out position, else the first. The class must have one.
+/// Returns the rank of a waiting job of the class: the next one from a spread-out position, else the first.
+/// Range   The class has a waiting job.
 std::uint32_t WorkOrder::new_start(const Class& c) {
   const auto found = waiting_.at_or_after(c.begin + van_der_corput(new_starts_++, c.end - c.begin));
   return found && *found < c.end ? *found : *waiting_.at_or_after(c.begin);
 }
 
-/// Returns the waiting cell near `last` on the curve that shares the most tiles with it; ties go to the nearest.
+/// Returns the rank of the waiting cell near `last` on the curve that shares the most tiles with `last`; ties go to the
+/// nearest.
 std::optional<std::uint32_t> WorkOrder::neighbour(const Class& c, std::uint32_t last) const {
   const std::uint64_t here = place_[rank_[last]];
   const auto at = [this](std::uint32_t rank) { return place_.begin() + std::ptrdiff_t(rank); };

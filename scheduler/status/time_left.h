@@ -27,8 +27,8 @@ class TimeLeft {
 
  private:
   struct Worker {
-    std::optional<double> since_s;  ///< time of its last finish, or of its begin; none: idle
-    bool is_first = true;           ///< the next part is the first since its begin
+    std::optional<double> since_s;  ///< time of the last ends(), or of begins(); none: idle
+    bool is_first = true;           ///< no part has finished since begins()
   };
   /// Sums over finished parts.
   struct Ended {

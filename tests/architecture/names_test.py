@@ -6,8 +6,8 @@
 2. No two source files of one folder that has a CMakeLists.txt have equal local names: types, aliases, variables, and
    functions of the same parameters. Adding a file regroups the files of a unity build, so that a clash would appear
    in an unrelated change. Equal aliases may be repeated.
-3. No header declares such a name in the same namespace if the file, or another file of its folder, may include it:
-   the name would be ambiguous.
+3. No local name (rule 2) is also declared, in the same namespace, by a header that the source file or another file of
+   its folder may include. The name would be ambiguous.
 
 Usage: names_test.py SOURCE_DIR
 """

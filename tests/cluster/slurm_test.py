@@ -128,7 +128,7 @@ class Slurm(harness.FolderTest):
         out = self.root / "limited"
         job = self.submit(out, 0.16, "--time", "1", "--signal", "B:USR1@55", cell_voxels=64, threads=1)
         self.wait_for_cells(out)
-        restarts = self.field(job, "Restarts")  # a slow start may end at the time limit already
+        restarts = self.field(job, "Restarts")  # after a slow start, the time limit may already have caused one
         # Slurm checks time limits only twice a minute. Stopped cells save minutes of work until then.
         self.assertGreater(self.signal(job, "gigabake-bake", signal.SIGSTOP), 0, self.logs())
         self.wait_until(lambda: self.status(out)["state"] == "draining", "the bake does not learn the limit")

@@ -241,7 +241,7 @@ class RasterWriter:
         del copy
 
     def write_tiles(self):
-        """Writes neighbours without a shared column, as a folder or a VRT. Returns the name for `dem`."""
+        """Writes two adjacent rasters that share no column, as a folder or a VRT. Returns the name of the source."""
         odd = self.odd
         folder = self.folder / "tiles"
         folder.mkdir()

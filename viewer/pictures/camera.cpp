@@ -74,7 +74,8 @@ const Vector oblique_view{-0.62, 0.60, -0.505};
 /// cells if it has no overview.
 constexpr std::size_t max_cells_read = 256, max_cells_read_below_root = 32;
 
-/// Calls visit(row, lowest corner, edge) for the finest nodes in the rows, in voxels; only for nodes of edge ≥ `least`.
+/// Calls visit(row, lowest corner, edge) for the finest nodes in the rows, in voxels. Descends only from nodes whose
+/// edge is above `minimum`.
 template <class Visit>
 void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vector& corner, double edge, double minimum,
                  const Visit& visit) {

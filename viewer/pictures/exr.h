@@ -23,7 +23,7 @@ enum class ExrChannels : std::uint8_t {
 std::string encode_exr(const Picture& picture, ExrChannels channels, double voxel_size_m);
 
 /// Writes the result of encode_exr(). Replaces `path` atomically.
-/// Errors  InputError: the path and the system's reason; no partial file remains.
+/// Errors  InputError, naming the file and the system's reason; no partial file remains.
 void write_exr(const std::filesystem::path& path, const Picture& picture, ExrChannels channels, double voxel_size_m);
 
 }  // namespace gigabake

@@ -14,7 +14,7 @@ namespace gigabake {
 std::string encode_png(const Picture& picture);
 
 /// Writes the result of encode_png(). Replaces `path` atomically.
-/// Errors  InputError: the path and the system's reason; no partial file remains.
+/// Errors  InputError, naming the file and the system's reason; no partial file remains.
 void write_png(const std::filesystem::path& path, const Picture& picture);
 
 }  // namespace gigabake

@@ -37,7 +37,7 @@ class QuerySource {
  public:
   virtual ~QuerySource() = default;
 
-  /// Returns the next `most` queries or fewer; an empty vector at the end.
+  /// Returns the next `maximum` queries or fewer; an empty vector at the end.
   virtual std::vector<QueryInput> next(std::size_t maximum) = 0;
   virtual DirectionForm aim() const { return DirectionForm::point; }
   virtual bool have_ids() const { return false; }

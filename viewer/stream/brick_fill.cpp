@@ -49,7 +49,7 @@ class BrickFiller {
   /// part may need several stored bricks. The bricks of cells may begin at any z, and bricks of a root overview in the
   /// middle of a node.
   void fill_part(const SlotPart& part) {
-    // In z, voxel centres decide which voxel of an unaligned cell is used.
+    // A cell may be offset along z by a part of a voxel: use its voxel that contains the centre of the slot's voxel.
     const std::int64_t half = std::int64_t(1) << lod_ >> 1;
     const std::int64_t v[3] = {lattice(0, part.begin[0]), lattice(1, part.begin[1]), lattice(2, part.begin[2]) + half};
     const VoxelPlace place = lookup_.place(lod_, v, gaps_, path_);

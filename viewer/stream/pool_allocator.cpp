@@ -128,7 +128,7 @@ void PoolAllocator::release_tile(std::uint32_t tile) {
   free_tiles_.push_back(tile);
 }
 
-/// Returns up to `most` of the least recently used candidates. candidates: last use and index.
+/// Returns up to `maximum` of the least recently used candidates. candidates: last use and index.
 std::vector<std::uint32_t> PoolAllocator::oldest(std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates,
                                                  std::size_t maximum) {
   if (candidates.size() > maximum) {

@@ -36,7 +36,7 @@ class PoolAllocator {
   /// Begins a round: entries allocated from now on stay until the next round. Entries that rays used in pass
   /// `used_since` or later stay too, unless `may_evict_used` is true and nothing else can be evicted.
   void begin_round(std::uint32_t used_since, bool may_evict_used);
-  /// Returns whether this round evicted an entry that rays used since then.
+  /// Returns whether this round evicted an entry that rays used in pass `used_since` of begin_round() or later.
   bool evicted_used() const { return evicted_used_; }
 
   /// Allocates the tile of the node's children; returns false if the pool is full and nothing can be evicted. The

@@ -16,8 +16,8 @@ class WaitingClients {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// most: limit of waiting clients. `patience`: time limit from a client's connection, or its last answer, to the end
-  /// of its request.
+  /// maximum: limit of waiting clients. request_timeout: time limit from a client's connection, or its last answer, to
+  /// the end of its request.
   WaitingClients(std::size_t maximum, Clock::duration request_timeout)
       : max_count_(maximum), request_timeout_(request_timeout) {}
 

@@ -16,10 +16,10 @@ namespace gigabake {
 template <class T>
 class BoundedQueue {
  public:
-  /// `room`: number of values that may wait without their producer. 0: a rendezvous.
+  /// capacity: number of values that may wait without their producer. 0: a rendezvous.
   explicit BoundedQueue(std::size_t capacity = 0) : capacity_(capacity) {}
 
-  /// Returns once the value is taken, or is among the first `room` values in the queue.
+  /// Returns once the value is taken, or is among the first `capacity` values in the queue.
   void push(T value) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return values_.size() <= capacity_; });  // max one producer beyond the capacity

@@ -56,7 +56,7 @@ class CellStages {
   void compute(InFlightCell& cell);
   /// Reads a cell back from the device, packed as columns. If packing fails, reads the volume back for the host to
   /// pack. Sets the outcome `empty` if no voxel is occupied. Concurrent with the computation of the next cell. The
-  /// index of the calling thread is `bringer`, at most `bringers`; each thread reads back another cell.
+  /// index of the calling thread is `readback_worker`, at most `readback_workers`; each thread reads another cell back.
   void read_back(InFlightCell& cell, std::size_t readback_worker);
   /// Writes the volume or the columns to a shard, and fills the report.
   void write(InFlightCell& cell);

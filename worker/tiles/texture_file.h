@@ -14,7 +14,7 @@ namespace gigabake {
 inline constexpr std::uint32_t texture_file_version = 2;
 
 /// Writes the file atomically.
-/// Errors  IoError: the file and the system's reason.
+/// Errors  IoError, naming the file and the system's reason.
 void write_texture(const std::filesystem::path& target, const kernels::TextureView& texture);
 
 class TextureFile {

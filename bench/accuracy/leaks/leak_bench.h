@@ -58,7 +58,7 @@ struct LeakBench {
   std::vector<std::string> unmeasured() const;
 };
 
-/// The minimum number of inner pixels of a scene in all its views: fewer are not enough to measure leaks.
+/// The minimum number of inner pixels in all views of a scene together; fewer do not suffice to measure leaks.
 inline constexpr std::size_t min_inner_pixels = 100;
 
 /// Returns the families of scenes, in their order.

@@ -12,7 +12,7 @@
 namespace gigabake {
 namespace {
 
-/// Counts a box of voxels in each tile that contains it or has it in its padding.
+/// Adds 1 to the weight of each tile that overlaps a box of voxels. A tile includes its padding here.
 void count_in_tiles(const VoxelTiling& tiling, int lod, const LevelBox& box, TileWeights& tiles) {
   const LevelBox places = tiling.tiles_near(lod, box);
   for (std::int64_t z = places.min[2]; z < places.end[2]; ++z)

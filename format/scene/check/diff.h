@@ -17,7 +17,7 @@ struct LevelDifference {
   std::uint64_t only_in_a = 0, only_in_b = 0, both = 0;
   std::uint64_t recoloured = 0;  ///< of `both`: r, g, b or alpha differ
   std::uint64_t turned = 0;      ///< of `both`: the normal differs
-  std::uint64_t refaced = 0;     ///< of `both`: the coverage along an axis differs, and both scenes have it
+  std::uint64_t refaced = 0;     ///< of `both`: directional coverage differs; only if both scenes store it
   std::array<int, 4> maximum{};  ///< max |a − b| of 8-bit r, g, b, alpha
   std::array<double, 4> mean{};  ///< mean |a − b| over `recoloured`
   bool any() const { return only_in_a + only_in_b + recoloured + turned + refaced != 0; }

@@ -44,7 +44,8 @@ void PngReader::refuse() const { throw InputError(encoded_.name, "", "not a whol
 bool PngReader::begin() {
   if (setjmp(png_jmpbuf(png_)) != 0) return false;
   png_set_benign_errors(png_, 1);
-  // Reads no chunk that texels do not need: colour management has no effect, and damaged chunks do not matter.
+  // Skips all chunks except IHDR, PLTE, tRNS, IDAT and IEND. Colour management therefore has no effect, and damage in
+  // other chunks does no harm.
   png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
   png_set_read_fn(png_, this, read_bytes);
   png_read_info(png_, info_);

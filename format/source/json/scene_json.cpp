@@ -61,7 +61,8 @@ void read_place(const std::filesystem::path& file, const Json& place, const std:
   e.position = Geodetic{(*degrees)[1], (*degrees)[0], (*degrees)[2]};
 }
 
-/// Opens a source. Without "place" it keeps the position in its file: on the earth, or at the scene's origin.
+/// Opens a source. A source without "place" keeps the geographic position in its file; if there is none, its origin is
+/// the scene's origin.
 Entry read_entry(const std::filesystem::path& file, const Json& json, std::size_t i, SourceOptions options,
                  const Progress& progress) {
   Entry e;

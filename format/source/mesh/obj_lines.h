@@ -50,7 +50,7 @@ std::string_view without_comment(std::string_view text);
 /// Returns a name without enclosing quotation marks, and with '/' in place of '\\'.
 std::string plain_name(std::string_view name);
 
-/// Returns up to `most` leading numbers of `text`; stops at the first word that is not a number.
+/// Returns up to `max_count` leading numbers of `text`; stops at the first word that is not a number.
 /// Exact   Each number is rounded to the nearest double.
 std::vector<double> obj_numbers(std::string_view text, std::size_t max_count);
 

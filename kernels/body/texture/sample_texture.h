@@ -2,7 +2,8 @@
 ///
 /// Space   Texture coordinates run from 0 to 1 over the image. Along each axis a sample's position is a fraction of the
 ///         image in 2^-32. It is wrapped once for all levels, so that levels need neither divisions nor doubles.
-/// Exact   Integers, except that a coordinate is rounded to 2^-31 of the image: host and device agree.
+/// Exact   A coordinate is rounded once, to 2^-31 of the image. All other arithmetic is on integers: host and device
+///         agree.
 /// Range   |s|, |t| ≤ 2^20. Only gradients of degenerate slivers lead beyond; an arbitrary texel is then sampled.
 #pragma once
 

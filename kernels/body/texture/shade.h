@@ -70,7 +70,7 @@ GB_HD Spread texel_spread(const TextureMap& m, float uu, float uv, float vv) {
 /// Returns the factor, at least 0.875, that narrows a box around `middle` of a cell. The box then extends at most 10 %
 /// beyond the cell. A box with the spread of half a cell extends a quarter beyond its border, which reads texels
 /// outside an atlas chart. Ending at the border would lose too much spread. The variance of a convex shape is at most
-/// half the square of its centre's distance from the border, so `least` only guards against rounding.
+/// half the square of its centre's distance from the border, so `minimum` only guards against rounding.
 GB_HD float narrowing_factor(double middle, float variance) {
   constexpr float beyond = 1.1f, minimum = 0.875f;
   const float reach = beyond * float(smaller(middle, 1 - middle));

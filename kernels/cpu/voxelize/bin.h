@@ -26,8 +26,9 @@ struct Batch {
   std::uint64_t pairs;
 };
 
-/// Splits the window's keys into batches of about `pairs_per_batch` pairs. A batch can exceed that if a single 1/32768
-/// of the window does. Batches are in ascending order and cover all keys with pairs; empty batches are omitted.
+/// Splits the window's keys into batches of about `pairs_per_batch` pairs. A batch has more pairs if
+/// a single 1/32768 of the window has more. Batches are in ascending order and cover all keys with pairs; empty batches
+/// are omitted.
 std::vector<Batch> plan_batches(std::span<const WindowTriangle> triangles, const CellParameters& parameters,
                                 std::uint64_t pairs_per_batch, const ThreadPool& pool);
 

@@ -46,9 +46,9 @@ class DeviceHeap {
   /// device's memory limits.
   void limit_to(std::uint64_t bytes) { limit_ = bytes; }
 
-  /// Copies a few bytes to the host and waits for the copy and for the kernels before it. Copies through page-locked
-  /// memory, because the driver would stage a copy to pageable memory itself. what: names the step in an error's
-  /// message.
+  /// Copies a few bytes to the host and waits for the copy and for the kernels before it. A page-locked buffer of the
+  /// heap receives the bytes, so that the driver need not stage a copy to pageable memory. what: names the step in an
+  /// error's message.
   void bring(void* host, const void* device, std::size_t bytes, const char* what);
 
   std::uint64_t live() const { return live_; }

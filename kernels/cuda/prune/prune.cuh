@@ -1,4 +1,4 @@
-/// Device version of kernels/cpu's prune(): the node table of levels of which some brick may be constant.
+/// Device version of kernels/cpu's prune(): the node table of levels that may contain constant bricks.
 #pragma once
 
 #include <deque>

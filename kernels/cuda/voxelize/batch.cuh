@@ -14,8 +14,8 @@ inline constexpr std::uint32_t max_pairs_together = 512;
 struct BatchCounters {
   unsigned items, heavy, hard;                ///< of the current batch
   unsigned max_items, max_pairs, max_staged;  ///< maxima over the batches
-  unsigned long long fragments, voxels;       ///< sums over all batches; voxels: marked ones, including invisible
-                                              ///< ones
+  unsigned long long fragments, voxels;       ///< sums over all batches; voxels: all voxels of items, including
+                                              ///< invisible voxels
   unsigned visible;                           ///< visible voxels of the cell; known after the last batch
 };
 

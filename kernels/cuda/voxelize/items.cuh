@@ -43,7 +43,7 @@ class FragmentIterator {
     if (first < end) open_group();  // without pairs there are no items to read
   }
   __device__ bool has_more() const { return range_.begin < range_.end; }
-  /// Returns the next range, of at most `most` items.
+  /// Returns the next range, of at most `maximum` items.
   __device__ ItemRange take(std::uint32_t maximum) {
     const ItemRange taken{range_.begin, range_.begin + smaller(maximum, range_.end - range_.begin)};
     range_.begin = taken.end;

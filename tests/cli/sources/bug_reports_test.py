@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The inputs of bug-reports, rebuilt from public reports about other programs, give the results that its README.md and
-EXPECT.txt files state. All of it is of 2026-11-25. Usage: bug_reports_test.py GIGABAKE SOURCE_DIR
+EXPECT.txt files state. All cases date from 2026-11-25. Usage: bug_reports_test.py GIGABAKE SOURCE_DIR
 """
 import csv
 import io

@@ -56,7 +56,7 @@ class Serve(harness.FolderTest):
         """Returns the page's image at rest without its bar, the expected image, and the page's state."""
         page.evaluate("document.getElementById('bar').style.visibility = 'hidden'")
         deadline = time.monotonic() + 60
-        while True:  # the image lags the state by ms, and the state lags the input
+        while True:  # the image lags the state by milliseconds, and the state lags the input
             page.wait_for(f"{RESTS} && shownState.frame && shownState.frame.full && !Object.keys(pending).length")
             state = page.evaluate("shownState")
             expected, image = self.rendered(state), read_png(page.screenshot())[..., :3]

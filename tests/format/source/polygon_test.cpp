@@ -77,7 +77,7 @@ TEST(Polygon, HasTheAreaOfACombOfAnyLength) {
   }
 }
 
-/// 2026-11-25: a corridor in a spiral has ears at its ends only.
+/// 2026-11-25: a spiral corridor was triangulated as a fan. Only its two ends have ears.
 TEST(Polygon, HasTheAreaOfASpiral) {
   constexpr int points = 4000;
   constexpr double step = 20 * 6.283185307179586 / points;

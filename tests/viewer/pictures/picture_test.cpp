@@ -73,7 +73,7 @@ struct Ball {
 
 constexpr Ball ball{{31.3, 32.1, 30.7}, 26};
 
-/// Expects alpha ≥ `least` where the ray passes well inside the ball, and background where the ray misses it; voxels
+/// Expects alpha ≥ `minimum` where the ray passes well inside the ball, and background where the ray misses it; voxels
 /// have the size `voxel_m`.
 void expect_silhouette(const Picture& p, const CameraOptions& c, const Ball& b, double voxel_m, int minimum = 255) {
   for (int y = 0; y < p.height; ++y)

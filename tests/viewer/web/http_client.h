@@ -14,7 +14,7 @@ class HttpClient {
 
   /// Sends the bytes. Returns false if the server has closed.
   bool send(const std::string& bytes);
-  /// Receives until the server closes, `most` bytes have arrived or the server has been silent for `idle_timeout_s`.
+  /// Receives until the server closes, `maximum` bytes have arrived or the server has been silent for `idle_timeout_s`.
   std::string receive(std::size_t maximum, double idle_timeout_s = 2);
   /// Receives until `ending` arrives, or nothing for half a minute.
   std::string receive_until(const std::string& ending);

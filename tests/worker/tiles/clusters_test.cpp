@@ -99,7 +99,7 @@ TEST(ClustersOf, KeepWhatIsOfTheWholeMesh) {
   EXPECT_TRUE(clusters_of(Primitive{}).empty());
 }
 
-/// Returns the area of the clusters' rectangles, in squares of the grid. Ignores rectangles that are `most` or more
+/// Returns the area of the clusters' rectangles, in squares of the grid. Ignores rectangles that are `maximum` or more
 /// wide.
 double covered_area(const std::vector<Primitive>& clusters, double maximum) {
   double area = 0;

@@ -27,7 +27,7 @@ inline Bytes periodic(Random& rng, std::size_t size, std::size_t period) {
   return bytes;
 }
 
-/// Returns runs of up to `longest` equal bytes.
+/// Returns runs of up to `maximum` equal bytes.
 inline Bytes runs(Random& rng, std::size_t size, std::size_t maximum) {
   Bytes bytes;
   while (bytes.size() < size) bytes.insert(bytes.end(), 1 + rng() % maximum, std::uint8_t(rng()));
