@@ -15,7 +15,8 @@
 
 namespace gigabake::deflate {
 
-/// Words for the longest header: 7 bits and up to 7 extra bits for each of 316 lengths, and 74 bits before them.
+/// Words for the longest header. It has 74 bits, then 7 bits and up to 7 extra bits for each of 316 lengths: 141 words,
+/// rounded up to a multiple of 16.
 inline constexpr std::uint32_t header_words = 144;
 
 /// The codes and the header of a block.
