@@ -47,10 +47,12 @@ MODULES = {
 # These may include all modules.
 JOINTS = ["app", "bench", "tests"]
 
+# Files that may contain CUDA code.
+CUDA_FILES = r"kernels/(?!body/|cpu/)\w+/|tests/"
 # Tuples of header, files that may include it, and the reason.
 RESERVED = [
     (r"mpi\.h", r"cluster/|tests/cluster/", "only cluster/ talks MPI"),
-    (r"cuda\w*\.h|cooperative_groups.*|cub/.*|thrust/.*", r"kernels/(?!body/|cpu/)\w+/|tests/",
+    (r"cuda\w*\.h|cooperative_groups.*|cub/.*|thrust/.*", CUDA_FILES,
      "kernels/body and kernels/cpu, and all other folders, have no CUDA code"),
     (r"thread|future|mutex|condition_variable", r"(?!kernels/|core/)|core/base/thread_pool\.cpp",
      "kernels and core loop through core/base/thread_pool.h"),
@@ -69,7 +71,6 @@ HEAVY = r"nlohmann/json\.hpp|tiny_gltf\.h|hdf5\.h|pugixml\.hpp"
 # Options of mpirun and srun, and the separator of images in a stream.
 OPTIONS_OF_OTHERS = {"--bind-to", "--mpi", "--frame"}
 
-CUDA_FILES = re.compile(r"kernels/(?!body/|cpu/)\w+/|tests/")
 SOURCE = {".h", ".cpp", ".cu", ".cuh"}
 MAX_FILE_LINES = 400
 MAX_LINE = 120
@@ -181,7 +182,7 @@ def problems(root):
                 found += option_problems(text)
         if path.suffix in {".h", ".cuh"}:
             found += header_problems(name, text)
-        if path.suffix in {".cu", ".cuh"} and not CUDA_FILES.match(name):
+        if path.suffix in {".cu", ".cuh"} and not re.match(CUDA_FILES, name):
             found.append("only subfolders of kernels/, except body and cpu, and tests have CUDA files")
         for problem in found:
             yield f"{name}: {problem}"
