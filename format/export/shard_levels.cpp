@@ -65,44 +65,8 @@ std::vector<LevelBox> bricks_of(const ShardHeader& header, const NodeTable& node
   return boxes;
 }
 
-std::shared_ptr<ShardLevels::Entry> ShardLevels::entry_of(const Key& key) {
-  const std::scoped_lock lock(mutex_);
-  const auto found = entries_.find(key);
-  if (found != entries_.end()) {
-    by_use_.splice(by_use_.begin(), by_use_, found->second.second);
-    return found->second.first;
-  }
-  by_use_.push_front(key);
-  auto entry = std::make_shared<Entry>();
-  entries_.emplace(key, std::pair(entry, by_use_.begin()));
-  return entry;
-}
-
-void ShardLevels::forget_oldest(std::uint64_t more) {
-  const std::scoped_lock lock(mutex_);
-  bytes_ += more;
-  while (bytes_ > max_bytes_ && by_use_.size() > 1) {
-    const auto oldest = entries_.find(by_use_.back());
-    const std::shared_ptr<const ShardLevel> level = oldest->second.first->level;
-    if (level == nullptr) break;  // another thread is reading it
-    bytes_ -= level->bytes();
-    entries_.erase(oldest);
-    by_use_.pop_back();
-  }
-}
-
 std::shared_ptr<const ShardLevel> ShardLevels::get(const SceneCell& shard, int lod) {
-  const std::shared_ptr<Entry> entry = entry_of({shard.file, lod});
-  std::shared_ptr<const ShardLevel> level;
-  {
-    const std::scoped_lock lock(entry->reading);
-    if (entry->level != nullptr) return entry->level;
-    level = std::make_shared<const ShardLevel>(scene_, shard, lod);
-    const std::scoped_lock also(mutex_);
-    entry->level = level;
-  }
-  forget_oldest(level->bytes());
-  return level;
+  return levels_.get({shard.file, lod}, [&] { return std::make_shared<const ShardLevel>(scene_, shard, lod); });
 }
 
 }  // namespace gigabake

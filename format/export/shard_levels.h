@@ -3,19 +3,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <list>
-#include <map>
+#include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "format/export/level_owners.h"
 #include "format/export/voxel_tiles/voxel_tiling.h"
 #include "format/scene/scene_level.h"
 #include "format/shard/levels/brick_walk.h"
+#include "format/system/loading_cache.h"
 
 namespace gigabake {
 
@@ -51,25 +50,23 @@ std::vector<LevelBox> bricks_of(const ShardHeader& header, const NodeTable& node
 /// Cache of the most recently used levels. Thread-safe.
 class ShardLevels {
  public:
-  /// max_bytes: max size of unused levels that are kept.
-  ShardLevels(const PagedScene& scene, std::uint64_t max_bytes) : scene_(scene), max_bytes_(max_bytes) {}
+  /// max_bytes: max size of the levels that are kept; a level that is larger stays until another one is read.
+  ShardLevels(const PagedScene& scene, std::uint64_t max_bytes) : scene_(scene), levels_(max_bytes, 1) {}
 
   std::shared_ptr<const ShardLevel> get(const SceneCell& shard, int lod);
 
  private:
-  struct Entry {
-    std::mutex reading;
-    std::shared_ptr<const ShardLevel> level;
+  struct Key {
+    std::string file;
+    int lod;
+    friend bool operator==(const Key&, const Key&) = default;
   };
-  using Key = std::pair<std::string, int>;
-  std::shared_ptr<Entry> entry_of(const Key& key);
-  void forget_oldest(std::uint64_t more);
+  struct KeyHash {
+    std::size_t operator()(const Key& key) const { return std::hash<std::string>()(key.file) + std::size_t(key.lod); }
+  };
 
   const PagedScene& scene_;
-  std::uint64_t max_bytes_, bytes_ = 0;
-  std::mutex mutex_;
-  std::list<Key> by_use_;  ///< most recently used first
-  std::map<Key, std::pair<std::shared_ptr<Entry>, std::list<Key>::iterator>> entries_;
+  LoadingCache<Key, ShardLevel, KeyHash> levels_;
 };
 
 template <class Visit>

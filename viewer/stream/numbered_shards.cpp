@@ -9,37 +9,23 @@ namespace gigabake {
 namespace {
 
 /// A full page of cells takes about 300 KB.
-constexpr std::size_t max_kept = 32;
+constexpr std::size_t max_pages = 32;
 constexpr std::int32_t deepest = 64;  // the block edge halves with each page level
 
 }  // namespace
 
 NumberedShards::NumberedShards(std::shared_ptr<const PagedScene> scene,
                                std::shared_ptr<std::atomic<std::uint64_t>> files_opened)
-    : scene_(std::move(scene)), files_opened_(std::move(files_opened)) {}
+    : scene_(std::move(scene)), files_opened_(std::move(files_opened)), pages_(max_pages) {}
 
-/// Returns a page from the cache or the file. If two threads read the same page concurrently, one copy is kept.
+/// Returns a page from the cache or the file.
 std::shared_ptr<const ScenePage> NumberedShards::read(const PageReference& reference, std::uint32_t first,
                                                       std::int32_t depth) {
-  const auto find = [&] {
-    for (auto kept = kept_.begin(); kept != kept_.end(); ++kept)
-      if (kept->first == first && kept->depth == depth) {
-        kept_.splice(kept_.begin(), kept_, kept);
-        return kept->page;
-      }
-    return std::shared_ptr<const ScenePage>();
-  };
-  {
-    const std::scoped_lock lock(mutex_);
-    if (auto page = find()) return page;
-  }
-  auto page = std::make_shared<const ScenePage>(read_page(scene_->file(), scene_->header(), reference));
-  if (files_opened_) ++*files_opened_;
-  const std::scoped_lock lock(mutex_);
-  if (auto other = find()) return other;
-  kept_.push_front({first, depth, page});
-  if (kept_.size() > max_kept) kept_.pop_back();
-  return page;
+  return pages_.get(std::uint64_t(first) << 32 | std::uint32_t(depth), [&] {
+    auto page = std::make_shared<const ScenePage>(read_page(scene_->file(), scene_->header(), reference));
+    if (files_opened_) ++*files_opened_;
+    return page;
+  });
 }
 
 /// Returns the page that is `depth` levels below those that scene.xml refers to, on the path to the item. If the path

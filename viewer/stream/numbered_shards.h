@@ -5,11 +5,10 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <list>
 #include <memory>
-#include <mutex>
 
 #include "format/scene/paged_scene.h"
+#include "format/system/loading_cache.h"
 #include "viewer/stream/page.h"
 
 namespace gigabake {
@@ -28,11 +27,6 @@ class NumberedShards {
   Page listing(const PageKey& key);
 
  private:
-  struct Kept {
-    std::uint32_t first = 0;
-    std::int32_t depth = 0;
-    std::shared_ptr<const ScenePage> page;
-  };
   struct Listing {
     std::uint32_t first_cell = 0, first_parent = 0;  ///< first_parent counts overviews only
     std::shared_ptr<const ScenePage> page;
@@ -46,8 +40,8 @@ class NumberedShards {
 
   std::shared_ptr<const PagedScene> scene_;
   std::shared_ptr<std::atomic<std::uint64_t>> files_opened_;
-  std::mutex mutex_;
-  std::list<Kept> kept_;  ///< most recently used first
+  /// Pages by their first cell and their depth.
+  LoadingCache<std::uint64_t, ScenePage, std::hash<std::uint64_t>, CostOfEntry> pages_;
 };
 
 }  // namespace gigabake

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <utility>
+#include <vector>
 
 #include "format/scene/shard_of_scene.h"
 
@@ -15,23 +16,15 @@ std::size_t open_shards_within(std::uint64_t memory_bytes) {
 
 OpenShards::OpenShards(NumberedShards& numbers, std::size_t max_open,
                        std::shared_ptr<std::atomic<std::uint64_t>> files_opened)
-    : numbers_(numbers), max_open_(max_open), files_opened_(std::move(files_opened)) {}
+    : numbers_(numbers), files_opened_(std::move(files_opened)), shards_(max_open) {}
 
 std::shared_ptr<OpenShards::Shard> OpenShards::entry_of(std::uint32_t number) {
-  std::shared_ptr<Shard> closed;  // destroyed after the lock is released
+  std::vector<std::shared_ptr<Shard>> closed;  // destroyed after the lock is released
   const std::scoped_lock lock(mutex_);
-  if (const auto found = entries_.find(number); found != entries_.end()) {
-    uses_.splice(uses_.begin(), uses_, found->second.use);
-    return found->second.shard;
-  }
-  if (entries_.size() >= max_open_) {
-    const auto oldest = entries_.find(uses_.back());
-    closed = std::move(oldest->second.shard);
-    entries_.erase(oldest);
-    uses_.pop_back();
-  }
-  uses_.push_front(number);
-  return entries_.emplace(number, Entry{std::make_shared<Shard>(), uses_.begin()}).first->second.shard;
+  if (const auto* shard = shards_.find(number)) return *shard;
+  auto shard = std::make_shared<Shard>();
+  closed = shards_.insert(number, shard, 1);
+  return shard;
 }
 
 std::shared_ptr<const ShardPages> OpenShards::open(std::uint32_t number) {

@@ -3,11 +3,10 @@
 
 #include <atomic>
 #include <cstdint>
-#include <list>
 #include <memory>
 #include <mutex>
-#include <unordered_map>
 
+#include "core/base/lru_cache.h"
 #include "format/shard/shard_pages.h"
 #include "viewer/stream/numbered_shards.h"
 
@@ -39,19 +38,13 @@ class OpenShards {
     std::mutex opening;
     std::shared_ptr<const ShardPages> pages;
   };
-  struct Entry {
-    std::shared_ptr<Shard> shard;
-    std::list<std::uint32_t>::iterator use;
-  };
   std::shared_ptr<Shard> entry_of(std::uint32_t number);
   std::shared_ptr<const ShardPages> open(std::uint32_t number);
 
   NumberedShards& numbers_;
-  std::size_t max_open_;
   std::shared_ptr<std::atomic<std::uint64_t>> files_opened_;
   std::mutex mutex_;
-  std::list<std::uint32_t> uses_;  ///< numbers, most recently used first
-  std::unordered_map<std::uint32_t, Entry> entries_;
+  LruCache<std::uint32_t, std::shared_ptr<Shard>> shards_;  ///< by number; the cost of a shard is 1
 };
 
 }  // namespace gigabake

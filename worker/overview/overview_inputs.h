@@ -2,12 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <list>
 #include <memory>
 #include <mutex>
 #include <string>
-#include <unordered_map>
 
+#include "core/base/lru_cache.h"
 #include "worker/overview/parent_bake.h"
 
 namespace gigabake {
@@ -16,7 +15,7 @@ namespace gigabake {
 /// Thread-safe.
 class OverviewInputs {
  public:
-  explicit OverviewInputs(std::uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
+  explicit OverviewInputs(std::uint64_t budget_bytes) : children_(budget_bytes) {}
 
   /// Replaces the entry of this file name. A child larger than the budget is not kept.
   void keep(const std::string& file, ChildOfParent child);
@@ -26,18 +25,8 @@ class OverviewInputs {
   std::uint64_t bytes() const;
 
  private:
-  struct Entry {
-    std::string file;
-    std::shared_ptr<const ChildOfParent> child;
-    std::uint64_t bytes;
-  };
-  void erase(std::list<Entry>::iterator entry);
-
-  const std::uint64_t budget_bytes_;
   mutable std::mutex mutex_;
-  std::list<Entry> entries_;  ///< in the order of eviction
-  std::unordered_map<std::string, std::list<Entry>::iterator> by_file_;
-  std::uint64_t bytes_ = 0;
+  LruCache<std::string, std::shared_ptr<const ChildOfParent>> children_;
 };
 
 }  // namespace gigabake

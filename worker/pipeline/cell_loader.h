@@ -12,8 +12,8 @@
 #include "format/job/cell_job.h"
 #include "format/source/mesh.h"
 #include "format/source/source.h"
+#include "format/system/loading_cache.h"
 #include "kernels/cpu/bake_cell.h"
-#include "worker/lru_cache.h"
 #include "worker/tiles/loaded_tile.h"
 #include "worker/tiles/texture_store.h"
 #include "worker/tiles/tile_store.h"
@@ -76,8 +76,8 @@ class CellLoader {
   ThreadPool pool_;
   TileStore tile_store_;  ///< has its own threads, because tiles are read concurrently on pool_
   TextureStore texture_store_;
-  LruCache<TileKey, LoadedTile, TileKeyHash> tiles_;
-  LruCache<TextureKey, CellTexture, TextureKeyHash> textures_;
+  LoadingCache<TileKey, LoadedTile, TileKeyHash> tiles_;
+  LoadingCache<TextureKey, CellTexture, TextureKeyHash> textures_;
 };
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-#include "worker/lru_cache.h"
+#include "format/system/loading_cache.h"
 
 #include <atomic>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ struct Blob {
   std::uint64_t bytes() const { return size; }
 };
 
-class LruCacheTest : public testing::Test {
+class LoadingCacheTest : public testing::Test {
  protected:
   std::shared_ptr<const Blob> get(int id, std::uint64_t size = 10) {
     return cache.get(id, [&] {
@@ -24,48 +24,65 @@ class LruCacheTest : public testing::Test {
       return std::make_shared<const Blob>(Blob{id, size});
     });
   }
-  LruCache<int, Blob> cache{30};
+  LoadingCache<int, Blob> cache{30};
   std::vector<int> loads;
 };
 
-TEST_F(LruCacheTest, LoadsOnceWhatFits) {
+TEST_F(LoadingCacheTest, LoadsOnceWhatFits) {
   for (int round = 0; round < 3; ++round)
     for (int id : {1, 2, 3}) EXPECT_EQ(get(id)->id, id);
   EXPECT_EQ(loads, (std::vector{1, 2, 3}));
-  EXPECT_EQ(cache.bytes(), 30u);
+  EXPECT_EQ(cache.cost(), 30u);
 }
 
-TEST_F(LruCacheTest, EvictsTheLeastRecentlyUsed) {
+TEST_F(LoadingCacheTest, EvictsTheLeastRecentlyUsed) {
   for (int id : {1, 2, 3, 1, 4, 1, 3, 2}) get(id);  // 4 pushes 2 out, and 2 pushes 4
   EXPECT_EQ(loads, (std::vector{1, 2, 3, 4, 2}));
 }
 
-TEST_F(LruCacheTest, HandsOnButDoesNotKeepWhatExceedsTheBudget) {
+TEST_F(LoadingCacheTest, HandsOnButDoesNotKeepWhatExceedsTheBudget) {
   EXPECT_EQ(get(1, 31)->size, 31u);
-  EXPECT_EQ(cache.bytes(), 0u);
+  EXPECT_EQ(cache.cost(), 0u);
   get(1, 31);
   EXPECT_EQ(loads, (std::vector{1, 1}));
 }
 
-TEST_F(LruCacheTest, LoadsAgainWhatWasDropped) {
+TEST_F(LoadingCacheTest, LoadsAgainWhatWasDropped) {
   const auto held = get(1);
   get(2);
   cache.drop(1);
   cache.drop(7);
   EXPECT_EQ(held->id, 1);
-  EXPECT_EQ(cache.bytes(), 10u);
+  EXPECT_EQ(cache.cost(), 10u);
   get(2), get(1);
   EXPECT_EQ(loads, (std::vector{1, 2, 1}));
 }
 
-TEST_F(LruCacheTest, LeavesAnEvictedValueToWhoHoldsIt) {
+// The cache was emptied by a value that it could not keep.
+TEST_F(LoadingCacheTest, KeepsOtherValuesWhenOneExceedsTheBudget) {
+  get(1), get(2);
+  get(3, 31);
+  get(1), get(2);
+  EXPECT_EQ(loads, (std::vector{1, 2, 3}));
+}
+
+TEST(LoadingCache, CountsEntriesIfTheirCostIsOne) {
+  LoadingCache<int, int, std::hash<int>, CostOfEntry> cache(2);
+  int loads = 0;
+  for (const int id : {1, 2, 1, 3, 1, 2})  // 3 evicts 2, and 2 evicts 3
+    EXPECT_EQ(*cache.get(id, [&] { return ++loads, std::make_shared<const int>(id); }), id);
+  EXPECT_EQ(loads, 4);
+  EXPECT_EQ(cache.cost(), 2u);
+}
+
+TEST_F(LoadingCacheTest, LeavesAnEvictedValueToWhoHoldsIt) {
   const auto held = get(1, 30);
   get(2, 30);
   EXPECT_EQ(held->id, 1);
-  EXPECT_EQ(cache.bytes(), 30u);
+  EXPECT_EQ(cache.cost(), 30u);
 }
 
-TEST_F(LruCacheTest, LoadsAgainAfterALoadThatThrew) {
+TEST_F(LoadingCacheTest, LoadsAgainAfterALoadThatThrew) {
   const auto failing = [&] {
     return cache.get(1, []() -> std::shared_ptr<const Blob> { throw std::runtime_error("disk"); });
   };
@@ -74,8 +91,8 @@ TEST_F(LruCacheTest, LoadsAgainAfterALoadThatThrew) {
   EXPECT_EQ(get(1)->id, 1);
 }
 
-TEST(LruCache, LoadsOnceForManyThreads) {
-  LruCache<std::string, Blob> cache(1000);
+TEST(LoadingCache, LoadsOnceForManyThreads) {
+  LoadingCache<std::string, Blob> cache(1000);
   std::atomic<int> loads{0};
   std::vector<std::thread> threads;
   for (int t = 0; t < 8; ++t)
@@ -91,8 +108,8 @@ TEST(LruCache, LoadsOnceForManyThreads) {
   EXPECT_EQ(loads, 1);
 }
 
-TEST(LruCache, StaysWithinItsBudgetUnderManyThreads) {
-  LruCache<int, Blob> cache(50);
+TEST(LoadingCache, StaysWithinItsBudgetUnderManyThreads) {
+  LoadingCache<int, Blob> cache(50);
   std::vector<std::thread> threads;
   for (int t = 0; t < 4; ++t)
     threads.emplace_back([&, t] {
@@ -100,7 +117,7 @@ TEST(LruCache, StaysWithinItsBudgetUnderManyThreads) {
         const int id = (i * (t + 1)) % 17;
         const auto value = cache.get(id, [&] { return std::make_shared<const Blob>(Blob{id, std::uint64_t(id)}); });
         EXPECT_EQ(value->id, id);
-        EXPECT_LE(cache.bytes(), 50u);
+        EXPECT_LE(cache.cost(), 50u);
       }
     });
   for (auto& t : threads) t.join();
