@@ -1,8 +1,15 @@
 #include "app/command_tree.h"
 
+#include <nlohmann/json.hpp>
+
 #include "app/options/choices.h"
 
 namespace gigabake::app {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CommandOption, names, value, choices, default_value, description, is_positional,
+                                   is_required)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Command, path, description, options, commands)
+
 namespace {
 
 CommandOption option_of(const CLI::Option& option) {
@@ -58,6 +65,10 @@ std::vector<std::string> Command::option_names() const {
 }
 
 Command command_tree(const CLI::App& program, const std::string& name) { return command_of(program, {name}); }
+
+std::string to_json(const Command& command) { return nlohmann::json(command).dump(); }
+
+Command command_from_json(const std::string& text) { return nlohmann::json::parse(text).get<Command>(); }
 
 std::vector<const Command*> all_commands(const Command& root) {
   std::vector<const Command*> all;

@@ -31,6 +31,12 @@ struct Command {
 /// Returns the tree of commands and options that --help lists; omits hidden ones.
 Command command_tree(const CLI::App& program, const std::string& name);
 
+/// Returns the command as JSON text, which command_from_json() reads.
+std::string to_json(const Command& command);
+
+/// Errors  nlohmann::json::exception: not a text of to_json().
+Command command_from_json(const std::string& text);
+
 /// Returns the command itself and all commands below it, parents first.
 std::vector<const Command*> all_commands(const Command& root);
 

@@ -22,12 +22,6 @@ void add_render(CLI::App& app, int& exit_code);
 void add_query(CLI::App& app, int& exit_code);
 void add_view(CLI::App& app, int& exit_code);
 void add_serve(CLI::App& app, int& exit_code);
-void add_bench(CLI::App& app, int& exit_code);
-/// Adds the subcommand to `bench`.
-void add_bench_accuracy(CLI::App& bench, int& exit_code);
-void add_bench_pack(CLI::App& bench, int& exit_code);
-void add_bench_query(CLI::App& bench, int& exit_code);
-void add_bench_render(CLI::App& bench, int& exit_code);
 /// Adds the hidden command that a rank's supervisor starts. Its callback ends the process.
 void add_bake_process(CLI::App& app);
 

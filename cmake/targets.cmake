@@ -4,6 +4,8 @@ include(GNUInstallDirs)
 # Folder of loadable modules once installed. In a build, programs find them in the build folder.
 set(GIGABAKE_MODULE_FOLDER ${CMAKE_INSTALL_LIBDIR}/gigabake)
 set(CMAKE_BUILD_RPATH ${CMAKE_BINARY_DIR})
+# Folder of programs that only gigabake starts, once installed.
+set(GIGABAKE_PROGRAM_FOLDER ${CMAKE_INSTALL_LIBEXECDIR}/gigabake)
 
 # No contraction and no fast-math: with either, CPU and GPU could differ in the last bit.
 set(gb_cxx_options -Wall -Wextra -Wshadow -ffp-contract=off)
@@ -126,6 +128,12 @@ function(gb_module name)
   set_target_properties(${module} PROPERTIES PREFIX "" OUTPUT_NAME gigabake-${name}-${PROJECT_VERSION}
                                              LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
   install(TARGETS ${module} DESTINATION ${GIGABAKE_MODULE_FOLDER} COMPONENT runtime)
+endfunction()
+
+# gb_module_path(program folder): makes the program, once installed in the folder, find the modules.
+function(gb_module_path program folder)
+  file(RELATIVE_PATH modules /prefix/${folder} /prefix/${GIGABAKE_MODULE_FOLDER})
+  set_target_properties(${program} PROPERTIES INSTALL_RPATH "$ORIGIN/${modules}")
 endfunction()
 
 # gb_test(folder label libraries…): compiles the *.cpp below tests/<folder> into the GoogleTest program

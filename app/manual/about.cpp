@@ -39,11 +39,15 @@ std::string compiler() {
 
 }  // namespace
 
-std::string about() {
+std::string build_version() {
   const std::string commit = GIGABAKE_COMMIT;
+  return commit.empty() ? GIGABAKE_VERSION : GIGABAKE_VERSION ", commit " + commit;
+}
+
+std::string about() {
   const LibraryVersions libraries = library_versions();
   return fmt::format(
-      "gigabake {}{}\n"
+      "gigabake {}\n"
       "formats   shards: writes version {}, reads {} to {}; scenes: writes version {} (docs/format.md)\n"
       "compiler  {}\n"
       "CUDA      {}\n"
@@ -51,9 +55,8 @@ std::string about() {
       "libraries {}\n"
       "loaded    when needed: {}\n"
       "codecs    {}",
-      GIGABAKE_VERSION, commit.empty() ? "" : ", commit " + commit, shard_version, oldest_shard_version, shard_version,
-      newest_scene_version, compiler(), cuda(), mpi_version(), listed(libraries.linked), listed(libraries.loaded),
-      libraries.codecs.empty() ? "none" : libraries.codecs);
+      build_version(), shard_version, oldest_shard_version, shard_version, newest_scene_version, compiler(), cuda(),
+      mpi_version(), listed(libraries.linked), listed(libraries.loaded), libraries.codecs.empty() ? "none" : libraries.codecs);
 }
 
 }  // namespace gigabake::app

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <memory>
+#include <utility>
 
 #include "app/manual/completion.h"
 #include "app/manual/man_page.h"
 #include "app/manual/man_viewer.h"
 #include "app/options/choices.h"
+#include "app/process/bench_program.h"
 #include "core/base/error.h"
 #include "format/system/publish.h"
 
@@ -38,6 +40,14 @@ std::vector<std::string> command_words(const CLI::App& app) {
   return words;
 }
 
+/// Returns all commands with their options; without the options of the benchmarks if gigabake-bench is missing.
+Command complete_tree(const CLI::App& app) {
+  Command root = command_tree(app, "gigabake");
+  const auto bench = std::ranges::find_if(root.commands, [](const Command& c) { return c.path.back() == "bench"; });
+  if (auto tree = bench_tree()) *bench = std::move(*tree);
+  return root;
+}
+
 }  // namespace
 
 void add_man(CLI::App& app) {
@@ -49,7 +59,7 @@ void add_man(CLI::App& app) {
       ->check(one_of(command_words(app)));
   command->add_option("--all", o->folder, "folder to write the pages of all commands to, instead");
   command->callback([o, &app] {
-    const Command root = command_tree(app, "gigabake");
+    const Command root = complete_tree(app);
     if (o->folder.empty()) return show_man_page(man_page(command_named(root, o->command), root));
     for (const Command* page : all_commands(root))
       publish_file(std::filesystem::path(o->folder) / man_file(*page), man_page(*page, root), Durability::while_up);
@@ -62,7 +72,7 @@ void add_completion(CLI::App& app) {
   auto shell = std::make_shared<std::string>();
   command->add_option("SHELL", *shell, "name of the shell")->required()->check(one_of({"bash", "zsh", "fish"}));
   command->callback([shell, &app] {
-    const Command root = command_tree(app, "gigabake");
+    const Command root = complete_tree(app);
     fmt::print("{}", *shell == "bash"  ? bash_completion(root)
                      : *shell == "zsh" ? zsh_completion(root)
                                        : fish_completion(root));

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/commands/plan_sizes.h"
+#include "app/messages/plan_sizes.h"
 #include "cluster/bake/bake.h"
 #include "scheduler/journal/cached_results.h"
 

@@ -141,17 +141,20 @@ class Package(harness.FolderTest):
         packer = {"DEBFULLNAME": "Package Test", "DEBEMAIL": "packager@example.com"}
         succeed(*pack, cwd=self.path, env={**nobody, **packer})
         packages = sorted(p.name.split("_")[0] for p in (self.path / "packages").glob("*.deb"))
-        self.assertEqual(packages, ["gigabake", "gigabake-dev"])
+        self.assertEqual(packages, ["gigabake", "gigabake-bench", "gigabake-dev"])
         program, = (self.path / "packages").glob("gigabake_*.deb")
         control = succeed("dpkg-deb", "-I", program)
         self.assertIn("Maintainer: Package Test <packager@example.com>", control)
         for library in ("libhdf5-", "liblz4-1", "libopenmpi3", "libc6"):
             self.assertIn(library, control)
+        for library in ("embree", "gmp"):
+            self.assertNotIn(library, control)
         files = succeed("dpkg-deb", "-c", program)
         for file in ("./usr/bin/gigabake", "./usr/share/man/man1/gigabake-export.1.gz",
                      "./usr/share/bash-completion/completions/gigabake", "./usr/share/doc/gigabake/copyright"):
             self.assertIn(file, files)
         self.assertNotIn(".a\n", files)
+        self.assertNotIn("/gigabake-bench\n", files)
         development, = (self.path / "packages").glob("gigabake-dev_*.deb")
         files = succeed("dpkg-deb", "-c", development)
         for file in ("lib/libgigabake_shard.a", "include/gigabake/format/shard/shard_reader.h", "gigabakeConfig.cmake"):
@@ -160,9 +163,13 @@ class Package(harness.FolderTest):
         succeed("dpkg-deb", "-x", program, unpacked)
         self.assertIn("gigabake", succeed(unpacked / "usr/bin/gigabake", "--version"))
         self.expect_modules_load(unpacked / "usr")
+        benchmarks, = (self.path / "packages").glob("gigabake-bench_*.deb")
+        succeed("dpkg-deb", "-x", benchmarks, unpacked)
+        self.assertIn("dispatches/s", succeed(unpacked / "usr/bin/gigabake", "bench", "schedule", "--cells", "20"))
         if shutil.which("lintian"):
-            told = subprocess.run(["lintian", "--fail-on", "none", program, development], capture_output=True,
-                                  text=True, timeout=600, check=False, env=dict(os.environ, LC_ALL="C.UTF-8"))
+            told = subprocess.run(["lintian", "--fail-on", "none", program, development, benchmarks],
+                                  capture_output=True, text=True, timeout=600, check=False,
+                                  env=dict(os.environ, LC_ALL="C.UTF-8"))
             print(told.stdout)
             self.assertEqual([line for line in told.stdout.splitlines() if line.startswith("E:")], [])
 

@@ -11,6 +11,7 @@
 #include "app/options/choices.h"
 #include "app/options/output_file.h"
 #include "app/options/text_values.h"
+#include "bench/commands/commands.h"
 #include "bench/report/accuracy_report.h"
 #include "bench/report/hard_report.h"
 #include "bench/report/leak_report.h"
@@ -195,8 +196,7 @@ int run(const AccuracyOptions& options) {
 }  // namespace
 
 void add_bench_accuracy(CLI::App& bench, int& exit_code) {
-  auto* command = bench.add_subcommand(
-      "accuracy", "Measure speed and error of many settings, compared with images of the triangles");
+  auto* command = bench.get_subcommand("accuracy");
   auto o = std::make_shared<AccuracyOptions>();
   BakeOptions& bake = o->bake;
   command->add_option("SOURCE", bake.source, "input of the bakes: see below");

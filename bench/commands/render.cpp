@@ -4,8 +4,6 @@
 #include <tuple>
 
 #include "app/commands.h"
-#include "app/commands/bench_frames.h"
-#include "app/commands/bench_live.h"
 #include "app/messages/json_text.h"
 #include "app/messages/status_text.h"
 #include "app/messages/with_progress.h"
@@ -13,6 +11,9 @@
 #include "app/options/renderer_options.h"
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/frames.h"
+#include "bench/commands/live.h"
 #include "bench/first_hit/first_hit_bench.h"
 #include "core/base/counted.h"
 #include "core/base/error.h"
@@ -164,7 +165,7 @@ int run(const RenderBenchOptions& options) {
 }  // namespace
 
 void add_bench_render(CLI::App& bench, int& exit_code) {
-  auto* command = bench.add_subcommand("render", "Time rays and frames from fixed views and along a flight");
+  auto* command = bench.get_subcommand("render");
   auto options = std::make_shared<RenderBenchOptions>();
   command->add_option("SCENE", options->scene, "folder of a bake, or its scene.xml")->required();
   command->add_option("--size", options->size, "WIDTHxHEIGHT in pixels; there are as many random rays")

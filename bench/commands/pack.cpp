@@ -5,6 +5,7 @@
 #include "app/commands.h"
 #include "app/messages/json_text.h"
 #include "app/messages/status_text.h"
+#include "bench/commands/commands.h"
 #include "bench/pack_bench.h"
 #include "core/base/counted.h"
 
@@ -57,8 +58,7 @@ void print_pack_json(const bench::PackBench& b) {
 }  // namespace
 
 void add_bench_pack(CLI::App& bench, int& exit_code) {
-  auto* command =
-      bench.add_subcommand("pack", "Time Deflate of a bake's shards: on the host, on a GPU and by libdeflate");
+  auto* command = bench.get_subcommand("pack");
   struct Options {
     bench::PackBenchRequest request;
     bool json = false;

@@ -7,7 +7,9 @@
 #include "app/messages/status_text.h"
 #include "app/messages/with_progress.h"
 #include "app/options/bake_options.h"
+#include "app/process/bench_program.h"
 #include "bench/bake_bench.h"
+#include "bench/commands/commands.h"
 #include "bench/kernel_bench.h"
 #include "bench/schedule_bench.h"
 #include "core/base/counted.h"
@@ -176,8 +178,7 @@ int run(const BakeBenchOptions& options) {
 }
 
 void add_bench_bake(CLI::App& bench, int& exit_code) {
-  auto* command =
-      bench.add_subcommand("bake", "Time whole cells from files to shards: stages one by one, then overlapped");
+  auto* command = bench.get_subcommand("bake");
   auto options = std::make_shared<BakeBenchOptions>();
   options->bake.add_to(*command);
   command->add_option("-o,--out", options->bake.out, "folder for the shards, which are replaced")->required();
@@ -208,8 +209,7 @@ int run(const KernelOptions& options) {
 }
 
 void add_bench_kernels(CLI::App& bench, int& exit_code) {
-  auto* command =
-      bench.add_subcommand("kernels", "Time the kernels of a source's largest cell on each available backend");
+  auto* command = bench.get_subcommand("kernels");
   auto options = std::make_shared<KernelOptions>();
   options->bake.add_to(*command);
   command->add_option("--repeats", options->repeats, "number of runs; the fastest is reported")
@@ -224,8 +224,7 @@ struct ScheduleBenchOptions {
 };
 
 void add_bench_schedule(CLI::App& bench, int& exit_code) {
-  auto* command = bench.add_subcommand(
-      "schedule", "Simulate the schedule of a bake: synthetic terrain, virtual time, and workers that may fail");
+  auto* command = bench.get_subcommand("schedule");
   auto options = std::make_shared<ScheduleBenchOptions>();
   bench::ScheduleBenchRequest& r = options->request;
   const auto add = [command](const char* name, auto& value, int minimum, int maximum, const char* text) {
@@ -250,16 +249,15 @@ void add_bench_schedule(CLI::App& bench, int& exit_code) {
 
 }  // namespace
 
-void add_bench(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("bench", "Measure speed and accuracy of parts of gigabake");
-  command->require_subcommand(1);
-  add_bench_kernels(*command, exit_code);
-  add_bench_bake(*command, exit_code);
-  add_bench_schedule(*command, exit_code);
-  add_bench_pack(*command, exit_code);
-  add_bench_query(*command, exit_code);
-  add_bench_render(*command, exit_code);
-  add_bench_accuracy(*command, exit_code);
+void add_bench(CLI::App& program, int& exit_code) {
+  CLI::App& bench = declare_bench(program);
+  add_bench_kernels(bench, exit_code);
+  add_bench_bake(bench, exit_code);
+  add_bench_schedule(bench, exit_code);
+  add_bench_pack(bench, exit_code);
+  add_bench_query(bench, exit_code);
+  add_bench_render(bench, exit_code);
+  add_bench_accuracy(bench, exit_code);
 }
 
 }  // namespace gigabake::app

@@ -6,6 +6,7 @@
 #include "app/messages/json_text.h"
 #include "app/messages/with_progress.h"
 #include "app/options/scene_argument.h"
+#include "bench/commands/commands.h"
 #include "bench/query/query_bench.h"
 #include "core/base/counted.h"
 #include "core/base/error.h"
@@ -70,8 +71,7 @@ int run(QueryBenchArguments& a) {
 }  // namespace
 
 void add_bench_query(CLI::App& bench, int& exit_code) {
-  CLI::App& command = *bench.add_subcommand(
-      "query", "Compare the rays of `query` with rays that Embree casts through the cubes of the voxels");
+  CLI::App& command = *bench.get_subcommand("query");
   const auto a = std::make_shared<QueryBenchArguments>();
   command.add_option("SCENE", a->scene, "folder of a bake, or its scene.xml")->required();
   command.add_option("--rays", a->request.rays, "number of rays")

@@ -1,4 +1,4 @@
-#include "app/commands/bench_frames.h"
+#include "bench/commands/frames.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "app/commands/bench_live.h"
+#include "bench/commands/live.h"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -1,3 +1,13 @@
+# Libraries of gigabake-bench (GIGABAKE_BENCH).
+# GMP is the exact reference of `bench accuracy --hard` and of the tests.
+find_path(GB_GMP_INCLUDE gmpxx.h)
+find_library(GB_GMP_C_LIBRARY gmp)
+if(GIGABAKE_TESTS OR (GB_GMP_INCLUDE AND GB_GMP_C_LIBRARY))
+  gb_find(gmp gmpxx.h LIBS gmpxx)
+  find_library(GB_GMP_C_LIBRARY gmp REQUIRED)
+  target_link_libraries(gb_gmp INTERFACE ${GB_GMP_C_LIBRARY})
+endif()
+
 # Decides whether `gigabake bench accuracy` has a reference: sets GIGABAKE_EMBREE to Embree's version and defines
 # gb::embree. If Embree is missing, GIGABAKE_EMBREE is 0 and the command reports it.
 set(GIGABAKE_EMBREE 0)

@@ -1,4 +1,4 @@
-#include "app/commands/plan_sizes.h"
+#include "app/messages/plan_sizes.h"
 
 #include <cmath>
 #include <fmt/format.h>
