@@ -1,11 +1,9 @@
 # Finds every package that the project needs, and defines imported or interface targets named gb::<package>.
 find_package(Threads REQUIRED)
-find_package(MPI REQUIRED COMPONENTS CXX)
 find_package(fmt REQUIRED)
 find_package(PNG REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(JPEG REQUIRED)
-find_package(OpenEXR CONFIG REQUIRED)
 
 # gb_find(NAME header library… [SUFFIXES folders]): defines an interface target for a package without a usable CMake
 # config.
@@ -54,6 +52,23 @@ function(gb_links variable program)
   set(CMAKE_REQUIRED_LIBRARIES ${ARG_LIBS})
   check_cxx_source_compiles("${program}" ${variable})
 endfunction()
+
+option(GIGABAKE_MPI "Ranks: bakes under mpirun and srun. OFF: one process bakes, with threads" ON)
+if(GIGABAKE_MPI)
+  find_package(MPI QUIET COMPONENTS CXX)
+  if(NOT MPI_CXX_FOUND)
+    message(FATAL_ERROR "GIGABAKE_MPI=ON: expected an MPI, such as libopenmpi-dev; -DGIGABAKE_MPI=OFF leaves out ranks")
+  endif()
+endif()
+
+gb_choice(OPENEXR "images as .exr, with OpenEXR")
+if(NOT GIGABAKE_OPENEXR STREQUAL "OFF")
+  find_package(OpenEXR CONFIG QUIET)
+  gb_chosen(OPENEXR "${OpenEXR_FOUND}" libopenexr-dev LIBS OpenEXR::OpenEXR)
+  if(NOT GIGABAKE_HAS_OPENEXR)
+    message(NOTICE "gigabake: images as .exr will be refused: libopenexr-dev is not installed")
+  endif()
+endif()
 
 gb_find(hdf5 hdf5.h LIBS hdf5_serial hdf5 SUFFIXES hdf5/serial)
 gb_find(lz4 lz4.h LIBS lz4)

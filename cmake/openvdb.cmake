@@ -9,7 +9,8 @@ endif()
 find_path(GB_OPENVDB_INCLUDE openvdb/openvdb.h)
 find_library(GB_OPENVDB_LIBRARY openvdb)
 find_package(TBB QUIET CONFIG)
-if(GB_OPENVDB_INCLUDE AND GB_OPENVDB_LIBRARY AND TARGET TBB::tbb)
+find_package(Imath QUIET CONFIG)
+if(GB_OPENVDB_INCLUDE AND GB_OPENVDB_LIBRARY AND TARGET TBB::tbb AND TARGET Imath::Imath)
   gb_links(GIGABAKE_OPENVDB_LINKS "
     #include <openvdb/openvdb.h>
     int main() { openvdb::initialize(); }"

@@ -27,6 +27,8 @@ std::string cuda() {
   return fmt::format("toolkit {}, for GPU architectures {}", build.toolkit, build.architectures);
 }
 
+std::string mpi() { return has_mpi() ? mpi_version() : "not built in: one process bakes, with threads"; }
+
 std::string compiler() {
 #ifdef __clang__
   const std::string name = "clang " __clang_version__;
@@ -56,7 +58,7 @@ std::string about() {
       "loaded    when needed: {}\n"
       "codecs    {}",
       build_version(), shard_version, oldest_shard_version, shard_version, newest_scene_version, compiler(), cuda(),
-      mpi_version(), listed(libraries.linked), listed(libraries.loaded), libraries.codecs.empty() ? "none" : libraries.codecs);
+      mpi(), listed(libraries.linked), listed(libraries.loaded), libraries.codecs.empty() ? "none" : libraries.codecs);
 }
 
 }  // namespace gigabake::app

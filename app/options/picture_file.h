@@ -10,7 +10,7 @@ namespace gigabake::app {
 enum class PictureFormat { png, jpeg, exr };
 
 /// Returns the format for the suffix, in any case: .png, .jpg or .jpeg, .exr.
-/// Errors  UsageError: another suffix, or none.
+/// Errors  UsageError: another suffix, or none; .exr in a build without OpenEXR.
 PictureFormat picture_format(const char* option, const std::string& name);
 
 /// Writes an image. An EXR file contains light and depth.

@@ -9,6 +9,7 @@
 #include "cluster/launch/build_identity.h"
 #include "cluster/launch/launcher.h"
 #include "cluster/mpi/collective.h"
+#include "cluster/mpi/mpi_version.h"
 #include "core/base/error.h"
 #include "format/system/message.h"
 
@@ -16,6 +17,12 @@ namespace gigabake::app {
 
 int on_all_ranks(const std::string& command, const std::function<int(MpiSession&)>& work) {
   const Environment environment = [](const char* name) { return std::getenv(name); };
+  if (const auto line = has_mpi() ? std::nullopt : ranks_without_mpi_error(environment)) {
+    // mpirun ends all processes when the first one fails: only the process that prints the line fails.
+    if (rank_from_launcher(environment) != 0) return complete;
+    print_message("gigabake: {}\n", *line);
+    return usage;
+  }
   const int tasks = slurm_task_count(environment);
   MpiSession mpi;
   if (const auto line = unlaunched_rank_error(mpi.ranks(), tasks)) {

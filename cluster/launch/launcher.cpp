@@ -4,6 +4,16 @@
 #include <cstdlib>
 
 namespace gigabake {
+namespace {
+
+bool may_have_other_ranks(const Environment& environment) {
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
+    if (const char* size = environment(name)) return std::atoi(size) != 1;
+  if (environment("SLURM_STEP_ID") != nullptr) return slurm_task_count(environment) > 1;
+  return slurm_task_count(environment) > 1 || is_launched(environment);
+}
+
+}  // namespace
 
 int slurm_task_count(const Environment& environment) {
   const auto number = [&](const char* name) {
@@ -22,6 +32,18 @@ bool is_launched(const Environment& environment) {
       "OMPI_COMM_WORLD_SIZE", "PMIX_RANK",  "PMIX_NAMESPACE", "PMI_RANK", "PMI_FD", "PMI_PORT",
       "SLURM_STEP_ID",        "PALS_RANKID"};
   return std::ranges::any_of(of_launchers, [&](const char* name) { return environment(name) != nullptr; });
+}
+
+int rank_from_launcher(const Environment& environment) {
+  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "PALS_RANKID", "SLURM_PROCID"})
+    if (const char* rank = environment(name)) return std::atoi(rank);
+  return 0;
+}
+
+std::optional<std::string> ranks_without_mpi_error(const Environment& environment) {
+  if (!may_have_other_ranks(environment)) return std::nullopt;
+  return "this gigabake was built without MPI, so each of the launched processes would bake the whole scene: start one "
+         "process without mpirun or srun, or build gigabake with -DGIGABAKE_MPI=ON";
 }
 
 std::optional<std::string> unlaunched_rank_error(int ranks, int tasks) {

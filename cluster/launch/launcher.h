@@ -17,6 +17,12 @@ int slurm_task_count(const Environment& environment);
 /// MPI_Init, which sets some of the variables itself.
 bool is_launched(const Environment& environment);
 
+/// Returns this process's rank as the launcher states it before MPI_Init; 0 if no launcher does.
+int rank_from_launcher(const Environment& environment);
+
+/// Returns the error line of a build without MPI if a launcher may have started more than this process; else nullopt.
+std::optional<std::string> ranks_without_mpi_error(const Environment& environment);
+
 /// Returns the error line if Slurm started `tasks` tasks but the MPI world has only one rank; else nullopt.
 std::optional<std::string> unlaunched_rank_error(int ranks, int tasks);
 

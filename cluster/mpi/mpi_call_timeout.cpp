@@ -11,6 +11,8 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include "cluster/launch/launcher.h"
+
 namespace gigabake {
 namespace {
 
@@ -27,13 +29,6 @@ void end_by_timeout(int signal) {
   }
   std::signal(signal, SIG_DFL);
   std::raise(signal);  // takes effect when this handler returns
-}
-
-/// Returns this rank's index as known before MPI_Init; 0 if no launcher set it.
-int rank_from_launcher() {
-  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "SLURM_PROCID"})
-    if (const char* value = std::getenv(name)) return std::atoi(value);
-  return 0;
 }
 
 void set_timer(double seconds) {
@@ -56,7 +51,8 @@ MpiCallTimeout::MpiCallTimeout(double limit_s, const char* call) {
       "gigabake: {} did not return within {:g} s: another rank died or hangs; run the same command again "
       "(GIGABAKE_MPI_SECONDS sets this limit)\n",
       call, limit_s);
-  last_line_bytes = rank_from_launcher() < printing_ranks ? std::min(line.size(), sizeof last_line) : 0;
+  const int rank = rank_from_launcher([](const char* name) { return std::getenv(name); });
+  last_line_bytes = rank < printing_ranks ? std::min(line.size(), sizeof last_line) : 0;
   std::memcpy(last_line, line.data(), last_line_bytes);
   if (std::signal(SIGALRM, end_by_timeout) == SIG_ERR) throw std::runtime_error("signal(SIGALRM) failed");
   set_timer(limit_s);

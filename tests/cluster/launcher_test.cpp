@@ -33,6 +33,44 @@ TEST(LoneTask, IsNoneInABatchScriptNorUnderMpirunNorAlone) {
   EXPECT_EQ(tasks({{"SLURM_NTASKS", "many"}}), 1);
 }
 
+Environment of(const std::map<std::string, std::string>& variables) {
+  return [variables](const char* name) {
+    const auto it = variables.find(name);
+    return it == variables.end() ? nullptr : it->second.c_str();
+  };
+}
+
+TEST(WithoutMpi, RefusesAllLaunchersOfSeveralProcessesInOneLine) {
+  for (const std::map<std::string, std::string>& variables :
+       {std::map<std::string, std::string>{{"OMPI_COMM_WORLD_SIZE", "2"}},
+        {{"PMI_SIZE", "3"}, {"PMI_RANK", "0"}},
+        {{"PMIX_RANK", "1"}},
+        {{"PALS_RANKID", "0"}},
+        {{"SLURM_JOB_ID", "7"}, {"SLURM_STEP_ID", "0"}, {"SLURM_STEP_NUM_TASKS", "3"}},
+        {{"SLURM_NTASKS", "4"}}}) {
+    const auto line = ranks_without_mpi_error(of(variables));
+    ASSERT_TRUE(line) << variables.begin()->first;
+    EXPECT_NE(line->find("-DGIGABAKE_MPI=ON"), std::string::npos);
+    EXPECT_LE(line->size() + std::string("gigabake: ").size(), 300u);
+  }
+}
+
+TEST(WithoutMpi, AcceptsASingleProcess) {
+  for (const std::map<std::string, std::string>& variables :
+       {std::map<std::string, std::string>{},
+        {{"OMPI_COMM_WORLD_SIZE", "1"}, {"PMIX_RANK", "0"}},
+        {{"SLURM_JOB_ID", "7"}, {"SLURM_NTASKS", "4"}},
+        {{"SLURM_JOB_ID", "7"}, {"SLURM_STEP_ID", "0"}, {"SLURM_STEP_NUM_TASKS", "1"}, {"PMIX_RANK", "0"}}})
+    EXPECT_FALSE(ranks_without_mpi_error(of(variables)));
+}
+
+/// The process of rank 0 prints the line; the others end without a message.
+TEST(WithoutMpi, KnowsTheRankThatTheLauncherStates) {
+  EXPECT_EQ(rank_from_launcher(of({})), 0);
+  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "PALS_RANKID", "SLURM_PROCID"})
+    EXPECT_EQ(rank_from_launcher(of({{name, "3"}})), 3) << name;
+}
+
 bool launched(const char* only) {
   return is_launched([&](const char* name) { return std::string(name) == only ? "1" : nullptr; });
 }

@@ -72,6 +72,8 @@ void check(const Picture& p, bool needs_light) {
 
 }  // namespace
 
+bool has_exr() { return true; }
+
 std::string encode_exr(const Picture& picture, ExrChannels channels, double voxel_size_m) {
   const bool has_light = channels == ExrChannels::light_and_depth;
   check(picture, has_light);

@@ -8,6 +8,9 @@
 
 namespace gigabake {
 
+/// Returns false if gigabake was built without OpenEXR; the functions below then throw std::runtime_error.
+bool has_exr();
+
 /// The channels of a file.
 /// R, G, B, A: half, linear, premultiplied. Z: float, metres along the ray to the point at which half of the light is
 /// absorbed; infinity if there is no such point.

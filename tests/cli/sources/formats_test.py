@@ -164,14 +164,29 @@ class BuildPackages(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             result = harness.run(("cmake", "-S", SOURCE, "-B", folder, "-G", "Ninja", "-DGIGABAKE_TESTS=OFF",
                                   "-DGIGABAKE_CUDA=OFF", "-DGB_GDAL_INCLUDE=", "-DGB_OPENVDB_INCLUDE=",
-                                  "-DGB_IMGUI_INCLUDE="), 120)
+                                  "-DGB_IMGUI_INCLUDE=", "-DCMAKE_DISABLE_FIND_PACKAGE_OpenEXR=ON",
+                                  "-DGIGABAKE_MPI=OFF"), 120)
             commands = (Path(folder) / "compile_commands.json").read_text(encoding="utf-8")
         self.assertEqual(result.returncode, 0, result.stderr)
         # Regression of 2026-11-25: a warning of a newer compiler stopped a user's build.
         self.assertNotIn("-Werror", commands)
         lines = [line for line in result.stderr.splitlines() if line.startswith("gigabake: ")]
-        for package in ("libgdal-dev", "libopenvdb-dev", "libimgui-dev"):
+        for package in ("libgdal-dev", "libopenvdb-dev", "libimgui-dev", "libopenexr-dev"):
             self.assertEqual(sum(package in line for line in lines), 1, result.stderr)
+
+    def refused(self, *settings):
+        """Returns the errors of a configuration that fails, on one line."""
+        with tempfile.TemporaryDirectory() as folder:
+            result = harness.run(("cmake", "-S", SOURCE, "-B", folder, "-G", "Ninja", "-DGIGABAKE_CUDA=OFF", *settings),
+                                 120)
+        self.assertNotEqual(result.returncode, 0)
+        return " ".join(result.stderr.split())
+
+    def test_configure_names_the_option_that_leaves_out_mpi(self):
+        self.assertIn("-DGIGABAKE_MPI=OFF leaves out ranks", self.refused("-DCMAKE_DISABLE_FIND_PACKAGE_MPI=ON"))
+
+    def test_configure_refuses_tests_without_what_they_need(self):
+        self.assertIn("-DGIGABAKE_TESTS=OFF builds without them", self.refused("-DGIGABAKE_BENCH=OFF"))
 
 
 if __name__ == "__main__":
