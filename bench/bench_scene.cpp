@@ -5,16 +5,16 @@
 #include "core/base/error.h"
 #include "core/base/thread_pool.h"
 #include "scheduler/plan/merge.h"
-#include "worker/scan/survey_tile.h"
+#include "worker/scan/scan_tile.h"
 
 namespace gigabake::bench {
 
 BakePlan plan_scene(const SceneSources& sources, const BenchScene& scene) {
   const ThreadPool pool(scene.threads);
-  std::vector<TileScan> surveys;
+  std::vector<TileScan> scans;
   for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
-    surveys.push_back(survey_tile(sources, t, scene.parameters, pool));
-  BakePlan plan = make_plan(std::move(surveys), sources, scene.parameters, scene.progress);
+    scans.push_back(scan_tile(sources, t, scene.parameters, pool));
+  BakePlan plan = make_plan(std::move(scans), sources, scene.parameters, scene.progress);
   if (plan.jobs.empty()) throw InputError(scene.source, "", "holds no triangles to bake");
   return plan;
 }

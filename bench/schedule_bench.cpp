@@ -233,14 +233,14 @@ ScheduleBench bench_schedule(const ScheduleBenchRequest& request) {
   out.cells = request.cells;
   out.workers = request.workers;
   out.seed = request.seed;
-  std::vector<TileScan> surveys = terrain_surveys(request.cells, request.seed);
+  std::vector<TileScan> scans = terrain_scans(request.cells, request.seed);
   SceneSources sources;
-  sources.tiles.resize(surveys.size());
+  sources.tiles.resize(scans.size());
   BakeParameters parameters;
   parameters.voxel_size_m = 0.125;
   parameters.cell_voxels = 512;
   const auto start = Clock::now();
-  const BakePlan plan = make_plan(std::move(surveys), sources, parameters);
+  const BakePlan plan = make_plan(std::move(scans), sources, parameters);
   out.plan_s = seconds_since(start);
   Simulation(request, plan.jobs, out).run();
   out.peak_rss_bytes = peak_rss_bytes();

@@ -38,12 +38,12 @@ ColumnExtent column_at(std::uint32_t x, std::uint32_t y, std::uint32_t index, st
 
 double uniform(std::uint64_t seed, std::uint64_t index) { return double(mixed(mixed(seed) ^ index) >> 11) * 0x1p-53; }
 
-std::vector<TileScan> terrain_surveys(std::uint32_t cells, std::uint64_t seed) {
+std::vector<TileScan> terrain_scans(std::uint32_t cells, std::uint64_t seed) {
   const auto side = std::uint32_t(std::ceil(std::sqrt(double(cells))));
   const std::uint32_t tiles = (side + columns_of_tile - 1) / columns_of_tile;
-  std::vector<TileScan> surveys(std::size_t(tiles) * tiles);
-  for (std::uint32_t t = 0; t < surveys.size(); ++t) {
-    TileScan& s = surveys[t];
+  std::vector<TileScan> scans(std::size_t(tiles) * tiles);
+  for (std::uint32_t t = 0; t < scans.size(); ++t) {
+    TileScan& s = scans[t];
     s.tile = t;
     s.source = {mixed(t), mixed(~std::uint64_t(t))};
     const std::uint32_t west = t % tiles * columns_of_tile, south = t / tiles * columns_of_tile;
@@ -53,7 +53,7 @@ std::vector<TileScan> terrain_surveys(std::uint32_t cells, std::uint64_t seed) {
         s.triangles += s.columns.back().triangles;
       }
   }
-  return surveys;
+  return scans;
 }
 
 StageTimes true_times(const CellJob& job, std::uint64_t seed) {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/job/survey.h"
+#include "format/job/tile_scan.h"
 #include "scheduler/queue/schedule.h"
 
 namespace gigabake::bench {
@@ -39,7 +39,7 @@ struct StageTimes {
 /// Returns the scans of a square terrain with one cell per column. A tile covers 10 × 10 columns and extends into the
 /// next column to the east and north.
 /// Exact   Equal on every machine except for the last bit of exp, log and cos.
-std::vector<TileScan> terrain_surveys(std::uint32_t cells, std::uint64_t seed);
+std::vector<TileScan> terrain_scans(std::uint32_t cells, std::uint64_t seed);
 
 /// Returns the true times of a cell, which the scheduler does not know. The mean over many cells is
 /// seconds_per_triangle.

@@ -17,7 +17,7 @@ set(gb_public_headers_core
     core/octree/morton.h
     core/octree/octree.h
     core/octree/parameters.h
-    core/octree/parent_source.h)
+    core/octree/downsample_state.h)
 set(gb_public_headers_georeference
     core/math/georeference.h)
 set(gb_public_headers_system

@@ -32,7 +32,7 @@ BakeProgress warnings_only(const Progress& steps) {
     for (const std::string& note : sources.notes)
       if (note.starts_with("warning: ")) print_message("{}\n", with_flags(note));
   };
-  p.surveyed = [](std::size_t, std::size_t) {};
+  p.scanned = [](std::size_t, std::size_t) {};
   p.planned = [](const BakePlan& plan) {
     for (const std::string& warning : plan.warnings) print_message("warning: {}\n", with_flags(warning));
   };
@@ -59,8 +59,8 @@ void check_outputs(const BakeOptions& options) {
 /// Returns the line that a second Ctrl-C prints.
 std::string state_left(const BakeStatus& s) {
   const CellTally& c = s.cells;
-  const std::string done = s.state == BakeState::surveying
-                               ? fmt::format("{} of {} tiles scanned", s.tiles_surveyed, s.tiles)
+  const std::string done = s.state == BakeState::scanning
+                               ? fmt::format("{} of {} tiles scanned", s.tiles_scanned, s.tiles)
                                : fmt::format("{} of {} cells are in SCENE", c.taken_over + c.done + c.empty, c.planned);
   return fmt::format("\ngigabake: stopped immediately, {}; the same command resumes the bake\n", done);
 }

@@ -48,7 +48,7 @@ int run(const PlanOptions& plan_options, MpiSession& mpi) {
   if (mpi.rank() != 0) return complete;
   const BakePlan& plan = planned.plan;
   const PlanSizes sizes{measure_plan(mpi, request, planned.sources, plan, plan_options.measures, progress.steps),
-                        planned.survey_s};
+                        planned.scan_s};
   const std::optional<CachedResults> prior = prior_of(plan, request, mpi);
   console.end_step();
   if (is_refused_as_empty(request, planned, sizes.measure)) return failed;

@@ -12,7 +12,7 @@
 #include "app/options/scene_argument.h"
 #include "core/base/counted.h"
 #include "format/system/host_limits.h"
-#include "worker/overview/parent_check.h"
+#include "worker/overview/overview_check.h"
 
 namespace gigabake::app {
 namespace {
@@ -35,12 +35,12 @@ void add_verify(CLI::App& app, int& exit_code) {
   command->add_flag("-q,--quiet", *quiet, "print only faults");
   command->callback([scene, json, quiet, &exit_code] {
     const std::filesystem::path file = scene_argument(*scene);
-    const auto check_parent = [&file](const SceneHeader& header, const SceneCell& parent,
-                                      std::span<const SceneCell> children) {
-      return overview_faults(file.parent_path(), header, parent, children);
+    const auto check_overview = [&file](const SceneHeader& header, const SceneCell& overview,
+                                        std::span<const SceneCell> children) {
+      return overview_faults(file.parent_path(), header, overview, children);
     };
     const auto verify = [&](const Progress& progress) {
-      return verify_scene(file, host_limits().cores(), progress, check_parent);
+      return verify_scene(file, host_limits().cores(), progress, check_overview);
     };
     const VerifyResult r = while_reading(verify, *quiet ? nullptr : stderr);
     exit_code = r.faults.empty() ? complete : failed;

@@ -23,7 +23,7 @@ BakeProgress BakeConsole::callbacks() {
   BakeProgress p;
   p.steps = steps_.progress();
   p.opened = [this](const SceneSources& sources) { opened(sources); };
-  p.surveyed = [this](std::size_t done, std::size_t all) { surveyed(done, all); };
+  p.scanned = [this](std::size_t done, std::size_t all) { scanned(done, all); };
   p.planned = [this](const BakePlan& plan) { planned(plan); };
   p.status = [this](const BakeStatus& status) {
     steps_.end_step();
@@ -55,11 +55,11 @@ void BakeConsole::opened(const SceneSources& sources) {
   start_ = std::chrono::steady_clock::now();
 }
 
-void BakeConsole::surveyed(std::size_t done, std::size_t all) {
+void BakeConsole::scanned(std::size_t done, std::size_t all) {
   steps_.end_step();
   BakeStatus status;
   status.updated_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  status.tiles_surveyed = done;
+  status.tiles_scanned = done;
   status.tiles = all;
   line_.show(status);
 }

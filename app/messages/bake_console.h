@@ -23,7 +23,7 @@ class BakeConsole {
 
  private:
   void opened(const SceneSources& sources);
-  void surveyed(std::size_t done, std::size_t all);
+  void scanned(std::size_t done, std::size_t all);
   void planned(const BakePlan& plan);
   void cell_done(const CellReport& report, const CellJob& job);
   void note(const std::string& line);

@@ -27,7 +27,7 @@ constexpr std::size_t slow_cells_printed = 3;
 struct Totals {
   std::uint64_t voxels = 0, finest_voxels = 0, bytes = 0;
   explicit Totals(const SceneDescription& scene) {
-    for (const auto& shards : {&scene.cells, &scene.parents})
+    for (const auto& shards : {&scene.cells, &scene.overviews})
       for (const SceneCell& c : *shards) {
         voxels += c.own_voxels();
         if (c.first_lod == 0 && !c.voxels.empty()) finest_voxels += c.voxels[0];
@@ -135,7 +135,7 @@ void print_report(const BakeSummary& s, const std::filesystem::path& out) {
   if (s.bad_uv != 0)
     fmt::print("{} texture coordinates that are no numbers; baked as if 0\n",
                counted(s.bad_uv, "triangle has", "triangles have"));
-  fmt::print("scan {:.2f} s, bake {:.2f} s on {} × {}; ", s.survey_s, s.bake_s, counted(s.ranks, "rank"),
+  fmt::print("scan {:.2f} s, bake {:.2f} s on {} × {}; ", s.scan_s, s.bake_s, counted(s.ranks, "rank"),
              counted(s.threads, "thread"));
   if (s.ranks_with_device != 0)
     fmt::print("{} on the GPUs of {}; ", counted(s.cells_on_device, "cell"), counted(s.ranks_with_device, "rank"));
@@ -173,7 +173,7 @@ std::string json_report(const BakeSummary& s, const std::filesystem::path& out) 
   j["drained"] = s.is_drained;
   if (!s.no_device.empty()) j["no_device"] = s.no_device;
   j["seconds"] = {
-      {"survey", s.survey_s}, {"bake", s.bake_s}, {"read", s.read_s}, {"kernels", s.kernel_s}, {"write", s.write_s}};
+      {"survey", s.scan_s}, {"bake", s.bake_s}, {"read", s.read_s}, {"kernels", s.kernel_s}, {"write", s.write_s}};
   j["slowest_stage"] = slowest_stage(s);
   add_slowest(s.status.slowest, j);
   j["peak_process_bytes"] = s.peak_process_bytes;

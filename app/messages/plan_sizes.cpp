@@ -15,7 +15,7 @@ constexpr std::size_t asked = 1;  // index of the requested size in PlanMeasure:
 
 std::optional<double> seconds_of(const MeasuredSize& size, const PlanSizes& sizes) {
   if (!size.estimate.bake_s) return std::nullopt;
-  return *size.estimate.bake_s + sizes.survey_s;
+  return *size.estimate.bake_s + sizes.scan_s;
 }
 
 std::string workers(const PlanMeasure& m) {
@@ -110,7 +110,7 @@ void add_sizes(const PlanSizes& sizes, nlohmann::ordered_json& j) {
     if (!size.problem.empty()) one["problem"] = size.problem;
     j["sizes"].push_back(one);
   }
-  j["survey_s"] = sizes.survey_s;
+  j["survey_s"] = sizes.scan_s;
   j["ranks"] = m.ranks;
   j["threads"] = m.threads;
   j["texel_m"] = nullptr;

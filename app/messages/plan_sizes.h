@@ -10,7 +10,7 @@ namespace gigabake::app {
 
 struct PlanSizes {
   PlanMeasure measure;
-  double survey_s = 0;  ///< duration of the scan before the first cell
+  double scan_s = 0;  ///< duration of the scan before the first cell
 };
 
 /// Returns a table, the basis of its numbers, and the voxel size that the textures suggest.

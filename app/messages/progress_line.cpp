@@ -23,7 +23,7 @@ ProgressLine::ProgressLine(std::FILE* stream, double line_every_s)
 ProgressLine::~ProgressLine() { leave_bar(); }
 
 void ProgressLine::show(const BakeStatus& status) {
-  const Phase phase = status.state == BakeState::surveying ? Phase::survey : Phase::cells;
+  const Phase phase = status.state == BakeState::scanning ? Phase::scan : Phase::cells;
   if (ended_ == phase) return;
   const double share = share_done(status);
   const auto now = Clock::now();

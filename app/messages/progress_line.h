@@ -30,7 +30,7 @@ class ProgressLine {
   void write_line(const std::string& line);
 
   using Clock = std::chrono::steady_clock;
-  enum class Phase { survey, cells };
+  enum class Phase { scan, cells };
 
   std::FILE* stream_;
   bool terminal_, bar_is_shown_ = false;

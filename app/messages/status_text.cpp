@@ -25,12 +25,12 @@ std::string rate(const Throughput& t) {
                      t.bytes_per_s / 1e6);
 }
 
-std::string survey_line(const BakeStatus& s) {
-  std::string line = fmt::format("{}/{} tiles scanned", s.tiles_surveyed, s.tiles);
-  if (s.tiles_surveyed != 0)
+std::string scan_line(const BakeStatus& s) {
+  std::string line = fmt::format("{}/{} tiles scanned", s.tiles_scanned, s.tiles);
+  if (s.tiles_scanned != 0)
     line += ", " +
-            readable_seconds((s.updated_s - s.started_s) / double(s.tiles_surveyed) *
-                             (double(s.tiles) - double(s.tiles_surveyed))) +
+            readable_seconds((s.updated_s - s.started_s) / double(s.tiles_scanned) *
+                             (double(s.tiles) - double(s.tiles_scanned))) +
             " left";
   return line;
 }
@@ -116,14 +116,14 @@ std::string readable_seconds(double seconds) {
 }
 
 double share_done(const BakeStatus& s) {
-  const bool survey = s.state == BakeState::surveying;
-  const double done = double(survey ? s.tiles_surveyed : settled(s.cells));
-  const double all = double(survey ? s.tiles : s.cells.planned);
+  const bool scan = s.state == BakeState::scanning;
+  const double done = double(scan ? s.tiles_scanned : settled(s.cells));
+  const double all = double(scan ? s.tiles : s.cells.planned);
   return all > 0 ? std::clamp(done / all, 0.0, 1.0) : 0;
 }
 
 std::string one_line(const BakeStatus& s) {
-  if (s.state == BakeState::surveying) return survey_line(s);
+  if (s.state == BakeState::scanning) return scan_line(s);
   const Throughput& t = is_over(s.state) ? s.overall : s.recent;
   std::string line = fmt::format("{}/{} cells, {} voxels/s, {:.1f} MB/s", settled(s.cells), s.cells.planned,
                                  readable_count(t.voxels_per_s), t.bytes_per_s / 1e6);
@@ -135,7 +135,7 @@ std::string one_line(const BakeStatus& s) {
 }
 
 std::string describe(const BakeStatus& s, double now_s, Writer writer) {
-  if (s.state == BakeState::surveying) return head(s, now_s, writer) + survey_line(s) + "\n";
+  if (s.state == BakeState::scanning) return head(s, now_s, writer) + scan_line(s) + "\n";
   return head(s, now_s, writer) + cells_lines(s, writer) + trouble_lines(s) + slowest_lines(s);
 }
 

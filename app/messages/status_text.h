@@ -15,7 +15,7 @@ std::string readable_count(double count);
 /// Formats 3725 as "1 h 2 min", 75.2 as "1 min 15 s".
 std::string readable_seconds(double seconds);
 
-/// Returns "12/40 cells, 1.2 M voxels/s, 3.4 MB/s, 12 s left"; during the scan `3/8 tiles surveyed, 2 s left`.
+/// Returns "12/40 cells, 1.2 M voxels/s, 3.4 MB/s, 12 s left"; during the scan `3/8 tiles scanned, 2 s left`.
 std::string one_line(const BakeStatus& status);
 /// Returns the completed fraction of the phase that one_line() describes, from 0 to 1.
 double share_done(const BakeStatus& status);

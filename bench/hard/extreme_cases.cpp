@@ -5,7 +5,7 @@
 #include <random>
 
 #include "bench/hard/hard_case.h"
-#include "format/job/survey.h"
+#include "format/job/tile_scan.h"
 #include "kernels/body/voxelize/brick_triangle.h"
 
 namespace gigabake::bench {

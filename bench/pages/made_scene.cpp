@@ -8,12 +8,12 @@
 #include <fmt/format.h>
 #include <vector>
 
-#include "bench/pages/painted_parent.h"
+#include "bench/pages/painted_overview.h"
 #include "core/octree/parameters.h"
 #include "format/scene/paged_scene.h"
 #include "format/shard/levels/brick_walk.h"
 #include "format/system/host_limits.h"
-#include "scheduler/plan/parents.h"
+#include "scheduler/plan/overviews.h"
 
 namespace gigabake {
 namespace {
@@ -51,47 +51,47 @@ SceneCell made_cell(std::int64_t x, std::int64_t y) {
 }
 
 /// Returns the overview cell with the counts that a bake would give it.
-SceneCell made_parent(const CellJob& job) {
-  SceneCell parent = cell_of(job);
+SceneCell made_overview(const CellJob& job) {
+  SceneCell overview = cell_of(job);
   for (std::uint32_t width = job.cell_voxels >> job.first_lod; width >= 8; width /= 2) {
-    parent.voxels.push_back(std::uint64_t(width) * width);
-    parent.level_bytes.push_back(4 * parent.voxels.back());
-    parent.content_hash.push_back(job.fingerprint);
-    parent.bytes += parent.level_bytes.back();
+    overview.voxels.push_back(std::uint64_t(width) * width);
+    overview.level_bytes.push_back(4 * overview.voxels.back());
+    overview.content_hash.push_back(job.fingerprint);
+    overview.bytes += overview.level_bytes.back();
   }
-  parent.lods = std::uint32_t(parent.voxels.size());
-  parent.node_bytes = 300;
-  parent.bytes += 40000;
-  return parent;
+  overview.lods = std::uint32_t(overview.voxels.size());
+  overview.node_bytes = 300;
+  overview.bytes += 40000;
+  return overview;
 }
 
-SceneCell written_parent(const std::filesystem::path& out, const CellJob& job, double voxel_size_m) {
-  const Shard shard = painted_parent(job, surface_height, voxel_size_m);
-  SceneCell parent = cell_of(job);
-  const StoredShard stored = write_shard(out / parent.file, shard, {});
-  parent.lods = shard.header.lods;
-  parent.bytes = stored.file;
-  parent.voxels = count_voxels(shard);
-  parent.content_hash = shard.header.content_hash;
-  parent.level_bytes = stored.levels;
-  parent.node_bytes = stored.nodes;
-  return parent;
+SceneCell written_overview(const std::filesystem::path& out, const CellJob& job, double voxel_size_m) {
+  const Shard shard = painted_overview(job, surface_height, voxel_size_m);
+  SceneCell overview = cell_of(job);
+  const StoredShard stored = write_shard(out / overview.file, shard, {});
+  overview.lods = shard.header.lods;
+  overview.bytes = stored.file;
+  overview.voxels = count_voxels(shard);
+  overview.content_hash = shard.header.content_hash;
+  overview.level_bytes = stored.levels;
+  overview.node_bytes = stored.nodes;
+  return overview;
 }
 
 /// Returns the overviews of all cells. If `shards` is set, writes the shards of overviews of overviews: a view of the
 /// whole scene reads no others.
-std::vector<SceneCell> made_parents(const std::filesystem::path& out, const std::vector<SceneCell>& cells, bool shards,
-                                    double voxel_size_m) {
+std::vector<SceneCell> made_overviews(const std::filesystem::path& out, const std::vector<SceneCell>& cells,
+                                      bool shards, double voxel_size_m) {
   std::vector<CellJob> jobs;
   for (const SceneCell& cell : cells) jobs.push_back(job_of(cell));
-  add_parents(jobs);
-  std::vector<SceneCell> parents(jobs.size() - cells.size());
-  ThreadPool(host_limits().cores()).parallel_for(parents.size(), 1, [&](std::size_t i, std::size_t, int) {
+  add_overviews(jobs);
+  std::vector<SceneCell> overviews(jobs.size() - cells.size());
+  ThreadPool(host_limits().cores()).parallel_for(overviews.size(), 1, [&](std::size_t i, std::size_t, int) {
     const CellJob& job = jobs[cells.size() + i];
-    const bool is_above_parents = job.children.front() >= cells.size();
-    parents[i] = shards && is_above_parents ? written_parent(out, job, voxel_size_m) : made_parent(job);
+    const bool is_above_overviews = job.children.front() >= cells.size();
+    overviews[i] = shards && is_above_overviews ? written_overview(out, job, voxel_size_m) : made_overview(job);
   });
-  return parents;
+  return overviews;
 }
 
 void write(const std::filesystem::path& out, std::uint64_t cells, bool shards) {
@@ -109,10 +109,10 @@ void write(const std::filesystem::path& out, std::uint64_t cells, bool shards) {
   std::sort(scene.cells.begin(), scene.cells.end(), is_before);
   for (const SceneCell& cell : scene.cells) scene.triangles += cell.triangles;
   std::filesystem::create_directories(out / "shards");
-  scene.parents = made_parents(out, scene.cells, shards, parameters.voxel_size_m);
+  scene.overviews = made_overviews(out, scene.cells, shards, parameters.voxel_size_m);
   const auto start = std::chrono::steady_clock::now();
   write_scene(out / "scene.xml", scene);
-  fmt::print("{} cells and {} overviews written in {:.2f} s\n", cells, scene.parents.size(), seconds_since(start));
+  fmt::print("{} cells and {} overviews written in {:.2f} s\n", cells, scene.overviews.size(), seconds_since(start));
 }
 
 }  // namespace

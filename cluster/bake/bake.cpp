@@ -12,7 +12,7 @@
 #include "cluster/bake/dispatch.h"
 #include "cluster/bake/dispatch_log.h"
 #include "cluster/bake/master_bake.h"
-#include "cluster/bake/survey.h"
+#include "cluster/bake/scan_tiles.h"
 #include "cluster/launch/agreed_request.h"
 #include "cluster/launch/rank_setup.h"
 #include "cluster/process/drain.h"
@@ -20,8 +20,8 @@
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
 #include "format/system/message.h"
-#include "scheduler/journal/survey_cache.h"
-#include "scheduler/plan/parents.h"
+#include "scheduler/journal/scan_cache.h"
+#include "scheduler/plan/overviews.h"
 
 namespace gigabake {
 namespace {
@@ -42,21 +42,21 @@ SharedSources open_together(MpiSession& mpi, const BakeRequest& request, const B
 }
 
 /// The scan results that rank 0 has cached, and the tiles that must be scanned.
-struct KnownSurveys {
-  std::vector<TileScan> surveys;
+struct KnownScans {
+  std::vector<TileScan> scans;
   std::vector<std::uint32_t> missing;
 };
 
 /// Finds cached scan results. folder: OUT of an earlier bake; may be empty.
-KnownSurveys known_surveys(const std::filesystem::path& folder, const SceneSources& sources,
-                           const BakeParameters& parameters, int threads, const Progress& progress) {
+KnownScans known_scans(const std::filesystem::path& folder, const SceneSources& sources,
+                       const BakeParameters& parameters, int threads, const Progress& progress) {
   progress.step("finding tiles whose scans are cached");
-  KnownSurveys known;
+  KnownScans known;
   std::vector<std::optional<TileScan>> cached(sources.tiles.size());
-  if (!folder.empty()) cached = SurveyCache(survey_cache_of(folder)).find_all(sources, parameters, threads, progress);
+  if (!folder.empty()) cached = ScanCache(scan_cache_of(folder)).find_all(sources, parameters, threads, progress);
   for (std::uint32_t tile = 0; tile < cached.size(); ++tile) {
     if (cached[tile])
-      known.surveys.push_back(std::move(*cached[tile]));
+      known.scans.push_back(std::move(*cached[tile]));
     else
       known.missing.push_back(tile);
   }
@@ -75,10 +75,10 @@ std::string no_triangles(const BakePlan& plan) {
 }
 
 /// Saves the scan results. If the cache cannot be written, the next bake scans all tiles again; this bake continues.
-void keep_surveys(const BakeRequest& request, const SceneSources& sources, const std::vector<TileScan>& surveys,
-                  const BakeProgress& progress) {
+void keep_scans(const BakeRequest& request, const SceneSources& sources, const std::vector<TileScan>& scans,
+                const BakeProgress& progress) {
   try {
-    save_survey_cache(survey_cache_of(request.out), sources, request.parameters, surveys);
+    save_scan_cache(scan_cache_of(request.out), sources, request.parameters, scans);
   } catch (const InputError& e) {
     progress.warning(std::string("the next bake scans all tiles again: ") + e.what());
   }
@@ -94,42 +94,42 @@ bool is_stop_asked(const Progress& steps) {
 }
 
 /// Policy for the scan results of a stopped bake: discard them or keep them for the next bake.
-enum class StoppedSurvey { forget, keep };
+enum class StoppedScan { forget, keep };
 
-/// Returns the scan results of all tiles on rank 0. on_survey: called on rank 0 with the number of results.
+/// Returns the scan results of all tiles on rank 0. on_scan: called on rank 0 with the number of results.
 /// Errors  Stopped.
-std::vector<TileScan> survey(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
-                             BakeProcess& process, const BakeProgress& progress, StoppedSurvey when_stopped,
-                             const std::function<void(std::size_t)>& on_survey,
-                             const std::function<void(int rank)>& on_death) {
-  KnownSurveys known;
+std::vector<TileScan> scan(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
+                           BakeProcess& process, const BakeProgress& progress, StoppedScan when_stopped,
+                           const std::function<void(std::size_t)>& on_scan,
+                           const std::function<void(int rank)>& on_death) {
+  KnownScans known;
   collective_try(mpi, [&] {
-    if (mpi.rank() == 0) known = known_surveys(request.out, sources, request.parameters, mpi.cores(), progress.steps);
+    if (mpi.rank() == 0) known = known_scans(request.out, sources, request.parameters, mpi.cores(), progress.steps);
   });
   bool is_stopped = false;
-  std::vector<TileScan> surveys = survey_tiles(mpi, known.missing, process, request.timeouts.heartbeat_timeout_s,
-                                               {[&](std::size_t done) {
-                                                  on_survey(known.surveys.size() + done);
-                                                  is_stopped = is_stop_asked(progress.steps);
-                                                  return !is_stopped;
-                                                },
-                                                [&](int rank, const std::string& why) {
-                                                  on_death(rank);
-                                                  progress.warning(restart_line(rank, why));
-                                                }});
-  std::move(known.surveys.begin(), known.surveys.end(), std::back_inserter(surveys));
-  if (is_stopped && when_stopped == StoppedSurvey::keep) keep_surveys(request, sources, surveys, progress);
+  std::vector<TileScan> scans = scan_tiles(mpi, known.missing, process, request.timeouts.heartbeat_timeout_s,
+                                           {[&](std::size_t done) {
+                                              on_scan(known.scans.size() + done);
+                                              is_stopped = is_stop_asked(progress.steps);
+                                              return !is_stopped;
+                                            },
+                                            [&](int rank, const std::string& why) {
+                                              on_death(rank);
+                                              progress.warning(restart_line(rank, why));
+                                            }});
+  std::move(known.scans.begin(), known.scans.end(), std::back_inserter(scans));
+  if (is_stopped && when_stopped == StoppedScan::keep) keep_scans(request, sources, scans, progress);
   fail_collectively(mpi, {}, is_stopped);
-  return surveys;
+  return scans;
 }
 
 /// Collective call. Returns the plan on rank 0.
 BakePlan plan_from(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
-                   std::vector<TileScan> surveys, const BakeProgress& progress) {
+                   std::vector<TileScan> scans, const BakeProgress& progress) {
   BakePlan plan;
   collective_try(mpi, [&] {
     if (mpi.rank() != 0) return;
-    plan = make_plan(std::move(surveys), sources, request.parameters, progress.steps);
+    plan = make_plan(std::move(scans), sources, request.parameters, progress.steps);
     if (plan.jobs.empty() && plan.losses.empty()) throw InputError(request.source, "", no_triangles(plan));
     progress.planned(plan);
   });
@@ -195,22 +195,22 @@ BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const Bake
   BakeScratch scratch(scratch_of(request));
   BakeProcess process(setup_of(mpi, request, shared), process_options(request));
   collective_try(mpi, [&] { process.prepare(); });
-  std::vector<TileScan> surveys = survey(
-      mpi, request, sources, process, progress, StoppedSurvey::keep,
+  std::vector<TileScan> scans = scan(
+      mpi, request, sources, process, progress, StoppedScan::keep,
       [&](std::size_t done) {
-        feed->record().surveyed(done, sources.tiles.size());
+        feed->record().scanned(done, sources.tiles.size());
         feed->turn();
       },
       [&](int rank) { feed->record().process_died(rank, unix_now_s()); });
   choose_devices(mpi, process, summary);  // after the scan, which the driver's start would delay
-  BakePlan plan = plan_from(mpi, request, sources, surveys, progress);
+  BakePlan plan = plan_from(mpi, request, sources, scans, progress);
   collective_try(mpi, [&] { refuse(request, plan.losses, mpi.rank() == 0 && plan.jobs.empty()); });
-  if (mpi.rank() == 0) keep_surveys(request, sources, surveys, progress);
-  surveys.clear();
-  if (request.overviews) add_parents(plan.jobs);
+  if (mpi.rank() == 0) keep_scans(request, sources, scans, progress);
+  scans.clear();
+  if (request.overviews) add_overviews(plan.jobs);
   summary.precision = plan.precision;
   summary.warnings = plan.warnings;
-  summary.survey_s = seconds_since(start);
+  summary.scan_s = seconds_since(start);
   const auto planned = Clock::now();
   if (mpi.rank() != 0) work(mpi, process, request.timeouts.heartbeat_timeout_s);
   std::optional<std::string> failure;
@@ -248,12 +248,12 @@ PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& own, const BakeProgres
   WorkerSetup setup = setup_of(mpi, on_cpu, planned.sources);
   setup.worker.scratch.clear();  // a plan leaves no files: large tiles are scanned part by part
   BakeProcess process(std::move(setup), process_options(request));
-  std::vector<TileScan> surveys = survey(
-      mpi, request, sources, process, progress, StoppedSurvey::forget,
-      [&](std::size_t done) { progress.surveyed(done, sources.tiles.size()); }, [](int) {});
-  planned.plan = plan_from(mpi, request, sources, std::move(surveys), progress);
+  std::vector<TileScan> scans = scan(
+      mpi, request, sources, process, progress, StoppedScan::forget,
+      [&](std::size_t done) { progress.scanned(done, sources.tiles.size()); }, [](int) {});
+  planned.plan = plan_from(mpi, request, sources, std::move(scans), progress);
   collective_try(mpi, [&] { refuse(request, planned.plan.losses, mpi.rank() == 0 && planned.plan.jobs.empty()); });
-  planned.survey_s = seconds_since(start);
+  planned.scan_s = seconds_since(start);
   return planned;
 }
 

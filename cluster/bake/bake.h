@@ -43,7 +43,7 @@ struct BakeRequest {
 struct BakeProgress {
   Progress steps;  ///< on every rank: steps before the first cell
   std::function<void(const SceneSources&)> opened;
-  std::function<void(std::size_t done, std::size_t all)> surveyed;  ///< plan_bake() only; a bake has it in `status`
+  std::function<void(std::size_t done, std::size_t all)> scanned;  ///< plan_bake() only; a bake has it in `status`
   std::function<void(const BakePlan&)> planned;
   std::function<void(const BakeStatus&)> status;  ///< ten times per second
   std::function<void(const CellReport&, const CellJob&)> cell_done;
@@ -58,7 +58,7 @@ struct BakeSummary {
   std::vector<LevelSummary> levels;   ///< of all cells of the scene, per lod
   std::vector<std::string> warnings;  ///< BakePlan::warnings
   BakeStatus status;                  ///< at the end
-  double survey_s = 0, bake_s = 0, read_s = 0, kernel_s = 0, write_s = 0;
+  double scan_s = 0, bake_s = 0, read_s = 0, kernel_s = 0, write_s = 0;
   std::uint64_t peak_kernel_bytes = 0;   ///< max over cells
   std::uint64_t bad_uv = 0;              ///< in the cells of this run; a triangle that crosses cells counts in each
   std::uint64_t peak_process_bytes = 0;  ///< max over bake processes and rank 0
@@ -85,7 +85,7 @@ BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress
 struct PlannedBake {
   BakePlan plan;  ///< on rank 0 only
   SharedSources sources;
-  double survey_s = 0;  ///< opening, scan and plan
+  double scan_s = 0;  ///< opening, scan and plan
 };
 
 /// Collective call. Scans and plans only.

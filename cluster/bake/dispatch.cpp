@@ -8,7 +8,7 @@
 #include "cluster/bake/rank_baker.h"
 #include "cluster/mpi/collective.h"
 #include "cluster/mpi/heartbeat.h"
-#include "scheduler/plan/parents.h"
+#include "scheduler/plan/overviews.h"
 
 namespace gigabake {
 namespace {

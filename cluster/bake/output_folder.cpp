@@ -48,7 +48,7 @@ std::vector<fs::path> files_in(const fs::path& folder, const Wanted& wanted) {
 
 std::vector<fs::path> find_orphans(const fs::path& out, const SceneDescription& scene) {
   std::unordered_set<std::string> used;
-  for (const auto& shards : {&scene.cells, &scene.parents})
+  for (const auto& shards : {&scene.cells, &scene.overviews})
     for (const SceneCell& c : *shards) used.insert(fs::path(c.file).filename().string());
   return files_in(out / "shards", [&](const std::string& name) {
     return begins_as_a_shard(name) && name.ends_with(".h5") && !used.contains(name);
@@ -103,7 +103,7 @@ void OutputFolder::expect_shards(SceneDescription& scene) const {
     std::error_code error;
     return fs::file_size(out_ / cell.file, error) == cell.bytes && !error;
   };
-  for (std::vector<SceneCell>* shards : {&scene.cells, &scene.parents}) {
+  for (std::vector<SceneCell>* shards : {&scene.cells, &scene.overviews}) {
     const auto gone = std::stable_partition(shards->begin(), shards->end(), is_there);
     for (auto cell = gone; cell != shards->end(); ++cell)
       scene.losses.push_back(

@@ -62,7 +62,7 @@ class OutputFolder {
 };
 
 /// Returns the file in which a bake into `out` keeps its scan results for the next bake.
-inline std::filesystem::path survey_cache_of(const std::filesystem::path& out) { return out / "survey.cache"; }
+inline std::filesystem::path scan_cache_of(const std::filesystem::path& out) { return out / "survey.cache"; }
 
 /// Checks on every rank, after rank 0 has created the folder, that it is visible.
 /// Errors  InputError: this host does not see the folder.

@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "cluster/bake/plan_textures.h"
-#include "cluster/bake/survey.h"
+#include "cluster/bake/scan_tiles.h"
 #include "cluster/launch/rank_setup.h"
 #include "cluster/process/temporary_folder.h"
 #include "core/base/error.h"
@@ -65,8 +65,8 @@ class SizeSampler {
   /// Runs the measurement; sample() and the other results are valid afterwards. order: tiles in the order of drawing.
   void run(const std::vector<std::uint32_t>& order) {
     wait_for_device();
-    const std::vector<TileScan> surveys = survey_some(order);
-    const std::vector<Piece> pieces = piece_order(surveys, surveys.size() == order.size(), seed);
+    const std::vector<TileScan> scans = scan_some(order);
+    const std::vector<Piece> pieces = piece_order(scans, scans.size() == order.size(), seed);
     bake_some(pieces);
   }
 
@@ -106,25 +106,25 @@ class SizeSampler {
   }
 
   /// Scans the first readable tiles, within a third of the time budget.
-  std::vector<TileScan> survey_some(const std::vector<std::uint32_t>& order) {
-    std::vector<TileScan> surveys;
+  std::vector<TileScan> scan_some(const std::vector<std::uint32_t>& order) {
+    std::vector<TileScan> scans;
     const auto start = Clock::now();
     for (const std::uint32_t tile : order) {
-      if (!problem_.empty() || surveys.size() == max_tiles) break;
-      if (!surveys.empty() && elapsed_s(start) > budget_s_ / 3) break;
-      if (auto survey = survey_one(tile)) surveys.push_back(std::move(*survey));
+      if (!problem_.empty() || scans.size() == max_tiles) break;
+      if (!scans.empty() && elapsed_s(start) > budget_s_ / 3) break;
+      if (auto scan = scan_one(tile)) scans.push_back(std::move(*scan));
     }
-    return surveys;
+    return scans;
   }
 
-  std::optional<TileScan> survey_one(std::uint32_t tile) {
-    process_.survey(tile);
+  std::optional<TileScan> scan_one(std::uint32_t tile) {
+    process_.scan(tile);
     while (process_.in_flight() != 0) {
       nap();
       while (auto event = process_.poll()) {
         if (const auto* died = std::get_if<BakeProcess::Died>(&*event)) problem_ = died->why;
-        auto* surveyed = std::get_if<BakeProcess::Surveyed>(&*event);
-        if (surveyed != nullptr && !surveyed->survey.columns.empty()) return std::move(surveyed->survey);
+        auto* scanned = std::get_if<BakeProcess::Scanned>(&*event);
+        if (scanned != nullptr && !scanned->scan.columns.empty()) return std::move(scanned->scan);
       }
     }
     return std::nullopt;

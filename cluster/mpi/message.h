@@ -8,7 +8,7 @@ namespace gigabake {
 
 enum Tag : int {
   tag_tiles = 1,  ///< master to worker: u32 each, the tiles that the worker scans
-  tag_survey,     ///< worker to master: one TileScan
+  tag_scan,       ///< worker to master: one TileScan
   tag_job,        ///< master to worker: deaths u32, then one BakeOrder
   tag_report,     ///< worker to master: one BakeAnswer
   tag_died,       ///< worker to master: why its bake process ended, losing its requests; the worker restarts it

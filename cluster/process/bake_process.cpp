@@ -59,11 +59,11 @@ void BakeProcess::submit(CellJob job, std::uint32_t attempt) {
   if (!child_) work();
 }
 
-void BakeProcess::survey(std::uint32_t tile) {
+void BakeProcess::scan(std::uint32_t tile) {
   expect_work();
   if (tiles_.empty()) tile_since_ = watch_.watched();
   tiles_.push_back(tile);
-  if (channel_) channel_->send(BakeMessageKind::survey, survey_request(tile));
+  if (channel_) channel_->send(BakeMessageKind::scan, scan_request(tile));
   if (!child_) work();
 }
 
@@ -97,7 +97,7 @@ void BakeProcess::start() {
   }
   channel_.emplace(child_->socket());
   send_setup();
-  for (const std::uint32_t tile : tiles_) channel_->send(BakeMessageKind::survey, survey_request(tile));
+  for (const std::uint32_t tile : tiles_) channel_->send(BakeMessageKind::scan, scan_request(tile));
   for (const BakeOrder& order : cells_) channel_->send(BakeMessageKind::bake, to_bytes(order));
   watch_.start(Clock::now());
   cell_since_ = tile_since_ = watch_.watched();
@@ -131,13 +131,13 @@ void BakeProcess::take(const BakeMessage& message) {
     device_ = device_from_bytes(message.payload);
     return;
   }
-  if (message.kind == BakeMessageKind::surveyed) {
-    TileScan survey = survey_from_bytes(message.payload);
-    const auto asked = std::ranges::find(tiles_, survey.tile);
+  if (message.kind == BakeMessageKind::scanned) {
+    TileScan scan = scan_from_bytes(message.payload);
+    const auto asked = std::ranges::find(tiles_, scan.tile);
     if (asked == tiles_.end()) throw InputError("scan", "tile", "was not requested");
     if (asked == tiles_.begin()) tile_since_ = watch_.watched();
     tiles_.erase(asked);
-    events_.push_back(Surveyed{std::move(survey)});
+    events_.push_back(Scanned{std::move(scan)});
   } else if (message.kind == BakeMessageKind::baked) {
     BakeAnswer answer = answer_from_bytes(message.payload);
     const auto asked = std::ranges::find_if(cells_, [&](const BakeOrder& order) {

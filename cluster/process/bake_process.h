@@ -37,8 +37,8 @@ inline constexpr int max_failed_starts = 3;
 /// Cost    poll() never blocks. While requests are in flight it reads /proc once per second.
 class BakeProcess {
  public:
-  struct Surveyed {
-    TileScan survey;
+  struct Scanned {
+    TileScan scan;
   };
   struct Baked {
     CellReport report;
@@ -52,7 +52,7 @@ class BakeProcess {
     std::vector<std::uint32_t> tiles;
     bool has_started = true;  ///< false: it ended before it accepted requests, so no tile or cell is the cause
   };
-  using Event = std::variant<Surveyed, Baked, Died>;
+  using Event = std::variant<Scanned, Baked, Died>;
 
   /// Keeps setup.sources, because every process that is started receives them.
   BakeProcess(const WorkerSetup& setup, BakeProcessOptions options = {});
@@ -67,7 +67,7 @@ class BakeProcess {
   /// Returns the device of the current or last process; none until that process has reported it.
   const std::optional<DeviceAnswer>& device() const { return device_; }
   void submit(CellJob job, std::uint32_t attempt);
-  void survey(std::uint32_t tile);
+  void scan(std::uint32_t tile);
   /// Returns the next event, if any. Also sends, receives, starts and kills: call it often while requests are in
   /// flight.
   std::optional<Event> poll();

@@ -22,11 +22,11 @@ LevelOwners::LevelOwners(const PagedScene& scene) : scene_(scene) {
     coarsest_ = 62;
     scene.for_each_cell([this](const SceneCell& c) { coarsest_ = std::min(coarsest_, int(c.lods) - 1); });
   }
-  if (has_parents()) coarsest_ = std::max(coarsest_, int(scene.totals().voxels.size()) - 1);
+  if (has_overviews()) coarsest_ = std::max(coarsest_, int(scene.totals().voxels.size()) - 1);
 }
 
 std::vector<LevelOwner> LevelOwners::of(int lod, const LatticeBox& box) const {
-  std::vector<SceneCell> shards = scene_.parents_in(box, lod);
+  std::vector<SceneCell> shards = scene_.overviews_in(box, lod);
   if (shards.empty()) shards = scene_.cells_in(box);
   std::vector<LevelOwner> owners;
   for (const SceneCell& shard : shards) owners.push_back(of(shard));
@@ -45,14 +45,14 @@ void LevelOwners::for_each(int finest, int coarsest, std::size_t share, std::siz
     if (number++ % shares == share) add(shard);
   };
   const std::vector<PageReference> pages = scene_.leaves(callers_thread(), [&](const ScenePage& page) {
-    for (const SceneCell& parent : page.parents) add_if_own(parent);
+    for (const SceneCell& overview : page.overviews) add_if_own(overview);
   });
   if (pages.empty()) scene_.for_each_cell(add_if_own);
   visit(std::move(found));
   for (std::size_t i = share; i < pages.size(); i += shares) {
     found.clear();
     const ScenePage page = read_page(scene_.file(), scene_.header(), pages[i]);
-    for (const auto& shards : {&page.cells, &page.parents})
+    for (const auto& shards : {&page.cells, &page.overviews})
       for (const SceneCell& shard : *shards) add(shard);
     visit(std::move(found));
   }

@@ -24,7 +24,7 @@ class LevelOwners {
   /// Returns the coarsest level that the whole scene has.
   int coarsest() const { return coarsest_; }
   /// Returns whether the scene has overviews.
-  bool has_parents() const { return scene_.totals().parents != 0; }
+  bool has_overviews() const { return scene_.totals().overviews != 0; }
   /// Returns the owners of a level whose windows overlap the box (voxels of level 0), in the same order at every call.
   std::vector<LevelOwner> of(int lod, const LatticeBox& box) const;
   /// Visits the owners of partition `share` of `shares` that have a level from `finest` to `coarsest`. Partitions are

@@ -24,8 +24,8 @@ void each_field_of_report(Report& r, const F& f) {
       f(r.peak_bytes), f(r.on_device), f(r.bad_uv), f(r.note), f(r.levels), f(r.shard);
 }
 
-template <class Survey, class F>
-void each_field_of_survey(Survey& s, const F& f) {
+template <class Scan, class F>
+void each_field_of_scan(Scan& s, const F& f) {
   f(s.tile), f(s.columns), f(s.triangles), f(s.non_finite), f(s.zero_area), f(s.skipped_points), f(s.skipped_lines),
       f(s.source), f(s.error), f(s.spacing_m), f(s.too_far), f(s.reach_m);
 }
@@ -77,14 +77,14 @@ std::vector<std::uint8_t> to_bytes(const CellReport& report) {
   return w.take();
 }
 
-std::vector<std::uint8_t> to_bytes(const TileScan& survey) {
+std::vector<std::uint8_t> to_bytes(const TileScan& scan) {
   ByteWriter w;
   const auto put = [&w](const auto& field) { w.put(field); };
-  each_field_of_survey(survey, put);
-  put(std::uint64_t(survey.files.size()));
-  for (const StampedFile& file : survey.files) each_field_of_file(file, put);
-  put(std::uint64_t(survey.warnings.size()));
-  for (const SourceWarning& warning : survey.warnings) each_field_of_warning(warning, put);
+  each_field_of_scan(scan, put);
+  put(std::uint64_t(scan.files.size()));
+  for (const StampedFile& file : scan.files) each_field_of_file(file, put);
+  put(std::uint64_t(scan.warnings.size()));
+  for (const SourceWarning& warning : scan.warnings) each_field_of_warning(warning, put);
   return w.take();
 }
 
@@ -106,20 +106,20 @@ CellReport report_from_bytes(std::span<const std::uint8_t> bytes) {
   return report;
 }
 
-TileScan survey_from_bytes(std::span<const std::uint8_t> bytes) {
+TileScan scan_from_bytes(std::span<const std::uint8_t> bytes) {
   ByteReader r(bytes, "tile survey");
-  TileScan survey;
+  TileScan scan;
   const auto get = [&r](auto& field) { r.get(field); };
-  each_field_of_survey(survey, get);
+  each_field_of_scan(scan, get);
   std::uint64_t files = 0, warnings = 0;
   get(files);
   for (; files > 0; --files)
-    each_field_of_file(survey.files.emplace_back(), get);  // terminates because `get` throws
-                                                           // at the end of the bytes
+    each_field_of_file(scan.files.emplace_back(), get);  // terminates because `get` throws
+                                                         // at the end of the bytes
   get(warnings);
-  for (; warnings > 0; --warnings) each_field_of_warning(survey.warnings.emplace_back(), get);
+  for (; warnings > 0; --warnings) each_field_of_warning(scan.warnings.emplace_back(), get);
   r.expect_end();
-  return survey;
+  return scan;
 }
 
 }  // namespace gigabake

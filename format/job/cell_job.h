@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/base/rules.h"
-#include "format/job/survey.h"
+#include "format/job/tile_scan.h"
 #include "format/scene/xml/scene_xml.h"
 #include "format/shard/levels/level_summary.h"
 #include "format/shard/shard.h"
@@ -18,7 +18,7 @@
 
 namespace gigabake {
 
-/// A cell, or an overview: the levels above a block of cells or of other overviews (scheduler/plan/parents.h).
+/// A cell, or an overview: the levels above a block of cells or of other overviews (scheduler/plan/overviews.h).
 struct CellJob {
   std::uint32_t id = 0;                       ///< index into BakePlan::jobs
   std::string name;                           ///< "c_X_Y_Z": column and stack index; "pL_X_Y_Z" for an overview
@@ -35,7 +35,7 @@ struct CellJob {
   std::vector<std::string> child_files = {};  ///< overview that is dispatched: shards of the children that have voxels
 };
 
-inline bool is_parent(const CellJob& job) { return job.first_lod != 0; }
+inline bool is_overview(const CellJob& job) { return job.first_lod != 0; }
 
 enum class CellOutcome : std::uint8_t {
   baked,
@@ -74,9 +74,9 @@ std::string shard_file(const std::string& name, const Hash128& fingerprint);
 
 std::vector<std::uint8_t> to_bytes(const CellJob& job);
 std::vector<std::uint8_t> to_bytes(const CellReport& report);
-std::vector<std::uint8_t> to_bytes(const TileScan& survey);
+std::vector<std::uint8_t> to_bytes(const TileScan& scan);
 CellJob job_from_bytes(std::span<const std::uint8_t> bytes);        ///< Errors InputError when malformed
 CellReport report_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors InputError when malformed
-TileScan survey_from_bytes(std::span<const std::uint8_t> bytes);    ///< Errors InputError when malformed
+TileScan scan_from_bytes(std::span<const std::uint8_t> bytes);      ///< Errors InputError when malformed
 
 }  // namespace gigabake

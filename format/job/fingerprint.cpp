@@ -41,7 +41,7 @@ Hash128 CellFingerprints::of(const CellJob& job, std::vector<Hash128> tile_sourc
 }
 
 bool CellFingerprints::match(const CellJob& job) const {
-  if (is_parent(job) || (job.tile_sources.empty() && !job.tiles.empty())) return true;
+  if (is_overview(job) || (job.tile_sources.empty() && !job.tiles.empty())) return true;
   return of(job, job.tile_sources) == job.fingerprint;
 }
 

@@ -20,7 +20,7 @@ auto lattice_order(const SceneCell& c) { return std::tie(c.lattice_min[2], c.lat
 
 bool is_before(const SceneCell& a, const SceneCell& b) { return lattice_order(a) < lattice_order(b); }
 
-bool is_parent_before(const SceneCell& a, const SceneCell& b) {
+bool is_overview_before(const SceneCell& a, const SceneCell& b) {
   return std::pair(a.own_lod(), lattice_order(a)) < std::pair(b.own_lod(), lattice_order(b));
 }
 
@@ -29,7 +29,7 @@ PagedScene::PagedScene(std::filesystem::path scene_xml) : scene_xml_(std::move(s
   const std::vector<SceneFault> faults = faults_of_listed(reading);
   if (!faults.empty()) throw error_of(scene_xml_, faults[0]);
   totals_ = reading.totals ? std::move(*reading.totals) : SceneTotals(reading.scene);
-  root_ = {std::move(reading.scene.cells), std::move(reading.pages), std::move(reading.scene.parents)};
+  root_ = {std::move(reading.scene.cells), std::move(reading.pages), std::move(reading.scene.overviews)};
   header_ = std::move(reading.scene);
 }
 
@@ -41,7 +41,7 @@ PagedScene::PagedScene(std::filesystem::path scene_xml, SceneHeader header, Scen
 
 PagedScene PagedScene::of_cells(std::filesystem::path scene_xml, SceneDescription scene) {
   SceneTotals totals(scene);
-  ScenePage root{std::move(scene.cells), {}, std::move(scene.parents)};
+  ScenePage root{std::move(scene.cells), {}, std::move(scene.overviews)};
   return {std::move(scene_xml), std::move(scene), std::move(totals), std::move(root)};
 }
 
@@ -119,41 +119,41 @@ std::vector<SceneCell> PagedScene::cells_in(const LatticeBox& box) const {
   return found;
 }
 
-void PagedScene::visit_parents(const ScenePage& page, const VisitCell& visit) const {
-  for (const SceneCell& parent : page.parents) visit(parent);
+void PagedScene::visit_overviews(const ScenePage& page, const VisitCell& visit) const {
+  for (const SceneCell& overview : page.overviews) visit(overview);
   for (const PageReference& below : page.pages)
-    if (below.totals.parents != 0) visit_parents(read_page(scene_xml_, header_, below), visit);
+    if (below.totals.overviews != 0) visit_overviews(read_page(scene_xml_, header_, below), visit);
 }
 
-void PagedScene::for_each_parent(const VisitCell& visit) const { visit_parents(root_, visit); }
+void PagedScene::for_each_overview(const VisitCell& visit) const { visit_overviews(root_, visit); }
 
-void PagedScene::for_each_parent_below(const PageReference& page, const VisitCell& visit) const {
-  if (page.totals.parents != 0) visit_parents(read_page(scene_xml_, header_, page), visit);
+void PagedScene::for_each_overview_below(const PageReference& page, const VisitCell& visit) const {
+  if (page.totals.overviews != 0) visit_overviews(read_page(scene_xml_, header_, page), visit);
 }
 
-std::vector<SceneCell> PagedScene::parents() const {
+std::vector<SceneCell> PagedScene::overviews() const {
   std::vector<SceneCell> all;
-  all.reserve(totals_.parents);
-  for_each_parent([&all](const SceneCell& parent) { all.push_back(parent); });
+  all.reserve(totals_.overviews);
+  for_each_overview([&all](const SceneCell& overview) { all.push_back(overview); });
   return all;
 }
 
 /// Skips pages whose block does not overlap the box, because a page's overviews lie in its block.
-void PagedScene::collect_parents(const ScenePage& page, const LatticeBox& box, int lod,
-                                 std::vector<SceneCell>& found) const {
-  for (const SceneCell& parent : page.parents)
-    if (int(parent.own_lod()) <= lod && lod < int(parent.first_lod + parent.lods) &&
-        !intersection(window_of(parent), box).is_empty())
-      found.push_back(parent);
+void PagedScene::collect_overviews(const ScenePage& page, const LatticeBox& box, int lod,
+                                   std::vector<SceneCell>& found) const {
+  for (const SceneCell& overview : page.overviews)
+    if (int(overview.own_lod()) <= lod && lod < int(overview.first_lod + overview.lods) &&
+        !intersection(window_of(overview), box).is_empty())
+      found.push_back(overview);
   for (const PageReference& below : page.pages)
-    if (below.totals.parents != 0 && below.totals.voxels.size() > std::size_t(lod) &&
+    if (below.totals.overviews != 0 && below.totals.voxels.size() > std::size_t(lod) &&
         !intersection(below.block.box(), box).is_empty())
-      collect_parents(read_page(scene_xml_, header_, below), box, lod, found);
+      collect_overviews(read_page(scene_xml_, header_, below), box, lod, found);
 }
 
-std::vector<SceneCell> PagedScene::parents_in(const LatticeBox& box, int lod) const {
+std::vector<SceneCell> PagedScene::overviews_in(const LatticeBox& box, int lod) const {
   std::vector<SceneCell> found;
-  collect_parents(root_, box, lod, found);
+  collect_overviews(root_, box, lod, found);
   return found;
 }
 
@@ -178,10 +178,10 @@ std::vector<SceneCell> PagedScene::cells(const ThreadPool& pool) const {
 SceneDescription PagedScene::all(const ThreadPool& pool) const {
   SceneDescription scene;
   static_cast<SceneHeader&>(scene) = header_;
-  const auto take_parents = [&scene](const ScenePage& page) {
-    scene.parents.insert(scene.parents.end(), page.parents.begin(), page.parents.end());
+  const auto take_overviews = [&scene](const ScenePage& page) {
+    scene.overviews.insert(scene.overviews.end(), page.overviews.begin(), page.overviews.end());
   };
-  const std::vector<PageReference> pages = leaves(pool, take_parents);
+  const std::vector<PageReference> pages = leaves(pool, take_overviews);
   scene.cells = root_.cells;
   if (pages.empty()) return scene;
   scene.cells.reserve(totals_.cells);
@@ -190,10 +190,10 @@ SceneDescription PagedScene::all(const ThreadPool& pool) const {
     ScenePage page = read_page(scene_xml_, header_, pages[i]);
     const std::scoped_lock lock(mutex);
     std::move(page.cells.begin(), page.cells.end(), std::back_inserter(scene.cells));
-    take_parents(page);
+    take_overviews(page);
   });
   std::sort(scene.cells.begin(), scene.cells.end(), is_before);
-  std::sort(scene.parents.begin(), scene.parents.end(), is_parent_before);
+  std::sort(scene.overviews.begin(), scene.overviews.end(), is_overview_before);
   return scene;
 }
 

@@ -55,16 +55,16 @@ class PagedScene {
 
   /// Visits the overviews of all pages: each page's own, then the overviews of each page below it. Overviews are
   /// numbered in this order.
-  void for_each_parent(const VisitCell& visit) const;
-  void for_each_parent_below(const PageReference& page, const VisitCell& visit) const;
-  std::vector<SceneCell> parents() const;
+  void for_each_overview(const VisitCell& visit) const;
+  void for_each_overview_below(const PageReference& page, const VisitCell& visit) const;
+  std::vector<SceneCell> overviews() const;
 
   /// Returns the cells whose windows overlap the box, by lattice_min z, y, x.
   /// Cost    Reads the pages that may contain such cells.
   std::vector<SceneCell> cells_in(const LatticeBox& box) const;
   /// Returns the overviews that overlap the box and have that level natively (not as a duplicate).
   /// Cost    See cells_in().
-  std::vector<SceneCell> parents_in(const LatticeBox& box, int lod) const;
+  std::vector<SceneCell> overviews_in(const LatticeBox& box, int lod) const;
 
   /// Returns all cells, in the order of the pages.
   std::vector<SceneCell> cells(const ThreadPool& pool = callers_thread()) const;
@@ -76,9 +76,9 @@ class PagedScene {
   static VisitCells one_by_one(const VisitCell& visit);
   void visit_below(const ScenePage& page, const VisitCells& visit) const;
   void visit_references(const ScenePage& page, const std::function<void(const PageReference&)>& visit) const;
-  void visit_parents(const ScenePage& page, const VisitCell& visit) const;
+  void visit_overviews(const ScenePage& page, const VisitCell& visit) const;
   void collect(const ScenePage& page, const LatticeBox& box, std::vector<SceneCell>& found) const;
-  void collect_parents(const ScenePage& page, const LatticeBox& box, int lod, std::vector<SceneCell>& found) const;
+  void collect_overviews(const ScenePage& page, const LatticeBox& box, int lod, std::vector<SceneCell>& found) const;
 
   std::filesystem::path scene_xml_;
   SceneHeader header_;
@@ -89,6 +89,6 @@ class PagedScene {
 /// Returns whether cell `a` precedes `b` in a scene.
 bool is_before(const SceneCell& a, const SceneCell& b);
 /// Returns whether overview `a` precedes `b` in a scene: each overview follows its children.
-bool is_parent_before(const SceneCell& a, const SceneCell& b);
+bool is_overview_before(const SceneCell& a, const SceneCell& b);
 
 }  // namespace gigabake

@@ -94,7 +94,7 @@ void for_each_shard_of_level(const PagedScene& scene, int lod, const PagedScene:
     if (lod >= int(shard.own_lod()) && lod < int(shard.first_lod + shard.lods)) visit(shard);
   };
   scene.for_each_cell(visit_if_own);
-  scene.for_each_parent(visit_if_own);
+  scene.for_each_overview(visit_if_own);
 }
 
 std::uint64_t voxels_of_level(const PagedScene& scene, int lod) {
@@ -102,7 +102,7 @@ std::uint64_t voxels_of_level(const PagedScene& scene, int lod) {
   if (totals.cells == 0) return 0;
   std::size_t levels = totals.voxels.size();
   // Without overviews, the highest levels of a scene with several cell sizes exist only in some cells.
-  if (totals.parents == 0 && totals.cell_voxels == 0)
+  if (totals.overviews == 0 && totals.cell_voxels == 0)
     scene.for_each_cell([&](const SceneCell& c) { levels = std::min(levels, std::size_t(c.lods)); });
   if (lod < 0 || std::size_t(lod) >= levels)
     throw InputError(scene.file(), "`lod`", fmt::format("there is no lod {}; expected 0 to {}", lod, levels - 1));

@@ -43,7 +43,7 @@ int expect_page_of(const std::filesystem::path& path, const SceneAttributes& a, 
 SceneTotals sum_of(const ScenePage& page) {
   SceneTotals sum(page.cells);
   for (const PageReference& below : page.pages) sum.add(below.totals);
-  for (const SceneCell& parent : page.parents) sum.add(parent);
+  for (const SceneCell& overview : page.overviews) sum.add(overview);
   return sum;
 }
 
@@ -62,8 +62,8 @@ std::vector<SceneFault> contradictions_of(const ScenePage& page, const PageRefer
     if (block_around(cell.lattice_min, reference.block.edge) != reference.block)
       add({{"PagedOctTree " + as_line(cell.name, max_quote_bytes), "does not begin in the block of its page", {}}});
   add(faults_of_blocks(page.pages, &reference.block));
-  add(faults_of_places(page.cells, page.parents));
-  add(faults_of_parent_places(page, &reference.block, header.tiers));
+  add(faults_of_places(page.cells, page.overviews));
+  add(faults_of_overview_places(page, &reference.block, header.tiers));
   return all;
 }
 
@@ -94,11 +94,11 @@ PageReading read_page_text(const std::filesystem::path& scene_xml, const SceneHe
   add(content.faults);
   for (const SceneLoss& loss : content.losses)
     add({{"Loss " + as_line(loss.name, max_quote_bytes), "is listed in a page; expected it in scene.xml", {}}});
-  reading.page = {std::move(content.cells), std::move(content.pages), std::move(content.parents)};
+  reading.page = {std::move(content.cells), std::move(content.pages), std::move(content.overviews)};
   if (version < 5)
-    for (const SceneCell& parent : reading.page.parents)
+    for (const SceneCell& overview : reading.page.overviews)
       reading.contradictions.push_back(
-          {"PagedOctTree " + as_line(parent.name, max_quote_bytes),
+          {"PagedOctTree " + as_line(overview.name, max_quote_bytes),
            "is an overview and is listed in a page of version 3 or 4; expected it in scene.xml",
            {}});
   std::ranges::move(contradictions_of(reading.page, reference, header), std::back_inserter(reading.contradictions));

@@ -42,7 +42,7 @@ struct PageReference {
 struct ScenePage {
   std::vector<SceneCell> cells;
   std::vector<PageReference> pages;
-  std::vector<SceneCell> parents;  ///< each in the smallest page whose block contains it; before version 5 in no page
+  std::vector<SceneCell> overviews;  ///< each in the smallest page whose block contains it; before version 5 in no page
 };
 
 /// Reads a page of the scene that `header` describes.

@@ -28,7 +28,7 @@ SceneTotals::SceneTotals(const std::vector<SceneCell>& all) {
 }
 
 SceneTotals::SceneTotals(const SceneDescription& scene) : SceneTotals(scene.cells) {
-  for (const SceneCell& parent : scene.parents) add(parent);
+  for (const SceneCell& overview : scene.overviews) add(overview);
 }
 
 void SceneTotals::add(const SceneCell& cell) {
@@ -39,7 +39,7 @@ void SceneTotals::add(const SceneCell& cell) {
   if (!cell.level_bytes.empty()) one.level_bytes = on_lattice(cell.level_bytes, cell);
   one.node_bytes = cell.node_bytes;
   if (cell.first_lod != 0) {
-    one.parents = 1;
+    one.overviews = 1;
   } else {
     one.cells = 1;
     one.cell_voxels = cell.cell_voxels;
@@ -49,11 +49,11 @@ void SceneTotals::add(const SceneCell& cell) {
 }
 
 void SceneTotals::add(const SceneTotals& part) {
-  if (part.cells + part.parents == 0) return;
+  if (part.cells + part.overviews == 0) return;
   const bool stored = has_stored() && part.has_stored();
   if (part.cells != 0) cell_voxels = cells == 0 || cell_voxels == part.cell_voxels ? part.cell_voxels : 0;
   cells += part.cells;
-  parents += part.parents;
+  overviews += part.overviews;
   bytes += part.bytes;
   add_each(part.voxels, voxels);
   add_each(part.content_hash, content_hash);

@@ -19,10 +19,10 @@ struct SceneTotals {
   void add(const SceneCell& cell);
   void add(const SceneTotals& part);
   Hash128 all_content() const;  ///< of all lods
-  bool has_stored() const { return cells + parents == 0 || !level_bytes.empty(); }
+  bool has_stored() const { return cells + overviews == 0 || !level_bytes.empty(); }
   friend bool operator==(const SceneTotals&, const SceneTotals&) = default;
 
-  std::uint64_t cells = 0, parents = 0, bytes = 0;
+  std::uint64_t cells = 0, overviews = 0, bytes = 0;
   std::vector<std::uint64_t> voxels;
   std::vector<Hash128> content_hash;
   std::vector<std::uint64_t> level_bytes;  ///< empty if a cell or an overview lacks it

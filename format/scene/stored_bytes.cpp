@@ -7,7 +7,7 @@
 namespace gigabake {
 
 StoredBytes stored_bytes(const PagedScene& scene, const Progress& progress) {
-  progress.step("inspecting the shards", scene.totals().cells + scene.totals().parents);
+  progress.step("inspecting the shards", scene.totals().cells + scene.totals().overviews);
   StoredBytes bytes;
   const auto add = [&](const SceneCell& c) {
     const ShardReader reader = open_shard_of_scene(scene.file(), scene.header(), c);
@@ -17,7 +17,7 @@ StoredBytes stored_bytes(const PagedScene& scene, const Progress& progress) {
     progress.advance();
   };
   scene.for_each_cell(add);
-  scene.for_each_parent(add);
+  scene.for_each_overview(add);
   return bytes;
 }
 

@@ -17,17 +17,17 @@ using Corner = std::array<std::int64_t, 3>;
 
 constexpr int max_window_bits = 31;
 
-TierShape shape_of(const SceneCell& parent) { return {parent.first_lod, parent.copied_lods, parent.lods}; }
+TierShape shape_of(const SceneCell& overview) { return {overview.first_lod, overview.copied_lods, overview.lods}; }
 
 /// Returns whether the overview's corner is a multiple of `grid`, as for all windows below the root.
-bool is_on_grid(const SceneCell& parent, std::int64_t grid) {
-  return std::ranges::all_of(parent.lattice_min, [grid](std::int64_t v) { return v % grid == 0; });
+bool is_on_grid(const SceneCell& overview, std::int64_t grid) {
+  return std::ranges::all_of(overview.lattice_min, [grid](std::int64_t v) { return v % grid == 0; });
 }
 
 /// Returns whether the window has the levels of the overview level and a valid position.
-bool is_of_tier(const SceneCell& parent, const TierShape& tier, bool is_root) {
+bool is_of_tier(const SceneCell& overview, const TierShape& tier, bool is_root) {
   const std::int64_t edge = std::int64_t(1) << tier.window_bits();
-  return shape_of(parent) == tier && parent.cell_voxels == edge && is_on_grid(parent, is_root ? edge / 2 : edge);
+  return shape_of(overview) == tier && overview.cell_voxels == edge && is_on_grid(overview, is_root ? edge / 2 : edge);
 }
 
 /// The overviews of one level, by the corners of their windows.
@@ -47,26 +47,26 @@ bool lies_below(const Tier& tier, const TierShape& above_shape, const Tier& abov
 }
 
 /// Returns whether overviews may be missing without a record: those that depended on a lost cell or overview.
-bool may_lack_parents(const SceneHeader& scene) {
+bool may_lack_overviews(const SceneHeader& scene) {
   return std::ranges::any_of(scene.losses, [](const SceneLoss& loss) {
     return loss.name.starts_with("parent ") || loss.name.starts_with("cell ");
   });
 }
 
 /// Returns the overview levels by native lod. Returns none if two overviews of the same lod differ in shape.
-std::map<std::uint32_t, TierShape> shapes_by_lod(std::span<const SceneCell> parents) {
+std::map<std::uint32_t, TierShape> shapes_by_lod(std::span<const SceneCell> overviews) {
   std::map<std::uint32_t, TierShape> shapes;
-  for (const SceneCell& parent : parents)
-    if (shapes.emplace(parent.own_lod(), shape_of(parent)).first->second != shape_of(parent)) return {};
+  for (const SceneCell& overview : overviews)
+    if (shapes.emplace(overview.own_lod(), shape_of(overview)).first->second != shape_of(overview)) return {};
   return shapes;
 }
 
-bool hang_from_one_root(std::span<const SceneCell> parents, const std::vector<TierShape>& shapes) {
+bool hang_from_one_root(std::span<const SceneCell> overviews, const std::vector<TierShape>& shapes) {
   std::map<std::uint32_t, Tier> tiers;
-  for (const SceneCell& parent : parents) {
-    const auto shape = std::ranges::find(shapes, parent.own_lod(), &TierShape::own_lod);
-    if (!is_of_tier(parent, *shape, shape == shapes.end() - 1)) return false;
-    if (!tiers[parent.own_lod()].insert(parent.lattice_min).second) return false;
+  for (const SceneCell& overview : overviews) {
+    const auto shape = std::ranges::find(shapes, overview.own_lod(), &TierShape::own_lod);
+    if (!is_of_tier(overview, *shape, shape == shapes.end() - 1)) return false;
+    if (!tiers[overview.own_lod()].insert(overview.lattice_min).second) return false;
   }
   for (std::size_t t = 0; t + 1 < shapes.size(); ++t)
     if (!lies_below(tiers[shapes[t].own_lod()], shapes[t + 1], tiers[shapes[t + 1].own_lod()], t + 2 == shapes.size()))
@@ -94,21 +94,21 @@ std::optional<std::string> fault_of_tiers(std::span<const TierShape> tiers, std:
   return std::nullopt;
 }
 
-std::optional<std::string> fault_in_tiers(const SceneCell& parent, std::span<const TierShape> tiers) {
+std::optional<std::string> fault_in_tiers(const SceneCell& overview, std::span<const TierShape> tiers) {
   if (tiers.empty()) return std::nullopt;
   for (const TierShape& tier : tiers)
-    if (tier.own_lod() == parent.own_lod())
-      return is_of_tier(parent, tier, &tier == &tiers.back())
+    if (tier.own_lod() == overview.own_lod())
+      return is_of_tier(overview, tier, &tier == &tiers.back())
                  ? std::nullopt
                  : std::optional<std::string>("has other levels or another grid than in ParentTiers");
   return "has levels that ParentTiers does not list";
 }
 
-bool cover_cells(CellPart part, std::span<const SceneCell> parents, const TierShape& lowest,
+bool cover_cells(CellPart part, std::span<const SceneCell> overviews, const TierShape& lowest,
                  const CellWalk& for_each_cell) {
   Tier tier;
-  for (const SceneCell& parent : parents)
-    if (shape_of(parent) == lowest) tier.insert(parent.lattice_min);
+  for (const SceneCell& overview : overviews)
+    if (shape_of(overview) == lowest) tier.insert(overview.lattice_min);
   const auto is_held = [&](const Corner& voxel) { return has_around(tier, lowest, tier.size() == 1, voxel); };
   bool all = true;
   for_each_cell([&](const SceneCell& cell) {
@@ -120,17 +120,17 @@ bool cover_cells(CellPart part, std::span<const SceneCell> parents, const TierSh
   return all;
 }
 
-std::vector<TierShape> tiers_of(std::span<const SceneCell> parents, const SceneHeader& header,
+std::vector<TierShape> tiers_of(std::span<const SceneCell> overviews, const SceneHeader& header,
                                 std::uint32_t cell_voxels, const CellWalk& for_each_cell) {
   std::vector<TierShape> shapes;
-  for (const auto& [lod, shape] : shapes_by_lod(parents)) shapes.push_back(shape);
-  if (shapes.empty() || fault_of_tiers(shapes, cell_voxels) || !hang_from_one_root(parents, shapes)) return {};
-  if (may_lack_parents(header) && !cover_cells(CellPart::all, parents, shapes.front(), for_each_cell)) return {};
+  for (const auto& [lod, shape] : shapes_by_lod(overviews)) shapes.push_back(shape);
+  if (shapes.empty() || fault_of_tiers(shapes, cell_voxels) || !hang_from_one_root(overviews, shapes)) return {};
+  if (may_lack_overviews(header) && !cover_cells(CellPart::all, overviews, shapes.front(), for_each_cell)) return {};
   return shapes;
 }
 
 std::vector<TierShape> tiers_of(const SceneDescription& scene, std::uint32_t cell_voxels) {
-  return tiers_of(scene.parents, scene, cell_voxels, [&scene](const auto& visit) {
+  return tiers_of(scene.overviews, scene, cell_voxels, [&scene](const auto& visit) {
     for (const SceneCell& cell : scene.cells) visit(cell);
   });
 }

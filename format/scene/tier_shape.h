@@ -1,5 +1,5 @@
 /// The overview levels of a scene as scene.xml lists them: each level consists of overviews of one size, up to one root
-/// (scheduler/plan/parents.h). They determine where overviews are, without listing the overviews.
+/// (scheduler/plan/overviews.h). They determine where overviews are, without listing the overviews.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ using CellWalk = std::function<void(const std::function<void(const SceneCell&)>&
 /// overviews that are missing, overlap, or differ in shape; or a cell without one. Cells are only checked if the scene
 /// records a lost shard.
 /// Cost    One pass over all overviews, and over all cells if a shard is lost.
-std::vector<TierShape> tiers_of(std::span<const SceneCell> parents, const SceneHeader& header,
+std::vector<TierShape> tiers_of(std::span<const SceneCell> overviews, const SceneHeader& header,
                                 std::uint32_t cell_voxels, const CellWalk& for_each_cell);
 std::vector<TierShape> tiers_of(const SceneDescription& scene, std::uint32_t cell_voxels);
 
@@ -28,9 +28,9 @@ std::vector<TierShape> tiers_of(const SceneDescription& scene, std::uint32_t cel
 /// its voxels lie in one block, the other may be empty and have no overview; only the shard's voxels could tell.
 enum class CellPart { all, some };
 
-/// Returns whether that part of each cell lies below overviews of the lowest level. `parents` are all overviews of that
-/// level.
-bool cover_cells(CellPart part, std::span<const SceneCell> parents, const TierShape& lowest,
+/// Returns whether that part of each cell lies below overviews of the lowest level. `overviews` are all overviews of
+/// that level.
+bool cover_cells(CellPart part, std::span<const SceneCell> overviews, const TierShape& lowest,
                  const CellWalk& for_each_cell);
 
 /// Returns the fault of the overview levels listed for a scene; nullopt if they are valid.
@@ -38,6 +38,6 @@ std::optional<std::string> fault_of_tiers(std::span<const TierShape> tiers, std:
 
 /// Returns the fault of an overview that should belong to one of the levels; nullopt if it is valid or `tiers` is
 /// empty.
-std::optional<std::string> fault_in_tiers(const SceneCell& parent, std::span<const TierShape> tiers);
+std::optional<std::string> fault_in_tiers(const SceneCell& overview, std::span<const TierShape> tiers);
 
 }  // namespace gigabake

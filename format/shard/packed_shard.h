@@ -16,7 +16,7 @@ struct PackedShard {
   std::vector<PackedColumn> nodes;  ///< columns in the order of packed_nodes()
   NodeTable constants;              ///< the nodes that are not bricks: only their class, lod and value
   std::vector<PackedLevel> levels;  ///< [lod]; channels in the order of packed_channels()
-  ParentSource above = {};          ///< see Shard::above
+  DownsampleState above = {};       ///< see Shard::above
 };
 
 /// Returns the channels to pack per voxel of a level, in this order, for shards of the current version.

@@ -13,8 +13,8 @@
 #include "core/base/thread_pool.h"
 #include "core/io/hash128.h"
 #include "core/math/frames.h"
+#include "core/octree/downsample_state.h"
 #include "core/octree/octree.h"
-#include "core/octree/parent_source.h"
 
 namespace gigabake {
 
@@ -59,7 +59,7 @@ struct Shard {
   ShardHeader header;
   NodeTable nodes;
   std::vector<BrickLevel> levels;  ///< [lod], starting at header.first_lod
-  ParentSource above = {};         ///< empty in shards before version 4
+  DownsampleState above = {};      ///< empty in shards before version 4
 };
 
 struct ShardWriteOptions {

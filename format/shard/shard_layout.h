@@ -55,7 +55,7 @@ struct LevelColumns {
   Hdf5Column mask, first;
 };
 
-/// The columns of ParentSource. `lod` is the lattice level of the shard's coarsest level.
+/// The columns of DownsampleState. `lod` is the lattice level of the shard's coarsest level.
 struct AboveColumns {
   explicit AboveColumns(int lod) : raster{"/above/raster", Hdf5Type::u8, raster_bytes(lod)} {}
   Hdf5Column place{"/above/place", Hdf5Type::u8, source_place_bytes};

@@ -74,11 +74,11 @@ CoarseLevels ShardReader::coarse_levels(int lod) const {
   return read_coarse_levels(FileColumns(file_), header_, version_, lod);
 }
 
-ParentSource ShardReader::above() const {
+DownsampleState ShardReader::above() const {
   const auto hash = read_above_hash(file_);
   if (!hash) return {};
   const AboveColumns columns(int(header_.first_lod + header_.lods) - 1);
-  ParentSource above;
+  DownsampleState above;
   read_rows(file_, columns.place, above.place);
   read_rows(file_, columns.rgba, above.rgba);
   if (header_.has_normals) read_rows(file_, columns.normal, above.normal);

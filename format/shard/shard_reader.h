@@ -27,7 +27,7 @@ class ShardReader {
   /// Range   0 ≤ lod < header().lods.
   CoarseLevels coarse_levels(int lod) const;
   /// Returns the downsample state. Empty if the shard stores none, as before version 4.
-  ParentSource above() const;
+  DownsampleState above() const;
   Shard all() const;
 
   /// Returns the size on disk: compressed, without HDF5's own index.

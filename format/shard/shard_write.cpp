@@ -14,7 +14,7 @@
 namespace gigabake {
 namespace {
 
-void write_header(Hdf5File& file, const ShardHeader& h, const ParentSource& above) {
+void write_header(Hdf5File& file, const ShardHeader& h, const DownsampleState& above) {
   const auto u32 = [&](const char* name, std::uint32_t v) { file.write_attribute(name, Hdf5Type::u32, &v, 0); };
   file.write_attribute("format", shard_format);
   file.write_attribute("version", Hdf5Type::i32, &shard_version, 0);
@@ -43,7 +43,7 @@ void write_header(Hdf5File& file, const ShardHeader& h, const ParentSource& abov
 
 /// Writes the header and the columns that `add_columns` adds, and closes the file.
 template <class AddColumns>
-StoredShard make_file(Hdf5File file, const ShardHeader& header, const ParentSource& above,
+StoredShard make_file(Hdf5File file, const ShardHeader& header, const DownsampleState& above,
                       const ShardWriteOptions& options, const AddColumns& add_columns) {
   write_header(file, header, above);
   ShardColumns columns(header);

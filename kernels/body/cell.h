@@ -15,8 +15,8 @@
 #include "core/base/rules.h"
 #include "core/io/hash128.h"
 #include "core/math/snap.h"
+#include "core/octree/downsample_state.h"
 #include "core/octree/octree.h"
-#include "core/octree/parent_source.h"
 #include "kernels/body/texture/material.h"
 #include "kernels/body/texture/texture_view.h"
 
@@ -73,7 +73,7 @@ struct CellVolume {
   std::vector<Level> levels;          ///< [lod]; log2(window_voxels/8)+1 levels; empty if no voxel is occupied
   NodeTable nodes;                    ///< facing: zeros for constant nodes of levels without it
   std::vector<Hash128> content_hash;  ///< [lod]; over all voxels, including those that constant nodes represent
-  ParentSource above;                 ///< downsample state for the levels above; empty if no voxel is occupied
+  DownsampleState above;              ///< downsample state for the levels above; empty if no voxel is occupied
   CellStats stats;
 };
 

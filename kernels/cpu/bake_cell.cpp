@@ -5,9 +5,9 @@
 
 #include "core/base/thread_pool.h"
 #include "kernels/body/voxelize/window.h"
+#include "kernels/cpu/mip/downsample_state.h"
 #include "kernels/cpu/mip/level_hash.h"
 #include "kernels/cpu/mip/levels.h"
-#include "kernels/cpu/mip/parent_source.h"
 #include "kernels/cpu/prune/prune.h"
 #include "kernels/cpu/voxelize/approximate.h"
 #include "kernels/cpu/voxelize/bin.h"
@@ -91,7 +91,7 @@ CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, c
     const StageClock clock(volume.stats.mip_s);
     LevelSurface surface;
     add_coarser_levels(volume.levels, surface, lods, parameters.mip, parameters.normals, pool);
-    volume.above = parent_source(volume.levels, lods - 1, surface, parameters.mip);
+    volume.above = downsample_state(volume.levels, lods - 1, surface, parameters.mip);
     if (!parameters.facing) drop_facing(volume.levels);
   }
   volume.stats.peak_bytes = std::max(volume.stats.peak_bytes, 2 * bytes_of(volume.levels));

@@ -2,9 +2,9 @@
 #include <span>
 
 #include "kernels/body/mip/mip.h"
+#include "kernels/cpu/mip/downsample_state.h"
 #include "kernels/cpu/mip/level_hash.h"
 #include "kernels/cpu/mip/levels.h"
-#include "kernels/cpu/mip/parent_source.h"
 #include "kernels/cuda/cell.cuh"
 #include "kernels/cuda/device/download.cuh"
 #include "kernels/cuda/mip/hash.cuh"
@@ -144,7 +144,7 @@ bool CellBake::bake_at_once(const Cell& cell, BakedCell& out) {
     CellStats stats;
     const int lods = cell.window.levels + 1;
     LevelsAbove all = levels_of(cell, all_keys(cell.window), lods, bin_capacity_, stats);
-    ParentSource above = source_of(all, lods - 1, cell.parameters.mip);
+    DownsampleState above = source_of(all, lods - 1, cell.parameters.mip);
     std::vector<DeviceLevel> levels = std::move(all.levels);
     approximate_levels(heap_, tables_, cell.parameters.max_error, levels);
     DeviceNodes nodes;
@@ -167,14 +167,14 @@ bool CellBake::bake_at_once(const Cell& cell, BakedCell& out) {
 }
 
 /// Reads back the state from which the overviews above the cell are made.
-ParentSource CellBake::source_of(const LevelsAbove& all, int lod, MipFilter filter) {
+DownsampleState CellBake::source_of(const LevelsAbove& all, int lod, MipFilter filter) {
   if (all.levels.empty()) return {};
   const std::size_t wanted = is_of_64(filter, lod + 1) ? 2 : 1;
   std::vector<Level> levels = to_host(heap_.stream(), pinned_, std::span(all.levels).last(wanted), {}, host_).levels;
   LevelSurface surface;
   append(all.rasters, surface.rasters);
   append(all.patches, surface.patches);
-  return parent_source(levels, lod, surface, filter);
+  return downsample_state(levels, lod, surface, filter);
 }
 
 /// Bakes levels up to the units' on the device, part by part, and the coarser, small levels from them on the host.
@@ -190,7 +190,7 @@ void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
   std::size_t lod = out.host_levels.size();
   add_coarser_levels(out.host_levels, out.host_surface, cell.window.levels + 1, cell.parameters.mip,
                      cell.parameters.normals, host_);
-  out.above = parent_source(out.host_levels, cell.window.levels, out.host_surface, cell.parameters.mip);
+  out.above = downsample_state(out.host_levels, cell.window.levels, out.host_surface, cell.parameters.mip);
   if (!cell.parameters.facing) drop_facing(out.host_levels);
   for (; lod < out.host_levels.size(); ++lod)
     out.host_hashes.push_back(level_hash(out.host_levels[lod], int(lod), out.window_min, host_));

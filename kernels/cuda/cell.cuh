@@ -29,7 +29,7 @@ class BakedCell : public CudaVolume {
   std::vector<Level> host_levels;  ///< [lod]; for a cell baked in parts
   LevelSurface host_surface;       ///< of the coarsest of host_levels
   std::vector<Hash128> host_hashes;
-  ParentSource above;  ///< on the host: it is small, and the volume carries it whichever code packs the cell
+  DownsampleState above;  ///< on the host: it is small, and the volume carries it whichever code packs the cell
   std::int64_t window_min[3] = {};
   std::uint32_t max_error = 0;  ///< error that `host_levels` are still to be approximated to
   CellStats cell_stats;
@@ -51,7 +51,7 @@ class CellBake {
   struct Units;
 
   LevelsAbove levels_of(const Cell& cell, KeyRange range, int lods, BinCapacity& capacity, CellStats& stats);
-  ParentSource source_of(const LevelsAbove& all, int lod, MipFilter filter);
+  DownsampleState source_of(const LevelsAbove& all, int lod, MipFilter filter);
   bool bake_at_once(const Cell& cell, BakedCell& out);
   void bake_in_parts(const Cell& cell, BakedCell& out);
   void bake_units(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out);

@@ -34,7 +34,7 @@ struct PackedCell {
   std::vector<PackedColumn> nodes;    ///< in the order of the request
   NodeTable constants;                ///< only the nodes that are no bricks: `kind`, lod and value
   std::vector<Hash128> content_hash;  ///< [lod]
-  ParentSource above;                 ///< as in CellVolume
+  DownsampleState above;              ///< as in CellVolume
   CellStats stats;
   std::shared_ptr<const void> memory;  ///< page-locked; returns to the packer with the last reference
 };

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double bridge_burden = 14, wet_burden = 2.5, slope_burden = 90;
 
-int survey_points(double size_m) { return 1 + int(std::clamp(size_m / 6, 40.0, 256.0)); }
+int scan_points(double size_m) { return 1 + int(std::clamp(size_m / 6, 40.0, 256.0)); }
 
 /// Smooths a path over a grid to a road by cutting corners (Chaikin) three times.
 std::vector<MapPoint> smoothed(std::vector<MapPoint> way) {
@@ -50,8 +50,8 @@ double distance_m(MapPoint a, MapPoint b) {
   return std::sqrt(de * de + dn * dn);
 }
 
-Surveyor::Surveyor(const Relief& relief)
-    : height_(survey_points(relief.size_m()), -relief.size_m() / 2, relief.size_m() / 2), burden_(height_.v.size(), 1) {
+ScanThread::ScanThread(const Relief& relief)
+    : height_(scan_points(relief.size_m()), -relief.size_m() / 2, relief.size_m() / 2), burden_(height_.v.size(), 1) {
   for (int y = 0; y < height_.edge; ++y)
     for (int x = 0; x < height_.edge; ++x) {
       const MapPoint p = height_.point(x, y);
@@ -61,19 +61,19 @@ Surveyor::Surveyor(const Relief& relief)
     }
 }
 
-int Surveyor::nearest(MapPoint p) const {
+int ScanThread::nearest(MapPoint p) const {
   const auto index = [&](double m) {
     return std::clamp(int((m - height_.min_m) / height_.cell_m + 0.5), 0, height_.edge - 1);
   };
   return index(p.n_m) * height_.edge + index(p.e_m);
 }
 
-double Surveyor::effort(int from, int to, double run_m) const {
+double ScanThread::effort(int from, int to, double run_m) const {
   const double slope = (height_.v[to] - height_.v[from]) / run_m;
   return run_m * (0.5 * (burden_[from] + burden_[to])) * (1 + slope_burden * slope * slope);
 }
 
-std::vector<int> Surveyor::minimum(int from, int to) const {
+std::vector<int> ScanThread::minimum(int from, int to) const {
   struct Front {
     double effort;
     int index;
@@ -110,7 +110,7 @@ std::vector<int> Surveyor::minimum(int from, int to) const {
   return way;
 }
 
-std::vector<MapPoint> Surveyor::way(MapPoint from, MapPoint to) {
+std::vector<MapPoint> ScanThread::way(MapPoint from, MapPoint to) {
   std::vector<MapPoint> points;
   for (const int i : minimum(nearest(from), nearest(to))) {
     points.push_back(height_.point(i % height_.edge, i / height_.edge));

@@ -26,9 +26,9 @@ struct RoadSight {
 
 /// Finds paths of minimal cost over the ground.
 /// Cost    O(n log n) per path, on a grid of at most 257² points.
-class Surveyor {
+class ScanThread {
  public:
-  explicit Surveyor(const Relief& relief);
+  explicit ScanThread(const Relief& relief);
   /// Returns a smoothed path from `from` to `to`. Each path makes later paths along it cheaper.
   std::vector<MapPoint> way(MapPoint from, MapPoint to);
 

@@ -53,7 +53,7 @@ Settlement::Settlement(const Relief& relief, std::uint32_t seed)
 
 void Settlement::lay_roads() {
   const double half_m = relief_.size_m() / 2, rim_m = half_m * 0.999;
-  Surveyor surveyor(relief_);
+  ScanThread scanner(relief_);
   Random random(hash_of(seed_, 40));
   const auto east_bank = [&](double along_m) {
     return inside(relief_.river().beside(along_m, 0.09 * relief_.relief_m() + 18), rim_m);
@@ -66,18 +66,18 @@ void Settlement::lay_roads() {
   }
   stops.push_back(east_bank(1.2 * half_m));
   for (std::size_t i = 0; i + 1 < stops.size(); ++i)
-    roads_.add({RoadKind::main, 2.8, surveyor.way(stops[i], stops[i + 1])});
+    roads_.add({RoadKind::main, 2.8, scanner.way(stops[i], stops[i + 1])});
   for (const MapPoint& v : villages_) {
     for (int k = 0; k < 3; ++k) {
       const Turn t = turn_of(k * 120 + random.between(0, 70));
       const double reach_m = random.between(70, 115);
       roads_.add({RoadKind::street, 2.0,
-                  surveyor.way(v, inside({v.e_m + reach_m * t.cosine, v.n_m + reach_m * t.sine}, rim_m))});
+                  scanner.way(v, inside({v.e_m + reach_m * t.cosine, v.n_m + reach_m * t.sine}, rim_m))});
     }
     for (int k = 0; k < 2; ++k) {
       const Turn t = turn_of(random.between(0, 360));
       roads_.add(
-          {RoadKind::track, 1.3, surveyor.way(v, inside({v.e_m + half_m * t.cosine, v.n_m + half_m * t.sine}, rim_m))});
+          {RoadKind::track, 1.3, scanner.way(v, inside({v.e_m + half_m * t.cosine, v.n_m + half_m * t.sine}, rim_m))});
     }
   }
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "scheduler/plan/parents.h"
+#include "scheduler/plan/overviews.h"
 
 namespace gigabake {
 namespace {
@@ -18,16 +18,16 @@ void add_cells(const BakePlan& plan, const std::vector<CellReport>& reports, Sce
   bool a_cell_is_lost = false;
   for (std::size_t i = 0; i < of_job.size(); ++i) {
     const CellJob& job = plan.jobs[i];
-    const std::string name = (is_parent(job) ? "parent " : "cell ") + job.name;
-    a_cell_is_lost |= !is_parent(job) && (of_job[i] == nullptr || of_job[i]->outcome == CellOutcome::failed);
-    if (of_job[i] == nullptr && is_parent(job) && a_cell_is_lost) continue;  // the lost cell is already listed
+    const std::string name = (is_overview(job) ? "parent " : "cell ") + job.name;
+    a_cell_is_lost |= !is_overview(job) && (of_job[i] == nullptr || of_job[i]->outcome == CellOutcome::failed);
+    if (of_job[i] == nullptr && is_overview(job) && a_cell_is_lost) continue;  // the lost cell is already listed
     if (of_job[i] == nullptr)
       not_baked.push_back({name, "was not baked"});
     else if (of_job[i]->outcome == CellOutcome::failed)
       scene.losses.push_back({name, of_job[i]->error});
     else if (of_job[i]->outcome == CellOutcome::baked)
-      (is_parent(job) ? scene.parents : scene.cells).push_back(of_job[i]->cell);
-    if (of_job[i] != nullptr && is_parent(job) && !is_made_of_all(*of_job[i], job))
+      (is_overview(job) ? scene.overviews : scene.cells).push_back(of_job[i]->cell);
+    if (of_job[i] != nullptr && is_overview(job) && !is_made_of_all(*of_job[i], job))
       not_baked.push_back({name, "was made without cells below it that are lost"});
   }
   scene.losses.insert(scene.losses.end(), not_baked.begin(), not_baked.end());

@@ -28,10 +28,10 @@ std::vector<std::uint32_t> weighted_order(const std::vector<std::uint64_t>& weig
   return order;
 }
 
-std::vector<Piece> piece_order(const std::vector<TileScan>& surveys, bool all_tiles, std::uint64_t seed) {
-  std::vector<std::vector<Piece>> lists(all_tiles ? 1 : surveys.size());
-  for (std::size_t i = 0; i < surveys.size(); ++i)
-    for (const ColumnExtent& c : surveys[i].columns) lists[all_tiles ? 0 : i].push_back({surveys[i].tile, c});
+std::vector<Piece> piece_order(const std::vector<TileScan>& scans, bool all_tiles, std::uint64_t seed) {
+  std::vector<std::vector<Piece>> lists(all_tiles ? 1 : scans.size());
+  for (std::size_t i = 0; i < scans.size(); ++i)
+    for (const ColumnExtent& c : scans[i].columns) lists[all_tiles ? 0 : i].push_back({scans[i].tile, c});
   std::vector<Piece> pieces;
   std::vector<std::vector<std::uint32_t>> orders;
   std::size_t maximum = 0;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "format/job/survey.h"
+#include "format/job/tile_scan.h"
 
 namespace gigabake {
 
@@ -19,9 +19,9 @@ struct Piece {
 std::vector<std::uint32_t> weighted_order(const std::vector<std::uint64_t>& weights, std::uint64_t seed);
 
 /// Returns the columns of scanned tiles in the order in which to bake them: weighted_order() by projected voxels.
-/// all_tiles: `surveys` covers all tiles. If false, weighted_order() has already selected the tiles; the columns of
+/// all_tiles: `scans` covers all tiles. If false, weighted_order() has already selected the tiles; the columns of
 /// each tile are then ordered separately, and the result takes one column of each tile in rotation.
-std::vector<Piece> piece_order(const std::vector<TileScan>& surveys, bool all_tiles, std::uint64_t seed);
+std::vector<Piece> piece_order(const std::vector<TileScan>& scans, bool all_tiles, std::uint64_t seed);
 
 /// Returns the edge in voxels of cells in which a surface has at most `voxels` voxels. It is a power of two from 64 (or
 /// cell_voxels, if smaller) to cell_voxels.

@@ -27,9 +27,9 @@ std::int64_t floor_to(std::int64_t v, std::int64_t multiple) {
   return v - (rest < 0 ? rest + multiple : rest);
 }
 
-bool spreads_too_far(const TileScan& survey, std::int64_t cell_voxels) {
+bool spreads_too_far(const TileScan& scan, std::int64_t cell_voxels) {
   std::int64_t cells = 0;
-  for (const ColumnExtent& c : survey.columns) {
+  for (const ColumnExtent& c : scan.columns) {
     cells += std::min((c.z_end - c.z_min) / cell_voxels, max_cells_per_tile) + 1;
     if (cells > max_cells_per_tile) return true;
   }
@@ -37,8 +37,8 @@ bool spreads_too_far(const TileScan& survey, std::int64_t cell_voxels) {
 }
 
 /// Replaces the columns of tiles with too many cells by an error.
-void refuse_spread_tiles(std::vector<TileScan>& surveys, std::uint32_t cell_voxels) {
-  for (TileScan& s : surveys) {
+void refuse_spread_tiles(std::vector<TileScan>& scans, std::uint32_t cell_voxels) {
+  for (TileScan& s : scans) {
     if (!spreads_too_far(s, cell_voxels)) continue;
     TileScan refused;
     refused.tile = s.tile;
@@ -50,12 +50,12 @@ void refuse_spread_tiles(std::vector<TileScan>& surveys, std::uint32_t cell_voxe
 }
 
 /// Returns all columns sorted by position, then by tile.
-std::vector<TileColumn> by_column(const std::vector<TileScan>& surveys) {
+std::vector<TileColumn> by_column(const std::vector<TileScan>& scans) {
   std::size_t number = 0;
-  for (const TileScan& s : surveys) number += s.columns.size();
+  for (const TileScan& s : scans) number += s.columns.size();
   std::vector<TileColumn> all;
   all.reserve(number);
-  for (const TileScan& s : surveys)
+  for (const TileScan& s : scans)
     for (const ColumnExtent& c : s.columns) all.push_back({&c, s.tile});
   std::sort(all.begin(), all.end(), [](const TileColumn& a, const TileColumn& b) {
     return std::tie(a.extent->column_y, a.extent->column_x, a.tile) <
@@ -106,9 +106,9 @@ void add_column(std::span<const TileColumn> column, std::uint32_t cell_voxels, s
   }
 }
 
-void add_columns(const std::vector<TileScan>& surveys, std::uint32_t cell_voxels, const Progress& progress,
+void add_columns(const std::vector<TileScan>& scans, std::uint32_t cell_voxels, const Progress& progress,
                  std::vector<CellJob>& jobs) {
-  const std::vector<TileColumn> all = by_column(surveys);
+  const std::vector<TileColumn> all = by_column(scans);
   jobs.reserve(columns_in(all));  // few columns have more than one cell
   progress.step("planning the cells", all.size());
   for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
@@ -155,9 +155,9 @@ std::string name_of_file(const SceneSources& sources, const std::filesystem::pat
 }
 
 /// Warns about rasters without any baked surface, if all of their tiles could be read.
-void add_empty_rasters(const std::vector<TileScan>& surveys, const SceneSources& sources, WarningSummary& kinds) {
+void add_empty_rasters(const std::vector<TileScan>& scans, const SceneSources& sources, WarningSummary& kinds) {
   std::map<const DemRaster*, bool> has_terrain;
-  for (const TileScan& s : surveys)
+  for (const TileScan& s : scans)
     if (const auto& dem = sources.tiles[s.tile].dem)
       has_terrain[dem->raster.get()] |= s.triangles != 0 || !s.error.empty();
   for (const TileRef& tile : sources.tiles) {
@@ -170,7 +170,7 @@ void add_empty_rasters(const std::vector<TileScan>& surveys, const SceneSources&
   }
 }
 
-std::vector<std::string> warning_lines(const std::vector<TileScan>& surveys, const SceneSources& sources) {
+std::vector<std::string> warning_lines(const std::vector<TileScan>& scans, const SceneSources& sources) {
   WarningSummary kinds;
   const DemRaster* last = nullptr;
   for (const TileRef& tile : sources.tiles) {
@@ -179,8 +179,8 @@ std::vector<std::string> warning_lines(const std::vector<TileScan>& surveys, con
     for (const DemPart& part : last->parts)
       for (const std::string& warning : part.warnings) kinds.add(name_of_file(sources, part.options.dem), warning);
   }
-  add_empty_rasters(surveys, sources, kinds);
-  for (const TileScan& s : surveys)
+  add_empty_rasters(scans, sources, kinds);
+  for (const TileScan& s : scans)
     for (const SourceWarning& warning : s.warnings)
       if (!warning.is_loss) kinds.add(sources.tiles[s.tile].name, warning);
   return kinds.lines();
@@ -195,13 +195,12 @@ SceneLoss far_loss(const TileScan& s, const std::string& tile, double voxel_size
                       s.reach_m / voxel_size_m, s.reach_m, max_side_voxels, needed_m * 1.005)};
 }
 
-void add_counts(const std::vector<TileScan>& surveys, const SceneSources& sources, double voxel_size_m,
-                BakePlan& plan) {
+void add_counts(const std::vector<TileScan>& scans, const SceneSources& sources, double voxel_size_m, BakePlan& plan) {
   for (const SkippedSource& s : sources.skipped) {
     if (!s.informative) plan.losses.push_back({s.name, s.reason});
     plan.skipped_points += s.points;
   }
-  for (const TileScan& s : surveys) {
+  for (const TileScan& s : scans) {
     plan.triangles += s.triangles;
     plan.tile_triangles.push_back(s.triangles);
     plan.tile_crossings.push_back(0);
@@ -217,7 +216,7 @@ void add_counts(const std::vector<TileScan>& surveys, const SceneSources& source
   }
 }
 
-void name_jobs(const std::vector<TileScan>& surveys, const SceneSources& sources, const BakeParameters& parameters,
+void name_jobs(const std::vector<TileScan>& scans, const SceneSources& sources, const BakeParameters& parameters,
                const Progress& progress, std::vector<CellJob>& jobs) {
   std::sort(jobs.begin(), jobs.end(), [](const CellJob& a, const CellJob& b) {
     return std::tie(a.lattice_min[2], a.lattice_min[1], a.lattice_min[0]) <
@@ -228,7 +227,7 @@ void name_jobs(const std::vector<TileScan>& surveys, const SceneSources& sources
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     progress.advance();
     jobs[i].id = std::uint32_t(i);
-    for (const std::uint32_t tile : jobs[i].tiles) jobs[i].tile_sources.push_back(surveys[tile].source);
+    for (const std::uint32_t tile : jobs[i].tiles) jobs[i].tile_sources.push_back(scans[tile].source);
     jobs[i].fingerprint = fingerprints.of(jobs[i], jobs[i].tile_sources);
   }
 }
@@ -246,17 +245,17 @@ CellStack stack_over(std::int64_t z_min, std::int64_t z_end, std::int64_t cell_v
   }
 }
 
-BakePlan make_plan(std::vector<TileScan> surveys, const SceneSources& sources, const BakeParameters& parameters,
+BakePlan make_plan(std::vector<TileScan> scans, const SceneSources& sources, const BakeParameters& parameters,
                    const Progress& progress) {
   progress.step("planning");
-  std::sort(surveys.begin(), surveys.end(), [](const TileScan& a, const TileScan& b) { return a.tile < b.tile; });
-  refuse_spread_tiles(surveys, parameters.cell_voxels);
+  std::sort(scans.begin(), scans.end(), [](const TileScan& a, const TileScan& b) { return a.tile < b.tile; });
+  refuse_spread_tiles(scans, parameters.cell_voxels);
   BakePlan plan;
-  add_counts(surveys, sources, parameters.voxel_size_m, plan);
-  plan.warnings = warning_lines(surveys, sources);
-  plan.precision = source_precision(surveys, sources, parameters.voxel_size_m);
-  add_columns(surveys, parameters.cell_voxels, progress, plan.jobs);
-  name_jobs(surveys, sources, parameters, progress, plan.jobs);
+  add_counts(scans, sources, parameters.voxel_size_m, plan);
+  plan.warnings = warning_lines(scans, sources);
+  plan.precision = source_precision(scans, sources, parameters.voxel_size_m);
+  add_columns(scans, parameters.cell_voxels, progress, plan.jobs);
+  name_jobs(scans, sources, parameters, progress, plan.jobs);
   return plan;
 }
 

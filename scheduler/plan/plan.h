@@ -10,14 +10,14 @@
 #include "core/base/progress.h"
 #include "core/octree/parameters.h"
 #include "format/job/cell_job.h"
-#include "format/job/survey.h"
+#include "format/job/tile_scan.h"
 #include "format/source/source.h"
 #include "scheduler/plan/source_precision.h"
 
 namespace gigabake {
 
 struct BakePlan {
-  /// Cells by lattice_min z, y, x; then overviews, once they were added (scheduler/plan/parents.h). jobs[i].id is i.
+  /// Cells by lattice_min z, y, x; then overviews, once they were added (scheduler/plan/overviews.h). jobs[i].id is i.
   std::vector<CellJob> jobs;
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
   /// Sums of ColumnExtent::crossings over each tile's columns, by index in sources.tiles.
@@ -28,19 +28,20 @@ struct BakePlan {
   std::vector<SceneLoss> losses;      ///< losses of the source, then tiles that could not be read or placed
 
   std::size_t cells() const {
-    return std::size_t(std::partition_point(jobs.begin(), jobs.end(), [](const CellJob& j) { return !is_parent(j); }) -
-                       jobs.begin());
+    return std::size_t(
+        std::partition_point(jobs.begin(), jobs.end(), [](const CellJob& j) { return !is_overview(j); }) -
+        jobs.begin());
   }
 };
 
 /// Max cells of a tile. A tile with more is lost with an error line because it probably has a wrong unit or vertex.
 inline constexpr std::int64_t max_cells_per_tile = std::int64_t(1) << 21;
 
-/// Makes the plan. `surveys` has one entry per entry of sources.tiles. A stack is centred on its column's height. It
+/// Makes the plan. `scans` has one entry per entry of sources.tiles. A stack is centred on its column's height. It
 /// starts at a multiple of the coarsest level's voxel, so that every level of every cell lies on one grid. Cells that
 /// no tile overlaps are left out.
 /// Errors  Stopped.
-BakePlan make_plan(std::vector<TileScan> surveys, const SceneSources& sources, const BakeParameters& parameters,
+BakePlan make_plan(std::vector<TileScan> scans, const SceneSources& sources, const BakeParameters& parameters,
                    const Progress& progress = {});
 
 /// The lowest voxel and number of cells of the stack over [z_min, z_end).

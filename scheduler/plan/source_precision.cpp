@@ -10,12 +10,11 @@ constexpr double voxels_wanted = 0.25;
 
 }  // namespace
 
-SourcePrecision source_precision(const std::vector<TileScan>& surveys, const SceneSources& sources,
-                                 double voxel_size_m) {
+SourcePrecision source_precision(const std::vector<TileScan>& scans, const SceneSources& sources, double voxel_size_m) {
   SourcePrecision out;
   out.wanted_m = voxels_wanted * voxel_size_m;
   std::map<std::string, double> coarse;
-  for (const TileScan& s : surveys) {
+  for (const TileScan& s : scans) {
     out.max_spacing_m = std::max(out.max_spacing_m, s.spacing_m);
     if (!(s.spacing_m > out.wanted_m)) continue;
     double& spacing_m = coarse[sources.tiles[s.tile].name];

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "format/job/survey.h"
+#include "format/job/tile_scan.h"
 #include "format/source/source.h"
 
 namespace gigabake {
@@ -25,8 +25,7 @@ struct SourcePrecision {
 };
 
 /// Returns the comparison.
-/// Exact   Independent of the order of `surveys`.
-SourcePrecision source_precision(const std::vector<TileScan>& surveys, const SceneSources& sources,
-                                 double voxel_size_m);
+/// Exact   Independent of the order of `scans`.
+SourcePrecision source_precision(const std::vector<TileScan>& scans, const SceneSources& sources, double voxel_size_m);
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// Queue of overviews (parents) that were never dispatched: some wait for children, the others are ready.
+/// Queue of overviews that were never dispatched: some wait for children, the others are ready.
 #pragma once
 
 #include <cstdint>
@@ -23,21 +23,21 @@ class OverviewQueue {
   /// finished.
   std::optional<std::uint32_t> choose(int worker) const;
   /// Removes an overview, ready or not: it was dispatched or is already done.
-  void take(std::uint32_t parent);
+  void take(std::uint32_t overview);
   /// Returns the number of overviews that wait for children.
   std::size_t waiting() const { return waiting_; }
 
  private:
   struct Ready {
-    std::uint32_t parent;
+    std::uint32_t overview;
     std::optional<int> worker;
   };
   static constexpr std::uint32_t taken = 0xffffffffu;
 
-  std::uint32_t first_parent_;
-  std::vector<std::uint32_t> missing_;                  ///< by overview: number of unsettled children, or `taken`
-  std::vector<std::uint32_t> parents_begin_, parents_;  ///< by job: begin of its overviews in parents_
-  std::vector<Ready> ready_;                            ///< in the order in which they became ready
+  std::uint32_t first_overview_;
+  std::vector<std::uint32_t> missing_;                      ///< by overview: number of unsettled children, or `taken`
+  std::vector<std::uint32_t> overviews_begin_, overviews_;  ///< by job: begin of its overviews in overviews_
+  std::vector<Ready> ready_;                                ///< in the order in which they became ready
   std::size_t waiting_ = 0;
 };
 

@@ -16,11 +16,11 @@ constexpr int max_examined = 64;
 }  // namespace
 
 Schedule::Schedule(const std::vector<CellJob>& jobs, const ScheduleOptions& options)
-    : jobs_(jobs), options_(options), order_(jobs), parents_(jobs), job_(jobs.size()) {
+    : jobs_(jobs), options_(options), order_(jobs), overviews_(jobs), job_(jobs.size()) {
   counts_.pending = jobs.size();
   for (const CellJob& job : jobs) {
     pending_cost_ += cell_cost(job);
-    if (is_parent(job)) order_.take(job.id);
+    if (is_overview(job)) order_.take(job.id);
   }
 }
 
@@ -29,7 +29,7 @@ void Schedule::already_done(std::uint32_t job) {
   withdraw(job);
   job_[job].state = JobState::done;
   ++counts_.done;
-  parents_.settled(job, std::nullopt);
+  overviews_.settled(job, std::nullopt);
 }
 
 /// Returns the worker's entry. If the worker is unknown, registers it as alive.
@@ -57,7 +57,7 @@ std::optional<Assignment> Schedule::next(int worker, double now_s) {
     if (const auto job = first_allowed(suspects_, worker)) return dispatch_job(*job, worker, true);
   if (is_reserved(worker, now_s) || !has_room(w)) return std::nullopt;
   if (const auto job = first_allowed(again_, worker)) return dispatch_job(*job, worker, false);
-  if (const auto job = parents_.choose(worker)) return dispatch_job(*job, worker, false);
+  if (const auto job = overviews_.choose(worker)) return dispatch_job(*job, worker, false);
   if (const auto job = order_.choose(w.last)) return dispatch_job(*job, worker, false);
   return std::nullopt;
 }
@@ -68,7 +68,7 @@ std::optional<Assignment> Schedule::next(int worker, double now_s) {
 bool Schedule::has_room(const Worker& w) const {
   if (w.hand.empty()) return true;
   if (w.hand.size() >= std::size_t(options_.slots)) return false;
-  const std::size_t ready = counts_.pending - parents_.waiting();
+  const std::size_t ready = counts_.pending - overviews_.waiting();
   return live_ == 1 || (w.hand.size() < ready / live_ && w.cost <= pending_cost_ / live_);
 }
 
@@ -109,7 +109,7 @@ Assignment Schedule::dispatch_job(std::uint32_t job, int worker, bool alone) {
   Worker& w = workers_[std::size_t(worker)];
   w.hand.push_back(job);
   w.cost += cell_cost(jobs_[job]);
-  if (!is_parent(jobs_[job])) w.last = job;
+  if (!is_overview(jobs_[job])) w.last = job;
   w.alone = alone;
   if (alone && reserved_worker_ == worker) reserved_worker_.reset();
   return {job, ++j.attempt, alone};
@@ -133,7 +133,7 @@ Verdict Schedule::finished(int worker, std::uint32_t job, std::uint32_t attempt,
   job_[job].state = JobState::done;
   ++counts_.done;
   trouble_.erase(job);
-  parents_.settled(job, worker);
+  overviews_.settled(job, worker);
   return Verdict::accepted;
 }
 
@@ -194,7 +194,7 @@ std::vector<std::uint32_t> Schedule::take_set_aside() { return std::exchange(set
 void Schedule::withdraw(std::uint32_t job) {
   const auto trouble = trouble_.find(job);
   if (trouble == trouble_.end())
-    is_parent(jobs_[job]) ? parents_.take(job) : order_.take(job);
+    is_overview(jobs_[job]) ? overviews_.take(job) : order_.take(job);
   else
     (trouble->second.suspect ? suspects_ : again_).erase(order_.rank(job));
   --counts_.pending;
@@ -235,7 +235,7 @@ void Schedule::record_failure(std::uint32_t job, const std::string& error, doubl
   job_[job].state = JobState::failed;
   ++counts_.failed;
   set_aside_.push_back(job);
-  parents_.settled(job, std::nullopt);
+  overviews_.settled(job, std::nullopt);
 }
 
 JobCounts Schedule::counts() const {

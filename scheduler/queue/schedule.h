@@ -63,7 +63,7 @@ struct JobCounts {
 /// Scheduler of jobs. Workers are numbers from 0. A worker is known and alive from the first call that names it. Name
 /// all workers before the first next(), so that few cells are distributed evenly. Time is monotonic seconds from an
 /// arbitrary origin.
-/// An overview (parent) is dispatched when all of its children are done or quarantined. It goes before cells, and
+/// An overview is dispatched when all of its children are done or quarantined. It goes before cells, and
 /// preferably to the worker that finished the last child, whose memory still has that child.
 /// Exact   A plain value: the same calls give the same answers; no clock, no randomness.
 /// Ends    A cell is dispatched at most 2 + `strikes` times, so every job ends as done, failed or abandoned.
@@ -153,11 +153,11 @@ class Schedule {
 
   const std::vector<CellJob>& jobs_;
   ScheduleOptions options_;
-  WorkOrder order_;        ///< of jobs never dispatched
-  OverviewQueue parents_;  ///< overviews never dispatched
-  Ranks again_;            ///< pending retries
-  Ranks suspects_;         ///< pending isolated retries
-  std::vector<Job> job_;   ///< states independent of stop()
+  WorkOrder order_;          ///< of jobs never dispatched
+  OverviewQueue overviews_;  ///< overviews never dispatched
+  Ranks again_;              ///< pending retries
+  Ranks suspects_;           ///< pending isolated retries
+  std::vector<Job> job_;     ///< states independent of stop()
   std::unordered_map<std::uint32_t, Trouble> trouble_;
   std::vector<Worker> workers_;
   std::size_t live_ = 0;

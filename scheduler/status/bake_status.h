@@ -13,7 +13,7 @@
 namespace gigabake {
 
 enum class BakeState : std::uint8_t {
-  surveying,
+  scanning,
   baking,
   draining,    ///< dispatches no more cells; waits for those running
   publishing,  ///< all cells are final; scene.xml is written next
@@ -71,13 +71,13 @@ struct WorkerStatus {
 
 /// Status at one time. Points in time are Unix seconds of rank 0's clock.
 struct BakeStatus {
-  BakeState state = BakeState::surveying;
+  BakeState state = BakeState::scanning;
   std::string reason;     ///< reason of a failure, one line
   std::string out, host;  ///< the bake's folder; rank 0's host
   std::int64_t pid = 0;   ///< of rank 0
   int ranks = 0;
   double started_s = 0, updated_s = 0;
-  std::uint64_t tiles_surveyed = 0, tiles = 0;
+  std::uint64_t tiles_scanned = 0, tiles = 0;
   CellTally cells;
   std::uint64_t voxels = 0, bytes = 0;           ///< written by this run
   Throughput recent, overall;                    ///< over the last minute; since the first dispatch

@@ -162,7 +162,7 @@ std::string to_json(const BakeStatus& s) {
   j["ranks"] = s.ranks;
   j["started_s"] = s.started_s;
   j["updated_s"] = s.updated_s;
-  j["tiles"] = {{"surveyed", s.tiles_surveyed}, {"all", s.tiles}};
+  j["tiles"] = {{"surveyed", s.tiles_scanned}, {"all", s.tiles}};
   j["cells"] = json_of(s.cells);
   j["voxels"] = s.voxels;
   j["bytes"] = s.bytes;
@@ -191,7 +191,7 @@ BakeStatus status_from_json(const fs::path& file, std::string_view text) {
   s.ranks = m.small("ranks");
   s.started_s = m.number("started_s");
   s.updated_s = m.number("updated_s");
-  s.tiles_surveyed = m.object("tiles").count("surveyed");
+  s.tiles_scanned = m.object("tiles").count("surveyed");
   s.tiles = m.object("tiles").count("all");
   s.cells = tally_of(m.object("cells"));
   s.voxels = m.count("voxels");

@@ -52,7 +52,7 @@ void add_state(Exposition& e, const BakeStatus& s) {
   e.gauge("gigabake_updated_timestamp_seconds", "When this file was written, Unix time.", s.updated_s);
   e.gauge("gigabake_ranks", "Ranks of the bake.", s.ranks);
   e.gauge("gigabake_tiles", "Tiles of the source.", double(s.tiles));
-  e.gauge("gigabake_tiles_surveyed", "Tiles scanned so far.", double(s.tiles_surveyed));
+  e.gauge("gigabake_tiles_surveyed", "Tiles scanned so far.", double(s.tiles_scanned));
 }
 
 void add_cells(Exposition& e, const CellTally& c) {

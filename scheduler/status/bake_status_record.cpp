@@ -45,20 +45,20 @@ BakeStatusRecord::BakeStatusRecord(BakeIdentity identity, double now_s) {
   status_.started_s = now_s;
 }
 
-void BakeStatusRecord::surveyed(std::size_t tiles_done, std::size_t tiles) {
-  status_.tiles_surveyed = tiles_done;
+void BakeStatusRecord::scanned(std::size_t tiles_done, std::size_t tiles) {
+  status_.tiles_scanned = tiles_done;
   status_.tiles = tiles;
 }
 
 void BakeStatusRecord::planned(const std::vector<CellJob>& jobs, std::vector<double> costs, double now_s) {
   names_.clear();
   for (const CellJob& job : jobs) names_.push_back(job.name);
-  first_parent_ = std::uint32_t(std::find_if(jobs.begin(), jobs.end(), is_parent) - jobs.begin());
+  first_overview_ = std::uint32_t(std::find_if(jobs.begin(), jobs.end(), is_overview) - jobs.begin());
   costs_ = std::move(costs);
   cells_.assign(jobs.size(), {});
   cost_left_ = std::accumulate(costs_.begin(), costs_.end(), 0.0);
   planned_s_ = now_s;
-  status_.cells.planned = first_parent_;
+  status_.cells.planned = first_overview_;
   status_.state = BakeState::baking;
 }
 
@@ -143,7 +143,7 @@ BakeStatus BakeStatusRecord::at(double now_s) const {
   s.updated_s = now_s;
   s.cells.pending =
       s.cells.planned - s.cells.taken_over - s.cells.running - s.cells.done - s.cells.empty - s.cells.set_aside;
-  if (status_.state != BakeState::surveying) {
+  if (status_.state != BakeState::scanning) {
     s.recent = recent_.at(planned_s_, now_s);
     s.overall = over(now_s - planned_s_, double(s.cells.done + s.cells.empty), double(s.voxels), double(s.bytes));
   }

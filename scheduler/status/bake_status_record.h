@@ -44,7 +44,7 @@ class BakeStatusRecord {
  public:
   BakeStatusRecord(BakeIdentity identity, double now_s);
 
-  void surveyed(std::size_t tiles_done, std::size_t tiles);
+  void scanned(std::size_t tiles_done, std::size_t tiles);
   /// Records the plan; baking begins. costs: relative cost of each job, in any unit.
   void planned(const std::vector<CellJob>& jobs, std::vector<double> costs, double now_s);
   /// Records a loss other than a cell: a tile that cannot be read.
@@ -87,13 +87,13 @@ class BakeStatusRecord {
   void drop_hand(Worker& w, double now_s);
   bool settle(std::uint32_t job, double now_s);
   /// Returns true for cells; overviews are dispatched like cells, but not counted as cells.
-  bool is_cell(std::uint32_t job) const { return job < first_parent_; }
+  bool is_cell(std::uint32_t job) const { return job < first_overview_; }
   void note_slow(const CellReport& report, std::int32_t holder);
   std::optional<double> left_s(double now_s) const;
 
-  BakeStatus status_;               ///< except the members that at() computes
-  std::vector<std::string> names_;  ///< of jobs
-  std::uint32_t first_parent_ = 0;  ///< index of the first overview job
+  BakeStatus status_;                 ///< except the members that at() computes
+  std::vector<std::string> names_;    ///< of jobs
+  std::uint32_t first_overview_ = 0;  ///< index of the first overview job
   std::vector<double> costs_;
   std::vector<Cell> cells_;
   std::vector<Worker> workers_;  ///< by rank

@@ -11,14 +11,14 @@
 
 #include "bake_scene.h"
 #include "tests/random_seed.h"
-#include "worker/scan/survey_tile.h"
+#include "worker/scan/scan_tile.h"
 
 namespace gigabake {
 namespace {
 
 using Died = BakeProcess::Died;
 using Baked = BakeProcess::Baked;
-using Surveyed = BakeProcess::Surveyed;
+using Scanned = BakeProcess::Scanned;
 using std::chrono::milliseconds;
 
 class BakeProcessTest : public testing::Test {
@@ -68,25 +68,25 @@ TEST_F(BakeProcessTest, BakesWhatThePipelineBakesInThisProcess) {
   EXPECT_GT(process.peak_bytes(), std::uint64_t(1) << 20);
 }
 
-TEST_F(BakeProcessTest, SurveysWhileItBakes) {
+TEST_F(BakeProcessTest, ScansWhileItBakes) {
   BakeProcess process(scene.setup("out"), real_program());
-  for (std::uint32_t i = 0; i < 4; ++i) process.survey(i), process.submit(jobs[i], 1);
+  for (std::uint32_t i = 0; i < 4; ++i) process.scan(i), process.submit(jobs[i], 1);
   const WorkerSetup setup = scene.setup("");
   const SceneSources sources = scene.sources();
-  std::size_t surveys = 0, cells = 0;
-  while (surveys + cells < 8) {
+  std::size_t scans = 0, cells = 0;
+  while (scans + cells < 8) {
     const BakeProcess::Event event = next_event(process);
     ASSERT_NE(event.index(), 2u) << std::get<Died>(event).why;
-    if (const auto* surveyed = std::get_if<Surveyed>(&event)) {
-      const TileScan here = survey_tile(sources, surveyed->survey.tile, setup.parameters, ThreadPool(1));
-      EXPECT_EQ(to_bytes(surveyed->survey), to_bytes(here));
-      ++surveys;
+    if (const auto* scanned = std::get_if<Scanned>(&event)) {
+      const TileScan here = scan_tile(sources, scanned->scan.tile, setup.parameters, ThreadPool(1));
+      EXPECT_EQ(to_bytes(scanned->scan), to_bytes(here));
+      ++scans;
     } else {
       EXPECT_EQ(std::get<Baked>(event).report.outcome, CellOutcome::baked);
       ++cells;
     }
   }
-  EXPECT_EQ(surveys, 4u);
+  EXPECT_EQ(scans, 4u);
 }
 
 TEST_F(BakeProcessTest, HandsBackWhatWasInHandWhenItIsKilled) {
@@ -104,8 +104,8 @@ TEST_F(BakeProcessTest, TakesAStoppedProcessForHungAndGoesOn) {
   BakeProcessOptions options = real_program();
   options.timeouts.no_progress_s = 2;
   BakeProcess process(scene.setup("out"), options);
-  process.survey(0);
-  expect<Surveyed>(process);
+  process.scan(0);
+  expect<Scanned>(process);
   ASSERT_EQ(::kill(*process.pid(), SIGSTOP), 0);
   process.submit(jobs[0], 1);
   const Died died = expect<Died>(process);
@@ -139,8 +139,8 @@ TEST_F(BakeProcessTest, LeavesAnIdleProcessAlone) {
   BakeProcessOptions options = real_program();
   options.timeouts.no_progress_s = 1;
   BakeProcess process(scene.setup("out"), options);
-  process.survey(0);
-  expect<Surveyed>(process);
+  process.scan(0);
+  expect<Scanned>(process);
   const auto pid = process.pid();
   const auto last = std::chrono::steady_clock::now() + milliseconds(2500);
   while (std::chrono::steady_clock::now() < last) {
@@ -152,8 +152,8 @@ TEST_F(BakeProcessTest, LeavesAnIdleProcessAlone) {
 
 TEST_F(BakeProcessTest, TellsOfADeathWithNothingInHand) {
   BakeProcess process(scene.setup("out"), real_program());
-  process.survey(0);
-  expect<Surveyed>(process);
+  process.scan(0);
+  expect<Scanned>(process);
   ASSERT_EQ(::kill(*process.pid(), SIGKILL), 0);
   const Died died = expect<Died>(process);
   EXPECT_TRUE(died.cells.empty() && died.tiles.empty());
@@ -164,8 +164,8 @@ TEST_F(BakeProcessTest, SurvivesAHostileFileAndNamesIt) {
   std::ofstream(scene.source() / "tile2.gltf") << std::string(1000000, '[');
   BakeProcess process(scene.setup("out"), real_program());
   int errors = 0;
-  for (std::uint32_t t = 0; t < 5; ++t) process.survey(t);
-  for (int i = 0; i < 5; ++i) errors += !expect<Surveyed>(process).survey.error.empty();
+  for (std::uint32_t t = 0; t < 5; ++t) process.scan(t);
+  for (int i = 0; i < 5; ++i) errors += !expect<Scanned>(process).scan.error.empty();
   EXPECT_EQ(errors, 2);
 }
 
@@ -174,8 +174,8 @@ TEST_F(BakeProcessTest, AnswersEveryRequestWithTheLineWhereItCannotBegin) {
     BakeProcess process(setup, real_program());
     process.submit(jobs[0], 1);
     const std::string cell = expect<Baked>(process).report.error;
-    process.survey(99);
-    EXPECT_NE(expect<Surveyed>(process).survey.error, "");
+    process.scan(99);
+    EXPECT_NE(expect<Scanned>(process).scan.error, "");
     return cell;
   };
   WorkerSetup setup = scene.setup("out");
@@ -204,11 +204,11 @@ TEST_F(BakeProcessTest, KnowsAProcessThatEndsBeforeItHasStarted) {
   BakeProcessOptions options;
   options.program = scene.script("broken", "exit 3");
   BakeProcess broken(scene.setup("out"), options);
-  broken.survey(0);
+  broken.scan(0);
   EXPECT_FALSE(expect<Died>(broken).has_started);
   BakeProcess process(scene.setup("out"), real_program());
-  process.survey(0);
-  expect<Surveyed>(process);
+  process.scan(0);
+  expect<Scanned>(process);
   ASSERT_EQ(::kill(*process.pid(), SIGKILL), 0);
   EXPECT_TRUE(expect<Died>(process).has_started);
 }
@@ -227,13 +227,13 @@ TEST_F(BakeProcessTest, EndsAtOnceWhereNoProcessCanEverBeStarted) {
   }
 }
 
-TEST_F(BakeProcessTest, SurveysTilesWhereItCannotBakeCells) {
+TEST_F(BakeProcessTest, ScansTilesWhereItCannotBakeCells) {
   std::ofstream(scene.folder() / "file") << "in the way";
   BakeProcess process(scene.setup("file"), real_program());
   process.submit(jobs[0], 1);
   EXPECT_NE(expect<Baked>(process).report.error, "");
-  process.survey(0);
-  EXPECT_EQ(expect<Surveyed>(process).survey.error, "");
+  process.scan(0);
+  EXPECT_EQ(expect<Scanned>(process).scan.error, "");
 }
 
 /// Feeds three cells at a time and kills processes at random moments.

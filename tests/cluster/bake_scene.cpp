@@ -5,7 +5,7 @@
 
 #include "format/job/source_bytes.h"
 #include "scheduler/plan/plan.h"
-#include "worker/scan/survey_tile.h"
+#include "worker/scan/scan_tile.h"
 
 namespace gigabake {
 
@@ -31,10 +31,9 @@ std::vector<CellJob> BakeScene::jobs() const {
   const WorkerSetup s = setup("");
   const SceneSources sources = this->sources();
   const ThreadPool pool(1);
-  std::vector<TileScan> surveys;
-  for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
-    surveys.push_back(survey_tile(sources, t, s.parameters, pool));
-  return make_plan(surveys, sources, s.parameters).jobs;
+  std::vector<TileScan> scans;
+  for (std::uint32_t t = 0; t < sources.tiles.size(); ++t) scans.push_back(scan_tile(sources, t, s.parameters, pool));
+  return make_plan(scans, sources, s.parameters).jobs;
 }
 
 std::vector<CellReport> BakeScene::baked_here(const std::vector<CellJob>& jobs, const std::string& out) const {
@@ -75,7 +74,7 @@ Kind expect(BakeProcess& process) {
   return {};
 }
 
-template BakeProcess::Surveyed expect(BakeProcess&);
+template BakeProcess::Scanned expect(BakeProcess&);
 template BakeProcess::Baked expect(BakeProcess&);
 template BakeProcess::Died expect(BakeProcess&);
 

@@ -18,7 +18,7 @@ namespace gigabake {
 namespace {
 
 using Died = BakeProcess::Died;
-using Surveyed = BakeProcess::Surveyed;
+using Scanned = BakeProcess::Scanned;
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
@@ -67,7 +67,7 @@ TEST_F(ChildProcessTest, EndsWithALineWhereTheSupervisorTalksNonsense) {
   send(garbage, std::vector<std::uint8_t>(100, 'x'));
   EXPECT_EQ(end_of(garbage), "exit code 1");
   ChildProcess early(GIGABAKE_PROGRAM, {"bake-process"});
-  send(early, frame(BakeMessageKind::survey, survey_request(0)));
+  send(early, frame(BakeMessageKind::scan, scan_request(0)));
   EXPECT_EQ(end_of(early), "exit code 1");
   ChildProcess damaged(GIGABAKE_PROGRAM, {"bake-process"});
   std::vector<std::uint8_t> setup = frame(BakeMessageKind::setup, to_bytes(scene.setup("out")));
@@ -78,13 +78,13 @@ TEST_F(ChildProcessTest, EndsWithALineWhereTheSupervisorTalksNonsense) {
 
 TEST_F(ChildProcessTest, LeavesTheTerminalsSignalsToItsSupervisor) {
   BakeProcess process(scene.setup("out"), real_program());
-  process.survey(0);
-  expect<Surveyed>(process);
+  process.scan(0);
+  expect<Scanned>(process);
   EXPECT_NE(::getpgid(*process.pid()), ::getpgid(0));
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGPIPE})
     ASSERT_EQ(::kill(*process.pid(), signal), 0);
-  process.survey(1);
-  expect<Surveyed>(process);
+  process.scan(1);
+  expect<Scanned>(process);
 }
 
 TEST_F(ChildProcessTest, DiesWithItsSupervisor) {
@@ -94,7 +94,7 @@ TEST_F(ChildProcessTest, DiesWithItsSupervisor) {
   ASSERT_GE(supervisor, 0);
   if (supervisor == 0) {
     BakeProcess process(scene.setup("out"), real_program());
-    process.survey(0);
+    process.scan(0);
     while (!process.poll()) process.wait(milliseconds(10));
     const pid_t pid = *process.pid();
     if (::write(ends[1], &pid, sizeof pid) != ssize_t(sizeof pid)) ::_exit(1);
@@ -133,16 +133,16 @@ TEST_F(ChildProcessTest, GetsNeitherMpisVariablesNorOpenFiles) {
 
 TEST_F(ChildProcessTest, LeaksNeitherFilesNorZombiesOverThirtyRestarts) {
   BakeProcess process(scene.setup("out"), real_program());
-  process.survey(0);
-  expect<Surveyed>(process);
+  process.scan(0);
+  expect<Scanned>(process);
   const std::size_t before = open_files();
   for (int i = 0; i < 30; ++i) {
     ASSERT_EQ(::kill(*process.pid(), SIGKILL), 0);
     expect<Died>(process);
     EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1);
     EXPECT_EQ(errno, ECHILD);
-    process.survey(0);
-    expect<Surveyed>(process);
+    process.scan(0);
+    expect<Scanned>(process);
     EXPECT_EQ(open_files(), before);
   }
 }
@@ -151,7 +151,7 @@ TEST_F(ChildProcessTest, GoesWithItsOwner) {
   pid_t pid = -1;
   {
     BakeProcess process(scene.setup("out"), misbehaving("trap '' TERM; exec sleep 1000"));
-    process.survey(0);
+    process.scan(0);
     pid = *process.pid();
   }
   EXPECT_EQ(::kill(pid, 0), -1);
@@ -171,7 +171,7 @@ TEST_F(ChildProcessTest, ThatNeverReadsBlocksNobody) {
 
 TEST_F(ChildProcessTest, ThatFloodsItsSupervisorIsEnded) {
   BakeProcess process(scene.setup("out"), misbehaving("exec cat /dev/zero >&3"));
-  process.survey(2);
+  process.scan(2);
   const Died died = expect<Died>(process);
   EXPECT_EQ(died.why.find("sent an invalid message"), 0u) << died.why;
   EXPECT_EQ(died.tiles, std::vector<std::uint32_t>{2});
@@ -180,11 +180,11 @@ TEST_F(ChildProcessTest, ThatFloodsItsSupervisorIsEnded) {
 TEST_F(ChildProcessTest, ThatEndsAtOnceIsOneLineAndThenAPause) {
   BakeProcess process(scene.setup("out"), misbehaving("exit 5"));
   for (int i = 0; i < 3; ++i) {
-    process.survey(0);
+    process.scan(0);
     EXPECT_EQ(expect<Died>(process).why, "exit code 5");
   }
   const auto third = Clock::now();
-  process.survey(0);
+  process.scan(0);
   EXPECT_FALSE(process.poll());
   EXPECT_EQ(process.in_flight(), 1u);
   expect<Died>(process);
@@ -195,7 +195,7 @@ TEST_F(ChildProcessTest, ThatEndsAtOnceIsOneLineAndThenAPause) {
 TEST_F(ChildProcessTest, ThatCannotBeStartedIsAnError) {
   BakeProcess process(scene.setup("out"), BakeProcessOptions{"/no/such/program"});
   try {
-    process.survey(0);
+    process.scan(0);
     ADD_FAILURE() << "no error";
   } catch (const std::runtime_error& e) {
     EXPECT_EQ(std::string(e.what()), "cannot start /no/such/program: No such file or directory");

@@ -267,7 +267,7 @@ class Faults(harness.FolderTest):
         self.assertEqual(harness.lod_hashes(self.program.info(out / "scene.xml")), self.undisturbed)
         self.program.succeed("verify", out / "scene.xml")
 
-    def stop_surveying_ranks(self, launch):
+    def stop_scanning_ranks(self, launch):
         """Stops each rank, and its bake process, as soon as the bake process exists: it then scans tiles."""
         stopped = set()
         while launch.process.poll() is None and len(stopped) < 2:
@@ -277,7 +277,7 @@ class Faults(harness.FolderTest):
                     os.kill(process, signal.SIGSTOP)
                     stopped.add(pid)
 
-    def silence_in_survey(self, name, happened, *launcher):
+    def silence_in_scan(self, name, happened, *launcher):
         """Returns the folder, exit code and log of a bake whose ranks are stopped while they scan a tile.
 
         The scan takes a tenth of a second. If it ends before the ranks are stopped, the bake is repeated.
@@ -285,7 +285,7 @@ class Faults(harness.FolderTest):
         for attempt in range(5):
             out = self.root / f"{name}_{attempt}"
             launch = Launch(self.program, self.bake(out), 3, *launcher)
-            self.stop_surveying_ranks(launch)
+            self.stop_scanning_ranks(launch)
             code, log = launch.wait()
             if happened(code, log):
                 break
@@ -293,14 +293,14 @@ class Faults(harness.FolderTest):
         return out, code, log
 
     def test_ranks_that_fall_silent_before_cells_are_baked_end_the_launch(self):
-        out, code, log = self.silence_in_survey("silent_survey", lambda code, log: code != 0)
+        out, code, log = self.silence_in_scan("silent_scan", lambda code, log: code != 0)
         self.assertEqual(code, RANK_LOST, log)
         self.assertRegex(log, "no message from rank|not every rank answered")
         self.expect_whole(out, 2, "after a rank fell silent")
 
-    def test_the_starter_launches_again_where_a_rank_fell_silent_in_the_survey(self):
+    def test_the_starter_launches_again_where_a_rank_fell_silent_in_the_scan(self):
         """Regression of 2026-11-22: the launch ended with code 1 and was not repeated, like a bake that must fail."""
-        out, code, log = self.silence_in_survey("silent_survey_again", lambda code, log: "relaunch 1" in log,
+        out, code, log = self.silence_in_scan("silent_scan_again", lambda code, log: "relaunch 1" in log,
                                                 self.starter)
         self.assertEqual(code, 0, log)
         self.assertIn("relaunch 1", log)

@@ -168,7 +168,7 @@ class Surroundings(harness.FolderTest):
         self.assertIn("a bake needs /proc to be mounted", result.stderr.splitlines()[-1])
 
     # Regression of 2026-11-25: the death of a process that scans tiles was not reported.
-    def test_a_process_that_dies_while_tiles_are_surveyed_is_reported(self):
+    def test_a_process_that_dies_while_tiles_are_scanned_is_reported(self):
         large = self.new("large.glb")
         edge = 1000
         x, y = numpy.meshgrid(numpy.arange(edge), numpy.arange(edge))

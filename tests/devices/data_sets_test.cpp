@@ -18,7 +18,7 @@
 #include "worker/pipeline/cell_loader.h"
 #include "worker/pipeline/cell_parameters.h"
 #include "worker/pipeline/shard_from_volume.h"
-#include "worker/scan/survey_tile.h"
+#include "worker/scan/scan_tile.h"
 
 namespace gigabake {
 namespace {
@@ -91,10 +91,9 @@ class OnBothBackends {
     BakeParameters parameters;
     parameters.voxel_size_m = std::clamp(max_edge_m(sources) / voxels_along, 1e-6, 1e6);
     parameters.cell_voxels = 256;
-    std::vector<TileScan> surveys;
-    for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
-      surveys.push_back(survey_tile(sources, t, parameters, pool_));
-    BakePlan plan = make_plan(std::move(surveys), sources, parameters);
+    std::vector<TileScan> scans;
+    for (std::uint32_t t = 0; t < sources.tiles.size(); ++t) scans.push_back(scan_tile(sources, t, parameters, pool_));
+    BakePlan plan = make_plan(std::move(scans), sources, parameters);
     ++outcome.sources;
     outcome.without_cells += plan.jobs.empty();
     if (plan.jobs.size() > max_cells) plan.jobs.resize(max_cells);

@@ -10,7 +10,7 @@
 #include "kernels/cuda/baker.h"
 #include "tests/worker/glb_scene.h"
 #include "worker/pipeline/cell_pipeline.h"
-#include "worker/scan/survey_tile.h"
+#include "worker/scan/scan_tile.h"
 
 namespace gigabake {
 namespace {
@@ -23,7 +23,7 @@ std::string bytes_of(const std::filesystem::path& file) {
 /// Returns a job for each column that the tile overlaps; the ground's height fits one cell.
 std::vector<CellJob> jobs_on_ground(const SceneSources& sources, const BakeParameters& parameters) {
   std::vector<CellJob> jobs;
-  for (const ColumnExtent& column : survey_tile(sources, 0, parameters, callers_thread()).columns) {
+  for (const ColumnExtent& column : scan_tile(sources, 0, parameters, callers_thread()).columns) {
     CellJob job;
     job.id = std::uint32_t(jobs.size());
     job.name = "c_" + std::to_string(column.column_x) + "_" + std::to_string(column.column_y) + "_0";

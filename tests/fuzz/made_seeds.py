@@ -286,7 +286,7 @@ def made():
         "orthophoto": [tiff(4, 3), png(4, 2), packed.JPEG],
         "image": [png(4), png(4, 0), packed.JPEG, packed.WEBP, packed.WEBP_LOSSLESS],
         "journal": [b"gigabake"],
-        "survey_cache": [b"gigabake"],
+        "scan_cache": [b"gigabake"],
         "bake_status": [b"{}"],
         "bake_messages": [bytes([kind]) + b"\0" * 64 for kind in range(9)],
         "camera_path": camera_paths(),

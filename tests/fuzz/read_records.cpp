@@ -5,7 +5,7 @@
 #include "core/base/error.h"
 #include "format/job/cell_job.h"
 #include "scheduler/journal/journal_content.h"
-#include "scheduler/journal/survey_cache.h"
+#include "scheduler/journal/scan_cache.h"
 #include "scheduler/status/bake_status.h"
 #include "tests/format/source/source_scene.h"
 #include "tests/fuzz/readers.h"
@@ -32,9 +32,9 @@ void journal(Bytes bytes) {
   if (again.fingerprints() != content.fingerprints()) throw FaultFound("a journal written again has other records");
 }
 
-void survey_cache(Bytes bytes) {
+void scan_cache(Bytes bytes) {
   static const test::SourceFolder folder;
-  const SurveyCache cache(folder.write("survey.cache", std::string(bytes.begin(), bytes.end())));
+  const ScanCache cache(folder.write("survey.cache", std::string(bytes.begin(), bytes.end())));
   SceneSources sources;
   sources.tiles.emplace_back();
   cache.find(sources, 0, {});
@@ -60,7 +60,7 @@ void bake_messages(Bytes bytes) {
       [](Bytes b) { setup_from_bytes(b); },
       [](Bytes b) { to_bytes(job_from_bytes(b)); },
       [](Bytes b) { to_bytes(report_from_bytes(b)); },
-      [](Bytes b) { to_bytes(survey_from_bytes(b)); },
+      [](Bytes b) { to_bytes(scan_from_bytes(b)); },
   };
   if (!bytes.empty()) decoders[bytes[0] % decoders.size()](bytes.subspan(1));
 }

@@ -15,7 +15,7 @@
 #include "format/system/read_file.h"
 #include "tests/format/source/source_scene.h"
 #include "tests/fuzz/readers.h"
-#include "worker/scan/survey_tile.h"
+#include "worker/scan/scan_tile.h"
 
 namespace gigabake::fuzz {
 namespace {
@@ -75,7 +75,7 @@ void read_as_a_bake_does(const Path& file) {
     identify_tile(tile, sources.root);
     read_in_parts(tile, sources.root);
     const TileMesh mesh = read_tile(tile, sources.root, ReadScope::everything);
-    if (is_small(mesh)) survey_tile(sources, t, parameters, pool);
+    if (is_small(mesh)) scan_tile(sources, t, parameters, pool);
     for (const Primitive& p : mesh.primitives)
       for (const std::uint32_t vertex : p.index)
         if (3 * std::size_t(vertex) >= p.position.size()) throw FaultFound("an index beyond the vertices");

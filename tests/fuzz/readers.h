@@ -43,7 +43,7 @@ void scene_xml(Bytes bytes);       ///< scene.xml and its parameters
 void gigavoxel_list(Bytes bytes);  ///< a .gvp
 void gigavoxel_tree(Bytes bytes);  ///< tree.gvx or tree.gvo; then its brick file
 void journal(Bytes bytes);
-void survey_cache(Bytes bytes);
+void scan_cache(Bytes bytes);
 void bake_status(Bytes bytes);  ///< status.json; it is read, written and read again
 
 // Messages from sockets, and camera paths.

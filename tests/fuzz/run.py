@@ -65,7 +65,7 @@ def from_folder(folder):
         for reader, kinds in KINDS.items():
             if path.suffix in kinds and len(seed := with_parts(path)) <= MAX_SEED:
                 seeds[reader].append(seed)
-        named = {"journal": "journal", "survey.cache": "survey_cache"}
+        named = {"journal": "journal", "survey.cache": "scan_cache"}
         if path.name in named:
             seeds[named[path.name]].append(path.read_bytes())
         if path.name == "status.json":  # independent of the machine

@@ -40,15 +40,15 @@ struct Bake {
 
 std::uint64_t sum(const CellTally& c) { return c.taken_over + c.pending + c.running + c.done + c.empty + c.set_aside; }
 
-TEST(BakeStatusRecord, KnowsWhoseBakeItIsAndHowFarTheSurveyIs) {
+TEST(BakeStatusRecord, KnowsWhoseBakeItIsAndHowFarTheScanIs) {
   BakeStatusRecord record({"/out", "node1", 77, 4}, start_s);
-  record.surveyed(3, 8);
+  record.scanned(3, 8);
   const BakeStatus s = record.at(start_s + 2);
-  EXPECT_EQ(s.state, BakeState::surveying);
+  EXPECT_EQ(s.state, BakeState::scanning);
   EXPECT_EQ(s.out + " " + s.host, "/out node1");
   EXPECT_EQ(s.pid, 77);
   EXPECT_EQ(s.ranks, 4);
-  EXPECT_EQ(s.tiles_surveyed, 3u);
+  EXPECT_EQ(s.tiles_scanned, 3u);
   EXPECT_EQ(s.tiles, 8u);
   EXPECT_EQ(s.started_s, start_s);
   EXPECT_EQ(s.updated_s, start_s + 2);

@@ -24,7 +24,7 @@ BakeStatus made_status() {
   s.ranks = 3;
   s.started_s = 1700000000.125;
   s.updated_s = 1700000100.1;
-  s.tiles_surveyed = 7;
+  s.tiles_scanned = 7;
   s.tiles = 9;
   s.cells = {100, 10, 40, 2, 41, 5, 2, 6};
   s.voxels = 12345678901;
@@ -70,7 +70,7 @@ TEST(BakeStatus, SurvivesJson) {
 }
 
 TEST(BakeStatus, SurvivesJsonInEveryState) {
-  for (auto state = BakeState::surveying; state <= BakeState::failed; state = BakeState(int(state) + 1)) {
+  for (auto state = BakeState::scanning; state <= BakeState::failed; state = BakeState(int(state) + 1)) {
     BakeStatus s = made_status();
     s.state = state;
     EXPECT_EQ(status_from_json("f", to_json(s)), s) << name_of(state);

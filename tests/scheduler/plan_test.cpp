@@ -21,20 +21,20 @@ BakeParameters parameters(std::uint32_t cell_voxels) {
   return p;
 }
 
-std::vector<TileScan> random_surveys(std::uint32_t tiles, std::mt19937& random) {
-  std::vector<TileScan> surveys(tiles);
+std::vector<TileScan> random_scans(std::uint32_t tiles, std::mt19937& random) {
+  std::vector<TileScan> scans(tiles);
   const auto below = [&random](int n) { return std::int64_t(random() % unsigned(n)); };
   for (std::uint32_t t = 0; t < tiles; ++t) {
-    surveys[t].tile = t;
-    surveys[t].source = {t + 1, 0};
+    scans[t].tile = t;
+    scans[t].source = {t + 1, 0};
     std::set<std::pair<std::int64_t, std::int64_t>> used;
     for (int c = 0; c < 5; ++c) {
       const std::int64_t x = below(4) - 2, y = below(4) - 2, z = below(5000) - 2500;
       if (used.insert({x, y}).second)
-        surveys[t].columns.push_back({x, y, z, z + 1 + below(700), std::uint64_t(1 + below(1000))});
+        scans[t].columns.push_back({x, y, z, z + 1 + below(700), std::uint64_t(1 + below(1000))});
     }
   }
-  return surveys;
+  return scans;
 }
 
 SceneSources sources_of(std::size_t tiles, const std::string& name = "tile") {
@@ -73,15 +73,15 @@ TEST(MakePlan, AddsUpTheWarningsOfAKindAndListsLosses) {
   warnings.count("lines not understood", "line 1");
   warnings.count("lines not understood", "line 2");
   warnings.count_loss("faces that cannot be used", "line 5");
-  std::vector<TileScan> surveys(3);
-  for (std::uint32_t t = 0; t < surveys.size(); ++t) surveys[t].tile = t;
-  surveys[0].warnings = warnings.take();
+  std::vector<TileScan> scans(3);
+  for (std::uint32_t t = 0; t < scans.size(); ++t) scans[t].tile = t;
+  scans[0].warnings = warnings.take();
   EXPECT_TRUE(warnings.take().empty());
   warnings.count("lines not understood", "line 9");
-  surveys[1].warnings = surveys[2].warnings = warnings.take();
+  scans[1].warnings = scans[2].warnings = warnings.take();
   SceneSources sources = sources_of(3, "b.obj");  // one file with two placements counts once
   sources.tiles[0].name = "a.obj";
-  const BakePlan plan = make_plan(surveys, sources, parameters(256));
+  const BakePlan plan = make_plan(scans, sources, parameters(256));
   EXPECT_THAT(plan.warnings, testing::ElementsAre("a.obj and 1 more: lines not understood: 3, e.g. line 1"));
   ASSERT_EQ(plan.losses.size(), 1u);
   EXPECT_EQ(plan.losses[0].name, "a part of tile a.obj");
@@ -91,10 +91,10 @@ TEST(MakePlan, AddsUpTheWarningsOfAKindAndListsLosses) {
 TEST(MakePlan, HandsEveryTileToEveryCellThatItReaches) {
   std::mt19937 random(plan_seed);
   for (int round = 0; round < 50; ++round) {
-    const auto surveys = random_surveys(12, random);
+    const auto scans = random_scans(12, random);
     const std::int64_t n = 256;
-    const BakePlan plan = make_plan(surveys, sources_of(12), parameters(256));
-    for (const TileScan& s : surveys)
+    const BakePlan plan = make_plan(scans, sources_of(12), parameters(256));
+    for (const TileScan& s : scans)
       for (const ColumnExtent& c : s.columns)
         for (std::int64_t z = c.z_min; z < c.z_end; ++z) {
           const auto holds = [&](const CellJob& j) {
@@ -107,21 +107,21 @@ TEST(MakePlan, HandsEveryTileToEveryCellThatItReaches) {
   }
 }
 
-TEST(MakePlan, TellsEachCellWhatItsTilesHeldWhenTheyWereSurveyed) {
+TEST(MakePlan, TellsEachCellWhatItsTilesHeldWhenTheyWereScanned) {
   std::mt19937 random(plan_seed);
-  const auto surveys = random_surveys(12, random);
-  for (const CellJob& job : make_plan(surveys, sources_of(12), parameters(256)).jobs) {
+  const auto scans = random_scans(12, random);
+  for (const CellJob& job : make_plan(scans, sources_of(12), parameters(256)).jobs) {
     ASSERT_EQ(job.tile_sources.size(), job.tiles.size());
-    for (std::size_t i = 0; i < job.tiles.size(); ++i) EXPECT_EQ(job.tile_sources[i], surveys[job.tiles[i]].source);
+    for (std::size_t i = 0; i < job.tiles.size(); ++i) EXPECT_EQ(job.tile_sources[i], scans[job.tiles[i]].source);
   }
 }
 
-TEST(MakePlan, DoesNotDependOnTheOrderOfSurveys) {
+TEST(MakePlan, DoesNotDependOnTheOrderOfScans) {
   std::mt19937 random(plan_seed);
-  auto surveys = random_surveys(20, random);
-  const BakePlan a = make_plan(surveys, sources_of(20), parameters(128));
-  std::shuffle(surveys.begin(), surveys.end(), random);
-  const BakePlan b = make_plan(surveys, sources_of(20), parameters(128));
+  auto scans = random_scans(20, random);
+  const BakePlan a = make_plan(scans, sources_of(20), parameters(128));
+  std::shuffle(scans.begin(), scans.end(), random);
+  const BakePlan b = make_plan(scans, sources_of(20), parameters(128));
   ASSERT_EQ(a.jobs.size(), b.jobs.size());
   for (std::size_t i = 0; i < a.jobs.size(); ++i) {
     EXPECT_EQ(a.jobs[i].name, b.jobs[i].name);
@@ -132,10 +132,10 @@ TEST(MakePlan, DoesNotDependOnTheOrderOfSurveys) {
 
 TEST(MakePlan, ChangesTheFingerprintsOfTheCellsThatATileReachesAndOfNoOther) {
   std::mt19937 random(plan_seed);
-  auto surveys = random_surveys(20, random);
-  const BakePlan a = make_plan(surveys, sources_of(20), parameters(128));
-  surveys[7].source.lo ^= 1;
-  const BakePlan b = make_plan(surveys, sources_of(20), parameters(128));
+  auto scans = random_scans(20, random);
+  const BakePlan a = make_plan(scans, sources_of(20), parameters(128));
+  scans[7].source.lo ^= 1;
+  const BakePlan b = make_plan(scans, sources_of(20), parameters(128));
   for (std::size_t i = 0; i < a.jobs.size(); ++i) {
     const bool reached = std::binary_search(a.jobs[i].tiles.begin(), a.jobs[i].tiles.end(), 7u);
     EXPECT_EQ(a.jobs[i].fingerprint != b.jobs[i].fingerprint, reached) << a.jobs[i].name;
@@ -169,11 +169,11 @@ TEST(CellFingerprints, KeepTheirValuesSoThatOldBakesStayValid) {
 }
 
 TEST(MakePlan, ListsWhatTheSourceLacksThenTilesThatCouldNotBeRead) {
-  std::vector<TileScan> surveys(1);
-  surveys[0].error = "a.glb: truncated";
+  std::vector<TileScan> scans(1);
+  scans[0].error = "a.glb: truncated";
   SceneSources sources = sources_of(1, "a.glb");
   sources.skipped = {{"x", "points", true}, {"y", "missing", false}};
-  const BakePlan plan = make_plan(surveys, sources, parameters(64));
+  const BakePlan plan = make_plan(scans, sources, parameters(64));
   ASSERT_EQ(plan.losses.size(), 2u);
   EXPECT_EQ(plan.losses[0].name, "y");
   EXPECT_EQ(plan.losses[1].name, "tile a.glb");
@@ -181,11 +181,11 @@ TEST(MakePlan, ListsWhatTheSourceLacksThenTilesThatCouldNotBeRead) {
 }
 
 TEST(MakePlan, RefusesATileThatNeedsMillionsOfCellsAndBakesTheOthers) {
-  std::vector<TileScan> surveys(2);
-  surveys[0].columns = {{0, 0, -(std::int64_t(1) << 40), std::int64_t(1) << 40, 1}};
-  surveys[1].tile = 1;
-  surveys[1].columns = {{0, 0, 0, 10, 1}};
-  const BakePlan plan = make_plan(surveys, sources_of(2), parameters(64));
+  std::vector<TileScan> scans(2);
+  scans[0].columns = {{0, 0, -(std::int64_t(1) << 40), std::int64_t(1) << 40, 1}};
+  scans[1].tile = 1;
+  scans[1].columns = {{0, 0, 0, 10, 1}};
+  const BakePlan plan = make_plan(scans, sources_of(2), parameters(64));
   ASSERT_EQ(plan.losses.size(), 1u);
   EXPECT_NE(plan.losses[0].reason.find("`voxel_size_m`"), std::string::npos) << plan.losses[0].reason;
   ASSERT_EQ(plan.jobs.size(), 1u);
@@ -193,11 +193,11 @@ TEST(MakePlan, RefusesATileThatNeedsMillionsOfCellsAndBakesTheOthers) {
 }
 
 TEST(MakePlan, LeavesOutTheEmptyMiddleOfATallStack) {
-  std::vector<TileScan> surveys(2);
-  surveys[0].columns = {{0, 0, 0, 10, 1}};
-  surveys[1].tile = 1;
-  surveys[1].columns = {{0, 0, 1000000, 1000010, 1}};
-  EXPECT_LE(make_plan(surveys, sources_of(2), parameters(64)).jobs.size(), 4u);
+  std::vector<TileScan> scans(2);
+  scans[0].columns = {{0, 0, 0, 10, 1}};
+  scans[1].tile = 1;
+  scans[1].columns = {{0, 0, 1000000, 1000010, 1}};
+  EXPECT_LE(make_plan(scans, sources_of(2), parameters(64)).jobs.size(), 4u);
 }
 
 TEST(Merge, ListsCellsThatFailedAndThoseWithoutAReport) {

@@ -3,7 +3,7 @@
 #include <map>
 #include <sstream>
 
-#include "scheduler/plan/parents.h"
+#include "scheduler/plan/overviews.h"
 #include "scheduler/queue/schedule.h"
 #include "tests/scheduler/made_jobs.h"
 
@@ -52,7 +52,7 @@ class Ordeal {
     ASSERT_EQ(a->attempt, attempts_[a->job]);
     for (const std::uint32_t child : jobs_[a->job].children) {
       const JobState s = schedule_.state(child);
-      ASSERT_TRUE(s == JobState::done || s == JobState::failed) << "parent " << a->job << " before child " << child;
+      ASSERT_TRUE(s == JobState::done || s == JobState::failed) << "overview " << a->job << " before child " << child;
     }
     auto& hand = hands_[worker];
     ASSERT_TRUE(hand.empty() || (!a->alone && !hand.back().alone)) << "another cell during an isolated retry";
@@ -142,7 +142,7 @@ TEST(ScheduleAtRandom, LosesNoCellBakesNoneTwiceAndEnds) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937 random(seed);
     std::vector<CellJob> jobs = made_jobs(1 + random() % 300, random);
-    if (seed % 2 == 0) add_parents(jobs);
+    if (seed % 2 == 0) add_overviews(jobs);
     Ordeal(seed, jobs).run();
     if (testing::Test::HasFailure()) return;
   }
@@ -152,7 +152,7 @@ TEST(ScheduleAtRandom, AnswersTheSameCallsAlike) {
   for (unsigned seed = first_seed; seed < first_seed + 20; ++seed) {
     std::mt19937 random(seed);
     std::vector<CellJob> jobs = made_jobs(200, random);
-    add_parents(jobs);
+    add_overviews(jobs);
     const std::string log = Ordeal(seed, jobs).run();
     EXPECT_EQ(Ordeal(seed, jobs).run(), log) << "seed " << seed;
     EXPECT_GT(log.size(), 1000u);

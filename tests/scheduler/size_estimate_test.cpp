@@ -14,7 +14,7 @@ constexpr std::uint64_t estimate_seed = 20261122;
 
 /// A scene of forty tiles of up to sixty columns, each with its own number of voxels per projected voxel.
 struct MadeScene {
-  std::vector<TileScan> surveys;
+  std::vector<TileScan> scans;
   std::vector<std::vector<double>> voxels;  ///< by tile and column_x
   SampledScene scene;
   double all = 0;
@@ -23,7 +23,7 @@ struct MadeScene {
     std::uniform_int_distribution<int> columns(1, 60), size(1, 100000);
     std::normal_distribution<double> ratio(0.8, 0.1);
     for (std::uint32_t t = 0; t < 40; ++t) {
-      TileScan& s = surveys.emplace_back();
+      TileScan& s = scans.emplace_back();
       s.tile = t;
       voxels.emplace_back();
       const double kind = ratio(random);
@@ -41,7 +41,7 @@ struct MadeScene {
 
   std::vector<std::uint64_t> weights() const {
     std::vector<std::uint64_t> weights;
-    for (const TileScan& s : surveys) {
+    for (const TileScan& s : scans) {
       weights.push_back(0);
       for (const ColumnExtent& c : s.columns) weights.back() += c.crossings;
     }
@@ -62,9 +62,9 @@ struct MadeScene {
   BakedSample sample(std::size_t tiles, std::size_t pieces, std::uint64_t draw) const {
     std::vector<TileScan> chosen;
     for (const std::uint32_t t : weighted_order(weights(), draw))
-      if (chosen.size() < tiles) chosen.push_back(surveys[t]);
+      if (chosen.size() < tiles) chosen.push_back(scans[t]);
     BakedSample sample;
-    for (const Piece& piece : piece_order(chosen, chosen.size() == surveys.size(), draw))
+    for (const Piece& piece : piece_order(chosen, chosen.size() == scans.size(), draw))
       if (sample.pieces.size() < pieces) sample.pieces.push_back(baked(piece));
     sample.wall_s = 0.25 * double(sample.pieces.size());
     return sample;

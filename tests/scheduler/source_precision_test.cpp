@@ -11,11 +11,11 @@ namespace {
 /// A scene with forty placements of thirty files; the last placement of file f is the coarsest, 2^-f m.
 struct Placements {
   SceneSources sources;
-  std::vector<TileScan> surveys;
+  std::vector<TileScan> scans;
   Placements() {
     for (std::uint32_t t = 0; t < 40; ++t) {
       sources.tiles.emplace_back().name = "file" + std::to_string(t % 30);
-      TileScan& s = surveys.emplace_back();
+      TileScan& s = scans.emplace_back();
       s.tile = t;
       s.spacing_m = std::ldexp(t < 30 && t + 30 < 40 ? 0.5 : 1.0, -int(t % 30));
     }
@@ -24,7 +24,7 @@ struct Placements {
 
 TEST(SourcePrecision, ListsEachSourceOnceCoarsestFirstUpToAQuarterOfAVoxel) {
   const Placements p;
-  const SourcePrecision precision = source_precision(p.surveys, p.sources, std::ldexp(1.0, -5));
+  const SourcePrecision precision = source_precision(p.scans, p.sources, std::ldexp(1.0, -5));
   EXPECT_EQ(precision.wanted_m, std::ldexp(1.0, -7));
   EXPECT_EQ(precision.max_spacing_m, 1);
   ASSERT_EQ(precision.coarse_sources, 7u) << "a spacing of just a quarter is fine enough";
@@ -36,23 +36,23 @@ TEST(SourcePrecision, ListsEachSourceOnceCoarsestFirstUpToAQuarterOfAVoxel) {
 
 TEST(SourcePrecision, CountsAllAndListsSixteen) {
   const Placements p;
-  const SourcePrecision precision = source_precision(p.surveys, p.sources, 1e-12);
+  const SourcePrecision precision = source_precision(p.scans, p.sources, 1e-12);
   EXPECT_EQ(precision.coarse_sources, 30u);
   EXPECT_EQ(precision.coarse.size(), SourcePrecision::max_listed);
 }
 
-TEST(SourcePrecision, IsTheSameForAnyOrderOfSurveys) {
+TEST(SourcePrecision, IsTheSameForAnyOrderOfScans) {
   Placements p;
-  const SourcePrecision first = source_precision(p.surveys, p.sources, 0.01);
-  std::shuffle(p.surveys.begin(), p.surveys.end(), std::mt19937(3));
-  const SourcePrecision second = source_precision(p.surveys, p.sources, 0.01);
+  const SourcePrecision first = source_precision(p.scans, p.sources, 0.01);
+  std::shuffle(p.scans.begin(), p.scans.end(), std::mt19937(3));
+  const SourcePrecision second = source_precision(p.scans, p.sources, 0.01);
   ASSERT_EQ(first.coarse.size(), second.coarse.size());
   for (std::size_t i = 0; i < first.coarse.size(); ++i) EXPECT_EQ(first.coarse[i].name, second.coarse[i].name);
 }
 
 TEST(SourcePrecision, SaysNothingOfFineSources) {
   const Placements p;
-  EXPECT_TRUE(source_precision(p.surveys, p.sources, 4).coarse.empty());
+  EXPECT_TRUE(source_precision(p.scans, p.sources, 4).coarse.empty());
 }
 
 }  // namespace

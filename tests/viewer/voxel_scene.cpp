@@ -127,17 +127,17 @@ void VoxelScene::add_shard(const std::vector<kernels::Level>& levels, NodeTable 
   to.push_back(std::move(cell));
 }
 
-void VoxelScene::add_parent(const Painter& paint, const std::array<std::int64_t, 3>& min, std::uint32_t edge,
-                            int first_lod, int copied) {
+void VoxelScene::add_overview(const Painter& paint, const std::array<std::int64_t, 3>& min, std::uint32_t edge,
+                              int first_lod, int copied) {
   std::vector<kernels::Level> levels = paint_levels(paint, min, edge);
   levels.erase(levels.begin(), levels.begin() + first_lod);
   if (levels[0].key.empty()) return;
-  SceneCell parent;
-  parent.lattice_min = min;
-  parent.cell_voxels = edge;
-  parent.first_lod = std::uint32_t(first_lod);
-  parent.copied_lods = std::uint32_t(copied);
-  add_shard(levels, nodes_of_bricks(levels), std::move(parent), description_.parents);
+  SceneCell overview;
+  overview.lattice_min = min;
+  overview.cell_voxels = edge;
+  overview.first_lod = std::uint32_t(first_lod);
+  overview.copied_lods = std::uint32_t(copied);
+  add_shard(levels, nodes_of_bricks(levels), std::move(overview), description_.overviews);
 }
 
 void VoxelScene::add_cells(const Painter& paint, const std::array<std::int64_t, 3>& min, std::int64_t edge) {

@@ -38,8 +38,8 @@ class VoxelScene {
 
   /// Adds the levels from first_lod up of the cube [min, min + edge), computed from the cells; call this after adding
   /// all cells. The first `copied` levels are duplicated levels.
-  void add_parent(const Painter& paint, const std::array<std::int64_t, 3>& min, std::uint32_t edge, int first_lod,
-                  int copied = 0);
+  void add_overview(const Painter& paint, const std::array<std::int64_t, 3>& min, std::uint32_t edge, int first_lod,
+                    int copied = 0);
 
   const SceneDescription& description() const { return description_; }
   PagedScene paged() const { return PagedScene::of_cells("scene.xml", description_); }

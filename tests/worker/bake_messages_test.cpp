@@ -43,7 +43,7 @@ TEST(FrameReader, FindsEveryMessageHoweverTheBytesArrive) {
 }
 
 TEST(FrameReader, RefusesAFrameWithAnyByteChanged) {
-  const std::vector<std::uint8_t> whole = frame(BakeMessageKind::survey, survey_request(7));
+  const std::vector<std::uint8_t> whole = frame(BakeMessageKind::scan, scan_request(7));
   for (std::size_t i = 0; i < whole.size(); ++i) {
     std::vector<std::uint8_t> bytes = whole;
     bytes[i] ^= 0x80;
@@ -51,7 +51,7 @@ TEST(FrameReader, RefusesAFrameWithAnyByteChanged) {
     reader.add(bytes);
     try {
       const auto message = reader.next();  // with a longer length the reader waits for more bytes
-      EXPECT_TRUE(!message || message->kind != BakeMessageKind::survey) << "byte " << i;
+      EXPECT_TRUE(!message || message->kind != BakeMessageKind::scan) << "byte " << i;
     } catch (const InputError&) {
       continue;
     }
@@ -80,7 +80,7 @@ TEST(BakeOrder, ComesBackFromItsBytesAndSoDoesTheAnswer) {
   answer.attempt = 4;
   EXPECT_EQ(answer_from_bytes(to_bytes(answer)).report.error, "no");
   EXPECT_EQ(answer_from_bytes(to_bytes(answer)).attempt, 4u);
-  EXPECT_EQ(tile_of_request(survey_request(77)), 77u);
+  EXPECT_EQ(tile_of_request(scan_request(77)), 77u);
 }
 
 TEST(BakeOrder, IsRefusedWhereBytesAreMissing) {

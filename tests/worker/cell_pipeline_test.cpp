@@ -13,7 +13,7 @@
 #include "format/shard/shard.h"
 #include "format/source/tile_hash.h"
 #include "glb_scene.h"
-#include "worker/scan/survey_tile.h"
+#include "worker/scan/scan_tile.h"
 
 namespace gigabake {
 namespace {
@@ -37,7 +37,7 @@ class CellPipelineTest : public testing::Test {
     const ThreadPool pool(1);
     std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::uint32_t>> columns;
     for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
-      for (const ColumnExtent& c : survey_tile(sources, t, parameters, pool).columns)
+      for (const ColumnExtent& c : scan_tile(sources, t, parameters, pool).columns)
         columns[{c.column_x, c.column_y}].push_back(t);
     std::vector<CellJob> out;
     for (const auto& [column, tiles] : columns) {
@@ -249,7 +249,7 @@ TEST_F(CellPipelineTest, CostsABadTileItsCellsAndFinishesTheOthers) {
   EXPECT_GT(failed, 0);
 }
 
-TEST_F(CellPipelineTest, FailsTheCellsOfATileThatIsNotWhatWasSurveyed) {
+TEST_F(CellPipelineTest, FailsTheCellsOfATileThatIsNotWhatWasScanned) {
   auto cells = jobs();
   know_sources(cells);
   EXPECT_EQ(hash_of(run(cells, "known")), hash_of(run(jobs(), "unknown")));

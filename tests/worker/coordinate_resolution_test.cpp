@@ -5,7 +5,7 @@
 #include <random>
 
 #include "glb_scene.h"
-#include "worker/scan/survey_tile.h"
+#include "worker/scan/scan_tile.h"
 
 namespace gigabake {
 namespace {
@@ -51,7 +51,7 @@ TEST(PositionSpacing, OfARotatedAxisIsItsLength) {
   EXPECT_DOUBLE_EQ(coordinate_resolution_m({}, instance, {6378137, 0, 0}), 0.5);
 }
 
-TEST(SurveyTile, FindsTheSpacingOfItsCoarsestVertexAndIgnoresThoseThatAreDropped) {
+TEST(ScanTile, FindsTheSpacingOfItsCoarsestVertexAndIgnoresThoseThatAreDropped) {
   const ScratchFolder folder;
   GlbMesh mesh;
   mesh.position = {3e5f, 1, 2, 3e5f + 4, 1, 2, 3e5f, 5, 2, 1e30f, 0, 0};
@@ -60,7 +60,7 @@ TEST(SurveyTile, FindsTheSpacingOfItsCoarsestVertexAndIgnoresThoseThatAreDropped
   BakeParameters parameters;
   parameters.voxel_size_m = 1;
   parameters.cell_voxels = 64;
-  const TileScan s = survey_tile(sources_of(folder.path(), {"far.glb"}), 0, parameters, ThreadPool(2));
+  const TileScan s = scan_tile(sources_of(folder.path(), {"far.glb"}), 0, parameters, ThreadPool(2));
   EXPECT_EQ(s.error, "");
   EXPECT_EQ(s.too_far, 1u);
   EXPECT_EQ(s.spacing_m, 1.0 / 32);

@@ -11,7 +11,7 @@
 #include "glb_scene.h"
 #include "tests/random_seed.h"
 #include "worker/pipeline/cell_loader.h"
-#include "worker/scan/survey_tile.h"
+#include "worker/scan/scan_tile.h"
 
 namespace gigabake {
 namespace {
@@ -81,21 +81,21 @@ BakeParameters metre_lattice() {
 
 using ColumnsByPlace = std::map<std::pair<std::int64_t, std::int64_t>, ColumnExtent>;
 
-ColumnsByPlace by_place(const TileScan& survey) {
+ColumnsByPlace by_place(const TileScan& scan) {
   ColumnsByPlace columns;
-  for (const ColumnExtent& c : survey.columns) columns[{c.column_x, c.column_y}] = c;
+  for (const ColumnExtent& c : scan.columns) columns[{c.column_x, c.column_y}] = c;
   return columns;
 }
 
-TEST(Instances, SurveyedByBoxesReachWhereTheirTrianglesReachAndHardlyFarther) {
+TEST(Instances, ScannedByBoxesReachWhereTheirTrianglesReachAndHardlyFarther) {
   const test::RandomSeed seed;
   const Forest forest = random_forest(3000, 300, seed);
   const ThreadPool pool(2);
   const ScratchFolder few, many;
   write_instanced(few.path(), 300, forest.translation, forest.rotation);   // 900 000 triangles: one by one
   write_instanced(many.path(), 400, forest.translation, forest.rotation);  // 1 200 000: by boxes
-  const TileScan exact = survey_tile(forest_sources(few.path()), 0, metre_lattice(), pool);
-  const TileScan boxed = survey_tile(forest_sources(many.path()), 0, metre_lattice(), pool);
+  const TileScan exact = scan_tile(forest_sources(few.path()), 0, metre_lattice(), pool);
+  const TileScan boxed = scan_tile(forest_sources(many.path()), 0, metre_lattice(), pool);
   ASSERT_EQ(exact.error + boxed.error, "");
   EXPECT_EQ(boxed.triangles, 1200000u);
   const ColumnsByPlace near = by_place(exact), far = by_place(boxed);
@@ -114,13 +114,13 @@ std::uint64_t peak_bytes() {
   return std::uint64_t(usage.ru_maxrss) * 1024;
 }
 
-TEST(Instances, AMillionOfAThousandTrianglesAreSurveyedInSecondsAndBytesEach) {
+TEST(Instances, AMillionOfAThousandTrianglesAreScannedInSecondsAndBytesEach) {
   const Forest forest = random_forest(1000000, 5000, 7);
   const ScratchFolder folder;
   write_instanced(folder.path(), 1000, forest.translation, forest.rotation);
   const std::uint64_t before = peak_bytes();
   const auto start = std::chrono::steady_clock::now();
-  const TileScan s = survey_tile(forest_sources(folder.path()), 0, metre_lattice(), ThreadPool(2));
+  const TileScan s = scan_tile(forest_sources(folder.path()), 0, metre_lattice(), ThreadPool(2));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double bytes = double(peak_bytes() - before) / 1e6;
   std::cout << "a million instances: " << seconds << " s, " << bytes << " bytes each at the peak\n";

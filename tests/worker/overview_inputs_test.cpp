@@ -5,8 +5,8 @@
 namespace gigabake {
 namespace {
 
-ChildOfParent child_of_bytes(std::size_t bytes) {
-  ChildOfParent child;
+OverviewChild child_of_bytes(std::size_t bytes) {
+  OverviewChild child;
   child.source.rgba.resize(bytes);
   return child;
 }

@@ -15,7 +15,7 @@
 
 #include "core/base/error.h"
 #include "format/source/source.h"
-#include "worker/scan/survey_tile.h"
+#include "worker/scan/scan_tile.h"
 
 namespace gigabake {
 namespace {
@@ -61,8 +61,8 @@ std::string try_tile(const SceneSources& sources, std::uint32_t tile, std::uint6
   static const ThreadPool pool(2);
   BakeParameters parameters;
   parameters.voxel_size_m = 1;
-  const TileScan survey = survey_tile(sources, tile, parameters, pool);
-  if (!survey.error.empty()) return survey.error;
+  const TileScan scan = scan_tile(sources, tile, parameters, pool);
+  if (!scan.error.empty()) return scan.error;
   try {
     const TileMesh mesh = read_tile(sources.tiles[tile], sources.root, ReadScope::everything);
     for (const EncodedImage& image : mesh.images)
@@ -70,7 +70,7 @@ std::string try_tile(const SceneSources& sources, std::uint32_t tile, std::uint6
   } catch (const InputError& e) {
     return e.what();
   }
-  triangles += survey.triangles;
+  triangles += scan.triangles;
   return "";
 }
 

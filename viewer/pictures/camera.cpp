@@ -8,7 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/octree/brick.h"
-#include "viewer/stream/parent_tiers.h"
+#include "viewer/stream/overview_levels.h"
 
 namespace gigabake {
 namespace {
@@ -124,7 +124,7 @@ void visit_cells(const PagedScene& scene, const PageSource& pages, const Visit& 
 /// Visits the root's finest own voxels, which are all in bricks of one page. Returns false if the page cannot be read.
 template <class Visit>
 bool visit_root(const PagedScene& scene, std::uint32_t root, const PageSource& pages, const Visit& visit) {
-  const SceneCell& shard = scene.root().parents[root];
+  const SceneCell& shard = scene.root().overviews[root];
   const auto number = std::uint32_t(scene.totals().cells + root);
   const std::vector<NodeRow> rows = page_or_none(pages, {number, PageKey::node_rows, 0}).rows;
   const BrickBlock bricks = page_or_none(pages, {number, int(shard.copied_lods), 0}).bricks;
@@ -144,9 +144,9 @@ bool visit_root(const PagedScene& scene, std::uint32_t root, const PageSource& p
 
 template <class Visit>
 void for_each_occupied_box(const PagedScene& scene, const PageSource& pages, const Visit& visit) {
-  std::optional<ParentTiers> tiers;
-  if (scene.totals().cells > max_cells_read_below_root) tiers = parent_tiers(scene);
-  if (!tiers || !visit_root(scene, tiers->root, pages, visit)) visit_cells(scene, pages, visit);
+  std::optional<OverviewLevels> levels;
+  if (scene.totals().cells > max_cells_read_below_root) levels = overview_levels(scene);
+  if (!levels || !visit_root(scene, levels->root, pages, visit)) visit_cells(scene, pages, visit);
 }
 
 Vector middle_of(const PagedScene& scene, const PageSource& pages) {

@@ -88,7 +88,7 @@ struct FrameRenderer::State {
   /// Returns the memory for pools and pages, which is reduced by open shards. A scene can have fewer shards than the
   /// limit.
   std::uint64_t bytes_next_to_shards() const {
-    const std::uint64_t shards = scene->totals().cells + scene->totals().parents, all = memory_of(options);
+    const std::uint64_t shards = scene->totals().cells + scene->totals().overviews, all = memory_of(options);
     return all - std::min(std::min<std::uint64_t>(max_open(options), shards) * open_shard_bytes, all / 8);
   }
 

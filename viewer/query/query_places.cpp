@@ -39,17 +39,17 @@ constexpr int page_threads = 2;
 QueryPlaces::QueryPlaces(NumberedShards& numbers, std::uint64_t page_bytes, const ThreadPool& pool)
     : numbers_(numbers) {
   const PagedScene& scene = numbers.scene();
-  first_lost_ = std::uint32_t(scene.totals().cells + scene.totals().parents);
-  std::optional<ParentTiers> tiers;
-  if (!has_lost_cells(scene.header())) tiers = parent_tiers(scene);
-  if (!tiers) {
+  first_lost_ = std::uint32_t(scene.totals().cells + scene.totals().overviews);
+  std::optional<OverviewLevels> levels;
+  if (!has_lost_cells(scene.header())) levels = overview_levels(scene);
+  if (!levels) {
     lay_out(scene, pool);
     return;
   }
-  lods_ = tiers->tiers.back().first_lod + tiers->tiers.back().lods;
+  lods_ = levels->levels.back().first_lod + levels->levels.back().lods;
   std::ranges::copy(scene.totals().window.min, window_.min);
   std::ranges::copy(scene.totals().window.end, window_.max);
-  map_.emplace(scene, std::move(*tiers));
+  map_.emplace(scene, std::move(*levels));
   pager_ = std::make_unique<Pager>([this](const PageKey& key) { return read_page(key); },
                                    Pager::Options{page_threads, page_bytes});
 }

@@ -33,18 +33,18 @@ std::shared_ptr<const ScenePage> NumberedShards::read(const PageReference& refer
 NumberedShards::Listing NumberedShards::page_with(const IsBelow& is_below, std::int32_t depth) {
   Listing at{0, 0, std::shared_ptr<const ScenePage>(scene_, &scene_->root())};
   for (std::int32_t next = 0; next <= depth; ++next) {
-    std::uint32_t first = at.first_cell, first_parent = at.first_parent + std::uint32_t(at.page->parents.size());
+    std::uint32_t first = at.first_cell, first_overview = at.first_overview + std::uint32_t(at.page->overviews.size());
     const PageReference* found = nullptr;
     for (const PageReference& reference : at.page->pages) {
-      if (is_below(reference, first, first_parent)) {
+      if (is_below(reference, first, first_overview)) {
         found = &reference;
         break;
       }
       first += std::uint32_t(reference.totals.cells);
-      first_parent += std::uint32_t(reference.totals.parents);
+      first_overview += std::uint32_t(reference.totals.overviews);
     }
     if (found == nullptr) break;
-    at = {first, first_parent, read(*found, first, next)};
+    at = {first, first_overview, read(*found, first, next)};
   }
   return at;
 }
@@ -56,22 +56,22 @@ NumberedShards::Listing NumberedShards::page_with_cell(std::uint32_t cell, std::
 }
 
 SceneCell NumberedShards::shard(std::uint32_t number) {
-  const std::uint64_t cells = scene_->totals().cells, parents = scene_->totals().parents;
+  const std::uint64_t cells = scene_->totals().cells, overviews = scene_->totals().overviews;
   if (number < cells) {
     const Listing listing = page_with_cell(number, deepest);
     if (number - listing.first_cell < listing.page->cells.size())
       return listing.page->cells[number - listing.first_cell];
-  } else if (number - cells < parents) {
+  } else if (number - cells < overviews) {
     const auto index = std::uint32_t(number - cells);
     const Listing listing =
         page_with([index](const PageReference& reference, std::uint32_t,
-                          std::uint32_t first) { return index >= first && index - first < reference.totals.parents; },
+                          std::uint32_t first) { return index >= first && index - first < reference.totals.overviews; },
                   deepest);
-    if (index - listing.first_parent < listing.page->parents.size())
-      return listing.page->parents[index - listing.first_parent];
+    if (index - listing.first_overview < listing.page->overviews.size())
+      return listing.page->overviews[index - listing.first_overview];
   }
   throw InputError(scene_->file(), "shard " + std::to_string(number),
-                   "the scene has " + counted(cells, "cell") + " and " + counted(parents, "overview"));
+                   "the scene has " + counted(cells, "cell") + " and " + counted(overviews, "overview"));
 }
 
 Page NumberedShards::listing(const PageKey& key) {
@@ -79,7 +79,7 @@ Page NumberedShards::listing(const PageKey& key) {
   Page page;
   page.cells = listed_cells(listing.page->cells, listing.first_cell);
   page.pages = listed_pages(listing.page->pages, listing.first_cell);
-  page.parents = listed_parents(listing.page->parents, listing.first_parent);
+  page.overviews = listed_overviews(listing.page->overviews, listing.first_overview);
   return page;
 }
 

@@ -28,12 +28,13 @@ class NumberedShards {
 
  private:
   struct Listing {
-    std::uint32_t first_cell = 0, first_parent = 0;  ///< first_parent counts overviews only
+    std::uint32_t first_cell = 0, first_overview = 0;  ///< first_overview counts overviews only
     std::shared_ptr<const ScenePage> page;
   };
   /// Returns whether the item is in the referenced page or below it. The arguments after it are the page's first cell
   /// and overview.
-  using IsBelow = std::function<bool(const PageReference& reference, std::uint32_t first, std::uint32_t first_parent)>;
+  using IsBelow =
+      std::function<bool(const PageReference& reference, std::uint32_t first, std::uint32_t first_overview)>;
   Listing page_with(const IsBelow& is_below, std::int32_t depth);
   Listing page_with_cell(std::uint32_t cell, std::int32_t depth);
   std::shared_ptr<const ScenePage> read(const PageReference& reference, std::uint32_t first, std::int32_t depth);

@@ -12,7 +12,7 @@ std::uint64_t Page::bytes() const {
   return sizeof(Page) + rows.size() * sizeof(NodeRow) + bricks.mask.size() * sizeof(std::uint64_t) +
          bricks.first.size() * sizeof(std::uint32_t) + bricks.rgba.size() + bricks.normal.size() +
          bricks.facing.size() + cells.size() * sizeof(ListedCell) + pages.size() * sizeof(ListedPage) +
-         parents.size() * sizeof(ListedParent);
+         overviews.size() * sizeof(ListedOverview);
 }
 
 std::vector<ListedCell> listed_cells(const std::vector<SceneCell>& cells, std::uint32_t first) {
@@ -23,11 +23,11 @@ std::vector<ListedCell> listed_cells(const std::vector<SceneCell>& cells, std::u
   return listed;
 }
 
-std::vector<ListedParent> listed_parents(const std::vector<SceneCell>& parents, std::uint32_t first) {
-  std::vector<ListedParent> listed;
-  listed.reserve(parents.size());
-  for (const SceneCell& parent : parents) listed.push_back({parent.own_lod(), parent.lattice_min, first++});
-  std::sort(listed.begin(), listed.end(), [](const ListedParent& a, const ListedParent& b) {
+std::vector<ListedOverview> listed_overviews(const std::vector<SceneCell>& overviews, std::uint32_t first) {
+  std::vector<ListedOverview> listed;
+  listed.reserve(overviews.size());
+  for (const SceneCell& overview : overviews) listed.push_back({overview.own_lod(), overview.lattice_min, first++});
+  std::sort(listed.begin(), listed.end(), [](const ListedOverview& a, const ListedOverview& b) {
     return std::tie(a.own_lod, a.min) < std::tie(b.own_lod, b.min);
   });
   return listed;

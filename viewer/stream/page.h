@@ -38,7 +38,7 @@ struct ListedCell {
   std::uint32_t number = 0;
 };
 
-struct ListedParent {
+struct ListedOverview {
   std::uint32_t own_lod = 0;
   std::array<std::int64_t, 3> min{};
   std::uint32_t index = 0;  ///< number minus the number of cells
@@ -54,7 +54,7 @@ struct Page {
   BrickBlock bricks;              ///< in a page of bricks (format/shard/shard.h)
   std::vector<ListedCell> cells;  ///< in a listing; sorted by min x, y, z
   std::vector<ListedPage> pages;
-  std::vector<ListedParent> parents;  ///< in a listing; sorted by own_lod, then by min x, y, z
+  std::vector<ListedOverview> overviews;  ///< in a listing; sorted by own_lod, then by min x, y, z
 
   std::uint64_t bytes() const;  ///< memory use
 };
@@ -67,7 +67,7 @@ using PageSource = std::function<Page(const PageKey&)>;
 /// Lists the cells in the order in which the viewer searches them. first: the number of the first entry.
 std::vector<ListedCell> listed_cells(const std::vector<SceneCell>& cells, std::uint32_t first);
 std::vector<ListedPage> listed_pages(const std::vector<PageReference>& pages, std::uint32_t first);
-std::vector<ListedParent> listed_parents(const std::vector<SceneCell>& parents, std::uint32_t first);
+std::vector<ListedOverview> listed_overviews(const std::vector<SceneCell>& overviews, std::uint32_t first);
 
 /// Max number of open shards; the least recently used is closed. Processes may have 1024 files open.
 inline constexpr std::size_t max_open_shards = 400;

@@ -79,15 +79,15 @@ struct SceneStream::Answer {
 };
 
 SceneStream::Opened SceneStream::open(const PagedScene& scene, const Options& options, const ThreadPool& policy) {
-  std::optional<ParentTiers> tiers;
-  if (!options.cells_alone) tiers = parent_tiers(scene);
-  if (!tiers) {
+  std::optional<OverviewLevels> levels;
+  if (!options.cells_alone) levels = overview_levels(scene);
+  if (!levels) {
     const std::vector<SceneCell> cells = scene.cells(policy);
     CellLayout layout = lay_out_cells(cells, scene.file());
     return {std::move(layout), ShardMap(cells)};
   }
-  CellLayout layout = lay_out_root(scene.root().parents[tiers->root], scene.totals().window);
-  return {std::move(layout), ShardMap(scene, std::move(*tiers))};
+  CellLayout layout = lay_out_root(scene.root().overviews[levels->root], scene.totals().window);
+  return {std::move(layout), ShardMap(scene, std::move(*levels))};
 }
 
 SceneStream::SceneStream(const PagedScene& scene, PageSource source, const Options& options, const ThreadPool& policy)

@@ -30,12 +30,13 @@ const ListedPage* page_around(const std::vector<ListedPage>& pages, const Lattic
   return found != pages.end() && found->block == block ? &*found : nullptr;
 }
 
-const ListedParent* parent_at(const std::vector<ListedParent>& parents, std::uint32_t own_lod,
-                              const std::array<std::int64_t, 3>& min) {
-  const auto found = std::lower_bound(
-      parents.begin(), parents.end(), std::tie(own_lod, min),
-      [](const ListedParent& parent, const auto& wanted) { return std::tie(parent.own_lod, parent.min) < wanted; });
-  return found != parents.end() && found->own_lod == own_lod && found->min == min ? &*found : nullptr;
+const ListedOverview* overview_at(const std::vector<ListedOverview>& overviews, std::uint32_t own_lod,
+                                  const std::array<std::int64_t, 3>& min) {
+  const auto found = std::lower_bound(overviews.begin(), overviews.end(), std::tie(own_lod, min),
+                                      [](const ListedOverview& overview, const auto& wanted) {
+                                        return std::tie(overview.own_lod, overview.min) < wanted;
+                                      });
+  return found != overviews.end() && found->own_lod == own_lod && found->min == min ? &*found : nullptr;
 }
 
 }  // namespace
@@ -58,14 +59,14 @@ ShardMap::ShardMap(const std::vector<SceneCell>& cells)
       cell_count_(std::uint32_t(cells.size())),
       cells_(listed_cells(cells, 0)) {}
 
-ShardMap::ShardMap(const PagedScene& scene, ParentTiers tiers)
-    : cell_lods_(tiers.tiers.front().own_lod()),
+ShardMap::ShardMap(const PagedScene& scene, OverviewLevels levels)
+    : cell_lods_(levels.levels.front().own_lod()),
       cell_bits_(std::countr_zero(scene.totals().cell_voxels)),
-      tiers_(std::move(tiers)),
+      overview_levels_(std::move(levels)),
       cell_count_(std::uint32_t(scene.totals().cells)),
       cells_(listed_cells(scene.root().cells, 0)),
       pages_(listed_pages(scene.root().pages, 0)),
-      parents_(listed_parents(scene.root().parents, 0)) {}
+      overviews_(listed_overviews(scene.root().overviews, 0)) {}
 
 ShardMap::Cells::const_iterator ShardMap::first_above(const Cells& cells, const std::array<std::int64_t, 3>& min) {
   return std::lower_bound(cells.begin(), cells.end(), min,
@@ -86,20 +87,20 @@ const Page* ShardMap::find_listing(const ListedPage& listed, std::int32_t part, 
 }
 
 /// Descends through the scene's pages: an overview is listed in the smallest page whose block contains it.
-std::optional<ShardExtent> ShardMap::find_parent(const ParentTier& tier, const TierBlock& block, const Pager& pager,
-                                                 MissingPages& gaps) const {
-  const std::array<std::int64_t, 3> corner = tier.corner_of(block);
-  const VoxelBox window = cube_at(corner.data(), tier.edge());
-  const std::vector<ListedParent>* parents = &parents_;
+std::optional<ShardExtent> ShardMap::find_overview(const OverviewLevel& level, const OverviewBlock& block,
+                                                   const Pager& pager, MissingPages& gaps) const {
+  const std::array<std::int64_t, 3> corner = level.corner_of(block);
+  const VoxelBox window = cube_at(corner.data(), level.edge());
+  const std::vector<ListedOverview>* overviews = &overviews_;
   const std::vector<ListedPage>* pages = &pages_;
   for (std::int32_t part = PageKey::listing;; --part) {
-    if (const ListedParent* found = parent_at(*parents, std::uint32_t(tier.own_lod()), corner))
-      return ShardExtent{cell_count_ + found->index, tier.first_lod, tier.lods, tier.own_lod(), window};
-    if (pages->empty() || pages->front().block.edge < tier.edge()) return {};
+    if (const ListedOverview* found = overview_at(*overviews, std::uint32_t(level.own_lod()), corner))
+      return ShardExtent{cell_count_ + found->index, level.first_lod, level.lods, level.own_lod(), window};
+    if (pages->empty() || pages->front().block.edge < level.edge()) return {};
     const ListedPage* listed = page_around(*pages, block_around(corner, pages->front().block.edge));
     const Page* page = listed != nullptr ? find_listing(*listed, part, window, pager, gaps) : nullptr;
     if (page == nullptr) return {};
-    parents = &page->parents;
+    overviews = &page->overviews;
     pages = &page->pages;
   }
 }
@@ -144,17 +145,17 @@ std::optional<ShardExtent> ShardMap::find_cell(const std::int64_t v[3], const Pa
 }
 
 int ShardMap::last_holder(int lod) const {
-  const int parents = tiers_ ? int(tiers_->holders(lod)) : 0;
-  return lod < cell_lods_ ? parents : parents - 1;
+  const int overviews = overview_levels_ ? int(overview_levels_->holders(lod)) : 0;
+  return lod < cell_lods_ ? overviews : overviews - 1;
 }
 
 std::optional<ShardExtent> ShardMap::find(int lod, int holder, const std::int64_t v[3], const Pager& pager,
                                           MissingPages& gaps, VoxelBox& empty) const {
   if (lod < cell_lods_ && holder == last_holder(lod)) return find_cell(v, pager, gaps, empty);
-  const ParentTier& tier = tiers_->holder(lod, std::size_t(holder));
-  const TierBlock block = tier.block_of({v[0], v[1], v[2]});
-  empty = cube_at(tier.corner_of(block).data(), tier.edge());
-  return find_parent(tier, block, pager, gaps);
+  const OverviewLevel& level = overview_levels_->holder(lod, std::size_t(holder));
+  const OverviewBlock block = level.block_of({v[0], v[1], v[2]});
+  empty = cube_at(level.corner_of(block).data(), level.edge());
+  return find_overview(level, block, pager, gaps);
 }
 
 }  // namespace gigabake

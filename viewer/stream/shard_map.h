@@ -11,8 +11,8 @@
 
 #include "format/scene/paged_scene.h"
 #include "kernels/marching/locate.h"
+#include "viewer/stream/overview_levels.h"
 #include "viewer/stream/pager.h"
-#include "viewer/stream/parent_tiers.h"
 
 namespace gigabake {
 
@@ -30,7 +30,7 @@ struct ShardExtent {
   std::int32_t own_lod = 0;  ///< finest level that none of its children stores
   kernels::VoxelBox window{};
 
-  bool is_parent() const { return first_lod != 0; }
+  bool is_overview() const { return first_lod != 0; }
   int top() const { return first_lod + lods - 1; }
 };
 
@@ -46,7 +46,7 @@ class ShardMap {
   /// Range   Cells of one size, as lay_out_cells() accepts them.
   explicit ShardMap(const std::vector<SceneCell>& cells);
   /// Finds cells through overviews, from the root down.
-  ShardMap(const PagedScene& scene, ParentTiers tiers);
+  ShardMap(const PagedScene& scene, OverviewLevels levels);
 
   /// Returns the last provider of a level, which may be stored more than once. Provider 0 has the largest shards, so an
   /// image needs the smallest number of them. The last provider has the original, which the others duplicate.
@@ -63,7 +63,7 @@ class ShardMap {
   bool any(int lod, int holder, const kernels::VoxelBox& box, const Pager& pager, MissingPages& gaps,
            const Visit& visit) const {
     if (lod >= cell_lods_ || holder < last_holder(lod))
-      return any_parent(tiers_->holder(lod, std::size_t(holder)), box, pager, gaps, visit);
+      return any_overview(overview_levels_->holder(lod, std::size_t(holder)), box, pager, gaps, visit);
     for (std::int64_t y = box.min[1] >> cell_bits_; y <= (box.max[1] - 1) >> cell_bits_; ++y)
       for (std::int64_t x = box.min[0] >> cell_bits_; x <= (box.max[0] - 1) >> cell_bits_; ++x)
         if (any_of_column(x << cell_bits_, y << cell_bits_, box, pager, gaps, visit)) return true;
@@ -76,23 +76,23 @@ class ShardMap {
   ShardExtent placed(const ListedCell& cell) const;
   const Page* find_listing(const ListedPage& listed, std::int32_t part, const kernels::VoxelBox& missed,
                            const Pager& pager, MissingPages& gaps) const;
-  /// Returns the tier's overview of that block; nullopt also if a page that may list it is not resident.
-  std::optional<ShardExtent> find_parent(const ParentTier& tier, const TierBlock& block, const Pager& pager,
-                                         MissingPages& gaps) const;
+  /// Returns the level's overview of that block; nullopt also if a page that may list it is not resident.
+  std::optional<ShardExtent> find_overview(const OverviewLevel& level, const OverviewBlock& block, const Pager& pager,
+                                           MissingPages& gaps) const;
   const Cells* cells_around(const std::array<std::int64_t, 3>& v, const Pager& pager, MissingPages& gaps,
                             LatticeBlock& block) const;
   std::optional<ShardExtent> find_cell(const std::int64_t v[3], const Pager& pager, MissingPages& gaps,
                                        kernels::VoxelBox& empty) const;
 
   template <class Visit>
-  bool any_parent(const ParentTier& tier, const kernels::VoxelBox& box, const Pager& pager, MissingPages& gaps,
-                  const Visit& visit) const {
-    const TierBlock low = tier.block_of({box.min[0], box.min[1], box.min[2]});
-    const TierBlock high = tier.block_of({box.max[0] - 1, box.max[1] - 1, box.max[2] - 1});
+  bool any_overview(const OverviewLevel& level, const kernels::VoxelBox& box, const Pager& pager, MissingPages& gaps,
+                    const Visit& visit) const {
+    const OverviewBlock low = level.block_of({box.min[0], box.min[1], box.min[2]});
+    const OverviewBlock high = level.block_of({box.max[0] - 1, box.max[1] - 1, box.max[2] - 1});
     for (std::int64_t z = low[2]; z <= high[2]; ++z)
       for (std::int64_t y = low[1]; y <= high[1]; ++y)
         for (std::int64_t x = low[0]; x <= high[0]; ++x) {
-          const std::optional<ShardExtent> found = find_parent(tier, {x, y, z}, pager, gaps);
+          const std::optional<ShardExtent> found = find_overview(level, {x, y, z}, pager, gaps);
           if (found && visit(*found)) return true;
         }
     return false;
@@ -117,11 +117,11 @@ class ShardMap {
   }
 
   std::int32_t cell_lods_ = 0, cell_bits_ = 0;
-  std::optional<ParentTiers> tiers_;
+  std::optional<OverviewLevels> overview_levels_;
   std::uint32_t cell_count_ = 0;
   Cells cells_;  ///< listed in scene.xml itself, like the two below
   std::vector<ListedPage> pages_;
-  std::vector<ListedParent> parents_;
+  std::vector<ListedOverview> overviews_;
 };
 
 }  // namespace gigabake

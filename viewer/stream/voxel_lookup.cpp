@@ -119,7 +119,7 @@ unsigned VoxelLookup::unread_occupied(const ShardExtent& shard, const Question& 
     ++part.holder;
     return occupied_by_any(part.within(shard.window), gaps);
   }
-  if (shard.is_parent()) return may_be_occupied(shard, part, gaps);
+  if (shard.is_overview()) return may_be_occupied(shard, part, gaps);
   gaps.damaged |= overlap(shard.window, gaps.own);
   return open;
 }
@@ -170,7 +170,7 @@ VoxelPlace VoxelLookup::place(int lod, const std::int64_t v[3], MissingPages& ga
     if (place.kind != VoxelPlace::Kind::unreadable || gaps.missing.size() != missing) return place;
     if (holder < map_.last_holder(lod)) continue;  // the next provider has the original
     gaps.damaged |= overlap(shard->window, gaps.own);
-    gaps.is_overview_damaged |= shard->is_parent();
+    gaps.is_overview_damaged |= shard->is_overview();
     return place;
   }
 }

@@ -5,15 +5,15 @@
 
 namespace gigabake {
 
-void OverviewInputs::keep(const std::string& file, ChildOfParent child) {
+void OverviewInputs::keep(const std::string& file, OverviewChild child) {
   const std::uint64_t bytes = bytes_of(child);
-  auto kept = std::make_shared<const ChildOfParent>(std::move(child));
-  std::vector<std::shared_ptr<const ChildOfParent>> removed;  // destroyed after the lock is released
+  auto kept = std::make_shared<const OverviewChild>(std::move(child));
+  std::vector<std::shared_ptr<const OverviewChild>> removed;  // destroyed after the lock is released
   const std::scoped_lock lock(mutex_);
   removed = children_.insert(file, std::move(kept), bytes);
 }
 
-std::shared_ptr<const ChildOfParent> OverviewInputs::find(const std::string& file) {
+std::shared_ptr<const OverviewChild> OverviewInputs::find(const std::string& file) {
   const std::scoped_lock lock(mutex_);
   const auto* child = children_.find_for_last_use(file);
   return child != nullptr ? *child : nullptr;

@@ -71,7 +71,7 @@ DeviceAnswer device_from_bytes(std::span<const std::uint8_t> bytes) {
   return answer;
 }
 
-std::vector<std::uint8_t> survey_request(std::uint32_t tile) {
+std::vector<std::uint8_t> scan_request(std::uint32_t tile) {
   ByteWriter w;
   w.put(tile);
   return w.take();

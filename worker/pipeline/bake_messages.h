@@ -1,9 +1,9 @@
 /// Protocol between a supervisor and its bake process: frames over a local socket, validated on both sides.
 ///
 ///   supervisor → process   sources (the next part of WorkerSetup::sources, first), setup (WorkerSetup, once, after all
-///                          sources), `survey` (tile, u32), bake (BakeOrder)
+///                          sources), `scan` (tile, u32), bake (BakeOrder)
 ///   process → supervisor   started (empty, once, first: requests are accepted), ready (DeviceAnswer, once),
-///                          `surveyed` (TileScan), baked (BakeAnswer)
+///                          `scanned` (TileScan), baked (BakeAnswer)
 ///
 /// A frame is magic "GBKE" u32, `kind` u32, payload bytes u64, XXH3-64 of the payload u64, then the payload; little
 /// endian.
@@ -20,7 +20,7 @@
 
 namespace gigabake {
 
-enum class BakeMessageKind : std::uint32_t { setup = 1, survey, bake, ready, surveyed, baked, sources, started };
+enum class BakeMessageKind : std::uint32_t { setup = 1, scan, bake, ready, scanned, baked, sources, started };
 
 struct BakeMessage {
   BakeMessageKind kind = BakeMessageKind::setup;
@@ -47,7 +47,7 @@ struct DeviceAnswer {
 std::vector<std::uint8_t> to_bytes(const DeviceAnswer& answer);
 std::vector<std::uint8_t> to_bytes(const BakeOrder& order);
 std::vector<std::uint8_t> to_bytes(const BakeAnswer& answer);
-std::vector<std::uint8_t> survey_request(std::uint32_t tile);
+std::vector<std::uint8_t> scan_request(std::uint32_t tile);
 DeviceAnswer device_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors  InputError when malformed
 BakeOrder order_from_bytes(std::span<const std::uint8_t> bytes);      ///< Errors  InputError when malformed
 BakeAnswer answer_from_bytes(std::span<const std::uint8_t> bytes);    ///< Errors  InputError when malformed

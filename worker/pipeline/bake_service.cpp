@@ -25,7 +25,7 @@
 #include "worker/pipeline/bake_messages.h"
 #include "worker/pipeline/cell_pipeline.h"
 #include "worker/pipeline/worker_setup.h"
-#include "worker/scan/survey_tile.h"
+#include "worker/scan/scan_tile.h"
 
 namespace gigabake {
 namespace {
@@ -55,9 +55,9 @@ class Wakeup {
 };
 
 /// Scans tiles, several small ones concurrently, because most of a tile's reading runs on one thread.
-class Surveyor {
+class ScanThread {
  public:
-  Surveyor(const SceneSources& sources, const WorkerSetup& setup, const Wakeup& done)
+  ScanThread(const SceneSources& sources, const WorkerSetup& setup, const Wakeup& done)
       : sources_(sources),
         parameters_(setup.parameters),
         pool_(setup.worker.threads),
@@ -66,7 +66,7 @@ class Surveyor {
         done_(done) {
     for (int t = std::min(max_concurrent, setup.worker.threads); t > 0; --t) crew_.emplace_back([this] { run(); });
   }
-  ~Surveyor() {
+  ~ScanThread() {
     {
       const std::scoped_lock lock(mutex_);
       stopping_ = true;
@@ -74,8 +74,8 @@ class Surveyor {
     asked_.notify_all();
     for (std::thread& thread : crew_) thread.join();
   }
-  Surveyor(const Surveyor&) = delete;
-  Surveyor& operator=(const Surveyor&) = delete;
+  ScanThread(const ScanThread&) = delete;
+  ScanThread& operator=(const ScanThread&) = delete;
 
   void submit(std::uint32_t tile) {
     {
@@ -87,10 +87,10 @@ class Surveyor {
 
   std::optional<TileScan> poll() {
     const std::scoped_lock lock(mutex_);
-    if (surveys_.empty()) return std::nullopt;
-    TileScan survey = std::move(surveys_.front());
-    surveys_.pop_front();
-    return survey;
+    if (scans_.empty()) return std::nullopt;
+    TileScan scan = std::move(scans_.front());
+    scans_.pop_front();
+    return scan;
   }
 
  private:
@@ -103,18 +103,18 @@ class Surveyor {
     return tile;
   }
 
-  TileScan survey(std::uint32_t tile) {
+  TileScan scan(std::uint32_t tile) {
     std::unique_lock one_at_a_time(large_, std::defer_lock);
     if (sources_.tiles[tile].bytes > small_bytes || store_.may_be_large(tile)) one_at_a_time.lock();
-    return survey_tile(sources_, tile, parameters_, pool_, &store_);
+    return scan_tile(sources_, tile, parameters_, pool_, &store_);
   }
 
   void run() {
     while (const auto tile = next_tile()) {
-      TileScan survey = this->survey(*tile);
+      TileScan scan = this->scan(*tile);
       {
         const std::scoped_lock lock(mutex_);
-        surveys_.push_back(std::move(survey));
+        scans_.push_back(std::move(scan));
       }
       done_.ring();
     }
@@ -133,7 +133,7 @@ class Surveyor {
   std::mutex mutex_;
   std::condition_variable asked_;
   std::deque<std::uint32_t> tiles_;
-  std::deque<TileScan> surveys_;
+  std::deque<TileScan> scans_;
   bool stopping_ = false;
   std::vector<std::thread> crew_;  ///< last, because the threads use the other members
 };
@@ -193,8 +193,8 @@ class BakeServer {
         return;
       case BakeMessageKind::setup:
         return open(setup_from_bytes(message.payload));
-      case BakeMessageKind::survey:
-        return survey(tile_of_request(message.payload));
+      case BakeMessageKind::scan:
+        return scan(tile_of_request(message.payload));
       case BakeMessageKind::bake:
         return bake(order_from_bytes(message.payload));
       default:
@@ -234,7 +234,7 @@ class BakeServer {
     const DeviceAnswer answer = chosen_.get();
     if (!answer.error.empty()) {
       why_not_ = answer.error;
-      surveys_ = false;  // because the bake will fail
+      scans_ = false;  // because the bake will fail
     }
     setup_->worker.cuda_device = answer.choice.device;
     // Kernels of ranks that share a device run one after the other. While one rank's kernels run, the other ranks may
@@ -248,19 +248,19 @@ class BakeServer {
     try {
       sources_ = sources_from_bytes(std::exchange(source_bytes_, {}));
       fingerprints_.emplace(setup_->parameters, sources_.origin);
-      surveyor_ = std::make_unique<Surveyor>(sources_, *setup_, done_);
-      surveys_ = true;
+      scanner_ = std::make_unique<ScanThread>(sources_, *setup_, done_);
+      scans_ = true;
     } catch (const std::exception& e) {
       why_not_ = reason_of(e);
     }
   }
 
-  void survey(std::uint32_t tile) {
-    if (surveys_ && tile < sources_.tiles.size()) return surveyor_->submit(tile);
-    TileScan survey;
-    survey.tile = tile;
-    survey.error = surveys_ ? "there is no tile " + std::to_string(tile) : why_not_;
-    send(BakeMessageKind::surveyed, to_bytes(survey));
+  void scan(std::uint32_t tile) {
+    if (scans_ && tile < sources_.tiles.size()) return scanner_->submit(tile);
+    TileScan scan;
+    scan.tile = tile;
+    scan.error = scans_ ? "there is no tile " + std::to_string(tile) : why_not_;
+    send(BakeMessageKind::scanned, to_bytes(scan));
   }
 
   void make_pipeline() {
@@ -298,10 +298,10 @@ class BakeServer {
   void answer() {
     done_.silence();  // before polling, so that later results wake the thread again
     if (is_device_known()) take_device();
-    while (surveyor_) {
-      const auto survey = surveyor_->poll();
-      if (!survey) break;
-      send(BakeMessageKind::surveyed, to_bytes(*survey));
+    while (scanner_) {
+      const auto scan = scanner_->poll();
+      if (!scan) break;
+      send(BakeMessageKind::scanned, to_bytes(*scan));
     }
     while (pipeline_) {
       auto report = pipeline_->poll();
@@ -325,8 +325,8 @@ class BakeServer {
   std::promise<DeviceAnswer> choice_;
   std::future<DeviceAnswer> chosen_;  ///< valid from the setup until take_device()
   std::thread chooser_;
-  std::unique_ptr<Surveyor> surveyor_;
-  bool surveys_ = false;  ///< accepts more tiles
+  std::unique_ptr<ScanThread> scanner_;
+  bool scans_ = false;  ///< accepts more tiles
   std::unique_ptr<CellPipeline> pipeline_;
   std::vector<Attempt> attempts_;  ///< of the cells in the pipeline
 };

@@ -21,8 +21,8 @@ kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters
   return c;
 }
 
-kernels::ParentParameters parent_parameters(const CellJob& job, const BakeParameters& p) {
-  kernels::ParentParameters out;
+kernels::OverviewParameters overview_parameters(const CellJob& job, const BakeParameters& p) {
+  kernels::OverviewParameters out;
   std::ranges::copy(job.lattice_min, out.window_min);
   out.child_lod = int(job.first_lod + job.copied_lods) - 1;
   out.levels = std::countr_zero(job.cell_voxels / brick_edge) - out.child_lod;

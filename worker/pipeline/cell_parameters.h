@@ -6,7 +6,7 @@
 #include "core/octree/parameters.h"
 #include "format/job/cell_job.h"
 #include "kernels/body/cell.h"
-#include "kernels/cpu/mip/parent.h"
+#include "kernels/cpu/mip/overview.h"
 
 namespace gigabake {
 
@@ -15,6 +15,6 @@ kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters
                                         std::uint64_t kernel_bytes);
 
 /// Returns the parameters of an overview.
-kernels::ParentParameters parent_parameters(const CellJob& job, const BakeParameters& parameters);
+kernels::OverviewParameters overview_parameters(const CellJob& job, const BakeParameters& parameters);
 
 }  // namespace gigabake

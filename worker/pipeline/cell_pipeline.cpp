@@ -123,7 +123,7 @@ class CellPipeline::Stages {
     stages_.prepare();
     while (auto job = next_job()) {
       auto cell = std::make_unique<InFlightCell>(std::move(*job));
-      if (has_device_ && is_parent(cell->job)) {
+      if (has_device_ && is_overview(cell->job)) {
         overviews_.push(std::move(cell));
         continue;
       }
@@ -136,7 +136,7 @@ class CellPipeline::Stages {
 
   void read(InFlightCell& cell) {
     // A missing child may still appear, because another host may have written it a moment ago.
-    const CellOutcome of_input = is_parent(cell.job) ? CellOutcome::failed : CellOutcome::refused;
+    const CellOutcome of_input = is_overview(cell.job) ? CellOutcome::failed : CellOutcome::refused;
     run_stage(cell, &CellReport::read_s, of_input, [this](InFlightCell& c) { stages_.read(c); });
   }
 

@@ -158,7 +158,7 @@ void CellStages::read(InFlightCell& cell) {
     keep_for_overviews(cell.job, *std::move(shard));
     return decide(cell, CellOutcome::baked);
   }
-  if (is_parent(cell.job)) {
+  if (is_overview(cell.job)) {
     cell.children = read_children(
         options_.out, cell.job, [this](const std::string& file) { return overview_inputs_.find(file); }, pool_);
     return;
@@ -170,13 +170,13 @@ void CellStages::read(InFlightCell& cell) {
   });
 }
 
-void CellStages::bake_parent(InFlightCell& parent) const {
-  parent.volume = make_parent(parent.job, parent.children, parameters_, pool_);
-  parent.children.clear();
+void CellStages::bake_overview(InFlightCell& overview) const {
+  overview.volume = make_overview(overview.job, overview.children, parameters_, pool_);
+  overview.children.clear();
 }
 
 void CellStages::compute(InFlightCell& cell) {
-  if (is_parent(cell.job)) return bake_parent(cell);
+  if (is_overview(cell.job)) return bake_overview(cell);
   const bool baked = on_device(cell, [&] {
     cell.device_volume =
         cuda_->bake(*cell.device_input, cell_parameters(cell.job, parameters_, kernel_bytes(options_)));

@@ -13,8 +13,8 @@
 #include "kernels/body/cell.h"
 #include "kernels/cuda/baker.h"
 #include "kernels/pack/packer.h"
+#include "worker/overview/overview_bake.h"
 #include "worker/overview/overview_inputs.h"
-#include "worker/overview/parent_bake.h"
 #include "worker/pipeline/cell_loader.h"
 #include "worker/pipeline/cell_pipeline.h"
 
@@ -28,7 +28,7 @@ struct InFlightCell {
   CellReport report;
   bool is_final = false;             ///< the report is final; later stages skip the cell
   std::optional<LoadedCell> loaded;  ///< until there is a volume: a device may fail at any step
-  ChildrenOfParent children;         ///< of an overview, instead of `loaded`
+  OverviewChildren children;         ///< of an overview, instead of `loaded`
   std::shared_ptr<const kernels::CudaInput> device_input;
   std::unique_ptr<kernels::CudaVolume> device_volume;  ///< until it is packed or on the host
   std::optional<kernels::PackedCell> packed;           ///< if set, there is no volume
@@ -66,7 +66,7 @@ class CellStages {
   template <class Step>
   bool on_device(InFlightCell& cell, const Step& step);
   void bake_on_cpu(InFlightCell& cell) const;
-  void bake_parent(InFlightCell& parent) const;
+  void bake_overview(InFlightCell& overview) const;
   void read_back_from_device(InFlightCell& cell, kernels::CudaPacker& packer);
   void pack_on_device(InFlightCell& cell, kernels::CudaPacker& packer);
   void pack_beside_others(InFlightCell& cell, kernels::CudaPacker& packer, kernels::PackRequest& request);

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "format/job/survey.h"
+#include "format/job/tile_scan.h"
 
 namespace gigabake {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/octree/parameters.h"
-#include "format/job/survey.h"
+#include "format/job/tile_scan.h"
 #include "format/source/mesh.h"
 #include "kernels/body/voxelize/brick_triangle.h"
 #include "worker/scan/column_span.h"

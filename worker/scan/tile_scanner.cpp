@@ -143,16 +143,16 @@ void TileScanner::add(const LoadedTile& tile, std::size_t primitive, Placements 
   }
 }
 
-void TileScanner::finish(TileScan& survey) const {
-  survey.spacing_m = spacing_m_;
+void TileScanner::finish(TileScan& scan) const {
+  scan.spacing_m = spacing_m_;
   for (const ThreadScan& thread : threads_) {
-    survey.non_finite += thread.non_finite;
-    survey.zero_area += thread.zero_area;
-    survey.too_far += thread.too_far;
-    survey.reach_m = std::max(survey.reach_m, thread.reach_m);
-    for (const auto& [key, column] : thread.map.columns()) survey.columns.push_back(column);
+    scan.non_finite += thread.non_finite;
+    scan.zero_area += thread.zero_area;
+    scan.too_far += thread.too_far;
+    scan.reach_m = std::max(scan.reach_m, thread.reach_m);
+    for (const auto& [key, column] : thread.map.columns()) scan.columns.push_back(column);
   }
-  unite_columns(survey.columns);
+  unite_columns(scan.columns);
 }
 
 void TileScanner::snap(const Primitive& mesh, const Instance& instance, std::span<SnappedVertex> out,

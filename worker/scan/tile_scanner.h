@@ -9,7 +9,7 @@
 #include "core/base/thread_pool.h"
 #include "core/math/snap.h"
 #include "core/octree/parameters.h"
-#include "format/job/survey.h"
+#include "format/job/tile_scan.h"
 #include "format/source/mesh.h"
 #include "format/source/source.h"
 #include "worker/scan/column_map.h"
@@ -28,13 +28,13 @@ class TileScanner {
 
   TileScanner(const TileRef& tile, const BakeParameters& parameters, const ThreadPool& pool);
 
-  /// Adds a mesh at all its placements. Many placements of many triangles are scanned by their boxes (survey_tile.h).
+  /// Adds a mesh at all its placements. Many placements of many triangles are scanned by their boxes (scan_tile.h).
   void add(const Primitive& mesh, Placements placements);
   /// Adds a primitive of a tile cluster by cluster.
   /// Cost    One cluster per thread is in memory.
   void add(const LoadedTile& tile, std::size_t primitive, Placements placements);
 
-  void finish(TileScan& survey) const;
+  void finish(TileScan& scan) const;
 
  private:
   struct SnappedVertex {

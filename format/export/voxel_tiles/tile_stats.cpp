@@ -103,7 +103,7 @@ LatticeBox TileStats::bounds(int lod) const {
 }
 
 TileWeights TileStats::tiles(const VoxelTiling& tiling, const DerivedLevels& made) const {
-  progress_.step("listing tiles", (scene_.totals().cells + scene_.totals().parents) / std::uint64_t(team_.ranks()),
+  progress_.step("listing tiles", (scene_.totals().cells + scene_.totals().overviews) / std::uint64_t(team_.ranks()),
                  "shard");
   std::vector<TileWeights> of_thread(std::size_t(pool_.threads()));
   const auto levels_of_tiles = [&tiling](const LevelOwner& owner) {
@@ -127,7 +127,7 @@ TileWeights TileStats::tiles(const VoxelTiling& tiling, const DerivedLevels& mad
     for (const auto& [tile, weight] : of_thread[t]) of_rank[tile] += weight;
   TileWeights all;
   for (const std::vector<std::uint8_t>& bytes : team_.exchange(bytes_of_tiles(of_rank))) add_tiles(bytes, all);
-  if (owners_.has_parents()) expect_whole_levels(all, tiling);
+  if (owners_.has_overviews()) expect_whole_levels(all, tiling);
   return all;
 }
 

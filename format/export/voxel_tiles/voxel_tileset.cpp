@@ -64,14 +64,14 @@ class TilesetExport {
   TilesetExport(const PagedScene& scene, const TilesetOptions& options, Fit fit, const Progress& progress,
                 const ExportTeam& team)
       : scene_(scene), progress_(progress), team_(team), pool_(options.threads), owners_(scene), form_(options.form) {
-    const TileStats survey(scene_, owners_, team_, pool_, progress_);
-    bounds_ = fit == Fit::bricks_of_finest ? survey.bounds(options.lod) : scene.totals().window;
+    const TileStats stats(scene_, owners_, team_, pool_, progress_);
+    bounds_ = fit == Fit::bricks_of_finest ? stats.bounds(options.lod) : scene.totals().window;
     if (bounds_.is_empty()) throw InputError(scene.file(), "Voxels", "the level has no voxels");
     tiling_ = tiling_of(bounds_, options.lod, options.tile_voxels);
     if (tiling_.levels > max_tile_levels)
       throw InputError(scene.file(), "LatticeMin", "cells are too far apart for one oct-tree");
     team_.together([&] { made_.emplace(scene_, owners_, tiling_.coarsest()); });
-    weights_ = survey.tiles(tiling_, *made_);
+    weights_ = stats.tiles(tiling_, *made_);
   }
 
   /// Writes the tiles of all ranks. Collective call. `before` is the record of an earlier export at `target`.
@@ -103,7 +103,7 @@ class TilesetExport {
     for (const auto& [tile, record] : tiles_) voxels[tiling_.lod(tile.level)] += record.statistics.voxels;
     constexpr int always_on_lattice = 3;
     for (const auto& [lod, count] : voxels) {
-      const bool is_known = !made_->has(lod) && (lod <= always_on_lattice || owners_.has_parents());
+      const bool is_known = !made_->has(lod) && (lod <= always_on_lattice || owners_.has_overviews());
       if (is_known && count != scene_.totals().voxels.at(std::size_t(lod))) return false;
     }
     return true;

@@ -137,7 +137,7 @@ bool share_a_grid(const SceneCell& a, const SceneCell& b, int lod) {
 
 std::uint64_t bytes_of_scene(const SceneDescription& scene) {
   std::uint64_t bytes = 0;
-  for (const auto& shards : {&scene.cells, &scene.parents})
+  for (const auto& shards : {&scene.cells, &scene.overviews})
     for (const SceneCell& cell : *shards) bytes += cell.bytes;
   return bytes;
 }
@@ -145,10 +145,10 @@ std::uint64_t bytes_of_scene(const SceneDescription& scene) {
 /// Finds the shards that overlap a window on one level: cells on fine levels, overviews above.
 class ShardFinder {
  public:
-  explicit ShardFinder(const SceneDescription& scene) : cells_(scene.cells), parents_(scene.parents) {
-    for (const auto& shards : {&scene.cells, &scene.parents})
+  explicit ShardFinder(const SceneDescription& scene) : cells_(scene.cells), overviews_(scene.overviews) {
+    for (const auto& shards : {&scene.cells, &scene.overviews})
       for (const SceneCell& cell : *shards) all_.push_back(&cell);
-    parents_begin_ = scene.cells.size();
+    overviews_begin_ = scene.cells.size();
     for (const SceneCell& cell : scene.cells) cell_lods_ = std::max(cell_lods_, int(cell.lods));
   }
   /// Returns the cells, then the overviews.
@@ -158,15 +158,15 @@ class ShardFinder {
     std::vector<std::size_t> found;
     if (lod < cell_lods_) found = cells_.overlapping(window);
     if (found.empty())
-      for (const std::size_t parent : parents_.overlapping(window))
-        if (has_level(*all_[parents_begin_ + parent], lod)) found.push_back(parents_begin_ + parent);
+      for (const std::size_t overview : overviews_.overlapping(window))
+        if (has_level(*all_[overviews_begin_ + overview], lod)) found.push_back(overviews_begin_ + overview);
     return found;
   }
 
  private:
-  CellFinder cells_, parents_;
+  CellFinder cells_, overviews_;
   std::vector<const SceneCell*> all_;
-  std::size_t parents_begin_ = 0;
+  std::size_t overviews_begin_ = 0;
   int cell_lods_ = 0;
 };
 
@@ -178,7 +178,7 @@ class SceneComparison {
   SceneDifference run(const Progress& progress) {
     choose_levels();
     progress.step("comparing the cells", bytes_of_scene(a_.scene));
-    for (const auto& shards : {&a_.scene.cells, &a_.scene.parents})
+    for (const auto& shards : {&a_.scene.cells, &a_.scene.overviews})
       for (const SceneCell& cell : *shards) {
         compare_cell(cell);
         progress.advance(cell.bytes);
@@ -300,7 +300,7 @@ class DifferingPages {
     for (const PageReference& page : a.pages) {
       const auto other = of_b.find({page.block.min, page.block.edge});
       if (other == of_b.end()) {
-        take(a_, page, left, left_parents);
+        take(a_, page, left, left_overviews);
         continue;
       }
       if (page.totals.content_hash != other->second->totals.content_hash)
@@ -308,20 +308,20 @@ class DifferingPages {
       of_b.erase(other);
     }
     for (const PageReference& page : b.pages)
-      if (of_b.contains({page.block.min, page.block.edge})) take(b_, page, right, right_parents);
+      if (of_b.contains({page.block.min, page.block.edge})) take(b_, page, right, right_overviews);
     left.insert(left.end(), a.cells.begin(), a.cells.end());
     right.insert(right.end(), b.cells.begin(), b.cells.end());
-    left_parents.insert(left_parents.end(), a.parents.begin(), a.parents.end());
-    right_parents.insert(right_parents.end(), b.parents.begin(), b.parents.end());
+    left_overviews.insert(left_overviews.end(), a.overviews.begin(), a.overviews.end());
+    right_overviews.insert(right_overviews.end(), b.overviews.begin(), b.overviews.end());
   }
 
-  std::vector<SceneCell> left, right, left_parents, right_parents;
+  std::vector<SceneCell> left, right, left_overviews, right_overviews;
 
  private:
   static void take(const PagedScene& scene, const PageReference& page, std::vector<SceneCell>& cells,
-                   std::vector<SceneCell>& parents) {
+                   std::vector<SceneCell>& overviews) {
     scene.for_each_cell_below(page, [&cells](const SceneCell& cell) { cells.push_back(cell); });
-    scene.for_each_parent_below(page, [&parents](const SceneCell& parent) { parents.push_back(parent); });
+    scene.for_each_overview_below(page, [&overviews](const SceneCell& overview) { overviews.push_back(overview); });
   }
 
   const PagedScene& a_;
@@ -333,10 +333,10 @@ std::pair<Side, Side> sides_of(const PagedScene& a, const PagedScene& b) {
   pages.compare(a.root(), b.root());
   std::sort(pages.left.begin(), pages.left.end(), is_before);
   std::sort(pages.right.begin(), pages.right.end(), is_before);
-  std::sort(pages.left_parents.begin(), pages.left_parents.end(), is_parent_before);
-  std::sort(pages.right_parents.begin(), pages.right_parents.end(), is_parent_before);
-  return {{a.file(), {a.header(), std::move(pages.left), std::move(pages.left_parents)}, a.totals()},
-          {b.file(), {b.header(), std::move(pages.right), std::move(pages.right_parents)}, b.totals()}};
+  std::sort(pages.left_overviews.begin(), pages.left_overviews.end(), is_overview_before);
+  std::sort(pages.right_overviews.begin(), pages.right_overviews.end(), is_overview_before);
+  return {{a.file(), {a.header(), std::move(pages.left), std::move(pages.left_overviews)}, a.totals()},
+          {b.file(), {b.header(), std::move(pages.right), std::move(pages.right_overviews)}, b.totals()}};
 }
 
 void exchange(SceneDifference& d) {
@@ -359,7 +359,7 @@ void expect_shards(const std::filesystem::path& scene_xml) {
     ++shards;
   };
   scene.for_each_cell(look_up);
-  scene.for_each_parent(look_up);
+  scene.for_each_overview(look_up);
   if (faulty != 0)
     throw InputError(
         scene.file(), first,

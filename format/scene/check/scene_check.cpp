@@ -31,8 +31,8 @@ void check_said(const SceneTotals& totals, const StoredTotals& said, SceneFaults
   const char* const advice = "; lines were lost, added or changed: bake again";
   faults.expect(said.cells == totals.cells, "OctTreeGroup Cells",
                 fmt::format("states {}, but {} are listed{}", said.cells, totals.cells, advice));
-  faults.expect(said.parents == totals.parents, "OctTreeGroup Parents",
-                fmt::format("states {}, but {} are listed{}", said.parents, totals.parents, advice));
+  faults.expect(said.overviews == totals.overviews, "OctTreeGroup Parents",
+                fmt::format("states {}, but {} are listed{}", said.overviews, totals.overviews, advice));
   faults.expect(said.voxels == totals.voxels, "OctTreeGroup Voxels",
                 fmt::format("are not the sums of the listed cells{}", advice));
   faults.expect(said.content_hash == totals.all_content(), "OctTreeGroup ContentHash",
@@ -58,15 +58,15 @@ void check_parameters(const BakeParameters& p, const SceneReading& reading, Scen
 
 }  // namespace
 
-std::vector<SceneFault> faults_of_places(const std::vector<SceneCell>& cells, const std::vector<SceneCell>& parents) {
+std::vector<SceneFault> faults_of_places(const std::vector<SceneCell>& cells, const std::vector<SceneCell>& overviews) {
   SceneFaults faults;
   std::unordered_set<std::string_view> names, files;
   std::set<std::pair<std::uint32_t, std::array<std::int64_t, 3>>> places;
-  for (const SceneCell& parent : parents) {
-    const std::string name = "PagedOctTree " + as_line(parent.name, max_quote_bytes);
-    faults.expect(names.insert(parent.name).second, name, "another shard has the same name");
-    faults.expect(files.insert(parent.file).second, name, "another shard has the same TreeFile");
-    faults.expect(places.insert({parent.own_lod(), parent.lattice_min}).second, name,
+  for (const SceneCell& overview : overviews) {
+    const std::string name = "PagedOctTree " + as_line(overview.name, max_quote_bytes);
+    faults.expect(names.insert(overview.name).second, name, "another shard has the same name");
+    faults.expect(files.insert(overview.file).second, name, "another shard has the same TreeFile");
+    faults.expect(places.insert({overview.own_lod(), overview.lattice_min}).second, name,
                   "another overview has the same levels and LatticeMin");
   }
   for (const SceneCell& cell : cells) {
@@ -78,28 +78,28 @@ std::vector<SceneFault> faults_of_places(const std::vector<SceneCell>& cells, co
   return std::move(faults.all);
 }
 
-std::vector<SceneFault> faults_of_parent_places(const ScenePage& page, const LatticeBlock* outer,
-                                                std::span<const TierShape> tiers) {
+std::vector<SceneFault> faults_of_overview_places(const ScenePage& page, const LatticeBlock* outer,
+                                                  std::span<const TierShape> tiers) {
   SceneFaults faults;
   std::set<std::array<std::int64_t, 3>> blocks;
   for (const PageReference& below : page.pages) blocks.insert(below.block.min);
   std::uint32_t highest = outer != nullptr && !tiers.empty() ? tiers.back().own_lod() : 0;
-  for (const SceneCell& parent : page.parents)
-    if (outer == nullptr) highest = std::max(highest, parent.own_lod());
+  for (const SceneCell& overview : page.overviews)
+    if (outer == nullptr) highest = std::max(highest, overview.own_lod());
   std::size_t roots = 0;
-  for (const SceneCell& parent : page.parents) {
-    const std::string name = "PagedOctTree " + as_line(parent.name, max_quote_bytes);
-    const bool is_highest = parent.own_lod() == highest;
+  for (const SceneCell& overview : page.overviews) {
+    const std::string name = "PagedOctTree " + as_line(overview.name, max_quote_bytes);
+    const bool is_highest = overview.own_lod() == highest;
     roots += is_highest;
     faults.expect(outer == nullptr || !is_highest, name,
                   "is the root and is listed in a page; expected it in scene.xml");
-    faults.expect(outer == nullptr || lies_in(parent, *outer), name, "does not lie in the block of its page");
+    faults.expect(outer == nullptr || lies_in(overview, *outer), name, "does not lie in the block of its page");
     if (!page.pages.empty() && !is_highest) {
-      const LatticeBlock below = block_around(parent.lattice_min, page.pages[0].block.edge);
-      faults.expect(!blocks.contains(below.min) || !lies_in(parent, below), name,
+      const LatticeBlock below = block_around(overview.lattice_min, page.pages[0].block.edge);
+      faults.expect(!blocks.contains(below.min) || !lies_in(overview, below), name,
                     "belongs to the block of a smaller page; expected it there");
     }
-    if (const auto fault = fault_in_tiers(parent, tiers)) faults.expect(false, name, *fault);
+    if (const auto fault = fault_in_tiers(overview, tiers)) faults.expect(false, name, *fault);
   }
   faults.expect(tiers.empty() || outer != nullptr || (roots == 1 && highest == tiers.back().own_lod()),
                 "OctTreeGroup ParentTiers", "names a root that is missing or listed more than once; bake again");
@@ -107,13 +107,13 @@ std::vector<SceneFault> faults_of_parent_places(const ScenePage& page, const Lat
 }
 
 std::vector<SceneFault> faults_of_listed(const SceneReading& reading) {
-  SceneFaults faults{faults_of_places(reading.scene.cells, reading.scene.parents)};
+  SceneFaults faults{faults_of_places(reading.scene.cells, reading.scene.overviews)};
   const auto add = [&faults](std::vector<SceneFault> more) {
     std::move(more.begin(), more.end(), std::back_inserter(faults.all));
   };
   add(faults_of_blocks(reading.pages, nullptr));
   if (reading.version >= 5)
-    add(faults_of_parent_places({{}, reading.pages, reading.scene.parents}, nullptr, reading.scene.tiers));
+    add(faults_of_overview_places({{}, reading.pages, reading.scene.overviews}, nullptr, reading.scene.tiers));
   SceneTotals totals(reading.scene);
   for (const PageReference& page : reading.pages) totals.add(page.totals);
   if (reading.said) check_said(totals, *reading.said, faults);

@@ -13,13 +13,13 @@ namespace gigabake {
 /// overviews the same level and position.
 /// Cost    One pass.
 std::vector<SceneFault> faults_of_places(const std::vector<SceneCell>& cells,
-                                         const std::vector<SceneCell>& parents = {});
+                                         const std::vector<SceneCell>& overviews = {});
 
 /// Checks that each overview is listed in the smallest page whose block contains it. Checks that it belongs to one of
 /// `tiers`, if there are any.
 /// outer: the page's own block; null for scene.xml, which lists the overviews of the highest level.
-std::vector<SceneFault> faults_of_parent_places(const ScenePage& page, const LatticeBlock* outer,
-                                                std::span<const TierShape> tiers);
+std::vector<SceneFault> faults_of_overview_places(const ScenePage& page, const LatticeBlock* outer,
+                                                  std::span<const TierShape> tiers);
 
 /// Checks what scene.xml itself lists: cells or page references, and overviews; then its totals, if it has any.
 std::vector<SceneFault> faults_of_listed(const SceneReading& reading);

@@ -97,8 +97,8 @@ std::uint64_t hash_of_name(const SceneCell& cell) { return std::hash<std::string
 class SceneVerification {
  public:
   SceneVerification(const std::filesystem::path& scene_xml, int threads, const Progress& progress,
-                    const ParentCheck& check_parent)
-      : scene_xml_(scene_xml), pool_(threads), progress_(progress), check_parent_(check_parent) {}
+                    const OverviewCheck& check_overview)
+      : scene_xml_(scene_xml), pool_(threads), progress_(progress), check_overview_(check_overview) {}
 
   VerifyResult run() {
     progress_.step("reading the scene");
@@ -114,8 +114,8 @@ class SceneVerification {
     progress_.step("checking the shards", all_bytes);
     add_lines(lines_of(scene_xml_, overlaps_of_cells(reading.scene.cells)), result_.faults);
     check_cells(reading.scene.cells);
-    check_cells(reading.scene.parents);
-    for (const SceneCell& parent : reading.scene.parents) names_.push_back(hash_of_name(parent));
+    check_cells(reading.scene.overviews);
+    for (const SceneCell& overview : reading.scene.overviews) names_.push_back(hash_of_name(overview));
     if (listed.empty()) pages_.emplace(scene_xml_);
     for (const PageReference& page : reading.pages) check_page(page);
     if (!reading.pages.empty()) check_names();
@@ -127,28 +127,28 @@ class SceneVerification {
  private:
   /// Holds all overviews in memory: a few per hundred cells.
   void check_above() {
-    std::vector<SceneCell> parents;
+    std::vector<SceneCell> overviews;
     try {
-      parents = pages_->parents();
-      check_tiers(parents);
+      overviews = pages_->overviews();
+      check_tiers(overviews);
     } catch (const InputError&) {
       return;  // A page is damaged; the check of that page reports it.
     }
-    if (check_parent_) check_parents(parents);
+    if (check_overview_) check_overviews(overviews);
   }
 
-  /// Checks ParentTiers. Viewers find overviews by it, and without it only by listing all cells. It must therefore
+  /// Checks OverviewLevels. Viewers find overviews by it, and without it only by listing all cells. It must therefore
   /// exist whenever all cells have one root, and be correct.
-  void check_tiers(const std::vector<SceneCell>& parents) {
+  void check_tiers(const std::vector<SceneCell>& overviews) {
     if (version_ < 5) return;
     const CellWalk walk = [this](const auto& visit) { pages_->for_each_cell(visit); };
-    const std::vector<TierShape> expected = tiers_of(parents, header_, pages_->totals().cell_voxels, walk);
+    const std::vector<TierShape> expected = tiers_of(overviews, header_, pages_->totals().cell_voxels, walk);
     if (header_.tiers.empty() && expected.empty()) return;
     if (header_.tiers.empty())
       result_.faults.emplace_back(
           InputError(scene_xml_, "OctTreeGroup ParentTiers", "is missing, although all cells have one root; bake again")
               .what());
-    else if (expected != header_.tiers || !cover_cells(CellPart::some, parents, header_.tiers.front(), walk))
+    else if (expected != header_.tiers || !cover_cells(CellPart::some, overviews, header_.tiers.front(), walk))
       result_.faults.emplace_back(InputError(scene_xml_, "OctTreeGroup ParentTiers",
                                              "an overview of cells or overviews is missing, duplicated or not where it "
                                              "states; bake again")
@@ -167,7 +167,7 @@ class SceneVerification {
     add_lines(lines_of(path, reading.contradictions), result_.faults);
     if (!reading.contradictions.empty()) return;  // references below may lead to wrong files
     check_overlaps(path, reference);
-    for (const auto& shards : {&reading.page.cells, &reading.page.parents}) {
+    for (const auto& shards : {&reading.page.cells, &reading.page.overviews}) {
       check_cells(*shards);
       for (const SceneCell& shard : *shards) names_.push_back(hash_of_name(shard));
     }
@@ -215,33 +215,33 @@ class SceneVerification {
   }
 
   /// Checks each overview with the shards directly below it: cells, or the overviews of one level.
-  void check_parents(const std::vector<SceneCell>& parents) {
+  void check_overviews(const std::vector<SceneCell>& overviews) {
     std::map<std::uint32_t, std::vector<SceneCell>> tiers;  // key: the lod above their coarsest level
-    for (const SceneCell& parent : parents) tiers[parent.first_lod + parent.lods].push_back(parent);
+    for (const SceneCell& overview : overviews) tiers[overview.first_lod + overview.lods].push_back(overview);
     std::map<std::uint32_t, CellFinder> finders;
     for (const auto& [lod, tier] : tiers) finders.emplace(lod, CellFinder(tier));
-    std::vector<std::vector<std::string>> of_parent(parents.size());
-    progress_.step("checking the overviews", parents.size());
-    pool_.parallel_for(parents.size(), 1, [&](std::size_t i, std::size_t, int) {
-      const auto below = finders.find(parents[i].own_lod());
+    std::vector<std::vector<std::string>> of_overview(overviews.size());
+    progress_.step("checking the overviews", overviews.size());
+    pool_.parallel_for(overviews.size(), 1, [&](std::size_t i, std::size_t, int) {
+      const auto below = finders.find(overviews[i].own_lod());
       std::optional<std::vector<SceneCell>> children;
       if (below == finders.end()) {
-        children = cells_below(parents[i]);
+        children = cells_below(overviews[i]);
       } else {
         children.emplace();
-        for (const std::size_t child : below->second.overlapping(window_of(parents[i])))
+        for (const std::size_t child : below->second.overlapping(window_of(overviews[i])))
           children->push_back(tiers.at(below->first)[child]);
       }
-      if (children) of_parent[i] = check_parent_(header_, parents[i], *children);
+      if (children) of_overview[i] = check_overview_(header_, overviews[i], *children);
       progress_.advance();
     });
-    for (std::vector<std::string>& lines : of_parent) add_lines(std::move(lines), result_.faults);
+    for (std::vector<std::string>& lines : of_overview) add_lines(std::move(lines), result_.faults);
   }
 
   /// Returns nullopt if a page is damaged; the check of that page reports it.
-  std::optional<std::vector<SceneCell>> cells_below(const SceneCell& parent) const {
+  std::optional<std::vector<SceneCell>> cells_below(const SceneCell& overview) const {
     try {
-      return pages_->cells_in(window_of(parent));
+      return pages_->cells_in(window_of(overview));
     } catch (const InputError&) {
       return std::nullopt;
     }
@@ -250,7 +250,7 @@ class SceneVerification {
   const std::filesystem::path& scene_xml_;
   ThreadPool pool_;
   const Progress& progress_;
-  const ParentCheck& check_parent_;
+  const OverviewCheck& check_overview_;
   SceneHeader header_;
   int version_ = 0;
   std::optional<PagedScene> pages_;   ///< only if scene.xml is consistent
@@ -261,8 +261,8 @@ class SceneVerification {
 }  // namespace
 
 VerifyResult verify_scene(const std::filesystem::path& scene_xml, int threads, const Progress& progress,
-                          const ParentCheck& check_parent) {
-  return SceneVerification(scene_xml, threads, progress, check_parent).run();
+                          const OverviewCheck& check_overview) {
+  return SceneVerification(scene_xml, threads, progress, check_overview).run();
 }
 
 }  // namespace gigabake

@@ -24,13 +24,13 @@ struct VerifyResult {
 
 /// Returns the faults of an overview compared with its children, one line each. Must be thread-safe.
 /// children: the cells or overviews directly below it that its window overlaps.
-using ParentCheck = std::function<std::vector<std::string>(const SceneHeader& scene, const SceneCell& parent,
-                                                           std::span<const SceneCell> children)>;
+using OverviewCheck = std::function<std::vector<std::string>(const SceneHeader& scene, const SceneCell& overview,
+                                                             std::span<const SceneCell> children)>;
 
 /// Reads every shard completely and compares it with scene.xml, including the hashes of its voxels.
 /// Cost    One read of all shards; one cell in memory for each of `threads`.
 /// Errors  InputError if scene.xml itself cannot be read; faults of shards are returned. Stopped.
 VerifyResult verify_scene(const std::filesystem::path& scene_xml, int threads, const Progress& progress = {},
-                          const ParentCheck& check_parent = {});
+                          const OverviewCheck& check_overview = {});
 
 }  // namespace gigabake

@@ -43,7 +43,7 @@ void set_lattice(pugi::xml_node root, const SceneHeader& scene) {
 
 void set_totals(pugi::xml_node group, const SceneTotals& totals) {
   set_number(group, "Cells", totals.cells);
-  set_number(group, "Parents", totals.parents);
+  set_number(group, "Parents", totals.overviews);
   set_numbers(group, "Voxels", totals.voxels);
   set_text(group, "ContentHash", totals.all_content().hex());
   set_numbers(group, "LevelContentHash", hex_of(totals.content_hash));
@@ -86,10 +86,10 @@ void append_cell(pugi::xml_node group, const SceneHeader& scene, const SceneCell
   set_numbers(n, "ContentHash", hex_of(cell.content_hash));
 }
 
-void append_parents(pugi::xml_node group, const SceneHeader& scene, const std::vector<const SceneCell*>& parents) {
-  if (parents.empty()) return;
+void append_overviews(pugi::xml_node group, const SceneHeader& scene, const std::vector<const SceneCell*>& overviews) {
+  if (overviews.empty()) return;
   pugi::xml_node own = group.append_child("OctTreeGroup");
-  for (const SceneCell* parent : parents) append_cell(own, scene, *parent);
+  for (const SceneCell* overview : overviews) append_cell(own, scene, *overview);
 }
 
 void append_reference(pugi::xml_node group, const SceneHeader& scene, const PageReference& page) {

@@ -33,7 +33,7 @@ void set_block(pugi::xml_node group, const LatticeBlock& block);
 
 void append_cell(pugi::xml_node group, const SceneHeader& scene, const SceneCell& cell);
 /// Appends the overviews in a separate group. Appends nothing if there are none.
-void append_parents(pugi::xml_node group, const SceneHeader& scene, const std::vector<const SceneCell*>& parents);
+void append_overviews(pugi::xml_node group, const SceneHeader& scene, const std::vector<const SceneCell*>& overviews);
 void append_reference(pugi::xml_node group, const SceneHeader& scene, const PageReference& page);
 
 /// Returns the text of a document, with a `Checksum` added to its root.

@@ -27,7 +27,7 @@ constexpr std::int64_t max_block_edge = std::int64_t(1) << 52;
 struct Block {
   LatticeBlock block;
   std::size_t begin, end;
-  std::vector<const SceneCell*> parents = {};
+  std::vector<const SceneCell*> overviews = {};
 };
 
 /// Sorts `items` by z, y, x of their block, keeping the order of items within a block.
@@ -57,11 +57,11 @@ bool holds(const fs::path& file, const std::string& text) {
 }
 
 /// The overviews that no page lists yet, in their order.
-class ParentsLeft {
+class OverviewsLeft {
  public:
-  explicit ParentsLeft(const std::vector<SceneCell>& parents) {
-    for (const SceneCell& parent : parents) left_.push_back(&parent);
-    std::ranges::sort(left_, [](const SceneCell* a, const SceneCell* b) { return is_parent_before(*a, *b); });
+  explicit OverviewsLeft(const std::vector<SceneCell>& overviews) {
+    for (const SceneCell& overview : overviews) left_.push_back(&overview);
+    std::ranges::sort(left_, [](const SceneCell* a, const SceneCell* b) { return is_overview_before(*a, *b); });
     if (!left_.empty()) highest_ = left_.back()->own_lod();
   }
 
@@ -70,18 +70,19 @@ class ParentsLeft {
     std::map<std::array<std::int64_t, 3>, Block*> at;
     for (Block& block : blocks) at[block.block.min] = &block;
     const std::int64_t edge = blocks.front().block.edge;
-    std::erase_if(left_, [&](const SceneCell* parent) {
-      const auto block = at.find(block_around(parent->lattice_min, edge).min);
-      if (parent->own_lod() == highest_ || block == at.end() || !lies_in(*parent, block->second->block)) return false;
-      block->second->parents.push_back(parent);
+    std::erase_if(left_, [&](const SceneCell* overview) {
+      const auto block = at.find(block_around(overview->lattice_min, edge).min);
+      if (overview->own_lod() == highest_ || block == at.end() || !lies_in(*overview, block->second->block))
+        return false;
+      block->second->overviews.push_back(overview);
       return true;
     });
   }
 
   std::vector<SceneCell> taken() const {
-    std::vector<SceneCell> parents;
-    for (const SceneCell* parent : left_) parents.push_back(*parent);
-    return parents;
+    std::vector<SceneCell> overviews;
+    for (const SceneCell* overview : left_) overviews.push_back(*overview);
+    return overviews;
   }
 
  private:
@@ -92,17 +93,17 @@ class ParentsLeft {
 class PageWriter {
  public:
   PageWriter(const fs::path& scene_xml, const SceneDescription& scene)
-      : folder_(scene_xml.parent_path()), scene_(scene), pool_(host_limits().cores()), parents_(scene.parents) {
+      : folder_(scene_xml.parent_path()), scene_(scene), pool_(host_limits().cores()), overviews_(scene.overviews) {
     std::error_code error;
     fs::create_directories(folder_ / page_folder, error);
     if (error) throw InputError(folder_ / page_folder, "", "cannot make the folder: " + error.message());
   }
 
-  const ParentsLeft& parents() const { return parents_; }
+  const OverviewsLeft& overviews() const { return overviews_; }
 
   std::vector<PageReference> of_cells(std::vector<const SceneCell*> cells, std::int64_t edge) {
     auto blocks = blocks_of(cells, edge, [](const SceneCell* cell) { return cell->lattice_min; });
-    parents_.move_to(blocks);
+    overviews_.move_to(blocks);
     return written(
         blocks, [&](std::size_t i, PageReference& page) { page.totals.add(*cells[i]); },
         [&](std::size_t i, pugi::xml_node root) { append_cell(root, scene_, *cells[i]); });
@@ -110,7 +111,7 @@ class PageWriter {
 
   std::vector<PageReference> of_pages(std::vector<PageReference> pages, std::int64_t edge) {
     auto blocks = blocks_of(pages, edge, [](const PageReference& page) { return page.block.min; });
-    parents_.move_to(blocks);
+    overviews_.move_to(blocks);
     return written(
         blocks, [&](std::size_t i, PageReference& page) { page.totals.add(pages[i].totals), ++page.groups; },
         [&](std::size_t i, pugi::xml_node root) { append_reference(root, scene_, pages[i]); });
@@ -125,7 +126,7 @@ class PageWriter {
       PageReference& page = pages[b];
       page.block = blocks[b].block;
       for (std::size_t i = blocks[b].begin; i < blocks[b].end; ++i) count(i, page);
-      for (const SceneCell* parent : blocks[b].parents) page.totals.add(*parent);
+      for (const SceneCell* overview : blocks[b].overviews) page.totals.add(*overview);
       pugi::xml_document document;
       pugi::xml_node root = document.append_child("OctTreeGroup");
       set_schema(root);
@@ -134,7 +135,7 @@ class PageWriter {
       set_number(root, "Groups", page.groups);
       set_totals(root, page.totals);
       for (std::size_t i = blocks[b].begin; i < blocks[b].end; ++i) append(i, root);
-      append_parents(root, scene_, blocks[b].parents);
+      append_overviews(root, scene_, blocks[b].overviews);
       publish(summed_text(document), page);
     });
     return pages;
@@ -151,7 +152,7 @@ class PageWriter {
   fs::path folder_;
   const SceneHeader& scene_;
   ThreadPool pool_;
-  ParentsLeft parents_;
+  OverviewsLeft overviews_;
 };
 
 }  // namespace
@@ -165,7 +166,7 @@ ScenePage write_pages(const fs::path& scene_xml, const SceneDescription& scene, 
   while (pages.size() > rule.max_groups_per_file && edge <= max_block_edge / rule.block_cells)
     pages = writer.of_pages(std::move(pages), edge *= rule.block_cells);
   flush_file_system_of(scene_xml.parent_path() / page_folder);
-  return {{}, std::move(pages), writer.parents().taken()};
+  return {{}, std::move(pages), writer.overviews().taken()};
 }
 
 void remove_unused_pages(const fs::path& scene_xml) {

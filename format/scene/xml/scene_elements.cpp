@@ -45,9 +45,9 @@ std::string read_file_name(const SceneAttributes& a, const char* key) {
 void read_place(const SceneAttributes& a, SceneCell& c, int version) {
   c.lattice_min = a.triple<std::int64_t>("LatticeMin");
   c.cell_voxels = a.value<std::uint32_t>("CellVoxels");
-  const bool is_parent = a.has("FirstLod");
-  if (is_parent) c.first_lod = a.value<std::uint32_t>("FirstLod");
-  if (is_parent && (c.first_lod < 1 || c.first_lod > 28)) a.fail("FirstLod", "expected 1 to 28");
+  const bool is_overview = a.has("FirstLod");
+  if (is_overview) c.first_lod = a.value<std::uint32_t>("FirstLod");
+  if (is_overview && (c.first_lod < 1 || c.first_lod > 28)) a.fail("FirstLod", "expected 1 to 28");
   const std::uint32_t edge = c.cell_voxels >> c.first_lod;
   if (!std::has_single_bit(c.cell_voxels) || edge < 8 || edge > 8192)
     a.fail("CellVoxels", "expected a power of two from 8 to 8192 voxels of the finest level");
@@ -55,7 +55,7 @@ void read_place(const SceneAttributes& a, SceneCell& c, int version) {
     if (x % 8 != 0 || x < -max_voxel || x > max_voxel) a.fail("LatticeMin", "expected multiples of 8 within ±2^52");
   c.lods = a.value<std::uint32_t>("Lods");
   if (c.lods != std::uint32_t(std::bit_width(edge / 8))) a.fail("Lods", "does not match CellVoxels");
-  if (is_parent && version >= 4) c.copied_lods = a.value<std::uint32_t>("CopiedLods");
+  if (is_overview && version >= 4) c.copied_lods = a.value<std::uint32_t>("CopiedLods");
   if (c.copied_lods >= c.lods) a.fail("CopiedLods", "expected fewer than Lods");
 }
 
@@ -132,7 +132,7 @@ class ContentReader {
                                                  "LevelBytes", "NodeBytes",  "CopiedLods"};
     SceneCell cell = read_cell(a, version_);
     check_sphere(a, window_of(cell));
-    (cell.first_lod == 0 ? content.cells : content.parents).push_back(std::move(cell));
+    (cell.first_lod == 0 ? content.cells : content.overviews).push_back(std::move(cell));
     faults(a.unknown_parts(std::span(known).first(version_ < 3 ? 15 : version_ == 3 ? 17 : 18), {}));
   }
 
@@ -202,7 +202,7 @@ pugi::xml_node root_of(const std::filesystem::path& file, const pugi::xml_docume
 SceneTotals read_totals(const SceneAttributes& a, int version) {
   SceneTotals t;
   t.cells = a.value<std::uint64_t>("Cells");
-  if (version >= 5) t.parents = a.value<std::uint64_t>("Parents");
+  if (version >= 5) t.overviews = a.value<std::uint64_t>("Parents");
   t.voxels = a.values<std::uint64_t>("Voxels");
   t.content_hash = a.hashes("LevelContentHash");
   if (t.content_hash.size() != t.voxels.size()) a.fail("LevelContentHash", "expected one hash for each of Voxels");
@@ -280,7 +280,7 @@ std::vector<SceneFault> faults_of_totals(const SceneTotals& said, const SceneTot
           {element + " " + key, "differs from the cells below; lines were lost, added or changed: bake again", {}});
   };
   expect(said.cells == are.cells, "Cells");
-  expect(said.parents == are.parents, "Parents");
+  expect(said.overviews == are.overviews, "Parents");
   expect(said.voxels == are.voxels, "Voxels");
   expect(said.content_hash == are.content_hash, "LevelContentHash");
   expect(said.bytes == are.bytes, "Bytes");

@@ -13,7 +13,7 @@ namespace gigabake {
 
 /// The content of a group.
 struct GroupContent {
-  std::vector<SceneCell> cells, parents;
+  std::vector<SceneCell> cells, overviews;
   std::vector<PageReference> pages;
   std::vector<SceneLoss> losses;
   std::vector<SceneFault> faults;  ///< faults that do not affect any voxel

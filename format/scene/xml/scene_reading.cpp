@@ -53,7 +53,7 @@ class SceneReader {
         read_content(file_, group, reading_.scene, reading_.version, known_of_scene(reading_.version));
     faults(std::move(content.faults));
     reading_.scene.cells = std::move(content.cells);
-    reading_.scene.parents = std::move(content.parents);
+    reading_.scene.overviews = std::move(content.overviews);
     reading_.scene.losses = std::move(content.losses);
     reading_.pages = std::move(content.pages);
   }
@@ -89,9 +89,9 @@ class SceneReader {
     reading_.said =
         StoredTotals{a.value<std::uint64_t>("Cells"), a.values<std::uint64_t>("Voxels"), a.hash("ContentHash")};
     if (reading_.version < 3) return;
-    reading_.said->parents = a.value<std::uint64_t>("Parents");
+    reading_.said->overviews = a.value<std::uint64_t>("Parents");
     reading_.totals = read_totals(a, reading_.version);
-    reading_.totals->parents = reading_.said->parents;
+    reading_.totals->overviews = reading_.said->overviews;
     if (reading_.version >= 5 && a.has("ParentTiers")) read_tiers(a);
   }
 

@@ -28,7 +28,7 @@ struct StoredTotals {
   std::uint64_t cells = 0;
   std::vector<std::uint64_t> voxels;  ///< per lod
   Hash128 content_hash;               ///< of all lods
-  std::uint64_t parents = 0;          ///< none before version 3
+  std::uint64_t overviews = 0;        ///< none before version 3
 };
 
 struct SceneReading {

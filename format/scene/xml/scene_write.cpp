@@ -48,9 +48,9 @@ void write_scene(const std::filesystem::path& path, const SceneDescription& scen
   for (const PageReference& page : paged.pages) append_reference(group, scene, page);
   if (!has_pages)
     for (const SceneCell& cell : scene.cells) append_cell(group, scene, cell);
-  std::vector<const SceneCell*> parents;
-  for (const SceneCell& parent : has_pages ? paged.parents : scene.parents) parents.push_back(&parent);
-  append_parents(group, scene, parents);
+  std::vector<const SceneCell*> overviews;
+  for (const SceneCell& overview : has_pages ? paged.overviews : scene.overviews) overviews.push_back(&overview);
+  append_overviews(group, scene, overviews);
   for (const SceneLoss& loss : scene.losses) {
     pugi::xml_node n = group.append_child("Loss");
     set_text(n, "Name", loss.name);

@@ -79,8 +79,8 @@ struct SceneHeader {
 
 /// A scene with all its cells in memory, about 700 bytes each. Use PagedScene to visit cell by cell.
 struct SceneDescription : SceneHeader {
-  std::vector<SceneCell> cells;    ///< sorted by lattice_min z, y, x
-  std::vector<SceneCell> parents;  ///< overviews, each after its children
+  std::vector<SceneCell> cells;      ///< sorted by lattice_min z, y, x
+  std::vector<SceneCell> overviews;  ///< overviews, each after its children
 };
 
 /// Rule for splitting a scene into pages; bakes use the defaults.

@@ -68,7 +68,7 @@ void ShardColumns::add_nodes(const std::vector<PackedColumn>& nodes) {
   for (std::size_t c = 0; c < all.size(); ++c) add_packed(all[c], nodes.at(c));
 }
 
-void ShardColumns::add_above(const ParentSource& above) {
+void ShardColumns::add_above(const DownsampleState& above) {
   if (above.empty()) return;
   next_part_ = of_above;
   const AboveColumns names(int(header_.first_lod + header_.lods) - 1);

@@ -23,7 +23,7 @@ class ShardColumns {
   /// Adds the nodes. Call the add functions in this order: nodes, downsample state, levels from lod 0.
   void add_nodes(const NodeTable& nodes);
   void add_nodes(const std::vector<PackedColumn>& nodes);
-  void add_above(const ParentSource& above);
+  void add_above(const DownsampleState& above);
   /// Determines which voxels share a value. Inconsistent arrays are stored unchanged, for readers to reject.
   void add_level(const BrickLevel& level, const ThreadPool& pool);
   void add_level(const PackedLevel& level);

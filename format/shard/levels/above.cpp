@@ -8,7 +8,7 @@
 
 namespace gigabake {
 
-Hash128 hash_of(const ParentSource& above) {
+Hash128 hash_of(const DownsampleState& above) {
   XXH3_state_t state;
   XXH3_128bits_reset(&state);
   const auto add = [&state](const auto& column) { XXH3_128bits_update(&state, column.data(), column.size()); };
@@ -17,7 +17,7 @@ Hash128 hash_of(const ParentSource& above) {
   return {h.low64, h.high64};
 }
 
-void check_above(const std::filesystem::path& path, const ShardHeader& header, const ParentSource& above) {
+void check_above(const std::filesystem::path& path, const ShardHeader& header, const DownsampleState& above) {
   const BrokenRule table{path, "/above"};
   const std::size_t voxels = above.voxels();
   table.expect(voxels > 0 && above.place.size() == source_place_bytes * voxels &&

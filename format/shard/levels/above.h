@@ -7,12 +7,12 @@
 
 namespace gigabake {
 
-/// Returns the XXH3-128 hash (seed 0) of the columns' bytes, in the order of ParentSource's members.
-Hash128 hash_of(const ParentSource& above);
+/// Returns the XXH3-128 hash (seed 0) of the columns' bytes, in the order of DownsampleState's members.
+Hash128 hash_of(const DownsampleState& above);
 
 /// Checks the columns: their lengths match, and each position lies inside its level. Voxels of the coarsest level
 /// precede all others, and no voxel has zero coverage.
 /// Errors  InputError: file, column, row, broken rule.
-void check_above(const std::filesystem::path& path, const ShardHeader& header, const ParentSource& above);
+void check_above(const std::filesystem::path& path, const ShardHeader& header, const DownsampleState& above);
 
 }  // namespace gigabake

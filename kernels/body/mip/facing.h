@@ -13,7 +13,7 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
-#include "core/octree/parent_source.h"
+#include "core/octree/downsample_state.h"
 #include "kernels/body/voxelize/axis_coverage.h"
 
 namespace gigabake::kernels {

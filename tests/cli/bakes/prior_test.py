@@ -63,7 +63,7 @@ class Prior(unittest.TestCase):
         self.assertEqual(self.bake()["orphans"]["shards"], 1)
         third = self.bake("--prune")
         self.assertEqual((third["orphans"]["shards"], third["pruned"]["shards"]), (0, 1))
-        self.assertEqual(len(list((self.out / "shards").glob("*.h5"))), 5, "four cells and their parent")
+        self.assertEqual(len(list((self.out / "shards").glob("*.h5"))), 5, "four cells and their overview")
         PROGRAM.succeed("verify", self.out / "scene.xml")
 
     def test_a_second_bake_into_the_same_folder_ends_with_one_line_and_touches_nothing(self):

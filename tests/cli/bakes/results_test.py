@@ -145,7 +145,7 @@ class Results(harness.FolderTest):
         result = PROGRAM.run("diff", self.a, self.root / "c/scene.xml", "--json")
         self.assertEqual(result.returncode, 1)
         places = json.loads(result.stdout)["cells"]
-        self.assertEqual(len(places), 2, "one vertex changed, in one cell and the parent above it")
+        self.assertEqual(len(places), 2, "one vertex changed, in one cell and the overview above it")
         self.assertEqual([place["cell_in_a"][0] for place in places], ["c", "p"])
         finest = places[0]["lods"][0]
         self.assertEqual((finest["lod"], finest["only_in_a"], finest["only_in_b"], finest["turned"]), (0, 0, 0, 0))

@@ -31,7 +31,7 @@ SourceWarning lost_faces() {
   return lost;
 }
 
-TileScan some_survey() {
+TileScan some_scan() {
   return {5,
           {{-1, 2, -300, 400, 17}, {0, 0, 1, 2, 3}},
           1,
@@ -103,22 +103,22 @@ TEST(CellReport, IsRefusedWhereItsOutcomeIsUnknown) {
 }
 
 TEST(TileScan, ComesBackFromItsBytes) {
-  const TileScan survey = some_survey(), back = survey_from_bytes(to_bytes(survey));
-  EXPECT_EQ(back.tile, survey.tile);
+  const TileScan scan = some_scan(), back = scan_from_bytes(to_bytes(scan));
+  EXPECT_EQ(back.tile, scan.tile);
   ASSERT_EQ(back.columns.size(), 2u);
   EXPECT_EQ(back.columns[0].z_min, -300);
   EXPECT_EQ(back.columns[1].triangles, 3u);
-  EXPECT_EQ(back.skipped_lines, survey.skipped_lines);
-  EXPECT_EQ(back.source, survey.source);
-  EXPECT_EQ(back.error, survey.error);
+  EXPECT_EQ(back.skipped_lines, scan.skipped_lines);
+  EXPECT_EQ(back.source, scan.source);
+  EXPECT_EQ(back.error, scan.error);
   EXPECT_EQ(back.spacing_m, 0.5);
-  EXPECT_EQ(back.columns[0].crossings, survey.columns[0].crossings);
-  EXPECT_EQ(back.too_far, survey.too_far);
+  EXPECT_EQ(back.columns[0].crossings, scan.columns[0].crossings);
+  EXPECT_EQ(back.too_far, scan.too_far);
   EXPECT_EQ(back.reach_m, 2.5);
-  EXPECT_EQ(back.warnings, survey.warnings);
+  EXPECT_EQ(back.warnings, scan.warnings);
   ASSERT_EQ(back.files.size(), 2u);
   EXPECT_EQ(back.files[0].name, "a.gltf");
-  EXPECT_EQ(back.files[0].stamp, survey.files[0].stamp);
+  EXPECT_EQ(back.files[0].stamp, scan.files[0].stamp);
   EXPECT_TRUE(back.files[0].settled);
   EXPECT_FALSE(back.files[1].settled);
 }
@@ -135,7 +135,7 @@ void expect_only_the_whole_is_taken(std::vector<std::uint8_t> bytes, const Read&
 TEST(CellJob, IsRefusedWhereBytesAreMissingOrLeftOver) {
   expect_only_the_whole_is_taken(to_bytes(some_job()), [](auto bytes) { return job_from_bytes(bytes); });
   expect_only_the_whole_is_taken(to_bytes(some_report()), [](auto bytes) { return report_from_bytes(bytes); });
-  expect_only_the_whole_is_taken(to_bytes(some_survey()), [](auto bytes) { return survey_from_bytes(bytes); });
+  expect_only_the_whole_is_taken(to_bytes(some_scan()), [](auto bytes) { return scan_from_bytes(bytes); });
 }
 
 TEST(CellReport, OfRandomBytesIsAnErrorOrAReportButNeverACrash) {

@@ -43,12 +43,12 @@ SceneCell random_cell(std::mt19937_64& rng, const std::array<std::int64_t, 3>& a
 }
 
 /// Returns an overview of random_cell() cells.
-SceneCell random_parent(std::mt19937_64& rng, std::int64_t at) {
-  SceneCell parent = random_cell(rng, {4 * at, 0, 0});
-  parent.lattice_min[2] = 0;
-  parent.first_lod = 2;
-  parent.cell_voxels <<= parent.first_lod;
-  return parent;
+SceneCell random_overview(std::mt19937_64& rng, std::int64_t at) {
+  SceneCell overview = random_cell(rng, {4 * at, 0, 0});
+  overview.lattice_min[2] = 0;
+  overview.first_lod = 2;
+  overview.cell_voxels <<= overview.first_lod;
+  return overview;
 }
 
 /// Returns cells at random places of a box, one cell far away, and two overviews; their shards do not exist.
@@ -63,7 +63,7 @@ SceneDescription random_cells(std::mt19937_64& rng) {
                    std::int64_t(rng() % 3)});
   for (const auto& place : places) scene.cells.push_back(random_cell(rng, place));
   std::sort(scene.cells.begin(), scene.cells.end(), is_before);
-  for (int i = 0; i < 2; ++i) scene.parents.push_back(random_parent(rng, i));
+  for (int i = 0; i < 2; ++i) scene.overviews.push_back(random_overview(rng, i));
   return scene;
 }
 
@@ -93,9 +93,9 @@ TEST(PagedScene, HasTheCellsAndSumsOfTheSceneThatWasWritten) {
     EXPECT_EQ(paged.totals(), SceneTotals(scene));
     const SceneDescription read = read_scene(folder / "scene.xml");
     ASSERT_EQ(names_of(read.cells), names_of(scene.cells));
-    EXPECT_EQ(names_of(read.parents), names_of(scene.parents));
-    EXPECT_EQ(names_of(paged.parents()), names_of(scene.parents));
-    EXPECT_EQ(paged.totals().parents, 2u);
+    EXPECT_EQ(names_of(read.overviews), names_of(scene.overviews));
+    EXPECT_EQ(names_of(paged.overviews()), names_of(scene.overviews));
+    EXPECT_EQ(paged.totals().overviews, 2u);
     EXPECT_EQ(paged.totals().voxels.size(), 4u);
     EXPECT_EQ(SceneTotals(read), SceneTotals(scene));
     std::vector<SceneCell> walked(1000);
@@ -156,27 +156,27 @@ TEST(PagedScene, OfOneChangedCellHasOneNewPageOfEachLevelAndTheOldSceneStaysWhol
 }
 
 /// Writes a random overview of four levels for cells of 64 voxels.
-SceneCell write_random_parent(const fs::path& scene_xml, const SceneCell& cell, std::mt19937_64& rng) {
+SceneCell write_random_overview(const fs::path& scene_xml, const SceneCell& cell, std::mt19937_64& rng) {
   std::vector<made::Voxel> voxels;
   for (std::int64_t i = 0; i < 40; ++i)
     voxels.push_back({{i, std::int64_t(rng() % 64), i / 2}, {std::uint8_t(rng()), 2, 3, 255}, {4, 5}});
-  Shard parent = made::shard_of(voxels, {0, 0, 0}, 64);
-  parent.header = read_shard_header(scene_xml.parent_path() / cell.file);
-  parent.header.cell = "p4_0_0_0";
-  parent.header.lattice_min = {-512, -512, -512};
-  parent.header.first_lod = 4;
-  parent.header.cell_voxels <<= 4;
-  parent.nodes.facing.assign(parent.nodes.key.size(), {});
-  for (BrickLevel& level : parent.levels)
+  Shard overview = made::shard_of(voxels, {0, 0, 0}, 64);
+  overview.header = read_shard_header(scene_xml.parent_path() / cell.file);
+  overview.header.cell = "p4_0_0_0";
+  overview.header.lattice_min = {-512, -512, -512};
+  overview.header.first_lod = 4;
+  overview.header.cell_voxels <<= 4;
+  overview.nodes.facing.assign(overview.nodes.key.size(), {});
+  for (BrickLevel& level : overview.levels)
     for (std::size_t v = 0; v < level.rgba.size() / 4; ++v) level.facing.insert(level.facing.end(), {7, 8, 9, 0x1a});
-  return made::write_shard_of(scene_xml, made::with_content_hash(std::move(parent)));
+  return made::write_shard_of(scene_xml, made::with_content_hash(std::move(overview)));
 }
 
 /// The scene of several adjacent cells and an overview, with pages and without; the shards exist.
 struct TwoForms {
   TwoForms(const TempFolder& folder, std::mt19937_64& rng) : flat(folder / "flat.xml"), paged(folder / "scene.xml") {
     scene = made::write_random_scene(flat, rng, true);
-    scene.parents.push_back(write_random_parent(flat, scene.cells[0], rng));
+    scene.overviews.push_back(write_random_overview(flat, scene.cells[0], rng));
     write_scene(flat, scene);
     write_scene(paged, scene, {1, 2, 2});
   }
@@ -210,7 +210,7 @@ TEST(PagedScene, IsTheSameToEveryWalkerAsTheSceneWithoutPages) {
   EXPECT_EQ(made::bytes_of(folder / "flat.nvdb"), made::bytes_of(folder / "paged.nvdb"));
 }
 
-TEST(PagedScene, WithAnotherOrADamagedParentDiffersOrIsNotWhole) {
+TEST(PagedScene, WithAnotherOrADamagedOverviewDiffersOrIsNotWhole) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
@@ -218,16 +218,16 @@ TEST(PagedScene, WithAnotherOrADamagedParentDiffersOrIsNotWhole) {
   SceneDescription other = a.scene;
   fs::create_directory(folder / "b");
   fs::copy(folder / "shards", folder / "b" / "shards", fs::copy_options::recursive);
-  other.parents[0] = write_random_parent(folder / "b" / "scene.xml", other.cells[0], rng);
+  other.overviews[0] = write_random_overview(folder / "b" / "scene.xml", other.cells[0], rng);
   write_scene(folder / "b" / "scene.xml", other, {1, 2, 2});
   const SceneDifference difference = diff_scenes(a.paged, folder / "b" / "scene.xml");
   ASSERT_EQ(difference.cells.size(), 1u);
   EXPECT_EQ(difference.cells[0].cell_in_a, "p4_0_0_0");
   EXPECT_EQ(difference.cells[0].levels.front().lod, 4);
-  fs::resize_file(folder / a.scene.parents[0].file, 999);
+  fs::resize_file(folder / a.scene.overviews[0].file, 999);
   const std::vector<std::string> faults = verify_scene(a.paged, 1).faults;
   ASSERT_FALSE(faults.empty());
-  EXPECT_NE(faults[0].find(a.scene.parents[0].file), std::string::npos) << faults[0];
+  EXPECT_NE(faults[0].find(a.scene.overviews[0].file), std::string::npos) << faults[0];
 }
 
 TEST(PagedScene, DiffNamesTheCellsThatDifferAndReadsNoPageThatIsAlike) {

@@ -42,10 +42,10 @@ SceneDescription random_scene(std::mt19937_64& rng) {
     s.cells.push_back(c);
   }
   if (s.cells.size() > 1) {
-    SceneCell parent = s.cells[0];
-    parent.name = "p4_0_0_0", parent.file = "shards/p4_0_0_0.h5";
-    parent.first_lod = 4, parent.copied_lods = 2, parent.cell_voxels = 1024;
-    s.parents.push_back(parent);
+    SceneCell overview = s.cells[0];
+    overview.name = "p4_0_0_0", overview.file = "shards/p4_0_0_0.h5";
+    overview.first_lod = 4, overview.copied_lods = 2, overview.cell_voxels = 1024;
+    s.overviews.push_back(overview);
   }
   s.losses.push_back({"tile <a>.glb", "cannot be read:\tit \"ends\" early"});
   return s;
@@ -60,12 +60,12 @@ void expect_same(const SceneDescription& a, const SceneDescription& b) {
   EXPECT_EQ(a.parameters, b.parameters);
   EXPECT_EQ(a.triangles, b.triangles);
   EXPECT_EQ(a.skipped_lines, b.skipped_lines);
-  ASSERT_EQ(a.parents.size(), b.parents.size());
-  for (std::size_t i = 0; i < a.parents.size(); ++i) {
-    EXPECT_EQ(a.parents[i].name, b.parents[i].name);
-    EXPECT_EQ(a.parents[i].first_lod, b.parents[i].first_lod);
-    EXPECT_EQ(a.parents[i].copied_lods, b.parents[i].copied_lods);
-    EXPECT_EQ(a.parents[i].content_hash, b.parents[i].content_hash);
+  ASSERT_EQ(a.overviews.size(), b.overviews.size());
+  for (std::size_t i = 0; i < a.overviews.size(); ++i) {
+    EXPECT_EQ(a.overviews[i].name, b.overviews[i].name);
+    EXPECT_EQ(a.overviews[i].first_lod, b.overviews[i].first_lod);
+    EXPECT_EQ(a.overviews[i].copied_lods, b.overviews[i].copied_lods);
+    EXPECT_EQ(a.overviews[i].content_hash, b.overviews[i].content_hash);
   }
   ASSERT_EQ(a.cells.size(), b.cells.size());
   for (std::size_t i = 0; i < a.cells.size(); ++i) {

@@ -11,7 +11,7 @@
 namespace gigabake {
 namespace {
 
-Shard shard_with(ParentSource above) {
+Shard shard_with(DownsampleState above) {
   Shard shard = made::small_shard_with_planes();
   shard.above = std::move(above);
   return shard;
@@ -36,28 +36,28 @@ TEST(Above, ComesBackAsItWasWrittenWithEveryCodecAndWithoutChannels) {
 TEST(Above, IsRefusedWhereARuleIsBroken) {
   const made::TempFolder folder;
   const auto expect_refused = [&](const char* what, const auto& breaks) {
-    ParentSource above = made::small_above();
+    DownsampleState above = made::small_above();
     breaks(above);
     write_shard(folder / "s.h5", shard_with(above), {});
     EXPECT_THROW(ShardReader(folder / "s.h5").above(), InputError) << what;
     EXPECT_EQ(ShardReader(folder / "s.h5").unreadable_columns().size(), 1u) << what;
   };
-  expect_refused("position outside", [](ParentSource& a) { a.place[5] = 8; });
-  expect_refused("level 2", [](ParentSource& a) { a.place[4] = 2; });
-  expect_refused("coarsest last", [](ParentSource& a) { a.place[0] = 1; });
-  expect_refused("no coverage", [](ParentSource& a) { a.rgba[7] = 0; });
-  expect_refused("a place more", [](ParentSource& a) { a.place.insert(a.place.end(), {0, 1, 1, 1}); });
-  expect_refused("a normal less", [](ParentSource& a) { a.normal.resize(2); });
-  expect_refused("a raster less", [](ParentSource& a) { a.raster.resize(12); });
-  expect_refused("a patch more", [](ParentSource& a) { a.patch.resize(24); });
+  expect_refused("position outside", [](DownsampleState& a) { a.place[5] = 8; });
+  expect_refused("level 2", [](DownsampleState& a) { a.place[4] = 2; });
+  expect_refused("coarsest last", [](DownsampleState& a) { a.place[0] = 1; });
+  expect_refused("no coverage", [](DownsampleState& a) { a.rgba[7] = 0; });
+  expect_refused("a place more", [](DownsampleState& a) { a.place.insert(a.place.end(), {0, 1, 1, 1}); });
+  expect_refused("a normal less", [](DownsampleState& a) { a.normal.resize(2); });
+  expect_refused("a raster less", [](DownsampleState& a) { a.raster.resize(12); });
+  expect_refused("a patch more", [](DownsampleState& a) { a.patch.resize(24); });
 }
 
 TEST(Above, HashIsOfEveryByte) {
   const test::RandomSeed seed;
   std::mt19937_64 random{seed};
-  const ParentSource above = made::small_above();
+  const DownsampleState above = made::small_above();
   for (int round = 0; round < 50; ++round) {
-    ParentSource other = above;
+    DownsampleState other = above;
     switch (random() % 4) {
       case 0:
         ++other.place[random() % other.place.size()];
@@ -76,37 +76,37 @@ TEST(Above, HashIsOfEveryByte) {
 }
 
 /// Returns an overview of cells of 128: its own levels 0 and 1 are levels 5 and 6.
-Shard small_parent() {
-  Shard parent = made::small_shard_with_planes();
-  parent.header.first_lod = 5;
-  parent.header.copied_lods = 1;
-  parent.header.cell_voxels <<= 5;
-  parent.header.lattice_min = {-512, 1024, 64};
-  for (std::size_t b = 0; b < parent.levels[0].rgba.size() / 4; ++b)
-    parent.levels[0].facing.insert(parent.levels[0].facing.end(), {7, 8, 9, 0x1a});
-  return parent;
+Shard small_overview() {
+  Shard overview = made::small_shard_with_planes();
+  overview.header.first_lod = 5;
+  overview.header.copied_lods = 1;
+  overview.header.cell_voxels <<= 5;
+  overview.header.lattice_min = {-512, 1024, 64};
+  for (std::size_t b = 0; b < overview.levels[0].rgba.size() / 4; ++b)
+    overview.levels[0].facing.insert(overview.levels[0].facing.end(), {7, 8, 9, 0x1a});
+  return overview;
 }
 
-TEST(ParentShard, HasFacingOnItsFinestLevelAndItsLevelsPlaceOnTheLattice) {
+TEST(OverviewShard, HasFacingOnItsFinestLevelAndItsLevelsPlaceOnTheLattice) {
   const made::TempFolder folder;
-  Shard parent = small_parent();
-  parent.header.content_hash = content_hash(parent);
-  write_shard(folder / "p.h5", parent, {});
+  Shard overview = small_overview();
+  overview.header.content_hash = content_hash(overview);
+  write_shard(folder / "p.h5", overview, {});
   const ShardReader reader(folder / "p.h5");
   EXPECT_EQ(reader.header().first_lod, 5u);
   EXPECT_EQ(reader.header().copied_lods, 1u);
-  EXPECT_EQ(reader.level(0).facing, parent.levels[0].facing);
-  Shard cell = parent;
+  EXPECT_EQ(reader.level(0).facing, overview.levels[0].facing);
+  Shard cell = overview;
   cell.header.first_lod = cell.header.copied_lods = 0;
-  EXPECT_NE(content_hash(cell), parent.header.content_hash);
+  EXPECT_NE(content_hash(cell), overview.header.content_hash);
 }
 
-TEST(ParentShard, IsRefusedOffItsGridAndOfAnotherNumberOfLevels) {
+TEST(OverviewShard, IsRefusedOffItsGridAndOfAnotherNumberOfLevels) {
   const made::TempFolder folder;
   const auto expect_refused = [&](const auto& breaks) {
-    Shard parent = small_parent();
-    breaks(parent.header);
-    write_shard(folder / "p.h5", parent, {});
+    Shard overview = small_overview();
+    breaks(overview.header);
+    write_shard(folder / "p.h5", overview, {});
     EXPECT_THROW(read_shard_header(folder / "p.h5"), InputError);
   };
   expect_refused([](ShardHeader& h) { h.lattice_min[2] = 32; });

@@ -13,7 +13,7 @@ namespace {
 struct Version {
   std::string folder;  ///< of the shards' version, and from 2 on that of scene.xml
   bool has_totals;
-  bool has_planes = false, has_above = false, has_parent = false;
+  bool has_planes = false, has_above = false, has_overview = false;
 
   Shard shard() const {
     Shard shard = has_planes ? made::small_shard_with_planes() : made::small_shard();
@@ -21,8 +21,8 @@ struct Version {
     return shard;
   }
   std::vector<Shard> shards() const {
-    if (!has_parent) return {shard()};
-    return {shard(), made::small_parent()};
+    if (!has_overview) return {shard()};
+    return {shard(), made::small_overview()};
   }
 };
 const Version newest{"version_5_scene_5", true, true, true, true};
@@ -46,10 +46,10 @@ TEST_P(Golden, SceneReadsAsOnTheDayItWasWritten) {
   EXPECT_EQ(scene.cells[0].fingerprint.hex(), "00000000000000020000000000000001");
   EXPECT_EQ(made::difference(read_shard(folder / scene.cells[0].file), GetParam().shard()), "");
   EXPECT_EQ(read_shard(folder / scene.cells[0].file).above, GetParam().shard().above);
-  ASSERT_EQ(scene.parents.size(), GetParam().shards().size() - 1);
-  for (const SceneCell& parent : scene.parents) {
-    EXPECT_EQ(made::difference(read_shard(folder / parent.file), made::small_parent()), "");
-    EXPECT_EQ(parent.copied_lods, 1u);
+  ASSERT_EQ(scene.overviews.size(), GetParam().shards().size() - 1);
+  for (const SceneCell& overview : scene.overviews) {
+    EXPECT_EQ(made::difference(read_shard(folder / overview.file), made::small_overview()), "");
+    EXPECT_EQ(overview.copied_lods, 1u);
   }
   const VerifyResult verified = verify_scene(folder / "scene.xml", 1);
   EXPECT_EQ(verified.faults, std::vector<std::string>());

@@ -218,8 +218,8 @@ Shard small_shard_with_planes() {
   return with_content_hash(std::move(s));
 }
 
-ParentSource small_above() {
-  ParentSource above;
+DownsampleState small_above() {
+  DownsampleState above;
   above.place = {0, 0, 0, 0, 0, 7, 3, 5};
   above.rgba = {1, 2, 3, 255, 4, 5, 6, 1};
   above.normal = {127, 0, -3, 9};
@@ -255,23 +255,23 @@ Shard shard_of(const std::vector<Voxel>& voxels, std::array<std::int64_t, 3> lat
   return with_content_hash(std::move(s));
 }
 
-Shard small_parent() {
+Shard small_overview() {
   std::vector<Voxel> voxels;
   for (std::int64_t i = 0; i < 9; ++i)
     voxels.push_back({{i, i / 2, 15 - i}, {std::uint8_t(20 * i), 30, 7, std::uint8_t(255 - i)}, {std::int8_t(i), -9}});
-  Shard parent = shard_of(voxels, {0, 0, 0}, 16);
-  parent.header.cell = "p2_-1_1_0";
-  parent.header.lattice_min = {-32, 32, 0};
-  parent.header.lattice_origin_m = {100.5, -3, 0};
-  parent.header.origin = Geodetic{34.4263, -119.8404, 2.5};
-  parent.header.first_lod = 1;
-  parent.header.copied_lods = 1;
-  parent.header.cell_voxels = 32;
-  parent.header.has_facing = true;
-  parent.nodes.facing.assign(parent.nodes.key.size(), {});
-  for (BrickLevel& level : parent.levels)
+  Shard overview = shard_of(voxels, {0, 0, 0}, 16);
+  overview.header.cell = "p2_-1_1_0";
+  overview.header.lattice_min = {-32, 32, 0};
+  overview.header.lattice_origin_m = {100.5, -3, 0};
+  overview.header.origin = Geodetic{34.4263, -119.8404, 2.5};
+  overview.header.first_lod = 1;
+  overview.header.copied_lods = 1;
+  overview.header.cell_voxels = 32;
+  overview.header.has_facing = true;
+  overview.nodes.facing.assign(overview.nodes.key.size(), {});
+  for (BrickLevel& level : overview.levels)
     for (std::size_t v = 0; v < level.rgba.size() / 4; ++v) level.facing.insert(level.facing.end(), {7, 8, 9, 0x1a});
-  return with_content_hash(std::move(parent));
+  return with_content_hash(std::move(overview));
 }
 
 SceneCell write_shard_of(const std::filesystem::path& scene_xml, const Shard& shard) {
@@ -290,7 +290,7 @@ SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const st
   std::filesystem::create_directories(scene_xml.parent_path() / "shards");
   for (const Shard& s : shards) {
     const ShardHeader& h = s.header;
-    (h.first_lod == 0 ? scene.cells : scene.parents).push_back(write_shard_of(scene_xml, s));
+    (h.first_lod == 0 ? scene.cells : scene.overviews).push_back(write_shard_of(scene_xml, s));
     scene.voxel_size_m = h.voxel_size_m;
     scene.has_normals = h.has_normals;
     scene.has_facing = h.has_facing;

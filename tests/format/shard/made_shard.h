@@ -51,10 +51,10 @@ Shard small_shard();
 Shard small_shard_with_planes();
 
 /// Returns the data from which the levels above small_shard() are computed; stored from version 4 on.
-ParentSource small_above();
+DownsampleState small_above();
 
 /// Returns an overview of levels 1 and 2 for small_shard(), whose finest level is a copy; supported from version 5 on.
-Shard small_parent();
+Shard small_overview();
 
 /// Returns a cell of one leaf-constant root: two levels without bricks.
 Shard constant_shard();

@@ -167,7 +167,7 @@ TEST_F(EarthCentred, AMixIsRefusedByName) {
   EXPECT_THAT(refusal(""), HasSubstr("a.b3dm holds earth-centred coordinates and b.gltf does not"));
 }
 
-TEST_F(EarthCentred, AFileThatCannotBeReadIsLeftToTheSurvey) {
+TEST_F(EarthCentred, AFileThatCannotBeReadIsLeftToTheScan) {
   write_tile("a.b3dm");
   folder.write("b.gltf", std::string("{"));
   folder.write("c.b3dm", std::string("b3dm\x01"));

@@ -62,7 +62,7 @@ SceneDescription scene_below_one_root(std::mt19937_64& rng) {
     std::set<Corner> tier;
     for (const Corner& v : below) tier.insert(edge == root_edge ? Corner{-512, -512, -512} : block_around(v, edge).min);
     for (const Corner& min : tier)
-      scene.parents.push_back(listed(name_of("p" + std::to_string(lod), min), min, lod, edge));
+      scene.overviews.push_back(listed(name_of("p" + std::to_string(lod), min), min, lod, edge));
     below = tier;
   }
   return scene;
@@ -82,7 +82,7 @@ QueryPlace place_of(QueryPlaces& places, int lod, const Corner& v) {
 
 /// Returns the shard of a level that holds v, by a linear search.
 std::string holder_of(const SceneDescription& scene, int lod, const Corner& v) {
-  for (const SceneCell& shard : lod < int(levels) ? scene.cells : scene.parents)
+  for (const SceneCell& shard : lod < int(levels) ? scene.cells : scene.overviews)
     if (int(shard.own_lod()) <= lod && lod < int(shard.own_lod() + shard.lods) && window_of(shard).holds(v))
       return shard.name;
   return "";

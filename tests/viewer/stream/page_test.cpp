@@ -185,7 +185,7 @@ TEST(OpenShards, AreReadByManyThreadsThoughFewAreOpen) {
 }
 
 /// Returns a scene of cells of 16 in a row, overviews of 64 in pages of two, and a root.
-SceneDescription row_of_parents() {
+SceneDescription row_of_overviews() {
   SceneDescription scene;
   scene.voxel_size_m = 1;
   scene.parameters = to_json(BakeParameters{.voxel_size_m = 1, .cell_voxels = 16});
@@ -202,24 +202,24 @@ SceneDescription row_of_parents() {
     to.push_back(shard);
   };
   for (std::int64_t x = 0; x < 512; x += 16) add(scene.cells, x, 16, 0);
-  for (std::int64_t x = 0; x < 512; x += 64) add(scene.parents, x, 64, 2);
-  for (std::int64_t x = 0; x < 512; x += 256) add(scene.parents, x, 256, 4);
-  add(scene.parents, 0, 1024, 6);
+  for (std::int64_t x = 0; x < 512; x += 64) add(scene.overviews, x, 64, 2);
+  for (std::int64_t x = 0; x < 512; x += 256) add(scene.overviews, x, 256, 4);
+  add(scene.overviews, 0, 1024, 6);
   return scene;
 }
 
-TEST(NumberedShards, CountCellsThenParentsPageByPage) {
+TEST(NumberedShards, CountCellsThenOverviewsPageByPage) {
   const TempFolder folder;
-  write_scene(folder / "scene.xml", row_of_parents(), {4, 8, 2});
+  write_scene(folder / "scene.xml", row_of_overviews(), {4, 8, 2});
   const auto scene = std::make_shared<const PagedScene>(folder / "scene.xml");
-  ASSERT_EQ(scene->root().parents.size(), 1u) << "the root only; overviews of 64 and 256 voxels are in pages";
+  ASSERT_EQ(scene->root().overviews.size(), 1u) << "the root only; overviews of 64 and 256 voxels are in pages";
   NumberedShards numbers(scene, {});
   std::uint32_t number = 0;
   scene->for_each_cell([&](const SceneCell& cell) { EXPECT_EQ(numbers.shard(number++).name, cell.name); });
-  scene->for_each_parent([&](const SceneCell& parent) { EXPECT_EQ(numbers.shard(number++).name, parent.name); });
+  scene->for_each_overview([&](const SceneCell& overview) { EXPECT_EQ(numbers.shard(number++).name, overview.name); });
   EXPECT_EQ(number, 32u + 11u);
   EXPECT_THROW(numbers.shard(number), InputError);
-  const ShardMap map(*scene, parent_tiers(*scene).value());
+  const ShardMap map(*scene, overview_levels(*scene).value());
   Pager pager(pages_from_files(scene), {1, UINT64_MAX});
   for (std::int64_t x = 0; x < 512; x += 48)
     for (const int lod : {2, 4, 6}) {

@@ -40,13 +40,13 @@ SceneDescription random_stacks(std::mt19937_64& rng) {
 }
 
 /// Returns the overview levels for one root above all of these cells.
-ParentTiers one_root() {
-  ParentTier tier;
-  tier.first_lod = 2;
-  tier.lods = 4;
-  tier.bits = 8;
-  tier.origin = {-128, -128, -128};
-  return {{tier}, 0};
+OverviewLevels one_root() {
+  OverviewLevel level;
+  level.first_lod = 2;
+  level.lods = 4;
+  level.bits = 8;
+  level.origin = {-128, -128, -128};
+  return {{level}, 0};
 }
 
 struct Asked {
@@ -166,44 +166,44 @@ SceneDescription two_tiers() {
   };
   for (const std::int64_t x : {-128, 0, 112}) add(scene.cells, {x, 0, 120}, 16, 0, 2);
   for (const std::int64_t x : {-128, 0})
-    for (const std::int64_t z : {0, 128}) add(scene.parents, {x, 0, z}, 128, 2, 3);
-  add(scene.parents, {-128, 0, 0}, 256, 5, 1);
+    for (const std::int64_t z : {0, 128}) add(scene.overviews, {x, 0, z}, 128, 2, 3);
+  add(scene.overviews, {-128, 0, 0}, 256, 5, 1);
   return scene;
 }
 
-std::optional<ParentTiers> tiers_of(const SceneDescription& scene) {
-  return parent_tiers(PagedScene::of_cells("scene.xml", scene));
+std::optional<OverviewLevels> tiers_of(const SceneDescription& scene) {
+  return overview_levels(PagedScene::of_cells("scene.xml", scene));
 }
 
 /// Returns two_tiers() with copies: overviews duplicate a level of the cells. The root duplicates two levels of its
 /// children, one of which is a duplicate already.
-SceneDescription two_tiers_with_copies() {
+SceneDescription two_levels_with_copies() {
   SceneDescription scene = two_tiers();
-  for (SceneCell& parent : scene.parents) {
-    const std::uint32_t copied = parent.cell_voxels == 256 ? 4 : 1;
-    parent.first_lod -= copied, parent.lods += copied, parent.copied_lods = copied;
+  for (SceneCell& overview : scene.overviews) {
+    const std::uint32_t copied = overview.cell_voxels == 256 ? 4 : 1;
+    overview.first_lod -= copied, overview.lods += copied, overview.copied_lods = copied;
   }
   return scene;
 }
 
-TEST(ParentTiers, NameTheParentsOfALevelInOrderOfSize) {
-  const auto tiers = tiers_of(two_tiers_with_copies());
-  ASSERT_TRUE(tiers.has_value());
-  EXPECT_EQ(tiers->holders(0), 0u);
+TEST(OverviewLevels, NameTheOverviewsOfALevelInOrderOfSize) {
+  const auto levels = tiers_of(two_levels_with_copies());
+  ASSERT_TRUE(levels.has_value());
+  EXPECT_EQ(levels->holders(0), 0u);
   for (const int lod : {1, 2, 3, 4}) {
-    ASSERT_EQ(tiers->holders(lod), 2u) << lod;
-    EXPECT_EQ(tiers->holder(lod, 0).bits, 8) << lod;
-    EXPECT_EQ(tiers->holder(lod, 1).bits, 7) << lod;
+    ASSERT_EQ(levels->holders(lod), 2u) << lod;
+    EXPECT_EQ(levels->holder(lod, 0).bits, 8) << lod;
+    EXPECT_EQ(levels->holder(lod, 1).bits, 7) << lod;
   }
-  ASSERT_EQ(tiers->holders(5), 1u);
-  SceneDescription scene = two_tiers_with_copies();
-  scene.parents[1].copied_lods = 0;
-  EXPECT_FALSE(tiers_of(scene).has_value()) << "a parent that copies something else than its neighbours";
+  ASSERT_EQ(levels->holders(5), 1u);
+  SceneDescription scene = two_levels_with_copies();
+  scene.overviews[1].copied_lods = 0;
+  EXPECT_FALSE(tiers_of(scene).has_value()) << "an overview that copies something else than its neighbours";
 }
 
 TEST(ShardMap, RequestsTheShardsOfALevelInOrderOfSizeAndTheCellsLast) {
-  const auto scene = std::make_shared<const PagedScene>(PagedScene::of_cells("scene.xml", two_tiers_with_copies()));
-  const ShardMap map(*scene, *parent_tiers(*scene));
+  const auto scene = std::make_shared<const PagedScene>(PagedScene::of_cells("scene.xml", two_levels_with_copies()));
+  const ShardMap map(*scene, *overview_levels(*scene));
   const Pager pager([](const PageKey&) { return Page(); }, {1, UINT64_MAX});
   MissingPages gaps;
   VoxelBox empty;
@@ -211,21 +211,21 @@ TEST(ShardMap, RequestsTheShardsOfALevelInOrderOfSizeAndTheCellsLast) {
   EXPECT_EQ(map.last_holder(0), 0);
   EXPECT_EQ(map.last_holder(1), 2);
   EXPECT_EQ(map.last_holder(4), 1);
-  EXPECT_EQ(map.find(1, 0, v, pager, gaps, empty)->number, 7u) << "the root, behind three cells and four parents";
+  EXPECT_EQ(map.find(1, 0, v, pager, gaps, empty)->number, 7u) << "the root, behind three cells and four overviews";
   EXPECT_EQ(map.find(1, 1, v, pager, gaps, empty)->window.max[2], 256);
-  EXPECT_FALSE(map.find(1, 2, v, pager, gaps, empty)->is_parent());
-  EXPECT_FALSE(map.find(0, 0, v, pager, gaps, empty)->is_parent());
+  EXPECT_FALSE(map.find(1, 2, v, pager, gaps, empty)->is_overview());
+  EXPECT_FALSE(map.find(0, 0, v, pager, gaps, empty)->is_overview());
 }
 
-TEST(ParentTiers, AreThereOnlyWhereAllOfASceneHangsFromOneRoot) {
+TEST(OverviewLevels, AreThereOnlyWhereAllOfASceneHangsFromOneRoot) {
   const SceneDescription good = two_tiers();
-  const auto tiers = tiers_of(good);
-  ASSERT_TRUE(tiers.has_value());
-  EXPECT_EQ(tiers->root, 4u);
-  EXPECT_EQ(tiers->holder(4, 0).edge(), 128);
-  EXPECT_EQ(tiers->holder(5, 0).bits, 8);
-  EXPECT_EQ(tiers->holders(1), 0u);
-  EXPECT_EQ(tiers->holders(4), 1u);
+  const auto levels = tiers_of(good);
+  ASSERT_TRUE(levels.has_value());
+  EXPECT_EQ(levels->root, 4u);
+  EXPECT_EQ(levels->holder(4, 0).edge(), 128);
+  EXPECT_EQ(levels->holder(5, 0).bits, 8);
+  EXPECT_EQ(levels->holders(1), 0u);
+  EXPECT_EQ(levels->holders(4), 1u);
   // 2026-11-25: viewers opened every cell of a scene that was baked with an error.
   SceneDescription lossy = good;
   lossy.parameters = to_json(BakeParameters{.voxel_size_m = 1, .max_error = 3});
@@ -235,22 +235,22 @@ TEST(ParentTiers, AreThereOnlyWhereAllOfASceneHangsFromOneRoot) {
     change(scene);
     EXPECT_FALSE(tiers_of(scene).has_value()) << what;
   };
-  refused("no parents", [](SceneDescription& s) { s.parents.clear(); });
-  refused("no root", [](SceneDescription& s) { s.parents.pop_back(); });
-  refused("two roots", [](SceneDescription& s) { s.parents.push_back(s.parents.back()); });
-  refused("a window twice", [](SceneDescription& s) { s.parents[1].lattice_min = s.parents[0].lattice_min; });
-  refused("a window off its lattice", [](SceneDescription& s) { s.parents[1].lattice_min[0] += 16; });
-  refused("a root off its lattice", [](SceneDescription& s) { s.parents[4].lattice_min[1] = 64; });
-  refused("a parent outside of the root", [](SceneDescription& s) { s.parents[0].lattice_min[1] = 256; });
-  refused("levels that are missing", [](SceneDescription& s) { s.parents[4].first_lod = 6; });
-  refused("another number of levels", [](SceneDescription& s) { s.parents[2].lods = 2; });
-  refused("no power of two", [](SceneDescription& s) { s.parents[4].cell_voxels = 255; });
+  refused("no overviews", [](SceneDescription& s) { s.overviews.clear(); });
+  refused("no root", [](SceneDescription& s) { s.overviews.pop_back(); });
+  refused("two roots", [](SceneDescription& s) { s.overviews.push_back(s.overviews.back()); });
+  refused("a window twice", [](SceneDescription& s) { s.overviews[1].lattice_min = s.overviews[0].lattice_min; });
+  refused("a window off its lattice", [](SceneDescription& s) { s.overviews[1].lattice_min[0] += 16; });
+  refused("a root off its lattice", [](SceneDescription& s) { s.overviews[4].lattice_min[1] = 64; });
+  refused("an overview outside of the root", [](SceneDescription& s) { s.overviews[0].lattice_min[1] = 256; });
+  refused("levels that are missing", [](SceneDescription& s) { s.overviews[4].first_lod = 6; });
+  refused("another number of levels", [](SceneDescription& s) { s.overviews[2].lods = 2; });
+  refused("no power of two", [](SceneDescription& s) { s.overviews[4].cell_voxels = 255; });
   refused("far away", [](SceneDescription& s) {
-    for (SceneCell& p : s.parents) p.lattice_min[2] += std::int64_t(1) << 52;
+    for (SceneCell& p : s.overviews) p.lattice_min[2] += std::int64_t(1) << 52;
   });
   refused("cells of several sizes", [](SceneDescription& s) { s.cells[0].cell_voxels = 32; });
-  refused("a cell that reaches into a block without a parent", [](SceneDescription& s) {
-    s.parents.erase(s.parents.begin() + 3);
+  refused("a cell that reaches into a block without an overview", [](SceneDescription& s) {
+    s.overviews.erase(s.overviews.begin() + 3);
     s.losses.push_back({"cell c", "was not baked"});
   });
 }

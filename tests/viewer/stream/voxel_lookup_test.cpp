@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "tests/viewer/voxel_scene.h"
-#include "viewer/stream/parent_tiers.h"
+#include "viewer/stream/overview_levels.h"
 
 namespace gigabake {
 namespace {
@@ -29,14 +29,14 @@ std::optional<Paint> gappy_ground(std::int64_t x, std::int64_t y, std::int64_t z
 VoxelScene painted() {
   VoxelScene scene(16);
   scene.add_cells(gappy_ground, {0, 0, 0}, gappy_edge);
-  scene.add_parent(gappy_ground, {0, 0, 0}, gappy_edge, 2);
+  scene.add_overview(gappy_ground, {0, 0, 0}, gappy_edge, 2);
   return scene;
 }
 
 struct OpenGround {
   VoxelScene scene = painted();
   PagedScene paged = scene.paged();
-  ShardMap map{paged, parent_tiers(paged).value()};
+  ShardMap map{paged, overview_levels(paged).value()};
   Pager pager{scene.pages(), {}};
   VoxelLookup lookup{map, pager};
   std::mt19937_64 random{seed};

@@ -14,7 +14,7 @@
 #include "tests/format/system/small_disk.h"
 #include "worker/pipeline/cell_loader.h"
 #include "worker/pipeline/cell_parameters.h"
-#include "worker/scan/survey_tile.h"
+#include "worker/scan/scan_tile.h"
 #include "worker/tiles/tile_gatherer.h"
 
 namespace gigabake {
@@ -116,20 +116,19 @@ TEST_F(TileStoreTest, ASmallTileStaysInMemory) {
   EXPECT_EQ(scratch_in(scratch(), 0).max_tile_bytes, std::numeric_limits<std::uint64_t>::max());
 }
 
-TEST_F(TileStoreTest, ASurveyIsTheSameFromScratchAndInParts) {
+TEST_F(TileStoreTest, AScanIsTheSameFromScratchAndInParts) {
   const ThreadPool pool(2);
   const TileStore clusters_on_disk = store(), nowhere(sources, parameters, {{}, 0}, 2);
-  const TileScan a = survey_tile(sources, 0, parameters, pool),
-                 parts = survey_tile(sources, 0, parameters, pool, &nowhere);
+  const TileScan a = scan_tile(sources, 0, parameters, pool), parts = scan_tile(sources, 0, parameters, pool, &nowhere);
   EXPECT_FALSE(fs::exists(scratch()));
-  const TileScan b = survey_tile(sources, 0, parameters, pool, &clusters_on_disk);
+  const TileScan b = scan_tile(sources, 0, parameters, pool, &clusters_on_disk);
   EXPECT_EQ(a.error + b.error + parts.error, "");
   EXPECT_EQ(to_bytes(a), to_bytes(b));
   EXPECT_EQ(to_bytes(a), to_bytes(parts));
   EXPECT_EQ(left().size(), 1u);
 }
 
-TEST_F(TileStoreTest, ASurveyIsTheSameOfMeshesThatCannotBeBounded) {
+TEST_F(TileStoreTest, AScanIsTheSameOfMeshesThatCannotBeBounded) {
   for (const float wrong : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e30f}) {
     constexpr float mark = 0.1234567f;
     GlbMesh mesh = rolling_ground(128, 0, 0);
@@ -138,9 +137,9 @@ TEST_F(TileStoreTest, ASurveyIsTheSameOfMeshesThatCannotBeBounded) {
     replace_in_file(mark, wrong);
     const ThreadPool pool(2);
     const TileStore clusters_on_disk = store(), nowhere(sources, parameters, {{}, 0}, 2);
-    const TileScan a = survey_tile(sources, 0, parameters, pool),
-                   b = survey_tile(sources, 0, parameters, pool, &clusters_on_disk),
-                   parts = survey_tile(sources, 0, parameters, pool, &nowhere);
+    const TileScan a = scan_tile(sources, 0, parameters, pool),
+                   b = scan_tile(sources, 0, parameters, pool, &clusters_on_disk),
+                   parts = scan_tile(sources, 0, parameters, pool, &nowhere);
     EXPECT_EQ(a.error, b.error);
     EXPECT_EQ(to_bytes(a), to_bytes(b)) << wrong;
     EXPECT_EQ(to_bytes(a), to_bytes(parts)) << wrong;
@@ -208,10 +207,10 @@ TEST_F(TileStoreTest, ARankThatMetAChangedByteReadsTheTileAnewAtItsNextTry) {
             right);
 }
 
-TEST_F(TileStoreTest, ATileThatChangedSinceItsSurveyLeavesNothing) {
-  Hash128 surveyed = hash();
-  surveyed.lo ^= 1;
-  EXPECT_THROW(store().load(0, surveyed), InputError);
+TEST_F(TileStoreTest, ATileThatChangedSinceItsScanLeavesNothing) {
+  Hash128 scanned = hash();
+  scanned.lo ^= 1;
+  EXPECT_THROW(store().load(0, scanned), InputError);
   EXPECT_TRUE(left().empty());
 }
 

@@ -1,4 +1,4 @@
-#include "worker/scan/survey_tile.h"
+#include "worker/scan/scan_tile.h"
 
 #include <cmath>
 #include <fstream>
@@ -20,19 +20,19 @@ BakeParameters fine_lattice() {
   return p;
 }
 
-TileScan survey(const std::filesystem::path& folder, const std::string& file, const BakeParameters& parameters,
-                int threads = 2) {
+TileScan scan(const std::filesystem::path& folder, const std::string& file, const BakeParameters& parameters,
+              int threads = 2) {
   const ThreadPool pool(threads);
-  return survey_tile(sources_of(folder, {file}), 0, parameters, pool);
+  return scan_tile(sources_of(folder, {file}), 0, parameters, pool);
 }
 
-TEST(SurveyTile, HoldsEveryVertexInItsColumnsRangeAndEndsWhereTheGroundEnds) {
+TEST(ScanTile, HoldsEveryVertexInItsColumnsRangeAndEndsWhereTheGroundEnds) {
   const ScratchFolder folder;
   const GlbMesh mesh = rolling_ground(20, -7, 3);
   write_glb(folder.path() / "ground.glb", mesh);
   BakeParameters parameters = fine_lattice();
   parameters.surface = SurfaceRule::conservative;  // a vertex on a voxel's face touches the voxel
-  const TileScan s = survey(folder.path(), "ground.glb", parameters);
+  const TileScan s = scan(folder.path(), "ground.glb", parameters);
   ASSERT_EQ(s.error, "");
   EXPECT_EQ(s.triangles, 800u);
   EXPECT_EQ(s.columns.size(), 6u * 6u);  // x from -28 to 52 voxels and y from 12 to 92: columns -2…3 and 0…5
@@ -50,7 +50,7 @@ TEST(SurveyTile, HoldsEveryVertexInItsColumnsRangeAndEndsWhereTheGroundEnds) {
 }
 
 /// 2026-11-22: a plan estimates voxels and bytes from these numbers.
-TEST(SurveyTile, SaysHowManyVoxelsItsSurfaceCrosses) {
+TEST(ScanTile, SaysHowManyVoxelsItsSurfaceCrosses) {
   const ScratchFolder folder;
   GlbMesh floor;  // 20 × 20 m, level: 80 × 80 voxels; x right, z towards the eye
   floor.position = {-10, 0, -10, 10, 0, -10, 10, 0, 10, -10, 0, 10};
@@ -60,19 +60,19 @@ TEST(SurveyTile, SaysHowManyVoxelsItsSurfaceCrosses) {
   const auto crossings = [&](const GlbMesh& mesh) {
     write_glb(folder.path() / "mesh.glb", mesh);
     double sum = 0;
-    for (const ColumnExtent& c : survey(folder.path(), "mesh.glb", fine_lattice()).columns) sum += double(c.crossings);
+    for (const ColumnExtent& c : scan(folder.path(), "mesh.glb", fine_lattice()).columns) sum += double(c.crossings);
     return sum / projected_voxel_unit;
   };
   EXPECT_NEAR(crossings(floor), 6400, 0.1);  // a triangle's fraction of a column is rounded down
   EXPECT_NEAR(crossings(slope), 12800, 0.1);
 }
 
-TEST(SurveyTile, IsEqualForAnyNumberOfThreads) {
+TEST(ScanTile, IsEqualForAnyNumberOfThreads) {
   const ScratchFolder folder;
   write_glb(folder.path() / "ground.glb", rolling_ground(150, 0, 0));
-  const TileScan one = survey(folder.path(), "ground.glb", fine_lattice(), 1);
+  const TileScan one = scan(folder.path(), "ground.glb", fine_lattice(), 1);
   for (int threads : {2, 5}) {
-    const TileScan many = survey(folder.path(), "ground.glb", fine_lattice(), threads);
+    const TileScan many = scan(folder.path(), "ground.glb", fine_lattice(), threads);
     ASSERT_EQ(one.columns.size(), many.columns.size());
     for (std::size_t i = 0; i < one.columns.size(); ++i) {
       const ColumnExtent &a = one.columns[i], &b = many.columns[i];
@@ -82,7 +82,7 @@ TEST(SurveyTile, IsEqualForAnyNumberOfThreads) {
   }
 }
 
-TEST(SurveyTile, DropsAndCountsTrianglesThatAreNotFiniteOrHaveNoArea) {
+TEST(ScanTile, DropsAndCountsTrianglesThatAreNotFiniteOrHaveNoArea) {
   const ScratchFolder folder;
   GlbMesh mesh;
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -90,7 +90,7 @@ TEST(SurveyTile, DropsAndCountsTrianglesThatAreNotFiniteOrHaveNoArea) {
   mesh.index = {0, 1, 2, /* good */ 0,    1, 3, /* NaN */ 0,       1, 6, /* off the lattice */
                 0, 0, 1, /* no area */ 0, 1, 5, /* collinear */ 0, 4, 2 /* none left after the snap */};
   write_glb(folder.path() / "odd.glb", mesh);
-  const TileScan s = survey(folder.path(), "odd.glb", fine_lattice());
+  const TileScan s = scan(folder.path(), "odd.glb", fine_lattice());
   ASSERT_EQ(s.error, "");  // 2026-11-22: a reader that refuses the file skipped this test
   EXPECT_EQ(s.triangles, 6u);
   EXPECT_EQ(s.non_finite, 1u);
@@ -100,39 +100,39 @@ TEST(SurveyTile, DropsAndCountsTrianglesThatAreNotFiniteOrHaveNoArea) {
   EXPECT_EQ(s.columns[0].triangles, 1u);
 }
 
-TEST(SurveyTile, NamesWhatItSurveyedByItsContent) {
+TEST(ScanTile, NamesWhatItScannedByItsContent) {
   const ScratchFolder folder;
   write_glb(folder.path() / "a.glb", rolling_ground(4, 0, 0));
   write_glb(folder.path() / "b.glb", rolling_ground(4, 0, 0));
   write_glb(folder.path() / "c.glb", rolling_ground(4, 0, 1));
-  const auto source = [&](const char* file) { return survey(folder.path(), file, fine_lattice()).source; };
+  const auto source = [&](const char* file) { return scan(folder.path(), file, fine_lattice()).source; };
   EXPECT_NE(source("a.glb"), Hash128{});
   EXPECT_EQ(source("a.glb"), source("b.glb"));
   EXPECT_NE(source("a.glb"), source("c.glb"));
 }
 
-TEST(SurveyTile, SaysWhichFilesItReadAsTheyWereBefore) {
+TEST(ScanTile, SaysWhichFilesItReadAsTheyWereBefore) {
   const ScratchFolder folder;
   write_glb(folder.path() / "a.glb", rolling_ground(4, 0, 0));
-  const TileScan s = survey(folder.path(), "a.glb", fine_lattice());
+  const TileScan s = scan(folder.path(), "a.glb", fine_lattice());
   ASSERT_EQ(s.files.size(), 1u);
   EXPECT_EQ(s.files[0].name, "a.glb");
   EXPECT_EQ(s.files[0].stamp, stamp_of(folder.path() / "a.glb"));
   EXPECT_FALSE(s.files[0].settled) << "it was written just now";
 }
 
-TEST(SurveyTile, SaysInOneLineWhyATileCannotBeRead) {
+TEST(ScanTile, SaysInOneLineWhyATileCannotBeRead) {
   const ScratchFolder folder;
   std::ofstream(folder.path() / "torn.glb") << "glTF";
   for (const char* file : {"torn.glb", "absent.glb"}) {
-    const TileScan s = survey(folder.path(), file, fine_lattice());
+    const TileScan s = scan(folder.path(), file, fine_lattice());
     EXPECT_NE(s.error.find(file), std::string::npos) << s.error;
     EXPECT_EQ(s.error.find('\n'), std::string::npos);
     EXPECT_TRUE(s.columns.empty());
   }
 }
 
-TEST(SurveyTile, RefusesATileThatSpreadsOverMillionsOfColumns) {
+TEST(ScanTile, RefusesATileThatSpreadsOverMillionsOfColumns) {
   const ScratchFolder folder;
   GlbMesh mesh;
   mesh.position = {0, 0, 0, 4e4f, 0, 0, 0, 0, -4e4f};  // within reach
@@ -140,13 +140,13 @@ TEST(SurveyTile, RefusesATileThatSpreadsOverMillionsOfColumns) {
   write_glb(folder.path() / "world.glb", mesh);
   BakeParameters fine = fine_lattice();
   fine.voxel_size_m = 0.01;
-  const TileScan s = survey(folder.path(), "world.glb", fine);
+  const TileScan s = scan(folder.path(), "world.glb", fine);
   EXPECT_NE(s.error.find("`voxel_size_m`"), std::string::npos) << s.error;
   EXPECT_TRUE(s.columns.empty());
   BakeParameters coarse = fine_lattice();
   coarse.voxel_size_m = 1;
   coarse.cell_voxels = 4096;
-  EXPECT_EQ(survey(folder.path(), "world.glb", coarse).error, "");
+  EXPECT_EQ(scan(folder.path(), "world.glb", coarse).error, "");
 }
 
 }  // namespace

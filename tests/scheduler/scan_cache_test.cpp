@@ -1,4 +1,4 @@
-#include "scheduler/journal/survey_cache.h"
+#include "scheduler/journal/scan_cache.h"
 
 #include <fcntl.h>
 #include <fstream>
@@ -14,7 +14,7 @@
 namespace gigabake {
 namespace {
 
-class SurveyCacheTest : public ::testing::Test {
+class ScanCacheTest : public ::testing::Test {
  protected:
   /// Makes two tiles with a buffer each and a common image; tile 1 is placed twice.
   void SetUp() override {
@@ -37,8 +37,8 @@ class SurveyCacheTest : public ::testing::Test {
                                                         R"(%20.bin"}], "images": [{"uri": "skin.png"}]})");
     write_text(folder / "scene" / (name + " .bin"), "positions of " + name);
   }
-  /// Returns the same result as survey_tile(); `settled`: as if the files were old.
-  TileScan survey(std::uint32_t tile, bool settled = true) const {
+  /// Returns the same result as scan_tile(); `settled`: as if the files were old.
+  TileScan scan(std::uint32_t tile, bool settled = true) const {
     TileIdentity identity = identify_tile(sources.tiles[tile], sources.root);
     TileScan s;
     s.tile = tile;
@@ -51,13 +51,12 @@ class SurveyCacheTest : public ::testing::Test {
     return s;
   }
   void save(bool settled = true) const {
-    save_survey_cache(path(), sources, parameters,
-                      std::vector{survey(0, settled), survey(1, settled), survey(2, settled)});
+    save_scan_cache(path(), sources, parameters, std::vector{scan(0, settled), scan(1, settled), scan(2, settled)});
   }
   /// Returns a digit per tile, for example "101": 1 for a tile that needs no scan.
   std::string found() const {
     std::string out;
-    for (const auto& s : SurveyCache(path()).find_all(sources, parameters, 2)) out += s ? '1' : '0';
+    for (const auto& s : ScanCache(path()).find_all(sources, parameters, 2)) out += s ? '1' : '0';
     return out;
   }
   std::filesystem::path path() const { return folder / "survey.cache"; }
@@ -76,21 +75,21 @@ void expect_equal(const TileScan& a, const TileScan& b) {
   EXPECT_EQ(a.columns[0].column_x, b.columns[0].column_x);
 }
 
-TEST_F(SurveyCacheTest, GivesBackTheSurveysOfFilesThatNobodyTouched) {
+TEST_F(ScanCacheTest, GivesBackTheScansOfFilesThatNobodyTouched) {
   save();
   EXPECT_EQ(found(), "111");
-  const SurveyCache cache(path());
+  const ScanCache cache(path());
   for (std::uint32_t tile = 0; tile < 3; ++tile)
-    expect_equal(cache.find(sources, tile, parameters).value(), survey(tile));
+    expect_equal(cache.find(sources, tile, parameters).value(), scan(tile));
 }
 
-TEST_F(SurveyCacheTest, FindsATileUnderAnotherNumber) {
+TEST_F(ScanCacheTest, FindsATileUnderAnotherNumber) {
   save();
   std::swap(sources.tiles[0], sources.tiles[2]);
-  EXPECT_EQ(SurveyCache(path()).find(sources, 2, parameters)->tile, 2u);
+  EXPECT_EQ(ScanCache(path()).find(sources, 2, parameters)->tile, 2u);
 }
 
-TEST_F(SurveyCacheTest, AChangedFileOfATileAsksForASurvey) {
+TEST_F(ScanCacheTest, AChangedFileOfATileAsksForAScan) {
   save();
   write_text(folder / "scene/b .bin", "positions of c");
   EXPECT_EQ(found(), "100");
@@ -100,7 +99,7 @@ TEST_F(SurveyCacheTest, AChangedFileOfATileAsksForASurvey) {
   EXPECT_EQ(found(), "000");
 }
 
-TEST_F(SurveyCacheTest, AFileThatVanishesOrAppearsAsksForASurvey) {
+TEST_F(ScanCacheTest, AFileThatVanishesOrAppearsAsksForAScan) {
   std::filesystem::remove(folder / "scene/skin.png");
   save();
   EXPECT_EQ(found(), "111");
@@ -111,7 +110,7 @@ TEST_F(SurveyCacheTest, AFileThatVanishesOrAppearsAsksForASurvey) {
   EXPECT_EQ(found(), "011");
 }
 
-TEST_F(SurveyCacheTest, ALinkThatLeadsElsewhereAsksForASurvey) {
+TEST_F(ScanCacheTest, ALinkThatLeadsElsewhereAsksForAScan) {
   write_text(folder / "scene/old.png", "same");
   write_text(folder / "scene/new.png", "size");
   std::filesystem::remove(folder / "scene/skin.png");
@@ -123,14 +122,14 @@ TEST_F(SurveyCacheTest, ALinkThatLeadsElsewhereAsksForASurvey) {
   EXPECT_EQ(found(), "000");
 }
 
-TEST_F(SurveyCacheTest, APathThroughAFolderThatIsNotThereIsNeverTrusted) {
+TEST_F(ScanCacheTest, APathThroughAFolderThatIsNotThereIsNeverTrusted) {
   write_text(folder / "scene/a.gltf", R"({"asset": {"version": "2.0"}, "images": [{"uri": "absent/../skin.png"}]})");
   const TileIdentity identity = identify_tile(sources.tiles[0], sources.root);
   ASSERT_EQ(identity.files.size(), 2u);
   EXPECT_FALSE(identity.files[1].settled);
 }
 
-TEST_F(SurveyCacheTest, AnEditThatSetsSizeAndTimeBackAsksForASurvey) {
+TEST_F(ScanCacheTest, AnEditThatSetsSizeAndTimeBackAsksForAScan) {
   save();
   struct stat before {};
   ASSERT_EQ(::stat((folder / "scene/a .bin").c_str(), &before), 0);
@@ -140,17 +139,17 @@ TEST_F(SurveyCacheTest, AnEditThatSetsSizeAndTimeBackAsksForASurvey) {
   EXPECT_EQ(found(), "011");
 }
 
-TEST_F(SurveyCacheTest, ATouchedFileOfEqualContentIsSurveyedAgainAndGivesTheSameFingerprint) {
+TEST_F(ScanCacheTest, ATouchedFileOfEqualContentIsScannedAgainAndGivesTheSameFingerprint) {
   save();
-  const TileScan before = survey(0);
+  const TileScan before = scan(0);
   const timespec times[2] = {{1000, 0}, {1000, 0}};
   ASSERT_EQ(::utimensat(AT_FDCWD, (folder / "scene/a.gltf").c_str(), times, 0), 0);
   EXPECT_EQ(found(), "011");
-  EXPECT_EQ(make_plan({survey(0), survey(1), survey(2)}, sources, parameters).jobs[0].fingerprint,
-            make_plan({before, survey(1), survey(2)}, sources, parameters).jobs[0].fingerprint);
+  EXPECT_EQ(make_plan({scan(0), scan(1), scan(2)}, sources, parameters).jobs[0].fingerprint,
+            make_plan({before, scan(1), scan(2)}, sources, parameters).jobs[0].fingerprint);
 }
 
-TEST_F(SurveyCacheTest, AMovedTileOrAnotherLatticeAsksForASurvey) {
+TEST_F(ScanCacheTest, AMovedTileOrAnotherLatticeAsksForAScan) {
   save();
   sources.tiles[1].scene_from_tile.m[2][3] += 1e-9;
   EXPECT_EQ(found(), "101");
@@ -171,32 +170,32 @@ TEST_F(SurveyCacheTest, AMovedTileOrAnotherLatticeAsksForASurvey) {
   }
 }
 
-TEST_F(SurveyCacheTest, DoesNotKeepWhatWasReadWithinTwoSecondsOfAWrite) {
+TEST_F(ScanCacheTest, DoesNotKeepWhatWasReadWithinTwoSecondsOfAWrite) {
   save(false);
   EXPECT_EQ(found(), "000");
-  EXPECT_EQ(SurveyCache(path()).size(), 0u);
+  EXPECT_EQ(ScanCache(path()).size(), 0u);
 }
 
-TEST_F(SurveyCacheTest, KeepsWhatWasReadLaterThanThat) {
+TEST_F(ScanCacheTest, KeepsWhatWasReadLaterThanThat) {
   std::this_thread::sleep_for(std::chrono::milliseconds(2100));
   save(false);
   EXPECT_EQ(found(), "111");
 }
 
-TEST_F(SurveyCacheTest, DoesNotKeepTilesThatCouldNotBeRead) {
-  TileScan failed = survey(0);
+TEST_F(ScanCacheTest, DoesNotKeepTilesThatCouldNotBeRead) {
+  TileScan failed = scan(0);
   failed.error = "cannot be read";
-  save_survey_cache(path(), sources, parameters, std::vector{failed, survey(1)});
+  save_scan_cache(path(), sources, parameters, std::vector{failed, scan(1)});
   EXPECT_EQ(found(), "010");
 }
 
-TEST_F(SurveyCacheTest, OfAFileThatIsAbsentCutOrForeignIsEmpty) {
+TEST_F(ScanCacheTest, OfAFileThatIsAbsentCutOrForeignIsEmpty) {
   EXPECT_EQ(found(), "000");
   save();
   const std::string whole = read_text(path());
   for (std::size_t size = 0; size < whole.size(); ++size) {
     write_text(path(), whole.substr(0, size));
-    ASSERT_EQ(SurveyCache(path()).size(), 0u) << size;
+    ASSERT_EQ(ScanCache(path()).size(), 0u) << size;
   }
   write_text(path(), whole + "x");
   EXPECT_EQ(found(), "000");
@@ -208,17 +207,17 @@ TEST_F(SurveyCacheTest, OfAFileThatIsAbsentCutOrForeignIsEmpty) {
 }
 
 /// 2026-11-25: ranks with other options saved their scans under the keys of rank 0's options.
-TEST_F(SurveyCacheTest, OfAnEarlierProgramIsEmpty) {
+TEST_F(ScanCacheTest, OfAnEarlierProgramIsEmpty) {
   save();
   ASSERT_EQ(found(), "111");
   std::fstream file(path(), std::ios::in | std::ios::out | std::ios::binary);
-  const std::uint64_t before = survey_version;
+  const std::uint64_t before = scan_version;
   file.seekp(16).write(reinterpret_cast<const char*>(&before), sizeof before);
   file.close();
   EXPECT_EQ(found(), "000");
 }
 
-TEST_F(SurveyCacheTest, WithFlippedBytesIsEmpty) {
+TEST_F(ScanCacheTest, WithFlippedBytesIsEmpty) {
   save();
   const std::string whole = read_text(path());
   const test::RandomSeed seed;
@@ -228,7 +227,7 @@ TEST_F(SurveyCacheTest, WithFlippedBytesIsEmpty) {
     for (std::uint64_t i = 1 + random() % 4; i-- > 0;) damaged[random() % damaged.size()] ^= char(1 + random() % 255);
     if (damaged == whole) continue;
     write_text(path(), damaged);
-    ASSERT_EQ(SurveyCache(path()).size(), 0u);
+    ASSERT_EQ(ScanCache(path()).size(), 0u);
   }
 }
 

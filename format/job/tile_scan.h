@@ -12,9 +12,9 @@
 
 namespace gigabake {
 
-/// The version of a scan. Increment it if survey_tile() returns another result for the same files, or if the fields of
+/// The version of a scan. Increment it if scan_tile() returns another result for the same files, or if the fields of
 /// TileScan change. Stored scans of earlier bakes are then discarded.
-inline constexpr std::uint32_t survey_version = 6;
+inline constexpr std::uint32_t scan_version = 6;
 
 /// Max side of a triangle's box in voxels. Triangles with a longer side are omitted, because the arithmetic would not
 /// be exact (decision 151).

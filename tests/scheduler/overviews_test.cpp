@@ -1,4 +1,4 @@
-#include "scheduler/plan/parents.h"
+#include "scheduler/plan/overviews.h"
 
 #include <bit>
 #include <gmock/gmock.h>
@@ -47,17 +47,17 @@ bool overlap(const CellJob& a, const CellJob& b) {
   return true;
 }
 
-int own_lod(const CellJob& parent) { return int(parent.first_lod + parent.copied_lods); }
-int levels_of(const CellJob& parent) { return std::countr_zero(parent.cell_voxels) - own_lod(parent) - 2; }
+int own_lod(const CellJob& overview) { return int(overview.first_lod + overview.copied_lods); }
+int levels_of(const CellJob& overview) { return std::countr_zero(overview.cell_voxels) - own_lod(overview) - 2; }
 
-TEST(Parents, LeadToOneRootAndEachHasAllThatItsWindowOverlaps) {
+TEST(Overviews, LeadToOneRootAndEachHasAllThatItsWindowOverlaps) {
   for (int round = 0; round < 60; ++round) {
     const test::RandomSeed seed(round);
     std::mt19937 random{unsigned(seed)};
     const std::uint32_t cell_voxels = 8u << random() % 9;
     std::vector<CellJob> jobs = scattered_cells(random, cell_voxels);
     const std::size_t cells = jobs.size();
-    add_parents(jobs);
+    add_overviews(jobs);
     std::set<std::string> names;
     std::vector<std::set<std::uint32_t>> of_tier(32);
     for (std::size_t i = cells; i < jobs.size(); ++i) {
@@ -83,17 +83,17 @@ TEST(Parents, LeadToOneRootAndEachHasAllThatItsWindowOverlaps) {
   }
 }
 
-TEST(Parents, CopyWhatTheirChildrenHaveAndNeverTheirFinestLevel) {
+TEST(Overviews, CopyWhatTheirChildrenHaveAndNeverTheirFinestLevel) {
   for (int round = 0; round < 40; ++round) {
     const test::RandomSeed seed(round);
     std::mt19937 random{unsigned(seed)};
     std::vector<CellJob> jobs = scattered_cells(random, 8u << random() % 9);
     const std::size_t cells = jobs.size();
-    add_parents(jobs);
+    add_overviews(jobs);
     for (std::size_t i = cells; i < jobs.size(); ++i) {
       const CellJob& p = jobs[i];
       const bool of_cells = p.children.front() < cells;
-      const std::uint32_t maximum = 1u << (of_cells ? parent_width_bits_of_cells : parent_width_bits_of_parents);
+      const std::uint32_t maximum = 1u << (of_cells ? overview_width_bits_of_cells : overview_width_bits_of_overviews);
       EXPECT_GE(p.first_lod, 1u) << p.name;
       EXPECT_LE(p.cell_voxels >> p.first_lod, std::max(maximum, 8u << levels_of(p))) << p.name;
       for (const std::uint32_t child : p.children) {
@@ -105,31 +105,31 @@ TEST(Parents, CopyWhatTheirChildrenHaveAndNeverTheirFinestLevel) {
   }
 }
 
-TEST(Parents, OfCellsOf64AreAsWideAsPicturesNeedThem) {
+TEST(Overviews, OfCellsOf64AreAsWideAsPicturesNeedThem) {
   std::vector<CellJob> jobs;
   for (std::uint32_t i = 0; i < 64 * 64 * 4; ++i) {
     jobs.emplace_back();
     jobs[i].id = i, jobs[i].cell_voxels = 64, jobs[i].fingerprint = {i, 1};
     jobs[i].lattice_min = {64 * std::int64_t(i % 128), 64 * std::int64_t(i / 128), 0};
   }
-  add_parents(jobs);
+  add_overviews(jobs);
   const CellJob& first = jobs[64 * 64 * 4];
   EXPECT_EQ(first.first_lod, 1u);
   EXPECT_EQ(first.copied_lods, 3u);
   EXPECT_EQ(first.name, "p4_0_0_0") << "named by its own levels";
   EXPECT_EQ(jobs.back().cell_voxels >> jobs.back().first_lod, 1024u);
-  EXPECT_EQ(jobs[0].kept_lod, first.first_lod) << "what its parent copies is kept in memory";
-  EXPECT_EQ(jobs.back().kept_lod, 0u) << "the root has no parent";
+  EXPECT_EQ(jobs[0].kept_lod, first.first_lod) << "what its overview copies is kept in memory";
+  EXPECT_EQ(jobs.back().kept_lod, 0u) << "the root has no overview";
 }
 
-TEST(Parents, OfOneCellAreNone) {
+TEST(Overviews, OfOneCellAreNone) {
   std::vector<CellJob> jobs(1);
   jobs[0].cell_voxels = 64;
-  add_parents(jobs);
+  add_overviews(jobs);
   EXPECT_EQ(jobs.size(), 1u);
 }
 
-TEST(Parents, AreAFewOfAHundredCellsAndNewWhereAChildIs) {
+TEST(Overviews, AreAFewOfAHundredCellsAndNewWhereAChildIs) {
   std::vector<CellJob> jobs;
   for (std::uint32_t i = 0; i < 64 * 64; ++i) {
     jobs.emplace_back();
@@ -138,8 +138,8 @@ TEST(Parents, AreAFewOfAHundredCellsAndNewWhereAChildIs) {
   }
   std::vector<CellJob> changed = jobs;
   changed[77].fingerprint = {77, 2};
-  add_parents(jobs);
-  add_parents(changed);
+  add_overviews(jobs);
+  add_overviews(changed);
   EXPECT_EQ(jobs.size(), 64u * 64u + 64u + 1u);
   std::size_t others = 0;
   for (std::size_t i = 64 * 64; i < jobs.size(); ++i) others += jobs[i].fingerprint != changed[i].fingerprint;
@@ -153,7 +153,7 @@ class FourCells : public testing::Test {
       jobs_[i].id = i, jobs_[i].name = "c_" + std::to_string(i), jobs_[i].cell_voxels = 64;
       jobs_[i].fingerprint = {i, 1}, jobs_[i].lattice_min = {1024 * std::int64_t(i / 2) + 64 * (i % 2), 0, 0};
     }
-    add_parents(jobs_);  // 4 and 5 of two cells each, 6 of both overviews
+    add_overviews(jobs_);  // 4 and 5 of two cells each, 6 of both overviews
   }
   static CellReport report(const CellJob& job, CellOutcome outcome) {
     CellReport r;
@@ -164,7 +164,7 @@ class FourCells : public testing::Test {
   std::vector<CellJob> jobs_;
 };
 
-TEST_F(FourCells, HaveParentsThatAreOrderedWithTheShardsThatThereAre) {
+TEST_F(FourCells, HaveOverviewsThatAreOrderedWithTheShardsThatThereAre) {
   ASSERT_EQ(jobs_.size(), 7u);
   OverviewJobs orders(jobs_);
   orders.is_done(report(jobs_[0], CellOutcome::baked));
@@ -175,7 +175,7 @@ TEST_F(FourCells, HaveParentsThatAreOrderedWithTheShardsThatThereAre) {
   EXPECT_THAT(whole.child_files, ElementsAre(shard_path(jobs_[0]).generic_string()));
 }
 
-TEST_F(FourCells, HaveParentsOfOtherNamesWhereACellIsLost) {
+TEST_F(FourCells, HaveOverviewsOfOtherNamesWhereACellIsLost) {
   OverviewJobs orders(jobs_);
   for (const std::uint32_t cell : {0u, 1u, 3u}) orders.is_done(report(jobs_[cell], CellOutcome::baked));
   orders.is_done(report(orders.order(4), CellOutcome::baked));
@@ -189,7 +189,7 @@ TEST_F(FourCells, HaveParentsOfOtherNamesWhereACellIsLost) {
   EXPECT_THAT(root.child_files, ElementsAre(shard_path(jobs_[4]).generic_string(), shard_path(holed).generic_string()));
 }
 
-TEST_F(FourCells, MakeTheirParentReadyForWhoFinishedTheLast) {
+TEST_F(FourCells, MakeTheirOverviewReadyForWhoFinishedTheLast) {
   OverviewQueue queue(jobs_);
   EXPECT_EQ(queue.waiting(), 3u);
   EXPECT_FALSE(queue.choose(0));

@@ -8,7 +8,7 @@
 
 #include "cluster/mpi/mpi_session.h"
 #include "cluster/process/bake_process.h"
-#include "format/job/survey.h"
+#include "format/job/tile_scan.h"
 
 namespace gigabake {
 
@@ -22,8 +22,8 @@ void scan_on_this_rank(BakeProcess& process, const std::vector<std::uint32_t>& t
                        const std::function<bool()>& idle);
 
 /// Callbacks of rank 0 during the scan.
-struct SurveyListener {
-  std::function<bool(std::size_t)> surveyed;               ///< number of results; return false to stop all ranks
+struct ScanListener {
+  std::function<bool(std::size_t)> scanned;                ///< number of results; return false to stop all ranks
   std::function<void(int rank, const std::string&)> died;  ///< a rank's bake process ended; with the reason
 };
 
@@ -31,7 +31,7 @@ struct SurveyListener {
 /// tile that cannot be read has a result with an error. heartbeat_timeout_s: rank 0's heartbeat timeout for other
 /// ranks. The listener is used on rank 0; if it stops the scan, the results so far are returned.
 /// Errors  RankLost on rank 0: a rank's heartbeat timed out. No collective call may follow.
-std::vector<TileScan> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
-                                   double heartbeat_timeout_s, const SurveyListener& listener);
+std::vector<TileScan> scan_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
+                                 double heartbeat_timeout_s, const ScanListener& listener);
 
 }  // namespace gigabake

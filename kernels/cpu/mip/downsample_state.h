@@ -1,4 +1,4 @@
-/// Extracts the input of the overviews above a volume from its levels (core/octree/parent_source.h).
+/// Extracts the input of the overviews above a volume from its levels (core/octree/downsample_state.h).
 #pragma once
 
 #include "core/base/rules.h"
@@ -9,6 +9,7 @@ namespace gigabake::kernels {
 
 /// Returns the input of the overviews; empty if there are no levels. levels: before approximate() and prune(). surface,
 /// lod: of the coarsest level.
-ParentSource parent_source(const std::vector<Level>& levels, int lod, const LevelSurface& surface, MipFilter filter);
+DownsampleState downsample_state(const std::vector<Level>& levels, int lod, const LevelSurface& surface,
+                                 MipFilter filter);
 
 }  // namespace gigabake::kernels

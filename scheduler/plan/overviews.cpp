@@ -1,4 +1,4 @@
-#include "scheduler/plan/parents.h"
+#include "scheduler/plan/overviews.h"
 
 #define XXH_INLINE_ALL
 #include <algorithm>
@@ -46,12 +46,12 @@ struct JobBox {
 
 /// Returns the finest lattice level that an overview of 2^bits voxels stores. child_lod: the children's finest level.
 int finest_copy(int bits, int child_lod) {
-  const int width = child_lod == 0 ? parent_width_bits_of_cells : parent_width_bits_of_parents;
+  const int width = child_lod == 0 ? overview_width_bits_of_cells : overview_width_bits_of_overviews;
   return std::max(bits - width, child_lod + 1);
 }
 
 /// Makes an overview job. child_lod: the finest level that its children store.
-CellJob parent_of(const Corner& min, int child_bits, int child_lod, int levels) {
+CellJob overview_of(const Corner& min, int child_bits, int child_lod, int levels) {
   CellJob job;
   const std::int64_t child = std::int64_t(1) << child_bits;
   const int own_lod = child_bits - std::countr_zero(unsigned(brick_edge)) + 1;
@@ -66,9 +66,9 @@ CellJob parent_of(const Corner& min, int child_bits, int child_lod, int levels) 
 
 /// Builds the overviews of jobs [first, jobs.size()), whose windows have an edge of 2^bits voxels. add() returns true
 /// if no further overview level follows.
-class OverviewLevel {
+class OverviewLevelBuilder {
  public:
-  OverviewLevel(std::vector<CellJob>& jobs, std::size_t first, int bits)
+  OverviewLevelBuilder(std::vector<CellJob>& jobs, std::size_t first, int bits)
       : jobs_(jobs), first_(first), bits_(bits), child_lod_(int(jobs[first].first_lod)) {}
 
   bool add() {
@@ -85,7 +85,7 @@ class OverviewLevel {
 
  private:
   void add_root(const Corner& min, int levels) {
-    CellJob root = parent_of(min, bits_, child_lod_, levels);
+    CellJob root = overview_of(min, bits_, child_lod_, levels);
     for (std::size_t i = first_; i < jobs_.size(); ++i) root.children.push_back(std::uint32_t(i));
     jobs_.push_back(std::move(root));
   }
@@ -101,7 +101,7 @@ class OverviewLevel {
       for (; block[0] < min[2] + child; block[0] += edge) blocks[block].push_back(std::uint32_t(i));
     }
     for (auto& [zyx, children] : blocks) {
-      jobs_.push_back(parent_of({zyx[2], zyx[1], zyx[0]}, bits_, child_lod_, max_levels_per_overview));
+      jobs_.push_back(overview_of({zyx[2], zyx[1], zyx[0]}, bits_, child_lod_, max_levels_per_overview));
       jobs_.back().children = std::move(children);
     }
   }
@@ -113,23 +113,24 @@ class OverviewLevel {
 
 }  // namespace
 
-Hash128 parent_fingerprint(const CellJob& parent, std::span<const Hash128> children) {
+Hash128 overview_fingerprint(const CellJob& overview, std::span<const Hash128> children) {
   XXH3_state_t state;
   XXH3_128bits_reset(&state);
-  XXH3_128bits_update(&state, &parent.lattice_min, sizeof parent.lattice_min);
-  XXH3_128bits_update(&state, &parent.cell_voxels, sizeof parent.cell_voxels);
-  XXH3_128bits_update(&state, &parent.first_lod, sizeof parent.first_lod);
-  XXH3_128bits_update(&state, &parent.copied_lods, sizeof parent.copied_lods);
+  XXH3_128bits_update(&state, &overview.lattice_min, sizeof overview.lattice_min);
+  XXH3_128bits_update(&state, &overview.cell_voxels, sizeof overview.cell_voxels);
+  XXH3_128bits_update(&state, &overview.first_lod, sizeof overview.first_lod);
+  XXH3_128bits_update(&state, &overview.copied_lods, sizeof overview.copied_lods);
   XXH3_128bits_update(&state, children.data(), children.size_bytes());
   const XXH128_hash_t h = XXH3_128bits_digest(&state);
   return {h.low64, h.high64};
 }
 
-void add_parents(std::vector<CellJob>& jobs) {
+void add_overviews(std::vector<CellJob>& jobs) {
   if (jobs.size() < 2) return;
   const std::size_t cells = jobs.size();
   int bits = std::countr_zero(jobs[0].cell_voxels);
-  for (std::size_t first = 0, end = cells; !OverviewLevel(jobs, first, bits).add(); bits += max_levels_per_overview) {
+  for (std::size_t first = 0, end = cells; !OverviewLevelBuilder(jobs, first, bits).add();
+       bits += max_levels_per_overview) {
     first = end;
     end = jobs.size();
   }
@@ -138,15 +139,15 @@ void add_parents(std::vector<CellJob>& jobs) {
     for (const std::uint32_t child : jobs[i].children) of_children.push_back(jobs[child].fingerprint);
     for (const std::uint32_t child : jobs[i].children) jobs[child].kept_lod = jobs[i].first_lod;
     jobs[i].id = std::uint32_t(i);
-    jobs[i].fingerprint = parent_fingerprint(jobs[i], of_children);
+    jobs[i].fingerprint = overview_fingerprint(jobs[i], of_children);
   }
 }
 
 OverviewJobs::OverviewJobs(const std::vector<CellJob>& jobs)
     : jobs_(jobs),
       child_(jobs.size(), Child::lost),
-      first_parent_(std::uint32_t(std::find_if(jobs.begin(), jobs.end(), is_parent) - jobs.begin())) {
-  for (std::size_t i = first_parent_; i < jobs.size(); ++i) fingerprint_.push_back(jobs[i].fingerprint);
+      first_overview_(std::uint32_t(std::find_if(jobs.begin(), jobs.end(), is_overview) - jobs.begin())) {
+  for (std::size_t i = first_overview_; i < jobs.size(); ++i) fingerprint_.push_back(jobs[i].fingerprint);
 }
 
 void OverviewJobs::is_done(const CellReport& report) {
@@ -155,19 +156,20 @@ void OverviewJobs::is_done(const CellReport& report) {
 
 CellJob OverviewJobs::order(std::uint32_t id) {
   CellJob job = jobs_.at(id);
-  if (!is_parent(job)) return job;
+  if (!is_overview(job)) return job;
   std::vector<Hash128> of_children;
   for (const std::uint32_t child : job.children) {
-    const Hash128& fingerprint = child < first_parent_ ? jobs_[child].fingerprint : fingerprint_[child - first_parent_];
+    const Hash128& fingerprint =
+        child < first_overview_ ? jobs_[child].fingerprint : fingerprint_[child - first_overview_];
     of_children.push_back(child_[child] == Child::lost ? Hash128{} : fingerprint);
     if (child_[child] == Child::baked) job.child_files.push_back(shard_file(jobs_[child].name, fingerprint));
   }
-  job.fingerprint = fingerprint_[id - first_parent_] = parent_fingerprint(job, of_children);
+  job.fingerprint = fingerprint_[id - first_overview_] = overview_fingerprint(job, of_children);
   return job;
 }
 
-bool is_made_of_all(const CellReport& parent, const CellJob& planned) {
-  return parent.outcome != CellOutcome::baked || parent.cell.fingerprint == planned.fingerprint;
+bool is_made_of_all(const CellReport& overview, const CellJob& planned) {
+  return overview.outcome != CellOutcome::baked || overview.cell.fingerprint == planned.fingerprint;
 }
 
 }  // namespace gigabake

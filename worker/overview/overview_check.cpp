@@ -1,4 +1,4 @@
-#include "worker/overview/parent_check.h"
+#include "worker/overview/overview_check.h"
 
 #include <optional>
 
@@ -6,7 +6,7 @@
 #include "core/octree/parameters.h"
 #include "format/shard/levels/above.h"
 #include "format/shard/shard_reader.h"
-#include "worker/overview/parent_bake.h"
+#include "worker/overview/overview_bake.h"
 
 namespace gigabake {
 namespace {
@@ -14,17 +14,17 @@ namespace {
 /// The parts of an overview and its children that are compared.
 struct OverviewFamily {
   ShardHeader header;
-  ParentSource above;
-  ChildrenOfParent children;
+  DownsampleState above;
+  OverviewChildren children;
 };
-std::optional<OverviewFamily> read_overview_family(const std::filesystem::path& folder, const SceneCell& parent,
+std::optional<OverviewFamily> read_overview_family(const std::filesystem::path& folder, const SceneCell& overview,
                                                    std::span<const SceneCell> children) {
   try {
-    const ShardReader reader(folder / parent.file);
+    const ShardReader reader(folder / overview.file);
     OverviewFamily family{reader.header(), reader.above(), {}};
     for (const SceneCell& child : children)
       family.children.push_back(
-          std::make_shared<const ChildOfParent>(read_child(ShardReader(folder / child.file), job_of(parent))));
+          std::make_shared<const OverviewChild>(read_child(ShardReader(folder / child.file), job_of(overview))));
     return family;
   } catch (const InputError&) {
     return std::nullopt;
@@ -33,18 +33,18 @@ std::optional<OverviewFamily> read_overview_family(const std::filesystem::path& 
 
 class Comparison {
  public:
-  Comparison(std::filesystem::path file, const SceneCell& parent) : file_(std::move(file)), parent_(parent) {}
+  Comparison(std::filesystem::path file, const SceneCell& overview) : file_(std::move(file)), overview_(overview) {}
 
   void compare(const OverviewFamily& family, const kernels::CellVolume& made) {
-    const std::uint32_t lods = family.header.generator == generator() ? parent_.lods : parent_.copied_lods;
+    const std::uint32_t lods = family.header.generator == generator() ? overview_.lods : overview_.copied_lods;
     for (std::uint32_t l = 0; l < lods; ++l)
       if (l >= made.content_hash.size() || made.content_hash[l] != family.header.content_hash[l])
         add("/lod_" + std::to_string(l),
-            l < parent_.copied_lods ? "is not a copy of its children's level "
-                                    : "does not follow from its children for level ",
-            std::to_string(parent_.first_lod + l));
-    if (lods == parent_.lods && hash_of(made.above) != hash_of(family.above))
-      add("/above", "does not follow from its children for level ", std::to_string(parent_.first_lod + lods - 1));
+            l < overview_.copied_lods ? "is not a copy of its children's level "
+                                      : "does not follow from its children for level ",
+            std::to_string(overview_.first_lod + l));
+    if (lods == overview_.lods && hash_of(made.above) != hash_of(family.above))
+      add("/above", "does not follow from its children for level ", std::to_string(overview_.first_lod + lods - 1));
   }
   void add(const std::string& dataset, const std::string& what, const std::string& more) {
     faults.emplace_back(
@@ -55,19 +55,19 @@ class Comparison {
 
  private:
   std::filesystem::path file_;
-  const SceneCell& parent_;
+  const SceneCell& overview_;
 };
 
 }  // namespace
 
 std::vector<std::string> overview_faults(const std::filesystem::path& folder, const SceneHeader& scene,
-                                         const SceneCell& parent, std::span<const SceneCell> children) {
-  const std::optional<OverviewFamily> family = read_overview_family(folder, parent, children);
+                                         const SceneCell& overview, std::span<const SceneCell> children) {
+  const std::optional<OverviewFamily> family = read_overview_family(folder, overview, children);
   if (!family) return {};
-  Comparison comparison(folder / parent.file, parent);
+  Comparison comparison(folder / overview.file, overview);
   try {
     const BakeParameters parameters = parameters_from_json(scene.parameters);
-    comparison.compare(*family, make_parent(job_of(parent), family->children, parameters, callers_thread()));
+    comparison.compare(*family, make_overview(job_of(overview), family->children, parameters, callers_thread()));
   } catch (const InputError& error) {
     comparison.add("", "cannot be made from its children: ", error.what());
   }

@@ -1,4 +1,4 @@
-#include "kernels/cpu/mip/parent.h"
+#include "kernels/cpu/mip/overview.h"
 
 #include <algorithm>
 #include <cstring>
@@ -9,9 +9,9 @@
 #include "core/octree/morton.h"
 #include "kernels/body/mip/mip.h"
 #include "kernels/body/prune/node.h"
+#include "kernels/cpu/mip/downsample_state.h"
 #include "kernels/cpu/mip/level_hash.h"
 #include "kernels/cpu/mip/levels.h"
-#include "kernels/cpu/mip/parent_source.h"
 #include "kernels/cpu/prune/prune.h"
 #include "kernels/cpu/voxelize/approximate.h"
 #include "kernels/cpu/voxelize/brick_run.h"
@@ -19,11 +19,11 @@
 namespace gigabake::kernels {
 namespace {
 
-/// A child's voxel and its position in the parent's window.
+/// A child's voxel and its position in the overview's window.
 struct PlacedVoxel {
   std::uint64_t brick;  ///< Morton code of the brick
   std::uint32_t bit;    ///< x + 8y + 64z in the brick
-  const ParentSource* source;
+  const DownsampleState* source;
   std::size_t row;
 };
 
@@ -31,9 +31,9 @@ struct PlacedVoxel {
 class JoinedLevel {
  public:
   /// below: the number of levels below the children's coarsest level.
-  JoinedLevel(std::span<const ParentChild> children, const ParentParameters& p, int below)
+  JoinedLevel(std::span<const JoinedChild> children, const OverviewParameters& p, int below)
       : parameters_(p), below_(below), lod_(p.child_lod - below) {
-    for (const ParentChild& child : children) add(child);
+    for (const JoinedChild& child : children) add(child);
     std::sort(voxels_.begin(), voxels_.end(), [](const PlacedVoxel& a, const PlacedVoxel& b) {
       return std::tie(a.brick, a.bit) < std::tie(b.brick, b.bit);
     });
@@ -77,7 +77,7 @@ class JoinedLevel {
   }
 
  private:
-  void add(const ParentChild& child) {
+  void add(const JoinedChild& child) {
     std::int64_t corner[3];
     for (int a = 0; a < 3; ++a) corner[a] = (child.lattice_min[a] - parameters_.window_min[a]) >> lod_;
     const std::int64_t edge = std::int64_t(brick_edge) << (parameters_.levels + below_);
@@ -99,12 +99,12 @@ class JoinedLevel {
     return out;
   }
 
-  const ParentParameters& parameters_;
+  const OverviewParameters& parameters_;
   const int below_, lod_;
   std::vector<PlacedVoxel> voxels_;
 };
 
-void expect_columns(const ParentSource& s, const ParentParameters& p) {
+void expect_columns(const DownsampleState& s, const OverviewParameters& p) {
   const auto expect = [](bool holds) {
     if (!holds)
       throw InputError("parent", "children", "columns of a child do not match each other or the rules of an overview");
@@ -121,7 +121,7 @@ void expect_columns(const ParentSource& s, const ParentParameters& p) {
 }
 
 /// Returns levels by lod of the lattice: the children's coarsest levels joined over the window, finer levels empty.
-std::vector<Level> joined_levels(std::span<const ParentChild> children, const ParentParameters& p,
+std::vector<Level> joined_levels(std::span<const JoinedChild> children, const OverviewParameters& p,
                                  const ThreadPool& pool, LevelSurface& surface) {
   std::vector<Level> levels(std::size_t(p.child_lod) + 1);
   const JoinedLevel coarsest(children, p, 0);
@@ -131,7 +131,7 @@ std::vector<Level> joined_levels(std::span<const ParentChild> children, const Pa
   return levels;
 }
 
-/// Checks that each brick has a parent in the next level, because the parent's nodes are linked by it.
+/// Checks that each brick has a parent brick in the next level, because the nodes are linked by it.
 void expect_tree(const std::vector<Level>& levels) {
   for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
     const std::vector<std::uint64_t>& above = levels[l + 1].key;
@@ -145,16 +145,16 @@ void expect_tree(const std::vector<Level>& levels) {
 
 }  // namespace
 
-CellVolume bake_parent(std::span<const ParentChild> children, const ParentParameters& p, const ThreadPool& pool,
-                       std::vector<Level> copies) {
-  for (const ParentChild& child : children) expect_columns(*child.source, p);
+CellVolume bake_overview(std::span<const JoinedChild> children, const OverviewParameters& p, const ThreadPool& pool,
+                         std::vector<Level> copies) {
+  for (const JoinedChild& child : children) expect_columns(*child.source, p);
   CellVolume volume;
   LevelSurface surface;
   std::vector<Level> levels = joined_levels(children, p, pool, surface);
   if (levels.back().key.empty()) return volume;
   const int own_lod = p.child_lod + 1, lods = own_lod + p.levels, first_lod = own_lod - int(copies.size());
   add_coarser_levels(levels, surface, lods, p.mip, p.normals, pool);
-  volume.above = parent_source(levels, lods - 1, surface, p.mip);
+  volume.above = downsample_state(levels, lods - 1, surface, p.mip);
   levels.erase(levels.begin(), levels.begin() + own_lod);
   if (!p.facing) drop_facing(levels);
   approximate(levels, p.max_error, pool);

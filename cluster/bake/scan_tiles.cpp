@@ -1,4 +1,4 @@
-#include "cluster/bake/survey.h"
+#include "cluster/bake/scan_tiles.h"
 
 #include <algorithm>
 #include <chrono>
@@ -62,10 +62,10 @@ class TileQueue {
 };
 
 TileScan given_up(std::uint32_t tile, const std::string& why) {
-  TileScan survey;
-  survey.tile = tile;
-  survey.error = "terminates the process that reads it (tried " + std::to_string(max_failures) + " times): " + why;
-  return survey;
+  TileScan scan;
+  scan.tile = tile;
+  scan.error = "terminates the process that reads it (tried " + std::to_string(max_failures) + " times): " + why;
+  return scan;
 }
 
 /// Returns every `ranks`-th tile, starting at `rank`.
@@ -79,7 +79,7 @@ std::vector<std::uint32_t> tiles_of_rank(const std::vector<std::uint32_t>& tiles
 class ScanCollector {
  public:
   ScanCollector(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, double heartbeat_timeout_s,
-                const SurveyListener& listener)
+                const ScanListener& listener)
       : mpi_(mpi), heartbeat_timeout_s_(heartbeat_timeout_s), listener_(listener), ranks_(std::size_t(mpi.ranks())) {
     for (int rank = 0; rank < mpi.ranks(); ++rank)
       ranks_[std::size_t(rank)] = {tiles_of_rank(tiles, rank, mpi.ranks()).size(), Clock::now()};
@@ -91,8 +91,8 @@ class ScanCollector {
       rank.heard = Clock::now();
       if (message->tag == tag_stop) rank.missing = 0;
       if (message->tag == tag_died) listener_.died(message->from, {message->bytes.begin(), message->bytes.end()});
-      if (message->tag != tag_survey) continue;
-      surveys_.push_back(survey_from_bytes(message->bytes));
+      if (message->tag != tag_scan) continue;
+      scans_.push_back(scan_from_bytes(message->bytes));
       --rank.missing;
     }
     for (int rank = 1; rank < mpi_.ranks(); ++rank) expect_life(rank);
@@ -109,7 +109,7 @@ class ScanCollector {
     }
   }
 
-  std::vector<TileScan>& surveys() { return surveys_; }
+  std::vector<TileScan>& scans() { return scans_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -127,9 +127,9 @@ class ScanCollector {
 
   MpiSession& mpi_;
   double heartbeat_timeout_s_;
-  const SurveyListener& listener_;
+  const ScanListener& listener_;
   std::vector<Rank> ranks_;
-  std::vector<TileScan> surveys_;
+  std::vector<TileScan> scans_;
 };
 
 /// Sends every rank its tiles from rank 0; returns this rank's tiles.
@@ -163,10 +163,10 @@ void scan_on_this_rank(BakeProcess& process, const std::vector<std::uint32_t>& t
   TileQueue queue(tiles);
   int failed_starts = 0;
   while (!queue.is_empty() || process.in_flight() != 0) {
-    while (const auto tile = queue.next(process.in_flight())) process.survey(*tile);
+    while (const auto tile = queue.next(process.in_flight())) process.scan(*tile);
     process.wait(max_scan_wait);
     while (auto event = process.poll()) {
-      if (auto* surveyed = std::get_if<BakeProcess::Surveyed>(&*event)) each(std::move(surveyed->survey));
+      if (auto* scanned = std::get_if<BakeProcess::Scanned>(&*event)) each(std::move(scanned->scan));
       const auto* death = std::get_if<BakeProcess::Died>(&*event);
       if (death == nullptr) continue;
       failed_starts = death->has_started ? 0 : failed_starts + 1;
@@ -187,7 +187,7 @@ namespace {
 void scan_for_master(MpiSession& mpi, BakeProcess& process, const std::vector<std::uint32_t>& tiles) {
   HeartbeatSender signs(mpi, process);
   scan_on_this_rank(
-      process, tiles, [&](const TileScan& s) { mpi.send(0, tag_survey, to_bytes(s)); },
+      process, tiles, [&](const TileScan& s) { mpi.send(0, tag_scan, to_bytes(s)); },
       [&](const std::string& why) {
         mpi.send(0, tag_died, {why.begin(), why.end()});
       },
@@ -201,8 +201,8 @@ void scan_for_master(MpiSession& mpi, BakeProcess& process, const std::vector<st
 
 }  // namespace
 
-std::vector<TileScan> survey_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
-                                   double heartbeat_timeout_s, const SurveyListener& listener) {
+std::vector<TileScan> scan_tiles(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, BakeProcess& process,
+                                 double heartbeat_timeout_s, const ScanListener& listener) {
   const std::vector<std::uint32_t> own = distribute_tiles(mpi, tiles, process);
   if (mpi.rank() != 0) {
     scan_for_master(mpi, process, own);
@@ -211,15 +211,15 @@ std::vector<TileScan> survey_tiles(MpiSession& mpi, const std::vector<std::uint3
   ScanCollector collector(mpi, tiles, heartbeat_timeout_s, listener);
   const auto collect = [&] {
     collector.collect();
-    return listener.surveyed(collector.surveys().size());
+    return listener.scanned(collector.scans().size());
   };
   scan_on_this_rank(
-      process, own, [&](TileScan s) { collector.surveys().push_back(std::move(s)); },
+      process, own, [&](TileScan s) { collector.scans().push_back(std::move(s)); },
       [&](const std::string& why) { listener.died(0, why); }, collect);
   bool goes_on = collect();
-  for (; goes_on && collector.surveys().size() < tiles.size(); goes_on = collect()) process.wait(max_scan_wait);
+  for (; goes_on && collector.scans().size() < tiles.size(); goes_on = collect()) process.wait(max_scan_wait);
   if (!goes_on) collector.stop(process);
-  return std::move(collector.surveys());
+  return std::move(collector.scans());
 }
 
 }  // namespace gigabake

@@ -1,5 +1,5 @@
 /// Levels above the cells are the same for any division of the scene into cells and blocks.
-#include "kernels/cpu/mip/parent.h"
+#include "kernels/cpu/mip/overview.h"
 
 #include <array>
 #include <bit>
@@ -17,13 +17,13 @@ namespace {
 constexpr std::uint32_t whole_voxels = 128;
 constexpr int whole_lods = 5;
 
-struct ParentRules {
+struct OverviewRules {
   MipFilter mip = MipFilter::coverage;
   bool normals = true, facing = true;
   std::uint32_t max_error = 0;
 };
 
-CellParameters parameters_of(const test::TestCell& cell, const ParentRules& rules) {
+CellParameters parameters_of(const test::TestCell& cell, const OverviewRules& rules) {
   CellParameters p = cell.parameters(SurfaceRule::area, rules.mip, rules.normals);
   p.window_voxels = whole_voxels;
   p.facing = rules.facing;
@@ -33,14 +33,14 @@ CellParameters parameters_of(const test::TestCell& cell, const ParentRules& rule
 
 /// A baked cell or overview, with its position.
 struct Baked {
-  ParentSource source;
+  DownsampleState source;
   std::array<std::int64_t, 3> min;
 };
 
 /// Bakes the scene in cells, then in larger and larger blocks up to one, and sums the hashes of each level.
 class InBlocks {
  public:
-  InBlocks(test::TestCell& cell, const ParentRules& rules, std::mt19937& random)
+  InBlocks(test::TestCell& cell, const OverviewRules& rules, std::mt19937& random)
       : input_(cell.input()), parameters_(parameters_of(cell, rules)), random_(random) {}
 
   /// Returns the hashes of all levels. z_shift: of the cells, in voxels of their coarsest level, 0 … 7.
@@ -50,7 +50,7 @@ class InBlocks {
     while (edge < whole_voxels) {
       int levels = 1 + int(random_() % 3);
       while (edge << levels > whole_voxels) --levels;
-      bake_parents(edge, levels);
+      bake_overviews(edge, levels);
       edge <<= levels;
     }
     return hash_;
@@ -70,20 +70,20 @@ class InBlocks {
         }
   }
 
-  void bake_parents(std::int64_t child_edge, int levels) {
+  void bake_overviews(std::int64_t child_edge, int levels) {
     std::vector<Baked> below = std::move(baked_);
     baked_.clear();
     std::shuffle(below.begin(), below.end(), random_);
-    std::vector<ParentChild> children;
+    std::vector<JoinedChild> children;
     for (const Baked& b : below) children.push_back({&b.source, {b.min[0], b.min[1], b.min[2]}});
     const std::int64_t edge = child_edge << levels, whole = whole_voxels;
     for (std::int64_t z = 0; z < whole; z += edge)
       for (std::int64_t y = 0; y < whole; y += edge)
         for (std::int64_t x = 0; x < whole; x += edge) {
-          ParentParameters p{{x, y, z}, int(std::bit_width(std::uint64_t(child_edge / 8))) - 1, levels};
+          OverviewParameters p{{x, y, z}, int(std::bit_width(std::uint64_t(child_edge / 8))) - 1, levels};
           p.mip = parameters_.mip, p.normals = parameters_.normals, p.facing = parameters_.facing;
           p.max_error = parameters_.max_error;
-          keep(bake_parent(children, p, pool_), p.child_lod + 1, {x, y, z});
+          keep(bake_overview(children, p, pool_), p.child_lod + 1, {x, y, z});
         }
   }
 
@@ -103,9 +103,9 @@ class InBlocks {
   std::vector<Hash128> hash_;
 };
 
-class ParentLevels : public testing::TestWithParam<ParentRules> {};
+class OverviewLevels : public testing::TestWithParam<OverviewRules> {};
 
-TEST_P(ParentLevels, AreThoseOfOneCellOverAllForEverySizeOfCellsAndBlocks) {
+TEST_P(OverviewLevels, AreThoseOfOneCellOverAllForEverySizeOfCellsAndBlocks) {
   const gigabake::test::RandomSeed seed;
   std::mt19937 random{unsigned(seed)};
   test::TestCell cell = test::ground("", whole_voxels, 30, false, true);
@@ -121,33 +121,33 @@ TEST_P(ParentLevels, AreThoseOfOneCellOverAllForEverySizeOfCellsAndBlocks) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(OfEveryRule, ParentLevels,
-                         testing::Values(ParentRules{}, ParentRules{MipFilter::coverage, false},
-                                         ParentRules{MipFilter::coverage, true, false},
-                                         ParentRules{MipFilter::coverage, true, true, 4},
-                                         ParentRules{MipFilter::thesis}, ParentRules{MipFilter::thesis, false},
-                                         ParentRules{MipFilter::box}, ParentRules{MipFilter::box, true, true, 9}));
+INSTANTIATE_TEST_SUITE_P(OfEveryRule, OverviewLevels,
+                         testing::Values(OverviewRules{}, OverviewRules{MipFilter::coverage, false},
+                                         OverviewRules{MipFilter::coverage, true, false},
+                                         OverviewRules{MipFilter::coverage, true, true, 4},
+                                         OverviewRules{MipFilter::thesis}, OverviewRules{MipFilter::thesis, false},
+                                         OverviewRules{MipFilter::box}, OverviewRules{MipFilter::box, true, true, 9}));
 
-TEST(Parent, OfChildrenWithoutVoxelsHasNone) {
-  const ParentSource nothing;
-  const ParentChild child{&nothing, {}};
-  EXPECT_TRUE(bake_parent(std::span(&child, 1), {{}, 3, 3}, ThreadPool(1)).levels.empty());
+TEST(Overview, OfChildrenWithoutVoxelsHasNone) {
+  const DownsampleState nothing;
+  const JoinedChild child{&nothing, {}};
+  EXPECT_TRUE(bake_overview(std::span(&child, 1), {{}, 3, 3}, ThreadPool(1)).levels.empty());
 }
 
-TEST(Parent, RefusesChildrenThatOverlapOrDoNotFitItsRules) {
+TEST(Overview, RefusesChildrenThatOverlapOrDoNotFitItsRules) {
   test::TestCell cell = test::ground("", 64, 10, false, true);
   const CellVolume volume =
       bake_cell(cell.input(), cell.parameters(SurfaceRule::area, MipFilter::coverage, true), ThreadPool(1));
-  const ParentChild twice[2] = {{&volume.above, {}}, {&volume.above, {}}};
-  ParentParameters p{{}, 3, 2};
-  EXPECT_NO_THROW(bake_parent(std::span(twice, 1), p, ThreadPool(1)));
-  EXPECT_THROW(bake_parent(twice, p, ThreadPool(1)), InputError);
+  const JoinedChild twice[2] = {{&volume.above, {}}, {&volume.above, {}}};
+  OverviewParameters p{{}, 3, 2};
+  EXPECT_NO_THROW(bake_overview(std::span(twice, 1), p, ThreadPool(1)));
+  EXPECT_THROW(bake_overview(twice, p, ThreadPool(1)), InputError);
   p.mip = MipFilter::thesis;
-  EXPECT_THROW(bake_parent(std::span(twice, 1), p, ThreadPool(1)), InputError);
-  ParentSource torn = volume.above;
+  EXPECT_THROW(bake_overview(std::span(twice, 1), p, ThreadPool(1)), InputError);
+  DownsampleState torn = volume.above;
   torn.raster.pop_back();
-  const ParentChild child{&torn, {}};
-  EXPECT_THROW(bake_parent(std::span(&child, 1), {{}, 3, 2}, ThreadPool(1)), InputError);
+  const JoinedChild child{&torn, {}};
+  EXPECT_THROW(bake_overview(std::span(&child, 1), {{}, 3, 2}, ThreadPool(1)), InputError);
 }
 
 }  // namespace

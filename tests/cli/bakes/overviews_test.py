@@ -3,7 +3,7 @@
 
 The levels are equal for any cell size and any ranks, and are rebuilt after changes. Some tests damage a child.
 
-Usage: parents_test.py GIGABAKE SOURCE_DIR
+Usage: overviews_test.py GIGABAKE SOURCE_DIR
 """
 import re
 import shutil
@@ -21,7 +21,7 @@ from png_file import read_png
 SEED = 20261123
 
 
-class Parents(harness.FolderTest):
+class Overviews(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -86,8 +86,8 @@ class Parents(harness.FolderTest):
         content[len(content) // 4:len(content) // 2] = bytes(len(content) // 2 - len(content) // 4)
         cell.write_bytes(content)
         self.assertEqual(PROGRAM.run("verify", out).returncode, 1)
-        for parent in (out / "shards").glob("p*.h5"):
-            parent.unlink()
+        for overview in (out / "shards").glob("p*.h5"):
+            overview.unlink()
         self.assertEqual(self.bake("damaged", "--cell-voxels", 16)["content_hash"], self.fine["content_hash"])
         PROGRAM.succeed("verify", out)
 
@@ -97,17 +97,17 @@ class Parents(harness.FolderTest):
         cell = sorted((out / "shards").glob("c_*.h5"))[3]
         cell.unlink()
         (out / "journal").unlink()
-        for parent in (out / "shards").glob("p*.h5"):
-            parent.unlink()
+        for overview in (out / "shards").glob("p*.h5"):
+            overview.unlink()
         cell.mkdir()
         (cell / "in the way").touch()
         result = PROGRAM.run("bake", self.four, "-o", out, "--voxel-size", VOXEL_M, "--cell-voxels", 16)
         self.assertNotEqual(result.returncode, 0)
         losses = PROGRAM.info(out)["losses"]
         self.assertEqual(losses[0]["name"], "cell " + cell.name.rsplit("-", 1)[0])
-        of_parents = [loss for loss in losses if loss["name"].startswith("parent p")]
-        self.assertGreaterEqual(len(of_parents), 1)
-        self.assertEqual({loss["reason"] for loss in of_parents}, {"was made without cells below it that are lost"})
+        of_overviews = [loss for loss in losses if loss["name"].startswith("parent p")]
+        self.assertGreaterEqual(len(of_overviews), 1)
+        self.assertEqual({loss["reason"] for loss in of_overviews}, {"was made without cells below it that are lost"})
         verify = PROGRAM.run("verify", out)
         self.assertEqual(verify.returncode, 3, verify)
         self.assertIn("sound, but incomplete: 1 of 65 cells is missing", verify.stdout)
@@ -161,7 +161,7 @@ class Parents(harness.FolderTest):
         self.expect_equal_copies("lossy_finer")
         queried = [PROGRAM.succeed("query", self.root / name, "--at", "0.2,0.1", "--lod", 4).splitlines()[1].split(",")
                    for name in ("fine", "lossy")]
-        self.assertEqual(queried[0][10:], queried[1][10:], "level and parent")
+        self.assertEqual(queried[0][10:], queried[1][10:], "level and overview")
 
     def test_a_cell_that_is_gone_or_damaged_is_drawn_by_its_parent(self):
         options = ("--eye=0.1,0,30", "--target=0,0,0")

@@ -10,7 +10,7 @@
 
 #include "core/base/progress.h"
 #include "core/octree/parameters.h"
-#include "format/job/survey.h"
+#include "format/job/tile_scan.h"
 #include "format/source/source.h"
 
 namespace gigabake {
@@ -19,18 +19,18 @@ namespace gigabake {
 /// Exact   A result is found only if every file that it was made from still has its settled stamp from before the scan
 ///         (format/system/file_stamp.h). Absent files are checked too.
 /// Errors  None: a file that is absent, damaged, truncated or of another format counts as empty.
-class SurveyCache {
+class ScanCache {
  public:
-  explicit SurveyCache(const std::filesystem::path& path);
-  SurveyCache(const SurveyCache&) = delete;
-  SurveyCache& operator=(const SurveyCache&) = delete;
+  explicit ScanCache(const std::filesystem::path& path);
+  ScanCache(const ScanCache&) = delete;
+  ScanCache& operator=(const ScanCache&) = delete;
 
   std::optional<TileScan> find(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters) const;
   /// Returns the cached results by tile.
   /// Cost    Opens each file: 10^5 tiles of two files in 0.4 s on two threads and a local disk.
   std::vector<std::optional<TileScan>> find_all(const SceneSources& sources, const BakeParameters& parameters,
                                                 int threads, const Progress& progress = {}) const;
-  std::size_t size() const { return surveys_.size(); }
+  std::size_t size() const { return scans_.size(); }
 
  private:
   struct LowHalf {
@@ -40,13 +40,13 @@ class SurveyCache {
   void load(const std::filesystem::path& path);
 
   std::vector<std::uint8_t> bytes_;
-  std::unordered_map<Hash128, std::span<const std::uint8_t>, LowHalf> surveys_;  ///< views into bytes_
+  std::unordered_map<Hash128, std::span<const std::uint8_t>, LowHalf> scans_;  ///< views into bytes_
 };
 
 /// Replaces the file by these results. Leaves out results with an error, and results of files written so recently that
 /// their stamps are not settled.
 /// Errors  InputError: the file is unchanged.
-void save_survey_cache(const std::filesystem::path& path, const SceneSources& sources, const BakeParameters& parameters,
-                       std::span<const TileScan> surveys);
+void save_scan_cache(const std::filesystem::path& path, const SceneSources& sources, const BakeParameters& parameters,
+                     std::span<const TileScan> scans);
 
 }  // namespace gigabake

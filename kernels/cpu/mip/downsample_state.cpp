@@ -1,4 +1,4 @@
-#include "kernels/cpu/mip/parent_source.h"
+#include "kernels/cpu/mip/downsample_state.h"
 
 #include <bit>
 #include <cstring>
@@ -23,7 +23,7 @@ void add_places(const Level& level, std::uint8_t below, std::vector<std::uint8_t
   }
 }
 
-void add_level(const Level& level, std::uint8_t below, ParentSource& source) {
+void add_level(const Level& level, std::uint8_t below, DownsampleState& source) {
   add_places(level, below, source.place);
   source.rgba.insert(source.rgba.end(), level.rgba.begin(), level.rgba.end());
   source.normal.insert(source.normal.end(), level.normal.begin(), level.normal.end());
@@ -37,9 +37,10 @@ std::vector<std::uint8_t> bytes_of_all(const std::vector<T>& items) {
 
 }  // namespace
 
-ParentSource parent_source(const std::vector<Level>& levels, int lod, const LevelSurface& surface, MipFilter filter) {
+DownsampleState downsample_state(const std::vector<Level>& levels, int lod, const LevelSurface& surface,
+                                 MipFilter filter) {
   static_assert(sizeof(SurfaceMoments) == source_patch_bytes && std::endian::native == std::endian::little);
-  ParentSource source;
+  DownsampleState source;
   if (levels.empty()) return source;
   add_level(levels.back(), 0, source);
   if (is_of_64(filter, lod + 1)) add_level(levels[levels.size() - 2], 1, source);

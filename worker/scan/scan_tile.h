@@ -5,7 +5,7 @@
 
 #include "core/base/thread_pool.h"
 #include "core/octree/parameters.h"
-#include "format/job/survey.h"
+#include "format/job/tile_scan.h"
 #include "format/source/source.h"
 #include "worker/tiles/tile_store.h"
 
@@ -24,7 +24,7 @@ namespace gigabake {
 /// (worker/scan/long_triangles.h). The same holds if a vertex is beyond the lattice.
 /// Cost    Time is linear in triangles, boxes and columns; a tile with more than 2^21 columns is an error.
 /// Errors  Throws nothing: TileScan::error holds one line with the reason why the tile has no columns.
-TileScan survey_tile(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters,
-                     const ThreadPool& pool, const TileStore* store = nullptr);
+TileScan scan_tile(const SceneSources& sources, std::uint32_t tile, const BakeParameters& parameters,
+                   const ThreadPool& pool, const TileStore* store = nullptr);
 
 }  // namespace gigabake

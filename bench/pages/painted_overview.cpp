@@ -1,4 +1,4 @@
-#include "bench/pages/painted_parent.h"
+#include "bench/pages/painted_overview.h"
 
 #include <algorithm>
 #include <bit>
@@ -23,13 +23,13 @@ Place place_of(std::int64_t x, std::int64_t y, std::int64_t z) {
 
 /// Returns the surface voxels of the window's finest level. Each column also contains the voxels that connect it with
 /// its western and southern neighbours, so that there is no hole.
-std::vector<Place> finest_places(const CellJob& parent, const SurfaceHeight& height) {
-  const std::int64_t width = parent.cell_voxels >> parent.first_lod;
-  const double voxel = std::ldexp(1, int(parent.first_lod));
+std::vector<Place> finest_places(const CellJob& overview, const SurfaceHeight& height) {
+  const std::int64_t width = overview.cell_voxels >> overview.first_lod;
+  const double voxel = std::ldexp(1, int(overview.first_lod));
   const auto row_of = [&](std::int64_t i, std::int64_t j) {
-    const double x = double(parent.lattice_min[0]) + (double(i) + .5) * voxel;
-    const double y = double(parent.lattice_min[1]) + (double(j) + .5) * voxel;
-    return std::int64_t(std::floor((height(x, y) - double(parent.lattice_min[2])) / voxel));
+    const double x = double(overview.lattice_min[0]) + (double(i) + .5) * voxel;
+    const double y = double(overview.lattice_min[1]) + (double(j) + .5) * voxel;
+    return std::int64_t(std::floor((height(x, y) - double(overview.lattice_min[2])) / voxel));
   };
   std::vector<Place> places;
   std::vector<std::int64_t> south(std::size_t(width) + 1);
@@ -84,23 +84,23 @@ kernels::Level level_of(const std::vector<Place>& places) {
 
 }  // namespace
 
-Shard painted_parent(const CellJob& parent, const SurfaceHeight& height, double voxel_size_m) {
+Shard painted_overview(const CellJob& overview, const SurfaceHeight& height, double voxel_size_m) {
   kernels::CellVolume volume;
-  std::vector<Place> places = finest_places(parent, height);
-  for (std::uint32_t width = parent.cell_voxels >> parent.first_lod; width >= brick_edge; width /= 2) {
+  std::vector<Place> places = finest_places(overview, height);
+  for (std::uint32_t width = overview.cell_voxels >> overview.first_lod; width >= brick_edge; width /= 2) {
     volume.levels.push_back(level_of(places));
     places = coarser(places);
   }
   volume.nodes = kernels::brick_nodes(volume.levels);
   ShardHeader header;
   header.generator = "gigabake made_scene";
-  header.cell = parent.name;
-  header.lattice_min = parent.lattice_min;
-  header.cell_voxels = parent.cell_voxels;
-  header.first_lod = parent.first_lod;
-  header.copied_lods = parent.copied_lods;
+  header.cell = overview.name;
+  header.lattice_min = overview.lattice_min;
+  header.cell_voxels = overview.cell_voxels;
+  header.first_lod = overview.first_lod;
+  header.copied_lods = overview.copied_lods;
   header.voxel_size_m = voxel_size_m;
-  header.fingerprint = parent.fingerprint;
+  header.fingerprint = overview.fingerprint;
   header.has_facing = true;
   Shard shard = shard_from_volume(std::move(volume), std::move(header));
   shard.header.content_hash = content_hash(shard);

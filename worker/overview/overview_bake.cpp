@@ -1,4 +1,4 @@
-#include "worker/overview/parent_bake.h"
+#include "worker/overview/overview_bake.h"
 
 #include <algorithm>
 #include <mutex>
@@ -7,19 +7,22 @@
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
 #include "format/shard/shard_reader.h"
-#include "kernels/cpu/mip/parent.h"
+#include "kernels/cpu/mip/overview.h"
 #include "worker/pipeline/cell_parameters.h"
 
 namespace gigabake {
 namespace {
 
-std::vector<kernels::Level> copies_of(const CellJob& parent, const ChildrenOfParent& children, const BakeParameters& p,
-                                      const ThreadPool& pool) {
+std::vector<kernels::Level> copies_of(const CellJob& overview, const OverviewChildren& children,
+                                      const BakeParameters& p, const ThreadPool& pool) {
   std::vector<const ChildLevels*> copied;
   for (const auto& child : children) copied.push_back(&child->copied);
-  const DuplicatedWindow window{parent.lattice_min, parent.cell_voxels,
-                                parent.first_lod,   parent.first_lod + parent.copied_lods,
-                                p.normals,          has_facing(p)};
+  const DuplicatedWindow window{overview.lattice_min,
+                                overview.cell_voxels,
+                                overview.first_lod,
+                                overview.first_lod + overview.copied_lods,
+                                p.normals,
+                                has_facing(p)};
   return joined_levels(copied, window, pool);
 }
 
@@ -27,20 +30,20 @@ std::vector<kernels::Level> copies_of(const CellJob& parent, const ChildrenOfPar
 
 std::string generator() { return "gigabake " GIGABAKE_VERSION; }
 
-ChildOfParent read_child(const ShardReader& reader, const CellJob& parent) {
-  ChildOfParent child{reader.above(), {}};
+OverviewChild read_child(const ShardReader& reader, const CellJob& overview) {
+  OverviewChild child{reader.above(), {}};
   if (child.source.empty())
     throw InputError(reader.path(), "/above",
                      "is missing, but overviews are made from it: remove the file and bake again");
-  child.copied = read_child_levels(reader, parent.first_lod);
+  child.copied = read_child_levels(reader, overview.first_lod);
   return child;
 }
 
-std::uint64_t bytes_of(const ChildOfParent& child) {
+std::uint64_t bytes_of(const OverviewChild& child) {
   const auto all = [](const auto&... columns) {
     return (... + (std::uint64_t(columns.size()) * sizeof(*columns.data())));
   };
-  const ParentSource& source = child.source;
+  const DownsampleState& source = child.source;
   const NodeTable& n = child.copied.coarse.nodes;
   std::uint64_t bytes = all(source.place, source.rgba, source.normal, source.raster, source.patch, n.key, n.lod, n.kind,
                             n.child_mask, n.first_child, n.value, n.normal, n.facing);
@@ -49,59 +52,60 @@ std::uint64_t bytes_of(const ChildOfParent& child) {
   return bytes;
 }
 
-ChildOfParent child_of(Shard&& shard, std::uint32_t begin) {
+OverviewChild child_of(Shard&& shard, std::uint32_t begin) {
   const ShardHeader& h = shard.header;
-  ChildOfParent child{std::move(shard.above), {h.lattice_min, h.first_lod, begin, {}}};
+  OverviewChild child{std::move(shard.above), {h.lattice_min, h.first_lod, begin, {}}};
   if (begin < h.first_lod + h.lods)
     child.copied.coarse = take_coarse_levels(std::move(shard), int(begin - h.first_lod));
   return child;
 }
 
-ChildOfParent child_of(const PackedShard& shard, std::uint32_t begin) {
+OverviewChild child_of(const PackedShard& shard, std::uint32_t begin) {
   const ShardHeader& h = shard.header;
-  ChildOfParent child{shard.above, {h.lattice_min, h.first_lod, begin, {}}};
+  OverviewChild child{shard.above, {h.lattice_min, h.first_lod, begin, {}}};
   if (begin < h.first_lod + h.lods) child.copied.coarse = unpack_coarse_levels(shard, int(begin - h.first_lod));
   return child;
 }
 
 namespace {
 
-std::shared_ptr<const ChildOfParent> read_child_file(const std::filesystem::path& out, const std::string& file,
-                                                     const CellJob& parent) {
+std::shared_ptr<const OverviewChild> read_child_file(const std::filesystem::path& out, const std::string& file,
+                                                     const CellJob& overview) {
   const ShardReader reader(out / file);
   // The fingerprint in the header differs from the name if another bake has replaced the child.
   if (shard_file(reader.header().cell, reader.header().fingerprint) != file)
     throw InputError(out / file, "fingerprint", "does not match the file's name: remove the file and bake again");
-  return std::make_shared<const ChildOfParent>(read_child(reader, parent));
+  return std::make_shared<const OverviewChild>(read_child(reader, overview));
 }
 
 }  // namespace
 
-ChildrenOfParent read_children(const std::filesystem::path& out, const CellJob& parent, const FindChild& find,
+OverviewChildren read_children(const std::filesystem::path& out, const CellJob& overview, const FindChild& find,
                                const ThreadPool& pool) {
-  MemoryClaim memory("parent " + parent.name, "use fewer ranks on the machine");
+  MemoryClaim memory("parent " + overview.name, "use fewer ranks on the machine");
   std::mutex claiming;
-  ChildrenOfParent children(parent.child_files.size());
+  OverviewChildren children(overview.child_files.size());
   pool.parallel_for(children.size(), 1, [&](std::size_t c, std::size_t, int) {
-    const std::string& file = parent.child_files[c];
+    const std::string& file = overview.child_files[c];
     children[c] = find(file);
-    if (!children[c] || children[c]->copied.begin != parent.first_lod) children[c] = read_child_file(out, file, parent);
+    if (!children[c] || children[c]->copied.begin != overview.first_lod)
+      children[c] = read_child_file(out, file, overview);
     const std::scoped_lock lock(claiming);
     memory.add_items(2, bytes_of(*children[c]), "", "duplicated levels of its children");
   });
   return children;
 }
 
-kernels::CellVolume make_parent(const CellJob& parent, const ChildrenOfParent& children,
-                                const BakeParameters& parameters, const ThreadPool& pool) {
-  std::vector<kernels::ParentChild> sources;
+kernels::CellVolume make_overview(const CellJob& overview, const OverviewChildren& children,
+                                  const BakeParameters& parameters, const ThreadPool& pool) {
+  std::vector<kernels::JoinedChild> sources;
   for (const auto& child : children) {
-    kernels::ParentChild& source = sources.emplace_back();
+    kernels::JoinedChild& source = sources.emplace_back();
     source.source = &child->source;
     std::ranges::copy(child->copied.lattice_min, source.lattice_min);
   }
-  return kernels::bake_parent(sources, parent_parameters(parent, parameters), pool,
-                              copies_of(parent, children, parameters, pool));
+  return kernels::bake_overview(sources, overview_parameters(overview, parameters), pool,
+                                copies_of(overview, children, parameters, pool));
 }
 
 }  // namespace gigabake

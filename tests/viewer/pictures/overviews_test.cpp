@@ -42,8 +42,8 @@ VoxelScene paint_in_three_tiers() {
   VoxelScene scene(8);
   scene.add_cells(hills, {0, 0, 0}, ground_edge);
   for (std::int64_t at = 0; at < 8; ++at)
-    scene.add_parent(hills, {64 * (at & 1), 64 * (at >> 1 & 1), 64 * (at >> 2)}, 64, 1);
-  scene.add_parent(hills, {0, 0, 0}, ground_edge, 4);
+    scene.add_overview(hills, {64 * (at & 1), 64 * (at >> 1 & 1), 64 * (at >> 2)}, 64, 1);
+  scene.add_overview(hills, {0, 0, 0}, ground_edge, 4);
   return scene;
 }
 
@@ -59,8 +59,8 @@ VoxelScene paint_with_copies() {
   for (std::int64_t y = 0; y < 8; ++y)
     for (std::int64_t x = 0; x < 8; ++x)
       for (std::int64_t z = -1; z < 8; ++z) scene.add_cell(hills, {16 * x, 16 * y, 16 * z + 8 * ((x + y) % 2)});
-  for (const std::int64_t z : {-128, 0}) scene.add_parent(hills, {0, 0, z}, 128, 1, 1);
-  scene.add_parent(hills, {-128, 0, -128}, 256, 1, 4);
+  for (const std::int64_t z : {-128, 0}) scene.add_overview(hills, {0, 0, z}, 128, 1, 1);
+  scene.add_overview(hills, {-128, 0, -128}, 256, 1, 4);
   return scene;
 }
 
@@ -75,7 +75,7 @@ VoxelScene in_stacks() {
   for (std::int64_t y = 0; y < 4; ++y)
     for (std::int64_t x = 0; x < 4; ++x)
       for (std::int64_t z = -1; z < 3; ++z) scene.add_cell(hills, {32 * x, 32 * y, 32 * z + 8 * ((x + 3 * y) % 4)});
-  scene.add_parent(hills, {-128, 0, -128}, 256, 3);
+  scene.add_overview(hills, {-128, 0, -128}, 256, 3);
   return scene;
 }
 
@@ -109,10 +109,10 @@ std::size_t mostly_covered_pixels(const Picture& picture) {
   return covered;
 }
 
-TEST(DrawnFromParents, IsWhatOneCellOfAllShows) {
+TEST(DrawnFromOverviews, IsWhatOneCellOfAllShows) {
   const VoxelScene one = whole();
   const VoxelScene& many = in_three_tiers();
-  ASSERT_EQ(many.description().parents.size(), 5u) << "four parents hold ground, and the root";
+  ASSERT_EQ(many.description().overviews.size(), 5u) << "four overviews hold ground, and the root";
   FrameRenderer expected = renderer_of(one, one.pages()), drawn = renderer_of(many, many.pages());
   for (const ViewMode mode : {ViewMode::lit, ViewMode::lod})
     for (const Eye& eye : eyes) {
@@ -134,7 +134,7 @@ void expect_alike(const VoxelScene& one, const VoxelScene& many) {
   }
 }
 
-TEST(DrawnFromParents, ShowsNoSeamWhereStacksOfCellsBeginAnywhere) { expect_alike(whole(), in_stacks()); }
+TEST(DrawnFromOverviews, ShowsNoSeamWhereStacksOfCellsBeginAnywhere) { expect_alike(whole(), in_stacks()); }
 
 /// Returns the shards that the image needs; the image must show the scene in at least `min_covered` pixels.
 std::set<std::uint32_t> shards_read(const VoxelScene& scene, const Eye& eye, std::size_t min_covered) {
@@ -150,17 +150,17 @@ std::set<std::uint32_t> shards_read(const VoxelScene& scene, const Eye& eye, std
 }
 
 std::set<std::uint32_t> root_alone(const VoxelScene& scene) {
-  return {std::uint32_t(scene.description().cells.size() + scene.description().parents.size() - 1)};
+  return {std::uint32_t(scene.description().cells.size() + scene.description().overviews.size() - 1)};
 }
 
-TEST(DrawnFromParents, ReadsTheRootAloneOfWhatIsFarAway) {
+TEST(DrawnFromOverviews, ReadsTheRootAloneOfWhatIsFarAway) {
   const VoxelScene& scene = in_three_tiers();
   EXPECT_EQ(shards_read(scene, {{64, 60, 4000}, {64, 64, 20}, 4}, 2), root_alone(scene));
 }
 
-TEST(DrawnFromParents, WithCopiesIsWhatOneCellOfAllShows) { expect_alike(whole(), with_copies()); }
+TEST(DrawnFromOverviews, WithCopiesIsWhatOneCellOfAllShows) { expect_alike(whole(), with_copies()); }
 
-TEST(DrawnFromParents, ReadsCopiesInPlaceOfCells) {
+TEST(DrawnFromOverviews, ReadsCopiesInPlaceOfCells) {
   const VoxelScene& scene = with_copies();
   EXPECT_EQ(shards_read(scene, eyes[3], 100), root_alone(scene)) << "whose copies reach down to level 1";
 }
@@ -179,7 +179,7 @@ std::size_t different_pixels(const Picture& a, const Picture& b) {
   return different;
 }
 
-TEST(DrawnFromParents, ShowsTheParentWhereACellIsDamaged) {
+TEST(DrawnFromOverviews, ShowsTheOverviewWhereACellIsDamaged) {
   const VoxelScene& scene = in_three_tiers();
   const View near = at({{36, 36, 70}, {36.1, 36, 30}, 1});
   const Picture expected = renderer_of(scene, scene.pages()).draw_exact(near).picture;
@@ -195,26 +195,26 @@ TEST(DrawnFromParents, ShowsTheParentWhereACellIsDamaged) {
   EXPECT_LT(different_pixels(drawn, expected), expected.depth.size() / 4) << "the other cells are unchanged";
 }
 
-TEST(DrawnFromParents, ShowsTheCellsWhereAParentIsDamaged) {
+TEST(DrawnFromOverviews, ShowsTheCellsWhereAnOverviewIsDamaged) {
   const VoxelScene& scene = in_three_tiers();
   const auto first = std::uint32_t(scene.description().cells.size());
-  const auto last = first + std::uint32_t(scene.description().parents.size()) - 1;
-  for (const std::uint32_t parent : {first, last}) {
-    FrameRenderer whole = renderer_of(scene, scene.pages()), renderer = renderer_of(scene, damaged(scene, parent));
+  const auto last = first + std::uint32_t(scene.description().overviews.size()) - 1;
+  for (const std::uint32_t overview : {first, last}) {
+    FrameRenderer whole = renderer_of(scene, scene.pages()), renderer = renderer_of(scene, damaged(scene, overview));
     const View near = at(eyes[0]);
     EXPECT_EQ(renderer.draw_exact(near).picture.rgba, whole.draw_exact(near).picture.rgba);
-    EXPECT_EQ(renderer.problems().size(), parent == last ? 0u : 1u) << "of the root nothing is needed from near";
+    EXPECT_EQ(renderer.problems().size(), overview == last ? 0u : 1u) << "of the root nothing is needed from near";
     const View far = at({{64, 60, 300}, {64, 64, 20}, 6});
     const std::size_t covered = mostly_covered_pixels(whole.draw_exact(far).picture);
-    if (parent == last) continue;  // the root has no fallback
+    if (overview == last) continue;  // the root has no fallback
     EXPECT_GE(mostly_covered_pixels(renderer.draw_exact(far).picture), covered * 9 / 10);
   }
 }
 
-TEST(DrawnFromParents, TakesFromItsChildrenWhatADamagedParentHasCopiesOf) {
+TEST(DrawnFromOverviews, TakesFromItsChildrenWhatADamagedOverviewHasCopiesOf) {
   const VoxelScene& scene = with_copies();
   const auto first = std::uint32_t(scene.description().cells.size());
-  const auto root = first + std::uint32_t(scene.description().parents.size()) - 1;
+  const auto root = first + std::uint32_t(scene.description().overviews.size()) - 1;
   FrameRenderer whole = renderer_of(scene, scene.pages()), renderer = renderer_of(scene, damaged(scene, root));
   for (const std::size_t eye : {1u, 3u}) {  // these eyes see levels 1 to 3
     EXPECT_EQ(renderer.draw_exact(at(eyes[eye])).picture.rgba, whole.draw_exact(at(eyes[eye])).picture.rgba) << eye;
@@ -222,10 +222,10 @@ TEST(DrawnFromParents, TakesFromItsChildrenWhatADamagedParentHasCopiesOf) {
   }
 }
 
-TEST(DrawnFromParents, TakesCellsWhereAParentIsMissing) {
+TEST(DrawnFromOverviews, TakesCellsWhereAnOverviewIsMissing) {
   const VoxelScene& scene = in_three_tiers();
   SceneDescription description = scene.description();
-  description.parents.erase(description.parents.begin());
+  description.overviews.erase(description.overviews.begin());
   description.losses.push_back({"parent p", "was not baked"});
   const auto draw = [&](const SceneDescription& described) {
     FrameRenderer renderer(described, "scene.xml", scene.pages(), {});
@@ -247,7 +247,7 @@ PageSource with_pages_of(const std::shared_ptr<NumberedShards>& numbers, const V
 struct InPages {
   InPages() {
     SceneDescription description = scene.description();
-    for (std::vector<SceneCell>* shards : {&description.cells, &description.parents})
+    for (std::vector<SceneCell>* shards : {&description.cells, &description.overviews})
       for (SceneCell& shard : *shards) {
         shard.voxels.assign(shard.lods, 1);
         shard.content_hash.assign(shard.lods, {1, 2});
@@ -276,11 +276,11 @@ struct InPages {
   made::TempFolder folder;
 };
 
-TEST(DrawnFromParents, FindsItsCellsAndParentsInThePagesOfTheScene) {
+TEST(DrawnFromOverviews, FindsItsCellsAndOverviewsInThePagesOfTheScene) {
   const InPages in_pages;
   const PagedScene opened(in_pages.folder / "scene.xml");
   ASSERT_NE(opened.root().pages.at(0).groups, 0u) << "two levels of pages";
-  ASSERT_LT(opened.root().parents.size(), opened.totals().parents) << "pages list parents";
+  ASSERT_LT(opened.root().overviews.size(), opened.totals().overviews) << "pages list overviews";
   const PictureOptions options = view({20, 30, 60}, {70, 80, 30});
   const InPages::Drawn drawn = in_pages.drawn(options);
   EXPECT_EQ(drawn.rgba, take(in_pages.scene, options).rgba);
@@ -288,11 +288,11 @@ TEST(DrawnFromParents, FindsItsCellsAndParentsInThePagesOfTheScene) {
   EXPECT_EQ(drawn.trees, 8u);
 }
 
-TEST(DrawnFromParents, IsDrawnCoarserWhereAPageThatListsParentsIsGone) {
+TEST(DrawnFromOverviews, IsDrawnCoarserWhereAPageThatListsOverviewsIsGone) {
   const InPages in_pages;
   const PagedScene opened(in_pages.folder / "scene.xml");
   const std::vector<PageReference>& pages = opened.root().pages;
-  const auto lost = std::ranges::find_if(pages, [](const PageReference& page) { return page.totals.parents != 0; });
+  const auto lost = std::ranges::find_if(pages, [](const PageReference& page) { return page.totals.overviews != 0; });
   ASSERT_NE(lost, pages.end());
   std::filesystem::remove(in_pages.folder / lost->file);
   const PictureOptions options = view({20, 30, 60}, {70, 80, 30});

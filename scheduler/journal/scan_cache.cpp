@@ -1,4 +1,4 @@
-#include "scheduler/journal/survey_cache.h"
+#include "scheduler/journal/scan_cache.h"
 
 #include <algorithm>
 #include <array>
@@ -21,7 +21,7 @@ constexpr std::uint64_t max_file_bytes = std::uint64_t(1) << 40;
 
 /// Generation 1 is invalid: before 0.2.0 a rank might scan with parameters other than those in the key.
 constexpr std::uint64_t cache_generation = 2;
-constexpr std::uint64_t file_version = cache_generation << 32 | survey_version;
+constexpr std::uint64_t file_version = cache_generation << 32 | scan_version;
 
 struct FileHeader {
   std::array<char, 16> magic;
@@ -54,7 +54,7 @@ void put_dem(const DemTile& tile, ByteWriter& w) {
 /// Returns a hash of everything that a scan result depends on, except the content of files.
 Hash128 key_of(const TileRef& tile, const BakeParameters& p) {
   ByteWriter w;
-  w.put(survey_version);
+  w.put(scan_version);
   w.put(tile.name);
   w.put(tile.kind);
   w.put(tile.gltf_up);
@@ -69,28 +69,28 @@ Hash128 key_of(const TileRef& tile, const BakeParameters& p) {
   return hash_of_bytes(w.take());
 }
 
-bool is_worth_keeping(const TileScan& survey) {
-  return survey.error.empty() && !survey.files.empty() &&
-         std::all_of(survey.files.begin(), survey.files.end(), [](const StampedFile& f) { return f.settled; });
+bool is_worth_keeping(const TileScan& scan) {
+  return scan.error.empty() && !scan.files.empty() &&
+         std::all_of(scan.files.begin(), scan.files.end(), [](const StampedFile& f) { return f.settled; });
 }
 
-bool is_unchanged(const TileRef& tile, const TileScan& survey) {
-  return is_worth_keeping(survey) && std::all_of(survey.files.begin(), survey.files.end(), [&](const StampedFile& f) {
+bool is_unchanged(const TileRef& tile, const TileScan& scan) {
+  return is_worth_keeping(scan) && std::all_of(scan.files.begin(), scan.files.end(), [&](const StampedFile& f) {
            return stamp_of(path_of(tile, f)) == f.stamp;
          });
 }
 
 }  // namespace
 
-SurveyCache::SurveyCache(const std::filesystem::path& path) {
+ScanCache::ScanCache(const std::filesystem::path& path) {
   try {
     load(path);
   } catch (const std::exception&) {
-    surveys_.clear();  // an unreadable cache only means that all tiles are scanned again
+    scans_.clear();  // an unreadable cache only means that all tiles are scanned again
   }
 }
 
-void SurveyCache::load(const std::filesystem::path& path) {
+void ScanCache::load(const std::filesystem::path& path) {
   bytes_ = read_whole_file(path, max_file_bytes);
   FileHeader h{};
   if (bytes_.size() < sizeof h) return;
@@ -106,29 +106,28 @@ void SurveyCache::load(const std::filesystem::path& path) {
     r.get(bytes);
     at += sizeof key + sizeof bytes;
     if (bytes > content.size() - at) throw InputError(path, "", "a scan extends beyond the end", at);
-    surveys_[key] = content.subspan(at, bytes);
+    scans_[key] = content.subspan(at, bytes);
     at += bytes;
   }
 }
 
-std::optional<TileScan> SurveyCache::find(const SceneSources& sources, std::uint32_t tile,
-                                          const BakeParameters& parameters) const {
+std::optional<TileScan> ScanCache::find(const SceneSources& sources, std::uint32_t tile,
+                                        const BakeParameters& parameters) const {
   const TileRef& ref = sources.tiles.at(tile);
-  const auto it = surveys_.find(key_of(ref, parameters));
-  if (it == surveys_.end()) return std::nullopt;
+  const auto it = scans_.find(key_of(ref, parameters));
+  if (it == scans_.end()) return std::nullopt;
   try {
-    TileScan survey = survey_from_bytes(it->second);
-    if (!is_unchanged(ref, survey)) return std::nullopt;
-    survey.tile = tile;
-    return survey;
+    TileScan scan = scan_from_bytes(it->second);
+    if (!is_unchanged(ref, scan)) return std::nullopt;
+    scan.tile = tile;
+    return scan;
   } catch (const InputError&) {
     return std::nullopt;
   }
 }
 
-std::vector<std::optional<TileScan>> SurveyCache::find_all(const SceneSources& sources,
-                                                           const BakeParameters& parameters, int threads,
-                                                           const Progress& progress) const {
+std::vector<std::optional<TileScan>> ScanCache::find_all(const SceneSources& sources, const BakeParameters& parameters,
+                                                         int threads, const Progress& progress) const {
   std::vector<std::optional<TileScan>> found(sources.tiles.size());
   ThreadPool(threads).parallel_for(found.size(), 64, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) found[i] = find(sources, std::uint32_t(i), parameters);
@@ -137,17 +136,17 @@ std::vector<std::optional<TileScan>> SurveyCache::find_all(const SceneSources& s
   return found;
 }
 
-void save_survey_cache(const std::filesystem::path& path, const SceneSources& sources, const BakeParameters& parameters,
-                       std::span<const TileScan> surveys) {
+void save_scan_cache(const std::filesystem::path& path, const SceneSources& sources, const BakeParameters& parameters,
+                     std::span<const TileScan> scans) {
   std::string content;
   const auto put = [&content](const std::vector<std::uint8_t>& bytes) {
     content.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   };
-  for (const TileScan& survey : surveys) {
-    if (!is_worth_keeping(survey)) continue;
+  for (const TileScan& scan : scans) {
+    if (!is_worth_keeping(scan)) continue;
     ByteWriter w;
-    w.put(key_of(sources.tiles.at(survey.tile), parameters));
-    w.put(to_bytes(survey));
+    w.put(key_of(sources.tiles.at(scan.tile), parameters));
+    w.put(to_bytes(scan));
     put(w.take());
   }
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(content.data()), content.size());

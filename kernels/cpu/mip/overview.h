@@ -8,19 +8,19 @@
 #include <span>
 
 #include "core/base/thread_pool.h"
-#include "core/octree/parent_source.h"
+#include "core/octree/downsample_state.h"
 #include "kernels/body/cell.h"
 
 namespace gigabake::kernels {
 
-/// A child. It may extend beyond the parent's window; the voxels outside belong to another parent.
-struct ParentChild {
-  const ParentSource* source = nullptr;
+/// A child. It may extend beyond the overview's window; the voxels outside belong to another overview.
+struct JoinedChild {
+  const DownsampleState* source = nullptr;
   std::int64_t lattice_min[3] = {};  ///< lod-0 voxels, multiples of a voxel of the child's coarsest level
 };
 
-struct ParentParameters {
-  std::int64_t window_min[3] = {};  ///< lod-0 voxels, multiples of a voxel of the parent's coarsest level
+struct OverviewParameters {
+  std::int64_t window_min[3] = {};  ///< lod-0 voxels, multiples of a voxel of the overview's coarsest level
   int child_lod = 0;                ///< the coarsest lod of all children
   int levels = 0;                   ///< the window has 8 · 2^(child_lod + levels) voxels of lod 0 along its edge
   MipFilter mip = MipFilter::coverage;
@@ -30,13 +30,13 @@ struct ParentParameters {
 
 /// Computes the overview of `children`.
 /// copies  The children's levels from a finer one to child_lod, joined over the window; they precede the new levels.
-/// Exact   Before approximate(), the voxels equal the voxels of one cell with the parent's window. The boundaries
+/// Exact   Before approximate(), the voxels equal the voxels of one cell with the overview's window. The boundaries
 ///         and the order of the children do not change any bit.
 /// Range   levels 1 … 10. children: all children in reach of the window, baked by the same rules, with disjoint voxels.
 /// Cost    Reads and sorts the children's coarsest levels, about as much data as a level of a cell. Stores all bricks,
 ///         because few of an overview's few bricks would be constant.
 /// Errors  InputError if two children have the same voxel, or if columns do not fit each other or the rules.
-CellVolume bake_parent(std::span<const ParentChild> children, const ParentParameters& parameters,
-                       const ThreadPool& pool, std::vector<Level> copies = {});
+CellVolume bake_overview(std::span<const JoinedChild> children, const OverviewParameters& parameters,
+                         const ThreadPool& pool, std::vector<Level> copies = {});
 
 }  // namespace gigabake::kernels

@@ -24,7 +24,7 @@ GB_HD constexpr std::size_t raster_bytes(int lod) {
 
 /// Columns with one row per voxel of the coarsest level. MipFilter::thesis reads two levels; if it is used, the rows of
 /// the next finer level follow. Rows of a level are sorted by the Morton code of their brick, then by x + 8y + 64z.
-struct ParentSource {
+struct DownsampleState {
   std::vector<std::uint8_t>
       place;  ///< levels below the coarsest (0, 1); x, y, z in voxels of that level from its corner
   std::vector<std::uint8_t> rgba;   ///< 4 per voxel
@@ -36,7 +36,7 @@ struct ParentSource {
 
   std::size_t voxels() const { return rgba.size() / 4; }
   bool empty() const { return rgba.empty(); }
-  friend bool operator==(const ParentSource&, const ParentSource&) = default;
+  friend bool operator==(const DownsampleState&, const DownsampleState&) = default;
 };
 
 }  // namespace gigabake

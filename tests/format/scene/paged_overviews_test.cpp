@@ -67,7 +67,7 @@ SceneDescription scene_below_one_root(std::mt19937_64& rng) {
     edge <<= levels_a_tier;
     std::set<Corner> tier;
     for (const Corner& v : below) tier.insert(edge == 1024 ? Corner{-512, -512, -512} : block_around(v, edge).min);
-    for (const Corner& min : tier) scene.parents.push_back(listed_shard(rng, "p_", min, lod, std::uint32_t(edge)));
+    for (const Corner& min : tier) scene.overviews.push_back(listed_shard(rng, "p_", min, lod, std::uint32_t(edge)));
     below = tier;
   }
   return scene;
@@ -88,31 +88,31 @@ struct WrittenScene {
   SceneDescription scene;
 };
 
-TEST(PagedParents, AreListedInTheInnermostPageAndTheRootInSceneXml) {
+TEST(PagedOverviews, AreListedInTheInnermostPageAndTheRootInSceneXml) {
   const test::RandomSeed seed;
   const WrittenScene written(seed);
   const PagedScene paged(written.folder / "scene.xml");
-  EXPECT_EQ(set_of_names(paged.parents()), set_of_names(written.scene.parents));
+  EXPECT_EQ(set_of_names(paged.overviews()), set_of_names(written.scene.overviews));
   EXPECT_EQ(paged.totals(), SceneTotals(written.scene));
   ASSERT_EQ(paged.header().tiers.size(), 3u);
   EXPECT_EQ(paged.header().tiers, tiers_of(written.scene, cell_edge));
-  ASSERT_GE(paged.root().parents.size(), 1u);
-  EXPECT_EQ(paged.root().parents.back().cell_voxels, 1024u);
-  EXPECT_LT(paged.root().parents.size(), written.scene.parents.size() / 4);
+  ASSERT_GE(paged.root().overviews.size(), 1u);
+  EXPECT_EQ(paged.root().overviews.back().cell_voxels, 1024u);
+  EXPECT_LT(paged.root().overviews.size(), written.scene.overviews.size() / 4);
   const SceneDescription all = read_scene(written.folder / "scene.xml");
-  EXPECT_EQ(set_of_names(all.parents), set_of_names(written.scene.parents));
-  EXPECT_TRUE(std::is_sorted(all.parents.begin(), all.parents.end(), is_parent_before));
+  EXPECT_EQ(set_of_names(all.overviews), set_of_names(written.scene.overviews));
+  EXPECT_TRUE(std::is_sorted(all.overviews.begin(), all.overviews.end(), is_overview_before));
   std::map<std::int64_t, int> by_edge;  // number of blocks of pages by their edge
   paged.for_each_reference([&](const PageReference& reference) {
-    for (const SceneCell& parent : read_page(paged.file(), paged.header(), reference).parents) {
-      EXPECT_TRUE(lies_in(parent, reference.block));
+    for (const SceneCell& overview : read_page(paged.file(), paged.header(), reference).overviews) {
+      EXPECT_TRUE(lies_in(overview, reference.block));
       ++by_edge[reference.block.edge];
     }
   });
-  EXPECT_GE(by_edge.size(), 2u) << "pages of several levels have parents";
+  EXPECT_GE(by_edge.size(), 2u) << "pages of several levels have overviews";
 }
 
-TEST(PagedParents, AreFoundByBoxAndLevel) {
+TEST(PagedOverviews, AreFoundByBoxAndLevel) {
   const test::RandomSeed seed;
   WrittenScene written(seed);
   const PagedScene paged(written.folder / "scene.xml");
@@ -124,15 +124,15 @@ TEST(PagedParents, AreFoundByBoxAndLevel) {
     }
     const int lod = int(written.rng() % 9);
     std::vector<SceneCell> expected;
-    for (const SceneCell& parent : written.scene.parents)
-      if (int(parent.first_lod) <= lod && lod < int(parent.first_lod + parent.lods) &&
-          !intersection(window_of(parent), box).is_empty())
-        expected.push_back(parent);
-    EXPECT_EQ(set_of_names(paged.parents_in(box, lod)), set_of_names(expected));
+    for (const SceneCell& overview : written.scene.overviews)
+      if (int(overview.first_lod) <= lod && lod < int(overview.first_lod + overview.lods) &&
+          !intersection(window_of(overview), box).is_empty())
+        expected.push_back(overview);
+    EXPECT_EQ(set_of_names(paged.overviews_in(box, lod)), set_of_names(expected));
   }
 }
 
-TEST(PagedParents, OfAChangedCellChangeOnePageOfEachLevel) {
+TEST(PagedOverviews, OfAChangedCellChangeOnePageOfEachLevel) {
   const test::RandomSeed seed;
   WrittenScene written(seed);
   const auto files = [&] {
@@ -146,9 +146,9 @@ TEST(PagedParents, OfAChangedCellChangeOnePageOfEachLevel) {
   SceneDescription& scene = written.scene;
   const SceneCell& cell = scene.cells[scene.cells.size() / 2];
   scene.cells[scene.cells.size() / 2].content_hash[0] = {1, 2};
-  for (SceneCell& parent : scene.parents)
-    if (window_of(parent).holds(cell.lattice_min)) parent.content_hash[0] = {3, 4};
-  std::shuffle(scene.parents.begin(), scene.parents.end(), written.rng);  // the result does not depend on the order
+  for (SceneCell& overview : scene.overviews)
+    if (window_of(overview).holds(cell.lattice_min)) overview.content_hash[0] = {3, 4};
+  std::shuffle(scene.overviews.begin(), scene.overviews.end(), written.rng);  // the result does not depend on the order
   write_scene(written.folder / "scene.xml", scene, few_cells_a_page);
   std::map<std::int64_t, int> changed;
   std::set<std::int64_t> levels;
@@ -160,7 +160,7 @@ TEST(PagedParents, OfAChangedCellChangeOnePageOfEachLevel) {
   for (const auto& [edge, pages] : changed) EXPECT_EQ(pages, 1) << "with blocks of " << edge;
 }
 
-TEST(PagedParents, ThatStandInAWrongPageOrTwiceAreRefused) {
+TEST(PagedOverviews, ThatStandInAWrongPageOrTwiceAreRefused) {
   const test::RandomSeed seed;
   const WrittenScene written(seed);
   const PagedScene paged(written.folder / "scene.xml");
@@ -171,35 +171,35 @@ TEST(PagedParents, ThatStandInAWrongPageOrTwiceAreRefused) {
   ASSERT_NE(above, nullptr);
   const ScenePage inner = read_page(paged.file(), paged.header(), *above);
   const auto below =
-      std::ranges::find_if(inner.pages, [](const PageReference& page) { return page.totals.parents != 0; });
+      std::ranges::find_if(inner.pages, [](const PageReference& page) { return page.totals.overviews != 0; });
   ASSERT_NE(below, inner.pages.end());
   std::vector<SceneCell> lower;
-  paged.for_each_parent_below(*below, [&](const SceneCell& parent) { lower.push_back(parent); });
+  paged.for_each_overview_below(*below, [&](const SceneCell& overview) { lower.push_back(overview); });
   const auto told = [&](const ScenePage& page, const LatticeBlock* outer) {
     std::string all;
-    for (const SceneFault& fault : faults_of_parent_places(page, outer, tiers)) all += fault.message + "\n";
+    for (const SceneFault& fault : faults_of_overview_places(page, outer, tiers)) all += fault.message + "\n";
     return all;
   };
   EXPECT_EQ(told(inner, &above->block), "");
   EXPECT_EQ(told(paged.root(), nullptr), "");
   ScenePage page = inner;
-  page.parents.push_back(lower[0]);
+  page.overviews.push_back(lower[0]);
   EXPECT_EQ(told(page, &above->block), "belongs to the block of a smaller page; expected it there\n");
   page = paged.root();
-  page.parents.push_back(lower[0]);
+  page.overviews.push_back(lower[0]);
   EXPECT_EQ(told(page, nullptr), "belongs to the block of a smaller page; expected it there\n");
   page = {{}, {}, {lower[0]}};
   const LatticeBlock elsewhere = block_around({5000, 5000, 5000}, below->block.edge);
   EXPECT_EQ(told(page, &elsewhere), "does not lie in the block of its page\n");
-  page = {{}, {}, {paged.root().parents.back()}};
+  page = {{}, {}, {paged.root().overviews.back()}};
   const LatticeBlock all{{-4096, -4096, -4096}, 8192};
   EXPECT_EQ(told(page, &all), "is the root and is listed in a page; expected it in scene.xml\n");
   page = paged.root();
-  page.parents.push_back(paged.root().parents.back());
+  page.overviews.push_back(paged.root().overviews.back());
   EXPECT_EQ(told(page, nullptr), "names a root that is missing or listed more than once; bake again\n");
   EXPECT_FALSE(faults_of_places({}, {lower[0], lower[0]}).empty()) << "twice in one page";
   page = {{}, {}, {lower[0]}};
-  page.parents[0].lods = 1;
+  page.overviews[0].lods = 1;
   EXPECT_NE(told(page, &below->block).find("ParentTiers"), std::string::npos);
 }
 
@@ -220,7 +220,7 @@ std::string refusal_of_scene(const fs::path& file) {
   }
 }
 
-TEST(PagedParents, WhoseTiersSceneXmlContradictsAreRefused) {
+TEST(PagedOverviews, WhoseTiersSceneXmlContradictsAreRefused) {
   const struct {
     const char *tiers, *told;
   } cases[] = {{"", "expected three numbers"},
@@ -243,7 +243,7 @@ TEST(PagedParents, WhoseTiersSceneXmlContradictsAreRefused) {
   }
 }
 
-TEST(PagedParents, ThatAreMissingAreNamedByVerifyThoughTheScenesSumsAgree) {
+TEST(PagedOverviews, ThatAreMissingAreNamedByVerifyThoughTheScenesSumsAgree) {
   const test::RandomSeed seed;
   WrittenScene written(seed);
   const auto says_so = [&] {
@@ -253,9 +253,9 @@ TEST(PagedParents, ThatAreMissingAreNamedByVerifyThoughTheScenesSumsAgree) {
     });
   };
   EXPECT_FALSE(says_so());
-  for (const std::size_t victim : {std::size_t(0), written.scene.parents.size() - 2}) {
+  for (const std::size_t victim : {std::size_t(0), written.scene.overviews.size() - 2}) {
     SceneDescription lacking = written.scene;
-    lacking.parents.erase(lacking.parents.begin() + std::ptrdiff_t(victim));
+    lacking.overviews.erase(lacking.overviews.begin() + std::ptrdiff_t(victim));
     lacking.losses.push_back({"parent p", "was not baked"});
     write_scene(written.folder / "scene.xml", lacking, few_cells_a_page);
     EXPECT_TRUE(PagedScene(written.folder / "scene.xml").header().tiers.empty());
@@ -266,7 +266,7 @@ TEST(PagedParents, ThatAreMissingAreNamedByVerifyThoughTheScenesSumsAgree) {
 }
 
 // 2026-11-25: verify found no fault, and viewers listed all cells to find the root's children.
-TEST(PagedParents, AreMissedByVerifyIfParentTiersIsRemoved) {
+TEST(PagedOverviews, AreMissedByVerifyIfOverviewTiersIsRemoved) {
   const test::RandomSeed seed;
   const WrittenScene written(seed);
   edit_scene(written.folder / "scene.xml", " ParentTiers=\"2 0 2 4 0 2 6 0 2\"", "");
@@ -278,7 +278,7 @@ TEST(PagedParents, AreMissedByVerifyIfParentTiersIsRemoved) {
 }
 
 // 2026-11-24: verify reported a missing overview for blocks in which the cells are empty, so that none is baked.
-TEST(PagedParents, OfBlocksThatHoldNothingOfACellAreNotMissed) {
+TEST(PagedOverviews, OfBlocksThatHoldNothingOfACellAreNotMissed) {
   const test::RandomSeed seed;
   WrittenScene written(seed);
   SceneDescription sparse = written.scene;
@@ -286,8 +286,8 @@ TEST(PagedParents, OfBlocksThatHoldNothingOfACellAreNotMissed) {
   const std::int64_t edge = cell_edge << levels_a_tier;
   std::set<Corner> begun;
   for (const SceneCell& cell : sparse.cells) begun.insert(block_around(cell.lattice_min, edge).min);
-  const std::size_t removed = std::erase_if(sparse.parents, [&](const SceneCell& parent) {
-    return parent.cell_voxels == edge && !begun.contains(parent.lattice_min);
+  const std::size_t removed = std::erase_if(sparse.overviews, [&](const SceneCell& overview) {
+    return overview.cell_voxels == edge && !begun.contains(overview.lattice_min);
   });
   EXPECT_GT(removed, 0u);
   write_scene(written.folder / "scene.xml", sparse, few_cells_a_page);
@@ -296,15 +296,15 @@ TEST(PagedParents, OfBlocksThatHoldNothingOfACellAreNotMissed) {
     EXPECT_EQ(fault.find("ParentTiers"), std::string::npos) << fault;
 }
 
-TEST(PagedParents, OfScenesOfManyVersionsAreTheSame) {
+TEST(PagedOverviews, OfScenesOfManyVersionsAreTheSame) {
   const fs::path golden = fs::path(GIGABAKE_SOURCE_DIR) / "tests/format/golden";
   const SceneDescription then = read_scene(golden / "pages_scene_4/scene.xml");
   if (std::getenv("GIGABAKE_WRITE_GOLDEN") != nullptr) write_scene(golden / "pages_scene_5/scene.xml", then, {4, 8, 2});
   const PagedScene old(golden / "pages_scene_4/scene.xml"), now(golden / "pages_scene_5/scene.xml");
-  EXPECT_EQ(old.root().parents.size(), old.totals().parents) << "version 4 lists all of them in scene.xml";
-  EXPECT_LT(now.root().parents.size(), now.totals().parents);
+  EXPECT_EQ(old.root().overviews.size(), old.totals().overviews) << "version 4 lists all of them in scene.xml";
+  EXPECT_LT(now.root().overviews.size(), now.totals().overviews);
   EXPECT_EQ(old.totals(), now.totals());
-  EXPECT_EQ(set_of_names(now.parents()), set_of_names(then.parents));
+  EXPECT_EQ(set_of_names(now.overviews()), set_of_names(then.overviews));
   EXPECT_EQ(now.header().tiers, tiers_of(then, then.cells.at(0).cell_voxels));
   EXPECT_TRUE(diff_scenes(golden / "pages_scene_4/scene.xml", golden / "pages_scene_5/scene.xml").same());
   const TempFolder folder;

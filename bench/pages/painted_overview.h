@@ -16,6 +16,6 @@ using SurfaceHeight = std::function<double(double x, double y)>;
 /// Returns an opaque surface that faces up, with stripes along the level's grid. If the surface misses the window, the
 /// shard contains the voxel at the window's middle.
 /// Cost    About 0.2 µs per voxel.
-Shard painted_parent(const CellJob& parent, const SurfaceHeight& height, double voxel_size_m);
+Shard painted_overview(const CellJob& overview, const SurfaceHeight& height, double voxel_size_m);
 
 }  // namespace gigabake

@@ -1,5 +1,5 @@
 // An overview's content, computed from its children's shards, and the faults that verify reports if it differs.
-#include "worker/overview/parent_bake.h"
+#include "worker/overview/overview_bake.h"
 
 #include <gtest/gtest.h>
 #include <map>
@@ -14,7 +14,7 @@
 #include "format/shard/levels/level_lookup.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
-#include "worker/overview/parent_check.h"
+#include "worker/overview/overview_check.h"
 #include "worker/pipeline/shard_from_volume.h"
 
 namespace gigabake {
@@ -127,12 +127,12 @@ TEST(ReadChild, ReadsOnlyTheRowsThatTheOverviewCopies) {
   cell.above = made::small_above();
   cell.above.raster.clear(), cell.above.patch.clear();
   write_shard(folder / "cell.h5", cell, {});
-  CellJob parent;
-  parent.cell_voxels = 4096;
-  parent.first_lod = 4;
-  parent.copied_lods = 3;
+  CellJob overview;
+  overview.cell_voxels = 4096;
+  overview.first_lod = 4;
+  overview.copied_lods = 3;
   const ShardReader reader(folder / "cell.h5");
-  const ChildOfParent child = read_child(reader, parent);
+  const OverviewChild child = read_child(reader, overview);
   const ColumnReads reads = reader.reads();
 
   std::size_t copied_nodes = 0, copied_voxels = 0, columns = 5;  // of /above
@@ -148,7 +148,7 @@ TEST(ReadChild, ReadsOnlyTheRowsThatTheOverviewCopies) {
   EXPECT_LT(20 * reads.bytes, std::filesystem::file_size(folder / "cell.h5"));
 }
 
-void expect_same(const ChildOfParent& a, const ChildOfParent& b) {
+void expect_same(const OverviewChild& a, const OverviewChild& b) {
   EXPECT_EQ(a.source, b.source);
   EXPECT_EQ(a.copied.lattice_min, b.copied.lattice_min);
   EXPECT_EQ(a.copied.first_lod, b.copied.first_lod);
@@ -188,17 +188,17 @@ TEST(ChildOf, AShardInMemoryIsWhatIsReadOfItsFile) {
     shard.above.rgba = {4, 5, 6, 7};
     shard.above.normal.assign(shape.normals ? 2 : 0, 1);
     write_shard(folder / "child.h5", shard, {});
-    CellJob parent;
-    parent.first_lod = shard.header.first_lod + std::uint32_t(rng() % std::uint64_t(shape.lods + 1));
-    parent.copied_lods = 1;
-    const ChildOfParent read = read_child(ShardReader(folder / "child.h5"), parent);
-    expect_same(child_of(std::move(shard), parent.first_lod), read);
+    CellJob overview;
+    overview.first_lod = shard.header.first_lod + std::uint32_t(rng() % std::uint64_t(shape.lods + 1));
+    overview.copied_lods = 1;
+    const OverviewChild read = read_child(ShardReader(folder / "child.h5"), overview);
+    expect_same(child_of(std::move(shard), overview.first_lod), read);
   }
 }
 
 /// Returns the source data for the box filter, which needs no rasters.
-ParentSource source_of(const Shard& child) {
-  ParentSource source;
+DownsampleState source_of(const Shard& child) {
+  DownsampleState source;
   const int top = int(child.header.lods) - 1;
   std::map<std::uint32_t, std::vector<std::uint8_t>> rows;  // by bit
   for_each_voxel_of_level(
@@ -238,19 +238,19 @@ class Family : public testing::Test {
     job_.cell_voxels = 64;
     job_.first_lod = 1;
     job_.copied_lods = 2;
-    ChildrenOfParent children;
+    OverviewChildren children;
     for (const SceneCell& cell : scene_.cells)
-      children.push_back(std::make_shared<const ChildOfParent>(read_child(ShardReader(folder_ / cell.file), job_)));
+      children.push_back(std::make_shared<const OverviewChild>(read_child(ShardReader(folder_ / cell.file), job_)));
     ShardHeader header = cells_[0].header;
     header.cell = job_.name, header.lattice_min = job_.lattice_min, header.cell_voxels = job_.cell_voxels;
     header.first_lod = job_.first_lod, header.copied_lods = job_.copied_lods;
-    parent_ = shard_from_volume(make_parent(job_, children, parameters_, ThreadPool(1)), header);
+    overview_ = shard_from_volume(make_overview(job_, children, parameters_, ThreadPool(1)), header);
     write_and_describe();
   }
 
   void write_and_describe() {
     std::vector<Shard> shards = cells_;
-    if (!parent_.levels.empty()) shards.push_back(parent_);
+    if (!overview_.levels.empty()) shards.push_back(overview_);
     scene_ = made::write_scene_of(folder_ / "scene.xml", shards);
     scene_.parameters = to_json(parameters_);
     write_scene(folder_ / "scene.xml", scene_);
@@ -258,9 +258,10 @@ class Family : public testing::Test {
 
   std::vector<std::string> faults() {
     write_and_describe();
-    const auto check = [this](const SceneHeader& header, const SceneCell& parent, std::span<const SceneCell> children) {
+    const auto check = [this](const SceneHeader& header, const SceneCell& overview,
+                              std::span<const SceneCell> children) {
       EXPECT_EQ(children.size(), 2u);
-      return overview_faults(folder_ / "", header, parent, children);
+      return overview_faults(folder_ / "", header, overview, children);
     };
     return verify_scene(folder_ / "scene.xml", 2, {}, check).faults;
   }
@@ -269,31 +270,31 @@ class Family : public testing::Test {
   BakeParameters parameters_;
   std::vector<Shard> cells_;
   CellJob job_;
-  Shard parent_;
+  Shard overview_;
   SceneDescription scene_;
 };
 
 TEST_F(Family, IsWholeAsItIsBaked) {
-  EXPECT_EQ(parent_.levels.size(), 3u);
+  EXPECT_EQ(overview_.levels.size(), 3u);
   EXPECT_EQ(faults(), std::vector<std::string>());
 }
 
-TEST_F(Family, HasAParentThatIsNamedWhereACopyIsNone) {
-  ++parent_.levels[0].rgba[4];
-  parent_ = made::with_content_hash(std::move(parent_));
+TEST_F(Family, HasAnOverviewThatIsNamedWhereACopyIsNone) {
+  ++overview_.levels[0].rgba[4];
+  overview_ = made::with_content_hash(std::move(overview_));
   const std::vector<std::string> named = faults();
   ASSERT_EQ(named.size(), 1u);
   EXPECT_NE(named[0].find("p3_0_0_0.h5: /lod_0: is not a copy of its children's level 1"), std::string::npos)
       << named[0];
 }
 
-TEST_F(Family, HasAParentThatIsNamedWhereItsOwnVoxelsAreWrong) {
-  parent_.levels[2].rgba[3] ^= 1;
-  parent_ = made::with_content_hash(std::move(parent_));
+TEST_F(Family, HasAnOverviewThatIsNamedWhereItsOwnVoxelsAreWrong) {
+  overview_.levels[2].rgba[3] ^= 1;
+  overview_ = made::with_content_hash(std::move(overview_));
   const std::vector<std::string> named = faults();
   ASSERT_EQ(named.size(), 1u);
   EXPECT_NE(named[0].find("/lod_2: does not follow from its children for level 3"), std::string::npos) << named[0];
-  parent_.header.generator = "gigabake 0.1.9";
+  overview_.header.generator = "gigabake 0.1.9";
   EXPECT_EQ(faults(), std::vector<std::string>()) << "another version may make another level of the same children";
 }
 
@@ -306,8 +307,8 @@ TEST_F(Family, IsReadWithinTheMemoryThatABakeMayTake) {
     write_shard(folder / job.child_files.back(), cell, {});
   }
   const ThreadPool pool(2);
-  const auto nothing_in_memory = [](const std::string&) { return std::shared_ptr<const ChildOfParent>(); };
-  const ChildrenOfParent children = read_children(folder / "", job, nothing_in_memory, pool);
+  const auto nothing_in_memory = [](const std::string&) { return std::shared_ptr<const OverviewChild>(); };
+  const OverviewChildren children = read_children(folder / "", job, nothing_in_memory, pool);
   ASSERT_EQ(children.size(), 2u);
   const std::uint64_t bytes = bytes_of(*children[0]) + bytes_of(*children[1]);
   EXPECT_GT(bytes, 2 * 200u * 4u) << "a colour for each voxel";
@@ -325,10 +326,10 @@ TEST_F(Family, IsReadWithinTheMemoryThatABakeMayTake) {
   set_memory_limit(0);
 }
 
-TEST_F(Family, HasAParentThatIsNamedWhereAChildChangedBeneathIt) {
+TEST_F(Family, HasAnOverviewThatIsNamedWhereAChildChangedBeneathIt) {
   cells_[1].levels[1].rgba[0] ^= 1;
   cells_[1] = made::with_content_hash(std::move(cells_[1]));
-  EXPECT_EQ(faults().size(), 1u) << "level 1, of which the parent has a copy";
+  EXPECT_EQ(faults().size(), 1u) << "level 1, of which the overview has a copy";
   cells_[0].above.rgba[0] ^= 64;
   const std::vector<std::string> named = faults();
   ASSERT_EQ(named.size(), 3u) << "its own level, too, and what one above it would be made of";
