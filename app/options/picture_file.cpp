@@ -21,11 +21,8 @@ PictureFormat picture_format(const char* option, const std::string& name) {
   std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return char(std::tolower(c)); });
   if (suffix == ".png") return PictureFormat::png;
   if (suffix == ".jpg" || suffix == ".jpeg") return PictureFormat::jpeg;
-  if (suffix == ".exr" && !has_exr())
-    throw UsageError(
-        fmt::format("{}: this gigabake was built without OpenEXR and cannot write '{}'; build it with "
-                    "libopenexr-dev and -DGIGABAKE_OPENEXR=ON, or expect a .png",
-                    option, name));
+  if (const auto error = missing_openexr_error(); error && suffix == ".exr")
+    throw UsageError(fmt::format("{}: {}", option, *error));
   if (suffix == ".exr") return PictureFormat::exr;
   throw UsageError(fmt::format("{}: expected a name that ends in .png, .jpg, .jpeg or .exr, got '{}'", option, name));
 }

@@ -72,7 +72,7 @@ void check(const Picture& p, bool needs_light) {
 
 }  // namespace
 
-bool has_exr() { return true; }
+std::optional<std::string> missing_openexr_error() { return std::nullopt; }
 
 std::string encode_exr(const Picture& picture, ExrChannels channels, double voxel_size_m) {
   const bool has_light = channels == ExrChannels::light_and_depth;

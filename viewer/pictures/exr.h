@@ -2,14 +2,16 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "viewer/pictures/picture.h"
 
 namespace gigabake {
 
-/// Returns false if gigabake was built without OpenEXR; the functions below then throw std::runtime_error.
-bool has_exr();
+/// Returns the error line if gigabake was built without OpenEXR; else nullopt. Without OpenEXR, the functions below
+/// throw std::runtime_error with this line.
+std::optional<std::string> missing_openexr_error();
 
 /// The channels of a file.
 /// R, G, B, A: half, linear, premultiplied. Z: float, metres along the ray to the point at which half of the light is
