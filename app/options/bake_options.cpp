@@ -27,10 +27,10 @@ std::string with_commas(std::string names) {
 }
 
 void choose_channels(std::string names, BakeParameters& parameters) {
-  const std::string asked = names;
+  const std::string given = names;
   std::replace(names.begin(), names.end(), ',', ' ');
-  if (asked.find(' ') != std::string::npos || !parse_channels(names, parameters.normals, parameters.facing))
-    throw UsageError("--channels: expected rgba, optionally followed by ,normal and ,facing, got '" + asked + "'");
+  if (given.find(' ') != std::string::npos || !parse_channels(names, parameters.normals, parameters.facing))
+    throw UsageError("--channels: expected rgba, optionally followed by ,normal and ,facing, got '" + given + "'");
 }
 
 std::vector<std::string> all_channels() {
