@@ -1,7 +1,6 @@
 # The headers that are installed, per component; all others are private. A public header includes only public headers
 # (tests/cli/programs/package_test.py).
 set(gb_public_headers_core
-    core/base/cuda_failure.h
     core/base/error.h
     core/base/host_device.h
     core/base/progress.h
@@ -12,7 +11,6 @@ set(gb_public_headers_core
     core/math/octahedral.h
     core/math/rounding.h
     core/math/snap.h
-    core/math/srgb.h
     core/octree/brick.h
     core/octree/morton.h
     core/octree/octree.h
@@ -20,85 +18,53 @@ set(gb_public_headers_core
     core/octree/downsample_state.h)
 set(gb_public_headers_georeference
     core/math/georeference.h)
-set(gb_public_headers_system
-    format/system/io_error.h)
 set(gb_public_headers_shard
     format/shard/check/shard_check.h
-    format/shard/hdf5/chunk_codec.h
-    format/shard/hdf5/file_image.h
-    format/shard/hdf5/hdf5_call.h
-    format/shard/hdf5/hdf5_file.h
     format/shard/levels/brick_walk.h
     format/shard/levels/content_hash.h
     format/shard/shard.h
     format/shard/shard_reader.h)
 set(gb_public_headers_scene
-    format/scene/cell_window.h
     format/scene/check/diff.h
-    format/scene/check/missing_data.h
     format/scene/check/verify.h
     format/scene/paged_scene.h
     format/scene/scene_level.h
     format/scene/scene_page.h
-    format/scene/scene_totals.h
     format/scene/xml/scene_xml.h)
 set(gb_public_headers_source
-    format/source/content/composite.h
-    format/source/content/content_magic.h
     format/source/mesh.h
-    format/source/source.h
-    format/source/source_warning.h)
+    format/source/source.h)
 set(gb_public_headers_export
-    format/export/export_team.h
     format/export/gigavoxels/gigavoxel.h
     format/export/nanovdb/nanovdb.h
     format/export/ply/ply.h
     format/export/voxel_tiles/voxel_tileset.h)
 set(gb_public_headers_kernels
     kernels/body/cell.h
-    kernels/body/mip/plane.h
-    kernels/body/tables.h
     kernels/body/texture/material.h
     kernels/body/texture/texture_view.h
     kernels/cpu/bake_cell.h
     kernels/cpu/texture/texture.h
     kernels/cuda/baker.h
-    kernels/light/light_rays.h
-    kernels/light/light_sharing.h
     kernels/light/lighting.h
-    kernels/light/shade.h
     kernels/light/shader.cuh
     kernels/light/shader.h
-    kernels/marching/cast.h
+    kernels/light/surface_point.h
     kernels/marching/cast_camera.h
-    kernels/marching/cast_line.h
-    kernels/marching/cast_node.h
-    kernels/marching/fixed_point.h
-    kernels/marching/locate.h
-    kernels/marching/pixel.h
-    kernels/marching/ray_light.h
-    kernels/marching/sample.h
-    kernels/marching/scene.h
-    kernels/marching/sheet.h
-    kernels/marching/sheet_met.h
+    kernels/marching/cast_ray.h
     kernels/marching/tile_grid.cuh
-    kernels/pool/cast_brick.h
-    kernels/pool/packed_voxel.h)
+    kernels/marching/voxel_space.h)
 set(gb_public_headers_viewer
-    viewer/light/shading.h
     viewer/light/sky.h
     viewer/light/sun.h
     viewer/pictures/camera.h
-    viewer/pictures/exr.h
     viewer/pictures/frame_renderer.h
-    viewer/pictures/jpeg.h
+    viewer/pictures/image_files.h
     viewer/pictures/picture.h
-    viewer/pictures/png.h
     viewer/pictures/polygons.h
     viewer/pictures/view.h
     viewer/query/query_frames.h
     viewer/query/query_ray.h
     viewer/query/scene_query.h
     viewer/query/surface_height.h
-    viewer/stream/guarded_pages.h
     viewer/stream/page.h)

@@ -23,8 +23,8 @@
 #include "viewer/live/camera_path.h"
 #include "viewer/live/path_frames.h"
 #include "viewer/live/view_mode_legend.h"
-#include "viewer/pictures/exr.h"
 #include "viewer/pictures/frame_renderer.h"
+#include "viewer/pictures/image_files.h"
 
 namespace gigabake::app {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "format/scene/check/missing_data.h"
+#include "format/scene/check/verify.h"
 
 namespace gigabake::app {
 

@@ -5,14 +5,12 @@
 
 #include "core/base/error.h"
 #include "format/system/publish.h"
-#include "viewer/pictures/exr.h"
-#include "viewer/pictures/jpeg.h"
-#include "viewer/pictures/png.h"
+#include "viewer/pictures/image_files.h"
 
 namespace gigabake::app {
 namespace {
 
-constexpr int jpeg_quality = 92;  // 4:4:4, without chroma subsampling (viewer/pictures/jpeg.h)
+constexpr int jpeg_quality = 92;  // 4:4:4, without chroma subsampling (viewer/pictures/image_files.h)
 
 }  // namespace
 

@@ -5,7 +5,7 @@
 
 #include "app/commands.h"
 #include "app/process/standard_streams.h"
-#include "format/scene/check/missing_data.h"
+#include "format/scene/check/verify.h"
 #include "format/scene/paged_scene.h"
 #include "format/system/message.h"
 

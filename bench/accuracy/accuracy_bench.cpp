@@ -8,7 +8,7 @@
 #include "kernels/marching/cast_camera.h"
 #include "viewer/light/sky.h"
 #include "viewer/pictures/frame_renderer.h"
-#include "viewer/pictures/png.h"
+#include "viewer/pictures/image_files.h"
 
 namespace gigabake::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include "bench/accuracy/accuracy_scene.h"
 #include "core/base/error.h"
 #include "viewer/light/sky.h"
-#include "viewer/pictures/png.h"
+#include "viewer/pictures/image_files.h"
 
 namespace gigabake::bench {
 namespace {

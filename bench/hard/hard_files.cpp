@@ -4,7 +4,7 @@
 #include "bench/hard/hard_scene.h"
 #include "core/base/error.h"
 #include "format/system/publish.h"
-#include "viewer/pictures/png.h"
+#include "viewer/pictures/image_files.h"
 
 namespace gigabake::bench {
 namespace {

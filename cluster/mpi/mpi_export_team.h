@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cluster/mpi/mpi_session.h"
-#include "format/export/export_team.h"
+#include "format/export/voxel_tiles/voxel_tileset.h"
 
 namespace gigabake {
 

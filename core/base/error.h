@@ -1,4 +1,5 @@
-/// Exceptions for bad input and failed I/O. Each message is one line: the place, the expected value and the remedy.
+/// Exceptions for bad input, failed I/O and failures of a device. Each message is one line: the place, the expected
+/// value and the remedy.
 #pragma once
 
 #include <cstdint>
@@ -38,6 +39,25 @@ class InputError : public std::runtime_error {
  public:
   InputError(const std::filesystem::path& file, const std::string& key, const std::string& message,
              std::optional<std::uint64_t> byte_offset = {});
+};
+
+/// A failure of the system to read or write: a full disk, a server that does not respond, a file that disappeared. A
+/// retry on the same file may succeed.
+class IoError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+/// The CUDA device has no free memory or is lost. The cell can be baked on another device or on the CPU.
+class CudaFailure : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// An allocation exceeds the limit, the device's free memory or 32-bit indices. Smaller batches may fit.
+class DeviceFull : public CudaFailure {
+ public:
+  using CudaFailure::CudaFailure;
 };
 
 /// An invalid option or combination of options; exit code 2. `what()` has the format of InputError's.

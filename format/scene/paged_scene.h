@@ -10,7 +10,6 @@
 
 #include "core/base/thread_pool.h"
 #include "format/scene/scene_page.h"
-#include "format/scene/scene_totals.h"
 
 namespace gigabake {
 

@@ -1,6 +1,6 @@
-#include "format/scene/scene_totals.h"
-
 #include <algorithm>
+
+#include "format/scene/scene_page.h"
 
 namespace gigabake {
 

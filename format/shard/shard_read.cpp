@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <memory>
 
 #include "core/base/error.h"
 #include "format/shard/check/shard_check.h"
@@ -37,19 +38,28 @@ std::vector<Facing> facing_of_rows(const std::vector<std::uint8_t>& bytes, const
 }
 
 ShardReader::ShardReader(const std::filesystem::path& path)
-    : path_(path), file_(Hdf5File::open(path)), header_(read_header(file_)), version_(read_version(file_)) {}
+    : path_(path),
+      file_(std::make_unique<const Hdf5File>(Hdf5File::open(path))),
+      header_(read_header(*file_)),
+      version_(read_version(*file_)) {}
+
+ShardReader::ShardReader(ShardReader&&) noexcept = default;
+ShardReader& ShardReader::operator=(ShardReader&&) noexcept = default;
+ShardReader::~ShardReader() = default;
+
+ColumnReads ShardReader::reads() const { return file_->reads(); }
 
 NodeTable ShardReader::nodes() const {
   const NodeColumns columns(version_);
   NodeTable n;
-  read_rows(file_, columns.key, n.key);
-  read_rows(file_, columns.lod, n.lod);
-  read_rows(file_, columns.kind, n.kind);
-  read_rows(file_, columns.child_mask, n.child_mask);
-  read_rows(file_, columns.first_child, n.first_child);
-  read_rows(file_, columns.value, n.value);
-  read_rows(file_, columns.normal, n.normal);
-  if (header_.has_facing) n.facing = facing_of_rows(read_bytes(file_, columns.facing), columns.facing);
+  read_rows(*file_, columns.key, n.key);
+  read_rows(*file_, columns.lod, n.lod);
+  read_rows(*file_, columns.kind, n.kind);
+  read_rows(*file_, columns.child_mask, n.child_mask);
+  read_rows(*file_, columns.first_child, n.first_child);
+  read_rows(*file_, columns.value, n.value);
+  read_rows(*file_, columns.normal, n.normal);
+  if (header_.has_facing) n.facing = facing_of_rows(read_bytes(*file_, columns.facing), columns.facing);
   check_nodes(path_, header_, n);
   return n;
 }
@@ -60,32 +70,32 @@ BrickLevel ShardReader::level(int lod) const {
   const NodeColumns columns(version_);
   std::vector<std::uint8_t> lods;
   std::vector<NodeKind> kinds;
-  read_rows(file_, columns.lod, lods);
-  read_rows(file_, columns.kind, kinds);
-  if (lods.size() != kinds.size()) file_.fail("/nodes", "columns differ in length");
+  read_rows(*file_, columns.lod, lods);
+  read_rows(*file_, columns.kind, kinds);
+  if (lods.size() != kinds.size()) file_->fail("/nodes", "columns differ in length");
   return read_level(lod, brick_counts(header_, lods, kinds)[std::size_t(lod)]);
 }
 
 BrickLevel ShardReader::read_level(int lod, std::uint64_t bricks) const {
-  return read_brick_level(FileColumns(file_), header_, version_, lod, bricks);
+  return read_brick_level(FileColumns(*file_), header_, version_, lod, bricks);
 }
 
 CoarseLevels ShardReader::coarse_levels(int lod) const {
-  return read_coarse_levels(FileColumns(file_), header_, version_, lod);
+  return read_coarse_levels(FileColumns(*file_), header_, version_, lod);
 }
 
 DownsampleState ShardReader::above() const {
-  const auto hash = read_above_hash(file_);
+  const auto hash = read_above_hash(*file_);
   if (!hash) return {};
   const AboveColumns columns(int(header_.first_lod + header_.lods) - 1);
   DownsampleState above;
-  read_rows(file_, columns.place, above.place);
-  read_rows(file_, columns.rgba, above.rgba);
-  if (header_.has_normals) read_rows(file_, columns.normal, above.normal);
-  if (columns.raster.width != 0 && file_.has_column(columns.raster)) read_rows(file_, columns.raster, above.raster);
-  if (file_.has_column(columns.patch)) read_rows(file_, columns.patch, above.patch);
+  read_rows(*file_, columns.place, above.place);
+  read_rows(*file_, columns.rgba, above.rgba);
+  if (header_.has_normals) read_rows(*file_, columns.normal, above.normal);
+  if (columns.raster.width != 0 && file_->has_column(columns.raster)) read_rows(*file_, columns.raster, above.raster);
+  if (file_->has_column(columns.patch)) read_rows(*file_, columns.patch, above.patch);
   check_above(path_, header_, above);
-  if (hash_of(above) != *hash) file_.fail("/above", "does not match above_hash");
+  if (hash_of(above) != *hash) file_->fail("/above", "does not match above_hash");
   return above;
 }
 
@@ -103,20 +113,20 @@ std::vector<Hdf5Column> ShardReader::level_columns(int lod) const {
     const ChannelColumns of_channel(columns.group, channel);
     all.push_back(of_channel.value);
     for (const Hdf5Column& column : {of_channel.share, of_channel.first})
-      if (file_.has_column(column)) all.push_back(column);
+      if (file_->has_column(column)) all.push_back(column);
   }
   return all;
 }
 
 std::uint64_t ShardReader::level_bytes(int lod) const {
   std::uint64_t bytes = 0;
-  for (const Hdf5Column& column : level_columns(lod)) bytes += file_.stored_bytes(column);
+  for (const Hdf5Column& column : level_columns(lod)) bytes += file_->stored_bytes(column);
   return bytes;
 }
 
 std::uint64_t ShardReader::node_bytes() const {
   std::uint64_t bytes = 0;
-  for (const Hdf5Column& column : NodeColumns(version_).all(header_)) bytes += file_.stored_bytes(column);
+  for (const Hdf5Column& column : NodeColumns(version_).all(header_)) bytes += file_->stored_bytes(column);
   return bytes;
 }
 
@@ -125,7 +135,7 @@ std::vector<std::string> ShardReader::unreadable_columns() const {
   const auto try_column = [&](const Hdf5Column& column) {
     try {
       std::vector<std::uint8_t> rows;
-      read_rows(file_, column, rows);
+      read_rows(*file_, column, rows);
     } catch (const InputError& error) {
       faults.emplace_back(error.what());
     }

@@ -3,21 +3,32 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "format/shard/hdf5/hdf5_file.h"
 #include "format/shard/shard.h"
 
 namespace gigabake {
 
 struct CoarseLevels;  // format/shard/levels/coarse_levels.h
+class Hdf5File;
+struct Hdf5Column;
+
+/// The amount of data read from all columns of a file since it was opened.
+struct ColumnReads {
+  std::uint64_t rows = 0;   ///< requested by callers
+  std::uint64_t bytes = 0;  ///< size of the stored chunks that contain those rows
+};
 
 /// Reader of a shard. Checks every size, count and checksum before using the data.
 /// Errors  InputError naming file and dataset, from every member.
 class ShardReader {
  public:
   explicit ShardReader(const std::filesystem::path& path);
+  ShardReader(ShardReader&&) noexcept;
+  ShardReader& operator=(ShardReader&&) noexcept;
+  ~ShardReader();
 
   const std::filesystem::path& path() const { return path_; }
   const ShardHeader& header() const { return header_; }
@@ -34,7 +45,7 @@ class ShardReader {
   std::uint64_t level_bytes(int lod) const;
   std::uint64_t node_bytes() const;
   /// Returns the amount of column data read so far.
-  ColumnReads reads() const { return file_.reads(); }
+  ColumnReads reads() const;
   /// Returns one message for each dataset that cannot be read. Never throws for damaged data.
   std::vector<std::string> unreadable_columns() const;
 
@@ -43,7 +54,7 @@ class ShardReader {
   std::vector<Hdf5Column> level_columns(int lod) const;
 
   std::filesystem::path path_;
-  Hdf5File file_;
+  std::unique_ptr<const Hdf5File> file_;
   ShardHeader header_;
   std::int32_t version_;
 };

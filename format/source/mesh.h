@@ -5,11 +5,11 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/rules.h"
 #include "core/math/frames.h"
-#include "format/source/source_warning.h"
 
 namespace gigabake {
 
@@ -57,6 +57,25 @@ inline constexpr std::size_t placement_bytes = 192;
 struct EncodedImage {
   std::string name;  ///< for messages: "tile.glb: images[2]"
   std::vector<std::uint8_t> bytes;
+};
+
+/// One class of parts of a source that a bake ignores or changes.
+struct SourceWarning {
+  std::string text;          ///< the class, e.g. "lines not understood"; equal texts of several sources are one message
+  std::uint64_t count = 0;   ///< how many; 0: `text` is the whole message
+  std::uint64_t of = 0;      ///< total number of such parts; 0: not stated
+  std::string example = {};  ///< the first one, e.g. "line 12" or "'bark'"
+  bool is_loss = false;      ///< triangles are missing: the scene is incomplete, and the exit status is 3
+
+  SourceWarning() = default;
+  // Implicit: most warnings are only a text.
+  SourceWarning(std::string whole) : text(std::move(whole)) {}
+  SourceWarning(const char* whole) : text(whole) {}
+
+  /// Returns "TEXT: COUNT of OF, e.g. EXAMPLE", without the parts that are not stated.
+  std::string line() const;
+
+  friend bool operator==(const SourceWarning&, const SourceWarning&) = default;
 };
 
 struct TileCounts {

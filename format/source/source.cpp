@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/math/georeference.h"
 #include "core/math/transform.h"
+#include "format/source/content/composite.h"
 #include "format/source/earth_centred.h"
 #include "format/source/folder_listing.h"
 #include "format/source/json/scene_json.h"

@@ -13,7 +13,6 @@
 #include "core/base/progress.h"
 #include "core/base/rules.h"
 #include "core/math/frames.h"
-#include "format/source/content/composite.h"
 #include "format/source/mesh.h"
 
 namespace gigabake {
@@ -33,6 +32,12 @@ template <>
 constexpr auto names_of<ContentKind>() {
   return std::to_array<std::string_view>({"glb", "gltf", "b3dm", "i3dm", "obj", "dem", "ply", "stl"});
 }
+
+/// Bytes [begin, end) of a file; end 0: the whole file.
+struct ByteRange {
+  std::uint64_t begin = 0, end = 0;
+  friend bool operator==(const ByteRange&, const ByteRange&) = default;
+};
 
 /// One content file and its place. The same file may be placed several times.
 struct TileRef {

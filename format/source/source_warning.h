@@ -7,26 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "format/source/mesh.h"
+
 namespace gigabake {
-
-/// One class of warnings about one source.
-struct SourceWarning {
-  std::string text;          ///< the class, e.g. "lines not understood"; equal texts of several sources are one message
-  std::uint64_t count = 0;   ///< how many; 0: `text` is the whole message
-  std::uint64_t of = 0;      ///< total number of such parts; 0: not stated
-  std::string example = {};  ///< the first one, e.g. "line 12" or "'bark'"
-  bool is_loss = false;      ///< triangles are missing: the scene is incomplete, and the exit status is 3
-
-  SourceWarning() = default;
-  // Implicit: most warnings are only a text.
-  SourceWarning(std::string whole) : text(std::move(whole)) {}
-  SourceWarning(const char* whole) : text(whole) {}
-
-  /// Returns "TEXT: COUNT of OF, e.g. EXAMPLE", without the parts that are not stated.
-  std::string line() const;
-
-  friend bool operator==(const SourceWarning&, const SourceWarning&) = default;
-};
 
 /// Counter of the warnings of one source while it is read: one entry per class, in the order of their first examples.
 /// A source may have one warning for each of 10^8 faces.

@@ -2,8 +2,8 @@
 
 #include <fstream>
 
+#include "core/base/error.h"
 #include "core/base/memory_limit.h"
-#include "format/system/io_error.h"
 
 namespace gigabake {
 

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <sys/stat.h>
 
-#include "format/system/io_error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 

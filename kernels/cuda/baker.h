@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/cuda_failure.h"
+#include "core/base/error.h"
 #include "kernels/body/cell.h"
 
 namespace gigabake::kernels {

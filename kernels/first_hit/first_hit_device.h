@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/base/cuda_failure.h"
+#include "core/base/error.h"
 #include "kernels/first_hit/first_hit_cast.h"
 
 namespace gigabake::kernels {

@@ -20,42 +20,16 @@
 
 #include "core/base/host_device.h"
 #include "kernels/light/lighting.h"
+#include "kernels/light/surface_point.h"
 #include "kernels/marching/cast.h"
-#include "kernels/marching/pixel.h"
 
 namespace gigabake::kernels {
-
-/// A pixel's rays to the light.
-enum class LightRay : std::int32_t { sun, sky };
-inline constexpr int light_rays = 2;
-
-/// The light at a pixel's surface.
-struct PixelLight {
-  float normal[3] = {0, 0, 1};  ///< of the surface, unit
-  float at[3] = {0, 0, 0};      ///< position relative to the eye
-  float depth = 0;
-  float facing = 0;             ///< mean of max(0, cosine between the sun's direction and the normal)
-  float up = 1;                 ///< visible fraction of the sky without occluders
-  float seen[light_rays] = {};  ///< by ray: fraction of the light that is visible
-  std::int32_t lod = 0;         ///< the pixel's level at that distance
-  std::uint32_t done = 0;       ///< bit r: ray r is finished or not cast; bit light_rays: the surface is known
-  std::uint32_t first = 0;      ///< bit r: ray r is cast before shadow samples are reused
-  std::uint32_t then = 0;       ///< bit r: ray r is cast afterwards, because the samples are not uniform
-  bool has_surface = false;     ///< false: the ray lost less than half of its light
-
-  static constexpr std::uint32_t all = (2u << light_rays) - 1;
-  GB_HD bool has(int bit) const { return (done >> bit & 1) != 0; }
-  GB_HD bool is_first(LightRay ray) const { return (first >> int(ray) & 1) != 0; }
-  GB_HD bool is_cast(LightRay ray) const { return ((first | then) >> int(ray) & 1) != 0; }
-};
 
 GB_HD int lod_at(const CastScene& scene, const CastLine& line, double distance) {
   int lod = 0;
   while (lod + 1 < scene.lods && distance >= lod_start(line, lod + 1)) ++lod;
   return lod;
 }
-
-GB_HD float dot3(const float a[3], const float b[3]) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
 
 /// Sums over voxels, weighted by interpolation weight and coverage.
 struct SurfaceSums {
@@ -123,23 +97,6 @@ GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, co
 /// The distance above the surface, in voxels of the pixel's level, at which a ray to the light starts: beyond the
 /// interpolation around the surface.
 inline constexpr float light_clearance = 1.5f;
-/// The min cosine between the normal and the sky's direction. Light at a smaller angle contributes almost nothing.
-inline constexpr float min_cosine = 1.0f / 32;
-
-/// Returns the rank (0 to 63) of pixel (x, y) of the image in its block of sky_block × sky_block; ranks of neighbours
-/// differ strongly.
-GB_HD int place_in_block(int x, int y) {
-  return int(dither_rank(std::uint32_t(x) % sky_block, std::uint32_t(y) % sky_block));
-}
-
-/// Returns the direction to the light for a ray of pixel (x, y) of the image. The pixel's position in its block
-/// determines the part of the sun or the sky.
-GB_HD const float* light_direction(const CastLighting& lighting, int x, int y, LightRay ray) {
-  constexpr int places_per_direction = sky_block * sky_block / sun_directions;
-  const int place = place_in_block(x, y);
-  return ray == LightRay::sun ? lighting.sun[place / places_per_direction] : lighting.sky[place % sky_directions];
-}
-
 /// Tests whether the result of this ray affects the pixel.
 GB_HD bool lights_up(const PixelLight& light, const float direction[3], LightRay ray) {
   if (!light.has_surface || !(direction[2] > 0)) return false;

@@ -8,7 +8,6 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
-#include "kernels/light/shade.h"
 #include "kernels/marching/cast_camera.h"
 
 namespace gigabake::kernels {
@@ -17,6 +16,17 @@ namespace gigabake::kernels {
 inline constexpr int sun_block = 4, sun_directions = sun_block * sun_block;
 /// The same for the sky. Every other pixel of the block samples the sky, and the block shares the results.
 inline constexpr int sky_block = 8, sky_directions = sky_block * sky_block / 2;
+
+/// Linear RGB irradiance; irradiance 1 shows a surface in its own colour.
+struct CastLight {
+  float to_sun[3] = {0, 0, 1};  ///< unit
+  float sun[3] = {0, 0, 0};     ///< on a surface that faces the sun
+  float sky[3] = {1, 1, 1};     ///< on a surface that faces up
+  float ground[3] = {1, 1, 1};  ///< on a surface that faces down; interpolated with `sky` by the normal's z
+};
+
+/// Returns a light that shows surfaces in their own colours.
+GB_HD CastLight unlit() { return CastLight{}; }
 
 /// The part of the light that an image shows.
 enum class CastLightPart : std::int32_t {

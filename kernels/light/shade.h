@@ -6,20 +6,10 @@
 
 #include "core/base/host_device.h"
 #include "kernels/body/tables.h"
-#include "kernels/marching/scene.h"
+#include "kernels/light/lighting.h"
+#include "kernels/pool/packed_voxel.h"
 
 namespace gigabake::kernels {
-
-/// Linear RGB irradiance; irradiance 1 shows a surface in its own colour.
-struct CastLight {
-  float to_sun[3] = {0, 0, 1};  ///< unit
-  float sun[3] = {0, 0, 0};     ///< on a surface that faces the sun
-  float sky[3] = {1, 1, 1};     ///< on a surface that faces up
-  float ground[3] = {1, 1, 1};  ///< on a surface that faces down; interpolated with `sky` by the normal's z
-};
-
-/// Returns a light that shows surfaces in their own colours.
-GB_HD CastLight unlit() { return CastLight{}; }
 
 /// Rounds half up and clamps to 65535.
 /// Range   v ≥ 0.

@@ -10,15 +10,17 @@
 /// return the same bits.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 
-#include "core/base/cuda_failure.h"
+#include "core/base/error.h"
 #include "core/base/host_device.h"
 #include "core/base/thread_pool.h"
-#include "kernels/light/light_sharing.h"
 #include "kernels/light/lighting.h"
+#include "kernels/light/surface_point.h"
+#include "kernels/marching/cast_ray.h"
 
 namespace gigabake::kernels {
 

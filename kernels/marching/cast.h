@@ -16,6 +16,7 @@
 #include "core/base/host_device.h"
 #include "kernels/marching/cast_camera.h"
 #include "kernels/marching/cast_line.h"
+#include "kernels/marching/cast_ray.h"
 #include "kernels/marching/locate.h"
 #include "kernels/marching/ray_light.h"
 #include "kernels/marching/sample.h"
@@ -347,10 +348,5 @@ GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const Cast
   }
   finish_opaque(ray);
 }
-
-/// A rectangle of the image: ray i is pixel (x + i mod width, y + i div width).
-struct CastTile {
-  int x = 0, y = 0, width = 0, height = 0;
-};
 
 }  // namespace gigabake::kernels

@@ -1,4 +1,5 @@
-/// The camera that rays are cast for: eye and image plane, haze, clipping, and the tone curve of the screen.
+/// The camera that rays are cast for: eye and image plane, haze, clipping, background, and the tone
+/// curve of the screen.
 ///
 /// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float, no transcendental functions: host and device return the same bits.
@@ -7,7 +8,7 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
-#include "kernels/marching/scene.h"
+#include "kernels/marching/voxel_space.h"
 
 namespace gigabake::kernels {
 
@@ -29,6 +30,19 @@ GB_HD float shown_light(const CastTone& tone, float light) {
   const float exposed = light * tone.exposure, rest = 1 - tone.knee, over = exposed - tone.knee;
   return over <= 0 || rest <= 0 ? exposed : tone.knee + rest * (over / (over + rest));
 }
+
+/// Linear RGB of a sky: at the horizon, straight up, straight down.
+struct CastSky {
+  float horizon[3] = {0, 0, 0}, zenith[3] = {0, 0, 0}, nadir[3] = {0, 0, 0};
+};
+
+/// The background behind the voxels: a sky, or one premultiplied linear colour.
+struct CastBackground {
+  bool has_sky = false;
+  CastSky sky;
+  float rgb[3] = {0, 0, 0};
+  float alpha = 0;
+};
 
 /// The colours that a ray shows.
 enum class CastPaint : std::int32_t {

@@ -13,6 +13,7 @@
 #include "core/octree/morton.h"
 #include "kernels/marching/fixed_point.h"
 #include "kernels/marching/scene.h"
+#include "kernels/marching/voxel_space.h"
 
 namespace gigabake::kernels {
 
@@ -62,11 +63,6 @@ GB_HD void set_bit(std::uint32_t* words, std::size_t bit) {
 GB_HD void want(const CastScene& scene, std::uint32_t node, Want what) {
   set_bit(scene.marks.wanted, 2 * std::size_t(node) + std::size_t(what));
 }
-
-/// Voxels [min, max).
-struct VoxelBox {
-  std::int64_t min[3], max[3];
-};
 
 /// Returns the index of the first column whose key is ≥ key.
 GB_HD std::size_t lower_column(const CastScene& scene, std::uint64_t key) {

@@ -4,29 +4,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 
 #include "kernels/body/tables.h"
-#include "kernels/marching/cast.h"
+#include "kernels/marching/cast_camera.h"
+#include "kernels/marching/cast_line.h"
+#include "kernels/marching/cast_ray.h"
 
 namespace gigabake::kernels {
-
-/// Returns whether the current work should stop early. Several threads call it, about once a millisecond; empty: never
-/// stop.
-using StopAsked = std::function<bool()>;
-
-/// Linear RGB of a sky: at the horizon, straight up, straight down.
-struct CastSky {
-  float horizon[3] = {0, 0, 0}, zenith[3] = {0, 0, 0}, nadir[3] = {0, 0, 0};
-};
-
-/// The background behind the voxels: a sky, or one premultiplied linear colour.
-struct CastBackground {
-  bool has_sky = false;
-  CastSky sky;
-  float rgb[3] = {0, 0, 0};
-  float alpha = 0;
-};
 
 /// Returns a channel of the sky for the z component `up` of a unit direction. Below the horizon the sky is a haze that
 /// becomes the nadir's colour downwards.
@@ -60,13 +44,6 @@ GB_HD float shown_channel(const CastRay& ray, const CastLinear& light, const Cas
   const float gain = straight > 0 ? shown_light(tone, straight) / straight : 1;
   const float shown = ray.rgb[channel] * gain + ray.transmittance * back.rgb[channel];
   return light.rgba[3] > 0 ? shown / light.rgba[3] : 0;
-}
-
-/// Returns a rank from 0 to 63 within an 8 × 8 square of pixels; ranks of neighbouring pixels differ strongly.
-/// Source  Bayer 1973.
-GB_HD std::uint32_t dither_rank(std::uint32_t x, std::uint32_t y) {
-  const std::uint32_t d = x ^ y;
-  return (d & 1) << 5 | (y & 1) << 4 | (d & 2) << 2 | (y & 2) << 1 | (d & 4) >> 1 | (y & 4) >> 2;
 }
 
 /// Returns the 8-bit code below or above the linear value, depending on the rank. The mean over all 64 ranks reproduces
@@ -104,13 +81,6 @@ GB_HD CastRay before_polygons(const CastRay& ray, const CastCamera& camera, int 
   if (out.depth == CastRay::no_depth && out.transmittance < 0.5f) out.depth = distance;
   return out;
 }
-
-/// Output arrays for the pixels of a tile, row by row; null: not requested.
-struct CastPixels {
-  std::uint8_t* srgb = nullptr;  ///< four per pixel, straight alpha
-  float* linear = nullptr;       ///< four per pixel, CastLinear
-  float* depth = nullptr;        ///< voxels; CastRay::no_depth if at least half of the light passes through
-};
 
 /// Writes pixel i of the tile.
 GB_HD void write_pixel(const CastRay& ray, const CastLine& line, const CastTone& tone, const CastTile& tile,

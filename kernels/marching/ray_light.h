@@ -10,40 +10,12 @@
 #include "core/base/host_device.h"
 #include "kernels/marching/cast_camera.h"
 #include "kernels/marching/cast_line.h"
+#include "kernels/marching/cast_ray.h"
 #include "kernels/marching/locate.h"
 #include "kernels/marching/sample.h"
 #include "kernels/marching/sheet.h"
 
 namespace gigabake::kernels {
-
-/// The state of a ray. An unfinished ray continues from this state in the next pass.
-struct alignas(16) CastRay {
-  float rgb[3] = {0, 0, 0};  ///< linear, premultiplied
-  float transmittance = 1;
-  float covered = 0;       ///< sum of the coverages of all surfaces so far: 1 is opaque
-  float before = 0;        ///< value of `covered` at the start of the current surface
-  float apart = 0;         ///< distance from which on samples belong to another surface
-  float depth = no_depth;  ///< distance at which half of the light has been absorbed
-  double step = 0;         ///< index of the level's next sample; an integer like `past`
-  double past = -1;        ///< index of the sample after the level's last sample in a surface
-
-  double met = 0;            ///< distance of the latest hit of a blended surface before the current sample
-  float height = no_height;  ///< signed distance of the previous sample, lod-0 voxels; no_height: no surface
-  float height_at = 0;       ///< distance of that sample along the ray
-  float rise = 0;            ///< change of `height` per lod-0 voxel along the ray at that sample
-  std::int32_t lod = -1;     ///< -1: finished
-  bool is_seen = false;      ///< the hit at `met` has been composited
-
-  static constexpr float no_depth = 3e38f, no_height = 3e38f;
-};
-
-/// Returns e^-x for x ≥ 0 with a relative error of 2e-5; less than 2e-7 beyond 16.
-GB_HD float exp_minus(float x) {
-  const float y = (x < 16 ? x : 16) * (-1.0f / 64);
-  float e = 1 + y * (1 + y * (0.5f + y * (1.0f / 6 + y * (1.0f / 24 + y * (1.0f / 120)))));
-  for (int i = 0; i < 6; ++i) e *= e;
-  return e;
-}
 
 /// Returns a channel of debug colour n: six hues in three brightnesses. Not inlined, because few images show debug
 /// colours.

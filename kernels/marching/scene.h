@@ -13,23 +13,17 @@
 /// Source  Crassin et al. 2009, "GigaVoxels" (node pool, brick pool, borders, rays that request missing data).
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 
 #include "core/base/host_device.h"
 #include "kernels/marching/cast_node.h"
+#include "kernels/marching/voxel_space.h"
 #include "kernels/pool/cast_brick.h"
 
 namespace gigabake::kernels {
 
 inline constexpr int max_cast_lods = 29;  ///< levels of a tree of up to 2^31 voxels along an edge
-inline constexpr std::int64_t far_voxel = std::int64_t(1) << 52;  ///< beyond every scene; exact in a double
-
-/// Returns 2^exponent. Multiplying by the result is exact and replaces a division by the length of an edge.
-/// Exact   The result is assembled from its bits.
-/// Range   -1000 … 1000.
-GB_HD double power_of_two(int exponent) { return std::bit_cast<double>(std::uint64_t(1023 + exponent) << 52); }
 
 struct CastCell {
   std::int64_t min[3] = {};  ///< x and y are multiples of the cell's edge. The root of cell c is node c

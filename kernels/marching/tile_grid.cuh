@@ -1,7 +1,7 @@
 /// Mapping of a tile's pixels to threads: a warp covers 8×4 pixels, because neighbours need the same bricks.
 #pragma once
 
-#include "kernels/marching/cast.h"
+#include "kernels/marching/cast_ray.h"
 
 namespace gigabake::kernels {
 

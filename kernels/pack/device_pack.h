@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/cuda_failure.h"
+#include "core/base/error.h"
 #include "kernels/pack/raw_chunk.h"
 
 namespace gigabake::kernels {

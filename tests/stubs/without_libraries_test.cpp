@@ -5,7 +5,7 @@
 #include "cluster/mpi/mpi_session.h"
 #include "cluster/mpi/mpi_version.h"
 #include "format/system/host_limits.h"
-#include "viewer/pictures/exr.h"
+#include "viewer/pictures/image_files.h"
 
 namespace gigabake {
 namespace {

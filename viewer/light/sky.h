@@ -4,9 +4,7 @@
 #include <array>
 
 #include "kernels/light/lighting.h"
-#include "kernels/light/shade.h"
-#include "kernels/marching/cast.h"
-#include "kernels/marching/pixel.h"
+#include "kernels/marching/cast_camera.h"
 #include "viewer/light/sun.h"
 
 namespace gigabake {

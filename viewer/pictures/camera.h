@@ -6,7 +6,7 @@
 
 #include "core/math/frames.h"
 #include "format/scene/paged_scene.h"
-#include "kernels/marching/cast.h"
+#include "kernels/marching/cast_camera.h"
 #include "viewer/stream/page.h"
 
 namespace gigabake {

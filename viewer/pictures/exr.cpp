@@ -1,5 +1,3 @@
-#include "viewer/pictures/exr.h"
-
 #include <Imath/half.h>
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -13,6 +11,7 @@
 #include <vector>
 
 #include "format/system/publish.h"
+#include "viewer/pictures/image_files.h"
 
 namespace gigabake {
 namespace {

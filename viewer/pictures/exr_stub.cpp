@@ -1,6 +1,6 @@
 #include <stdexcept>
 
-#include "viewer/pictures/exr.h"
+#include "viewer/pictures/image_files.h"
 
 namespace gigabake {
 

@@ -8,13 +8,12 @@
 #include <future>
 #include <utility>
 
-#include "core/base/cuda_failure.h"
 #include "core/base/error.h"
 #include "format/system/host_limits.h"
 #include "viewer/pictures/render.h"
 #include "viewer/pictures/view_needs.h"
-#include "viewer/stream/guarded_pages.h"
 #include "viewer/stream/open_shards.h"
+#include "viewer/stream/page.h"
 
 namespace gigabake {
 namespace {

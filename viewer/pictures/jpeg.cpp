@@ -1,4 +1,4 @@
-#include "viewer/pictures/jpeg.h"
+#include "viewer/pictures/image_files.h"
 
 // jpeglib.h needs <cstdio>.
 #include <csetjmp>

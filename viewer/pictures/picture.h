@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/marching/cast.h"
-#include "kernels/marching/pixel.h"
+#include "kernels/marching/cast_ray.h"
 
 namespace gigabake {
 

@@ -1,11 +1,10 @@
-#include "viewer/pictures/png.h"
-
 #include <png.h>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "format/system/publish.h"
+#include "viewer/pictures/image_files.h"
 
 namespace gigabake {
 namespace {

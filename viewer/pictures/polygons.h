@@ -14,7 +14,7 @@
 #include "core/base/thread_pool.h"
 #include "core/math/frames.h"
 #include "format/scene/xml/scene_xml.h"
-#include "kernels/light/shade.h"
+#include "kernels/light/lighting.h"
 #include "kernels/marching/cast_camera.h"
 #include "viewer/light/sun.h"
 

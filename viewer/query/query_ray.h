@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "core/base/rules.h"
-#include "kernels/marching/locate.h"
+#include "kernels/marching/voxel_space.h"
 
 namespace gigabake {
 

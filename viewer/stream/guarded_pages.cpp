@@ -1,5 +1,3 @@
-#include "viewer/stream/guarded_pages.h"
-
 #include <atomic>
 #include <bit>
 #include <chrono>
@@ -10,6 +8,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "viewer/stream/page.h"
 
 namespace gigabake {
 namespace {

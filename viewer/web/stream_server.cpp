@@ -9,8 +9,7 @@
 
 #include "core/base/error.h"
 #include "viewer/live/viewer_input_json.h"
-#include "viewer/pictures/jpeg.h"
-#include "viewer/pictures/png.h"
+#include "viewer/pictures/image_files.h"
 #include "viewer/web/external_url.h"
 #include "viewer/web/http_server.h"
 #include "viewer/web/image_parts.h"

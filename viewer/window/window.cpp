@@ -15,7 +15,7 @@
 #include "format/system/publish.h"
 #include "viewer/live/bookmarks.h"
 #include "viewer/live/camera_path.h"
-#include "viewer/pictures/png.h"
+#include "viewer/pictures/image_files.h"
 #include "viewer/window/panel.h"
 #include "viewer/window/screen_image.h"
 #include "viewer/window/window_input.h"

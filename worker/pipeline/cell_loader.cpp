@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/base/error.h"
-#include "format/system/io_error.h"
 #include "worker/pipeline/lattice.h"
 #include "worker/scan/long_triangles.h"
 #include "worker/tiles/clusters.h"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "format/system/io_error.h"
+#include "core/base/error.h"
 #include "worker/pipeline/bounded_queue.h"
 #include "worker/pipeline/cell_stages.h"
 #include "worker/pipeline/writer_pool_size.h"

@@ -6,8 +6,8 @@
 #include <system_error>
 #include <utility>
 
+#include "core/base/error.h"
 #include "core/base/memory_limit.h"
-#include "format/system/io_error.h"
 
 namespace gigabake {
 namespace {

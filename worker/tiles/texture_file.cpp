@@ -9,9 +9,9 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "core/base/error.h"
 #include "format/source/image/image_size.h"
 #include "format/system/descriptor.h"
-#include "format/system/io_error.h"
 #include "worker/tiles/mapped_textures.h"
 #include "worker/tiles/scratch_publication.h"
 #include "worker/tiles/texture_layout.h"

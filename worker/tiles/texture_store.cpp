@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/error.h"
 #include "core/base/memory_limit.h"
 #include "core/base/thread_pool.h"
 #include "format/source/image/image_rows.h"
-#include "format/system/io_error.h"
 #include "worker/tiles/scratch_publication.h"
 #include "worker/tiles/texture_rows.h"
 

@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/io/bytes.h"
 #include "format/source/image/image_size.h"
+#include "format/source/source_warning.h"
 #include "format/system/hash_bytes.h"
 
 namespace gigabake {

@@ -7,7 +7,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "format/system/io_error.h"
+#include "core/base/error.h"
 
 namespace gigabake {
 namespace {

@@ -5,7 +5,6 @@
 
 #include "core/base/error.h"
 #include "format/source/tile_hash.h"
-#include "format/system/io_error.h"
 #include "worker/tiles/scratch_publication.h"
 #include "worker/tiles/tile_file.h"
 #include "worker/tiles/tile_gatherer.h"

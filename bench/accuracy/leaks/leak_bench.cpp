@@ -11,7 +11,7 @@
 #include "core/base/error.h"
 #include "format/system/publish.h"
 #include "viewer/pictures/frame_renderer.h"
-#include "viewer/pictures/png.h"
+#include "viewer/pictures/image_files.h"
 
 namespace gigabake::bench {
 namespace {

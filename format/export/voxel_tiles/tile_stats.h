@@ -7,8 +7,8 @@
 #include "core/base/progress.h"
 #include "core/base/thread_pool.h"
 #include "format/export/derived_levels.h"
-#include "format/export/export_team.h"
 #include "format/export/level_owners.h"
+#include "format/export/voxel_tiles/voxel_tileset.h"
 #include "format/export/voxel_tiles/voxel_tiling.h"
 
 namespace gigabake {

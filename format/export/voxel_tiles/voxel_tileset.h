@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <utility>
+#include <vector>
 
 #include "core/base/progress.h"
-#include "format/export/export_team.h"
 
 namespace gigabake {
 
@@ -19,6 +21,23 @@ struct TilesetOptions {
   int threads = 1;                ///< per rank
   bool update = false;            ///< updates an earlier export in the folder: unchanged tiles are reused
   TilesetForm form = TilesetForm::tiles_1_1;
+};
+
+/// The processes that write one export together; the base class is a team of one process. Every
+/// rank must call the same members in the same order, with the same steps.
+class ExportTeam {
+ public:
+  virtual ~ExportTeam() = default;
+
+  virtual int rank() const { return 0; }
+  virtual int ranks() const { return 1; }
+  /// Runs `step` on every rank.
+  /// Errors  Thrown on every rank if the step fails on one.
+  virtual void together(const std::function<void()>& step) const { step(); }
+  /// Returns every rank's bytes, by rank, on every rank.
+  virtual std::vector<std::vector<std::uint8_t>> exchange(std::vector<std::uint8_t> own) const {
+    return {std::move(own)};
+  }
 };
 
 /// Writes a new folder, or an archive if `target` ends in .3tz. It holds tileset.json, one implicit octree over the

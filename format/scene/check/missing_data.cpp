@@ -1,9 +1,8 @@
-#include "format/scene/check/missing_data.h"
-
 #include <fmt/format.h>
 #include <vector>
 
 #include "core/base/counted.h"
+#include "format/scene/check/verify.h"
 
 namespace gigabake {
 

@@ -11,7 +11,7 @@
 #include "core/base/error.h"
 #include "core/octree/parameters.h"
 #include "format/scene/cell_window.h"
-#include "format/scene/scene_totals.h"
+#include "format/scene/scene_page.h"
 #include "format/scene/tier_shape.h"
 #include "format/scene/xml/scene_elements.h"
 

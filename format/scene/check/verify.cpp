@@ -9,6 +9,7 @@
 #include "core/base/counted.h"
 #include "core/base/error.h"
 #include "core/base/thread_pool.h"
+#include "format/scene/cell_window.h"
 #include "format/scene/check/scene_check.h"
 #include "format/scene/paged_scene.h"
 #include "format/scene/shard_of_scene.h"

@@ -14,6 +14,7 @@
 #include "format/shard/hdf5/chunk_codec.h"
 #include "format/shard/hdf5/file_image.h"
 #include "format/shard/hdf5/hdf5_call.h"
+#include "format/shard/shard_reader.h"
 
 namespace gigabake {
 
@@ -47,12 +48,6 @@ struct ColumnRows {
       get;
   /// Replaces `get`: each chunk in its stored form, packed by the same codec as the other columns.
   std::span<const std::span<const std::uint8_t>> stored = {};
-};
-
-/// The amount of data read from all columns of a file since it was opened.
-struct ColumnReads {
-  std::uint64_t rows = 0;   ///< requested by callers
-  std::uint64_t bytes = 0;  ///< size of the stored chunks that contain those rows
 };
 
 /// An open HDF5 file.

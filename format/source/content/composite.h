@@ -8,14 +8,9 @@
 #include <vector>
 
 #include "format/source/content/content_magic.h"
+#include "format/source/source.h"
 
 namespace gigabake {
-
-/// Bytes [begin, end) of a file; end 0: the whole file.
-struct ByteRange {
-  std::uint64_t begin = 0, end = 0;
-  friend bool operator==(const ByteRange&, const ByteRange&) = default;
-};
 
 struct CompositePart {
   ByteRange range;

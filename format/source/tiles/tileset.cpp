@@ -8,7 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
 #include "core/base/quote.h"
-#include "format/source/content/content_magic.h"
+#include "format/source/content/composite.h"
 #include "format/source/loss_reason.h"
 #include "format/source/tiles/implicit_tiling.h"
 #include "format/source/tiles/pnts.h"

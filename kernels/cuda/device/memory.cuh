@@ -7,7 +7,7 @@
 #include <cuda_runtime.h>
 #include <utility>
 
-#include "core/base/cuda_failure.h"
+#include "core/base/error.h"
 #include "kernels/cuda/device/pinned.cuh"
 
 namespace gigabake::kernels {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "tests/worker/glb_scene.h"
-#include "viewer/pictures/png.h"
+#include "viewer/pictures/image_files.h"
 
 namespace gigabake::bench {
 namespace {

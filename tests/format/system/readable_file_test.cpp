@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <vector>
 
-#include "format/system/io_error.h"
+#include "core/base/error.h"
 #include "tests/format/source/source_scene.h"
 
 namespace gigabake {

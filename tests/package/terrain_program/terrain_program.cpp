@@ -8,7 +8,7 @@
 #include <kernels/cpu/bake_cell.h>
 #include <vector>
 #include <viewer/pictures/frame_renderer.h>
-#include <viewer/pictures/png.h>
+#include <viewer/pictures/image_files.h>
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include "kernels/light/shader.h"
 #include "viewer/light/sky.h"
 #include "viewer/pictures/frame_renderer.h"
-#include "viewer/pictures/png.h"
+#include "viewer/pictures/image_files.h"
 
 namespace {
 

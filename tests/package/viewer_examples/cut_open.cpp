@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <exception>
 #include <viewer/pictures/frame_renderer.h>
-#include <viewer/pictures/png.h>
+#include <viewer/pictures/image_files.h>
 #include <viewer/query/query_frames.h>
 #include <viewer/query/scene_query.h>
 #include <viewer/query/surface_height.h>

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <viewer/pictures/frame_renderer.h>
-#include <viewer/pictures/png.h>
+#include <viewer/pictures/image_files.h>
 
 namespace {
 

@@ -1,10 +1,9 @@
-#include "viewer/pictures/jpeg.h"
-
 #include <cmath>
 #include <cstdlib>
 #include <gtest/gtest.h>
 
 #include "format/source/mesh.h"
+#include "viewer/pictures/image_files.h"
 
 namespace gigabake {
 namespace {

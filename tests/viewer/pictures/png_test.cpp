@@ -1,5 +1,3 @@
-#include "viewer/pictures/png.h"
-
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
@@ -7,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "format/source/mesh.h"
+#include "viewer/pictures/image_files.h"
 
 namespace gigabake {
 namespace {

@@ -1,6 +1,4 @@
 // Producers of pages that fail, hang or return wrong data: the result is a clear error, no hole and no crash.
-#include "viewer/stream/guarded_pages.h"
-
 #include <chrono>
 #include <condition_variable>
 #include <gmock/gmock.h>
@@ -12,6 +10,7 @@
 #include "core/base/error.h"
 #include "tests/viewer/ground_scene.h"
 #include "viewer/pictures/frame_renderer.h"
+#include "viewer/stream/page.h"
 
 namespace gigabake {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "../glb_scene.h"
+#include "core/base/error.h"
 #include "core/base/thread_pool.h"
-#include "format/system/io_error.h"
 #include "tests/format/system/small_disk.h"
 #include "worker/tiles/scratch_publication.h"
 

@@ -7,9 +7,9 @@
 #include <thread>
 
 #include "../glb_scene.h"
+#include "core/base/error.h"
 #include "core/base/memory_limit.h"
 #include "format/source/tile_hash.h"
-#include "format/system/io_error.h"
 #include "kernels/cpu/bake_cell.h"
 #include "tests/format/system/small_disk.h"
 #include "worker/pipeline/cell_loader.h"

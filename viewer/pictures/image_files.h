@@ -1,6 +1,7 @@
-/// Images as OpenEXR files: linear light and depth.
+/// Images as files: PNG, JPEG for streams, and OpenEXR for linear light and depth.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -9,11 +10,26 @@
 
 namespace gigabake {
 
+/// Returns a PNG file's bytes: RGB if every pixel is opaque, otherwise RGBA.
+/// Exact   Equal images give equal bytes.
+/// Errors  std::runtime_error: libpng's message.
+std::string encode_png(const Picture& picture);
+
+/// Writes the result of encode_png(). Replaces `path` atomically.
+/// Errors  InputError, naming the file and the system's reason; no partial file remains.
+void write_png(const std::filesystem::path& path, const Picture& picture);
+
+/// Returns a JPEG file's bytes; alpha is dropped. quality: 1 to 100; below 90 the chroma channels have half the
+/// resolution.
+/// Exact   Equal images give equal bytes.
+/// Errors  std::runtime_error: libjpeg's message.
+std::string encode_jpeg(const Picture& picture, int quality);
+
 /// Returns the error line if gigabake was built without OpenEXR; else nullopt. Without OpenEXR, the functions below
 /// throw std::runtime_error with this line.
 std::optional<std::string> missing_openexr_error();
 
-/// The channels of a file.
+/// The channels of an OpenEXR file.
 /// R, G, B, A: half, linear, premultiplied. Z: float, metres along the ray to the point at which half of the light is
 /// absorbed; infinity if there is no such point.
 enum class ExrChannels : std::uint8_t {
@@ -21,8 +37,8 @@ enum class ExrChannels : std::uint8_t {
   depth,            ///< Z
 };
 
-/// Returns the file's bytes; rows from top to bottom, ZIP compression. voxel_size_m: converts `Picture::depth` to
-/// metres.
+/// Returns an OpenEXR file's bytes; rows from top to bottom, ZIP compression. voxel_size_m: converts `Picture::depth`
+/// to metres.
 /// Exact   Equal images give equal bytes.
 /// Errors  std::runtime_error: OpenEXR's message; an empty image.
 std::string encode_exr(const Picture& picture, ExrChannels channels, double voxel_size_m);

@@ -1,0 +1,163 @@
+/// The surface that a pixel shows and the light at it, after all rays of its tile are finished.
+///
+/// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
+/// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/host_device.h"
+#include "kernels/light/lighting.h"
+#include "kernels/marching/cast_ray.h"
+#include "kernels/marching/voxel_space.h"
+
+namespace gigabake::kernels {
+
+/// A pixel's rays to the light.
+enum class LightRay : std::int32_t { sun, sky };
+inline constexpr int light_rays = 2;
+
+/// The light at a pixel's surface.
+struct PixelLight {
+  float normal[3] = {0, 0, 1};  ///< of the surface, unit
+  float at[3] = {0, 0, 0};      ///< position relative to the eye
+  float depth = 0;
+  float facing = 0;             ///< mean of max(0, cosine between the sun's direction and the normal)
+  float up = 1;                 ///< visible fraction of the sky without occluders
+  float seen[light_rays] = {};  ///< by ray: fraction of the light that is visible
+  std::int32_t lod = 0;         ///< the pixel's level at that distance
+  std::uint32_t done = 0;       ///< bit r: ray r is finished or not cast; bit light_rays: the surface is known
+  std::uint32_t first = 0;      ///< bit r: ray r is cast before shadow samples are reused
+  std::uint32_t then = 0;       ///< bit r: ray r is cast afterwards, because the samples are not uniform
+  bool has_surface = false;     ///< false: the ray lost less than half of its light
+
+  static constexpr std::uint32_t all = (2u << light_rays) - 1;
+  GB_HD bool has(int bit) const { return (done >> bit & 1) != 0; }
+  GB_HD bool is_first(LightRay ray) const { return (first >> int(ray) & 1) != 0; }
+  GB_HD bool is_cast(LightRay ray) const { return ((first | then) >> int(ray) & 1) != 0; }
+};
+
+GB_HD float dot3(const float a[3], const float b[3]) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
+
+/// The min cosine between the normal and the sky's direction. Light at a smaller angle contributes almost nothing.
+inline constexpr float min_cosine = 1.0f / 32;
+
+/// Returns the rank (0 to 63) of pixel (x, y) of the image in its block of sky_block × sky_block; ranks of neighbours
+/// differ strongly.
+GB_HD int place_in_block(int x, int y) {
+  return int(dither_rank(std::uint32_t(x) % sky_block, std::uint32_t(y) % sky_block));
+}
+
+/// Returns the direction to the light for a ray of pixel (x, y) of the image. The pixel's position in its block
+/// determines the part of the sun or the sky.
+GB_HD const float* light_direction(const CastLighting& lighting, int x, int y, LightRay ray) {
+  constexpr int places_per_direction = sky_block * sky_block / sun_directions;
+  const int place = place_in_block(x, y);
+  return ray == LightRay::sun ? lighting.sun[place / places_per_direction] : lighting.sky[place % sky_directions];
+}
+
+/// Tests whether two pixels show the same surface and therefore receive the same light.
+GB_HD bool is_same_surface(const PixelLight& a, const PixelLight& b) {
+  if (!b.has_surface || !(dot3(a.normal, b.normal) > 0.9f)) return false;
+  const float to[3] = {b.at[0] - a.at[0], b.at[1] - a.at[1], b.at[2] - a.at[2]};
+  const float above = dot3(a.normal, to);
+  return (above < 0 ? -above : above) <= 2 * float(power_of_two(a.lod));
+}
+
+/// The light of a tile's pixels, row by row.
+struct TileLights {
+  const PixelLight* lights;
+  CastTile tile;
+
+  GB_HD const PixelLight& at(int x, int y) const {
+    return lights[std::size_t(y) * std::size_t(tile.width) + std::size_t(x)];
+  }
+};
+
+/// Pixels of a tile: [min, max).
+struct LightBlock {
+  int x0, y0, x1, y1;
+};
+
+/// Returns the block of edge × edge pixels around pixel (x, y) of a tile, clipped to the tile.
+/// Range   The tile begins at a multiple of `edge` in the image.
+GB_HD LightBlock block_around(const CastTile& tile, int edge, int x, int y) {
+  const int x0 = x / edge * edge, y0 = y / edge * edge;
+  return {x0, y0, x0 + edge < tile.width ? x0 + edge : tile.width, y0 + edge < tile.height ? y0 + edge : tile.height};
+}
+
+/// The set of rays to the sky that a sum includes.
+enum class SkyRays : std::int32_t { first, all };
+
+/// Computes the visible fraction of the sky from the rays of the block's pixels that show the surface. Returns false if
+/// there are none.
+GB_HD bool sky_around(const TileLights& tile, const CastLighting& lighting, int x, int y, const PixelLight& own,
+                      SkyRays rays, float& share) {
+  const LightBlock block = block_around(tile.tile, sky_block, x, y);
+  float seen = 0, all = 0;
+  for (int j = block.y0; j < block.y1; ++j)
+    for (int i = block.x0; i < block.x1; ++i) {
+      const PixelLight& other = tile.at(i, j);
+      const bool counts = rays == SkyRays::first ? other.is_first(LightRay::sky) : other.is_cast(LightRay::sky);
+      if (!counts || !is_same_surface(own, other)) continue;
+      const float* direction = light_direction(lighting, tile.tile.x + i, tile.tile.y + j, LightRay::sky);
+      const float by = dot3(own.normal, direction);
+      if (!(by > min_cosine)) continue;
+      seen += by * other.seen[int(LightRay::sky)];
+      all += by;
+    }
+  share = all > 0 ? seen / all : 1;
+  return all > 0;
+}
+
+/// Returns the light for a pixel that shows little surface: the light of a pixel of its block that has one. Returns
+/// unshadowed light if the block has no such pixel.
+GB_HD PixelLight light_beside(const TileLights& tile, const CastLighting& lighting, int x, int y) {
+  const LightBlock block = block_around(tile.tile, sun_block, x, y);
+  for (int j = block.y0; j < block.y1; ++j)
+    for (int i = block.x0; i < block.x1; ++i)
+      if (tile.at(i, j).has_surface) return tile.at(i, j);
+  PixelLight open;
+  open.facing = lighting.light.to_sun[2] > 0 ? lighting.light.to_sun[2] : 0;
+  open.seen[int(LightRay::sun)] = 1;
+  return open;
+}
+
+/// The surface that a pixel shows, and its light.
+struct SurfacePoint {
+  double place[3];  ///< lod-0 voxels of the scene's lattice
+  float normal[3];  ///< unit; towards the eye if the voxels have none
+  float distance;   ///< from the eye
+  float own[3];     ///< own colour: linear RGB, premultiplied by `there`
+  float there;      ///< fraction of the pixel that is surface, above 0
+  float facing;     ///< mean of max(0, cosine between the sun's direction and the normal)
+  float sun_seen;   ///< visible fraction of the sun; 1 if no rays are cast to the light
+  float sky_seen;   ///< visible fraction of the sky: 1/2 for an open wall, 1 for open flat ground
+};
+
+/// Returns the surface of pixel i of a tile, whose ray contains the surface's own colour. tile: finished light of the
+/// pixels.
+/// Range   ray.transmittance < 1.
+GB_HD SurfacePoint surface_point(const CastRay& ray, const double eye[3], const TileLights& tile,
+                                 const CastLighting& lighting, std::size_t i) {
+  const int x = int(i % std::size_t(tile.tile.width)), y = int(i / std::size_t(tile.tile.width));
+  const PixelLight own = tile.at(x, y).has_surface ? tile.at(x, y) : light_beside(tile, lighting, x, y);
+  const bool is_cast = lighting.part != CastLightPart::unhidden;
+  float sky = 1;
+  if (is_cast) sky_around(tile, lighting, x, y, own, SkyRays::all, sky);
+  SurfacePoint at;
+  for (int a = 0; a < 3; ++a) {
+    at.place[a] = eye[a] + double(own.at[a]);
+    at.normal[a] = own.normal[a];
+    at.own[a] = ray.rgb[a];
+  }
+  at.distance = own.depth;
+  at.there = 1 - ray.transmittance;
+  at.facing = own.facing;
+  at.sun_seen = is_cast ? own.seen[int(LightRay::sun)] : 1;
+  at.sky_seen = own.up * sky;
+  return at;
+}
+
+}  // namespace gigabake::kernels
