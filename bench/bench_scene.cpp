@@ -14,7 +14,7 @@ BakePlan plan_scene(const SceneSources& sources, const BenchScene& scene) {
   std::vector<TileScan> scans;
   for (std::uint32_t t = 0; t < sources.tiles.size(); ++t)
     scans.push_back(scan_tile(sources, t, scene.parameters, pool));
-  BakePlan plan = make_plan(std::move(scans), sources, scene.parameters, scene.progress);
+  BakePlan plan = make_plan(std::move(scans), sources, scene.parameters, PlanLevels::cells, scene.progress);
   if (plan.jobs.empty()) throw InputError(scene.source, "", "holds no triangles to bake");
   return plan;
 }

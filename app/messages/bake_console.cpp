@@ -69,7 +69,7 @@ void BakeConsole::planned(const BakePlan& plan) {
   for (std::size_t i = 0; i < printed; ++i) say("warning: " + plan.warnings[i]);
   if (printed < plan.warnings.size()) say(fmt::format("warning: likewise {} more", plan.warnings.size() - printed));
   if (plan.jobs.empty()) return;  // the caller reports the error
-  say(fmt::format("{} in {}", counted(plan.triangles, "triangle"), counted(plan.jobs.size(), "cell")));
+  say(fmt::format("{} in {}", counted(plan.triangles, "triangle"), counted(plan.cells(), "cell")));
   if (!plan.losses.empty())
     say(fmt::format("{} missing, not readable or not whole; the last lines list {}",
                     counted(plan.losses.size(), "source is", "sources are"), plan.losses.size() == 1 ? "it" : "them"));

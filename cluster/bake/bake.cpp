@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <functional>
 #include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <variant>
 
-#include "cluster/bake/bake_scratch.h"
+#include "cluster/bake/bake_session.h"
 #include "cluster/bake/dispatch.h"
 #include "cluster/bake/dispatch_log.h"
 #include "cluster/bake/master_bake.h"
@@ -21,7 +20,6 @@
 #include "core/base/memory_limit.h"
 #include "format/system/message.h"
 #include "scheduler/journal/scan_cache.h"
-#include "scheduler/plan/overviews.h"
 
 namespace gigabake {
 namespace {
@@ -34,11 +32,32 @@ constexpr double heartbeat_timeouts_per_collective = 10;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-SharedSources open_together(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress) {
-  set_memory_limit(request.memory_bytes);
-  SharedSources sources = open_shared_sources(mpi, request.source, request.source_options, progress.steps);
-  if (mpi.rank() == 0) progress.opened(sources.scene);
-  return sources;
+void open_source(BakeSession& s) {
+  set_memory_limit(s.request.memory_bytes);
+  s.sources = open_shared_sources(s.mpi, s.request.source, s.request.source_options, s.progress.steps);
+  if (s.mpi.rank() == 0) s.progress.opened(s.sources.scene);
+}
+
+/// Creates and locks OUT on rank 0; checks on every rank that OUT is visible.
+void claim_output(BakeSession& s) {
+  collective_try(s.mpi, [&] {
+    if (s.mpi.rank() == 0) s.out.emplace(s.request.out, s.request.source);
+  });
+  collective_try(s.mpi, [&] { expect_output_folder(s.request.out); });
+}
+
+void prepare_scratch(BakeSession& s) {
+  collective_try(s.mpi, [&] {
+    if (s.mpi.rank() != 0) return;
+    const ScratchNeed need = scratch_need(s.sources.scene, memory_of(s.mpi, s.request));
+    if (const auto line = scratch_info(need, scratch_of(s.request))) s.progress.info(*line);
+  });
+  s.scratch.emplace(scratch_of(s.request));
+}
+
+void start_process(BakeSession& s) {
+  s.process.emplace(setup_of(s.mpi, s.request, s.sources), process_options(s.request));
+  collective_try(s.mpi, [&] { s.process->prepare(); });
 }
 
 /// The scan results that rank 0 has cached, and the tiles that must be scanned.
@@ -74,13 +93,14 @@ std::string no_triangles(const BakePlan& plan) {
   return line;
 }
 
-/// Saves the scan results. If the cache cannot be written, the next bake scans all tiles again; this bake continues.
-void keep_scans(const BakeRequest& request, const SceneSources& sources, const std::vector<TileScan>& scans,
-                const BakeProgress& progress) {
+/// Saves the scan results in OUT. If the cache cannot be written, the next bake scans all tiles again; this bake
+/// continues.
+void keep_scans(const BakeSession& s) {
+  if (!s.out) return;
   try {
-    save_scan_cache(scan_cache_of(request.out), sources, request.parameters, scans);
+    save_scan_cache(scan_cache_of(s.request.out), s.sources.scene, s.request.parameters, s.scans);
   } catch (const InputError& e) {
-    progress.warning(std::string("the next bake scans all tiles again: ") + e.what());
+    s.progress.warning(std::string("the next bake scans all tiles again: ") + e.what());
   }
 }
 
@@ -93,47 +113,52 @@ bool is_stop_asked(const Progress& steps) {
   }
 }
 
-/// Policy for the scan results of a stopped bake: discard them or keep them for the next bake.
-enum class StoppedScan { forget, keep };
-
-/// Returns the scan results of all tiles on rank 0. on_scan: called on rank 0 with the number of results.
-/// Errors  Stopped.
-std::vector<TileScan> scan(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
-                           BakeProcess& process, const BakeProgress& progress, StoppedScan when_stopped,
-                           const std::function<void(std::size_t)>& on_scan,
-                           const std::function<void(int rank)>& on_death) {
-  KnownScans known;
-  collective_try(mpi, [&] {
-    if (mpi.rank() == 0) known = known_scans(request.out, sources, request.parameters, mpi.cores(), progress.steps);
-  });
-  bool is_stopped = false;
-  std::vector<TileScan> scans = scan_tiles(mpi, known.missing, process, request.timeouts.heartbeat_timeout_s,
-                                           {[&](std::size_t done) {
-                                              on_scan(known.scans.size() + done);
-                                              is_stopped = is_stop_asked(progress.steps);
-                                              return !is_stopped;
-                                            },
-                                            [&](int rank, const std::string& why) {
-                                              on_death(rank);
-                                              progress.warning(restart_line(rank, why));
-                                            }});
-  std::move(known.scans.begin(), known.scans.end(), std::back_inserter(scans));
-  if (is_stopped && when_stopped == StoppedScan::keep) keep_scans(request, sources, scans, progress);
-  fail_collectively(mpi, {}, is_stopped);
-  return scans;
+/// Reports to rank 0's listeners how many tiles are scanned.
+void report_scanned(const BakeSession& s, std::size_t done) {
+  const std::size_t all = s.sources.scene.tiles.size();
+  if (s.feed == nullptr) return s.progress.scanned(done, all);
+  s.feed->record().scanned(done, all);
+  s.feed->turn();
 }
 
-/// Collective call. Returns the plan on rank 0.
-BakePlan plan_from(MpiSession& mpi, const BakeRequest& request, const SceneSources& sources,
-                   std::vector<TileScan> scans, const BakeProgress& progress) {
-  BakePlan plan;
-  collective_try(mpi, [&] {
-    if (mpi.rank() != 0) return;
-    plan = make_plan(std::move(scans), sources, request.parameters, progress.steps);
-    if (plan.jobs.empty() && plan.losses.empty()) throw InputError(request.source, "", no_triangles(plan));
-    progress.planned(plan);
+/// Scans the tiles whose results are not cached. If the bake is stopped, OUT keeps the results so far.
+/// Errors  Stopped.
+void scan_source(BakeSession& s) {
+  KnownScans known;
+  collective_try(s.mpi, [&] {
+    if (s.mpi.rank() == 0)
+      known = known_scans(s.request.out, s.sources.scene, s.request.parameters, s.mpi.cores(), s.progress.steps);
   });
-  return plan;
+  bool is_stopped = false;
+  const auto scanned = [&](std::size_t done) {
+    report_scanned(s, known.scans.size() + done);
+    is_stopped = is_stop_asked(s.progress.steps);
+    return !is_stopped;
+  };
+  const auto died = [&](int rank, const std::string& why) {
+    if (s.feed != nullptr) s.feed->record().process_died(rank, unix_now_s());
+    s.progress.warning(restart_line(rank, why));
+  };
+  s.scans = scan_tiles(s.mpi, known.missing, *s.process, s.request.timeouts.heartbeat_timeout_s, {scanned, died});
+  std::move(known.scans.begin(), known.scans.end(), std::back_inserter(s.scans));
+  if (is_stopped) keep_scans(s);
+  fail_collectively(s.mpi, {}, is_stopped);
+}
+
+/// Makes the plan on rank 0, with overviews if a bake needs them, and refuses it if losses prevent a scene.
+void plan_jobs(BakeSession& s, PlanLevels levels) {
+  collective_try(s.mpi, [&] {
+    if (s.mpi.rank() != 0) return;
+    s.plan = make_plan(s.scans, s.sources.scene, s.request.parameters, levels, s.progress.steps);
+    if (s.plan.jobs.empty() && s.plan.losses.empty()) throw InputError(s.request.source, "", no_triangles(s.plan));
+    s.progress.planned(s.plan);
+  });
+  collective_try(s.mpi, [&] { refuse(s.request, s.plan.losses, s.mpi.rank() == 0 && s.plan.jobs.empty()); });
+  keep_scans(s);
+  s.scans.clear();
+  s.summary.precision = s.plan.precision;
+  s.summary.warnings = s.plan.warnings;
+  s.summary.scan_s = seconds_since(s.start);
 }
 
 /// Waits until the process has reported its device. Restarts a process that dies before that; gives up after the third
@@ -154,13 +179,13 @@ DeviceChoice device_of(const MpiSession& mpi, BakeProcess& process) {
 }
 
 /// Chooses devices. A rank without a device prints a line if other ranks have one, because its cells take longer.
-void choose_devices(MpiSession& mpi, BakeProcess& process, BakeSummary& summary) {
+void choose_devices(BakeSession& s) {
   DeviceChoice choice;
-  collective_try(mpi, [&] { choice = device_of(mpi, process); });
-  summary.ranks_with_device = int(mpi.sum_of(choice.device.has_value() ? 1 : 0));
-  summary.no_device = choice.reason;
-  if (summary.ranks_with_device != 0 && !choice.device && !choice.reason.empty())
-    print_message("rank {} on {} uses the CPU: {}\n", mpi.rank(), host_name(), choice.reason);
+  collective_try(s.mpi, [&] { choice = device_of(s.mpi, *s.process); });
+  s.summary.ranks_with_device = int(s.mpi.sum_of(choice.device.has_value() ? 1 : 0));
+  s.summary.no_device = choice.reason;
+  if (s.summary.ranks_with_device != 0 && !choice.device && !choice.reason.empty())
+    print_message("rank {} on {} uses the CPU: {}\n", s.mpi.rank(), host_name(), choice.reason);
 }
 
 /// Warns if the ranks may use less than half of the cores. The reason is that mpirun binds each rank to one core by
@@ -172,59 +197,39 @@ void warn_of_binding(const MpiSession& mpi, const BakeRequest& request) {
                 mpi.cores(), mpi.host_cores());
 }
 
-/// Bakes and records the status. feed: set on rank 0 only.
-BakeSummary bake_watched(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress,
-                         std::optional<StatusFeed>& feed) {
-  const auto start = Clock::now();
-  BakeSummary summary;
-  summary.ranks = mpi.ranks();
-  summary.threads = threads_of(mpi, request);
-  warn_of_binding(mpi, request);
-  const SharedSources shared = open_together(mpi, request, progress);
-  const SceneSources& sources = shared.scene;
-  std::optional<OutputFolder> out;
-  collective_try(mpi, [&] {
-    if (mpi.rank() == 0) out.emplace(request.out, request.source);
-  });
-  collective_try(mpi, [&] { expect_output_folder(request.out); });
-  collective_try(mpi, [&] {
-    if (mpi.rank() != 0) return;
-    const ScratchNeed need = scratch_need(sources, memory_of(mpi, request));
-    if (const auto note = scratch_info(need, scratch_of(request))) progress.info(*note);
-  });
-  BakeScratch scratch(scratch_of(request));
-  BakeProcess process(setup_of(mpi, request, shared), process_options(request));
-  collective_try(mpi, [&] { process.prepare(); });
-  std::vector<TileScan> scans = scan(
-      mpi, request, sources, process, progress, StoppedScan::keep,
-      [&](std::size_t done) {
-        feed->record().scanned(done, sources.tiles.size());
-        feed->turn();
-      },
-      [&](int rank) { feed->record().process_died(rank, unix_now_s()); });
-  choose_devices(mpi, process, summary);  // after the scan, which the driver's start would delay
-  BakePlan plan = plan_from(mpi, request, sources, scans, progress);
-  collective_try(mpi, [&] { refuse(request, plan.losses, mpi.rank() == 0 && plan.jobs.empty()); });
-  if (mpi.rank() == 0) keep_scans(request, sources, scans, progress);
-  scans.clear();
-  if (request.overviews) add_overviews(plan.jobs);
-  summary.precision = plan.precision;
-  summary.warnings = plan.warnings;
-  summary.scan_s = seconds_since(start);
+/// Bakes the plan's cells and overviews on all ranks and publishes the scene on rank 0.
+void bake_jobs(BakeSession& s) {
   const auto planned = Clock::now();
-  if (mpi.rank() != 0) work(mpi, process, request.timeouts.heartbeat_timeout_s);
+  if (s.mpi.rank() != 0) work(s.mpi, *s.process, s.request.timeouts.heartbeat_timeout_s);
   std::optional<std::string> failure;
   try {
-    if (mpi.rank() == 0) MasterBake(request, sources, plan, *out, progress, *feed, summary).run(mpi, process);
+    if (s.mpi.rank() == 0) MasterBake(s).run();
   } catch (const std::exception& e) {
     failure = reason_of(e);
   }
   // A lost rank would never take part in a collective call; the caller ends the other ranks.
-  if (failure && summary.lost_ranks != 0) throw std::runtime_error(*failure);
-  if (summary.lost_ranks == 0) fail_collectively(mpi, failure);
-  if (summary.lost_ranks == 0 && mpi.sum_of(summary.is_drained ? 1 : 0) == 0) scratch.is_not_needed();
-  summary.bake_s = seconds_since(planned);
-  return summary;
+  const bool has_lost = s.summary.lost_ranks != 0;
+  if (failure && has_lost) throw std::runtime_error(*failure);
+  if (!has_lost) fail_collectively(s.mpi, failure);
+  if (!has_lost && s.mpi.sum_of(s.summary.is_drained ? 1 : 0) == 0) s.scratch->is_not_needed();
+  s.summary.bake_s = seconds_since(planned);
+}
+
+/// Runs all steps of a bake. OUT is unlocked when it returns. feed: on rank 0 only.
+BakeSummary run_steps(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress, StatusFeed* feed) {
+  BakeSession s(mpi, request, progress, feed);
+  s.summary.ranks = mpi.ranks();
+  s.summary.threads = threads_of(mpi, request);
+  warn_of_binding(mpi, request);
+  open_source(s);
+  claim_output(s);
+  prepare_scratch(s);
+  start_process(s);
+  scan_source(s);
+  choose_devices(s);  // after the scan, which the driver's start would delay
+  plan_jobs(s, request.overviews ? PlanLevels::cells_and_overviews : PlanLevels::cells);
+  bake_jobs(s);
+  return std::move(s.summary);
 }
 
 /// Publishes the final status on rank 0.
@@ -238,23 +243,17 @@ void end_status(StatusFeed& feed, BakeSummary& summary) {
 }  // namespace
 
 PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& own, const BakeProgress& progress) {
-  const auto start = Clock::now();
   const BakeRequest request = agreed_request(mpi, own);
-  PlannedBake planned;
-  planned.sources = open_together(mpi, request, progress);
-  const SceneSources& sources = planned.sources.scene;
+  BakeSession s(mpi, request, progress);
+  open_source(s);
   BakeRequest on_cpu = request;
   on_cpu.backend = Backend::cpu;  // a scan needs no device
-  WorkerSetup setup = setup_of(mpi, on_cpu, planned.sources);
+  WorkerSetup setup = setup_of(mpi, on_cpu, s.sources);
   setup.worker.scratch.clear();  // a plan leaves no files: large tiles are scanned part by part
-  BakeProcess process(std::move(setup), process_options(request));
-  std::vector<TileScan> scans = scan(
-      mpi, request, sources, process, progress, StoppedScan::forget,
-      [&](std::size_t done) { progress.scanned(done, sources.tiles.size()); }, [](int) {});
-  planned.plan = plan_from(mpi, request, sources, std::move(scans), progress);
-  collective_try(mpi, [&] { refuse(request, planned.plan.losses, mpi.rank() == 0 && planned.plan.jobs.empty()); });
-  planned.scan_s = seconds_since(start);
-  return planned;
+  s.process.emplace(std::move(setup), process_options(request));
+  scan_source(s);
+  plan_jobs(s, PlanLevels::cells);
+  return {std::move(s.plan), std::move(s.sources), s.summary.scan_s};
 }
 
 BakeSummary bake(MpiSession& mpi, const BakeRequest& own, const BakeProgress& progress) {
@@ -263,7 +262,7 @@ BakeSummary bake(MpiSession& mpi, const BakeRequest& own, const BakeProgress& pr
   std::optional<StatusFeed> feed;
   if (mpi.rank() == 0) feed.emplace(request.out, mpi.ranks(), request.metrics, progress.status);
   try {
-    BakeSummary summary = bake_watched(mpi, request, progress, feed);
+    BakeSummary summary = run_steps(mpi, request, progress, feed ? &*feed : nullptr);
     if (feed) end_status(*feed, summary);
     return summary;
   } catch (const Stopped&) {

@@ -63,32 +63,33 @@ void refuse(const BakeRequest& request, const std::vector<SceneLoss>& losses, bo
                        (is_named ? "" : short_path(losses[0].name) + ": ") + losses[0].reason);
 }
 
-MasterBake::MasterBake(const BakeRequest& request, const SceneSources& sources, const BakePlan& plan,
-                       const OutputFolder& out, const BakeProgress& progress, StatusFeed& feed, BakeSummary& summary)
-    : request_(request),
-      sources_(sources),
-      plan_(plan),
-      out_(out),
-      progress_(progress),
-      feed_(feed),
-      summary_(summary) {}
+MasterBake::MasterBake(BakeSession& session)
+    : mpi_(session.mpi),
+      process_(*session.process),
+      request_(session.request),
+      sources_(session.sources.scene),
+      plan_(session.plan),
+      out_(*session.out),
+      progress_(session.progress),
+      feed_(*session.feed),
+      summary_(session.summary) {}
 
-void MasterBake::run(MpiSession& mpi, BakeProcess& process) {
+void MasterBake::run() {
   CachedResults prior;
   {
     const JournalContent content = read_journal(out_.journal());
     journal_.emplace(out_.journal(), content);
-    prior = find_cached(plan_, content, request_.out, mpi.cores());
+    prior = find_cached(plan_, content, request_.out, mpi_.cores());
   }
   plan_dispatch(prior.done);
-  MpiRankLink link(mpi, process);
+  MpiRankLink link(mpi_, process_);
   DispatchLog log(plan_, *journal_, feed_, progress_);
   DispatchResult result = dispatch(link, plan_.jobs, prior.done, dispatch_options(request_, summary_), log);
   summary_.cells_taken_over = cells_among(prior.done);
   summary_.cells_planned = plan_.cells();
   summary_.is_drained = result.is_drained;
   summary_.lost_ranks = result.lost_ranks.size();
-  summary_.peak_process_bytes = std::max({result.peak_bytes, process.peak_bytes(), peak_bytes_here()});
+  summary_.peak_process_bytes = std::max({result.peak_bytes, process_.peak_bytes(), peak_bytes_here()});
   std::move(prior.done.begin(), prior.done.end(), std::back_inserter(result.reports));
   add_times(result.reports, plan_, summary_);  // before prior reports are added to the scene: reused cells took no time
   for (const CellReport& r : result.reports)

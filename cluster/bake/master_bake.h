@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "cluster/bake/bake.h"
+#include "cluster/bake/bake_session.h"
 #include "cluster/bake/output_folder.h"
 #include "cluster/bake/status_feed.h"
 #include "cluster/mpi/mpi_session.h"
@@ -20,13 +20,12 @@ void refuse(const BakeRequest& request, const std::vector<SceneLoss>& losses, bo
 
 class MasterBake {
  public:
-  /// All arguments must outlive it.
-  MasterBake(const BakeRequest& request, const SceneSources& sources, const BakePlan& plan, const OutputFolder& out,
-             const BakeProgress& progress, StatusFeed& feed, BakeSummary& summary);
+  /// session: of rank 0, with a plan; must outlive this object.
+  explicit MasterBake(BakeSession& session);
 
   /// Bakes the cells that earlier bakes have not left in OUT, publishes the scene and completes the summary.
   /// Errors  InputError: OUT/scene.xml is unchanged.
-  void run(MpiSession& mpi, BakeProcess& process);
+  void run();
 
  private:
   void plan_dispatch(const std::vector<CellReport>& done);
@@ -34,6 +33,8 @@ class MasterBake {
   void forget_orphans();
   void publish();
 
+  MpiSession& mpi_;
+  BakeProcess& process_;
   const BakeRequest& request_;
   const SceneSources& sources_;
   const BakePlan& plan_;

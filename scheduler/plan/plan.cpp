@@ -12,6 +12,7 @@
 #include "core/base/quote.h"
 #include "format/job/fingerprint.h"
 #include "format/source/raster/dem.h"
+#include "scheduler/plan/overviews.h"
 
 namespace gigabake {
 namespace {
@@ -246,7 +247,7 @@ CellStack stack_over(std::int64_t z_min, std::int64_t z_end, std::int64_t cell_v
 }
 
 BakePlan make_plan(std::vector<TileScan> scans, const SceneSources& sources, const BakeParameters& parameters,
-                   const Progress& progress) {
+                   PlanLevels levels, const Progress& progress) {
   progress.step("planning");
   std::sort(scans.begin(), scans.end(), [](const TileScan& a, const TileScan& b) { return a.tile < b.tile; });
   refuse_spread_tiles(scans, parameters.cell_voxels);
@@ -256,6 +257,7 @@ BakePlan make_plan(std::vector<TileScan> scans, const SceneSources& sources, con
   plan.precision = source_precision(scans, sources, parameters.voxel_size_m);
   add_columns(scans, parameters.cell_voxels, progress, plan.jobs);
   name_jobs(scans, sources, parameters, progress, plan.jobs);
+  if (levels == PlanLevels::cells_and_overviews) add_overviews(plan.jobs);
   return plan;
 }
 

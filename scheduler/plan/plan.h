@@ -17,7 +17,8 @@
 namespace gigabake {
 
 struct BakePlan {
-  /// Cells by lattice_min z, y, x; then overviews, once they were added (scheduler/plan/overviews.h). jobs[i].id is i.
+  /// Cells by lattice_min z, y, x; then overviews, each after its children (scheduler/plan/overviews.h). jobs[i].id
+  /// is i.
   std::vector<CellJob> jobs;
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
   /// Sums of ColumnExtent::crossings over each tile's columns, by index in sources.tiles.
@@ -37,12 +38,15 @@ struct BakePlan {
 /// Max cells of a tile. A tile with more is lost with an error line because it probably has a wrong unit or vertex.
 inline constexpr std::int64_t max_cells_per_tile = std::int64_t(1) << 21;
 
+/// The jobs of a plan.
+enum class PlanLevels { cells, cells_and_overviews };
+
 /// Makes the plan. `scans` has one entry per entry of sources.tiles. A stack is centred on its column's height. It
 /// starts at a multiple of the coarsest level's voxel, so that every level of every cell lies on one grid. Cells that
 /// no tile overlaps are left out.
 /// Errors  Stopped.
 BakePlan make_plan(std::vector<TileScan> scans, const SceneSources& sources, const BakeParameters& parameters,
-                   const Progress& progress = {});
+                   PlanLevels levels = PlanLevels::cells, const Progress& progress = {});
 
 /// The lowest voxel and number of cells of the stack over [z_min, z_end).
 /// Range   z_min < z_end.

@@ -8,6 +8,7 @@
 
 #include "format/job/fingerprint.h"
 #include "scheduler/plan/merge.h"
+#include "scheduler/plan/overviews.h"
 
 namespace gigabake {
 namespace {
@@ -113,6 +114,24 @@ TEST(MakePlan, TellsEachCellWhatItsTilesHeldWhenTheyWereScanned) {
   for (const CellJob& job : make_plan(scans, sources_of(12), parameters(256)).jobs) {
     ASSERT_EQ(job.tile_sources.size(), job.tiles.size());
     for (std::size_t i = 0; i < job.tiles.size(); ++i) EXPECT_EQ(job.tile_sources[i], scans[job.tiles[i]].source);
+  }
+}
+
+TEST(MakePlan, ListsTheOverviewsAfterTheSameCells) {
+  std::mt19937 random(plan_seed);
+  const auto scans = random_scans(20, random);
+  std::vector<CellJob> expected = make_plan(scans, sources_of(20), parameters(128)).jobs;
+  const std::size_t cells = expected.size();
+  add_overviews(expected);
+  const BakePlan plan = make_plan(scans, sources_of(20), parameters(128), PlanLevels::cells_and_overviews);
+  EXPECT_EQ(plan.cells(), cells);
+  ASSERT_EQ(plan.jobs.size(), expected.size());
+  ASSERT_GT(plan.jobs.size(), cells);
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(plan.jobs[i].id, i);
+    EXPECT_EQ(is_overview(plan.jobs[i]), i >= cells);
+    EXPECT_EQ(plan.jobs[i].fingerprint, expected[i].fingerprint);
+    EXPECT_EQ(plan.jobs[i].kept_lod, expected[i].kept_lod);
   }
 }
 
