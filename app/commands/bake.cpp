@@ -24,25 +24,16 @@ int exit_code_of(const BakeSummary& summary) {
   return summary.scene.losses.empty() ? complete : cells_failed;
 }
 
-/// Returns the callbacks that remain under --quiet.
-BakeProgress warnings_only(const Progress& steps) {
-  BakeProgress p;
-  p.steps = steps;
-  p.opened = [](const SceneSources& sources) {
-    for (const std::string& note : sources.notes)
+/// Prints what remains under --quiet: warnings.
+void print_warnings(const BakeEvent& event) {
+  if (const auto* source = std::get_if<SourceOpened>(&event)) {
+    for (const std::string& note : source->sources.notes)
       if (note.starts_with("warning: ")) print_message("{}\n", with_flags(note));
-  };
-  p.scanned = [](std::size_t, std::size_t) {};
-  p.planned = [](const BakePlan& plan) {
-    for (const std::string& warning : plan.warnings) print_message("warning: {}\n", with_flags(warning));
-  };
-  p.status = [](const BakeStatus&) {};
-  p.cell_done = [](const CellReport& report, const CellJob& job) {
-    if (!report.note.empty()) print_message("cell {}: {}\n", job.name, with_flags(report.note));
-  };
-  p.info = [](const std::string&) {};
-  p.warning = [](const std::string& line) { print_message("{}\n", with_flags(line)); };
-  return p;
+  }
+  if (const auto* jobs = std::get_if<JobsPlanned>(&event)) {
+    for (const std::string& warning : jobs->plan.warnings) print_message("warning: {}\n", with_flags(warning));
+  }
+  if (const auto warning = warning_of(event)) print_message("{}\n", with_flags(*warning));
 }
 
 /// Checks the output paths before the bake starts.
@@ -65,18 +56,14 @@ std::string state_left(const BakeStatus& s) {
   return fmt::format("\ngigabake: stopped immediately, {}; the same command resumes the bake\n", done);
 }
 
-/// Returns `progress` with additions: it updates the text for a second Ctrl-C. Once the source is open, lines of a log
+/// Returns `listener` with additions: it updates the text for a second Ctrl-C. Once the source is open, lines of a log
 /// get the time. Earlier lines directly answer the command and need none.
-BakeProgress noted_progress(BakeProgress progress, const std::function<void()>& begin_log) {
-  progress.opened = [begin_log, show = progress.opened](const SceneSources& sources) {
-    begin_log();
-    show(sources);
+BakeListener with_log_time(const BakeListener& listener, const std::function<void()>& begin_log) {
+  return [listener, begin_log](const BakeEvent& event) {
+    if (std::holds_alternative<SourceOpened>(event)) begin_log();
+    if (const auto* updated = std::get_if<StatusUpdated>(&event)) set_interrupt_message(state_left(updated->status));
+    listener(event);
   };
-  progress.status = [show = progress.status](const BakeStatus& status) {
-    set_interrupt_message(state_left(status));
-    show(status);
-  };
-  return progress;
 }
 
 int run(const BakeOptions& options, MpiSession& mpi) {
@@ -85,7 +72,7 @@ int run(const BakeOptions& options, MpiSession& mpi) {
     if (mpi.rank() == 0) check_outputs(options);
   });
   BakeConsole console(mpi.rank() == 0 && !options.quiet ? stderr : nullptr, {is_drain_requested, {}});
-  BakeProgress progress = console.callbacks();
+  BakeProgress progress = console.progress();
   const bool has_time = options.log_time.value_or(::isatty(STDERR_FILENO) == 0);
   std::optional<MessageTime> log_time;
   const auto begin_log = [&] {
@@ -94,8 +81,9 @@ int run(const BakeOptions& options, MpiSession& mpi) {
   if (mpi.rank() != 0) begin_log();
   set_interrupt_message(
       "\ngigabake: stopped immediately, before the first cell; the same command starts the bake again\n");
-  if (options.quiet) progress = warnings_only(progress.steps);
-  const BakeSummary summary = bake(mpi, request, noted_progress(progress, begin_log));
+  if (options.quiet) progress.listener = print_warnings;
+  progress.listener = with_log_time(progress.listener, begin_log);
+  const BakeSummary summary = bake(mpi, request, progress);
   log_time.reset();  // lines after this one are the result of the command
   if (mpi.rank() != 0) return complete;
   const std::string report = json_report(summary, request.out);

@@ -43,7 +43,7 @@ int run(const PlanOptions& plan_options, MpiSession& mpi) {
   const BakeOptions& options = plan_options.bake;
   const BakeRequest request = options.request_of(mpi);
   BakeConsole console(mpi.rank() == 0 ? stderr : nullptr, {[] { return stop_signal() != 0; }, {}});
-  const BakeProgress progress = console.callbacks();
+  const BakeProgress progress = console.progress();
   const PlannedBake planned = plan_bake(mpi, request, progress);
   if (mpi.rank() != 0) return complete;
   const BakePlan& plan = planned.plan;

@@ -17,22 +17,21 @@ constexpr std::size_t warnings_printed = 5;
 }  // namespace
 
 BakeConsole::BakeConsole(std::FILE* steps, StopCallbacks stop)
-    : steps_(steps, std::move(stop)), line_(stderr, line_every_s), start_(std::chrono::steady_clock::now()) {}
+    : steps_(steps, std::move(stop)), line_(stderr, line_every_s) {}
 
-BakeProgress BakeConsole::callbacks() {
-  BakeProgress p;
-  p.steps = steps_.progress();
-  p.opened = [this](const SceneSources& sources) { opened(sources); };
-  p.scanned = [this](std::size_t done, std::size_t all) { scanned(done, all); };
-  p.planned = [this](const BakePlan& plan) { planned(plan); };
-  p.status = [this](const BakeStatus& status) {
+BakeProgress BakeConsole::progress() {
+  return {steps_.progress(), [this](const BakeEvent& event) { take(event); }};
+}
+
+void BakeConsole::take(const BakeEvent& event) {
+  if (const auto* source = std::get_if<SourceOpened>(&event)) opened(source->sources);
+  if (const auto* jobs = std::get_if<JobsPlanned>(&event)) planned(jobs->plan);
+  if (const auto* info = std::get_if<InfoLine>(&event)) say(info->text);
+  if (const auto warning = warning_of(event)) note(*warning);
+  if (const auto* updated = std::get_if<StatusUpdated>(&event)) {
     steps_.end_step();
-    line_.show(status);
-  };
-  p.cell_done = [this](const CellReport& report, const CellJob& job) { cell_done(report, job); };
-  p.info = [this](const std::string& line) { say(line); };
-  p.warning = [this](const std::string& line) { note(line); };
-  return p;
+    line_.show(updated->status);
+  }
 }
 
 /// Ends the steps' line first, because both lines share a terminal.
@@ -52,16 +51,6 @@ void BakeConsole::opened(const SceneSources& sources) {
   for (const SkippedSource& s : sources.skipped)
     if (s.informative && ++informative <= warnings_printed) say(fmt::format("skipped {}: {}", s.name, s.reason));
   if (informative > warnings_printed) say(fmt::format("skipped likewise: {} more", informative - warnings_printed));
-  start_ = std::chrono::steady_clock::now();
-}
-
-void BakeConsole::scanned(std::size_t done, std::size_t all) {
-  steps_.end_step();
-  BakeStatus status;
-  status.updated_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  status.tiles_scanned = done;
-  status.tiles = all;
-  line_.show(status);
 }
 
 void BakeConsole::planned(const BakePlan& plan) {
@@ -73,10 +62,6 @@ void BakeConsole::planned(const BakePlan& plan) {
   if (!plan.losses.empty())
     say(fmt::format("{} missing, not readable or not whole; the last lines list {}",
                     counted(plan.losses.size(), "source is", "sources are"), plan.losses.size() == 1 ? "it" : "them"));
-}
-
-void BakeConsole::cell_done(const CellReport& report, const CellJob& job) {
-  if (!report.note.empty()) note(fmt::format("cell {}: {}", job.name, report.note));
 }
 
 void BakeConsole::note(const std::string& line) {

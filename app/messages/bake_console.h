@@ -1,7 +1,6 @@
 /// Messages of a running bake on standard error.
 #pragma once
 
-#include <chrono>
 #include <cstdio>
 
 #include "app/messages/progress_line.h"
@@ -15,17 +14,16 @@ class BakeConsole {
  public:
   /// steps: stream for the steps before the first cell; null: do not print them.
   BakeConsole(std::FILE* steps, StopCallbacks stop);
-  /// Returns callbacks that point at this object. They print opened sources, the scan, the plan, the progress of the
-  /// cells and their warnings.
-  BakeProgress callbacks();
+  /// Returns steps and a listener that point at this object. They print opened sources, the scan, the plan, the
+  /// progress of the cells and their warnings.
+  BakeProgress progress();
   /// Ends the current step's line, so that the caller can print to standard error.
   void end_step() { steps_.end_step(); }
 
  private:
+  void take(const BakeEvent& event);
   void opened(const SceneSources& sources);
-  void scanned(std::size_t done, std::size_t all);
   void planned(const BakePlan& plan);
-  void cell_done(const CellReport& report, const CellJob& job);
   void note(const std::string& line);
 
   void say(const std::string& line);
@@ -33,7 +31,6 @@ class BakeConsole {
   StepDisplay steps_;
   ProgressLine line_;
   SimilarLineFilter similar_lines_;
-  std::chrono::steady_clock::time_point start_;
 };
 
 }  // namespace gigabake::app

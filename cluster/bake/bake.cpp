@@ -9,7 +9,6 @@
 
 #include "cluster/bake/bake_session.h"
 #include "cluster/bake/dispatch.h"
-#include "cluster/bake/dispatch_log.h"
 #include "cluster/bake/master_bake.h"
 #include "cluster/bake/scan_tiles.h"
 #include "cluster/launch/agreed_request.h"
@@ -35,7 +34,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 void open_source(BakeSession& s) {
   set_memory_limit(s.request.memory_bytes);
   s.sources = open_shared_sources(s.mpi, s.request.source, s.request.source_options, s.progress.steps);
-  if (s.mpi.rank() == 0) s.progress.opened(s.sources.scene);
+  if (s.mpi.rank() == 0) s.report(SourceOpened{s.sources.scene});
 }
 
 /// Creates and locks OUT on rank 0; checks on every rank that OUT is visible.
@@ -50,7 +49,7 @@ void prepare_scratch(BakeSession& s) {
   collective_try(s.mpi, [&] {
     if (s.mpi.rank() != 0) return;
     const ScratchNeed need = scratch_need(s.sources.scene, memory_of(s.mpi, s.request));
-    if (const auto line = scratch_info(need, scratch_of(s.request))) s.progress.info(*line);
+    if (const auto line = scratch_info(need, scratch_of(s.request))) s.report(InfoLine{*line});
   });
   s.scratch.emplace(scratch_of(s.request));
 }
@@ -100,7 +99,7 @@ void keep_scans(const BakeSession& s) {
   try {
     save_scan_cache(scan_cache_of(s.request.out), s.sources.scene, s.request.parameters, s.scans);
   } catch (const InputError& e) {
-    s.progress.warning(std::string("the next bake scans all tiles again: ") + e.what());
+    s.report(WarningLine{std::string("the next bake scans all tiles again: ") + e.what()});
   }
 }
 
@@ -113,14 +112,6 @@ bool is_stop_asked(const Progress& steps) {
   }
 }
 
-/// Reports to rank 0's listeners how many tiles are scanned.
-void report_scanned(const BakeSession& s, std::size_t done) {
-  const std::size_t all = s.sources.scene.tiles.size();
-  if (s.feed == nullptr) return s.progress.scanned(done, all);
-  s.feed->record().scanned(done, all);
-  s.feed->turn();
-}
-
 /// Scans the tiles whose results are not cached. If the bake is stopped, OUT keeps the results so far.
 /// Errors  Stopped.
 void scan_source(BakeSession& s) {
@@ -131,14 +122,12 @@ void scan_source(BakeSession& s) {
   });
   bool is_stopped = false;
   const auto scanned = [&](std::size_t done) {
-    report_scanned(s, known.scans.size() + done);
+    s.report(TilesScanned{known.scans.size() + done, s.sources.scene.tiles.size()});
+    s.report(BakeAlive{});
     is_stopped = is_stop_asked(s.progress.steps);
     return !is_stopped;
   };
-  const auto died = [&](int rank, const std::string& why) {
-    if (s.feed != nullptr) s.feed->record().process_died(rank, unix_now_s());
-    s.progress.warning(restart_line(rank, why));
-  };
+  const auto died = [&](int rank, const std::string& why) { s.report(ProcessDied{rank, why}); };
   s.scans = scan_tiles(s.mpi, known.missing, *s.process, s.request.timeouts.heartbeat_timeout_s, {scanned, died});
   std::move(known.scans.begin(), known.scans.end(), std::back_inserter(s.scans));
   if (is_stopped) keep_scans(s);
@@ -151,7 +140,7 @@ void plan_jobs(BakeSession& s, PlanLevels levels) {
     if (s.mpi.rank() != 0) return;
     s.plan = make_plan(s.scans, s.sources.scene, s.request.parameters, levels, s.progress.steps);
     if (s.plan.jobs.empty() && s.plan.losses.empty()) throw InputError(s.request.source, "", no_triangles(s.plan));
-    s.progress.planned(s.plan);
+    s.report(JobsPlanned{s.plan});
   });
   collective_try(s.mpi, [&] { refuse(s.request, s.plan.losses, s.mpi.rank() == 0 && s.plan.jobs.empty()); });
   keep_scans(s);
@@ -235,16 +224,30 @@ BakeSummary run_steps(MpiSession& mpi, const BakeRequest& request, const BakePro
 /// Publishes the final status on rank 0.
 void end_status(StatusFeed& feed, BakeSummary& summary) {
   const bool is_whole = summary.scene.losses.empty();
-  feed.record().enter(summary.is_drained ? BakeState::drained : is_whole ? BakeState::complete : BakeState::incomplete);
-  feed.publish();
+  const BakeState published = is_whole ? BakeState::complete : BakeState::incomplete;
+  feed.take(StateEntered{summary.is_drained ? BakeState::drained : published});
   summary.status = feed.record().at(unix_now_s());
+}
+
+/// Returns a listener that also makes the status of the scan, for a plan, which has no StatusFeed.
+BakeListener with_scan_status(BakeListener listener) {
+  return [listener = std::move(listener), record = std::optional<BakeStatusRecord>()](const BakeEvent& event) mutable {
+    listener(event);
+    const double now_s = unix_now_s();
+    if (std::holds_alternative<SourceOpened>(event)) record.emplace(BakeIdentity{}, now_s);
+    if (!record || !std::holds_alternative<TilesScanned>(event)) return;
+    record->add(event, now_s);
+    listener(StatusUpdated{record->at(now_s)});
+  };
 }
 
 }  // namespace
 
 PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& own, const BakeProgress& progress) {
   const BakeRequest request = agreed_request(mpi, own);
-  BakeSession s(mpi, request, progress);
+  BakeProgress own_progress = progress;
+  if (progress.listener) own_progress.listener = with_scan_status(progress.listener);
+  BakeSession s(mpi, request, own_progress);
   open_source(s);
   BakeRequest on_cpu = request;
   on_cpu.backend = Backend::cpu;  // a scan needs no device
@@ -260,7 +263,7 @@ BakeSummary bake(MpiSession& mpi, const BakeRequest& own, const BakeProgress& pr
   const BakeRequest request = agreed_request(mpi, own);
   mpi.set_collective_timeout(heartbeat_timeouts_per_collective * request.timeouts.heartbeat_timeout_s);
   std::optional<StatusFeed> feed;
-  if (mpi.rank() == 0) feed.emplace(request.out, mpi.ranks(), request.metrics, progress.status);
+  if (mpi.rank() == 0) feed.emplace(request.out, mpi.ranks(), request.metrics, progress.listener);
   try {
     BakeSummary summary = run_steps(mpi, request, progress, feed ? &*feed : nullptr);
     if (feed) end_status(*feed, summary);

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,6 +16,7 @@
 #include "format/source/source.h"
 #include "scheduler/plan/plan.h"
 #include "scheduler/queue/timeouts.h"
+#include "scheduler/status/bake_event.h"
 #include "scheduler/status/bake_status.h"
 #include "worker/pipeline/backend.h"
 
@@ -39,16 +39,10 @@ struct BakeRequest {
   std::filesystem::path metrics;  ///< file for rank 0's status in Prometheus format; empty: none
 };
 
-/// Callbacks on rank 0, in the order of events; only `steps` is called on every rank.
+/// The caller's view of a bake.
 struct BakeProgress {
-  Progress steps;  ///< on every rank: steps before the first cell
-  std::function<void(const SceneSources&)> opened;
-  std::function<void(std::size_t done, std::size_t all)> scanned;  ///< plan_bake() only; a bake has it in `status`
-  std::function<void(const BakePlan&)> planned;
-  std::function<void(const BakeStatus&)> status;  ///< ten times per second
-  std::function<void(const CellReport&, const CellJob&)> cell_done;
-  std::function<void(const std::string&)> info;     ///< one line of information
-  std::function<void(const std::string&)> warning;  ///< one line of warning; the bake continues
+  Progress steps;         ///< on every rank: steps before the first cell, and cancellation
+  BakeListener listener;  ///< on rank 0: receives the events in their order; may be empty
 };
 
 /// Results of a bake. Stage seconds are sums over cells; stages of consecutive cells overlap.

@@ -24,6 +24,12 @@ struct BakeSession {
               StatusFeed* status = nullptr)
       : mpi(of_ranks), request(agreed), progress(listener), feed(status) {}
 
+  /// Passes an event to the status and to the caller; on rank 0 only.
+  void report(const BakeEvent& event) const {
+    if (feed != nullptr) feed->take(event);
+    if (progress.listener) progress.listener(event);
+  }
+
   MpiSession& mpi;
   const BakeRequest& request;  ///< equal on all ranks
   const BakeProgress& progress;

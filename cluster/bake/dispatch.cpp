@@ -18,11 +18,13 @@ constexpr double heartbeat_interval_s = 1;
 /// Executes the decisions of the schedule and reports events back to it.
 class Dispatcher {
  public:
-  Dispatcher(RankLink& link, const std::vector<CellJob>& jobs, const DispatchOptions& options, DispatchLog& log)
+  Dispatcher(RankLink& link, const std::vector<CellJob>& jobs, const DispatchOptions& options,
+             const BakeListener& listener)
       : link_(link),
+        jobs_(jobs),
         orders_(jobs),
         keep_going_(options.keep_going),
-        log_(log),
+        listener_(listener),
         schedule_(jobs, options),
         deaths_(std::size_t(link.ranks())),
         hosts_(std::size_t(link.ranks())) {}
@@ -33,7 +35,7 @@ class Dispatcher {
       schedule_.already_done(report.id);
     }
     for (int rank = 0; rank < link_.ranks(); ++rank) schedule_.heard_from(rank, link_.now_s());
-    log_.joined(0, host_name());
+    listener_(WorkerJoined{0, host_name()});
     try {
       while (!schedule_.is_over()) {
         step();
@@ -53,14 +55,14 @@ class Dispatcher {
  private:
   void step() {
     check_drain();
-    log_.turn();
+    listener_(BakeAlive{});
     send_heartbeats();
     dispatch_cells();
     while (const auto message = link_.receive()) take(*message);
     schedule_.heard_from(0, link_.now_s());
     for (const int rank : schedule_.silent(link_.now_s())) {
       lost_.insert(rank);
-      log_.lost(rank);
+      listener_(WorkerLost{rank});
       has_new_events_ = true;
     }
     for (const std::uint32_t job : schedule_.take_set_aside()) set_aside(job);
@@ -68,7 +70,7 @@ class Dispatcher {
 
   void check_drain() {
     if (!link_.is_drain_requested()) return;
-    log_.draining();
+    if (!std::exchange(is_draining_, true)) listener_(StateEntered{BakeState::draining});
     schedule_.stop();
   }
 
@@ -89,7 +91,7 @@ class Dispatcher {
       for (int rank = link_.ranks(); rank-- > 0;) {
         if (lost_.contains(rank)) continue;
         if (const auto assignment = schedule_.next(rank, link_.now_s())) {
-          log_.handed_out(assignment->job, rank);
+          listener_(JobDispatched{assignment->job, rank});
           link_.send(rank, tag_job,
                      order_bytes(deaths_[std::size_t(rank)], orders_.order(assignment->job), assignment->attempt));
           gave = true;
@@ -112,21 +114,21 @@ class Dispatcher {
     schedule_.heard_from(rank, link_.now_s());
     if (lost_.erase(rank) == 0) return;
     has_new_events_ = true;
-    log_.joined(rank, hosts_[std::size_t(rank)]);
+    listener_(WorkerJoined{rank, hosts_[std::size_t(rank)]});
   }
 
   void take_heartbeat(const Message& message) {
     const Heartbeat sign = heartbeat_from_bytes(message.bytes);
     result_.peak_bytes = std::max(result_.peak_bytes, sign.peak_bytes);
     std::string& known = hosts_[std::size_t(message.from)];
-    if (known.empty()) log_.joined(message.from, sign.host);
+    if (known.empty()) listener_(WorkerJoined{message.from, sign.host});
     known = sign.host;
   }
 
   void report_end(int rank, const std::string& why) {
     ++deaths_[std::size_t(rank)];
     schedule_.process_died(rank, why, link_.now_s());
-    log_.process_died(rank, why);
+    listener_(ProcessDied{rank, why});
     has_new_events_ = true;
   }
 
@@ -138,9 +140,9 @@ class Dispatcher {
     const Verdict verdict = failed ? schedule_.failed(rank, report.id, attempt, report.error, link_.now_s(), retry)
                                    : schedule_.finished(rank, report.id, attempt, link_.now_s());
     if (verdict == Verdict::stale) return;
-    if (failed) return log_.attempt_failed(report.id);
+    if (failed) return listener_(AttemptFailed{report.id});
     orders_.is_done(report);
-    log_.finished(report, orders_.order(report.id));
+    listener_(JobFinished{report, orders_.order(report.id)});
     result_.reports.push_back(report);
   }
 
@@ -148,7 +150,7 @@ class Dispatcher {
     CellReport report;
     report.id = job;
     report.error = schedule_.error(job);
-    log_.set_aside(report);
+    listener_(JobQuarantined{report, jobs_.at(job)});
     if (!keep_going_) schedule_.stop();
     result_.reports.push_back(std::move(report));
   }
@@ -158,23 +160,24 @@ class Dispatcher {
   }
 
   RankLink& link_;
+  const std::vector<CellJob>& jobs_;
   OverviewJobs orders_;
   const bool keep_going_;
-  DispatchLog& log_;
+  const BakeListener& listener_;
   Schedule schedule_;
   std::vector<std::uint32_t> deaths_;  ///< deaths of each rank's bake process that rank 0 has counted
   std::vector<std::string> hosts_;     ///< of each rank, once it has sent a heartbeat
   std::set<int> lost_;
   DispatchResult result_;
   double shown_s_ = -heartbeat_interval_s;
-  bool has_new_events_ = true;
+  bool has_new_events_ = true, is_draining_ = false;
 };
 
 }  // namespace
 
 DispatchResult dispatch(RankLink& link, const std::vector<CellJob>& jobs, const std::vector<CellReport>& done,
-                        const DispatchOptions& options, DispatchLog& log) {
-  return Dispatcher(link, jobs, options, log).run(done);
+                        const DispatchOptions& options, const BakeListener& listener) {
+  return Dispatcher(link, jobs, options, listener).run(done);
 }
 
 }  // namespace gigabake

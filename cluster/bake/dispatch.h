@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "cluster/bake/dispatch_log.h"
 #include "cluster/mpi/mpi_session.h"
 #include "cluster/mpi/rank_link.h"
 #include "cluster/process/bake_process.h"
 #include "format/job/cell_job.h"
 #include "scheduler/queue/schedule.h"
+#include "scheduler/status/bake_event.h"
 
 namespace gigabake {
 
@@ -26,12 +26,12 @@ struct DispatchResult {
   bool is_drained = false;       ///< ended on request with cells left
 };
 
-/// Dispatches jobs; only on rank 0. done: reports of jobs that an earlier run has baked. Sends tag_stop to all other
-/// ranks at the end, also if it throws.
+/// Dispatches jobs; only on rank 0. done: reports of jobs that an earlier run has baked. listener: receives
+/// the events from WorkerJoined on. Sends tag_stop to all other ranks at the end, also if it throws.
 /// Exact   Each job is reported at most once, even if ranks die or rejoin.
 /// Errors  InputError: a rank's message is malformed.
 DispatchResult dispatch(RankLink& link, const std::vector<CellJob>& jobs, const std::vector<CellReport>& done,
-                        const DispatchOptions& options, DispatchLog& log);
+                        const DispatchOptions& options, const BakeListener& listener);
 
 /// Worker loop of every other rank: bakes the cells that rank 0 sends until tag_stop arrives.
 /// Errors  RankLost: no message from rank 0 within four times heartbeat_timeout_s. Before its first message the bound

@@ -13,7 +13,6 @@
 #include "core/base/error.h"
 #include "core/base/quote.h"
 #include "scheduler/journal/cached_results.h"
-#include "scheduler/plan/estimate.h"
 #include "scheduler/plan/merge.h"
 
 namespace gigabake {
@@ -31,12 +30,6 @@ std::uint64_t peak_bytes_here() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return std::uint64_t(usage.ru_maxrss) * 1024;
-}
-
-std::vector<double> costs_of(const BakePlan& plan) {
-  std::vector<double> costs;
-  for (const CellJob& job : plan.jobs) costs.push_back(double(cell_cost(job)));
-  return costs;
 }
 
 void add_times(const std::vector<CellReport>& reports, const BakePlan& plan, BakeSummary& summary) {
@@ -64,14 +57,10 @@ void refuse(const BakeRequest& request, const std::vector<SceneLoss>& losses, bo
 }
 
 MasterBake::MasterBake(BakeSession& session)
-    : mpi_(session.mpi),
-      process_(*session.process),
+    : session_(session),
       request_(session.request),
-      sources_(session.sources.scene),
       plan_(session.plan),
       out_(*session.out),
-      progress_(session.progress),
-      feed_(*session.feed),
       summary_(session.summary) {}
 
 void MasterBake::run() {
@@ -79,33 +68,43 @@ void MasterBake::run() {
   {
     const JournalContent content = read_journal(out_.journal());
     journal_.emplace(out_.journal(), content);
-    prior = find_cached(plan_, content, request_.out, mpi_.cores());
+    prior = find_cached(plan_, content, request_.out, session_.mpi.cores());
   }
-  plan_dispatch(prior.done);
-  MpiRankLink link(mpi_, process_);
-  DispatchLog log(plan_, *journal_, feed_, progress_);
-  DispatchResult result = dispatch(link, plan_.jobs, prior.done, dispatch_options(request_, summary_), log);
+  report_reused(prior.done);
+  MpiRankLink link(session_.mpi, *session_.process);
+  DispatchResult result = dispatch(link, plan_.jobs, prior.done, dispatch_options(request_, summary_),
+                                   [this](const BakeEvent& event) { take(event); });
   summary_.cells_taken_over = cells_among(prior.done);
   summary_.cells_planned = plan_.cells();
   summary_.is_drained = result.is_drained;
   summary_.lost_ranks = result.lost_ranks.size();
-  summary_.peak_process_bytes = std::max({result.peak_bytes, process_.peak_bytes(), peak_bytes_here()});
+  summary_.peak_process_bytes = std::max({result.peak_bytes, session_.process->peak_bytes(), peak_bytes_here()});
   std::move(prior.done.begin(), prior.done.end(), std::back_inserter(result.reports));
   add_times(result.reports, plan_, summary_);  // before prior reports are added to the scene: reused cells took no time
   for (const CellReport& r : result.reports)
     if (r.outcome == CellOutcome::baked) add_levels(r.levels, r.cell.first_lod, r.cell.copied_lods, summary_.levels);
-  summary_.scene = merge(plan_, result.reports, sources_.origin, request_.parameters);
+  summary_.scene = merge(plan_, result.reports, session_.sources.scene.origin, request_.parameters);
   publish();
 }
 
-void MasterBake::plan_dispatch(const std::vector<CellReport>& done) {
-  for (const SceneLoss& l : plan_.losses) feed_.record().lost(l.name, l.reason);
-  feed_.record().planned(plan_.jobs, costs_of(plan_), unix_now_s());
-  for (const CellReport& r : done) feed_.record().already_done(r.id);
+void MasterBake::report_reused(const std::vector<CellReport>& done) const {
   if (const std::size_t cells = cells_among(done); cells != 0)
-    progress_.info(std::to_string(cells) + " of " + counted(plan_.cells(), "cell") + (cells == 1 ? " is" : " are") +
-                   " complete already");
-  feed_.publish();
+    session_.report(InfoLine{std::to_string(cells) + " of " + counted(plan_.cells(), "cell") +
+                             (cells == 1 ? " is" : " are") + " complete already"});
+  session_.report(DispatchBegan{plan_, done});
+}
+
+/// Appends a finished job to the journal first, then passes the event on. If the journal cannot be written, this bake
+/// continues, and the next bake takes longer because it reads the shards instead.
+void MasterBake::take(const BakeEvent& event) {
+  if (const auto* finished = std::get_if<JobFinished>(&event)) {
+    try {
+      journal_->append(finished->order, finished->report);
+    } catch (const InputError& e) {
+      session_.report(WarningLine{std::string("the bake continues without its journal: ") + e.what()});
+    }
+  }
+  session_.report(event);
 }
 
 std::size_t MasterBake::cells_among(const std::vector<CellReport>& reports) const {
@@ -118,19 +117,18 @@ void MasterBake::forget_orphans() {
   try {
     journal_->keep_only(plan_.jobs);
   } catch (const InputError& e) {
-    progress_.warning(std::string("the journal still lists pruned shards: ") + e.what());
+    session_.report(WarningLine{std::string("the journal still lists pruned shards: ") + e.what()});
   }
 }
 
 void MasterBake::publish() {
-  feed_.record().enter(BakeState::publishing);
-  feed_.publish();
+  session_.report(StateEntered{BakeState::publishing});
   out_.expect_shards(summary_.scene);
   if (summary_.is_drained && out_.has_whole_scene()) return;  // keep the complete scene until this one is complete
   refuse(request_, summary_.scene.losses, summary_.scene.cells.empty() && !summary_.is_drained);
   const bool is_empty = summary_.scene.cells.empty();
   if (is_empty && summary_.scene.losses.empty())
-    throw nothing_visible(request_.source, sources_, plan_, "nothing was published");
+    throw nothing_visible(request_.source, session_.sources.scene, plan_, "nothing was published");
   if (!is_empty) out_.publish(summary_.scene);  // empty without losses: drained before the first voxel
   if (request_.prune && summary_.scene.losses.empty()) {
     summary_.pruned = out_.remove_orphans(summary_.scene);

@@ -28,19 +28,16 @@ class MasterBake {
   void run();
 
  private:
-  void plan_dispatch(const std::vector<CellReport>& done);
+  void report_reused(const std::vector<CellReport>& done) const;
+  void take(const BakeEvent& event);
   std::size_t cells_among(const std::vector<CellReport>& reports) const;
   void forget_orphans();
   void publish();
 
-  MpiSession& mpi_;
-  BakeProcess& process_;
+  BakeSession& session_;
   const BakeRequest& request_;
-  const SceneSources& sources_;
   const BakePlan& plan_;
   const OutputFolder& out_;
-  const BakeProgress& progress_;
-  StatusFeed& feed_;
   BakeSummary& summary_;
   std::optional<Journal> journal_;
 };

@@ -24,19 +24,27 @@ double unix_now_s() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-StatusFeed::StatusFeed(std::filesystem::path out, int ranks, std::filesystem::path metrics, Listener listener)
+StatusFeed::StatusFeed(std::filesystem::path out, int ranks, std::filesystem::path metrics, BakeListener listener)
     : out_(std::move(out)),
       metrics_(std::move(metrics)),
       listener_(std::move(listener)),
       record_({std::filesystem::absolute(out_).string(), host_name(), ::getpid(), ranks}, unix_now_s()) {}
 
-void StatusFeed::turn() {
+void StatusFeed::take(const BakeEvent& event) {
+  record_.add(event, unix_now_s());
+  const auto* entered = std::get_if<StateEntered>(&event);
+  if (std::holds_alternative<BakeAlive>(event)) update();
+  if (std::holds_alternative<DispatchBegan>(event)) publish();
+  if (entered != nullptr && entered->state != BakeState::draining) publish();
+}
+
+void StatusFeed::update() {
   began_ = true;
   const double now_s = unix_now_s();
   if (!is_due(now_s, updated_s_, update_every_s)) return;
   updated_s_ = now_s;
   const BakeStatus status = record_.at(now_s);
-  if (listener_) listener_(status);
+  if (listener_) listener_(StatusUpdated{status});
   if (!is_due(now_s, written_s_, write_every_s)) return;
   written_s_ = now_s;
   write(status);
@@ -46,7 +54,7 @@ void StatusFeed::publish() {
   began_ = true;
   updated_s_ = written_s_ = unix_now_s();
   const BakeStatus status = record_.at(updated_s_);
-  if (listener_) listener_(status);
+  if (listener_) listener_(StatusUpdated{status});
   write(status);
 }
 

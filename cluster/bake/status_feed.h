@@ -1,9 +1,10 @@
-/// Publishes a bake's status: to OUT/status.json, to Prometheus, and to a listener on rank 0.
+/// Makes a bake's status from its events, and publishes it: to OUT/status.json, to Prometheus, and to a listener on
+/// rank 0.
 #pragma once
 
 #include <filesystem>
-#include <functional>
 
+#include "scheduler/status/bake_event.h"
 #include "scheduler/status/bake_status_record.h"
 
 namespace gigabake {
@@ -11,32 +12,32 @@ namespace gigabake {
 /// Returns this host's Unix time.
 double unix_now_s();
 
-/// Status feed of rank 0. Writes nothing before the first turn(), because until then another bake may hold the folder.
-/// Cost    turn() reads the clock; ten times per second a status is made, once per second the files are written.
+/// Status feed of rank 0. Writes nothing before the first BakeAlive, because until then another bake may hold the
+/// folder.
+/// Cost    BakeAlive reads the clock; ten times per second a status is made, once per second the files are written.
 /// Errors  None: a failed write prints one line on standard error; the bake continues.
 class StatusFeed {
  public:
-  using Listener = std::function<void(const BakeStatus&)>;
-
-  /// Takes the identity of this process. metrics: a file for Prometheus; may be empty. listener: may be empty.
-  StatusFeed(std::filesystem::path out, int ranks, std::filesystem::path metrics, Listener listener);
+  /// Takes the identity of this process. metrics: a file for Prometheus; may be empty. listener: receives each
+  /// StatusUpdated; may be empty.
+  StatusFeed(std::filesystem::path out, int ranks, std::filesystem::path metrics, BakeListener listener);
 
   BakeStatusRecord& record() { return record_; }
-  /// Updates the status; called in every iteration of a loop, because readers treat a bake without recent status as
-  /// dead.
-  void turn();
-  /// Publishes the status immediately: the bake enters another state, or ends.
-  void publish();
+  /// Records an event of the bake. BakeAlive updates the status if it is due; send it in every iteration of a loop,
+  /// because readers treat a bake without recent status as dead. A new state is published immediately.
+  void take(const BakeEvent& event);
   /// Records that the bake was stopped before its first cell. Publishes only if a status was published before.
   void stop();
   /// Records the error that ended the bake. Publishes only if a status was published before.
   void fail(const std::string& reason);
 
  private:
+  void update();
+  void publish();
   void write(const BakeStatus& status);
 
   std::filesystem::path out_, metrics_;
-  Listener listener_;
+  BakeListener listener_;
   BakeStatusRecord record_;
   double updated_s_ = 0, written_s_ = 0;
   bool began_ = false, warned_ = false;

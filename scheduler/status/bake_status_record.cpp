@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
+
+#include "scheduler/plan/estimate.h"
 
 namespace gigabake {
 namespace {
@@ -43,6 +46,27 @@ BakeStatusRecord::BakeStatusRecord(BakeIdentity identity, double now_s) {
   status_.pid = identity.pid;
   status_.ranks = identity.ranks;
   status_.started_s = now_s;
+}
+
+void BakeStatusRecord::add(const BakeEvent& event, double now_s) {
+  if (const auto* scan = std::get_if<TilesScanned>(&event)) return scanned(scan->done, scan->all);
+  if (const auto* began = std::get_if<DispatchBegan>(&event)) return begin_dispatch(*began, now_s);
+  if (const auto* joined = std::get_if<WorkerJoined>(&event)) return worker_joined(joined->rank, joined->host, now_s);
+  if (const auto* sent = std::get_if<JobDispatched>(&event)) return handed_out(sent->job, sent->rank, now_s);
+  if (const auto* done = std::get_if<JobFinished>(&event)) return cell_done(done->report, now_s);
+  if (const auto* failed = std::get_if<AttemptFailed>(&event)) return attempt_failed(failed->job, now_s);
+  if (const auto* bad = std::get_if<JobQuarantined>(&event)) return set_aside(bad->report.id, bad->report.error, now_s);
+  if (const auto* died = std::get_if<ProcessDied>(&event)) return process_died(died->rank, now_s);
+  if (const auto* silent = std::get_if<WorkerLost>(&event)) return worker_lost(silent->rank, now_s);
+  if (const auto* entered = std::get_if<StateEntered>(&event)) return enter(entered->state);
+}
+
+void BakeStatusRecord::begin_dispatch(const DispatchBegan& began, double now_s) {
+  for (const SceneLoss& loss : began.plan.losses) lost(loss.name, loss.reason);
+  std::vector<double> costs;
+  for (const CellJob& job : began.plan.jobs) costs.push_back(double(cell_cost(job)));
+  planned(began.plan.jobs, std::move(costs), now_s);
+  for (const CellReport& report : began.reused) already_done(report.id);
 }
 
 void BakeStatusRecord::scanned(std::size_t tiles_done, std::size_t tiles) {

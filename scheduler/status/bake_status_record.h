@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "format/job/cell_job.h"
+#include "scheduler/status/bake_event.h"
 #include "scheduler/status/bake_status.h"
 #include "scheduler/status/time_left.h"
 
@@ -43,6 +44,9 @@ struct BakeIdentity {
 class BakeStatusRecord {
  public:
   BakeStatusRecord(BakeIdentity identity, double now_s);
+
+  /// Records the event by the functions below.
+  void add(const BakeEvent& event, double now_s);
 
   void scanned(std::size_t tiles_done, std::size_t tiles);
   /// Records the plan; baking begins. costs: relative cost of each job, in any unit.
@@ -82,6 +86,7 @@ class BakeStatusRecord {
     std::vector<std::uint32_t> hand;
   };
 
+  void begin_dispatch(const DispatchBegan& began, double now_s);
   Worker& worker(int rank);
   void release(std::uint32_t job, double now_s);
   void drop_hand(Worker& w, double now_s);

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 #include <set>
 
+#include "cluster/bake/status_feed.h"
 #include "core/base/error.h"
+#include "scheduler/journal/journal.h"
 #include "scripted_ranks.h"
 #include "tests/scheduler/made_bake.h"
 #include "tests/scheduler/made_jobs.h"
@@ -23,26 +25,23 @@ constexpr std::uint64_t seed = 20261122;
 constexpr std::uint32_t cells = 200;
 constexpr double forever_s = 1e5;
 
-/// Bake of cells without content, recorded by the real log, journal and status.
+/// Bake of cells without content, recorded by the real journal and status.
 class Dispatch : public testing::Test {
  protected:
   Dispatch() {
     std::mt19937 random(seed);
     plan_.jobs = made_jobs(cells, random);
     for (CellJob& job : plan_.jobs) job.name = "c_" + std::to_string(job.id) + "_0_0", job.fingerprint = {job.id, 1};
-    progress_.warning = [this](const std::string& line) { notes_.push_back(line); };
-    progress_.cell_done = [this](const CellReport& report, const CellJob&) { told_.push_back(report.id); };
     options_.heartbeat_timeout_s = 10;
   }
 
   DispatchResult run(ScriptedRanks& ranks, const std::vector<std::uint32_t>& already_done = {}) {
     std::filesystem::remove(folder_ / "journal");  // journal of another round
     told_.clear(), notes_.clear();
-    feed_.emplace(folder_.path(), ranks.ranks(), "", StatusFeed::Listener());
+    feed_.emplace(folder_.path(), ranks.ranks(), "", BakeListener());
     feed_->record().planned(plan_.jobs, std::vector<double>(cells, 1), unix_now_s());
     for (const std::uint32_t job : already_done) feed_->record().already_done(job);
     journal_.emplace(folder_ / "journal", JournalContent());
-    DispatchLog log(plan_, *journal_, *feed_, progress_);
     const auto script = ranks.at;
     ranks.at = [script](double now_s) {
       if (now_s > forever_s) throw std::logic_error("the script never ends");
@@ -53,9 +52,20 @@ class Dispatch : public testing::Test {
       done.emplace_back().id = job;
       done.back().outcome = CellOutcome::empty;
     }
-    DispatchResult result = dispatch(ranks, plan_.jobs, done, options_, log);
+    DispatchResult result =
+        dispatch(ranks, plan_.jobs, done, options_, [this](const BakeEvent& event) { take(event); });
     journal_.reset();
     return result;
+  }
+
+  void take(const BakeEvent& event) {
+    if (const auto* finished = std::get_if<JobFinished>(&event)) {
+      journal_->append(finished->order, finished->report);
+      told_.push_back(finished->report.id);
+    }
+    if (const auto* failed = std::get_if<JobQuarantined>(&event)) told_.push_back(failed->report.id);
+    if (const auto warning = warning_of(event)) notes_.push_back(*warning);
+    feed_->take(event);
   }
 
   /// Checks that every settled job was reported once, and that reports, log, journal and status agree.
@@ -82,7 +92,6 @@ class Dispatch : public testing::Test {
   const TestFolder folder_;
   BakePlan plan_;
   DispatchOptions options_;
-  BakeProgress progress_;
   std::optional<StatusFeed> feed_;
   std::optional<Journal> journal_;
   std::vector<std::string> notes_;

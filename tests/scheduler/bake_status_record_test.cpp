@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
+#include "scheduler/plan/estimate.h"
 #include "scheduler/queue/schedule.h"
 #include "tests/scheduler/made_jobs.h"
 
@@ -79,6 +80,63 @@ TEST(BakeStatusRecord, FollowsACellFromHandToHand) {
   EXPECT_EQ(s.voxels, 1000u);
   EXPECT_EQ(s.bytes, 5000u);
   EXPECT_EQ(s.write_s, 1.5);
+}
+
+TEST(BakeStatusRecord, OfEventsIsThatOfItsFunctions) {
+  BakePlan plan;
+  plan.jobs = named_jobs(4);
+  plan.losses = {{"tile a.glb", "not JSON"}};
+  std::vector<CellReport> reused(1);
+  reused[0].id = 3;
+  const CellReport done = baked(0);
+  CellReport failed;
+  failed.id = 1, failed.error = "died";
+  BakeStatusRecord by_events({"/out", "node1", 77, 4}, start_s), by_calls = by_events;
+  by_events.add(TilesScanned{2, 2}, start_s);
+  by_events.add(DispatchBegan{plan, reused}, start_s + 1);
+  by_events.add(WorkerJoined{1, "node2"}, start_s + 1);
+  for (const std::uint32_t job : {0u, 1u, 2u}) by_events.add(JobDispatched{job, int(job % 2)}, start_s + 2);
+  by_events.add(JobFinished{done, plan.jobs[0]}, start_s + 3);
+  by_events.add(AttemptFailed{1}, start_s + 4);
+  by_events.add(JobQuarantined{failed, plan.jobs[1]}, start_s + 4);
+  by_events.add(ProcessDied{0, "killed"}, start_s + 5);
+  by_events.add(WorkerLost{1}, start_s + 6);
+  by_events.add(StateEntered{BakeState::draining}, start_s + 7);
+  by_events.add(BakeAlive{}, start_s + 8);
+  by_events.add(InfoLine{"a line"}, start_s + 8);
+
+  by_calls.scanned(2, 2);
+  by_calls.lost("tile a.glb", "not JSON");
+  std::vector<double> costs;
+  for (const CellJob& job : plan.jobs) costs.push_back(double(cell_cost(job)));
+  by_calls.planned(plan.jobs, costs, start_s + 1);
+  by_calls.already_done(3);
+  by_calls.worker_joined(1, "node2", start_s + 1);
+  for (const std::uint32_t job : {0u, 1u, 2u}) by_calls.handed_out(job, int(job % 2), start_s + 2);
+  by_calls.cell_done(done, start_s + 3);
+  by_calls.attempt_failed(1, start_s + 4);
+  by_calls.set_aside(1, "died", start_s + 4);
+  by_calls.process_died(0, start_s + 5);
+  by_calls.worker_lost(1, start_s + 6);
+  by_calls.enter(BakeState::draining);
+  EXPECT_EQ(by_events.at(start_s + 9), by_calls.at(start_s + 9));
+}
+
+TEST(BakeEvents, WarnOfProblemsAndOfNothingElse) {
+  BakePlan plan;
+  plan.jobs = named_jobs(1);
+  CellReport clean, noted;
+  noted.note = "2 triangles were dropped";
+  const CellJob& job = plan.jobs[0];
+  EXPECT_EQ(warning_of(JobFinished{noted, job}), "cell " + job.name + ": 2 triangles were dropped");
+  EXPECT_EQ(warning_of(ProcessDied{2, "out of memory"}), "the bake process of rank 2 is started again: out of memory");
+  EXPECT_EQ(warning_of(WorkerLost{3}), "no message from rank 3; other ranks bake its cells");
+  EXPECT_EQ(warning_of(WarningLine{"a line"}), "a line");
+  EXPECT_TRUE(warning_of(StateEntered{BakeState::draining}));
+  for (const BakeEvent& event : {BakeEvent(JobFinished{clean, job}), BakeEvent(JobQuarantined{clean, job}),
+                                 BakeEvent(JobsPlanned{plan}), BakeEvent(TilesScanned{1, 2}), BakeEvent(BakeAlive{}),
+                                 BakeEvent(InfoLine{"a line"}), BakeEvent(StateEntered{BakeState::publishing})})
+    EXPECT_FALSE(warning_of(event)) << event.index();
 }
 
 TEST(BakeStatusRecord, ListsWhatWillBeMissing) {

@@ -65,7 +65,7 @@ class OutFolder {
 
 TEST(BakeStatus, SurvivesJson) {
   EXPECT_EQ(status_from_json("f", to_json(made_status())), made_status());
-  EXPECT_EQ(status_from_json("f", to_json({})), BakeStatus{});
+  EXPECT_EQ(status_from_json("f", to_json(BakeStatus{})), BakeStatus{});
   EXPECT_EQ(to_json(made_status()).find('\n'), std::string::npos) << "one line";
 }
 
