@@ -30,7 +30,7 @@ class Checker {
     for_each("bufferViews", [&](const Json& v, const std::string& where, std::size_t) { check_view(v, where); });
     for_each("accessors", [&](const Json& a, const std::string& where, std::size_t) { check_accessor(a, where); });
     for_each("images", [&](const Json& i, const std::string& where, std::size_t) { check_image(i, where); });
-    // Numbers of textures and samplers that cannot be used cost one image: load.cpp and texture_info.cpp.
+    // Numbers of textures and samplers that cannot be used cost one image: model.cpp and texture_info.cpp.
     for_each("textures", [](const Json&, const std::string&, std::size_t) {});
     for_each("samplers", [](const Json&, const std::string&, std::size_t) {});
     for_each("materials", [&](const Json& m, const std::string& where, std::size_t) { check_material(m, where); });
@@ -41,6 +41,7 @@ class Checker {
     });
     check_reference(gltf_, "", "scene", "scenes");
     check_forest();
+    check_unused_states(file_, gltf_);
   }
 
  private:
@@ -146,8 +147,11 @@ class Checker {
     if (offset > whole || *bytes > whole - offset)
       fail(where, "bytes " + std::to_string(offset) + " to " + std::to_string(offset + *bytes) +
                       " exceed a buffer of " + std::to_string(whole) + " bytes");
-    if (get_index(file_, view, where, "byteStride").value_or(4) > 1024)
-      fail(where + ".byteStride", "expected at most 252");
+    const std::uint64_t stride = get_index(file_, view, where, "byteStride").value_or(0);
+    if (stride > 1024) fail(where + ".byteStride", "expected at most 252");
+    const bool is_packed = is_absent_fallback(file_, gltf_["buffers"][*buffer], *buffer, bin_bytes_ != 0);
+    if (!is_packed && (stride > 252 || stride % 4 != 0))  // packed_views.cpp checks the strides of packed views
+      fail("", "Invalid `byteStride' value. `byteStride' must be the multiple of 4 : " + std::to_string(stride));
     get_index(file_, view, where, "target");
   }
 
@@ -225,26 +229,42 @@ class Checker {
     const Json& specular = get_object(file_, extensions, where + ".extensions", "KHR_materials_pbrSpecularGlossiness");
     check_texture_use(specular, gloss, "diffuseTexture");
     get_numbers(file_, specular, gloss, "diffuseFactor", 4);
+    check_emission(m, where);
     get_number(file_, m, where, "alphaCutoff");
     const std::string mode = get_text(file_, m, where, "alphaMode").value_or("OPAQUE");
     if (!value_named<AlphaMode>(mode))
       fail(where + ".alphaMode", "expected one of " + all_names<AlphaMode>() + ", got " + in_quotes(mode));
   }
 
+  /// Refuses a list of numbers that has another length than 3. Any other value counts as no emission.
+  void check_emission(const Json& m, const std::string& where) const {
+    const auto factor = m.find("emissiveFactor");
+    if (factor == m.end() || !factor->is_array() || factor->size() == 3) return;
+    if (std::all_of(factor->begin(), factor->end(), [](const Json& v) { return v.is_number(); }))
+      fail(where + ".emissiveFactor", "expected 3 numbers");
+  }
+
   void check_mesh(const Json& mesh, const std::string& where) const {
     const Json& primitives = get_array(file_, mesh, where, "primitives");
     for (std::size_t i = 0; i < primitives.size(); ++i) {
       const std::string at = where + "." + item("primitives", i);
-      check_reference(primitives[i], at, "indices", "accessors");
+      const auto indices = check_reference(primitives[i], at, "indices", "accessors");
       check_reference(primitives[i], at, "material", "materials");
       if (get_index(file_, primitives[i], at, "mode").value_or(4) > 6) fail(at + ".mode", "expected 0 to 6");
       const Json& attributes = get_object(file_, primitives[i], at, "attributes");
       for (const auto& [name, index] : attributes.items())
         check_reference(attributes, at + ".attributes", name.c_str(), "accessors");
       const Json& extensions = get_object(file_, primitives[i], at, "extensions");
-      check_reference(get_object(file_, extensions, at, "KHR_draco_mesh_compression"), at + ".extensions", "bufferView",
-                      "bufferViews");
+      const Json& draco = get_object(file_, extensions, at, "KHR_draco_mesh_compression");
+      check_reference(draco, at + ".extensions", "bufferView", "bufferViews");
+      if (indices && draco.empty() && primitives[i].contains("attributes")) check_backed(*indices);
     }
+  }
+
+  /// Refuses indices whose accessor has no buffer view.
+  void check_backed(std::uint64_t accessor) const {
+    if (!gltf_["accessors"][accessor].contains("bufferView"))
+      fail("", item("accessor", accessor) + " invalid bufferView");
   }
 
   void check_node(const Json& node, const std::string& where) const {

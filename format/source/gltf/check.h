@@ -1,4 +1,4 @@
-/// Checks of a glTF document before any library uses its indices and offsets.
+/// Checks of a glTF document before its indices and offsets are used.
 #pragma once
 
 #include <cstdint>
@@ -15,5 +15,11 @@ namespace gigabake {
 /// bin_bytes: size of the GLB's binary chunk.
 /// Errors  InputError(file, "accessors[3].bufferView", …).
 void check_gltf(const SourceFiles& files, const std::filesystem::path& file, const Json& gltf, std::uint64_t bin_bytes);
+
+/// Checks that animations, skins, cameras and lights have their required members. No bake uses them, but a file in
+/// which they are malformed is damaged or has another version.
+/// gltf: after the other checks of check_gltf(), which calls this function.
+/// Errors  InputError.
+void check_unused_states(const std::filesystem::path& file, const Json& gltf);
 
 }  // namespace gigabake

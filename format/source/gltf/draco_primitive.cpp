@@ -90,38 +90,37 @@ class Unpacker {
   std::vector<DracoAttribute> requested_;
 };
 
-bool has_only_packed_data(const tinygltf::Model& model, const tinygltf::Primitive& primitive) {
+/// Returns whether the accessor has no buffer view, so that its items are packed or zero.
+bool is_without_bytes(const tinygltf::Model& model, int accessor) {
+  return model.accessors[std::size_t(accessor)].bufferView < 0;
+}
+
+void unpack_primitive(const std::filesystem::path& file, const std::string& where, tinygltf::Primitive& primitive,
+                      GltfDocument& document) {
+  const tinygltf::Model& model = document.model;
+  if (!primitive.extensions.contains(draco_extension)) return;
   const auto position = primitive.attributes.find("POSITION");
-  return primitive.extensions.contains(draco_extension) && position != primitive.attributes.end() &&
-         model.accessors[std::size_t(position->second)].bufferView < 0;
+  if (position == primitive.attributes.end() || !is_without_bytes(model, position->second)) {
+    if (primitive.indices >= 0 && is_without_bytes(model, primitive.indices)) primitive.indices = -1;
+    return;
+  }
+  if (primitive.indices < 0) throw InputError(file, where, "expected indices");
+  // The count is that of the strip, but the packed indices are a list: it is an upper bound of the triangles.
+  const std::uint64_t max_triangles = model.accessors[std::size_t(primitive.indices)].count;
+  Unpacker(file, where, document, primitive, max_triangles).unpack();
 }
 
 }  // namespace
 
-void hide_packed_indices(Json& gltf) {
-  if (!gltf.contains("meshes")) return;
-  for (Json& mesh : gltf["meshes"])
-    for (Json& primitive : mesh["primitives"])
-      if (primitive.contains("indices") && primitive.contains("extensions") &&
-          primitive["extensions"].contains(draco_extension) &&
-          !gltf["accessors"][primitive["indices"].get<std::size_t>()].contains("bufferView"))
-        primitive.erase("indices");
-}
-
-void unpack_draco(const std::filesystem::path& file, const Json& gltf, GltfDocument& document) {
-  tinygltf::Model& model = document.model;
-  for (std::size_t m = 0; m < model.meshes.size(); ++m)
-    for (std::size_t p = 0; p < model.meshes[m].primitives.size(); ++p) {
-      if (!has_only_packed_data(model, model.meshes[m].primitives[p])) continue;
+void unpack_draco(const std::filesystem::path& file, GltfDocument& document) {
+  for (std::size_t m = 0; m < document.model.meshes.size(); ++m) {
+    std::vector<tinygltf::Primitive>& primitives = document.model.meshes[m].primitives;
+    for (std::size_t p = 0; p < primitives.size(); ++p) {
       const std::string where =
           "meshes[" + std::to_string(m) + "].primitives[" + std::to_string(p) + "].extensions." + draco_extension;
-      const Json& primitive = gltf["meshes"][m]["primitives"][p];
-      if (!primitive.contains("indices")) throw InputError(file, where, "expected indices");
-      // The count is that of the strip, but the packed indices are a list: it is an upper bound of the triangles.
-      const Json& indices = gltf["accessors"][primitive["indices"].get<std::size_t>()];
-      const std::uint64_t maximum = get_index(file, indices, "accessors", "count").value_or(0);
-      Unpacker(file, where, document, model.meshes[m].primitives[p], maximum).unpack();
+      unpack_primitive(file, where, primitives[p], document);
     }
+  }
 }
 
 }  // namespace gigabake

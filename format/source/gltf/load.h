@@ -25,8 +25,8 @@ struct GltfDocument {
 
 /// Loads a document.
 /// Cost    The binary chunk of a plain .glb file in a folder is not read into memory; all other bytes are.
-/// Errors  InputError: all errors of check_gltf(), buffers that cannot be read, and errors of tinygltf. An image that
-///         cannot be used is no error of the document.
+/// Errors  InputError: all errors of check_gltf(), and buffers that cannot be read. An image that cannot be used is no
+///         error of the document.
 GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, bool with_images);
 
 }  // namespace gigabake

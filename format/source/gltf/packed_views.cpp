@@ -91,14 +91,14 @@ std::vector<PackedView> packed_views(const std::filesystem::path& file, const Js
   return out;
 }
 
-Json without_packed_views(Json gltf, const std::vector<PackedView>& packed) {
+void refer_to_packed_bytes(const std::vector<PackedView>& packed, tinygltf::Model& model) {
   for (const PackedView& p : packed) {
-    Json& view = gltf["bufferViews"][p.view];
-    Json& absent = gltf["buffers"][view["buffer"].get<std::size_t>()];
-    absent = {{"byteLength", 1u}, {"uri", "data:application/octet-stream;base64,AA=="}};
-    view = {{"buffer", p.buffer}, {"byteOffset", p.byte_offset}, {"byteLength", p.byte_length}};
+    tinygltf::BufferView& view = model.bufferViews[p.view];
+    view.buffer = int(p.buffer);
+    view.byteOffset = p.byte_offset;
+    view.byteLength = p.byte_length;
+    view.byteStride = 0;
   }
-  return gltf;
 }
 
 void unpack_views(const std::filesystem::path& file, const std::vector<PackedView>& packed, GltfDocument& document) {

@@ -27,8 +27,8 @@ bool is_absent_fallback(const std::filesystem::path& file, const Json& buffer, s
 /// Errors  InputError: a view of an absent fallback is not packed; ranges, strides or lengths violate the extension.
 std::vector<PackedView> packed_views(const std::filesystem::path& file, const Json& gltf, bool has_bin);
 
-/// Returns the document with views that refer to packed bytes, and with one byte in place of each absent fallback.
-Json without_packed_views(Json gltf, const std::vector<PackedView>& packed);
+/// Makes each packed view refer to its packed bytes, so that no view refers to a buffer without bytes.
+void refer_to_packed_bytes(const std::vector<PackedView>& packed, tinygltf::Model& model);
 
 /// Appends a buffer with the unpacked bytes of each view, and makes the view refer to it.
 /// Errors  InputError, as decode_meshopt().

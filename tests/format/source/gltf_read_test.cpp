@@ -170,6 +170,35 @@ TEST(GltfRead, NamesWhatIsWrongAndWhere) {
   EXPECT_THAT(gltf_refusal(g), HasSubstr("buffers[0].byteLength"));
 }
 
+/// Returns why a square is refused whose member at `at` has the given value.
+std::string refusal_with(const char* at, const char* value) {
+  Json g = square_gltf();
+  g[Json::json_pointer(at)] = Json::parse(value);
+  return gltf_refusal(g);
+}
+
+TEST(GltfRead, RefusesStridesAndIndicesThatNoVertexArrayHas) {
+  EXPECT_THAT(refusal_with("/bufferViews/0/byteStride", "14"),
+              HasSubstr("`byteStride' must be the multiple of 4 : 14"));
+  EXPECT_THAT(refusal_with("/bufferViews/0/byteStride", "256"), HasSubstr("Invalid `byteStride' value"));
+  EXPECT_THAT(refusal_with("/accessors/1", R"({"componentType": 5123, "count": 6, "type": "SCALAR"})"),
+              HasSubstr("accessor[1] invalid bufferView"));
+  EXPECT_THAT(refusal_with("/materials", R"([{"emissiveFactor": [1, 1]}])"),
+              HasSubstr("materials[0].emissiveFactor: expected 3 numbers"));
+}
+
+TEST(GltfRead, RefusesMalformedPartsThatNoBakeUses) {
+  EXPECT_THAT(refusal_with("/animations", R"([{"samplers": [{"input": 0}]}])"),
+              HasSubstr("animations[0].samplers[0].output: expected a whole number"));
+  EXPECT_THAT(refusal_with("/skins", R"([{"joints": [0]}, {}])"), HasSubstr("skins[1].joints: expected a list"));
+  EXPECT_THAT(refusal_with("/cameras", R"([{"type": "fisheye"}])"),
+              HasSubstr("cameras[0].type: expected orthographic"));
+  EXPECT_THAT(refusal_with("/cameras", R"([{"type": "perspective", "perspective": {"yfov": 1}}])"),
+              HasSubstr("cameras[0].perspective.znear: expected a number"));
+  EXPECT_THAT(refusal_with("/extensions/KHR_lights_punctual/lights", R"([{"type": "spot"}])"),
+              HasSubstr("extensions.KHR_lights_punctual.lights[0].spot: expected an object"));
+}
+
 TEST(GltfRead, ADataUriThatCannotBeDecodedIsNotRepeatedInTheMessage) {
   Json g = square_gltf();
   const std::string digits(5000, 'A');

@@ -1,0 +1,18 @@
+/// Conversion of a checked glTF document from JSON to tinygltf's types.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace tinygltf {
+class Model;
+}
+
+namespace gigabake {
+
+/// Returns the members of a document that a bake uses. Omits buffers, all names but the materials', and values of
+/// extensions that are not read. Keeps only the number of images, animations and skins. An index that is no whole
+/// number, or is too large for an int, becomes the largest int, which names nothing.
+/// gltf: as check_gltf() accepts it.
+tinygltf::Model model_of(const nlohmann::json& gltf);
+
+}  // namespace gigabake
