@@ -7,79 +7,39 @@
 #include "core/base/counted.h"
 #include "core/base/error.h"
 #include "core/base/quote.h"
+#include "format/system/json/json_members.h"
 #include "format/system/path_within.h"
 
 namespace gigabake {
-namespace {
-
-constexpr std::uint64_t max_index = std::uint64_t(1) << 53;
-
-const Json* find(const std::filesystem::path& file, const Json& object, const std::string& where, const char* key) {
-  if (!object.is_object()) throw InputError(file, where, "expected a JSON object");
-  const auto it = object.find(key);
-  return it == object.end() || it->is_null() ? nullptr : &*it;
-}
-
-[[noreturn]] void fail(const std::filesystem::path& file, const std::string& where, const char* key,
-                       const std::string& expected) {
-  throw InputError(file, where.empty() ? key : where + "." + key, "expected " + expected);
-}
-
-}  // namespace
 
 std::optional<std::uint64_t> get_index(const std::filesystem::path& file, const Json& object, const std::string& where,
                                        const char* key) {
-  const Json* j = find(file, object, where, key);
-  if (j == nullptr) return std::nullopt;
-  if (!j->is_number_unsigned() || j->get<std::uint64_t>() > max_index)
-    fail(file, where, key, "a whole number that is not negative");
-  return j->get<std::uint64_t>();
+  return JsonMembers(file, object, where).find<std::uint64_t>(key);
 }
 
 std::optional<double> get_number(const std::filesystem::path& file, const Json& object, const std::string& where,
                                  const char* key) {
-  const Json* j = find(file, object, where, key);
-  if (j == nullptr) return std::nullopt;
-  if (!j->is_number() || !std::isfinite(j->get<double>())) fail(file, where, key, "a finite number");
-  return j->get<double>();
+  return JsonMembers(file, object, where).find<double>(key);
 }
 
 std::optional<std::string> get_text(const std::filesystem::path& file, const Json& object, const std::string& where,
                                     const char* key) {
-  const Json* j = find(file, object, where, key);
-  if (j == nullptr) return std::nullopt;
-  if (!j->is_string()) fail(file, where, key, "a text");
-  return j->get<std::string>();
+  return JsonMembers(file, object, where).find<std::string>(key);
 }
 
 std::optional<std::vector<double>> get_numbers(const std::filesystem::path& file, const Json& object,
                                                const std::string& where, const char* key, std::size_t count) {
-  const Json* j = find(file, object, where, key);
-  if (j == nullptr) return std::nullopt;
-  std::vector<double> out;
-  if (j->is_array() && j->size() == count)
-    for (const Json& v : *j)
-      if (v.is_number() && std::isfinite(v.get<double>())) out.push_back(v.get<double>());
-  if (out.size() != count) fail(file, where, key, counted(count, "finite number"));
-  return out;
+  return JsonMembers(file, object, where).numbers(key, count);
 }
 
 const Json& get_array(const std::filesystem::path& file, const Json& object, const std::string& where,
                       const char* key) {
-  static const Json empty = Json::array();
-  const Json* j = find(file, object, where, key);
-  if (j == nullptr) return empty;
-  if (!j->is_array()) fail(file, where, key, "an array");
-  return *j;
+  return JsonMembers(file, object, where).array(key);
 }
 
 const Json& get_object(const std::filesystem::path& file, const Json& object, const std::string& where,
                        const char* key) {
-  static const Json empty = Json::object();
-  const Json* j = find(file, object, where, key);
-  if (j == nullptr) return empty;
-  if (!j->is_object()) fail(file, where, key, "an object");
-  return *j;
+  return JsonMembers(file, object, where).object(key);
 }
 
 std::string percent_decoded(std::string_view text) {

@@ -14,10 +14,8 @@
 
 namespace gigabake {
 
-/// Returns a member of the requested type; nullopt if it is absent. An index has no fraction or exponent: all parsers
-/// of gigabake must read the same number.
-/// Errors  InputError(file, where.key): another type, or a number that is negative, fractional or too large for an
-///         index.
+/// Returns a member of glTF by JsonMembers (format/system/json/json_members.h); nullopt if it is absent.
+/// Errors  InputError(file, where.key), as JsonMembers.
 std::optional<std::uint64_t> get_index(const std::filesystem::path& file, const Json& object, const std::string& where,
                                        const char* key);
 std::optional<double> get_number(const std::filesystem::path& file, const Json& object, const std::string& where,

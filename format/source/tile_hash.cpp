@@ -11,6 +11,7 @@
 #include "format/source/mesh/obj_read.h"
 #include "format/source/mesh/ply_read.h"
 #include "format/source/raster/dem.h"
+#include "format/system/json/json_members.h"
 
 namespace gigabake {
 namespace {
@@ -65,13 +66,14 @@ class Dependencies {
 
   /// Adds the files of a list. Ignores a URI that cannot be resolved: the reader of the file reports it.
   void add_list(const std::filesystem::path& base, const Json& gltf, const char* list) {
-    const Json& items = get_array(base, gltf, "", list);
+    const JsonMembers document(base, gltf);
+    const Json& items = document.array(list);
     for (std::size_t i = 0; i < items.size(); ++i) {
-      const std::string where = std::string(list) + "[" + std::to_string(i) + "]";
-      const auto uri = get_text(base, items[i], where, "uri");
+      const JsonMembers item = document.element(list, items, i);
+      const auto uri = item.find<std::string>("uri");
       if (!uri || is_data_uri(*uri)) continue;
       try {
-        add(base, where + ".uri", *uri);
+        add(base, item.path_of("uri"), *uri);
       } catch (const InputError&) {
         continue;
       }

@@ -1,11 +1,12 @@
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "core/math/georeference.h"
+#include "format/system/json/json_members.h"
 #include "format/system/read_file.h"
 #include "viewer/live/camera_controller.h"
 #include "viewer/live/camera_path.h"
-#include "viewer/live/json_members.h"
 
 namespace gigabake {
 namespace {
@@ -29,7 +30,7 @@ namespace {
 class CoordinateReader {
  public:
   CoordinateReader(const JsonMembers& path, const std::optional<Geodetic>& origin) {
-    geographic_ = path.choice<Coordinates>("coordinates").value_or(Coordinates::scene) != Coordinates::scene;
+    geographic_ = path.find<Coordinates>("coordinates").value_or(Coordinates::scene) != Coordinates::scene;
     if (!geographic_) return;
     if (!origin) path.fail("coordinates", "the scene has no position on the earth; expected scene");
     scene_from_ecef_ = scene_from_ecef(*origin);
@@ -73,15 +74,15 @@ nlohmann::ordered_json triple(const Point<Scene>& p) { return {p.x, p.y, p.z}; }
 
 CameraPath camera_path_from_json(const std::filesystem::path& file, std::string_view text,
                                  const std::optional<Geodetic>& origin) {
-  const nlohmann::json json = parse_object(file, text);
-  const JsonMembers path(file, json, "");
+  const nlohmann::json json = parse_json_object(file, text);
+  const JsonMembers path(file, json, "", JsonNull::refused);
   path.only({"coordinates", "keyframes"});
   const CoordinateReader places(path, origin);
-  const nlohmann::json list = path.array("keyframes");
+  const nlohmann::json& list = path.array("keyframes");
   if (list.empty()) path.fail("keyframes", "expected an array of at least one keyframe");
   std::vector<CameraKeyframe> keyframes;
   for (std::size_t i = 0; i < list.size(); ++i)
-    keyframes.push_back(read_keyframe(JsonMembers(file, list[i], "keyframes[" + std::to_string(i) + "]"), places));
+    keyframes.push_back(read_keyframe(path.element("keyframes", list, i), places));
   try {
     return CameraPath(std::move(keyframes));
   } catch (const UsageError& e) {

@@ -1,6 +1,8 @@
 #include "viewer/live/viewer_input_json.h"
 
-#include "viewer/live/json_members.h"
+#include <nlohmann/json.hpp>
+
+#include "format/system/json/json_members.h"
 #include "viewer/pictures/frame_stats_json.h"
 
 namespace gigabake {
@@ -17,25 +19,26 @@ nlohmann::ordered_json coordinates_json(const Point<Scene>& p) { return {p.x, p.
 }  // namespace
 
 ViewerInput steering_from_json(std::string_view text) {
-  const nlohmann::json json = parse_object("steering", text);
-  const JsonMembers members("steering", json, "");
+  const std::filesystem::path file = "steering";
+  const nlohmann::json json = parse_json_object(file, text);
+  const JsonMembers members(file, json, "", JsonNull::refused);
   members.only({"turn", "pan", "zoom", "home", "walk", "swing", "pose", "style", "mode", "pixel_error", "sun", "time",
                 "shadows", "level_blend", "upload_ms", "size"});
   ViewerInput out;
   out.turn = members.numbers<2>("turn", -max_heights, max_heights).value_or(out.turn);
   out.pan = members.numbers<2>("pan", -max_heights, max_heights).value_or(out.pan);
   out.zoom = members.number("zoom", -max_notches, max_notches).value_or(0);
-  out.home = members.flag("home").value_or(false);
+  out.home = members.find<bool>("home").value_or(false);
   out.walk = members.numbers<3>("walk", -1, 1);
   out.swing = members.numbers<2>("swing", -1, 1);
   if (const auto pose = members.numbers<6>("pose", -max_coordinate_m, max_coordinate_m)) out.pose = pose_of(*pose);
-  out.style = members.choice<CameraController::Style>("style");
-  out.mode = members.choice<ViewMode>("mode");
+  out.style = members.find<CameraController::Style>("style");
+  out.mode = members.find<ViewMode>("mode");
   out.pixel_error = members.number("pixel_error", finest_pixel_error, coarsest_pixel_error);
   out.sun = members.numbers<2>("sun", -360, 360);
   out.time = members.number("time", first_julian_day, last_julian_day);
-  out.shadows = members.choice<Shadows>("shadows");
-  out.level_blend = members.choice<LevelBlend>("level_blend");
+  out.shadows = members.find<Shadows>("shadows");
+  out.level_blend = members.find<LevelBlend>("level_blend");
   if (const auto upload_ms = members.number("upload_ms", 0.1, 1000)) out.upload_s = *upload_ms / 1000;
   if (const auto size = members.numbers<2>("size", 1, max_requested_edge))
     out.size = {int((*size)[0]), int((*size)[1])};

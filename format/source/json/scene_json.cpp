@@ -13,6 +13,7 @@
 #include "format/source/raster/dem_source.h"
 #include "format/source/source_files.h"
 #include "format/source/tiles/tileset_document.h"
+#include "format/system/json/json_members.h"
 
 namespace gigabake {
 namespace {
@@ -39,63 +40,53 @@ struct Entry {
   double heading_deg = 0, scale = 1;
 };
 
-/// Refuses unknown keys: a misspelt key would silently place a source at the origin.
-void expect_only(const std::filesystem::path& file, const Json& object, const std::string& where,
-                 std::initializer_list<std::string_view> known) {
-  for (const auto& [key, value] : object.items())
-    if (std::find(known.begin(), known.end(), key) == known.end())
-      throw InputError(file, where, "has an unknown key " + in_quotes(key));
-}
-
-void read_place(const std::filesystem::path& file, const Json& place, const std::string& where, Entry& e) {
-  expect_only(file, place, where, {"position_m", "lon_lat_height"});
-  const auto metres = get_numbers(file, place, where, "position_m", 3);
-  const auto degrees = get_numbers(file, place, where, "lon_lat_height", 3);
+void read_place(const JsonMembers& place, Entry& e) {
+  place.only({"position_m", "lon_lat_height"});
+  const auto metres = place.numbers<3>("position_m");
+  const auto degrees = place.numbers<3>("lon_lat_height");
   if (metres.has_value() == degrees.has_value())
-    throw InputError(file, where, "expected either position_m or lon_lat_height");
-  if (metres) e.position_m = {(*metres)[0], (*metres)[1], (*metres)[2]};
+    throw InputError(place.file(), place.path(), "expected either position_m or lon_lat_height");
+  if (metres) e.position_m = *metres;
   if (!degrees) return;
   if (std::fabs((*degrees)[0]) > 360 || std::fabs((*degrees)[1]) > 90)
-    throw InputError(file, where + ".lon_lat_height",
-                     "expected degrees of longitude (±360) and latitude (±90), and metres, in this order");
+    place.fail("lon_lat_height", "expected degrees of longitude (±360) and latitude (±90), and metres, in this order");
   e.position = Geodetic{(*degrees)[1], (*degrees)[0], (*degrees)[2]};
 }
 
 /// Opens a source. A source without "place" keeps the geographic position in its file; if there is none, its origin is
 /// the scene's origin.
-Entry read_entry(const std::filesystem::path& file, const Json& json, std::size_t i, SourceOptions options,
-                 const Progress& progress) {
+Entry read_entry(const JsonMembers& json, SourceOptions options, const Progress& progress) {
+  const std::filesystem::path& file = json.file();
   Entry e;
-  e.where = "sources[" + std::to_string(i) + "]";
+  e.where = json.path();
   options.origin.reset();
-  const auto path = get_text(file, json, e.where, "path");
-  if (!path) throw InputError(file, e.where + ".path", "is missing");
-  expect_only(file, json, e.where, {"path", "place", "heading_deg", "scale"});
+  const auto path = json.get<std::string>("path");
+  json.only({"path", "place", "heading_deg", "scale"});
   const bool is_placed = json.contains("place");
-  if (is_placed) read_place(file, get_object(file, json, e.where, "place"), e.where + ".place", e);
-  e.heading_deg = get_number(file, json, e.where, "heading_deg").value_or(0);
-  e.scale = get_number(file, json, e.where, "scale").value_or(1);
-  if (!(e.scale > 0)) throw InputError(file, e.where + ".scale", "expected a positive number");
+  if (is_placed) read_place(json.members("place"), e);
+  e.heading_deg = json.find<double>("heading_deg").value_or(0);
+  e.scale = json.find<double>("scale").value_or(1);
+  if (!(e.scale > 0)) json.fail("scale", "expected a positive number");
   options.local |= is_placed;
-  const std::filesystem::path target = resolve_name(root_of(file), file, e.where + ".path", *path);
-  if (is_scene(target)) throw InputError(file, e.where + ".path", in_quotes(*path) + " is a scene; scenes do not nest");
+  const std::filesystem::path target = resolve_name(root_of(file), file, json.path_of("path"), path);
+  if (is_scene(target)) json.fail("path", in_quotes(path) + " is a scene; scenes do not nest");
   e.source = open_sources(target, options, progress);
   if (!is_placed) e.position = e.source.origin;
   return e;
 }
 
 /// Returns the rasters of all entries: their surfaces may consist of several entries.
-std::vector<Entry> raster_entries(const std::filesystem::path& file, const Json& list, const SourceOptions& options,
+std::vector<Entry> raster_entries(const JsonMembers& scene, const Json& list, const SourceOptions& options,
                                   const Progress& progress) {
+  const std::filesystem::path& file = scene.file();
   std::vector<DemOptions> rasters;
   std::map<std::filesystem::path, std::string> where;
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (!list[i].is_object() || !list[i].contains("dem")) continue;
-    const std::string entry = "sources[" + std::to_string(i) + "]";
-    expect_only(file, list[i], entry,
-                {"dem", "ortho", "crs", "ortho_crs", "nodata", "height_scale", "geoid_offset_m", "tile_cells"});
-    for (DemOptions& o : dem_options(file, list[i], entry)) {
-      where.emplace(o.dem, entry);
+    const JsonMembers entry = scene.element("sources", list, i);
+    entry.only({"dem", "ortho", "crs", "ortho_crs", "nodata", "height_scale", "geoid_offset_m", "tile_cells"});
+    for (DemOptions& o : dem_options(entry)) {
+      where.emplace(o.dem, entry.path());
       rasters.push_back(std::move(o));
     }
   }
@@ -169,19 +160,20 @@ void add_place_warnings(const std::vector<Entry>& entries, SceneSources& out) {
 
 SceneSources open_scene_json(const std::filesystem::path& file, const Json& json, const SourceOptions& options,
                              const Progress& progress) {
-  if (get_index(file, json, "", "gigabake") != 1)
-    throw InputError(file, "gigabake", "expected 1, the version of this format");
-  expect_only(file, json, "", {"gigabake", "sources"});
+  const JsonMembers scene(file, json);
+  if (scene.find<std::uint64_t>("gigabake") != 1) scene.fail("gigabake", "expected 1, the version of this format");
+  scene.only({"gigabake", "sources"});
   std::vector<Entry> entries;
-  const Json& list = get_array(file, json, "", "sources");
-  std::vector<Entry> surfaces = raster_entries(file, list, options, progress);
+  const Json& list = scene.array("sources");
+  std::vector<Entry> surfaces = raster_entries(scene, list, options, progress);
   for (std::size_t i = 0; i < list.size(); ++i) {
-    if (!list[i].is_object() || !list[i].contains("dem")) {
-      entries.push_back(read_entry(file, list[i], i, options, progress));
+    const JsonMembers entry = scene.element("sources", list, i);
+    if (!entry.contains("dem")) {
+      entries.push_back(read_entry(entry, options, progress));
       continue;
     }
     for (Entry& surface : surfaces)
-      if (surface.where == "sources[" + std::to_string(i) + "]") entries.push_back(std::move(surface));
+      if (surface.where == entry.path()) entries.push_back(std::move(surface));
   }
   if (entries.empty()) throw InputError(file, "sources", "expected at least one source");
   SceneSources out;

@@ -96,34 +96,33 @@ std::vector<SceneSources> dem_sources(const std::filesystem::path& root, const s
   return out;
 }
 
-std::vector<DemOptions> dem_options(const std::filesystem::path& scene_file, const Json& entry,
-                                    const std::string& where) {
+std::vector<DemOptions> dem_options(const JsonMembers& entry) {
+  const std::filesystem::path& scene_file = entry.file();
   const std::filesystem::path root = scene_file.parent_path().empty() ? "." : scene_file.parent_path();
   std::error_code error;
   const auto file = [&](const char* key) {
-    const auto name = get_text(scene_file, entry, where, key);
+    const auto name = entry.find<std::string>(key);
     if (!name) return std::filesystem::path();
-    const std::filesystem::path path = resolve_name(root, scene_file, where + "." + key, *name);
+    const std::filesystem::path path = resolve_name(root, scene_file, entry.path_of(key), *name);
     if (!SourceFiles(root).has(path) && !std::filesystem::is_directory(path, error))
-      throw InputError(scene_file, where + "." + key, "no such file: " + in_quotes(*name));
+      entry.fail(key, "no such file: " + in_quotes(*name));
     return path;
   };
   DemOptions out;
   out.dem = file("dem");
   out.ortho = file("ortho");
-  out.crs = get_text(scene_file, entry, where, "crs").value_or("");
-  out.ortho_crs = get_text(scene_file, entry, where, "ortho_crs").value_or("");
-  out.nodata = get_number(scene_file, entry, where, "nodata");
-  out.height_scale = get_number(scene_file, entry, where, "height_scale");
-  out.geoid_offset_m = get_number(scene_file, entry, where, "geoid_offset_m");
-  const std::uint64_t cells = get_index(scene_file, entry, where, "tile_cells").value_or(256);
-  if (cells < 16 || cells > 4096) throw InputError(scene_file, where + ".tile_cells", "expected 16 to 4096");
+  out.crs = entry.find<std::string>("crs").value_or("");
+  out.ortho_crs = entry.find<std::string>("ortho_crs").value_or("");
+  out.nodata = entry.find<double>("nodata");
+  out.height_scale = entry.find<double>("height_scale");
+  out.geoid_offset_m = entry.find<double>("geoid_offset_m");
+  const std::uint64_t cells = entry.find<std::uint64_t>("tile_cells").value_or(256);
+  if (cells < 16 || cells > 4096) entry.fail("tile_cells", "expected 16 to 4096");
   out.tile_cells = int(cells);
   if (!std::filesystem::is_directory(out.dem, error)) return {out};
   std::vector<DemOptions> parts;
   for (const std::filesystem::path& part : rasters_in(out.dem)) parts.push_back(out), parts.back().dem = part;
-  if (parts.empty())
-    throw InputError(scene_file, where + ".dem", "the folder holds no .tif, .tiff, .asc, .hgt or .vrt");
+  if (parts.empty()) entry.fail("dem", "the folder holds no .tif, .tiff, .asc, .hgt or .vrt");
   return parts;
 }
 

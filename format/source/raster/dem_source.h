@@ -9,6 +9,7 @@
 #include "format/source/source.h"
 #include "format/source/source_file.h"
 #include "format/source/source_files.h"
+#include "format/system/json/json_members.h"
 
 namespace gigabake {
 
@@ -22,8 +23,7 @@ std::vector<SceneSources> dem_sources(const std::filesystem::path& root, const s
 /// "dem" is a file or a folder of rasters. The other keys are "ortho", "crs", "ortho_crs", "nodata", "height_scale",
 /// "geoid_offset_m" and "tile_cells".
 /// Errors  InputError: a file is missing or outside the folder of the scene, or a value is out of range.
-std::vector<DemOptions> dem_options(const std::filesystem::path& scene_file, const Json& entry,
-                                    const std::string& where);
+std::vector<DemOptions> dem_options(const JsonMembers& entry);
 
 /// Returns whether a file name has the extension of a supported raster: .tif, .tiff, .asc, .hgt, .vrt.
 bool is_raster_name(const std::filesystem::path& path);

@@ -15,11 +15,11 @@ FeatureTable::FeatureTable(const std::filesystem::path& file, std::span<const st
 }
 
 void FeatureTable::fail(const char* key, const std::string& expected) const {
-  throw InputError(file_, std::string("feature table.") + key, "expected " + expected);
+  members().fail(key, "expected " + expected);
 }
 
-const std::uint8_t* FeatureTable::bytes_at(const char* key, const Json& value, std::uint64_t bytes) const {
-  const auto offset = get_index(file_, value, std::string("feature table.") + key, "byteOffset");
+const std::uint8_t* FeatureTable::bytes_at(const char* key, std::uint64_t bytes) const {
+  const auto offset = members().members(key).find<std::uint64_t>("byteOffset");
   if (!offset || *offset > binary_.size() || binary_.size() - *offset < bytes)
     fail(key, std::to_string(bytes) + " bytes inside the table's " + std::to_string(binary_.size()));
   return binary_.data() + *offset;
@@ -27,18 +27,16 @@ const std::uint8_t* FeatureTable::bytes_at(const char* key, const Json& value, s
 
 std::optional<std::uint64_t> FeatureTable::count(const char* key) const {
   if (!has(key)) return std::nullopt;
-  if (!json_[key].is_object()) return get_index(file_, json_, "feature table", key);
+  if (!json_[key].is_object()) return members().find<std::uint64_t>(key);
   std::uint32_t v;
-  std::memcpy(&v, bytes_at(key, json_[key], sizeof v), sizeof v);
+  std::memcpy(&v, bytes_at(key, sizeof v), sizeof v);
   return v;
 }
 
 std::optional<std::array<double, 3>> FeatureTable::vector(const char* key) const {
   if (!has(key)) return std::nullopt;
   if (!json_[key].is_object()) {
-    const auto v = get_numbers(file_, json_, "feature table", key, 3);
-    if (!v) return std::nullopt;
-    return std::array<double, 3>{(*v)[0], (*v)[1], (*v)[2]};
+    return members().numbers<3>(key);
   }
   const std::vector<float> v = floats(key, 1, 3);
   for (const float x : v)
@@ -46,18 +44,14 @@ std::optional<std::array<double, 3>> FeatureTable::vector(const char* key) const
   return std::array<double, 3>{v[0], v[1], v[2]};
 }
 
-bool FeatureTable::flag(const char* key) const {
-  if (!has(key)) return false;
-  if (!json_[key].is_boolean()) fail(key, "true or false");
-  return json_[key].get<bool>();
-}
+bool FeatureTable::flag(const char* key) const { return has(key) && members().get<bool>(key); }
 
 template <class T>
 std::vector<T> FeatureTable::column(const char* key, std::uint64_t items, std::uint64_t components) const {
   if (!has(key)) return {};
   if (items > binary_.size()) fail(key, counted(items, "item") + " inside the table");
   if (!json_[key].is_object()) fail(key, "a byteOffset into the table's binary part");
-  const std::uint8_t* from = bytes_at(key, json_[key], items * components * sizeof(T));
+  const std::uint8_t* from = bytes_at(key, items * components * sizeof(T));
   std::vector<T> values(items * components);
   if (!values.empty()) std::memcpy(values.data(), from, values.size() * sizeof(T));
   return values;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "format/source/source_file.h"
+#include "format/system/json/json_members.h"
 
 namespace gigabake {
 
@@ -32,8 +33,9 @@ class FeatureTable {
   std::vector<std::uint16_t> shorts(const char* key, std::uint64_t items, std::uint64_t components) const;
 
  private:
+  JsonMembers members() const { return {file_, json_, "feature table"}; }
   [[noreturn]] void fail(const char* key, const std::string& expected) const;
-  const std::uint8_t* bytes_at(const char* key, const Json& value, std::uint64_t bytes) const;
+  const std::uint8_t* bytes_at(const char* key, std::uint64_t bytes) const;
   template <class T>
   std::vector<T> column(const char* key, std::uint64_t items, std::uint64_t components) const;
 

@@ -11,6 +11,7 @@
 
 #include "format/source/source_file.h"
 #include "format/source/source_files.h"
+#include "format/system/json/json_members.h"
 
 namespace gigabake {
 
@@ -44,8 +45,7 @@ struct ImplicitTiling {
 
 /// Returns the implicit tiling of a tile; nullopt if the tile is explicit.
 /// Errors  InputError: a member that is missing, of another type or out of range.
-std::optional<ImplicitTiling> implicit_tiling(const std::filesystem::path& file, const Json& tile,
-                                              const std::string& where);
+std::optional<ImplicitTiling> implicit_tiling(const JsonMembers& tile);
 
 /// Replaces {level}, {x}, {y} and {z} in a template URI.
 std::string filled_template(const std::string& uri, const TileCoordinates& place);

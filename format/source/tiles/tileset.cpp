@@ -56,7 +56,7 @@ class Reader {
       throw InputError(file, "root", "the tileset includes itself");
     if (open_files_.size() == deepest_external) throw InputError(file, "root", "external tilesets nest deeper than 32");
     context.file = file;
-    context.gltf_up = up_axis(file, get_object(file, document.json, "", "asset"));
+    context.gltf_up = up_axis(JsonMembers(file, document.json).members("asset"));
     if (open_files_.empty()) find_anchor(document.json["root"], context);
     open_files_.push_back(canonical);
     std::vector<std::string> uris;
@@ -69,32 +69,31 @@ class Reader {
 
   /// Errors  InputError: the version, a required extension or the root cannot be used.
   static void check_head(const Path& file, const TilesetDocument& document) {
-    const Json& json = document.json;
-    const Json& asset = get_object(file, json, "", "asset");
-    const std::string version = get_text(file, asset, "asset", "version").value_or("");
+    const JsonMembers json(file, document.json), asset = json.members("asset");
+    const std::string version = asset.find<std::string>("version").value_or("");
     static const std::set<std::string> versions{"0.0", "1.0", "1.1"};  // and "1.0.0"
     if (!versions.contains(version.substr(0, 3)) || (version.size() > 3 && version[3] != '.'))
-      throw InputError(file, "asset.version", "expected 3D Tiles 1.0 or 1.1, got " + in_quotes(version));
+      asset.fail("version", "expected 3D Tiles 1.0 or 1.1, got " + in_quotes(version));
     static const std::set<std::string> known{
         "3DTILES_content_gltf",       "3DTILES_multiple_contents",     "3DTILES_implicit_tiling", "3DTILES_metadata",
         "3DTILES_bounding_volume_S2", "3DTILES_batch_table_hierarchy", "MAXAR_content_3tz"};
-    for (const Json& e : get_array(file, json, "", "extensionsRequired")) {
+    for (const Json& e : json.array("extensionsRequired")) {
       const std::string name = e.is_string() ? e.get<std::string>() : "(not a string)";
       if (!known.contains(name))
-        throw InputError(file, "extensionsRequired", "the extension " + in_quotes(name) + " is not supported");
+        json.fail("extensionsRequired", "the extension " + in_quotes(name) + " is not supported");
     }
     if (!document.root) throw InputError(file, "root", "is missing");
     if (document.root->fault) throw InputError(file, "", *document.root->fault);
-    up_axis(file, asset);
+    up_axis(asset);
   }
 
  private:
-  static UpAxis up_axis(const Path& file, const Json& asset) {
-    const std::string up = get_text(file, asset, "asset", "gltfUpAxis").value_or("Y");
+  static UpAxis up_axis(const JsonMembers& asset) {
+    const std::string up = asset.find<std::string>("gltfUpAxis").value_or("Y");
     if (up == "X" || up == "x") return UpAxis::x;
     if (up == "Z" || up == "z") return UpAxis::z;
     if (up == "Y" || up == "y") return UpAxis::y;
-    throw InputError(file, "asset.gltfUpAxis", "expected X, Y or Z, got " + in_quotes(up));
+    asset.fail("gltfUpAxis", "expected X, Y or Z, got " + in_quotes(up));
   }
 
   /// Finds the anchor. A malformed volume is reported and is no anchor; the place then follows from the content.

@@ -7,6 +7,7 @@
 #include "core/base/memory_limit.h"
 #include "core/math/transform.h"
 #include "format/source/loss_reason.h"
+#include "format/system/json/json_members.h"
 
 namespace gigabake {
 namespace {
@@ -14,17 +15,17 @@ namespace {
 using Path = std::filesystem::path;
 
 /// The specification requires `refine` of the root; some files omit it and mean REPLACE.
-std::optional<Refine> refine_of(const Path& file, const Json& tile, const std::string& where) {
-  const auto text = get_text(file, tile, where, "refine");
+std::optional<Refine> refine_of(const JsonMembers& tile) {
+  const auto text = tile.find<std::string>("refine");
   if (!text) return std::nullopt;
   std::string upper = *text;
   std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return char(std::toupper(c)); });
   if (upper == "ADD") return Refine::add;
   if (upper == "REPLACE") return Refine::replace;
-  throw InputError(file, where + ".refine", "expected ADD or REPLACE, got " + in_quotes(*text));
+  tile.fail("refine", "expected ADD or REPLACE, got " + in_quotes(*text));
 }
 
-std::vector<std::string> content_uris(const Path& file, const Json& tile, const std::string& where) {
+std::vector<std::string> content_uris(const JsonMembers& tile) {
   std::vector<std::string> uris;
   const auto add = [&](const Json& content) {
     std::string uri;
@@ -32,32 +33,30 @@ std::vector<std::string> content_uris(const Path& file, const Json& tile, const 
       if (content.is_object() && content.contains(name) && content[name].is_string()) uri = content[name];
     uris.push_back(uri);
   };
-  if (tile.contains("content") && !tile["content"].is_null()) add(tile["content"]);
+  if (const Json* content = tile.value("content")) add(*content);
   const auto add_all = [&](const Json& list) {
     for (const Json& content : list) add(content);
   };
-  add_all(get_array(file, tile, where, "contents"));
-  const Json& extensions = get_object(file, tile, where, "extensions");
-  const Json& multiple = get_object(file, extensions, where + ".extensions", "3DTILES_multiple_contents");
-  add_all(get_array(file, multiple, where + ".extensions", "content"));
-  add_all(get_array(file, multiple, where + ".extensions", "contents"));
+  add_all(tile.array("contents"));
+  const JsonMembers multiple = tile.members("extensions").members("3DTILES_multiple_contents");
+  add_all(multiple.array("content"));
+  add_all(multiple.array("contents"));
   return uris;
 }
 
-void read_members(const Path& file, const Json& json, const std::string& where, TilesetTile& tile) {
-  if (const auto m = get_numbers(file, json, where, "transform", 16))
+void read_members(const JsonMembers& json, TilesetTile& tile) {
+  if (const auto m = json.numbers<16>("transform"))
     tile.world_from_tile = std::make_unique<const Affine<World, World>>(affine_from_columns<World, World>(*m));
-  tile.refine = refine_of(file, json, where);
-  tile.bad_children = get_array(file, json, where, "children").size();  // children that are objects have been removed
-  tile.uris = content_uris(file, json, where);
-  if (auto tiling = implicit_tiling(file, json, where))
-    tile.implicit = std::make_unique<const ImplicitTiling>(std::move(*tiling));
+  tile.refine = refine_of(json);
+  tile.bad_children = json.array("children").size();  // children that are objects have been removed
+  tile.uris = content_uris(json);
+  if (auto tiling = implicit_tiling(json)) tile.implicit = std::make_unique<const ImplicitTiling>(std::move(*tiling));
 }
 
 TilesetTile tile_of(const Path& file, const Json& json, const std::string& where) {
   TilesetTile tile;
   try {
-    read_members(file, json, where, tile);
+    read_members(JsonMembers(file, json, where), tile);
   } catch (const InputError& e) {
     tile.fault = std::make_unique<const std::string>(reason_without_place(e.what(), file, ""));
   }

@@ -132,7 +132,7 @@ class DemTest(unittest.TestCase):
     def test_what_else_is_wrong_is_said_in_one_line(self):
         self.refuse("ortho", "no such file", ortho="gone.tif")
         self.refuse("leaves the source folder", ortho="../../../etc/passwd")
-        self.refuse("unknown key", orto="dem.tif")
+        self.refuse("unknown member", orto="dem.tif")
         self.refuse("tile_cells", tile_cells=1)
         raster = gdal.Open(str(self.root / "dem.tif"), gdal.GA_Update)
         raster.GetRasterBand(1).SetUnitType("ft")

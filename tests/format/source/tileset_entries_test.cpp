@@ -89,7 +89,7 @@ TEST_F(TilesetEntries, AMalformedTileCostsWhatIsBelowIt) {
   bad["transform"] = {1, 2, 3};
   const SceneSources s = open(tileset(adding(Json::array({bad, tile("a.gltf")}))));
   EXPECT_THAT(names(s), ElementsAre("a.gltf"));
-  EXPECT_THAT(losses(s), HasSubstr("root.children[0].transform: expected 16 finite numbers"));
+  EXPECT_THAT(losses(s), HasSubstr("root.children[0].transform: expected an array of 16 numbers"));
 }
 
 TEST_F(TilesetEntries, AnExternalTilesetThatCannotBeReadCostsItsTile) {

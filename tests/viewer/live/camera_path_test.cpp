@@ -136,25 +136,27 @@ std::string complaint(const std::string& text) {
 
 TEST(CameraPath, NamesTheMemberThatIsWrongAndWhatWasExpected) {
   const auto one = [](const std::string& k) { return R"({"keyframes": [)" + k + "]}"; };
-  EXPECT_THAT(complaint("["), HasSubstr("p.json: not JSON (at byte"));
+  EXPECT_THAT(complaint("["), HasSubstr("p.json: not valid JSON (at byte"));
   EXPECT_THAT(complaint("[]"), HasSubstr("expected a JSON object"));
   EXPECT_THAT(complaint("{}"), HasSubstr("keyframes: expected an array of at least one keyframe"));
   EXPECT_THAT(complaint(R"({"keyframes": 7})"), HasSubstr("keyframes: expected an array"));
-  EXPECT_THAT(complaint(one("7")), HasSubstr("keyframes[0]: expected an object"));
+  EXPECT_THAT(complaint(one("7")), HasSubstr("keyframes[0]: expected a JSON object"));
   EXPECT_THAT(complaint(one("{}")), HasSubstr("keyframes[0].time_s: is missing"));
   EXPECT_THAT(complaint(one(R"({"time_s": "0"})")), HasSubstr("keyframes[0].time_s: expected a number"));
-  EXPECT_THAT(complaint(one(R"({"time_s": 1e999})")), HasSubstr("p.json: not JSON"));
-  EXPECT_THAT(complaint(one(R"({"time_s": NaN})")), HasSubstr("p.json: not JSON"));
+  EXPECT_THAT(complaint(one(R"({"time_s": 1e999})")), HasSubstr("p.json: not valid JSON"));
+  EXPECT_THAT(complaint(one(R"({"time_s": NaN})")), HasSubstr("p.json: not valid JSON"));
   EXPECT_THAT(complaint(one(R"({"time_s": 0})")), HasSubstr("keyframes[0].eye: is missing; expected [x, y, z]"));
   EXPECT_THAT(complaint(one(R"({"time_s": 0, "eye": [1, 2]})")), HasSubstr("keyframes[0].eye: expected an array of 3"));
   EXPECT_THAT(complaint(one(R"({"time_s": 0, "eye": [1, 2, 3], "target": [1, 2, 3]})")),
               HasSubstr("keyframes[0].target"));
   EXPECT_THAT(complaint(one(R"({"time_s": 0, "eye": [1, 2, 3], "target": [1, 2, 4], "speed": 1})")),
-              HasSubstr("unknown member; expected time_s"));
+              HasSubstr("has an unknown member 'speed'; expected time_s"));
   EXPECT_THAT(complaint(one(R"({"time_s": 0, "eye": [1, 2, 3], "target": [1, 2, 4], "fovy_deg": 180})")),
               HasSubstr("fovy_deg: expected a number from 0.01 to 170"));
   const std::string good = R"({"time_s": 0, "eye": [1, 2, 3], "target": [1, 2, 4]})";
   EXPECT_THAT(complaint(one(good + "," + good)), HasSubstr("keyframes[1].time_s: expected more than"));
+  EXPECT_THAT(complaint(one(R"({"time_s": 0, "time_s": 1})")), HasSubstr("keyframes.time_s: is there twice"));
+  EXPECT_THAT(complaint(one(R"({"time_s": null})")), HasSubstr("keyframes[0].time_s: expected a number"));
   EXPECT_THAT(complaint(R"({"coordinates": "moon", "keyframes": []})"),
               HasSubstr("expected one of scene, lat_lon_height"));
   EXPECT_THAT(complaint(R"({"coordinates": "geographic", "keyframes": [{"time_s": 0, "eye": [91, 0, 0]}]})"),

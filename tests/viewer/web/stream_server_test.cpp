@@ -137,11 +137,11 @@ TEST(StreamServer, NamesWhatIsWrongWithASteering) {
   Served served;
   const std::string key = served.viewer(), target = "/steer?viewer=" + key;
   const std::pair<const char*, const char*> wrong[] = {
-      {"", "not JSON"},
-      {"{", "not JSON"},
+      {"", "not valid JSON"},
+      {"{", "not valid JSON"},
       {"[]", "expected a JSON object"},
-      {R"({"turn": [NaN, 0]})", "not JSON"},
-      {R"({"turn": [1e999, 0]})", "not JSON"},
+      {R"({"turn": [NaN, 0]})", "not valid JSON"},
+      {R"({"turn": [1e999, 0]})", "not valid JSON"},
       {R"({"turn": 1})", "turn: expected an array of 2 numbers"},
       {R"({"turn": [1e30, 0]})", "from -100 to 100"},
       {R"({"zoom": "near"})", "zoom: expected a number"},
