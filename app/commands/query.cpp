@@ -24,6 +24,7 @@
 #include "format/system/output_file.h"
 #include "format/system/publish.h"
 #include "viewer/query/query_job.h"
+#include "worker/pipeline/backend.h"
 
 namespace gigabake::app {
 namespace {
@@ -35,6 +36,7 @@ struct QueryArguments {
   QueryFrame frame = QueryFrame::scene;
   QueryFormat format = QueryFormat::csv;
   QueryOptions options;
+  Backend backend = Backend::automatic;
   int threads = 0;
   bool quiet = false;
 };
@@ -74,6 +76,15 @@ Asked question_of(const QueryArguments& a, const ThreadPool& pool) {
   const auto v = numbers("--sight", "X,Y,Z,X,Y,Z: two points", a.sight, {6});
   return {QueryKind::sight,
           single_query({{}, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}}, DirectionForm::point, "--sight")};
+}
+
+/// Selects the device: with `cuda` at once, otherwise at the first long batch, because a driver's start takes a second.
+void set_device(Backend backend, QueryOptions& options) {
+  if (backend == Backend::cpu) return;
+  options.device = [] { return choose_device({Backend::automatic}).device; };
+  if (backend != Backend::cuda) return;
+  options.device = [device = choose_device({backend}).device] { return device; };
+  options.min_device_rays = 1;
 }
 
 /// Assigns an eighth of the memory to queries and results in flight, and the rest to trees.
@@ -129,6 +140,9 @@ int tell(const QueryArguments& a, QueryKind kind, const QueryTally& tally, Scene
   const auto of = [&](QueryOutcome outcome) { return tally[std::size_t(outcome)]; };
   for (const std::string& problem : query.problems())
     print_message("gigabake: cell missing: {}\n", with_flags(problem));
+  if (!query.device_problem().empty() && (!a.quiet || a.backend == Backend::cuda))
+    print_message("gigabake: the CPU cast {}: {}\n", query.counts().device_rays > 0 ? "some of the rays" : "the rays",
+                  query.device_problem());
   if (!a.out.empty() && !a.quiet)
     fmt::print("{}: {} hit, {} hit nothing, {} outside the scene, {} where a cell is missing; {} built, {} at most\n",
                a.out, of(QueryOutcome::hit), of(QueryOutcome::nothing), of(QueryOutcome::outside),
@@ -153,6 +167,7 @@ int run(const QueryArguments& a) {
   job.ignore_ends_m = a.ignore_ends_m;
   QueryOptions options = a.options;
   share_memory(a.options.memory_bytes, options, job);
+  set_device(a.backend, options);
   SceneQuery query(std::make_shared<const PagedScene>(a.scene), options, pool);
   const QueryTally tally = with_progress(
       [&](const Progress& progress) { return write_answers(a, job, query, *question.asks, pool, progress); },
@@ -171,15 +186,15 @@ void expect_apart(const QueryArguments& a) {
 
 void add_questions(CLI::App& command, QueryArguments& a) {
   command.add_option("--ray", a.ray, "X,Y,Z,DX,DY,DZ: one ray; or X,Y,Z,AZIMUTH,ELEVATION in degrees");
-  command.add_option("--rays", a.rays, "CSV file of rays; - is standard input (columns: docs/query.md)");
+  command.add_option("--rays", a.rays, "CSV or .npy file of rays; - is standard input (columns: docs/query.md)");
   command.add_option("--at", a.at, "X,Y: height of the highest surface there, to within half a voxel");
-  command.add_option("--heights", a.heights, "CSV file of places");
+  command.add_option("--heights", a.heights, "CSV or .npy file of places");
   command.add_option(
       "--grid", a.grid,
       "X,Y,X,Y: heights at points from a lower to an upper corner, --step apart, to within half a voxel");
   command.add_option("--step", a.step, "distance between points of --grid, metres or degrees");
   command.add_option("--sight", a.sight, "X,Y,Z,X,Y,Z: whether two points see each other");
-  command.add_option("--sights", a.sights, "CSV file of pairs of points");
+  command.add_option("--sights", a.sights, "CSV or .npy file of pairs of points");
   add_choice(command, "--coordinates", a.frame,
              "coordinates of input and answers: scene metres, or longitude, latitude and height");
 }
@@ -191,7 +206,7 @@ void add_query(CLI::App& app, int& exit_code) {
   const auto a = std::make_shared<QueryArguments>();
   command.add_option("SCENE", a->scene, "folder of a bake, or its scene.xml")->required();
   add_questions(command, *a);
-  add_choice(command, "--format", a->format, "format of the answers");
+  add_choice(command, "--format", a->format, "format of the answers; npy: a NumPy array, for long lists");
   command.add_option("-o,--output", a->out, "file to write (standard output)");
   command.add_option("--lod", a->options.lod, "finest level that rays hit")->capture_default_str();
   command
@@ -204,7 +219,10 @@ void add_query(CLI::App& app, int& exit_code) {
       .add_option("--ignore-ends", a->ignore_ends_m,
                   "metres: surfaces within this distance of an end of a line of sight do not block it")
       ->capture_default_str();
+  add_choice(command, "--backend", a->backend, "backend that casts long lists of rays; auto: a GPU if there is one");
   command.add_option("--threads", a->threads, "CPU threads (all cores)");
+  command.add_option("--gpu-memory", a->options.device_bytes, "max bytes of voxels in GPU memory (4G)")
+      ->transform(CLI::AsSizeValue(false));
   command
       .add_option("--memory", a->options.memory_bytes,
                   "max bytes of voxels in memory, such as 512M or 4G; 0: half of the host's memory (1G)")

@@ -5,6 +5,7 @@
 #include "app/commands.h"
 #include "app/messages/json_text.h"
 #include "app/messages/with_progress.h"
+#include "app/options/choices.h"
 #include "app/options/scene_argument.h"
 #include "bench/commands/commands.h"
 #include "bench/query/query_bench.h"
@@ -12,6 +13,7 @@
 #include "core/base/error.h"
 #include "format/system/host_limits.h"
 #include "format/system/message.h"
+#include "worker/pipeline/backend.h"
 
 namespace gigabake::app {
 namespace {
@@ -19,6 +21,7 @@ namespace {
 struct QueryBenchArguments {
   bench::QueryBenchRequest request;
   std::string scene;
+  Backend backend = Backend::cpu;
   int threads = 0;
   bool json = false;
 };
@@ -32,29 +35,28 @@ void print_text(const bench::QueryBench& b) {
       "against Embree: {} equal, {} graze a voxel that only one of the two hits, {} begin in or at a voxel, {} wrong;\n"
       "distances differ by at most {:.2g} voxels\n",
       b.same, b.grazing, b.inside, b.wrong, b.max_gap);
+  if (b.device_s > 0)
+    fmt::print("GPU: {:.1f} million/s with transfers; {} of {} answers differ from the CPU's\n",
+               1e-6 * double(b.rays) / b.device_s, b.differ, b.rays);
   if (!b.first_wrong.empty()) fmt::print("wrong: {}\n", b.first_wrong);
 }
 
 nlohmann::ordered_json json_of(const bench::QueryBench& b) {
-  return {{"bench", "query"},
-          {"rays", b.rays},
-          {"hits", b.hits},
-          {"compared_hits", b.compared_hits()},
-          {"query_s", b.query_s},
-          {"build_and_query_s", b.build_and_query_s},
-          {"cpu_s", b.cpu_s},
-          {"trees_built", b.trees_built},
-          {"same", b.same},
-          {"grazing", b.grazing},
-          {"inside", b.inside},
-          {"wrong", b.wrong},
-          {"largest_gap_voxels", b.max_gap}};
+  return {{"bench", "query"},       {"rays", b.rays},
+          {"hits", b.hits},         {"compared_hits", b.compared_hits()},
+          {"query_s", b.query_s},   {"build_and_query_s", b.build_and_query_s},
+          {"cpu_s", b.cpu_s},       {"trees_built", b.trees_built},
+          {"same", b.same},         {"grazing", b.grazing},
+          {"inside", b.inside},     {"wrong", b.wrong},
+          {"device_s", b.device_s}, {"device_rays", b.device_rays},
+          {"differ", b.differ},     {"largest_gap_voxels", b.max_gap}};
 }
 
 int run(QueryBenchArguments& a) {
   if (a.threads < 0 || a.threads > 1024) throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
   a.request.scene = scene_argument(a.scene);
   a.request.threads = a.threads != 0 ? a.threads : host_limits().cores();
+  a.request.device = choose_device({a.backend}).device;
   const bench::QueryBench result = while_reading([&](const Progress& progress) {
     progress.step("casting rays with gigabake and Embree");
     return bench::bench_queries(a.request);
@@ -82,6 +84,7 @@ void add_bench_query(CLI::App& bench, int& exit_code) {
   command.add_option("--threads", a->threads, "CPU threads (all cores)");
   command.add_option("--memory", a->request.memory_bytes, "max bytes of trees in memory, such as 512M (1G)")
       ->transform(CLI::AsSizeValue(false));
+  add_choice(command, "--backend", a->backend, "cuda: time a GPU, too, and compare its answers with the CPU's");
   command.add_flag("--json", a->json, "print JSON");
   command.callback([a, &exit_code] { exit_code = run(*a); });
 }

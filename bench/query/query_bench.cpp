@@ -159,6 +159,40 @@ class Comparison {
   QueryBench& result_;
 };
 
+bool is_equal(const QueryHit& a, const QueryHit& b) {
+  return a.outcome == b.outcome && a.lod == b.lod && a.distance == b.distance && a.rgba == b.rgba &&
+         a.shard == b.shard && std::ranges::equal(a.voxel, b.voxel) && std::ranges::equal(a.normal, b.normal);
+}
+
+/// Times a device and compares its answers with the CPU's.
+class DeviceComparison {
+ public:
+  DeviceComparison(std::shared_ptr<const PagedScene> scene, const QueryBenchRequest& request, const ThreadPool& pool)
+      : query_(std::move(scene), options(request), pool) {}
+
+  void add(const std::vector<QueryRay>& rays, const std::vector<QueryHit>& on_cpu, QueryBench& result) {
+    hits_.resize(rays.size());
+    query_.first_hits(rays, hits_);  // uploads trees that are missing
+    const auto start = Clock::now();
+    query_.first_hits(rays, hits_);
+    result.device_s += seconds_since(start);
+    if (!query_.device_problem().empty()) throw CudaFailure(query_.device_problem());
+    for (std::size_t i = 0; i < rays.size(); ++i) result.differ += is_equal(hits_[i], on_cpu[i]) ? 0 : 1;
+    result.device_rays = query_.counts().device_rays;
+  }
+
+ private:
+  static QueryOptions options(const QueryBenchRequest& request) {
+    QueryOptions options{request.lod, 0, request.memory_bytes};
+    options.device = [device = request.device] { return device; };
+    options.min_device_rays = 1;
+    return options;
+  }
+
+  SceneQuery query_;
+  std::vector<QueryHit> hits_;
+};
+
 }  // namespace
 
 QueryBench bench_queries(const QueryBenchRequest& request) {
@@ -168,6 +202,8 @@ QueryBench bench_queries(const QueryBenchRequest& request) {
   const CubeCaster cubes(voxels_of(*scene, request.lod), request.threads);
   QueryBench result;
   Comparison comparison(cubes, request.lod, result);
+  std::optional<DeviceComparison> on_device;
+  if (request.device) on_device.emplace(scene, request, pool);
   std::mt19937_64 generator(request.seed);
   while (result.rays < request.rays) {
     const auto count = std::size_t(std::min<std::uint64_t>(batch_rays, request.rays - result.rays));
@@ -181,6 +217,7 @@ QueryBench bench_queries(const QueryBenchRequest& request) {
     query.first_hits(rays, hits);
     result.query_s += seconds_since(alone);
     result.cpu_s += double(std::clock() - busy) / CLOCKS_PER_SEC;
+    if (on_device) on_device->add(rays, hits, result);
     for (std::size_t i = 0; i < count; ++i) comparison.add(rays[i], hits[i]);
     result.rays += count;
   }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace gigabake::bench {
@@ -15,12 +16,16 @@ struct QueryBenchRequest {
   std::uint64_t seed = 1;
   int threads = 1;
   std::uint64_t memory_bytes = std::uint64_t(1) << 30;
+  std::optional<int> device = {};  ///< CUDA device whose answers are compared with the CPU's
 };
 
 struct QueryBench {
   std::uint64_t rays = 0, hits = 0, trees_built = 0;
   double query_s = 0, build_and_query_s = 0;  ///< without and with building trees
   double cpu_s = 0;                           ///< of all threads during query_s, independent of other load
+  double device_s = 0;                        ///< of the device, including transfers, once it has the trees
+  std::uint64_t device_rays = 0;              ///< rays that the device finished, of two times all rays
+  std::uint64_t differ = 0;                   ///< answers of the device that are not the CPU's bits
   std::uint64_t same = 0;                     ///< both hit the same voxel, or none
   /// Hits of different voxels or sides, where the ray penetrates the missed voxel by less than 1/64 voxel.
   std::uint64_t grazing = 0;
@@ -31,13 +36,14 @@ struct QueryBench {
 
   /// Returns the number of compared rays that hit a voxel in `gigabake query`.
   std::uint64_t compared_hits() const { return hits - inside; }
-  /// Returns true if a ray is wrong, or no hit was compared.
-  bool failed() const { return wrong != 0 || compared_hits() == 0; }
+  /// Returns true if a ray is wrong or differs between the backends, or no hit was compared.
+  bool failed() const { return wrong != 0 || differ != 0 || compared_hits() == 0; }
 };
 
 /// Runs the comparison.
 /// Cost    Embree stores up to six faces per voxel that no neighbour covers: about 400 bytes per voxel.
 /// Errors  UsageError: built without Embree; more than 2^23 voxels. InputError: see SceneQuery.
+///         CudaFailure: the device failed.
 QueryBench bench_queries(const QueryBenchRequest& request);
 
 }  // namespace gigabake::bench

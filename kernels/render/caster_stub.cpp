@@ -2,6 +2,7 @@
 #ifndef GIGABAKE_HAS_CUDA
 #include "kernels/cuda/baker.h"
 #include "kernels/first_hit/first_hit_device.h"
+#include "kernels/first_hit/query_device.h"
 #include "kernels/render/caster.h"
 
 namespace gigabake::kernels {
@@ -26,6 +27,16 @@ double CudaFirstHits::cast(bool) { throw CudaFailure(cuda_devices().reason); }
 std::vector<FirstHit> CudaFirstHits::hits() const { throw CudaFailure(cuda_devices().reason); }
 std::vector<VoxelAttributes> CudaFirstHits::looks() const { throw CudaFailure(cuda_devices().reason); }
 std::uint64_t CudaFirstHits::device_bytes() const { throw CudaFailure(cuda_devices().reason); }
+
+class CudaQuery::Impl {};
+
+CudaQuery::CudaQuery(int, const QueryCells&, const QueryLevels&, const VoxelBox&, std::uint64_t) {
+  throw CudaFailure(cuda_devices().reason);
+}
+CudaQuery::~CudaQuery() = default;
+void CudaQuery::add_tree(std::uint32_t, std::uint32_t, const ShardTree&) { throw CudaFailure(cuda_devices().reason); }
+void CudaQuery::cast(Span<const QueryRay>, Span<QueryTraversal>) { throw CudaFailure(cuda_devices().reason); }
+std::uint64_t CudaQuery::device_bytes() const { throw CudaFailure(cuda_devices().reason); }
 
 }  // namespace gigabake::kernels
 #endif

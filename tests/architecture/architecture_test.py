@@ -29,7 +29,7 @@ MODULES = {
     "kernels/pool": ["core", "kernels/body"],
     "kernels/marching": ["core", "kernels/body", "kernels/cuda", "kernels/pool"],
     "kernels/light": ["core", "kernels/body", "kernels/cuda", "kernels/pool", "kernels/marching"],
-    "kernels/first_hit": ["core", "kernels/body", "kernels/cuda"],
+    "kernels/first_hit": ["core", "kernels/body", "kernels/cuda", "kernels/marching"],
     "kernels/render": ["core", "kernels/body", "kernels/cuda", "kernels/first_hit", *RAYS],
     "worker": ["core", "format/system", "format/source", "format/shard", "format/job", "kernels/body", "kernels/cpu",
                "kernels/cuda", "kernels/pack"],

@@ -14,9 +14,9 @@ class SingleQuery final : public QuerySource {
   SingleQuery(QueryInput ask, DirectionForm aim, std::string option)
       : ask_{std::move(ask)}, aim_(aim), option_(std::move(option)) {}
 
-  std::vector<QueryInput> next(std::size_t) override { return std::exchange(ask_, {}); }
+  void next(std::size_t, std::vector<QueryInput>& asks) override { asks = std::exchange(ask_, {}); }
   DirectionForm aim() const override { return aim_; }
-  std::uint64_t count() const override { return 1; }
+  std::optional<std::uint64_t> count() const override { return 1; }
   [[noreturn]] void refuse(std::size_t, const std::string& why) const override {
     throw UsageError(option_ + ": " + why);
   }
@@ -47,13 +47,12 @@ class GridQueries final : public QuerySource {
       throw UsageError("grid", "more than 2^40 points; expected a larger step or a smaller box");
   }
 
-  std::vector<QueryInput> next(std::size_t maximum) override {
+  void next(std::size_t maximum, std::vector<QueryInput>& asks) override {
     first_ = at_;
-    std::vector<QueryInput> asks(std::size_t(std::min<std::uint64_t>(maximum, count() - at_)));
+    asks.resize(std::size_t(std::min<std::uint64_t>(maximum, columns_ * rows_ - at_)));
     for (QueryInput& ask : asks) ask.from = point(at_++);
-    return asks;
   }
-  std::uint64_t count() const override { return columns_ * rows_; }
+  std::optional<std::uint64_t> count() const override { return columns_ * rows_; }
   [[noreturn]] void refuse(std::size_t i, const std::string& why) const override {
     const QueryPoint p = point(first_ + i);
     throw UsageError("grid", "at " + std::to_string(p[0]) + "," + std::to_string(p[1]) + ": " + why);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,12 +38,12 @@ class QuerySource {
  public:
   virtual ~QuerySource() = default;
 
-  /// Returns the next `maximum` queries or fewer; an empty vector at the end.
-  virtual std::vector<QueryInput> next(std::size_t maximum) = 0;
+  /// Sets `asks` to the next `maximum` queries or fewer; to none at the end. Memory of `asks` is reused.
+  virtual void next(std::size_t maximum, std::vector<QueryInput>& asks) = 0;
   virtual DirectionForm aim() const { return DirectionForm::point; }
   virtual bool have_ids() const { return false; }
-  /// Returns the total number of queries; 0 if it is unknown.
-  virtual std::uint64_t count() const { return 0; }
+  /// Returns the total number of queries; nullopt if it is unknown.
+  virtual std::optional<std::uint64_t> count() const { return {}; }
   /// Reports that query i of the last next() is invalid.
   /// Errors  InputError or UsageError: always.
   [[noreturn]] virtual void refuse(std::size_t i, const std::string& why) const = 0;
@@ -60,13 +61,14 @@ struct QueryGrid {
 /// Errors  UsageError: the grid has no points, or more than 2^40.
 std::unique_ptr<QuerySource> grid_queries(const QueryGrid& grid);
 
-/// Returns the queries of a CSV file with a header line; "-" is standard input. The header names the columns, in any
-/// order.
+/// Returns the queries of a file; "-" is standard input. A file that begins with the magic bytes of NumPy's .npy format
+/// is read as one (query_npy.h). Any other file is CSV with a header line that names the columns, in any order.
 /// Scene coordinates use x,y,z, geographic coordinates lon,lat,height; a height query has no third coordinate. A ray
 /// also has dx,dy,dz (scene coordinates only), azimuth,elevation, or a point on the ray. A line of sight has its end
 /// point. The columns of a second point have the prefix to_. The optional column id is copied to the answer.
 /// Errors  InputError, also from next(): the file cannot be read. InputError with the line: a missing, unknown or
-///         repeated column, a wrong number of fields, or a field that is not a finite number.
+///         repeated column, a wrong number of fields, or a field that is not a finite number. Errors of a .npy file
+///         name the byte.
 std::unique_ptr<QuerySource> table_queries(const std::filesystem::path& file, QueryKind kind, QueryFrame frame,
                                            const ThreadPool& pool);
 

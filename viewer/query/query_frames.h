@@ -6,7 +6,7 @@
 
 #include "core/math/frames.h"
 #include "format/scene/xml/scene_xml.h"
-#include "viewer/query/query_ray.h"
+#include "kernels/first_hit/query_ray.h"
 
 namespace gigabake {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -25,7 +26,7 @@ class Run {
         pool_(pool),
         surface_(parameters_from_json(query.scene().header().parameters).surface),
         frames_(query.scene().header(), query.window(), job.frame),
-        text_(job.format, job.kind, frames_, query.scene().header().voxel_size_m, asks.have_ids()) {
+        text_(job.format, job.kind, frames_, query.scene().header().voxel_size_m, asks.have_ids(), asks.count()) {
     if (!(job.max_distance_m > 0)) throw UsageError("max_distance", "expected metres above 0");
     if (!(job.ignore_ends_m >= 0 && std::isfinite(job.ignore_ends_m)))
       throw UsageError("ignore_ends", "expected metres, 0 or more");
@@ -34,17 +35,20 @@ class Run {
   QueryTally all(const std::function<void(std::string_view)>& write, const Progress& progress) {
     QueryTally tally{};
     bool first = true;
-    for (;;) {
-      const std::vector<QueryInput> asks = asks_.next(job_.batch_rays);
-      if (asks.empty()) break;
-      const std::vector<QueryRay> rays = rays_of(asks);
-      std::vector<QueryHit> hits(rays.size());
-      query_.first_hits(rays, hits, progress);
-      if (job_.kind == QueryKind::height) move_to_surface(query_, surface_, rays, hits, progress);
-      for (const QueryHit& hit : hits) ++tally[std::size_t(hit.outcome)];
+    Batch batch, following;
+    read(batch);
+    for (; !batch.asks.empty(); std::swap(batch, following)) {
+      // The next batch is read while this one is cast and written. Its errors are reported after this batch's answers.
+      std::future<void> reading = std::async(std::launch::async, [&] { read(following); });
+      hits_.resize(batch.rays.size());
+      query_.first_hits(batch.rays, hits_, progress);
+      if (job_.kind == QueryKind::height) move_to_surface(query_, surface_, batch.rays, hits_, progress);
+      for (const QueryHit& hit : hits_) ++tally[std::size_t(hit.outcome)];
       if (first) write(text_.begin());  // deferred, because the first query may be invalid
-      for (const std::string& piece : texts(asks, rays, hits, first)) write(piece);
+      format(batch, first);
+      for (const std::string& piece : pieces_) write(piece);
       first = false;
+      reading.get();
     }
     if (first) write(text_.begin());
     write(text_.end());
@@ -52,6 +56,16 @@ class Run {
   }
 
  private:
+  struct Batch {
+    std::vector<QueryInput> asks;
+    std::vector<QueryRay> rays;
+  };
+
+  void read(Batch& batch) {
+    asks_.next(job_.batch_rays, batch.asks);
+    make_rays(batch.asks, batch.rays);
+  }
+
   QueryRay ray_for(const QueryInput& ask) const {
     QueryRay ray = ray_of(ask, job_.kind, asks_.aim(), frames_);
     if (job_.kind == QueryKind::height) return ray;
@@ -64,8 +78,8 @@ class Run {
     return ray;
   }
 
-  std::vector<QueryRay> rays_of(const std::vector<QueryInput>& asks) const {
-    std::vector<QueryRay> rays(asks.size());
+  void make_rays(const std::vector<QueryInput>& asks, std::vector<QueryRay>& rays) const {
+    rays.resize(asks.size());
     std::mutex mutex;
     std::size_t first_bad = asks.size();
     std::string why;
@@ -82,30 +96,31 @@ class Run {
       }
     });
     if (first_bad < asks.size()) asks_.refuse(first_bad, why);
-    return rays;
   }
 
-  std::vector<const std::string*> names_of_shards(const std::vector<QueryHit>& hits) {
+  /// Looks up the names of the hits' shards.
+  void find_names() {
     static const std::string none;
-    std::vector<const std::string*> names(hits.size(), &none);
-    for (std::size_t i = 0; i < hits.size(); ++i) {
-      const std::uint32_t shard = hits[i].shard;
+    names_.assign(hits_.size(), &none);
+    if (job_.format == QueryFormat::npy) return;
+    for (std::size_t i = 0; i < hits_.size(); ++i) {
+      const std::uint32_t shard = hits_[i].shard;
       if (shard == QueryHit::no_shard) continue;
-      names[i] = i > 0 && hits[i - 1].shard == shard ? names[i - 1] : &query_.name_of(shard);
+      names_[i] = i > 0 && hits_[i - 1].shard == shard ? names_[i - 1] : &query_.name_of(shard);
     }
-    return names;
   }
 
-  std::vector<std::string> texts(const std::vector<QueryInput>& asks, const std::vector<QueryRay>& rays,
-                                 const std::vector<QueryHit>& hits, bool first) {
-    const std::vector<const std::string*> names = names_of_shards(hits);
-    std::vector<std::string> pieces((hits.size() + answers_per_piece - 1) / answers_per_piece);
-    pool_.parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end, int) {
-      for (std::size_t p = begin; p < end; ++p)
-        for (std::size_t i = p * answers_per_piece; i < std::min(hits.size(), (p + 1) * answers_per_piece); ++i)
-          text_.add({asks[i], rays[i], hits[i], *names[i]}, first && i == 0, pieces[p]);
+  /// Sets the pieces of text. first: whether the batch is the first.
+  void format(const Batch& batch, bool first) {
+    find_names();
+    pieces_.resize((hits_.size() + answers_per_piece - 1) / answers_per_piece);
+    pool_.parallel_for(pieces_.size(), 1, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t p = begin; p < end; ++p) {
+        pieces_[p].clear();
+        for (std::size_t i = p * answers_per_piece; i < std::min(hits_.size(), (p + 1) * answers_per_piece); ++i)
+          text_.add({batch.asks[i], batch.rays[i], hits_[i], *names_[i]}, first && i == 0, pieces_[p]);
+      }
     });
-    return pieces;
   }
 
   const QueryJob& job_;
@@ -115,13 +130,16 @@ class Run {
   SurfaceRule surface_;
   QueryFrames frames_;
   QueryText text_;
+  std::vector<QueryHit> hits_;  ///< of a batch, like the two below
+  std::vector<const std::string*> names_;
+  std::vector<std::string> pieces_;
 };
 
 }  // namespace
 
 QueryTally run_query(const QueryJob& job, SceneQuery& query, QuerySource& asks, const ThreadPool& pool,
                      const std::function<void(std::string_view)>& write, const Progress& progress) {
-  progress.step("casting rays", asks.count(), "ray");
+  progress.step("casting rays", asks.count().value_or(0), "ray");
   return Run(job, query, asks, pool).all(write, progress);
 }
 

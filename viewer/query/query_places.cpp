@@ -54,7 +54,8 @@ QueryPlaces::QueryPlaces(NumberedShards& numbers, std::uint64_t page_bytes, cons
                                    Pager::Options{page_threads, page_bytes});
 }
 
-void QueryPlaces::lay_out(const PagedScene& scene, const ThreadPool& pool) {
+/// Sets the layout and the number of each of its cells.
+void QueryPlaces::place_cells(const PagedScene& scene, const ThreadPool& pool) {
   std::vector<SceneCell> cells = scene.cells(pool);
   const auto stored = std::uint32_t(cells.size());
   if (!cells.empty())
@@ -70,6 +71,19 @@ void QueryPlaces::lay_out(const PagedScene& scene, const ThreadPool& pool) {
     const auto found = number_at.find({cell.min[0], cell.min[1], cell.min[2]});
     number_.push_back(found == number_at.end() ? kernels::no_cell : found->second);
   }
+}
+
+void QueryPlaces::lay_out_all(const ThreadPool& pool) {
+  if (layout_.cells.empty()) place_cells(numbers_.scene(), pool);
+}
+
+std::optional<std::uint32_t> QueryPlaces::shard_of_cell(std::size_t cell) const {
+  if (number_[cell] == kernels::no_cell) return {};
+  return number_[cell];
+}
+
+void QueryPlaces::lay_out(const PagedScene& scene, const ThreadPool& pool) {
+  place_cells(scene, pool);
   lods_ = layout_.scene.lods;
   for (int a = 0; a < 3; ++a) {
     window_.min[a] = std::int64_t(layout_.scene.min[a]);

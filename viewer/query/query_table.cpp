@@ -13,17 +13,12 @@
 
 #include "core/base/error.h"
 #include "viewer/query/query_asks.h"
+#include "viewer/query/query_npy.h"
 
 namespace gigabake {
 namespace {
 
 constexpr std::size_t block_bytes = std::size_t(1) << 22, max_line_bytes = std::size_t(1) << 16;
-
-struct Closed {
-  void operator()(std::FILE* file) const {
-    if (file != stdin) std::fclose(file);
-  }
-};
 
 /// A column: it holds a coordinate of QueryInput or the id.
 struct TableColumn {
@@ -74,16 +69,15 @@ Names names_in(QueryFrame frame) {
 
 class TableQueries final : public QuerySource {
  public:
-  TableQueries(const std::filesystem::path& path, QueryKind kind, QueryFrame frame, const ThreadPool& pool)
-      : path_(path == "-" ? std::filesystem::path("standard input") : path), pool_(pool) {
-    file_.reset(path == "-" ? stdin : std::fopen(path.c_str(), "rb"));
-    if (!file_) throw InputError(path_, "", std::strerror(errno));
+  /// beginning: the first bytes of the file, which are already read.
+  TableQueries(QueryFile file, std::string beginning, QueryKind kind, QueryFrame frame, const ThreadPool& pool)
+      : path_(file.path), pool_(pool), file_(std::move(file.file)), text_(std::move(beginning)) {
     read_head(kind, frame);
   }
 
-  std::vector<QueryInput> next(std::size_t maximum) override {
+  void next(std::size_t maximum, std::vector<QueryInput>& asks) override {
     const std::vector<std::string_view> lines = read_lines(maximum);
-    std::vector<QueryInput> asks(lines.size());
+    asks.resize(lines.size());
     std::mutex mutex;
     std::size_t first_bad = lines.size();
     std::string why;
@@ -101,7 +95,6 @@ class TableQueries final : public QuerySource {
       }
     });
     if (first_bad < lines.size()) refuse(first_bad, why);
-    return asks;
   }
 
   DirectionForm aim() const override { return aim_; }
@@ -238,7 +231,7 @@ class TableQueries final : public QuerySource {
 
   std::filesystem::path path_;
   const ThreadPool& pool_;
-  std::unique_ptr<std::FILE, Closed> file_;
+  std::unique_ptr<std::FILE, QueryFile::Close> file_;
   std::string text_;
   std::size_t at_ = 0;
   bool at_end_ = false;
@@ -253,7 +246,12 @@ class TableQueries final : public QuerySource {
 
 std::unique_ptr<QuerySource> table_queries(const std::filesystem::path& file, QueryKind kind, QueryFrame frame,
                                            const ThreadPool& pool) {
-  return std::make_unique<TableQueries>(file, kind, frame, pool);
+  QueryFile opened = open_query_file(file);
+  std::string beginning(npy_magic.size(), '\0');
+  beginning.resize(std::fread(beginning.data(), 1, beginning.size(), opened.file.get()));
+  if (std::ferror(opened.file.get()) != 0) throw InputError(opened.path, "", std::strerror(errno));
+  if (beginning == npy_magic) return npy_queries(std::move(opened), kind, frame, pool);
+  return std::make_unique<TableQueries>(std::move(opened), std::move(beginning), kind, frame, pool);
 }
 
 }  // namespace gigabake

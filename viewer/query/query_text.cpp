@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/valid_text.h"
 #include "core/math/octahedral.h"
+#include "viewer/query/query_npy.h"
 #include "viewer/query/surface_height.h"
 
 namespace gigabake {
@@ -78,8 +79,16 @@ struct Normal {
 
 }  // namespace
 
-QueryText::QueryText(QueryFormat format, QueryKind kind, const QueryFrames& frames, double voxel_size_m, bool has_ids)
-    : format_(format), kind_(kind), frames_(frames), decimals_(decimals_for(voxel_size_m / 1000)), has_ids_(has_ids) {
+QueryText::QueryText(QueryFormat format, QueryKind kind, const QueryFrames& frames, double voxel_size_m, bool has_ids,
+                     std::optional<std::uint64_t> count)
+    : format_(format),
+      kind_(kind),
+      frames_(frames),
+      decimals_(decimals_for(voxel_size_m / 1000)),
+      has_ids_(has_ids),
+      count_(count.value_or(0)) {
+  if (format == QueryFormat::npy && !count)
+    throw UsageError("format", "npy states the number of answers first; expected a .npy table, a grid or one query");
   if (format == QueryFormat::geojson && !frames.is_on_earth())
     throw UsageError("format",
                      "GeoJSON needs longitudes and latitudes, and the scene has no position on the "
@@ -95,6 +104,7 @@ std::string_view QueryText::outcome(QueryOutcome outcome) const {
 std::string QueryText::begin() const {
   if (format_ == QueryFormat::geojson) return "{\"type\":\"FeatureCollection\",\"features\":[";
   if (format_ == QueryFormat::json) return "[";
+  if (format_ == QueryFormat::npy) return npy_header(kind_, count_);
   return std::string(has_ids_ ? "id," : "") + "outcome,distance_m," +
          (frames_.frame() == QueryFrame::scene ? "x,y,z" : "lon,lat,height") +
          (kind_ == QueryKind::height ? ",height_error_m" : "") + ",nx,ny,nz,red,green,blue,coverage,lod,cell\n";
@@ -106,6 +116,7 @@ std::string QueryText::end() const {
 }
 
 void QueryText::add(const QueryAnswer& answer, bool first, std::string& text) const {
+  if (format_ == QueryFormat::npy) return add_npy(answer, kind_, frames_, text);
   if (format_ != QueryFormat::csv) text += first ? "\n" : ",\n";
   if (format_ == QueryFormat::csv) add_csv(answer, text);
   if (format_ == QueryFormat::json) add_json(answer, text);

@@ -1,18 +1,20 @@
-/// Formatting of answers as CSV, JSON or GeoJSON.
+/// Formatting of answers as CSV, JSON, GeoJSON or a NumPy array.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
+#include "kernels/first_hit/query_ray.h"
 #include "viewer/query/query_asks.h"
 #include "viewer/query/query_frames.h"
-#include "viewer/query/query_ray.h"
 
 namespace gigabake {
 
-enum class QueryFormat : std::uint8_t { csv, json, geojson };
+enum class QueryFormat : std::uint8_t { csv, json, geojson, npy };
 template <>
 constexpr auto names_of<QueryFormat>() {
-  return std::to_array<std::string_view>({"csv", "json", "geojson"});
+  return std::to_array<std::string_view>({"csv", "json", "geojson", "npy"});
 }
 
 /// A query and its answer.
@@ -28,8 +30,10 @@ struct QueryAnswer {
 /// half a voxel of its level; a height is printed with a resolution of 1/10 voxel.
 class QueryText {
  public:
-  /// Errors  UsageError: GeoJSON of a scene that is not georeferenced.
-  QueryText(QueryFormat format, QueryKind kind, const QueryFrames& frames, double voxel_size_m, bool has_ids);
+  /// count: the number of answers, if it is known.
+  /// Errors  UsageError: GeoJSON of a scene that is not georeferenced; an array of an unknown number of answers.
+  QueryText(QueryFormat format, QueryKind kind, const QueryFrames& frames, double voxel_size_m, bool has_ids,
+            std::optional<std::uint64_t> count);
 
   std::string begin() const;
   /// Appends an answer. first: whether it is the first answer of the result.
@@ -54,6 +58,7 @@ class QueryText {
   const QueryFrames& frames_;
   int decimals_;  ///< for metres
   bool has_ids_;
+  std::uint64_t count_;  ///< of answers; 0 if unknown
 };
 
 }  // namespace gigabake

@@ -5,7 +5,6 @@
 
 #include "core/base/error.h"
 #include "format/scene/shard_of_scene.h"
-#include "kernels/first_hit/first_hit.h"
 
 namespace gigabake {
 namespace {
@@ -45,61 +44,29 @@ std::uint64_t QueryTreeSource::bytes_to_build() const {
   return stored_voxels_ * bytes_per_voxel + bricks_ * bytes_per_brick + constants_ * bytes_per_constant + bytes_of_all;
 }
 
-QueryTree::QueryTree(const QueryTreeSource& source)
-    : unit_(kernels::power_of_two(int(source.shard_.first_lod))),
-      half_window_(0.5 * source.shard_.cell_voxels / unit_),
-      lod_(int(source.shard_.first_lod) + source.shard_lod_) {
+QueryTree::QueryTree(const QueryTreeSource& source) {
+  const double unit = kernels::power_of_two(int(source.shard_.first_lod));
+  view_.unit = unit;
+  view_.half_window = 0.5 * source.shard_.cell_voxels / unit;
+  view_.shard_lod = source.shard_lod_;
+  view_.lod = int(source.shard_.first_lod) + source.shard_lod_;
   for (std::size_t a = 0; a < 3; ++a) {
-    corner_[a] = window_.min[a] = source.shard_.lattice_min[a];
-    window_.max[a] = corner_[a] + source.shard_.cell_voxels;
+    view_.window.min[a] = source.shard_.lattice_min[a];
+    view_.window.max[a] = source.shard_.lattice_min[a] + source.shard_.cell_voxels;
   }
   try {
     FirstHitBuilder builder(source.shard_lod_);
     builder.add_cell({0, 0, 0}, source.nodes_, source.reader_.level(source.shard_lod_));
-    scene_ = builder.finish_window(std::int64_t(source.shard_.cell_voxels) >> lod_);
-    grown_ = 1 + rim * double(scene_.view.tree.edge) / half_window_;
+    scene_ = builder.finish_window(std::int64_t(source.shard_.cell_voxels) >> view_.lod);
   } catch (const std::invalid_argument& error) {
     throw InputError(source.path_, "", error.what());
   } catch (const std::length_error& error) {
     throw InputError(source.path_, "", error.what());
   }
-}
-
-std::optional<QueryHit> QueryTree::first_hit(const QueryRay& ray, double from, double to, std::uint32_t shard) const {
-  const double voxel = kernels::power_of_two(lod_);
-  RayChord chord = chord_of(ray, window_, voxel);
-  chord = {std::fmax(chord.enter, from), std::fmin(chord.leave, to)};
-  if (chord.empty()) return {};
-  // Start where the ray enters the window, so that single precision suffices inside.
-  kernels::FirstHitRay local;
-  for (int a = 0; a < 3; ++a) {
-    const double p = ray.origin[a] + ray.direction[a] * chord.enter - double(corner_[a]);
-    local.origin[a] = half_window_ + (p / unit_ - half_window_) / grown_;
-    local.direction[a] = float(ray.direction[a]);
-  }
-  local.end = float((chord.leave - chord.enter) / (unit_ * grown_));
-  std::uint32_t slots[kernels::first_hit_stack];
-  const kernels::FirstHit found = kernels::first_hit(scene_.view.tree, local, 0, kernels::FirstHitSlots<1>{slots});
-  if (found.look == kernels::no_attributes) return {};
-  QueryHit hit;
-  hit.outcome = QueryOutcome::hit;
-  hit.lod = lod_;
-  hit.shard = shard;
-  kernels::VoxelBox box;
-  for (int a = 0; a < 3; ++a) {
-    const auto at = std::int64_t(found.voxel >> 21 * a & 0x1fffff) << scene_.lod;
-    hit.voxel[a] = corner_[a] + (scene_.lattice_min[std::size_t(a)] + at) * std::int64_t(unit_);
-    box.min[a] = hit.voxel[a];
-    box.max[a] = hit.voxel[a] + std::int64_t(voxel);
-  }
-  const RayChord exact = chord_of(ray, box, 0);
-  const double rough = chord.enter + double(found.distance) * unit_ * grown_;
-  hit.distance = std::fmin(std::fmax(exact.empty() ? rough : exact.enter, from), to);
-  const kernels::VoxelAttributes& look = scene_.looks[found.look];
-  hit.rgba = look.rgba;
-  hit.normal[0] = look.normal[0];
-  hit.normal[1] = look.normal[1];
-  return hit;
+  view_.tree = scene_.view.tree;
+  view_.looks = scene_.view.looks;
+  std::ranges::copy(scene_.lattice_min, view_.tree_min);
+  view_.grown = 1 + rim * double(scene_.view.tree.edge) / view_.half_window;
 }
 
 }  // namespace gigabake

@@ -3,12 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 
 #include "format/scene/paged_scene.h"
 #include "format/shard/shard_reader.h"
+#include "kernels/first_hit/shard_tree.h"
 #include "viewer/query/first_hit_scene.h"
-#include "viewer/query/query_ray.h"
 
 namespace gigabake {
 
@@ -39,22 +38,12 @@ class QueryTree {
   explicit QueryTree(const QueryTreeSource& source);
 
   std::uint64_t bytes() const { return scene_.bytes(); }
-
-  /// Returns the first voxel hit between two distances.
-  /// Voxels are slightly enlarged about the middle of the shard's window, so that no ray slips between two shards. At
-  /// the window's faces they grow by 2^-19 of the tree's edge: 1/128 voxel in a window of 1024, 1/32 in the largest.
-  /// Exact   The voxel: to an error of half that growth in the position along the ray. The distance: in double, to the
-  ///         entry of the ray into that voxel.
-  std::optional<QueryHit> first_hit(const QueryRay& ray, double from, double to, std::uint32_t shard) const;
+  /// Returns the tree as rays read it. It borrows from this object.
+  const kernels::ShardTree& view() const { return view_; }
 
  private:
-  std::int64_t corner_[3];  ///< of the window, lod-0 voxels of the lattice
-  double unit_;             ///< edge of a voxel of the shard's own level 0, lod-0 voxels
-  double half_window_;      ///< in units of `unit_`
-  double grown_ = 1;        ///< enlargement factor of the voxels
-  kernels::VoxelBox window_{};
-  std::int32_t lod_;
-  FirstHitScene scene_;  ///< in units of `unit_`, from the window's corner
+  FirstHitScene scene_;  ///< its coordinates: kernels/first_hit/shard_tree.h
+  kernels::ShardTree view_;
 };
 
 }  // namespace gigabake

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <set>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "core/base/counted.h"
 #include "core/base/error.h"
+#include "kernels/first_hit/query_walk.h"
+#include "viewer/query/query_device.h"
 #include "viewer/query/query_places.h"
-#include "viewer/query/query_walk.h"
 #include "viewer/query/tree_store.h"
 
 namespace gigabake {
@@ -17,6 +19,39 @@ namespace {
 
 constexpr std::size_t rays_per_range = 256;
 constexpr std::uint64_t min_page_bytes = std::uint64_t(1) << 20, page_part = 32;
+
+/// The data for which a traversal waits.
+struct QueryNeed {
+  bool is_page = false;
+  PageKey page;  ///< page of the scene, if is_page
+  QueryTreeKey tree;
+};
+
+/// The scene of advance_walk() on the host. Notes the data at which the traversal pauses.
+struct HostScene {
+  const QueryPlaces& places;
+  const TreeStore& trees;
+  QueryNeed& needed;
+
+  QueryRegion find(int lod, const std::int64_t v[3]) const {
+    const QueryPlace place = places.find(lod, v);
+    QueryRegion region{QueryRegion::Kind::nothing, place.shard, nullptr, place.box};
+    if (place.kind == QueryPlace::Kind::unknown) {
+      needed = {true, place.page, {}};
+      region.kind = QueryRegion::Kind::paused;
+    } else if (place.kind == QueryPlace::Kind::lost) {
+      region.kind = QueryRegion::Kind::missing;
+    } else if (place.kind == QueryPlace::Kind::shard) {
+      needed = {false, {}, {place.shard, lod}};
+      const TreeStore::Found found = trees.find(needed.tree);
+      region.kind = found.unreadable        ? QueryRegion::Kind::missing
+                    : found.tree == nullptr ? QueryRegion::Kind::paused
+                                            : QueryRegion::Kind::shard;
+      if (found.tree != nullptr) region.tree = &found.tree->view();
+    }
+    return region;
+  }
+};
 
 /// The unfinished rays of a range, and the data that they need.
 struct Waiting {
@@ -29,7 +64,7 @@ QueryLevels checked_levels(const QueryOptions& options, int lods) {
   if (options.lod < 0 || options.lod >= lods)
     throw UsageError("lod", "expected 0 to " + std::to_string(lods - 1) + ", the levels of this scene");
   if (!(options.spread >= 0 && options.spread <= 1)) throw UsageError("spread", "expected 0 to 1");
-  return {options.lod, options.spread};
+  return {options.lod, options.spread, lods};
 }
 
 std::vector<QueryTreeKey> by_request_count(const std::vector<Waiting>& waiting) {
@@ -62,17 +97,23 @@ struct SceneQuery::State {
         numbers(scene, {}),
         places(numbers, std::max(options.memory_bytes / page_part, min_page_bytes), policy),
         levels(checked_levels(options, places.lods())),
-        trees(numbers, options.memory_bytes, policy) {}
+        trees(numbers, options.memory_bytes, policy),
+        find_device(options.device),
+        min_device_rays(options.min_device_rays),
+        device_bytes(options.device_bytes),
+        memory_bytes(options.memory_bytes) {}
 
   /// Traverses all unfinished rays once. Returns the data for which they wait.
-  std::vector<Waiting> pass(std::span<const QueryRay> rays, const std::vector<std::uint32_t>& active,
-                            std::vector<QueryTraversal>& walks) const {
+  std::vector<Waiting> pass(std::span<const QueryRay> rays) {
     std::vector<Waiting> waiting(std::size_t(pool.threads()));
     pool.parallel_for(active.size(), rays_per_range, [&](std::size_t begin, std::size_t end, int thread) {
       Waiting& w = waiting[std::size_t(thread)];
+      std::uint32_t slots[kernels::first_hit_stack];
       for (std::size_t i = begin; i < end; ++i) {
         QueryNeed needed;
-        if (advance_walk(rays[active[i]], levels, places, trees, walks[active[i]], needed)) continue;
+        const HostScene host{places, trees, needed};
+        if (kernels::advance_walk(rays[active[i]], levels, host, kernels::FirstHitSlots<1>{slots}, walks[active[i]]))
+          continue;
         w.rays.push_back(active[i]);
         if (needed.is_page)
           w.pages.insert(needed.page);
@@ -83,6 +124,70 @@ struct SceneQuery::State {
     return waiting;
   }
 
+  void start_on_host(std::span<const QueryRay> rays) {
+    active.resize(rays.size());
+    pool.parallel_for(rays.size(), rays_per_range, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t i = begin; i < end; ++i) {
+        active[i] = std::uint32_t(i);
+        walks[i] = kernels::start_walk(rays[i], levels, places.window());
+      }
+    });
+  }
+
+  /// Prepares the device for a batch. Returns false if the CPU casts it.
+  bool has_device(std::size_t rays) {
+    if (!find_device || rays < min_device_rays) return device != nullptr && rays >= min_device_rays;
+    const std::optional<int> ordinal = std::exchange(find_device, nullptr)();
+    if (!ordinal) return false;
+    device_problem = device_limit(places, *scene, levels, memory_bytes);
+    if (device_problem.empty())
+      on_device([&] {
+        device = std::make_unique<QueryDevice>(QueryDevice::Options{*ordinal, device_bytes, levels}, places, pool);
+      });
+    return device != nullptr;
+  }
+
+  /// Calls step(). If the device fails, drops it and returns false.
+  template <class Step>
+  bool on_device(const Step& step) {
+    try {
+      step();
+      return true;
+    } catch (const CudaFailure& failure) {
+      device_problem = failure.what();
+      device.reset();
+      return false;
+    }
+  }
+
+  /// Casts the rays as far as the device's trees reach. Returns false if the device fails.
+  bool start_on_device(std::span<const QueryRay> rays) {
+    if (!on_device([&] { device->cast(rays, walks); })) return false;
+    active.clear();
+    for (std::size_t i = 0; i < walks.size(); ++i)
+      if (!walks[i].finished) active.push_back(std::uint32_t(i));
+    device_rays += walks.size() - active.size();
+    return true;
+  }
+
+  /// Returns the trees at which rays paused on the device, if it can hold more.
+  std::unordered_set<QueryTreeKey, QueryTreeKeyHash> trees_for_device() const {
+    std::unordered_set<QueryTreeKey, QueryTreeKeyHash> keys;
+    if (!device || device->is_full()) return keys;
+    for (const std::uint32_t i : active) {
+      const QueryPlace place = places.find(walks[i].lod, walks[i].v);
+      if (place.kind == QueryPlace::Kind::shard) keys.insert({place.shard, walks[i].lod});
+    }
+    return keys;
+  }
+
+  void give_to_device(const std::unordered_set<QueryTreeKey, QueryTreeKeyHash>& keys) {
+    for (const QueryTreeKey& key : keys)
+      if (const QueryTree* const tree = trees.find(key).tree; tree != nullptr && device)
+        on_device([&] { device->add(key.shard, *tree); });
+    if (device && device->is_full()) device_problem = "the device's memory holds only some of the cells";
+  }
+
   std::shared_ptr<const PagedScene> scene;
   const ThreadPool& pool;
   NumberedShards numbers;
@@ -90,6 +195,14 @@ struct SceneQuery::State {
   QueryLevels levels;
   TreeStore trees;
   std::unordered_map<std::uint32_t, std::string> names;
+  std::vector<QueryTraversal> walks;  ///< of the batch
+  std::vector<std::uint32_t> active;  ///< its unfinished rays
+
+  std::function<std::optional<int>()> find_device;  ///< null after its call
+  std::size_t min_device_rays;
+  std::uint64_t device_bytes, memory_bytes, device_rays = 0;
+  std::unique_ptr<QueryDevice> device;
+  std::string device_problem;
 };
 
 SceneQuery::SceneQuery(std::shared_ptr<const PagedScene> scene, const QueryOptions& options, const ThreadPool& pool)
@@ -103,32 +216,33 @@ int SceneQuery::lods() const { return state_->places.lods(); }
 QueryCounts SceneQuery::counts() const {
   QueryCounts counts = state_->trees.counts();
   counts.pages_read = state_->places.pages_read();
+  counts.device_rays = state_->device_rays;
   return counts;
 }
 const std::vector<std::string>& SceneQuery::problems() const { return state_->trees.problems(); }
+const std::string& SceneQuery::device_problem() const { return state_->device_problem; }
 
 void SceneQuery::first_hits(std::span<const QueryRay> rays, std::span<QueryHit> answers, const Progress& progress) {
   State& s = *state_;
-  std::vector<QueryTraversal> walks(rays.size());
-  std::vector<std::uint32_t> active(rays.size());
-  s.pool.parallel_for(rays.size(), rays_per_range, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      active[i] = std::uint32_t(i);
-      walks[i] = start_walk(rays[i], s.levels, s.places);
-    }
-  });
-  while (!active.empty()) {
+  s.walks.resize(rays.size());
+  if (!s.has_device(rays.size()) || !s.start_on_device(rays)) s.start_on_host(rays);
+  progress.advance(rays.size() - s.active.size());
+  const auto for_device = s.trees_for_device();
+  while (!s.active.empty()) {
     s.trees.begin_pass();
-    const std::vector<Waiting> waiting = s.pass(rays, active, walks);
-    const std::size_t before = active.size();
-    active.clear();
-    for (const Waiting& w : waiting) active.insert(active.end(), w.rays.begin(), w.rays.end());
-    progress.advance(before - active.size());
+    const std::vector<Waiting> waiting = s.pass(rays);
+    const std::size_t before = s.active.size();
+    s.active.clear();
+    for (const Waiting& w : waiting) s.active.insert(s.active.end(), w.rays.begin(), w.rays.end());
+    progress.advance(before - s.active.size());
     s.places.read(missing_pages(waiting));
     const std::vector<QueryTreeKey> trees = by_request_count(waiting);
     if (!trees.empty()) s.trees.build(trees);
   }
-  for (std::size_t i = 0; i < walks.size(); ++i) answers[i] = walks[i].nearest;
+  s.give_to_device(for_device);
+  s.pool.parallel_for(rays.size(), rays_per_range * 16, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) answers[i] = s.walks[i].nearest;
+  });
 }
 
 const std::string& SceneQuery::name_of(std::uint32_t shard) {

@@ -2,12 +2,15 @@
 ///
 /// Rays are traversed in batches. All rays of a batch continue until each is finished or needs a tree that is not
 /// resident. Then the trees with the largest number of waiting rays are built from their shards; the least recently
-/// used trees are evicted.
+/// used trees are evicted. A device casts long batches through the trees that it holds; the CPU resumes the rays that
+/// need other trees, and the device then receives these trees.
 /// Source  Pharr, Kolb, Gershbein, Hanrahan 1997, "Rendering complex scenes with memory-coherent ray tracing".
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,22 +18,28 @@
 #include "core/base/progress.h"
 #include "core/base/thread_pool.h"
 #include "format/scene/paged_scene.h"
-#include "viewer/query/query_ray.h"
+#include "kernels/first_hit/query_ray.h"
 
 namespace gigabake {
 
 struct QueryOptions {
   int lod = 0;        ///< finest level that rays sample
-  double spread = 0;  ///< growth of a ray's footprint with distance; 0: samples only `lod` (query_walk.h)
+  double spread = 0;  ///< growth of a ray's footprint with distance; 0: samples only `lod`
   /// Bound of the memory of trees, including those being built. Pages of the scene take up to 1/32 of it in addition,
   /// at least 1 MiB.
   std::uint64_t memory_bytes = std::uint64_t(1) << 30;
+  /// Returns the CUDA device that casts rays, called at the first batch of at least `min_device_rays`. Null or nullopt:
+  /// the CPU casts all rays.
+  std::function<std::optional<int>()> device = {};
+  std::size_t min_device_rays = std::size_t(1) << 15;
+  std::uint64_t device_bytes = std::uint64_t(4) << 30;  ///< bound of the device's memory
 };
 
 struct QueryCounts {
   std::uint64_t trees_built = 0;  ///< a tree that is evicted and rebuilt counts again
   std::uint64_t peak_bytes = 0;   ///< of trees, including those being built
   std::uint64_t pages_read = 0;   ///< pages of the scene that rays caused to be read; 0 if all are read at the start
+  std::uint64_t device_rays = 0;  ///< rays that the device finished
 };
 
 class SceneQuery {
@@ -47,6 +56,7 @@ class SceneQuery {
   int lods() const;  ///< number of levels
 
   /// Casts all rays. answers: the same size as `rays`.
+  /// Exact   The same bits for any memory, threads, batches and device.
   /// Range   Directions of unit length; finite numbers except `end`; origins within 2^50 voxels of the lattice's
   ///         corner.
   /// Cost    About 150 bytes per ray in addition to memory_bytes: call it in batches if there are many rays.
@@ -60,6 +70,8 @@ class SceneQuery {
   QueryCounts counts() const;
   /// Returns one line for each shard that could not be read.
   const std::vector<std::string>& problems() const;
+  /// Returns why the CPU casts rays although there is a device; empty if the device casts all rays of long batches.
+  const std::string& device_problem() const;
 
  private:
   struct State;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/base/rules.h"
-#include "viewer/query/query_ray.h"
+#include "kernels/first_hit/query_ray.h"
 #include "viewer/query/scene_query.h"
 
 namespace gigabake {

@@ -11,7 +11,7 @@ namespace gigabake {
 TreeStore::TreeStore(NumberedShards& numbers, std::uint64_t memory_bytes, const ThreadPool& pool)
     : numbers_(numbers), memory_bytes_(memory_bytes), pool_(pool) {}
 
-QueryTrees::Found TreeStore::find(const QueryTreeKey& key) const {
+TreeStore::Found TreeStore::find(const QueryTreeKey& key) const {
   const auto found = entries_.find(key);
   if (found == entries_.end()) return {};
   const Entry& entry = found->second;

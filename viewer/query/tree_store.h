@@ -8,11 +8,18 @@
 #include <unordered_map>
 #include <vector>
 
-#include "viewer/query/query_walk.h"
+#include "viewer/query/query_tree.h"
 #include "viewer/query/scene_query.h"
 #include "viewer/stream/numbered_shards.h"
 
 namespace gigabake {
+
+/// One level of one shard.
+struct QueryTreeKey {
+  std::uint32_t shard = 0;
+  std::int32_t lod = 0;
+  friend bool operator==(const QueryTreeKey&, const QueryTreeKey&) = default;
+};
 
 struct QueryTreeKeyHash {
   std::size_t operator()(const QueryTreeKey& key) const {
@@ -21,12 +28,18 @@ struct QueryTreeKeyHash {
 };
 
 /// Cache of trees. All functions except find() must be called by one thread.
-class TreeStore final : public QueryTrees {
+class TreeStore {
  public:
+  struct Found {
+    const QueryTree* tree = nullptr;  ///< null: not resident or unreadable
+    bool unreadable = false;          ///< the tree can never be loaded
+  };
+
   /// Borrows `numbers` and the pool.
   TreeStore(NumberedShards& numbers, std::uint64_t memory_bytes, const ThreadPool& pool);
 
-  Found find(const QueryTreeKey& key) const override;
+  /// Returns the tree. Any number of threads may call it concurrently.
+  Found find(const QueryTreeKey& key) const;
 
   /// Starts a pass: find() marks trees as used in the new pass.
   void begin_pass() { ++pass_; }

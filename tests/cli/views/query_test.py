@@ -129,6 +129,95 @@ class QueryTest(harness.FolderTest):
         self.assertIn(cell, result.stdout)
         self.assertIn(cell, result.stderr)
 
+    def rays(self, count):
+        random = numpy.random.default_rng(20261126)
+        rays = numpy.concatenate([random.uniform(-40, 40, (count, 3)), random.normal(size=(count, 3))], axis=1)
+        rays[::3, 3:] = [0, 0, -1]
+        return rays
+
+    def test_arrays_say_the_same_as_tables(self):
+        rays = self.rays(3001)
+        numpy.save(self.root / "rays.npy", rays)
+        numpy.savetxt(self.root / "rays.csv", rays, "%.17g", ",", header="x,y,z,dx,dy,dz", comments="")
+        rows = self.query("--rays", self.root / "rays.csv")
+        self.program.succeed("query", self.out, "--rays", self.root / "rays.npy", "--format", "npy", "-o",
+                             self.root / "hits.npy", "--memory", "12M")
+        hits = numpy.load(self.root / "hits.npy")
+        self.assertEqual(len(hits), 3001)
+        outcomes = ["hit", "nothing hit", "outside the scene", "cell missing"]
+        self.assertGreater({outcomes[o] for o in hits["outcome"]}, {"hit"})
+        for row, hit in zip(rows, hits):
+            self.assertEqual(row["outcome"], outcomes[hit["outcome"]])
+            if row["outcome"] == "hit":
+                self.assertAlmostEqual(float(row["distance_m"]), hit["distance_m"], delta=1e-3)
+                numpy.testing.assert_allclose([float(row[n]) for n in ("nx", "ny", "nz")], hit["normal"], atol=1e-3)
+                self.assertEqual([int(row[c]) for c in ("red", "green", "blue", "coverage")], hit["rgba"].tolist())
+                self.assertEqual(int(row["lod"]), hit["lod"])
+            else:
+                self.assertEqual((hit["distance_m"], hit["lod"]), (numpy.inf, -1))
+
+    def test_arrays_of_heights_and_lines_of_sight(self):
+        places = self.rays(500)[:, :2].copy()
+        numpy.save(self.root / "places.npy", places)
+        numpy.savetxt(self.root / "places.csv", places, "%.17g", ",", header="x,y", comments="")
+        out = self.root / "heights.npy"
+        self.program.succeed("query", self.out, "--heights", self.root / "places.npy", "--format", "npy", "-o", out)
+        rows = self.query("--heights", self.root / "places.npy")
+        self.assertEqual(rows, self.query("--heights", self.root / "places.csv"))
+        for row, hit in zip(rows, numpy.load(out)):
+            if row["outcome"] == "hit":
+                self.assertAlmostEqual(float(row["z"]), hit["height_m"], delta=VOXEL_M)
+            else:
+                self.assertTrue(numpy.isnan(hit["height_m"]))
+        self.program.succeed("query", self.out, "--grid", "0,0,9,9", "--step", "3", "--format", "npy", "-o", out)
+        self.assertEqual(numpy.load(out).shape, (16,))
+        numpy.save(self.root / "sights.npy", numpy.concatenate([self.rays(9)[:, :3], self.rays(20)[11:, :3]], axis=1))
+        self.assertEqual(len(self.query("--sights", self.root / "sights.npy")), 9)
+
+    def test_says_what_is_wrong_with_an_array(self):
+        file = self.root / "bad.npy"
+        rays = self.rays(2000)
+
+        def message(array, *arguments):
+            numpy.save(file, array)
+            return self.refused(*(arguments or ("--rays", file)), code=1)
+
+        header = 128  # bytes of numpy's header
+        for row, value in (1500, numpy.nan), (3, numpy.inf):
+            broken = rays.copy()
+            broken[row, 2] = value
+            self.assertIn(f"byte {header + row * 48 + 16}: expected a finite number", message(broken))
+        broken = rays.copy()
+        broken[7, 3:] = 0
+        self.assertIn(f"byte {header + 7 * 48}: the direction is zero", message(broken))
+        self.assertIn("expected little-endian float64 ('<f8'), got '<f4'", message(rays.astype("<f4")))
+        self.assertIn("C order", message(numpy.asfortranarray(rays)))
+        for array in rays[:, :4], rays.ravel(), rays.reshape(-1, 2, 6), rays[:, :0]:
+            self.assertIn("expected an array of two dimensions with 5 columns", message(numpy.ascontiguousarray(array)))
+        self.assertIn("2 columns (x, y)", message(rays, "--heights", file))
+        numpy.save(file, rays)
+        whole = file.read_bytes()
+        for size in 6, 8, 9, 100, header + 47, len(whole) - 1:
+            file.write_bytes(whole[:size])
+            self.assertIn(f"byte {size}: the file ends here", self.refused("--rays", file, code=1))
+        file.write_bytes(whole + b"\0")
+        self.assertIn(f"byte {len(whole)}: bytes after the last row", self.refused("--rays", file, code=1))
+        file.write_bytes(whole[:6] + b"\x09" + whole[7:])
+        self.assertIn("byte 6: expected a .npy file of version", self.refused("--rays", file, code=1))
+        file.write_bytes(whole.replace(b"(2000, 6)", b"(9999, 6)"))
+        self.refused("--rays", file, "-o", self.root / "none.npy", "--format", "npy", code=1)
+        self.assertFalse((self.root / "none.npy").exists())
+        table = self.root / "some.csv"
+        table.write_text("x,y\n0,0\n")
+        self.assertIn("--format", self.refused("--heights", table, "--format", "npy", code=2))
+
+    def test_backends_give_the_same_bytes(self):
+        numpy.save(self.root / "many.npy", self.rays(150001))
+        arguments = ["--rays", self.root / "many.npy", "--format", "npy", "-o"]
+        for backend in "cpu", "auto":
+            self.program.succeed("query", self.out, *arguments, self.root / backend, "--backend", backend, "-q")
+        self.assertEqual((self.root / "cpu").read_bytes(), (self.root / "auto").read_bytes())
+
     def test_agrees_with_embree(self):
         result = self.program.run("bench", "query", self.out, "--rays", 20000, "--json")
         if "without Embree" in result.stderr:

@@ -13,6 +13,7 @@
 #include "core/octree/parameters.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
+#include "viewer/query/query_device.h"
 
 namespace gigabake {
 namespace {
@@ -121,6 +122,33 @@ TEST(QueryPlaces, ReadThePagesOnTheWayToAPlaceAlone) {
     for (std::size_t a = 0; a < 3; ++a) {
       ASSERT_LE(place.box.min[a], v[a]) << seed;
       ASSERT_GT(place.box.max[a], v[a]) << seed;
+    }
+  }
+}
+
+// Rays of a device pause in one of the two and are resumed in the other.
+TEST(QueryCells, FindTheRegionsThatPagesDescribe) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  const made::TempFolder folder;
+  write_scene(folder / "scene.xml", scene_below_one_root(rng), small_pages);
+  NumberedShards numbers(std::make_shared<const PagedScene>(folder / "scene.xml"), {});
+  const ThreadPool pool(2);
+  QueryPlaces places(numbers, 1 << 20, pool);
+  places.lay_out_all(pool);
+  EXPECT_TRUE(places.has_pages());
+  std::vector<kernels::QueryCells::Entry> entries;
+  const kernels::QueryCells cells = query_cells(places, entries);
+  for (int round = 0; round < 20000; ++round) {
+    Corner v;
+    for (std::size_t a = 0; a < 3; ++a) v[a] = std::int64_t(rng() % (a == 2 ? 160 : 600)) - (a == 2 ? 60 : 300);
+    const QueryPlace expected = place_of(places, 0, v);
+    const QueryRegion region = cells.find(0, v.data());
+    ASSERT_EQ(region.kind == QueryRegion::Kind::paused, expected.kind == QueryPlace::Kind::shard) << seed;
+    ASSERT_EQ(region.shard, expected.shard) << seed;
+    for (int a = 0; a < 3; ++a) {
+      ASSERT_EQ(region.box.min[a], expected.box.min[a]) << seed;
+      ASSERT_EQ(region.box.max[a], expected.box.max[a]) << seed;
     }
   }
 }

@@ -4,10 +4,10 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 
+#include "core/base/host_device.h"
 #include "core/base/rules.h"
 #include "kernels/marching/voxel_space.h"
 
@@ -48,11 +48,11 @@ struct QueryHit {
 /// The interval of distances in which a ray is in a box; empty if enter > leave.
 struct RayChord {
   double enter, leave;
-  bool empty() const { return !(enter <= leave); }
+  GB_HD bool empty() const { return !(enter <= leave); }
 };
 
 /// Intersects the ray's interval [begin, end] with the box, grown by `rim` on all sides.
-inline RayChord chord_of(const QueryRay& ray, const kernels::VoxelBox& box, double rim) {
+GB_HD RayChord chord_of(const QueryRay& ray, const kernels::VoxelBox& box, double rim) {
   RayChord chord{ray.begin, ray.end};
   for (int a = 0; a < 3; ++a) {
     const double o = ray.origin[a], d = ray.direction[a], low = double(box.min[a]) - rim,
@@ -61,8 +61,9 @@ inline RayChord chord_of(const QueryRay& ray, const kernels::VoxelBox& box, doub
       if (o < low || o > high) return {1, 0};
       continue;
     }
-    chord.enter = std::fmax(chord.enter, ((d > 0 ? low : high) - o) / d);
-    chord.leave = std::fmin(chord.leave, ((d > 0 ? high : low) - o) / d);
+    const double near = ((d > 0 ? low : high) - o) / d, far = ((d > 0 ? high : low) - o) / d;
+    if (near > chord.enter) chord.enter = near;
+    if (far < chord.leave) chord.leave = far;
   }
   return chord;
 }

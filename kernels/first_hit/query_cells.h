@@ -1,0 +1,77 @@
+/// The cells of a scene as rays of one level find them, and the trees that are resident.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/first_hit/query_walk.h"
+#include "kernels/marching/locate.h"
+
+namespace gigabake::kernels {
+
+/// Cells that rays borrow; advance_walk() takes it as its scene.
+/// Exact   Returns the same boxes as QueryPlaces::find() (viewer/query/query_places.h): a paused ray can be resumed
+///         with either.
+struct QueryCells {
+  enum class State : std::uint32_t {
+    none,    ///< the layout's cell has no shard
+    absent,  ///< its tree is not resident
+    resident
+  };
+  struct Entry {
+    std::uint32_t shard = 0;
+    State state = State::none;
+  };
+
+  CastScene layout;             ///< its columns and cells
+  Span<const Entry> entries;    ///< by cell
+  Span<const ShardTree> trees;  ///< by cell
+  bool has_pages = false;       ///< empty boxes: as ShardMap::find() returns them; otherwise as find_cell() does
+
+  GB_HD QueryRegion find(int, const std::int64_t v[3]) const {
+    QueryRegion region;
+    std::uint32_t cell = 0;
+    if (!(has_pages ? find_in_column(v, cell, region.box) : find_cell(layout, v, cell, region.box))) return region;
+    for (int a = 0; a < 3; ++a) {
+      region.box.min[a] = layout.cells[cell].min[a];
+      region.box.max[a] = region.box.min[a] + (std::int64_t(1) << layout.cell_bits);
+    }
+    const Entry entry = entries[cell];
+    if (entry.state == State::none) return region;
+    region.kind = entry.state == State::resident ? QueryRegion::Kind::shard : QueryRegion::Kind::paused;
+    region.shard = entry.shard;
+    region.tree = trees.data + cell;
+    return region;
+  }
+
+  /// Returns true and sets `cell` if a cell holds the voxel. Otherwise sets `box` to the part of the aligned cube
+  /// around the voxel from the voxel up to the next cell.
+  GB_HD bool find_in_column(const std::int64_t v[3], std::uint32_t& cell, VoxelBox& box) const {
+    const std::int64_t edge = std::int64_t(1) << layout.cell_bits;
+    std::int64_t column[2];
+    bool is_inside = true;
+    for (int a = 0; a < 3; ++a) {
+      box.min[a] = v[a] >> layout.cell_bits << layout.cell_bits;
+      box.max[a] = box.min[a] + edge;
+      if (a == 2) continue;
+      column[a] = (v[a] >> layout.cell_bits) - layout.column_min[a];
+      is_inside = is_inside && column[a] >= 0 && column[a] < layout.column_count[a];
+    }
+    box.min[2] = v[2];
+    if (!is_inside) return false;
+    const std::uint64_t key = morton(std::uint32_t(column[0]), std::uint32_t(column[1]));
+    const std::size_t found = lower_column(layout, key);
+    if (found == layout.column_key.size || layout.column_key[found] != key) return false;
+    for (cell = layout.column_first[found]; cell < layout.column_first[found + 1]; ++cell) {
+      if (entries[cell].state == State::none) continue;
+      const std::int64_t low = layout.cells[cell].min[2];
+      if (v[2] < low) {
+        if (low < box.max[2]) box.max[2] = low;
+        return false;
+      }
+      if (v[2] < low + edge) return true;
+    }
+    return false;
+  }
+};
+
+}  // namespace gigabake::kernels

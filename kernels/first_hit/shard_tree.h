@@ -1,0 +1,75 @@
+/// First hits in one level of one shard: the rule of `gigabake query`, for host and device.
+///
+/// Voxels are slightly enlarged about the middle of the shard's window, so that no ray slips between two shards. At the
+/// window's faces they grow by 2^-19 of the tree's edge: 1/128 voxel in a window of 1024, 1/32 in the largest.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/first_hit/first_hit.h"
+#include "kernels/first_hit/query_ray.h"
+#include "kernels/marching/cast_line.h"
+
+namespace gigabake::kernels {
+
+/// A tree that rays borrow. Its coordinates have the unit `unit` and begin at the window's corner.
+struct ShardTree {
+  FirstHitTree tree;
+  Span<const VoxelAttributes> looks;
+  VoxelBox window{};              ///< lod-0 voxels of the lattice
+  std::int64_t tree_min[3] = {};  ///< the tree's lowest corner
+  double unit = 1;                ///< edge of a voxel of the shard's own level 0, lod-0 voxels
+  double half_window = 0;
+  double grown = 1;            ///< enlargement factor of the voxels
+  std::int32_t lod = 0;        ///< of the tree's voxels
+  std::int32_t shard_lod = 0;  ///< the same level, counted from the shard's own level 0
+};
+
+/// Returns the ray between two distances, relative to the tree. It starts where the ray enters the window, so that
+/// single precision suffices inside.
+GB_HD FirstHitRay ray_in_shard(const ShardTree& shard, const QueryRay& ray, const RayChord& chord) {
+  FirstHitRay local;
+  for (int a = 0; a < 3; ++a) {
+    const double p = ray.origin[a] + ray.direction[a] * chord.enter - double(shard.window.min[a]);
+    local.origin[a] = shard.half_window + (p / shard.unit - shard.half_window) / shard.grown;
+    local.direction[a] = float(ray.direction[a]);
+  }
+  local.end = float((chord.leave - chord.enter) / (shard.unit * shard.grown));
+  return local;
+}
+
+/// Returns the first voxel hit between two distances. shard_number: for the answer. stack: as for first_hit().
+/// Exact   The voxel: to an error of half the growth in the position along the ray. The distance: in double, to the
+///         entry of the ray into that voxel. Host and device return the same bits.
+template <class Stack>
+GB_HD QueryHit first_hit_in_shard(const ShardTree& shard, const QueryRay& ray, double from, double to,
+                                  std::uint32_t shard_number, Stack stack) {
+  QueryHit hit;
+  const double voxel = power_of_two(shard.lod);
+  RayChord chord = chord_of(ray, shard.window, voxel);
+  chord = {larger_of(chord.enter, from), smaller_of(chord.leave, to)};
+  if (chord.empty()) return hit;
+  const FirstHitTree tree = shard.tree;
+  const FirstHit found = first_hit(tree, ray_in_shard(shard, ray, chord), 0, stack);
+  if (found.look == no_attributes) return hit;
+  hit.outcome = QueryOutcome::hit;
+  hit.lod = shard.lod;
+  hit.shard = shard_number;
+  VoxelBox box;
+  for (int a = 0; a < 3; ++a) {
+    const std::int64_t at = std::int64_t(found.voxel >> 21 * a & 0x1fffff) << shard.shard_lod;
+    hit.voxel[a] = shard.window.min[a] + (shard.tree_min[a] + at) * std::int64_t(shard.unit);
+    box.min[a] = hit.voxel[a];
+    box.max[a] = hit.voxel[a] + std::int64_t(voxel);
+  }
+  const RayChord exact = chord_of(ray, box, 0);
+  const double rough = chord.enter + double(found.distance) * shard.unit * shard.grown;
+  hit.distance = smaller_of(larger_of(exact.empty() ? rough : exact.enter, from), to);
+  const VoxelAttributes look = shard.looks[found.look];
+  hit.rgba = look.rgba;
+  hit.normal[0] = look.normal[0];
+  hit.normal[1] = look.normal[1];
+  return hit;
+}
+
+}  // namespace gigabake::kernels

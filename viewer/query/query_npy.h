@@ -1,0 +1,47 @@
+/// Queries and answers as NumPy arrays: the .npy format, versions 1 to 3, for long lists.
+///
+/// Source  https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "viewer/query/query_asks.h"
+#include "viewer/query/query_text.h"
+
+namespace gigabake {
+
+inline constexpr std::string_view npy_magic = "\x93NUMPY";
+
+/// An open file of queries.
+struct QueryFile {
+  struct Close {
+    void operator()(std::FILE* file) const {
+      if (file != stdin) std::fclose(file);
+    }
+  };
+  std::filesystem::path path;  ///< for messages
+  std::unique_ptr<std::FILE, Close> file;
+};
+
+/// Opens the file; "-" is standard input.
+/// Errors  InputError.
+QueryFile open_query_file(const std::filesystem::path& path);
+
+/// Returns the queries of a two-dimensional array of little-endian doubles, one row per query. file: its magic bytes
+/// are already read. Columns of a ray: x, y, z, dx, dy, dz or x, y, z, azimuth, elevation. Columns of a height: x, y.
+/// Columns of a line of sight: both points.
+/// Errors  InputError with the byte, also from next(): another array, a number that is not finite, a file that is too
+///         short or too long.
+std::unique_ptr<QuerySource> npy_queries(QueryFile file, QueryKind kind, QueryFrame frame, const ThreadPool& pool);
+
+/// Returns the beginning of a file of `count` answers.
+std::string npy_header(QueryKind kind, std::uint64_t count);
+/// Appends the record of an answer.
+void add_npy(const QueryAnswer& answer, QueryKind kind, const QueryFrames& frames, std::string& bytes);
+
+}  // namespace gigabake
