@@ -143,13 +143,14 @@ class Slurm(harness.FolderTest):
         # Levels 0 and 1 exist, and are equal, for all cell sizes.
         self.assertEqual(harness.lod_hashes(PROGRAM.info(out / "scene.xml"), 2), harness.lod_hashes(self.alone, 2))
 
-    def test_an_array_sweeps_a_parameter(self):
-        job = self.submit(self.root / "sweep/%a", "0.%a", "--array", "4,8")
+    def test_the_example_sweeps_the_voxel_size(self):
+        job = self.run_tool("bash", SOURCE / "examples/slurm_sweep.sh", self.source, self.root / "sweep", 400, 800,
+                            "--", "--nodes", 3, "--ntasks-per-node", 1, "-o", self.root / "job.%A.%a.log")
         sizes = {}
-        for task in (4, 8):
+        for task in (400, 800):
             self.wait_until((self.root / f"sweep/{task}/scene.xml").exists, f"task {task} of {job} does not end")
             sizes[task] = PROGRAM.info(self.root / f"sweep/{task}/scene.xml")["voxels"]
-        self.assertGreater(sizes[4], 2 * sizes[8])
+        self.assertGreater(sizes[400], 2 * sizes[800])
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The example docs/shard_in_python.py reads a real shard, and its output agrees with `gigabake info`.
+"""The example examples/shard_in_python.py reads a real shard, and its output agrees with `gigabake info`.
 
 Usage: python_example_test.py GIGABAKE SOURCE_DIR
 """
@@ -21,7 +21,7 @@ except ImportError as error:
 
 import harness
 
-EXAMPLE = Path(sys.argv[2]) / "docs/shard_in_python.py"
+EXAMPLE = Path(sys.argv[2]) / "examples/shard_in_python.py"
 
 
 class PythonExample(unittest.TestCase):

@@ -61,15 +61,15 @@ class Package(harness.FolderTest):
             self.assertIn("gigabake export", (self.prefix / "share" / file).read_text())
 
     def build(self, name, *settings):
-        """Builds a program of tests/package against the installed library. Returns its build folder."""
+        """Builds an example in C++ against the installed library. Returns its build folder."""
         build = self.path / name
-        succeed("cmake", "-S", SOURCE / "tests/package" / name, "-B", build, "-G", "Ninja",
+        succeed("cmake", "-S", SOURCE / "examples" / name, "-B", build, "-G", "Ninja",
                 f"-DCMAKE_PREFIX_PATH={self.prefix}", *settings)
         succeed("cmake", "--build", build)
         return build / name
 
     def test_anothers_program_reads_shards_and_links_little_else(self):
-        reader = self.build("shard_reader", *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{package}=ON"
+        reader = self.build("read_shard", *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{package}=ON"
                                               for package in ("JPEG", "OpenEXR", "PNG", "ZLIB")))
         needed = re.findall(r"\(NEEDED\).*\[(.+?)\.so", succeed("readelf", "-d", reader))
         print("a reader of shards links", *needed)
@@ -81,7 +81,7 @@ class Package(harness.FolderTest):
             self.assertEqual(sum(voxels), self.baked["lods"][lod]["voxels"])
 
     def test_anothers_program_bakes_exports_and_draws(self):
-        program = self.build("terrain_program")
+        program = self.build("bake_terrain")
         # Regression of 2026-11-22: the folder was read from a variable that other packages also set.
         self.assertIn(str(self.prefix / "lib/gigabake"), succeed("readelf", "-d", program))
         baked, exported, drawn = map(int, succeed(
@@ -93,7 +93,7 @@ class Package(harness.FolderTest):
         self.assertEqual((self.path / "village.png").read_bytes()[:4], b"\x89PNG")
 
     def test_the_viewers_examples_draw(self):
-        cut_open = self.build("viewer_examples").parent / "cut_open"
+        cut_open = self.build("viewer").parent / "cut_open"
         made, pixels = map(int, succeed(cut_open.parent / "procedural_ground", self.path / "waves.png").split())
         self.assertEqual(made, 2 * 24 * 24)
         self.assertGreater(pixels, 96 * 96 / 8)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A shard in Python: h5py reads it, numpy unpacks it, matplotlib draws a slice and two histograms.
 
-    python3 docs/shard_in_python.py SCENE/shards/CELL.h5 [LOD] [IMAGE.png]
+    python3 examples/shard_in_python.py SCENE/shards/CELL.h5 [LOD] [IMAGE.png]
 
 The cells below (`# %%`) also run one by one in Jupyter, VS Code or Spyder. On Debian 12 and Ubuntu 24.04:
 apt install python3-h5py python3-matplotlib hdf5-filter-plugin. Elsewhere: pip install h5py hdf5plugin matplotlib.
