@@ -16,6 +16,8 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import numpy
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
 
@@ -135,6 +137,7 @@ class Documents(harness.FolderTest):
         for name, columns in (("rays", "x,y,z,dx,dy,dz\n0,0,900,0,0,-1"), ("places", "x,y\n0,0"),
                               ("pairs", "x,y,z,to_x,to_y,to_z\n0,0,900,5,5,900")):
             (cls.root / "made" / f"{name}.csv").write_text(columns + "\n")
+        numpy.save(cls.root / "made" / "rays.npy", [[0.0, 0, 900, 0, 0, -1]])
         harness.write_glb(cls.root / "made" / "machine.glb", [[0, 9, 0], [4, 9, 0], [4, 9, -4]], [0, 1, 2])
 
     def commands(self):

@@ -105,8 +105,9 @@ class OwnFilesTest(unittest.TestCase):
             return [path for path in temporary.iterdir() if path.name.startswith("gigabake-")]
         plan = harness.Started([PROGRAM.executable, "plan", source, "--voxel-size", "0.05", "--threads", "1"],
                                env=environment)
+        # A folder gets its final name once it is locked; a plan that is stopped before cannot be cleaned up after.
         for _ in range(3000):
-            if folders():
+            if any(path.name.startswith("gigabake-plan-") for path in folders()):
                 break
             time.sleep(0.01)
         self.assertEqual(len(folders()), 1)
