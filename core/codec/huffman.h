@@ -37,8 +37,8 @@ GB_HD void ensure_two(std::uint32_t* counts, std::uint32_t symbols) {
     }
 }
 
-/// Replaces ascending weights by the depths of the tree's inner nodes: weights[0 … size - 2], the root last with depth
-/// 0.
+/// Builds Huffman's tree in place. Before the call, `weights` holds the weights of `size` leaves in ascending order.
+/// After it, the first size - 1 entries hold the depths of the inner nodes. The last of these entries is the root's, 0.
 /// Range   size ≥ 2.
 GB_HD void inner_depths(std::uint32_t* weights, int size) {
   weights[0] += weights[1];
@@ -83,7 +83,7 @@ GB_HD void count_lengths(const std::uint32_t* inner, int size, std::uint32_t max
 
 /// Computes the lengths of the symbols of `keys`, which ascend; does not write other lengths. weights: `size` entries
 /// of temporary memory.
-/// Range   2 ≤ size ≤ 2^most.
+/// Range   2 ≤ size ≤ 2^maximum.
 GB_HD void code_lengths(const std::uint32_t* keys, int size, std::uint32_t maximum, std::uint32_t* weights,
                         std::uint8_t* lengths) {
   for (int i = 0; i < size; ++i) weights[i] = key_count(keys[i]);

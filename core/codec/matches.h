@@ -84,7 +84,8 @@ GB_HD std::uint32_t equal_bytes(const std::uint8_t* a, const std::uint8_t* b, st
 }
 
 /// Returns the match of `position` with the candidate `found`, if it is longer than `length`; else no match. The match
-/// ends before `end`. Most candidates are rejected early: they differ in the four bytes that end a match of length + 1.
+/// does not extend beyond `end`. A match longer than `length` includes byte `length`, counted from 0. The four bytes
+/// that end with it are compared first, because they differ for most candidates.
 /// Range   length ≥ min_match - 1.
 GB_HD Match match_in(Bucket found, const std::uint8_t* bytes, std::uint32_t position, std::uint32_t end,
                      std::uint32_t length) {

@@ -28,8 +28,8 @@ struct RowShape {
 };
 inline constexpr RowShape mask_row{64, 1}, first_row{8, 8}, share_row{share_bytes, 1};
 
-/// The columns of a node table in file order. The columns from `normal` on have rows only for constant nodes, like
-/// `kind`. The column `facing` exists only if the channel does.
+/// The columns of a node table in file order, each with one row per node. Rows of `normal` and `facing` are zero for
+/// nodes that are not constant. The column `facing` exists only if the shard has that channel.
 enum class NodeColumn : std::uint8_t { key, lod, kind, child_mask, first_child, value, normal, facing };
 
 /// A column's bytes, borrowed. At most one of `raw` and `stored` is not empty.
