@@ -9,14 +9,14 @@ namespace {
 constexpr std::string_view checksum_begin = " Checksum=\"", checksum_zeros = "00000000000000000000000000000000";
 constexpr std::size_t no_digits = std::string::npos;
 
-/// Returns the position of the 32 digits.
+/// Returns the position of the checksum's 32 digits in the text; no_digits if there is no checksum.
 std::size_t find_checksum(std::string_view text) {
   const std::size_t at = text.find(checksum_begin);
   const std::size_t digits = at + checksum_begin.size(), end = digits + checksum_zeros.size();
   return at == std::string_view::npos || end >= text.size() || text[end] != '"' ? no_digits : digits;
 }
 
-/// Returns the hash of the text with zeros in place of its digits, which begin at `at`.
+/// Returns the hash of the text with the 32 digits of its checksum, which begin at `at`, replaced by zeros.
 Hash128 hash_without(std::string_view text, std::size_t at) {
   XXH3_state_t state;
   XXH3_128bits_reset(&state);

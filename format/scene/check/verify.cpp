@@ -175,7 +175,8 @@ class SceneVerification {
     for (const PageReference& below : reading.page.pages) check_page(below);
   }
 
-  /// Includes cells of neighbouring pages, because a cell may extend beyond its block.
+  /// Reports cells of a page that overlap other cells. Also compares them with cells of neighbouring pages, because a
+  /// cell may extend beyond the block of its page.
   void check_overlaps(const std::filesystem::path& path, const PageReference& page) {
     if (!pages_ || page.groups != 0) return;
     try {

@@ -13,7 +13,7 @@ std::string where_of(std::size_t view) {
   return "bufferViews[" + std::to_string(view) + "].extensions." + meshopt_extension;
 }
 
-/// otherwise: the default name if there is no member of that key.
+/// Returns the enum value that member `key` names. If there is no such member, uses the name `otherwise`.
 template <class Enum>
 Enum get_named(const std::filesystem::path& file, const Json& json, const std::string& where, const char* key,
                std::string_view otherwise) {

@@ -76,7 +76,8 @@ void set_range(const Path& file, GDALDataset& dataset, OrthoBands& out) {
                          " in a sample, so their range is unknown; " + to_bytes_hint);
 }
 
-/// Returns the number of full opacity: all bits of the alpha band. Many masks are 0 and 1, or 0 and 255 in 16 bits.
+/// Returns the value of full opacity. Normally all bits of the alpha band are set. Many masks, however,
+/// contain only 0 and 1, or 0 and 255 in 16 bits.
 double max_alpha_of(GDALRasterBand& band) {
   const double all_bits = std::ldexp(1, bits_of(band)) - 1, greatest = sampled_maximum(band);
   if (greatest == 1) return 1;

@@ -1,4 +1,4 @@
-/// Selection of the colour bands of an orthophoto, and of the range that maps their numbers to 8 bits.
+/// Selection of the colour bands of an orthophoto, and of the range of their values, which maps them to 8 bits.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@ struct OrthoBands {
   int alpha = 0;             ///< 0: none
   bool is_palette = false;
   bool is_inverted = false;           ///< grey with 0 as white
-  double max_value = 255;             ///< the number of full intensity
-  double max_alpha = 255;             ///< the number of full opacity in the alpha band
+  double max_value = 255;             ///< value of full intensity in the colour bands
+  double max_alpha = 255;             ///< value of full opacity in the alpha band
   std::vector<std::string> warnings;  ///< one line each
 };
 

@@ -5,16 +5,17 @@
 
 namespace gigabake {
 
-/// Checks the memory to read one tile: heights, positions, vertices and triangles per pixel, and the blocks of GDAL.
+/// Checks that reading one tile stays within the memory limit. Counts the heights, positions, vertices and triangles
+/// per pixel, and the blocks of GDAL.
 /// Errors  InputError: the memory exceeds the limit.
 void claim_tile(const DemOptions& options, GDALDataset& dataset);
 
-/// Checks the memory of the list of a raster's tiles. `edge` is the edge of a tile in cells.
+/// Checks that the list of all tiles of a raster stays within the memory limit. `edge` is the edge of a tile in cells.
 /// Errors  InputError: the memory exceeds the limit, or there are more than 2^22 tiles.
 void claim_tiles(const DemRaster& raster, int edge);
 
-/// Checks the memory of the image of one tile, if the raster has an orthophoto. Counts the texels, the warped bands
-/// with opacity, and the encoded and decoded image.
+/// Checks that the image of one tile stays within the memory limit, if the raster has an orthophoto. Counts the texels,
+/// the warped bands with opacity, and the encoded and decoded image.
 /// Errors  InputError: the memory exceeds the limit.
 void claim_image(const DemRaster& raster, int edge);
 

@@ -24,7 +24,7 @@ namespace gigabake {
 ///         range, or a member that an object has twice.
 nlohmann::json parse_json_object(const std::filesystem::path& file, std::string_view text);
 
-/// The meaning of a member that is null: it is absent, or it has a value of a wrong type.
+/// The treatment of a member whose value is null: as an absent member, or as a value of a wrong type.
 enum class JsonNull : std::uint8_t { absent, refused };
 
 /// The members of one JSON object. Borrows the file's name and the object.
@@ -52,8 +52,8 @@ class JsonMembers {
   /// names_of().
   template <class T>
   std::optional<T> find(const char* key) const;
-  /// Returns a member as find() does.
-  /// Errors  Also if the member is absent; `expected` adds what to write, such as "seconds".
+  /// Returns a member of a type that find() supports.
+  /// Errors  Also if the member is absent. `expected` describes the value for the message, such as "seconds".
   template <class T>
   T get(const char* key, std::string_view expected = {}) const;
 

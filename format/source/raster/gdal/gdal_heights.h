@@ -14,12 +14,12 @@ namespace gigabake {
 ///         occur on earth.
 std::vector<double> read_heights(const DemTile& tile, bool is_on_earth, std::vector<std::string>& warnings);
 
-/// Returns whether a window of a raster is known to have no value without reading it. The window of columns × rows
-/// pixels must lie in blocks that a sparse file omits, and omitted blocks must read as nodata.
+/// Returns true if a window of columns × rows pixels is known to have no value. For this, a sparse file must omit all
+/// blocks of the window, and omitted blocks must read as nodata or be masked. Reads no pixels.
 bool is_known_empty(const DemOptions& options, GDALDataset& dataset, int column, int row, int columns, int rows);
 
-/// Returns for each tile of `edge` cells, row by row, whether a part may have a value in it. Opens the files of a
-/// mosaic (VRT), because GDAL reports them as filled.
+/// Divides the raster into tiles of `edge` cells. Returns one flag per tile, row by row: 0 if the tile is known to have
+/// no value, otherwise 1. Opens the files of a mosaic (VRT), because GDAL reports the areas of all its files as filled.
 /// Errors  InputError: a file cannot be opened.
 std::vector<char> filled_tiles(const DemRaster& raster, int edge);
 
