@@ -15,7 +15,7 @@ std::vector<std::uint16_t> make_linear_from_srgb() {
   return table;
 }
 
-/// Returns the table of sRGB codes. A code begins at the linear value of the half step below it.
+/// Returns the nearest sRGB code for each linear value. The values of code c begin at the linear value of c - 1/2.
 std::vector<std::uint8_t> make_srgb_from_linear() {
   std::vector<std::uint8_t> table(linear_values);
   int code = 0;

@@ -13,18 +13,18 @@ struct Voxel {
   std::int8_t normal[2];  ///< octahedral
 };
 
-/// Packs the four bytes with red lowest, as a little-endian machine reads them.
+/// Packs the four bytes as a little-endian machine reads them: red becomes the lowest byte.
 GB_HD std::uint32_t pack_rgba(const std::uint8_t rgba[4]) {
   return std::uint32_t(rgba[0]) | std::uint32_t(rgba[1]) << 8 | std::uint32_t(rgba[2]) << 16 |
          std::uint32_t(rgba[3]) << 24;
 }
 
-/// Packs the two bytes, the first lowest. The result is also the index into Tables::unit_normal.
+/// Packs the two bytes; the first becomes the lowest byte. The result is also the index into Tables::unit_normal.
 GB_HD std::uint16_t pack_normal(const std::int8_t normal[2]) {
   return std::uint16_t(std::uint8_t(normal[0]) | std::uint8_t(normal[1]) << 8);
 }
 
-/// Packs the directional coverage, axis x lowest.
+/// Packs the directional coverage; the x axis becomes the lowest byte.
 GB_HD std::uint32_t pack_facing(const std::uint8_t facing[facing_bytes]) {
   return std::uint32_t(facing[0]) | std::uint32_t(facing[1]) << 8 | std::uint32_t(facing[2]) << 16 |
          std::uint32_t(facing[3]) << 24;

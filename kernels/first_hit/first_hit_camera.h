@@ -57,7 +57,8 @@ GB_HD float beam_start(const FirstHitBeams& beams, const FirstHitCamera& camera,
   return larger(smaller(hit.distance, beams.limit) - beams.slack, 0);
 }
 
-/// Casts the ray of pixel (x, y), which hits nothing before `start`.
+/// Casts the ray of pixel (x, y) from distance `start` on.
+/// Range   No voxel lies on the ray before `start` (beam_start()).
 template <class Stack>
 GB_HD FirstHit pixel_hit(const FirstHitTree& tree, const FirstHitCamera& camera, int x, int y, float start,
                          Stack stack) {

@@ -33,7 +33,8 @@ inline constexpr std::int32_t position_unit = 1 << 14;
 struct PatchSums {
   std::int32_t weight = 0, place[3] = {}, normal[3] = {};
 
-  /// Returns a child's position along an axis in half edges of the parent, 2·position_unit = 1.
+  /// Returns a child's position along an axis, from the parent's centre. Unit: half an edge of the parent is
+  /// 2·position_unit.
   GB_HD static std::int32_t place_in_parent(const SurfaceMoments& patch, int child, int axis) {
     return ((child >> axis & 1) != 0 ? position_unit : -position_unit) + patch.place[axis];
   }

@@ -96,7 +96,8 @@ GB_HD AxisMoments axis_moments(float m, float width_squared, bool is_image) {
 inline constexpr int weight_s_bits = 8, weight_t_bits = 7, slope_s_bits = 5,
                      slope_t_bits = weight_s_bits + weight_t_bits - slope_s_bits;
 
-/// Computes taps whose weights sum to 2^bits. at: 2^-32 of the image. is_image: for level 0.
+/// Returns the three texels around position `at` and their weights, which sum to 2^bits. Unit of `at`: 2^-32 of the
+/// image. is_image: true for level 0, which is the image itself.
 template <int bits>
 GB_HD AxisTaps axis_taps(std::int64_t at, std::int32_t size, Wrap wrap, bool is_image, float width_squared) {
   const std::int64_t place = at * size;
@@ -120,7 +121,7 @@ struct AxisSlopes {
   std::int32_t of[3];
 };
 
-/// Returns the change of the weights. scale: fixed-point value of 1.
+/// Returns the change of the weights as fixed-point numbers, in which `scale` represents 1.
 GB_HD AxisSlopes axis_slopes(const AxisTaps& taps, float scale) {
   const std::int32_t before = rounded((taps.slope - 1) * (0.5f * scale)),
                      after = rounded((taps.slope + 1) * (0.5f * scale));

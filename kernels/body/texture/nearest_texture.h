@@ -8,7 +8,8 @@
 /// Exact   IEEE double without contraction, then integers: host and device agree. A fragment over few texels (about 7 x
 ///         7) has their mean, each weight to 2^-24. For larger fragments, the error is the content that coarser texels
 ///         along the fragment's border hold beyond it. A texture of one colour keeps exactly that colour.
-/// Range   |s|, |t| ≤ 2^20. Only gradients of degenerate slivers lead beyond; an arbitrary texel is then picked.
+/// Range   |s|, |t| ≤ 2^20. Only gradients of degenerate slivers produce larger values; the texel that is picked is
+///         then arbitrary.
 /// Cost    At most 130 texels per fragment, each tested against two to nine edges.
 #pragma once
 
@@ -27,15 +28,16 @@
 
 namespace gigabake::kernels {
 
-/// Polygon of a fragment, in voxels from its cell's lowest corner. The slab polygon has at most five corners, and each
-/// side of the cell adds at most one.
+/// Polygon of a fragment, in voxels from its cell's lowest corner. It is the triangle, cut to a slab of voxels
+/// (cut_slab()) and then to the cell. The first cut leaves at most five corners; each side of the cell adds at most
+/// one.
 struct Outline {
   static constexpr int maximum = 9;
   Point2 at[maximum];
   int count;
 
   GB_HD void add(Point2 p) {
-    if (count < maximum) at[count++] = p;  // rounding may bend a sliver, which adds a cut
+    if (count < maximum) at[count++] = p;  // rounding may make a sliver non-convex, which adds corners
   }
 };
 

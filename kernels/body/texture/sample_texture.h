@@ -4,7 +4,8 @@
 ///         image in 2^-32. It is wrapped once for all levels, so that levels need neither divisions nor doubles.
 /// Exact   A coordinate is rounded once, to 2^-31 of the image. All other arithmetic is on integers: host and device
 ///         agree.
-/// Range   |s|, |t| ≤ 2^20. Only gradients of degenerate slivers lead beyond; an arbitrary texel is then sampled.
+/// Range   |s|, |t| ≤ 2^20. Only gradients of degenerate slivers produce larger values; the texel that is sampled is
+///         then arbitrary.
 #pragma once
 
 #include <cstdint>

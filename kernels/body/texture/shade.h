@@ -67,10 +67,12 @@ GB_HD Spread texel_spread(const TextureMap& m, float uu, float uv, float vv) {
   return {m.xu * xu + m.xv * xv, m.yu * xu + m.yv * xv, m.yu * yu + m.yv * yv};
 }
 
-/// Returns the factor, at least 0.875, that narrows a box around `middle` of a cell. The box then extends at most 10 %
-/// beyond the cell. A box with the spread of half a cell extends a quarter beyond its border, which reads texels
-/// outside an atlas chart. Ending at the border would lose too much spread. The variance of a convex shape is at most
-/// half the square of its centre's distance from the border, so `minimum` only guards against rounding.
+/// Returns the factor, at least 0.875, by which a filter box centred at `middle` (0 to 1) of a cell is narrowed. The
+/// box then extends beyond the cell by at most 10 % of the distance from its centre to the border. Without narrowing,
+/// the box has the variance of its fragment. For a triangle that covers half the cell, it would extend beyond the
+/// cell by a quarter of that distance. It would then cover texels outside an atlas chart. If it ended at the border, it
+/// would lose too much variance. `minimum` only guards against rounding: the variance of a convex shape is at most half
+/// the square of the distance from its centre to the border.
 GB_HD float narrowing_factor(double middle, float variance) {
   constexpr float beyond = 1.1f, minimum = 0.875f;
   const float reach = beyond * float(smaller(middle, 1 - middle));

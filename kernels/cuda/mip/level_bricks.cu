@@ -20,7 +20,8 @@ struct Tree {
   int lods;
 };
 
-/// Returns the coarsest lod at which brick i opens a new brick: its key differs from that of brick i - 1 up to there.
+/// Returns the coarsest lod at which the lod-0 brick i opens a brick; 0: none. It also opens one at each finer lod. The
+/// first of the lod-0 bricks in a coarser brick *opens* that brick.
 __device__ int opened_levels(const std::uint32_t* key, std::uint32_t i, int lods) {
   const int maximum = lods - 1;
   if (i == 0) return maximum;
@@ -28,7 +29,8 @@ __device__ int opened_levels(const std::uint32_t* key, std::uint32_t i, int lods
   return opened < maximum ? opened : maximum;
 }
 
-/// Writes before[lod · chunks + c]: the number of bricks of level `lod` that the lod-0 bricks of chunk c open.
+/// Writes the number of bricks of level `lod` that the lod-0 bricks of chunk c open (opened_levels()) to
+/// before[lod · chunks + c].
 __global__ void __launch_bounds__(chunk) count_opened(const std::uint32_t* key, std::uint32_t bricks, int lods,
                                                       std::uint32_t chunks, std::uint32_t* before) {
   __shared__ std::uint32_t counts[max_levels];
@@ -76,7 +78,7 @@ __global__ void clear_masks(Tree tree) {
     if (i < 8 * tree.bricks[lod]) tree.mask[lod][i] = 0;
 }
 
-/// Sets the voxel that a brick corresponds to three levels coarser.
+/// Sets the bit of the voxel, three levels coarser, that covers the same cube as the brick `key`.
 __device__ void set_voxel(std::uint64_t* mask, std::uint32_t key) {
   const int x = gather_three_bits(key), y = gather_three_bits(key >> 1), z = gather_three_bits(key >> 2);
   atomicOr(reinterpret_cast<unsigned long long*>(mask + z), 1ull << (x + 8 * y));
