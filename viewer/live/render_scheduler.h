@@ -46,13 +46,13 @@ class RenderScheduler {
 
   struct RenderRequest {
     View view;
-    bool full = false;       ///< of full size
+    bool full = false;       ///< has full size
     bool in_tiles = false;   ///< tiles of final pixels, without a time limit; false: a preview
     bool moving = false;     ///< the viewer moves; the frame is shown even if a newer pose exists
     double share = 1;        ///< fraction of the full width and height
-    double upload_s = 0;     ///< of a preview: time limit for uploading new data
-    double roots_s = 0;      ///< of a preview: time limit of the wait while cells have no data
-    std::uint64_t pose = 0;  ///< orders of equal number show the same view
+    double upload_s = 0;     ///< time limit of a preview for uploading new data
+    double roots_s = 0;      ///< time limit of a preview for waiting while cells have no data
+    std::uint64_t pose = 0;  ///< requests with the same number show the same view
   };
 
   /// home: has an eye and a target. frame_s: the target time of a frame during movement.
@@ -68,14 +68,14 @@ class RenderScheduler {
   /// Returns the time at which to call next() again if there is no input; HUGE_VAL: never. Valid right after next()
   /// returned nullopt.
   double next_call_s() const;
-  /// Records that an order, or a part of an order in tiles, was rendered.
+  /// Records that a request, or a part of a request in tiles, was rendered.
   void drawn(const RenderRequest& order, const FrameStats& stats);
-  /// Returns true if the view has changed since the last order, so that its image would be discarded.
+  /// Returns true if the view has changed since the last request, so that its image would be discarded.
   bool is_stale() const { return stale_; }
-  /// Records that an order failed. It is not repeated before the view changes.
+  /// Records that a request failed. It is not repeated until the view changes.
   void failed();
 
-  /// Returns true if the last order was complete at full size, or failed, and the view has not changed since.
+  /// Returns true if the last request was complete at full size, or failed, and the view has not changed since.
   bool rests() const { return done_ && !stale_; }
 
   const CameraController& rig() const { return rig_; }
@@ -100,12 +100,12 @@ class RenderScheduler {
   bool at_home_ = true;
   CameraPose home_;
   double home_aspect_ = 1;  ///< aspect ratio (width/height) at which home_ shows the whole scene; 0: no requirement
-  bool stale_ = true;       ///< the view has changed since the last order
+  bool stale_ = true;       ///< the view has changed since the last request
   double done_share_ = 0;   ///< size of the largest complete image of this pose
   bool done_ = false;       ///< the full-size image is complete, or has failed
   bool any_drawn_ = false;  ///< an image of this scene has been rendered
   std::uint64_t pose_ = 0;  ///< counts the different views
-  double looked_s_ = 0;     ///< time of the first order of this view
+  double looked_s_ = 0;     ///< time of the first request of this view
   double next_call_s_ = 0;
 };
 

@@ -71,8 +71,8 @@ double surface_distance(const QueryRay& ray, const QueryHit& hit, SurfaceRule ru
   if (std::fabs(cosine) < min_cosine) return middle_of(segment_in(ray, hit));
   if (cosine > 0) from_centre = -from_centre;
   cosine = std::fabs(cosine);
-  // A plane intersects a cube if it lies within half of `extent` of the centre. Under `thin`, a lod-0 voxel is marked
-  // only if the plane intersects its axes.
+  // A plane intersects a cube if its distance from the centre is at most extent / 2. The rule `thin` marks a lod-0
+  // voxel only if the plane intersects one of its three centre lines, which are parallel to the axes.
   const double extent = rule == SurfaceRule::thin ? sum * (edge - 1) + maximum : sum * edge;
   const double below_centre = 0.5 * (extent - cosine * edge / advance);
   return (from_centre + below_centre) / cosine;

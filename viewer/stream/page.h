@@ -27,7 +27,8 @@ struct PageKey {
   std::uint32_t block = 0;  ///< begins at row (brick) block·nodes_per_block (block·bricks_per_block)
 
   static constexpr std::int32_t node_rows = -1;
-  /// The listing of a page that scene.xml refers to. The value decreases by 1 per level of pages below.
+  /// The listing of a page to which scene.xml refers directly. If page P refers to page Q, the value for Q is that for
+  /// P minus 1.
   static constexpr std::int32_t listing = -2;
 
   friend auto operator<=>(const PageKey&, const PageKey&) = default;

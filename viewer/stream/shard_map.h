@@ -48,8 +48,9 @@ class ShardMap {
   /// Finds cells through overviews, from the root down.
   ShardMap(const PagedScene& scene, OverviewLevels levels);
 
-  /// Returns the last provider of a level, which may be stored more than once. Provider 0 has the largest shards, so an
-  /// image needs the smallest number of them. The last provider has the original, which the others duplicate.
+  /// Returns the number of the last provider of level `lod`. A level may be stored several times: by the cells or by
+  /// one overview level, and as duplicates by coarser overview levels. Each of these is a provider. Provider 0 has the
+  /// largest shards, so an image needs fewer of them. The last provider stores the original level.
   int last_holder(int lod) const;
 
   /// Returns the shard of level `lod` that contains lod-0 voxel v. Otherwise returns nullopt and sets `empty` to a box

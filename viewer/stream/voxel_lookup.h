@@ -29,8 +29,8 @@ inline constexpr std::uint32_t no_shard = 0xffffffffu;
 /// pass of the pager.
 struct NodePath {
   std::uint32_t shard = no_shard;
-  std::int32_t lowest = 0;                           ///< level at which it ended
-  std::int64_t v[3] = {};                            ///< its target: lod-0 voxels from the shard's corner
+  std::int32_t lowest = 0;                           ///< level at which the path ended
+  std::int64_t v[3] = {};                            ///< target of the path: lod-0 voxels from the shard's corner
   const NodeRow* node[kernels::max_cast_lods] = {};  ///< by level, from `lowest` up
 };
 
@@ -53,7 +53,8 @@ class VoxelLookup {
  private:
   const NodeRow* row(const ShardExtent& shard, std::uint32_t index, MissingPages& gaps) const;
   bool lacks_row(const ShardExtent& shard, std::uint32_t index) const;
-  /// A query: a level of a provider, and the mask of the boxes that are not answered yet.
+  /// A query for the boxes that the nodes of a level overlap. It reads the level from one provider, which
+  /// ShardMap::last_holder() explains. open: mask of the boxes that have no answer yet.
   struct Question {
     int lod, holder;
     Boxes boxes;
@@ -63,7 +64,7 @@ class VoxelLookup {
     unsigned reached_by(const kernels::VoxelBox& box) const;
     Question within(const kernels::VoxelBox& box) const;
   };
-  /// Masks of boxes are the results of these functions.
+  /// The following functions of type `unsigned` return a mask of boxes: bit i is for question.boxes[i].
   unsigned occupied_by_any(Question question, MissingPages& gaps) const;
   unsigned occupied_below(const ShardExtent& shard, std::uint32_t row_index, int level, const std::int64_t corner[3],
                           const Question& question, unsigned open, MissingPages& gaps) const;
