@@ -11,7 +11,7 @@ namespace gigabake::bench {
 struct AccuracyScene {
   SceneSources sources;
   ReferenceCaster caster;
-  FrameRenderer::Options renderer;  ///< uses the threads of the request
+  FrameRenderer::Options renderer;  ///< with the number of threads of the bench request
 
   /// Bakes the scene with the default rules into request.out and replaces an earlier bake there.
   /// Errors  Same as bench_accuracy().

@@ -23,7 +23,7 @@ struct Spread {
   double best, median;
 };
 
-/// Returns the minimum and the median time. once(): runs and returns its seconds.
+/// Returns the minimum and the median time of several runs. once() performs a run and returns its duration in seconds.
 Spread repeat(int repeats, const std::function<double()>& once) {
   once();
   std::vector<double> s;
@@ -32,7 +32,7 @@ Spread repeat(int repeats, const std::function<double()>& once) {
   return {s.front(), s[s.size() / 2]};
 }
 
-/// Times a view with and without attributes. run(looks): casts the view and returns its seconds.
+/// Times a view with and without voxel attributes. run(with_attributes) casts the view and returns the time in seconds.
 FirstHitTimes time_view(const char* backend, int repeats, const std::function<double(bool)>& run) {
   const Spread looks = repeat(repeats, [&] { return run(true); }), plain = repeat(repeats, [&] { return run(false); });
   return {backend, plain.best, plain.median, looks.best, looks.median};

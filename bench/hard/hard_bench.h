@@ -24,7 +24,7 @@ struct HardBenchRequest {
 
 /// A measured number and its bound.
 struct HardFigure {
-  std::string name;  ///< "missed", "colour": equal names mean the same in each case
+  std::string name;  ///< "missed", "colour"; the same name has the same meaning in all cases
   std::string unit;  ///< "voxels", "codes", "°", "m", …
   double measured = 0, bound = 0;
   bool holds() const { return measured <= bound; }
@@ -32,7 +32,7 @@ struct HardFigure {
 
 struct HardResult {
   std::string name, group;
-  std::string what;          ///< the difficulty, and the reference it is compared with
+  std::string what;          ///< the difficulty of the case, and the reference for its result
   std::uint64_t voxels = 0;  ///< number of baked voxels
   std::vector<HardFigure> figures;
   std::string error;  ///< one line; if not empty, the case was not measured, or a GPU rejected the cell
