@@ -63,7 +63,7 @@ std::string caller_argument() { return bench_caller_option + build_version(); }
   throw std::system_error(errno, std::generic_category(), file);
 }
 
-/// Returns the word for a shell, whatever characters it contains.
+/// Returns the text in single quotes, so that a shell reads it as one word. The text may contain any characters.
 std::string shell_word(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
