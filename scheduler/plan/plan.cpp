@@ -187,7 +187,7 @@ std::vector<std::string> warning_lines(const std::vector<TileScan>& scans, const
   return kinds.lines();
 }
 
-/// Returns the loss of a readable tile's triangles that are too long.
+/// Returns the entry in the list of losses for triangles that are too long to be baked. The tile itself is readable.
 SceneLoss far_loss(const TileScan& s, const std::string& tile, double voxel_size_m) {
   const double needed_m = s.reach_m / double(max_side_voxels);
   return {fmt::format("{} of tile {}", counted(s.too_far, "triangle"), tile),
