@@ -1,7 +1,7 @@
-/// The seed of a test that tries random input. Every test has its own, and by default the same in every run, so that
-/// luck decides over no merge. GIGABAKE_TEST_SEED=random, or a number, tries other input: tools/random-tests does that.
-/// Every failure while the seed lives names it: with GIGABAKE_TEST_SEED set to that number the failure comes again.
-/// Errors  The test fails where GIGABAKE_TEST_SEED is something else.
+/// The seed of a test with random input. The default depends only on the name of the test, so that its result is the
+/// same in every run. GIGABAKE_TEST_SEED=random, or a number, selects another seed; tools/random-tests uses it.
+/// A failure while the object exists prints the seed. To repeat the failure, set GIGABAKE_TEST_SEED to it.
+/// Errors  The test fails if GIGABAKE_TEST_SEED is neither a number nor `random`.
 #pragma once
 
 #include <charconv>
@@ -17,7 +17,7 @@ namespace gigabake::test {
 
 class RandomSeed {
  public:
-  /// round   Of a test that makes several seeds: which of them this one is.
+  /// round: the number of this seed, for a test that uses several seeds.
   explicit RandomSeed(int round = 0) : RandomSeed(round, chosen()) {}
 
   operator std::uint64_t() const { return value_; }
@@ -36,7 +36,7 @@ class RandomSeed {
       if (error != std::errc{} || end != text.data() + text.size() || text.empty())
         ADD_FAILURE() << "GIGABAKE_TEST_SEED is \"" << text << "\": expected a number, or random";
     }
-    // At once: a test that crashes or hangs prints no failure.
+    // Printed immediately, because a test that crashes or hangs does not print a failure.
     std::cout << "GIGABAKE_TEST_SEED=" << seed << " in " << name_of_test() << std::endl;
     return seed;
   }

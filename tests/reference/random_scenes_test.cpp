@@ -12,7 +12,8 @@ namespace {
 
 using namespace gigabake::kernels;
 
-/// A voxel with less area is checked for presence only: the ±½ unit of each weight affects its colour.
+/// Min area of a voxel whose colour is checked, voxel². If the area is less, the rounding of the weights (±½
+/// unit) affects the colour, so only the presence of the voxel is checked.
 constexpr double min_checked_area = 1e-4;
 
 Rgba16 random_colour(Rng& rng) {

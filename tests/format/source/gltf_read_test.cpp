@@ -129,12 +129,13 @@ TEST(GltfRead, RefusesPlacementsFromNowhere) {
   EXPECT_THAT(gltf_refusal(g), HasSubstr("more than 2^24 placements"));
 }
 
-/// Source  KHR_mesh_quantization: integers unchanged, or as fractions of their range.
+/// Source  KHR_mesh_quantization: positions are integers. If the accessor is normalized, they are fractions of the
+///         integers' range.
 TEST(GltfRead, TakesQuantizedPositions) {
   Json g = square_gltf();
   g["extensionsRequired"] = {"KHR_mesh_quantization"};
-  // The buffer's own 16-bit indices 0 2 1, 0 3 2 are read as two positions and a third of padding. Only the first face
-  // uses them.
+  // The buffer has no integer positions, so its six 16-bit indices 0 2 1, 0 3 2 serve as two positions. The stride of 4
+  // bytes is too small for a position of 6 bytes: the second one begins with the last index of the first.
   g["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 48}, {"byteLength", 12}, {"byteStride", 4}});
   g["accessors"][0] = {{"bufferView", 2}, {"componentType", 5122}, {"count", 2}, {"type", "VEC3"}};
   g["accessors"][1]["count"] = 3;
