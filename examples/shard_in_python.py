@@ -100,4 +100,4 @@ if "normal" in level:
     right.set(title="voxels by slope", xlabel="degrees from level")
 figure.tight_layout()
 figure.savefig(picture)
-print(f"the picture is {picture}")
+print(f"the image is {picture}")

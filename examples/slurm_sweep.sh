@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# slurm_sweep.sh SOURCE FOLDER VOXEL_MM… [-- SBATCH_OPTION…]: bakes SOURCE at several voxel sizes, given in millimetres.
-# Each size is a task of one job array and writes FOLDER/VOXEL_MM. Tasks restart after time limits and failures.
+# slurm_sweep.sh SOURCE FOLDER MM… [-- OPTION…]: bakes SOURCE at several voxel sizes, given in millimetres.
+# Each size is a task of one job array and writes FOLDER/MM. Tasks restart after time limits and failures.
 #
 #   examples/slurm_sweep.sh tileset.json sweep 500 250 125 -- --nodes 8 --ntasks-per-node 4 --time 4:00:00
 set -euo pipefail

@@ -1,6 +1,6 @@
 /// The CUDA backend of first hits: the scene is resident on the device, which casts images and rays.
 ///
-/// In a build without CUDA the constructor throws; cuda_devices() (cuda_baker.h) gives the reason.
+/// In a build without CUDA the constructor throws; cuda_devices() (kernels/cuda/baker.h) gives the reason.
 #pragma once
 
 #include <cstdint>

@@ -50,7 +50,7 @@ bool read_shape(std::string_view text, NpyShape& shape) {
 
 /// The numbers of columns that a file may have, and their meaning for messages.
 struct NpyColumns {
-  std::uint64_t count, count_with_direction;  ///< with_direction: 0: there is no such form
+  std::uint64_t count, count_with_direction;  ///< 0: there is no form with a direction
   std::string expected;
 };
 

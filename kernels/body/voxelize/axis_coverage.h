@@ -1,9 +1,9 @@
 /// Coverage of lod-0 voxels along x, y and z: the input of all coarser levels.
 ///
 /// An opaque voxel has full coverage. A translucent voxel contains a piece of a surface. Its normal n is scaled so that
-/// |n_x| + |n_y| + |n_z| = 1. On average, the surface then passes through 1/|n_a| voxels of a column along axis a. Each
+/// |nx| + |ny| + |nz| = 1. On average, the surface then passes through 1/|na| voxels of a column along axis a. Each
 /// of these voxels has the surface's alpha, even if its piece is small. The coverage of a voxel along a is therefore
-/// 1 - (1 - alpha)^|n_a|, so that the column has the coverage of the surface. If alpha is nearly 1, coverage is nearly
+/// 1 - (1 - alpha)^|na|, so that the column has the coverage of the surface. If alpha is nearly 1, coverage is nearly
 /// full for any normal, so that such surfaces show no stripes.
 ///
 /// Exact   Integers: host and device return the same bits.

@@ -36,8 +36,8 @@ std::array<double, 3> centre_m(const Geodetic& g = house_place) {
   return {p.x, p.y, p.z};
 }
 
-/// Returns the square of square_gltf(), upright at the place: 1 m east and 1 m up. The function gltf_from_ecef turns z
-/// up to y up, because the reader of a tileset turns it back.
+/// Returns the square of square_gltf(), upright at the place: 1 m east and 1 m up. Its node turns z up to y up, because
+/// the reader of a tileset turns it back.
 Json standing_square(bool with_position) {
   Affine<World, World> y_up;
   y_up.m = {{{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}}};
