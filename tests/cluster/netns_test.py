@@ -30,18 +30,16 @@ RSH = '#!/bin/bash\n! grep -qx "$1" "$(dirname "$0")/dead" || exit 255\nexec "$(
 
 class Hosts(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.root = Path(self.folder.name)
-        subprocess.run(["bash", TOOL, "up", "3", self.root / "network"], check=True, stdout=subprocess.DEVNULL)
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = Path(folder.name)
+        (self.root / "network").mkdir()
+        subprocess.run(["bash", TOOL, "3", self.root / "network"], check=True, stdout=subprocess.DEVNULL)
         (self.root / "rsh").write_text(RSH)
         (self.root / "rsh").chmod(0o755)
         (self.root / "hosts").write_text("".join(f"10.77.0.{i} slots=1\n" for i in (1, 2, 3)))
         PROGRAM.succeed("sample", self.root / "sample", "--size", 128, "--seed", 5)
         self.source, self.out = self.root / "sample/tileset.json", self.root / "out"
-
-    def tearDown(self):
-        subprocess.run(["bash", TOOL, "down", "3", self.root / "network"], check=True, stdout=subprocess.DEVNULL)
-        self.folder.cleanup()
 
     def launch(self, voxel_size):
         environment = {**os.environ, "GIGABAKE": str(PROGRAM.executable), "GIGABAKE_MPIRUN": OPTIONS,

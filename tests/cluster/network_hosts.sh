@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
-# network_hosts.sh up N FOLDER | down N FOLDER: N 'hosts' for netns_test.py, the network namespaces nd1 to ndN on the
-# bridge brmpi with the addresses 10.77.0.1 and on. Needs root and iproute2. Writes FOLDER/rsh, a remote shell to them.
+# network_hosts.sh N FOLDER: makes N 'hosts' for netns_test.py, the network namespaces nd1 to ndN on the bridge brmpi
+# with the addresses from 10.77.0.1 to 10.77.0.N. Needs root and iproute2. Writes FOLDER/rsh, a remote shell to them.
+# The hosts end with the namespaces of the test (namespaces.py).
 set -euo pipefail
 bridge=brmpi
-folder=${3:?the folder of the remote shell}
+hosts=${1:?the number of hosts}
+folder=${2:?the folder of the remote shell}
 
 add_host() {
   ip netns add "nd$1"
@@ -27,25 +29,7 @@ EOF
   chmod +x "$folder/rsh"
 }
 
-remove_host() {
-  local process
-  for process in $(ip netns pids "nd$1" 2>/dev/null || true); do kill -9 "$process" 2>/dev/null || true; done
-  ip netns del "nd$1" 2>/dev/null || true
-  ip link del "vh$1" 2>/dev/null || true
-}
-
-case ${1:-} in
-  up)
-    mkdir -p "$folder"
-    ip link add "$bridge" type bridge
-    ip link set "$bridge" up
-    for i in $(seq "$2"); do add_host "$i"; done
-    write_remote_shell
-    ;;
-  down)
-    for i in $(seq "$2"); do remove_host "$i"; done
-    ip link del "$bridge" 2>/dev/null || true
-    rm -rf "$folder"
-    ;;
-  *) echo "network_hosts.sh: expected up N FOLDER or down N FOLDER" >&2; exit 2 ;;
-esac
+ip link add "$bridge" type bridge
+ip link set "$bridge" up
+for i in $(seq "$hosts"); do add_host "$i"; done
+write_remote_shell

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# slurm_nodes.sh up N | down: a Slurm of N nodes on this host, for slurm_test.py. All files are in SLURM_LOCAL_DIR.
-# Without control groups and accounting; needs root, slurmctld, slurmd, slurm-client and munge.
+# slurm_nodes.sh N: starts a Slurm of N nodes on this host, for slurm_test.py. SLURM_CONF names the configuration to
+# write; logs and state are in its folder. Without control groups and accounting; needs root, slurmctld, slurmd,
+# slurm-client and munge. Daemons and /run end with the namespaces of the test (namespaces.py).
 set -euo pipefail
-folder=${SLURM_LOCAL_DIR:?the folder for configuration, logs and state}
-export SLURM_CONF=$folder/slurm.conf
+nodes=${1:?the number of nodes}
+folder=$(dirname "${SLURM_CONF:?the file to write}")
 socket=/run/munge_gigabake  # munged refuses a socket below a folder that others may write
 
 start_munge() {
@@ -17,7 +18,7 @@ start_munge() {
 
 # Short delays: a requeued job starts after 5 s (cred_expire), a killed one ends within 2 s (KillWait).
 write_configuration() {
-  local host=$1 nodes=$2 i
+  local host=$1 i
   cat >"$SLURM_CONF" <<EOF
 ClusterName=local
 SlurmctldHost=$host(127.0.0.1)
@@ -56,34 +57,13 @@ EOF
 
 idle_nodes() { sinfo -h -t idle -o %D 2>/dev/null | awk '{n += $1} END {print n + 0}'; }
 
-up() {
-  local nodes=$1 i
-  start_munge
-  write_configuration "$(hostname -s)" "$nodes"
-  slurmctld -f "$SLURM_CONF"
-  for i in $(seq "$nodes"); do slurmd -f "$SLURM_CONF" -N "n$i"; done
-  for _ in $(seq 300); do
-    if [ "$(idle_nodes)" = "$nodes" ]; then return; fi
-    sleep 0.1
-  done
-  echo "slurm_nodes.sh: the $nodes nodes are not idle after 30 s; $folder/log has the reason" >&2
-  return 1
-}
-
-signal_daemons() {
-  local file
-  for file in "$folder"/slurmd.*.pid "$folder/ctld.pid" "$folder/munge/pid"; do
-    if [ -f "$file" ]; then kill "-$1" "$(cat "$file")" 2>/dev/null || true; fi
-  done
-}
-
-case ${1:-} in
-  up) up "$2" ;;
-  down)
-    signal_daemons TERM
-    sleep 1
-    signal_daemons KILL
-    rm -rf "$folder" "$socket"
-    ;;
-  *) echo "slurm_nodes.sh: expected up N or down" >&2; exit 2 ;;
-esac
+start_munge
+write_configuration "$(hostname -s)"
+slurmctld -f "$SLURM_CONF"
+for i in $(seq "$nodes"); do slurmd -f "$SLURM_CONF" -N "n$i"; done
+for _ in $(seq 300); do
+  if [ "$(idle_nodes)" = "$nodes" ]; then exit 0; fi
+  sleep 0.1
+done
+echo "slurm_nodes.sh: the $nodes nodes are not idle after 30 s; $folder/log has the reason" >&2
+exit 1
