@@ -60,8 +60,8 @@ def values(name):
         number = {}
         for voxel in range(int(first[b]), int(first[b + 1])):
             o, g = int(octant[voxel]), int(group[voxel])
-            alike = 0 if share[b, 9] else (o,) if share[b, 8] >> o & 1 else (o, g) if share[b, o] >> g & 1 else voxel + 1
-            rows[voxel] = int(starts[b]) + number.setdefault(alike, len(number))
+            key = 0 if share[b, 9] else (o,) if share[b, 8] >> o & 1 else (o, g) if share[b, o] >> g & 1 else voxel + 1
+            rows[voxel] = int(starts[b]) + number.setdefault(key, len(number))
     return stored[rows]
 
 

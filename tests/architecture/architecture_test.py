@@ -45,7 +45,7 @@ MODULES = {
     "viewer/web": [*SHOWN, "viewer/live", "viewer/pictures"],
 }
 # These may include all modules.
-JOINTS = ["app", "bench", "tests"]
+JOINTS = ["app", "bench", "examples", "tests"]
 
 # Files that may contain CUDA code.
 CUDA_FILES = r"kernels/(?!body/|cpu/)\w+/|tests/"
@@ -155,7 +155,7 @@ def option_problems(text):
 
 def message_problems(name, text):
     """A message that cannot be written must not end the program, and each message may begin with the time."""
-    if name.startswith(("bench/", "tests/", "format/system/message.")):
+    if name.startswith(("bench/", "examples/", "tests/", "format/system/message.")):
         return
     for call in re.findall(r"(?:fmt::print|fprintf|fputs|std::cerr)\W{1,9}stderr|std::cerr", text):
         yield f"writes to standard error by {call}: format/system/message.h does, which drops what cannot be written"

@@ -153,6 +153,19 @@ def architecture_problems(root):
                 yield f"states that {name} is declared in {row[1].strip()}, which does not declare it"
 
 
+def example_problems(root):
+    """examples/README.md lists every example, README.md links an example per row, and a test names each example."""
+    page = (root / "examples/README.md").read_text(encoding="utf-8")
+    tests = "".join(path.read_text(encoding="utf-8") for path in sorted((root / "tests").glob("c*/**/*_test.py")))
+    names = sorted(path.name for path in (root / "examples").iterdir() if path.name not in ("README.md", "__pycache__"))
+    if (listed := sorted(re.findall(r"^\| \[[\w.]+\]\(([\w.]+)\) \|", page, re.M))) != names:
+        yield f"examples/README.md lists {listed}, and there are {names}"
+    yield from (f"examples/{name}: no test runs it" for name in names if name not in tests)
+    rows = (root / "README.md").read_text(encoding="utf-8").split("| I have | I want |")[1].split("\n\n")[0]
+    yield from (f"README.md: a row has no link to an example: {row}" for row in rows.split("\n")[2:]
+                if not re.search(r"\]\(examples/[\w.]+\)", row))
+
+
 def version_problems(root):
     """2026-11-25: all files name the version of CMakeLists.txt."""
     version = re.search(r"VERSION (\d+\.\d+)\.(\d+)", (root / "CMakeLists.txt").read_text(encoding="utf-8"))
@@ -166,12 +179,14 @@ def version_problems(root):
 def problems(root):
     yield from version_problems(root)
     decisions = known_decisions(root)
-    for page in sorted([*root.glob("*.md"), *root.glob("*.cff"), *(root / "docs").rglob("*.md")]):
+    for page in sorted([*root.glob("*.md"), *root.glob("*.cff"), *(root / "docs").rglob("*.md"),
+                        *(root / "examples").glob("*.md")]):
         for problem in page_problems(root, page, decisions):
             yield f"{page.relative_to(root)}: {problem}"
     yield from (f"docs/architecture.md: {problem}" for problem in architecture_problems(root))
     yield from (f"docs/glossary.md: {problem}" for problem in glossary_problems(root))
     yield from index_problems(root)
+    yield from example_problems(root)
     yield from code_problems(root, decisions)
 
 

@@ -20,12 +20,12 @@ from architecture_test import JOINTS, MODULES, module_of
 from declarations import declarations
 from verdict import verdict
 
-FOLDERS = ["app", "bench", "cluster", "format", "kernels", "core", "sample", "scheduler", "tests", "viewer", "worker"]
+FOLDERS = "app bench cluster core examples format kernels sample scheduler tests viewer worker".split()
 SOURCE = {".h", ".cpp", ".cu", ".cuh"}
 # These replace another file if a library is missing.
 STUB = re.compile(r"_stub\.cpp$")
 # CMakeLists.txt exclude these from unity builds, or compile each into a separate program or module.
-APART = re.compile(r"bench/|tests/bench/|tests/fuzz/read_|format/source/mesh/|format/export/openvdb/")
+APART = re.compile(r"bench/|examples/|tests/bench/|tests/fuzz/read_|format/source/mesh/|format/export/openvdb/")
 
 
 def declared_in(root):
@@ -37,11 +37,9 @@ def declared_in(root):
 
 
 def program_of(name):
-    """Returns the folder of the test program that contains a file; empty for files that are linked into gigabake."""
+    """Returns the folder of the test or example that contains a file; empty for files linked into gigabake."""
     parts = name.split("/")
-    if parts[0] != "tests":
-        return ""
-    return "/".join(parts[:3 if parts[1] == "package" else 2])
+    return "/".join(parts[:2]) if parts[0] in ("examples", "tests") else ""
 
 
 def twice_defined(files):
