@@ -7,10 +7,12 @@ set(gb_public_headers_core
     core/base/rules.h
     core/base/thread_pool.h
     core/io/hash128.h
+    core/math/box3.h
     core/math/frames.h
     core/math/octahedral.h
     core/math/rounding.h
     core/math/snap.h
+    core/math/vec3.h
     core/octree/brick.h
     core/octree/morton.h
     core/octree/octree.h

@@ -1,0 +1,81 @@
+/// Triples of numbers along the axes x, y and z, for host and device.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+
+#include "core/base/host_device.h"
+
+namespace gigabake {
+
+/// A vector, a point or the size of a box.
+/// Space   The layout is that of T[3]. Without an initializer, the components are indeterminate.
+/// Exact   Operators treat each component by itself; sums add x, then y, then z.
+template <class T>
+struct Vec3 {
+  using value_type = T;
+  T v[3];
+
+  /// Returns a vector with three equal components.
+  GB_HD static constexpr Vec3 all(T value) { return {value, value, value}; }
+  /// Returns the vector of of_axis(0), of_axis(1) and of_axis(2), called in this order.
+  template <class OfAxis>
+  GB_HD static constexpr Vec3 by_axis(const OfAxis& of_axis) {
+    return {of_axis(0), of_axis(1), of_axis(2)};
+  }
+  template <class U>
+  GB_HD constexpr explicit operator Vec3<U>() const {
+    return {U(v[0]), U(v[1]), U(v[2])};
+  }
+
+  /// Returns the components in the order z, y, x, in which cells and pages are sorted.
+  GB_HD constexpr Vec3 zyx() const { return {v[2], v[1], v[0]}; }
+
+  GB_HD constexpr T& operator[](std::size_t axis) { return v[axis]; }
+  GB_HD constexpr const T& operator[](std::size_t axis) const { return v[axis]; }
+  GB_HD constexpr T* begin() { return v; }
+  GB_HD constexpr T* end() { return v + 3; }
+  GB_HD constexpr const T* begin() const { return v; }
+  GB_HD constexpr const T* end() const { return v + 3; }
+
+  /// Compares x, then y, then z.
+  friend constexpr auto operator<=>(const Vec3&, const Vec3&) = default;
+  friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
+
+  friend GB_HD constexpr Vec3 operator+(const Vec3& a, const Vec3& b) {
+    return {a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2]};
+  }
+  friend GB_HD constexpr Vec3 operator-(const Vec3& a, const Vec3& b) {
+    return {a.v[0] - b.v[0], a.v[1] - b.v[1], a.v[2] - b.v[2]};
+  }
+  friend GB_HD constexpr Vec3 operator*(const Vec3& a, T k) { return {a.v[0] * k, a.v[1] * k, a.v[2] * k}; }
+  friend GB_HD constexpr Vec3 operator/(const Vec3& a, T k) { return {a.v[0] / k, a.v[1] / k, a.v[2] / k}; }
+  /// Shifts integers; a shift to the right rounds down.
+  friend GB_HD constexpr Vec3 operator>>(const Vec3& a, int bits) {
+    return {a.v[0] >> bits, a.v[1] >> bits, a.v[2] >> bits};
+  }
+  friend GB_HD constexpr Vec3 operator<<(const Vec3& a, int bits) {
+    return {a.v[0] << bits, a.v[1] << bits, a.v[2] << bits};
+  }
+  GB_HD constexpr Vec3& operator+=(const Vec3& b) { return *this = *this + b; }
+
+  /// Returns the component-wise minimum; like std::min, the component of `a` if the two are equal or not ordered.
+  friend GB_HD constexpr Vec3 min_by_axis(const Vec3& a, const Vec3& b) {
+    return {b.v[0] < a.v[0] ? b.v[0] : a.v[0], b.v[1] < a.v[1] ? b.v[1] : a.v[1], b.v[2] < a.v[2] ? b.v[2] : a.v[2]};
+  }
+  /// Returns the component-wise maximum; like std::max, the component of `a` if the two are equal or not ordered.
+  friend GB_HD constexpr Vec3 max_by_axis(const Vec3& a, const Vec3& b) {
+    return {a.v[0] < b.v[0] ? b.v[0] : a.v[0], a.v[1] < b.v[1] ? b.v[1] : a.v[1], a.v[2] < b.v[2] ? b.v[2] : a.v[2]};
+  }
+  friend GB_HD constexpr T dot(const Vec3& a, const Vec3& b) {
+    return (a.v[0] * b.v[0] + a.v[1] * b.v[1]) + a.v[2] * b.v[2];
+  }
+  friend GB_HD constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
+    return {a.v[1] * b.v[2] - a.v[2] * b.v[1], a.v[2] * b.v[0] - a.v[0] * b.v[2], a.v[0] * b.v[1] - a.v[1] * b.v[0]};
+  }
+};
+
+using Vec3d = Vec3<double>;
+using Vec3i64 = Vec3<std::int64_t>;
+
+}  // namespace gigabake
