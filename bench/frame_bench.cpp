@@ -48,7 +48,7 @@ View looking(const Point<Scene>& eye_m, const Point<Scene>& target_m, const Fram
 
 Stage measure(FrameRenderer& renderer, const FrameBenchRequest& request) {
   const SceneHeader& scene = renderer.scene().header();
-  const LatticeBox& window = renderer.scene().totals().window;
+  const Box3i64& window = renderer.scene().totals().window;
   std::array<double, 3> low{}, high{};
   for (std::size_t a = 0; a < 3; ++a) {
     low[a] = scene.lattice_origin_m[a] + double(window.min[a]) * scene.voxel_size_m;

@@ -17,8 +17,8 @@ double number(const char* option, std::string_view text) {
   return v;
 }
 
-std::array<double, 3> triple(const char* option, const char* form, const std::string& text) {
-  std::array<double, 3> v{};
+Vec3d triple(const char* option, const char* form, const std::string& text) {
+  Vec3d v{};
   std::size_t at = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t comma = i < 2 ? text.find(',', at) : text.size();
@@ -59,7 +59,7 @@ std::optional<std::vector<int>> integers(const std::string& text, char separator
 
 std::optional<Point<Scene>> point_option(const std::string& text, const char* option) {
   if (text.empty()) return std::nullopt;
-  const std::array<double, 3> v = triple(option, "X,Y,Z as three finite numbers", text);
+  const Vec3d v = triple(option, "X,Y,Z as three finite numbers", text);
   return Point<Scene>{v[0], v[1], v[2]};
 }
 

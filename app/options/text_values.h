@@ -1,7 +1,6 @@
 /// Parsers for numbers in options.
 #pragma once
 
-#include <array>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "core/math/frames.h"
+#include "core/math/vec3.h"
 
 namespace gigabake::app {
 
@@ -17,7 +17,7 @@ namespace gigabake::app {
 /// Errors  UsageError, from every function of this file: the option, the expected form, the text.
 double number(const char* option, std::string_view text);
 /// Parses three finite numbers separated by commas. `form` describes them in the error message.
-std::array<double, 3> triple(const char* option, const char* form, const std::string& text);
+Vec3d triple(const char* option, const char* form, const std::string& text);
 /// Parses numbers separated by commas; their count must be in `counts`.
 std::vector<double> numbers(const char* option, const char* form, const std::string& text,
                             std::initializer_list<std::size_t> counts);

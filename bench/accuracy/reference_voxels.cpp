@@ -19,14 +19,11 @@ ReferenceVoxels::ReferenceVoxels(const SceneDescription& scene, const std::files
   if (!scene.cells.empty()) origin_ = scene.cells[0].lattice_min;
   for (const SceneCell& cell : scene.cells) {
     const ShardReader shard = open_shard_of_scene(scene_path, scene, cell);
-    std::array<std::int64_t, 3> corner;
-    for (std::size_t a = 0; a < 3; ++a) corner[a] = (cell.lattice_min[a] - origin_[a]) >> lod;
-    add_cell(corner, shard.nodes(), shard.level(lod), lod);
+    add_cell((cell.lattice_min - origin_) >> lod, shard.nodes(), shard.level(lod), lod);
   }
 }
 
-void ReferenceVoxels::add_cell(const std::array<std::int64_t, 3>& corner, const NodeTable& nodes,
-                               const BrickLevel& level, int lod) {
+void ReferenceVoxels::add_cell(const Vec3i64& corner, const NodeTable& nodes, const BrickLevel& level, int lod) {
   for (std::size_t n = 0; n < nodes.key.size(); ++n) {
     const int above = nodes.lod[n] - lod;
     if (above < 0 || (above > 0 && nodes.kind[n] != NodeKind::leaf_constant)) continue;
@@ -41,7 +38,7 @@ void ReferenceVoxels::add_cell(const std::array<std::int64_t, 3>& corner, const 
   }
 }
 
-bool ReferenceVoxels::exists(const std::array<std::int64_t, 3>& v) const {
+bool ReferenceVoxels::exists(const Vec3i64& v) const {
   const auto brick = bricks_.find(key_of(v[0] >> 3, v[1] >> 3, v[2] >> 3));
   if (brick != bricks_.end() && (brick->second[std::size_t(v[2] & 7)] >> ((v[0] & 7) + 8 * (v[1] & 7)) & 1) != 0)
     return true;

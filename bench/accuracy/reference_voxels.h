@@ -9,6 +9,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "core/math/vec3.h"
 #include "format/scene/xml/scene_xml.h"
 #include "format/shard/shard.h"
 
@@ -23,13 +24,13 @@ class ReferenceVoxels {
   ReferenceVoxels(const SceneDescription& scene, const std::filesystem::path& scene_path, int lod);
 
   /// Returns true if the voxel exists. v: voxels of the lod, relative to origin().
-  bool exists(const std::array<std::int64_t, 3>& v) const;
-  const std::array<std::int64_t, 3>& origin() const { return origin_; }
+  bool exists(const Vec3i64& v) const;
+  const Vec3i64& origin() const { return origin_; }
 
  private:
-  void add_cell(const std::array<std::int64_t, 3>& corner, const NodeTable& nodes, const BrickLevel& level, int lod);
+  void add_cell(const Vec3i64& corner, const NodeTable& nodes, const BrickLevel& level, int lod);
 
-  std::array<std::int64_t, 3> origin_{};
+  Vec3i64 origin_{};
   std::unordered_map<std::uint64_t, std::array<std::uint64_t, 8>> bricks_;  ///< key: coordinates in bricks
   std::map<int, std::unordered_set<std::uint64_t>> constants_;  ///< constant nodes, by number of levels above the lod
 };

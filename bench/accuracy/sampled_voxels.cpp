@@ -39,10 +39,8 @@ std::vector<SampledVoxel> sample_voxels(const SceneDescription& scene, const std
         shard.nodes(), shard.level(0), 0,
         [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
           if (!choice.takes_next()) return;
-          const std::array<std::int64_t, 3>& corner = cell.lattice_min;
-          sampled.push_back({{corner[0] + x, corner[1] + y, corner[2] + z},
-                             {rgba[0], rgba[1], rgba[2], rgba[3]},
-                             {normal[0], normal[1]}});
+          sampled.push_back(
+              {cell.lattice_min + Vec3i64{x, y, z}, {rgba[0], rgba[1], rgba[2], rgba[3]}, {normal[0], normal[1]}});
         });
   }
   return sampled;

@@ -6,12 +6,13 @@
 #include <filesystem>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "format/scene/xml/scene_xml.h"
 
 namespace gigabake::bench {
 
 struct SampledVoxel {
-  std::array<std::int64_t, 3> at{};  ///< in voxels of the bake's lattice
+  Vec3i64 at{};  ///< in voxels of the bake's lattice
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};  ///< zeros if the scene has none
 };

@@ -32,7 +32,7 @@ double sum_of_squares(const Rgb& a, const Rgb& b) {
 
 /// Returns the distance from a point to the nearest voxel in the maximum norm, in voxels; 2 if none is within 1.
 double distance_to_voxels(const ReferenceVoxels& voxels, const Vector& p) {
-  std::array<std::int64_t, 3> in;
+  Vec3i64 in;
   for (std::size_t a = 0; a < 3; ++a) in[a] = std::int64_t(std::floor(p[a])) - voxels.origin()[a];
   if (voxels.exists(in)) return 0;
   double nearest = 2;

@@ -16,7 +16,7 @@ namespace {
 CellJob job_of(const HardCase& hard, std::size_t tiles) {
   CellJob job;
   job.name = "cell";
-  job.lattice_min = hard.window.min;
+  job.lattice_min = {hard.window.min[0], hard.window.min[1], hard.window.min[2]};
   job.cell_voxels = std::uint32_t(hard.window.edge);
   job.tiles.resize(tiles);
   std::iota(job.tiles.begin(), job.tiles.end(), 0u);

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
+#include "core/math/vec3.h"
 #include "core/octree/brick.h"
 
 namespace gigabake {
@@ -13,13 +14,14 @@ namespace gigabake {
 /// The bake's lattice in the scene frame.
 struct SnapFrame {
   double voxel_size_m = 1;
-  double lattice_origin_m[3] = {0, 0, 0};  ///< lowest corner of voxel 0,0,0
+  Vec3d lattice_origin_m{};  ///< lowest corner of voxel 0,0,0
 };
 
 /// A snapped vertex in sub-voxels (1/256 voxel) from the lattice origin.
 struct LatticePoint {
-  std::int64_t v[3];
+  Vec3i64 v;
 };
+static_assert(sizeof(SnapFrame) == 32 && sizeof(LatticePoint) == 24);  // both are uploaded
 
 /// The max |sub-voxel| coordinate that snap() accepts: 2^53.
 inline constexpr double snap_limit = 9007199254740992.0;

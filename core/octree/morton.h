@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
+#include "core/math/vec3.h"
 
 namespace gigabake {
 
@@ -37,6 +38,11 @@ GB_HD std::uint64_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
 
 struct BrickCoordinate {
   std::uint32_t x, y, z;
+
+  template <class T>
+  GB_HD constexpr explicit operator Vec3<T>() const {
+    return {T(x), T(y), T(z)};
+  }
 };
 
 GB_HD BrickCoordinate demorton(std::uint64_t key) {

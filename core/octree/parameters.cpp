@@ -1,5 +1,6 @@
 #include "core/octree/parameters.h"
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <fmt/format.h>
@@ -47,7 +48,8 @@ BakeParameters parameters_from_json(const std::string& json) {
   try {
     const OrderedJson j = OrderedJson::parse(json);
     j.at("voxel_size_m").get_to(p.voxel_size_m);
-    j.at("lattice_origin_m").get_to(p.lattice_origin_m);
+    const auto origin_m = j.at("lattice_origin_m").get<std::array<double, 3>>();
+    p.lattice_origin_m = {origin_m[0], origin_m[1], origin_m[2]};
     j.at("cell_voxels").get_to(p.cell_voxels);
     get_named(j, "surface", p.surface);
     get_named(j, "mip", p.mip);

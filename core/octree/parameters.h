@@ -1,20 +1,20 @@
 /// The parameters of a bake. They and the sources determine its result; scene.xml and fingerprints contain them.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 
 #include "core/base/rules.h"
 #include "core/math/frames.h"
+#include "core/math/vec3.h"
 
 namespace gigabake {
 
 struct BakeParameters {
-  double voxel_size_m = 0;                   ///< > 0
-  std::array<double, 3> lattice_origin_m{};  ///< scene position of the lowest corner of voxel 0,0,0
-  std::uint32_t cell_voxels = 1024;          ///< N: a power of two, 8 … 8192
+  double voxel_size_m = 0;           ///< > 0
+  Vec3d lattice_origin_m{};          ///< scene position of the lowest corner of voxel 0,0,0
+  std::uint32_t cell_voxels = 1024;  ///< N: a power of two, 8 … 8192
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;
   bool normals = true;

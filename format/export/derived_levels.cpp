@@ -23,7 +23,7 @@ std::uint32_t covered(const std::array<std::uint32_t, 8>& alpha) {
 struct Octet {
   std::array<std::uint32_t, 8> alpha{};
   std::uint32_t weight = 0;
-  std::array<double, 3> colour{}, normal{};
+  Vec3d colour{}, normal{};
 
   void add(const DerivedLevels::Voxel& voxel) {
     const std::array<double, 256>& linear = linear_of_srgb();
@@ -48,12 +48,10 @@ struct Octet {
   }
 };
 
-LevelIndex parent_of(const LevelIndex& at) { return {at[0] >> 1, at[1] >> 1, at[2] >> 1}; }
-
 /// Sorts voxels by their parents. If two voxels have the same position, the later one is used.
 void sort_by_place(std::vector<DerivedLevels::Voxel>& voxels) {
   std::stable_sort(voxels.begin(), voxels.end(), [](const DerivedLevels::Voxel& a, const DerivedLevels::Voxel& b) {
-    const LevelIndex above_a = parent_of(a.at), above_b = parent_of(b.at);
+    const LevelIndex above_a = a.at >> 1, above_b = b.at >> 1;
     return above_a != above_b ? above_a < above_b : a.at < b.at;
   });
   std::size_t kept = 0;
@@ -65,9 +63,9 @@ void sort_by_place(std::vector<DerivedLevels::Voxel>& voxels) {
 std::vector<DerivedLevels::Voxel> level_above(const std::vector<DerivedLevels::Voxel>& below) {
   std::vector<DerivedLevels::Voxel> above;
   for (std::size_t i = 0; i < below.size();) {
-    const LevelIndex place = parent_of(below[i].at);
+    const LevelIndex place = below[i].at >> 1;
     Octet octet;
-    for (; i < below.size() && parent_of(below[i].at) == place; ++i) octet.add(below[i]);
+    for (; i < below.size() && below[i].at >> 1 == place; ++i) octet.add(below[i]);
     if (octet.weight > 0) above.push_back(octet.at(place));
   }
   return above;
@@ -83,7 +81,7 @@ DerivedLevels::DerivedLevels(const PagedScene& scene, const LevelOwners& owners,
   owners.for_each(lowest, lowest, 0, 1, [&](const std::vector<LevelOwner>& shards) {
     for (const LevelOwner& owner : shards)
       ShardLevel(scene, owner.shard, lowest)
-          .for_each_voxel_in({{-all, -all, -all}, {all, all, all}},
+          .for_each_voxel_in({Vec3i64::all(-all), Vec3i64::all(all)},
                              [&](const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal) {
                                Voxel& voxel = voxels.emplace_back();
                                voxel.at = at;

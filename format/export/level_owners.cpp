@@ -25,7 +25,7 @@ LevelOwners::LevelOwners(const PagedScene& scene) : scene_(scene) {
   if (has_overviews()) coarsest_ = std::max(coarsest_, int(scene.totals().voxels.size()) - 1);
 }
 
-std::vector<LevelOwner> LevelOwners::of(int lod, const LatticeBox& box) const {
+std::vector<LevelOwner> LevelOwners::of(int lod, const Box3i64& box) const {
   std::vector<SceneCell> shards = scene_.overviews_in(box, lod);
   if (shards.empty()) shards = scene_.cells_in(box);
   std::vector<LevelOwner> owners;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "core/math/box3.h"
 #include "format/scene/paged_scene.h"
 
 namespace gigabake {
@@ -26,7 +27,7 @@ class LevelOwners {
   /// Returns whether the scene has overviews.
   bool has_overviews() const { return scene_.totals().overviews != 0; }
   /// Returns the owners of a level whose windows overlap the box (voxels of level 0), in the same order at every call.
-  std::vector<LevelOwner> of(int lod, const LatticeBox& box) const;
+  std::vector<LevelOwner> of(int lod, const Box3i64& box) const;
   /// Visits the owners of partition `share` of `shares` that have a level from `finest` to `coarsest`. Partitions are
   /// disjoint and complete.
   /// Cost    One page of the scene in memory; pages of other partitions are not read.

@@ -5,15 +5,8 @@
 namespace gigabake {
 namespace {
 
-LevelIndex corner_of(const ShardHeader& header, int lod) {
-  LevelIndex corner;
-  for (std::size_t c = 0; c < 3; ++c) corner[c] = header.lattice_min[c] >> lod;
-  return corner;
-}
-
 LevelIndex lowest_of(const LevelIndex& corner, std::uint64_t key, std::int64_t edge) {
-  const BrickCoordinate at = demorton(key);
-  return {corner[0] + edge * at.x, corner[1] + edge * at.y, corner[2] + edge * at.z};
+  return corner + LevelIndex(demorton(key)) * edge;
 }
 
 /// Calls visit(node, levels above) for each node that represents voxels of the shard's level.
@@ -33,7 +26,7 @@ ShardLevel::ShardLevel(const PagedScene& scene, const SceneCell& shard, int lod)
   const NodeTable& nodes = read.nodes;
   level_ = std::move(read.level);
   level_.facing = {};
-  corner_ = corner_of(read.header, lod);
+  corner_ = read.header.lattice_min >> lod;
   for_each_node_of(nodes, shard_lod, [&](std::size_t n, int down) {
     if (nodes.kind[n] == NodeKind::brick) {
       keys_.push_back(nodes.key[n]);
@@ -54,13 +47,12 @@ std::uint64_t ShardLevel::bytes() const {
          level_.rgba.size() + level_.normal.size();
 }
 
-std::vector<LevelBox> bricks_of(const ShardHeader& header, const NodeTable& nodes, int lod) {
-  std::vector<LevelBox> boxes;
-  const LevelIndex corner = corner_of(header, lod);
+std::vector<Box3i64> bricks_of(const ShardHeader& header, const NodeTable& nodes, int lod) {
+  std::vector<Box3i64> boxes;
+  const LevelIndex corner = header.lattice_min >> lod;
   for_each_node_of(nodes, lod - int(header.first_lod), [&](std::size_t n, int down) {
     const std::int64_t edge = std::int64_t(brick_edge) << down;
-    const LevelIndex low = lowest_of(corner, nodes.key[n], edge);
-    boxes.push_back({low, {low[0] + edge, low[1] + edge, low[2] + edge}});
+    boxes.push_back(Box3i64::cube(lowest_of(corner, nodes.key[n], edge), edge));
   });
   return boxes;
 }

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/math/box3.h"
 #include "format/export/level_owners.h"
 #include "format/export/voxel_tiles/voxel_tiling.h"
 #include "format/scene/scene_level.h"
@@ -27,7 +28,7 @@ class ShardLevel {
   /// Calls visit(position, rgba, normal) for each voxel in the box. Positions are on the level's lattice, rounded down
   /// if a level of an earlier bake is not aligned with it.
   template <class Visit>
-  void for_each_voxel_in(const LevelBox& box, const Visit& visit) const;
+  void for_each_voxel_in(const Box3i64& box, const Visit& visit) const;
   std::uint64_t bytes() const;
 
  private:
@@ -45,7 +46,7 @@ class ShardLevel {
 };
 
 /// Returns boxes of the bricks and constant nodes of a shard's level, from its node table only.
-std::vector<LevelBox> bricks_of(const ShardHeader& header, const NodeTable& nodes, int lod);
+std::vector<Box3i64> bricks_of(const ShardHeader& header, const NodeTable& nodes, int lod);
 
 /// Cache of the most recently used levels. Thread-safe.
 class ShardLevels {
@@ -70,31 +71,19 @@ class ShardLevels {
 };
 
 template <class Visit>
-void ShardLevel::for_each_voxel_in(const LevelBox& box, const Visit& visit) const {
-  const auto reaches = [&box](const LevelIndex& low, std::int64_t edge) {
-    for (std::size_t c = 0; c < 3; ++c)
-      if (low[c] >= box.end[c] || low[c] + edge <= box.min[c]) return false;
-    return true;
-  };
+void ShardLevel::for_each_voxel_in(const Box3i64& box, const Visit& visit) const {
   for (std::size_t b = 0; b < keys_.size(); ++b) {
-    const BrickCoordinate brick = demorton(keys_[b]);
-    const LevelIndex low{corner_[0] + 8 * std::int64_t(brick.x), corner_[1] + 8 * std::int64_t(brick.y),
-                         corner_[2] + 8 * std::int64_t(brick.z)};
-    if (!reaches(low, brick_edge)) continue;
+    const LevelIndex low = corner_ + LevelIndex(demorton(keys_[b])) * brick_edge;
+    if (!box.overlaps(Box3i64::cube(low, brick_edge))) continue;
     for_each_voxel(
         level_, number_[b], {},
         [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
           const LevelIndex at{low[0] + x, low[1] + y, low[2] + z};
-          if (holds(box, at)) visit(at, rgba, normal);
+          if (box.contains(at)) visit(at, rgba, normal);
         });
   }
   for (const Constant& node : constants_) {
-    if (!reaches(node.lowest, node.edge)) continue;
-    LevelBox part;
-    for (std::size_t c = 0; c < 3; ++c) {
-      part.min[c] = std::max(box.min[c], node.lowest[c]);
-      part.end[c] = std::min(box.end[c], node.lowest[c] + node.edge);
-    }
+    const Box3i64 part = intersection(box, Box3i64::cube(node.lowest, node.edge));
     for (std::int64_t z = part.min[2]; z < part.end[2]; ++z)
       for (std::int64_t y = part.min[1]; y < part.end[1]; ++y)
         for (std::int64_t x = part.min[0]; x < part.end[0]; ++x)

@@ -88,7 +88,7 @@ VoxelGrid::VoxelGrid(std::uint32_t tile_edge, bool normals, GridOrder order)
   normals_.resize(4 * voxels);
 }
 
-void VoxelGrid::clear(const LevelBox& padded_box) {
+void VoxelGrid::clear(const Box3i64& padded_box) {
   lowest_ = padded_box.min;
   if (is_empty_) return;
   is_empty_ = true;

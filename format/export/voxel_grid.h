@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/math/box3.h"
 #include "format/export/voxel_tiles/voxel_tiling.h"
 
 namespace gigabake {
@@ -32,7 +33,7 @@ class VoxelGrid {
  public:
   VoxelGrid(std::uint32_t tile_edge, bool normals, GridOrder order);
 
-  void clear(const LevelBox& padded_box);
+  void clear(const Box3i64& padded_box);
   /// Sets a voxel inside the box, replacing an existing one.
   void set(const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal);
   std::size_t size() const { return rgba_.size() / 4; }

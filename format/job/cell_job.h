@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/rules.h"
+#include "core/math/vec3.h"
 #include "format/job/tile_scan.h"
 #include "format/scene/xml/scene_xml.h"
 #include "format/shard/levels/level_summary.h"
@@ -20,12 +21,12 @@ namespace gigabake {
 
 /// A cell, or an overview: the levels above a block of cells or of other overviews (scheduler/plan/overviews.h).
 struct CellJob {
-  std::uint32_t id = 0;                       ///< index into BakePlan::jobs
-  std::string name;                           ///< "c_X_Y_Z": column and stack index; "pL_X_Y_Z" for an overview
-  std::array<std::int64_t, 3> lattice_min{};  ///< lod-0 voxels; x, y multiples of N, z of the coarsest level's voxel
-  std::uint32_t cell_voxels = 0;              ///< N
-  std::vector<std::uint32_t> tiles;           ///< indices into SceneSources::tiles, ascending
-  std::uint64_t triangles = 0;                ///< estimate, used to order the jobs
+  std::uint32_t id = 0;              ///< index into BakePlan::jobs
+  std::string name;                  ///< "c_X_Y_Z": column and stack index; "pL_X_Y_Z" for an overview
+  Vec3i64 lattice_min{};             ///< lod-0 voxels; x, y multiples of N, z of the coarsest level's voxel
+  std::uint32_t cell_voxels = 0;     ///< N
+  std::vector<std::uint32_t> tiles;  ///< indices into SceneSources::tiles, ascending
+  std::uint64_t triangles = 0;       ///< estimate, used to order the jobs
   Hash128 fingerprint;
   std::vector<Hash128> tile_sources;  ///< TileScan::source of each of `tiles`; empty: not checked
   std::uint32_t first_lod = 0;        ///< overview: its finest level on the lattice. 0: a cell

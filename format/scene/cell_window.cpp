@@ -11,7 +11,7 @@ CellFinder::CellFinder(const std::vector<SceneCell>& cells) : cells_(cells), by_
   for (const SceneCell& c : cells) max_edge_ = std::max<std::int64_t>(max_edge_, c.cell_voxels);
 }
 
-std::vector<std::size_t> CellFinder::overlapping(const LatticeBox& box) const {
+std::vector<std::size_t> CellFinder::overlapping(const Box3i64& box) const {
   std::vector<std::size_t> found;
   auto at = std::upper_bound(by_x_.begin(), by_x_.end(), box.min[0] - max_edge_,
                              [&](std::int64_t x, std::size_t i) { return x < cells_[i].lattice_min[0]; });

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/math/box3.h"
 #include "format/scene/xml/scene_xml.h"
 
 namespace gigabake {
@@ -15,7 +16,7 @@ class CellFinder {
  public:
   explicit CellFinder(const std::vector<SceneCell>& cells);
   /// Returns indices into the scene's cells, in ascending order.
-  std::vector<std::size_t> overlapping(const LatticeBox& box) const;
+  std::vector<std::size_t> overlapping(const Box3i64& box) const;
 
  private:
   const std::vector<SceneCell>& cells_;

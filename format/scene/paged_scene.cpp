@@ -14,7 +14,7 @@ namespace gigabake {
 
 namespace {
 
-auto lattice_order(const SceneCell& c) { return std::tie(c.lattice_min[2], c.lattice_min[1], c.lattice_min[0]); }
+Vec3i64 lattice_order(const SceneCell& c) { return c.lattice_min.zyx(); }
 
 }  // namespace
 
@@ -105,14 +105,14 @@ void PagedScene::for_each_page(
                     [&](std::size_t i, std::size_t, int) { visit(i, read_page(scene_xml_, header_, pages[i]).cells); });
 }
 
-void PagedScene::collect(const ScenePage& page, const LatticeBox& box, std::vector<SceneCell>& found) const {
+void PagedScene::collect(const ScenePage& page, const Box3i64& box, std::vector<SceneCell>& found) const {
   for (const SceneCell& cell : page.cells)
     if (!intersection(window_of(cell), box).is_empty()) found.push_back(cell);
   for (const PageReference& below : page.pages)
     if (!intersection(below.totals.window, box).is_empty()) collect(read_page(scene_xml_, header_, below), box, found);
 }
 
-std::vector<SceneCell> PagedScene::cells_in(const LatticeBox& box) const {
+std::vector<SceneCell> PagedScene::cells_in(const Box3i64& box) const {
   std::vector<SceneCell> found;
   collect(root_, box, found);
   std::sort(found.begin(), found.end(), is_before);
@@ -139,7 +139,7 @@ std::vector<SceneCell> PagedScene::overviews() const {
 }
 
 /// Skips pages whose block does not overlap the box, because a page's overviews lie in its block.
-void PagedScene::collect_overviews(const ScenePage& page, const LatticeBox& box, int lod,
+void PagedScene::collect_overviews(const ScenePage& page, const Box3i64& box, int lod,
                                    std::vector<SceneCell>& found) const {
   for (const SceneCell& overview : page.overviews)
     if (int(overview.own_lod()) <= lod && lod < int(overview.first_lod + overview.lods) &&
@@ -151,7 +151,7 @@ void PagedScene::collect_overviews(const ScenePage& page, const LatticeBox& box,
       collect_overviews(read_page(scene_xml_, header_, below), box, lod, found);
 }
 
-std::vector<SceneCell> PagedScene::overviews_in(const LatticeBox& box, int lod) const {
+std::vector<SceneCell> PagedScene::overviews_in(const Box3i64& box, int lod) const {
   std::vector<SceneCell> found;
   collect_overviews(root_, box, lod, found);
   return found;

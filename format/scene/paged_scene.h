@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/thread_pool.h"
+#include "core/math/box3.h"
 #include "format/scene/scene_page.h"
 
 namespace gigabake {
@@ -60,10 +61,10 @@ class PagedScene {
 
   /// Returns the cells whose windows overlap the box, by lattice_min z, y, x.
   /// Cost    Reads the pages that may contain such cells.
-  std::vector<SceneCell> cells_in(const LatticeBox& box) const;
+  std::vector<SceneCell> cells_in(const Box3i64& box) const;
   /// Returns the overviews that overlap the box and have that level natively (not as a duplicate).
   /// Cost    See cells_in().
-  std::vector<SceneCell> overviews_in(const LatticeBox& box, int lod) const;
+  std::vector<SceneCell> overviews_in(const Box3i64& box, int lod) const;
 
   /// Returns all cells, in the order of the pages.
   std::vector<SceneCell> cells(const ThreadPool& pool = callers_thread()) const;
@@ -76,8 +77,8 @@ class PagedScene {
   void visit_below(const ScenePage& page, const VisitCells& visit) const;
   void visit_references(const ScenePage& page, const std::function<void(const PageReference&)>& visit) const;
   void visit_overviews(const ScenePage& page, const VisitCell& visit) const;
-  void collect(const ScenePage& page, const LatticeBox& box, std::vector<SceneCell>& found) const;
-  void collect_overviews(const ScenePage& page, const LatticeBox& box, int lod, std::vector<SceneCell>& found) const;
+  void collect(const ScenePage& page, const Box3i64& box, std::vector<SceneCell>& found) const;
+  void collect_overviews(const ScenePage& page, const Box3i64& box, int lod, std::vector<SceneCell>& found) const;
 
   std::filesystem::path scene_xml_;
   SceneHeader header_;

@@ -21,13 +21,11 @@ void visit_constant(const NodeTable& nodes, std::size_t node, int down, const Le
   const std::uint8_t rgba[4] = {std::uint8_t(v), std::uint8_t(v >> 8), std::uint8_t(v >> 16), std::uint8_t(v >> 24)};
   DenseBrick brick;
   for (std::size_t voxel = 0; voxel < brick_voxels; ++voxel) brick.set(voxel, rgba, nodes.normal[node].data());
-  const BrickCoordinate at = demorton(nodes.key[node]);
   const std::int64_t edge = std::int64_t(1) << down;
+  const LevelIndex at = cell + LevelIndex(demorton(nodes.key[node])) * (brick_edge * edge);
   for (std::int64_t z = 0; z < edge; ++z)
     for (std::int64_t y = 0; y < edge; ++y)
-      for (std::int64_t x = 0; x < edge; ++x)
-        visit({cell[0] + 8 * (at.x * edge + x), cell[1] + 8 * (at.y * edge + y), cell[2] + 8 * (at.z * edge + z)},
-              brick);
+      for (std::int64_t x = 0; x < edge; ++x) visit(at + LevelIndex{x, y, z} * brick_edge, brick);
 }
 
 std::uint64_t voxels_in(const DenseBrick& brick) {
@@ -60,8 +58,7 @@ void DenseBrick::set(std::size_t voxel, const std::uint8_t* colour, const std::i
 void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level, int lod,
                           const VisitBrick& visit) {
   const int shard_lod = lod - int(header.first_lod);
-  LevelIndex cell;
-  for (std::size_t c = 0; c < 3; ++c) cell[c] = header.lattice_min[c] >> lod;
+  const LevelIndex cell = header.lattice_min >> lod;
   for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] >= shard_lod; ++n) {
     const int down = nodes.lod[n] - shard_lod;
     if (nodes.kind[n] != NodeKind::brick) {
@@ -69,13 +66,11 @@ void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, con
       continue;
     }
     if (down != 0) continue;
-    const BrickCoordinate at = demorton(nodes.key[n]);
     DenseBrick brick;
     for_each_voxel(level, nodes.value[n], {},
                    [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
                        const std::int8_t* normal) { brick.set(x + 8 * y + 64 * z, rgba, normal); });
-    visit({cell[0] + 8 * std::int64_t(at.x), cell[1] + 8 * std::int64_t(at.y), cell[2] + 8 * std::int64_t(at.z)},
-          brick);
+    visit(cell + LevelIndex(demorton(nodes.key[n])) * brick_edge, brick);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "core/base/progress.h"
+#include "core/math/vec3.h"
 #include "format/scene/paged_scene.h"
 #include "format/shard/shard.h"
 
@@ -14,7 +15,7 @@ namespace gigabake {
 
 /// Position of a voxel, or of a brick's lowest voxel, on the lattice of its level: in voxels of 2^lod from the
 /// lattice's 0,0,0.
-using LevelIndex = std::array<std::int64_t, 3>;
+using LevelIndex = Vec3i64;
 
 /// Voxel (x, y, z) is bit x + 8y of mask[z] and element x + 8y + 64z.
 struct DenseBrick {

@@ -1,13 +1,13 @@
 /// A page of a scene: the file of one group, which lists cells or refers to smaller pages (docs/format.md, "Pages").
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/math/box3.h"
 #include "format/scene/xml/scene_xml.h"
 
 namespace gigabake {
@@ -31,21 +31,21 @@ struct SceneTotals {
   std::vector<std::uint64_t> level_bytes;  ///< empty if a cell or an overview lacks it
   std::uint64_t node_bytes = 0;            ///< 0 if a cell or an overview lacks it
   std::uint32_t cell_voxels = 0;           ///< of all cells; 0 if cells have several sizes
-  LatticeBox window;                       ///< of all cells; empty if there are none
+  Box3i64 window;                          ///< of all cells; empty if there are none
 };
 
 /// The lattice cube of a page.
 /// Range   edge is a power of two, min a multiple of it.
 struct LatticeBlock {
-  std::array<std::int64_t, 3> min{};
+  Vec3i64 min{};
   std::int64_t edge = 0;
 
-  LatticeBox box() const { return {min, {min[0] + edge, min[1] + edge, min[2] + edge}}; }
+  Box3i64 box() const { return Box3i64::cube(min, edge); }
   friend bool operator==(const LatticeBlock&, const LatticeBlock&) = default;
 };
 
 /// Returns the block of that edge that contains a voxel.
-LatticeBlock block_around(const std::array<std::int64_t, 3>& voxel, std::int64_t edge);
+LatticeBlock block_around(const Vec3i64& voxel, std::int64_t edge);
 /// Returns whether the shard's whole window lies in the block. At most one block of a group contains it.
 bool lies_in(const SceneCell& shard, const LatticeBlock& block);
 

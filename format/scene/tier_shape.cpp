@@ -1,7 +1,6 @@
 #include "format/scene/tier_shape.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <fmt/format.h>
 #include <map>
@@ -12,8 +11,6 @@
 
 namespace gigabake {
 namespace {
-
-using Corner = std::array<std::int64_t, 3>;
 
 constexpr int max_window_bits = 31;
 
@@ -31,19 +28,20 @@ bool is_of_tier(const SceneCell& overview, const TierShape& tier, bool is_root) 
 }
 
 /// The overviews of one level, by the corners of their windows.
-using Tier = std::set<Corner>;
+using Tier = std::set<Vec3i64>;
 
 /// Returns whether a window of the level contains the voxel. is_alone: the level has one window, which need not be
 /// aligned to its edge.
-bool has_around(const Tier& tier, const TierShape& shape, bool is_alone, const Corner& voxel) {
+bool has_around(const Tier& tier, const TierShape& shape, bool is_alone, const Vec3i64& voxel) {
   const std::int64_t edge = std::int64_t(1) << shape.window_bits();
-  return is_alone ? LatticeBlock{*tier.begin(), edge}.box().holds(voxel) : tier.contains(block_around(voxel, edge).min);
+  return is_alone ? LatticeBlock{*tier.begin(), edge}.box().contains(voxel)
+                  : tier.contains(block_around(voxel, edge).min);
 }
 
 /// Returns whether each overview lies in one of the next higher level.
 bool lies_below(const Tier& tier, const TierShape& above_shape, const Tier& above, bool above_is_root) {
   return std::ranges::all_of(
-      tier, [&](const Corner& corner) { return has_around(above, above_shape, above_is_root, corner); });
+      tier, [&](const Vec3i64& corner) { return has_around(above, above_shape, above_is_root, corner); });
 }
 
 /// Returns whether overviews may be missing without a record: those that depended on a lost cell or overview.
@@ -109,10 +107,10 @@ bool cover_cells(CellPart part, std::span<const SceneCell> overviews, const Tier
   Tier tier;
   for (const SceneCell& overview : overviews)
     if (shape_of(overview) == lowest) tier.insert(overview.lattice_min);
-  const auto is_held = [&](const Corner& voxel) { return has_around(tier, lowest, tier.size() == 1, voxel); };
+  const auto is_held = [&](const Vec3i64& voxel) { return has_around(tier, lowest, tier.size() == 1, voxel); };
   bool all = true;
   for_each_cell([&](const SceneCell& cell) {
-    Corner high = cell.lattice_min;
+    Vec3i64 high = cell.lattice_min;
     high[2] += std::int64_t(cell.cell_voxels) - 1;
     const bool low_is = is_held(cell.lattice_min), high_is = is_held(high);
     all = all && (part == CellPart::all ? low_is && high_is : low_is || high_is);

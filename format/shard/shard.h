@@ -1,7 +1,6 @@
 /// A shard: the sparse voxel octree of one cell in one HDF5 file (layout and byte order: docs/format.md).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -13,6 +12,7 @@
 #include "core/base/thread_pool.h"
 #include "core/io/hash128.h"
 #include "core/math/frames.h"
+#include "core/math/vec3.h"
 #include "core/octree/downsample_state.h"
 #include "core/octree/octree.h"
 
@@ -38,14 +38,14 @@ struct BrickBlock {
 };
 
 struct ShardHeader {
-  std::string generator;                      ///< program and version: "gigabake 0.2.0"
-  std::string cell;                           ///< cell name, e.g. "c_3_-2_0"
-  std::array<std::int64_t, 3> lattice_min{};  ///< lod-0 voxel index of the cell's lowest corner
-  std::uint32_t cell_voxels = 0;              ///< edge in lod-0 voxels, a power of two ≥ 8
-  std::uint32_t first_lod = 0;                ///< lattice level of the shard's level 0. 0: a cell; else an overview
-  std::uint32_t copied_lods = 0;              ///< number of finest levels that duplicate the children's; overviews only
+  std::string generator;          ///< program and version: "gigabake 0.2.0"
+  std::string cell;               ///< cell name, e.g. "c_3_-2_0"
+  Vec3i64 lattice_min{};          ///< lod-0 voxel index of the cell's lowest corner
+  std::uint32_t cell_voxels = 0;  ///< edge in lod-0 voxels, a power of two ≥ 8
+  std::uint32_t first_lod = 0;    ///< lattice level of the shard's level 0. 0: a cell; else an overview
+  std::uint32_t copied_lods = 0;  ///< number of finest levels that duplicate the children's; overviews only
   double voxel_size_m = 0;
-  std::array<double, 3> lattice_origin_m{};  ///< scene position of the lattice's 0,0,0 corner
+  Vec3d lattice_origin_m{};  ///< scene position of the lattice's 0,0,0 corner
   std::optional<Geodetic> origin;
   std::uint32_t lods = 0;             ///< log2(cell_voxels/8)+1 minus first_lod
   Hash128 fingerprint;                ///< hash of all inputs of the bake

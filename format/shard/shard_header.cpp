@@ -58,10 +58,10 @@ ShardHeader read_header(const Hdf5File& file) {
   ShardHeader h;
   h.generator = file.read_text("generator");
   h.cell = file.read_text("cell");
-  file.read_attribute("lattice_min", Hdf5Type::i64, h.lattice_min.data(), 3);
+  file.read_attribute("lattice_min", Hdf5Type::i64, h.lattice_min.v, 3);
   h.cell_voxels = scalar<std::uint32_t>(file, "cell_voxels", Hdf5Type::u32);
   h.voxel_size_m = scalar<double>(file, "voxel_size_m", Hdf5Type::f64);
-  file.read_attribute("lattice_origin_m", Hdf5Type::f64, h.lattice_origin_m.data(), 3);
+  file.read_attribute("lattice_origin_m", Hdf5Type::f64, h.lattice_origin_m.v, 3);
   h.lods = scalar<std::uint32_t>(file, "lods", Hdf5Type::u32);
   if (version >= 4) h.first_lod = scalar<std::uint32_t>(file, "first_lod", Hdf5Type::u32);
   if (version >= 5) h.copied_lods = scalar<std::uint32_t>(file, "copied_lods", Hdf5Type::u32);

@@ -20,10 +20,10 @@ void write_header(Hdf5File& file, const ShardHeader& h, const DownsampleState& a
   file.write_attribute("version", Hdf5Type::i32, &shard_version, 0);
   file.write_attribute("generator", h.generator);
   file.write_attribute("cell", h.cell);
-  file.write_attribute("lattice_min", Hdf5Type::i64, h.lattice_min.data(), 3);
+  file.write_attribute("lattice_min", Hdf5Type::i64, h.lattice_min.v, 3);
   u32("cell_voxels", h.cell_voxels);
   file.write_attribute("voxel_size_m", Hdf5Type::f64, &h.voxel_size_m, 0);
-  file.write_attribute("lattice_origin_m", Hdf5Type::f64, h.lattice_origin_m.data(), 3);
+  file.write_attribute("lattice_origin_m", Hdf5Type::f64, h.lattice_origin_m.v, 3);
   u32("brick_edge", brick_edge);
   u32("lods", h.lods);
   u32("first_lod", h.first_lod);

@@ -2,47 +2,32 @@
 
 #define XXH_INLINE_ALL
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <map>
 #include <xxhash.h>
 
+#include "core/math/box3.h"
 #include "core/octree/brick.h"
 
 namespace gigabake {
 namespace {
-
-using Corner = std::array<std::int64_t, 3>;
 
 std::int64_t floor_multiple(std::int64_t v, std::int64_t of) {
   const std::int64_t rest = v % of;
   return v - (rest < 0 ? rest + of : rest);
 }
 
-/// The bounding box of some jobs' windows on the lattice, half-open.
-struct JobBox {
-  Corner min, end;
+/// Returns the bounding box of the jobs' windows on the lattice.
+Box3i64 bounds_of(std::span<const CellJob> jobs) {
+  Box3i64 bounds;
+  for (const CellJob& job : jobs) bounds = hull(bounds, Box3i64::cube(job.lattice_min, job.cell_voxels));
+  return bounds;
+}
 
-  explicit JobBox(std::span<const CellJob> jobs) : min(jobs[0].lattice_min), end(min) {
-    for (const CellJob& job : jobs)
-      for (std::size_t a = 0; a < 3; ++a) {
-        min[a] = std::min(min[a], job.lattice_min[a]);
-        end[a] = std::max(end[a], job.lattice_min[a] + std::int64_t(job.cell_voxels));
-      }
-  }
-  /// Returns the lowest corner of a window of 2^bits voxels: the largest multiple of half its edge at or below `min`.
-  Corner window(int bits) const {
-    Corner low;
-    for (std::size_t a = 0; a < 3; ++a) low[a] = floor_multiple(min[a], std::int64_t(1) << (bits - 1));
-    return low;
-  }
-  bool fits(int bits) const {
-    const Corner low = window(bits);
-    for (std::size_t a = 0; a < 3; ++a)
-      if (end[a] > low[a] + (std::int64_t(1) << bits)) return false;
-    return true;
-  }
-};
+/// Returns a window of 2^bits voxels. Its lowest corner is the largest multiple of half its edge at or below `min`.
+Box3i64 window_at(const Vec3i64& min, int bits) {
+  return Box3i64::cube(min >> (bits - 1) << (bits - 1), std::int64_t(1) << bits);
+}
 
 /// Returns the finest lattice level that an overview of 2^bits voxels stores. child_lod: the children's finest level.
 int finest_copy(int bits, int child_lod) {
@@ -51,7 +36,7 @@ int finest_copy(int bits, int child_lod) {
 }
 
 /// Makes an overview job. child_lod: the finest level that its children store.
-CellJob overview_of(const Corner& min, int child_bits, int child_lod, int levels) {
+CellJob overview_of(const Vec3i64& min, int child_bits, int child_lod, int levels) {
   CellJob job;
   const std::int64_t child = std::int64_t(1) << child_bits;
   const int own_lod = child_bits - std::countr_zero(unsigned(brick_edge)) + 1;
@@ -72,10 +57,10 @@ class OverviewLevelBuilder {
       : jobs_(jobs), first_(first), bits_(bits), child_lod_(int(jobs[first].first_lod)) {}
 
   bool add() {
-    const JobBox box(std::span<const CellJob>(jobs_).subspan(first_));
+    const Box3i64 bounds = bounds_of(std::span<const CellJob>(jobs_).subspan(first_));
     for (int levels = 1; levels <= max_levels_per_overview && bits_ + levels <= max_window_bits; ++levels)
-      if (box.fits(bits_ + levels)) {
-        add_root(box.window(bits_ + levels), levels);
+      if (const Box3i64 window = window_at(bounds.min, bits_ + levels); hull(window, bounds) == window) {
+        add_root(window.min, levels);
         return true;
       }
     if (bits_ + max_levels_per_overview > max_window_bits) return true;
@@ -84,7 +69,7 @@ class OverviewLevelBuilder {
   }
 
  private:
-  void add_root(const Corner& min, int levels) {
+  void add_root(const Vec3i64& min, int levels) {
     CellJob root = overview_of(min, bits_, child_lod_, levels);
     for (std::size_t i = first_; i < jobs_.size(); ++i) root.children.push_back(std::uint32_t(i));
     jobs_.push_back(std::move(root));
@@ -94,10 +79,10 @@ class OverviewLevelBuilder {
   /// voxel of their coarsest level.
   void add_blocks() {
     const std::int64_t edge = std::int64_t(1) << (bits_ + max_levels_per_overview), child = std::int64_t(1) << bits_;
-    std::map<Corner, std::vector<std::uint32_t>> blocks;
+    std::map<Vec3i64, std::vector<std::uint32_t>> blocks;
     for (std::size_t i = first_; i < jobs_.size(); ++i) {
-      const Corner& min = jobs_[i].lattice_min;
-      Corner block{floor_multiple(min[2], edge), floor_multiple(min[1], edge), floor_multiple(min[0], edge)};
+      const Vec3i64& min = jobs_[i].lattice_min;
+      Vec3i64 block{floor_multiple(min[2], edge), floor_multiple(min[1], edge), floor_multiple(min[0], edge)};
       for (; block[0] < min[2] + child; block[0] += edge) blocks[block].push_back(std::uint32_t(i));
     }
     for (auto& [zyx, children] : blocks) {

@@ -18,8 +18,7 @@ const ThreadPool& one_thread() {
   return pool;
 }
 
-void paint_brick(const Painter& paint, const std::array<std::int64_t, 3>& corner, std::uint64_t key,
-                 kernels::Level& level) {
+void paint_brick(const Painter& paint, const Vec3i64& corner, std::uint64_t key, kernels::Level& level) {
   std::uint64_t mask[8] = {};
   for (int i = 0; i < brick_voxels; ++i) {
     const auto voxel = paint(corner[0] + (i & 7), corner[1] + (i >> 3 & 7), corner[2] + (i >> 6));
@@ -34,8 +33,7 @@ void paint_brick(const Painter& paint, const std::array<std::int64_t, 3>& corner
   level.first.push_back(level.rgba.size() / 4);
 }
 
-std::vector<kernels::Level> paint_levels(const Painter& paint, const std::array<std::int64_t, 3>& min,
-                                         std::uint32_t edge) {
+std::vector<kernels::Level> paint_levels(const Painter& paint, const Vec3i64& min, std::uint32_t edge) {
   std::vector<kernels::Level> levels(1);
   levels[0].first.push_back(0);
   const std::uint64_t bricks = std::uint64_t(edge / 8) * (edge / 8) * (edge / 8);
@@ -102,7 +100,7 @@ BrickBlock bricks_of(const BrickLevel& level, std::uint32_t block) {
 
 }  // namespace
 
-void VoxelScene::add_cell(const Painter& paint, const std::array<std::int64_t, 3>& lattice_min, Nodes nodes) {
+void VoxelScene::add_cell(const Painter& paint, const Vec3i64& lattice_min, Nodes nodes) {
   std::vector<kernels::Level> levels = paint_levels(paint, lattice_min, cell_voxels_);
   if (levels[0].key.empty()) return;
   NodeTable table = nodes == Nodes::pruned ? kernels::prune(levels, one_thread()) : nodes_of_bricks(levels);
@@ -127,8 +125,7 @@ void VoxelScene::add_shard(const std::vector<kernels::Level>& levels, NodeTable 
   to.push_back(std::move(cell));
 }
 
-void VoxelScene::add_overview(const Painter& paint, const std::array<std::int64_t, 3>& min, std::uint32_t edge,
-                              int first_lod, int copied) {
+void VoxelScene::add_overview(const Painter& paint, const Vec3i64& min, std::uint32_t edge, int first_lod, int copied) {
   std::vector<kernels::Level> levels = paint_levels(paint, min, edge);
   levels.erase(levels.begin(), levels.begin() + first_lod);
   if (levels[0].key.empty()) return;
@@ -140,7 +137,7 @@ void VoxelScene::add_overview(const Painter& paint, const std::array<std::int64_
   add_shard(levels, nodes_of_bricks(levels), std::move(overview), description_.overviews);
 }
 
-void VoxelScene::add_cells(const Painter& paint, const std::array<std::int64_t, 3>& min, std::int64_t edge) {
+void VoxelScene::add_cells(const Painter& paint, const Vec3i64& min, std::int64_t edge) {
   for (std::int64_t z = 0; z < edge; z += cell_voxels_)
     for (std::int64_t y = 0; y < edge; y += cell_voxels_)
       for (std::int64_t x = 0; x < edge; x += cell_voxels_) add_cell(paint, {min[0] + x, min[1] + y, min[2] + z});

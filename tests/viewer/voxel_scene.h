@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "format/scene/xml/scene_xml.h"
 #include "format/shard/shard.h"
 #include "kernels/cpu/mip/levels.h"
@@ -32,14 +33,13 @@ class VoxelScene {
   explicit VoxelScene(std::uint32_t cell_voxels) : cell_voxels_(cell_voxels) {}
 
   /// Adds the cell whose lowest corner is given; adds nothing if the painter leaves it empty.
-  void add_cell(const Painter& paint, const std::array<std::int64_t, 3>& lattice_min, Nodes nodes = Nodes::pruned);
+  void add_cell(const Painter& paint, const Vec3i64& lattice_min, Nodes nodes = Nodes::pruned);
   /// Adds the cells of the cube [min, min + edge).
-  void add_cells(const Painter& paint, const std::array<std::int64_t, 3>& min, std::int64_t edge);
+  void add_cells(const Painter& paint, const Vec3i64& min, std::int64_t edge);
 
   /// Adds the levels from first_lod up of the cube [min, min + edge), computed from the cells; call this after adding
   /// all cells. The first `copied` levels are duplicated levels.
-  void add_overview(const Painter& paint, const std::array<std::int64_t, 3>& min, std::uint32_t edge, int first_lod,
-                    int copied = 0);
+  void add_overview(const Painter& paint, const Vec3i64& min, std::uint32_t edge, int first_lod, int copied = 0);
 
   const SceneDescription& description() const { return description_; }
   PagedScene paged() const { return PagedScene::of_cells("scene.xml", description_); }

@@ -29,7 +29,7 @@ Columns columns_of(const LatticeTriangle& t, const ColumnGrid& grid) {
 template <class Visit>
 void for_each_baked_voxel(const LatticeTriangle& t, SurfaceRule rule, const Visit& visit) {
   std::vector<float> position;
-  for (const auto& p : t.p) position.insert(position.end(), p, p + 3);
+  for (const Vec3i64& p : t.p) position.insert(position.end(), p.begin(), p.end());
   const std::vector<std::uint32_t> index{0, 1, 2};
   kernels::PartView part;
   part.position = {position.data(), position.size()};

@@ -16,8 +16,8 @@ TEST(BoundsOf, LooksAtFinitePositionsOnly) {
   Primitive p;
   p.position = {1, 2, 3, std::numeric_limits<float>::quiet_NaN(), 5, -7, 0, std::numeric_limits<float>::infinity(), 4};
   const LocalBounds b = bounds_of(p);
-  EXPECT_EQ(b.low, (std::array<double, 3>{0, 2, -7}));
-  EXPECT_EQ(b.high, (std::array<double, 3>{1, 5, 4}));
+  EXPECT_EQ(b.low, (Vec3d{0, 2, -7}));
+  EXPECT_EQ(b.high, (Vec3d{1, 5, 4}));
 }
 
 TEST(MayMeet, IsFalseForAPrimitiveWithoutAFinitePosition) {
@@ -25,7 +25,7 @@ TEST(MayMeet, IsFalseForAPrimitiveWithoutAFinitePosition) {
   p.position.assign(9, std::numeric_limits<float>::quiet_NaN());
   BakeParameters parameters;
   parameters.voxel_size_m = 1;
-  EXPECT_FALSE(may_overlap(scene_box(bounds_of(p), Instance{}, parameters), parameters, {{0, 0, 0}, 8}));
+  EXPECT_FALSE(may_overlap(scene_box(bounds_of(p), Instance{}, parameters), parameters, Box3i64::cube({}, 8)));
 }
 
 /// A triangle under a random rotation, shear and shift lies around the cell's border.
@@ -59,7 +59,8 @@ TEST(MayMeet, IsTrueWheneverTheKernelsFindAVoxel) {
     cell.window_voxels = 8;
     cell.surface = SurfaceRule::conservative;
     const bool occupied = !kernels::bake_cell({{&part, 1}, {&white, 1}, {}}, cell, pool).levels.empty();
-    const bool may = may_overlap(scene_box(bounds_of(primitive), instance, parameters), parameters, {{0, 0, 0}, 8});
+    const bool may =
+        may_overlap(scene_box(bounds_of(primitive), instance, parameters), parameters, Box3i64::cube({}, 8));
     EXPECT_TRUE(may || !occupied) << "round " << round;
     met += occupied;
     missed += !may;

@@ -20,7 +20,7 @@
 namespace gigabake {
 namespace {
 
-using Corner = std::array<std::int64_t, 3>;
+using Corner = Vec3i64;
 
 constexpr std::int64_t child_edge = 32;
 

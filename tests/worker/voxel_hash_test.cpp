@@ -14,7 +14,7 @@ TEST(HashVoxel, IsTheLibrarysHashOfTheRecordForRandomVoxels) {
   std::mt19937_64 random(seed);
   for (int i = 0; i < 100000; ++i) {
     const std::int32_t lod = std::int32_t(random() % 11);
-    std::array<std::int64_t, 3> corner;
+    Vec3i64 corner;
     for (std::int64_t& c : corner) c = std::int64_t(random()) >> (random() % 64);
     const std::uint64_t value = random();
     std::uint8_t rgba[4];

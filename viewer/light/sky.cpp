@@ -39,7 +39,7 @@ double air_mass(double elevation_deg) {
 /// towards the zenith.
 std::array<float, 3> share_of_sun(double elevation_deg) {
   if (elevation_deg <= 0) return {0, 0, 0};
-  constexpr std::array<double, 3> taken{0.09, 0.16, 0.30};
+  constexpr Vec3d taken{0.09, 0.16, 0.30};
   const double more = air_mass(elevation_deg) - air_mass(SunDirection{}.elevation_deg);
   std::array<float, 3> share;
   for (std::size_t k = 0; k < 3; ++k) share[k] = float(std::exp(-taken[k] * more));
@@ -73,8 +73,8 @@ constexpr double sky_lod1 = 16;
 /// Source  Vogel 1979, "A better way to construct the sunflower head".
 void set_sun_directions(const SunDirection& sun, double radius_deg, float out[kernels::sun_directions][3]) {
   constexpr int points = kernels::sun_directions;
-  const std::array<double, 3> east = to_sun({sun.azimuth_deg + 90, 0}), to = to_sun(sun);
-  const std::array<double, 3> up = to_sun({sun.azimuth_deg + 180, 90 - sun.elevation_deg});
+  const Vec3d east = to_sun({sun.azimuth_deg + 90, 0}), to = to_sun(sun);
+  const Vec3d up = to_sun({sun.azimuth_deg + 180, 90 - sun.elevation_deg});
   for (int n = 0; n < points; ++n) {
     const double radius = std::tan(radius_deg * std::numbers::pi / 180) * std::sqrt((points - n - 0.5) / points);
     const double turn = n * std::numbers::pi * (3 - std::sqrt(5.0)), length = std::hypot(1, radius);
@@ -86,7 +86,7 @@ void set_sun_directions(const SunDirection& sun, double radius_deg, float out[ke
 }  // namespace
 
 kernels::CastLight daylight(const SunDirection& sun) {
-  const std::array<double, 3> to = to_sun(sun);
+  const Vec3d to = to_sun(sun);
   const std::array<float, 3> of_sun = share_of_sun(sun.elevation_deg);
   const float of_sky = share_of_sky(sun.elevation_deg);
   const std::array<float, 3> rgb{1.06f, 1.00f, 0.90f}, sky{0.30f, 0.35f, 0.44f}, ground{0.12f, 0.11f, 0.10f};

@@ -71,7 +71,7 @@ double refraction_deg(double elevation_deg) {
 
 }  // namespace
 
-std::array<double, 3> to_sun(const SunDirection& sun) {
+Vec3d to_sun(const SunDirection& sun) {
   const double level = cosine(sun.elevation_deg);
   return {sine(sun.azimuth_deg) * level, cosine(sun.azimuth_deg) * level, sine(sun.elevation_deg)};
 }

@@ -1,10 +1,10 @@
 /// Position of the sun: specified, or computed from time and place.
 #pragma once
 
-#include <array>
 #include <string>
 
 #include "core/math/frames.h"
+#include "core/math/vec3.h"
 
 namespace gigabake {
 
@@ -16,7 +16,7 @@ struct SunDirection {
 };
 
 /// Returns the unit vector to the sun.
-std::array<double, 3> to_sun(const SunDirection& sun);
+Vec3d to_sun(const SunDirection& sun);
 
 /// Days in UTC since noon of January 1, 4713 BC; 2451545 is noon of January 1, 2000.
 using JulianDay = double;

@@ -1,7 +1,6 @@
 #include "viewer/live/picked_point.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -21,9 +20,10 @@ std::optional<PickedPoint> picked_point(const Picture& picture, const PictureRay
   const float distance = picture.depth[std::size_t(y) * std::size_t(picture.width) + std::size_t(x)];
   if (!(distance > 0 && distance < kernels::CastRay::no_depth)) return {};  // 0: not rendered yet
   const kernels::CastLine line = kernels::line_of_sight({}, rays.camera, x, y);
-  std::array<double, 3> m{};
-  for (std::size_t a = 0; a < 3; ++a)
-    m[a] = rays.lattice_origin_m[a] + (line.origin[a] + line.direction[a] * double(distance)) * rays.voxel_size_m;
+  const Vec3d m = Vec3d::by_axis([&](int axis) {
+    return rays.lattice_origin_m[axis] +
+           (line.origin[axis] + line.direction[axis] * double(distance)) * rays.voxel_size_m;
+  });
   PickedPoint out{{m[0], m[1], m[2]}, double(distance) * rays.voxel_size_m, {}};
   if (rays.origin) out.place = geodetic_of(ecef_from_enu(*rays.origin)(out.at_m));
   return out;

@@ -1,11 +1,11 @@
 /// The scene point that a pixel of an image shows.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 
 #include "core/math/frames.h"
+#include "core/math/vec3.h"
 #include "kernels/marching/cast_camera.h"
 #include "viewer/pictures/picture.h"
 
@@ -14,7 +14,7 @@ namespace gigabake {
 /// The rays of an image in scene coordinates.
 struct PictureRays {
   kernels::CastCamera camera;  ///< in voxels; its width and height are the image's
-  std::array<double, 3> lattice_origin_m{};
+  Vec3d lattice_origin_m{};
   double voxel_size_m = 1;
   std::optional<Geodetic> origin;  ///< set if the scene has an origin on the earth
 };

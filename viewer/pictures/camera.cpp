@@ -13,21 +13,12 @@
 namespace gigabake {
 namespace {
 
-using Vector = std::array<double, 3>;
-
 constexpr int max_image_edge = 32768;
 constexpr std::int64_t max_pixels = std::int64_t(1) << 28;
 constexpr double max_voxel = double(std::int64_t(1) << 40);
 
-Vector operator+(const Vector& a, const Vector& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-Vector operator-(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vector operator*(const Vector& a, double s) { return {a[0] * s, a[1] * s, a[2] * s}; }
-double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vector cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-double length(const Vector& a) { return std::hypot(a[0], a[1], a[2]); }
-Vector unit(const Vector& a) { return a * (1 / length(a)); }
+double length(const Vec3d& a) { return std::hypot(a[0], a[1], a[2]); }
+Vec3d unit(const Vec3d& a) { return a * (1 / length(a)); }
 
 void check_options(const CameraOptions& o) {
   check_picture_size(o);
@@ -36,11 +27,10 @@ void check_options(const CameraOptions& o) {
 }
 
 /// Converts scene metres to voxels.
-Vector to_voxels(const Point<Scene>& p_scene_m, const SceneHeader& scene, const char* name) {
-  const Vector p_m{p_scene_m.x, p_scene_m.y, p_scene_m.z};
-  Vector v;
+Vec3d to_voxels(const Point<Scene>& p_scene_m, const SceneHeader& scene, const char* name) {
+  const Vec3d p_m{p_scene_m.x, p_scene_m.y, p_scene_m.z};
+  const Vec3d v = (p_m - scene.lattice_origin_m) / scene.voxel_size_m;
   for (std::size_t a = 0; a < 3; ++a) {
-    v[a] = (p_m[a] - scene.lattice_origin_m[a]) / scene.voxel_size_m;
     if (!std::isfinite(p_m[a])) throw UsageError(name, "expected three finite numbers");
     if (!(std::fabs(v[a]) <= max_voxel)) throw UsageError(name, "more than 2^40 voxels from the scene's origin");
   }
@@ -49,11 +39,11 @@ Vector to_voxels(const Point<Scene>& p_scene_m, const SceneHeader& scene, const 
 
 /// An orthonormal, right-handed basis.
 struct Axes {
-  Vector forward, right, up;
+  Vec3d forward, right, up;
 };
 
-Axes look(const Vector& forward, const std::optional<Point<Scene>>& up) {
-  Vector upwards{0, 0, 1};
+Axes look(const Vec3d& forward, const std::optional<Point<Scene>>& up) {
+  Vec3d upwards{0, 0, 1};
   if (up) {
     upwards = {up->x, up->y, up->z};
     const double size = length(upwards);
@@ -62,13 +52,13 @@ Axes look(const Vector& forward, const std::optional<Point<Scene>>& up) {
   } else if (std::fabs(forward[2]) > 1 - 1e-9) {
     upwards = {0, 1, 0};
   }
-  const Vector right = cross(forward, upwards);
+  const Vec3d right = cross(forward, upwards);
   if (!(length(right) > 1e-9)) throw UsageError("up", "the camera looks along it; choose another direction");
   return {forward, unit(right), cross(unit(right), forward)};
 }
 
 /// View from the south-east, about 30° above the ground.
-const Vector oblique_view{-0.62, 0.60, -0.505};
+const Vec3d oblique_view{-0.62, 0.60, -0.505};
 
 /// Max. number of cells whose nodes are read. A larger scene is framed by its root overview, or by the boxes of its
 /// cells if it has no overview.
@@ -77,7 +67,7 @@ constexpr std::size_t max_cells_read = 256, max_cells_read_below_root = 32;
 /// Calls visit(row, lowest corner, edge) for the finest nodes in the rows, in voxels. Descends only from nodes whose
 /// edge is above `minimum`.
 template <class Visit>
-void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vector& corner, double edge, double minimum,
+void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vec3d& corner, double edge, double minimum,
                  const Visit& visit) {
   const NodeRow& node = rows[row];
   const auto children = std::size_t(std::popcount(node.child_mask));
@@ -86,7 +76,7 @@ void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vector
   for (int child = 0; child < 8; ++child) {
     if ((node.child_mask >> child & 1) == 0) continue;
     const double half = edge / 2;
-    visit_nodes(rows, next++, corner + Vector{child & 1 ? half : 0, child & 2 ? half : 0, child & 4 ? half : 0}, half,
+    visit_nodes(rows, next++, corner + Vec3d{child & 1 ? half : 0, child & 2 ? half : 0, child & 4 ? half : 0}, half,
                 minimum, visit);
   }
 }
@@ -100,14 +90,14 @@ Page page_or_none(const PageSource& pages, const PageKey& key) {
   }
 }
 
-Vector corner_of(const SceneCell& shard) {
+Vec3d corner_of(const SceneCell& shard) {
   return {double(shard.lattice_min[0]), double(shard.lattice_min[1]), double(shard.lattice_min[2])};
 }
 
 /// Calls visit(lowest corner, edge) for boxes that contain the occupied space.
 template <class Visit>
 void visit_cells(const PagedScene& scene, const PageSource& pages, const Visit& visit) {
-  const auto visit_box = [&](const NodeRow&, const Vector& corner, double edge) { visit(corner, edge); };
+  const auto visit_box = [&](const NodeRow&, const Vec3d& corner, double edge) { visit(corner, edge); };
   const bool few = scene.totals().cells <= max_cells_read;
   std::uint32_t number = 0;
   scene.for_each_cell([&](const SceneCell& cell) {
@@ -130,14 +120,14 @@ bool visit_root(const PagedScene& scene, std::uint32_t root, const PageSource& p
   const BrickBlock bricks = page_or_none(pages, {number, int(shard.copied_lods), 0}).bricks;
   if (rows.empty() || bricks.mask.empty()) return false;
   visit_nodes(rows, 0, corner_of(shard), double(shard.cell_voxels), std::ldexp(brick_edge, int(shard.own_lod())),
-              [&](const NodeRow& node, const Vector& corner, double edge) {
+              [&](const NodeRow& node, const Vec3d& corner, double edge) {
                 const bool is_brick = node.kind == NodeKind::brick && 8 * std::size_t(node.value) < bricks.mask.size();
                 if (!is_brick) return visit(corner, edge);
                 const std::uint64_t* mask = &bricks.mask[8 * std::size_t(node.value)];
                 const double voxel = edge / brick_edge;
                 for (int i = 0; i < brick_voxels; ++i)
                   if ((mask[i >> 6] >> (i & 63) & 1) != 0)
-                    visit(corner + Vector{double(i & 7), double(i >> 3 & 7), double(i >> 6)} * voxel, voxel);
+                    visit(corner + Vec3d{double(i & 7), double(i >> 3 & 7), double(i >> 6)} * voxel, voxel);
               });
   return true;
 }
@@ -149,13 +139,11 @@ void for_each_occupied_box(const PagedScene& scene, const PageSource& pages, con
   if (!levels || !visit_root(scene, levels->root, pages, visit)) visit_cells(scene, pages, visit);
 }
 
-Vector middle_of(const PagedScene& scene, const PageSource& pages) {
-  Vector low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-  for_each_occupied_box(scene, pages, [&](const Vector& corner, double edge) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], corner[a]);
-      high[a] = std::max(high[a], corner[a] + edge);
-    }
+Vec3d middle_of(const PagedScene& scene, const PageSource& pages) {
+  Vec3d low = Vec3d::all(HUGE_VAL), high = Vec3d::all(-HUGE_VAL);
+  for_each_occupied_box(scene, pages, [&](const Vec3d& corner, double edge) {
+    low = min_by_axis(low, corner);
+    high = max_by_axis(high, corner + Vec3d::all(edge));
   });
   return (low + high) * 0.5;
 }
@@ -163,19 +151,19 @@ Vector middle_of(const PagedScene& scene, const PageSource& pages) {
 /// Two opposite sides of the frustum, moved until all boxes lie between them; low and high: their intersections with
 /// the plane of depth 0.
 struct FrustumSides {
-  Vector across;  ///< unit, from the low to the high side
-  Vector low_normal, high_normal;
+  Vec3d across;  ///< unit, from the low to the high side
+  Vec3d low_normal, high_normal;
   double tan;
   double low = HUGE_VAL, high = -HUGE_VAL;
 
-  FrustumSides(const Vector& unit_across, const Vector& forward, double tangent)
+  FrustumSides(const Vec3d& unit_across, const Vec3d& forward, double tangent)
       : across(unit_across),
         low_normal(unit_across + forward * tangent),
         high_normal(unit_across - forward * tangent),
         tan(tangent) {}
 
-  void include(const Vector& centre, double half_edge) {
-    const auto reach = [&](const Vector& n) {
+  void include(const Vec3d& centre, double half_edge) {
+    const auto reach = [&](const Vec3d& n) {
       return half_edge * (std::fabs(n[0]) + std::fabs(n[1]) + std::fabs(n[2]));
     };
     low = std::min(low, dot(centre, low_normal) - reach(low_normal));
@@ -184,15 +172,15 @@ struct FrustumSides {
 };
 
 /// Returns the nearest eye that sees everything. If there is a target, the camera looks straight at it.
-Vector framing_eye(const PagedScene& scene, const PageSource& pages, const std::optional<Vector>& target,
-                   const Axes& axes, double tan_x, double tan_y) {
+Vec3d framing_eye(const PagedScene& scene, const PageSource& pages, const std::optional<Vec3d>& target,
+                  const Axes& axes, double tan_x, double tan_y) {
   constexpr double margin = 0.96;
   FrustumSides sides[2] = {{axes.right, axes.forward, tan_x * margin}, {axes.up, axes.forward, tan_y * margin}};
-  for_each_occupied_box(scene, pages, [&](const Vector& corner, double edge) {
-    for (FrustumSides& s : sides) s.include(corner + Vector{edge / 2, edge / 2, edge / 2}, edge / 2);
+  for_each_occupied_box(scene, pages, [&](const Vec3d& corner, double edge) {
+    for (FrustumSides& s : sides) s.include(corner + Vec3d::all(edge / 2), edge / 2);
   });
   double depth = HUGE_VAL;
-  Vector eye{};
+  Vec3d eye{};
   for (const FrustumSides& s : sides) {
     const double middle = target ? dot(*target, s.across) : (s.low + s.high) / 2;
     depth = std::min({depth, (s.low - middle) / s.tan, (middle - s.high) / s.tan});
@@ -201,7 +189,7 @@ Vector framing_eye(const PagedScene& scene, const PageSource& pages, const std::
   return eye + axes.forward * depth;
 }
 
-void set(double out[3], const Vector& v) { std::copy(v.begin(), v.end(), out); }
+void set(double out[3], const Vec3d& v) { std::copy(v.begin(), v.end(), out); }
 
 kernels::CastClip cast_clip(const Clip& clip, const SceneHeader& scene) {
   kernels::CastClip out;
@@ -212,7 +200,7 @@ kernels::CastClip cast_clip(const Clip& clip, const SceneHeader& scene) {
       if (!(out.min[a] < out.max[a])) throw UsageError("clip_box", "expected the lowest corner first");
   }
   if (clip.plane) {
-    const Vector towards{clip.plane->towards.x, clip.plane->towards.y, clip.plane->towards.z};
+    const Vec3d towards{clip.plane->towards.x, clip.plane->towards.y, clip.plane->towards.z};
     if (!std::isfinite(length(towards)) || !(length(towards) > 0))
       throw UsageError("clip_plane", "expected a finite direction other than 0,0,0");
     set(out.normal, unit(towards));
@@ -237,7 +225,7 @@ void check_pixel_error(double pixel_error) {
 
 HeightRange occupied_heights(const PagedScene& scene, const PageSource& pages) {
   HeightRange range{HUGE_VAL, -HUGE_VAL};
-  for_each_occupied_box(scene, pages, [&](const Vector& corner, double edge) {
+  for_each_occupied_box(scene, pages, [&](const Vec3d& corner, double edge) {
     range.low = std::min(range.low, corner[2]);
     range.high = std::max(range.high, corner[2] + edge);
   });
@@ -248,10 +236,10 @@ kernels::CastCamera make_camera(const CameraOptions& options, const PagedScene& 
   check_options(options);
   const double tan_y = std::tan(options.fovy_deg * (std::numbers::pi / 360));
   const double tan_x = tan_y * options.width / options.height;
-  std::optional<Vector> target, eye;
+  std::optional<Vec3d> target, eye;
   if (options.target_m) target = to_voxels(*options.target_m, scene.header(), "target_m");
   if (options.eye_m) eye = to_voxels(*options.eye_m, scene.header(), "eye_m");
-  Vector forward = unit(oblique_view);
+  Vec3d forward = unit(oblique_view);
   if (!eye) {
     eye = framing_eye(scene, pages, target, look(forward, options.up), tan_x, tan_y);
   } else {

@@ -1,7 +1,6 @@
 #include "viewer/pictures/frame_renderer.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -33,8 +32,7 @@ kernels::StopAsked after(double seconds) {
 bool is_asked(const kernels::StopAsked& stop) { return stop && stop(); }
 
 Point<Scene> to_scene_m(const SceneHeader& scene, const double voxels[3]) {
-  std::array<double, 3> m;
-  for (std::size_t a = 0; a < 3; ++a) m[a] = scene.lattice_origin_m[a] + voxels[a] * scene.voxel_size_m;
+  const Vec3d m = scene.lattice_origin_m + Vec3d{voxels[0], voxels[1], voxels[2]} * scene.voxel_size_m;
   return {m[0], m[1], m[2]};
 }
 

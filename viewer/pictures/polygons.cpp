@@ -9,23 +9,16 @@
 namespace gigabake {
 namespace {
 
-using Vector = std::array<double, 3>;
-
 constexpr std::size_t rows_at_a_time = 8;
 /// Min. distance from the eye in voxels; closer parts are not rendered.
 constexpr double nearest = 1e-6;
 
-Vector minus(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-double dot_of(const Vector& a, const Vector& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
-Vector cross_of(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-Vector vector(const double v[3]) { return {v[0], v[1], v[2]}; }
+Vec3d vector(const double v[3]) { return {v[0], v[1], v[2]}; }
 
 /// A triangle, and the pixels that it may cover: [x0, x1) × [y0, y1).
 struct Placed {
   std::size_t triangle;
-  Vector corner, second, third;  ///< corner: voxels from the eye; second, third: edges from `corner`
+  Vec3d corner, second, third;  ///< corner: voxels from the eye; second, third: edges from `corner`
   int x0, y0, x1, y1;
 };
 
@@ -33,11 +26,11 @@ struct Placed {
 struct Extent {
   double x0 = HUGE_VAL, y0 = HUGE_VAL, x1 = -HUGE_VAL, y1 = -HUGE_VAL;
 
-  void include(const kernels::CastCamera& camera, const Vector& p) {
-    const Vector right = vector(camera.right), up = vector(camera.up);
-    const double depth = dot_of(p, vector(camera.forward));
-    const double x = (dot_of(p, right) / (dot_of(right, right) * depth) + 1) / 2 * camera.width;
-    const double y = (1 - dot_of(p, up) / (dot_of(up, up) * depth)) / 2 * camera.height;
+  void include(const kernels::CastCamera& camera, const Vec3d& p) {
+    const Vec3d right = vector(camera.right), up = vector(camera.up);
+    const double depth = dot(p, vector(camera.forward));
+    const double x = (dot(p, right) / (dot(right, right) * depth) + 1) / 2 * camera.width;
+    const double y = (1 - dot(p, up) / (dot(up, up) * depth)) / 2 * camera.height;
     x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
   }
 };
@@ -45,17 +38,17 @@ struct Extent {
 /// Returns the pixel, with a margin of `more` pixels; each pixel's ray decides about the hit.
 int pixel_at(double v, int count, int more) { return int(std::clamp(std::floor(v) + more, 0.0, double(count))); }
 
-Placed place(const kernels::CastCamera& camera, std::size_t triangle, const std::array<Vector, 3>& p) {
+Placed place(const kernels::CastCamera& camera, std::size_t triangle, const std::array<Vec3d, 3>& p) {
   Extent extent;
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vector &a = p[k], &b = p[(k + 1) % 3];
-    const double depth_a = dot_of(a, vector(camera.forward)), depth_b = dot_of(b, vector(camera.forward));
+    const Vec3d &a = p[k], &b = p[(k + 1) % 3];
+    const double depth_a = dot(a, vector(camera.forward)), depth_b = dot(b, vector(camera.forward));
     if (depth_a >= nearest) extent.include(camera, a);
     if ((depth_a < nearest) == (depth_b < nearest)) continue;
     const double part = (nearest - depth_a) / (depth_b - depth_a);
-    extent.include(camera, {a[0] + (b[0] - a[0]) * part, a[1] + (b[1] - a[1]) * part, a[2] + (b[2] - a[2]) * part});
+    extent.include(camera, a + (b - a) * part);
   }
-  Placed out{triangle, p[0], minus(p[1], p[0]), minus(p[2], p[0]), 0, 0, 0, 0};
+  Placed out{triangle, p[0], p[1] - p[0], p[2] - p[0], 0, 0, 0, 0};
   if (!(extent.x0 <= extent.x1)) return out;
   out.x0 = pixel_at(extent.x0, camera.width, -1);
   out.x1 = pixel_at(extent.x1, camera.width, 2);
@@ -67,15 +60,12 @@ Placed place(const kernels::CastCamera& camera, std::size_t triangle, const std:
 std::vector<Placed> place_all(const PolygonMesh& mesh, const SceneHeader& scene, const kernels::CastCamera& camera) {
   std::vector<Placed> out;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    std::array<Vector, 3> p;
+    std::array<Vec3d, 3> p;
     bool is_finite = true;
     for (std::size_t k = 0; k < 3; ++k) {
       const Point<Scene>& m = mesh.triangles[t][k];
-      const Vector p_m{m.x, m.y, m.z};
-      for (std::size_t a = 0; a < 3; ++a) {
-        p[k][a] = (p_m[a] - scene.lattice_origin_m[a]) / scene.voxel_size_m - camera.eye[a];
-        is_finite = is_finite && std::isfinite(p[k][a]);
-      }
+      p[k] = (Vec3d{m.x, m.y, m.z} - scene.lattice_origin_m) / scene.voxel_size_m - vector(camera.eye);
+      is_finite = is_finite && std::ranges::all_of(p[k], [](double v) { return std::isfinite(v); });
     }
     if (!is_finite) continue;
     const Placed placed = place(camera, t, p);
@@ -91,23 +81,23 @@ struct Met {
 
 /// Intersects the ray with the triangle.
 /// Source  Möller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection".
-Met meet(const Placed& at, const Vector& direction) {
-  const Vector p = cross_of(direction, at.third);
-  const double area = dot_of(at.second, p);
+Met meet(const Placed& at, const Vec3d& direction) {
+  const Vec3d p = cross(direction, at.third);
+  const double area = dot(at.second, p);
   if (area == 0) return {};
-  const Vector from{-at.corner[0], -at.corner[1], -at.corner[2]};
-  const double u = dot_of(from, p) / area;
-  const Vector q = cross_of(from, at.second);
-  const double v = dot_of(direction, q) / area, distance = dot_of(at.third, q) / area;
+  const Vec3d from{-at.corner[0], -at.corner[1], -at.corner[2]};
+  const double u = dot(from, p) / area;
+  const Vec3d q = cross(from, at.second);
+  const double v = dot(direction, q) / area, distance = dot(at.third, q) / area;
   if (!(u >= 0 && v >= 0 && u + v <= 1 && distance >= nearest)) return {};
   return {distance, float(u), float(v)};
 }
 
 /// Returns the radiance of the triangle towards the eye. The side that is visible to the eye is lit.
-std::array<float, 4> lit(const std::array<float, 4>& colour, const Placed& at, const Vector& direction,
+std::array<float, 4> lit(const std::array<float, 4>& colour, const Placed& at, const Vec3d& direction,
                          const kernels::CastLight& light) {
-  Vector n = cross_of(at.second, at.third);
-  const double scale = (dot_of(n, direction) > 0 ? -1 : 1) / std::sqrt(dot_of(n, n));
+  Vec3d n = cross(at.second, at.third);
+  const double scale = (dot(n, direction) > 0 ? -1 : 1) / std::sqrt(dot(n, n));
   float facing = 0, up = float(0.5 + 0.5 * n[2] * scale);
   for (std::size_t a = 0; a < 3; ++a) facing += float(n[a] * scale) * light.to_sun[a];
   std::array<float, 4> out{0, 0, 0, 1};
@@ -135,7 +125,7 @@ PolygonPicture draw_polygons(const PolygonMesh& mesh, const SceneHeader& scene, 
     for (const Placed& at : placed)
       for (int y = std::max(at.y0, int(begin)); y < std::min(at.y1, int(end)); ++y)
         for (int x = at.x0; x < at.x1; ++x) {
-          const Vector direction = vector(kernels::line_of_sight({}, camera, x, y).direction);
+          const Vec3d direction = vector(kernels::line_of_sight({}, camera, x, y).direction);
           const Met met = meet(at, direction);
           const std::size_t i = std::size_t(y) * width + std::size_t(x);
           if (!(float(met.distance) < out.distance[i])) continue;

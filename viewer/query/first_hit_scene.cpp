@@ -99,8 +99,7 @@ void FirstHitBuilder::add_brick(const Position& at, const BrickLevel& level, std
   }
 }
 
-void FirstHitBuilder::add_cell(const std::array<std::int64_t, 3>& lattice_min, const NodeTable& nodes,
-                               const BrickLevel& level) {
+void FirstHitBuilder::add_cell(const Vec3i64& lattice_min, const NodeTable& nodes, const BrickLevel& level) {
   check_columns(nodes, level);
   if (empty_) first_corner_ = lattice_min;
   empty_ = false;
@@ -114,9 +113,8 @@ void FirstHitBuilder::add_cell(const std::array<std::int64_t, 3>& lattice_min, c
   }
   for (std::size_t n = 0; n < nodes.key.size(); ++n) {
     if (nodes.lod[n] < lod_ || (nodes.lod[n] > lod_ && nodes.kind[n] != NodeKind::leaf_constant)) continue;
-    const BrickCoordinate in_cell = demorton(nodes.key[n]);
     const std::int64_t edge = std::int64_t(brick_edge) << (nodes.lod[n] - lod_);
-    const Position at{cell[0] + in_cell.x * edge, cell[1] + in_cell.y * edge, cell[2] + in_cell.z * edge};
+    const Position at = cell + Position(demorton(nodes.key[n])) * edge;
     if (looks_.size() + brick_voxels > max_looks) throw std::length_error("2^32 voxels or more; use a coarser lod");
     if (nodes.kind[n] == NodeKind::brick) {
       require(nodes.value[n] < level.mask.size() / brick_edge, "a node's brick is out of range");
@@ -157,10 +155,10 @@ FirstHitBuilder::Cube FirstHitBuilder::cube_of_voxels() const {
 
 FirstHitBuilder::Cube FirstHitBuilder::cube_of_window(std::int64_t edge) {
   Cube cube;
-  cube.half.fill(edge / 2 + 1);
+  cube.half = Position::all(edge / 2 + 1);
   while (cube.half[0] > std::int64_t(1) << (cube.bits - 1)) cube.bits += 2;
   if (cube.bits > kernels::max_first_hit_bits) throw too_wide();
-  cube.corner.fill(edge / 2 - (std::int64_t(1) << (cube.bits - 1)));
+  cube.corner = Position::all(edge / 2 - (std::int64_t(1) << (cube.bits - 1)));
   return cube;
 }
 

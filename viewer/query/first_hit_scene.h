@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "format/scene/xml/scene_xml.h"
 #include "format/shard/shard.h"
 #include "kernels/first_hit/first_hit_tree.h"
@@ -22,7 +23,7 @@ struct FirstHitScene {
   std::array<std::vector<kernels::FirstHitNode>, 2> shells;  ///< empty if a constant is wider than 64 voxels
   std::vector<kernels::VoxelAttributes> looks;               ///< one per voxel, and 64 per constant node
   kernels::FirstHitView view;                                ///< of the arrays above
-  std::array<std::int64_t, 3> lattice_min{};                 ///< lod-0 voxel at the tree's lowest corner
+  Vec3i64 lattice_min{};                                     ///< lod-0 voxel at the tree's lowest corner
   int lod = 0;                                               ///< of the tree's voxels
   std::uint64_t voxels = 0;
 
@@ -40,7 +41,7 @@ class FirstHitBuilder {
   /// Errors  std::invalid_argument: columns of inconsistent length, or a corner not a multiple of four voxels of `lod`
   ///         from the first one.
   ///         std::length_error: 2^32 voxels or more.
-  void add_cell(const std::array<std::int64_t, 3>& lattice_min, const NodeTable& nodes, const BrickLevel& level);
+  void add_cell(const Vec3i64& lattice_min, const NodeTable& nodes, const BrickLevel& level);
 
   /// Returns the scene.
   /// Errors  std::length_error: an edge of 2^18 voxels or more.
@@ -50,7 +51,7 @@ class FirstHitBuilder {
   FirstHitScene finish_window(std::int64_t window_voxels);
 
  private:
-  using Position = std::array<std::int64_t, 3>;  ///< voxels from the first cell's corner
+  using Position = Vec3i64;  ///< voxels from the first cell's corner
 
   struct Leaf {
     std::array<std::int32_t, 3> at;  ///< in nodes of 4×4×4 voxels
@@ -76,7 +77,7 @@ class FirstHitBuilder {
 
   int lod_;
   bool empty_ = true;
-  std::array<std::int64_t, 3> first_corner_{};
+  Vec3i64 first_corner_{};
   std::vector<Leaf> leaves_;
   std::vector<Constant> constants_;
   std::vector<kernels::VoxelAttributes> looks_;

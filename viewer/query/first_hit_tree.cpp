@@ -13,8 +13,8 @@ using kernels::FirstHitNode;
 
 constexpr std::uint64_t every_child = ~std::uint64_t(0);
 
-template <class Integer>
-std::uint64_t key_of(const std::array<Integer, 3>& at) {
+template <class Position>
+std::uint64_t key_of(const Position& at) {
   return morton_by_pairs(std::uint32_t(at[0]), std::uint32_t(at[1]), std::uint32_t(at[2]));
 }
 
@@ -93,7 +93,7 @@ void FirstHitTreeBuilder::fill(const Position& at, std::size_t level, const Posi
     inside = inside && at[a] >= low[a] && at[a] + edge <= high[a];
   }
   if (inside) {
-    levels_[level - 1].push_back({key_of(Position{at[0] / edge, at[1] / edge, at[2] / edge}), full_node(level, look)});
+    levels_[level - 1].push_back({key_of(at / edge), full_node(level, look)});
     return;
   }
   for (int c = 0; c < 64; ++c)

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "kernels/first_hit/first_hit_tree.h"
 
 namespace gigabake {
@@ -15,7 +16,7 @@ namespace gigabake {
 class FirstHitTreeBuilder {
  public:
   /// Voxels from the tree's lowest corner.
-  using Position = std::array<std::int64_t, 3>;
+  using Position = Vec3i64;
 
   explicit FirstHitTreeBuilder(int bits);
 

@@ -1,7 +1,6 @@
 #include "viewer/query/lost_cells.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <map>
 #include <optional>
@@ -18,7 +17,7 @@ constexpr std::string_view cell_prefix = "cell ";
 
 /// The numbers of a name `c_X_Y_Z`.
 struct CellPlace {
-  std::array<std::int64_t, 3> at{};
+  Vec3i64 at{};
 };
 
 std::optional<CellPlace> place_of(std::string_view name) {
@@ -44,7 +43,7 @@ std::map<StackColumn, std::int64_t> stack_bases(const std::vector<SceneCell>& ce
   return bases;
 }
 
-SceneCell placeholder(const std::string& name, const SceneCell& like, const std::array<std::int64_t, 3>& min) {
+SceneCell placeholder(const std::string& name, const SceneCell& like, const Vec3i64& min) {
   SceneCell cell;
   cell.name = name;
   cell.lattice_min = min;
@@ -76,7 +75,7 @@ std::vector<SceneCell> lost_cells(const SceneHeader& scene, const std::vector<Sc
       throw InputError({}, loss.name,
                        "the name of this missing cell does not state its position; bake the scene again");
     const StackColumn column{place->at[0], place->at[1]};
-    const std::array<std::int64_t, 3> corner{column.first * edge, column.second * edge, 0};
+    const Vec3i64 corner{column.first * edge, column.second * edge, 0};
     if (const auto base = bases.find(column); base != bases.end())
       lost.push_back(placeholder(name, cells.front(), {corner[0], corner[1], base->second + place->at[2] * edge}));
     else if (!std::exchange(filled[column], true))

@@ -12,7 +12,7 @@ namespace {
 
 double radians(double degrees) { return degrees * (std::numbers::pi / 180); }
 
-QueryRay towards(const std::array<double, 3>& origin, const std::array<double, 3>& direction) {
+QueryRay towards(const Vec3d& origin, const Vec3d& direction) {
   const double length = std::hypot(direction[0], direction[1], direction[2]);
   if (!(length > 0) || !std::isfinite(length)) throw std::invalid_argument("the direction is zero");
   QueryRay ray;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/math/frames.h"
+#include "core/math/vec3.h"
 #include "format/scene/xml/scene_xml.h"
 #include "kernels/first_hit/query_ray.h"
 
@@ -19,7 +20,7 @@ constexpr auto names_of<QueryFrame>() {
   return std::to_array<std::string_view>({"scene", "lonlat"});
 }
 
-using QueryPoint = std::array<double, 3>;  ///< x, y, z, or longitude, latitude, height
+using QueryPoint = Vec3d;  ///< x, y, z, or longitude, latitude, height
 
 /// Converts query coordinates to rays in voxels, and results back.
 /// Errors  std::invalid_argument from the functions that return rays: the expected range; the caller adds the position
@@ -55,7 +56,7 @@ class QueryFrames {
   QueryPoint lonlat_point(const Point<Scene>& p) const;
 
  private:
-  using Vector = std::array<double, 3>;
+  using Vector = Vec3d;
   Vector lattice_point(const QueryPoint& p) const;
   Affine<Scene, Scene> axes_at(const QueryPoint& p) const;
 

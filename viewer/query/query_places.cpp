@@ -1,7 +1,6 @@
 #include "viewer/query/query_places.h"
 
 #include <algorithm>
-#include <array>
 #include <unordered_map>
 #include <utility>
 
@@ -13,7 +12,7 @@ namespace {
 
 using kernels::VoxelBox;
 
-VoxelBox window_box(const std::array<std::int64_t, 3>& min, std::int64_t edge) {
+VoxelBox window_box(const Vec3i64& min, std::int64_t edge) {
   VoxelBox box;
   for (std::size_t a = 0; a < 3; ++a) {
     box.min[a] = min[a];
@@ -22,7 +21,7 @@ VoxelBox window_box(const std::array<std::int64_t, 3>& min, std::int64_t edge) {
   return box;
 }
 
-using LatticeCorner = std::array<std::int64_t, 3>;
+using LatticeCorner = Vec3i64;
 
 struct CornerHash {
   std::size_t operator()(const LatticeCorner& corner) const {

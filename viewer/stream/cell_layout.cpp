@@ -87,14 +87,14 @@ Columns with_rims(const Columns& columns, std::int64_t edge) {
   return all;
 }
 
-LatticeBox window_of(const std::vector<SceneCell>& cells) {
-  LatticeBox window;
+Box3i64 window_of(const std::vector<SceneCell>& cells) {
+  Box3i64 window;
   for (const SceneCell& cell : cells) window = hull(window, window_of(cell));
   return window;
 }
 
 /// Sets the scene's bounds; column coordinates are counted from the lowest column.
-void measure(const LatticeBox& window, const Columns& columns, kernels::CastScene& scene) {
+void measure(const Box3i64& window, const Columns& columns, kernels::CastScene& scene) {
   for (std::size_t a = 0; a < 3; ++a) {
     scene.min[a] = double(window.min[a]);
     scene.max[a] = double(window.end[a]);
@@ -122,7 +122,7 @@ void add_column(const std::pair<std::int64_t, std::int64_t>& at, const std::map<
   }
 }
 
-CellLayout lay_out_columns(const Columns& columns, int cell_bits, const LatticeBox& window) {
+CellLayout lay_out_columns(const Columns& columns, int cell_bits, const Box3i64& window) {
   CellLayout layout;
   kernels::CastScene& scene = layout.scene;
   scene.cell_bits = cell_bits;
@@ -163,11 +163,10 @@ CellLayout lay_out_cells(const std::vector<SceneCell>& cells, const std::filesys
   }
 }
 
-CellLayout lay_out_root(const SceneCell& root, const LatticeBox& window) {
+CellLayout lay_out_root(const SceneCell& root, const Box3i64& window) {
   const int bits = std::countr_zero(root.cell_voxels);
   const std::int64_t edge = root.cell_voxels, coarsest_voxel = edge / brick_edge;
-  std::array<std::int64_t, 3> low;
-  for (std::size_t a = 0; a < 3; ++a) low[a] = (root.lattice_min[a] - coarsest_voxel) >> bits;
+  const Vec3i64 low = (root.lattice_min - Vec3i64::all(coarsest_voxel)) >> bits;
   Columns columns;
   for (std::int64_t y = 0; y < 2; ++y)
     for (std::int64_t x = 0; x < 2; ++x)

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "core/math/box3.h"
 #include "format/scene/cell_window.h"
 #include "kernels/marching/scene.h"
 
@@ -29,6 +30,6 @@ CellLayout lay_out_cells(const std::vector<SceneCell>& cells, const std::filesys
 
 /// Returns a layout of aligned trees of the root overview's size. The root begins at a multiple of half its size, so
 /// two trees along each axis contain it and its rims. window: of all cells.
-CellLayout lay_out_root(const SceneCell& root, const LatticeBox& window);
+CellLayout lay_out_root(const SceneCell& root, const Box3i64& window);
 
 }  // namespace gigabake

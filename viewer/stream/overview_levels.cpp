@@ -25,13 +25,9 @@ bool are_within_reach(const OverviewLevel& top) {
 
 }  // namespace
 
-OverviewBlock OverviewLevel::block_of(const std::array<std::int64_t, 3>& v) const {
-  return {(v[0] - origin[0]) >> bits, (v[1] - origin[1]) >> bits, (v[2] - origin[2]) >> bits};
-}
+OverviewBlock OverviewLevel::block_of(const Vec3i64& v) const { return (v - origin) >> bits; }
 
-std::array<std::int64_t, 3> OverviewLevel::corner_of(const OverviewBlock& block) const {
-  return {origin[0] + block[0] * edge(), origin[1] + block[1] * edge(), origin[2] + block[2] * edge()};
-}
+Vec3i64 OverviewLevel::corner_of(const OverviewBlock& block) const { return origin + block * edge(); }
 
 std::size_t OverviewLevels::holders(int lod) const {
   return std::size_t(std::count_if(levels.begin(), levels.end(), [lod](const OverviewLevel& level) {

@@ -2,28 +2,28 @@
 /// (scheduler/plan/overviews.h). They do not specify which overviews exist; the scene's pages list them.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "format/scene/paged_scene.h"
 
 namespace gigabake {
 
 /// An overview's position in its overview level: its window's lowest corner, in windows.
-using OverviewBlock = std::array<std::int64_t, 3>;
+using OverviewBlock = Vec3i64;
 
 struct OverviewLevel {
   std::int32_t first_lod = 0, lods = 0;  ///< all levels that its overviews store
   std::int32_t copied_lods = 0;          ///< number of its finest levels that children store too
   std::int32_t bits = 0;                 ///< a window's edge is 2^bits lod-0 voxels
-  std::array<std::int64_t, 3> origin{};  ///< corner of block (0, 0, 0)
+  Vec3i64 origin{};                      ///< corner of block (0, 0, 0)
 
   std::int32_t own_lod() const { return first_lod + copied_lods; }
   std::int64_t edge() const { return std::int64_t(1) << bits; }
-  OverviewBlock block_of(const std::array<std::int64_t, 3>& v) const;
-  std::array<std::int64_t, 3> corner_of(const OverviewBlock& block) const;
+  OverviewBlock block_of(const Vec3i64& v) const;
+  Vec3i64 corner_of(const OverviewBlock& block) const;
 };
 
 struct OverviewLevels {

@@ -3,7 +3,6 @@
 /// of the shard, and a whole tree never has to be resident.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <compare>
 #include <cstdint>
@@ -11,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "format/scene/paged_scene.h"
 #include "format/shard/shard.h"
 
@@ -35,13 +35,13 @@ struct PageKey {
 };
 
 struct ListedCell {
-  std::array<std::int64_t, 3> min{};
+  Vec3i64 min{};
   std::uint32_t number = 0;
 };
 
 struct ListedOverview {
   std::uint32_t own_lod = 0;
-  std::array<std::int64_t, 3> min{};
+  Vec3i64 min{};
   std::uint32_t index = 0;  ///< number minus the number of cells
 };
 

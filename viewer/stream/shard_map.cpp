@@ -13,7 +13,7 @@ using kernels::VoxelBox;
 
 constexpr std::int64_t everywhere = kernels::far_voxel;
 
-VoxelBox cube_at(const std::int64_t min[3], std::int64_t edge) {
+VoxelBox cube_at(const Vec3i64& min, std::int64_t edge) {
   VoxelBox box;
   for (int a = 0; a < 3; ++a) {
     box.min[a] = min[a];
@@ -24,14 +24,14 @@ VoxelBox cube_at(const std::int64_t min[3], std::int64_t edge) {
 
 /// Returns the listed page of the block, or null. Blocks of a list have equal size and are sorted by z, y, x.
 const ListedPage* page_around(const std::vector<ListedPage>& pages, const LatticeBlock& block) {
-  const auto order = [](const LatticeBlock& b) { return std::array<std::int64_t, 3>{b.min[2], b.min[1], b.min[0]}; };
+  const auto order = [](const LatticeBlock& b) { return b.min.zyx(); };
   const auto found = std::lower_bound(pages.begin(), pages.end(), order(block),
                                       [&](const ListedPage& page, const auto& zyx) { return order(page.block) < zyx; });
   return found != pages.end() && found->block == block ? &*found : nullptr;
 }
 
 const ListedOverview* overview_at(const std::vector<ListedOverview>& overviews, std::uint32_t own_lod,
-                                  const std::array<std::int64_t, 3>& min) {
+                                  const Vec3i64& min) {
   const auto found = std::lower_bound(overviews.begin(), overviews.end(), std::tie(own_lod, min),
                                       [](const ListedOverview& overview, const auto& wanted) {
                                         return std::tie(overview.own_lod, overview.min) < wanted;
@@ -68,13 +68,13 @@ ShardMap::ShardMap(const PagedScene& scene, OverviewLevels levels)
       pages_(listed_pages(scene.root().pages, 0)),
       overviews_(listed_overviews(scene.root().overviews, 0)) {}
 
-ShardMap::Cells::const_iterator ShardMap::first_above(const Cells& cells, const std::array<std::int64_t, 3>& min) {
+ShardMap::Cells::const_iterator ShardMap::first_above(const Cells& cells, const Vec3i64& min) {
   return std::lower_bound(cells.begin(), cells.end(), min,
                           [](const ListedCell& cell, const auto& v) { return cell.min < v; });
 }
 
 ShardExtent ShardMap::placed(const ListedCell& cell) const {
-  return {cell.number, 0, cell_bits_ - 2, 0, cube_at(cell.min.data(), std::int64_t(1) << cell_bits_)};
+  return {cell.number, 0, cell_bits_ - 2, 0, cube_at(cell.min, std::int64_t(1) << cell_bits_)};
 }
 
 /// Returns null if the listing is not resident. If it can never be read, `missed` may be incomplete.
@@ -89,8 +89,8 @@ const Page* ShardMap::find_listing(const ListedPage& listed, std::int32_t part, 
 /// Descends through the scene's pages: an overview is listed in the smallest page whose block contains it.
 std::optional<ShardExtent> ShardMap::find_overview(const OverviewLevel& level, const OverviewBlock& block,
                                                    const Pager& pager, MissingPages& gaps) const {
-  const std::array<std::int64_t, 3> corner = level.corner_of(block);
-  const VoxelBox window = cube_at(corner.data(), level.edge());
+  const Vec3i64 corner = level.corner_of(block);
+  const VoxelBox window = cube_at(corner, level.edge());
   const std::vector<ListedOverview>* overviews = &overviews_;
   const std::vector<ListedPage>* pages = &pages_;
   for (std::int32_t part = PageKey::listing;; --part) {
@@ -106,8 +106,8 @@ std::optional<ShardExtent> ShardMap::find_overview(const OverviewLevel& level, c
 }
 
 /// Returns the list of the cells that begin in the block around v; null if there are none or it is not resident.
-const ShardMap::Cells* ShardMap::cells_around(const std::array<std::int64_t, 3>& v, const Pager& pager,
-                                              MissingPages& gaps, LatticeBlock& block) const {
+const ShardMap::Cells* ShardMap::cells_around(const Vec3i64& v, const Pager& pager, MissingPages& gaps,
+                                              LatticeBlock& block) const {
   block = {{-everywhere, -everywhere, -everywhere}, 2 * everywhere};
   if (pages_.empty()) return &cells_;
   const std::vector<ListedPage>* pages = &pages_;
@@ -115,7 +115,7 @@ const ShardMap::Cells* ShardMap::cells_around(const std::array<std::int64_t, 3>&
     block = block_around(v, pages->front().block.edge);
     const ListedPage* listed = page_around(*pages, block);
     if (listed == nullptr) return nullptr;  // no cell begins there
-    VoxelBox box = cube_at(block.min.data(), block.edge);
+    VoxelBox box = cube_at(block.min, block.edge);
     box.max[2] += std::int64_t(1) << cell_bits_;  // cells may extend above the block
     const Page* page = find_listing(*listed, part, box, pager, gaps);
     if (page == nullptr) return nullptr;
@@ -127,7 +127,7 @@ const ShardMap::Cells* ShardMap::cells_around(const std::array<std::int64_t, 3>&
 std::optional<ShardExtent> ShardMap::find_cell(const std::int64_t v[3], const Pager& pager, MissingPages& gaps,
                                                VoxelBox& empty) const {
   const std::int64_t edge = std::int64_t(1) << cell_bits_;
-  const std::int64_t low[3] = {v[0] >> cell_bits_ << cell_bits_, v[1] >> cell_bits_ << cell_bits_, v[2]};
+  const Vec3i64 low{v[0] >> cell_bits_ << cell_bits_, v[1] >> cell_bits_ << cell_bits_, v[2]};
   empty = cube_at(low, edge);
   empty.max[2] = (v[2] >> cell_bits_ << cell_bits_) + edge;
   for (std::int64_t z = v[2]; z > v[2] - edge;) {
@@ -154,7 +154,7 @@ std::optional<ShardExtent> ShardMap::find(int lod, int holder, const std::int64_
   if (lod < cell_lods_ && holder == last_holder(lod)) return find_cell(v, pager, gaps, empty);
   const OverviewLevel& level = overview_levels_->holder(lod, std::size_t(holder));
   const OverviewBlock block = level.block_of({v[0], v[1], v[2]});
-  empty = cube_at(level.corner_of(block).data(), level.edge());
+  empty = cube_at(level.corner_of(block), level.edge());
   return find_overview(level, block, pager, gaps);
 }
 

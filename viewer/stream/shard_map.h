@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "format/scene/paged_scene.h"
 #include "kernels/marching/locate.h"
 #include "viewer/stream/overview_levels.h"
@@ -73,15 +74,14 @@ class ShardMap {
 
  private:
   using Cells = std::vector<ListedCell>;
-  static Cells::const_iterator first_above(const Cells& cells, const std::array<std::int64_t, 3>& min);
+  static Cells::const_iterator first_above(const Cells& cells, const Vec3i64& min);
   ShardExtent placed(const ListedCell& cell) const;
   const Page* find_listing(const ListedPage& listed, std::int32_t part, const kernels::VoxelBox& missed,
                            const Pager& pager, MissingPages& gaps) const;
   /// Returns the level's overview of that block; nullopt also if a page that may list it is not resident.
   std::optional<ShardExtent> find_overview(const OverviewLevel& level, const OverviewBlock& block, const Pager& pager,
                                            MissingPages& gaps) const;
-  const Cells* cells_around(const std::array<std::int64_t, 3>& v, const Pager& pager, MissingPages& gaps,
-                            LatticeBlock& block) const;
+  const Cells* cells_around(const Vec3i64& v, const Pager& pager, MissingPages& gaps, LatticeBlock& block) const;
   std::optional<ShardExtent> find_cell(const std::int64_t v[3], const Pager& pager, MissingPages& gaps,
                                        kernels::VoxelBox& empty) const;
 

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "core/base/error.h"
+#include "core/math/box3.h"
 #include "core/octree/morton.h"
 
 namespace gigabake {
@@ -28,8 +29,8 @@ struct BrickView {
 
 /// The voxels of a child's brick that lie in one brick of the window.
 struct PlacedBrick {
-  std::uint64_t key;                 ///< Morton code of the window's brick
-  std::array<std::int8_t, 3> shift;  ///< from the child's brick to the window's, voxels; 0: aligned
+  std::uint64_t key;        ///< Morton code of the window's brick
+  Vec3<std::int8_t> shift;  ///< from the child's brick to the window's, voxels; 0: aligned
   std::uint32_t child, node;
   auto order() const { return std::tie(key, child, node, shift); }
 };
@@ -88,27 +89,15 @@ class LevelJoin {
   }
 
   void place(const ChildLevels& child, std::uint32_t c, std::uint32_t node, BrickCoordinate at) {
-    const std::uint32_t in_child[3] = {at.x, at.y, at.z};
-    std::int64_t low[3];
-    int over[3];  // voxels that overlap the next brick of the window
-    for (std::size_t a = 0; a < 3; ++a) {
-      const std::int64_t voxel = ((child.lattice_min[a] - window_.min[a]) >> lod_) + 8 * std::int64_t(in_child[a]);
-      low[a] = voxel >> 3;
-      over[a] = int(voxel & 7);
-    }
-    for (std::uint32_t corner = 0; corner < 8; ++corner) {
-      PlacedBrick brick{0, {}, c, node};
-      std::int64_t to[3];
-      bool inside = true;
-      for (std::size_t a = 0; a < 3; ++a) {
-        const int next = int(corner >> a & 1);
-        to[a] = low[a] + next;
-        brick.shift[a] = std::int8_t(over[a] - 8 * next);
-        inside = inside && to[a] >= 0 && to[a] < edge_ && (next == 0 || over[a] != 0);
-      }
-      if (!inside) continue;
-      brick.key = morton(std::uint32_t(to[0]), std::uint32_t(to[1]), std::uint32_t(to[2]));
-      bricks_.push_back(brick);
+    const Vec3i64 voxel = ((child.lattice_min - window_.min) >> int(lod_)) + Vec3i64(at) * brick_edge;
+    const Vec3i64 low = voxel >> 3, over = voxel - (low << 3);  // over: voxels that overlap the next brick
+    const auto bricks = Box3i64::cube({}, edge_);
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3i64 next{corner & 1, corner >> 1 & 1, corner >> 2}, to = low + next;
+      const bool overlaps = min_by_axis(next, over) == next;
+      if (!overlaps || !bricks.contains(to)) continue;
+      bricks_.push_back({morton(std::uint32_t(to[0]), std::uint32_t(to[1]), std::uint32_t(to[2])),
+                         Vec3<std::int8_t>(over - next * brick_edge), c, node});
     }
   }
 
@@ -137,7 +126,7 @@ class LevelJoin {
   }
 
   bool is_whole(std::size_t b) const {
-    return begins_[b + 1] - begins_[b] == 1 && bricks_[begins_[b]].shift == std::array<std::int8_t, 3>{};
+    return begins_[b + 1] - begins_[b] == 1 && bricks_[begins_[b]].shift == Vec3<std::int8_t>{};
   }
 
   /// Calls visit(bit in the window's brick, voxel of the view) for each voxel of the view that lies in that brick.

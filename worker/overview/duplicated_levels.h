@@ -2,12 +2,12 @@
 /// repeats them, so that a distant view opens one file instead of many.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "core/base/thread_pool.h"
+#include "core/math/vec3.h"
 #include "format/shard/levels/coarse_levels.h"
 #include "format/shard/shard_reader.h"
 #include "kernels/body/cell.h"
@@ -16,7 +16,7 @@ namespace gigabake {
 
 /// A child's voxels on levels [begin, …) of the lattice, up to its coarsest.
 struct ChildLevels {
-  std::array<std::int64_t, 3> lattice_min{};
+  Vec3i64 lattice_min{};
   std::uint32_t first_lod = 0;  ///< lattice level of the child's level 0
   std::uint32_t begin = 0;      ///< lattice level of coarse.levels[0]
   CoarseLevels coarse;          ///< empty if the overview duplicates no levels
@@ -29,9 +29,9 @@ ChildLevels read_child_levels(const ShardReader& reader, std::uint32_t begin);
 
 /// The window that levels are joined in.
 struct DuplicatedWindow {
-  std::array<std::int64_t, 3> min{};  ///< lod-0 voxels
-  std::uint32_t edge = 0;             ///< lod-0 voxels
-  std::uint32_t begin = 0, end = 0;   ///< levels of the lattice
+  Vec3i64 min{};                     ///< lod-0 voxels
+  std::uint32_t edge = 0;            ///< lod-0 voxels
+  std::uint32_t begin = 0, end = 0;  ///< levels of the lattice
   bool normals = true, facing = true;
 };
 

@@ -92,7 +92,7 @@ void CellLoader::load_tiles(const CellJob& job, LoadedCell& cell) {
 
 void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCell& cell,
                            RequiredTextures& wanted) const {
-  const CellBox box{job.lattice_min, job.cell_voxels};
+  const auto box = Box3i64::cube(job.lattice_min, job.cell_voxels);
   const TileMesh& mesh = tile.mesh();
   std::vector<std::int64_t> cell_material(mesh.materials.size(), -1);
   const auto add_material = [&](const Material& material) {
@@ -122,7 +122,7 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCel
 
 /// Returns the whole primitive, or the clusters of a large one near the cell; null if none is near. Claims the memory
 /// of one kernel part and of its triangles.
-std::shared_ptr<const Primitive> CellLoader::mesh_near(const CellBox& box, const LoadedTile& tile,
+std::shared_ptr<const Primitive> CellLoader::mesh_near(const Box3i64& box, const LoadedTile& tile,
                                                        const Instance& instance, MemoryClaim& memory) const {
   constexpr std::uint64_t part_bytes = sizeof(kernels::PartView) + 320, triangle_bytes = 128, max_counted = 64;
   const TilePrimitive& primitive = tile.primitives()[std::size_t(instance.primitive)];

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/memory_limit.h"
+#include "core/math/box3.h"
 #include "core/octree/parameters.h"
 #include "format/job/cell_job.h"
 #include "format/source/mesh.h"
@@ -68,7 +69,7 @@ class CellLoader {
   LoadedCell load_whole(const CellJob& job);
   void load_tiles(const CellJob& job, LoadedCell& cell);
   void add_parts(const CellJob& job, const LoadedTile& tile, LoadedCell& cell, RequiredTextures& wanted) const;
-  std::shared_ptr<const Primitive> mesh_near(const CellBox& box, const LoadedTile& tile, const Instance& instance,
+  std::shared_ptr<const Primitive> mesh_near(const Box3i64& box, const LoadedTile& tile, const Instance& instance,
                                              MemoryClaim& memory) const;
   void load_textures(const RequiredTextures& wanted, LoadedCell& cell);
 

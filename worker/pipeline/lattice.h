@@ -10,9 +10,7 @@
 
 namespace gigabake {
 
-inline SnapFrame snap_frame(const BakeParameters& p) {
-  return {p.voxel_size_m, {p.lattice_origin_m[0], p.lattice_origin_m[1], p.lattice_origin_m[2]}};
-}
+inline SnapFrame snap_frame(const BakeParameters& p) { return {p.voxel_size_m, p.lattice_origin_m}; }
 
 inline std::array<double, 12> row_major(const Affine<Scene, Local>& scene_from_local) {
   std::array<double, 12> flat;

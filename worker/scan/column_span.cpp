@@ -12,9 +12,9 @@ namespace {
 /// Convex polygon; sub-voxels from the triangle's first vertex. A triangle clipped by four half-spaces has at most 7
 /// vertices.
 struct Polygon {
-  std::array<std::array<double, 3>, 8> p;
+  std::array<Vec3d, 8> p;
   int count = 0;
-  void add(const std::array<double, 3>& v) { p[std::size_t(count++)] = v; }
+  void add(const Vec3d& v) { p[std::size_t(count++)] = v; }
 };
 
 struct Range {
@@ -40,8 +40,7 @@ Polygon cut(const Polygon& in, std::size_t axis, double bound, double sign) {
     if (beyond_a <= 0) out.add(a);
     if ((beyond_a < 0 && beyond_b > 0) || (beyond_a > 0 && beyond_b < 0)) {
       const double share = (bound - a[axis]) / (b[axis] - a[axis]);
-      std::array<double, 3> v;
-      for (std::size_t c = 0; c < 3; ++c) v[c] = a[c] + (b[c] - a[c]) * share;
+      Vec3d v = a + (b - a) * share;
       v[axis] = bound;
       out.add(v);
     }
@@ -60,12 +59,9 @@ class WideTriangle {
   WideTriangle(const LatticeTriangle& triangle, const ColumnGrid& grid)
       : t_(triangle), bits_(grid.cell_bits + subvoxel_bits), z_(voxel_span(triangle, 2, grid.closed)) {
     double extent = 0;
-    for (const auto& p : t_.p) {
-      std::array<double, 3> v;
-      for (int c = 0; c < 3; ++c) {
-        v[std::size_t(c)] = double(p[c] - t_.p[0][c]);
-        extent = std::max(extent, std::fabs(v[std::size_t(c)]));
-      }
+    for (const Vec3i64& p : t_.p) {
+      const Vec3d v(p - t_.p[0]);
+      for (const double coordinate : v) extent = std::max(extent, std::fabs(coordinate));
       whole_.add(v);
     }
     margin_ = 1 + std::ldexp(extent, -48);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 
+#include "core/math/vec3.h"
 #include "core/octree/brick.h"
 #include "kernels/body/voxelize/classify_triangle.h"
 
@@ -12,7 +13,7 @@ namespace gigabake {
 
 /// Sub-voxels from the lattice origin, |coordinate| ≤ 2^53.
 struct LatticeTriangle {
-  std::int64_t p[3][3];
+  Vec3i64 p[3];
 };
 
 inline bool has_area(const LatticeTriangle& triangle) { return kernels::has_area<__int128>(triangle.p); }

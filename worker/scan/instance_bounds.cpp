@@ -8,7 +8,7 @@ namespace gigabake {
 
 LocalBounds bounds_of(const Primitive& primitive) {
   constexpr double infinite = std::numeric_limits<double>::infinity();
-  LocalBounds b{{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
+  LocalBounds b{Vec3d::all(infinite), Vec3d::all(-infinite)};
   for (std::size_t i = 0; i + 2 < primitive.position.size(); i += 3)
     for (std::size_t c = 0; c < 3; ++c) {
       const double x = primitive.position[i + c];
@@ -38,12 +38,12 @@ SceneBox scene_box(const LocalBounds& bounds, const Instance& instance, const Ba
   return box;
 }
 
-bool may_overlap(const SceneBox& box, const BakeParameters& parameters, const CellBox& cell) {
+bool may_overlap(const SceneBox& box, const BakeParameters& parameters, const Box3i64& cell) {
   if (box.is_empty()) return false;
   for (std::size_t r = 0; r < 3; ++r) {
     const auto plane_m = [&](double voxel) { return parameters.lattice_origin_m[r] + voxel * parameters.voxel_size_m; };
-    if (box.high_m[r] < plane_m(double(cell.lattice_min[r]))) return false;
-    if (box.low_m[r] > plane_m(double(cell.lattice_min[r]) + cell.cell_voxels)) return false;
+    if (box.high_m[r] < plane_m(double(cell.min[r]))) return false;
+    if (box.low_m[r] > plane_m(double(cell.end[r]))) return false;
   }
   return true;
 }

@@ -26,7 +26,7 @@ std::vector<std::uint32_t> index_without_long(const Primitive& primitive, const 
       LatticePoint p{};
       const float* local = primitive.position.data() + 3 * std::size_t(primitive.index[at + i]);
       valid = snap(frame, scene_from_local.data(), local, p) && valid;
-      std::copy(p.v, p.v + 3, triangle.p[i]);
+      triangle.p[i] = p.v;
     }
     if (valid && side_of(triangle) > max_triangle_side) continue;
     kept.insert(kept.end(), primitive.index.begin() + std::ptrdiff_t(at),

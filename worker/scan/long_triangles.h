@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "core/octree/parameters.h"
 #include "format/job/tile_scan.h"
 #include "format/source/mesh.h"
@@ -22,13 +23,9 @@ static_assert(max_triangle_side + 8192 * subvoxels == kernels::max_coordinate); 
 
 /// Returns the longest side of the triangle's box, in sub-voxels.
 inline std::int64_t side_of(const LatticeTriangle& t) {
-  std::int64_t side = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::int64_t low = std::min({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
-    const std::int64_t high = std::max({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
-    side = std::max(side, high - low);
-  }
-  return side;
+  const Vec3i64 low = min_by_axis(min_by_axis(t.p[0], t.p[1]), t.p[2]);
+  const Vec3i64 high = max_by_axis(max_by_axis(t.p[0], t.p[1]), t.p[2]);
+  return std::ranges::max(high - low);
 }
 
 /// Returns false only if no triangle inside the box can be too long.

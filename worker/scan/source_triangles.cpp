@@ -63,7 +63,7 @@ kernels::Rgba16 texel_at(const kernels::PartView& part, const kernels::MaterialV
 SourceTriangles::SourceTriangles(const SceneSources& sources, const BakeParameters& lattice, int threads)
     : cell_(CellLoader(sources, lattice, 0, threads).load(everything(sources))),
       voxel_size_m_(lattice.voxel_size_m),
-      lattice_origin_m_(lattice.lattice_origin_m) {
+      lattice_origin_m_{lattice.lattice_origin_m[0], lattice.lattice_origin_m[1], lattice.lattice_origin_m[2]} {
   measure();
   if (!(box_.min[0] <= box_.max[0])) throw InputError(sources.root, "", "has no triangles to show");
 }

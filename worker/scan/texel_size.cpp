@@ -13,27 +13,25 @@ namespace {
 
 constexpr std::size_t max_triangles = std::size_t(1) << 22;
 
-using TriangleCorners = std::array<std::array<double, 3>, 3>;
+using TriangleCorners = std::array<Vec3d, 3>;
 
 TriangleCorners corners_of(const Primitive& primitive, const Instance& instance, const std::uint32_t* index) {
   const auto m = row_major(instance.scene_from_local);
   TriangleCorners corners{};
   for (std::size_t i = 0; i < 3; ++i) {
     const float* p = primitive.position.data() + 3 * std::size_t(index[i]);
-    for (std::size_t k = 0; k < 3; ++k)
-      corners[i][k] = m[4 * k] * double(p[0]) + m[4 * k + 1] * double(p[1]) + m[4 * k + 2] * double(p[2]);
+    const Vec3d local{p[0], p[1], p[2]};
+    corners[i] = Vec3d::by_axis([&](int row) {
+      const double* in_row = &m[4 * std::size_t(row)];
+      return dot({in_row[0], in_row[1], in_row[2]}, local);
+    });
   }
   return corners;
 }
 
 double area_m2(const TriangleCorners& c) {
-  std::array<double, 3> a{}, b{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    a[k] = c[1][k] - c[0][k];
-    b[k] = c[2][k] - c[0][k];
-  }
-  const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
-  return std::sqrt(x * x + y * y + z * z) / 2;
+  const Vec3d n = cross(c[1] - c[0], c[2] - c[0]);
+  return std::sqrt(dot(n, n)) / 2;
 }
 
 /// Returns the triangle's area as a fraction of the whole image.

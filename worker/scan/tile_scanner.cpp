@@ -22,21 +22,19 @@ constexpr double max_projected_voxels = 0x1p60;  ///< of one triangle or box
 constexpr double max_voxel = 0x1p44;             ///< the snap's range is 2^53 sub-voxels
 
 /// Returns the unsnapped scene position of a vertex; it may be infinite.
-std::array<double, 3> scene_position(const Primitive& primitive, std::uint32_t vertex, const Instance& instance) {
+Vec3d scene_position(const Primitive& primitive, std::uint32_t vertex, const Instance& instance) {
   const float* local = primitive.position.data() + 3 * std::size_t(vertex);
-  std::array<double, 3> p_m{};
-  for (std::size_t r = 0; r < 3; ++r) {
-    const auto& m = instance.scene_from_local.m[r];
-    p_m[r] = m[0] * local[0] + m[1] * local[1] + m[2] * local[2] + m[3];
-  }
-  return p_m;
+  return Vec3d::by_axis([&](int row) {
+    const auto& m = instance.scene_from_local.m[std::size_t(row)];
+    return m[0] * local[0] + m[1] * local[1] + m[2] * local[2] + m[3];
+  });
 }
 
 /// Returns the longest side of the box of a triangle that is not on the lattice; infinite if a vertex is not finite.
 double side_m(const Primitive& primitive, const std::uint32_t* index, const Instance& instance) {
-  const std::array<std::array<double, 3>, 3> p_m = {scene_position(primitive, index[0], instance),
-                                                    scene_position(primitive, index[1], instance),
-                                                    scene_position(primitive, index[2], instance)};
+  const std::array<Vec3d, 3> p_m = {scene_position(primitive, index[0], instance),
+                                    scene_position(primitive, index[1], instance),
+                                    scene_position(primitive, index[2], instance)};
   double side = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     if (!std::isfinite(p_m[0][c] + p_m[1][c] + p_m[2][c])) return HUGE_VAL;
@@ -48,33 +46,25 @@ double side_m(const Primitive& primitive, const std::uint32_t* index, const Inst
 
 /// Returns twice the sum of the areas projected along x, y and z. Exact for lattice triangles while the values fit into
 /// a double.
-double doubled_views(const std::array<double, 3>& a, const std::array<double, 3>& b) {
-  return std::fabs(a[1] * b[2] - a[2] * b[1]) + std::fabs(a[2] * b[0] - a[0] * b[2]) +
-         std::fabs(a[0] * b[1] - a[1] * b[0]);
+double doubled_views(const Vec3d& a, const Vec3d& b) {
+  const Vec3d n = cross(a, b);
+  return std::fabs(n[0]) + std::fabs(n[1]) + std::fabs(n[2]);
 }
 
 std::uint64_t crossings_of(const LatticeTriangle& t) {
-  std::array<double, 3> a{}, b{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    a[k] = double(t.p[1][k] - t.p[0][k]);
-    b[k] = double(t.p[2][k] - t.p[0][k]);
-  }
-  return std::uint64_t(std::min(doubled_views(a, b), max_projected_voxels));
+  return std::uint64_t(std::min(doubled_views(Vec3d(t.p[1] - t.p[0]), Vec3d(t.p[2] - t.p[0])), max_projected_voxels));
 }
 
 /// Returns the area in the primitive's own frame, over finite triangles.
 double area_m2(const Primitive& primitive) {
   double doubled = 0;
   for (std::size_t t = 0; t + 2 < primitive.index.size(); t += 3) {
-    const float* p[3];
-    for (std::size_t i = 0; i < 3; ++i) p[i] = primitive.position.data() + 3 * std::size_t(primitive.index[t + i]);
-    std::array<double, 3> a{}, b{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      a[k] = double(p[1][k]) - double(p[0][k]);
-      b[k] = double(p[2][k]) - double(p[0][k]);
-    }
-    const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
-    const double area = std::sqrt(x * x + y * y + z * z);
+    const auto corner = [&](std::size_t i) {
+      const float* p = primitive.position.data() + 3 * std::size_t(primitive.index[t + i]);
+      return Vec3d{p[0], p[1], p[2]};
+    };
+    const Vec3d n = cross(corner(1) - corner(0), corner(2) - corner(0));
+    const double area = std::sqrt(dot(n, n));
     if (std::isfinite(area)) doubled += area;
   }
   return doubled / 2;
@@ -255,7 +245,7 @@ void TileScanner::add_triangles(const Primitive& mesh, std::span<const std::uint
     for (std::size_t i = 0; i < 3; ++i) {
       const SnappedVertex& v = vertices[corners[t + i]];
       is_on_lattice = is_on_lattice && v.valid;
-      std::copy(v.p.v, v.p.v + 3, triangle.p[i]);
+      triangle.p[i] = v.p.v;
     }
     if (is_on_lattice) {
       add_triangle(triangle, found);

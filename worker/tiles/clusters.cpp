@@ -14,18 +14,18 @@ constexpr int axis_bits = 10;
 constexpr std::uint32_t no_vertex = UINT32_MAX;
 
 /// Returns three times the mean of the corners.
-std::array<double, 3> tripled_centroid(const Primitive& mesh, std::size_t triangle) {
-  std::array<double, 3> sum{};
+Vec3d tripled_centroid(const Primitive& mesh, std::size_t triangle) {
+  Vec3d sum{};
   for (std::size_t corner = 0; corner < 3; ++corner) {
     const float* p = &mesh.position[3 * std::size_t(mesh.index[3 * triangle + corner])];
-    for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] += double(p[axis]);
+    sum += Vec3d{p[0], p[1], p[2]};
   }
   return sum;
 }
 
 /// Quantizer of coordinates to 2^axis_bits steps of equal length on all axes.
 struct CurveGrid {
-  std::array<double, 3> low{};
+  Vec3d low{};
   double steps_per_unit = 0;
 
   /// Clamps values beyond the grid to its border; NaN maps to step 0.
@@ -45,7 +45,7 @@ CurveGrid grid_of(const Primitive& mesh) {
   for (std::uint64_t i = 0; i < samples; ++i) {
     // Scattered samples: with a regular stride all of them could lie in one row of a grid.
     const std::size_t triangle = std::size_t((i * 0x9e3779b97f4a7c15ull >> 32) * triangles >> 32);
-    const std::array<double, 3> at = tripled_centroid(mesh, triangle);
+    const Vec3d at = tripled_centroid(mesh, triangle);
     for (std::size_t axis = 0; axis < 3; ++axis)
       if (std::isfinite(at[axis])) along[axis].push_back(at[axis]);
   }
@@ -69,7 +69,7 @@ kernels::UnsetArray<std::uint64_t> along_curve(const Primitive& mesh) {
   const CurveGrid grid = grid_of(mesh);
   kernels::UnsetArray<std::uint64_t> order(mesh.index.size() / 3);
   for (std::size_t t = 0; t < order.size(); ++t) {
-    const std::array<double, 3> at = tripled_centroid(mesh, t);
+    const Vec3d at = tripled_centroid(mesh, t);
     order[t] = morton(grid.step(at[0], 0), grid.step(at[1], 1), grid.step(at[2], 2)) << 32 | t;
   }
   kernels::radix_sort(order, 32, 32 + 3 * axis_bits, callers_thread());

@@ -14,22 +14,21 @@ namespace gigabake {
 namespace {
 
 /// Finds voxel `at` of the cell's level. Returns false if there is none, for example outside of the cell.
-bool find(LevelLookup& lookup, const std::array<std::int64_t, 3>& at, std::int64_t edge, VoxelValue& value) {
+bool find(LevelLookup& lookup, const Vec3i64& at, std::int64_t edge, VoxelValue& value) {
   for (const std::int64_t x : at)
     if (x < 0 || x >= edge) return false;
   return lookup.find(std::uint32_t(at[0]), std::uint32_t(at[1]), std::uint32_t(at[2]), value);
 }
 
 /// Fills the brick at `lowest` and its border. `edge` is the cell's, in voxels of the level.
-void fill_brick(LevelLookup& lookup, const std::array<std::int64_t, 3>& lowest, std::int64_t edge, bool normals,
-                GigavoxelBrick& brick) {
+void fill_brick(LevelLookup& lookup, const Vec3i64& lowest, std::int64_t edge, bool normals, GigavoxelBrick& brick) {
   std::size_t i = 0;
   constexpr auto begin = -std::int64_t(GigavoxelBrick::border), end = std::int64_t(brick_edge) - begin;
   for (std::int64_t z = begin; z < end; ++z)
     for (std::int64_t y = begin; y < end; ++y)
       for (std::int64_t x = begin; x < end; ++x, ++i) {
         VoxelValue value{};
-        if (!find(lookup, {lowest[0] + x, lowest[1] + y, lowest[2] + z}, edge, value)) {
+        if (!find(lookup, lowest + Vec3i64{x, y, z}, edge, value)) {
           brick.rgba[i] = {};
           brick.gradient[i] = no_gradient;
           continue;
@@ -47,8 +46,7 @@ void write_bricks(OutputFile& out, const ShardHeader& header, const NodeTable& n
   const LevelNodes rows = level_nodes(nodes, header.lods)[std::size_t(lod)];
   for (std::size_t n = rows.begin; n < rows.end; ++n) {
     if (nodes.kind[n] != NodeKind::brick) continue;
-    const BrickCoordinate at = demorton(nodes.key[n]);
-    fill_brick(lookup, {8 * std::int64_t(at.x), 8 * std::int64_t(at.y), 8 * std::int64_t(at.z)},
+    fill_brick(lookup, Vec3i64(demorton(nodes.key[n])) * brick_edge,
                header.cell_voxels >> (int(header.first_lod) + lod), header.has_normals, brick);
     write_gigavoxel_brick(out, brick);
     progress.advance(0);
@@ -88,9 +86,8 @@ class GigavoxelWriter {
     std::size_t number = 0;
     for_each_shard_of_level(paged, lod, [&](const SceneCell& cell) {
       const double edge_m = cell.cell_voxels * scene.voxel_size_m;
-      std::array<double, 3> centre_m{};
-      for (std::size_t c = 0; c < 3; ++c)
-        centre_m[c] = scene.lattice_origin_m[c] + double(cell.lattice_min[c]) * scene.voxel_size_m + edge_m / 2;
+      const Vec3d corner_m = scene.lattice_origin_m + Vec3d(cell.lattice_min) * scene.voxel_size_m;
+      const Vec3d centre_m = corner_m + Vec3d::all(edge_m / 2);
       out.write(
           fmt::format("    <PagedOctTree CenterX=\"{}\" CenterY=\"{}\" CenterZ=\"{}\" Radius=\"{}\" "
                       "SizeXMeters=\"{}\" SizeYMeters=\"{}\" SizeZMeters=\"{}\" TreeFile=\"{}\"/>\n",

@@ -15,8 +15,8 @@ namespace gigabake {
 struct GigavoxelBrickFile::Head {
   static constexpr std::uint64_t bytes = 3 * 8 + 3 * 4 + 2 * 4;
   static constexpr std::uint64_t maximum = 512;
-  std::array<std::uint64_t, 3> size{};
-  std::array<std::uint32_t, 3> border{};
+  Vec3<std::uint64_t> size{};
+  Vec3<std::uint32_t> border{};
   std::uint32_t compressed = 0, colour_bytes = 0;
 
   std::uint64_t voxels() const { return size[0] * size[1] * size[2]; }
@@ -24,7 +24,7 @@ struct GigavoxelBrickFile::Head {
   std::uint64_t record_bytes() const { return bytes + 8 + 7 * voxels(); }
 };
 
-GigavoxelBrickFile::GigavoxelBrickFile(const std::filesystem::path& path, const std::array<std::uint32_t, 3>& brick)
+GigavoxelBrickFile::GigavoxelBrickFile(const std::filesystem::path& path, const Vec3<std::uint32_t>& brick)
     : path_(path), file_(path, O_RDONLY), brick_(brick) {
   const off_t end = file_.is_open() ? ::lseek(file_.get(), 0, SEEK_END) : -1;
   if (end < 0) throw InputError(path, "", std::string("cannot read: ") + std::strerror(errno));
@@ -96,7 +96,7 @@ class DepthWalk {
       : tree_(tree), depth_(depth), path_(bricks), visit_(visit) {}
 
   /// Visits a subtree. `at` is the node's position among the nodes of its depth.
-  void walk(std::size_t n, std::uint32_t depth, const std::array<std::uint64_t, 3>& at) {
+  void walk(std::size_t n, std::uint32_t depth, const Vec3<std::uint64_t>& at) {
     const GigavoxelNode& node = tree_.nodes[n];
     if (depth == depth_ && !node.is_constant) return visit_brick(node, at);
     if (depth == depth_ || (node.child_block == 0 && node.is_constant)) return visit_constant(node, depth, at);
@@ -106,19 +106,17 @@ class DepthWalk {
   }
 
  private:
-  void visit_constant(const GigavoxelNode& node, std::uint32_t depth, const std::array<std::uint64_t, 3>& at) {
+  void visit_constant(const GigavoxelNode& node, std::uint32_t depth, const Vec3<std::uint64_t>& at) {
     if (node.value >> 24 == 0) return;
     GigavoxelBox box;
-    for (std::size_t c = 0; c < 3; ++c) {
-      box.extent[c] = std::uint64_t(tree_.header.brick[c]) << (depth_ - depth);
-      box.lowest[c] = at[c] * box.extent[c];
-    }
+    box.extent = Vec3<std::uint64_t>(tree_.header.brick) << int(depth_ - depth);
+    box.lowest = Vec3<std::uint64_t>::by_axis([&](int axis) { return at[axis] * box.extent[axis]; });
     for (std::size_t c = 0; c < 4; ++c) box.rgba[c] = std::uint8_t(node.value >> (8 * c));
     box.gradient = node.gradient;
     visit_(box);
   }
 
-  void visit_brick(const GigavoxelNode& node, const std::array<std::uint64_t, 3>& at) {
+  void visit_brick(const GigavoxelNode& node, const Vec3<std::uint64_t>& at) {
     if (!file_) file_.emplace(path_, tree_.header.brick);
     const GigavoxelBrickData brick = file_->read(node.value);
     const auto& edge = tree_.header.brick;

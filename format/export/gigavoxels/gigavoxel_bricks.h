@@ -1,11 +1,11 @@
 /// Reader of a GigaVoxels octree's brick file, brick by brick.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "format/export/gigavoxels/gigavoxel_tree.h"
 #include "format/system/descriptor.h"
 
@@ -13,10 +13,10 @@ namespace gigabake {
 
 /// A brick with its border; x varies fastest.
 struct GigavoxelBrickData {
-  std::array<std::uint64_t, 3> size{};
-  std::array<std::uint32_t, 3> border{};  ///< number of border voxels before the brick's own
-  std::vector<std::uint8_t> rgba;         ///< 4 per voxel
-  std::vector<std::uint8_t> gradient;     ///< 3 per voxel
+  Vec3<std::uint64_t> size{};
+  Vec3<std::uint32_t> border{};        ///< number of border voxels before the brick's own
+  std::vector<std::uint8_t> rgba;      ///< 4 per voxel
+  std::vector<std::uint8_t> gradient;  ///< 3 per voxel
 };
 
 /// A brick file.
@@ -24,7 +24,7 @@ struct GigavoxelBrickData {
 class GigavoxelBrickFile {
  public:
   /// Locates every brick and checks sizes. `brick` is the octree's brick size without borders.
-  GigavoxelBrickFile(const std::filesystem::path& path, const std::array<std::uint32_t, 3>& brick);
+  GigavoxelBrickFile(const std::filesystem::path& path, const Vec3<std::uint32_t>& brick);
 
   std::size_t size() const { return begin_.size(); }
   GigavoxelBrickData read(std::size_t number) const;
@@ -37,7 +37,7 @@ class GigavoxelBrickFile {
   std::filesystem::path path_;
   Descriptor file_;
   std::uint64_t bytes_ = 0;
-  std::array<std::uint32_t, 3> brick_;
+  Vec3<std::uint32_t> brick_;
   std::vector<std::uint64_t> begin_;
 };
 

@@ -31,7 +31,7 @@ std::string root_element(const GigavoxelHeader& h) {
 }
 
 /// Returns a node's element up to its children.
-std::string node_element(const GigavoxelNode& node, const std::array<std::uint32_t, 3>& mip_map, std::uint32_t depth,
+std::string node_element(const GigavoxelNode& node, const Vec3<std::uint32_t>& mip_map, std::uint32_t depth,
                          bool deepest) {
   std::string text = std::string(4 * (depth + 1), ' ') + "<GigaVoxelsNode" + attributes("MipMap", mip_map, "");
   if (!node.is_constant) return text + fmt::format(" Type=\"NON-CONST\" Brick=\"{}\" Depth=\"{}\"", node.value, depth);
@@ -43,17 +43,15 @@ std::string node_element(const GigavoxelNode& node, const std::array<std::uint32
   return text + fmt::format(" Depth=\"{}\"", depth) + attributes("Gradient", node.gradient, "");
 }
 
-void write_node(OutputFile& out, const GigavoxelTree& tree, std::size_t n, const std::array<std::uint32_t, 3>& mip_map,
+void write_node(OutputFile& out, const GigavoxelTree& tree, std::size_t n, const Vec3<std::uint32_t>& mip_map,
                 std::uint32_t depth) {
   const GigavoxelNode& node = tree.nodes[n];
   out.write(node_element(node, mip_map, depth, depth + 1 == tree.header.max_depth));
   if (node.child_block == 0) return out.write("/>\n");
   out.write(">\n");
   for (std::uint32_t c = 0; c < 8; ++c) {
-    std::array<std::uint32_t, 3> child{};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      child[axis] = 2 * mip_map[axis] + (c >> axis & 1) * tree.header.brick[axis];
-    write_node(out, tree, 8 * std::size_t(node.child_block) + c, child, depth + 1);
+    const auto child = [&](int axis) { return 2 * mip_map[axis] + (c >> axis & 1) * tree.header.brick[axis]; };
+    write_node(out, tree, 8 * std::size_t(node.child_block) + c, Vec3<std::uint32_t>::by_axis(child), depth + 1);
   }
   out.write(std::string(4 * (depth + 1), ' ') + "</GigaVoxelsNode>\n");
 }

@@ -7,6 +7,7 @@
 #include <functional>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "format/export/gigavoxels/gigavoxel_tree.h"
 
 namespace gigabake {
@@ -21,7 +22,7 @@ GigavoxelTree read_gigavoxel_tree(const std::filesystem::path& tree_file);
 
 /// A box of equal voxels of one depth, usually a single voxel.
 struct GigavoxelBox {
-  std::array<std::uint64_t, 3> lowest{}, extent{1, 1, 1};
+  Vec3<std::uint64_t> lowest{}, extent{1, 1, 1};
   std::array<std::uint8_t, 4> rgba{};
   GradientBytes gradient{};
 };

@@ -19,11 +19,10 @@ GigavoxelNode node_of(const NodeTable& nodes, std::size_t n, bool normals) {
 GigavoxelHeader header_of(const ShardHeader& cell, int lod) {
   GigavoxelHeader h;
   h.max_depth = cell.lods - std::uint32_t(lod);
-  for (std::size_t c = 0; c < 3; ++c)
-    h.corner_m[c] = cell.lattice_origin_m[c] + double(cell.lattice_min[c]) * cell.voxel_size_m;
-  h.delta_m.fill(std::ldexp(cell.voxel_size_m, int(cell.first_lod) + lod));
-  h.volume.fill(cell.cell_voxels >> (int(cell.first_lod) + lod));
-  h.brick.fill(brick_edge);
+  h.corner_m = cell.lattice_origin_m + Vec3d(cell.lattice_min) * cell.voxel_size_m;
+  h.delta_m = Vec3d::all(std::ldexp(cell.voxel_size_m, int(cell.first_lod) + lod));
+  h.volume = Vec3<std::uint32_t>::all(cell.cell_voxels >> (int(cell.first_lod) + lod));
+  h.brick = Vec3<std::uint32_t>::all(brick_edge);
   return h;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "format/shard/shard.h"
 
 namespace gigabake {
@@ -16,11 +17,11 @@ inline constexpr GradientBytes no_gradient{128, 128, 128};
 
 /// The attributes of a tree, in the order of a tree file.
 struct GigavoxelHeader {
-  std::uint32_t max_depth = 0;            ///< number of levels; the root has depth 0
-  std::array<double, 3> corner_m{};       ///< lowest corner, scene frame
-  std::array<double, 3> delta_m{};        ///< edge of a voxel of the deepest level
-  std::array<std::uint32_t, 3> volume{};  ///< voxels of the deepest level on each axis
-  std::array<std::uint32_t, 3> brick{};   ///< voxels of a brick without its border
+  std::uint32_t max_depth = 0;   ///< number of levels; the root has depth 0
+  Vec3d corner_m{};              ///< lowest corner, scene frame
+  Vec3d delta_m{};               ///< edge of a voxel of the deepest level
+  Vec3<std::uint32_t> volume{};  ///< voxels of the deepest level on each axis
+  Vec3<std::uint32_t> brick{};   ///< voxels of a brick without its border
 };
 
 struct GigavoxelNode {

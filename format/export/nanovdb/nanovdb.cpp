@@ -21,23 +21,22 @@ LeafNode<Value> leaf_of(const LevelIndex& lowest, const DenseBrick& brick, const
   IndexBox box;
   for (std::size_t voxel = 0; voxel < brick_voxels; ++voxel) {
     if (!brick.has(voxel)) continue;
-    const std::array<std::size_t, 3> at{voxel & 7, voxel >> 3 & 7, voxel >> 6};
+    const Vec3<std::size_t> at{voxel & 7, voxel >> 3 & 7, voxel >> 6};
     const std::size_t n = at[0] << 6 | at[1] << 3 | at[2];
     leaf.mask[n >> 6] |= std::uint64_t(1) << (n & 63);
     leaf.values[n] = value(voxel);
-    for (std::size_t c = 0; c < 3; ++c) {
-      box.min[c] = std::min(box.min[c], std::int32_t(lowest[c] + std::int64_t(at[c])));
-      box.max[c] = std::max(box.max[c], std::int32_t(lowest[c] + std::int64_t(at[c])));
-    }
+    const Vec3<std::int32_t> index(lowest + Vec3i64(at));
+    box.min = min_by_axis(box.min, index);
+    box.max = max_by_axis(box.max, index);
   }
   leaf.box_min = box.min;
-  for (std::size_t c = 0; c < 3; ++c) leaf.box_extent[c] = std::uint8_t(box.max[c] - box.min[c]);
+  leaf.box_extent = Vec3<std::uint8_t>(box.max - box.min);
   return leaf;
 }
 
 IndexBox box_of(const LeafNode<Rgba8>& leaf) {
   IndexBox box{leaf.box_min, leaf.box_min};
-  for (std::size_t c = 0; c < 3; ++c) box.max[c] += leaf.box_extent[c];
+  box.max += Vec3<std::int32_t>(leaf.box_extent);
   return box;
 }
 

@@ -69,7 +69,7 @@ FileMetaData NanovdbGrid<Value>::meta_data() const {
   meta.grid_type = Value::grid_type;
   meta.index_box = tree_.box();
   meta.world_box = world_box(frame_, tree_.box());
-  meta.voxel_size.fill(frame_.voxel_size_m);
+  meta.voxel_size = Vec3d::all(frame_.voxel_size_m);
   meta.name_bytes = std::uint32_t(name_.size() + 1);
   const TreeData tree = tree_data();
   for (std::size_t level = 0; level < 3; ++level) meta.nodes[level] = tree.nodes[level];
@@ -84,7 +84,7 @@ GridData NanovdbGrid<Value>::grid_data() const {
   std::memcpy(grid.name.data(), name_.data(), name_.size());
   grid.map = map_of(frame_);
   grid.world_box = world_box(frame_, tree_.box());
-  grid.voxel_size.fill(frame_.voxel_size_m);
+  grid.voxel_size = Vec3d::all(frame_.voxel_size_m);
   grid.grid_type = Value::grid_type;
   return grid;
 }

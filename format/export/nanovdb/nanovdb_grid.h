@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "format/export/nanovdb/nanovdb_layout.h"
 #include "format/export/nanovdb/nanovdb_tree.h"
 #include "format/system/random_access_file.h"
@@ -13,7 +14,7 @@ namespace gigabake {
 /// Properties shared by all grids of a file.
 struct NanovdbFrame {
   double voxel_size_m = 0;  ///< of the exported level
-  std::array<double, 3> lattice_origin_m{};
+  Vec3d lattice_origin_m{};
   std::uint64_t voxels = 0;
 };
 

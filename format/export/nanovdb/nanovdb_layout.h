@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "core/math/vec3.h"
+
 namespace gigabake::nanovdb_layout {
 
 inline constexpr std::uint64_t magic = 0x304244566f6e614e;  ///< "NanoVDB0"
@@ -24,7 +26,7 @@ struct Vec3f {
 };
 
 struct IndexBox {
-  std::array<std::int32_t, 3> min{INT32_MAX, INT32_MAX, INT32_MAX}, max{INT32_MIN, INT32_MIN, INT32_MIN};
+  Vec3<std::int32_t> min{INT32_MAX, INT32_MAX, INT32_MAX}, max{INT32_MIN, INT32_MIN, INT32_MIN};
 };
 
 struct FileHeader {
@@ -40,10 +42,10 @@ struct FileMetaData {
   std::uint32_t grid_type = 0, grid_class = class_voxel_volume;
   std::array<double, 6> world_box{};
   IndexBox index_box;
-  std::array<double, 3> voxel_size{};
+  Vec3d voxel_size{};
   std::uint32_t name_bytes = 0;
   std::array<std::uint32_t, 4> nodes{0, 0, 0, 1};  ///< leaf, lower, upper, root
-  std::array<std::uint32_t, 3> tiles{};
+  Vec3<std::uint32_t> tiles{};
   std::uint16_t codec = 0, padding = 0;
   std::uint32_t file_version = version;
 };
@@ -53,7 +55,7 @@ struct Map {
   std::array<float, 3> translation_f{};
   float taper_f = 1;
   std::array<double, 9> matrix{}, inverse{};
-  std::array<double, 3> translation{};
+  Vec3d translation{};
   double taper = 1;
 };
 
@@ -67,7 +69,7 @@ struct alignas(32) GridData {
   std::array<char, 256> name{};
   Map map;
   std::array<double, 6> world_box{};
-  std::array<double, 3> voxel_size{};
+  Vec3d voxel_size{};
   std::uint32_t grid_class = class_voxel_volume, grid_type = 0;
   std::int64_t blind_data_offset = 0;
   std::uint32_t blind_data_count = 0;
@@ -78,8 +80,8 @@ struct alignas(32) GridData {
 struct alignas(32) TreeData {
   std::array<std::uint64_t, 4> node_offset{};  ///< from this structure to the first leaf, lower and upper node, and to
                                                ///< the root
-  std::array<std::uint32_t, 3> nodes{};        ///< leaf, lower, upper
-  std::array<std::uint32_t, 3> tiles{};
+  Vec3<std::uint32_t> nodes{};                 ///< leaf, lower, upper
+  Vec3<std::uint32_t> tiles{};
   std::uint64_t voxels = 0;
 };
 
@@ -95,7 +97,7 @@ struct alignas(32) RootTile {
   std::uint64_t key = 0;
   std::int64_t child = 0;  ///< bytes from the root
   std::uint32_t state = 0;
-  std::array<std::uint32_t, 3> value{};
+  Vec3<std::uint32_t> value{};
 };
 
 /// A node with (2^log2)³ children; child n = x << 2 log2 | y << log2 | z.
@@ -121,8 +123,8 @@ using LowerNode = InternalNode<Value, 4>;
 /// A leaf; voxel n = x << 6 | y << 3 | z.
 template <class Value>
 struct alignas(32) LeafNode {
-  std::array<std::int32_t, 3> box_min{};
-  std::array<std::uint8_t, 3> box_extent{};
+  Vec3<std::int32_t> box_min{};
+  Vec3<std::uint8_t> box_extent{};
   std::uint8_t flags = leaf_has_bbox;
   std::array<std::uint64_t, 8> mask{};
   Value minimum, maximum;

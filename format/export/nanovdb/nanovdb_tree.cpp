@@ -8,10 +8,8 @@ namespace {
 using nanovdb_layout::IndexBox;
 
 void widen_to(IndexBox& box, const IndexBox& other) {
-  for (std::size_t c = 0; c < 3; ++c) {
-    box.min[c] = std::min(box.min[c], other.min[c]);
-    box.max[c] = std::max(box.max[c], other.max[c]);
-  }
+  box.min = min_by_axis(box.min, other.min);
+  box.max = max_by_axis(box.max, other.max);
 }
 
 /// Returns the inner node whose range of children contains `child`.

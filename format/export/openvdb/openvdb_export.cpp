@@ -11,7 +11,7 @@
 namespace gigabake {
 namespace {
 
-std::array<std::int32_t, 3> checked_index(const std::filesystem::path& scene_xml, const LevelIndex& index) {
+Vec3<std::int32_t> checked_index(const std::filesystem::path& scene_xml, const LevelIndex& index) {
   for (const std::int64_t i : index)
     if (i != std::int32_t(i))
       throw InputError(scene_xml, "LatticeMin", "OpenVDB cannot store indices of more than 32 bits");

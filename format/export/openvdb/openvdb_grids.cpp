@@ -37,7 +37,7 @@ class Grids : public OpenvdbGrids {
     prepare(*normal_, "N", scene, lod);
   }
 
-  void add(const std::array<std::int32_t, 3>& corner, const DenseBrick& part) override {
+  void add(const Vec3<std::int32_t>& corner, const DenseBrick& part) override {
     const openvdb::Coord lowest(corner[0], corner[1], corner[2]);
     const std::array<double, 256>& linear = linear_of_srgb();
     set_voxels(*density_, lowest, part, [&](std::size_t n) { return float(part.rgba[n][3]) / 255; });

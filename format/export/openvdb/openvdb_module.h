@@ -1,11 +1,11 @@
 /// Interface of the module "openvdb": grids that are filled brick by brick and written to a file.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 
+#include "core/math/vec3.h"
 #include "format/scene/scene_level.h"
 #include "format/scene/xml/scene_xml.h"
 
@@ -16,7 +16,7 @@ class OpenvdbGrids {
  public:
   virtual ~OpenvdbGrids() = default;
   /// Adds the voxels of a block. `lowest` is a multiple of 8 on each axis.
-  virtual void add(const std::array<std::int32_t, 3>& lowest, const DenseBrick& part) = 0;
+  virtual void add(const Vec3<std::int32_t>& lowest, const DenseBrick& part) = 0;
   /// Returns the approximate memory of the grids.
   virtual std::uint64_t bytes() const = 0;
   /// Writes the grids to `aside` and reads them back.

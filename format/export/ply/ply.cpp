@@ -42,14 +42,11 @@ class VertexStream {
   }
 
   void write_shard(const std::filesystem::path& shard, const ReadLevel& read) {
-    const std::array<std::int64_t, 3>& low = read.header.lattice_min;
+    const Vec3i64& low = read.header.lattice_min;
     for_each_voxel_of_level(
         read.nodes, read.level, lod_ - int(read.header.first_lod),
         [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
-          add_vertex(shard,
-                     {low[0] + (std::int64_t(x) << lod_), low[1] + (std::int64_t(y) << lod_),
-                      low[2] + (std::int64_t(z) << lod_)},
-                     rgba, normal);
+          add_vertex(shard, low + (Vec3i64{x, y, z} << lod_), rgba, normal);
         });
   }
 
@@ -60,8 +57,8 @@ class VertexStream {
   }
 
  private:
-  void add_vertex(const std::filesystem::path& shard, const std::array<std::int64_t, 3>& corner,
-                  const std::uint8_t* rgba, const std::int8_t* normal) {
+  void add_vertex(const std::filesystem::path& shard, const Vec3i64& corner, const std::uint8_t* rgba,
+                  const std::int8_t* normal) {
     if (used_ + vertex_bytes > buffer_.size()) flush();
     char* const to = buffer_.data() + used_;
     const double half = std::ldexp(0.5, lod_);

@@ -13,8 +13,8 @@ namespace gigabake {
 namespace {
 
 /// Adds 1 to the weight of each tile that overlaps a box of voxels. A tile includes its padding here.
-void count_in_tiles(const VoxelTiling& tiling, int lod, const LevelBox& box, TileWeights& tiles) {
-  const LevelBox places = tiling.tiles_near(lod, box);
+void count_in_tiles(const VoxelTiling& tiling, int lod, const Box3i64& box, TileWeights& tiles) {
+  const Box3i64 places = tiling.tiles_near(lod, box);
   for (std::int64_t z = places.min[2]; z < places.end[2]; ++z)
     for (std::int64_t y = places.min[1]; y < places.end[1]; ++y)
       for (std::int64_t x = places.min[0]; x < places.end[0]; ++x)
@@ -74,9 +74,9 @@ void TileStats::for_each_own_level(int finest, int coarsest, const LevelsOf& lev
                    });
 }
 
-LatticeBox TileStats::bounds(int lod) const {
+Box3i64 TileStats::bounds(int lod) const {
   progress_.step("reading the positions of bricks", scene_.totals().cells / std::uint64_t(team_.ranks()), "shard");
-  std::vector<LatticeBox> own(std::size_t(pool_.threads()));
+  std::vector<Box3i64> own(std::size_t(pool_.threads()));
   const auto levels_that_count = [lod](const LevelOwner& owner) {
     std::vector<int> levels{lod};
     for (int coarser = lod + 1; coarser <= owner.coarsest; ++coarser)
@@ -84,18 +84,18 @@ LatticeBox TileStats::bounds(int lod) const {
     return levels;
   };
   team_.together([&] {
-    for_each_own_level(lod, lod, levels_that_count, [&](int of, const std::vector<LevelBox>& boxes, int thread) {
-      LatticeBox& all = own[std::size_t(thread)];
-      for (const LevelBox& box : boxes) all = hull(all, on_lattice(box, of));
+    for_each_own_level(lod, lod, levels_that_count, [&](int of, const std::vector<Box3i64>& boxes, int thread) {
+      Box3i64& all = own[std::size_t(thread)];
+      for (const Box3i64& box : boxes) all = hull(all, on_lattice(box, of));
     });
   });
   ByteWriter writer;
-  LatticeBox of_rank;
-  for (const LatticeBox& box : own) of_rank = hull(of_rank, box);
+  Box3i64 of_rank;
+  for (const Box3i64& box : own) of_rank = hull(of_rank, box);
   writer.put(of_rank);
-  LatticeBox all;
+  Box3i64 all;
   for (const std::vector<std::uint8_t>& bytes : team_.exchange(writer.take())) {
-    LatticeBox box;
+    Box3i64 box;
     ByteReader(bytes, "bounds of a rank").get(box);
     all = hull(all, box);
   }
@@ -112,8 +112,8 @@ TileWeights TileStats::tiles(const VoxelTiling& tiling, const DerivedLevels& mad
       levels.push_back(lod);
     return levels;
   };
-  const auto count = [&](int lod, const std::vector<LevelBox>& boxes, int thread) {
-    for (const LevelBox& box : boxes) count_in_tiles(tiling, lod, box, of_thread[std::size_t(thread)]);
+  const auto count = [&](int lod, const std::vector<Box3i64>& boxes, int thread) {
+    for (const Box3i64& box : boxes) count_in_tiles(tiling, lod, box, of_thread[std::size_t(thread)]);
   };
   team_.together([&] {
     for_each_own_level(tiling.finest, tiling.coarsest(), levels_of_tiles, count);

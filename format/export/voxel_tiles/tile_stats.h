@@ -6,6 +6,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/thread_pool.h"
+#include "core/math/box3.h"
 #include "format/export/derived_levels.h"
 #include "format/export/level_owners.h"
 #include "format/export/voxel_tiles/voxel_tileset.h"
@@ -25,7 +26,7 @@ class TileStats {
       : scene_(scene), owners_(owners), team_(team), pool_(pool), progress_(progress) {}
 
   /// Returns the bounding box of the bricks that hold a level's voxels, in voxels of level 0.
-  LatticeBox bounds(int lod) const;
+  Box3i64 bounds(int lod) const;
   /// Errors  InputError also if a scene with overviews lacks one above a tile.
   TileWeights tiles(const VoxelTiling& tiling, const DerivedLevels& made) const;
 

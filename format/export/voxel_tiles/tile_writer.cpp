@@ -15,9 +15,9 @@ namespace {
 
 /// Returns the range of a padded box on the lattice, extended by one voxel for levels of earlier bakes that are not
 /// aligned with it.
-LatticeBox reach_of(const LevelBox& box, int lod) {
-  LatticeBox reach = on_lattice(box, lod);
-  for (std::int64_t& end : reach.end) end += std::int64_t(1) << lod;
+Box3i64 reach_of(const Box3i64& box, int lod) {
+  Box3i64 reach = on_lattice(box, lod);
+  reach.end += Vec3i64::all(std::int64_t(1) << lod);
   return reach;
 }
 
@@ -29,13 +29,9 @@ GridOrder order_of(TilesetForm form) {
 
 TileBox box_of(const VoxelTiling& tiling, const SceneHeader& scene, const TilePlace& tile) {
   const double voxel_m = scene.voxel_size_m;
-  TileBox box;
-  box.edge_m = double(std::int64_t(tiling.edge) << tiling.lod(tile.level)) * voxel_m;
-  const BrickCoordinate at = demorton(tile.key);
-  const std::array<std::uint32_t, 3> place{at.x, at.y, at.z};
-  for (std::size_t c = 0; c < 3; ++c)
-    box.centre_m[c] = (scene.lattice_origin_m[c] + double(tiling.corner[c]) * voxel_m) + (place[c] + 0.5) * box.edge_m;
-  return box;
+  const double edge_m = double(std::int64_t(tiling.edge) << tiling.lod(tile.level)) * voxel_m;
+  const Vec3d corner_m = scene.lattice_origin_m + Vec3d(tiling.corner) * voxel_m;
+  return {corner_m + (Vec3d(demorton(tile.key)) + Vec3d::all(0.5)) * edge_m, edge_m};
 }
 
 TileWriter::TileWriter(const TileSource& source, std::filesystem::path target, std::filesystem::path folder)
@@ -52,7 +48,7 @@ TileRecord TileWriter::write(const TilePlace& tile) {
 std::optional<Hash128> TileWriter::made_of(const TilePlace& tile) {
   const int lod = source_.tiling.lod(tile.level);
   if (source_.made.has(lod)) return std::nullopt;
-  const LatticeBox reach = reach_of(source_.tiling.padded_box(tile), lod);
+  const Box3i64 reach = reach_of(source_.tiling.padded_box(tile), lod);
   ByteWriter writer;
   for (const LevelOwner& owner : owners_near(tile)) {
     if (intersection(window_of(owner.shard), reach).is_empty()) continue;
@@ -81,7 +77,7 @@ TileRecord TileWriter::write_empty(const TilePlace& tile) {
 }
 
 void TileWriter::fill(const TilePlace& tile) {
-  const LevelBox box = source_.tiling.padded_box(tile);
+  const Box3i64 box = source_.tiling.padded_box(tile);
   const int lod = source_.tiling.lod(tile.level);
   const auto set = [this](const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal) {
     grid_.set(at, rgba, normal);
@@ -89,10 +85,10 @@ void TileWriter::fill(const TilePlace& tile) {
   grid_.clear(box);
   if (source_.made.has(lod)) {
     for (const DerivedLevels::Voxel& v : source_.made.level(lod))
-      if (holds(box, v.at)) set(v.at, v.rgba.data(), v.normal.data());
+      if (box.contains(v.at)) set(v.at, v.rgba.data(), v.normal.data());
     return;
   }
-  const LatticeBox reach = reach_of(box, lod);
+  const Box3i64 reach = reach_of(box, lod);
   for (const LevelOwner& owner : owners_near(tile))
     if (!intersection(window_of(owner.shard), reach).is_empty())
       source_.levels.get(owner.shard, lod)->for_each_voxel_in(box, set);
@@ -102,8 +98,8 @@ const std::vector<LevelOwner>& TileWriter::owners_near(const TilePlace& tile) {
   const TilePlace block{tile.level, tile.key >> 6 << 6};
   if (block == block_) return owners_;
   const int lod = source_.tiling.lod(tile.level);
-  LevelBox box = source_.tiling.padded_box(block);
-  for (std::int64_t& end : box.end) end += 3 * std::int64_t(source_.tiling.edge);
+  Box3i64 box = source_.tiling.padded_box(block);
+  box.end += Vec3i64::all(3 * std::int64_t(source_.tiling.edge));
   owners_ = source_.owners.of(lod, reach_of(box, lod));
   block_ = block;
   return owners_;

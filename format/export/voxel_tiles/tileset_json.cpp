@@ -31,11 +31,9 @@ Json statistics_of(const VoxelStatistics& voxels) {
   return {{"classes", {{"voxel", {{"count", voxels.voxels}, {"properties", properties}}}}}};
 }
 
-Json metres(const SceneHeader& scene, const std::array<std::int64_t, 3>& voxel) {
-  Json point = Json::array();
-  for (std::size_t c = 0; c < 3; ++c)
-    point.push_back(scene.lattice_origin_m[c] + double(voxel[c]) * scene.voxel_size_m);
-  return point;
+Json metres(const SceneHeader& scene, const Vec3i64& voxel) {
+  const Vec3d point = scene.lattice_origin_m + Vec3d(voxel) * scene.voxel_size_m;
+  return {point[0], point[1], point[2]};
 }
 
 Json schema() {
@@ -57,7 +55,7 @@ Json grid_of_tiles(const VoxelTiling& tiling) {
 Json root_tile(const SceneHeader& scene, const VoxelTiling& tiling) {
   const TileBox box = box_of(tiling, scene, {0, 0});
   const double half = box.edge_m / 2;
-  const std::array<double, 3>& centre = box.centre_m;
+  const Vec3d& centre = box.centre_m;
   Json root = {
       {"boundingVolume", {{"box", {centre[0], centre[1], centre[2], half, 0, 0, 0, half, 0, 0, 0, half}}}},
       {"geometricError", box.edge_m / tiling.edge},

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "core/math/box3.h"
 #include "format/export/voxel_grid.h"
 #include "format/export/voxel_tiles/implicit_octree.h"
 #include "format/export/voxel_tiles/voxel_tiling.h"
@@ -14,7 +15,7 @@ namespace gigabake {
 struct TilesetSummary {
   std::uint64_t tiles = 0;
   VoxelStatistics voxels;  ///< of all levels
-  LatticeBox bounds;       ///< bounds of the finest level's bricks, voxels of level 0
+  Box3i64 bounds;          ///< bounds of the finest level's bricks, voxels of level 0
 };
 
 /// Returns tileset.json: 3D Tiles 1.1 with 3DTILES_content_voxels.

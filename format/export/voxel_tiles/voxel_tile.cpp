@@ -107,7 +107,7 @@ Json voxel_schema() {
   return {{"id", "gigabake"}, {"classes", {{"voxel", {{"properties", properties}}}}}};
 }
 
-std::array<double, 3> in_gltf_2_1(const std::array<double, 3>& p) { return {-p[0], p[2], p[1]}; }
+Vec3d in_gltf_2_1(const Vec3d& p) { return {-p[0], p[2], p[1]}; }
 
 void make_glb(const Json& document, std::initializer_list<std::span<const std::uint8_t>> parts_of_buffer,
               std::vector<std::uint8_t>& file) {

@@ -1,20 +1,20 @@
 /// One tile of voxel 3D Tiles as a file: a binary glTF.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <initializer_list>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "format/export/voxel_grid.h"
 
 namespace gigabake {
 
 /// A tile's box in the tileset's frame, without padding.
 struct TileBox {
-  std::array<double, 3> centre_m{};
+  Vec3d centre_m{};
   double edge_m = 0;
 };
 
@@ -29,7 +29,7 @@ void make_voxel_tile(const VoxelGrid& grid, const TileBox& box, std::vector<std:
 void make_voxel_node(const VoxelGrid& grid, const TileBox& box, std::vector<std::uint8_t>& file);
 
 /// Converts a point of the tileset's frame (x east, z up) to that of glTF 2.1 (x to the left, y up, z forward).
-std::array<double, 3> in_gltf_2_1(const std::array<double, 3>& p);
+Vec3d in_gltf_2_1(const Vec3d& p);
 
 /// Replaces `file` by a binary glTF: the document and one buffer.
 void make_glb(const nlohmann::ordered_json& document,

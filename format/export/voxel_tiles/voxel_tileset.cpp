@@ -193,7 +193,7 @@ class TilesetExport {
   ThreadPool pool_;
   LevelOwners owners_;
   TilesetForm form_;
-  LatticeBox bounds_;
+  Box3i64 bounds_;
   VoxelTiling tiling_;
   std::optional<DerivedLevels> made_;
   TileWeights weights_;

@@ -16,29 +16,22 @@ std::int64_t rounded_up(std::int64_t a, std::int64_t b) { return a >= 0 ? (a + b
 std::int64_t rounded_down(std::int64_t a, std::int64_t b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
 /// Returns the number of voxels of a level along the longest side of `bounds`.
-std::int64_t extent(const LatticeBox& bounds, int lod) {
-  std::int64_t maximum = 1;
-  for (std::size_t c = 0; c < 3; ++c)
-    maximum = std::max(maximum, ((bounds.end[c] + (std::int64_t(1) << lod) - 1) >> lod) - (bounds.min[c] >> lod));
-  return maximum;
+std::int64_t extent(const Box3i64& bounds, int lod) {
+  const Vec3i64 end = (bounds.end + Vec3i64::all((std::int64_t(1) << lod) - 1)) >> lod,
+                size = end - (bounds.min >> lod);
+  return std::max<std::int64_t>(1, *std::max_element(size.begin(), size.end()));
 }
 
 }  // namespace
 
-LevelBox VoxelTiling::padded_box(const TilePlace& tile) const {
-  const BrickCoordinate at = demorton(tile.key);
-  const std::array<std::uint32_t, 3> place{at.x, at.y, at.z};
-  LevelBox box;
-  for (std::size_t c = 0; c < 3; ++c) {
-    box.min[c] = (corner[c] >> lod(tile.level)) + std::int64_t(place[c]) * edge - 1;
-    box.end[c] = box.min[c] + edge + 2;
-  }
-  return box;
+Box3i64 VoxelTiling::padded_box(const TilePlace& tile) const {
+  const LevelIndex min = (corner >> lod(tile.level)) + LevelIndex(demorton(tile.key)) * edge;
+  return Box3i64::cube(min - LevelIndex::all(1), edge + 2);
 }
 
-LevelBox VoxelTiling::tiles_near(int lod, const LevelBox& voxels) const {
+Box3i64 VoxelTiling::tiles_near(int lod, const Box3i64& voxels) const {
   const std::int64_t maximum = std::int64_t(1) << level(lod);
-  LevelBox places;
+  Box3i64 places;
   for (std::size_t c = 0; c < 3; ++c) {
     const std::int64_t from = corner[c] >> lod;
     const std::int64_t low = (voxels.min[c] & ~std::int64_t(1)) - 2,
@@ -49,16 +42,9 @@ LevelBox VoxelTiling::tiles_near(int lod, const LevelBox& voxels) const {
   return places;
 }
 
-LatticeBox on_lattice(const LevelBox& voxels, int lod) {
-  LatticeBox box;
-  for (std::size_t c = 0; c < 3; ++c) {
-    box.min[c] = voxels.min[c] * (std::int64_t(1) << lod);
-    box.end[c] = voxels.end[c] * (std::int64_t(1) << lod);
-  }
-  return box;
-}
+Box3i64 on_lattice(const Box3i64& voxels, int lod) { return {voxels.min << lod, voxels.end << lod}; }
 
-VoxelTiling tiling_of(const LatticeBox& bounds, int finest, std::uint32_t edge) {
+VoxelTiling tiling_of(const Box3i64& bounds, int finest, std::uint32_t edge) {
   VoxelTiling tiling;
   tiling.finest = finest;
   int lod = finest;
@@ -66,7 +52,7 @@ VoxelTiling tiling_of(const LatticeBox& bounds, int finest, std::uint32_t edge) 
   tiling.levels = std::uint32_t(lod - finest) + 1;
   const std::int64_t fitting = extent(bounds, lod);
   tiling.edge = edge != 0 ? edge : std::uint32_t(lod == finest ? fitting : std::max(fitting, min_tile_edge));
-  for (std::size_t c = 0; c < 3; ++c) tiling.corner[c] = bounds.min[c] >> lod << lod;
+  tiling.corner = bounds.min >> lod << lod;
   return tiling;
 }
 

@@ -1,11 +1,11 @@
 /// Division of a scene into the tiles of one octree.
 #pragma once
 
-#include <array>
 #include <compare>
 #include <cstdint>
 #include <string>
 
+#include "core/math/box3.h"
 #include "format/scene/cell_window.h"
 #include "format/scene/scene_level.h"
 
@@ -17,17 +17,6 @@ struct TilePlace {
   std::uint64_t key = 0;
   friend auto operator<=>(const TilePlace&, const TilePlace&) = default;
 };
-
-/// Half-open box of voxels of one level.
-struct LevelBox {
-  LevelIndex min{}, end{};
-};
-
-inline bool holds(const LevelBox& box, const LevelIndex& at) {
-  for (std::size_t c = 0; c < 3; ++c)
-    if (at[c] < box.min[c] || at[c] >= box.end[c]) return false;
-  return true;
-}
 
 inline constexpr std::uint32_t max_tile_levels = 21;  ///< bits per axis in a Morton code
 
@@ -42,21 +31,21 @@ struct VoxelTiling {
   std::uint32_t level(int lod) const { return levels - 1 - std::uint32_t(lod - finest); }
   int coarsest() const { return lod(0); }
   /// Returns the box of a tile's voxels plus a padding of one voxel, which interpolation needs.
-  LevelBox padded_box(const TilePlace& tile) const;
+  Box3i64 padded_box(const TilePlace& tile) const;
   /// Returns the box of positions of the tiles in which these voxels, or their coarser parents, are visible with
   /// interpolation. A viewer shows the coarser tile where there is no tile.
-  LevelBox tiles_near(int lod, const LevelBox& voxels) const;
+  Box3i64 tiles_near(int lod, const Box3i64& voxels) const;
   friend bool operator==(const VoxelTiling&, const VoxelTiling&) = default;
 };
 
 /// Converts a box of voxels of some level to voxels of level 0.
-LatticeBox on_lattice(const LevelBox& voxels, int lod);
+Box3i64 on_lattice(const Box3i64& voxels, int lod);
 
 /// Fits the tree to `bounds` (voxels of level 0, not empty). Its root is the smallest cube of voxels that contains
 /// them.
 /// edge: edge of tiles. 0: the edge from 80 to 112 that gives the smallest cube; smaller if one tile suffices.
 /// Range   `levels` may exceed max_tile_levels; the caller must check.
-VoxelTiling tiling_of(const LatticeBox& bounds, int finest, std::uint32_t edge);
+VoxelTiling tiling_of(const Box3i64& bounds, int finest, std::uint32_t edge);
 
 /// Returns "LEVEL/X/Y/Z", as in the templates of implicit tilesets.
 std::string path_of(const TilePlace& tile);

@@ -18,8 +18,6 @@
 namespace gigabake {
 namespace {
 
-using Corner = std::array<std::int64_t, 3>;
-
 /// One of the two scenes. `scene` holds the cells to compare.
 struct Side {
   std::filesystem::path scene_xml;
@@ -39,7 +37,7 @@ struct OpenCell {
 
   ShardReader reader;
   NodeTable nodes;
-  Corner min;
+  Vec3i64 min;
   std::uint32_t lods;
   int first_lod;
 };
@@ -90,28 +88,24 @@ struct PairResult {
   Walked a, b;
 };
 
-PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const OpenCell& b, const LatticeBox& box,
-                         int lod) {
+PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const OpenCell& b, const Box3i64& box, int lod) {
   const BrickLevel level_b = b.level(lod);
   LevelLookup in_b(b.nodes, level_b, b.lods, lod - b.first_lod);
   PairResult r;
   DifferenceSum sum(lod);
-  const auto corner_of = [lod](const Corner& min, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-    return Corner{min[0] + (std::int64_t(x) << lod), min[1] + (std::int64_t(y) << lod),
-                  min[2] + (std::int64_t(z) << lod)};
+  const auto corner_of = [lod](const Vec3i64& min, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return min + (Vec3i64{x, y, z} << lod);
   };
   for_each_voxel_of_level(a.nodes, level_a, lod - a.first_lod,
                           [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
                               const std::int8_t* normal, const std::uint8_t* facing) {
                             ++r.a.all;
-                            const Corner corner = corner_of(a.min, x, y, z);
-                            if (!box.holds(corner)) return;
+                            const Vec3i64 corner = corner_of(a.min, x, y, z);
+                            if (!box.contains(corner)) return;
                             ++r.a.inside;
-                            const auto in_voxels = [&](std::size_t c) {
-                              return std::uint32_t((corner[c] - b.min[c]) >> lod);
-                            };
+                            const Vec3<std::uint32_t> at((corner - b.min) >> lod);
                             VoxelValue other;
-                            if (in_b.find(in_voxels(0), in_voxels(1), in_voxels(2), other))
+                            if (in_b.find(at[0], at[1], at[2], other))
                               sum.add_both({rgba, normal, facing}, other);
                             else
                               sum.add_only_in_a(1);
@@ -120,7 +114,7 @@ PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const Ope
       b.nodes, level_b, lod - b.first_lod,
       [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t*, const std::int8_t*) {
         ++r.b.all;
-        r.b.inside += box.holds(corner_of(b.min, x, y, z));
+        r.b.inside += box.contains(corner_of(b.min, x, y, z));
       });
   sum.add_only_in_b(r.b.inside - sum.value().both);
   r.difference = sum.value();
@@ -130,9 +124,8 @@ PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const Ope
 /// Returns whether the voxels of the two levels are the same cubes of the lattice.
 bool share_a_grid(const SceneCell& a, const SceneCell& b, int lod) {
   if (!has_level(a, lod) || !has_level(b, lod)) return false;
-  for (std::size_t c = 0; c < 3; ++c)
-    if ((a.lattice_min[c] - b.lattice_min[c]) % (std::int64_t(1) << lod) != 0) return false;
-  return true;
+  const Vec3i64 apart = a.lattice_min - b.lattice_min;
+  return (apart >> lod << lod) == apart;
 }
 
 std::uint64_t bytes_of_scene(const SceneDescription& scene) {
@@ -154,7 +147,7 @@ class ShardFinder {
   /// Returns the cells, then the overviews.
   const std::vector<const SceneCell*>& all() const { return all_; }
   /// Returns indices into all().
-  std::vector<std::size_t> overlapping(const LatticeBox& window, int lod) const {
+  std::vector<std::size_t> overlapping(const Box3i64& window, int lod) const {
     std::vector<std::size_t> found;
     if (lod < cell_lods_) found = cells_.overlapping(window);
     if (found.empty())
@@ -230,7 +223,7 @@ class SceneComparison {
     for (const std::size_t i : others) {
       const SceneCell& other = *finder_.all()[i];
       const OpenCell open_other(b_, other);
-      const LatticeBox box = intersection(window_of(cell), window_of(other));
+      const Box3i64 box = intersection(window_of(cell), window_of(other));
       const PairResult r = compare_level(*open, level, open_other, box, lod);
       add(cell.name, other.name, r.difference);
       of_a = {r.a.all, of_a.inside + r.a.inside};
@@ -295,7 +288,7 @@ class DifferingPages {
 
   /// Compares the lists of two groups of the same block, or of two whole scenes.
   void compare(const ScenePage& a, const ScenePage& b) {
-    std::map<std::pair<Corner, std::int64_t>, const PageReference*> of_b;
+    std::map<std::pair<Vec3i64, std::int64_t>, const PageReference*> of_b;
     for (const PageReference& page : b.pages) of_b[{page.block.min, page.block.edge}] = &page;
     for (const PageReference& page : a.pages) {
       const auto other = of_b.find({page.block.min, page.block.edge});

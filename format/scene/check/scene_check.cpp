@@ -61,7 +61,7 @@ void check_parameters(const BakeParameters& p, const SceneReading& reading, Scen
 std::vector<SceneFault> faults_of_places(const std::vector<SceneCell>& cells, const std::vector<SceneCell>& overviews) {
   SceneFaults faults;
   std::unordered_set<std::string_view> names, files;
-  std::set<std::pair<std::uint32_t, std::array<std::int64_t, 3>>> places;
+  std::set<std::pair<std::uint32_t, Vec3i64>> places;
   for (const SceneCell& overview : overviews) {
     const std::string name = "PagedOctTree " + as_line(overview.name, max_quote_bytes);
     faults.expect(names.insert(overview.name).second, name, "another shard has the same name");
@@ -81,7 +81,7 @@ std::vector<SceneFault> faults_of_places(const std::vector<SceneCell>& cells, co
 std::vector<SceneFault> faults_of_overview_places(const ScenePage& page, const LatticeBlock* outer,
                                                   std::span<const TierShape> tiers) {
   SceneFaults faults;
-  std::set<std::array<std::int64_t, 3>> blocks;
+  std::set<Vec3i64> blocks;
   for (const PageReference& below : page.pages) blocks.insert(below.block.min);
   std::uint32_t highest = outer != nullptr && !tiers.empty() ? tiers.back().own_lod() : 0;
   for (const SceneCell& overview : page.overviews)

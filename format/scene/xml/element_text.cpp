@@ -16,7 +16,7 @@ std::vector<std::string> hex_of(const std::vector<Hash128>& hashes) {
 }
 
 /// Writes the bounding sphere of a window, in the scene frame.
-void set_sphere(pugi::xml_node node, const SceneHeader& scene, const LatticeBox& window) {
+void set_sphere(pugi::xml_node node, const SceneHeader& scene, const Box3i64& window) {
   const char* const centre[3] = {"CenterX", "CenterY", "CenterZ"};
   double square = 0;
   for (std::size_t c = 0; c < 3; ++c) {

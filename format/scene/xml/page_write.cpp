@@ -34,11 +34,8 @@ struct Block {
 template <class Item, class Place>
 std::vector<Block> blocks_of(std::vector<Item>& items, std::int64_t edge, const Place& place) {
   const auto block_of = [&](const Item& item) { return block_around(place(item), edge); };
-  std::stable_sort(items.begin(), items.end(), [&](const Item& a, const Item& b) {
-    const auto [x, y, z] = block_of(a).min;
-    const auto [u, v, w] = block_of(b).min;
-    return std::tie(z, y, x) < std::tie(w, v, u);
-  });
+  std::stable_sort(items.begin(), items.end(),
+                   [&](const Item& a, const Item& b) { return block_of(a).min.zyx() < block_of(b).min.zyx(); });
   std::vector<Block> blocks;
   for (std::size_t i = 0; i < items.size(); ++i) {
     const LatticeBlock block = block_of(items[i]);
@@ -67,7 +64,7 @@ class OverviewsLeft {
 
   /// Moves the overviews that lie in one of the sorted blocks to that block, except overviews of the highest level.
   void move_to(std::vector<Block>& blocks) {
-    std::map<std::array<std::int64_t, 3>, Block*> at;
+    std::map<Vec3i64, Block*> at;
     for (Block& block : blocks) at[block.block.min] = &block;
     const std::int64_t edge = blocks.front().block.edge;
     std::erase_if(left_, [&](const SceneCell* overview) {

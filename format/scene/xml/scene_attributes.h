@@ -1,7 +1,6 @@
 /// The attributes of one element of a scene.xml, with errors that name the attribute.
 #pragma once
 
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/math/vec3.h"
 #include "format/scene/xml/scene_reading.h"
 
 namespace gigabake {
@@ -34,7 +34,7 @@ class SceneAttributes {
     return v[0];
   }
   template <class T>
-  std::array<T, 3> triple(const char* key) const {
+  Vec3<T> triple(const char* key) const {
     const std::vector<T> v = values<T>(key);
     if (v.size() != 3) fail(key, "expected three numbers");
     return {v[0], v[1], v[2]};

@@ -143,7 +143,7 @@ class ContentReader {
   }
 
   /// Checks the bounding sphere, which follows from the window.
-  void check_sphere(const SceneAttributes& a, const LatticeBox& window) {
+  void check_sphere(const SceneAttributes& a, const Box3i64& window) {
     const char* const centre[3] = {"CenterX", "CenterY", "CenterZ"};
     double square = 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -172,8 +172,8 @@ class ContentReader {
 
 }  // namespace
 
-LatticeBlock block_around(const std::array<std::int64_t, 3>& voxel, std::int64_t edge) {
-  return {{voxel[0] & -edge, voxel[1] & -edge, voxel[2] & -edge}, edge};
+LatticeBlock block_around(const Vec3i64& voxel, std::int64_t edge) {
+  return {Vec3i64::by_axis([&](int axis) { return voxel[axis] & -edge; }), edge};
 }
 
 bool lies_in(const SceneCell& shard, const LatticeBlock& block) {
@@ -260,7 +260,7 @@ std::vector<std::string_view> with_totals(std::vector<std::string_view> others) 
 
 std::vector<SceneFault> faults_of_blocks(const std::vector<PageReference>& pages, const LatticeBlock* outer) {
   std::vector<SceneFault> faults;
-  std::set<std::array<std::int64_t, 3>> seen;
+  std::set<Vec3i64> seen;
   for (const PageReference& page : pages) {
     const std::string key = "OctTreeGroup " + as_line(page.file, max_quote_bytes);
     if (page.block.edge != pages[0].block.edge)

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/math/box3.h"
 #include "core/math/frames.h"
 #include "format/shard/shard.h"
 
@@ -22,7 +22,7 @@ namespace gigabake {
 struct SceneCell {
   std::string name;
   std::string file;  ///< shard, relative to the scene.xml
-  std::array<std::int64_t, 3> lattice_min{};
+  Vec3i64 lattice_min{};
   std::uint32_t cell_voxels = 0;
   std::uint32_t lods = 0;
   std::uint64_t bytes = 0;
@@ -45,45 +45,8 @@ struct SceneCell {
   }
 };
 
-/// Half-open box in lod-0 voxels.
-struct LatticeBox {
-  std::array<std::int64_t, 3> min{}, end{};
-
-  bool is_empty() const { return min[0] >= end[0] || min[1] >= end[1] || min[2] >= end[2]; }
-  bool holds(const std::array<std::int64_t, 3>& p) const {
-    for (std::size_t c = 0; c < 3; ++c)
-      if (p[c] < min[c] || p[c] >= end[c]) return false;
-    return true;
-  }
-  friend bool operator==(const LatticeBox&, const LatticeBox&) = default;
-};
-
-/// Returns the smallest box that contains both boxes. An empty box contributes nothing.
-inline LatticeBox hull(const LatticeBox& a, const LatticeBox& b) {
-  if (a.is_empty()) return b;
-  if (b.is_empty()) return a;
-  LatticeBox r;
-  for (std::size_t c = 0; c < 3; ++c) {
-    r.min[c] = std::min(a.min[c], b.min[c]);
-    r.end[c] = std::max(a.end[c], b.end[c]);
-  }
-  return r;
-}
-
-inline LatticeBox intersection(const LatticeBox& a, const LatticeBox& b) {
-  LatticeBox r;
-  for (std::size_t c = 0; c < 3; ++c) {
-    r.min[c] = std::max(a.min[c], b.min[c]);
-    r.end[c] = std::min(a.end[c], b.end[c]);
-  }
-  return r;
-}
-
-/// Returns the cube of the lattice that a cell covers.
-inline LatticeBox window_of(const SceneCell& cell) {
-  const std::int64_t edge = cell.cell_voxels;
-  return {cell.lattice_min, {cell.lattice_min[0] + edge, cell.lattice_min[1] + edge, cell.lattice_min[2] + edge}};
-}
+/// Returns the cube of the lattice that a cell covers, in lod-0 voxels.
+inline Box3i64 window_of(const SceneCell& cell) { return Box3i64::cube(cell.lattice_min, cell.cell_voxels); }
 
 /// An input, cell or overview that the bake could not process.
 struct SceneLoss {
@@ -106,7 +69,7 @@ struct TierShape {
 struct SceneHeader {
   std::string generator;
   double voxel_size_m = 0;
-  std::array<double, 3> lattice_origin_m{};
+  Vec3d lattice_origin_m{};
   std::optional<Geodetic> origin;
   bool has_normals = true;
   bool has_facing = false;

@@ -18,10 +18,10 @@ static_assert(std::endian::native == std::endian::little, "hashes are defined ov
 constexpr std::size_t nodes_per_range = 4096;
 constexpr std::size_t record_bytes = 34, facing_record_bytes = 40;
 
-void put_record(unsigned char* to, std::int32_t lod, const std::array<std::int64_t, 3>& corner_lattice,
-                const std::uint8_t* rgba, const std::int8_t* normal, const std::uint8_t* facing) {
+void put_record(unsigned char* to, std::int32_t lod, const Vec3i64& corner_lattice, const std::uint8_t* rgba,
+                const std::int8_t* normal, const std::uint8_t* facing) {
   std::memcpy(to, &lod, 4);
-  std::memcpy(to + 4, corner_lattice.data(), 24);
+  std::memcpy(to + 4, corner_lattice.v, 24);
   std::memcpy(to + 28, rgba, 4);
   std::memcpy(to + 32, normal, 2);
   if (facing == nullptr) return;
@@ -38,15 +38,12 @@ Hash128 hash_record(const unsigned char* record, bool has_facing) {
 /// that loads from stores still in flight would stall on every voxel.
 class LevelSum {
  public:
-  LevelSum(int lod, const std::array<std::int64_t, 3>& lattice_min) : lod_(lod), min_(lattice_min) {}
+  LevelSum(int lod, const Vec3i64& lattice_min) : lod_(lod), min_(lattice_min) {}
 
   /// `facing` must be null for all voxels of the level, or for none.
   void add(std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal,
            const std::uint8_t* facing) {
-    put_record(
-        &records_[facing_record_bytes * count_], lod_,
-        {min_[0] + (std::int64_t(x) << lod_), min_[1] + (std::int64_t(y) << lod_), min_[2] + (std::int64_t(z) << lod_)},
-        rgba, normal, facing);
+    put_record(&records_[facing_record_bytes * count_], lod_, min_ + (Vec3i64{x, y, z} << lod_), rgba, normal, facing);
     has_facing_ = facing != nullptr;
     if (++count_ == batch) flush();
   }
@@ -63,7 +60,7 @@ class LevelSum {
   }
 
   std::int32_t lod_;
-  std::array<std::int64_t, 3> min_;
+  Vec3i64 min_;
   Hash128 sum_;
   std::size_t count_ = 0;
   bool has_facing_ = false;
@@ -86,8 +83,8 @@ void add_node(const Shard& s, std::size_t n, std::vector<LevelSum>& sums) {
 
 }  // namespace
 
-Hash128 voxel_hash(int lod, std::array<std::int64_t, 3> corner_lattice, const std::uint8_t rgba[4],
-                   const std::int8_t normal[2], const std::uint8_t* facing) {
+Hash128 voxel_hash(int lod, Vec3i64 corner_lattice, const std::uint8_t rgba[4], const std::int8_t normal[2],
+                   const std::uint8_t* facing) {
   unsigned char record[facing_record_bytes];
   put_record(record, lod, corner_lattice, rgba, normal, facing);
   return hash_record(record, facing != nullptr);

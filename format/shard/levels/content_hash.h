@@ -2,10 +2,10 @@
 /// of voxels or on their partition into bricks, shards and cells.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "format/shard/shard.h"
 
 namespace gigabake {
@@ -13,8 +13,8 @@ namespace gigabake {
 /// Returns the XXH3-128 hash of a 34-byte record: lod (int32), the voxel's lowest corner in lod-0 voxels of the lattice
 /// (3 × int64), rgba, normal. If `facing` is not null, the record has 6 more bytes: facing, padded with zeros.
 /// Integers are little endian. A voxel of a constant node has the same hash as a stored voxel.
-Hash128 voxel_hash(int lod, std::array<std::int64_t, 3> corner_lattice, const std::uint8_t rgba[4],
-                   const std::int8_t normal[2], const std::uint8_t* facing = nullptr);
+Hash128 voxel_hash(int lod, Vec3i64 corner_lattice, const std::uint8_t rgba[4], const std::int8_t normal[2],
+                   const std::uint8_t* facing = nullptr);
 
 /// Returns the hash per lod of a cell that was read completely. Verifies the hash that core/octree/voxel_hash.h
 /// computed during baking.

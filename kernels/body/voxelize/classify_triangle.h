@@ -62,8 +62,8 @@ GB_HD SnappedVertex snap_vertex(const SnapWindow& window, const PartArrays& part
 }
 
 /// Returns true if the triangle has area. Wide: an integer that holds the product of two differences of coordinates.
-template <class Wide, class T>
-GB_HD bool has_area(const T p[3][3]) {
+template <class Wide, class Corner>
+GB_HD bool has_area(const Corner p[3]) {
   for (int k = 0; k < 3; ++k) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     const Wide bi = Wide(p[1][i]) - p[0][i], bj = Wide(p[1][j]) - p[0][j];

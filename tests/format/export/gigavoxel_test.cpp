@@ -37,7 +37,7 @@ struct ReadVoxel {
   std::array<std::uint8_t, 4> rgba{};
   GradientBytes gradient{};
 };
-using ReadVoxels = std::map<std::array<std::int64_t, 3>, ReadVoxel>;
+using ReadVoxels = std::map<Vec3i64, ReadVoxel>;
 
 /// Returns the voxels of all trees of a scene, keyed by their position on the lattice of the level.
 ReadVoxels read_back(const std::filesystem::path& folder, const SceneDescription& scene, int lod) {
@@ -170,7 +170,7 @@ TEST(Gigavoxel, TreesOfTheThesissOwnProgramsCanBeRead) {
   int boxes = 0;
   for_each_gigavoxel(read_gigavoxel_tree(trees[0]), 0, folder / "none", [&](const GigavoxelBox& box) {
     ++boxes;
-    EXPECT_EQ(box.extent, (std::array<std::uint64_t, 3>{2, 2, 2}));
+    EXPECT_EQ(box.extent, (Vec3<std::uint64_t>{2, 2, 2}));
     EXPECT_EQ(box.rgba, (std::array<std::uint8_t, 4>{128, 0, 255, 255}));
   });
   EXPECT_EQ(boxes, 1);

@@ -69,7 +69,7 @@ void for_each_active(const nanovdb::NanoGrid<Value>& grid, const Visit& visit) {
         for (auto voxel = leaf->beginValueOn(); voxel; ++voxel) {
           const nanovdb::Coord at = voxel.getCoord();
           ASSERT_TRUE(leaf->bbox().isInside(at) && lower->bbox().isInside(at) && upper->bbox().isInside(at));
-          visit(std::array<std::int64_t, 3>{at[0], at[1], at[2]}, *voxel);
+          visit(Vec3i64{at[0], at[1], at[2]}, *voxel);
         }
       }
 }
@@ -81,7 +81,7 @@ void expect_sound(const nanovdb::NanoGrid<Value>& grid, const made::SceneVoxels&
   EXPECT_EQ(grid.activeVoxelCount(), voxels.size());
   EXPECT_EQ(grid.gridClass(), nanovdb::GridClass::VoxelVolume);
   EXPECT_TRUE(grid.hasBBox() && grid.isBreadthFirst());
-  std::array<std::int64_t, 3> low = voxels.begin()->first, high = low;
+  Vec3i64 low = voxels.begin()->first, high = low;
   for (const auto& [at, voxel] : voxels)
     for (std::size_t c = 0; c < 3; ++c) {
       low[c] = std::min(low[c], at[c]);
@@ -102,7 +102,7 @@ void expect_same_voxels(const std::filesystem::path& nvdb, const made::SceneVoxe
   EXPECT_STREQ(rgba->gridName(), "rgba");
   expect_sound(*rgba, voxels);
   std::size_t seen = 0;
-  for_each_active(*rgba, [&](const std::array<std::int64_t, 3>& at, const nanovdb::Rgba8& value) {
+  for_each_active(*rgba, [&](const Vec3i64& at, const nanovdb::Rgba8& value) {
     const std::array<std::uint8_t, 4> bytes{value.r(), value.g(), value.b(), value.a()};
     ASSERT_TRUE(voxels.contains(at));
     EXPECT_EQ(voxels.at(at).rgba, bytes);
@@ -114,7 +114,7 @@ void expect_same_voxels(const std::filesystem::path& nvdb, const made::SceneVoxe
   ASSERT_NE(normal, nullptr);
   EXPECT_STREQ(normal->gridName(), "normal");
   expect_sound(*normal, voxels);
-  for_each_active(*normal, [&](const std::array<std::int64_t, 3>& at, const nanovdb::Vec3f& value) {
+  for_each_active(*normal, [&](const Vec3i64& at, const nanovdb::Vec3f& value) {
     const std::array<float, 3> n{value[0], value[1], value[2]};
     EXPECT_EQ(n, unit_normal(voxels.at(at).normal.data()));
   });

@@ -27,7 +27,7 @@ using made::TempFolder;
 struct TileVoxel {
   std::array<std::uint8_t, 4> rgba{}, normal{};
 };
-using TileVoxels = std::map<std::array<std::int64_t, 3>, TileVoxel>;
+using TileVoxels = std::map<Vec3i64, TileVoxel>;
 
 /// Returns the decompressed content of a gzip file with one member.
 std::string unpacked(const std::string& packed) {
@@ -42,7 +42,7 @@ std::string unpacked(const std::string& packed) {
 }
 
 /// Returns a tile's voxels and their neighbours, by position in the level, counted from the octree's lowest corner.
-TileVoxels read_tile(const std::filesystem::path& glb, const std::array<std::int64_t, 3>& tile, std::int64_t edge) {
+TileVoxels read_tile(const std::filesystem::path& glb, const Vec3i64& tile, std::int64_t edge) {
   TileVoxels voxels;
   const std::string bytes = unpacked(made::bytes_of(glb));
   std::uint32_t json_bytes = 0;
@@ -65,15 +65,13 @@ TileVoxels read_tile(const std::filesystem::path& glb, const std::array<std::int
 }
 
 /// Returns every tile of a level, by its position.
-std::map<std::array<std::int64_t, 3>, TileVoxels> read_level(const std::filesystem::path& folder, std::size_t level,
-                                                             std::int64_t edge) {
-  std::map<std::array<std::int64_t, 3>, TileVoxels> tiles;
+std::map<Vec3i64, TileVoxels> read_level(const std::filesystem::path& folder, std::size_t level, std::int64_t edge) {
+  std::map<Vec3i64, TileVoxels> tiles;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "tiles" / std::to_string(level))) {
     if (!entry.is_regular_file()) continue;
     const std::filesystem::path p = entry.path();
-    const std::array<std::int64_t, 3> at{std::stoll(p.parent_path().parent_path().filename().string()),
-                                         std::stoll(p.parent_path().filename().string()),
-                                         std::stoll(p.stem().string())};
+    const Vec3i64 at{std::stoll(p.parent_path().parent_path().filename().string()),
+                     std::stoll(p.parent_path().filename().string()), std::stoll(p.stem().string())};
     tiles[at] = read_tile(p, at, edge);
   }
   return tiles;
@@ -97,8 +95,8 @@ struct Tree {
         box(root["boundingVolume"]["box"]) {}
 
   /// Returns the number of voxels of that size from the lattice's corner to the tree's corner.
-  std::array<std::int64_t, 3> corner(const SceneDescription& scene, double voxel_m) const {
-    std::array<std::int64_t, 3> at{};
+  Vec3i64 corner(const SceneDescription& scene, double voxel_m) const {
+    Vec3i64 at{};
     for (std::size_t c = 0; c < 3; ++c) at[c] = std::llround((box[c] - box[3] - scene.lattice_origin_m[c]) / voxel_m);
     return at;
   }
@@ -108,7 +106,7 @@ struct Tree {
   std::vector<double> box;
 };
 
-std::array<std::int64_t, 3> tile_of(const std::array<std::int64_t, 3>& at, std::int64_t edge) {
+Vec3i64 tile_of(const Vec3i64& at, std::int64_t edge) {
   const auto of = [edge](std::int64_t x) { return x < 0 ? -1 : x / edge; };
   return {of(at[0]), of(at[1]), of(at[2])};
 }
@@ -120,12 +118,12 @@ bool is_of(const TileVoxel& voxel, const made::VoxelBytes& shards, bool has_norm
 
 /// Returns how often a voxel is adjacent to a tile of the cube other than its own.
 std::size_t padding_of(const made::SceneVoxels& voxels, std::size_t level, std::int64_t edge) {
-  const auto is_in_cube = [last = (std::int64_t(1) << level) - 1](const std::array<std::int64_t, 3>& tile) {
+  const auto is_in_cube = [last = (std::int64_t(1) << level) - 1](const Vec3i64& tile) {
     return *std::min_element(tile.begin(), tile.end()) >= 0 && *std::max_element(tile.begin(), tile.end()) <= last;
   };
   std::size_t count = 0;
   for (const auto& [at, voxel] : voxels) {
-    std::set<std::array<std::int64_t, 3>> near;
+    std::set<Vec3i64> near;
     for (int way = 0; way < 27; ++way)
       near.insert(tile_of({at[0] + way % 3 - 1, at[1] + way / 3 % 3 - 1, at[2] + way / 9 - 1}, edge));
     near.erase(tile_of(at, edge));
@@ -146,7 +144,7 @@ TEST(VoxelTileset, TilesAndTheVoxelsAroundThemAreThoseOfTheShards) {
     EXPECT_EQ(export_3dtiles(scene.xml(), options, scene / "out"), scene.voxels(finest).size());
     const Tree tree(scene / "out");
     for (int lod = finest; lod < 4 && lod - finest < int(tree.levels); ++lod) {
-      const std::array<std::int64_t, 3> corner = tree.corner(written, std::ldexp(written.voxel_size_m, lod));
+      const Vec3i64 corner = tree.corner(written, std::ldexp(written.voxel_size_m, lod));
       made::SceneVoxels expected;
       for (const auto& [at, voxel] : scene.voxels(lod))
         expected[{at[0] - corner[0], at[1] - corner[1], at[2] - corner[2]}] = voxel;
@@ -204,7 +202,7 @@ TEST(VoxelTileset, IsTheSameForAnyNumberOfThreads) {
 TEST(VoxelTileset, TheCubeFitsTheScene) {
   std::mt19937_64 rng(test::RandomSeed{});
   for (int round = 0; round < 2000; ++round) {
-    LatticeBox bounds;
+    Box3i64 bounds;
     const std::int64_t maximum = std::int64_t(1) << (1 + rng() % 30);
     for (std::size_t c = 0; c < 3; ++c) {
       bounds.min[c] = std::int64_t(rng() % 2000000) - 1000000;
@@ -239,7 +237,7 @@ TEST(VoxelTileset, LevelsAboveTheCellsHaveAVoxelWhereTheLevelBelowHasOne) {
   ASSERT_GT(levels, 1u);
   TileVoxels below = own_voxels(folder / "out", levels - 1, 8);
   for (std::size_t level = levels - 1; level-- > 0;) {
-    std::map<std::array<std::int64_t, 3>, std::array<std::uint32_t, 2>> span;  // min and max red of the children
+    std::map<Vec3i64, std::array<std::uint32_t, 2>> span;  // min and max red of the children
     for (const auto& [at, voxel] : below) {
       const auto [entry, first] = span.insert({{at[0] >> 1, at[1] >> 1, at[2] >> 1}, {255, 0}});
       entry->second = {std::min(entry->second[0], std::uint32_t(voxel.rgba[0])),

@@ -15,7 +15,7 @@ using made::TempFolder;
 using made::Voxel;
 
 std::vector<Voxel> random_voxels(std::mt19937_64& rng, int count) {
-  std::map<std::array<std::int64_t, 3>, Voxel> voxels;
+  std::map<Vec3i64, Voxel> voxels;
   for (int i = 0; i < count; ++i) {
     Voxel v;
     for (std::int64_t& x : v.at) x = std::int64_t(rng() % 64) - 32;

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using made::TempFolder;
-using Corner = std::array<std::int64_t, 3>;
+using Corner = Vec3i64;
 
 /// The limits of pages; they are so low that a few cells make three levels of pages.
 const PageRule few_cells_a_page{4, 2, 8};
@@ -117,7 +117,7 @@ TEST(PagedOverviews, AreFoundByBoxAndLevel) {
   WrittenScene written(seed);
   const PagedScene paged(written.folder / "scene.xml");
   for (int round = 0; round < 60; ++round) {
-    LatticeBox box;
+    Box3i64 box;
     for (std::size_t c = 0; c < 3; ++c) {
       box.min[c] = std::int64_t(written.rng() % 400) - 200;
       box.end[c] = box.min[c] + 1 + std::int64_t(written.rng() % 60);
@@ -147,7 +147,7 @@ TEST(PagedOverviews, OfAChangedCellChangeOnePageOfEachLevel) {
   const SceneCell& cell = scene.cells[scene.cells.size() / 2];
   scene.cells[scene.cells.size() / 2].content_hash[0] = {1, 2};
   for (SceneCell& overview : scene.overviews)
-    if (window_of(overview).holds(cell.lattice_min)) overview.content_hash[0] = {3, 4};
+    if (window_of(overview).contains(cell.lattice_min)) overview.content_hash[0] = {3, 4};
   std::shuffle(scene.overviews.begin(), scene.overviews.end(), written.rng);  // the result does not depend on the order
   write_scene(written.folder / "scene.xml", scene, few_cells_a_page);
   std::map<std::int64_t, int> changed;

@@ -25,7 +25,7 @@ using made::TempFolder;
 /// The limits of pages; they are so low that a few cells make two levels of pages.
 const PageRule small_pages{4, 2, 8};
 
-SceneCell random_cell(std::mt19937_64& rng, const std::array<std::int64_t, 3>& at) {
+SceneCell random_cell(std::mt19937_64& rng, const Vec3i64& at) {
   const std::string name = "c_" + std::to_string(rng());
   const auto hash = [&rng] { return Hash128{rng(), rng()}; };
   return {name,
@@ -56,7 +56,7 @@ SceneDescription random_cells(std::mt19937_64& rng) {
   SceneDescription scene;
   scene.generator = "gigabake test";
   scene.voxel_size_m = 0.5;
-  std::set<std::array<std::int64_t, 3>> places;
+  std::set<Vec3i64> places;
   const std::int64_t far = (std::int64_t(1) << 10) * (rng() % 2 == 0 ? 1 : -1);
   for (int i = 0; i < 60; ++i)
     places.insert({std::int64_t(rng() % 12) - 6 + (i % 10 == 0 ? far : 0), std::int64_t(rng() % 12) - 6,
@@ -116,7 +116,7 @@ TEST(PagedScene, FindsTheCellsThatOverlapABox) {
   write_scene(folder / "scene.xml", scene, small_pages);
   const PagedScene paged(folder / "scene.xml");
   for (int round = 0; round < 20; ++round) {
-    LatticeBox box;
+    Box3i64 box;
     for (std::size_t c = 0; c < 3; ++c) {
       box.min[c] = std::int64_t(rng() % 200) - 100;
       box.end[c] = box.min[c] + 1 + std::int64_t(rng() % 60);
@@ -357,7 +357,7 @@ TEST(PagedScene, WithAPageThatIsNotTheOneThatIsMeantIsRefusedByFileAndReason) {
 TEST(PagedScene, OfALatticeBeyondEveryBoundIsRefused) {
   const TempFolder folder;
   Forgery forgery(folder);
-  const LatticeBox window = PagedScene(folder / "scene.xml").totals().window;
+  const Box3i64 window = PagedScene(folder / "scene.xml").totals().window;
   forgery.edit("scene.xml", "LatticeEnd=\"" + std::to_string(window.end[0]), "LatticeEnd=\"4611686018427387904");
   EXPECT_NE(complaint(folder / "scene.xml").find("LatticeMin: expected a box of the lattice within"), std::string::npos)
       << complaint(folder / "scene.xml");

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 
+#include "core/math/vec3.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
 
@@ -17,7 +18,7 @@ struct VoxelBytes {
   friend bool operator==(const VoxelBytes&, const VoxelBytes&) = default;
 };
 /// Voxels keyed by their position on the level's lattice, rounded down where the level is not aligned to it.
-using SceneVoxels = std::map<std::array<std::int64_t, 3>, VoxelBytes>;
+using SceneVoxels = std::map<Vec3i64, VoxelBytes>;
 
 /// Returns one level, read voxel by voxel.
 SceneVoxels voxels_of_scene(const std::filesystem::path& scene_xml, int lod);

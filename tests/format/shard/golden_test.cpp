@@ -40,7 +40,7 @@ TEST_P(Golden, SceneReadsAsOnTheDayItWasWritten) {
   const SceneDescription scene = read_scene(folder / "scene.xml");
   ASSERT_EQ(scene.cells.size(), 1u);
   EXPECT_EQ(scene.voxel_size_m, 0.25);
-  EXPECT_EQ(scene.lattice_origin_m, (std::array<double, 3>{100.5, -3, 0}));
+  EXPECT_EQ(scene.lattice_origin_m, (Vec3d{100.5, -3, 0}));
   EXPECT_EQ(scene.origin, (Geodetic{34.4263, -119.8404, 2.5}));
   EXPECT_EQ(scene.cells[0].voxels, (std::vector<std::uint64_t>{515, 2}));
   EXPECT_EQ(scene.cells[0].fingerprint.hex(), "00000000000000020000000000000001");

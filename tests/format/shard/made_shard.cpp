@@ -228,7 +228,7 @@ DownsampleState small_above() {
   return above;
 }
 
-Shard shard_of(const std::vector<Voxel>& voxels, std::array<std::int64_t, 3> lattice_min, std::uint32_t cell_voxels) {
+Shard shard_of(const std::vector<Voxel>& voxels, Vec3i64 lattice_min, std::uint32_t cell_voxels) {
   const int lods = std::bit_width(cell_voxels / 8);
   std::vector<SortedVoxels> levels(std::size_t(lods), SortedVoxels{});
   for (const Voxel& v : voxels) {

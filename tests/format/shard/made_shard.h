@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "format/scene/xml/scene_xml.h"
 #include "format/shard/shard.h"
 
@@ -61,13 +62,13 @@ Shard constant_shard();
 
 /// A voxel of a cell that has no levels above those that its edge requires. Each voxel occurs once.
 struct Voxel {
-  std::array<std::int64_t, 3> at{};  ///< lod 0, lattice
+  Vec3i64 at{};  ///< lod 0, lattice
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
 };
 /// Returns the shard of these voxels. Levels above the finest repeat the first voxel found below. Voxels outside of the
 /// window are left out.
-Shard shard_of(const std::vector<Voxel>& voxels, std::array<std::int64_t, 3> lattice_min, std::uint32_t cell_voxels);
+Shard shard_of(const std::vector<Voxel>& voxels, Vec3i64 lattice_min, std::uint32_t cell_voxels);
 
 /// Writes the shard of a cell or an overview next to scene.xml, as a bake does, and returns its entry in scene.xml.
 SceneCell write_shard_of(const std::filesystem::path& scene_xml, const Shard& shard);

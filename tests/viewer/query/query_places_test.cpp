@@ -18,7 +18,7 @@
 namespace gigabake {
 namespace {
 
-using Corner = std::array<std::int64_t, 3>;
+using Corner = Vec3i64;
 
 constexpr std::uint32_t cell_edge = 16, levels = 2, root_edge = 1024;
 constexpr PageRule small_pages{4, 2, 8};
@@ -72,7 +72,7 @@ SceneDescription scene_below_one_root(std::mt19937_64& rng) {
 /// Reads missing pages until the place is known.
 QueryPlace place_of(QueryPlaces& places, int lod, const Corner& v) {
   for (;;) {
-    const QueryPlace place = places.find(lod, v.data());
+    const QueryPlace place = places.find(lod, v.v);
     if (place.kind != QueryPlace::Kind::unknown) {
       places.read({});
       return place;
@@ -84,7 +84,7 @@ QueryPlace place_of(QueryPlaces& places, int lod, const Corner& v) {
 /// Returns the shard of a level that holds v, by a linear search.
 std::string holder_of(const SceneDescription& scene, int lod, const Corner& v) {
   for (const SceneCell& shard : lod < int(levels) ? scene.cells : scene.overviews)
-    if (int(shard.own_lod()) <= lod && lod < int(shard.own_lod() + shard.lods) && window_of(shard).holds(v))
+    if (int(shard.own_lod()) <= lod && lod < int(shard.own_lod() + shard.lods) && window_of(shard).contains(v))
       return shard.name;
   return "";
 }
@@ -143,7 +143,7 @@ TEST(QueryCells, FindTheRegionsThatPagesDescribe) {
     Corner v;
     for (std::size_t a = 0; a < 3; ++a) v[a] = std::int64_t(rng() % (a == 2 ? 160 : 600)) - (a == 2 ? 60 : 300);
     const QueryPlace expected = place_of(places, 0, v);
-    const QueryRegion region = cells.find(0, v.data());
+    const QueryRegion region = cells.find(0, v.v);
     ASSERT_EQ(region.kind == QueryRegion::Kind::paused, expected.kind == QueryPlace::Kind::shard) << seed;
     ASSERT_EQ(region.shard, expected.shard) << seed;
     for (int a = 0; a < 3; ++a) {

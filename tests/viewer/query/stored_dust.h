@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "core/octree/parameters.h"
 #include "format/scene/paged_scene.h"
 #include "tests/format/shard/made_shard.h"
@@ -18,7 +19,7 @@ namespace gigabake::query_test {
 
 using made::TempFolder;
 using DustCells = std::vector<Shard>;
-using CellCorner = std::array<std::int64_t, 3>;
+using CellCorner = Vec3i64;
 
 inline constexpr std::int64_t dust_cell_edge = 32, dust_edge = 64;
 

@@ -98,10 +98,10 @@ TEST(ShardMap, FindsTheCellsOfAnyPlaceThroughPagesOfPages) {
     std::set<std::uint32_t> expected;
     std::optional<std::uint32_t> holds;
     for (std::uint32_t i = 0; i < cells.size(); ++i) {
-      const LatticeBox window = window_of(cells[i]);
-      const LatticeBox asked_for{{box.min[0], box.min[1], box.min[2]}, {box.max[0], box.max[1], box.max[2]}};
+      const Box3i64 window = window_of(cells[i]);
+      const Box3i64 asked_for{{box.min[0], box.min[1], box.min[2]}, {box.max[0], box.max[1], box.max[2]}};
       if (!intersection(window, asked_for).is_empty()) expected.insert(i);
-      if (window.holds(asked_for.min)) holds = i;
+      if (window.contains(asked_for.min)) holds = i;
     }
     std::set<std::uint32_t> found;
     asked.answer([&](MissingPages& gaps) {
@@ -122,7 +122,7 @@ TEST(ShardMap, FindsTheCellsOfAnyPlaceThroughPagesOfPages) {
     for (int a = 0; a < 3; ++a) EXPECT_TRUE(empty.min[a] <= box.min[a] && box.min[a] < empty.max[a]);
     empty.min[2] = box.min[2];
     for (const SceneCell& cell : cells) {
-      const LatticeBox window = window_of(cell);
+      const Box3i64 window = window_of(cell);
       const VoxelBox other{{window.min[0], window.min[1], window.min[2]},
                            {window.end[0], window.end[1], window.end[2]}};
       EXPECT_FALSE(overlap(empty, other)) << cell.name << " overlaps the box that is reported as empty";
@@ -155,8 +155,8 @@ TEST(ShardMap, SaysWhereAPageOfTheSceneCannotBeRead) {
 SceneDescription two_tiers() {
   SceneDescription scene;
   scene.parameters = to_json(BakeParameters{.voxel_size_m = 1});
-  const auto add = [](std::vector<SceneCell>& to, const std::array<std::int64_t, 3>& min, std::uint32_t voxels,
-                      std::uint32_t first_lod, std::uint32_t lods) {
+  const auto add = [](std::vector<SceneCell>& to, const Vec3i64& min, std::uint32_t voxels, std::uint32_t first_lod,
+                      std::uint32_t lods) {
     SceneCell shard;
     shard.lattice_min = min;
     shard.cell_voxels = voxels;
