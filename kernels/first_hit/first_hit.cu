@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include "kernels/cuda/device/memory.cuh"
+#include "kernels/cuda/device/stream.cuh"
 #include "kernels/first_hit/first_hit_device.h"
 
 namespace gigabake::kernels {
@@ -107,21 +108,6 @@ std::vector<T> copy_to_host(const DeviceArray<T>& device, std::size_t size, cuda
   return host;
 }
 
-class Stream {
- public:
-  explicit Stream(int device) {
-    check_cuda(cudaSetDevice(device), "cudaSetDevice");
-    check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreate");
-  }
-  ~Stream() { cudaStreamDestroy(stream_); }
-  Stream(const Stream&) = delete;
-  Stream& operator=(const Stream&) = delete;
-  cudaStream_t get() const { return stream_; }
-
- private:
-  cudaStream_t stream_ = nullptr;
-};
-
 /// Timer for the work launched between two calls.
 class StopWatch {
  public:
@@ -158,14 +144,14 @@ class CudaFirstHits::Impl {
     looks_ = copy_to_device(heap_, scene.looks);
     check_cuda(cudaDeviceGetAttribute(&multiprocessors_, cudaDevAttrMultiProcessorCount, device),
                "cudaDeviceGetAttribute");
-    check_cuda(cudaStreamSynchronize(stream_.get()), "cudaStreamSynchronize (first hits)");
+    check_cuda(cudaStreamSynchronize(stream_.handle), "cudaStreamSynchronize (first hits)");
   }
 
   void upload(Span<const FirstHitRay> rays) {
     if (rays.size > max_rays) throw std::length_error("more than 2^31 rays at once");
     check_cuda(cudaSetDevice(device_), "cudaSetDevice");
     rays_ = copy_to_device(heap_, rays);
-    check_cuda(cudaStreamSynchronize(stream_.get()), "cudaStreamSynchronize (rays)");
+    check_cuda(cudaStreamSynchronize(stream_.handle), "cudaStreamSynchronize (rays)");
   }
 
   double cast(const FirstHitCamera& camera, bool looks) {
@@ -173,17 +159,17 @@ class CudaFirstHits::Impl {
     const DeviceResult result = result_for(std::size_t(camera.width) * std::size_t(camera.height), looks);
     const std::size_t tiles = std::size_t(beams.columns) * std::size_t(beams.rows);
     if (starts_.size() < tiles) starts_ = DeviceArray<float>(heap_, tiles);
-    watch_.start(stream_.get());
+    watch_.start(stream_.handle);
     if (beams.tile != 0) {
-      cast_beams<<<dim3(grid_of(unsigned(beams.columns), 8), grid_of(unsigned(beams.rows), 8)), 64, 0, stream_.get()>>>(
-          beams, camera, starts_.data());
+      cast_beams<<<dim3(grid_of(unsigned(beams.columns), 8), grid_of(unsigned(beams.rows), 8)), 64, 0,
+                   stream_.handle>>>(beams, camera, starts_.data());
       check_launch("cast_beams");
     }
     cast_pixels<<<dim3(grid_of(unsigned(camera.width), pixels_x), grid_of(unsigned(camera.height), pixels_y)), threads,
-                  0, stream_.get()>>>(scene_.tree, camera, beams.tile == 0 ? nullptr : starts_.data(), beams.tile_bits,
-                                      beams.columns, result);
+                  0, stream_.handle>>>(scene_.tree, camera, beams.tile == 0 ? nullptr : starts_.data(), beams.tile_bits,
+                                       beams.columns, result);
     check_launch("cast_pixels");
-    return watch_.stop(stream_.get());
+    return watch_.stop(stream_.handle);
   }
 
   double cast(bool looks) {
@@ -191,16 +177,16 @@ class CudaFirstHits::Impl {
     // Long queues keep warps full, but every multiprocessor needs enough warps.
     const std::size_t share = rays_.size() / std::size_t(multiprocessors_ * 32) / 32 * 32;
     const std::size_t per_warp = std::clamp(share, std::size_t(32), std::size_t(256));
-    watch_.start(stream_.get());
-    cast_rays<<<grid_of((rays_.size() + per_warp - 1) / per_warp * 32, threads), threads, 0, stream_.get()>>>(
+    watch_.start(stream_.handle);
+    cast_rays<<<grid_of((rays_.size() + per_warp - 1) / per_warp * 32, threads), threads, 0, stream_.handle>>>(
         scene_.tree, rays_.data(), std::uint32_t(rays_.size()), std::uint32_t(per_warp), result);
     check_launch("cast_rays");
-    return watch_.stop(stream_.get());
+    return watch_.stop(stream_.handle);
   }
 
-  std::vector<FirstHit> hits() const { return copy_to_host(hits_, count_, stream_.get()); }
+  std::vector<FirstHit> hits() const { return copy_to_host(hits_, count_, stream_.handle); }
   std::vector<VoxelAttributes> looks() const {
-    return copy_to_host(hit_looks_, has_looks_ ? count_ : 0, stream_.get());
+    return copy_to_host(hit_looks_, has_looks_ ? count_ : 0, stream_.handle);
   }
   std::uint64_t device_bytes() const {
     return nodes_.bytes() + shells_[0].bytes() + shells_[1].bytes() + looks_.bytes();
@@ -226,7 +212,7 @@ class CudaFirstHits::Impl {
   int device_, multiprocessors_ = 0;
   Stream stream_;
   DeviceBooks books_;
-  DeviceHeap heap_{stream_.get(), books_};
+  DeviceHeap heap_{stream_.handle, books_};
   FirstHitView scene_;  ///< with the device's arrays
   DeviceArray<FirstHitNode> nodes_, shells_[2];
   DeviceArray<VoxelAttributes> looks_;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "kernels/cuda/device/memory.cuh"
+#include "kernels/cuda/device/stream.cuh"
 #include "kernels/first_hit/query_device.h"
 
 namespace gigabake::kernels {
@@ -30,22 +31,6 @@ void copy_to_device(T* device, const Span<const T>& host, cudaStream_t stream) {
              "cudaMemcpyAsync (queries, to the device)");
 }
 
-class QueryStream {
- public:
-  explicit QueryStream(int device) {
-    check_cuda(cudaSetDevice(device), "cudaSetDevice");
-    check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreate");
-  }
-  ~QueryStream() { cudaStreamDestroy(stream_); }
-  QueryStream(const QueryStream&) = delete;
-  QueryStream& operator=(const QueryStream&) = delete;
-  cudaStream_t get() const { return stream_; }
-  void wait() const { check_cuda(cudaStreamSynchronize(stream_), "cudaStreamSynchronize (queries)"); }
-
- private:
-  cudaStream_t stream_ = nullptr;
-};
-
 }  // namespace
 
 class CudaQuery::Impl {
@@ -62,7 +47,7 @@ class CudaQuery::Impl {
     cells_.trees = {trees_.data(), trees_.size()};
     rays_ = DeviceArray<QueryRay>(heap_, rays_per_launch);
     walks_ = DeviceArray<QueryTraversal>(heap_, rays_per_launch);
-    stream_.wait();
+    wait();
   }
 
   void add_tree(std::uint32_t cell, std::uint32_t shard, const ShardTree& tree) {
@@ -73,9 +58,9 @@ class CudaQuery::Impl {
     own(resident.tree.nodes, nodes);
     own(resident.looks, looks);
     const QueryCells::Entry entry{shard, QueryCells::State::resident};
-    copy_to_device(trees_.data() + cell, Span<const ShardTree>{&resident, 1}, stream_.get());
-    copy_to_device(entries_.data() + cell, Span<const QueryCells::Entry>{&entry, 1}, stream_.get());
-    stream_.wait();
+    copy_to_device(trees_.data() + cell, Span<const ShardTree>{&resident, 1}, stream_.handle);
+    copy_to_device(entries_.data() + cell, Span<const QueryCells::Entry>{&entry, 1}, stream_.handle);
+    wait();
     nodes_.push_back(std::move(nodes));
     looks_.push_back(std::move(looks));
   }
@@ -84,32 +69,34 @@ class CudaQuery::Impl {
     check_cuda(cudaSetDevice(device_), "cudaSetDevice");
     for (std::size_t first = 0; first < rays.size; first += rays_per_launch) {
       const std::size_t count = std::min(rays_per_launch, rays.size - first);
-      copy_to_device(rays_.data(), Span<const QueryRay>{rays.data + first, count}, stream_.get());
-      cast_queries<<<grid_of(count, threads), threads, 0, stream_.get()>>>(cells_, levels_, window_, rays_.data(),
-                                                                           std::uint32_t(count), walks_.data());
+      copy_to_device(rays_.data(), Span<const QueryRay>{rays.data + first, count}, stream_.handle);
+      cast_queries<<<grid_of(count, threads), threads, 0, stream_.handle>>>(cells_, levels_, window_, rays_.data(),
+                                                                            std::uint32_t(count), walks_.data());
       check_launch("cast_queries");
       check_cuda(cudaMemcpyAsync(walks.data + first, walks_.data(), count * sizeof(QueryTraversal),
-                                 cudaMemcpyDeviceToHost, stream_.get()),
+                                 cudaMemcpyDeviceToHost, stream_.handle),
                  "cudaMemcpyAsync (queries, to the host)");
     }
-    stream_.wait();
+    wait();
   }
 
   std::uint64_t device_bytes() const { return heap_.live(); }
 
  private:
+  void wait() const { check_cuda(cudaStreamSynchronize(stream_.handle), "cudaStreamSynchronize (queries)"); }
+
   /// Copies the array to the device and lets the span refer to the copy.
   template <class T>
   void own(Span<const T>& span, DeviceArray<T>& array) {
     array = DeviceArray<T>(heap_, span.size);
-    copy_to_device(array.data(), span, stream_.get());
+    copy_to_device(array.data(), span, stream_.handle);
     span.data = array.data();
   }
 
   int device_;
-  QueryStream stream_;
+  Stream stream_;
   DeviceBooks books_;
-  DeviceHeap heap_{stream_.get(), books_};
+  DeviceHeap heap_{stream_.handle, books_};
   QueryCells cells_;  ///< with the device's arrays
   QueryLevels levels_;
   VoxelBox window_;
