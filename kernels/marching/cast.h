@@ -1,9 +1,9 @@
 /// Ray casting through a paged scene, front to back.
 ///
-/// A ray visits a fixed sequence of samples. On level l they are half a voxel of l apart. The voxels of level l are at
-/// most a pixel wide at that distance. Empty space is skipped. The samples and their values depend only on the ray and
-/// the voxels. Once all requested data is resident, the image therefore does not depend on cells, residency or the
-/// order of rays.
+/// A ray visits a fixed sequence of samples, and skips empty space. A level begins at the distance from which its
+/// voxels are at most the pixel error wide. Its samples are half a voxel of the level apart. The samples and their
+/// values depend only on the ray and the voxels. Once all requested data is resident, the image therefore does not
+/// depend on cells, residency or the order of rays.
 ///
 /// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
@@ -36,8 +36,9 @@ GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
   return ray;
 }
 
-/// Returns the distance from `u` to the exit of the empty half- or quarter-brick around it; 0 if neither is empty.
-/// Unit: 1/65536 of the brick's voxels. blocks: of the brick. u: the point in the brick.
+/// Returns the distance along the ray from point `u` to the exit of the empty, aligned cube around it. The cube has an
+/// edge of half or else a quarter of the brick. Returns 0 if neither cube is empty. `u` is relative to the brick; `u`
+/// and the result are in 1/65536 of the brick's voxels. `blocks` is CastHead::blocks.
 GB_HD float way_out_of_empty_part(std::uint64_t blocks, const CastLine& line, const std::uint32_t u[3]) {
   const int x = int(u[0] >> fraction_bits), y = int(u[1] >> fraction_bits), z = int(u[2] >> fraction_bits);
   constexpr std::uint64_t eight_blocks = 0x330033;
@@ -54,8 +55,8 @@ GB_HD float way_out_of_empty_part(std::uint64_t blocks, const CastLine& line, co
 /// coverages of two levels cannot be added.
 GB_HD double lod_end(const CastLine& line, int lod) { return lod_start(line, lod + 1) + 8 * step_length(lod + 1); }
 
-/// Switches to the next level. It begins behind the ray's last surface or at its regular start, independent of the
-/// empty space that was skipped.
+/// Switches the ray to the next level. The first sample lies behind the ray's latest surface, or at the level's regular
+/// start if that is farther. It does not depend on the empty space that was skipped.
 GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
   const double from = point_distance(line, ray.lod, ray.past) - lod_start(line, ray.lod + 1);
   ++ray.lod;
@@ -64,9 +65,9 @@ GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
   ray.past = -1;
 }
 
-/// Returns the number of steps a ray takes in a coarser fallback brick. Samples there are half a voxel of the brick
-/// apart, within the brick and the ray's level. Parameter beyond: the first sample that may lie outside the brick. Not
-/// inlined, because fallback bricks are few.
+/// Returns the number of the ray's steps to its next sample in a coarser fallback brick. The next sample is half a
+/// voxel of the brick ahead, unless the brick or the ray's level ends before. `beyond` is the step of the first sample
+/// that may lie outside the brick. The function is not inlined, because fallback bricks are rare.
 GB_HD_NOINLINE double steps_in_coarser(double lod1_distance, int brick_lod, int lod, double step, double beyond) {
   CastLine line;
   line.lod1_distance = lod1_distance;
@@ -82,7 +83,7 @@ struct LevelLook {
   LevelPoints points;
   std::int32_t lod;
   CellFrame frame;
-  CastPlace place;  ///< of the last sample
+  CastPlace place;  ///< where the last sample lies
 
   GB_HD LevelLook(const CastScene& scene, const CastLine& line, int level)
       : points(level_points(scene, line, level)), lod(level) {}
@@ -96,9 +97,9 @@ struct LevelLook {
   GB_HD CastPoint point() const { return point_in_brick(place.at, place.lod); }
 };
 
-/// Composites the blended surface that the ray hit at `met`. Samples its colour at the hit and half a voxel before and
-/// behind, and its opacity at the hit. Returns false if the ray is `patient` and must wait for missing data. A shadow
-/// ray needs no colour, so it samples only once.
+/// Composites the blended surface that the ray hit at distance `met`. Samples the surface's opacity at the hit, and its
+/// colour at the hit and half a voxel before and behind the hit. A shadow ray needs no colour, so it samples only at
+/// the hit. If `patient` is true and data is missing, returns false: the ray must wait.
 template <CastAim aim>
 GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, double met,
                       CastPath& path, CastRay& ray) {
@@ -146,20 +147,20 @@ enum class CastTask : std::uint8_t {
   none   ///< finished, or waiting for data
 };
 
-/// The state of a ray within a pass; only CastRay survives the pass. CastPath is separate: a device indexes it by
+/// The state of a ray within a pass; only CastRay is kept between passes. CastPath is separate: a device indexes it by
 /// computed values, so it cannot be kept in registers like this struct. Values that a step can recompute are not
 /// stored, to save registers.
 struct CastWalk {
   CastTask task = CastTask::none;
-  bool waits = false;         ///< like CastPlace::waits, of the brick
-  LevelPoints points;         ///< of the ray's level
-  CellFrame frame;            ///< of the latest cell
+  bool waits = false;         ///< CastPlace::waits of the current brick
+  LevelPoints points;         ///< the samples of the ray's level
+  CellFrame frame;            ///< the cell that was found last
   std::int32_t lod = 0;       ///< level of the brick that holds the sample
-  double in_brick_until = 0;  ///< samples before this step lie in that brick; later ones may not
-  CastHead head;              ///< of the brick
+  double in_brick_until = 0;  ///< samples before this step lie in that brick; later samples may not
+  CastHead head;              ///< the header of that brick
 };
 
-/// Returns the ray's current sample, in the coordinates of its brick.
+/// Returns the ray's current sample in the coordinates of CastPlace::at, for the level of the sample's brick.
 GB_HD FixedPoint point_of(const CastLine& line, const CastWalk& walk, const CastRay& ray) {
   FixedPoint point = walk.points.at(line, ray.lod, ray.step);
   point.bits[2] -= walk.frame.low;
@@ -167,7 +168,7 @@ GB_HD FixedPoint point_of(const CastLine& line, const CastWalk& walk, const Cast
   return point;
 }
 
-/// Returns true if the ray hit a surface before the current sample; that surface is then composited first.
+/// Returns true if `met` is a hit that has not been composited yet; the ray's next task is then to composite it.
 GB_HD bool is_met(double met, CastWalk& walk, CastRay& ray) {
   if (ray.is_seen || met == met_nowhere) return false;
   ray.met = met;
@@ -175,7 +176,8 @@ GB_HD bool is_met(double met, CastWalk& walk, CastRay& ray) {
   return true;
 }
 
-/// Handles a sample with a zero field. Returns true if the ray hit a surface before it.
+/// Handles a sample with a zero field. Returns true if the ray hit a surface before this sample; the ray's next task is
+/// then to composite that surface.
 GB_HD bool leaves_sheet(CastWalk& walk, CastRay& ray) {
   if (is_met(extrapolated_hit(ray), walk, ray)) return true;
   ray.is_seen = false;
@@ -183,18 +185,20 @@ GB_HD bool leaves_sheet(CastWalk& walk, CastRay& ray) {
   return false;
 }
 
-/// Returns the first step at which the ray may have left the level or the scene; at most one step early.
+/// Returns a lower bound of the step at which the ray leaves the level or the scene; it is at most one step too low.
 GB_HD double level_until(const CastScene& scene, const CastLine& line, int lod) {
   const double start = lod_start(line, lod);
   const double end = lod + 1 < scene.lods ? smaller_of(lod_start(line, lod + 1), line.leave) : line.leave;
   return (end - start) * steps_per_voxel(lod) - 1.5;
 }
 
-/// Returns true if the ray ended or switched to the next level.
+/// Finishes the ray behind the scene, or switches it to the next level where that level begins. Returns true if either
+/// happened.
 GB_HD bool leaves_level(const CastScene& scene, const CastLine& line, CastWalk& walk, CastRay& ray) {
   const double distance = point_distance(line, ray.lod, ray.step);
   const bool in_surface = ray.step == ray.past;
-  // Test this first: a step over empty space may end behind the scene, while the next level still has a surface there.
+  // Test the level first: a step over empty space may end behind the scene, while the next level still has a surface
+  // before the scene's end.
   const double next_lod = in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1);
   if (ray.lod + 1 < scene.lods && distance >= next_lod && next_lod <= line.leave) {
     enter_next_lod(line, ray);
@@ -207,8 +211,8 @@ GB_HD bool leaves_level(const CastScene& scene, const CastLine& line, CastWalk& 
   return true;
 }
 
-/// Finds the brick of the current sample. Returns false if the ray skips empty space, switches level, ends, or is
-/// `patient` and waits for missing data. Rays that are not `patient` use coarser bricks instead.
+/// Finds the brick of the current sample. Returns false if the ray skips empty space, switches level, ends or waits. If
+/// data is missing, the ray waits if `patient` is true, and otherwise uses a coarser brick.
 GB_HD bool enter_brick(const CastScene& scene, const CastLine& line, bool patient, CastWalk& walk, CastPath& path,
                        CastRay& ray) {
   if (leaves_level(scene, line, walk, ray)) return false;
@@ -233,8 +237,8 @@ GB_HD bool enter_brick(const CastScene& scene, const CastLine& line, bool patien
   return true;
 }
 
-/// Advances by one step towards a sample with a non-zero field or a surface hit. The ray stops where it leaves the
-/// scene or waits.
+/// Skips empty space once, towards the next sample with a non-zero field or the next surface hit. The ray's task
+/// becomes `none` if the ray leaves the scene or waits.
 GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patient, CastWalk& walk, CastPath& path,
                         CastRay& ray) {
   if (!(ray.step < walk.in_brick_until)) {
@@ -255,7 +259,8 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patie
   ray.step += steps_within(way_out_of_empty_part(walk.head.blocks, line, u), 2.0f / fixed_one);
 }
 
-/// Composites the residual at the current sample, unless the ray hit a surface before it.
+/// Composites the residual at the current sample. If the ray hit a surface before this sample, composites nothing and
+/// makes that surface the next task.
 template <CastAim aim>
 GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const CastLine& line, CastWalk& walk,
                       CastRay& ray) {
@@ -279,7 +284,8 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
   walk.task = ray.transmittance < transmittance_cutoff ? CastTask::none : CastTask::seek;
 }
 
-/// Composites the surface that the ray hit, then continues with the sample behind it.
+/// Composites the surface that the ray hit at ray.met. The ray then continues at its current sample, behind the
+/// surface.
 template <CastAim aim>
 GB_HD void pass_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
                       CastWalk& walk, CastPath& path, CastRay& ray) {
@@ -288,8 +294,8 @@ GB_HD void pass_sheet(const CastScene& scene, const CastCamera& camera, const Ca
   walk.task = !is_there || ray.transmittance < transmittance_cutoff ? CastTask::none : CastTask::seek;
 }
 
-/// Tests whether any ray of the processor's group has a task: one ray on a host, one warp on a device. All lanes of the
-/// warp must call this function.
+/// Tests whether any ray of a group has a task. On a host a group is one ray, on a device the rays of one warp. All
+/// lanes of the warp must call this function.
 GB_HD bool any_ray(bool has_task) {
 #if defined(__CUDA_ARCH__)
   return __any_sync(0xffffffffu, has_task ? 1 : 0) != 0;
@@ -298,7 +304,8 @@ GB_HD bool any_ray(bool has_task) {
 #endif
 }
 
-/// Tests whether the group of rays seeks next instead of processing samples: the action that more of its rays need.
+/// Returns true if the next action of the group of rays is to seek, false if it is to process samples. The group takes
+/// the action that more of its rays need.
 GB_HD bool seeks_next(CastTask task) {
 #if defined(__CUDA_ARCH__)
   return __popc(__ballot_sync(0xffffffffu, task == CastTask::seek ? 1 : 0)) >=
@@ -311,8 +318,8 @@ GB_HD bool seeks_next(CastTask task) {
 /// The number of seek steps before the next action is chosen again.
 inline constexpr int steps_together = 3;
 
-/// Continues until the ray hit a surface, is finished or waits. The rays of a warp either all seek or all process
-/// samples, depending on the need of the majority. On a device all lanes of a warp must call this function.
+/// Continues the ray until it hits a surface, is finished or waits. At any time, the rays of a warp either seek or
+/// process samples (seeks_next()). On a device all lanes of a warp must call this function.
 template <CastAim aim = CastAim::eye>
 GB_HD void walk_to_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
                          CastWalk& walk, CastPath& path, CastRay& ray) {
@@ -326,16 +333,16 @@ GB_HD void walk_to_sheet(const CastScene& scene, const CastCamera& camera, const
   }
 }
 
-/// Prepares a ray for the pass. is_cast: false if a lane of a device has no ray.
+/// Prepares a ray for the pass. `is_cast` is false if a lane of a device has no ray.
 GB_HD void start_walk(const CastScene& scene, const CastLine& line, bool is_cast, const CastRay& ray, CastWalk& walk) {
   if (!is_cast || ray.lod < 0) return;
   walk.task = CastTask::seek;
   walk.points = level_points(scene, line, ray.lod);
 }
 
-/// Continues until the ray is finished (lod = -1) or waits. In a warp, rays that hit a surface wait until all seeking
-/// rays hit a surface or end. Compositing a surface takes as long as about a dozen steps. On a device all lanes must
-/// call this function.
+/// Continues the ray until it is finished (lod = -1) or waits for data. In a warp, a surface is composited only when
+/// all rays have hit a surface or have stopped, because compositing takes as long as about a dozen steps. On a device
+/// all lanes must call this function.
 template <CastAim aim = CastAim::eye>
 GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, bool is_cast,
                     CastRay& ray) {

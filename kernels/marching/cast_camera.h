@@ -60,8 +60,8 @@ struct CastClip {
   double offset = 0;
 };
 
-/// Polygons between the voxels, rendered to one entry per pixel of the whole image, row 0 at the top; null: no
-/// polygons.
+/// Polygons that are shown together with the voxels. They are already rendered: the arrays have one entry per pixel of
+/// the whole image, row 0 at the top. Null pointers mean that there are no polygons.
 struct CastPolygons {
   const float* distance = nullptr;  ///< along the pixel's ray; CastPolygons::nowhere: no polygon
   const float* rgba = nullptr;      ///< linear RGB, premultiplied by the opacity
@@ -71,15 +71,15 @@ struct CastPolygons {
 
 struct CastCamera {
   double eye[3] = {};
-  double forward[3] = {};            ///< unit
+  double forward[3] = {};            ///< unit vector
   double right[3] = {}, up[3] = {};  ///< from the image's centre to its right and upper edges, at the tip of `forward`
   std::int32_t width = 0, height = 0;
-  double lod1_depth = 0;  ///< depth (along forward) from which lod-1 voxels are at most a pixel wide; > 0
+  double lod1_depth = 0;  ///< depth (along `forward`) from which lod-1 voxels are at most the pixel error wide; > 0
   CastHaze haze;
   CastTone tone;
   CastPaint paint = CastPaint::shaded;
   CastClip clip;
-  CastPolygons polygons;  ///< the caster's memory; in Caster::start(), the caller's
+  CastPolygons polygons;  ///< in the caster's memory; as an argument of Caster::start(), in the caller's memory
 };
 
 }  // namespace gigabake::kernels

@@ -19,11 +19,11 @@ namespace gigabake::kernels {
 struct CastLine {
   double origin[3], direction[3];  ///< direction: unit length
   float inv_direction[3];          ///< 1 / |direction| per axis, at most 1e20
-  double enter, leave;  ///< distances at which the line enters and leaves the box; enter > leave: it misses the box
+  double enter, leave;  ///< distances at which the line enters and leaves the box; enter > leave if it misses the box
   double lod1_distance;
 };
 
-/// Sets one axis of the direction; d: a component of a unit vector.
+/// Sets the direction's component on one axis. `d` is a component of a unit vector.
 GB_HD void set_direction(CastLine& line, int axis, double d) {
   const float across = float(d < 0 ? -d : d);
   line.direction[axis] = d;

@@ -9,7 +9,7 @@
 namespace gigabake::kernels {
 
 /// A reference to a tile or a slot, or the reason why there is none.
-inline constexpr std::uint32_t empty_ref = 0xffffffffu;   ///< there is no data: the field is zero
+inline constexpr std::uint32_t empty_ref = 0xffffffffu;   ///< the subtree is empty: the field is zero
 inline constexpr std::uint32_t absent_ref = 0xfffffffeu;  ///< not resident yet
 inline constexpr std::uint32_t lost_ref = 0xfffffffdu;    ///< will never be resident: coarser bricks replace it
 GB_HD bool is_here(std::uint32_t ref) { return ref < lost_ref; }

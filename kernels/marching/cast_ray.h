@@ -1,4 +1,4 @@
-/// The rays of a tile of an image: their state, their pixels' ranks, and the arrays that they are written to.
+/// The rays of a tile of an image: their state, the dither ranks of their pixels, and the output arrays.
 ///
 /// Space   Distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float, no transcendental functions: host and device return the same bits.
@@ -19,8 +19,8 @@ struct alignas(16) CastRay {
   float before = 0;        ///< value of `covered` at the start of the current surface
   float apart = 0;         ///< distance from which on samples belong to another surface
   float depth = no_depth;  ///< distance at which half of the light has been absorbed
-  double step = 0;         ///< index of the level's next sample; an integer like `past`
-  double past = -1;        ///< index of the sample after the level's last sample in a surface
+  double step = 0;         ///< index of the level's next sample, an integer
+  double past = -1;        ///< index after the level's latest sample in a surface, an integer; -1: none yet
 
   double met = 0;            ///< distance of the latest hit of a blended surface before the current sample
   float height = no_height;  ///< signed distance of the previous sample, lod-0 voxels; no_height: no surface
@@ -32,7 +32,7 @@ struct alignas(16) CastRay {
   static constexpr float no_depth = 3e38f, no_height = 3e38f;
 };
 
-/// Returns e^-x for x ≥ 0 with a relative error of 2e-5; less than 2e-7 beyond 16.
+/// Returns e^-x for x ≥ 0 with a relative error of 2e-5. For x > 16 the result is constant and less than 2e-7.
 GB_HD float exp_minus(float x) {
   const float y = (x < 16 ? x : 16) * (-1.0f / 64);
   float e = 1 + y * (1 + y * (0.5f + y * (1.0f / 6 + y * (1.0f / 24 + y * (1.0f / 120)))));
@@ -52,14 +52,14 @@ GB_HD std::uint32_t dither_rank(std::uint32_t x, std::uint32_t y) {
   return (d & 1) << 5 | (y & 1) << 4 | (d & 2) << 2 | (y & 2) << 1 | (d & 4) >> 1 | (y & 4) >> 2;
 }
 
-/// Returns whether the current work should stop early. Several threads call it, about once a millisecond; empty: never
-/// stop.
+/// A function that returns true if the current work should stop early. Several threads call it, about once a
+/// millisecond. An empty function means that the work never stops early.
 using StopAsked = std::function<bool()>;
 
 /// Output arrays for the pixels of a tile, row by row; null: not requested.
 struct CastPixels {
-  std::uint8_t* srgb = nullptr;  ///< four per pixel, straight alpha
-  float* linear = nullptr;       ///< four per pixel: RGBA, premultiplied, not limited to 1
+  std::uint8_t* srgb = nullptr;  ///< four bytes per pixel: RGBA, straight alpha
+  float* linear = nullptr;       ///< four values per pixel: RGBA, premultiplied, not limited to 1
   float* depth = nullptr;        ///< voxels; CastRay::no_depth if at least half of the light passes through
 };
 

@@ -58,11 +58,12 @@ GB_HD double point_distance(const CastLine& line, int lod, double step) {
   return lod_start(line, lod) + (step + 0.5) * step_length(lod);
 }
 
-/// The samples of one level of a ray, relative to the lowest of the eight voxel centres around each sample.
+/// The samples of one level of a ray. Their coordinates are relative to the level's lowest voxel centre. The integer
+/// parts therefore select the lowest of the eight voxels around a sample.
 struct LevelPoints {
   double first[3];  ///< sample 0, including the bias
 
-  /// Returns a sample; `index` may lie between two samples.
+  /// Returns the sample `index`; a fractional index yields a point between two samples.
   GB_HD FixedPoint at(const CastLine& line, int lod, double index) const {
     const double way = index * step_length(lod);
     FixedPoint point;
@@ -80,12 +81,12 @@ GB_HD LevelPoints level_points(const CastScene& scene, const CastLine& line, int
   return points;
 }
 
-/// The max rounding error of lengths in 1/65536: two points are rounded, and one result is truncated.
+/// An upper bound of the rounding error of a length, in 1/65536: two points are rounded, and one result is truncated.
 inline constexpr float fixed_spare = 4;
 
 /// Returns the distance along the ray to the side of a box that the ray crosses on an axis. Rounding may shorten the
-/// distance, but never lengthens it. Parameter at: the coordinate above the lower side of the box, in 1/65536 of any
-/// voxel size. Parameter edge: the box's edge in this unit, a power of two. The result has the same unit.
+/// distance, but never lengthens it. `at` is the point's coordinate relative to the lower side of the box. `edge` is
+/// the box's edge, a power of two. `at`, `edge` and the result have the same unit: 1/65536 of a voxel of any level.
 GB_HD float way_to_side(const CastLine& line, int axis, std::uint32_t at, std::uint32_t edge) {
   const std::uint32_t behind = (at ^ backward(line, axis)) & (edge - 1);
   return (float(edge - behind) - fixed_spare) * line.inv_direction[axis];
@@ -96,7 +97,8 @@ GB_HD float min_of(const float v[3]) {
   return two < v[2] ? two : v[2];
 }
 
-/// Returns an integer n ≥ 1. All samples fewer than n steps ahead are guaranteed to be nearer than `way`.
+/// Returns the number of steps, an integer n ≥ 1, by which a ray may advance within the distance `way`. All samples
+/// fewer than n steps ahead are guaranteed to be nearer than `way`.
 GB_HD double steps_within(float way, float steps_per_unit) {
   const float steps = std::ceil(way * (steps_per_unit * (1 - 1e-6f)));
   return steps > 1 ? double(steps) : 1;

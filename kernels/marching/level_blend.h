@@ -1,9 +1,9 @@
 /// Filtering between levels. Near the end of a level's range of distances, a second ray samples the next coarser level.
-/// Its weight in the pixel grows to 1 at the distance where the next level begins. This hides the border between
-/// levels.
+/// The second ray's weight in the pixel grows to 1 at the distance where the next level begins. This hides the border
+/// between levels.
 ///
-/// The second ray is an ordinary ray of a camera whose levels begin nearer. Only pixels in which it has a weight cast
-/// it. Over most of a level's range a still image shows the finer voxels only.
+/// The second ray is an ordinary ray of a camera whose levels begin nearer. A pixel casts a second ray only if that ray
+/// has a weight there. Over most of a level's range, a still image therefore shows only the finer level.
 ///
 /// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
@@ -17,9 +17,9 @@ namespace gigabake::kernels {
 
 /// The fraction of a level's end distance beyond which the next level has a weight.
 inline constexpr double blend_from = 0.7;
-/// The factor from the distances at which the first ray's levels begin to the second ray's distances. The second ray
-/// enters the next level before that level has a weight. It leaves that level beyond the distance at which the first
-/// ray enters it.
+/// The factor by which the second ray's levels begin nearer than the first ray's levels. The second ray thus enters the
+/// next level before the distance at which that level gets a weight. It leaves the level only after the first ray has
+/// entered it.
 inline constexpr double coarser_from = 0.6;
 
 GB_HD CastCamera coarser_camera(const CastCamera& camera) {
@@ -28,15 +28,15 @@ GB_HD CastCamera coarser_camera(const CastCamera& camera) {
   return coarser;
 }
 
-/// Returns the distance of the surface that a finished ray hit: where half of its light was absorbed, otherwise its
-/// last blended surface. Returns 0 if the distance is unknown.
+/// Returns the distance of the surface that a finished ray hit. This is the point where half of the light is absorbed,
+/// or else the last blended surface that the ray hit. Returns 0 if the distance is unknown.
 GB_HD double met_distance(const CastRay& ray) {
   if (ray.depth != CastRay::no_depth) return double(ray.depth);
   return ray.transmittance < 1 ? ray.met : 0;
 }
 
-/// Returns the weight (0 … 1) of the coarser level in a pixel whose surface is at this distance. line: of the first
-/// ray.
+/// Returns the weight (0 … 1) of the coarser level in a pixel whose surface is at this distance. `line` is the line of
+/// the first ray.
 GB_HD float coarser_share(const CastScene& scene, const CastLine& line, double distance) {
   int lod = 0;
   while (lod + 1 < scene.lods && distance >= lod_end(line, lod)) ++lod;

@@ -77,8 +77,8 @@ GB_HD std::size_t lower_column(const CastScene& scene, std::uint64_t key) {
   return begin;
 }
 
-/// Sets `box` to the largest aligned square of columns around a missing column that contains no column: no other column
-/// has the same key prefix.
+/// Sets x and y of `box` to the largest aligned square around a missing column that contains no column of the scene. No
+/// key of the scene has the prefix of this square's keys. `next` is lower_column() of `key`.
 GB_HD void set_empty_square(const CastScene& scene, std::uint64_t key, std::size_t next, const std::int64_t column[2],
                             VoxelBox& box) {
   int size_bits = 31;
@@ -141,8 +141,8 @@ inline constexpr std::uint32_t no_cell = 0xffffffffu;
 /// A cell in a form that allows a fast test whether it holds a point.
 struct CellFrame {
   std::uint32_t cell = no_cell;
-  std::uint32_t column[2] = {0, 0};  ///< bits that points in the cell have along x and y
-  std::uint64_t low = 0;             ///< the cell's lower end along z: 1/65536 voxel from the scene's corner
+  std::uint32_t column[2] = {0, 0};  ///< high bits that all points of the cell share in x and in y
+  std::uint64_t low = 0;             ///< z of the cell's lower end relative to the scene's corner, 1/65536 voxel
 
   GB_HD bool holds(const CastScene& scene, const FixedPoint& point) const {
     const int shift = fraction_bits + scene.cell_bits;
@@ -154,11 +154,11 @@ struct CellFrame {
 
 /// The result of locate(): the brick that holds the field around a point.
 struct CastPlace {
-  FixedPoint at;                    ///< the point, along z relative to the cell's corner, and for level `lod`
+  FixedPoint at;                    ///< the point, relative to level `lod`'s lowest voxel centre; z: to the cell's
   std::uint32_t brick = empty_ref;  ///< slot; empty_ref: the field of this level is zero
-  float way = 0;                    ///< if empty: exit distance from the empty space, lod-0 voxels
-  std::int32_t lod = 0;       ///< level of the brick: the requested level, or a coarser one if that is not resident
-  std::int32_t node_lod = 0;  ///< the result holds in the point's node of this level
+  float way = 0;                    ///< if there is no brick: exit distance from the empty space, lod-0 voxels
+  std::int32_t lod = 0;       ///< level of the brick: the requested level, or a coarser level if that is not resident
+  std::int32_t node_lod = 0;  ///< the result applies to the point's whole node of this level
   bool waits = false;         ///< finer data was requested and will become resident
 };
 
@@ -169,23 +169,23 @@ struct CastDescent {
   NodeWord word;
 };
 
-/// The path of the latest descent. The next descent starts where its path leaves this one.
+/// The path of the latest descent. The next descent starts at the deepest node that it shares with this path.
 struct CastPath {
   std::uint32_t cell = no_cell;
   std::uint32_t local[3] = {0, 0, 0};  ///< the descent's target, lod-0 voxels from the cell's corner
-  std::int32_t lowest = 0;             ///< level at which it ended
-  std::uint32_t tile[max_cast_lods];   ///< by level, above `lowest`: tile of the children of the node on the path
+  std::int32_t lowest = 0;             ///< level at which the descent ended
+  std::uint32_t tile[max_cast_lods];   ///< by level, for levels above `lowest`: the children of the path's node
 };
 
-/// Returns the lowest level on which the paths to this voxel and `path` share a node.
+/// Returns the lowest level on which `path` and the path to voxel `local` share a node.
 GB_HD int shared_level(const CastPath& path, const std::uint32_t local[3]) {
   const std::uint32_t differ = (local[0] ^ path.local[0]) | (local[1] ^ path.local[1]) | (local[2] ^ path.local[2]);
   const int level = differ < brick_edge ? 0 : highest_bit(differ) - 2;
   return level > path.lowest ? level : path.lowest;
 }
 
-/// Returns the level of the first node that a descent to this voxel reads. It is one below the last shared level if the
-/// path stores the children of the shared node.
+/// Returns the level of the first node that a descent to voxel `local` reads. This level is shared_level(), or the
+/// level below it if `path` stores the children of the shared node.
 GB_HD int first_level(const CastScene& scene, const CastPath& path, std::uint32_t cell, const std::uint32_t local[3],
                       int lod) {
   if (cell != path.cell) return scene.lods - 1;
@@ -199,8 +199,9 @@ GB_HD std::uint32_t child_of(std::uint32_t tile, const std::uint32_t local[3], i
   return 8 * tile + ((local[0] >> bit & 1) | (local[1] >> bit & 1) << 1 | (local[2] >> bit & 1) << 2);
 }
 
-/// Descends from a cell's root, or from the path, towards the node of level `lod` that holds the voxel. Stops early at
-/// empty or missing nodes. Reads a tile's usage mark together with the node, so that both loads overlap.
+/// Descends towards the node of level `lod` that holds the voxel, from the cell's root or from the deepest node that
+/// `path` shares. Stops early at empty or missing nodes. Reads a tile's usage mark together with the node, so that both
+/// loads overlap.
 GB_HD CastDescent descend(const CastScene& scene, std::uint32_t cell, int lod, const std::uint32_t local[3],
                           CastPath& path) {
   CastDescent at;
@@ -233,11 +234,10 @@ GB_HD bool ask_for(const CastScene& scene, const CastDescent& at, const CastNode
 /// A cell, or the empty space around a point.
 struct FoundCell {
   std::uint32_t cell;  ///< no_cell: no cell holds the point
-  float way;           ///< in that case: exit distance from the empty space, voxels
+  float way;           ///< if there is no cell: exit distance from the empty space, lod-0 voxels
 };
 
-/// Finds the cell that holds a voxel. Not inlined, because few steps enter another cell. x, y, z: the voxel that holds
-/// the point.
+/// Finds the cell that holds voxel (x, y, z). The function is not inlined, because few steps enter another cell.
 GB_HD_NOINLINE FoundCell look_for_cell(const CastScene& scene, std::int64_t x, std::int64_t y, std::int64_t z,
                                        CastLine line) {
   const std::int64_t v[3] = {x, y, z};
@@ -254,8 +254,8 @@ GB_HD_NOINLINE FoundCell look_for_cell(const CastScene& scene, std::int64_t x, s
   return found;
 }
 
-/// Returns true and the frame of the cell that holds the point. Returns false if no cell does; `way` is then the exit
-/// distance from the empty space.
+/// Sets `frame` to the cell that holds the point, and returns true. If no cell holds the point, returns false and sets
+/// `way` to the exit distance from the empty space.
 GB_HD bool enter_cell(const CastScene& scene, const CastLine& line, const FixedPoint& point, CellFrame& frame,
                       float& way) {
   if (frame.holds(scene, point)) return true;
@@ -270,7 +270,7 @@ GB_HD bool enter_cell(const CastScene& scene, const CastLine& line, const FixedP
   return true;
 }
 
-/// Returns the exit distance from the node of level `lod` around a point, in lod-0 voxels.
+/// Returns the distance along the ray from a point to the exit of its node of level `lod`, in lod-0 voxels.
 GB_HD float exit_distance_node(const CastLine& line, const FixedPoint& point, int lod) {
   float way[3];
   GB_UNROLL
@@ -278,9 +278,9 @@ GB_HD float exit_distance_node(const CastLine& line, const FixedPoint& point, in
   return min_of(way) * short_power_of_two(lod - fraction_bits);
 }
 
-/// Returns the exit distance, in lod-0 voxels, from the empty node at which the descent of a ray on level `of` ended.
-/// The distance extends over empty siblings that the ray enters next. The field is also zero beyond the node's upper
-/// sides, up to the next voxel of level `of`.
+/// Returns the exit distance, in lod-0 voxels, from the empty node at which a descent for level `of` ended. The
+/// distance extends over empty siblings that the ray enters next. It also extends beyond the node's upper sides,
+/// because the field is zero up to the next voxel centre of level `of`.
 GB_HD float exit_distance_empty(const CastScene& scene, const CastLine& line, const FixedPoint& point,
                                 const CastDescent& at, int of) {
   constexpr float edge = float(node_mask + 1);
@@ -319,15 +319,16 @@ GB_HD void count_for_level(int from, int to, FixedPoint& point) {
   for (std::uint64_t& bits : point.bits) bits -= higher;
 }
 
-/// Finds the brick that holds the field of level `lod` around a point. If it is not resident, returns the finest
-/// resident coarser brick; if `patient`, returns only waits = true instead. Parameter frame: the cell that is tried
-/// first; receives the cell that was found. Parameter path: from the same pass.
+/// Finds the brick that holds the field of level `lod` around a point. If that brick is not resident, returns the
+/// finest resident brick of a coarser level. If `patient` is true and the data can be loaded, returns only `waits` =
+/// true instead. `frame` is the cell that is tried first, and receives the cell that was found. `path` must be from the
+/// same pass.
 /// Cost    One dependent load per level below the deepest node shared with `path`; one more descent per missing level.
 GB_HD CastPlace locate(const CastScene& scene, const CastLine& line, int lod, const FixedPoint& point, bool patient,
                        CellFrame& frame, CastPath& path) {
   CastPlace place;
   FixedPoint at = point;
-  int known = -1;  // level at which the first descent ended: no finer node is resident in that node
+  int known = -1;  // level at which the first descent ended: that node has no resident descendants
   for (place.lod = lod;;) {
     if (!enter_cell(scene, line, at, frame, place.way)) return place;
     place.at = at;

@@ -35,7 +35,7 @@ GB_HD CastLinear linear_pixel(const CastRay& ray, const CastLine& line, const Ca
   return out;
 }
 
-/// Returns the displayed value of a channel, with straight alpha. The tone curve applies to a sky as it does to
+/// Returns the displayed value of a channel, not premultiplied by alpha. The tone curve applies to a sky as it does to
 /// surfaces, but not to a background colour.
 GB_HD float shown_channel(const CastRay& ray, const CastLinear& light, const CastTone& tone, const CastBackground& back,
                           int channel) {
@@ -46,8 +46,8 @@ GB_HD float shown_channel(const CastRay& ray, const CastLinear& light, const Cas
   return light.rgba[3] > 0 ? shown / light.rgba[3] : 0;
 }
 
-/// Returns the 8-bit code below or above the linear value, depending on the rank. The mean over all 64 ranks reproduces
-/// the value between the two codes.
+/// Returns the 8-bit sRGB code just below or just above the linear value, depending on the dither rank. The mean over
+/// all 64 ranks reproduces the value between the two codes.
 GB_HD std::uint8_t dithered_srgb(const Tables& tables, std::uint32_t linear, std::uint32_t rank) {
   std::uint32_t low = tables.srgb_from_linear[linear];
   if (tables.linear_from_srgb[low] > linear) --low;
@@ -69,7 +69,7 @@ GB_HD void write_srgb(const CastRay& ray, const CastLinear& light, const CastTon
   out[3] = std::uint8_t(light.rgba[3] * 255 + 0.5f);
 }
 
-/// Returns the finished ray of a pixel, composited over the polygons that lie behind its voxels.
+/// Returns a pixel's finished ray, composited over the polygon behind the voxels that this ray hit.
 GB_HD CastRay before_polygons(const CastRay& ray, const CastCamera& camera, int x, int y) {
   CastRay out = ray;
   if (camera.polygons.distance == nullptr) return out;

@@ -48,9 +48,10 @@ GB_HD void radiance_of(const CastSample& s, const BrickTraits& brick, CastPaint 
   for (int k = 0; k < 3; ++k) rgb[k] = debug_color(n, k) * (0.25f + grey);
 }
 
-/// Returns the amount of surface per voxel of ray length, estimated from the coverages along the axes. The product
-/// |d|·coverage is exact for surfaces across an axis and for boxes, the root of squares for spheres. Coarse voxels
-/// contain mostly flat surfaces, so their estimate is 3/4 box and 1/4 sphere.
+/// Returns the amount of surface per voxel of ray length, estimated from the coverages along the axes. Each axis
+/// contributes the product |component of the direction|·coverage. The sum of these products is exact for boxes and for
+/// surfaces perpendicular to an axis. The root of the sum of their squares is exact for spheres. Coarse voxels contain
+/// mostly flat surfaces, so their estimate is 3/4 box and 1/4 sphere.
 GB_HD float crossings(const CastSample& s, const double direction[3], int lod) {
   const float x = s.c[3] * std::fabs(float(direction[0]));
   const float y = s.c[4] * std::fabs(float(direction[1]));
@@ -63,7 +64,7 @@ GB_HD float crossings(const CastSample& s, const double direction[3], int lod) {
 /// voxels must sum to opaque, while e^-x would transmit a third. Voxels of coarser levels are as wide as a pixel, and
 /// interpolation spreads their borders over two voxels; a steeper step compensates for this.
 ///
-/// If the surface's own opacity `density` is below 1, the step ends at this value.
+/// If the surface's own opacity `density` is below 1, the step spans 0 to `density` instead of 0 to 1.
 ///
 /// Source  Vicini, Jakob, Kaplanyan 2021, "A non-exponential transmittance model for volumetric scene representations".
 GB_HD float hidden_by(float covered, int lod, float density) {
@@ -73,7 +74,7 @@ GB_HD float hidden_by(float covered, int lod, float density) {
 }
 
 /// Returns the absorbed light, as a fraction of the light at the ray's start, when the ray's coverage rises to
-/// `covered`. Updates ray.covered. lod: of the brick.
+/// `covered`. Updates ray.covered. `lod` is the level of the brick.
 GB_HD float stop_light(float covered, int lod, float density, CastRay& ray) {
   const float before = hidden_by(ray.covered, lod, density);
   ray.covered = covered < 1 ? covered : 1;
@@ -85,17 +86,17 @@ GB_HD float stop_light(float covered, int lod, float density, CastRay& ray) {
 /// The distance in voxels, measured across the surface, within which translucent samples count as one surface.
 inline constexpr float merge_distance_voxels = 2;
 
-/// Extends the current surface by the sample at `distance`, or starts a new surface. Parameter across: |cosine| between
-/// ray and normal; voxel: edge of the surface's voxels.
+/// Extends the current surface by the sample at `distance`, or starts a new surface. `across` is |cosine| of the angle
+/// between ray and normal. `voxel` is the edge of the surface's voxels.
 GB_HD void stay_in_surface(double distance, float across, float voxel, CastRay& ray) {
   if (float(distance) >= ray.apart) ray.before = ray.covered;
   constexpr float slowest = 1.0f / 32;
   ray.apart = float(distance) + merge_distance_voxels * voxel / (across > slowest ? across : slowest);
 }
 
-/// Returns the ray's coverage after `more` coverage of a surface with opacity `density`. Coverages of an opaque surface
-/// add up. A translucent surface covers at most the fraction `density` of the light that reaches it. Without this limit
-/// its opacity would depend on the slope, because a ray hits more of its voxels at a flat angle.
+/// Returns the ray's coverage after it has crossed `more` coverage of a surface with opacity `density`. Coverages of an
+/// opaque surface add up. A translucent surface covers at most the fraction `density` of the light that reaches it.
+/// Without this limit its opacity would depend on the slope, because a ray hits more of its voxels at a flat angle.
 GB_HD float covered_in_surface(float more, float density, const CastRay& ray) {
   const float covered = ray.covered + more;
   if (density >= 1) return covered;
@@ -103,9 +104,9 @@ GB_HD float covered_in_surface(float more, float density, const CastRay& ray) {
   return covered <= maximum ? covered : (maximum > ray.covered ? maximum : ray.covered);
 }
 
-/// Returns the opacity scale of a fallback brick; it grows with the difference of the levels. At the border to a brick
-/// of another level, neither brick contains the whole surface. Too much coverage makes edges too thick until finer data
-/// is resident; too little would leave holes in the ground.
+/// Returns the opacity scale of a fallback brick. The scale grows with the difference between the brick's level and the
+/// ray's level. At the border to a brick of another level, neither brick contains the whole surface. Too much coverage
+/// makes edges too thick until finer data is resident; too little would leave holes in the ground.
 GB_HD float fallback_opacity_scale(const BrickTraits& brick, const CastRay& ray) {
   return float(1 + brick.lod - ray.lod);
 }

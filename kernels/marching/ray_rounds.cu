@@ -4,8 +4,8 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Blocks per multiprocessor, measured on an H200. Four traversal blocks are faster than five; with four, registers
-/// just do not spill.
+/// Blocks per multiprocessor, measured on an H200. Four traversal blocks are faster than five, because with four no
+/// registers spill.
 constexpr unsigned min_traversal = 4, min_sampling = 4, min_casting = 3;
 
 __device__ CastLine line_of(const RayPass& pass, std::uint32_t ray) {
@@ -13,15 +13,15 @@ __device__ CastLine line_of(const RayPass& pass, std::uint32_t ray) {
   return line_of_sight(pass.scene, pass.camera, pass.tile.x + int(ray % width), pass.tile.y + int(ray / width));
 }
 
-/// Stores a lane's ray, and counts it if it is unfinished and has no further task.
+/// Stores a lane's ray. Counts the ray as waiting if it is unfinished and has no further task.
 __device__ void keep(const RayPass& pass, std::uint32_t index, CastTask task, CastRay& ray) {
   if (task == CastTask::none) finish_opaque(ray);
   pass.rays[index] = ray;
   if (task == CastTask::none && ray.lod >= 0) atomicAdd(pass.unfinished, 1ull);
 }
 
-/// Traverses a ray and lists it if it hits a surface. All lanes of a warp participate. A ray that ends where it starts
-/// is stored too, because no other code writes it.
+/// Traverses a ray and lists it if it hits a surface. All lanes of a warp participate. A ray that ends at its start is
+/// stored too, because no other code initialises its entry.
 __device__ void traverse_and_list(const RayPass& pass, bool is_cast, bool starts, std::uint32_t index,
                                   const RayList& met) {
   CastWalk walk;
@@ -68,7 +68,7 @@ __global__ void __launch_bounds__(tile_threads, min_sampling)
   append(walk.task == CastTask::seek, index, continuing);
 }
 
-/// Casts the rays that remain after the rounds to their end.
+/// Casts the rays that remain after the waves, until they are finished or wait.
 __global__ void __launch_bounds__(tile_threads, min_casting)
     cast_listed(const __grid_constant__ RayPass pass, RayList from) {
   const std::uint32_t count = *from.count, first = blockIdx.x * blockDim.x;

@@ -1,6 +1,6 @@
 /// A pass of rays on a device, in waves. Rays are traversed until they hit a blended surface. Rays with a hit are
-/// listed and composite it; rays that continue are listed and traversed again. The lanes of a warp therefore do the
-/// same work. Each kernel is small, because warps of a large kernel wait for instructions.
+/// listed, and a second kernel composites their surfaces. Rays that continue are listed and traversed again. The lanes
+/// of a warp therefore do the same work. Each kernel is small, because warps of a large kernel wait for instructions.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ class RayRounds {
   void cast(const RayPass& pass, std::size_t begin, std::size_t end);
 
  private:
-  /// The number of waves. Few rays hit more surfaces; one kernel finishes them.
+  /// The number of waves. Few rays hit more than this many surfaces; one kernel finishes these rays.
   static constexpr std::size_t rounds = 2;
 
   DeviceHeap& heap_;

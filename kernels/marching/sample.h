@@ -1,7 +1,8 @@
 /// The field that rays integrate: trilinear interpolation of the eight voxels around a point of one level.
 ///
-/// Two columns of cells may not be aligned at a level (along z, above lod 3). A voxel of the other cell then replaces
-/// the voxel centre that lies in it; it was stored this way in the brick's border.
+/// Above lod 3, the voxels of two neighbouring columns of cells may be offset along z. At the border between these
+/// columns, interpolation uses the neighbour's voxel that contains the required voxel centre. The brick's border stores
+/// that voxel.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +15,15 @@
 namespace gigabake::kernels {
 
 struct CastSample {
-  float c[cast_channels] = {};  ///< like CastVoxel::c, but 1 represents 1
+  float c[cast_channels] = {};  ///< the channels of CastVoxel::c, scaled so that 1 represents 1
 
   GB_HD float mean_coverage() const { return ((c[3] + c[4]) + c[5]) * (1.0f / 3); }
 };
 
-/// A point of a brick in the brick's voxels, between the centres of `base` and `base` + 1.
+/// A point in a brick. On each axis it lies between the centres of voxels `base` and `base` + 1 of the brick.
 struct CastPoint {
   int base[3];       ///< 0…7
-  float between[3];  ///< 0…1
+  float between[3];  ///< 0…1, in voxels
 };
 
 /// Returns the position of a point in its brick.
@@ -37,15 +38,16 @@ GB_HD CastPoint point_in_brick(const FixedPoint& at, int lod) {
   return r;
 }
 
-/// The interpolation taps: the eight voxels around a point, x | y<<1 | z<<2, and the point's position between them.
+/// The interpolation taps of a point: the eight voxels around it. Tap x | y<<1 | z<<2 is the voxel at offset (x, y, z).
+/// The member `between` is the point's position between the taps.
 struct CastCorners {
   const PackedVoxel* parts;
   LayerWindow low, high;
   float between[3];
 
   /// Returns a mask of the taps that have a voxel (bit c: tap c). Sums over voxels iterate over these bits in ascending
-  /// order. Usually fewer than half of the bits are set, and lanes of a warp stay busy although each visits other
-  /// voxels.
+  /// order. Usually fewer than half of the bits are set, and lanes of a warp stay busy although each lane visits
+  /// different voxels.
   GB_HD std::uint32_t there() const { return low.two_by_two() | high.two_by_two() << 4; }
 
   /// Returns the voxel of a tap.
@@ -71,7 +73,8 @@ GB_HD CastCorners corners_of(const BrickView& brick, const CastPoint& point) {
           {point.between[0], point.between[1], point.between[2]}};
 }
 
-/// Tests whether the field is zero at the point. Reads no layer if the point's block is zero. blocks: of the brick.
+/// Tests whether the field is zero at the point. Reads no layer if the field is zero in the point's whole block.
+/// `blocks` is the brick's CastHead::blocks.
 GB_HD bool is_zero(std::uint64_t blocks, const BrickView& brick, const CastPoint& point) {
   return is_empty_block(blocks, point.base) || corners_of(brick, point).there() == 0;
 }

@@ -1,7 +1,6 @@
-/// The paged scene that the ray caster borrows: columns of cells, each cell an octree. Nodes and bricks of the octrees
-/// lie in two pools of fixed size (kernels/pool/cast_brick.h) and may be resident or not. A cell is the root of one
-/// tree: either a cell that was baked separately, or a part of a scene below its overviews
-/// (viewer/stream/cell_layout.h).
+/// The paged scene that the ray caster borrows: columns of cells, each cell with one octree. Two pools of fixed size
+/// (kernels/pool/cast_brick.h) hold the resident nodes and bricks. A cell of this layout is either a baked cell, or a
+/// cube of the size of the root overview (viewer/stream/cell_layout.h).
 ///
 /// The trees subdivide the interpolated *field*, not the voxels. A voxel contributes to the field from its centre to
 /// the centres of its neighbours. A node therefore covers the space from the centre of its lowest voxel to one voxel
@@ -26,7 +25,7 @@ namespace gigabake::kernels {
 inline constexpr int max_cast_lods = 29;  ///< levels of a tree of up to 2^31 voxels along an edge
 
 struct CastCell {
-  std::int64_t min[3] = {};  ///< x and y are multiples of the cell's edge. The root of cell c is node c
+  std::int64_t min[3] = {};  ///< lowest voxel; x and y are multiples of the cell's edge. Node c is the root of cell c
 };
 
 /// Usage feedback that rays write for the owner of the pools. An entry of tile_used or slot_used is the number of the
@@ -34,8 +33,9 @@ struct CastCell {
 struct CastMarks {
   std::uint32_t* tile_used = nullptr;  ///< by tile: last pass in which a ray's descent ended in the tile
   std::uint32_t* slot_used = nullptr;
-  std::uint32_t* wanted = nullptr;  ///< bitmap, 32 bits per word; bit 2·node + Want: a ray of this pass missed that
-                                    ///< data
+  /// The bitmap of missed data, 32 bits per word. A ray of this pass sets bit 2·node + Want if it misses that data of
+  /// the node.
+  std::uint32_t* wanted = nullptr;
 };
 enum class Want : std::uint32_t { brick = 0, children = 1 };
 

@@ -1,10 +1,10 @@
 /// The blended surface around a point: the blended planes of the eight voxels of one level.
 ///
-/// The signed distances to the eight planes are interpolated like colours, and weighted by the fraction of each voxel's
-/// surface that lies on its plane. The surface is where the interpolated distance changes its sign. Two neighbouring
-/// points use the same function, so their surfaces join, and no ray passes between them. Distances are measured along
-/// octahedral normals (kernels/body/mip/plane.h), so they are up to 1.7 times too long. Their zeros and signs are
-/// exact.
+/// The signed distances to the eight planes are interpolated like colours. They are also weighted by the amount of each
+/// voxel's surface that lies on its plane. The surface is where the interpolated distance changes its sign.
+/// Neighbouring points use the same continuous function, so the surface has no gaps through which rays could pass.
+/// Distances are measured along octahedral normals (kernels/body/mip/plane.h), so they are up to 1.7 times too long.
+/// Their zeros and signs are exact.
 ///
 /// Exact   IEEE float: host and device return the same bits.
 /// Source  Ohtake et al. 2003, "Multi-level Partition of Unity Implicits"; docs/experiments/levels.md.
@@ -39,7 +39,7 @@ struct CastSheet {
 
 /// A translucent surface; its opacity does not depend on the viewing angle.
 struct CastPane {
-  float density = 1;  ///< alpha of the existing lod-0 voxels; 1 if all are opaque
+  float density = 1;  ///< mean alpha of the existing lod-0 voxels; 1 if all are opaque
   float across = 1;   ///< |cosine| between ray and normal: 1 crosses the surface perpendicularly, 0 runs along it
 };
 
@@ -112,9 +112,9 @@ struct BlendedPlanes {
   bool is_flat = false;  ///< the voxels are one flat surface: disagreement() is 0 for each of them
 };
 
-/// Tests whether two normals are within 12.9° of each other. If all normals are this close to one of them, the blended
-/// normal is too. Rounding to bytes turns it by less than half a degree, so each normal is within 30° of the blended
-/// one.
+/// Tests whether two normals are within 12.9° of each other. If all normals are within 12.9° of the first normal, so is
+/// the blended normal. Its rounding to bytes turns it by less than half a degree. Each normal is therefore within 30°
+/// of the blended normal.
 GB_HD bool is_same_slope(ByteVector a, ByteVector b) {
   const int along = dot(a, b);
   const float all = float(dot(a, a)) * float(dot(b, b));
@@ -170,8 +170,8 @@ GB_HD SheetNormal normal_of(const CastSheet& sheet) {
   return {bytes, float(dot(bytes, bytes))};
 }
 
-/// Returns the disagreement of a voxel's normal with the blended surface: 0 within 30°, rising to 1 at 45°. At the edge
-/// of two surfaces the blended surface may lie on neither of them.
+/// Returns the disagreement of a voxel's normal with the blended surface: 0 within 30°, rising to 1 at 45°. At an edge
+/// between two surfaces, the blended surface may lie on neither of the two.
 GB_HD float disagreement(ByteVector normal, const SheetNormal& sheet) {
   const int along = dot(normal, sheet.bytes);
   if (along <= 0) return 1;
@@ -181,9 +181,9 @@ GB_HD float disagreement(ByteVector normal, const SheetNormal& sheet) {
   return left < 1 ? left : 1;
 }
 
-/// Returns the residual: coverage that the blended surface does not represent. It consists of voxels without a full
-/// plane, and of planes more than 30° off the surface. The latter store one coverage; their normal distributes it over
-/// the axes.
+/// Returns the residual: coverage that the blended surface does not represent. The residual consists of voxels without
+/// a full plane, and of full planes more than 30° off the surface. A voxel with a full plane stores one coverage, which
+/// its normal distributes over the axes.
 GB_HD CastSample residual_sample(const CastCorners& corners, const CastSheet& sheet) {
   const SheetNormal normal = normal_of(sheet);
   CastSample r;
@@ -222,19 +222,19 @@ enum class PointKind : std::uint8_t {
 struct CastAround {
   PointKind kind = PointKind::loose;
   CastSheet sheet;       ///< empty unless `kind` is `sheet`
-  bool is_flat = false;  ///< the blended surface is all there is: no residual
+  bool is_flat = false;  ///< the blended surface represents all coverage: there is no residual
 };
 
-/// Classifies the neighbourhood of a point. is_wanted: the brick has the ray's level. Fallback bricks of coarser levels
-/// are rendered by their coverages only. The eye may be nearer to them than a voxel's width, so their planes may lie
-/// behind it.
+/// Classifies the neighbourhood of a point. `is_wanted` is true if the brick has the ray's level. Fallback bricks of
+/// coarser levels are rendered by their coverages only. Their voxels may be wider than the distance to the eye, so
+/// their planes may lie behind the eye.
 GB_HD CastAround classify_neighbourhood(const CastCorners& corners, bool is_wanted) {
   const BlendedPlanes planes = blend_planes(corners);
   if ((planes.bits & clear_plane) != 0) return {PointKind::pane, {}};
   return planes.bits != 0 && is_wanted ? CastAround{PointKind::sheet, planes.sheet, planes.is_flat} : CastAround{};
 }
 
-/// Returns the residual at a point. around: the result of classify_neighbourhood().
+/// Returns the residual at a point. `around` is the result of classify_neighbourhood().
 GB_HD CastLoose loose_at(const CastCorners& corners, const CastAround& around, const double direction[3]) {
   if (around.is_flat) return {};
   if (around.kind == PointKind::sheet) return {residual_sample(corners, around.sheet), {}};
@@ -256,24 +256,26 @@ GB_HD CastSample sheet_sample(const CastCorners& corners) {
   return r;
 }
 
-/// Returns the fraction of a surface within one column of voxels that lies in two of these voxels. Parameter at:
-/// intersection with the column's axis; 0 and 1 are the two voxel centres. Parameter reach: extent of the surface up
-/// and down within the column.
+/// Returns the fraction of a surface's part in one column of voxels that lies in two given voxels of the column. `at`
+/// is the position at which the surface intersects the column's axis: 0 and 1 are the centres of the two voxels.
+/// `reach` is the extent, in voxels, of the surface up and down from `at` within the column.
 GB_HD float part_in_pair(float at, float reach) {
   const float from = at - reach, to = at + reach;
   const float low = from > -0.5f ? from : -0.5f, high = to < 1.5f ? to : 1.5f;
   return high > low ? (high - low) / (2 * reach) : 0;
 }
 
-/// The fraction of a surface that exists, and its opacity where it is complete.
+/// The opacity of a surface at a point. It is below 1 near the border even of an opaque surface. The member `density`
+/// is the opacity that the surface has away from its border.
 struct SheetOpacity {
   float opacity = 1, density = 1;
 };
 
-/// The min reach: a plane's offset is known to 1/15 voxel, and its normal to some degrees.
+/// The min extent `reach` in voxels. It covers the errors of a plane: its offset has steps of 1/14 voxel, and its
+/// normal is known to a few degrees.
 inline constexpr float min_reach = 0.125f;
 
-/// Returns v[axis] without indexing: on a device an array with a computed index cannot be kept in registers.
+/// Returns v[axis] without indexing, because a device cannot keep an array with a computed index in registers.
 GB_HD float component(const float v[3], int axis) { return axis == 0 ? v[0] : (axis == 1 ? v[1] : v[2]); }
 
 /// The columns of voxels around a point, along the axis closest to the surface's normal. The point lies between columns
@@ -285,12 +287,13 @@ struct SheetColumns {
   float slope_u, slope_v, reach;
   float at[3];  ///< position of the point between the voxels along `along`, u and v
 
-  /// Returns the fraction of the tangent plane within this column that lies in the column's two voxels.
+  /// Returns the fraction of the tangent plane in column (i, j) that lies in the column's two voxels.
   GB_HD float part(int i, int j) const {
     return part_in_pair(at[0] - (slope_u * (float(i) - at[1]) + slope_v * (float(j) - at[2])), reach);
   }
 
-  /// Returns the sum of the coverages of these two voxels along the axis, which is exact.
+  /// Returns the sum of the coverages of the two voxels of column (i, j), in a view along the column's axis. The sum is
+  /// exact for a single surface, because the two voxels hold different parts of it.
   GB_HD float together(int i, int j) const {
     const int x = base[0] + (u == 0 ? i : 0);
     const int y = base[1] + (u == 1 ? i : (v == 1 ? j : 0));
@@ -325,11 +328,11 @@ inline constexpr float min_part = 0.25f;
 
 /// Returns the max density of the surface among the columns nearby, within the brick. The range is one and a half
 /// voxels along x and y and one voxel along z. Near the border of an opaque surface some columns are full; in a
-/// translucent surface none is. The range along z is smaller because z positions of coarse bricks follow the cells,
-/// which must not show in the image.
+/// translucent surface no column is. The range along z is smaller, because z positions of coarse bricks depend on the
+/// cells, and cells must not be visible in the image.
 GB_HD float densest_near(const SheetColumns& columns, const CastPoint& point) {
   const int base_u = columns.u == 0 ? point.base[0] : point.base[1];
-  const int base_v = columns.v == 1 ? point.base[1] : slot_edge;  // z: no farther than the point's own voxels
+  const int base_v = columns.v == 1 ? point.base[1] : slot_edge;  // z: only the point's own voxels
   const int first_u = base_u > 0 ? -1 : 0, last_u = base_u + 2 < slot_edge ? 2 : 1;
   const int first_v = columns.v == 1 && base_v > 0 ? -1 : 0, last_v = base_v + 2 < slot_edge ? 2 : 1;
   float densest = 0;
@@ -346,7 +349,8 @@ GB_HD float densest_near(const SheetColumns& columns, const CastPoint& point) {
 
 /// Returns the opacity of the surface through a point: the covered part of the tangent plane in the voxels of four
 /// columns. The rest of the plane may lie in other voxels. If no column nearby is almost full, the surface is
-/// translucent and its density is its opacity here. Otherwise the missing part is beyond the surface's border.
+/// translucent, and its density is its opacity at this point. Otherwise the uncovered part of the plane lies beyond the
+/// surface's border.
 GB_HD SheetOpacity opacity_of_sheet(const BrickView& brick, const CastPoint& point, const CastSheet& sheet) {
   const SheetColumns columns = columns_around(brick, point, sheet);
   float there = 0, met = 0;

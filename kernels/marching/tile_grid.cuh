@@ -8,7 +8,7 @@ namespace gigabake::kernels {
 inline constexpr int tile_block_width = 16, tile_block_height = 8;  ///< pixels
 inline constexpr unsigned tile_threads = tile_block_width * tile_block_height;
 
-/// Sets x and y to this thread's pixel in the tile; returns false if the thread has none.
+/// Sets x and y to this thread's pixel in the tile; returns false if the thread has no pixel.
 __device__ inline bool pixel_of_thread(const CastTile& tile, int& x, int& y) {
   const int across = (tile.width + tile_block_width - 1) / tile_block_width;
   const int warp = int(threadIdx.x) / 32, lane = int(threadIdx.x) % 32;
