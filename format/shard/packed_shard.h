@@ -1,4 +1,5 @@
-/// A shard whose levels are packed already, for example by a device. The host has no voxels and only writes.
+/// A shard whose levels are packed already, for example by a device. The host has no voxel arrays and only writes the
+/// file.
 #pragma once
 
 #include <filesystem>
@@ -14,21 +15,22 @@ namespace gigabake {
 struct PackedShard {
   ShardHeader header;
   std::vector<PackedColumn> nodes;  ///< columns in the order of packed_nodes()
-  NodeTable constants;              ///< the nodes that are not bricks: only their class, lod and value
+  NodeTable constants;              ///< the constant nodes: only their class, lod and value
   std::vector<PackedLevel> levels;  ///< [lod]; channels in the order of packed_channels()
   DownsampleState above = {};       ///< see Shard::above
 };
 
-/// Returns the channels to pack per voxel of a level, in this order, for shards of the current version.
+/// Returns the channels of level `lod` in the order in which they must be packed, for shards of the current version.
 std::vector<ChannelPlace> packed_channels(const ShardHeader& header, int lod);
 
 /// Returns the row shapes of the node table's columns, in the order of the file (see NodeColumns).
 std::vector<RowShape> packed_nodes(const ShardHeader& header);
 
 /// Writes the shard like write_shard().
-/// Exact   Same bytes as write_shard() for the same voxels. The columns must hold the bytes that write_shard() would
-///         pack (core/codec). Chunks stored already must equal the output of encode_chunk().
-/// Cost    Reads the columns' bytes once; packs raw columns here.
+/// Exact   Same bytes as write_shard() for the same voxels.
+/// Range   Raw columns hold the bytes that write_shard() would pack (core/codec). Stored chunks equal the output of
+///         encode_chunk().
+/// Cost    Reads the bytes of the columns once. Packs the raw columns.
 /// Errors  InputError: see write_shard().
 StoredShard write_packed_shard(const std::filesystem::path& path, const PackedShard& shard,
                                const ShardWriteOptions& options);

@@ -1,4 +1,4 @@
-/// A shard: the sparse voxel octree of one cell in one HDF5 file (layout and byte order: docs/format.md).
+/// A shard: the sparse voxel octree of one cell or overview in one HDF5 file (layout and byte order: docs/format.md).
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@
 
 namespace gigabake {
 
-/// One row of a NodeTable. Its key and level follow from the path from the root.
+/// One row of a NodeTable. The key and level are omitted, because they follow from the node's path from the root.
 struct NodeRow {
-  std::uint32_t first_child = 0xffffffffu;  ///< row in the complete table
+  std::uint32_t first_child = 0xffffffffu;  ///< row of the lowest child in the complete table
   std::uint32_t value = 0;                  ///< brick number in the complete level, or rgba
   std::int8_t normal[2] = {0, 0};
   std::uint8_t facing[facing_bytes] = {};
@@ -47,7 +47,7 @@ struct ShardHeader {
   double voxel_size_m = 0;
   Vec3d lattice_origin_m{};  ///< scene position of the lattice's 0,0,0 corner
   std::optional<Geodetic> origin;
-  std::uint32_t lods = 0;             ///< log2(cell_voxels/8)+1 minus first_lod
+  std::uint32_t lods = 0;             ///< number of levels: log2(cell_voxels / 8) + 1 − first_lod
   Hash128 fingerprint;                ///< hash of all inputs of the bake
   std::vector<Hash128> content_hash;  ///< per lod; sum over voxels, see content_hash.h
   bool has_normals = true;
@@ -63,24 +63,26 @@ struct Shard {
 };
 
 struct ShardWriteOptions {
-  const ThreadPool& pool = callers_thread();  ///< shares values and compresses chunks
+  const ThreadPool& pool = callers_thread();  ///< threads that deduplicate values and compress chunks
   Codec codec = Codec::lz4;
-  /// Memory limit in addition to the columns. A packed shard (packed_shard.h) up to this size is first built in memory,
-  /// because HDF5 needs a tenth of the time then. HDF5 writes a larger one directly to the file.
+  /// Memory limit in bytes for the image of a file, in addition to the columns. A packed shard (packed_shard.h) up to
+  /// this size is first built in memory, because HDF5 then takes a tenth of the time. HDF5 writes a larger packed shard
+  /// directly to the file.
   std::uint64_t image_bytes = std::uint64_t(64) << 20;
 };
 
-/// Sizes of a shard on disk.
+/// Sizes of a shard on disk, in bytes.
 struct StoredShard {
   std::uint64_t file = 0;             ///< size of the complete file
-  std::vector<std::uint64_t> levels;  ///< per lod, size of its columns, compressed, without HDF5's own index
-  std::uint64_t nodes = 0;            ///< size of the nodes' columns, likewise
+  std::vector<std::uint64_t> levels;  ///< per lod: size of its columns, compressed, without HDF5's metadata
+  std::uint64_t nodes = 0;            ///< size of the columns of nodes, compressed, without HDF5's metadata
 };
 
 /// Writes a temporary file, flushes and fsyncs it, renames it to `path`, and fsyncs the folder.
 /// Exact   Same bytes for every number of threads.
-/// Cost    Reads the arrays twice: to find which voxels share a value, and to pack. Makes no complete copy.
-/// Errors  InputError (path, what failed, errno text); no file is left behind.
+/// Cost    Reads the arrays twice: to find which voxels share a value, and to pack. Makes no complete copy of the
+///         arrays.
+/// Errors  InputError naming the path, the failed operation and the system's message. Leaves no file behind.
 StoredShard write_shard(const std::filesystem::path& path, const Shard& shard, const ShardWriteOptions& options);
 
 ShardHeader read_shard_header(const std::filesystem::path& path);

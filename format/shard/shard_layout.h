@@ -26,7 +26,7 @@ struct NodeColumns {
   Hdf5Column normal{"/nodes/normal", Hdf5Type::i8, 2};
   Hdf5Column facing;  ///< versions 1 and 2 have no planes
 
-  /// Calls visit(column, pointer to the NodeTable member), in the order of the file.
+  /// Calls visit(column, pointer to the NodeTable member) for each column, in the order of the file.
   template <class Visit>
   void for_each(const ShardHeader& header, const Visit& visit) const {
     visit(key, &NodeTable::key);
@@ -65,7 +65,7 @@ struct AboveColumns {
   Hdf5Column patch{"/above/patch", Hdf5Type::u8, source_patch_bytes};
 };
 
-/// Returns the rows of NodeColumns::facing. Bytes that the stored rows lack are zero.
+/// Converts the stored rows of NodeColumns::facing. Bytes of a Facing that a stored row lacks are zero.
 std::vector<Facing> facing_of_rows(const std::vector<std::uint8_t>& bytes, const Hdf5Column& column);
 
 /// The columns of one channel. `share` and `first` exist only if voxels share values (shared_values.h).

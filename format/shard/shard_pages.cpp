@@ -28,7 +28,7 @@ std::vector<T> read_all(const Hdf5Rows& column) {
   return read_range<T>(column, 0, column.rows());
 }
 
-/// Returns the number of rows available from `first`, at most `count`.
+/// Returns the number of rows from `first` on, at most `count`, of a dataset that has `all` rows.
 std::uint64_t clipped(const Hdf5File& file, const std::string& dataset, std::uint64_t first, std::uint64_t count,
                       std::uint64_t all) {
   if (first >= all)

@@ -1,4 +1,4 @@
-/// An open shard file that reads any part of the node table and of the levels separately. Thread-safe.
+/// An open shard file whose node table and levels are read in parts. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace gigabake {
 /// Exact   Returns the same values as ShardReader. Checks each part as strictly as the complete shard, with two
 ///         exceptions. Keys are not read. The position of a block's first voxel is only checked to lie inside the
 ///         columns.
-/// Cost    Reads the chunks that contain the part. The first call also reads three bytes per node.
+/// Cost    Reads the chunks that contain the requested part. The first call also reads three bytes per node.
 /// Errors  InputError naming file and dataset, from every member.
 class ShardPages {
  public:
@@ -34,7 +34,7 @@ class ShardPages {
   /// Range   count ≤ max_bricks.
   /// Errors  InputError also if brick `first` does not exist.
   BrickBlock level(int lod, std::uint64_t first, std::uint32_t count) const;
-  static constexpr std::uint32_t max_bricks = 1u << 22;  ///< max bricks of a block: its voxels are counted in 32 bits
+  static constexpr std::uint32_t max_bricks = 1u << 22;  ///< limit of a block, whose voxels are counted in 32 bits
 
  private:
   struct Nodes;

@@ -34,14 +34,14 @@ class ShardReader {
   const ShardHeader& header() const { return header_; }
   NodeTable nodes() const;
   BrickLevel level(int lod) const;  ///< has as many bricks as nodes() lists for this level
-  /// Returns levels [lod, lods) without reading the others.
+  /// Returns levels [lod, lods) without reading finer levels.
   /// Range   0 ≤ lod < header().lods.
   CoarseLevels coarse_levels(int lod) const;
-  /// Returns the downsample state. Empty if the shard stores none, as before version 4.
+  /// Returns the downsample state; it is empty if the shard stores none. Shards before version 4 never store it.
   DownsampleState above() const;
   Shard all() const;
 
-  /// Returns the size on disk: compressed, without HDF5's own index.
+  /// Returns the size of the level's columns on disk in bytes, compressed and without HDF5's metadata.
   std::uint64_t level_bytes(int lod) const;
   std::uint64_t node_bytes() const;
   /// Returns the amount of column data read so far.

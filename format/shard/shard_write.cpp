@@ -54,8 +54,8 @@ StoredShard make_file(Hdf5File file, const ShardHeader& header, const Downsample
 }
 
 /// Returns the mutex that serializes the building of packed files in memory. HDF5 locks each of its calls, and a
-/// blocked thread sleeps until it is woken. Four concurrent writers of files with 2,000 calls each take four times as
-/// long as one after the other.
+/// blocked thread sleeps until it is woken. Four concurrent writers, with 2,000 calls each, take four times as long as
+/// four writers one after the other.
 std::mutex& hdf5_mutex() {
   static std::mutex turn;
   return turn;
@@ -73,7 +73,7 @@ void for_each_column(const PackedShard& shard, const Visit& visit) {
 /// The work that remains to write a packed shard.
 struct Ahead {
   std::uint64_t bytes = 0;  ///< approximate size of the file; an upper bound if columns are raw
-  bool is_packed = true;    ///< nothing remains but copying
+  bool is_packed = true;    ///< all columns are packed, so only copying remains
 
   explicit Ahead(const PackedShard& shard) {
     for_each_column(shard, [this](const PackedColumn& column) {

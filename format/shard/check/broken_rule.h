@@ -1,4 +1,4 @@
-/// Checks of a file's content, which report the first row that breaks a rule.
+/// A check of a file's content. Its error names the first row that breaks a rule.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ struct BrokenRule {
   const std::filesystem::path& path;
   std::string dataset;
 
-  /// Errors  InputError if `holds` is false: file, dataset, row, rule.
+  /// Errors  InputError naming file, dataset, row and rule, if `holds` is false.
   void expect(bool holds, std::uint64_t row, const char* rule) const {
     if (!holds) throw InputError(path, dataset, "row " + std::to_string(row) + ": " + rule);
   }

@@ -9,10 +9,10 @@
 
 namespace gigabake {
 
-/// The constraints that the rows before `row` impose on it.
+/// The constraints that all rows before row `row` impose on row `row`.
 struct NodePlace {
   std::uint64_t row = 0;
-  std::uint64_t level_end = 1;   ///< the row after the last of the current level
+  std::uint64_t level_end = 1;   ///< the row after the last row of the current level
   std::uint64_t next_child = 1;  ///< the row of the next child
   std::uint64_t next_brick = 0;  ///< the number of the next brick on this level
   std::uint32_t lod = 0;
@@ -20,8 +20,8 @@ struct NodePlace {
 
 /// Checker of the order and links of a node table. Levels are ordered from the root down. The rows of a level are the
 /// children of the next coarser level, in order and without gaps.
-/// Bricks of a level are numbered in order. Leaf-constant nodes and nodes of level 0 have no children; all others have
-/// some.
+/// Bricks of a level are numbered in order. Leaf-constant nodes and nodes of level 0 have no children; every other node
+/// has at least one child.
 /// Errors  InputError naming `path`, the row and the rule, from every member.
 class NodeWalk {
  public:
@@ -34,7 +34,8 @@ class NodeWalk {
 
   /// Checks first_child and value of the row at place().
   void check_links(NodeKind kind, std::uint8_t child_mask, std::uint32_t first_child, std::uint32_t value) const;
-  /// Checks the other columns of that row and advances to the next row. If all rows pass, the table is valid.
+  /// Checks `lod`, `kind` and `child_mask` of the row at place(), and advances to the next row. The order and links of
+  /// the table are valid if all rows pass check_links() and step().
   void step(std::uint32_t lod, NodeKind kind, std::uint8_t child_mask);
 
  private:

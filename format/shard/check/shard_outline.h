@@ -28,8 +28,8 @@ class ShardOutline {
 
  private:
   std::uint64_t rows_;
-  std::vector<NodePlace> places_;      ///< of every rows_per_place-th row
-  std::vector<std::uint64_t> bricks_;  ///< by lod
+  std::vector<NodePlace> places_;      ///< the place of every rows_per_place-th row
+  std::vector<std::uint64_t> bricks_;  ///< number of bricks per lod
 };
 
 }  // namespace gigabake

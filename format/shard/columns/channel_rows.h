@@ -16,16 +16,17 @@ namespace gigabake {
 class ChannelRows {
  public:
   /// Borrows `source`. `bricks` and `voxels` are the level's counts.
-  /// Errors  InputError: the columns do not match these counts, or see ColumnSource::open().
+  /// Errors  InputError: the columns do not match these counts. Also the errors of ColumnSource::open().
   ChannelRows(const ColumnSource& source, const std::string& group, const VoxelChannel& channel, std::uint64_t bricks,
               std::uint64_t voxels);
 
   const VoxelChannel& channel() const { return channel_; }
 
   /// Decodes the values of all voxels of consecutive bricks, starting at `brick`. Thread-safe.
-  /// Range   mask: 8 words per brick, with `voxels` bits set in total. first_voxel: index within the level of the first
-  ///         of them.
-  /// Errors  InputError: `NAME_first` does not match the number of values, or see StoredRows::read().
+  /// Range   `mask` has 8 words per brick, with `voxels` bits set in total. `first_voxel` is the index, within the
+  ///         level, of the first voxel of `brick`.
+  /// Errors  InputError: the channel's column `first` does not match the number of values. Also the errors of
+  ///         StoredRows::read().
   void read(std::uint64_t brick, std::span<const std::uint64_t> mask, std::uint64_t first_voxel, std::uint64_t voxels,
             ChannelBytes<std::uint8_t> to) const;
 

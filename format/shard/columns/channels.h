@@ -7,7 +7,7 @@
 namespace gigabake {
 
 std::string channel_names(bool has_normals, bool has_facing);
-/// Returns false if the text contains any other name or another order.
+/// Parses a result of channel_names(). Returns false for any other text.
 bool parse_channels(std::string_view text, bool& has_normals, bool& has_facing);
 
 }  // namespace gigabake

@@ -9,7 +9,7 @@
 
 namespace gigabake {
 
-/// Columns in memory. Borrows the shard. Its columns have the layout of the current version.
+/// Columns in memory. Borrows the shard, whose columns must have the layout of shard_version.
 class PackedColumns : public ColumnSource {
  public:
   explicit PackedColumns(const PackedShard& shard);

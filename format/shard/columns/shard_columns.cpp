@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::size_t bricks_per_check = 8192;
 
-/// Returns whether the level has the consistency that readers require.
+/// Returns whether level.first counts the mask bits and each channel has one entry per voxel. Readers reject a level
+/// without this property.
 bool is_consistent(const BrickLevel& level, const std::vector<VoxelChannel>& channels, const ThreadPool& pool) {
   const std::size_t bricks = level.mask.size() / 8;
   if (level.mask.size() % 8 != 0 || level.first.size() != bricks + 1 || level.first[0] != 0) return false;

@@ -1,5 +1,5 @@
-/// The contents of a shard's columns in the order of the file, before anything is stored. They are made from voxels or
-/// from columns that are packed already.
+/// The contents of a shard's columns in file order, for the writer. The contents are voxel arrays, or columns that are
+/// packed already.
 #pragma once
 
 #include <cstdint>
@@ -24,13 +24,14 @@ class ShardColumns {
   void add_nodes(const NodeTable& nodes);
   void add_nodes(const std::vector<PackedColumn>& nodes);
   void add_above(const DownsampleState& above);
-  /// Determines which voxels share a value. Inconsistent arrays are stored unchanged, for readers to reject.
+  /// Adds the next level and determines which of its voxels share a value. Stores inconsistent arrays unchanged;
+  /// readers reject them.
   void add_level(const BrickLevel& level, const ThreadPool& pool);
   void add_level(const PackedLevel& level);
 
   std::span<const ColumnRows> columns() const { return columns_; }
 
-  /// `stored` holds the bytes of each column.
+  /// Returns the sizes of the levels and nodes in bytes. `stored` has the size of each column.
   StoredShard stored_bytes(const std::vector<std::uint64_t>& stored) const;
 
  private:
@@ -53,7 +54,7 @@ class ShardColumns {
   std::deque<SharedValues> values_;
   std::vector<ColumnRows> columns_;
   std::vector<int> part_;  ///< per column: its lod, of_nodes or of_above
-  std::string group_;      ///< group to create before the next column; empty: none
+  std::string group_;      ///< HDF5 group to create before the next column; empty: none
   int next_part_ = of_nodes;
   int lods_ = 0;
 };

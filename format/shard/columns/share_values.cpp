@@ -17,19 +17,19 @@ using ValueBytes = ChannelBytes<const std::uint8_t>;
 /// One channel of a brick's voxels.
 struct BrickVoxels {
   std::span<const std::uint8_t> group;  ///< group of each voxel
-  std::uint64_t seen;                   ///< groups that have voxels
+  std::uint64_t seen;                   ///< bit g: group g has voxels
   ValueBytes bytes;
 };
 
-/// The groups of a brick as bits, and the values of their first voxels.
+/// The values of a brick by group.
 struct BrickGroups {
   std::array<std::uint32_t, groups_per_brick> first;
-  std::uint64_t mixed = 0;  ///< groups whose voxels differ
+  std::uint64_t mixed = 0;  ///< bit g: the voxels of group g differ
   std::uint32_t mixed_voxels = 0;
 };
 
-/// Finds which groups have voxels of different values.
-/// Range   The brick has voxels.
+/// Finds the first value of each group, and the groups whose voxels differ.
+/// Range   The brick has at least one voxel.
 template <class Width>
 BrickGroups compare_groups(const BrickVoxels& brick, Width width) {
   BrickGroups out;
@@ -41,13 +41,12 @@ BrickGroups compare_groups(const BrickVoxels& brick, Width width) {
     value[v] = value_at(brick.bytes[v], width);
     different |= value[v] ^ first;
   }
-  if (different == 0) {  // the case of most bricks of an opaque channel
+  if (different == 0) {  // most bricks of the alpha channel of opaque surfaces
     out.first.fill(first);
     return out;
   }
-  for (std::size_t v = voxels; v-- > 0;)
-    out.first[brick.group[v]] = value[v];  // in reverse, so that the first voxel's
-                                           // value remains
+  // Iterates in reverse, so that the value of each group's first voxel remains.
+  for (std::size_t v = voxels; v-- > 0;) out.first[brick.group[v]] = value[v];
   for (std::size_t v = 0; v < voxels; ++v)
     out.mixed |= std::uint64_t(value[v] != out.first[brick.group[v]]) << brick.group[v];
   if (out.mixed != 0)
@@ -55,14 +54,15 @@ BrickGroups compare_groups(const BrickVoxels& brick, Width width) {
   return out;
 }
 
-/// Writes the brick's share bytes and returns its number of values.
+/// Writes the brick's share bytes to `share`. Returns the number of values to store for the brick.
 template <class Width>
 std::size_t find_shares(const BrickVoxels& brick, Width width, std::uint8_t* share) {
   const BrickGroups groups = brick.seen == 0 ? BrickGroups{} : compare_groups(brick, width);
   return share_brick({groups.first.data(), brick.seen, groups.mixed}, groups.mixed_voxels, share);
 }
 
-/// Writes the brick's values as `share` describes them: the first voxel's value of each set of voxels that share.
+/// Writes one value for each set of voxels that share a value according to `share`. The value is copied from the first
+/// voxel of the set.
 template <class Width>
 void collect_values(const BrickVoxels& brick, Width width, const std::uint8_t* share, std::span<std::uint8_t> to) {
   if (share[9] != 0) {
@@ -70,7 +70,8 @@ void collect_values(const BrickVoxels& brick, Width width, const std::uint8_t* s
     return;
   }
   const ValueLeaders leaders(share);
-  // Copies every voxel; a voxel without a new value is overwritten by the next. A branch would be mispredicted.
+  // Copies the value of every voxel, because a branch would be mispredicted. The next voxel overwrites a value that is
+  // not new.
   std::array<std::uint8_t, max_value_bytes*(brick_voxels + 1)> value;
   std::uint64_t led = 0;
   std::size_t values = 0;

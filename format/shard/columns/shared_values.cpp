@@ -16,7 +16,8 @@ std::size_t count_voxels(const std::uint64_t* mask) {
   return std::size_t(bits);
 }
 
-/// Calls visit(voxel, value) with indices within the brick. Returns the number of values.
+/// Calls visit(voxel, value) for each voxel of the brick, with the indices of the voxel and its value in the brick.
+/// Returns the number of values.
 template <class Visit>
 std::size_t for_each_value(const std::uint64_t* mask, const std::uint8_t* share, const Visit& visit) {
   const ValueLeaders leaders(share);
@@ -41,7 +42,7 @@ bool spread_values(const std::uint64_t* mask, const std::uint8_t* share, std::sp
   if (values == 0) return false;
   std::size_t count = 0;
   with_known_width(width, [&](auto known) {
-    if (share[9] != 0) {  // the case of most bricks of an opaque channel
+    if (share[9] != 0) {  // most bricks of the alpha channel of opaque surfaces
       const std::size_t voxels = count_voxels(mask);
       for (std::size_t v = 0; v < voxels; ++v) std::memcpy(to[v], value.data(), known);
       count = 1;

@@ -12,27 +12,28 @@
 
 namespace gigabake {
 
-/// Octants and groups of a level's voxels; the same for all its channels.
+/// The octant and group of each voxel of a level. All channels of the level use the same groups.
 struct VoxelGroups {
   std::vector<std::uint8_t> of_voxel;  ///< 8·octant + group
-  std::vector<std::uint64_t> seen;     ///< per brick, one bit per group: the group has voxels
+  std::vector<std::uint64_t> seen;     ///< per brick; bit 8·octant + group: the group has voxels
 };
 
 /// Assigns the voxels of each brick to their groups.
-/// Range   mask and first as in BrickLevel, consistent.
+/// Range   `mask` and `first` are the members of a consistent BrickLevel.
 /// Cost    3 ns of one core per voxel.
 VoxelGroups group_voxels(std::span<const std::uint64_t> mask, std::span<const std::uint64_t> first,
                          const ThreadPool& pool);
 
 /// The stored form of one channel of a level. If all voxels are equal, one value is stored. Otherwise groups share
 /// values if that saves a quarter of the bytes.
-/// The constructor determines which voxels share a value. collect() copies values on demand, piece by piece, so the
-/// values are never all in memory.
+/// The constructor determines which voxels share a value. collect() copies a range of values on demand, so no complete
+/// copy of the values is needed.
 class SharedValues {
  public:
-  /// Borrows groups and voxel_first (of the same level) and bytes.
+  /// Borrows `groups`, `voxel_first` (BrickLevel::first) and `bytes`, all of the same level.
   /// Range   1 ≤ width ≤ max_value_bytes.
-  /// Cost    3 to 5 ns of one core per voxel (the sample at 0.0625 m), and the same again for collect().
+  /// Cost    3 to 5 ns of one core per voxel (measured on the sample at 0.0625 m). Collecting all values costs the same
+  ///         again.
   SharedValues(const VoxelGroups& groups, std::span<const std::uint64_t> voxel_first,
                ChannelBytes<const std::uint8_t> bytes, std::size_t width, const ThreadPool& pool);
   /// Shares nothing: stores one value per voxel.
@@ -40,7 +41,7 @@ class SharedValues {
 
   std::uint64_t count() const { return count_; }                     ///< number of values
   const std::vector<std::uint8_t>& share() const { return share_; }  ///< share_bytes per brick, or empty
-  /// Returns where each brick's values begin (bricks+1 entries); empty if share() is empty.
+  /// Returns the index of each brick's first value (bricks + 1 entries). Empty if share() is empty.
   const std::vector<std::uint64_t>& first() const { return first_; }
 
   /// Copies values, starting at value `begin`, until `to` is full. Thread-safe.
@@ -59,9 +60,9 @@ class SharedValues {
   std::vector<std::uint64_t> first_;
 };
 
-/// Expands the brick's values to its voxels. mask: 8 words; share: share_bytes; to: one entry per bit set in mask.
-/// Returns false if `value` does not hold the number of values of `width` bytes that `share` implies. The voxels'
-/// values are then unspecified.
+/// Expands the brick's values to its voxels. `mask` has 8 words, `share` has share_bytes, and `to` has one entry per
+/// bit set in `mask`. Returns false if the number of values in `value`, of `width` bytes each, differs from the number
+/// that `share` implies. The entries of `to` are then unspecified.
 bool spread_values(const std::uint64_t* mask, const std::uint8_t* share, std::span<const std::uint8_t> value,
                    std::size_t width, ChannelBytes<std::uint8_t> to);
 

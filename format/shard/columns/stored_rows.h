@@ -23,19 +23,19 @@ class StoredRows {
   virtual void read(std::uint64_t first, std::uint64_t count, void* to) const = 0;
 };
 
-/// Opens the columns of one shard.
+/// A source of the columns of one shard.
 class ColumnSource {
  public:
   virtual ~ColumnSource() = default;
   /// Returns the path that error messages name.
   virtual const std::filesystem::path& path() const = 0;
   virtual bool has(const Hdf5Column& column) const = 0;
-  /// Errors  InputError: the column is missing or has another shape.
+  /// Errors  InputError: the column is missing, or its stored shape differs from `column`.
   virtual std::unique_ptr<StoredRows> open(const Hdf5Column& column) const = 0;
 };
 
 /// Reads rows [first, first + count) of a column that is stored in chunks of `chunk_rows` rows.
-/// read_chunk(index, raw) must fill `raw` with the first bytes of chunk `index`, unpacked.
+/// read_chunk(index, raw) must fill `raw` with the first unpacked bytes of chunk `index`.
 template <class ReadChunk>
 void read_chunked_rows(std::uint64_t first, std::uint64_t count, std::uint64_t chunk_rows, std::size_t row_bytes,
                        void* to, const ReadChunk& read_chunk) {

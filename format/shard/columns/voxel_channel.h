@@ -1,5 +1,6 @@
-/// The channels of a voxel: the column that stores each of them, and its position in memory. To add a channel, add it
-/// here, to BrickLevel and to BrickBlock. Code that writes, reads, pages and shares values iterates over the channels.
+/// The channels of a voxel: for each channel, its column in the file and its position in memory. To add a channel, add
+/// it here, to BrickLevel and to BrickBlock. Code that writes, reads, pages or deduplicates values iterates over the
+/// channels and needs no change.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +14,19 @@
 namespace gigabake {
 
 struct VoxelChannel {
-  const char* name;    ///< of the column
-  Hdf5Type type;       ///< of one element
+  const char* name;    ///< name of the column
+  Hdf5Type type;       ///< type of one element
   std::size_t width;   ///< bytes per voxel
   VoxelArray array;    ///< array that holds the channel in memory
-  std::size_t offset;  ///< first byte within the array's entry per voxel
+  std::size_t offset;  ///< first byte of the channel within a voxel's entry of the array
 };
 
-/// Returns whether shards of that version store, per voxel, the position of its surface along the normal. Others have
-/// no planes.
+/// Returns whether a shard of format version `version` stores a plane per voxel.
 inline bool has_planes(std::int32_t version, const ShardHeader& header) {
   return version >= 3 && header.has_facing && header.has_normals;
 }
 
-/// Returns the channels that a shard of that version stores per voxel of a level.
+/// Returns the channels that a shard of format version `version` stores per voxel of level `lod`.
 inline std::vector<VoxelChannel> stored_channels(std::int32_t version, const ShardHeader& header, int lod) {
   std::vector<VoxelChannel> channels;
   if (version == 1)
@@ -49,7 +49,8 @@ struct ChannelBytes {
   Byte* operator[](std::size_t voxel) const { return first + voxel * stride; }
 };
 
-/// Calls body(width) with a compile-time width for widths 1 to 3. The copies are then instructions, not calls.
+/// Calls body(width) with a compile-time width for widths 1 to 3. Copies of a known width compile to move instructions
+/// instead of calls of memcpy.
 template <class Body>
 void with_known_width(std::size_t width, const Body& body) {
   switch (width) {
@@ -68,7 +69,7 @@ inline std::size_t bytes_a_voxel(VoxelArray array) {
   return array == VoxelArray::rgba ? 4 : array == VoxelArray::normal ? 2 : facing_bytes;
 }
 
-/// Calls use(array) with the vector that holds the channel. Bricks: BrickLevel or BrickBlock.
+/// Calls use(array) with the vector that holds the channel. `Bricks` is BrickLevel or BrickBlock.
 template <class Bricks, class Use>
 auto with_array(const VoxelChannel& channel, Bricks& bricks, const Use& use) {
   if (channel.array == VoxelArray::rgba) return use(bricks.rgba);
@@ -87,7 +88,7 @@ ChannelBytes<const std::uint8_t> bytes_of(const VoxelChannel& channel, const Bri
   return {bytes + channel.offset, bytes_a_voxel(channel.array)};
 }
 
-/// Resizes the channel's array to `voxels` entries and returns its bytes.
+/// Resizes the array that holds the channel to `voxels` entries, and returns the channel's bytes.
 template <class Bricks>
 ChannelBytes<std::uint8_t> resize_channel(const VoxelChannel& channel, std::size_t voxels, Bricks& bricks) {
   auto* bytes = with_array(channel, bricks, [&](auto& array) {

@@ -17,7 +17,7 @@ inline constexpr std::array<std::uint8_t, brick_voxels> group_of_voxel = [] {
   return group;
 }();
 
-/// Calls visit(group) for each voxel of the brick, in order.
+/// Calls visit(group) with the group of each voxel of the brick, in the order of the voxels.
 template <class Visit>
 void for_each_group_of_voxels(const std::uint64_t* mask, const Visit& visit) {
   for (unsigned z = 0; z < brick_edge; ++z)

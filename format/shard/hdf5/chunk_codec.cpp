@@ -25,10 +25,11 @@ std::uint64_t big_endian(const std::uint8_t* p, int bytes) {
   return v;
 }
 
-/// Returns Fletcher-32 over big-endian 16-bit words, modulo 65535; an odd last byte is padded with zero.
+/// Returns the Fletcher-32 checksum of `data`: sums of big-endian 16-bit words modulo 65535. An odd last byte is padded
+/// with a zero byte.
 std::uint32_t fletcher32(std::span<const std::uint8_t> data) {
   std::uint64_t a = 0, b = 0;
-  // Sums of 64 Ki words stay below 2^48. Like HDF5, the reduction does not map 65535 to 0.
+  // The sums of 65,536 words stay below 2^48. The reduction does not map 65535 to 0, like the code in HDF5.
   const auto fold = [](std::uint64_t s) {
     while (s >> 16 != 0) s = (s & 0xffff) + (s >> 16);
     return s;
@@ -65,7 +66,8 @@ void append_block(std::vector<std::uint8_t>& out, const std::uint8_t* raw, std::
   out.resize(at + 4 + stored);
 }
 
-/// Decodes the first raw.size() bytes of a block of `size` bytes.
+/// Decodes the first raw.size() bytes of an LZ4 block that has `size` bytes when unpacked. Returns false if it is
+/// damaged.
 bool decode_block(std::span<const std::uint8_t> stored, std::size_t size, std::span<std::uint8_t> raw) {
   if (stored.size() > size) return false;
   if (stored.size() == size) {
@@ -138,14 +140,14 @@ void shuffle_chunk(std::span<const std::uint8_t> raw, std::size_t element_bytes,
     std::copy(raw.begin(), raw.end(), to);
     return;
   }
-  // Inverse loop order of shuffled_from() in core/codec: the output is written sequentially.
+  // The loops have the inverse order of the loops in core/codec, so that the output is written sequentially.
   const std::size_t elements = raw.size() / element_bytes;
   for (std::size_t b = 0; b < element_bytes; ++b)
     for (std::size_t i = 0; i < elements; ++i) *to++ = raw[i * element_bytes + b];
 }
 
 std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw, const ChunkFilters& filters) {
-  // Kept per thread, because a new vector would be filled with zeros each time.
+  // The vector is kept per thread, because a new vector would be filled with zeros at each call.
   thread_local std::vector<std::uint8_t> ordered;
   ordered.resize(std::max(ordered.size(), raw.size() + deflate::readable_beyond));
   shuffle_chunk(raw, filters.shuffled_bytes, ordered.data());

@@ -26,8 +26,9 @@ struct Workplace {
   std::vector<std::uint8_t> written;
 };
 
-/// Match candidates of a segment's positions, from one hash table over all positions. Enters all positions before
-/// comparing any. This loop then has no mispredicted branch, and the comparison does not wait for the table.
+/// Match candidates of the positions of a segment, from one hash table over all positions of the chunk. begin_segment()
+/// enters all positions of the segment before any comparison. The loop over positions then has no branch that could be
+/// mispredicted, and comparisons do not wait for the table.
 class Candidates {
  public:
   Candidates(const std::uint8_t* bytes, std::uint32_t size, Workplace& at) : bytes_(bytes), size_(size), at_(at) {
@@ -56,11 +57,11 @@ class Candidates {
 
  private:
   const std::uint8_t* bytes_;
-  std::uint32_t size_, begin_ = 0;  ///< the chunk's size; the segment's first position
+  std::uint32_t size_, begin_ = 0;  ///< size of the chunk, and first position of the segment
   Workplace& at_;
 };
 
-/// Packs bits into bytes, storing eight bytes per call.
+/// A writer that packs bits into bytes and stores eight bytes per call.
 /// Range   The buffer extends at least eight bytes beyond the output.
 class TokenWriter {
  public:
@@ -83,7 +84,8 @@ class TokenWriter {
   std::uint32_t count_ = 0;  ///< number of bits in waiting_, below 8
 };
 
-/// Writes the sort keys of the alphabet's symbols that occur, in ascending order. Returns their number.
+/// Writes the sort keys of all symbols with a count above 0 to `keys`, in ascending order. Returns the number of keys.
+/// Ensures first that at least two symbols have a count.
 std::uint32_t order(std::uint32_t* counts, std::uint32_t symbols, std::uint32_t* keys) {
   rules::ensure_two(counts, symbols);
   std::uint32_t used = 0;
@@ -110,8 +112,9 @@ void parse_block(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t e
   at.token_count = std::size_t(to - at.tokens.data());
 }
 
-/// The first bits of a token (literal or length): its code, the extra bits after it, and the number of both << 24.
-/// Indexed by the literal byte or by 256 + length, so that writing needs no branch that could be mispredicted.
+/// The first bits of every token, a literal or a match length. Bits 0 to 23 are the code and the extra bits after it.
+/// Bits 24 and up are the number of these bits.
+/// The index is the literal byte or 256 + length, so that writing needs no branch that could be mispredicted.
 using FirstBits = std::array<std::uint32_t, 256 + rules::max_match + 1>;
 
 void fill_first_bits(const rules::Code* codes, FirstBits& first) {
@@ -150,11 +153,12 @@ void write_block(Workplace& at, bool last, TokenWriter& writer) {
 }  // namespace
 
 std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::size_t buffer) {
-  // Kept per thread, because allocating it takes longer than packing a typical chunk.
+  // The working memory is kept per thread, because allocating it takes longer than packing a typical chunk.
   thread_local const std::unique_ptr<Workplace> kept = std::make_unique<Workplace>();
   Workplace& at = *kept;
   const auto size = std::uint32_t(bytes.size());
-  // A literal takes 15 bits at most, and a match of four bytes at most 48.
+  // Two bytes per input byte suffice: a literal takes at most 15 bits, and a match of four or more bytes at most 48
+  // bits.
   at.written.resize(std::max<std::size_t>(at.written.size(),
                                           2 * bytes.size() + rules::blocks_of(size) * 4 * rules::header_words + 64));
   TokenWriter writer(at.written.data());

@@ -1,5 +1,5 @@
 /// Deflate of one chunk in a zlib frame, by the rules of core/codec. A device writes the same bytes.
-/// Range   Up to 2^30 bytes.
+/// Range   The chunk has at most 2^30 bytes.
 /// Cost    4 ns of one core per byte, less than libdeflate's level 1 (docs/experiments/kernels.md). Each thread keeps
 ///         its working memory: 0.2 MB plus twice its largest chunk.
 #pragma once
@@ -10,8 +10,8 @@
 
 namespace gigabake {
 
-/// Returns the zlib frame of `bytes`. `buffer` more bytes are reserved, so that the caller can append to the frame
-/// without reallocation.
+/// Returns the zlib frame of `bytes`. Reserves `buffer` more bytes, so that the caller can append to the frame without
+/// a reallocation.
 /// Range   `bytes` must be followed by deflate::readable_beyond readable bytes, whose values do not matter.
 std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::size_t buffer);
 

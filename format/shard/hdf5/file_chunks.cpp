@@ -14,7 +14,7 @@ herr_t add_name(hid_t, const char* name, const H5L_info_t*, void* names) {
   return 0;
 }
 
-/// Size in bytes of a chunk (0 if the column has none) and of an element.
+/// Size in bytes of a chunk (0 if the column has no chunks) and of an element.
 struct ChunkShape {
   std::size_t bytes = 0, element_bytes = 1;
 };
@@ -29,8 +29,8 @@ ChunkShape shape_of(const Hdf5Call& call, const Hdf5Id& set, const Hdf5Id& prope
   return shape;
 }
 
-/// Returns the filters that a shard can have. Other filters are ignored here and cause an InputError when a chunk is
-/// unpacked.
+/// Returns the filters of the dataset. Ignores filters that a shard cannot have; they cause an InputError when a chunk
+/// is unpacked.
 ChunkFilters filters_of(const Hdf5Call& call, const Hdf5Id& properties, std::size_t element_bytes) {
   ChunkFilters filters;
   const int count = call("H5Pget_nfilters", H5Pget_nfilters(properties.get()));

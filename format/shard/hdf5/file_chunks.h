@@ -1,4 +1,4 @@
-/// Reading of all chunks of a file's columns, unpacked to the bytes that were packed when it was written.
+/// A reader of all chunks of a file's columns. Each chunk is unpacked to the bytes that the writer packed.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ struct FileChunk {
 };
 
 /// Returns all chunks of the file.
-/// Cost    Holds everything in memory: for measurements, not for readers.
-/// Errors  InputError: file, column, fault.
+/// Cost    Holds all chunks in memory. The function is meant for measurements, not for reading shards.
+/// Errors  InputError naming file, column and fault.
 std::vector<FileChunk> file_chunks(const std::filesystem::path& path);
 
 }  // namespace gigabake

@@ -8,7 +8,7 @@
 namespace gigabake {
 
 std::span<const std::uint8_t> FileImage::file() const {
-  // HDF5 file format, superblock versions 2 and 3: the version number and the 64-bit end-of-file address.
+  // Byte offsets in an HDF5 superblock of version 2 or 3: of the version number and of the 64-bit end-of-file address.
   constexpr std::size_t version_at = 8, end_at = 28, superblock_bytes = 48;
   if (length_ < superblock_bytes || bytes_[version_at] < 2) throw std::logic_error("no HDF5 file was made in memory");
   std::uint64_t end = 0;

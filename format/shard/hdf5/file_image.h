@@ -10,23 +10,25 @@
 
 namespace gigabake {
 
-/// Buffer reused from file to file, because touching new memory takes longer than filling it. Grows to the largest
-/// file.
+/// A buffer that is reused for each next file, because the first access to new memory takes longer than filling it. It
+/// grows to the size of the largest file.
 class FileImage {
  public:
-  /// Returns the last file built here, after it was closed. The length is the end of file that the superblock states.
+  /// Returns the bytes of the last file that was built in this buffer. Its length is the end-of-file address in the
+  /// superblock.
+  /// Range   The file was closed.
   /// Exact   Same bytes as HDF5 would write to a file on disk.
   std::span<const std::uint8_t> file() const;
 
   /// Starts a new file. The buffer still holds the previous file, but the new file contains none of its bytes.
   void begin_file() noexcept { length_ = 0; }
-  /// Grows the new file to `bytes` and returns its memory. Keeps the bytes written so far and sets the rest to zero,
-  /// like a sparse file. Returns null if there is not enough memory. Called by HDF5.
+  /// Sets the new file's size to `bytes` and returns its memory. Keeps the bytes that were written so far and sets new
+  /// bytes to zero. Returns null if there is not enough memory. HDF5 calls this function.
   void* grow(std::size_t bytes) noexcept;
 
  private:
   std::unique_ptr<std::uint8_t[]> bytes_;
-  std::size_t buffer_ = 0, length_ = 0;  ///< capacity of bytes_; the length of the file so far
+  std::size_t buffer_ = 0, length_ = 0;  ///< capacity of bytes_, and current size of the file
 };
 
 }  // namespace gigabake

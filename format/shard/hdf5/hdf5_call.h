@@ -1,5 +1,6 @@
-/// HDF5 identifiers that close themselves, and calls whose failure names the file, the object and the call. Does not
-/// include <hdf5.h>: by HDF5's contract, identifiers are 64-bit and failures return negative values.
+/// HDF5 identifiers that close themselves, and calls whose failure names the file, the object and the call. This header
+/// does not include <hdf5.h>. HDF5 guarantees that identifiers are 64-bit, and that failed calls return negative
+/// values.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@ namespace gigabake {
 
 using Hdf5Closer = int (*)(std::int64_t id);
 
-/// Owns an HDF5 identifier.
+/// An owner of an HDF5 identifier.
 class Hdf5Id {
  public:
   Hdf5Id(std::int64_t id, Hdf5Closer closer) : id_(id), close_(closer) {}
@@ -30,7 +31,7 @@ class Hdf5Id {
 };
 
 /// Wrapper of calls on one object of one file: `call("H5Pset_chunk", H5Pset_chunk(…))` returns the call's result.
-/// Errors  InputError: file, object, call and HDF5's innermost reason.
+/// Errors  InputError naming file, object, call and HDF5's innermost reason.
 struct Hdf5Call {
   const std::filesystem::path& file;
   std::string object;
@@ -46,8 +47,8 @@ struct Hdf5Call {
   [[noreturn]] void fail(const char* name) const;
 };
 
-/// Disables HDF5's own printing of errors and configures the library. HDF5 keeps this setting per thread, so call it on
-/// every thread before any other call.
+/// Disables HDF5's own printing of errors and configures the library. HDF5 keeps the printing setting per thread, so
+/// each thread must call configure_hdf5() before any other HDF5 call.
 void configure_hdf5(const Hdf5Call& call);
 
 }  // namespace gigabake

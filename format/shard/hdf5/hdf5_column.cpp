@@ -27,12 +27,13 @@ Hdf5Id creation_properties(const Hdf5Call& call, const Hdf5Column& column, std::
 Hdf5Id Hdf5File::open_column(const Hdf5Column& column) const {
   const Hdf5Call call{path_, column.name};
   configure_hdf5(call);
-  // Disables HDF5's cache of unpacked chunks: chunks are read and written as stored, so the cache would only take
+  // Disables HDF5's cache of unpacked chunks: chunks are read and written in stored form, so the cache would only take
   // memory.
   const Hdf5Id access = call.id("H5Pcreate", H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
   call("H5Pset_chunk_cache", H5Pset_chunk_cache(access.get(), 0, 0, H5D_CHUNK_CACHE_W0_DEFAULT));
   Hdf5Id set = call.id("H5Dopen2", H5Dopen2(file_.get(), column.name.c_str(), access.get()), H5Dclose);
-  // Checked before the shape, because reading the shape of a virtual dataset opens the files that it names.
+  // The layout is checked before the shape, because reading the shape of a virtual dataset opens the files that the
+  // dataset refers to.
   const Hdf5Id create = call.id("H5Dget_create_plist", H5Dget_create_plist(set.get()), H5Pclose);
   if (call("H5Pget_layout", H5Pget_layout(create.get())) == H5D_VIRTUAL ||
       call("H5Pget_external_count", H5Pget_external_count(create.get())) != 0)

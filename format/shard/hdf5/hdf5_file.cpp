@@ -12,12 +12,13 @@ namespace {
 
 constexpr std::size_t max_text = 64 << 10;
 
-/// Returns the access properties of all files. The newest format of HDF5 1.10 has checksums in object headers and chunk
-/// indexes. Published files never change, so locks are disabled: many cluster file systems lack them.
+/// Returns the access properties of all files. Selects the format of HDF5 1.10, which has checksums in object headers
+/// and chunk indexes. Disables file locks, because many cluster file systems lack them. Published files never change,
+/// so they need no locks.
 Hdf5Id access_properties(const Hdf5Call& call) {
   Hdf5Id access = call.id("H5Pcreate", H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   call("H5Pset_libver_bounds", H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110));
-  call("H5Pset_fapl_sec2", H5Pset_fapl_sec2(access.get()));  // plain files: required by descriptor()
+  call("H5Pset_fapl_sec2", H5Pset_fapl_sec2(access.get()));  // descriptor() requires plain files
   call("H5Pset_fclose_degree", H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG));
   call("H5Pset_file_locking", H5Pset_file_locking(access.get(), false, true));
   return access;

@@ -18,17 +18,18 @@
 
 namespace gigabake {
 
-/// Element types; little endian in the file and in memory.
+/// Element types, little-endian in the file and in memory.
 enum class Hdf5Type : std::uint8_t { u8, i8, u32, i32, u64, i64, f64 };
 
 std::size_t element_bytes(Hdf5Type type);
 
-/// Shuffling of a column's chunks: they are stored byte plane by byte plane. Used for ascending or small numbers.
+/// The shuffle setting of a column. The value `yes` stores each chunk byte plane by byte plane. It is used for columns
+/// of ascending or small numbers.
 enum class BytePlanes : std::uint8_t { no, yes };
 
-/// One array of fixed-width rows.
+/// The description of one dataset of fixed-width rows.
 struct Hdf5Column {
-  std::string name;  ///< "/lod_0/mask"
+  std::string name;  ///< path in the file, e.g. "/lod_0/mask"
   Hdf5Type type;
   std::size_t width;  ///< elements per row; 1: the dataset has one dimension
   BytePlanes planes = BytePlanes::no;
@@ -36,40 +37,40 @@ struct Hdf5Column {
   int dimensions() const { return width == 1 ? 1 : 2; }
 };
 
-/// A column to be written. Its data may be generated on demand, in which case only the chunks being packed exist. Or
-/// the chunks are packed already.
+/// A column to be written. Its rows may be generated on demand, so that only the chunks that are being packed are in
+/// memory. Alternatively, the chunks are packed already.
 struct ColumnRows {
-  std::string group;  ///< group to create before the column; empty: none
+  std::string group;  ///< HDF5 group to create before the column; empty: none
   Hdf5Column column;
   std::uint64_t rows;
   /// Returns rows [first, first + count), either in existing memory or generated in `scratch`. Thread-safe.
   std::function<std::span<const std::uint8_t>(std::uint64_t first, std::uint64_t count,
                                               std::vector<std::uint8_t>& scratch)>
       get;
-  /// Replaces `get`: each chunk in its stored form, packed by the same codec as the other columns.
+  /// All chunks in stored form, packed by the same codec as the other columns. If it is not empty, `get` is not called.
   std::span<const std::span<const std::uint8_t>> stored = {};
 };
 
 /// An open HDF5 file.
-/// Cost    HDF5 serves one thread at a time. Chunks are compressed outside of it and read bypassing it (hdf5_rows.h).
-/// Errors  InputError from all members: file, object, what failed.
+/// Cost    HDF5 serves one thread at a time. Chunks are therefore compressed and read outside of HDF5 (hdf5_rows.h).
+/// Errors  InputError naming file, object and reason, from every member.
 class Hdf5File {
  public:
-  /// Creates a file at `path`. Messages name it `called`, its final name after it is published.
+  /// Creates a file at `path`. Messages name the file `called`, which is its path after publication.
   static Hdf5File create(const std::filesystem::path& path, const std::filesystem::path& called);
-  /// Creates a file in memory; image.file() returns it after it is closed. Borrows `image`. Messages name the file
-  /// `called`, which must differ from that of every other open file.
+  /// Creates a file in memory and borrows `image`. After close(), image.file() returns the bytes of the file. Messages
+  /// name the file `called`. This name must differ from the names of all other open files.
   static Hdf5File create(FileImage& image, const std::filesystem::path& called);
   static Hdf5File open(const std::filesystem::path& path);
 
   /// Writes the columns in chunks, encoded as in chunk_codec.h. The threads of `pool` pack the chunks in one loop over
-  /// all columns. Ready chunks are stored in order by the thread that completes the next one.
-  /// Returns the stored size of each column: compressed, without HDF5's own index.
-  /// Cost    Up to all stored bytes in memory if the disk is slow.
+  /// all columns. One thread at a time stores the chunks that are ready, in order.
+  /// Returns the stored size of each column in bytes, compressed and without HDF5's metadata.
+  /// Cost    Holds up to all stored chunks in memory if the disk is slow.
   std::vector<std::uint64_t> write_columns(std::span<const ColumnRows> columns, Codec codec, const ThreadPool& pool);
   Hdf5Id open_column(const Hdf5Column& column) const;
-  bool has_column(const Hdf5Column& column) const;  ///< also false if its group is missing
-  /// Returns the stored size: compressed, without HDF5's own index.
+  bool has_column(const Hdf5Column& column) const;  ///< also false if the column's group is missing
+  /// Returns the stored size of the column in bytes, compressed and without HDF5's metadata.
   std::uint64_t stored_bytes(const Hdf5Column& column) const;
 
   void write_attribute(const char* name, Hdf5Type type, const void* data, std::size_t count);  ///< count 0: a scalar
@@ -80,12 +81,12 @@ class Hdf5File {
   std::string read_text(const char* name) const;  ///< a fixed-length string of at most 64 KiB
 
   ColumnReads reads() const { return {reads_->rows, reads_->bytes}; }
-  /// Counts rows that the caller has read. Called by all code that reads this file's columns.
+  /// Adds `rows` to the sum that reads() returns. All code that reads columns of this file calls add_read_rows().
   void add_read_rows(std::uint64_t rows) const { reads_->rows += rows; }
   void add_read_bytes(std::uint64_t bytes) const { reads_->bytes += bytes; }
 
   const std::filesystem::path& path() const { return path_; }
-  /// Returns the system's descriptor of the open file, for pread. HDF5 keeps the ownership.
+  /// Returns the file descriptor of the open file, for pread(). HDF5 still owns the descriptor.
   int descriptor() const;
 
   void close();

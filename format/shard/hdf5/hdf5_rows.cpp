@@ -26,7 +26,8 @@ std::uint64_t size_of_file(const Hdf5File& file) {
   return std::uint64_t(status.st_size);
 }
 
-/// Returns the filters that chunk_codec.h can undo: optional shuffle, then LZ4 or deflate, then the checksum.
+/// Returns the filters of the dataset. Rejects filters that chunk_codec.h cannot undo. Accepted are an optional
+/// shuffle, then LZ4 or deflate, then the checksum.
 ChunkFilters checked_filters(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set) {
   const Hdf5Call call{file.path(), column.name};
   const Hdf5Id properties = call.id("H5Dget_create_plist", H5Dget_create_plist(set.get()), H5Pclose);
@@ -47,7 +48,8 @@ ChunkFilters checked_filters(const Hdf5File& file, const Hdf5Column& column, con
   file.fail(column.name, "is not stored with the expected filters");
 }
 
-/// Returns the number of rows. Rejects a damaged shape that would allocate more than the stored bytes can expand to.
+/// Returns the number of rows. Rejects a damaged shape whose rows would need more memory than the stored bytes can
+/// expand to.
 std::uint64_t checked_rows(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set,
                            std::uint64_t file_bytes) {
   const Hdf5Call call{file.path(), column.name};
@@ -81,7 +83,7 @@ std::uint64_t checked_chunk_rows(const Hdf5File& file, const Hdf5Column& column,
   return chunk[0];
 }
 
-/// Returns false if the file ends before the range (errno is 0) or cannot be read.
+/// Fills `to` with the bytes at `offset`. Returns false if the file is too short (errno is then 0) or cannot be read.
 bool read_bytes(int descriptor, std::uint64_t offset, std::span<std::uint8_t> to) {
   while (!to.empty()) {
     errno = 0;

@@ -14,15 +14,17 @@ namespace gigabake {
 
 class Hdf5Rows : public StoredRows {
  public:
-  /// Borrows `file`. Checks that the dataset's shape and type match `column` and that its size fits the stored bytes.
-  /// Errors  InputError: file, dataset, fault.
+  /// Borrows `file`. Checks that the dataset's shape and type match `column` and that the stored bytes can expand to
+  /// its size.
+  /// Errors  InputError naming file, dataset and fault.
   Hdf5Rows(const Hdf5File& file, const Hdf5Column& column);
 
   std::uint64_t rows() const override { return rows_; }
 
   /// Reads rows [first, first + count). Thread-safe.
   /// Range   `to` has the size of `count` rows; first + count ≤ rows().
-  /// Cost    Reads the whole chunks that overlap the range; unpacks each up to the range's end.
+  /// Cost    Reads all chunks that overlap the range, each completely. Unpacks each chunk at least up to the range's
+  ///         end.
   /// Errors  InputError: a chunk is missing, lies outside of the file, or its checksum is wrong.
   void read(std::uint64_t first, std::uint64_t count, void* to) const override;
 
@@ -42,10 +44,10 @@ class Hdf5Rows : public StoredRows {
   ChunkFilters filters_;
   std::uint64_t file_bytes_, rows_, chunk_rows_ = 0;
   mutable std::mutex mutex_;
-  mutable std::unordered_map<std::uint64_t, Chunk> chunks_;  ///< located so far
+  mutable std::unordered_map<std::uint64_t, Chunk> chunks_;  ///< chunks located so far, by index
 };
 
-/// The columns of an open file, which is borrowed.
+/// The columns of an open file. Borrows the file.
 class FileColumns : public ColumnSource {
  public:
   explicit FileColumns(const Hdf5File& file) : file_(file) {}

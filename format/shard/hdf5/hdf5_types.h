@@ -9,7 +9,7 @@ namespace gigabake {
 
 inline constexpr int lz4_filter = 32004;  ///< number registered by The HDF Group
 
-/// Returns a type that the library owns and the caller must not close.
+/// Returns the identifier of a predefined HDF5 type. HDF5 owns the type, so the caller must not close it.
 std::int64_t hdf5_type(Hdf5Type type);
 
 }  // namespace gigabake

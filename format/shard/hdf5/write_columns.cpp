@@ -13,7 +13,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// A stored chunk: packed here, or provided by the caller.
+/// A chunk in stored form, either packed by encode() or provided by the caller.
 struct Chunk {
   Bytes own;
   std::span<const std::uint8_t> given;
@@ -35,7 +35,7 @@ std::vector<ChunkPlace> all_chunks(std::span<const ColumnRows> columns) {
   return chunks;
 }
 
-/// Encodes chunk `number`. Stored chunks are always complete: the last one is padded with zeros.
+/// Encodes chunk `number`. Stored chunks are always complete: the last chunk of a column is padded with zeros.
 Bytes encode(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scratch) {
   const Hdf5Column& column = from.column;
   const ChunkFilters filters{codec, column.planes == BytePlanes::yes ? element_bytes(column.type) : 1};
@@ -48,8 +48,8 @@ Bytes encode(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scr
   return encode_chunk(padded, filters);
 }
 
-/// Returns only the calling thread if all columns are packed already, because waking threads would take longer than
-/// storing the chunks.
+/// Returns `pool`, or only the calling thread if all columns are packed already. Waking threads would then take longer
+/// than storing the chunks.
 const ThreadPool& threads_for(std::span<const ColumnRows> columns, const ThreadPool& pool) {
   const bool is_packed =
       std::all_of(columns.begin(), columns.end(), [](const ColumnRows& c) { return c.rows == 0 || !c.stored.empty(); });
@@ -63,8 +63,8 @@ Chunk pack(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scrat
 
 }  // namespace
 
-/// Stores chunks, columns and groups in a fixed order, although chunks become ready in any order. The file's bytes are
-/// therefore independent of the threads.
+/// A writer that stores chunks, columns and groups in a fixed order, although chunks become ready in any order. The
+/// file's bytes are therefore independent of the threads.
 class ColumnsInOrder {
  public:
   ColumnsInOrder(Hdf5File& file, std::span<const ColumnRows> columns, Codec codec)
@@ -84,8 +84,8 @@ class ColumnsInOrder {
   }
 
  private:
-  /// Stores this chunk and all ready chunks after it. If another thread is storing already, that thread stores this
-  /// chunk too.
+  /// Marks the chunk as ready and stores all chunks that are next in order and ready. If another thread is storing
+  /// already, leaves all storing to that thread.
   void give(std::size_t chunk, Chunk packed) {
     std::unique_lock lock(mutex_);
     ready_[chunk] = std::move(packed);

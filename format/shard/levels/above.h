@@ -12,7 +12,7 @@ Hash128 hash_of(const DownsampleState& above);
 
 /// Checks the columns: their lengths match, and each position lies inside its level. Voxels of the coarsest level
 /// precede all others, and no voxel has zero coverage.
-/// Errors  InputError: file, column, row, broken rule.
+/// Errors  InputError naming file, column, row and broken rule.
 void check_above(const std::filesystem::path& path, const ShardHeader& header, const DownsampleState& above);
 
 }  // namespace gigabake

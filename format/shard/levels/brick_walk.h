@@ -1,4 +1,4 @@
-/// Visits every voxel of a shard; constant nodes are expanded to the voxels they represent.
+/// Iteration over every voxel of a shard. Constant nodes are expanded to the voxels that they represent.
 #pragma once
 
 #include <bit>
@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-/// Range   [begin, end) of one level's rows in the node table. The table is sorted by level, from the root down.
+/// The rows [begin, end) of one level in the node table. The table is sorted by level, from the root down.
 struct LevelNodes {
   std::size_t begin = 0, end = 0;
 };
@@ -30,10 +30,10 @@ void visit_voxel(const Visit& visit, std::uint32_t x, std::uint32_t y, std::uint
     visit(x, y, z, rgba, normal);
 }
 
-/// Calls visit(x, y, z, rgba, normal), or visit(x, y, z, rgba, normal, facing) if `visit` accepts that, for each voxel
-/// of one brick.
-/// `normal` points at two zeros if the shard has no normals; `facing` is null if the level has none.
-/// Space   x, y, z: voxels of the level, relative to the cell's corner.
+/// Calls visit(x, y, z, rgba, normal) for each voxel of one brick. If `visit` accepts a sixth argument, it is `facing`.
+/// `at` is the position of the brick, in bricks of the level. `normal` points at two zeros if the shard has no normals;
+/// `facing` is null if the level has no directional coverage.
+/// Space   x, y and z are in voxels of the level, relative to the cell's lowest corner.
 template <class Visit>
 void for_each_voxel(const BrickLevel& level, std::size_t brick, BrickCoordinate at, const Visit& visit) {
   static constexpr std::int8_t no_normal[2] = {0, 0};
@@ -47,7 +47,7 @@ void for_each_voxel(const BrickLevel& level, std::size_t brick, BrickCoordinate 
     }
 }
 
-/// Visits the voxels of a constant node on its own level (`down` = 0) or `down` levels below it.
+/// Visits the voxels that a constant node represents on the level that is `down` levels finer than the node's level.
 template <class Visit>
 void for_each_constant_voxel(const NodeTable& nodes, std::size_t node, int down, const Visit& visit) {
   const BrickCoordinate at = demorton(nodes.key[node]);
@@ -61,7 +61,7 @@ void for_each_constant_voxel(const NodeTable& nodes, std::size_t node, int down,
         visit_voxel(visit, at.x * edge + x, at.y * edge + y, at.z * edge + z, rgba, nodes.normal[node].data(), facing);
 }
 
-/// Visits every voxel of one level. `level` holds that level's bricks.
+/// Visits every voxel of level `lod`. `level` has the bricks of this level.
 template <class Visit>
 void for_each_voxel_of_level(const NodeTable& nodes, const BrickLevel& level, int lod, const Visit& visit) {
   for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] >= lod; ++n) {

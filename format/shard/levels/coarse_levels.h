@@ -1,5 +1,5 @@
-/// The coarsest levels of a shard, which an overview copies from its child. Their source is the arrays of a cell baked
-/// in this process, or a file. Only the file's chunks with these rows are read.
+/// The coarsest levels of a shard. An overview copies these levels from each child. They come from the arrays of a cell
+/// that was baked in this process, or from a file. Only the file's chunks with rows of these levels are read.
 #pragma once
 
 #include <vector>
@@ -18,17 +18,17 @@ struct CoarseLevels {
 /// Returns levels [begin, lods) of a shard.
 /// Exact   Same rows as ShardReader::all(). Keys and links are derived from the child masks, not read.
 /// Range   begin < header.lods.
-/// Cost    Reads the node rows of these levels in two columns, node values only if some nodes are constant, and the
-///         bricks of these levels.
-/// Errors  InputError: file, dataset, row, rule.
+/// Cost    Reads the bricks of these levels, and two columns of their node rows. Reads node values only if some of
+///         these nodes are constant.
+/// Errors  InputError naming file, dataset, row and rule.
 CoarseLevels read_coarse_levels(const ColumnSource& source, const ShardHeader& header, std::int32_t version, int begin);
-/// Like read_coarse_levels(), for a shard in memory: moves its levels and copies the node rows.
+/// Returns levels [begin, lods) of a shard in memory: moves the bricks and copies the node rows.
 CoarseLevels take_coarse_levels(Shard&& shard, int begin);
-/// Like read_coarse_levels(), for a packed shard: unpacks only the chunks that contain these rows.
+/// Returns levels [begin, lods) of a packed shard. Unpacks only the chunks that contain rows of these levels.
 CoarseLevels unpack_coarse_levels(const PackedShard& shard, int begin);
 
 /// Reads all bricks of one level. `bricks` is the number of brick nodes that the node table has on this level.
-/// Errors  InputError: file, dataset, row, rule.
+/// Errors  InputError naming file, dataset, row and rule.
 BrickLevel read_brick_level(const ColumnSource& source, const ShardHeader& header, std::int32_t version, int lod,
                             std::uint64_t bricks);
 

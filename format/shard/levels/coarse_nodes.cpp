@@ -11,7 +11,7 @@
 namespace gigabake {
 namespace {
 
-/// The classes and child masks of the nodes, read from the root on and only as far as requested.
+/// The classes and child masks of a shard's nodes, read on demand in order from the root.
 class Branches {
  public:
   Branches(const ColumnSource& source, const NodeColumns& columns)
@@ -20,7 +20,8 @@ class Branches {
   }
   std::uint64_t rows() const { return kinds_->rows(); }
 
-  /// Reads rows up to `end`. Also reads further rows ahead, because unpacking a chunk always starts at its beginning.
+  /// Reads at least the rows before `end`. Reads more rows ahead, because unpacking always starts at the beginning of a
+  /// chunk.
   void read_to(std::uint64_t end) {
     const std::uint64_t have = kind.size();
     if (end <= have) return;
@@ -38,7 +39,8 @@ class Branches {
   std::unique_ptr<StoredRows> kinds_, masks_;
 };
 
-/// Appends the row at the walk's position. Its key is in the table already: add_row() of its parent appended it.
+/// Appends the node at the place of `walk`. Its key is in the table already, because add_row() of its parent appended
+/// the keys of all children.
 void add_row(const NodeWalk& walk, NodeKind kind, std::uint8_t child_mask, NodeTable& n) {
   const NodePlace& place = walk.place();
   n.lod.push_back(std::uint8_t(place.lod));
@@ -51,7 +53,8 @@ void add_row(const NodeWalk& walk, NodeKind kind, std::uint8_t child_mask, NodeT
     n.key.push_back(key << 3 | std::uint64_t(std::countr_zero(rest)));
 }
 
-/// Reads the values of constant nodes. Bricks keep zeros in normal and facing; their value is the brick number.
+/// Reads the values of constant nodes. Brick nodes get zeros in `normal` and `facing`, and keep the brick number in
+/// `value`.
 void read_constants(const ColumnSource& source, const ShardHeader& header, const NodeColumns& columns, NodeTable& n) {
   n.normal.assign(n.kind.size(), {0, 0});
   n.facing.assign(header.has_facing ? n.kind.size() : 0, Facing{});
@@ -94,7 +97,7 @@ NodeTable read_coarse_nodes(const ColumnSource& source, const ShardHeader& heade
       add_row(walk, branches.kind[row], branches.child_mask[row], n);
       walk.step(walk.place().lod, branches.kind[row], branches.child_mask[row]);
     }
-    if (walk.place().level_end == end) break;  // no row has a child
+    if (walk.place().level_end == end) break;  // no node of this level has a child
   }
   n.key.resize(n.kind.size());
   read_constants(source, header, columns, n);

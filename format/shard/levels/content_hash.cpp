@@ -34,8 +34,8 @@ Hash128 hash_record(const unsigned char* record, bool has_facing) {
   return {h.low64, h.high64};
 }
 
-/// Hash sum over the voxels of one level. Hashes records in batches, when their stores have reached the cache. A hash
-/// that loads from stores still in flight would stall on every voxel.
+/// The sum of the hashes of a level's voxels. Records are hashed in batches, after their bytes have reached the cache.
+/// A hash directly after the stores of its record would stall on every voxel.
 class LevelSum {
  public:
   LevelSum(int lod, const Vec3i64& lattice_min) : lod_(lod), min_(lattice_min) {}
@@ -67,7 +67,8 @@ class LevelSum {
   std::array<unsigned char, batch * facing_record_bytes> records_;
 };
 
-/// Adds the voxels of node `n` on its own level and, for a leaf-constant node, on all finer levels.
+/// Adds the voxels of node `n` to the sum of the node's level. Adds a leaf-constant node to the sums of all finer
+/// levels too.
 void add_node(const Shard& s, std::size_t n, std::vector<LevelSum>& sums) {
   const auto add_to = [&sums](int lod) {
     return [&sum = sums[std::size_t(lod)]](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,

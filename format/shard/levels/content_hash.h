@@ -16,12 +16,12 @@ namespace gigabake {
 Hash128 voxel_hash(int lod, Vec3i64 corner_lattice, const std::uint8_t rgba[4], const std::int8_t normal[2],
                    const std::uint8_t* facing = nullptr);
 
-/// Returns the hash per lod of a cell that was read completely. Verifies the hash that core/octree/voxel_hash.h
-/// computed during baking.
+/// Returns the content hash per lod of a complete shard. Verification compares it with the hash that
+/// core/octree/voxel_hash.h computed during baking.
 /// Cost    About 16 ns per voxel and thread.
 std::vector<Hash128> content_hash(const Shard& shard, int threads = 1);
 
-/// Returns the hash of a single level. `lod` is relative to the shard's finest level.
+/// Returns the content hash of a single level. `lod` is relative to the shard's finest level.
 /// Cost    About 16 ns per voxel, on the calling thread.
 Hash128 content_hash(const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level, int lod);
 

@@ -21,7 +21,8 @@ std::size_t rank(const std::uint64_t* mask, std::uint32_t word, std::uint32_t bi
 LevelLookup::LevelLookup(const NodeTable& nodes, const BrickLevel& level, std::uint32_t lods, int lod)
     : nodes_(nodes), level_(level), of_level_(level_nodes(nodes, lods)), lod_(lod) {}
 
-/// Returns the brick's own node, or the leaf-constant ancestor that represents it.
+/// Returns the node of the brick with Morton code `key`, or the leaf-constant ancestor that represents the brick.
+/// Returns no_node if neither exists.
 std::size_t LevelLookup::find_node(std::uint64_t key) const {
   for (std::size_t lod = std::size_t(lod_); lod < of_level_.size(); ++lod, key >>= 3) {
     const auto begin = nodes_.key.begin() + std::ptrdiff_t(of_level_[lod].begin);

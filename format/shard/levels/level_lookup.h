@@ -12,18 +12,19 @@ namespace gigabake {
 struct VoxelValue {
   const std::uint8_t* rgba;    ///< 4 bytes
   const std::int8_t* normal;   ///< 2 bytes; two zeros if the shard has no normals
-  const std::uint8_t* facing;  ///< facing_bytes; null if the level has none
+  const std::uint8_t* facing;  ///< facing_bytes; null if the level has no directional coverage
 };
 
 /// Lookup by coordinates. Borrows the nodes and the bricks of level `lod`.
-/// Cost    A binary search per brick. Further lookups in the same brick cost a few bit counts each.
+/// Cost    The first lookup in a brick takes a binary search per level, from `lod` to the level of the node. Further
+///         lookups in the same brick take a few bit counts each.
 class LevelLookup {
  public:
   LevelLookup(const NodeTable& nodes, const BrickLevel& level, std::uint32_t lods, int lod);
 
   /// Returns false if the level has no voxel at (x, y, z).
   /// Space   Voxels of the level, relative to the cell's corner.
-  /// Range   Inside the cell.
+  /// Range   (x, y, z) lies inside the cell.
   bool find(std::uint32_t x, std::uint32_t y, std::uint32_t z, VoxelValue& value);
 
  private:

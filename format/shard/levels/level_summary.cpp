@@ -10,8 +10,8 @@ constexpr std::size_t alphas = 256, voxels_per_part = 1 << 18;
 
 std::size_t bin_of(std::size_t alpha) { return alpha == alphas - 1 ? LevelSummary::bins - 1 : alpha / 64; }
 
-/// Counts the alphas of voxels [begin, end). Uses two tables, because neighbours often have the same alpha and an
-/// increment would wait for the previous one.
+/// Counts the alphas of voxels [begin, end). Uses two tables. Neighbours often have the same alpha, and each increment
+/// of an entry waits for the previous increment.
 AlphaCounts count_alphas(const BrickLevel& level, std::size_t begin, std::size_t end) {
   std::array<AlphaCounts, 2> counts{};
   for (std::size_t i = begin; i < end; ++i) ++counts[i & 1][level.rgba[4 * i + 3]];
