@@ -22,7 +22,7 @@ struct BrickView {
   const std::int8_t* normal;
   const std::uint8_t* facing;
   bool is_constant;             ///< all voxels have the same value
-  bool has_normal, has_facing;  ///< if false, the pointer points to zeros
+  bool has_normal, has_facing;  ///< if false, `normal` or `facing` points to zeros
 
   std::size_t at(std::size_t voxel) const { return is_constant ? 0 : voxel; }
 };
@@ -30,7 +30,7 @@ struct BrickView {
 /// The voxels of a child's brick that lie in one brick of the window.
 struct PlacedBrick {
   std::uint64_t key;        ///< Morton code of the window's brick
-  Vec3<std::int8_t> shift;  ///< from the child's brick to the window's, voxels; 0: aligned
+  Vec3<std::int8_t> shift;  ///< position of the child's brick in the window's brick, voxels; 0: aligned
   std::uint32_t child, node;
   auto order() const { return std::tie(key, child, node, shift); }
 };
@@ -73,7 +73,7 @@ class LevelJoin {
  private:
   static constexpr std::size_t bricks_a_task = 64;
 
-  /// Finds the bricks of a child on this level; expands constant nodes.
+  /// Adds the bricks of child `c` on this level to bricks_; expands constant nodes.
   void place_bricks(std::uint32_t c) {
     const ChildLevels& child = *children_[c];
     const NodeTable& n = child.coarse.nodes;
@@ -90,7 +90,7 @@ class LevelJoin {
 
   void place(const ChildLevels& child, std::uint32_t c, std::uint32_t node, BrickCoordinate at) {
     const Vec3i64 voxel = ((child.lattice_min - window_.min) >> int(lod_)) + Vec3i64(at) * brick_edge;
-    const Vec3i64 low = voxel >> 3, over = voxel - (low << 3);  // over: voxels that overlap the next brick
+    const Vec3i64 low = voxel >> 3, over = voxel - (low << 3);  // over: voxels, offset from brick `low`
     const auto bricks = Box3i64::cube({}, edge_);
     for (int corner = 0; corner < 8; ++corner) {
       const Vec3i64 next{corner & 1, corner >> 1 & 1, corner >> 2}, to = low + next;
@@ -129,7 +129,8 @@ class LevelJoin {
     return begins_[b + 1] - begins_[b] == 1 && bricks_[begins_[b]].shift == Vec3<std::int8_t>{};
   }
 
-  /// Calls visit(bit in the window's brick, voxel of the view) for each voxel of the view that lies in that brick.
+  /// Calls visit(bit, voxel) for each voxel of the view that lies in the window's brick. `bit` is the voxel's position
+  /// in that brick; `voxel` is its index in the view.
   template <class Visit>
   static void for_each_voxel_in(const PlacedBrick& brick, const BrickView& view, const Visit& visit) {
     std::size_t voxel = 0;
@@ -141,7 +142,7 @@ class LevelJoin {
       }
   }
 
-  /// Builds the mask of the window's brick and returns its number of voxels.
+  /// Builds the mask of the window's brick `b` and returns the number of voxels in that brick.
   std::uint64_t find_mask(std::size_t b, std::uint64_t* mask) const {
     std::uint64_t voxels = 0;
     for (std::size_t i = begins_[b]; i < begins_[b + 1]; ++i) {
@@ -162,8 +163,8 @@ class LevelJoin {
     return voxels;
   }
 
-  /// Removes bricks without voxels: a child's brick that spans several of the window's may have voxels in only some of
-  /// them.
+  /// Removes bricks without voxels. A child's brick that overlaps several bricks of the window may have voxels in only
+  /// some of these.
   void drop_empty(kernels::Level& level) {
     std::size_t to = 0;
     for (std::size_t b = 0; b < level.key.size(); ++b) {
@@ -180,7 +181,7 @@ class LevelJoin {
   void fill(std::size_t b, kernels::Level& level) const {
     const std::size_t begin = begins_[kept_[b]], end = begins_[kept_[b] + 1], first = level.first[b];
     const std::uint64_t* mask = &level.mask[8 * b];
-    std::uint16_t place[brick_voxels];  // by bit: number of voxels before it in the brick
+    std::uint16_t place[brick_voxels];  // place[bit]: number of the brick's voxels before that bit
     std::uint16_t voxels = 0;
     for (std::uint32_t bit = 0; bit < brick_voxels; ++bit) {
       place[bit] = voxels;
@@ -208,10 +209,11 @@ class LevelJoin {
   const std::span<const ChildLevels* const> children_;
   const DuplicatedWindow& window_;
   const std::uint32_t lod_;
-  const std::int64_t edge_;          ///< of the window, bricks of this level
+  const std::int64_t edge_;          ///< edge of the window, in bricks of this level
   std::vector<PlacedBrick> bricks_;  ///< sorted by brick of the window
-  std::vector<std::size_t> begins_;  ///< index in bricks_ of the first part of each brick of the window; then the end
-  std::vector<std::size_t> kept_;    ///< indices in begins_ of bricks that have voxels
+  /// Per brick of the window, the index of its first entry in bricks_. The last element is the size of bricks_.
+  std::vector<std::size_t> begins_;
+  std::vector<std::size_t> kept_;  ///< indices in begins_ of bricks that have voxels
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-/// Duplicated levels of an overview: the coarsest levels of its children, joined in the overview's window. Its shard
-/// repeats them, so that a distant view opens one file instead of many.
+/// Duplicated levels of an overview: the coarsest levels of its children, joined in the overview's window. The
+/// overview's shard stores them again, so that a distant view opens one file instead of many.
 #pragma once
 
 #include <cstdint>
@@ -14,20 +14,20 @@
 
 namespace gigabake {
 
-/// A child's voxels on levels [begin, …) of the lattice, up to its coarsest.
+/// A child's voxels on the lattice levels from `begin` to the child's coarsest level.
 struct ChildLevels {
   Vec3i64 lattice_min{};
   std::uint32_t first_lod = 0;  ///< lattice level of the child's level 0
   std::uint32_t begin = 0;      ///< lattice level of coarse.levels[0]
-  CoarseLevels coarse;          ///< empty if the overview duplicates no levels
+  CoarseLevels coarse;          ///< empty if `begin` is above the child's coarsest level
 };
 
-/// Reads only levels `begin` and coarser of the file. begin: a level of the lattice; beyond the shard's coarsest level
-/// nothing is read.
-/// Errors  InputError: damaged, or `begin` is finer than the shard's finest level.
+/// Reads only the shard's levels from lattice level `begin` to the coarsest. The result is empty if `begin` is above
+/// the shard's coarsest level.
+/// Errors  InputError if the shard is damaged, or if `begin` is finer than its finest level.
 ChildLevels read_child_levels(const ShardReader& reader, std::uint32_t begin);
 
-/// The window that levels are joined in.
+/// The cube of the lattice in which levels of several children are joined.
 struct DuplicatedWindow {
   Vec3i64 min{};                     ///< lod-0 voxels
   std::uint32_t edge = 0;            ///< lod-0 voxels
@@ -36,8 +36,8 @@ struct DuplicatedWindow {
 };
 
 /// Returns levels [begin, end) of the window.
-/// Exact   The children's voxels that lie in the window, at their lattice positions and with their stored values.
-///         Bricks are aligned to the window; children need not be.
+/// Exact   The levels contain the children's voxels inside the window, at their lattice positions and with their stored
+///         values. The result's bricks are aligned to the window; the children's bricks need not be.
 /// Cost    Sorts bricks, not voxels. A brick is copied whole if its child's bricks are aligned to the window's.
 /// Errors  InputError: two children have a voxel at the same position, or a child lacks one of the levels.
 std::vector<kernels::Level> joined_levels(std::span<const ChildLevels* const> children, const DuplicatedWindow& window,

@@ -1,4 +1,4 @@
-/// Cache of the data that overviews need from recently written shards, so that they need not read the files.
+/// Cache of the data that overviews need from recently written shards. It saves reading these shards again.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@
 
 namespace gigabake {
 
-/// Caches children up to a number of bytes. Evicts children that an overview has used first, then the oldest.
-/// Thread-safe.
+/// Cache of children's data, limited to a number of bytes. Children that an overview has already used are evicted
+/// first; the others are evicted in the order of insertion. Thread-safe.
 class OverviewInputs {
  public:
   explicit OverviewInputs(std::uint64_t budget_bytes) : children_(budget_bytes) {}
 
-  /// Replaces the entry of this file name. A child larger than the budget is not kept.
+  /// Inserts or replaces the entry of this file name. A child larger than the budget is not cached.
   void keep(const std::string& file, OverviewChild child);
   /// Returns null if there is no entry of this file name.
   std::shared_ptr<const OverviewChild> find(const std::string& file);

@@ -19,14 +19,14 @@ constexpr auto names_of<Backend>() {
 /// The device request of the rank with index `rank_on_host` on its host.
 struct DeviceRequest {
   Backend backend = Backend::cpu;
-  std::vector<int> allowed = {};  ///< ordinals to choose from; empty: all
+  std::vector<int> allowed = {};  ///< CUDA ordinals that may be chosen; empty means all
   int rank_on_host = 0;
   int ranks_on_host = 1;
 };
 
 struct DeviceChoice {
-  std::optional<int> device;  ///< none: the CPU
-  std::string reason;         ///< reason for the CPU, if a device was requested or the choice was automatic
+  std::optional<int> device;  ///< CUDA ordinal; nullopt means the CPU
+  std::string reason;         ///< reason why Backend::automatic chose the CPU; else empty
   int sharers = 1;            ///< ranks of the host that use this device, including this rank
 };
 
@@ -35,7 +35,8 @@ struct DeviceChoice {
 int sharers_of_device(int rank, int ranks, int devices);
 
 /// Assigns the ranks of a host to its devices round-robin; several ranks share a device if there are fewer devices.
-/// Errors  InputError: Backend::cuda and no device; UsageError: an allowed ordinal that the host does not have.
+/// Errors  InputError if Backend::cuda is requested and the host has no usable device. UsageError if an allowed ordinal
+///         is not a usable device of the host.
 DeviceChoice choose_device(const DeviceRequest& wish);
 
 }  // namespace gigabake

@@ -35,7 +35,7 @@ std::vector<std::uint8_t> with_attempt(std::uint32_t attempt, const Content& con
   return w.take();
 }
 
-/// Returns the content that follows the attempt number.
+/// Returns the content that follows the attempt number, and sets `attempt` to that number.
 std::vector<std::uint8_t> split_attempt(std::span<const std::uint8_t> bytes, const char* what, std::uint32_t& attempt) {
   ByteReader r(bytes, what);
   std::vector<std::uint8_t> content;

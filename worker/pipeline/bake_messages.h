@@ -1,12 +1,12 @@
 /// Protocol between a supervisor and its bake process: frames over a local socket, validated on both sides.
 ///
-///   supervisor → process   sources (the next part of WorkerSetup::sources, first), setup (WorkerSetup, once, after all
-///                          sources), `scan` (tile, u32), bake (BakeOrder)
-///   process → supervisor   started (empty, once, first: requests are accepted), ready (DeviceAnswer, once),
-///                          `scanned` (TileScan), baked (BakeAnswer)
+/// The supervisor sends, in this order: `sources` (consecutive parts of WorkerSetup::sources), one `setup`
+/// (WorkerSetup), then requests: `scan` (the tile's index, u32) and `bake` (BakeOrder). The process sends one `started`
+/// (no payload) once it accepts requests and one `ready` (DeviceAnswer). It answers every `scan` with `scanned`
+/// (TileScan) and every `bake` with `baked` (BakeAnswer).
 ///
-/// A frame is magic "GBKE" u32, `kind` u32, payload bytes u64, XXH3-64 of the payload u64, then the payload; little
-/// endian.
+/// A frame consists of magic "GBKE" (u32), `kind` (u32), size of the payload in bytes (u64), XXH3-64 of the payload
+/// (u64), and the payload. All numbers are little endian.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,8 @@ struct BakeMessage {
   std::vector<std::uint8_t> payload;
 };
 
-/// A request to bake a cell. attempt: number of attempts including this one; the answer repeats it.
+/// A request to bake a cell. `attempt` counts the attempts at this cell, including this one; the answer contains the
+/// same number.
 struct BakeOrder {
   CellJob job;
   std::uint32_t attempt = 1;
@@ -48,13 +49,13 @@ std::vector<std::uint8_t> to_bytes(const DeviceAnswer& answer);
 std::vector<std::uint8_t> to_bytes(const BakeOrder& order);
 std::vector<std::uint8_t> to_bytes(const BakeAnswer& answer);
 std::vector<std::uint8_t> scan_request(std::uint32_t tile);
-DeviceAnswer device_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors  InputError when malformed
-BakeOrder order_from_bytes(std::span<const std::uint8_t> bytes);      ///< Errors  InputError when malformed
-BakeAnswer answer_from_bytes(std::span<const std::uint8_t> bytes);    ///< Errors  InputError when malformed
-std::uint32_t tile_of_request(std::span<const std::uint8_t> bytes);   ///< Errors  InputError when malformed
+DeviceAnswer device_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors  InputError if `bytes` are malformed
+BakeOrder order_from_bytes(std::span<const std::uint8_t> bytes);      ///< Errors  InputError if `bytes` are malformed
+BakeAnswer answer_from_bytes(std::span<const std::uint8_t> bytes);    ///< Errors  InputError if `bytes` are malformed
+std::uint32_t tile_of_request(std::span<const std::uint8_t> bytes);   ///< Errors  InputError if `bytes` are malformed
 
-/// Returns header and payload.
-/// Errors  InputError: a payload of more than 2^30 bytes.
+/// Returns the frame: a header followed by the payload.
+/// Errors  InputError if the payload exceeds 2^30 bytes.
 std::vector<std::uint8_t> frame(BakeMessageKind kind, std::span<const std::uint8_t> payload);
 
 /// Assembles frames from a byte stream.
@@ -63,12 +64,13 @@ class FrameReader {
   void add(std::span<const std::uint8_t> bytes);
   /// Returns the next complete frame, if any.
   /// Cost    Memory is proportional to the bytes received, whatever length a header announces.
-  /// Errors  InputError: invalid magic or `kind`, payload too long, or checksum mismatch. Every later call throws too.
+  /// Errors  InputError if magic or `kind` is invalid, the payload is too long, or its checksum does not match. Every
+  ///         later call throws too.
   std::optional<BakeMessage> next();
 
  private:
   std::vector<std::uint8_t> bytes_;
-  std::size_t taken_ = 0;  ///< bytes at the front that have been returned
+  std::size_t taken_ = 0;  ///< number of bytes at the front that next() has returned
 };
 
 }  // namespace gigabake

@@ -54,7 +54,8 @@ class Wakeup {
   int fd_;
 };
 
-/// Scans tiles, several small ones concurrently, because most of a tile's reading runs on one thread.
+/// Threads that scan tiles. Several small tiles are scanned concurrently, because most of the reading of a tile runs on
+/// one thread.
 class ScanThread {
  public:
   ScanThread(const SceneSources& sources, const WorkerSetup& setup, const Wakeup& done)
@@ -121,7 +122,8 @@ class ScanThread {
   }
 
   static constexpr int max_concurrent = 4;
-  /// Max size of a tile file that is scanned concurrently with others; larger ones would multiply the process's memory.
+  /// Max size in bytes of a small tile file. Larger files are scanned one after the other, because several at once
+  /// would multiply the process's memory.
   static constexpr std::uint64_t small_bytes = std::uint64_t(16) << 20;
 
   const SceneSources& sources_;
@@ -135,7 +137,7 @@ class ScanThread {
   std::deque<std::uint32_t> tiles_;
   std::deque<TileScan> scans_;
   bool stopping_ = false;
-  std::vector<std::thread> crew_;  ///< last, because the threads use the other members
+  std::vector<std::thread> crew_;  ///< declared last, because the threads use the other members
 };
 
 /// Cell id and number of the attempt.
@@ -202,7 +204,8 @@ class BakeServer {
     }
   }
 
-  /// Starts the device choice on another thread: the driver takes about a second, while tiles are scanned.
+  /// Opens the sources, and chooses the device on another thread. Tiles are scanned during the choice, because the
+  /// driver takes about a second to start.
   void open(WorkerSetup setup) {
     setup_ = std::move(setup);
     set_memory_limit(setup_->worker.memory_bytes);
@@ -229,7 +232,7 @@ class BakeServer {
     return chosen_.valid() && chosen_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   }
 
-  /// Waits until the device is known.
+  /// Waits for the choice of the device and sends it to the supervisor. Makes the pipeline if it is not the CPU.
   void take_device() {
     const DeviceAnswer answer = chosen_.get();
     if (!answer.error.empty()) {
@@ -237,8 +240,8 @@ class BakeServer {
       scans_ = false;  // because the bake will fail
     }
     setup_->worker.cuda_device = answer.choice.device;
-    // Kernels of ranks that share a device run one after the other. While one rank's kernels run, the other ranks may
-    // pack on all of their cores.
+    // Kernels of ranks that share a device run one after the other. While one rank's kernels run, another rank may
+    // therefore pack on the cores of all these ranks.
     if (setup_->worker.threads_are_a_share) setup_->worker.threads *= answer.choice.sharers;
     send(BakeMessageKind::ready, to_bytes(answer));
     if (setup_->worker.cuda_device) make_pipeline();
@@ -306,7 +309,7 @@ class BakeServer {
     while (pipeline_) {
       auto report = pipeline_->poll();
       if (!report) break;
-      // The first entry of this cell, because the cell may have been requested again.
+      // Finds the oldest attempt at this cell, because the cell may have been requested again.
       const auto attempt = std::ranges::find(attempts_, report->id, &Attempt::first);
       send(BakeMessageKind::baked, to_bytes(BakeAnswer{std::move(*report), attempt->second}));
       attempts_.erase(attempt);
@@ -318,17 +321,18 @@ class BakeServer {
   FrameReader inbox_;
   bool hung_up_ = false;
   std::optional<WorkerSetup> setup_;
-  std::vector<std::uint8_t> source_bytes_;  ///< until the setup arrives
+  std::vector<std::uint8_t> source_bytes_;  ///< received parts of the sources; empty after the setup
   SceneSources sources_;
-  std::optional<CellFingerprints> fingerprints_;  ///< of this process's parameters and sources
-  std::string why_not_;  ///< not empty: the error answered to every request that needs the scene or the device
+  std::optional<CellFingerprints> fingerprints_;  ///< fingerprints for the parameters and sources of this process
+  /// The error that answers every request that needs the scene or the device; empty if there is none.
+  std::string why_not_;
   std::promise<DeviceAnswer> choice_;
   std::future<DeviceAnswer> chosen_;  ///< valid from the setup until take_device()
   std::thread chooser_;
   std::unique_ptr<ScanThread> scanner_;
-  bool scans_ = false;  ///< accepts more tiles
+  bool scans_ = false;  ///< true if scan requests are accepted
   std::unique_ptr<CellPipeline> pipeline_;
-  std::vector<Attempt> attempts_;  ///< of the cells in the pipeline
+  std::vector<Attempt> attempts_;  ///< attempts at the cells in the pipeline, oldest first
 };
 
 }  // namespace

@@ -12,24 +12,25 @@
 
 namespace gigabake {
 
-/// Supports any number of producers and consumers. Thread-safe.
+/// A queue for any number of producers and consumers. Thread-safe.
 template <class T>
 class BoundedQueue {
  public:
-  /// capacity: number of values that may wait without their producer. 0: a rendezvous.
+  /// `capacity` is the number of values that may stay queued after their push() has returned. 0 makes every push() wait
+  /// for a take().
   explicit BoundedQueue(std::size_t capacity = 0) : capacity_(capacity) {}
 
-  /// Returns once the value is taken, or is among the first `capacity` values in the queue.
+  /// Queues the value. Returns once the value is taken, or is among the first `capacity` values in the queue.
   void push(T value) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return values_.size() <= capacity_; });  // max one producer beyond the capacity
+    changed_.wait(lock, [this] { return values_.size() <= capacity_; });  // at most capacity + 1 values
     values_.push_back(std::move(value));
     changed_.notify_all();
     const std::uint64_t mine = ++given_;
     changed_.wait(lock, [this, mine] { return taken_ + capacity_ >= mine; });
   }
 
-  /// Marks the end of the values. Must be called by the last producer, after all others have returned.
+  /// Marks the end of the values. Must be called after the last push() has returned.
   void close() {
     const std::scoped_lock lock(mutex_);
     closed_ = true;

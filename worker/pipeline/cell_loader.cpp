@@ -120,8 +120,8 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCel
   }
 }
 
-/// Returns the whole primitive, or the clusters of a large one near the cell; null if none is near. Claims the memory
-/// of one kernel part and of its triangles.
+/// Returns the whole primitive if it is not split into clusters. Otherwise returns its clusters near the cell as one
+/// mesh; null if no cluster is near. Claims the memory of one kernel part and of its triangles.
 std::shared_ptr<const Primitive> CellLoader::mesh_near(const Box3i64& box, const LoadedTile& tile,
                                                        const Instance& instance, MemoryClaim& memory) const {
   constexpr std::uint64_t part_bytes = sizeof(kernels::PartView) + 320, triangle_bytes = 128, max_counted = 64;
@@ -138,7 +138,7 @@ std::shared_ptr<const Primitive> CellLoader::mesh_near(const Box3i64& box, const
 
 void CellLoader::load_textures(const RequiredTextures& wanted, LoadedCell& cell) {
   const auto bytes = [](const RequiredTextures::Item& item) { return item.tile->images()[item.image].texture_bytes; };
-  for (const RequiredTextures::Item& item : wanted.items)  // excludes mapped textures: the system can evict their pages
+  for (const RequiredTextures::Item& item : wanted.items)  // not mapped textures: the system can evict their pages
     if (!texture_store_.is_on_scratch(bytes(item))) cell.memory.add(bytes(item), "", "the textures of the cell");
   cell.textures.resize(wanted.items.size());
   pool_.parallel_for(wanted.items.size(), 1, [&](std::size_t begin, std::size_t end, int) {

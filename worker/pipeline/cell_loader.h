@@ -1,5 +1,5 @@
-/// First stage of a cell: loads everything that the kernels borrow. Data is read, decoded and prefiltered, or taken
-/// from the cache.
+/// First stage of a cell: loads all data that the kernels read. Data is read, decoded and prefiltered, or taken from
+/// the cache.
 #pragma once
 
 #include <cstdint>
@@ -25,11 +25,14 @@ inline constexpr const char* cell_advice = "use a smaller `cell_voxels`";
 
 /// The input of bake_cell() and the owners of its memory. Move-only.
 struct LoadedCell {
-  MemoryClaim memory{"cell", cell_advice};  ///< of instances and textures; tiles are claimed while they are read
+  /// The memory of instances and textures. The memory of tiles is claimed while they are read.
+  MemoryClaim memory{"cell", cell_advice};
   std::vector<std::shared_ptr<const LoadedTile>> tiles;
-  std::vector<std::shared_ptr<const Primitive>> meshes;  ///< of parts: whole primitives, or the clusters near the cell
+  /// The meshes of `parts`: whole primitives, or the clusters near the cell.
+  std::vector<std::shared_ptr<const Primitive>> meshes;
   std::vector<std::shared_ptr<const CellTexture>> textures;
-  std::vector<std::vector<std::uint32_t>> indices;  ///< lists without the triangles that are too long, if any
+  /// Index lists without triangles that are too long, for the parts that may have such triangles.
+  std::vector<std::vector<std::uint32_t>> indices;
   std::vector<kernels::PartView> parts;
   std::vector<kernels::MaterialView> materials;
   std::vector<kernels::TextureView> texture_views;
@@ -39,18 +42,21 @@ struct LoadedCell {
 
 class CellLoader {
  public:
-  /// `sources` and `parameters` must outlive the loader. Caches keep at most `cache_bytes`, half for tiles and half for
-  /// textures; data that cells in flight use is not included. Tiles above the size limit of `scratch` are stored there.
+  /// `sources` and `parameters` must outlive the loader. Caches hold at most `cache_bytes`, half for tiles and half for
+  /// textures. Data that only cells in flight use does not count. Tiles and textures above scratch.max_tile_bytes are
+  /// stored in scratch.folder.
   CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes, int threads,
              const TileScratch& scratch = {});
 
-  /// Loads a cell. Leaves out instances and clusters whose bounds miss the cell, and images that only they need. Also
-  /// leaves out triangles that are too long (worker/scan/long_triangles.h), independent of the cell.
+  /// Loads a cell. Omits instances and clusters whose bounds do not overlap the cell, and images that only omitted
+  /// instances use. Also omits triangles that are too long (worker/scan/long_triangles.h); this test does not depend on
+  /// the cell.
   /// Cost    Proportional to the data near the cell, plus one comparison per instance of its tiles and per cluster of
   ///         instances near it.
-  /// Exact   If job.tile_sources is set, a tile's hash is verified when it is read, and is part of its cache key.
-  /// Errors  InputError naming the tile or image that cannot be read, or the tile that changed since its scan. IoError:
-  ///         scratch cannot be written or is corrupt; another attempt reads the tiles again.
+  /// Exact   If job.tile_sources is not empty, each tile's hash is verified when the tile is read, and is part of the
+  ///         tile's cache key.
+  /// Errors  InputError if a tile or image cannot be read, or a tile has changed since its scan. IoError if scratch
+  ///         cannot be written or is corrupt; another attempt then reads the tiles again.
   LoadedCell load(const CellJob& job);
 
  private:

@@ -10,11 +10,12 @@
 
 namespace gigabake {
 
-/// Returns the parameters of a cell. kernel_bytes: target for working memory; 0: no bound.
+/// Returns the kernel parameters of a cell. `kernel_bytes` is the target for the kernels' working memory; 0 means no
+/// limit.
 kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters& parameters,
                                         std::uint64_t kernel_bytes);
 
-/// Returns the parameters of an overview.
+/// Returns the kernel parameters of an overview.
 kernels::OverviewParameters overview_parameters(const CellJob& job, const BakeParameters& parameters);
 
 }  // namespace gigabake

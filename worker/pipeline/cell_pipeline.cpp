@@ -18,12 +18,11 @@
 namespace gigabake {
 namespace {
 
-/// Overviews queued with a device before the reader blocks.
+/// Max number of queued overviews before the reader blocks. The queue is used only with a device.
 constexpr std::size_t overviews_waiting = 64;
 
-/// Runs one stage on a cell; an exception makes the report final.
-/// of_input: outcome of an InputError in this stage. The write stage passes `failed`, because its errors are I/O
-/// errors.
+/// Runs one stage on a cell; an exception makes the report final. `of_input` is the outcome of an InputError in this
+/// stage. The write stage passes `failed`, because its errors are I/O errors.
 template <class Work>
 void run_stage(InFlightCell& cell, double CellReport::*seconds, CellOutcome of_input, const Work& work) {
   if (cell.is_final) return;
@@ -159,7 +158,7 @@ class CellPipeline::Stages {
     if (--producers_ == 0) ready_.close();
   }
 
-  /// Runs the compute stage. CPU only: there is no readback stage; the compute thread feeds the writers.
+  /// Runs the compute stage. Without a device there is no readback stage, and the compute thread feeds the writers.
   void compute_all() {
     BoundedQueue<std::unique_ptr<InFlightCell>>& next = has_device_ ? computed_ : ready_;
     while (auto cell = loaded_.take()) {

@@ -17,23 +17,27 @@
 namespace gigabake {
 
 struct WorkerOptions {
-  int threads = 1;                 ///< per stage; with a device, writing uses the threads that the other stages leave
-  std::uint64_t memory_bytes = 0;  ///< target; a quarter caches tiles and textures, half is for kernels. 0: no bound
-  std::filesystem::path out;       ///< the bake's folder; shards go to OUT/shards
-  std::optional<int> cuda_device = {};  ///< none: the kernels run on the CPU
+  /// Threads per stage. If there is a device, the writers use the threads that the other stages leave.
+  int threads = 1;
+  /// Memory target: 1/4 for the caches of tiles and textures, 1/2 for the kernels. 0 means no limit.
+  std::uint64_t memory_bytes = 0;
+  std::filesystem::path out;            ///< the bake's folder; shards go to OUT/shards
+  std::optional<int> cuda_device = {};  ///< nullopt: the kernels run on the CPU
   /// True if `threads` is this rank's share of the host's cores rather than a number that the user requested.
   bool threads_are_a_share = false;
-  std::filesystem::path scratch = {};  ///< for tiles that are large compared with memory_bytes; empty: memory only
+  /// Folder for tiles and textures that are large compared with memory_bytes. If empty, all stay in memory.
+  std::filesystem::path scratch = {};
 };
 
-/// Bakes submitted jobs in order. Reports have the same order, except with a device. Writing is then by far the slowest
-/// stage, and several cells are written concurrently (worker/pipeline/writer_pool_size.h).
-/// Exact   A shard depends on its job, the sources and the parameters; not on threads, memory or other jobs.
-/// Errors  Every error of a cell becomes its report with one line of text: `refused` if another attempt would fail the
-///         same way, else `failed`.
+/// A pipeline that bakes submitted jobs in order. Without a device, the reports have the order of the jobs. The order
+/// may differ if there is a device: several cells are written concurrently, because writing is by far the slowest stage
+/// (worker/pipeline/writer_pool_size.h).
+/// Exact   A shard depends only on its job, the sources and the parameters, not on threads, memory or other jobs.
+/// Errors  Errors of a cell are not thrown: the cell's report holds the error as one line. The outcome is `refused` if
+///         another attempt would fail the same way, else `failed`.
 class CellPipeline {
  public:
-  /// Creates OUT/shards. on_report: called on a thread of the pipeline when poll() has one more report.
+  /// Creates OUT/shards. The pipeline calls `on_report` on one of its threads whenever poll() has one more report.
   /// Errors  InputError: OUT/shards cannot be created.
   CellPipeline(SceneSources sources, BakeParameters parameters, const WorkerOptions& options,
                std::function<void()> on_report = {});

@@ -71,8 +71,8 @@ StoredShard stored_shard(const std::filesystem::path& path, std::size_t lods) {
   return stored;
 }
 
-/// Returns true if the header is the one that this bake would write. The fingerprint covers all fields; comparing them
-/// detects an edited file.
+/// Returns true if the header is the one that this bake would write. The fingerprint covers all fields; comparing the
+/// fields too detects an edited file.
 bool is_of_job(const ShardHeader& h, const CellJob& job, const BakeParameters& p,
                const std::optional<Geodetic>& origin) {
   return h.fingerprint == job.fingerprint && h.cell == job.name && h.lattice_min == job.lattice_min &&
@@ -82,7 +82,7 @@ bool is_of_job(const ShardHeader& h, const CellJob& job, const BakeParameters& p
 }
 
 /// Returns the shard of an earlier run if it is complete, matches the job, and its voxels match the stored hash.
-/// Cost    Hashing takes 16 ns per voxel and thread, little compared with reading.
+/// Cost    Each thread hashes a voxel in 16 ns, which is little compared with reading the voxel.
 std::optional<Shard> published_shard(const std::filesystem::path& path, const CellJob& job, const BakeParameters& p,
                                      const std::optional<Geodetic>& origin, int threads) {
   std::error_code error;
@@ -117,8 +117,8 @@ CellStages::CellStages(SceneSources sources, BakeParameters parameters, const Wo
       pool_(options_.threads),
       write_pool_(writer_pool_size_for(options_).threads) {}
 
-/// Runs one step of a cell on the device. Returns false if there is no device or a step failed now or earlier; the CPU
-/// then bakes the cell.
+/// Runs one step of a cell on the device. Returns false if there is no device, or if this or an earlier step of the
+/// cell failed; the CPU then bakes the cell.
 template <class Step>
 bool CellStages::on_device(InFlightCell& cell, const Step& step) {
   if (!options_.cuda_device || !cell.report.note.empty()) return false;
@@ -187,8 +187,8 @@ void CellStages::compute(InFlightCell& cell) {
   if (is_alone_on_device(cell.device_volume->stats())) read_back(cell, readback_workers);
 }
 
-/// Returns true if the next cell, at the same size, would not fit in device memory together with the cells being read
-/// back.
+/// Returns true if a next cell of the same size would not fit into device memory together with the cells that are being
+/// read back.
 bool CellStages::is_alone_on_device(const kernels::CellStats& stats) const {
   return options_.memory_bytes != 0 && (readback_workers + 1) * stats.peak_bytes > kernel_bytes(options_);
 }
@@ -224,8 +224,8 @@ void CellStages::pack_on_device(InFlightCell& cell, kernels::CudaPacker& packer)
   pack_beside_others(cell, packer, request);
 }
 
-/// Packs with one readback worker's fraction of the memory. A cell that needs more waits for the other readback workers
-/// and then uses all of it.
+/// Packs with one readback worker's fraction of the memory. If this fraction is too small, waits for the other readback
+/// workers and packs with all of the memory.
 void CellStages::pack_beside_others(InFlightCell& cell, kernels::CudaPacker& packer, kernels::PackRequest& request) {
   const std::uint64_t memory = options_.memory_bytes / 4;
   try {

@@ -26,18 +26,20 @@ struct InFlightCell {
 
   CellJob job;
   CellReport report;
-  bool is_final = false;             ///< the report is final; later stages skip the cell
-  std::optional<LoadedCell> loaded;  ///< until there is a volume: a device may fail at any step
-  OverviewChildren children;         ///< of an overview, instead of `loaded`
+  bool is_final = false;  ///< the report is final; later stages skip the cell
+  /// Kept until the cell is packed or its volume is on the host. If the device fails before, the CPU bakes from it.
+  std::optional<LoadedCell> loaded;
+  OverviewChildren children;  ///< input of an overview, instead of `loaded`
   std::shared_ptr<const kernels::CudaInput> device_input;
-  std::unique_ptr<kernels::CudaVolume> device_volume;  ///< until it is packed or on the host
-  std::optional<kernels::PackedCell> packed;           ///< if set, there is no volume
+  std::unique_ptr<kernels::CudaVolume> device_volume;  ///< kept until it is packed or on the host
+  std::optional<kernels::PackedCell> packed;           ///< if set, `volume` is empty
   kernels::CellVolume volume;
 
   const kernels::CellStats& stats() const { return packed ? packed->stats : volume.stats; }
 };
 
-/// Number of cells that are read back from a device concurrently: packing one cell leaves most of the device idle.
+/// Number of cells that are read back from a device concurrently. Packing only one cell at a time would leave most of
+/// the device idle.
 inline constexpr std::size_t readback_workers = 3;
 
 /// The stages of a pipeline. Each stage may throw; the pipeline turns the exception into a failed report.
@@ -46,17 +48,20 @@ class CellStages {
   /// Errors  InputError: OUT/shards cannot be created.
   CellStages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options);
 
-  /// Initializes the device on the thread that will read. An error is ignored because the first cell reports it again.
+  /// Initializes the device. Call it on the thread that calls read(). An error is ignored, because read() of the first
+  /// cell reports it again.
   void prepare();
-  /// Reuses the shard of this fingerprint if OUT has a valid one; else loads tiles and textures, and uploads them to
-  /// the device. For an overview, takes children from memory where available and reads the others.
+  /// Reuses the shard of the job's fingerprint if OUT has a valid one. Otherwise loads tiles and textures, and uploads
+  /// them to the device if there is one. For an overview, takes children from the cache where available and reads the
+  /// others from OUT.
   void read(InFlightCell& cell);
   /// Computes the volume from the loaded data: on the device if there is one and the cell is not an overview. If the
   /// device fails, the cell is baked on the CPU, and the report has a note.
   void compute(InFlightCell& cell);
   /// Reads a cell back from the device, packed as columns. If packing fails, reads the volume back for the host to
-  /// pack. Sets the outcome `empty` if no voxel is occupied. Concurrent with the computation of the next cell. The
-  /// index of the calling thread is `readback_worker`, at most `readback_workers`; each thread reads another cell back.
+  /// pack. Sets the outcome `empty` if no voxel is occupied. May run while the next cell is computed.
+  /// `readback_worker`, 0 to readback_workers, selects the packer. Concurrent calls for cells on the device need
+  /// different values.
   void read_back(InFlightCell& cell, std::size_t readback_worker);
   /// Writes the volume or the columns to a shard, and fills the report.
   void write(InFlightCell& cell);
@@ -87,8 +92,9 @@ class CellStages {
   ThreadPool pool_, write_pool_;                               ///< write_pool_: shared by concurrent writers
   std::unique_ptr<kernels::CudaBaker> cuda_;                   ///< made on the thread that reads
   std::vector<std::unique_ptr<kernels::CudaPacker>> packers_;  ///< one per readback worker, and one for compute()
-  std::shared_mutex packing_;                                  ///< exclusive: pack with the whole memory
-  std::mutex download_;                                        ///< serializes CudaBaker::download()
+  /// Shared while a cell is packed with a fraction of the memory; exclusive while one is packed with all of it.
+  std::shared_mutex packing_;
+  std::mutex download_;  ///< serializes CudaBaker::download()
 };
 
 }  // namespace gigabake

@@ -6,7 +6,8 @@
 namespace gigabake {
 namespace {
 
-/// Slack of the alpha test in 8-bit texel steps: the float 0.2 is slightly above 51/255 and must let 51 pass.
+/// Tolerance of the alpha test in 8-bit texel steps. The float 0.2 is slightly above 51/255, but a texel alpha of 51
+/// must pass.
 constexpr double cutoff_slack = 1e-4;
 
 std::uint16_t to_16_bit(float share) {

@@ -9,10 +9,10 @@
 
 namespace gigabake {
 
-/// Prefiltering of a material's image. Materials with equal recipes share one texture.
+/// Prefiltering of a material's image. Materials with the same image and equal recipes share one texture.
 struct TextureRecipe {
   kernels::TextureAlpha alpha = kernels::TextureAlpha::ignore;
-  std::uint8_t mask_cutoff = 0;  ///< of TextureAlpha::mask: min 8-bit texel alpha that passes, 1 … 255
+  std::uint8_t mask_cutoff = 0;  ///< for TextureAlpha::mask: min 8-bit texel alpha that passes, 1 to 255
   friend bool operator==(const TextureRecipe&, const TextureRecipe&) = default;
 };
 
@@ -22,10 +22,11 @@ struct ShadedMaterial {
   TextureRecipe recipe;
 };
 
-/// Converts a material. The alpha test of AlphaMode::mask is `factor · texel ≥ cutoff`. If there is a texture, the test
-/// becomes a threshold on texels. The pyramid can then store the fraction that passes, and vertex alpha is ignored. A
-/// cutoff of 0 lets every texel pass, so the material is opaque. A cutoff above the factor lets none pass; the material
-/// is then invisible and needs no image.
+/// Converts a material. The alpha test of AlphaMode::mask is `factor · texel ≥ cutoff`, where `factor` is the alpha of
+/// the base colour. If there is a texture, the test becomes a threshold on texels. The pyramid can then store the
+/// fraction of texels that pass, and vertex alpha is ignored. A cutoff of 0 lets every texel pass, so the material is
+/// opaque. A cutoff above 1, or above the factor of a textured material, lets no texel pass. The material is then
+/// invisible and needs no image.
 ShadedMaterial shaded_material(const Material& material);
 
 }  // namespace gigabake

@@ -12,7 +12,8 @@ namespace gigabake {
 /// file's content.
 Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header);
 
-/// Returns the shard of a cell that a device has packed. Moves its levels, nodes and hashes; borrows its memory.
+/// Returns the shard of a cell that a device has packed. Moves the cell's levels, nodes and hashes. The shard points
+/// into PackedCell::memory, so `cell` must outlive it.
 PackedShard shard_from_packed(kernels::PackedCell& cell, ShardHeader header);
 
 }  // namespace gigabake

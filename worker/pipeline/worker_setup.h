@@ -14,17 +14,17 @@ namespace gigabake {
 
 struct WorkerSetup {
   BakeParameters parameters;
-  WorkerOptions worker;  ///< except cuda_device, which the process chooses
+  WorkerOptions worker;  ///< except cuda_device: the process chooses the device itself
   DeviceRequest device;
-  /// Serialized as in format/job/source_bytes.h. Relative paths are relative to the process's working folder, which it
-  /// inherits.
+  /// The serialized sources (format/job/source_bytes.h). Relative paths refer to the working folder that the bake
+  /// process inherits from its supervisor.
   std::shared_ptr<const std::vector<std::uint8_t>> sources;
 };
 
 /// Serializes all fields except the sources, which are sent before the setup, in parts.
 std::vector<std::uint8_t> to_bytes(const WorkerSetup& setup);
-/// Reads what to_bytes() wrote.
-/// Errors  InputError when malformed, UsageError if a parameter is out of range.
+/// Returns the setup that to_bytes() serialized, without the sources.
+/// Errors  InputError if the bytes are malformed; UsageError if a parameter is out of range.
 WorkerSetup setup_from_bytes(std::span<const std::uint8_t> bytes);
 
 }  // namespace gigabake

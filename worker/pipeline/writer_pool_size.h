@@ -1,4 +1,4 @@
-/// Numbers of cells that a worker reads ahead, and packs and writes concurrently, and of their threads.
+/// Sizes of a worker's pools: the cells that it reads ahead, packs and writes concurrently, and the threads for them.
 #pragma once
 
 #include <cstddef>
@@ -10,14 +10,14 @@ namespace gigabake {
 
 struct WriterPoolSize {
   int writers;  ///< cells written concurrently, one thread each
-  int threads;  ///< of the pool shared by their loops; the calling writer counts as one, so the pool starts one less
+  int threads;  ///< threads of the pool that the writers share, including the writer that calls it
 };
 
 /// Returns the number of writers and pool threads. If there is a device, two to four cells are written concurrently. A
-/// shared pool packs cells that are read back unpacked; in all the stages use no more threads than the worker has.
-/// Cells packed on the device are only passed to the system. HDF5 serves one writer at a time, so more than four
-/// writers would wait for each other. If memory is short, fewer cells are written concurrently. Without a device the
-/// kernels need the threads, and one cell is packed at a time.
+/// shared pool packs cells that are read back unpacked. It has the threads that the writers and the other stages leave,
+/// at least one. A cell that the device has packed is only written. HDF5 serves one writer at a time, so more than four
+/// writers would wait for each other. If memory is short, fewer cells are written concurrently. Without a device there
+/// is one writer, because the kernels need the threads.
 WriterPoolSize writer_pool_size_for(const WorkerOptions& options);
 
 /// Returns the number of overviews made concurrently with a device. Most overviews become ready at the end of a bake,
@@ -29,7 +29,8 @@ std::size_t overview_makers_for(const WorkerOptions& options);
 /// is 0 without a device, because reading and kernels share the threads.
 std::size_t readahead_cells_for(const WorkerOptions& options);
 
-/// Returns the memory in which each writer may assemble a file; all writers together use at most 1/16 of the worker's.
+/// Returns the bytes of memory in which each writer may assemble a file: at most 64 MiB. All writers together use at
+/// most 1/16 of the worker's memory.
 std::uint64_t file_image_bytes_for(const WorkerOptions& options);
 
 }  // namespace gigabake

@@ -1,4 +1,4 @@
-/// Accumulates the columns that a tile's triangles touch.
+/// Accumulates the columns that a tile's triangles overlap.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct ColumnKeyHash {
   }
 };
 
-/// Merges the extent of the same column into `column`.
+/// Merges another extent of the same column into `column`. The sum of `crossings` saturates.
 inline void unite_into(ColumnExtent& column, const ColumnExtent& other) {
   column.z_min = std::min(column.z_min, other.z_min);
   column.z_end = std::max(column.z_end, other.z_end);
@@ -38,8 +38,8 @@ inline void unite_into(ColumnExtent& column, const ColumnExtent& other) {
   column.crossings += std::min(room, other.crossings);
 }
 
-/// The columns that one thread has found. The last column is cached, because neighbouring triangles mostly share their
-/// column.
+/// The columns that one thread has found. The last column is cached, because neighbouring triangles mostly lie in the
+/// same column.
 class ColumnMap {
  public:
   void add(const ColumnExtent& c) {
@@ -59,7 +59,7 @@ class ColumnMap {
   std::uint64_t visits_ = 0;
 };
 
-/// Sorts by position and merges the extents of equal columns from several threads.
+/// Sorts the extents by column, and merges extents of the same column that several threads have found.
 inline void unite_columns(std::vector<ColumnExtent>& columns) {
   std::sort(columns.begin(), columns.end(), [](const ColumnExtent& a, const ColumnExtent& b) {
     return std::pair(a.column_x, a.column_y) < std::pair(b.column_x, b.column_y);

@@ -9,8 +9,8 @@
 namespace gigabake {
 namespace {
 
-/// Convex polygon; sub-voxels from the triangle's first vertex. A triangle clipped by four half-spaces has at most 7
-/// vertices.
+/// A convex polygon, in sub-voxels from the triangle's first vertex. A triangle clipped by four half-spaces has at most
+/// 7 vertices.
 struct Polygon {
   std::array<Vec3d, 8> p;
   int count = 0;
@@ -30,7 +30,7 @@ Range range_of(const Polygon& polygon, int axis) {
   return r;
 }
 
-/// Clips the polygon to sign · coordinate ≤ sign · bound.
+/// Clips the polygon to the half-space sign · p[axis] ≤ sign · bound, where `sign` is 1 or -1.
 Polygon cut(const Polygon& in, std::size_t axis, double bound, double sign) {
   Polygon out;
   for (int i = 0; i < in.count; ++i) {

@@ -1,4 +1,4 @@
-/// The columns that one snapped triangle may touch, and its height range in each.
+/// The columns that one snapped triangle may overlap, and the triangle's height range in each.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-/// Sub-voxels from the lattice origin, |coordinate| ≤ 2^53.
+/// A triangle with vertices in sub-voxels from the lattice origin; |coordinate| ≤ 2^53.
 struct LatticeTriangle {
   Vec3i64 p[3];
 };
@@ -20,7 +20,7 @@ inline bool has_area(const LatticeTriangle& triangle) { return kernels::has_area
 
 struct ColumnGrid {
   int cell_bits = 10;   ///< log2 of the cell's edge in voxels
-  bool closed = false;  ///< the surface rule counts contact: voxels are closed cubes, else half-open
+  bool closed = false;  ///< true if the surface rule counts contact: voxels are then closed cubes, else half-open
 };
 
 /// Inclusive range of voxels along one axis.
@@ -28,7 +28,7 @@ struct VoxelSpan {
   std::int64_t first, last;
 };
 
-/// Returns the voxels that the triangle's box overlaps along one axis. Exact integer arithmetic.
+/// Returns the voxels that the triangle's box overlaps along one axis. Uses exact integer arithmetic.
 inline VoxelSpan voxel_span(const LatticeTriangle& t, int axis, bool closed) {
   const std::int64_t lo = std::min({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
   const std::int64_t hi = std::max({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
@@ -36,7 +36,7 @@ inline VoxelSpan voxel_span(const LatticeTriangle& t, int axis, bool closed) {
   return {first >> subvoxel_bits, last >> subvoxel_bits};
 }
 
-/// Returns the columns of the triangle's box along x or y.
+/// Returns the column indices that the triangle's box overlaps along x or y.
 inline VoxelSpan column_span(const LatticeTriangle& triangle, int axis, const ColumnGrid& grid) {
   const VoxelSpan voxels = voxel_span(triangle, axis, grid.closed);
   return {voxels.first >> grid.cell_bits, voxels.last >> grid.cell_bits};
@@ -45,10 +45,11 @@ inline VoxelSpan column_span(const LatticeTriangle& triangle, int axis, const Co
 /// Calls visit(column_x, column_y, z range) for every column in which the surface rule may occupy a voxel, and for some
 /// neighbours of these columns. The z range contains every such voxel. Returns false if there are more than
 /// `max_columns` columns; some may have been visited by then.
-/// Exact   Conservative. Bounds are exact for a triangle inside one column. Otherwise the triangle is clipped in double
-///         to each column grown by one sub-voxel and 2^-48 of the triangle's extent. The error of a clipped coordinate
-///         is below 2^-49 of that extent.
-/// Cost    Proportional to the rows and columns of the triangle, not of its bounding box.
+/// Exact   The result is conservative, and exact for a triangle inside one column. Otherwise the triangle is clipped in
+///         double to each column grown by one sub-voxel and 2^-48 of the triangle's extent. The error of a clipped
+///         coordinate is below 2^-49 of that extent.
+/// Cost    Proportional to the rows of columns of the bounding box plus the visited columns, not to all columns of the
+///         box.
 bool for_each_column(const LatticeTriangle& triangle, const ColumnGrid& grid, std::uint64_t max_columns,
                      const std::function<void(std::int64_t, std::int64_t, VoxelSpan)>& visit);
 

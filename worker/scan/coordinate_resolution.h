@@ -7,14 +7,14 @@
 
 namespace gigabake {
 
-/// Max magnitude of a coordinate on each of a mesh's own axes.
+/// Max magnitude of a mesh's coordinates on each axis of its local frame.
 using CoordinateRange = std::array<float, 3>;
 
-/// Returns the max distance in the scene, within `reach`, between neighbouring representable coordinates on one axis. A
-/// vertex may be off by half of it.
-/// Exact   Float coordinates: their spacing (ULP) at the reach. Quantized coordinates: their step. Both are scaled by
-///         the instance's transform of the axis. The error of float32 translations in EXT_mesh_gpu_instancing is not
-///         included.
+/// Returns the max distance between adjacent representable coordinates on one axis, in scene metres, for coordinates up
+/// to `reach`. A vertex may be off by half of this distance.
+/// Exact   For float coordinates, the local distance is the ULP at `reach`; for quantized coordinates, it is their
+///         step. It is multiplied by the scale of the instance's transform on the axis. The error of float32
+///         translations in EXT_mesh_gpu_instancing is not included.
 double coordinate_resolution_m(const Primitive& primitive, const Instance& instance, const CoordinateRange& reach);
 
 }  // namespace gigabake

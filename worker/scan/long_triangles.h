@@ -1,4 +1,4 @@
-/// Triangles too long for exact arithmetic, typically because a vertex has a wrong unit. They are left out independent
+/// Triangles too long for exact arithmetic, typically because a vertex has a wrong unit. They are omitted independently
 /// of the cell grid, and a scan counts them.
 #pragma once
 
@@ -16,8 +16,8 @@
 
 namespace gigabake {
 
-/// Max side in sub-voxels. It keeps the vertices of a triangle within kernels::max_coordinate of the lowest corner
-/// of every cell that the triangle overlaps.
+/// Max side of a triangle's box in sub-voxels. It keeps the vertices of a triangle within kernels::max_coordinate of
+/// the lowest corner of every cell that the triangle overlaps.
 inline constexpr std::int64_t max_triangle_side = max_side_voxels * subvoxels;
 static_assert(max_triangle_side + 8192 * subvoxels == kernels::max_coordinate);  // edge of the largest cell
 

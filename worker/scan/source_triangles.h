@@ -1,8 +1,8 @@
-/// All triangles of a source at once, in a bake's lattice but neither snapped nor filtered, with the materials and
-/// textures of a bake.
+/// All triangles of a source in the lattice of a bake, with the bake's materials and textures. They are neither snapped
+/// nor filtered.
 ///
-/// Space   Lod-0 voxels of the lattice. Positions are transformed in double; float is used only for offsets from
-///         `middle`.
+/// Space   Coordinates are in lod-0 voxels of the lattice. Positions are transformed in double; float is used only for
+///         offsets from `middle`.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ struct TriangleName {
   friend auto operator<=>(const TriangleName&, const TriangleName&) = default;
 };
 
-/// An intersection of a ray and a triangle: barycentric weights of its second and third vertex.
+/// An intersection of a ray and a triangle, with the barycentric weights of the triangle's second and third vertex.
 struct TrianglePoint {
   std::uint32_t part = 0, triangle = 0;
   float second = 0, third = 0;
@@ -36,28 +36,27 @@ class SourceTriangles {
  public:
   /// Loads the whole source.
   /// Cost    Memory for every tile and image of the source at once.
-  /// Errors  InputError: a tile or image that cannot be read; no triangles.
+  /// Errors  InputError if a tile or image cannot be read, or if the source has no triangles.
   SourceTriangles(const SceneSources& sources, const BakeParameters& lattice, int threads);
 
   std::size_t parts() const { return cell_.parts.size(); }
   /// Returns 3 indices per triangle, each < the vertex count.
   Span<const std::uint32_t> indices(std::size_t part) const { return cell_.parts[part].index; }
-  /// Returns 3 coordinates per vertex, relative to middle(); not finite if the source's are not.
+  /// Returns 3 coordinates per vertex, relative to middle(); not finite if the source's coordinates are not.
   std::vector<float> positions(std::size_t part) const;
   /// Returns the corners of one triangle, in double, in the order of its indices.
   std::array<std::array<double, 3>, 3> corners(std::size_t part, std::size_t triangle) const;
-  /// Returns the number of texels that the triangle covers in its image; 0 if it has none.
+  /// Returns the number of texels that the triangle covers in its image; 0 if it has no image.
   double texels(std::size_t part, std::size_t triangle) const;
   /// Returns true if the part's instance transform is a reflection: the winding then follows the left-hand rule.
   bool is_mirrored(std::size_t part) const;
-  /// Returns the unit normal towards the outside, by the winding after the instance transform; 0 if the triangle has no
-  /// area.
+  /// Returns the outward unit normal, as defined by the winding and is_mirrored(); 0 if the triangle has no area.
   std::array<double, 3> outside(std::size_t part, std::size_t triangle) const;
   const TriangleBox& box() const { return box_; }
   const std::array<double, 3>& middle() const { return middle_; }
 
-  /// Returns the linear, premultiplied colour at a point: bilinear texel, vertex colours and base colour, with alpha by
-  /// the material's mode. Both sides have the same colour, as in a bake.
+  /// Returns the linear, premultiplied colour at a point. It is the product of the bilinear (or nearest) texel, vertex
+  /// colour and base colour, with alpha by the material's mode. Both sides have the same colour, as in a bake.
   std::array<float, 4> colour(const TrianglePoint& at) const;
 
  private:

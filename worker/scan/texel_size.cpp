@@ -66,7 +66,7 @@ void TexelSize::add(const TexelSize& other) {
 double TexelSize::mean_m() const { return area_m2 > 0 ? std::exp(log_size_area / area_m2) : 0; }
 
 TexelSize texel_size(const TileMesh& mesh) {
-  std::map<int, double> texels;  // by image
+  std::map<int, double> texels;  // key: index of the image
   TexelSize sum;
   std::size_t triangles = 0;
   for (const Instance& instance : mesh.instances) {

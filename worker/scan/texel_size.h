@@ -7,18 +7,18 @@ namespace gigabake {
 
 /// Sums over textured triangles; sums of several tiles can be added.
 struct TexelSize {
-  double area_m2 = 0;        ///< of textured surface
-  double log_size_area = 0;  ///< ln(texel edge in metres) times area
+  double area_m2 = 0;        ///< area of the textured surface
+  double log_size_area = 0;  ///< sum of ln(texel edge in metres) · area in m²
 
   void add(const TexelSize& other);
-  /// Returns the area-weighted geometric mean of the texel edge: about half of the surface has finer texels. 0: no
-  /// texture.
+  /// Returns the area-weighted geometric mean of the texel edge; 0 if there is no texture. About half of the surface
+  /// has finer texels.
   double mean_m() const;
 };
 
-/// Returns the sums of the first four million triangles, instances included.
+/// Returns the sums over the first 2^22 triangles; every instance of a triangle counts.
 /// Cost    Reads the header of every image that is used.
-/// Errors  InputError: an image header without a size.
+/// Errors  InputError if an image header does not state a size.
 TexelSize texel_size(const TileMesh& mesh);
 
 }  // namespace gigabake

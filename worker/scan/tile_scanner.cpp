@@ -30,7 +30,7 @@ Vec3d scene_position(const Primitive& primitive, std::uint32_t vertex, const Ins
   });
 }
 
-/// Returns the longest side of the box of a triangle that is not on the lattice; infinite if a vertex is not finite.
+/// Returns the longest side, in metres, of the box of an unsnapped triangle; infinite if a vertex is not finite.
 double side_m(const Primitive& primitive, const std::uint32_t* index, const Instance& instance) {
   const std::array<Vec3d, 3> p_m = {scene_position(primitive, index[0], instance),
                                     scene_position(primitive, index[1], instance),
@@ -44,8 +44,8 @@ double side_m(const Primitive& primitive, const std::uint32_t* index, const Inst
   return side;
 }
 
-/// Returns twice the sum of the areas projected along x, y and z. Exact for lattice triangles while the values fit into
-/// a double.
+/// Returns twice the sum of a triangle's areas projected along x, y and z. `a` and `b` are two of its edges. The result
+/// is exact for lattice triangles while the values fit into a double.
 double doubled_views(const Vec3d& a, const Vec3d& b) {
   const Vec3d n = cross(a, b);
   return std::fabs(n[0]) + std::fabs(n[1]) + std::fabs(n[2]);
@@ -55,7 +55,7 @@ std::uint64_t crossings_of(const LatticeTriangle& t) {
   return std::uint64_t(std::min(doubled_views(Vec3d(t.p[1] - t.p[0]), Vec3d(t.p[2] - t.p[0])), max_projected_voxels));
 }
 
-/// Returns the area in the primitive's own frame, over finite triangles.
+/// Returns the area of the primitive's finite triangles in its local frame.
 double area_m2(const Primitive& primitive) {
   double doubled = 0;
   for (std::size_t t = 0; t + 2 < primitive.index.size(); t += 3) {
@@ -70,7 +70,7 @@ double area_m2(const Primitive& primitive) {
   return doubled / 2;
 }
 
-/// Returns the factor by which a placement scales areas. Exact for uniform scales.
+/// Returns the factor by which a placement scales areas; it is exact for uniform scales.
 double area_scale(const Instance& instance) {
   return std::pow(std::fabs(kernels::determinant(row_major(instance.scene_from_local).data())), 2.0 / 3);
 }
@@ -178,8 +178,9 @@ void TileScanner::add_cluster(const Primitive& cluster, Placements placements, T
   }
 }
 
-/// Like add_placed() for all placements, but does not count triangles without area. A placement is scanned triangle by
-/// triangle if its box is beyond the lattice or may hold a triangle that is too long. Its other triangles may be valid.
+/// Scans all placements by their boxes; unlike add_placed(), does not count triangles without area. A placement is
+/// scanned triangle by triangle if its box is beyond the lattice or may hold a triangle that is too long, because its
+/// other triangles may be valid.
 void TileScanner::add_boxes(const Primitive& mesh, Placements placements) {
   const LocalBounds bounds = bounds_of(mesh);
   const std::uint64_t triangles = mesh.index.size() / 3, non_finite = triangles_not_finite(mesh);
@@ -199,8 +200,8 @@ void TileScanner::add_boxes(const Primitive& mesh, Placements placements) {
     if (is_far[i] != 0) add_placed(mesh, *placements[i]);
 }
 
-/// Returns the projected voxels of an area with evenly distributed normals: the mean of |x| + |y| + |z| over directions
-/// is 3/2.
+/// Returns the projected voxels of an area with evenly distributed normals, times projected_voxel_unit. The mean of |x|
+/// + |y| + |z| over all unit normals (x, y, z) is 3/2.
 std::uint64_t TileScanner::crossings_of_area(double surface_m2) const {
   const double voxels = 1.5 * surface_m2 / (parameters_.voxel_size_m * parameters_.voxel_size_m);
   return std::uint64_t(std::clamp(voxels * projected_voxel_unit, 0.0, max_projected_voxels));

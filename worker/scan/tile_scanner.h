@@ -19,19 +19,20 @@
 
 namespace gigabake {
 
-/// Scans the meshes of one tile.
+/// A scanner of one tile's meshes.
 /// Exact   Columns and counts are independent of the split into meshes and of the number of threads.
-/// Errors  InputError from every add(): the triangles spread over more than max_columns columns.
+/// Errors  Every add() throws InputError if the triangles cover more than max_columns columns.
 class TileScanner {
  public:
   using Placements = std::span<const Instance* const>;
 
   TileScanner(const TileRef& tile, const BakeParameters& parameters, const ThreadPool& pool);
 
-  /// Adds a mesh at all its placements. Many placements of many triangles are scanned by their boxes (scan_tile.h).
+  /// Adds a mesh at all its placements. A mesh with many placements and triangles is scanned by the boxes of its
+  /// placements (scan_tile.h).
   void add(const Primitive& mesh, Placements placements);
   /// Adds a primitive of a tile cluster by cluster.
-  /// Cost    One cluster per thread is in memory.
+  /// Cost    Holds one cluster per thread in memory.
   void add(const LoadedTile& tile, std::size_t primitive, Placements placements);
 
   void finish(TileScan& scan) const;
@@ -43,9 +44,9 @@ class TileScanner {
   };
   struct ThreadScan {
     ColumnMap map;
-    std::vector<ColumnExtent> touched;    ///< by the current triangle
+    std::vector<ColumnExtent> touched;    ///< columns that the current triangle overlaps
     std::vector<SnappedVertex> vertices;  ///< of the current cluster
-    std::vector<CoordinateRange> reach;   ///< by placement of the current primitive
+    std::vector<CoordinateRange> reach;   ///< per placement of the current primitive
     std::uint64_t non_finite = 0, zero_area = 0, too_far = 0;
     double reach_m = 0;
   };

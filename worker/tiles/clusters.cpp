@@ -13,7 +13,7 @@ namespace {
 constexpr int axis_bits = 10;
 constexpr std::uint32_t no_vertex = UINT32_MAX;
 
-/// Returns three times the mean of the corners.
+/// Returns three times the triangle's centroid.
 Vec3d tripled_centroid(const Primitive& mesh, std::size_t triangle) {
   Vec3d sum{};
   for (std::size_t corner = 0; corner < 3; ++corner) {
@@ -64,7 +64,7 @@ CurveGrid grid_of(const Primitive& mesh) {
   return grid;
 }
 
-/// Returns the triangles in Morton order; the low half of each value is the triangle's index.
+/// Returns the triangles in Morton order; the low 32 bits of each value are the triangle's index.
 kernels::UnsetArray<std::uint64_t> along_curve(const Primitive& mesh) {
   const CurveGrid grid = grid_of(mesh);
   kernels::UnsetArray<std::uint64_t> order(mesh.index.size() / 3);
@@ -119,13 +119,13 @@ class ClusterBuilder {
   }
 
   const Primitive& mesh_;
-  std::vector<std::uint32_t> local_;  ///< by vertex of the mesh: its index in the current cluster
+  std::vector<std::uint32_t> local_;  ///< per vertex of the mesh: its index in the current cluster
   std::vector<std::uint32_t> used_;   ///< vertices of the current cluster
   Primitive cluster_;
 };
 
-/// Halves the range by one bit of the Morton code until it is small enough. The clusters are boxes; runs of equal
-/// length would have long tails.
+/// Splits the range at one bit of the Morton code, recursively, until at most cluster_triangles are left. The triangles
+/// of a cluster then lie in one octree box; runs of equal length along the curve could include distant triangles.
 template <class Visit>
 void for_each_box(std::span<const std::uint64_t> along_curve, int bit, const Visit& visit) {
   while (bit < 0 && along_curve.size() > cluster_triangles) {  // all centroids in one step of the grid

@@ -14,24 +14,24 @@
 
 namespace gigabake {
 
-/// Immutable, because cells on several threads read it.
+/// A tile in memory. It is immutable, because cells on several threads read it.
 class LoadedTile {
  public:
-  /// file: holds the clusters that have no mesh in memory; null if all clusters have one. A primitive in memory that
-  /// spans several cells of parameters.cell_voxels is split into clusters on the pool's threads.
+  /// `file` holds the clusters that have no mesh in memory; it is null if all clusters are in memory. A primitive in
+  /// memory that spans several cells of parameters.cell_voxels is split into clusters on the pool's threads.
   LoadedTile(TileDirectory&& directory, std::shared_ptr<const TileFile> file, const BakeParameters& parameters,
              const ThreadPool& pool);
 
-  const TileMesh& mesh() const { return directory_.mesh; }  ///< without images and triangles of primitives
+  const TileMesh& mesh() const { return directory_.mesh; }  ///< without images and without the primitives' triangles
   const std::vector<TilePrimitive>& primitives() const { return directory_.primitives; }
-  /// Returns one box per instance; it holds every voxel that the instance can touch.
+  /// Returns one box per instance. The box contains every voxel that the instance can occupy.
   const std::vector<SceneBox>& instance_boxes() const { return boxes_; }
   const std::vector<TileImage>& images() const { return directory_.images; }
   /// Returns the image with its encoded bytes.
   /// Errors  The errors of TileFile::read().
   EncodedImage encoded(std::size_t image) const;
 
-  /// Returns the given clusters of one primitive as one mesh; null if there are none.
+  /// Returns the given clusters of one primitive as one mesh; null if `clusters` is empty.
   /// Cost    A single cluster that is in memory is not copied.
   /// Errors  The errors of TileFile::read().
   std::shared_ptr<const Primitive> mesh_of(const std::vector<const TileCluster*>& clusters) const;

@@ -12,7 +12,7 @@
 namespace gigabake {
 namespace {
 
-/// Texels of a few rows of a wide image; with a smaller limit they would be paged in again and again.
+/// Min limit in bytes: the texels of a few rows of a wide image. A smaller limit would page these rows in repeatedly.
 constexpr std::uint64_t min_bytes = std::uint64_t(16) << 20;
 constexpr std::chrono::milliseconds interval{4};
 

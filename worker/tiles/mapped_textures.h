@@ -1,5 +1,5 @@
 /// Limit of the resident size of mapped textures. The pages that cells read from a texture file count as this process's
-/// memory until they are released. A cell may read all of them.
+/// memory until they are released. A cell may read all pages of a texture.
 #pragma once
 
 #include <condition_variable>
@@ -11,8 +11,9 @@
 namespace gigabake {
 
 /// The texture files that this process has mapped. While any is mapped and memory_limit() is set, a thread polls the
-/// resident size of mapped files every few milliseconds. Above a fraction of the limit it releases the pages of all
-/// textures. The next access maps a released page again, without I/O if the page cache still has it. Thread-safe.
+/// resident size of mapped files every few milliseconds. Above max_mapped_texture_bytes(), the thread releases the
+/// pages of all textures. The next access maps a released page again, without I/O if the page cache still has it.
+/// Thread-safe.
 class MappedTextures {
  public:
   static MappedTextures& of_process();
@@ -31,12 +32,13 @@ class MappedTextures {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::map<void*, std::uint64_t> mapped_;
-  std::uint64_t other_bytes_ = 0;  ///< resident bytes of files before the first texture: program and libraries
+  /// Resident bytes of mapped files before the first texture, for example of the program and its libraries.
+  std::uint64_t other_bytes_ = 0;
   bool ends_ = false;
   std::thread watcher_;
 };
 
-/// Returns the maximum of resident bytes of mapped textures.
+/// Returns the max resident bytes of mapped textures: 1/8 of memory_limit(), at least 16 MiB.
 std::uint64_t max_mapped_texture_bytes();
 
 }  // namespace gigabake

@@ -11,7 +11,7 @@
 namespace gigabake {
 
 /// Writer of one scratch file.
-/// Errors  IoError from every member, with the file and the system's reason; the incomplete file is removed.
+/// Errors  Every member throws IoError with the file and the system's reason; the incomplete file is then removed.
 class ScratchPublication {
  public:
   /// Creates the folder if it is missing.
@@ -39,7 +39,7 @@ class ScratchPublication {
 void make_scratch_folder(const std::filesystem::path& folder);
 
 /// Exclusive file lock for making one scratch file, released at the end of the scope. Other ranks that need the same
-/// file wait for it. The system releases the lock if the process dies.
+/// file wait for the lock. The system releases the lock if the process dies.
 class ScratchLock {
  public:
   explicit ScratchLock(std::filesystem::path file);
@@ -49,7 +49,7 @@ class ScratchLock {
 };
 
 /// Returns the content of a scratch file, and makes the file if it is missing. One rank makes it while the others wait.
-/// find: returns null if the file does not exist. make: writes the file and returns its content.
+/// `find` returns the content, or null if the file does not exist. `make` writes the file and returns its content.
 template <class Find, class Make>
 auto find_or_make(const std::filesystem::path& file, const Find& find, const Make& make) -> decltype(find()) {
   if (auto found = find()) return found;

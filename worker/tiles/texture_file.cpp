@@ -42,7 +42,7 @@ std::uint64_t hash_and_release(const std::uint8_t* begin, std::uint64_t bytes) {
   return XXH3_64bits_digest(&state);
 }
 
-/// Returns the checksum of header and levels. level_hash: returns the hash of a level.
+/// Returns the checksum of header and levels. `level_hash` returns the hash of a level.
 template <class LevelHash>
 std::uint64_t checksum_of_levels(const TextureHead& head, const LevelHash& level_hash) {
   std::vector<std::uint64_t> hashes;

@@ -23,7 +23,7 @@ struct TextureHead {
   std::uint64_t level_bytes(int level) const {
     return row_bytes(level) * std::uint64_t(kernels::level_extent(height, level));
   }
-  /// Returns the bytes of levels [0, end).
+  /// Returns the total size of levels [0, end) in bytes.
   std::uint64_t bytes_before(int end) const {
     std::uint64_t sum = 0;
     for (int l = 0; l < end; ++l) sum += level_bytes(l);
@@ -32,8 +32,8 @@ struct TextureHead {
 };
 static_assert(sizeof(TextureHead) == 56 && sizeof(TextureHead) % alignof(std::uint16_t) == 0);
 
-/// Returns the checksum of header and levels.
-/// level_hashes: XXH3_64bits of each level's bytes; hashing per level allows levels to be written concurrently.
+/// Returns the checksum of header and levels. `level_hashes` holds XXH3_64bits of each level's bytes. Separate hashes
+/// allow rows of different levels to be written alternately.
 std::uint64_t checksum_of(TextureHead head, std::span<const std::uint64_t> level_hashes);
 
 }  // namespace gigabake

@@ -17,7 +17,8 @@ namespace gigabake {
 namespace {
 
 constexpr std::size_t written_at_once = std::size_t(256) << 10;
-/// Max source rows of one row of the next level; the last of them may be the first source row of the following one.
+/// Max source rows of one row of the next level. The last source row may also be the first source row of the following
+/// row.
 constexpr std::size_t rows_held = 3;
 
 /// Buffered, hashed writer of one level.

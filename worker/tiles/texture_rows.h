@@ -9,9 +9,9 @@
 namespace gigabake {
 
 /// Writes the scratch file of `image`, filtered as `recipe` specifies.
-/// Exact   Byte for byte the file that write_texture() writes for the same image and parameters.
-/// Cost    One thread; memory for about six rows of the image and 256 KiB per level.
-/// Errors  The errors of ImageRows::next(). IoError, naming the file and the system's reason.
+/// Exact   The file has the same bytes as the file that write_texture() writes for the same image and `recipe`.
+/// Cost    Runs on one thread; needs memory for about six rows of the image and 256 KiB per level.
+/// Errors  The errors of ImageRows::next(). IoError with the file and the system's reason.
 void write_texture_rows(const std::filesystem::path& target, ImageRows& image, const TextureRecipe& recipe);
 
 }  // namespace gigabake

@@ -19,8 +19,8 @@ kernels::Texture make_texture(const EncodedImage& encoded, const TextureRecipe& 
   return {std::move(image.rgba), image.width, image.height, recipe.alpha, recipe.mask_cutoff, callers_thread()};
 }
 
-/// Memory per column of an image that is decoded in rows: three rows of the image and of its levels, and the decoder's
-/// buffers.
+/// Bytes of memory per pixel of the image's width if the image is decoded in rows: three rows of each level, and the
+/// decoder's buffers.
 constexpr std::uint64_t bytes_of_rows = 64;
 
 std::string file_name(const TextureKey& key) {
@@ -43,7 +43,7 @@ std::shared_ptr<const CellTexture> TextureStore::load(const TextureKey& key, std
       });
 }
 
-/// Writes row by row if the image format allows; otherwise the decoded image must fit into memory.
+/// Writes the texture row by row if the image format allows it; otherwise the decoded image must fit into memory.
 void TextureStore::write(const std::filesystem::path& file, const EncodedImage& encoded, const TextureRecipe& recipe) {
   const auto rows = ImageRows::open(encoded);
   if (rows == nullptr) {

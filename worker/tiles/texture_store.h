@@ -42,16 +42,17 @@ class CellTexture {
 
 class TextureStore {
  public:
-  /// folder: empty: all textures are in memory. max_bytes: max size of a texture that is held in memory.
+  /// Creates a store. If `folder` is empty, all textures are held in memory. Otherwise large textures, at least those
+  /// above `max_bytes`, are mapped from files in `folder`.
   TextureStore(std::filesystem::path folder, std::uint64_t max_bytes)
       : folder_(std::move(folder)), max_bytes_(max_bytes) {}
 
   /// Returns true if a texture of this size is mapped from scratch, false if it is held in memory.
   bool is_on_scratch(std::uint64_t texture_bytes) const;
-  /// Returns the texture; makes it if needed. Thread-safe.
-  /// texture_bytes: approximate size of the texture. encoded: reads the image; called only if the image must be
-  /// decoded. A texture that is reopened from scratch keeps its id.
-  /// Cost    On scratch, a few rows of memory if the image format can be decoded in rows
+  /// Returns the texture; makes it if needed. Thread-safe. `texture_bytes` is the approximate size of the texture.
+  /// `encoded` reads the image; it is called only if the image must be decoded. A texture that is reopened from scratch
+  /// keeps its id.
+  /// Cost    A texture on scratch needs memory for only a few rows if its image format can be decoded in rows
   ///         (format/source/image/image_rows.h).
   /// Errors  The errors of decode_image(). IoError: the scratch folder cannot be written, or another process clears it
   ///         during the call.
@@ -68,7 +69,7 @@ class TextureStore {
   const std::uint64_t max_bytes_;
   std::mutex mutex_;
   std::mutex whole_image_;  ///< serializes full decodes: each may use all of the memory limit
-  std::unordered_map<TextureKey, std::uint64_t, TextureKeyHash> id_;  ///< of textures whose file has been verified
+  std::unordered_map<TextureKey, std::uint64_t, TextureKeyHash> id_;  ///< ids of textures whose file has been verified
 };
 
 }  // namespace gigabake

@@ -40,7 +40,7 @@ void put_material(ByteWriter& w, const Material& m) {
   w.put(m.texture.nearest), w.put(m.alpha_mode), w.put(m.alpha_cutoff), w.put(m.double_sided), w.put(m.unlit);
 }
 
-/// Reads an enum that has no names.
+/// Reads an enum that is stored as a number, with values 0 to `last`.
 template <class Enum>
 void get_numbered(ByteReader& r, Enum& value, Enum last) {
   std::uint8_t number = 0;
@@ -60,7 +60,7 @@ Material get_material(ByteReader& r) {
   return m;
 }
 
-/// Writes items that are not plain values: their number, then each item.
+/// Writes the number of items, then each item with `put`.
 template <class T, class Put>
 void put_list(ByteWriter& w, const std::vector<T>& items, const Put& put) {
   w.put(std::uint64_t(items.size()));

@@ -15,15 +15,15 @@ namespace gigabake {
 
 struct TileCluster {
   LocalBounds bounds;
-  std::shared_ptr<const Primitive> mesh;  ///< null: in the tile's scratch file
+  std::shared_ptr<const Primitive> mesh;  ///< null if it is in the tile's scratch file
   ScratchBytes stored = {};
 };
 
 /// A primitive of TileMesh, whole or in clusters (worker/tiles/clusters.h).
 struct TilePrimitive {
-  LocalBounds bounds;  ///< of all clusters
+  LocalBounds bounds;  ///< bounds of all clusters
   std::uint64_t triangles = 0;
-  std::vector<TileCluster> clusters;  ///< a single one: the whole primitive
+  std::vector<TileCluster> clusters;  ///< a single cluster is the whole primitive
 };
 
 struct TileImage {
@@ -35,7 +35,7 @@ struct TileImage {
 
 /// A tile without the triangles of its primitives.
 struct TileDirectory {
-  TileMesh mesh;  ///< its primitives have only `material` and `position_step`; no images
+  TileMesh mesh;  ///< its primitives have only `material` and `position_step`; it has no images
   std::vector<TilePrimitive> primitives;
   std::vector<TileImage> images;  ///< in the order of TileMesh::images
 };
@@ -44,8 +44,8 @@ TileImage tile_image(EncodedImage&& encoded);
 
 /// Serializes the directory without the clusters' meshes and the images' bytes.
 std::vector<std::uint8_t> to_bytes(const TileDirectory& directory);
-/// Reads what to_bytes() wrote.
-/// Errors  InputError: malformed, or an index out of range.
+/// Returns the directory that to_bytes() serialized.
+/// Errors  InputError if the bytes are malformed or an index is out of range.
 TileDirectory directory_from_bytes(std::span<const std::uint8_t> bytes);
 
 }  // namespace gigabake

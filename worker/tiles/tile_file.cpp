@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t magic = 0x656c697462676267;  // "gbgbtile"
 
 struct Trailer {
-  std::uint64_t offset = 0, bytes = 0, checksum = 0;  ///< of the directory
+  std::uint64_t offset = 0, bytes = 0, checksum = 0;  ///< location of the directory
   std::uint64_t version = tile_file_version, mark = magic;
 };
 

@@ -1,4 +1,5 @@
-/// A large tile on scratch: clusters of its meshes, and images. Each is read separately, when a cell near it needs it.
+/// A large tile on scratch: clusters of its meshes, and images. A cell reads only the clusters and images that it
+/// needs.
 ///
 /// The file is the concatenated bytes of clusters and images, then a directory, then a trailer. The layout is private
 /// to one version of the program (tile_file_version). A file of another version, or a truncated one, counts as missing.
@@ -25,8 +26,8 @@ struct ScratchBytes {
   std::uint64_t offset = 0, checksum = 0, bytes = 0;
 };
 
-/// Appends position, uv, rgba and index to `bytes`; the returned offset counts from the begin of `bytes`.
-/// Range   At most 65,536 vertices.
+/// Appends position, uv, rgba and index to `bytes`; the returned offset counts from the beginning of `bytes`.
+/// Range   The cluster has at most 65,536 vertices.
 ScratchBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>& bytes);
 
 /// Writer of a tile's scratch file.
@@ -34,7 +35,7 @@ ScratchBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>&
 class TileFileWriter {
  public:
   explicit TileFileWriter(std::filesystem::path target) : file_(std::move(target)) {}
-  /// Appends bytes that are later read in one call.
+  /// Appends bytes that TileFile::read() later reads in one call.
   ScratchBytes store(std::span<const std::uint8_t> bytes);
   /// Appends the concatenated results of append_cluster(); returns their offset in the file.
   std::uint64_t append_clusters(std::span<const std::uint8_t> bytes) { return file_.append(bytes); }
@@ -46,7 +47,7 @@ class TileFileWriter {
 
 class TileFile {
  public:
-  /// Returns null if there is no complete file of this version.
+  /// Opens a tile's scratch file; returns null if there is no complete file of this version.
   static std::shared_ptr<const TileFile> open(const std::filesystem::path& path);
 
   const std::vector<std::uint8_t>& directory() const { return directory_; }

@@ -13,12 +13,12 @@ std::uint64_t list_bytes(const Primitive& p) {
   return 4 * (p.position.size() + p.index.size() + p.uv.size()) + 2 * p.rgba.size();
 }
 
-/// Returns the approximate size of a part of a large list (part_triangles()): one part per thread keeps all of them
-/// busy.
+/// Returns the approximate size in bytes of a part with part_triangles() triangles. A batch of one part per thread
+/// keeps all threads busy.
 std::uint64_t part_bytes() { return part_triangles() * 24; }
 
-/// Splits a primitive into the clusters that the file stores, and appends them to `bytes`. Offsets count from its
-/// begin.
+/// Splits a primitive into clusters and appends these to `bytes`. The clusters' offsets count from the beginning of
+/// `bytes`.
 TilePrimitive cut_one(const Primitive& mesh, std::vector<std::uint8_t>& bytes) {
   TilePrimitive out;
   out.bounds = bounds_of(mesh);
@@ -49,7 +49,7 @@ void TilePrimitiveCollector::take(Primitive&& primitive) {
   if (writer_ && bytes_ >= enough) cut_pending();
 }
 
-/// Splits and writes one batch while the next is read.
+/// Starts a task that splits and writes the pending batch while the next batch is read.
 void TilePrimitiveCollector::cut_pending() {
   wait();
   bytes_ = 0;

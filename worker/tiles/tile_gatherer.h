@@ -1,4 +1,5 @@
-/// Collects a tile's primitives while the tile is read. They stay in memory, or go to scratch if the tile is large.
+/// Collects a tile's primitives while the tile is read. The primitives stay in memory, or are written to scratch if the
+/// tile is large.
 #pragma once
 
 #include <cstdint>
@@ -19,19 +20,21 @@ namespace gigabake {
 class TilePrimitiveCollector {
  public:
   struct Limit {
-    std::uint64_t max_bytes = 0;         ///< of primitives in memory; above it all go to the file
-    std::filesystem::path scratch_file;  ///< empty: all stay in memory
+    /// Max bytes of primitives in memory. Above this size, all primitives of the tile are written to the scratch file.
+    std::uint64_t max_bytes = 0;
+    std::filesystem::path scratch_file;  ///< if empty, all primitives stay in memory
   };
-  /// tile: for messages. The pool splits primitives into clusters while the next primitive is read.
+  /// `tile` is the path for messages. The pool splits primitives into clusters while the next primitive is read.
   TilePrimitiveCollector(const std::filesystem::path& tile, Limit limit, const ThreadPool& pool);
   ~TilePrimitiveCollector();
 
   /// Adds a primitive.
-  /// Errors  InputError: more than memory_limit() would have to stay in memory. IoError: the scratch file cannot be
-  ///         written; it is removed.
+  /// Errors  InputError if the primitives in memory exceed memory_limit(). IoError if the scratch file cannot be
+  ///         written; the incomplete file is then removed.
   void take(Primitive&& primitive);
-  /// Returns all primitives after the last take(): whole and in memory, or in clusters on scratch. The scratch file is
-  /// published here. mesh: the tile without its primitives.
+  /// Returns the tile's directory; call it after the last take(). The primitives are whole in memory, or in clusters in
+  /// the scratch file. In the second case, finish() publishes the scratch file. `mesh` is the tile without its
+  /// primitives.
   /// Errors  The errors of take().
   TileDirectory finish(TileMesh&& mesh);
   bool is_on_scratch() const { return writer_.has_value(); }
@@ -44,14 +47,14 @@ class TilePrimitiveCollector {
   const Limit limit_;
   const ThreadPool& pool_;
   MemoryClaim claim_;
-  std::uint64_t bytes_ = 0;         ///< of pending_
+  std::uint64_t bytes_ = 0;         ///< size of pending_ in bytes
   std::vector<Primitive> pending_;  ///< in memory, not yet split into clusters
   std::optional<TileFileWriter> writer_;
   std::vector<TilePrimitive> cut_;  ///< primitives in the file
-  /// Buffers of the batch that is being split, one per primitive. The next batch reuses them, because clearing new
-  /// pages took a sixth of the time.
+  /// Buffers of the batch that is being split, one per primitive. The next batch reuses them, because zeroing newly
+  /// allocated pages would take a sixth of the time.
   std::vector<std::vector<std::uint8_t>> cut_bytes_;
-  std::future<void> cutting_;  ///< of the last batch
+  std::future<void> cutting_;  ///< ends when the last batch is split and written
 };
 
 }  // namespace gigabake

@@ -28,7 +28,7 @@ std::shared_ptr<const LoadedTile> TileStore::load(std::uint32_t tile, const std:
   const auto find = [&] { return stored(file); };
   const auto make = [&] { return read(tile, expected, file); };
   if (may_be_large(tile)) return find_or_make(file, find, make);
-  const auto found = find();  // a small source file whose compressed triangles may exceed the limit
+  const auto found = find();  // a small file, but its decompressed triangles may exceed the limit
   return found ? found : make();
 }
 

@@ -1,7 +1,7 @@
 /// Loads tiles from their source files, or from scratch if they are large compared with the memory.
 ///
-/// A large tile is read once. Its clusters go to a file in the scratch folder whose name contains the tile's hash.
-/// Cells, other ranks and a resumed bake read only the clusters that they need.
+/// A large tile is read once. Its clusters are written to a scratch file whose name contains the tile's hash. Cells,
+/// other ranks and a resumed bake read only the clusters that they need.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,13 @@
 namespace gigabake {
 
 struct TileScratch {
-  std::filesystem::path folder;      ///< empty: every tile is held in memory
-  std::uint64_t max_tile_bytes = 0;  ///< max bytes in memory of a tile's triangles, or of a texture; else on scratch
+  std::filesystem::path folder;  ///< empty: every tile is held in memory
+  /// Max size in memory of a tile's triangles, or of a texture. Larger ones are written to scratch.
+  std::uint64_t max_tile_bytes = 0;
 };
 
-/// Returns the limits of a rank with `memory_bytes`. A tile's triangles or a texture may take 1/128 of it in memory; 0
-/// means no limit. The caches (CellLoader) then hold sixteen of the largest.
+/// Returns the limits of a rank with `memory_bytes`. A tile's triangles, or a texture, may take 1/128 of
+/// `memory_bytes`; 0 means no limit. Each cache of CellLoader then holds sixteen tiles or textures of the max size.
 TileScratch scratch_in(std::filesystem::path folder, std::uint64_t memory_bytes);
 
 class TileStore {
@@ -32,7 +33,7 @@ class TileStore {
   TileStore(const SceneSources& sources, const BakeParameters& parameters, TileScratch scratch, int threads);
 
   /// Loads a tile. If several ranks need the same large tile, one reads it and the others wait for its scratch file.
-  /// Parameter expected: tile_hash() at the scan; none: the current content of the files is loaded into memory.
+  /// `expected` is tile_hash() at the scan; if it is nullopt, the current content of the files is loaded into memory.
   /// Errors  The errors of read_tile(). InputError: the files changed since the scan. IoError: the scratch folder
   ///         cannot be written, for example because its disk is full.
   std::shared_ptr<const LoadedTile> load(std::uint32_t tile, const std::optional<Hash128>& expected) const;
