@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t min_path_bytes = 40, max_key_bytes = 90;
 
-/// Returns the message with the middle of each long word left out. All words of our own texts are shorter. Only a
-/// file's text can make the result too long; its middle is then left out too.
+/// Returns the message without the middle of each word that is longer than max_path_bytes. The program's own words are
+/// shorter. If a file's text makes the result longer than max_line_bytes, the middle of the result is left out too.
 std::string fitted(std::string_view message) { return short_text(with_short_words(message), max_line_bytes); }
 
 std::string without_control_characters(std::string text) {
@@ -68,7 +68,7 @@ std::string no_more_processes() {
 }  // namespace
 
 std::string as_line(std::string_view text, std::size_t max_bytes) {
-  constexpr std::size_t min_message_bytes = 200;  // a smaller limit is for a part of a message, such as a name
+  constexpr std::size_t min_message_bytes = 200;  // callers use a smaller limit for a part of a message, such as a name
   if (text.size() <= max_bytes) return without_control_characters(std::string(text));
   if (max_bytes >= min_message_bytes) return without_control_characters(fitted(text));
   return without_control_characters(std::string(head_of(text, max_bytes - 3)).append("…"));

@@ -11,30 +11,31 @@
 
 namespace gigabake {
 
-/// The message length above which paths, the key and other texts of a file or command line lose their middle
-/// (core/base/quote.h). The message's own words are never shortened.
+/// The max bytes of a message that contains paths, the key and quoted texts in full. A longer message loses the middle
+/// of these texts (core/base/quote.h). The message's own words are never shortened.
 inline constexpr std::size_t max_message_bytes = 240;
 
 /// The message for a failed allocation.
 inline constexpr const char* not_enough_memory =
     "not enough memory; give the process more, or use fewer ranks on the machine, fewer threads or smaller tiles";
 
-/// Returns `text` as one line: control characters become spaces. If `max_bytes` (at least 8) is below 200, a longer
-/// text is cut at its end and gets a "…". Otherwise, a longer text loses the middle of its longest words.
+/// Returns `text` as one line: control characters become spaces. A text longer than `max_bytes` is shortened. If
+/// `max_bytes` (at least 8) is below 200, the text is cut at its end and gets a "…". Otherwise, each word longer than
+/// max_path_bytes loses its middle, as does a line longer than max_line_bytes.
 std::string as_line(std::string_view text, std::size_t max_bytes = max_message_bytes);
 
 /// The max length of a file's text that a message quotes.
 inline constexpr std::size_t max_quote_bytes = 60;
 
-/// Returns a file's text for a message: in quotes, on one line, without its middle beyond max_quote_bytes.
+/// Returns a file's text for a message, on one line and in quotes. A text longer than max_quote_bytes loses its middle.
 std::string in_quotes(std::string_view text);
 
 /// Returns the message for the user: what(), or the remedy if memory or processes ran out.
 std::string reason_of(const std::exception& error);
 
-/// An error in a file or in an operation on it; caught at the cell boundary and in `main`.
-/// `what()` is one line, "FILE: KEY: MESSAGE (at byte N)", or "KEY: MESSAGE" without a file. Beyond
-/// max_message_bytes, paths and the key lose their middle; cause and remedy remain.
+/// An error in a file or in an operation on it. `what()` is one line, "FILE: KEY: MESSAGE (at byte N)", or "KEY:
+/// MESSAGE" without a file. If the line would exceed max_message_bytes, paths and the key lose their middle; cause and
+/// remedy remain.
 class InputError : public std::runtime_error {
  public:
   InputError(const std::filesystem::path& file, const std::string& key, const std::string& message,

@@ -31,8 +31,8 @@
 namespace gigabake {
 
 /// Returns `index` and keeps the compiler from widening it to a 64-bit offset early. Use it for an index into a table
-/// that is read only under a condition. The compiler ptxas 13.0 (sm_90) clears the 64-bit offset of an inactive item
-/// but reads it before. The load then goes gigabytes beyond the table. Found on 2026-11-23 with compute-sanitizer.
+/// that is read only under a condition. Without it, ptxas 13.0 (sm_90) lets an inactive work item load from a wrong
+/// 64-bit offset, gigabytes beyond the table. compute-sanitizer reports such a load.
 GB_HD std::uint32_t index_of_32_bits(std::uint32_t index) {
 #if defined(__CUDA_ARCH__)
   asm("" : "+r"(index));

@@ -1,4 +1,4 @@
-/// Map whose values have costs, such as bytes, and that evicts the least recently used values above a capacity.
+/// A map whose values have costs, such as bytes. Above a capacity, it evicts the least recently used values.
 #pragma once
 
 #include <cstddef>
@@ -13,24 +13,24 @@
 
 namespace gigabake {
 
-/// Values by key, within a capacity. Not thread-safe: the caller guards it by a mutex, or uses LoadingCache
-/// (format/system/loading_cache.h).
+/// A map from keys to values, with a capacity. The class is not thread-safe: the caller guards it by a mutex, or uses
+/// LoadingCache (format/system/loading_cache.h).
 template <class Key, class Value, class KeyHash = std::hash<Key>>
 class LruCache {
  public:
-  /// capacity: max sum of the costs. min_entries: the most recently used values that stay even above the capacity.
+  /// `capacity` is the max sum of the costs. The `min_entries` most recently used values stay even above the capacity.
   explicit LruCache(std::uint64_t capacity, std::size_t min_entries = 0)
       : capacity_(capacity), min_entries_(min_entries) {}
 
-  /// Returns the value of `key` as the most recently used one; null if there is none. Valid until the next insert() or
-  /// erase().
+  /// Returns the value of `key` and makes it the most recently used one; returns null if there is none. The pointer is
+  /// valid until the next insert() or erase().
   Value* find(const Key& key) { return found(key, entries_.begin()); }
-  /// Returns the value as find() does, but as the next one to be evicted: the caller will not need it again.
+  /// Returns the value like find(), but makes it the next one to be evicted. Use it for the last access to a value.
   Value* find_for_last_use(const Key& key) { return found(key, entries_.end()); }
 
-  /// Inserts or replaces a value as the most recently used one. Returns the values that are no longer cached: the
-  /// replaced and evicted ones, and `value` itself if its cost exceeds the capacity and it need not stay. The caller
-  /// can destroy them after it has released its lock.
+  /// Inserts or replaces a value as the most recently used one. Returns the replaced and the evicted values. If the
+  /// cost of `value` exceeds the capacity and min_entries is 0, returns `value` too. The caller can destroy the
+  /// returned values after it has released its lock.
   [[nodiscard]] std::vector<Value> insert(const Key& key, Value value, std::uint64_t cost) {
     std::vector<Value> removed;
     if (auto replaced = erase(key)) removed.push_back(std::move(*replaced));
@@ -80,7 +80,7 @@ class LruCache {
 
   const std::uint64_t capacity_;
   const std::size_t min_entries_;
-  Entries entries_;  ///< the next one to be evicted is the last
+  Entries entries_;  ///< the last entry is the next one to be evicted
   std::unordered_map<Key, typename Entries::iterator, KeyHash> by_key_;
   std::uint64_t cost_ = 0;
 };

@@ -22,7 +22,8 @@ class ProgressListener {
   virtual ~ProgressListener() = default;
 
   /// Begins a step and ends the previous step. `name` is text for the user, "reading the tileset". `total` is the
-  /// number of parts, 0 if unknown. `unit` is the noun of a part, "tile"; empty to print a percentage instead.
+  /// number of parts, 0 if unknown. `unit` is the noun of a part, "tile"; if it is empty, the user sees a percentage
+  /// instead.
   virtual void step(const std::string& name, std::uint64_t total, const std::string& unit) = 0;
   /// Reports that `parts` more parts are done; 0 only shows that the step is running.
   /// Errors  Stopped if the listener cancels the step.
@@ -30,8 +31,8 @@ class ProgressListener {
 };
 
 /// A handle to an optional ProgressListener.
-/// Cost    O(1): a comparison without a listener, some nanoseconds with the listeners of commands.
-/// Errors  Stopped from all members.
+/// Cost    O(1): one comparison if there is no listener, some nanoseconds with the listeners of commands.
+/// Errors  All members throw Stopped.
 class Progress {
  public:
   /// Reports to no listener and never cancels.

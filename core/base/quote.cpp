@@ -17,7 +17,7 @@ std::string_view tail_of(std::string_view text, std::size_t max_bytes) {
   return text.substr(begin);
 }
 
-/// Removes the middle of `text`. One `part`-th of the kept bytes is at the beginning.
+/// Removes the middle of a text longer than `max_bytes`. The fraction 1/part of the kept bytes is at the beginning.
 std::string without_middle(std::string_view text, std::size_t max_bytes, std::size_t part) {
   if (text.size() <= max_bytes) return std::string(text);
   const std::size_t kept = max_bytes - std::min(max_bytes, ellipsis.size()), head = kept / part;

@@ -22,8 +22,8 @@ enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 enum class Wrap : std::uint8_t { repeat, mirrored_repeat, clamp_to_edge };
 /// The compression of a shard's chunks. Both codecs are lossless.
 enum class Codec : std::uint8_t {
-  lz4,      ///< HDF5 filter 32004: three times as fast in both directions
-  deflate,  ///< HDF5's built-in filter 1, always available: a quarter smaller
+  lz4,      ///< HDF5 filter 32004: compresses and decompresses three times as fast as deflate
+  deflate,  ///< HDF5's built-in filter 1, always available: a quarter smaller than lz4
 };
 
 /// Returns the name of each value in the order of the values. A value without a name here is invalid.
@@ -38,7 +38,7 @@ constexpr auto names_of<MipFilter>() {
   return std::to_array<std::string_view>({"coverage", "thesis", "box"});
 }
 template <>
-constexpr auto names_of<AlphaMode>() {  // as glTF writes them
+constexpr auto names_of<AlphaMode>() {  // as in glTF
   return std::to_array<std::string_view>({"OPAQUE", "MASK", "BLEND"});
 }
 template <>
@@ -46,14 +46,14 @@ constexpr auto names_of<Codec>() {
   return std::to_array<std::string_view>({"lz4", "deflate"});
 }
 
-/// Returns the value's name, or "unknown" if the number is none of the enum's values.
+/// Returns the name of each value in the order of the values. A value without a name in this array is invalid.
 template <class Enum>
 constexpr std::string_view name_of(Enum value) {
   constexpr auto names = names_of<Enum>();
   return std::size_t(value) < names.size() ? names[std::size_t(value)] : std::string_view("unknown");
 }
 
-/// Returns the value with this name, or nullopt; the caller reports the place of the name.
+/// Returns the value with this name, or nullopt. The caller reports the place of an unknown name.
 template <class Enum>
 constexpr std::optional<Enum> value_named(std::string_view name) {
   constexpr auto names = names_of<Enum>();

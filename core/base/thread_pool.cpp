@@ -13,14 +13,14 @@ namespace {
 
 using Body = std::function<void(std::size_t, std::size_t, int)>;
 
-/// One parallel_for. An atomic counter dispatches the ranges, so a slow range does not delay other threads.
+/// A running parallel_for(). An atomic counter dispatches the ranges, so a slow range does not delay other threads.
 struct Loop {
   const Body& body;
   std::size_t count, grain, ranges;
   std::atomic<std::size_t> next_range{0};
   std::atomic<bool> failed{false};
   std::exception_ptr error;  ///< written by the first thread that sets `failed`
-  std::size_t helpers = 0;   ///< number of helpers inside; guarded by the pool's mutex
+  std::size_t helpers = 0;   ///< number of helpers that run its ranges; guarded by the pool's mutex
 
   bool has_ranges() const { return next_range < ranges && !failed; }
 
@@ -37,9 +37,9 @@ struct Loop {
 
 }  // namespace
 
-/// The threads of a pool. A helper sleeps until a loop has ranges, joins the loop with the min number of helpers, and
-/// then searches for another loop. The caller also runs ranges; it waits only for helpers that joined its loop, not for
-/// helpers that wake too late.
+/// The threads of a pool. A helper sleeps until a loop has ranges left, and joins the loop with the min number of
+/// helpers. It then searches for another loop. The caller also runs ranges. It waits only for helpers that joined its
+/// loop, not for helpers that wake too late.
 struct ThreadPool::Pool {
   explicit Pool(int thread_count) : threads(std::max(1, thread_count)) {
     try {

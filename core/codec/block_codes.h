@@ -1,7 +1,8 @@
 /// The codes and the header of a deflate block with dynamic codes, computed from symbol counts.
 ///
 /// The header contains the code lengths of both alphabets as one sequence of runs. Each run becomes as few symbols as
-/// possible. Zeros are coded by 11 to 138, then by 3 to 10; repetitions by 3 to 6; the remaining lengths singly.
+/// possible. Runs of zeros are coded in parts of 11 to 138 zeros, then of 3 to 10. Repetitions of another length are
+/// coded in parts of 3 to 6. The remaining lengths are coded singly.
 ///
 /// Exact   Integers: host and device give the same bits.
 /// Source  RFC 1951, 3.2.7.
@@ -15,26 +16,26 @@
 
 namespace gigabake::deflate {
 
-/// Words for the longest header. It has 74 bits, then 7 bits and up to 7 extra bits for each of 316 lengths: 141 words,
-/// rounded up to a multiple of 16.
+/// The number of 32-bit words for the longest header. The longest header has 74 bits, then 7 bits and up to 7 extra
+/// bits for each of 316 lengths: 141 words, rounded up to a multiple of 16.
 inline constexpr std::uint32_t header_words = 144;
 
 /// The codes and the header of a block.
 struct BlockCodes {
   Code codes[block_symbols];
   std::uint32_t header_bits;
-  std::uint32_t header[header_words];  ///< the first bit is the lowest
+  std::uint32_t header[header_words];  ///< bit 0 of word 0 is the first bit
 };
 
 /// Temporary data of make_block_codes(); a device stores it in shared memory.
 struct BlockWork {
-  std::uint32_t keys[literal_symbols + distance_symbols];  ///< ascending; literals from 0, distances from
-                                                           ///< literal_symbols
-  std::uint32_t used_literals, used_distances;             ///< number of keys of each alphabet
+  /// The sort keys of each alphabet, ascending: literals from index 0, distances from index literal_symbols.
+  std::uint32_t keys[literal_symbols + distance_symbols];
+  std::uint32_t used_literals, used_distances;  ///< number of keys of each alphabet
   std::uint32_t weights[literal_symbols];
   std::uint8_t lengths[block_symbols];
-  std::uint8_t run[block_symbols], run_bits[block_symbols];  ///< symbols of the code lengths, and the extra bits of
-                                                             ///< each
+  /// The symbols that code the code lengths, and the extra bits of each symbol.
+  std::uint8_t run[block_symbols], run_bits[block_symbols];
 };
 
 /// A writer of consecutive bits. It writes each word once.
@@ -64,14 +65,16 @@ class WordWriter {
   std::uint64_t waiting_ = 0;
 };
 
-/// The symbols of the code-length alphabet; length_symbol_at() returns the order of their lengths in the header.
+/// The symbols of the code-length alphabet. length_symbol_at() returns the symbol whose code length is number `place`
+/// in the header.
 inline constexpr std::uint32_t length_symbols = 19, repeat = 16, short_zeros = 17, long_zeros = 18;
 GB_HD std::uint32_t length_symbol_at(std::uint32_t place) {
   constexpr std::uint8_t order[length_symbols] = {16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15};
   return order[place];
 }
 
-/// Writes one run of `count` equal lengths to run and run_bits from `at` on. Returns the end of the output.
+/// Writes one run of `count` equal lengths to work.run and work.run_bits from index `at` on. Returns the end of the
+/// output.
 GB_HD std::uint32_t put_run(BlockWork& work, std::uint32_t at, std::uint8_t length, std::uint32_t count) {
   const auto put = [&](std::uint32_t symbol, std::uint32_t bits) {
     work.run[at] = std::uint8_t(symbol);
@@ -114,7 +117,7 @@ GB_HD void make_length_codes(BlockWork& work, std::uint32_t runs, Code* codes, s
   assign_codes(lengths, length_symbols, codes);
 }
 
-/// Writes the runs of the lengths of both alphabets, literals first. Returns the number of symbols written.
+/// Writes the code lengths of both alphabets as runs, literals first. Returns the number of symbols written.
 GB_HD std::uint32_t put_runs(BlockWork& work, std::uint32_t literals, std::uint32_t distances) {
   const std::uint32_t all = literals + distances;
   const auto length_at = [&](std::uint32_t i) {
@@ -130,8 +133,8 @@ GB_HD std::uint32_t put_runs(BlockWork& work, std::uint32_t literals, std::uint3
   return runs;
 }
 
-/// Writes the header of a block: its type, the codes of the code lengths, the code lengths. `last` means that the block
-/// is the last of its chunk.
+/// Writes the header of a block: its type, the lengths of the code-length codes, and the code lengths. `last` means
+/// that the block is the last of its chunk.
 GB_HD void write_header(BlockWork& work, bool last, BlockCodes& out) {
   std::uint32_t literals = literal_symbols, distances = distance_symbols;
   while (literals > end_of_block + 1 && work.lengths[literals - 1] == 0) --literals;
@@ -156,7 +159,7 @@ GB_HD void write_header(BlockWork& work, bool last, BlockCodes& out) {
   out.header_bits = writer.finish();
 }
 
-/// Computes codes and header from ordered keys.
+/// Computes the codes and the header from the sorted keys in `work`.
 /// Range   Both alphabets have at least two keys (ensure_two).
 GB_HD void make_block_codes(BlockWork& work, bool last, BlockCodes& out) {
   for (std::uint32_t s = 0; s < block_symbols; ++s) work.lengths[s] = 0;

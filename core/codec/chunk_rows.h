@@ -1,4 +1,4 @@
-/// The number of rows per chunk of a column, and the number of chunks.
+/// The number of rows per chunk, and the number of chunks, of a column: a dataset of a shard.
 ///
 /// All stored chunks of a column have the same size: the last chunk is padded with zeros.
 /// Exact   Integers: all packers return the same numbers.

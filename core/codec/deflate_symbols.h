@@ -12,7 +12,8 @@
 namespace gigabake::deflate {
 
 inline constexpr std::uint32_t literal_symbols = 286, distance_symbols = 30, end_of_block = 256;
-/// The literal/length alphabet is first, then the distance alphabet: one array holds the counts or codes of a block.
+/// The number of symbols of both alphabets. Arrays of a block's counts or codes contain the literal/length alphabet
+/// first, then the distance alphabet.
 inline constexpr std::uint32_t block_symbols = literal_symbols + distance_symbols;
 inline constexpr std::uint32_t max_match = 258;
 
@@ -46,7 +47,8 @@ GB_HD SymbolAndBits symbol_of_distance(std::uint32_t distance) {
   return {literal_symbols + 2 * bits + (above >> bits), above & ((1u << bits) - 1), bits};
 }
 
-/// A literal or a match: a literal is its byte, the end of a block is 256, a match is length << 16 | distance.
+/// A literal, the end of a block, or a match. A literal is stored as its byte, the end of a block as 256, and a match
+/// as length << 16 | distance.
 using Token = std::uint32_t;
 GB_HD bool is_symbol(Token token) { return token <= end_of_block; }
 GB_HD Token match_token(std::uint32_t length, std::uint32_t distance) { return length << 16 | distance; }
@@ -59,13 +61,14 @@ GB_HD void count_symbols(Token token, const Add& add) {
   add(symbol_of_distance(token & 0xffff).symbol);
 }
 
-/// A code in the low 16 bits, first bit lowest, and its length << 16; 0 for a symbol without a code.
+/// A code in bits 0 to 15, and its length from bit 16 on. The first bit of the code is bit 0. The value 0 means that
+/// the symbol has no code.
 using Code = std::uint32_t;
 inline constexpr std::uint32_t max_code_bits = 15;
 GB_HD std::uint32_t code_bits(Code code) { return code & 0xffff; }
 GB_HD std::uint32_t code_length(Code code) { return code >> 16; }
 
-/// A string of up to 48 bits, first bit lowest.
+/// A string of up to 48 bits; its first bit is bit 0.
 struct Bits {
   std::uint64_t bits;
   std::uint32_t count;

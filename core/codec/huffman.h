@@ -1,10 +1,10 @@
 /// Code lengths of an alphabet from its symbol counts, and the codes.
 ///
-/// The rule: the symbols with non-zero counts are sorted by count, then by number. Two queues build Huffman's tree. If
-/// weights are equal, a symbol is taken before a pair, which keeps the tree flat. Symbols deeper than the limit are
-/// raised to the limit. While there are too many, one symbol at the limit moves below the deepest symbol that is
-/// shorter. The rarest symbols, in sort order, get the longest codes. If fewer than two symbols occur, the lowest
-/// unused symbols get a code too, because some readers require complete codes.
+/// The symbols with non-zero counts are sorted by count, then by number. Two queues build Huffman's tree. If weights
+/// are equal, a symbol is taken before a pair, which keeps the tree flat. Symbols deeper than the limit are raised to
+/// the limit. While too many symbols are at the limit, one of them becomes the sibling of the deepest shorter symbol.
+/// The rarest symbols, in sort order, get the longest codes. If fewer than two symbols occur, the lowest unused symbols
+/// get a code too, because some readers require complete codes.
 ///
 /// Exact   Integers: host and device give the same codes.
 /// Cost    Serial; about 12 steps per symbol. The caller sorts the symbols.
@@ -81,9 +81,9 @@ GB_HD void count_lengths(const std::uint32_t* inner, int size, std::uint32_t max
   }
 }
 
-/// Computes the lengths of the symbols of `keys`, which ascend; does not write other lengths. weights: `size` entries
-/// of temporary memory.
-/// Range   2 ≤ size ≤ 2^maximum.
+/// Computes the code lengths of the symbols in `keys`. Does not write the lengths of other symbols. `weights` is
+/// temporary memory for `size` entries.
+/// Range   The keys ascend; 2 ≤ size ≤ 2^maximum.
 GB_HD void code_lengths(const std::uint32_t* keys, int size, std::uint32_t maximum, std::uint32_t* weights,
                         std::uint8_t* lengths) {
   for (int i = 0; i < size; ++i) weights[i] = key_count(keys[i]);

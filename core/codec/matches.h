@@ -2,8 +2,8 @@
 ///
 /// Matches depend only on the bytes. The candidate of position p is the latest earlier position, at most 32,767 back,
 /// whose next four bytes have the same hash bucket (of 16,384). One serial pass with a table finds the candidates.
-/// Parallel passes find the same candidates if each begins 32 KiB earlier. Segments are parsed independently: a match
-/// ends within its segment but may refer to bytes before it.
+/// Parallel passes find the same candidates if each begins 32 KiB before its first position. Segments are parsed
+/// independently: a match ends within its segment but may refer to bytes before the segment.
 ///
 /// Exact   Integers: host and device return the same tokens.
 /// Range   All arrays of bytes must be readable `readable_beyond` bytes beyond their end.
@@ -40,7 +40,7 @@ GB_HD std::uint32_t four_bytes(const std::uint8_t* at) {
 #endif
 }
 
-/// The latest position with this hash, modulo 65536.
+/// A bucket of the hash table: the latest position whose four bytes have the bucket's hash, modulo 65536.
 using Bucket = std::uint16_t;
 inline constexpr std::uint32_t bucket_bits = 14, buckets = 1 << bucket_bits;
 GB_HD std::uint32_t bucket_of(std::uint32_t bytes) { return bytes * 0x9E3779B1u >> (32 - bucket_bits); }
@@ -48,8 +48,9 @@ GB_HD Bucket bucket_with(std::uint32_t position) { return Bucket(position); }
 GB_HD std::uint32_t distance_to(Bucket bucket, std::uint32_t position) { return (position - bucket) & 0xffff; }
 GB_HD bool in_reach(std::uint32_t distance) { return distance - 1 < max_distance; }
 
-/// Returns the content of an empty bucket for a block that begins at `position`: out of reach for all positions of that
-/// block. aged() must update the table at the start of each block, before positions wrap at 65,536.
+/// Returns the content of an empty bucket for a block that begins at `position`. Its distance from all positions of
+/// that block exceeds max_distance. aged() must update the table at the start of each block, before positions wrap at
+/// 65,536.
 GB_HD Bucket empty_bucket(std::uint32_t position) { return Bucket(position - block_bytes); }
 GB_HD Bucket aged(Bucket bucket, std::uint32_t position) {
   return in_reach(distance_to(bucket, position)) ? bucket : empty_bucket(position);
@@ -83,9 +84,9 @@ GB_HD std::uint32_t equal_bytes(const std::uint8_t* a, const std::uint8_t* b, st
   return maximum;
 }
 
-/// Returns the match of `position` with the candidate `found`, if it is longer than `length`; else no match. The match
-/// does not extend beyond `end`. A match longer than `length` includes byte `length`, counted from 0. The four bytes
-/// that end with it are compared first, because they differ for most candidates.
+/// Returns the match of `position` with the candidate `found`, if the match is longer than `length`; else no match. The
+/// match does not extend beyond `end`. A match longer than `length` includes byte `length`, counted from 0. The four
+/// bytes up to that byte are compared first, because they differ for most candidates.
 /// Range   length ≥ min_match - 1.
 GB_HD Match match_in(Bucket found, const std::uint8_t* bytes, std::uint32_t position, std::uint32_t end,
                      std::uint32_t length) {
@@ -99,8 +100,8 @@ GB_HD Match match_in(Bucket found, const std::uint8_t* bytes, std::uint32_t posi
 }
 GB_HD Match match_of(Token token) { return {token >> 16, token & 0xffff}; }
 
-/// Returns the end of the positions that the table contains, at most `end`. These are the positions with at least four
-/// bytes after them.
+/// Returns the end of the positions that enter the table, at most `end`. At least four bytes of the chunk begin at each
+/// of these positions.
 GB_HD std::uint32_t entered_before(std::uint32_t chunk_bytes, std::uint32_t end) {
   const std::uint32_t all = chunk_bytes < min_match ? 0 : chunk_bytes - (min_match - 1);
   return all < end ? all : end;
@@ -112,8 +113,8 @@ GB_HD std::uint32_t segment_end(std::uint32_t position, std::uint32_t block_end)
   return end < block_end ? end : block_end;
 }
 
-/// Returns true if a literal and then `next` is better than the match `here`. `next` must be at least as long; one byte
-/// of length counts as much as two bits of distance.
+/// Returns true if a literal followed by the match `next` is better than the match `here`. `next` must be at least as
+/// long as `here`. One byte of length counts as much as two bits of distance.
 GB_HD bool better_one_later(const Match& here, const Match& next) {
   if (next.length < here.length) return false;
   const int bytes = int(next.length) - int(here.length);
@@ -121,7 +122,8 @@ GB_HD bool better_one_later(const Match& here, const Match& next) {
 }
 
 /// Passes the tokens of bytes [begin, end) to `add(token)` in order. `match_at(p, end, length)` returns match_in() at
-/// p, or any match not longer than `length`. It is called for ascending positions and may skip positions.
+/// position p. It may also return a match of at least min_match bytes that is not longer than `length`. parse_segment()
+/// calls it for ascending positions and may skip positions.
 template <class MatchAt, class Add>
 GB_HD void parse_segment(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end, MatchAt& match_at,
                          Add& add) {

@@ -21,8 +21,8 @@ struct ChannelPlace {
   std::size_t offset, width;  ///< bytes within a voxel; width ≤ max_value_bytes
 };
 
-/// The row of a column: its size, and the element size of HDF5's shuffle filter (1: not shuffled). Columns of values
-/// have rows of the channel's width and are not shuffled.
+/// The size of a column's rows, and the element size of HDF5's shuffle filter (1: not shuffled). Columns of values have
+/// rows of the channel's width and are not shuffled.
 struct RowShape {
   std::size_t bytes, shuffled_bytes;
 };
@@ -40,7 +40,7 @@ struct PackedColumn {
   std::vector<std::span<const std::uint8_t>> stored = {};
 };
 
-/// The columns of a channel. share and first have rows only if values are shared.
+/// The columns of a channel. `share` and `first` have rows only if values are shared.
 struct PackedChannel {
   PackedColumn value, share, first;
 };

@@ -1,5 +1,5 @@
-/// The rules of shared values: which voxels of a brick share a value, the order of values, and the channels stored so.
-/// The packers of host and device both use these functions.
+/// The rules of shared values: which voxels of a brick share a value, the order of values, and which channels share
+/// values. The packers of host and device both use these functions.
 ///
 /// A brick has 8 octants of 4×4×4 voxels; an octant has 8 groups of 2×2×2. Octants and groups are numbered x + 2y + 4z
 /// in their parent. A brick, octant or group with equal voxels has one value, at the place of its first voxel. See
@@ -16,8 +16,8 @@
 
 namespace gigabake {
 
-/// The bytes of a brick's `share`. Byte o < 8, bit g: group g of octant o has one value. Byte 8, bit o: octant o has
-/// one value. Byte 9: 1 if the whole brick has one value, else 0.
+/// The bytes of a brick's `share`. Bit g of byte o, 0 to 7, is set if group g of octant o has one value. Bit o of byte
+/// 8 is set if octant o has one value. Byte 9 is 1 if the whole brick has one value, else 0.
 inline constexpr std::size_t share_bytes = 10;
 inline constexpr unsigned groups_per_brick = 64, octants_a_brick = 8;
 inline constexpr std::size_t max_value_bytes = 4;  ///< max size of a voxel's value, bytes
@@ -29,10 +29,11 @@ GB_HD constexpr unsigned group_of(unsigned voxel) {
   return octants_a_brick * octant + within;
 }
 
-/// Returns the bits of an octant's groups.
+/// Returns the bit mask of an octant's groups; bit i is the group with group_of() = i.
 GB_HD constexpr std::uint64_t octant_groups(unsigned octant) { return std::uint64_t(0xff) << 8 * octant; }
 
-/// Loads a value byte by byte, because copying three bytes to a word would wait for the store.
+/// Loads a value byte by byte. A copy of three bytes to a word in memory would make the load of that word wait for the
+/// store.
 /// Range   width ≤ max_value_bytes.
 template <class Width>
 GB_HD std::uint32_t value_at(const std::uint8_t* bytes, Width width) {
@@ -57,7 +58,7 @@ GB_HD unsigned bits_in(std::uint64_t bits) {
 #endif
 }
 
-/// One channel of a brick by groups. Borrowed.
+/// The values of one channel of a brick, by group. `first` is borrowed.
 struct GroupValues {
   const std::uint32_t* first;  ///< the value of the first voxel of each non-empty group
   std::uint64_t seen;          ///< non-empty groups
@@ -74,8 +75,9 @@ GB_HD bool are_alike(const GroupValues& values, std::uint64_t which) {
   return true;
 }
 
-/// Writes `share` (share_bytes long): which voxels of the brick share a value. mixed_voxels: the number of voxels in
-/// mixed groups; each stores a separate value. Returns the number of values of the brick.
+/// Writes `share` (share_bytes long), which records the voxels of the brick that share a value. `mixed_voxels` is the
+/// number of voxels in mixed groups; each of these voxels stores a separate value. Returns the number of values of the
+/// brick.
 GB_HD std::uint32_t share_brick(const GroupValues& values, std::uint32_t mixed_voxels, std::uint8_t* share) {
   std::uint32_t count = mixed_voxels;
   std::uint8_t octants = 0;
@@ -93,7 +95,7 @@ GB_HD std::uint32_t share_brick(const GroupValues& values, std::uint32_t mixed_v
   return values.seen == 0 ? 0 : is_one_brick ? 1 : count;
 }
 
-/// A decoder of a brick's `share`: maps each group to the group whose value it uses.
+/// A decoder of a brick's `share`. It maps each group to its leader: the group whose value it uses.
 class ValueLeaders {
  public:
   GB_HD explicit ValueLeaders(const std::uint8_t* share) : is_one_(share[9] != 0) {
@@ -106,12 +108,12 @@ class ValueLeaders {
 
   /// Returns true if all voxels of the group have one value, possibly shared with other groups.
   GB_HD bool are_one(unsigned group) const { return (sharing_ >> group & 1) != 0; }
-  /// Returns the number of the group's leader; equal for all groups that share a value.
+  /// Returns the number of the group's leader. Groups that share a value have the same leader.
   GB_HD unsigned leader(unsigned group) const {
     return is_one_ ? 0 : (by_octant_ >> group & 1) != 0 ? group & ~7u : group;
   }
-  /// Returns true if a voxel stores a value: its group is mixed, or it is the first voxel of its leader. `led` has a
-  /// bit for the leader of each earlier voxel.
+  /// Returns true if a voxel stores a value: its group is mixed, or no earlier voxel has the same leader. Bit i of
+  /// `led` is set if an earlier voxel has the leader i.
   GB_HD bool is_new(unsigned group, std::uint64_t led) const {
     return (~(sharing_ >> group & led >> leader(group)) & 1) != 0;
   }
@@ -127,9 +129,9 @@ enum class ValuesStored : std::uint8_t {
   shared,  ///< the values of bricks, octants and groups, with NAME_share and NAME_first
 };
 
-/// Returns the storage of a level's channel. One value if all voxels are equal; shared if this saves a quarter of the
-/// bytes. values: the sum of share_brick() over all bricks. The columns share and first take about 12 packed bytes per
-/// brick.
+/// Returns how a level stores a channel. It stores one value if all voxels are equal, and shared values if these save
+/// more than a quarter of the bytes. `values` is the sum of share_brick() over all bricks. The columns share and first
+/// take about 12 packed bytes per brick.
 GB_HD ValuesStored how_stored(std::uint64_t voxels, bool all_alike, std::uint64_t values, std::uint64_t bricks,
                               std::size_t width) {
   if (voxels > 1 && all_alike) return ValuesStored::one;
@@ -137,7 +139,7 @@ GB_HD ValuesStored how_stored(std::uint64_t voxels, bool all_alike, std::uint64_
                                                                                 : ValuesStored::plain;
 }
 
-/// Returns the number of values stored. shared: the sum of share_brick() over all bricks.
+/// Returns the number of values stored. `shared` is the sum of share_brick() over all bricks.
 GB_HD std::uint64_t values_stored(ValuesStored how, std::uint64_t voxels, std::uint64_t shared) {
   return how == ValuesStored::one ? 1 : how == ValuesStored::shared ? shared : voxels;
 }

@@ -17,7 +17,7 @@ namespace gigabake::deflate {
 inline constexpr std::uint32_t zlib_header_bytes = 2, checksum_bytes = 4, stored_block_bytes = 65535;
 /// Returns a byte of the zlib header: deflate with a window of 32 KiB, level "fastest".
 GB_HD std::uint8_t zlib_header_byte(std::uint32_t i) { return i == 0 ? 0x78 : 0x01; }
-/// The size of a stored chunk without deflate's bytes.
+/// The bytes of a chunk that are not deflate's: the zlib header and both checksums.
 inline constexpr std::uint32_t frame_bytes = zlib_header_bytes + 2 * checksum_bytes;
 
 /// Returns the number of compressed blocks; an empty chunk has one.
@@ -26,7 +26,8 @@ GB_HD std::uint32_t stored_blocks_of(std::uint32_t bytes) {
   return bytes == 0 ? 1 : (bytes - 1) / stored_block_bytes + 1;
 }
 
-/// Returns the size of a chunk in stored blocks; deflate_size() is the smaller of that and the size of `bits` bits.
+/// Returns the bytes of a chunk in stored blocks. deflate_size() returns this size or that of `bits` compressed bits,
+/// if the latter is smaller.
 GB_HD std::uint32_t stored_size(std::uint32_t bytes) { return bytes + 5 * stored_blocks_of(bytes); }
 GB_HD bool stored_as_is(std::uint32_t bytes, std::uint64_t bits) { return (bits + 7) / 8 >= stored_size(bytes); }
 GB_HD std::uint32_t deflate_size(std::uint32_t bytes, std::uint64_t bits) {
@@ -43,13 +44,13 @@ GB_HD std::uint8_t stored_byte(const std::uint8_t* bytes, std::uint32_t size, st
   return std::uint8_t((within < 3 ? here : ~here) >> (within % 2 == 1 ? 0 : 8));
 }
 
-/// The sums of Adler-32 and Fletcher-32: the sum of all numbers, and the sum of all its prefix sums. The modulus is
+/// The two sums of Adler-32 and Fletcher-32: the sum of all numbers, and the sum of all prefix sums. The modulus is
 /// 65521 for Adler-32 and 65535 for Fletcher-32. Parts of a sequence can be summed separately and joined.
 template <std::uint32_t Modulus>
 struct DoubleSum {
   std::uint64_t each, running;
 
-  /// Adds a number. `behind`: how many numbers of the sequence follow.
+  /// Adds a number of the sequence; `behind` numbers follow it.
   /// Range   number < 2^16, behind < 2^31; at most 2^16 numbers between folds.
   GB_HD void add(std::uint32_t number, std::uint32_t behind) {
     each += number;

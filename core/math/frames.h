@@ -1,8 +1,8 @@
 /// Frames of reference as types: a point of one frame cannot be mixed with a point of another.
 ///
 /// Ecef    WGS84 earth-centred earth-fixed metres.
-/// Scene   The bake's own frame, z up, metres. Georeferenced: east-north-up at the scene origin
-///         (GeographicLib::LocalCartesian). Local: the source frame after the glTF y-up to z-up turn.
+/// Scene   The frame of a bake in metres, z up. For georeferenced sources it is east-north-up at the scene origin
+///         (GeographicLib::LocalCartesian). For other sources it is the source's frame, rotated so that z points up.
 /// World   The frame of a tileset's root: Ecef or local metres. One rigid transform converts it to Scene.
 /// Local   The coordinates written in a mesh's vertex buffer (glTF, y up).
 #pragma once
@@ -33,8 +33,8 @@ struct Point {
   friend bool operator==(const Point&, const Point&) = default;
 };
 
-/// Affine map, read destination first: `Affine<Scene, Local> scene_from_local`.
-/// Rows of a 3x4 matrix in double; the last column is the translation in metres.
+/// An affine map. The first frame is the destination: `Affine<Scene, Local> scene_from_local`. Stores the rows of a 3×4
+/// matrix in double; the last column is the translation in metres.
 template <class To, class From>
 struct Affine {
   std::array<std::array<double, 4>, 3> m{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
@@ -72,7 +72,7 @@ Affine<To, From> operator*(const Affine<To, Mid>& a, const Affine<Mid, From>& b)
   return r;
 }
 
-/// Geodetic position on WGS84: degrees, metres above the ellipsoid.
+/// A geodetic position on WGS84 in degrees, and in metres above the ellipsoid.
 struct Geodetic {
   double latitude_deg = 0, longitude_deg = 0, height_m = 0;
   friend bool operator==(const Geodetic&, const Geodetic&) = default;

@@ -12,7 +12,7 @@ const GeographicLib::Geocentric& earth() { return GeographicLib::Geocentric::WGS
 
 bool is_on_earth(const Point<Ecef>& p, double radius_m) {
   constexpr double min_earth_radius_m = 6.35e6, max_radius_m = 3e6;
-  if (!(radius_m <= max_radius_m)) radius_m = 0;  // such a volume is too large to restrict the centre
+  if (!(radius_m <= max_radius_m)) radius_m = 0;  // a volume as large as this does not restrict its centre
   const double deepest_m = 12e3 + radius_m * radius_m / (2 * min_earth_radius_m);
   const double r = std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
   if (!(r > min_earth_radius_m - deepest_m && r < 6.6e6)) return false;

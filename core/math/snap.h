@@ -23,11 +23,11 @@ struct LatticePoint {
 };
 static_assert(sizeof(SnapFrame) == 32 && sizeof(LatticePoint) == 24);  // both are uploaded
 
-/// The max |sub-voxel| coordinate that snap() accepts: 2^53.
+/// The exclusive bound of |coordinate| in sub-voxels for snap(): 2^53.
 inline constexpr double snap_limit = 9007199254740992.0;
 
 /// Converts `local` (3 floats in the mesh's frame) to the lattice. Returns false if a coordinate is NaN, infinite or
-/// beyond snap_limit. scene_from_local: 3x4 row-major, double.
+/// not below snap_limit. `scene_from_local` is a 3×4 matrix in row order.
 /// Exact   IEEE double without contraction: host and device return the same bits. Rounds half up (floor(x + ½)).
 GB_HD bool snap(const SnapFrame& frame, const double scene_from_local[12], const float local[3], LatticePoint& out) {
   for (int r = 0; r < 3; ++r) {

@@ -11,12 +11,12 @@ namespace gigabake {
 double linear_from_srgb(double srgb);
 double srgb_from_linear(double linear);
 
-/// Returns the table of linear_from_srgb(byte / 255) by byte.
+/// Returns a table of linear_from_srgb(byte / 255), indexed by the byte.
 const std::array<double, 256>& linear_of_srgb();
 /// Returns the nearest sRGB byte; the inverse of linear_of_srgb().
 std::uint8_t srgb_byte(double linear);
 
-/// Returns the linear light of an sRGB value, 65535 = 1. Clamps to 0 to 1; NaN and infinity become 0.
+/// Returns the linear light of an sRGB value in units of 1/65535. Clamps `srgb` to 0 to 1; NaN and infinity become 0.
 std::uint16_t linear16(double srgb);
 
 }  // namespace gigabake

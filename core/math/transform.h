@@ -1,4 +1,4 @@
-/// Affine maps from the formats of glTF and 3D Tiles, all in double.
+/// Affine maps from the matrices and rotations of glTF and 3D Tiles, all in double.
 #pragma once
 
 #include <array>
@@ -27,8 +27,8 @@ Affine<To, From> translation(double x, double y, double z) {
   return r;
 }
 
-/// Returns translation · rotation · scale. The rotation is a quaternion x, y, z, w; it is normalized here (zero: no
-/// rotation).
+/// Returns translation · rotation · scale. `q` is a quaternion x, y, z, w of any length; the zero quaternion means no
+/// rotation.
 template <class To, class From>
 Affine<To, From> affine_from_trs(const std::array<double, 3>& t, const std::array<double, 4>& q,
                                  const std::array<double, 3>& s) {

@@ -10,7 +10,7 @@ namespace gigabake {
 
 /// A vector, a point or the size of a box.
 /// Space   The layout is that of T[3]. Without an initializer, the components are indeterminate.
-/// Exact   Operators treat each component by itself; sums add x, then y, then z.
+/// Exact   Operators are component-wise. dot() adds the products of x, then y, then z.
 template <class T>
 struct Vec3 {
   using value_type = T;
@@ -59,11 +59,13 @@ struct Vec3 {
   }
   GB_HD constexpr Vec3& operator+=(const Vec3& b) { return *this = *this + b; }
 
-  /// Returns the component-wise minimum; like std::min, the component of `a` if the two are equal or not ordered.
+  /// Returns the component-wise minimum. If two components are equal or not ordered, returns that of `a`, like
+  /// std::min.
   friend GB_HD constexpr Vec3 min_by_axis(const Vec3& a, const Vec3& b) {
     return {b.v[0] < a.v[0] ? b.v[0] : a.v[0], b.v[1] < a.v[1] ? b.v[1] : a.v[1], b.v[2] < a.v[2] ? b.v[2] : a.v[2]};
   }
-  /// Returns the component-wise maximum; like std::max, the component of `a` if the two are equal or not ordered.
+  /// Returns the component-wise maximum. If two components are equal or not ordered, returns that of `a`, like
+  /// std::max.
   friend GB_HD constexpr Vec3 max_by_axis(const Vec3& a, const Vec3& b) {
     return {a.v[0] < b.v[0] ? b.v[0] : a.v[0], a.v[1] < b.v[1] ? b.v[1] : a.v[1], a.v[2] < b.v[2] ? b.v[2] : a.v[2]};
   }

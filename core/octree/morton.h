@@ -49,8 +49,8 @@ GB_HD BrickCoordinate demorton(std::uint64_t key) {
   return {gather_bits(key), gather_bits(key >> 1), gather_bits(key >> 2)};
 }
 
-/// Returns bits 0, 3 and 6 of a code. Applied to key, key >> 1 and key >> 2, these are the lowest three bits of x, y
-/// and z.
+/// Returns bits 0, 3 and 6 of a code. For key, key >> 1 and key >> 2, the result is the lowest three bits of x, y and
+/// z.
 GB_HD int gather_three_bits(std::uint32_t key) { return int((key & 1) | (key >> 2 & 2) | (key >> 4 & 4)); }
 
 /// Moves bit i of v to bit 2i.
@@ -63,10 +63,11 @@ GB_HD std::uint64_t spread_bits_2d(std::uint32_t bits) {
   return (v | v << 1) & 0x5555555555555555ull;
 }
 
-/// Returns the Morton code of a column: two coordinates with all 32 bits.
+/// Returns the Morton code of a column of cells: two coordinates with all 32 bits.
 GB_HD std::uint64_t morton(std::uint32_t x, std::uint32_t y) { return spread_bits_2d(x) | spread_bits_2d(y) << 1; }
 
-/// Returns the key of a tree whose nodes have 4×4×4 children: two bits each of x, y and z, repeated.
+/// Returns the key of a tree whose nodes have 4×4×4 children. The key repeats two bits each of x, y and z; its lowest
+/// bit is that of x.
 /// Range   0 … 2^20-1 per axis.
 GB_HD std::uint64_t morton_by_pairs(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   const std::uint32_t axis[3] = {x, y, z};

@@ -9,13 +9,13 @@
 
 namespace gigabake {
 
-/// The directional data of a voxel of lod 1 and up. Three bytes are its coverage seen along x, y and z. Byte
-/// facing_plane is the plane of its surface, if it has one plane (kernels/body/mip/plane.h).
+/// The directional data of a voxel of lod 1 and up. The first three bytes are its directional coverage along x, y and
+/// z. Byte facing_plane is the plane of its surface, if the surface has one plane (kernels/body/mip/plane.h).
 inline constexpr std::size_t coverage_bytes = 3, facing_plane = 3, facing_bytes = 4;
 using Facing = std::array<std::uint8_t, facing_bytes>;
 
 /// Returns true if `byte` is a valid plane. The value 0 means no plane. Otherwise the upper bits are the plane's offset
-/// plus 8 (1 to 15). The lower two bits are the fraction of the surface on it (1 to 3).
+/// plus 8 (1 to 15). The lower two bits are the fraction of the surface on the plane (1 to 3).
 constexpr bool is_plane(std::uint8_t byte) { return byte == 0 || (byte < 64 && (byte >> 2) != 0 && (byte & 3) != 0); }
 
 enum class NodeKind : std::uint8_t {
@@ -29,10 +29,9 @@ struct NodeTable {
   std::vector<std::uint64_t> key;  ///< Morton code (x lowest bit) of the brick in its level
   std::vector<std::uint8_t> lod;
   std::vector<NodeKind> kind;
-  std::vector<std::uint8_t> child_mask;  ///< bit c: child c = x | y<<1 | z<<2 is stored
-  std::vector<std::uint32_t>
-      first_child;                   ///< node index of the lowest stored child; the others follow. 0xffffffff: none
-  std::vector<std::uint32_t> value;  ///< brick index, or rgba as bytes r,g,b,a, lowest first
+  std::vector<std::uint8_t> child_mask;    ///< bit c: child c = x | y<<1 | z<<2 is stored
+  std::vector<std::uint32_t> first_child;  ///< node index of the lowest stored child; siblings follow. 0xffffffff: none
+  std::vector<std::uint32_t> value;        ///< brick index, or rgba as bytes r,g,b,a, lowest first
   std::vector<std::array<std::int8_t, 2>> normal;  ///< constant nodes: octahedral; others: zero
   std::vector<Facing> facing;                      ///< constant nodes of lod 1 and up; empty if the channel is off
 };

@@ -1,4 +1,5 @@
-/// The parameters of a bake. They and the sources determine its result; scene.xml and fingerprints contain them.
+/// The parameters of a bake. The parameters and the sources determine its result. scene.xml and fingerprints contain
+/// the parameters.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +19,12 @@ struct BakeParameters {
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;
   bool normals = true;
-  bool facing = true;           ///< coverage along each axis; only for MipFilter::coverage: has_facing()
-  std::uint32_t max_error = 0;  ///< max deviation of a stored voxel, codes of 255, 0 … 127 (docs/accuracy.md)
+  bool facing = true;           ///< store directional coverage; only for MipFilter::coverage, see has_facing()
+  std::uint32_t max_error = 0;  ///< max deviation of a stored voxel in codes of 255, 0 … 127 (docs/accuracy.md)
   Codec codec = Codec::deflate;
 };
 
-/// Returns true if the shards of such a bake have the channel `facing`.
+/// Returns true if the shards of a bake with these parameters have the channel `facing`.
 bool has_facing(const BakeParameters& parameters);
 /// Returns one line of JSON with fixed key order and shortest round-trip numbers: equal parameters give equal text.
 std::string to_json(const BakeParameters& parameters);

@@ -1,5 +1,5 @@
-/// The hash of one voxel, summed over a level: format/shard/levels/content_hash.h defines it; this version works in
-/// registers.
+/// The hash of one voxel, computed in registers. Its sum over a level is the content hash, which
+/// format/shard/levels/content_hash.h defines.
 ///
 /// Exact   XXH3-128 (seed 0) of the 34-byte record: lod (int32), lowest corner in lod-0 voxels of the lattice (3 ×
 ///         int64), rgba, normal, little endian. On levels with facing, its four bytes and two zeros follow. Unsigned
@@ -56,8 +56,8 @@ GB_HD Hash128 hash_record(std::uint64_t bytes, std::uint64_t a, std::uint64_t b,
 
 }  // namespace xxh3
 
-/// Hashes a voxel of a level without `facing`. x, y, z: the voxel's lowest corner. The lowest bytes are red and the
-/// first byte of the normal.
+/// Hashes a voxel of a level without `facing`. (x, y, z) is the voxel's lowest corner in lod-0 voxels. The lowest byte
+/// of `rgba` is red, and that of `normal` is its first byte.
 GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t rgba,
                          std::uint16_t normal) {
   const auto ux = std::uint64_t(x), uy = std::uint64_t(y), uz = std::uint64_t(z);
@@ -67,7 +67,7 @@ GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::
                            w3 >> 16 | std::uint64_t(normal) << 48);
 }
 
-/// Hashes a voxel of a level with `facing`, whose lowest byte is the coverage along x.
+/// Hashes a voxel of a level with `facing`. The lowest byte of `facing` is the coverage along x.
 GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t rgba,
                          std::uint16_t normal, std::uint32_t facing) {
   const auto ux = std::uint64_t(x), uy = std::uint64_t(y), uz = std::uint64_t(z);
