@@ -25,8 +25,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Factor from the heartbeat timeout to the timeout of collective calls. One rank may work for longer than a heartbeat
-/// interval while the others wait, for example on a plan of a million cells.
+/// The timeout of collective calls in heartbeat timeouts. A rank may work for longer than one heartbeat timeout while
+/// the other ranks wait, for example on a plan of a million cells.
 constexpr double heartbeat_timeouts_per_collective = 10;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -65,7 +65,7 @@ struct KnownScans {
   std::vector<std::uint32_t> missing;
 };
 
-/// Finds cached scan results. folder: OUT of an earlier bake; may be empty.
+/// Finds the scan results that are cached in `folder`, the OUT of an earlier bake. `folder` may be empty.
 KnownScans known_scans(const std::filesystem::path& folder, const SceneSources& sources,
                        const BakeParameters& parameters, int threads, const Progress& progress) {
   progress.step("finding tiles whose scans are cached");
@@ -112,7 +112,7 @@ bool is_stop_asked(const Progress& steps) {
   }
 }
 
-/// Scans the tiles whose results are not cached. If the bake is stopped, OUT keeps the results so far.
+/// Scans the tiles whose results are not cached. If the bake is stopped, OUT keeps the results obtained until then.
 /// Errors  Stopped.
 void scan_source(BakeSession& s) {
   KnownScans known;
@@ -134,7 +134,7 @@ void scan_source(BakeSession& s) {
   fail_collectively(s.mpi, {}, is_stopped);
 }
 
-/// Makes the plan on rank 0, with overviews if a bake needs them, and refuses it if losses prevent a scene.
+/// Makes the plan on rank 0. Throws on every rank if the losses of the plan prevent a scene.
 void plan_jobs(BakeSession& s, PlanLevels levels) {
   collective_try(s.mpi, [&] {
     if (s.mpi.rank() != 0) return;
@@ -167,7 +167,8 @@ DeviceChoice device_of(const MpiSession& mpi, BakeProcess& process) {
   return process.device()->choice;
 }
 
-/// Chooses devices. A rank without a device prints a line if other ranks have one, because its cells take longer.
+/// Chooses devices. If only some ranks have a device, each rank without one prints a line, because its cells take
+/// longer.
 void choose_devices(BakeSession& s) {
   DeviceChoice choice;
   collective_try(s.mpi, [&] { choice = device_of(s.mpi, *s.process); });
@@ -177,8 +178,8 @@ void choose_devices(BakeSession& s) {
     print_message("rank {} on {} uses the CPU: {}\n", s.mpi.rank(), host_name(), choice.reason);
 }
 
-/// Warns if the ranks may use less than half of the cores. The reason is that mpirun binds each rank to one core by
-/// default if there are few ranks.
+/// Warns if the ranks may use at most half of the host's cores. The cause may be that mpirun binds each rank to one
+/// core by default if there are few ranks.
 void warn_of_binding(const MpiSession& mpi, const BakeRequest& request) {
   if (mpi.rank() != 0 || mpi.ranks() == 1 || request.threads > 0 || mpi.cores() * mpi.ranks() * 2 > mpi.host_cores())
     return;
@@ -204,7 +205,7 @@ void bake_jobs(BakeSession& s) {
   s.summary.bake_s = seconds_since(planned);
 }
 
-/// Runs all steps of a bake. OUT is unlocked when it returns. feed: on rank 0 only.
+/// Runs all steps of a bake. OUT is unlocked when it returns. `feed` is null except on rank 0.
 BakeSummary run_steps(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress, StatusFeed* feed) {
   BakeSession s(mpi, request, progress, feed);
   s.summary.ranks = mpi.ranks();
@@ -215,7 +216,7 @@ BakeSummary run_steps(MpiSession& mpi, const BakeRequest& request, const BakePro
   prepare_scratch(s);
   start_process(s);
   scan_source(s);
-  choose_devices(s);  // after the scan, which the driver's start would delay
+  choose_devices(s);  // after the scan, because the start of the driver would delay it
   plan_jobs(s, request.overviews ? PlanLevels::cells_and_overviews : PlanLevels::cells);
   bake_jobs(s);
   return std::move(s.summary);
@@ -229,7 +230,8 @@ void end_status(StatusFeed& feed, BakeSummary& summary) {
   summary.status = feed.record().at(unix_now_s());
 }
 
-/// Returns a listener that also makes the status of the scan, for a plan, which has no StatusFeed.
+/// Returns a listener that also publishes the status of the scan. plan_bake() needs it because a plan has no
+/// StatusFeed.
 BakeListener with_scan_status(BakeListener listener) {
   return [listener = std::move(listener), record = std::optional<BakeStatusRecord>()](const BakeEvent& event) mutable {
     listener(event);
@@ -252,7 +254,7 @@ PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& own, const BakeProgres
   BakeRequest on_cpu = request;
   on_cpu.backend = Backend::cpu;  // a scan needs no device
   WorkerSetup setup = setup_of(mpi, on_cpu, s.sources);
-  setup.worker.scratch.clear();  // a plan leaves no files: large tiles are scanned part by part
+  setup.worker.scratch.clear();  // a plan leaves no files, so large tiles are scanned part by part
   s.process.emplace(std::move(setup), process_options(request));
   scan_source(s);
   plan_jobs(s, PlanLevels::cells);

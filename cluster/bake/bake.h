@@ -30,7 +30,7 @@ struct BakeRequest {
   int threads = 0;                 ///< per rank; 0: the host's cores divided among its ranks
   std::uint64_t memory_bytes = 0;  ///< per rank; 0: no bound
   bool is_default_memory = false;  ///< memory_bytes is the default: a rank uses less if its host has less per rank
-  bool keep_going = true;          ///< after a tile or cell failed
+  bool keep_going = true;          ///< continue after a tile or cell failed
   bool overviews = true;           ///< write overview shards, which contain the levels above the cells
   Backend backend = Backend::automatic;
   bool prune = false;     ///< remove shards that the new scene does not use, if it is complete
@@ -41,7 +41,7 @@ struct BakeRequest {
 
 /// The caller's view of a bake.
 struct BakeProgress {
-  Progress steps;         ///< on every rank: steps before the first cell, and cancellation
+  Progress steps;         ///< on every rank: receives the steps before the first cell, and may cancel
   BakeListener listener;  ///< on rank 0: receives the events in their order; may be empty
 };
 
@@ -51,15 +51,15 @@ struct BakeSummary {
   SourcePrecision precision;
   std::vector<LevelSummary> levels;   ///< of all cells of the scene, per lod
   std::vector<std::string> warnings;  ///< BakePlan::warnings
-  BakeStatus status;                  ///< at the end
+  BakeStatus status;                  ///< the status at the end of the bake
   double scan_s = 0, bake_s = 0, read_s = 0, kernel_s = 0, write_s = 0;
   std::uint64_t peak_kernel_bytes = 0;   ///< max over cells
-  std::uint64_t bad_uv = 0;              ///< in the cells of this run; a triangle that crosses cells counts in each
+  std::uint64_t bad_uv = 0;              ///< triangles with unusable texture coordinates, summed over this run's cells
   std::uint64_t peak_process_bytes = 0;  ///< max over bake processes and rank 0
   std::size_t cells_planned = 0, cells_empty = 0, cells_on_device = 0;
   std::size_t cells_taken_over = 0;  ///< reused from earlier bakes into OUT
-  std::size_t lost_ranks = 0;        ///< still lost at the end: no collective call may follow
-  bool is_drained = false;           ///< ended on request with cells left
+  std::size_t lost_ranks = 0;        ///< ranks lost at the end; if there are any, no collective call may follow
+  bool is_drained = false;           ///< the bake ended on request before all cells were baked
   int ranks_with_device = 0;
   std::string no_device;  ///< reason why rank 0 has no device
   int ranks = 1, threads = 1;
@@ -68,18 +68,19 @@ struct BakeSummary {
 };
 
 /// Collective call. Locks OUT during the bake. Returns early once is_drain_requested() is true; if no cell has been
-/// started by then, throws Stopped on every rank instead. Scene and sums are filled on rank 0 only. OUT/scene.xml is
-/// replaced last; shards that it does not name are kept unless request.prune is set.
-/// Errors  CollectiveFailure, with OUT/scene.xml unchanged: the source cannot be opened or has no triangles; OUT cannot
-///         be written or another bake holds it. CollectiveFailure also if no cell could be baked, or if any input is
-///         missing without keep_going.
+/// started by then, throws Stopped on every rank instead. The scene and the sums of the summary are filled on rank 0
+/// only. OUT/scene.xml is replaced last. Shards that the new scene.xml does not name are kept unless request.prune is
+/// set.
+/// Errors  CollectiveFailure, with OUT/scene.xml unchanged: the source cannot be opened or has no triangles, OUT cannot
+///         be written, or another bake has locked OUT. CollectiveFailure also if no cell could be baked, or if any
+///         input is missing without keep_going.
 BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress);
 
 /// Result of plan_bake().
 struct PlannedBake {
   BakePlan plan;  ///< on rank 0 only
   SharedSources sources;
-  double scan_s = 0;  ///< opening, scan and plan
+  double scan_s = 0;  ///< seconds for opening the source, the scan and the plan
 };
 
 /// Collective call. Scans and plans only.

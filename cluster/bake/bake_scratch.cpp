@@ -21,7 +21,7 @@ bool is_of_store(const std::string& name) {
   return is_one("t_", ".clusters") || is_one("x_", ".texture");
 }
 
-/// Returns the free space of the disk that holds, or would hold, the folder.
+/// Returns the free bytes of the disk on which `folder` is or would be created; nullopt if they are unknown.
 std::optional<std::uint64_t> room_at(fs::path folder) {
   std::error_code error;
   folder = fs::absolute(folder, error);

@@ -12,11 +12,11 @@
 
 namespace gigabake {
 
-/// Returns OUT/scratch, or a folder in request.scratch that is unique to OUT. Empty without OUT.
+/// Returns OUT/scratch, or a folder in request.scratch that is unique to OUT. Returns an empty path if there is no OUT.
 std::filesystem::path scratch_of(const BakeRequest& request);
 
-/// Tiles that are large compared with the memory, and their approximate scratch size. The size is that of their files,
-/// which is right if the files are not compressed.
+/// Tiles that are large compared with the memory, and their approximate scratch size. The size is that of the tiles'
+/// files; it is too small for compressed files.
 struct ScratchNeed {
   std::uint64_t tiles = 0, bytes = 0;
 };
@@ -26,14 +26,15 @@ ScratchNeed scratch_need(const SceneSources& sources, std::uint64_t memory_bytes
 std::string describe_scratch(const ScratchNeed& need);
 
 /// Returns one line with the scratch size and folder; nullopt if no tile is large.
-/// Errors  InputError: the disk has less free space.
+/// Errors  InputError: the disk has less free space than the scratch size.
 std::optional<std::string> scratch_info(const ScratchNeed& need, const std::filesystem::path& folder);
 
 /// Owner of the scratch folder. Files are kept for a resumed bake unless is_not_needed() is called.
 class BakeScratch {
  public:
   explicit BakeScratch(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  /// Removes the files that a TileStore wrote, and the folder if it is then empty; only if is_not_needed() was called.
+  /// Removes the files that a TileStore wrote, and then the folder if it is empty. Does so only if is_not_needed() was
+  /// called.
   ~BakeScratch();
   BakeScratch(const BakeScratch&) = delete;
   BakeScratch& operator=(const BakeScratch&) = delete;

@@ -17,14 +17,14 @@
 
 namespace gigabake {
 
-/// A bake, or the plan of one, which has neither `feed` nor `out`. Members are destroyed in reverse order: the bake
-/// process ends before its scratch folder is removed and OUT is unlocked.
+/// The state of bake() or plan_bake(). plan_bake() sets neither `feed` nor `out`. Members are destroyed in reverse
+/// order: the bake process ends before its scratch folder is removed and OUT is unlocked.
 struct BakeSession {
   BakeSession(MpiSession& of_ranks, const BakeRequest& agreed, const BakeProgress& listener,
               StatusFeed* status = nullptr)
       : mpi(of_ranks), request(agreed), progress(listener), feed(status) {}
 
-  /// Passes an event to the status and to the caller; on rank 0 only.
+  /// Passes an event to the status feed and to the caller's listener. Call it on rank 0 only.
   void report(const BakeEvent& event) const {
     if (feed != nullptr) feed->take(event);
     if (progress.listener) progress.listener(event);

@@ -42,7 +42,7 @@ class Dispatcher {
         link_.wait();
       }
     } catch (...) {
-      stop_all();  // no rank may wait for a master that has failed
+      stop_all();  // no rank may wait for a master that failed
       throw;
     }
     stop_all();
@@ -74,7 +74,7 @@ class Dispatcher {
     schedule_.stop();
   }
 
-  /// Sends heartbeats to the other ranks. A rank that receives none from rank 0 ends the launch.
+  /// Sends heartbeats to the other ranks. A rank that receives no heartbeat from rank 0 ends the launch.
   void send_heartbeats() {
     if (link_.now_s() - shown_s_ < heartbeat_interval_s) return;
     shown_s_ = link_.now_s();
@@ -165,8 +165,8 @@ class Dispatcher {
   const bool keep_going_;
   const BakeListener& listener_;
   Schedule schedule_;
-  std::vector<std::uint32_t> deaths_;  ///< deaths of each rank's bake process that rank 0 has counted
-  std::vector<std::string> hosts_;     ///< of each rank, once it has sent a heartbeat
+  std::vector<std::uint32_t> deaths_;  ///< number of deaths of each rank's bake process that rank 0 has counted
+  std::vector<std::string> hosts_;     ///< host name of each rank; empty until the rank has sent a heartbeat
   std::set<int> lost_;
   DispatchResult result_;
   double shown_s_ = -heartbeat_interval_s;

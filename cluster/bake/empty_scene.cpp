@@ -10,14 +10,14 @@
 namespace gigabake {
 namespace {
 
-/// Returns the cause of an empty scene. Reads tiles up to the first that has an invisible material.
+/// Returns the cause of an empty scene. Reads tiles until it finds an invisible material.
 std::string cause_of(const SceneSources& sources) {
   for (const TileRef& tile : sources.tiles) {
     try {
       if (const auto name = invisible_material(tile, sources.root))
         return fmt::format("material {} of {} has alpha 0; make it opaque", *name, short_path(tile.name));
     } catch (const InputError&) {
-      // An unreadable tile is skipped: another one may have an invisible material.
+      // An unreadable tile is skipped: another tile may have an invisible material.
     }
   }
   return "textures or vertex colours have alpha 0; make them opaque";

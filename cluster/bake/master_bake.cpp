@@ -80,7 +80,7 @@ void MasterBake::run() {
   summary_.lost_ranks = result.lost_ranks.size();
   summary_.peak_process_bytes = std::max({result.peak_bytes, session_.process->peak_bytes(), peak_bytes_here()});
   std::move(prior.done.begin(), prior.done.end(), std::back_inserter(result.reports));
-  add_times(result.reports, plan_, summary_);  // before prior reports are added to the scene: reused cells took no time
+  add_times(result.reports, plan_, summary_);  // find_cached() sets the times of reused cells to 0
   for (const CellReport& r : result.reports)
     if (r.outcome == CellOutcome::baked) add_levels(r.levels, r.cell.first_lod, r.cell.copied_lods, summary_.levels);
   summary_.scene = merge(plan_, result.reports, session_.sources.scene.origin, request_.parameters);
@@ -95,7 +95,7 @@ void MasterBake::report_reused(const std::vector<CellReport>& done) const {
 }
 
 /// Appends a finished job to the journal first, then passes the event on. If the journal cannot be written, this bake
-/// continues, and the next bake takes longer because it reads the shards instead.
+/// continues. The next bake then takes longer, because it reads the shards instead of the journal.
 void MasterBake::take(const BakeEvent& event) {
   if (const auto* finished = std::get_if<JobFinished>(&event)) {
     try {
@@ -124,12 +124,12 @@ void MasterBake::forget_orphans() {
 void MasterBake::publish() {
   session_.report(StateEntered{BakeState::publishing});
   out_.expect_shards(summary_.scene);
-  if (summary_.is_drained && out_.has_whole_scene()) return;  // keep the complete scene until this one is complete
+  if (summary_.is_drained && out_.has_whole_scene()) return;  // keep the complete scene until the new one is complete
   refuse(request_, summary_.scene.losses, summary_.scene.cells.empty() && !summary_.is_drained);
   const bool is_empty = summary_.scene.cells.empty();
   if (is_empty && summary_.scene.losses.empty())
     throw nothing_visible(request_.source, session_.sources.scene, plan_, "nothing was published");
-  if (!is_empty) out_.publish(summary_.scene);  // empty without losses: drained before the first voxel
+  if (!is_empty) out_.publish(summary_.scene);  // an empty scene was drained before its first voxel
   if (request_.prune && summary_.scene.losses.empty()) {
     summary_.pruned = out_.remove_orphans(summary_.scene);
     forget_orphans();

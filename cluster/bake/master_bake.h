@@ -14,17 +14,17 @@
 
 namespace gigabake {
 
-/// Throws if these losses prevent publication of the scene.
-/// Errors  InputError.
+/// Throws if `losses` prevent publication of the scene. `nothing_baked` means that the scene has no cells.
+/// Errors  InputError with the first loss.
 void refuse(const BakeRequest& request, const std::vector<SceneLoss>& losses, bool nothing_baked);
 
 class MasterBake {
  public:
-  /// session: of rank 0, with a plan; must outlive this object.
+  /// Borrows the session of rank 0, which must contain a plan and outlive this object.
   explicit MasterBake(BakeSession& session);
 
-  /// Bakes the cells that earlier bakes have not left in OUT, publishes the scene and completes the summary.
-  /// Errors  InputError: OUT/scene.xml is unchanged.
+  /// Bakes the cells that OUT does not contain from earlier bakes, publishes the scene and completes the summary.
+  /// Errors  InputError; OUT/scene.xml is then unchanged.
   void run();
 
  private:

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns the absolute path without links, dots and a trailing slash; the path need not exist.
+/// Returns the absolute path without links, dots and a trailing slash. The path need not exist.
 fs::path plain(const fs::path& path) {
   const fs::path p = fs::weakly_canonical(fs::absolute(path));
   return p.has_filename() ? p : p.parent_path();
@@ -55,7 +55,7 @@ std::vector<fs::path> find_orphans(const fs::path& out, const SceneDescription& 
   });
 }
 
-/// Refuses links under the names of files that a bake writes in place, because they may lead to another user's file.
+/// Refuses links under the names of files that a bake writes in place, because a link may lead to another user's file.
 void expect_no_links(const fs::path& out) {
   for (const char* name : {".lock", "journal"}) {
     const fs::path path = out / name;
@@ -95,7 +95,7 @@ OutputFolder::OutputFolder(fs::path out, const fs::path& source) : out_(std::mov
   lock_.emplace(out_);
   folders_.make(out_ / "shards");
   remove_temporary_files();
-  const Publication scene(out_ / "scene.xml"), shard(out_ / "shards" / "c_0_0_0.h5");  // fails early if unwritable
+  const Publication scene(out_ / "scene.xml"), shard(out_ / "shards" / "c_0_0_0.h5");  // throw early if unwritable
 }
 
 void OutputFolder::expect_shards(SceneDescription& scene) const {

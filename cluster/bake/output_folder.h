@@ -1,4 +1,4 @@
-/// The output folder OUT of a bake, as rank 0 manages it: scene.xml, shards/ and caches for the next bake.
+/// The output folder OUT of a bake: scene.xml, shards/ and caches for the next bake. Only rank 0 has this object.
 #pragma once
 
 #include <cstdint>
@@ -21,12 +21,13 @@ struct OrphanShards {
 class OutputFolder {
  public:
   /// Creates OUT and OUT/shards if they are missing, locks OUT, removes temporary files of killed writers, and tests
-  /// writing. Folders that it created and that stay empty are removed with the object. The lock is held for the
-  /// object's life.
-  /// Errors  InputError: OUT is not a folder, cannot be written, or lies in the source folder, or another bake holds
-  ///         it. Its files are then unchanged.
+  /// writing. The object keeps the lock until it is destroyed. Its destructor removes the folders that it created if
+  /// they are still empty.
+  /// Errors  InputError: OUT is not a folder, cannot be written, or lies in the source folder, or another bake has
+  ///         locked it. The files in OUT are then unchanged.
   OutputFolder(std::filesystem::path out, const std::filesystem::path& source);
-  /// Moves cells whose shard is not in OUT to the losses: a rank may have written to a local disk.
+  /// Moves the cells and overviews whose shard is not in OUT to the losses. A rank may have written the shard to a
+  /// local disk.
   void expect_shards(SceneDescription& scene) const;
   /// Returns true if scene.xml exists and records no losses.
   bool has_whole_scene() const;
@@ -34,14 +35,14 @@ class OutputFolder {
   /// Errors  InputError: scene.xml is unchanged.
   void publish(const SceneDescription& scene) const;
   OrphanShards orphans(const SceneDescription& scene) const;
-  /// Removes the unreferenced shards and returns their list. Call it only after `scene` is published without losses,
-  /// because shards of missing cells may be valid and useful to the next bake.
+  /// Removes the unreferenced shards, and returns their number and size. Call it only after `scene` is published
+  /// without losses: shards of missing cells may be valid and useful to the next bake.
   OrphanShards remove_orphans(const SceneDescription& scene) const;
 
   std::filesystem::path journal() const { return out_ / "journal"; }
 
  private:
-  /// Folders created by this object; empty ones are removed with it.
+  /// The folders that this object created. Its destructor removes those that are empty.
   class NewFolders {
    public:
     NewFolders() = default;
@@ -64,7 +65,7 @@ class OutputFolder {
 /// Returns the file in which a bake into `out` keeps its scan results for the next bake.
 inline std::filesystem::path scan_cache_of(const std::filesystem::path& out) { return out / "survey.cache"; }
 
-/// Checks on every rank, after rank 0 has created the folder, that it is visible.
+/// Checks that this rank's host sees the output folder. Call it on every rank after rank 0 has created the folder.
 /// Errors  InputError: this host does not see the folder.
 void expect_output_folder(const std::filesystem::path& out);
 

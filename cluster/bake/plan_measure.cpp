@@ -20,18 +20,18 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double asked_size_s = 1.5, other_size_s = 0.75;  ///< baking time per voxel size
-constexpr double max_overrun = 4;                          ///< after this multiple, pieces in flight are abandoned
+constexpr double asked_size_s = 1.5, other_size_s = 0.75;  ///< time budgets for baking at one voxel size
+constexpr double max_overrun = 4;                          ///< pieces in flight are abandoned after this many budgets
 constexpr double max_start_s = 30;
 constexpr double min_split_bytes_per_s = 2e7;  ///< min bytes per second when a large tile is split
 constexpr std::size_t max_tiles = 12, max_pieces_in_flight = 4, pieces_wanted = 10;
-constexpr double voxels_per_thread_s = 4e5;  ///< a guess that sets the size of pieces
+constexpr double voxels_per_thread_s = 4e5;  ///< a guess, which determines the size of pieces
 constexpr std::uint64_t seed = 20261122;
 constexpr std::chrono::milliseconds max_nap{5};
 
 double elapsed_s(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// Returns the cells of a piece's column, with ids from first_id on and unique shard names.
+/// Returns the cells of a piece's column. Their ids begin at first_id, and their shard names are unique.
 std::vector<CellJob> jobs_of(const Piece& piece, std::uint32_t cell_voxels, std::uint32_t first_id) {
   const CellStack stack = stack_over(piece.column.z_min, piece.column.z_end, cell_voxels);
   std::vector<CellJob> jobs;
@@ -49,10 +49,12 @@ std::vector<CellJob> jobs_of(const Piece& piece, std::uint32_t cell_voxels, std:
   return jobs;
 }
 
-/// Bakes sample pieces at one voxel size.
+/// A measurement at one voxel size: it bakes sample pieces (scheduler/plan/piece_order.h), which are columns of single
+/// tiles.
 class SizeSampler {
  public:
-  /// large_bytes: bytes of tiles that must be split before a piece of them can be baked.
+  /// Starts the bake process. `large_bytes` is the size of the tiles that must be split before a piece of them can be
+  /// baked.
   SizeSampler(const WorkerSetup& setup, BakeProcessOptions options, double budget_s, std::uint64_t large_bytes,
               const Progress& progress)
       : setup_(setup),
@@ -62,7 +64,8 @@ class SizeSampler {
     process_.prepare();
   }
 
-  /// Runs the measurement; sample() and the other results are valid afterwards. order: tiles in the order of drawing.
+  /// Runs the measurement; sample() and the other results are valid afterwards. `order` contains the tiles in random
+  /// order.
   void run(const std::vector<std::uint32_t>& order) {
     wait_for_device();
     const std::vector<TileScan> scans = scan_some(order);
@@ -201,7 +204,7 @@ class SizeSampler {
   bool on_device_ = false;
 };
 
-/// Returns the ratio of projected voxels at this size to those at the plan's voxel size.
+/// Returns the ratio of projected voxels at this voxel size to those at the plan's voxel size.
 double scale_of(double voxel_size_m, const BakeRequest& request) {
   const double ratio = request.parameters.voxel_size_m / voxel_size_m;
   return ratio * ratio;
@@ -248,13 +251,14 @@ TextureFindings textures_of(const SceneSources& sources, const std::vector<std::
                           scratch.max_tile_bytes);
 }
 
-/// Returns the bake's scratch folder as far as the request determines it.
+/// Returns the bake's scratch folder. Names of folders that the request does not determine are replaced by
+/// placeholders.
 std::filesystem::path scratch_of_bake(const BakeRequest& request) {
   if (!request.out.empty()) return scratch_of(request);
   return request.scratch.empty() ? std::filesystem::path("SCENE") / "scratch" : request.scratch;
 }
 
-/// Scales the estimate of the requested size for sizes at which no piece was baked.
+/// Estimates the sizes at which no piece was baked, by scaling the estimate of the requested size.
 void fill_gaps(std::vector<MeasuredSize>& sizes, const MeasuredSize& asked, const BakeRequest& request) {
   for (MeasuredSize& size : sizes)
     if (size.pieces == 0 && asked.pieces != 0)

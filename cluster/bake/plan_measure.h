@@ -1,4 +1,4 @@
-/// Measured estimate of a bake: bakes samples of the scene into a temporary folder.
+/// A measured estimate of a bake, from sample pieces of the scene that are baked into a temporary folder.
 #pragma once
 
 #include <filesystem>
@@ -20,7 +20,7 @@ struct MeasuredSize {
   std::uint64_t voxels_found = 0;     ///< voxels of lod 0 in the pieces
   double wall_s = 0;                  ///< wall time of the pieces
   bool on_device = false;
-  std::string problem;  ///< one line; not empty: why fewer pieces were baked than planned
+  std::string problem;  ///< the reason why fewer pieces were baked than planned, one line; else empty
 };
 
 struct PlanMeasure {
@@ -33,11 +33,11 @@ struct PlanMeasure {
   const MeasuredSize& requested() const { return sizes.at(1); }
 };
 
-/// Measures a plan from plan_bake(). Only rank 0 needs to call it. If `measures`, bakes pieces; otherwise estimates
-/// voxels and bytes from the surface area only, and there are no times.
-/// Cost    About 4 s, at most about 20 s; pieces baked by then are used. The driver's start and the first split of a
-///         large tile are extra. At most a few pieces' shards, and the clusters of large tiles, are kept in
-///         request.scratch or in the system's temporary folder.
+/// Measures a plan from plan_bake(). Only rank 0 needs to call it. If `measures`, bakes sample pieces. Otherwise
+/// estimates voxels and bytes from the surface area only, without times.
+/// Cost    Takes about 4 s, and at most about 20 s; pieces that are not baked by then are not used. The driver's start
+///         and the first split of a large tile take additional time. The shards of a few pieces and the clusters of
+///         large tiles are stored in request.scratch or in the system's temporary folder.
 /// Errors  InputError: no temporary folder can be made. Stopped. An error of the sources is reported in `problem` of a
 ///         size, as is a disk with too little space for large tiles.
 PlanMeasure measure_plan(const MpiSession& mpi, const BakeRequest& request, const SharedSources& sources,

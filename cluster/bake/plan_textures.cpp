@@ -15,7 +15,7 @@ namespace {
 constexpr double max_sampling_s = 0.5;
 constexpr std::size_t sampled_clusters = 256;  ///< per primitive of a large tile
 
-/// Returns clusters spread evenly over each primitive, and the images.
+/// Returns the images of a tile, and clusters spread evenly over each primitive.
 TileMesh sample_of(const LoadedTile& tile) {
   TileMesh sample = tile.mesh();
   for (std::size_t p = 0; p < sample.primitives.size(); ++p) {
@@ -63,7 +63,7 @@ class TextureStatistics {
   const TileStore& store_;
   const std::uint64_t max_bytes_;
   TexelSize texels_;
-  std::set<std::pair<std::uint64_t, std::uint64_t>> seen_;  ///< images shared by tiles count once
+  std::set<std::pair<std::uint64_t, std::uint64_t>> seen_;  ///< hashes of counted images; tiles may share images
   double scratch_bytes_ = 0, looked_at_bytes_ = 0;
 };
 
@@ -78,7 +78,7 @@ TextureFindings examine_textures(const SceneSources& sources, const std::vector<
     try {
       look.add(tile);
     } catch (const std::exception&) {
-      continue;  // it changed since the scan: the next tile serves as well
+      continue;  // the tile changed since the scan; the next tile serves as well
     }
   }
   return look.findings();

@@ -1,4 +1,5 @@
-/// Passes rank 0's orders to this rank's bake process, and the answers back. Every rank has one.
+/// The connection of a rank's bake process to rank 0: it passes orders to the process, and answers back. Every rank has
+/// one.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +15,20 @@ class RankBaker {
  public:
   explicit RankBaker(BakeProcess& process) : process_(process) {}
 
-  /// Handles the payload of a tag_job. Drops an order that rank 0 sent before it learned of the last death: rank 0
-  /// counts that cell as lost with the process.
-  /// Errors  InputError when malformed.
+  /// Handles the payload of a tag_job message. Drops an order that rank 0 sent before it knew of the process's last
+  /// death, because rank 0 counts the order's cell as lost with that process.
+  /// Errors  InputError: the payload is malformed.
   void handle(std::span<const std::uint8_t> order);
-  /// Returns the next tag_report or tag_died for rank 0, if any; never blocks.
+  /// Returns the next tag_report or tag_died message for rank 0, if any. Never blocks.
   std::optional<Message> answer();
 
  private:
   BakeProcess& process_;
-  std::uint32_t deaths_ = 0;  ///< of the process, as reported to rank 0
+  std::uint32_t deaths_ = 0;  ///< number of deaths of the process that were reported to rank 0
 };
 
-/// Returns the payload of a tag_job. deaths: number of deaths of the rank's bake process that rank 0 has counted.
+/// Returns the payload of a tag_job message. `deaths` is the number of deaths of the rank's bake process that rank 0
+/// has counted.
 std::vector<std::uint8_t> order_bytes(std::uint32_t deaths, const CellJob& job, std::uint32_t attempt);
 
 }  // namespace gigabake

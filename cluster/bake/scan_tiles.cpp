@@ -17,20 +17,21 @@
 namespace gigabake {
 namespace {
 
-/// Requests in flight per process. It scans four tiles concurrently and must never wait for the next request.
+/// Max requests in flight per bake process. The process scans four tiles concurrently and must never wait for a
+/// request.
 constexpr std::size_t max_tiles_in_flight = 8;
 constexpr int max_failures = 3;
 constexpr std::chrono::milliseconds max_scan_wait{5};
 
-/// Order of requests to the process.
+/// The queue of tiles to request from a bake process.
 class TileQueue {
  public:
   explicit TileQueue(const std::vector<std::uint32_t>& tiles) : waiting_(tiles.begin(), tiles.end()) {}
 
   bool is_empty() const { return waiting_.empty() && suspects_.empty(); }
 
-  /// Returns the next tile to request, if any. A tile that needs an isolated retry is requested only if none is in
-  /// flight.
+  /// Returns the next tile to request, if any. A tile that needs an isolated retry is requested only if no other tile
+  /// is in flight.
   std::optional<std::uint32_t> next(std::size_t in_flight) {
     if (alone_ && in_flight != 0) return std::nullopt;
     alone_ = !suspects_.empty();
@@ -47,8 +48,8 @@ class TileQueue {
     alone_ = false;
   }
 
-  /// Requeues the tiles in flight at a death for isolated retries. If only one tile was in flight, the death counts as
-  /// its failure. Returns the tile if it has reached the max number of failures.
+  /// Requeues the tiles that were in flight when the process died, for isolated retries. If only one tile was in
+  /// flight, the death counts as its failure. A tile with the max number of failures is returned instead.
   std::optional<std::uint32_t> put_back(const std::vector<std::uint32_t>& tiles) {
     if (tiles.size() == 1 && ++failures_[tiles[0]] >= max_failures) return tiles[0];
     suspects_.insert(suspects_.end(), tiles.begin(), tiles.end());
@@ -75,7 +76,7 @@ std::vector<std::uint32_t> tiles_of_rank(const std::vector<std::uint32_t>& tiles
   return share;
 }
 
-/// Rank 0's collector of messages from the other ranks.
+/// Rank 0's collector of scan results from the other ranks.
 class ScanCollector {
  public:
   ScanCollector(MpiSession& mpi, const std::vector<std::uint32_t>& tiles, double heartbeat_timeout_s,
@@ -98,7 +99,7 @@ class ScanCollector {
     for (int rank = 1; rank < mpi_.ranks(); ++rank) expect_life(rank);
   }
 
-  /// Stops the scan on the other ranks and waits until none of their messages is pending.
+  /// Stops the scan on the other ranks, and waits until none of their messages is pending.
   void stop(BakeProcess& process) {
     const auto is_busy = [](const Rank& r) { return r.missing != 0; };
     for (int rank = 1; rank < mpi_.ranks(); ++rank)

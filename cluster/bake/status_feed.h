@@ -1,5 +1,5 @@
-/// Makes a bake's status from its events, and publishes it: to OUT/status.json, to Prometheus, and to a listener on
-/// rank 0.
+/// The status of a bake, which rank 0 makes from the bake's events. It is published in OUT/status.json, in a file for
+/// Prometheus, and to a listener.
 #pragma once
 
 #include <filesystem>
@@ -9,22 +9,22 @@
 
 namespace gigabake {
 
-/// Returns this host's Unix time.
+/// Returns this host's Unix time in seconds.
 double unix_now_s();
 
-/// Status feed of rank 0. Writes nothing before the first BakeAlive, because until then another bake may hold the
-/// folder.
-/// Cost    BakeAlive reads the clock; ten times per second a status is made, once per second the files are written.
+/// Status feed of rank 0. Writes nothing before the first BakeAlive, because until then another bake may have locked
+/// OUT.
+/// Cost    BakeAlive reads the clock. A status is made ten times per second, and the files are written once per second.
 /// Errors  None: a failed write prints one line on standard error; the bake continues.
 class StatusFeed {
  public:
-  /// Takes the identity of this process. metrics: a file for Prometheus; may be empty. listener: receives each
-  /// StatusUpdated; may be empty.
+  /// Takes the identity of this process. `metrics` is the file for Prometheus, `listener` receives each StatusUpdated;
+  /// both may be empty.
   StatusFeed(std::filesystem::path out, int ranks, std::filesystem::path metrics, BakeListener listener);
 
   BakeStatusRecord& record() { return record_; }
-  /// Records an event of the bake. BakeAlive updates the status if it is due; send it in every iteration of a loop,
-  /// because readers treat a bake without recent status as dead. A new state is published immediately.
+  /// Records an event of the bake. BakeAlive updates the status if an update is due. Send BakeAlive in every iteration
+  /// of a loop, because readers treat a bake without recent status as dead. A new state is published immediately.
   void take(const BakeEvent& event);
   /// Records that the bake was stopped before its first cell. Publishes only if a status was published before.
   void stop();

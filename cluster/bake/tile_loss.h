@@ -7,8 +7,8 @@
 
 namespace gigabake {
 
-/// Returns a loss's reason without the file name that it begins with, if that file is the tile that the loss names. A
-/// message then names the file once. Otherwise returns an empty text.
+/// Returns the reason of a loss without the file name at its beginning, if that is the name of the lost tile. A message
+/// with the tile's name then contains the name only once. Otherwise returns an empty text.
 std::string reason_without_tile(const SceneLoss& loss);
 
 }  // namespace gigabake

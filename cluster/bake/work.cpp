@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::chrono::milliseconds max_sleep{2};
 
-/// Multiple of the heartbeat timeout without a message after which rank 0 counts as lost. Rank 0 sends several messages
-/// within that time while it dispatches cells.
+/// Rank 0 counts as lost after this many heartbeat timeouts without a message from it. While rank 0 dispatches cells,
+/// it sends several messages within one timeout.
 constexpr double heartbeat_timeouts_of_master = 4;
 
 /// The main loop of a rank other than 0.
@@ -36,10 +36,10 @@ class Worker {
   }
 
  private:
-  /// Throws RankLost if rank 0 is lost. Without this check no rank would end a launch whose rank 0 was stopped.
+  /// Throws RankLost if rank 0 is lost. Without this check, no rank would end a launch whose rank 0 was suspended.
   void expect_master() {
     const auto now = Clock::now();
-    if (now - turned_ > own_pause) heard_ = now;  // this rank was stopped: messages may be pending
+    if (now - turned_ > own_pause) heard_ = now;  // this rank was suspended, so messages may be pending
     turned_ = now;
     const double silent_s = std::chrono::duration<double>(now - heard_).count();
     if (stopped_ || silent_s < max_silence_s_) return;
@@ -49,7 +49,8 @@ class Worker {
 
   void handle(const Message& message) {
     heard_ = Clock::now();
-    max_silence_s_ = heartbeat_timeouts_of_master * heartbeat_timeout_s_;  // earlier, rank 0 may examine OUT for longer
+    // Before its first message, rank 0 may need longer to examine OUT.
+    max_silence_s_ = heartbeat_timeouts_of_master * heartbeat_timeout_s_;
     if (message.tag == tag_stop) stopped_ = true;
     if (message.tag == tag_job) baker_.handle(message.bytes);
   }

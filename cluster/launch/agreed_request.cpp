@@ -63,8 +63,8 @@ void take_shared_part(const std::vector<std::uint8_t>& bytes, BakeRequest& reque
   request.parameters = parameters_from_json(parameters);
 }
 
-/// Returns the options as a user would write them. The complete parameters come last because they include values that
-/// no other entry names.
+/// Returns the options as a user would write them. The complete parameters come last, because they include values that
+/// no other option names.
 std::vector<NamedOption> named_options(const BakeRequest& request) {
   const BakeParameters& p = request.parameters;
   const SourceOptions& s = request.source_options;
@@ -89,7 +89,7 @@ std::vector<NamedOption> named_options(const BakeRequest& request) {
   };
 }
 
-/// Returns rank 0's path if the same text was given on every rank, independent of working directories. Otherwise
+/// Returns rank 0's absolute path if rank 0 was given the same text, because working directories may differ. Otherwise
 /// returns this rank's absolute path, which must equal rank 0's.
 NamedOption named_path(MpiSession& mpi, const char* name, const fs::path& path) {
   const std::string typed = path.string();

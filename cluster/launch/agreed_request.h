@@ -9,13 +9,13 @@
 
 namespace gigabake {
 
-/// An option as messages name it, and its value as text.
+/// The name of an option in messages, and the option's value as text.
 struct NamedOption {
   std::string name, value;
 };
 
 /// Collective. Compares the options of all ranks.
-/// Errors  CollectiveUsageError: a rank's value differs from rank 0's; the message names the first such option.
+/// Errors  CollectiveUsageError: a rank's value differs from rank 0's. The message names the first option that differs.
 void expect_same_options(MpiSession& mpi, const std::vector<NamedOption>& own);
 
 /// Collective. Returns rank 0's request with this rank's own threads, memory, devices and scratch folder. Source and

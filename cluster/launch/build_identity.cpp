@@ -84,7 +84,7 @@ void expect_same_build(MpiSession& mpi, const std::string& command) {
   std::vector<std::uint8_t> bytes(sizeof own);
   std::memcpy(bytes.data(), &own, sizeof own);
   const double previous_timeout_s = mpi.collective_timeout_s();
-  mpi.set_collective_timeout(max_mpi_call_s());  // a program older than this message sends a different one, or none
+  mpi.set_collective_timeout(max_mpi_call_s());  // an older program on rank 0 sends another message, or none
   bytes = mpi.from_master(std::move(bytes));
   collective_try(mpi, [&] {
     BuildIdentity first;

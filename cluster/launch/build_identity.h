@@ -9,7 +9,7 @@
 
 namespace gigabake {
 
-/// Layout is fixed for all later builds, because a rank of another build must be able to read it.
+/// The identity of a build. Its layout must never change, because a rank of another build must be able to read it.
 struct BuildIdentity {
   std::array<char, 8> magic = {'g', 'i', 'g', 'a', 'b', 'a', 'k', 'e'};
   std::uint32_t kernel_version = 0;
@@ -21,12 +21,12 @@ struct BuildIdentity {
 };
 static_assert(sizeof(BuildIdentity) == 80);
 
-/// Returns the identity of this process's program. command: the command that this process runs.
+/// Returns the identity of this process's program. `command` is the command that this process runs.
 BuildIdentity this_build(const std::string& command);
 /// Returns a text for messages: "bake of gigabake 0.3.0, kernel version 8, build 5f0c3a11".
 std::string describe(const BuildIdentity& build);
 
-/// Collective call; must be the first exchange between ranks.
+/// Compares the builds of all ranks. Collective call; must be the first exchange between ranks.
 /// Errors  CollectiveFailure: a rank runs another build than rank 0, or another command.
 void expect_same_build(MpiSession& mpi, const std::string& command);
 

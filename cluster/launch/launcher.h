@@ -9,12 +9,12 @@
 
 namespace gigabake {
 
-/// Returns the number of tasks of this Slurm step, this process included. Returns 1 under mpirun, in a batch script,
-/// which is no task, and without Slurm. Call it before MPI_Init, which sets some of the variables itself.
+/// Returns the number of tasks of this Slurm step, this process included. Returns 1 under mpirun, without Slurm, and in
+/// a batch script, which is no task. Call it before MPI_Init, which sets some of the environment variables itself.
 int slurm_task_count(const Environment& environment);
 
 /// Returns true if mpirun, srun or another launcher started this process, so that other ranks may exist. Call it before
-/// MPI_Init, which sets some of the variables itself.
+/// MPI_Init, which sets some of the environment variables itself.
 bool is_launched(const Environment& environment);
 
 /// Returns this process's rank as the launcher states it before MPI_Init; 0 if no launcher does.

@@ -10,7 +10,7 @@ std::string host_name() {
 }
 
 void fail_collectively(MpiSession& mpi, const std::optional<std::string>& line, bool is_stopped) {
-  const int weight = mpi.ranks() - mpi.rank();  // of several lines, the lowest rank's is reported
+  const int weight = mpi.ranks() - mpi.rank();  // the lowest rank with a line has the max weight
   const int stop_weight = mpi.ranks() + 1;
   const std::int64_t heaviest = mpi.max_of(is_stopped ? stop_weight : line ? weight : 0);
   if (heaviest == 0) return;

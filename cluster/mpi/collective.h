@@ -27,12 +27,12 @@ class CollectiveUsageError : public CollectiveFailure {
 /// Returns the host's name for messages.
 std::string host_name();
 
-/// Collective call. Fails on every rank if any rank failed or was stopped. line: why this rank failed; is_stopped: a
-/// stop of this rank was requested.
+/// Fails on every rank if any rank failed or was stopped. Collective call. `line` is the reason why this rank failed;
+/// `is_stopped` means that a stop of this rank was requested.
 /// Errors  On every rank: Stopped if any rank was stopped; else CollectiveFailure if any rank has a line.
 void fail_collectively(MpiSession& mpi, const std::optional<std::string>& line, bool is_stopped = false);
 
-/// Collective call. Runs `step` on every rank; an exception on any rank becomes CollectiveFailure or Stopped on all
+/// Runs `step` on every rank. Collective call. An exception on any rank becomes CollectiveFailure or Stopped on all
 /// ranks.
 template <class Step>
 void collective_try(MpiSession& mpi, const Step& step) {
@@ -48,8 +48,8 @@ void collective_try(MpiSession& mpi, const Step& step) {
   fail_collectively(mpi, line, is_stopped);
 }
 
-/// Like collective_try(), for a step that reads this rank's own options. It is collective because the other ranks would
-/// wait forever for a rank that ended.
+/// Runs a step like collective_try(). Use it for a step that reads this rank's own options: without the collective
+/// call, the other ranks would wait forever for a rank that ended.
 /// Errors  CollectiveUsageError on every rank if the step throws UsageError on any rank.
 template <class Step>
 void check_options_collectively(MpiSession& mpi, const Step& step) {

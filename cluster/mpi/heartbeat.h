@@ -15,14 +15,14 @@ struct Heartbeat {
   std::uint64_t peak_bytes = 0;  ///< max over the rank's bake processes so far
   std::string host;
 };
-/// Errors  InputError when malformed.
+/// Errors  InputError: `bytes` are malformed.
 Heartbeat heartbeat_from_bytes(const std::vector<std::uint8_t>& bytes);
 
 /// Heartbeat sender of a rank.
 class HeartbeatSender {
  public:
   HeartbeatSender(MpiSession& mpi, const BakeProcess& process) : mpi_(mpi), process_(process) {}
-  /// Sends a heartbeat if the last is old enough.
+  /// Sends a heartbeat if the last heartbeat is old enough.
   void show();
 
  private:

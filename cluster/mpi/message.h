@@ -7,11 +7,11 @@
 namespace gigabake {
 
 enum Tag : int {
-  tag_tiles = 1,  ///< master to worker: u32 each, the tiles that the worker scans
+  tag_tiles = 1,  ///< master to worker: the tiles that the worker scans, u32 each
   tag_scan,       ///< worker to master: one TileScan
   tag_job,        ///< master to worker: deaths u32, then one BakeOrder
   tag_report,     ///< worker to master: one BakeAnswer
-  tag_died,       ///< worker to master: why its bake process ended, losing its requests; the worker restarts it
+  tag_died,       ///< worker to master: why its bake process ended and lost its requests; the worker restarts it
   tag_alive,      ///< heartbeat; worker to master: peak bytes u64, host; master to worker: empty
   tag_opened,     ///< master to worker: opening the source has succeeded or failed
   tag_stop,       ///< master to worker: no more jobs or scans; worker to master: no scan result follows

@@ -12,8 +12,8 @@ namespace {
 
 using Parts = std::vector<std::vector<std::uint8_t>>;
 
-/// Receives one message of every other rank on rank 0. No message can belong to a later exchange, because each rank
-/// waits for the answer to this one.
+/// Receives one message from every other rank on rank 0. No message can belong to a later exchange, because each rank
+/// waits for the answer to its message.
 Parts gathered(MpiSession& mpi, std::vector<std::uint8_t> own) {
   Parts parts(std::size_t(mpi.ranks()));
   parts[0] = std::move(own);

@@ -6,9 +6,10 @@
 
 namespace gigabake {
 
-/// Team over MPI. Steps have no time limit: a rank waits up to a day for the others, and mpirun ends it if one of them
-/// dies.
-/// Errors  Both collective members throw Stopped if a rank was stopped, CollectiveFailure if a step failed.
+/// A team over MPI. A step may take up to a day, because the other ranks wait that long. If a rank dies, mpirun ends
+/// the other ranks.
+/// Errors  together() throws Stopped if a rank was stopped, CollectiveFailure if a step failed. together() and
+///         exchange() throw RankLost if a rank does not answer within a day.
 class MpiExportTeam : public ExportTeam {
  public:
   explicit MpiExportTeam(MpiSession& mpi);

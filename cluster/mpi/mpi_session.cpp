@@ -51,7 +51,7 @@ struct HostShare {
   int rank, ranks, cores;
 };
 
-/// Collective call over the ranks of this host.
+/// Computes this rank's share of its host. Collective call.
 HostShare share_of_host(int rank) {
   MPI_Comm host = MPI_COMM_NULL;
   int ranks_here = 0, rank_here = 0;
@@ -76,17 +76,17 @@ std::int64_t reduce(std::int64_t value, MPI_Op operation, double collective_time
 }
 
 /// Configures Open MPI for a process without a launcher, a world of one rank. Open MPI then starts no daemon and does
-/// not probe networks, which saves 0.3 s of 0.4 s. Variables that are already set stay; other MPI libraries ignore
-/// them.
+/// not probe networks, which saves 0.3 s of 0.4 s. Variables that are already set stay. Other MPI libraries ignore
+/// these variables.
 void expect_no_other_ranks() {
   ::setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
-  // All such processes would share one folder below /tmp, and the first one to end would remove it while others use it.
+  // All processes without a launcher would share one folder below /tmp, which the first to end would remove.
   ::setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
   ::setenv("OMPI_MCA_pml", "ob1", 0);
   ::setenv("OMPI_MCA_btl", "self", 0);
 }
 
-/// Broadcasts rank 0's bytes. Collective.
+/// Broadcasts rank 0's bytes. Collective call.
 void broadcast(void* bytes, std::size_t count, double collective_timeout_s) {
   MPI_Request request = MPI_REQUEST_NULL;
   check(MPI_Ibcast(bytes, int(count), MPI_BYTE, 0, MPI_COMM_WORLD, &request), "MPI_Ibcast");
@@ -95,7 +95,7 @@ void broadcast(void* bytes, std::size_t count, double collective_timeout_s) {
 
 }  // namespace
 
-/// Pending sends. A list, because MPI keeps pointers to the bytes and the request.
+/// Pending sends. The container is a list, because MPI keeps pointers to the bytes and the request.
 struct MpiSession::Outbox {
   struct PendingSend {
     std::vector<std::uint8_t> bytes;

@@ -17,8 +17,8 @@ class RankLost : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The span from MPI_Init to MPI_Finalize; without mpirun a world of one rank. One per process. The process ends if its
-/// mpirun dies.
+/// The use of MPI by a process, from MPI_Init to MPI_Finalize. Without mpirun, the world has one rank. A process may
+/// create only one session. The process ends if its mpirun dies.
 /// Errors  RankLost with the MPI call and MPI's error text. If MPI_Init or MPI_Finalize takes too long because another
 ///         rank died or hangs, the process ends: cluster/mpi/mpi_call_timeout.h.
 class MpiSession {
@@ -41,12 +41,12 @@ class MpiSession {
   /// Sends without blocking and keeps the bytes until they are sent, so two ranks may send to each other. Messages
   /// between two ranks arrive in the order of sending.
   void send(int to, int tag, std::vector<std::uint8_t> bytes);
-  /// Advances pending sends; poll() does so too.
+  /// Advances pending sends; poll() does the same.
   void progress();
   /// Returns a message if one has arrived; never blocks, because a blocking receive would busy-wait.
   std::optional<Message> poll();
-  /// Sets the timeout of collective calls. After it, the call throws RankLost on every waiting rank because another
-  /// rank hangs and MPI would wait forever. No other collective call may follow.
+  /// Sets the timeout of collective calls in seconds. A call that takes longer throws RankLost on every waiting rank,
+  /// because MPI would wait forever for a rank that hangs. No other collective call may follow.
   void set_collective_timeout(double collective_timeout_s) { collective_timeout_s_ = collective_timeout_s; }
   double collective_timeout_s() const { return collective_timeout_s_; }
   /// Collective. Returns the max over all ranks.
@@ -55,7 +55,7 @@ class MpiSession {
   std::int64_t sum_of(std::int64_t value);
   /// Collective. Returns rank 0's value.
   int from_master(int value);
-  /// Collective. Returns rank 0's bytes, of any number.
+  /// Collective. Returns rank 0's bytes. Their number is not limited.
   std::vector<std::uint8_t> from_master(std::vector<std::uint8_t> bytes);
   /// Ends all ranks immediately.
   [[noreturn]] void abort(int exit_code);

@@ -1,4 +1,4 @@
-// The world of one rank of a build without MPI (-DGIGABAKE_MPI=OFF).
+// MpiSession of a build without MPI (-DGIGABAKE_MPI=OFF): a world of one rank.
 #include <algorithm>
 #include <array>
 #include <cstdlib>

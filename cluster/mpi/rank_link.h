@@ -10,7 +10,7 @@
 
 namespace gigabake {
 
-/// The interface treats rank 0 like every other rank: it receives its own cells and answers.
+/// A link that treats rank 0 like every other rank: rank 0 receives its own cells and answers through it.
 class RankLink {
  public:
   virtual ~RankLink() = default;
@@ -20,7 +20,7 @@ class RankLink {
   virtual double now_s() const = 0;
   /// Returns true if an early, orderly end of the bake was requested.
   virtual bool is_drain_requested() const = 0;
-  /// Returns immediately. Messages to one rank arrive in order, or never if that rank is lost.
+  /// Sends a message and returns immediately. Messages to one rank arrive in order, or never if that rank is lost.
   virtual void send(int rank, Tag tag, std::vector<std::uint8_t> bytes) = 0;
   /// Returns the next message from any rank, if any; never blocks.
   virtual std::optional<Message> receive() = 0;

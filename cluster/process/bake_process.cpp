@@ -19,7 +19,7 @@ constexpr std::chrono::seconds max_kill_wait{10}, first_pause{1}, max_pause{60};
 /// Bytes of the sources per message: the process holds one message twice while it assembles the sources.
 constexpr std::size_t part_bytes = std::size_t(1) << 24;
 constexpr int deaths_without_pause = 2;
-constexpr int doublings = 6;  // of the pause, up to max_pause
+constexpr int doublings = 6;  // the pause doubles up to this many times, up to max_pause
 
 HangWatch::Clock::duration seconds(double s) {
   return std::chrono::duration_cast<HangWatch::Clock::duration>(std::chrono::duration<double>(s));
@@ -172,7 +172,7 @@ std::string BakeProcess::oldest() const {
   return tiles_.empty() ? "its start" : fmt::format("the scan of tile {}", tiles_.front());
 }
 
-/// Ends the process. why: none if it ended by itself.
+/// Ends the process. `why` is nullopt if the process ended by itself.
 void BakeProcess::end(std::optional<std::string> why) {
   kill_reason_ = std::move(why);
   channel_.reset();

@@ -26,14 +26,14 @@ struct BakeProcessOptions {
   Timeouts timeouts = {};
 };
 
-/// Max number of consecutive processes that end before they have started. After that number, starting is given up.
+/// Max number of consecutive processes that end before they have started. Callers then start no further process.
 inline constexpr int max_failed_starts = 3;
 
-/// Runs at most one process. The first request starts it; after a death the next request starts another. After the
-/// third consecutive death without any result, each start is delayed by 1 s, 2 s, 4 s … 60 s. The delay keeps a broken
-/// installation from restarting in a tight loop.
+/// A supervisor of at most one bake process. The first request starts the process. After a death, the next request
+/// starts another process. After the third consecutive death without any result, each start is delayed by 1 s, 2 s, 4 s
+/// … 60 s. The delay keeps a broken installation from restarting in a tight loop.
 /// Not thread-safe. The thread that makes requests must outlive the object, because the process ends with that thread.
-/// Exact   Results are the bake process's, bit for bit. Each request gets one answer or is returned by one death.
+/// Exact   Results are the bake process's, bit for bit. Each request gets one answer, or is returned by one Died event.
 /// Cost    poll() never blocks. While requests are in flight it reads /proc once per second.
 class BakeProcess {
  public:
@@ -44,7 +44,7 @@ class BakeProcess {
     CellReport report;
     std::uint32_t attempt;
   };
-  /// The requests in flight at the death, oldest first. The caller owns them again.
+  /// The death of the process, with the requests that were in flight, oldest first. The caller may submit them again.
   struct Died {
     std::string why;  ///< "killed by signal 11 (SIGSEGV)", "exit code 1", "hung: no CPU time for 60 s in cell c_0_0_0",
                       ///< "… in its start"
@@ -62,14 +62,14 @@ class BakeProcess {
   BakeProcess& operator=(const BakeProcess&) = delete;
 
   /// Starts the process, if none runs, without a request; device() becomes available later.
-  /// Errors  std::runtime_error, also from poll() and requests: no process can ever be started on this host.
+  /// Errors  std::runtime_error, also from poll(), submit() and scan(): no process can ever be started on this host.
   void prepare();
-  /// Returns the device of the current or last process; none until that process has reported it.
+  /// Returns the device of the current or last process; nullopt until the process has reported its device.
   const std::optional<DeviceAnswer>& device() const { return device_; }
   void submit(CellJob job, std::uint32_t attempt);
   void scan(std::uint32_t tile);
-  /// Returns the next event, if any. Also sends, receives, starts and kills: call it often while requests are in
-  /// flight.
+  /// Returns the next event, if any. Also sends and receives messages, and starts or kills the process. Call it often
+  /// while requests are in flight.
   std::optional<Event> poll();
   /// Returns when poll() may have something to do, or after `maximum`.
   void wait(std::chrono::milliseconds maximum) const;
@@ -77,7 +77,7 @@ class BakeProcess {
   std::size_t in_flight() const { return cells_.size() + tiles_.size(); }
   /// Returns the id of the running process.
   std::optional<pid_t> pid() const;
-  /// Returns the peak memory of any of its processes so far.
+  /// Returns the max peak memory in bytes of all processes that this object has started.
   std::uint64_t peak_bytes() const;
 
  private:
@@ -107,7 +107,7 @@ class BakeProcess {
   HangWatch watch_;
   std::deque<BakeOrder> cells_;
   std::deque<std::uint32_t> tiles_;
-  Clock::duration cell_since_{}, tile_since_{};  ///< watched time at which the current front became the oldest
+  Clock::duration cell_since_{}, tile_since_{};  ///< watched time at which the first request in the queue became first
   std::deque<Event> events_;
   std::optional<DeviceAnswer> device_;
   std::optional<std::string> kill_reason_;  ///< reason, if this object killed the process
@@ -117,8 +117,8 @@ class BakeProcess {
   std::uint64_t peak_bytes_ = 0;  ///< of processes that ended
 };
 
-/// Throws an error for max_failed_starts consecutive processes that ended before they had started. why: how the last
-/// process ended.
+/// Throws the error for max_failed_starts consecutive processes that ended before they had started. `why` states how
+/// the last process ended.
 /// Errors  std::runtime_error, always.
 [[noreturn]] void throw_no_start(const std::string& why);
 

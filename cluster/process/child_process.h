@@ -35,13 +35,13 @@ class ChildProcess {
   pid_t pid() const { return pid_; }
   /// Returns the parent's end of the socket, which is non-blocking.
   int socket() const { return socket_; }
-  /// Sends SIGKILL to its process group.
+  /// Sends SIGKILL to the child's process group.
   void kill();
-  /// Returns how the process ended, once it has: "exit code 1", "killed by signal 11 (SIGSEGV)".
+  /// Returns how the process ended: "exit code 1", "killed by signal 11 (SIGSEGV)". Returns nullopt while it runs.
   const std::optional<std::string>& ended();
-  /// Returns nullopt if the process ended or /proc does not show it.
+  /// Returns the activity counters; nullopt if the process ended or /proc does not show it.
   std::optional<ProcessActivity> activity() const;
-  /// Returns the peak memory of the process.
+  /// Returns the peak memory of the process in bytes.
   std::uint64_t peak_bytes() const;
 
  private:

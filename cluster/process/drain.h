@@ -6,16 +6,16 @@
 
 namespace gigabake {
 
-/// Installs handlers that record these signals instead of ending the process. A second SIGINT prints the text of
-/// set_interrupt_message() and ends the process.
+/// Installs handlers that record SIGUSR1, SIGTERM and SIGINT instead of ending the process. A second SIGINT prints the
+/// text of set_interrupt_message() and ends the process.
 /// Errors  std::runtime_error.
 void install_drain_handlers();
 
-/// Sets the text that a second SIGINT prints: the state in which it leaves the bake. Truncated to 300 bytes. Not
-/// thread-safe.
+/// Sets the text that a second SIGINT prints. The text states what the end of the process leaves in OUT. It is
+/// truncated to 300 bytes. Not thread-safe.
 void set_interrupt_message(std::string_view line);
 
-/// Returns true once one of these signals has arrived.
+/// Returns true once SIGUSR1, SIGTERM or SIGINT has arrived.
 bool is_drain_requested();
 
 /// Ends this process when its parent mpirun dies, so that a killed mpirun leaves no rank that continues to write. Does

@@ -90,7 +90,7 @@ bool is_ending(const std::string& holder) {
   if (own_namespace.empty() || !holder.ends_with("\n" + own_namespace)) return false;
   const std::filesystem::path entry = "/proc/" + std::to_string(process);
   std::error_code code;
-  if (::kill(pid_t(process), 0) != 0 && errno == ESRCH) return true;  // a child of it still has its files
+  if (::kill(pid_t(process), 0) != 0 && errno == ESRCH) return true;  // a child of the owner has the file open
   if (!std::filesystem::exists(entry, code)) return false;
   const auto program = std::filesystem::read_symlink(entry / "exe", code);
   // A process that has released its memory has no program link. The link of another user's process is unreadable.
@@ -139,9 +139,9 @@ void share_with_group(const Descriptor& file, const std::filesystem::path& folde
   if (::fchmod(file.get(), (ours.st_mode & 0777) | S_IRGRP | S_IWGRP) != 0) return;
 }
 
-/// Removes another user's read-only lock file if no process holds it. The read lock on it excludes writers, and a
-/// second lock file admits one process at a time.
-/// Errors  InputError: a process holds it.
+/// Removes another user's read-only lock file if no process has locked it. A read lock on the file excludes writers. A
+/// second lock file lets one process at a time do this.
+/// Errors  InputError: a process has locked the file.
 void remove_left_file(const std::filesystem::path& path) {
   const std::filesystem::path turn_path = path.string() + ".turn";
   Descriptor turn;

@@ -9,9 +9,9 @@
 
 namespace gigabake {
 
-/// Holds FOLDER/.lock, which names host, process and start time, and removes the file at the end. Reuses a lock file
-/// that another member of the folder's group left. If the process is killed, the system releases the lock; the
-/// remaining file has no effect.
+/// The owner of the lock file FOLDER/.lock, which names host, process and start time. The destructor removes the file.
+/// A lock file that another member of the folder's group left is reused. If the process is killed, the system releases
+/// the lock; the remaining file has no effect.
 /// Range   Uses an open file description lock. It works between hosts on NFS 4, on NFS 3 with its lock daemon, and on
 ///         Lustre with the mount option flock.
 class FolderLock {

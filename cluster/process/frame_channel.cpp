@@ -19,7 +19,7 @@ void FrameChannel::flush() {
         ::send(socket_, first.data() + sent_of_first_, first.size() - sent_of_first_, MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return;
     if (sent < 0 && errno == EINTR) continue;
-    if (sent < 0 && (errno == EPIPE || errno == ECONNRESET)) return outbox_.clear();  // receive() will see it too
+    if (sent < 0 && (errno == EPIPE || errno == ECONNRESET)) return outbox_.clear();  // receive() detects it too
     if (sent < 0) throw std::system_error(errno, std::generic_category(), "send to the bake process");
     bytes_moved_ += std::uint64_t(sent);
     sent_of_first_ += std::size_t(sent);

@@ -1,4 +1,4 @@
-/// Distinguishes a hung process from a busy one. A plain value, so that a test can replay it with its own times.
+/// A detector that distinguishes a hung process from a busy one. It reads no clock, so a test can pass its own times.
 #pragma once
 
 #include <chrono>
@@ -9,8 +9,8 @@
 
 namespace gigabake {
 
-/// Counts *watched* time: each interval between two looks counts as at most a quarter of `stall`. A suspended machine,
-/// or a job stopped as a whole, is therefore not taken for a hang.
+/// A counter of *watched* time: each interval between two calls of look() counts as at most a quarter of `stall`. A
+/// suspended machine, or a job stopped as a whole, is therefore not taken for a hang.
 class HangWatch {
  public:
   using Clock = std::chrono::steady_clock;
@@ -19,13 +19,13 @@ class HangWatch {
 
   /// Marks the start of work.
   void start(Clock::time_point now);
-  /// Returns the earliest useful time of the next look.
+  /// Returns the earliest useful time of the next call of look().
   Clock::time_point next_look() const { return last_look_ + interval_; }
   /// Records one observation. If the system does not report `activity`, hangs are detected by time limits only.
-  /// Parameter message_bytes: total sent and received so far.
+  /// `message_bytes` is the total of bytes sent and received until now.
   void look(Clock::time_point now, const std::optional<ProcessActivity>& activity, std::uint64_t message_bytes);
 
-  /// Returns true after `stall` of watched time without any progress.
+  /// Returns true after `stall` of watched time without progress.
   bool is_stalled() const { return watched_ - progress_ >= stall_; }
   /// Returns the watched time since construction.
   Clock::duration watched() const { return watched_; }

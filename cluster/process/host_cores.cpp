@@ -6,7 +6,7 @@
 namespace gigabake {
 
 int fair_share(std::span<const CoreSet> of_ranks, std::size_t rank) {
-  constexpr double rounding = 1e-6;  // of a sum of up to 1024 fractions
+  constexpr double rounding = 1e-6;  // tolerance for a sum of up to 1024 fractions
   double share = 0;
   for (std::size_t c = 0; c < CoreSet().size(); ++c) {
     if (!of_ranks[rank][c]) continue;

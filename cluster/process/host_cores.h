@@ -9,7 +9,7 @@
 namespace gigabake {
 
 /// Returns a rank's number of cores if each core is divided evenly among the ranks that may run on it; at least 1.
-/// Parameter of_ranks: the cores of every rank on the host.
+/// `of_ranks` contains the cores of every rank on the host.
 int fair_share(std::span<const CoreSet> of_ranks, std::size_t rank);
 
 }  // namespace gigabake

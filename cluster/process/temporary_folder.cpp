@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char prefix[] = "gigabake-plan-";
-/// Name of a new folder; the folder gets its final name only once it is locked.
+/// The name of a new folder. The folder gets its final name only once it is locked.
 constexpr char unlocked_template[] = "gigabake-new-XXXXXX";
 constexpr std::size_t random_characters = 6;
 

@@ -9,8 +9,8 @@ namespace gigabake {
 
 class TemporaryFolder {
  public:
-  /// Creates a folder; also removes those that killed processes left. in: the parent folder; empty: the system's
-  /// temporary folder.
+  /// Creates a folder in `in`, or in the system's temporary folder if `in` is empty. Also removes the folders that
+  /// killed processes left there.
   /// Errors  InputError: the folder cannot be created.
   explicit TemporaryFolder(const std::filesystem::path& in = {});
   ~TemporaryFolder();
@@ -20,7 +20,7 @@ class TemporaryFolder {
 
  private:
   std::filesystem::path path_;
-  Descriptor lock_;  ///< of the folder itself: the system releases it when the process ends
+  Descriptor lock_;  ///< lock on the folder itself, which the system releases when the process ends
 };
 
 }  // namespace gigabake
