@@ -19,7 +19,7 @@ namespace {
 
 constexpr double max_half_diagonal_m = 1e6, highest_m = 20e3;
 constexpr double lowest_ground_m = -1000, highest_ground_m = 9000;
-/// Bytes of a mesh format without JSON that are read first: the first vertices show whether all are needed.
+/// Bytes that are read from the beginning of an OBJ, PLY or STL. Their vertices show whether all vertices must be read.
 constexpr std::uint64_t first_read_bytes = std::uint64_t(1) << 18;
 
 /// Returns whether the format has a convention for the up axis.
@@ -58,7 +58,7 @@ std::vector<Point<Local>> first_vertices(const TileRef& tile, const std::filesys
   return first_obj_vertices(tile.path, head);
 }
 
-/// Returns the bounds, rotated by the tile's `gltf_up`. Empty if no first vertex is near the earth's surface.
+/// Returns the bounds of all vertices, z up; empty bounds if none of the first vertices is near the earth's surface.
 WorldBox bounds_of_plain_mesh(const TileRef& tile, const std::filesystem::path& root) {
   bool is_near = false;
   for (const Point<Local>& p : first_vertices(tile, root)) {
@@ -94,7 +94,7 @@ std::string some(const SceneSources& sources, const std::vector<std::size_t>& ti
   return tiles.size() == 1 ? first : fmt::format("{} and {} more", first, tiles.size() - 1);
 }
 
-/// Tiles by the classification of their bounds.
+/// Indices of tiles, grouped by the classification of their bounds.
 struct Sorted {
   std::vector<std::size_t> surface, or_projected, none;
   WorldBox bounds;  ///< of all tiles that may be on the earth

@@ -33,16 +33,16 @@ class Tilesets {
       add_uris(*document.root, file, named_);
     } catch (const InputError& e) {
       if (file.filename() == "tileset.json") throw;
-      if (!fault_ && looks_like_tileset(file)) fault_ = e;  // else another JSON file or no JSON
+      if (!fault_ && looks_like_tileset(file)) fault_ = e;  // other files are not tilesets
     }
   }
 
-  /// Returns the tileset that no other tileset names.
+  /// Returns the tileset that no other tileset names; nullopt if the folder has no tileset.
   std::optional<Path> root(const Path& folder) const {
     std::vector<Path> roots;
     for (const Path& file : found_)
       if (!named_.contains(file)) roots.push_back(file);
-    if (found_.empty() && fault_) throw *fault_;  // without it coarse and fine tiles would be baked together
+    if (found_.empty() && fault_) throw *fault_;  // else all tiles, coarse and fine, would be baked
     if (roots.empty()) return found_.empty() ? std::nullopt : std::optional(found_.front());
     if (roots.size() > 1)
       throw InputError(folder, "",
@@ -55,7 +55,7 @@ class Tilesets {
   }
 
  private:
-  /// Returns whether a text that is no JSON has the members of a tileset.
+  /// Returns whether a file that is not valid JSON contains the names of a tileset's members.
   static bool looks_like_tileset(const Path& file) {
     std::vector<std::uint8_t> bytes;
     try {
@@ -70,7 +70,7 @@ class Tilesets {
 
   std::vector<Path> found_;
   std::set<Path> named_;
-  std::optional<InputError> fault_;  ///< why a tileset cannot be read
+  std::optional<InputError> fault_;  ///< the reason why a tileset cannot be read
 };
 
 class Lister {
@@ -104,7 +104,8 @@ class Lister {
   }
 
  private:
-  /// Skips a link to a folder inside the root: that folder is listed itself.
+  /// Adds a link to a file inside the root. Counts a link out of the root or to no file. Skips a link to a folder
+  /// inside the root, because that folder is listed itself.
   void add_link(const Path& link, bool is_folder) {
     std::error_code error;
     const Path target = std::filesystem::canonical(link, error);
@@ -117,7 +118,7 @@ class Lister {
 
   std::string name_in_folder(const Path& path) const { return path.lexically_relative(folder_).generic_string(); }
 
-  /// Removes duplicates: links may lead to a file that is listed itself.
+  /// Returns the files without duplicates, because a link may lead to a file that is listed itself.
   std::vector<Path> unique_files() {
     std::sort(links_.begin(), links_.end());
     std::set<Path> targets;

@@ -1,5 +1,5 @@
-/// A decoded content file: triangles, materials and still-encoded images, in the file's own coordinates with the affine
-/// maps that place them in the scene. Nothing is snapped, filtered or transformed yet.
+/// A decoded content file: triangles, materials and encoded images. The coordinates are read from the file unchanged;
+/// affine maps place them in the scene. The vertices are not yet transformed or snapped.
 #pragma once
 
 #include <array>
@@ -28,14 +28,14 @@ struct Material {
   bool unlit = false;
 };
 
-/// A triangle list; every index is < the vertex count (checked at load); strips and fans are expanded.
+/// A triangle list. Every index is less than the number of vertices. Strips and fans are expanded.
 struct Primitive {
-  std::vector<float> position;       ///< 3 per vertex, Local metres, may hold NaN/Inf (dropped and counted at snap)
-  float position_step = 0;           ///< distance of neighbouring values in the file; 0: that of floats
+  std::vector<float> position;       ///< 3 per vertex, metres in Local; snap drops and counts vertices with NaN or Inf
+  float position_step = 0;           ///< distance of adjacent values in the file; 0: that of adjacent floats
   std::vector<std::uint32_t> index;  ///< 3 per triangle, counter-clockwise seen from outside
-  std::vector<float> uv;  ///< 2 per vertex, or empty; the set the base colour uses, KHR_texture_transform applied
-  std::vector<std::uint16_t> rgba;  ///< 4 per vertex, linear, 65535 = 1, or empty
-  int material = 0;                 ///< index into TileMesh::materials (always valid)
+  std::vector<float> uv;             ///< 2 per vertex, or empty; the base colour's set, after KHR_texture_transform
+  std::vector<std::uint16_t> rgba;   ///< 4 per vertex, linear, 65535 = 1, or empty
+  int material = 0;                  ///< index into TileMesh::materials (always valid)
 };
 
 /// Max triangles of a part that a PrimitiveSink (source.h) receives. A part has only the vertices that it uses.
@@ -44,11 +44,11 @@ inline constexpr std::uint64_t max_part_triangles = std::uint64_t(1) << 20;
 /// One placement of a primitive.
 struct Instance {
   int primitive = 0;
-  Affine<Scene, Local> scene_from_local;  ///< a negative determinant mirrors: winding is restored by the consumer
+  Affine<Scene, Local> scene_from_local;  ///< if its determinant is negative, the caller reverses the winding
 };
 
-/// Max placements in a file. A node may place a mesh that takes no bytes in the file, so placements are also claimed
-/// from memory_limit().
+/// Max placements in a file. A few bytes of a file can place a mesh again, so placements are also limited by
+/// memory_limit().
 inline constexpr std::size_t max_placements = std::size_t(1) << 24;
 /// Bytes of an Instance and of related data in readers and scans.
 inline constexpr std::size_t placement_bytes = 192;
@@ -62,13 +62,13 @@ struct EncodedImage {
 /// One class of parts of a source that a bake ignores or changes.
 struct SourceWarning {
   std::string text;          ///< the class, e.g. "lines not understood"; equal texts of several sources are one message
-  std::uint64_t count = 0;   ///< how many; 0: `text` is the whole message
+  std::uint64_t count = 0;   ///< number of such parts; 0: `text` is the whole message
   std::uint64_t of = 0;      ///< total number of such parts; 0: not stated
-  std::string example = {};  ///< the first one, e.g. "line 12" or "'bark'"
+  std::string example = {};  ///< the first such part, e.g. "line 12" or "'bark'"
   bool is_loss = false;      ///< triangles are missing: the scene is incomplete, and the exit status is 3
 
   SourceWarning() = default;
-  // Implicit: most warnings are only a text.
+  // These constructors are implicit, because most warnings are only a text.
   SourceWarning(std::string whole) : text(std::move(whole)) {}
   SourceWarning(const char* whole) : text(whole) {}
 
@@ -79,9 +79,9 @@ struct SourceWarning {
 };
 
 struct TileCounts {
-  std::uint64_t triangles = 0;       ///< with instances
-  std::uint64_t skipped_points = 0;  ///< primitives' points that were not baked
-  std::uint64_t skipped_lines = 0;   ///< likewise line segments
+  std::uint64_t triangles = 0;       ///< sum over all instances
+  std::uint64_t skipped_points = 0;  ///< points, which are not baked
+  std::uint64_t skipped_lines = 0;   ///< line segments, which are not baked
 };
 
 struct TileMesh {
@@ -96,7 +96,7 @@ struct TileMesh {
 /// Grey of an object whose material or image is missing: sRGB code 127 as linear value.
 inline constexpr float grey_without_image = 0.2122f;
 
-/// A decoded image, straight alpha, sRGB as stored; row 0 first.
+/// A decoded image with straight alpha and the stored sRGB codes. Row 0 is first.
 struct Image {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgba;  ///< 4 · width · height
@@ -104,7 +104,8 @@ struct Image {
 };
 
 /// Decodes an image.
-/// Errors  InputError if it is not a whole PNG, JPEG or WebP (if built with libwebp), or larger than 2^28 texels.
+/// Errors  InputError: the image is not a whole PNG, JPEG or WebP (if built with libwebp), or has more than 2^28
+///         texels.
 Image decode_image(const EncodedImage& image);
 
 }  // namespace gigabake

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t word_bits = 64;
 
-/// Returns `width` values for each of the vertices; empty if the mesh has no such values.
+/// Returns the `width` values of each vertex in `vertices`; empty if `values` is empty.
 template <class T>
 std::vector<T> chosen(const std::vector<T>& values, const std::vector<std::uint32_t>& vertices, std::size_t width) {
   std::vector<T> out;
@@ -30,7 +30,7 @@ Primitive part_of(const Primitive& whole, std::uint64_t first_triangle) {
   return with_corners(whole, {from, from + std::ptrdiff_t(3 * triangles)}, vertices);
 }
 
-/// Passes on one primitive and returns the number of its parts.
+/// A function object that passes one primitive to the sink and returns the number of its parts.
 class PartPasser {
  public:
   explicit PartPasser(const PrimitiveSink& sink) : sink_(sink) {}

@@ -16,14 +16,14 @@ namespace gigabake {
 std::uint64_t part_triangles();
 
 /// Returns whether a list is passed on in parts. A part has at most max_part_triangles triangles, in the list's order,
-/// and only the vertices that they use.
+/// and only the vertices that these triangles use.
 constexpr bool is_split(std::uint64_t triangles, std::uint64_t vertices) {
   return triangles > max_part_triangles || vertices > 3 * max_part_triangles;
 }
 
-/// The vertices that some corners use, each once, ascending.
-/// Cost    bytes_of_64 for every 64 vertices between the first and the last used vertex, and four bytes for each used
-///         vertex.
+/// The set of vertices that some triangle corners use, in ascending order.
+/// Cost    Memory: bytes_of_64 for every 64 vertices between the first and the last used vertex, and four bytes for
+///         each used vertex.
 class UsedVertices {
  public:
   static constexpr std::uint64_t bytes_of_64 = 12;
@@ -37,19 +37,21 @@ class UsedVertices {
  private:
   std::uint32_t first_ = 0;
   std::vector<std::uint64_t> is_used_;  ///< a bit per vertex, from first_ on
-  std::vector<std::uint32_t> before_;   ///< used vertices before each word of is_used_
+  std::vector<std::uint32_t> before_;   ///< number of used vertices before each word of is_used_
   std::vector<std::uint32_t> ascending_;
 };
 
-/// Returns the primitive of some triangles of `whole`, with the vertices that they use. `vertices` becomes the number
-/// of each vertex in `whole`.
+/// Returns a primitive with the triangles `index` of `whole` and only the vertices that they use. Sets vertices[v] to
+/// the number in `whole` of vertex v of the result.
 Primitive with_corners(const Primitive& whole, std::vector<std::uint32_t>&& index,
                        std::vector<std::uint32_t>& vertices);
 
-/// Returns the properties that TileMesh keeps of a primitive that was passed on.
+/// Returns a copy with only `material` and `position_step`. TileMesh keeps this copy after the primitive has been
+/// passed to a sink.
 Primitive without_lists(const Primitive& primitive);
 
-/// Passes on the primitives of a complete mesh. The mesh keeps only the properties that a sink leaves.
+/// Passes the primitives of a complete mesh to the sink, large primitives in parts. The mesh keeps without_lists() of
+/// each part.
 /// Cost    Memory of one part in addition to the mesh.
 void pass_on_parts(TileMesh& mesh, const PrimitiveSink& sink);
 

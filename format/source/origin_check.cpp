@@ -13,7 +13,7 @@ namespace {
 
 constexpr double far_m = 100e3;
 
-/// Returns the length of the straight line, which also counts a difference in height.
+/// Returns the length of the straight line between two positions, which includes a difference in height.
 double distance_m(const Geodetic& a, const Geodetic& b) {
   const Point<Ecef> p = ecef_of(a), q = ecef_of(b);
   return std::hypot(p.x - q.x, p.y - q.y, p.z - q.z);
@@ -29,7 +29,8 @@ std::string text_of(const Geodetic& g) {
                      g.height_m);
 }
 
-/// Returns the answer, if swapping gives one.
+/// Returns the question whether the coordinates of `g` are swapped. Adds the distance after swapping if it is at most
+/// far_m.
 std::string swap_question(const Geodetic& g, const Geodetic& expected) {
   const std::string question = "are its latitude and longitude swapped?";
   if (std::fabs(g.longitude_deg) > 90) return question;

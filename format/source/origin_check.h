@@ -1,4 +1,4 @@
-/// Checks of scene origins far from the sources: latitude and longitude swapped, or the origin of another place.
+/// Detection of scene origins that are far from the sources, for example because latitude and longitude are swapped.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace gigabake {
 
-/// Returns a warning if the chosen origin is more than 100 km from every place of the sources. The warning suggests
-/// swapped latitude and longitude. `places` may be empty: no source has a place.
+/// Returns a warning if the chosen origin is more than 100 km from every place of the sources. The warning includes the
+/// question whether latitude and longitude are swapped. `places` is empty if no source has a place on the earth.
 std::optional<std::string> far_origin_warning(const Geodetic& origin, const std::vector<Geodetic>& places);
 
 /// A source of a scene .json and the place that the file gives it.

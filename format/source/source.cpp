@@ -30,7 +30,7 @@ Affine<Scene, World> local_scene(const SourceOptions& options) {
   return z_up_from<Scene, World>(options.scene_up.value_or(UpAxis::z));
 }
 
-/// Returns the format by the file name extension; nullopt if the file is no content.
+/// Returns the format by the file name extension; nullopt if no content format has the extension.
 std::optional<ContentKind> kind_of(const Path& path) {
   static const std::map<std::string, ContentKind> kinds{{".glb", ContentKind::glb},   {".gltf", ContentKind::gltf},
                                                         {".b3dm", ContentKind::b3dm}, {".i3dm", ContentKind::i3dm},
@@ -71,7 +71,7 @@ void add_mesh_file(const Path& path, const SourceOptions& options, SceneSources&
   }
 }
 
-/// Opens mesh files. Only earth-centred ones have a place on the earth; for others SourceOptions::origin sets it.
+/// Opens mesh files. If no file has earth-centred coordinates, only SourceOptions::origin can set the origin.
 SceneSources mesh_sources(const Path& root, const std::vector<Path>& files, const SourceOptions& options,
                           const Progress& progress) {
   SceneSources out;
@@ -141,14 +141,14 @@ SceneSources json_sources(const Path& file, const SourceOptions& options, const 
   throw InputError(file, "", "expected a tileset (\"root\") or a scene (\"gigabake\")");
 }
 
-/// Returns the rasters of a folder that can be opened; lists the others, such as a photo, as skipped.
+/// Returns the rasters that can be opened. Lists files that cannot be opened, such as a photo, as skipped.
 std::vector<DemOptions> readable_rasters(const Path& root, const std::vector<Path>& files, const SourceOptions& options,
                                          std::vector<SkippedSource>& skipped) {
   std::vector<DemOptions> rasters;
   for (const Path& file : files) {
     DemOptions raster;
     raster.dem = file;
-    if (files.size() == 1) return {raster};  // its error is the whole result
+    if (files.size() == 1) return {raster};  // dem_sources() opens it and reports its error
     try {
       open_dem({raster}, options.local);
       rasters.push_back(raster);
@@ -160,7 +160,8 @@ std::vector<DemOptions> readable_rasters(const Path& root, const std::vector<Pat
   return rasters;
 }
 
-/// Opens rasters. Rasters of one grid are one surface; others are placed by their coordinate systems.
+/// Opens rasters. Rasters with the same pixel grid form one surface. Different surfaces are placed by their coordinate
+/// systems.
 SceneSources raster_sources(const Path& root, const std::vector<Path>& files, const SourceOptions& options,
                             const Progress& progress) {
   std::vector<SkippedSource> skipped;
@@ -183,7 +184,7 @@ SceneSources raster_sources(const Path& root, const std::vector<Path>& files, co
   return out;
 }
 
-/// Opens a folder. If it has a tileset, that tileset is opened, which has transforms and levels of detail.
+/// Opens a folder. If the folder has a tileset, opens only the tileset, because it has transforms and levels of detail.
 SceneSources folder_sources(const Path& folder, const SourceOptions& options, const Progress& progress) {
   std::error_code error;
   if (std::filesystem::is_regular_file(folder / "tileset.json", error))

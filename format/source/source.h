@@ -33,68 +33,73 @@ constexpr auto names_of<ContentKind>() {
   return std::to_array<std::string_view>({"glb", "gltf", "b3dm", "i3dm", "obj", "dem", "ply", "stl"});
 }
 
-/// Bytes [begin, end) of a file; end 0: the whole file.
+/// The bytes [begin, end) of a file. If `end` is 0, the range extends to the end of the file.
 struct ByteRange {
   std::uint64_t begin = 0, end = 0;
   friend bool operator==(const ByteRange&, const ByteRange&) = default;
 };
 
-/// One content file and its place. The same file may be placed several times.
+/// One content file, or a part of one, and its placement in the scene. Several tiles may place the same file.
 struct TileRef {
   std::filesystem::path path;  ///< readable file inside the source folder
-  std::string name;            ///< path relative to the source root, '/' separated, and "[i]" in a composite: messages
+  std::string name;            ///< for messages: path relative to the root, '/' separated, with "[i]" in a composite
   ContentKind kind = ContentKind::glb;
-  UpAxis gltf_up = UpAxis::y;                        ///< tileset's gltfUpAxis: axis of the content that becomes z
-  Affine<Scene, World> scene_from_tile;              ///< product of tile transforms, ECEF to scene, scene_up, in double
-  std::uint64_t bytes = 0;                           ///< file size
-  ByteRange range = {};                              ///< the tile's bytes in a composite; default: the whole file
-  std::shared_ptr<const Archive> archive = nullptr;  ///< archive that `path` leads into, or none
-  Affine<World, World> world_from_tile = {};         ///< only the tileset's transforms, for east and north of an i3dm
-  std::shared_ptr<const DemTile> dem = nullptr;      ///< of ContentKind::dem: cells of the raster
+  UpAxis gltf_up = UpAxis::y;                        ///< up axis of the content, such as a tileset's gltfUpAxis
+  Affine<Scene, World> scene_from_tile;              ///< from the tile's frame, rotated to z up, to the scene
+  std::uint64_t bytes = 0;                           ///< file size; for a raster, its size divided by the number of
+                                                     ///< tiles
+  ByteRange range = {};                              ///< the bytes of a tile in a composite; by default the whole file
+  std::shared_ptr<const Archive> archive = nullptr;  ///< the archive that contains the file, or null
+  Affine<World, World> world_from_tile = {};         ///< the tileset's transforms only; an i3dm needs them to find east
+                                                     ///< and north
+  std::shared_ptr<const DemTile> dem = nullptr;      ///< cells of a raster; null for other formats
 };
 
-/// An input that the source names but the bake cannot use: a missing file, an unsupported format. The exit code is 3
-/// unless it is `informative`, such as a point cloud: it is counted and reported, but no triangle is missing.
+/// An input that the source names but the bake cannot use: a missing file, an unsupported format. The exit status is 3
+/// unless the input is `informative`. An informative input, such as a point cloud, is reported, but has no triangles.
 struct SkippedSource {
   std::string name;    ///< file, or file and key
   std::string reason;  ///< one line
   bool informative = false;
-  std::uint64_t points = 0;  ///< of a point cloud
+  std::uint64_t points = 0;  ///< number of points in a point cloud
 };
 
 struct SceneSources {
-  std::filesystem::path root;      ///< folder that bounds every URI
+  std::filesystem::path root;      ///< no URI may lead out of this folder
   std::vector<TileRef> tiles;      ///< in the source's own order; deterministic
-  std::optional<Geodetic> origin;  ///< none: local scene
+  std::optional<Geodetic> origin;  ///< nullopt if the scene is local
   std::vector<SkippedSource> skipped;
   std::vector<std::string> notes;  ///< information on the sources' places for the user; one line each
 };
 
 /// Opens the source at `path`: a content file (docs/format-sources.md), a folder of content files, a tileset or a
 /// scene. The files of a folder are sorted; symbolic links to folders are not followed. A tileset is a 3D Tiles .json
-/// (1.0 and 1.1) or its .3tz archive; a scene is a gigabake scene .json. Opens no mesh, but reads bounds of mesh files
-/// outside tilesets (format/source/earth_centred.h).
-/// Georeference: the scene gets an ENU frame if a tileset's root is on the WGS84 earth, or if a scene .json has lon/lat
-/// placements. Its origin is `options.origin`, else the root transform's translation, else the centre of the root's
-/// bounding volume. Mesh files with earth-centred coordinates get it at `options.origin` or at the centre of their
-/// bounds.
+/// (1.0 and 1.1) or its .3tz archive; a scene is a gigabake scene .json. Reads bounds, and in rare cases vertices, to
+/// locate content on the earth (earth_centred.h, tileset_place.h).
+/// The scene gets an east-north-up frame if a source has a place on the WGS84 earth. These sources are tilesets,
+/// rasters, mesh files with earth-centred coordinates, and scenes with lon/lat placements. The origin of the frame is
+/// `options.origin`, else the place of the source. The place of a tileset is the translation of the root transform,
+/// else the centre of the root's bounding volume. The place of mesh files is the centre of their bounds.
 /// If tiles refine by REPLACE, the finest content is used. If a finest content file is missing, the nearest ancestor's
 /// content replaces it, and the missing file is listed in `skipped`.
-/// Errors  InputError: unreadable, cyclic, malformed, URI leaving the root, unsupported required extension. Stopped.
+/// Errors  InputError: a source is unreadable, cyclic or malformed, a URI leads out of the root, or a required
+///         extension is not supported. Stopped: the caller cancelled the step.
 SceneSources open_sources(const std::filesystem::path& path, const SourceOptions& options,
                           const Progress& progress = {});
 
 enum class ReadScope : std::uint8_t { positions_only, everything };
 
-/// Receives each primitive once it is read, in the order of TileMesh::primitives; `index` is its index in that list.
+/// A callback that receives each primitive after it is read, in the order of TileMesh::primitives. `index` is the index
+/// of the primitive in TileMesh::primitives.
 using PrimitiveSink = std::function<void(std::size_t index, Primitive&& primitive)>;
 
 /// Reads one content file. Untrusted input is checked before any library reads it: nesting, sizes, URIs, views,
 /// accessors. If a sink is given, TileMesh::primitives keeps only `material` and `position_step` of each primitive. A
-/// list larger than a part (mesh_parts.h) is passed on as several primitives, each placed by separate Instances.
+/// triangle list that is too large for one part (mesh_parts.h) becomes several primitives, each with its own Instances.
 /// Exact   The triangles, their order within a list, every value and the counts are the same with a sink and without.
-/// Errors  InputError with file, key, byte offset and expected value; names a required extension that is not supported.
-///         If a sink is given, it may have received some primitives before. Exceptions of the sink are passed through.
+/// Errors  InputError names the file, the key, the byte offset and the expected value, or the required extension that
+///         is not supported. A sink may have received some primitives before the error. Exceptions of the sink are
+///         passed through.
 TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadScope scope,
                    const PrimitiveSink& sink = nullptr);
 

@@ -14,8 +14,9 @@
 
 namespace gigabake {
 
-/// Returns a member of glTF by JsonMembers (format/system/json/json_members.h); nullopt if it is absent.
-/// Errors  InputError(file, where.key), as JsonMembers.
+/// Returns a member of a glTF object through JsonMembers (format/system/json/json_members.h); nullopt if it is absent.
+/// `where` is the path of the object in the file.
+/// Errors  InputError(file, where.key) like JsonMembers.
 std::optional<std::uint64_t> get_index(const std::filesystem::path& file, const Json& object, const std::string& where,
                                        const char* key);
 std::optional<double> get_number(const std::filesystem::path& file, const Json& object, const std::string& where,
@@ -30,25 +31,26 @@ const Json& get_array(const std::filesystem::path& file, const Json& object, con
 const Json& get_object(const std::filesystem::path& file, const Json& object, const std::string& where,
                        const char* key);
 
-/// Returns `text` with each "%41" replaced by its byte.
+/// Returns `text` with each percent escape, such as "%41", replaced by the byte that it encodes.
 std::string percent_decoded(std::string_view text);
 
 /// Returns the path in `uri`: percent-decoded, without query and fragment. A backslash is invalid in a URI. It is
-/// read as a slash, as in browsers, because Windows programs write it. "%5C" is a backslash in a name.
+/// read as a slash, as in browsers, because Windows programs write it. "%5C" becomes a backslash in the name.
 std::string uri_path(std::string_view uri);
 
-/// Returns the file that `uri` in the file `base` refers to by its uri_path().
-/// Errors  InputError: a scheme other than a plain path, an absolute path, or a file (symbolic links followed) outside
-///         `root`. The file need not exist.
+/// Returns the path of the file that `uri` refers to. The URI is in the file `base`, and its uri_path() is relative to
+/// that file. The result need not exist.
+/// Errors  InputError(base, key): the URI has a scheme, its path is absolute, or the file is outside `root` after
+///         symbolic links are followed.
 std::filesystem::path resolve_uri(const std::filesystem::path& root, const std::filesystem::path& base,
                                   const std::string& key, std::string_view uri);
 
-/// Resolves a path as resolve_uri() does, but percent signs have no meaning, as in other formats.
+/// Resolves a path like resolve_uri(). A percent sign has no special meaning, because `name` is not a URI.
 std::filesystem::path resolve_path(const std::filesystem::path& root, const std::filesystem::path& base,
                                    const std::string& key, const std::string& name);
 
-/// Returns the file that a scene .json names: a plain path, in which a percent sign has no meaning. A backslash
-/// separates folders unless a file has it in its name.
+/// Resolves a path in a scene .json like resolve_path(). A backslash separates folders unless a file with the backslash
+/// in its name exists.
 /// Errors  InputError like resolve_uri().
 std::filesystem::path resolve_name(const std::filesystem::path& root, const std::filesystem::path& base,
                                    const std::string& key, const std::string& name);

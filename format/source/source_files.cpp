@@ -13,7 +13,8 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint64_t max_file_bytes = std::uint64_t(1) << 32;
-/// Max bytes of a gzip file that its first unpacked bytes need, with its header and the name in it.
+/// Bytes at the beginning of a gzip file that are enough to unpack its first bytes. The gzip header may contain a file
+/// name.
 constexpr std::size_t gzip_head_bytes = 1024;
 
 }  // namespace

@@ -30,21 +30,21 @@ class SourceFiles {
   /// Errors  InputError: no such file, larger than 4 GiB, cannot be read.
   std::vector<std::uint8_t> read(const std::filesystem::path& file) const;
   /// Reads a tile, tileset or subtree, which may be gzip-compressed.
-  /// Errors  as read() and unpacked_gzip(); it unpacks to more than 4 GiB.
+  /// Errors  InputError like read() and unpacked_gzip(). Unpacked content must not exceed 4 GiB or memory_limit().
   std::vector<std::uint8_t> read_content(const std::filesystem::path& file) const;
   /// Returns the bytes that read() would read. A file in a folder is not read yet, and may have any length.
-  /// Errors  as read().
+  /// Errors  InputError like read().
   SourceBytes open(const std::filesystem::path& file) const;
-  /// Returns the bytes that read_content() would read. A GLB in a folder is not read yet; other formats are parsed in
-  /// memory.
+  /// Returns the bytes that read_content() would read. A GLB in a folder is not read yet; all other content is read
+  /// into memory.
   SourceBytes open_content(const std::filesystem::path& file) const;
   /// Reads a buffer or an image that another file refers to. Unpacks it if it is a whole gzip file with a correct
   /// checksum; otherwise returns the bytes unchanged.
   std::vector<std::uint8_t> read_referenced(const std::filesystem::path& file) const;
   /// Returns the first bytes of read_content(), at most `max_bytes`; empty if there is no file.
   std::vector<std::uint8_t> content_head(const std::filesystem::path& file, std::size_t max_bytes) const;
-  /// Returns the stamp of the file under the name `name`; for a file in an archive, that of the archive by absolute
-  /// path.
+  /// Returns the stamp of a file, with `name` as its name. For a file in an archive, returns the stamp and the absolute
+  /// path of the archive.
   StampedFile stamp(const std::string& name, const std::filesystem::path& file) const;
 
  private:

@@ -11,11 +11,13 @@
 
 namespace gigabake {
 
-/// Counter of the warnings of one source while it is read: one entry per class, in the order of their first examples.
-/// A source may have one warning for each of 10^8 faces.
+/// A counter of the warnings of one source, with one entry per class of warnings. The entries are in the order of their
+/// first warnings.
+/// Warnings are counted, not listed, because each of 10^8 faces may cause one warning.
 class SourceWarnings {
  public:
-  /// Counts one more warning of a class. example: converted to a string in the first call only.
+  /// Counts one more warning of the class `text`. `example` is converted to a string only for the first warning of the
+  /// class.
   template <class Example>
   void count(std::string_view text, const Example& example) {
     if (!count_known(text, false)) list_.push_back(first(text, example, false));
@@ -39,7 +41,8 @@ class SourceWarnings {
   std::vector<SourceWarning> list_;
 };
 
-/// Visits the fields that messages between processes and scratch files keep. f: ByteWriter::put or ByteReader::get.
+/// Visits the fields that are stored in messages between processes and in scratch files. `f` is ByteWriter::put or
+/// ByteReader::get.
 template <class Warning, class F>
 void each_field_of_warning(Warning& w, const F& f) {
   f(w.text), f(w.count), f(w.of), f(w.example), f(w.is_loss);

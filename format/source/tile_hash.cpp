@@ -40,15 +40,16 @@ class Digest {
   std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state_;
 };
 
-/// Adds the files that a tile refers to, to its hash and to the list of files.
+/// A collector of the files that a tile refers to. It adds each file to the tile's hash and to the list of files.
 class Dependencies {
  public:
   Dependencies(const TileRef& tile, const SourceFiles& files, Digest& digest, std::vector<StampedFile>& read)
       : tile_(tile), files_(files), digest_(digest), read_(read) {}
 
-  /// Adds a file. The stamp is that of the path in the URI; the content is that of resolve_uri(). If the two paths
-  /// differ, as for a path through a missing folder, the stamp is not settled. base: the file that has the URI. A
-  /// missing file has the hash of an empty file; its reader reports the error.
+  /// Adds the file that a URI in the file `base` refers to. A missing file is hashed like an empty file; the reader of
+  /// the tile reports the error. The stamp belongs to the unresolved path in the URI, the content to the path from
+  /// resolve_uri(). If the stamps of the two paths differ, as for a path through a missing folder, the stamp is not
+  /// settled.
   void add(const std::filesystem::path& base, const std::string& key, const std::string& uri) {
     const std::filesystem::path path = resolve_uri(files_.root(), base, key, uri);
     const std::filesystem::path written = base.parent_path() / uri_path(uri);
@@ -58,13 +59,15 @@ class Dependencies {
     digest_.add_file(files_.has(path) ? files_.open(path) : SourceBytes());
   }
 
-  /// Adds a file by its absolute path. A missing file has the hash of an empty file, because it may exist next time.
+  /// Adds a file by its absolute path. A missing file is hashed like an empty file, because it may exist at the next
+  /// bake.
   void add_file(const std::filesystem::path& path) {
     read_.push_back(files_.stamp(path.string(), path));
     digest_.add_file(files_.has(path) ? files_.open(path) : SourceBytes());
   }
 
-  /// Adds the files of a list. Ignores a URI that cannot be resolved: the reader of the file reports it.
+  /// Adds the files that the items of a list in a glTF document refer to. Ignores a URI that cannot be resolved,
+  /// because the reader of the tile reports it.
   void add_list(const std::filesystem::path& base, const Json& gltf, const char* list) {
     const JsonMembers document(base, gltf);
     const Json& items = document.array(list);
@@ -94,7 +97,8 @@ void add_values(const std::vector<T>& values, Digest& digest) {
   digest.add(values.data(), values.size() * sizeof(T));
 }
 
-/// Returns the identity of a raster's tile, from the tile's mesh: other tiles' pixels have no effect.
+/// Returns the identity of a tile of a raster. Hashes the mesh of the tile, so that pixels outside the tile have no
+/// effect.
 TileIdentity identify_dem(const TileRef& tile, const SourceFiles& files) {
   TileIdentity out;
   for (const std::filesystem::path& file : dem_files(*tile.dem)) {

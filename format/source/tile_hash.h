@@ -13,18 +13,20 @@ namespace gigabake {
 struct TileIdentity {
   Hash128 hash;
   std::vector<StampedFile>
-      files;  ///< that were read or missed, the content file first; stamps are older than the reading
+      files;  ///< files that were read or are missing, the content file first; each stamp was taken before the file was
+              ///< read
 };
 
 /// Computes XXH3-128 of the file, of every file that it refers to (buffers, images), of the placement and the up axis.
-/// If the file is a composite, only the tile's part is hashed. Also returns the names and stamps of these files.
-/// Errors  InputError as read_tile().
+/// If the file is a composite, only the tile's part is hashed. If it is a raster, the tile's mesh and image are hashed.
+/// Also returns the names and stamps of all these files.
+/// Errors  InputError like read_tile().
 TileIdentity identify_tile(const TileRef& tile, const std::filesystem::path& root);
 
 /// Returns only the hash.
 Hash128 tile_hash(const TileRef& tile, const std::filesystem::path& root);
 
-/// Returns the present path of an entry of TileIdentity::files. Follows links at each call: a link may have been
+/// Returns the path of an entry of TileIdentity::files. Does not resolve links in the path, because a link may later be
 /// redirected to another file.
 std::filesystem::path path_of(const TileRef& tile, const StampedFile& file);
 

@@ -7,6 +7,7 @@ namespace {
 
 constexpr int deepest_composite = 8;
 
+/// Adds the tiles of a composite and of its nested composites to `out`.
 /// Source  3D Tiles 1.0, "Composite".
 void add_parts(ByteCursor in, int depth, const std::string& name, std::vector<CompositePart>& out) {
   if (depth == deepest_composite) in.fail("composites nest deeper than 8");

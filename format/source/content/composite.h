@@ -15,11 +15,11 @@ namespace gigabake {
 struct CompositePart {
   ByteRange range;
   ContentMagic magic = ContentMagic::unknown;
-  std::string name;  ///< "[1]", or "[1][0]" in a composite inside
+  std::string name;  ///< "[1]", or "[1][0]" in a nested composite
 };
 
-/// Returns the innermost tiles in their order.
-/// Errors  InputError: a length beyond the file, composites that nest deeper than eight.
+/// Returns the tiles of a composite and of its nested composites, in the order of the file.
+/// Errors  InputError: a length exceeds the file, or composites nest deeper than eight levels.
 std::vector<CompositePart> parts_of_composite(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
 
 }  // namespace gigabake

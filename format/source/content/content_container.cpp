@@ -20,7 +20,7 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::uint32_t json_chunk = 0x4e4f534a, bin_chunk = 0x004e4942;
 
-/// Cursor like ByteCursor, for a GLB that may still be in its file.
+/// A cursor like ByteCursor, over a GLB that may be in memory or in its file.
 struct GlbCursor {
   const std::filesystem::path& file;
   SourceBytes rest;
@@ -41,6 +41,7 @@ struct GlbCursor {
   }
 };
 
+/// Reads the header and the chunks of a GLB.
 /// Source  glTF 2.0, "GLB File Format Specification".
 void open_glb(const std::filesystem::path& file, ContentContainer& out) {
   GlbCursor in{file, out.gltf};
@@ -82,7 +83,7 @@ void open_tile_header(ByteCursor& in, const char* kind, std::uint32_t header_byt
   in.rest = in.rest.first(length - 12);
 }
 
-/// Returns the rest of `content`; `in` began with all of `content`.
+/// Returns the bytes of `content` that `in` has not read yet. `in` must have begun at the first byte of `content`.
 SourceBytes rest_of(const SourceBytes& content, const ByteCursor& in) {
   return content.part(std::uint64_t(in.at()) - content.begin(), in.rest.size());
 }
@@ -107,6 +108,7 @@ FeatureTable take_b3dm_tables(ByteCursor& in) {
   return take_tables(in, layout.table_bytes);
 }
 
+/// Reads the header and the feature table of a b3dm.
 /// Source  3D Tiles 1.0, "Batched 3D Model".
 void open_b3dm(ByteCursor in, ContentContainer& out) {
   open_tile_header(in, "b3dm", 28);
@@ -115,12 +117,13 @@ void open_b3dm(ByteCursor in, ContentContainer& out) {
   out.rtc_center = table.vector("RTC_CENTER").value_or(std::array<double, 3>{});
 }
 
-/// The URI may be padded with spaces or zeros.
+/// Returns the URI of a model without its padding of spaces or zeros.
 std::string model_uri_of(Bytes bytes) {
   const std::string uri(bytes.begin(), bytes.end());
   return uri.substr(0, uri.find_last_not_of(std::string_view(" \0\t\r\n", 5)) + 1);
 }
 
+/// Reads the header and the instances of an i3dm, and opens its glTF.
 /// Source  3D Tiles 1.0, "Instanced 3D Model".
 void open_i3dm(const TileRef& tile, const SourceFiles& files, ByteCursor in, ContentContainer& out) {
   open_tile_header(in, "i3dm", 32);

@@ -9,7 +9,7 @@ namespace gigabake {
 ContentPieces::ContentPieces(const TileRef& tile, const SourceFiles& files)
     : begin_(tile.range.begin), end_(tile.range.end) {
   std::uint64_t size = files.size_of(tile.path);
-  std::vector<std::uint8_t> head(3);  // is_gzip() needs them
+  std::vector<std::uint8_t> head(3);  // is_gzip() needs 3 bytes
   if (!tile.archive) {
     file_.open(tile.path, std::ios::binary);
     file_.read(reinterpret_cast<char*>(head.data()), std::streamsize(head.size()));

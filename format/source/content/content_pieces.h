@@ -10,19 +10,19 @@
 
 namespace gigabake {
 
-/// Reader of parts. Offsets are relative to the tile, which may begin inside a composite. Packed files (gzip, archives)
-/// are unpacked completely.
+/// A reader of parts of one tile. Offsets are relative to the beginning of the tile, which may be inside a composite. A
+/// compressed file (gzip, archive) is unpacked completely.
 class ContentPieces {
  public:
-  /// Errors  InputError, as SourceFiles::read_content(): a packed file cannot be read.
+  /// Errors  InputError like SourceFiles::read_content(): a compressed file cannot be read.
   ContentPieces(const TileRef& tile, const SourceFiles& files);
 
-  /// Returns fewer bytes if the tile ends or cannot be read.
+  /// Returns `bytes` bytes from `offset` on; fewer if the tile ends or cannot be read.
   std::vector<std::uint8_t> read(std::uint64_t offset, std::uint64_t bytes);
 
  private:
   std::ifstream file_;
-  std::vector<std::uint8_t> whole_;  ///< of a packed file
+  std::vector<std::uint8_t> whole_;  ///< the unpacked bytes of a compressed file
   std::uint64_t begin_ = 0, end_ = 0;
 };
 

@@ -16,7 +16,7 @@ std::string lower_case(std::string_view text) {
   return out;
 }
 
-/// Returns the 6 bits of a character, or -1.
+/// Returns the 6 bits that a base64 character encodes; -1 for any other character.
 int base64_bits(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';
   if (c >= 'a' && c <= 'z') return c - 'a' + 26;
@@ -56,7 +56,7 @@ std::vector<std::uint8_t> data_uri_bytes(const std::filesystem::path& file, cons
   MemoryClaim(file).add_items(uri.size(), 2, key, "bytes of a data URI");
   const std::string head = lower_case(uri.substr(0, comma));
   std::string_view data = uri.substr(comma + 1);
-  std::string decoded;  // base64 rarely contains "%41"; without it there is no copy
+  std::string decoded;  // stays empty without percent escapes, which are rare in base64
   if (data.find('%') != data.npos) data = decoded = percent_decoded(data);
   const std::string parameter = head.substr(head.rfind(';') + 1);  // the whole head if there is no parameter
   if (parameter.find("base64") != parameter.npos) return base64_bytes(file, key, uri, data);

@@ -23,7 +23,7 @@ class Inflater {
   Inflater(const Inflater&) = delete;
   Inflater& operator=(const Inflater&) = delete;
 
-  /// Fills `out` as far as there are unpacked bytes. Returns their number.
+  /// Unpacks bytes until `out` is full or the stream ends. Returns the number of unpacked bytes.
   std::size_t fill(std::span<std::uint8_t> out) {
     std::size_t done = 0;
     int state = ready_ ? Z_OK : Z_MEM_ERROR;
@@ -42,7 +42,7 @@ class Inflater {
     return done;
   }
 
-  bool ended() const { return ended_; }  ///< the stream is complete and its checksum is right
+  bool ended() const { return ended_; }  ///< the stream is complete and its checksum is correct
   std::span<const std::uint8_t> rest() const { return rest_; }
 
  private:
@@ -62,7 +62,7 @@ std::vector<std::uint8_t> unpacked_gzip(const std::filesystem::path& file, std::
   Inflater inflater(packed);
   std::vector<std::uint8_t> out;
   for (std::size_t there = 0; !inflater.ended();) {
-    // One byte more than allowed shows that the limit is exceeded.
+    // The buffer has one byte more than the limit, which shows whether the limit is exceeded.
     out.resize(std::size_t(std::min<std::uint64_t>(std::max(first_bytes, 2 * out.size()), max_bytes + 1)));
     const std::size_t more = inflater.fill(std::span(out).subspan(there));
     there += more;

@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-/// A byte range with the semantics of a value: copies and parts share its memory or file and keep it alive.
+/// A byte range with value semantics. Copies and parts share the memory or the file of the range, and keep it alive.
 class SourceBytes {
  public:
   SourceBytes() = default;
@@ -20,14 +20,14 @@ class SourceBytes {
 
   std::uint64_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
-  /// Returns the offset in the file, for messages.
+  /// Returns the offset of the first byte in the file, for messages.
   std::uint64_t begin() const { return begin_; }
 
   /// Returns a part of the bytes.
   /// Errors  std::out_of_range: the range exceeds the bytes. The caller must check ranges that a file states.
   SourceBytes part(std::uint64_t offset, std::uint64_t bytes) const;
   /// Returns bytes in memory, or reads them into `buffer`, which must outlive the result.
-  /// Errors  std::out_of_range; as ReadableFile::read().
+  /// Errors  std::out_of_range: the range exceeds the bytes. Also the errors of ReadableFile::read().
   std::span<const std::uint8_t> look(std::uint64_t offset, std::uint64_t bytes,
                                      std::vector<std::uint8_t>& buffer) const;
 
@@ -49,8 +49,7 @@ class SourceBytes {
   std::uint64_t memory_begin_ = 0;  ///< offset in the file of the first byte of memory_
 };
 
-/// Bytes per read: large enough that system calls cost little compared with copying, small enough for a processor's
-/// cache.
+/// Bytes per read. Blocks of this size make system calls cheap compared with copying, and fit into a processor's cache.
 inline constexpr std::size_t read_block_bytes = std::size_t(1) << 18;
 
 }  // namespace gigabake

@@ -1,9 +1,9 @@
 /// Decoders of packed data in glTF files. Each uses a library that gigabake may be built without.
 ///
 /// Exact   The output of a decoder depends only on the packed bytes.
-/// Errors  InputError(file, where): bytes that violate the codec's format, or more bytes than they can unpack to; built
-///         without the library, in which case the message names its package. Sizes are checked before memory is
-///         allocated.
+/// Errors  InputError(file, where): the bytes violate the codec's format, or the declared size is impossible for this
+///         number of packed bytes. If gigabake was built without the library, the message names its package. Sizes are
+///         checked before memory is allocated.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@
 
 namespace gigabake {
 
-/// Returns the reason why a required glTF extension is refused if the library for it is missing. Returns nullopt if the
-/// extension is read or needs no codec.
+/// Returns the reason why a glTF extension that needs a codec is refused: gigabake has no library for it. Returns
+/// nullopt if the library exists or the extension needs no codec.
 std::optional<std::string> missing_codec(const std::string& extension);
 
 // EXT_meshopt_compression
@@ -43,8 +43,8 @@ struct MeshoptStream {
 };
 
 bool has_meshopt();
-/// Returns count · stride bytes.
-/// Range   Strides and counts that the extension allows; the caller checks them.
+/// Returns the unpacked bytes: stream.count · stream.stride.
+/// Range   The caller has checked that the extension allows the stride and the count.
 std::vector<std::uint8_t> decode_meshopt(const std::filesystem::path& file, const std::string& where,
                                          const MeshoptStream& stream, std::span<const std::uint8_t> packed);
 
@@ -53,17 +53,18 @@ std::vector<std::uint8_t> decode_meshopt(const std::filesystem::path& file, cons
 struct DracoAttribute {
   std::uint32_t unique_id = 0;
   std::uint32_t components = 0;
-  float integers_to_one = 0;  ///< if not 0: integers of the accessor are fractions of this
+  float integers_to_one = 0;  ///< if not 0, integer components are divided by this
 };
 
 struct DracoMesh {
   std::uint64_t points = 0;
   std::vector<std::uint32_t> index;            ///< 3 per triangle
-  std::vector<std::vector<float>> attributes;  ///< components · points values each, in the requested order
+  std::vector<std::vector<float>> attributes;  ///< per requested attribute: components · points values
 };
 
 bool has_draco();
-/// Decodes a mesh. max_triangles: the document's count; a stream with more triangles is refused before unpacking.
+/// Decodes a mesh. `max_triangles` is the number that the document declares. A stream that states more triangles is
+/// refused before it is unpacked.
 DracoMesh decode_draco(const std::filesystem::path& file, const std::string& where,
                        std::span<const std::uint8_t> packed, std::span<const DracoAttribute> attributes,
                        std::uint64_t max_triangles);

@@ -11,9 +11,10 @@
 namespace gigabake {
 namespace {
 
-/// Longer headers exist (profiles, previews); then all bytes are looked at.
+/// Bytes that are read to find the header of an image. If profiles or previews make the header longer, all bytes are
+/// read.
 constexpr std::uint64_t usual_head_bytes = std::uint64_t(1) << 20;
-/// Max distance of a JPEG's end marker from the end of the file: some writers append bytes.
+/// Max distance of a JPEG's end marker from the end of the file, because some writers append bytes.
 constexpr std::uint64_t jpeg_tail_bytes = std::uint64_t(1) << 18;
 
 std::string_view text_of(std::span<const std::uint8_t> bytes) {
@@ -43,6 +44,7 @@ bool has_end_marker(const SourceBytes& jpeg) {
   return text_of(jpeg.look(jpeg.size() - bytes, bytes, buffer)).find("\xff\xd9") != std::string_view::npos;
 }
 
+/// Returns whether the file has all bytes that its RIFF header states.
 /// Source  WebP container: the length behind "RIFF" does not count the first 8 bytes.
 bool has_all_of_riff(const SourceBytes& webp) {
   std::vector<std::uint8_t> buffer;

@@ -1,4 +1,5 @@
-/// Check whether an image can be decoded, from its header and its end: decoding all texels would take long.
+/// Check whether an image can be decoded. It reads only the header and the end, because decoding all texels would take
+/// long.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +11,8 @@ namespace gigabake {
 
 /// Checks an image.
 /// Cost    Reads the header and the bytes that show where the image ends.
-/// Errors  InputError(file, key): no bytes, no PNG, JPEG or WebP, a damaged header, or an image that is cut short.
+/// Errors  InputError(file, key): the image is empty, is not a PNG, JPEG or WebP, has a damaged header, or is
+///         truncated.
 void check_image(const std::filesystem::path& file, const std::string& key, const SourceBytes& bytes);
 
 }  // namespace gigabake

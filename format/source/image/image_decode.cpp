@@ -37,7 +37,7 @@ std::uint64_t decoder_texel_bytes(const EncodedImage& image, Encoding encoding) 
   return jpeg_has_multiple_scans(&reader.state) ? coefficient_bytes * std::uint64_t(reader.state.num_components) : 0;
 }
 
-/// Claims memory for a whole image before any of it is allocated.
+/// Claims memory for a whole image before the memory is allocated.
 void claim_whole(const EncodedImage& image, const ImageSize& size, Encoding encoding) {
   constexpr const char* advice = "make it smaller";
   if (size.width > max_whole_image_texels / size.height)

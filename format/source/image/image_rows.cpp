@@ -12,7 +12,8 @@ class JpegRows : public ImageRows {
   JpegRows(const EncodedImage& encoded, const ImageSize& size) : ImageRows(size), encoded_(encoded) {
     reader_.begin(encoded);
   }
-  /// Coefficients of all scans would be held until the last one is read.
+  /// Returns false for several scans, because libjpeg would keep the coefficients of all scans until the last scan is
+  /// read.
   bool comes_in_rows() { return jpeg_has_multiple_scans(&reader_.state) == FALSE; }
   void next(std::uint8_t* rgba) override { reader_.next_row(encoded_, rgba); }
 

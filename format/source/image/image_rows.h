@@ -13,16 +13,16 @@ class ImageRows {
  public:
   /// Opens an image. Returns null if no row is complete before all bytes are read: WebP, an interlaced PNG, a JPEG in
   /// several scans.
-  /// encoded: outlives the decoder.
-  /// Errors  InputError, as image_size().
+  /// `encoded` must outlive the decoder.
+  /// Errors  InputError like image_size().
   static std::unique_ptr<ImageRows> open(const EncodedImage& encoded);
   virtual ~ImageRows() = default;
 
   const ImageSize& size() const { return size_; }
-  /// Decodes the next row. rgba: buffer of 4 · width bytes.
-  /// Exact   The bytes of decode_image().
-  /// Range   Called once per row, row 0 first.
-  /// Errors  InputError, as decode_image().
+  /// Decodes the next row into `rgba`, a buffer of 4 · width bytes.
+  /// Exact   Equal to the rows of decode_image().
+  /// Range   Must be called once per row. Row 0 is first.
+  /// Errors  InputError like decode_image().
   virtual void next(std::uint8_t* rgba) = 0;
 
  protected:

@@ -7,8 +7,8 @@
 
 namespace gigabake {
 
-/// Max texels of an image, and of an image that is decoded as a whole: indices of texels and libpng's sizes have 32
-/// bits.
+/// Max texels of an image that is decoded row by row, and of an image that is decoded as a whole. Indices of texels and
+/// sizes in libpng have 32 bits.
 inline constexpr std::uint64_t max_texels = std::uint64_t(1) << 30, max_whole_image_texels = std::uint64_t(1) << 28;
 
 struct ImageSize {
@@ -18,9 +18,10 @@ struct ImageSize {
   static constexpr std::uint64_t texture_bytes_of(std::uint64_t texels) { return 7 * texels; }
 };
 
-/// Reads only the header.
-/// Range   Returns a size of 1 to max_texels texels.
-/// Errors  InputError: no PNG, JPEG or WebP (if built with libwebp), a header that is damaged, no texels or too many.
+/// Returns the size of an image. Reads only the header.
+/// Range   The result has 1 to max_texels texels.
+/// Errors  InputError: the image is not a PNG, JPEG or WebP (if built with libwebp), has a damaged header, no texels,
+///         or more than max_texels.
 ImageSize image_size(const EncodedImage& image);
 
 }  // namespace gigabake

@@ -7,7 +7,7 @@
 namespace gigabake {
 namespace {
 
-/// Adobe writes CMYK inverted: 255 is no ink.
+/// Converts texels from inverted CMYK to opaque RGB. Adobe writes inverted CMYK, in which 255 means no ink.
 void rgb_from_inverted_cmyk(std::uint8_t* texels, std::size_t count) {
   for (std::size_t i = 0; i < 4 * count; i += 4) {
     for (std::size_t c = 0; c < 3; ++c) texels[i + c] = std::uint8_t((texels[i + c] * texels[i + 3] + 127) / 255);
@@ -22,7 +22,7 @@ JpegReader::JpegReader() {
   state.client_data = this;
   errors.error_exit = [](j_common_ptr s) { give_up(s); };
   errors.emit_message = [](j_common_ptr s, int level) {
-    // A damaged or short file is only a warning to libjpeg; stray bytes between markers are common and harmless.
+    // libjpeg only warns of a damaged or short file. Stray bytes between markers are common and harmless.
     if (level < 0 && s->err->msg_code != JWRN_EXTRANEOUS_DATA) give_up(s);
   };
   jpeg_create_decompress(&state);

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 
-// jpeglib.h needs <cstdio>, and jerror.h needs it.
+// jpeglib.h needs <cstdio>, and jerror.h needs jpeglib.h.
 // clang-format off
 #include <jpeglib.h>
 #include <jerror.h>
@@ -29,10 +29,11 @@ struct JpegReader {
   JpegReader(const JpegReader&) = delete;
   JpegReader& operator=(const JpegReader&) = delete;
 
-  /// Errors  InputError.
+  /// Errors  InputError: the image is not a whole JPEG.
   void begin(const EncodedImage& encoded);
-  /// Decodes the next row as RGBA, `state.image_width` texels. The first call starts the decoder, the last ends it.
-  /// Errors  InputError.
+  /// Decodes the next row as RGBA, `state.image_width` texels. The first call starts the decoder; the call for the last
+  /// row ends it.
+  /// Errors  InputError: the image is not a whole JPEG.
   void next_row(const EncodedImage& encoded, std::uint8_t* rgba);
 
  private:

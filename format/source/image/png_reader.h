@@ -1,4 +1,4 @@
-/// PNG decoder: rows of straight RGBA, 8 bits per channel, the stored codes interpreted as sRGB.
+/// A PNG decoder. It writes straight RGBA with 8 bits per channel, and interprets the stored codes as sRGB.
 #pragma once
 
 #include <cstdint>
@@ -11,24 +11,24 @@
 
 namespace gigabake {
 
-/// Space   Row 0 first. Chunks that describe a colour space (gAMA, cHRM, sRGB, iCCP) are not read, at any bit depth.
+/// Space   Row 0 is first. Chunks that describe a colour space (gAMA, cHRM, sRGB, iCCP) are not read, at any bit depth.
 /// Exact   16 bits are rounded to the nearest 8-bit value; fewer bits, palettes and tRNS are expanded.
 /// Errors  InputError: the image is not a whole PNG.
 /// Source  glTF 2.0, "Images": colour-space information of an image must be ignored.
 class PngReader {
  public:
-  /// Reads the header. `encoded` outlives the reader.
+  /// Reads the header. `encoded` must outlive the reader.
   explicit PngReader(const EncodedImage& encoded);
   ~PngReader();
   PngReader(const PngReader&) = delete;
 
   ImageSize size() const;
-  /// Returns whether the image is interlaced. An interlaced image has no row before all of it is read.
+  /// Returns whether the image is interlaced. No row of an interlaced image is complete before the whole image is read.
   bool is_interlaced() const;
-  /// Writes 4 · width bytes.
+  /// Writes the next row, 4 · width bytes.
   /// Range   The image is not interlaced.
   void read_row(std::uint8_t* rgba);
-  /// Writes 4 · width · height bytes.
+  /// Writes the whole image, 4 · width · height bytes.
   void read_all(std::uint8_t* rgba);
 
  private:

@@ -13,10 +13,11 @@ namespace {
 
 constexpr int deepest_json = 128;
 constexpr std::size_t max_json_bytes = std::size_t(1) << 28;
-/// Memory of the library's values with the allocator's overhead: an item of a growing vector, a node of a map.
+/// Bytes of values in nlohmann::json, including the overhead of the allocator. An array is a growing vector, an object
+/// is a map.
 constexpr std::uint64_t item_bytes = 32, member_bytes = 112, container_bytes = 80, text_bytes = 64;
 
-/// Limits the nesting without recursion, because parsers recurse.
+/// Throws InputError if the text is nested too deeply, because code that processes the values recurses.
 void check_nesting(const std::filesystem::path& file, std::span<const std::uint8_t> text) {
   int depth = 0;
   bool in_string = false;
@@ -50,7 +51,7 @@ class Builder : public nlohmann::json_sax<Json> {
     const std::uint64_t bytes = text_bytes + v.size();
     return add(std::move(v), bytes);
   }
-  bool binary(binary_t&) override { return false; }  // no part of JSON
+  bool binary(binary_t&) override { return false; }  // JSON has no binary values
   bool start_object(std::size_t) override { return open(Json::object()); }
   bool start_array(std::size_t) override { return open(Json::array()); }
   bool key(string_t& name) override {
@@ -77,7 +78,7 @@ class Builder : public nlohmann::json_sax<Json> {
   }
 
  private:
-  /// byte: behind the first character that cannot be read.
+  /// Returns the reason of a syntax error. `byte` is the offset behind the first character that cannot be read.
   std::string reason_of(std::size_t byte, const std::string& message) const {
     const std::string_view text(reinterpret_cast<const char*>(text_.data()), text_.size());
     for (const std::string_view name : {"NaN", "nan", "Infinity", "inf"})
@@ -108,7 +109,8 @@ class Builder : public nlohmann::json_sax<Json> {
 
   void claim(std::uint64_t bytes) { memory_.add(bytes, "", "the values of its JSON"); }
 
-  /// own_bytes: memory of the value without its place; already claimed for a container.
+  /// Adds a value to the innermost incomplete container, or makes it the document. `own_bytes` is the memory of the
+  /// value without its entry in the container. It is already claimed for objects and arrays.
   bool add(Json value, std::uint64_t own_bytes) {
     const bool is_claimed = value.is_structured();
     if (open_.empty()) {

@@ -22,7 +22,7 @@ std::uint32_t escaped_code(std::string_view text) {
 bool is_high_surrogate(std::uint32_t code) { return code >= 0xd800 && code < 0xdc00; }
 bool is_low_surrogate(std::uint32_t code) { return code >= 0xdc00 && code < 0xe000; }
 
-/// Replaces surrogate escapes without their other half. Returns whether there was such an escape.
+/// Replaces unpaired surrogate escapes. Returns whether the text had an unpaired surrogate escape.
 bool replace_lone_surrogates(std::string& text) {
   bool has_replaced = false;
   for (std::size_t at = text.find('\\'); at < text.size(); at = text.find('\\', at)) {

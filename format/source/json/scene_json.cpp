@@ -35,8 +35,8 @@ std::filesystem::path root_of(const std::filesystem::path& file) {
 struct Entry {
   std::string where;
   SceneSources source;
-  std::optional<Geodetic> position;    ///< on the earth, or
-  std::array<double, 3> position_m{};  ///< in the scene
+  std::optional<Geodetic> position;    ///< on the earth; nullopt: position_m applies
+  std::array<double, 3> position_m{};  ///< in the scene, in metres
   double heading_deg = 0, scale = 1;
 };
 
@@ -53,8 +53,8 @@ void read_place(const JsonMembers& place, Entry& e) {
   e.position = Geodetic{(*degrees)[1], (*degrees)[0], (*degrees)[2]};
 }
 
-/// Opens a source. A source without "place" keeps the geographic position in its file; if there is none, its origin is
-/// the scene's origin.
+/// Opens a source. A source without "place" keeps the geographic position in its file. If its file has no position, its
+/// origin is the scene's origin.
 Entry read_entry(const JsonMembers& json, SourceOptions options, const Progress& progress) {
   const std::filesystem::path& file = json.file();
   Entry e;
@@ -75,7 +75,8 @@ Entry read_entry(const JsonMembers& json, SourceOptions options, const Progress&
   return e;
 }
 
-/// Returns the rasters of all entries: their surfaces may consist of several entries.
+/// Opens the rasters of all entries together, because one surface may consist of several entries. Returns one entry per
+/// surface.
 std::vector<Entry> raster_entries(const JsonMembers& scene, const Json& list, const SourceOptions& options,
                                   const Progress& progress) {
   const std::filesystem::path& file = scene.file();
@@ -123,7 +124,8 @@ Affine<Scene, Scene> placement(const Entry& e, const std::optional<Geodetic>& or
 
 void add_entry(Entry e, SceneSources& out) {
   const Affine<Scene, Scene> place = placement(e, out.origin);
-  // Cached names of the file: many tiles of a raster or a composite share it, and finding them takes system calls.
+  // The names of the last file are cached: many tiles of a raster or a composite share a file, and name_in() needs
+  // system calls.
   std::filesystem::path file;
   std::string own, name;
   for (TileRef& tile : e.source.tiles) {
