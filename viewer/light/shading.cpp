@@ -10,10 +10,11 @@
 namespace gigabake {
 namespace {
 
-/// Returns the coverage a of a flat layer from the stored mean over the axes one level coarser: (a + 2(a - a²/2)) / 3.
+/// Returns the coverage a of a flat layer from `mean`, the value that the next coarser level stores.
+/// `mean` is the mean over the three axes: (a + 2(a - a²/2)) / 3.
 double facing_coverage_below(double mean) { return mean >= 2.0 / 3 ? 1 : (3 - std::sqrt(9 - 12 * mean)) / 2; }
 
-/// Maps x, y, z in [-1, 1] to red, green, blue.
+/// Sets red, green and blue to the normal's x, y and z, mapped from [-1, 1] to 0 … 255.
 void paint_normal(const std::int8_t* normal, std::uint8_t rgba[4]) {
   const std::size_t code = std::size_t(std::uint8_t(normal[0])) | std::size_t(std::uint8_t(normal[1])) << 8;
   const std::int16_t* n = kernels::TableStore::host().view().unit_normal + 4 * code;
@@ -26,7 +27,7 @@ Shading::Shading(const kernels::CastLight& light, const SceneHeader& scene, Surf
     : light_(surface == Surface::colour ? light : kernels::unlit()),
       surface_(surface),
       has_normals_(scene.has_normals) {
-  // Bakes without facing store the maximum over the three axes, not the mean.
+  // Only version 1 scenes store the mean over the three axes. Bakes without `facing` store the maximum.
   const bool averaged = has_facing(parameters_from_json(scene.parameters)) && !scene.has_facing;
   for (int lod = 0; lod < kernels::max_cast_lods; ++lod)
     for (int stored = 0; stored < 256; ++stored) {
@@ -39,8 +40,8 @@ Shading::Shading(const kernels::CastLight& light, const SceneHeader& scene, Surf
 kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal,
                                        const std::uint8_t* facing) const {
   std::uint16_t coverage[3];
-  // The plane determines the coverage of a voxel that is all surface. Its alpha, along all axes, is used if its brick
-  // is the fallback for finer ones.
+  // If a voxel's whole surface lies on its plane, the ray caster derives the coverage from the plane. Alpha is
+  // then the coverage along all axes; it matters only in a brick that replaces missing finer bricks.
   const bool is_sheet = facing != nullptr && kernels::is_all_sheet(facing[facing_plane]);
   for (int a = 0; a < 3; ++a)
     coverage[a] = std::uint16_t(257 * (facing == nullptr ? coverage_[std::size_t(lod)][rgba[3]]

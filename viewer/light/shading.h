@@ -10,19 +10,22 @@
 
 namespace gigabake {
 
-/// The property of a voxel that is shown.
+/// The property of voxels that an image shows.
 enum class Surface : std::uint8_t { colour, normal, coverage };
 
-/// Shades voxels. A voxel's coverage along each axis is its facing. A voxel has none at lod 0, with filters without
-/// directions, and in bakes without facing. Its alpha is then the coverage along all three axes. The coverage filter of
-/// version 1 scenes stored the mean over the axes. Two of the three axes are parallel to flat ground, so the mean
-/// underestimates ground seen from above. Shading reverses the mean, so that ground does not become transparent.
+/// A shader that converts stored voxels to the values that the ray caster composites.
+/// The coverage of a voxel along each axis is its directional coverage (`facing`). Voxels have no directional coverage
+/// at lod 0, with mip filters that store no directions, and in bakes without `facing`. Their alpha then serves as the
+/// coverage along all three axes.
+/// The coverage filter of version 1 scenes stored the mean over the axes as alpha. Two of the three axes are parallel
+/// to flat ground, so the mean underestimates ground seen from above. Shading computes the coverage of a flat layer
+/// from this mean, so that ground does not become transparent.
 class Shading {
  public:
   Shading(const kernels::CastLight& light, const SceneHeader& scene, Surface surface = Surface::colour);
 
-  /// Returns the shaded voxel. normal: octahedral; ignored if the scene has no normals. facing: null if the level has
-  /// none.
+  /// Returns the shaded voxel. `normal` is octahedral, and is ignored if the scene has no normals. `facing` is null if
+  /// the level has no directional coverage.
   kernels::CastVoxel operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal,
                                 const std::uint8_t* facing) const;
 
@@ -30,7 +33,7 @@ class Shading {
   kernels::CastLight light_;
   Surface surface_;
   bool has_normals_;
-  std::array<std::array<std::uint8_t, 256>, kernels::max_cast_lods> coverage_;  ///< without facing: by lod and alpha
+  std::array<std::array<std::uint8_t, 256>, kernels::max_cast_lods> coverage_;  ///< [lod][alpha]; without `facing`
 };
 
 }  // namespace gigabake

@@ -12,7 +12,7 @@ namespace {
 constexpr std::array<float, 3> horizon{0.60f, 0.70f, 0.80f}, zenith{0.13f, 0.29f, 0.60f}, nadir{0.28f, 0.34f, 0.40f};
 constexpr float knee = 0.6f;
 
-/// Brightness of the sky at a sun elevation, relative to the afternoon.
+/// The brightness of the sky at an elevation of the sun, relative to the brightness at 42°.
 struct SkyBrightness {
   double elevation_deg;
   float share;
@@ -35,8 +35,8 @@ double air_mass(double elevation_deg) {
   return 1 / (std::sin(elevation_deg * std::numbers::pi / 180) + 0.50572 * std::pow(elevation_deg + 6.07995, -1.6364));
 }
 
-/// Returns the transmitted red, green and blue of the sun relative to the afternoon. taken: optical depths of clear air
-/// towards the zenith.
+/// Returns the transmitted red, green and blue sunlight, relative to the sunlight at the default elevation of 42°. The
+/// constant `taken` holds the optical depths of clear air towards the zenith.
 std::array<float, 3> share_of_sun(double elevation_deg) {
   if (elevation_deg <= 0) return {0, 0, 0};
   constexpr Vec3d taken{0.09, 0.16, 0.30};
@@ -46,8 +46,9 @@ std::array<float, 3> share_of_sun(double elevation_deg) {
   return share;
 }
 
-/// Distributes directions evenly over the upper hemisphere, in rings of equal height. Distant pixels of a block get
-/// directions of adjacent rings. Each half of the directions covers one half of the sky.
+/// Distributes directions evenly over the upper hemisphere, in rings between equal steps of z. Pixels with consecutive
+/// direction indices are far apart in a block, and their directions are mostly in the same or in adjacent rings. Each
+/// half of the indices covers one half of the sky.
 void set_sky_directions(float sky[kernels::sky_directions][3]) {
   constexpr int sides = 4, rings = kernels::sky_directions / sides;
   for (int n = 0; n < kernels::sky_directions; ++n) {
@@ -62,13 +63,13 @@ void set_sky_directions(float sky[kernels::sky_directions][3]) {
   }
 }
 
-/// Distance in voxels at which a cone to the sky is one lod-1 voxel wide. Wider cones overestimate occlusion
-/// (docs/experiments/frames.md).
+/// The distance in lod-0 voxels at which a cone to the sky is as wide as a lod-1 voxel. Wider cones overestimate
+/// occlusion (docs/experiments/frames.md).
 constexpr double sky_lod1 = 16;
 
-/// Distributes directions evenly over the sun's disc, on a spiral from its edge inwards. The first points belong to the
-/// pixels whose rays are cast first. If those rays give equal results, the rays to points between them give the same
-/// result.
+/// Distributes directions evenly over the sun's disc, on a spiral from its edge inwards. The first directions, near the
+/// edge, belong to the pixels whose rays are cast first. If these rays give equal results, rays to points between them
+/// are assumed to give the same result.
 ///
 /// Source  Vogel 1979, "A better way to construct the sunflower head".
 void set_sun_directions(const SunDirection& sun, double radius_deg, float out[kernels::sun_directions][3]) {

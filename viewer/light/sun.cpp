@@ -19,7 +19,7 @@ double cosine(double deg) { return std::cos(deg * degree); }
 /// Reduces an angle to [0, 360).
 double turned(double deg) { return deg - 360 * std::floor(deg / 360); }
 
-/// Returns Julian centuries since 2000.
+/// Returns the Julian centuries since noon of January 1, 2000.
 double centuries(JulianDay day) { return (day - 2451545) / 36525; }
 
 [[noreturn]] void bad_time(const std::string& time) {
@@ -31,7 +31,7 @@ double centuries(JulianDay day) { return (day - 2451545) / 36525; }
 
 struct DateAndTime {
   int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0;
-  int rest = 0;  ///< index of the text that follows
+  int rest = 0;  ///< index of the first character after the parsed text
 };
 
 DateAndTime date_and_time(const std::string& time) {
@@ -50,7 +50,8 @@ DateAndTime date_and_time(const std::string& time) {
   return t;
 }
 
-/// Returns the offset of local time from UTC in minutes. zone: Z, or an offset such as +02:00.
+/// Returns the offset of local time from UTC in minutes. `zone` is Z or an offset such as +02:00. `time` is the whole
+/// text, for the error message.
 int utc_offset_minutes(const std::string& zone, const std::string& time) {
   if (zone == "Z") return 0;
   int hours = 0, minutes = 0, end = 0;

@@ -21,14 +21,14 @@ Vec3d to_sun(const SunDirection& sun);
 /// Days in UTC since noon of January 1, 4713 BC; 2451545 is noon of January 1, 2000.
 using JulianDay = double;
 
-/// Parses a time such as "2026-06-21T15:00Z": ISO 8601, seconds optional, in UTC (Z) or with an offset from UTC
-/// (+02:00).
+/// Parses a time such as "2026-06-21T15:00Z". The format is ISO 8601 in UTC (Z) or with an offset from UTC (+02:00);
+/// seconds are optional.
 /// Range   Years 1900 to 2100.
-/// Errors  UsageError states the fault.
+/// Errors  UsageError: the text has another format or is out of range.
 JulianDay julian_day(const std::string& time);
 
-/// Equatorial coordinates, equinox of date.
-/// Range   Right ascension 0 … 360.
+/// The sun's equatorial coordinates, for the equinox of date.
+/// Range   right_ascension_deg in [0, 360).
 struct SunOnSky {
   double right_ascension_deg, declination_deg;
 };
@@ -37,7 +37,7 @@ struct SunOnSky {
 /// Source  Meeus 1998, "Astronomical Algorithms", chapter 25 (lower accuracy).
 SunOnSky sun_on_sky(JulianDay day);
 
-/// Returns the sun's direction at a place on the earth. It includes refraction by air of 1010 hPa and 10 °C.
+/// Returns the sun's direction at a place on the earth. The direction includes refraction by air of 1010 hPa and 10 °C.
 /// Exact   The error above the horizon is at most 0.02°.
 /// Source  Meeus 1998, chapters 12, 13 and 16.
 SunDirection sun_at(const Geodetic& place, JulianDay day);

@@ -21,8 +21,9 @@ class Bookmarks {
   /// Errors  InputError: the file cannot be written.
   void keep(int digit, const CameraPose& pose) const;
 
-  /// Returns the bookmarked pose; nullopt if there is no such file. origin: the scene's.
-  /// Errors  InputError: as read_camera_path().
+  /// Returns the bookmarked pose of a digit; nullopt if its file does not exist. `origin` is the scene's origin on the
+  /// earth.
+  /// Errors  InputError: the errors of read_camera_path().
   std::optional<CameraPose> kept(int digit, const std::optional<Geodetic>& origin) const;
 
  private:

@@ -10,7 +10,7 @@ namespace gigabake {
 
 /// The maximum magnitude of a camera coordinate.
 inline constexpr double max_coordinate_m = 1e12;
-/// The maximum of one movement: drag in image heights, wheel in notches.
+/// The maxima of one movement: a drag in image heights, and a turn of the wheel in notches.
 inline constexpr double max_heights = 100, max_notches = 100;
 
 /// A camera's position and target.
@@ -20,10 +20,10 @@ struct CameraPose {
   friend bool operator==(const CameraPose&, const CameraPose&) = default;
 };
 
-/// The pose of a camera that user input moves; a plain value. The z axis stays up in the image.
+/// A camera whose pose follows user input; a plain value. The scene's z axis always points up in the image.
 /// Range   For any argument, NaN included: the pose is finite, eye and target differ, and the view's pitch stays within
-///         ±89°. The eye stays within `max_distance_sizes` scene sizes of home's target. A movement that is not finite
-///         is ignored.
+///         ±89°. The eye stays within `max_distance_sizes` scene sizes of the home pose's target. A movement that is
+///         not finite is ignored.
 /// Exact   A pose that is set within the range is returned bit for bit until the next movement.
 class CameraController {
  public:
@@ -33,28 +33,30 @@ class CameraController {
   };
   static constexpr double max_pitch_deg = 89, max_distance_sizes = 50, min_distance_sizes = 1e-5;
 
-  /// home: a pose that shows the whole scene; the scene's size is the distance from eye to target. An invalid pose (not
-  /// finite, eye equal to target, beyond 10^12 m) is replaced by a view over 100 m.
+  /// Takes `home`, a pose that shows the whole scene. The scene's size is the distance between home's eye and target.
+  /// An invalid home (not finite, eye equal to target, beyond 10^12 m) is replaced by a view from a distance of about
+  /// 100 m.
   explicit CameraController(const CameraPose& home);
 
   Style style() const { return style_; }
   void set_style(Style style) { style_ = style; }
   const CameraPose& pose() const { return pose_; }
-  /// Sets the pose, clamped to the range; ignores an invalid pose.
+  /// Sets the pose and clamps it to the range of this class; ignores an invalid pose.
   void set_pose(const CameraPose& pose);
   void go_home();
 
-  /// Turns by a mouse drag in image heights. One height is 180° around the target in orbit, and 90° of view direction
-  /// in fly.
+  /// Turns the camera by a mouse drag in image heights. One height moves the eye by 180° around the target in
+  /// Style::orbit, and turns the view by 90° in Style::fly.
   void turn(double right, double up);
-  /// Moves eye and target across the view, in image heights at the target. At a field of view of `fovy_deg`, a point at
-  /// the target's distance follows the mouse.
+  /// Moves eye and target across the view by a mouse drag in image heights. At a vertical field of view of `fovy_deg`,
+  /// a point at the target's distance follows the mouse.
   void pan(double right, double up, double fovy_deg);
-  /// Applies wheel notches, positive towards the scene. Each reduces the distance by 10 % in orbit, and multiplies the
-  /// speed by 1.25 in fly.
+  /// Applies wheel notches, positive towards the scene. Each notch reduces the distance by 10 % in Style::orbit, and
+  /// multiplies the speed by 1.25 in Style::fly.
   void zoom(double notches);
-  /// Moves eye and target along the view, across it, and upwards in the scene, as fractions of full speed from −1 to 1.
-  /// The time dt_s is limited to a quarter of a second, so that a pause of the program causes no jump.
+  /// Moves eye and target along the view, across the view, and upwards in the scene. `forward`, `right` and `up` are
+  /// fractions of speed_m_per_s(), from −1 to 1. The time dt_s is limited to a quarter of a second, so that a pause of
+  /// the program causes no jump.
   void walk(double forward, double right, double up, double dt_s);
 
   double speed_m_per_s() const;
@@ -66,7 +68,7 @@ class CameraController {
 
   CameraPose home_, pose_;
   double size_m_ = 1, speed_ = 1;
-  double yaw_ = 0, pitch_ = 0;  ///< of the view, radians: counterclockwise from east, and upwards
+  double yaw_ = 0, pitch_ = 0;  ///< of the view, radians: counterclockwise from east, and above the horizontal
   Style style_ = Style::orbit;
 };
 template <>

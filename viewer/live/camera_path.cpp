@@ -25,7 +25,8 @@ struct CurveSegment {
   double before_s = 0, from_s = 0, to_s = 0, after_s = 0;
 };
 
-/// Returns the slope at the middle one of three points, of the parabola through them.
+/// Returns the slope, at the middle one of three points, of the parabola through these points. `ab_s` and `bc_s` are
+/// the times between consecutive points.
 double slope(double a, double b, double c, double ab_s, double bc_s) {
   return ((b - a) / ab_s * bc_s + (c - b) / bc_s * ab_s) / (ab_s + bc_s);
 }
@@ -49,7 +50,7 @@ Values<n> between(const CurveSegment<n>& s, double time_s) {
   return out;
 }
 
-/// Interpolates between keyframes i and i + 1. of(keyframe): the values to interpolate.
+/// Interpolates between keyframes i and i + 1. `of` returns the values of a keyframe that are interpolated.
 template <std::size_t n, class Of>
 Values<n> interpolate(const std::vector<CameraKeyframe>& keys, std::size_t i, double time_s, const Of& of) {
   CurveSegment<n> s;

@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint64_t max_path_file_bytes = std::uint64_t(1) << 24;
 constexpr double max_time_s = 1e6;
 
-/// The coordinates of a file's triples. `geographic` is the earlier name of lat_lon_height.
+/// The coordinate system of the triples in a file. `geographic` means the same as `lat_lon_height`.
 enum class Coordinates { scene, lat_lon_height, geographic };
 
 }  // namespace

@@ -12,7 +12,7 @@ void FrameBudget::took(double seconds, double share) {
   const double full_s = seconds / (share * share);
   full_s_ = full_s_ > 0 ? 0.6 * full_s_ + 0.4 * full_s : full_s;
   const double wanted = std::sqrt(target_s_ / full_s_);
-  // Shrinks at once, but grows only by a clear margin: a changing size disturbs more than a small one.
+  // The size shrinks at once but grows only by a clear margin: size changes disturb more than a small image.
   if (wanted < share_ || wanted > share_ * 1.15) share_ = std::clamp(std::floor(wanted * 32) / 32, min_share, 1.0);
 }
 

@@ -200,7 +200,7 @@ void LiveScene::apply_home(Viewer& viewer) {
   viewer.pilot->steer(with_sun(viewer.settings), now_s());
 }
 
-/// Sets the sun from the steering's time, if the scene has an origin on the earth.
+/// Returns the input, with `sun` computed from `time` if the scene has an origin on the earth.
 ViewerInput LiveScene::with_sun(ViewerInput steering) const {
   if (steering.time && place_) {
     const SunDirection sun = sun_at(*place_, *steering.time);
@@ -227,7 +227,7 @@ std::shared_ptr<LiveScene::Viewer> LiveScene::next_order(RenderScheduler::Render
   return nullptr;
 }
 
-/// Renders the order; returns nullopt if there is no new image to show.
+/// Renders the request; returns nullopt if there is no new image to show.
 std::optional<Frame> LiveScene::render_request(Viewer& viewer, const RenderScheduler::RenderRequest& order) {
   if (order.in_tiles) return slice(viewer, order);
   viewer.in_tiles.reset();
@@ -280,7 +280,7 @@ void LiveScene::draw(const std::shared_ptr<Viewer>& viewer, const RenderSchedule
       publish_frame(*viewer, order, std::move(*frame), rays);
     }
     wake_viewers_.notify_all();
-    // The missing pages are in flight. Rendering again before they arrive would only take CPU time from their readers.
+    // The missing pages are being read. Rendering again before they arrive would only take CPU time from the readers.
     if (waits && !stop_) wake_drawing_.wait_for(lock, seconds(wait_for_pages_s));
   }
   options_.changed();

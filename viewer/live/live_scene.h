@@ -1,6 +1,6 @@
-/// A scene that several viewers see. One thread renders the requests of the viewers' schedulers in round-robin order.
-/// It renders an image of full size in time slices, so that other viewers get their turns. The work is cancelled when
-/// its viewer moves or leaves.
+/// A scene that several viewers see. One thread renders the requests of the viewers' schedulers in round-robin order. A
+/// full-size image is rendered in time slices, so that other viewers get their turns. Rendering of an image is
+/// cancelled when its viewer moves or leaves.
 #pragma once
 
 #include <atomic>
@@ -28,9 +28,9 @@ namespace gigabake {
 struct LiveFrame {
   std::uint64_t number = 0;  ///< counts this viewer's frames, from 1
   Frame frame;
-  View view;                ///< at the time of rendering
-  PictureRays rays;         ///< at the time of rendering
-  bool full = false;        ///< of full size; all pixels are final if frame.stats.complete
+  View view;                ///< the view that was rendered
+  PictureRays rays;         ///< the rays of the image
+  bool full = false;        ///< has full size; all pixels are final if frame.stats.complete
   double frames_per_s = 0;  ///< smoothed; 0 if the previous frame is a second or more older
 };
 
@@ -38,8 +38,8 @@ struct LiveFrame {
 struct ViewerState {
   bool has_scene = false;
   bool has_place = false;      ///< the scene has an origin on the earth, so a time can set the sun
-  std::string problem;         ///< reason for no scene or no frame; empty: no error
-  std::uint64_t problems = 0;  ///< number of missing or damaged shards found so far
+  std::string problem;         ///< reason why the scene or the frame is missing; empty: no error
+  std::uint64_t problems = 0;  ///< number of lines of FrameRenderer::problems() so far
   CameraPose pose;
   CameraController::Style style = CameraController::Style::orbit;
   View full_view;
@@ -59,7 +59,7 @@ class LiveScene {
     /// Returns the initial view of a new viewer.
     /// Errors  UsageError: the message is shown in place of the scene.
     std::function<ViewerInput(const SceneHeader&)> look = [](const SceneHeader&) { return ViewerInput{}; };
-    std::function<void()> changed = [] {};  ///< after each frame and each scene; called by the rendering thread
+    std::function<void()> changed = [] {};  ///< called by the rendering thread after each frame and each loaded scene
   };
   enum class ViewerId : std::uint64_t {};
   using FramePtr = std::shared_ptr<const LiveFrame>;
@@ -70,35 +70,35 @@ class LiveScene {
   LiveScene(const LiveScene&) = delete;
   LiveScene& operator=(const LiveScene&) = delete;
 
-  /// first: input that is applied once a scene is loaded. Returns nullopt if there are max_viewers already.
+  /// Adds a viewer; returns nullopt if there are max_viewers already. `first` is applied once a scene is loaded.
   std::optional<ViewerId> add_viewer(const ViewerInput& first = {});
   void remove_viewer(ViewerId id);
 
-  /// The members below return nullopt, false or nullptr if there is no such viewer.
+  /// Applies user input. This member and the next three return false, nullopt or nullptr if no viewer has `id`.
   bool steer(ViewerId id, const ViewerInput& steering);
   std::optional<ViewerState> state(ViewerId id) const;
   /// Waits for a frame whose number exceeds `after` and returns the latest frame; nullptr after timeout_s.
   FramePtr frame_after(ViewerId id, std::uint64_t after, double timeout_s) const;
-  /// Waits for the complete full-size image of a viewer at rest; nullptr after timeout_s.
+  /// Returns the complete full-size image once the viewer rests; nullptr after timeout_s.
   FramePtr full_frame(ViewerId id, double timeout_s) const;
 
   bool has_scene() const;
-  /// Ends all waits at once and permanently.
+  /// Ends the rendering and all waits permanently.
   void stop();
 
  private:
   struct Viewer {
     ViewerId id;
     std::optional<RenderScheduler> pilot;  ///< set once a scene is loaded
-    ViewerInput settings;                  ///< requested before a scene was loaded
+    ViewerInput settings;                  ///< input before a scene was loaded
     FramePtr frame;
-    std::uint64_t frame_pose = 0;  ///< `pose` of the order that `frame` answers
+    std::uint64_t frame_pose = 0;  ///< `pose` of the request that `frame` shows
     double drawn_s = -HUGE_VAL;    ///< time of the last frame
     double drawn_share = 0;
     std::string problem;
 
     std::optional<ProgressiveFrame> in_tiles;  ///< used by the rendering thread only
-    std::uint64_t in_tiles_pose = 0;           ///< `pose` of the order that in_tiles answers
+    std::uint64_t in_tiles_pose = 0;           ///< `pose` of the request that in_tiles renders
   };
 
   void draw_all();
@@ -132,8 +132,8 @@ class LiveScene {
   bool stop_ = false;
   const Viewer* rendered_viewer_ = nullptr;  ///< viewer at rest for which an image is being rendered
 
-  std::atomic<bool> cancel_ = false;  ///< cancel: the image in progress would be discarded
-  std::atomic<bool> yield_ = false;   ///< yield: another viewer moves and waits for its turn
+  std::atomic<bool> cancel_ = false;  ///< true: the image in progress would be discarded, so stop rendering
+  std::atomic<bool> yield_ = false;   ///< true: another viewer moves, so end the time slice
 
   // Members of the rendering thread.
   std::unique_ptr<FrameRenderer> renderer_;

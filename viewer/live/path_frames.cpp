@@ -12,7 +12,8 @@ namespace gigabake {
 namespace {
 
 constexpr double max_frames = 1e6, full_upload_s = 1;
-/// The limit of consecutive draws without an upload: the missing data does not fit in memory or cannot be read.
+/// The maximum number of consecutive draws without an upload. More draws would not help: the missing data does not fit
+/// in memory or cannot be read.
 constexpr int max_idle_draws = 200;
 constexpr auto wait_for_pages = std::chrono::milliseconds(2);
 

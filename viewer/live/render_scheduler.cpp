@@ -8,10 +8,10 @@ namespace {
 
 constexpr int min_edge = 16, max_edge = 4096;
 constexpr double min_upload_s = 1e-4, max_upload_s = 1;
-/// The minimum of a preview's longer edge, in pixels; takes precedence over the target time.
+/// The minimum length of a preview's longer edge in pixels. It takes precedence over the target time.
 constexpr double min_preview_edge = 96;
-/// Growth of the edge from one image at rest to the next. Images before the full one have a share of 0.4 at most, so
-/// they add little cost.
+/// The growth factor of the edges from one image at rest to the next, and the maximum share of images below full size.
+/// Images of at most this share add little cost.
 constexpr double growth = 2, max_share_before_full = 0.4;
 
 CameraPose pose_of(const CameraOptions& camera) {
@@ -128,7 +128,7 @@ void RenderScheduler::advance(double now_s) {
   }
 }
 
-/// Returns the share that the frame pace allows; at rest, larger shares follow the first complete image.
+/// Returns the share that the frame budget allows. At rest, larger shares follow after the first complete image.
 double RenderScheduler::next_share(bool moving) const {
   const double minimum = min_preview_edge / std::max(view_.camera.width, view_.camera.height);
   const double share = std::min(1.0, std::max(frame_budget_.share(), minimum));
@@ -151,7 +151,7 @@ std::optional<RenderScheduler::RenderRequest> RenderScheduler::next(double now_s
   RenderRequest order{view_, false, false, moving, next_share(moving), upload_s_, any_drawn_ ? 0 : max_root_wait_s,
                       pose_};
   order.full = order.share >= 1;
-  // If the whole image renders quickly, previews refine it everywhere at once until no data is missing.
+  // If a full-size image fits the frame budget, previews refine the whole image at once until no data is missing.
   order.in_tiles = !moving && done_share_ > 0 && (frame_budget_.share() < 1 || done_share_ >= 1);
   if (!moving) order.upload_s = std::clamp(now_s - looked_s_, upload_s_, std::max(upload_s_, max_preview_upload_s));
   order.view.camera.eye_m = rig_.pose().eye_m;
@@ -170,7 +170,7 @@ void RenderScheduler::drawn(const RenderRequest& order, const FrameStats& stats)
     done_ = stats.complete && order.full;
     return;
   }
-  // Uploads at rest take longer, so they do not indicate the time of a frame during movement.
+  // Uploads at rest have a longer time limit. Subtract the excess to estimate the time of a frame during movement.
   frame_budget_.took(stats.total_s - std::max(0.0, stats.upload_s - upload_s_), order.share);
   const bool nothing_comes = stats.starved || (stats.uploads == 0 && stats.pages_loading == 0);
   if (stats.complete || nothing_comes) done_share_ = order.share;

@@ -1,4 +1,5 @@
-/// The interactive render scheduler: turns user input into render requests of a view, size and time limit.
+/// The interactive render scheduler. It turns user input into render requests, each with a view, a size and time
+/// limits.
 #pragma once
 
 #include <array>
@@ -15,8 +16,8 @@ struct ViewerInput {
   std::array<double, 2> turn{}, pan{};  ///< right and up, in image heights, as for CameraController
   double zoom = 0;                      ///< notches, as CameraController::zoom()
   bool home = false;
-  std::optional<std::array<double, 3>> walk;   ///< held keys from now on: forward, right, up, each −1 to 1
-  std::optional<std::array<double, 2>> swing;  ///< held keys from now on: turn right and up, image heights per second
+  std::optional<std::array<double, 3>> walk;   ///< movement by held keys: forward, right, up, each −1 to 1
+  std::optional<std::array<double, 2>> swing;  ///< rotation by held keys: right and up, image heights per second
   std::optional<CameraPose> pose;
   std::optional<CameraController::Style> style;
   std::optional<ViewMode> mode;
@@ -26,41 +27,43 @@ struct ViewerInput {
   std::optional<Shadows> shadows;
   std::optional<LevelBlend> level_blend;
   std::optional<double> upload_s;
-  std::optional<std::array<int, 2>> size;  ///< of the full-size image
+  std::optional<std::array<int, 2>> size;  ///< width and height of the full-size image, pixels
 
   bool moves() const;
 };
 
-/// The render scheduler of one viewer; it only decides, the caller renders. During movement it requests small previews.
-/// At rest it requests a small preview until that is complete, then larger images; the last has full size and is
-/// rendered in tiles. After that it requests nothing. Times are seconds of any clock that never decreases.
-/// Range   Any input is clamped: size to 16 to 4096 per edge, pixel_error to 2^±16, upload_s to 0.1 ms to 1 s. The
+/// The render scheduler of one viewer. It decides which image is rendered next; the caller renders. During movement the
+/// scheduler requests small previews. At rest it requests a small preview until that preview is complete, then larger
+/// images up to full size in tiles. After the full-size image it requests nothing. Times are seconds of any monotonic
+/// clock.
+/// Range   Any input is clamped: size to 16 … 4096 per edge, pixel_error to 2^-16 … 2^16, upload_s to 0.1 ms … 1 s. The
 ///         sun's azimuth is clamped to ±360° and its elevation to ±90°.
 class RenderScheduler {
  public:
-  static constexpr double rest_s = 0.25;   ///< since the last movement
+  static constexpr double rest_s = 0.25;   ///< a viewer rests if this time has passed since its last movement
   static constexpr double max_hold_s = 1;  ///< held keys are released if no input confirms them for this time
 
-  static constexpr double max_root_wait_s = 0.7;       ///< time limit of the first image's wait for data in all cells
-  static constexpr double max_preview_upload_s = 0.5;  ///< of one preview, however long the viewer rests
+  static constexpr double max_root_wait_s = 0.7;       ///< max. wait of the first image for coarse data of all cells
+  static constexpr double max_preview_upload_s = 0.5;  ///< max. upload time of a preview at rest
 
   struct RenderRequest {
     View view;
     bool full = false;       ///< has full size
-    bool in_tiles = false;   ///< tiles of final pixels, without a time limit; false: a preview
+    bool in_tiles = false;   ///< rendered in tiles of final pixels, without a time limit; false: a preview
     bool moving = false;     ///< the viewer moves; the frame is shown even if a newer pose exists
     double share = 1;        ///< fraction of the full width and height
-    double upload_s = 0;     ///< time limit of a preview for uploading new data
-    double roots_s = 0;      ///< time limit of a preview for waiting while cells have no data
+    double upload_s = 0;     ///< max. time that a preview uploads new data
+    double roots_s = 0;      ///< max. time that a preview waits while cells have no data
     std::uint64_t pose = 0;  ///< requests with the same number show the same view
   };
 
-  /// home: has an eye and a target. frame_s: the target time of a frame during movement.
+  /// Takes the view of a scene: `home` has an eye and a target. `frame_s` is the target time of a frame during
+  /// movement.
   RenderScheduler(const CameraOptions& home, double frame_s);
 
   void steer(const ViewerInput& steering, double now_s);
-  /// Replaces the scene, so that all images are rendered again. A pose that the viewer has changed stays; otherwise the
-  /// pose is home.
+  /// Replaces the scene, so that all images are rendered again. A pose that the viewer has changed is kept; otherwise
+  /// the pose becomes `home`.
   void new_scene(const CameraOptions& home);
 
   /// Applies the held keys and returns the next image to render; nullopt if the last frame is final.
@@ -72,7 +75,7 @@ class RenderScheduler {
   void drawn(const RenderRequest& order, const FrameStats& stats);
   /// Returns true if the view has changed since the last request, so that its image would be discarded.
   bool is_stale() const { return stale_; }
-  /// Records that a request failed. It is not repeated until the view changes.
+  /// Records that a request failed. The request is not repeated until the view changes.
   void failed();
 
   /// Returns true if the last request was complete at full size, or failed, and the view has not changed since.
@@ -92,7 +95,7 @@ class RenderScheduler {
 
   CameraController rig_;
   FrameBudget frame_budget_;
-  View view_;  ///< full size; the eye is that of rig_
+  View view_;  ///< full-size view; requests replace its eye and target by the pose of rig_
   double upload_s_ = 0.02;
   std::array<double, 3> walk_{};
   std::array<double, 2> swing_{};
@@ -101,7 +104,7 @@ class RenderScheduler {
   CameraPose home_;
   double home_aspect_ = 1;  ///< aspect ratio (width/height) at which home_ shows the whole scene; 0: no requirement
   bool stale_ = true;       ///< the view has changed since the last request
-  double done_share_ = 0;   ///< size of the largest complete image of this pose
+  double done_share_ = 0;   ///< `share` of the largest complete image of this view
   bool done_ = false;       ///< the full-size image is complete, or has failed
   bool any_drawn_ = false;  ///< an image of this scene has been rendered
   std::uint64_t pose_ = 0;  ///< counts the different views

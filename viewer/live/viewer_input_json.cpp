@@ -9,7 +9,7 @@ namespace gigabake {
 namespace {
 
 constexpr double max_requested_edge = 1 << 15;
-/// The range of years in which sun_at() is valid.
+/// The first and the last Julian day for which sun_at() is valid.
 constexpr double first_julian_day = 2415020.5, last_julian_day = 2488434.5;
 
 CameraPose pose_of(const std::array<double, 6>& v) { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }

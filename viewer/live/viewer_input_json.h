@@ -8,14 +8,14 @@
 
 namespace gigabake {
 
-/// Parses one object; docs/viewer.md lists its members.
+/// Parses the JSON object of one user input; docs/viewer.md lists its members.
 /// Errors  InputError: not JSON, or a member that is unknown, of a wrong type or out of range.
 ViewerInput steering_from_json(std::string_view text);
 
 /// Returns a viewer's state and the statistics of its last frame as one JSON object; frame may be nullptr.
 std::string to_json(const ViewerState& state, const LiveFrame* frame);
 
-/// Returns the point as JSON; {"point": null} if there is none.
+/// Returns the point as JSON; {"point": null} if `point` is nullopt.
 std::string to_json(const std::optional<PickedPoint>& point);
 
 }  // namespace gigabake

@@ -57,15 +57,15 @@ Axes look(const Vec3d& forward, const std::optional<Point<Scene>>& up) {
   return {forward, unit(right), cross(unit(right), forward)};
 }
 
-/// View from the south-east, about 30° above the ground.
+/// The direction of a view from the south-east, about 30° below the horizontal.
 const Vec3d oblique_view{-0.62, 0.60, -0.505};
 
-/// Max. number of cells whose nodes are read. A larger scene is framed by its root overview, or by the boxes of its
-/// cells if it has no overview.
+/// The maximum numbers of cells whose nodes are read, without and with a root overview. A scene of more cells is framed
+/// by its root overview, or by the boxes of its cells if it has no root overview.
 constexpr std::size_t max_cells_read = 256, max_cells_read_below_root = 32;
 
-/// Calls visit(row, lowest corner, edge) for the finest nodes in the rows, in voxels. Descends only from nodes whose
-/// edge is above `minimum`.
+/// Calls visit(node, lowest corner, edge) for the finest nodes of `rows` in the tree below `row`. Corner and edge are
+/// in lod-0 voxels. Descends only from nodes whose edge exceeds `minimum`.
 template <class Visit>
 void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vec3d& corner, double edge, double minimum,
                  const Visit& visit) {
@@ -81,7 +81,8 @@ void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vec3d&
   }
 }
 
-/// Returns an empty page if the page cannot be read: a box suffices for framing, and rendering reports the error.
+/// Returns the page, or an empty page if it cannot be read. For framing, the box of the cell suffices; rendering
+/// reports the error.
 Page page_or_none(const PageSource& pages, const PageKey& key) {
   try {
     return pages(key);
@@ -94,7 +95,7 @@ Vec3d corner_of(const SceneCell& shard) {
   return {double(shard.lattice_min[0]), double(shard.lattice_min[1]), double(shard.lattice_min[2])};
 }
 
-/// Calls visit(lowest corner, edge) for boxes that contain the occupied space.
+/// Calls visit(lowest corner, edge) for boxes that contain the occupied space, in lod-0 voxels.
 template <class Visit>
 void visit_cells(const PagedScene& scene, const PageSource& pages, const Visit& visit) {
   const auto visit_box = [&](const NodeRow&, const Vec3d& corner, double edge) { visit(corner, edge); };
@@ -111,7 +112,8 @@ void visit_cells(const PagedScene& scene, const PageSource& pages, const Visit& 
   });
 }
 
-/// Visits the root's finest own voxels, which are all in bricks of one page. Returns false if the page cannot be read.
+/// Calls visit(lowest corner, edge) for the voxels of the finest level that the root stores but its children do not.
+/// One page contains all bricks of this level. Returns false if a page cannot be read.
 template <class Visit>
 bool visit_root(const PagedScene& scene, std::uint32_t root, const PageSource& pages, const Visit& visit) {
   const SceneCell& shard = scene.root().overviews[root];
@@ -148,8 +150,8 @@ Vec3d middle_of(const PagedScene& scene, const PageSource& pages) {
   return (low + high) * 0.5;
 }
 
-/// Two opposite sides of the frustum, moved until all boxes lie between them; low and high: their intersections with
-/// the plane of depth 0.
+/// Two opposite sides of the frustum, moved outwards until all boxes lie between them. `low` and `high` are the
+/// positions along `across` at which the sides intersect the plane of depth 0.
 struct FrustumSides {
   Vec3d across;  ///< unit, from the low to the high side
   Vec3d low_normal, high_normal;
@@ -171,7 +173,7 @@ struct FrustumSides {
   }
 };
 
-/// Returns the nearest eye that sees everything. If there is a target, the camera looks straight at it.
+/// Returns the nearest eye from which the whole scene is visible. If `target` is set, it is in the middle of the image.
 Vec3d framing_eye(const PagedScene& scene, const PageSource& pages, const std::optional<Vec3d>& target,
                   const Axes& axes, double tan_x, double tan_y) {
   constexpr double margin = 0.96;

@@ -11,16 +11,16 @@
 
 namespace gigabake {
 
-/// Range   of pixel_error: sixteen levels finer or coarser than a pixel.
+/// The limits of `pixel_error`: sixteen levels finer and coarser than a pixel.
 inline constexpr double finest_pixel_error = 0x1p-16, coarsest_pixel_error = 0x1p16;
 
-/// Checks the range.
-/// Errors  UsageError: outside of [finest_pixel_error, coarsest_pixel_error].
+/// Checks that `pixel_error` is within its limits.
+/// Errors  UsageError: pixel_error is outside of [finest_pixel_error, coarsest_pixel_error].
 void check_pixel_error(double pixel_error);
 
 /// A clip plane; only the side to which `towards` points is shown.
 struct ClipPlane {
-  Point<Scene> through_m, towards;  ///< a point of the plane; direction of the shown side, of any length
+  Point<Scene> through_m, towards;  ///< a point of the plane; a vector of any length towards the shown side
   friend bool operator==(const ClipPlane&, const ClipPlane&) = default;
 };
 
@@ -32,7 +32,7 @@ struct Clip {
 };
 
 struct CameraOptions {
-  std::optional<Point<Scene>> eye_m;     ///< default: in the south-east, as near as possible
+  std::optional<Point<Scene>> eye_m;     ///< default: the nearest eye in the south-east that sees the whole scene
   std::optional<Point<Scene>> target_m;  ///< default: the middle of the occupied space
   std::optional<Point<Scene>> up;        ///< default: z; north if the camera looks straight up or down
   double fovy_deg = 40;
@@ -46,14 +46,15 @@ struct CameraOptions {
 /// Errors  UsageError: not 1 to 32768 pixels per side, or more than 2^28 pixels.
 void check_picture_size(const CameraOptions& options);
 
-/// Returns the camera in voxels.
-/// Cost    Only without eye or target. Few cells: reads the first page of nodes of each, one after another. Many cells:
-///         reads the finest level of the root overview, or visits each cell's window if there is none.
-/// Errors  UsageError, with the option: not finite, no direction, sizes or angles out of range.
+/// Returns the camera in lod-0 voxels of the lattice.
+/// Cost    Reads pages only if eye or target is not set. Up to 256 cells (32 if there is a root overview): reads the
+///         first page of node rows of each cell, one after another. More cells: reads a page of node rows and a page of
+///         bricks of the root overview. Without a root overview, visits each cell's window.
+/// Errors  UsageError names the option that is not finite, has no direction or is out of range.
 kernels::CastCamera make_camera(const CameraOptions& options, const PagedScene& scene, const PageSource& pages);
 
-/// The range of heights of the occupied space in lod-0 voxels of the lattice. Resolution: a brick, or a voxel of the
-/// root overview.
+/// The range of heights of the occupied space in lod-0 voxels of the lattice. Its resolution is a node, a cell, or a
+/// voxel of the root overview.
 struct HeightRange {
   double low = 0, high = 1;
 };

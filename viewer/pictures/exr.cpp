@@ -55,8 +55,8 @@ std::vector<float> metres(const std::vector<float>& voxels, double voxel_size_m)
   return out;
 }
 
-/// Returns the description of one channel. first: its first value; `per_pixel` values of type T per pixel. OpenEXR
-/// requires a writable pointer and does not write.
+/// Returns the description of one channel. `first` points to the channel's value in the first pixel; each pixel has
+/// `per_pixel` values of type T. OpenEXR requires a pointer to mutable data but does not write to it.
 template <class T>
 Imf::Slice slice(Imf::PixelType type, const T* first, std::size_t per_pixel, int width) {
   char* base = const_cast<char*>(reinterpret_cast<const char*>(first));

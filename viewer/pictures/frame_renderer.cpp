@@ -36,7 +36,7 @@ Point<Scene> to_scene_m(const SceneHeader& scene, const double voxels[3]) {
   return {m[0], m[1], m[2]};
 }
 
-/// A view counts as larger than the memory budget if pages of this multiple of the budget have been read.
+/// The working set of a view counts as larger than the memory budget if the view has read this multiple of the budget.
 constexpr std::uint64_t max_page_reread_factor = 4;
 
 }  // namespace
@@ -52,11 +52,11 @@ struct FrameRenderer::State {
   std::vector<std::uint32_t> wanted;  ///< requests of the last frame
   View last;
   std::uint32_t frame_pass = 0;         ///< first pass of the last frame
-  bool put_in = false;                  ///< whether the last call uploaded data
+  bool put_in = false;                  ///< the last put_in_wanted() uploaded data
   bool was_complete = false;            ///< no ray of the last frame missed data
-  double upload_s = 0;                  ///< in this frame
-  double waited_s = 0;                  ///< for roots, before this frame
-  std::uint64_t bytes_read_before = 0;  ///< when `last` was first drawn
+  double upload_s = 0;                  ///< time of uploads in this frame
+  double waited_s = 0;                  ///< time of the wait for roots at the start of this frame
+  std::uint64_t bytes_read_before = 0;  ///< bytes that the stream had read before `last` was first rendered
   bool starved = false;
   std::vector<std::string> problems;  ///< in addition to problems of pages
   PolygonPictures polygons;
@@ -82,8 +82,8 @@ struct FrameRenderer::State {
   }
   static std::size_t max_open(const Options& wishes) { return open_shards_within(memory_of(wishes)); }
 
-  /// Returns the memory for pools and pages, which is reduced by open shards. A scene can have fewer shards than the
-  /// limit.
+  /// Returns the memory for pools and pages. The open shards reduce it by at most 1/8. A scene can have fewer shards
+  /// than the limit of open shards.
   std::uint64_t bytes_next_to_shards() const {
     const std::uint64_t shards = scene->totals().cells + scene->totals().overviews, all = memory_of(options);
     return all - std::min(std::min<std::uint64_t>(max_open(options), shards) * open_shard_bytes, all / 8);
@@ -112,8 +112,8 @@ struct FrameRenderer::State {
     last = {};
   }
 
-  /// Returns whether this view fills the pools, or its pages evict each other. Data that a view needs is not read
-  /// repeatedly if there is memory for it.
+  /// Returns true if this view fills the pools or its pages evict each other. Pages are read repeatedly only if there
+  /// is too little memory for them.
   bool is_starved(const SceneStream::Served& served) const {
     const std::uint64_t read = stream->page_counts().bytes_read - bytes_read_before;
     return served.is_full || read / max_page_reread_factor > stream->page_bytes_allowed();
@@ -172,7 +172,7 @@ struct FrameRenderer::State {
     upload_s += since(start);
   }
 
-  /// Waits until every tree has a resident root, or the time is over; the view's rays are cast afterwards.
+  /// Uploads requested data until every tree has a resident root, for at most limits.roots_s.
   void wait_for_roots(const kernels::CastCamera& camera, const PreviewLimits& limits) {
     const auto start = Clock::now();
     stream->request_roots();
@@ -185,8 +185,9 @@ struct FrameRenderer::State {
     upload_s = 0;
   }
 
-  /// Casts rays that wait for data uploaded within the time limit and resume where they stopped. This loads several
-  /// levels in one frame at about the cost of one cast. Coarser bricks are the fallback for data still missing.
+  /// Casts the view's rays. Rays that miss data wait for its upload within the time limit, then continue at the same
+  /// sample. One frame can thus load several levels at about the cost of one cast. Afterwards coarser bricks replace
+  /// the data that is still missing.
   void cast(const View& view, const kernels::CastCamera& camera, const PreviewLimits& limits, Picture& picture) {
     kernels::Caster& caster = stream->caster();
     const std::size_t rays = std::size_t(camera.width) * std::size_t(camera.height);
@@ -219,7 +220,7 @@ struct FrameRenderer::State {
     caster.resolve(look.background, pixels_of(picture));
   }
 
-  /// Casts secondary rays in the same way as cast().
+  /// Casts secondary rays in the same way as cast(). If primary rays missed data, secondary rays do not wait for data.
   void cast_more(const kernels::CastCamera& camera, const PreviewLimits& limits,
                  const std::function<std::size_t(bool patient)>& pass) {
     const std::vector<std::uint32_t> wanted_before = wanted;

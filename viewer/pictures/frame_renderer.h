@@ -1,10 +1,10 @@
 /// Renderer of one scene: frames for a window, a browser or files.
 ///
-/// A frame is rendered from resident data. Its rays request the data that they miss, which is uploaded for later
-/// frames, nearest first. Until then the finest resident ancestor is the fallback. A frame that misses no data is
+/// A frame is rendered from resident data. Its rays request missing data, which is uploaded for later frames, the
+/// nearest data first. Until then the finest resident ancestor replaces this data. A frame that misses no data is
 /// `complete`. The bytes of a complete frame do not depend on budgets, earlier frames or the number of threads.
 ///
-/// Modes that show another property of voxels refill the pools.
+/// A change to a mode that shows another property of voxels refills the pools.
 #pragma once
 
 #include <cmath>
@@ -27,11 +27,11 @@ struct FrameStats {
   double cast_s = 0;          ///< casting of rays
   double upload_s = 0;        ///< upload of bricks and nodes to the pools
   double total_s = 0;         ///< the whole call
-  std::uint64_t wanted = 0;   ///< bricks and node tiles that rays missed in this frame
+  std::uint64_t wanted = 0;   ///< bricks and node tiles (8 sibling nodes) that rays missed in this frame
   std::uint64_t uploads = 0;  ///< bricks and node tiles uploaded for this frame
   std::uint64_t pages_loading = 0;
-  std::uint64_t files_opened = 0;                   ///< of pages and shards, reopened ones included, by this renderer
-  std::uint64_t bytes_held = 0, bytes_allowed = 0;  ///< pools and pages together; allowed: UINT64_MAX means unbounded
+  std::uint64_t files_opened = 0;                   ///< page and shard files that this renderer has opened so far
+  std::uint64_t bytes_held = 0, bytes_allowed = 0;  ///< of pools and pages; bytes_allowed: UINT64_MAX means unbounded
   bool complete = false;
   bool starved = false;  ///< the pools are smaller than the working set of this view
 };
@@ -41,21 +41,21 @@ struct Frame {
   FrameStats stats;
 };
 
-/// A full-resolution image in progress. The caller owns this value, so several images can be rendered alternately.
+/// An image that is rendered in tiles. The caller owns this value, so several images can be rendered alternately.
 struct ProgressiveFrame {
   View view;
   Picture picture;                       ///< final in finished tiles; the initial image elsewhere
   std::vector<kernels::CastTile> tiles;  ///< from the middle outwards
   std::size_t done = 0;                  ///< number of finished tiles
-  FrameStats stats;                      ///< times: sums so far
+  FrameStats stats;                      ///< times are sums so far
 
   bool is_complete() const { return done == tiles.size(); }
 };
 
 /// Time limits of one sketch().
 struct PreviewLimits {
-  double upload_s = 0.02;   ///< for new data; some data is always uploaded
-  double roots_s = 0;       ///< max. wait at the start if trees lack all bricks
+  double upload_s = 0.02;   ///< max. time for uploads; some data is always uploaded
+  double roots_s = 0;       ///< max. wait at the start for the root bricks of all trees
   kernels::StopAsked stop;  ///< cancels the call; the frame is then unusable
 };
 
@@ -63,20 +63,20 @@ class FrameRenderer {
  public:
   struct Options {
     int threads = 0;                                      ///< 0: all cores
-    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  ///< as in SceneStream::Options, like the members below
+    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  ///< see SceneStream::Options for this and device_bytes
     std::optional<int> cuda_device;
-    bool device_required = false;  ///< false: the CPU casts if the device has too little memory; see problems()
+    bool device_required = false;  ///< false: if the device fails, the CPU casts rays; see problems()
     std::uint64_t device_bytes = std::uint64_t(4) << 30;
-    // Lit images only:
-    double haze_visibility_m = HUGE_VAL;  ///< visibility of air(); applied only before a sky
-    double exposure_stops = 0;            ///< exposure of screen_tone(); linear light is not scaled
+    // These members affect only modes that show light.
+    double haze_visibility_m = HUGE_VAL;  ///< visibility for air(); only in ViewMode::lit with a sky
+    double exposure_stops = 0;            ///< exposure for screen_tone(); linear light is not scaled
   };
 
   /// Opens the scene.
-  /// Errors  InputError: no such scene, or lay_out_cells() rejects it; UsageError: options out of range.
+  /// Errors  InputError: the scene does not exist, or lay_out_cells() rejects it. UsageError: options out of range.
   FrameRenderer(const std::filesystem::path& scene_path, const Options& options);
-  /// Renders a scene whose pages do not come from its shards; they are checked by guarded_pages(). scene_path: for
-  /// messages.
+  /// Opens a scene whose pages come from `pages` instead of its shards. guarded_pages() checks the pages. `scene_path`
+  /// is used only in messages.
   FrameRenderer(const SceneDescription& scene, const std::filesystem::path& scene_path, const PageSource& pages,
                 const Options& options);
   ~FrameRenderer();
@@ -86,31 +86,33 @@ class FrameRenderer {
   /// Returns the options with eye and target set; their defaults show the whole scene from the south-east.
   /// Errors  The same as make_camera().
   CameraOptions framed(const CameraOptions& options) const;
-  /// Returns the camera for such options, in voxels.
+  /// Returns the camera of `options` in lod-0 voxels.
   kernels::CastCamera rays_of(const CameraOptions& options) const;
 
-  /// Renders a frame in one pass over resident data. upload_s: max. time for uploads; some data is always uploaded. If
-  /// the pools are too small for a view, its second frame is rendered by draw_exact().
+  /// Renders a frame in one pass over resident data. `upload_s` is the maximum time for uploads; some data is always
+  /// uploaded. If the pools are too small for the view, its next frames are rendered by draw_exact().
   /// Errors  UsageError: the errors of make_camera(); ViewMode::slope for a scene without normals. Damaged shards cause
   ///         no exception: see problems().
   Frame draw(const View& view, double upload_s);
 
-  /// Renders a preview for a moving eye. It never switches to draw_exact(). The roots of all trees are uploaded first,
-  /// so that each tree has a fallback.
+  /// Renders a preview for a moving eye, never by draw_exact(). The roots of all trees are uploaded first, so that each
+  /// tree has a fallback.
   Frame sketch(const View& view, const PreviewLimits& limits);
 
   /// Renders the complete image in as many passes as necessary, whatever the size of the pools.
   Frame draw_exact(const View& view, const Progress& progress = {});
 
-  /// Starts the image of draw_exact() in tiles. `meanwhile`: an image of the same view in any size, shown where no tile
-  /// is finished; null: transparent.
+  /// Starts an image in tiles that equals the image of draw_exact(). Unfinished tiles show `meanwhile`, an image of the
+  /// same view in any size; null: they are transparent.
   ProgressiveFrame begin(const View& view, const Picture* meanwhile);
   /// Renders at least one tile, then further tiles until `enough` returns true. Calls `enough` after each tile. `stop`
   /// cancels within milliseconds; the next call restarts the unfinished tile.
-  /// Exact   The same as draw_exact(), also after cancelled calls and other renderings in between.
+  /// Exact   The finished image equals the image of draw_exact(), also after cancelled calls and other renderings in
+  ///         between.
   void go_on(ProgressiveFrame& frame, const kernels::StopAsked& enough, const kernels::StopAsked& stop);
 
-  /// Returns one line for each shard found missing or damaged; its parts are shown by their ancestors.
+  /// Returns one line for each page that could not be read, and one if the CPU replaces a failed device. The image
+  /// shows the ancestors of unreadable data.
   std::vector<std::string> problems() const;
 
  private:

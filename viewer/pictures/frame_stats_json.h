@@ -7,7 +7,7 @@
 
 namespace gigabake {
 
-/// Returns every member of FrameStats by its name; bytes_allowed is null if unbounded.
+/// Returns the members of FrameStats except `starved`, by their names; bytes_allowed is null if unbounded.
 nlohmann::ordered_json to_json(const FrameStats& stats);
 
 }  // namespace gigabake

@@ -40,7 +40,8 @@ struct JpegWriter {
   JpegWriter& operator=(const JpegWriter&) = delete;
 };
 
-/// Returns false on errors; `message` is then the reason. row: three bytes per pixel of a row.
+/// Writes the image to `writer`. Returns false on errors; `writer.message` is then the reason. `row` is a buffer of
+/// three bytes per pixel of a row.
 bool write(JpegWriter& writer, const Picture& picture, int quality, std::uint8_t* row) {
   if (setjmp(writer.back) != 0) return false;
   jpeg_create_compress(&writer.state);

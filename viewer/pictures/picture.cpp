@@ -6,7 +6,7 @@
 namespace gigabake {
 namespace {
 
-/// Linear interpolation between two pixels of a row. share: weight of the second pixel, in 1/256.
+/// Linear interpolation between two pixels of a row or column. `share` is the weight of the second pixel in 1/256.
 struct Between {
   std::size_t first, second;
   unsigned share;

@@ -12,8 +12,8 @@ namespace gigabake {
 struct Picture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgba;  ///< sRGB, straight alpha
-  /// Distance along the ray in voxels at which half of the light is absorbed; CastRay::no_depth if there is no such
-  /// point.
+  /// Distance along the ray, in lod-0 voxels, at which half of the light is absorbed. CastRay::no_depth if less than
+  /// half of the light is absorbed; 0 in pixels that are not rendered yet.
   std::vector<float> depth = {};
   std::vector<float> linear = {};  ///< RGBA, premultiplied, may exceed 1; empty unless requested
 };
@@ -28,7 +28,7 @@ enum class PictureLight : std::uint8_t {
 Picture blank_picture(int width, int height, PictureLight light);
 /// Returns the image in another size, as a preview: interpolated colours, and the depth of the nearest pixel.
 Picture enlarged(const Picture& picture, int width, int height, PictureLight light);
-/// Borrows the image's pixels.
+/// Returns pointers to the pixels of the image, which the caller continues to own.
 kernels::CastPixels pixels_of(Picture& picture);
 
 /// Returns the tiles of an image, from its middle outwards, because users look at the middle first.

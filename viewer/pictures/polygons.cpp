@@ -10,7 +10,7 @@ namespace gigabake {
 namespace {
 
 constexpr std::size_t rows_at_a_time = 8;
-/// Min. distance from the eye in voxels; closer parts are not rendered.
+/// The minimum distance from the eye in lod-0 voxels. Closer parts of triangles are not rendered.
 constexpr double nearest = 1e-6;
 
 Vec3d vector(const double v[3]) { return {v[0], v[1], v[2]}; }
@@ -18,7 +18,7 @@ Vec3d vector(const double v[3]) { return {v[0], v[1], v[2]}; }
 /// A triangle, and the pixels that it may cover: [x0, x1) × [y0, y1).
 struct Placed {
   std::size_t triangle;
-  Vec3d corner, second, third;  ///< corner: voxels from the eye; second, third: edges from `corner`
+  Vec3d corner, second, third;  ///< corner: relative to the eye, in voxels; second, third: edges from `corner`
   int x0, y0, x1, y1;
 };
 
@@ -35,7 +35,8 @@ struct Extent {
   }
 };
 
-/// Returns the pixel, with a margin of `more` pixels; each pixel's ray decides about the hit.
+/// Returns the pixel of the coordinate v plus `more` pixels, limited to 0 … count. A margin adds no hits, because each
+/// pixel's ray is intersected with the triangle.
 int pixel_at(double v, int count, int more) { return int(std::clamp(std::floor(v) + more, 0.0, double(count))); }
 
 Placed place(const kernels::CastCamera& camera, std::size_t triangle, const std::array<Vec3d, 3>& p) {
@@ -76,7 +77,7 @@ std::vector<Placed> place_all(const PolygonMesh& mesh, const SceneHeader& scene,
 
 struct Met {
   double distance = HUGE_VAL;
-  float second = 0, third = 0;  ///< weights of the corners
+  float second = 0, third = 0;  ///< barycentric weights of the second and third corner
 };
 
 /// Intersects the ray with the triangle.
@@ -93,7 +94,7 @@ Met meet(const Placed& at, const Vec3d& direction) {
   return {distance, float(u), float(v)};
 }
 
-/// Returns the radiance of the triangle towards the eye. The side that is visible to the eye is lit.
+/// Returns the radiance of the triangle towards the eye. Lights the side that faces the eye.
 std::array<float, 4> lit(const std::array<float, 4>& colour, const Placed& at, const Vec3d& direction,
                          const kernels::CastLight& light) {
   Vec3d n = cross(at.second, at.third);

@@ -9,11 +9,11 @@ namespace {
 /// Interval at which a wait for pages checks `stop`.
 constexpr std::chrono::milliseconds stop_check_interval{10};
 
-/// Max. number of intervals before rays are cast again although some of their pages are still being read. More pages
-/// per pass save time, because a pass costs the same for one page as for many.
+/// The maximum number of intervals before rays are cast again, although pages are still being read. More pages per pass
+/// save time, because a pass costs the same for one page as for many.
 constexpr int max_page_checks = 5;
 
-/// Waits for pages. Returns false if `stop` cancelled it.
+/// Waits for the pages that serve() requested. Returns false if `stop` cancelled the wait.
 bool wait_for_served_pages(SceneStream& stream, const SceneStream::Served& served, const kernels::StopAsked& stop) {
   for (int looks = 1; !stream.settle(stop_check_interval); ++looks) {
     if (stop && stop()) return false;
@@ -22,9 +22,9 @@ bool wait_for_served_pages(SceneStream& stream, const SceneStream::Served& serve
   return true;
 }
 
-/// Resumes the rays of `count` pixels until each is finished, and uploads the data that they miss. If the pools cannot
-/// hold the working set, processes fewer pixels concurrently. cast: one pass over pixels [begin, end), like
-/// Caster::cast(). Returns false if `stop` cancelled it.
+/// Casts the rays of `count` pixels until each ray is finished, and uploads the data that they miss. If the pools
+/// cannot hold the working set, processes fewer pixels at a time. `cast` casts one pass over pixels [begin, end), like
+/// Caster::cast(). Returns false if `stop` cancelled the rays.
 template <class Cast>
 bool finish_rays(SceneStream& stream, const double eye[3], std::size_t count, const kernels::StopAsked& stop,
                  const Cast& cast) {
@@ -46,7 +46,8 @@ bool finish_rays(SceneStream& stream, const double eye[3], std::size_t count, co
   return true;
 }
 
-/// Casts the tile's primary rays, then rays between levels, then shadow rays. Returns false if `stop` cancelled it.
+/// Casts the tile's primary rays, then second rays for pixels between two levels, then shadow rays. Returns false if
+/// `stop` cancelled the rays.
 bool finish_tile(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
                  const RenderSettings& look, const kernels::StopAsked& stop) {
   kernels::Caster& caster = stream.caster();

@@ -12,25 +12,26 @@
 
 namespace gigabake {
 
-/// Background and lighting of an image, applied to the results of its rays.
+/// The background and lighting of an image, applied to the results of its rays.
 struct RenderSettings {
   kernels::CastBackground background;
-  std::optional<kernels::CastLighting> lighting = {};  ///< lights the surface's own colours, which rays must return
-  std::shared_ptr<const kernels::SurfaceShader> shader = {};  ///< shader of that light; null: kernels::LitShader
-  bool blends_levels = false;                                 ///< kernels/marching/level_blend.h
+  std::optional<kernels::CastLighting> lighting = {};         ///< applied per pixel; rays must return unlit colours
+  std::shared_ptr<const kernels::SurfaceShader> shader = {};  ///< shader for `lighting`; null: kernels::LitShader
+  bool blends_levels = false;                                 ///< see kernels/marching/level_blend.h
 };
 
 /// Renders one tile into the whole image. Returns false if `stop` cancelled it; the image is unchanged then.
-/// Exact   The same pixels as render(), for any tiling.
+/// Exact   The pixels are the same as in render(), for all tilings whose tiles begin at multiples of
+///         kernels::sky_block.
 bool render_tile(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
                  const RenderSettings& look, const kernels::StopAsked& stop, Picture& picture);
 
 /// Renders the whole image.
-/// Exact   The same bytes for any number of threads and any memory budget of `stream`. Damaged parts are shown by the
-///         next coarser intact level; see SceneStream::problems().
+/// Exact   The bytes are the same for any number of threads and any memory budget of `stream`. Damaged parts are
+///         replaced by the next coarser intact level; see SceneStream::problems().
 /// Space   8 bytes per pixel, 24 with linear light, in addition to `stream`.
 Picture render(SceneStream& stream, const kernels::CastCamera& camera, const RenderSettings& look, PictureLight light);
-/// Renders the whole image with only a background and lighting.
+/// Renders the whole image with a background and lighting; other settings have their defaults.
 Picture render(SceneStream& stream, const kernels::CastCamera& camera, const Background& background,
                PictureLight light = PictureLight::srgb, const std::optional<kernels::CastLighting>& lighting = {});
 

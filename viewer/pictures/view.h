@@ -25,7 +25,7 @@ enum class ViewMode : std::uint8_t {
   requests,  ///< red where finer data was requested, green elsewhere
   sun,       ///< direct sunlight only, with shadows
   sky,       ///< skylight only, with its occlusion
-  shadow,    ///< visible fraction of the sun: white if all
+  shadow,    ///< visible fraction of the sun; white: the whole sun is visible
   height,    ///< by height above the scene's lowest voxel
   slope,     ///< by the steepness of the surface
 };
@@ -44,7 +44,7 @@ constexpr auto names_of<ViewMode>() {
       {"lit", "albedo", "normal", "coverage", "lod", "cell", "requests", "sun", "sky", "shadow", "height", "slope"});
 }
 
-/// Interpolation of points between two levels from both levels.
+/// Blending of the two adjacent levels (kernels/marching/level_blend.h).
 enum class LevelBlend : std::uint8_t { off, on };
 
 template <>
@@ -60,7 +60,7 @@ struct View {
   SunDirection sun = {};
   Shadows shadows = Shadows::off;
   LevelBlend level_blend = LevelBlend::off;
-  /// Replaces the light of ViewMode::lit (kernels/light/shader.h); null: none.
+  /// The shader that replaces the light of ViewMode::lit (kernels/light/shader.h); null: no replacement.
   std::shared_ptr<const kernels::SurfaceShader> shader = {};
   std::shared_ptr<const PolygonMesh> polygons = {};  ///< triangles among the voxels; null: none
 };

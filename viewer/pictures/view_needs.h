@@ -9,10 +9,10 @@
 
 namespace gigabake {
 
-/// The contents of the pools' bricks that a view requires.
+/// The contents that a view requires in the bricks of the pools.
 struct Filling {
   Surface surface;
-  std::optional<SunDirection> lit_by = {};  ///< light applied to voxels at upload; none: voxels keep their own colours
+  std::optional<SunDirection> lit_by = {};  ///< light applied to voxels at upload; nullopt: voxels stay unlit
   bool cells_alone = false;                 ///< one tree per cell
   friend bool operator==(const Filling&, const Filling&) = default;
 };
@@ -23,20 +23,21 @@ std::optional<kernels::CastLightPart> light_part_of(const View& view);
 
 Filling filling_of(const View& view);
 
-/// Returns whether the mode shows light with its intensity.
+/// Returns true if the mode shows the intensity of light.
 bool shows_light(ViewMode mode);
 
 kernels::CastPaint paint_of(ViewMode mode);
 
-/// Returns the shader; null for the light itself. heights: of the scene, used only by ViewMode::height.
+/// Returns the view's shader; null: kernels::LitShader. `heights` is the scene's range of heights, used only by
+/// ViewMode::height.
 std::shared_ptr<const kernels::SurfaceShader> shader_of(const View& view, const HeightRange& heights);
 
 bool same_picture(const View& a, const View& b);
 
-/// Cache of the rendered polygons of a view, reused for equal images.
+/// A cache of one view's rendered polygons, reused while the view stays the same.
 class PolygonPictures {
  public:
-  /// Returns the polygons of the view; borrowed until the next call.
+  /// Returns the polygons of the view. The pointers are valid until the next call.
   /// Range   view.polygons is not null.
   kernels::CastPolygons drawn(const View& view, const kernels::CastCamera& camera, const SceneHeader& scene,
                               const kernels::CastHaze& haze, const ThreadPool& policy);
