@@ -6,7 +6,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Blocks per multiprocessor, as for the kernel that casts the remaining rays of a tile.
+/// Blocks per multiprocessor, as for cast_listed() (kernels/marching/ray_rounds.cu).
 constexpr unsigned min_lighting = 3;
 
 __global__ void clear_light(PixelLight* lights, std::size_t pixels) {

@@ -15,7 +15,7 @@ class LightPasses {
  public:
   LightPasses(DeviceHeap& heap, cudaStream_t stream) : heap_(heap), stream_(stream), count_(heap, 1) {}
 
-  /// Starts a tile and discards the light of the previous one.
+  /// Starts a tile and discards the light of the previous tile.
   void start(const CastLighting& lighting, std::shared_ptr<const SurfaceShader> shader, std::size_t pixels);
 
   /// Casts rays to the light, like Caster::cast_light(). Adds the number of pixels with waiting rays to
@@ -25,7 +25,7 @@ class LightPasses {
   /// Reuses shadow samples, like Caster::share_light().
   void share(const CastTile& tile);
 
-  /// Returns the tile's finished rays after lighting; valid until the next call.
+  /// Lights the tile's finished rays and returns the lit copies, which are valid until the next call.
   const CastRay* lit(const CastRay* rays, const CastCamera& camera, const CastTile& tile);
 
  private:
@@ -37,7 +37,7 @@ class LightPasses {
   std::shared_ptr<const SurfaceShader> shader_;
   DeviceArray<PixelLight> lights_;
   DeviceArray<CastRay> lit_;
-  DeviceArray<std::uint32_t> list_, count_;  ///< pixels that cast a ray
+  DeviceArray<std::uint32_t> list_, count_;  ///< the pixels that cast a ray, and their number
 };
 
 }  // namespace gigabake::kernels

@@ -2,12 +2,12 @@
 ///
 /// A pixel's surface is where half of its ray's light is absorbed. One cone leads from this surface to the sun, and one
 /// to the sky. Not every pixel casts them: pixels of a block share results (kernels/light/light_sharing.h). A cone is
-/// an ordinary ray whose levels have voxels as wide as the cone, but not finer than the pixel's own. It requests
-/// missing data, and surfaces stop it. The width of the voxels that it passes determines the width of a shadow's
+/// an ordinary ray whose levels have voxels as wide as the cone, but not finer than the pixel's level. It requests
+/// missing data, and surfaces absorb it. The width of the voxels that it passes determines the width of a shadow's
 /// border.
 ///
-/// Directions without sky show other surfaces, which send the ground's light. An unshadowed surface of any slope
-/// therefore receives the same light as in shade_voxel().
+/// In directions in which the sky is hidden, other surfaces are assumed to send the light of the ground. An unshadowed
+/// surface of any slope therefore receives the same light as in shade_voxel().
 ///
 /// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
@@ -63,7 +63,8 @@ GB_HD void add_surface(const CastCorners& corners, const float to_sun[3], Surfac
   }
 }
 
-/// Sets the surface. It faces the eye if the voxels have no normals or their normals cancel.
+/// Sets `normal`, `facing` and `up` of the pixel's surface. The surface faces the eye if the voxels have no normals or
+/// if their normals cancel.
 GB_HD void set_surface(const SurfaceSums& sums, const CastLine& line, PixelLight& light) {
   light.facing = sums.weight > 0 ? sums.facing / sums.weight : 0;
   light.up = sums.weight > 0 ? sums.up / sums.weight : 1;
@@ -71,8 +72,8 @@ GB_HD void set_surface(const SurfaceSums& sums, const CastLine& line, PixelLight
   for (int a = 0; a < 3; ++a) light.normal[a] = length > 0 ? sums.normal[a] / length : -float(line.direction[a]);
 }
 
-/// Finds the surface that the pixel's finished ray hit. Samples it at the hit and half a voxel before and behind.
-/// Returns false if the ray is `patient` and must wait for evicted data.
+/// Finds the surface that the pixel's finished ray hit. Samples the surface at the hit and half a voxel before and
+/// behind the hit. If `patient` is true and the data has been evicted, returns false: the pixel must wait.
 GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, const CastLine& line, bool patient,
                         const CastRay& ray, PixelLight& light) {
   light.has_surface = ray.depth != CastRay::no_depth;
@@ -94,8 +95,8 @@ GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, co
   return true;
 }
 
-/// The distance above the surface, in voxels of the pixel's level, at which a ray to the light starts: beyond the
-/// interpolation around the surface.
+/// The distance above the surface, in voxels of the pixel's level, at which a ray to the light starts. The interpolated
+/// field of the surface does not reach this far.
 inline constexpr float light_clearance = 1.5f;
 /// Tests whether the result of this ray affects the pixel.
 GB_HD bool lights_up(const PixelLight& light, const float direction[3], LightRay ray) {
@@ -103,14 +104,15 @@ GB_HD bool lights_up(const PixelLight& light, const float direction[3], LightRay
   return ray == LightRay::sun ? light.facing > 0 : dot3(light.normal, direction) > min_cosine;
 }
 
-/// Tests whether a pixel casts this ray first. To the sky, every other pixel does, in a checkerboard pattern; to the
-/// sun, every other pixel of every other row.
+/// Tests whether a pixel casts this ray before shadow samples are reused. For the sky this is every other pixel, in a
+/// checkerboard pattern. For the sun it is every other pixel of every other row.
 GB_HD bool is_cast_first(int x, int y, LightRay ray) {
   return place_in_block(x, y) < (ray == LightRay::sun ? sky_block * sky_block / 4 : sky_directions);
 }
 
-/// Returns the line from the surface to a light. Towards the sun, whose shadows have sharp borders, the start is moved
-/// along the ray. The rest of the clearance, at grazing angles, is added along the normal.
+/// Returns the line from the surface to a light. The line starts light_clearance above the surface. For the sky, the
+/// start is moved along the normal. For the sun, whose shadows have sharp borders, it is moved along the ray; at
+/// grazing angles, the rest of the clearance is added along the normal.
 GB_HD CastLine line_to_light(const CastScene& scene, const CastCamera& camera, const PixelLight& light,
                              const float direction[3], double lod1, bool is_sun) {
   const float clearance = light_clearance * float(power_of_two(light.lod));
@@ -121,7 +123,7 @@ GB_HD CastLine line_to_light(const CastScene& scene, const CastCamera& camera, c
   line.enter = light.lod == 0 ? 0 : lod1 * power_of_two(light.lod - 1);
   line.leave = double(far_voxel);
   line.lod1_distance = lod1;
-  // Beyond its voxels only coarser levels have a field, which must not cast shadows.
+  // Beyond this border around the voxels, only coarser levels have a field, and that field must not cast shadows.
   const double border = 2 * power_of_two(light.lod);
   for (int a = 0; a < 3; ++a) {
     const double d = direction[a];
@@ -136,8 +138,8 @@ GB_HD CastLine line_to_light(const CastScene& scene, const CastCamera& camera, c
   return line;
 }
 
-/// Casts a ray of a pixel whose surface is known, from its start, until it is finished or waits. On a device all lanes
-/// of a warp must call this function. is_cast: false if a lane has no ray.
+/// Casts the pixel's ray `which` from its start, until it is finished or waits. The pixel's surface must be known. On a
+/// device all lanes of a warp must call this function; `is_cast` is false if a lane has no ray.
 GB_HD void cast_to_light(const CastScene& scene, const CastCamera& camera, const CastLighting& lighting, int x, int y,
                          LightRay which, bool patient, bool is_cast, PixelLight& light) {
   CastLine line{};
@@ -166,7 +168,7 @@ GB_HD void find_surface_once(const CastScene& scene, const CastLighting& lightin
   light.done = PixelLight::all & ~light.first;
 }
 
-/// Casts one pass over a pixel. Results that the pass stores are final.
+/// Runs one pass of a pixel's rays to the light. Results that the pass stores are final.
 GB_HD void light_pixel(const CastScene& scene, const CastCamera& camera, const CastLighting& lighting,
                        const CastLine& line, const CastRay& ray, int x, int y, bool patient, PixelLight& light) {
   find_surface_once(scene, lighting, line, patient, ray, x, y, light);

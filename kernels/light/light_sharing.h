@@ -1,8 +1,8 @@
 /// Reuse of shadow samples within blocks of pixels.
 ///
-/// Some pixels cast their rays to light first. Each other pixel reuses these samples or casts its own rays, depending
-/// only on the first rays of its block. The result therefore does not depend on the order of pixels or on tiles, if
-/// tiles begin where blocks do.
+/// Some pixels cast their rays to light first. Every other pixel of the block reuses these samples or casts its own
+/// rays. This choice depends only on the first rays of the block. The result therefore does not depend on the order of
+/// pixels or on tiles, if tiles begin where blocks do.
 ///
 /// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
@@ -17,13 +17,14 @@
 
 namespace gigabake::kernels {
 
-/// Visibility of the sun from the pixels of a block that cast a ray to the sun first and show the same surface.
+/// The visibility of the sun from some pixels of a block: pixels that cast a ray to the sun first and show the same
+/// surface.
 struct SunSeen {
   int pixels = 0;
   float sum = 0, minimum = 1, maximum = 0;
 
-  /// Tests whether the samples are uniform: at least three pixels, which all see (to within 1/64) the whole sun or none
-  /// of it.
+  /// Tests whether the samples are uniform. At least three pixels must see the whole sun, or at least three must see
+  /// none of it, to within 1/64; no pixel may differ.
   GB_HD bool is_told() const {
     constexpr int enough = 3;
     constexpr float bound = 1.0f / 64;
@@ -47,9 +48,9 @@ GB_HD SunSeen sun_around(const TileLights& tile, int x, int y, const PixelLight&
   return sun;
 }
 
-/// Reuses shadow samples in pixel (x, y) of the tile, after all first rays are finished. light: of this pixel. If the
-/// samples are not uniform, marks the pixel's own ray for casting. Reads only results of first rays, which no call
-/// writes, so pixels may be processed concurrently.
+/// Reuses shadow samples in pixel (x, y) of the tile, after all first rays are finished. `light` is the light of this
+/// pixel. If the samples are not uniform, marks the pixel's own ray for casting. Reads only results of first rays,
+/// which no call writes, so pixels may be processed concurrently.
 GB_HD void share_light(const TileLights& tile, const CastLighting& lighting, int x, int y, PixelLight& light) {
   if (!light.has(light_rays) || lighting.part == CastLightPart::unhidden) return;
   std::uint32_t then = 0;

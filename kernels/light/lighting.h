@@ -14,12 +14,13 @@ namespace gigabake::kernels {
 
 /// The pixels of a block of sun_block × sun_block sample different parts of the sun.
 inline constexpr int sun_block = 4, sun_directions = sun_block * sun_block;
-/// The same for the sky. Every other pixel of the block samples the sky, and the block shares the results.
+/// The pixels of a block of sky_block × sky_block sample different parts of the sky. Every other pixel of the block
+/// casts a ray to the sky, and the remaining pixels reuse the results.
 inline constexpr int sky_block = 8, sky_directions = sky_block * sky_block / 2;
 
 /// Linear RGB irradiance; irradiance 1 shows a surface in its own colour.
 struct CastLight {
-  float to_sun[3] = {0, 0, 1};  ///< unit
+  float to_sun[3] = {0, 0, 1};  ///< unit vector
   float sun[3] = {0, 0, 0};     ///< on a surface that faces the sun
   float sky[3] = {1, 1, 1};     ///< on a surface that faces up
   float ground[3] = {1, 1, 1};  ///< on a surface that faces down; interpolated with `sky` by the normal's z
@@ -34,18 +35,20 @@ enum class CastLightPart : std::int32_t {
   sun,      ///< light of the sun only
   sky,      ///< light of the sky and of the surfaces that hide parts of it
   shadow,   ///< visible fraction of the sun; white: the whole sun is visible
-  unhidden  ///< all light, unshadowed: no rays are cast to it
+  unhidden  ///< all light without shadows: no rays are cast to the light
 };
 
 struct CastLighting {
   CastLight light;  ///< the unshadowed light
   CastLightPart part = CastLightPart::all;
-  CastHaze haze;                      ///< applied after shading; the camera's own haze must be off
-  double sun_lod1 = 1;                ///< distance from the cone's tip, in voxels, at which the sun's cone is as wide
-                                      ///< as a lod-1 voxel
-  double sky_lod1 = 1;                ///< the same for cones to the sky
-  float sun[sun_directions][3] = {};  ///< unit, evenly over the sun's disc, by the pixel's position in its block
-  float sky[sky_directions][3] = {};  ///< unit, evenly over the upper hemisphere, by the pixel's position in its block
+  CastHaze haze;        ///< applied after shading; the camera's own haze must be off
+  double sun_lod1 = 1;  ///< distance from the cone's tip, in voxels, at which the sun's cone is as wide
+                        ///< as a lod-1 voxel
+  double sky_lod1 = 1;  ///< the same for cones to the sky
+  float sun[sun_directions][3] =
+      {};  ///< unit vectors, evenly over the sun's disc, by the pixel's position in its block
+  float sky[sky_directions][3] =
+      {};  ///< unit vectors, evenly over the upper hemisphere, by the pixel's position in its block
 };
 
 }  // namespace gigabake::kernels

@@ -1,5 +1,5 @@
 /// Shading of stored voxels: unshadowed light is the same for all view directions, so it is applied once, when a brick
-/// loads.
+/// is loaded.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ namespace gigabake::kernels {
 /// Range   v ≥ 0.
 GB_HD std::uint16_t to_unorm16(float v) { return std::uint16_t(v >= 65535 ? 65535 : v + 0.5f); }
 
-/// Shades a voxel. normal: octahedral; null if the scene has none. Without a normal the voxel receives light from the
-/// sky only. coverage: along x, y, z; 65535 represents 1.
+/// Shades a voxel. `normal` is octahedral, or null if the scene has no normals; without a normal the voxel receives
+/// light from the sky only. `coverage` holds the coverages along x, y and z; 65535 represents 1.
 /// Exact   IEEE float.
 GB_HD CastVoxel shade_voxel(const std::uint8_t rgba[4], const std::int8_t* normal, const CastLight& light,
                             const Tables& tables, const std::uint16_t coverage[3]) {

@@ -1,4 +1,5 @@
-/// Shaders for both casters, in files that nvcc compiles (kernels/light/shader.h).
+/// Shaders that run on the CPU and on a GPU (kernels/light/shader.h). Only files that nvcc compiles can include this
+/// header.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -16,7 +17,7 @@ __global__ void shade_pixels(ShadedTile tile, Shader shader, CastRay* out) {
   out[i] = shaded_ray(tile, shader, i);
 }
 
-/// A shader for both casters.
+/// A shader for the CPU and for a GPU.
 template <class Shader>
 class DeviceShader final : public HostShader<Shader> {
  public:

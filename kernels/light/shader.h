@@ -1,13 +1,14 @@
-/// Shaders that light or colour a surface: functors that are called once per pixel, after its ray.
+/// Shaders that light or colour a surface: functors that are called once per pixel, after the pixel's rays are
+/// finished.
 ///
 /// A shader is a copyable value with
 ///
 ///     GB_HD void operator()(const SurfacePoint& at, float rgb[3]) const;
 ///
-/// It computes the light that the surface sends: linear RGB, premultiplied by `at.there`. A shader is compiled into the
-/// caster that calls it: host_shader() for the CPU only, device_shader() (kernels/light/shader.cuh, for files that nvcc
-/// compiles) for both. A shader must use IEEE float and double without transcendental functions, so that both casters
-/// return the same bits.
+/// It computes the light that the surface sends: linear RGB, premultiplied by `at.there`. host_shader() compiles a
+/// shader for the CPU only. device_shader() (kernels/light/shader.cuh, for files that nvcc compiles) compiles it for
+/// the CPU and for a GPU. A shader must use IEEE float and double without transcendental functions, so that the CPU and
+/// the GPU return the same bits.
 #pragma once
 
 #include <cmath>
@@ -39,12 +40,12 @@ class SurfaceShader {
   virtual ~SurfaceShader() = default;
   /// Shades all pixels of the tile into `out`.
   virtual void on_host(const ShadedTile& tile, CastRay* out, const ThreadPool& policy) const = 0;
-  /// Shades the tile on a device, like on_host(). stream: a cudaStream_t.
+  /// Shades the tile on a device, like on_host(). `stream` is a cudaStream_t.
   /// Errors  CudaFailure.
   virtual void on_device(const ShadedTile& tile, CastRay* out, void* stream) const = 0;
 };
 
-/// Lights voxels by the sun and the sky.
+/// A shader that lights voxels by the sun and the sky.
 struct LitShader {
   CastLight light;
   CastLightPart part = CastLightPart::all;
@@ -74,7 +75,8 @@ GB_HD float relief(const float normal[3]) {
   return 0.35f + 0.65f * (facing > 0 ? facing : 0);
 }
 
-/// Colours by height above the scene's lowest voxel: from blue over green, yellow and brown to white.
+/// A shader that colours surfaces by their height between `low` and `high`: from blue through green, yellow and brown
+/// to white.
 struct HeightShader {
   double low = 0, high = 1;  ///< z in lod-0 voxels; low < high
 
@@ -89,8 +91,8 @@ struct HeightShader {
   }
 };
 
-/// Colours by the tangent of the slope: green 0, yellow 1/2 (27°), red 1 (45°), dark red from 2 (63°) on. Overhangs are
-/// violet.
+/// A shader that colours surfaces by the tangent of their slope. The colours are green at 0, yellow at 1/2 (27°), red
+/// at 1 (45°), and very dark red from 2 (63°) on. Overhangs are violet.
 struct SlopeShader {
   GB_HD void operator()(const SurfacePoint& at, float rgb[3]) const {
     constexpr float colours[5][3] = {{0.02f, 0.40f, 0.05f},
@@ -153,7 +155,7 @@ std::shared_ptr<const SurfaceShader> host_shader(const Shader& shader) {
   return std::make_shared<HostShader<Shader>>(shader);
 }
 
-/// The built-in shaders, for both casters; for the CPU only in a build without CUDA.
+/// Creates a built-in shader for the CPU and for a GPU; in a build without CUDA, for the CPU only.
 std::shared_ptr<const SurfaceShader> lit_shader(const LitShader& shader);
 std::shared_ptr<const SurfaceShader> height_shader(const HeightShader& shader);
 std::shared_ptr<const SurfaceShader> slope_shader(const SlopeShader& shader);

@@ -1,4 +1,4 @@
-/// The surface that a pixel shows and the light at it, after all rays of its tile are finished.
+/// The surface that a pixel shows and the light at this surface, after all rays of the tile are finished.
 ///
 /// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
@@ -20,13 +20,13 @@ inline constexpr int light_rays = 2;
 
 /// The light at a pixel's surface.
 struct PixelLight {
-  float normal[3] = {0, 0, 1};  ///< of the surface, unit
+  float normal[3] = {0, 0, 1};  ///< normal of the surface, unit vector
   float at[3] = {0, 0, 0};      ///< position relative to the eye
   float depth = 0;
   float facing = 0;             ///< mean of max(0, cosine between the sun's direction and the normal)
-  float up = 1;                 ///< visible fraction of the sky without occluders
+  float up = 1;                 ///< fraction of the sky that the surface would see without occluders
   float seen[light_rays] = {};  ///< by ray: fraction of the light that is visible
-  std::int32_t lod = 0;         ///< the pixel's level at that distance
+  std::int32_t lod = 0;         ///< the ray's level at distance `depth`
   std::uint32_t done = 0;       ///< bit r: ray r is finished or not cast; bit light_rays: the surface is known
   std::uint32_t first = 0;      ///< bit r: ray r is cast before shadow samples are reused
   std::uint32_t then = 0;       ///< bit r: ray r is cast afterwards, because the samples are not uniform
@@ -40,7 +40,8 @@ struct PixelLight {
 
 GB_HD float dot3(const float a[3], const float b[3]) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
 
-/// The min cosine between the normal and the sky's direction. Light at a smaller angle contributes almost nothing.
+/// The min cosine of the angle between the normal and a direction to the sky. Light from directions of a smaller cosine
+/// contributes almost nothing.
 inline constexpr float min_cosine = 1.0f / 32;
 
 /// Returns the rank (0 to 63) of pixel (x, y) of the image in its block of sky_block × sky_block; ranks of neighbours
@@ -75,7 +76,7 @@ struct TileLights {
   }
 };
 
-/// Pixels of a tile: [min, max).
+/// A block of pixels of a tile: [x0, x1) × [y0, y1).
 struct LightBlock {
   int x0, y0, x1, y1;
 };
@@ -90,8 +91,8 @@ GB_HD LightBlock block_around(const CastTile& tile, int edge, int x, int y) {
 /// The set of rays to the sky that a sum includes.
 enum class SkyRays : std::int32_t { first, all };
 
-/// Computes the visible fraction of the sky from the rays of the block's pixels that show the surface. Returns false if
-/// there are none.
+/// Sets `share` to the visible fraction of the sky at pixel (x, y). Evaluates the rays from those pixels of its block
+/// that show the same surface. If there are no such rays, returns false and sets `share` to 1.
 GB_HD bool sky_around(const TileLights& tile, const CastLighting& lighting, int x, int y, const PixelLight& own,
                       SkyRays rays, float& share) {
   const LightBlock block = block_around(tile.tile, sky_block, x, y);
@@ -111,8 +112,8 @@ GB_HD bool sky_around(const TileLights& tile, const CastLighting& lighting, int 
   return all > 0;
 }
 
-/// Returns the light for a pixel that shows little surface: the light of a pixel of its block that has one. Returns
-/// unshadowed light if the block has no such pixel.
+/// Returns the light for a pixel without PixelLight::has_surface. This is the light of a pixel of the same block that
+/// has a surface, or unshadowed light if no pixel of the block has a surface.
 GB_HD PixelLight light_beside(const TileLights& tile, const CastLighting& lighting, int x, int y) {
   const LightBlock block = block_around(tile.tile, sun_block, x, y);
   for (int j = block.y0; j < block.y1; ++j)
@@ -127,7 +128,7 @@ GB_HD PixelLight light_beside(const TileLights& tile, const CastLighting& lighti
 /// The surface that a pixel shows, and its light.
 struct SurfacePoint {
   double place[3];  ///< lod-0 voxels of the scene's lattice
-  float normal[3];  ///< unit; towards the eye if the voxels have none
+  float normal[3];  ///< unit vector; towards the eye if the voxels have no normals
   float distance;   ///< from the eye
   float own[3];     ///< own colour: linear RGB, premultiplied by `there`
   float there;      ///< fraction of the pixel that is surface, above 0
@@ -136,8 +137,8 @@ struct SurfacePoint {
   float sky_seen;   ///< visible fraction of the sky: 1/2 for an open wall, 1 for open flat ground
 };
 
-/// Returns the surface of pixel i of a tile, whose ray contains the surface's own colour. tile: finished light of the
-/// pixels.
+/// Returns the surface that pixel i of a tile shows. `ray` is the pixel's finished ray and contains the surface's own
+/// colour. `tile` holds the finished light of all pixels.
 /// Range   ray.transmittance < 1.
 GB_HD SurfacePoint surface_point(const CastRay& ray, const double eye[3], const TileLights& tile,
                                  const CastLighting& lighting, std::size_t i) {
