@@ -15,15 +15,15 @@ using Stack = FirstHitSlots<1>;
 
 double squared_length(const float v[3]) { return double(v[0]) * v[0] + double(v[1]) * v[1] + double(v[2]) * v[2]; }
 
-/// Returns the distance beyond which a ray through a tile's corner may be more than `reach` from the beam along an
-/// axis.
+/// Returns the distance up to which all rays of a tile stay within `reach` of the tile's beam on each axis, in lod-0
+/// voxels. `tile` is the tile's edge in pixels.
 double beam_limit(const FirstHitCamera& camera, int tile, double reach) {
-  double apart = 0;  // distance between the origins
+  double apart = 0;  // max distance between the origins of the beam and of a ray, on an axis
   for (int a = 0; a < 3; ++a)
     apart = std::max(apart, tile * 0.5 *
                                 (std::fabs(double(camera.across[a])) * double(camera.per_column) +
                                  std::fabs(double(camera.upward[a])) * double(camera.per_row)));
-  // Directions are at least this long before they are normalized, so normalizing does not spread them further.
+  // Directions have a length of at least 1 before they are normalized, so normalizing does not spread them further.
   const double spread = tile * 0.5 *
                         std::hypot(std::sqrt(squared_length(camera.right)) * double(camera.per_column),
                                    std::sqrt(squared_length(camera.up)) * double(camera.per_row));
@@ -41,7 +41,7 @@ void look_up(const FirstHitView& scene, const FirstHitResult& result, std::size_
 
 FirstHitBeams plan_beams(const FirstHitView& scene, const FirstHitCamera& camera) {
   constexpr int tile_bits[2] = {2, 3};
-  constexpr double max_distance = 32;  // edges; up to this distance the slack covers rounding errors
+  constexpr double max_distance = 32;  // in edges of the tree; up to this distance the slack covers rounding errors
   const FirstHitTree& tree = scene.tree;
   double squared = 0;
   for (int a = 0; a < 3; ++a) squared += (tree.centre[a] - camera.eye[a]) * (tree.centre[a] - camera.eye[a]);

@@ -8,19 +8,19 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr unsigned threads = 128;  ///< per block; for pixels 16×8 per block and 8×4 per warp
+constexpr unsigned threads = 128;  ///< per block; in an image, a block casts 16×8 pixels and a warp 8×4
 constexpr unsigned whole_warp = ~0u;
 constexpr int pixels_x = 16, pixels_y = 8;
 constexpr int refill_at = 8;  ///< min number of idle rays for which a warp fetches new rays
 constexpr int moves_between_refills = 4;
 constexpr std::size_t max_rays = std::size_t(1) << 31;
 
-/// Stack of one ray. The stacks of neighbouring rays are interleaved.
+/// The stack of one ray. The stacks of neighbouring rays are interleaved.
 using SharedStack = FirstHitSlots<threads>;
 
 struct DeviceResult {
   FirstHit* hits;
-  VoxelAttributes* looks;  ///< or null
+  VoxelAttributes* looks;  ///< null if no attributes are requested
   const VoxelAttributes* of_voxels;
 
   __device__ void set(std::size_t i, const FirstHit& hit) const {
@@ -40,7 +40,7 @@ __global__ void __launch_bounds__(64) cast_beams(const __grid_constant__ FirstHi
   starts[row * beams.columns + column] = beam_start(beams, camera, column, row, FirstHitSlots<1>{slots});
 }
 
-/// Casts the rays of an image. starts: null without beams.
+/// Casts the rays of an image. `starts` is null if there are no beams.
 __global__ void __launch_bounds__(threads)
     cast_pixels(const __grid_constant__ FirstHitTree tree, const __grid_constant__ FirstHitCamera camera,
                 const float* starts, int tile_bits, int columns, DeviceResult result) {
@@ -108,7 +108,7 @@ std::vector<T> copy_to_host(const DeviceArray<T>& device, std::size_t size, cuda
   return host;
 }
 
-/// Timer for the work launched between two calls.
+/// Timer for the work that is launched between start() and stop().
 class StopWatch {
  public:
   StopWatch() {
@@ -213,7 +213,7 @@ class CudaFirstHits::Impl {
   Stream stream_;
   DeviceBooks books_;
   DeviceHeap heap_{stream_.handle, books_};
-  FirstHitView scene_;  ///< with the device's arrays
+  FirstHitView scene_;  ///< its spans refer to the device's arrays
   DeviceArray<FirstHitNode> nodes_, shells_[2];
   DeviceArray<VoxelAttributes> looks_;
   DeviceArray<FirstHitRay> rays_;

@@ -1,14 +1,15 @@
 /// First voxel that a ray hits. Voxels are opaque cubes; there is no filtering and no transparency.
 ///
-/// The ray traverses the cells of the tree from face to face. It descends into the child that contains its point if
-/// that child exists, crosses empty cells, and ascends when it leaves a node. No step crosses an edge or a corner, so
-/// no ray passes between two voxels that share a face or an edge. A point on a face belongs to the cell that the ray
-/// enters. If the ray is parallel to the face, the point belongs to the upper cell.
+/// In this file, a cell is the cube of a possible child of a node. The ray traverses these cells from face to face. It
+/// descends into the child that contains its current point if that child exists. It crosses empty cells, and ascends
+/// when it leaves a node. No step crosses an edge or a corner, so no ray passes between two voxels that share a face or
+/// an edge. A point on a face belongs to the cell that the ray enters. If the ray is parallel to the face, the point
+/// belongs to the upper cell.
 ///
-/// Space   A cell's position is the bits of a float in [1, 2), which spans the tree's cube. Axes with a negative
-///         direction are mirrored, so that the ray ascends along all axes.
+/// Space   The tree's cube is mapped to coordinates in [1, 2), so the bits of a float coordinate number the cells. Axes
+///         with a negative direction are mirrored, so that the ray's coordinates increase on all axes.
 /// Exact   IEEE float and double, fused only where the code calls fma: host and device return the same bits. The
-///         traversal stays within 2^-20 of the tree's edge of the exact ray.
+///         traversal deviates from the exact ray by at most 2^-20 of the tree's edge.
 /// Source  Laine & Karras 2010, "Efficient Sparse Voxel Octrees"; children by 4×4×4 as in dubiousconst282, "A guide to
 ///         fast voxel ray tracing using sparse 64-trees".
 #pragma once
@@ -23,20 +24,21 @@
 
 namespace gigabake::kernels {
 
-inline constexpr int min_stacked = 7, max_stacked = 21;  ///< scales of the inner levels of the deepest tree
+inline constexpr int min_stacked = 7,
+                     max_stacked = 21;  ///< bit numbers (`scale`) of the inner levels of the deepest tree
 inline constexpr int first_hit_stack = (max_stacked - min_stacked) / 2 + 1;
 inline constexpr std::uint32_t no_attributes = 0xffffffffu;
 
 struct FirstHitRay {
   double origin[3] = {};    ///< lod-0 voxels of the lattice
-  float direction[3] = {};  ///< finite, of length 1: the unit of distances
-  float end = INFINITY;     ///< max distance
+  float direction[3] = {};  ///< finite, of length 1; distances are multiples of its length
+  float end = INFINITY;     ///< max distance of a hit
 };
 
 struct alignas(16) FirstHit {
   std::uint64_t voxel = 0;             ///< x | y << 21 | z << 42, in the tree's voxels from its lowest corner
   float distance = INFINITY;           ///< from the ray's origin to the voxel's surface; 0 inside a voxel
-  std::uint32_t look = no_attributes;  ///< no_attributes: no hit
+  std::uint32_t look = no_attributes;  ///< index of the voxel's attributes; no_attributes: no hit
 };
 
 GB_HD std::uint32_t bits_of(float v) {
@@ -77,7 +79,7 @@ GB_HD float larger(float a, float b) {
 #endif
 }
 
-/// Returns the number of the highest set bit.
+/// Returns the index of the highest set bit.
 /// Range   v ≠ 0.
 GB_HD std::uint32_t top_bit(std::uint32_t v) {
 #if defined(__CUDA_ARCH__)
@@ -106,24 +108,25 @@ GB_HD FirstHitNode load_node(const FirstHitTree& tree, std::uint32_t index) {
 #endif
 }
 
-/// Stack of one ray: slots at intervals of `stride`.
+/// The stack of one ray, whose slots lie at intervals of `stride`.
 template <unsigned stride>
 struct FirstHitSlots {
   std::uint32_t* slots;
   GB_HD std::uint32_t& operator()(std::uint32_t scale) const {
-    if constexpr (stride % 2 == 0)  // a multiplication; otherwise a halving would precede it
+    if constexpr (stride % 2 == 0)  // one multiplication, without a preceding halving
       return slots[scale * (stride / 2) - min_stacked * (stride / 2)];
     else
       return slots[(scale - min_stacked) / 2 * stride];
   }
 };
 
-/// Ray from its entry into the box, with all directions positive. Unit: the cube.
+/// A ray from its entry into the box of the tree. Axes are mirrored so that no component of the direction is negative.
+/// The unit is the edge of the tree's cube.
 struct FirstHitLine {
   float origin[3], direction[3], inverse[3];
-  float bias[3];         ///< distance to the exit of a cell whose upper end is the float c: c · inverse + bias
-  float enter, leave;    ///< enter: from the ray's origin to the box; leave: from `origin` to the exit of the box
-  std::uint32_t mirror;  ///< XOR mask that converts child numbers for the mirrored axes
+  float bias[3];         ///< c · inverse + bias: distance to the exit of a cell whose highest float is c
+  float enter, leave;    ///< distance from the ray's origin to the box; distance from `origin` to the box's exit
+  std::uint32_t mirror;  ///< XOR mask that converts child numbers on the mirrored axes
 };
 
 /// Computes the ray's segment inside the box. Returns false if the ray misses the box.
@@ -136,7 +139,7 @@ GB_HD bool enter_box(const FirstHitTree& tree, const FirstHitRay& ray, float sta
     line.mirror |= falls ? 3u << 2 * a : 0;
     line.direction[a] = larger(std::fabs(ray.direction[a]), min_direction);
     line.inverse[a] = 1 / line.direction[a];
-    // Refined by one Newton step, because an origin may be far away.
+    // One Newton step refines the inverse, because an origin may be far away.
     const double d = line.direction[a], rough = line.inverse[a];
     const double inverse = std::fma(rough, std::fma(-d, rough, 1.0), rough);
     const double away = (ray.origin[a] - tree.centre[a]) * tree.per_edge;
@@ -156,8 +159,8 @@ GB_HD bool enter_box(const FirstHitTree& tree, const FirstHitRay& ray, float sta
   return true;
 }
 
-/// State of a traversal. The ray is at point p of the line, at distance t from the line's origin. The point lies in a
-/// cell of bit `scale`, a child of `node`.
+/// The state of a traversal. The ray is at point p of the line, at distance t from the line's origin. The point lies in
+/// a cell of `node`. Bits `scale` and `scale` + 1 of p number this cell on each axis.
 struct FirstHitTraversal {
   FirstHitLine line;
   std::uint32_t p[3];
@@ -169,7 +172,7 @@ struct FirstHitTraversal {
 
 enum class FirstHitState : std::int32_t { walking, met, missed };
 
-/// Starts a traversal. Returns false if the ray cannot hit a voxel. start: lower bound of the hit's distance.
+/// Starts a traversal. Returns false if the ray cannot hit a voxel. `start` is a lower bound of the hit's distance.
 GB_HD bool begin_traversal(const FirstHitTree& tree, const FirstHitRay& ray, float start, FirstHitTraversal& walk) {
   if (tree.nodes.empty() || !enter_box(tree, ray, start, walk.line)) return false;
   for (int a = 0; a < 3; ++a) walk.p[a] = bits_of(walk.line.origin[a]);
@@ -185,8 +188,8 @@ GB_HD std::uint32_t child_at(const FirstHitTraversal& w) {
   return (((w.p[0] >> w.scale & 3) ^ w.line.mirror) ^ (w.p[1] >> (w.scale - 2) & 12)) ^ (w.p[2] >> (w.scale - 4) & 48);
 }
 
-/// Crosses the empty cell that contains p, or the 2×2×2 cells around it if all of them are empty. Returns the bits in
-/// which positions before and behind the crossed face differ, and lower bits.
+/// Crosses the empty cell that contains p, or the 2×2×2 cells around it if all of them are empty. Returns a mask whose
+/// highest set bit is the highest bit in which the positions before and behind the crossed face differ.
 GB_HD std::uint32_t cross_cell(FirstHitTraversal& w, std::uint32_t child) {
   const bool all_empty = (bits_from(w.node.mask, child & 42) & 0x00330033u) == 0;
   const std::uint32_t inside = (1u << (w.scale + (all_empty ? 1 : 0))) - 1;
@@ -210,8 +213,8 @@ GB_HD std::uint32_t cross_cell(FirstHitTraversal& w, std::uint32_t child) {
 }
 
 /// Descends if the child exists, then crosses the next cell if it is empty. One call does both steps to reduce
-/// divergence between the rays of a warp. The call stack(scale) returns this ray's std::uint32_t& for each odd scale
-/// from min_stacked to max_stacked.
+/// divergence between the rays of a warp. The functor `stack` must return a reference to a std::uint32_t of this ray
+/// for each odd scale from min_stacked to max_stacked.
 template <class Stack>
 GB_HD FirstHitState advance(const FirstHitTree& tree, FirstHitTraversal& w, Stack stack) {
   const std::uint32_t first = child_at(w);

@@ -6,13 +6,14 @@
 
 namespace gigabake::kernels {
 
-/// Results, one entry per ray; row by row for images.
+/// The results, one entry per ray. The rays of an image are ordered row by row.
 struct FirstHitResult {
   Span<FirstHit> hits;
   Span<VoxelAttributes> looks;  ///< attributes of the hit voxels, zero for a miss; empty: not requested
 };
 
-/// Returns the finest beams whose rays stay within the shell's reach up to the scene's centre.
+/// Returns beams for the smallest tiles whose rays stay within the shell's reach up to the scene's centre. Returns
+/// beams with `tile` = 0 if no tile size qualifies.
 FirstHitBeams plan_beams(const FirstHitView& scene, const FirstHitCamera& camera);
 
 void cast_first_hits(const FirstHitView& scene, const FirstHitCamera& camera, const FirstHitResult& result,

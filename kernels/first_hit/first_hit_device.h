@@ -32,11 +32,12 @@ class CudaFirstHits {
   double cast(const FirstHitCamera& camera, bool looks);
   double cast(bool looks);
 
-  /// Returns the hits of the last cast. looks(): empty if attributes were not fetched.
+  /// Returns the hits of the last cast. looks() returns the attributes of these hits, or an empty vector if the cast
+  /// did not fetch attributes.
   std::vector<FirstHit> hits() const;
   std::vector<VoxelAttributes> looks() const;
 
-  std::uint64_t device_bytes() const;  ///< of the scene
+  std::uint64_t device_bytes() const;  ///< device memory that the scene occupies
 
  private:
   class Impl;

@@ -13,14 +13,13 @@ inline constexpr int max_first_hit_bits = 18;  ///< log2 of a tree's edge; float
 /// bits.
 struct alignas(16) FirstHitNode {
   std::uint64_t mask = 0;  ///< mask of the existing children
-  std::uint32_t end = 0;   ///< index after the node of the highest child; if the children are voxels, index after its
-                           ///< look
+  std::uint32_t end = 0;   ///< index after the highest child's node, or after its attributes if the children are voxels
   std::uint32_t unused = 0;
 };
 
 /// The attributes of a voxel.
 struct alignas(8) VoxelAttributes {
-  std::uint32_t rgba = 0;      ///< sRGB colour and coverage, from the lowest byte on
+  std::uint32_t rgba = 0;      ///< sRGB colour and coverage; red in the lowest byte
   std::int8_t normal[2] = {};  ///< octahedral
   std::int8_t unused[2] = {};
 };
@@ -35,18 +34,18 @@ struct FirstHitTree {
   std::int32_t bits = 0;  ///< even, 2 to max_first_hit_bits
 };
 
-/// A dilated mip: a tree of coarser voxels around the same centre. It has each coarse voxel that contains a voxel of
-/// the scene, and its 26 neighbours. Points outside the shell are farther than `reach` from every voxel along some
-/// axis.
+/// A dilated mip: a tree of coarser voxels around the same centre. It contains each coarse voxel that holds a voxel of
+/// the scene, and the 26 neighbours of that coarse voxel. In the maximum norm, points outside the shell are farther
+/// than `reach` from every voxel of the scene.
 struct FirstHitShell {
   FirstHitTree tree;
-  float reach = 0;  ///< lod-0 voxels: an edge of the shell's voxels
+  float reach = 0;  ///< edge of the shell's voxels, in lod-0 voxels
 };
 
 /// A scene that first-hit rays borrow.
 struct FirstHitView {
   FirstHitTree tree;
-  FirstHitShell shells[2];  ///< of 4³ and of 16³ voxels
+  FirstHitShell shells[2];  ///< with coarse voxels of 4³ and of 16³ lod-0 voxels
   Span<const VoxelAttributes> looks;
 };
 

@@ -1,4 +1,4 @@
-/// The cells of a scene as rays of one level find them, and the trees that are resident.
+/// The cells that rays of one level find in a scene, and the resident trees of these cells.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 namespace gigabake::kernels {
 
 /// Cells that rays borrow; advance_walk() takes it as its scene.
-/// Exact   Returns the same boxes as QueryPlaces::find() (viewer/query/query_places.h): a paused ray can be resumed
-///         with either.
+/// Exact   find() returns the same boxes as QueryPlaces::find() (viewer/query/query_places.h), so a paused ray can be
+///         resumed with either class.
 struct QueryCells {
   enum class State : std::uint32_t {
-    none,    ///< the layout's cell has no shard
-    absent,  ///< its tree is not resident
+    none,    ///< the cell has no shard
+    absent,  ///< the tree of the cell's shard is not resident
     resident
   };
   struct Entry {
@@ -22,10 +22,10 @@ struct QueryCells {
     State state = State::none;
   };
 
-  CastScene layout;             ///< its columns and cells
+  CastScene layout;             ///< the columns and cells of the scene
   Span<const Entry> entries;    ///< by cell
   Span<const ShardTree> trees;  ///< by cell
-  bool has_pages = false;       ///< empty boxes: as ShardMap::find() returns them; otherwise as find_cell() does
+  bool has_pages = false;       ///< true: find() returns the empty boxes of ShardMap::find(), otherwise of find_cell()
 
   GB_HD QueryRegion find(int, const std::int64_t v[3]) const {
     QueryRegion region;
@@ -43,8 +43,8 @@ struct QueryCells {
     return region;
   }
 
-  /// Returns true and sets `cell` if a cell holds the voxel. Otherwise sets `box` to the part of the aligned cube
-  /// around the voxel from the voxel up to the next cell.
+  /// Sets `cell` and returns true if a cell holds the voxel. Otherwise sets `box` to an empty part of the aligned cube
+  /// of a cell's size around the voxel. Along z, this part extends from the voxel up to the next cell.
   GB_HD bool find_in_column(const std::int64_t v[3], std::uint32_t& cell, VoxelBox& box) const {
     const std::int64_t edge = std::int64_t(1) << layout.cell_bits;
     std::int64_t column[2];

@@ -97,7 +97,7 @@ class CudaQuery::Impl {
   Stream stream_;
   DeviceBooks books_;
   DeviceHeap heap_{stream_.handle, books_};
-  QueryCells cells_;  ///< with the device's arrays
+  QueryCells cells_;  ///< its spans refer to the device's arrays
   QueryLevels levels_;
   VoxelBox window_;
   DeviceArray<CastCell> layout_cells_;

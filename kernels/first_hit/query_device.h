@@ -15,8 +15,8 @@ namespace gigabake::kernels {
 /// Errors  CudaFailure, from every member.
 class CudaQuery {
  public:
-  /// Copies the cells' layout and entries. No tree is resident yet. window: the bounding box of all cells.
-  /// device_bytes: max memory on the device.
+  /// Copies the cells' layout and entries to the device. No tree is resident initially. `window` is the bounding box of
+  /// all cells. `device_bytes` is the max memory to use on the device.
   /// Range   device: an ordinal that cuda_devices() returned.
   CudaQuery(int device, const QueryCells& cells, const QueryLevels& levels, const VoxelBox& window,
             std::uint64_t device_bytes);
@@ -24,7 +24,7 @@ class CudaQuery {
   CudaQuery(const CudaQuery&) = delete;
   CudaQuery& operator=(const CudaQuery&) = delete;
 
-  /// Copies the tree of a cell to the device. shard: the number of its shard, for answers.
+  /// Copies the tree of a cell to the device. `shard` is the shard number that hits report.
   /// Errors  DeviceFull: the tree does not fit. The device's other trees stay usable.
   void add_tree(std::uint32_t cell, std::uint32_t shard, const ShardTree& tree);
 

@@ -36,13 +36,13 @@ struct QueryHit {
 
   QueryOutcome outcome = QueryOutcome::nothing;
   std::int32_t lod = 0;  ///< level of the voxel
-  /// Distance at which the ray enters the voxel. If the ray starts or changes its level inside the voxel, a distance
-  /// inside. missing: distance at which the ray enters that cell.
+  /// The distance at which the ray enters the voxel. If the ray starts or changes its level inside the voxel, the
+  /// distance of that point. For the outcome `missing`, the distance at which the ray enters the missing cell.
   double distance = std::numeric_limits<double>::infinity();
   std::int64_t voxel[3] = {};      ///< lowest corner
   std::uint32_t rgba = 0;          ///< sRGB colour and coverage; red in the lowest byte
   std::int8_t normal[2] = {};      ///< octahedral
-  std::uint32_t shard = no_shard;  ///< the shard that holds the voxel or is missing (SceneQuery::name_of())
+  std::uint32_t shard = no_shard;  ///< number of the shard that holds the voxel or is missing (SceneQuery::name_of())
 };
 
 /// The interval of distances in which a ray is in a box; empty if enter > leave.
@@ -51,7 +51,7 @@ struct RayChord {
   GB_HD bool empty() const { return !(enter <= leave); }
 };
 
-/// Intersects the ray's interval [begin, end] with the box, grown by `rim` on all sides.
+/// Intersects the ray's interval [begin, end] with a box that is grown by `rim` on all sides.
 GB_HD RayChord chord_of(const QueryRay& ray, const kernels::VoxelBox& box, double rim) {
   RayChord chord{ray.begin, ray.end};
   for (int a = 0; a < 3; ++a) {

@@ -1,5 +1,5 @@
-/// Traversal of a scene's shards by a ray, from its start to its first hit, for host and device. It pauses if it needs
-/// data that is not resident, and can be resumed later, also on the other processor.
+/// Traversal of a scene's shards by a ray, from its start to its first hit, for host and device. The traversal pauses
+/// if it needs data that is not resident. It can be resumed later, on the host or on the device.
 #pragma once
 
 #include <cmath>
@@ -20,13 +20,13 @@ struct QueryLevels {
   int count = 1;  ///< levels of the scene
 };
 
-/// The contents of a scene at a voxel of a level, and the box for which they hold.
+/// The contents of a scene at a voxel of a level, and the box in which these contents apply.
 struct QueryRegion {
   enum class Kind : std::int32_t {
     nothing,
-    shard,    ///< `tree` has its voxels
+    shard,    ///< a resident shard; `tree` has its voxels
     missing,  ///< a lost or unreadable cell
-    paused    ///< not resident
+    paused    ///< a shard that is not resident
   };
   Kind kind = Kind::nothing;
   std::uint32_t shard = 0;
@@ -41,12 +41,13 @@ struct QueryTraversal {
   double leave = 0;  ///< distance at which the ray leaves the scene
   std::int32_t lod = 0;
   bool finished = false;
-  QueryHit nearest;  ///< so far; the result if finished
+  QueryHit nearest;  ///< nearest hit so far; the result if `finished`
 };
 
 namespace kernels {
 
-/// Returns the distance at which a ray begins to sample a level; images use the same steps (kernels/marching/cast.h).
+/// Returns the distance at which a ray begins to sample a level. The rays of images switch levels at the same distances
+/// (kernels/marching/cast.h).
 GB_HD double query_level_start(const QueryLevels& levels, int lod) {
   if (lod <= levels.finest) return 0;
   CastLine line{};
@@ -80,8 +81,8 @@ GB_HD BoxExit exit_of(const QueryRay& ray, const VoxelBox& box) {
   return exit;
 }
 
-/// Moves across the face into the next box, never across an edge. A box that shares only an edge is reached through
-/// the boxes between.
+/// Moves the ray across the exit's face into the next box. The ray never crosses an edge directly: it reaches a box
+/// that shares only an edge with this box through a box that shares a face.
 GB_HD void cross_face(const QueryRay& ray, const VoxelBox& box, const BoxExit& exit, QueryTraversal& walk) {
   walk.at = larger_of(walk.at, exit.at);
   set_query_voxel(ray, walk.at, walk.v);
@@ -93,8 +94,8 @@ GB_HD void cross_face(const QueryRay& ray, const VoxelBox& box, const BoxExit& e
   }
 }
 
-/// Starts a traversal. window: the bounding box of all cells.
-/// Range   All numbers of the ray are finite except `end`, its direction is of unit length; levels.finest <
+/// Starts a traversal. `window` is the bounding box of all cells.
+/// Range   All numbers of the ray except `end` are finite. The ray's direction is of unit length. levels.finest <
 ///         levels.count.
 GB_HD QueryTraversal start_walk(const QueryRay& ray, const QueryLevels& levels, const VoxelBox& window) {
   QueryTraversal walk;
@@ -114,12 +115,13 @@ GB_HD QueryTraversal start_walk(const QueryRay& ray, const QueryLevels& levels, 
   return walk;
 }
 
-/// Continues until the ray is finished and returns true. Returns false if scene.find(lod, v), which returns a
-/// QueryRegion, reports that the ray must pause. stack: as for first_hit().
+/// Continues the ray until it is finished, and returns true. Returns false if the ray must pause, because
+/// scene.find(lod, v) returned a QueryRegion that is `paused`. `stack` is described at advance().
 template <class Scene, class Stack>
 GB_HD bool advance_walk(const QueryRay& ray, const QueryLevels& levels, const Scene& scene, Stack stack,
                         QueryTraversal& walk) {
-  // A hit may lie up to a rim outside its window. A closer hit is possible until the ray reaches its distance.
+  // A hit may lie outside its shard's window, by up to the edge of a voxel. Another shard may therefore have a closer
+  // hit until the ray reaches the hit's distance.
   while (!walk.finished && walk.at <= walk.leave && walk.at < walk.nearest.distance) {
     const QueryRegion region = scene.find(walk.lod, walk.v);
     if (region.kind == QueryRegion::Kind::paused) return false;

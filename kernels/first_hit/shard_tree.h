@@ -1,7 +1,8 @@
-/// First hits in one level of one shard: the rule of `gigabake query`, for host and device.
+/// First hits in one level of one shard, as `gigabake query` defines them, for host and device.
 ///
 /// Voxels are slightly enlarged about the middle of the shard's window, so that no ray slips between two shards. At the
-/// window's faces they grow by 2^-19 of the tree's edge: 1/128 voxel in a window of 1024, 1/32 in the largest.
+/// window's faces, the enlargement is 2^-19 of the tree's edge. This is 1/128 voxel in a window of 1024 voxels, and
+/// 1/32 voxel in the largest window.
 #pragma once
 
 #include <cstdint>
@@ -21,12 +22,12 @@ struct ShardTree {
   double unit = 1;                ///< edge of a voxel of the shard's own level 0, lod-0 voxels
   double half_window = 0;
   double grown = 1;            ///< enlargement factor of the voxels
-  std::int32_t lod = 0;        ///< of the tree's voxels
+  std::int32_t lod = 0;        ///< level of the tree's voxels
   std::int32_t shard_lod = 0;  ///< the same level, counted from the shard's own level 0
 };
 
-/// Returns the ray between two distances, relative to the tree. It starts where the ray enters the window, so that
-/// single precision suffices inside.
+/// Returns the part `chord` of the ray in the tree's coordinates. The returned ray starts where the ray enters the
+/// window, so that single precision suffices inside.
 GB_HD FirstHitRay ray_in_shard(const ShardTree& shard, const QueryRay& ray, const RayChord& chord) {
   FirstHitRay local;
   for (int a = 0; a < 3; ++a) {
@@ -38,9 +39,10 @@ GB_HD FirstHitRay ray_in_shard(const ShardTree& shard, const QueryRay& ray, cons
   return local;
 }
 
-/// Returns the first voxel hit between two distances. shard_number: for the answer. stack: as for first_hit().
-/// Exact   The voxel: to an error of half the growth in the position along the ray. The distance: in double, to the
-///         entry of the ray into that voxel. Host and device return the same bits.
+/// Returns the first voxel that the ray hits between the distances `from` and `to`. `shard_number` is stored in the
+/// hit. `stack` is described at advance().
+/// Exact   Host and device return the same bits. The voxel is found with an error of the position on the ray of at most
+///         half the enlargement. The distance is the ray's entry into that voxel, computed in double precision.
 template <class Stack>
 GB_HD QueryHit first_hit_in_shard(const ShardTree& shard, const QueryRay& ray, double from, double to,
                                   std::uint32_t shard_number, Stack stack) {
