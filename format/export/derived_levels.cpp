@@ -10,7 +10,7 @@
 namespace gigabake {
 namespace {
 
-/// Returns the mean, over the three axes, of the coverage in a view along the axis.
+/// Returns the coverage of eight voxels as a byte from 1 to 255: the mean of the coverages in views along x, y and z.
 std::uint32_t covered(const std::array<std::uint32_t, 8>& alpha) {
   std::uint32_t sum = 0;
   for (std::uint32_t axis = 1; axis < 8; axis *= 2)
@@ -48,7 +48,7 @@ struct Octet {
   }
 };
 
-/// Sorts voxels by their parents. If two voxels have the same position, the later one is used.
+/// Sorts voxels by the position of their parent. If several voxels have the same position, keeps only the last of them.
 void sort_by_place(std::vector<DerivedLevels::Voxel>& voxels) {
   std::stable_sort(voxels.begin(), voxels.end(), [](const DerivedLevels::Voxel& a, const DerivedLevels::Voxel& b) {
     const LevelIndex above_a = a.at >> 1, above_b = b.at >> 1;

@@ -1,4 +1,4 @@
-/// Derived levels above those in the shards, for scenes baked without overviews.
+/// Levels coarser than the levels in the shards, derived for the export of scenes without overviews.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@
 namespace gigabake {
 
 /// Levels that are each computed from the next finer level. Coverage is computed as in the bake's `coverage` levels.
-/// Colour and normal are weighted by coverage; colour in linear light.
-/// Cost    Memory: about one voxel per 64 voxels of a cell's squared edge.
+/// Colours and normals are means weighted by coverage. Colours are averaged in linear light.
+/// Cost    Memory for all voxels of level owners.coarsest(), about 64 per cell of a terrain, and of the derived levels.
 class DerivedLevels {
  public:
   struct Voxel {
@@ -23,7 +23,7 @@ class DerivedLevels {
     std::array<std::int8_t, 2> normal{};
   };
 
-  /// Computes levels from owners.coarsest() + 1 to `coarsest`; none if `coarsest` is not above owners.coarsest().
+  /// Computes the levels from owners.coarsest() + 1 to `coarsest`, if there are any.
   DerivedLevels(const PagedScene& scene, const LevelOwners& owners, int coarsest);
 
   bool has(int lod) const { return levels_.contains(lod); }

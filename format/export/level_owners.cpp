@@ -6,7 +6,7 @@
 namespace gigabake {
 namespace {
 
-/// Returns the level on which a cell of that edge has a single brick.
+/// Returns the level on which a cell of this edge has a single brick.
 int root_lod(std::uint32_t edge_voxels) { return std::bit_width(edge_voxels / brick_edge) - 1; }
 
 }  // namespace

@@ -1,4 +1,5 @@
-/// Lookup of the shards that natively hold a level: cells for their own levels, overviews for those above.
+/// Lookup of the shards that own a level. A cell owns all its levels; an overview owns the levels that are not
+/// duplicated levels of its children.
 #pragma once
 
 #include <cstdint>
@@ -10,27 +11,27 @@
 
 namespace gigabake {
 
-/// A shard and its native levels on the lattice. Its other levels are duplicates.
+/// A shard and the range of levels that it owns, as levels of the lattice. Its other levels are duplicated levels.
 struct LevelOwner {
   SceneCell shard;
   int finest = 0, coarsest = 0;
 };
 
-/// Finds native levels by lod. Borrows the scene. Thread-safe.
-/// Errors  InputError: a page cannot be read.
+/// The owners of all levels of a scene. Borrows the scene. Thread-safe.
+/// Errors  InputError: a page of the scene cannot be read.
 class LevelOwners {
  public:
   explicit LevelOwners(const PagedScene& scene);
 
-  /// Returns the coarsest level that the whole scene has.
+  /// Returns the coarsest level that exists in the whole scene.
   int coarsest() const { return coarsest_; }
-  /// Returns whether the scene has overviews.
   bool has_overviews() const { return scene_.totals().overviews != 0; }
-  /// Returns the owners of a level whose windows overlap the box (voxels of level 0), in the same order at every call.
+  /// Returns the owners of level `lod` whose windows overlap `box` (in voxels of level 0). The order is the same at
+  /// every call.
   std::vector<LevelOwner> of(int lod, const Box3i64& box) const;
-  /// Visits the owners of partition `share` of `shares` that have a level from `finest` to `coarsest`. Partitions are
-  /// disjoint and complete.
-  /// Cost    One page of the scene in memory; pages of other partitions are not read.
+  /// Visits the owners of levels from `finest` to `coarsest` in partition `share` of `shares`. Each owner is in exactly
+  /// one partition. Calls `visit` with the owners of one page at a time.
+  /// Cost    Holds one page of the scene in memory. Does not read pages of other partitions.
   void for_each(int finest, int coarsest, std::size_t share, std::size_t shares,
                 const std::function<void(std::vector<LevelOwner>)>& visit) const;
 

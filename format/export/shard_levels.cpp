@@ -9,7 +9,8 @@ LevelIndex lowest_of(const LevelIndex& corner, std::uint64_t key, std::int64_t e
   return corner + LevelIndex(demorton(key)) * edge;
 }
 
-/// Calls visit(node, levels above) for each node that represents voxels of the shard's level.
+/// Calls visit(node, down) for each node that represents voxels of level `shard_lod`. `down` is the number of levels
+/// from the node down to this level.
 template <class Visit>
 void for_each_node_of(const NodeTable& nodes, int shard_lod, const Visit& visit) {
   for (std::size_t n = 0; n < nodes.key.size() && nodes.lod[n] >= shard_lod; ++n) {

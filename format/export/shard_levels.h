@@ -1,4 +1,4 @@
-/// Cache of shards' levels, unpacked once for all tiles that contain voxels of them.
+/// Cache of shard levels. A level is unpacked once for all tiles that contain its voxels.
 #pragma once
 
 #include <algorithm>
@@ -25,8 +25,8 @@ class ShardLevel {
   /// Errors  InputError: the shard is missing, damaged or not part of the scene.
   ShardLevel(const PagedScene& scene, const SceneCell& shard, int lod);
 
-  /// Calls visit(position, rgba, normal) for each voxel in the box. Positions are on the level's lattice, rounded down
-  /// if a level of an earlier bake is not aligned with it.
+  /// Calls visit(position, rgba, normal) for each voxel in the box. Positions are in voxels of the level. They are
+  /// rounded down if the shard's level is not aligned with the lattice.
   template <class Visit>
   void for_each_voxel_in(const Box3i64& box, const Visit& visit) const;
   std::uint64_t bytes() const;
@@ -45,13 +45,15 @@ class ShardLevel {
   BrickLevel level_;
 };
 
-/// Returns boxes of the bricks and constant nodes of a shard's level, from its node table only.
+/// Returns the boxes of all bricks and constant nodes of lattice level `lod`, in voxels of this level. Reads only the
+/// node table.
 std::vector<Box3i64> bricks_of(const ShardHeader& header, const NodeTable& nodes, int lod);
 
 /// Cache of the most recently used levels. Thread-safe.
 class ShardLevels {
  public:
-  /// max_bytes: max size of the levels that are kept; a level that is larger stays until another one is read.
+  /// `max_bytes` limits the total size of the cached levels. A single level that is larger stays until the next level
+  /// is read.
   ShardLevels(const PagedScene& scene, std::uint64_t max_bytes) : scene_(scene), levels_(max_bytes, 1) {}
 
   std::shared_ptr<const ShardLevel> get(const SceneCell& shard, int lod);

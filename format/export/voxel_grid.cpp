@@ -10,13 +10,14 @@ namespace {
 
 using NormalBytes = std::array<std::uint8_t, 3>;
 
-/// Returns the best of the 27 nearest byte triples: the nearest in direction that encodes to the same code. Rounding
-/// misses some codes slightly.
+/// Returns three bytes for the direction of an octahedral code. The candidates are the 27 triples around the rounded
+/// direction. The result is the candidate nearest in direction that encodes to the same code. Some rounded directions
+/// encode to a different code.
 NormalBytes nearest_that_comes_back(const std::int8_t oct[2]) {
   double n[3];
   decode_octahedral(oct, n);
   std::int8_t canonical[2];
-  encode_octahedral(n[0], n[1], n[2], canonical);  // folds have two codes
+  encode_octahedral(n[0], n[1], n[2], canonical);  // on the folds of the octahedron, a direction has two codes
   NormalBytes best{};
   double best_cosine = -2;
   for (int step = 0; step < 27; ++step) {
@@ -41,7 +42,7 @@ NormalBytes nearest_that_comes_back(const std::int8_t oct[2]) {
   return best;
 }
 
-/// Returns the table of byte triples, indexed by the two bytes.
+/// Returns the table of byte triples, indexed by the two bytes of the octahedral code (first byte lowest).
 const std::vector<NormalBytes>& all_normal_bytes() {
   static const std::vector<NormalBytes> table = [] {
     std::vector<NormalBytes> all(1 << 16);

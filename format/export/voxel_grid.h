@@ -10,11 +10,11 @@
 
 namespace gigabake {
 
-/// Returns three bytes b for the direction (b − 128) / 127. Encoding it again (core/math/octahedral.h) yields the
-/// shard's two bytes.
+/// Returns three bytes b for an octahedral normal: the direction is (b − 128) / 127. Encoding this direction again
+/// (core/math/octahedral.h) yields the shard's two bytes.
 std::array<std::uint8_t, 3> normal_bytes(const std::int8_t oct[2]);
 
-/// Min and max bytes of a set of voxels.
+/// The number of voxels of a set, and the min and max of their bytes.
 struct VoxelStatistics {
   std::uint64_t voxels = 0;
   std::array<std::uint8_t, 4> min_rgba{255, 255, 255, 255}, max_rgba{};
@@ -25,30 +25,32 @@ struct VoxelStatistics {
   friend bool operator==(const VoxelStatistics&, const VoxelStatistics&) = default;
 };
 
-/// Order of voxels, slowest axis first. y_up: −y, z, x, as in glTF 2.0's frame; right_forward_up: z, y, x.
+/// The order of voxels in memory, by the axes of the scene frame, slowest axis first. The order `y_up` is −y, z, x, as
+/// in glTF 2.0's frame. The order `right_forward_up` is z, y, x.
 enum class GridOrder : std::uint8_t { y_up, right_forward_up };
 
-/// The dense grid, zero where there is no voxel. Reused from tile to tile.
+/// A dense grid of voxels; all bytes are zero if a voxel does not exist. The grid is reused for each next tile.
 class VoxelGrid {
  public:
   VoxelGrid(std::uint32_t tile_edge, bool normals, GridOrder order);
 
   void clear(const Box3i64& padded_box);
-  /// Sets a voxel inside the box, replacing an existing one.
+  /// Sets the voxel at `at`, which must lie inside the padded box. Replaces an existing voxel.
   void set(const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal);
   std::size_t size() const { return rgba_.size() / 4; }
   std::uint32_t edge() const { return edge_; }
 
   const std::vector<std::uint8_t>& rgba() const { return rgba_; }
-  /// Returns four bytes per voxel: the direction's three (128 in scenes without normals), and 255 if there is a voxel.
+  /// Returns four bytes per voxel: normal_bytes() (128 in scenes without normals), and 255. All four are 0 if there is
+  /// no voxel.
   const std::vector<std::uint8_t>& normals() const { return normals_; }
-  /// Returns the statistics of the tile's own voxels, without padding.
+  /// Returns the statistics of the tile's voxels, without the padding.
   VoxelStatistics statistics() const;
 
  private:
   std::size_t place_of(std::size_t x, std::size_t y, std::size_t z) const;
 
-  std::uint32_t edge_;  ///< including padding
+  std::uint32_t edge_;  ///< edge of the grid in voxels, including padding
   bool has_normals_;
   GridOrder order_;
   bool is_empty_ = true;

@@ -13,14 +13,15 @@
 namespace gigabake {
 namespace {
 
-/// Finds voxel `at` of the cell's level. Returns false if there is none, for example outside of the cell.
+/// Finds voxel `at` of a cell's level. Returns false if it does not exist, for example outside of the cell.
 bool find(LevelLookup& lookup, const Vec3i64& at, std::int64_t edge, VoxelValue& value) {
   for (const std::int64_t x : at)
     if (x < 0 || x >= edge) return false;
   return lookup.find(std::uint32_t(at[0]), std::uint32_t(at[1]), std::uint32_t(at[2]), value);
 }
 
-/// Fills the brick at `lowest` and its border. `edge` is the cell's, in voxels of the level.
+/// Fills the brick whose lowest voxel is `lowest`, and its border. `edge` is the edge of the cell in voxels of the
+/// level.
 void fill_brick(LevelLookup& lookup, const Vec3i64& lowest, std::int64_t edge, bool normals, GigavoxelBrick& brick) {
   std::size_t i = 0;
   constexpr auto begin = -std::int64_t(GigavoxelBrick::border), end = std::int64_t(brick_edge) - begin;

@@ -20,7 +20,7 @@ struct GigavoxelBrickFile::Head {
   std::uint32_t compressed = 0, colour_bytes = 0;
 
   std::uint64_t voxels() const { return size[0] * size[1] * size[2]; }
-  /// Returns the size of the whole record. The gradients have two additional words.
+  /// Returns the size of the whole record in bytes. Two words (8 bytes) precede the gradients.
   std::uint64_t record_bytes() const { return bytes + 8 + 7 * voxels(); }
 };
 
@@ -95,7 +95,7 @@ class DepthWalk {
   DepthWalk(const GigavoxelTree& tree, std::uint32_t depth, const std::filesystem::path& bricks, const Visit& visit)
       : tree_(tree), depth_(depth), path_(bricks), visit_(visit) {}
 
-  /// Visits a subtree. `at` is the node's position among the nodes of its depth.
+  /// Visits the subtree of node `n`. `at` is the node's position in the grid of nodes of its depth.
   void walk(std::size_t n, std::uint32_t depth, const Vec3<std::uint64_t>& at) {
     const GigavoxelNode& node = tree_.nodes[n];
     if (depth == depth_ && !node.is_constant) return visit_brick(node, at);

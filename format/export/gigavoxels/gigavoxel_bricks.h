@@ -14,16 +14,16 @@ namespace gigabake {
 /// A brick with its border; x varies fastest.
 struct GigavoxelBrickData {
   Vec3<std::uint64_t> size{};
-  Vec3<std::uint32_t> border{};        ///< number of border voxels before the brick's own
+  Vec3<std::uint32_t> border{};        ///< number of border voxels before the first inner voxel, per axis
   std::vector<std::uint8_t> rgba;      ///< 4 per voxel
   std::vector<std::uint8_t> gradient;  ///< 3 per voxel
 };
 
-/// A brick file.
-/// Errors  InputError from every member: file, byte, rule.
+/// An open brick file.
+/// Errors  InputError naming file, byte and rule, from every member.
 class GigavoxelBrickFile {
  public:
-  /// Locates every brick and checks sizes. `brick` is the octree's brick size without borders.
+  /// Locates every brick and checks the sizes of all bricks. `brick` is the octree's brick size without borders.
   GigavoxelBrickFile(const std::filesystem::path& path, const Vec3<std::uint32_t>& brick);
 
   std::size_t size() const { return begin_.size(); }

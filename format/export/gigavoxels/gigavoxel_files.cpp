@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int32_t uncompressed = 0;
 
-/// Returns a colour component in [0, 1] that both rounding and truncating readers convert back to the same byte.
+/// Returns a colour component in [0, 1] that readers convert back to the same byte, whether they round or truncate.
 float share_of(std::uint8_t byte) {
   float share = float(byte) / 255;
   while (share * 255 < float(byte)) share = std::nextafter(share, std::numeric_limits<float>::max());
@@ -30,7 +30,7 @@ std::string root_element(const GigavoxelHeader& h) {
          attributes("Brick", h.brick, "Size") + " Binary=\"YES\" Compressed=\"NO\">\n";
 }
 
-/// Returns a node's element up to its children.
+/// Returns the XML start tag of a node without the closing bracket.
 std::string node_element(const GigavoxelNode& node, const Vec3<std::uint32_t>& mip_map, std::uint32_t depth,
                          bool deepest) {
   std::string text = std::string(4 * (depth + 1), ' ') + "<GigaVoxelsNode" + attributes("MipMap", mip_map, "");

@@ -18,7 +18,7 @@ inline constexpr std::array<const char*, 3> gigavoxel_axes{"X", "Y", "Z"};
 
 inline constexpr std::array<char, 8> gigavoxel_magic{'G', 'V', 'O', 'C', 'T', 'R', 'E', 'E'};
 inline constexpr std::uint32_t gigavoxel_version = 1;
-/// Bits in the first word of a node: the constant flag, and the block of its children.
+/// Bits in the first word of a node: the constant flag, and the number of the block of its children.
 inline constexpr std::uint32_t gigavoxel_constant_flag = 1u << 30, gigavoxel_block_mask = gigavoxel_constant_flag - 1;
 
 /// Calls field(member) for each header field, in the order of a binary file.
@@ -31,7 +31,7 @@ void for_each_header_field(Header& header, const Field& field) {
   field(header.brick);
 }
 
-/// Writes the header, blocks of eight nodes of two words each, and the gradients of constant nodes.
+/// Writes the header, all nodes (two words each), and then the gradients of all nodes.
 void write_gigavoxel_binary(OutputFile& out, const GigavoxelTree& tree);
 
 /// A brick with its border; x varies fastest.
@@ -41,11 +41,11 @@ struct GigavoxelBrick {
   std::array<GradientBytes, voxels> gradient;
 };
 
-/// Writes the first bytes of a brick file.
+/// Writes the header of a brick file, which declares uncompressed bricks.
 void begin_gigavoxel_bricks(OutputFile& out);
 void write_gigavoxel_brick(OutputFile& out, const GigavoxelBrick& brick);
 
-/// Returns a name such as "voxels_3.gvb".
+/// Returns the name of the brick file of a depth, such as "voxels_3.gvb".
 std::string gigavoxel_brick_file(std::size_t depth);
 
 }  // namespace gigabake

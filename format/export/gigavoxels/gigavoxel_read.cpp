@@ -31,7 +31,7 @@ void check(const std::filesystem::path& file, const GigavoxelHeader& h) {
   }
 }
 
-/// Converts elements to nodes, depth first.
+/// Converter of XML elements to nodes, depth first.
 class XmlTree {
  public:
   explicit XmlTree(const std::filesystem::path& file) : file_(file) {}
@@ -46,7 +46,7 @@ class XmlTree {
   }
 
  private:
-  /// Returns the element itself or its next sibling that is a node.
+  /// Returns the first node element among `n` and its next siblings. Returns a null element if there is none.
   static pugi::xml_node first_node(pugi::xml_node n) {
     const auto is_node = [&] {
       const std::string_view name = n.name();
@@ -132,7 +132,7 @@ class XmlTree {
 
 constexpr std::size_t header_bytes = 8 + 4 + 4 + 2 * 24 + 2 * 12 + 4 + 4;
 
-/// Checks that every block except the first holds the children of one node in an earlier block.
+/// Checks that every block except the first consists of the children of exactly one node in an earlier block.
 void check_blocks(const std::filesystem::path& file, const GigavoxelTree& tree) {
   const std::size_t blocks = tree.nodes.size() / 8;
   std::vector<std::uint8_t> depth(blocks, 0);

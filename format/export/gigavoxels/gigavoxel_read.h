@@ -1,4 +1,4 @@
-/// Reader of GigaVoxels scenes, written by export or by the thesis's programs.
+/// Reader of GigaVoxels scenes that export_gigavoxel() or the thesis's programs wrote.
 #pragma once
 
 #include <array>
@@ -12,12 +12,12 @@
 
 namespace gigabake {
 
-/// Returns the octrees listed in a .gvp file, in its order.
-/// Errors  InputError: not such a file, or a path leaves its folder.
+/// Returns the paths of the tree files that a .gvp file lists, in the order of the list.
+/// Errors  InputError: the file is not a .gvp file, or a listed path leads out of its folder.
 std::vector<std::filesystem::path> gigavoxel_tree_files(const std::filesystem::path& gvp);
 
-/// Reads tree.gvx or tree.gvo; the first bytes determine which.
-/// Errors  InputError: invalid sizes, counts, links, depths or attributes; names file, element or byte, and rule.
+/// Reads a tree file in XML form (tree.gvx) or binary form (tree.gvo). The first bytes determine the form.
+/// Errors  InputError naming file, element or byte, and rule: a size, count, link, depth or attribute is invalid.
 GigavoxelTree read_gigavoxel_tree(const std::filesystem::path& tree_file);
 
 /// A box of equal voxels of one depth, usually a single voxel.
@@ -27,9 +27,9 @@ struct GigavoxelBox {
   GradientBytes gradient{};
 };
 
-/// Visits every voxel of a depth that is not fully transparent. `bricks` is the depth's brick file.
-/// Cost    One brick in memory, plus 16 bytes per brick.
-/// Errors  InputError: the brick file is damaged, compressed, or lacks a brick that the tree names.
+/// Visits all voxels of depth `depth` with an alpha above 0. `bricks` is the brick file of this depth.
+/// Cost    Holds one brick, and up to 16 bytes per brick of the file, in memory.
+/// Errors  InputError: the brick file is damaged, compressed, or lacks a brick that the tree refers to.
 void for_each_gigavoxel(const GigavoxelTree& tree, std::uint32_t depth, const std::filesystem::path& bricks,
                         const std::function<void(const GigavoxelBox&)>& visit);
 

@@ -14,7 +14,7 @@ namespace {
 
 using namespace nanovdb_layout;
 
-/// Converts a brick to a leaf; value(n) returns the stored value of voxel n.
+/// Converts a brick to a leaf. value(v) returns the stored value of voxel v of the brick.
 template <class Value, class ValueOf>
 LeafNode<Value> leaf_of(const LevelIndex& lowest, const DenseBrick& brick, const ValueOf& value) {
   auto leaf = LeafNode<Value>();
@@ -53,7 +53,7 @@ NanovdbTree tree_of(const PagedScene& scene, int lod, const Progress& progress) 
   return tree;
 }
 
-/// The grids of a file and their offsets.
+/// Writer of the grids of a file. The constructor determines their offsets.
 class NanovdbWriter {
  public:
   NanovdbWriter(NanovdbTree& tree, const NanovdbFrame& frame, bool normals)
@@ -68,7 +68,7 @@ class NanovdbWriter {
 
   std::uint64_t bytes() const { return bytes_; }
 
-  /// Returns false if the tree has no such leaf.
+  /// Writes the voxels of a brick to the leaf at `lowest`. Returns false if the tree has no leaf there.
   bool write_leaf(RandomAccessFile& file, const LevelIndex& lowest, const DenseBrick& brick) {
     const std::uint32_t leaf = tree_.leaf(lowest);
     if (leaf == written_.size()) return false;
@@ -85,7 +85,7 @@ class NanovdbWriter {
     return true;
   }
 
-  /// Writes everything except the leaves. Call it after the last leaf.
+  /// Writes everything except the leaves. Call it after the last write_leaf().
   void write_nodes(RandomAccessFile& file) {
     FileHeader header;
     header.grids = normal_ ? 2 : 1;
@@ -101,7 +101,7 @@ class NanovdbWriter {
   static std::uint64_t head_bytes(const NanovdbGrid<Value>& grid) {
     return sizeof(FileMetaData) + grid.name().size() + 1;
   }
-  /// Returns the offset of the next metadata.
+  /// Writes the metadata of a grid at offset `at`. Returns the offset of the next grid's metadata.
   template <class Value>
   static std::uint64_t write_meta_data(RandomAccessFile& file, std::uint64_t at, const NanovdbGrid<Value>& grid) {
     file.write_value(at, grid.meta_data());

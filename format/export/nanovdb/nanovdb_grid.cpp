@@ -10,7 +10,7 @@ namespace {
 
 using namespace nanovdb_layout;
 
-/// Returns the hash of a grid's name, as the file format defines it.
+/// Returns the hash of a grid's name, as NanoVDB's file format defines it.
 std::uint64_t name_key(const std::string& name) {
   std::uint64_t hash = 0;
   for (const char c : name) {

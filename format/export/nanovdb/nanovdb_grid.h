@@ -13,12 +13,12 @@ namespace gigabake {
 
 /// Properties shared by all grids of a file.
 struct NanovdbFrame {
-  double voxel_size_m = 0;  ///< of the exported level
+  double voxel_size_m = 0;  ///< edge of a voxel of the exported level
   Vec3d lattice_origin_m{};
   std::uint64_t voxels = 0;
 };
 
-/// One grid. `Value` is a type of nanovdb_layout. Borrows the tree and the file.
+/// One grid. `Value` is Rgba8 or Vec3f of nanovdb_layout. Borrows the tree.
 template <class Value>
 class NanovdbGrid {
  public:
@@ -26,15 +26,15 @@ class NanovdbGrid {
 
   std::uint64_t bytes() const { return leaf_offset(std::uint32_t(tree_.leaves().size())); }
   const std::string& name() const { return name_; }
-  /// Returns the metadata. Call it after the tree's boxes are known.
+  /// Returns the metadata. Call it after the last NanovdbTree::widen().
   nanovdb_layout::FileMetaData meta_data() const;
 
   /// Sets the grid's offset in the file.
   void begin_at(std::uint64_t offset) { begin_ = offset; }
-  /// Adds voxels to a leaf. `merge`: the leaf has voxels already.
+  /// Adds voxels to leaf `leaf` in the file. `merge` must be true if the leaf has voxels already.
   void write_leaf(RandomAccessFile& file, std::uint32_t leaf, const nanovdb_layout::LeafNode<Value>& voxels,
                   bool merge) const;
-  /// Writes everything except the leaves. Call it after the tree's boxes are known.
+  /// Writes everything except the leaves. Call it after the last NanovdbTree::widen().
   void write_nodes(RandomAccessFile& file) const;
 
  private:

@@ -36,7 +36,7 @@ struct FileHeader {
   std::uint16_t codec = 0;  ///< 0: uncompressed
 };
 
-/// Metadata of one grid; its zero-terminated name follows.
+/// Metadata of one grid. In the file, the zero-terminated name of the grid follows.
 struct FileMetaData {
   std::uint64_t grid_bytes = 0, file_bytes = 0, name_key = 0, voxels = 0;
   std::uint32_t grid_type = 0, grid_class = class_voxel_volume;
@@ -44,7 +44,7 @@ struct FileMetaData {
   IndexBox index_box;
   Vec3d voxel_size{};
   std::uint32_t name_bytes = 0;
-  std::array<std::uint32_t, 4> nodes{0, 0, 0, 1};  ///< leaf, lower, upper, root
+  std::array<std::uint32_t, 4> nodes{0, 0, 0, 1};  ///< number of leaf, lower, upper and root nodes
   Vec3<std::uint32_t> tiles{};
   std::uint16_t codec = 0, padding = 0;
   std::uint32_t file_version = version;
@@ -78,9 +78,9 @@ struct alignas(32) GridData {
 };
 
 struct alignas(32) TreeData {
-  std::array<std::uint64_t, 4> node_offset{};  ///< from this structure to the first leaf, lower and upper node, and to
-                                               ///< the root
-  Vec3<std::uint32_t> nodes{};                 ///< leaf, lower, upper
+  /// Offsets in bytes from this structure to the first leaf, first lower node, first upper node and the root.
+  std::array<std::uint64_t, 4> node_offset{};
+  Vec3<std::uint32_t> nodes{};  ///< number of leaf, lower and upper nodes
   Vec3<std::uint32_t> tiles{};
   std::uint64_t voxels = 0;
 };
@@ -95,18 +95,18 @@ struct alignas(32) RootData {
 
 struct alignas(32) RootTile {
   std::uint64_t key = 0;
-  std::int64_t child = 0;  ///< bytes from the root
+  std::int64_t child = 0;  ///< offset of the child in bytes from the root
   std::uint32_t state = 0;
   Vec3<std::uint32_t> value{};
 };
 
-/// A node with (2^log2)³ children; child n = x << 2 log2 | y << log2 | z.
+/// A node with (2^log2)³ children. Child (x, y, z) has number x << 2·log2 | y << log2 | z.
 template <class Value, int log2>
 struct alignas(32) InternalNode {
   static constexpr std::size_t children = std::size_t(1) << (3 * log2);
   union Child {
     Value value;
-    std::int64_t offset = 0;  ///< bytes from this node
+    std::int64_t offset = 0;  ///< offset of the child in bytes from this node
   };
   IndexBox box;
   std::uint64_t flags = node_is_active;
@@ -120,7 +120,7 @@ using UpperNode = InternalNode<Value, 5>;
 template <class Value>
 using LowerNode = InternalNode<Value, 4>;
 
-/// A leaf; voxel n = x << 6 | y << 3 | z.
+/// A leaf. Voxel (x, y, z) has number x << 6 | y << 3 | z.
 template <class Value>
 struct alignas(32) LeafNode {
   Vec3<std::int32_t> box_min{};

@@ -13,10 +13,10 @@
 namespace gigabake {
 namespace {
 
-/// Bytes per leaf, with its part of the nodes above, in a grid of floats and in a grid of three floats.
+/// Approximate memory per leaf in bytes, including a part of its ancestors: in a float grid and in a Vec3s grid.
 constexpr std::uint64_t scalar_leaf_bytes = 2600, vector_leaf_bytes = 6800;
 
-/// Sets the voxels of one leaf; value(n) returns the stored value of voxel n.
+/// Sets the voxels of one leaf. value(v) returns the stored value of voxel v of the brick.
 template <class Grid, class ValueOf>
 void set_voxels(Grid& grid, const openvdb::Coord& lowest, const DenseBrick& part, const ValueOf& value) {
   auto* leaf = grid.tree().touchLeaf(lowest);
@@ -83,8 +83,8 @@ class Grids : public OpenvdbGrids {
   openvdb::Vec3SGrid::Ptr colour_ = openvdb::Vec3SGrid::create(), normal_;
 };
 
-/// Checks that one more byte fits on the disk. The library ignores failed writes, but on a full disk this write fails
-/// too.
+/// Checks that one more byte fits on the disk. The library ignores failed writes. If the disk is full, this additional
+/// write fails as well.
 void expect_room_after(const std::filesystem::path& vdb, const std::filesystem::path& aside) {
   const std::uintmax_t bytes = std::filesystem::file_size(aside);
   const Descriptor file(aside, O_WRONLY | O_APPEND);

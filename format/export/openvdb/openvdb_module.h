@@ -17,10 +17,10 @@ class OpenvdbGrids {
   virtual ~OpenvdbGrids() = default;
   /// Adds the voxels of a block. `lowest` is a multiple of 8 on each axis.
   virtual void add(const Vec3<std::int32_t>& lowest, const DenseBrick& part) = 0;
-  /// Returns the approximate memory of the grids.
+  /// Returns the approximate memory of the grids in bytes.
   virtual std::uint64_t bytes() const = 0;
-  /// Writes the grids to `aside` and reads them back.
-  /// Errors  InputError naming `vdb`: the disk is full, or the file differs from the written data.
+  /// Writes the grids to the file `aside` and reads the last grid back.
+  /// Errors  InputError naming `vdb`: the disk is full, or the grid read back has another number of voxels.
   virtual void write(const std::filesystem::path& vdb, const std::filesystem::path& aside) const = 0;
 };
 
@@ -30,5 +30,5 @@ struct OpenvdbModule {
 
 }  // namespace gigabake
 
-/// Returns the module, which lives as long as the process. It is the library's only symbol.
+/// Returns the module, which lives as long as the process. This function is the only symbol that the library exports.
 extern "C" const gigabake::OpenvdbModule* gigabake_openvdb();

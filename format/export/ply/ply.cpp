@@ -28,7 +28,7 @@ std::string header(const SceneHeader& scene, int lod, std::uint64_t voxels) {
       scene.generator, lod, std::ldexp(scene.voxel_size_m, lod), voxels);
 }
 
-/// Writes the vertices shard by shard.
+/// Writer of the vertices, shard by shard.
 class VertexStream {
  public:
   VertexStream(const SceneHeader& scene, int lod, const std::filesystem::path& target,

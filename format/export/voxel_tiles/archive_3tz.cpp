@@ -27,7 +27,7 @@ struct ZipEntry {
   std::string name;
   std::uint16_t method = stored;
   std::uint32_t crc = 0, packed_bytes = 0, bytes = 0;
-  std::uint64_t at = 0;  ///< offset of its local header
+  std::uint64_t at = 0;  ///< offset of the entry's local header
 
   /// Writes the fields that the local header and the central directory share.
   void put(ByteWriter& to, std::uint16_t extra_bytes) const {
@@ -51,7 +51,7 @@ std::vector<std::uint8_t> local_header(const ZipEntry& entry) {
   return header.take();
 }
 
-/// Writes an entry of the central directory. Offsets beyond 4 GiB are in an extra field.
+/// Returns an entry of the central directory. An offset of 4 GiB or more is stored in an extra field.
 std::vector<std::uint8_t> directory_entry(const ZipEntry& entry) {
   constexpr std::uint32_t elsewhere = std::numeric_limits<std::uint32_t>::max();
   const bool is_far = entry.at >= elsewhere;
@@ -96,7 +96,8 @@ std::vector<std::uint8_t> end_of_directory(std::uint64_t entries, std::uint64_t 
   return end.take();
 }
 
-/// Returns the index, sorted by hash as two little-endian numbers, the first one most significant.
+/// Returns the index, sorted by the hashes of the names. A hash is compared as two little-endian 64-bit numbers; the
+/// first number is more significant.
 std::vector<std::uint8_t> index_of(const std::vector<ZipEntry>& entries) {
   struct Row {
     std::array<std::uint64_t, 2> hash;

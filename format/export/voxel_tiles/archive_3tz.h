@@ -7,10 +7,11 @@
 
 namespace gigabake {
 
-/// Packs the files below `folder`, sorted by path, into `archive`, which appears atomically. A gzip file is stored as
-/// its uncompressed content, deflated.
+/// Packs the files below `folder` into `archive`, sorted by path. The archive appears atomically. A gzip file becomes a
+/// deflated entry whose content is the unpacked file.
 /// Exact   Same bytes for the same files: the archive has no dates.
-/// Errors  InputError: a file cannot be read or is larger than a ZIP entry, or the disk is full. Stopped.
+/// Errors  InputError: a file cannot be read or is too large for a ZIP entry, or the disk is full. Stopped: the export
+///         was cancelled.
 void write_archive_3tz(const std::filesystem::path& folder, const std::filesystem::path& archive,
                        const Progress& progress);
 

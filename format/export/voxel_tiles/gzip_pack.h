@@ -10,8 +10,8 @@ struct libdeflate_compressor;
 
 namespace gigabake {
 
-/// Compressor for one thread.
-/// Exact   Same bytes for the same input and libdeflate version; no date, no name.
+/// A gzip compressor for one thread.
+/// Exact   Same bytes for the same input and libdeflate version. The gzip header has no date and no name.
 class GzipPacker {
  public:
   GzipPacker();
@@ -19,7 +19,7 @@ class GzipPacker {
   GzipPacker(const GzipPacker&) = delete;
   GzipPacker& operator=(const GzipPacker&) = delete;
 
-  /// Returns the gzip file; valid until the next call.
+  /// Returns the gzip file, which is valid until the next call.
   std::span<const std::uint8_t> packed(std::span<const std::uint8_t> bytes);
 
  private:

@@ -22,7 +22,8 @@ struct Bits {
   std::uint64_t count = 0;
 };
 
-/// Sets bit `first + i` for each tile of `keys` that is the i-th of the 8^down descendants of `root`.
+/// Sets bit first + i for each tile in `keys` that is descendant i of `root`. The 8^down descendants are `down` levels
+/// below `root`.
 void set_below(const std::vector<std::uint64_t>& keys, std::uint64_t root, std::uint32_t down, std::size_t first,
                Bits& bits) {
   const std::uint64_t begin = root << (3 * down), end = (root + 1) << (3 * down);
@@ -45,13 +46,13 @@ void append(std::string& to, std::uint64_t value, std::size_t bytes) {
 
 std::uint32_t subtree_levels(std::uint32_t levels) {
   constexpr std::uint32_t maximum = 6;
-  const std::uint32_t files = (levels + maximum - 1) / maximum;  // from the root down
+  const std::uint32_t files = (levels + maximum - 1) / maximum;  // number of subtrees on a path from the root
   return (levels + files - 1) / files;
 }
 
 namespace {
 
-/// The available tiles of a subtree and the child subtrees below it.
+/// The available tiles of a subtree, and its available child subtrees.
 struct Availability {
   Bits tiles, children;
 
@@ -69,7 +70,7 @@ struct Availability {
     return inside;
   }
 
-  /// Returns both bit arrays; the second only if it is not all zeros.
+  /// Returns the bits of the tiles, followed by the bits of the child subtrees if any of them is set.
   std::string binary() const {
     return padded(tiles.bytes, '\0') + (children.count > 0 ? children.bytes : std::string());
   }

@@ -10,7 +10,8 @@ namespace {
 
 using Md5State = std::array<std::uint32_t, 4>;
 
-/// Returns the integer parts of 2³² · |sin(i + 1)|, as the RFC defines; exact in double.
+/// Returns the integer parts of 2³² · |sin(i + 1)|, as RFC 1321 defines them. Double precision is enough to get them
+/// exactly.
 const std::array<std::uint32_t, 64>& md5_sines() {
   static const std::array<std::uint32_t, 64> table = [] {
     std::array<std::uint32_t, 64> sines{};

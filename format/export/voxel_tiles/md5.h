@@ -1,4 +1,4 @@
-/// MD5, the hash of file names in the index of a .3tz archive. Not for security.
+/// MD5, the hash of file names in the index of a .3tz archive. It is not used for security.
 #pragma once
 
 #include <array>

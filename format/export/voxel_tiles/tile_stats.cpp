@@ -12,7 +12,7 @@
 namespace gigabake {
 namespace {
 
-/// Adds 1 to the weight of each tile that overlaps a box of voxels. A tile includes its padding here.
+/// Adds 1 to the weight of each tile in tiling.tiles_near(lod, box).
 void count_in_tiles(const VoxelTiling& tiling, int lod, const Box3i64& box, TileWeights& tiles) {
   const Box3i64 places = tiling.tiles_near(lod, box);
   for (std::int64_t z = places.min[2]; z < places.end[2]; ++z)
@@ -21,8 +21,8 @@ void count_in_tiles(const VoxelTiling& tiling, int lod, const Box3i64& box, Tile
         tiles[{tiling.level(lod), morton(std::uint32_t(x), std::uint32_t(y), std::uint32_t(z))}] += 1;
 }
 
-/// Returns whether the shard's level is not aligned with the lattice, as in earlier bakes. Its voxels are then rounded
-/// down, out of the bricks of the next finer level.
+/// Returns whether level `lod` of the shard is not aligned with the lattice. The level's voxels are then rounded down,
+/// and may lie outside of the bricks of the next finer level.
 bool stands_off_the_lattice(const SceneCell& shard, int lod) {
   for (const std::int64_t x : shard.lattice_min)
     if ((x & ((std::int64_t(1) << lod) - 1)) != 0) return true;
@@ -56,8 +56,8 @@ void add_tiles(const std::vector<std::uint8_t>& bytes, TileWeights& tiles) {
 
 }  // namespace
 
-/// Calls visit(lod, boxes of bricks, thread) for each level of levels_of(owner). Iterates over this rank's shards that
-/// natively hold a level from finest to coarsest.
+/// Calls visit(lod, boxes of bricks, thread) for each level of levels_of(owner). The owners are the shards in this
+/// rank's partition that own a level from `finest` to `coarsest`.
 template <class LevelsOf, class Visit>
 void TileStats::for_each_own_level(int finest, int coarsest, const LevelsOf& levels_of, const Visit& visit) const {
   const auto visit_shard = [&](const LevelOwner& owner, int thread) {

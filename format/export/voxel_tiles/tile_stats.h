@@ -14,20 +14,23 @@
 
 namespace gigabake {
 
-/// Tiles that contain a brick or have one in their padding, with the number of such bricks as their cost.
+/// The tiles of an export and their weights. A tile's weight estimates its cost: the number of bricks in the tile and
+/// its padding.
 using TileWeights = std::map<TilePlace, std::uint64_t>;
 
-/// Reads the node tables of this rank's partition of the shards. Every rank gets the results of all ranks.
-/// Errors  InputError from all members: damaged or missing shards. Stopped.
+/// Statistics from the node tables of the shards. Each rank reads the shards of its partition and gets the results of
+/// all ranks.
+/// Errors  InputError from every member: a shard is damaged or missing. Stopped: the export was cancelled.
 class TileStats {
  public:
   TileStats(const PagedScene& scene, const LevelOwners& owners, const ExportTeam& team, const ThreadPool& pool,
             const Progress& progress)
       : scene_(scene), owners_(owners), team_(team), pool_(pool), progress_(progress) {}
 
-  /// Returns the bounding box of the bricks that hold a level's voxels, in voxels of level 0.
+  /// Returns the bounding box of all bricks with voxels of level `lod`, in voxels of level 0.
   Box3i64 bounds(int lod) const;
-  /// Errors  InputError also if a scene with overviews lacks one above a tile.
+  /// Returns the tiles of all levels. `made` has the levels that are derived.
+  /// Errors  InputError also if the scene has overviews and a tile lacks its parent tile.
   TileWeights tiles(const VoxelTiling& tiling, const DerivedLevels& made) const;
 
  private:

@@ -13,8 +13,8 @@
 namespace gigabake {
 namespace {
 
-/// Returns the range of a padded box on the lattice, extended by one voxel for levels of earlier bakes that are not
-/// aligned with it.
+/// Converts a padded box of level `lod` to voxels of level 0. Extends it by one voxel of level `lod`, for shards whose
+/// levels are not aligned with the lattice.
 Box3i64 reach_of(const Box3i64& box, int lod) {
   Box3i64 reach = on_lattice(box, lod);
   reach.end += Vec3i64::all(std::int64_t(1) << lod);

@@ -32,21 +32,21 @@ struct TileSource {
   TilesetForm form;
 };
 
-/// Writer for one thread. Consecutive tiles at neighbouring positions cost less.
+/// Writer of tiles for one thread. It is faster if consecutive tiles are neighbours.
 class TileWriter {
  public:
-  /// Messages name `target`; tiles are written below `folder`.
+  /// Writes tiles below `folder`. Messages name `target`.
   TileWriter(const TileSource& source, std::filesystem::path target, std::filesystem::path folder);
 
-  /// Writes the tile. Returns the statistics of the tile's voxels and its file's size and checksum; made_of is not set.
-  /// Errors  InputError: damaged or missing shards, disk full.
+  /// Writes the tile. Returns its record; only made_of is not set.
+  /// Errors  InputError: a shard is damaged or missing, or the disk is full.
   TileRecord write(const TilePlace& tile);
-  /// Returns a hash that is equal if the tile's voxels and those around it are equal. Returns nullopt for derived
-  /// levels.
+  /// Returns a hash of the shards' contents from which the tile and its padding are made. Equal hashes mean equal
+  /// tiles. Returns nullopt for derived levels.
   std::optional<Hash128> made_of(const TilePlace& tile);
-  /// Links or copies the same tile from an earlier export's folder. Returns false if that file is missing or does not
-  /// match the record; the caller must then write the tile.
-  /// Errors  InputError: the tile cannot be written here.
+  /// Links or copies the tile's file from `from`, the folder of an earlier export. Returns false if this file is
+  /// missing or does not match the record; the caller must then write the tile.
+  /// Errors  InputError: the tile cannot be written to the new folder.
   bool take_over(const TilePlace& tile, const TileRecord& record, const std::filesystem::path& from);
   /// Writes a tile without voxels.
   TileRecord write_empty(const TilePlace& tile);
@@ -61,7 +61,7 @@ class TileWriter {
   std::filesystem::path target_, folder_;
   VoxelGrid grid_;
   GzipPacker packer_;
-  std::vector<std::uint8_t> file_;         ///< content before gzip
+  std::vector<std::uint8_t> file_;         ///< content of the tile's file before compression
   TilePlace block_{~std::uint32_t(0), 0};  ///< block of 4³ tiles whose owners are in owners_
   std::vector<LevelOwner> owners_;
 };

@@ -19,7 +19,8 @@ Json scaled(const std::array<std::uint8_t, n>& bytes, double zero, double step) 
   return values;
 }
 
-/// Returns the values of bytes after the schema's normalized, offset and scale.
+/// Returns the statistics in the units of the schema: bytes are converted as its `normalized`, `offset` and `scale`
+/// define.
 Json statistics_of(const VoxelStatistics& voxels) {
   if (voxels.voxels == 0) return Json::object();
   Json minimum = scaled(voxels.min_normal, 128, 127), greatest = scaled(voxels.max_normal, 128, 127);
@@ -46,7 +47,7 @@ Json schema() {
   return schema;
 }
 
-/// Returns dimensions, padding and class, which are equal in both forms of tilesets.
+/// Returns the properties `dimensions`, `padding` and `class`, which are equal in both forms of tilesets.
 Json grid_of_tiles(const VoxelTiling& tiling) {
   const Json edge = {tiling.edge, tiling.edge, tiling.edge};
   return {{"dimensions", edge}, {"padding", {{"before", {1, 1, 1}}, {"after", {1, 1, 1}}}}, {"class", "voxel"}};

@@ -2,8 +2,9 @@
 
 namespace gigabake {
 
-/// The page. Tiles are gzip files: the browser unpacks them if the server sends Content-Encoding; otherwise the page
-/// does. Interpolated colours are weighted by normal.a, which is nonzero where there is a voxel.
+/// The page. Tiles are gzip files. The browser unpacks them if the server sends Content-Encoding; otherwise the page's
+/// script unpacks them. The shader divides interpolated colours by normal.a, which is 1 in existing voxels and 0
+/// elsewhere before interpolation.
 const char* const tileset_page = R"html(<!DOCTYPE html>
 <html lang="en">
 <head>

@@ -3,7 +3,8 @@
 
 namespace gigabake {
 
-/// index.html: CesiumJS renders the tileset.json next to it, interpolated, with the whole scene in view.
+/// The content of index.html. CesiumJS renders the tileset.json of the same folder with interpolation, and the whole
+/// scene is in view.
 extern const char* const tileset_page;
 
 }  // namespace gigabake

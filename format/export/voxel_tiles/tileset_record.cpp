@@ -12,7 +12,7 @@ namespace {
 using RecordJson = nlohmann::ordered_json;
 
 constexpr const char* record_format = "gigabake voxel tileset";
-constexpr int record_version = 2;  ///< version of this file and of the tiles' format
+constexpr int record_version = 2;  ///< version of the record's format and of the tiles' format
 
 template <std::size_t n>
 void put_bytes(RecordJson& row, const std::array<std::uint8_t, n>& bytes) {
@@ -39,7 +39,7 @@ RecordJson row_of(const TilePlace& tile, const TileRecord& record) {
 }
 
 /// Parses the record of one tile.
-/// Errors  std::exception.
+/// Errors  std::exception: the record is malformed.
 std::pair<TilePlace, TileRecord> tile_of(const RecordJson& row) {
   TilePlace tile{row.at(0).get<std::uint32_t>(), row.at(1).get<std::uint64_t>()};
   TileRecord record;
@@ -55,7 +55,7 @@ std::pair<TilePlace, TileRecord> tile_of(const RecordJson& row) {
   return {tile, record};
 }
 
-/// Returns whether an export wrote the file, by its path below the folder.
+/// Returns whether `file`, a path relative to the folder, is a name that exports give to their files.
 bool is_exported(const std::filesystem::path& file) {
   const std::string name = file.generic_string();
   const bool is_tile = name.starts_with("tiles/") && name.ends_with(".glb");

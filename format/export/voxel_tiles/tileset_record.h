@@ -1,4 +1,5 @@
-/// The record that an export leaves in its folder for the next one: the inputs and the checksum of each tile.
+/// The record that an export writes to its folder: the inputs and the checksum of each tile. The next update of the
+/// folder reads it.
 #pragma once
 
 #include <filesystem>
@@ -27,16 +28,16 @@ struct TilesetRecord {
 
 inline constexpr const char* record_name = "export.json";
 
-/// Returns the inputs that all tiles of this scene, tiling and format version share.
+/// Returns the inputs that all tiles of an export share, as text: scene frame, tiling and form.
 std::string rule_of(const SceneHeader& scene, const VoxelTiling& tiling, const std::string& form);
 
 std::string record_text(const TilesetRecord& record);
-/// Reads a folder's record.
-/// Errors  InputError: the folder is no export of gigabake, or its record is damaged; names the remedy.
+/// Reads a folder's record. Returns an empty record if it has another version.
+/// Errors  InputError naming the remedy: the folder is not an export of gigabake, or its record is damaged.
 TilesetRecord read_record(const std::filesystem::path& folder);
 
 /// Checks that the folder contains only files of exports, because an update replaces the folder.
-/// Errors  InputError names the first other file.
+/// Errors  InputError naming the first file that no export wrote.
 void expect_only_exported_files(const std::filesystem::path& folder);
 
 }  // namespace gigabake

@@ -18,7 +18,7 @@ struct TileBox {
   double edge_m = 0;
 };
 
-/// Returns the class `voxel` of a tileset's schema and of each tile's: the properties of a voxel.
+/// Returns the schema with class `voxel`, the properties of a voxel. The tileset and each tile contain this schema.
 nlohmann::ordered_json voxel_schema();
 
 /// Replaces `file` by a glTF 2.0 with EXT_primitive_voxels.
@@ -28,10 +28,10 @@ void make_voxel_tile(const VoxelGrid& grid, const TileBox& box, std::vector<std:
 /// Range   The grid has the order right_forward_up.
 void make_voxel_node(const VoxelGrid& grid, const TileBox& box, std::vector<std::uint8_t>& file);
 
-/// Converts a point of the tileset's frame (x east, z up) to that of glTF 2.1 (x to the left, y up, z forward).
+/// Converts a point of the tileset's frame (x east, z up) to the frame of glTF 2.1 (x to the left, y up, z forward).
 Vec3d in_gltf_2_1(const Vec3d& p);
 
-/// Replaces `file` by a binary glTF: the document and one buffer.
+/// Replaces `file` by a binary glTF with `document` and one buffer, which is the concatenation of `parts_of_buffer`.
 void make_glb(const nlohmann::ordered_json& document,
               std::initializer_list<std::span<const std::uint8_t>> parts_of_buffer, std::vector<std::uint8_t>& file);
 

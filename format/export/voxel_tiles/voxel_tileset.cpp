@@ -24,14 +24,14 @@ namespace {
 
 constexpr std::uint64_t level_cache_bytes = std::uint64_t(256) << 20;
 
-/// Returns this rank's tiles. Neighbouring tiles, which read the same shards, belong to one rank. Each block of tiles
-/// is assigned to the rank with the smallest load.
+/// Returns this rank's tiles. Each block of 2³ tiles is assigned to the rank with the smallest load. Tiles of a block
+/// stay together, because they read the same shards.
 std::vector<TilePlace> share_of(const TileWeights& tiles, const ExportTeam& team) {
   std::vector<std::uint64_t> load(std::size_t(team.ranks()));
   std::vector<TilePlace> own;
   TilePlace block{~std::uint32_t(0), 0};
   std::size_t rank = 0;
-  constexpr std::uint64_t of_tile = 60;  // cost of a tile without bricks, in bricks
+  constexpr std::uint64_t of_tile = 60;  // cost of a tile without bricks; the unit is the cost of a brick
   for (auto tile = tiles.rbegin(); tile != tiles.rend(); ++tile) {
     const TilePlace in{tile->first.level, tile->first.key >> 3};
     if (in != block) rank = std::size_t(std::min_element(load.begin(), load.end()) - load.begin());
@@ -55,8 +55,8 @@ struct FolderFiles {
   }
 };
 
-/// The box to which the tree's cube is fitted. In a bake, every voxel has voxels of the finest level below it, so their
-/// bricks suffice. Other shards may have coarser voxels outside of the finest bricks.
+/// The box to which the cube of the octree is fitted. Coarse voxels of a bake contain voxels of the finest level, so
+/// the bricks of this level suffice. Shards of other programs may have coarse voxels outside of these bricks.
 enum class Fit { bricks_of_finest, windows_of_cells };
 
 class TilesetExport {
@@ -96,8 +96,8 @@ class TilesetExport {
     team_.together([&] { add_missing_parents(team_.rank() == 0 ? writers[0].get() : nullptr); });
   }
 
-  /// Returns whether the tiles have the number of voxels of each level that the scene records. Skips levels of earlier
-  /// bakes that may not be aligned with the lattice: rounding down can merge two of their voxels.
+  /// Returns whether the tiles of each level have as many voxels as the scene records. Skips derived levels. Skips
+  /// levels that may not be aligned with the lattice, because rounding down can merge two of their voxels.
   bool has_all_voxels() const {
     std::map<int, std::uint64_t> voxels;
     for (const auto& [tile, record] : tiles_) voxels[tiling_.lod(tile.level)] += record.statistics.voxels;
@@ -133,7 +133,7 @@ class TilesetExport {
       files.write("tileset.json", tileset_json(scene_.header(), tiling_, summary));
   }
 
-  /// Writes the folder's other files. Called on rank 0.
+  /// Writes the record and the web page. Called on rank 0.
   void write_extras(const std::filesystem::path& target, const std::filesystem::path& folder) const {
     const FolderFiles files{target, folder};
     files.write(record_name, record_text({rule(), tiles_}));
@@ -177,7 +177,7 @@ class TilesetExport {
     }
   }
 
-  /// Adds tiles without voxels whose next finer level has some, because a tree must not have gaps.
+  /// Adds a tile without voxels wherever a tile lacks its parent, because a tree must not have gaps.
   void add_missing_parents(TileWriter* writer) {
     for (std::uint32_t level = tiling_.levels - 1; level > 0; --level)
       for (auto tile = tiles_.lower_bound({level, 0}); tile != tiles_.end() && tile->first.level == level; ++tile) {

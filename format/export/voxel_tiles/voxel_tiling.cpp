@@ -8,8 +8,8 @@
 namespace gigabake {
 namespace {
 
-/// Range   of tile edges. On terrain, a tile of 80³ voxels contains some hundred bricks. A tile of 114³ with padding
-///         takes 5.9 MB of colours, of the 128 MiB that CesiumJS has for them.
+/// The limits of tile edges in voxels. On terrain, a tile of 80³ voxels contains some hundred bricks. A tile of 112³
+/// voxels, 114³ with padding, takes 5.9 MB of the 128 MiB that CesiumJS has for colours.
 constexpr std::int64_t min_tile_edge = 80, max_tile_edge = 112;
 
 std::int64_t rounded_up(std::int64_t a, std::int64_t b) { return a >= 0 ? (a + b - 1) / b : -(-a / b); }
