@@ -22,7 +22,7 @@ CellReport taken_over(const CellJob& job, CellReport report) {
   return report;
 }
 
-/// Returns false if the report belongs to another cell, even if its fingerprint matches.
+/// Returns true if the reported cell agrees with the job and the shard in all members, not only in the fingerprint.
 bool describes(const SceneCell& cell, const CellJob& job, const FileStamp& shard) {
   return cell.name == job.name && cell.file == shard_path(job).generic_string() &&
          cell.lattice_min == job.lattice_min && cell.cell_voxels == job.cell_voxels &&

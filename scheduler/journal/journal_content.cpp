@@ -12,7 +12,8 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint32_t record_magic = 0x6c6c6563;  // "cell"
-/// Max payload: a report has a few hundred bytes, so a larger value is a damaged length.
+/// Max size of a payload in bytes. A report has a few hundred bytes, so a larger value means that the length is
+/// damaged.
 constexpr std::uint32_t max_payload_bytes = std::uint32_t(1) << 24;
 constexpr std::uint64_t max_journal_bytes = std::uint64_t(1) << 40;
 

@@ -1,4 +1,4 @@
-/// Content of a journal: the cells that earlier bakes into a folder finished, by fingerprint.
+/// Content of a journal: the reports of cells that earlier bakes into the same folder finished, by fingerprint.
 #pragma once
 
 #include <cstdint>
@@ -22,13 +22,14 @@ struct JournalEntry {
   CellReport report;
 };
 
-/// Returns the bytes of one record: u32 magic, u32 bytes of the payload, u64 XXH3 of it, payload.
+/// Returns the bytes of one record: magic (u32), size of the payload in bytes (u32), XXH3 of the payload (u64),
+/// payload.
 std::vector<std::uint8_t> journal_record(const JournalEntry& entry);
 /// Returns the header of a journal: format and version, as text.
 std::string_view journal_header();
 
 /// A journal's bytes and an index of its records. Later records of a fingerprint replace earlier ones.
-/// Cost    900 bytes per cell; reports are decoded on request.
+/// Cost    Takes 900 bytes of memory per cell. A report is decoded when find() returns it.
 /// Errors  None: reading stops at the first record that is truncated, damaged or of another format; a file with another
 ///         header counts as empty.
 class JournalContent {
@@ -46,7 +47,7 @@ class JournalContent {
   std::size_t fingerprints() const { return payloads_.size(); }
   /// Returns the size of header and complete records; 0 if the header differs.
   std::uint64_t whole_bytes() const { return whole_bytes_; }
-  /// Returns true if later records have replaced more than half of all.
+  /// Returns true if later records have replaced more than half of all records.
   bool is_wasteful() const { return records_ > 2 * payloads_.size(); }
   /// Returns a journal with the last record of each fingerprint for which `wanted` returns true.
   std::vector<std::uint8_t> compacted(const std::function<bool(const Hash128&)>& wanted) const;

@@ -19,7 +19,7 @@ namespace {
 constexpr std::array<char, 16> magic = {'g', 'i', 'g', 'a', 'b', 'a', 'k', 'e', ' ', 's', 'u', 'r', 'v', 'e', 'y', 's'};
 constexpr std::uint64_t max_file_bytes = std::uint64_t(1) << 40;
 
-/// Generation 1 is invalid: before 0.2.0 a rank might scan with parameters other than those in the key.
+/// Generation 1 is rejected: its results may come from other parameters than the key contains.
 constexpr std::uint64_t cache_generation = 2;
 constexpr std::uint64_t file_version = cache_generation << 32 | scan_version;
 
@@ -42,7 +42,8 @@ void put_part(const DemPart& part, ByteWriter& w) {
   for (const int number : {part.column, part.row, part.columns, part.rows}) w.put(number);
 }
 
-/// Serializes the parts of the surface that touch the tile. Other parts affect the result only through the shared grid.
+/// Serializes the raster's parts that overlap the tile, the raster's grid, and the tile's position in the grid. Other
+/// parts affect the result only through the grid.
 void put_dem(const DemTile& tile, ByteWriter& w) {
   const DemRaster& raster = *tile.raster;
   for (const DemPart& part : raster.parts)

@@ -5,7 +5,7 @@
 namespace gigabake {
 namespace {
 
-/// Measured: the fractal terrain (bench/) at 2048³ has 2.1 million triangles and takes 307 MB.
+/// Kernel memory per triangle, measured with the fractal terrain (bench/) at 2048³: 307 MB for 2.1 million triangles.
 constexpr double bytes_per_triangle = 150;
 
 }  // namespace

@@ -12,12 +12,13 @@ struct PlanEstimate {
   std::uint64_t kernel_bytes = 0;  ///< working memory of the largest cell without a memory limit
 };
 
-/// Returns the estimate.
-/// Exact   Order of magnitude: cost depends on voxels as much as on triangles, and voxels are unknown at this stage.
+/// Returns the estimate for a plan.
+/// Exact   The result is an order of magnitude. Memory depends on voxels as much as on triangles, and the number of
+///         voxels is not known before the bake.
 PlanEstimate estimate(const BakePlan& plan);
 
 /// Returns the relative cost of a cell, for the order of work; the unit is arbitrary.
-/// Exact   Real costs scatter around it; bench/schedule_model.h has the spread.
+/// Exact   Real costs scatter around the result, as modelled in bench/schedule_model.h.
 inline std::uint64_t cell_cost(const CellJob& job) { return job.triangles; }
 
 }  // namespace gigabake

@@ -10,8 +10,9 @@
 
 namespace gigabake {
 
-/// Returns the scene. reports: in any order; a job without a report counts as lost. Losses are ordered: first the
-/// plan's, then failed cells, then cells without a report.
+/// Returns the scene that the reports describe. `reports` may have any order; a job without a report counts as lost.
+/// The scene lists first the plan's losses, then failed jobs. Jobs without a report, and overviews made without some of
+/// their children, follow.
 SceneDescription merge(const BakePlan& plan, const std::vector<CellReport>& reports,
                        const std::optional<Geodetic>& origin, const BakeParameters& parameters);
 

@@ -24,18 +24,20 @@ Box3i64 bounds_of(std::span<const CellJob> jobs) {
   return bounds;
 }
 
-/// Returns a window of 2^bits voxels. Its lowest corner is the largest multiple of half its edge at or below `min`.
+/// Returns a window with an edge of 2^bits voxels. Its lowest corner is the largest multiple of half the edge at or
+/// below `min` on each axis.
 Box3i64 window_at(const Vec3i64& min, int bits) {
   return Box3i64::cube(min >> (bits - 1) << (bits - 1), std::int64_t(1) << bits);
 }
 
-/// Returns the finest lattice level that an overview of 2^bits voxels stores. child_lod: the children's finest level.
+/// Returns the finest lattice level that an overview with an edge of 2^bits voxels may duplicate. `child_lod` is the
+/// finest level that its children store.
 int finest_copy(int bits, int child_lod) {
   const int width = child_lod == 0 ? overview_width_bits_of_cells : overview_width_bits_of_overviews;
   return std::max(bits - width, child_lod + 1);
 }
 
-/// Makes an overview job. child_lod: the finest level that its children store.
+/// Makes an overview job. `child_lod` is the finest level that its children store.
 CellJob overview_of(const Vec3i64& min, int child_bits, int child_lod, int levels) {
   CellJob job;
   const std::int64_t child = std::int64_t(1) << child_bits;
@@ -49,8 +51,8 @@ CellJob overview_of(const Vec3i64& min, int child_bits, int child_lod, int level
   return job;
 }
 
-/// Builds the overviews of jobs [first, jobs.size()), whose windows have an edge of 2^bits voxels. add() returns true
-/// if no further overview level follows.
+/// A builder of the overviews above jobs [first, jobs.size()). The windows of these jobs have an edge of 2^bits voxels.
+/// add() returns true if no further overview level follows.
 class OverviewLevelBuilder {
  public:
   OverviewLevelBuilder(std::vector<CellJob>& jobs, std::size_t first, int bits)

@@ -9,11 +9,12 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint32_t min_piece_voxels = 64;
-constexpr double voxels_of_a_sheet = 1.5;  // voxels per voxel of the footprint; above 1 because of the slope
+// Voxels of a surface per voxel of horizontal area; above 1 because of the slope
+constexpr double voxels_of_a_sheet = 1.5;
 
 }  // namespace
 
-/// Sorts by u^(1/weight).
+/// Sorts the indices by descending u^(1/weight), where u is a random number in (0, 1) per index.
 /// Source  Efraimidis, Spirakis 2006.
 std::vector<std::uint32_t> weighted_order(const std::vector<std::uint64_t>& weights, std::uint64_t seed) {
   std::mt19937_64 random(seed);

@@ -13,14 +13,14 @@ struct Piece {
   ColumnExtent column;
 };
 
-/// Returns the indices of weights above 0 in random order. Each place is drawn with probabilities proportional to the
-/// remaining weights.
-/// Exact   Determined by the seed.
+/// Returns the indices of weights above 0 in random order. Each position is drawn among the remaining indices, with
+/// probabilities proportional to their weights.
+/// Exact   The order depends only on the weights and the seed.
 std::vector<std::uint32_t> weighted_order(const std::vector<std::uint64_t>& weights, std::uint64_t seed);
 
 /// Returns the columns of scanned tiles in the order in which to bake them: weighted_order() by projected voxels.
-/// all_tiles: `scans` covers all tiles. If false, weighted_order() has already selected the tiles; the columns of
-/// each tile are then ordered separately, and the result takes one column of each tile in rotation.
+/// `all_tiles` is true if `scans` covers all tiles. If it is false, weighted_order() has selected the tiles. The
+/// columns of each tile are then ordered separately, and the result takes one column of each tile in rotation.
 std::vector<Piece> piece_order(const std::vector<TileScan>& scans, bool all_tiles, std::uint64_t seed);
 
 /// Returns the edge in voxels of cells in which a surface has at most `voxels` voxels. It is a power of two from 64 (or

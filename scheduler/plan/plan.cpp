@@ -17,7 +17,7 @@
 namespace gigabake {
 namespace {
 
-/// A column of one tile. Borrows from the tiles' scan results.
+/// A column of one tile. It points into the tile's scan result.
 struct TileColumn {
   const ColumnExtent* extent;
   std::uint32_t tile;
@@ -92,13 +92,13 @@ void add_column(std::span<const TileColumn> column, std::uint32_t cell_voxels, s
     z_end = std::max(z_end, t.extent->z_end);
   }
   const CellStack stack = stack_over(z_min, z_end, cell_voxels);
-  std::vector<std::pair<std::int64_t, const TileColumn*>> reached;  // by level in the stack
+  std::vector<std::pair<std::int64_t, const TileColumn*>> reached;  // pairs of a level in the stack and a tile's column
   for (const TileColumn& t : column) {
     const std::int64_t last = (t.extent->z_end - 1 - stack.z_min) / cell_voxels;
     for (std::int64_t level = (t.extent->z_min - stack.z_min) / cell_voxels; level <= last; ++level)
       reached.push_back({level, &t});
   }
-  std::sort(reached.begin(), reached.end());  // tiles of a level keep their order: pointers into one array
+  std::sort(reached.begin(), reached.end());  // keeps the order of tiles in a level: the pointers point into one array
   for (std::size_t i = 0; i < reached.size(); ++i) {
     const auto& [level, t] = reached[i];
     if (i == 0 || reached[i - 1].first != level) jobs.push_back(empty_job(*t->extent, stack, level, cell_voxels));
@@ -119,7 +119,7 @@ void add_columns(const std::vector<TileScan>& scans, std::uint32_t cell_voxels, 
   }
 }
 
-/// Merges warnings of equal text from several sources: one line per text, with summed counts.
+/// A summary of warnings from several sources: one line per text, with summed counts.
 class WarningSummary {
  public:
   void add(const std::string& name, const SourceWarning& warning) {
@@ -147,7 +147,7 @@ class WarningSummary {
     std::string first;
     std::set<std::string> names;  ///< a file placed several times counts once
   };
-  std::vector<Kind> kinds_;  ///< in the order of their first tiles
+  std::vector<Kind> kinds_;  ///< in the order of their first occurrence
   std::map<std::string, std::size_t> index_;
 };
 
@@ -236,7 +236,7 @@ void name_jobs(const std::vector<TileScan>& scans, const SceneSources& sources, 
 }  // namespace
 
 CellStack stack_over(std::int64_t z_min, std::int64_t z_end, std::int64_t cell_voxels) {
-  // The voxel size of the coarsest level, so that every level of every cell lies on one grid.
+  // A stack starts at a multiple of the coarsest level's voxel, so that every level of every cell lies on one grid.
   const std::int64_t step = std::max<std::int64_t>(brick_edge, cell_voxels / brick_edge);
   for (std::int64_t cells = (z_end - z_min + cell_voxels - 1) / cell_voxels;; ++cells) {
     const std::int64_t spare = cells * cell_voxels - (z_end - z_min);

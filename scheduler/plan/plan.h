@@ -1,6 +1,6 @@
 /// Plan of a bake: columns of N×N voxels, each with the smallest stack of N³ cells that covers its height.
 ///
-/// Exact   A pure function: equal scan results give equal plans, in any order.
+/// Exact   Equal scan results, sources and parameters give equal plans; the order of the scan results has no effect.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@
 namespace gigabake {
 
 struct BakePlan {
-  /// Cells by lattice_min z, y, x; then overviews, each after its children (scheduler/plan/overviews.h). jobs[i].id
-  /// is i.
+  /// Cells, sorted by z, y, x of lattice_min, then overviews, each after its children (scheduler/plan/overviews.h).
+  /// jobs[i].id is i.
   std::vector<CellJob> jobs;
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
   /// Sums of ColumnExtent::crossings over each tile's columns, by index in sources.tiles.
@@ -26,7 +26,7 @@ struct BakePlan {
   std::vector<std::uint64_t> tile_triangles;
   SourcePrecision precision;
   std::vector<std::string> warnings;  ///< deviations of the bake from the files; one line per type of warning
-  std::vector<SceneLoss> losses;      ///< losses of the source, then tiles that could not be read or placed
+  std::vector<SceneLoss> losses;      ///< losses of the sources, then tiles and parts of tiles that cannot be baked
 
   std::size_t cells() const {
     return std::size_t(
@@ -35,16 +35,16 @@ struct BakePlan {
   }
 };
 
-/// Max cells of a tile. A tile with more is lost with an error line because it probably has a wrong unit or vertex.
+/// Max cells of a tile. A tile with more cells counts as lost, because it probably has a wrong unit or vertex.
 inline constexpr std::int64_t max_cells_per_tile = std::int64_t(1) << 21;
 
-/// The jobs of a plan.
+/// The types of jobs in a plan.
 enum class PlanLevels { cells, cells_and_overviews };
 
-/// Makes the plan. `scans` has one entry per entry of sources.tiles. A stack is centred on its column's height. It
-/// starts at a multiple of the coarsest level's voxel, so that every level of every cell lies on one grid. Cells that
-/// no tile overlaps are left out.
-/// Errors  Stopped.
+/// Makes the plan. `scans` has one entry per entry of sources.tiles. A stack of cells is centred on the height range of
+/// its column. It starts at a multiple of the coarsest level's voxel, so that every level of every cell lies on one
+/// grid. Cells that no tile overlaps are omitted.
+/// Errors  Stopped if `progress` cancels the plan.
 BakePlan make_plan(std::vector<TileScan> scans, const SceneSources& sources, const BakeParameters& parameters,
                    PlanLevels levels = PlanLevels::cells, const Progress& progress = {});
 

@@ -31,7 +31,7 @@ struct Sums {
   }
 };
 
-/// Mean voxels per projected voxel, over pieces with projected voxels.
+/// Mean number of lod-0 voxels per projected voxel, over pieces with projected voxels.
 struct Ratio {
   double mean = 1, error = 0;  ///< error: standard error of the mean
   explicit Ratio(const std::vector<BakedPiece>& pieces) {

@@ -20,7 +20,7 @@ struct BakedPiece {
 /// Measurements of the sample pieces at one voxel size.
 struct BakedSample {
   std::vector<BakedPiece> pieces;  ///< drawn without replacement, with probabilities proportional to crossings
-  double wall_s = 0;               ///< stages overlap, as in a bake
+  double wall_s = 0;               ///< wall time; the stages overlap, as in a bake
 };
 
 /// The scene that the pieces were drawn from, in voxels of the same size.
@@ -33,17 +33,19 @@ struct SampledScene {
 
 struct SizeEstimate {
   std::uint64_t voxels_lod0 = 0, voxels = 0, bytes = 0;
-  std::optional<double> bake_s;  ///< without the scan; none if no piece was baked
+  std::optional<double> bake_s;  ///< seconds without the scan; nullopt if no piece was baked
   double voxels_error = 0;       ///< relative standard error of the voxels
   double share = 0;              ///< fraction of the surface that was baked
 };
 
-/// Estimates a bake. Without pieces: as many voxels as the surface's projected voxels, at three bytes each.
-/// Exact   If all pieces were baked, the sums of the pieces. Otherwise the rest is estimated by the mean of the pieces'
-///         voxels per projected voxel (Hansen and Hurwitz 1943). Overlapping tiles are counted separately.
+/// Estimates a bake. If there are no pieces, assumes one lod-0 voxel per projected voxel and three bytes per voxel.
+/// Exact   If the pieces are the whole scene, the voxels are their sums. Otherwise the rest is estimated from the mean
+///         of the pieces' voxels per projected voxel (Hansen and Hurwitz 1943). A voxel that several tiles occupy
+///         counts once per tile.
 SizeEstimate estimate_size(const SampledScene& scene, const BakedSample& sample);
 
-/// Returns the estimate of another voxel size multiplied by `scale`, for a size at which no piece was baked.
+/// Returns the voxels, bytes and seconds of `estimate` times `scale`. The result is for a voxel size at which no piece
+/// was baked.
 SizeEstimate scaled(const SizeEstimate& estimate, double scale);
 
 /// Returns the nearest of 1, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten.

@@ -8,8 +8,8 @@
 namespace gigabake {
 
 /// A hierarchical bit set.
-/// Range   Numbers below the initial size, which is at most 2^32 - 64.
-/// Cost    1 + 1/64 bits per number; every call takes one step per factor of 64 in the size.
+/// Range   Members are below the initial size, and the initial size is at most 2^32 - 64.
+/// Cost    1 + 1/64 bits of memory per number. Every call takes one step per factor of 64 in the size.
 class IndexSet {
  public:
   /// Creates the set of all numbers below `size`.

@@ -10,19 +10,20 @@
 namespace gigabake {
 
 /// Queue of overviews.
-/// Exact   A plain value: the same calls give the same answers.
-/// Cost    8 bytes per job and child; a call visits the overviews of one job, or those that are ready.
+/// Exact   Deterministic: the same calls give the same answers.
+/// Cost    8 bytes per job and per child. A call visits the overviews of one job, or the ready overviews.
 class OverviewQueue {
  public:
-  /// jobs: overviews after all cells.
+  /// `jobs` must have all overviews after all cells.
   explicit OverviewQueue(const std::vector<CellJob>& jobs);
 
-  /// Records that the job is done or quarantined; call it once per job. worker: the worker that finished it, if any.
+  /// Records that the job is done or quarantined; call it once per job. `worker` is the worker that finished the job,
+  /// if any.
   void settled(std::uint32_t job, std::optional<int> worker);
-  /// Returns an overview that is ready; it stays queued until take(). Prefers one whose last child this worker
+  /// Returns an overview that is ready; it stays queued until take(). Prefers an overview whose last child `worker`
   /// finished.
   std::optional<std::uint32_t> choose(int worker) const;
-  /// Removes an overview, ready or not: it was dispatched or is already done.
+  /// Removes an overview, ready or not, that was dispatched or is already done.
   void take(std::uint32_t overview);
   /// Returns the number of overviews that wait for children.
   std::size_t waiting() const { return waiting_; }
@@ -35,8 +36,8 @@ class OverviewQueue {
   static constexpr std::uint32_t taken = 0xffffffffu;
 
   std::uint32_t first_overview_;
-  std::vector<std::uint32_t> missing_;                      ///< by overview: number of unsettled children, or `taken`
-  std::vector<std::uint32_t> overviews_begin_, overviews_;  ///< by job: begin of its overviews in overviews_
+  std::vector<std::uint32_t> missing_;                      ///< per overview: number of unsettled children, or `taken`
+  std::vector<std::uint32_t> overviews_begin_, overviews_;  ///< per job: index of its first overview in overviews_
   std::vector<Ready> ready_;                                ///< in the order in which they became ready
   std::size_t waiting_ = 0;
 };

@@ -8,9 +8,10 @@
 namespace gigabake {
 namespace {
 
-/// Max number of losses with a worker that count as coincidence; after more, the cell is retried in isolation.
+/// Max number of lost workers with the cell in flight that count as coincidence. After more, the cell is retried in
+/// isolation.
 constexpr int max_coincidental_losses = 1;
-/// Max pending retries examined for one that this worker may run; the others are left to other workers.
+/// Max number of pending retries that are examined to find one for a worker. The rest is left to other workers.
 constexpr int max_examined = 64;
 
 }  // namespace
@@ -62,9 +63,9 @@ std::optional<Assignment> Schedule::next(int worker, double now_s) {
   return std::nullopt;
 }
 
-/// Returns true if the worker may get another cell. Several cells in flight keep its stages busy. Near the end they
-/// would leave other workers idle. No worker may then hold more than an even share of pending cells, by number and by
-/// cost.
+/// Returns true if the worker may get another cell. Several cells in flight keep the worker's stages busy, but near the
+/// end of the bake they would leave other workers idle. No worker may then have more cells in flight than an even
+/// fraction of the pending cells, by number and by cost.
 bool Schedule::has_room(const Worker& w) const {
   if (w.hand.empty()) return true;
   if (w.hand.size() >= std::size_t(options_.slots)) return false;
@@ -73,7 +74,7 @@ bool Schedule::has_room(const Worker& w) const {
 }
 
 /// Returns true if the worker must become idle for an isolated retry. Such a retry needs an idle worker, usually the
-/// one whose process died. If that worker does not return, the retry would wait until the end of the bake. After a
+/// worker whose process died. If that worker does not return, the retry would wait until the end of the bake. After a
 /// timeout, one worker at a time is therefore left without new cells.
 bool Schedule::is_reserved(int worker, double now_s) {
   if (reserved_worker_ && *reserved_worker_ != worker) return false;

@@ -21,7 +21,7 @@ inline constexpr int worker_slots = 6;
 /// Cells in flight per device worker: four read, one computed, three read back, four written, and three queued.
 inline constexpr int device_worker_slots = 15;
 
-/// Returns the cells in flight per worker. devices: number of workers that compute on a device.
+/// Returns the max number of cells in flight per worker. `devices` is the number of workers that compute on a device.
 inline int slots_of_worker(int devices) { return devices != 0 ? device_worker_slots : worker_slots; }
 
 struct ScheduleOptions {
@@ -52,7 +52,7 @@ enum class Retry : std::uint8_t { worth_it, useless };
 
 enum class Verdict : std::uint8_t {
   accepted,
-  stale,  ///< of a superseded attempt; the call has no effect
+  stale,  ///< the attempt is superseded; the call has no effect
 };
 
 struct JobCounts {
@@ -61,40 +61,40 @@ struct JobCounts {
 };
 
 /// Scheduler of jobs. Workers are numbers from 0. A worker is known and alive from the first call that names it. Name
-/// all workers before the first next(), so that few cells are distributed evenly. Time is monotonic seconds from an
-/// arbitrary origin.
-/// An overview is dispatched when all of its children are done or quarantined. It goes before cells, and
-/// preferably to the worker that finished the last child, whose memory still has that child.
-/// Exact   A plain value: the same calls give the same answers; no clock, no randomness.
+/// all workers before the first next(), so that even a small number of cells is distributed evenly. Time is monotonic
+/// seconds from an arbitrary origin. An overview is dispatched when all of its children are done or quarantined. Ready
+/// overviews are dispatched before cells, preferably to the worker that finished the last child: that child is still in
+/// the worker's memory.
+/// Exact   Deterministic: the same calls give the same answers. The schedule uses no clock and no random numbers.
 /// Ends    A cell is dispatched at most 2 + `strikes` times, so every job ends as done, failed or abandoned.
 /// Cost    28 bytes per job, more for jobs with failures; a call is O(log jobs), silent() is O(workers).
 class Schedule {
  public:
-  /// jobs must outlive it.
+  /// `jobs` must outlive the schedule.
   Schedule(const std::vector<CellJob>& jobs, const ScheduleOptions& options);
 
   /// Records that an earlier run has baked the job. Call it before the first next().
   void already_done(std::uint32_t job);
 
-  /// Records a heartbeat. A lost worker rejoins; its former cells have been requeued.
+  /// Records a heartbeat. A lost worker rejoins, without its former cells: these were requeued when it was lost.
   void heard_from(int worker, double now_s);
 
   /// Returns the next cell for this worker, if it should get one now. Call it for all workers until it returns nullopt
-  /// for each: at the start, and again after every result or death.
+  /// for each: at the start, and again after every result or death of a process.
   std::optional<Assignment> next(int worker, double now_s);
 
   /// Records a finished cell. Accepts a result of a lost worker if the cell was not dispatched again.
   Verdict finished(int worker, std::uint32_t job, std::uint32_t attempt, double now_s);
   /// Records a failed attempt. If accepted, it counts as a failure: the cell is retried, preferably at another worker,
-  /// or quarantined. It is quarantined immediately if `retry` is useless.
+  /// or quarantined. The cell is quarantined immediately if `retry` is useless.
   Verdict failed(int worker, std::uint32_t job, std::uint32_t attempt, const std::string& error, double now_s,
                  Retry retry = Retry::worth_it);
   /// Records the death of the worker's bake process, which loses all its cells. A cell that was the only one in the
   /// process gets a failure; several cells are marked for isolated retries. The worker stays alive and may get cells.
   void process_died(int worker, const std::string& why, double now_s);
-  /// Returns the workers lost to heartbeat timeouts since the last call. Their cells are requeued without a failure. A
-  /// cell requeued twice this way is marked for an isolated retry, and only an isolated cell gets a failure. Stops the
-  /// schedule if no worker is left.
+  /// Marks workers as lost whose heartbeat timed out since the last call, and returns them. Their cells are requeued
+  /// without a failure. A cell requeued twice this way is marked for an isolated retry, and only an isolated cell gets
+  /// a failure. Stops the schedule if no worker is left.
   std::vector<int> silent(double now_s);
   /// Stops dispatch; running cells may still finish.
   void stop();
@@ -108,14 +108,14 @@ class Schedule {
   std::size_t out() const { return counts_.running; }
   JobCounts counts() const;
   JobState state(std::uint32_t job) const;
-  /// Returns the last error of a job with failures, and its number of failures unless a retry is useless. Empty for
-  /// other jobs.
+  /// Returns the last error of a job with failures, and its number of failures unless a retry is useless. Returns an
+  /// empty string for other jobs.
   std::string error(std::uint32_t job) const;
 
  private:
   struct Job {
     std::uint32_t attempt = 0;
-    std::int32_t worker = -1;  ///< of the last attempt
+    std::int32_t worker = -1;  ///< worker of the last attempt
     JobState state = JobState::pending;
   };
   /// State of jobs with failures, kept until they are done.
@@ -130,7 +130,7 @@ class Schedule {
     bool known = false, lost = false;
     bool alone = false;  ///< has an isolated retry in flight
     double heard_s = 0;
-    std::uint64_t cost = 0;           ///< of its cells in flight
+    std::uint64_t cost = 0;           ///< cost of its cells in flight
     std::vector<std::uint32_t> hand;  ///< jobs in flight
     std::optional<std::uint32_t> last;
   };
@@ -153,11 +153,11 @@ class Schedule {
 
   const std::vector<CellJob>& jobs_;
   ScheduleOptions options_;
-  WorkOrder order_;          ///< of jobs never dispatched
-  OverviewQueue overviews_;  ///< overviews never dispatched
+  WorkOrder order_;          ///< order of the jobs that were never dispatched
+  OverviewQueue overviews_;  ///< overviews that were never dispatched
   Ranks again_;              ///< pending retries
   Ranks suspects_;           ///< pending isolated retries
-  std::vector<Job> job_;     ///< states independent of stop()
+  std::vector<Job> job_;     ///< `abandoned` never occurs here: state() derives it from stopped_
   std::unordered_map<std::uint32_t, Trouble> trouble_;
   std::vector<Worker> workers_;
   std::size_t live_ = 0;

@@ -1,11 +1,11 @@
-/// Timeouts of a bake, from the command line to their users.
+/// Timeouts of a bake, as set on the command line.
 #pragma once
 
 namespace gigabake {
 
 struct Timeouts {
-  /// Max time without progress of a bake process with requests in flight: no CPU time, no I/O and no message. After it
-  /// the process counts as hung.
+  /// Max time that a bake process with requests in flight may use no CPU time, do no I/O and send no message. After
+  /// this time the process counts as hung.
   double no_progress_s = 60;
   /// Max time of one cell or scan, counted from when it becomes the oldest in flight.
   double cell_timeout_s = 3600;

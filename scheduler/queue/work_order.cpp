@@ -10,16 +10,18 @@
 namespace gigabake {
 namespace {
 
-/// Waiting cells examined on either side on the curve.
+/// Max number of waiting cells that are examined on each side of the last cell on the curve.
 constexpr int looked_at = 4;
 
-/// Returns the cost class, with limits 1, 1.5, 2, 3, 4, 6 …. Integer arithmetic, so that every machine sorts equally.
+/// Returns the cost class. The classes begin at costs 0, 1, 2, 3, 4, 6, 8, 12 and so on. Integer arithmetic makes every
+/// machine sort equally.
 int cost_class(std::uint64_t cost) {
   const int width = int(std::bit_width(cost));
   return width < 2 ? width : 2 * width + int(cost >> (width - 2) & 1);
 }
 
-/// Returns the Morton code of a cell's column. Columns 2^32 apart have equal codes, which only affects the preference.
+/// Returns the Morton code of a cell's column. Columns 2^32 apart have equal codes; this affects only the order of
+/// dispatch.
 std::uint64_t place_of(const CellJob& job) {
   const auto column = [&job](std::size_t axis) {
     const std::int64_t index = job.lattice_min[axis] / std::max<std::int64_t>(1, job.cell_voxels);
@@ -41,7 +43,8 @@ std::size_t shared_tiles(const CellJob& a, const CellJob& b) {
   return shared;
 }
 
-/// Returns 0, ½, ¼, ¾, ⅛ … of `size` (a van der Corput sequence): any prefix is evenly spread.
+/// Returns element `number` of the van der Corput sequence 0, 1/2, 1/4, 3/4, 1/8, … times `size`. Any prefix of the
+/// sequence is evenly spread.
 std::uint32_t van_der_corput(std::uint32_t number, std::uint32_t size) {
   std::uint64_t reversed = 0;
   for (int bit = 0; bit < 32; ++bit) reversed |= std::uint64_t(number >> bit & 1) << (31 - bit);
@@ -85,15 +88,16 @@ std::optional<std::uint32_t> WorkOrder::choose(std::optional<std::uint32_t> last
   return job_[*rank];
 }
 
-/// Returns the rank of a waiting job of the class: the next one from a spread-out position, else the first.
+/// Returns the rank of a waiting job of the class: the first from the next van der Corput position on, else the first
+/// of all.
 /// Range   The class has a waiting job.
 std::uint32_t WorkOrder::new_start(const Class& c) {
   const auto found = waiting_.at_or_after(c.begin + van_der_corput(new_starts_++, c.end - c.begin));
   return found && *found < c.end ? *found : *waiting_.at_or_after(c.begin);
 }
 
-/// Returns the rank of the waiting cell near `last` on the curve that shares the most tiles with `last`; ties go to the
-/// nearest.
+/// Returns the rank of a waiting cell near `last` on the curve: the cell that shares the most tiles with `last`, then
+/// the nearest. Returns nullopt if no examined cell shares a tile.
 std::optional<std::uint32_t> WorkOrder::neighbour(const Class& c, std::uint32_t last) const {
   const std::uint64_t here = place_[rank_[last]];
   const auto at = [this](std::uint32_t rank) { return place_.begin() + std::ptrdiff_t(rank); };

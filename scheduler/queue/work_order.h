@@ -1,5 +1,5 @@
-/// Order of first dispatch: the most expensive cells first, and among cells of similar cost those whose tiles the
-/// worker has just read.
+/// Order of first dispatch: the most expensive cells first, and among cells of similar cost first the cells whose tiles
+/// the worker has just read.
 #pragma once
 
 #include <cstdint>
@@ -11,22 +11,24 @@
 
 namespace gigabake {
 
-/// Costs within one cost class differ by less than half. Classes are ordered from expensive to cheap. Cells of a class
-/// follow a Morton curve over the columns, so that neighbours on the curve are mostly spatial neighbours.
-/// Exact   A plain value: the same calls give the same answers on every machine.
+/// The order in which jobs are first dispatched, by classes of cost from expensive to cheap. The costs in a class
+/// differ by a factor of at most 1.5. Cells of a class follow a Morton curve over the columns, so that neighbours on
+/// the curve are mostly spatial neighbours.
+/// Exact   Deterministic: the same calls give the same answers on every machine.
 /// Cost    16 bytes per job; a choice examines a constant number of cells.
 class WorkOrder {
  public:
-  /// jobs must outlive it; initially all are waiting.
+  /// `jobs` must outlive this object; initially all jobs are waiting.
   explicit WorkOrder(const std::vector<CellJob>& jobs);
 
-  /// Returns the position of a job in the order; lower is earlier. Never changes.
+  /// Returns the position of a job in the order; lower is earlier. The position never changes.
   std::uint32_t rank(std::uint32_t job) const { return rank_[job]; }
   std::uint32_t job(std::uint32_t rank) const { return job_[rank]; }
 
-  /// Returns the job to dispatch next; it stays waiting until take(). Returns nullopt if none waits. last: the worker's
-  /// previous job. If there is none, or no waiting job near it shares a tile with it, the worker starts at a new place.
-  /// The new place is far from the others, so that workers do not soon meet in the same tiles.
+  /// Returns the job to dispatch next; it stays waiting until take(). Returns nullopt if no job waits. `last` is the
+  /// worker's previous job. The result is a waiting job near `last` on the curve that shares a tile with it. If there
+  /// is no such job, the result is far from earlier starts on the curve, so that workers do not soon reach the same
+  /// tiles.
   std::optional<std::uint32_t> choose(std::optional<std::uint32_t> last);
   void take(std::uint32_t job) { waiting_.erase(rank_[job]); }
 
@@ -40,8 +42,8 @@ class WorkOrder {
 
   const std::vector<CellJob>& jobs_;
   std::vector<std::uint32_t> job_, rank_;
-  std::vector<std::uint64_t> place_;      ///< by position: Morton code
-  std::vector<std::uint32_t> class_end_;  ///< ascending
+  std::vector<std::uint64_t> place_;      ///< per position in the order: Morton code of the column
+  std::vector<std::uint32_t> class_end_;  ///< end positions of the classes, ascending
   IndexSet waiting_;
   std::uint32_t new_starts_ = 0;
 };

@@ -73,7 +73,7 @@ struct InfoLine {
 struct WarningLine {
   std::string text;
 };
-/// A new status; ten times per second, and when the bake enters another state.
+/// A new status. The event occurs ten times per second, and when the bake enters another state.
 struct StatusUpdated {
   const BakeStatus& status;
 };

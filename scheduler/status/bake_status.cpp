@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t max_status_bytes = std::size_t(64) << 20;
 
 /// Returns the content up to the current end of the file.
-/// Errors  InputError.
+/// Errors  InputError if the file does not exist, cannot be read, or exceeds max_status_bytes.
 std::string text_of(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) throw InputError(file, "", "no such file");

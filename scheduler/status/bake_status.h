@@ -15,12 +15,12 @@ namespace gigabake {
 enum class BakeState : std::uint8_t {
   scanning,
   baking,
-  draining,    ///< dispatches no more cells; waits for those running
+  draining,    ///< no more cells are dispatched; running cells finish
   publishing,  ///< all cells are final; scene.xml is written next
   complete,    ///< published without losses
   incomplete,  ///< published with losses
   drained,     ///< stopped on request; the same command resumes it
-  failed,      ///< nothing was published: BakeStatus::reason
+  failed,      ///< nothing was published; BakeStatus::reason has the cause
 };
 template <>
 constexpr auto names_of<BakeState>() {
@@ -50,8 +50,8 @@ struct Throughput {
 
 struct SlowCell {
   std::string name;
-  double seconds = 0;       ///< sum of all stages
-  std::optional<int> rank;  ///< none: the worker had lost the cell by then
+  double seconds = 0;       ///< sum over all stages
+  std::optional<int> rank;  ///< nullopt if no rank had the cell in flight when its report arrived
   friend bool operator==(const SlowCell&, const SlowCell&) = default;
 };
 
@@ -64,8 +64,8 @@ struct WorkerStatus {
   int rank = 0;
   std::string host;
   bool lost = false;
-  double since_s = 0;              ///< time of the last dispatch to it or result from it
-  std::vector<std::string> cells;  ///< in flight, in the order of dispatch
+  double since_s = 0;              ///< time of the last dispatch to the rank or result from it
+  std::vector<std::string> cells;  ///< names of the cells in flight, in the order of dispatch
   friend bool operator==(const WorkerStatus&, const WorkerStatus&) = default;
 };
 
@@ -74,14 +74,14 @@ struct BakeStatus {
   BakeState state = BakeState::scanning;
   std::string reason;     ///< reason of a failure, one line
   std::string out, host;  ///< the bake's folder; rank 0's host
-  std::int64_t pid = 0;   ///< of rank 0
+  std::int64_t pid = 0;   ///< process id of rank 0
   int ranks = 0;
   double started_s = 0, updated_s = 0;
   std::uint64_t tiles_scanned = 0, tiles = 0;
   CellTally cells;
   std::uint64_t voxels = 0, bytes = 0;           ///< written by this run
-  Throughput recent, overall;                    ///< over the last minute; since the first dispatch
-  std::optional<double> left_s;                  ///< none: not enough data yet
+  Throughput recent, overall;                    ///< recent: over the last minute; overall: since the first dispatch
+  std::optional<double> left_s;                  ///< remaining time in seconds; nullopt: not enough data yet
   double read_s = 0, kernel_s = 0, write_s = 0;  ///< sums over this run's cells; stages of different cells overlap
   std::vector<SlowCell> slowest;                 ///< slowest first; at most max_slow_cells
   std::uint64_t failures = 0;                    ///< number of all losses
@@ -93,11 +93,11 @@ struct BakeStatus {
 inline constexpr std::size_t max_slow_cells = 10, max_failures_listed = 20;
 
 /// Returns one JSON object on one line.
-/// Exact   status_from_json() returns the same value; bytes that are not UTF-8 are replaced.
+/// Exact   status_from_json() returns an equal value, except that bytes that are not UTF-8 are replaced.
 /// Cost    150 bytes per worker: 150 kB for a thousand workers.
 std::string to_json(const BakeStatus& status);
-/// Parses the result of to_json(). file: for messages.
-/// Errors  InputError: not JSON, or a member that is missing, of another type or out of range.
+/// Parses the result of to_json(). `file` is the name for messages.
+/// Errors  InputError if the text is not JSON, or a member is missing, has another type or is out of range.
 BakeStatus status_from_json(const std::filesystem::path& file, std::string_view text);
 
 /// Returns OUT/status.json.
@@ -106,11 +106,11 @@ std::filesystem::path status_file(const std::filesystem::path& out);
 /// Errors  InputError.
 void write_status(const std::filesystem::path& out, const BakeStatus& status);
 /// Reads OUT/status.json.
-/// Errors  InputError: no such file, larger than 64 MiB, or as status_from_json().
+/// Errors  InputError if the file does not exist or is larger than 64 MiB; the errors of status_from_json().
 BakeStatus read_status(const std::filesystem::path& out);
 
-/// Returns Prometheus' text format, for node_exporter's textfile collector. Each series has the label bake="OUT", so
-/// that several bakes can be collected on one host.
+/// Returns the status in Prometheus' text format, for node_exporter's textfile collector. Each series has the label
+/// bake="OUT", so that several bakes can be collected on one host.
 std::string to_prometheus(const BakeStatus& status);
 
 }  // namespace gigabake

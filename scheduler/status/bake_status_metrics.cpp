@@ -7,7 +7,7 @@
 namespace gigabake {
 namespace {
 
-/// Escapes a label value for Prometheus, in UTF-8.
+/// Returns a label value for Prometheus: valid UTF-8 with escaped quotes, backslashes and line ends.
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : valid_utf8(text)) {
@@ -32,7 +32,7 @@ class Exposition {
   void head(const char* name, const char* type, const char* help) {
     fmt::format_to(std::back_inserter(text_), "# HELP {0} {1}\n# TYPE {0} {2}\n", name, help, type);
   }
-  /// Appends a sample. labels: in the form ,key="value".
+  /// Appends a sample. Each label in `labels` has the form `,key="value"`.
   void sample(const char* name, const std::string& labels, double value) {
     fmt::format_to(std::back_inserter(text_), "{}{{bake=\"{}\"{}}} {}\n", name, bake_, labels, value);
   }

@@ -36,22 +36,22 @@ struct BakeIdentity {
   int ranks = 1;
 };
 
-/// Record of a bake's events. Jobs are indices into the plan, workers are ranks, now_s is Unix time, so that a test can
-/// replay a bake. Report only results that the Schedule accepted, not stale ones.
-/// Exact   A plain value: the same calls give the same status.
+/// Record of a bake's events. Jobs are indices into the plan, and workers are ranks. The caller passes the Unix time as
+/// `now_s`, so that a test can replay a bake. Report only results that the Schedule accepted, not stale ones.
+/// Exact   Deterministic: the same calls give the same status.
 /// Cost    Under 60 bytes per job; an event is O(cells in flight at one worker), at() is O(workers).
-/// Errors  std::out_of_range: a job that is not in the plan.
+/// Errors  std::out_of_range if a job is not in the plan.
 class BakeStatusRecord {
  public:
   BakeStatusRecord(BakeIdentity identity, double now_s);
 
-  /// Records the event by the functions below.
+  /// Records the event by calling one of the functions below; ignores events that do not change the status.
   void add(const BakeEvent& event, double now_s);
 
   void scanned(std::size_t tiles_done, std::size_t tiles);
-  /// Records the plan; baking begins. costs: relative cost of each job, in any unit.
+  /// Records the plan and enters BakeState::baking. `costs` has the relative cost of each job, in any unit.
   void planned(const std::vector<CellJob>& jobs, std::vector<double> costs, double now_s);
-  /// Records a loss other than a cell: a tile that cannot be read.
+  /// Records a loss that is no cell, for example a tile that cannot be read.
   void lost(const std::string& name, const std::string& line);
   /// Records that an earlier run has baked the job.
   void already_done(std::uint32_t job);
@@ -96,14 +96,14 @@ class BakeStatusRecord {
   void note_slow(const CellReport& report, std::int32_t holder);
   std::optional<double> left_s(double now_s) const;
 
-  BakeStatus status_;                 ///< except the members that at() computes
+  BakeStatus status_;                 ///< the status, except the members that at() computes
   std::vector<std::string> names_;    ///< of jobs
   std::uint32_t first_overview_ = 0;  ///< index of the first overview job
   std::vector<double> costs_;
   std::vector<Cell> cells_;
   std::vector<Worker> workers_;  ///< by rank
   RecentWork recent_;
-  TimeLeft time_left_;  ///< over the jobs in flight at ranks
+  TimeLeft time_left_;  ///< estimate from the jobs in flight and finished at ranks
   double planned_s_ = 0, cost_left_ = 0;
 };
 

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t min_parts = 4;
 constexpr double min_fraction = 0.25;
-/// First parts have no weight once later parts took this many times as long.
+/// First parts have no weight once the later parts together took this many times as long as the first parts.
 constexpr double first_parts_horizon = 2;
 
 }  // namespace
