@@ -94,7 +94,8 @@ class CornerTree {
     return box;
   }
 
-  /// Returns whether the box lies entirely outside one side of the triangle or of the triangle's bounding box.
+  /// Returns whether the box lies entirely outside one side of the triangle or of the triangle's bounding box, by more
+  /// than the noise.
   bool is_apart(const PlaneTriangle& t, const Box& box) const {
     for (std::size_t c = 0; c < 2; ++c)
       if (std::max({t[0][c], t[1][c], t[2][c]}) + noise_ < box.low[c] ||

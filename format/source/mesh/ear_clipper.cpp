@@ -49,8 +49,8 @@ void EarClipper::clip_flat(std::uint32_t i) {
   }
 }
 
-/// Tests all corners once. Tests the neighbours of each corner that is cut off again, because only they can become ears
-/// by the cut.
+/// Tests all corners once. After each cut, tests the two neighbours of the cut corner again, because only these can
+/// have become ears.
 void EarClipper::clip_ears(Blocked blocked) {
   queue_all();
   for (std::size_t at = 0; at < queue_.size() && left_ > 3; ++at) {
@@ -103,9 +103,9 @@ bool EarClipper::blocks(std::uint32_t p, std::uint32_t ear, Blocked blocked) con
   const PlaneCorner &q = corners_[p], &a = corners_[before], &b = corners_[ear], &c = corners_[after];
   if (q == a || q == c) return false;
   const auto is_in_angle = [&](const PlaneCorner& r) { return turn(a, b, r) > 0 && turn(b, c, r) > 0; };
-  // The polygon may touch the tip of the ear from outside, or reach it from inside the ear's angle.
+  // A corner at the tip of the ear blocks the ear only if the polygon continues from there into the ear's angle.
   if (q == b) return is_in_angle(corners_[previous_[p]]) || is_in_angle(corners_[next_[p]]);
-  // A cut along collinear corners leaves them on either side of the cut, because of rounding errors.
+  // After a cut along collinear corners, rounding errors leave these corners on either side of the cut.
   const double margin = blocked == Blocked::inside ? noise_ : -noise_;
   const auto is_left_of = [&](const PlaneCorner& from, const PlaneCorner& to) {
     return turn(from, to, q) >= margin * length(from, to);

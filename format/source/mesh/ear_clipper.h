@@ -9,9 +9,9 @@
 
 namespace gigabake {
 
-/// Cuts ears off a counter-clockwise polygon until three corners remain. Spikes, repeated corners and corners on a
-/// straight line become triangles of zero area, so n corners always give n - 2 triangles.
-/// Cost    O(n log n) for typical polygons. The number of tests is bounded: the triangulation of a polygon that crosses
+/// An ear clipper. It cuts ears off a counter-clockwise polygon until three corners remain. Spikes, repeated corners
+/// and corners on a straight line become triangles of zero area, so n corners always give n - 2 triangles.
+/// Cost    O(n log n) for typical polygons. The number of tests is bounded. The triangulation of a polygon that crosses
 ///         itself is arbitrary.
 /// Source  Meisters 1975; only reflex corners can lie inside an ear.
 class EarClipper {
@@ -23,7 +23,8 @@ class EarClipper {
   std::vector<std::uint32_t> triangles();
 
  private:
-  /// The corners that make a triangle no ear: corners inside or on its border, or only corners inside.
+  /// The other corners that prevent a triangle from being an ear: corners inside it or on its border, or only corners
+  /// inside it.
   enum class Blocked { inside_or_on, inside };
 
   double turn_at(std::uint32_t i) const { return turn(corners_[previous_[i]], corners_[i], corners_[next_[i]]); }

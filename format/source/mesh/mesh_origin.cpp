@@ -83,7 +83,8 @@ void MeshOrigins::add(const std::array<double, 3>& position) {
   if (extents_.size() > max_cells) join_cells();
 }
 
-/// Merges all cells into one group. Bounds the memory for meshes that have very many cells, as of the whole earth.
+/// Merges all cells into one group. This limits the memory for meshes with very many cells, such as a mesh of the whole
+/// earth.
 void MeshOrigins::join_cells() {
   PositionExtent all;
   for (const auto& [cell, extent] : extents_) all.add(extent);

@@ -74,7 +74,8 @@ class MeshOrigins {
   const MeshOrigin& origin(std::size_t group) const { return origins_[group]; }
 
   using Take = std::function<void(Primitive&&, const MeshOrigin&)>;
-  /// Fills in the positions of a primitive and passes the primitive to `take`. All its other lists must be complete.
+  /// Fills in the positions of a primitive and passes the primitive to `take`. Vertex v gets the position
+  /// positions[position_of[v]]. All other lists of the primitive must be complete.
   /// If its triangles belong to several groups, `take` is called once per group with the triangles of the group. The
   /// first corner of a triangle determines its group.
   void place(Primitive&& primitive, std::span<const std::uint32_t> position_of,

@@ -19,7 +19,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
 
-/// Finds carriage returns and line feeds. Old programs end lines with a carriage return only.
+/// A search for line ends: carriage returns and line feeds. Old programs end lines with a carriage return only.
 class LineEnds {
  public:
   explicit LineEnds(std::string_view text) : text_(text) {}
@@ -37,7 +37,7 @@ class LineEnds {
   std::size_t feed_ = 0, return_ = 0;
 };
 
-/// Splits text that arrives in blocks into lines.
+/// A splitter of text into lines. It receives the text in blocks.
 class Lines {
  public:
   Lines(const std::filesystem::path& file, const std::function<void(const ObjLine&)>& visit)
@@ -65,7 +65,7 @@ class Lines {
   }
 
  private:
-  /// Ends a line. The beginning of a line that a block border cuts is kept in cut_.
+  /// Completes a line, of which `end` is the last part. cut_ has the part that previous blocks contain.
   void take_line_end(std::string_view end) {
     if (cut_.empty()) return take_line(end);
     add_to(cut_, end);

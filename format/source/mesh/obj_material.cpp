@@ -26,7 +26,7 @@ std::string in_lower_case(std::string_view word) {
   return out;
 }
 
-/// Reads an MTL file line by line.
+/// A reader of MTL files that receives one line at a time.
 class MtlReader {
  public:
   MtlReader(const std::filesystem::path& file, SourceWarnings& warnings)
@@ -129,7 +129,7 @@ class MtlReader {
     std::string_view next = rest;
     const std::string_view value = take_word(next);
     if (!is_number(value)) {
-      rest = next;  // on, off or a channel
+      rest = next;  // the value is on, off or a channel
       if (option == "-clamp") out.is_clamped = value == "on";
       return;
     }

@@ -20,11 +20,11 @@ namespace gigabake {
 
 /// An image that a material names, and its placement on the surface.
 struct ObjMap {
-  std::string name;                                 ///< of the image file, as in the MTL; empty: no image
+  std::string name;                                 ///< name of the image file in the MTL; empty: no image
   std::array<double, 2> scale{1, 1}, offset{0, 0};  ///< -s and -o, applied to texture coordinates, scale first
   bool is_clamped = false;                          ///< -clamp on
 
-  /// Applies scale and offset to texture coordinates in the convention of Primitive, with v downwards.
+  /// Returns texture coordinates after scale and offset. Both `uv` and the result have v downwards, as in Primitive.
   std::array<float, 2> uv(const std::array<float, 2>& uv) const;
   bool is_placed_as(const ObjMap& other) const {
     return scale == other.scale && offset == other.offset && is_clamped == other.is_clamped;
@@ -42,7 +42,7 @@ struct ObjMaterial {
 
 /// Returns materials by name. Keywords are not case-sensitive. If Kd has a single number, it applies to all three
 /// colours. `d` has precedence over `Tr`. `Tr 1` without `d` means opaque, as in the programs that write it.
-/// Unused lines are counted in `warnings`, with file name and line number as an example.
+/// Lines that are not used are counted in `warnings`; the example is the file name and the line number.
 std::map<std::string, ObjMaterial> read_mtl(const std::filesystem::path& file, std::span<const std::uint8_t> text,
                                             SourceWarnings& warnings);
 

@@ -20,7 +20,7 @@ void ObjMaterialTable::take(const ObjLine& line) {
   }
 }
 
-/// A comment may follow a name, unless a material or a file has the whole name.
+/// Adds a material. A name ends before a comment, unless a material or a file has the whole text as its name.
 void ObjMaterialTable::describe(const std::string& name, Described described) {
   for (ObjMap* map : {&described.material.color_map, &described.material.alpha_map}) {
     const std::string plain(without_comment(map->name));

@@ -12,8 +12,8 @@
 
 namespace gigabake {
 
-/// A material of an OBJ as some faces use it. Faces with and without texture coordinates or colours get separate
-/// materials, even if the name is the same.
+/// A material name of an OBJ, and the attributes of the faces that use it. Faces with and without texture coordinates
+/// or colours get separate materials, even if the name is the same.
 struct ObjMaterialUse {
   std::string name;
   bool has_uv = false, has_colour = false;
@@ -30,7 +30,8 @@ class ObjMaterialTable {
   /// Errors  InputError: a material file is not text.
   void take(const ObjLine& line);
 
-  /// Counts missing material files, descriptions and images of the materials that faces name.
+  /// Adds warnings about material files, descriptions and images that are missing. `used` has the names of the
+  /// materials of all faces.
   void warn(const std::set<std::string>& used, SourceWarnings& warnings) const;
   /// Returns the sorted paths of all named material files and their images, existing or missing.
   std::vector<std::filesystem::path> dependencies() const;

@@ -16,7 +16,7 @@
 namespace gigabake {
 namespace {
 
-/// Memory of a vertex of a primitive including its entry in Part::vertex, and of a corner.
+/// Bytes of a vertex in a primitive and in Part::vertex, and bytes of a corner.
 constexpr std::uint64_t vertex_bytes = 12 + 8 + 8 + 4 + 56, corner_bytes = 4;
 
 using Vector = std::array<double, 3>;
@@ -72,8 +72,9 @@ struct Part {
   std::uint64_t bytes() const { return position_of.size() * vertex_bytes + primitive.index.size() * corner_bytes; }
 };
 
-/// The actions for a face. Faces are kept when they are read if there is no sink. Otherwise the faces of large files
-/// are read twice, because materials and origins are known only after all faces have been read.
+/// The action for each face. Small files, and files without a sink, are read once: faces are kept. Large files with a
+/// sink are read twice, because materials and origins are known only after all faces have been read. The first pass
+/// inspects the faces, the second pass passes them to the sink.
 enum class Faces { keep, look_at, hand_over };
 
 class ObjReader {
@@ -217,7 +218,7 @@ class ObjReader {
     return at->second;
   }
 
-  /// Passes parts to the sink if the triangles of the face would exceed the max of their part or of all parts.
+  /// Passes parts to the sink if the current face would exceed the max number of triangles per part or in all parts.
   void make_room(const ObjLine& line, const ObjMaterialUse& use) {
     const std::uint64_t max_held = 2 * part_triangles(), triangles = corners_.size() - 2;
     if (material_index_.count(use) == 0) fail_as_changed(line);
@@ -285,14 +286,15 @@ class ObjReader {
   ObjIndexRange range_;  ///< at the current line
   std::string material_;
   bool is_new_material_ = true, shows_image_ = false;
-  std::map<std::string, bool> has_image_;  ///< whether a material has an image, by its name
+  std::map<std::string, bool> has_image_;  ///< whether a material has an image, by the material's name
   std::set<std::string> used_materials_;
   std::vector<bool> is_used_;       ///< whether a face uses the vertex, per vertex
   std::uint64_t faces_ = 0;         ///< number of face lines
-  std::vector<ObjCorner> corners_;  ///< corners of the current face, like polygon_ and numbers_
+  std::vector<ObjCorner> corners_;  ///< corners of the current face; polygon_ has their positions, numbers_ their
+                                    ///< vertices
   std::vector<Vector> polygon_;
   std::vector<std::uint32_t> numbers_;
-  std::map<ObjMaterialUse, int> material_index_;  ///< in TileMesh::materials; set by add_materials()
+  std::map<ObjMaterialUse, int> material_index_;  ///< index in TileMesh::materials; set by add_materials()
   std::map<ObjMaterialUse, Part> parts_;
   bool is_streamed_ = false;
   std::uint64_t held_triangles_ = 0;

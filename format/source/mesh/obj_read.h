@@ -22,8 +22,8 @@ namespace gigabake {
 /// Exact   Coordinates are read as doubles. Coordinates beyond 10 km are stored relative to the origin of their group
 ///         (mesh_origin.h), so projected coordinates keep a precision of millimetres.
 /// Cost    The text is read in blocks, so its length is not limited. Memory: 24 bytes per `v`, 8 more in files with
-///         colours, and 8 per `vt`: 1.6 GB for the 5·10^7 vertices of 10^8 triangles. In addition the whole mesh, or
-///         two parts of part_triangles() if there is a sink.
+///         colours, and 8 per `vt`: 1.6 GB for the 5·10^7 vertices of 10^8 triangles. The whole mesh is also in memory,
+///         or two parts of part_triangles() if there is a sink.
 /// Errors  InputError: the file is not text, has more vertices than 2^32 or than fit into memory, or changes while it
 ///         is read.
 TileMesh read_obj(const TileRef& tile, const SourceFiles& files, ReadScope scope, const PrimitiveSink& sink = nullptr);

@@ -58,7 +58,7 @@ void ObjVertices::take_position(const ObjLine& line, SourceWarnings& warnings) {
   if (colour_.empty()) claim_.add_items(position_.capacity(), sizeof colour_[0], "", "colours of vertices");
   colour_.reserve(position_.capacity());
   colour_.resize(position_.size());
-  // The fourth number may be a weight, followed by three colours.
+  // The last three numbers are red, green and blue. The fourth of seven numbers is a weight.
   const std::size_t first = v.size() - 3;
   colour_.back() = {linear16(v[first]), linear16(v[first + 1]), linear16(v[first + 2]), opaque};
   if (std::any_of(v.begin() + std::ptrdiff_t(first), v.end(), [](double one) { return !(one >= 0 && one <= 1); }))

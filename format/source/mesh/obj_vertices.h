@@ -19,7 +19,7 @@ class ObjVertices {
   explicit ObjVertices(const std::filesystem::path& file, MemoryClaim& claim) : file_(file), claim_(claim) {}
 
   /// Reserves memory for all vertices and texture coordinates.
-  /// Errors  InputError: a number is not below 2^32 - 1, or the memory exceeds the limit.
+  /// Errors  InputError: `positions` or `uvs` is not below 2^32 - 1, or the memory exceeds the limit.
   void reserve(std::uint64_t positions, std::uint64_t uvs);
   /// Adds the vertex or texture coordinates of a line `v` or `vt`. If numbers are missing, a vertex becomes NaN and
   /// texture coordinates become 0, so that later indices remain valid.

@@ -40,8 +40,8 @@ struct PlyHeader {
 };
 
 /// Reads the header. `bytes` is the file or its beginning.
-/// Errors  InputError with the line: the header is not a PLY 1.0 header, has an unknown type or keyword or an invalid
-///         count, or has no end. Also if an element has more than 1024 properties.
+/// Errors  InputError with the line: the header is not a PLY 1.0 header, has an unknown type or keyword, an invalid
+///         count, or no end. Also if an element has more than 1024 properties.
 PlyHeader read_ply_header(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
 
 }  // namespace gigabake

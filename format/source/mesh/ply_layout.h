@@ -36,7 +36,7 @@ struct VertexLayout {
 /// Returns the path of the image that a comment TextureFile names, if the image exists and has a supported format.
 std::optional<std::filesystem::path> ply_image(const TileRef& tile, const SourceFiles& files, const std::string& name);
 
-/// Counts elements, properties and images that the header declares and the reader does not use.
+/// Adds warnings about elements, properties and images that the header declares and the reader does not use.
 void warn_of_header(const TileRef& tile, const SourceFiles& files, const PlyHeader& header, SourceWarnings& warnings);
 
 }  // namespace gigabake

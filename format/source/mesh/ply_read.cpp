@@ -25,13 +25,14 @@ using Vector = std::array<double, 3>;
 
 constexpr std::uint64_t max_vertices = 0xffffffff;
 constexpr std::uint32_t unused = ~std::uint32_t(0);
-/// Memory of a vertex of a primitive including its index, and of a corner.
+/// Bytes of a vertex in a primitive and in Part::position_of, and bytes of a corner.
 constexpr std::uint64_t vertex_bytes = 12 + 8 + 8 + 4, corner_bytes = 4;
 
-/// The keys of faces without texture: `of_vertices` if the vertices determine the colour, else `of_faces`.
+/// The keys of faces without texture coordinates in PlyReader::parts_: `of_faces` if the face has a colour, else
+/// `of_vertices`.
 constexpr int of_vertices = -2, of_faces = -3;
 
-/// The triangles of one texture or of one of the keys of_vertices and of_faces.
+/// The triangles of one texture, or of one of the keys of_vertices and of_faces.
 struct Part {
   Primitive primitive;
   std::vector<std::uint32_t> position_of;  ///< index of the position per vertex
@@ -45,7 +46,7 @@ struct Face {
   std::vector<float> uv;  ///< two values per corner, or empty
   int texture = 0;
   std::optional<PlyColour::Rgba> colour = {};
-  bool is_lost = false;  ///< a corner is not a vertex, or there are too many corners
+  bool is_lost = false;  ///< an index is invalid, or there are too many corners
 };
 
 PlyHeader header_of(const std::filesystem::path& file, const SourceBytes& bytes) {
@@ -90,7 +91,8 @@ class PlyReader {
   }
 
  private:
-  /// Checks the header and reserves memory for vertices, because faces may precede the vertices that they name.
+  /// Checks the declarations in the header and claims memory for the vertices. This precedes all elements, because
+  /// faces may precede the vertices that they refer to.
   void declare_vertices() {
     bool face_alpha = false;
     for (const PlyElement& e : header_.elements) {
@@ -116,7 +118,7 @@ class PlyReader {
     if (face_alpha && !has_colour_) has_alpha_ = true, is_streamed_ = false;
   }
 
-  /// Returns whether alpha applies. Programs without alpha write 0 everywhere, which means opaque.
+  /// Returns whether alpha applies. Some programs that do not use alpha write 0 everywhere, which is read as opaque.
   bool is_alpha_used() const { return has_alpha_ && max_alpha_ > 0; }
 
   void warn_of_alpha() {
@@ -215,7 +217,7 @@ class PlyReader {
     return -1;
   }
 
-  /// Adds a face. Stores a polygon until all vertices are read, because its triangulation depends on its shape.
+  /// Adds a face. Stores a polygon until all vertices are read, because its triangulation depends on the positions.
   void add(const Face& face) {
     if (face.is_lost) return;
     if (face.corners.size() < 3) {
@@ -347,7 +349,8 @@ class PlyReader {
     for (const std::uint32_t corner : triangles_of_polygon(corners)) part.primitive.index.push_back(polygon[corner]);
   }
 
-  /// Adds the material of a texture. If the image is missing, the vertex colours apply; without them it is grey.
+  /// Adds the material of a texture. If the image is missing, the vertex colours apply; without vertex colours the
+  /// material is grey.
   int add_material(int texture) {
     Material material;
     if (is_alpha_used()) material.alpha_mode = AlphaMode::blend;
@@ -378,13 +381,13 @@ class PlyReader {
   SourceWarnings warnings_;
   bool is_streamed_ = sink_ != nullptr;  ///< full parts are passed to the sink; requires that vertices precede faces
   MeshOrigins origins_{tile_};
-  std::map<int, int> materials_;  ///< in TileMesh::materials, by texture
+  std::map<int, int> materials_;  ///< index in TileMesh::materials, by texture
   std::vector<Vector> position_;
   std::vector<std::uint16_t> rgba_;
   std::vector<float> uv_;
   std::map<int, Part> parts_;
   std::map<int, std::vector<std::vector<std::uint32_t>>>
-      polygons_;  ///< polygons read before the vertices, by texture; indices into the part
+      polygons_;  ///< polygons that were read before all vertices, by texture, as vertices of the part
   TileMesh out_;
 };
 

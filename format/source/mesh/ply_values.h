@@ -12,7 +12,8 @@
 
 namespace gigabake {
 
-/// Cost          One block of the file in memory.
+/// A reader of values in the order of the file.
+/// Cost          One block of the file is in memory.
 /// Errors (all)  InputError with the line (ASCII) or the byte: the file ends early, or a word is not a number.
 class PlyValues {
  public:
@@ -34,7 +35,7 @@ class PlyValues {
   /// before memory for the element is allocated.
   void expect_room_for(const PlyElement& element) const;
 
-  /// Returns how many bytes follow, from the first that is no blank in a text.
+  /// Returns the number of bytes after the last value. In an ASCII file, the blanks after the value are not counted.
   std::uint64_t bytes_after();
 
   [[noreturn]] void fail(const std::string& message) const;
@@ -49,7 +50,7 @@ class PlyValues {
 
  private:
   double word();
-  /// Goes to the next word. Returns how many bytes of it, or from it on, are in block_.
+  /// Moves to the beginning of the next word. Returns the number of bytes in block_ from there on.
   std::size_t skip_blanks();
   double binary(PlyType type);
   std::uint64_t left() const { return bytes_.size() - at_; }

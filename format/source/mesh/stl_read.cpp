@@ -73,8 +73,8 @@ void for_each_binary_facet(StlBytes bytes, const Take& take) {
   }
 }
 
-/// Returns the number of facets in a binary file. The size of the file determines the number if it is a whole number of
-/// facets. Else the header does, and the bytes after the facets are ignored.
+/// Returns the number of facets in a binary file. If the bytes after the header are a whole number of facets, the file
+/// size determines the result. Otherwise the header determines the result, and the bytes after the facets are ignored.
 /// Errors  InputError: the file is truncated.
 std::uint64_t facets_in(const std::filesystem::path& file, std::uint64_t bytes, StlBytes head,
                         SourceWarnings& warnings) {
@@ -159,7 +159,7 @@ bool for_each_text_loop(const std::filesystem::path& file, const Text& text, con
   return has_ended;
 }
 
-/// Reads an STL twice, because the origins depend on all vertices.
+/// A reader of STL files. It reads the file twice, because the origins depend on all vertices.
 class StlReader {
  public:
   StlReader(const TileRef& tile, const SourceFiles& files, const PrimitiveSink& sink)

@@ -68,9 +68,9 @@ using DemSurface = std::vector<DemTile>;
 /// Rasters with the same coordinate system and pixel grid become one surface. Elevation is read only if a raster is
 /// rejected. If `is_local`, a raster may be on another body than the earth or in a plane. Formats: GeoTIFF (COG), ASCII
 /// grid, SRTM HGT, PNG and JPEG with a world file, VRT of files in its folder.
-/// Errors  InputError that names the key of the scene file to set. The coordinate system is missing, unknown, not on
-///         the earth or does not fit the numbers of the raster. The file is not a raster, or is an image. The build has
-///         no GDAL.
+/// Errors  InputError names the key to set in the scene file. The coordinate system is missing, unknown, not on the
+///         earth or does not fit the numbers of the raster. The file is not a raster, or is an image. The build has no
+///         GDAL.
 std::vector<DemSurface> open_dem(const std::vector<DemOptions>& options, bool is_local);
 
 /// The mesh of a tile in the frame of the tile (z up), with its part of the orthophoto as an image.

@@ -38,7 +38,7 @@ std::optional<VerticalSystem> vertical_system_of(const DemOptions& options, GDAL
   }
   if (auto vertical = vertical_system(dataset.GetSpatialRef())) return vertical;
   if (std::string_view(dataset.GetDriver()->GetDescription()) == "SRTMHGT")
-    return VerticalSystem{"EGM96 height", "metre"};  // defined by the format
+    return VerticalSystem{"EGM96 height", "metre"};  // the format defines this system
   return std::nullopt;
 }
 
@@ -67,7 +67,7 @@ std::string letters_of(std::string_view unit) {
   return out;
 }
 
-/// Returns letters_of() a unit without a plural's "s".
+/// Returns letters_of() of a unit, without the "s" of a plural.
 std::string plain_unit(std::string_view unit) {
   std::string out = letters_of(unit);
   if (out.size() > 2 && out.back() == 's') out.pop_back();
@@ -122,8 +122,8 @@ bool names_a_foot(std::string_view unit) {
   return name == "ft" || name == "foot" || name == "feet";
 }
 
-/// Returns metres per unit of the third axis of a system without a vertical part ("+proj=utm … +vunits=us-ft"); 1 if
-/// there is none.
+/// Returns the metres per unit of the third axis of a coordinate system; 1 if there is no third axis. A system without
+/// a vertical part may have a third axis ("+proj=utm … +vunits=us-ft").
 double third_axis_m(const OGRSpatialReference* crs) {
   constexpr int third = 2;
   double unit_m = 1;
@@ -213,7 +213,7 @@ GDALRasterBand* validity_band(GDALDataset& dataset) {
   for (int i = 2; i <= dataset.GetRasterCount(); ++i)
     if (is_alpha(*dataset.GetRasterBand(i))) return dataset.GetRasterBand(i);
   GDALRasterBand& band = *dataset.GetRasterBand(1);
-  // The nodata value of a single band is compared with its numbers elsewhere; nodata of all bands together is a mask.
+  // A nodata value of a single band is no mask: take_heights() compares heights with it. Nodata of all bands is a mask.
   const int flags = band.GetMaskFlags();
   return flags == GMF_NODATA || (flags & GMF_ALL_VALID) != 0 ? nullptr : band.GetMaskBand();
 }

@@ -31,7 +31,8 @@ class Ground {
   /// Returns 1 per point that could be converted, else 0.
   std::vector<char> locate(std::vector<double>& x, std::vector<double>& y) const;
 
-  /// Converts a result of locate() to an origin: latitude y and longitude x, or y and x in metres in these members.
+  /// Converts a result of locate() to an origin with latitude y and longitude x. In a plane, these members hold y and x
+  /// in metres.
   Geodetic origin(double x, double y) const;
 
   /// A map from results (x, y) of locate() and heights to the east-north-up frame at `origin`.

@@ -44,7 +44,7 @@ bool is_marker(double v, double height_m, const HeightRule& rule) {
          std::find(markers.begin(), markers.end(), v) != markers.end();
 }
 
-/// The lowest and the highest height, and the heights next to them in order.
+/// The lowest, second lowest, second highest and highest height.
 struct Extremes {
   double lowest = std::numeric_limits<double>::infinity(), second_lowest = lowest;
   double highest = -lowest, second_highest = -lowest;

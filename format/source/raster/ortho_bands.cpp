@@ -59,7 +59,7 @@ void expect_colour_numbers(const Path& file, GDALRasterBand& band) {
                        ", whose range of colours is unknown; " + to_bytes_hint);
 }
 
-/// Sets the range of the colours to all values of the bits that the file declares.
+/// Sets the range of the colours to 0 … 2^n - 1 for the n bits that the file declares.
 void set_range(const Path& file, GDALDataset& dataset, OrthoBands& out) {
   int bits = 0;
   double greatest = 0;
@@ -120,7 +120,7 @@ struct Interpreted {
   }
   bool has_rgb() const { return rgb[0] != 0 && rgb[1] != 0 && rgb[2] != 0; }
 
-  /// Returns red, green and blue: bands that state it, and the others in their order for what no band states.
+  /// Returns the bands of red, green and blue. A colour that no band states is assigned to the first unassigned band.
   std::vector<int> completed_rgb() const {
     std::vector<int> out(rgb.begin(), rgb.end());
     for (const int number : others) {

@@ -9,7 +9,7 @@
 namespace gigabake {
 namespace {
 
-/// Memory of a tile in the list of tiles and as a source of a scene, including its name.
+/// Bytes of a DemTile and of its TileRef, including the name.
 constexpr std::uint64_t tile_bytes = 800;
 constexpr std::uint64_t max_tiles = std::uint64_t(1) << 22;
 

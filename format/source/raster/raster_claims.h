@@ -1,4 +1,4 @@
-/// Checks of the memory that rasters need against the limit, before memory is allocated.
+/// Checks that rasters fit into the memory limit, before memory is allocated.
 #pragma once
 
 #include "format/source/raster/gdal_raster.h"

@@ -54,7 +54,7 @@ bool is_in_its_folder(const Path& file) {
   return std::filesystem::canonical(file, error).parent_path() == std::filesystem::canonical(folder, error) && !error;
 }
 
-/// Returns whether metadata of a domain name files that GDAL opens.
+/// Returns whether the metadata of a domain contain names of files that GDAL opens.
 bool leads_to_files(const char* domain) {
   return domain != nullptr && (EQUAL(domain, "OVERVIEWS") || EQUAL(domain, "GEOLOCATION"));
 }
@@ -99,7 +99,7 @@ bool is_safe_tiff(const Path& file) {
 bool is_safe(const Path& side) {
   const std::string extension = in_case(side.extension().string(), [](int c) { return std::tolower(c); });
   if (extension == ".xml") return is_safe_aux_xml(side);
-  if (extension == ".ovr") return is_safe_tiff(side);  // values are the same without overviews
+  if (extension == ".ovr") return is_safe_tiff(side);  // an unsafe overview can be omitted: heights do not depend on it
   if (extension == ".msk" && !is_safe_tiff(side))
     throw InputError(side, "",
                      "is not a TIFF, which the mask of a raster must be; delete it, or write it with GDAL again");

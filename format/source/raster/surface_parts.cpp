@@ -7,7 +7,7 @@
 namespace gigabake {
 namespace {
 
-/// The max difference, in pixels over the whole width, between rasters of one grid. Their numbers are rounded.
+/// The max deviation between equal pixel grids, in pixels over the whole width. Geotransforms are rounded numbers.
 constexpr double max_offset_pixels = 0.02;
 /// The max distance between rasters of one surface, in pixels, because the size of a surface must fit into an int.
 constexpr double max_distance_pixels = 1e8;
@@ -32,7 +32,8 @@ std::optional<std::pair<int, int>> offset_of(const RasterHead& a, const RasterHe
   return std::pair(int(std::lround(column)), int(std::lround(row)));
 }
 
-/// Moves the origin of a surface's grid from its first part to the first pixel of all parts, and sets its size.
+/// Moves the origin of a surface's grid from the first part to the first column and row of all parts. Sets the size of
+/// the surface.
 void settle(SurfaceHead& surface, std::vector<RasterHead>& heads) {
   int column = 0, row = 0;
   for (const std::size_t i : surface.heads)

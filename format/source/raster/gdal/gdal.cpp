@@ -71,7 +71,7 @@ Grid grid_of(const Path& file, GDALDataset& dataset) {
   return grid;
 }
 
-/// Returns a number with six significant digits.
+/// Returns a number as text with up to six significant digits.
 std::string short_number(double v) {
   std::ostringstream text;
   text << v;
@@ -180,7 +180,7 @@ void place_tiles(const Ground& ground, std::vector<DemTile>& tiles) {
     }
     const std::vector<char> is_located = ground.locate(x, y);
     const auto at = std::find(is_located.begin(), is_located.end(), 1) - is_located.begin();
-    if (at == std::ptrdiff_t(is_located.size())) continue;  // places() throws if the tile has a value
+    if (at == std::ptrdiff_t(is_located.size())) continue;  // places() turns all heights into holes
     const Point<Scene> p = frame(x[std::size_t(at)], y[std::size_t(at)], 0);
     t.offset_m = {std::round(p.x), std::round(p.y), std::round(p.z)};
   }
@@ -268,7 +268,7 @@ void set_texels(const std::vector<RasterHead>& heads, const SurfaceHead& surface
                                " are kept; resample the raster to smaller pixels with gdalwarp -tr");
     part.warnings.insert(part.warnings.end(), facts.warnings.begin(), facts.warnings.end());
   }
-  constexpr double tolerance = 0.02;  // for the scale factor of a projection
+  constexpr double tolerance = 0.02;  // allows for the scale factor of a projection
   raster.texels_per_cell = int(std::ceil(std::min(texels, double(max_texels_per_cell)) - tolerance));
   const int cells = (max_texture_edge - 2 * margin_texels(raster.texels_per_cell)) / raster.texels_per_cell;
   for (DemPart& part : raster.parts) part.options.tile_cells = std::max(1, std::min(part.options.tile_cells, cells));

@@ -114,13 +114,13 @@ bool is_without_data(GDALRasterBand& band, int column, int row, int columns, int
   return (band.GetDataCoverageStatus(column, row, columns, rows, 0, nullptr) & GDAL_DATA_COVERAGE_STATUS_DATA) == 0;
 }
 
-/// One raster of a mosaic. Rectangles: left, top, width and height in pixels.
+/// One raster of a mosaic. A rectangle has left, top, width and height in pixels.
 struct MosaicSource {
   std::filesystem::path file;
   int band = 1;
-  std::array<double, 4> from{}, to{};  ///< in the source and in the mosaic
+  std::array<double, 4> from{}, to{};  ///< rectangles in the source and in the mosaic
   std::vector<double> holes = {};      ///< numbers that are no heights
-  bool is_changed = false;             ///< the mosaic computes other numbers from it
+  bool is_changed = false;             ///< the mosaic converts the numbers of the source
 };
 
 std::array<double, 4> rectangle_of(const CPLXMLNode* node, const char* name) {
@@ -148,7 +148,7 @@ std::optional<MosaicSource> source_of(const std::filesystem::path& vrt, const ch
   return out;
 }
 
-/// Bilinear and other filters read pixels around a window.
+/// Pixels around a window that bilinear and other filters read.
 constexpr double filter_pixels = 4;
 
 struct IndexRange {
@@ -168,7 +168,8 @@ IndexRange source_span(const MosaicSource& s, std::size_t axis, int begin, int s
           int(std::clamp(std::ceil(last), 0.0, double(source_size)))};
 }
 
-/// Returns the rasters of a mosaic whose pixels without a source are holes. Empty if `vrt` is no such mosaic.
+/// Returns the sources of a mosaic. Returns an empty list if `vrt` is no mosaic, a source is not supported, or pixels
+/// without a source are not holes.
 std::vector<MosaicSource> mosaic_sources(const DemOptions& options, GDALDataset& vrt) {
   GDALRasterBand& band = *vrt.GetRasterBand(1);
   if (!EQUAL(vrt.GetDriver() != nullptr ? vrt.GetDriver()->GetDescription() : "", "VRT")) return {};
@@ -195,7 +196,7 @@ class SourceCoverage {
     is_hole_ = std::isnan(value) || std::find(source.holes.begin(), source.holes.end(), value) != source.holes.end();
   }
 
-  /// Returns whether the source has no value in a window of the mosaic: it is elsewhere, or its blocks are left out.
+  /// Returns true if the source does not overlap the window of the mosaic, or omits all blocks in the window.
   bool is_empty(int left, int top, int columns, int rows) const {
     const IndexRange x = source_span(source_, 0, left, columns, raster_->GetRasterXSize());
     const IndexRange y = source_span(source_, 1, top, rows, raster_->GetRasterYSize());
@@ -207,10 +208,10 @@ class SourceCoverage {
  private:
   const MosaicSource& source_;
   BorrowedRaster raster_;
-  bool is_hole_ = false;  ///< a block that is left out is one
+  bool is_hole_ = false;  ///< an omitted block is a hole
 };
 
-/// Pixels of a part: the first, and the one behind the last.
+/// A window of pixels of a part. `right` and `bottom` are exclusive.
 struct PixelWindow {
   int left, top, right, bottom;
 };
@@ -230,7 +231,7 @@ class FilledTiles {
       return add_windows(part, {0, 0, part.columns, part.rows}, [&](int left, int top, int columns, int rows) {
         return is_known_empty(part.options, *dataset, left, top, columns, rows);
       });
-    dataset.reset();  // a thread may borrow only one
+    dataset.reset();  // a thread may borrow only one raster at a time
     for (const MosaicSource& source : sources) {
       const SourceCoverage coverage(source);
       add_windows(part, window_of(source, part), [&](int left, int top, int columns, int rows) {
@@ -249,7 +250,8 @@ class FilledTiles {
             pixel(std::ceil(source.to[1] + source.to[3]), part.rows)};
   }
 
-  /// is_empty: called with a window in pixels of the part, per tile that is not filled yet.
+  /// Marks the tiles that overlap a window of a part as filled, unless is_empty() returns true. Calls is_empty() per
+  /// tile that is not filled yet, with the window of the tile in pixels of the part.
   void add_windows(const DemPart& part, const PixelWindow& within,
                    const std::function<bool(int, int, int, int)>& is_empty) {
     const int last_row = std::min(rows_ - 1, (part.row + within.bottom - 1) / edge_);
@@ -275,7 +277,7 @@ bool is_known_empty(const DemOptions& options, GDALDataset& dataset, int column,
   GDALRasterBand& band = *dataset.GetRasterBand(1);
   if (!is_without_data(band, column, row, columns, rows)) return false;
   if (is_hole(options, band, left_out_value(band))) return true;
-  GDALRasterBand* validity = validity_band(dataset);  // omitted blocks of a mask are read as 0: no value
+  GDALRasterBand* validity = validity_band(dataset);  // omitted blocks of a mask are read as 0, which means no value
   return validity != nullptr && is_without_data(*validity, column, row, columns, rows);
 }
 

@@ -41,7 +41,7 @@ void expect_closed_vrt(const std::filesystem::path& file, const char* key);
 /// Errors  InputError(side file): the side file names other files.
 std::vector<std::string> safe_side_files(const std::filesystem::path& file);
 
-/// Returns a line for each .aux.xml of a raster that cannot be read.
+/// Returns one warning for each .aux.xml side file that cannot be read.
 /// Errors  InputError like safe_side_files().
 std::vector<std::string> side_file_warnings(const std::filesystem::path& file);
 

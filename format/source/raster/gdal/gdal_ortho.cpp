@@ -27,8 +27,9 @@ std::string ortho_crs_of(const DemOptions& o, GDALDataset& ortho, const OGRSpati
   return own != nullptr ? wkt_of(*own) : "";
 }
 
-/// Creates a map from the pixels of an orthophoto to the pixels of `target`, or to raster coordinates if that is null.
-/// Uses only the geotransform or ground control points, because geolocation arrays are in other files.
+/// Creates a map from the pixels of an orthophoto to the pixels of `target`. If `target` is null, the map leads to
+/// coordinates of the raster. Uses only the geotransform or ground control points, because geolocation arrays are in
+/// other files.
 Transformer transformer_of(const DemOptions& o, GDALDataset& ortho, GDALDataset* target,
                            const OGRSpatialReference* raster_crs) {
   CPLStringList options;
@@ -180,8 +181,7 @@ bool reaches(void* transformer, int direction, int columns, int rows, double oth
   return false;
 }
 
-/// Returns whether a sample of an orthophoto has a pixel that is not transparent. Also true if the sample cannot be
-/// read.
+/// Returns whether a sample of an orthophoto has a pixel that is not transparent; true if the sample cannot be read.
 bool has_colour(GDALDataset& ortho, const OrthoBands& bands) {
   constexpr int edge = 128;
   const int width = std::min(edge, ortho.GetRasterXSize()), height = std::min(edge, ortho.GetRasterYSize());
