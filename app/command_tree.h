@@ -1,5 +1,5 @@
-/// The commands and their options as a plain value, for the manual and for shell completion. Contains only what --help
-/// lists.
+/// The commands and their options as a plain value, for the manual and for shell completion. The tree contains only
+/// commands and options that --help lists.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -28,7 +28,7 @@ struct Command {
   std::vector<std::string> option_names() const;
 };
 
-/// Returns the tree of commands and options that --help lists; omits hidden ones.
+/// Returns the tree of the commands and options that --help lists. Omits hidden commands and options.
 Command command_tree(const CLI::App& program, const std::string& name);
 
 /// Returns the command as JSON text, which command_from_json() reads.

@@ -1,5 +1,5 @@
-/// The subcommands. Each file turns arguments into one call and its result into text or JSON; commands contain no
-/// logic.
+/// The subcommands. Each file turns arguments into one library call, and the result of the call into text or JSON.
+/// Commands contain no other logic.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -24,7 +24,7 @@ int exit_code_of(const BakeSummary& summary) {
   return summary.scene.losses.empty() ? complete : cells_failed;
 }
 
-/// Prints what remains under --quiet: warnings.
+/// Prints the warnings of an event. Under --quiet, nothing else of the event is printed.
 void print_warnings(const BakeEvent& event) {
   if (const auto* source = std::get_if<SourceOpened>(&event)) {
     for (const std::string& note : source->sources.notes)
@@ -56,8 +56,8 @@ std::string state_left(const BakeStatus& s) {
   return fmt::format("\ngigabake: stopped immediately, {}; the same command resumes the bake\n", done);
 }
 
-/// Returns `listener` with additions: it updates the text for a second Ctrl-C. Once the source is open, lines of a log
-/// get the time. Earlier lines directly answer the command and need none.
+/// Returns a listener that calls `listener` and updates the text that a second Ctrl-C prints. It calls `begin_log` when
+/// the source is opened, because later lines are a log with times. Earlier lines directly answer the command.
 BakeListener with_log_time(const BakeListener& listener, const std::function<void()>& begin_log) {
   return [listener, begin_log](const BakeEvent& event) {
     if (std::holds_alternative<SourceOpened>(event)) begin_log();

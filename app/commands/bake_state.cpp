@@ -16,13 +16,13 @@ namespace {
 
 constexpr double silence_s = 15;
 
-/// Returns true if the writer runs on this host. A writer on another host cannot be checked.
+/// Returns true if the process that writes the status runs on this host. A process on another host cannot be checked.
 bool writer_is_alive(const BakeStatus& s) {
   return s.host == host_name() && s.pid > 0 && (::kill(pid_t(s.pid), 0) == 0 || errno == EPERM);
 }
 
-/// Returns true if the writer seems to be dead. On this host its process is checked; on another host only a timeout
-/// shows it.
+/// Returns true if the process that writes the status seems to be dead. On this host, the process is checked; on
+/// another host, only a timeout shows it.
 bool seems_interrupted(const BakeStatus& s, const std::string& out, double now_s) {
   if (is_over(s.state) || writer_is_alive(s) || lock_holder(out)) return false;
   return s.host == host_name() || now_s - s.updated_s > silence_s;

@@ -33,8 +33,8 @@ struct ExportOptions {
 
 struct ExportFormat {
   const char* name;
-  const char* suffix;  ///< of its single file; empty if the output is always a folder
-  /// Returns the number of voxels of the level. Empty if all ranks write the format together.
+  const char* suffix;  ///< suffix of the single file; empty if the output is always a folder
+  /// Writes the export, and returns the number of voxels of the level. Empty if all ranks write the format together.
   std::function<std::uint64_t(const ExportOptions&, const Progress&)> write;
 };
 
@@ -75,8 +75,8 @@ const ExportFormat& chosen_format(const ExportOptions& o) {
       o.out, fmt::join(format_names(), ", ")));
 }
 
-/// Rejects tileset options.
-/// Errors  UsageError: an option of tilesets with a format that has no such option.
+/// Rejects tileset options for a format without tiles.
+/// Errors  UsageError: the command line has a tileset option.
 void expect_no_tile_options(const CLI::App& command, const ExportFormat& format) {
   for (const char* name : {"--tile-voxels", "--threads", "--update"})
     if (command.count(name) != 0)

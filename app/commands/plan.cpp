@@ -21,8 +21,8 @@ std::optional<CachedResults> prior_of(const BakePlan& plan, const BakeRequest& r
   return find_cached(plan, read_journal(request.out / "journal"), request.out, mpi.cores());
 }
 
-/// Prints the failure of a bake without visible voxels. Returns true if sample cells of the whole surface were baked
-/// and none has a voxel. If they cover only a part of the surface, it only warns.
+/// Prints an error if a bake would have no visible voxel. Returns true if sample cells of the whole surface were baked
+/// and none has a voxel. If the samples cover only a part of the surface, prints a warning and returns false.
 bool is_refused_as_empty(const BakeRequest& request, const PlannedBake& planned, const PlanMeasure& measure) {
   constexpr double rounding = 1e-3;
   const MeasuredSize& size = measure.requested();

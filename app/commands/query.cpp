@@ -55,7 +55,7 @@ struct Asked {
   std::unique_ptr<QuerySource> asks;
 };
 
-/// Returns the single query of the command line.
+/// Returns the class and the source of the queries that the command line requests.
 Asked question_of(const QueryArguments& a, const ThreadPool& pool) {
   const std::array<const std::string*, 7> all{&a.ray, &a.rays, &a.at, &a.heights, &a.grid, &a.sight, &a.sights};
   if (std::count_if(all.begin(), all.end(), [](const std::string* s) { return !s->empty(); }) != 1)
@@ -78,7 +78,8 @@ Asked question_of(const QueryArguments& a, const ThreadPool& pool) {
           single_query({{}, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}}, DirectionForm::point, "--sight")};
 }
 
-/// Selects the device: with `cuda` at once, otherwise at the first long batch, because a driver's start takes a second.
+/// Selects the device: immediately for `cuda`, otherwise at the first long batch, because a driver's start takes a
+/// second.
 void set_device(Backend backend, QueryOptions& options) {
   if (backend == Backend::cpu) return;
   options.device = [] { return choose_device({Backend::automatic}).device; };

@@ -108,7 +108,7 @@ FrameRenderer::Options renderer_options_of(const RenderArguments& a) {
   return options;
 }
 
-/// Prints why images were rendered coarser than requested, and returns the exit code for it.
+/// Prints the reasons for which images were rendered from coarser levels than requested. Returns the exit code.
 int print_problems(const FrameRenderer& renderer) {
   for (const std::string& problem : renderer.problems())
     print_message("gigabake: rendered from coarser levels: {}\n", with_flags(problem));
@@ -120,7 +120,7 @@ void print_legend(ViewMode mode) {
   if (mode != ViewMode::lit) fmt::print("{}: {}\n", name_of(mode), view_mode_legend(mode));
 }
 
-/// Writes the files of one image. name_of: returns the file name for the value of -o or --depth.
+/// Writes the files of one image. `name_of` returns the name of a file from the value of -o or --depth.
 template <class NameOf>
 void write_files(const RenderArguments& a, const Picture& picture, double voxel_size_m, const NameOf& name_of) {
   write_picture(name_of(a.picture), picture, voxel_size_m);

@@ -31,7 +31,7 @@ std::vector<std::string> command_names(const Command& command) {
   return names;
 }
 
-/// Returns one line of a shell's case statement per command; each sets `at` to the command's name.
+/// Returns one line of a shell's case statement per command. Each line sets `at` to the command's name.
 std::string path_cases(const Command& root, const std::string& indent) {
   std::string text;
   for (const Command* command : all_commands(root))

@@ -7,8 +7,8 @@
 
 namespace gigabake::app {
 
-/// Returns a script for the shell. It completes subcommands, options and the values of options that have a list;
-/// otherwise file names.
+/// Returns a script for the shell. The script completes subcommands, options and listed values of options. All other
+/// words are completed as file names.
 std::string bash_completion(const Command& root);
 std::string zsh_completion(const Command& root);
 std::string fish_completion(const Command& root);

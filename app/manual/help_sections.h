@@ -13,7 +13,7 @@ struct HelpSection {
   std::vector<std::string> lines;  ///< printed unchanged
 };
 
-/// Returns the sections of a command. command: its full name, such as "gigabake bench render".
+/// Returns the sections of a command. `command` is its full name, such as "gigabake bench render".
 std::vector<HelpSection> help_sections(const std::string& command);
 
 /// Appends the sections to the --help of each command.

@@ -8,9 +8,11 @@
 namespace gigabake {
 
 struct LibraryVersions {
-  std::vector<std::pair<std::string, std::string>> linked;  ///< HDF5, LZ4, libpng: run-time version; libdeflate: build
-  std::vector<std::pair<std::string, std::string>>
-      loaded;          ///< loaded on demand (format/system/module.h): version of the build; empty if built without
+  /// HDF5, LZ4 and libpng: version at run time. libdeflate: version at build time.
+  std::vector<std::pair<std::string, std::string>> linked;
+  /// Libraries that are loaded on demand (format/system/module.h): version at build time; empty if gigabake was built
+  /// without the library.
+  std::vector<std::pair<std::string, std::string>> loaded;
   std::string codecs;  ///< codecs of sources in this build: "zip draco meshopt webp"
 };
 

@@ -34,7 +34,7 @@ void BakeConsole::take(const BakeEvent& event) {
   }
 }
 
-/// Ends the steps' line first, because both lines share a terminal.
+/// Prints a line. Ends the line of the steps first, because the displays of steps and cells share a terminal.
 void BakeConsole::say(const std::string& line) {
   steps_.end_step();
   line_.say(with_flags(line));

@@ -12,10 +12,10 @@ namespace gigabake::app {
 
 class BakeConsole {
  public:
-  /// steps: stream for the steps before the first cell; null: do not print them.
+  /// `steps` is the stream for the steps before the first cell; null prints no steps.
   BakeConsole(std::FILE* steps, StopCallbacks stop);
-  /// Returns steps and a listener that point at this object. They print opened sources, the scan, the plan, the
-  /// progress of the cells and their warnings.
+  /// Returns a progress that refers to this object. Its steps and listener print opened sources, the scan, the plan,
+  /// the progress of the cells and their warnings.
   BakeProgress progress();
   /// Ends the current step's line, so that the caller can print to standard error.
   void end_step() { steps_.end_step(); }

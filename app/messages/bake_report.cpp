@@ -199,7 +199,7 @@ void print_cells(const BakePlan& plan, const std::optional<CachedResults>& prior
 /// The cells that an earlier bake has not finished.
 struct RemainingWork {
   std::size_t cells = 0;
-  double fraction = 0;  ///< of the work of all cells
+  double fraction = 0;  ///< fraction of the work of all cells
   std::optional<double> bake_s;
 
   RemainingWork(const BakePlan& plan, const CachedResults& prior, const PlanSizes& sizes) {
@@ -241,8 +241,8 @@ void print_report(const BakePlan& plan, const std::optional<CachedResults>& prio
 
 namespace {
 
-/// Prints one line per cell without building a document: for millions of cells it would take gigabytes. Names of cells
-/// are plain ASCII.
+/// Prints one line per cell without building a JSON document, which would take gigabytes for millions of cells. Names
+/// of cells are plain ASCII.
 void print_jobs(const BakePlan& plan, const std::optional<CachedResults>& prior) {
   for (const CellJob& job : plan.jobs) {
     fmt::print(

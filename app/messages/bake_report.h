@@ -14,8 +14,8 @@ namespace gigabake::app {
 
 /// Prints the report of a bake on standard output.
 void print_report(const BakeSummary& summary, const std::filesystem::path& out);
-/// Prints the report of a plan on standard output. If `lists_cells`, also prints one line per cell. Parameter prior:
-/// earlier results in SCENE; nullopt: no SCENE was given.
+/// Prints the report of a plan on standard output. If `lists_cells`, also prints one line per cell. `prior` contains
+/// the earlier results in SCENE; it is nullopt if no SCENE was given.
 void print_report(const BakePlan& plan, const std::optional<CachedResults>& prior, const PlanSizes& sizes,
                   bool lists_cells);
 std::string json_report(const BakeSummary& summary, const std::filesystem::path& out);
@@ -25,8 +25,8 @@ void print_json_report(const BakePlan& plan, const std::optional<CachedResults>&
 /// otherwise.
 void warn_of(const SourcePrecision& precision);
 
-/// Prints missing inputs on standard error. Call it last, so that the user sees them at the end. At most 50 lines; the
-/// last line counts the others.
+/// Prints missing inputs on standard error. Call it last, so that the user sees them at the end. Prints at most 50
+/// lines; the last line states how many inputs are not printed.
 void print_losses(const std::vector<SceneLoss>& losses);
 
 }  // namespace gigabake::app

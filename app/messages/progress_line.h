@@ -12,14 +12,14 @@ namespace gigabake::app {
 
 class ProgressLine {
  public:
-  /// line_every_s: seconds between lines in a log. On a terminal, the bar is redrawn at most ten times per second.
+  /// `line_every_s` is the time between lines in a log. On a terminal, the bar is redrawn at most ten times per second.
   ProgressLine(std::FILE* stream, double line_every_s);
   /// Ends the bar's line.
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// Prints the status if the interval has passed, and once when all of the scan or all cells are done.
+  /// Prints the status if the interval has passed, and once when the scan or the last cell is complete.
   void show(const BakeStatus& status);
   /// Prints `line` on a separate line in place of the bar.
   void say(const std::string& line);

@@ -38,7 +38,7 @@ std::string kind_of(std::string_view line) {
     else if (kind.empty() || kind.back() != '#')
       kind += '#';
   }
-  std::string plain;  // c_-#_#: a cell's column may be negative
+  std::string plain;  // a cell's column may be negative: c_-#_#
   for (std::size_t i = 0; i < kind.size(); ++i)
     if (kind[i] != '-' || i + 1 == kind.size() || kind[i + 1] != '#') plain += kind[i];
   return plain;

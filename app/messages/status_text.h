@@ -21,10 +21,11 @@ std::string one_line(const BakeStatus& status);
 double share_done(const BakeStatus& status);
 enum class Writer {
   there,  ///< the bake is running, or has recorded its end
-  gone,   ///< the status is `running`, but no process updates it
+  gone,   ///< the bake has not recorded its end, but no process updates its status
 };
 
-/// Returns several lines for people. Replaces control characters of names and reasons. now_s: Unix time.
+/// Returns several lines for people. Replaces control characters of names and reasons. `now_s` is the Unix time in
+/// seconds.
 std::string describe(const BakeStatus& status, double now_s, Writer writer);
 
 }  // namespace gigabake::app

@@ -17,15 +17,15 @@ namespace gigabake::app {
 /// Callbacks that detect and enforce a stop request.
 struct StopCallbacks {
   std::function<bool()> is_there;  ///< called by every thread that advances a step
-  /// Ends the process if a step has not stopped within half a second. If empty, the step may finish, and a line
-  /// states that the next Ctrl-C ends the process at once.
+  /// Ends the process if a step has not stopped within half a second. If this callback is empty, the step may finish,
+  /// and a line states that the next Ctrl-C ends the process at once.
   std::function<void()> end_process;
 };
 
 /// A display whose own thread prints the lines, so that a step without progress is shown too.
 class StepDisplay : private ProgressListener {
  public:
-  /// stream: null prints nothing.
+  /// Prints the steps to `stream`; null prints nothing.
   StepDisplay(std::FILE* stream, StopCallbacks stop);
   /// Ends the current step, like end_step().
   ~StepDisplay() override;

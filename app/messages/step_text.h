@@ -10,17 +10,18 @@
 
 namespace gigabake::app {
 
-/// A pure value: the caller passes the time, so tests need no clock. Times are seconds of any monotonic clock.
+/// The progress text of the current step. The caller passes all times, in seconds of any monotonic clock, so tests need
+/// no clock.
 class StepText {
  public:
   StepText(double now_s, bool is_terminal);
 
-  /// Begins a step. total 0: its size is unknown.
+  /// Begins a step. `total` is the number of its parts; 0 if the number is unknown.
   void begin(std::string name, std::uint64_t total, std::string unit, double now_s);
   /// Ends the step: line() returns nullopt until the next begin().
   void end();
-  /// Returns the line to show, or nullopt if the interval has not passed. done: finished parts of the step. Call it
-  /// about ten times per second.
+  /// Returns the line to show, or nullopt if the interval has not passed. `done` is the number of finished parts of the
+  /// step. Call it about ten times per second.
   std::optional<std::string> line(std::uint64_t done, double now_s);
 
  private:

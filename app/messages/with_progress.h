@@ -8,8 +8,8 @@
 
 namespace gigabake::app {
 
-/// Returns the result of work(progress), after clearing its line on a terminal. `told`: stream for the progress; null:
-/// print none.
+/// Runs work(progress), clears the progress line on a terminal, and returns the result of `work`. Progress is printed
+/// to `told`; null prints no progress.
 /// Errors  Stopped: a signal arrived; and the exceptions of `work`.
 template <class Work>
 auto with_progress(const Work& work, std::FILE* told = stderr) {
@@ -18,8 +18,8 @@ auto with_progress(const Work& work, std::FILE* told = stderr) {
   return work(display.progress());
 }
 
-/// Like with_progress(), for work that writes no files: if a step ignores a stop signal for half a second, the process
-/// ends.
+/// Runs `work` like with_progress(). The work must not write files: if a step ignores a stop signal for half a second,
+/// the process ends.
 template <class Work>
 auto while_reading(const Work& work, std::FILE* told = stderr) {
   const StopSignals signals;

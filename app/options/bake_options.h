@@ -9,7 +9,7 @@
 
 namespace gigabake::app {
 
-/// The request that the parser fills, and the options that need further parsing as typed. request() combines both.
+/// A request that the parser fills, and the texts of options that need further parsing. request() combines them.
 struct BakeOptions {
   BakeRequest asked;  ///< its defaults are shown in the help
   std::string source, out, metrics, report, voxel_size, channels, lattice_origin, origin;
@@ -20,8 +20,8 @@ struct BakeOptions {
   BakeOptions();
   void add_to(CLI::App& command);
   /// Collective. Returns this rank's own request.
-  /// Errors  CollectiveUsageError: the option and its expected value. CollectiveFailure: rank 0 finds that SCENE is not
-  ///         a source.
+  /// Errors  CollectiveUsageError: the option and its expected value. CollectiveFailure: rank 0 finds that SOURCE is a
+  ///         baked scene or a shard.
   BakeRequest request_of(MpiSession& mpi) const;
   /// Returns the request of a process that bakes without MPI.
   /// Errors  UsageError and InputError, for the same reasons as request_of().

@@ -1,4 +1,4 @@
-/// Options that a window and a browser's server share.
+/// Options that the commands `view` and `serve` share.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -31,7 +31,7 @@ std::string digits_of(std::string_view name) {
   return out;
 }
 
-/// Returns the words of `name` in lower case. Digits and separators end a word; so does the start of a camelCase word.
+/// Returns the words of `name` in lower case. Digits, separators and the start of a camelCase word end a word.
 std::vector<std::string> words_of(std::string_view name) {
   std::vector<std::string> words(1);
   for (std::size_t i = 0; i < name.size(); ++i) {

@@ -13,13 +13,14 @@ namespace gigabake::app {
 ///         followed and hard links are recognised.
 void expect_no_input(const char* option, const std::string& name, const std::vector<std::filesystem::path>& inputs);
 
-/// Checks that the parent folder of the path of `option` exists, so that a command fails before its work. Parameter
-/// made: a folder that the command creates itself; it need not exist.
-/// Errors  InputError: the folder is missing, with the command that creates it, or it is a file.
+/// Checks that the parent folder of the path of `option` exists, so that a command fails before its work. `made` is a
+/// folder that the command creates itself; it need not exist.
+/// Errors  InputError: the folder is missing, or it is a file. The message for a missing folder names the command that
+///         creates it.
 void expect_parent_folder(const char* option, const std::string& name, const std::filesystem::path& made = {});
 
-/// Checks a file that later runs replace, like expect_no_input(). An existing file must also begin with `beginning` or
-/// be empty.
+/// Checks a file that later runs replace, like expect_no_input(). In addition, an existing file must begin with
+/// `beginning` or be empty.
 void expect_own_file(const char* option, const std::string& name, std::string_view beginning,
                      const std::vector<std::filesystem::path>& inputs);
 

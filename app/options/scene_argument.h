@@ -13,9 +13,10 @@ namespace gigabake::app {
 ///         to use instead.
 std::filesystem::path scene_argument(const std::string& given);
 
-/// Returns the scene of a bake that may be running or not started yet. Like scene_argument(), but scene.xml or its
-/// folder need not exist yet.
-/// Errors  InputError: also a name without a parent folder, or one that is probably a misspelt bake in the same folder.
+/// Returns the scene.xml of a bake that may be running or not started yet. Unlike in scene_argument(), scene.xml and
+/// its folder need not exist yet.
+/// Errors  InputError as in scene_argument(). InputError also for a name without a parent folder, and for a name that
+///         is probably a misspelt bake in the same folder.
 std::filesystem::path live_scene_argument(const std::string& given);
 
 /// Returns SCENE if `given` is SCENE or SCENE/scene.xml.
@@ -27,7 +28,7 @@ std::filesystem::path bake_folder_argument(const std::string& given);
 void expect_bake_output(const std::string& given);
 
 /// Checks that `given` is neither a baked scene nor a shard.
-/// Errors  InputError: it is one of them.
+/// Errors  InputError: `given` is a baked scene or a shard.
 void expect_source(const std::string& given);
 
 }  // namespace gigabake::app

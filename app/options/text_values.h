@@ -14,11 +14,12 @@
 namespace gigabake::app {
 
 /// Parses one finite number.
-/// Errors  UsageError, from every function of this file: the option, the expected form, the text.
+/// Errors  UsageError with the option, the expected form and the text. All functions of this file except integers()
+///         throw it.
 double number(const char* option, std::string_view text);
 /// Parses three finite numbers separated by commas. `form` describes them in the error message.
 Vec3d triple(const char* option, const char* form, const std::string& text);
-/// Parses numbers separated by commas; their count must be in `counts`.
+/// Parses numbers separated by commas. Their number must be in `counts`.
 std::vector<double> numbers(const char* option, const char* form, const std::string& text,
                             std::initializer_list<std::size_t> counts);
 /// Parses integers between single separators; returns nullopt for any other text.

@@ -29,7 +29,7 @@ constexpr std::array<std::pair<const char*, const char*>, 7> bench_commands{{
     {"accuracy", "Measure speed and error of many settings, compared with images of the triangles"},
 }};
 
-/// Returns the folders that may contain gigabake-bench: of a build and of an installation.
+/// Returns the folders that may contain gigabake-bench: its folder in a build, and its folder in an installation.
 std::array<std::filesystem::path, 2> bench_folders() {
   const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   return {own, (own / GIGABAKE_BENCH_FOLDER).lexically_normal()};

@@ -20,15 +20,15 @@ inline constexpr const char* bench_tree_option = "--list-options";
 /// so that help lists them without gigabake-bench.
 CLI::App& declare_bench(CLI::App& program);
 
-/// Adds `bench` to gigabake. A subcommand replaces this process by gigabake-bench, which parses the rest of
-/// `arguments`, the whole command line.
+/// Adds `bench` to gigabake. `arguments` is gigabake's whole command line. A subcommand replaces this process by
+/// gigabake-bench, which parses the arguments after the subcommand.
 void add_bench_starter(CLI::App& program, const std::vector<std::string>& arguments);
 
 /// Returns the tree of `bench` with all options, as gigabake-bench prints it; nullopt if that program is missing.
 std::optional<Command> bench_tree();
 
-/// Returns the error line if another version of gigabake started this gigabake-bench; else nullopt. caller: that
-/// program's build_version().
+/// Returns the error line if another version of gigabake started this gigabake-bench; else nullopt. `caller` is the
+/// build_version() of the gigabake that started it.
 std::optional<std::string> other_version_error(const std::string& caller);
 
 }  // namespace gigabake::app

@@ -9,11 +9,12 @@ namespace gigabake::app {
 /// reports that error. scene_argument() calls it for every scene on the command line.
 void record_missing_data(const std::filesystem::path& scene_xml);
 
-/// Prints one line per recorded scene that lacks data, at the first call only. Returns `exit_code`, but cells_failed in
-/// place of complete if a scene lacks data.
+/// Prints one line per recorded scene that lacks data, at the first call only. Returns `exit_code`. If a scene lacks
+/// data, returns cells_failed in place of `complete`.
 int report_missing_data(int exit_code);
 
-/// Suppresses the line on ranks other than 0; the exit code stays the same on all ranks.
+/// Suppresses the lines of report_missing_data(). Ranks other than 0 call it; the exit code stays the same on all
+/// ranks.
 void silence_missing_data();
 
 }  // namespace gigabake::app

@@ -48,7 +48,7 @@ int on_all_ranks(const std::string& command, const std::function<int(MpiSession&
     mpi.abort(rank_lost);  // not 1: launch scripts take 1 for a failure of the bake and do not restart it
   } catch (const std::exception& e) {
     if (mpi.ranks() == 1) throw;
-    if (mpi.rank() == 0 && has_output_failed()) return mpi.from_master(failed);  // the others wait in this call
+    if (mpi.rank() == 0 && has_output_failed()) return mpi.from_master(failed);  // the other ranks wait in this call
     print_message("gigabake: rank {}: {}\n", mpi.rank(), said(e));
     mpi.abort(failed);  // only this rank failed: the other ranks would wait for it forever
   }

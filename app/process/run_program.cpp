@@ -19,7 +19,7 @@
 namespace gigabake::app {
 namespace {
 
-/// Returns the exit code. write_error: set to the errno of a write to standard output that failed.
+/// Returns the exit code. If a write to standard output failed, sets `write_error` to its errno.
 int run(int argc, const char* const* argv, const AddCommands& add_commands, int& write_error) {
   CLI::App program{"gigabake bakes textured terrain into a paged scene of sparse voxel oct-trees, and shows it."};
   program.set_version_flag("--version", about, "version, commit, formats and libraries, and exit");

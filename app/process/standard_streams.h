@@ -21,7 +21,7 @@ bool has_output_failed();
 
 /// Flushes standard output at the end of every command and returns its exit code. If output is incomplete, prints the
 /// reason in one line and replaces `complete` by `failed`. A closed pipe is no failure if all work was done; otherwise
-/// the process ends by SIGPIPE. Parameter write_error: errno of the write that ended the work; 0 if none did.
+/// the process ends by SIGPIPE. `write_error` is the errno of the write that ended the work; 0 if no write did.
 int end_of_output(int exit_code, int write_error);
 
 }  // namespace gigabake::app

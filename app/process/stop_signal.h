@@ -9,8 +9,8 @@ namespace gigabake::app {
 inline constexpr const char* stopped_while_writing =
     "gigabake: stopped immediately; complete files are unchanged, but a .part file may be left next to them\n";
 
-/// A scope that records the first of these signals; the second signal prints `last_words` and ends the process. The
-/// state belongs to the process: use only one object at a time. last_words: a string literal.
+/// A scope that records the first SIGINT or SIGTERM. The second signal prints `last_words`, a string literal, and ends
+/// the process. The state belongs to the process: use only one object at a time.
 /// Errors  std::runtime_error: sigaction() failed.
 class StopSignals {
  public:
