@@ -16,6 +16,8 @@ T load(const unsigned char* from) {
   return v;
 }
 
+/// Returns a component as a float. Divides a normalized integer by the max value of its type; the result is at least
+/// -1.
 /// Source  glTF 2.0, 3.6.2.2 (normalized integers).
 float float_at(const unsigned char* from, int type, bool normalized) {
   switch (type) {
@@ -53,7 +55,7 @@ std::uint64_t bytes_of_component(int type) {
   return std::uint64_t(tinygltf::GetComponentSizeInBytes(std::uint32_t(type)));
 }
 
-/// Returns `bytes` of a view from `offset` on.
+/// Returns `bytes` bytes of a view from `offset` on.
 SourceBytes piece(const GltfDocument& document, int view, std::uint64_t offset, std::uint64_t bytes) {
   return document.view_bytes(view).part(offset, bytes);
 }
@@ -76,12 +78,12 @@ AccessorItems::AccessorItems(const std::filesystem::path& file, const GltfDocume
     stride_ = stride != 0 ? stride : item_bytes_;
     bytes_ = piece(document, a.bufferView, a.byteOffset, count_ == 0 ? 0 : (count_ - 1) * stride_ + item_bytes_);
   } else {
-    bytes_ = SourceBytes(std::vector<std::uint8_t>(item_bytes_));  // every item is this item of zeros
+    bytes_ = SourceBytes(std::vector<std::uint8_t>(item_bytes_));  // stride 0: every item is this item of zeros
   }
   if (a.sparse.isSparse) add_sparse(file, document, a);
 }
 
-/// Reads all items into memory and replaces some by items of the sparse accessor.
+/// Reads all items into memory, and replaces the items that the sparse accessor lists.
 void AccessorItems::add_sparse(const std::filesystem::path& file, const GltfDocument& document,
                                const tinygltf::Accessor& a) {
   const auto replaced = std::uint64_t(a.sparse.count);
@@ -121,7 +123,7 @@ float AccessorItems::quantization_step() const {
   return float_at(reinterpret_cast<const unsigned char*>(&one), component_type_, true);
 }
 
-/// Calls visit(i, address of item item_at(i)). item_at: ascending.
+/// Calls visit(i, address of item item_at(i)) for each i below `count`. item_at() must be ascending.
 template <class ItemAt, class Visit>
 void AccessorItems::for_each(std::size_t count, const ItemAt& item_at, const Visit& visit) const {
   std::vector<std::uint8_t> buffer;
@@ -147,7 +149,7 @@ std::vector<float> AccessorItems::read_floats(std::size_t count, const ItemAt& i
   const auto width = std::size_t(components);
   std::vector<float> out(count * width, stored < components ? missing : 0.0f);
   const bool is_float = component_type_ == TINYGLTF_COMPONENT_TYPE_FLOAT;
-  if (is_float && stored == 3)  // nearly every file's positions
+  if (is_float && stored == 3)  // the positions of almost all files
     for_each(count, item_at,
              [&](std::size_t i, const unsigned char* from) { std::memcpy(&out[i * width], from, 3 * sizeof(float)); });
   else

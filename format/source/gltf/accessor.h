@@ -11,8 +11,8 @@
 namespace gigabake {
 
 /// Reader of an accessor's bytes, in memory or in the file. It reads only the range that a call requests.
-/// Cost    A block of at most 256 KiB; all values of a sparse accessor.
-/// Errors  InputError of the file: the file is cut while it is read; sparse values exceed memory_limit().
+/// Cost    Memory: a block of at most 256 KiB, or all values of a sparse accessor.
+/// Errors  InputError: the file becomes shorter while it is read, or sparse values exceed memory_limit().
 class AccessorItems {
  public:
   AccessorItems(const std::filesystem::path& file, const GltfDocument& document, int accessor);
@@ -28,7 +28,7 @@ class AccessorItems {
   /// Returns `components` floats per item. Integers are normalized if the accessor requires it, else converted.
   /// Components that the accessor lacks are `missing`.
   std::vector<float> floats(int components, float missing = 0) const;
-  /// Returns the floats of some items, in ascending order.
+  /// Returns floats() of the items with the indices `items`, which must be in ascending order.
   /// Cost    Items that are far apart are read one by one.
   std::vector<float> floats_of(std::span<const std::uint32_t> items, int components, float missing = 0) const;
   /// Returns `count` scalars from item `first` on.

@@ -52,7 +52,7 @@ GltfHead head_of(const TileRef& tile, const SourceFiles& files) {
   return out;
 }
 
-/// Bounds of the scene that a bake reads.
+/// The computation of the bounds of a glTF scene from its nodes and accessors.
 class Bounds {
  public:
   Bounds(const TileRef& tile, const GltfHead& head) : file_(tile.path), json_(head.json) {

@@ -15,7 +15,8 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint64_t max_accessor_items = std::uint64_t(1) << 31;
-constexpr std::uint64_t max_unbacked_items = std::uint64_t(1) << 24;  ///< zeros; a small file could have any number
+/// Max items of an accessor without a buffer view, which are zeros. A small file can declare any number of them.
+constexpr std::uint64_t max_unbacked_items = std::uint64_t(1) << 24;
 
 std::string item(const char* list, std::size_t i) { return std::string(list) + "[" + std::to_string(i) + "]"; }
 
@@ -30,7 +31,8 @@ class Checker {
     for_each("bufferViews", [&](const Json& v, const std::string& where, std::size_t) { check_view(v, where); });
     for_each("accessors", [&](const Json& a, const std::string& where, std::size_t) { check_accessor(a, where); });
     for_each("images", [&](const Json& i, const std::string& where, std::size_t) { check_image(i, where); });
-    // Numbers of textures and samplers that cannot be used cost one image: model.cpp and texture_info.cpp.
+    // Indices in textures and samplers are not checked. A wrong index costs one image, see model.cpp and
+    // texture_info.cpp.
     for_each("textures", [](const Json&, const std::string&, std::size_t) {});
     for_each("samplers", [](const Json&, const std::string&, std::size_t) {});
     for_each("materials", [&](const Json& m, const std::string& where, std::size_t) { check_material(m, where); });
@@ -129,7 +131,7 @@ class Checker {
       fail(where + ".byteLength", "states " + std::to_string(*bytes) + " bytes, there are " + std::to_string(there));
   }
 
-  /// Returns the size of an external file. It is at least `wanted` if the file has as many bytes, stored or unpacked.
+  /// Returns the stored size of an external file, or its unpacked size if fewer than `wanted` bytes are stored.
   std::uint64_t size_of_external(const std::string& where, const std::string& uri, std::uint64_t wanted) const {
     const std::filesystem::path path = resolve_uri(files_.root(), file_, where + ".uri", uri);
     if (!files_.has(path)) fail(where + ".uri", "no such file: " + in_quotes(uri));
@@ -165,7 +167,7 @@ class Checker {
   /// Distance of items: the stride of the view, or, in a sparse accessor, always the size of an item.
   enum class Spacing { of_view, none };
 
-  /// Checks that `count` items of item_bytes are within the view.
+  /// Checks that `count` items of `item_bytes` bytes each are within the view.
   void check_range(const Json& user, const std::string& where, std::uint64_t count, std::uint64_t item_bytes,
                    Spacing spacing) const {
     const auto index = check_reference(user, where, "bufferView", "bufferViews");

@@ -9,17 +9,17 @@
 
 namespace gigabake {
 
-/// Checks a document. Afterwards every index (buffer, view, accessor, image, sampler, texture, material, mesh, node) is
-/// in range. Views are within their buffers, accessors are within their views, and nodes form a forest. External files
-/// are inside files.root() and have the bytes that the document requires. Every required extension is supported.
-/// bin_bytes: size of the GLB's binary chunk.
-/// Errors  InputError(file, "accessors[3].bufferView", …).
+/// Checks a document. Afterwards every index of a buffer, view, accessor, material, mesh or node is in range. Indices
+/// of textures, samplers and images are not checked, because a wrong index costs only one image. Views are within their
+/// buffers, accessors are within their views, and nodes form a forest. External buffers are inside files.root() and are
+/// large enough. Every required extension is supported. `bin_bytes` is the size of the GLB's binary chunk.
+/// Errors  InputError(file, path of the member), for example of "accessors[3].bufferView".
 void check_gltf(const SourceFiles& files, const std::filesystem::path& file, const Json& gltf, std::uint64_t bin_bytes);
 
 /// Checks that animations, skins, cameras and lights have their required members. No bake uses them, but a file in
 /// which they are malformed is damaged or has another version.
-/// gltf: after the other checks of check_gltf(), which calls this function.
-/// Errors  InputError.
+/// `gltf` must have passed the other checks of check_gltf(), which calls this function.
+/// Errors  InputError: a required member is missing or has a wrong type.
 void check_unused_states(const std::filesystem::path& file, const Json& gltf);
 
 }  // namespace gigabake

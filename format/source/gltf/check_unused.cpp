@@ -1,4 +1,4 @@
-// check_unused_states(): form of the parts of a glTF document that no bake uses.
+// check_unused_states(): checks the parts of a glTF document that no bake uses.
 #include <algorithm>
 #include <string>
 
@@ -12,7 +12,7 @@ using Path = std::filesystem::path;
 
 std::string item(const std::string& list, std::size_t i) { return list + "[" + std::to_string(i) + "]"; }
 
-/// Calls visit(item, its place) for each item of a list of objects.
+/// Calls visit(item, path of the item) for each item of a list of objects.
 template <class Visit>
 void for_each(const Path& file, const Json& object, const std::string& where, const char* key, const Visit& visit) {
   const Json& items = get_array(file, object, where, key);

@@ -1,4 +1,5 @@
-/// Vertices of a glTF primitive in the order in which it draws them: with or without indices; a list, a strip or a fan.
+/// Vertices of a glTF primitive in the order in which they are drawn, for lists, strips and fans with or without
+/// indices.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,8 @@ namespace gigabake {
 /// Reader of a primitive's corners. It keeps none of them in memory.
 class Corners {
  public:
-  /// where, vertices: the primitive's, for messages and as bound of its indices; file, where and document outlive this.
+  /// `where` is the path of the primitive, for messages. `vertices` is the number of its vertices, which limits
+  /// indices. `file`, `where` and `document` must outlive the object.
   /// Errors  InputError: indices are not unsigned integers; the length of a list of triangles is no multiple of 3.
   Corners(const std::filesystem::path& file, const GltfDocument& document, const tinygltf::Primitive& primitive,
           const std::string& where, std::uint64_t vertices);
@@ -26,11 +28,11 @@ class Corners {
   /// Range  mode() ≥ 4.
   std::uint64_t triangles() const;
 
-  /// Returns three corners per triangle, in the winding that a list of triangles would have.
+  /// Returns three corners per triangle for `count` triangles. All triangles have the winding of a triangle list.
   /// Errors  InputError: an index exceeds the vertices.
   std::vector<std::uint32_t> of_triangles(std::uint64_t first, std::uint64_t count) const;
   /// Checks all indices.
-  /// Errors  InputError, as of_triangles().
+  /// Errors  InputError like of_triangles().
   void check() const;
 
  private:

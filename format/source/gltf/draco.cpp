@@ -20,8 +20,8 @@ std::uint64_t varint(ByteCursor& in) {
   in.fail("the Draco stream's header has a number of more than 32 bits");
 }
 
-/// Returns the number of triangles in the stream's header. Returns nullopt if metadata precede it, or if the stream is
-/// older than 2.2.
+/// Returns the number of triangles in the stream's header. Returns nullopt if metadata precede the number, or if the
+/// version of the stream is below 2.2.
 /// Source  Draco bitstream specification 2.2, 4 and 6.
 std::optional<std::uint64_t> announced_triangles(const std::filesystem::path& file,
                                                  std::span<const std::uint8_t> packed) {
@@ -33,7 +33,7 @@ std::optional<std::uint64_t> announced_triangles(const std::filesystem::path& fi
   const int flags = byte() | byte() << 8;
   if (geometry != 1) in.fail("the Draco stream holds no triangles");
   if (major * 256 + minor < 2 * 256 + 2 || (flags & 0x8000) != 0) return std::nullopt;
-  if (method == 1) {  // edge breaker: traversal method, vertices, triangles
+  if (method == 1) {  // for edge breaker, the traversal method and the number of vertices precede the triangles
     byte();
     varint(in);
   }
@@ -68,7 +68,7 @@ DracoMesh decode_draco(const std::filesystem::path& file, const std::string& whe
     throw InputError(file, where,
                      "the Draco stream states " + counted(*announced, "triangle") + ", the document " +
                          std::to_string(max_triangles));
-  constexpr std::uint64_t triangle_bytes = 100;  // three corners, in the library's form and in the output
+  constexpr std::uint64_t triangle_bytes = 100;  // three corners, in the library's mesh and in the output
   MemoryClaim(file).add_items(announced.value_or(0), triangle_bytes, where, "triangles packed by Draco");
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(packed.data()), packed.size());

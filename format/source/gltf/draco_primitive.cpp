@@ -105,7 +105,8 @@ void unpack_primitive(const std::filesystem::path& file, const std::string& wher
     return;
   }
   if (primitive.indices < 0) throw InputError(file, where, "expected indices");
-  // The count is that of the strip, but the packed indices are a list: it is an upper bound of the triangles.
+  // The accessor counts the indices of a list or strip. The packed indices are a list, so the count is an upper bound
+  // of the number of triangles.
   const std::uint64_t max_triangles = model.accessors[std::size_t(primitive.indices)].count;
   Unpacker(file, where, document, primitive, max_triangles).unpack();
 }

@@ -7,9 +7,11 @@
 
 namespace gigabake {
 
-/// Unpacks every primitive that has no plain copy, and gives it new accessors: floats, and 32-bit indices. A primitive
-/// with a plain copy is not unpacked; its plain copy is read, without indices if these exist only in the packed mesh.
-/// Errors  InputError, as decode_draco(); an accessor of an attribute does not exist.
+/// Unpacks every primitive whose positions exist only in the packed mesh. New accessors hold its attributes as floats
+/// and its indices with 32 bits. A primitive with uncompressed positions is not unpacked. It loses its indices if these
+/// exist only in the packed mesh.
+/// Errors  InputError like decode_draco(). Also if the extension has no view or attributes, or the primitive has no
+///         indices.
 void unpack_draco(const std::filesystem::path& file, GltfDocument& document);
 
 }  // namespace gigabake

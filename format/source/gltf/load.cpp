@@ -32,7 +32,7 @@ void claim_model(const std::filesystem::path& file, const Json& gltf) {
                      "primitives");
 }
 
-/// Returns RTC_CENTER of the container plus that of the extension CESIUM_RTC.
+/// Returns RTC_CENTER of the container plus the centre of the extension CESIUM_RTC.
 std::array<double, 3> rtc_center_of(const std::filesystem::path& file, const Json& gltf,
                                     const ContentContainer& container) {
   std::array<double, 3> out = container.rtc_center;
@@ -105,7 +105,7 @@ GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, b
   ContentContainer container = open_container(tile, files);
   const std::filesystem::path& file = container.gltf_file;
   const Json json = parse_json(file, container.json.span());
-  container.json = container.gltf = container.content = SourceBytes();  // the text of a .gltf can hold all its buffers
+  container.json = container.gltf = container.content = SourceBytes();  // frees the text, which may have all buffers
   check_gltf(files, file, json, container.bin.size());
   const std::vector<PackedView> packed = packed_views(file, json, !container.bin.empty());
   out.rtc_center = rtc_center_of(file, json, container);

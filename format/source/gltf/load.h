@@ -11,9 +11,9 @@ namespace gigabake {
 
 struct GltfDocument {
   tinygltf::Model model;                        ///< without the buffers' bytes
-  std::vector<SourceBytes> buffers;             ///< of the document, then of unpacked views
-  std::vector<SourceBytes> images;              ///< encoded; empty if it cannot be used or was not requested
-  std::vector<std::string> image_faults;        ///< by image: why it cannot be used; empty if it can
+  std::vector<SourceBytes> buffers;             ///< buffers of the document, then of unpacked data
+  std::vector<SourceBytes> images;              ///< encoded; an unusable or unrequested image is empty
+  std::vector<std::string> image_faults;        ///< per image: why it cannot be used, else empty
   std::array<double, 3> rtc_center{};           ///< b3dm's or i3dm's RTC_CENTER plus the CESIUM_RTC extension, z up
   std::vector<Affine<World, World>> instances;  ///< see ContentContainer
 

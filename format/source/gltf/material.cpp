@@ -36,7 +36,7 @@ void use_specular_glossiness(const tinygltf::Model& model, const tinygltf::Value
   if (gloss.Has("diffuseTexture")) use_texture(model, texture_info(gloss.Get("diffuseTexture")), out, warnings);
 }
 
-/// Returns the value of the shader's uniform for the diffuse colour; null if no uniform has such a name.
+/// Returns the first colour or texture of a shader whose name contains "diffuse"; null if there is none.
 const tinygltf::Value* diffuse_value(const tinygltf::Value& technique) {
   if (!technique.IsObject() || !technique.Has("values")) return nullptr;
   const tinygltf::Value& values = technique.Get("values");

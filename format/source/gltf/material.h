@@ -17,12 +17,12 @@ struct SourceMaterial {
   int texcoord_set = 0;
   /// KHR_texture_transform: u' = row 0 · (u, v, 1), v' = row 1 · (u, v, 1).
   std::array<std::array<float, 3>, 2> uv_transform{{{1, 0, 0}, {0, 1, 0}}};
-  std::string texture_fault = {};  ///< why the material's texture has no image; empty if it has one
+  std::string texture_fault = {};  ///< why the material's texture has no image; else empty
 };
 
-/// Returns a material of a checked document. Its colour is the core's base colour or that of
-/// KHR_materials_pbrSpecularGlossiness; if both are missing, that of KHR_techniques_webgl. If the base colour is black,
-/// the emitted colour is used: before an extension for unlit materials existed, they were written so.
+/// Returns a material of a checked document. Its colour is the diffuse colour of KHR_materials_pbrSpecularGlossiness,
+/// else the base colour of core glTF, else the diffuse colour of KHR_techniques_webgl. If this colour is black, the
+/// emitted colour is used, because files without KHR_materials_unlit often describe unlit materials by emission.
 /// Errors  InputError: only KHR_techniques_webgl describes the material, and it has no diffuse colour.
 SourceMaterial source_material(const std::filesystem::path& file, const tinygltf::Model& model, int material,
                                SourceWarnings& warnings);

@@ -48,7 +48,7 @@ bool is_visible(const tinygltf::Node& n) {
   return !visible.IsBool() || visible.Get<bool>();
 }
 
-/// Attributes of EXT_mesh_gpu_instancing; one instance if the node has none.
+/// The instances of a node by EXT_mesh_gpu_instancing. A node without the extension has one instance.
 class NodeInstances {
  public:
   NodeInstances(const std::filesystem::path& file, const GltfDocument& document, const tinygltf::Node& n,

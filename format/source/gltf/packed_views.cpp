@@ -6,7 +6,8 @@ namespace gigabake {
 namespace {
 
 constexpr const char* meshopt_extension = "EXT_meshopt_compression";
-/// The vertex codec needs at least 4 bytes for 256 equal bytes.
+/// Max ratio of unpacked to packed bytes, because the vertex codec needs at least 4 bytes for 256 equal bytes. Short
+/// streams may have slack_bytes more.
 constexpr std::uint64_t max_expansion_ratio = 64, slack_bytes = 1 << 16;
 
 std::string where_of(std::size_t view) {

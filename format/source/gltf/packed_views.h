@@ -14,7 +14,7 @@ namespace gigabake {
 
 /// A view that must be unpacked because its own buffer has no bytes. A view whose own buffer has bytes is not unpacked.
 struct PackedView {
-  std::size_t view = 0, buffer = 0;  ///< of the document
+  std::size_t view = 0, buffer = 0;  ///< indices of the view, and of the buffer that has the packed bytes
   std::uint64_t byte_offset = 0, byte_length = 0;
   std::uint64_t byte_stride = 0;  ///< the view's own; 0 if it has none
   MeshoptStream stream;
@@ -24,14 +24,15 @@ struct PackedView {
 bool is_absent_fallback(const std::filesystem::path& file, const Json& buffer, std::size_t index, bool has_bin);
 
 /// Returns the packed views of a document whose buffers and views are checked.
-/// Errors  InputError: a view of an absent fallback is not packed; ranges, strides or lengths violate the extension.
+/// Errors  InputError: a view of a buffer without bytes is not packed, or ranges, strides or lengths violate the
+///         extension.
 std::vector<PackedView> packed_views(const std::filesystem::path& file, const Json& gltf, bool has_bin);
 
 /// Makes each packed view refer to its packed bytes, so that no view refers to a buffer without bytes.
 void refer_to_packed_bytes(const std::vector<PackedView>& packed, tinygltf::Model& model);
 
 /// Appends a buffer with the unpacked bytes of each view, and makes the view refer to it.
-/// Errors  InputError, as decode_meshopt().
+/// Errors  InputError like decode_meshopt().
 void unpack_views(const std::filesystem::path& file, const std::vector<PackedView>& packed, GltfDocument& document);
 
 }  // namespace gigabake

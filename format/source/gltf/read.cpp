@@ -20,7 +20,8 @@
 namespace gigabake {
 namespace {
 
-/// Bytes of position, texture coordinates and colour, both as stored and as converted; likewise of indices.
+/// Bytes of a vertex: its position, its texture coordinates, and its colour before and after conversion. Bytes of a
+/// corner.
 constexpr std::uint64_t vertex_bytes = 12 + 8 + 16 + 8, corner_bytes = 8;
 
 struct PrimitiveCounts {
@@ -46,7 +47,7 @@ std::vector<std::uint16_t> linear_colours(const std::vector<float>& rgba) {
   return out;
 }
 
-/// Readers of the values of a primitive's vertices, for all vertices or for those that a part uses.
+/// Readers of the vertices of a primitive, for all vertices or for the vertices of a part.
 struct VertexValues {
   AccessorItems position;
   std::optional<AccessorItems> colour, uv;
@@ -99,7 +100,7 @@ class TileReader {
   void read_materials() {
     for (std::size_t i = 0; i < model_.materials.size(); ++i)
       materials_.push_back(source_material(tile_.path, model_, int(i), warnings_));
-    materials_.resize(model_.materials.size() + 1);  // the last is for primitives that name none
+    materials_.resize(model_.materials.size() + 1);  // the last material is for primitives without a material
     for (SourceMaterial& m : materials_) {
       const int image = m.material.texture.image;
       if (image >= 0 && m.texture_fault.empty()) m.texture_fault = document_.image_faults[std::size_t(image)];
@@ -108,7 +109,7 @@ class TileReader {
     }
   }
 
-  /// Makes a material grey whose image cannot be used, so that the rest of the tile can be baked.
+  /// Makes a material with an unusable image grey, so that the rest of the tile can be baked.
   static void make_grey(Material& m) {
     m.texture = {};
     for (std::size_t c = 0; c < 3; ++c) m.base_color[c] *= grey_without_image;
@@ -142,7 +143,7 @@ class TileReader {
 
   void read_primitive(const tinygltf::Primitive& p, const std::string& at, MeshParts& parts) {
     const auto position = p.attributes.find("POSITION");
-    if (position == p.attributes.end()) return;  // the specification allows it to draw nothing
+    if (position == p.attributes.end()) return;  // a primitive without positions draws nothing, by the specification
     if (component_count(model_, position->second) != 3)
       throw InputError(tile_.path, at + ".attributes.POSITION", "expected VEC3");
     const std::uint64_t vertices = model_.accessors[std::size_t(position->second)].count;

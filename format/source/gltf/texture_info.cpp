@@ -23,9 +23,10 @@ std::array<float, 2> pair_or(const tinygltf::Value& object, const char* key, std
 
 /// Applies the transform of the extension.
 /// Source  KHR_texture_transform: translation · rotation · scale, where "rotation" turns texture coordinates
-///         counter-clockwise as seen on the image. The image's v points down, so (1, 0) turns towards (0, -1):
-///         u' = cos u + sin v, v' = -sin u + cos v. The matrix of the extension's text turns the other way
-///         (KhronosGroup/glTF#1563); the Khronos sample viewer and its TextureTransformTest turn as this function does.
+///         counter-clockwise as seen on the image. The image's v points down, so (1, 0) turns towards (0, -1). For a
+///         rotation r, u' = u cos r + v sin r and v' = v cos r - u sin r. The matrix of the extension's text turns the
+///         other way (KhronosGroup/glTF#1563); the Khronos sample viewer and its TextureTransformTest turn as this
+///         function does.
 void apply_texture_transform(const tinygltf::Value& t, SourceMaterial& out) {
   const auto offset = pair_or(t, "offset", {0, 0}), scale = pair_or(t, "scale", {1, 1});
   const float rotation = number_or(t, "rotation", 0), c = std::cos(rotation), s = std::sin(rotation);
@@ -33,7 +34,7 @@ void apply_texture_transform(const tinygltf::Value& t, SourceMaterial& out) {
   out.texcoord_set = index_or(t, "texCoord", out.texcoord_set);
 }
 
-/// gl: OpenGL's number of the wrap mode, as glTF stores it.
+/// Returns a wrap mode. `gl` is OpenGL's number of the wrap mode, as glTF stores it.
 Wrap wrap_of(int sampler, const char* key, int gl, SourceWarnings& warnings) {
   if (gl == TINYGLTF_TEXTURE_WRAP_REPEAT) return Wrap::repeat;
   if (gl == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return Wrap::mirrored_repeat;
@@ -45,7 +46,8 @@ Wrap wrap_of(int sampler, const char* key, int gl, SourceWarnings& warnings) {
   return clamps ? Wrap::clamp_to_edge : Wrap::repeat;
 }
 
-/// Returns the image of a texture. It prefers a plain image to WebP, so that no texel depends on the build options.
+/// Returns the index of a texture's image. Prefers a PNG or JPEG to WebP, so that no texel depends on the build
+/// options.
 int image_of(const tinygltf::Texture& texture) {
   const auto webp = texture.extensions.find("EXT_texture_webp");
   if (texture.source >= 0 || webp == texture.extensions.end()) return texture.source;

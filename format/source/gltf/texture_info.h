@@ -8,12 +8,12 @@
 
 namespace gigabake {
 
-/// Returns a member of an extension's object, or `otherwise` if it is no number.
+/// Returns a member of an extension's object; `otherwise` if the member is not a number.
 float number_or(const tinygltf::Value& object, const char* key, float otherwise);
-/// Returns a member as a number of -1 or more; `otherwise` if it is no number.
+/// Returns a member as an index of at least -1; `otherwise` if the member is not a number.
 int index_or(const tinygltf::Value& object, const char* key, int otherwise);
 
-/// A textureInfo of the core or of an extension.
+/// A textureInfo of core glTF or of an extension.
 struct TextureInfo {
   int index = -1;  ///< in the model's textures; -1: none
   int texcoord_set = 0;

@@ -8,7 +8,7 @@
 namespace gigabake {
 namespace {
 
-/// Extensions that are read, and extensions that describe nothing visible.
+/// Returns whether the extension is read or describes nothing visible.
 bool is_read_or_invisible(const std::string& extension) {
   static const std::set<std::string> known{"KHR_texture_transform",
                                            "KHR_materials_unlit",

@@ -10,11 +10,10 @@
 
 namespace gigabake {
 
-/// A thread-safe archive. Its entries are listed once; the index that 3tz adds for reading over a network is not
-/// needed.
+/// A thread-safe archive. Its entries are listed once. The index that 3tz adds for reading over a network is not used.
 class Archive {
  public:
-  /// Errors  InputError: no ZIP file, or one that is damaged; gigabake was built without libzip.
+  /// Errors  InputError: the file is damaged or is not a ZIP file, or gigabake was built without libzip.
   explicit Archive(const std::filesystem::path& file);
   ~Archive();
   Archive(const Archive&) = delete;
@@ -26,8 +25,8 @@ class Archive {
   std::optional<std::uint64_t> size_of(const std::string& entry) const;
 
   /// Returns the first bytes of an entry, at most `max_bytes`.
-  /// Errors  InputError: no such entry; another checksum or length than the archive states; encrypted; compressed by a
-  ///         method that libzip does not support.
+  /// Errors  InputError: the entry does not exist, is encrypted, or uses a compression method that libzip does not
+  ///         support. Also if its checksum or length differs from the values in the archive.
   std::vector<std::uint8_t> read(const std::string& entry, std::uint64_t max_bytes) const;
 
  private:

@@ -1,4 +1,4 @@
-/// Layout of a "Batched 3D Model": the begin of each part, from the four numbers behind the length.
+/// Layout of a "Batched 3D Model": the lengths of its parts, from the four words behind the total length.
 #pragma once
 
 #include <array>
@@ -6,7 +6,7 @@
 
 namespace gigabake {
 
-/// Bytes of the feature table and of the batch table, JSON and binary part each.
+/// Bytes of four parts in the order of the file: JSON and binary part of the feature table, then of the batch table.
 using TableLengths = std::array<std::uint32_t, 4>;
 
 struct B3dmLayout {
@@ -14,8 +14,8 @@ struct B3dmLayout {
   TableLengths table_bytes{};
 };
 
-/// Returns the layout. Before 1.0 the header had two or three numbers. A fourth or third word is then text: "glTF" or
-/// the beginning of a JSON, which as a number is larger than any length.
+/// Returns the layout. Headers of versions before 1.0 have only two or three numbers. The next word is then text:
+/// "glTF" or the beginning of a JSON. Text that is read as a number is larger than any length.
 /// Source  3D Tiles 1.0; CesiumJS, B3dmParser.
 inline B3dmLayout b3dm_layout(const std::array<std::uint32_t, 4>& words) {
   constexpr std::uint32_t min_text = 0x22000000;

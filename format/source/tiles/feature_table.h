@@ -15,8 +15,7 @@
 namespace gigabake {
 
 /// Values of a feature table.
-/// Errors  InputError(file, key): another type than requested, bytes beyond the binary part, a number that is not
-///         finite.
+/// Errors  InputError(file, key): the value has another type than requested, exceeds the binary part, or is not finite.
 class FeatureTable {
  public:
   /// An empty `json` is a table without values. `binary` must outlive the table.

@@ -20,6 +20,7 @@ Vector cross(const Vector& a, const Vector& b) {
 
 double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+/// Returns the unit vector of octahedral coordinates, which are stored with 16 bits each.
 /// Source  Meyer, Süßmuth, Sußner, Stamminger, Greiner 2010; 3D Tiles 1.0, "Oct-encoded normal vectors".
 Vector oct_decoded(std::uint16_t u, std::uint16_t v) {
   double x = u / 65535.0 * 2 - 1, y = v / 65535.0 * 2 - 1;
@@ -33,7 +34,7 @@ Vector oct_decoded(std::uint16_t u, std::uint16_t v) {
   return {x / length, y / length, z / length};
 }
 
-/// Returns the columns of the inverse of the linear part, by Cramer's rule; nullopt if it has no inverse.
+/// Returns the rows of the inverse of the linear part, by Cramer's rule; nullopt if there is no inverse.
 std::optional<std::array<Vector, 3>> inverse_rows(const TileTransform& m) {
   const auto column = [&](std::size_t c) { return Vector{m.m[0][c], m.m[1][c], m.m[2][c]}; };
   const Vector a = column(0), b = column(1), c = column(2), bc = cross(b, c);
@@ -101,7 +102,7 @@ class Instances {
     return out;
   }
 
-  /// x, y and z of the model, in the tile's frame.
+  /// Returns the x, y and z axes of the model in the tile's frame. `p` is the position of instance `i`.
   std::array<Vector, 3> axes(std::size_t i, const Vector& p) const {
     if (!up_.empty()) return {right_[i], up_[i], cross(right_[i], up_[i])};
     const std::array<Vector, 3> own{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};

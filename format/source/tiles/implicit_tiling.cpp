@@ -36,7 +36,7 @@ std::optional<ImplicitTiling> implicit_tiling(const JsonMembers& tile) {
     json.fail("subdivisionScheme", "expected QUADTREE or OCTREE, got " + in_quotes(scheme));
   out.is_octree = scheme == "OCTREE";
   out.subtree_levels = level_count(json, "subtreeLevels", out.is_octree ? max_octree_levels : max_quadtree_levels);
-  // Earlier versions of the extension count from 0.
+  // Earlier versions of the extension have `maximumLevel`, which is counted from 0.
   out.available_levels =
       json.contains("maximumLevel")
           ? std::uint32_t(std::min<std::uint64_t>(json.find<std::uint64_t>("maximumLevel").value_or(0), max_levels)) + 1
@@ -80,7 +80,8 @@ class SubtreeAvailability::Reader {
     return bits("childSubtreeAvailability", t.tiles_in_level(t.subtree_levels));
   }
 
-  /// Availability of contents: one object, a list, or, in the extension for several contents, a list.
+  /// Returns the availability of each content. The JSON has one object or a list, in the subtree or in the extension
+  /// for several contents.
   std::vector<Bits> contents(const ImplicitTiling& t) const {
     const std::uint64_t count = t.tiles_in_subtree();
     const char* key = "contentAvailability";
@@ -112,7 +113,7 @@ class SubtreeAvailability::Reader {
     return out;
   }
 
-  /// Returns the bytes of the view that the member `key` names.
+  /// Returns the bytes of view `index`, which the member `key` of `availability` states.
   std::vector<std::uint8_t> view_bytes(const JsonMembers& availability, const char* key, std::uint64_t index) const {
     const JsonMembers subtree(file_, json_);
     const Json& views = subtree.array("bufferViews");

@@ -28,8 +28,8 @@ struct TileCoordinates {
 struct ImplicitTiling {
   bool is_octree = false;
   std::uint32_t subtree_levels = 1;    ///< 1 … 10 in an octree, 1 … 15 in a quadtree
-  std::uint32_t available_levels = 1;  ///< of the whole tileset; at most 32
-  std::string subtrees_uri;            ///< template
+  std::uint32_t available_levels = 1;  ///< levels of the whole tileset; at most 32
+  std::string subtrees_uri;            ///< template of the URIs of subtree files
 
   int children() const { return is_octree ? 8 : 4; }
   std::uint64_t tiles_in_level(std::uint32_t level) const { return std::uint64_t(1) << (is_octree ? 3 : 2) * level; }
@@ -44,17 +44,18 @@ struct ImplicitTiling {
 };
 
 /// Returns the implicit tiling of a tile; nullopt if the tile is explicit.
-/// Errors  InputError: a member that is missing, of another type or out of range.
+/// Errors  InputError: a member is missing, has a wrong type, or is out of range.
 std::optional<ImplicitTiling> implicit_tiling(const JsonMembers& tile);
 
 /// Replaces {level}, {x}, {y} and {z} in a template URI.
 std::string filled_template(const std::string& uri, const TileCoordinates& place);
 
-/// Availability of tiles, contents and child subtrees: one .subtree (binary) or subtree JSON, with external buffers.
+/// The availability of tiles, contents and child subtrees, read from one subtree file (binary .subtree, or JSON) and
+/// its external buffers.
 class SubtreeAvailability {
  public:
-  /// contents: max number per tile.
-  /// Errors  InputError: bits or bytes beyond their buffers, versions and members that are not as specified.
+  /// `contents` is the max number of contents per tile.
+  /// Errors  InputError: bits or bytes exceed their buffers, or a version or member violates the specification.
   SubtreeAvailability(const SourceFiles& files, const std::filesystem::path& file, const ImplicitTiling& tiling,
                       std::size_t contents);
 
@@ -62,13 +63,14 @@ class SubtreeAvailability {
   bool content(std::size_t which, std::uint64_t index_in_subtree) const {
     return which < contents_.size() && contents_[which].at(index_in_subtree);
   }
-  /// index: in the level below the subtree's last.
+  /// Returns whether a child subtree exists. Its root is in the level below the last level of this subtree, at
+  /// `index_in_level`.
   bool child_subtree(std::uint64_t index_in_level) const { return children_.at(index_in_level); }
 
  private:
   struct Bits {
     bool constant = false;
-    std::vector<std::uint8_t> bytes;  ///< least significant bit first; empty: all are `constant`
+    std::vector<std::uint8_t> bytes;  ///< least significant bit first; if empty, all bits are `constant`
     bool at(std::uint64_t i) const { return bytes.empty() ? constant : (bytes[i / 8] >> (i % 8) & 1) != 0; }
   };
   class Reader;

@@ -1,4 +1,4 @@
-/// 3D Tiles 1.0 "Point Cloud": number of points, which are not baked.
+/// 3D Tiles 1.0 "Point Cloud": the number of its points, which are not baked.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace gigabake {
 
-/// Returns the entry for the content `name`, a point cloud in `tile`, so that the user learns why it is missing. The
-/// entry has POINTS_LENGTH of the feature table if that can be read.
+/// Returns an entry that reports the point cloud in `tile` as skipped, under the name `name`. The number of points is
+/// POINTS_LENGTH of the feature table, or 0 if POINTS_LENGTH cannot be read.
 /// Cost    Reads headers.
 SkippedSource skipped_points(const TileRef& tile, const SourceFiles& files, const std::string& name);
 

@@ -23,7 +23,7 @@ using Path = std::filesystem::path;
 constexpr std::size_t deepest_external = 32;
 constexpr std::uint64_t max_tileset_tiles = std::uint64_t(1) << 24;
 constexpr std::size_t max_missing_contents = std::size_t(1) << 16;
-/// Max bytes of external tilesets, each counted as at least 16 KiB: their number can double at each inclusion.
+/// Max bytes of external tilesets. Each counts as at least 16 KiB: their number can double at each inclusion.
 constexpr std::uint64_t max_external_bytes = std::uint64_t(1) << 32, min_external_bytes = std::uint64_t(1) << 14;
 
 constexpr std::uint64_t content_bytes = sizeof(TilesetContent) + sizeof(TileRef) + 64;
@@ -37,7 +37,7 @@ struct Context {
   Refine refine = Refine::replace;
 };
 
-/// The finest contents of a tile and all below it.
+/// The finest contents of a tile and of all tiles below it.
 struct Subtree {
   std::vector<TilesetContent> contents;
   bool is_missing_some = false;  ///< a finest content is missing and no coarser content replaces it
@@ -67,7 +67,7 @@ class Reader {
     return found;
   }
 
-  /// Errors  InputError: the version, a required extension or the root cannot be used.
+  /// Throws InputError if the version, a required extension or the root of a document cannot be used.
   static void check_head(const Path& file, const TilesetDocument& document) {
     const JsonMembers json(file, document.json), asset = json.members("asset");
     const std::string version = asset.find<std::string>("version").value_or("");
@@ -126,7 +126,7 @@ class Reader {
     return with_own_content(tile.uris, where, here, std::move(finer));
   }
 
-  /// An implicit root tile: its contents' URIs are templates.
+  /// An implicit root tile. The URIs of its contents are templates.
   struct Implicit {
     ImplicitTiling tiling;
     std::vector<std::string> uris;
@@ -134,7 +134,7 @@ class Reader {
     Context here;
   };
 
-  /// Reads the subtree's root and all tiles below it. place: of the root, in the whole tileset.
+  /// Reads the subtree's root and all tiles below it. `place` has the coordinates of the root in the whole tileset.
   Subtree read_subtree(const Implicit& implicit, const TileCoordinates& place) {
     const std::string key = implicit.where + ".implicitTiling.subtrees.uri";
     const SourceFiles& files = implicit.here.files;
@@ -147,7 +147,8 @@ class Reader {
     return read_implicit_tile(implicit, *available, place, {});
   }
 
-  /// place: in the whole tileset; local: relative to the subtree's root.
+  /// Reads an implicit tile and all tiles below it. `place` has its coordinates in the whole tileset, `local` has its
+  /// coordinates relative to the subtree's root.
   Subtree read_implicit_tile(const Implicit& implicit, const SubtreeAvailability& available,
                              const TileCoordinates& place, const TileCoordinates& local) {
     const ImplicitTiling& tiling = implicit.tiling;
@@ -197,8 +198,8 @@ class Reader {
     return finer;
   }
 
-  /// Reads the external tilesets among the tile's contents. They count as children even if the tile has finer content.
-  /// Content that cannot be found is ignored: it may be content that finer content replaces.
+  /// Reads the external tilesets among the tile's contents. External tilesets count as children even if the tile has
+  /// finer content. A missing file is ignored, because finer content may replace it.
   Subtree external_only(const std::vector<std::string>& uris, const std::string& where, const Context& here) {
     Subtree found;
     for (const std::string& uri : uris) {
@@ -217,7 +218,7 @@ class Reader {
     for (const TilesetTile& child : tile.children) add_uris_below(child, uris);
   }
 
-  /// Returns the resolved path and caches the last one: many tiles share one content, and resolving takes system calls.
+  /// Returns the resolved path. Caches the last path: many tiles may share a path, and resolving needs system calls.
   const Path& resolved(const std::string& uri, const std::string& key, const Context& here) {
     if (last_.uri != uri || last_.base != here.file || last_.path.empty())
       last_ = {uri, here.file, resolve_uri(here.files.root(), here.file, key, uri)};
@@ -234,7 +235,7 @@ class Reader {
     }
   }
 
-  /// Returns the file that a URI names. Lists a file that is missing or a URI that cannot be resolved.
+  /// Returns the file that a URI names. Lists a missing file or an unresolvable URI as skipped and returns nullopt.
   std::optional<Path> existing(const std::string& uri, const std::string& key, const Context& here) {
     const auto path = or_missing(here, key, [&] { return resolved(uri, key, here); });
     if (path && here.files.has(*path)) return *path;
@@ -261,7 +262,7 @@ class Reader {
                       in_quotes(uri), key, here);
   }
 
-  /// Reads a content that is no tileset and no composite; `name` in quotes.
+  /// Reads a content that is no tileset and no composite. `name` is the URI in quotes, for messages.
   Subtree read_model(TilesetContent content, ContentMagic magic, const std::string& name, const std::string& key,
                      const Context& here) {
     memory_.add(content_bytes + 2 * content.path.native().size(), key, "the tiles of the tileset");
@@ -298,7 +299,7 @@ class Reader {
     return found;
   }
 
-  /// Returns the result of `read`. If it fails, lists the missing content and returns nullopt.
+  /// Returns the result of `read`. If `read` fails, lists the content as skipped and returns nullopt.
   template <class Read>
   std::optional<std::invoke_result_t<Read>> or_missing(const Context& here, const std::string& key, const Read& read) {
     try {
@@ -309,7 +310,7 @@ class Reader {
     }
   }
 
-  /// Reads an archive in place of a tileset: its tileset.json.
+  /// Reads the tileset.json of an archive that a tile names as its content.
   Subtree read_archive(const Path& path, const std::string& key, const Context& here) {
     const auto files = or_missing(here, key, [&] {
       if (here.files.archive()) throw InputError(path, "", "is an archive in an archive; unpack it");
@@ -323,7 +324,7 @@ class Reader {
   }
 
   /// Returns the contents of an external tileset; nullopt if the file is another JSON. A tileset that cannot be read is
-  /// listed, and the tile that names it is incomplete.
+  /// listed as skipped, and the result is marked as incomplete.
   std::optional<Subtree> read_external(const Path& path, const SourceFiles& files, const std::string& key,
                                        const Context& here) {
     const auto document = or_missing(here, key, [&] {

@@ -18,7 +18,7 @@ struct TilesetContent {
   ContentKind kind = ContentKind::glb;
   UpAxis gltf_up = UpAxis::y;
   Affine<World, World> world_from_tile;
-  ByteRange range = {};  ///< in a composite
+  ByteRange range = {};  ///< bytes of a tile in a composite
   std::string part;      ///< "[1]" in a composite
   std::shared_ptr<const Archive> archive = nullptr;
 };
@@ -29,13 +29,15 @@ struct Tileset {
   std::optional<Point<Ecef>> anchor;  ///< place that the root states, if it is on the WGS84 earth
 };
 
-/// Opens a tileset. Nested and external tilesets are followed, also in archives; implicit tiles are those that their
-/// subtrees mark as available. If a tile refines by REPLACE, its content counts only if there is no finer content below
-/// it. If a finer file is missing, the nearest ancestor's content replaces all of its descendants, and the missing file
-/// is listed: thus no surface is duplicated. `document`: the JSON of `file`.
-/// A URI, tile, subtree or external tileset that cannot be used is listed; only its part of the tileset is missing.
-/// Errors  InputError: the first tileset has an unknown version or required extension; external tilesets form a cycle.
-///         Also: more than 2^24 tiles in all tilesets, more than 2^16 missing contents. Stopped.
+/// Opens a tileset. Follows nested and external tilesets, also in archives. An implicit tile exists if its subtree
+/// marks it as available. If a tile refines by REPLACE, its content counts only if there is no finer content below it.
+/// If a finer file is missing, the file is listed as skipped. The content of the nearest ancestor then replaces all
+/// descendants of this ancestor, so that no surface is duplicated. `document` is the parsed `file`.
+/// A URI, tile, subtree or external tileset that cannot be used is listed as skipped. Only its part of the tileset is
+/// missing.
+/// Errors  InputError: the first tileset has an unknown version or required extension, or external tilesets form a
+///         cycle. Also if there are more than 2^24 tiles in all tilesets, or more than 2^16 skipped contents. Stopped:
+///         the caller cancelled the step.
 Tileset open_tileset(const SourceFiles& files, const std::filesystem::path& file, const TilesetDocument& document,
                      const Progress& progress = {});
 

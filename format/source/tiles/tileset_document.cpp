@@ -14,7 +14,8 @@ namespace {
 
 using Path = std::filesystem::path;
 
-/// The specification requires `refine` of the root; some files omit it and mean REPLACE.
+/// Returns the refinement that a tile states; nullopt if it states none. The specification requires `refine` in the
+/// root, but some files omit it and mean REPLACE.
 std::optional<Refine> refine_of(const JsonMembers& tile) {
   const auto text = tile.find<std::string>("refine");
   if (!text) return std::nullopt;
@@ -63,7 +64,8 @@ TilesetTile tile_of(const Path& file, const Json& json, const std::string& where
   return tile;
 }
 
-/// Removes each tile from the document once it is complete: children before their parent.
+/// A collector of tiles. It removes each tile from the document once the tile is complete, children before their
+/// parent.
 class TileCollector {
  public:
   explicit TileCollector(const Path& file) : file_(file), memory_(file) {}
@@ -75,7 +77,7 @@ class TileCollector {
     TilesetTile tile = tile_of(file_, complete, where_of(around));
     tile.children = std::move(below_[depth + 1]);
     below_[depth + 1].clear();
-    if (depth > 0 && around.back().items == 0) below_[depth].clear();  // a duplicate member: the last one counts
+    if (depth > 0 && around.back().items == 0) below_[depth].clear();  // `children` occurs twice; the last list counts
     memory_.add(bytes_of(tile), "", "the tiles of the tileset");
     below_[depth].push_back(std::move(tile));
     return depth > 0;
@@ -87,7 +89,7 @@ class TileCollector {
   }
 
  private:
-  /// root, root.children[i], root.children[i].children[j], …
+  /// Returns whether the complete object is a tile: root, root.children[i], root.children[i].children[j], …
   static bool is_tile(const std::vector<OpenJson>& around) {
     if (around.size() % 2 == 0 || around[0].key != "root") return false;
     for (std::size_t i = around.size() - 1; i >= 2; i -= 2)
@@ -112,7 +114,7 @@ class TileCollector {
 
   const Path& file_;
   MemoryClaim memory_;
-  std::vector<std::vector<TilesetTile>> below_;  ///< by depth: tiles whose parent is not complete
+  std::vector<std::vector<TilesetTile>> below_;  ///< complete tiles with an incomplete parent, by depth
 };
 
 }  // namespace

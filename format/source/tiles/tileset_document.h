@@ -1,4 +1,4 @@
-/// The JSON of a tileset, read as a stream: a million tiles need the memory of tiles, not that of JSON values.
+/// The JSON of a tileset, read as a stream, so that a million tiles do not need the memory of a million JSON values.
 #pragma once
 
 #include <filesystem>
@@ -19,22 +19,22 @@ enum class Refine : std::uint8_t { add, replace };
 
 struct TilesetTile {
   std::vector<TilesetTile> children;
-  std::uint64_t bad_children = 0;  ///< entries of `children` that are not tiles
-  std::vector<std::string> uris;   ///< of its contents; templates if the tile is implicit; empty if one is missing
-  std::unique_ptr<const Affine<World, World>> world_from_tile;  ///< its own transform; null: none
+  std::uint64_t bad_children = 0;  ///< number of entries of `children` that are not tiles
+  std::vector<std::string> uris;   ///< URIs of its contents, templates in an implicit tile; empty if missing
+  std::unique_ptr<const Affine<World, World>> world_from_tile;  ///< the transform of only this tile; null: none
   std::unique_ptr<const ImplicitTiling> implicit;               ///< null: an explicit tile
   std::optional<Refine> refine;
-  std::unique_ptr<const std::string> fault;  ///< why it cannot be placed or read, with all tiles below it; null: it can
+  std::unique_ptr<const std::string> fault;  ///< why this tile and the tiles below cannot be used, or null
 };
 
 struct TilesetDocument {
   Json json;                        ///< without the root's children
-  std::optional<TilesetTile> root;  ///< nullopt if the document has no "root": it is no tileset
+  std::optional<TilesetTile> root;  ///< nullopt if the document is no tileset: it has no "root"
 };
 
 /// Parses `file`, a tileset or another JSON.
-/// Errors  InputError, as parse_json(); the tiles need more than memory_limit(). A malformed member of a tile is a
-///         fault of that tile.
+/// Errors  InputError like parse_json(). Also if the tiles exceed memory_limit(). A malformed member of a tile is no
+///         error, but sets the `fault` of the tile.
 TilesetDocument parse_tileset(const std::filesystem::path& file, std::span<const std::uint8_t> text,
                               const Progress& progress = {});
 

@@ -1,5 +1,5 @@
-/// Inclusions of tilesets in tilesets, counted to refuse excessive ones before they are read. Thirty files that each
-/// name the next file twice result in a billion inclusions.
+/// A counter of inclusions of tilesets in tilesets. It refuses an excessive number of inclusions before the tilesets
+/// are read. Thirty files that each name the next file twice result in a billion inclusions.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,18 @@ namespace gigabake {
 
 class TilesetInclusions {
  public:
-  /// Records that a tileset is read; called for every one. file: its canonical path; uris: of all its contents.
-  /// Errors  InputError: in the tilesets read until now, the first one includes itself, or more than 2^18 would have to
-  ///         be read.
-  /// Cost    Visits all recorded tilesets when the first, second, fourth, eighth … tileset is read again.
+  /// Records that a tileset is read. Must be called for every tileset that is read. `file` is the canonical path of the
+  /// tileset; `uris` are the URIs of all its contents.
+  /// Errors  InputError: a recorded tileset includes itself, or the recorded inclusions would require more than 2^18
+  ///         readings of tilesets.
+  /// Cost    Counts the inclusions in all recorded tilesets only at the first, second, fourth, eighth … repeated
+  ///         reading.
   void read(const std::filesystem::path& file, const std::vector<std::string>& uris);
 
  private:
   struct Tileset {
-    std::vector<std::string> included;  ///< some may be no tilesets
-    double visits = 0;                  ///< of itself and all tilesets below; 0: not counted
+    std::vector<std::string> included;  ///< paths of files that may be tilesets
+    double visits = 0;                  ///< readings of it and of all tilesets below; 0: not counted yet
     bool is_open = false;
   };
   void expect_few() const;

@@ -65,7 +65,8 @@ Point<Ecef> centre_of(const WorldBox& box) {
   return {centre.x, centre.y, centre.z};
 }
 
-/// Returns the centre of all boxes if it is at the earth's surface; else that of the first box.
+/// Returns the centre of all boxes that are on the earth. If this centre is not at the earth's surface, returns the
+/// centre of the first box.
 std::optional<Point<Ecef>> place_of(const std::vector<WorldBox>& boxes) {
   WorldBox all;
   std::optional<Point<Ecef>> first;

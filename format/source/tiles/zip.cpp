@@ -63,7 +63,7 @@ std::vector<std::uint8_t> Archive::read(const std::string& entry, std::uint64_t 
     got += step > 0 ? std::uint64_t(step) : 0;
   }
   std::uint8_t beyond = 0;
-  if (step >= 0 && bytes.size() == info.size) step = zip_fread(in, &beyond, 1);  // a read beyond the end checks the sum
+  if (step >= 0 && bytes.size() == info.size) step = zip_fread(in, &beyond, 1);  // a read at the end checks the CRC
   const std::string message = step < 0 ? message_of(zip_file_get_error(in)) : "";
   zip_fclose(in);
   if (step < 0) fail("cannot be unpacked: " + message);

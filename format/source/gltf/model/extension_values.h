@@ -7,11 +7,11 @@
 
 namespace gigabake {
 
-/// Returns a value. Null, empty lists and empty objects have none, as in tinygltf's parser, so their owner lacks them.
-/// A whole number that is too large for an int becomes a double.
+/// Converts a JSON value. Null, empty arrays and empty objects become null, and arrays and objects omit null, as in
+/// tinygltf's parser. A whole number that is too large for an int becomes a double.
 tinygltf::Value value_of(const Json& json);
 
-/// Returns the extensions of an object. An extension that is not read has no members: its value can be large.
+/// Returns the extensions of an object. An extension that is not read gets no members, because its value can be large.
 tinygltf::ExtensionMap extensions_of(const Json& object);
 
 }  // namespace gigabake

@@ -16,7 +16,7 @@
 namespace gigabake {
 namespace {
 
-constexpr int no_index = std::numeric_limits<int>::max();  ///< in place of a number that names nothing
+constexpr int no_index = std::numeric_limits<int>::max();  ///< replaces an index that refers to nothing
 
 /// Returns a member; null if there is none.
 const Json& member(const Json& object, const char* key) {
@@ -27,7 +27,7 @@ const Json& member(const Json& object, const char* key) {
 
 int to_int(std::uint64_t value) { return int(std::min<std::uint64_t>(value, no_index)); }
 
-/// Returns an index or a number of a constant that check_gltf() has checked.
+/// Returns an index, or the number of a constant, that check_gltf() has checked.
 int index_of(const Json& object, const char* key, int otherwise = -1) {
   const Json& value = member(object, key);
   return value.is_number_unsigned() ? to_int(value.get<std::uint64_t>()) : otherwise;
@@ -38,8 +38,8 @@ std::uint64_t size_of(const Json& object, const char* key) {
   return value.is_number_unsigned() ? value.get<std::uint64_t>() : 0;
 }
 
-/// Returns an index that check_gltf() does not check, because a wrong one costs one image. 3.0 is 3. Any other value
-/// that is no index becomes no_index.
+/// Returns an index that check_gltf() does not check, because a wrong index costs one image. 3.0 counts as 3. Any other
+/// value that is not an index becomes no_index.
 int unchecked_index_of(const Json& object, const char* key, int otherwise) {
   const auto at = object.find(key);
   if (at == object.end()) return otherwise;
@@ -178,7 +178,7 @@ tinygltf::Sampler sampler_of(const Json& json) {
   return out;
 }
 
-/// Reads the use of a texture by a material. A use without an index names no texture.
+/// Reads a textureInfo of a material. A textureInfo without an index gets no_index.
 template <class Info>
 void read_texture_info(const Json& owner, const char* key, Info& out) {
   const Json& json = member(owner, key);
@@ -188,7 +188,7 @@ void read_texture_info(const Json& owner, const char* key, Info& out) {
   out.extensions = extensions_of(json);
 }
 
-/// Returns whether tinygltf keeps the value of a material's member.
+/// Returns whether tinygltf's parser keeps the value of a material's member.
 bool has_value(const Json& value) { return value.is_array() ? is_list_of_numbers(value) : !value.is_null(); }
 
 void read_metallic_roughness(const Json& json, tinygltf::Material& out) {
