@@ -3,7 +3,8 @@
 ///
 /// Exact   A voxel depends only on the triangles that overlap it, their materials, the parameters and its lattice
 ///         position. The order of parts and triangles, threads, memory budget and window do not change any bit. This
-///         requires that window_min is a multiple of 2^lod; otherwise the level is relative to the window.
+///         requires that window_min is a multiple of 2^lod. Otherwise the voxels of level lod are aligned to the window
+///         and not to the lattice.
 /// Source  docs/accuracy.md: surface rules, tie rules, weights.
 #pragma once
 
@@ -46,11 +47,11 @@ struct CellParameters {
   MipFilter mip = MipFilter::coverage;
   bool normals = true;
   bool facing = true;  ///< store the directional coverage of MipFilter::coverage; the filter uses it in either case
-  std::uint32_t max_error = 0;     ///< max error of a stored voxel, codes of 255 (approximate.h); ≤ 127
+  std::uint32_t max_error = 0;     ///< max error of stored values in units of 1/255 (approximate.h); at most 127
   std::uint64_t memory_bytes = 0;  ///< target; bricks are processed in batches to meet it. 0: no bound
 };
 
-/// One level of a cell. `facing` is empty at lod 0, without MipFilter::coverage and if it was not requested.
+/// One level of a cell. `facing` is empty at lod 0, without MipFilter::coverage and without CellParameters::facing.
 struct Level : BrickLevel {
   std::vector<std::uint64_t> key;  ///< Morton code of the brick in its level, ascending
 };
@@ -59,19 +60,19 @@ struct CellStats {
   std::uint64_t triangles = 0;   ///< triangles that may touch the window
   std::uint64_t non_finite = 0;  ///< dropped: a vertex is NaN/Inf or off the lattice
   std::uint64_t zero_area = 0;   ///< dropped: no area after the snap
-  std::uint64_t oversized = 0;   ///< extends farther than 2^30 sub-voxels from the window: the cell must fail
+  std::uint64_t oversized = 0;   ///< extend farther than 2^30 sub-voxels from the window; the cell must fail
   std::uint64_t bad_uv = 0;      ///< triangles with NaN/Inf texture coordinates, baked with (0,0)
-  std::uint64_t pairs = 0;       ///< triangle × brick
-  std::uint64_t fragments = 0;   ///< triangle × voxel
+  std::uint64_t pairs = 0;       ///< pairs of a triangle and a brick that it may touch
+  std::uint64_t fragments = 0;   ///< pairs of a triangle and a voxel that it occupies
   std::uint64_t batches = 0;
-  std::uint64_t peak_bytes = 0;  ///< only arrays of this call
+  std::uint64_t peak_bytes = 0;  ///< max memory of the arrays of this call
   double snap_s = 0, bin_s = 0, sort_s = 0, voxelize_s = 0, mip_s = 0, prune_s = 0;
-  double hash_s = 0;  ///< on a device part of the download
+  double hash_s = 0;  ///< on a device, hashing is part of the download
 };
 
 struct CellVolume {
   std::vector<Level> levels;          ///< [lod]; log2(window_voxels/8)+1 levels; empty if no voxel is occupied
-  NodeTable nodes;                    ///< facing: zeros for constant nodes of levels without it
+  NodeTable nodes;                    ///< its `facing` is 0 for constant nodes of levels without facing
   std::vector<Hash128> content_hash;  ///< [lod]; over all voxels, including those that constant nodes represent
   DownsampleState above;              ///< downsample state for the levels above; empty if no voxel is occupied
   CellStats stats;

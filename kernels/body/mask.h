@@ -1,4 +1,5 @@
-/// Occupancy masks of bricks and of their parents: 8 words, one per slab; bit x + 8y.
+/// Occupancy masks of bricks and of their parents. A mask has eight words, one per z. Voxel (x, y, z) is bit x + 8y of
+/// word z.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +16,7 @@ GB_HD int bit_count(std::uint64_t word) {
 #endif
 }
 
-/// Compacts the even bits of a row pair: bit x of the result is bit 2x; row y at bits 16 y.
+/// Keeps every second bit of every second 8-bit row. Bit 2x of row 2y moves to bit x + 16y, and all other bits are 0.
 GB_HD std::uint64_t close_up(std::uint64_t rows) {
   rows &= 0x0055005500550055ull;  // every second row, every second bit
   rows = (rows | rows >> 1) & 0x0033003300330033ull;
@@ -23,8 +24,8 @@ GB_HD std::uint64_t close_up(std::uint64_t rows) {
   return rows;
 }
 
-/// Returns the 4×4 parent voxels of slabs 2z and 2z+1 of a child: bit x + 8 y. A parent voxel exists if one of its
-/// eight children does.
+/// Returns the 4×4 parent voxels of slabs 2z (`low`) and 2z + 1 (`high`) of a brick. Parent voxel (x, y) is bit x + 8y.
+/// It exists if one of its eight children exists.
 GB_HD std::uint64_t parent_slab(std::uint64_t low, std::uint64_t high) {
   std::uint64_t m = low | high;
   m |= m >> 1;

@@ -10,18 +10,19 @@
 
 namespace gigabake::kernels {
 
-/// Numbers of entries of the tables. A normal's entry has four numbers.
+/// Numbers of entries of the tables. An entry of Tables::unit_normal has four numbers.
 inline constexpr std::size_t srgb_codes = 256, linear_values = 65536, normal_codes = 65536, alpha_sums = 64 * 255 + 1;
 inline constexpr std::size_t normal_steps = 128, sheet_coverages = 256 * normal_steps;
 
 /// Borrowed pointers to the tables.
 struct Tables {
   const std::uint16_t* linear_from_srgb = nullptr;  ///< [256]   sRGB 8-bit to linear, 65535 = 1
-  const std::uint8_t* srgb_from_linear = nullptr;   ///< [65536] the nearest sRGB 8-bit code, half up in sRGB
+  const std::uint8_t* srgb_from_linear = nullptr;   ///< [65536] the nearest sRGB 8-bit code, halves up
   const std::int16_t* unit_normal =
-      nullptr;  ///< [65536][4] x, y, z of unit length 32767 by (uint8 ox) | (uint8 oy) << 8
-  const std::uint8_t* thesis_alpha = nullptr;    ///< [16321] 255·a^(1-a) by the sum of 64 8-bit alphas
-  const std::uint8_t* sheet_coverage = nullptr;  ///< [256][128] 255·(1-(1-a)^n) by 8-bit alpha, then 127·n
+      nullptr;  ///< [65536][4] x, y, z of unit length 32767, indexed by pack_normal(), then 0
+  const std::uint8_t* thesis_alpha =
+      nullptr;  ///< [16321] 255·a^(1-a), indexed by the sum of 64 8-bit alphas; a is their mean
+  const std::uint8_t* sheet_coverage = nullptr;  ///< [256][128] 255·(1-(1-a)^n), indexed by 8-bit alpha a, then 127·n
 };
 
 /// Owner of the tables.

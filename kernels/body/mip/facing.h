@@ -1,11 +1,11 @@
 /// Directional coverage of a coarser voxel and visibility of each of its children, seen along the axes.
 ///
-/// A voxel's *raster* is its coverage mask along x, y and z: its content projected onto the face across each axis. Its
-/// cells have values 0…255. It has one cell at lod 0 (AxisCoverage), 2×2 at lod 1 and 4×4 at lod 2. Coarser lods have
-/// 8×8, where a cell is the mean of four. Children that lie behind each other occlude each other per cell. Coverage is
-/// therefore exact for opaque voxels up to lod 3; beyond it, two surfaces are confused only within an eighth of a
-/// voxel. A single coverage value does not suffice: half a voxel behind half a voxel may occlude nothing more, or
-/// everything.
+/// A voxel's *raster* is its coverage mask along x, y and z: its content projected onto the face across each axis. The
+/// cells of a raster have values 0…255. Per axis, a raster has one cell at lod 0 (AxisCoverage), 2×2 at lod 1, 4×4 at
+/// lod 2 and 8×8 at coarser lods. At lod 4 and coarser lods, a cell is the mean of four finer cells. A child occludes
+/// the child behind it cell by cell. Coverage is therefore exact for opaque voxels up to lod 3. At coarser lods, two
+/// surfaces are distinguished if they are an eighth of a voxel apart. A single value per axis does not suffice: two
+/// half-covered children behind each other may cover half of their parent's face, or all of it.
 ///
 /// Exact   Integers: host and device return the same bits.
 #pragma once
@@ -18,8 +18,9 @@
 
 namespace gigabake::kernels {
 
-/// Returns the size of a raster in words: the cells of three axes, four per word, the first in the lowest byte. Cell
-/// (u, v) of an axis is u + edge·v, with u along the lower of the other two axes.
+/// Returns the size of a raster with edge² cells per axis, in 32-bit words. A word holds four cells, the first in the
+/// lowest byte. The cells along x come first, then y, then z. Cell (u, v) of an axis has index u + edge·v. The axes of
+/// u and v are the other two axes, in the order x, y, z.
 /// Range   edge ≥ 2.
 GB_HD constexpr int raster_words(int edge) { return 3 * edge * edge / 4; }
 
@@ -30,7 +31,7 @@ GB_HD std::uint32_t over_255(std::uint32_t x) {
   return (x + (x >> 8)) >> 8;
 }
 
-/// Returns the union of four cells, a byte each: a + b - ab/255 per cell, rounded to nearest.
+/// Returns the union of the coverages of four cells, one byte per cell: a + b - ab/255, rounded to nearest.
 GB_HD std::uint32_t cover_4(std::uint32_t a, std::uint32_t b) {
   constexpr std::uint32_t bytes = 0x00ff00ff, half = 0x00800080;
   const std::uint32_t p = ~a, q = ~b;  // uncovered fraction: (255-a)(255-b)/255
@@ -49,8 +50,8 @@ GB_HD std::uint32_t sum_4(std::uint32_t cells) {
 #endif
 }
 
-/// Adjacent cells of a raster, in N words. For a column N is 1 or 4: two rows of an 8×8 raster, else all of the
-/// column's cells.
+/// Run of 4·N adjacent cells of a raster along one axis. N = 1 holds all cells of a 2×2 raster. N = 4 holds all cells
+/// of a 4×4 raster or two rows of an 8×8 raster.
 template <int N>
 struct alignas(4 * N) CellRun {
   std::uint32_t word[N];
@@ -84,7 +85,7 @@ GB_HD CellRun<N> cover(const CellRun<N>& low, const CellRun<N>& high, std::uint3
   return either;
 }
 
-/// Returns the lower child of column `column` (0…3) along an axis. The upper child is low | 1 << axis.
+/// Returns the lower of the two children in column `column` (0…3) along an axis. The upper child is low | 1 << axis.
 GB_HD constexpr int low_child(int axis, int column) {
   return (column & ((1 << axis) - 1)) | (column >> axis) << (axis + 1);
 }
@@ -92,7 +93,7 @@ GB_HD constexpr int low_child(int axis, int column) {
 /// Sums over the cells of all added columns.
 struct CoverageSums {
   std::uint32_t covered[3] = {};
-  std::uint32_t seen[8] = {};  ///< visible coverage of each child, from the six sides
+  std::uint32_t seen[8] = {};  ///< visible coverage of each child, summed over the views from six sides
 
   GB_HD void add(int axis, int column, const std::uint32_t sums[3]) {
     const int low = low_child(axis, column), high = low | 1 << axis;
@@ -101,7 +102,8 @@ struct CoverageSums {
     seen[high] += sums[1] + sums[2] - sums[0];
   }
 
-  /// Returns the directional coverage, 1…255: an existing voxel never vanishes. edge: of the children's rasters.
+  /// Returns the directional coverage, 1…255. It is not 0, so that an existing voxel does not vanish. `edge` is the
+  /// edge of the children's rasters in cells.
   GB_HD std::uint8_t facing(int axis, int edge) const {
     const std::uint32_t cells = 4 * std::uint32_t(edge * edge), mean = (covered[axis] + cells / 2) / cells;
     return std::uint8_t(mean < 1 ? 1 : mean);
@@ -113,13 +115,14 @@ struct CoverageSums {
   }
 };
 
-/// Words per run. Edge: of the children's rasters, 2, 4 or 8; the parent's raster has edge 2·Edge, or 8.
+/// Number of words per run. Edge is the edge of the children's rasters in cells: 2, 4 or 8. The parent's raster has
+/// edge min(2·Edge, 8).
 template <int Edge>
 inline constexpr int run_words = Edge == 2 ? 1 : 4;
 template <int Edge>
 inline constexpr int runs_per_column = Edge* Edge / 4 / run_words<Edge>;
 
-/// Returns the means of 2×2 cells of two rows, two cells per word: bytes 0 and 2.
+/// Returns the means of two blocks of 2×2 cells from two rows of four cells. Bytes 0 and 2 of the result are the means.
 GB_HD std::uint32_t means_of(std::uint32_t upper, std::uint32_t lower) {
   constexpr std::uint32_t bytes = 0x00ff00ff;
   return ((upper & bytes) + (upper >> 8 & bytes) + (lower & bytes) + (lower >> 8 & bytes) + 0x00020002) >> 2 & bytes;
@@ -131,8 +134,8 @@ GB_HD std::uint32_t even_bytes(std::uint32_t a, std::uint32_t b) {
 }
 
 /// Adds one run of a column of children to the parent's raster. The sums over the lower child, the upper child and
-/// their union are added to `sums`. Parameter children: returns run `run` of an axis of a child's raster; zeros if the
-/// child does not exist.
+/// their union are added to `sums`. The call children.cells<4>(child, axis, run) returns a run of a child's raster, or
+/// zeros if the child does not exist.
 /// Range   Edge: 4 or 8.
 template <int Edge, class Children>
 GB_HD void see_run(const Children& children, int axis, int column, int run, std::uint32_t* raster,
@@ -149,7 +152,7 @@ GB_HD void see_run(const Children& children, int axis, int column, int run, std:
   }
 }
 
-/// Computes the parent's raster and sums from children with 2×2 cells per axis.
+/// Computes the parent's raster from children with 2×2 cells per axis and returns the sums.
 template <class Children>
 GB_HD CoverageSums see_small(const Children& children, std::uint32_t* raster) {
   CoverageSums result;
@@ -173,7 +176,7 @@ GB_HD CoverageSums see_small(const Children& children, std::uint32_t* raster) {
   return result;
 }
 
-/// Computes the parent's raster, which is overwritten completely, and the sums of its children.
+/// Computes the parent's raster and returns the sums over its children. All words of `raster` are overwritten.
 template <int Edge, class Children>
 GB_HD CoverageSums cover_children(const Children& children, std::uint32_t* raster) {
   if constexpr (Edge == 2) {
@@ -190,7 +193,8 @@ GB_HD CoverageSums cover_children(const Children& children, std::uint32_t* raste
   }
 }
 
-/// Computes the parent's raster and sums of eight lod-0 voxels, whose rasters are their axis coverage.
+/// Computes the raster of the parent of eight lod-0 voxels and returns the sums. The raster of a lod-0 voxel is its
+/// axis coverage.
 GB_HD CoverageSums see_voxels(const AxisCoverage& c, std::uint32_t raster[3]) {
   const std::uint32_t *x = c.along[0], *y = c.along[1], *z = c.along[2];
   const std::uint32_t low[3] = {even_bytes(x[0], x[1]), (y[0] & 0xffff) | y[1] << 16, z[0]};

@@ -10,8 +10,8 @@
 
 namespace gigabake::kernels {
 
-/// Hashes voxel x + 8y + 64z of a brick of level `lod`. window_min: CellParameters::window_min. facing: its bytes, or
-/// null if the level has none.
+/// Hashes voxel x + 8y + 64z of a brick of level `lod`. `window_min` is CellParameters::window_min. `facing` points to
+/// the voxel's directional coverage; it is null if the level has none.
 /// Exact   Integers: host and device return the same bits.
 GB_HD Hash128 hash_of_voxel(const std::int64_t window_min[3], int lod, const BrickCoordinate& brick, int voxel,
                             std::uint32_t rgba, std::uint16_t normal, const std::uint8_t* facing) {

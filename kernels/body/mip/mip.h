@@ -21,7 +21,7 @@ GB_HD constexpr bool filters_by_view(MipFilter filter) { return filter == MipFil
 /// (kernels/body/mip/mip_of_64.h). Otherwise it is filtered from its eight children.
 GB_HD constexpr bool is_of_64(MipFilter filter, int lod) { return filter == MipFilter::thesis && lod >= 2; }
 
-/// Weights of eight children, 0 … 255, and their parent's coverage along x, y and z; a byte each.
+/// Weights (0 … 255) of eight children and their parent's coverage along x, y and z, one byte per value.
 struct Weights {
   std::uint32_t child[2], facing;
 
@@ -32,8 +32,8 @@ struct Weights {
   }
 };
 
-/// Weights children by visible coverage. Weights are uniform if all round to zero. there: byte c is 1 if child c
-/// exists. edge: of the children's rasters.
+/// Returns the visible coverage of each child as its weight. If all weights are 0, each existing child gets weight 1.
+/// Byte c of `there` is 1 if child c exists. `edge` is the edge of the children's rasters in cells.
 GB_HD Weights weights_of(const CoverageSums& seen, int edge, const std::uint32_t there[2]) {
   Weights w{};
   GB_UNROLL
@@ -60,12 +60,12 @@ GB_HD UnitNormal unit_normal_of(const std::int8_t normal[2], const Tables& table
 #endif
 }
 
-/// Weighted sums over children of everything that a level's filter keeps, except coverage.
+/// Weighted sums of the linear colours and normals of children, and the sum of the weights.
 struct MipSums {
   std::uint32_t weight = 0, colour[3] = {};
   std::int32_t normal[3] = {};
 
-  /// Adds a child. w: 0 … 255. n: of the voxel.
+  /// Adds a child `v` with unit normal `n` and weight `w` (0 … 255).
   GB_HD void add(const Voxel& v, const UnitNormal& n, std::uint32_t w, const Tables& tables) {
     weight += w;
     for (int k = 0; k < 3; ++k) {
@@ -86,14 +86,15 @@ struct MipSums {
   }
 };
 
-/// Returns the coverage of filters without directions. alpha_sum: over the children; a missing child adds 0.
+/// Returns the coverage of a voxel under the filters `thesis` and `box`. `alpha_sum` is the sum of the children's
+/// alphas; a missing child adds 0.
 GB_HD std::uint32_t mean_coverage(std::uint32_t alpha_sum, MipFilter filter, const Tables& tables) {
   return filter == MipFilter::thesis ? tables.thesis_alpha[8 * alpha_sum] : (alpha_sum + 4) / 8;
 }
 
-/// Returns the parent of eight voxels; missing voxels must be zero. by_view: filters_by_view(filter). If by_view,
-/// `weights` is the result of weights_of(), else it is unused. each(c, w, n) is called with child c's weight and
-/// normal; children of weight 0 may be skipped.
+/// Returns the parent of eight voxels; missing voxels must be zero. `by_view` must equal filters_by_view(filter). If it
+/// is true, `weights` is the result of weights_of(); otherwise `weights` is unused. each(c, w, n) is called with child
+/// c's weight and normal; children of weight 0 may be skipped.
 template <bool by_view, class Each>
 GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, MipFilter filter, const Tables& tables,
                             const Each& each) {

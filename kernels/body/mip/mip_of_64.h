@@ -18,13 +18,13 @@ namespace gigabake::kernels {
 /// Returns the key of the brick two levels above that contains a brick.
 GB_HD std::uint64_t grandparent_key(std::uint64_t key) { return parent_key(parent_key(key)); }
 
-/// Returns the voxel of the brick two levels above that corresponds to an octant of the lower brick: x + 8y + 64z.
+/// Returns the voxel that is filtered from an octant of brick `key`, as x + 8y + 64z in the brick two levels above.
 GB_HD int grandparent_voxel(std::uint64_t key, int octant) {
   const std::uint32_t code = std::uint32_t(key & 63) << 3 | std::uint32_t(octant);
   return gather_three_bits(code) + 8 * gather_three_bits(code >> 1) + 64 * gather_three_bits(code >> 2);
 }
 
-/// Returns an octant's bits within each of its slabs. Its slabs begin at 4·(octant / 4).
+/// Returns the bits of an octant in one mask word. The octant lies in four words, which begin at word 4·(octant / 4).
 GB_HD std::uint64_t octant_bits(int octant) { return 0x0f0f0f0full << (4 * (octant & 1) + 32 * (octant >> 1 & 1)); }
 
 /// Returns true if one of an octant's 64 voxels exists. The voxel filtered from them then exists, too.
@@ -33,7 +33,8 @@ GB_HD bool has_voxels(const std::uint64_t mask[8], int octant) {
   return ((slab[0] | slab[1] | slab[2] | slab[3]) & octant_bits(octant)) != 0;
 }
 
-/// Calls visit(index in the level) for each voxel of an octant. first: index of the brick's first voxel.
+/// Calls visit(i) for each voxel of an octant; i is the voxel's index in the level. `first` is the index of the brick's
+/// first voxel.
 template <class Visit>
 GB_HD void for_each_of_64(const std::uint64_t mask[8], int octant, std::size_t first, const Visit& visit) {
   const int begin = 4 * (octant >> 2);
@@ -47,8 +48,8 @@ GB_HD void for_each_of_64(const std::uint64_t mask[8], int octant, std::size_t f
 }
 
 /// Returns the voxel filtered from an octant that has voxels. Colour and normal are means weighted by alpha. Alpha is
-/// m^(1 - m), where m is the mean alpha of all 64 voxels and missing voxels have alpha 0. voxel(index in the level)
-/// returns a voxel.
+/// m^(1 - m), where m is the mean alpha of all 64 voxels and missing voxels have alpha 0. The call voxel(i) returns
+/// voxel i of the level.
 template <class VoxelAt>
 GB_HD Voxel filter_64(const std::uint64_t mask[8], int octant, std::size_t first, const VoxelAt& voxel,
                       const Tables& tables) {

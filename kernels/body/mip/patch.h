@@ -1,8 +1,8 @@
 /// Surface moments of a coarser voxel: mean position and flatness of its surface. Planes are fitted to them
 /// (kernels/body/mip/plane.h).
 ///
-/// A voxel's *patch* is kept next to its level while coarser levels are computed, and is not stored. Lengths are in
-/// half edges of the patch's own voxel, from its centre, so that they lie between -1 and 1 in every level.
+/// A voxel's *patch* is kept next to its level while coarser levels are computed, and is not stored. Positions are
+/// relative to the centre of the patch's voxel, in half edges of that voxel. They lie between -1 and 1 at every level.
 ///
 /// Exact   32-bit integers, rounded once per level; the order of children does not matter. Host and device return the
 ///         same bits.
@@ -17,11 +17,11 @@
 
 namespace gigabake::kernels {
 
-/// Surface moments of one voxel. Eight bytes, so that a GPU reads them with one load.
+/// Surface moments of one voxel. The struct has eight bytes, so that a GPU reads it with one load.
 struct alignas(8) SurfaceMoments {
-  std::int16_t place[3];          ///< mean position of the surface; position_unit = 1
-  std::uint8_t spread;            ///< mean squared distance from its plane; 256 = 1, max 255
-  std::uint8_t normal_coherence;  ///< length of the mean of its unit normals, minus one; 256 = 1
+  std::int16_t place[3];          ///< mean position of the surface; position_unit is half an edge
+  std::uint8_t spread;            ///< mean squared distance of the surface from its plane; 256 = 1, max 255
+  std::uint8_t normal_coherence;  ///< 256 · length of the mean of its unit normals, minus 1
 };
 
 /// Returns the patch of a lod-0 voxel.
@@ -33,13 +33,13 @@ inline constexpr std::int32_t position_unit = 1 << 14;
 struct PatchSums {
   std::int32_t weight = 0, place[3] = {}, normal[3] = {};
 
-  /// Returns a child's position along an axis, from the parent's centre. Unit: half an edge of the parent is
-  /// 2·position_unit.
+  /// Returns the mean position of a child's surface along an axis, relative to the parent's centre. Half an edge of the
+  /// parent is 2·position_unit.
   GB_HD static std::int32_t place_in_parent(const SurfaceMoments& patch, int child, int axis) {
     return ((child >> axis & 1) != 0 ? position_unit : -position_unit) + patch.place[axis];
   }
 
-  /// Adds a child. n: of the child. w: 0 … 255.
+  /// Adds a child with unit normal `n` and weight `w` (0 … 255).
   GB_HD void add(const SurfaceMoments& patch, int child, const UnitNormal& n, std::int32_t w) {
     weight += w;
     for (int a = 0; a < 3; ++a) {
@@ -48,11 +48,11 @@ struct PatchSums {
     }
   }
 
-  /// Returns 2^31 / weight: one division for all means.
+  /// Returns 2^31 / weight. All means multiply by it, so that there is only one division.
   /// Range   weight > 0.
   GB_HD std::int64_t by_weight() const { return (std::uint32_t(1) << 31) / std::uint32_t(weight); }
 
-  /// Returns the patch except for `spread`. n: of the parent.
+  /// Returns the parent's patch except for `spread`. `n` is the parent's unit normal.
   GB_HD SurfaceMoments patch(const UnitNormal& n) const {
     const std::int64_t by = by_weight();
     SurfaceMoments out{};
@@ -67,8 +67,8 @@ struct PatchSums {
   }
 };
 
-/// Returns a child's contribution to the spread of its parent, 65536 = 1. It is the child's own spread plus the squared
-/// distance of its position from the parent's plane. Max 4·65536.
+/// Returns a child's contribution to the spread of its parent. It is the child's own spread plus the squared distance
+/// of its position from the parent's plane. The value 65536 is the square of half a parent edge; the max is 4·65536.
 GB_HD std::int32_t spread_in_parent(const SurfaceMoments& of_child, int child, const SurfaceMoments& of_parent,
                                     const UnitNormal& n) {
   std::int32_t off = 0;  // 2^22 = one half edge
@@ -78,9 +78,10 @@ GB_HD std::int32_t spread_in_parent(const SurfaceMoments& of_child, int child, c
   return 64 * std::int32_t(of_child.spread) + off * off;
 }
 
-/// Returns the mean squared distance of voxel centres from a plane, over the voxels that the plane intersects. Unit:
-/// 65536 is an edge of these voxels, which is half an edge of the coarser voxels. The centres lie within half of (|x| +
-/// |y| + |z|) of its unit normal. At lod 0 the position of the surface within a voxel is otherwise unknown.
+/// Returns the mean squared distance of voxel centres from a plane, over the voxels that the plane intersects. The
+/// value 65536 is the squared edge of these voxels. For a unit normal (x, y, z), the distances are at most (|x| + |y| +
+/// |z|) / 2 edges. A lod-0 voxel has its centre as position, because the surface's position in it is unknown. This
+/// distance is therefore not part of the surface's spread.
 GB_HD std::int32_t spread_of_centres(const UnitNormal& n) {
   std::int32_t reach = 0;
   for (int a = 0; a < 3; ++a) reach += n.c[a] < 0 ? -n.c[a] : n.c[a];
@@ -88,8 +89,8 @@ GB_HD std::int32_t spread_of_centres(const UnitNormal& n) {
   return reach * reach / 12;
 }
 
-/// Returns the patch of the parent of eight voxels. sums: over children of non-zero weight. patch(c) is ignored if
-/// child c's weight is 0. is_finest: the children are of lod 0.
+/// Returns the patch of the parent of eight voxels. `sums` are over the children of non-zero weight. The result of
+/// patch(c) is ignored if child c's weight is 0. `is_finest` is true if the children are of lod 0.
 template <class PatchOf>
 GB_HD SurfaceMoments join_patches(const PatchSums& sums, const PatchOf& patch, const Weights& weights,
                                   const Voxel& parent, bool is_finest, const Tables& tables) {
@@ -110,7 +111,7 @@ struct VoxelPatch {
   SurfaceMoments patch;
 };
 
-/// Computes a voxel by filter_children() by view and its patch by join_patches().
+/// Computes a voxel by filter_children<true>() and its patch by join_patches().
 template <class PatchOf>
 GB_HD VoxelPatch filter_patches(const Voxel children[8], const PatchOf& patch, const Weights& weights, bool is_finest,
                                 const Tables& tables) {

@@ -1,12 +1,12 @@
 /// Plane of a coarser voxel: one byte with the position of its surface, if the voxel holds a single surface.
 ///
 /// The plane is n·x = offset/7. The vector n has the direction of the voxel's stored normal with |x| + |y| + |z| = 1,
-/// not unit length. The vector x is a position from the voxel's centre in half edges. An offset of 7 is therefore a
-/// plane that just touches the cube, in every direction. The byte's lowest two bits hold the fraction of the voxel's
-/// surface that lies on the plane, 3 being all. The higher bits hold offset + 8. The value 0 means no plane.
+/// not unit length. The vector x is a position from the voxel's centre in half edges. A plane with offset ±7 therefore
+/// touches the voxel's cube without cutting it, in any direction. The byte's lowest two bits hold the fraction of the
+/// voxel's surface that lies on the plane, in thirds. The higher bits hold offset + 8. The value 0 means no plane.
 ///
-/// A voxel whose whole surface lies on its plane stores no coverage along the axes. Its normal and its alpha, which is
-/// the max of these coverages, determine them.
+/// A voxel whose whole surface lies on its plane stores no coverage along the axes. The voxel's normal and alpha
+/// determine these coverages; alpha is their max.
 ///
 /// Exact   32-bit integers: host and device return the same bits.
 /// Source  docs/experiments/levels.md (blended planes).
@@ -21,15 +21,16 @@ namespace gigabake::kernels {
 inline constexpr int max_coherence = 3, max_offset = 7;
 
 struct Plane {
-  std::int32_t offset = 0;     ///< -7 … 7; error up to 1/30 voxel, which is 1/30 pixel
-  std::int32_t coherence = 0;  ///< fraction of the surface on the plane, 0 … 3; 0: no plane
+  std::int32_t offset = 0;     ///< -7 … 7; rounding error about 1/30 voxel
+  std::int32_t coherence = 0;  ///< fraction of the surface on the plane, in thirds; 0: no plane
 };
 
 GB_HD std::uint8_t pack_plane(const Plane& p) {
   return std::uint8_t(p.coherence == 0 ? 0 : (p.offset + 8) << 2 | p.coherence);
 }
 
-/// Returns the plane of any byte, with an offset within ±8. Bits outside the fields are ignored.
+/// Returns the plane that a byte encodes. Any byte is accepted: the offset is then -8 … 7, and the highest two bits are
+/// ignored.
 GB_HD Plane unpack_plane(std::uint8_t byte) { return {(byte >> 2 & 15) - 8, byte & 3}; }
 
 GB_HD bool is_all_sheet(std::uint8_t plane) { return (plane & 3) == max_coherence; }

@@ -25,16 +25,16 @@ GB_HD std::int32_t ramp_256(std::int32_t x, std::int32_t from, std::int32_t to) 
   return x >= to ? 256 : (x - from) * 256 / (to - from);
 }
 
-/// Returns the degree to which a patch is a single surface, 0 … 3. It rises with the length of the mean normal (0.65 to
-/// 0.8) and falls with the distance from the plane (0.12 to 0.2 edges).
+/// Returns the degree to which a patch is a single surface, 0 … 3. It rises from 0 while the length of the mean normal
+/// grows from 0.65 to 0.8. It falls to 0 while the RMS distance from the plane grows from 0.12 to 0.2 voxel edges.
 GB_HD int coherence_of(const SurfaceMoments& patch) {
   const std::int32_t alike = ramp_256(patch.normal_coherence, 165, 204);
   const std::int32_t far = ramp_256(patch.spread, 15, 41);
   return int((max_coherence * alike * (256 - far) + 32768) >> 16);
 }
 
-/// Returns the plane of a patch. is_finest: at lod 1, whose children locate the surface only to a voxel. There a third
-/// of the offsets carries as much information as all of them, and takes fewer bytes of a shard.
+/// Returns the plane of a patch. `is_finest` is true at lod 1, because positions within lod-0 voxels are unknown. Only
+/// every third offset is then used: it is as accurate and takes fewer bytes of a shard.
 GB_HD Plane plane_of(const SurfaceMoments& patch, const std::int8_t normal[2], bool is_finest) {
   const int coherence = coherence_of(patch);
   if (coherence == 0) return {};

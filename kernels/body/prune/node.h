@@ -14,24 +14,25 @@ namespace gigabake::kernels {
 
 inline constexpr std::uint32_t no_child = 0xffffffffu;
 
-/// Morton code of a brick's parent in the next coarser level, and the brick's index among the parent's eight children.
+/// Returns the Morton code of a brick's parent in the next coarser level.
 GB_HD std::uint64_t parent_key(std::uint64_t key) { return key >> 3; }
+/// Returns a brick's index among its parent's eight children.
 GB_HD int octant_of(std::uint64_t key) { return int(key & 7); }
 
-/// Returns true if a brick has all of its voxels. Only such a brick may be a constant node. first: as
-/// BrickLevel::first.
+/// Returns true if all 512 voxels of a brick exist. Only a full brick may be a constant node. `first` points to the
+/// brick's entry in BrickLevel::first.
 template <class Index>
 GB_HD bool is_full(const Index first[2]) {
   return first[1] - first[0] == Index(brick_voxels);
 }
 
-/// Values of a voxel, for comparison with the other voxels of its brick and of the branch below.
+/// Values of a voxel by which it is compared with other voxels of its brick and with the brick's descendants.
 struct CommonVoxel {
-  std::uint32_t rgba = 0, facing = 0;  ///< facing: alpha along each axis at lod 0 and in levels without facing
+  std::uint32_t rgba = 0, facing = 0;  ///< `facing` is alpha along each axis if the level stores none
   std::uint16_t normal = 0;
 };
 
-/// Returns the values of a voxel. facing: its bytes, or null if the level has none.
+/// Returns the values of a voxel. `facing` points to its directional coverage; it is null if the level has none.
 GB_HD CommonVoxel common_voxel(std::uint32_t rgba, std::uint16_t normal, const std::uint8_t* facing) {
   const std::uint32_t alpha = byte_of(rgba, 3);
   return {rgba, facing != nullptr ? pack_facing(facing) : alpha | alpha << 8 | alpha << 16, normal};
@@ -41,13 +42,13 @@ GB_HD bool are_equal(const CommonVoxel& a, const CommonVoxel& b) {
   return a.rgba == b.rgba && a.normal == b.normal && a.facing == b.facing;
 }
 
-/// Returns the node type of a brick. is_constant: the brick is full and all its voxels are equal.
+/// Returns the node type of a brick. `is_constant` is true if the brick is full and all its voxels are equal.
 GB_HD NodeKind kind_of_brick(bool is_constant) { return is_constant ? NodeKind::constant : NodeKind::brick; }
 GB_HD bool stores_voxels(NodeKind kind) { return kind == NodeKind::brick; }
 /// Returns true if no node below this node is stored.
 GB_HD bool ends_branch(NodeKind kind) { return kind == NodeKind::leaf_constant; }
-/// Returns the type of a constant node. like_all_below: all eight children exist, end their branches and equal the
-/// node; at lod 0 always true.
+/// Returns the type of a constant node. `like_all_below` is true if all eight children exist, end their branches and
+/// equal the node. At lod 0 it is always true.
 GB_HD NodeKind kind_of_constant(bool like_all_below) {
   return like_all_below ? NodeKind::leaf_constant : NodeKind::constant;
 }
@@ -79,7 +80,7 @@ inline void set_all_bricks(NodeTable& nodes, std::size_t count) {
 }
 
 /// Checks the number of nodes.
-/// Errors  std::length_error beyond 2^32-1 nodes.
+/// Errors  std::length_error for 2^32-1 nodes or more, because no_child is 2^32-1.
 inline void check_node_count(std::uint64_t nodes) {
   if (nodes >= no_child) throw std::length_error("an oct-tree of more than 2^32-1 nodes; use a smaller `cell_voxels`");
 }

@@ -1,11 +1,11 @@
 /// Mean of one level of a texture over a small footprint, from three texels along each axis.
 ///
-/// The weights of nine texels reproduce the footprint's mean, variances and covariance, each widened as linear
-/// interpolation between two texels widens a point. A quadratic texture therefore has its exact mean, and pieces of a
-/// voxel sum to the result for the whole. Along an axis, a box of up to one texel has the mean of bilinear
-/// interpolation.
+/// The weights of nine texels have the mean and covariance of the footprint. Their variances are the footprint's
+/// variances, widened as linear interpolation between two texels widens a point. The result for a quadratic texture is
+/// therefore its exact mean, and the results for pieces of a voxel sum to the result for the whole voxel. Along an
+/// axis, the result for a box of up to one texel is the mean of linear interpolation over the box.
 ///
-/// Space   One level: texels.
+/// Space   Texels of one level.
 /// Exact   Weights are computed in IEEE floats and rounded to integers with sum 2^15. Host and device agree, and a
 ///         uniform colour is preserved.
 /// Range   Boxes with edges up to the root of `max_width_squared`; a wider box is replaced by the widest box that fits.
@@ -22,7 +22,8 @@
 
 namespace gigabake::kernels {
 
-/// Returns the nearest integer. Adding 1.5 · 2^23 leaves a float no bits for fractions, which is fast on a device.
+/// Returns the nearest integer. Adding 1.5 · 2^23 leaves a float no bits for fractions; this rounding is fast on a
+/// device.
 /// Range   |x| ≤ 2^21.
 GB_HD std::int32_t rounded(float x) {
   const float whole = x + 12582912.0f;  // 1.5 · 2^23
@@ -35,20 +36,20 @@ GB_HD std::int32_t rounded(float x) {
 /// negative weight.
 inline constexpr float max_width_squared = 7.5f;
 
-/// Footprint on one level: a box, by its squared edges (texels²), and a covariance (texels²). A negative square
-/// describes a footprint narrower than the level's texels, and sharpens.
+/// Footprint on one level: the squared edges of a box, and a covariance, both in texels². A negative squared edge
+/// describes a footprint narrower than the level's texels; its filter sharpens.
 struct LevelFootprint {
   float width_squared, height_squared, covariance;
 };
 
 /// Position of a sample on an image.
 struct ImagePosition {
-  std::int64_t at;  ///< 2^-32 of the image
+  std::int64_t at;  ///< in units of 2^-32 of the image
   bool is_turned;   ///< the image is mirrored at this position
 };
 
 /// Returns the position of s on the image. For clamp_to_edge, positions up to half an image beyond the edge are kept,
-/// because a footprint may lie on both sides.
+/// because a footprint may cross the edge.
 GB_HD ImagePosition image_position(double s, Wrap wrap) {
   if (wrap != Wrap::clamp_to_edge) {
     const bool is_turned = wrap == Wrap::mirrored_repeat && low_word(s + 3145728.0) >> 31 != 0;
@@ -58,13 +59,15 @@ GB_HD ImagePosition image_position(double s, Wrap wrap) {
   return {(std::int64_t(std::int32_t(low_word(within + 3145728.0))) + (std::int64_t(1) << 30)) * 2, false};
 }
 
-/// Three texels along an axis, their weights, and the derivative of the weights' second moment by the first.
+/// Three texels along an axis and their weights; `slope` is the derivative of the weights' second moment by their
+/// first.
 struct AxisTaps {
   std::int32_t texel[3], weight[3];
   float slope;
 };
 
-/// Returns texel i of the wrapped row. The texel must not be far from the image.
+/// Returns the index in the image of texel i of the wrapped row.
+/// Range   -size ≤ i < 2·size.
 GB_HD std::int32_t texel_near(std::int32_t i, std::int32_t size, bool repeats) {
   if (i < 0) return repeats ? i + size : 0;
   return i < size ? i : (repeats ? i - size : size - 1);
@@ -80,12 +83,13 @@ GB_HD float inverse_root(float x) {
   return r * (1.5f - 0.5f * x * r * r);
 }
 
-/// Moments of the weights about the middle texel; slope: derivative of the second moment by the first.
+/// Moments of the weights about the middle texel; `slope` is the derivative of the second moment by the first.
 struct AxisMoments {
   float first, second, slope;
 };
 
-/// Returns the moments of linear interpolation averaged over a box: exact up to one texel, a parabola beyond.
+/// Returns the moments of linear interpolation averaged over a box with centre `m`, in texels from the middle texel's
+/// centre. The second moment is exact on the image for boxes of up to one texel. Otherwise it is a parabola in `m`.
 GB_HD AxisMoments axis_moments(float m, float width_squared, bool is_image) {
   if (width_squared >= 1 || !is_image) return {m, smaller(m * m + (width_squared + 2) * (1.0f / 12), 1.0f), 2 * m};
   if (width_squared <= 4 * m * m) return {m, std::fabs(m), m < 0 ? -1.0f : 1.0f};
@@ -96,8 +100,8 @@ GB_HD AxisMoments axis_moments(float m, float width_squared, bool is_image) {
 inline constexpr int weight_s_bits = 8, weight_t_bits = 7, slope_s_bits = 5,
                      slope_t_bits = weight_s_bits + weight_t_bits - slope_s_bits;
 
-/// Returns the three texels around position `at` and their weights, which sum to 2^bits. Unit of `at`: 2^-32 of the
-/// image. is_image: true for level 0, which is the image itself.
+/// Returns the three texels around position `at` and their weights, which sum to 2^bits. `at` is in units of 2^-32 of
+/// the image. `is_image` is true for level 0, which is the image itself.
 template <int bits>
 GB_HD AxisTaps axis_taps(std::int64_t at, std::int32_t size, Wrap wrap, bool is_image, float width_squared) {
   const std::int64_t place = at * size;
@@ -106,7 +110,7 @@ GB_HD AxisTaps axis_taps(std::int64_t at, std::int32_t size, Wrap wrap, bool is_
   const AxisMoments m = axis_moments(from_middle, width_squared, is_image);
   AxisTaps r;
   for (int k = 0; k < 3; ++k) r.texel[k] = middle + k - 1;
-  if (middle < 1 || middle > size - 2)  // some lie outside the image
+  if (middle < 1 || middle > size - 2)  // some texels lie outside the image
     for (int k = 0; k < 3; ++k) r.texel[k] = texel_near(r.texel[k], size, wrap == Wrap::repeat);
   constexpr float half = float(1 << (bits - 1));
   r.weight[0] = rounded((m.second - m.first) * half);
@@ -129,7 +133,7 @@ GB_HD AxisSlopes axis_slopes(const AxisTaps& taps, float scale) {
 }
 
 /// Initial values of weighted sums: a half for rounding, and an offset that keeps sums non-negative when a covariance
-/// subtracts texels. The result may still lie below black or above white.
+/// subtracts texels. The result may still lie below black or above white; channel_of() clamps it.
 inline constexpr int sum_bits = weight_s_bits + weight_t_bits;
 inline constexpr std::uint32_t sum_start = 1u << (sum_bits + 15), sum_half = 1u << (sum_bits - 1);
 
@@ -140,13 +144,13 @@ GB_HD std::uint16_t channel_of(std::uint32_t sum) {
 
 GB_HD float half_square(float x) { return x > 0 ? 0.5f * x * x : 0; }
 
-/// Returns the fraction of a box that passes the alpha test. Alpha is a plane over the box: `beyond` the cutoff at its
-/// centre, with changes `along` one edge and `across` the other.
+/// Returns the fraction of a box that passes the alpha test. Alpha is a linear function over the box. At the box's
+/// centre it exceeds the cutoff by `beyond`. It changes by `along` along one edge and by `across` along the other.
 GB_HD float passing_fraction(float beyond, float along, float across) {
   const float longer = larger(larger(along, across), 1.0f), shorter = larger(smaller(along, across), longer / 64);
   const float far = 0.5f * (longer + shorter), near = 0.5f * (longer - shorter);
-  // Outside the range of the slopes the differences of squares would cancel. Uniform alpha passes if it equals the
-  // cutoff.
+  // If the whole box lies on one side of the cutoff, the differences of squares below would cancel. Uniform alpha
+  // passes if it equals the cutoff.
   if (beyond >= far || (beyond >= 0 && along + across == 0)) return 1;
   if (beyond <= -far) return 0;
   const float share = ((half_square(beyond + far) - half_square(beyond + near)) -
@@ -155,8 +159,8 @@ GB_HD float passing_fraction(float beyond, float along, float across) {
   return larger(0.0f, smaller(share, 1.0f));
 }
 
-/// Applies an alpha test to an interpolated box, as a renderer does per point. The passing fraction is that of a plane
-/// with the mean and slopes of alpha.
+/// Applies the alpha test to the mean colour of a box, over which a renderer would test each point. The passing
+/// fraction is computed for an alpha that varies linearly with this mean and these changes.
 /// Range   alpha is not 0.
 GB_HD_NOINLINE Rgba16 test_box(Rgba16 mean, std::uint8_t cutoff, float along, float across) {
   const float share = passing_fraction(float(int(mean.c[3]) - int(cutoff * 257u)), along, across);
@@ -170,7 +174,7 @@ GB_HD_NOINLINE Rgba16 test_box(Rgba16 mean, std::uint8_t cutoff, float along, fl
   return r;
 }
 
-/// Change of alpha if the footprint moves by one texel, in 2^-12 and 2^-13.
+/// Change of alpha if the footprint moves by one texel: along s in units of 2^-12, along t in units of 2^-13.
 struct AlphaSlopes {
   std::int32_t s, t;
 };

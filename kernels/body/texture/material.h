@@ -14,8 +14,8 @@ struct MaterialView {
   AlphaMode alpha_mode = AlphaMode::opaque;
   Wrap wrap_s = Wrap::repeat, wrap_t = Wrap::repeat;
   bool nearest = false;
-  std::int32_t texture = -1;  ///< index into CellInput::textures; a TextureAlpha::ignore texture if alpha_mode is
-                              ///< opaque
+  std::int32_t texture = -1;  ///< index into CellInput::textures, -1: none; if alpha_mode is opaque, the texture has
+                              ///< TextureAlpha::ignore
 };
 
 struct Rgba16 {
@@ -24,7 +24,7 @@ struct Rgba16 {
 
 GB_HD std::uint16_t scale16(std::uint32_t a, std::uint32_t b) { return std::uint16_t((a * b + 32767u) / 65535u); }
 
-/// Applies a material that ignores alpha. texel: as for apply_material().
+/// Applies a material that ignores alpha. The parameters are as in apply_material().
 GB_HD Rgba16 apply_opaque(const Rgba16& factor, const Rgba16& texel) {
   return {
       {scale16(texel.c[0], factor.c[0]), scale16(texel.c[1], factor.c[1]), scale16(texel.c[2], factor.c[2]), 65535}};
@@ -38,8 +38,8 @@ GB_HD Rgba16 base_factor(const MaterialView& m) {
   return {{m.base_rgba[0], m.base_rgba[1], m.base_rgba[2], m.base_rgba[3]}};
 }
 
-/// Applies a material to a texel. factor: straight linear RGBA (base colour × vertex colour). texel: premultiplied, or
-/// all 65535 without a texture.
+/// Applies a material to a texel. `factor` is straight linear RGBA: base colour × vertex colour. `texel` is
+/// premultiplied; without a texture, all its channels are 65535.
 GB_HD Rgba16 apply_material(const MaterialView& m, const Rgba16& factor, const Rgba16& texel) {
   if (m.alpha_mode == AlphaMode::opaque) return apply_opaque(factor, texel);
   std::uint32_t alpha = scale16(factor.c[3], texel.c[3]);

@@ -6,8 +6,9 @@
 ///
 /// Space   Texels of one level, relative to the first texel that the fragment may overlap.
 /// Exact   IEEE double without contraction, then integers: host and device agree. A fragment over few texels (about 7 x
-///         7) has their mean, each weight to 2^-24. For larger fragments, the error is the content that coarser texels
-///         along the fragment's border hold beyond it. A texture of one colour keeps exactly that colour.
+///         7) gets their exact mean, with weights rounded to 2^-24. A larger fragment uses coarser texels. Along its
+///         border, these texels also average texels outside the fragment, and this is the error. A texture of one
+///         colour keeps exactly that colour.
 /// Range   |s|, |t| ≤ 2^20. Only gradients of degenerate slivers produce larger values; the texel that is picked is
 ///         then arbitrary.
 /// Cost    At most 130 texels per fragment, each tested against two to nine edges.
@@ -41,7 +42,7 @@ struct Outline {
   }
 };
 
-/// Returns the signed depth of a point inside one of the four sides of the unit cell.
+/// Returns the signed distance of a point from one of the four sides of the unit cell, positive inside.
 GB_HD double depth_in_cell(Point2 p, int side) {
   const double x = side < 2 ? p.u : p.v;
   return (side & 1) == 0 ? x : 1 - x;
@@ -70,7 +71,8 @@ GB_HD Outline outline_of(const FragmentShape& f) {
   return r;
 }
 
-/// Texture mapping of a fragment. It is passed by value: a caller that rarely calls nearest_over() keeps its registers.
+/// Texture mapping of a fragment. It is passed by value, so that a caller that rarely calls nearest_over() can keep it
+/// in registers.
 struct NearestMap {
   double s0, su, sv, t0, tu, tv;  ///< as in TextureMap
   Wrap wrap_s, wrap_t;
@@ -86,7 +88,7 @@ GB_HD double in_first_period(double s, Wrap wrap) {
   return wrap == Wrap::repeat ? s - std::floor(s) : s - 2 * std::floor(s * 0.5);
 }
 
-/// Returns the texel of an image of `size` texels that texel i of the wrapped row repeats.
+/// Returns the index in the image of texel i of the wrapped row. The image has `size` texels along the row.
 /// Range   |i| < 2^30.
 GB_HD std::int32_t wrapped_texel(std::int32_t i, std::int32_t size, Wrap wrap) {
   if (wrap == Wrap::clamp_to_edge) return i < 0 ? 0 : smaller(i, size - 1);
@@ -101,7 +103,7 @@ inline constexpr int max_texels_inside = 64;
 /// Texels along one axis that a footprint may overlap.
 struct TexelSpan {
   std::int32_t first, count;  ///< in the wrapped row
-  double middle;              ///< the centroid, from the first texel's lower border
+  double middle;              ///< position of the centroid from the first texel's lower border
 
   GB_HD std::int32_t middle_texel() const { return first + std::int32_t(at_most(middle, count - 0.5)); }
 };
@@ -151,7 +153,7 @@ GB_HD TexelGrid texel_grid(const TextureView& view, int level, Wrap wrap_s, Wrap
           wrap_t, linear_from_srgb};
 }
 
-/// Returns the texel at (s, t), picked as by a renderer.
+/// Returns the texel of the image that contains (s, t), as a renderer picks it.
 GB_HD Rgba16 nearest_texel(const TextureView& view, Wrap wrap_s, Wrap wrap_t, double s, double t,
                            const std::uint16_t* linear_from_srgb) {
   const TexelGrid grid = texel_grid(view, 0, wrap_s, wrap_t, linear_from_srgb);
@@ -179,7 +181,8 @@ GB_HD FragmentMap fragment_map(const NearestMap& look, double width, double heig
   return {xu / width, xv / width, yu / height, yv / height, (xu * yv - xv * yu) / (width * height)};
 }
 
-/// Corners of a fragment on the texture, relative to its centroid; first in images, later in texels.
+/// Corners of a fragment on the texture. map_outline() writes them relative to the fragment's centroid, in images.
+/// place_outline() converts them to texels from the first texel.
 struct TexelOutline {
   double x[Outline::maximum], y[Outline::maximum];
   Line line[Outline::maximum];
@@ -187,9 +190,9 @@ struct TexelOutline {
   int count;
 };
 
-/// Writes the outline on the texture to `r`. It is not a return value because nvcc 13.0 would place its corners at the
-/// address of `o`. It would then overwrite the fifth corner before it is read. Found on 2026-11-23, in colours of a
-/// device (DeviceTextures) and in PTX.
+/// Maps the outline to the texture and writes it to `r`. It is not a return value, because nvcc 13.0 would place the
+/// returned corners at the address of `o`. The fifth corner of `o` would then be overwritten before it is read. The
+/// error shows in the PTX and in the tests DeviceTextures.
 GB_HD void map_outline(const Outline& o, const FragmentMap& map, Point2 centroid, TexelOutline& r) {
   r.low_x = r.high_x = r.low_y = r.high_y = 0;
   r.count = o.count;
@@ -236,8 +239,8 @@ GB_HD unsigned edges_in_row(const TexelOutline& o, double row) {
   return edges;
 }
 
-/// Returns the covered area of a texel. Edges left of the texel add nothing, and edges right of it add the full length
-/// of their part in the row. Most edges are one or the other.
+/// Returns the covered area of a texel. Edges left of the texel add nothing. Edges right of it add the length in y of
+/// their part in the row. Most edges are in one of these two cases, which are tested first.
 GB_HD double covered_area(const TexelOutline& o, unsigned edges, double column, double row) {
   CellMoments sum{};
   for (int i = 0; i < o.count; ++i) {
@@ -251,11 +254,11 @@ GB_HD double covered_area(const TexelOutline& o, unsigned edges, double column, 
   return sum.area;
 }
 
-/// Returns the mean of the covered texels. weight_scale: weight per covered texel², with the sign of the outline's
-/// orientation.
+/// Returns the mean of the covered texels. `weight_scale` is the weight per covered texel², with the sign of the
+/// outline's orientation.
 GB_HD Rgba16 mean_of_covered(const TexelGrid& grid, const TexelSpan& columns, const TexelSpan& rows,
                              const TexelOutline& o, double weight_scale) {
-  constexpr double max_weight = 1 << 30;  // covered areas sum to 2^24, so only rounding could exceed this limit
+  constexpr double max_weight = 1 << 30;  // weights sum to 2^24, so only rounding could exceed this limit
   std::uint64_t sum[4] = {0, 0, 0, 0}, weights = 0;
   for (std::int32_t j = 0; j < rows.count; ++j) {
     const unsigned edges = edges_in_row(o, j);
@@ -274,8 +277,8 @@ GB_HD Rgba16 mean_of_covered(const TexelGrid& grid, const TexelSpan& columns, co
   return r;
 }
 
-/// Returns the premultiplied linear mean of the texels that a fragment covers. A fragment too small to measure gets its
-/// centroid's texel.
+/// Returns the premultiplied linear mean of the texels that a fragment covers. A fragment below min_centroid_area gets
+/// the texel at its centroid.
 GB_HD_NOINLINE Rgba16 nearest_over(const TextureView& view, NearestMap look, FragmentShape f,
                                    const std::uint16_t* linear_from_srgb) {
   const double s_middle = (look.s0 + look.su * f.centroid.u) + look.sv * f.centroid.v,

@@ -30,8 +30,9 @@ GB_HD std::uint32_t low_word(double x) {
 #endif
 }
 
-/// Returns the position of s on the image, in 2^-32 of the image. The last bit of a double from 2^21 to 2^22 is 2^-31.
-/// The highest of its low 32 bits is set if s lies in an odd image, which mirrored_repeat mirrors.
+/// Returns the position of s on the image, in 2^-32 of the image. Adding 1.5 · 2^21 gives a double between 2^21 and
+/// 2^22, whose last bit is 2^-31. The highest of its low 32 bits is set if s lies in an odd image; mirrored_repeat
+/// mirrors odd images.
 GB_HD std::uint32_t fraction_of(double s, Wrap wrap) {
   constexpr double last = 1 - 1.0 / 2147483648.0;
   if (wrap == Wrap::clamp_to_edge) s = s < 0 ? 0 : (s > last ? last : s);
@@ -40,7 +41,7 @@ GB_HD std::uint32_t fraction_of(double s, Wrap wrap) {
   return (is_turned ? ~bits : bits) << 1;
 }
 
-/// Two neighbouring texels along an axis, and the weight of the second, 0 … 255 of 256.
+/// Two neighbouring texels along an axis, and the weight of the second in units of 1/256, 0 … 255.
 struct TexelPair {
   std::uint32_t a, b, second;
 };
@@ -49,7 +50,7 @@ struct TexelPair {
 /// beyond it; this also holds for mirrored images.
 GB_HD TexelPair neighbours(std::uint32_t fraction, std::uint32_t size, bool repeats) {
   const std::int64_t x =
-      std::int64_t(std::uint64_t(fraction) * size) - (std::int64_t(1) << 31);  // from a texel's middle
+      std::int64_t(std::uint64_t(fraction) * size) - (std::int64_t(1) << 31);  // 2^-32 texels from texel 0's middle
   const auto i = std::int32_t(x >> 32);
   const auto last = std::int32_t(size - 1);
   const std::int32_t a = i < 0 ? (repeats ? last : 0) : i, b = i < last ? i + 1 : (repeats ? 0 : last);
@@ -62,8 +63,8 @@ GB_HD void copy_texel(const void* from, void* to) {
   std::memcpy(to, __builtin_assume_aligned(from, bytes), bytes);
 }
 
-/// Loads `count` premultiplied linear texels of level l. All loads are issued before the first result is used. opaque:
-/// alpha is ignored.
+/// Loads `count` premultiplied linear texels of level l. All loads are issued before the first result is used. If
+/// `opaque`, alpha is ignored.
 template <bool opaque, int count = 4>
 GB_HD void load_texels(const TextureView& t, int l, const std::uint32_t at[count], const Tables& tables,
                        Rgba16 out[count]) {
@@ -96,8 +97,8 @@ GB_HD Rgba16 test_alpha(Rgba16 r, std::uint8_t cutoff) {
   return r;
 }
 
-/// Samples a level at the fractions s and t (fraction_of). opaque: for materials whose alpha is ignored; the result has
-/// no alpha.
+/// Samples a level at (s, t), which are results of fraction_of(). If `opaque`, the material ignores alpha and the
+/// result has no alpha.
 template <bool opaque>
 GB_HD Rgba16 sample_level(const TextureView& view, const MaterialView& m, int l, std::uint32_t s, std::uint32_t t,
                           const Tables& tables) {

@@ -79,23 +79,24 @@ GB_HD float narrowing_factor(double middle, float variance) {
   return larger(minimum, smaller(1.0f, reach * inverse_root(3 * variance)));
 }
 
-/// Returns the spread of a wide footprint.
+/// Returns the spread of a wide footprint, narrowed by narrowing_factor().
 GB_HD Spread spread_within_cell(const TextureMap& m, const FragmentShape& f) {
   const float u = narrowing_factor(f.centroid.u - f.cell_u, f.uu), v = narrowing_factor(f.centroid.v - f.cell_v, f.vv);
   return texel_spread(m, f.uu * (u * u), f.uv * (u * v), f.vv * (v * v));
 }
 
-/// Parts of a footprint in rows and columns, all on one level, each with the spread `part` (texels of level 0). The
-/// steps (in images) lead to a row's next part, along the longer axis, and across to the next row.
+/// Parts of a footprint, in rows along its longer axis. All parts are read from one level and have the spread `part`,
+/// in texels² of level 0. The step (along_s, along_t) leads to the next part of a row, and (across_s, across_t) to the
+/// next row. Steps are fractions of the image.
 struct FootprintParts {
   Spread part;
   float along_s, along_t, across_s, across_t;
   std::int32_t columns, rows, level;
-  std::uint32_t reciprocal;  ///< 1 / number of parts, in 2^-31, rounded up
+  std::uint32_t reciprocal;  ///< 2^31 / number of parts, rounded up
 };
 
-/// Returns the finest level on which a box of this squared edge, in texels of level 0, is no wider than
-/// `max_width_squared`.
+/// Returns the finest level on which a box has a squared edge of at most `max_width_squared` texels². `width_squared`
+/// is the box's squared edge in texels² of level 0.
 GB_HD int level_of(std::int32_t levels, float width_squared) {
   const float ratio = (width_squared + 3) * (1 / (max_width_squared + 3));
   std::int32_t bits;  // exponent, then fraction
@@ -109,15 +110,15 @@ GB_HD int level_of(std::int32_t levels, float width_squared) {
 inline constexpr float max_whole_squared = 4.2f;
 
 /// Returns the number of adjacent parts of a box with squared edge `squared`, each about as long as the root of
-/// `wanted`.
+/// `wanted`; at most four.
 GB_HD std::int32_t parts_along(float squared, float wanted) {
   constexpr std::int32_t maximum = 4;
   const float ratio = squared / wanted;
   return ratio < maximum * maximum ? std::int32_t(std::sqrt(ratio) + 0.5f) : maximum;
 }
 
-/// Slanted box on a texture: along one axis of the texture its edge also moves by `slant` along the other axis. The
-/// squares are of its parts' edges; columns and rows count the parts.
+/// Slanted box on a texture. Per texel along the box's longer axis, its edge moves by `slant` texels along the other
+/// axis. The box has columns · rows parts; `long_squared` and `short_squared` are the squared edges of a part.
 struct SlantedBox {
   float long_squared, short_squared, slant;
   std::int32_t columns, rows;
@@ -139,11 +140,11 @@ GB_HD SlantedBox slanted_box(float longer, float covariance, float shorter, bool
   return r;
 }
 
-/// Returns the parts of a wide footprint. is_tested: by alpha. Then a level ≥ 1 is read, whose alpha is the fraction of
-/// texels that pass.
+/// Returns the parts of a wide footprint. If `is_tested`, the texture has an alpha test. A level ≥ 1 is then read,
+/// because its alpha is the fraction of texels that pass.
 GB_HD_NOINLINE FootprintParts wide_footprint(Spread all, std::int32_t width, std::int32_t height, std::int32_t levels,
                                              bool is_tested) {
-  const bool along_s = 1.01f * all.ss >= all.tt;  // the factor keeps rounding from deciding if both are equal
+  const bool along_s = 1.01f * all.ss >= all.tt;  // if both are equal, rounding must not decide
   const SlantedBox box = slanted_box(along_s ? all.ss : all.tt, all.st, along_s ? all.tt : all.ss, is_tested);
   const float step = std::sqrt(box.long_squared), row_step = std::sqrt(box.short_squared), slanted = step * box.slant;
   const float longer = box.long_squared * (1.0f / 12), covariance = longer * box.slant,
@@ -175,7 +176,7 @@ GB_HD float level_scale(int level) {
   return scale;
 }
 
-/// Min squared width of a footprint relative to its level's texels. Sharpening more would cause ringing.
+/// Min squared width of a footprint relative to its level's texels. A lower value would sharpen more and cause ringing.
 inline constexpr float min_width_squared = -1.2f;
 
 /// Returns a footprint on its level. Texels of coarser levels are boxes themselves, and their width is subtracted. At
@@ -190,15 +191,15 @@ GB_HD LevelFootprint level_footprint(const FootprintParts& parts) {
   return r;
 }
 
-/// Returns true if a footprint around s crosses a clamped edge, beyond which the outermost texels continue. Texels of a
-/// coarser level average more than the outermost texels.
+/// Returns true if a footprint around s crosses an edge of a clamped texture. Beyond the edge, the image's outermost
+/// texels continue. Texels of a coarser level do not suit it, because they also average texels farther inside.
 GB_HD bool is_across_edge(double s, Wrap wrap, std::int32_t size, float variance) {
   if (wrap != Wrap::clamp_to_edge) return false;
   const float inside = float(0.5 - std::fabs(s - 0.5)) * float(size);
   return inside < 0 || inside * inside < 3 * variance;
 }
 
-/// Returns the mean of the texture over a fragment. opaque: for materials whose alpha is ignored; the result has no
+/// Returns the mean of the texture over a fragment. If `opaque`, the material ignores alpha and the result has no
 /// alpha.
 template <bool opaque>
 GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const TextureMap& map, const FragmentShape& f,

@@ -10,9 +10,9 @@ namespace gigabake::kernels {
 
 inline constexpr int max_texture_levels = 24;
 
-/// MIP pyramid of a texture. Level 0 is the image itself (sRGB, straight alpha, 4 bytes per texel). Levels ≥ 1 are 4 ×
-/// uint16 linear, premultiplied. If `mask_cutoff` > 0, their alpha is the fraction of texels that pass the alpha test.
-/// Level l has level_extent(width, l) × level_extent(height, l) texels.
+/// MIP pyramid of a texture. Level 0 is the image itself (sRGB, straight alpha, 4 bytes per texel). A texel of a level
+/// ≥ 1 is linear, premultiplied RGBA with 16 bits per channel. If `mask_cutoff` > 0, alpha of these levels is the
+/// fraction of texels that pass the alpha test. Level l has level_extent(width, l) × level_extent(height, l) texels.
 /// Range   width · height ≤ 2^30.
 struct TextureView {
   const std::uint8_t* base = nullptr;

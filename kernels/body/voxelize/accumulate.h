@@ -15,7 +15,7 @@ struct Fragment {
   std::int16_t normal[3];  ///< unit length 32767
 };
 
-/// Returns a fragment of one colour. rgba: linear, premultiplied; alpha 65535 = opaque.
+/// Returns a fragment of one colour. `rgba` is linear and premultiplied; 65535 = 1.
 GB_HD Fragment fragment_of_colour(std::int64_t weight, const std::uint16_t rgba[4], const std::int16_t normal[3]) {
   return {weight,
           weight * (65535 - rgba[3]),

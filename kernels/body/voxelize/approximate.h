@@ -1,6 +1,6 @@
-/// Lossy sharing of values between voxels. The largest group, octant or brick whose voxels all lie within the error
-/// bound of a common value takes that value. A brick has 8 octants of 4×4×4 voxels, and an octant has 8 groups of
-/// 2×2×2.
+/// Lossy sharing of values between voxels. Sharing units are a brick, its 8 octants of 4×4×4 voxels, and the 8 groups
+/// of 2×2×2 voxels in each octant. A voxel takes the common value of the largest unit that contains it and whose voxels
+/// all lie within the error bound of that value.
 /// Exact   Integers: host and device return the same bits, in any order of adding voxels and joining ranges.
 #pragma once
 
@@ -17,8 +17,9 @@ namespace gigabake::kernels {
 /// groups are numbered x + 2y + 4z in their parent.
 inline constexpr int shares = 1 + 8 + 64;
 
-/// Returns the unit of the group that contains voxel x + 8y + 64z. Its octant's unit is 1 + (share − 9) / 8.
+/// Returns the index of the sharing unit of the group that contains voxel x + 8y + 64z.
 GB_HD int group_share(int voxel) { return 1 + int(octants_a_brick + group_of(unsigned(voxel))); }
+/// Returns the index of the sharing unit of the octant that contains the group with index `group`.
 GB_HD int octant_share(int group) { return 1 + (group - 9) / 8; }
 
 /// Returns the lowest voxel, as x + 8y + 64z, of a group numbered by group_of(). The group's other voxels follow at
@@ -45,7 +46,7 @@ struct CodeRange {
     sum += of.sum;
   }
   GB_HD bool fits(std::uint32_t codes) const { return high <= low + 2 * codes; }
-  /// Returns the code nearest to the mean that lies within `codes` of both ends.
+  /// Returns the code nearest to the mean that differs from `low` and from `high` by at most `codes`.
   /// Range   fits(codes); `count` voxels were added.
   GB_HD std::uint8_t value(std::uint32_t count, std::uint32_t codes) const {
     const std::uint32_t mean = (2 * sum + count) / (2 * count);
@@ -57,7 +58,7 @@ struct CodeRange {
 /// Range of the normals of a sharing unit.
 struct NormalRange {
   std::int16_t low[3] = {32767, 32767, 32767}, high[3] = {-32767, -32767, -32767};
-  std::uint16_t value = 0;  ///< the common normal, encoded
+  std::uint16_t value = 0;  ///< the common normal, packed by pack_normal()
   bool fits = true;
 
   GB_HD void add(const std::int16_t* unit) {

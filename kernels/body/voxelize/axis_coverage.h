@@ -1,10 +1,10 @@
 /// Coverage of lod-0 voxels along x, y and z: the input of all coarser levels.
 ///
 /// An opaque voxel has full coverage. A translucent voxel contains a piece of a surface. Its normal n is scaled so that
-/// |nx| + |ny| + |nz| = 1. On average, the surface then passes through 1/|na| voxels of a column along axis a. Each
-/// of these voxels has the surface's alpha, even if its piece is small. The coverage of a voxel along a is therefore
-/// 1 - (1 - alpha)^|na|, so that the column has the coverage of the surface. If alpha is nearly 1, coverage is nearly
-/// full for any normal, so that such surfaces show no stripes.
+/// |nx| + |ny| + |nz| = 1. On average, the surface then passes through 1/|na| voxels of a line of voxels along axis a.
+/// Each of these voxels has the surface's alpha, even if its piece is small. The coverage of a voxel along a is
+/// therefore 1 - (1 - alpha)^|na|, so that the line of voxels has the coverage of the surface. If alpha is nearly 1,
+/// coverage is nearly full for any normal, so that such surfaces show no stripes.
 ///
 /// Exact   Integers: host and device return the same bits.
 #pragma once
@@ -18,7 +18,8 @@
 
 namespace gigabake::kernels {
 
-/// Axis coverage of eight voxels: byte c of an axis's two words belongs to voxel c; 0 if the voxel does not exist.
+/// Coverage of eight voxels along each axis. Byte c of the two words along[a] is the coverage of voxel c along axis a;
+/// it is 0 if the voxel does not exist.
 struct AxisCoverage {
   std::uint32_t along[3][2] = {};
 
@@ -32,7 +33,7 @@ GB_HD std::uint32_t sheet_coverage(std::uint32_t alpha, std::int32_t normal_comp
   return tables.sheet_coverage[alpha * normal_steps + std::uint32_t(n)];
 }
 
-/// Returns true if alpha is 255. rgba: packed by pack_rgba().
+/// Returns true if alpha is 255. `rgba` is packed by pack_rgba().
 GB_HD bool is_opaque(std::uint32_t rgba) { return rgba >> 24 == 255; }
 
 /// Computes the coverage of an existing lod-0 voxel along each axis. Without normals it is equal along all axes.

@@ -18,10 +18,10 @@
 namespace gigabake::kernels {
 
 /// Max extent of a triangle, in sub-voxels, for which 32-bit edge functions and normals cannot overflow: they stay
-/// below 2^30. Plane values need 64 bits.
+/// below 2^30. Values of the plane equation need 64 bits.
 inline constexpr std::int64_t small_extent = 1 << 14;
-/// Max extent of a triangle, in sub-voxels, for which 64-bit integers cannot overflow: edge functions stay below 2^41,
-/// plane values below 2^61.
+/// Max extent of a triangle, in sub-voxels, for which 64-bit integers cannot overflow. Edge functions stay below 2^41,
+/// and values of the plane equation below 2^61.
 inline constexpr std::int64_t narrow_extent = 1 << 19;
 /// Max |coordinate| relative to the window, in sub-voxels (4 million voxels): the 128-bit path stays below 2^100.
 inline constexpr std::int64_t max_coordinate = 1 << 30;
@@ -33,7 +33,7 @@ struct WindowTriangle {
   std::uint32_t index;  ///< triangle of that part
 };
 
-/// Triangle in brick space. N: number type of the normal; double is exact if std::int64_t suffices.
+/// Triangle in brick space. N is the type of the normal's components; double is exact if std::int64_t suffices.
 template <class I, class N = I>
 struct BrickTriangle {
   I p[3][3];  ///< [vertex][u, v, w]
@@ -41,7 +41,7 @@ struct BrickTriangle {
   int axis;   ///< which of x, y, z is w; u = (axis+1)%3, v = (axis+2)%3
 };
 
-/// Integer type of plane values.
+/// Integer type of values of the plane equation.
 template <class I>
 struct PlaneInteger {
   using type = I;
@@ -94,8 +94,8 @@ GB_HD T unpermuted(const T uvw[3], int axis, int c) {
   return axis == 2 ? uvw[c] : (axis == 1 ? uvw[(c + 1) % 3] : uvw[(c + 2) % 3]);
 }
 
-/// Converts a triangle to brick space. corner: the brick's lowest corner in window sub-voxels. The triangle must have
-/// area, which was checked when it was snapped.
+/// Converts a triangle to brick space. `corner` is the brick's lowest corner in window sub-voxels. The triangle must
+/// have area; classify_triangle() drops triangles without area.
 template <class I, class N = I>
 GB_HD BrickTriangle<I, N> make_brick_triangle(const WindowTriangle& t, const std::int32_t corner[3]) {
   using D = typename Coordinate<I>::type;
@@ -122,7 +122,8 @@ template <class I>
 GB_HD VoxelRange extent_voxels(const BrickTriangle<I>& t, int c, bool closed) {
   const I lo = smaller(smaller(t.p[0][c], t.p[1][c]), t.p[2][c]);
   const I hi = larger(larger(t.p[0][c], t.p[1][c]), t.p[2][c]);
-  // Open: [floor(lo), ceil(hi)-1]; a flat extent counts as the voxel above it. Closed: one more voxel at exact contact.
+  // Open: [floor(lo), ceil(hi)-1]; an extent of length 0 on a border belongs to the voxel above it. Closed: one more
+  // voxel at exact contact.
   I first = floor_voxel(closed ? lo - 1 : lo), last = floor_voxel(closed || hi == lo ? hi : hi - 1);
   first = larger<I>(first, 0);
   last = smaller<I>(last, brick_edge - 1);
@@ -144,9 +145,9 @@ struct EdgeFunctions {
 
 enum class CellTest : std::uint8_t { open_overlap, closed_overlap, centre_inside };
 
-/// Sets up the edge functions. a, b: projection axes in cyclic order; `normal` is the normal's component along the
-/// third axis. Degenerate projections (normal = 0) are also correct: their collinear edges point both ways, so the test
-/// is two-sided.
+/// Sets up the edge functions. `a` and `b` are the projection axes in cyclic order; `normal` is the normal's component
+/// along the third axis. Degenerate projections (normal = 0) are also correct: their collinear edges point both ways,
+/// so the test is two-sided.
 template <class I>
 GB_HD EdgeFunctions<I> edge_functions(const BrickTriangle<I>& t, int a, int b, I normal, CellTest test) {
   EdgeFunctions<I> r;
@@ -159,7 +160,7 @@ GB_HD EdgeFunctions<I> edge_functions(const BrickTriangle<I>& t, int a, int b, I
       value += (ea + eb) * I(subvoxels / 2);
     else
       value += (larger<I>(ea, 0) + larger<I>(eb, 0)) * I(subvoxels);  // the cell's innermost corner
-    // For integers, > 0 means ≥ 1. An edge that projects to a point bounds nothing.
+    // For integers, > 0 means ≥ 1. An edge that projects to a point excludes no cell.
     if (test == CellTest::open_overlap && (ea != 0 || eb != 0)) value -= 1;
     r.value[i] = value;
     r.step_a[i] = ea * I(subvoxels);
@@ -168,7 +169,7 @@ GB_HD EdgeFunctions<I> edge_functions(const BrickTriangle<I>& t, int a, int b, I
   return r;
 }
 
-/// Returns bit a + 8 b for every cell in range that passes.
+/// Returns a mask in which bit a + 8b is set for each cell (a, b) of the ranges that passes the test.
 template <class I>
 GB_HD std::uint64_t passing_cells(const EdgeFunctions<I>& e, VoxelRange ra, VoxelRange rb) {
   std::uint64_t mask = 0;
@@ -203,8 +204,8 @@ GB_HD std::uint64_t cut_by_plane(const BrickTriangle<I>& t, std::uint64_t cells,
   using P = typename PlaneInteger<I>::type;
   const P nu = P(t.n[0]) * subvoxels, nv = P(t.n[1]) * subvoxels, nw = P(t.n[2]) * subvoxels;
   const P at_corner = nw * w - (P(t.n[0]) * P(t.p[0][0]) + P(t.n[1]) * P(t.p[0][1]) + P(t.n[2]) * P(t.p[0][2]));
-  const P slack = closed ? 0 : 1;  // open: min < 0 < max
-  // A cell passes if the plane value at its lowest corner lies in [least, most].
+  const P slack = closed ? 0 : 1;  // open: 0 lies strictly between the min and max over the cube
+  // A cell passes if the plane value at its lowest corner lies in [minimum, maximum].
   const P maximum = -(at_corner + smaller<P>(nu, 0) + smaller<P>(nv, 0) + smaller<P>(nw, 0) + slack);
   const P minimum = -(at_corner + larger<P>(nu, 0) + larger<P>(nv, 0) + larger<P>(nw, 0) - slack);
   std::uint64_t kept = 0;
@@ -214,14 +215,14 @@ GB_HD std::uint64_t cut_by_plane(const BrickTriangle<I>& t, std::uint64_t cells,
 #else
     const int cell = __builtin_ctzll(rest);
 #endif
-    // The product of a normal component in its own width and a small number takes one instruction on a device.
+    // If I has 32 bits, a device computes each product with its 64-bit result in one instruction.
     const P value = P(t.n[0]) * P(I((cell & 7) << subvoxel_bits)) + P(t.n[1]) * P(I((cell >> 3) << subvoxel_bits));
     if (value >= minimum && value <= maximum) kept |= rest & (~rest + 1);
   }
   return kept;
 }
 
-/// Sets the voxels whose open (area) or closed (conservative) cubes overlap the triangle: slab[w] has bit u + 8 v.
+/// Sets bit u + 8v of slab[w] for each voxel whose open (area) or closed (conservative) cube overlaps the triangle.
 template <class I, class Slabs>
 GB_HD void overlapped_voxels(const BrickTriangle<I>& t, bool closed, Slabs slab) {
   for (int w = 0; w < 8; ++w) slab[w] = 0;
@@ -229,13 +230,13 @@ GB_HD void overlapped_voxels(const BrickTriangle<I>& t, bool closed, Slabs slab)
   if (ru.first > ru.last || rv.first > rv.last || rw.first > rw.last) return;
   const CellTest test = closed ? CellTest::closed_overlap : CellTest::open_overlap;
   const std::uint64_t uv = passing_cells(edge_functions(t, 0, 1, t.n[2], test), ru, rv);
-  if (t.n[0] == 0 && t.n[1] == 0) {  // lies in a plane w = const: one slab, or two at closed contact
+  if (t.n[0] == 0 && t.n[1] == 0) {  // the triangle lies in a plane w = const: one slab, or two at closed contact
     for (int w = rw.first; w <= rw.last; ++w) slab[w] = uv;
     return;
   }
   const std::uint64_t vw = passing_cells(edge_functions(t, 1, 2, t.n[0], test), rv, rw);
   const std::uint64_t wu = passing_cells(edge_functions(t, 2, 0, t.n[1], test), rw, ru);
-  // wu has bit w + 8 u: transpose its column into bits over u.
+  // Cell (w, u) is bit w + 8u of `wu`. Its column w is transposed into the low eight bits, one per u.
   for (int w = rw.first; w <= rw.last; ++w) {
     std::uint64_t over_u = (wu >> w) & 0x0101010101010101ull;
     over_u = (over_u * 0x0102040810204080ull) >> 56;
@@ -244,11 +245,12 @@ GB_HD void overlapped_voxels(const BrickTriangle<I>& t, bool closed, Slabs slab)
   }
 }
 
-/// Calls set(cell along a, cell along b, cell along c) for one axis of the thin rule. These are the voxels whose centre
-/// line along axis c crosses the triangle within the voxel's half-open length.
+/// Calls set(i, j, k) for each voxel whose centre line along axis c crosses the triangle within the voxel's half-open
+/// length. The voxel has index i along axis a, j along b and k along c; a and b follow c cyclically. SurfaceRule::thin
+/// is the union over the three axes c.
 template <class I, class Set>
 GB_HD void crossed_along(const BrickTriangle<I>& t, int c, Set&& set) {
-  if (t.n[c] == 0) return;  // parallel to the axis: the other axes find its voxels
+  if (t.n[c] == 0) return;  // The triangle is parallel to axis c; calls for the other axes find its voxels.
   const int a = (c + 1) % 3, b = (c + 2) % 3;
   const VoxelRange ra = extent_voxels(t, a, true), rb = extent_voxels(t, b, true), rc = extent_voxels(t, c, true);
   const std::uint64_t inside = passing_cells(edge_functions(t, a, b, t.n[c], CellTest::centre_inside), ra, rb);
@@ -274,7 +276,7 @@ GB_HD void thin_voxels(const BrickTriangle<I>& t, Slabs slab) {
   crossed_along(t, 1, [&](int w, int u, int v) { slab[w] |= std::uint64_t(1) << (u + 8 * v); });
 }
 
-/// Sets the voxels of the brick that the triangle occupies under the rule: slab[w] has bit u + 8 v. Slabs:
+/// Sets bit u + 8v of slab[w] for each voxel of the brick that the triangle occupies under the rule. Slabs is
 /// std::uint64_t* or any type with operator[].
 template <class I, class Slabs>
 GB_HD void touched_voxels(const BrickTriangle<I>& t, SurfaceRule rule, Slabs slab) {

@@ -26,11 +26,11 @@ enum class TriangleClass : std::uint8_t {
   kept,        ///< may touch the window
   non_finite,  ///< dropped: a vertex is NaN/Inf or off the lattice
   zero_area,   ///< dropped: no area after the snap
-  oversized    ///< extends farther from the window than max_coordinate: the cell must fail
+  oversized    ///< extends farther from the window than max_coordinate; the cell must fail
 };
 inline constexpr int triangle_classes = 5;
 
-/// Number of triangles per class. bad_uv: kept triangles with unusable texture coordinates.
+/// Number of triangles per class. `bad_uv` counts the kept triangles with unusable texture coordinates.
 template <class Count>
 struct TriangleCounts {
   Count fate[triangle_classes];
@@ -61,7 +61,8 @@ GB_HD SnappedVertex snap_vertex(const SnapWindow& window, const PartArrays& part
   return s;
 }
 
-/// Returns true if the triangle has area. Wide: an integer that holds the product of two differences of coordinates.
+/// Returns true if the triangle has area. Wide is an integer type that holds the product of two differences of
+/// coordinates.
 template <class Wide, class Corner>
 GB_HD bool has_area(const Corner p[3]) {
   for (int k = 0; k < 3; ++k) {
@@ -73,8 +74,8 @@ GB_HD bool has_area(const Corner p[3]) {
   return false;
 }
 
-/// Returns true if the triangle's box intersects the closed window, which contains the voxels of every surface rule.
-/// edge: of the window.
+/// Returns true if the triangle's bounding box intersects the closed window, whose edge has `edge` sub-voxels. Other
+/// triangles occupy no voxel of the window under any surface rule.
 template <class T>
 GB_HD bool intersects_window(const T p[3][3], std::int64_t edge) {
   for (int c = 0; c < 3; ++c) {
@@ -96,7 +97,7 @@ GB_HD TriangleClass classify_far_triangle(const CellWindow& window, const PartAr
   return has_area<__int128>(p) ? TriangleClass::oversized : TriangleClass::zero_area;
 }
 
-/// Classifies a triangle. p: its vertices as returned by snap_vertex(). v: their indices.
+/// Classifies a triangle. `v` holds the indices of its vertices, and `p` the results of snap_vertex() for them.
 GB_HD TriangleClass classify_triangle(const CellWindow& window, const PartArrays& part, const std::uint32_t v[3],
                                       const std::int32_t p[3][3]) {
   bool is_far = false;

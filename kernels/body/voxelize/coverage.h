@@ -1,8 +1,9 @@
 /// Area and centroid of a triangle inside a voxel, computed without clipping the polygon per voxel.
 ///
-/// The triangle is cut once per slab of voxels along its dominant axis (≤ 5 vertices). Green's theorem then gives the
-/// area inside a cell's u range: ∮ clamp(u) dv over the slab polygon's edges, with u clamped to the cell. Clamping v
-/// also restricts the area to the cell. No branch depends on the cell, so cells map to lanes.
+/// The triangle is cut once per slab of voxels along its dominant axis, to a polygon with at most five corners. Green's
+/// theorem then gives the area inside a cell's u range: ∮ clamp(u) dv over the slab polygon's edges, with u clamped to
+/// the cell. Clamping v also restricts the area to the cell's v range. No branch depends on the cell, so each lane of a
+/// warp can compute another cell.
 ///
 /// Space   Voxels relative to the triangle's anchor, the voxel of its lowest corner. A fragment's numbers depend on the
 ///         triangle and on the voxel relative to it, never on bricks, cells or the lattice's origin.
@@ -26,8 +27,8 @@ struct Line {
   double du_dv, dv_du;
 };
 
-/// Slab polygon of a triangle, projected on (u, v). It is counter-clockwise if its normal's w is positive, else
-/// clockwise. Edge i goes from corner i to the next corner, along TrianglePlane::line[line[i]].
+/// Slab polygon of a triangle, projected on (u, v). It is counter-clockwise if the w component of the triangle's normal
+/// is positive, else clockwise. Edge i goes from corner i to the next corner, along TrianglePlane::line[line[i]].
 struct SlabPolygon {
   double u[5], v[5];
   int line[5];
@@ -38,16 +39,16 @@ struct SlabPolygon {
 struct TrianglePlane {
   double u[3], v[3], w[3];    ///< vertices in voxels from the anchor
   std::int64_t anchor[3];     ///< (u, v, w) voxel of the lowest corner, relative to the brick
-  double inverse_twice_area;  ///< of the projection, signed; products of u and v would lose it to rounding on long
-                              ///< slivers
+  double inverse_twice_area;  ///< 1 / (2 · projected area), signed; computed from the exact normal, because products
+                              ///< of u and v would lose it to rounding on long slivers
   double weight_scale;        ///< weight per projected (u, v) area, signed: makes clockwise areas positive
   Line line[4];               ///< of the three edges, and of any cut by a plane w = constant
   double du_dw[3], dv_dw[3];  ///< along the edges; undefined if w is constant along the edge
 };
 inline constexpr int cut_line = 3;
 
-/// Returns 1/x, and 1 for x = 0. The zero test is part of the sum. A compiler would select between two quotients after
-/// a division by zero, which takes a slow path on a device.
+/// Returns 1/x, or 1 for x = 0. The zero test is part of the divisor, so that x = 0 does not divide by zero. A device
+/// takes a slow path for a division by zero, even if its result is not selected.
 GB_HD double inverse_or_one(double x) { return 1 / (x + (x == 0 ? 1.0 : 0.0)); }
 
 /// Returns both slopes of a line along (du, dv) with one division.
@@ -84,9 +85,9 @@ GB_HD TrianglePlane make_plane(const BrickTriangle<I, N>& t) {
   return r;
 }
 
-/// Cuts the triangle to slab ≤ w ≤ slab+1 (voxels from the anchor) and adds the corners of the result, seen along w.
-/// There are at most five: add(u, v, line of the edge that starts there). Intersections are computed even if they are
-/// not used, so that the lanes of a warp do not diverge.
+/// Cuts the triangle to slab ≤ w ≤ slab + 1, in voxels from the anchor. Calls add(u, v, line) for each of the at most
+/// five corners of the result. `line` is the line of the edge that starts at the corner. Intersections are computed
+/// even if they are not used, so that the lanes of a warp do not diverge.
 template <class Add>
 GB_HD void cut_slab(const TrianglePlane& t, double slab, const Add& add) {
   const double low = slab, high = slab + 1;
@@ -126,7 +127,7 @@ struct CellMoments {
   float uu, uv, vv;  ///< 12, 24 and 12 times the second moments; float suffices for the width of a footprint
 };
 
-/// Order of moments that the caller needs. Higher moments stay 0.
+/// Highest order of moments that the caller needs. Higher moments stay 0.
 enum class Moments : std::uint8_t { area, first, second };
 
 struct Point2 {
@@ -139,7 +140,7 @@ struct FragmentShape {
   double area;       ///< projected, signed, voxel²
   float uu, uv, vv;  ///< variances and covariance of its points, voxel²; 0 if it is too small to measure
   double cell_u, cell_v;
-  const double *polygon_u, *polygon_v;  ///< of the slab polygon that contains it
+  const double *polygon_u, *polygon_v;  ///< corners of the slab polygon that contains the fragment
   int corners;
 };
 
@@ -167,8 +168,8 @@ GB_HD double clamp01_finite(double x) {
 
 GB_HD double at_most(double x, double high) { return x > high ? high : x; }
 
-/// Adds the second moments of an edge. Its inner part leads from (ca, v_in) to (cb, v_in + dv_in). Its part beyond u =
-/// 1 leads from v_hi to v_hi + dv_hi.
+/// Adds the second moments of an edge. The part inside the cell leads from (ca, v_in) to (cb, v_in + dv_in). The part
+/// with u > 1 is clamped to u = 1 and leads from v_hi to v_hi + dv_hi.
 GB_HD void add_second_moments(float ca, float cb, float v_in, float dv_in, float v_hi, float dv_hi, CellMoments& sum) {
   const float v_out = v_in + dv_in, v_top = v_hi + dv_hi;
   const float aa = ca * ca, bb = cb * cb, c = ca + cb, v = v_in + v_out, middle = v_hi + v_top;
@@ -178,10 +179,10 @@ GB_HD void add_second_moments(float ca, float cb, float v_in, float dv_in, float
             4 * (middle * middle - v_hi * v_top) * dv_hi;
 }
 
-/// Adds a polygon's edge on `line` from (au, av) to v = bv, relative to the cell. Its dv within the cell's range of v
-/// has three parts: u inside the cell, u > 1 and u < 0, each computed by dv/du. If dv/du is steep, rounding shifts
-/// the limits between the parts. A part whose u is far from such a limit is therefore computed as the remainder of the
-/// others.
+/// Adds an edge of a polygon. The edge lies on `line` and leads from (au, av) to v = bv, relative to the cell. Within
+/// the cell's range of v, its dv has three parts: u < 0, u inside the cell, and u > 1. The first two parts are computed
+/// by dv/du; the third is the remainder. If dv/du is steep, rounding shifts the limits between the parts. An edge
+/// inside the cell therefore keeps its dv unchanged.
 template <Moments wanted>
 GB_HD void add_edge(double au, double av, double bv, const Line& line, CellMoments& sum) {
   const double va = clamp01_finite(av), vb = clamp01_finite(bv);

@@ -15,8 +15,8 @@ namespace gigabake::kernels {
 struct PartArrays {
   const float* position;
   const std::uint32_t* index;
-  const float* uv;            ///< or null
-  const std::uint16_t* rgba;  ///< or null
+  const float* uv;            ///< null if the part has none
+  const std::uint16_t* rgba;  ///< null if the part has none
   double scene_from_local[12];
   std::uint32_t material;
   bool mirrored;  ///< the instance's transform mirrors its triangles
@@ -46,8 +46,8 @@ inline PartArrays part_arrays(const CellInput& input, const PartView& part) {
   return a;
 }
 
-/// Returns the vertices of a triangle, numbered within the part, in the order of WindowTriangle::p. The order is
-/// counter-clockwise seen from outside, also if the instance mirrors.
+/// Loads the vertex indices of a triangle, in the order of WindowTriangle::p. The order is counter-clockwise seen from
+/// outside, also if the instance mirrors.
 GB_HD void triangle_vertices(const PartArrays& part, std::uint32_t triangle, std::uint32_t v[3]) {
   const std::uint32_t* i = part.index + 3 * std::size_t(triangle);
   v[0] = i[0];
@@ -68,10 +68,12 @@ GB_HD void scene_edge(const PartArrays& part, std::uint32_t from, std::uint32_t 
 /// Min sine of the angle between a triangle's edges. Below it, the computed area is only rounding error.
 inline constexpr double min_sine = 1.0 / (std::int64_t(1) << 40);
 
-/// Returns the unit normal (32767) by the winding, in scene axes. It is computed from the unsnapped vertices; if the
-/// triangle has no area in the scene, from the snapped triangle `t`.
+/// Computes the unit normal of a triangle in scene axes; its length is 32767 and its sign follows the winding. It is
+/// computed from the unsnapped vertices. If their area is only rounding error, it is computed from the snapped triangle
+/// `t`.
 ///
-/// Exact   Within 0.06 degrees, also for slivers, unless the part's matrix flattens the triangle by shear.
+/// Exact   The error is at most 0.06 degrees, also for slivers, unless the part's matrix flattens the triangle by
+///         shear.
 template <class I, class N>
 GB_HD void triangle_normal(const PartArrays& part, std::uint32_t triangle, const BrickTriangle<I, N>& t,
                            std::int16_t normal[3]) {
@@ -98,7 +100,8 @@ GB_HD bool load_uv(const PartArrays& part, const std::uint32_t v[3], float uv[6]
   return false;
 }
 
-/// Returns the surface that the part's triangles share, without normal, vertex colours and texture map.
+/// Returns the shading parameters that all triangles of the part share. Normal, vertex colours and texture map are not
+/// set, because they differ per triangle.
 GB_HD Surface surface_of(const PartArrays& part, const MaterialView* materials, const TextureView* textures) {
   Surface s;
   s.material = materials[part.material];

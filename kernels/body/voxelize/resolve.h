@@ -12,7 +12,7 @@
 
 namespace gigabake::kernels {
 
-/// Returns 65535·part/whole, rounded to 16 bits.
+/// Returns 65535 · part · inverse_whole, rounded to nearest; at most 65535.
 GB_HD std::uint16_t ratio16(double part, double inverse_whole) {
   const double r = std::floor(part * inverse_whole * 65535 + 0.5);
   return std::uint16_t(r > 65535 ? 65535 : r);

@@ -15,14 +15,15 @@
 
 namespace gigabake::kernels {
 
-/// Max texture coordinate. Coordinates beyond it (or NaN/Inf) are unusable; the triangle is baked with 0 and counted.
+/// Max texture coordinate. A triangle with coordinates beyond it (or NaN/Inf) is baked with (0, 0) and counted in
+/// CellStats::bad_uv.
 inline constexpr double max_uv = 1 << 20;
 
 /// Variation of a triangle's colour over its fragments.
 enum class ShadingRate : std::uint8_t {
   flat,     ///< uniform: no fragment needs its moments
   linear,   ///< opaque with vertex colours: LinearColour describes it completely
-  varying,  ///< each fragment is shaded at its centroid
+  varying,  ///< each fragment is shaded separately
 };
 
 /// Shading parameters of one triangle. The caller keeps the borrowed views valid while the surface is used.
@@ -55,7 +56,7 @@ GB_HD void scale_to_unit(const double n[3], std::int16_t unit[3]) {
   for (int c = 0; c < 3; ++c) unit[c] = std::int16_t(floor_to_int32(n[c] * scale + 0.5));
 }
 
-/// Returns the unit normal of the snapped vertices by their winding, in scene axes.
+/// Computes the unit normal of a snapped triangle in scene axes; its sign follows the winding.
 template <class I, class N>
 GB_HD void snapped_normal(const BrickTriangle<I, N>& t, std::int16_t normal[3]) {
   const double n[3] = {double(t.n[0]), double(t.n[1]), double(t.n[2])};
@@ -78,8 +79,7 @@ GB_HD Barycentric barycentric(const TrianglePlane& t, Point2 p) {
   return {a * inverse_sum, b * inverse_sum, c * inverse_sum};
 }
 
-/// Returns the shading point of a fragment too small to compute moment over area: the cell's centre, moved onto the
-/// triangle.
+/// Returns the point at which a fragment below min_centroid_area is shaded: the cell's centre, moved onto the triangle.
 GB_HD Point2 small_centroid(const TrianglePlane& t, double cell_u, double cell_v) {
   const Barycentric w = barycentric(t, {cell_u + 0.5, cell_v + 0.5});
   return {w.a * t.u[0] + w.b * t.u[1] + w.c * t.u[2], w.a * t.v[0] + w.b * t.v[1] + w.c * t.v[2]};
@@ -95,7 +95,8 @@ GB_HD void set_variances(const CellMoments& m, float inverse_area, FragmentShape
   f.uv = larger(-maximum, smaller(0.5f * m.uv * twelfth - u * v, maximum));
 }
 
-/// Returns the shape of a fragment. m: with second moments. (polygon_u, polygon_v): the slab polygon that contains it.
+/// Returns the shape of a fragment. `m` includes second moments. `polygon_u` and `polygon_v` are the corners of the
+/// slab polygon that contains the fragment.
 GB_HD FragmentShape fragment_shape(const TrianglePlane& t, const CellMoments& m, double cell_u, double cell_v,
                                    const double* polygon_u, const double* polygon_v, int corners) {
   FragmentShape r{{0, 0}, m.area, 0, 0, 0, cell_u, cell_v, polygon_u, polygon_v, corners};
@@ -109,7 +110,7 @@ GB_HD FragmentShape fragment_shape(const TrianglePlane& t, const CellMoments& m,
   return r;
 }
 
-/// Returns the interpolated channel of the three vertices, rounded to the nearest integer.
+/// Returns a colour channel interpolated between the three vertices, rounded to the nearest integer.
 GB_HD double vertex_mean(const Surface& s, int channel, const Barycentric& w) {
   return std::floor(w.a * s.vertex_rgba[0][channel] + w.b * s.vertex_rgba[1][channel] +
                     w.c * s.vertex_rgba[2][channel] + 0.5);
@@ -129,8 +130,8 @@ GB_HD Rgba16 shade_untextured(const Surface& s, const double mean[4]) {
   return apply_material(s.material, factor, Rgba16{{65535, 65535, 65535, 65535}});
 }
 
-/// Returns the premultiplied linear RGBA of a fragment with texture. factor: straight linear RGBA, multiplied with the
-/// texture. opaque: see texture_over.
+/// Returns the premultiplied linear RGBA of a fragment with texture. `factor` is straight linear RGBA and is multiplied
+/// with the texture. `opaque` is as in texture_over().
 template <bool opaque>
 GB_HD Rgba16 shade_textured(const TextureView& texture, const MaterialView& m, const TextureMap& map,
                             const Rgba16& factor, const FragmentShape& f, const Tables& tables) {
@@ -139,7 +140,7 @@ GB_HD Rgba16 shade_textured(const TextureView& texture, const MaterialView& m, c
   return opaque ? apply_opaque(factor, texel) : apply_material(m, factor, texel);
 }
 
-/// Returns the premultiplied linear RGBA of a fragment. opaque: see texture_over.
+/// Returns the premultiplied linear RGBA of a fragment. `opaque` is as in texture_over().
 template <bool opaque>
 GB_HD Rgba16 shade(const Surface& s, const TrianglePlane& t, const FragmentShape& f, const Tables& tables) {
   double mean[4] = {65535, 65535, 65535, 65535};
@@ -155,11 +156,11 @@ GB_HD Fragment make_fragment(const Surface& s, const Rgba16& rgba, std::int64_t 
   return fragment_of_colour(weight, rgba.c, s.normal);
 }
 
-/// Red, green and blue as linear functions of (u, v) from the anchor, in weights. Their integral over a fragment is its
-/// contribution to a voxel's sums, so its centroid is not needed.
+/// Red, green and blue as linear functions of (u, v) in voxels from the anchor, multiplied by weight_scale. Their
+/// integrals over a fragment are its contribution to a voxel's sums, so the fragment's centroid is not needed.
 struct LinearColour {
   double at_anchor[3], per_u[3], per_v[3];
-  std::uint16_t low[3], high[3];  ///< of the vertices, 65535 = 1
+  std::uint16_t low[3], high[3];  ///< min and max of the vertices, 65535 = 1
 };
 
 GB_HD LinearColour make_linear_colour(const Surface& s, const TrianglePlane& t) {
@@ -179,12 +180,14 @@ GB_HD LinearColour make_linear_colour(const Surface& s, const TrianglePlane& t) 
   return r;
 }
 
-/// Returns the integral over the part of cell (u, v) that `m` measures. Rounding may exceed the range of weights.
+/// Returns the integral of channel c over the fragment in cell (u, v), whose moments are `m`. Due to rounding, the
+/// result may lie outside 0 … 65535 · weight.
 GB_HD double integral_of(const LinearColour& l, int c, double u, double v, const CellMoments& m) {
   return ((l.at_anchor[c] + l.per_u[c] * u) + l.per_v[c] * v) * m.area + (l.per_u[c] * m.u + l.per_v[c] * m.v);
 }
 
-/// Returns the colour of a fragment too small to measure: at the cell's centre, clamped to the triangle's colours.
+/// Returns channel c of a fragment below min_centroid_area: the value at the cell's centre, clamped to the vertices'
+/// range.
 GB_HD std::uint16_t colour_near(const LinearColour& l, int c, double u, double v, double weight_scale) {
   const double at_centre = ((l.at_anchor[c] + l.per_u[c] * (u + 0.5)) + l.per_v[c] * (v + 0.5)) / weight_scale;
   const double low = l.low[c], high = l.high[c];

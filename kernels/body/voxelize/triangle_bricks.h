@@ -1,6 +1,6 @@
-/// Search for the bricks of a window that a triangle may touch. Small triangles use their bounding box. Large triangles
-/// descend the octree with an exact closed triangle-cube test. The cost of a long sliver then grows with its length and
-/// not with the volume of its box.
+/// Search for the bricks of a window that a triangle may touch. The bricks of a small triangle are all bricks of its
+/// bounding box. For a large triangle, the search descends the octree with an exact closed triangle-cube test. The cost
+/// of a long sliver then grows with its length and not with the volume of its box.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@
 namespace gigabake::kernels {
 
 inline constexpr int brick_subvoxel_bits = 11;  ///< 8 voxels · 256
-/// Max number of bricks in a triangle's box for direct enumeration. Triangles with more bricks descend the octree.
+/// Max number of bricks in a triangle's box for direct enumeration. If a box has more bricks, the search descends the
+/// octree.
 inline constexpr int max_direct_bricks = 8;
 
 /// Returns a brick's lowest corner, in window sub-voxels.
@@ -95,14 +96,15 @@ GB_HD bool is_within_extent(const WindowTriangle& t, std::int64_t extent) {
 GB_HD bool is_narrow(const WindowTriangle& t) { return is_within_extent(t, narrow_extent); }
 GB_HD bool is_small(const WindowTriangle& t) { return is_within_extent(t, small_extent); }
 
-/// Calls visit(I()) with the narrowest integer I that the triangle's arithmetic fits.
+/// Calls visit(I()) with the narrowest integer type I in which the triangle's arithmetic cannot overflow.
 template <class Visit>
 GB_HD auto with_integer_for(const WindowTriangle& t, const Visit& visit) {
   if (is_small(t)) return visit(std::int32_t());
   return is_narrow(t) ? visit(std::int64_t()) : visit(__int128());
 }
 
-/// Returns true if the triangle may touch the octree node (x, y, z) of 2^level bricks per axis. box: of the triangle.
+/// Returns true if the triangle may touch an octree node of 2^level bricks per axis. `box` is the triangle's
+/// brick_box(). If `narrow`, 64-bit integers suffice for the test.
 GB_HD bool may_touch_node(const WindowTriangle& t, const BrickBox& box, bool narrow, const std::int32_t node[3],
                           int level) {
   const std::int64_t edge = std::int64_t(1) << (brick_subvoxel_bits + level);

@@ -1,4 +1,4 @@
-/// The window of a cell in the form that kernels use.
+/// The window of a cell in the form that kernels use. A window is the cube of voxels that is baked.
 ///
 /// Space   Sub-voxels from the window's lowest corner; bricks by Morton key, 0 … 2^(3 levels) − 1.
 #pragma once
@@ -25,7 +25,7 @@ struct SnapWindow {
 
 struct CellWindow : SnapWindow {
   std::int64_t edge;    ///< sub-voxels
-  std::int32_t bricks;  ///< along its edge
+  std::int32_t bricks;  ///< number of bricks along an edge
   int levels;           ///< log2(bricks); a cell has one more lod
   SurfaceRule rule;
 };
