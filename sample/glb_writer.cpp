@@ -171,7 +171,7 @@ GlbList<T> list_of(const std::vector<T>& values) {
   return [&values](const GlbPut<T>& put) { put(values); };
 }
 
-/// Returns the mesh as lists. The mesh must outlive them.
+/// Returns the mesh as lists. The mesh must outlive the lists.
 GlbListedMesh listed(const GlbMesh& mesh) {
   GlbListedMesh out{mesh.material, mesh.vertices(), mesh.index.size(), {}, {}, {}, {}, {}, {}};
   out.low.fill(std::numeric_limits<float>::max());

@@ -38,19 +38,20 @@ struct GlbMesh {
 
 struct GlbModel {
   std::string name;
-  std::array<double, 3> translation_m{};  ///< of the one node that has the meshes
+  std::array<double, 3> translation_m{};  ///< translation of the only node, which has all meshes
   std::vector<GlbMesh> meshes;            ///< empty meshes are omitted
   std::vector<GlbMaterial> materials;
   std::vector<GlbImage> images;
 };
 
-/// Consumes values that are generated during writing, in consecutive pieces.
+/// A consumer of values that are generated during writing. It receives them in consecutive pieces.
 template <class T>
 using GlbPut = std::function<void(std::span<const T>)>;
 template <class T>
 using GlbList = std::function<void(const GlbPut<T>& put)>;
 
-/// Like GlbMesh, but its values are generated on demand. A list without a function is absent from the mesh.
+/// A mesh like GlbMesh whose values are generated during writing. An empty function means that the mesh lacks this
+/// list.
 struct GlbListedMesh {
   int material = 0;
   std::size_t vertices = 0, corners = 0;
@@ -61,10 +62,10 @@ struct GlbListedMesh {
   GlbList<std::uint32_t> index;
 };
 
-/// Writes the model with these meshes instead of the model's own. Writes the same bytes as to_glb() for the same
+/// Writes the model with `meshes` instead of the model's own meshes. Writes the same bytes as to_glb() for the same
 /// values.
 /// Cost    Memory for the images only, independent of the meshes' size.
-/// Errors  See to_glb(), thrown before anything is written; also exceptions of `put`.
+/// Errors  UsageError as in to_glb(), before any byte is written; exceptions of `put`.
 void write_glb(const GlbModel& model, std::span<const GlbListedMesh> meshes, const GlbPut<std::uint8_t>& put);
 
 /// Returns the bytes of the file. Uses 16-bit indices if they suffice.

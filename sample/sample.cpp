@@ -18,8 +18,9 @@
 namespace gigabake::sample {
 namespace {
 
-constexpr int coarse_quads = 64, coarse_texels = 1024;  // max, along an edge
-/// Tiles along an edge of a block. Viewers have difficulties with more children per tile than the square of it.
+constexpr int coarse_quads = 64, coarse_texels = 1024;  // max numbers along an edge of a coarse tile
+/// The number of tiles along an edge of a block. Viewers have difficulties with more than block_tiles² children per
+/// tile.
 constexpr int block_tiles = 16;
 
 std::string place_name(const char* what, std::size_t x, std::size_t y) {
@@ -97,7 +98,8 @@ class Writer {
 
   TilePlan plan_of(std::size_t i) const { return plan_of(i % tiles_, i / tiles_, {1, 1}); }
 
-  /// Returns the plan of the finest level for tiles from (x, y) on.
+  /// Returns the plan, at the finest resolution, of one rectangle. It covers `tiles` tiles, the first of which is (x,
+  /// y).
   TilePlan plan_of(std::size_t x, std::size_t y, GridSize tiles) const {
     const double edge_m = o_.size_m / o_.tiles;
     const int quads = std::max(1, int(edge_m / o_.ground_step_m + 0.5));
@@ -108,7 +110,8 @@ class Writer {
             {texels * tiles.e, texels * tiles.n}};
   }
 
-  /// Writes a coarse tile: at most a quarter of the tiles' resolution, without houses and trees.
+  /// Writes a coarse tile. It has about a quarter of the plan's resolution, at most the maximum, and no houses or
+  /// trees.
   TilesetEntry write_coarse(TilePlan plan, const std::string& name) {
     const auto coarser = [](GridSize fine, int minimum, int maximum) {
       return GridSize{std::clamp(fine.e / 4, minimum, maximum), std::clamp(fine.n / 4, minimum, maximum)};
@@ -143,7 +146,7 @@ class Writer {
     return block;
   }
 
-  /// Returns the tile with a URI for tilesets that are themselves in tiles/.
+  /// Returns the tile with a URI relative to the folder tiles/, for tilesets in that folder.
   static TilesetEntry beside(TilesetEntry tile) {
     tile.uri = std::filesystem::path(tile.uri).filename().string();
     return tile;

@@ -25,8 +25,8 @@ bool is_sample(const fs::path& tileset) {
   return head.find(sample_generator) != std::string::npos;
 }
 
-/// Rejects a folder with other content, so that nothing else is overwritten. Files of a killed run identify the folder
-/// as a sample's.
+/// Rejects a folder with a sample or other content, so that nothing is overwritten. Files of a killed run identify the
+/// folder of an unfinished sample.
 void check_ours(const fs::path& dir) {
   std::error_code error;
   const auto refuse = [&] { throw InputError(dir, "", "exists and is not a sample; name a new or empty folder"); };

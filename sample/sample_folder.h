@@ -1,14 +1,15 @@
-/// The folder of a sample, replaced completely: written to a temporary folder in it, then renamed.
+/// The folder of a sample. The sample is written to a temporary folder in it; publish() moves the files into place.
 #pragma once
 
 #include <filesystem>
 
 namespace gigabake::sample {
 
-/// Owns a temporary folder. Unless publish() succeeds, the destructor removes it.
+/// The owner of a temporary folder. Unless publish() succeeds, the destructor removes the folder.
 class SampleFolder {
  public:
-  /// Errors  InputError if `dir` contains anything but a sample, or is not writable.
+  /// Errors  InputError if `dir` contains a sample or other content, or is not writable. Remains of a killed run are
+  ///         allowed.
   explicit SampleFolder(const std::filesystem::path& dir);
   ~SampleFolder();
   SampleFolder(const SampleFolder&) = delete;
@@ -17,7 +18,7 @@ class SampleFolder {
   /// Returns the folder for tileset.json, tiles/ and local/. Both subfolders exist and contain only an empty textures/.
   const std::filesystem::path& aside() const { return aside_; }
 
-  /// Removes the previous sample and renames the new one into its place, tileset.json last.
+  /// Removes remains of a killed run, and renames the new files into their final place, tileset.json last.
   /// Errors  InputError.
   void publish();
 

@@ -14,15 +14,15 @@ namespace gigabake::sample {
 struct TilesetEntry {
   std::string uri;
   std::array<double, 3> min_m{}, max_m{};  ///< east, north, up in the tangent plane of the map's origin
-  double error_m = 0;                      ///< approximate geometric error of its content; 0: the finest level
+  double error_m = 0;                      ///< approximate geometric error of the content; 0: the finest level
 };
 
-/// Extends the box of `coarse` to contain the boxes of `children`, which replace it. The coarser mesh lacks roofs and
-/// crowns.
+/// Extends the box of `coarse` to contain the boxes of `children`, the finer tiles that replace `coarse`. The mesh of
+/// `coarse` has no roofs and crowns, so its own box is too small.
 void enclose(const std::vector<TilesetEntry>& children, TilesetEntry& coarse);
 
-/// Returns a tileset whose root is `coarse`. earth: the root transforms the tangent plane to the earth; null: the
-/// parent tileset does.
+/// Returns a tileset whose root is `coarse`. If `earth` is not null, the root has the transform from the tangent plane
+/// to the earth. Otherwise, the parent tileset has it.
 nlohmann::ordered_json tileset_of(const TilesetEntry& coarse, const std::vector<TilesetEntry>& children,
                                   const Earth* earth);
 

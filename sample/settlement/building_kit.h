@@ -20,7 +20,7 @@ struct KitImages {
 };
 KitImages paint_kit(std::uint32_t seed);
 
-/// Sizes that the images depict; walls and roofs repeat them.
+/// The sizes that the images depict. Walls and roofs use the images at these sizes.
 inline constexpr double facade_m = 12, roof_width_m = 14, roof_height_m = 9;
 
 constexpr int jpeg_quality = 88;
@@ -30,15 +30,17 @@ struct Corner {
   double e_m, n_m, u_m;
 };
 
-/// Converts east-north-up to glTF's axes and appends one quad, counter-clockwise seen from outside, with the uv of its
-/// corners.
+/// Converts corners from east-north-up to glTF's axes and appends one quad with the uv of each corner. The corners are
+/// counter-clockwise seen from outside.
 void add_quad(GlbMesh& mesh, const Corner corners[4], const double uv[4][2]);
 void add_triangle(GlbMesh& mesh, const Corner corners[3], const double uv[3][2]);
 
-/// Appends the house's walls and gables, and its roof. base_m is the height of the walls' lower edge, below ground.
+/// Appends the house's walls and gables to `walls`, and its roof to `roof`. The walls' lower edge is at height base_m,
+/// below ground. The floor is at height floor_m.
 void add_house(const House& house, MapPoint local_centre, double base_m, double floor_m, GlbMesh& walls, GlbMesh& roof);
 
-/// Appends the trunk and the foliage: cards around the crown, facing outward. foot: local map position and height.
+/// Appends the trunk to `bark`. Appends the leaves to `foliage` as cards around the crown that face outward. `foot` is
+/// the tree's position in the tile's frame.
 void add_tree(const Tree& tree, Corner foot, GlbMesh& bark, GlbMesh& foliage);
 
 }  // namespace gigabake::sample

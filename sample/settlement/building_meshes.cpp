@@ -14,7 +14,7 @@ void add_vertex(GlbMesh& mesh, const Corner& c, const double uv[2]) {
   for (int k = 0; k < 2; ++k) mesh.uv.push_back(std::uint16_t(clamp01(uv[k]) * 65535 + 0.5));
 }
 
-/// The house's axes: x along the ridge, y across it.
+/// The frame of a house: x along the ridge, y across it.
 struct HouseFrame {
   MapPoint centre;
   Turn turn;
@@ -35,7 +35,7 @@ void add_wall(GlbMesh& mesh, const HouseFrame& f, double x0, double y0, double x
   add_quad(mesh, c, uv);
 }
 
-/// Appends the triangle under the roof at x, seen from outside.
+/// Appends the triangle of wall under the roof at the end `x` of the ridge. Its front faces outward.
 void add_gable(GlbMesh& mesh, const HouseFrame& f, double x, double half_depth, double eaves_m, double ridge_m) {
   const double side = x < 0 ? 1 : -1;
   const Corner c[3] = {f.at(x, side * half_depth, eaves_m), f.at(x, -side * half_depth, eaves_m), f.at(x, 0, ridge_m)};
@@ -70,7 +70,7 @@ void add_trunk(GlbMesh& mesh, const Corner& foot, double radius_m, double height
 }
 
 /// Appends a square card of the crown, `reach_m` from `centre` in direction `heading_deg`, tilted up by `lift_deg`.
-/// half_m: half the card's edge.
+/// half_m is half the card's edge.
 void add_crown_card(const Tree& tree, const Corner& centre, double heading_deg, double lift_deg, double reach_m,
                     double half_m, GlbMesh& foliage) {
   const Turn h = turn_of(heading_deg), l = turn_of(lift_deg);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int texels = 512;
 
-/// Computes the colour of one storey's window, centred at (0, 0). Returns false outside of it.
+/// Computes the colour of a window at (x_m, y_m) from its centre. Returns false outside of the window.
 bool window_colour(double x_m, double y_m, Rgb& c) {
   const double ax = std::fabs(x_m), ay = std::fabs(y_m);
   if (ax > 0.72 || ay > 0.86) return false;
@@ -19,7 +19,8 @@ bool window_colour(double x_m, double y_m, Rgb& c) {
   return true;
 }
 
-/// Returns whether a card's texel is foliage; (x, y) in -1 … 1.
+/// Returns true if a card's texel is foliage. (x, y) is the texel's position on the card, -1 to 1. Sets `light` to the
+/// brightness of the texel.
 bool is_foliage(std::uint32_t seed, double x, double y, bool needles, double& light) {
   const double r = std::sqrt(x * x + y * y);
   const double wavelength = needles ? 0.10 : 0.22;

@@ -6,7 +6,7 @@
 
 namespace gigabake::sample {
 
-/// sRGB on the scale 0 … 255.
+/// An sRGB colour with components from 0 to 255.
 struct Rgb {
   double r = 0, g = 0, b = 0;
 };

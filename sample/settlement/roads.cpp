@@ -28,7 +28,7 @@ std::vector<MapPoint> smoothed(std::vector<MapPoint> way) {
   return way;
 }
 
-/// Returns every third point of a path over a grid, and its end: fewer kinks to smooth.
+/// Returns every third point and the end of a path over a grid, because fewer points have fewer kinks to smooth.
 std::vector<MapPoint> thinned(const std::vector<MapPoint>& way) {
   std::vector<MapPoint> kept;
   for (std::size_t i = 0; i < way.size(); i += 3) kept.push_back(way[i]);

@@ -16,7 +16,7 @@ struct Road {
   std::vector<MapPoint> points;
 };
 
-/// The nearest road, if one is near.
+/// The nearest road within RoadNetwork::reach_m. The default values mean that no road is near.
 struct RoadSight {
   double edge_m = 1e9;    ///< distance to the road's edge; negative on the road
   double middle_m = 1e9;  ///< distance to the road's middle
@@ -24,7 +24,7 @@ struct RoadSight {
   RoadKind kind = RoadKind::track;
 };
 
-/// Finds paths of minimal cost over the ground.
+/// A search for paths of minimal cost over the ground.
 /// Cost    O(n log n) per path, on a grid of at most 257² points.
 class ScanThread {
  public:
@@ -38,7 +38,7 @@ class ScanThread {
   int nearest(MapPoint p) const;
 
   Raster height_;
-  std::vector<double> burden_;  ///< per point: cost per metre in addition to the slope's
+  std::vector<double> burden_;  ///< per point: factor of the cost per metre
 };
 
 class RoadNetwork {

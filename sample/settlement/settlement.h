@@ -21,11 +21,11 @@ enum class TreeKind { broadleaf, conifer };
 struct Tree {
   MapPoint foot;
   TreeKind kind = TreeKind::broadleaf;
-  double height_m = 8, crown_m = 5;  ///< crown: diameter
+  double height_m = 8, crown_m = 5;  ///< crown_m: diameter of the crown
   std::uint32_t seed = 0;
 };
 
-/// All buildings and plants. A pure function of size and seed, so all tiles are consistent.
+/// All roads, houses and trees. They depend only on size and seed, so all tiles are consistent.
 class Settlement {
  public:
   Settlement(const Relief& relief, std::uint32_t seed);

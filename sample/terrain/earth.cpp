@@ -10,7 +10,7 @@ constexpr double semi_major_m = 6378137.0;
 constexpr double flattening = 1 / 298.257223563;
 constexpr double e2 = flattening * (2 - flattening);
 
-/// Returns sine and cosine in one octant by Taylor series: 11 terms leave an error below one ulp at 45°.
+/// Returns sine and cosine of -45° to 45° by Taylor series: 11 terms leave an error below one ulp at 45°.
 Turn octant(double degrees) {
   const double x = degrees * (pi / 180), square = x * x;
   double sine = 0, cosine = 0;

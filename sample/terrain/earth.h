@@ -31,8 +31,8 @@ struct Turn {
 };
 Turn turn_of(double degrees);
 
-/// Projection of the flat map onto the earth. Metres north become degrees of latitude, metres east degrees of
-/// longitude, at the origin's radii of curvature. Heights become heights above the ellipsoid.
+/// Projection of the flat map onto the earth. Metres north become degrees of latitude, and metres east become degrees
+/// of longitude, both with the radii of curvature at the origin. Heights become heights above the ellipsoid.
 class Earth {
  public:
   explicit Earth(const Geodetic& origin);

@@ -23,7 +23,7 @@ const std::array<Neighbour, 8> neighbours{{{-1, -1, std::sqrt(2.0)},
 
 /// The direction in which every point drains, and an order in which receivers precede the points that drain to them.
 struct Drainage {
-  std::vector<int> order, rank, receiver;  ///< receiver: the steepest descent; -1 in the base
+  std::vector<int> order, rank, receiver;  ///< receiver: the neighbour with the steepest descent; -1 in the base
   std::vector<double> receiver_steps;
   std::vector<double> filled;  ///< heights with every hollow filled to its outlet
 };
@@ -43,7 +43,8 @@ void for_neighbours(int edge, int index, Visit&& visit) {
   }
 }
 
-/// Computes the drainage by priority flood: grows upwards from the base through the lowest outlet of every hollow.
+/// Computes the drainage by priority flood: the flood grows upwards from the base through the lowest outlet of every
+/// hollow.
 void flood(const Raster& height, const std::vector<std::uint8_t>& base, Drainage& d) {
   d.filled = height.v;
   d.rank.assign(height.v.size(), 0);
@@ -83,8 +84,8 @@ Drainage drain(const Raster& height, const std::vector<std::uint8_t>& base) {
   return d;
 }
 
-/// Returns the drained area. Each point divides its water among all lower neighbours by slope: a thin layer on slopes,
-/// streams in hollows.
+/// Returns the drained area. Each point divides its water among all lower neighbours by slope. Water therefore forms a
+/// thin layer on slopes, and streams in hollows.
 Raster drained_area(const Raster& height, const Drainage& d) {
   Raster area = height;
   std::fill(area.v.begin(), area.v.end(), height.cell_m * height.cell_m);
@@ -105,7 +106,7 @@ Raster drained_area(const Raster& height, const Drainage& d) {
   return area;
 }
 
-/// Performs one implicit step, from the base upwards, so that the receiver's new height is known.
+/// Performs one implicit step of stream erosion. It begins at the base, so that the receiver's new height is known.
 void cut(Raster& height, const Raster& area, const Drainage& d, const ErosionOptions& options) {
   for (const int i : d.order) {
     const int receiver = d.receiver[i];
@@ -117,7 +118,7 @@ void cut(Raster& height, const Raster& area, const Drainage& d, const ErosionOpt
   }
 }
 
-/// Moves ground steeper than the talus to the lower side; moves soil towards the mean of its neighbours.
+/// Moves ground steeper than the talus to the lower side, and moves soil towards the mean of its neighbours.
 void slump(Raster& height, const std::vector<std::uint8_t>& base, const ErosionOptions& options) {
   const double step_m = options.talus * height.cell_m;
   std::vector<double> change(height.v.size(), 0.0);

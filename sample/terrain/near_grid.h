@@ -8,13 +8,13 @@
 
 namespace gigabake::sample {
 
-/// Square buckets over the map, each listing the items within reach of it.
+/// A grid of square buckets over the map. Each bucket lists the items within `reach_m` of the bucket.
 class NearGrid {
  public:
   NearGrid(double size_m, double reach_m);
   /// Adds an item that covers the box from `min` to `max`.
   void add(MapPoint min, MapPoint max, int item);
-  /// Returns every item within reach of p, and some farther ones, in the order of addition.
+  /// Returns every item within `reach_m` of p, and some farther items, in the order of addition.
   /// Cost    O(1).
   std::span<const int> near(MapPoint p) const;
 

@@ -21,7 +21,7 @@ double smooth_step(double from, double to, double x) {
 
 namespace {
 
-/// Returns the dot product of the gradient at a lattice corner and the offset from it.
+/// Returns the dot product of the gradient at a lattice corner and the offset (dx, dy) from the corner.
 double corner(std::uint32_t seed, std::int32_t x, std::int32_t y, double dx, double dy) {
   const std::uint32_t h = hash_of(seed, x, y);
   const double gx = (h & 0xffff) * (2.0 / 65535.0) - 1, gy = (h >> 16) * (2.0 / 65535.0) - 1;

@@ -1,7 +1,7 @@
 /// Random numbers and noise for the sample terrain.
 ///
-/// Exact   Only integer hashes and IEEE double with + - * / sqrt and floor: the same bits on every machine. No call
-///         into libm, whose last digit differs from one version to the next.
+/// Exact   Only integer hashes and IEEE double with + - * / sqrt and floor: the same bits on every machine. No function
+///         calls libm, because its last digit differs between versions.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,15 @@ namespace gigabake::sample {
 /// Returns a well-mixed 32-bit hash of the three values.
 std::uint32_t hash_of(std::uint32_t seed, std::int32_t x, std::int32_t y = 0);
 
-/// Converts a hash to a number.
+/// Converts a hash to a number between 0 and 1.
 /// Range   [0, 1).
 inline double unit(std::uint32_t hash) { return hash * (1.0 / 4294967296.0); }
 
 inline double lerp(double a, double b, double t) { return a + (b - a) * t; }
 inline double clamp01(double t) { return t < 0 ? 0 : t > 1 ? 1 : t; }
 
-/// Returns 0 at `from` and 1 at `to`, smooth and with zero slope at both; `from` may exceed `to`.
+/// Returns 0 at `from` and 1 at `to`, with a smooth transition that has zero slope at both ends. `from` may exceed
+/// `to`.
 double smooth_step(double from, double to, double x);
 
 /// Returns smooth lattice noise of wavelength 1.

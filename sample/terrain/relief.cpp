@@ -9,7 +9,8 @@
 namespace gigabake::sample {
 namespace {
 
-/// Extends the grid beyond the map's border, so that the border has neighbours to drain to.
+/// The grid's size relative to the map. The grid extends beyond the map's border, so that the border has neighbours to
+/// drain to.
 constexpr double margin = 1.12;
 constexpr double bank_m = 0.7;  ///< height of the meadows above the water
 

@@ -13,16 +13,16 @@ class Relief {
   /// Cost    Half a second for the default size: erodes hills on a grid of at most 513² points.
   Relief(double size_m, std::uint32_t seed);
 
-  /// Returns metres above the river at the map's origin; flat where there is water.
+  /// Returns the height in metres above the river at the map's origin. On water, returns the water's level.
   double height_m(MapPoint p) const;
   /// Returns the slope of the ground (rise over run), smoothed over some metres.
   double slope(MapPoint p) const;
-  /// Returns 0 on dry crests to 1 where streams converge.
+  /// Returns the moisture of the ground: 0 on dry crests, up to 1 where streams converge.
   double moisture(MapPoint p) const { return moisture_.linear(p); }
-  /// Returns positive values in hollows and negative values on crests, about -1 … 1.
+  /// Returns how hollow the ground is: positive in hollows, negative on crests, about -1 … 1.
   double hollowness(MapPoint p) const { return hollowness_.linear(p); }
   const River& river() const { return river_; }
-  /// Returns the length of the landscape's large features.
+  /// Returns the length of the landscape's large features in metres.
   double relief_m() const { return relief_m_; }
   double size_m() const { return size_m_; }
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int station_count = 4096;
 constexpr double fall_per_m = 0.004;
-/// Direction of the valley: (1, 3) / √10, north by north-east.
+/// Direction of the valley: (1, 3) / √10, about north-north-east.
 const double axis_e = 1 / std::sqrt(10.0), axis_n = 3 / std::sqrt(10.0);
 
 }  // namespace

@@ -18,7 +18,7 @@ struct Reach {
 
 class River {
  public:
-  /// `relief_m`: the length of the landscape's large features.
+  /// `relief_m` is the length of the landscape's large features.
   River(double size_m, double relief_m, std::uint32_t seed);
   Reach at(MapPoint p) const;
   /// Returns a point `along_m` downstream and `across_m` from the middle of the water (positive: east).

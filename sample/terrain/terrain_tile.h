@@ -34,12 +34,12 @@ struct TilePlan {
   MapPoint min;
   MapPoint size_m{100, 100};
   GridSize quads{100, 100};
-  GridSize texels{512, 512};  ///< of the ground's image
+  GridSize texels{512, 512};  ///< texels of the ground's image
   bool with_objects = true;
 };
 
 struct TerrainTile {
-  GlbModel model;                          ///< y up; the translation of its node places it in the frame
+  GlbModel model;                          ///< y up; the translation of its node places it in the tile's TileFrame
   std::array<double, 3> min_m{}, max_m{};  ///< east, north, up: bounds of all vertices
   std::uint64_t triangles = 0;
   std::uint32_t houses = 0, trees = 0;
@@ -48,8 +48,8 @@ struct TerrainTile {
 /// Paints the ground's image, which is the same in every frame.
 GlbImage paint_tile(const Landscape& landscape, const TilePlan& plan);
 
-/// Builds a tile. Neighbouring tiles of one size share their border vertices exactly. `ground` is paint_tile()'s
-/// result.
+/// Builds a tile. Neighbouring tiles of the same size share their border vertices exactly. `ground` is the result of
+/// paint_tile().
 TerrainTile make_tile(const Landscape& landscape, const TileFrame& frame, const TilePlan& plan, const GlbImage& ground);
 
 }  // namespace gigabake::sample
