@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# export_volume.sh SCENE FILE [LIMIT]: writes the finest level of SCENE that has at most LIMIT voxels (ten
+# export_volume.sh SCENE FILE [LIMIT]: writes the finest level of SCENE that has at most LIMIT voxels (default: ten
 # million) as a volume or points: FILE.vdb (OpenVDB), FILE.nvdb (NanoVDB) or FILE.ply.
 #
 #   examples/export_volume.sh town town.vdb

@@ -1,4 +1,4 @@
-// A custom shader: contour lines at a distance of STEP_M metres, on the light of the scene.
+// A custom shader: contour lines at a distance of STEP_M metres, drawn over the lit scene.
 //
 //     `contour_lines SCENE/scene.xml STEP_M PICTURE.png`    prints the number of pixels of surfaces and of lines
 #include <cmath>
