@@ -1,6 +1,6 @@
 /// The seed of a test with random input. The default depends only on the name of the test, so that its result is the
-/// same in every run. GIGABAKE_TEST_SEED=random, or a number, selects another seed; tools/random-tests uses it.
-/// A failure while the object exists prints the seed. To repeat the failure, set GIGABAKE_TEST_SEED to it.
+/// same in every run. GIGABAKE_TEST_SEED=random, or a number, selects another seed; tools/random-tests sets it. A
+/// failure while the object exists prints the seed. To repeat the failure, set GIGABAKE_TEST_SEED to the printed seed.
 /// Errors  The test fails if GIGABAKE_TEST_SEED is neither a number nor `random`.
 #pragma once
 
@@ -17,7 +17,7 @@ namespace gigabake::test {
 
 class RandomSeed {
  public:
-  /// round: the number of this seed, for a test that uses several seeds.
+  /// Creates seed number `round` of a test that uses several seeds.
   explicit RandomSeed(int round = 0) : RandomSeed(round, chosen()) {}
 
   operator std::uint64_t() const { return value_; }

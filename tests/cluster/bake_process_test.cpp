@@ -30,7 +30,7 @@ class BakeProcessTest : public testing::Test {
     EXPECT_EQ(report.cell.voxels, expected.cell.voxels);
   }
 
-  /// Kills the process with three cells in flight. The next process bakes them.
+  /// Kills the process by `signal` with three cells in flight. The next process bakes them.
   void dies_of(int signal, const std::string& why) {
     BakeProcess process(scene.setup("out"), real_program());
     for (std::uint32_t i = 0; i < 3; ++i) process.submit(jobs[i], 1);
@@ -236,7 +236,7 @@ TEST_F(BakeProcessTest, ScansTilesWhereItCannotBakeCells) {
   EXPECT_EQ(expect<Scanned>(process).scan.error, "");
 }
 
-/// Feeds three cells at a time and kills processes at random moments.
+/// Keeps up to three cells in flight and kills processes at random moments.
 TEST_F(BakeProcessTest, BakesEveryCellOnceHoweverOftenItIsKilled) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
@@ -245,14 +245,14 @@ TEST_F(BakeProcessTest, BakesEveryCellOnceHoweverOftenItIsKilled) {
   for (const CellReport& r : here) expected[r.id] = r;
   std::deque<BakeOrder> waiting;
   while (waiting.size() < 30) waiting.push_back({jobs[waiting.size() % jobs.size()], 1});
-  for (std::size_t i = jobs.size(); i < waiting.size(); ++i) waiting[i].job.id += 1000;  // again, with another number
+  for (std::size_t i = jobs.size(); i < waiting.size(); ++i) waiting[i].job.id += 1000;  // the same cells, other ids
   BakeProcess process(scene.setup("out"), real_program());
   int kills = 0, deaths = 0;
   bool just_died = false;
   while (got.size() < 30) {
     for (; process.in_flight() < 3 && !waiting.empty(); waiting.pop_front())
       process.submit(waiting.front().job, waiting.front().attempt);
-    // Two deaths without a result between them are rare, since the next start is then delayed.
+    // The test seldom kills a process twice without a result in between, because the next start is then delayed.
     if (kills < 20 && (just_died ? rng() % 8 == 0 : rng() % 8 != 0)) {
       std::this_thread::sleep_for(std::chrono::microseconds(rng() % 20000));
       if (process.pid() && ::kill(*process.pid(), SIGKILL) == 0) ++kills;

@@ -32,7 +32,7 @@ class BakeScene {
   ScratchFolder folder_;
 };
 
-/// The program under test in place of /proc/self/exe, which is the test.
+/// Returns options that start the program under test. The default, /proc/self/exe, would start the test itself.
 BakeProcessOptions real_program();
 
 /// Returns the next event. Without an event within a minute, reports a failure and returns an empty Died.

@@ -191,7 +191,7 @@ TEST_F(ChildProcessTest, ThatEndsAtOnceIsOneLineAndThenAPause) {
   EXPECT_GT(Clock::now() - third, milliseconds(900));
 }
 
-/// Regression of 2026-11-25: the start was repeated, as if it could succeed.
+/// Regression of 2026-11-25: a process that could not be started was started again and again.
 TEST_F(ChildProcessTest, ThatCannotBeStartedIsAnError) {
   BakeProcess process(scene.setup("out"), BakeProcessOptions{"/no/such/program"});
   try {

@@ -25,7 +25,7 @@ constexpr std::uint64_t seed = 20261122;
 constexpr std::uint32_t cells = 200;
 constexpr double forever_s = 1e5;
 
-/// Bake of cells without content, recorded by the real journal and status.
+/// A bake of cells without content, recorded by the real journal and status.
 class Dispatch : public testing::Test {
  protected:
   Dispatch() {
@@ -36,7 +36,7 @@ class Dispatch : public testing::Test {
   }
 
   DispatchResult run(ScriptedRanks& ranks, const std::vector<std::uint32_t>& already_done = {}) {
-    std::filesystem::remove(folder_ / "journal");  // journal of another round
+    std::filesystem::remove(folder_ / "journal");  // written by the previous round
     told_.clear(), notes_.clear();
     feed_.emplace(folder_.path(), ranks.ranks(), "", BakeListener());
     feed_->record().planned(plan_.jobs, std::vector<double>(cells, 1), unix_now_s());
@@ -259,7 +259,7 @@ TEST_F(Dispatch, FinishesWhatIsOutWhenItIsAskedToDrain) {
   }
 }
 
-/// Combines all these events at random.
+/// Combines failures, dead processes, repeated answers and stalled ranks at random.
 TEST_F(Dispatch, BakesEveryCellOnceWhateverHappensInWhicheverOrder) {
   for (std::uint64_t round = 0; round < 40; ++round) {
     SCOPED_TRACE("round " + std::to_string(round));

@@ -64,7 +64,7 @@ TEST(WithoutMpi, AcceptsASingleProcess) {
     EXPECT_FALSE(ranks_without_mpi_error(of(variables)));
 }
 
-/// The process of rank 0 prints the line; the others end without a message.
+/// The error is printed by rank 0 only, so each process must find its rank in the launcher's variables.
 TEST(WithoutMpi, KnowsTheRankThatTheLauncherStates) {
   EXPECT_EQ(rank_from_launcher(of({})), 0);
   for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "PALS_RANKID", "SLURM_PROCID"})

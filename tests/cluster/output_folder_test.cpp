@@ -87,8 +87,8 @@ TEST_F(OutputFolderTest, WritesThroughNoLinks) {
     }
 }
 
-// Regression of 2026-11-23: a command repeated directly after its bake was killed could fail with "is being baked into
-// by". A killed process keeps its files open until the disk has its pending writes.
+// Regression of 2026-11-23: if a bake was killed and its command was repeated at once, the command could fail with "is
+// being baked into by". A killed process keeps its files open until its pending writes are on disk.
 TEST_F(OutputFolderTest, IsWaitedForWhereItsHolderWasKilledAndItsFilesAreStillOpen) {
   fs::create_directories(out());
   int ready[2];

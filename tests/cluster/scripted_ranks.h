@@ -24,7 +24,7 @@ class ScriptedRanks : public RankLink {
 
   ScriptedRanks(int ranks, std::uint64_t seed) : ranks_(std::size_t(ranks)), random_(seed) {}
 
-  // The script. The function `at` may change each member while dispatch() runs.
+  // The test sets these members. wait() calls `at`, which may change all of them.
   std::function<Fate(int rank, std::uint32_t job)> fate = [](int, std::uint32_t) { return Fate::baked; };
   std::function<Delivery(int rank, std::uint32_t job)> delivery = [](int, std::uint32_t) { return Delivery::once; };
   std::function<void(double now_s)> at = [](double) {};
@@ -34,7 +34,7 @@ class ScriptedRanks : public RankLink {
   void ask_to_drain() { drain_asked_ = true; }
 
   // Results.
-  /// Returns the number of orders that ranks accepted, of all attempts.
+  /// Returns the number of orders that ranks accepted. Repeated attempts count as separate orders.
   std::size_t orders() const { return orders_; }
   /// Returns the number of cells that are in flight in a rank's bake process.
   std::size_t in_flight(int rank) const { return ranks_[std::size_t(rank)].hand.size(); }

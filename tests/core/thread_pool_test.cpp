@@ -68,7 +68,7 @@ TEST_P(CpuPolicyTest, RunsEveryIndexOfSeveralCallersLoops) {
   EXPECT_EQ(sum, 3u * 200u * 50u);
 }
 
-/// Each body waits for one of the other loop: if loops ran one after the other, neither would end.
+/// Each body waits for a body of the other loop. If the two loops ran one after the other, neither would end.
 TEST(ThreadPool, RunsTheLoopsOfTwoCallersAtOnce) {
   const ThreadPool pool(2);
   std::array<std::atomic<bool>, 2> began{};

@@ -27,7 +27,7 @@ using Path = std::filesystem::path;
 
 constexpr double voxels_along = 300;  ///< along the scene's longest edge
 constexpr std::size_t max_cells = 12;
-constexpr std::uint64_t few_bytes = std::uint64_t(4) << 20;  ///< of device memory: larger cells are split
+constexpr std::uint64_t few_bytes = std::uint64_t(4) << 20;  ///< device memory; larger cells are split
 
 using test::shared_data;
 

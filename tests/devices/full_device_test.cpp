@@ -1,5 +1,5 @@
-// A device without memory for packing gives one line per cell and the same files. Skipped, with the reason, if there is
-// no GPU.
+// If a device has no memory for packing, the bake reports one note per cell and writes the same files. The test is
+// skipped, with the reason, if there is no GPU.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -54,7 +54,7 @@ TEST(FullDevice, HasItsCellsPackedOnTheHostAndSaysSo) {
   ASSERT_GE(std::ranges::count(on_host, CellOutcome::baked, [](const auto& cell) { return cell.second; }), 2);
   const kernels::CudaDevices devices = kernels::cuda_devices();
   if (devices.usable.empty()) GTEST_SKIP() << devices.reason;
-  // A quarter of the memory is for the packers: too little for any cell. The kernels get more than this limit.
+  // The packers get a quarter of this memory, too little for any cell. The kernels may use more than the whole.
   constexpr std::uint64_t little = 1 << 16;
   const std::vector<CellReport> reports = bake("device", little, devices.usable[0]);
   ASSERT_EQ(reports.size(), jobs.size());

@@ -35,7 +35,7 @@ kernels::PackRequest request_of(const ShardHeader& header, std::size_t lods) {
   return request;
 }
 
-/// Returns a chunk in the host's stored form.
+/// Returns chunk `number` of the column in the form in which the host stores it.
 std::vector<std::uint8_t> stored_chunk(const ColumnRows& column, std::size_t number) {
   const std::size_t row = column.column.row_bytes(), per_chunk = rows_per_chunk(column.rows, row);
   const std::size_t first = number * per_chunk, rows = std::min<std::size_t>(per_chunk, column.rows - first);

@@ -1,5 +1,5 @@
-// Whole files of every format with a few bytes changed at random are either read or refused in one line. Run this test
-// under the sanitizers by ./check.
+// Files of every format, in which a few bytes are changed at random, are either read or refused in one line. Run this
+// test under the sanitizers by ./check.
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ void read_all(const Path& file) {
   }
 }
 
-/// A file to damage, and the file to open if that is a different one.
+/// A file to damage. If `opened` is set, it is a file that refers to `file` and is opened in its place.
 struct Sample {
   const char* file;
   const char* opened = nullptr;

@@ -109,7 +109,7 @@ TEST(Progress, IsToldAndStopsEveryLongStepWithoutAnythingHalfWritten) {
   }
 }
 
-// 2026-11-25: the test asserted nothing.
+// 2026-11-25: this test did not assert anything.
 TEST(Progress, WithoutAListenerStopsNothingAndIsAsSmallAsAPointer) {
   const Progress nobody;
   int done = 0;
@@ -120,7 +120,7 @@ TEST(Progress, WithoutAListenerStopsNothingAndIsAsSmallAsAPointer) {
   });
   EXPECT_EQ(done, 10);
   EXPECT_EQ(sizeof(Progress), sizeof(void*)) << "a copy without a listener holds a null pointer and nothing else";
-  // The same calls reach a listener. If the listener requests a stop, they end.
+  // If there is a listener, the first call reaches the listener, which stops it.
   Listener stopping(1);
   EXPECT_THROW(Progress(stopping).step("anything", 3), Stopped);
   EXPECT_EQ(stopping.steps(), 1);

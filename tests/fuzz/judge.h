@@ -9,8 +9,8 @@ namespace gigabake::fuzz {
 
 using Reader = void (*)(Bytes);
 
-/// Returns the fault: an exception of a foreign type, or a message that is not one clear line. Returns an empty string
-/// if the reader accepts the bytes or refuses them in one line.
+/// Returns a description of the fault: an unexpected type of exception, or a message that is not one clear line.
+/// Returns an empty string if the reader accepts the bytes or refuses them in one line.
 std::string fault_of(Reader reader, Bytes bytes);
 
 }  // namespace gigabake::fuzz

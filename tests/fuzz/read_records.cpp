@@ -1,4 +1,4 @@
-// Readers of a bake's records about itself, and of messages between its processes.
+// Readers of the records that a bake keeps about its progress, and of the messages between its processes.
 #include <array>
 #include <string>
 

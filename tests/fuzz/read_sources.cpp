@@ -46,7 +46,8 @@ bool is_small(const TileMesh& mesh) {
   return true;
 }
 
-/// Checks that reading the tile in parts gives the same triangles, or fails too.
+/// Checks that the tile read in parts has as many triangles as the whole tile. If one way of reading fails, the other
+/// must fail.
 void read_in_parts(const TileRef& tile, const Path& root) {
   std::uint64_t triangles = 0;
   std::optional<TileMesh> whole, parts;
@@ -84,7 +85,7 @@ void read_as_a_bake_does(const Path& file) {
   }
 }
 
-/// A folder with files that URIs may name.
+/// A folder with the files that the URIs of fuzzed sources may name.
 class Neighbours {
  public:
   Neighbours() {
@@ -187,7 +188,7 @@ void orthophoto(Bytes bytes) {
   read_as_a_bake_does(scene);
 }
 
-/// Checks that an image that is decoded by rows has the texels of the whole image, or is refused too.
+/// Checks that an image that can be decoded by rows has the texels of the image that is decoded whole.
 void image(Bytes bytes) {
   const EncodedImage encoded{"image", {bytes.begin(), bytes.end()}};
   const Image whole = decode_image(encoded);

@@ -1,4 +1,4 @@
-// Readers of a browser's or a person's input for the viewer.
+// Readers of the viewer's input: camera paths that people write, and messages of browsers.
 #include <cmath>
 #include <string_view>
 

@@ -1,9 +1,9 @@
-/// Readers of bytes from other programs, called in the same way as by gigabake. The fuzzers and the files of
-/// tests/fuzz/corpus feed them.
+/// Readers of bytes from other programs, called in the same way as by gigabake. Their input comes from the fuzzers and
+/// from the files of tests/fuzz/corpus.
 ///
-/// A reader of several files gets the files one after the other; `part_mark` precedes each file except the first.
-/// Errors (all)  InputError or UsageError: refused. FaultFound: the data that was read breaks a promise of the reader.
-///         Any other exception is a fault too.
+/// A reader of several files gets their contents in one array; `part_mark` precedes each file except the first.
+/// Errors (all)  InputError or UsageError if the bytes are refused. FaultFound if a reader accepts the bytes but
+///               violates its contract. Any other exception is a fault too.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct FaultFound : std::logic_error {
 void gltf(Bytes bytes);        ///< GLB or glTF; then data.bin
 void tile(Bytes bytes);        ///< b3dm, i3dm, cmpt; its URIs may name model.glb
 void tileset(Bytes bytes);     ///< a tileset.json; its URIs may name model.glb, nested.json, all.subtree
-void subtree(Bytes bytes);     ///< a subtree, binary or JSON, of two contents; then bits.bin
+void subtree(Bytes bytes);     ///< a subtree, binary or JSON, with two contents; then bits.bin
 void archive(Bytes bytes);     ///< a .3tz
 void scene_json(Bytes bytes);  ///< a scene .json; it may name model.glb, set.json
 void obj(Bytes bytes);         ///< an OBJ; then material.mtl
@@ -50,6 +50,6 @@ void bake_status(Bytes bytes);  ///< status.json; it is read, written and read a
 void bake_messages(Bytes bytes);  ///< the first byte selects the decoder
 void camera_path(Bytes bytes);    ///< it is read, written and read again
 void steering(Bytes bytes);       ///< a browser's JSON; it is applied
-void http_head(Bytes bytes);      ///< one value per line
+void http_head(Bytes bytes);      ///< the value of one header per line
 
 }  // namespace gigabake::fuzz

@@ -29,7 +29,7 @@ MaterialView material(AlphaMode alpha, std::int32_t texture, Wrap wrap) {
   return m;
 }
 
-/// Adds a shifted copy of the ground for each mode and wrap.
+/// Adds a shifted copy of the ground for each combination of alpha mode and texture wrapping.
 void add_textured_sheets(TestCell& cell, std::initializer_list<AlphaMode> modes) {
   TestCell from = ground("", 64, 10, true, false);
   const CellInput other = from.input();
@@ -142,7 +142,7 @@ TestCell opaque_ground() {
   TestCell soup = triangle_soup(9);
   const CellInput other = soup.input();
   std::mt19937 random(9);
-  for (std::size_t i = 0; i < other.parts.size; ++i) {  // with a texture, then with one colour
+  for (std::size_t i = 0; i < other.parts.size; ++i) {  // the first part has a texture, the second one colour
     const PartView& p = other.parts[i];
     std::vector<float> uv;
     for (std::size_t v = 0; i == 0 && v < 2 * p.position.size / 3; ++v) uv.push_back(float(random() % 100) / 10);

@@ -47,12 +47,12 @@ class TestCell {
   std::vector<TextureView> views_;
 };
 
-/// Returns rolling ground of 2·quads² triangles over the window. uv, rgba: adds texture coordinates, vertex colours.
+/// Returns rolling ground of 2·quads² triangles over the window. `uv` adds texture coordinates, `rgba` adds vertex
+/// colours.
 TestCell ground(std::string name, std::uint32_t window_voxels, int quads, bool uv, bool rgba);
-/// Returns ground with one texture for each alpha mode: repeated, mirrored, clamped, stretched.
+/// Returns layers of ground, with a texture for each combination of alpha mode and wrapping.
 TestCell textured_ground();
-/// Returns opaque ground, coloured by its vertices, by textures and by one colour, narrow and wide; only one of them
-/// each.
+/// Returns opaque ground and triangles of all sizes. Each part has either vertex colours, a texture or one colour.
 TestCell opaque_ground();
 /// Returns triangles from a thousandth of a voxel to a hundred thousand voxels wide, some on lattice planes.
 TestCell triangle_soup(unsigned seed);

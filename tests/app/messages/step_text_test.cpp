@@ -7,7 +7,7 @@
 namespace gigabake::app {
 namespace {
 
-/// Returns the lines shown for a step that advances evenly, read ten times a second.
+/// Returns the lines that are shown for a step with constant progress. The text is read ten times per second.
 std::vector<std::string> lines(StepText& text, double from_s, double to_s, double parts_per_s) {
   std::vector<std::string> out;
   const int looks = int((to_s - from_s) * 10 + 0.5);

@@ -65,7 +65,7 @@ TEST(ClippedTriangle, IsAsFarAsTheNearestOfItsPoints) {
 }
 
 TEST(ClippedTriangle, PointsInAPolygonAreSpreadOverItsArea) {
-  // The unit square: its mean point is exact, and each quarter has the same number of points.
+  // The polygon is the unit square. Each quarter of it must contain about a quarter of the points.
   const std::vector<ClippedCorner> square{{{0, 0, 0}}, {{1, 0, 0}}, {{1, 1, 0}}, {{0, 1, 0}}};
   constexpr int edge = 64;
   std::array<int, 4> in_quarter{};

@@ -27,8 +27,8 @@ TEST(Flip, StaysBetweenZeroAndOneAndIsSymmetric) {
   }
 }
 
-// The paper maps HyAB 100 between black and white to 0.95 + 0.05 (100^0.7 - 0.4 c) / (0.6 c), with c = 203.3^0.7
-// between green and blue: 0.967.
+// The HyAB distance between black and white is 100, and the distance between green and blue is 203.3. The paper maps
+// 100 to 0.95 + 0.05 (100^0.7 - 0.4 c) / (0.6 c) = 0.967, where c = 203.3^0.7.
 TEST(Flip, BlackAgainstWhiteIsNearlyOne) {
   EXPECT_NEAR(flip_of(plain(16, 16, 0, 0, 0, 1), plain(16, 16, 1, 1, 1, 1)), 0.967, 0.002);
 }
@@ -69,7 +69,7 @@ TEST(Flip, AnEdgeCountsForMoreThanAWash) {
   EXPECT_GT(flip_of(flat, edge), flip_of(flat, all) / 2);
 }
 
-/// Images of linear light as integers from 0 to 255 (red, green, blue), so that any program makes the same.
+/// Linear red, green and blue of a pixel, 0 to 255. They are integers, so that any program can make equal images.
 using Codes = std::array<int, 3>;
 using Maker = Codes (*)(int x, int y);
 
@@ -85,7 +85,7 @@ Codes other_speckle(int x, int y) { return speckle(x + 100, y); }
 
 /// Compares with the authors' implementation, FLIP.h of github.com/NVlabs/flip at commit 1eb247c (version 1.6). It was
 /// run on these images at 67 pixels per degree on 2026-11-22; it computes in float. Its own test expects a mean of
-/// 0.159691 for two images that are not part of this project, so that is not checked.
+/// 0.159691 for two images that are not part of this project. This test does not check that number.
 TEST(Flip, AgreesWithTheReferenceImplementation) {
   constexpr int width = 61, height = 47;
   const auto picture = [&](Maker made) {

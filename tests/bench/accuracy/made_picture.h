@@ -15,7 +15,7 @@ inline LinearPicture plain(int width, int height, float r, float g, float b, flo
   return picture;
 }
 
-/// Returns noise of any colour and coverage.
+/// Returns an image of random colours and coverages. Colours are premultiplied.
 inline LinearPicture noise(int width, int height, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> any(0, 1);

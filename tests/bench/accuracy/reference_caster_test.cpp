@@ -1,4 +1,4 @@
-// The reference, compared with closed forms: areas, mean colours, layers.
+// Compares the reference ray caster with closed forms: areas, mean colours and layers.
 #include "bench/accuracy/reference_caster.h"
 
 #include <cmath>
@@ -19,7 +19,7 @@ BakeParameters lattice(double voxel_size_m) {
   return parameters;
 }
 
-/// Returns two triangles from (-half, -half) to (half, half), `up_m` above the origin; texture coordinates from 0 to 1.
+/// Returns a horizontal square around the origin, 2·half_m wide and `up_m` above it.
 GlbMesh quad(double half_m, double up_m) {
   const auto h = float(half_m), y = float(up_m);
   GlbMesh mesh;
@@ -126,7 +126,7 @@ TEST_F(Reference, ATexturedQuadHasTheMeanColourOfItsTexels) {
 }
 
 TEST_F(Reference, AMaskCoversWhereItsTexelsPass) {
-  // Squares of 4 × 4 texels: the border of half alpha is parallel to their sides.
+  // The mask has squares of 4 × 4 texels. The lines at which alpha is one half are parallel to the squares' sides.
   GlbMesh mesh =
       textured(quad(10, 0), png(16, [](int x, int y) {
                  return std::array<std::uint8_t, 4>{255, 255, 255, std::uint8_t((x / 4 + y / 4) % 2 ? 255 : 0)};
@@ -168,7 +168,8 @@ GlbMesh sphere(double radius_m, int steps) {
 
 TEST_F(Reference, ASpheresSilhouetteHasTheAreaOfItsCircle) {
   const Sum sum(seen({sphere(4, 200)}, 5, 64));
-  // The eye is 1000 m away. The cone of its tangents cuts height 0 in a circle that is slightly larger.
+  // The eye is 1000 m above the sphere's centre. The cone of tangents to the sphere intersects height 0 in a circle
+  // that is slightly larger than the sphere.
   const double radius_m = 4 / std::sqrt(1 - std::pow(4 / 1000.0, 2)), pixels_per_m = 64 / 10.0;
   EXPECT_NEAR(sum.alpha / (std::numbers::pi * std::pow(radius_m * pixels_per_m, 2)), 1, 0.002);
 }

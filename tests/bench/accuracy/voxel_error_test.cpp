@@ -85,7 +85,8 @@ TEST_F(VoxelErrors, OfAPlaneInALatticePlaneAreNone) {
 }
 
 TEST_F(VoxelErrors, OfAPlaneThatIsOffAreItsWholeArea) {
-  // The offset is 1.2 voxels: 0.7 above the voxels' upper side, 1.2 above their centres.
+  // The reference plane is 1.2 voxels above the baked plane: 0.7 above the voxels' upper sides, 1.2 above their
+  // centres.
   const VoxelError near = error_of(level_square(10, 0.5), level_square(10, 1.7));
   EXPECT_EQ(near.missed, 1);
   EXPECT_EQ(near.missed_by_half, 1);
@@ -105,7 +106,7 @@ TEST_F(VoxelErrors, OfHalfAPlaneAreTheOtherHalf) {
   EXPECT_EQ(less.extra, 0);
   const VoxelError more = error_of(level_square(10, 0.5), level_square(5, 0.5));
   EXPECT_EQ(more.missed, 0);
-  // The voxels that touch the smaller square's rim are within the distance of the snap.
+  // Voxels that only touch the smaller square's rim are within the snap distance and do not count as extra.
   EXPECT_NEAR(more.extra, 1 - 22 * 22 / 1600.0, 0.01);
 }
 
@@ -158,7 +159,7 @@ TEST_F(VoxelErrors, OfAMirroredPlaneAreNone) {
 }
 
 TEST_F(VoxelErrors, OfCoarserVoxelsAreInTheirs) {
-  // The square is one voxel of twice the size above the lattice's corner, and a half.
+  // The square is three voxels above the lattice's corner, which is 1.5 voxels of twice the size.
   const VoxelError e = error_of(level_square(10, 3), level_square(10, 3), 2);
   EXPECT_EQ(e.voxels, 400u);
   EXPECT_EQ(e.missed + e.extra, 0);

@@ -5,7 +5,7 @@
 namespace gigabake::bench {
 namespace {
 
-/// Returns one setting, seen from three sides at one scale.
+/// Returns a bench with one setting: three views, from different directions at the given scale.
 AccuracyBench bench_at(const std::string& scale) {
   AccuracyBench bench;
   bench.backend = "cpu";

@@ -41,7 +41,8 @@ std::string unpacked(const std::string& packed) {
   return result == LIBDEFLATE_SUCCESS ? text : std::string();
 }
 
-/// Returns a tile's voxels and their neighbours, by position in the level, counted from the octree's lowest corner.
+/// Returns the voxels of a tile and of its padding by their position in the level. Positions start at the lowest corner
+/// of the octree.
 TileVoxels read_tile(const std::filesystem::path& glb, const Vec3i64& tile, std::int64_t edge) {
   TileVoxels voxels;
   const std::string bytes = unpacked(made::bytes_of(glb));
@@ -77,7 +78,7 @@ std::map<Vec3i64, TileVoxels> read_level(const std::filesystem::path& folder, st
   return tiles;
 }
 
-/// Returns the voxels of a level, each once: those inside of their tile.
+/// Returns the voxels of a level without the tiles' padding, so that each voxel occurs once.
 TileVoxels own_voxels(const std::filesystem::path& folder, std::size_t level, std::int64_t edge) {
   TileVoxels all;
   for (const auto& [tile, voxels] : read_level(folder, level, edge))
@@ -94,7 +95,7 @@ struct Tree {
         levels(root["implicitTiling"]["availableLevels"]),
         box(root["boundingVolume"]["box"]) {}
 
-  /// Returns the number of voxels of that size from the lattice's corner to the tree's corner.
+  /// Returns the position of the tree's corner on the lattice, in voxels of `voxel_m` metres.
   Vec3i64 corner(const SceneDescription& scene, double voxel_m) const {
     Vec3i64 at{};
     for (std::size_t c = 0; c < 3; ++c) at[c] = std::llround((box[c] - box[3] - scene.lattice_origin_m[c]) / voxel_m);
@@ -116,7 +117,7 @@ bool is_of(const TileVoxel& voxel, const made::VoxelBytes& shards, bool has_norm
   return voxel.rgba == shards.rgba && std::equal(normal.begin(), normal.end(), voxel.normal.begin());
 }
 
-/// Returns how often a voxel is adjacent to a tile of the cube other than its own.
+/// Returns the number of voxels in the padding of tiles. A voxel counts once per adjacent tile of the cube.
 std::size_t padding_of(const made::SceneVoxels& voxels, std::size_t level, std::int64_t edge) {
   const auto is_in_cube = [last = (std::int64_t(1) << level) - 1](const Vec3i64& tile) {
     return *std::min_element(tile.begin(), tile.end()) >= 0 && *std::max_element(tile.begin(), tile.end()) <= last;
@@ -174,7 +175,7 @@ TEST(VoxelTileset, NormalsEncodeToTheShardsTwoBytes) {
     double n[3];
     decode_octahedral(oct, n);
     std::int8_t expected[2], back[2];
-    encode_octahedral(n[0], n[1], n[2], expected);  // on the folds two codes are one direction
+    encode_octahedral(n[0], n[1], n[2], expected);  // on the folds of the octahedron two codes have one direction
     encode_octahedral((bytes[0] - 128) / 127.0, (bytes[1] - 128) / 127.0, (bytes[2] - 128) / 127.0, back);
     ASSERT_TRUE(back[0] == expected[0] && back[1] == expected[1]) << int(oct[0]) << ' ' << int(oct[1]);
   }
@@ -197,8 +198,8 @@ TEST(VoxelTileset, IsTheSameForAnyNumberOfThreads) {
   EXPECT_GT(files, 4u);
 }
 
-/// The tree's cube is tight for a scene of any size. It exceeds the scene's longest side by at most half, and by at
-/// most a seventh if tiles have at least 80 voxels. Two voxels of the root are added.
+/// The tree's cube contains a scene of any size. The cube is at most 1.5 times as wide as the scene's longest side,
+/// plus three voxels of the root.
 TEST(VoxelTileset, TheCubeFitsTheScene) {
   std::mt19937_64 rng(test::RandomSeed{});
   for (int round = 0; round < 2000; ++round) {

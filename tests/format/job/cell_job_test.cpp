@@ -82,7 +82,7 @@ TEST(CellReport, ComesBackFromItsBytes) {
   EXPECT_EQ(back.levels, report.levels);
 }
 
-// 2026-11-22: a byte that is no outcome was accepted from a journal or a rank.
+// 2026-11-22: a byte that is the code of no outcome was accepted from a journal or a rank.
 TEST(CellReport, IsRefusedWhereItsOutcomeIsUnknown) {
   constexpr std::size_t outcome_at = sizeof(CellReport::id);
   for (const CellOutcome outcome : values_of<CellOutcome>()) {

@@ -67,7 +67,7 @@ std::shared_ptr<const DemTile> random_dem(const std::shared_ptr<const DemRaster>
   return dem;
 }
 
-/// Returns sources in which neighbours mostly have the same folder and placement, as in a tileset.
+/// Returns sources in which adjacent tiles mostly have the same folder and placement, as in a tileset.
 SceneSources random_sources(Random& random, std::size_t tiles) {
   SceneSources s;
   s.root = random_name(random);
@@ -169,7 +169,7 @@ TEST(SourceBytes, ShareTheRastersAgain) {
   EXPECT_EQ(b.tiles[0].dem->raster, b.tiles[2].dem->raster);
 }
 
-/// A tile of a tileset takes only the bytes in which it differs from its neighbour.
+/// A tile takes only the bytes in which it differs from the previous tile of the list.
 TEST(SourceBytes, TakeLittleRoomForTilesOfOneFolder) {
   SceneSources s;
   TileRef tile;

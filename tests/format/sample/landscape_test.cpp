@@ -29,7 +29,7 @@ std::vector<Corner> vertices(const TerrainTile& t, const GlbMesh& mesh) {
   return out;
 }
 
-/// Returns the ground vertices of row or column `index` of the grid, as exact numbers.
+/// Returns east, north and up of the ground vertices of row or column `index` of the grid.
 std::vector<std::array<double, 3>> ground_line(const TerrainTile& t, bool column, int index) {
   const std::vector<Corner> all = vertices(t, t.model.meshes[0]);
   std::vector<std::array<double, 3>> line;

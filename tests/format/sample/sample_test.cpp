@@ -80,7 +80,7 @@ TEST(Sample, IsATilesetOnTheEarthWhoseTilesReplaceTheOverview) {
   EXPECT_EQ(open_sources(f.path / "local", {}).tiles.size(), 4u);
 }
 
-/// Returns a tile's box in the tileset: lowest, then highest east, north, up.
+/// Returns a tile's box in the tileset, in metres: minimum east, north and up, then maximum east, north and up.
 std::array<double, 6> box_of(const nlohmann::json& tile) {
   const std::vector<double> b = tile["boundingVolume"]["box"];
   return {b[0] - b[3], b[1] - b[7], b[2] - b[11], b[0] + b[3], b[1] + b[7], b[2] + b[11]};
@@ -132,7 +132,7 @@ void expect_inside(const std::array<double, 6>& inner, const std::array<double, 
   }
 }
 
-/// The edge has 17 tiles: one whole block, and three blocks at the rim that are one tile wide.
+/// The sample has 17 × 17 tiles: one block of 16 × 16 tiles, and three blocks at the rim that are one tile wide.
 TEST(Sample, PutsManyTilesIntoBlocksThatAreTilesetsOfTheirOwn) {
   const Folder f;
   SampleOptions o = small(2);
@@ -182,7 +182,7 @@ TEST(Sample, KeepsWhatHousesShowOnceForAllTiles) {
   EXPECT_GT(shared, 3u);
 }
 
-// 2026-11-25: a sample replaced an existing one without asking.
+// 2026-11-25: a sample replaced an existing sample without confirmation.
 TEST(Sample, RefusesAFolderThatHoldsASample) {
   const Folder f;
   const fs::path dir = f.path / "sample";

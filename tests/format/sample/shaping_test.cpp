@@ -15,7 +15,7 @@ TEST(Turn, IsSineAndCosineToTheLastDigitButOne) {
   for (int i = -72000; i <= 72000; ++i) {
     const double degrees = i * 0.01;
     const Turn t = turn_of(degrees);
-    // Our reduction to an octant is exact in degrees; the reference's reduction is not, except near zero.
+    // turn_of() reduces degrees to an octant exactly. The reference reduces radians, which is exact only near zero.
     const double tolerance = 3e-16 + std::fabs(degrees) * 4e-18;
     ASSERT_NEAR(t.sine, std::sin(degrees * pi / 180), tolerance) << degrees;
     ASSERT_NEAR(t.cosine, std::cos(degrees * pi / 180), tolerance) << degrees;

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using made::TempFolder;
 using Corner = Vec3i64;
 
-/// The limits of pages; they are so low that a few cells make three levels of pages.
+/// The limits of pages. They are low enough for a few cells to make three levels of pages.
 const PageRule few_cells_a_page{4, 2, 8};
 
 constexpr std::uint32_t cell_edge = 16, levels_a_tier = 2;
@@ -46,8 +46,8 @@ SceneCell listed_shard(std::mt19937_64& rng, const std::string& prefix, const Co
   return shard;
 }
 
-/// Returns stacks of cells that begin at multiples of 8, on both sides of the lattice's corner, and all their
-/// overviews.
+/// Returns a scene of cell stacks on both sides of the lattice's corner and all their overviews. A stack begins at a
+/// multiple of 8.
 SceneDescription scene_below_one_root(std::mt19937_64& rng) {
   SceneDescription scene;
   scene.generator = "gigabake test";
@@ -265,7 +265,8 @@ TEST(PagedOverviews, ThatAreMissingAreNamedByVerifyThoughTheScenesSumsAgree) {
   }
 }
 
-// 2026-11-25: verify found no fault, and viewers listed all cells to find the root's children.
+// 2026-11-25: if ParentTiers was missing, verify found no fault, and viewers listed all cells to find the root's
+// children.
 TEST(PagedOverviews, AreMissedByVerifyIfOverviewTiersIsRemoved) {
   const test::RandomSeed seed;
   const WrittenScene written(seed);

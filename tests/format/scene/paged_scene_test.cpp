@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using made::TempFolder;
 
-/// The limits of pages; they are so low that a few cells make two levels of pages.
+/// The limits of pages. They are low enough for a few cells to make two levels of pages.
 const PageRule small_pages{4, 2, 8};
 
 SceneCell random_cell(std::mt19937_64& rng, const Vec3i64& at) {
@@ -172,7 +172,7 @@ SceneCell write_random_overview(const fs::path& scene_xml, const SceneCell& cell
   return made::write_shard_of(scene_xml, made::with_content_hash(std::move(overview)));
 }
 
-/// The scene of several adjacent cells and an overview, with pages and without; the shards exist.
+/// A scene of adjacent cells and an overview, written once with pages and once without. Its shards exist.
 struct TwoForms {
   TwoForms(const TempFolder& folder, std::mt19937_64& rng) : flat(folder / "flat.xml"), paged(folder / "scene.xml") {
     scene = made::write_random_scene(flat, rng, true);
@@ -199,7 +199,7 @@ TEST(PagedScene, IsTheSameToEveryWalkerAsTheSceneWithoutPages) {
   EXPECT_EQ(opened.totals(), PagedScene(scene.flat).totals());
   EXPECT_EQ(stored_bytes(opened).of_lod, opened.totals().level_bytes);
   EXPECT_EQ(stored_bytes(opened).of_nodes, opened.totals().node_bytes);
-  // 2026-11-25: every level that `info` lists can be exported; the next coarser one is refused.
+  // Every level that `info` lists can be exported; the next coarser level is refused (fixed 2026-11-25).
   const int levels = static_cast<int>(opened.totals().level_bytes.size());
   EXPECT_NO_THROW(open_scene_level(scene.paged, levels - 1));
   EXPECT_THROW(open_scene_level(scene.paged, levels), InputError);
@@ -369,7 +369,7 @@ TEST(PagedScene, WhoseCellsOfTwoPagesOverlapOrHaveOneNameIsNotWhole) {
   SceneDescription scene;
   scene.voxel_size_m = 0.5;
   for (int i = 0; i < 6; ++i) scene.cells.push_back(random_cell(rng, {0, 0, 4 * i}));
-  // The cell crosses the border of two blocks of 32 voxels.
+  // Cell 1 crosses the border of two blocks of 32 voxels.
   scene.cells[1].lattice_min[2] = 56;
   scene.cells[2].lattice_min[2] = 64;
   scene.cells[5].name = scene.cells[0].name;

@@ -17,13 +17,14 @@ struct VoxelBytes {
   std::array<std::int8_t, 2> normal{};
   friend bool operator==(const VoxelBytes&, const VoxelBytes&) = default;
 };
-/// Voxels keyed by their position on the level's lattice, rounded down where the level is not aligned to it.
+/// Voxels by their position on the lattice of a level. If the level is not aligned to the lattice, positions are
+/// rounded down.
 using SceneVoxels = std::map<Vec3i64, VoxelBytes>;
 
-/// Returns one level, read voxel by voxel.
+/// Returns the voxels of level `lod`, each read separately.
 SceneVoxels voxels_of_scene(const std::filesystem::path& scene_xml, int lod);
 
-/// Writes a scene of several adjacent cells of random shards whose coarse levels are not aligned to blocks of 8³
+/// Writes a scene of adjacent cells with random voxels. The coarse levels of a cell are not aligned to blocks of 8³
 /// voxels.
 SceneDescription write_random_scene(const std::filesystem::path& scene_xml, std::mt19937_64& rng, bool normals);
 

@@ -48,7 +48,7 @@ TEST(Verify, FindsNothingWrongWithAWholeScene) {
   EXPECT_EQ(r.bytes, scene.cells[0].bytes + scene.cells[1].bytes);
 }
 
-/// Damages one byte of a stored chunk, which is found by the known content `held` of the dataset.
+/// Flips a bit of a stored chunk. The chunk is found by `held`, bytes of its content.
 void flip_byte_of(const std::filesystem::path& path, const std::string& held) {
   std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};

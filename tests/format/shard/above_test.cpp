@@ -75,7 +75,7 @@ TEST(Above, HashIsOfEveryByte) {
   }
 }
 
-/// Returns an overview of cells of 128: its own levels 0 and 1 are levels 5 and 6.
+/// Returns an overview of 512³ lod-0 voxels. Its levels 0 and 1 are levels 5 and 6 of the scene.
 Shard small_overview() {
   Shard overview = made::small_shard_with_planes();
   overview.header.first_lod = 5;

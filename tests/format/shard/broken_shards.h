@@ -1,4 +1,4 @@
-/// Changes to made::small_shard() that each break one rule, whether the shard is then read as a whole or part by part.
+/// Changes to made::small_shard(), each of which breaks one rule. Readers of whole shards and of parts must detect all.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 namespace gigabake::made {
 
 struct BrokenShard {
-  const char* rule;  ///< as the reader's message states it
+  const char* rule;  ///< text in the reader's message
   std::function<void(Shard&)> spoil;
 };
 

@@ -27,7 +27,7 @@ std::vector<Voxel> random_voxels(std::mt19937_64& rng, std::int64_t edge, int co
   return voxels;
 }
 
-/// Implements the contract of the header independently of the library.
+/// Returns the hash of a voxel by the contract in content_hash.h. Shares no code with the library.
 Hash128 contract(int lod, const Voxel& v) {
   unsigned char bytes[34];
   for (int i = 0; i < 4; ++i) bytes[i] = (unsigned char)(std::uint32_t(lod) >> (8 * i));

@@ -8,10 +8,10 @@
 namespace gigabake {
 namespace {
 
-/// The same scene in every version of the format, as committed when that version was introduced. The current reader
-/// reads all of them. GIGABAKE_WRITE_GOLDEN=1 writes the current version again.
+/// A version of the file format. The repository has the same scene in each version, as committed when the version was
+/// introduced. The current reader reads all of them. GIGABAKE_WRITE_GOLDEN=1 writes the current version again.
 struct Version {
-  std::string folder;  ///< of the shards' version, and from 2 on that of scene.xml
+  std::string folder;  ///< named after the version of the shards, and of scene.xml if it has one
   bool has_totals;
   bool has_planes = false, has_above = false, has_overview = false;
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t no_child = 0xffffffffu;
 
-/// Planes are stored only if normals are stored.
+/// Returns random directional coverage, with a random plane if the shape has normals.
 Facing random_facing(std::mt19937_64& rng, const ShardShape& shape) {
   Facing facing{};
   for (std::size_t a = 0; a < coverage_bytes; ++a) facing[a] = std::uint8_t(1 + rng() % 255);
@@ -61,7 +61,8 @@ void add_node(NodeTable& n, std::uint64_t key, int lod, NodeKind kind) {
   n.facing.push_back({});
 }
 
-/// Coarse levels get no leaf-constant nodes, because such a node covers too many voxels for a test.
+/// Returns a random type. On coarse levels a leaf-constant node would cover too many voxels for a test, so they get
+/// none.
 NodeKind random_kind(std::mt19937_64& rng, int lod, bool is_root) {
   const std::uint64_t dice = is_root ? 0 : rng() % 8;
   return dice == 7 && lod < 3 ? NodeKind::leaf_constant : dice == 6 ? NodeKind::constant : NodeKind::brick;

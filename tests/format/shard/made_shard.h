@@ -51,23 +51,24 @@ Shard small_shard();
 /// Returns small_shard() with directional coverage and planes, which exist from version 3 on.
 Shard small_shard_with_planes();
 
-/// Returns the data from which the levels above small_shard() are computed; stored from version 4 on.
+/// Returns a small downsample state for small_shard(). Shards store it from version 4 on.
 DownsampleState small_above();
 
-/// Returns an overview of levels 1 and 2 for small_shard(), whose finest level is a copy; supported from version 5 on.
+/// Returns an overview with levels 1 and 2 above small_shard(), the finer of which is marked as duplicated. Supported
+/// from version 5 on.
 Shard small_overview();
 
 /// Returns a cell of one leaf-constant root: two levels without bricks.
 Shard constant_shard();
 
-/// A voxel of a cell that has no levels above those that its edge requires. Each voxel occurs once.
+/// A lod-0 voxel for shard_of(). A list of voxels has at most one voxel per position.
 struct Voxel {
-  Vec3i64 at{};  ///< lod 0, lattice
+  Vec3i64 at{};  ///< position on the lattice of lod 0
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
 };
-/// Returns the shard of these voxels. Levels above the finest repeat the first voxel found below. Voxels outside of the
-/// window are left out.
+/// Returns the shard of these voxels, with levels up to a single brick. A coarse voxel repeats the first lod-0 voxel in
+/// it. Voxels outside of the cell are left out.
 Shard shard_of(const std::vector<Voxel>& voxels, Vec3i64 lattice_min, std::uint32_t cell_voxels);
 
 /// Writes the shard of a cell or an overview next to scene.xml, as a bake does, and returns its entry in scene.xml.

@@ -1,4 +1,4 @@
-// A shard of columns that were packed elsewhere is the same file as the shard of the voxels.
+// A shard written from packed columns is the same file as a shard written from voxels.
 #include "format/shard/packed_shard.h"
 
 #include <algorithm>
@@ -100,7 +100,7 @@ void expect_same_file(const Shard& shard, PackedByHand::As as, Codec codec) {
   const StoredShard voxels = write_shard(folder / "voxels.h5", shard, {pool, codec}),
                     packed = write_packed_shard(folder / "packed.h5", by_hand.packed, {pool, codec});
   EXPECT_TRUE(made::bytes_of(folder / "voxels.h5") == made::bytes_of(folder / "packed.h5"));
-  constexpr std::uint64_t no_memory = 0;  // for the file
+  constexpr std::uint64_t no_memory = 0;  // the file is not built in memory first
   write_packed_shard(folder / "as it goes.h5", by_hand.packed, {pool, codec, no_memory});
   EXPECT_TRUE(made::bytes_of(folder / "voxels.h5") == made::bytes_of(folder / "as it goes.h5"));
   EXPECT_EQ(voxels.file, packed.file);
@@ -217,7 +217,7 @@ TEST(PackedShard, OfLevelsWithoutBricksIsTheFileOfItsVoxelsToo) {
   expect_same_file(made::constant_shard(), PackedByHand::As::stored, Codec::deflate);
 }
 
-/// The rows that a packer makes are those that the file's layout requires.
+/// Expects the rows of a packer to have the sizes and byte planes that the file's layout requires.
 TEST(PackedShard, HasRowsAsItsColumnsAre) {
   const auto expect_row = [](const Hdf5Column& column, const RowShape& row) {
     EXPECT_EQ(column.row_bytes(), row.bytes) << column.name;

@@ -1,5 +1,5 @@
-// Parts of damaged shards, and of invalid shards with correct checksums: an error, or an answer that keeps the
-// contract.
+// Reads parts of damaged shards, and of invalid shards with correct checksums. The result is an error, or an answer
+// that satisfies the contract.
 #include <bit>
 #include <gtest/gtest.h>
 #include <random>

@@ -15,7 +15,7 @@ namespace {
 
 using made::TempFolder;
 
-/// Returns a difference between rows from `first` on and the same rows of the table; empty if there is none.
+/// Returns the first difference between `rows` and the rows of the table from `first` on, or an empty string.
 std::string difference(const std::vector<NodeRow>& rows, const NodeTable& n, std::size_t first) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const NodeRow& row = rows[i];

@@ -21,7 +21,7 @@ struct Made {
 Made made_bricks(std::mt19937_64& rng, std::size_t bricks, std::size_t width) {
   Made made;
   for (std::size_t b = 0; b < bricks; ++b) {
-    const unsigned shift = unsigned(rng() % 4);  // log2 of the number of equal places
+    const unsigned shift = unsigned(rng() % 4);  // log2 of the edge of cubes of equal values
     std::map<unsigned, std::uint8_t> value;
     std::uint64_t voxels = 0;
     for (unsigned z = 0; z < 8; ++z) {
@@ -56,7 +56,7 @@ std::vector<std::uint8_t> spread(const Made& made, const Stored& shared, std::si
   return out;
 }
 
-/// Shares values; collects them in pieces of `piece` values each.
+/// Deduplicates the values, and collects the remaining values in pieces of `piece` values.
 Stored share(const Made& made, std::size_t width, int threads, std::size_t piece = 1u << 30) {
   const ThreadPool pool = ThreadPool(threads);
   const VoxelGroups groups = group_voxels(made.mask, made.first, pool);
@@ -67,7 +67,7 @@ Stored share(const Made& made, std::size_t width, int threads, std::size_t piece
   return out;
 }
 
-/// Returns the number of values of a brick: as many as spread_values() takes.
+/// Returns the number of values that spread_values() requires for a brick.
 std::size_t count_values(const std::uint64_t* mask, const std::uint8_t* share) {
   std::array<std::uint8_t, brick_voxels> out;
   std::size_t values = 1;

@@ -1,5 +1,5 @@
-// Compressed glTF equals the same models uncompressed, from the shared data; unsupported data is refused with a clear
-// message.
+// Compressed glTF models of the shared data equal the same models uncompressed. Unsupported data is refused with a
+// clear message.
 #include "format/source/image/codecs.h"
 
 #include <cmath>
@@ -40,7 +40,7 @@ std::vector<Point<Scene>> corners(const TileMesh& mesh) {
   return out;
 }
 
-/// Returns the max distance from a point of `a` to the nearest point of `b`; both have some thousands.
+/// Returns the max distance from a point of `a` to the nearest point of `b`. Each list has a few thousand points.
 double distance_m(const std::vector<Point<Scene>>& a, const std::vector<Point<Scene>>& b) {
   double max_distance = 0;
   for (const auto& p : a) {
@@ -121,7 +121,8 @@ TEST(Codecs, KtxIsRefusedByNameWithWhatToDo) {
   EXPECT_THAT(refusal(g), HasSubstr("convert the images"));
 }
 
-/// Returns a meshopt view of 16-byte items with the square's unpacked bytes, which are invalid for meshopt.
+/// Returns the square with a meshopt view of 12-byte items. The view has uncompressed bytes, which are invalid for
+/// meshopt.
 Json packed_square() {
   Json g = test::square_gltf();
   g["buffers"].push_back({{"byteLength", 48}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}});

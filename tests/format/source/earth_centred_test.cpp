@@ -36,14 +36,14 @@ std::array<double, 3> centre_m(const Geodetic& g = house_place) {
   return {p.x, p.y, p.z};
 }
 
-/// Returns the square of square_gltf(), upright at the place: 1 m east and 1 m up. Its node turns z up to y up, because
-/// the reader of a tileset turns it back.
+/// Returns square_gltf(), placed upright at `house_place`: 1 m wide to the east and 1 m high. Its node converts z-up to
+/// y-up, because the tileset reader converts back.
 Json standing_square(bool with_position) {
   Affine<World, World> y_up;
   y_up.m = {{{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}}};
   Affine<World, World> enu, upright;
   enu.m = ecef_from_enu(house_place).m;
-  upright.m = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};  // the node has turned the file's z up
+  upright.m = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};  // identity: the square's z is its height
   if (!with_position)
     for (auto& row : enu.m) row[3] = 0;
   const auto m = (y_up * enu * upright).m;
@@ -73,7 +73,7 @@ void expect_standing_square(const SceneSources& s) {
   EXPECT_NEAR(s.origin->height_m, house_place.height_m, 1.5);
   const std::vector<Point<Scene>> v = vertices(s);
   const auto edge = [&](std::size_t i) { return Point<Scene>{v[i].x - v[0].x, v[i].y - v[0].y, v[i].z - v[0].z}; };
-  EXPECT_NEAR(edge(1).x, 1, 1e-6);  // a millionth: east at the place and at the origin differ
+  EXPECT_NEAR(edge(1).x, 1, 1e-6);  // to 1e-6 m: east at the place and at the origin differ
   EXPECT_NEAR(edge(1).z, 0, 1e-6);
   EXPECT_NEAR(edge(3).x, 0, 1e-6);
   EXPECT_NEAR(edge(3).z, 1, 1e-6);
@@ -114,7 +114,7 @@ TEST_F(EarthCentred, ATileStandsUprightHoweverItSaysWhereItIs) {
   EXPECT_EQ(open("").tiles.size(), 3u);
 }
 
-/// 2026-11-22: such a tile was baked tilted, in a local frame, without a warning.
+/// 2026-11-22: a tile with earth-centred coordinates was baked tilted, in a local frame, without a warning.
 TEST_F(EarthCentred, ATileAloneIsWhereItsTilesetPutsIt) {
   write_tile("a.b3dm");
   Json root = test::tile("a.b3dm");
@@ -185,7 +185,7 @@ TEST_F(EarthCentred, InASceneATileWithoutAPlaceStaysWhereItIs) {
   EXPECT_NEAR(std::hypot(a.x - b.x, a.y - b.y, a.z - b.z), 0, 1e-6);
 }
 
-/// Returns a square of 100 m whose first corner is (x, y, z).
+/// Returns an OBJ with a triangle whose first corner is (x, y, z) and which is 100 m wide along x and y.
 std::string square_at(double x, double y, double z) {
   return fmt::format("v {0} {1} {2}\nv {3} {1} {2}\nv {3} {4} {2}\nf 1 2 3\n", x, y, z, x + 100, y + 100);
 }

@@ -20,7 +20,7 @@ class GlbChunks : public testing::Test {
     std::memcpy(&json_bytes, &glb[12], sizeof json_bytes);
   }
   void put(std::size_t at, std::uint32_t word) { std::memcpy(&glb[at], &word, sizeof word); }
-  /// Changes the file's length, and the length that the header states.
+  /// Changes the file's length in bytes, and the length in the header.
   void resize(std::size_t bytes) {
     glb.resize(bytes);
     put(8, std::uint32_t(bytes));

@@ -57,7 +57,7 @@ bool keep_nothing(tinygltf::Image*, const int, std::string*, std::string*, int, 
   return true;
 }
 
-/// Returns what tinygltf parses.
+/// Returns the model that tinygltf's own parser reads.
 tinygltf::Model parsed(const std::string& text) {
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(keep_nothing, nullptr);
@@ -126,7 +126,7 @@ TEST(GltfModel, EqualsTheModelThatTinygltfParses) {
   for (std::size_t i = 0; i < a.materials.size(); ++i) expect_equal(a.materials[i], b.materials[i]);
 }
 
-/// tinygltf drops such a primitive, so that the numbers of all later ones would be too small in messages.
+/// tinygltf drops a primitive without attributes. The indices of later primitives in messages would then be too small.
 TEST(GltfModel, KeepsAPrimitiveWithoutAttributes) {
   const tinygltf::Model model =
       model_of(Json::parse(R"({"meshes": [{"primitives": [{"material": 1}, {"attributes": {"POSITION": 3}}]}]})"));
@@ -149,7 +149,7 @@ TEST(GltfModel, AnIndexThatIsNoneNamesNothing) {
   EXPECT_EQ(gloss.Get("diffuseTexture").Get("index").GetNumberAsInt(), max_int);
 }
 
-/// tinygltf cuts such numbers to 32 bits.
+/// tinygltf truncates integers in extensions to 32 bits.
 TEST(GltfModel, ALargeWholeNumberOfAnExtensionKeepsItsValue) {
   const tinygltf::Model model =
       model_of(Json::parse(R"({"textures": [{"extensions": {"EXT_texture_webp": {"source": 4294967296}}}]})"));

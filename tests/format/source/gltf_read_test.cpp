@@ -81,7 +81,7 @@ TEST(GltfRead, ExpandsStripsAndFansAndCountsPointsAndLines) {
 
 TEST(GltfRead, PutsSparseValuesInPlaceOfDenseOnes) {
   Json g = square_gltf();
-  // Vertex 3 gets the position of vertex 2. The indices are the buffer's own 16-bit numbers (3 is the fifth).
+  // Vertex 3 gets the position of vertex 2. The sparse index 3 is the fifth of the buffer's 16-bit indices.
   g["accessors"][0]["sparse"] = {{"count", 1},
                                  {"indices", {{"bufferView", 1}, {"byteOffset", 8}, {"componentType", 5123}}},
                                  {"values", {{"bufferView", 0}, {"byteOffset", 24}}}};
@@ -121,7 +121,7 @@ TEST(GltfRead, PlacesGpuInstancesWithoutCopiesOfTheMesh) {
 
 TEST(GltfRead, RefusesPlacementsFromNowhere) {
   Json g = square_gltf();
-  g["accessors"].push_back({{"componentType", 5126}, {"count", 1 << 24}, {"type", "VEC3"}});  // zeros, no bytes
+  g["accessors"].push_back({{"componentType", 5126}, {"count", 1 << 24}, {"type", "VEC3"}});  // no buffer: zeros
   Json node{{"mesh", 0}};
   node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", 2}};
   g["nodes"] = Json::array({{{"mesh", 0}}, node});
@@ -171,7 +171,7 @@ TEST(GltfRead, NamesWhatIsWrongAndWhere) {
   EXPECT_THAT(gltf_refusal(g), HasSubstr("buffers[0].byteLength"));
 }
 
-/// Returns why a square is refused whose member at `at` has the given value.
+/// Returns the error message for a square in which the member at `at` has the given value.
 std::string refusal_with(const char* at, const char* value) {
   Json g = square_gltf();
   g[Json::json_pointer(at)] = Json::parse(value);

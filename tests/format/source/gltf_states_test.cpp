@@ -21,7 +21,7 @@ using testing::HasSubstr;
 constexpr const char* png_base64 =
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGM4kWIEAANWAV/oF4RSAAAAAElFTkSuQmCC";
 
-/// Returns a square with texture coordinates (its positions' own x and y), and the material `m`.
+/// Returns a square with the material `m`. Its texture coordinates are x and y of its positions.
 Json textured(const Json& m) {
   Json g = test::square_gltf();
   g["accessors"].push_back({{"bufferView", 0}, {"componentType", 5126}, {"count", 4}, {"type", "VEC2"}});
@@ -57,7 +57,7 @@ struct Opened {
   }
 };
 
-// 2026-11-25: every media type but six was "missing", and a parameter made the whole URI a file name.
+// 2026-11-25: data URIs with all but six media types were refused as missing, and URIs with parameters as file names.
 TEST(DataUri, MayHaveAnyMediaTypeAndParameters) {
   const auto bytes = [](const char* uri) {
     const auto v = data_uri_bytes("a.gltf", "uri", uri);
@@ -132,9 +132,9 @@ TEST(GltfStates, WrapModesOfOpenGlAreReadAsClampAndReported) {
   EXPECT_EQ(Opened(g).mesh.materials.at(0).texture.wrap_s, Wrap::repeat);
 }
 
-/// The direction of the Khronos sample viewer, Babylon and Blender: +22.5° of the arrow in TextureTransformTest. A
-/// quarter turn takes the image's right, (1, 0), to its top, (0, -1), and its bottom, (0, 1), to its right.
-// 2026-11-25: it turned the other way.
+/// A positive rotation is counter-clockwise, as in the Khronos sample viewer, Babylon and Blender for the arrow of
+/// +22.5° in TextureTransformTest. A quarter turn maps the image's right, (1, 0), to its top, (0, -1), and its bottom,
+/// (0, 1), to its right.
 TEST(GltfStates, TextureTransformsTurnCoordinatesCounterClockwiseOnTheImage) {
   Json m = base_texture();
   m["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] = {
@@ -168,7 +168,7 @@ Json technique(const Json& values) {
   return {{"name", "roof"}, {"extensions", {{"KHR_techniques_webgl", {{"technique", 0}, {"values", values}}}}}};
 }
 
-// 2026-11-25: such materials were white.
+// 2026-11-25: materials of KHR_techniques_webgl were white.
 TEST(GltfStates, TechniquesGiveTheirDiffuseColourOrAreRefused) {
   const Opened textured_one(textured(technique({{"u_diffuse", {{"index", 0}, {"texCoord", 0}}}})));
   EXPECT_EQ(textured_one.mesh.materials.at(0).texture.image, 0);
@@ -191,7 +191,7 @@ TEST(GltfStates, MaterialsOfUnknownExtensionsAreReported) {
   EXPECT_THAT(made.warnings(), HasSubstr("describes, taken as white: 1, e.g. 'glass' (VENDOR_paint)"));
 }
 
-// 2026-11-25: unlit materials of before 2018 were black.
+// 2026-11-25: unlit materials from before 2018, which only emit light, were black.
 TEST(GltfStates, BlackMaterialsThatEmitLightHaveItsColour) {
   Json m{{"emissiveFactor", {1, 0.5, 0.25}},
          {"emissiveTexture", {{"index", 0}}},

@@ -18,7 +18,7 @@ TEST(RepairedJson, LeavesValidTextAlone) {
     EXPECT_EQ(repaired(text), "unchanged") << text;
 }
 
-/// 2026-11-25: one damaged name made the whole file unreadable.
+/// 2026-11-25: one name with an invalid character made the whole file unreadable.
 TEST(RepairedJson, ReplacesLoneSurrogatesAndInvalidBytes) {
   const std::string other = "\xef\xbf\xbd";
   EXPECT_EQ(repaired(R"("a\ud800b")"), R"("a\ufffdb")");

@@ -1,4 +1,4 @@
-/// A GLB for a test: its lists go into the binary chunk, and the test may change its document.
+/// A GLB for a test. add() writes a list into the binary chunk, and the test may change the JSON document.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ namespace gigabake::test {
 
 class MadeGlb {
  public:
-  /// Adds an accessor of the values, `width` per item, and returns its index. Parameter stride: 0, or bytes from one
-  /// item to the next, with random bytes between them.
+  /// Adds an accessor of the values, with `width` values per item, and returns its index. If `stride` is not 0, items
+  /// are `stride` bytes apart, with random bytes in between.
   template <class T>
   int add(const std::vector<T>& values, int width, int component, bool normalized = false, std::size_t stride = 0) {
     const std::size_t item = sizeof(T) * std::size_t(width), items = values.size() / std::size_t(width);
@@ -54,7 +54,7 @@ class MadeGlb {
     return out;
   }
 
-  /// Returns the document whose only buffer is the file `uri`, which should contain `bin`.
+  /// Returns the document with the file `uri` as its only buffer. The file should contain `bin`.
   Json gltf_of(const std::string& uri) const {
     Json whole = gltf;
     whole["buffers"] = Json::array({{{"byteLength", bin.size()}, {"uri", uri}}});

@@ -116,7 +116,7 @@ TEST(TilesOfATileset, AreReadAsAStream) {
   const Folder folder;
   folder.file("a.glb", "glTF");
   const Path file = folder.file("t.json", text + "]}}");
-  const Limit limit(12 << 20);  // half of the memory of the JSON's values
+  const Limit limit(12 << 20);  // half of the memory that all JSON values would take
   const SceneSources sources = open_sources(file, {});
   EXPECT_EQ(sources.tiles.size(), std::size_t(tiles));
   EXPECT_EQ(sources.tiles.back().scene_from_tile.m[2][3], 7);
@@ -152,12 +152,12 @@ TEST(TilesOfATileset, AreNamedWhereTheyAreMalformed) {
   const Path file =
       folder.file("t.json", R"({"asset":{"version":"1.0"},"root":{"children":[{},{"children":[{"refine":"MUL"}]}]}})");
   const std::vector<SkippedSource> lost = open_sources(file, {}).skipped;
-  ASSERT_EQ(lost.size(), 1u);  // 2026-11-25: only a malformed tile is missing, not the tileset
+  ASSERT_EQ(lost.size(), 1u);  // 2026-11-25: only the malformed tile is missing, not the tileset
   EXPECT_EQ(lost[0].name, "t.json: root.children[1].children[0]");
   EXPECT_TRUE(lost[0].reason.ends_with("refine: expected ADD or REPLACE, got 'MUL'")) << lost[0].reason;
   const Path other = folder.file("u.json", R"({"asset":{"version":"1.0"},"root":{"children":[7]}})");
   const std::vector<SkippedSource> no_tile = open_sources(other, {}).skipped;
-  ASSERT_EQ(no_tile.size(), 1u);  // 2026-11-25: an entry that is no tile costs itself
+  ASSERT_EQ(no_tile.size(), 1u);  // 2026-11-25: only the entry that is no tile is missing
   EXPECT_EQ(no_tile[0].name, "u.json: root.children");
   EXPECT_EQ(no_tile[0].reason, "expected tiles, which are JSON objects");
   EXPECT_EQ(line_of(R"("root":[])"), "t.json: root: expected a JSON object");

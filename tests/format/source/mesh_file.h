@@ -10,7 +10,7 @@
 
 namespace gigabake::test {
 
-/// A fixture. name: the file's name, whose extension selects the format.
+/// A fixture for one mesh file. The extension of its name selects the format.
 class MeshFile : public testing::Test {
  protected:
   explicit MeshFile(std::string name) : name_(std::move(name)) {}

@@ -77,7 +77,7 @@ TEST_F(Obj, ReadsMaterialsAndTheirImages) {
   EXPECT_NE(tile_hash(sources.tiles[0], sources.root), identity.hash);
 }
 
-/// 2026-11-22: the whole file was refused.
+/// 2026-11-22: a file was refused if its material file was missing.
 TEST_F(Obj, IsGreyWithAWarningWhereItsMaterialFileIsMissing) {
   const TileMesh mesh = read("mtllib gone.mtl\n" + square + "usemtl a\nf 1 2 3\n");
   EXPECT_THAT(mesh.warnings, ElementsAre(Field(&SourceWarning::example, "'gone.mtl'")));
@@ -92,7 +92,7 @@ TEST_F(Obj, IsGreyWithAWarningWhereItsMaterialFileIsMissing) {
 
 TEST_F(Obj, SaysWhatItIsNot) { EXPECT_THAT(refusal(std::string("v\0 1", 4)), HasSubstr("expected text")); }
 
-/// 2026-11-25: one bad face refused the whole file.
+/// 2026-11-25: a file was refused because of one bad face.
 TEST_F(Obj, LeavesOutOneBadFace) {
   const auto expect = [&](const std::string& bad, const std::string& line) {
     const TileMesh mesh = read(square + bad + "\nf 1 2 3\n");
@@ -111,7 +111,7 @@ TEST_F(Obj, LeavesOutOneBadFace) {
          "material files are missing, their materials are grey: 1, e.g. '../../../etc/passwd'");
 }
 
-/// 2026-11-25: such a face refused the whole file.
+/// 2026-11-25: a file was refused because of a face with one or two corners.
 TEST_F(Obj, CountsFacesOfOneAndTwoCorners) {
   const TileMesh mesh = read(square + "f 1\nf 1 2\nf 1 2 3 # a comment\nfo 1 3 4\nl 1 2 3 # three\n");
   EXPECT_EQ(mesh.counts.triangles, 2u);
@@ -134,7 +134,7 @@ TEST_F(Obj, ReadsOtherLineEndsAndAByteOrderMark) {
   }
 }
 
-/// 2026-11-25: texture coordinates or colours that some faces lack were used for no face.
+/// 2026-11-25: if some faces had no texture coordinates or colours, no face used any.
 TEST_F(Obj, UsesWhatAFaceHas) {
   folder.write("m.mtl", std::string("newmtl a\nmap_Kd t.png\n"));
   folder.write("t.png", png_head);
@@ -184,7 +184,7 @@ TEST_F(Obj, ReadsMaterialsAsExportersWriteThem) {
   EXPECT_EQ(placed.materials.at(0).texture.wrap_s, Wrap::clamp_to_edge);
 }
 
-/// 2026-11-25: a missing image refused the whole file. Materials that no file describes were white without a warning.
+/// 2026-11-25: a file was refused because of a missing image. Undefined materials were white without a warning.
 TEST_F(Obj, IsGreyWithAWarningWhereItsImageIsMissing) {
   folder.write("m.mtl", std::string("newmtl a\nmap_Kd missing.png\nnewmtl b\nmap_Kd text.tga\n"));
   folder.write("text.tga", std::string("no image"));
@@ -198,7 +198,8 @@ TEST_F(Obj, IsGreyWithAWarningWhereItsImageIsMissing) {
   EXPECT_EQ(mesh.materials.at(2).base_color[0], 1);
 }
 
-/// 2026-11-25: an unused vertex, or one far triangle, moved the origin of all others, or made them disappear.
+/// 2026-11-25: an unused vertex or one far triangle moved the origin. The other triangles then lost precision or
+/// disappeared.
 TEST_F(Obj, KeepsItsPrecisionWhateverElseTheFileHas) {
   const std::string utm = "v 447000.123 5412000.457 812.25\nv 447010.124 5412000 812\nv 447000 5412010 812\n";
   for (const char* other : {"v 0 0 0\n", "v 1e9 1e9 1e9\n", "v nan 0 0\n", "v 460000 5400000 0\n"}) {

@@ -9,7 +9,7 @@
 namespace gigabake::test {
 namespace {
 
-/// Returns the expected part of a whole list, computed in the simplest way.
+/// Returns the expected part: `triangles` triangles of the whole list from `first` on, with only the vertices they use.
 Primitive expected_part(const Primitive& whole, std::size_t first, std::size_t triangles) {
   Primitive out;
   const std::vector<std::uint32_t> corners(whole.index.begin() + std::ptrdiff_t(3 * first),

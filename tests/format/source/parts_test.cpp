@@ -1,4 +1,4 @@
-// Large files that are passed on in parts have the same triangles as in one piece.
+// Large files that are read in parts have the same triangles as the files read whole.
 #include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -120,7 +120,7 @@ TEST_F(InParts, TrianglesWithoutIndices) {
   EXPECT_EQ(parts_of(made), 2u);
 }
 
-/// A strip reverses every other triangle, in any part.
+/// Every other triangle of a strip is reversed, also if the strip continues in another part.
 TEST_F(InParts, StripsAndFans) {
   std::vector<std::uint32_t> order = numbers<std::uint32_t>(max_part_triangles + 8, 11);
   for (std::uint32_t& v : order) v %= 1000;
@@ -247,7 +247,7 @@ TEST_F(InParts, AStrideOfZeroIsNone) {
   EXPECT_THAT(refusal(), HasSubstr("accessors[0]: 6 items from byte 0 exceed a buffer view of 36 bytes"));
 }
 
-/// 2026-11-23: the same happened for sparse values in a view with a stride, which is invalid for them.
+/// 2026-11-23: sparse values in a view with a stride were read beyond the view. Sparse values must not have a stride.
 TEST_F(InParts, SparseValuesHaveNoSpacing) {
   MadeGlb made;
   const int position = made.add(numbers<float>(9, 20), 3, of_floats),

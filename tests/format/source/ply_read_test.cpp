@@ -104,7 +104,7 @@ TEST_F(PlyMesh, ComesInPartsThatAreSmallWhereMemoryIsSmall) {
 TEST_F(PlyMesh, ReadsBothByteOrdersEveryTypeAndWhatItDoesNotKnow) {
   for (const bool is_big : {false, true}) {
     Body body(is_big);
-    body.put<std::uint16_t>({7}).put<std::int8_t>({2}).put<double>({1.5, 2.5});  // an element of another program
+    body.put<std::uint16_t>({7}).put<std::int8_t>({2}).put<double>({1.5, 2.5});  // an element that gigabake ignores
     for (const float x : {0.f, 1.f, 2.f}) {
       body.put<float>({0.5f}).put<double>({x}).put<std::int16_t>({-3}).put<std::uint32_t>({x == 1 ? 4u : 0u});
       body.put<std::uint8_t>({255, 128, 0, 51});
@@ -223,7 +223,7 @@ TEST_F(PlyMesh, SaysTheByteWhereABinaryFileIsWrong) {
   EXPECT_THAT(refusal(header + body.text.substr(0, 45)), HasSubstr("fits in the file"));
 }
 
-/// 2026-11-25: one wrong index refused the whole file.
+/// 2026-11-25: a file was refused because of one wrong index.
 TEST_F(PlyMesh, LeavesOutOneBadFace) {
   const TileMesh mesh = read(ascii("4", "3", square + "3 0 1 4\n3 0 1 2\n3 0 1 -1\n"));
   EXPECT_EQ(mesh.counts.triangles, 1u);
@@ -245,7 +245,7 @@ TEST_F(PlyMesh, ReadsColoursOfFaces) {
   }
 }
 
-/// 2026-11-25: a mesh whose vertices all have alpha 0, as programs without alpha write it, was invisible.
+/// 2026-11-25: a mesh whose vertices all have alpha 0 was invisible. Programs without support for alpha write zeros.
 TEST_F(PlyMesh, IsOpaqueIfAlphaIsZeroEverywhere) {
   const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\n" + xyz +
                            "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
@@ -278,7 +278,7 @@ TEST_F(PlyMesh, ReadsOtherSpellings) {
   }
 }
 
-/// 2026-11-25: one vertex far away moved the origin of all others, or made the mesh disappear.
+/// 2026-11-25: one far vertex moved the origin. The other vertices then lost precision, or the mesh disappeared.
 TEST_F(PlyMesh, KeepsItsPrecisionWithOneFarVertex) {
   for (const char* far : {"0 0 0", "1e9 1e9 1e9", "1e300 0 0"}) {
     const TileMesh mesh = read(

@@ -1,4 +1,4 @@
-/// PNGs of every format, compared with the codes that their bytes state; no other decoder is the reference.
+/// Compares decoded PNGs of every format with the codes in their bytes. No other decoder is the reference.
 #include <cstring>
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -31,7 +31,7 @@ struct PngKind {
   std::vector<std::pair<std::string, Bytes>> chunks = {};  ///< between IHDR and IDAT
 };
 
-/// Returns a PNG file. rows: each begins with its filter byte.
+/// Returns a PNG file. Each row of `rows` begins with its filter byte.
 EncodedImage png_of(const PngKind& kind, const Bytes& rows) {
   Bytes out{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'}, head;
   put_word(head, kind.width), put_word(head, kind.height);
@@ -47,7 +47,7 @@ EncodedImage png_of(const PngKind& kind, const Bytes& rows) {
   return {"a.png", out};
 }
 
-/// Returns the texels that both readers give; they must be equal.
+/// Returns the texels of the image. Fails the test if the two readers differ.
 Bytes texels_of(const EncodedImage& encoded) {
   const Image whole = decode_image(encoded);
   if (const auto rows = ImageRows::open(encoded)) {
@@ -58,8 +58,8 @@ Bytes texels_of(const EncodedImage& encoded) {
   return whole.rgba;
 }
 
-/// Returns colour space chunks: gAMA states linear, cHRM another white, and iCCP is no profile. A reader that uses or
-/// refuses one of them fails the test.
+/// Returns colour space chunks that a reader must neither use nor refuse: gAMA states linear light, cHRM the primaries
+/// of BT.2020. The chunks iCCP and sRGB are invalid.
 std::vector<std::pair<std::string, Bytes>> colour_space_chunks() {
   Bytes gamma, primaries;
   put_word(gamma, 100000);
@@ -67,7 +67,7 @@ std::vector<std::pair<std::string, Bytes>> colour_space_chunks() {
   return {{"gAMA", gamma}, {"cHRM", primaries}, {"iCCP", {'x', 0, 0, 1, 2, 3}}, {"sRGB", {9}}};
 }
 
-// 2026-11-25: a file with gAMA 100000 turned 200 100 50 into 228 167 122, and so did 16 bits without any chunk.
+// 2026-11-25: a file with gAMA 100000 turned 200 100 50 into 228 167 122, and so did a 16-bit file without any chunk.
 TEST(PngReader, TakesCodesAsSrgbWhateverTheFileSaysOfItsColourSpace) {
   const PngKind plain{2, 1, 8, 2}, managed{2, 1, 8, 2, false, colour_space_chunks()};
   const Bytes rows{0, 200, 100, 50, 0, 128, 255}, expected{200, 100, 50, 255, 0, 128, 255, 255};
@@ -79,7 +79,7 @@ TEST(PngReader, ScalesSixteenBitsToTheNearestOfEight) {
   for (const bool is_managed : {false, true}) {
     PngKind kind{1, 1, 16, 6};
     if (is_managed) kind.chunks = colour_space_chunks();
-    // The values are 200 · 257 and a little more, 100 · 257 - 128, 50 · 257 + 129; alpha 32896 is 128.
+    // The values are 200 · 257 + 1, 100 · 257 - 128 and 50 · 257 + 129; alpha 32896 is 128 · 257.
     const Bytes rows{0, 0xc8, 0xc9, 0x63, 0xe4, 0x32, 0xb3, 0x80, 0x80};
     EXPECT_EQ(texels_of(png_of(kind, rows)), (Bytes{200, 100, 51, 128}));
   }
@@ -105,7 +105,7 @@ TEST(PngReader, ExpandsGreyOfEveryDepth) {
 TEST(PngReader, TakesTransparentPaletteEntriesAndColours) {
   const PngKind palette{2, 1, 8, 3, false, {{"PLTE", {1, 2, 3, 200, 100, 50}}, {"tRNS", {255, 40}}}};
   EXPECT_EQ(texels_of(png_of(palette, {0, 1, 0})), (Bytes{200, 100, 50, 40, 1, 2, 3, 255}));
-  const PngKind key{2, 1, 16, 2, false, {{"tRNS", {1, 2, 3, 4, 5, 6}}}};  // only if all 16 bits agree
+  const PngKind key{2, 1, 16, 2, false, {{"tRNS", {1, 2, 3, 4, 5, 6}}}};  // transparent only if all 16 bits agree
   EXPECT_EQ(texels_of(png_of(key, {0, 1, 2, 3, 4, 5, 6, 1, 3, 3, 4, 5, 6})), (Bytes{1, 3, 5, 0, 1, 3, 5, 255}));
 }
 

@@ -23,7 +23,7 @@ double area(const PolygonCorners& p, const std::vector<std::uint32_t>& index) {
   return sum;
 }
 
-/// The area of a star around a point is the area of the fan from that point, which sees the whole border.
+/// The whole border of a star is visible from its centre. The star therefore has the area of the fan around the centre.
 TEST(Polygon, TrianglesOfAStarHaveItsAreaWhichOverlapsWouldExceed) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
@@ -94,7 +94,7 @@ TEST(Polygon, HasTheAreaOfASpiral) {
   expect_area(spiral, expected, "spiral");
 }
 
-/// 2026-11-25: the rest of a polygon with a spike was a fan over its outside.
+/// 2026-11-25: the rest of a polygon after a spike was triangulated as a fan that covered its outside.
 TEST(Polygon, KeepsItsAreaWithSpikesRepeatedCornersHolesAndStraightLines) {
   expect_area({{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {6, 2, 0}, {4, 2, 0}, {4, 4, 0}, {0, 4, 0}}, 16, "spike outwards");
   expect_area({{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {2, 2, 0}, {4, 2, 0}, {4, 4, 0}, {0, 4, 0}}, 16, "spike inwards");
@@ -115,7 +115,7 @@ TEST(Polygon, KeepsItsAreaWithSpikesRepeatedCornersHolesAndStraightLines) {
   expect_area(notched, 10, "straight lines");
 }
 
-/// 2026-11-25: columns of a few heights have many collinear corners.
+/// 2026-11-25: a histogram with few distinct heights has many collinear corners.
 TEST(Polygon, HasTheAreaOfAHistogram) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
@@ -132,7 +132,8 @@ TEST(Polygon, HasTheAreaOfAHistogram) {
   }
 }
 
-/// 2026-11-25: no result is correct for a polygon that crosses itself. The function ends soon, with as many triangles.
+/// 2026-11-25: no triangulation of a polygon that crosses itself is correct. The function still returns n - 2 triangles
+/// for n corners, and soon.
 TEST(Polygon, ThatCrossesItselfEnds) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);

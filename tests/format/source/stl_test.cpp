@@ -103,7 +103,7 @@ std::vector<std::string> stl_lines_of(const TileMesh& mesh) {
   return lines;
 }
 
-// 2026-11-25: one bad number refused the whole file.
+// 2026-11-25: a file was refused because of one bad number.
 TEST_F(Stl, LeavesOutOneBadFacet) {
   const std::string bad = "outer loop\nvertex 1 2 x\nvertex 1 0 0\nvertex 0 1 0\nendloop\n";
   const TileMesh mesh =

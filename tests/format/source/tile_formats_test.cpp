@@ -27,7 +27,7 @@ std::string bytes_of(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
-/// Returns an i3dm tile that embeds its glTF, or that has a URI if `is_external`.
+/// Returns an i3dm tile. `model` is the embedded glTF, or its URI if `is_external`.
 std::string i3dm(const Json& table, const std::string& binary, const std::string& model, bool is_external = false) {
   const std::string json = table.dump();
   std::string out = "i3dm";
@@ -86,7 +86,7 @@ class TileFormats : public testing::Test {
   const std::string square = test::square_gltf().dump();
 };
 
-/// Returns the corner (1, 0, 1) of the square, y up, which is (1, -1, 0) with z up.
+/// Returns the place in the scene of the square's corner (1, 0, 1), y up, which is (1, -1, 0) with z up.
 Point<Scene> corner(const TileMesh& mesh, std::size_t instance) {
   return mesh.instances.at(instance).scene_from_local({1, 0, 1});
 }
@@ -131,14 +131,14 @@ TEST_F(TileFormats, AnI3dmPlacesOneMeshManyTimes) {
   EXPECT_EQ(mesh.primitives.size(), 1u);
   ASSERT_EQ(mesh.instances.size(), 2u);
   EXPECT_EQ(mesh.counts.triangles, 4u);
-  // Right (0,1,0) · 2 is x, up (0,0,1) · 3 is y: (1, -1, 0) becomes (0, 2, -3), moved by 110.
+  // The instance maps x to 2 · (0,1,0) and y to 3 · (0,0,1). The corner (1, -1, 0) becomes (0, 2, -3); x moves by 110.
   EXPECT_EQ(corner(mesh, 0), (Point<Scene>{110, 2, -3}));
-  // Right is (1,0,0), up (0,1,0), and all is twice as large.
+  // The instance maps x to 2 · (1,0,0) and y to 2 · (0,1,0). The corner becomes (2, -2, 0), moved by (100, 20, 0).
   EXPECT_EQ(corner(mesh, 1), (Point<Scene>{102, 18, 0}));
 }
 
 TEST_F(TileFormats, AnI3dmReadsQuantizedPositionsAndOctahedralNormals) {
-  // Up +z is the middle of the square, right +x the middle of its right edge.
+  // In octahedral coordinates, up (+z) is the middle of the square, and right (+x) is the middle of its right edge.
   const std::string shorts =
       bytes_of<std::uint16_t>({65535, 0, 32768, /* up */ 32768, 32768, /* right */ 65535, 32768});
   const Json table{{"INSTANCES_LENGTH", 1},
@@ -223,8 +223,8 @@ TEST_F(TileFormats, ACompositeIsTheTilesInIt) {
   EXPECT_THAT(refusal(nested), HasSubstr("nest deeper than 8"));
 }
 
-/// A quadtree with two levels per subtree, four levels in all, in JSON subtrees. Tiles and contents have bits 0…4,
-/// children 0…15.
+/// A quadtree with two levels per subtree and four levels in all, in JSON subtrees. In a subtree, bits 0 to 4 state
+/// tiles and contents, and bits 0 to 15 state child subtrees.
 class Implicit : public testing::Test {
  protected:
   void write_subtree(const std::string& name, unsigned tiles, unsigned contents, unsigned children) {
@@ -257,8 +257,8 @@ class Implicit : public testing::Test {
   SourceFolder folder;
 };
 
-/// The root has children 1 (x = 1) and 2 (y = 1). Below child 1, subtree 2/3/1 is the ninth of sixteen. The Morton
-/// index of (3, 1) is 7.
+/// The root has the children 1 (x = 1) and 2 (y = 1). Below child 1, only the subtree 2/3/1 exists. Its bit is 7, the
+/// Morton index of (3, 1).
 TEST_F(Implicit, TakesTheFinestAvailableContent) {
   write_subtree("subtrees/0.0.0.json", 0b01101, 0b01101, 1u << 7);
   write_subtree("subtrees/2.3.1.json", 0b10001, 0b10001, 0);

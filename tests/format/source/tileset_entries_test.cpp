@@ -1,4 +1,4 @@
-/// Tilesets with unusable entries, with the spellings that tilers write, and at places that their roots do not state.
+/// Tilesets with unusable entries, with the spellings that tilers write, and with places that differ from their root's.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ Json adding(const Json& children) {
   return root;
 }
 
-/// Returns the column-major matrix that puts z-up content with its origin at a place on the earth.
+/// Returns the column-major matrix that places z-up content at a point of the earth.
 Json place_of(const Geodetic& place) {
   const Affine<Ecef, Scene> m = ecef_from_enu(place);
   Json out = Json::array();
@@ -59,7 +59,7 @@ Json place_of(const Geodetic& place) {
   return out;
 }
 
-// 2026-11-25: each of these entries made the whole tileset unreadable.
+// 2026-11-25: each of these URIs made the whole tileset unreadable.
 TEST_F(TilesetEntries, AUriThatCannotBeUsedCostsItsTile) {
   for (const char* uri : {"", "http://localhost/b.b3dm", "/etc/passwd", "../../../etc/passwd", "gone.b3dm"}) {
     Json lost = tile("x");
@@ -69,7 +69,7 @@ TEST_F(TilesetEntries, AUriThatCannotBeUsedCostsItsTile) {
     ASSERT_EQ(s.skipped.size(), 1u) << uri;
     EXPECT_FALSE(s.skipped[0].informative);
     EXPECT_THAT(losses(s), HasSubstr("set.json: root.children[1].content.uri")) << uri;
-    // 2026-11-25: the place is printed once, by the entry's name.
+    // 2026-11-25: the place of an error is printed once, in the name of the entry.
     EXPECT_THAT(s.skipped[0].reason, Not(AnyOf(HasSubstr("set.json"), HasSubstr("root.children")))) << uri;
   }
 }
@@ -114,7 +114,7 @@ TEST_F(TilesetEntries, AnAncestorStandsInForAUriThatCannotBeFollowed) {
   EXPECT_THAT(names(open(tileset(root))), ElementsAre("coarse.gltf"));
 }
 
-// 2026-11-25: these spellings were refused.
+// 2026-11-25: these spellings of members, versions and extensions were refused.
 TEST_F(TilesetEntries, SpellingsOfTilersAreUnderstood) {
   Json document = tileset(adding(Json::array({tile("a.gltf")})));
   document["root"]["refine"] = "Add";
@@ -221,7 +221,7 @@ TEST_F(FolderOfTiles, IsRefusedWhereTilesetsAreBelowItOnly) {
   }
 }
 
-// 2026-11-25: all links were left out without a warning.
+// 2026-11-25: all symbolic links were left out without a warning.
 TEST_F(FolderOfTiles, FollowsLinksWithinItAndCountsTheOthers) {
   const SourceFolder outside;
   outside.write("far.gltf", test::square_gltf());

@@ -36,7 +36,7 @@ TEST_F(LoadingCacheTest, LoadsOnceWhatFits) {
 }
 
 TEST_F(LoadingCacheTest, EvictsTheLeastRecentlyUsed) {
-  for (int id : {1, 2, 3, 1, 4, 1, 3, 2}) get(id);  // 4 pushes 2 out, and 2 pushes 4
+  for (int id : {1, 2, 3, 1, 4, 1, 3, 2}) get(id);  // 4 evicts 2, and 2 evicts 4
   EXPECT_EQ(loads, (std::vector{1, 2, 3, 4, 2}));
 }
 
@@ -58,7 +58,7 @@ TEST_F(LoadingCacheTest, LoadsAgainWhatWasDropped) {
   EXPECT_EQ(loads, (std::vector{1, 2, 1}));
 }
 
-// The cache was emptied by a value that it could not keep.
+// A value larger than the budget is not kept. Such a value once emptied the cache.
 TEST_F(LoadingCacheTest, KeepsOtherValuesWhenOneExceedsTheBudget) {
   get(1), get(2);
   get(3, 31);

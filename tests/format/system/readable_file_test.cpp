@@ -48,7 +48,7 @@ TEST(ReadableFile, OfAnotherKindOrNoneIsALineThatSaysSo) {
   EXPECT_THAT(refusal(pipe), HasSubstr("expected a regular file"));
 }
 
-/// A failed read is no invalid input: another attempt may succeed.
+/// A failed read does not mean invalid input, because another attempt may succeed.
 TEST(ReadableFile, CutAfterItWasOpenedIsALineThatSaysSo) {
   const test::SourceFolder folder;
   const std::filesystem::path path = folder.write("a", std::string(1000, 'a'));

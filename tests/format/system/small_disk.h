@@ -6,7 +6,7 @@
 
 namespace gigabake {
 
-/// Limits every file to this number of bytes, as on a full disk, also for the superuser.
+/// A limit of `bytes` bytes per file, which works like a full disk. It also applies to the superuser.
 class SmallDisk {
  public:
   explicit SmallDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

@@ -32,7 +32,7 @@ TEST(MipOf64, SumsEachVoxelOfAnOctantOnceAndNoOther) {
   for (int i = 0; i < 500; ++i) {
     std::uint64_t mask[8];
     random_mask(random, mask);
-    std::vector<int> octants;  // of the brick's voxels, in order
+    std::vector<int> octants;  // octant of each voxel of the brick, in order
     for (int at = 0; at < 512; ++at)
       if (is_in(mask, at % 8, at / 8 % 8, at / 64)) octants.push_back(at % 8 / 4 + 2 * (at / 32 % 2) + 4 * (at / 256));
     for (int octant = 0; octant < 8; ++octant) {
@@ -59,8 +59,8 @@ TEST(MipOf64, StandsWhereItsOctantLies) {
       }
 }
 
-/// One red voxel and eight blue ones are weighted 1 : 8. If each of the eight children were filtered first, they would
-/// weigh .16 to 1.
+/// One red voxel and eight blue voxels have the weights 1 : 8. If each of the eight children were filtered first, the
+/// weights would be .16 : 1.
 TEST(MipOf64, WeighsVoxelsByTheirAlphaAlone) {
   const std::uint64_t mask[8] = {0x0c0c0001, 0x0c0c0000, 0, 0, 0, 0, 0, 0};
   const auto red_then_blue = [](std::size_t i) {

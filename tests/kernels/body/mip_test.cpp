@@ -44,7 +44,7 @@ TEST(ParentSlab, HasAVoxelWhereOneOfEightExists) {
   }
 }
 
-/// Returns two voxels of one brick, red and blue, below the same voxel.
+/// Returns a level with two adjacent voxels, red and blue, that have the same parent.
 Level two_voxels() {
   Level level;
   level.key = {0};
@@ -56,8 +56,8 @@ Level two_voxels() {
   return level;
 }
 
-// 2026-11-22: on a CPU only the first of such children gave the parent its colour. On a GPU and in the exact reference
-// of tests/reference all of them do.
+// 2026-11-22: if no child had visible coverage, the CPU gave the parent the colour of the first child only. A GPU and
+// the exact reference of tests/reference average all children.
 TEST(Levels, TakeTheMeanOfAllChildrenWhereNothingOfAnyShows) {
   std::vector<Level> levels(5);
   levels.back() = two_voxels();

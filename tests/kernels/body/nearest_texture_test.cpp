@@ -30,7 +30,7 @@ Rgba16 found(const Texture& texture, const NearestMap& look, const FragmentShape
   return nearest_over(texture.view(), look, shape, TableStore::host().view().linear_from_srgb);
 }
 
-/// Returns the index of a texel of the infinite plane to which an image wraps, as glTF defines it.
+/// Returns the texel of the image that covers position i of an infinite plane, wrapped as glTF defines it.
 std::int64_t wrapped(std::int64_t i, std::int64_t size, Wrap wrap) {
   if (wrap == Wrap::clamp_to_edge) return std::clamp<std::int64_t>(i, 0, size - 1);
   const std::int64_t period = wrap == Wrap::repeat ? size : 2 * size, r = ((i % period) + period) % period;
@@ -43,7 +43,8 @@ Rgba16 texel_of(const Texture& texture, std::int64_t x, std::int64_t y) {
                     TableStore::host().view().linear_from_srgb);
 }
 
-/// Returns the mean in an upright box, in which the weights of texels are products.
+/// Returns the mean over a box that is parallel to the axes. A texel's weight is the product of its overlaps along x
+/// and y.
 std::array<double, 4> mean_in_box(const Texture& texture, const NearestMap& look) {
   const TextureView view = texture.view();
   const double x0 = look.s0 * view.width, x1 = x0 + look.su * view.width, y0 = look.t0 * view.height,
@@ -118,7 +119,7 @@ TEST(NearestTexels, AreOneForATriangleThatLiesOnOnePointOfTheTexture) {
 }
 
 TEST(NearestTexels, AreAMeanAlongTheLineThatATriangleLiesOn) {
-  const WholeCell cell;  // half a texel along u, a quarter of it in the first
+  const WholeCell cell;  // the line is half a texel long; a quarter of it is in the first texel
   const Rgba16 along_u =
       found(stripes(), {0.25 - 1.0 / 32, 0.125, 0, 0.5, 0, 0, Wrap::repeat, Wrap::repeat}, cell.shape());
   EXPECT_NEAR(along_u.c[0], 0.75 * 65535, 1);
@@ -127,7 +128,7 @@ TEST(NearestTexels, AreAMeanAlongTheLineThatATriangleLiesOn) {
   EXPECT_NEAR(along_v.c[0], 0.75 * 65535, 1);
 }
 
-/// A degenerate triangle reads any texel, but never memory beyond the image.
+/// A degenerate triangle may read any texel, but never memory beyond the image.
 TEST(NearestTexels, AreOfTheImageWhateverIsAskedFor) {
   constexpr std::uint64_t seed = 53;
   std::mt19937_64 rng(seed);

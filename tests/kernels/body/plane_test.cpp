@@ -11,9 +11,9 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr int edge = 32;  ///< of the cubes that this test fills, voxels
+constexpr int edge = 32;  ///< edge of the cubes that this test fills, in voxels
 
-/// Returns a cube of voxels that contains those whose centres satisfy has(x, y, z), with the normals normal(x, y, z).
+/// Returns the voxels of a cube for whose centre p has(p) is true. Each gets the normal normal(p).
 template <class Has, class Normal>
 Level filled(const Has& has, const Normal& normal) {
   Level level;
@@ -46,7 +46,7 @@ std::vector<Level> levels_above(Level finest) {
   return levels;
 }
 
-/// Calls visit(centre, half edge, voxel number) for each voxel; lengths in voxels of level 0.
+/// Calls visit(centre, half edge, voxel number) for each voxel. Lengths are in voxels of level 0.
 template <class Visit>
 void for_each_voxel_of(const Level& level, int lod, const Visit& visit) {
   std::size_t v = 0;
@@ -80,8 +80,8 @@ TestPlane random_plane(std::mt19937_64& random) {
   return p;
 }
 
-/// Returns the voxels that the plane intersects: along its normal, their centres are at most half a voxel's extent
-/// away.
+/// Returns the voxels that the plane intersects. The plane intersects a voxel if above() of its centre is between -1/2
+/// and 1/2, because |x| + |y| + |z| = 1.
 Level plane_voxels(const TestPlane& plane) {
   return filled([&](const double p[3]) { return std::abs(plane.above(p)) <= 0.5; },
                 [&](const double*) { return plane.octahedral; });

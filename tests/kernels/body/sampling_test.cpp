@@ -33,7 +33,7 @@ void wrap_anyhow(std::mt19937_64& rng, MaterialView& material) {
   material.wrap_t = sampled_wraps[rng() % 3];
 }
 
-/// Returns a map of this many texels per voxel along u and along v, for an image of `size`.
+/// Returns a map with the given numbers of texels per voxel along u and v. The image has `size` texels per edge.
 TextureMap map_of(double texels_u, double texels_v, int size) {
   TextureMap map{};
   map.su = texels_u / size;
@@ -43,7 +43,7 @@ TextureMap map_of(double texels_u, double texels_v, int size) {
   return map;
 }
 
-/// Returns a box of any size and place; its outline is not used.
+/// Returns the fragment of a box with the centre (u, v). Its outline is empty, because the test does not use it.
 FragmentShape box_at(double u, double v, double width, double height) {
   return {{u, v}, width * height, float(width * width / 12), 0, float(height * height / 12), 0, 0, nullptr, nullptr, 0};
 }
@@ -55,14 +55,15 @@ FragmentShape any_fragment(std::mt19937_64& rng) {
   return f;
 }
 
-/// Returns the index of texel i of the infinite plane to which an image wraps, as glTF defines it.
+/// Returns the texel of the image that covers position i of an infinite plane, wrapped as glTF defines it.
 std::int64_t wrapped_texel(std::int64_t i, std::int64_t size, Wrap wrap) {
   if (wrap == Wrap::clamp_to_edge) return std::clamp<std::int64_t>(i, 0, size - 1);
   const std::int64_t period = wrap == Wrap::repeat ? size : 2 * size, r = ((i % period) + period) % period;
   return r < size ? r : period - 1 - r;
 }
 
-/// Returns the colour of the infinite plane at x texels, where texel i has the colour i.
+/// Returns the colour at position x, in texels, of the infinite plane that repeats an image in which texel i has the
+/// colour i.
 double plane_at(double x, std::int64_t size, Wrap wrap) {
   const double below = std::floor(x - 0.5), second = x - 0.5 - below;
   return (1 - second) * double(wrapped_texel(std::int64_t(below), size, wrap)) +
@@ -89,7 +90,7 @@ TEST(Sampling, WrapsAsTheEndlessPlaneOfTexelsDoes) {
   }
 }
 
-/// Weights sum up to one and quotients are exact for all levels and probes. Otherwise colours would drift by a code.
+/// The weights of all samples at all levels sum to exactly one. Otherwise a constant colour could change by one code.
 TEST(Sampling, FindsOneColourWhereTheTextureHasOne) {
   constexpr std::uint64_t seed = 42;
   std::mt19937_64 rng(seed);
@@ -148,7 +149,7 @@ TEST(Sampling, FindsTheSameColoursWithoutAlpha) {
   }
 }
 
-/// Returns the mean of channel 0 of an opaque texture over a box, computed from many points of it.
+/// Returns the mean of channel 0 of an opaque texture over a box, computed from 200 × 200 points.
 double mean_of_points(const Texture& texture, const MaterialView& m, double s, double t, double width, double height) {
   constexpr int points = 200;
   const Tables tables = TableStore::host().view();
@@ -182,7 +183,7 @@ TEST(Sampling, HasTheExactMeanOverABoxOfUpToOneTexel) {
   }
 }
 
-/// Rounding gives a sliver along a voxel's border a width, although its middle lies on the border.
+/// Rounding gives a sliver on a voxel's border a positive width, although its centre lies on the border.
 TEST(Sampling, OfASliverOnABorderHasAFootprint) {
   const Texture texture = filled(64, {200, 100, 50, 255});
   for (const double texels : {1e3, 1e6, 1e9}) {
@@ -196,8 +197,8 @@ TEST(Sampling, OfASliverOnABorderHasAFootprint) {
   }
 }
 
-/// Two parts and the whole that they form have the same mean of a texture that a quadratic function describes. This
-/// holds for fragments of any shape, and depends on their covariance.
+/// The average of the means over two halves equals the mean over the whole, for textures with quadratic colours. This
+/// holds only if the mean over a fragment takes its covariance into account.
 TEST(Sampling, OfTwoPartsAddsUpToTheWhole) {
   constexpr int size = 64;
   std::vector<std::uint8_t> texels;

@@ -40,7 +40,7 @@ TEST(Tables, RaiseMeanAlphaToOneMinusItself) {
   }
 }
 
-// A surface passes through 1/n voxels of a column on average.
+// A surface passes through 127/n voxels of a column on average, where n/127 is its normal's component along the column.
 TEST(Tables, HaveOfASheetsVoxelsThatTogetherTheyCoverWhatItDoes) {
   for (int alpha = 0; alpha < 256; ++alpha)
     for (int n = 1; n < int(normal_steps); ++n) {

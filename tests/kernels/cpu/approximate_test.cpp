@@ -15,7 +15,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Returns bricks of smooth and of noisy colours, with normals all over the sphere or nearly equal.
+/// Returns bricks with smooth or noisy colours. Their normals differ by small or large angles.
 Level made_level(std::mt19937_64& rng, std::size_t bricks) {
   Level level;
   level.first = {0};
@@ -51,7 +51,7 @@ struct Changes {
   std::size_t colours = 0, alphas = 0, normals = 0;
 };
 
-/// Asserts the error bound for every voxel, and returns the changes.
+/// Expects every colour and normal to be within the error bound for `codes`. Returns the numbers of changed values.
 Changes expect_bound(const Level& exact, const Level& off, std::uint32_t codes) {
   Changes changes;
   EXPECT_EQ(exact.mask, off.mask);
@@ -134,7 +134,7 @@ TEST(Approximate, TakesBrickBeforeOctantBeforeGroup) {
   EXPECT_EQ(reds(4), (std::vector(8, 104))) << "the whole brick";
 }
 
-/// The lanes of a device iterate from groups to voxels, the host from voxels to groups.
+/// A device computes the voxels of a group; the host computes the group of a voxel. The two mappings must agree.
 TEST(Approximate, NumbersTheVoxelsOfAGroupFromItsLowestOn) {
   std::array<int, brick_voxels> seen{};
   for (unsigned group = 0; group < groups_per_brick; ++group)

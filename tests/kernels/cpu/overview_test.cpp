@@ -37,13 +37,13 @@ struct Baked {
   std::array<std::int64_t, 3> min;
 };
 
-/// Bakes the scene in cells, then in larger and larger blocks up to one, and sums the hashes of each level.
+/// A scene that is baked in cells, and then in larger and larger blocks up to one. The hashes of each level are summed.
 class InBlocks {
  public:
   InBlocks(test::TestCell& cell, const OverviewRules& rules, std::mt19937& random)
       : input_(cell.input()), parameters_(parameters_of(cell, rules)), random_(random) {}
 
-  /// Returns the hashes of all levels. z_shift: of the cells, in voxels of their coarsest level, 0 … 7.
+  /// Returns the hashes of all levels. `z_shift`, 0 to 7, moves the cells by an eighth of their edge per unit.
   std::vector<Hash128> hashes(std::uint32_t cell_voxels, std::int64_t z_shift) {
     bake_cells(cell_voxels, z_shift);
     std::int64_t edge = cell_voxels;

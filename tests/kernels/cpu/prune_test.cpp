@@ -16,7 +16,7 @@ using Place = std::array<std::uint32_t, 3>;
 using Content = std::array<std::uint8_t, 4 + 2 + facing_bytes>;
 using Voxels = std::map<Place, Content>;
 
-/// Returns a function that adds each voxel once.
+/// Returns a function that adds a voxel to `voxels`, and fails the test if the voxel is already there.
 auto taker(Voxels& voxels) {
   return [&voxels](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
                    const std::int8_t* normal, const std::uint8_t* facing) {
@@ -28,7 +28,7 @@ auto taker(Voxels& voxels) {
   };
 }
 
-/// Returns the voxels of the level by its keys, without nodes.
+/// Returns all voxels of the level. Their positions come from the keys of the bricks, not from nodes.
 Voxels all_voxels(const Level& level) {
   Voxels voxels;
   for (std::size_t b = 0; b < level.key.size(); ++b) for_each_voxel(level, b, demorton(level.key[b]), taker(voxels));

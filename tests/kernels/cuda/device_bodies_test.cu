@@ -44,7 +44,7 @@ struct Measured {
   std::int16_t normal[4];
 };
 
-/// Computes weight and shade of the cells on the brick's diagonal.
+/// Computes weights and shades in the voxels on the brick's diagonal.
 struct MeasureBody {
   GB_HD Measured operator()(const WindowTriangle& w, const Tables& tables) const {
     const std::int32_t corner[3] = {0, 0, 0};
@@ -133,14 +133,14 @@ struct ResolveBody {
 
 TEST(DeviceBodies, ResolveToTheSameVoxelsAsOnTheCpu) { expect_same_bits<Resolved>(random_sums(50000), ResolveBody{}); }
 
-/// The number of words of a parent whose children have rasters of this edge.
+/// Number of raster words of a parent whose children have rasters of the edge `Edge`.
 template <int Edge>
 constexpr int parent_words = raster_words(Edge < max_raster_edge ? 2 * Edge : max_raster_edge);
 
 template <int Edge>
 struct Filtered {
   Voxel by_mean[2], by_view;
-  std::uint16_t facing[3];  ///< 16 bits each, so that there is no padding, which would be compared
+  std::uint16_t facing[3];  ///< 16 bits each, because padding bytes would be compared too
   std::uint32_t raster[parent_words<Edge>];
 };
 

@@ -48,7 +48,8 @@ struct TexturedTriangle {
   Wrap wrap_s, wrap_t;
 };
 
-/// Intermediate results of each fragment in order, so that a failure shows the first step that differs.
+/// The intermediate results of one fragment, in order of computation, so that a failure shows the first step that
+/// differs.
 struct Steps {
   double area, centroid_u, centroid_v, map[6], corner[2 * Outline::maximum], image[2 * Outline::maximum];
   std::int32_t corners, level;
@@ -61,7 +62,7 @@ struct ShadedTriangle {
 
 GB_HD double no_negative_zero(double x) { return x + 0.0; }
 
-/// Processes the cells on the brick's diagonal like kernels/cpu/voxelize/voxelize.cpp.
+/// Processes the voxels on the brick's diagonal like kernels/cpu/voxelize/voxelize.cpp.
 struct TextureBody {
   TextureView texture;
   bool nearest;

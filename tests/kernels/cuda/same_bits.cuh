@@ -1,4 +1,4 @@
-/// A body runs on a GPU and on the CPU; the results are compared as bytes. Tests are skipped if there is no GPU.
+/// Runs a kernel body on a GPU and on the CPU and compares the results as bytes. Tests are skipped if there is no GPU.
 #pragma once
 
 #include <cstring>

@@ -1,4 +1,4 @@
-// Selects the pixels that reuse shadow samples of their block and those that cast separate rays.
+// Tests which pixels reuse the shadow samples of their block and which pixels cast separate rays.
 #include "kernels/light/light_sharing.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ namespace {
 constexpr int tile_edge = 2 * sky_block;
 constexpr int sun = int(LightRay::sun), sky = int(LightRay::sky);
 
-/// An image of flat ground, one voxel per pixel, whose first rays are finished: all pixels are fully lit.
+/// An image of flat ground with one voxel per pixel. The first rays have ended, and all pixels are fully lit.
 struct Ground {
   CastTile tile{0, 0, tile_edge, tile_edge};
   CastLighting lighting;

@@ -15,8 +15,8 @@ constexpr int lods = 5, cell_bits = lods + 2;
 
 constexpr int edge_bricks = 1 << (cell_bits - 3);
 
-/// A tree of a cell with bricks at random places. An empty node also asserts that the voxels next to its upper sides
-/// are empty. Therefore it is split if a brick is adjacent there.
+/// A tree of a cell with bricks at random places. An empty node also states that the voxels next to its upper sides are
+/// empty. A node is therefore split if a brick is adjacent to its upper sides.
 struct RandomTree : OneCell {
   std::vector<bool> stands;
   std::vector<NodeWord> nodes = std::vector<NodeWord>(8, empty_node);
@@ -96,8 +96,8 @@ bool is_empty(const RandomTree& tree, const CastLine& line, double step) {
   return !is_here(locate(tree.scene, line, 0, at, true, frame, path).brick);
 }
 
-/// Returns a line along a diagonal of x and y with steps of a quarter of a voxel along each. Its points lie on the
-/// edges of nodes to a few 65536ths, so rounding would decide which of two siblings is next.
+/// Returns a line along a diagonal of x and y that advances equally along both axes. Its points are within a few
+/// 1/65536 voxel of the edges of nodes. Rounding would therefore decide which of two siblings is next.
 CastLine random_tree_diagonal(std::mt19937_64& random) {
   CastLine line = random_tree_line(random);
   for (int a = 0; a < 2; ++a) {
@@ -113,7 +113,7 @@ struct Leaps {
   std::uint64_t points = 0, count = 0;
 };
 
-/// Expects all points of the skipped empty space to be empty, each located separately from the root.
+/// Expects all points of the skipped empty space to be empty. Each point is located again, from the root down.
 void expect_empty(const RandomTree& tree, const CastLine& line, Leaps& leaps) {
   const LevelPoints points = level_points(tree.scene, line, 0);
   CellFrame frame;
@@ -132,7 +132,7 @@ void expect_empty(const RandomTree& tree, const CastLine& line, Leaps& leaps) {
   }
 }
 
-/// Lines have all directions, begin on sides of nodes, and skip siblings in one step.
+/// Lines of all directions, some of which begin on sides of nodes, skip several empty siblings in one step.
 TEST(EmptySpace, IsEmptyAtEachPointThatIsSteppedOver) {
   constexpr std::uint64_t seed = 20261124;
   std::mt19937_64 random(seed);
@@ -148,7 +148,7 @@ TEST(EmptySpace, IsEmptyAtEachPointThatIsSteppedOver) {
   EXPECT_GT(leaps.points, 8 * leaps.count) << "rays leap over brick after brick";
 }
 
-/// Fixed-point coordinates equal the point to 1/65536 voxel and its rounding, also at the far end of the widest scene.
+/// Fixed-point coordinates differ from the point by at most 1/65536 voxel plus rounding, also far from the origin.
 TEST(EmptySpace, IsFoundWhereThePointLies) {
   constexpr std::uint64_t seed = 20261125;
   std::mt19937_64 random(seed);

@@ -27,8 +27,8 @@ struct FloorOfLod1 : OneCell {
   }
 };
 
-// 2026-11-23: skipping a level's empty space ended behind the scene and with it the ray. The next level begins before
-// that place and still had a surface there.
+// 2026-11-23: a step over empty space ended beyond the scene, and the ray ended with it. The next level begins before
+// that point, and the ray should still hit its surface.
 TEST(LevelChange, ComesBeforeTheEndOfTheSceneWhereEmptySpaceWasSteppedOver) {
   const ThreadPool threads(1);
   const FloorOfLod1 floor;

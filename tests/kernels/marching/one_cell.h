@@ -1,4 +1,4 @@
-/// A scene of one cell, as rays borrow it; the test fills its pools.
+/// A scene of one cell for tests of rays. The test fills its pools.
 #pragma once
 
 #include <cstdint>

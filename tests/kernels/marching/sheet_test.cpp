@@ -22,7 +22,7 @@ struct Slot {
   CastVoxel& at(int x, int y, int z) { return voxel[x + slot_edge * (y + slot_edge * z)]; }
 };
 
-/// A brick in the format of the pools: all voxels of a slot that are not zero.
+/// A brick in the format of the pools. It has the voxels of a slot that have coverage along at least one axis.
 class Brick {
  public:
   explicit Brick(const Slot& slot) {

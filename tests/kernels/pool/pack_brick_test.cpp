@@ -36,7 +36,7 @@ SlotVoxels random_slot(std::mt19937_64& random) {
   return slot;
 }
 
-/// Returns the number of voxels, and of layers that have any.
+/// Returns the number of voxels plus the number of layers that have voxels.
 std::size_t count_parts(const SlotVoxels& slot) {
   std::size_t parts = 0;
   for (const auto& layer : slot.row) {
@@ -47,7 +47,7 @@ std::size_t count_parts(const SlotVoxels& slot) {
   return parts;
 }
 
-/// Returns true if the interpolation of any point of [from, from + size) reads a voxel that exists.
+/// Returns true if the interpolation at any point of the cube [from, from + size)³ reads a voxel that exists.
 bool has_field(const SlotVoxels& slot, const int from[3], int size) {
   for (int z = from[2]; z <= from[2] + size; ++z)
     for (int y = from[1]; y <= from[1] + size; ++y)
@@ -76,9 +76,9 @@ CastLine line_along(int axis, bool is_up) {
   return line;
 }
 
-/// Checks the distance along each axis from the middle between voxels, where the field is zero, to the exit of the
-/// empty part. The part is half of the brick if that is empty, else a quarter, else none. The result is never too long,
-/// and too short only by the rounding error.
+/// Checks the distance along each axis from a point where the field is zero to the exit of the empty part around it.
+/// The part is half of the brick if that is empty, else a quarter, else none. The distance is never too long, and too
+/// short only by the rounding error.
 void expect_empty_part(const SlotVoxels& slot, const CastBrick& brick, const CastPoint& point) {
   int edge = 0, from[3] = {0, 0, 0};
   for (const int tried : {2, 4}) {

@@ -8,7 +8,8 @@
 namespace gigabake::bench {
 namespace {
 
-// 2026-11-23: a translucent surface of alpha .30 showed .24 to 1, depending on its slope, the view and the level.
+// 2026-11-23: a translucent surface of alpha .30 appeared with .24 to 1, depending on its slope, the view and the
+// level.
 TEST(Panes, ShowTheirAlphaFromEverySideAtEveryLevel) {
   const ScratchFolder folder;
   LeakBenchRequest request;

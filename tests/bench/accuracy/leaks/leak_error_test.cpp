@@ -21,7 +21,7 @@ AlphaPicture square_of(double alpha) {
   return picture;
 }
 
-/// Returns an image of this alpha that is transparent beyond the square.
+/// Returns a black image with the given alpha.
 LinearPicture picture_of(const AlphaPicture& alpha) {
   LinearPicture picture{alpha.width, alpha.height, {}};
   for (const double a : alpha.alpha) picture.rgba.insert(picture.rgba.end(), {0, 0, 0, float(a)});

@@ -12,7 +12,7 @@ namespace {
 constexpr ChunkFilters all_filters[] = {{Codec::lz4, 1},     {Codec::lz4, 4},     {Codec::lz4, 8},
                                         {Codec::deflate, 1}, {Codec::deflate, 4}, {Codec::deflate, 8}};
 
-/// Returns increasing 64-bit numbers, noise, or bytes of few different values.
+/// Returns increasing 64-bit numbers, noise, or bytes of three different values.
 std::vector<std::uint8_t> made_chunk(std::mt19937_64& rng, std::size_t bytes) {
   std::vector<std::uint8_t> chunk(bytes);
   const std::uint64_t kind = rng() % 3;

@@ -101,7 +101,8 @@ TEST(DeflateChunk, MakesTheBytesThatItAlwaysMade) {
   EXPECT_EQ(framed(Bytes(small.begin(), small.end())), frame);
 }
 
-/// The candidates equal those that the header defines, found by comparing all earlier positions of a bucket.
+/// Expects the candidates to be those that the header defines. The reference compares all earlier positions of a
+/// bucket.
 TEST(DeflateCandidates, AreTheLatestPositionsOfTheBucketWithinReach) {
   const test::RandomSeed seed;
   test::Random rng(seed);
@@ -142,7 +143,7 @@ TEST(DeflateSymbols, AreThoseOfTheSpecification) {
   EXPECT_EQ(deflate::symbol_of_distance(32768).bits, 8191u);
 }
 
-/// Returns the code lengths of the symbols that occur, by gigabake's rule.
+/// Returns the code lengths of the symbols that occur, with ties resolved as in gigabake.
 std::vector<std::uint8_t> lengths_of(const std::vector<std::uint32_t>& counts, std::uint32_t maximum) {
   std::vector<std::uint32_t> keys, weights(counts.size());
   for (std::uint32_t s = 0; s < counts.size(); ++s)
@@ -153,7 +154,7 @@ std::vector<std::uint8_t> lengths_of(const std::vector<std::uint32_t>& counts, s
   return lengths;
 }
 
-/// Returns Huffman's minimal total, computed with a queue of weights.
+/// Returns the minimum number of bits of a Huffman code for these counts, computed with a queue of weights.
 std::uint64_t min_bits(const std::vector<std::uint32_t>& counts) {
   std::multiset<std::uint64_t> weights;
   for (const std::uint32_t c : counts)

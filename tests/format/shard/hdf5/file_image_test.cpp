@@ -6,7 +6,8 @@
 namespace gigabake {
 namespace {
 
-/// HDF5 clears unwritten bytes only if it is built that way. A gap must not show bytes of the previous file.
+/// HDF5 clears unwritten bytes only if it was built to do this. A gap in a file must not show bytes of the previous
+/// file.
 TEST(FileImage, GivesZerosWhereTheFormerFileStood) {
   FileImage image;
   image.begin_file();

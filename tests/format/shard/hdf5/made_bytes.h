@@ -19,7 +19,7 @@ inline Bytes noise(Random& rng, std::size_t size, unsigned values) {
   return bytes;
 }
 
-/// Returns a random piece, repeated, with some bytes changed.
+/// Returns `period` random bytes, repeated, with some bits flipped.
 inline Bytes periodic(Random& rng, std::size_t size, std::size_t period) {
   Bytes bytes = noise(rng, size, 256);
   for (std::size_t i = period; i < size; ++i) bytes[i] = bytes[i - period];
@@ -35,7 +35,7 @@ inline Bytes runs(Random& rng, std::size_t size, std::size_t maximum) {
   return bytes;
 }
 
-/// Returns rows of colours of a smooth image with noise, some of which repeat.
+/// Returns the colours of a smooth image with noise. Some colours repeat earlier colours.
 inline Bytes colours(Random& rng, std::size_t size) {
   Bytes bytes;
   int grey = 128;
@@ -102,7 +102,7 @@ inline std::vector<NamedBytes> made_bytes(Random& rng, std::size_t size) {
   return all;
 }
 
-/// Returns sizes close to the ends of segments, blocks, stored blocks and the window.
+/// Returns sizes close to the limits of deflate: segments, blocks, stored blocks and the window.
 inline const std::vector<std::size_t>& awkward_sizes() {
   static const std::vector<std::size_t> sizes{
       0,     1,     2,     3,     4,     5,     7,     8,     9,     100,    1023,   1024,   1025,   1027,    32767,
