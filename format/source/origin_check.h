@@ -13,7 +13,7 @@ namespace gigabake {
 /// question whether latitude and longitude are swapped. `places` is empty if no source has a place on the earth.
 std::optional<std::string> far_origin_warning(const Geodetic& origin, const std::vector<Geodetic>& places);
 
-/// A source of a scene .json and the place that the file gives it.
+/// A source of a scene .json and its place on the earth.
 struct NamedPlace {
   std::string name;  ///< "sources[1]"
   Geodetic place;

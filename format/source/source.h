@@ -23,8 +23,8 @@ struct DemTile;
 struct SourceOptions {
   bool local = false;              ///< no georeference even if the source has one
   std::optional<Geodetic> origin;  ///< scene origin; default: the source's own (see open_sources)
-  std::optional<UpAxis> scene_up;  ///< up axis in a tileset's own frame (default z) or in mesh files (default y, as
-                                   ///< glTF has it)
+  std::optional<UpAxis> scene_up;  ///< up axis in a tileset's own frame (default z) or in mesh files (default y, as in
+                                   ///< glTF)
 };
 
 enum class ContentKind : std::uint8_t { glb, gltf, b3dm, i3dm, obj, dem, ply, stl };

@@ -26,7 +26,7 @@ class SourceBytes {
   /// Returns a part of the bytes.
   /// Errors  std::out_of_range: the range exceeds the bytes. The caller must check ranges that a file states.
   SourceBytes part(std::uint64_t offset, std::uint64_t bytes) const;
-  /// Returns bytes in memory, or reads them into `buffer`, which must outlive the result.
+  /// Returns a view of the bytes. If the bytes are in a file, reads them into `buffer`, which must outlive the result.
   /// Errors  std::out_of_range: the range exceeds the bytes. Also the errors of ReadableFile::read().
   std::span<const std::uint8_t> look(std::uint64_t offset, std::uint64_t bytes,
                                      std::vector<std::uint8_t>& buffer) const;

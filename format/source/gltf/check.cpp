@@ -238,7 +238,7 @@ class Checker {
       fail(where + ".alphaMode", "expected one of " + all_names<AlphaMode>() + ", got " + in_quotes(mode));
   }
 
-  /// Refuses a list of numbers that has another length than 3. Any other value counts as no emission.
+  /// Refuses a list of numbers whose length is not 3. Any other wrong value counts as no emission.
   void check_emission(const Json& m, const std::string& where) const {
     const auto factor = m.find("emissiveFactor");
     if (factor == m.end() || !factor->is_array() || factor->size() == 3) return;
@@ -294,7 +294,7 @@ class Checker {
         if (p != none) fail(item("nodes", child.get<std::size_t>()), "is the child of two nodes");
         p = i;
       }
-    // Each node has at most one parent, so a cycle is a set of nodes that no root reaches.
+    // Each node has at most one parent, so no root reaches the nodes of a cycle.
     std::vector<std::size_t> reached;
     for (std::size_t i = 0; i < nodes.size(); ++i)
       if (parent[i] == none) reached.push_back(i);

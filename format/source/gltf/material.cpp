@@ -36,7 +36,7 @@ void use_specular_glossiness(const tinygltf::Model& model, const tinygltf::Value
   if (gloss.Has("diffuseTexture")) use_texture(model, texture_info(gloss.Get("diffuseTexture")), out, warnings);
 }
 
-/// Returns the first colour or texture of a shader whose name contains "diffuse"; null if there is none.
+/// Returns the first colour or texture of a shader with "diffuse" in the name of the value; null if there is none.
 const tinygltf::Value* diffuse_value(const tinygltf::Value& technique) {
   if (!technique.IsObject() || !technique.Has("values")) return nullptr;
   const tinygltf::Value& values = technique.Get("values");
@@ -51,7 +51,7 @@ const tinygltf::Value* diffuse_value(const tinygltf::Value& technique) {
   return nullptr;
 }
 
-/// Uses the colour of a glTF 1.0 shader. Such colours are sRGB.
+/// Uses the colour of a glTF 1.0 shader. The colours of glTF 1.0 shaders are sRGB.
 void use_technique(const std::filesystem::path& file, const tinygltf::Model& model, int material,
                    const tinygltf::Value& technique, SourceMaterial& out, SourceWarnings& warnings) {
   const tinygltf::Value* diffuse = diffuse_value(technique);

@@ -75,7 +75,7 @@ class NodeInstances {
 
   std::size_t count() const { return count_; }
 
-  /// Returns the transform from an instance's frame to the node's.
+  /// Returns the transform from the frame of an instance to the frame of the node.
   Affine<Local, Local> map(std::size_t i) const {
     std::array<double, 3> translation{0, 0, 0}, scale{1, 1, 1};
     std::array<double, 4> rotation{0, 0, 0, 1};

@@ -240,7 +240,8 @@ class TileReader {
       throw InputError(tile_.path, at, counted(items, "item") + " for " + counted(vertices, "vertex", "vertices"));
   }
 
-  /// Keeps the images that primitives use. Counts missing images already in the scan, before any cell needs them.
+  /// Copies the images that primitives use. Counts unusable images even if only positions are read, so that the scan
+  /// reports them.
   void keep_images() {
     std::set<std::string> faults;
     std::vector<char> is_used(document_.images.size());
@@ -259,7 +260,7 @@ class TileReader {
     }
   }
 
-  /// Returns the fault without the tile's name, which the list of missing inputs prints next to it.
+  /// Returns the fault without the tile's name, because the list of missing inputs prints the name separately.
   std::string without_file(const std::string& fault) const {
     const std::string file = tile_.path.string() + ": ";
     return fault.starts_with(file) ? fault.substr(file.size()) : fault;

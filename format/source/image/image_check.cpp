@@ -21,7 +21,8 @@ std::string_view text_of(std::span<const std::uint8_t> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// Returns whether every chunk of texels is whole. An image without its last chunk, IEND, can be decoded.
+/// Returns whether every chunk of texels is whole. The last chunk, IEND, may be missing, because an image can be
+/// decoded without it.
 bool has_all_chunks(const SourceBytes& png) {
   constexpr std::uint64_t signature_bytes = 8, frame_bytes = 12;
   std::vector<std::uint8_t> buffer;

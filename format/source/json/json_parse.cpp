@@ -110,7 +110,7 @@ class Builder : public nlohmann::json_sax<Json> {
   void claim(std::uint64_t bytes) { memory_.add(bytes, "", "the values of its JSON"); }
 
   /// Adds a value to the innermost incomplete container, or makes it the document. `own_bytes` is the memory of the
-  /// value without its entry in the container. It is already claimed for objects and arrays.
+  /// value without its entry in the container. This memory is already claimed if the value is an object or an array.
   bool add(Json value, std::uint64_t own_bytes) {
     const bool is_claimed = value.is_structured();
     if (open_.empty()) {

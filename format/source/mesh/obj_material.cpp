@@ -176,7 +176,7 @@ NamedFile named_file(const std::filesystem::path& base, std::string_view name, c
     try {
       return {std::string(name), resolve_path(files.root(), base, "", one)};
     } catch (const InputError&) {
-      // The path is outside the folder of the source. The next attempt resolves its last part.
+      // The path is outside the folder of the source. The next attempt uses only the last component of the path.
     }
   }
   return {std::string(name), std::nullopt};

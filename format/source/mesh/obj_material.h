@@ -55,12 +55,12 @@ struct NamedFile {
   bool is_there(const SourceFiles& files) const { return file && files.has(*file); }
 };
 
-/// Resolves a file name that occurs in `base`. If the path lies outside the folder of the source, its last part is
-/// resolved next to `base`. An example is an absolute path of another machine.
+/// Resolves a file name that occurs in `base`. If the path lies outside the folder of the source, only its last
+/// component is used, in the folder of `base`. An example is an absolute path of another machine.
 NamedFile named_file(const std::filesystem::path& base, std::string_view name, const SourceFiles& files);
 
-/// Returns the files that an `mtllib` line of an OBJ names. The rest of the line is one name if such a file exists;
-/// otherwise each word is a name.
+/// Returns the files that an `mtllib` line of an OBJ names. If the rest of the line is the name of an existing file, it
+/// is one name; otherwise each word is a name.
 std::vector<NamedFile> material_files(const std::filesystem::path& file, const ObjLine& line, const SourceFiles& files);
 
 }  // namespace gigabake

@@ -242,7 +242,7 @@ class ObjReader {
     parts_.erase(part);
   }
 
-  /// Adds materials in the order of their names, which assigns their indices.
+  /// Adds materials in the order of their names. This order determines their indices.
   void add_materials() {
     if (everything_)
       for (auto& [use, index] : material_index_) index = materials_.add(use, out_);

@@ -13,7 +13,7 @@ namespace gigabake {
 
 namespace {
 
-/// Returns the file that messages about a tile name: the first raster of its surface that the tile touches.
+/// Returns the file to name in messages about a tile: the first raster of the surface that the tile touches.
 const std::filesystem::path& file_of(const DemTile& tile) {
   const std::vector<DemPart>& parts = tile.raster->parts;
   const auto at = std::find_if(parts.begin(), parts.end(), [&](const DemPart& part) { return touches(tile, part); });

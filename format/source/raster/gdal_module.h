@@ -20,5 +20,6 @@ struct GdalModule {
 
 }  // namespace gigabake
 
-/// Returns the functions of the module; its only exported symbol. The result is valid until the process ends.
+/// Returns the functions of the module. No other symbol of the module is exported. The result is valid until the
+/// process ends.
 extern "C" const gigabake::GdalModule* gigabake_gdal();

@@ -13,8 +13,8 @@
 namespace gigabake {
 
 /// Map from the coordinate system of a raster to positions in metres.
-/// The ellipsoid of the coordinate system determines the body: the earth or another one. A raster with a local
-/// coordinate system, or without one, lies in a plane. Only rasters on the earth have a georeference.
+/// The ellipsoid of the coordinate system determines the body: the earth or another body. A raster without a coordinate
+/// system, or with a local coordinate system, lies in a plane. Only rasters on the earth have a georeference.
 class Ground {
  public:
   /// Creates the map for a raster.

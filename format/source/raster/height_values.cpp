@@ -17,8 +17,8 @@ constexpr double common_marker = -9999;
 /// Further numbers that mark missing heights unless they would be a usual height.
 constexpr auto markers = std::to_array<double>({-9999, -32768, -32767, -99999, -999999, -2147483648.0, 9999, 32767,
                                                 65535, 99999, 999999, 2147483647.0, 4294967295.0});
-/// The range of heights of almost all of the earth's surface, then the range of all of it with a margin. The Challenger
-/// Deep is at -10,935 m, Mount Everest at 8,849 m.
+/// The range of usual heights contains almost all of the earth's surface. The range of plausible heights contains
+/// the whole surface, with a margin. The Challenger Deep is at -10,935 m, Mount Everest at 8,849 m.
 constexpr double lowest_usual_m = -9500, highest_usual_m = 9200;
 constexpr double min_plausible_m = -11500, max_plausible_m = 9500;
 /// The min distance from all other heights at which a single height is reported as suspicious.

@@ -1,4 +1,4 @@
-/// Selection of the colour bands of an orthophoto, and of the range of their values, which maps them to 8 bits.
+/// Selection of the colour bands of an orthophoto, and of the range of values that is mapped to 8 bits.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct OrthoBands {
 
 /// Selects bands by the colour interpretations, the palette and the data type of a raster. Reads a sample of pixels of
 /// 16-bit bands.
-/// Errors  InputError(file, "ortho"): the range of the colours is unknown, or they are not red, green and blue.
+/// Errors  InputError(file, "ortho"): the range of the colours is unknown, or the colours are not red, green and blue.
 OrthoBands ortho_bands(const std::filesystem::path& file, GDALDataset& dataset);
 
 }  // namespace gigabake

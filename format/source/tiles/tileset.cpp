@@ -28,7 +28,7 @@ constexpr std::uint64_t max_external_bytes = std::uint64_t(1) << 32, min_externa
 
 constexpr std::uint64_t content_bytes = sizeof(TilesetContent) + sizeof(TileRef) + 64;
 
-/// State that a tile inherits.
+/// State that a tile inherits from its parent.
 struct Context {
   SourceFiles files;
   Path file;
@@ -193,7 +193,7 @@ class Reader {
     }
     if (is_leaf) return own;
     if (!own.contents.empty() && !own.is_missing_some) return own;  // replaces the whole subtree
-    out_.skipped.resize(listed);                                    // own content is not used: unlist its faults
+    out_.skipped.resize(listed);                                    // own content is unused: removes its faults
     finer.is_missing_some = true;
     return finer;
   }
@@ -245,7 +245,7 @@ class Reader {
 
   Subtree read_content(const std::string& uri, const std::string& where, const Context& here) {
     const std::string key = where + ".content.uri";
-    if (uri.empty()) {  // names no surface that the content of an ancestor could replace
+    if (uri.empty()) {  // an empty URI names no surface, so the content of an ancestor need not replace it
       skip(here, key, "is empty or missing", false);
       return {};
     }
@@ -373,7 +373,7 @@ class Reader {
     out_.skipped.push_back({name_in(root_, here.file) + ": " + key, cause, informative});
   }
 
-  Path root_;  ///< names of missing contents are relative to it
+  Path root_;  ///< names of skipped contents are relative to this folder
   Tileset& out_;
   const Progress& progress_;
   TilesetInclusions inclusions_;
@@ -381,7 +381,7 @@ class Reader {
     std::string uri;
     Path base, path;
   } last_;                        ///< last resolved URI
-  std::vector<Path> open_files_;  ///< from the first tileset to the one being read
+  std::vector<Path> open_files_;  ///< from the first tileset to the current tileset
   std::uint64_t tiles_ = 0, external_bytes_ = 0;
   MemoryClaim memory_;
 };

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
 
-/// Returns the centre of a region, which may cross the antimeridian (then west > east).
+/// Returns the centre of a region. If the region crosses the antimeridian, west is greater than east.
 Point<Ecef> region_centre(const JsonMembers& volume, const std::array<double, 6>& region) {
   const double west = region[0], south = region[1], north = region[3];
   double east = region[2];

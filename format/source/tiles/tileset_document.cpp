@@ -72,7 +72,7 @@ class TileCollector {
 
   bool fold(const std::vector<OpenJson>& around, Json& complete) {
     if (!is_tile(around)) return false;
-    const std::size_t depth = around.size() / 2;  // below the root
+    const std::size_t depth = around.size() / 2;  // number of levels below the root
     below_.resize(std::max(below_.size(), depth + 2));
     TilesetTile tile = tile_of(file_, complete, where_of(around));
     tile.children = std::move(below_[depth + 1]);

@@ -78,8 +78,8 @@ std::string short_number(double v) {
   return text.str();
 }
 
-/// Returns sample points of a rectangle of pixels, first its centre. Corners of a raster may lie outside the domain of
-/// its projection.
+/// Returns sample points of a rectangle of pixels. The first point is the centre, because corners of a raster may lie
+/// outside the domain of the projection.
 std::vector<std::pair<double, double>> sample_points(double column, double row, double columns, double rows) {
   constexpr int steps = 6;
   std::vector<std::pair<double, double>> out{{column + columns / 2, row + rows / 2}};
@@ -94,8 +94,8 @@ std::vector<std::pair<double, double>> sample_points(double column, double row, 
                        "); set the right one in the scene file");
 }
 
-/// Returns the origin of a part: its first sample point that can be located, usually the centre. Checks the distance of
-/// neighbouring pixels there in metres.
+/// Returns the origin of a part: its first sample point that can be located, usually the centre. Checks the distance in
+/// metres of neighbouring pixels at this point.
 /// Errors  InputError: no sample point can be located, or the distance is implausible for the coordinate system.
 Geodetic checked_origin(const DemPart& part, const Grid& grid, const Ground& ground) {
   for (const auto& [c, r] : sample_points(part.column, part.row, part.columns - 1, part.rows - 1)) {
@@ -122,7 +122,8 @@ Geodetic checked_origin(const DemPart& part, const Grid& grid, const Ground& gro
 }
 
 /// Returns the positions of a tile's vertices in the frame of the raster, row by row. Vertices without a value are at
-/// the origin of the tile. Corners of a global raster whose heights do not exist on the earth become holes.
+/// the origin of the tile. Vertices that cannot be located on the earth, such as the corners of a global raster, become
+/// holes.
 std::vector<Point<Scene>> places(const DemTile& tile, const Ground& ground, std::vector<double>& height_m,
                                  std::vector<std::string>& warnings) {
   bool is_off_earth = false;

@@ -10,8 +10,8 @@ namespace gigabake {
 
 /// Returns the heights of a tile's vertices above the ellipsoid, row by row; NaN for vertices without a value.
 /// Opens only parts of the surface that overlap the tile.
-/// Errors  InputError: a part cannot be read or was changed since it was opened, or `is_on_earth` and a height does not
-///         occur on earth.
+/// Errors  InputError: a part cannot be read or was changed since it was opened. Also if `is_on_earth` is true and a
+///         height does not occur on earth.
 std::vector<double> read_heights(const DemTile& tile, bool is_on_earth, std::vector<std::string>& warnings);
 
 /// Returns true if a window of columns × rows pixels is known to have no value. For this, a sparse file must omit all

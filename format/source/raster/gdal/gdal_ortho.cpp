@@ -167,7 +167,7 @@ class TileImage {
   std::vector<std::uint8_t> rgb_;
 };
 
-/// Returns whether `transformer` maps at least one of 33 × 33 points of a grid of pixels into the other grid.
+/// Returns whether `transformer` maps a point of one pixel grid into the other pixel grid. Tests 33 × 33 points.
 bool reaches(void* transformer, int direction, int columns, int rows, double other_columns, double other_rows) {
   constexpr int steps = 32;
   std::vector<double> x, y, z;
