@@ -47,8 +47,8 @@ Part triangle_part(const LatticeVertex& origin, const std::array<float, 9>& posi
   return part;
 }
 
-/// Returns a part with unit vectors as vertices and the triangle as columns of the map: its integers stay exact.
-/// The origin lies behind the triangle, so that the map does not mirror.
+/// Returns a part whose vertices are unit vectors. The columns of its map are the triangle's vertices minus an origin,
+/// so that large integers stay exact. The origin lies behind the triangle, so that the map does not mirror.
 Part wide_triangle_part(const Triangle& t) {
   const auto n = normal_of(t);
   int w = 0;

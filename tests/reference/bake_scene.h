@@ -39,13 +39,14 @@ class BakeScene {
   /// Returns the index of the material. Material 0 always exists and is opaque white.
   std::uint32_t add_material(const kernels::MaterialView& material);
   std::uint32_t add_colour(const Rgba16& linear, AlphaMode mode = AlphaMode::opaque);
-  /// Adds a material with this square texture (sRGB bytes, straight alpha).
+  /// Adds the material with a texture of sRGB bytes with straight alpha.
   std::uint32_t add_textured(kernels::MaterialView material, std::vector<std::uint8_t> rgba, int width, int height);
 
   Part& add_part(Part part);
   /// Adds the triangle as a separate part. Coordinates are integers up to 2^52 and stay exact.
   Part& add_triangle(const Triangle& t, std::uint32_t material = 0);
-  /// Adds the mesh as one part. Coordinates are below 2^24 from `origin`.
+  /// Adds the mesh as one part.
+  /// Range   Coordinates relative to `origin` are below 2^24.
   Part& add_mesh(const std::vector<Triangle>& mesh, std::uint32_t material = 0, const LatticeVertex& origin = {});
 
   void set_window(const Voxel& min, std::uint32_t edge);
@@ -63,7 +64,7 @@ class BakeScene {
   std::deque<kernels::Texture> textures_;
 };
 
-/// Returns every voxel of a level, with constant nodes expanded. Positions are lod-`lod` voxels of the lattice.
+/// Returns every voxel of a level, with constant nodes expanded. Positions count voxels of level `lod` on the lattice.
 VoxelMap voxels_at(const kernels::CellVolume& volume, const kernels::CellParameters& parameters, int lod);
 
 std::set<Voxel> positions_of(const VoxelMap& voxels);

@@ -26,7 +26,7 @@ int max_step(SurfaceRule rule, const std::vector<Triangle>& mesh) {
 
 std::size_t index_of(const Voxel& v) { return std::size_t(v[0] + edge * (v[1] + edge * v[2])); }
 
-/// Returns the voxels of the window [0, 32)³ that an empty path connects with its border.
+/// Returns the voxels of the window [0, 32)³ that a path of empty voxels connects with the window's border.
 std::vector<bool> flooded(const std::set<Voxel>& occupied, int step) {
   std::vector<bool> wet(edge * edge * edge);
   std::vector<Voxel> front;

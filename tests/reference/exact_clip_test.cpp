@@ -1,4 +1,4 @@
-/// Tests of the reference against facts that need no clipper: witnesses, sums and known closed forms.
+/// Tests the reference without another clipper: by the points of pieces, by sums of areas and by closed forms.
 #include "bench/exact/exact_clip.h"
 
 #include <cmath>
@@ -30,7 +30,7 @@ bool inside(const RationalPoint& p, const Voxel& voxel) {
   return true;
 }
 
-/// Returns true if the point is in the closed triangle: it splits it into three triangles whose area vectors add up.
+/// Returns true if p is in the closed triangle. Then p splits it into three triangles whose area vectors add up.
 bool inside(const RationalPoint& p, const Triangle& t) {
   Polygon corner(3);
   for (int k = 0; k < 3; ++k)

@@ -22,8 +22,8 @@ Part min_triangles(std::size_t count, const std::array<float, 3>& corner, std::u
   return part;
 }
 
-/// The 17 million triangles are sorted by colour: float, or a sum that saturates, would ignore the last ones. Exactly a
-/// third of the area is red, and the large triangle counts by its area.
+/// The 17 million triangles are sorted by colour. A sum in float, or a sum that saturates, would ignore the last
+/// triangles. The large triangle counts by its area.
 TEST(ManyTriangles, SeventeenMillionInOneVoxelAverageExactly) {
   constexpr std::size_t million = 1000000;
   BakeScene scene;
@@ -63,7 +63,8 @@ TEST(OneTriangle, AMillionVoxelsWideOccupiesExactlyItsPlaneInAWindowOf1024) {
   const mpz_class rise_x = abs(n[0]), rise_y = abs(n[1]);
   for (long j = -512; j < 512; ++j)
     for (long i = -512; i < 512; ++i) {
-      // In the open column, the plane lies strictly between these heights times n[2]. The triangle covers the window.
+      // Over the open column of voxel (i, j), the plane's height times 2 n[2] lies strictly between low2 and high2. The
+      // triangle covers the window.
       const mpz_class centre2 = 2 * offset - n[0] * (512 * i + 256) - n[1] * (512 * j + 256);
       const mpz_class low2 = centre2 - 256 * (rise_x + rise_y), high2 = centre2 + 256 * (rise_x + rise_y);
       mpz_class first, last;
@@ -86,8 +87,8 @@ TEST(OneTriangle, ASliverAcrossAMaxWindowCostsItsLength) {
   EXPECT_LE(volume.stats.pairs, 8u * 1024);  // a brick on the diagonal touches seven others
 }
 
-/// A triangle with neighbouring Fibonacci numbers as edges: two edges of 2^28 sub-voxels span half a sub-voxel². Double
-/// loses more than this area in the products of the edges. A single colour must stay unchanged.
+/// A triangle whose edges are neighbouring Fibonacci numbers: two edges of 2^28 sub-voxels span half a sub-voxel². In
+/// double, the products of the edges lose more than this area. A single colour must stay unchanged.
 class FibonacciSliver : public testing::Test {
  protected:
   static constexpr Triangle sliver{{{0, 0, 100}, {267914296, 165580141, 100}, {165580141, 102334155, 100}}};

@@ -15,7 +15,8 @@ using namespace gigabake::kernels;
 
 constexpr double weight_unit = 68719476736.0;  // 2^36
 
-/// Bounds in voxel² on the error apart from rounding to a weight: for triangles of a few and of a million voxels.
+/// Bounds on the error of an area before it is rounded to a weight, in voxel²: for triangles a few and a million voxels
+/// wide.
 constexpr double small_bound = 1e-14, large_bound = 1e-9;
 
 struct Weighed {
@@ -129,7 +130,8 @@ TEST(FragmentWeightsOfAMesh, AddUpToItsArea) {
 
 class FragmentCentroids : public testing::TestWithParam<Family> {};
 
-/// The test has fragments from about a sub-voxel² (1.5e-5) on. Centroids of smaller fragments move no visible colour.
+/// The test covers fragments of at least 1e-5 voxel², two thirds of a sub-voxel². Centroids of smaller fragments cause
+/// no visible change of colour.
 TEST_P(FragmentCentroids, AreTheExactOnesWithinAThousandthOfAVoxel) {
   const std::uint64_t seed = 71;
   Rng rng(seed);

@@ -7,7 +7,8 @@
 
 namespace gigabake::reference {
 
-/// Returns one voxel² as two triangles at height z, inside voxel (0, 0, z/256), facing up.
+/// Returns a horizontal square of one voxel², as two triangles in voxel (0, 0, z/256) that face up. Its height is z
+/// sub-voxels.
 inline std::vector<Triangle> sheet_at(std::int64_t z) {
   return {{{{0, 0, z}, {256, 0, z}, {256, 256, z}}}, {{{0, 0, z}, {256, 256, z}, {0, 256, z}}}};
 }
@@ -19,7 +20,7 @@ inline std::vector<Triangle> reversed(std::vector<Triangle> mesh) {
 
 inline VoxelMap baked(const BakeScene& scene) { return voxels_at(scene.bake(), scene.parameters, 0); }
 
-/// Returns the scene's only voxel. Otherwise reports a failure and returns zeros.
+/// Returns the scene's only voxel. If the scene has no voxel or several, reports a failure.
 inline BakedVoxel only_voxel(const BakeScene& scene) {
   const VoxelMap voxels = baked(scene);
   EXPECT_EQ(voxels.size(), 1u);

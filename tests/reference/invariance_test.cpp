@@ -152,7 +152,8 @@ TEST_P(Invariance, HoldsForAShiftOfSceneAndWindowByWholeVoxels) {
   }
 }
 
-/// A shift by one voxel, which is no multiple of a brick, moves every voxel of lod 0 and changes none.
+/// A shift by 1, 2 and 3 voxels along x, y and z is no multiple of a brick. It moves every lod-0 voxel and changes
+/// none.
 TEST_P(Invariance, HoldsForLodZeroUnderAShiftByOneVoxel) {
   BakeScene moved = make_scene(GetParam(), seed);
   for (Part& part : moved.parts())

@@ -26,7 +26,7 @@ struct Octet {
   std::array<const Raster*, 8> raster{};
 };
 
-/// The raster of a coarse voxel before downsampling, and the visible amount of each child from the six sides.
+/// The raster of a coarse voxel before downsampling, and the area of each child that is visible from the six sides.
 struct Views {
   Raster fine;
   std::array<long, 8> seen{};
@@ -82,7 +82,7 @@ std::map<Voxel, Octet> octets_of(const VoxelMap& fine, const Rasters& rasters) {
   return out;
 }
 
-/// Returns the voxels of a level below each voxel that is `levels` coarser.
+/// Returns the voxels of a level, grouped by the voxel that contains them and is `levels` levels coarser.
 std::map<Voxel, Finer> finer_of(const VoxelMap& fine, int levels) {
   std::map<Voxel, Finer> out;
   for (const auto& [p, v] : fine) out[{p[0] >> levels, p[1] >> levels, p[2] >> levels}].push_back(&v);
@@ -111,7 +111,8 @@ void expect_mean(const BakedVoxel& parent, const Finer& finer, const std::vector
   }
 }
 
-/// Checks a parent against its finer voxels. places: the number of places for finer voxels, empty ones included.
+/// Checks a parent against its finer voxels. `places` is the number of finer voxels that fit into the parent, whether
+/// they exist or not.
 void expect_parent_by_mean(const BakedVoxel& parent, const Finer& finer, int places, MipFilter filter) {
   std::vector<double> alpha;
   double mean = 0;
@@ -236,7 +237,8 @@ TEST_P(Levels, OfAFilledBlockAreOneLeafAndExpandToEveryVoxel) {
   expect_levels(scene, volume);
 }
 
-/// One voxel has a triangle of another colour: branches around it stay leaves, unlike the branch to it.
+/// One voxel has a triangle of another colour. Only the branch to this voxel is expanded; the other branches stay
+/// leaves.
 TEST_P(Levels, OfAFilledBlockWithOneOddVoxelKeepTheOddVoxel) {
   BakeScene scene = empty_scene({0, 0, 0}, 64);
   fill(scene, {0, 0, 0}, {64, 64, 64}, 0);
@@ -288,7 +290,7 @@ CellVolume bake_sheet(BakeScene& scene, std::size_t axis, std::int64_t layer, st
   return scene.bake();
 }
 
-/// Expected values: 1, ½^½, (16/64)^(1 - 16/64), then m^(1 - m) where m is a quarter of the value two levels below.
+/// Expected alphas: 1, ½^½, (16/64)^(1 - 16/64), then m^(1 - m), where m is a quarter of the alpha two levels below.
 TEST(LevelsByThesis, OfAFlatOpaqueSheetAreTheThesissInCellsOfEverySize) {
   const std::array<double, 5> thesis{1, .707, .354, .240, .110};
   const std::array<int, 7> code{255, 180, 90, 61, 28, 18, 8};

@@ -87,7 +87,7 @@ Direction exact_normal(const Part& part) {
   return {double(n[0] / length), double(n[1] / length), double(n[2] / length)};
 }
 
-/// Returns false if the snap leaves no area.
+/// Snaps the part's first triangle. Returns false if the snapped triangle has no area.
 bool snapped(const PartArrays& part, WindowTriangle& out) {
   BakeScene scene;
   const CellWindow window = window_of(scene.parameters);
@@ -103,7 +103,7 @@ Direction as_direction(const std::int16_t n[3]) { return {double(n[0]), double(n
 struct Shape {
   const char* name;
   double length, width;  ///< sub-voxels
-  double snapped_deg;    ///< min error of the snapped vertices' normal, for the worst triangle
+  double snapped_deg;    ///< the snapped normal of the worst triangle is off by at least this angle
 };
 
 constexpr Shape shapes[] = {{"of 1/8 voxel", 32, 32, 5},
@@ -138,7 +138,7 @@ TEST(TriangleNormal, IsThatOfTheVerticesBeforeTheSnap) {
 TEST(TriangleNormal, IsTheSnappedOneWhereTheSceneHasNoArea) {
   Part part;
   part.index = {0, 1, 2};
-  part.position = {0, 0, 0, 100.3f, 100.3f, 0, 200.6f, 200.6f, 0};  // on a line, but not after a shift by a third
+  part.position = {0, 0, 0, 100.3f, 100.3f, 0, 200.6f, 200.6f, 0};  // collinear before the snap, but not after it
   part.scene_from_local = {1, 0, 0, 0, 0.7, 0.1, 0, 0.45, 0, 0, 1, 0};
   const PartArrays arrays = arrays_of(part);
   WindowTriangle w;
@@ -169,7 +169,7 @@ TEST(TriangleNormal, HasTheSameBitsFromWhereverItIsAskedFor) {
   }
 }
 
-/// The scene has a triangle an eighth of a voxel large in the middle of every third voxel.
+/// The scene has a triangle of an eighth of a voxel in the middle of every third voxel along each axis.
 TEST(VoxelNormal, IsThatOfItsSmallTriangle) {
   const std::uint64_t seed = 63;
   Rng rng(seed);

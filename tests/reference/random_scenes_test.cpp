@@ -22,7 +22,8 @@ Rgba16 random_colour(Rng& rng) {
   return c;
 }
 
-/// Returns alpha from a tenth up, so that the error of a premultiplied colour in 16 bits stays small.
+/// Returns a random triangle with colours. Alpha is at least a tenth, so that the rounding error of a premultiplied
+/// colour in 16 bits stays small.
 Painted random_painted(Family family, const Window& window, Rng& rng) {
   Painted p{random_triangle(family, window, rng), random_colour(rng), AlphaMode(uniform(rng, 0, 2)), {}};
   p.colour[3] = std::uint16_t(uniform(rng, 6554, 65535));
@@ -36,7 +37,7 @@ Painted random_painted(Family family, const Window& window, Rng& rng) {
 
 void expect_voxel(const BakedVoxel& baked, const ExpectedVoxel& expected) {
   ASSERT_LE(std::abs(baked.rgba[3] - 255 * expected.alpha()), 0.501);
-  // Premultiplied colours are rounded to 1/65535: at most 0.05 codes over alpha, where sRGB is steepest.
+  // Rounding premultiplied colours to 1/65535 changes a colour by at most 0.05 / alpha codes, where sRGB is steepest.
   for (int c = 0; c < 3; ++c)
     ASSERT_LE(code_error(baked.rgba[c], expected.linear(c)), 0.55 + 0.1 / expected.alpha()) << "channel " << c;
   if (expected.certainty() > 1e-2) {

@@ -11,7 +11,8 @@
 
 namespace gigabake::reference {
 
-/// Coverage of a voxel along each axis, in cells of the plane of the other two axes; the lower axis varies first.
+/// Coverage of a voxel along each axis, in cells of the plane of the other two axes. The lower of these axes varies
+/// fastest.
 struct Raster {
   int edge = 1;
   std::array<std::vector<int>, 3> cells;
@@ -26,8 +27,9 @@ inline Raster blank_raster(int edge) {
   return r;
 }
 
-/// Returns the coverage of a voxel of lod 0 along an axis. A translucent voxel is part of a layer that crosses 1/|n|
-/// voxels of a column on average, where |x| + |y| + |z| = 1. Together these voxels cover as much as the layer.
+/// Returns the coverage of a voxel of lod 0 along an axis. A translucent voxel is part of a layer with a normal n, |x|
+/// + |y| + |z| = 1. The layer crosses 1/|n[axis]| voxels of a column on average, and they cover together as much as the
+/// layer.
 inline int coverage_of(const BakedVoxel& v, int axis) {
   if (v.rgba[3] == 255) return 255;
   double n[3];

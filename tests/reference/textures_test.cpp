@@ -102,7 +102,7 @@ bool turns_left(const LatticeVertex& a, const LatticeVertex& b, const LatticeVer
   return (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// Returns the square after random triangles of it were split in three at a point inside, up to `count` triangles.
+/// Returns the square cut into at least `count` triangles. Random triangles are split in three at an inner point.
 std::vector<Triangle> cut_sheet(std::size_t count, Rng& rng) {
   std::vector<Triangle> all = sheet();
   while (all.size() < count) {
@@ -160,7 +160,7 @@ Picture noise(int width, int height, Rng& rng, int darkest = 0, int brightest = 
   return p;
 }
 
-/// Returns waves of about 16 texels. Adjacent texels are similar, as in photographs, also across a repeat.
+/// Returns sine waves of about 16 texels. Adjacent texels are similar, as in photographs, also if the image repeats.
 Picture waves(int width, int height) {
   Picture p{width, height, {}};
   const double turn = 2 * std::numbers::pi, a = turn * (width / 16) / width, b = turn * (height / 20) / height;
@@ -177,7 +177,7 @@ struct Case {
   MaterialView material;
   Mapping map;  ///< from positions on the square in voxels
   double worst, mean, bias;
-  double worst_cut = 0;  ///< for the square cut into 1,000 triangles; 0: equal to `worst`
+  double worst_cut = 0;  ///< `worst` for the square cut into 1,000 triangles; 0: equal to `worst`
 };
 
 MaterialView with(AlphaMode mode, Wrap s = Wrap::repeat, Wrap t = Wrap::repeat) {
@@ -306,8 +306,8 @@ struct Sheet {
   const char* name;
   Picture picture;
   double texels;  ///< per voxel
-  int codes;      ///< max difference of colours and blended alpha
-  double tested;  ///< max error of an alpha test's coverage
+  int codes;      ///< max difference of colours, and of alphas of blended materials
+  double tested;  ///< max error of alpha under an alpha test, 0 … 1
 };
 
 /// Returns squares with uneven textures. Each voxel of the first square shows the whole image.
@@ -363,8 +363,8 @@ TEST(Texture, OfAnAlphaTestCoversWhatItShouldWithinTheStatedBound) {
   }
 }
 
-/// Green chart in the corner of a red image, sampled up to half a texel from the red texels. Up to this distance a
-/// bilinear texture has no red.
+/// A green chart in the corner of a red image is sampled up to half a texel from the red texels. Within this limit,
+/// bilinear sampling reads no red.
 TEST(Texture, OfAChartHasLittleOfItsNeighbours) {
   const std::uint64_t seed = 116;
   Rng rng(seed);

@@ -17,7 +17,7 @@ Triangle near(const LatticeVertex& c, std::int64_t reach, Rng& rng, std::int64_t
   return {vertex_near(c, reach, rng, step), vertex_near(c, reach, rng, step), vertex_near(c, reach, rng, step)};
 }
 
-/// Returns a tiny triangle at the voxel corner c. Its middle lies randomly near a corner, near a face or inside.
+/// Returns a tiny triangle near a voxel corner c: around c itself, or around a random point within a voxel of c.
 Triangle tiny(const LatticeVertex& c, Rng& rng) {
   const LatticeVertex middle = uniform(rng, 0, 1) ? c : vertex_near(c, voxel_edge, rng);
   return near(middle, uniform(rng, 1, 60), rng);
@@ -49,7 +49,8 @@ Triangle edge_through(const LatticeVertex& c, Rng& rng) {
   return t;
 }
 
-/// Moves each vertex along z into the plane a·x + b·y + z = const through the corner c.
+/// Returns a triangle whose vertices are moved along one axis into a plane through the corner c. If the axis is z, the
+/// plane is a·x + b·y + z = const.
 Triangle diagonal(const LatticeVertex& c, Rng& rng) {
   const std::int64_t a = uniform(rng, -2, 2), b = uniform(rng, -2, 2);
   Triangle t = near(c, 2 * voxel_edge, rng);
@@ -61,7 +62,7 @@ Triangle diagonal(const LatticeVertex& c, Rng& rng) {
   return t;
 }
 
-/// Shifts a huge triangle so that a random mean of its vertices lies at the corner c.
+/// Returns a huge triangle that is shifted so that a random weighted mean of its vertices lies at c.
 Triangle large(const LatticeVertex& c, Rng& rng, std::int64_t step) {
   Triangle t = near({0, 0, 0}, million_voxels / 2, rng, step);
   std::int64_t w[3] = {uniform(rng, 0, 8), uniform(rng, 0, 8), uniform(rng, 0, 8)};

@@ -1,4 +1,4 @@
-/// Random triangles by family. Each family tests one way to get a yes/no decision wrong.
+/// Random triangles by family. Each family tests one possible error in deciding whether a triangle overlaps a voxel.
 #pragma once
 
 #include <random>
@@ -20,7 +20,7 @@ enum class Family {
   edge_through_corner,  ///< an edge passes exactly through a voxel corner
   diagonal_plane,       ///< in a plane such as x + y + z = 256k or x = y, which passes through corners and edges
   large,                ///< a million voxels wide, seen through a small window
-  large_lattice,        ///< the same with every vertex on a voxel corner
+  large_lattice,        ///< like `large`, with every vertex on a voxel corner
 };
 
 inline constexpr Family all_families[] = {Family::tiny,

@@ -37,7 +37,7 @@ class ScanCacheTest : public ::testing::Test {
                                                         R"(%20.bin"}], "images": [{"uri": "skin.png"}]})");
     write_text(folder / "scene" / (name + " .bin"), "positions of " + name);
   }
-  /// Returns the same result as scan_tile(); `settled`: as if the files were old.
+  /// Returns a result like that of scan_tile(). If `settled`, all files count as unchanged for a long time.
   TileScan scan(std::uint32_t tile, bool settled = true) const {
     TileIdentity identity = identify_tile(sources.tiles[tile], sources.root);
     TileScan s;

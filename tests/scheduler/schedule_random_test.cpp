@@ -19,7 +19,7 @@ class Ordeal {
   Ordeal(unsigned seed, const std::vector<CellJob>& jobs)
       : random_(seed), jobs_(jobs), schedule_(jobs, {}), times_done_(jobs.size()) {}
 
-  /// Runs the simulation. Returns the log of all answers: the same for the same seed.
+  /// Runs the simulation. Returns the log of all answers, which depends only on the seed.
   std::string run() {
     for (int step = 0; step < 200000 && !schedule_.is_over() && !testing::Test::HasFatalFailure(); ++step) {
       now_s_ += 0.1;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t estimate_seed = 20261122;
 
-/// A scene of forty tiles of up to sixty columns, each with its own number of voxels per projected voxel.
+/// A scene of forty tiles with up to sixty columns. Each column has a different number of voxels per projected voxel.
 struct MadeScene {
   std::vector<TileScan> scans;
   std::vector<std::vector<double>> voxels;  ///< by tile and column_x
@@ -58,7 +58,7 @@ struct MadeScene {
             0.2,        0.1};
   }
 
-  /// Bakes the first `pieces` sample cells of the first `tiles` of the order.
+  /// Bakes the first `pieces` sample cells of the first `tiles` tiles in random order.
   BakedSample sample(std::size_t tiles, std::size_t pieces, std::uint64_t draw) const {
     std::vector<TileScan> chosen;
     for (const std::uint32_t t : weighted_order(weights(), draw))
@@ -102,7 +102,8 @@ TEST(SizeEstimate, CountsShardsAndSharesWorkAmongRanks) {
   EXPECT_EQ(e.voxels_lod0, 800u);
   EXPECT_EQ(e.voxels, 1200u);
   EXPECT_EQ(e.bytes, 1200u * 3 + 7 * 1000);
-  // Stages of 4 s took 2 s. There are 40 triangles to read for 30 that were read, and four times the voxels.
+  // The stages of the sample add up to 4 s and took 2 s. The scene has 40 triangles, of which 30 were read, and four
+  // times the voxels of the sample.
   ASSERT_TRUE(e.bake_s);
   EXPECT_NEAR(*e.bake_s, 0.5 * (1.0 * 40 / 30 + 3.0 * 4) / 2, 1e-9);
 }

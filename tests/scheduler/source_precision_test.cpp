@@ -8,7 +8,7 @@
 namespace gigabake {
 namespace {
 
-/// A scene with forty placements of thirty files; the last placement of file f is the coarsest, 2^-f m.
+/// A scene with forty placements of thirty files. The last placement of file f has the coarsest resolution, 2^-f m.
 struct Placements {
   SceneSources sources;
   std::vector<TileScan> scans;

@@ -23,7 +23,7 @@ struct End {
   bool is_last = false;  ///< whether it is the worker's last part
 };
 
-/// Workers take the next part as soon as they can.
+/// Returns the ends of all parts in order of time. An idle worker takes the next part at once.
 std::vector<End> ends_of(const Replay& r) {
   std::vector<double> free_s(r.workers, r.first_s - 1);
   std::vector<End> ends;
@@ -43,7 +43,8 @@ struct Band {
   std::size_t estimates = 0;
 };
 
-/// Checks ten times per part, until a tenth of the time is left. A remaining time below a minute is printed in seconds.
+/// Returns the bounds of the estimates, which are made ten times per second until a tenth of the time is left. A
+/// remaining time below a minute is printed in seconds.
 Band replay(const Replay& r) {
   const std::vector<End> ends = ends_of(r);
   const double all_s = ends.back().at_s;

@@ -22,7 +22,7 @@ struct Paint {
   std::array<std::int8_t, 2> normal{0, 0};  ///< octahedral; 0,0 is up
 };
 
-/// Returns the content of the lod-0 voxel x, y, z of the lattice.
+/// A function that returns the content of the lod-0 voxel x, y, z of the lattice, or nullopt if the voxel is empty.
 using Painter = std::function<std::optional<Paint>(std::int64_t x, std::int64_t y, std::int64_t z)>;
 
 /// A scene in memory. A voxel is a metre wide, and the lattice's corner is the scene's origin.
@@ -37,8 +37,8 @@ class VoxelScene {
   /// Adds the cells of the cube [min, min + edge).
   void add_cells(const Painter& paint, const Vec3i64& min, std::int64_t edge);
 
-  /// Adds the levels from first_lod up of the cube [min, min + edge), computed from the cells; call this after adding
-  /// all cells. The first `copied` levels are duplicated levels.
+  /// Adds an overview of the cube [min, min + edge) with the levels from first_lod up, computed from the cells. Call
+  /// this after adding all cells. The first `copied` levels are duplicated levels.
   void add_overview(const Painter& paint, const Vec3i64& min, std::uint32_t edge, int first_lod, int copied = 0);
 
   const SceneDescription& description() const { return description_; }

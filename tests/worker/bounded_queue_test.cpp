@@ -68,7 +68,7 @@ TEST(BoundedQueue, LetsAGiverGoAheadByItsRoom) {
   giver.join();
 }
 
-/// A producer is blocked until its own value is taken, not another one.
+/// push() returns only after its own value is taken, not after another producer's value is taken.
 TEST(BoundedQueue, HoldsEachOfSeveralGivers) {
   BoundedQueue<int> handoff;
   std::atomic<int> given{0};

@@ -53,8 +53,8 @@ class CellPipelineTest : public testing::Test {
     return out;
   }
 
-  /// Returns the job of the levels above the cells. The cells' stacks begin at voxels that are no multiples of its
-  /// bricks.
+  /// Returns the job of the overview above the cells. The cells' stacks begin at voxels that are no multiples of the
+  /// overview's bricks.
   static CellJob overview_of(const std::vector<CellJob>& cells) {
     CellJob job;
     job.id = std::uint32_t(cells.size());
@@ -295,8 +295,8 @@ TEST_F(CellPipelineTest, TellsOfEveryReport) {
   for (std::size_t i = 0; i < cells.size(); ++i) EXPECT_TRUE(pipeline.poll());
 }
 
-/// Damage inside the texels is found only when they are decoded. A file that is no image is found by the scan, and is
-/// grey.
+/// Damage inside an image is found only when the image is decoded. The scan finds a file that is no image, which is
+/// then replaced by grey.
 TEST_F(CellPipelineTest, NamesTheImageThatItCannotDecode) {
   GlbMesh mesh = rolling_ground(32, 0, 0);
   mesh.image = checkered_png(64);
@@ -318,7 +318,7 @@ TEST_F(CellPipelineTest, ReportsACellWithoutVoxelsAsEmptyAndWritesNothing) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "out" / "shards"));
 }
 
-// 2026-11-22: such a triangle failed every cell that it overlaps.
+// 2026-11-22: a triangle that extends too far caused every cell that it overlaps to fail.
 TEST_F(CellPipelineTest, LeavesOutTrianglesThatReachTooFarWhateverTheCell) {
   GlbMesh mesh = rolling_ground(32, 0, 0);
   const auto cells = jobs();

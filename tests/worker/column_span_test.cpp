@@ -25,7 +25,8 @@ Columns columns_of(const LatticeTriangle& t, const ColumnGrid& grid) {
   return found;
 }
 
-/// Visits the voxels of one triangle that the kernels bake in a window at 0,0,0; vertices must be exact as float.
+/// Calls visit for each voxel that the kernels bake of a triangle, in a window at 0,0,0. Vertices must be exact as
+/// float.
 template <class Visit>
 void for_each_baked_voxel(const LatticeTriangle& t, SurfaceRule rule, const Visit& visit) {
   std::vector<float> position;

@@ -16,7 +16,7 @@ Instance scaled_by(double x, double y, double z) {
   return instance;
 }
 
-/// Returns the spacing of a float with 24 bits, computed from its exponent instead of its neighbours.
+/// Returns the distance from a float to the next float of larger magnitude, computed from its exponent.
 double spacing_of(float v) {
   int exponent = 0;
   std::frexp(v, &exponent);

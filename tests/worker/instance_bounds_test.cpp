@@ -28,7 +28,7 @@ TEST(MayMeet, IsFalseForAPrimitiveWithoutAFinitePosition) {
   EXPECT_FALSE(may_overlap(scene_box(bounds_of(p), Instance{}, parameters), parameters, Box3i64::cube({}, 8)));
 }
 
-/// A triangle under a random rotation, shear and shift lies around the cell's border.
+/// Triangles under random rotations, shears and shifts lie around the cell's border.
 TEST(MayMeet, IsTrueWheneverTheKernelsFindAVoxel) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);

@@ -142,7 +142,7 @@ TEST(Instances, OfACellAreThoseThatComeNearIt) {
   job.cell_voxels = parameters.cell_voxels;
   const LoadedCell cell = loader.load(job);
   EXPECT_GT(cell.parts.size(), 0u);
-  EXPECT_LT(cell.parts.size(), 30u);  // of 3000, 256 m² of 360 000
+  EXPECT_LT(cell.parts.size(), 30u);  // the forest has 3000 trees on 360 000 m², the cell has 256 m²
 }
 
 }  // namespace

@@ -38,8 +38,8 @@ std::vector<Shard> random_children(std::mt19937_64& rng) {
   return children;
 }
 
-/// Finds the child's voxel that contains a lod-0 voxel, by its key. Returns false if there is none. lookup: the memory
-/// that the value may point into.
+/// Finds the voxel of level `lod` in the children that contains the lod-0 voxel v. Returns false if there is none. The
+/// found value may point into `lookup`.
 bool find_in_children(const std::vector<Shard>& children, int lod, const Corner& v, std::optional<LevelLookup>& lookup,
                       VoxelValue& value) {
   for (const Shard& child : children) {
@@ -135,13 +135,14 @@ TEST(ReadChild, ReadsOnlyTheRowsThatTheOverviewCopies) {
   const OverviewChild child = read_child(reader, overview);
   const ColumnReads reads = reader.reads();
 
-  std::size_t copied_nodes = 0, copied_voxels = 0, columns = 5;  // of /above
+  std::size_t copied_nodes = 0, copied_voxels = 0, columns = 5;  // columns of /above
   for (const std::uint8_t lod : cell.nodes.lod) copied_nodes += lod >= 4;
   for (std::size_t lod = 4; lod < cell.levels.size(); ++lod) copied_voxels += cell.levels[lod].rgba.size() / 4;
   ASSERT_EQ(child.copied.coarse.nodes.key.size(), copied_nodes);
   ASSERT_GT(cell.nodes.key.size(), 30 * copied_nodes);
   EXPECT_GE(reads.rows, copied_voxels);
-  // There are mask and first, and per voxel channel a value, a share and their offsets; the nodes have two columns.
+  // Each of the three levels has the columns mask and first, and per voxel channel value, share and offsets. The nodes
+  // have two columns.
   columns += 3 * (2 + 3 * 5);
   const std::uint64_t node_rows = 2 * 4096, brick_rows = columns * (copied_nodes + 1);
   EXPECT_LE(reads.rows, node_rows + brick_rows + 5 * copied_voxels + 5 * cell.above.voxels());
@@ -196,11 +197,11 @@ TEST(ChildOf, AShardInMemoryIsWhatIsReadOfItsFile) {
   }
 }
 
-/// Returns the source data for the box filter, which needs no rasters.
+/// Returns the child's downsample state for the box filter, which needs no coverage masks.
 DownsampleState source_of(const Shard& child) {
   DownsampleState source;
   const int top = int(child.header.lods) - 1;
-  std::map<std::uint32_t, std::vector<std::uint8_t>> rows;  // by bit
+  std::map<std::uint32_t, std::vector<std::uint8_t>> rows;  // by number of the voxel in its brick
   for_each_voxel_of_level(
       child.nodes, child.levels.back(), top,
       [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {

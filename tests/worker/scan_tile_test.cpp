@@ -49,13 +49,13 @@ TEST(ScanTile, HoldsEveryVertexInItsColumnsRangeAndEndsWhereTheGroundEnds) {
   }
 }
 
-/// 2026-11-22: a plan estimates voxels and bytes from these numbers.
+/// 2026-11-22: plans estimate voxels and bytes from the projected voxels of the columns.
 TEST(ScanTile, SaysHowManyVoxelsItsSurfaceCrosses) {
   const ScratchFolder folder;
   GlbMesh floor;  // 20 × 20 m, level: 80 × 80 voxels; x right, z towards the eye
   floor.position = {-10, 0, -10, 10, 0, -10, 10, 0, 10, -10, 0, 10};
   floor.index = {0, 2, 1, 0, 3, 2};
-  GlbMesh slope = floor;  // its height rises by its width: from the side it is as large as from above
+  GlbMesh slope = floor;  // it rises by its width, so it is as large from the side as from above
   slope.position[4] = slope.position[7] = 20;
   const auto crossings = [&](const GlbMesh& mesh) {
     write_glb(folder.path() / "mesh.glb", mesh);

@@ -27,7 +27,6 @@ TileMesh square(float u, float v, double scale, bool textured) {
   return mesh;
 }
 
-/// 2026-11-22
 TEST(TexelSize, IsWhatATexelTakesOfTheSurface) {
   EXPECT_NEAR(texel_size(square(1, 1, 1, true)).mean_m(), 2, 1e-6);    // 2 × 2 texels on 4 × 4 m
   EXPECT_NEAR(texel_size(square(4, 4, 1, true)).mean_m(), 0.5, 1e-6);  // repeated four times

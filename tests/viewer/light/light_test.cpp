@@ -42,12 +42,12 @@ VoxelScene white_town() {
   return scene;
 }
 
-/// Returns the code by IEC 61966-2-1, 0 to 255, not rounded.
+/// Returns the sRGB code of linear light by IEC 61966-2-1, 0 to 255, not rounded.
 double srgb_code(double linear) {
   return 255 * (linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055);
 }
 
-// 2026-11-22: 58 % of a city's pixels were 255.
+// 2026-11-22: 58 % of the channels of a city's pixels were clipped to 255.
 TEST(Light, ShowsAWhiteTownWithoutClippingAndItsWallsApart) {
   const VoxelScene town = white_town();
   FrameRenderer renderer = lit_renderer(town);

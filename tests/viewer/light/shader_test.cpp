@@ -12,7 +12,7 @@
 namespace gigabake {
 namespace {
 
-constexpr int run = 64;  ///< a slope's width; it rises one voxel in two
+constexpr int run = 64;  ///< width of the slope in voxels; it rises one voxel per two
 
 VoxelScene slope() {
   VoxelScene scene(run);
@@ -39,7 +39,7 @@ Picture draw(const VoxelScene& scene, const View& view) {
   return FrameRenderer(scene.description(), "scene.xml", scene.pages(), options).draw_exact(view).picture;
 }
 
-/// Shows position and normal as a colour.
+/// A shader whose colour is z of the position, z of the normal and x of the position.
 struct WhereShader {
   GB_HD void operator()(const kernels::SurfacePoint& at, float rgb[3]) const {
     rgb[0] = float(at.place[2]) * at.there;

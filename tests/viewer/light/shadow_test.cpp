@@ -13,7 +13,7 @@
 namespace gigabake {
 namespace {
 
-constexpr int edge = 128;  ///< of scenes, and of images from above: one voxel per pixel
+constexpr int edge = 128;  ///< edge of scenes, and of images from above, in voxels: one per pixel
 
 Paint white(double x, double y, double z) {
   Paint paint;
@@ -51,8 +51,8 @@ float at(const std::vector<float>& linear, int x, int y) {
   return linear[4 * (std::size_t(edge - 1 - y) * edge + std::size_t(x))];
 }
 
-/// Returns the visible fraction of the light by x, for columns of ground next to a wall along y. Values are means over
-/// the parts of the sun that the pixels of a block sample.
+/// Returns the visible fraction of the light for each column x of ground next to a wall along y. Each value is the mean
+/// over a block of pixels, because each pixel of a block samples a different part of the sun.
 std::vector<double> along_x(const VoxelScene& scene, const kernels::CastLighting& light) {
   std::vector<double> mean(edge - kernels::sun_block);
   for (int shift = 0; shift < kernels::sun_block; ++shift) {
@@ -121,7 +121,7 @@ TEST(Sky, IsSeenWholeFromAnOpenPlaneAndHalfAtTheFootOfAWall) {
   for (const int x : {35, 40, 50}) {
     const double off = x + 0.5 - 32;
     EXPECT_NEAR(at(foot, x, 64), 0.5 + 0.5 * off / std::hypot(off, 100), 0.06)
-        << x;  // of an infinite wall; this wall is 128 long
+        << x;  // closed form of an infinite wall; this wall is 128 long
   }
 }
 

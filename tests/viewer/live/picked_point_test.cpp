@@ -8,8 +8,8 @@
 namespace gigabake {
 namespace {
 
-/// Returns rays of eight by four pixels, 90° high, from 100 voxels of half a metre above the scene's middle, straight
-/// down; north is up.
+/// Returns the rays of an image of 8 × 4 pixels with a vertical field of view of 90°. The eye is 100 voxels, of half a
+/// metre each, above the scene's middle. It looks straight down, and north is up.
 PictureRays straight_down() {
   PictureRays rays;
   rays.camera.width = 8;
@@ -23,7 +23,7 @@ PictureRays straight_down() {
   return rays;
 }
 
-/// Returns level ground 100 voxels below the eye.
+/// Returns an image of level ground 100 voxels below the eye.
 Picture level_ground(const PictureRays& rays) {
   Picture picture = blank_picture(rays.camera.width, rays.camera.height, PictureLight::srgb);
   for (int y = 0; y < 4; ++y)
@@ -42,7 +42,7 @@ TEST(PickedPoint, LiesWhereThePixelsRayEnds) {
   EXPECT_NEAR(point->at_m.z, 300, 1e-4);
   EXPECT_NEAR(point->distance_m, 50 * std::hypot(1, 1.75, 0.75), 1e-4);
   EXPECT_FALSE(point->place);
-  EXPECT_TRUE(picked_point(picture, rays, 1, 1));  // the last pixel has its far corner
+  EXPECT_TRUE(picked_point(picture, rays, 1, 1));  // (1, 1) belongs to the last pixel
   picture.depth[7] = kernels::CastRay::no_depth;
   EXPECT_FALSE(picked_point(picture, rays, 0.99, 0.01));
 }

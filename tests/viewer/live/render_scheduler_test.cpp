@@ -122,7 +122,7 @@ TEST(RenderScheduler, BeginsSmallAndGrowsWithoutMuchMoreThanTheFullPictureTakes)
   }
 }
 
-// 2026-11-22: frames at rest waited a quarter of a second for new data, and as long again to cast missing rays.
+// 2026-11-22: at rest, a frame waited a quarter of a second for new data, and again as long to cast missing rays.
 TEST(RenderScheduler, GivesNewDataMoreTimeTheLongerItRests) {
   RenderScheduler pilot(home(), 0.06);
   double before_s = 0;

@@ -15,7 +15,7 @@ PictureOptions clipped_view(const Clip& clip) {
   return options;
 }
 
-/// Returns the point of the ground, at height 13, that pixel i of the view shows.
+/// Returns x and y of the ground point, at height 13, that pixel i of the view shows.
 std::array<double, 2> place_seen(const VoxelScene& scene, const PictureOptions& options, std::size_t i) {
   const kernels::CastCamera camera = make_camera(options.camera, scene.paged(), scene.pages());
   kernels::CastScene nothing;
@@ -25,8 +25,8 @@ std::array<double, 2> place_seen(const VoxelScene& scene, const PictureOptions& 
   return {line.origin[0] + line.direction[0] * to_ground, line.origin[1] + line.direction[1] * to_ground};
 }
 
-/// Expects the clipped image to be correct. The callback shown(x, y) returns the depth of a place inside the shown part
-/// in voxels, negative outside.
+/// Expects the clipped image to be correct. The callback shown(x, y) returns the distance from a ground point to the
+/// border of the shown part, in voxels. The distance is negative outside of the shown part.
 template <class Shown>
 void expect_clipped(const Clip& clip, const Shown& shown) {
   const VoxelScene scene = wide_ground();

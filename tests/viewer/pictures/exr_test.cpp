@@ -73,13 +73,13 @@ Picture ground_picture(const Background& background, const std::array<double, 3>
       .picture;
 }
 
-/// Returns the code by IEC 61966-2-1, 0 to 255, not rounded.
+/// Returns the sRGB code of linear light by IEC 61966-2-1, 0 to 255, not rounded.
 double code_of_linear(double linear) {
   const double v = std::fmin(linear, 1);
   return 255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055);
 }
 
-/// Compresses light above 0.6 to below 1 (docs/viewer.md).
+/// Returns the displayed light: light above 0.6 is compressed to below 1 (docs/viewer.md).
 double bent(double light) {
   const double over = std::fmax(light - 0.6, 0);
   return light <= 0.6 ? light : 0.6 + 0.4 * over / (over + 0.4);
@@ -90,8 +90,8 @@ double linear_light(double code) {
   return part <= 0.04045 ? part / 12.92 : std::pow((part + 0.055) / 1.055, 2.4);
 }
 
-/// Returns the displayed value of straight light and alpha: the surface's light is tone-mapped, a background colour is
-/// not.
+/// Returns the displayed value of a pixel with this straight light and alpha. The surface's light is tone-mapped, but
+/// the light of a background colour is not.
 double shown(double light, double alpha, const Background& background, std::size_t channel) {
   if (background.sky) return bent(light);
   const double behind_alpha = background.rgba[3] / 255.0, through = (1 - alpha) / (1 - behind_alpha);
@@ -110,7 +110,7 @@ TEST_F(ExrTest, HoldsTheLightThatThePngShows) {
     ASSERT_EQ(exr.height, 96);
     for (std::size_t i = 0; i < exr.z.size(); ++i) {
       const double alpha = exr.rgba[3][i];
-      // Rounding of the PNG, and of halves: 11 bits of colour and of alpha.
+      // The tolerances cover the rounding of the PNG and of half floats, which have 11 bits.
       ASSERT_NEAR(255 * alpha, picture.rgba[4 * i + 3], 0.5 + 0.1);
       for (std::size_t k = 0; k < 3; ++k)
         ASSERT_NEAR(code_of_linear(shown(exr.rgba[k][i], alpha, background, k)), picture.rgba[4 * i + k],
@@ -137,10 +137,10 @@ TEST_F(ExrTest, HoldsTheDistanceOfAPlaneWithinHalfAVoxelAndInfinityBesideIt) {
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 64; ++x) {
         const double right = edge * ((x + 0.5) / 32 - 1), up = edge * (1 - (y + 0.5) / 32);
-        const double down = height - 8;                                        // to the upper faces
+        const double down = height - 8;                                        // to the voxels' upper faces
         const double off = std::fmax(std::fabs(right), std::fabs(up)) * down;  // from the middle, on the plane
         const float z = exr.z[std::size_t(64 * y + x)];
-        const double stretch = std::hypot(1, right, up);  // of a height along the ray
+        const double stretch = std::hypot(1, right, up);  // length of the ray per voxel of height
         if (off < 30) {
           ASSERT_NEAR(z / 0.25, down * stretch, 0.5 * stretch) << x << "," << y << " from " << height;
         }

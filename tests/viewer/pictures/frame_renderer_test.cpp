@@ -84,7 +84,7 @@ TEST(FrameRenderer, NeverHoldsMoreThanItMay) {
   for (int i = 0; i < 120; ++i) {
     const Frame frame = renderer.draw(looking({i * 2.0, 300 - i * 3.0, 25.0 + i % 7}, {128, 128, 0}), 0.01);
     uploads += frame.stats.uploads;
-    // Data used by one pass may exceed the bound: eight bricks' pages per request, and pages being read.
+    // One pass may exceed the limit by the pages of eight bricks per request and by the pages that are being read.
     EXPECT_LE(frame.stats.bytes_held, frame.stats.bytes_allowed + 2000000);
     EXPECT_LE(frame.stats.bytes_allowed, 3000000u);
   }

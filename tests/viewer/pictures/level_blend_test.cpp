@@ -81,7 +81,8 @@ VoxelScene flat_ground() {
   return scene;
 }
 
-/// Levels in debug colours: without blending pixels jump from one colour to another; with blending changes are small.
+/// Levels have debug colours. Without blending a pixel jumps from one colour to the next; with blending changes are
+/// small.
 TEST(LevelBlend, NoPixelJumpsFromLevelToLevelAsTheEyeMoves) {
   const VoxelScene scene = flat_ground();
   FrameRenderer::Options options;

@@ -1,5 +1,5 @@
-// Scenes rendered from their root down: the same images as of one cell that holds everything, and no holes at damaged
-// shards.
+// Scenes that are rendered from their root down look like a single cell with the same voxels. They have no holes at
+// damaged shards.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -20,7 +20,7 @@
 namespace gigabake {
 namespace {
 
-constexpr std::int64_t ground_edge = 128;  ///< of the scene
+constexpr std::int64_t ground_edge = 128;  ///< edge of the scene in voxels
 
 /// Paints rolling ground, two voxels thick, and posts.
 std::optional<Paint> hills(std::int64_t x, std::int64_t y, std::int64_t z) {
@@ -37,7 +37,7 @@ VoxelScene whole() {
   return scene;
 }
 
-/// Returns cells of 8³, overviews of 64³, and a root whose only level is as large as the scene.
+/// Returns a scene of cells of 8³ voxels, overviews of 64³, and a root of 128³ whose only level is level 4.
 VoxelScene paint_in_three_tiers() {
   VoxelScene scene(8);
   scene.add_cells(hills, {0, 0, 0}, ground_edge);
@@ -52,8 +52,8 @@ const VoxelScene& in_three_tiers() {
   return scene;
 }
 
-/// Returns cells of 16³ at any voxel of their coarsest level. Overviews of 128³ duplicate level 1 of the cells, and a
-/// root duplicates all levels of the overviews.
+/// Returns a scene of cells of 16³ voxels at multiples of 8 along z. Overviews of 128³ duplicate level 1 of the cells,
+/// and a root duplicates all levels of the overviews.
 VoxelScene paint_with_copies() {
   VoxelScene scene(16);
   for (std::int64_t y = 0; y < 8; ++y)
@@ -69,7 +69,7 @@ const VoxelScene& with_copies() {
   return scene;
 }
 
-/// Returns cells of 32³ that begin at any voxel of their coarsest level, below a root that begins at half of its edge.
+/// Returns a scene of cells of 32³ voxels at multiples of 8 along z. The root begins at multiples of half its edge.
 VoxelScene in_stacks() {
   VoxelScene scene(32);
   for (std::int64_t y = 0; y < 4; ++y)
@@ -83,7 +83,7 @@ struct Eye {
   std::array<double, 3> eye_m, target_m;
   double pixel_error;
 };
-/// Near to far: levels 0 to 4.
+/// Eyes from near to far. Their views show levels 0 to 4.
 const Eye eyes[] = {{{20, 30, 60}, {70, 80, 30}, 1},
                     {{64, 60, 100}, {64, 64, 30}, 4},
                     {{70, 60, 120}, {64, 64, 20}, 12},
@@ -123,7 +123,7 @@ TEST(DrawnFromOverviews, IsWhatOneCellOfAllShows) {
     }
 }
 
-/// Compares views that are near enough for the single cell to have all levels of the root.
+/// Expects similar images of both scenes, for the eyes that are near enough for the coarsest level of the single cell.
 void expect_alike(const VoxelScene& one, const VoxelScene& many) {
   FrameRenderer expected = renderer_of(one, one.pages()), drawn = renderer_of(many, many.pages());
   for (const Eye& eye : std::span(eyes).first(4)) {
@@ -136,7 +136,7 @@ void expect_alike(const VoxelScene& one, const VoxelScene& many) {
 
 TEST(DrawnFromOverviews, ShowsNoSeamWhereStacksOfCellsBeginAnywhere) { expect_alike(whole(), in_stacks()); }
 
-/// Returns the shards that the image needs; the image must show the scene in at least `min_covered` pixels.
+/// Renders an image and returns the shards that it read. Expects more than `min_covered` pixels to show the scene.
 std::set<std::uint32_t> shards_read(const VoxelScene& scene, const Eye& eye, std::size_t min_covered) {
   std::mutex mutex;
   std::set<std::uint32_t> shards;
@@ -165,7 +165,7 @@ TEST(DrawnFromOverviews, ReadsCopiesInPlaceOfCells) {
   EXPECT_EQ(shards_read(scene, eyes[3], 100), root_alone(scene)) << "whose copies reach down to level 1";
 }
 
-/// Returns a source in which the pages of one shard cannot be read.
+/// Returns a source of pages in which the pages of one shard cannot be read.
 PageSource damaged(const VoxelScene& scene, std::uint32_t shard) {
   return [inner = scene.pages(), shard](const PageKey& key) {
     if (key.shard == shard) throw InputError("shards/damaged.h5", "", "no such file");
@@ -234,7 +234,8 @@ TEST(DrawnFromOverviews, TakesCellsWhereAnOverviewIsMissing) {
   EXPECT_EQ(draw(description).rgba, draw(scene.description()).rgba);
 }
 
-/// Returns pages from memory, except the index pages of the scene. Cells have other numbers there.
+/// Returns a source that reads index pages from `numbers` and all other pages from memory. The shards in memory have
+/// other numbers than in `numbers`.
 PageSource with_pages_of(const std::shared_ptr<NumberedShards>& numbers, const VoxelScene& scene) {
   return [numbers, inner = scene.pages()](PageKey key) {
     if (key.part <= PageKey::listing) return numbers->listing(key);
@@ -243,7 +244,7 @@ PageSource with_pages_of(const std::shared_ptr<NumberedShards>& numbers, const V
   };
 }
 
-/// The scene of paint_in_three_tiers(); pages index its cells and overviews. Its shards are in memory.
+/// The scene of paint_in_three_tiers() with an index of pages on disk. Its shards are in memory.
 struct InPages {
   InPages() {
     SceneDescription description = scene.description();

@@ -1,4 +1,4 @@
-// Polygons among voxels: a cube in a forest, compared with its closed form and the voxels' own depth.
+// Polygons among voxels: a cube in a forest, compared with its closed form and with the depth of the voxels.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -51,7 +51,7 @@ double distance_to_cube(const kernels::CastLine& line) {
   return enter <= leave ? enter : HUGE_VAL;
 }
 
-/// Returns whether a pixel and one of its neighbours differ.
+/// Returns true if a pixel differs from one of its neighbours.
 bool is_at_border(const std::vector<bool>& mask, int edge, int x, int y) {
   const auto at = [&](int i, int j) { return mask[std::size_t(j) * std::size_t(edge) + std::size_t(i)]; };
   for (int j = std::max(y - 1, 0); j <= std::min(y + 1, edge - 1); ++j)

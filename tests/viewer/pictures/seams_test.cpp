@@ -1,4 +1,4 @@
-// One scene as a single cell and as 4 × 4 cells: the images are equal.
+// A scene looks the same as a single cell and cut into 4 × 4 cells.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace gigabake {
 namespace {
 
 constexpr int scene_edge = 256;
-constexpr int picture_edge = 160;         ///< of an image
+constexpr int picture_edge = 160;         ///< edge of an image in pixels
 constexpr int min_coverage_divisor = 32;  ///< the scene covers at least 1/32 of the pixels; from afar about 1/15
 
 /// Paints rolling ground, two voxels thick, and posts that cross the borders of cells.
@@ -30,7 +30,7 @@ VoxelScene cut_into(std::uint32_t cell_voxels) {
   return scene;
 }
 
-/// A view; levels up to 3, the coarsest of the small cells.
+/// A view that shows levels up to 3, the coarsest level of the small cells.
 struct Place {
   std::array<double, 3> eye_m, target_m;
   double pixel_error;
@@ -49,7 +49,7 @@ FrameRenderer renderer_of(const VoxelScene& scene) {
   return FrameRenderer(scene.description(), "scene.xml", scene.pages(), options);
 }
 
-/// Counts the pixels that show the scene, because two empty images are equal, too.
+/// Returns the number of pixels that show the scene. The test needs it, because two empty images are equal, too.
 std::size_t covered_pixels(const Picture& picture) {
   std::size_t covered = 0;
   for (std::size_t i = 3; i < picture.rgba.size(); i += 4) covered += picture.rgba[i] != 0;
@@ -66,7 +66,7 @@ int max_difference(const Picture& a, const Picture& b) {
   return maximum;
 }
 
-/// Returns the difference in voxels; infinity if a value is NaN or only one of the rays hits the scene.
+/// Returns the difference of two depths in voxels; infinity if one is NaN or only one of the rays hits the scene.
 float difference(float a, float b) {
   if (a == b) return 0;
   const bool both_met = a < kernels::CastRay::no_depth && b < kernels::CastRay::no_depth;

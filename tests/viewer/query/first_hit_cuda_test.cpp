@@ -23,7 +23,7 @@ class CudaFirstHit : public testing::Test {
     device_ = devices.usable[0];
   }
 
-  /// Compares with the device's last cast.
+  /// Expects the device's last cast to have the given hits and attributes.
   static void expect_equal(const kernels::CudaFirstHits& device, const std::vector<FirstHit>& hits,
                            const std::vector<VoxelAttributes>& looks) {
     const std::vector<FirstHit> device_hits = device.hits();

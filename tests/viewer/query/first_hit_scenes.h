@@ -15,7 +15,7 @@ inline constexpr unsigned seed = 20261121;
 
 FirstHitScene build(VoxelScene& voxels, int lod = 0);
 
-/// Returns a ray. direction: of any length.
+/// Returns a ray. `direction` may have any length.
 kernels::FirstHitRay ray(const std::array<double, 3>& origin, const std::array<double, 3>& direction);
 /// Returns rays with origins in the box [low, high)³ of the lattice and random directions.
 std::vector<kernels::FirstHitRay> random_rays(std::size_t count, double low, double high);
@@ -25,7 +25,8 @@ Painter dust(std::uint64_t sparsity);
 /// Paints hills between z 30 and 60, 128 voxels wide.
 std::optional<Paint> hills(std::int64_t x, std::int64_t y, std::int64_t z);
 
-/// Returns a camera of 163 × 97 pixels. half_height: of the image in voxels if `parallel`, otherwise a tangent.
+/// Returns a camera of 163 × 97 pixels. `half_height` is half the image's height: in voxels if `parallel`, otherwise a
+/// tangent.
 kernels::FirstHitCamera camera(const std::array<double, 3>& eye, const std::array<double, 3>& target,
                                double half_height, bool parallel);
 /// Returns cameras near and far, above and below the hills, with and without beams.

@@ -30,7 +30,7 @@ std::vector<FirstHit> cast(const FirstHitScene& scene, const std::vector<FirstHi
   return hits;
 }
 
-/// Agreement of rays with the reference; a wrong ray fails the test.
+/// Numbers of rays that equal the reference, that equal it up to rounding, and that hit. A wrong ray fails the test.
 struct Score {
   int same = 0, close = 0, met = 0;
 };
@@ -190,7 +190,7 @@ TEST(FirstHit, NamesTheColourAndNormalOfTheVoxelItMet) {
   }
 }
 
-/// Solid ground: constants of all sizes, at corners that are not aligned to large nodes of the tree.
+/// Solid ground makes constant nodes of all sizes. The cells' corners are not aligned to large nodes of the tree.
 TEST(FirstHit, MeetsConstantNodes) {
   const Painter solid = [](std::int64_t x, std::int64_t y, std::int64_t z) -> std::optional<Paint> {
     if (z < 8 || z >= 40 || x < 0 || x >= 128 || y < 0 || y >= 64) return {};
@@ -261,7 +261,7 @@ TEST(FirstHit, RefusesCellsThatNoTreeOfTheLodHolds) {
                std::invalid_argument);
 }
 
-/// Compared with the level's own bricks: level 1 has a voxel wherever one of its eight level 0 voxels exists.
+/// The reference derives level 1 from level 0: a voxel exists if one of its eight lod-0 voxels exists.
 TEST(FirstHit, MeetsTheVoxelsOfACoarserLod) {
   VoxelScene voxels(32);
   voxels.add_cells(dust(300), {0, 0, 0}, 64);

@@ -1,4 +1,4 @@
-// Rays that pause at trees that are not resident, and devices: the answers are the CPU's, bit for bit.
+// Rays that pause at trees that are not resident, and rays on a device, give the CPU's answers bit for bit.
 #include "viewer/query/query_device.h"
 
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ void expect_equal(const std::vector<QueryHit>& got, const std::vector<QueryHit>&
   }
 }
 
-/// Runs the device's traversal on the host, with the trees of every second cell.
+/// Runs the device's traversal on the host. Only the trees of every second cell are resident.
 TEST(QueryCells, PausedTraversalsResumeToTheSameAnswers) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);

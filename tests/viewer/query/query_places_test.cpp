@@ -126,7 +126,8 @@ TEST(QueryPlaces, ReadThePagesOnTheWayToAPlaceAlone) {
   }
 }
 
-// Rays of a device pause in one of the two and are resumed in the other.
+// A ray of a device pauses in a region of QueryCells and is resumed in the place that QueryPlaces finds. Regions and
+// places must be equal.
 TEST(QueryCells, FindTheRegionsThatPagesDescribe) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);

@@ -104,7 +104,7 @@ TEST(SceneQuery, NoRaySlipsThroughAWallBetweenCells) {
   for (const QueryHit& hit : answers_of(query, rays)) ASSERT_EQ(hit.outcome, QueryOutcome::hit) << seed;
 }
 
-/// Rays along the faces between cells, within rounding of them, towards a wall on both sides.
+/// Rays run along the faces between cells, within the rounding error of the faces, towards a wall on both sides.
 TEST(SceneQuery, NoRayGetsLostBetweenTwoCells) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
@@ -205,7 +205,7 @@ TEST(SceneQuery, MeetsCoarserVoxelsAsItsFootprintGrows) {
     if (hits[i].outcome != QueryOutcome::hit) continue;
     const QueryHit& hit = hits[i];
     levels.insert(hit.lod);
-    // 2^lod is the max. width within the footprint, limited to the three levels of the cells.
+    // 2^lod is the max voxel width within the footprint, limited to the three levels of the cells.
     const double footprint = spread * hit.distance, width = std::exp2(hit.lod);
     EXPECT_TRUE(hit.lod == 0 || width <= footprint * (1 + 1e-9)) << seed;
     EXPECT_TRUE(hit.lod == 2 || 2 * width >= footprint * (1 - 1e-9)) << seed;

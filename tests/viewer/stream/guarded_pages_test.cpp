@@ -125,7 +125,7 @@ TEST(GuardedPages, OfALiarLeaveNoHoleInThePicture) {
                 told),
             whole);
   EXPECT_TRUE(told);
-  // The page has fewer bricks, and fewer rows, than others refer to.
+  // One page has fewer bricks than other pages refer to, then another page has fewer node rows.
   covered_by(
       [](const PageKey& key, Page& p) {
         if (key.part != 0 || p.bricks.first.size() < 3) return;

@@ -126,7 +126,7 @@ TEST(PagesFromFiles, DoNotStopWhereAFileIsMissingOrDamaged) {
   EXPECT_EQ(of_damaged, 1u);
 }
 
-// 2026-11-25: 400 shards were open under any memory limit, and were not counted.
+// 2026-11-25: up to 400 shards were open under any memory limit, and their memory was not counted.
 TEST(OpenShards, AreAsManyAsAnEighthOfTheMemoryHolds) {
   EXPECT_EQ(open_shards_within(std::uint64_t(64) << 20), 25u);
   EXPECT_EQ(open_shards_within(std::uint64_t(4) << 30), max_open_shards);
@@ -184,7 +184,7 @@ TEST(OpenShards, AreReadByManyThreadsThoughFewAreOpen) {
     });
 }
 
-/// Returns a scene of cells of 16 in a row, overviews of 64 in pages of two, and a root.
+/// Returns a row of cells of 16 voxels, with overviews of 64 and 256 voxels and a root of 1024 voxels.
 SceneDescription row_of_overviews() {
   SceneDescription scene;
   scene.voxel_size_m = 1;

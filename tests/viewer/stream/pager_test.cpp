@@ -30,7 +30,7 @@ std::vector<PageKey> pages(std::uint32_t first, std::uint32_t count) {
   return keys;
 }
 
-/// A source of synthetic pages: each stores its number in the requested number of voxels. Records all reads.
+/// A source of synthetic pages that records all reads. A page has `voxels` voxels, which store the page's number.
 class Shelf {
  public:
   explicit Shelf(std::size_t voxels = 100) : voxels_(voxels) {}
@@ -88,7 +88,7 @@ void settle(Pager& pager) {
   pager.begin_pass();
 }
 
-/// Like settle(), in one pass.
+/// Like settle(), but waits actively and runs a single pass.
 void settle_at_once(Pager& pager) {
   while (pager.counts().queued > 0) std::this_thread::yield();
   pager.begin_pass();
@@ -199,7 +199,7 @@ TEST(Pager, LeavesWhatDoesNotFitForALaterCall) {
   EXPECT_EQ(pager.counts().peak_bytes, 4 * shelf.page_bytes());
 }
 
-/// A traversal of the pages: the pages of one request stay within half of the memory.
+/// Each pass looks up 12 pages, half of the 24 pages that fit into the memory.
 TEST(Pager, KeepsWithinItsMemoryButForThePagesBeingRead) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);

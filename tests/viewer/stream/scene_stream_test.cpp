@@ -16,7 +16,7 @@ namespace {
 /// A source that records all requests.
 struct Witness {
   std::mutex mutex;
-  std::set<std::uint32_t> cells;  ///< of bricks
+  std::set<std::uint32_t> cells;  ///< cells whose bricks were requested
   std::set<int> lods;
   std::multiset<PageKey> pages;
 

@@ -15,7 +15,7 @@ namespace {
 using kernels::VoxelBox;
 using made::TempFolder;
 
-constexpr std::int64_t tier_cell_edge = 16;  ///< of a cell
+constexpr std::int64_t tier_cell_edge = 16;  ///< edge of a cell in voxels
 
 /// Returns stacks of cells at random places, each beginning at any multiple of 8. The shards do not exist.
 SceneDescription random_stacks(std::mt19937_64& rng) {
@@ -53,7 +53,7 @@ struct Asked {
   explicit Asked(const std::shared_ptr<const PagedScene>& scene)
       : map(*scene, one_root()), pager(pages_from_files(scene), {1, UINT64_MAX}) {}
 
-  /// Repeats the question until no page is missing.
+  /// Reads missing pages and calls question() again until no page is missing.
   template <class Question>
   auto answer(const Question& question) {
     for (;;) {
@@ -151,7 +151,7 @@ TEST(ShardMap, SaysWhereAPageOfTheSceneCannotBeRead) {
   EXPECT_NE(asked.pager.problems()[0].find(lost.file), std::string::npos);
 }
 
-/// Returns a scene of two overview levels: cells of 16, overviews of 128 and a root that begins at half of its edge.
+/// Returns a scene of two overview levels: cells of 16, overviews of 128, and a root at a multiple of half its edge.
 SceneDescription two_tiers() {
   SceneDescription scene;
   scene.parameters = to_json(BakeParameters{.voxel_size_m = 1});
@@ -175,8 +175,8 @@ std::optional<OverviewLevels> tiers_of(const SceneDescription& scene) {
   return overview_levels(PagedScene::of_cells("scene.xml", scene));
 }
 
-/// Returns two_tiers() with copies: overviews duplicate a level of the cells. The root duplicates two levels of its
-/// children, one of which is a duplicate already.
+/// Returns two_tiers() with duplicated levels. Overviews duplicate a level of the cells. The root duplicates all four
+/// levels of its children, one of which is a duplicate already.
 SceneDescription two_levels_with_copies() {
   SceneDescription scene = two_tiers();
   for (SceneCell& overview : scene.overviews) {
@@ -226,7 +226,7 @@ TEST(OverviewLevels, AreThereOnlyWhereAllOfASceneHangsFromOneRoot) {
   EXPECT_EQ(levels->holder(5, 0).bits, 8);
   EXPECT_EQ(levels->holders(1), 0u);
   EXPECT_EQ(levels->holders(4), 1u);
-  // 2026-11-25: viewers opened every cell of a scene that was baked with an error.
+  // 2026-11-25: viewers opened every cell of a scene that was baked with `max_error`.
   SceneDescription lossy = good;
   lossy.parameters = to_json(BakeParameters{.voxel_size_m = 1, .max_error = 3});
   EXPECT_TRUE(tiers_of(lossy).has_value());

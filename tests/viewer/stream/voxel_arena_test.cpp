@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint32_t slots = 40, voxels = 1000;
 
-/// The voxels of the pool, moved as a caster moves them, and the content that each slot has written.
+/// The voxels of the pool, moved as a caster moves them, and the expected content of each slot.
 class Pool {
  public:
   void put(std::uint32_t slot, std::uint32_t count, std::uint32_t content) {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint64_t seed = 20261123;
 constexpr std::int64_t gappy_edge = 128;
-constexpr int lods = 5;  ///< of the scene
+constexpr int lods = 5;  ///< levels of the scene
 
 /// Paints ground with gaps: one column in three has a voxel, at varying heights.
 std::optional<Paint> gappy_ground(std::int64_t x, std::int64_t y, std::int64_t z) {
@@ -43,7 +43,7 @@ struct OpenGround {
 
   std::int64_t coordinate() { return std::int64_t(random() % gappy_edge); }
 
-  /// Repeats the question until all required pages are resident.
+  /// Reads missing pages and calls question() again until all required pages are resident.
   template <class Question>
   void read_for(const Question& question) {
     for (MissingPages gaps;; gaps = {}) {

@@ -16,16 +16,18 @@ class HttpClient {
   bool send(const std::string& bytes);
   /// Receives until the server closes, `maximum` bytes have arrived or the server has been silent for `idle_timeout_s`.
   std::string receive(std::size_t maximum, double idle_timeout_s = 2);
-  /// Receives until `ending` arrives, or nothing for half a minute.
+  /// Receives until `ending` arrives or the server is silent for half a minute.
   std::string receive_until(const std::string& ending);
-  /// Receives one whole answer with a Content-Length, head and body; returns the received part if it stays incomplete.
+  /// Receives one answer with a Content-Length, head and body. Returns the received part if the answer stays
+  /// incomplete.
   std::string answer();
 
  private:
   int socket_ = -1;
 };
 
-/// Sends one request on a separate connection. head: further lines, each with its \r\n.
+/// Sends one request on a separate connection and returns the answer. `head` contains further lines, each with its
+/// \r\n.
 std::string ask(int port, const std::string& method, const std::string& target, const std::string& head = "",
                 const std::string& body = "");
 /// Returns the status of an answer; 0 if it has none.

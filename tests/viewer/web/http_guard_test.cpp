@@ -36,7 +36,7 @@ TEST(HttpGuard, FindsTheHostOfAnAuthority) {
   EXPECT_EQ(host_of(""), "");
 }
 
-// 2026-11-22: "[::1].evil" and "localhost:80@evil" were accepted as this machine.
+// 2026-11-22: "[::1].evil" and "localhost:80@evil" were accepted as names of this machine.
 TEST(HttpGuard, TakesAHostAndAPortAndNothingElseForAnAuthority) {
   const std::pair<const char*, const char*> good[] = {
       {"localhost", "localhost"},
@@ -119,7 +119,7 @@ TEST(HttpGuard, RefusesANameThatSomebodyPointedHere) {
   EXPECT_EQ(guard_status(get("[::1]:8080")), 200);
   EXPECT_EQ(guard_status(get("evil.com:8080")), 403);
   EXPECT_EQ(guard_status(get("")), 403);
-  EXPECT_EQ(guard_status(get("gpu-7.example:8080"), false), 200);  // with such an address the token is the protection
+  EXPECT_EQ(guard_status(get("gpu-7.example:8080"), false), 200);  // on other addresses the token protects the server
 }
 
 TEST(HttpGuard, RefusesRequestsOfOtherPages) {
@@ -132,7 +132,7 @@ TEST(HttpGuard, RefusesRequestsOfOtherPages) {
   }
 }
 
-// 2026-11-25: a proxy on this machine needed --bind 0.0.0.0, and a refusal did not state the values that were received.
+// 2026-11-25: a proxy on this machine needed --bind 0.0.0.0, and a refusal did not state the received Host and Origin.
 TEST(HttpGuard, AcceptsHostAndOriginOfTheExternalUrl) {
   const ExternalUrl external = parse_external_url("HTTPS://Maps.example.com:443/village");
   EXPECT_EQ(external.host, "maps.example.com");

@@ -121,7 +121,7 @@ TEST(HttpServer, DropsWhoTakesTooLongForARequest) {
       "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 4000\r\n\r\n");
   EXPECT_TRUE(is_closed_while_dribbling(slow_head, "X-Slow: yes\r\n"));
   EXPECT_TRUE(is_closed_while_dribbling(slow_body, "[1, 2, 3]"));
-  second.send(good_head + "\r\n");  // closed too, after sending nothing
+  second.send(good_head + "\r\n");  // also closed, because it had sent nothing before
   EXPECT_EQ(status_of(second.answer()), 0);
 }
 
@@ -154,7 +154,7 @@ TEST(WaitingClients, AreDroppedWhenTheyAreLateOrTheOldestOfTooMany) {
   waiting.expect(a.server, start);
   waiting.expect(b.server, start + 2s);
   waiting.expect(c.server, start + 4s);
-  waiting.expect(a.server, start + 6s);  // answered, and expected again
+  waiting.expect(a.server, start + 6s);  // a was answered and is expected again
   waiting.drop_late(start + 11s);
   EXPECT_FALSE(a.is_dropped() || b.is_dropped() || c.is_dropped());
   waiting.expect(d.server, start + 11s);
@@ -203,7 +203,7 @@ TEST(HttpServer, AReplyThatTakesLongKeepsNobodyWaiting) {
   });
   const auto waiting = clients(served.port(), 2, "GET /slow HTTP/1.1\r\nHost: localhost\r\n\r\n");
   int third = 0;
-  while (third != 503) {  // both may still be in transit
+  while (third != 503) {  // both slow requests may still be in transit
     HttpClient client(served.port());
     client.send("GET /slow HTTP/1.1\r\nHost: localhost\r\n\r\n");
     third = status_of(client.receive(12, 0.2));

@@ -124,7 +124,7 @@ TEST(StreamServer, StreamsJpegsThatReplaceEachOther) {
   const std::string key = served.viewer();
   HttpClient client(served.port());
   client.send("GET /stream?viewer=" + key + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
-  // The head of the next part follows each image at once, because browsers then show the image.
+  // The head of the next part follows each image at once, because browsers show an image only then.
   const std::string next = "\r\n--frame\r\nContent-Type: image/jpeg\r\n\r\n\r\n";
   const std::string start = client.receive_until(next);
   EXPECT_THAT(start, HasSubstr("multipart/x-mixed-replace; boundary=frame"));
@@ -183,7 +183,7 @@ TEST(StreamServer, MakesFewPicturesOfAViewerAtATime) {
     waiting.push_back(std::make_unique<HttpClient>(served.port()));
     waiting.back()->send("GET " + target + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
   }
-  EXPECT_EQ(served.status("GET", "/state?viewer=" + key), 200);  // both have been received by now
+  EXPECT_EQ(served.status("GET", "/state?viewer=" + key), 200);  // by now all of these requests have been received
   EXPECT_EQ(served.status("GET", target), 429);
 }
 
@@ -299,7 +299,7 @@ TEST(StreamServer, AViewerOfAVeryLargePictureLeavesTurnsToOthers) {
 TEST(StreamServer, SurvivesNoise) {
   Served served;
   const std::string key = served.viewer();
-  // 2026-11-25: on a busy machine the noise ended before the scene was loaded.
+  // 2026-11-25: on a busy machine the random bytes of this test ended before the scene was loaded.
   ASSERT_EQ(wait_for(served, key, [](const json& state) { return state["scene"] == true; })["scene"], true);
   const std::string good = "POST /steer?viewer=" + key +
                            " HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: "

@@ -29,7 +29,7 @@ Primitive grid(int n) {
   return mesh;
 }
 
-/// The bits of all values of a corner; as bits, NaN equals itself.
+/// The bits of all values of a corner. Compared as bits, NaN equals itself.
 using CornerBits = std::array<std::uint32_t, 9>;
 using Triangle = std::array<CornerBits, 3>;
 
@@ -99,8 +99,8 @@ TEST(ClustersOf, KeepWhatIsOfTheWholeMesh) {
   EXPECT_TRUE(clusters_of(Primitive{}).empty());
 }
 
-/// Returns the area of the clusters' rectangles, in squares of the grid. Ignores rectangles that are `maximum` or more
-/// wide.
+/// Returns the area of the clusters' bounding rectangles, in squares of the grid. Ignores rectangles with a side of
+/// `maximum` or more.
 double covered_area(const std::vector<Primitive>& clusters, double maximum) {
   double area = 0;
   for (const Primitive& c : clusters) {

@@ -196,7 +196,7 @@ TEST_F(TextureRowsTest, ADamagedImageIsRefusedWhereItIsRefusedAsAWhole) {
     EXPECT_TRUE(entry.path().filename() == "rows" || entry.path().filename() == "whole") << entry.path();
 }
 
-/// Treats an image like a large one, of which only some rows are in memory.
+/// A low memory limit makes the image count as large. Only some of its rows are then in memory at a time.
 TEST_F(TextureRowsTest, AnImageThatDoesNotFitIntoMemoryIsMadeInRowsOrRefusedInOneLine) {
   TextureStore store(folder.path() / "scratch", 1000);
   const TextureKey rows{{1, 1}, recipes[0]}, no_rows{{2, 2}, recipes[0]};

@@ -109,7 +109,7 @@ TEST_F(TextureStoreTest, ADiskThatFillsUpIsNamedAndNothingHalfWrittenStays) {
   for (const auto& entry : fs::directory_iterator(scratch)) EXPECT_EQ(entry.path().extension(), ".lock");
 }
 
-/// 2026-11-23: a few bytes of an image may request gigabytes.
+/// 2026-11-23: an image of a few bytes may require a texture of gigabytes.
 TEST_F(TextureStoreTest, WhatTheDiskHasNoRoomForIsNotBegun) {
   {
     const ScratchPublication file(scratch / "x_large.texture");
