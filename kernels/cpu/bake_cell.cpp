@@ -17,7 +17,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// A timer that adds its lifetime to a counter.
+/// A timer that adds its lifetime in seconds to a counter.
 class StageClock {
  public:
   explicit StageClock(double& seconds) : seconds_(seconds) {}
@@ -28,8 +28,8 @@ class StageClock {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// The memory per pair. The sort needs two copies of a pair; the voxels of its brick need about as much again before
-/// the runs are joined.
+/// The estimated memory per pair in bytes. The sort needs two copies of a pair. The voxels of its brick need memory
+/// until the runs are joined.
 constexpr std::uint64_t bytes_per_pair = 64;
 constexpr std::uint64_t min_pairs_per_batch = 1 << 16;
 constexpr std::uint64_t max_pairs_per_batch = 1 << 26;

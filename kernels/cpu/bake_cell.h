@@ -1,4 +1,5 @@
-/// Bakes a cell on the host's threads. This is the reference: all other backends produce the same bits.
+/// Baking of a cell on the threads of the host. This is the reference implementation: all other backends produce the
+/// same bits.
 #pragma once
 
 #include "core/base/thread_pool.h"

@@ -1,5 +1,5 @@
-/// An array without initialization, for memory that a loop fills. A vector would first fill the memory
-/// with zeros on one thread; measured, this took a tenth of the time to bake a cell.
+/// An array without initialization, for memory that a loop fills. A vector would first fill the memory with zeros on
+/// one thread. In a measurement, this took a tenth of the time to bake a cell.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-/// Extracts the input of the overviews above a volume from its levels (core/octree/downsample_state.h).
+/// The downsample state of a volume: the input of the overviews above it (core/octree/downsample_state.h).
 #pragma once
 
 #include "core/base/rules.h"
@@ -7,8 +7,8 @@
 
 namespace gigabake::kernels {
 
-/// Returns the input of the overviews; empty if there are no levels. levels: before approximate() and prune(). surface,
-/// lod: of the coarsest level.
+/// Returns the downsample state of a volume. It is empty if there are no levels.
+/// Range   `levels` are the levels before approximate() and prune(). `surface` and `lod` belong to the coarsest level.
 DownsampleState downsample_state(const std::vector<Level>& levels, int lod, const LevelSurface& surface,
                                  MipFilter filter);
 

@@ -9,7 +9,7 @@
 
 namespace gigabake::kernels {
 
-/// Returns the sum of hash_voxel() over the voxels of one level. window_min: CellParameters::window_min.
+/// Returns the sum of hash_voxel() over the voxels of one level. `window_min` is CellParameters::window_min.
 /// Cost    About 6 ns per voxel and thread.
 Hash128 level_hash(const Level& level, int lod, const std::int64_t window_min[3], const ThreadPool& pool);
 

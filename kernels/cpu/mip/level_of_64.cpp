@@ -18,7 +18,7 @@ constexpr std::size_t coarse_bricks_per_run = 16;
 /// A brick under construction.
 struct CoarseBrick {
   std::uint64_t mask[8] = {};
-  Voxel voxel[brick_voxels];  ///< at their positions in the brick; entries without a mask bit are stale
+  Voxel voxel[brick_voxels];  ///< index x + 8y + 64z; entries without a mask bit are stale
 };
 
 void fill_from(const Level& fine, std::size_t brick, const Tables& tables, CoarseBrick& out) {

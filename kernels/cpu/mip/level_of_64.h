@@ -1,4 +1,4 @@
-/// The filter of MipFilter::thesis: a level from the level two below it.
+/// The filter of MipFilter::thesis, which computes a level from the level two steps finer.
 #pragma once
 
 #include "core/base/thread_pool.h"
@@ -6,7 +6,7 @@
 
 namespace gigabake::kernels {
 
-/// Returns the level two above `fine`. A voxel exists if one of its 64 descendants in `fine` exists.
+/// Returns the level two steps coarser than `fine`. A voxel exists if one of its 64 descendants in `fine` exists.
 /// Exact   Depends only on the stored 8-bit voxels of `fine` (kernels/body/mip/mip_of_64.h).
 /// Cost    Reads `fine` once.
 Level level_of_64(const Level& fine, bool normals, const ThreadPool& pool);

@@ -10,9 +10,10 @@
 
 namespace gigabake::kernels {
 
-/// Returns the index of the first brick below each coarser brick, and the number of bricks at the end.
+/// Returns, for each coarser brick, the index in `level` of its first brick. The last entry is the number of bricks in
+/// `level`.
 ///
-/// key_above: maps a brick's Morton code to that of the coarser brick.
+/// key_above(key) returns the Morton code of the coarser brick that contains brick `key`.
 template <class KeyAbove>
 std::vector<std::size_t> starts_below(const Level& level, const KeyAbove& key_above) {
   std::vector<std::size_t> starts;

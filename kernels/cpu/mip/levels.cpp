@@ -21,11 +21,11 @@ namespace {
 
 constexpr std::size_t parents_per_run = 16;
 
-/// The voxels of a brick at their positions; entries without a mask bit are stale.
+/// The voxels of a brick, indexed by x + 8y + 64z. Entries without a mask bit are stale.
 struct OpenBrick {
   const std::uint64_t* mask;
   Voxel voxel[brick_voxels];
-  std::size_t index[brick_voxels];  ///< in the level
+  std::size_t index[brick_voxels];  ///< index of the voxel in the level
 };
 
 void open_brick(const Level& level, std::size_t brick, OpenBrick& out) {
@@ -43,13 +43,13 @@ void open_brick(const Level& level, std::size_t brick, OpenBrick& out) {
 struct Children {
   Voxel voxel[8];  ///< zero if the child does not exist
   std::size_t index[8];
-  std::uint32_t there[2] = {};  ///< byte c: 1 where child c exists
+  std::uint32_t there[2] = {};  ///< byte c: 1 if child c exists
 };
 
-/// The accessor that cover_children() requires (kernels/body/mip/facing.h).
+/// The accessor to the coverage masks of children that cover_children() requires (kernels/body/mip/facing.h).
 struct ChildRasters {
   const Children& children;
-  const std::uint32_t* rasters;  ///< of the level
+  const std::uint32_t* rasters;  ///< coverage masks of all voxels of the children's level
   int edge;
 
   template <int N>
@@ -72,14 +72,16 @@ CoverageSums see_finest(const Children& children, bool has_normals, const Tables
   return see_voxels(all, raster);
 }
 
-/// Computes coverage from the children's masks. edge: the edge of the children's masks; the children are not of lod 0.
+/// Computes the coverage of a voxel from the coverage masks of its children. `edge` is the edge of the children's masks
+/// in cells.
+/// Range   The children are not of lod 0.
 CoverageSums see(const Children& children, const std::uint32_t* rasters, int edge, std::uint32_t* raster) {
   const ChildRasters from{children, rasters, edge};
   if (edge == 2) return cover_children<2>(from, raster);
   return edge == 4 ? cover_children<4>(from, raster) : cover_children<8>(from, raster);
 }
 
-/// Consecutive bricks with the data that the next coarser level needs.
+/// Consecutive bricks with the surface data that the next coarser level needs.
 struct LevelRun {
   BrickRun bricks;
   LevelSurface surface;
@@ -87,7 +89,7 @@ struct LevelRun {
 
 class ParentBuilder {
  public:
-  /// surface: the surface of `fine`; empty if `fine` is lod 0.
+  /// `surface` is the surface data of `fine`. It is empty if `fine` is lod 0.
   ParentBuilder(const Level& fine, int lod, const LevelSurface& surface, MipFilter filter)
       : fine_(fine),
         surface_(surface),
@@ -97,7 +99,7 @@ class ParentBuilder {
         filter_(filter),
         tables_(TableStore::host().view()) {}
 
-  /// Builds the parent of the children [begin, end) of `fine`.
+  /// Builds the parent brick of bricks [begin, end) of `fine` and appends it to `run`.
   void build(std::size_t begin, std::size_t end, LevelRun& run) {
     for (std::size_t child = begin; child < end; ++child) {
       open_brick(fine_, child, open_);
@@ -107,7 +109,7 @@ class ParentBuilder {
   }
 
  private:
-  /// Computes the 4×4×4 parent voxels of the open child.
+  /// Computes the 4×4×4 voxels of the parent brick that the open child brick covers.
   void fill_octant(int octant) {
     const int base = 4 * (octant & 1) + 8 * 4 * (octant >> 1 & 1) + 64 * 4 * (octant >> 2);
     for (int z = 0; z < 4; ++z)
@@ -117,7 +119,8 @@ class ParentBuilder {
       }
   }
 
-  /// Filters 2×2×2 voxels. from: the lowest of the eight voxels of the open child; to: the voxel of the parent.
+  /// Filters 2×2×2 voxels of the open child brick to one voxel of the parent brick. `from` is the position of the
+  /// lowest of the eight voxels, and `to` is the position in the parent.
   void filter(int from, int to) {
     Children children;
     for (int c = 0; c < 8; ++c) {
@@ -193,9 +196,9 @@ class ParentBuilder {
   Tables tables_;
   OpenBrick open_;
   Voxel parent_[brick_voxels];
-  Weights weights_[brick_voxels];  ///< only with MipFilter::coverage
+  Weights weights_[brick_voxels];  ///< used only with MipFilter::coverage
   std::uint32_t raster_[brick_voxels][raster_words(max_raster_edge)];
-  SurfaceMoments patch_[brick_voxels];  ///< only with MipFilter::coverage and normals
+  SurfaceMoments patch_[brick_voxels];  ///< used only with MipFilter::coverage and normals
   std::uint64_t mask_[8] = {};
   std::uint16_t packed_[brick_voxels];  ///< positions of the parent's voxels, in ascending order
   Voxel packed_voxel_[brick_voxels];
@@ -207,7 +210,7 @@ struct FilteredLevel {
   LevelSurface surface;
 };
 
-/// Concatenates one array of all runs. of: the array's member.
+/// Concatenates one surface array of all runs and empties it in the runs. `of` is the array's member.
 template <class Item>
 void join(std::vector<LevelRun>& runs, std::vector<Item> LevelSurface::*of, const ThreadPool& pool,
           std::vector<Item>& all) {

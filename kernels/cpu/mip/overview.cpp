@@ -27,10 +27,10 @@ struct PlacedVoxel {
   std::size_t row;
 };
 
-/// The voxels of one level inside the window, sorted like a level.
+/// The voxels of all children on one level, inside the overview's window, in the order of a level.
 class JoinedLevel {
  public:
-  /// below: the number of levels below the children's coarsest level.
+  /// `below` is the number of levels from the children's coarsest level down to this level.
   JoinedLevel(std::span<const JoinedChild> children, const OverviewParameters& p, int below)
       : parameters_(p), below_(below), lod_(p.child_lod - below) {
     for (const JoinedChild& child : children) add(child);
@@ -120,7 +120,8 @@ void expect_columns(const DownsampleState& s, const OverviewParameters& p) {
   expect((coarsest < voxels) == (voxels > 0 && is_of_64(p.mip, p.child_lod + 1)));
 }
 
-/// Returns levels by lod of the lattice: the children's coarsest levels joined over the window, finer levels empty.
+/// Returns levels 0 to p.child_lod of the lattice. The last level joins the children's coarsest levels over the window.
+/// Finer levels are empty unless the filter reads them.
 std::vector<Level> joined_levels(std::span<const JoinedChild> children, const OverviewParameters& p,
                                  const ThreadPool& pool, LevelSurface& surface) {
   std::vector<Level> levels(std::size_t(p.child_lod) + 1);
@@ -131,7 +132,8 @@ std::vector<Level> joined_levels(std::span<const JoinedChild> children, const Ov
   return levels;
 }
 
-/// Checks that each brick has a parent brick in the next level, because the nodes are linked by it.
+/// Checks that each brick has a parent brick in the next coarser level, because the parents' nodes link to their
+/// children.
 void expect_tree(const std::vector<Level>& levels) {
   for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
     const std::vector<std::uint64_t>& above = levels[l + 1].key;

@@ -18,7 +18,9 @@ struct BrickClass {
 };
 using BrickClasses = std::vector<BrickClass>;
 
-/// Returns the index of each brick's first child in the level below, and the end. Every brick has at least one child.
+/// Returns, for each brick of `level`, the index of its first child in `below`. The last entry is the number of bricks
+/// in `below`.
+/// Range   Every brick has at least one child.
 std::vector<std::size_t> child_starts(const Level& level, const Level& below) {
   std::vector<std::size_t> starts;
   std::size_t child = 0;
@@ -78,7 +80,7 @@ std::vector<BrickClasses> judge(const std::vector<Level>& levels, const ThreadPo
   return classes;
 }
 
-/// Appends the nodes of one level. link_children() sets their children after the next level is appended.
+/// Appends the nodes of one level. link_children() sets their children after the next finer level is appended.
 void add_level_nodes(const Level& level, const BrickClasses& classes, std::size_t lod, NodeTable& nodes) {
   std::uint32_t brick = 0;
   for (std::size_t b = 0; b < classes.size(); ++b) {

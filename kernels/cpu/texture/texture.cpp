@@ -10,7 +10,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Halves an image. row_at(y) returns a source row; add(texel, weight, sums) adds one texel to the sums.
+/// Halves an image. row_at(y) returns a source row; add(texel, weight, sums) adds one weighted texel to the sums.
 template <class RowAt, class Add>
 std::vector<std::uint16_t> halve(int width, int height, const ThreadPool& pool, const RowAt& row_at, const Add& add) {
   const int target_width = level_extent(width, 1), target_height = level_extent(height, 1);

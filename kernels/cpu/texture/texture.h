@@ -10,7 +10,7 @@
 
 namespace gigabake::kernels {
 
-/// The use of the image's alpha channel. The mip pyramid depends on it, so each use has a separate Texture.
+/// The use of the image's alpha channel. The mip pyramid depends on this use, so each use requires a separate Texture.
 enum class TextureAlpha : std::uint8_t { ignore, blend, mask };
 
 int level_count(int width, int height);
@@ -22,9 +22,9 @@ std::uint64_t new_texture_id();
 
 class Texture {
  public:
-  /// Computes the mip pyramid. rgba: 4·width·height bytes, sRGB colour, straight alpha; TextureAlpha::ignore sets alpha
-  /// to 255. mask_cutoff: 1 … 255, used only with TextureAlpha::mask.
-  /// Cost    2.7 bytes per texel in addition to the image; one pass over it.
+  /// Computes the mip pyramid. `rgba` has 4·width·height bytes: sRGB colour and straight alpha. TextureAlpha::ignore
+  /// sets alpha to 255. `mask_cutoff` (1 … 255) is used only with TextureAlpha::mask.
+  /// Cost    2.7 bytes per texel in addition to the image; one pass over the image.
   Texture(std::vector<std::uint8_t> rgba, int width, int height, TextureAlpha alpha, std::uint8_t mask_cutoff,
           const ThreadPool& pool);
   TextureView view() const;

@@ -17,8 +17,8 @@ struct LevelExtent {
   int width, height;
 };
 
-/// The source texels of one target texel along one axis. Weights are in 1/target of a texel and sum to `source`. For
-/// odd sizes, the weights are the exact overlaps.
+/// The source texels that one target texel covers along one axis. A weight is the exact overlap in units of 1/target
+/// source texel. The weights sum to `source`.
 struct Footprint {
   std::int64_t first, last;
   std::int64_t source, target, at;
@@ -34,8 +34,8 @@ struct Footprint {
   }
 };
 
-/// Computes row y of the next level. The call row_at(j) returns the first texel of row j, 4 values each. The call
-/// add(texel, weight, sums) adds a weighted texel to the sums. out: 4 values per texel.
+/// Computes row `y` of the next coarser level. The call row_at(j) returns row j of the source, with 4 values per texel.
+/// The call add(texel, weight, sums) adds a weighted texel to the sums. `out` receives 4 values per texel of the row.
 template <class RowAt, class Add>
 void halve_row(LevelExtent from, int y, const RowAt& row_at, const Add& add, std::uint16_t* out) {
   const int target_width = level_extent(from.width, 1);
@@ -51,7 +51,8 @@ void halve_row(LevelExtent from, int y, const RowAt& row_at, const Add& add, std
   }
 }
 
-/// Reads texels of level 0: linear, premultiplied. If there is an alpha test, a texel is opaque or transparent.
+/// A functor that adds texels of level 0 to sums, as linear premultiplied values. If there is an alpha test, each texel
+/// counts as opaque or transparent.
 class BaseTexels {
  public:
   explicit BaseTexels(std::uint8_t mask_cutoff) : mask_cutoff_(mask_cutoff), tables_(TableStore::host().view()) {}
@@ -65,12 +66,12 @@ class BaseTexels {
   const Tables tables_;
 };
 
-/// Adds a texel of level 1 or coarser.
+/// Adds a weighted texel of level 1 or coarser to the sums.
 inline void add_linear_texel(const std::uint16_t* p, std::uint64_t weight, std::uint64_t sum[4]) {
   for (int c = 0; c < 4; ++c) sum[c] += weight * p[c];
 }
 
-/// Sets alpha to 255 for TextureAlpha::ignore.
+/// Sets the alpha of all texels to 255, as TextureAlpha::ignore requires.
 inline void make_opaque(std::uint8_t* rgba, std::size_t texels) {
   for (std::size_t i = 0; i < texels; ++i) rgba[4 * i + 3] = 255;
 }

@@ -39,8 +39,8 @@ class GroupedBrick {
   std::array<std::uint32_t, shares> count_{};
 };
 
-/// Quantizes channels [begin, end) of each voxel's bytes together: the largest group whose channels all fit gets one
-/// value.
+/// Quantizes channels [begin, end) of the voxels' bytes together. Each voxel takes the common value of the largest
+/// group that contains it and whose channels all fit the error bound.
 void approximate_codes(const GroupedBrick& brick, std::uint8_t* bytes, int stride, int begin, int end,
                        std::uint32_t codes) {
   std::array<std::array<CodeRange, 3>, shares> range{};

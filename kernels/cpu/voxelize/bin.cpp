@@ -15,7 +15,7 @@ constexpr int bucket_bits = 15;
 
 std::size_t range_count(std::size_t triangles) { return (triangles + triangles_per_range - 1) / triangles_per_range; }
 
-/// Calls visit(key, triangle) for the pairs of one range of triangles.
+/// Calls visit(key, triangle) for all pairs of one range of triangles.
 template <class Visit>
 void visit_range(std::span<const WindowTriangle> triangles, std::size_t range, const CellWindow& window,
                  const Visit& visit) {

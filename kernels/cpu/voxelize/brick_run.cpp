@@ -9,7 +9,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// The position of a run in the level.
+/// The indices of a run's first brick and first voxel in the level.
 struct Landing {
   std::size_t brick, voxel;
 };
@@ -41,7 +41,8 @@ void BrickRun::push_brick(std::uint64_t key, const std::uint64_t mask[8], std::s
 }
 
 void BrickRun::make_room(Level& level, std::size_t bricks, std::size_t voxels, const ThreadPool& pool) const {
-  // Growing an array fills it with zeros. Each array is a separate task, the largest first.
+  // Growing an array fills it with zeros, which takes time. Each array is therefore a separate task. The largest array
+  // is the first.
   pool.parallel_for(6, 1, [&](std::size_t array, std::size_t, int) {
     if (array == 0) level.rgba.resize(4 * voxels);
     if (array == 1 && !facing_.empty()) level.facing.resize(facing_bytes * voxels);

@@ -16,9 +16,10 @@ class BrickRun {
  public:
   explicit BrickRun(bool normals = true) : normals_(normals) {}
 
-  /// Appends a brick. voxels: in ascending order of their bit in the mask.
+  /// Appends a brick. `voxels` are in ascending order of their mask bits.
   void push_brick(std::uint64_t key, const std::uint64_t mask[8], std::span<const Voxel> voxels);
-  /// Appends facing_bytes per voxel of the last brick. Call it for all bricks or for none.
+  /// Appends the directional coverage and planes of the last brick, facing_bytes per voxel. Call it for all bricks or
+  /// for none.
   void push_facing(std::span<const std::uint8_t> facing) {
     facing_.insert(facing_.end(), facing.begin(), facing.end());
   }

@@ -23,7 +23,8 @@ class BrickSums {
     mask_[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
   }
 
-  /// Ends a triangle. Call it after each triangle, which adds at most one fragment per voxel.
+  /// Ends a triangle. Call it after the last fragment of each triangle.
+  /// Range   A triangle adds at most one fragment per voxel.
   void end_triangle() {
     if (++triangles_ == fragments_before_flush) flush();
   }

@@ -3,7 +3,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// The sums of one group, in registers while edges are added.
+/// The sums of one group of lanes. They are local, so that compilers keep them in registers while edges are added.
 struct GroupMoments {
   GroupMoments() {
     for (int i = 0; i < lane_group; ++i) area[i] = u[i] = v[i] = uu[i] = uv[i] = vv[i] = 0;

@@ -8,8 +8,8 @@
 
 namespace gigabake::kernels {
 
-/// Sorts by bits [low_bit, high_bit).
-/// Cost    One read for the counts, one read and one write of `values` per 8 bits; a second buffer of the same size.
+/// Sorts `values` by bits [low_bit, high_bit). The number of bits is rounded up to a multiple of 8.
+/// Cost    Per 8 bits, two reads and one write of `values`. A second buffer of the same size.
 void radix_sort(UnsetArray<std::uint64_t>& values, int low_bit, int high_bit, const ThreadPool& pool);
 
 }  // namespace gigabake::kernels

@@ -44,7 +44,7 @@ Surface triangle_surface(const PartSurface& from, const WindowTriangle& w, const
   return s;
 }
 
-/// The buffers of one thread, reused for all its bricks.
+/// The voxelizer of one thread. Its buffers are reused for all its bricks.
 class BrickWalker {
  public:
   BrickWalker(std::span<const WindowTriangle> triangles, const std::vector<PartSurface>& parts, SurfaceRule rule)
@@ -78,7 +78,7 @@ class BrickWalker {
     sums_.end_triangle();
   }
 
-  /// Adds the fragments of slab w. cells: bit u + 8 v is set for each cell that the triangle overlaps.
+  /// Adds the fragments of slab `w`. Bit u + 8v of `cells` is set if the triangle overlaps cell (u, v) of the slab.
   void add_slab(const TrianglePlane& plane, const Surface& surface, int axis, int w, std::uint64_t cells) {
     const ShadingRate look = surface.look();
     int voxel[64];
@@ -140,11 +140,11 @@ class BrickWalker {
   Tables tables_;
   BrickSums sums_;
   CellLanes lanes_;
-  LinearColour linear_;  ///< of the current triangle, if its surface is linear
+  LinearColour linear_;  ///< colour of the current triangle, if its shading rate is linear
   std::uint64_t fragments_ = 0;
 };
 
-/// Returns the index of each brick's first pair, and the end.
+/// Returns the index of each brick's first pair. The last entry is the number of pairs.
 std::vector<std::size_t> brick_starts(std::span<const Pair> pairs) {
   std::vector<std::size_t> starts;
   for (std::size_t i = 0; i < pairs.size(); ++i)

@@ -9,7 +9,8 @@
 
 namespace gigabake::kernels {
 
-/// Appends the bricks of `pairs` that have a visible voxel. Pairs are sorted by key; keys are above those in `level`.
+/// Appends the bricks of `pairs` that have a visible voxel to `level`.
+/// Range   Pairs are sorted by key. Their keys are greater than all keys in `level`.
 void voxelize(const CellInput& input, std::span<const WindowTriangle> triangles, const CellParameters& parameters,
               std::span<const Pair> pairs, const ThreadPool& pool, Level& level, CellStats& stats);
 

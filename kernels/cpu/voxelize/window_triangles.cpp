@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t triangles_per_window_range = 16384;
 
-/// Triangles [begin, end) of a part, with one bit per triangle that is kept.
+/// The triangles [begin, end) of a part. Bit i of `kept` is set if triangle begin + i is kept.
 struct Range {
   std::uint32_t part;
   std::size_t begin, end;
