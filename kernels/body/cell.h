@@ -61,7 +61,7 @@ struct CellStats {
   std::uint64_t non_finite = 0;  ///< dropped: a vertex is NaN/Inf or off the lattice
   std::uint64_t zero_area = 0;   ///< dropped: no area after the snap
   std::uint64_t oversized = 0;   ///< extend farther than 2^30 sub-voxels from the window; the cell must fail
-  std::uint64_t bad_uv = 0;      ///< triangles with NaN/Inf texture coordinates, baked with (0,0)
+  std::uint64_t bad_uv = 0;      ///< triangles with NaN/Inf or too large texture coordinates, baked with (0,0)
   std::uint64_t pairs = 0;       ///< pairs of a triangle and a brick that it may touch
   std::uint64_t fragments = 0;   ///< pairs of a triangle and a voxel that it occupies
   std::uint64_t batches = 0;

@@ -91,7 +91,8 @@ class CudaBaker::Impl {
   }
 
  private:
-  /// Approximates, hashes and prunes on the host a cell baked in parts, because its coarser levels need exact voxels.
+  /// Approximates, hashes and prunes a cell on the host that was baked in parts. Its parts are not approximated on the
+  /// device, because the coarser levels need exact voxels.
   CellVolume download_approximate(BakedCell& cell) {
     CellVolume out;
     out.levels = std::move(cell.host_levels);

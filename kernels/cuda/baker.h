@@ -22,8 +22,8 @@ struct CudaDevices {
 /// Cost    Starts the driver: about a second at the first call.
 CudaDevices cuda_devices();
 
-/// Returns the bytes read and written per second by a large copy within the device: the bandwidth for lower bounds of
-/// run times.
+/// Returns the memory bandwidth of the device: bytes read plus bytes written per second by a large copy. Lower bounds
+/// of run times are computed from it.
 /// Errors  CudaFailure.
 double device_copy_rate(int device);
 
@@ -42,26 +42,28 @@ class CudaVolume {
 /// may run only once at a time.
 class CudaBaker {
  public:
-  /// device: an ordinal from cuda_devices(). texture_bytes: device memory for textures of recent cells; 0: a quarter of
-  /// the device's memory.
+  /// `device` is an ordinal from cuda_devices(). `texture_bytes` is the device memory for textures of recent cells; 0
+  /// means a quarter of the device's memory.
   /// Errors  CudaFailure.
   CudaBaker(int device, std::uint64_t texture_bytes);
   ~CudaBaker();
   CudaBaker(const CudaBaker&) = delete;
   CudaBaker& operator=(const CudaBaker&) = delete;
 
-  /// Bakes a cell. parameters.memory_bytes: max device memory for triangles, working arrays and result. A cell that
-  /// needs more, or more than the device has free, is baked and downloaded in parts.
+  /// Bakes a cell. `parameters.memory_bytes` is the max device memory for triangles, working arrays and result. A cell
+  /// that needs more, or more than the device has free, is baked and downloaded in parts.
   /// Exact   Same volume as kernels::bake_cell(input, parameters, any policy), whatever the memory. Differences:
   ///         stats.batches counts parts, peak_bytes is device memory, and times differ.
-  /// Errors  CudaFailure if input or the smallest part does not fit the device, or if the device is lost. Afterwards
-  ///         the baker works as before, or, if the device is lost, every further call fails.
+  /// Errors  CudaFailure if input or the smallest part does not fit the device, or if the device is lost. The baker
+  ///         remains usable unless the device is lost; then every further call fails.
   CellVolume bake_cell(const CellInput& input, const CellParameters& parameters);
 
-  /// Uploads, bakes and downloads: the three steps of bake_cell(). The input's arrays must live until upload() returns.
+  /// Uploads the input of a cell, as the first of the three steps of bake_cell(). The input's arrays must live until
+  /// upload() returns.
   std::shared_ptr<const CudaInput> upload(const CellInput& input);
+  /// Bakes an uploaded cell, as the second step.
   std::unique_ptr<CudaVolume> bake(const CudaInput& input, const CellParameters& parameters);
-  /// Downloads a volume that this baker has baked, and frees its device memory.
+  /// Downloads a volume that this baker has baked, as the third step, and frees its device memory.
   CellVolume download(std::unique_ptr<CudaVolume> volume);
 
  private:

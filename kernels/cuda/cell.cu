@@ -13,11 +13,10 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Units are the nodes this many levels below the root, but not finer than min_unit_level, as small launches do not
-/// pay.
+/// Units are the nodes `levels_above_units` levels below the root. They are at least `min_unit_level` levels above the
+/// bricks, because a launch for a small unit is not worth its cost.
 constexpr int levels_above_units = 5, min_unit_level = 2;
-constexpr double live_share = 1.2;  ///< capacity over the expected input and output, which are estimated from the cell
-                                    ///< before
+constexpr double live_share = 1.2;  ///< intended live bytes, as a multiple of the expected bytes of input and output
 
 std::uint64_t limit_of(std::uint64_t memory_bytes, std::uint64_t input_bytes) {
   if (memory_bytes == 0) return 0;
@@ -58,7 +57,7 @@ struct CellBake::Cell {
 
 /// The octree nodes that a cell can be split into, and the pairs before each of them.
 struct CellBake::Units {
-  int level;  ///< height above the bricks
+  int level;  ///< number of levels above the bricks
   std::vector<std::uint64_t> pairs_before;
 
   std::uint64_t pairs(std::size_t first, std::size_t end) const { return pairs_before[end] - pairs_before[first]; }
@@ -96,7 +95,7 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
   if (double(input.vertex_count) * sizeof(SnappedVertex) < 0.1 * (input_bytes + output_bytes)) {
     vertices = snap_vertices(heap_, cell.input, cell.window);
     cell.input.vertices = vertices.data();
-  } else {  // keeping the vertices would take half of the capacity, so they are snapped on every access
+  } else {  // keeping the vertices would take more than half of the spare 20 %, so each access snaps again
     window = DeviceArray<SnapWindow>(heap_, 1);
     const SnapWindow& snapped_to = cell.window;
     check_cuda(cudaMemcpyAsync(window.data(), &snapped_to, sizeof snapped_to, cudaMemcpyHostToDevice, heap_.stream()),
@@ -109,7 +108,7 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
   check_cuda(cudaStreamSynchronize(heap_.stream()), "cudaStreamSynchronize (bake)");
 }
 
-/// Computes the levels [0, lods) of a range of bricks. Records the marks 2 to 5.
+/// Computes the levels [0, lods) of a range of bricks. Records the clock's marks 2 to 5.
 LevelsAbove CellBake::levels_of(const Cell& cell, KeyRange range, int lods, BinCapacity& capacity, CellStats& stats) {
   clock_.mark(2);
   BrickLists lists = bin_triangles(heap_, cell.input, cell.window, range, capacity, stats);
@@ -177,7 +176,8 @@ DownsampleState CellBake::source_of(const LevelsAbove& all, int lod, MipFilter f
   return downsample_state(levels, lod, surface, filter);
 }
 
-/// Bakes levels up to the units' on the device, part by part, and the coarser, small levels from them on the host.
+/// Bakes the levels up to that of the units on the device, part by part. Computes the coarser levels, which are small,
+/// on the host.
 void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
   Units units{std::clamp(cell.window.levels - levels_above_units, std::min(min_unit_level, cell.window.levels),
                          cell.window.levels),
@@ -204,8 +204,8 @@ void CellBake::bake_units(const Cell& cell, const Units& units, std::size_t firs
   bake_units(cell, units, middle, end, out);
 }
 
-/// Returns false and changes nothing if the part does not fit. A single unit has no limit; if it does not fit either,
-/// throws DeviceFull.
+/// Bakes the units [first, end) as one part. Returns false and changes nothing if the part does not fit the limit. A
+/// single unit has no limit; DeviceFull is thrown if it does not fit the device.
 bool CellBake::bake_part(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out) {
   const bool is_min_size = end - first == 1;
   heap_.limit_to(is_min_size ? 0 : cell.limit);

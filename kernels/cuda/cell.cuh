@@ -1,7 +1,7 @@
 /// Bake of one cell on the device, from uploaded triangles to levels: at once if it fits, otherwise part by part.
 ///
-/// Exact   A part is a range of octree nodes by Morton key. Levels up to the nodes' own depend only on the nodes' own
-///         bricks, so the division into parts changes no bit.
+/// Exact   A part is a range of octree nodes by Morton key. Levels up to the level of these nodes depend only on bricks
+///         inside the nodes, so the division into parts changes no bit.
 #pragma once
 
 #include <cstdint>
@@ -27,22 +27,22 @@ class BakedCell : public CudaVolume {
   std::vector<DeviceLevel> levels;  ///< [lod]; for a cell baked at once
   DeviceNodes nodes;
   std::vector<Level> host_levels;  ///< [lod]; for a cell baked in parts
-  LevelSurface host_surface;       ///< of the coarsest of host_levels
+  LevelSurface host_surface;       ///< coverage masks and patches of the coarsest of host_levels
   std::vector<Hash128> host_hashes;
-  DownsampleState above;  ///< on the host: it is small, and the volume carries it whichever code packs the cell
+  DownsampleState above;  ///< always on the host, because it is small
   std::int64_t window_min[3] = {};
-  std::uint32_t max_error = 0;  ///< error that `host_levels` are still to be approximated to
+  std::uint32_t max_error = 0;  ///< error to which `host_levels` must still be approximated; 0: none
   CellStats cell_stats;
 };
 
-/// Bakes cells one after the other on one stream, and estimates the capacities of each cell from the cells before it.
+/// Baker of one cell after the other on one stream. It estimates the capacities for a cell from the cells before it.
 class CellBake {
  public:
   CellBake(DeviceHeap& heap, const Tables& tables);
 
-  /// Bakes a cell and waits for the stream.
-  /// parameters.memory_bytes: device memory for input, working arrays and result together. Textures have a separate
-  /// budget. One octree node (at most 1/32768 of the window) is baked even if it exceeds the memory.
+  /// Bakes a cell and waits for the stream. `parameters.memory_bytes` is the device memory for input, working arrays
+  /// and result together. Textures have a separate budget. The smallest part is an octree node with 1/32768 of the
+  /// window, but at least 32³ voxels. It is baked even if it exceeds the memory.
   /// Errors  CudaFailure.
   void bake(const DeviceInput& input, const CellParameters& parameters, BakedCell& out);
 

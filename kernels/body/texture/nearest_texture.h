@@ -102,7 +102,7 @@ inline constexpr int max_texels_inside = 64;
 
 /// Texels along one axis that a footprint may overlap.
 struct TexelSpan {
-  std::int32_t first, count;  ///< in the wrapped row
+  std::int32_t first, count;  ///< index of the first texel in the wrapped row, and number of texels
   double middle;              ///< position of the centroid from the first texel's lower border
 
   GB_HD std::int32_t middle_texel() const { return first + std::int32_t(at_most(middle, count - 0.5)); }

@@ -124,8 +124,8 @@ struct SlantedBox {
   std::int32_t columns, rows;
 };
 
-/// Divides a footprint into parts. A footprint with an alpha test has one row. Others that are wide along both axes
-/// have two rows, so that a finer level is read. They have three rows if that level is the image itself.
+/// Divides a footprint into parts. A footprint with an alpha test has one row. Other footprints that are wide along
+/// both axes have two rows, so that a finer level is read. They have three rows if that level is the image itself.
 GB_HD SlantedBox slanted_box(float longer, float covariance, float shorter, bool is_tested) {
   SlantedBox r;
   r.slant = covariance / longer;

@@ -23,7 +23,7 @@ struct TextureView {
                                  ///< textures by it
 };
 
-/// Returns the number of texels of a level along one axis. size: at level 0.
+/// Returns the number of texels of a level along one axis. `size` is the number at level 0.
 GB_HD std::int32_t level_extent(std::int32_t size, int level) { return size >> level > 1 ? size >> level : 1; }
 
 }  // namespace gigabake::kernels

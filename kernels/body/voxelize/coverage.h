@@ -42,8 +42,8 @@ struct TrianglePlane {
   double inverse_twice_area;  ///< 1 / (2 · projected area), signed; computed from the exact normal, because products
                               ///< of u and v would lose it to rounding on long slivers
   double weight_scale;        ///< weight per projected (u, v) area, signed: makes clockwise areas positive
-  Line line[4];               ///< of the three edges, and of any cut by a plane w = constant
-  double du_dw[3], dv_dw[3];  ///< along the edges; undefined if w is constant along the edge
+  Line line[4];               ///< lines of the three edges, and of any cut by a plane w = constant
+  double du_dw[3], dv_dw[3];  ///< slopes of the edges; undefined if w is constant along the edge
 };
 inline constexpr int cut_line = 3;
 
@@ -137,7 +137,7 @@ struct Point2 {
 /// Position and shape of a fragment, for shading it.
 struct FragmentShape {
   Point2 centroid;
-  double area;       ///< projected, signed, voxel²
+  double area;       ///< projected area, signed, voxel²
   float uu, uv, vv;  ///< variances and covariance of its points, voxel²; 0 if it is too small to measure
   double cell_u, cell_v;
   const double *polygon_u, *polygon_v;  ///< corners of the slab polygon that contains the fragment

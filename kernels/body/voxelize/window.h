@@ -24,7 +24,7 @@ struct SnapWindow {
 };
 
 struct CellWindow : SnapWindow {
-  std::int64_t edge;    ///< sub-voxels
+  std::int64_t edge;    ///< length of an edge, sub-voxels
   std::int32_t bricks;  ///< number of bricks along an edge
   int levels;           ///< log2(bricks); a cell has one more lod
   SurfaceRule rule;

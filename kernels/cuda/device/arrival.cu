@@ -7,7 +7,8 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Piece sizes. A transfer of one piece takes about 80 µs, and the threads copy a piece in about the same time.
+/// Sizes of a piece, and of the bytes of a piece that one thread copies. A transfer of one piece takes about 80 µs, and
+/// the threads copy a piece in about the same time.
 constexpr std::size_t bytes_per_piece = 1u << 22, bytes_per_thread = 1u << 18;
 
 }  // namespace

@@ -11,7 +11,7 @@
 
 namespace gigabake::kernels {
 
-/// Copies in pieces through page-locked memory: threads copy a piece to its destination while later pieces are
+/// Download in pieces through page-locked memory. Threads copy a piece to its destination while later pieces are
 /// transferred.
 class Arrival {
  public:
@@ -44,7 +44,7 @@ class Arrival {
   cudaStream_t stream_;
   const ThreadPool& pool_;
   PinnedBuffer room_;
-  std::vector<cudaEvent_t> arrivals_;  ///< by piece
+  std::vector<cudaEvent_t> arrivals_;  ///< [piece]
 };
 
 }  // namespace gigabake::kernels

@@ -20,7 +20,7 @@ class StreamClock {
 
   /// Records mark i (0 … 6) in the stream.
   void mark(int i) { check_cuda(cudaEventRecord(events_[std::size_t(i)], stream_), "cudaEventRecord"); }
-  /// Returns the seconds between two marks, which the stream must have passed.
+  /// Returns the seconds between two marks. The stream must have passed both marks.
   double between(int i, int j) const {
     float ms = 0;
     check_cuda(cudaEventElapsedTime(&ms, events_[std::size_t(i)], events_[std::size_t(j)]), "cudaEventElapsedTime");

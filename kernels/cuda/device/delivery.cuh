@@ -12,7 +12,8 @@
 
 namespace gigabake::kernels {
 
-/// Page-locked buffers used alternately: the host fills one while the other is copied, so that it rarely waits.
+/// Two page-locked buffers that are used alternately. The host fills one buffer while the other is copied, so that the
+/// host rarely waits.
 class Delivery {
  public:
   explicit Delivery(DeviceHeap& heap);
@@ -23,7 +24,8 @@ class Delivery {
   /// Returns a host buffer to fill before send(). Waits if the device is still copying from that buffer.
   /// Errors  CudaFailure, DeviceFull.
   std::byte* room(std::size_t bytes);
-  /// Starts the copy of the buffer. Returns the device pointer, valid for launches before the second next room().
+  /// Starts the copy of the buffer. Returns the device pointer. It is valid for kernels that are launched before the
+  /// second next call of room().
   /// Errors  CudaFailure.
   const std::byte* send();
 

@@ -10,11 +10,11 @@ namespace {
 
 constexpr std::size_t alignment = 64;
 
-/// Collects the arrays to copy, then copies all of them at once and fills the host's arrays from the buffer.
+/// Collection of arrays to download. run() copies all of them to one buffer and fills the host's arrays from it.
 class Download {
  public:
-  /// Adds the first `count` elements of an array. to: a vector of Unit or of an integer at least as wide. Unit: the
-  /// type of the copied elements on the host.
+  /// Adds the first `count` elements of an array. The host reads the copied bytes as elements of type Unit. It assigns
+  /// them to `to`, whose elements are Units or wider integers.
   template <class Unit, class T, class To>
   void add_as(const DeviceArray<T>& from, std::size_t count, std::vector<To>& to) {
     const std::size_t at = bytes_, size = count * sizeof(T);
@@ -53,7 +53,7 @@ class Download {
 };
 
 void add(Download& download, const DeviceLevel& d, Level& level) {
-  download.add_as<std::uint8_t>(d.rgba, d.voxels, level.rgba);  // largest first
+  download.add_as<std::uint8_t>(d.rgba, d.voxels, level.rgba);  // largest array first
   if (!d.normal.empty()) download.add_as<std::int8_t>(d.normal, d.voxels, level.normal);
   if (!d.facing.empty()) download.add(d.facing, facing_bytes * std::size_t(d.voxels), level.facing);
   download.add(d.mask, 8 * std::size_t(d.bricks), level.mask);

@@ -15,7 +15,7 @@ namespace gigabake::kernels {
 inline constexpr int download_threads = 3;
 
 /// Copies the levels, and the nodes if there are any, through `pinned` to the host's arrays.
-/// Cost    Mostly the first touch of new host memory, so the threads of `pool` fill the arrays.
+/// Cost    Page faults of new host memory take most of the time, so the threads of `pool` fill the arrays.
 /// Errors  CudaFailure.
 CellVolume to_host(cudaStream_t stream, PinnedBuffer& pinned, std::span<const DeviceLevel> levels,
                    const DeviceNodes& nodes, const ThreadPool& pool);

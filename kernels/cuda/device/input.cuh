@@ -28,14 +28,14 @@ struct InputView {
   const DevicePart* parts;
   const MaterialView* materials;
   const TextureView* textures;
-  const SnappedVertex* vertices;  ///< of all submeshes; null: each vertex is snapped on every access
+  const SnappedVertex* vertices;  ///< [vertex of all submeshes]; null if vertices are snapped on every access
   const SnapWindow* window;
   Tables tables;
   std::uint32_t part_count, vertex_count, triangle_count;
 };
 
-/// Returns the submesh that contains vertex or triangle `i`; `first` selects the submeshes' first vertices or
-/// triangles.
+/// Returns the submesh that contains vertex or triangle `i`, numbered over all submeshes. `first` is
+/// &DevicePart::first_vertex or &DevicePart::first_triangle.
 template <std::uint32_t DevicePart::*first>
 __device__ inline std::uint32_t part_of(const InputView& in, std::uint32_t i) {
   std::uint32_t low = 0, high = in.part_count;
@@ -56,7 +56,8 @@ __device__ inline SnappedVertex snapped_vertex(const InputView& in, const Device
   return in.vertices != nullptr ? in.vertices[part.first_vertex + vertex] : snap_vertex_now(in.window, &part, vertex);
 }
 
-/// Returns a triangle of the window. triangle: numbered over all submeshes; all its vertices must be on the lattice.
+/// Returns a triangle in window coordinates. `triangle` is numbered over all submeshes. All its vertices must lie on
+/// the lattice.
 __device__ inline WindowTriangle window_triangle(const InputView& in, std::uint32_t triangle) {
   WindowTriangle t;
   t.part = part_of<&DevicePart::first_triangle>(in, triangle);

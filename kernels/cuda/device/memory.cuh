@@ -42,12 +42,12 @@ class DeviceHeap {
   /// Errors  DeviceFull, CudaFailure.
   void* take(std::size_t bytes);
   void give(void* data, std::size_t bytes) noexcept;
-  /// Sets the limit of live bytes beyond which take() fails; bytes that are live already may exceed it. 0: only the
-  /// device's memory limits.
+  /// Sets the max number of live bytes, beyond which take() throws DeviceFull. Bytes that are live already may exceed
+  /// it. If it is 0, the device's memory is the only limit.
   void limit_to(std::uint64_t bytes) { limit_ = bytes; }
 
   /// Copies a few bytes to the host and waits for the copy and for the kernels before it. A page-locked buffer of the
-  /// heap receives the bytes, so that the driver need not stage a copy to pageable memory. what: names the step in an
+  /// heap receives the bytes, so that the driver need not stage a copy to pageable memory. `what` names the step in an
   /// error's message.
   void bring(void* host, const void* device, std::size_t bytes, const char* what);
 
@@ -57,12 +57,12 @@ class DeviceHeap {
  private:
   cudaStream_t stream_;
   DeviceBooks& books_;
-  std::atomic<std::uint64_t> live_{0};  ///< another thread than the baking one may free arrays
+  std::atomic<std::uint64_t> live_{0};  ///< atomic: a thread other than the baking thread may free arrays
   std::uint64_t limit_ = 0;
   PinnedBuffer arrived_;
 };
 
-/// Array on the device, freed in stream order. Not initialised.
+/// Array on the device, freed in stream order. Its elements are not initialised.
 template <class T>
 class DeviceArray {
  public:

@@ -17,7 +17,7 @@ constexpr int filter_threads = 128;
 /// Voxel arrays in memory, accessed by index.
 struct VoxelArrays {
   const std::uint32_t* rgba;
-  const std::uint16_t* normal;  ///< or null
+  const std::uint16_t* normal;  ///< null if the level has none
   const SurfaceMoments* patch;  ///< (kernels/body/mip/patch.h); null at lod 0, or if not required
 };
 
@@ -28,8 +28,8 @@ struct alignas(8 * sizeof(Index) < 16 ? 8 : 16) Children {
   static constexpr Index none = Index(-1);
 };
 
-/// Returns the children in a brick's mask at (2x, 2y) of two adjacent slabs, `low` and `high`. Parameter at_low: index
-/// of the low slab's first voxel; the high slab's voxels follow.
+/// Returns the children at (2x, 2y) to (2x + 1, 2y + 1) of two adjacent slabs. `low` and `high` are the slabs' words of
+/// a brick's mask. `at_low` is the index of the first voxel of `low`; the voxels of `high` follow.
 template <class Index>
 __device__ Children<Index> children_in(std::uint64_t low, std::uint64_t high, std::uint32_t at_low, int x, int y) {
   Children<Index> children;
@@ -66,7 +66,8 @@ struct ChildRasters {
   }
 };
 
-/// Edge: of the children's coverage masks.
+/// Returns the weights of a voxel's children by their visible coverage. Edge is the edge of the children's coverage
+/// masks in cells.
 template <int Edge, class Index>
 __device__ Weights weights_by_view(const CoverageSums& seen, const Children<Index>& children) {
   std::uint32_t there[2] = {};
@@ -75,10 +76,11 @@ __device__ Weights weights_by_view(const CoverageSums& seen, const Children<Inde
   return weights_of(seen, Edge, there);
 }
 
-/// CoverageSums of a voxel, by column and child, as written by the lanes that process its columns.
+/// Terms of a voxel's CoverageSums, by axis and column or child. The lanes that process the columns write them, and
+/// total() adds them.
 struct alignas(8) ColumnSums {
-  std::uint16_t covered[3][4];  ///< axis, column
-  std::uint16_t seen[3][8];     ///< axis, child
+  std::uint16_t covered[3][4];  ///< [axis][column]
+  std::uint16_t seen[3][8];     ///< [axis][child]
 
   __device__ void put(int axis, int column, const std::uint32_t sums[3]) {
     const int low = low_child(axis, column), high = low | 1 << axis;
@@ -99,8 +101,9 @@ struct alignas(8) ColumnSums {
   }
 };
 
-/// Computes the visible coverage of the children of n voxels, by a whole block: one lane per run of 16 cells. Parameter
-/// rasters: of the children; to: of the voxels, 8×8 cells each. Edge: of the children's, 4 or 8.
+/// Computes the visible coverage of the children of n voxels. The whole block must call it; one lane processes a run of
+/// 16 cells. `rasters` are the children's coverage masks, whose edge has Edge (4 or 8) cells. The voxels' coverage
+/// masks, with 8×8 cells per axis, are written to `to`.
 template <int Edge, class Index>
 __device__ void see_columns(const Children<Index>* children, int n, const std::uint32_t* rasters, std::uint32_t* to,
                             ColumnSums* out) {
@@ -121,7 +124,7 @@ __device__ void see_columns(const Children<Index>* children, int n, const std::u
   }
 }
 
-/// A filtered voxel. facing: x in the lowest byte.
+/// A filtered voxel. The lowest byte of `facing` is the coverage along x.
 struct FilteredVoxel {
   std::uint32_t rgba, facing;
   std::uint16_t normal;
@@ -129,7 +132,7 @@ struct FilteredVoxel {
   SurfaceMoments patch;
 };
 
-/// Filters a voxel from its children. Loads are independent of each other.
+/// Filters a voxel from its children. The children's loads are independent of each other.
 template <bool by_view, class Index>
 __device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<Index>& children, const Weights& w,
                                       MipFilter filter, const Tables& tables) {
@@ -157,7 +160,7 @@ __device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<I
 /// Output arrays of a level's voxels.
 struct VoxelsOut {
   std::uint32_t* rgba;
-  std::uint16_t* normal;  ///< or null
+  std::uint16_t* normal;  ///< null if the level has none
   std::uint8_t* facing;   ///< null without MipFilter::coverage
   SurfaceMoments* patch;  ///< null without MipFilter::coverage or normals, or if no later launch reads it
 

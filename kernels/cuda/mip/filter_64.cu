@@ -24,7 +24,7 @@ __device__ std::uint32_t index_of(const LevelOf64& in, std::uint32_t brick, int 
   return before + bits_below(mask[voxel >> 6], voxel & 63);
 }
 
-/// Filters one octant of a brick of the level two finer per thread.
+/// Computes one voxel per thread, from an octant of a brick that is two levels finer.
 __global__ void __launch_bounds__(threads) filter_octants(LevelOf64 in, Tables tables) {
   const std::uint32_t i = blockIdx.x * threads + threadIdx.x, brick = i / 8;
   const int octant = int(i % 8);

@@ -1,4 +1,4 @@
-/// Filter of a level from the level two finer on the device, with MipFilter::thesis.
+/// Filter of MipFilter::thesis on the device. It computes a level from the level that is two levels finer.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 namespace gigabake::kernels {
 
 struct LevelOf64 {
-  LevelView fine;  ///< the level two finer
+  LevelView fine;  ///< the level that is two levels finer
   const std::uint32_t *key, *first;
   const std::uint64_t* mask;
   std::uint32_t bricks;

@@ -5,8 +5,8 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Blocks per brick: several, so that a level of few bricks fills the device. together: voxels that a block filters at
-/// once.
+/// Number of blocks per brick. It is above 1, so that a level of few bricks occupies the device. `together` is the
+/// number of voxels that a block filters at once.
 constexpr std::uint32_t blocks_per_brick = 16;
 template <bool by_view>
 constexpr int together = by_view ? 8 : filter_threads;
@@ -15,8 +15,8 @@ template <bool by_view>
 struct HighShared {
   Children<std::uint32_t> children[together<by_view>];
   ColumnSums sums[by_view ? together<by_view> : 1];  ///< unused unless by_view
-  std::uint32_t child[8], first_below[8][4];         ///< by octant; first_below: index of the first voxel of each of
-                                                     ///< its slab pairs
+  std::uint32_t child[8], first_below[8][4];         ///< [octant]: brick number, and index of the first voxel of each
+                                                     ///< slab pair
   std::uint64_t mask[8];
   int before[9];  ///< voxels before each mask word
 };

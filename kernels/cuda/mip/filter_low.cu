@@ -6,7 +6,8 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Bricks of lod 1 that a block filters together if their voxels fit; otherwise it filters them one at a time.
+/// Max number of lod-1 bricks that a block filters together, and max numbers of their voxels at lods 1 to 3. If the
+/// voxels do not fit, the block filters its bricks one after the other.
 constexpr int max_bricks = 4, max_voxels_1 = 512, max_voxels_2 = 128, max_voxels_3 = 8 * max_bricks;
 constexpr int blocks = 8;  ///< per multiprocessor
 constexpr int at_3 = max_voxels_2, at_4 = at_3 + max_voxels_3, max_above = at_4 + max_bricks;
@@ -14,7 +15,7 @@ static_assert(filter_threads == 32 * max_bricks && max_voxels_1 >= brick_voxels 
 
 using Slots = Children<std::uint16_t>;
 
-/// State of the block's bricks [0, max_bricks) of lod 1; levels are numbered from lod 1.
+/// State of the block's bricks [0, max_bricks) of lod 1. Arrays by level begin with lod 1.
 struct LowShared {
   union {
     std::uint32_t raster_1[max_voxels_1][raster_words(2)];
@@ -28,18 +29,18 @@ struct LowShared {
       ColumnSums sums[max_voxels_3];
     };
   };
-  // Slots: voxels of lod 2, voxels of lod 3 from at_3 on, voxels of lod 4 from at_4 on. Each level is in the order of
-  // its lod-1 bricks.
+  // Arrays of max_above slots hold voxels: lod 2 from slot 0 on, lod 3 from at_3 on, lod 4 from at_4 on. The voxels of
+  // a level are ordered by the lod-1 brick in whose cube they lie.
   Slots children[max_above];       ///< numbers of the children, counted per level from the group's first voxel
-  std::uint32_t index[max_above];  ///< in the voxel's level
+  std::uint32_t index[max_above];  ///< index of the voxel in its level
   std::uint32_t rgba[max_above];
   std::uint16_t normal[max_above];
-  SurfaceMoments patch[at_4];               ///< of lods 2 and 3
-  std::uint64_t mask[4][max_bricks][8];     ///< [level]: of the brick, or of the coarser brick that contains it
+  SurfaceMoments patch[at_4];               ///< patches of lods 2 and 3
+  std::uint64_t mask[4][max_bricks][8];     ///< [level]: mask of the brick, or of the coarser brick that contains it
   std::uint32_t before[4][max_bricks][8];   ///< index in the level of the first voxel of each mask word
-  std::uint32_t child[max_bricks][8];       ///< by octant
+  std::uint32_t child[max_bricks][8];       ///< [octant]: brick of lod 0
   std::uint32_t first_0[max_bricks][8][4];  ///< index of the first voxel of lod 0 of each slab pair
-  std::uint32_t corner[max_bricks];         ///< key of the brick
+  std::uint32_t corner[max_bricks];         ///< Morton key of the brick
   std::uint16_t slab_2[max_bricks][4];      ///< mask of the lod-2 voxels in the brick, bit x + 4y of each slab
   std::uint16_t slab_3[max_bricks][2];      ///< mask of the lod-3 voxels, bit x + 2y
   std::uint16_t before_2[4 * max_bricks + 1], before_3[2 * max_bricks + 1];  ///< voxels of the block before each slab
@@ -50,7 +51,7 @@ struct LowShared {
 /// Bricks [begin, end) of the block, and their voxels per level.
 struct Group {
   int begin, end;
-  std::uint32_t first_1;  ///< index in lod 1
+  std::uint32_t first_1;  ///< index in lod 1 of the first voxel
   int n1, n2, n3;
 };
 
@@ -64,8 +65,8 @@ __device__ Group group_of(const LowShared& s, int begin, int end) {
           s.before_3[2 * end] - s.before_3[2 * begin]};
 }
 
-/// Loads the masks of the bricks and of the coarser bricks that contain them, one warp per level, and the bricks'
-/// children.
+/// Loads the masks of the bricks and of the coarser bricks that contain them, one warp per level. The warp of lod 1
+/// also loads the bricks' children.
 __device__ void open_bricks(const LowLevels& in, LowShared& s) {
   const int level = int(threadIdx.x) / 32, lane = int(threadIdx.x) % 32, b = lane / 8, w = lane % 8;
   const std::uint32_t p = blockIdx.x * max_bricks + std::uint32_t(b);
@@ -114,7 +115,7 @@ __device__ void open_slabs(LowShared& s) {
   s.before_3[t / 2 + 1] = std::uint16_t(upto_3);
 }
 
-/// Finds the first voxels of the children's slab pairs.
+/// Computes the index of the first voxel of each slab pair of the children, and calls open_slabs().
 __device__ void open_children(const LowLevels& in, LowShared& s) {
   const int t = int(threadIdx.x), b = t / 32, octant = t % 32 / 4, pair = t % 4;
   const std::uint32_t child = s.child[b][octant];
@@ -126,7 +127,8 @@ __device__ void open_children(const LowLevels& in, LowShared& s) {
   if (t < 4 * max_bricks) open_slabs(s);
 }
 
-/// Returns the index in its level of the voxel at (x, y, z) in the cube of brick b, which has 2^bits voxels per axis.
+/// Returns the index in `level` of the voxel at (x, y, z) in the cube of brick b. The cube has 2^bits voxels of `level`
+/// per axis.
 __device__ std::uint32_t index_of(const LowShared& s, int level, int b, int bits, int x, int y, int z) {
   const std::uint32_t key = s.corner[b];
   x = (gather_three_bits(key) << bits | x) & 7;
@@ -214,7 +216,7 @@ __device__ __noinline__ FilteredVoxel filter_slots(const Slots& children, VoxelA
   return filter_voxel<by_view>(below, children, w, filter, tables);
 }
 
-/// Filters the voxel in `slot`. below: voxels of the next finer level. level: 1…3, i.e. lods 2 to 4.
+/// Filters the voxel in `slot`. `below` holds the voxels of the next finer level. `level` is 1 … 3, that is lod 2 to 4.
 template <bool by_view>
 __device__ void filter_slot(const LowLevels& in, int level, int slot, const VoxelArrays& below, const Weights& w,
                             const Tables& tables, LowShared& s) {
@@ -245,7 +247,7 @@ __device__ void filter_lod_2(const LowLevels& in, const Group& g, const Tables& 
 }
 
 /// Filters n voxels of level 2 or 3 (lod 3 or 4) in the slots from `at` on. The next finer level begins at slot
-/// at_below. Edge: of the children's coverage masks.
+/// at_below. Edge is the edge of the children's coverage masks in cells.
 template <bool by_view, int Edge>
 __device__ void filter_few(const LowLevels& in, int level, int n, int at, int at_below, const std::uint32_t* rasters,
                            std::uint32_t* raster, const Tables& tables, LowShared& s) {
@@ -263,7 +265,7 @@ __device__ void filter_few(const LowLevels& in, int level, int n, int at, int at
   __syncthreads();
 }
 
-/// Stores n coverage masks of `words` words at the places of their voxels.
+/// Stores n coverage masks of `words` words. Mask i is stored as mask number place(i) of `to`.
 template <class Place>
 __device__ void store_rasters(const std::uint32_t* from, int n, int words, const Place& place, std::uint32_t* to) {
   for (int i = int(threadIdx.x); i < n * words; i += filter_threads)

@@ -19,15 +19,15 @@ struct LowLevel {
 struct LowLevels {
   LevelView fine;  ///< lod 0
   LowLevel level[max_low_levels];
-  int levels;                        ///< 1…4, beginning with lod 1
-  const std::uint32_t *key, *start;  ///< of lod 1
+  int levels;                        ///< number of levels from lod 1 on, 1…4
+  const std::uint32_t *key, *start;  ///< [lod-1 brick]: its Morton key, and its first child
   const Ancestors* ancestors;
-  std::uint32_t bricks;  ///< of lod 1
+  std::uint32_t bricks;  ///< number of lod-1 bricks
   MipFilter filter;
-  std::uint32_t* rasters;  ///< of the coarsest of these levels; null without MipFilter::coverage
+  std::uint32_t* rasters;  ///< coverage masks of the coarsest of these levels; null without MipFilter::coverage
 };
 
-/// Computes the voxels of the levels, and the coverage masks of the coarsest one.
+/// Computes the voxels of the levels, and the coverage masks of the coarsest of these levels.
 /// Errors  CudaFailure.
 void filter_low(DeviceHeap& heap, const LowLevels& levels, const Tables& tables);
 

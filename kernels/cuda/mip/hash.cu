@@ -13,15 +13,15 @@ constexpr unsigned threads = 256, max_blocks = 2048;
 struct HashView {
   const std::uint32_t *key, *first, *rgba;
   const std::uint64_t* mask;
-  const std::uint16_t* normal;  ///< or null
-  const std::uint8_t* facing;   ///< or null
+  const std::uint16_t* normal;  ///< null if the level has none
+  const std::uint8_t* facing;   ///< null if the level has none
   std::uint32_t bricks;
   std::int64_t window_min[3];
   int lod;
 };
 
-/// Returns the bit (of 512) of the brick's voxel number `rank`. Parameter word: this lane's 32 bits of the mask.
-/// Parameter before: voxels in the words of lower lanes. Lanes 16 to 31 own no word. All lanes must call it.
+/// Returns the bit (0 … 511) of voxel number `rank` of a brick. `word` is this lane's 32 bits of the mask, and `before`
+/// is the number of voxels in the words of lower lanes. Lanes 16 to 31 own no word. All lanes must call it.
 __device__ int voxel_bit(std::uint32_t word, int before, int rank) {
   int at = 0;
 #pragma unroll

@@ -20,8 +20,8 @@ struct Tree {
   int lods;
 };
 
-/// Returns the coarsest lod at which the lod-0 brick i opens a brick; 0: none. It also opens one at each finer lod. The
-/// first of the lod-0 bricks in a coarser brick *opens* that brick.
+/// Returns the coarsest lod at which lod-0 brick i opens a brick, or 0 if it opens none. A lod-0 brick *opens* each
+/// coarser brick of which it is the first lod-0 brick. If it opens a brick, it also opens a brick at each finer lod.
 __device__ int opened_levels(const std::uint32_t* key, std::uint32_t i, int lods) {
   const int maximum = lods - 1;
   if (i == 0) return maximum;
@@ -47,7 +47,7 @@ __global__ void __launch_bounds__(chunk) count_opened(const std::uint32_t* key, 
   if (threadIdx.x >= 1 && int(threadIdx.x) < lods) before[threadIdx.x * chunks + blockIdx.x] = counts[threadIdx.x];
 }
 
-/// Returns the sum over the warp's lanes up to and including this one.
+/// Returns the sum over the warp's lanes up to and including `lane`.
 __device__ std::uint32_t sum_upto(std::uint32_t count, unsigned lane) {
   for (unsigned d = 1; d < 32; d *= 2) {
     const std::uint32_t lower = __shfl_up_sync(~0u, count, d);
@@ -71,7 +71,8 @@ __global__ void sum_chunks(std::uint32_t chunks, std::uint32_t* before, std::uin
   if (lod == 1 && lane == 0) total[0] = 0;
 }
 
-/// Clears all masks except those for lod 1, which are written completely.
+/// Clears the masks of lod 2 and coarser lods. The masks of lod 1 need no clearing, because make_masks() writes all
+/// their words.
 __global__ void clear_masks(Tree tree) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
   for (int lod = 2; lod < tree.lods; ++lod)
@@ -101,7 +102,7 @@ __global__ void __launch_bounds__(chunk) open_bricks(const std::uint32_t* key, s
     sums[warp][lane] = before[warp * chunks + blockIdx.x] + sum_upto(count, lane) - count;
   }
   __syncthreads();
-  std::uint32_t at[max_levels];  // the brick of each level that contains this one
+  std::uint32_t at[max_levels];  // [lod]: the brick that contains brick i
   at[0] = i;
   const std::uint32_t mine = i < bricks ? key[i] : 0;
 #pragma unroll
@@ -148,7 +149,7 @@ __global__ void make_masks(LevelView fine, Tree tree) {
 
 /// The bricks of all coarser levels in one sequence, level after level.
 struct AllBricks {
-  std::uint32_t end[max_levels];  ///< [lod]; 0 for lod 0
+  std::uint32_t end[max_levels];  ///< [lod]: end of its bricks in the sequence; 0 for lod 0
 
   __device__ int lod_of(std::uint32_t i) const {
     int lod = 1;
@@ -168,8 +169,8 @@ __global__ void count_voxels(Tree tree, AllBricks all, std::uint32_t bricks, std
   count[i] = n;
 }
 
-/// Writes the index of each brick's first voxel. sum: inclusive prefix sums of voxels over all bricks. total: voxels
-/// per lod; 0 for lod 0.
+/// Writes the index of each brick's first voxel. `sum` holds inclusive prefix sums of voxels over all bricks. Also
+/// writes `total`, the voxels per lod; it is 0 for lod 0.
 __global__ void place_voxels(Tree tree, AllBricks all, std::uint32_t bricks, const std::uint32_t* sum,
                              std::uint32_t* total) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
@@ -190,7 +191,7 @@ Counts read_counts(DeviceHeap& heap, const DeviceArray<std::uint32_t>& from) {
   return counts;
 }
 
-/// Allocates the arrays of the bricks. count: bricks per level.
+/// Allocates the arrays of the bricks. `count` holds the bricks per lod.
 Tree make_room(DeviceHeap& heap, const Counts& count, int lods, CoarserBricks& out) {
   Tree tree{};
   tree.lods = lods;

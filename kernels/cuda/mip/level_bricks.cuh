@@ -14,7 +14,7 @@ struct LevelView {
   const std::uint32_t *key, *first;
   const std::uint64_t* mask;
   const std::uint32_t* rgba;
-  const std::uint16_t* normal;  ///< or null
+  const std::uint16_t* normal;  ///< null if the level has none
   std::uint32_t bricks;
 };
 
@@ -35,8 +35,8 @@ struct CoarserBricks {
 };
 
 /// Computes the bricks of the levels [1, lods).
-/// Exact   Keys and masks depend only on the keys and masks of `finest`. A voxel of lod 3 or above corresponds to a
-///         brick three levels finer.
+/// Exact   Keys and masks depend only on the keys and masks of `finest`. A voxel of lod 3 or coarser exists if there is
+///         a brick three levels finer with the same cube.
 /// Cost    Reads the keys three times and the masks of lod 0 once; waits for the stream twice.
 /// Errors  CudaFailure.
 CoarserBricks coarser_bricks(DeviceHeap& heap, const DeviceLevel& finest, int lods);

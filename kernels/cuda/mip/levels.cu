@@ -21,14 +21,15 @@ DeviceArray<std::uint32_t> room_for_rasters(DeviceHeap& heap, MipFilter filter, 
   return {heap, std::size_t(raster_words(raster_edge(lod))) * voxels};
 }
 
-/// Returns how many levels from lod 1 on are made of eight children and filtered in one launch.
+/// Returns the number of levels from lod 1 on that one launch filters. Their voxels are filtered from eight children.
 int low_levels(MipFilter filter, int lods) {
   int levels = 0;
   while (levels < max_low_levels && levels + 1 < lods && !is_of_64(filter, levels + 1)) ++levels;
   return levels;
 }
 
-/// Filters the levels coarser than `low`. rasters: in: coverage masks of level `low`; out: of the coarsest level.
+/// Filters the levels coarser than lod `low`. On entry, `rasters` holds the coverage masks of lod `low`; on return, it
+/// holds those for the coarsest level.
 void filter_high_levels(DeviceHeap& heap, const Tables& tables, MipFilter filter, int low, const DeviceLevel& finest,
                         const std::vector<VoxelsOut>& voxels_out, const CoarserBricks& bricks,
                         DeviceArray<std::uint32_t>& rasters) {

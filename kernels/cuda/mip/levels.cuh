@@ -1,4 +1,4 @@
-/// Stages 5 and 6 on the device: coarser levels and the node table.
+/// Stages 5 and 6 of a bake on the device: coarser levels and the node table.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@ struct LevelsAbove {
   DeviceArray<std::uint32_t>
       rasters;  ///< coverage masks of the coarsest level (kernels/body/mip/facing.h); empty without
                 ///< MipFilter::coverage
-  DeviceArray<SurfaceMoments> patches;  ///< of the coarsest level (kernels/body/mip/patch.h); empty without
+  DeviceArray<SurfaceMoments> patches;  ///< patches of the coarsest level (kernels/body/mip/patch.h); empty without
                                         ///< MipFilter::coverage or normals
 };
 
 /// Computes the levels [1, lods).
-/// Cost    MipFilter::coverage takes 4 bytes of working memory per lod-1 voxel of a surface.
+/// Cost    MipFilter::coverage takes about 4 bytes of working memory per lod-1 voxel, if the voxels form a surface.
 /// Errors  CudaFailure.
 LevelsAbove coarser_levels(DeviceHeap& heap, const Tables& tables, const DeviceLevel& finest, int lods,
                            MipFilter filter, bool normals);
@@ -41,7 +41,7 @@ DeviceNodes make_device_nodes(DeviceHeap& heap, std::uint32_t count);
 
 /// Returns the node table of levels[lod] if every node is a brick. Returns an empty table if any brick is full and thus
 /// may be constant; then prune_levels() or the host's prune() must make the table.
-/// Errors  CudaFailure; std::length_error beyond 2^32-1 nodes.
+/// Errors  CudaFailure; std::length_error for 2^32-1 nodes or more.
 DeviceNodes brick_nodes(DeviceHeap& heap, const std::vector<DeviceLevel>& levels);
 
 }  // namespace gigabake::kernels

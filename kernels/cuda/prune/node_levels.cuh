@@ -10,7 +10,8 @@
 
 namespace gigabake::kernels {
 
-/// All levels by lod. Items number the bricks of all levels consecutively in the order of nodes, coarsest level first.
+/// All levels by lod. An item is the number of a brick among the bricks of all levels, in the order of nodes: coarsest
+/// level first.
 struct NodeLevels {
   const std::uint32_t *key[max_levels], *first[max_levels];
   std::uint32_t bricks[max_levels], offset[max_levels];
@@ -41,7 +42,7 @@ struct NodeLevels {
 };
 
 /// Numbers the items of all levels and returns their count.
-/// Errors  std::length_error beyond 2^32-1 nodes.
+/// Errors  std::length_error for 2^32-1 nodes or more.
 inline std::uint32_t place_levels(const std::vector<DeviceLevel>& levels, NodeLevels& out) {
   std::uint64_t items = 0;
   out.count = int(levels.size());

@@ -11,8 +11,8 @@ constexpr unsigned threads = 256, warps = threads / 32;
 /// The voxel arrays of all levels, by lod.
 struct PrunedVoxels {
   const std::uint32_t* rgba[max_levels];
-  const std::uint16_t* normal[max_levels];  ///< or null
-  const std::uint8_t* facing[max_levels];   ///< or null
+  const std::uint16_t* normal[max_levels];  ///< null if the level has none
+  const std::uint8_t* facing[max_levels];   ///< null if the level has none
 
   __device__ CommonVoxel at(int lod, std::uint32_t voxel) const {
     return common_voxel(rgba[lod][voxel], normal[lod] == nullptr ? std::uint16_t(0) : normal[lod][voxel],
@@ -55,7 +55,8 @@ __global__ void __launch_bounds__(threads)
   out.has_voxels[item] = stores_voxels(kind) ? 1 : 0;
 }
 
-/// Replaces constant branches by one node, one thread per brick of level `lod`. The next finer level must be done.
+/// Replaces constant branches by one node, one thread per brick of level `lod`. The next finer level must have been
+/// processed.
 __global__ void __launch_bounds__(threads) end_branches(const NodeLevels levels, int lod, Verdicts out) {
   const std::uint32_t brick = blockIdx.x * threads + threadIdx.x;
   if (brick >= levels.bricks[lod]) return;
@@ -71,7 +72,7 @@ __global__ void __launch_bounds__(threads) end_branches(const NodeLevels levels,
   levels.for_each_child(lod, key, [&](std::uint32_t child, std::uint32_t) { out.is_stored[child] = 0; });
 }
 
-/// Counts per level the bricks that keep their voxels, one thread per level, and all nodes.
+/// Writes the number of bricks of each level that keep their voxels, one thread per level, and the number of all nodes.
 __global__ void count_kept(const NodeLevels levels, Numbers numbers, std::uint32_t items, std::uint32_t* kept) {
   const int lod = int(threadIdx.x);
   if (lod < levels.count) kept[lod] = numbers.in_level(levels, lod, levels.offset[lod] + levels.bricks[lod]);
@@ -112,8 +113,8 @@ __global__ void __launch_bounds__(threads)
 struct KeptOut {
   std::uint32_t *key, *first, *rgba;
   std::uint64_t* mask;
-  std::uint16_t* normal;  ///< or null
-  std::uint32_t* facing;  ///< or null
+  std::uint16_t* normal;  ///< null if the level has none
+  std::uint32_t* facing;  ///< null if the level has none
 };
 
 /// Copies the bricks that keep their voxels to consecutive places, one warp per brick of the level.

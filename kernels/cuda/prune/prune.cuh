@@ -13,7 +13,7 @@ struct PrunedLevels {
   std::vector<const DeviceLevel*> levels;  ///< [lod], without constant bricks: an element of `made`, or the unchanged
                                            ///< input level
   std::deque<DeviceLevel> made;
-  bool has_constants = false;  ///< whether any level lost constant bricks
+  bool has_constants = false;  ///< true if constant bricks were removed from a level
 };
 
 /// Makes the node table of `levels` [lod] (at least one) and removes constant bricks' voxels. Borrows the levels and
@@ -21,7 +21,7 @@ struct PrunedLevels {
 /// Exact   Same nodes and levels as prune().
 /// Cost    About 40 bytes of working memory per brick, and a copy of every level that has a constant brick. Waits for
 ///         the stream once.
-/// Errors  DeviceFull, CudaFailure; std::length_error beyond 2^32-1 nodes.
+/// Errors  DeviceFull, CudaFailure; std::length_error for 2^32-1 nodes or more.
 PrunedLevels prune_levels(DeviceHeap& heap, const std::vector<DeviceLevel>& levels);
 
 }  // namespace gigabake::kernels

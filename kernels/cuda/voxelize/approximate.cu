@@ -13,8 +13,8 @@ struct VoxelsOut {
   const std::uint64_t* mask;
   const std::uint32_t* first;
   std::uint8_t* rgba;
-  std::uint16_t* normal;  ///< or null
-  std::uint8_t* facing;   ///< or null
+  std::uint16_t* normal;  ///< null if the level has none
+  std::uint8_t* facing;   ///< null if the level has none
   std::uint32_t bricks;
 };
 
@@ -36,7 +36,7 @@ class Group {
 
   __device__ std::uint32_t voxels() const { return voxels_; }
 
-  /// Calls visit(index of the voxel in its level) for each voxel of the group.
+  /// Calls visit(i) for each voxel of the group; i is the voxel's index in its level.
   template <class Visit>
   __device__ void for_each(const Visit& visit) const {
     for (unsigned z = 0; z < 2; ++z)
@@ -75,7 +75,7 @@ struct LaneBrick {
   }
 };
 
-/// Returns the range owned by the lane whose number differs from this lane's in bit d.
+/// Returns the range of the lane whose number is this lane's number XOR d.
 template <class Range>
 __device__ Range of_lane(const Range& own, unsigned d) {
   static_assert(sizeof(Range) % 4 == 0);
@@ -134,7 +134,8 @@ __device__ void approximate_codes(const LaneBrick& brick, std::uint8_t* bytes, u
   }
 }
 
-/// Approximates the normals. All lanes of the warp must call it. Groups and octants without voxels choose no normal.
+/// Approximates the normals. All lanes of the warp must call it. No normal is chosen for groups and octants without
+/// voxels.
 __device__ void approximate_normals(const LaneBrick& brick, std::uint16_t* normal, const std::int16_t* units,
                                     std::uint32_t codes) {
   const auto unit = [&](std::uint16_t code) { return units + 4 * std::size_t(code); };

@@ -66,8 +66,8 @@ struct PairBuffers {
   }
 };
 
-/// Counts all pairs in `room.raw.counted` and writes those that fit. Returns the required queue capacity. A window of
-/// one brick has no tree to descend: its large triangles become pairs directly.
+/// Counts all pairs in `room.raw.counted` and writes the pairs that fit. Returns the required queue capacity. A window
+/// of one brick has no large triangles, so its pairs need no descent.
 std::uint64_t find_pairs(DeviceHeap& heap, const InputView& input, const CellWindow& window, const PairSink& sink,
                          PairBuffers& room) {
   pair_kernel<<<grid_of(input.triangle_count, pair_threads), pair_threads, 0, heap.stream()>>>(input, window, sink);
@@ -113,7 +113,8 @@ __global__ void gather_keys(const std::uint32_t* sorted, std::uint32_t* start, s
 /// Max bricks of a range for which pairs are counted per brick; pairs of larger ranges are sorted.
 constexpr std::uint32_t max_counted_bricks = 1 << 21;
 
-/// Counts the pairs of each brick, or, if `triangle` is given, writes the triangles to their bricks' places.
+/// Counts the pairs of each brick in `brick`. If `triangle` is given, writes the triangles to `triangle` instead, at
+/// the places in `brick`.
 PairCounters pairs_by_brick(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                             DeviceArray<std::uint32_t>& brick, DeviceArray<std::uint32_t>* triangle,
                             BinCapacity& capacity) {
@@ -147,7 +148,7 @@ __global__ void gather_starts(const std::uint32_t* start_of, const std::uint32_t
   start[b] = start_of[picked[b]];
 }
 
-/// Returns keys and starts of the bricks that have pairs. start_of: one entry per brick of the range, and the end.
+/// Returns keys and starts of the bricks that have pairs. `start_of` has one entry per brick of the range, and the end.
 BrickLists bricks_with_pairs(DeviceHeap& heap, const DeviceArray<std::uint32_t>& start_of, KeyRange range,
                              std::uint32_t pairs) {
   const std::uint32_t n = range.end - range.first;
@@ -162,7 +163,8 @@ BrickLists bricks_with_pairs(DeviceHeap& heap, const DeviceArray<std::uint32_t>&
   return lists;
 }
 
-/// Returns (triangle, brick) pairs by brick by counting sort: four bytes per pair, where radix sort takes sixteen.
+/// Returns the triangles of each brick by a counting sort of the (triangle, brick) pairs. It takes four bytes per pair;
+/// a radix sort takes sixteen.
 BrickLists counted_lists(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                          BinCapacity& capacity, CellStats& stats) {
   DeviceArray<std::uint32_t> brick(heap, std::size_t(range.end - range.first) + 1);
@@ -181,7 +183,7 @@ BrickLists counted_lists(DeviceHeap& heap, const InputView& input, const CellWin
   return lists;
 }
 
-/// Returns (triangle, brick) pairs by brick by radix sort.
+/// Returns the triangles of each brick by a radix sort of the (triangle, brick) pairs.
 BrickLists sorted_lists(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                         BinCapacity& capacity, CellStats& stats) {
   RawPairs raw = pairs_in(heap, input, window, range, capacity);
@@ -198,7 +200,7 @@ BrickLists sorted_lists(DeviceHeap& heap, const InputView& input, const CellWind
     check_cuda(cub::DeviceRadixSort::SortPairs(temporary, bytes, key, triangle, pairs, 0, bits, heap.stream()),
                "DeviceRadixSort");
   });
-  // The other key buffer of the sort holds the starts until their number is known.
+  // The sort's unused key buffer holds the starts until their number is known.
   lists.bricks = select_indices(heap, pairs, StartsBrick{key.Current()}, key.Alternate());
   lists.key = DeviceArray<std::uint32_t>(heap, lists.bricks);
   lists.start = DeviceArray<std::uint32_t>(heap, lists.bricks + 1);

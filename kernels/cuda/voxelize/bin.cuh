@@ -15,13 +15,14 @@ namespace gigabake::kernels {
 /// Returns the snapped positions of all vertices, submesh after submesh.
 DeviceArray<SnappedVertex> snap_vertices(DeviceHeap& heap, const InputView& input, const CellWindow& window);
 
-/// Range   [first, end) of bricks by Morton key.
+/// Half-open range [first, end) of the Morton keys of bricks.
 struct KeyRange {
   std::uint32_t first, end;
 };
 inline KeyRange all_keys(const CellWindow& window) { return {0, std::uint32_t(1) << key_bits(window)}; }
 
-/// Triangles by brick: brick b has key[b] and the triangles at [start[b], start[b + 1]). Keys ascend.
+/// Triangles by brick. Brick b has the Morton code key[b] and the elements [start[b], start[b + 1]) of `triangle`. Keys
+/// ascend.
 struct BrickLists {
   DeviceArray<std::uint32_t> key, start, triangle;
   std::uint32_t bricks = 0;
@@ -32,15 +33,14 @@ struct BinCapacity {
   std::uint64_t pairs = std::uint64_t(1) << 20, nodes = std::uint64_t(1) << 16;
 };
 
-/// Bins the triangles into the bricks of `range`. input: must have vertices or a window.
-/// Adds to stats.triangles, non_finite, zero_area, oversized and bad_uv, which count all triangles whatever the range,
-/// and to stats.pairs.
+/// Bins the triangles into the bricks of `range`. `input` must have `vertices` or `window`. Adds to stats.triangles,
+/// non_finite, zero_area, oversized and bad_uv, which count all triangles for any range, and to stats.pairs.
 /// Errors  CudaFailure; DeviceFull, also beyond 2^32-1 pairs.
 BrickLists bin_triangles(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                          BinCapacity& capacity, CellStats& stats);
 
-/// Counts the pairs of each octree node `unit_level` levels above the bricks, by Morton key. Adds to the same stats as
-/// bin_triangles() except pairs.
+/// Returns the number of pairs of each octree node `unit_level` levels above the bricks, by Morton key. Adds to the
+/// same stats as bin_triangles() except pairs.
 /// Errors  CudaFailure.
 std::vector<std::uint64_t> pairs_by_unit(DeviceHeap& heap, const InputView& input, const CellWindow& window,
                                          int unit_level, CellStats& stats);

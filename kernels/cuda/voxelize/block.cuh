@@ -15,8 +15,9 @@ namespace gigabake::kernels {
 inline constexpr int fill_threads = 128;
 inline constexpr int mask_words = 16 * bricks_per_block;
 
-/// Width of sums and size of shared memory. Easy bricks have at most fragments_before_flush triangles, all narrow. The
-/// shared memory permits `blocks` blocks per multiprocessor of 228 KiB.
+/// Width of sums and size of shared memory in a fill kernel. Bricks that are not hard have at most
+/// fragments_before_flush triangles, all of them narrow (is_narrow()). The size permits `blocks` blocks on a
+/// multiprocessor with 228 KiB of shared memory.
 template <bool is_hard, CellMaterials materials>
 struct FillWidth {
   static constexpr int blocks = is_hard ? 3 : materials == CellMaterials::any ? 4 : 5;
@@ -25,20 +26,21 @@ struct FillWidth {
   using Sums = VoxelSums<is_hard ? 3 : 2, all_visible(materials) ? opaque_sum_count : sum_count>;
 };
 
-/// The block's bricks: masks, item counts and places.
+/// The block's bricks: their masks, item counts, and the places of their voxels in the output arrays.
 struct BlockBricks {
-  std::uint32_t prefix[fill_threads];  ///< inclusive prefix sums over a warp's items of their cells
+  std::uint32_t prefix[fill_threads];  ///< inclusive prefix sums of the items' cell counts, per warp
   std::uint32_t warp_cells[fill_threads / 32];
   unsigned mask[mask_words];                  ///< bit voxel % 32 of word voxel / 32, brick after brick
   std::uint16_t below[mask_words + 1];        ///< voxels in the preceding words
-  std::uint32_t start[bricks_per_block + 1];  ///< first pair of each brick, counted from the batch's first
+  std::uint32_t start[bricks_per_block + 1];  ///< first pair of each brick, from the batch's first pair
   std::uint32_t items[bricks_per_block];
   unsigned invisible[bricks_per_block];
-  std::uint32_t first_place;  ///< place of the first brick's first voxel; the other bricks follow
+  std::uint32_t first_place;  ///< place of the first brick's first voxel; the others follow
 };
 
-/// Adds a pool: the voxel sums of a round grow from its start, the items from its end. They share the pool because some
-/// bricks have few triangles for many voxels and others the reverse.
+/// BlockBricks with a memory pool. The voxel sums of a round begin at the pool's start; the items grow downwards from
+/// its end. Sums and items share the pool, because some bricks have few triangles and many voxels, and others many
+/// triangles and few voxels.
 template <bool is_hard, CellMaterials materials>
 struct FillShared : BlockBricks {
   using Sums = typename FillWidth<is_hard, materials>::Sums;
@@ -51,14 +53,14 @@ struct FillShared : BlockBricks {
 
   __device__ Sums& sums(int slot) { return reinterpret_cast<Sums*>(pool)[slot]; }
   __device__ Item& item(int i) { return reinterpret_cast<Item*>(pool + pool_bytes)[-1 - i]; }
-  /// Returns how many items fit next to the sums of `slots` voxels.
+  /// Returns the number of items that fit next to the sums of `slots` voxels.
   /// Range   slots ≤ brick_voxels.
   __device__ static std::uint32_t item_room(int slots) {
     return smaller(unsigned(fill_threads), unsigned(pool_bytes - slots * int(sizeof(Sums))) / unsigned(sizeof(Item)));
   }
 };
 
-/// Returns which of the block's bricks a pair belongs to.
+/// Returns the number, within the block, of the brick that a pair belongs to.
 __device__ inline int brick_of_item(const std::uint32_t start[bricks_per_block + 1], std::uint32_t pair) {
   int brick = 0;
 #pragma unroll
@@ -66,7 +68,7 @@ __device__ inline int brick_of_item(const std::uint32_t start[bricks_per_block +
   return brick;
 }
 
-/// Returns the inclusive prefix sum over the warp.
+/// Returns the inclusive prefix sum of `mine` over the warp's lanes.
 __device__ inline std::uint32_t warp_sums(std::uint32_t mine, int lane) {
 #pragma unroll
   for (int d = 1; d < 32; d *= 2) {
@@ -76,7 +78,8 @@ __device__ inline std::uint32_t warp_sums(std::uint32_t mine, int lane) {
   return mine;
 }
 
-/// Computes the voxels in the words before each word. The whole block must call it; synchronizes the block.
+/// Computes `shared.below`, the number of voxels in the mask words before each word. The whole block must call it; it
+/// synchronizes the block.
 __device__ inline void count_voxels(BlockBricks& shared) {
   constexpr int words = mask_words / 32;
   static_assert(mask_words % 32 == 0);
@@ -96,7 +99,7 @@ __device__ inline void count_voxels(BlockBricks& shared) {
   __syncthreads();
 }
 
-/// Removes an invisible voxel from its brick's mask.
+/// Removes an invisible voxel from its brick's mask. `rank` is the voxel's number among the block's voxels.
 __device__ inline void drop_voxel(std::uint64_t* mask, int rank, BlockBricks& shared) {
   int word = 0;
   while (shared.below[word + 1] <= rank) ++word;
@@ -105,7 +108,7 @@ __device__ inline void drop_voxel(std::uint64_t* mask, int rank, BlockBricks& sh
   atomicAdd(&shared.invisible[word / 16], 1u);
 }
 
-/// Loads masks, item counts and places of the block's bricks. The whole block must call it; synchronizes the block.
+/// Loads masks, item counts and places of the block's bricks. The whole block must call it; it synchronizes the block.
 __device__ inline void open_bricks(const BatchView& view, BrickSpan span, BlockBricks& shared) {
   const std::uint32_t t = threadIdx.x;
   if (t <= bricks_per_block)

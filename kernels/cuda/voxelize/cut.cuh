@@ -1,4 +1,5 @@
-/// Contribution of a triangle to one slab of a brick, in a form that its fragments share, and to each fragment.
+/// Contribution of a triangle to one slab of a brick: the data that the slab's fragments share, and the contribution of
+/// each fragment.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +21,7 @@ namespace gigabake::kernels {
 template <bool is_hard>
 using PlaneCoordinate = std::conditional_t<is_hard, double, std::int32_t>;
 
-/// An item whose polygon is cut, ready to be measured.
+/// An item whose polygon is cut, so that the areas and moments of its cells can be measured.
 struct CutItem {
   double u[5], v[5];  ///< the slab's polygon
   Line line[4];
@@ -31,7 +32,7 @@ struct CutItem {
   std::int16_t normal[3];
   std::uint16_t edge_lines;  ///< SlabPolygon::line, two bits each
   std::uint8_t corners, axis, slab, brick;
-  ShadingRate look;  ///< flat: only if all_visible(materials)
+  ShadingRate look;  ///< is flat only if all_visible(materials)
 };
 
 /// Data that only textured fragments need.
@@ -55,7 +56,7 @@ template <bool is_hard, CellMaterials materials>
 struct SlabFragment : CutItem {
   using Varying = std::conditional_t<materials == CellMaterials::any, VaryingLook<is_hard>, TexturedLook<is_hard>>;
   union {
-    LinearColour colour;  ///< if look is flat: only `low`
+    LinearColour colour;  ///< if look is flat, only `low` is set
     Varying varying;
   };
 };
@@ -146,7 +147,8 @@ __device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const
   set_look(in, w, plane, out);
 }
 
-/// Cuts an item from the triangle of a pair. corner: the brick's; where: see ItemView.
+/// Cuts an item from the triangle of a pair. `corner` is the brick's lowest corner, and `where` is an element of
+/// ItemView::where.
 template <bool is_hard, CellMaterials materials>
 __device__ void cut_item(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
                          std::uint32_t where, SlabFragment<is_hard, materials>& out) {

@@ -17,7 +17,7 @@ __device__ std::uint32_t brick_of_pair(const std::uint32_t* start, std::uint32_t
   return begin;
 }
 
-/// Same as brick_of_pair(), by a whole warp: three dependent loads instead of fifteen.
+/// Returns the same as brick_of_pair(). The whole warp must call it; it takes three dependent loads instead of fifteen.
 __device__ std::uint32_t brick_of_pair_by_warp(const std::uint32_t* start, std::uint32_t begin, std::uint32_t end,
                                                std::uint32_t pair) {
   const std::uint32_t lane = threadIdx.x & 31;
@@ -36,7 +36,8 @@ struct ThreadSlabs {
   __device__ std::uint64_t& operator[](int w) const { return first[w * int(pairs_per_group)]; }
 };
 
-/// Computes the pair's slabs. Returns `where` of the pair's items without pair and slab.
+/// Computes the overlapped cells of the eight slabs of a pair's brick. Returns the bits `wide` and `axis` of
+/// ItemView::where.
 template <class I>
 __device__ std::uint32_t touch(const WindowTriangle& w, const std::int32_t corner[3], SurfaceRule rule,
                                ThreadSlabs slabs) {

@@ -1,4 +1,5 @@
-/// Exact overlap of a batch's pairs: one thread per pair, one item per slab.
+/// Exact overlap test of a batch's (triangle, brick) pairs. One thread tests a pair; each overlapped slab of the brick
+/// becomes an item.
 #pragma once
 
 #include <cstdint>
@@ -9,19 +10,20 @@
 
 namespace gigabake::kernels {
 
-/// Pairs are processed in groups of a block's size; a group's items are stored consecutively, in the order of its
-/// pairs.
+/// Number of pairs in a group, which one block processes together. A group's items are stored consecutively, in the
+/// order of its pairs.
 inline constexpr unsigned pairs_per_group = 256;
 
-/// Items. An item is the overlap of a triangle with one slab of a brick: 64 cells across the triangle's dominant axis.
+/// Arrays of items. An item is the overlap of a triangle with one slab of a brick: 64 cells across the triangle's
+/// dominant axis.
 struct ItemView {
   std::uint64_t* cells;      ///< bit u + 8 v
   std::uint32_t* where;      ///< pair (of the batch) << 6 | wide << 5 | axis << 3 | slab; wide: needs 128-bit integers
   std::uint32_t* first;      ///< [pair of the batch] its first item
   std::uint32_t* group_end;  ///< [group] end of its items
-  std::uint32_t capacity;    ///< of cells and where
-  std::uint32_t pairs;       ///< capacity of first
-  std::uint32_t* count;      ///< items found so far; counts beyond the capacity
+  std::uint32_t capacity;    ///< capacity of `cells` and `where`
+  std::uint32_t pairs;       ///< capacity of `first`
+  std::uint32_t* count;      ///< items found so far; may exceed the capacity
 };
 
 /// Bricks and their triangles, in the layout of BrickLists.

@@ -4,7 +4,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Counts of a lane's items of the warp's brick.
+/// Sums over those items of the warp's brick that one lane processes.
 struct MarkedItems {
   std::uint32_t cells = 0;
   bool is_wide = false;
@@ -16,7 +16,7 @@ __device__ void mark_item(const ItemView& items, std::uint32_t i, unsigned mask[
   const int axis = int(where >> 3 & 3), slab = int(where & 7);
   all.is_wide |= (where >> 5 & 1) != 0;
   all.cells += std::uint32_t(__popcll(cells));
-  if (axis == 2) {  // the slab is a layer of voxels
+  if (axis == 2) {  // the slab's cells are the bits of a mask word
     atomicOr(mask + 2 * slab, std::uint32_t(cells));
     atomicOr(mask + 2 * slab + 1, std::uint32_t(cells >> 32));
     return;
@@ -64,7 +64,7 @@ __device__ void push(std::uint32_t* list, unsigned& count, BrickSpan span) {
   list[atomicAdd(&count, 1u)] = span.word();
 }
 
-/// Assigns a group of bricks to fill kernels. wide: bit b is set if brick b has a wide item.
+/// Assigns a group of bricks to fill kernels. Bit b of `wide` is set if brick b has a wide item.
 __device__ void assign_group(const BatchView& view, std::uint32_t group, unsigned wide) {
   const std::uint32_t first = view.begin + group * bricks_per_block,
                       bricks = smaller<std::uint32_t>(bricks_per_block, view.end - first);
@@ -79,7 +79,7 @@ __device__ void assign_group(const BatchView& view, std::uint32_t group, unsigne
   }
 }
 
-/// Updates the maxima that the host reads, whether the batch fits or not.
+/// Updates the maxima that the host reads, also if the batch does not fit.
 __device__ void count_batch(const BatchView& view) {
   BatchCounters& c = *view.counters;
   c.max_items = larger(c.max_items, c.items);

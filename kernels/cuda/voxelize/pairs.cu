@@ -15,14 +15,15 @@ __device__ void add_count(unsigned long long* total, unsigned block) {
   if (block != 0) atomicAdd(total, (unsigned long long)block);
 }
 
-/// Adds a block's counts to the totals. One atomic per block and counter, because all counters share one cache line.
+/// Adds a block's counts to the totals. A block executes one atomic per counter, because all counters share one cache
+/// line.
 __device__ void add_counts(const TriangleCounts<unsigned>& block, TriangleCounts<unsigned long long>& total) {
 #pragma unroll
   for (int f = 0; f < triangle_classes; ++f) add_count(&total.fate[f], block.fate[f]);
   add_count(&total.bad_uv, block.bad_uv);
 }
 
-/// Visits the keys of the box's bricks that are in the range.
+/// Calls visit(key) for each brick of the box whose key is in the range.
 template <class Visit>
 __device__ void visit_keys(const BrickBox& box, KeyRange range, const Visit& visit) {
   for_each_key(box, [&](std::uint64_t morton_key) {

@@ -14,19 +14,21 @@ struct LargeItem {
   std::uint32_t triangle, node;  ///< node: Morton code at the current level
 };
 
-/// Counters of pairs and items. They count beyond the arrays' capacities, so that the host reads the required ones.
+/// Counters of pairs and items. They count beyond the arrays' capacities, so that the host can read the required
+/// capacities.
 struct PairCounters {
   unsigned long long pairs, items[2];
   TriangleCounts<unsigned long long> triangles;
 };
 
-/// Output of pairs: appended in any order; or, with `brick`, at the place of their brick; or only counted.
+/// Output of pairs. Without `brick`, pairs are appended in any order; otherwise they are stored at their brick's place.
+/// Pairs beyond `capacity` are only counted.
 struct PairSink {
   KeyRange range;  ///< bricks outside it get no pairs
   std::uint32_t* key;
   std::uint32_t* triangle;
   std::uint64_t capacity;
-  std::uint32_t* brick;            ///< null, or per key of the range: pairs so far, or the place of the next pair
+  std::uint32_t* brick;            ///< null, or [key - range.first]: pairs so far, or place of the next pair
   unsigned long long* unit_pairs;  ///< null, or pairs per unit, key >> unit_bits
   int unit_bits;
   LargeItem* items[2];

@@ -1,6 +1,6 @@
 /// Conversion of the items of a few adjacent bricks into voxels, by one block. One thread per item cuts the triangle at
 /// its slab. One thread per fragment computes area, colour and sums. One thread per voxel resolves the sums. A round is
-/// as many bricks as occupy the block's threads and fit its memory.
+/// a group of bricks whose sums and items fit the block's memory together and occupy its threads.
 ///
 /// Warps synchronize twice per chunk of items: after cutting and after measuring. While some warps resolve the last
 /// voxels of a round, others already cut the items of the next.
@@ -16,7 +16,7 @@ namespace gigabake::kernels {
 /// The bricks of the block whose voxels are summed at the same time.
 struct Round {
   int brick, end;
-  int first, used;     ///< in the block's voxels
+  int first, used;     ///< first voxel in the block, and number of voxels
   std::uint32_t room;  ///< items per chunk
 };
 
@@ -48,14 +48,14 @@ __device__ inline std::uint32_t take_item(FragmentIterator& walk, std::uint32_t 
   return mine;
 }
 
-/// The next item that this thread will cut; without cells: none.
+/// The next item that this thread will cut. If there is none, `cells` is 0.
 struct NextItem {
   std::uint64_t cells = 0;
   std::uint32_t where = 0, triangle = 0;
 };
 
-/// Loads the next item early, to hide the latency of memory behind other work. Sums the cells of the warp's items here,
-/// while the warp's lanes are converged.
+/// Loads the next item early, to hide the latency of memory behind other work. Also computes the prefix sums of the
+/// cells of the warp's items, because the warp's lanes are converged here.
 __device__ inline NextItem fetch_item(const BatchView& view, std::uint32_t mine, BlockBricks& shared) {
   NextItem next;
   if (mine != no_item) {

@@ -9,8 +9,8 @@
 
 namespace gigabake::kernels {
 
-/// Writes the indices below n for which is_wanted(index) holds on the device to `to`, in ascending order. `to` must
-/// have capacity for n indices. Returns their number; the host waits for it.
+/// Writes the indices i < n for which is_wanted(i) is true to `to`, in ascending order. The predicate runs on the
+/// device. `to` must have capacity for n indices. Waits for the stream and returns the number of written indices.
 template <class Predicate>
 std::uint32_t select_indices(DeviceHeap& heap, std::uint32_t n, const Predicate& is_wanted, std::uint32_t* to) {
   const thrust::counting_iterator<std::uint32_t> counting(0);

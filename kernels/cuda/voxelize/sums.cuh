@@ -1,7 +1,7 @@
 /// Accumulators of a brick's voxels in shared memory.
 ///
 /// Exact   The sum does not depend on the number and order of fragments. A sum is two or three 32-bit words with
-///         carries, because shared memory has native 32-bit atomic additions but no 64-bit ones.
+///         carries, because shared memory has native atomic additions of 32 bits but not of 64 bits.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,9 @@
 
 namespace gigabake::kernels {
 
-/// Sums of one voxel. Parameter words: 2 for 64 bits, for bricks of at most fragments_before_flush triangles; 3 for 96
-/// bits, for up to 2^32 triangles. Parameter channels: opaque_sum_count if everything is opaque, else sum_count.
+/// Sums of one voxel. A sum of 2 words (64 bits) suffices for bricks of at most fragments_before_flush triangles. A sum
+/// of 3 words (96 bits) suffices for up to 2^32 triangles. `channels` is opaque_sum_count if all materials are opaque,
+/// else sum_count.
 template <int words, int channels>
 struct VoxelSums {
   using Total = std::conditional_t<words == 2, std::int64_t, __int128>;
@@ -25,10 +26,10 @@ struct VoxelSums {
     for (unsigned& w : word) w = 0;
   }
 
-  /// Adds the low words of all channels first. An upper word needs the carry of the lower one, so the latencies of the
-  /// channels overlap.
+  /// Adds a fragment. Adds the low words of all channels first, then the next words with their carries. An upper word
+  /// waits for the carry of the lower word, and the waits of the channels overlap in this order.
   __device__ void add(const Fragment& f) {
-    std::uint64_t rest[sum_count];  // remainder for the next word and those above it
+    std::uint64_t rest[sum_count];  // remainder for the next word and the words above it
     bool is_there[sum_count];
     for (bool& there : is_there) there = false;
     contribute(f, [&](Sum channel, std::int64_t value) {

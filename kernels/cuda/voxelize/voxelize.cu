@@ -43,7 +43,8 @@ __global__ void __launch_bounds__(fill_threads) fill_hard_bricks(BatchView view)
   }
 }
 
-/// Moves a batch's voxels from the stage to their places in the level and removes the empty places. One warp per brick.
+/// Moves a batch's voxels from the staging arrays to their places in the level and removes the empty places. One warp
+/// per brick.
 __global__ void unstage(BatchView view, const std::uint32_t* first, std::uint32_t* rgba, std::uint16_t* normal,
                         std::uint32_t capacity) {
   if (blockIdx.x == 0 && threadIdx.x == 0 && items_fit(view))
@@ -102,7 +103,7 @@ void launch_fill(const BatchView& view, cudaStream_t stream) {
   check_launch("fill_hard_bricks");
 }
 
-/// Result of one attempt: all listed bricks, including empty ones.
+/// Result of one attempt: all listed bricks, including empty bricks.
 struct Filled {
   DeviceArray<std::uint64_t> mask;
   DeviceArray<std::uint32_t> count, first, rgba;
@@ -110,12 +111,13 @@ struct Filled {
   BatchCounters counted{};
 };
 
-/// Array sizes of one attempt. stage_voxels: 0 if all marked voxels are visible.
+/// Array sizes of one attempt. `stage_voxels` is 0 if all marked voxels are visible.
 struct FillSizes {
   std::uint32_t voxels, bricks_per_batch, pairs_per_batch, items_per_batch, stage_voxels;
 };
 
-/// Fills bricks batch by batch with item arrays of limited size. If voxels may be invisible, they pass through a stage.
+/// Filler of bricks, batch by batch, with item arrays of limited size. If voxels may be invisible, a batch is first
+/// written to staging arrays.
 class Filler {
  public:
   Filler(DeviceHeap& heap, const InputView& input, SurfaceRule rule, const BrickLists& lists, bool normals,
@@ -218,7 +220,7 @@ class Filler {
                "DeviceScan");
   }
 
-  /// Computes the batch's places in the stage.
+  /// Computes the batch's places in the staging arrays.
   void place(void* temporary, std::size_t& bytes, std::uint32_t begin, std::uint32_t end) {
     check_cuda(cub::DeviceScan::ExclusiveSum(temporary, bytes, marked_.data() + begin, place_.data() + begin,
                                              int(end - begin), heap_.stream()),
@@ -258,7 +260,8 @@ DeviceLevel without_empty(DeviceHeap& heap, const BrickLists& lists, Filled fill
   return level;
 }
 
-/// Sizes of a batch: small next to a cell's input and output, and large next to the cost of a launch.
+/// Sizes of a batch. A batch's arrays are small compared with a cell's input and output. Its run time is long compared
+/// with that of a launch.
 constexpr std::uint64_t min_pairs_per_batch = std::uint64_t(1) << 16, pairs_per_batch = std::uint64_t(1) << 20,
                         voxels_per_batch = std::uint64_t(3) << 20;
 constexpr double min_bricks_per_batch = 660;
@@ -273,14 +276,16 @@ std::uint32_t with_room(double wanted, std::uint64_t minimum) {
   return counted_32(std::max(std::uint64_t(spare * wanted), minimum));
 }
 
-/// Returns the max pairs per batch: its items and stage share the memory that the cell's voxels leave.
+/// Returns the max number of pairs per batch. The batch's items and staging arrays use the memory that the cell's
+/// voxels leave.
 std::uint64_t pairs_that_fit(const BrickLists& lists, const FillRatios& ratios, bool at_once, double room_bytes) {
   const double pairs = double(lists.triangle.size()), voxel_bytes = sizeof(std::uint32_t) + sizeof(std::uint16_t),
                item_bytes = sizeof(std::uint64_t) + sizeof(std::uint32_t), mask_bytes = 64 + 2 * sizeof(std::uint32_t);
   const double kept = mask_bytes * lists.bricks + spare * voxel_bytes * ratios.voxels_per_pair * pairs,
                of_pair = spare * (ratios.pairs_spread * ratios.items_per_pair * item_bytes + sizeof(std::uint32_t) +
                                   (at_once ? 0 : voxel_bytes * ratios.voxels_per_pair * ratios.voxels_spread));
-  // Not fewer than enough bricks to occupy a device: bricks take long where triangles are much smaller than voxels.
+  // A batch has enough bricks to occupy a device, because a brick takes long if its triangles are much smaller than
+  // voxels.
   const std::uint64_t minimum =
       std::max(min_pairs_per_batch, std::uint64_t(min_bricks_per_batch * pairs / lists.bricks));
   return std::max(minimum, std::uint64_t(std::max(0.0, room_bytes - kept) / of_pair));
@@ -300,7 +305,7 @@ FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios, bool at
   return s;
 }
 
-/// Returns whether the attempt fitted. If not, sets `s` to the sizes of the next attempt.
+/// Returns true if the attempt's arrays sufficed. If not, sets `s` to the sizes of the next attempt.
 bool fits(const Filled& filled, FillSizes& s) {
   const BatchCounters& counted = filled.counted;
   const FillSizes tried = s;
