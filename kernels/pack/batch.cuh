@@ -1,7 +1,7 @@
-/// A batch of chunks during packing: its arrays on the device, and the kernels over them.
+/// A batch of chunks during packing: its arrays on the device, and the kernels that process them.
 ///
-/// One or more warps process a deflate block; each lane or warp processes a segment of it. Matches may cross block
-/// borders: each block hashes the preceding 32 KiB itself, so blocks are independent.
+/// One or more warps process a deflate block; each lane or warp processes a segment of the block. Matches may cross
+/// block borders: each block hashes the preceding 32 KiB itself, so blocks are independent.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +15,13 @@ namespace gigabake::kernels::pack {
 
 /// A chunk of the batch. The host sets all members but the last three, which place_chunks() sets.
 struct ChunkPlace {
-  std::uint64_t raw;  ///< offset of its first byte in Batch::raw
+  std::uint64_t raw;  ///< offset of the chunk's first byte in Batch::raw
   std::uint32_t bytes, element_bytes;
   std::uint32_t staged;               ///< offset in Batch::bytes and Batch::words, a multiple of 16
-  std::uint32_t first_block, blocks;  ///< index in Batch::blocks
-  std::uint32_t as_is;                ///< 1: in stored (uncompressed) blocks
+  std::uint32_t first_block, blocks;  ///< index of the first block in Batch::blocks, and number of blocks
+  std::uint32_t as_is;                ///< 1: the chunk has stored (uncompressed) blocks
   std::uint32_t packed_bytes;         ///< size in storage format, including both checksums
-  std::uint64_t packed;               ///< offset of its first byte in the result
+  std::uint64_t packed;               ///< offset of the chunk in Batch::packed
 };
 
 /// A deflate block. first_bit is relative to the first block of the chunk; begin and end are relative to the chunk.
@@ -30,7 +30,7 @@ struct BlockPlace {
   std::uint32_t begin, end;  ///< range of bytes in the chunk
   std::uint64_t first_bit, bits;
   std::uint32_t segment_tokens[deflate::segments_per_block];
-  std::uint32_t segment_bits[deflate::segments_per_block];  ///< before each segment, without the header
+  std::uint32_t segment_bits[deflate::segments_per_block];  ///< number of bits before each segment, without the header
 };
 
 /// The symbol counts of a block, then its codes and header.
@@ -45,11 +45,11 @@ struct Batch {
   BlockPlace* blocks;
   BlockSymbols* symbols;  ///< one per block
   std::uint8_t* bytes;    ///< all chunks, shuffled if requested
-  std::uint32_t* words;   ///< per byte: the candidate's bucket, then the match, then the tokens of the byte's segment
+  std::uint32_t* words;   ///< per byte: first the candidate's bucket, later the match, at last tokens of the segment
   std::uint32_t chunk_count, block_count;
   std::uint8_t* packed;       ///< the result; unwritten bytes are zero
-  std::uint64_t* packed_end;  ///< the end of the previous batch in the result, then of this batch
-  std::uint64_t* ends;        ///< the end of each chunk of the batch in the result
+  std::uint64_t* packed_end;  ///< end of the previous batch in `packed`; place_chunks() sets the end of this batch
+  std::uint64_t* ends;        ///< the end of each chunk of the batch in `packed`
 };
 
 void stage_bytes(const Batch& batch, cudaStream_t stream);

@@ -8,8 +8,8 @@ namespace {
 
 constexpr unsigned placers = 256;
 
-/// Writes the keys of the symbols that occur, in ascending order. Each symbol counts the smaller keys to find its
-/// index. All lanes of a warp call it. Returns the number of keys.
+/// Writes the keys of all symbols with a count above 0 to `keys`, in ascending order. Returns the number of keys. The
+/// index of a key is the number of smaller keys. All lanes of a warp must call this function.
 __device__ std::uint32_t order(const std::uint32_t* counts, std::uint32_t symbols, std::uint32_t* keys) {
   std::uint32_t used = 0;
   for (std::uint32_t s = threadIdx.x; s < symbols; s += 32) {
@@ -26,8 +26,8 @@ __device__ std::uint32_t order(const std::uint32_t* counts, std::uint32_t symbol
   return __reduce_add_sync(~0u, used);
 }
 
-/// Computes the number of bits before each segment. All lanes of a warp call it. Returns the number of bits of all
-/// segments.
+/// Computes the number of bits before each segment. All lanes of a warp must call this function. Returns the number of
+/// bits of all segments.
 __device__ std::uint32_t place_segments(const std::uint32_t* tokens, const deflate::Code* codes, BlockPlace& block) {
   std::uint32_t before = 0;
   for (std::uint32_t s = 0; s < deflate::segments_per_block; ++s) {
@@ -41,7 +41,8 @@ __device__ std::uint32_t place_segments(const std::uint32_t* tokens, const defla
   return before;
 }
 
-/// Uses one warp per block. A single lane builds Huffman's tree; the other lanes wait a few hundred steps.
+/// Computes the codes, header and size of each block, with one warp per block. A single lane builds the Huffman tree,
+/// so the other lanes wait a few hundred steps.
 __global__ void __launch_bounds__(32) codes(Batch batch) {
   __shared__ std::uint32_t counts[deflate::block_symbols];
   __shared__ deflate::BlockWork work;
@@ -73,7 +74,7 @@ __global__ void __launch_bounds__(32) codes(Batch batch) {
   block.bits = made.header_bits + of_segments + deflate::bits_of(deflate::end_of_block, made.codes).count;
 }
 
-/// Sets the first bit of each block of a chunk. Returns the size of the packed chunk.
+/// Sets first_bit of each block of the chunk, and as_is and packed_bytes of the chunk. Returns packed_bytes.
 __device__ std::uint32_t place_blocks(const Batch& batch, ChunkPlace& chunk) {
   std::uint64_t bits = 0;
   for (std::uint32_t b = chunk.first_block; b < chunk.first_block + chunk.blocks; ++b) {
@@ -84,7 +85,7 @@ __device__ std::uint32_t place_blocks(const Batch& batch, ChunkPlace& chunk) {
   return chunk.packed_bytes = deflate::frame_bytes + deflate::deflate_size(chunk.bytes, bits);
 }
 
-/// Uses one thread block for all chunks, because there are few.
+/// Computes the offset of each packed chunk. One thread block processes all chunks, because there are few chunks.
 __global__ void __launch_bounds__(placers) place(Batch batch) {
   using Scan = cub::BlockScan<std::uint64_t, placers>;
   __shared__ typename Scan::TempStorage room;

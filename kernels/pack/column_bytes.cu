@@ -5,7 +5,8 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Copies bytes from the device to a page-locked host buffer and waits for the copy.
+/// Copies bytes from the device to a page-locked host buffer, waits for the copy and sets `arrived` to the copied
+/// bytes.
 std::shared_ptr<PinnedBuffer> read_back(DeviceHeap& heap, const std::uint8_t* bytes, std::size_t size,
                                         PinnedPool& pinned, const std::uint8_t*& arrived) {
   std::shared_ptr<PinnedBuffer> buffer = pinned.take();

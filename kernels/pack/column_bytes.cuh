@@ -1,4 +1,4 @@
-/// Transfers columns from device memory to host memory, raw or in storage format.
+/// Transfer of columns from device memory to host memory, raw or in storage format.
 #pragma once
 
 #include <memory>
@@ -12,20 +12,21 @@ namespace gigabake::kernels {
 
 /// A column in the buffer that holds all raw columns.
 struct RawColumn {
-  PackedColumn* column;  ///< its rows are set; the transfer sets its bytes
+  PackedColumn* column;  ///< `rows` is set already; the transfer sets `raw` or `stored`
   RowShape shape;
-  std::size_t at;     ///< offset in the buffer
-  std::size_t bytes;  ///< size of all its chunks; zeros follow the last row
+  std::size_t at;     ///< offset of the column in the buffer
+  std::size_t bytes;  ///< size of all chunks of the column; zeros follow the last row
 };
 
-/// Reads back all columns and sets the `raw` bytes of each. Returns the memory that the columns borrow. Waits for the
-/// stream.
+/// Reads back all columns and sets the member `raw` of each PackedColumn. Returns the memory that the columns borrow.
+/// Waits for the stream.
 /// Errors  CudaFailure.
 std::shared_ptr<const void> read_back_raw(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
                                           const std::vector<RawColumn>& columns, PinnedPool& pinned);
 
-/// Like read_back_raw(), but compresses the columns on the device and sets the `stored` chunks, with their checksums.
-/// Cost    Device memory like pack_chunks().
+/// Compresses the columns on the device, reads them back and sets the member `stored` of each PackedColumn: chunks with
+/// checksums. Otherwise like read_back_raw().
+/// Cost    The device memory of pack_chunks().
 std::shared_ptr<const void> read_back_stored(DeviceHeap& heap, const DeviceArray<std::uint8_t>& raw,
                                              const std::vector<RawColumn>& columns, PinnedPool& pinned);
 

@@ -20,7 +20,7 @@ __device__ unsigned lower_lanes() { return (1u << (threadIdx.x & 31)) - 1; }
 struct WarpBrick {
   int lod = -1;  ///< -1: the warp has no brick
   std::uint32_t brick;
-  std::size_t number;  ///< index in FoundShares
+  std::size_t number;  ///< index of the entry in FoundShares
 
   __device__ explicit WarpBrick(const LevelsView& levels) {
     const std::uint32_t in_all = blockIdx.x * warps + threadIdx.x / 32;
@@ -32,14 +32,15 @@ struct WarpBrick {
   }
 };
 
-/// The lane's voxel among 32 positions of a brick: its existence, its position in the brick and its index in the level.
+/// The voxel of one lane. The lanes of a warp process 32 consecutive positions of a brick. `place` is the voxel's
+/// position in the brick, and `number` its index in the level.
 struct LaneVoxel {
   bool is_there;
   unsigned place, lanes;  ///< lanes: mask of the lanes that have a voxel
   std::uint32_t number;
 };
 
-/// Calls visit(LaneVoxel) for all voxels of a brick, in order. All lanes of a warp call it.
+/// Calls visit(LaneVoxel) for all voxels of a brick, in order. All lanes of a warp must call this function.
 template <class Visit>
 __device__ void for_each_voxels(const std::uint64_t* mask, std::uint32_t first, const Visit& visit) {
   const unsigned lane = threadIdx.x & 31;
@@ -56,10 +57,10 @@ __device__ const std::uint8_t* bytes_of(const ChannelView& channel, std::uint32_
   return channel.bytes + std::size_t(voxel) * channel.stride;
 }
 
-/// Returns true for the lowest of the lanes with the same key. lanes: the lanes to compare.
+/// Returns true if no lower lane of `lanes` has the same key. All lanes of the mask `lanes` must call this function.
 __device__ bool is_lowest(unsigned lanes, unsigned key) { return (__match_any_sync(lanes, key) & lower_lanes()) == 0; }
 
-/// Writes the first value of each group to `value`. Returns a mask of the groups that have voxels.
+/// Writes the value of each group's first voxel to `value`. Returns a mask of the groups that have voxels.
 __device__ std::uint64_t find_groups(const LevelsView& levels, const WarpBrick& at, const ChannelView& channel,
                                      std::uint32_t* value) {
   std::uint64_t seen = 0;
@@ -73,7 +74,7 @@ __device__ std::uint64_t find_groups(const LevelsView& levels, const WarpBrick& 
   return seen;
 }
 
-/// Uses one warp per brick and channel.
+/// Determines the values that the voxels of each brick share, with one warp per brick and channel.
 __global__ void __launch_bounds__(threads)
     share_bricks(const LevelsView levels, std::uint8_t* share, std::uint32_t* values, Findings* findings) {
   __shared__ std::uint32_t first_value[warps][groups_per_brick];
@@ -121,7 +122,8 @@ __global__ void __launch_bounds__(threads) count_alphas(const LevelsView levels,
     atomicAdd(&findings->alphas[lod][threadIdx.x], (unsigned long long)(counts[threadIdx.x]));
 }
 
-/// Uses one thread per level; blockIdx.y is the channel. The difference is correct even if the 32-bit sums overflow.
+/// Computes the index of each level's first value and the number of values. There is one thread per level; blockIdx.y
+/// is the channel. The difference of two sums is correct even if the 32-bit sums overflow.
 __global__ void sum_levels(const LevelsView levels, const std::uint32_t* start, Findings* findings) {
   const unsigned lod = threadIdx.x;
   if (lod >= unsigned(levels.levels)) return;
@@ -135,7 +137,8 @@ __device__ void write_value(const ChannelView& channel, std::uint32_t voxel, std
   for (std::uint32_t i = 0; i < channel.width; ++i) column[std::size_t(row) * channel.width + i] = from[i];
 }
 
-/// Writes the values of a brick that are stored: separate values, and the first value of each shared group, in order.
+/// Writes the stored values of a brick in the order of voxels. Voxels of mixed groups store separate values. Groups
+/// that share a value store it once.
 __device__ void write_shared(const LevelsView& levels, const WarpBrick& at, const std::uint8_t* share,
                              std::uint32_t row, std::uint8_t* column) {
   const ChannelView channel = levels.channel[at.lod][blockIdx.y];
@@ -183,7 +186,8 @@ __device__ void write_channel(const LevelsView& levels, const WarpBrick& at, con
   }
 }
 
-/// Uses one warp per brick and channel. The blockIdx.y after the last channel writes the masks and first voxels.
+/// Writes all columns of all levels, with one warp per brick and channel. blockIdx.y is the channel. The blockIdx.y
+/// after the last channel is for the columns `mask` and `first`.
 __global__ void __launch_bounds__(threads)
     write_columns(const LevelsView levels, const std::uint8_t* share, const std::uint32_t* start, const LevelOut* out) {
   const WarpBrick at(levels);
@@ -196,7 +200,7 @@ __global__ void __launch_bounds__(threads)
 struct NodesView {
   const std::uint32_t *key, *first_child, *value;
   const std::uint8_t *lod, *child_mask;
-  const NodeKind* kind;  ///< null if all nodes are bricks, like the next two
+  const NodeKind* kind;  ///< null if all nodes are bricks, like `normal` and `facing`
   const std::uint16_t* normal;
   const std::uint32_t* facing;
   std::uint32_t count;

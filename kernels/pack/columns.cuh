@@ -1,5 +1,5 @@
 /// A cell's columns on the device. The kernels find the voxels that share a value, count the values, and write the
-/// columns. The rules are defined in core/codec; one warp per brick and channel executes them.
+/// columns. One warp per brick and channel applies the rules of core/codec.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@ namespace gigabake::kernels {
 
 inline constexpr int max_channels = 6;
 
-/// The source of a column of values: `width` bytes per voxel, `stride` bytes apart. bytes is null if the level has no
-/// such channel.
+/// The source of a column of values: `width` bytes per voxel, `stride` bytes apart. `bytes` is null if the level does
+/// not have the channel.
 struct ChannelView {
   const std::uint8_t* bytes;
   std::uint32_t stride, width;
@@ -33,7 +33,7 @@ struct LevelsView {
 };
 
 /// Returns the view of `levels`.
-/// Range   At most max_channels per level.
+/// Range   A level has at most max_channels channels.
 /// Errors  std::length_error beyond max_channels or 2^32-1 bricks; std::invalid_argument if a level lacks a requested
 ///         channel.
 LevelsView view_of(const std::vector<const DeviceLevel*>& levels,
@@ -43,13 +43,13 @@ LevelsView view_of(const std::vector<const DeviceLevel*>& levels,
 struct Findings {
   std::uint32_t begin[max_channels][max_levels];   ///< index of the level's first value among all levels and channels
   std::uint32_t values[max_channels][max_levels];  ///< number of values if they are shared
-  std::uint32_t differ[max_channels][max_levels];  ///< 1: some voxels differ
+  std::uint32_t differ[max_channels][max_levels];  ///< 1: not all voxels are equal
   unsigned long long alphas[max_levels][256];
 
   ValuesStored stored(const LevelsView& levels, int channel, int lod) const;
 };
 
-/// The shared values of all bricks. The entry of channel c of brick b is c · bricks_in_all + b.
+/// The shared values of all bricks. The entry of channel c of brick b has index c · bricks_in_all + b.
 struct FoundShares {
   DeviceArray<std::uint8_t> share;   ///< share_bytes per entry
   DeviceArray<std::uint32_t> start;  ///< index of the entry's first value
@@ -59,24 +59,24 @@ struct FoundShares {
 /// Errors  CudaFailure.
 FoundShares find_shares(DeviceHeap& heap, const LevelsView& levels, Findings& findings);
 
-/// The destinations of a level's columns; null for columns that are not stored.
+/// The destinations of a level's columns. Destinations of columns that are not stored are not used.
 struct LevelOut {
   std::uint64_t *mask, *first;
   struct Channel {
     ValuesStored stored;
     std::uint8_t *value, *share;
     std::uint64_t* first;
-    std::uint32_t begin;  ///< like Findings::begin
+    std::uint32_t begin;  ///< Findings::begin of this level and channel
   } channel[max_channels];
 };
 
-/// Writes the columns of all levels. out: [lod].
+/// Writes the columns of all levels. `out` has one entry per lod.
 /// Errors  CudaFailure.
 void make_columns(DeviceHeap& heap, const LevelsView& levels, const FoundShares& shares,
                   const std::vector<LevelOut>& out);
 
-/// The destinations of a node table's columns. If all nodes are bricks, `kind`, normal and facing are zeros and not
-/// written.
+/// The destinations of a node table's columns. If all nodes are bricks, the columns `kind`, `normal` and `facing` are
+/// not written. They must be zero already.
 struct NodesOut {
   std::uint64_t* key;
   std::uint32_t *first_child, *value;

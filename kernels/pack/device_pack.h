@@ -16,10 +16,10 @@ inline constexpr std::array<const char*, 6> pack_steps = {"candidates", "matches
 
 struct DevicePacked {
   std::vector<std::uint8_t> bytes;       ///< all chunks, concatenated
-  std::vector<std::uint64_t> ends;       ///< the end of each chunk
-  std::vector<double> seconds;           ///< of each round on the device, without transfers
-  std::array<double, 6> step_seconds{};  ///< of the last batch of the last round
-  std::uint64_t peak_bytes = 0;          ///< device memory, including raw bytes and result
+  std::vector<std::uint64_t> ends;       ///< the end of each chunk in `bytes`
+  std::vector<double> seconds;           ///< device time of each round, without transfers
+  std::array<double, 6> step_seconds{};  ///< device time per step in the last batch of the last round
+  std::uint64_t peak_bytes = 0;          ///< max device memory, including raw bytes and result
 };
 
 /// Packs the same chunks `rounds` times.

@@ -8,7 +8,7 @@ namespace {
 constexpr unsigned threads = 256,
                    parts = 8;  ///< thread blocks per deflate block in the kernels with one byte per thread
 
-/// The range of bytes of a thread in its part of a block, with a stride of `threads`.
+/// The bytes of a deflate block that one thread processes: begin, begin + threads and so on, below `end`.
 struct Part {
   std::uint32_t begin, end;
 };
@@ -25,14 +25,16 @@ __global__ void __launch_bounds__(threads) stage(Batch batch) {
     batch.bytes[chunk.staged + i] = batch.raw[chunk.raw + shuffled_from(i, chunk.bytes, chunk.element_bytes)];
 }
 
-/// The table that a warp updates, and the destination of the previous entries of each position; null to discard them.
+/// The hash table that a warp updates. `words` receives the table's previous entry for each position. If it is null,
+/// the previous entries are discarded.
 struct Entering {
   deflate::Bucket* table;
   std::uint32_t* words;
 };
 
-/// Enters one position per lane into the table; skips positions from `end` on. The candidate of a position is the
-/// highest lower lane with the same bucket. If there is none, it is the table's entry before the warp's update.
+/// Enters one position per lane into the hash table. Skips positions from `end` on. The candidate of a position is the
+/// highest lower position of the warp that has the same bucket. If there is none, the candidate is the table's entry
+/// before the update.
 __device__ void enter_32(std::uint32_t warp_position, std::uint32_t four, std::uint32_t end, const Entering& to) {
   const std::uint32_t lane = threadIdx.x, position = warp_position + lane;
   const bool entered = position < end;
@@ -46,8 +48,8 @@ __device__ void enter_32(std::uint32_t warp_position, std::uint32_t four, std::u
   __syncwarp();
 }
 
-/// Enters positions [begin, end), 32 at a time; one warp calls it. Bytes are read 256 positions ahead, which hides the
-/// memory latency.
+/// Enters positions [begin, end) into the hash table, 32 at a time. One warp must call this function. Bytes are read
+/// 256 positions ahead to hide the memory latency.
 __device__ void enter(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end, const Entering& to) {
   constexpr std::uint32_t steps = 8;
   std::uint32_t four[steps], next[steps];
@@ -68,7 +70,7 @@ __device__ void enter(const std::uint8_t* bytes, std::uint32_t begin, std::uint3
   }
 }
 
-/// Uses one warp per block.
+/// Finds the match candidate of each position, with one warp per deflate block.
 __global__ void __launch_bounds__(32) candidates(Batch batch) {
   __shared__ deflate::Bucket table[deflate::buckets];
   const BlockPlace& block = batch.blocks[blockIdx.x];
@@ -101,7 +103,7 @@ __global__ void __launch_bounds__(threads) matches(Batch batch) {
   }
 }
 
-/// Uses one warp per block and one lane per segment.
+/// Parses the segments into tokens, with one warp per deflate block and one lane per segment.
 __global__ void __launch_bounds__(32) parse(Batch batch) {
   __shared__ std::uint32_t counts[deflate::block_symbols];
   BlockPlace& block = batch.blocks[blockIdx.x];
@@ -111,7 +113,7 @@ __global__ void __launch_bounds__(32) parse(Batch batch) {
   const std::uint32_t begin = block.begin + lane * deflate::segment_bytes;
   std::uint32_t tokens = 0;
   if (begin < block.end) {
-    // A segment has at most as many tokens as bytes, so the tokens overwrite the matches already read.
+    // A segment has at most as many tokens as bytes, so tokens overwrite only matches that were read already.
     std::uint32_t *const words = batch.words + staged, *const to = words + begin;
     const auto match_at = [&](std::uint32_t p, std::uint32_t, std::uint32_t) { return deflate::match_of(words[p]); };
     const auto add = [&](deflate::Token token) {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t alignment = 256;
 
-/// The columns of a cell and the offset of each in a common buffer.
+/// The columns of a cell, and the offset of each column in a common buffer.
 class ColumnPlan {
  public:
   ColumnPlan(const LevelsView& view, const PackRequest& request, const Findings& found, std::uint32_t nodes,

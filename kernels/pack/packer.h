@@ -1,6 +1,6 @@
 /// Packing of a baked cell's columns on the device. Only the columns are transferred; the host never receives voxels.
 ///
-/// Builds without CUDA have no cells on a device; the constructor of CudaPacker always throws there.
+/// In builds without CUDA, the constructor of CudaPacker always throws.
 #pragma once
 
 #include <cstdint>
@@ -21,22 +21,21 @@ enum class ColumnBytes : std::uint8_t {
 };
 
 struct PackRequest {
-  std::vector<std::vector<ChannelPlace>> channels;  ///< [lod]; the columns of values of each level
-  std::vector<RowShape> nodes;                      ///< the rows of the node table's columns, in the order of
-                                                    ///< NodeColumn
+  std::vector<std::vector<ChannelPlace>> channels;  ///< [lod]; the channels of each level
+  std::vector<RowShape> nodes;                      ///< row shapes of the node table's columns, by NodeColumn
   ColumnBytes as = ColumnBytes::stored;
   std::uint64_t memory_bytes = 0;  ///< limit of device memory for temporary arrays and columns; 0: no limit
 };
 
 /// A packed cell: columns instead of voxels.
 struct PackedCell {
-  std::vector<PackedLevel> levels;    ///< [lod]; borrow `memory`, like the nodes
-  std::vector<PackedColumn> nodes;    ///< in the order of the request
-  NodeTable constants;                ///< only the nodes that are no bricks: `kind`, lod and value
+  std::vector<PackedLevel> levels;    ///< [lod]; levels and nodes borrow `memory`
+  std::vector<PackedColumn> nodes;    ///< in the order of PackRequest::nodes
+  NodeTable constants;                ///< the constant nodes: only `kind`, `lod` and `value`
   std::vector<Hash128> content_hash;  ///< [lod]
   DownsampleState above;              ///< as in CellVolume
   CellStats stats;
-  std::shared_ptr<const void> memory;  ///< page-locked; returns to the packer with the last reference
+  std::shared_ptr<const void> memory;  ///< page-locked; the packer reuses it after the last reference is released
 };
 
 /// A packer with a separate stream, so that a CudaBaker of the same device can bake the next cell concurrently.
@@ -51,10 +50,11 @@ class CudaPacker {
   /// Packs a cell; does not change `volume`. Calls must not be concurrent. Returns nullopt if the cell was baked in
   /// parts or has no voxels; the caller must then use CudaBaker::download().
   /// Exact   The columns equal the columns that format/shard makes of the downloaded volume by the rules of
-  ///         core/codec. Stored chunks equal the output of its encode_chunk().
+  ///         core/codec. Stored chunks equal the output of encode_chunk() of format/shard.
   /// Cost    Device memory: the size of the columns, the same again if they are compressed, and the temporary memory of
   ///         pack_chunks() (kernels/pack/pack_chunks.cuh). Waits for the stream four times.
-  /// Errors  DeviceFull if more memory or packing on the host would help; CudaFailure.
+  /// Errors  DeviceFull: the device memory or `request.memory_bytes` does not suffice; packing on the host may succeed.
+  ///         CudaFailure.
   std::optional<PackedCell> pack(const CudaVolume& volume, const PackRequest& request);
 
  private:

@@ -10,15 +10,15 @@
 
 namespace gigabake::kernels {
 
-/// A pool with as many buffers as are used concurrently. One thread calls take(); any thread may release a buffer.
+/// A pool with as many buffers as were in use at the same time. One thread calls take(); any thread may release a
+/// buffer.
 class PinnedPool {
  public:
-  /// Returns an unused buffer of any size.
-  /// Errors  CudaFailure from its reserve().
+  /// Returns an unused buffer. Its size is arbitrary; PinnedBuffer::reserve() enlarges it.
   std::shared_ptr<PinnedBuffer> take() {
     for (const std::shared_ptr<PinnedBuffer>& buffer : buffers_)
       if (buffer.use_count() == 1) {
-        std::atomic_thread_fence(std::memory_order_acquire);  // after the reads of the last user
+        std::atomic_thread_fence(std::memory_order_acquire);  // orders the reuse after the reads of the previous user
         return buffer;
       }
     buffers_.push_back(std::make_shared<PinnedBuffer>());

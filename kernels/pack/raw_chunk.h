@@ -6,13 +6,13 @@
 namespace gigabake::kernels {
 
 struct RawChunk {
-  std::uint64_t begin = 0;          ///< offset of its first byte
+  std::uint64_t begin = 0;          ///< offset of the chunk's first byte
   std::uint32_t bytes = 0;          ///< total size; the caller pads the last chunk
   std::uint32_t element_bytes = 1;  ///< element size of HDF5's shuffle, which divides `bytes`; 1: no shuffle
 };
 
 inline constexpr std::uint32_t max_packed_chunk_bytes = 1u << 26;
-/// The max number of raw bytes that are packed together.
+/// The max number of raw bytes in a batch, unless the batch is one larger chunk.
 inline constexpr std::uint64_t pack_batch_bytes = std::uint64_t(1) << 26;
 
 }  // namespace gigabake::kernels

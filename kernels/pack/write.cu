@@ -8,12 +8,14 @@ constexpr unsigned warps = 8, summers = 256;
 /// The max number of words that 32 tokens occupy if they begin at any bit of a word.
 constexpr unsigned gathered_words = 32 * 48 / 32 + 2;
 
-/// Sets bits that are still zero. Other warps may set bits of the same words.
+/// Sets bits of a word that are still zero. The operation is atomic, because other warps may set other bits of the same
+/// word.
 __device__ void set_bits(std::uint32_t* words, std::uint32_t word, std::uint32_t bits) {
   if (bits != 0) atomicOr(words + word, bits);
 }
 
-/// The position of a bit in the result. Bit 0 of the result's words is bit 0 of its first byte.
+/// The position of a bit in the result, counted from bit 0 of words[0]. Words are little-endian: bit 0 of a word is bit
+/// 0 of its first byte.
 struct BitPlace {
   std::uint32_t* words;
   std::uint64_t bit;
@@ -57,7 +59,8 @@ __device__ BitPlace moved(const BitPlace& from, std::uint32_t bits) {
   return {from.words + bit / 32, bit % 32};
 }
 
-/// Copies a part of a chunk in stored blocks: thread block `block` copies an equal part of the chunk.
+/// Copies a part of a chunk that has stored blocks. The chunk's thread blocks copy equal parts; `block` is the number
+/// of the calling thread block.
 __device__ void copy_stored(const Batch& batch, const ChunkPlace& chunk, std::uint32_t block) {
   const std::uint32_t size = deflate::stored_size(chunk.bytes), share = size / chunk.blocks + 1;
   std::uint8_t* to = batch.packed + chunk.packed + deflate::zlib_header_bytes;
@@ -65,7 +68,7 @@ __device__ void copy_stored(const Batch& batch, const ChunkPlace& chunk, std::ui
     to[i] = deflate::stored_byte(batch.bytes + chunk.staged, chunk.bytes, i);
 }
 
-/// Writes the tokens of a segment; one warp calls it.
+/// Writes the tokens of a segment. One warp must call this function.
 __device__ void write_segment(const deflate::Token* tokens, std::uint32_t count, const deflate::Code* codes,
                               BitPlace to, std::uint32_t* gathered) {
   for (std::uint32_t t = 0; t < count; t += 32) {
@@ -75,7 +78,7 @@ __device__ void write_segment(const deflate::Token* tokens, std::uint32_t count,
   }
 }
 
-/// Writes the header and the end-of-block symbol of a block; one warp calls it.
+/// Writes the header and the end-of-block symbol of a block. One warp must call this function.
 __device__ void write_header(const Batch& batch, const ChunkPlace& chunk, const BlockPlace& block,
                              const deflate::BlockCodes& made, std::uint32_t* gathered) {
   BitPlace to = place_of(batch, chunk, block.first_bit);
@@ -92,7 +95,8 @@ __device__ void write_header(const Batch& batch, const ChunkPlace& chunk, const 
   set_bits(to.words, 1, std::uint32_t(bits >> 32));
 }
 
-/// Uses one thread block per deflate block; its warps write the segments in turn.
+/// Writes all chunks' blocks, with one thread block per deflate block. The warps of a thread block write the segments
+/// in turn.
 __global__ void __launch_bounds__(warps * 32) write(Batch batch) {
   __shared__ deflate::Code codes[deflate::block_symbols];
   __shared__ std::uint32_t gathered[warps][gathered_words];
@@ -112,7 +116,7 @@ __global__ void __launch_bounds__(warps * 32) write(Batch batch) {
   }
 }
 
-/// Returns the joined sums of a thread block to all threads. Begins with a barrier.
+/// Joins the sums of all threads of a thread block and returns the result to every thread. Begins with a barrier.
 template <class Sums>
 __device__ Sums joined(Sums mine) {
   __shared__ Sums all[summers];
@@ -127,7 +131,7 @@ __device__ Sums joined(Sums mine) {
   return all[0];
 }
 
-/// Writes the zlib header and both checksums of a chunk; one thread block per chunk.
+/// Writes the zlib header and both checksums of each chunk, with one thread block per chunk.
 __global__ void __launch_bounds__(summers) sums(Batch batch) {
   const ChunkPlace chunk = batch.chunks[blockIdx.x];
   const std::uint8_t* bytes = batch.bytes + chunk.staged;

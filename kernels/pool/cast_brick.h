@@ -1,8 +1,7 @@
 /// A brick of the pools: a mask of the existing voxels among its 9³ places, and these voxels, packed contiguously.
 ///
-/// The places are the brick's own 8³ voxels and the lowest layers of its upper neighbours. Bricks at surfaces are
-/// mostly empty, so a brick takes only as much memory as it has voxels. Per layer, a bit mask yields the place of each
-/// voxel.
+/// The places are the brick's own 8³ voxels and the adjacent layers of its upper neighbours. Bricks at surfaces are
+/// mostly empty, so only existing voxels take memory. A bit mask per layer yields the index of each voxel.
 /// Source  Crassin et al. 2009, "GigaVoxels" (bricks with borders); ranks of bits as in Kämpe, Sintorn, Assarsson 2013,
 ///         "High Resolution Sparse Voxel DAGs".
 #pragma once
@@ -18,19 +17,21 @@ namespace gigabake::kernels {
 
 inline constexpr int slot_edge = brick_edge + 1, slot_voxels = slot_edge * slot_edge * slot_edge;
 
-/// The header of a brick, indexed by slot. The brick's parts lie in the voxel pool from `first` on. First come its
-/// layers that have voxels, upwards, each in the place of one voxel; then its voxels, layer by layer.
+/// The header of a brick. There is one header per slot of the pool. The parts of the brick are stored in the voxel pool
+/// from index `first` on. The first parts are the layers that have voxels, in ascending z; a layer takes the memory of
+/// one voxel. The other parts are the voxels, layer by layer.
 struct alignas(16) CastHead {
-  /// The mask of blocks of 2×2×2 points in which the field is not zero, bit x + 4y + 16z. A bit is set if one of the 27
-  /// voxels from 2(x,y,z) to 2(x,y,z) + 2 exists.
+  /// The mask of the 4×4×4 blocks in which the interpolated field is not zero. Block (x, y, z) extends from the centre
+  /// of voxel 2(x, y, z) to the centre of voxel 2(x, y, z) + 2. Bit x + 4y + 16z is set if one of the 27 voxels in this
+  /// range exists.
   std::uint64_t blocks;
   std::uint32_t first;
   std::uint32_t layers;  ///< bit z: the layer has voxels
 };
 
-/// A layer of one z. Bit x + 9y of `bits` is set if the voxel exists; the voxels are stored in this order. The upper
-/// bits of the last word, from bit 17 on, hold the place of the first voxel that is not in the first word. The place is
-/// relative to the brick's first part.
+/// The voxels of a brick with the same z. Bit x + 9y of `bits` is set if the voxel exists; voxels are stored in this
+/// order. The last word also has an index, from bit 17 on. It is the index of the first voxel whose bit is not in the
+/// first word. The index is relative to the brick's first part.
 struct CastLayer {
   std::uint32_t bits[3];
 };
@@ -64,30 +65,32 @@ GB_HD int ones_in(std::uint32_t bits) {
 #endif
 }
 
-/// Packs a layer. places: its 81 bits, the other bits are 0. first: place of its first voxel, relative to the brick's
-/// first part.
+/// Packs a layer. `places` has the layer's 81 bits; the other bits are 0. `first` is the index of the layer's first
+/// voxel, relative to the brick's first part.
 GB_HD CastLayer make_layer(const std::uint32_t places[3], std::uint32_t first) {
   return {{places[0], places[1], places[2] | (first + std::uint32_t(ones_in(places[0]))) << last_places}};
 }
 
-/// Returns the bit in CastHead::blocks of the block that holds point x, y, z.
+/// Returns the bit number in CastHead::blocks of the block that contains point (x, y, z), in voxels from the first
+/// centre.
 GB_HD int block_of(int x, int y, int z) { return x / 2 + 4 * (y / 2) + 16 * (z / 2); }
 
-/// Tests whether the field is zero in the point's block.
+/// Returns true if the interpolated field is zero in the point's block.
 GB_HD bool is_empty_block(std::uint64_t blocks, const int point[3]) {
   return (blocks >> block_of(point[0], point[1], point[2]) & 1) == 0;
 }
 
-/// A layer's voxels from voxel 0 of the window on: bit k of `bits`, k ≤ 10, is set if the voxel k places later exists.
+/// The existing voxels of a layer from one voxel on, which is voxel 0 of the window. Bit k of `bits`, k ≤ 10, is set if
+/// voxel k exists. Voxel slot_edge is above voxel 0 in the next row.
 struct LayerWindow {
   std::uint32_t bits;
-  std::uint32_t first, second;  ///< indices of the parts of the first existing voxels of this row and of the next row
+  std::uint32_t first, second;  ///< part indices of the first existing voxels from voxels 0 and slot_edge on
 
   GB_HD bool has(int k) const { return (bits >> k & 1) != 0; }
-  /// Returns the bits of voxels 0 and 1, and of voxels 0 and 1 of the next row.
+  /// Returns four bits: for voxels 0 and 1, then for voxels slot_edge and slot_edge + 1.
   GB_HD std::uint32_t two_by_two() const { return (bits & 3) | (bits >> (slot_edge - 2) & 12); }
-  /// Returns the index of a voxel's part.
-  /// Range   has(k); k is 0, 1, slot_edge or slot_edge + 1.
+  /// Returns the index of the part of voxel `k`.
+  /// Range   has(k) is true; `k` is 0, 1, slot_edge or slot_edge + 1.
   GB_HD std::uint32_t place(int k) const {
     const bool is_next_row = k >= slot_edge;
     const std::uint32_t row = is_next_row ? bits >> slot_edge : bits;
@@ -132,8 +135,9 @@ GB_HD CastLayer load_layer(const BrickView& brick, int z) {
   return {{part.word[0], part.word[1], part.word[2]}};
 }
 
-/// Returns the voxel's coverage in a view along the axis, or 0 if the voxel does not exist. Unit: 65535 represents 1.
-/// x, y, z: 0 … 8.
+/// Returns the voxel's coverage in a view along the axis, or 0 if the voxel does not exist. The value 65535 represents
+/// 1.
+/// Range   x, y and z are 0 … 8.
 GB_HD int coverage_at(const BrickView& brick, int x, int y, int z, int axis) {
   const LayerWindow window = window_of(load_layer(brick, z), x + slot_edge * y);
   return window.has(0) ? coverage_along(load_packed(brick.parts + window.first), axis) : 0;

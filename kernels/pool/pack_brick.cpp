@@ -24,7 +24,7 @@ CastLayer pack_layer(const SlotVoxels& slot, int z, std::vector<PackedVoxel>& pa
   return make_layer(places, first);
 }
 
-/// Returns the mask of blocks in which the field is not zero: one of the 27 voxels in and around the block exists.
+/// Returns CastHead::blocks. The bit of a block is set if one of the 27 voxels in and around the block exists.
 std::uint64_t blocks_of(const SlotVoxels& slot) {
   std::uint64_t blocks = 0;
   for (int z = 0; z < brick_edge; z += 2)

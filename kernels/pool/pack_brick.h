@@ -10,11 +10,12 @@ namespace gigabake::kernels {
 
 /// The voxels of a slot and the mask of existing voxels.
 struct SlotVoxels {
-  std::uint16_t row[slot_edge][slot_edge] = {};  ///< [z][y], x in the lowest bit
-  PackedVoxel voxel[slot_voxels];                ///< x fastest; valid where `row` has a bit
+  std::uint16_t row[slot_edge][slot_edge] = {};  ///< [z][y]; bit x is set if the voxel exists
+  PackedVoxel voxel[slot_voxels];                ///< index x + 9y + 81z; valid only if the bit in `row` is set
 };
 
-/// A brick for a slot. The caster sets head.first to the place of the first part in the voxel pool.
+/// A packed brick. The code that copies it to the voxel pool sets head.first to the index of the first part in the
+/// pool.
 struct CastBrick {
   CastHead head = {};
   std::vector<PackedVoxel> parts;  ///< empty if the brick has no voxel

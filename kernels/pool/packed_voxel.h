@@ -12,8 +12,8 @@ namespace gigabake::kernels {
 /// zero and need no special case. The other members locate the voxel's surface.
 struct CastVoxel {
   std::uint16_t c[6] = {};
-  std::int8_t normal[3] = {};  ///< intersection with the octahedron |x| + |y| + |z| = 127; 0, 0, 0: no normal
-  std::uint8_t plane = 0;      ///< kernels/body/mip/plane.h, 0: none; or clear_plane
+  std::int8_t normal[3] = {};  ///< the normal, scaled to the octahedron |x| + |y| + |z| = 127; 0, 0, 0: no normal
+  std::uint8_t plane = 0;      ///< code of kernels/body/mip/plane.h (0: no plane), or clear_plane
 };
 /// The value of CastVoxel::plane for a translucent voxel of lod 0, which has no plane.
 inline constexpr std::uint8_t clear_plane = 64;
