@@ -35,7 +35,7 @@ std::string reason_of(const std::exception& error);
 
 /// An error in a file or in an operation on it. `what()` is one line, "FILE: KEY: MESSAGE (at byte N)", or "KEY:
 /// MESSAGE" without a file. If the line would exceed max_message_bytes, paths and the key lose their middle; cause and
-/// remedy remain.
+/// remedy remain. A bake catches the error for each cell; else run_program() (app/process/run_program.h) catches it.
 class InputError : public std::runtime_error {
  public:
   InputError(const std::filesystem::path& file, const std::string& key, const std::string& message,

@@ -10,8 +10,8 @@
 #define GB_HD inline
 #endif
 
-/// Marks a function that is never inlined. Use it for code that few work items execute: inlining it would cost all
-/// others registers and instruction-cache space.
+/// Marks a function that is never inlined. Use it for code that few work items execute: inlining it would cost the
+/// other work items registers and instruction-cache space.
 #if defined(__CUDACC__)
 #define GB_HD_NOINLINE __host__ __device__ __noinline__ inline
 #else

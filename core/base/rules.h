@@ -26,7 +26,7 @@ enum class Codec : std::uint8_t {
   deflate,  ///< HDF5's built-in filter 1, always available: a quarter smaller than lz4
 };
 
-/// Returns the name of each value in the order of the values. A value without a name here is invalid.
+/// Returns the name of each value in the order of the values. A value without a name in the array is invalid.
 template <class Enum>
 constexpr auto names_of();
 template <>
@@ -46,7 +46,7 @@ constexpr auto names_of<Codec>() {
   return std::to_array<std::string_view>({"lz4", "deflate"});
 }
 
-/// Returns the name of each value in the order of the values. A value without a name in this array is invalid.
+/// Returns the value's name, or "unknown" if the number is none of the enum's values.
 template <class Enum>
 constexpr std::string_view name_of(Enum value) {
   constexpr auto names = names_of<Enum>();

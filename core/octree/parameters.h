@@ -15,7 +15,7 @@ namespace gigabake {
 struct BakeParameters {
   double voxel_size_m = 0;           ///< > 0
   Vec3d lattice_origin_m{};          ///< scene position of the lowest corner of voxel 0,0,0
-  std::uint32_t cell_voxels = 1024;  ///< N: a power of two, 8 … 8192
+  std::uint32_t cell_voxels = 1024;  ///< edge of a cell: a power of two, 8 … 8192
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;
   bool normals = true;

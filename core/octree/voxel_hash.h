@@ -2,8 +2,8 @@
 /// format/shard/levels/content_hash.h defines.
 ///
 /// Exact   XXH3-128 (seed 0) of the 34-byte record: lod (int32), lowest corner in lod-0 voxels of the lattice (3 ×
-///         int64), rgba, normal, little endian. On levels with facing, its four bytes and two zeros follow. Unsigned
-///         arithmetic: host and device return the same bits.
+///         int64), rgba, normal, little endian. On levels with `facing`, the four bytes of `facing` and two zeros
+///         follow. Unsigned arithmetic: host and device return the same bits.
 /// Source  github.com/Cyan4973/xxHash, doc/xxhash_spec.md, XXH3 for inputs of 17 to 128 bytes.
 #pragma once
 
