@@ -216,7 +216,7 @@ BakeSummary run_steps(MpiSession& mpi, const BakeRequest& request, const BakePro
   prepare_scratch(s);
   start_process(s);
   scan_source(s);
-  choose_devices(s);  // after the scan, because the start of the driver would delay it
+  choose_devices(s);  // after the scan, because the driver's start would delay the scan
   plan_jobs(s, request.overviews ? PlanLevels::cells_and_overviews : PlanLevels::cells);
   bake_jobs(s);
   return std::move(s.summary);

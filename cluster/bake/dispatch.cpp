@@ -15,7 +15,7 @@ namespace {
 
 constexpr double heartbeat_interval_s = 1;
 
-/// Executes the decisions of the schedule and reports events back to it.
+/// The executor of the schedule's decisions. It reports events back to the schedule.
 class Dispatcher {
  public:
   Dispatcher(RankLink& link, const std::vector<CellJob>& jobs, const DispatchOptions& options,

@@ -15,7 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Forwards rank 0's progress and sends heartbeats to the other ranks.
+/// A listener that forwards rank 0's progress and sends heartbeats to the other ranks.
 class HeartbeatsWhileOpening : public ProgressListener {
  public:
   HeartbeatsWhileOpening(MpiSession& mpi, const Progress& listener) : mpi_(mpi), listener_(listener) {}

@@ -18,7 +18,7 @@ class CollectiveFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Like CollectiveFailure, for options of a rank that are invalid or differ from rank 0's.
+/// A CollectiveFailure whose cause is options of a rank that are invalid or differ from rank 0's.
 class CollectiveUsageError : public CollectiveFailure {
  public:
   using CollectiveFailure::CollectiveFailure;

@@ -19,7 +19,7 @@ constexpr std::chrono::seconds max_kill_wait{10}, first_pause{1}, max_pause{60};
 /// Bytes of the sources per message: the process holds one message twice while it assembles the sources.
 constexpr std::size_t part_bytes = std::size_t(1) << 24;
 constexpr int deaths_without_pause = 2;
-constexpr int doublings = 6;  // the pause doubles up to this many times, up to max_pause
+constexpr int doublings = 6;  // the pause doubles at most this many times, up to max_pause
 
 HangWatch::Clock::duration seconds(double s) {
   return std::chrono::duration_cast<HangWatch::Clock::duration>(std::chrono::duration<double>(s));
