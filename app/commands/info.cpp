@@ -29,7 +29,7 @@ struct Info {
   StoredBytes stored;
 };
 
-/// Reads the scene. Files before version 3 do not store the byte sizes of their shards' columns.
+/// Reads the scene. If scene.xml does not store the byte sizes of the shards' columns (before version 3), reads shards.
 Info read_info(const std::filesystem::path& scene_xml, const Progress& progress) {
   progress.step("reading the scene");
   const PagedScene scene(scene_xml);

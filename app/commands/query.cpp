@@ -55,7 +55,7 @@ struct Asked {
   std::unique_ptr<QuerySource> asks;
 };
 
-/// Returns the class and the source of the queries that the command line requests.
+/// Returns the source of the queries on the command line, and whether they are rays, heights or lines of sight.
 Asked question_of(const QueryArguments& a, const ThreadPool& pool) {
   const std::array<const std::string*, 7> all{&a.ray, &a.rays, &a.at, &a.heights, &a.grid, &a.sight, &a.sights};
   if (std::count_if(all.begin(), all.end(), [](const std::string* s) { return !s->empty(); }) != 1)

@@ -24,7 +24,7 @@ class SimilarLineFilter {
   std::unordered_map<std::string, std::size_t> seen_;
 };
 
-/// Returns one line per loss: the first three losses of each group of similar losses, then the number of the remaining
+/// Returns lines that list the first three losses of each group of similar losses, then the number of the remaining
 /// losses of the group. Returns at most 50 lines.
 std::vector<std::string> lines_of(const std::vector<SceneLoss>& losses);
 

@@ -8,8 +8,8 @@
 
 namespace gigabake::app {
 
-/// Reads any mesh file that a bake reads. Its coordinates are scene metres; glTF is y up. Colours and textures are read
-/// as in a bake.
+/// Reads any mesh file that a bake reads. The file's coordinates are scene metres; glTF is y up. Colours and textures
+/// are read as in a bake.
 /// Errors  InputError: the file cannot be read, or has no triangles.
 std::shared_ptr<const PolygonMesh> read_polygons(const std::filesystem::path& file, int threads);
 

@@ -5,8 +5,8 @@
 namespace gigabake::app {
 
 /// Prepares the descriptors; call it before any file is opened. Opens /dev/null on each closed standard descriptor, in
-/// the direction that fails. Otherwise the next file, such as a shard, would get that number and receive messages.
-/// Ignores SIGPIPE, so that a closed pipe is a write error and does not end a bake.
+/// the direction that makes its use fail. Otherwise the next file, such as a shard, would get the descriptor's number
+/// and receive messages. Ignores SIGPIPE, so that a closed pipe is a write error and does not end a bake.
 void prepare_standard_streams();
 
 /// Flushes standard output before a message that belongs after it. end_of_output() reports a failure.
