@@ -10,8 +10,8 @@ namespace {
 
 constexpr double village_radius_m = 120, tree_cell_m = 6.5, house_sight_m = 24;
 
-/// Returns the angle of the direction (e, n) in degrees, counter-clockwise from east. Bisects turn_of instead of
-/// calling libm, for equal bits on every machine.
+/// Returns the angle of the direction (e, n) in degrees, counter-clockwise from east. Searches the
+/// angle by bisection with turn_of(), because libm may return other bits on other machines.
 double heading_of(double e, double n) {
   const bool back = n < 0 || (n == 0 && e < 0);
   if (back) e = -e, n = -n;

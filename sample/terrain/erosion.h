@@ -11,7 +11,7 @@ namespace gigabake::sample {
 struct ErosionOptions {
   int steps = 36;
   double stream_power = 0.16;  ///< lowering per step, per metre of √(drained area) and unit slope
-  double gully_m2 = 0;         ///< min drained area that cuts; smaller areas leave hillslopes smooth
+  double gully_m2 = 0;         ///< min drained area that erodes; smaller areas leave hillslopes smooth
   double talus = 0.6;          ///< max stable slope of unconsolidated ground
   double creep = 0.3;          ///< fraction of the distance to the neighbours' mean that soil moves per step
 };

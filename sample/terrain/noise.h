@@ -1,7 +1,7 @@
 /// Random numbers and noise for the sample terrain.
 ///
 /// Exact   Only integer hashes and IEEE double with + - * / sqrt and floor: the same bits on every machine. No function
-///         calls libm, because its last digit differs between versions.
+///         calls libm, whose results differ between versions in the last digit.
 #pragma once
 
 #include <cstdint>
