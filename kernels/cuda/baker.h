@@ -52,7 +52,7 @@ class CudaBaker {
 
   /// Bakes a cell. `parameters.memory_bytes` is the max device memory for triangles, working arrays and result. A cell
   /// that needs more, or more than the device has free, is baked and downloaded in parts.
-  /// Exact   Same volume as kernels::bake_cell(input, parameters, any policy), whatever the memory. Differences:
+  /// Exact   Same volume as kernels::bake_cell(input, parameters, any policy), for any memory. Differences:
   ///         stats.batches counts parts, peak_bytes is device memory, and times differ.
   /// Errors  CudaFailure if input or the smallest part does not fit the device, or if the device is lost. The baker
   ///         remains usable unless the device is lost; then every further call fails.

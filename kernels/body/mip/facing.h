@@ -85,7 +85,8 @@ GB_HD CellRun<N> cover(const CellRun<N>& low, const CellRun<N>& high, std::uint3
   return either;
 }
 
-/// Returns the lower of the two children in column `column` (0…3) along an axis. The upper child is low | 1 << axis.
+/// Returns the lower child of a column (0…3) along an axis. A column is a pair of children that lie behind each other
+/// along the axis. The upper child is low | 1 << axis.
 GB_HD constexpr int low_child(int axis, int column) {
   return (column & ((1 << axis) - 1)) | (column >> axis) << (axis + 1);
 }
@@ -136,7 +137,7 @@ GB_HD std::uint32_t even_bytes(std::uint32_t a, std::uint32_t b) {
 /// Adds one run of a column of children to the parent's raster. The sums over the lower child, the upper child and
 /// their union are added to `sums`. The call children.cells<4>(child, axis, run) returns a run of a child's raster, or
 /// zeros if the child does not exist.
-/// Range   Edge: 4 or 8.
+/// Range   Edge is 4 or 8.
 template <int Edge, class Children>
 GB_HD void see_run(const Children& children, int axis, int column, int run, std::uint32_t* raster,
                    std::uint32_t sums[3]) {

@@ -2,8 +2,8 @@
 ///
 /// The weights of nine texels have the mean and covariance of the footprint. Their variances are the footprint's
 /// variances, widened as linear interpolation between two texels widens a point. The result for a quadratic texture is
-/// therefore its exact mean, and the results for pieces of a voxel sum to the result for the whole voxel. Along an
-/// axis, the result for a box of up to one texel is the mean of linear interpolation over the box.
+/// therefore its exact mean. The results for pieces of a voxel sum to the result for the whole voxel. Along an axis,
+/// the result for a box of up to one texel is the mean of linear interpolation over the box.
 ///
 /// Space   Texels of one level.
 /// Exact   Weights are computed in IEEE floats and rounded to integers with sum 2^15. Host and device agree, and a
@@ -160,7 +160,7 @@ GB_HD float passing_fraction(float beyond, float along, float across) {
 }
 
 /// Applies the alpha test to the mean colour of a box, over which a renderer would test each point. The passing
-/// fraction is computed for an alpha that varies linearly with this mean and these changes.
+/// fraction is computed for an alpha that is linear over the box, with the changes `along` and `across`.
 /// Range   alpha is not 0.
 GB_HD_NOINLINE Rgba16 test_box(Rgba16 mean, std::uint8_t cutoff, float along, float across) {
   const float share = passing_fraction(float(int(mean.c[3]) - int(cutoff * 257u)), along, across);

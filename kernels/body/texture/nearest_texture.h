@@ -190,7 +190,7 @@ struct TexelOutline {
   int count;
 };
 
-/// Maps the outline to the texture and writes it to `r`. It is not a return value, because nvcc 13.0 would place the
+/// Maps the outline to the texture and writes it to `r`. `r` is not a return value, because nvcc 13.0 would place the
 /// returned corners at the address of `o`. The fifth corner of `o` would then be overwritten before it is read. The
 /// error shows in the PTX and in the tests DeviceTextures.
 GB_HD void map_outline(const Outline& o, const FragmentMap& map, Point2 centroid, TexelOutline& r) {
@@ -217,7 +217,7 @@ GB_HD int level_for(const TextureView& view, const TexelOutline& o) {
   return l;
 }
 
-/// Converts the outline from images around the centroid to texels from the first texel.
+/// Converts the outline's coordinates from images relative to the centroid to texels relative to the first texel.
 GB_HD void place_outline(const TexelGrid& grid, const TexelSpan& columns, const TexelSpan& rows, TexelOutline& o) {
   for (int i = 0; i < o.count; ++i) {
     o.x[i] = columns.middle + o.x[i] * grid.width;

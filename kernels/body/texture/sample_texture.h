@@ -105,7 +105,7 @@ GB_HD Rgba16 sample_level(const TextureView& view, const MaterialView& m, int l,
   const auto width = std::uint32_t(level_extent(view.width, l)), height = std::uint32_t(level_extent(view.height, l));
   const TexelPair across = neighbours(s, width, m.wrap_s == Wrap::repeat);
   const TexelPair down = neighbours(t, height, m.wrap_t == Wrap::repeat);
-  // Always load two rows of two texels, also if their weights are 0. Weights sum to 2^16.
+  // Two rows of two texels are always loaded, also if their weights are 0. Weights sum to 2^16.
   const std::uint32_t upper = down.a * width, lower = down.b * width;
   const std::uint32_t at[4] = {upper + across.a, upper + across.b, lower + across.a, lower + across.b};
   Rgba16 texel[4];

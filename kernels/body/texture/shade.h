@@ -34,7 +34,7 @@ GB_HD float texels_of(double gradient) {
   return float(gradient < -beyond_any_image ? -beyond_any_image : at_most(gradient, beyond_any_image));
 }
 
-/// Returns the map from a triangle's plane to its texture. uv: 3 × (s, t).
+/// Returns the map from a triangle's plane to its texture. `uv` holds (s, t) of the three vertices.
 /// Range   Finite; |s|, |t| ≤ 2^20 (checked by the caller).
 GB_HD TextureMap make_texture_map(const TrianglePlane& p, const float uv[6], std::int32_t width, std::int32_t height) {
   TextureMap r;
@@ -69,9 +69,9 @@ GB_HD Spread texel_spread(const TextureMap& m, float uu, float uv, float vv) {
 
 /// Returns the factor, at least 0.875, by which a filter box centred at `middle` (0 to 1) of a cell is narrowed. The
 /// box then extends beyond the cell by at most 10 % of the distance from its centre to the border. Without narrowing,
-/// the box has the variance of its fragment. For a triangle that covers half the cell, it would extend beyond the
-/// cell by a quarter of that distance. It would then cover texels outside an atlas chart. If it ended at the border, it
-/// would lose too much variance. `minimum` only guards against rounding: the variance of a convex shape is at most half
+/// the box has the variance of its fragment. For a triangle that covers half the cell, it would extend beyond the cell
+/// by a quarter of that distance. It would then cover texels outside an atlas chart. If it ended at the border, it
+/// would lose too much variance. `minimum` only guards against rounding. The variance of a convex shape is at most half
 /// the square of the distance from its centre to the border.
 GB_HD float narrowing_factor(double middle, float variance) {
   constexpr float beyond = 1.1f, minimum = 0.875f;

@@ -33,7 +33,7 @@ inline constexpr int fragments_before_flush = 1024;
 /// Calls add(channel, value) for each sum of a fragment. The caller decides where the sums are stored.
 template <class Add>
 GB_HD void contribute(const Fragment& f, const Add& add) {
-  // Transparent parts must not influence the normal, so its weight is scaled by alpha.
+  // Transparent parts must not influence the normal, so the normal's weight is scaled by alpha.
   const std::int64_t visible = f.clear == 0 ? f.weight : (f.weight * 65535 - f.clear) / 65535;
   add(sum_weight, f.weight);
   for (int c = 0; c < 3; ++c) add(Sum(sum_red + c), f.colour[c]);

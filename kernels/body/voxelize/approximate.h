@@ -46,7 +46,7 @@ struct CodeRange {
     sum += of.sum;
   }
   GB_HD bool fits(std::uint32_t codes) const { return high <= low + 2 * codes; }
-  /// Returns the code nearest to the mean that differs from `low` and from `high` by at most `codes`.
+  /// Returns the code nearest to the mean that differs from `low` and from `high` by at most `codes` steps.
   /// Range   fits(codes); `count` voxels were added.
   GB_HD std::uint8_t value(std::uint32_t count, std::uint32_t codes) const {
     const std::uint32_t mean = (2 * sum + count) / (2 * count);

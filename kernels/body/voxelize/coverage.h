@@ -3,7 +3,7 @@
 /// The triangle is cut once per slab of voxels along its dominant axis, to a polygon with at most five corners. Green's
 /// theorem then gives the area inside a cell's u range: ∮ clamp(u) dv over the slab polygon's edges, with u clamped to
 /// the cell. Clamping v also restricts the area to the cell's v range. No branch depends on the cell, so each lane of a
-/// warp can compute another cell.
+/// warp can compute a different cell.
 ///
 /// Space   Voxels relative to the triangle's anchor, the voxel of its lowest corner. A fragment's numbers depend on the
 ///         triangle and on the voxel relative to it, never on bricks, cells or the lattice's origin.

@@ -24,7 +24,8 @@ PairCounters read(DeviceHeap& heap, const DeviceArray<PairCounters>& counters) {
   return host;
 }
 
-/// Descends all large triangles from the root to the bricks in parallel. Returns the largest length of a queue.
+/// Finds the bricks of all large triangles. The search descends from the root to the bricks, all triangles in parallel.
+/// Returns the max length of a queue.
 std::uint64_t descend_large(DeviceHeap& heap, const InputView& input, const CellWindow& window, const PairSink& sink,
                             const DeviceArray<PairCounters>& counters) {
   std::uint64_t maximum = 0;

@@ -1,5 +1,5 @@
-/// Stages 1 and 2 on the device. Vertices are snapped once, triangles are paired with the bricks that they may overlap,
-/// and the pairs are sorted by brick.
+/// Stages 1 and 2 of a bake on the device. Vertices are snapped once, triangles are paired with the bricks that they
+/// may overlap, and the pairs are sorted by brick.
 #pragma once
 
 #include <cstdint>
