@@ -10,7 +10,7 @@
 
 namespace gigabake {
 
-/// Finds the cells of a scene that overlap a box. Borrows the cells.
+/// A finder of the cells of a scene that overlap a box. It stores a reference to the cells.
 /// Cost    A binary search, then a test of every cell in the same x range.
 class CellFinder {
  public:

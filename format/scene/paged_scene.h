@@ -16,12 +16,13 @@ namespace gigabake {
 
 /// Reader of a scene's cells and overviews. Thread-safe: any number of threads may use the same PagedScene
 /// concurrently.
-/// Errors  InputError from all members: scene.xml or a page cannot be read or contradicts the level above; names the
-///         file and the remedy. Only the ancestors of requested pages are checked; other pages are not read.
+/// Errors  All members throw InputError if scene.xml or a page cannot be read, or if a page contradicts the page that
+///         refers to it. The message has the file and the remedy. Only requested pages and the pages above them are
+///         read and checked.
 class PagedScene {
  public:
   explicit PagedScene(std::filesystem::path scene_xml);
-  /// Returns a scene over cells in memory. Reads no page and no cell.
+  /// Returns a scene over cells in memory. Reads no file.
   static PagedScene of_cells(std::filesystem::path scene_xml, SceneDescription scene);
 
   const std::filesystem::path& file() const { return scene_xml_; }
@@ -29,12 +30,12 @@ class PagedScene {
   const SceneHeader& header() const { return header_; }
   /// Returns the totals stored in scene.xml, or, if it has none, the sums over its cells.
   const SceneTotals& totals() const { return totals_; }
-  /// Returns what scene.xml itself lists: cells or page references, and overviews, including the root of all.
+  /// Returns the lists in scene.xml itself: cells or page references, and overviews, including the root overview.
   const ScenePage& root() const { return root_; }
 
-  /// Returns the pages that list cells, in their order. Calls visit_above with each page above them, root() first, in
-  /// the same order at every call.
-  /// Cost    Reads the pages above the leaves, on the pool's threads.
+  /// Returns references to the pages that list cells, in the order of the pages. Calls `visit_above` with each page
+  /// above these pages, root() first, in the same order at every call.
+  /// Cost    Reads the pages that refer to other pages, on the pool's threads.
   std::vector<PageReference> leaves(const ThreadPool& pool = callers_thread(),
                                     const std::function<void(const ScenePage&)>& visit_above = {}) const;
 
@@ -59,10 +60,10 @@ class PagedScene {
   void for_each_overview_below(const PageReference& page, const VisitCell& visit) const;
   std::vector<SceneCell> overviews() const;
 
-  /// Returns the cells whose windows overlap the box, by lattice_min z, y, x.
+  /// Returns the cells whose windows overlap the box, sorted by z, y, x of lattice_min.
   /// Cost    Reads the pages that may contain such cells.
   std::vector<SceneCell> cells_in(const Box3i64& box) const;
-  /// Returns the overviews that overlap the box and have that level natively (not as a duplicate).
+  /// Returns the overviews whose windows overlap the box and whose own levels (not duplicated ones) include `lod`.
   /// Cost    See cells_in().
   std::vector<SceneCell> overviews_in(const Box3i64& box, int lod) const;
 

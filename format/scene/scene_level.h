@@ -1,4 +1,4 @@
-/// Reader of one level of a scene, brick by brick, as exports need it: dense bricks, constant nodes expanded.
+/// Reader of one level of a scene for exports. It visits dense bricks, and expands constant nodes to bricks.
 #pragma once
 
 #include <array>
@@ -13,11 +13,12 @@
 
 namespace gigabake {
 
-/// Position of a voxel, or of a brick's lowest voxel, on the lattice of its level: in voxels of 2^lod from the
-/// lattice's 0,0,0.
+/// Position of a voxel, or of a brick's lowest voxel, in voxels of its level (2^lod lod-0 voxels) from lattice voxel
+/// (0, 0, 0).
 using LevelIndex = Vec3i64;
 
-/// Voxel (x, y, z) is bit x + 8y of mask[z] and element x + 8y + 64z.
+/// A brick with an element for each of its 512 positions. Voxel (x, y, z) is bit x + 8y of mask[z] and element x + 8y +
+/// 64z.
 struct DenseBrick {
   std::array<std::uint64_t, 8> mask{};
   std::array<std::array<std::uint8_t, 4>, brick_voxels> rgba{};   ///< zero where there is no voxel
@@ -47,11 +48,11 @@ struct ReadLevel {
 ///         hash in scene.xml.
 ReadLevel read_level(const PagedScene& scene, const SceneCell& shard, int lod);
 
-/// Visits the shards that contain a level: cells, or overviews for levels above the cells' levels.
+/// Visits the shards that contain a level as their own level: cells, or overviews for levels above the cells' levels.
 void for_each_shard_of_level(const PagedScene& scene, int lod, const PagedScene::VisitCell& visit);
 
 /// Returns the number of voxels of a scene's level, from its totals.
-/// Errors  InputError: the level does not exist, or not everywhere; names the existing levels.
+/// Errors  InputError if the level does not exist, or exists in only some cells. The message names the existing levels.
 std::uint64_t voxels_of_level(const PagedScene& scene, int lod);
 
 /// A scene and the number of voxels of one of its levels.
@@ -61,16 +62,16 @@ struct SceneLevel {
 };
 
 /// Opens a scene to export one of its levels.
-/// Errors  InputError: scene.xml cannot be read, or see voxels_of_level().
+/// Errors  InputError if scene.xml cannot be read; the errors of voxels_of_level().
 SceneLevel open_scene_level(const std::filesystem::path& scene_xml, int lod);
 
-/// Visits the bricks shard by shard. Progress advances by voxels.
-/// Cost    One page of the scene and one level of one shard in memory.
-/// Errors  InputError: see read_level(). Stopped.
+/// Visits the bricks of a level, shard by shard. `progress` advances by the number of voxels.
+/// Cost    Holds one page of the scene and one level of one shard in memory.
+/// Errors  The errors of voxels_of_level() and read_level(). Stopped if `progress` cancels.
 void for_each_dense_brick(const PagedScene& scene, int lod, const VisitBrick& visit, const Progress& progress = {});
 
-/// Visits the same voxels in the lattice's own blocks of 8³ voxels: `lowest` is a multiple of 8 on each axis. A block
-/// that several bricks overlap is visited once per brick, each time with other voxels.
+/// Visits the voxels of a level in blocks of 8³ voxels that are aligned to the lattice. `lowest` is a multiple of 8 on
+/// each axis. A block that several bricks overlap is visited once per brick, each time with other voxels.
 void for_each_block_part(const PagedScene& scene, int lod, const VisitBrick& visit, const Progress& progress = {});
 
 }  // namespace gigabake

@@ -22,7 +22,7 @@ std::span<const std::string_view> known_of_page() {
   return known;
 }
 
-/// Checks that the page is the one that its reference describes. Returns its version.
+/// Checks that the page is the page that its reference describes. Returns the version of the page.
 int expect_page_of(const std::filesystem::path& path, const SceneAttributes& a, const SceneHeader& header,
                    const PageReference& reference) {
   const int version = a.value<int>("Version");

@@ -12,8 +12,8 @@
 
 namespace gigabake {
 
-/// Sums over the cells and overviews of a scene or of one of its pages. Vectors are per lod of the lattice, up
-/// to the highest of any shard.
+/// Sums over the cells and overviews of a scene or of one of its pages. Vectors are per lod of the lattice, up to the
+/// highest lod of any shard.
 struct SceneTotals {
   SceneTotals() = default;
   explicit SceneTotals(const std::vector<SceneCell>& cells);
@@ -21,7 +21,7 @@ struct SceneTotals {
 
   void add(const SceneCell& cell);
   void add(const SceneTotals& part);
-  Hash128 all_content() const;  ///< of all lods
+  Hash128 all_content() const;  ///< content hash of all lods
   bool has_stored() const { return cells + overviews == 0 || !level_bytes.empty(); }
   friend bool operator==(const SceneTotals&, const SceneTotals&) = default;
 
@@ -30,12 +30,12 @@ struct SceneTotals {
   std::vector<Hash128> content_hash;
   std::vector<std::uint64_t> level_bytes;  ///< empty if a cell or an overview lacks it
   std::uint64_t node_bytes = 0;            ///< 0 if a cell or an overview lacks it
-  std::uint32_t cell_voxels = 0;           ///< of all cells; 0 if cells have several sizes
-  Box3i64 window;                          ///< of all cells; empty if there are none
+  std::uint32_t cell_voxels = 0;           ///< edge of all cells; 0 if cells have several sizes
+  Box3i64 window;                          ///< bounding box of all cells; empty if there are none
 };
 
 /// The lattice cube of a page.
-/// Range   edge is a power of two, min a multiple of it.
+/// Range   `edge` is a power of two, and `min` is a multiple of `edge`.
 struct LatticeBlock {
   Vec3i64 min{};
   std::int64_t edge = 0;
@@ -44,9 +44,9 @@ struct LatticeBlock {
   friend bool operator==(const LatticeBlock&, const LatticeBlock&) = default;
 };
 
-/// Returns the block of that edge that contains a voxel.
+/// Returns the block with this edge that contains `voxel`.
 LatticeBlock block_around(const Vec3i64& voxel, std::int64_t edge);
-/// Returns whether the shard's whole window lies in the block. At most one block of a group contains it.
+/// Returns whether the shard's whole window lies in the block. At most one block of a group contains the window.
 bool lies_in(const SceneCell& shard, const LatticeBlock& block);
 
 /// A page as described by the group above it.
@@ -63,7 +63,8 @@ struct PageReference {
 struct ScenePage {
   std::vector<SceneCell> cells;
   std::vector<PageReference> pages;
-  std::vector<SceneCell> overviews;  ///< each in the smallest page whose block contains it; before version 5 in no page
+  /// An overview is in the smallest page whose block contains it. Pages before version 5 have no overviews.
+  std::vector<SceneCell> overviews;
 };
 
 /// Reads a page of the scene that `header` describes.

@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-/// An attribute that differs, and the two values.
+/// An attribute that differs, and a description of the difference.
 struct HeaderDifference {
   std::string attribute, what;
 };
@@ -21,11 +21,11 @@ std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, 
                                                      const SceneCell& cell);
 
 /// Checks that the header matches the scene's entry for `cell`.
-/// Errors  InputError: the first difference and the remedy.
+/// Errors  InputError with the first difference and the remedy.
 void expect_shard_of_scene(const std::filesystem::path& shard, const ShardHeader& header, const SceneHeader& scene,
                            const SceneCell& cell);
 
-/// Opens the shard of a cell. All code that reads voxels of a scene must use it.
+/// Opens the shard of a cell. All code that reads voxels of a scene must use this function.
 /// Errors  InputError: the file is missing, not a shard, or not the shard that the scene describes.
 ShardReader open_shard_of_scene(const std::filesystem::path& scene_xml, const SceneHeader& scene,
                                 const SceneCell& cell);

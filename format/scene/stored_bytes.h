@@ -1,4 +1,4 @@
-/// Sizes of the columns of a scene's shards, for scenes before version 3, whose totals lack them.
+/// Sizes of the columns in a scene's shards. The totals of scenes before version 3 lack these sizes.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace gigabake {
 
-/// Compressed sizes on disk. The rest of the shards' bytes is HDF5's own: headers, indexes, attributes.
+/// Compressed sizes of columns on disk, in bytes. The rest of a shard is HDF5 headers, indexes and attributes.
 struct StoredBytes {
   std::vector<std::uint64_t> of_lod;
   std::uint64_t of_nodes = 0;

@@ -21,7 +21,7 @@ bool is_on_grid(const SceneCell& overview, std::int64_t grid) {
   return std::ranges::all_of(overview.lattice_min, [grid](std::int64_t v) { return v % grid == 0; });
 }
 
-/// Returns whether the window has the levels of the overview level and a valid position.
+/// Returns whether the overview has the levels of `tier` and a valid window.
 bool is_of_tier(const SceneCell& overview, const TierShape& tier, bool is_root) {
   const std::int64_t edge = std::int64_t(1) << tier.window_bits();
   return shape_of(overview) == tier && overview.cell_voxels == edge && is_on_grid(overview, is_root ? edge / 2 : edge);
@@ -30,28 +30,28 @@ bool is_of_tier(const SceneCell& overview, const TierShape& tier, bool is_root) 
 /// The overviews of one level, by the corners of their windows.
 using Tier = std::set<Vec3i64>;
 
-/// Returns whether a window of the level contains the voxel. is_alone: the level has one window, which need not be
-/// aligned to its edge.
+/// Returns whether a window of the level contains the voxel. `is_alone` is true if the level has only one window, which
+/// need not be aligned to its edge.
 bool has_around(const Tier& tier, const TierShape& shape, bool is_alone, const Vec3i64& voxel) {
   const std::int64_t edge = std::int64_t(1) << shape.window_bits();
   return is_alone ? LatticeBlock{*tier.begin(), edge}.box().contains(voxel)
                   : tier.contains(block_around(voxel, edge).min);
 }
 
-/// Returns whether each overview lies in one of the next higher level.
+/// Returns whether each overview of `tier` lies in an overview of the next higher level.
 bool lies_below(const Tier& tier, const TierShape& above_shape, const Tier& above, bool above_is_root) {
   return std::ranges::all_of(
       tier, [&](const Vec3i64& corner) { return has_around(above, above_shape, above_is_root, corner); });
 }
 
-/// Returns whether overviews may be missing without a record: those that depended on a lost cell or overview.
+/// Returns whether overviews may be missing without a record, because a cell or overview below them is lost.
 bool may_lack_overviews(const SceneHeader& scene) {
   return std::ranges::any_of(scene.losses, [](const SceneLoss& loss) {
     return loss.name.starts_with("parent ") || loss.name.starts_with("cell ");
   });
 }
 
-/// Returns the overview levels by native lod. Returns none if two overviews of the same lod differ in shape.
+/// Returns the overview levels by native lod. Returns an empty map if two overviews of the same lod differ in shape.
 std::map<std::uint32_t, TierShape> shapes_by_lod(std::span<const SceneCell> overviews) {
   std::map<std::uint32_t, TierShape> shapes;
   for (const SceneCell& overview : overviews)

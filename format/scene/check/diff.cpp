@@ -135,7 +135,7 @@ std::uint64_t bytes_of_scene(const SceneDescription& scene) {
   return bytes;
 }
 
-/// Finds the shards that overlap a window on one level: cells on fine levels, overviews above.
+/// A finder of the shards that overlap a window on one level: cells on fine levels, overviews above.
 class ShardFinder {
  public:
   explicit ShardFinder(const SceneDescription& scene) : cells_(scene.cells), overviews_(scene.overviews) {
@@ -163,7 +163,8 @@ class ShardFinder {
   int cell_lods_ = 0;
 };
 
-/// Iterates over A's cells. B's should not be larger, because a cell of B is read once for every overlapping cell of A.
+/// A comparison that visits each of A's cells once. Cells of B should not be larger, because a cell of B is read for
+/// every cell of A that it overlaps.
 class SceneComparison {
  public:
   SceneComparison(const Side& a, const Side& b) : a_(a), b_(b), finder_(b.scene) {}
@@ -259,7 +260,7 @@ class SceneComparison {
   const Side& a_;
   const Side& b_;
   ShardFinder finder_;
-  std::vector<int> all_levels_, open_levels_;  ///< open: neither skipped nor equal by their hashes
+  std::vector<int> all_levels_, open_levels_;  ///< open_levels_: neither skipped nor equal by their hashes
   std::set<int> skipped_;
   std::map<std::pair<std::size_t, int>, Walked> seen_of_b_;  ///< key: cell of B and lod
   std::map<std::pair<std::string, std::string>, std::vector<LevelDifference>> differences_;
@@ -280,8 +281,8 @@ std::uint32_t max_cell(const SceneDescription& scene) {
   return maximum;
 }
 
-/// Finds the parts of two scenes that may differ, according to their pages. If two pages of the same block have equal
-/// voxels on every level, their cells need no comparison.
+/// The parts of two scenes that may differ, according to their pages. If two pages of the same block have equal voxels
+/// on every level, their cells need no comparison.
 class DifferingPages {
  public:
   DifferingPages(const PagedScene& a, const PagedScene& b) : a_(a), b_(b) {}

@@ -15,24 +15,24 @@ namespace gigabake {
 struct LevelDifference {
   int lod = 0;
   std::uint64_t only_in_a = 0, only_in_b = 0, both = 0;
-  std::uint64_t recoloured = 0;  ///< of `both`: r, g, b or alpha differ
-  std::uint64_t turned = 0;      ///< of `both`: the normal differs
-  std::uint64_t refaced = 0;     ///< of `both`: directional coverage differs; only if both scenes store it
+  std::uint64_t recoloured = 0;  ///< voxels of `both` whose r, g, b or alpha differ
+  std::uint64_t turned = 0;      ///< voxels of `both` whose normals differ
+  std::uint64_t refaced = 0;     ///< voxels of `both` whose directional coverage differs; 0 unless both scenes store it
   std::array<int, 4> maximum{};  ///< max |a − b| of 8-bit r, g, b, alpha
   std::array<double, 4> mean{};  ///< mean |a − b| over `recoloured`
   bool any() const { return only_in_a + only_in_b + recoloured + turned + refaced != 0; }
 };
 
 struct CellDifference {
-  std::string cell_in_a, cell_in_b;     ///< empty: that scene has no cell here
+  std::string cell_in_a, cell_in_b;     ///< empty if the scene has no cell at this position
   std::vector<LevelDifference> levels;  ///< only levels that differ
 };
 
 struct SceneDifference {
   std::vector<CellDifference> cells;  ///< only cells that differ
-  std::vector<int> compared;          ///< levels
-  /// Levels that were not compared everywhere. Either only one scene has them, or the cells are cut differently, so
-  /// that their voxels are different cubes.
+  std::vector<int> compared;          ///< lods that were compared everywhere
+  /// Levels that were not compared everywhere. Either only one scene has them, or the corners of cells differ so that
+  /// voxels are not the same cubes of the lattice.
   std::vector<int> not_compared;
   bool same() const { return cells.empty(); }
 };
@@ -42,13 +42,13 @@ struct SceneDifference {
 /// Errors  InputError names the first shard that is missing or has another size.
 void expect_shards(const std::filesystem::path& scene_xml);
 
-/// Compares two scenes. If their cells are cut differently, voxels are compared by their position on the lattice.
+/// Compares two scenes. If the scenes have different cells, voxels are compared by their position on the lattice.
 /// Exact   Levels with equal content hashes, in whole or per cell, count as equal and are not read. The hashes in
 ///         scene.xml are trusted; verify checks them. Call expect_shards() first: recorded hashes do not prove that the
 ///         files still exist.
-/// Cost    Memory: one level of two cells at a time.
-/// Errors  InputError: scenes or shards are unreadable, or the scenes are not comparable because lattices or channels
-///         differ.
+/// Cost    Holds one level of two cells in memory.
+/// Errors  InputError if scenes or shards are unreadable, or if the scenes are not comparable because lattices or
+///         channels differ.
 SceneDifference diff_scenes(const std::filesystem::path& a, const std::filesystem::path& b,
                             const Progress& progress = {});
 

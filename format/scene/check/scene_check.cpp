@@ -26,7 +26,7 @@ class SceneFaults {
   std::vector<SceneFault> all;
 };
 
-/// Checks the stored totals of versions 2 and 3.
+/// Checks the stored summary, which scenes have since version 2.
 void check_said(const SceneTotals& totals, const StoredTotals& said, SceneFaults& faults) {
   const char* const advice = "; lines were lost, added or changed: bake again";
   faults.expect(said.cells == totals.cells, "OctTreeGroup Cells",
@@ -48,7 +48,7 @@ void check_parameters(const BakeParameters& p, const SceneReading& reading, Scen
   expect(p.voxel_size_m == scene.voxel_size_m, "voxel_size_m");
   expect(p.lattice_origin_m == scene.lattice_origin_m, "lattice_origin_m");
   expect(p.normals == scene.has_normals, "normals");
-  // Some bakes of version 1 had no such channel and do not record it.
+  // The parameters of some scenes of version 1 lack this member, because the channel did not exist.
   expect(reading.version < 2 || has_facing(p) == scene.has_facing, "facing");
   for (const SceneCell& cell : scene.cells)
     if (cell.cell_voxels != p.cell_voxels) return expect(false, "cell_voxels");

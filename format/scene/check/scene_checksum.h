@@ -10,8 +10,8 @@
 
 namespace gigabake {
 
-/// The checksum of a text, computed and compared.
-/// Range   The first `Checksum` of the text counts; the writer puts it there.
+/// The computed checksum of a text, and its comparison with the stored checksum.
+/// Range   The first `Checksum` in the text counts; it belongs to the root element.
 struct TextChecksum {
   Hash128 value;         ///< hash of the text; zero if it has no `Checksum`
   bool is_said = false;  ///< the text states the same value

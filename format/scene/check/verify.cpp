@@ -21,7 +21,7 @@
 namespace gigabake {
 namespace {
 
-/// Collects the faults of one file.
+/// The faults of one file.
 class Faults {
  public:
   explicit Faults(std::filesystem::path file) : file_(std::move(file)) {}
@@ -46,7 +46,8 @@ void check_voxels(const Shard& shard, const SceneCell& cell, Faults& faults) {
   }
 }
 
-/// Returns nullopt if the shard is damaged. Then lists every damaged dataset or, if all are readable, the broken rule.
+/// Reads a whole shard; returns nullopt if it is damaged. Then adds a line per damaged dataset to `faults` or, if all
+/// datasets are readable, a line with the violated rule.
 std::optional<Shard> read_whole(const ShardReader& reader, Faults& faults) {
   try {
     return reader.all();
@@ -94,7 +95,8 @@ void add_lines(std::vector<std::string> lines, std::vector<std::string>& to) {
 
 std::uint64_t hash_of_name(const SceneCell& cell) { return std::hash<std::string>()(cell.name); }
 
-/// One verification. Pages are checked one after the other; the cells of a page and the overviews use all threads.
+/// A verification of one scene. Pages are checked one after the other; the cells of a page and the overviews use all
+/// threads.
 class SceneVerification {
  public:
   SceneVerification(const std::filesystem::path& scene_xml, int threads, const Progress& progress,
@@ -126,7 +128,7 @@ class SceneVerification {
   }
 
  private:
-  /// Holds all overviews in memory: a few per hundred cells.
+  /// Checks the overview levels and the overviews. Holds all overviews in memory, a few per hundred cells.
   void check_above() {
     std::vector<SceneCell> overviews;
     try {
@@ -138,8 +140,8 @@ class SceneVerification {
     if (check_overview_) check_overviews(overviews);
   }
 
-  /// Checks OverviewLevels. Viewers find overviews by it, and without it only by listing all cells. It must therefore
-  /// exist whenever all cells have one root, and be correct.
+  /// Checks the attribute ParentTiers. Viewers find overviews by this attribute; without it, they must list all cells.
+  /// It must therefore exist whenever all cells have one root, and be correct.
   void check_tiers(const std::vector<SceneCell>& overviews) {
     if (version_ < 5) return;
     const CellWalk walk = [this](const auto& visit) { pages_->for_each_cell(visit); };
@@ -240,7 +242,7 @@ class SceneVerification {
     for (std::vector<std::string>& lines : of_overview) add_lines(std::move(lines), result_.faults);
   }
 
-  /// Returns nullopt if a page is damaged; the check of that page reports it.
+  /// Returns the cells below an overview; nullopt if a page is damaged. The check of that page reports the damage.
   std::optional<std::vector<SceneCell>> cells_below(const SceneCell& overview) const {
     try {
       return pages_->cells_in(window_of(overview));
@@ -256,7 +258,7 @@ class SceneVerification {
   SceneHeader header_;
   int version_ = 0;
   std::optional<PagedScene> pages_;   ///< only if scene.xml is consistent
-  std::vector<std::uint64_t> names_;  ///< hashes: eight bytes per cell
+  std::vector<std::uint64_t> names_;  ///< hashes of the shards' names: eight bytes per shard
   VerifyResult result_;
 };
 

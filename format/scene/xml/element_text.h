@@ -32,7 +32,7 @@ void set_totals(pugi::xml_node group, const SceneTotals& totals);
 void set_block(pugi::xml_node group, const LatticeBlock& block);
 
 void append_cell(pugi::xml_node group, const SceneHeader& scene, const SceneCell& cell);
-/// Appends the overviews in a separate group. Appends nothing if there are none.
+/// Appends the overviews in a separate group. Appends nothing if `overviews` is empty.
 void append_overviews(pugi::xml_node group, const SceneHeader& scene, const std::vector<const SceneCell*>& overviews);
 void append_reference(pugi::xml_node group, const SceneHeader& scene, const PageReference& page);
 

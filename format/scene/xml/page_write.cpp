@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* page_folder = "pages";
-/// Edge of the largest blocks: eight of them cover every lattice.
+/// Edge of the largest blocks in lod-0 voxels. Eight such blocks cover the whole lattice.
 constexpr std::int64_t max_block_edge = std::int64_t(1) << 52;
 
 /// The content of one block: items [begin, end) of `cells` or of `pages`, and overviews.
@@ -30,7 +30,7 @@ struct Block {
   std::vector<const SceneCell*> overviews = {};
 };
 
-/// Sorts `items` by z, y, x of their block, keeping the order of items within a block.
+/// Sorts `items` by z, y, x of their block, keeps the order of items within a block, and returns the blocks.
 template <class Item, class Place>
 std::vector<Block> blocks_of(std::vector<Item>& items, std::int64_t edge, const Place& place) {
   const auto block_of = [&](const Item& item) { return block_around(place(item), edge); };

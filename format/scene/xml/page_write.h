@@ -7,8 +7,9 @@
 
 namespace gigabake {
 
-/// Writes the pages and returns the content of scene.xml: page references and overviews. It lists overviews that lie in
-/// no page's block or are of the highest overview level. Page names depend on the content, so existing pages are kept.
+/// Writes the pages and returns the content of scene.xml: page references and overviews. The result has the overviews
+/// that lie in no page's block or are of the highest overview level. The name of a page depends on its content, so a
+/// page that exists is not written again.
 /// Range   All cells have the same size.
 /// Errors  InputError: a page cannot be written; the previous scene remains valid.
 ScenePage write_pages(const std::filesystem::path& scene_xml, const SceneDescription& scene, const PageRule& rule);

@@ -19,10 +19,11 @@
 namespace gigabake {
 
 /// Typed access to attributes.
-/// Errors  InputError from all members: file, element and attribute, expected value, byte offset of the element.
+/// Errors  All members throw InputError with the file, the element and attribute, the expected value, and the byte
+///         offset of the element.
 class SceneAttributes {
  public:
-  /// Borrows `file`.
+  /// Stores a reference: `file` must outlive this object.
   SceneAttributes(const std::filesystem::path& file, pugi::xml_node node) : file_(file), node_(node) {}
 
   bool has(const char* key) const { return bool(node_.attribute(key)); }
@@ -39,7 +40,7 @@ class SceneAttributes {
     if (v.size() != 3) fail(key, "expected three numbers");
     return {v[0], v[1], v[2]};
   }
-  /// Returns values separated by blanks.
+  /// Returns the values of an attribute, which are separated by blanks.
   template <class T>
   std::vector<T> values(const char* key) const {
     std::vector<T> out;

@@ -21,7 +21,8 @@ std::optional<double> parsed_number(const std::string& text) {
   return error == std::errc() && end == text.data() + text.size() ? std::optional(v) : std::nullopt;
 }
 
-/// Returns whether a name is short enough to be quoted in messages. Names written by a bake have at most 128 bytes.
+/// Returns whether a name is one short line, so that messages can quote it. Names written by a bake have at most 128
+/// bytes.
 bool is_short_line(std::string_view text) {
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   return !text.empty() && text.size() <= 128 && std::none_of(text.begin(), text.end(), is_control);
@@ -90,7 +91,7 @@ PageReference read_reference(const SceneAttributes& a, int version) {
   return r;
 }
 
-/// Reads the elements of one document.
+/// A reader of the elements of one document.
 class ContentReader {
  public:
   ContentReader(const std::filesystem::path& file, const SceneHeader& header, int version,

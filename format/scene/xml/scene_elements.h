@@ -21,17 +21,17 @@ struct GroupContent {
 
 /// Reads the elements of `group` and of groups nested in it. `known` lists the attributes that these groups may have.
 /// Uses the voxel size and lattice of `header`.
-/// Errors  InputError: an element lacks an attribute that determines voxels or their positions, or has it malformed.
+/// Errors  InputError if an attribute that determines voxels or their positions is missing or malformed.
 GroupContent read_content(const std::filesystem::path& file, pugi::xml_node group, const SceneHeader& header,
                           int version, std::span<const std::string_view> known);
 
-/// Returns the OctTreeGroup of a document. Any further one is a fault.
-/// Errors  InputError: there is none.
+/// Returns the root element OctTreeGroup of a document. Appends a fault to `faults` for each further root element.
+/// Errors  InputError if there is no OctTreeGroup.
 pugi::xml_node root_of(const std::filesystem::path& file, const pugi::xml_document& document,
                        std::vector<SceneFault>& faults);
 
-/// Reads the totals of a group. Before version 5 they have no overviews.
-/// Errors  InputError: an attribute is missing or malformed (also from the two functions below).
+/// Reads the totals of a group. Totals before version 5 do not count overviews.
+/// Errors  InputError if an attribute is missing or malformed; read_block() and read_lattice() throw it too.
 SceneTotals read_totals(const SceneAttributes& a, int version);
 LatticeBlock read_block(const SceneAttributes& a);
 /// Reads voxel size, lattice and channels.
@@ -41,14 +41,14 @@ void read_lattice(const SceneAttributes& a, SceneHeader& header);
 /// attributes that are not in `known`.
 std::vector<SceneFault> faults_of_root(const SceneAttributes& root, std::span<const std::string_view> known);
 
-/// Returns the attribute names of a group's totals, appended to `others`.
+/// Returns the attribute names of a group's totals, followed by `others`.
 std::vector<std::string_view> with_totals(std::vector<std::string_view> others);
 
-/// Returns faults of pages' blocks: different sizes, duplicates, or blocks outside of `outer`, the group's own block,
-/// if it has one.
+/// Returns faults of pages' blocks: different sizes, duplicates, or blocks outside of `outer`. `outer` is the block of
+/// the group that lists the pages; null if the group has no block.
 std::vector<SceneFault> faults_of_blocks(const std::vector<PageReference>& pages, const LatticeBlock* outer);
 
-/// Returns the attributes in which the stored totals `said` differ from the computed totals `are`.
+/// Returns one fault per attribute in which the stored totals `said` differ from the computed totals `are`.
 std::vector<SceneFault> faults_of_totals(const SceneTotals& said, const SceneTotals& are, const std::string& element);
 
 }  // namespace gigabake

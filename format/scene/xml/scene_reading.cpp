@@ -34,7 +34,7 @@ std::span<const std::string_view> known_of_scene(int version) {
   return std::span(of_all).first(version == 2 ? of_all.size() : of_all.size() - 4);
 }
 
-/// Reads one document and collects its faults.
+/// A reader of one document that collects its faults.
 class SceneReader {
  public:
   SceneReader(const std::filesystem::path& file, SceneReading& reading) : file_(file), reading_(reading) {}

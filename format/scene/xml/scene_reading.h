@@ -1,4 +1,4 @@
-/// The raw content of a scene.xml and the faults of its text. verify reports all faults; read_scene() rejects those
+/// The raw content of a scene.xml and the faults of its text. verify reports all faults; read_scene() rejects faults
 /// that would make voxels wrong.
 #pragma once
 
@@ -18,7 +18,7 @@ inline constexpr int newest_scene_version = 5;
 
 /// A fault in a scene.xml.
 struct SceneFault {
-  std::string key, message;                  ///< key: element and attribute
+  std::string key, message;                  ///< key: names of the element and the attribute
   std::optional<std::uint64_t> byte_offset;  ///< position of the element
 };
 InputError error_of(const std::filesystem::path& file, const SceneFault& fault);
@@ -27,23 +27,23 @@ InputError error_of(const std::filesystem::path& file, const SceneFault& fault);
 struct StoredTotals {
   std::uint64_t cells = 0;
   std::vector<std::uint64_t> voxels;  ///< per lod
-  Hash128 content_hash;               ///< of all lods
-  std::uint64_t overviews = 0;        ///< none before version 3
+  Hash128 content_hash;               ///< content hash of all lods
+  std::uint64_t overviews = 0;        ///< 0 before version 3
 };
 
 struct SceneReading {
   SceneDescription scene;            ///< cells and overviews that scene.xml itself lists
-  std::vector<PageReference> pages;  ///< instead of cells
+  std::vector<PageReference> pages;  ///< pages that list the cells; scene.cells is then empty
   int version = newest_scene_version;
-  std::optional<StoredTotals> said;   ///< empty in version 1
+  std::optional<StoredTotals> said;   ///< nullopt in version 1
   std::optional<SceneTotals> totals;  ///< stored by version 3 and later
-  /// Unknown or missing parts that affect no voxel; a wrong checksum.
+  /// Faults that affect no voxel: unknown or missing parts, or a wrong checksum.
   std::vector<SceneFault> faults;
 };
 
 /// Reads scene.xml without its pages.
-/// Errors  InputError: not XML; unknown version; an attribute that determines voxels or their positions is missing or
-///         malformed; shard paths leave the folder.
+/// Errors  InputError if the text is not XML or has an unknown version. InputError if an attribute that determines
+///         voxels or their positions is missing or malformed, or if the path of a shard leaves the folder.
 SceneReading read_scene_text(const std::filesystem::path& path);
 
 /// The raw content of a page.
@@ -53,7 +53,7 @@ struct PageReading {
   std::vector<SceneFault> contradictions;  ///< faults that read_page() rejects
 };
 /// Reads a page.
-/// Errors  InputError: see read_page(), except for contradictions.
+/// Errors  The errors of read_page(), except that contradictions are returned.
 PageReading read_page_text(const std::filesystem::path& scene_xml, const SceneHeader& header,
                            const PageReference& reference);
 

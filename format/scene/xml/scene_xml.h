@@ -1,5 +1,5 @@
-/// The list of a scene's shards and their positions (scene.xml, the thesis's schema with our attributes;
-/// docs/format.md).
+/// The list of a scene's shards and their positions. scene.xml has the thesis's schema with additional attributes
+/// (docs/format.md).
 #pragma once
 
 #include <algorithm>
@@ -30,13 +30,14 @@ struct SceneCell {
   std::vector<std::uint64_t> voxels;  ///< per lod
   Hash128 fingerprint;
   std::vector<Hash128> content_hash;            ///< per lod
-  std::vector<std::uint64_t> level_bytes = {};  ///< part of `bytes`, per lod, as stored; empty: not recorded
-  std::uint64_t node_bytes = 0;                 ///< recorded together with level_bytes
+  std::vector<std::uint64_t> level_bytes = {};  ///< compressed size of each lod, a part of `bytes`; empty: not recorded
+  std::uint64_t node_bytes = 0;                 ///< compressed size of the nodes; recorded together with level_bytes
   std::uint32_t first_lod = 0;                  ///< lattice level of the shard's level 0. 0: a cell; else an overview
   std::uint32_t copied_lods = 0;                ///< number of finest levels that duplicate the children's; overviews
                                                 ///< only
 
-  /// Returns the finest native level on the lattice. Sums over a scene start here, to count duplicated levels once.
+  /// Returns the finest native level on the lattice. Sums over a scene start at this level, so that duplicated levels
+  /// count once.
   std::uint32_t own_lod() const { return first_lod + copied_lods; }
   /// Returns the number of voxels on native levels.
   std::uint64_t own_voxels() const {
@@ -53,8 +54,8 @@ struct SceneLoss {
   std::string name, reason;
 };
 
-/// The levels shared by all overviews of one size (an overview level). Their windows are aligned to their edge. The
-/// root, the only overview of its level, is aligned to half of its edge.
+/// The levels of all overviews of one size, which form an overview level. The windows of these overviews are aligned to
+/// their edge. The window of the root, the only overview of its level, is aligned to half its edge.
 struct TierShape {
   std::uint32_t first_lod = 0, copied_lods = 0, lods = 0;  ///< see SceneCell
 
@@ -76,8 +77,9 @@ struct SceneHeader {
   std::string parameters;  ///< the bake's parameters as one line of JSON
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
   std::vector<SceneLoss> losses;
-  std::vector<TierShape> tiers;  ///< empty unless all cells have one root and scene.xml lists them (tier_shape.h);
-                                 ///< write_scene() uses the overviews instead
+  /// The overview levels (tier_shape.h); empty unless all cells have one root and scene.xml lists the levels.
+  /// write_scene() derives the levels from the overviews instead.
+  std::vector<TierShape> tiers;
 };
 
 /// A scene with all its cells in memory, about 700 bytes each. Use PagedScene to visit cell by cell.
@@ -89,8 +91,9 @@ struct SceneDescription : SceneHeader {
 /// Rule for splitting a scene into pages; bakes use the defaults.
 struct PageRule {
   std::size_t max_cells_per_file = 4096;  ///< a scene with more cells has pages
-  std::uint32_t block_cells = 16;  ///< cells along an edge of a finest block; also blocks along an edge of the next; 2,
-                                   ///< 4, 8, …
+  /// The number of cells along an edge of the smallest blocks, and of smaller blocks along an edge of each larger
+  /// block. A power of two from 2.
+  std::uint32_t block_cells = 16;
   std::size_t max_groups_per_file = 256;  ///< max page references in scene.xml
 };
 
@@ -98,8 +101,8 @@ struct PageRule {
 /// remain; call remove_unused_pages(). A scene whose cells have several sizes has no pages.
 void write_scene(const std::filesystem::path& path, const SceneDescription& scene, const PageRule& rule = {});
 /// Reads the scene with all its cells, including cells of pages.
-/// Errors  InputError: not XML, unknown version, missing or malformed attribute, shard paths leaving the folder. Also:
-///         a page is missing or does not match its reference, or totals do not match the cells.
+/// Errors  The errors of read_scene_text(). InputError if a page is missing or does not match its reference, or if
+///         totals do not match the cells.
 SceneDescription read_scene(const std::filesystem::path& path);
 
 }  // namespace gigabake
