@@ -2,14 +2,14 @@
 /// following rules.
 ///
 /// Every write sets the file's change time to the current time. Attempts to hide a write do so too, such as setting
-/// mtime back or moving another file into place. No program can set the change time.
-/// A file with the stamp that it had when it was read therefore has the same content. The exception is the clock's
-/// granularity: a second write within the same tick leaves the same stamp.
-/// A stamp is *settled* only if both times lie at least 2 s before the moment at which it was taken: the coarsest tick
-/// of a file system. Any later write then changes it. An unsettled stamp is never trusted for a file that others write.
-/// (Git calls such a file racily clean.) Take the stamp before reading the file.
+/// mtime back or moving another file into place. No program can set the change time. A file with the stamp that it had
+/// when it was read therefore has the same content. The exception is the clock's granularity: a second write within the
+/// same tick leaves the same stamp. A stamp is *settled* only if both of its times lie at least 2 s, the coarsest tick
+/// of a file system, before the moment at which it was taken. Any later write then changes the stamp. An unsettled
+/// stamp is never trusted for a file that others write. (Git calls such a file racily clean.) Take the stamp before
+/// reading the file.
 ///
-/// Exact   No device number: hosts of one cluster number the same network file system differently.
+/// Exact   A stamp has no device number, because hosts of one cluster number the same network file system differently.
 /// Range   The clocks of the host and of its file server agree within 2 s minus a tick (10 ms on most systems). File
 ///         systems without a change time (FAT, some SMB) do not reveal a write of equal size that sets mtime back.
 #pragma once
@@ -21,7 +21,7 @@
 
 namespace gigabake {
 
-/// The metadata. The default value means that there is no file.
+/// The metadata of a file. The default value means that there is no file.
 struct FileStamp {
   std::uint64_t size = 0;
   std::int64_t mtime_ns = 0, ctime_ns = 0;
@@ -37,12 +37,12 @@ struct StampedFile {
 };
 
 /// Returns the stamp, FileStamp{} if there is no regular file, or nullopt if the system cannot tell.
-/// Cost    Opens the file, because on NFS only that queries the server; a bare stat may return values a minute old. The
-///         call takes 2 µs on a local disk.
+/// Cost    Opens the file, because on NFS only an open queries the server; without it, stat may return values that are
+///         a minute old. The call takes 2 µs on a local disk.
 std::optional<FileStamp> stamp_of(const std::filesystem::path& path);
 
-/// Returns whether the stamp is settled; true for a missing file. taken_ns: nanoseconds since 1970, read before the
-/// stamp was taken.
+/// Returns whether the stamp is settled; true for a missing file. `taken_ns` is a time from before the stamp was taken,
+/// in nanoseconds since 1970.
 bool is_settled(const FileStamp& stamp, std::int64_t taken_ns);
 
 /// Returns the stamp of `path` under the name `name`; not settled if the system cannot tell.

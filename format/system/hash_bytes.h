@@ -8,7 +8,7 @@
 
 namespace gigabake {
 
-/// Returns the 128-bit XXH3 hash.
+/// Returns the 128-bit XXH3 hash of the bytes.
 Hash128 hash_of_bytes(std::span<const std::uint8_t> bytes);
 
 }  // namespace gigabake

@@ -43,7 +43,8 @@ struct GroupLimits {
   double cores = no_limit, bytes = no_limit;
 };
 
-/// Reads v2 limits: "max 100000" or "200000 100000", microseconds of CPU time per period.
+/// Reads the limits of a v2 group. cpu.max is "max 100000" or "200000 100000": a quota of CPU time and a period, in
+/// microseconds.
 void take_v2(const std::filesystem::path& group, GroupLimits& limits) {
   const auto cpu = words_of(group / "cpu.max");
   if (cpu.size() == 2)
@@ -54,7 +55,7 @@ void take_v2(const std::filesystem::path& group, GroupLimits& limits) {
       limits.bytes = std::min(limits.bytes, number_in(words[0]).value_or(no_limit));
 }
 
-/// Reads v1 limits: a quota of -1 means none; unlimited memory is a number larger than any memory.
+/// Reads the limits of a v1 group. A quota of -1 means no limit; unlimited memory is a number larger than any memory.
 void take_v1(const std::filesystem::path& group, GroupLimits& limits) {
   const auto quota = words_of(group / "cpu.cfs_quota_us"), period = words_of(group / "cpu.cfs_period_us");
   if (!quota.empty() && !period.empty())

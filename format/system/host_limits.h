@@ -13,36 +13,38 @@ namespace gigabake {
 /// A set of cores; bit c is core c.
 using CoreSet = std::bitset<1024>;
 
-/// Returns the cores on which this process may run (sched_getaffinity); mpirun may have bound it to a few.
+/// Returns the cores on which this process may run (sched_getaffinity); mpirun may have bound the process to some of
+/// the host's cores.
 CoreSet cores_of_this_process();
 
 struct HostLimits {
-  int allowed_cores = 1;           ///< cores on which the process may run
-  int shared_cores = INT_MAX;      ///< max concurrently used cores, of all processes of its container or job on this
-                                   ///< host
-  int task_cores = INT_MAX;        ///< cores of this task of a Slurm step
-  std::uint64_t memory_bytes = 0;  ///< of all processes of its container or job on this host
+  int allowed_cores = 1;  ///< cores on which the process may run
+  /// Max cores that all processes of its container or job on this host may use together.
+  int shared_cores = INT_MAX;
+  int task_cores = INT_MAX;  ///< cores of this task of a Slurm step
+  /// Max memory that all processes of its container or job on this host may use together.
+  std::uint64_t memory_bytes = 0;
 
-  /// Returns the cores available to a process without others on its host; at least 1.
+  /// Returns the number of cores that the process may use if it is the only one of its job on the host; at least 1.
   int cores() const;
 };
 
-/// Returns the value of an environment variable, or null.
+/// A function that returns the value of an environment variable, or null.
 using Environment = std::function<const char*(const char*)>;
 
-/// Returns the min of all limits. Control groups: cpu.max and memory.max of v2, from the process's own group upwards,
-/// and their v1 counterparts. Slurm: SLURM_CPUS_ON_NODE, SLURM_CPUS_PER_TASK, SLURM_MEM_PER_NODE and SLURM_MEM_PER_CPU.
-/// Other limits: the mask and MemTotal. A fraction of a core counts as one. `root` is the folder that contains /proc
-/// and /sys.
-/// Exact   A pure function of its arguments and of the files below root.
+/// Returns the min of all limits of a process. Control groups have the limits cpu.max, memory.max and memory.high (v2)
+/// or their v1 counterparts, from the process's own group upwards. Slurm has the limits SLURM_CPUS_ON_NODE,
+/// SLURM_CPUS_PER_TASK, SLURM_MEM_PER_NODE and SLURM_MEM_PER_CPU. Further limits are `allowed_cores` and MemTotal in
+/// /proc/meminfo. A fraction of a core counts as one. `root` is the folder that contains /proc and /sys.
+/// Exact   The result depends only on the arguments and on the files below `root`.
 /// Errors  None: missing or invalid values impose no limit.
 HostLimits limits_from(const std::filesystem::path& root, const Environment& environment, int allowed_cores);
 
 /// Returns the limits of this process.
 HostLimits host_limits();
 
-/// Returns the memory to use if the user specified none: `wished`, or half of a fair share if that is less; at least 64
-/// MiB.
+/// Returns the memory, in bytes, to use if the user specified none. The result is `wished`, or half of memory_bytes /
+/// processes if that is less. It is not below 64 MiB unless `wished` is.
 std::uint64_t default_memory(std::uint64_t wished, std::uint64_t memory_bytes, int processes);
 
 }  // namespace gigabake

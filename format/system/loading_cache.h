@@ -36,12 +36,13 @@ struct CostOfEntry {
 template <class Key, class Value, class KeyHash = std::hash<Key>, class Cost = CostInBytes>
 class LoadingCache {
  public:
-  /// capacity, min_entries: as LruCache.
+  /// `capacity` and `min_entries` have the same meaning as in LruCache.
   explicit LoadingCache(std::uint64_t capacity, std::size_t min_entries = 0) : values_(capacity, min_entries) {}
 
   /// Returns the value of `key`; if absent, calls `load()`, which returns a non-null std::shared_ptr<const Value>. One
   /// caller loads; concurrent callers with the same key wait for its result.
-  /// Errors  An exception of load() is thrown to all waiting callers; nothing is kept, and the next caller loads again.
+  /// Errors  An exception of load() is thrown to all waiting callers; no value is cached, and the next caller loads
+  ///         again.
   template <class Load>
   std::shared_ptr<const Value> get(const Key& key, const Load& load) {
     std::promise<Pointer> promise;
@@ -67,7 +68,7 @@ class LoadingCache {
     removed = values_.erase(key);
   }
 
-  /// Returns the cost of the cached values; at most the capacity, or that of `min_entries` values.
+  /// Returns the cost of the cached values; at most the capacity, or the cost of `min_entries` values.
   std::uint64_t cost() const {
     const std::scoped_lock lock(mutex_);
     return values_.cost();
@@ -78,7 +79,7 @@ class LoadingCache {
   using Future = std::shared_future<Pointer>;
 
   /// Returns the cached value. Otherwise sets `pending` to the result of the caller that is loading it, or announces
-  /// `promise` as the result if no caller is.
+  /// `promise` as the result if no caller is loading it.
   Pointer find_or_announce(const Key& key, std::promise<Pointer>& promise, Future& pending) {
     const std::scoped_lock lock(mutex_);
     if (const Pointer* value = values_.find(key)) return *value;

@@ -1,4 +1,4 @@
-/// Messages for the user on standard error, which only this file writes to.
+/// Messages for the user on standard error. No other file writes to standard error.
 #pragma once
 
 #include <cstdio>
@@ -17,12 +17,12 @@ void print_message(fmt::format_string<Values...> form, Values&&... values) {
   write_message(fmt::format(form, std::forward<Values>(values)...));
 }
 
-/// Writes a part of a line unchanged, for example to a terminal's last line. Like write_message() on standard error. On
-/// another stream, a failure is reported when the stream is flushed at the end of the program.
+/// Writes a part of a line unchanged, for example to a terminal's last line. Text that cannot be written is dropped. A
+/// failure on a stream other than standard error is reported when the stream is flushed at the end of the program.
 void write_part(std::FILE* stream, std::string_view text);
 
 /// A guard: while an instance exists, each line of write_message() begins with the time (UTC) and the rank, as in
-/// "2026-11-25T05:12:33Z rank 0: ". Max one instance per process.
+/// "2026-11-25T05:12:33Z rank 0: ". At most one instance may exist per process.
 class MessageTime {
  public:
   explicit MessageTime(int rank);

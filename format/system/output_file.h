@@ -12,8 +12,8 @@
 namespace gigabake {
 
 /// A buffered output file.
-/// Errors  InputError from every member: `target` (the export that messages name), the file in it and the system's
-///         reason.
+/// Errors  Every member throws InputError with `target` (the path of the export), the name of the file, and the
+///         system's reason.
 class OutputFile {
  public:
   /// Creates the file and its parent folders.
@@ -25,7 +25,8 @@ class OutputFile {
   template <class T>
   requires std::is_trivially_copyable_v<T>
   void put(const T& value) { write({reinterpret_cast<const std::uint8_t*>(&value), sizeof(T)}); }
-  /// Writes the buffered bytes. Must be called after the last byte, or they are lost.
+  /// Writes the buffered bytes and closes the file. Call it after the last write(); otherwise the buffered bytes are
+  /// lost.
   void finish();
 
  private:

@@ -1,4 +1,4 @@
-/// A file that appears atomically: written to a temporary file, flushed, renamed to its final name.
+/// A file that appears atomically: it is written under a temporary name, flushed, and renamed to its final name.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@ namespace gigabake {
 /// Durability of a published file after a power loss. Readers never see a partial file in either case.
 enum class Durability { across_power_loss, while_up };
 
-/// Owns a temporary file. Unless publish() succeeds, the destructor removes it.
+/// The owner of a temporary file. Unless publish() succeeds, the destructor removes the temporary file.
 class Publication {
  public:
   /// Errors  InputError if the target's folder is missing or not writable.
@@ -21,8 +21,8 @@ class Publication {
   /// Returns the temporary file, which exists and is empty. It is in the target's folder, so that the rename is atomic.
   const std::filesystem::path& aside() const { return aside_; }
 
-  /// Calls fsync, renames the file over the target, and calls fsync on the folder; with while_up, only renames.
-  /// Errors  InputError, naming the path and the system's reason.
+  /// Calls fsync, renames the file over the target, and calls fsync on the folder; Durability::while_up only renames.
+  /// Errors  InputError with the path and the system's reason.
   void publish(Durability durability = Durability::across_power_loss);
 
  private:
@@ -31,12 +31,13 @@ class Publication {
 };
 
 /// Publishes a small file in one call.
-/// Errors  InputError.
+/// Errors  InputError if the file cannot be written or renamed.
 void publish_file(const std::filesystem::path& target, std::string_view content,
                   Durability durability = Durability::across_power_loss);
 
-/// Flushes all data written to the file system of a folder: for thousands of files, cheaper than flushing each.
-/// Errors  InputError.
+/// Flushes all data of the file system that contains a folder. For thousands of files this is cheaper than flushing
+/// each file.
+/// Errors  InputError if the folder cannot be opened, or the flush fails.
 void flush_file_system_of(const std::filesystem::path& folder);
 
 }  // namespace gigabake

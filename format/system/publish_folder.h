@@ -1,17 +1,19 @@
-/// A folder that appears atomically: written to a temporary folder, flushed, renamed to its final name.
+/// A folder that appears atomically: it is written under a temporary name, flushed, and renamed to its final name.
 #pragma once
 
 #include <filesystem>
 
 namespace gigabake {
 
-/// The entry that may exist at the target: nothing, or also a folder, which is removed after the new one replaced it.
+/// The folder that may exist at the target: only an empty folder, or any folder. The existing folder is removed after
+/// the new folder has replaced it.
 enum class Replaces { nothing, a_folder };
 
-/// Owns a temporary folder. Unless publish() succeeds, the destructor removes it.
+/// The owner of a temporary folder. Unless publish() succeeds, the destructor removes the temporary folder.
 class FolderPublication {
  public:
-  /// Errors  InputError: the target exists and may not be replaced, or its folder is not writable.
+  /// Errors  InputError if the target exists and may not be replaced, or if the folder that contains the target is not
+  ///         writable.
   explicit FolderPublication(std::filesystem::path target, Replaces replaces = Replaces::nothing);
   ~FolderPublication();
   FolderPublication(const FolderPublication&) = delete;
@@ -21,9 +23,10 @@ class FolderPublication {
   const std::filesystem::path& aside() const { return aside_; }
   const std::filesystem::path& target() const { return target_; }
 
-  /// Flushes the file system once, independent of the number of files, and renames. A replaced folder is exchanged with
-  /// the new one atomically if the file system supports it; otherwise the target is missing for a moment.
-  /// Errors  InputError, naming the path and the system's reason.
+  /// Flushes the file system once, independent of the number of files, and renames the folder. A replaced folder is
+  /// exchanged with the new one atomically if the file system supports it; otherwise the target is missing for a
+  /// moment.
+  /// Errors  InputError with the path and the system's reason.
   void publish();
 
  private:

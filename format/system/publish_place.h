@@ -12,20 +12,21 @@ namespace gigabake {
 /// Returns the folder that contains `path`.
 std::filesystem::path folder_of(const std::filesystem::path& path);
 
-/// Returns a new name next to `target`, for which make(name) succeeded. `make` returns false with the reason in errno.
-/// Errors  InputError: nothing can be created there.
+/// Returns a new name next to `target`, for which make(name) succeeded. `make` returns true on success, or false with
+/// the reason in errno.
+/// Errors  InputError if `make` fails for another reason than an existing name.
 std::filesystem::path create_temporary(const std::filesystem::path& target,
                                        const std::function<bool(const std::filesystem::path&)>& make);
 
 /// Renames the complete file or folder, replacing the target.
-/// Errors  InputError.
+/// Errors  InputError with the system's reason.
 void rename_into_place(const std::filesystem::path& aside, const std::filesystem::path& target);
 
 /// Flushes the folder of `target`, so that its entries survive a power loss.
-/// Errors  InputError.
+/// Errors  InputError with the system's reason.
 void flush_folder_of(const std::filesystem::path& target);
 /// Flushes the content of one file.
-/// Errors  InputError.
+/// Errors  InputError with the system's reason.
 void flush_file(const std::filesystem::path& file);
 
 }  // namespace gigabake

@@ -10,7 +10,7 @@
 namespace gigabake {
 
 /// A random-access output file.
-/// Errors  InputError from every member: `target`, which messages name, and the system's reason.
+/// Errors  Every member throws InputError with `target` and the system's reason.
 class RandomAccessFile {
  public:
   /// Opens the existing file `aside` and sets its size to `bytes`; unwritten parts are zero.

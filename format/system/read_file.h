@@ -8,7 +8,8 @@
 namespace gigabake {
 
 /// Returns the content of the file.
-/// Errors  InputError: no such file, not a regular file, larger than `max_bytes`, or cannot be read.
+/// Errors  InputError if the file does not exist, is not a regular file, cannot be read, or is larger than `max_bytes`
+///         or memory_limit().
 std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& path, std::uint64_t max_bytes = std::uint64_t(1)
                                                                                                        << 32);
 

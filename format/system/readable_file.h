@@ -11,15 +11,16 @@
 namespace gigabake {
 
 /// A file for random reads. Thread-safe.
-/// Errors  InputError from every member.
+/// Errors  Every member throws InputError.
 class ReadableFile {
  public:
-  /// Errors  InputError: no such file, not a regular file, or cannot be opened.
+  /// Errors  InputError if the file does not exist, is not a regular file, or cannot be opened.
   explicit ReadableFile(std::filesystem::path path);
 
   /// Returns the size at the time of opening.
   std::uint64_t bytes() const { return bytes_; }
-  /// Errors  InputError: the file was truncated after opening, or cannot be read there.
+  /// Reads out.size() bytes from `offset` on.
+  /// Errors  InputError if the file was truncated after opening, or the bytes cannot be read.
   void read(std::uint64_t offset, std::span<std::uint8_t> out) const;
 
  private:

@@ -17,7 +17,8 @@ using Json = nlohmann::json;
 constexpr int max_depth = 16;
 constexpr std::uint64_t max_index = std::uint64_t(1) << 53;
 
-/// Refuses deep nesting and repeated members while a document is parsed: the library would keep the last of them.
+/// A check during parsing that refuses deep nesting and repeated members. The library would keep the last of repeated
+/// members.
 class StructureCheck {
  public:
   explicit StructureCheck(const std::filesystem::path& file) : file_(file) {}

@@ -19,41 +19,43 @@
 
 namespace gigabake {
 
-/// Parses one JSON object that this program defines: a file of a few levels, without memory limit.
-/// Errors  InputError: not a JSON object, a syntax error with its byte offset, nested deeper than 16, a number out of
-///         range, or a member that an object has twice.
+/// Parses a text with one JSON object, for file formats of this program. Such files have few levels and need no memory
+/// limit.
+/// Errors  InputError if the text is not a JSON object, has a syntax error (with its byte offset), or nests deeper than
+///         16. InputError if a number is out of range, or if an object has a member twice.
 nlohmann::json parse_json_object(const std::filesystem::path& file, std::string_view text);
 
 /// The treatment of a member whose value is null: as an absent member, or as a value of a wrong type.
 enum class JsonNull : std::uint8_t { absent, refused };
 
-/// The members of one JSON object. Borrows the file's name and the object.
-/// Errors  All members: InputError names the file, the path of the member and the expected value.
+/// The members of one JSON object. Stores references to the file's name and the object.
+/// Errors  All functions throw InputError with the file, the path of the member and the expected value.
 class JsonMembers {
  public:
-  /// where: the path of the object in the file, such as "keyframes[3]"; empty for the root.
+  /// `where` is the path of the object in the file, such as "keyframes[3]"; empty for the root.
   JsonMembers(const std::filesystem::path& file, const nlohmann::json& value, std::string where = {},
               JsonNull null = JsonNull::absent);
 
   const std::filesystem::path& file() const { return file_; }
   /// Returns the path of the object in the file.
   const std::string& path() const { return where_; }
-  /// Returns whether find() returns a value or throws.
+  /// Returns false if find() would return nullopt, true if it would return a value or throw.
   bool has(const char* key) const { return value(key) != nullptr; }
   /// Returns a value of any type; null if it is absent.
   const nlohmann::json* value(std::string_view key) const;
-  bool contains(const char* key) const;  ///< also a member that is null
+  bool contains(const char* key) const;  ///< true also for a member that is null
   bool is_null(const char* key) const;
-  /// Throws if the object has any other member, because a misspelt one would be ignored silently.
+  /// Throws if the object has a member that is not in `known`, because a misspelt member would be ignored silently.
   void only(std::initializer_list<std::string_view> known) const;
 
-  /// Returns a member; nullopt if it is absent. T: bool, double (finite), std::string, std::uint64_t (a number without
-  /// fraction and exponent up to 2^53, so that all parsers read the same value), int (not negative), or an enum with
-  /// names_of().
+  /// Returns a member; nullopt if it is absent. T is bool, double (finite), std::string, std::uint64_t, int (not
+  /// negative), or an enum with names_of(). A std::uint64_t has no fraction and no exponent and is at most 2^53, so
+  /// that all parsers read the same value.
   template <class T>
   std::optional<T> find(const char* key) const;
   /// Returns a member of a type that find() supports.
-  /// Errors  Also if the member is absent. `expected` describes the value for the message, such as "seconds".
+  /// Errors  The errors of find(), and InputError if the member is absent. `expected` describes the value in the
+  ///         message, such as "seconds".
   template <class T>
   T get(const char* key, std::string_view expected = {}) const;
 
@@ -66,10 +68,10 @@ class JsonMembers {
 
   std::optional<std::vector<double>> numbers(const char* key, std::size_t count) const;  ///< finite numbers
 
-  /// Returns an array or object; an empty one if it is absent.
+  /// Returns a member that is an array or an object. If the member is absent, returns an empty array or object.
   const nlohmann::json& array(const char* key) const;
   const nlohmann::json& object(const char* key) const;
-  /// Returns the members of an object; no members if it is absent.
+  /// Returns the members of an object; no members if the object is absent.
   JsonMembers members(const char* key) const { return {file_, object(key), path_of(key), null_}; }
   /// Returns the members of an array's element.
   JsonMembers element(const char* key, const nlohmann::json& array, std::size_t index) const;
@@ -96,7 +98,7 @@ class JsonMembers {
   template <class Enum>
   requires std::is_enum_v<Enum>
   void read(const char* key, const nlohmann::json& value, Enum& out) const;
-  /// Returns the index of the name that the value has.
+  /// Returns the index in `names` of the value, which must be one of these texts.
   std::size_t read_name(const char* key, const nlohmann::json& value, std::span<const std::string_view> names) const;
   void read_numbers(const char* key, double minimum, double maximum, std::size_t count, double* out) const;
 
