@@ -1,5 +1,5 @@
-/// A cell job that the plan sends to a worker rank, and the worker's report. Plain values that a test can replay. Their
-/// byte form is sent over MPI and stored in the journal.
+/// The job of a cell, which rank 0 sends to a worker, and the worker's report. Jobs and reports are plain values, so
+/// that a test can replay them. Their serialized bytes are sent over MPI; the journal stores serialized reports.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ namespace gigabake {
 struct CellJob {
   std::uint32_t id = 0;              ///< index into BakePlan::jobs
   std::string name;                  ///< "c_X_Y_Z": column and stack index; "pL_X_Y_Z" for an overview
-  Vec3i64 lattice_min{};             ///< lod-0 voxels; x, y multiples of N, z of the coarsest level's voxel
+  Vec3i64 lattice_min{};             ///< lod-0 voxels; multiples of N in x and y, of the coarsest level's voxel in z
   std::uint32_t cell_voxels = 0;     ///< N
   std::vector<std::uint32_t> tiles;  ///< indices into SceneSources::tiles, ascending
   std::uint64_t triangles = 0;       ///< estimate, used to order the jobs
@@ -31,9 +31,9 @@ struct CellJob {
   std::vector<Hash128> tile_sources;  ///< TileScan::source of each of `tiles`; empty: not checked
   std::uint32_t first_lod = 0;        ///< overview: its finest level on the lattice. 0: a cell
   std::uint32_t copied_lods = 0;      ///< overview: number of levels from first_lod on that duplicate the children's
-  std::uint32_t kept_lod = 0;         ///< its overview copies lattice levels from this one on. 0: it has no overview
+  std::uint32_t kept_lod = 0;         ///< finest lattice level that its overview duplicates; 0: it has no overview
   std::vector<std::uint32_t> children = {};   ///< overview: jobs that must complete first, ascending
-  std::vector<std::string> child_files = {};  ///< overview that is dispatched: shards of the children that have voxels
+  std::vector<std::string> child_files = {};  ///< dispatched overview: shards of its children that have voxels
 };
 
 inline bool is_overview(const CellJob& job) { return job.first_lod != 0; }
@@ -55,16 +55,16 @@ struct CellReport {
   std::string error;                             ///< one line when failed or refused
   SceneCell cell;                                ///< the scene's entry, if baked
   double read_s = 0, kernel_s = 0, write_s = 0;  ///< wall time per stage
-  std::uint64_t peak_bytes = 0;                  ///< of the kernels' working memory
+  std::uint64_t peak_bytes = 0;                  ///< peak of the kernels' working memory
   bool on_device = false;                        ///< the kernels ran on a GPU
   std::uint64_t bad_uv = 0;                      ///< triangles baked without their unusable texture coordinates
   std::string note;                              ///< one-line warning, although the job succeeded
   std::vector<LevelSummary> levels = {};         ///< per lod, if baked
-  FileStamp shard = {};  ///< of OUT/<cell.file>, taken after it was published or before it was read back, if baked
+  FileStamp shard = {};  ///< stamp of OUT/<cell.file>, taken after the write or before the reuse of the shard, if baked
 };
 
-/// Returns the job that made a cell or overview of the scene, without its tiles and children, which scenes do not
-/// record.
+/// Returns the job that made a cell or overview of the scene. The job has no tiles and no children, because scenes do
+/// not record them.
 CellJob job_of(const SceneCell& cell);
 /// Returns the scene's entry for the job, with the fields known before baking: without levels and sizes.
 SceneCell cell_of(const CellJob& job);
@@ -76,8 +76,8 @@ std::string shard_file(const std::string& name, const Hash128& fingerprint);
 std::vector<std::uint8_t> to_bytes(const CellJob& job);
 std::vector<std::uint8_t> to_bytes(const CellReport& report);
 std::vector<std::uint8_t> to_bytes(const TileScan& scan);
-CellJob job_from_bytes(std::span<const std::uint8_t> bytes);        ///< Errors InputError when malformed
-CellReport report_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors InputError when malformed
-TileScan scan_from_bytes(std::span<const std::uint8_t> bytes);      ///< Errors InputError when malformed
+CellJob job_from_bytes(std::span<const std::uint8_t> bytes);        ///< Errors  InputError if malformed
+CellReport report_from_bytes(std::span<const std::uint8_t> bytes);  ///< Errors  InputError if malformed
+TileScan scan_from_bytes(std::span<const std::uint8_t> bytes);      ///< Errors  InputError if malformed
 
 }  // namespace gigabake

@@ -11,8 +11,8 @@
 namespace gigabake {
 namespace {
 
-/// Incremented if shards of earlier versions may not match their fingerprint. Version 1, until 0.2.0: ranks with
-/// different options baked under rank 0's fingerprints, undetectably.
+/// Version of the fingerprints. Increment it if shards of the current version may not match their fingerprints. Version
+/// 1 is rejected: its shards may come from other options than their fingerprints.
 constexpr std::uint32_t fingerprint_version = 2;
 
 }  // namespace

@@ -11,17 +11,17 @@ namespace gigabake {
 
 /// The fingerprints of one bake's cells. Rank 0 plans with them; each bake process recomputes them from its own inputs
 /// with match().
-/// Exact   Depends on the set of tiles and their multiplicity, not on their order, because results do not depend on the
-///         order of triangles.
+/// Exact   A fingerprint depends on the set of tiles and their multiplicity, not on their order, because results do not
+///         depend on the order of triangles.
 class CellFingerprints {
  public:
   CellFingerprints(const BakeParameters& parameters, const std::optional<Geodetic>& origin);
 
-  /// Returns the fingerprint of a cell. tile_sources: TileScan::source of job.tiles, in any order.
+  /// Returns the fingerprint of a cell. `tile_sources` has the TileScan::source of each of job.tiles, in any order.
   Hash128 of(const CellJob& job, std::vector<Hash128> tile_sources) const;
   /// Returns whether the job's fingerprint matches these parameters and this origin. Returns true for an overview job,
-  /// whose fingerprint derives from its children's, and for a job without tile_sources, whose results are not stored by
-  /// fingerprint.
+  /// because its fingerprint derives from the fingerprints of its children. Returns true for a job without
+  /// tile_sources, because its result is not stored by fingerprint.
   bool match(const CellJob& job) const;
 
  private:

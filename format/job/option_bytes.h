@@ -7,8 +7,8 @@
 namespace gigabake {
 
 void put(ByteWriter& writer, const BakeParameters& parameters);
-/// Reads the options.
-/// Errors  InputError: the bytes end early. UsageError: see check().
+/// Reads the options that put() wrote.
+/// Errors  InputError if the bytes end early; the errors of parameters_from_json().
 BakeParameters get_parameters(ByteReader& reader);
 
 }  // namespace gigabake

@@ -211,7 +211,7 @@ class TileWriter {
   ByteWriter& w_;
   Shared<Archive> archives_;
   Shared<DemRaster> rasters_;
-  std::string path_, name_;  ///< of the previous tile, like the placements
+  std::string path_, name_;  ///< path_, name_, scene_ and world_ are of the previous tile
   Affine<Scene, World> scene_;
   Affine<World, World> world_;
 };

@@ -12,12 +12,12 @@ namespace gigabake {
 /// Serializes the sources.
 /// Exact   sources_from_bytes() returns the same value.
 /// Cost    About 50 bytes per tile if neighbours share a folder and a placement, 48 more if the placements differ only
-///         in translation. At most about 250 bytes plus names.
+///         in translation. A tile takes at most about 250 bytes plus its names.
 std::vector<std::uint8_t> to_bytes(const SceneSources& sources);
 
 /// Restores the sources. Opens each archive that contains tiles once; accesses no other file.
 /// Cost    Memory is at most about a hundred times the size of the bytes, even for malicious input.
-/// Errors  InputError: malformed bytes, or an archive that cannot be opened here.
+/// Errors  InputError if the bytes are malformed, or if an archive cannot be opened on this host.
 SceneSources sources_from_bytes(std::span<const std::uint8_t> bytes);
 
 }  // namespace gigabake

@@ -20,15 +20,15 @@ inline constexpr std::uint32_t scan_version = 6;
 /// be exact (decision 151).
 inline constexpr std::int64_t max_side_voxels = 4186112;
 
-/// One column of N×N voxels that a tile's triangles touch.
+/// One column of N×N voxels that a tile's triangles overlap.
 struct ColumnExtent {
   std::int64_t column_x = 0, column_y = 0;  ///< column index: floor(voxel / cell_voxels)
   std::int64_t z_min = 0, z_end = 0;  ///< lod-0 voxel range [z_min, z_end) that contains all voxels of the tile in this
                                       ///< column
-  std::uint64_t triangles = 0;        ///< triangles that may touch the column
-  /// Approximate number of projected lod-0 voxels of its surface, times projected_voxel_unit: the triangles' areas
-  /// projected along x, y and z, summed. Each triangle is divided evenly among its columns. If surfaces are close
-  /// together, fewer voxels result.
+  std::uint64_t triangles = 0;        ///< triangles that may overlap the column
+  /// Approximate number of projected lod-0 voxels of the tile's surface in this column, times projected_voxel_unit. It
+  /// is the sum of the triangles' areas projected along x, y and z. The areas of a triangle are divided evenly among
+  /// its columns. If surfaces are close together, they occupy fewer voxels.
   std::uint64_t crossings = 0;
 };
 
