@@ -20,26 +20,26 @@ struct FirstHitScene {
   FirstHitScene& operator=(FirstHitScene&&) = default;
 
   std::vector<kernels::FirstHitNode> nodes;
-  std::array<std::vector<kernels::FirstHitNode>, 2> shells;  ///< empty if a constant is wider than 64 voxels
+  std::array<std::vector<kernels::FirstHitNode>, 2> shells;  ///< empty if a constant node is wider than 64 voxels
   std::vector<kernels::VoxelAttributes> looks;               ///< one per voxel, and 64 per constant node
-  kernels::FirstHitView view;                                ///< of the arrays above
+  kernels::FirstHitView view;                                ///< borrows the arrays above
   Vec3i64 lattice_min{};                                     ///< lod-0 voxel at the tree's lowest corner
-  int lod = 0;                                               ///< of the tree's voxels
+  int lod = 0;                                               ///< level of the tree's voxels
   std::uint64_t voxels = 0;
 
-  std::uint64_t tree_bytes() const;  ///< without the looks
+  std::uint64_t tree_bytes() const;  ///< nodes and shells, without `looks`
   std::uint64_t bytes() const;
 };
 
-/// Builds a scene from cells, added in any order.
+/// A builder of a scene from cells that are added in any order.
 class FirstHitBuilder {
  public:
-  /// lod: the finest level that is stored.
+  /// Takes the level of the voxels that the scene stores.
   explicit FirstHitBuilder(int lod) : lod_(lod) {}
 
-  /// Adds a cell. level: the cell's bricks of `lod`.
-  /// Errors  std::invalid_argument: columns of inconsistent length, or a corner not a multiple of four voxels of `lod`
-  ///         from the first one.
+  /// Adds a cell. `level` contains the cell's bricks of the builder's lod.
+  /// Errors  std::invalid_argument: columns of inconsistent length, or a corner that is off the grid of the cells.
+  ///         Corners differ by multiples of four voxels of the builder's lod.
   ///         std::length_error: 2^32 voxels or more.
   void add_cell(const Vec3i64& lattice_min, const NodeTable& nodes, const BrickLevel& level);
 
@@ -47,11 +47,11 @@ class FirstHitBuilder {
   /// Errors  std::length_error: an edge of 2^18 voxels or more.
   FirstHitScene finish();
   /// Returns the scene of one cell. The tree covers the cell's whole window instead of the bounds of its voxels, and
-  /// has no shells. Parameter window_voxels: edge of the window in voxels of `lod`, a multiple of 8.
+  /// has no shells. `window_voxels` is the edge of the window in voxels of the builder's lod, a multiple of 8.
   FirstHitScene finish_window(std::int64_t window_voxels);
 
  private:
-  using Position = Vec3i64;  ///< voxels from the first cell's corner
+  using Position = Vec3i64;  ///< in voxels of lod_ from the first cell's corner
 
   struct Leaf {
     std::array<std::int32_t, 3> at;  ///< in nodes of 4×4×4 voxels
@@ -64,7 +64,7 @@ class FirstHitBuilder {
   };
   /// The cube of the root.
   struct Cube {
-    Position corner, half;  ///< half of the box that contains the voxels
+    Position corner, half;  ///< lowest corner of the cube; half extent of the box that contains the voxels
     int bits = 6;
   };
 
@@ -87,7 +87,7 @@ class FirstHitBuilder {
 /// Builds the scene from its shards.
 /// Cost    Reads the node table and one level of every cell. Memory: 16 bytes per nonempty block of 4×4×4 voxels (three
 ///         times that during the build) and 8 bytes per voxel.
-/// Errors  InputError: no such lod; the errors of FirstHitBuilder; shards that cannot be read.
+/// Errors  InputError: a cell lacks the lod; the errors of FirstHitBuilder; shards that cannot be read.
 FirstHitScene build_first_hit_scene(const SceneDescription& scene, const std::filesystem::path& scene_path, int lod);
 
 }  // namespace gigabake

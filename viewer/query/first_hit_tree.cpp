@@ -18,13 +18,13 @@ std::uint64_t key_of(const Position& at) {
   return morton_by_pairs(std::uint32_t(at[0]), std::uint32_t(at[1]), std::uint32_t(at[2]));
 }
 
-/// The mask of a node's children at a position.
+/// The position of a node, and the mask of its children.
 struct PlacedMask {
   std::array<std::int32_t, 3> at;
   std::uint64_t mask;
 };
 
-/// Appends the nodes of `wanted` level below node `index` of `level`.
+/// Appends the nodes of level `wanted` below node `index`, which has level `level` and position `at`.
 void collect_level(const std::vector<FirstHitNode>& nodes, std::size_t index, int level, int wanted,
                    const std::array<std::int32_t, 3>& at, std::vector<PlacedMask>& out) {
   const FirstHitNode& node = nodes[index];
@@ -83,7 +83,7 @@ void FirstHitTreeBuilder::add_constant(const Position& low, const Position& high
   fill({0, 0, 0}, levels_.size(), low, high, look);
 }
 
-/// Fills the part of a cube inside [low, high). at: its lowest corner; its edge is 4^level voxels.
+/// Fills the part of a cube inside [low, high). `at` is the cube's lowest corner; the cube's edge is 4^level voxels.
 void FirstHitTreeBuilder::fill(const Position& at, std::size_t level, const Position& low, const Position& high,
                                std::uint32_t look) {
   const std::int64_t edge = std::int64_t(1) << 2 * level;

@@ -15,16 +15,16 @@ namespace gigabake {
 /// The nodes of a tree, built from the leaves up. The children of level 0 nodes are voxels.
 class FirstHitTreeBuilder {
  public:
-  /// Voxels from the tree's lowest corner.
+  /// A position in voxels from the tree's lowest corner.
   using Position = Vec3i64;
 
   explicit FirstHitTreeBuilder(int bits);
 
-  /// Adds a node of level 0. at: in units of such nodes.
+  /// Adds a node of level 0. `at` is the node's position in nodes of level 0 from the tree's lowest corner.
   void add(const std::array<std::int32_t, 3>& at, const kernels::FirstHitNode& node);
 
-  /// Fills the voxels of [low, high) with the largest nodes that fit; the coordinates are multiples of four. look: the
-  /// first of 64 equal attributes.
+  /// Fills the voxels of [low, high) with the largest nodes that fit; the coordinates are multiples of four. `look` is
+  /// the index of the first of 64 equal attributes.
   void add_constant(const Position& low, const Position& high, std::uint32_t look);
 
   /// Returns the nodes: the root, then the nodes of each level in order, starting with the lowest level.
@@ -47,7 +47,7 @@ class FirstHitTreeBuilder {
 };
 
 /// Returns a coarser, dilated tree with an edge of 2^(bits - 2 level) voxels. Its voxels are the children of the nodes
-/// of `level`, and their 26 neighbours. Their attribute indices are meaningless.
+/// of `level`, and the 26 neighbours of each child. The attribute indices of its nodes are meaningless.
 /// Range   No voxel touches a face of the cube.
 std::vector<kernels::FirstHitNode> make_shell(const std::vector<kernels::FirstHitNode>& nodes, int bits, int level);
 

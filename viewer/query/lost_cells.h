@@ -11,7 +11,7 @@ namespace gigabake {
 /// The name of a lost cell gives its column and its index in the column's stack. The base of a stack follows from the
 /// other cells of the column. If a column has no other cell, placeholders of the same name fill it over the height of
 /// the scene.
-/// Range   cells: all cells of the scene, of equal size; at least one.
+/// Range   `cells` are all cells of the scene, at least one, of equal size.
 /// Errors  InputError: the name of a lost cell is not `c_X_Y_Z`.
 std::vector<SceneCell> lost_cells(const SceneHeader& scene, const std::vector<SceneCell>& cells);
 

@@ -27,7 +27,8 @@ class SingleQuery final : public QuerySource {
   std::string option_;
 };
 
-/// Returns the number of points; the factor includes the upper end if rounding puts it just beyond the last step.
+/// Returns the number of points from `low` to `high`. The factor 1 + 1e-12 includes the upper end if rounding places it
+/// just beyond the last step.
 std::uint64_t points_along(double low, double high, double step) {
   const double steps = (high - low) / step * (1 + 1e-12);
   return steps < 0x1p40 ? std::uint64_t(steps) + 1 : std::uint64_t(1) << 41;

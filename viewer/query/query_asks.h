@@ -26,19 +26,19 @@ enum class DirectionForm : std::uint8_t { direction, angles, point };
 
 struct QueryInput {
   std::string id;
-  QueryPoint from{};  ///< height: the third coordinate is ignored
-  QueryPoint to{};    ///< direction, point, or azimuth and elevation; height: unused
+  QueryPoint from{};  ///< a height query ignores the third coordinate
+  QueryPoint to{};    ///< direction, second point, or azimuth and elevation (degrees); unused by height queries
 };
 
 /// Returns the ray of a query.
-/// Errors  std::invalid_argument, as QueryFrames.
+/// Errors  std::invalid_argument: the errors of QueryFrames.
 QueryRay ray_of(const QueryInput& ask, QueryKind kind, DirectionForm aim, const QueryFrames& frames);
 
 class QuerySource {
  public:
   virtual ~QuerySource() = default;
 
-  /// Sets `asks` to the next `maximum` queries or fewer; to none at the end. Memory of `asks` is reused.
+  /// Replaces `asks` by the next queries, at most `maximum`; by none at the end. Reuses the memory of `asks`.
   virtual void next(std::size_t maximum, std::vector<QueryInput>& asks) = 0;
   virtual DirectionForm aim() const { return DirectionForm::point; }
   virtual bool have_ids() const { return false; }
@@ -49,10 +49,12 @@ class QuerySource {
   [[noreturn]] virtual void refuse(std::size_t i, const std::string& why) const = 0;
 };
 
-/// Returns a sequence of one query, given by an option. option: its name, for messages.
+/// Returns a sequence of one query. `option` is the name of the command-line option that states the query, for
+/// messages.
 std::unique_ptr<QuerySource> single_query(const QueryInput& ask, DirectionForm aim, std::string option);
 
-/// Points `step` apart from the lower corner on, row by row in ascending order of the second coordinate.
+/// A grid of points with the distance `step`, which begins at the lower corner of the box. The points are ordered row
+/// by row, in ascending order of the second coordinate. Box and step have the units of the query's frame.
 struct QueryGrid {
   std::array<double, 4> box{};  ///< low x, low y, high x, high y; or longitudes and latitudes
   double step = 0;
@@ -62,10 +64,11 @@ struct QueryGrid {
 std::unique_ptr<QuerySource> grid_queries(const QueryGrid& grid);
 
 /// Returns the queries of a file; "-" is standard input. A file that begins with the magic bytes of NumPy's .npy format
-/// is read as one (query_npy.h). Any other file is CSV with a header line that names the columns, in any order.
-/// Scene coordinates use x,y,z, geographic coordinates lon,lat,height; a height query has no third coordinate. A ray
-/// also has dx,dy,dz (scene coordinates only), azimuth,elevation, or a point on the ray. A line of sight has its end
-/// point. The columns of a second point have the prefix to_. The optional column id is copied to the answer.
+/// is read as a .npy array (query_npy.h). Any other file is CSV with a header line that names the columns, in any
+/// order. Scene coordinates use x,y,z, geographic coordinates lon,lat,height; a height query has no third coordinate. A
+/// ray also needs dx,dy,dz (scene coordinates only), azimuth,elevation, or a second point. A line of sight needs its
+/// end point. The columns of a second point or an end point have the prefix to_. The optional column id is copied to
+/// the answer.
 /// Errors  InputError, also from next(): the file cannot be read. InputError with the line: a missing, unknown or
 ///         repeated column, a wrong number of fields, or a field that is not a finite number. Errors of a .npy file
 ///         name the byte.

@@ -14,7 +14,8 @@
 
 namespace gigabake {
 
-/// Trees are added until the device is full; none is evicted. Rays that need other trees pause.
+/// A device that casts rays through the trees in its memory. Trees are added until the memory is full; no tree is
+/// evicted. Rays that need other trees pause.
 class QueryDevice {
  public:
   struct Options {
@@ -23,8 +24,8 @@ class QueryDevice {
     QueryLevels levels;
   };
 
-  /// Lays out the cells.
-  /// Errors  CudaFailure; InputError, as QueryPlaces::lay_out_all().
+  /// Lays out all cells of `places`.
+  /// Errors  CudaFailure; the errors of QueryPlaces::lay_out_all().
   QueryDevice(const Options& options, QueryPlaces& places, const ThreadPool& pool);
 
   /// Casts each ray until it is finished or pauses.
@@ -36,17 +37,19 @@ class QueryDevice {
   bool is_full() const { return is_full_; }
 
  private:
-  std::unordered_map<std::uint32_t, std::uint32_t> absent_;  ///< cells by shard; their trees are not on the device
+  std::unordered_map<std::uint32_t, std::uint32_t> absent_;  ///< cell by shard number, for trees not on the device
   bool is_full_ = false;
   std::unique_ptr<kernels::CudaQuery> cuda_;
 };
 
-/// Returns why a device cannot cast rays of these levels; empty if it can. memory_bytes: bound of the cells' layout.
+/// Returns the reason why a device cannot cast rays through these levels; empty if it can. `memory_bytes` is the
+/// maximum memory of the cells' layout.
 std::string device_limit(const QueryPlaces& places, const PagedScene& scene, const QueryLevels& levels,
                          std::uint64_t memory_bytes);
 
-/// Returns the table of the places' cells in which no tree is resident. entries: receives the array that it borrows.
-/// Range   after places.lay_out_all().
+/// Returns the table of all cells of `places`, in which no tree is resident. The table borrows `entries`, which this
+/// function fills.
+/// Range   Call places.lay_out_all() first.
 kernels::QueryCells query_cells(const QueryPlaces& places, std::vector<kernels::QueryCells::Entry>& entries);
 
 }  // namespace gigabake

@@ -50,7 +50,7 @@ QueryFrames::Vector QueryFrames::lattice_point(const QueryPoint& p) const {
   return lattice;
 }
 
-/// Returns east, north and up at p as columns, in the scene's axes.
+/// Returns the matrix whose columns are east, north and up at p, in scene coordinates.
 Affine<Scene, Scene> QueryFrames::axes_at(const QueryPoint& p) const {
   if (frame_ == QueryFrame::scene) return {};
   return *scene_from_ecef_ * ecef_from_enu({p[1], p[0], p[2]});
@@ -95,8 +95,8 @@ QueryRay QueryFrames::down(double x, double y) const {
   const Affine<Scene, Scene> axes = axes_at({x, y, 0});
   const Vector up{axes.m[0][2], axes.m[1][2], axes.m[2][2]};
   QueryRay ray = towards(lattice_point({x, y, 0}), {-up[0], -up[1], -up[2]});
-  // Move the origin up along the plumb line, which is oblique in a large scene, until the whole scene lies below it. A
-  // ray from a place far outside the scene misses the scene's box.
+  // Move the origin up along the local vertical, until the whole scene lies below the origin. In a large scene the
+  // local vertical may differ from the scene's z axis. A ray from a place far outside the scene misses the scene's box.
   double rise = 0;
   for (int corner = 0; corner < 8; ++corner) {
     double along = 0;

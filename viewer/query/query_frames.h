@@ -23,8 +23,8 @@ constexpr auto names_of<QueryFrame>() {
 using QueryPoint = Vec3d;  ///< x, y, z, or longitude, latitude, height
 
 /// Converts query coordinates to rays in voxels, and results back.
-/// Errors  std::invalid_argument from the functions that return rays: the expected range; the caller adds the position
-///         in the input.
+/// Errors  The functions that return rays throw std::invalid_argument with the expected range. The caller adds the
+///         position in the input.
 class QueryFrames {
  public:
   /// Errors  UsageError: lonlat for a scene that is not georeferenced.
@@ -34,14 +34,16 @@ class QueryFrames {
   /// Returns whether the scene is georeferenced.
   bool is_on_earth() const { return ecef_from_scene_.has_value(); }
 
-  /// Returns the ray from a point in a direction of any length; `direction` is along x, y, z of the scene.
+  /// Returns the ray from a point in a direction of any length. `direction` has components along x, y and z of the
+  /// scene.
   /// Errors  std::invalid_argument.
   QueryRay ray(const QueryPoint& from, const QueryPoint& direction) const;
-  /// Returns the ray with these angles in degrees at `from`: azimuth clockwise from north, elevation above the horizon.
+  /// Returns the ray from `from` with an azimuth clockwise from north and an elevation above the horizon, in degrees.
+  /// In QueryFrame::lonlat, north and horizon are local to `from`; otherwise north is the scene's y axis.
   QueryRay ray_by_angles(const QueryPoint& from, double azimuth_deg, double elevation_deg) const;
   /// Returns the unbounded ray from one point through another.
   QueryRay ray_through(const QueryPoint& from, const QueryPoint& to) const;
-  /// Returns the ray that ends at the other point.
+  /// Returns the ray from `from` that ends at `to`.
   QueryRay segment(const QueryPoint& from, const QueryPoint& to) const;
   /// Returns the ray straight down at x, y or at longitude, latitude, from above the whole scene.
   QueryRay down(double x, double y) const;
@@ -52,7 +54,7 @@ class QueryFrames {
   /// Returns the point in the frame of the queries.
   QueryPoint point_in_query_frame(const Point<Scene>& p) const;
   /// Returns the point as longitude, latitude and height.
-  /// Range   is_on_earth().
+  /// Range   is_on_earth() is true.
   QueryPoint lonlat_point(const Point<Scene>& p) const;
 
  private:

@@ -38,7 +38,8 @@ class Run {
     Batch batch, following;
     read(batch);
     for (; !batch.asks.empty(); std::swap(batch, following)) {
-      // The next batch is read while this one is cast and written. Its errors are reported after this batch's answers.
+      // The next batch is read while this batch is cast and written. Errors of the next batch are reported after the
+      // answers of this batch.
       std::future<void> reading = std::async(std::launch::async, [&] { read(following); });
       hits_.resize(batch.rays.size());
       query_.first_hits(batch.rays, hits_, progress);
@@ -110,7 +111,7 @@ class Run {
     }
   }
 
-  /// Sets the pieces of text. first: whether the batch is the first.
+  /// Formats the batch into the pieces of text. `first` is true for the first batch.
   void format(const Batch& batch, bool first) {
     find_names();
     pieces_.resize((hits_.size() + answers_per_piece - 1) / answers_per_piece);
@@ -130,7 +131,7 @@ class Run {
   SurfaceRule surface_;
   QueryFrames frames_;
   QueryText text_;
-  std::vector<QueryHit> hits_;  ///< of a batch, like the two below
+  std::vector<QueryHit> hits_;  ///< of a batch, like the next two members
   std::vector<const std::string*> names_;
   std::vector<std::string> pieces_;
 };

@@ -18,7 +18,7 @@ struct QueryJob {
   QueryFrame frame = QueryFrame::scene;
   QueryFormat format = QueryFormat::csv;
   double max_distance_m = std::numeric_limits<double>::infinity();
-  /// Line of sight: voxels closer than this to either end point do not block it.
+  /// Voxels closer than this to either end point do not block a line of sight.
   double ignore_ends_m = 0;
   std::size_t batch_rays = std::size_t(1) << 17;
 };

@@ -50,7 +50,7 @@ bool read_shape(std::string_view text, NpyShape& shape) {
 
 /// The numbers of columns that a file may have, and their meaning for messages.
 struct NpyColumns {
-  std::uint64_t count, count_with_direction;  ///< 0: there is no form with a direction
+  std::uint64_t count, count_with_direction;  ///< count_with_direction is 0 if there is no form with a direction
   std::string expected;
 };
 
@@ -119,7 +119,7 @@ class NpyQueries final : public QuerySource {
     if (got < size) fail(at_, "the file ends here; expected " + std::to_string(size - got) + " more bytes");
   }
 
-  /// Returns the length of the header's text, which follows the version.
+  /// Reads the version and the length of the header's text. Returns the length.
   std::size_t header_size() {
     std::uint8_t version[2];
     read(version, sizeof version);
@@ -155,8 +155,8 @@ class NpyQueries final : public QuerySource {
   const ThreadPool& pool_;
   QueryKind kind_;
   NpyShape shape_;
-  std::uint64_t at_ = 0, data_ = 0;    ///< bytes: read so far; offset of the first row
-  std::uint64_t row_ = 0, first_ = 0;  ///< the next row; the first row of the last next()
+  std::uint64_t at_ = 0, data_ = 0;    ///< at_: bytes read so far; data_: byte offset of the first row
+  std::uint64_t row_ = 0, first_ = 0;  ///< row_: the next row; first_: the first row of the last next()
   std::vector<double> numbers_;
 };
 

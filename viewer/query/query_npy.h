@@ -32,14 +32,15 @@ struct QueryFile {
 /// Errors  InputError.
 QueryFile open_query_file(const std::filesystem::path& path);
 
-/// Returns the queries of a two-dimensional array of little-endian doubles, one row per query. file: its magic bytes
-/// are already read. Columns of a ray: x, y, z, dx, dy, dz or x, y, z, azimuth, elevation. Columns of a height: x, y.
-/// Columns of a line of sight: both points.
-/// Errors  InputError with the byte, also from next(): another array, a number that is not finite, a file that is too
-///         short or too long.
+/// Returns the queries of a two-dimensional array of little-endian doubles, one row per query. The magic bytes of
+/// `file` must have been read already. A ray has the columns x, y, z, dx, dy, dz or x, y, z, azimuth, elevation. A
+/// height has the columns x, y. A line of sight has the columns x, y, z of both points. Geographic queries have lon,
+/// lat, height instead of x, y, z, and never dx, dy, dz.
+/// Errors  InputError with the offset of the byte, also from next(). Causes: an array of another type or shape, a
+///         number that is not finite, a file of the wrong length.
 std::unique_ptr<QuerySource> npy_queries(QueryFile file, QueryKind kind, QueryFrame frame, const ThreadPool& pool);
 
-/// Returns the beginning of a file of `count` answers.
+/// Returns the magic bytes and the header of a .npy file of `count` answers.
 std::string npy_header(QueryKind kind, std::uint64_t count);
 /// Appends the record of an answer.
 void add_npy(const QueryAnswer& answer, QueryKind kind, const QueryFrames& frames, std::string& bytes);

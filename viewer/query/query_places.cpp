@@ -53,7 +53,7 @@ QueryPlaces::QueryPlaces(NumberedShards& numbers, std::uint64_t page_bytes, cons
                                    Pager::Options{page_threads, page_bytes});
 }
 
-/// Sets the layout and the number of each of its cells.
+/// Sets the layout, and the shard number of each cell in the layout.
 void QueryPlaces::place_cells(const PagedScene& scene, const ThreadPool& pool) {
   std::vector<SceneCell> cells = scene.cells(pool);
   const auto stored = std::uint32_t(cells.size());
@@ -90,7 +90,7 @@ void QueryPlaces::lay_out(const PagedScene& scene, const ThreadPool& pool) {
   }
 }
 
-/// Reads a page; the pager's threads call it.
+/// Reads a page. The pager's threads call this function.
 Page QueryPlaces::read_page(const PageKey& key) {
   try {
     return numbers_.listing(key);

@@ -1,8 +1,8 @@
-/// Lookup of the shard that holds a voxel of a level, for rays: cells, overviews, and cells that a bake lost.
+/// Lookup of the shard that stores a voxel of a level, for rays. The result is a cell, an overview, or a lost cell.
 ///
-/// If the whole scene has one root, a page of its index is read when a ray reaches the blocks of that page. The pages
-/// in memory are bounded. The index of other scenes is read completely at the start. This includes scenes with lost
-/// cells: the position of a lost cell depends on the other cells of its column.
+/// If the whole scene has one root overview, a page of the scene is read when a ray reaches a block of this page. The
+/// memory of the pages is bounded. In other scenes, all pages are read at the start. This includes scenes with lost
+/// cells, because the position of a lost cell depends on the other cells of its column.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@
 
 namespace gigabake {
 
-/// The contents at a voxel, and the box for which they hold.
+/// The shard at a voxel, and the box for which the answer is the same.
 struct QueryPlace {
   enum class Kind {
     nothing,
@@ -38,33 +38,37 @@ struct QueryPlace {
 
 class QueryPlaces {
  public:
-  /// Borrows `numbers` and the pool. page_bytes: bound of the scene's pages in memory.
-  /// Cost    One root: reads only scene.xml. Several roots: reads every page and keeps about 40 bytes per cell.
-  /// Errors  InputError, as lay_out_cells().
+  /// Borrows `numbers`. `page_bytes` is the maximum memory of the scene's pages.
+  /// Cost    Reads only scene.xml if the scene has one root. Otherwise, reads every page of the scene and keeps about
+  ///         40 bytes per cell.
+  /// Errors  InputError: the errors of lay_out_cells() and PagedScene::cells().
   QueryPlaces(NumberedShards& numbers, std::uint64_t page_bytes, const ThreadPool& pool);
 
   /// Returns the number of levels: levels of the cells and, if present, of the overviews. A scene with lost cells is
-  /// queried without overviews, because these do not mark lost cells.
+  /// queried without overviews, because overviews do not mark lost cells.
   int lods() const { return lods_; }
   /// Returns the bounding box of all cells, including lost ones.
   const kernels::VoxelBox& window() const { return window_; }
 
-  /// Returns the contents at voxel v. Any number of threads may call it concurrently, but not concurrently with read().
+  /// Returns the shard that stores level `lod` at lod-0 voxel v. Any number of threads may call find() concurrently,
+  /// but not concurrently with read().
   /// Range   lod < lods().
   QueryPlace find(int lod, const std::int64_t v[3]) const;
 
-  /// Reads pages that find() reported as unknown. At least the first page is in memory in the next pass of the rays.
+  /// Reads pages that find() reported as unknown. At least one of these pages is in memory in the next pass of the
+  /// rays.
   /// Errors  InputError: a page cannot be read.
   void read(const std::vector<PageKey>& pages);
   std::uint64_t pages_read() const { return pager_ ? pager_->counts().reads : 0; }
 
-  /// Lays out all cells, for rays that find them without pages.
-  /// Cost    Scene with pages: reads every page at the first call, 0.6 KB per cell while it is read.
-  /// Errors  InputError, as lay_out_cells().
+  /// Lays out all cells, for a device that finds cells without pages.
+  /// Cost    If has_pages(), the first call reads every page of the scene and uses 0.6 KB per cell while it reads.
+  /// Errors  InputError: the errors of lay_out_cells() and PagedScene::cells().
   void lay_out_all(const ThreadPool& pool);
-  /// Returns the cells. Range: after lay_out_all().
+  /// Returns the layout of all cells.
+  /// Range   lay_out_all() was called, or has_pages() is false.
   const CellLayout& layout() const { return layout_; }
-  /// Returns the shard of a cell of the layout; nullopt: it has none.
+  /// Returns the shard of a cell of the layout; nullopt for a rim cell (viewer/stream/cell_layout.h).
   std::optional<std::uint32_t> shard_of_cell(std::size_t cell) const;
   bool has_pages() const { return map_.has_value(); }
 
@@ -82,13 +86,13 @@ class QueryPlaces {
   int lods_ = 0;
   kernels::VoxelBox window_{};
   CellLayout layout_;
-  std::vector<std::uint32_t> number_;  ///< by cell of the layout
+  std::vector<std::uint32_t> number_;  ///< shard number by cell of the layout
   std::uint32_t cells_ = 0, first_lost_ = 0;
   std::vector<std::string> lost_;
   std::mutex mutex_;
   std::exception_ptr unreadable_;  ///< the error of a page that could not be read
   std::optional<ShardMap> map_;    ///< only for a scene with one root
-  std::unique_ptr<Pager> pager_;   ///< its pages; destroyed first, because its threads call read_page()
+  std::unique_ptr<Pager> pager_;   ///< pages of map_; destroyed first, because its threads call read_page()
 };
 
 }  // namespace gigabake

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t block_bytes = std::size_t(1) << 22, max_line_bytes = std::size_t(1) << 16;
 
-/// A column: it holds a coordinate of QueryInput or the id.
+/// A column, which holds a coordinate of QueryInput or the id.
 struct TableColumn {
   enum class Holds { from, to, id };
   Holds holds = Holds::id;
@@ -69,7 +69,7 @@ Names names_in(QueryFrame frame) {
 
 class TableQueries final : public QuerySource {
  public:
-  /// beginning: the first bytes of the file, which are already read.
+  /// Takes an open file. `beginning` contains the first bytes of the file, which are already read.
   TableQueries(QueryFile file, std::string beginning, QueryKind kind, QueryFrame frame, const ThreadPool& pool)
       : path_(file.path), pool_(pool), file_(std::move(file.file)), text_(std::move(beginning)) {
     read_head(kind, frame);
@@ -118,8 +118,8 @@ class TableQueries final : public QuerySource {
     return got > 0;
   }
 
-  /// Returns the next nonempty lines of the buffer, and reads a block if it holds no full line. The last line of the
-  /// file may lack its line end.
+  /// Returns the next nonempty lines of the buffer. Reads a block if the buffer contains no complete line. The last
+  /// line of the file may lack its line end.
   std::vector<std::string_view> read_lines(std::size_t maximum) {
     std::vector<std::string_view> lines;
     numbers_.clear();

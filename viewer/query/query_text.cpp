@@ -14,7 +14,7 @@
 namespace gigabake {
 namespace {
 
-/// A degree is about 2^17 metres.
+/// The numbers of decimals. Degrees have more decimals than metres, because a degree is about 10^5 metres.
 constexpr int extra_degree_decimals = 5, max_decimals = 9, decimals_of_normals = 3;
 
 void add_integer(std::int64_t v, std::string& text) {
@@ -22,7 +22,7 @@ void add_integer(std::int64_t v, std::string& text) {
   text.append(digits, std::to_chars(digits, digits + sizeof digits, v).ptr);
 }
 
-/// Appends v, rounded to `decimals` (at most 14).
+/// Appends v, rounded to `decimals` decimals (at most 14).
 void add_fixed(double v, int decimals, std::string& text) {
   static constexpr double powers[] = {1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14};
   const double scaled = std::fabs(v) * powers[decimals];
@@ -189,7 +189,8 @@ void QueryText::add_csv(const QueryAnswer& answer, std::string& text) const {
   text += '\n';
 }
 
-/// Appends the members that follow the position. with_scene_metres: the position is given elsewhere in degrees.
+/// Appends the members of an answer. Adds the position in scene metres as "scene_m" if `with_scene_metres`, otherwise
+/// in the query's frame as "position".
 void QueryText::add_members(const QueryAnswer& answer, bool with_scene_metres, std::string& text) const {
   const QueryHit& hit = answer.hit;
   if (has_ids_) {
@@ -258,8 +259,8 @@ QueryPoint QueryText::input_lonlat(const QueryPoint& asked) const {
   return frames_.frame() == QueryFrame::lonlat ? asked : frames_.lonlat_point({asked[0], asked[1], asked[2]});
 }
 
-/// Appends a feature: a point for a hit, a line up to the obstacle for a line of sight. A height query without a hit is
-/// a point without height.
+/// Appends a feature. A hit is a point. A line of sight is a line up to the obstacle or to the end point. A height
+/// query without a hit is a point without height. A ray without a hit has no geometry.
 void QueryText::add_geojson(const QueryAnswer& answer, std::string& text) const {
   const bool is_hit = answer.hit.outcome == QueryOutcome::hit;
   const auto met = [&] { return frames_.lonlat_point(frames_.scene_point(answer.ray, answer.hit.distance)); };

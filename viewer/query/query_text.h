@@ -25,18 +25,19 @@ struct QueryAnswer {
   const std::string& shard;  ///< name of the cell or overview; empty if there is none
 };
 
-/// Formats answers. The text of a result is begin(), the text of each answer, and end().
-/// Lengths have a resolution of at most 1/1000 voxel, and degrees a finer one on the ground. The error of a height is
-/// half a voxel of its level; a height is printed with a resolution of 1/10 voxel.
+/// A formatter of answers. The text of a result consists of begin(), the text of each answer, and end().
+/// Lengths are printed with a resolution of 1/1000 voxel or finer. The resolution of degrees is finer than this on the
+/// ground. Heights are printed with a resolution of 1/10 voxel of their level or finer, because their error is half a
+/// voxel.
 class QueryText {
  public:
-  /// count: the number of answers, if it is known.
+  /// Takes the number of answers, `count`, if it is known.
   /// Errors  UsageError: GeoJSON of a scene that is not georeferenced; an array of an unknown number of answers.
   QueryText(QueryFormat format, QueryKind kind, const QueryFrames& frames, double voxel_size_m, bool has_ids,
             std::optional<std::uint64_t> count);
 
   std::string begin() const;
-  /// Appends an answer. first: whether it is the first answer of the result.
+  /// Appends an answer. `first` is true for the first answer of the result.
   void add(const QueryAnswer& answer, bool first, std::string& text) const;
   std::string end() const;
 
@@ -47,7 +48,7 @@ class QueryText {
   void add_members(const QueryAnswer& answer, bool with_scene_metres, std::string& text) const;
   void add_point(const QueryPoint& p, int height_decimals, std::string& text) const;
   void add_lonlat(const QueryPoint& p, int height_decimals, std::string& text) const;
-  /// Returns the number of decimals for the third coordinate and for a distance to the point.
+  /// Returns the number of decimals of a hit's third coordinate and distance.
   int height_decimals(const QueryHit& hit) const;
   double height_error_m(const QueryHit& hit) const;
   QueryPoint input_lonlat(const QueryPoint& asked) const;
@@ -56,9 +57,9 @@ class QueryText {
   QueryFormat format_;
   QueryKind kind_;
   const QueryFrames& frames_;
-  int decimals_;  ///< for metres
+  int decimals_;  ///< number of decimals of metres
   bool has_ids_;
-  std::uint64_t count_;  ///< of answers; 0 if unknown
+  std::uint64_t count_;  ///< number of answers; 0 if unknown
 };
 
 }  // namespace gigabake

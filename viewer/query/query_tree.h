@@ -14,7 +14,7 @@ namespace gigabake {
 /// An open shard, and the memory that the tree of one of its levels requires.
 class QueryTreeSource {
  public:
-  /// Opens the shard. lod: level of the lattice; the shard must have it.
+  /// Opens the shard for level `lod` of the lattice, which the shard must store.
   /// Errors  InputError: no such file, not a shard, not the shard that the scene lists, damaged nodes.
   QueryTreeSource(const PagedScene& scene, const SceneCell& shard, int lod);
 
@@ -38,11 +38,11 @@ class QueryTree {
   explicit QueryTree(const QueryTreeSource& source);
 
   std::uint64_t bytes() const { return scene_.bytes(); }
-  /// Returns the tree as rays read it. It borrows from this object.
+  /// Returns the tree in the form that rays traverse. The result borrows from this object.
   const kernels::ShardTree& view() const { return view_; }
 
  private:
-  FirstHitScene scene_;  ///< its coordinates: kernels/first_hit/shard_tree.h
+  FirstHitScene scene_;  ///< coordinates as in kernels/first_hit/shard_tree.h
   kernels::ShardTree view_;
 };
 

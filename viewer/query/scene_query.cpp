@@ -27,7 +27,7 @@ struct QueryNeed {
   QueryTreeKey tree;
 };
 
-/// The scene of advance_walk() on the host. Notes the data at which the traversal pauses.
+/// The scene that advance_walk() traverses on the host. It records the data for which the traversal pauses.
 struct HostScene {
   const QueryPlaces& places;
   const TreeStore& trees;
@@ -53,7 +53,7 @@ struct HostScene {
   }
 };
 
-/// The unfinished rays of a range, and the data that they need.
+/// The unfinished rays of a thread, and the data that they need.
 struct Waiting {
   std::vector<std::uint32_t> rays;
   std::unordered_map<QueryTreeKey, std::uint64_t, QueryTreeKeyHash> wants;  ///< number of waiting rays per tree
@@ -103,7 +103,7 @@ struct SceneQuery::State {
         device_bytes(options.device_bytes),
         memory_bytes(options.memory_bytes) {}
 
-  /// Traverses all unfinished rays once. Returns the data for which they wait.
+  /// Traverses all unfinished rays until each ray finishes or waits. Returns the waiting rays per thread.
   std::vector<Waiting> pass(std::span<const QueryRay> rays) {
     std::vector<Waiting> waiting(std::size_t(pool.threads()));
     pool.parallel_for(active.size(), rays_per_range, [&](std::size_t begin, std::size_t end, int thread) {
@@ -134,7 +134,7 @@ struct SceneQuery::State {
     });
   }
 
-  /// Prepares the device for a batch. Returns false if the CPU casts it.
+  /// Finds and prepares the device at the first long batch. Returns false if the CPU casts the batch.
   bool has_device(std::size_t rays) {
     if (!find_device || rays < min_device_rays) return device != nullptr && rays >= min_device_rays;
     const std::optional<int> ordinal = std::exchange(find_device, nullptr)();
@@ -147,7 +147,7 @@ struct SceneQuery::State {
     return device != nullptr;
   }
 
-  /// Calls step(). If the device fails, drops it and returns false.
+  /// Calls step(). If the device fails, removes the device and returns false.
   template <class Step>
   bool on_device(const Step& step) {
     try {
@@ -170,7 +170,7 @@ struct SceneQuery::State {
     return true;
   }
 
-  /// Returns the trees at which rays paused on the device, if it can hold more.
+  /// Returns the trees at which rays paused on the device; empty if the device cannot hold more trees.
   std::unordered_set<QueryTreeKey, QueryTreeKeyHash> trees_for_device() const {
     std::unordered_set<QueryTreeKey, QueryTreeKeyHash> keys;
     if (!device || device->is_full()) return keys;
@@ -196,7 +196,7 @@ struct SceneQuery::State {
   TreeStore trees;
   std::unordered_map<std::uint32_t, std::string> names;
   std::vector<QueryTraversal> walks;  ///< of the batch
-  std::vector<std::uint32_t> active;  ///< its unfinished rays
+  std::vector<std::uint32_t> active;  ///< unfinished rays of the batch
 
   std::function<std::optional<int>()> find_device;  ///< null after its call
   std::size_t min_device_rays;

@@ -25,11 +25,11 @@ namespace gigabake {
 struct QueryOptions {
   int lod = 0;        ///< finest level that rays sample
   double spread = 0;  ///< growth of a ray's footprint with distance; 0: samples only `lod`
-  /// Bound of the memory of trees, including those being built. Pages of the scene take up to 1/32 of it in addition,
-  /// at least 1 MiB.
+  /// The maximum memory of trees, including trees being built. Pages of the scene take up to 1/32 of this value in
+  /// addition, at least 1 MiB.
   std::uint64_t memory_bytes = std::uint64_t(1) << 30;
-  /// Returns the CUDA device that casts rays, called at the first batch of at least `min_device_rays`. Null or nullopt:
-  /// the CPU casts all rays.
+  /// Returns the ordinal of the CUDA device that casts rays. It is called once, at the first batch of at least
+  /// `min_device_rays` rays. If the function is null or returns nullopt, the CPU casts all rays.
   std::function<std::optional<int>()> device = {};
   std::size_t min_device_rays = std::size_t(1) << 15;
   std::uint64_t device_bytes = std::uint64_t(4) << 30;  ///< bound of the device's memory
@@ -37,7 +37,7 @@ struct QueryOptions {
 
 struct QueryCounts {
   std::uint64_t trees_built = 0;  ///< a tree that is evicted and rebuilt counts again
-  std::uint64_t peak_bytes = 0;   ///< of trees, including those being built
+  std::uint64_t peak_bytes = 0;   ///< max. memory of trees, including trees being built
   std::uint64_t pages_read = 0;   ///< pages of the scene that rays caused to be read; 0 if all are read at the start
   std::uint64_t device_rays = 0;  ///< rays that the device finished
 };
@@ -45,8 +45,8 @@ struct QueryCounts {
 class SceneQuery {
  public:
   /// Borrows the pool; its threads cast rays and build trees.
-  /// Errors  InputError: the scene cannot be read, or its cells form no lattice. UsageError: the scene does not have
-  ///         the level, or the spread is not in [0, 1].
+  /// Errors  InputError: the scene cannot be read, or lay_out_cells() rejects its cells. UsageError: the scene does not
+  ///         have the level, or the spread is not in [0, 1].
   SceneQuery(std::shared_ptr<const PagedScene> scene, const QueryOptions& options, const ThreadPool& pool);
   ~SceneQuery();
 
@@ -55,16 +55,16 @@ class SceneQuery {
   const kernels::VoxelBox& window() const;
   int lods() const;  ///< number of levels
 
-  /// Casts all rays. answers: the same size as `rays`.
-  /// Exact   The same bits for any memory, threads, batches and device.
-  /// Range   Directions of unit length; finite numbers except `end`; origins within 2^50 voxels of the lattice's
-  ///         corner.
-  /// Cost    About 150 bytes per ray in addition to memory_bytes: call it in batches if there are many rays.
-  /// Errors  UsageError: memory_bytes is less than the tree of one shard requires. Stopped.
+  /// Casts all rays and writes one answer per ray.
+  /// Exact   The answers have the same bits for any memory, number of threads, batches and device.
+  /// Range   Directions have unit length. All numbers except `end` are finite. Origins lie within 2^50 voxels of the
+  ///         lattice's origin. `answers` has the size of `rays`.
+  /// Cost    Uses about 150 bytes per ray in addition to memory_bytes. Cast many rays in batches.
+  /// Errors  UsageError: memory_bytes is less than the tree of one shard requires. Stopped, if a stop is requested.
   void first_hits(std::span<const QueryRay> rays, std::span<QueryHit> answers, const Progress& progress = {});
 
   /// Returns the name of the cell or overview.
-  /// Errors  InputError, as NumberedShards.
+  /// Errors  InputError: the errors of NumberedShards.
   const std::string& name_of(std::uint32_t shard);
 
   QueryCounts counts() const;

@@ -9,12 +9,12 @@
 namespace gigabake {
 namespace {
 
-/// Cosine below which the plane is not used (a slope of about 86°): max_steps bounds the number of voxels below that
-/// are tested.
+/// The minimum cosine between plane normal and ray for which the plane is used (a slope of about 86°). This limit also
+/// bounds the number of voxels that are tested below a hit, max_steps.
 constexpr double min_cosine = 1.0 / 16;
 constexpr int max_steps = 32;
-/// Depth below a voxel's top face at which a test ray for it starts; larger than the error of a voxel's faces
-/// (QueryTree).
+/// The depth of the start of a test ray below the top face of the tested voxel, as a fraction of a voxel's edge. This
+/// depth is larger than the error of a voxel's faces (QueryTree).
 constexpr double inset_edges = 1.0 / 16;
 
 kernels::VoxelBox box_of(const QueryHit& hit) {
@@ -26,7 +26,8 @@ kernels::VoxelBox box_of(const QueryHit& hit) {
   return box;
 }
 
-/// Returns the ray's segment in the voxel, also if the ray passes it by a rounding error.
+/// Returns the ray's segment in the voxel. If the ray misses the voxel by a rounding error, the segment is the point of
+/// the hit.
 RayChord segment_in(const QueryRay& ray, const QueryHit& hit) {
   const RayChord exact = chord_of(ray, box_of(hit), 0);
   return exact.empty() ? RayChord{hit.distance, hit.distance} : exact;
@@ -34,13 +35,13 @@ RayChord segment_in(const QueryRay& ray, const QueryHit& hit) {
 
 double middle_of(const RayChord& segment) { return 0.5 * (segment.enter + segment.leave); }
 
-/// A hit whose estimate lies below the voxels that are known to continue the surface.
+/// A hit whose estimated surface lies below all voxels of the surface that are known so far.
 struct Steep {
   std::uint32_t ray;
-  double surface;  ///< the estimate
-  double middle;   ///< of the top voxel
+  double surface;  ///< distance of the estimated surface
+  double middle;   ///< distance of the middle of the hit voxel
   double leave;    ///< distance at which the ray leaves the lowest voxel known so far
-  double edge;     ///< of that voxel
+  double edge;     ///< edge of the lowest voxel known so far
 };
 
 std::vector<QueryRay> rays_below(const std::vector<Steep>& steep, std::span<const QueryRay> rays) {
@@ -71,8 +72,8 @@ double surface_distance(const QueryRay& ray, const QueryHit& hit, SurfaceRule ru
   if (std::fabs(cosine) < min_cosine) return middle_of(segment_in(ray, hit));
   if (cosine > 0) from_centre = -from_centre;
   cosine = std::fabs(cosine);
-  // A plane intersects a cube if its distance from the centre is at most extent / 2. The rule `thin` marks a lod-0
-  // voxel only if the plane intersects one of its three centre lines, which are parallel to the axes.
+  // A plane intersects a cube if its distance from the centre is at most extent / 2. Under SurfaceRule::thin, a lod-0
+  // voxel exists only if the plane intersects one of the voxel's three centre lines, which are parallel to the axes.
   const double extent = rule == SurfaceRule::thin ? sum * (edge - 1) + maximum : sum * edge;
   const double below_centre = 0.5 * (extent - cosine * edge / advance);
   return (from_centre + below_centre) / cosine;

@@ -51,7 +51,8 @@ void TreeStore::open(std::vector<Building>& all) const {
   });
 }
 
-/// Returns how many trees, from the first on, fit together. must: any tree may be evicted for the first.
+/// Returns the number of trees of `all`, from the first on, that fit into the memory after evictions. If `must` is
+/// true, any resident tree may be evicted for the first tree of `all`.
 std::size_t TreeStore::admit(std::vector<Building>& all, bool must) {
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {

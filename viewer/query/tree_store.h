@@ -14,7 +14,7 @@
 
 namespace gigabake {
 
-/// One level of one shard.
+/// The key of a tree: one level of one shard.
 struct QueryTreeKey {
   std::uint32_t shard = 0;
   std::int32_t lod = 0;
@@ -38,15 +38,15 @@ class TreeStore {
   /// Borrows `numbers` and the pool.
   TreeStore(NumberedShards& numbers, std::uint64_t memory_bytes, const ThreadPool& pool);
 
-  /// Returns the tree. Any number of threads may call it concurrently.
+  /// Returns the tree and marks it as used. Any number of threads may call find() concurrently.
   Found find(const QueryTreeKey& key) const;
 
   /// Starts a pass: find() marks trees as used in the new pass.
   void begin_pass() { ++pass_; }
 
-  /// Builds the trees that are not resident, in the given order, as far as the memory allows. Evicts trees that were
-  /// not used in this pass; for the first tree of the list also others. The first tree is resident or unreadable
-  /// afterwards.
+  /// Builds trees that are not resident, in the given order, as far as the memory allows. Evicts trees that were not
+  /// used in this pass. For the first tree of the list, evicts used trees too. The first tree is therefore resident or
+  /// unreadable afterwards.
   /// Errors  UsageError: the memory does not suffice for one of the trees.
   void build(const std::vector<QueryTreeKey>& by_request_count);
 

@@ -46,10 +46,11 @@ class BrickFiller {
   std::int64_t lattice(int a, int slot) const { return corner_.min[a] + (std::int64_t(slot) << lod_); }
 
   /// Fills the voxels of `part` that one stored brick covers, then recurses into the up to three boxes that remain. A
-  /// part may need several stored bricks. The bricks of cells may begin at any z, and bricks of a root overview in the
-  /// middle of a node.
+  /// part may need several stored bricks. Bricks of cells may begin at any z, and bricks of a root overview may begin
+  /// in the middle of a node.
   void fill_part(const SlotPart& part) {
-    // A cell may be offset along z by a part of a voxel: use its voxel that contains the centre of the slot's voxel.
+    // A cell may be offset along z by a fraction of a voxel. Use the cell's voxel that contains the centre of the
+    // slot's voxel.
     const std::int64_t half = std::int64_t(1) << lod_ >> 1;
     const std::int64_t v[3] = {lattice(0, part.begin[0]), lattice(1, part.begin[1]), lattice(2, part.begin[2]) + half};
     const VoxelPlace place = lookup_.place(lod_, v, gaps_, path_);
@@ -76,7 +77,8 @@ class BrickFiller {
     slot_.row[z][y] = std::uint16_t(slot_.row[z][y] | 1u << x);
   }
 
-  /// Fills a part of the border that cannot be read with the coarser voxels that are rendered in its place.
+  /// Fills a part of the border whose data cannot be read. Uses the coarser voxels that are rendered in place of this
+  /// data.
   void fill_from_coarser(const SlotPart& part, std::int64_t half) {
     for (int z = part.begin[2]; z < part.end[2]; ++z)
       for (int y = part.begin[1]; y < part.end[1]; ++y)
@@ -86,7 +88,8 @@ class BrickFiller {
         }
   }
 
-  /// Returns the voxel of the finest readable coarser level. Its plane is cleared, because it describes a larger voxel.
+  /// Returns the voxel at v of the finest readable coarser level. Clears its plane, because the plane describes a
+  /// larger voxel.
   std::optional<kernels::CastVoxel> coarser_voxel(const std::int64_t v[3]) {
     for (int lod = lod_ + 1; lod <= top_; ++lod) {
       MissingPages gaps;
@@ -147,7 +150,8 @@ class BrickFiller {
     }
   }
 
-  /// stored: the mask of the row in the stored brick; the row's first voxel has rank `rank` in the block.
+  /// Fills a row of `part`. `stored` is the mask of the row in the stored brick; `rank` is the index of the row's first
+  /// voxel in the block.
   void fill_row(const SlotPart& part, int y, int z, std::uint32_t stored, int from_x, const BrickBlock& block,
                 std::uint32_t rank) {
     for (std::uint32_t rest = stored; rest != 0; rest &= rest - 1, ++rank) {

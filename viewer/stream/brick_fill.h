@@ -1,5 +1,5 @@
-/// Builds the contents of the ray caster's pools from stored voxels: the nodes of a tree of fields, and bricks. A brick
-/// includes a border of the lowest layers of its upper neighbours, also across cells.
+/// Construction of the contents of the ray caster's pools from stored voxels: nodes and bricks. A brick includes a
+/// border of the lowest layers of its upper neighbours, also across cells.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 
 namespace gigabake {
 
-/// A node of a tree of fields.
+/// A node of a tree that rays traverse (kernels/marching/scene.h).
 struct FieldNode {
-  std::uint32_t cell = 0;  ///< index in the layout
+  std::uint32_t cell = 0;  ///< index in CellLayout::cells
   std::int32_t lod = 0;
-  std::uint32_t at[3] = {0, 0, 0};  ///< position in its level: bricks from the cell's corner
+  std::uint32_t at[3] = {0, 0, 0};  ///< position in bricks of its level from the cell's corner
 
   FieldNode child(unsigned octant) const {
     return {cell, lod - 1, {2 * at[0] + (octant & 1), 2 * at[1] + (octant >> 1 & 1), 2 * at[2] + (octant >> 2 & 1)}};
@@ -25,14 +25,14 @@ struct FieldNode {
 /// Returns the box of the node's own voxels, without the border.
 kernels::VoxelBox box_of(const FieldNode& node, const CellLayout& layout);
 
-/// Returns the mask of the node's children that exist; some of them may turn out to be empty. The mask is valid only if
-/// gaps.missing stays empty.
+/// Returns the mask of the node's children that exist; some of these children may turn out to be empty. The mask is
+/// valid only if gaps.missing stays empty.
 /// Range   node.lod > 0.
-/// Range  node.lod > 0.
 std::uint8_t children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup,
                          MissingPages& gaps);
 
-/// Fills the brick; returns false if its whole field is zero. The result is valid only if gaps.missing stays empty.
+/// Fills the brick; returns false if the brick and its border contain no voxels. The result is valid only if
+/// gaps.missing stays empty.
 bool fill_brick(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,
                 MissingPages& gaps, kernels::CastBrick& brick);
 

@@ -42,7 +42,7 @@ void check_cell(const SceneCell& cell, const SceneCell& first) {
 
 constexpr std::uint32_t rim_cell = 0xffffffffu;
 
-/// Cells by column coordinates, then by lowest z: the index of the cell, or rim_cell.
+/// The index of each cell, or rim_cell, by column coordinates and then by lowest z.
 using Columns = std::map<std::pair<std::int64_t, std::int64_t>, std::map<std::int64_t, std::uint32_t>>;
 
 Columns columns_of(const std::vector<SceneCell>& cells) {
@@ -61,7 +61,8 @@ Columns columns_of(const std::vector<SceneCell>& cells) {
   return columns;
 }
 
-/// Adds rim cells on the column's own grid that cover [low, high) wherever no cell does.
+/// Adds rim cells to a column where no cell covers the interval [low, high) of z. Rim cells are aligned to the cells of
+/// the column.
 void add_rims(std::int64_t low, std::int64_t high, std::int64_t edge, std::map<std::int64_t, std::uint32_t>& column) {
   const std::int64_t phase = column.empty() ? low : column.begin()->first;
   const auto floor_to_grid = [&](std::int64_t z) {
@@ -76,7 +77,8 @@ void add_rims(std::int64_t low, std::int64_t high, std::int64_t edge, std::map<s
   }
 }
 
-/// Returns the columns with rim cells: below each cell and to its west, south and south-west, one coarsest voxel deep.
+/// Returns the columns with added rim cells. They cover a margin below each cell and to its west, south and south-west.
+/// The margin is as wide as a voxel of the coarsest level.
 Columns with_rims(const Columns& columns, std::int64_t edge) {
   Columns all = columns;
   const std::int64_t coarsest_voxel = edge / brick_edge;
@@ -93,7 +95,7 @@ Box3i64 window_of(const std::vector<SceneCell>& cells) {
   return window;
 }
 
-/// Sets the scene's bounds; column coordinates are counted from the lowest column.
+/// Sets the scene's bounds and the range of the column coordinates.
 void measure(const Box3i64& window, const Columns& columns, kernels::CastScene& scene) {
   for (std::size_t a = 0; a < 3; ++a) {
     scene.min[a] = double(window.min[a]);

@@ -21,7 +21,8 @@ namespace {
                    "shard " + std::to_string(key.shard) + ", " + part + ", block " + std::to_string(key.block), what);
 }
 
-/// Checks only the rows themselves; references to other rows are checked when they are followed (voxel_lookup.h).
+/// Returns the fault of the rows; empty if there is none. VoxelLookup checks the references to other rows when it
+/// follows them.
 std::string fault_of_rows(const std::vector<NodeRow>& rows) {
   if (rows.empty() || rows.size() > nodes_per_block)
     return "expected 1 to " + std::to_string(nodes_per_block) + " rows, got " + std::to_string(rows.size());
@@ -76,7 +77,7 @@ class Guard {
   }
 
  private:
-  /// get: calls the producer. Adds the page's name to errors that do not have it.
+  /// Returns the result of `get`, which calls the producer. Adds the page's name to errors that lack it.
   template <class Get>
   static Page page_from(const PageKey& key, const Get& get) {
     try {

@@ -8,7 +8,7 @@
 namespace gigabake {
 namespace {
 
-/// A full page of cells takes about 300 KB.
+/// The maximum number of cached pages. A full page of cells takes about 300 KB.
 constexpr std::size_t max_pages = 32;
 constexpr std::int32_t deepest = 64;  // the block edge halves with each page level
 
@@ -28,8 +28,8 @@ std::shared_ptr<const ScenePage> NumberedShards::read(const PageReference& refer
   });
 }
 
-/// Returns the page that is `depth` levels below those that scene.xml refers to, on the path to the item. If the path
-/// ends earlier, returns its last page.
+/// Returns the page at `depth` on the path to the item that `is_below` finds. Depth 0 is a page to which scene.xml
+/// refers; each reference from page to page adds 1. If the path ends earlier, returns its last page.
 NumberedShards::Listing NumberedShards::page_with(const IsBelow& is_below, std::int32_t depth) {
   Listing at{0, 0, std::shared_ptr<const ScenePage>(scene_, &scene_->root())};
   for (std::int32_t next = 0; next <= depth; ++next) {

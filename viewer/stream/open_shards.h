@@ -12,24 +12,24 @@
 
 namespace gigabake {
 
-/// Memory per open shard: caches of the file and the index of its chunks, measured on shards of 1 MB.
+/// The memory of an open shard: caches of the file, and the index of the file's chunks. Measured on shards of 1 MB.
 inline constexpr std::uint64_t open_shard_bytes = std::uint64_t(320) << 10;
 
-/// Returns how many shards may be open within a memory limit: as many as fit into an eighth of it, 4 to 400.
+/// Returns the number of shards that may be open: as many as fit into an eighth of `memory_bytes`, but 4 to 400.
 std::size_t open_shards_within(std::uint64_t memory_bytes);
 
-/// Returns the source of pages_from_files() (page.h) with a different limit of open shards.
+/// Returns the same source as pages_from_files() (page.h), but with at most `max_open` open shards.
 PageSource pages_from_open_shards(std::shared_ptr<const PagedScene> scene,
                                   std::shared_ptr<std::atomic<std::uint64_t>> files_opened, std::size_t max_open);
 
 class OpenShards {
  public:
-  /// Borrows `numbers`. files_opened: if given, counts each shard that is opened.
+  /// Borrows `numbers`. Counts each opened shard in `files_opened`; null: not counted.
   OpenShards(NumberedShards& numbers, std::size_t max_open,
              std::shared_ptr<std::atomic<std::uint64_t>> files_opened = {});
 
   /// Returns an open shard, which stays open while the pointer is held. Thread-safe: a thread that waits for its file
-  /// does not block the others.
+  /// does not block other threads.
   /// Errors  InputError: unknown number, no such file, not a shard, or a different shard than the scene refers to.
   std::shared_ptr<const ShardPages> get(std::uint32_t number);
 

@@ -26,7 +26,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-/// Returns the error with the page's name in front, for errors that do not name it.
+/// Returns the error with the page's name in front.
 std::string problem_with(const PageKey& key, const std::string& what) {
   const std::string part = key.part == PageKey::node_rows ? "nodes"
                            : key.part <= PageKey::listing ? "list of cells"
@@ -71,7 +71,8 @@ struct Pager::State {
   const PageSource source;
   const std::uint64_t memory_bytes;
 
-  /// Changed only by begin_pass(), except for evictions; find() therefore reads it without the mutex.
+  /// The resident pages. Only begin_pass() changes them, except for evictions; find() therefore reads them without the
+  /// mutex.
   ResidentPages pages;
   std::unordered_set<PageKey, PageKeyHash> damaged;
 
@@ -101,7 +102,7 @@ Pager::State::~State() {
   for (std::jthread& reader : readers) reader.request_stop();
 }
 
-/// Pages being read are not counted, because their size is not known yet.
+/// Returns whether the next page may be read. Pages being read are not counted, because their size is not known yet.
 bool Pager::State::may_read() const {
   return (first_of_call && reading == 0 && arrivals.empty()) || bytes() - pages.candidate_bytes() < memory_bytes;
 }

@@ -11,7 +11,7 @@ using kernels::CastNode;
 using kernels::empty_ref;
 using kernels::lost_ref;
 
-/// Part of a pool that is evicted at once, so that the timestamps are rarely scanned.
+/// The inverse of the fraction of a pool that is evicted at once, so that the timestamps are rarely scanned.
 constexpr std::size_t parts_of_pool = 16;
 
 std::uint32_t root_tiles(std::size_t cells) { return std::uint32_t((cells + 7) / 8); }
@@ -35,7 +35,8 @@ PoolAllocator::PoolAllocator(std::size_t cells, int lods, const kernels::PoolSiz
 }
 
 std::uint32_t PoolAllocator::min_tiles(std::size_t cells, int lods) {
-  // To find a surface a ray samples points on both sides of it, which may lie in different bricks of two levels.
+  // To find a surface, a ray samples points on both sides of it. These points may lie in different bricks of two
+  // levels.
   constexpr std::uint32_t ways_down = 4;
   return root_tiles(cells) + ways_down * std::uint32_t(lods);
 }
@@ -128,7 +129,8 @@ void PoolAllocator::release_tile(std::uint32_t tile) {
   free_tiles_.push_back(tile);
 }
 
-/// Returns up to `maximum` of the least recently used candidates. candidates: last use and index.
+/// Returns the indices of up to `maximum` candidates, the least recently used first. A candidate is a pair of last use
+/// and index. Omits candidates that must stay.
 std::vector<std::uint32_t> PoolAllocator::oldest(std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates,
                                                  std::size_t maximum) {
   if (candidates.size() > maximum) {
@@ -145,7 +147,8 @@ std::vector<std::uint32_t> PoolAllocator::oldest(std::vector<std::pair<std::uint
   return gone;
 }
 
-/// stays: the tile of the node whose children are allocated; it is not evicted.
+/// Evicts tiles; returns false if no tile is free afterwards. Does not evict the tile `stays`, which contains the node
+/// whose children are allocated.
 bool PoolAllocator::free_some_tiles(std::uint32_t stays, kernels::Caster& caster) {
   const std::vector<std::uint32_t>& stamps = caster.tile_stamps();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates;

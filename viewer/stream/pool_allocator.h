@@ -13,24 +13,26 @@ namespace gigabake {
 
 class PoolAllocator {
  public:
-  /// Places the roots of `cells` cells of `lods` levels in the first tiles, permanently.
+  /// Creates empty pools. The roots of `cells` trees of `lods` levels occupy the first tiles permanently.
   PoolAllocator(std::size_t cells, int lods, const kernels::PoolSizes& sizes);
 
-  /// Returns the min number of tiles with which every ray can advance. These are the tiles of the roots and of the
-  /// paths to all nodes that a ray uses at the same time.
+  /// Returns the minimum number of tiles with which every ray can advance. These tiles contain the roots and the paths
+  /// to all nodes that a ray uses at the same time.
   static std::uint32_t min_tiles(std::size_t cells, int lods);
 
-  /// Returns whether the bricks of all roots fit; they are then never evicted.
+  /// Returns whether the bricks of all roots take less than half of the slots. In this case root bricks are never
+  /// evicted.
   bool roots_stay() const { return roots_stay_; }
 
-  /// Returns how many tiles, slots and places of the voxel pool are in use.
+  /// Returns the numbers of tiles, slots and places of the voxel pool that are in use.
   kernels::PoolSizes in_use() const {
     return {std::uint32_t(tiles_.size() - free_tiles_.size()), std::uint32_t(slots_.size() - free_slots_.size()),
             arena_.size() - arena_.free()};
   }
   const kernels::CastNode& node(std::uint32_t node) const { return nodes_[node]; }
   FieldNode place_of(std::uint32_t node) const;
-  /// Returns whether the node's tile is in use and was allocated before this round.
+  /// Returns whether the node's tile is in use and was allocated before this round. Tiles of roots count as allocated
+  /// before.
   bool is_settled(std::uint32_t node) const;
 
   /// Begins a round: entries allocated from now on stay until the next round. Entries that rays used in pass
@@ -39,11 +41,11 @@ class PoolAllocator {
   /// Returns whether this round evicted an entry that rays used in pass `used_since` of begin_round() or later.
   bool evicted_used() const { return evicted_used_; }
 
-  /// Allocates the tile of the node's children; returns false if the pool is full and nothing can be evicted. The
-  /// caster supplies the usage timestamps for eviction.
+  /// Allocates the tile of the node's children; returns false if the pool is full and nothing can be evicted. `caster`
+  /// supplies the usage timestamps for eviction.
   bool put_children(std::uint32_t node, std::uint8_t children, kernels::Caster& caster);
-  /// Allocates a slot for a brick of `parts` parts; nullopt if nothing can be evicted. May move bricks in the voxel
-  /// pool.
+  /// Allocates a slot for a brick of `parts` parts; nullopt if the pools are full and nothing can be evicted. May move
+  /// bricks in the voxel pool.
   std::optional<std::uint32_t> put_brick(std::uint32_t node, std::uint32_t parts, kernels::Caster& caster);
   /// Returns the current place of an allocated brick.
   kernels::BrickPlace brick_place(std::uint32_t slot) const { return {slot, arena_.first(slot)}; }
@@ -57,10 +59,10 @@ class PoolAllocator {
  private:
   struct Tile {
     std::uint32_t parent = 0;  ///< node
-    FieldNode place;           ///< of the parent
+    FieldNode place;           ///< position of the parent
     std::uint32_t born = 0;    ///< pass of the allocation
     std::uint32_t round = 0;
-    std::uint32_t resident_children = 0;  ///< number of its nodes that have a tile of children
+    std::uint32_t resident_children = 0;  ///< number of the tile's nodes that have a tile of children
     bool used = false;
   };
   struct Slot {

@@ -1,5 +1,6 @@
-/// Resident pages, each with the pass that found it last. Lookups need no lock, even during eviction. A page's
-/// timestamp contains either its last pass or `gone`, and an atomic exchange decides which of the two is written.
+/// Resident pages, each with the last pass in which it was found. Lookups need no lock, even during eviction. A page's
+/// timestamp is either its last pass or `gone`. An atomic exchange decides whether find() or evict() sets the timestamp
+/// first.
 #pragma once
 
 #include <atomic>
@@ -17,20 +18,22 @@ struct PageKeyHash {
   std::size_t operator()(const PageKey& key) const;
 };
 
-/// All members but find() must be called from one thread. find() may run concurrently with all but begin_pass() and
-/// add().
+/// A container of pages. Only find() may run concurrently with other members, except begin_pass() and add(). All other
+/// members require external synchronization.
 class ResidentPages {
  public:
-  /// Returns null if the page is not resident. A page that was found stays until the next begin_pass().
+  /// Returns the page; null if it is not resident. A page that was found stays until the next begin_pass().
   const Page* find(const PageKey& key) const;
-  bool has(const PageKey& key) const;  ///< does not mark it as used
+  bool has(const PageKey& key) const;  ///< does not mark the page as used
 
   /// Frees evicted pages and begins a new pass.
   void begin_pass();
-  /// Inserts a page as last used in the previous pass. Call it between begin_pass() and the pass.
+  /// Inserts a page as if it was last used in the previous pass. Call add() after begin_pass() and before the first
+  /// find() of the pass.
   void add(const PageKey& key, Page page, std::uint64_t page_bytes);
 
-  /// Lists the pages that this pass has not found so far: the candidates of evict(), until the next call.
+  /// Lists the pages that find() has not returned in this pass. They are the candidates of evict() until the list is
+  /// replaced by list_unused() or list_none().
   void list_unused();
   void list_none();
   /// Evicts candidates, least recently used first, until resident pages take at most `bytes` or no candidate is left. A
@@ -48,7 +51,7 @@ class ResidentPages {
         : page(std::move(its_page)), bytes(its_bytes), used(last_used) {}
     Page page;
     std::uint64_t bytes;
-    mutable std::atomic<std::uint64_t> used;  ///< last pass that found it, or `gone`
+    mutable std::atomic<std::uint64_t> used;  ///< last pass in which the page was found, or `gone`
   };
   struct Candidate {
     std::uint64_t used;

@@ -13,16 +13,16 @@ namespace {
 
 using kernels::Want;
 
-/// Requests that are answered in parallel before the clock is checked and the pools are filled. Enough per thread to
-/// outweigh the start of the threads, few enough to be done within 2 ms.
+/// The number of requests that are answered in parallel before the clock is checked and the pools are filled. It is
+/// large enough to outweigh the start of the threads, and small enough to take less than 2 ms.
 constexpr std::size_t requests_per_thread = 128, min_requests_per_batch = 256;
-/// Max requests examined per call, the most urgent first: more would only add requests that the pager cannot serve.
+/// The maximum number of requests examined per call, the most urgent first. The pager could not serve more requests.
 constexpr std::size_t max_requests = 8192;
 constexpr std::uint32_t min_slots = 16;
-/// Average parts of a surface brick: its voxels, with their borders, and its layers. If the average is higher, the
-/// voxel pool is full before the slots are.
+/// The assumed average number of parts of a surface brick: its voxels, including the border, and its layers. If the
+/// average is higher, the voxel pool is full before the slots are.
 constexpr std::uint32_t parts_per_slot = 90;
-/// Factor on the urgency of a root whose cell no ray has hit yet.
+/// The factor on the urgency of a root whose cell no ray has hit yet.
 constexpr double unseen_root = 1.0 / 64;
 constexpr int cpu_tile_edge = 128, device_tile_edge = 1024;
 static_assert(cpu_tile_edge % kernels::sky_block == 0 && device_tile_edge % kernels::sky_block == 0,
@@ -35,14 +35,16 @@ std::size_t requests_per_batch(const ThreadPool& policy) {
 std::uint32_t node_of(std::uint32_t want) { return want / 2; }
 Want what_of(std::uint32_t want) { return Want(want % 2); }
 
-/// Returns one sortable number, most urgent first. Bits of positive floats are in the order of their values.
+/// Returns a sort key; the most urgent request has the smallest key. The bits of positive floats have the order of
+/// their values.
 std::uint64_t ranked_want(double urgency, std::uint32_t want) {
   return std::uint64_t(~std::bit_cast<std::uint32_t>(float(urgency))) << 32 | want;
 }
 
 std::uint64_t host_memory() { return host_limits().memory_bytes; }
 
-/// Returns the bytes of the pools: on the host two thirds, because a brick takes about twice its size in a page.
+/// Returns the size of the pools. On the host they take two thirds of the memory, because a brick in the pools takes
+/// about twice its size in a page.
 std::uint64_t bytes_for_pools(const SceneStream::Options& options) {
   return options.cuda_device ? options.device_bytes : std::min(options.memory_bytes, host_memory() / 2) / 3 * 2;
 }
@@ -59,8 +61,8 @@ kernels::PoolSizes pool_sizes(const CellLayout& layout, std::uint64_t bytes) {
   if (roots > bytes)
     throw UsageError("memory_bytes", "the roots of " + counted(layout.cells.size(), "tree") + " need at least " +
                                          std::to_string(roots / 2 * 3 / 1024 + 1) + "K");
-  const auto more = std::uint32_t(std::min<std::uint64_t>((bytes - roots) / one, 1u << 24));  // 32-bit index
-                                                                                              // bits
+  // The limit of 2^24 keeps all indices below 2^32.
+  const auto more = std::uint32_t(std::min<std::uint64_t>((bytes - roots) / one, 1u << 24));
   return {first.tiles + more, first.slots + 2 * more, first.voxels + 2 * parts_per_slot * more};
 }
 
@@ -119,7 +121,7 @@ void SceneStream::request_roots() {
   remove_loaded_roots();
 }
 
-/// Returns whether the request was fulfilled after it was made.
+/// Returns whether the request has been answered.
 bool SceneStream::is_fulfilled(std::uint32_t want) const {
   const kernels::CastNode& node = books_.node(node_of(want));
   return (what_of(want) == Want::brick ? node.brick : node.children) != kernels::absent_ref;
@@ -137,7 +139,7 @@ double SceneStream::urgency(std::uint32_t want, const double eye[3]) const {
   return edge * edge / squared;
 }
 
-/// Returns the requests of rays and the pending roots, most urgent first. Roots count as far away.
+/// Returns the requests of rays and the pending roots, most urgent first. Pending roots have a reduced urgency.
 std::vector<std::uint32_t> SceneStream::sort_by_urgency(const std::vector<std::uint32_t>& wanted,
                                                         const double eye[3]) const {
   std::vector<std::uint64_t> ranked(wanted.size() + pending_roots_.size());
@@ -169,11 +171,11 @@ void SceneStream::answer(std::uint32_t want, Answer& out, kernels::CastBrick& br
     out.children = children_of(node, layout_, lookup_, out.gaps);
   else
     out.is_empty = !fill_brick(node, layout_, lookup_, shading_, out.gaps, brick);
-  // Next to an unreadable overview, an empty brick proves nothing about finer levels.
+  // If an overview is unreadable, an empty brick does not prove that finer levels are empty.
   out.gaps.damaged |= out.is_empty && out.gaps.is_overview_damaged;
 }
 
-/// Returns false if the pool is full.
+/// Enters the answer into the pools; returns false if the pool is full.
 bool SceneStream::enter(std::uint32_t want, const Answer& answer, kernels::CastBrick& brick) {
   const std::uint32_t node = node_of(want);
   if (answer.gaps.damaged) {

@@ -1,6 +1,6 @@
-/// Streams a scene larger than memory to the ray caster. Reads the pages that rays request, fills bricks and puts them
-/// into the pools, most urgent first. If one root overview covers the scene, only its tree is known at first, and cells
-/// are found as rays descend to them. Otherwise each cell has a tree.
+/// Streaming of a scene larger than memory to the ray caster. Reads the pages that rays request, fills bricks and puts
+/// them into the pools, the most urgent bricks first. If one root overview covers the scene, a few trees of its size
+/// cover all cells. Cells are then looked up when rays descend to them. Otherwise each cell has a tree.
 #pragma once
 
 #include <array>
@@ -27,15 +27,15 @@ class SceneStream {
   struct Options {
     kernels::CastLight light;
     Surface surface = Surface::colour;
-    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  ///< of pools and pages together; UINT64_MAX: half of the host
+    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  ///< pools and pages; at most half of the host's memory
     int page_threads = 2;
     std::optional<int> cuda_device;  ///< ordinal of cuda_devices() to cast on; memory_bytes then excludes the pools
-    std::uint64_t device_bytes = std::uint64_t(4) << 30;  ///< of the device's pools
-    bool cells_alone = false;                             ///< ignores overviews: all cells are known from the start
+    std::uint64_t device_bytes = std::uint64_t(4) << 30;  ///< size of the device's pools
+    bool cells_alone = false;                             ///< ignores overviews, so that each cell has a tree
   };
 
-  /// Eviction rule of the pools. Entries that rays used in pass `used_since` or later stay: always if `all`, otherwise
-  /// as long as anything else can be evicted.
+  /// The eviction rule of the pools for entries that rays used in pass `used_since` or later. If `all`, these entries
+  /// are never evicted. Otherwise they are evicted only if nothing else can be evicted.
   struct Keep {
     std::uint32_t used_since = 0;
     bool all = true;
@@ -44,20 +44,21 @@ class SceneStream {
   /// Result of one call of serve().
   struct Served {
     std::uint64_t uploads = 0;
-    bool evicted_used = false;  ///< the pools do not hold what one pass of the rays uses
+    bool evicted_used = false;  ///< evicted entries that rays used since Keep::used_since
     bool is_full = false;       ///< a request was dropped, because everything in the pools is in use
   };
 
   /// Borrows `policy`.
-  /// Errors  InputError as lay_out_cells(); UsageError: less memory than the scene's roots need; CudaFailure, also from
-  ///         all members that use the caster.
+  /// Errors  InputError: the errors of lay_out_cells(). UsageError: less memory than the scene's roots need.
+  ///         CudaFailure, also from all members that use the caster.
   SceneStream(const PagedScene& scene, PageSource source, const Options& options, const ThreadPool& policy);
 
   kernels::Caster& caster() { return *caster_; }
   const CellLayout& layout() const { return layout_; }
 
-  /// Answers the requests of rays (Caster::wanted()) whose pages are resident, until `enough`, but at least one batch.
-  /// Pages that are not resident are requested from the pager. eye: lod-0 voxels; near and coarse nodes come first.
+  /// Answers the requests of rays (Caster::wanted()) whose pages are resident, until `enough` returns true, but at
+  /// least one batch. Requests missing pages from the pager. Near and coarse nodes come first; `eye` is in lod-0
+  /// voxels.
   Served serve(const std::vector<std::uint32_t>& wanted, const double eye[3], const kernels::StopAsked& enough,
                const Keep& keep);
 
@@ -69,8 +70,8 @@ class SceneStream {
   bool settle(std::chrono::milliseconds maximum) { return pager_.settle(maximum); }
   bool has_arrivals() const { return pager_.has_arrivals(); }
 
-  /// Makes each serve() from now on also load the roots, requested or not, if the pools can hold all of them. Then
-  /// every view has a coarse fallback for the whole scene.
+  /// Makes each later serve() also load the bricks of the roots, requested or not, if the pools can hold all of them.
+  /// Then every view has a coarse fallback for the whole scene.
   void request_roots();
   /// Returns whether some of the roots are not resident yet.
   bool has_pending_roots() const { return !pending_roots_.empty(); }
@@ -79,9 +80,9 @@ class SceneStream {
   /// small enough to bound memory and cancellation latency.
   int tile_edge() const { return tile_edge_; }
 
-  /// Returns the size of the pools, on host or device, plus the limit of the pages.
+  /// Returns the size of the pools, on host or device, plus the memory limit of the pages.
   std::uint64_t bytes_allowed() const { return pool_bytes_ + page_bytes_; }
-  /// Returns the bytes in use of pools and pages.
+  /// Returns the bytes that pools and pages use.
   std::uint64_t bytes_held() const { return books_.in_use().bytes() + pager_.counts().bytes; }
   std::uint64_t page_bytes_allowed() const { return page_bytes_; }
   PagerCounts page_counts() const { return pager_.counts(); }
@@ -117,7 +118,7 @@ class SceneStream {
   PoolAllocator books_;
   std::unique_ptr<kernels::Caster> caster_;
   bool wants_roots_ = false;
-  std::vector<std::uint32_t> pending_roots_;  ///< requests
+  std::vector<std::uint32_t> pending_roots_;  ///< requests of root bricks
   std::vector<std::uint32_t> new_slots_;
   std::vector<kernels::CastBrick> new_bricks_;
   std::uint64_t uploads_ = 0;

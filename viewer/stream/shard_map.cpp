@@ -22,7 +22,7 @@ VoxelBox cube_at(const Vec3i64& min, std::int64_t edge) {
   return box;
 }
 
-/// Returns the listed page of the block, or null. Blocks of a list have equal size and are sorted by z, y, x.
+/// Returns the listed page of the block, or null. Blocks of a listing have equal size and are sorted by z, y, x.
 const ListedPage* page_around(const std::vector<ListedPage>& pages, const LatticeBlock& block) {
   const auto order = [](const LatticeBlock& b) { return b.min.zyx(); };
   const auto found = std::lower_bound(pages.begin(), pages.end(), order(block),
@@ -77,7 +77,8 @@ ShardExtent ShardMap::placed(const ListedCell& cell) const {
   return {cell.number, 0, cell_bits_ - 2, 0, cube_at(cell.min, std::int64_t(1) << cell_bits_)};
 }
 
-/// Returns null if the listing is not resident. If it can never be read, `missed` may be incomplete.
+/// Returns the listing; null if it is not resident. If it can never be read and its shards may overlap gaps.own, sets
+/// gaps.damaged. `missed` contains these shards.
 const Page* ShardMap::find_listing(const ListedPage& listed, std::int32_t part, const VoxelBox& missed,
                                    const Pager& pager, MissingPages& gaps) const {
   const PageKey key{listed.first_cell, part, 0};
@@ -105,7 +106,8 @@ std::optional<ShardExtent> ShardMap::find_overview(const OverviewLevel& level, c
   }
 }
 
-/// Returns the list of the cells that begin in the block around v; null if there are none or it is not resident.
+/// Returns the list of the cells that begin in the block around v. Returns null if there are none or the listing is not
+/// resident.
 const ShardMap::Cells* ShardMap::cells_around(const Vec3i64& v, const Pager& pager, MissingPages& gaps,
                                               LatticeBlock& block) const {
   block = {{-everywhere, -everywhere, -everywhere}, 2 * everywhere};

@@ -1,7 +1,7 @@
-/// Finds the shard that stores a place of a level: a cell or an overview.
+/// Lookup of the shard, a cell or an overview, that stores a level at a position.
 ///
-/// Cells and overviews are found in the lists of the scene's pages, which the pager loads. For a scene that has pages,
-/// memory therefore does not grow with the number of cells.
+/// Cells and overviews are found in the listings of the scene's pages (page.h), which the pager loads. If a scene has
+/// pages, the memory therefore does not grow with the number of cells.
 #pragma once
 
 #include <algorithm>
@@ -37,16 +37,16 @@ struct ShardExtent {
 
 bool overlap(const kernels::VoxelBox& a, const kernels::VoxelBox& b);
 
-/// Returns null if the page is not resident; gaps.missing or Pager::is_damaged() gives the reason.
+/// Returns the page; null if it is not resident. Adds the page to gaps.missing unless Pager::is_damaged().
 const Page* find_page(const Pager& pager, const PageKey& key, MissingPages& gaps);
 
-/// Several threads may call it concurrently between two passes of the pager.
+/// The shards of a scene. Several threads may call const members concurrently between two passes of the pager.
 class ShardMap {
  public:
-  /// Uses only the cells, all in memory: number i is cells[i].
-  /// Range   Cells of one size, as lay_out_cells() accepts them.
+  /// Creates a map of cells only, which are all in memory. cells[i] has the shard number i.
+  /// Range   lay_out_cells() accepts the cells.
   explicit ShardMap(const std::vector<SceneCell>& cells);
-  /// Finds cells through overviews, from the root down.
+  /// Creates a map of a scene with overviews. It finds cells and overviews through the scene's pages.
   ShardMap(const PagedScene& scene, OverviewLevels levels);
 
   /// Returns the number of the last provider of level `lod`. A level may be stored several times: by the cells or by
@@ -54,8 +54,9 @@ class ShardMap {
   /// largest shards, so an image needs fewer of them. The last provider stores the original level.
   int last_holder(int lod) const;
 
-  /// Returns the shard of level `lod` that contains lod-0 voxel v. Otherwise returns nullopt and sets `empty` to a box
-  /// around v that no shard overlaps.
+  /// Returns the shard of provider `holder` that contains lod-0 voxel v and stores level `lod`. If there is none,
+  /// returns nullopt and sets `empty` to a box around v that no shard overlaps. If a page is missing, returns nullopt
+  /// and adds the page to `gaps`.
   /// Range   `holder` ≤ last_holder(lod), also for any().
   std::optional<ShardExtent> find(int lod, int holder, const std::int64_t v[3], const Pager& pager, MissingPages& gaps,
                                   kernels::VoxelBox& empty) const;
@@ -78,7 +79,8 @@ class ShardMap {
   ShardExtent placed(const ListedCell& cell) const;
   const Page* find_listing(const ListedPage& listed, std::int32_t part, const kernels::VoxelBox& missed,
                            const Pager& pager, MissingPages& gaps) const;
-  /// Returns the level's overview of that block; nullopt also if a page that may list it is not resident.
+  /// Returns the overview at a block of the overview level. Returns nullopt if there is none, or if a page that may
+  /// list it is not resident.
   std::optional<ShardExtent> find_overview(const OverviewLevel& level, const OverviewBlock& block, const Pager& pager,
                                            MissingPages& gaps) const;
   const Cells* cells_around(const Vec3i64& v, const Pager& pager, MissingPages& gaps, LatticeBlock& block) const;
@@ -99,7 +101,8 @@ class ShardMap {
     return false;
   }
 
-  /// Visits the cells of the column at x, y that overlap the box in z. They may be in several lists, stacked in z.
+  /// Visits the cells of the column at x, y that overlap the box in z. The cells of a column may be in several
+  /// listings, stacked in z.
   template <class Visit>
   bool any_of_column(std::int64_t x, std::int64_t y, const kernels::VoxelBox& box, const Pager& pager,
                      MissingPages& gaps, const Visit& visit) const {
@@ -120,7 +123,7 @@ class ShardMap {
   std::int32_t cell_lods_ = 0, cell_bits_ = 0;
   std::optional<OverviewLevels> overview_levels_;
   std::uint32_t cell_count_ = 0;
-  Cells cells_;  ///< listed in scene.xml itself, like the two below
+  Cells cells_;  ///< listed in scene.xml itself, like the next two members
   std::vector<ListedPage> pages_;
   std::vector<ListedOverview> overviews_;
 };

@@ -1,6 +1,6 @@
-/// Allocator of the voxel pool: bricks of any size, stored one after another, with gaps where some were freed. A layer
-/// of a brick takes the space of one voxel and is counted as one. Voxels are allocated at the end. When the end is
-/// reached, all bricks move down, so gaps are never lost.
+/// The allocator of the voxel pool. Bricks of any size are stored one after another, with gaps where bricks were freed.
+/// A layer of a brick takes the space of one voxel and counts as a voxel. Voxels are allocated at the end. When the end
+/// is reached, all bricks move down to close the gaps.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ class VoxelArena {
   /// Returns whether `count` voxels fit at the end; if not, call close_gaps() first.
   bool has_room(std::uint32_t count) const { return size_ - end_ >= count; }
   /// Allocates voxels for a slot.
-  /// Range   The slot has none; has_room(count).
+  /// Range   The slot has no voxels, and has_room(count) is true.
   void take(std::uint32_t slot, std::uint32_t count);
   void give_back(std::uint32_t slot);
 
@@ -42,7 +42,7 @@ class VoxelArena {
   };
 
   std::vector<Taken> taken_;    ///< by slot; count 0: free
-  std::vector<Order> upwards_;  ///< allocations in ascending order since gaps were closed; some may be freed
+  std::vector<Order> upwards_;  ///< allocations in ascending order; some were freed since the last close_gaps()
   std::uint32_t free_, size_, end_ = 0;
 };
 

@@ -26,7 +26,7 @@ VoxelBox common_box(const VoxelBox& a, const VoxelBox& b) {
   return box;
 }
 
-/// Returns the lowest level on which the path to this voxel of the shard equals the stored path.
+/// Returns the lowest level on which the path to voxel `local` of the shard equals the stored path.
 int shared_level(const NodePath& path, const ShardExtent& shard, const std::int64_t local[3]) {
   if (path.shard != shard.number) return shard.top();
   const auto differ = std::uint64_t((local[0] ^ path.v[0]) | (local[1] ^ path.v[1]) | (local[2] ^ path.v[2]));
@@ -46,7 +46,7 @@ const NodeRow* VoxelLookup::row(const ShardExtent& shard, std::uint32_t index, M
                                                                          : &page->rows[index % nodes_per_block];
 }
 
-/// Returns whether the row can never be read: its page cannot, or has fewer rows than other rows refer to.
+/// Returns whether the row can never be read: its page is damaged, or has fewer rows than other rows refer to.
 bool VoxelLookup::lacks_row(const ShardExtent& shard, std::uint32_t index) const {
   const PageKey key{shard.number, PageKey::node_rows, index / nodes_per_block};
   if (pager_.is_damaged(key)) return true;
@@ -124,7 +124,8 @@ unsigned VoxelLookup::unread_occupied(const ShardExtent& shard, const Question& 
   return open;
 }
 
-/// Returns the boxes that nodes below row_index overlap. The node exists and overlaps the boxes of `open`.
+/// Returns the boxes that nodes of the question's level overlap, in the subtree of row `row_index`. The node of this
+/// row exists and overlaps the boxes of `open`.
 unsigned VoxelLookup::occupied_below(const ShardExtent& shard, std::uint32_t row_index, int level,
                                      const std::int64_t corner[3], const Question& question, unsigned open,
                                      MissingPages& gaps) const {
@@ -168,14 +169,14 @@ VoxelPlace VoxelLookup::place(int lod, const std::int64_t v[3], MissingPages& ga
     const std::size_t missing = gaps.missing.size();
     place = place_in(*shard, lod, v, gaps, path);
     if (place.kind != VoxelPlace::Kind::unreadable || gaps.missing.size() != missing) return place;
-    if (holder < map_.last_holder(lod)) continue;  // the next provider has the original
+    if (holder < map_.last_holder(lod)) continue;  // a further provider may be readable
     gaps.damaged |= overlap(shard->window, gaps.own);
     gaps.is_overview_damaged |= shard->is_overview();
     return place;
   }
 }
 
-/// Returns `Kind::unreadable` if the data can never become resident.
+/// Returns the content of the shard at v; `Kind::unreadable` if the data can never become resident.
 VoxelPlace VoxelLookup::place_in(const ShardExtent& shard, int lod, const std::int64_t v[3], MissingPages& gaps,
                                  NodePath& path) const {
   VoxelPlace place;

@@ -19,14 +19,14 @@ struct VoxelPlace {
   std::size_t brick = 0;              ///< index in the block
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
-  Facing facing{};  ///< rgba, normal and facing: of a constant
+  Facing facing{};  ///< rgba, normal and facing are set for `Kind::constant`
   bool has_facing = false;
 };
 
 inline constexpr std::uint32_t no_shard = 0xffffffffu;
 
-/// The latest path down the nodes of a shard: the next lookup starts where its path diverges. For one thread and one
-/// pass of the pager.
+/// The latest path down the nodes of a shard. The next lookup starts where its path diverges. Each thread uses a
+/// separate NodePath, for one pass of the pager.
 struct NodePath {
   std::uint32_t shard = no_shard;
   std::int32_t lowest = 0;                           ///< level at which the path ended
@@ -34,7 +34,7 @@ struct NodePath {
   const NodeRow* node[kernels::max_cast_lods] = {};  ///< by level, from `lowest` up
 };
 
-/// Several threads may call it concurrently between two passes of the pager.
+/// A lookup of voxels. Several threads may use it concurrently between two passes of the pager.
 class VoxelLookup {
  public:
   /// Borrows both arguments.
@@ -43,8 +43,8 @@ class VoxelLookup {
   using Boxes = std::array<kernels::VoxelBox, 8>;
 
   /// Returns a mask: bit i is set if a node of level `lod` overlaps boxes[i] (lod-0 voxels). The mask is invalid if
-  /// pages are missing. Unreadable data counts as occupied: for a cell all of it, for an overview all shards below it,
-  /// so that rays reach its cells.
+  /// pages are missing. Unreadable data counts as occupied, so that rays reach the cells. For a cell, all of it is
+  /// occupied; for an overview, all shards below it.
   std::uint8_t occupied(int lod, const Boxes& boxes, MissingPages& gaps) const;
 
   /// Returns the content of the voxel of level `lod` that contains lod-0 voxel v.
@@ -53,8 +53,8 @@ class VoxelLookup {
  private:
   const NodeRow* row(const ShardExtent& shard, std::uint32_t index, MissingPages& gaps) const;
   bool lacks_row(const ShardExtent& shard, std::uint32_t index) const;
-  /// A query for the boxes that the nodes of a level overlap. It reads the level from one provider, which
-  /// ShardMap::last_holder() explains. open: mask of the boxes that have no answer yet.
+  /// A query for the boxes that nodes of a level overlap. It reads the level from one provider
+  /// (ShardMap::last_holder()). `open` is the mask of the boxes that have no answer yet.
   struct Question {
     int lod, holder;
     Boxes boxes;

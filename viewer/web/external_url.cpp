@@ -115,7 +115,7 @@ std::string_view without_external_path(std::string_view path, const ExternalUrl&
 std::string reachable_host(const std::string& bind) {
   const std::optional<int> family = wildcard_family(bind);
   if (!family) return bind;
-  // Documentation addresses (RFC 5737, RFC 3849) are used: their route is the default route.
+  // The route to a documentation address (RFC 5737, RFC 3849) is the default route.
   std::string found = *family == AF_INET6 ? address_towards("2001:db8::1", AF_INET6) : "";
   if (found.empty()) found = address_towards("192.0.2.1", AF_INET);
   if (found.empty()) found = first_interface_address();

@@ -18,11 +18,11 @@ struct ExternalUrl {
 /// Errors  UsageError: any other text.
 ExternalUrl parse_external_url(std::string_view text);
 
-/// Returns a request's path without the path of the external URL, which some proxies keep.
+/// Returns a request's path without the external URL's path, which some proxies keep in requests.
 std::string_view without_external_path(std::string_view path, const ExternalUrl& external);
 
-/// Returns an address that other hosts can open: `bind`, or for a wildcard (0.0.0.0, ::) an address of this machine.
-/// A machine that has only loopback addresses is named by its host name.
+/// Returns an address under which other machines reach the server: `bind`, or an address of this machine if `bind` is a
+/// wildcard (0.0.0.0, ::). Returns the machine's host name if it has only loopback addresses.
 std::string reachable_host(const std::string& bind);
 
 }  // namespace gigabake

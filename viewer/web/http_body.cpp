@@ -9,7 +9,7 @@
 namespace gigabake {
 namespace {
 
-/// Polling interval in which a producer with a slow client notices that the server stops.
+/// The polling interval at which a waiting producer checks whether the server stops.
 constexpr std::chrono::milliseconds stop_poll_interval{100};
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// The buffer of a streamed response, between the thread that produces the bytes and the one that sends them.
+/// The buffer of a streamed response, between the thread that produces the bytes and the thread that sends them.
 #pragma once
 
 #include <atomic>
@@ -14,20 +14,20 @@
 
 namespace gigabake {
 
-/// A producer and a sender share the buffer. The sender suspends the connection when the buffer is empty; the producer
-/// resumes it.
+/// A buffer that a producer and a sender share. The sender suspends the connection when the buffer is empty; the
+/// producer resumes the connection.
 class HttpBody {
  public:
   HttpBody(MHD_Connection* connection, int socket, std::shared_ptr<HttpStream> stream)
       : connection_(connection), socket_(socket), stream_(std::move(stream)) {}
 
-  /// Produces bytes until the stream ends, the client disconnects or `stopping` is set. Call it once, on a separate
+  /// Produces bytes until the stream ends, the client disconnects or `stopping` is set. Call make() once, on a separate
   /// thread.
   void make(const std::atomic<bool>& stopping);
-  /// Copies up to `room` bytes. If none are ready, returns 0 and suspends the connection; returns libmicrohttpd's end
-  /// code at the end. Called by the sender.
+  /// Copies up to `room` bytes and returns their number. If no bytes are ready, returns 0 and suspends the connection.
+  /// At the end of the stream, returns libmicrohttpd's end code. The sender calls this function.
   ssize_t take(char* to, std::size_t room);
-  /// Marks connection and socket as invalid. The sender's last call.
+  /// Marks connection and socket as invalid. The sender calls this function last.
   void detach();
 
  private:

@@ -45,9 +45,10 @@ struct Refusal {
 
 inline constexpr std::uint64_t max_body_bytes = 4096;
 
-/// Returns why a request is refused; nullopt: it is accepted. local: the server is bound to this machine only. Any
-/// other Host then indicates a foreign page whose host name resolves to this machine (DNS rebinding). external: the
-/// proxy's URL. Its host is accepted like localhost, its origin like the server's.
+/// Returns the reason why a request is refused; nullopt if the request is accepted.
+/// `local` is true if the server is bound to a loopback address. A Host other than localhost then indicates a foreign
+/// page whose host name resolves to this machine (DNS rebinding). `external` is the proxy's URL. Its host is accepted
+/// like localhost, and its origin like the server's origin.
 std::optional<Refusal> refusal_of(const RequestHead& head, bool local, const ExternalUrl& external = {});
 
 }  // namespace gigabake

@@ -70,7 +70,7 @@ using Response = std::unique_ptr<MHD_Response, Destroy>;
 /// The state of one request, from its head to its answer.
 struct Exchange {
   HttpRequest request;
-  std::optional<HttpReply> made;  ///< by another thread; the connection is suspended until then
+  std::optional<HttpReply> made;  ///< reply of another thread; the connection is suspended until it is set
 };
 
 }  // namespace
@@ -121,8 +121,8 @@ struct HttpServer::State {
       static_cast<State*>(self)->waiting.expect(socket_of(connection), WaitingClients::Clock::now());
   }
 
-  /// Handles the steps of a request: its head, each part of its body, and its end. The end is repeated after a
-  /// suspension.
+  /// Handles the steps of a request: its head, each part of its body, and its end. After a suspension, libmicrohttpd
+  /// reports the end again.
   static MHD_Result on_request(void* self, MHD_Connection* connection, const char* url, const char* method, const char*,
                                const char* part, std::size_t* part_size, void** exchange) {
     State& state = *static_cast<State*>(self);

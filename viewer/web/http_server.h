@@ -1,6 +1,6 @@
-/// An HTTP server for slow, numerous or hostile clients; wraps libmicrohttpd behind plain values.
+/// An HTTP server that withstands slow, numerous or hostile clients. It wraps libmicrohttpd behind plain values.
 ///
-/// One thread serves all connections and never blocks on one of them. The size of a request's head and the time for
+/// One thread serves all connections and never blocks on a connection. The size of a request's head and the time for
 /// head and body are limited before any handler runs. Connections are limited in total and per address. Only slow
 /// replies and streams run on separate threads.
 #pragma once
@@ -44,8 +44,8 @@ using SlowReply = std::function<HttpReply()>;
 class HttpStream {
  public:
   virtual ~HttpStream() = default;
-  /// Returns the next bytes to send; empty: none for now; nullopt: the stream has ended. It is called when all earlier
-  /// bytes are sent, always by the same thread, and must return within about a second.
+  /// Returns the next bytes to send; empty if there are none now, nullopt if the stream has ended. The server calls
+  /// next() when all earlier bytes are sent, always on the same thread. The call must return within about a second.
   virtual std::optional<std::string> next() = 0;
 };
 
@@ -63,17 +63,19 @@ class HttpServer {
     std::size_t head_bytes = 16384;             ///< limit of request line and header; beyond it status 414 or 431
     std::size_t connections = 512;              ///< limit in total; further connections wait to be accepted
     std::size_t connections_per_address = 256;  ///< limit per client address; further connections are closed at once
-    std::size_t waiting = 64;                   ///< limit without a complete request; beyond it the oldest is closed
+    std::size_t waiting = 64;                   ///< limit of incomplete requests; beyond it the oldest is closed
     std::size_t threads = 160;                  ///< limit of slow replies and streams; further ones get status 503
     std::chrono::milliseconds request_timeout{10000};  ///< time limit of a request, since connection or last answer
     int idle_timeout_s = 5;                            ///< timeout of a connection without activity
-    /// Small, because buffered data reaches a slow client too late to be useful.
+    /// The size of a socket's send buffer. It is small, because buffered data reaches a slow client too late to be
+    /// useful.
     int send_buffer_bytes = 1 << 17;
   };
 
   /// The callbacks of the server. The thread that serves all connections calls them, so they must not block.
   struct Handlers {
-    /// Checks a request before its body is read. nullopt accepts the request; a reply closes the connection.
+    /// Checks a request before its body is read. Returns nullopt to accept the request, or a reply that closes the
+    /// connection.
     std::function<std::optional<HttpReply>(const HttpRequest&)> refuse;
     std::function<HttpAnswer(const HttpRequest&)> answer;
     /// Converts an exception of `answer` or of a slow reply to a reply.

@@ -7,7 +7,8 @@ const std::string part_head = "--frame\r\nContent-Type: image/jpeg\r\n\r\n";
 constexpr std::string_view jpeg_start = "\xff\xd8";
 /// The maximum content of a JPEG's comment segment, and the number of such segments that fill a proxy's buffers.
 constexpr int max_comment_bytes = 65533, large_comments = 4;
-/// Proxies close replies that send nothing for 60 s (nginx) or 30 s. Calls of fill() are a second apart.
+/// The number of fill() calls between keepalives; calls are about a second apart. Proxies close replies that send
+/// nothing for 60 s (nginx) or 30 s.
 constexpr int fills_between_keepalives = 5;
 
 }  // namespace

@@ -7,15 +7,16 @@
 
 namespace gigabake {
 
-/// Writes images as parts that replace each other. While there is no new image, it writes comment segments of the next
-/// JPEG. They push the end of the last image out of a proxy's buffers, and later keep the connection alive. The
-/// comments are random bytes, because a compressing proxy would shrink zeros and keep them in its buffer.
+/// A writer of images as parts that replace each other. While there is no new image, it writes comment segments of the
+/// next JPEG. These segments push the end of the last image out of a proxy's buffers, and later keep the connection
+/// alive. The comments are random bytes, because a compressing proxy would shrink zeros and keep them in its buffer.
 class ImageParts {
  public:
-  /// Returns the rest of the current part and the head of the next one. Browsers show an image when they have read
-  /// the next head.
+  /// Returns the rest of the current part and the head of the next part. Browsers show an image when they have read the
+  /// next head.
   std::string add(std::string_view jpeg);
-  /// Returns filler bytes for a period of at least a quarter of a second without a new image; empty if none are due.
+  /// Returns filler bytes; empty if none are due. Call fill() after each period of at least a quarter of a second
+  /// without a new image.
   std::string fill();
 
  private:

@@ -36,8 +36,8 @@ Addresses addresses_of(const std::string& address, int port) {
   return Addresses(list);
 }
 
-/// Returns a listening socket; −1 and errno on failure. SO_REUSEPORT is not set, because two servers would share the
-/// port and its clients.
+/// Returns a listening socket. On failure, returns −1 and sets errno. SO_REUSEPORT is not set, because two servers
+/// would share the port and its clients.
 int listen_at(const addrinfo& at) {
   const int socket = ::socket(at.ai_family, at.ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, at.ai_protocol);
   if (socket < 0) return -1;

@@ -5,10 +5,11 @@
 
 namespace gigabake {
 
-/// Owns the socket; closes it.
+/// The owner of a listening TCP socket, which the destructor closes.
 class ListenSocket {
  public:
-  /// Binds the address and listens. address: a name, or a numeric IPv4 or IPv6 address. port 0: any free port.
+  /// Binds the address and listens. `address` is a host name or a numeric IPv4 or IPv6 address. Port 0 selects any free
+  /// port.
   /// Errors  InputError: the address is invalid, or another process uses the port.
   ListenSocket(const std::string& address, int port);
   ~ListenSocket();

@@ -20,8 +20,8 @@ namespace gigabake {
 namespace {
 
 constexpr int moving_quality = 75, resting_quality = 92;
-/// picture_s: time limit of a full image. Without a new image, a stream sends filler after first_fill_s, then every
-/// next_fill_s.
+/// The time limit of a full image, and the delays of a stream's filler bytes. Without a new image, a stream sends
+/// filler after first_fill_s, then every next_fill_s.
 constexpr double picture_s = 60, first_fill_s = 0.25, next_fill_s = 1;
 constexpr std::chrono::seconds bake_query_interval{1};
 constexpr const char* json_type = "application/json";
@@ -134,7 +134,7 @@ struct StreamServer::State {
     if (options.token.empty()) return true;
     const std::string_view bearer = request.authorization;
     const std::string_view given = bearer.starts_with("Bearer ") ? bearer.substr(7) : "";
-    // All three are always compared, so that the time does not depend on the results.
+    // All three tokens are always compared, so that the time does not depend on the results.
     const bool by_header = equal_in_constant_time(options.token, given);
     const bool by_query = equal_in_constant_time(options.token, request.argument("token"));
     const bool by_cookie = equal_in_constant_time(options.token, cookie(request.cookies, cookie_name()));

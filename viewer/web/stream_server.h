@@ -1,7 +1,7 @@
 /// An HTTP server that shows a scene in a browser: page, images and user input (docs/viewer.md).
 ///
-/// Each page has its own camera. Every request gets a status and one line of JSON, except for the page's files and
-/// images. No client can block others by its requests or by unread replies (viewer/web/http_server.h).
+/// Each browser page has a separate camera. Each answer is a status and one line of JSON, except for the page's files
+/// and images. No client can block others by its requests or by unread replies (viewer/web/http_server.h).
 #pragma once
 
 #include <functional>
@@ -29,15 +29,15 @@ class StreamServer {
   static constexpr std::size_t min_token_length = 16;
 
   /// Binds the port; borrows the scene.
-  /// Errors  UsageError: reachable from other machines without a token of min_token_length letters or digits; an
-  ///         invalid external URL. InputError: the address cannot be bound.
+  /// Errors  UsageError: an invalid port, token or external URL; no token of min_token_length characters although other
+  ///         machines can reach the server. InputError: the address cannot be bound.
   StreamServer(LiveScene& scene, const Options& options);
   ~StreamServer();
 
   int port() const;
   /// Returns the URL for users to open, with the token; the proxy's URL if there is one.
   std::string url() const;
-  /// Returns true if other machines can reach the server; it then needs a token.
+  /// Returns true if other machines can reach the server. The server then needs a token.
   static bool is_public(const Options& options);
   /// Serves until stop(), which any thread may call.
   void serve();

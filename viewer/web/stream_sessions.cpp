@@ -5,7 +5,7 @@
 namespace gigabake {
 namespace {
 
-/// Session timeout. A page requests its state every second; a reloaded page uses a new key.
+/// The session timeout. An open page requests its state every half second. A reloaded page uses a new key.
 constexpr std::chrono::seconds session_timeout{10};
 
 }  // namespace

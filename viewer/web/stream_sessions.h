@@ -17,18 +17,18 @@ class StreamSessions {
  public:
   explicit StreamSessions(LiveScene& scene) : scene_(scene) {}
 
-  /// Adds a viewer and returns its key. first: the initial input. Returns nullopt if the scene accepts no more viewers,
-  /// even after the removal of viewers that have left.
+  /// Adds a viewer and returns its key. `first` is the initial input. Returns nullopt if the scene accepts no more
+  /// viewers, even after the removal of viewers that have left.
   std::optional<std::string> open(const ViewerInput& first);
-  /// Returns the viewer of a key and extends its session; nullopt: no such key.
+  /// Returns the viewer of a key and extends the viewer's session; nullopt if the key is unknown.
   std::optional<LiveScene::ViewerId> touch(const std::string& key);
 
-  /// Begins an image stream and ends the key's previous stream. Returns the stream's number; 0: no such key.
+  /// Begins an image stream and ends the key's previous stream. Returns the stream's number; 0 if the key is unknown.
   std::uint64_t begin_stream(const std::string& key);
   bool is_streaming(const std::string& key, std::uint64_t stream);
   void end_stream(const std::string& key, std::uint64_t stream);
 
-  /// Begins the rendering of one image. Returns false if there is no such key or max_images are in progress.
+  /// Begins the rendering of one image. Returns false if the key is unknown or max_images are in progress.
   bool begin_picture(const std::string& key);
   void end_picture(const std::string& key);
   static constexpr int max_images = 2;

@@ -102,7 +102,7 @@ async function look() {
   setTimeout(look, STATE_MS);
 }
 
-// After status 404 the page joins again: a restarted server does not know its key.
+// After status 404 the page joins again, because a restarted server does not know the page's key.
 async function lost(failure) {
   document.body.dataset.resting = 'false';
   if (failure.status === 404) viewer = null;
@@ -336,7 +336,8 @@ const ONCE = {
   NumpadSubtract: () => halfLevels(-1),
 };
 
-// Rounds to a power of √2, so that equal numbers of steps in both directions restore the same value.
+// Makes the pixel error `coarser` half levels coarser, rounded to a power of √2. Equal numbers of steps in both
+// directions therefore restore the same value.
 function halfLevels(coarser) {
   const now = Math.round(2 * Math.log2(shownState ? shownState.pixel_error : 1));
   steer({pixel_error: 2 ** (Math.max(-32, Math.min(32, now + coarser)) / 2)});

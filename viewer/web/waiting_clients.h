@@ -1,5 +1,5 @@
-/// Connections with an incomplete request, and the times at which they are closed. A connection is closed at its
-/// timeout; the oldest one also if too many wait. Slow or silent clients therefore cannot block others.
+/// Connections with an incomplete request. A connection is closed when its time limit has passed. If too many
+/// connections wait, the oldest connection is closed. Slow or silent clients therefore cannot block others.
 #pragma once
 
 #include <chrono>
@@ -10,14 +10,14 @@
 
 namespace gigabake {
 
-/// Thread-safe: any thread may call any member. Dropped sockets are shut down, not closed: their owner notices that,
-/// closes them and calls closed().
+/// The set of waiting connections. Thread-safe: any thread may call any member. Dropped sockets are shut down, not
+/// closed. The owner of a socket notices the shutdown, closes the socket and calls closed().
 class WaitingClients {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// maximum: limit of waiting clients. request_timeout: time limit from a client's connection, or its last answer, to
-  /// the end of its request.
+  /// Takes the maximum number of waiting clients and the time limit of a request. The time runs from the client's
+  /// connection, or from the last answer to the client, to the end of the request.
   WaitingClients(std::size_t maximum, Clock::duration request_timeout)
       : max_count_(maximum), request_timeout_(request_timeout) {}
 

@@ -25,7 +25,7 @@ void show_numbers(const LiveFrame& f) {
   line(fmt::format("{} of {} used", megabytes(s.bytes_held), megabytes(s.bytes_allowed)));
 }
 
-/// Shows a combo box; returns the new value if another one than `current` was chosen.
+/// Shows a combo box. Returns the chosen value if it differs from `current`.
 template <class Enum>
 std::optional<Enum> choose(const char* label, Enum current) {
   std::optional<Enum> chosen;
@@ -36,7 +36,7 @@ std::optional<Enum> choose(const char* label, Enum current) {
   return chosen;
 }
 
-/// Shows the sun's direction, and the day and hour from which it can be computed.
+/// Shows controls for the sun's direction, and for the day and hour from which the direction can be computed.
 void show_sun(const ViewerState& state, ViewerInput& out, SunClock& clock) {
   float azimuth = float(state.full_view.sun.azimuth_deg), elevation = float(state.full_view.sun.elevation_deg);
   if (azimuth < 0) azimuth += 360;

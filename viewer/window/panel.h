@@ -21,8 +21,8 @@ struct SunClock {
 /// Returns the progress as text, such as "loading, 45 % rendered"; empty if the frame is final. frame may be nullptr.
 std::string loading_text(const ViewerState& state, const LiveFrame* frame);
 
-/// Shows the panel; call it between ImGui::NewFrame() and ImGui::Render(). frame may be nullptr. Lines of empty texts
-/// are omitted. `said`: the last message about a saved file or an error. place: the scene point under the mouse.
+/// Shows the panel; call it between ImGui::NewFrame() and ImGui::Render(). frame may be nullptr. `said` is the last
+/// message about a saved file or an error. `place` describes the scene point under the mouse. Empty texts are omitted.
 PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool recording, const std::string& said,
                        const std::string& place, SunClock& clock);
 

@@ -24,7 +24,8 @@ namespace gigabake {
 namespace {
 
 constexpr double held_poll_s = 1.0 / 60, idle_poll_s = 0.5;
-/// Dear ImGui reacts to an event one frame later, and its layout settles in the frame after that.
+/// The number of redraws after an event. Dear ImGui reacts one frame later, and its layout settles in the frame after
+/// that.
 constexpr int redraws_after_event = 3;
 constexpr int max_files = 9999;
 /// Time for which the window's title shows the last message.
@@ -72,7 +73,8 @@ struct Gui {
   Gui& operator=(const Gui&) = delete;
 };
 
-/// Rounds to a power of √2, so that equal numbers of steps in both directions restore the same value.
+/// Returns the pixel error that is `coarser` half levels coarser, rounded to a power of √2. Equal numbers of steps in
+/// both directions therefore restore the same value.
 double half_levels(double pixel_error, int coarser) {
   return std::exp2((std::round(2 * std::log2(pixel_error)) + coarser) / 2);
 }

@@ -15,7 +15,7 @@ struct WindowOptions {
   std::function<void(const std::string&)> told = [](const auto&) {};  ///< called with one line per saved file or error
 };
 
-/// Shows the scene until the window is closed. Call it on the main thread. It replaces scene_options.changed.
+/// Shows the scene until the window is closed. Replaces scene_options.changed. Call this function on the main thread.
 /// Errors  std::runtime_error: no display, no OpenGL 2.1, or a program built without windows.
 void show_window(const std::filesystem::path& scene, LiveScene::Options scene_options, const WindowOptions& options);
 

@@ -25,14 +25,14 @@ enum class WindowCommand {
   close
 };
 
-/// A pressed digit key: loads the bookmark of that digit, or saves it if Shift is held.
+/// A pressed digit key. It loads the bookmark of the digit, or saves the bookmark if Shift is held.
 struct ViewKey {
   int digit;  ///< 1 … 9
   bool keeps;
 };
 
-/// Collects a window's events. Create it before Dear ImGui installs its callbacks, because these call the previous
-/// ones.
+/// A collector of a window's events. Create it before Dear ImGui installs its callbacks, because Dear ImGui's callbacks
+/// call the previous callbacks.
 class WindowInput {
  public:
   explicit WindowInput(GLFWwindow* window);
