@@ -45,7 +45,7 @@ struct Batch {
   BlockPlace* blocks;
   BlockSymbols* symbols;  ///< one per block
   std::uint8_t* bytes;    ///< all chunks, shuffled if requested
-  std::uint32_t* words;   ///< per byte: first the candidate's bucket, later the match, at last tokens of the segment
+  std::uint32_t* words;   ///< per byte: the candidate's bucket, later the match, finally tokens of the segment
   std::uint32_t chunk_count, block_count;
   std::uint8_t* packed;       ///< the result; unwritten bytes are zero
   std::uint64_t* packed_end;  ///< end of the previous batch in `packed`; place_chunks() sets the end of this batch

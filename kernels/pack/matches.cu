@@ -6,7 +6,7 @@ namespace gigabake::kernels::pack {
 namespace {
 
 constexpr unsigned threads = 256,
-                   parts = 8;  ///< thread blocks per deflate block in the kernels with one byte per thread
+                   parts = 8;  ///< thread blocks per deflate block in kernels that process each byte separately
 
 /// The bytes of a deflate block that one thread processes: begin, begin + threads and so on, below `end`.
 struct Part {

@@ -81,7 +81,7 @@ GB_HD bool is_empty_block(std::uint64_t blocks, const int point[3]) {
 }
 
 /// The existing voxels of a layer from one voxel on, which is voxel 0 of the window. Bit k of `bits`, k ≤ 10, is set if
-/// voxel k exists. Voxel slot_edge is above voxel 0 in the next row.
+/// voxel k exists. Voxel slot_edge is the neighbour of voxel 0 in the next row.
 struct LayerWindow {
   std::uint32_t bits;
   std::uint32_t first, second;  ///< part indices of the first existing voxels from voxels 0 and slot_edge on

@@ -19,8 +19,8 @@ struct CellLanes {
   int count = 0;
 };
 
-/// Computes the areas of all cells. measure_moments() also computes first moments; measure_second_moments() computes
-/// all.
+/// Computes the areas of all cells. measure_moments() also computes first moments; measure_second_moments() also
+/// computes first and second moments.
 /// Exact   The same bits as add_edge() called per cell, on all processors.
 void measure_areas(const TrianglePlane& plane, const SlabPolygon& polygon, CellLanes& lanes);
 void measure_moments(const TrianglePlane& plane, const SlabPolygon& polygon, CellLanes& lanes);
