@@ -31,7 +31,7 @@ struct NodeRow {
 /// Consecutive bricks of a level. Same layout as BrickLevel, but `first` counts from the block's first voxel.
 struct BrickBlock {
   std::vector<std::uint64_t> mask;   ///< 8 per brick
-  std::vector<std::uint32_t> first;  ///< bricks+1
+  std::vector<std::uint32_t> first;  ///< bricks + 1 entries
   std::vector<std::uint8_t> rgba;    ///< 4 per voxel
   std::vector<std::int8_t> normal;   ///< 2 per voxel; empty if the channel is off
   std::vector<std::uint8_t> facing;  ///< facing_bytes per voxel; empty at lod 0 and if the channel is off
@@ -42,8 +42,8 @@ struct ShardHeader {
   std::string cell;               ///< cell name, e.g. "c_3_-2_0"
   Vec3i64 lattice_min{};          ///< lod-0 voxel index of the cell's lowest corner
   std::uint32_t cell_voxels = 0;  ///< edge in lod-0 voxels, a power of two ≥ 8
-  std::uint32_t first_lod = 0;    ///< lattice level of the shard's level 0. 0: a cell; else an overview
-  std::uint32_t copied_lods = 0;  ///< number of finest levels that duplicate the children's; overviews only
+  std::uint32_t first_lod = 0;    ///< lattice level of the shard's level 0; 0 for a cell, above 0 for an overview
+  std::uint32_t copied_lods = 0;  ///< number of duplicated levels, which are the finest levels; 0 for a cell
   double voxel_size_m = 0;
   Vec3d lattice_origin_m{};  ///< scene position of the lattice's 0,0,0 corner
   std::optional<Geodetic> origin;

@@ -109,7 +109,7 @@ class TilesetExport {
     return true;
   }
 
-  /// Writes the documents. Called on rank 0.
+  /// Writes the tileset's JSON document and its subtree files. Called on rank 0.
   void write_documents(const std::filesystem::path& target, const std::filesystem::path& folder) const {
     const FolderFiles files{target, folder};
     TileLevels tiles(tiling_.levels);

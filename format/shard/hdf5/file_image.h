@@ -1,6 +1,6 @@
 /// Memory in which HDF5 builds a whole file. HDF5 serializes its calls, so all other writers wait while one call writes
-/// to a disk or to a paged memory file. In this memory, the calls take a tenth of the time, and the writer passes the
-/// bytes to the system outside of HDF5.
+/// to a file, even to a file in memory (tmpfs). In this buffer, the calls take a tenth of the time, and the writer
+/// passes the bytes to the system outside of HDF5.
 #pragma once
 
 #include <cstddef>

@@ -26,8 +26,8 @@ herr_t keep_reason(unsigned depth, const H5E_error2_t* error, void* kept) {
   return 0;
 }
 
-/// Returns only the system message, without HDF5's call arguments, if `reason` contains one. Replaces line breaks,
-/// which HDF5's time stamp contains, by spaces.
+/// Reduces `reason` to the system message, if it contains a system message. Replaces line breaks, which HDF5's time
+/// stamp contains, by spaces.
 std::string shortened(std::string reason) {
   if (const std::size_t at = reason.find(system_message); at != std::string::npos) {
     reason.erase(0, at + system_message.size());

@@ -31,7 +31,7 @@ class Hdf5Id {
 };
 
 /// Wrapper of calls on one object of one file: `call("H5Pset_chunk", H5Pset_chunk(…))` returns the call's result.
-/// Errors  InputError naming file, object, call and HDF5's innermost reason.
+/// Errors  InputError naming file, object, call and HDF5's innermost reason, if the call failed.
 struct Hdf5Call {
   const std::filesystem::path& file;
   std::string object;

@@ -1,4 +1,4 @@
-/// HDF5's identifiers of our element types.
+/// The identifiers of the HDF5 types that correspond to Hdf5Type.
 #pragma once
 
 #include <cstdint>

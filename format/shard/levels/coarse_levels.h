@@ -12,7 +12,7 @@ namespace gigabake {
 
 struct CoarseLevels {
   NodeTable nodes;                 ///< rows of these levels: the first rows of the complete table
-  std::vector<BrickLevel> levels;  ///< from level `begin` to the coarsest
+  std::vector<BrickLevel> levels;  ///< bricks from level `begin` to the coarsest level
 };
 
 /// Returns levels [begin, lods) of a shard.

@@ -22,8 +22,8 @@ class LevelLookup {
  public:
   LevelLookup(const NodeTable& nodes, const BrickLevel& level, std::uint32_t lods, int lod);
 
-  /// Returns false if the level has no voxel at (x, y, z).
-  /// Space   Voxels of the level, relative to the cell's corner.
+  /// Sets `value` to the voxel at (x, y, z). Returns false if the level has no voxel there.
+  /// Space   x, y and z are in voxels of the level, relative to the cell's lowest corner.
   /// Range   (x, y, z) lies inside the cell.
   bool find(std::uint32_t x, std::uint32_t y, std::uint32_t z, VoxelValue& value);
 
