@@ -1,4 +1,4 @@
-/// The suite of hard cases passes, and fails if a bound does not hold.
+/// Tests that the suite of hard cases passes, and that it fails if a bound does not hold.
 #include "bench/hard/hard_bench.h"
 
 #include <gtest/gtest.h>

@@ -11,7 +11,7 @@
 
 namespace gigabake {
 
-/// Rolling ground of four textured tiles, 64 m square, in cells of 128 voxels of 0.1 m.
+/// Rolling ground, 64 m square, of four textured tiles. Cells have 128 voxels of 0.1 m per edge.
 class BakeScene {
  public:
   BakeScene();

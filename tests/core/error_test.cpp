@@ -57,7 +57,7 @@ TEST(InputError, NamesItsFileOnce) {
                "/a/dem.tif: dem: cannot be read: 'dem.tif', dem.tif.aux");
 }
 
-// 2026-11-25: 238 of 444 refusals of other people's files ended in "…" before the reason.
+// 2026-11-25: 238 of 444 error messages for files from other programs ended in "…" before the reason.
 TEST(InputError, HasAllOfItsOwnWordsWhateverTheLengthOfPathsKeysAndNames) {
   std::string words;  // longer than any message of gigabake
   for (int i = 0; i < 50; ++i) words += "word" + std::to_string(i) + " ";

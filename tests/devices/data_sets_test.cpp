@@ -1,5 +1,5 @@
 // Bakes every source of the shared data and the sample terrain on CPU and GPU, with every surface rule and MIP filter.
-// All levels must have the same content hash. Skipped, with the reason, if there is no GPU or no data.
+// All levels must have the same content hash. The tests are skipped, with the reason, if there is no GPU or no data.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -107,7 +107,7 @@ class OnBothBackends {
     try {
       cell = loader.load(job);
     } catch (const InputError&) {
-      return;  // an image that cannot be decoded
+      return;  // the cell has an image that cannot be decoded
     }
     ++outcome.cells;
     for (const SurfaceRule rule : {SurfaceRule::area, SurfaceRule::conservative, SurfaceRule::thin})

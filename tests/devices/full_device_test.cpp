@@ -54,7 +54,7 @@ TEST(FullDevice, HasItsCellsPackedOnTheHostAndSaysSo) {
   ASSERT_GE(std::ranges::count(on_host, CellOutcome::baked, [](const auto& cell) { return cell.second; }), 2);
   const kernels::CudaDevices devices = kernels::cuda_devices();
   if (devices.usable.empty()) GTEST_SKIP() << devices.reason;
-  // The packers get a quarter of this memory, too little for any cell. The kernels may use more than the whole.
+  // The packers get a quarter of this memory, too little for any cell. The kernels may use more than this memory.
   constexpr std::uint64_t little = 1 << 16;
   const std::vector<CellReport> reports = bake("device", little, devices.usable[0]);
   ASSERT_EQ(reports.size(), jobs.size());

@@ -1,5 +1,5 @@
 // A device packs the same columns as the host, byte by byte: for random levels and for all test cells of the kernels.
-// Skipped, with the reason, if there is no GPU.
+// The tests are skipped, with the reason, if there is no GPU.
 #include <gtest/gtest.h>
 #include <map>
 #include <random>
@@ -98,7 +98,7 @@ class DevicePack : public testing::Test {
     baker_ = std::make_unique<kernels::CudaBaker>(device_, std::uint64_t(64) << 20);
   }
 
-  /// Compares the host's packer with the device's for levels that exist on both.
+  /// Expects the packers of host and device to return equal columns for the same levels.
   void expect_same_columns(const ShardHeader& header, const NodeTable& nodes, const std::vector<BrickLevel>& levels,
                            const kernels::CudaVolume& volume) {
     for (const kernels::ColumnBytes as : {kernels::ColumnBytes::raw, kernels::ColumnBytes::stored}) {

@@ -25,11 +25,11 @@ struct FaultFound : std::logic_error {
 
 // Sources: opened, identified, scanned and read with their images, as in a bake.
 void gltf(Bytes bytes);        ///< GLB or glTF; then data.bin
-void tile(Bytes bytes);        ///< b3dm, i3dm, cmpt; its URIs may name model.glb
-void tileset(Bytes bytes);     ///< a tileset.json; its URIs may name model.glb, nested.json, all.subtree
+void tile(Bytes bytes);        ///< a b3dm, i3dm or cmpt; its URIs may name model.gltf
+void tileset(Bytes bytes);     ///< a tileset.json; its URIs may name model.gltf, nested.json, all.subtree
 void subtree(Bytes bytes);     ///< a subtree, binary or JSON, with two contents; then bits.bin
 void archive(Bytes bytes);     ///< a .3tz
-void scene_json(Bytes bytes);  ///< a scene .json; it may name model.glb, set.json
+void scene_json(Bytes bytes);  ///< a scene .json; it may name model.gltf, set.json
 void obj(Bytes bytes);         ///< an OBJ; then material.mtl
 void ply(Bytes bytes);         ///< a PLY mesh; then one.png
 void stl(Bytes bytes);         ///< an STL
@@ -38,7 +38,7 @@ void orthophoto(Bytes bytes);  ///< a photo of any format over a raster of 17×1
 void image(Bytes bytes);       ///< PNG, JPEG, WebP
 
 // Results of bakes.
-void shard(Bytes bytes);           ///< page by page, and the whole shard
+void shard(Bytes bytes);           ///< a shard, read page by page and as a whole
 void scene_xml(Bytes bytes);       ///< scene.xml and its parameters
 void gigavoxel_list(Bytes bytes);  ///< a .gvp
 void gigavoxel_tree(Bytes bytes);  ///< tree.gvx or tree.gvo; then its brick file
@@ -49,7 +49,7 @@ void bake_status(Bytes bytes);  ///< status.json; it is read, written and read a
 // Messages from sockets, and camera paths.
 void bake_messages(Bytes bytes);  ///< the first byte selects the decoder
 void camera_path(Bytes bytes);    ///< it is read, written and read again
-void steering(Bytes bytes);       ///< a browser's JSON; it is applied
+void steering(Bytes bytes);       ///< lines of JSON from a browser, which are applied
 void http_head(Bytes bytes);      ///< the value of one header per line
 
 }  // namespace gigabake::fuzz

@@ -11,7 +11,8 @@
 
 namespace gigabake::kernels::test {
 
-/// A tree in which random branches end in constant nodes at any level, finest level first. Keys are complete.
+/// A tree in which random branches end in constant nodes at any level, finest level first. A key contains the octants
+/// from the root down.
 class MadeTree {
  public:
   MadeTree(std::mt19937_64& rng, std::size_t lods, bool normals, bool facing)

@@ -82,14 +82,14 @@ std::map<Voxel, Octet> octets_of(const VoxelMap& fine, const Rasters& rasters) {
   return out;
 }
 
-/// Returns the voxels of a level, grouped by the voxel that contains them and is `levels` levels coarser.
+/// Groups the voxels of a level by the voxel, `levels` levels coarser, that contains them.
 std::map<Voxel, Finer> finer_of(const VoxelMap& fine, int levels) {
   std::map<Voxel, Finer> out;
   for (const auto& [p, v] : fine) out[{p[0] >> levels, p[1] >> levels, p[2] >> levels}].push_back(&v);
   return out;
 }
 
-/// Checks that colour and normal are the finer voxels' mean with these weights.
+/// Checks that colour and normal are the weighted means of the finer voxels.
 void expect_mean(const BakedVoxel& parent, const Finer& finer, const std::vector<double>& weight) {
   double sum = 0;
   std::array<double, 3> colour{};
@@ -103,7 +103,7 @@ void expect_mean(const BakedVoxel& parent, const Finer& finer, const std::vector
       normal[k] += weight[c] * n[k];
     }
   }
-  // The table of linear values has 16 bits: at most 0.05 codes per rounding, where sRGB is steepest.
+  // Rounding in the 16-bit table of linear values costs at most 0.05 codes, where sRGB is steepest.
   for (std::size_t c = 0; c < 3; ++c) ASSERT_LE(code_error(parent.rgba[c], colour[c] / sum), 0.6) << "channel " << c;
   const double length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) / sum;
   if (length > 1e-2) {

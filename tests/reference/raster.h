@@ -28,8 +28,8 @@ inline Raster blank_raster(int edge) {
 }
 
 /// Returns the coverage of a voxel of lod 0 along an axis. A translucent voxel is part of a layer with a normal n, |x|
-/// + |y| + |z| = 1. The layer crosses 1/|n[axis]| voxels of a column on average, and they cover together as much as the
-/// layer.
+/// + |y| + |z| = 1. The layer crosses 1/|n[axis]| voxels of a column on average, and together these voxels cover as
+/// much as the layer.
 inline int coverage_of(const BakedVoxel& v, int axis) {
   if (v.rgba[3] == 255) return 255;
   double n[3];

@@ -32,8 +32,7 @@ TEST(Snap, MovesAVertexByAtMostHalfASubVoxelPerAxisBesidesRoundingOfDoubles) {
       const mpq_class exact =
           (mpq_class(local[r]) - mpq_class(frame.lattice_origin_m[r])) / mpq_class(frame.voxel_size_m) * 256;
       const mpq_class moved = abs(exact - mpq_class(long(out.v[r])));
-      // Subtraction, division and the final ½ each round once, by up to 3 · 2^-53 of the value together. The bound is 4
-      // · 2^-53.
+      // Subtraction, division and the final ½ each round once. Together they err by at most 3 · 2^-53 of the value.
       ASSERT_LE(moved, mpq_class(1, 2) + abs(exact) * mpq_class(std::ldexp(4.0, -53)))
           << "seed " << seed << " case " << i;
     }

@@ -153,7 +153,7 @@ class FourCells : public testing::Test {
       jobs_[i].id = i, jobs_[i].name = "c_" + std::to_string(i), jobs_[i].cell_voxels = 64;
       jobs_[i].fingerprint = {i, 1}, jobs_[i].lattice_min = {1024 * std::int64_t(i / 2) + 64 * (i % 2), 0, 0};
     }
-    add_overviews(jobs_);  // 4 and 5 of two cells each, 6 of both overviews
+    add_overviews(jobs_);  // jobs 4 and 5 are overviews of two cells each, job 6 of both overviews
   }
   static CellReport report(const CellJob& job, CellOutcome outcome) {
     CellReport r;

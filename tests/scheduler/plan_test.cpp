@@ -55,7 +55,7 @@ TEST(StackOver, CoversTheHeightWithMinCellsOnTheLevelsLattice) {
     ASSERT_GE(s.z_min + s.cells * n, end);
     const std::int64_t coarsest_voxel = std::max<std::int64_t>(8, n / 8);
     ASSERT_EQ(s.z_min % coarsest_voxel, 0);
-    // A stack has one cell more than its height needs only if no multiple of the coarsest voxel would do.
+    // A stack has one cell more than its height needs only if no start at a multiple of the coarsest voxel avoids it.
     const std::int64_t minimum = (end - low + n - 1) / n;
     ASSERT_LE(s.cells, minimum + 1);
     ASSERT_TRUE(s.cells == minimum || end - low + coarsest_voxel - 1 > minimum * n);

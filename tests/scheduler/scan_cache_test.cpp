@@ -37,7 +37,8 @@ class ScanCacheTest : public ::testing::Test {
                                                         R"(%20.bin"}], "images": [{"uri": "skin.png"}]})");
     write_text(folder / "scene" / (name + " .bin"), "positions of " + name);
   }
-  /// Returns a result like that of scan_tile(). If `settled`, all files count as unchanged for a long time.
+  /// Returns a result like that of scan_tile(). If `settled`, all files count as files that have not changed for a long
+  /// time.
   TileScan scan(std::uint32_t tile, bool settled = true) const {
     TileIdentity identity = identify_tile(sources.tiles[tile], sources.root);
     TileScan s;

@@ -43,8 +43,7 @@ struct Band {
   std::size_t estimates = 0;
 };
 
-/// Returns the bounds of the estimates, which are made ten times per second until a tenth of the time is left. A
-/// remaining time below a minute is printed in seconds.
+/// Returns the bounds of the estimates, which are made ten times per second until a tenth of the time is left.
 Band replay(const Replay& r) {
   const std::vector<End> ends = ends_of(r);
   const double all_s = ends.back().at_s;

@@ -27,7 +27,7 @@ TEST(BoundedQueue, PassesEveryValueOnInOrder) {
   between.join();
 }
 
-/// Several threads read back cells from a device concurrently and pass them to several writers.
+/// Several producers pass values to several consumers, like threads that read back cells and writers.
 TEST(BoundedQueue, TakesEveryValueOfSeveralGiversAtOnce) {
   constexpr int givers = 3, takers = 4, values = 3000;
   BoundedQueue<int> handoff;

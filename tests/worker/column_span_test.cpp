@@ -25,8 +25,7 @@ Columns columns_of(const LatticeTriangle& t, const ColumnGrid& grid) {
   return found;
 }
 
-/// Calls visit for each voxel that the kernels bake of a triangle, in a window at 0,0,0. Vertices must be exact as
-/// float.
+/// Bakes a triangle in a window at 0,0,0 and calls visit for each voxel. The vertices must be exact as float.
 template <class Visit>
 void for_each_baked_voxel(const LatticeTriangle& t, SurfaceRule rule, const Visit& visit) {
   std::vector<float> position;

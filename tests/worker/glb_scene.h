@@ -29,8 +29,8 @@ class ScratchFolder {
 struct GlbMesh {
   std::vector<float> position;  ///< glTF, y up
   std::vector<std::uint32_t> index;
-  std::vector<float> uv;            ///< or empty: no texture
-  std::vector<std::uint8_t> image;  ///< encoded; or empty
+  std::vector<float> uv;            ///< empty if there is no texture
+  std::vector<std::uint8_t> image;  ///< encoded image; may be empty
   std::string material = "{}";      ///< glTF material without its texture
 };
 

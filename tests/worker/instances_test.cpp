@@ -1,4 +1,4 @@
-// Instances stay instances: the scan reads their boxes, and a cell uses those that overlap it.
+// Instances are not expanded: the scan reads their boxes, and a cell uses the instances that overlap it.
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -92,8 +92,8 @@ TEST(Instances, ScannedByBoxesReachWhereTheirTrianglesReachAndHardlyFarther) {
   const Forest forest = random_forest(3000, 300, seed);
   const ThreadPool pool(2);
   const ScratchFolder few, many;
-  write_instanced(few.path(), 300, forest.translation, forest.rotation);   // 900 000 triangles: one by one
-  write_instanced(many.path(), 400, forest.translation, forest.rotation);  // 1 200 000: by boxes
+  write_instanced(few.path(), 300, forest.translation, forest.rotation);   // 900 000 triangles, scanned one by one
+  write_instanced(many.path(), 400, forest.translation, forest.rotation);  // 1 200 000 triangles, scanned by boxes
   const TileScan exact = scan_tile(forest_sources(few.path()), 0, metre_lattice(), pool);
   const TileScan boxed = scan_tile(forest_sources(many.path()), 0, metre_lattice(), pool);
   ASSERT_EQ(exact.error + boxed.error, "");

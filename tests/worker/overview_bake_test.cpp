@@ -38,8 +38,8 @@ std::vector<Shard> random_children(std::mt19937_64& rng) {
   return children;
 }
 
-/// Finds the voxel of level `lod` in the children that contains the lod-0 voxel v. Returns false if there is none. The
-/// found value may point into `lookup`.
+/// Finds the children's voxel of level `lod` that contains the lod-0 voxel v. Returns false if there is none. The found
+/// value may point into `lookup`.
 bool find_in_children(const std::vector<Shard>& children, int lod, const Corner& v, std::optional<LevelLookup>& lookup,
                       VoxelValue& value) {
   for (const Shard& child : children) {

@@ -1,4 +1,4 @@
-// Bakes of planes, compared with planes in closed form: missing, extra and misplaced voxels.
+// Compares baked planes with planes in closed form: missing, extra and misplaced voxels.
 #include "bench/accuracy/voxel_error.h"
 
 #include <cmath>
@@ -159,7 +159,7 @@ TEST_F(VoxelErrors, OfAMirroredPlaneAreNone) {
 }
 
 TEST_F(VoxelErrors, OfCoarserVoxelsAreInTheirs) {
-  // The square is three voxels above the lattice's corner, which is 1.5 voxels of twice the size.
+  // The square is three voxels above the lattice's corner: 1.5 voxels of twice the size.
   const VoxelError e = error_of(level_square(10, 3), level_square(10, 3), 2);
   EXPECT_EQ(e.voxels, 400u);
   EXPECT_EQ(e.missed + e.extra, 0);

@@ -1,4 +1,4 @@
-// Exports are read back with the OpenVDB library; skipped in builds without it.
+// Exports are read back with the OpenVDB library. The tests are skipped in builds without OpenVDB.
 #include <cmath>
 #include <fstream>
 #include <gtest/gtest.h>

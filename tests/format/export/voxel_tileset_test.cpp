@@ -41,8 +41,8 @@ std::string unpacked(const std::string& packed) {
   return result == LIBDEFLATE_SUCCESS ? text : std::string();
 }
 
-/// Returns the voxels of a tile and of its padding by their position in the level. Positions start at the lowest corner
-/// of the octree.
+/// Returns the voxels of a tile and of its padding by their position in the level. Positions count from the lowest
+/// corner of the octree.
 TileVoxels read_tile(const std::filesystem::path& glb, const Vec3i64& tile, std::int64_t edge) {
   TileVoxels voxels;
   const std::string bytes = unpacked(made::bytes_of(glb));

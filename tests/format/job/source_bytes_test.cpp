@@ -169,7 +169,7 @@ TEST(SourceBytes, ShareTheRastersAgain) {
   EXPECT_EQ(b.tiles[0].dem->raster, b.tiles[2].dem->raster);
 }
 
-/// A tile takes only the bytes in which it differs from the previous tile of the list.
+/// A tile takes few bytes if it has the folder and the placement of the previous tile.
 TEST(SourceBytes, TakeLittleRoomForTilesOfOneFolder) {
   SceneSources s;
   TileRef tile;

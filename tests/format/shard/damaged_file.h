@@ -1,4 +1,4 @@
-/// A file that is damaged in many ways, one at a time.
+/// Functions that damage a file in many ways, one at a time.
 #pragma once
 
 #include <cstdint>

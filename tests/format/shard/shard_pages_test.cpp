@@ -84,7 +84,7 @@ TEST(ShardPages, GiveForAnyRangeThatPartOfTheWhole) {
   }
 }
 
-/// Returns a shard with columns of several chunks and with more rows than one entry of the outline covers.
+/// Returns a shard with columns of several chunks and with more rows than one entry of ShardOutline covers.
 Shard large_shard(std::mt19937_64& rng) {
   Shard shard;
   do shard = made::random_shard(rng, {8, true, 8});

@@ -142,7 +142,7 @@ TEST_F(ObjParts, AreClaimedAndTheTextIsNot) {
   set_memory_limit(std::uint64_t(40) << 20);
   tile_hash(sources.tiles.at(0), sources.root);
   EXPECT_EQ(refusal([](std::size_t, Primitive&&) {}), "was read");
-  // 2026-11-25: parts are smaller if the limit is small; with 8 MiB the file was refused.
+  // 2026-11-25: with a limit of 8 MiB the file was refused. A small limit makes parts smaller.
   set_memory_limit(std::uint64_t(8) << 20);
   EXPECT_EQ(refusal([](std::size_t, Primitive&&) {}), "was read");
   set_memory_limit(std::uint64_t(256) << 10);

@@ -63,7 +63,7 @@ TEST_F(Obj, ReadsMaterialsAndTheirImages) {
       "vt 0.25 0.75\nvt 1 1\nusemtl red one\nf 1 2 3\nusemtl leaf\nf 1/1 2/2 \\\n 3/1\nusemtl none\n"
       "f 1 2 4\n";
   const TileMesh mesh = read(text);
-  ASSERT_EQ(mesh.primitives.size(), 3u);  // by name: leaf, none, red one
+  ASSERT_EQ(mesh.primitives.size(), 3u);  // sorted by name: leaf, none, red one
   const Material leaf = mesh.materials.at(0), none = mesh.materials.at(1), red = mesh.materials.at(2);
   EXPECT_THAT(red.base_color, ElementsAre(1, 0.5f, 0, 0.25f));
   EXPECT_EQ(red.alpha_mode, AlphaMode::blend);

@@ -162,7 +162,7 @@ TEST_F(InParts, SeveralPrimitivesAndPlacements) {
   EXPECT_EQ(mesh.instances.size(), 8u);
 }
 
-/// Other formats are read whole first.
+/// The STL has one full part and three more facets.
 TEST_F(InParts, AnStl) {
   std::string bytes(84, ' ');
   const std::uint32_t facets = max_part_triangles + 3;

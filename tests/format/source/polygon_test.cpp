@@ -132,8 +132,8 @@ TEST(Polygon, HasTheAreaOfAHistogram) {
   }
 }
 
-/// 2026-11-25: no triangulation of a polygon that crosses itself is correct. The function still returns n - 2 triangles
-/// for n corners, and soon.
+/// 2026-11-25: a polygon that crosses itself has no correct triangulation. The function still ends soon, with n - 2
+/// triangles for n corners.
 TEST(Polygon, ThatCrossesItselfEnds) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);

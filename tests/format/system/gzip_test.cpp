@@ -51,7 +51,7 @@ std::string b3dm_of(const std::string& model) {
   return out.append(reinterpret_cast<const char*>(words), sizeof words) + model;
 }
 
-/// Writes an external tileset, an implicit one with its subtree, a b3dm and a glTF; `packed` packs each file.
+/// Writes an external tileset, an implicit one with its subtree, a b3dm and a glTF; `packed` compresses each file.
 void write_set(const SourceFolder& folder, std::string (*packed)(const std::string&)) {
   Json implicit = test::tile("tile.b3dm");
   implicit["implicitTiling"] = {{"subdivisionScheme", "QUADTREE"},

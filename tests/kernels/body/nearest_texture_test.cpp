@@ -30,7 +30,7 @@ Rgba16 found(const Texture& texture, const NearestMap& look, const FragmentShape
   return nearest_over(texture.view(), look, shape, TableStore::host().view().linear_from_srgb);
 }
 
-/// Returns the texel of the image that covers position i of an infinite plane, wrapped as glTF defines it.
+/// Returns the index of the image's texel at position i of an infinite plane, wrapped as glTF defines.
 std::int64_t wrapped(std::int64_t i, std::int64_t size, Wrap wrap) {
   if (wrap == Wrap::clamp_to_edge) return std::clamp<std::int64_t>(i, 0, size - 1);
   const std::int64_t period = wrap == Wrap::repeat ? size : 2 * size, r = ((i % period) + period) % period;
@@ -147,7 +147,7 @@ TEST(NearestTexels, AreOfTheImageWhateverIsAskedFor) {
   }
 }
 
-/// The polygon covers half of the cell, and extends beyond it on all other sides.
+/// The polygon covers half of the cell and extends beyond the cell on three sides.
 TEST(NearestTexels, AreThoseOfTheFragmentNotOfItsCell) {
   const double u[3] = {0.5, 40, 0.5}, v[3] = {-30, -30, 70};  // a polygon that begins at u = 1/2
   const FragmentShape shape{{0.75, 0.5}, 0.5, 0, 0, 0, 0, 0, u, v, 3};

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int edge = 32;  ///< edge of the cubes that this test fills, in voxels
 
-/// Returns the voxels of a cube for whose centre p has(p) is true. Each gets the normal normal(p).
+/// Returns the voxels of a cube whose centres p satisfy has(p). Each voxel gets the normal normal(p).
 template <class Has, class Normal>
 Level filled(const Has& has, const Normal& normal) {
   Level level;

@@ -55,7 +55,7 @@ FragmentShape any_fragment(std::mt19937_64& rng) {
   return f;
 }
 
-/// Returns the texel of the image that covers position i of an infinite plane, wrapped as glTF defines it.
+/// Returns the index of the image's texel at position i of an infinite plane, wrapped as glTF defines.
 std::int64_t wrapped_texel(std::int64_t i, std::int64_t size, Wrap wrap) {
   if (wrap == Wrap::clamp_to_edge) return std::clamp<std::int64_t>(i, 0, size - 1);
   const std::int64_t period = wrap == Wrap::repeat ? size : 2 * size, r = ((i % period) + period) % period;

@@ -1,4 +1,4 @@
-/// Assignment of triangles to bricks: none is missing, none occurs twice, and batches only split the list.
+/// Assignment of triangles to bricks: no pair is missing, no pair occurs twice, and batches only split the list.
 #include "kernels/cpu/voxelize/bin.h"
 
 #include <gtest/gtest.h>

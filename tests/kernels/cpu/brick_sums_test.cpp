@@ -1,4 +1,4 @@
-/// The sums of a brick: exact for any number of fragments, and zero for the next brick.
+/// The sums of a brick are exact for any number of fragments, and start from zero for the next brick.
 #include "kernels/cpu/voxelize/brick_sums.h"
 
 #include <gtest/gtest.h>

@@ -10,7 +10,7 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Returns the sum of the hashes of all test cells' lods.
+/// Returns the sum of the hashes of all levels of all test cells.
 Hash128 hash_of_all_cells(SurfaceRule rule, MipFilter filter) {
   const ThreadPool pool(2);
   Hash128 sum{};

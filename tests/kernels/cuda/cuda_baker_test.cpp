@@ -1,4 +1,5 @@
-// The CUDA backend bakes whole cells to the same bits as the CPU. Skipped, with the reason, if there is no GPU.
+// The CUDA backend bakes whole cells to the same bits as the CPU. The tests are skipped, with the reason, if there is
+// no GPU.
 #include <algorithm>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// The kernel bodies run on a GPU and on the CPU and return the same bits. Skipped, with a message, if there is no GPU.
+// The kernel bodies run on a GPU and on the CPU and return the same bits. The tests are skipped, with a message, if
+// there is no GPU.
 #include <gtest/gtest.h>
 #include <random>
 #include <vector>

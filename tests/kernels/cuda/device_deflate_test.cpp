@@ -1,5 +1,5 @@
-// Chunks that a device packs have the same bytes as those that the host packs. Skipped, with a message, if there is no
-// GPU.
+// Chunks that a device packs have the same bytes as those that the host packs. The tests are skipped, with a message,
+// if there is no GPU.
 #include <gtest/gtest.h>
 #include <numeric>
 

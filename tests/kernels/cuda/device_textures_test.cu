@@ -1,5 +1,5 @@
-// Textures on fragments of triangles: a GPU and the CPU compute the same colours. Skipped, with a message, if there is
-// no GPU.
+// Textures on fragments of triangles: a GPU and the CPU compute the same colours. The tests are skipped, with a
+// message, if there is no GPU.
 #include <cmath>
 #include <cstring>
 #include <gtest/gtest.h>

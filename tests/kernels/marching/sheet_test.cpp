@@ -181,7 +181,7 @@ TEST(Disagreement, IsOfPlanesThatAreFartherThanThirtyDegreesFromTheSheet) {
   EXPECT_EQ(disagreement(up, sheet_at(180)), 1);
 }
 
-// If two surfaces intersect, the blended surface may not exist: then their coverages are composited.
+// If two surfaces intersect, the blended surface may not exist. The coverages of the two surfaces are then composited.
 TEST(CastField, CountsSheetsByTheirCoverageWhereTheyDisagree) {
   const auto slot = std::make_unique<Slot>();
   for (int z = 0; z < slot_edge; ++z)

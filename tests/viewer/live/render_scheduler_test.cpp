@@ -191,7 +191,7 @@ TEST(RenderScheduler, DrawsSmallWhileItMovesAndFullWhenItRests) {
   pilot.steer(turning(0.01), now_s);
   const auto last = fly(pilot, now_s, now_s + 5, 0.8);
   ASSERT_GE(last.size(), 2u);
-  // Full frames take 0.8 s, and 0.05 s are requested: a quarter of the edge.
+  // A full frame takes 0.8 s. A preview that may take 0.05 s therefore has a quarter of the edge.
   EXPECT_NEAR(last.front().share, 0.25, 0.07);
   EXPECT_TRUE(last.back().full);
   EXPECT_EQ(last.back().view.camera.eye_m, last.front().view.camera.eye_m);

@@ -73,8 +73,8 @@ struct Ball {
 
 constexpr Ball ball{{31.3, 32.1, 30.7}, 26};
 
-/// Expects alpha ≥ `minimum` where the ray passes well inside the ball, and background where the ray misses it; voxels
-/// have the size `voxel_m`.
+/// Expects alpha ≥ `minimum` where the ray is at least half a voxel inside the ball. Expects the background where the
+/// ray is 1.8 voxels outside. A voxel is `voxel_m` wide.
 void expect_silhouette(const Picture& p, const CameraOptions& c, const Ball& b, double voxel_m, int minimum = 255) {
   for (int y = 0; y < p.height; ++y)
     for (int x = 0; x < p.width; ++x) {

@@ -1,4 +1,4 @@
-// A scene looks the same as a single cell and cut into 4 × 4 cells.
+// A scene that is one cell gives the same images as the same scene cut into 4 × 4 cells.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ FrameRenderer renderer_of(const VoxelScene& scene) {
   return FrameRenderer(scene.description(), "scene.xml", scene.pages(), options);
 }
 
-/// Returns the number of pixels that show the scene. The test needs it, because two empty images are equal, too.
+/// Returns the number of pixels that show the scene. Tests require a minimum, because two empty images are equal, too.
 std::size_t covered_pixels(const Picture& picture) {
   std::size_t covered = 0;
   for (std::size_t i = 3; i < picture.rgba.size(); i += 4) covered += picture.rgba[i] != 0;

@@ -1,4 +1,4 @@
-// First hits are bit-identical on GPU and CPU. Skipped, with the reason, if there is no GPU.
+// First hits are bit-identical on GPU and CPU. The tests are skipped, with the reason, if there is no GPU.
 #include <cstring>
 #include <gtest/gtest.h>
 #include <memory>

@@ -81,7 +81,7 @@ QueryPlace place_of(QueryPlaces& places, int lod, const Corner& v) {
   }
 }
 
-/// Returns the shard of a level that holds v, by a linear search.
+/// Returns the shard that has level `lod` and contains v, by a linear search.
 std::string holder_of(const SceneDescription& scene, int lod, const Corner& v) {
   for (const SceneCell& shard : lod < int(levels) ? scene.cells : scene.overviews)
     if (int(shard.own_lod()) <= lod && lod < int(shard.own_lod() + shard.lods) && window_of(shard).contains(v))

@@ -21,7 +21,7 @@ namespace {
 using testing::HasSubstr;
 using namespace query_test;
 
-/// Compares a hit with the reference, which takes rays in a cube of 64 voxels.
+/// Compares a hit with the reference, whose rays are relative to a cube of 64 voxels.
 template <class Exists>
 bench::Agreement agreement_of(const QueryRay& ray, const QueryHit& hit, const Exists& exists) {
   kernels::FirstHitTree cube;

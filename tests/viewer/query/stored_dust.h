@@ -23,7 +23,7 @@ using CellCorner = Vec3i64;
 
 inline constexpr std::int64_t dust_cell_edge = 32, dust_edge = 64;
 
-/// Returns whether a voxel exists: 1/sparsity of the voxels of [0, 64)³.
+/// Returns true for 1/sparsity of the voxels of [0, 64)³.
 inline bool is_dust(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t sparsity) {
   if (x < 0 || y < 0 || z < 0 || x >= dust_edge || y >= dust_edge || z >= dust_edge) return false;
   std::uint64_t hash = std::uint64_t(x) | std::uint64_t(y) << 20 | std::uint64_t(z) << 40;

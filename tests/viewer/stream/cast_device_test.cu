@@ -1,4 +1,4 @@
-// Images have the same bits on a GPU and on the CPU. Skipped, with a message, if there is no GPU.
+// Images have the same bits on a GPU and on the CPU. The tests are skipped, with a message, if there is no GPU.
 #include <cmath>
 #include <gtest/gtest.h>
 

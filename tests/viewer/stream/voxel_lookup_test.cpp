@@ -25,7 +25,7 @@ std::optional<Paint> gappy_ground(std::int64_t x, std::int64_t y, std::int64_t z
   return Paint{{std::uint8_t(x), std::uint8_t(y), std::uint8_t(z), 255}, {0, 0}};
 }
 
-/// Returns cells of 16³ with levels 0 and 1, and an overview of all of them.
+/// Returns a scene of cells of 16³ voxels with levels 0 and 1, and one overview of all cells.
 VoxelScene painted() {
   VoxelScene scene(16);
   scene.add_cells(gappy_ground, {0, 0, 0}, gappy_edge);

@@ -26,8 +26,8 @@ class HttpClient {
   int socket_ = -1;
 };
 
-/// Sends one request on a separate connection and returns the answer. `head` contains further lines, each with its
-/// \r\n.
+/// Sends one request on a separate connection and returns the answer. `head` contains further header lines, each of
+/// which ends with CR LF.
 std::string ask(int port, const std::string& method, const std::string& target, const std::string& head = "",
                 const std::string& body = "");
 /// Returns the status of an answer; 0 if it has none.

@@ -106,7 +106,7 @@ TEST(HttpGuard, TakesAHostAndAPortAndNothingElseForAnAuthority) {
   EXPECT_EQ(host_of(std::string(256, 'a')), "");
 }
 
-/// 2026-11-22: [::1].evil and localhost:80@evil were accepted.
+/// 2026-11-22: the hosts [::1].evil and localhost:80@evil were accepted.
 TEST(HttpGuard, RefusesHostsThatAreNoneWhereverItListens) {
   for (const char* bad : {"", "[::1].evil", "localhost:80@evil", "localhost, evil"}) {
     EXPECT_EQ(guard_status(get(bad)), 403) << bad;

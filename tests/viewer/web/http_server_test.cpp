@@ -186,7 +186,7 @@ TEST(HttpServer, ClosesMoreConnectionsThanOneAddressMayHave) {
   for (const auto& client : held) EXPECT_EQ(status_of(client->answer()), 200);
   EXPECT_EQ(served.status(), 0);
   held.clear();
-  while (served.status() != 200) std::this_thread::sleep_for(10ms);  // as soon as the server notices
+  while (served.status() != 200) std::this_thread::sleep_for(10ms);  // until the server has noticed
 }
 
 /// 2026-11-22: one viewer blocked the others' frames for 23 s.

@@ -261,7 +261,7 @@ TEST(StreamServer, AnswersOthersWhileManySayNothingOrListenToNothing) {
   }
   HttpClient deaf(served.port());
   deaf.send("GET /stream?viewer=" + key + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
-  EXPECT_EQ(served.status("GET", "/picture.png?viewer=" + key), 200);  // there is a scene
+  EXPECT_EQ(served.status("GET", "/picture.png?viewer=" + key), 200);  // the scene has been loaded
   for (int i = 0; i < 20; ++i) EXPECT_EQ(served.steer(key, R"({"turn": [0.1, 0]})")["scene"], true);
   EXPECT_EQ(served.status("GET", "/"), 200);
 }

@@ -1,5 +1,5 @@
-// A pyramid that is built row by row has the bytes of one that is built from the whole image, for every readable image
-// format. Other formats are refused.
+// A pyramid that is built row by row has the same bytes as a pyramid that is built from the whole image. This holds for
+// every readable image format. Other formats are refused.
 #include "worker/tiles/texture_rows.h"
 
 #include <cstdio>

@@ -127,7 +127,7 @@ TEST(DeflateCandidates, AreTheLatestPositionsOfTheBucketWithinReach) {
 }
 
 TEST(DeflateSymbols, AreThoseOfTheSpecification) {
-  // Base and extra bits of RFC 1951, 3.2.5: the first and last value of each symbol.
+  // RFC 1951, 3.2.5, states the bases and extra bits. The test checks the first and last value of symbols.
   for (std::uint32_t length = 3, last = 0; length <= 258; ++length) {
     const auto s = deflate::symbol_of_length(length);
     ASSERT_TRUE(s.symbol == last || s.symbol == last + 1 || last == 0) << length;

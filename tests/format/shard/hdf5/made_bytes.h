@@ -82,7 +82,7 @@ struct NamedBytes {
   Bytes bytes;
 };
 
-/// Returns one example of each class, of `size` bytes.
+/// Returns one example of each type of test data, with `size` bytes each.
 inline std::vector<NamedBytes> made_bytes(Random& rng, std::size_t size) {
   std::vector<NamedBytes> all{{"zeros", Bytes(size)},
                               {"constant", Bytes(size, 0xab)},
