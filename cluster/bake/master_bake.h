@@ -14,7 +14,7 @@
 
 namespace gigabake {
 
-/// Throws if `losses` prevent publication of the scene. `nothing_baked` means that the scene has no cells.
+/// Throws if `losses` prevent publication of the scene. `nothing_baked` means that no cell was or can be baked.
 /// Errors  InputError with the first loss.
 void refuse(const BakeRequest& request, const std::vector<SceneLoss>& losses, bool nothing_baked);
 
