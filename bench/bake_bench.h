@@ -12,9 +12,9 @@ namespace gigabake::bench {
 
 struct BakeBenchRequest {
   BenchScene scene;
-  std::filesystem::path out;  ///< shards in OUT/shards are replaced; OUT contains no scene
+  std::filesystem::path out;  ///< output folder; its shards/*.h5 are replaced, and it contains no scene.xml
   Backend backend = Backend::automatic;
-  std::size_t max_cells = 16;  ///< the first cells of the plan
+  std::size_t max_cells = 16;  ///< max number of cells, from the start of the plan
 };
 
 /// Seconds, summed over the cells.
@@ -29,9 +29,9 @@ struct BakeBench {
   std::size_t cells = 0;
   std::uint64_t triangles = 0, voxels = 0, bytes = 0;
   StageSeconds alone;       ///< one cell in flight, so that stages do not compete for cores
-  StageSeconds overlapped;  ///< of the run that bake_s measures
+  StageSeconds overlapped;  ///< seconds of the run that bake_s measures
   double bake_s = 0;        ///< wall time with three cells in flight
-  bool differ = false;      ///< whether the content hashes of the two runs differ
+  bool differ = false;      ///< the content hashes of the two runs differ
   std::string content_hash;
 };
 

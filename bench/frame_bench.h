@@ -1,5 +1,5 @@
-/// Times the streaming renderer: fixed cameras until all data is resident, then at rest; and a flight. Compares the
-/// frames with exact images from the same cameras.
+/// Times the streaming renderer. For fixed cameras, it times the frames until all data is resident, and then frames at
+/// rest. It also times the frames of a flight. It compares the frames with exact images from the same cameras.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,9 @@ struct FrameBenchRequest {
   std::filesystem::path scene;  ///< scene.xml of a bake
   int width = 1920, height = 1080;
   bool fixed_views = true;  ///< false: only the flight
-  int repeats = 10;         ///< per camera, once all data is resident
+  int repeats = 10;         ///< frames at rest per camera, once all data is resident
   FrameRenderer::Options renderer;
-  double upload_s = 0.008;  ///< maximum per frame
+  double upload_s = 0.008;  ///< maximum upload time per frame
   int flight_frames = 200;
   int exact_frames = 8;  ///< evenly spaced frames of the flight, compared with exact images
 };
@@ -25,12 +25,12 @@ struct FrameBenchRequest {
 struct FrameBenchView {
   std::string view;
   std::uint64_t frames_to_complete = 0, uploads = 0;
-  double complete_s = 0;             ///< starting with empty pools
+  double complete_s = 0;             ///< time until all data is resident, starting with empty pools
   double best_s = 0, median_s = 0;   ///< per frame at rest
-  double best_cast_s = 0;            ///< part of it for casting rays
+  double best_cast_s = 0;            ///< minimum time for casting the rays of a frame at rest
   double first_psnr_db = 0;          ///< first frame with any surface, compared with the last
   bool same_as_exact = false;        ///< the last frame is bit-identical to the exact image
-  std::uint64_t surface_pixels = 0;  ///< of the exact image
+  std::uint64_t surface_pixels = 0;  ///< pixels of the exact image that show the surface
 };
 
 struct FlightBench {
@@ -38,7 +38,7 @@ struct FlightBench {
   double median_s = 0, p99_s = 0, worst_s = 0;
   std::uint64_t uploads = 0, peak_bytes = 0, allowed_bytes = 0;
   double mean_psnr_db = 0, worst_psnr_db = 0;  ///< frames as displayed, compared with exact images
-  std::uint64_t surface_pixels = 0;            ///< of these exact images
+  std::uint64_t surface_pixels = 0;            ///< pixels of these exact images that show the surface
 };
 
 struct FrameBench {
@@ -47,7 +47,7 @@ struct FrameBench {
   std::vector<FrameBenchView> views;
   FlightBench flight;
 
-  /// Returns the pixels of all exact images that show the surface.
+  /// Returns the number of pixels in all exact images that show the surface.
   std::uint64_t surface_pixels() const;
   /// Returns true if any view at rest differs from the exact image, or no image shows the surface.
   bool failed() const;

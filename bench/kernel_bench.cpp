@@ -40,7 +40,8 @@ std::uint64_t bytes_of(const kernels::CellInput& input) {
   return bytes;
 }
 
-/// Counts the bytes of the packed output: 4 + 64 + 4 per brick, 4 + 2 per voxel and 3 for its facing, 14 per node.
+/// Counts the bytes of the packed output: 4 + 64 + 4 per brick, 4 + 2 per voxel, and 14 per node. Directional coverage
+/// adds 3 bytes per voxel.
 void count_output(const kernels::CellVolume& volume, KernelBench& out) {
   for (const kernels::Level& level : volume.levels) {
     out.bricks += level.key.size();

@@ -28,9 +28,9 @@ struct BackendTimes {
 struct KernelBench {
   std::string cell;
   std::uint64_t voxels_lod0 = 0, voxels = 0, bricks = 0;
-  std::uint64_t input_bytes = 0;    ///< mesh and textures, once
-  std::uint64_t output_bytes = 0;   ///< packed levels and nodes, once
-  double copy_bytes_per_s = 0;      ///< of the device; 0 without one
+  std::uint64_t input_bytes = 0;    ///< mesh and textures, each counted once
+  std::uint64_t output_bytes = 0;   ///< packed levels and nodes, each counted once
+  double copy_bytes_per_s = 0;      ///< copy bandwidth of the device; 0 without a device
   std::vector<BackendTimes> times;  ///< content hashes are equal, or `differ` is set
   bool differ = false;
 

@@ -61,8 +61,8 @@ void turn(LiveScene& scene, LiveScene::ViewerId viewer) {
   scene.steer(viewer, steering);
 }
 
-/// Returns the time from a movement to an image from the new pose. The movement follows an earlier one after a pause,
-/// so that a full frame is in progress.
+/// Returns the time from a movement to an image from the new pose. The movement follows an earlier movement after a
+/// pause, so that a full frame is in progress.
 double answer_s(LiveScene& scene, LiveScene::ViewerId viewer, double pause_s) {
   turn(scene, viewer);
   std::this_thread::sleep_for(std::chrono::duration<double>(RenderScheduler::rest_s + pause_s));

@@ -21,7 +21,7 @@ struct LiveBenchFrame {
   double at_s = 0;  ///< since the scene was opened
   int width = 0, height = 0;
   double holes = 0;       ///< fraction of pixels with surface only in the frame at rest
-  double mean_error = 0;  ///< of sRGB bytes
+  double mean_error = 0;  ///< mean error of sRGB bytes
 };
 
 struct LiveBench {
@@ -32,7 +32,7 @@ struct LiveBench {
   double median_answer_s = 0, worst_answer_s = 0;  ///< from a movement to the next image
   double close_s = 0;                              ///< closing a scene that is rendering a full frame
   bool same_as_rendered = false;
-  std::uint64_t surface_pixels = 0;  ///< of the image at rest
+  std::uint64_t surface_pixels = 0;  ///< pixels of the image at rest that show the surface
 
   bool failed() const { return !same_as_rendered || surface_pixels == 0; }
 };

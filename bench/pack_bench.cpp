@@ -65,7 +65,8 @@ struct FreeCompressor {
   void operator()(libdeflate_compressor* c) const { libdeflate_free_compressor(c); }
 };
 
-/// Packs shuffled bytes with libdeflate. Shuffling is timed because the host packer includes it; the checksum is not.
+/// Packs shuffled bytes with libdeflate. The measured time includes shuffling, because the host packer shuffles too. It
+/// does not include the checksum.
 ColumnPacking by_libdeflate(const FileChunk& chunk, int repeats) {
   const std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor(libdeflate_alloc_compressor(1));
   Bytes bytes(chunk.raw.size()), room(libdeflate_zlib_compress_bound(compressor.get(), chunk.raw.size()));

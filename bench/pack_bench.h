@@ -14,10 +14,10 @@ namespace gigabake::bench {
 struct PackBenchRequest {
   std::filesystem::path shards;                      ///< a folder with *.h5
   int repeats = 3;                                   ///< the minimum time counts
-  std::uint64_t max_bytes = std::uint64_t(1) << 30;  ///< raw bytes, from the first shards
+  std::uint64_t max_bytes = std::uint64_t(1) << 30;  ///< max raw bytes, from the first shards
 };
 
-/// Results for a column, summed over all levels and shards. Times are CPU seconds.
+/// Results for a data column of the shards, such as colours, summed over all levels and shards. Times are CPU seconds.
 struct ColumnPacking {
   std::uint64_t chunks = 0, raw_bytes = 0, bytes = 0, libdeflate_bytes = 0;
   double seconds = 0, libdeflate_seconds = 0;

@@ -17,7 +17,7 @@ struct Event {
   std::uint64_t number = 0;  ///< orders events of the same time
   Kind kind = Kind::watch;
   int worker = 0;
-  std::uint32_t process = 0;  ///< incarnation of the worker; events of a dead one are ignored
+  std::uint32_t process = 0;  ///< number of the worker's process; events of a dead process are ignored
   std::uint32_t job = 0, attempt = 0;
   bool operator>(const Event& o) const { return std::tie(at_s, number) > std::tie(o.at_s, o.number); }
 };
@@ -116,7 +116,7 @@ class Simulation {
     return std::max(slowest / request_.workers, maximum);
   }
 
-  /// Dispatches one more cell to the worker. Returns false if the schedule has none.
+  /// Dispatches one more cell to the worker. Returns false if the schedule has no cell for this worker.
   bool give(int worker) {
     SimulatedWorker& w = workers_[std::size_t(worker)];
     if (w.restarting) return false;

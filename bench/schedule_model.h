@@ -18,17 +18,17 @@ namespace gigabake::bench {
 inline constexpr double sigma_of_seconds = 0.70;
 /// The standard deviation of ln(estimated triangles). The two bakes have 1.76 and 1.04, because most cells at the
 /// border are small. Their largest cells took 2.9 and 3.3 times the mean. The largest of 10^6 log-normal cells takes
-/// about two hundred times the mean, so the model is harder.
+/// about two hundred times the mean, so the model is harder than these bakes.
 inline constexpr double sigma_of_triangles = 1.04;
 inline constexpr double mean_triangles = 8600;
 inline constexpr double seconds_per_triangle = 2.3e-5;
-/// The fractions of a cell's seconds, measured with 0.125 m voxels.
+/// The fraction of a cell's seconds that each stage takes, measured with 0.125 m voxels.
 inline constexpr double share_of_read = 0.015, share_of_kernels = 0.785, share_of_write = 0.20;
 
 /// The delay of a message, in either direction. It is half of the 4 ms that a round trip over MPI takes when both sides
 /// sleep 1 ms between polls.
 inline constexpr double message_s = 0.002;
-/// The time from the death of a baking process until its successor accepts jobs; an assumption.
+/// The assumed time from the death of a bake process until its successor accepts jobs.
 inline constexpr double restart_s = 2;
 
 struct StageTimes {

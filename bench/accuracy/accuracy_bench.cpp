@@ -122,11 +122,11 @@ LinearPicture shown(LinearPicture picture, const kernels::CastTone& tone) {
   return picture;
 }
 
-/// Returns true if voxels are larger than pixels: then their edges are visible, above all in lit images.
+/// Returns true if voxels are larger than pixels. Their edges are then visible, most of all in lit images.
 bool is_also_lit(const AccuracyView& view) { return view.voxels_per_pixel < 1; }
 
 struct References {
-  std::vector<LinearPicture> albedo, lit;  ///< lit: only views with is_also_lit(), in their order
+  std::vector<LinearPicture> albedo, lit;  ///< `lit` has only the views with is_also_lit(), in the same order
 };
 
 References draw_references(const ReferenceCaster& caster, const AccuracyBenchRequest& request,

@@ -1,5 +1,5 @@
-/// Speed against error: bakes a scene with each setting. Compares its voxels with the source's triangles, and images of
-/// the voxels with images of the triangles.
+/// Speed against error. The benchmark bakes a scene with each setting. It compares the baked voxels with the source's
+/// triangles, and images of the voxels with images of the triangles.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace gigabake::bench {
 
 struct AccuracyBenchRequest {
   BenchScene scene;  ///< with the parameters of the first setting
-  /// The output folder: one folder per setting, whose shards are replaced, and images.
+  /// The output folder. It receives images and one folder per setting; shards in these folders are replaced.
   std::filesystem::path out;
   Backend backend = Backend::automatic;
   int repeats = 3;                               ///< bakes per setting; the minimum time is reported
@@ -35,18 +35,18 @@ struct ViewError {
   std::uint64_t compared_pixels = 0;  ///< pixels in which the reference shows the surface
   double render_s = 0;
   PictureError error;
-  std::optional<double> lit_flip;  ///< in the light of `render`; only if voxels are larger than pixels
+  std::optional<double> lit_flip;  ///< FLIP of lit images; only if voxels are larger than pixels
 };
 
 struct AccuracySetting {
-  std::string name;  ///< "area-coverage-x2": unique; also the name of its folder
+  std::string name;  ///< unique, such as "area-coverage-x2"; also the name of its folder
   std::string surface, mip;
   BakeParameters parameters;
   double bake_s = 0;  ///< from the sources to scene.xml, in one process
   std::uint64_t voxels = 0, bytes = 0;
-  double render_s = 0;  ///< of all views, including reading the scene
+  double render_s = 0;  ///< time for all views, including reading the scene
   std::vector<ViewError> views;
-  PictureError mean;  ///< over the views
+  PictureError mean;  ///< means over the views
   VoxelError voxel;
 
   double voxels_per_s() const { return double(voxels) / bake_s; }
@@ -68,11 +68,12 @@ std::vector<std::string> accuracy_setting_names();
 /// A callback that is called before each setting is baked.
 using AccuracyProgress = std::function<void(const std::string& setting)>;
 
-/// Measures every surface rule with every filter, at the voxel size and at twice the voxel size. Measures area with
-/// coverage also without normals, without facing, without both, with several error bounds, and with LZ4.
-/// All settings use the same cameras. Voxels with equal content hashes are measured once.
-/// Errors  Same as a bake and ReferenceCaster's constructor. UsageError: no setting has such a name. InputError: a view
-///         shows fewer than min_compared_pixels of the surface; then nothing is baked.
+/// Measures every surface rule with every filter, at the voxel size and at twice the voxel size. Also measures variants
+/// of the rule `area` with the filter `coverage`: without normals, without directional coverage, without both, with
+/// several error bounds, and with LZ4. All settings use the same cameras. Voxels with equal content hashes are measured
+/// once.
+/// Errors  Same as a bake and ReferenceCaster's constructor. UsageError: no setting has a name in `only`. InputError: a
+///         view shows fewer than min_compared_pixels of the surface; then nothing is baked.
 AccuracyBench bench_accuracy(const AccuracyBenchRequest& request, const AccuracyProgress& progress);
 
 }  // namespace gigabake::bench

@@ -11,7 +11,7 @@ namespace gigabake::bench {
 struct AccuracyScene {
   SceneSources sources;
   ReferenceCaster caster;
-  FrameRenderer::Options renderer;  ///< with the number of threads of the bench request
+  FrameRenderer::Options renderer;  ///< with request.scene.threads threads
 
   /// Bakes the scene with the default rules into request.out and replaces an earlier bake there.
   /// Errors  Same as bench_accuracy().

@@ -36,7 +36,8 @@ Vector middle_of(const TriangleBox& box) {
   return {(box.min[0] + box.max[0]) / 2, (box.min[1] + box.max[1]) / 2, (box.min[2] + box.max[2]) / 2};
 }
 
-/// Returns the first intersection of a triangle with the line through `place`.
+/// Returns the first intersection of a triangle with the line through `place` along `forward`, or `place` if there is
+/// none.
 Vector first_surface(const ReferenceCaster& caster, const Vector& place, const Vector& forward) {
   double to_place = 0;
   for (std::size_t a = 0; a < 3; ++a) to_place += (place[a] - middle_of(caster.box())[a]) * forward[a];
@@ -95,7 +96,7 @@ std::string AccuracyView::name() const { return fmt::format("{} {:g}", direction
 std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const BakeParameters& lattice,
                                          const std::vector<double>& voxels_per_pixel, int width, int height) {
   std::vector<Vector> places = visible_places(caster.triangles(), std::size(directions) * voxels_per_pixel.size());
-  // The first view shows the middle of the scene, if there is surface: it is the place that a user inspects first.
+  // The first view shows the middle of the scene, if it contains surface, because a user inspects this place first.
   const Vector middle = middle_of(caster.box());
   if (caster.first_hit({middle[0], middle[1], caster.box().max[2] + 1}, {0, 0, -1})) places.front() = middle;
   std::vector<AccuracyView> views;

@@ -10,7 +10,7 @@ namespace gigabake::bench {
 using Vector = std::array<double, 3>;
 using Corners = std::array<Vector, 3>;
 
-/// A corner of a clipped polygon, with the triangle's barycentric weights of its second and third vertex.
+/// A corner of a clipped polygon, and its barycentric weights for the triangle's second and third vertex.
 struct ClippedCorner {
   Vector at{};
   double second = 0, third = 0;

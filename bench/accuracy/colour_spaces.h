@@ -8,7 +8,7 @@
 
 namespace gigabake::bench {
 
-/// Returns X, Y, Z of linear sRGB, each divided by that of white.
+/// Returns X, Y and Z of a linear sRGB colour, each divided by the same coordinate of white.
 /// Source  IEC 61966-2-1.
 inline std::array<double, 3> relative_xyz(const Rgb& c) {
   return {(0.4124564 * c[0] + 0.3575761 * c[1] + 0.1804375 * c[2]) / 0.9504700,

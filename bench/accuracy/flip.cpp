@@ -116,8 +116,8 @@ std::vector<std::array<double, 3>> seen_colours(const std::array<Plane, 3>& oppo
   return out;
 }
 
-/// Returns the colour difference in 0 … 1. Differences up to 0.4 of the maximum are mapped to 0 … 0.95, larger ones to
-/// the rest.
+/// Returns the colour difference in 0 … 1. Differences up to 0.4 of the maximum are mapped to 0 … 0.95, larger
+/// differences to 0.95 … 1.
 double colour_difference(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   constexpr double exponent = 0.7, knee = 0.4, at_knee = 0.95;
   static const double greatest = std::pow(hyab(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1})), exponent);

@@ -35,8 +35,8 @@ void write_pictures(const std::filesystem::path& out, const AccuracyView& view, 
   write_png(out / (name + "-reference.png"), to_srgb(reference));
 }
 
-/// Compares one view with its reference. The pools of each renderer are filled with its own voxels, with and without
-/// shadows.
+/// Compares one view with its reference. The renderer `with` renders shadows, and `without` does not. Each renderer has
+/// separate pools, which hold the data that its rays request.
 LightRow look_at(const ReferenceCaster& caster, const AccuracyView& view, const AccuracyBenchRequest& request,
                  FrameRenderer& with, FrameRenderer& without) {
   const kernels::CastCamera camera = reference_camera(view.camera, request.scene.parameters);

@@ -8,7 +8,7 @@
 
 namespace gigabake::bench {
 
-/// An image of premultiplied RGBA, 4 values per pixel; row 0 is the upper one.
+/// An image of premultiplied RGBA, 4 values per pixel; row 0 is the top row.
 struct LinearPicture {
   int width = 0, height = 0;
   std::vector<float> rgba;
@@ -24,10 +24,10 @@ LinearPicture to_linear(const Picture& picture);
 /// Exact   Rounds to the nearest 8-bit code: to_linear() of the result is within half a code.
 Picture to_srgb(const LinearPicture& picture);
 
-/// Applies the tone mapping of `render` to an image of lit surface.
+/// Applies the tone mapping of `gigabake render` to an image of lit surfaces.
 LinearPicture on_screen(LinearPicture picture);
 
-/// Returns the linear RGB of each pixel in front of a grey background of this linear value.
+/// Returns the linear RGB of each pixel in front of a grey background with the linear value `background`.
 std::vector<Rgb> over(const LinearPicture& picture, double background);
 
 /// Returns the sRGB code of a linear value.

@@ -59,7 +59,8 @@ Vector above_surface(const ReferenceCaster& caster, double x, double y, double h
   return {x, y, from[2] - down + height};
 }
 
-/// Returns the surface below the middle of the box; if there is none, a place in the middle of the surface's area.
+/// Returns the highest point of the surface above or below the middle of the box. If there is no such point, returns a
+/// place in the middle of the surface's area.
 Vector middle_place(const ReferenceCaster& caster) {
   const TriangleBox& box = caster.box();
   const Vector from{(box.min[0] + box.max[0]) / 2, (box.min[1] + box.max[1]) / 2, box.max[2] + 1};
@@ -118,7 +119,7 @@ double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
 }
 
-/// Returns the maximum over the blocks of the mean difference in excess of the reference's.
+/// Returns the maximum over the blocks of the mean difference minus the reference's mean difference.
 double worst_block(const std::vector<double>& map, const std::vector<double>& reference, int width, int height) {
   double worst = 0;
   for (int y0 = 0; y0 + motion_block <= height; y0 += motion_block)

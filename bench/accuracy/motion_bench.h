@@ -1,6 +1,6 @@
-/// Motion: differences between two frames that are a fraction of a pixel apart, of voxels and of triangles. A larger
-/// difference of voxels is visible as flicker or popping. At the border between levels it is a ring that moves with the
-/// eye.
+/// Motion: the difference between two frames from cameras that are a fraction of a pixel apart, for voxels and for
+/// triangles. If the difference is larger for voxels than for triangles, flicker or popping is visible. At the border
+/// between levels it is visible as a ring that moves with the eye.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@
 
 namespace gigabake::bench {
 
-/// Numbers of one way of rendering voxels.
+/// The differences for one way of rendering voxels.
 struct MotionFigures {
   double pair = 0;         ///< mean FLIP between the two frames
-  double worst_block = 0;  ///< max over blocks of the difference in excess of the reference's
-  double still = 0;        ///< mean FLIP of the first frame against the reference
+  double worst_block = 0;  ///< max over blocks: mean FLIP minus the reference's mean FLIP
+  double still = 0;        ///< mean FLIP of the first frame, compared with the reference
 };
 
 /// The differences between two frames of a path.
@@ -32,19 +32,20 @@ struct MotionBench {
   int samples = 0, width = 0, height = 0, threads = 0;
   std::vector<MotionRow> rows;
 
-  /// Returns the maximum ratio of a pair's difference to the reference's.
+  /// Returns the maximum over the rows of the voxels' difference divided by the triangles' difference. `way` is the
+  /// member `plain` or `blended`.
   double worst_ratio(MotionFigures MotionRow::*way) const;
   double mean_still(MotionFigures MotionRow::*way) const;
 };
 
-/// The distance between the frames of a pair, in pixels of the nearest surface, or at the image border when zooming.
+/// The motion between the two frames of a pair, in pixels: of the nearest surface, or of the image border in a zoom.
 inline constexpr double motion_pixels = 0.25;
 /// The edge of a block in pixels; the ring between two levels is a few pixels wide.
 inline constexpr int motion_block = 16;
 
-/// Bakes the scene with the default rules into `out`. Renders each pair lit, without shadows, with --level-blend off
-/// and on. Parameter samples: rays per pixel of the reference. The callback `progress` is called before each path is
-/// rendered.
+/// Bakes the scene with the default rules into request.out. Renders each pair lit, without shadows, with --level-blend
+/// off and on. request.samples is the number of rays per pixel of the reference. `progress` is called before each path
+/// is rendered.
 /// Errors  Same as bench_accuracy().
 MotionBench bench_motion(const AccuracyBenchRequest& request, const AccuracyProgress& progress);
 

@@ -1,11 +1,11 @@
-/// Errors  of an image of voxels relative to the reference image from the same camera.
+/// The errors of an image of voxels relative to the reference image from the same camera.
 #pragma once
 
 #include "bench/accuracy/linear_picture.h"
 
 namespace gigabake::bench {
 
-/// Errors  over all pixels, or over the *scene*: the pixels in which either image is not empty.
+/// The errors over all pixels, or over the *scene*: the pixels in which at least one of the two images is not empty.
 struct PictureError {
   double psnr_black_db = 0, psnr_white_db = 0;  ///< of sRGB codes over the scene, per background; max 100
   double silhouette_iou = 0;                    ///< intersection over union of pixels with alpha ≥ ½

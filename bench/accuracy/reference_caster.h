@@ -1,4 +1,4 @@
-/// A ray caster of the source's triangles: it renders the reference images for images of voxels.
+/// A ray caster of the source's triangles. It renders the reference images with which images of voxels are compared.
 #pragma once
 
 #include <array>
@@ -32,12 +32,12 @@ class ReferenceCaster {
   const TriangleBox& box() const;
   const SourceTriangles& triangles() const;
 
-  /// Returns every triangle closer to p than `radius`, and some that are not, in ascending order. Thread-safe.
-  /// Range   radius: far above 2^-24 of the box's size.
+  /// Returns all triangles closer to p than `radius`, and some farther triangles, in ascending order. Thread-safe.
+  /// Range   `radius` is far above 2^-24 of the box's size.
   std::vector<TriangleName> near(const std::array<double, 3>& p, double radius) const;
 
-  /// Renders an image. Each pixel is the mean of at least `samples` rays, one at random in each square of a grid over
-  /// it.
+  /// Renders an image. Each pixel is the mean of at least `samples` rays, one at a random position in each square of a
+  /// grid over the pixel.
   /// Exact   Independent of the number of threads, on one machine: pixels seed their own random numbers.
   LinearPicture draw(const kernels::CastCamera& camera, int samples,
                      const kernels::CastLight& light = kernels::unlit()) const;
@@ -47,7 +47,7 @@ class ReferenceCaster {
   LinearPicture draw_shadowed(const kernels::CastCamera& camera, int samples, const kernels::CastLight& light,
                               double sun_radius_deg) const;
 
-  /// Returns the distance to the first triangle. direction: unit vector.
+  /// Returns the distance to the first triangle that the ray hits. `direction` is a unit vector.
   std::optional<double> first_hit(const std::array<double, 3>& origin, const std::array<double, 3>& direction) const;
 
  private:

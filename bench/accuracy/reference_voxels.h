@@ -23,7 +23,7 @@ class ReferenceVoxels {
   /// Errors  InputError: a shard cannot be read.
   ReferenceVoxels(const SceneDescription& scene, const std::filesystem::path& scene_path, int lod);
 
-  /// Returns true if the voxel exists. v: voxels of the lod, relative to origin().
+  /// Returns true if the voxel exists. `v` is in voxels of the lod, relative to origin().
   bool exists(const Vec3i64& v) const;
   const Vec3i64& origin() const { return origin_; }
 

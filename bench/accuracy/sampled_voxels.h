@@ -14,7 +14,7 @@ namespace gigabake::bench {
 struct SampledVoxel {
   Vec3i64 at{};  ///< in voxels of the bake's lattice
   std::array<std::uint8_t, 4> rgba{};
-  std::array<std::int8_t, 2> normal{};  ///< zeros if the scene has none
+  std::array<std::int8_t, 2> normal{};  ///< zeros if the scene has no normals
 };
 
 /// Returns at most `maximum` voxels of lod 0: one at random from each run of equal length, in the order of the shards.

@@ -112,7 +112,8 @@ class VoxelComparison {
     double area;
   };
 
-  /// Returns the triangles within the radius of the voxel's corners; if there is none, the nearest ones.
+  /// Returns the triangles whose distance from the voxel's centre is at most the voxel's edge; they include all
+  /// triangles in the voxel. If there are none, doubles the distance, up to max_distance.
   std::vector<Nearby> around(const Vector& centre) const {
     std::vector<Nearby> nearby;
     for (double radius = edge_; nearby.empty() && radius <= max_distance * edge_; radius *= 2)
@@ -126,8 +127,8 @@ class VoxelComparison {
     return nearby;
   }
 
-  /// Returns the angle between the stored normal and the nearest triangle's. If several triangles are equally near,
-  /// returns the minimum.
+  /// Returns the angle between the stored normal and the normal of the nearest triangle. If several triangles are
+  /// equally near, returns the minimum.
   std::optional<double> angle(const std::vector<Nearby>& nearby, double nearest,
                               const std::array<std::int8_t, 2>& stored) const {
     const std::array<float, 3> n = unit_normal(stored.data());

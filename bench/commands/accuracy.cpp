@@ -134,7 +134,7 @@ int expect_measured(const bench::LeakBench& b) {
   return failed;
 }
 
-/// Fails only if a scene was not measured; leaks have no documented bound.
+/// Measures leaks. Fails only if a scene was not measured; leaks beyond their bounds are only reported.
 int run_leaks(const AccuracyOptions& options) {
   const bool is_given = !options.bake.source.empty();
   if (is_given && options.bake.voxel_size.empty()) throw UsageError("--leaks with a SOURCE: expected --voxel-size");
@@ -151,7 +151,8 @@ int run_leaks(const AccuracyOptions& options) {
   return expect_measured(b);
 }
 
-/// Runs a benchmark of images without checking bounds; docs/accuracy.md states the bounds. bench: light or motion.
+/// Runs a benchmark of images: bench_light() or bench_motion(). Checks no bounds; docs/accuracy-rendering.md states the
+/// goals.
 template <class Bench>
 int run_pictures(const AccuracyOptions& options,
                  Bench (*bench)(const bench::AccuracyBenchRequest&, const bench::AccuracyProgress&)) {

@@ -21,7 +21,8 @@ inline double srgb_of(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
 }
 
-/// Returns the distance of a stored sRGB code from the exact linear value, in codes; 0.5 is rounding.
+/// Returns the distance of a stored sRGB code from the exact linear value, in codes. Rounding causes an error of up to
+/// 0.5.
 inline double code_error(int code, double linear) { return std::abs(code - 255 * srgb_of(linear)); }
 
 /// Returns the unit vector of an octahedral code.
@@ -44,7 +45,8 @@ inline double angle_deg(const Direction& a, const Direction& b) {
   return std::acos(std::min(1.0, std::max(-1.0, dot / std::sqrt(aa * bb)))) * 180 / std::numbers::pi;
 }
 
-/// The maximum angle between a direction and its two stored bytes (measured in tests/core/octahedral_test.cpp).
+/// The maximum angle between a direction and the direction that its two stored bytes represent (measured in
+/// tests/core/octahedral_test.cpp).
 inline constexpr double octahedral_error_deg = 0.96;
 
 }  // namespace gigabake::reference

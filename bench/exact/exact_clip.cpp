@@ -14,7 +14,7 @@ std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a / b - (a % b <
 
 mpz_class big(std::int64_t v) { return mpz_class(static_cast<long>(v)); }
 
-/// Returns the part sign·(p[axis] - plane) ≥ 0 of a convex polygon. It is exact also for points and segments.
+/// Returns the part sign·(p[axis] - plane) ≥ 0 of a convex polygon. The result is exact also for points and segments.
 /// Source  Sutherland and Hodgman 1974.
 Polygon clip(const Polygon& in, int axis, const mpq_class& plane, int sign) {
   Polygon out;
@@ -32,7 +32,8 @@ Polygon clip(const Polygon& in, int axis, const mpq_class& plane, int sign) {
   return out;
 }
 
-/// Returns the first and last slab along the axis whose closed extent may intersect the polygon, clipped to the window.
+/// Returns the first and the last coordinate of voxels on the axis whose closed extent may intersect the polygon. Both
+/// are clipped to the window.
 std::array<std::int64_t, 2> slab_range(const Polygon& polygon, int axis, const Window& window) {
   auto [low, high] = std::minmax_element(polygon.begin(), polygon.end(),
                                          [axis](const auto& a, const auto& b) { return a[axis] < b[axis]; });
@@ -151,7 +152,7 @@ bool crosses_centre_segment(const Triangle& t, const Voxel& voxel) {
   for (int axis = 0; axis < 3; ++axis) {
     if (n[axis] == 0 || !column_hits(t, centre, axis)) continue;
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    // Solves n·(p - v0) = 0 for p[axis] and compares the exact result with the segment's ends.
+    // Solve n·(p - v0) = 0 for p[axis], where v0 = t[0], and compare the exact result with the segment's ends.
     mpq_class crossing(n[u] * big(t[0][u] - centre[u]) + n[v] * big(t[0][v] - centre[v]), n[axis]);
     crossing.canonicalize();
     crossing += mpq_class(big(t[0][axis]));

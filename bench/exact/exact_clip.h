@@ -1,5 +1,5 @@
-/// The reference: triangle/voxel intersection in exact rational arithmetic. It is written from docs/accuracy.md, not
-/// from kernels/.
+/// The reference for intersections of triangles and voxels, in exact rational arithmetic. It is written from
+/// docs/accuracy.md, not from kernels/.
 ///
 /// Space   Sub-voxels (1/256 voxel) from the lattice origin; voxel i is the half-open cube [256i, 256(i+1)).
 /// Exact   GMP rationals. Only area_voxel2() and the conversions of a Piece to double return doubles.
@@ -29,7 +29,8 @@ struct Window {
   std::int64_t edge = 0;
 };
 
-/// The part of a closed triangle that lies in a closed voxel. Never empty; may be a point or a segment.
+/// The part of a closed triangle that lies in a closed voxel. The polygon is never empty, but may be a point or a
+/// segment.
 struct Piece {
   Voxel voxel{};
   Polygon polygon;
@@ -46,14 +47,16 @@ std::vector<Piece> pieces_in(const Triangle& t, const Window& window);
 /// Returns twice the area vector of a planar polygon, in sub-voxels².
 RationalPoint area_vector(const Polygon& polygon);
 
-/// Returns true if area(T ∩ half-open cube) > 0.
+/// Returns true if the triangle has area in the half-open voxel of the piece.
 bool has_area_in_voxel(const Piece& piece);
 
-/// Returns true if T crosses a segment through the centre along an axis to which T is not parallel. The segment is
+/// Returns true if the triangle crosses one of three segments through the voxel's centre, which are parallel to the
+/// axes. A segment is ignored if it is parallel to the triangle's plane. Segments end at the voxel's faces and are
 /// half-open like the voxel.
 bool crosses_centre_segment(const Triangle& t, const Voxel& voxel);
 
-/// Returns the voxels of the pieces that the triangle occupies by the rule; none for a triangle without area.
+/// Returns those voxels of the pieces, or of the window, that the triangle occupies by the rule. Returns no voxels for
+/// a triangle without area.
 std::set<Voxel> occupied(const Triangle& t, const std::vector<Piece>& pieces, SurfaceRule rule);
 std::set<Voxel> occupied(const Triangle& t, SurfaceRule rule, const Window& window);
 

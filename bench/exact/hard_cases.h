@@ -11,7 +11,7 @@
 
 namespace gigabake::reference {
 
-/// The window of every case: two bricks on each side of the origin, per axis.
+/// The window of every case in voxels: one brick on each side of the origin, per axis.
 inline constexpr std::int64_t hard_case_low = -8, hard_case_high = 8;
 
 struct HardCase {

@@ -48,7 +48,8 @@ std::vector<HardCase> inside_a_voxel() {
   };
 }
 
-/// Returns the same triangle in six lattice planes. A triangle in a plane belongs to the voxel above.
+/// Returns the same triangle in six lattice planes. Under the rules `area` and `thin`, a triangle in a lattice plane
+/// belongs to the voxel above the plane.
 std::vector<HardCase> in_lattice_planes() {
   const auto in_plane = [](int axis, std::int64_t at) {
     Triangle t;

@@ -16,7 +16,7 @@ std::set<Voxel> where(const Predicate& holds) {
 
 const std::set<Voxel> layer = cells({low, low, 0}, {last, last, 0});
 
-/// Returns a square of two triangles around the window, z = a·x + b·y + c.
+/// Returns a square of two triangles that extends beyond the window. It lies in the plane z = a·x + b·y + c.
 std::vector<Triangle> sheet(std::int64_t reach, std::int64_t a, std::int64_t b, std::int64_t c) {
   const auto at = [&](std::int64_t x, std::int64_t y) { return LatticeVertex{x, y, a * x + b * y + c}; };
   return {{at(-reach, -reach), at(reach, -reach), at(reach, reach)},

@@ -13,16 +13,16 @@ namespace gigabake::reference {
 
 struct Painted {
   Triangle triangle;
-  Rgba16 colour = white16;  ///< linear, straight
+  Rgba16 colour = white16;  ///< linear, straight alpha
   AlphaMode mode = AlphaMode::opaque;
-  std::optional<std::array<Rgba16, 3>> vertex_colours;  ///< opaque; their mean is the value at the centroid
+  std::optional<std::array<Rgba16, 3>> vertex_colours;  ///< opaque colours; their mean is the value at the centroid
 };
 
 struct ExpectedVoxel {
-  double area = 0;                 ///< Σ w, voxel²
-  double visible = 0;              ///< Σ w·a
-  std::array<double, 3> colour{};  ///< Σ w·a·c, linear
-  Direction normal{};              ///< Σ w·a·n
+  double area = 0;                 ///< Σ w over the pieces; w: area of a piece in voxel²
+  double visible = 0;              ///< Σ w·a; a: alpha of the piece
+  std::array<double, 3> colour{};  ///< Σ w·a·c; c: linear colour of the piece
+  Direction normal{};              ///< Σ w·a·n; n: unit normal of the piece
 
   double alpha() const { return visible / area; }
   double linear(int c) const { return colour[c] / visible; }

@@ -32,7 +32,8 @@ Spread repeat(int repeats, const std::function<double()>& once) {
   return {s.front(), s[s.size() / 2]};
 }
 
-/// Times a view with and without voxel attributes. run(true) casts the view with attributes; run() returns seconds.
+/// Times a view with and without voxel attributes. run(true) casts the view with attributes, and run(false) without.
+/// `run` returns the seconds that the cast took.
 FirstHitTimes time_view(const char* backend, int repeats, const std::function<double(bool)>& run) {
   const Spread looks = repeat(repeats, [&] { return run(true); }), plain = repeat(repeats, [&] { return run(false); });
   return {backend, plain.best, plain.median, looks.best, looks.median};

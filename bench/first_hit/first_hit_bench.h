@@ -24,13 +24,13 @@ struct FirstHitBenchRequest {
 struct FirstHitTimes {
   std::string backend;  ///< "cpu" or "cuda"
   double best_s = 0, median_s = 0;
-  double best_with_looks_s = 0, median_with_looks_s = 0;  ///< also fetches colours and normals
+  double best_with_looks_s = 0, median_with_looks_s = 0;  ///< times when colours and normals are fetched too
 };
 
 struct FirstHitRow {
   std::string view;
   std::uint64_t rays = 0, hits = 0;
-  int beam_tile = 0;  ///< edge of a tile in pixels; 0: none
+  int beam_tile = 0;  ///< edge of the tile of a beam in pixels; 0: no beams
   std::vector<FirstHitTimes> times;
   std::uint64_t differ = 0;  ///< hits that differ between the backends
   std::uint64_t reference_rays = 0, within_rounding = 0, wrong = 0;
@@ -39,10 +39,10 @@ struct FirstHitRow {
 struct FirstHitBench {
   int width = 0, height = 0, lod = 0;
   std::uint64_t voxels = 0, nodes = 0, tree_bytes = 0, bytes = 0;
-  double build_s = 0;  ///< includes reading the shards
+  double build_s = 0;  ///< time to build the tree, including reading the shards
   std::vector<FirstHitRow> rows;
 
-  /// Returns the number of hits of all views.
+  /// Returns the total number of hits of all views.
   std::uint64_t hits() const;
   /// Returns true if any ray is wrong or differs, or no ray hit a voxel.
   bool failed() const;

@@ -26,7 +26,7 @@ inline ReferenceRay reference_ray(const kernels::FirstHitRay& ray, const kernels
   return r;
 }
 
-/// The interval of the ray inside a box; for a voxel, the box is expanded by `rim` on all sides.
+/// The interval of a ray inside a box.
 struct Chord {
   double enter, leave;
   bool empty() const { return !(enter <= leave); }
@@ -48,6 +48,7 @@ inline Chord chord(const ReferenceRay& ray, const std::array<double, 3>& low, co
 
 using Voxel = std::array<std::int64_t, 3>;
 
+/// Returns the chord of a voxel whose cube is expanded by `rim` on all sides.
 inline Chord chord(const ReferenceRay& ray, const Voxel& v, double rim) {
   std::array<double, 3> low{}, high{};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -85,8 +86,9 @@ void step_through(const ReferenceRay& ray, std::int64_t edge, const Visit& visit
 
 enum class Agreement { same, within_rounding, wrong };
 
-/// Compares a hit with the reference. exists(voxel): returns true if the scene has the voxel. rounding: voxels. A hit
-/// within this distance of the ray is accepted if the ray penetrates no earlier voxel deeper than this distance.
+/// Compares a hit with the reference. exists(voxel) returns true if the scene has the voxel. `rounding` is a distance
+/// in voxels. A hit whose voxel lies within this distance of the ray is accepted if the ray penetrates no earlier voxel
+/// deeper than this distance.
 template <class Exists>
 Agreement compare(const kernels::FirstHitTree& tree, const kernels::FirstHitRay& lattice_ray,
                   const kernels::FirstHit& hit, double rounding, const Exists& exists) {

@@ -28,7 +28,7 @@ struct Axes {
   }
 };
 
-/// The box in voxels around its centre.
+/// A box in voxels: its centre and its half extents.
 struct Box {
   Vector centre, half;
 };
@@ -107,7 +107,7 @@ double fitting_distance(const Box& box, const Vector& towards, double fovy_deg, 
   return distance;
 }
 
-/// Returns the height of the ground relative to the centre; 0 if there is none.
+/// Returns the height of the ground in the middle of the box, relative to the centre. Returns 0 if there is no ground.
 double ground_height(const kernels::FirstHitTree& tree, const Box& box) {
   kernels::FirstHitRay down;
   for (std::size_t a = 0; a < 3; ++a) down.origin[a] = box.centre[a];

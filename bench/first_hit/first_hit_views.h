@@ -16,11 +16,11 @@ struct FirstHitBenchView {
   std::optional<kernels::FirstHitCamera> camera;  ///< nullopt: uniformly random rays between points of the box
 };
 
-/// Returns the fixed views and one of random rays.
+/// Returns the fixed views and one view of random rays.
 ///
-/// Views of the whole scene: from the south-east, parallel and in perspective, and both again, close enough to fill the
-/// image. Other views: grazing from a corner; vertical; from ten voxels above the ground in the middle; from below the
-/// ground; random rays.
+/// Four views look from the south-east, with parallel rays and in perspective. Two of them show the whole scene, and
+/// two are close enough to fill the image. The other views look from a corner at a grazing angle, straight down, from
+/// ten voxels above the ground in the middle, and from below the ground.
 std::vector<FirstHitBenchView> first_hit_views(const kernels::FirstHitTree& tree, int width, int height);
 
 std::vector<kernels::FirstHitRay> random_rays(const kernels::FirstHitTree& tree, std::size_t count, unsigned seed);

@@ -1,6 +1,6 @@
 // Writes the benchmark terrain: a fractal height field of 2·quads² triangles on a unit square, with vertex colours or
 // with a texture. At --voxel-size 1/2048 it has about three surface voxels per column. The terrain on which
-// docs/experiments/kernels.md measured other programs has as many.
+// docs/experiments/kernels.md measured other programs has about the same number.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -70,7 +70,7 @@ class HeightField {
   std::vector<double> height_;
 };
 
-/// Returns the colour of height h at (x, y), in 0 … 1. x, y: in quads.
+/// Returns the colour of height h at (x, y), in 0 … 1. `x` and `y` are in quads.
 std::array<double, 3> colour_of(double h, double x, double y) {
   return {sample::clamp01(0.35 + 0.6 * sample::noise(7, x / 40, y / 40)), sample::clamp01(0.45 + 0.9 * h), 90 / 255.0};
 }
@@ -81,7 +81,7 @@ double height_between(const HeightField& field, double x, double y) {
                       sample::lerp(field.at(left, top + 1), field.at(left + 1, top + 1), x - left), y - top);
 }
 
-/// Returns a texture of the same colours, with a grain of two texels.
+/// Returns a texture with the colours of colour_of(), with a grain of two texels.
 sample::Picture picture_of(const HeightField& field, int texels) {
   sample::Picture picture(texels, texels, 3);
   const double quads_per_texel = double(field.points() - 1) / texels;

@@ -65,8 +65,8 @@ reference::Window window_about(const LongPoint& p_lattice) {
   return window;
 }
 
-/// Returns a case on the earth. origin: the origin of the scene frame. is_asked: --origin specifies it; otherwise it is
-/// the first tile's place.
+/// Returns a case on the earth. `origin` is the origin of the scene frame. If `is_asked` is true, the option --origin
+/// specifies it; otherwise it is the place of the first tile.
 HardCase earth_case(const char* name, const char* what, const std::vector<Geodetic>& tiles, const Geodetic& origin,
                     bool is_asked) {
   Rng rng(20260511);
@@ -85,7 +85,8 @@ HardCase earth_case(const char* name, const char* what, const std::vector<Geodet
   return hard;
 }
 
-/// Returns a local scene far from its origin: the transforms contain the distance, as they should.
+/// Returns a case with a local scene far from its origin. The tile's transform contains the distance, so vertices have
+/// small coordinates.
 HardCase far_case() {
   Rng rng(20260512);
   HardCase hard = lattice_case("far-1000-km-local", "earth", "0.01 m voxels 1,000 km from a local scene's origin");

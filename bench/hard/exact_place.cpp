@@ -14,7 +14,7 @@ LongAffine widened(const Affine<To, From>& map) {
   return out;
 }
 
-/// Returns the transform whose columns are east, north, up and the place itself.
+/// Returns the transform whose columns are east, north, up and the position of the place in ECEF.
 LongAffine axes_at(const Geodetic& g) {
   constexpr long double a = 6378137, f = 1 / 298.257223563L, e2 = f * (2 - f);
   constexpr long double degree = std::numbers::pi_v<long double> / 180;
@@ -30,7 +30,8 @@ LongPoint vertex(const HardMesh& mesh, std::size_t v) {
   return {mesh.position[3 * v], mesh.position[3 * v + 1], mesh.position[3 * v + 2]};
 }
 
-/// Returns the triangle on the lattice; nullopt if a vertex is not on the lattice.
+/// Returns the triangle on the lattice; nullopt if a coordinate of a vertex is not finite or is 2^53 sub-voxels or
+/// more.
 std::optional<reference::Painted> painted(const HardMesh& mesh, std::size_t triangle, const LongAffine& map,
                                           const BakeParameters& parameters) {
   constexpr long double limit = 9007199254740992.0L;  // 2^53

@@ -1,8 +1,8 @@
 /// The exact positions of a hard scene's vertices, computed from its files in long double and from closed forms. Uses
 /// no code of format/ or kernels/.
 ///
-/// Exact   64 bits of mantissa on x86, 113 on aarch64: 10⁻¹² m on the earth. If the compiler's long double is a double,
-///         the suite compares double with double.
+/// Exact   A long double has a mantissa of 64 bits on x86 and 113 bits on aarch64. This resolves 10⁻¹² m on the earth.
+///         If the compiler's long double is a double, the suite compares double with double.
 #pragma once
 
 #include <vector>
@@ -27,8 +27,8 @@ LongAffine enu_from_ecef(const Geodetic& origin);
 /// Returns the inverse of enu_from_ecef().
 LongAffine ecef_from_enu_at(const Geodetic& place);
 
-/// Returns the placement of each node of each tile, in the order of the files. Parameter origin: the origin of the
-/// scene frame, if it is on the earth.
+/// Returns the transform from each node of each tile to the scene frame, in the order of the files. `origin` is the
+/// origin of the scene frame if the scene is on the earth.
 std::vector<LongAffine> exact_placements(const HardScene& scene, const std::optional<Geodetic>& origin);
 
 /// Returns the position on the lattice before the snap, in sub-voxels.

@@ -18,8 +18,8 @@ using reference::Triangle;
 
 using Rng = std::mt19937_64;
 
-/// A fixed seed: the suite is equal on every machine. std::uniform_int_distribution is not used because it differs
-/// between libraries.
+/// A fixed seed, so that the suite is equal on every machine. std::uniform_int_distribution is not used because it
+/// differs between libraries.
 constexpr std::uint64_t seed = 20260511;
 std::int64_t below(Rng& rng, std::int64_t end) { return std::int64_t(rng() % std::uint64_t(end)); }
 
@@ -41,10 +41,10 @@ HardScene scene_of(const std::vector<Painted>& painted) {
   return scene;
 }
 
-/// Returns slivers between small triangles of about the sliver's area per voxel, so that the colour shows the sliver's
-/// weight.
+/// Returns one case per sliver. Small triangles cover about the same area of each voxel as the sliver, so that the
+/// voxel's colour shows the sliver's weight.
 std::vector<HardCase> slivers() {
-  // The sliver is a little shorter than the maximum and needs few bits.
+  // The slivers are a little shorter than the maximum, and their coordinates need few bits.
   constexpr std::int64_t far = (max_side_voxels / 2 - 2048) * subvoxels;
   const std::pair<const char*, Triangle> shapes[] = {
       {"sliver-along-x", {{{-far, 100, 100}, {far, 100, 100}, {far, 101, 100}}}},
@@ -81,12 +81,13 @@ HardMesh min_triangles(std::size_t count, const LatticeVertex& at, int material)
   return mesh;
 }
 
-/// Returns millions of triangles, sorted by colour: a float sum, or a sum that saturates, would lose the later ones.
+/// Returns a case with millions of triangles, sorted by colour. A float sum, or a sum that saturates, would lose the
+/// later triangles.
 HardCase millions(int million) {
   HardCase hard = lattice_case("millions-in-one-voxel", "extremes",
                                std::to_string(million) + " million smallest triangles and one large; closed form");
   constexpr std::size_t a_million = 1000000;
-  constexpr double large = 65536;  // half sub-voxels²
+  constexpr double large = 65536;  // area of the large triangle, in units of half a sub-voxel²
   const int of_colour[3] = {million - 2 * (million / 3), million / 3, million / 3};
   HardTile& tile = hard.scenes[0].tiles[0];
   const auto unit = scaled(lattice_unit_m, lattice_unit_m, lattice_unit_m);
@@ -107,7 +108,8 @@ HardCase millions(int million) {
   return hard;
 }
 
-/// Returns coplanar layers in random order: the first and the last must have no advantage.
+/// Returns a case with coplanar layers in random order. The first and the last layer must not have more weight than the
+/// others.
 HardCase coplanar_stack(const char* name, const char* what, const std::function<std::int64_t(std::int64_t)>& z_of) {
   Rng rng(seed);
   HardCase hard = lattice_case(name, "extremes", what);

@@ -42,7 +42,7 @@ LongPoint middle_of(const LatticePoint& at, const BakeParameters& parameters) {
   return p;
 }
 
-/// Compares the vertices of the pipeline with the exact ones.
+/// Compares the vertices of the pipeline with the exact vertices.
 void measure_places(const HardScene& scene, const SceneSources& sources, const BakeParameters& parameters,
                     HardBake& out) {
   const std::vector<LongAffine> exact = exact_placements(scene, sources.origin);
@@ -81,7 +81,7 @@ StoredVoxels voxels_of(const Shard& shard) {
 }  // namespace
 
 SceneSources open_hard(const std::filesystem::path& folder, const HardScene& scene) {
-  std::error_code ignored;  // a folder that cannot be removed fails below
+  std::error_code ignored;  // if the folder cannot be removed, an error follows below
   std::filesystem::remove_all(folder, ignored);
   SourceOptions options;
   options.local = !scene.on_earth;

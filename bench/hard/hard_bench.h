@@ -1,6 +1,7 @@
-/// The hard cases: a suite of scenes made to break a voxelizer, which runs on any machine. Each case is written as
-/// files, baked as a cell by the pipeline of every bake, and read back from its shard. The result is compared with an
-/// independent reference: long double placements, rational clipping, closed forms, and sets derived by hand.
+/// The hard cases: a suite of scenes that are made to break a voxelizer. The suite runs on any machine. Each case is
+/// written as files, baked as a cell by the pipeline of every bake, and read back from its shard. The result is
+/// compared with an independent reference: long double placements, rational clipping, closed forms, and sets derived by
+/// hand.
 #pragma once
 
 #include <cstdint>
@@ -42,7 +43,7 @@ struct HardResult {
 struct HardBench {
   std::string backend;  ///< "cpu" or "cuda"
   std::vector<HardResult> cases;
-  LeakBench leaks = {};  ///< of three planes: measured, but not bounded yet, so not part of holds()
+  LeakBench leaks = {};  ///< leaks of three planes; they are reported, but are not part of holds()
   bool holds() const;
 };
 

@@ -17,11 +17,11 @@ namespace gigabake::bench {
 
 /// The error bounds of a case; nullopt: not measured.
 struct HardBounds {
-  double alpha_codes = 0.501;                 ///< of 255
-  std::optional<double> colour_codes = 0.65;  ///< sRGB, of opaque colours: rounding and 16-bit quantization
-  std::optional<double> colour_linear = {};   ///< of a texture, 0 … 1
-  std::optional<double> normal_deg = 1.01;    ///< two octahedral bytes, and 16 bits
-  double placement_m = 0;                     ///< of a vertex in double, before the snap
+  double alpha_codes = 0.501;                 ///< alpha, max error in codes of 255
+  std::optional<double> colour_codes = 0.65;  ///< opaque colours, max error in sRGB codes: rounding, 16 bits
+  std::optional<double> colour_linear = {};   ///< linear colours of a texture, max error; 1 is white
+  std::optional<double> normal_deg = 1.01;    ///< max angle: rounding to two octahedral bytes and 16 bits
+  double placement_m = 0;                     ///< max error of a vertex in double, before the snap
 };
 
 struct StoredVoxel {
@@ -36,8 +36,8 @@ struct HardBake {
   CellReport report;
   StoredVoxels voxels;
   std::string content_hash;
-  double placement_m = 0;  ///< maximum distance of a double vertex from its exact position
-  double position_m = 0;   ///< maximum distance after the snap
+  double placement_m = 0;  ///< maximum distance of a vertex in double from its exact position, before the snap
+  double position_m = 0;   ///< the same distance after the snap
 };
 
 struct HardCase {
@@ -47,10 +47,10 @@ struct HardCase {
   BakeParameters parameters{};
   reference::Window window{};
   HardBounds bounds{};
-  /// Derived by hand; nullopt: compared only with the reference.
+  /// The occupied voxels, derived by hand. If nullopt, voxels are compared only with the reference.
   std::optional<std::set<reference::Voxel>> by_hand{};
-  /// Replaces the exact clipping of plain triangles as the reference: for textures, and for counts too large for
-  /// clipping.
+  /// Returns the expected voxels if exact clipping of plain triangles cannot be the reference: for textures, and for
+  /// too many triangles.
   std::function<ExpectedVoxels()> expected{};
   /// Returns additional measurements of the case's first scene.
   std::function<std::vector<HardFigure>(const HardBake&)> more{};

@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double reach_m = 1000;  ///< of bounding volumes, which a bake does not read
+constexpr double reach_m = 1000;  ///< half edge of bounding volumes; a bake reads only the centre of the root's volume
 constexpr int byte_type = 5121, short_type = 5123, int_type = 5125, float_type = 5126;
 
 template <class To, class From>

@@ -38,8 +38,9 @@ void add(HardTile& tile, HardMesh mesh, const Affine<Local, Local>& map, int mat
   tile.meshes.push_back(std::move(mesh));
 }
 
-/// Adds a triangle whose vertices are unit vectors; the node's matrix maps them to the corners, so that integers in
-/// double are stored exactly. The origin lies behind the triangle, so that the matrix does not mirror.
+/// Adds a triangle whose vertices in the mesh are unit vectors. The node's matrix maps these vectors to the triangle's
+/// corners, so the corners are stored exactly as integers in double. The origin lies behind the triangle, so that the
+/// matrix does not mirror.
 void add_wide(HardTile& tile, const Triangle& t, double unit_m, int material) {
   const auto n = reference::normal_of(t);
   std::size_t w = 0;

@@ -1,4 +1,4 @@
-/// A hard scene with the content of its files: meshes, which nodes of tiles place; z up.
+/// A hard scene and the content of its files: tiles whose nodes place meshes. The z axis points up.
 #pragma once
 
 #include <array>
@@ -47,7 +47,8 @@ struct HardScene {
   std::optional<Geodetic> origin;  ///< --origin; nullopt: the source's own
 };
 
-/// Adds a mesh and a node. Integer coordinates up to 2^52 of `unit_m` metres, a power of two, are exact.
+/// Adds a mesh with one triangle, and its node. Coordinates are in units of `unit_m` metres, a power of two. Integers
+/// up to 2^52 are stored exactly.
 void add_triangle(HardTile& tile, const reference::Triangle& t, double unit_m, int material = 0);
 /// Adds all triangles as one mesh.
 /// Range   Coordinates are below 2^24 units.

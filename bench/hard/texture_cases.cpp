@@ -48,8 +48,9 @@ void add_sheet(HardCase& hard, std::int64_t layer, const SheetMap& map) {
   }
 }
 
-/// Returns an atlas of a red and a blue chart. The square shows the red one up to the seam, which coarser texels do not
-/// respect. Bilinear magnification itself shows blue in the last half texel; prefiltering must add only little.
+/// Returns a case with a texture atlas of a red and a blue chart. The square shows the red chart up to the seam, and
+/// coarser texels mix both colours across the seam. Bilinear magnification without prefiltering shows blue in the last
+/// half texel; prefiltering must add only little blue.
 HardCase seam(const std::string& texels_text, double texels, double bound, double reach_voxels) {
   constexpr int size = 512, border = 301;
   Image atlas{size, size, {}, false};
@@ -92,12 +93,14 @@ double overlap(double low, double size, std::int64_t at) {
 }
 
 /// The bounds of a masked texel. A fragment samples the mask around its centroid, not over its area. The area of one
-/// texel is therefore right only in the mean over positions. At one position it may be lost or several times too large.
+/// texel is therefore right only in the mean over positions. At a single position the area may be lost or several times
+/// too large.
 struct MaskBounds {
   double alpha_codes, mean_area, max_area, lost;
 };
 
-/// Returns one opaque alpha-tested texel of 65,536, on 16 squares; its position in the voxel differs per square.
+/// Returns a case with an alpha-tested texture in which one of 65,536 texels is opaque. Each of 16 squares shows this
+/// texel at a different position in a voxel.
 HardCase single_texel(const std::string& texels_text, double texels, double area, const MaskBounds& bounds) {
   constexpr int size = 256, at = 128;
   Image image{size, size, std::vector<std::uint8_t>(std::size_t(4) * size * size), true};
@@ -135,7 +138,8 @@ HardCase single_texel(const std::string& texels_text, double texels, double area
   return hard;
 }
 
-/// Returns texture coordinates that are not finite. They count as 0: the first texel of a 2 × 2 texture.
+/// Returns a case with texture coordinates that are not finite or are too large. Such coordinates count as 0, so they
+/// show the first texel of a 2 × 2 texture.
 HardCase no_numbers() {
   Image image{2, 2, {}, false};
   image.rgba = {255, 0, 0, 255, 0, 255, 0, 255, 0, 255, 0, 255, 0, 255, 0, 255};

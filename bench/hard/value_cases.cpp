@@ -11,7 +11,7 @@ using reference::Triangle;
 
 constexpr Rgba16 red{65535, 0, 0, 65535}, green{0, 65535, 0, 65535}, blue{0, 0, 65535, 65535}, black{0, 0, 0, 65535};
 
-/// Adds one voxel² in two triangles at height z, all in one voxel, facing up.
+/// Adds two triangles that face up and together cover the area of one voxel at height z.
 void add_sheet(std::vector<Painted>& scene, std::int64_t z, const Rgba16& colour = reference::white16,
                AlphaMode mode = AlphaMode::opaque) {
   scene.push_back({{{{0, 0, z}, {256, 0, z}, {256, 256, z}}}, colour, mode, {}});

@@ -1,6 +1,6 @@
 // Writes the scene.xml and the pages of a large generated scene, without the shards of its cells. It serves programs
-// that read only the scene, as info does. The option --shards adds the shards that distant views read: overview levels.
-// The scene is an undulating surface of cells; the counts and hashes of a cell are derived from its number.
+// that read only the scene, such as `gigabake info`. The option --shards adds the shards of overviews that distant
+// views read. The scene is an undulating surface of cells; the counts and hashes of a cell are derived from its number.
 #include <CLI/CLI.hpp>
 #include <array>
 #include <chrono>
@@ -78,8 +78,8 @@ SceneCell written_overview(const std::filesystem::path& out, const CellJob& job,
   return overview;
 }
 
-/// Returns the overviews of all cells. If `shards` is set, writes the shards of overviews of overviews: a view of the
-/// whole scene reads no others.
+/// Returns the overviews of all cells. If `shards` is true, also writes the shards of overviews whose children are
+/// overviews. A view of the whole scene reads no other shards.
 std::vector<SceneCell> made_overviews(const std::filesystem::path& out, const std::vector<SceneCell>& cells,
                                       bool shards, double voxel_size_m) {
   std::vector<CellJob> jobs;

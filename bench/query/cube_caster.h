@@ -1,4 +1,4 @@
-/// A ray caster, built on Embree, for voxels as cubes of quads.
+/// A ray caster on top of Embree that represents voxels as cubes of quads.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ class CubeCaster {
  public:
   using Voxel = std::array<std::int64_t, 3>;
 
-  /// Builds the caster. voxels: positions in their level, each once.
+  /// Builds the caster. `voxels` holds the position of each voxel in its level, without duplicates.
   /// Errors  UsageError: built without Embree.
   CubeCaster(const std::vector<Voxel>& voxels, int threads);
   ~CubeCaster();
@@ -25,7 +25,7 @@ class CubeCaster {
     Voxel voxel;
     double distance;
   };
-  /// Returns the first voxel that the ray hits. direction: unit vector.
+  /// Returns the first voxel that the ray hits. `direction` is a unit vector.
   /// Space   Voxels of the level.
   std::optional<Hit> first_hit(const std::array<double, 3>& origin, const std::array<double, 3>& direction) const;
 

@@ -1,5 +1,5 @@
-/// Compares `gigabake query` with Embree: rays through the cubes of all voxels of a level. Every disagreement is
-/// classified.
+/// Compares the first hits of `gigabake query` and of Embree, for rays through the voxels of a level as cubes. Every
+/// disagreement is classified.
 #pragma once
 
 #include <cstdint>
@@ -22,12 +22,12 @@ struct QueryBenchRequest {
 struct QueryBench {
   std::uint64_t rays = 0, hits = 0, trees_built = 0;
   double query_s = 0, build_and_query_s = 0;  ///< without and with building trees
-  double cpu_s = 0;                           ///< of all threads during query_s, independent of other load
-  double device_s = 0;                        ///< of the device, including transfers, once it has the trees
-  std::uint64_t device_rays = 0;              ///< rays that the device finished, of two times all rays
-  std::uint64_t differ = 0;                   ///< answers of the device that are not the CPU's bits
-  std::uint64_t same = 0;                     ///< both hit the same voxel, or none
-  /// Hits of different voxels or sides, where the ray penetrates the missed voxel by less than 1/64 voxel.
+  double cpu_s = 0;                           ///< CPU seconds of all threads during query_s, independent of other load
+  double device_s = 0;                        ///< time of the device, including transfers, once it has the trees
+  std::uint64_t device_rays = 0;              ///< rays that the device finished; all rays are cast twice
+  std::uint64_t differ = 0;                   ///< answers of the device that differ from the CPU's answers in any bit
+  std::uint64_t same = 0;                     ///< rays for which both hit the same voxel, or both hit none
+  /// Rays whose two hits are different voxels or sides, and that penetrate the missed voxel by less than 1/64 voxel.
   std::uint64_t grazing = 0;
   std::uint64_t inside = 0;  ///< rays that start in a voxel or within 1/64 voxel before it; not compared
   std::uint64_t wrong = 0;   ///< all other rays

@@ -11,12 +11,13 @@ namespace gigabake::bench {
 
 /// A goal for coarse levels, where a voxel of lod 4 fills a pixel.
 struct AccuracyGoal {
-  std::string text;  ///< "nadir: holes ≤ 0.02"
+  std::string text;  ///< such as "nadir: holes ≤ 0.02"
   double measured = 0, bound = 0;
   bool holds() const { return measured <= bound; }
 };
 
-/// Returns the goals of a setting whose voxels have the bench's size; none without images at 16 voxels per pixel.
+/// Returns the goals of a setting whose voxels have the benchmark's voxel size. Returns no goals if there are no images
+/// at 16 voxels per pixel.
 std::vector<AccuracyGoal> goals_of(const AccuracySetting& setting);
 
 std::string to_json(const AccuracyBench& bench);

@@ -20,8 +20,8 @@ const AccuracySetting& minimum(const AccuracyBench& bench, double max_flip, cons
   return found != nullptr ? *found : bench.settings.front();
 }
 
-/// Returns text like " and meets 5 of 7 goals (not: nadir: FLIP ≤ 0.10)". Returns "" for a setting whose voxels are
-/// larger than the bench's, and without images at 16 voxels per pixel.
+/// Returns text like " and meets 5 of 7 goals (not: nadir: FLIP ≤ 0.10)". Returns "" if the setting's voxels are larger
+/// than the benchmark's voxel size, or if there are no images at 16 voxels per pixel.
 std::string goals_met(const AccuracySetting& setting, const AccuracyBench& bench) {
   if (setting.parameters.voxel_size_m != bench.voxel_size_m) return "";
   const std::vector<AccuracyGoal> goals = goals_of(setting);

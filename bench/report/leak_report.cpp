@@ -38,7 +38,7 @@ Json to_json(const LeakResult& scene) {
   return j;
 }
 
-/// The errors of several images in one table row, and the worst of their scenes.
+/// The joint errors of several images for one table row, and the scene with the worst error.
 struct Pooled {
   LeakError error;
   std::string worst;
@@ -74,7 +74,8 @@ std::string worst_of(const Pooled& pooled, bool is_opaque) {
                    : fmt::format(" `{}`: RMS {:.3f} |", pooled.worst, pooled.worst_rms);
 }
 
-/// A key that is equal for views that differ only in the scene. It sorts from vertical to grazing, from near to far.
+/// A key that is equal for views that differ only in the scene. Keys are ordered from vertical to grazing views, then
+/// from near to far.
 struct ViewKey {
   double below = 0;  ///< negative elevation
   LeakEye eye = LeakEye::anywhere;

@@ -94,7 +94,7 @@ Vector around(const Vector& axis, double x, double y, double z) {
   return out;
 }
 
-/// Returns a cosine-weighted direction of the hemisphere around `axis`. a, b: uniform in 0 … 1.
+/// Returns a cosine-weighted direction of the hemisphere around `axis`. `a` and `b` are uniform in 0 … 1.
 Vector by_cosine(const Vector& axis, double a, double b) {
   const double level = std::sqrt(a), turn = 2 * std::numbers::pi * b;
   return around(axis, level * std::cos(turn), level * std::sin(turn), std::sqrt(1 - a));
@@ -137,7 +137,7 @@ struct ReferenceCaster::State {
     check(device.get(), "rtcCommitScene");
   }
 
-  /// Returns a ray that starts close to where it enters the box, because distances are float.
+  /// Returns a ray that starts close to where it enters the box, because Embree's distances are float.
   std::optional<RTCRayHit> ray(const Vector& origin, const Vector& direction, double& before_box) const {
     const std::optional<double> enter = entry(triangles.box(), origin, direction);
     if (!enter) return {};
@@ -161,7 +161,7 @@ struct ReferenceCaster::State {
     return hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
   }
 
-  /// Returns the fraction of light that reaches a point from this direction.
+  /// Returns the fraction of light that reaches `origin` from `direction`.
   float through(const Vector& origin, const Vector& direction) const {
     double before_box = 0;
     std::optional<RTCRayHit> hit = ray(origin, direction, before_box);

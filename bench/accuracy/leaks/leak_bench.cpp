@@ -55,7 +55,7 @@ std::string file_name(const LeakView& view) {
   return name;
 }
 
-/// The inside of a scene, and its true alpha.
+/// The image that determines a scene's inner pixels (inner_pixels()), and the true alpha.
 struct LeakReference {
   AlphaPicture inside, truth;
 };
@@ -128,7 +128,8 @@ std::string name_of(const BenchScene& scene) {
   return is_tileset ? source.parent_path().filename().string() : source.stem().string();
 }
 
-/// Returns the surface below the middle of the box; if there is none, a place in the middle of the surface's area.
+/// Returns the subject of the user's scene. Its target is the highest point of the surface above or below the middle of
+/// the box. If there is no such point, the target is a place in the middle of the surface's area.
 LeakSubject subject_of(const ReferenceCaster& caster) {
   const TriangleBox& box = caster.box();
   LeakSubject subject;

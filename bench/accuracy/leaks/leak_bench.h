@@ -1,5 +1,5 @@
-/// Leaks: bakes scenes whose true alpha is known with default settings, and renders them from all elevations and
-/// distances.
+/// Light leaks. The benchmark uses default settings to bake scenes whose true alpha is known. It renders these scenes
+/// from all elevations and distances.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct LeakBenchRequest {
   int threads = 1;
   LeakSuite suite = LeakSuite::whole;
   std::vector<std::string> families;  ///< names of the families to measure; empty: all
-  int edge = 1536;                    ///< width of generated scenes in voxels; farther views need larger ones
+  int edge = 1536;                    ///< width of generated scenes in voxels; farther views need wider scenes
   int samples = 64;                   ///< rays per pixel of the traced reference
   int width = 160, height = 120;      ///< of images
 };
@@ -54,11 +54,12 @@ struct LeakBench {
   std::vector<LeakResult> scenes;
   /// Returns true if no view of an opaque surface leaks more light than docs/accuracy-rendering.md allows.
   bool is_bounded() const;
-  /// Returns the scenes whose views together show fewer than min_inner_pixels, without those that need Embree.
+  /// Returns the names of scenes whose views together show fewer than min_inner_pixels inner pixels. Omits scenes that
+  /// need Embree.
   std::vector<std::string> unmeasured() const;
 };
 
-/// The minimum number of inner pixels in all views of a scene together; fewer do not suffice to measure leaks.
+/// The minimum number of inner pixels in all views of a scene together; fewer pixels do not suffice to measure leaks.
 inline constexpr std::size_t min_inner_pixels = 100;
 
 /// Returns the families of scenes, in their order.
@@ -72,8 +73,8 @@ using LeakProgress = std::function<void(const std::string& scene)>;
 /// Errors  Same as a bake. Without Embree, scenes with a traced reference are reported as not measured.
 LeakBench bench_leaks(const LeakBenchRequest& request, const LeakProgress& progress);
 
-/// Measures the leaks of the user's scene from the same cameras. A pixel is inside if no traced ray passes in it and
-/// its neighbours.
+/// Measures the leaks of the user's scene from the same cameras. A pixel is inner if all traced rays in this pixel and
+/// in its neighbours hit opaque surfaces.
 /// Errors  Same as a bake. UsageError: built without Embree.
 LeakBench bench_leaks_of(const BenchScene& scene, const LeakBenchRequest& request);
 

@@ -8,19 +8,19 @@
 
 namespace gigabake::bench {
 
-/// The true alpha, one value per pixel; row 0 is the upper one.
+/// The true alpha, one value per pixel; row 0 is the top row.
 struct AlphaPicture {
   int width = 0, height = 0;
   std::vector<double> alpha;
 };
 
-/// Errors  over inner pixels only.
+/// The errors over inner pixels only.
 struct LeakError {
-  std::size_t inner = 0;     ///< inner pixels; if 0, the other numbers mean no error
-  double below_99 = 0;       ///< fraction with alpha more than .01 below the true one
-  double below_90 = 0;       ///< fraction more than .1 below
+  std::size_t inner = 0;     ///< number of inner pixels; if it is 0, the other members show no error
+  double below_99 = 0;       ///< fraction of inner pixels with alpha more than 0.01 below the true alpha
+  double below_90 = 0;       ///< fraction of inner pixels with alpha more than 0.1 below the true alpha
   double minimum = 1;        ///< minimum alpha
-  double rms = 0, bias = 0;  ///< of alpha minus the true one
+  double rms = 0, bias = 0;  ///< of alpha minus the true alpha
 };
 
 /// The distance from a border, in pixels, beyond which no filter reaches the border.

@@ -11,7 +11,7 @@ namespace bench {
 
 enum class LeakEye {
   anywhere,         ///< the whole scene is at least as far away as the view specifies
-  on_lattice,       ///< its height is a multiple of 64 voxels: straight down, all rays sample with the same phase
+  on_lattice,       ///< the eye's height is a multiple of 64 voxels: all rays straight down sample at the same phase
   at_level_change,  ///< the level changes on the surface in the middle of the image
 };
 

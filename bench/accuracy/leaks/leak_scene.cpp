@@ -57,7 +57,7 @@ LeakScene sheets_scene(std::string name, std::string family, std::string what, s
   return scene;
 }
 
-/// The horizontal directions of an azimuth, measured from east to north: forward and left.
+/// The horizontal directions forward and left for an azimuth, which is measured from east to north.
 struct Heading {
   Vector forward, left;
   explicit Heading(double azimuth_deg)
@@ -78,7 +78,7 @@ Sheet square(double edge, double slope_deg, double azimuth_deg) {
   return {heading.at(-level / 2, -edge / 2, -down / 2), heading.step(0, edge, 0), heading.step(level, 0, down)};
 }
 
-/// Returns the height of the hill: 0 at the border of the square, waves in the middle. x, y: 0 to 1.
+/// Returns the height of the hill: 0 at the border of the square, waves in the middle. `x` and `y` are 0 to 1.
 double hill_height(double edge, double x, double y) {
   const double bump = 16 * x * (1 - x) * y * (1 - y);
   const double waves = 2 + std::sin(7 * x + 3 * y) + std::sin(17 * y - 5 * x + 1);
@@ -97,8 +97,8 @@ std::vector<Sheet> sides_of(const Vector& corner, const Vector& u, const Vector&
 
 Vector scaled_by(const Vector& v, double factor) { return {factor * v[0], factor * v[1], factor * v[2]}; }
 
-/// Adds the four long sides of a bar, without its ends. They are divided into pieces because rays find triangles slowly
-/// among triangles as long as the scene.
+/// Adds the four long sides of a bar, without its ends. The sides are divided into pieces, because long triangles slow
+/// down the search for the triangles that a ray hits.
 void add_bar(const Vector& corner, const Vector& length, const Vector& v, const Vector& w, std::vector<Sheet>& bars) {
   constexpr int pieces = 32;
   const Vector u = scaled_by(length, 1.0 / pieces);

@@ -1,8 +1,8 @@
 /// Scenes with a known alpha at every pixel: planes, hills, steps, walls, a house, glass, wires and a crown. None of
 /// them is aligned with the lattice.
 ///
-/// Space   Lod-0 voxels of a lattice at the scene's origin, z up. Voxels are 1 m wide, so coordinates in files are
-///         equal.
+/// Space   Lod-0 voxels of a lattice at the scene's origin, z up. Voxels are 1 m wide, so coordinates in files have the
+///         same values.
 #pragma once
 
 #include <string>
@@ -25,14 +25,14 @@ struct LeakScene {
   std::vector<Sheet> sheets;
   double sheet_alpha = 1;
   LeakTruth truth = LeakTruth::sheets;
-  Vector target{};   ///< of cameras: on the surface, in its middle
-  double width = 0;  ///< minimum width of its inside in views that show it completely
+  Vector target{};   ///< point at which cameras look: in the middle of the surface
+  double width = 0;  ///< minimum width of the scene's inside in views that show the scene completely
 };
 
 /// Returns a plane with this slope that descends towards the azimuth.
 LeakScene plane_scene(double edge, double slope_deg, double azimuth_deg);
-/// Returns a hill of waves, 0 at the border of its square and never negative: every ray that hits the square hits the
-/// hill.
+/// Returns a hill with waves over a square. Its height is 0 at the border of the square and never negative, so every
+/// ray that hits the square hits the hill.
 LeakScene hill_scene(double edge);
 /// Returns stairs of horizontal and vertical faces.
 LeakScene steps_scene(const std::string& name, double edge, double tread, double rise);
@@ -47,7 +47,7 @@ LeakScene wires_scene(double edge);
 /// Returns small triangles in a ball, at random places and in random directions.
 LeakScene crown_scene(double edge);
 
-/// Returns all scenes. edge: the width of each, in voxels.
+/// Returns all scenes. `edge` is the width of each scene in voxels.
 std::vector<LeakScene> leak_scenes(double edge);
 /// Returns three opaque planes, as `--hard` measures them.
 std::vector<LeakScene> few_leak_planes(double edge);

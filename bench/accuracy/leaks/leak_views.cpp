@@ -19,7 +19,7 @@ double reach_towards_eye(const LeakSubject& subject, const Vector& forward) {
   return reach;
 }
 
-/// The distance of lattice planes that are also planes of the six coarser levels.
+/// The spacing, in voxels, of lattice planes that are also lattice planes of the six next coarser levels.
 constexpr double lattice_plane = 64;
 
 LeakView make_view(const LeakSubject& subject, double elevation_deg, LeakEye kind, double voxels_per_pixel,

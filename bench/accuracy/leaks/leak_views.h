@@ -22,21 +22,22 @@ struct LeakView {
 struct LeakViewRange {
   std::vector<double> elevations_deg{90, 60, 35, 20, 10, 5, 2};
   std::vector<double> voxels_per_pixel{1, 1.4, 4, 16, 64, 256, 1024};
-  std::vector<double> level_changes{8};  ///< voxels per pixel at the target, where one level ends and the next begins
+  std::vector<double> level_changes{8};  ///< voxels per pixel at the target, where the level changes
   int width = 160, height = 120;
 };
 
 /// The part of a scene that cameras show.
 struct LeakSubject {
-  Vector target{};             ///< of the cameras: on the surface, in its middle
+  Vector target{};             ///< point at which cameras look: in the middle of the surface
   double width = 0;            ///< minimum width of the subject in views that show it completely
-  std::vector<Vector> points;  ///< of the scene; for every eye, one of them is the nearest point
+  std::vector<Vector> points;  ///< points of the scene; for every eye they include the nearest point
 };
 LeakSubject subject_of(const LeakScene& scene);
 
-/// Returns every elevation at every distance, and the vertical view also from a lattice plane. Omits views in which the
-/// scene is less than min_pixels_wide wide.
+/// The minimum width of the scene in a view, in pixels.
 inline constexpr double min_pixels_wide = 24;
+/// Returns a view from each elevation at each distance, and the vertical view also from a lattice plane. Omits views in
+/// which the scene is less than min_pixels_wide wide.
 std::vector<LeakView> leak_views(const LeakSubject& subject, const LeakViewRange& range, const BakeParameters& lattice);
 
 /// Returns the exact alpha along the ray through each pixel's centre.

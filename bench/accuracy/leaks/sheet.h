@@ -19,16 +19,16 @@ struct Sheet {
   SheetShape shape = SheetShape::parallelogram;
 };
 
-/// Returns true if the ray crosses the piece. direction: of any length. The border belongs to the piece, so that a ray
-/// finds no gap between adjacent pieces.
+/// Returns true if the ray crosses the piece. `direction` may have any length. The border belongs to the piece, so that
+/// a ray finds no gap between adjacent pieces.
 /// Exact   Computed in double; a piece seen edge-on is not crossed.
 bool is_crossed(const Sheet& sheet, const Vector& origin, const Vector& direction);
 
-/// Returns the alpha of the pieces of equal alpha that a ray crosses: 1 - (1 - alpha)^crossed.
+/// Returns the alpha of all pieces that a ray crosses: 1 - (1 - sheet_alpha)^n for n pieces.
 double alpha_through(const std::vector<Sheet>& sheets, double sheet_alpha, const Vector& origin,
                      const Vector& direction);
 
-/// Returns the point at that distance from `from`, in units of the direction's length.
+/// Returns the point at `distance` from `from`, in units of the direction's length.
 inline Vector along(const Vector& from, const Vector& direction, double distance) {
   return {from[0] + distance * direction[0], from[1] + distance * direction[1], from[2] + distance * direction[2]};
 }
