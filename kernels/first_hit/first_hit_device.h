@@ -16,7 +16,7 @@ namespace gigabake::kernels {
 /// Errors  CudaFailure, from every member.
 class CudaFirstHits {
  public:
-  /// Copies the scene to the device. device: an ordinal that cuda_devices() returned.
+  /// Copies the scene to the device. `device` is an ordinal that cuda_devices() returned.
   CudaFirstHits(int device, const FirstHitView& scene);
   ~CudaFirstHits();
   CudaFirstHits(const CudaFirstHits&) = delete;

@@ -6,10 +6,10 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Number of voxels that are moved at a time through the temporary buffer.
+/// The capacity of the temporary buffer in voxels.
 constexpr std::size_t move_buffer_voxels = std::size_t(1) << 20;
 constexpr unsigned brick_threads = 128;
-/// Number of bricks that a thread of the host prepares for upload at a time.
+/// The number of bricks that a thread of the host prepares for upload in one step.
 constexpr std::size_t bricks_per_range = 64;
 
 __device__ void copy_voxels(const PackedVoxel* from, std::uint32_t count, PackedVoxel* to) {
@@ -17,7 +17,8 @@ __device__ void copy_voxels(const PackedVoxel* from, std::uint32_t count, Packed
   for (std::size_t i = threadIdx.x; i < std::size_t(3) * count; i += blockDim.x) to->word[i] = words[i];
 }
 
-/// Copies new bricks to the pool. One block per brick. moves: from a position among the new voxels to one in the pool.
+/// Copies new bricks to the pool. Each block of threads copies one brick. `moves` lead from positions among the new
+/// voxels to positions in the pool.
 __global__ void scatter_bricks(const VoxelMove* moves, const CastHead* new_heads, const PackedVoxel* new_voxels,
                                CastHead* heads, PackedVoxel* voxels) {
   const VoxelMove move = moves[blockIdx.x];
@@ -28,7 +29,8 @@ __global__ void scatter_bricks(const VoxelMove* moves, const CastHead* new_heads
   heads[move.slot] = head;
 }
 
-/// Copies bricks to the temporary buffer. One block per brick. window: buffer for the pool's voxels from moves[0].to.
+/// Copies bricks to the temporary buffer. Each block of threads copies one brick. `window` is the buffer; its first
+/// voxel will be moved to position moves[0].to of the pool.
 __global__ void gather_bricks(const VoxelMove* moves, const PackedVoxel* voxels, CastHead* heads, PackedVoxel* window) {
   const VoxelMove move = moves[blockIdx.x];
   copy_voxels(voxels + move.from, move.count, window + (move.to - moves[0].to));

@@ -1,4 +1,4 @@
-/// Pool of bricks on a device: heads by slot, and the parts of all bricks in one array.
+/// A pool of bricks on a device: one array of heads, indexed by slot, and one array with the parts of all bricks.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ class BrickPool {
 
   void show_in(CastScene& scene) const;
 
-  /// Implements Caster::put_bricks() and move_voxels(). The arguments may change after the return; the stream executes
-  /// the copies in order.
+  /// Implements Caster::put_bricks() and move_voxels(). The caller may change the arguments after the call; the stream
+  /// executes the copies in order.
   void put(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks);
   void move(const std::vector<VoxelMove>& moves);
 

@@ -155,7 +155,8 @@ class CpuCaster final : public Caster {
                  [&](std::size_t i) { rays_[i] = blended(scene_, line_of(i), rays_[i], coarser_[i]); });
   }
 
-  /// Returns the number of words with the requests of all nodes ever written, and of roots.
+  /// Returns the number of words of `wanted_` that rays can change: the words of all nodes that were ever written, and
+  /// of the roots.
   std::size_t want_words() const { return (2 * std::max(nodes_end_, scene_.cells.size) + 31) / 32; }
 
   void shade() {
@@ -165,7 +166,7 @@ class CpuCaster final : public Caster {
     shader_->on_host({rays_.data(), lights_.data(), tile_, lighting_, {eye[0], eye[1], eye[2]}}, lit_.data(), pool_);
   }
 
-  /// Runs one pass. go_on(ray): continues a ray and returns true if it is finished. Returns the number of unfinished
+  /// Runs one pass. go_on(i) continues ray i and returns true if the ray is finished. Returns the number of unfinished
   /// rays.
   template <class GoOn>
   std::size_t one_pass(std::size_t begin, std::size_t end, const StopAsked& stop, const GoOn& go_on) {
@@ -178,7 +179,8 @@ class CpuCaster final : public Caster {
     return whole ? unfinished.load() : std::max<std::size_t>(unfinished, 1);
   }
 
-  /// Calls body(ray) for rays [begin, end). Returns false if `stop` ended the pass before the last block of rays.
+  /// Calls body(i) for each ray i in [begin, end). Returns false if `stop` ended the pass before the last block of
+  /// rays.
   template <class Body>
   bool for_each_ray(std::size_t begin, std::size_t end, const StopAsked& stop, const Body& body) {
     std::atomic<bool> stopped{false};
@@ -203,7 +205,7 @@ class CpuCaster final : public Caster {
   std::vector<NodeWord> nodes_;
   std::vector<std::uint32_t> parent_bricks_;
   std::size_t nodes_end_ = 0;  ///< nodes from this index were never written
-  // Not initialised: untouched pages cost no memory.
+  // The arrays are not initialised, because untouched pages cost no memory.
   std::unique_ptr<CastHead[]> heads_;
   std::unique_ptr<PackedVoxel[]> voxels_;
   std::vector<std::uint32_t> tile_used_, slot_used_, wanted_;

@@ -45,7 +45,7 @@ __global__ void apply_changes(const NodeChange* changes, std::uint32_t count, No
   if (is_here(change.value.children)) parent_bricks[change.value.children] = change.value.brick;
 }
 
-/// Lists the requests in no particular order. One thread per word.
+/// Lists the requests in no particular order. Each thread reads one word.
 __global__ void list_wants(const std::uint32_t* wanted, std::uint32_t words, std::uint32_t* list,
                            std::uint32_t* count) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
@@ -206,8 +206,8 @@ class CudaCaster final : public Caster {
     check_launch("start_rays");
   }
 
-  /// Runs one pass. launch(RayPass) continues `rays` rays. A pass takes a few milliseconds at most, so `stop` is called
-  /// only before it.
+  /// Runs one pass. launch(RayPass) must continue `rays` rays. A pass takes a few milliseconds at most, so `stop` is
+  /// called only before it.
   template <class Launch>
   std::size_t one_pass(std::size_t rays, bool patient, const StopAsked& stop, const Launch& launch) {
     if (stop && stop()) return rays;
@@ -272,7 +272,7 @@ class CudaCaster final : public Caster {
     return array;
   }
 
-  /// Copies an array to the host and waits for it.
+  /// Copies an array to the host and waits until the copy is complete.
   template <class T>
   void download(T* host, const T* device, std::size_t count) {
     const Arrival::Part part{host, device, count * sizeof(T)};

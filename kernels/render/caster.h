@@ -27,11 +27,11 @@ struct VoxelMove {
   std::uint32_t slot, from, to, count;
 };
 
-/// Sizes of the pools. voxels: includes the places that layers occupy.
+/// The sizes of the pools. The member `voxels` includes the places that layers occupy.
 struct PoolSizes {
   std::uint32_t tiles = 0, slots = 0, voxels = 0;
 
-  /// Returns the size of `CastMarks::wanted`: 16 bits per tile.
+  /// Returns the number of words in `CastMarks::wanted`, which has 16 bits per tile.
   std::size_t want_words() const { return (std::size_t(tiles) + 1) / 2; }
   /// Returns the size of the pools and their marks in the memory of the caster's device.
   std::uint64_t bytes() const;
@@ -50,19 +50,21 @@ class Caster {
 
   virtual void put_bricks(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) = 0;
   /// Moves slots' parts towards the start of the voxel pool.
-  /// Range   In ascending order; every part moves downwards, and the result has no gaps. The first move goes to 0 or to
-  ///         the end of the parts that are not moved. Each other move goes to the end of the previous one.
+  /// Range   Moves are in ascending order and lead towards the start; the result has no gaps. The first move leads to
+  ///         position 0 or to the end of the parts that are not moved. Each other move leads to the end of the previous
+  ///         move.
   virtual void move_voxels(const std::vector<VoxelMove>& moves) = 0;
   /// Replaces nodes.
-  /// Range   Each node at most once.
+  /// Range   Each node occurs at most once.
   virtual void put_nodes(const std::vector<NodeChange>& changes) = 0;
 
-  /// Starts the rays of a rectangle of the image and discards previous rays. camera.polygons: borrowed until resolve().
+  /// Starts the rays of a rectangle of the image and discards previous rays. The arrays of camera.polygons are borrowed
+  /// until resolve().
   virtual void start(const CastCamera& camera, const CastTile& tile) = 0;
 
   /// Casts one pass: continues the unfinished rays among rays [begin, end) of the tile. Returns the number of rays that
-  /// are still unfinished. If `patient`, rays stop at missing data; otherwise they use coarser data and finish. If
-  /// `stop` ends the pass early, the remaining rays are unchanged and the result is above 0. Another pass then
+  /// are still unfinished. If `patient` is true, rays wait at missing data; otherwise they use coarser data and finish.
+  /// If `stop` ends the pass early, the remaining rays are unchanged and the result is above 0. Another pass then
   /// continues with the same bits.
   virtual std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
 
@@ -74,7 +76,7 @@ class Caster {
   virtual std::size_t cast_blend(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
 
   /// Starts rays to the light from the surfaces that the tile's rays hit. All rays of the tile must be finished and
-  /// must contain the surfaces' own colours. The shader then lights the pixels; null: LitShader.
+  /// must contain the surfaces' own colours. The shader then lights the pixels; null selects LitShader.
   /// Range   The tile begins at multiples of sky_block.
   virtual void start_light(const CastLighting& lighting, std::shared_ptr<const SurfaceShader> shader) = 0;
 
@@ -83,14 +85,14 @@ class Caster {
   virtual std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
 
   /// Reuses shadow samples within blocks of pixels. Call it once per tile, after all rays to the light are finished.
-  /// Pixels without own rays take the light from other pixels of their block if it is uniform. The others start their
-  /// own rays, which cast_light() continues.
+  /// Pixels without own rays take the light from other pixels of their block if it is uniform. The other pixels start
+  /// their own rays, which cast_light() continues.
   virtual void share_light() = 0;
 
   /// Returns the data that rays of the last pass missed, as 2·node + Want, in no particular order.
   virtual std::vector<std::uint32_t> wanted() = 0;
 
-  /// Returns the number of the last pass; it is compared with the stamps.
+  /// Returns the number of the last pass. The elements of tile_stamps() and slot_stamps() are numbers of passes.
   virtual std::uint32_t pass() const = 0;
   virtual const std::vector<std::uint32_t>& tile_stamps() = 0;
   virtual const std::vector<std::uint32_t>& slot_stamps() = 0;
@@ -99,12 +101,12 @@ class Caster {
   virtual void resolve(const CastBackground& background, const CastPixels& out) = 0;
 };
 
-/// Creates a caster on the CPU. scene: its cells and columns are borrowed and must not change; the caster owns the
-/// pools and marks. All nodes are initially not resident. policy: borrowed.
+/// Creates a caster on the CPU. The cells and columns of `scene` are borrowed and must not change; the caster owns the
+/// pools and marks. All nodes are initially not resident. `policy` is borrowed.
 std::unique_ptr<Caster> make_cpu_caster(const CastScene& scene, const PoolSizes& sizes, const ThreadPool& policy);
 
-/// Creates a caster on a GPU and copies the arrays of `scene`. device: an ordinal that cuda_devices() returned. policy:
-/// used to copy images; borrowed.
+/// Creates a caster on a GPU and copies the arrays of `scene`. `device` is an ordinal that cuda_devices() returned.
+/// `policy` is borrowed and used to copy images.
 /// Exact   Rays are bit-identical to the CPU's.
 /// Errors  CudaFailure: out of device memory; no CUDA in this build.
 std::unique_ptr<Caster> make_cuda_caster(const CastScene& scene, const PoolSizes& sizes, int device,
