@@ -13,7 +13,7 @@ namespace gigabake {
 /// The property of voxels that an image shows.
 enum class Surface : std::uint8_t { colour, normal, coverage };
 
-/// A shader that converts stored voxels to the values that the ray caster composites.
+/// A converter of stored voxels to the values that the ray caster composites.
 /// The coverage of a voxel along each axis is its directional coverage (`facing`). Voxels have no directional coverage
 /// at lod 0, with mip filters that store no directions, and in bakes without `facing`. Their alpha then serves as the
 /// coverage along all three axes.

@@ -30,7 +30,7 @@ P upwards(double yaw, double pitch) {
   return {-std::cos(yaw) * std::sin(pitch), -std::sin(yaw) * std::sin(pitch), std::cos(pitch)};
 }
 
-/// Returns the nearest point of the ball.
+/// Returns the point of the ball around `centre` that is nearest to p.
 P within(const P& p, const P& centre, double radius) {
   const double far = distance(p, centre);
   if (far <= radius) return p;
@@ -43,7 +43,7 @@ P within(const P& p, const P& centre, double radius) {
 CameraController::CameraController(const CameraPose& home)
     : home_(is_pose(home) ? home : CameraPose{{60, -60, 50}, {0, 0, 0}}) {
   const P& at = home_.target_m;
-  // Coordinates of this magnitude must still resolve a step of the smallest distance.
+  // The minimum size of the scene at which coordinates of this magnitude resolve steps at the minimum distance.
   const double finest_m = 1e-9 * std::max({std::fabs(at.x), std::fabs(at.y), std::fabs(at.z)});
   size_m_ = std::max({distance(home_.eye_m, at), min_size_m, finest_m});
   go_home();

@@ -59,7 +59,7 @@ CameraPath read_camera_path(const std::filesystem::path& file, const std::option
 /// Exact   camera_path_from_json() of the text returns the same path.
 std::string to_json(const CameraPath& path);
 
-/// Records keyframes from the successive poses of a viewer.
+/// A recorder of keyframes from the successive poses of a viewer.
 class PathRecorder {
  public:
   /// Records the pose. The pose becomes a keyframe if at least half a second has passed since the last keyframe.

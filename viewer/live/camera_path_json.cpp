@@ -26,7 +26,7 @@ constexpr auto names_of<Coordinates>() {
 
 namespace {
 
-/// Converts the coordinate triples of a file to scene coordinates.
+/// A converter of a file's coordinate triples to scene coordinates.
 class CoordinateReader {
  public:
   CoordinateReader(const JsonMembers& path, const std::optional<Geodetic>& origin) {

@@ -39,8 +39,8 @@ enum class Finish {
 /// returns the number of draws. Times and uploads in the frame's statistics are sums over all draws.
 Frame draw_to_completion(FrameRenderer& renderer, const View& view, int& draws, const Progress& progress = {});
 
-/// Draws the image of each time in order and passes it to `take`. `upload_s` limits the upload time of each
-/// draw of Finish::live.
+/// Draws the image of each time in order and passes it to `take`. `upload_s` limits the upload time of each draw
+/// of Finish::live.
 /// Errors  The errors of FrameRenderer::draw(); a UsageError names the time on the path.
 void draw_path(FrameRenderer& renderer, const CameraPath& path, const View& view, const std::vector<double>& times_s,
                Finish finish, double upload_s, const std::function<void(const PathFrame&, const Picture&)>& take,

@@ -73,7 +73,7 @@ class RenderScheduler {
   double next_call_s() const;
   /// Records that a request, or a part of a request in tiles, was rendered.
   void drawn(const RenderRequest& order, const FrameStats& stats);
-  /// Returns true if the view has changed since the last request, so that its image would be discarded.
+  /// Returns true if the view has changed since the last request, whose image would therefore be discarded.
   bool is_stale() const { return stale_; }
   /// Records that a request failed. The request is not repeated until the view changes.
   void failed();

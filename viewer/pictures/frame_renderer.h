@@ -52,7 +52,7 @@ struct ProgressiveFrame {
   bool is_complete() const { return done == tiles.size(); }
 };
 
-/// Time limits of one sketch().
+/// The time limits of one call of sketch().
 struct PreviewLimits {
   double upload_s = 0.02;   ///< max. time for uploads; some data is always uploaded
   double roots_s = 0;       ///< max. wait at the start for the root bricks of all trees

@@ -19,15 +19,15 @@ enum class ViewMode : std::uint8_t {
   lit,       ///< sun, sky and air
   albedo,    ///< the surface's own colour
   normal,    ///< x, y, z from -1 to 1 as red, green, blue
-  coverage,  ///< black to white
+  coverage,  ///< coverage of voxels, from black to white
   lod,       ///< one colour per level
   cell,      ///< one colour per cell
   requests,  ///< red where finer data was requested, green elsewhere
   sun,       ///< direct sunlight only, with shadows
-  sky,       ///< skylight only, with its occlusion
+  sky,       ///< skylight only, occluded by surfaces
   shadow,    ///< visible fraction of the sun; white: the whole sun is visible
-  height,    ///< by height above the scene's lowest voxel
-  slope,     ///< by the steepness of the surface
+  height,    ///< colours by height above the scene's lowest voxel
+  slope,     ///< colours by the steepness of the surface
 };
 
 /// Shadows cast by surfaces in ViewMode::lit.

@@ -85,8 +85,8 @@ class FirstHitBuilder {
 };
 
 /// Builds the scene from its shards.
-/// Cost    Reads the node table and one level of every cell. Memory: 16 bytes per nonempty block of 4×4×4 voxels (three
-///         times that during the build) and 8 bytes per voxel.
+/// Cost    Reads the node table and one level of every cell. Uses 16 bytes per nonempty block of 4×4×4 voxels (48
+///         during the build), and 8 bytes per voxel.
 /// Errors  InputError: a cell lacks the lod; the errors of FirstHitBuilder; shards that cannot be read.
 FirstHitScene build_first_hit_scene(const SceneDescription& scene, const std::filesystem::path& scene_path, int lod);
 

@@ -9,8 +9,8 @@ namespace gigabake {
 
 /// Returns placeholder cells, without a file, for the cells that the scene lists as lost.
 /// The name of a lost cell gives its column and its index in the column's stack. The base of a stack follows from the
-/// other cells of the column. If a column has no other cell, placeholders of the same name fill it over the height of
-/// the scene.
+/// other cells of the column. If a column has no other cell, placeholders of the same name fill the column over the
+/// height of the scene.
 /// Range   `cells` are all cells of the scene, at least one, of equal size.
 /// Errors  InputError: the name of a lost cell is not `c_X_Y_Z`.
 std::vector<SceneCell> lost_cells(const SceneHeader& scene, const std::vector<SceneCell>& cells);

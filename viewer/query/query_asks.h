@@ -53,8 +53,8 @@ class QuerySource {
 /// messages.
 std::unique_ptr<QuerySource> single_query(const QueryInput& ask, DirectionForm aim, std::string option);
 
-/// A grid of points with the distance `step`, which begins at the lower corner of the box. The points are ordered row
-/// by row, in ascending order of the second coordinate. Box and step have the units of the query's frame.
+/// A grid of points with the distance `step`. It begins at the lower corner of the box. The points are ordered row by
+/// row, in ascending order of the second coordinate. Box and step have the units of the query's frame.
 struct QueryGrid {
   std::array<double, 4> box{};  ///< low x, low y, high x, high y; or longitudes and latitudes
   double step = 0;

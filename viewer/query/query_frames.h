@@ -22,7 +22,7 @@ constexpr auto names_of<QueryFrame>() {
 
 using QueryPoint = Vec3d;  ///< x, y, z, or longitude, latitude, height
 
-/// Converts query coordinates to rays in voxels, and results back.
+/// A converter of query coordinates to rays in voxels, and of results back to query coordinates.
 /// Errors  The functions that return rays throw std::invalid_argument with the expected range. The caller adds the
 ///         position in the input.
 class QueryFrames {

@@ -34,8 +34,8 @@ QueryFile open_query_file(const std::filesystem::path& path);
 
 /// Returns the queries of a two-dimensional array of little-endian doubles, one row per query. The magic bytes of
 /// `file` must have been read already. A ray has the columns x, y, z, dx, dy, dz or x, y, z, azimuth, elevation. A
-/// height has the columns x, y. A line of sight has the columns x, y, z of both points. Geographic queries have lon,
-/// lat, height instead of x, y, z, and never dx, dy, dz.
+/// height query has the columns x, y. A line of sight has the columns x, y, z of both points. Geographic queries have
+/// lon, lat, height instead of x, y, z, and never dx, dy, dz.
 /// Errors  InputError with the offset of the byte, also from next(). Causes: an array of another type or shape, a
 ///         number that is not finite, a file of the wrong length.
 std::unique_ptr<QuerySource> npy_queries(QueryFile file, QueryKind kind, QueryFrame frame, const ThreadPool& pool);

@@ -31,7 +31,7 @@ struct QueryPlace {
     unknown  ///< `page` must be read first
   };
   Kind kind = Kind::nothing;
-  std::uint32_t shard = 0;  ///< number of NumberedShards; for a lost cell, the argument of lost_name()
+  std::uint32_t shard = 0;  ///< shard number; for a lost cell, the argument of lost_name()
   kernels::VoxelBox box{};
   PageKey page{};
 };

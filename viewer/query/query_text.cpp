@@ -259,8 +259,8 @@ QueryPoint QueryText::input_lonlat(const QueryPoint& asked) const {
   return frames_.frame() == QueryFrame::lonlat ? asked : frames_.lonlat_point({asked[0], asked[1], asked[2]});
 }
 
-/// Appends a feature. A hit is a point. A line of sight is a line up to the obstacle or to the end point. A height
-/// query without a hit is a point without height. A ray without a hit has no geometry.
+/// Appends a feature. A hit gives a point; a line of sight gives a line to the obstacle or to the end point. A height
+/// query without a hit gives a point without height. A ray without a hit gives no geometry.
 void QueryText::add_geojson(const QueryAnswer& answer, std::string& text) const {
   const bool is_hit = answer.hit.outcome == QueryOutcome::hit;
   const auto met = [&] { return frames_.lonlat_point(frames_.scene_point(answer.ray, answer.hit.distance)); };

@@ -26,7 +26,7 @@ struct QueryAnswer {
 };
 
 /// A formatter of answers. The text of a result consists of begin(), the text of each answer, and end().
-/// Lengths are printed with a resolution of 1/1000 voxel or finer. The resolution of degrees is finer than this on the
+/// Lengths are printed with a resolution of 1/1000 voxel or finer. Degrees are printed with a finer resolution on the
 /// ground. Heights are printed with a resolution of 1/10 voxel of their level or finer, because their error is half a
 /// voxel.
 class QueryText {

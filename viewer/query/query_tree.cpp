@@ -10,11 +10,11 @@ namespace gigabake {
 namespace {
 
 /// The width by which voxels grow at the window's faces, as a fraction of the tree's edge. It is twice the error of the
-/// traversal relative to the exact ray. The windows on both sides of a common face grow.
+/// traversal relative to the exact ray. Voxels of both windows grow at a common face.
 constexpr double rim = 0x1p-19;
 
 /// Bytes that a tree requires while it is built, measured on surfaces. A voxel requires its columns, twice its
-/// attributes (vector growth), and its fraction of the nodes. A brick requires a mask and three times up to eight
+/// attributes (vector growth), and its fraction of the nodes. A brick requires a mask and three copies of up to eight
 /// nodes. A constant node requires 64 attributes and a node.
 constexpr std::uint64_t bytes_per_voxel = 26, bytes_per_brick = 600, bytes_per_constant = 1200, bytes_of_all = 1u << 16;
 

@@ -10,7 +10,7 @@ namespace gigabake {
 namespace {
 
 /// The minimum cosine between plane normal and ray for which the plane is used (a slope of about 86°). This limit also
-/// bounds the number of voxels that are tested below a hit, max_steps.
+/// bounds the number of voxels below a hit that are tested (max_steps).
 constexpr double min_cosine = 1.0 / 16;
 constexpr int max_steps = 32;
 /// The depth of the start of a test ray below the top face of the tested voxel, as a fraction of a voxel's edge. This

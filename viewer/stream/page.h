@@ -23,8 +23,8 @@ inline constexpr std::uint32_t nodes_per_block = 4096, bricks_per_block = 512;
 /// follow. The overviews of a page come before the overviews of the pages below it.
 struct PageKey {
   std::uint32_t shard = 0;  ///< shard number; for a listing: the number of its first cell
-  std::int32_t part = -1;   ///< node_rows; listing or less; otherwise the level of the bricks, relative to the shard's
-                            ///< finest
+  std::int32_t part = -1;   ///< node_rows; listing or less; otherwise the level of the bricks, counted from the
+                            ///< shard's finest level
   std::uint32_t block = 0;  ///< first row: block · nodes_per_block; first brick: block · bricks_per_block
 
   static constexpr std::int32_t node_rows = -1;

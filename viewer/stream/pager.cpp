@@ -81,8 +81,8 @@ struct Pager::State {
   std::condition_variable arrived;
   std::vector<PageKey> queue;  ///< pending from `next` on
   std::size_t next = 0;
-  bool first_of_call = false;  ///< no page of this queue was read yet: the first may exceed the limit, or some passes
-                               ///< never end
+  bool first_of_call = false;  ///< no page of this queue was read yet. The first page may exceed the limit; otherwise
+                               ///< some passes would never end
   std::uint64_t reading = 0;
   std::unordered_set<PageKey, PageKeyHash> in_flight;  ///< being read, or arrived
   std::vector<Arrival> arrivals;

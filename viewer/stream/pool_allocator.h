@@ -58,15 +58,15 @@ class PoolAllocator {
 
  private:
   struct Tile {
-    std::uint32_t parent = 0;  ///< node
-    FieldNode place;           ///< position of the parent
+    std::uint32_t parent = 0;  ///< node whose children the tile contains
+    FieldNode place;           ///< position of the parent node
     std::uint32_t born = 0;    ///< pass of the allocation
     std::uint32_t round = 0;
     std::uint32_t resident_children = 0;  ///< number of the tile's nodes that have a tile of children
     bool used = false;
   };
   struct Slot {
-    std::uint32_t owner = 0;  ///< node
+    std::uint32_t owner = 0;  ///< node of the brick
     std::uint32_t born = 0, round = 0;
     bool used = false;
   };
@@ -83,12 +83,12 @@ class PoolAllocator {
   std::int32_t lods_;
   bool roots_stay_;
   std::vector<kernels::CastNode> nodes_;
-  std::vector<bool> is_changed_;  ///< by node: whether it is in changed_
+  std::vector<bool> is_changed_;  ///< by node: the node is in changed_
   std::vector<Tile> tiles_;
   std::vector<Slot> slots_;
   VoxelArena arena_;
   std::vector<std::uint32_t> free_tiles_, free_slots_;
-  std::vector<std::uint32_t> changed_;  ///< nodes
+  std::vector<std::uint32_t> changed_;  ///< nodes for take_changes()
   std::uint32_t round_ = 0, used_since_ = 0;
   bool may_evict_used_ = false, evicted_used_ = false;
 };

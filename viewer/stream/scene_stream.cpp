@@ -43,7 +43,7 @@ std::uint64_t ranked_want(double urgency, std::uint32_t want) {
 
 std::uint64_t host_memory() { return host_limits().memory_bytes; }
 
-/// Returns the size of the pools. On the host they take two thirds of the memory, because a brick in the pools takes
+/// Returns the size of the pools. On the host, pools take two thirds of the memory, because a brick in the pools takes
 /// about twice its size in a page.
 std::uint64_t bytes_for_pools(const SceneStream::Options& options) {
   return options.cuda_device ? options.device_bytes : std::min(options.memory_bytes, host_memory() / 2) / 3 * 2;

@@ -19,7 +19,7 @@ namespace gigabake {
 
 /// Data that a lookup could not read.
 struct MissingPages {
-  kernels::VoxelBox own{};           ///< set by the caller: only damage of shards that store this box counts
+  kernels::VoxelBox own{};           ///< set by the caller: `damaged` concerns only shards that store this box
   std::vector<PageKey> missing;      ///< not resident yet; may contain duplicates
   bool damaged = false;              ///< a page of a shard that stores `own` cannot be read
   bool is_overview_damaged = false;  ///< an overview's page cannot be read; its children may have more data
@@ -28,7 +28,7 @@ struct MissingPages {
 struct ShardExtent {
   std::uint32_t number = 0;  ///< PageKey::shard
   std::int32_t first_lod = 0, lods = 0;
-  std::int32_t own_lod = 0;  ///< finest level that none of its children stores
+  std::int32_t own_lod = 0;  ///< finest level of the shard that no child stores
   kernels::VoxelBox window{};
 
   bool is_overview() const { return first_lod != 0; }

@@ -15,7 +15,7 @@ struct VoxelPlace {
   enum class Kind { nothing, brick, constant, unreadable };
   Kind kind = Kind::nothing;
   kernels::VoxelBox box;
-  const BrickBlock* block = nullptr;  ///< of a brick: its block, valid until the pager's next pass
+  const BrickBlock* block = nullptr;  ///< block of the brick, valid until the pager's next pass
   std::size_t brick = 0;              ///< index in the block
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
@@ -25,8 +25,8 @@ struct VoxelPlace {
 
 inline constexpr std::uint32_t no_shard = 0xffffffffu;
 
-/// The latest path down the nodes of a shard. The next lookup starts where its path diverges. Each thread uses a
-/// separate NodePath, for one pass of the pager.
+/// The latest path down the nodes of a shard. The next lookup starts where its path diverges from this path. Each
+/// thread uses a separate NodePath, for one pass of the pager.
 struct NodePath {
   std::uint32_t shard = no_shard;
   std::int32_t lowest = 0;                           ///< level at which the path ended

@@ -104,7 +104,7 @@ struct HttpServer::State {
         this, MHD_OPTION_NOTIFY_COMPLETED, on_answered, this, MHD_OPTION_END);
   }
 
-  // Callbacks of libmicrohttpd, all on its one thread.
+  // The callbacks of libmicrohttpd. The only thread of libmicrohttpd calls them.
 
   static void on_connection(void* self, MHD_Connection* connection, void**, MHD_ConnectionNotificationCode what) {
     State& state = *static_cast<State*>(self);

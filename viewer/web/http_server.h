@@ -37,7 +37,7 @@ struct HttpReply {
   std::vector<std::pair<std::string, std::string>> headers = {};
 };
 
-/// A slow reply, computed on a separate thread. HttpServer::Handlers::failed converts its exceptions to replies.
+/// A slow reply, computed on a separate thread. HttpServer::Handlers::failed converts thrown exceptions to replies.
 using SlowReply = std::function<HttpReply()>;
 
 /// A response body of unknown length.

@@ -1,4 +1,4 @@
-/// A bounded set of threads for slow replies; all end before their owner is destroyed.
+/// A bounded set of threads for slow replies. All threads end before their owner is destroyed.
 #pragma once
 
 #include <atomic>

@@ -35,7 +35,7 @@ class StreamServer {
   ~StreamServer();
 
   int port() const;
-  /// Returns the URL for users to open, with the token; the proxy's URL if there is one.
+  /// Returns the URL for users to open, including the token. If there is a proxy, returns the proxy's URL.
   std::string url() const;
   /// Returns true if other machines can reach the server. The server then needs a token.
   static bool is_public(const Options& options);

@@ -14,7 +14,7 @@ class ScreenImage {
   ScreenImage& operator=(const ScreenImage&) = delete;
 
   void set(const Picture& picture);
-  /// Fills a framebuffer of this size with the image; with black before the first set().
+  /// Fills a framebuffer of this size with the image, or with black before the first set().
   void draw(int width, int height) const;
 
  private:
