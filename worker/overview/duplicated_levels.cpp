@@ -35,7 +35,7 @@ struct PlacedBrick {
   auto order() const { return std::tie(key, child, node, shift); }
 };
 
-/// Joins one level of all children in the window.
+/// The join of one level of all children in the window.
 class LevelJoin {
  public:
   LevelJoin(std::span<const ChildLevels* const> children, const DuplicatedWindow& window, std::uint32_t lod)

@@ -35,11 +35,11 @@ struct DuplicatedWindow {
   bool normals = true, facing = true;
 };
 
-/// Returns levels [begin, end) of the window.
+/// Joins the children's levels [window.begin, window.end) in the window, and returns these levels.
 /// Exact   The levels contain the children's voxels inside the window, at their lattice positions and with their stored
 ///         values. The result's bricks are aligned to the window; the children's bricks need not be.
-/// Cost    Sorts bricks, not voxels. A brick is copied whole if its child's bricks are aligned to the window's.
-/// Errors  InputError: two children have a voxel at the same position, or a child lacks one of the levels.
+/// Cost    Sorts bricks, not voxels. A brick is copied whole if its child's bricks are aligned to the window's bricks.
+/// Errors  InputError if two children have a voxel at the same position, or if a child lacks one of the levels.
 std::vector<kernels::Level> joined_levels(std::span<const ChildLevels* const> children, const DuplicatedWindow& window,
                                           const ThreadPool& pool);
 

@@ -30,14 +30,15 @@ std::string generator();
 /// Returns the size of the child's arrays in bytes.
 std::uint64_t bytes_of(const OverviewChild& child);
 
-/// Reads only the levels that `overview` duplicates and the downsample state that its own levels are made from.
+/// Reads only the levels that `overview` duplicates, and the downsample state from which the own levels of `overview`
+/// are made.
 /// Errors  InputError if the shard is damaged, has no downsample state, or its finest level is coarser than
 ///         overview.first_lod.
 OverviewChild read_child(const ShardReader& reader, const CellJob& overview);
 
 /// Returns the data that read_child() reads, but from a shard in memory. `begin` is the finest lattice level that the
 /// overview duplicates (CellJob::kept_lod).
-/// Exact   Equal to the result of read_child() on a file with this shard.
+/// Exact   The result is equal to the result of read_child() on a file with this shard.
 OverviewChild child_of(Shard&& shard, std::uint32_t begin);
 OverviewChild child_of(const PackedShard& shard, std::uint32_t begin);
 

@@ -34,7 +34,8 @@ struct DeviceChoice {
 /// Range   0 ≤ rank < ranks; devices > 0.
 int sharers_of_device(int rank, int ranks, int devices);
 
-/// Assigns the ranks of a host to its devices round-robin; several ranks share a device if there are fewer devices.
+/// Returns the device of a rank. The ranks of a host are assigned to its devices round-robin, so several ranks share a
+/// device if there are fewer devices than ranks.
 /// Errors  InputError if Backend::cuda is requested and the host has no usable device. UsageError if an allowed ordinal
 ///         is not a usable device of the host.
 DeviceChoice choose_device(const DeviceRequest& wish);

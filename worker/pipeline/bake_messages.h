@@ -58,7 +58,7 @@ std::uint32_t tile_of_request(std::span<const std::uint8_t> bytes);   ///< Error
 /// Errors  InputError if the payload exceeds 2^30 bytes.
 std::vector<std::uint8_t> frame(BakeMessageKind kind, std::span<const std::uint8_t> payload);
 
-/// Assembles frames from a byte stream.
+/// An assembler of frames from a byte stream.
 class FrameReader {
  public:
   void add(std::span<const std::uint8_t> bytes);

@@ -338,7 +338,7 @@ class BakeServer {
 }  // namespace
 
 int serve_bakes(int fd) {
-  // Never destroyed: the destructor would wait for the cells in flight, whose results are not needed.
+  // The server is never destroyed: the destructor would wait for the cells in flight, whose results are not needed.
   static BakeServer server(fd);
   return server.run();
 }

@@ -138,7 +138,7 @@ std::shared_ptr<const Primitive> CellLoader::mesh_near(const Box3i64& box, const
 
 void CellLoader::load_textures(const RequiredTextures& wanted, LoadedCell& cell) {
   const auto bytes = [](const RequiredTextures::Item& item) { return item.tile->images()[item.image].texture_bytes; };
-  for (const RequiredTextures::Item& item : wanted.items)  // not mapped textures: the system can evict their pages
+  for (const RequiredTextures::Item& item : wanted.items)  // mapped textures need no claim: their pages can be evicted
     if (!texture_store_.is_on_scratch(bytes(item))) cell.memory.add(bytes(item), "", "the textures of the cell");
   cell.textures.resize(wanted.items.size());
   pool_.parallel_for(wanted.items.size(), 1, [&](std::size_t begin, std::size_t end, int) {

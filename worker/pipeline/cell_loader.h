@@ -25,7 +25,7 @@ inline constexpr const char* cell_advice = "use a smaller `cell_voxels`";
 
 /// The input of bake_cell() and the owners of its memory. Move-only.
 struct LoadedCell {
-  /// The memory of instances and textures. The memory of tiles is claimed while they are read.
+  /// The claimed memory of instances and textures. The memory of tiles is claimed while the tiles are read.
   MemoryClaim memory{"cell", cell_advice};
   std::vector<std::shared_ptr<const LoadedTile>> tiles;
   /// The meshes of `parts`: whole primitives, or the clusters near the cell.
@@ -51,8 +51,8 @@ class CellLoader {
   /// Loads a cell. Omits instances and clusters whose bounds do not overlap the cell, and images that only omitted
   /// instances use. Also omits triangles that are too long (worker/scan/long_triangles.h); this test does not depend on
   /// the cell.
-  /// Cost    Proportional to the data near the cell, plus one comparison per instance of its tiles and per cluster of
-  ///         instances near it.
+  /// Cost    Proportional to the data near the cell, plus one comparison per instance in the cell's tiles and per
+  ///         cluster of the instances near the cell.
   /// Exact   If job.tile_sources is not empty, each tile's hash is verified when the tile is read, and is part of the
   ///         tile's cache key.
   /// Errors  InputError if a tile or image cannot be read, or a tile has changed since its scan. IoError if scratch

@@ -1,5 +1,5 @@
 /// Bakes cells in overlapped stages. The next cell is read and decoded while the kernels compute the current one; the
-/// previous one is packed and written at the same time. A device packs cells itself, concurrently with its kernels; a
+/// previous cell is packed and written at the same time. A device packs cells itself, concurrently with its kernels; a
 /// separate stage reads the packed cells back to the host.
 #pragma once
 

@@ -27,7 +27,8 @@ struct InFlightCell {
   CellJob job;
   CellReport report;
   bool is_final = false;  ///< the report is final; later stages skip the cell
-  /// Kept until the cell is packed or its volume is on the host. If the device fails before, the CPU bakes from it.
+  /// Kept until the cell is packed or its volume is on the host. If the device fails before that, the CPU bakes from
+  /// this data.
   std::optional<LoadedCell> loaded;
   OverviewChildren children;  ///< input of an overview, instead of `loaded`
   std::shared_ptr<const kernels::CudaInput> device_input;

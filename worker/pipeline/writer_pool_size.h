@@ -21,12 +21,12 @@ struct WriterPoolSize {
 WriterPoolSize writer_pool_size_for(const WorkerOptions& options);
 
 /// Returns the number of overviews made concurrently with a device. Most overviews become ready at the end of a bake,
-/// and parts of each run on one thread.
+/// and some steps of making an overview run on one thread.
 std::size_t overview_makers_for(const WorkerOptions& options);
 
 /// Returns the number of cells read before a device needs them. A tile's first cell takes as long to read as several
-/// take to bake, so without read-ahead the device would wait for each tile. The number is lower if memory is short. It
-/// is 0 without a device, because reading and kernels share the threads.
+/// cells take to bake; the device would wait for each tile without read-ahead. The number is lower if memory is short.
+/// It is 0 without a device, because reading and kernels share the threads.
 std::size_t readahead_cells_for(const WorkerOptions& options);
 
 /// Returns the bytes of memory in which each writer may assemble a file: at most 64 MiB. All writers together use at

@@ -74,7 +74,8 @@ class WideTriangle {
     return {lattice_floor(x.low - margin_, 0) >> bits_, lattice_floor(x.high + margin_, 0) >> bits_};
   }
 
-  /// Returns the height range; empty (first > last) if the triangle misses the column.
+  /// Returns the triangle's range of voxels along z in a column; empty (first > last) if the triangle misses the
+  /// column.
   VoxelSpan height(const Polygon& row, std::int64_t column) const {
     const Polygon part = cut(row, 0, column_range(column, 0));
     if (part.count == 0) return {1, 0};

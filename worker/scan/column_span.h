@@ -43,8 +43,8 @@ inline VoxelSpan column_span(const LatticeTriangle& triangle, int axis, const Co
 }
 
 /// Calls visit(column_x, column_y, z range) for every column in which the surface rule may occupy a voxel, and for some
-/// neighbours of these columns. The z range contains every such voxel. Returns false if there are more than
-/// `max_columns` columns; some may have been visited by then.
+/// neighbours of these columns. The z range contains every voxel that the surface rule may occupy in the column.
+/// Returns false if there are more than `max_columns` columns; some may have been visited by then.
 /// Exact   The result is conservative, and exact for a triangle inside one column. Otherwise the triangle is clipped in
 ///         double to each column grown by one sub-voxel and 2^-48 of the triangle's extent. The error of a clipped
 ///         coordinate is below 2^-49 of that extent.

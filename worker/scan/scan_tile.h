@@ -11,15 +11,15 @@
 
 namespace gigabake {
 
-/// Reads the tile's positions and finds its columns of parameters.cell_voxels² voxels. Each column has a height range
-/// that contains every voxel that parameters.surface can occupy, and the number of triangles that may touch it. The
-/// store loads tiles for which TileStore::may_be_large() is true, so that their clusters are on scratch before the
-/// first cell is baked. If the store has no scratch folder, such a tile is read twice, part by part. If the store is
-/// null, every tile is read as a whole.
+/// Reads the tile's positions and finds the columns, of parameters.cell_voxels² voxels, that the tile covers. Each
+/// column has a height range that contains every voxel that parameters.surface can occupy, and the number of triangles
+/// that may overlap it. The store loads tiles for which TileStore::may_be_large() is true, so that their clusters are
+/// on scratch before the first cell is baked. If the store has no scratch folder, such a tile is read twice, part by
+/// part. If the store is null, every tile is read as a whole.
 /// Exact   The result is equal for any number of threads, with and without a store.
 /// Instances  A primitive placed at least 16 times, with more than 2^20 triangles in all placements together, is
-///         scanned by the boxes of its placements. Columns and heights may then extend slightly beyond its triangles,
-///         and a column counts all triangles of an instance whose box overlaps it.
+///         scanned by the boxes of its placements. Columns and heights may then extend slightly beyond the primitive's
+///         triangles, and a column counts all triangles of an instance whose box overlaps it.
 /// Too far  A triangle is omitted and counted if a side of its box exceeds max_triangle_side
 ///         (worker/scan/long_triangles.h) or a vertex is beyond the lattice.
 /// Cost    Time is linear in triangles, boxes and columns; a tile with more than 2^21 columns is an error.

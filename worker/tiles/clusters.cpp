@@ -28,7 +28,7 @@ struct CurveGrid {
   Vec3d low{};
   double steps_per_unit = 0;
 
-  /// Clamps values beyond the grid to its border; NaN maps to step 0.
+  /// Returns the step of a value; clamps values beyond the grid to its border. NaN maps to step 0.
   std::uint32_t step(double value, std::size_t axis) const {
     constexpr double last = (1 << axis_bits) - 1;
     const double at = (value - low[axis]) * steps_per_unit;
@@ -43,7 +43,7 @@ CurveGrid grid_of(const Primitive& mesh) {
   const std::size_t triangles = mesh.index.size() / 3;
   std::array<std::vector<double>, 3> along;
   for (std::uint64_t i = 0; i < samples; ++i) {
-    // Scattered samples: with a regular stride all of them could lie in one row of a grid.
+    // The samples are scattered: at a regular stride, all samples could lie in one row of a grid of triangles.
     const std::size_t triangle = std::size_t((i * 0x9e3779b97f4a7c15ull >> 32) * triangles >> 32);
     const Vec3d at = tripled_centroid(mesh, triangle);
     for (std::size_t axis = 0; axis < 3; ++axis)

@@ -27,8 +27,8 @@ inline constexpr std::uint64_t cluster_bytes = cluster_triangles * (3 * 4 + 28 *
 ///         cluster.
 /// Cost    About 90 ns per triangle on one thread; temporary memory of 8 bytes per triangle and 4 per vertex.
 std::vector<Primitive> clusters_of(const Primitive& mesh);
-/// Calls `visit` for the clusters that clusters_of() returns, in the same order, one after the other. The reference is
-/// valid until `visit` returns.
+/// Calls `visit` for the clusters that clusters_of() returns, in the same order, one after the other. The reference
+/// that `visit` receives is valid until it returns.
 void for_each_cluster(const Primitive& mesh, const std::function<void(const Primitive&)>& visit);
 
 /// Concatenates clusters of one mesh into one mesh.

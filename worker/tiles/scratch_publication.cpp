@@ -16,7 +16,7 @@ namespace {
   throw IoError(path, "", std::string("cannot write: ") + std::strerror(errno));
 }
 
-/// Opens the file; reports a full disk as IoError because it is not a fault of the input.
+/// Creates the temporary file; reports a full disk as IoError because it is not a fault of the input.
 Publication publication_of(const std::filesystem::path& target) {
   make_scratch_folder(target.parent_path());
   try {

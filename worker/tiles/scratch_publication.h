@@ -14,7 +14,7 @@ namespace gigabake {
 /// Errors  Every member throws IoError with the file and the system's reason; the incomplete file is then removed.
 class ScratchPublication {
  public:
-  /// Creates the folder if it is missing.
+  /// Creates a temporary file in the folder of `target`, and the folder if it is missing.
   explicit ScratchPublication(std::filesystem::path target);
   /// Checks the free space before the first byte is written, so that a large file does not fail halfway.
   /// Errors  IoError: the disk has less than `bytes` of free space.
@@ -23,8 +23,8 @@ class ScratchPublication {
   std::uint64_t append(std::span<const std::uint8_t> bytes);
   /// Writes at any offset; gaps read as 0. Must not be combined with append().
   void put(std::uint64_t offset, std::span<const std::uint8_t> bytes);
-  /// Publishes the file without flushing it to disk: after a power failure it may be truncated. Readers then reject it,
-  /// and it is made again.
+  /// Publishes the file without flushing it to disk: after a power failure it may be truncated. Readers then reject the
+  /// file, and it is made again.
   void publish();
 
  private:

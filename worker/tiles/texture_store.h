@@ -1,4 +1,4 @@
-/// Textures of cells: small ones are in memory; those above a size limit are mapped from scratch.
+/// Textures of cells. Small textures are in memory; textures above a size limit are mapped from scratch.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace gigabake {
 
 /// Key of a texture: an image and its filtering.
 struct TextureKey {
-  Hash128 image;  ///< of the encoded bytes
+  Hash128 image;  ///< hash of the encoded bytes
   TextureRecipe recipe;
   friend bool operator==(const TextureKey&, const TextureKey&) = default;
 };
@@ -27,7 +27,7 @@ struct TextureKeyHash {
   std::size_t operator()(const TextureKey& key) const { return std::size_t(key.image.lo) + key.recipe.mask_cutoff; }
 };
 
-/// A texture that cells borrow, in memory or mapped from scratch.
+/// A texture that cells share, in memory or mapped from scratch.
 class CellTexture {
  public:
   explicit CellTexture(kernels::Texture&& held) : held_(std::move(held)) {}

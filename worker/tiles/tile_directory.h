@@ -27,7 +27,7 @@ struct TilePrimitive {
 };
 
 struct TileImage {
-  Hash128 hash;                     ///< of the encoded bytes: tiles with equal images share textures
+  Hash128 hash;                     ///< hash of the encoded bytes: tiles with equal images share textures
   std::uint64_t texture_bytes = 0;  ///< ImageSize::texture_bytes(); 0 if the image header is invalid
   EncodedImage encoded;             ///< without bytes if they are in the tile's scratch file
   ScratchBytes stored = {};
