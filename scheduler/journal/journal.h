@@ -1,4 +1,5 @@
-/// OUT/journal: an append-only log of finished cells, so that the next bake need not read each shard.
+/// OUT/journal (OUT is the bake's folder): an append-only log of finished cells, so that the next bake need not read
+/// each shard.
 ///
 /// The journal is only a cache. If the journal or its last records are lost, workers read the affected shards again. A
 /// record of a shard is trusted only together with the shard's stamp (scheduler/journal/cached_results.h).
@@ -13,7 +14,7 @@
 
 namespace gigabake {
 
-/// Writer of the journal; the lock of OUT ensures that there is only one.
+/// Writer of the journal; the lock of OUT ensures that there is only one writer.
 class Journal {
  public:
   /// Rewrites the file without superseded records if more than half of the records are superseded. The first append()

@@ -36,7 +36,7 @@ class JournalContent {
  public:
   JournalContent() = default;
   explicit JournalContent(std::vector<std::uint8_t> file);
-  JournalContent(JournalContent&&) = default;  // no copy: its names would point into the original's bytes
+  JournalContent(JournalContent&&) = default;  // no copy: the names in a copy would point into the original's bytes
   JournalContent& operator=(JournalContent&&) = default;
 
   std::optional<CellReport> find(const Hash128& fingerprint) const;

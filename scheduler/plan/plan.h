@@ -48,12 +48,13 @@ enum class PlanLevels { cells, cells_and_overviews };
 BakePlan make_plan(std::vector<TileScan> scans, const SceneSources& sources, const BakeParameters& parameters,
                    PlanLevels levels = PlanLevels::cells, const Progress& progress = {});
 
-/// The lowest voxel and number of cells of the stack over [z_min, z_end).
-/// Range   z_min < z_end.
+/// The lowest voxel and the number of cells of a column's stack.
 struct CellStack {
   std::int64_t z_min = 0;
   std::int64_t cells = 0;
 };
+/// Returns the smallest stack that contains the voxels [z_min, z_end).
+/// Range   z_min < z_end.
 CellStack stack_over(std::int64_t z_min, std::int64_t z_end, std::int64_t cell_voxels);
 
 }  // namespace gigabake

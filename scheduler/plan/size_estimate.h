@@ -10,8 +10,8 @@ namespace gigabake {
 /// Result of baking one column of one tile in isolation.
 struct BakedPiece {
   std::uint32_t tile = 0;
-  double crossings = 0;  ///< estimated projected lod-0 voxels of its surface (ColumnExtent::crossings)
-  std::uint64_t voxels_lod0 = 0, voxels = 0;  ///< voxels: of all levels
+  double crossings = 0;  ///< estimated projected lod-0 voxels of the piece's surface (ColumnExtent::crossings)
+  std::uint64_t voxels_lod0 = 0, voxels = 0;  ///< voxels: sum over all levels
   std::uint64_t level_bytes = 0, shard_bytes = 0;
   std::uint32_t cells = 0;
   double read_s = 0, kernel_s = 0, write_s = 0;
@@ -26,7 +26,7 @@ struct BakedSample {
 /// The scene that the pieces were drawn from, in voxels of the same size.
 struct SampledScene {
   double crossings = 0;
-  std::vector<std::uint64_t> tile_triangles;  ///< by tile
+  std::vector<std::uint64_t> tile_triangles;  ///< per tile
   std::uint64_t cells = 0;
   int ranks = 1;  ///< number of ranks, each as fast as the one that baked the pieces
 };
@@ -39,9 +39,9 @@ struct SizeEstimate {
 };
 
 /// Estimates a bake. If there are no pieces, assumes one lod-0 voxel per projected voxel and three bytes per voxel.
-/// Exact   If the pieces are the whole scene, the voxels are their sums. Otherwise the rest is estimated from the mean
-///         of the pieces' voxels per projected voxel (Hansen and Hurwitz 1943). A voxel that several tiles occupy
-///         counts once per tile.
+/// Exact   If the pieces are the whole scene, the numbers of voxels are the sums over the pieces. Otherwise the rest is
+///         estimated from the mean of the pieces' voxels per projected voxel (Hansen and Hurwitz 1943). A voxel that
+///         several tiles occupy counts once per tile.
 SizeEstimate estimate_size(const SampledScene& scene, const BakedSample& sample);
 
 /// Returns the voxels, bytes and seconds of `estimate` times `scale`. The result is for a voxel size at which no piece

@@ -26,7 +26,7 @@ void IndexSet::erase(std::uint32_t rank) {
   }
 }
 
-/// Returns the lowest member below a non-zero word of a level.
+/// Returns the lowest member in the subtree of a non-zero word of a level.
 std::uint32_t IndexSet::lowest_below(std::size_t level, std::uint64_t word) const {
   for (;; --level) {
     word = word * 64 + std::uint64_t(std::countr_zero(levels_[level][word]));

@@ -25,7 +25,7 @@ class IndexSet {
   std::uint32_t lowest_below(std::size_t level, std::uint64_t word) const;
   std::uint32_t highest_below(std::size_t level, std::uint64_t word) const;
 
-  std::vector<std::vector<std::uint64_t>> levels_;  ///< a bit of level k+1 is set if its word of level k is not zero
+  std::vector<std::vector<std::uint64_t>> levels_;  ///< bit b of level k+1 is set if word b of level k is not zero
 };
 
 }  // namespace gigabake

@@ -20,8 +20,8 @@ class OverviewQueue {
   /// Records that the job is done or quarantined; call it once per job. `worker` is the worker that finished the job,
   /// if any.
   void settled(std::uint32_t job, std::optional<int> worker);
-  /// Returns an overview that is ready; it stays queued until take(). Prefers an overview whose last child `worker`
-  /// finished.
+  /// Returns an overview that is ready; it stays queued until take(). Prefers an overview whose last child was finished
+  /// by `worker`.
   std::optional<std::uint32_t> choose(int worker) const;
   /// Removes an overview, ready or not, that was dispatched or is already done.
   void take(std::uint32_t overview);

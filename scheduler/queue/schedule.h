@@ -1,5 +1,5 @@
-/// Assignment of cells to workers, including retries after errors, deaths and heartbeat timeouts. It only decides: the
-/// caller reports events and executes the decisions.
+/// Assignment of cells to workers, including retries after errors, deaths and heartbeat timeouts. The schedule only
+/// decides: the caller reports events and executes the decisions.
 #pragma once
 
 #include <cstdint>
@@ -85,8 +85,8 @@ class Schedule {
 
   /// Records a finished cell. Accepts a result of a lost worker if the cell was not dispatched again.
   Verdict finished(int worker, std::uint32_t job, std::uint32_t attempt, double now_s);
-  /// Records a failed attempt. If accepted, it counts as a failure: the cell is retried, preferably at another worker,
-  /// or quarantined. The cell is quarantined immediately if `retry` is useless.
+  /// Records a failed attempt. An accepted attempt counts as a failure of the cell: the cell is retried, preferably at
+  /// another worker, or quarantined. The cell is quarantined immediately if `retry` is useless.
   Verdict failed(int worker, std::uint32_t job, std::uint32_t attempt, const std::string& error, double now_s,
                  Retry retry = Retry::worth_it);
   /// Records the death of the worker's bake process, which loses all its cells. A cell that was the only one in the
@@ -108,7 +108,7 @@ class Schedule {
   std::size_t out() const { return counts_.running; }
   JobCounts counts() const;
   JobState state(std::uint32_t job) const;
-  /// Returns the last error of a job with failures, and its number of failures unless a retry is useless. Returns an
+  /// Returns the last error of a job with failures, and the number of failures unless a retry is useless. Returns an
   /// empty string for other jobs.
   std::string error(std::uint32_t job) const;
 
@@ -118,12 +118,12 @@ class Schedule {
     std::int32_t worker = -1;  ///< worker of the last attempt
     JobState state = JobState::pending;
   };
-  /// State of jobs with failures, kept until they are done.
+  /// The state of a job with failures, kept until the job is done.
   struct Trouble {
     int strikes = 0, losses = 0;
     bool suspect = false, is_final = false;
     double since_s = 0;          ///< time of the last requeue
-    std::vector<int> failed_at;  ///< workers, without duplicates
+    std::vector<int> failed_at;  ///< workers at which the job failed, without duplicates
     std::string error;
   };
   struct Worker {

@@ -41,7 +41,7 @@ struct JobDispatched {
 /// A job was baked or found empty.
 struct JobFinished {
   const CellReport& report;
-  const CellJob& order;  ///< as dispatched
+  const CellJob& order;  ///< the dispatched job, with its child files
 };
 /// An attempt failed; the job is retried unless JobQuarantined follows.
 struct AttemptFailed {
@@ -78,7 +78,7 @@ struct StatusUpdated {
   const BakeStatus& status;
 };
 
-/// References are valid only during the call of a listener.
+/// An event of a bake. Its references are valid only during the call of a listener.
 using BakeEvent = std::variant<SourceOpened, TilesScanned, JobsPlanned, DispatchBegan, WorkerJoined, JobDispatched,
                                JobFinished, AttemptFailed, JobQuarantined, ProcessDied, WorkerLost, StateEntered,
                                BakeAlive, InfoLine, WarningLine, StatusUpdated>;

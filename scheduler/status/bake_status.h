@@ -39,7 +39,7 @@ struct CellTally {
   std::uint64_t done = 0;             ///< baked by this run
   std::uint64_t empty = 0;            ///< found empty by this run
   std::uint64_t set_aside = 0;        ///< failed permanently; missing from the scene
-  std::uint64_t failed_attempts = 0;  ///< includes cells that a retry has baked
+  std::uint64_t failed_attempts = 0;  ///< includes attempts at cells that a later attempt baked
   friend bool operator==(const CellTally&, const CellTally&) = default;
 };
 
@@ -87,7 +87,7 @@ struct BakeStatus {
   std::uint64_t failures = 0;                    ///< number of all losses
   std::vector<BakeFailure> first_failures;       ///< at most max_failures_listed
   std::uint64_t process_restarts = 0, workers_lost = 0;
-  std::vector<WorkerStatus> workers;  ///< by rank
+  std::vector<WorkerStatus> workers;  ///< sorted by rank
   friend bool operator==(const BakeStatus&, const BakeStatus&) = default;
 };
 inline constexpr std::size_t max_slow_cells = 10, max_failures_listed = 20;
@@ -103,7 +103,7 @@ BakeStatus status_from_json(const std::filesystem::path& file, std::string_view 
 /// Returns OUT/status.json.
 std::filesystem::path status_file(const std::filesystem::path& out);
 /// Replaces the file atomically, without flushing to disk: after a power failure it may be missing or empty.
-/// Errors  InputError.
+/// Errors  InputError if the file cannot be written.
 void write_status(const std::filesystem::path& out, const BakeStatus& status);
 /// Reads OUT/status.json.
 /// Errors  InputError if the file does not exist or is larger than 64 MiB; the errors of status_from_json().

@@ -37,7 +37,7 @@ struct BakeIdentity {
 };
 
 /// Record of a bake's events. Jobs are indices into the plan, and workers are ranks. The caller passes the Unix time as
-/// `now_s`, so that a test can replay a bake. Report only results that the Schedule accepted, not stale ones.
+/// `now_s`, so that a test can replay a bake. Pass only results that the Schedule accepted, no stale results.
 /// Exact   Deterministic: the same calls give the same status.
 /// Cost    Under 60 bytes per job; an event is O(cells in flight at one worker), at() is O(workers).
 /// Errors  std::out_of_range if a job is not in the plan.
@@ -63,9 +63,9 @@ class BakeStatusRecord {
   /// Records a failed attempt; the cell is pending again unless set_aside() follows.
   void attempt_failed(std::uint32_t job, double now_s);
   void set_aside(std::uint32_t job, const std::string& line, double now_s);
-  /// Records the death of a worker's bake process, which restarts; its cells in flight are pending again.
+  /// Records that a worker's bake process died and restarts. The worker's cells in flight are pending again.
   void process_died(int worker, double now_s);
-  /// Records a heartbeat timeout of a worker; its cells in flight are pending again.
+  /// Records a heartbeat timeout of a worker. The worker's cells in flight are pending again.
   void worker_lost(int worker, double now_s);
   void enter(BakeState state);
   void fail(const std::string& reason);
@@ -97,11 +97,11 @@ class BakeStatusRecord {
   std::optional<double> left_s(double now_s) const;
 
   BakeStatus status_;                 ///< the status, except the members that at() computes
-  std::vector<std::string> names_;    ///< of jobs
+  std::vector<std::string> names_;    ///< names of the jobs
   std::uint32_t first_overview_ = 0;  ///< index of the first overview job
   std::vector<double> costs_;
   std::vector<Cell> cells_;
-  std::vector<Worker> workers_;  ///< by rank
+  std::vector<Worker> workers_;  ///< per rank
   RecentWork recent_;
   TimeLeft time_left_;  ///< estimate from the jobs in flight and finished at ranks
   double planned_s_ = 0, cost_left_ = 0;

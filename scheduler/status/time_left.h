@@ -19,7 +19,8 @@ class TimeLeft {
   void begins(std::size_t worker, double now_s);
   /// Records that the worker has finished a part.
   void ends(std::size_t worker, double cost, double now_s);
-  /// Records that the worker has no work or lost its parts in flight. The time since its last finish is not counted.
+  /// Records that the worker has no work or lost its parts in flight. The time since the end of its last part is not
+  /// counted.
   void rests(std::size_t worker);
 
   /// Returns the remaining seconds. `cost_left` is the cost of all unfinished parts, in flight or not. Returns nullopt
