@@ -5,7 +5,7 @@
 namespace gigabake {
 namespace {
 
-/// Visits the fields in both directions: `f` is ByteWriter::put or ByteReader::get.
+/// Calls `f` for each field: ByteWriter::put to serialize, ByteReader::get to restore.
 template <class Cell, class F>
 void each_field_of_cell(Cell& c, const F& f) {
   f(c.name), f(c.file), f(c.lattice_min), f(c.cell_voxels), f(c.lods), f(c.bytes), f(c.triangles), f(c.voxels),

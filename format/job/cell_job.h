@@ -66,10 +66,10 @@ struct CellReport {
 /// Returns the job that made a cell or overview of the scene. The job has no tiles and no children, because scenes do
 /// not record them.
 CellJob job_of(const SceneCell& cell);
-/// Returns the scene's entry for the job, with the fields known before baking: without levels and sizes.
+/// Returns the scene's entry for the job, with the fields that are known before baking. Levels and sizes are missing.
 SceneCell cell_of(const CellJob& job);
 
-/// Returns the path relative to OUT: shards/<name>-<fingerprint>.h5.
+/// Returns the path of the job's shard relative to OUT, the bake's folder: shards/<name>-<fingerprint>.h5.
 std::filesystem::path shard_path(const CellJob& job);
 std::string shard_file(const std::string& name, const Hash128& fingerprint);
 

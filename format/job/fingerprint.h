@@ -9,8 +9,8 @@
 
 namespace gigabake {
 
-/// The fingerprints of one bake's cells. Rank 0 plans with them; each bake process recomputes them from its own inputs
-/// with match().
+/// The fingerprints of one bake's cells. Rank 0 plans with these fingerprints; each bake process checks them against
+/// its own inputs with match().
 /// Exact   A fingerprint depends on the set of tiles and their multiplicity, not on their order, because results do not
 ///         depend on the order of triangles.
 class CellFingerprints {

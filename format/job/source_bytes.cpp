@@ -22,7 +22,7 @@ constexpr std::size_t max_shared_prefix = 4096;
 /// The parts that a tile has in addition to its placement.
 enum TileFlag : std::uint8_t { has_range = 1, has_archive = 2, has_raster = 4, all_flags = 7 };
 
-/// Archives or rasters that many tiles share. Each is written once; tiles refer to it by number.
+/// Archives or rasters that many tiles share. Each part is written once; tiles refer to the part by number.
 template <class Part>
 class Shared {
  public:

@@ -11,8 +11,8 @@ namespace gigabake {
 
 /// Serializes the sources.
 /// Exact   sources_from_bytes() returns the same value.
-/// Cost    About 50 bytes per tile if neighbours share a folder and a placement, 48 more if the placements differ only
-///         in translation. A tile takes at most about 250 bytes plus its names.
+/// Cost    About 50 bytes per tile if consecutive tiles share a folder and a placement, 48 more if their placements
+///         differ only in translation. A tile takes at most about 250 bytes plus its names.
 std::vector<std::uint8_t> to_bytes(const SceneSources& sources);
 
 /// Restores the sources. Opens each archive that contains tiles once; accesses no other file.

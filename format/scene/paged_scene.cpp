@@ -138,7 +138,8 @@ std::vector<SceneCell> PagedScene::overviews() const {
   return all;
 }
 
-/// Skips pages whose block does not overlap the box, because a page's overviews lie in its block.
+/// Adds the overviews of a page and of the pages below it. Skips pages whose block does not overlap the box, because a
+/// page's overviews lie in its block.
 void PagedScene::collect_overviews(const ScenePage& page, const Box3i64& box, int lod,
                                    std::vector<SceneCell>& found) const {
   for (const SceneCell& overview : page.overviews)

@@ -1,4 +1,4 @@
-/// A scene read on demand: scene.xml at once, its pages when they are visited.
+/// A scene that is read on demand: scene.xml when the scene is opened, pages when they are visited.
 #pragma once
 
 #include <cstdint>

@@ -43,15 +43,15 @@ struct ReadLevel {
   BrickLevel level;
 };
 
-/// Reads a level of the scene from one of its shards. `lod` is the scene's level.
-/// Errors  InputError: the shard is missing, damaged, not part of the scene, or its voxels do not match the content
-///         hash in scene.xml.
+/// Reads a level of the scene from one of its shards. `lod` is a level of the lattice.
+/// Errors  InputError if the shard is missing, damaged or not part of the scene, or if its voxels do not match the
+///         content hash in scene.xml.
 ReadLevel read_level(const PagedScene& scene, const SceneCell& shard, int lod);
 
 /// Visits the shards that contain a level as their own level: cells, or overviews for levels above the cells' levels.
 void for_each_shard_of_level(const PagedScene& scene, int lod, const PagedScene::VisitCell& visit);
 
-/// Returns the number of voxels of a scene's level, from its totals.
+/// Returns the number of voxels of a level, from the scene's totals.
 /// Errors  InputError if the level does not exist, or exists in only some cells. The message names the existing levels.
 std::uint64_t voxels_of_level(const PagedScene& scene, int lod);
 

@@ -12,8 +12,8 @@ void add_each(const std::vector<T>& of, std::vector<T>& to) {
   for (std::size_t lod = 0; lod < of.size(); ++lod) to[lod] += of[lod];
 }
 
-/// Converts a shard's values per level to values per lod of the lattice. Duplicated levels get zeros, because their
-/// originals are counted.
+/// Converts a shard's values per level to values per lod of the lattice. Duplicated levels get zeros, because the
+/// children's voxels are counted instead.
 template <class T>
 std::vector<T> on_lattice(const std::vector<T>& of_levels, const SceneCell& shard) {
   std::vector<T> out(shard.own_lod());

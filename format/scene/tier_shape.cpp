@@ -16,7 +16,7 @@ constexpr int max_window_bits = 31;
 
 TierShape shape_of(const SceneCell& overview) { return {overview.first_lod, overview.copied_lods, overview.lods}; }
 
-/// Returns whether the overview's corner is a multiple of `grid`, as for all windows below the root.
+/// Returns whether the overview's corner is a multiple of `grid`, as it must be for all windows below the root.
 bool is_on_grid(const SceneCell& overview, std::int64_t grid) {
   return std::ranges::all_of(overview.lattice_min, [grid](std::int64_t v) { return v % grid == 0; });
 }

@@ -31,7 +31,7 @@ std::optional<double> number_in(const Environment& environment, const char* name
   return text == nullptr ? std::nullopt : number_in(std::string(text));
 }
 
-/// Returns the words of a small file; none if it does not exist.
+/// Returns the first words, at most eight, of a file; no words if the file does not exist.
 std::vector<std::string> words_of(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::vector<std::string> words;

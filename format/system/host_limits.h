@@ -25,7 +25,7 @@ struct HostLimits {
   /// Max memory that all processes of its container or job on this host may use together.
   std::uint64_t memory_bytes = 0;
 
-  /// Returns the number of cores that the process may use if it is the only one of its job on the host; at least 1.
+  /// Returns the number of cores that the process may use if it is the only process of its job on the host; at least 1.
   int cores() const;
 };
 

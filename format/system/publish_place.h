@@ -18,7 +18,7 @@ std::filesystem::path folder_of(const std::filesystem::path& path);
 std::filesystem::path create_temporary(const std::filesystem::path& target,
                                        const std::function<bool(const std::filesystem::path&)>& make);
 
-/// Renames the complete file or folder, replacing the target.
+/// Renames the complete file or folder `aside` to `target`, and replaces an existing target.
 /// Errors  InputError with the system's reason.
 void rename_into_place(const std::filesystem::path& aside, const std::filesystem::path& target);
 

@@ -234,7 +234,7 @@ class SceneComparison {
     add_rest(cell.name, "", lod, of_a.all - std::min(of_a.all, of_a.inside), 0);
   }
 
-  /// Adds the voxels of a cell of B that no cell of A overlaps.
+  /// Adds the voxels of shard `i` of B that lie in no shard of A.
   void add_rest_of_b(std::size_t i) {
     const SceneCell& cell = *finder_.all()[i];
     for (const int lod : open_levels_) {

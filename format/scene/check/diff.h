@@ -19,7 +19,7 @@ struct LevelDifference {
   std::uint64_t turned = 0;      ///< voxels of `both` whose normals differ
   std::uint64_t refaced = 0;     ///< voxels of `both` whose directional coverage differs; 0 unless both scenes store it
   std::array<int, 4> maximum{};  ///< max |a − b| of 8-bit r, g, b, alpha
-  std::array<double, 4> mean{};  ///< mean |a − b| over `recoloured`
+  std::array<double, 4> mean{};  ///< mean |a − b| of 8-bit r, g, b, alpha over the recoloured voxels
   bool any() const { return only_in_a + only_in_b + recoloured + turned + refaced != 0; }
 };
 
@@ -43,9 +43,9 @@ struct SceneDifference {
 void expect_shards(const std::filesystem::path& scene_xml);
 
 /// Compares two scenes. If the scenes have different cells, voxels are compared by their position on the lattice.
-/// Exact   Levels with equal content hashes, in whole or per cell, count as equal and are not read. The hashes in
-///         scene.xml are trusted; verify checks them. Call expect_shards() first: recorded hashes do not prove that the
-///         files still exist.
+/// Exact   Levels whose content hashes are equal, for the whole scene or for a cell, count as equal and are not read.
+///         The hashes in scene.xml are trusted; verify checks them. Call expect_shards() first: recorded hashes do not
+///         prove that the files still exist.
 /// Cost    Holds one level of two cells in memory.
 /// Errors  InputError if scenes or shards are unreadable, or if the scenes are not comparable because lattices or
 ///         channels differ.

@@ -25,8 +25,8 @@ struct MissingData {
 /// Counts the losses. `cells` is the number of cells that the scene has.
 MissingData missing_data(const SceneHeader& scene, std::uint64_t cells);
 
-/// Returns "9 of 16 cells are missing", or "1 of 4 cells, 1 overview and 2 inputs are missing".
-/// Range   missing.any().
+/// Returns a text such as "9 of 16 cells are missing", or "1 of 4 cells, 1 overview and 2 inputs are missing".
+/// Range   missing.any() is true.
 std::string describe(const MissingData& missing);
 
 struct VerifyResult {
@@ -37,8 +37,8 @@ struct VerifyResult {
   std::vector<std::string> faults;  ///< one line each: file, dataset, fault; in the scene's order
 };
 
-/// Returns the faults of an overview compared with its children, one line each. Must be thread-safe. `children` are the
-/// cells or overviews directly below the overview that its window overlaps.
+/// A function that returns the faults of an overview compared with its children, one line each. It must be thread-safe.
+/// `children` are the cells or overviews directly below the overview that its window overlaps.
 using OverviewCheck = std::function<std::vector<std::string>(const SceneHeader& scene, const SceneCell& overview,
                                                              std::span<const SceneCell> children)>;
 

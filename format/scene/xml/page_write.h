@@ -1,4 +1,4 @@
-/// Writing of a scene's pages next to its scene.xml, and removal of pages to which no scene.xml refers.
+/// Writing of a scene's pages next to its scene.xml, and removal of pages to which scene.xml does not refer.
 #pragma once
 
 #include <filesystem>

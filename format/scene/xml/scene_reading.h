@@ -23,7 +23,7 @@ struct SceneFault {
 };
 InputError error_of(const std::filesystem::path& file, const SceneFault& fault);
 
-/// Stored summary of all cells and overviews, in the root.
+/// The summary of all cells and overviews that the root element stores.
 struct StoredTotals {
   std::uint64_t cells = 0;
   std::vector<std::uint64_t> voxels;  ///< per lod

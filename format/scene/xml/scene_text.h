@@ -12,7 +12,7 @@ namespace gigabake {
 
 class SceneText {
  public:
-  /// Errors  InputError: the file is missing, larger than max_bytes, or not XML.
+  /// Errors  InputError if the file is missing, larger than max_bytes, or not XML.
   SceneText(const std::filesystem::path& path, std::uint64_t max_bytes);
 
   const pugi::xml_document& document() const { return document_; }

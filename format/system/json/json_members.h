@@ -41,7 +41,7 @@ class JsonMembers {
   const std::string& path() const { return where_; }
   /// Returns false if find() would return nullopt, true if it would return a value or throw.
   bool has(const char* key) const { return value(key) != nullptr; }
-  /// Returns a value of any type; null if it is absent.
+  /// Returns the value of a member, of any type; null if the member is absent.
   const nlohmann::json* value(std::string_view key) const;
   bool contains(const char* key) const;  ///< true also for a member that is null
   bool is_null(const char* key) const;
@@ -59,9 +59,10 @@ class JsonMembers {
   template <class T>
   T get(const char* key, std::string_view expected = {}) const;
 
-  /// Returns a number in [minimum, maximum]; nullopt if it is absent.
+  /// Returns a member that is a number in [minimum, maximum]; nullopt if the member is absent.
   std::optional<double> number(const char* key, double minimum, double maximum) const;
-  /// Returns an array of exactly n finite numbers in [minimum, maximum]; nullopt if it is absent.
+  /// Returns a member that is an array of exactly n finite numbers in [minimum, maximum]; nullopt if the member is
+  /// absent.
   template <std::size_t n>
   std::optional<std::array<double, n>> numbers(const char* key, double minimum = -max_number,
                                                double maximum = max_number) const;
@@ -75,7 +76,7 @@ class JsonMembers {
   JsonMembers members(const char* key) const { return {file_, object(key), path_of(key), null_}; }
   /// Returns the members of an array's element.
   JsonMembers element(const char* key, const nlohmann::json& array, std::size_t index) const;
-  /// Returns read(JsonMembers) of each element of a required array.
+  /// Returns the results of `read` for the elements of a required array of objects.
   template <class Read>
   auto list(const char* key, const Read& read) const;
   std::vector<JsonMembers> elements(const char* key) const;  ///< objects of a required array
