@@ -27,8 +27,8 @@ struct PlanMeasure {
   std::vector<MeasuredSize> sizes;  ///< half the requested voxel size, the requested size, and twice that size
   int ranks = 1, threads = 1;       ///< of the bake; pieces are baked by one rank
   ScratchNeed scratch;              ///< of the bake's large tiles
-  std::filesystem::path
-      scratch_folder;  ///< the bake's scratch folder; begins with "SCENE" if it is in an OUT that is not given
+  /// The bake's scratch folder; "SCENE/scratch" if the request names neither OUT nor a scratch folder.
+  std::filesystem::path scratch_folder;
   TextureFindings textures;
 
   const MeasuredSize& requested() const { return sizes.at(1); }
