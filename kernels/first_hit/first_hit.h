@@ -24,7 +24,7 @@
 
 namespace gigabake::kernels {
 
-inline constexpr int min_stacked = 7, max_stacked = 21;  ///< `scale` of the inner levels of the deepest tree
+inline constexpr int min_stacked = 7, max_stacked = 21;  ///< min and max `scale` of inner levels
 inline constexpr int first_hit_stack = (max_stacked - min_stacked) / 2 + 1;
 inline constexpr std::uint32_t no_attributes = 0xffffffffu;
 

@@ -25,7 +25,7 @@ struct QueryCells {
   CastScene layout;             ///< the columns and cells of the scene
   Span<const Entry> entries;    ///< by cell
   Span<const ShardTree> trees;  ///< by cell
-  bool has_pages = false;       ///< true: find() returns the empty boxes of ShardMap::find(), otherwise of find_cell()
+  bool has_pages = false;       ///< true: empty boxes are as in ShardMap::find(); false: as in find_cell()
 
   GB_HD QueryRegion find(int, const std::int64_t v[3]) const {
     QueryRegion region;

@@ -1,10 +1,10 @@
 /// The light of a pixel: the visible fractions of the sun and the sky at its surface.
 ///
 /// A pixel's surface is where half of its ray's light is absorbed. One cone leads from this surface to the sun, and one
-/// to the sky. Not every pixel casts them: pixels of a block share results (kernels/light/light_sharing.h). A cone is
-/// an ordinary ray whose levels have voxels as wide as the cone, but not finer than the pixel's level. It requests
-/// missing data, and surfaces absorb it. The width of the voxels that it passes determines the width of a shadow's
-/// border.
+/// to the sky. Not every pixel casts these cones: pixels of a block share results (kernels/light/light_sharing.h). A
+/// cone is an ordinary ray whose levels have voxels as wide as the cone, but not finer than the pixel's level. The cone
+/// requests missing data, and surfaces absorb it. The width of the voxels through which a cone passes determines the
+/// width of a shadow's border.
 ///
 /// In directions in which the sky is hidden, other surfaces are assumed to send the light of the ground. An unshadowed
 /// surface of any slope therefore receives the same light as in shade_voxel().
@@ -104,8 +104,8 @@ GB_HD bool lights_up(const PixelLight& light, const float direction[3], LightRay
   return ray == LightRay::sun ? light.facing > 0 : dot3(light.normal, direction) > min_cosine;
 }
 
-/// Tests whether a pixel casts this ray before shadow samples are reused. For the sky this is every other pixel, in a
-/// checkerboard pattern. For the sun it is every other pixel of every other row.
+/// Tests whether a pixel casts this ray before shadow samples are reused. Rays to the sky are cast first by every other
+/// pixel, in a checkerboard pattern. Rays to the sun are cast first by every other pixel of every other row.
 GB_HD bool is_cast_first(int x, int y, LightRay ray) {
   return place_in_block(x, y) < (ray == LightRay::sun ? sky_block * sky_block / 4 : sky_directions);
 }
@@ -128,7 +128,7 @@ GB_HD CastLine line_to_light(const CastScene& scene, const CastCamera& camera, c
   for (int a = 0; a < 3; ++a) {
     const double d = direction[a];
     set_direction(line, a, d);
-    // The cone's tip lies behind the start of the ray, where the cone is as wide as the pixel's voxels.
+    // At the start of the ray the cone is as wide as the pixel's voxels, so the cone's tip lies behind the start.
     line.origin[a] =
         camera.eye[a] + double(light.at[a]) + double(light.normal[a] * lift) + d * (double(along) - line.enter);
     clip_to_box(line, a, larger_of(scene.min[a] - border, camera.clip.min[a]),

@@ -33,7 +33,7 @@ GB_HD CastLight unlit() { return CastLight{}; }
 enum class CastLightPart : std::int32_t {
   all,
   sun,      ///< light of the sun only
-  sky,      ///< light of the sky and of the surfaces that hide parts of it
+  sky,      ///< light of the sky, and of the surfaces that hide parts of the sky
   shadow,   ///< visible fraction of the sun; white: the whole sun is visible
   unhidden  ///< all light without shadows: no rays are cast to the light
 };
@@ -44,7 +44,7 @@ struct CastLighting {
   CastHaze haze;        ///< applied after shading; the camera's own haze must be off
   double sun_lod1 = 1;  ///< distance from the cone's tip, in voxels, at which the sun's cone is as wide
                         ///< as a lod-1 voxel
-  double sky_lod1 = 1;  ///< the same for cones to the sky
+  double sky_lod1 = 1;  ///< the distance at which a cone to the sky is as wide
   float sun[sun_directions][3] =
       {};  ///< unit vectors, evenly over the sun's disc, by the pixel's position in its block
   float sky[sky_directions][3] =

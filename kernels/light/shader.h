@@ -6,9 +6,9 @@
 ///     GB_HD void operator()(const SurfacePoint& at, float rgb[3]) const;
 ///
 /// It computes the light that the surface sends: linear RGB, premultiplied by `at.there`. host_shader() compiles a
-/// shader for the CPU only. device_shader() (kernels/light/shader.cuh, for files that nvcc compiles) compiles it for
-/// the CPU and for a GPU. A shader must use IEEE float and double without transcendental functions, so that the CPU and
-/// the GPU return the same bits.
+/// shader for the CPU only. device_shader() (kernels/light/shader.cuh, for files that nvcc compiles) compiles a shader
+/// for the CPU and for a GPU. A shader must use IEEE float and double without transcendental functions, so that the CPU
+/// and the GPU return the same bits.
 #pragma once
 
 #include <cmath>

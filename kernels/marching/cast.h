@@ -55,8 +55,8 @@ GB_HD float way_out_of_empty_part(std::uint64_t blocks, const CastLine& line, co
 /// coverages of two levels cannot be added.
 GB_HD double lod_end(const CastLine& line, int lod) { return lod_start(line, lod + 1) + 8 * step_length(lod + 1); }
 
-/// Switches the ray to the next level. The first sample lies behind the ray's latest surface, or at the level's regular
-/// start if that is farther. It does not depend on the empty space that was skipped.
+/// Switches the ray to the next level. The level's first sample lies behind the ray's latest surface, or at the level's
+/// regular start if that is farther. This sample does not depend on the empty space that was skipped.
 GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
   const double from = point_distance(line, ray.lod, ray.past) - lod_start(line, ray.lod + 1);
   ++ray.lod;
@@ -147,9 +147,9 @@ enum class CastTask : std::uint8_t {
   none   ///< finished, or waiting for data
 };
 
-/// The state of a ray within a pass; only CastRay is kept between passes. CastPath is separate: a device indexes it by
-/// computed values, so it cannot be kept in registers like this struct. Values that a step can recompute are not
-/// stored, to save registers.
+/// The state of a ray within a pass; only CastRay is kept between passes. CastPath is separate: a device indexes
+/// CastPath by computed values, so it cannot keep CastPath in registers like this struct. Values that a step can
+/// recompute are not stored, to save registers.
 struct CastWalk {
   CastTask task = CastTask::none;
   bool waits = false;         ///< CastPlace::waits of the current brick
@@ -304,8 +304,8 @@ GB_HD bool any_ray(bool has_task) {
 #endif
 }
 
-/// Returns true if the next action of the group of rays is to seek, false if it is to process samples. The group takes
-/// the action that more of its rays need.
+/// Returns true if the group of rays seeks next, and false if the group processes samples next. The group takes the
+/// action that more of its rays need.
 GB_HD bool seeks_next(CastTask task) {
 #if defined(__CUDA_ARCH__)
   return __popc(__ballot_sync(0xffffffffu, task == CastTask::seek ? 1 : 0)) >=
@@ -342,7 +342,7 @@ GB_HD void start_walk(const CastScene& scene, const CastLine& line, bool is_cast
 
 /// Continues the ray until it is finished (lod = -1) or waits for data. In a warp, a surface is composited only when
 /// all rays have hit a surface or have stopped, because compositing takes as long as about a dozen steps. On a device
-/// all lanes must call this function.
+/// all lanes of a warp must call this function.
 template <CastAim aim = CastAim::eye>
 GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, bool is_cast,
                     CastRay& ray) {

@@ -1,5 +1,5 @@
-/// A node of the pools (tile of its children and its brick, or the reason why they are missing) and its packing into a
-/// word.
+/// A node of the pools and its packing into a word. A node refers to the tile of its children and to its brick, or
+/// gives the reasons why they are missing.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace gigabake::kernels {
 
-/// A reference to a tile or a slot, or the reason why there is none.
+/// The values of a reference to a tile or a slot that give the reason why there is no tile or slot.
 inline constexpr std::uint32_t empty_ref = 0xffffffffu;   ///< the subtree is empty: the field is zero
 inline constexpr std::uint32_t absent_ref = 0xfffffffeu;  ///< not resident yet
 inline constexpr std::uint32_t lost_ref = 0xfffffffdu;    ///< will never be resident: coarser bricks replace it
@@ -35,7 +35,7 @@ inline constexpr NodeWord empty_node = ~NodeWord(0);
 GB_HD bool leads_on(NodeWord word) { return (word & leaf_bit) == 0; }
 
 /// Packs a node.
-/// Range   Tiles below 2^31, slots below 2^29 - 3.
+/// Range   Tiles are below 2^31, slots below 2^29 - 3.
 GB_HD NodeWord pack_node(const CastNode& node) {
   if (node.brick == empty_ref) return empty_node;
   if (is_here(node.children)) return node.children;

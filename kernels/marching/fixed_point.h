@@ -21,8 +21,8 @@ inline constexpr std::uint32_t fixed_one = 1u << fraction_bits;
 inline constexpr int brick_bits = 3;
 static_assert(1 << brick_bits == brick_edge);
 
-/// The bias that converts a double to fixed point. Adding a value of magnitude below 2^35 to it rounds the value to a
-/// multiple of 1/65536. The bits of the sum minus fixed_bias_bits are then the fixed-point number.
+/// The bias that converts a double to fixed point. The sum of the bias and a value of magnitude below 2^35 is rounded
+/// to a multiple of 1/65536. The bits of the sum minus fixed_bias_bits are then the fixed-point number.
 inline constexpr double fixed_bias = 1.5 * double(std::int64_t(1) << (52 - fraction_bits));
 inline constexpr std::uint64_t fixed_bias_bits = std::bit_cast<std::uint64_t>(fixed_bias);
 

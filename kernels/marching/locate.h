@@ -138,7 +138,7 @@ GB_HD bool find_cell(const CastScene& scene, const std::int64_t v[3], std::uint3
 
 inline constexpr std::uint32_t no_cell = 0xffffffffu;
 
-/// A cell in a form that allows a fast test whether it holds a point.
+/// The bits of a cell that allow a fast test whether the cell holds a point.
 struct CellFrame {
   std::uint32_t cell = no_cell;
   std::uint32_t column[2] = {0, 0};  ///< high bits that all points of the cell share in x and in y
@@ -154,7 +154,9 @@ struct CellFrame {
 
 /// The result of locate(): the brick that holds the field around a point.
 struct CastPlace {
-  FixedPoint at;                    ///< the point, relative to level `lod`'s lowest voxel centre; z: to the cell's
+  /// The point in fixed-point coordinates. Their origin is the lowest voxel centre of level `lod`: of the scene for x and
+  /// y, of the cell for z.
+  FixedPoint at;
   std::uint32_t brick = empty_ref;  ///< slot; empty_ref: the field of this level is zero
   float way = 0;                    ///< if there is no brick: exit distance from the empty space, lod-0 voxels
   std::int32_t lod = 0;       ///< level of the brick: the requested level, or a coarser level if that is not resident
@@ -321,8 +323,8 @@ GB_HD void count_for_level(int from, int to, FixedPoint& point) {
 
 /// Finds the brick that holds the field of level `lod` around a point. If that brick is not resident, returns the
 /// finest resident brick of a coarser level. If `patient` is true and the data can be loaded, returns only `waits` =
-/// true instead. `frame` is the cell that is tried first, and receives the cell that was found. `path` must be from the
-/// same pass.
+/// true instead. `frame` is the cell that is tried first, and receives the cell that was found. `path` must stem from
+/// the current pass.
 /// Cost    One dependent load per level below the deepest node shared with `path`; one more descent per missing level.
 GB_HD CastPlace locate(const CastScene& scene, const CastLine& line, int lod, const FixedPoint& point, bool patient,
                        CellFrame& frame, CastPath& path) {

@@ -33,8 +33,8 @@ struct CastCell {
 struct CastMarks {
   std::uint32_t* tile_used = nullptr;  ///< by tile: last pass in which a ray's descent ended in the tile
   std::uint32_t* slot_used = nullptr;
-  /// The bitmap of missed data, 32 bits per word. A ray of this pass sets bit 2·node + Want if it misses that data of
-  /// the node.
+  /// The bitmap of missed data, 32 bits per word. A ray of this pass sets bit 2·node + Want if the data that `Want`
+  /// names is missing in the node.
   std::uint32_t* wanted = nullptr;
 };
 enum class Want : std::uint32_t { brick = 0, children = 1 };

@@ -40,7 +40,7 @@ struct CastSheet {
 /// A translucent surface; its opacity does not depend on the viewing angle.
 struct CastPane {
   float density = 1;  ///< mean alpha of the existing lod-0 voxels; 1 if all are opaque
-  float across = 1;   ///< |cosine| between ray and normal: 1 crosses the surface perpendicularly, 0 runs along it
+  float across = 1;   ///< |cosine| between ray and normal: 1 if the ray is perpendicular to the surface, 0 if parallel
 };
 
 /// The volumetric residual around a point: coverage that no blended surface represents.
@@ -113,8 +113,8 @@ struct BlendedPlanes {
 };
 
 /// Tests whether two normals are within 12.9° of each other. If all normals are within 12.9° of the first normal, so is
-/// the blended normal. Its rounding to bytes turns it by less than half a degree. Each normal is therefore within 30°
-/// of the blended normal.
+/// the blended normal. Rounding to bytes turns the blended normal by less than half a degree. Each normal is therefore
+/// within 30° of the blended normal.
 GB_HD bool is_same_slope(ByteVector a, ByteVector b) {
   const int along = dot(a, b);
   const float all = float(dot(a, a)) * float(dot(b, b));
@@ -348,9 +348,9 @@ GB_HD float densest_near(const SheetColumns& columns, const CastPoint& point) {
 }
 
 /// Returns the opacity of the surface through a point: the covered part of the tangent plane in the voxels of four
-/// columns. The rest of the plane may lie in other voxels. If no column nearby is almost full, the surface is
-/// translucent, and its density is its opacity at this point. Otherwise the uncovered part of the plane lies beyond the
-/// surface's border.
+/// columns. The rest of the plane in these columns may lie in voxels above or below. If no column nearby is almost
+/// full, the surface is translucent, and its density is its opacity at this point. Otherwise the uncovered part of the
+/// plane lies beyond the surface's border.
 GB_HD SheetOpacity opacity_of_sheet(const BrickView& brick, const CastPoint& point, const CastSheet& sheet) {
   const SheetColumns columns = columns_around(brick, point, sheet);
   float there = 0, met = 0;
