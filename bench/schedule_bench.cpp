@@ -14,7 +14,7 @@ enum class Kind : std::uint8_t { report, death, killed, restart, silence, watch 
 
 struct Event {
   double at_s = 0;
-  std::uint64_t number = 0;  ///< orders events of the same time
+  std::uint64_t number = 0;  ///< number that orders events of the same time
   Kind kind = Kind::watch;
   int worker = 0;
   std::uint32_t process = 0;  ///< number of the worker's process; events of a dead process are ignored
@@ -35,7 +35,7 @@ bool share_a_tile(const CellJob& a, const CellJob& b) {
                      [&b](std::uint32_t t) { return std::binary_search(b.tiles.begin(), b.tiles.end(), t); });
 }
 
-/// Selects about this number of cells at random.
+/// Selects up to `number` cells at random; a cell may be selected twice.
 std::vector<bool> some_cells(int number, std::uint32_t cells, std::uint64_t seed) {
   std::vector<bool> chosen(cells, false);
   for (int i = 0; i < number; ++i) chosen[std::size_t(uniform(seed, std::uint64_t(i)) * cells)] = true;
@@ -131,7 +131,7 @@ class Simulation {
   }
 
   /// Computes when the cell's report arrives or its process dies. The times are final, because later cells queue behind
-  /// this one.
+  /// this cell.
   void bake(int worker, const Assignment& a) {
     SimulatedWorker& w = workers_[std::size_t(worker)];
     const StageTimes t = true_times(jobs_[a.job], request_.seed);

@@ -23,8 +23,7 @@ double log_normal(double sigma, std::uint64_t seed, std::uint64_t index) {
   return std::exp(sigma * normal - sigma * sigma / 2);
 }
 
-/// Returns the number of tiles along one axis that contain a column: its own, and the previous tile if it ends in the
-/// column.
+/// Returns the number of tiles along one axis that contain a column: 1, or 2 if the previous tile ends in the column.
 std::uint32_t tiles_over(std::uint32_t column) { return column > 0 && column % columns_of_tile == 0 ? 2 : 1; }
 
 /// Returns a column of a hilly surface with one cell per column.

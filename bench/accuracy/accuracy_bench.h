@@ -72,8 +72,8 @@ using AccuracyProgress = std::function<void(const std::string& setting)>;
 /// of the rule `area` with the filter `coverage`: without normals, without directional coverage, without both, with
 /// several error bounds, and with LZ4. All settings use the same cameras. Voxels with equal content hashes are measured
 /// once.
-/// Errors  Same as a bake and ReferenceCaster's constructor. UsageError: no setting has a name in `only`. InputError: a
-///         view shows fewer than min_compared_pixels of the surface; then nothing is baked.
+/// Errors  Same as a bake and ReferenceCaster's constructor. UsageError: `only` has a name that is not the name of a
+///         setting. InputError: a view shows fewer than min_compared_pixels of the surface; then nothing is baked.
 AccuracyBench bench_accuracy(const AccuracyBenchRequest& request, const AccuracyProgress& progress);
 
 }  // namespace gigabake::bench

@@ -16,8 +16,8 @@ struct PictureError {
   double flip = 0;                              ///< mean over all pixels; the larger of black and white background
 };
 
-/// Compares an image with its reference. Straight colour is compared only where both images have some, so that a hole
-/// counts only as a hole.
+/// Compares an image with its reference. Straight colours are compared only where both images are at least half
+/// covered, so that a hole counts only as a hole.
 /// Range   Both images have the same size.
 PictureError picture_error(const LinearPicture& reference, const LinearPicture& picture);
 

@@ -1,5 +1,5 @@
-/// A set of a scene's voxels, read directly from its shards. References use it because they must not share a tree with
-/// the code that they check.
+/// A set of a scene's voxels, read directly from its shards. References use this set, because they must not share a
+/// tree with the code that they check.
 #pragma once
 
 #include <array>

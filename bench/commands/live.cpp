@@ -6,7 +6,7 @@
 namespace gigabake::app {
 namespace {
 
-/// The counts of listed frames: the first ones, then about `listed_then` frames spread over the rest.
+/// The numbers of listed frames: the first frames, and then about `listed_then` frames spread over all frames.
 constexpr std::size_t listed_first = 6, listed_then = 10;
 
 }  // namespace

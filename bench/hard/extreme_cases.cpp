@@ -154,7 +154,7 @@ HardScene under_scale(double x, double y, double z) {
 HardCase scaled_case(const char* name, const char* what, std::vector<HardScene> scenes) {
   HardCase hard = lattice_case(name, "extremes", what);
   hard.scenes = std::move(scenes);
-  hard.bounds.placement_m = 1e-6;  // float error of the file's positions below 2 m
+  hard.bounds.placement_m = 1e-6;  // rounding error of the file's float positions, which are below 2 m
   return hard;
 }
 

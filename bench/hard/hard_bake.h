@@ -12,7 +12,7 @@ namespace gigabake::bench {
 /// Errors  InputError: as a bake; the cell's own error if the cell failed.
 HardBake bake_hard(const std::filesystem::path& folder, const HardScene& scene, const HardCase& hard,
                    const HardMachine& machine, const SceneSources& sources);
-/// Writes the scene and opens it like a bake.
+/// Writes the scene and opens its files like a bake.
 SceneSources open_hard(const std::filesystem::path& folder, const HardScene& scene);
 
 }  // namespace gigabake::bench

@@ -89,7 +89,7 @@ void add_figures(const HardCase& hard, const HardBake& bake, const ExpectedVoxel
     for (HardFigure& f : hard.more(bake)) out.figures.push_back(std::move(f));
 }
 
-/// Compares the bakes of the scene's other encodings with the first: they must be bit-identical.
+/// Compares the bakes of the case's other scenes with the first bake. All bakes must be bit-identical.
 void add_variants(const HardCase& hard, const std::filesystem::path& folder, const HardMachine& machine,
                   const HardBake& first, HardResult& out) {
   if (hard.scenes.size() < 2) return;

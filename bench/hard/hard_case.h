@@ -61,7 +61,7 @@ struct HardMachine {
   int threads = 1;
 };
 
-/// Runs a case and replaces `folder`. Never throws for a failure of the case: HardResult::error holds it.
+/// Runs a case and replaces `folder`. Never throws for a failure of the case: HardResult::error holds the message.
 HardResult run_hard_case(const HardCase& hard, const std::filesystem::path& folder, const HardMachine& machine);
 
 /// The length of a sub-voxel in a lattice case: voxels are 0.25 m, and the window is [-8, 8)³.

@@ -40,7 +40,7 @@ struct HardTile {
   Affine<World, World> transform;  ///< of the tile, in tileset.json
 };
 
-/// A 3D Tiles tileset. If it is on the earth, transforms lead to ECEF.
+/// A 3D Tiles tileset. If the scene is on the earth, transforms lead to ECEF.
 struct HardScene {
   std::vector<HardTile> tiles;
   bool on_earth = false;

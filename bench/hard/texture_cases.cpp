@@ -87,7 +87,7 @@ HardCase seam(const std::string& texels_text, double texels, double bound, doubl
   return hard;
 }
 
-/// Returns the length of the part of [low, low + size) in [at, at + 1).
+/// Returns the length of the intersection of [low, low + size) and [at, at + 1).
 double overlap(double low, double size, std::int64_t at) {
   return std::max(0.0, std::min(low + size, double(at + 1)) - std::max(low, double(at)));
 }

@@ -13,7 +13,7 @@
 namespace gigabake {
 namespace {
 
-/// A voxel: its brick, then its bit in the brick.
+/// The position of a voxel: its brick's Morton code, and its bit in the brick.
 using Place = std::pair<std::uint64_t, std::uint32_t>;
 
 Place place_of(std::int64_t x, std::int64_t y, std::int64_t z) {

@@ -117,7 +117,7 @@ class Comparison {
     if (met == theirs.has_value() && (!met || our_voxel == theirs->voxel)) return add_same(ray, ours, theirs);
     const double never = std::numeric_limits<double>::infinity();
     const double our_way = met ? ours.distance : never, their_way = theirs ? theirs->distance * edge : never;
-    // The nearer hit is the voxel that the other caster missed; or the ray hits both voxels at their common edge.
+    // The nearer hit is in a voxel that the other caster missed, or the ray hits both voxels at their common edge.
     const Voxel& passed = our_way < their_way ? our_voxel : theirs->voxel;
     if (std::fabs(our_way - their_way) < slight * edge || deep_chord(ray, passed, lod_).empty()) {
       ++result_.grazing;

@@ -29,7 +29,7 @@ struct QueryBench {
   std::uint64_t same = 0;                     ///< rays for which both hit the same voxel, or both hit none
   /// Rays whose two hits are different voxels or sides, and that penetrate the missed voxel by less than 1/64 voxel.
   std::uint64_t grazing = 0;
-  std::uint64_t inside = 0;  ///< rays that start in a voxel or within 1/64 voxel before it; not compared
+  std::uint64_t inside = 0;  ///< rays that start in a voxel or up to 1/64 voxel in front of a voxel; not compared
   std::uint64_t wrong = 0;   ///< all other rays
   double max_gap = 0;        ///< maximum distance between hits of the same voxel, lod-0 voxels
   std::string first_wrong;   ///< the first wrong ray; empty if there is none

@@ -163,7 +163,7 @@ struct PlotOf {
   const char *file, *title, *x_axis, *y_axis;
   double (*x)(const AccuracySetting&);
   double (*y)(const AccuracySetting&);
-  bool in_voxels = false;  ///< y is in voxels; then settings of different voxel sizes are not comparable
+  bool in_voxels = false;  ///< y is in voxels, so settings of different voxel sizes are not comparable
 };
 
 }  // namespace

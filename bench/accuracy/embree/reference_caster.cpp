@@ -66,12 +66,13 @@ std::optional<double> entry(const TriangleBox& box, const Vector& origin, const 
     enter = std::max(enter, std::min(p, q));
     leave = std::min(leave, std::max(p, q));
   }
-  // A ray that touches the box's side may miss it by rounding.
+  // Due to rounding, a ray that touches the box's side may seem to miss the box.
   if (enter > leave + 1e-6 * std::fabs(leave)) return {};
   return enter;
 }
 
-/// Surfaces closer together than this fraction of their distance from the box's side count as one surface.
+/// Surfaces count as one surface if their distance from each other is below this fraction of their distance from the
+/// box's side.
 constexpr float apart = 1e-6f;
 /// Transmittance below which surfaces behind are not visible.
 constexpr float dark = 1e-4f;

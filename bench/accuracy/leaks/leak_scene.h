@@ -29,14 +29,14 @@ struct LeakScene {
   double width = 0;  ///< minimum width of the scene's inside in views that show the scene completely
 };
 
-/// Returns a plane with this slope that descends towards the azimuth.
+/// Returns a plane with slope `slope_deg` that descends towards the azimuth.
 LeakScene plane_scene(double edge, double slope_deg, double azimuth_deg);
 /// Returns a hill with waves over a square. Its height is 0 at the border of the square and never negative, so every
 /// ray that hits the square hits the hill.
 LeakScene hill_scene(double edge);
 /// Returns stairs of horizontal and vertical faces.
 LeakScene steps_scene(const std::string& name, double edge, double tread, double rise);
-/// Returns a wall of one flat piece, or the four sides and the top of a solid wall of this thickness.
+/// Returns a solid wall with six sides, or a wall of one flat piece if `thickness` is 0.
 LeakScene wall_scene(const std::string& name, double edge, double thickness);
 /// Returns four walls and a saddle roof with eaves. It is open at the bottom, so that nothing is behind a hole.
 LeakScene house_scene(double edge);

@@ -29,8 +29,8 @@ struct LeakViewRange {
 /// The part of a scene that cameras show.
 struct LeakSubject {
   Vector target{};             ///< point at which cameras look: in the middle of the surface
-  double width = 0;            ///< minimum width of the subject in views that show it completely
-  std::vector<Vector> points;  ///< points of the scene; for every eye they include the nearest point
+  double width = 0;            ///< minimum width of the subject in views that show the whole subject
+  std::vector<Vector> points;  ///< points of the scene, including the nearest point for every eye
 };
 LeakSubject subject_of(const LeakScene& scene);
 
