@@ -192,7 +192,7 @@ GB_HD std::uint32_t child_at(const FirstHitTraversal& w) {
 GB_HD std::uint32_t cross_cell(FirstHitTraversal& w, std::uint32_t child) {
   const bool all_empty = (bits_from(w.node.mask, child & 42) & 0x00330033u) == 0;
   const std::uint32_t inside = (1u << (w.scale + (all_empty ? 1 : 0))) - 1;
-  std::uint32_t last[3], p[3];  // last: the cell's highest point
+  std::uint32_t last[3], p[3];  // `last` is the highest point of the crossed cells
   float ends[3];
   for (int a = 0; a < 3; ++a) {
     p[a] = w.p[a];

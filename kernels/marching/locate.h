@@ -154,8 +154,8 @@ struct CellFrame {
 
 /// The result of locate(): the brick that holds the field around a point.
 struct CastPlace {
-  /// The point in fixed-point coordinates. Their origin is the lowest voxel centre of level `lod`: of the scene for x and
-  /// y, of the cell for z.
+  /// The point in fixed-point coordinates. Their origin is the lowest voxel centre of level `lod`: in the scene for x
+  /// and y, in the cell for z.
   FixedPoint at;
   std::uint32_t brick = empty_ref;  ///< slot; empty_ref: the field of this level is zero
   float way = 0;                    ///< if there is no brick: exit distance from the empty space, lod-0 voxels

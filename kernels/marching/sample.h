@@ -27,7 +27,7 @@ struct CastPoint {
 };
 
 /// Returns the position of a point in its brick.
-/// Range   lod: the brick's level; the point is relative to the lowest voxel centre of that level.
+/// Range   `lod` is the brick's level. The point is relative to the lowest voxel centre of that level.
 GB_HD CastPoint point_in_brick(const FixedPoint& at, int lod) {
   CastPoint r;
   for (int a = 0; a < 3; ++a) {

@@ -42,7 +42,7 @@ enum class Want : std::uint32_t { brick = 0, children = 1 };
 struct CastScene {
   Span<const CastCell> cells;              ///< ordered by column, upwards in each column, without overlap
   Span<const std::uint64_t> column_key;    ///< Morton codes of the column coordinates (x in the lowest bit), ascending
-  Span<const std::uint32_t> column_first;  ///< columns + 1 entries: index of a column's first cell
+  Span<const std::uint32_t> column_first;  ///< index of each column's first cell; has columns + 1 entries
   std::int64_t column_min[2] = {};         ///< subtracted from a column's coordinates before they are interleaved
   std::int64_t column_count[2] = {};       ///< per axis; below 2^31
   std::int32_t cell_bits = 0;              ///< a cell's edge is 2^cell_bits voxels
