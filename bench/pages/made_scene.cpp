@@ -1,6 +1,6 @@
 // Writes the scene.xml and the pages of a large generated scene, without the shards of its cells. It serves programs
-// that read only the scene, such as `gigabake info`. The option --shards adds the shards of overviews that distant
-// views read. The scene is an undulating surface of cells; the counts and hashes of a cell are derived from its number.
+// that read only the scene, such as `gigabake info`. The option --shards adds the overview shards that distant views
+// read. The scene is an undulating surface of cells; the counts and hashes of a cell are derived from its number.
 #include <CLI/CLI.hpp>
 #include <array>
 #include <chrono>

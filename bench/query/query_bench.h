@@ -21,7 +21,7 @@ struct QueryBenchRequest {
 
 struct QueryBench {
   std::uint64_t rays = 0, hits = 0, trees_built = 0;
-  double query_s = 0, build_and_query_s = 0;  ///< without and with building trees
+  double query_s = 0, build_and_query_s = 0;  ///< seconds without and with building trees
   double cpu_s = 0;                           ///< CPU seconds of all threads during query_s, independent of other load
   double device_s = 0;                        ///< time of the device, including transfers, once it has the trees
   std::uint64_t device_rays = 0;              ///< rays that the device finished; all rays are cast twice
