@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <memory>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "scheduler/queue/schedule.h"
 
 namespace gigabake::bench {
@@ -77,7 +77,7 @@ BakeBench bench_bake(const BakeBenchRequest& request) {
     throw InputError(request.scene.source, "",
                      fmt::format("its first {} have no voxels, so nothing was measured; expected a surface that is "
                                  "visible at this voxel size",
-                                 counted(b.cells, "cell")));
+                                 pluralize(b.cells, "cell")));
   b.content_hash = content(together).hex();
   b.differ = content(one_by_one) != content(together);
   return b;

@@ -61,7 +61,7 @@ Stage measure(FrameRenderer& renderer, const FrameBenchRequest& request) {
   const Point<Scene> above{stage.middle_m.x, stage.middle_m.y, high[2] + stage.width_m * 0.1};
   FrameBenchRequest small = request;
   small.width = small.height = 33;
-  const Frame down = renderer.draw_exact(looking(above, {above.x, above.y, above.z - 1}, small));
+  const Frame down = renderer.render_complete(looking(above, {above.x, above.y, above.z - 1}, small));
   const float depth = down.picture.depth[33 * 16 + 16];
   if (depth < kernels::CastRay::no_depth) stage.ground_m = above.z - double(depth) * stage.voxel_m;
   return stage;
@@ -110,7 +110,7 @@ FrameBenchView bench_view(const NamedView& named, const FrameBenchRequest& reque
   result.best_s = at_share(times, 0);
   result.median_s = at_share(times, 0.5);
   result.best_cast_s = at_share(casts, 0);
-  const Picture exact = renderer.draw_exact(named.view).picture;
+  const Picture exact = renderer.render_complete(named.view).picture;
   result.same_as_exact = exact.rgba == frame.picture.rgba;
   result.surface_pixels = surface_pixels_of(exact);
   return result;
@@ -141,7 +141,7 @@ FlightBench bench_flight(const Stage& stage, const FrameBenchRequest& request) {
     flight.peak_bytes = std::max(flight.peak_bytes, frame.stats.bytes_held);
     flight.allowed_bytes = frame.stats.bytes_allowed;
     if (i % every != every - 1) continue;
-    const Picture picture = exact.draw_exact(view).picture;
+    const Picture picture = exact.render_complete(view).picture;
     errors.push_back(std::min(100.0, psnr_db(frame.picture, picture)));
     flight.surface_pixels += surface_pixels_of(picture);
   }

@@ -46,7 +46,8 @@ void count_output(const kernels::CellVolume& volume, KernelBench& out) {
   for (const kernels::Level& level : volume.levels) {
     out.bricks += level.key.size();
     out.voxels += level.rgba.size() / 4;
-    out.output_bytes += 72 * level.key.size() + level.rgba.size() + level.normal.size() + level.facing.size();
+    out.output_bytes +=
+        72 * level.key.size() + level.rgba.size() + level.normal.size() + level.directional_coverage.size();
   }
   if (!volume.levels.empty()) out.voxels_lod0 = volume.levels[0].rgba.size() / 4;
   out.output_bytes += 14 * volume.nodes.key.size();
@@ -57,7 +58,7 @@ std::string hash_of(kernels::CellVolume volume, const CellJob& job) {
   header.lattice_min = job.lattice_min;
   header.cell_voxels = job.cell_voxels;
   header.has_normals = !volume.levels.empty() && !volume.levels[0].normal.empty();
-  header.has_facing = volume.levels.size() > 1 && !volume.levels[1].facing.empty();
+  header.has_directional_coverage = volume.levels.size() > 1 && !volume.levels[1].directional_coverage.empty();
   if (volume.levels.empty()) return "empty";
   Hash128 all;
   for (const Hash128& lod : content_hash(shard_from_volume(std::move(volume), header))) all += lod;

@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double patience_s = 600;
+constexpr double timeout_s = 600;
 
 double elapsed_s(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -48,7 +48,7 @@ LiveBenchFrame compared(const Seen& seen, const Picture& last) {
 std::vector<Seen> watch_until_rest(LiveScene& scene, LiveScene::ViewerId viewer, Clock::time_point start) {
   std::vector<Seen> all;
   for (;;) {
-    const auto frame = scene.frame_after(viewer, all.empty() ? 0 : all.back().frame->number, patience_s);
+    const auto frame = scene.frame_after(viewer, all.empty() ? 0 : all.back().frame->number, timeout_s);
     if (!frame) throw InputError("live", "", "no image arrived within ten minutes");
     all.push_back({elapsed_s(start), frame});
     if (scene.full_frame(viewer, 0) == frame) return all;
@@ -70,7 +70,7 @@ double answer_s(LiveScene& scene, LiveScene::ViewerId viewer, double pause_s) {
   turn(scene, viewer);
   const auto pose = scene.state(viewer)->pose;
   for (std::uint64_t after = 0;;) {
-    const auto frame = scene.frame_after(viewer, after, patience_s);
+    const auto frame = scene.frame_after(viewer, after, timeout_s);
     if (!frame) throw InputError("live", "", "no image arrived within ten minutes");
     if (frame->view.camera.eye_m == pose.eye_m) return elapsed_s(start);
     after = frame->number;
@@ -107,7 +107,7 @@ LiveBench bench_live(const LiveBenchRequest& request) {
   out.close_s = elapsed_s(start);
   start = Clock::now();
   FrameRenderer renderer(request.scene, request.renderer);
-  out.same_as_rendered = renderer.draw_exact(last.view).picture.rgba == last.frame.picture.rgba;
+  out.same_as_rendered = renderer.render_complete(last.view).picture.rgba == last.frame.picture.rgba;
   out.render_s = elapsed_s(start);
   return out;
 }

@@ -48,14 +48,14 @@ class Binary {
   /// Writes all views, with zero padding between them and up to `end`.
   void write(std::size_t end, const PutBytes& put) const {
     std::size_t at = 0;
-    const PutBytes counted = [&](std::span<const std::uint8_t> piece) {
+    const PutBytes pluralize = [&](std::span<const std::uint8_t> piece) {
       put(piece);
       at += piece.size();
     };
-    const auto fill_to = [&](std::size_t offset) { counted(std::vector<std::uint8_t>(offset - at)); };
+    const auto fill_to = [&](std::size_t offset) { pluralize(std::vector<std::uint8_t>(offset - at)); };
     for (const auto& [offset, write_view] : writers_) {
       fill_to(offset);
-      write_view(counted);
+      write_view(pluralize);
     }
     fill_to(end);
   }

@@ -180,7 +180,7 @@ class Writer {
 SampleReport write_sample(const std::filesystem::path& dir, const SampleOptions& options) {
   check(options);
   SampleFolder folder(dir);
-  const SampleReport report = Writer(folder.aside(), options).write_all();
+  const SampleReport report = Writer(folder.temporary(), options).write_all();
   folder.publish();
   return report;
 }

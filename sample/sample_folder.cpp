@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char aside_name[] = ".unfinished-gigabake-sample", tileset_name[] = "tileset.json";
+constexpr char temporary_name[] = ".unfinished-gigabake-sample", tileset_name[] = "tileset.json";
 constexpr const char* tile_folders[] = {"tiles", "local"};
 constexpr char texture_folder[] = "textures";
 
@@ -33,7 +33,7 @@ void check_ours(const fs::path& dir) {
   if (!fs::is_directory(dir, error)) refuse();
   if (is_sample(dir / tileset_name))
     throw InputError(dir, "", "holds a sample already; remove it, or name a new or empty folder");
-  if (fs::exists(dir / aside_name, error)) return;
+  if (fs::exists(dir / temporary_name, error)) return;
   const bool empty = fs::is_empty(dir, error);
   if (error) fail(dir, "cannot list the folder", error);
   if (!empty) refuse();
@@ -47,18 +47,18 @@ void clear(const fs::path& path) {
 
 }  // namespace
 
-SampleFolder::SampleFolder(const fs::path& dir) : dir_(dir), aside_(dir / aside_name) {
+SampleFolder::SampleFolder(const fs::path& dir) : dir_(dir), temporary_(dir / temporary_name) {
   std::error_code error;
   if (fs::exists(dir, error))
     check_ours(dir);
   else
     made_dir_ = true;
-  clear(aside_);
+  clear(temporary_);
   for (const char* folder : tile_folders) {
-    fs::create_directories(aside_ / folder / texture_folder, error);
+    fs::create_directories(temporary_ / folder / texture_folder, error);
     if (!error) continue;
     discard();
-    fail(aside_ / folder, "cannot make the folder", error);
+    fail(temporary_ / folder, "cannot make the folder", error);
   }
 }
 
@@ -66,7 +66,7 @@ SampleFolder::~SampleFolder() { discard(); }
 
 void SampleFolder::discard() {
   std::error_code ignored;
-  fs::remove_all(aside_, ignored);
+  fs::remove_all(temporary_, ignored);
   if (made_dir_) fs::remove(dir_, ignored);  // fails if the folder is not empty
 }
 
@@ -76,7 +76,7 @@ void SampleFolder::publish() {
   for (const char* name : {tile_folders[0], tile_folders[1], tileset_name}) {
     clear(dir_ / name);
     std::error_code error;
-    fs::rename(aside_ / name, dir_ / name, error);
+    fs::rename(temporary_ / name, dir_ / name, error);
     if (error) fail(dir_ / name, "cannot be renamed into place", error);
   }
 }

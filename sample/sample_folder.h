@@ -16,7 +16,7 @@ class SampleFolder {
   SampleFolder& operator=(const SampleFolder&) = delete;
 
   /// Returns the folder for tileset.json, tiles/ and local/. Both subfolders exist and contain only an empty textures/.
-  const std::filesystem::path& aside() const { return aside_; }
+  const std::filesystem::path& temporary() const { return temporary_; }
 
   /// Removes remains of a killed run, and renames the new files into their final place, tileset.json last.
   /// Errors  InputError.
@@ -25,7 +25,7 @@ class SampleFolder {
  private:
   void discard();
 
-  std::filesystem::path dir_, aside_;
+  std::filesystem::path dir_, temporary_;
   bool made_dir_ = false;
 };
 

@@ -45,10 +45,10 @@ int run(int fd) {
     take_name();
     return serve_bakes(fd);
   } catch (const UsageError& e) {
-    print_message("gigabake: {}\n", said(e));
+    print_message("gigabake: {}\n", error_text(e));
     return usage;
   } catch (const std::exception& e) {
-    print_message("gigabake: bake process: {}\n", said(e));
+    print_message("gigabake: bake process: {}\n", error_text(e));
     return failed;
   }
 }

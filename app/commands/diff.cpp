@@ -10,7 +10,7 @@
 #include "app/messages/with_progress.h"
 #include "app/options/flags.h"
 #include "app/options/scene_argument.h"
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 #include "core/base/progress.h"
 #include "format/system/message.h"
 
@@ -55,13 +55,13 @@ void print_text(const SceneDifference& d) {
           "  lod {:<2} {} only in A, {} only in B; of {} in both {} differ in colour (r g b alpha by at most "
           "{}, on "
           "average {:.2f}), {} in their normal, {} in coverage along an axis\n",
-          l.lod, counted(l.only_in_a, "voxel"), l.only_in_b, l.both, l.recoloured, fmt::join(l.maximum, " "),
+          l.lod, pluralize(l.only_in_a, "voxel"), l.only_in_b, l.both, l.recoloured, fmt::join(l.maximum, " "),
           fmt::join(l.mean, " "), l.turned, l.refaced);
   }
   if (!d.compared.empty() || d.not_compared.empty())
     fmt::print("lods {}: {}\n", fmt::join(d.compared, " "),
                d.same() ? std::string("the same voxels, by their recorded hashes; verify reads the shards")
-                        : counted(d.cells.size(), "place differs", "places differ"));
+                        : pluralize(d.cells.size(), "place differs", "places differ"));
   if (!d.not_compared.empty())
     fmt::print("lods {}: not compared everywhere; the scenes' cells have other voxels there\n",
                fmt::join(d.not_compared, " "));
@@ -101,7 +101,7 @@ void add_diff(CLI::App& app, int& exit_code) {
     } catch (const Stopped&) {
       throw;
     } catch (const std::exception& error) {
-      print_message("gigabake: {}\n", said(error));
+      print_message("gigabake: {}\n", error_text(error));
       exit_code = diff_trouble;
     }
   });

@@ -12,8 +12,8 @@
 #include "app/process/on_all_ranks.h"
 #include "cluster/launch/agreed_request.h"
 #include "cluster/mpi/mpi_export_team.h"
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "format/export/gigavoxels/gigavoxel.h"
 #include "format/export/nanovdb/nanovdb.h"
 #include "format/export/openvdb/openvdb_export.h"
@@ -84,7 +84,7 @@ void expect_no_tile_options(const CLI::App& command, const ExportFormat& format)
 }
 
 void print_done(const ExportOptions& o, std::uint64_t voxels) {
-  if (!o.quiet) fmt::print("{} of lod {} in {}\n", counted(voxels, "voxel"), o.lod, o.out);
+  if (!o.quiet) fmt::print("{} of lod {} in {}\n", pluralize(voxels, "voxel"), o.lod, o.out);
 }
 
 /// Returns the options that determine the bytes of an export.

@@ -10,7 +10,7 @@
 #include "app/messages/with_progress.h"
 #include "app/options/flags.h"
 #include "app/options/scene_argument.h"
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 #include "format/scene/stored_bytes.h"
 
 namespace gigabake::app {
@@ -74,7 +74,7 @@ Json to_json(const Info& info) {
   j["lattice_origin_m"] = scene.lattice_origin_m;
   j["origin"] = scene.origin ? to_json(*scene.origin) : Json();
   j["normals"] = scene.has_normals;
-  j["facing"] = scene.has_facing;
+  j["facing"] = scene.has_directional_coverage;
   j["parameters"] = Json::parse(scene.parameters, nullptr, false);
   j["content_hash"] = totals.all_content().hex();
   j["lods"] = levels_to_json(totals, stored);
@@ -111,8 +111,8 @@ void print_place(const Info& info) {
 
 void print_text(const Info& info) {
   const auto& [scene, totals, stored] = info;
-  fmt::print("{} of {} m voxels, {}, {}\n", counted(totals.cells, "cell"), scene.voxel_size_m,
-             counted(scene.triangles, "triangle"), readable_bytes(totals.bytes));
+  fmt::print("{} of {} m voxels, {}, {}\n", pluralize(totals.cells, "cell"), scene.voxel_size_m,
+             pluralize(scene.triangles, "triangle"), readable_bytes(totals.bytes));
   print_place(info);
   for (std::size_t lod = 0; lod < totals.voxels.size(); ++lod)
     fmt::print("  lod {:<2} {:>14} voxels {:>10}  {}\n", lod, totals.voxels[lod], readable_bytes(stored.of_lod.at(lod)),
@@ -120,9 +120,9 @@ void print_text(const Info& info) {
   fmt::print("content hash {}\n", totals.all_content().hex());
   const std::uint64_t dropped = scene.non_finite + scene.zero_area;
   if (dropped + scene.skipped_points + scene.skipped_lines != 0)
-    fmt::print("skipped {}, {}, {} not finite, {} without area\n", counted(scene.skipped_points, "point"),
-               counted(scene.skipped_lines, "line"),
-               counted(scene.non_finite, "triangle that is", "triangles that are"), scene.zero_area);
+    fmt::print("skipped {}, {}, {} not finite, {} without area\n", pluralize(scene.skipped_points, "point"),
+               pluralize(scene.skipped_lines, "line"),
+               pluralize(scene.non_finite, "triangle that is", "triangles that are"), scene.zero_area);
   for (const SceneLoss& l : scene.losses) fmt::print("missing {}: {}\n", l.name, with_flags(l.reason));
 }
 

@@ -16,9 +16,9 @@
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
 #include "app/process/standard_streams.h"
-#include "core/base/counted.h"
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
+#include "core/base/pluralize.h"
 #include "format/system/host_limits.h"
 #include "format/system/message.h"
 #include "format/system/output_file.h"
@@ -108,7 +108,7 @@ QueryTally write_answers(const QueryArguments& a, const QueryJob& job, SceneQuer
         },
         progress);
   Publication publication(a.out);
-  OutputFile file(a.out, publication.aside());
+  OutputFile file(a.out, publication.temporary());
   const QueryTally tally = run_query(
       job, query, asks, pool, [&](std::string_view text) { file.write(text); }, progress);
   file.finish();
@@ -120,13 +120,13 @@ QueryTally write_answers(const QueryArguments& a, const QueryJob& job, SceneQuer
 std::string questions(QueryKind kind, std::uint64_t count) {
   switch (kind) {
     case QueryKind::ray:
-      return counted(count, "ray is", "rays are");
+      return pluralize(count, "ray is", "rays are");
     case QueryKind::height:
-      return counted(count, "place is", "places are");
+      return pluralize(count, "place is", "places are");
     case QueryKind::sight:
       break;
   }
-  return counted(count, "line of sight is", "lines of sight are");
+  return pluralize(count, "line of sight is", "lines of sight are");
 }
 
 void warn_of_outside(QueryKind kind, const QueryTally& tally) {
@@ -147,11 +147,11 @@ int tell(const QueryArguments& a, QueryKind kind, const QueryTally& tally, Scene
   if (!a.out.empty() && !a.quiet)
     fmt::print("{}: {} hit, {} hit nothing, {} outside the scene, {} where a cell is missing; {} built, {} at most\n",
                a.out, of(QueryOutcome::hit), of(QueryOutcome::nothing), of(QueryOutcome::outside),
-               of(QueryOutcome::missing), counted(query.counts().trees_built, "tree"),
+               of(QueryOutcome::missing), pluralize(query.counts().trees_built, "tree"),
                readable_size(query.counts().peak_bytes));
   if (of(QueryOutcome::missing) > 0)
     print_message("gigabake: {} reached a cell that is missing; bake the scene again\n",
-                  counted(of(QueryOutcome::missing), "ray"));
+                  pluralize(of(QueryOutcome::missing), "ray"));
   if (!a.quiet) warn_of_outside(kind, tally);
   return of(QueryOutcome::missing) > 0 ? cells_failed : complete;
 }

@@ -16,8 +16,8 @@
 #include "app/options/renderer_options.h"
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "format/system/message.h"
 #include "format/system/publish.h"
 #include "viewer/live/camera_path.h"
@@ -145,7 +145,7 @@ int run(const RenderArguments& a) {
   set_sun(a.sun, renderer.scene().header(), view);
   if (!a.quiet) print_sun(a.sun, view);
   const auto draw = [&](const Progress& progress) {
-    Frame drawn = renderer.draw_exact(view, progress);
+    Frame drawn = renderer.render_complete(view, progress);
     progress.step("writing the image");
     write_files(a, drawn.picture, renderer.scene().header().voxel_size_m, [](const std::string& name) { return name; });
     return drawn;
@@ -153,8 +153,8 @@ int run(const RenderArguments& a) {
   const Frame frame = with_progress(draw, a.quiet ? nullptr : stderr);
   if (!a.quiet) {
     fmt::print("{}: {}x{} in {:.2f} s; {} from {}, {:.0f} MB of voxels held\n", a.picture, frame.picture.width,
-               frame.picture.height, frame.stats.total_s, counted(frame.stats.uploads, "upload"),
-               counted(frame.stats.files_opened, "file"), double(frame.stats.bytes_held) / 1e6);
+               frame.picture.height, frame.stats.total_s, pluralize(frame.stats.uploads, "upload"),
+               pluralize(frame.stats.files_opened, "file"), double(frame.stats.bytes_held) / 1e6);
     print_legend(view.mode);
   }
   return print_problems(renderer);
@@ -198,7 +198,7 @@ int run_path(const RenderArguments& a) {
   std::size_t incomplete = 0;
   for (const PathFrame& frame : frames) incomplete += frame.stats.complete ? 0 : 1;
   if (!a.quiet) {
-    fmt::print("{}{}{}\n", counted(frames.size(), "frame"),
+    fmt::print("{}{}{}\n", pluralize(frames.size(), "frame"),
                incomplete > 0 ? fmt::format(", {} of them incomplete", incomplete) : "", range_of_files(a, frames));
     print_legend(view.mode);
   }

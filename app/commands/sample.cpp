@@ -11,8 +11,8 @@
 #include "app/messages/json_text.h"
 #include "app/messages/status_text.h"
 #include "app/options/text_values.h"
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "format/system/host_limits.h"
 
 namespace gigabake::app {
@@ -51,8 +51,8 @@ void print_json(const Options& o, const sample::SampleReport& r) {
 }
 
 void print_text(const Options& o, const sample::SampleReport& r) {
-  fmt::print("{}, {}, {}, {}, {}; {:g} × {:g} m, {:.0f} m from lowest to highest\n", counted(r.tiles, "tile"),
-             counted(r.triangles, "triangle"), counted(r.houses, "house"), counted(r.trees, "tree"),
+  fmt::print("{}, {}, {}, {}, {}; {:g} × {:g} m, {:.0f} m from lowest to highest\n", pluralize(r.tiles, "tile"),
+             pluralize(r.triangles, "triangle"), pluralize(r.houses, "house"), pluralize(r.trees, "tree"),
              readable_bytes(r.bytes), o.sample.size_m, o.sample.size_m, r.max_m[2] - r.min_m[2]);
   fmt::print("bake it:        {}\n", bake_command(o, "tileset.json", ""));
   fmt::print("its flat twin:  {}\n", bake_command(o, "local", " --local"));

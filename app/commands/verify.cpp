@@ -10,7 +10,7 @@
 #include "app/messages/status_text.h"
 #include "app/messages/with_progress.h"
 #include "app/options/scene_argument.h"
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 #include "format/system/host_limits.h"
 #include "worker/overview/overview_check.h"
 
@@ -61,8 +61,8 @@ void add_verify(CLI::App& app, int& exit_code) {
           "{}: has no summary because it is a scene of version 1, so missing cells cannot be detected; bake it again "
           "to add the summary\n",
           file.string());
-    fmt::print("{}, {}, {}: {}\n", counted(r.cells, "cell"), counted(r.voxels, "voxel"), readable_bytes(r.bytes),
-               r.faults.empty() ? state_of(r) : counted(r.faults.size(), "fault"));
+    fmt::print("{}, {}, {}: {}\n", pluralize(r.cells, "cell"), pluralize(r.voxels, "voxel"), readable_bytes(r.bytes),
+               r.faults.empty() ? state_of(r) : pluralize(r.faults.size(), "fault"));
   });
 }
 

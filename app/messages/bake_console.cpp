@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "app/options/flags.h"
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 
 namespace gigabake::app {
 namespace {
@@ -41,7 +41,7 @@ void BakeConsole::say(const std::string& line) {
 }
 
 void BakeConsole::opened(const SceneSources& sources) {
-  say(fmt::format("{}, {}", counted(sources.tiles.size(), "content file"),
+  say(fmt::format("{}, {}", pluralize(sources.tiles.size(), "content file"),
                   sources.origin ? fmt::format("scene origin at latitude {:.7f}°, longitude {:.7f}°, height {:.2f} m",
                                                sources.origin->latitude_deg, sources.origin->longitude_deg,
                                                sources.origin->height_m)
@@ -58,10 +58,11 @@ void BakeConsole::planned(const BakePlan& plan) {
   for (std::size_t i = 0; i < printed; ++i) say("warning: " + plan.warnings[i]);
   if (printed < plan.warnings.size()) say(fmt::format("warning: likewise {} more", plan.warnings.size() - printed));
   if (plan.jobs.empty()) return;  // the caller reports the error
-  say(fmt::format("{} in {}", counted(plan.triangles, "triangle"), counted(plan.cells(), "cell")));
+  say(fmt::format("{} in {}", pluralize(plan.triangles, "triangle"), pluralize(plan.cells(), "cell")));
   if (!plan.losses.empty())
     say(fmt::format("{} missing, not readable or not whole; the last lines list {}",
-                    counted(plan.losses.size(), "source is", "sources are"), plan.losses.size() == 1 ? "it" : "them"));
+                    pluralize(plan.losses.size(), "source is", "sources are"),
+                    plan.losses.size() == 1 ? "it" : "them"));
 }
 
 void BakeConsole::note(const std::string& line) {

@@ -12,8 +12,8 @@
 #include "app/messages/status_text.h"
 #include "app/options/flags.h"
 #include "app/process/standard_streams.h"
-#include "core/base/counted.h"
 #include "core/base/host_device.h"
+#include "core/base/pluralize.h"
 #include "core/base/quote.h"
 #include "format/system/message.h"
 #include "scheduler/plan/estimate.h"
@@ -63,11 +63,11 @@ std::string text_of(const nlohmann::ordered_json& j) { return json_text(j) + "\n
 template <class Counts>
 void print_left_out(const Counts& c) {
   if (c.non_finite + c.zero_area != 0)
-    fmt::print("dropped: {} with NaN or infinite vertices, {} without area\n", counted(c.non_finite, "triangle"),
+    fmt::print("dropped: {} with NaN or infinite vertices, {} without area\n", pluralize(c.non_finite, "triangle"),
                c.zero_area);
   if (c.skipped_points + c.skipped_lines != 0)
-    fmt::print("skipped: {} and {}, which have no surface\n", counted(c.skipped_points, "point"),
-               counted(c.skipped_lines, "line"));
+    fmt::print("skipped: {} and {}, which have no surface\n", pluralize(c.skipped_points, "point"),
+               pluralize(c.skipped_lines, "line"));
 }
 
 void add_precision(const SourcePrecision& p, nlohmann::ordered_json& j) {
@@ -118,7 +118,7 @@ void print_counts(const CachedResults& prior) {
     to_bake += of(reason);
     if (of(reason) != 0) why += fmt::format("{} {} {}", why.empty() ? ":" : ",", of(reason), words);
   }
-  fmt::print("{} of {} to bake{}; {} to check, {} unchanged\n", to_bake, counted(prior.reasons.size(), "cell"), why,
+  fmt::print("{} of {} to bake{}; {} to check, {} unchanged\n", to_bake, pluralize(prior.reasons.size(), "cell"), why,
              of(CacheStatus::to_be_checked), of(CacheStatus::unchanged));
 }
 
@@ -126,28 +126,28 @@ void print_counts(const CachedResults& prior) {
 
 void print_report(const BakeSummary& s, const std::filesystem::path& out) {
   const Totals t(s.scene);
-  fmt::print("{} ({} empty), {}, {} at lod 0, {} in all, {} on disk\n", counted(s.scene.cells.size(), "cell"),
-             s.cells_empty, counted(s.scene.triangles, "triangle"), counted(t.finest_voxels, "voxel"), t.voxels,
+  fmt::print("{} ({} empty), {}, {} at lod 0, {} in all, {} on disk\n", pluralize(s.scene.cells.size(), "cell"),
+             s.cells_empty, pluralize(s.scene.triangles, "triangle"), pluralize(t.finest_voxels, "voxel"), t.voxels,
              readable_bytes(t.bytes));
   print_left_out(s.scene);
   if (s.status.process_restarts != 0)
     fmt::print("bake processes that were started again: {}\n", s.status.process_restarts);
   if (s.bad_uv != 0)
     fmt::print("{} texture coordinates that are no numbers; baked as if 0\n",
-               counted(s.bad_uv, "triangle has", "triangles have"));
-  fmt::print("scan {:.2f} s, bake {:.2f} s on {} × {}; ", s.scan_s, s.bake_s, counted(s.ranks, "rank"),
-             counted(s.threads, "thread"));
+               pluralize(s.bad_uv, "triangle has", "triangles have"));
+  fmt::print("scan {:.2f} s, bake {:.2f} s on {} × {}; ", s.scan_s, s.bake_s, pluralize(s.ranks, "rank"),
+             pluralize(s.threads, "thread"));
   if (s.ranks_with_device != 0)
-    fmt::print("{} on the GPUs of {}; ", counted(s.cells_on_device, "cell"), counted(s.ranks_with_device, "rank"));
+    fmt::print("{} on the GPUs of {}; ", pluralize(s.cells_on_device, "cell"), pluralize(s.ranks_with_device, "rank"));
   fmt::print("stages read {:.2f} s, kernels {:.2f} s, write {:.2f} s: {} takes longest\n", s.read_s, s.kernel_s,
              s.write_s, slowest_stage(s));
   print_slowest(s.status.slowest);
   fmt::print("peak memory {} (kernels {})\n", readable_bytes(s.peak_process_bytes),
              readable_bytes(s.peak_kernel_bytes));
   if (s.pruned.files != 0)
-    fmt::print("{} of earlier bakes removed, {}\n", counted(s.pruned.files, "shard"), readable_bytes(s.pruned.bytes));
+    fmt::print("{} of earlier bakes removed, {}\n", pluralize(s.pruned.files, "shard"), readable_bytes(s.pruned.bytes));
   if (s.orphans.files != 0)
-    fmt::print("{} of earlier bakes kept, {}; --prune removes {}\n", counted(s.orphans.files, "shard"),
+    fmt::print("{} of earlier bakes kept, {}; --prune removes {}\n", pluralize(s.orphans.files, "shard"),
                readable_bytes(s.orphans.bytes), s.orphans.files == 1 ? "it" : "them");
   if (!s.scene.cells.empty()) fmt::print("{}\n", (out / "scene.xml").string());
 }
@@ -192,7 +192,7 @@ namespace {
 void print_cells(const BakePlan& plan, const std::optional<CachedResults>& prior) {
   for (const CellJob& job : plan.jobs)
     fmt::print("  {:<24} lattice {} {} {}  {}  {}{}\n", job.name, job.lattice_min[0], job.lattice_min[1],
-               job.lattice_min[2], counted(job.tiles.size(), "tile"), counted(job.triangles, "triangle"),
+               job.lattice_min[2], pluralize(job.tiles.size(), "tile"), pluralize(job.triangles, "triangle"),
                prior ? fmt::format("  {}", name_of(prior->reasons[job.id])) : "");
 }
 
@@ -218,7 +218,7 @@ struct RemainingWork {
 };
 
 void print_remaining(const RemainingWork& r) {
-  fmt::print("remaining: {}, {:.3g} % of the work{}\n", counted(r.cells, "cell"), 100 * r.fraction,
+  fmt::print("remaining: {}, {:.3g} % of the work{}\n", pluralize(r.cells, "cell"), 100 * r.fraction,
              r.bake_s ? ", about " + readable_seconds(*r.bake_s) : "");
 }
 
@@ -227,8 +227,8 @@ void print_remaining(const RemainingWork& r) {
 void print_report(const BakePlan& plan, const std::optional<CachedResults>& prior, const PlanSizes& sizes,
                   bool lists_cells) {
   const PlanEstimate e = estimate(plan);
-  fmt::print("{}, {}, {} of them in the largest cell\n", counted(plan.jobs.size(), "cell"),
-             counted(plan.triangles, "triangle"), e.max_cell_triangles);
+  fmt::print("{}, {}, {} of them in the largest cell\n", pluralize(plan.jobs.size(), "cell"),
+             pluralize(plan.triangles, "triangle"), e.max_cell_triangles);
   print_left_out(plan);
   if (lists_cells) print_cells(plan, prior);
   if (prior) {
@@ -289,7 +289,7 @@ void warn_of(const SourcePrecision& precision) {
       "warning: {} stores positions in steps of up to {:.3g} m, but voxels are {:.6g} m{}; its vertices are off by "
       "up to half a step. Write them relative to a centre (a tile's transform, RTC_CENTER) or with more bits\n",
       short_path(worst.name), worst.spacing_m, precision.wanted_m * 4,
-      more == 0 ? "" : "; and " + counted(more, "more source"));
+      more == 0 ? "" : "; and " + pluralize(more, "more source"));
 }
 
 void print_losses(const std::vector<SceneLoss>& losses) {

@@ -5,8 +5,8 @@
 
 #include "app/messages/status_text.h"
 #include "app/options/flags.h"
-#include "core/base/counted.h"
 #include "core/base/memory_limit.h"
+#include "core/base/pluralize.h"
 
 namespace gigabake::app {
 namespace {
@@ -19,8 +19,8 @@ std::optional<double> seconds_of(const MeasuredSize& size, const PlanSizes& size
 }
 
 std::string workers(const PlanMeasure& m) {
-  return m.ranks == 1 ? counted(m.threads, "thread")
-                      : fmt::format("{} ranks × {}", m.ranks, counted(m.threads, "thread"));
+  return m.ranks == 1 ? pluralize(m.threads, "thread")
+                      : fmt::format("{} ranks × {}", m.ranks, pluralize(m.threads, "thread"));
 }
 
 std::string row(const MeasuredSize& size, bool is_asked, const PlanSizes& sizes) {
@@ -40,8 +40,8 @@ std::string basis(const MeasuredSize& size, const PlanSizes& sizes) {
                              with_flags(size.problem));
   std::string text =
       fmt::format("measured: {} of {} baked in {:.1f} s by one rank on {}, {:.1f} % of the surface",
-                  counted(size.pieces, "piece"), counted(size.tiles, "tile"), size.wall_s,
-                  size.on_device ? "its GPU" : counted(sizes.measure.threads, "thread"), 100 * size.estimate.share);
+                  pluralize(size.pieces, "piece"), pluralize(size.tiles, "tile"), size.wall_s,
+                  size.on_device ? "its GPU" : pluralize(sizes.measure.threads, "thread"), 100 * size.estimate.share);
   if (size.estimate.share < 1) text += fmt::format("; voxels ± {:.0f} %", std::ceil(200 * size.estimate.voxels_error));
   return text + (size.problem.empty() ? "\n" : fmt::format("; stopped early: {}\n", with_flags(size.problem)));
 }

@@ -54,7 +54,7 @@ std::vector<std::string> lines_of(const std::vector<SceneLoss>& losses) {
   std::unordered_map<std::string, std::size_t> all, seen;
   for (const SceneLoss& loss : losses) ++all[kind_of(line_of(loss))];
   std::vector<std::string> lines;
-  std::size_t told = 0;
+  std::size_t shown_lines = 0;
   for (const SceneLoss& loss : losses) {
     if (lines.size() + 1 >= max_lines) break;
     const std::string kind = kind_of(line_of(loss));
@@ -62,9 +62,10 @@ std::vector<std::string> lines_of(const std::vector<SceneLoss>& losses) {
     if (number > max_lines_per_group + 1) continue;
     const bool is_sum = number > max_lines_per_group && others > 1;
     lines.push_back(is_sum ? fmt::format("and {} more like {}", others, name_of(loss)) : line_of(loss));
-    told += is_sum ? others : 1;
+    shown_lines += is_sum ? others : 1;
   }
-  if (told < losses.size()) lines.push_back(fmt::format("and {} more; --json lists them all", losses.size() - told));
+  if (shown_lines < losses.size())
+    lines.push_back(fmt::format("and {} more; --json lists them all", losses.size() - shown_lines));
   return lines;
 }
 

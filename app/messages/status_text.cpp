@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "app/options/flags.h"
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 
 namespace gigabake::app {
 namespace {
@@ -18,7 +18,7 @@ std::string plain(std::string text) {
   return text;
 }
 
-std::uint64_t settled(const CellTally& c) { return c.taken_over + c.done + c.empty + c.set_aside; }
+std::uint64_t settled(const CellTally& c) { return c.taken_over + c.done + c.empty + c.quarantined; }
 
 std::string rate(const Throughput& t) {
   return fmt::format("{:.1f} cells/s, {} voxels/s, {:.1f} MB/s", t.cells_per_s, readable_count(t.voxels_per_s),
@@ -46,7 +46,7 @@ std::string head(const BakeStatus& s, double now_s, Writer writer) {
   else
     line += fmt::format("running for {}, last update {} ago", readable_seconds(now_s - s.started_s),
                         readable_seconds(now_s - s.updated_s));
-  line += fmt::format("; {}, rank 0 on {} (process {})\n", counted(s.ranks, "rank"), plain(s.host), s.pid);
+  line += fmt::format("; {}, rank 0 on {} (process {})\n", pluralize(s.ranks, "rank"), plain(s.host), s.pid);
   if (!s.reason.empty()) line += plain(with_flags(s.reason)) + "\n";
   return line;
 }
@@ -56,8 +56,8 @@ std::string cells_lines(const BakeStatus& s, Writer writer) {
   const CellTally& c = s.cells;
   std::string text = fmt::format("cells  {} of {}: {} baked, {} empty, {} reused; {} in flight, {} pending", settled(c),
                                  c.planned, c.done, c.empty, c.taken_over, c.running, c.pending);
-  if (c.set_aside != 0) text += fmt::format("; {} given up", c.set_aside);
-  if (c.failed_attempts != 0) text += fmt::format("; {} failed", counted(c.failed_attempts, "attempt"));
+  if (c.quarantined != 0) text += fmt::format("; {} given up", c.quarantined);
+  if (c.failed_attempts != 0) text += fmt::format("; {} failed", pluralize(c.failed_attempts, "attempt"));
   text += fmt::format("\nwritten  {} voxels, {}; stages read {:.1f} s, kernels {:.1f} s, write {:.1f} s\n",
                       readable_count(double(s.voxels)), readable_bytes(s.bytes), s.read_s, s.kernel_s, s.write_s);
   if (goes_on) text += "last minute  " + rate(s.recent) + "\n";
@@ -70,8 +70,8 @@ std::string trouble_lines(const BakeStatus& s) {
   std::string text;
   if (s.process_restarts + s.workers_lost != 0)
     text += fmt::format("{} started again, {} lost\n",
-                        counted(s.process_restarts, "bake process died and was", "bake processes died and were"),
-                        counted(s.workers_lost, "worker was", "workers were"));
+                        pluralize(s.process_restarts, "bake process died and was", "bake processes died and were"),
+                        pluralize(s.workers_lost, "worker was", "workers were"));
   for (const WorkerStatus& w : s.workers)
     if (w.lost) text += fmt::format("  rank {} on {} is lost\n", w.rank, plain(w.host));
   if (s.failures != 0) text += fmt::format("missing  {}\n", s.failures);
@@ -127,7 +127,7 @@ std::string one_line(const BakeStatus& s) {
   const Throughput& t = is_over(s.state) ? s.overall : s.recent;
   std::string line = fmt::format("{}/{} cells, {} voxels/s, {:.1f} MB/s", settled(s.cells), s.cells.planned,
                                  readable_count(t.voxels_per_s), t.bytes_per_s / 1e6);
-  if (s.cells.set_aside != 0) line += fmt::format(", {} given up", s.cells.set_aside);
+  if (s.cells.quarantined != 0) line += fmt::format(", {} given up", s.cells.quarantined);
   if (s.state == BakeState::draining) line += fmt::format(", draining: {} in flight", s.cells.running);
   if (s.state == BakeState::baking && s.left_s) line += ", " + readable_seconds(*s.left_s) + " left";
   if (s.state >= BakeState::publishing) line += fmt::format(", {}", name_of(s.state));

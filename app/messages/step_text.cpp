@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "app/messages/status_text.h"
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 
 namespace gigabake::app {
 namespace {
@@ -40,11 +40,12 @@ std::optional<std::string> StepText::line(std::uint64_t done, double now_s) {
 
 std::string StepText::text(std::uint64_t done, double now_s) const {
   if (total_ == 0)
-    return fmt::format("{}: {}{}", name_, done != 0 ? counted(done, unit_) + ", " : std::string(),
+    return fmt::format("{}: {}{}", name_, done != 0 ? pluralize(done, unit_) + ", " : std::string(),
                        readable_seconds(now_s - began_s_));
   const double share = std::min(1.0, double(done) / double(total_));
-  std::string line = unit_.empty() ? fmt::format("{}: {:.0f} %", name_, 100 * share)
-                                   : fmt::format("{}: {} of {}", name_, std::min(done, total_), counted(total_, unit_));
+  std::string line = unit_.empty()
+                         ? fmt::format("{}: {:.0f} %", name_, 100 * share)
+                         : fmt::format("{}: {} of {}", name_, std::min(done, total_), pluralize(total_, unit_));
   if (const auto left = time_left_.left_s(double(total_) * (1 - share), now_s))
     line += fmt::format(", {} left", readable_seconds(*left));
   return line;

@@ -12,6 +12,6 @@ namespace gigabake::app {
 std::string with_flags(const std::string& message);
 
 /// Returns the reason of an exception, with options in place of library field names.
-inline std::string said(const std::exception& error) { return with_flags(reason_of(error)); }
+inline std::string error_text(const std::exception& error) { return with_flags(reason_of(error)); }
 
 }  // namespace gigabake::app

@@ -41,7 +41,7 @@ int on_all_ranks(const std::string& command, const std::function<int(MpiSession&
     if (*e.what() != '\0') print_message("gigabake: {}\n", with_flags(e.what()));
     return failed;
   } catch (const UsageError& e) {  // the arguments are the same on every rank
-    if (mpi.rank() == 0) print_message("gigabake: {}\n", said(e));
+    if (mpi.rank() == 0) print_message("gigabake: {}\n", error_text(e));
     return usage;
   } catch (const RankLost& e) {
     print_message("gigabake: rank {}: {}\n", mpi.rank(), e.what());
@@ -49,7 +49,7 @@ int on_all_ranks(const std::string& command, const std::function<int(MpiSession&
   } catch (const std::exception& e) {
     if (mpi.ranks() == 1) throw;
     if (mpi.rank() == 0 && has_output_failed()) return mpi.from_master(failed);  // the other ranks wait in this call
-    print_message("gigabake: rank {}: {}\n", mpi.rank(), said(e));
+    print_message("gigabake: rank {}: {}\n", mpi.rank(), error_text(e));
     mpi.abort(failed);  // only this rank failed: the other ranks would wait for it forever
   }
 }

@@ -36,7 +36,7 @@ int run(int argc, const char* const* argv, const AddCommands& add_commands, int&
     print_message("{}\n", usage_error(program, e));
     return usage;
   } catch (const UsageError& e) {
-    print_message("gigabake: {}\n", said(e));
+    print_message("gigabake: {}\n", error_text(e));
     return usage;
   } catch (const Stopped&) {
     print_message("{}\n", stop_line());
@@ -47,7 +47,7 @@ int run(int argc, const char* const* argv, const AddCommands& add_commands, int&
       write_error = of_system == nullptr ? 0 : of_system->code().value();
       return failed;
     }
-    print_message("gigabake: {}\n", said(e));
+    print_message("gigabake: {}\n", error_text(e));
     return failed;
   }
   return report_missing_data(exit_code);

@@ -22,7 +22,7 @@ AccuracySetting make_setting(const BakeParameters& parameters, SurfaceRule surfa
   setting.parameters.surface = surface;
   setting.parameters.mip = mip;
   setting.parameters.voxel_size_m *= coarser;
-  setting.parameters.normals = setting.parameters.facing = true;
+  setting.parameters.normals = setting.parameters.directional_coverage = true;
   setting.parameters.max_error = 0;
   setting.parameters.codec = Codec::deflate;
   return setting;
@@ -47,7 +47,7 @@ std::vector<AccuracySetting> all_settings(const BakeParameters& parameters) {
     settings.push_back(make_setting(parameters, SurfaceRule::area, MipFilter::coverage, 1));
     settings.back().name += normals ? "-no-facing" : "-rgba";
     settings.back().parameters.normals = normals;
-    settings.back().parameters.facing = false;
+    settings.back().parameters.directional_coverage = false;
   }
   settings.push_back(make_setting(parameters, SurfaceRule::area, MipFilter::coverage, 1));
   settings.back().name += "-lz4";
@@ -149,7 +149,7 @@ References draw_references(const ReferenceCaster& caster, const AccuracyBenchReq
 Picture lit_picture(const std::filesystem::path& scene, const AccuracyView& view, int threads) {
   FrameRenderer::Options options;
   options.threads = threads;
-  return FrameRenderer(scene, options).draw_exact({view.camera, ViewMode::lit, {false, {0, 0, 0, 0}}}).picture;
+  return FrameRenderer(scene, options).render_complete({view.camera, ViewMode::lit, {false, {0, 0, 0, 0}}}).picture;
 }
 
 void compare_lit(const std::filesystem::path& folder, const AccuracyBench& bench,
@@ -170,7 +170,7 @@ void compare(const std::filesystem::path& folder, const AccuracyBench& bench, co
   std::vector<PictureError> errors;
   for (std::size_t v = 0; v < bench.views.size(); ++v) {
     const View view{bench.views[v].camera, ViewMode::albedo, {false, {0, 0, 0, 0}}};
-    const Frame frame = renderer.draw_exact(view);
+    const Frame frame = renderer.render_complete(view);
     errors.push_back(picture_error(references.albedo[v], to_linear(frame.picture)));
     setting.views.push_back(
         {bench.views[v].name(), compared_pixels(references.albedo[v]), frame.stats.total_s, errors.back(), {}});

@@ -19,9 +19,9 @@ View view_with(const AccuracyView& from, Shadows shadows) {
 }
 
 Picture timed_picture(FrameRenderer& renderer, const View& view, double& seconds) {
-  Picture picture = renderer.draw_exact(view).picture;
+  Picture picture = renderer.render_complete(view).picture;
   for (int i = 0; i < timed_frames; ++i) {
-    const double frame_s = renderer.draw_exact(view).stats.total_s;
+    const double frame_s = renderer.render_complete(view).stats.total_s;
     seconds = i == 0 ? frame_s : std::min(seconds, frame_s);
   }
   return picture;

@@ -112,7 +112,7 @@ using Shown = std::vector<Rgb>;
 Shown shown_voxels(FrameRenderer& renderer, const CameraOptions& camera, LevelBlend blend) {
   View view{camera, ViewMode::lit, {false, {0, 0, 0, 0}}};
   view.level_blend = blend;
-  return over(to_linear(renderer.draw_exact(view).picture), 0);
+  return over(to_linear(renderer.render_complete(view).picture), 0);
 }
 
 double mean_of(const std::vector<double>& values) {

@@ -17,8 +17,8 @@
 #include "bench/report/leak_report.h"
 #include "bench/report/light_report.h"
 #include "bench/report/motion_report.h"
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "format/system/host_limits.h"
 #include "format/system/message.h"
 #include "format/system/publish.h"
@@ -129,7 +129,7 @@ int expect_measured(const bench::LeakBench& b) {
       "gigabake: `{}`{} shows fewer than {} inner pixels: nothing was measured; choose smaller voxels, wider "
       "scenes (--scene-voxels) or a larger --size\n",
       unmeasured.front(),
-      unmeasured.size() > 1 ? fmt::format(" and {} more", counted(unmeasured.size() - 1, "scene")) : "",
+      unmeasured.size() > 1 ? fmt::format(" and {} more", pluralize(unmeasured.size() - 1, "scene")) : "",
       bench::min_inner_pixels);
   return failed;
 }

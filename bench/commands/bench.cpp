@@ -12,7 +12,7 @@
 #include "bench/commands/commands.h"
 #include "bench/kernel_bench.h"
 #include "bench/schedule_bench.h"
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 #include "format/system/host_limits.h"
 #include "kernels/cuda/baker.h"
 
@@ -30,8 +30,8 @@ std::vector<Stage> stages(const kernels::CellStats& s) {
 }
 
 void print_text(const bench::KernelBench& b) {
-  fmt::print("cell {}: {} at lod 0, {} in all, {}\n", b.cell, counted(b.voxels_lod0, "voxel"), b.voxels,
-             counted(b.bricks, "brick"));
+  fmt::print("cell {}: {} at lod 0, {} in all, {}\n", b.cell, pluralize(b.voxels_lod0, "voxel"), b.voxels,
+             pluralize(b.bricks, "brick"));
   fmt::print("input {}, output {}", readable_bytes(b.input_bytes), readable_bytes(b.output_bytes));
   if (b.floor_s() > 0)
     fmt::print("; copying both once at {:.2f} TB/s takes {:.4f} ms", b.copy_bytes_per_s * 1e-12, 1e3 * b.floor_s());
@@ -45,8 +45,8 @@ void print_text(const bench::KernelBench& b) {
     for (const Stage& stage : stages(s))
       fmt::print("  {:<10} {:9.3f} ms  {:4.0f} %\n", stage.name, 1e3 * stage.seconds, 100 * stage.seconds / t.total_s);
     if (t.transfer_s > 0) fmt::print("  {:<10} {:9.3f} ms, not counted\n", "transfers", 1e3 * t.transfer_s);
-    fmt::print("  {}, {}, {}; working memory {} ({:.2f} × input and output)\n", counted(s.triangles, "triangle"),
-               counted(s.pairs, "pair"), counted(s.fragments, "fragment"), readable_bytes(s.peak_bytes),
+    fmt::print("  {}, {}, {}; working memory {} ({:.2f} × input and output)\n", pluralize(s.triangles, "triangle"),
+               pluralize(s.pairs, "pair"), pluralize(s.fragments, "fragment"), readable_bytes(s.peak_bytes),
                double(s.peak_bytes) / double(b.input_bytes + b.output_bytes));
     fmt::print("  content hash {}\n", t.content_hash);
   }
@@ -81,8 +81,8 @@ void print_text(const bench::BakeBench& b) {
   const auto line = [](const char* name, const bench::StageSeconds& s) {
     fmt::print("  {:<11} read {:7.2f} s  kernels {:7.2f} s  write {:7.2f} s\n", name, s.read, s.kernels, s.write);
   };
-  fmt::print("{}, kernels on {}: {}, {}, {}\n", counted(b.cells, "cell"), b.backend, counted(b.triangles, "triangle"),
-             counted(b.voxels, "voxel"), readable_bytes(b.bytes));
+  fmt::print("{}, kernels on {}: {}, {}, {}\n", pluralize(b.cells, "cell"), b.backend,
+             pluralize(b.triangles, "triangle"), pluralize(b.voxels, "voxel"), readable_bytes(b.bytes));
   line("one by one", b.alone);
   line("overlapped", b.overlapped);
   fmt::print("{:.2f} s overlapped, {:.2f} × the time of its slowest stage ({}); {:.1f} million voxels/s\n", b.bake_s,
@@ -111,12 +111,12 @@ void print_json(const bench::BakeBench& b) {
 }
 
 void print_text(const bench::ScheduleBench& b) {
-  fmt::print("{}, {}, seed {}: planned in {:.2f} s\n", counted(b.cells, "cell"), counted(b.workers, "worker"), b.seed,
-             b.plan_s);
+  fmt::print("{}, {}, seed {}: planned in {:.2f} s\n", pluralize(b.cells, "cell"), pluralize(b.workers, "worker"),
+             b.seed, b.plan_s);
   fmt::print("makespan {:.2f} s, {:.4f} × the lower bound of {:.2f} s\n", b.makespan_s, b.ratio(), b.lower_bound_s);
   fmt::print(
       "cells dispatched {} times, {} of them repeated, {} to a worker that had read a tile of the cell; {}, {} lost\n",
-      b.dispatches, b.retries, b.followers, counted(b.stale, "late result"), counted(b.lost_workers, "worker"));
+      b.dispatches, b.retries, b.followers, pluralize(b.stale, "late result"), pluralize(b.lost_workers, "worker"));
   fmt::print("{} done, {} failed, {} abandoned{}\n", b.counts.done, b.counts.failed, b.counts.abandoned,
              b.differ ? ", which DIFFERS from the results of the workers" : "");
   fmt::print("{:.0f} dispatches/s of scheduling, peak memory {}\n", b.dispatches_per_s(),

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 
 namespace gigabake::app {
 namespace {
@@ -28,7 +28,7 @@ void print_text(const bench::FrameBench& b) {
   fmt::print(
       "\nflight of {}: median {:.2f} ms, 99 % below {:.2f} ms, worst {:.2f} ms; {}; at most {:.0f} of "
       "{:.0f} MB\nerror of its frames against exact ones: PSNR {:.1f} dB, worst {:.1f} dB\n",
-      counted(f.frames, "frame"), 1e3 * f.median_s, 1e3 * f.p99_s, 1e3 * f.worst_s, counted(f.uploads, "upload"),
+      pluralize(f.frames, "frame"), 1e3 * f.median_s, 1e3 * f.p99_s, 1e3 * f.worst_s, pluralize(f.uploads, "upload"),
       double(f.peak_bytes) / 1e6, double(f.allowed_bytes) / 1e6, f.mean_psnr_db, f.worst_psnr_db);
 }
 

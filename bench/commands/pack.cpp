@@ -7,7 +7,7 @@
 #include "app/messages/status_text.h"
 #include "bench/commands/commands.h"
 #include "bench/pack_bench.h"
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 
 namespace gigabake::app {
 namespace {

@@ -9,8 +9,8 @@
 #include "app/options/scene_argument.h"
 #include "bench/commands/commands.h"
 #include "bench/query/query_bench.h"
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "format/system/host_limits.h"
 #include "format/system/message.h"
 #include "worker/pipeline/backend.h"
@@ -28,8 +28,8 @@ struct QueryBenchArguments {
 
 void print_text(const bench::QueryBench& b) {
   fmt::print("{}, {} of them hit; {:.2f} million/s, {:.2f} with {} built; {:.2f} µs of one core per ray\n",
-             counted(b.rays, "ray"), b.hits, 1e-6 * double(b.rays) / b.query_s,
-             1e-6 * double(b.rays) / b.build_and_query_s, counted(b.trees_built, "tree"),
+             pluralize(b.rays, "ray"), b.hits, 1e-6 * double(b.rays) / b.query_s,
+             1e-6 * double(b.rays) / b.build_and_query_s, pluralize(b.trees_built, "tree"),
              1e6 * b.cpu_s / double(b.rays));
   fmt::print(
       "against Embree: {} equal, {} graze a voxel that only one of the two hits, {} begin in or at a voxel, {} wrong;\n"

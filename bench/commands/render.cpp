@@ -15,8 +15,8 @@
 #include "bench/commands/frames.h"
 #include "bench/commands/live.h"
 #include "bench/first_hit/first_hit_bench.h"
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "format/system/host_limits.h"
 #include "format/system/message.h"
 
@@ -58,7 +58,7 @@ double mrays_per_s(const bench::FirstHitRow& row, double seconds) { return 1e-6 
 
 void print_text(const bench::FirstHitBench& b) {
   fmt::print("first hits, lod {}: {}, {}, {} ({} with colours and normals), built in {:.2f} s\n", b.lod,
-             counted(b.voxels, "voxel"), counted(b.nodes, "node"), readable_bytes(b.tree_bytes),
+             pluralize(b.voxels, "voxel"), pluralize(b.nodes, "node"), readable_bytes(b.tree_bytes),
              readable_bytes(b.bytes), b.build_s);
   fmt::print("{}×{} rays; Mrays/s\n\n", b.width, b.height);
   fmt::print("{:<20} {:>5} {:>4}  {:<7} {:>9} {:>9} {:>12} {:>9} {:>7} {:>8} {:>5}\n", "view", "hit", "beam", "backend",
@@ -72,7 +72,7 @@ void print_text(const bench::FirstHitBench& b) {
   fmt::print(
       "\ndiffer: hits whose bits differ between the backends; rounded, wrong: of the {} per view that were\n"
       "compared with double precision, those with an error up to 2^-20 of the tree's edge, and those with more\n",
-      counted(b.rows.empty() ? 0 : b.rows[0].reference_rays, "hit"));
+      pluralize(b.rows.empty() ? 0 : b.rows[0].reference_rays, "hit"));
 }
 
 nlohmann::ordered_json to_json(const bench::FirstHitBench& b) {

@@ -35,8 +35,9 @@ Spread repeat(int repeats, const std::function<double()>& once) {
 /// Times a view with and without voxel attributes. run(true) casts the view with attributes, and run(false) without.
 /// `run` returns the seconds that the cast took.
 FirstHitTimes time_view(const char* backend, int repeats, const std::function<double(bool)>& run) {
-  const Spread looks = repeat(repeats, [&] { return run(true); }), plain = repeat(repeats, [&] { return run(false); });
-  return {backend, plain.best, plain.median, looks.best, looks.median};
+  const Spread attributes = repeat(repeats, [&] { return run(true); }),
+               plain = repeat(repeats, [&] { return run(false); });
+  return {backend, plain.best, plain.median, attributes.best, attributes.median};
 }
 
 class Bench {
@@ -84,7 +85,7 @@ class Bench {
       if (!request_.cpu) cast_on_cpu(view, {{hits.data(), count}, {}});
       for (std::size_t i = 0; i < count; ++i) row.differ += std::memcmp(&hits[i], &device_hits[i], sizeof hits[i]) != 0;
     }
-    for (const kernels::FirstHit& hit : hits) row.hits += hit.look != kernels::no_attributes;
+    for (const kernels::FirstHit& hit : hits) row.hits += hit.attributes_index != kernels::no_attributes;
     if (reference_) check(view, hits, row);
     return row;
   }
@@ -97,18 +98,18 @@ class Bench {
   }
 
   FirstHitTimes time_cpu(const FirstHitBenchView& view, std::vector<kernels::FirstHit>& hits) const {
-    std::vector<kernels::VoxelAttributes> looks(hits.size());
-    return time_view("cpu", std::min(request_.repeats, max_cpu_repeats), [&](bool with_looks) {
+    std::vector<kernels::VoxelAttributes> attributes(hits.size());
+    return time_view("cpu", std::min(request_.repeats, max_cpu_repeats), [&](bool with_attributes) {
       const auto start = Clock::now();
-      cast_on_cpu(view, {{hits.data(), hits.size()}, {looks.data(), with_looks ? looks.size() : 0}});
+      cast_on_cpu(view, {{hits.data(), hits.size()}, {attributes.data(), with_attributes ? attributes.size() : 0}});
       return seconds_since(start);
     });
   }
 
   FirstHitTimes time_cuda(const FirstHitBenchView& view) {
     if (!view.camera) cuda_->upload({rays_.data(), rays_.size()});
-    return time_view("cuda", request_.repeats, [&](bool with_looks) {
-      return view.camera ? cuda_->cast(*view.camera, with_looks) : cuda_->cast(with_looks);
+    return time_view("cuda", request_.repeats, [&](bool with_attributes) {
+      return view.camera ? cuda_->cast(*view.camera, with_attributes) : cuda_->cast(with_attributes);
     });
   }
 

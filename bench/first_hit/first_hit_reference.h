@@ -93,7 +93,7 @@ template <class Exists>
 Agreement compare(const kernels::FirstHitTree& tree, const kernels::FirstHitRay& lattice_ray,
                   const kernels::FirstHit& hit, double rounding, const Exists& exists) {
   const ReferenceRay ray = reference_ray(lattice_ray, tree);
-  const bool met = hit.look != kernels::no_attributes;
+  const bool met = hit.attributes_index != kernels::no_attributes;
   const double to_voxels = double(1 << tree.bits) * tree.per_edge, distance = double(hit.distance) * to_voxels;
   const double blur = rounding + (met ? distance * 0x1p-23 : 0);  // because a distance is a float
   Voxel found{};

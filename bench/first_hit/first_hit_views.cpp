@@ -115,7 +115,7 @@ double ground_height(const kernels::FirstHitTree& tree, const Box& box) {
   down.direction[2] = -1;
   std::uint32_t slots[kernels::first_hit_stack];
   const kernels::FirstHit hit = kernels::first_hit(tree, down, 0, kernels::FirstHitSlots<1>{slots});
-  return hit.look == kernels::no_attributes ? 0 : box.half[2] - double(hit.distance);
+  return hit.attributes_index == kernels::no_attributes ? 0 : box.half[2] - double(hit.distance);
 }
 
 Box box_of(const kernels::FirstHitTree& tree) {

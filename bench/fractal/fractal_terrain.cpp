@@ -165,7 +165,7 @@ class MeshOfField {
 
 void write(const sample::GlbModel& model, const sample::GlbListedMesh& mesh, const std::string& path) {
   Publication publication(path);
-  OutputFile file(path, publication.aside());
+  OutputFile file(path, publication.temporary());
   write_glb(model, std::span(&mesh, 1), [&](std::span<const std::uint8_t> bytes) { file.write(bytes); });
   file.finish();
   publication.publish();

@@ -102,7 +102,7 @@ void write(const std::filesystem::path& out, std::uint64_t cells, bool shards) {
   scene.generator = "gigabake made_scene";
   scene.voxel_size_m = parameters.voxel_size_m;
   scene.parameters = to_json(parameters);
-  scene.has_facing = has_facing(parameters);
+  scene.has_directional_coverage = has_directional_coverage(parameters);
   const auto along = std::uint64_t(std::ceil(std::sqrt(double(cells))));
   for (std::uint64_t i = 0; i < cells; ++i)
     scene.cells.push_back(made_cell(std::int64_t(i % along), std::int64_t(i / along)));

@@ -76,7 +76,7 @@ kernels::Level level_of(const std::vector<Place>& places) {
     const auto shade = std::uint8_t((brick ^ brick >> 1) % 3 * 40);
     level.rgba.insert(level.rgba.end(), {std::uint8_t(90 + shade), std::uint8_t(140 - shade / 2), 80, 255});
     level.normal.insert(level.normal.end(), {0, 0});
-    level.facing.insert(level.facing.end(), {255, 255, 255, 0});
+    level.directional_coverage.insert(level.directional_coverage.end(), {255, 255, 255, 0});
   }
   level.first.push_back(level.rgba.size() / 4);
   return level;
@@ -101,7 +101,7 @@ Shard painted_overview(const CellJob& overview, const SurfaceHeight& height, dou
   header.copied_lods = overview.copied_lods;
   header.voxel_size_m = voxel_size_m;
   header.fingerprint = overview.fingerprint;
-  header.has_facing = true;
+  header.has_directional_coverage = true;
   Shard shard = shard_from_volume(std::move(volume), std::move(header));
   shard.header.content_hash = content_hash(shard);
   return shard;

@@ -49,7 +49,7 @@ Json to_json(const AccuracySetting& s) {
          {"surface", s.surface},
          {"mip", s.mip},
          {"normals", s.parameters.normals},
-         {"facing", has_facing(s.parameters)},
+         {"facing", has_directional_coverage(s.parameters)},
          {"max_error", s.parameters.max_error},
          {"codec", name_of(s.parameters.codec)},
          {"voxel_size_m", s.parameters.voxel_size_m},
@@ -104,7 +104,8 @@ std::string voxels_table(const AccuracyBench& bench) {
       "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
   for (const AccuracySetting& s : bench.settings) {
     const VoxelError& e = s.voxel;
-    if (s.mip != "coverage" || s.parameters.codec != Codec::deflate || !has_facing(s.parameters)) continue;
+    if (s.mip != "coverage" || s.parameters.codec != Codec::deflate || !has_directional_coverage(s.parameters))
+      continue;
     const std::string normal = s.parameters.normals ? fmt::format("{:.2f}; {:.1f}", e.normal_deg, e.normal_99_deg) : "";
     out += fmt::format(
         "| {} | {:.5f} | {:.5f} | {:.5f} | {:.5f} | {:.3f} | {:.5f} | {:.3f} | {} | {:.2f} | {:+.4f} | {:.4f} | {:.4f} "

@@ -14,9 +14,9 @@
 #include "cluster/launch/agreed_request.h"
 #include "cluster/launch/rank_setup.h"
 #include "cluster/process/drain.h"
-#include "core/base/counted.h"
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
+#include "core/base/pluralize.h"
 #include "format/system/message.h"
 #include "scheduler/journal/scan_cache.h"
 
@@ -84,10 +84,10 @@ KnownScans known_scans(const std::filesystem::path& folder, const SceneSources& 
 std::string no_triangles(const BakePlan& plan) {
   std::string line = "holds no triangles to bake";
   if (plan.skipped_points + plan.skipped_lines != 0)
-    line += "; skipped " + counted(plan.skipped_points, "point") + " and " + counted(plan.skipped_lines, "line") +
+    line += "; skipped " + pluralize(plan.skipped_points, "point") + " and " + pluralize(plan.skipped_lines, "line") +
             ", which have no surface";
   if (plan.non_finite + plan.zero_area != 0)
-    line += "; dropped " + counted(plan.non_finite, "triangle that is", "triangles that are") + " not finite and " +
+    line += "; dropped " + pluralize(plan.non_finite, "triangle that is", "triangles that are") + " not finite and " +
             std::to_string(plan.zero_area) + " without area";
   return line;
 }

@@ -2,9 +2,9 @@
 
 #include <system_error>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
+#include "core/base/pluralize.h"
 #include "format/system/hash_bytes.h"
 #include "worker/tiles/tile_store.h"
 
@@ -50,7 +50,7 @@ ScratchNeed scratch_need(const SceneSources& sources, std::uint64_t memory_bytes
 }
 
 std::string describe_scratch(const ScratchNeed& need) {
-  return "about " + readable_size(need.bytes) + " of scratch for " + counted(need.tiles, "large tile");
+  return "about " + readable_size(need.bytes) + " of scratch for " + pluralize(need.tiles, "large tile");
 }
 
 std::optional<std::string> scratch_info(const ScratchNeed& need, const fs::path& folder) {

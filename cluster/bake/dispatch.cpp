@@ -65,7 +65,7 @@ class Dispatcher {
       listener_(WorkerLost{rank});
       has_new_events_ = true;
     }
-    for (const std::uint32_t job : schedule_.take_set_aside()) set_aside(job);
+    for (const std::uint32_t job : schedule_.take_quarantined()) quarantine(job);
   }
 
   void check_drain() {
@@ -146,7 +146,7 @@ class Dispatcher {
     result_.reports.push_back(report);
   }
 
-  void set_aside(std::uint32_t job) {
+  void quarantine(std::uint32_t job) {
     CellReport report;
     report.id = job;
     report.error = schedule_.error(job);

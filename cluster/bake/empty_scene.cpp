@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <string>
 
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 #include "core/base/quote.h"
 #include "format/source/invisible_material.h"
 
@@ -31,7 +31,7 @@ InputError nothing_visible(const std::filesystem::path& source, const SceneSourc
   return {
       source, "",
       fmt::format("nothing is visible, so {}: {} empty; {}", consequence,
-                  cells == 1 ? "the cell is" : fmt::format("all {} are", counted(cells, "cell")), cause_of(sources))};
+                  cells == 1 ? "the cell is" : fmt::format("all {} are", pluralize(cells, "cell")), cause_of(sources))};
 }
 
 }  // namespace gigabake

@@ -9,8 +9,8 @@
 #include "cluster/bake/empty_scene.h"
 #include "cluster/bake/tile_loss.h"
 #include "cluster/mpi/mpi_rank_link.h"
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "core/base/quote.h"
 #include "scheduler/journal/cached_results.h"
 #include "scheduler/plan/merge.h"
@@ -52,7 +52,7 @@ void refuse(const BakeRequest& request, const std::vector<SceneLoss>& losses, bo
   const bool is_named = !reason_without_tile(losses[0]).empty();
   throw InputError(is_named ? std::filesystem::path() : request.source, "",
                    std::string(nothing_baked ? "nothing could be baked" : "stopped (`no_keep_going`)") +
-                       (more == 0 ? "" : " (" + counted(losses.size(), "loss", "losses") + ")") + ": " +
+                       (more == 0 ? "" : " (" + pluralize(losses.size(), "loss", "losses") + ")") + ": " +
                        (is_named ? "" : short_path(losses[0].name) + ": ") + losses[0].reason);
 }
 
@@ -89,7 +89,7 @@ void MasterBake::run() {
 
 void MasterBake::report_reused(const std::vector<CellReport>& done) const {
   if (const std::size_t cells = cells_among(done); cells != 0)
-    session_.report(InfoLine{std::to_string(cells) + " of " + counted(plan_.cells(), "cell") +
+    session_.report(InfoLine{std::to_string(cells) + " of " + pluralize(plan_.cells(), "cell") +
                              (cells == 1 ? " is" : " are") + " complete already"});
   session_.report(DispatchBegan{plan_, done});
 }

@@ -154,7 +154,7 @@ class SizeSampler {
     const std::vector<CellJob> jobs = jobs_of(piece, setup_.parameters.cell_voxels, std::uint32_t(owner_.size()));
     InFlightPiece in_flight;
     in_flight.piece.tile = piece.tile;
-    in_flight.piece.crossings = double(piece.column.crossings) / projected_voxel_unit;
+    in_flight.piece.projected_voxels = double(piece.column.projected_voxels) / projected_voxel_unit;
     in_flight.cells_left = jobs.size();
     for (const CellJob& job : jobs) {
       owner_.push_back(in_flight_.size());
@@ -213,7 +213,7 @@ double scale_of(double voxel_size_m, const BakeRequest& request) {
 SampledScene scene_at(double voxel_size_m, const MpiSession& mpi, const BakeRequest& request, const BakePlan& plan) {
   const double scale = scale_of(voxel_size_m, request);
   SampledScene scene;
-  for (const std::uint64_t c : plan.tile_crossings) scene.crossings += scale * double(c) / projected_voxel_unit;
+  for (const std::uint64_t c : plan.tile_crossings) scene.projected_voxels += scale * double(c) / projected_voxel_unit;
   scene.tile_triangles = plan.tile_triangles;
   scene.cells = std::max<std::uint64_t>(1, std::uint64_t(scale * double(plan.jobs.size()) + 0.5));
   scene.ranks = mpi.ranks();

@@ -12,7 +12,7 @@
 namespace gigabake {
 
 /// The arrays of BrickLevel that have an element per voxel.
-enum class VoxelArray : std::uint8_t { rgba, normal, facing };
+enum class VoxelArray : std::uint8_t { rgba, normal, directional_coverage };
 
 /// The location of a column's values in a voxel array.
 struct ChannelPlace {
@@ -28,9 +28,10 @@ struct RowShape {
 };
 inline constexpr RowShape mask_row{64, 1}, first_row{8, 8}, share_row{share_bytes, 1};
 
-/// The columns of a node table in file order, each with one row per node. Rows of `normal` and `facing` are zero for
-/// nodes that are not constant. The column `facing` exists only if the shard has that channel.
-enum class NodeColumn : std::uint8_t { key, lod, kind, child_mask, first_child, value, normal, facing };
+/// The columns of a node table in file order, each with one row per node. Rows of `normal` and `directional_coverage`
+/// are zero for nodes that are not constant. The column `directional_coverage` exists only if the shard has that
+/// channel.
+enum class NodeColumn : std::uint8_t { key, lod, kind, child_mask, first_child, value, normal, directional_coverage };
 
 /// A column's bytes, borrowed. At most one of `raw` and `stored` is not empty.
 struct PackedColumn {

@@ -14,7 +14,7 @@ namespace gigabake {
 /// The row sizes of the columns, in bytes.
 inline constexpr std::size_t source_place_bytes = 4, source_patch_bytes = 8;
 
-/// The max edge length, in bits, of a voxel's coverage mask (kernels/body/mip/facing.h).
+/// The max edge length, in bits, of a voxel's coverage mask (kernels/body/mip/directional_coverage.h).
 inline constexpr int max_raster_edge = 8;
 /// Returns the edge length, in bits, of a coverage mask on level `lod`.
 GB_HD constexpr int raster_edge(int lod) { return lod < 3 ? 1 << lod : max_raster_edge; }

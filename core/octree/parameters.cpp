@@ -26,7 +26,9 @@ void get_named(const OrderedJson& j, const char* key, Enum& value) {
 
 }  // namespace
 
-bool has_facing(const BakeParameters& p) { return p.facing && p.mip == MipFilter::coverage; }
+bool has_directional_coverage(const BakeParameters& p) {
+  return p.directional_coverage && p.mip == MipFilter::coverage;
+}
 
 std::string to_json(const BakeParameters& p) {
   OrderedJson j;
@@ -38,8 +40,9 @@ std::string to_json(const BakeParameters& p) {
   j["normals"] = p.normals;
   j["max_error"] = p.max_error;
   j["codec"] = name_of(p.codec);
-  // Write `facing` only if it is false. Parameter sets from before this option keep their JSON and fingerprint.
-  if (!p.facing) j["facing"] = false;
+  // Write the key "facing" only if its value is false. Parameter sets from before this option keep their JSON and
+  // fingerprint.
+  if (!p.directional_coverage) j["facing"] = false;
   return j.dump();
 }
 
@@ -58,7 +61,7 @@ BakeParameters parameters_from_json(const std::string& json) {
     p.codec = Codec::lz4;
     if (j.contains("max_error")) j.at("max_error").get_to(p.max_error);
     if (j.contains("codec")) get_named(j, "codec", p.codec);
-    if (j.contains("facing")) j.at("facing").get_to(p.facing);
+    if (j.contains("facing")) j.at("facing").get_to(p.directional_coverage);
   } catch (const nlohmann::json::exception&) {
     throw InputError("parameters", "", "expected a JSON object with the parameters of a bake, as gigabake writes it");
   }

@@ -19,13 +19,14 @@ struct BakeParameters {
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;
   bool normals = true;
-  bool facing = true;           ///< store directional coverage; only for MipFilter::coverage, see has_facing()
+  bool directional_coverage =
+      true;  ///< store directional coverage; only for MipFilter::coverage, see has_directional_coverage()
   std::uint32_t max_error = 0;  ///< max deviation of a stored voxel in codes of 255, 0 … 127 (docs/accuracy.md)
   Codec codec = Codec::deflate;
 };
 
-/// Returns true if the shards of a bake with these parameters have the channel `facing`.
-bool has_facing(const BakeParameters& parameters);
+/// Returns true if the shards of a bake with these parameters have the channel `directional_coverage`.
+bool has_directional_coverage(const BakeParameters& parameters);
 /// Returns one line of JSON with fixed key order and shortest round-trip numbers: equal parameters give equal text.
 std::string to_json(const BakeParameters& parameters);
 /// Parses the text of to_json().

@@ -2,8 +2,8 @@
 /// format/shard/levels/content_hash.h defines.
 ///
 /// Exact   XXH3-128 (seed 0) of the 34-byte record: lod (int32), lowest corner in lod-0 voxels of the lattice (3 ×
-///         int64), rgba, normal, little endian. On levels with `facing`, the four bytes of `facing` and two zeros
-///         follow. Unsigned arithmetic: host and device return the same bits.
+///         int64), rgba, normal, little endian. On levels with `directional_coverage`, the four bytes of
+///         `directional_coverage` and two zeros follow. Unsigned arithmetic: host and device return the same bits.
 /// Source  github.com/Cyan4973/xxHash, doc/xxhash_spec.md, XXH3 for inputs of 17 to 128 bytes.
 #pragma once
 
@@ -56,8 +56,8 @@ GB_HD Hash128 hash_record(std::uint64_t bytes, std::uint64_t a, std::uint64_t b,
 
 }  // namespace xxh3
 
-/// Hashes a voxel of a level without `facing`. (x, y, z) is the voxel's lowest corner in lod-0 voxels. The lowest byte
-/// of `rgba` is red, and that of `normal` is its first byte.
+/// Hashes a voxel of a level without `directional_coverage`. (x, y, z) is the voxel's lowest corner in lod-0 voxels.
+/// The lowest byte of `rgba` is red, and that of `normal` is its first byte.
 GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t rgba,
                          std::uint16_t normal) {
   const auto ux = std::uint64_t(x), uy = std::uint64_t(y), uz = std::uint64_t(z);
@@ -67,13 +67,14 @@ GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::
                            w3 >> 16 | std::uint64_t(normal) << 48);
 }
 
-/// Hashes a voxel of a level with `facing`. The lowest byte of `facing` is the coverage along x.
+/// Hashes a voxel of a level with `directional_coverage`. The lowest byte of `directional_coverage` is the coverage
+/// along x.
 GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t rgba,
-                         std::uint16_t normal, std::uint32_t facing) {
+                         std::uint16_t normal, std::uint32_t directional_coverage) {
   const auto ux = std::uint64_t(x), uy = std::uint64_t(y), uz = std::uint64_t(z);
   const std::uint64_t w0 = std::uint64_t(std::uint32_t(lod)) | ux << 32, w1 = ux >> 32 | uy << 32,
                       w2 = uy >> 32 | uz << 32, w3 = uz >> 32 | std::uint64_t(rgba) << 32,
-                      w4 = std::uint64_t(normal) | std::uint64_t(facing) << 16;
+                      w4 = std::uint64_t(normal) | std::uint64_t(directional_coverage) << 16;
   return xxh3::hash_record(40, w0, w1, w2, w3, w1, w2, w3, w4);
 }
 

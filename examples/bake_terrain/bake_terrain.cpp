@@ -46,7 +46,7 @@ std::uint64_t drawn_pixels(const char* scene, const char* png) {
   View view;
   view.camera.width = view.camera.height = 64;
   view.background = {false, {0, 0, 0, 0}};
-  const Picture picture = renderer.draw_exact(view).picture;
+  const Picture picture = renderer.render_complete(view).picture;
   write_png(png, picture);
   std::uint64_t pixels = 0;
   for (std::size_t i = 3; i < picture.rgba.size(); i += 4) pixels += picture.rgba[i] > 0 ? 1 : 0;

@@ -33,7 +33,7 @@ int draw(const char* scene, double step_m, const char* file) {
   view.background = {false, {0, 0, 0, 0}};
   const ContourShader shader{{gigabake::daylight(view.sun)}, step_m / renderer.scene().header().voxel_size_m};
   view.shader = kernels::host_shader(shader);
-  const Picture picture = renderer.draw_exact(view).picture;
+  const Picture picture = renderer.render_complete(view).picture;
   write_png(file, picture);
   int surface = 0, lines = 0;
   for (std::size_t i = 0; i < picture.rgba.size(); i += 4) {

@@ -18,7 +18,7 @@ int pixels_of(FrameRenderer& renderer, const Clip& clip, const char* png) {
   view.camera.width = view.camera.height = 96;
   view.camera.clip = clip;
   view.background = {false, {0, 0, 0, 0}};
-  const Picture picture = renderer.draw_exact(view).picture;
+  const Picture picture = renderer.render_complete(view).picture;
   write_png(png, picture);
   int pixels = 0;
   for (std::size_t i = 3; i < picture.rgba.size(); i += 4) pixels += picture.rgba[i] > 0 ? 1 : 0;

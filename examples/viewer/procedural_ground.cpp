@@ -68,7 +68,7 @@ int main(int arguments, char** argument) {
     View view;
     view.camera.width = view.camera.height = 96;
     view.background = {false, {0, 0, 0, 0}};
-    const Picture picture = renderer.draw_exact(view).picture;
+    const Picture picture = renderer.render_complete(view).picture;
     for (const std::string& problem : renderer.problems()) std::fprintf(stderr, "%s\n", problem.c_str());
     write_png(argument[1], picture);
     int pixels = 0;

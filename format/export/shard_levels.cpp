@@ -26,7 +26,7 @@ ShardLevel::ShardLevel(const PagedScene& scene, const SceneCell& shard, int lod)
   const int shard_lod = lod - int(read.header.first_lod);
   const NodeTable& nodes = read.nodes;
   level_ = std::move(read.level);
-  level_.facing = {};
+  level_.directional_coverage = {};
   corner_ = read.header.lattice_min >> lod;
   for_each_node_of(nodes, shard_lod, [&](std::size_t n, int down) {
     if (nodes.kind[n] == NodeKind::brick) {

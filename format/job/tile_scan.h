@@ -29,7 +29,7 @@ struct ColumnExtent {
   /// Approximate number of projected lod-0 voxels of the tile's surface in this column, times projected_voxel_unit. It
   /// is the sum of the triangles' areas projected along x, y and z. The areas of a triangle are divided evenly among
   /// its columns. If surfaces are close together, they occupy fewer voxels.
-  std::uint64_t crossings = 0;
+  std::uint64_t projected_voxels = 0;
 };
 
 /// The doubled area of a voxel's face, in squared sub-voxels.

@@ -31,7 +31,7 @@ int expect_page_of(const std::filesystem::path& path, const SceneAttributes& a, 
   SceneHeader own;
   read_lattice(a, own);
   if (own.voxel_size_m != header.voxel_size_m || own.lattice_origin_m != header.lattice_origin_m ||
-      own.has_normals != header.has_normals || own.has_facing != header.has_facing)
+      own.has_normals != header.has_normals || own.has_directional_coverage != header.has_directional_coverage)
     a.fail("VoxelSize", "a page of another scene: voxel size, lattice or channels differ; bake again");
   if (read_block(a) != reference.block) a.fail("BlockMin", "is of another block than its reference; bake again");
   if (a.value<std::uint64_t>("Groups") != reference.groups) a.fail("Groups", "differs from its reference; bake again");

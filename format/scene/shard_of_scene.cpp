@@ -18,8 +18,8 @@ std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, 
   expect(header.voxel_size_m == scene.voxel_size_m, "voxel_size_m", "differs from scene.xml");
   expect(header.lattice_origin_m == scene.lattice_origin_m, "lattice_origin_m", "differs from scene.xml");
   expect(header.origin == scene.origin, "origin", "differs from scene.xml");
-  expect(header.has_normals == scene.has_normals && header.has_facing == scene.has_facing, "channels",
-         "differ from scene.xml");
+  expect(header.has_normals == scene.has_normals && header.has_directional_coverage == scene.has_directional_coverage,
+         "channels", "differ from scene.xml");
   expect(header.triangles == cell.triangles, "triangles", "differ from scene.xml");
   expect(header.fingerprint == cell.fingerprint, "fingerprint", "differs from scene.xml: a shard of another bake");
   expect(header.content_hash == cell.content_hash, "content_hash", "differs from scene.xml");

@@ -23,7 +23,7 @@ struct NodeRow {
   std::uint32_t first_child = 0xffffffffu;  ///< row of the lowest child in the complete table
   std::uint32_t value = 0;                  ///< brick number in the complete level, or rgba
   std::int8_t normal[2] = {0, 0};
-  std::uint8_t facing[facing_bytes] = {};
+  std::uint8_t directional_coverage[directional_coverage_bytes] = {};
   NodeKind kind = NodeKind::brick;
   std::uint8_t child_mask = 0;
 };
@@ -34,7 +34,8 @@ struct BrickBlock {
   std::vector<std::uint32_t> first;  ///< bricks + 1 entries
   std::vector<std::uint8_t> rgba;    ///< 4 per voxel
   std::vector<std::int8_t> normal;   ///< 2 per voxel; empty if the channel is off
-  std::vector<std::uint8_t> facing;  ///< facing_bytes per voxel; empty at lod 0 and if the channel is off
+  std::vector<std::uint8_t>
+      directional_coverage;  ///< directional_coverage_bytes per voxel; empty at lod 0 and if the channel is off
 };
 
 struct ShardHeader {
@@ -51,7 +52,7 @@ struct ShardHeader {
   Hash128 fingerprint;                ///< hash of all inputs of the bake
   std::vector<Hash128> content_hash;  ///< per lod; sum over voxels, see content_hash.h
   bool has_normals = true;
-  bool has_facing = false;
+  bool has_directional_coverage = false;
   std::uint64_t triangles = 0;  ///< triangles that touched the cell
 };
 

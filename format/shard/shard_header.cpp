@@ -30,7 +30,7 @@ std::vector<Hash128> hashes(const Hdf5File& file, const char* name) {
 
 void read_channels(const Hdf5File& file, ShardHeader& h) {
   const std::string channels = file.read_text("channels");
-  if (!parse_channels(channels, h.has_normals, h.has_facing))
+  if (!parse_channels(channels, h.has_normals, h.has_directional_coverage))
     file.fail("channels", "expected 'rgba', optionally followed by 'normal' and 'facing', got " + in_quotes(channels));
 }
 

@@ -16,7 +16,8 @@ inline constexpr std::int32_t oldest_shard_version = 1;
 
 struct NodeColumns {
   explicit NodeColumns(std::int32_t version)
-      : facing{"/nodes/facing", Hdf5Type::u8, version >= 3 ? facing_bytes : coverage_bytes} {}
+      : directional_coverage{"/nodes/facing", Hdf5Type::u8,
+                             version >= 3 ? directional_coverage_bytes : coverage_bytes} {}
   Hdf5Column key{"/nodes/key", Hdf5Type::u64, 1, BytePlanes::yes};
   Hdf5Column lod{"/nodes/lod", Hdf5Type::u8, 1};
   Hdf5Column kind{"/nodes/kind", Hdf5Type::u8, 1};
@@ -24,7 +25,7 @@ struct NodeColumns {
   Hdf5Column first_child{"/nodes/first_child", Hdf5Type::u32, 1, BytePlanes::yes};
   Hdf5Column value{"/nodes/value", Hdf5Type::u32, 1, BytePlanes::yes};
   Hdf5Column normal{"/nodes/normal", Hdf5Type::i8, 2};
-  Hdf5Column facing;  ///< versions 1 and 2 have no planes
+  Hdf5Column directional_coverage;  ///< versions 1 and 2 have no planes
 
   /// Calls visit(column, pointer to the NodeTable member) for each column, in the order of the file.
   template <class Visit>
@@ -36,7 +37,7 @@ struct NodeColumns {
     visit(first_child, &NodeTable::first_child);
     visit(value, &NodeTable::value);
     visit(normal, &NodeTable::normal);
-    if (header.has_facing) visit(facing, &NodeTable::facing);
+    if (header.has_directional_coverage) visit(directional_coverage, &NodeTable::directional_coverage);
   }
   std::vector<Hdf5Column> all(const ShardHeader& header) const {
     std::vector<Hdf5Column> columns;
@@ -56,8 +57,8 @@ struct LevelColumns {
 };
 
 /// The columns of DownsampleState. `lod` is the lattice level of the shard's coarsest level.
-struct AboveColumns {
-  explicit AboveColumns(int lod) : raster{"/above/raster", Hdf5Type::u8, raster_bytes(lod)} {}
+struct DownsampleStateColumns {
+  explicit DownsampleStateColumns(int lod) : raster{"/above/raster", Hdf5Type::u8, raster_bytes(lod)} {}
   Hdf5Column place{"/above/place", Hdf5Type::u8, source_place_bytes};
   Hdf5Column rgba{"/above/rgba", Hdf5Type::u8, 4};
   Hdf5Column normal{"/above/normal", Hdf5Type::i8, 2};
@@ -65,8 +66,8 @@ struct AboveColumns {
   Hdf5Column patch{"/above/patch", Hdf5Type::u8, source_patch_bytes};
 };
 
-/// Converts the stored rows of NodeColumns::facing. Bytes of a Facing that a stored row lacks are zero.
-std::vector<Facing> facing_of_rows(const std::vector<std::uint8_t>& bytes, const Hdf5Column& column);
+/// Converts the stored rows of NodeColumns::directional_coverage. Bytes of a Facing that a stored row lacks are zero.
+std::vector<Facing> directional_coverage_of_rows(const std::vector<std::uint8_t>& bytes, const Hdf5Column& column);
 
 /// The columns of one channel. `share` and `first` exist only if voxels share values (shared_values.h).
 struct ChannelColumns {

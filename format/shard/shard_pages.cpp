@@ -4,8 +4,8 @@
 #include <deque>
 #include <optional>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "format/shard/check/shard_check.h"
 #include "format/shard/check/shard_outline.h"
 #include "format/shard/columns/channel_rows.h"
@@ -32,7 +32,7 @@ std::vector<T> read_all(const Hdf5Rows& column) {
 std::uint64_t clipped(const Hdf5File& file, const std::string& dataset, std::uint64_t first, std::uint64_t count,
                       std::uint64_t all) {
   if (first >= all)
-    file.fail(dataset, "has " + counted(all, "row") + "; row " + std::to_string(first) + " was requested");
+    file.fail(dataset, "has " + pluralize(all, "row") + "; row " + std::to_string(first) + " was requested");
   return std::min(count, all - first);
 }
 
@@ -40,7 +40,7 @@ std::uint64_t clipped(const Hdf5File& file, const std::string& dataset, std::uin
 
 struct ShardPages::Nodes {
   Nodes(const Hdf5File& file, const ShardHeader& header, const NodeColumns& columns)
-      : facing_column(columns.facing),
+      : directional_coverage_column(columns.directional_coverage),
         kind(file, columns.kind),
         child_mask(file, columns.child_mask),
         first_child(file, columns.first_child),
@@ -50,13 +50,14 @@ struct ShardPages::Nodes {
                 read_all<std::uint8_t>(child_mask)) {
     for (const Hdf5Rows* column : {&first_child, &value, &normal})
       if (column->rows() != outline.rows()) file.fail("/nodes", "columns differ in length");
-    if (header.has_facing) facing.emplace(file, columns.facing);
-    if (facing && facing->rows() != outline.rows()) file.fail("/nodes", "columns differ in length");
+    if (header.has_directional_coverage) directional_coverage.emplace(file, columns.directional_coverage);
+    if (directional_coverage && directional_coverage->rows() != outline.rows())
+      file.fail("/nodes", "columns differ in length");
   }
 
-  Hdf5Column facing_column;
+  Hdf5Column directional_coverage_column;
   Hdf5Rows kind, child_mask, first_child, value, normal;
-  std::optional<Hdf5Rows> facing;
+  std::optional<Hdf5Rows> directional_coverage;
   ShardOutline outline;
 };
 
@@ -111,19 +112,20 @@ std::vector<NodeRow> ShardPages::nodes(std::uint64_t first, std::uint32_t count)
   const auto first_child = read_range<std::uint32_t>(columns.first_child, first, rows);
   const auto value = read_range<std::uint32_t>(columns.value, first, rows);
   const auto normal = read_range<std::int8_t>(columns.normal, first, rows, 2);
-  const auto facing =
-      columns.facing
-          ? facing_of_rows(read_range<std::uint8_t>(*columns.facing, first, rows, columns.facing_column.row_bytes()),
-                           columns.facing_column)
+  const auto directional_coverage =
+      columns.directional_coverage
+          ? directional_coverage_of_rows(read_range<std::uint8_t>(*columns.directional_coverage, first, rows,
+                                                                  columns.directional_coverage_column.row_bytes()),
+                                         columns.directional_coverage_column)
           : std::vector<Facing>(rows);
-  check_planes_of_nodes(file_.path(), first, facing);
+  check_planes_of_nodes(file_.path(), first, directional_coverage);
   std::vector<NodeRow> out(rows);
   for (std::size_t i = 0; i < kind.size(); ++i) {
     if (begin + i >= first) {
       const std::size_t to = begin + i - first;
       walk.check_links(kind[i], child_mask[i], first_child[to], value[to]);
       out[to] = {first_child[to], value[to], {normal[2 * to], normal[2 * to + 1]}, {}, kind[i], child_mask[i]};
-      std::copy_n(facing[to].begin(), facing_bytes, out[to].facing);
+      std::copy_n(directional_coverage[to].begin(), directional_coverage_bytes, out[to].directional_coverage);
     }
     walk.step(walk.place().lod, kind[i], child_mask[i]);
   }
@@ -148,7 +150,7 @@ BrickBlock ShardPages::level(int lod, std::uint64_t first, std::uint32_t count) 
   for (const ChannelRows& channel : columns.channels)
     channel.read(first, block.mask, begin, voxels, resize_channel(channel.channel(), voxels, block));
   check_coverage(file_.path(), lod, begin, block.rgba);
-  check_planes(file_.path(), lod, begin, block.facing);
+  check_planes(file_.path(), lod, begin, block.directional_coverage);
   return block;
 }
 

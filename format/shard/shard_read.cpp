@@ -30,7 +30,7 @@ std::vector<std::uint8_t> read_bytes(const Hdf5File& file, const Hdf5Column& col
 
 }  // namespace
 
-std::vector<Facing> facing_of_rows(const std::vector<std::uint8_t>& bytes, const Hdf5Column& column) {
+std::vector<Facing> directional_coverage_of_rows(const std::vector<std::uint8_t>& bytes, const Hdf5Column& column) {
   const std::size_t width = column.row_bytes();
   std::vector<Facing> out(bytes.size() / width);
   for (std::size_t i = 0; i < out.size(); ++i) std::copy_n(&bytes[width * i], width, out[i].begin());
@@ -59,7 +59,9 @@ NodeTable ShardReader::nodes() const {
   read_rows(*file_, columns.first_child, n.first_child);
   read_rows(*file_, columns.value, n.value);
   read_rows(*file_, columns.normal, n.normal);
-  if (header_.has_facing) n.facing = facing_of_rows(read_bytes(*file_, columns.facing), columns.facing);
+  if (header_.has_directional_coverage)
+    n.directional_coverage =
+        directional_coverage_of_rows(read_bytes(*file_, columns.directional_coverage), columns.directional_coverage);
   check_nodes(path_, header_, n);
   return n;
 }
@@ -87,7 +89,7 @@ CoarseLevels ShardReader::coarse_levels(int lod) const {
 DownsampleState ShardReader::above() const {
   const auto hash = read_above_hash(*file_);
   if (!hash) return {};
-  const AboveColumns columns(int(header_.first_lod + header_.lods) - 1);
+  const DownsampleStateColumns columns(int(header_.first_lod + header_.lods) - 1);
   DownsampleState above;
   read_rows(*file_, columns.place, above.place);
   read_rows(*file_, columns.rgba, above.rgba);

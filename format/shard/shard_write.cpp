@@ -37,7 +37,7 @@ void write_header(Hdf5File& file, const ShardHeader& h, const DownsampleState& a
   for (const Hash128& hash : h.content_hash) hashes += (hashes.empty() ? "" : " ") + hash.hex();
   file.write_attribute("content_hash", hashes);
   if (!above.empty()) file.write_attribute("above_hash", hash_of(above).hex());
-  file.write_attribute("channels", channel_names(h.has_normals, h.has_facing));
+  file.write_attribute("channels", channel_names(h.has_normals, h.has_directional_coverage));
   file.write_attribute("triangles", Hdf5Type::u64, &h.triangles, 0);
 }
 
@@ -84,8 +84,8 @@ struct Ahead {
   }
 };
 
-void write_image(const FileImage& image, const std::filesystem::path& aside, const std::filesystem::path& path) {
-  const Descriptor out(aside, O_WRONLY | O_TRUNC);
+void write_image(const FileImage& image, const std::filesystem::path& temporary, const std::filesystem::path& path) {
+  const Descriptor out(temporary, O_WRONLY | O_TRUNC);
   if (!out.is_open() || !out.write_all(image.file())) fail_to(path, "write");
 }
 
@@ -93,13 +93,13 @@ void write_image(const FileImage& image, const std::filesystem::path& aside, con
 
 StoredShard write_shard(const std::filesystem::path& path, const Shard& shard, const ShardWriteOptions& options) {
   Publication publication(path);
-  StoredShard stored = make_file(Hdf5File::create(publication.aside(), path), shard.header, shard.above, options,
+  StoredShard stored = make_file(Hdf5File::create(publication.temporary(), path), shard.header, shard.above, options,
                                  [&](ShardColumns& columns) {
                                    columns.add_nodes(shard.nodes);
                                    columns.add_above(shard.above);
                                    for (const BrickLevel& level : shard.levels) columns.add_level(level, options.pool);
                                  });
-  stored.file = std::filesystem::file_size(publication.aside());
+  stored.file = std::filesystem::file_size(publication.temporary());
   publication.publish();
   return stored;
 }
@@ -113,15 +113,15 @@ StoredShard write_packed_shard(const std::filesystem::path& path, const PackedSh
   std::unique_lock turn(hdf5_mutex(), std::defer_lock);
   if (in_memory && ahead.is_packed) turn.lock();
   StoredShard stored =
-      make_file(in_memory ? Hdf5File::create(image, path) : Hdf5File::create(publication.aside(), path), shard.header,
-                shard.above, options, [&](ShardColumns& columns) {
+      make_file(in_memory ? Hdf5File::create(image, path) : Hdf5File::create(publication.temporary(), path),
+                shard.header, shard.above, options, [&](ShardColumns& columns) {
                   columns.add_nodes(shard.nodes);
                   columns.add_above(shard.above);
                   for (const PackedLevel& level : shard.levels) columns.add_level(level);
                 });
   if (turn.owns_lock()) turn.unlock();
-  if (in_memory) write_image(image, publication.aside(), path);
-  stored.file = std::filesystem::file_size(publication.aside());
+  if (in_memory) write_image(image, publication.temporary(), path);
+  stored.file = std::filesystem::file_size(publication.temporary());
   publication.publish();
   return stored;
 }

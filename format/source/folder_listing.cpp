@@ -5,8 +5,8 @@
 #include <set>
 #include <string_view>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "format/source/source_file.h"
 #include "format/source/source_files.h"
 #include "format/source/tiles/tileset_document.h"
@@ -46,7 +46,7 @@ class Tilesets {
     if (roots.empty()) return found_.empty() ? std::nullopt : std::optional(found_.front());
     if (roots.size() > 1)
       throw InputError(folder, "",
-                       "holds " + counted(roots.size(), "tileset") + ", " + name_in(folder, roots[0]) + " and " +
+                       "holds " + pluralize(roots.size(), "tileset") + ", " + name_in(folder, roots[0]) + " and " +
                            name_in(folder, roots[1]) + (roots.size() > 2 ? " among them" : "") +
                            "; name one, or list them in a scene .json");
     if (roots[0].parent_path() != (folder / roots[0].filename()).lexically_normal().parent_path())
@@ -98,7 +98,7 @@ class Lister {
     out.tileset = tilesets.root(folder_);
     out.files = unique_files();
     if (left_out_ != 0)
-      out.note = counted(left_out_, "symbolic link") +
+      out.note = pluralize(left_out_, "symbolic link") +
                  " not followed, since they lead out of the folder or to no file: " + example_;
     return out;
   }

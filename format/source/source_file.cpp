@@ -4,8 +4,8 @@
 #include <cctype>
 #include <cmath>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "core/base/quote.h"
 #include "format/system/json/json_members.h"
 #include "format/system/path_within.h"

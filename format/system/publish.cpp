@@ -11,18 +11,18 @@
 namespace gigabake {
 
 Publication::Publication(std::filesystem::path target)
-    : target_(std::move(target)), aside_(create_temporary(target_, [](const std::filesystem::path& aside) {
-        return Descriptor(aside, O_WRONLY | O_CREAT | O_EXCL).is_open();
+    : target_(std::move(target)), temporary_(create_temporary(target_, [](const std::filesystem::path& temporary) {
+        return Descriptor(temporary, O_WRONLY | O_CREAT | O_EXCL).is_open();
       })) {}
 
 Publication::~Publication() {
-  if (!published_) ::unlink(aside_.c_str());
+  if (!published_) ::unlink(temporary_.c_str());
 }
 
 void Publication::publish(Durability durability) {
   const bool flush = durability == Durability::across_power_loss;
-  if (flush) flush_file(aside_);
-  rename_into_place(aside_, target_);
+  if (flush) flush_file(temporary_);
+  rename_into_place(temporary_, target_);
   published_ = true;
   if (flush) flush_folder_of(target_);
 }
@@ -30,7 +30,7 @@ void Publication::publish(Durability durability) {
 void publish_file(const std::filesystem::path& target, std::string_view content, Durability durability) {
   Publication file(target);
   {
-    const Descriptor out(file.aside(), O_WRONLY | O_TRUNC);
+    const Descriptor out(file.temporary(), O_WRONLY | O_TRUNC);
     const std::span bytes(reinterpret_cast<const std::uint8_t*>(content.data()), content.size());
     if (!out.is_open() || !out.write_all(bytes)) fail_to(target, "write");
   }

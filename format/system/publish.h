@@ -19,14 +19,14 @@ class Publication {
   Publication& operator=(const Publication&) = delete;
 
   /// Returns the temporary file, which exists and is empty. It is in the target's folder, so that the rename is atomic.
-  const std::filesystem::path& aside() const { return aside_; }
+  const std::filesystem::path& temporary() const { return temporary_; }
 
   /// Calls fsync, renames the file over the target, and calls fsync on the folder; Durability::while_up only renames.
   /// Errors  InputError with the path and the system's reason.
   void publish(Durability durability = Durability::across_power_loss);
 
  private:
-  std::filesystem::path target_, aside_;
+  std::filesystem::path target_, temporary_;
   bool published_ = false;
 };
 

@@ -20,7 +20,7 @@ class FolderPublication {
   FolderPublication& operator=(const FolderPublication&) = delete;
 
   /// Returns an empty temporary folder next to the target.
-  const std::filesystem::path& aside() const { return aside_; }
+  const std::filesystem::path& temporary() const { return temporary_; }
   const std::filesystem::path& target() const { return target_; }
 
   /// Flushes the file system once, independent of the number of files, and renames the folder. A replaced folder is
@@ -32,7 +32,7 @@ class FolderPublication {
  private:
   bool swap_in() const;
 
-  std::filesystem::path target_, aside_;
+  std::filesystem::path target_, temporary_;
   Replaces replaces_;
   bool published_ = false;
 };

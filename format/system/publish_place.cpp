@@ -37,17 +37,17 @@ std::filesystem::path create_temporary(const std::filesystem::path& target,
   // A killed process may have left a file of this name; then the next number is tried.
   for (int attempt = 0; attempt < max_attempts; ++attempt) {
     static std::atomic<unsigned> count{0};
-    const std::filesystem::path aside =
+    const std::filesystem::path temporary =
         folder_of(target) /
         ("." + target.filename().string() + "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".part");
-    if (make(aside)) return aside;
+    if (make(temporary)) return temporary;
     if (errno != EEXIST) break;
   }
   fail_to(target, "write");
 }
 
-void rename_into_place(const std::filesystem::path& aside, const std::filesystem::path& target) {
-  if (::rename(aside.c_str(), target.c_str()) != 0) fail_to(target, "rename into place");
+void rename_into_place(const std::filesystem::path& temporary, const std::filesystem::path& target) {
+  if (::rename(temporary.c_str(), target.c_str()) != 0) fail_to(target, "rename into place");
 }
 
 void flush_folder_of(const std::filesystem::path& target) { flush(folder_of(target), O_RDONLY | O_DIRECTORY); }

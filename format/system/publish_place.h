@@ -18,9 +18,9 @@ std::filesystem::path folder_of(const std::filesystem::path& path);
 std::filesystem::path create_temporary(const std::filesystem::path& target,
                                        const std::function<bool(const std::filesystem::path&)>& make);
 
-/// Renames the complete file or folder `aside` to `target`, and replaces an existing target.
+/// Renames the complete file or folder `temporary` to `target`, and replaces an existing target.
 /// Errors  InputError with the system's reason.
-void rename_into_place(const std::filesystem::path& aside, const std::filesystem::path& target);
+void rename_into_place(const std::filesystem::path& temporary, const std::filesystem::path& target);
 
 /// Flushes the folder of `target`, so that its entries survive a power loss.
 /// Errors  InputError with the system's reason.

@@ -9,9 +9,9 @@
 
 namespace gigabake {
 
-RandomAccessFile::RandomAccessFile(std::filesystem::path target, const std::filesystem::path& aside,
+RandomAccessFile::RandomAccessFile(std::filesystem::path target, const std::filesystem::path& temporary,
                                    std::uint64_t bytes)
-    : target_(std::move(target)), file_(aside, O_RDWR) {
+    : target_(std::move(target)), file_(temporary, O_RDWR) {
   if (!file_.is_open() || ::ftruncate(file_.get(), off_t(bytes)) != 0) fail("write");
 }
 

@@ -13,8 +13,8 @@ namespace gigabake {
 /// Errors  Every member throws InputError with `target` and the system's reason.
 class RandomAccessFile {
  public:
-  /// Opens the existing file `aside` and sets its size to `bytes`; unwritten parts are zero.
-  RandomAccessFile(std::filesystem::path target, const std::filesystem::path& aside, std::uint64_t bytes);
+  /// Opens the existing file `temporary` and sets its size to `bytes`; unwritten parts are zero.
+  RandomAccessFile(std::filesystem::path target, const std::filesystem::path& temporary, std::uint64_t bytes);
 
   void write(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   void read(std::uint64_t offset, std::span<std::uint8_t> bytes) const;

@@ -46,12 +46,14 @@ struct CellParameters {
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;
   bool normals = true;
-  bool facing = true;  ///< store the directional coverage of MipFilter::coverage; the filter uses it in either case
-  std::uint32_t max_error = 0;     ///< max error of stored values in units of 1/255 (approximate.h); at most 127
+  bool directional_coverage =
+      true;  ///< store the directional coverage of MipFilter::coverage; the filter uses it in either case
+  std::uint32_t max_error = 0;     ///< max error of stored values in units of 1/255 (quantize_groups.h); at most 127
   std::uint64_t memory_bytes = 0;  ///< target; bricks are processed in batches to meet it. 0: no bound
 };
 
-/// One level of a cell. `facing` is empty at lod 0, without MipFilter::coverage and without CellParameters::facing.
+/// One level of a cell. `directional_coverage` is empty at lod 0, without MipFilter::coverage and without
+/// CellParameters::directional_coverage.
 struct Level : BrickLevel {
   std::vector<std::uint64_t> key;  ///< Morton code of the brick in its level, ascending
 };
@@ -72,7 +74,7 @@ struct CellStats {
 
 struct CellVolume {
   std::vector<Level> levels;          ///< [lod]; log2(window_voxels/8)+1 levels; empty if no voxel is occupied
-  NodeTable nodes;                    ///< its `facing` is 0 for constant nodes of levels without facing
+  NodeTable nodes;                    ///< its `directional_coverage` is 0 for constant nodes of levels without facing
   std::vector<Hash128> content_hash;  ///< [lod]; over all voxels, including those that constant nodes represent
   DownsampleState above;              ///< downsample state for the levels above; empty if no voxel is occupied
   CellStats stats;

@@ -47,7 +47,7 @@ std::vector<std::uint8_t> make_thesis_alpha() {
   return table;
 }
 
-std::vector<std::uint8_t> make_sheet_coverage() {
+std::vector<std::uint8_t> make_planar_coverage() {
   std::vector<std::uint8_t> table;
   for (int alpha = 0; alpha < 256; ++alpha)
     for (int n = 0; n < int(normal_steps); ++n)
@@ -62,11 +62,11 @@ TableStore::TableStore()
       srgb_from_linear_(make_srgb_from_linear()),
       unit_normal_(make_unit_normal()),
       thesis_alpha_(make_thesis_alpha()),
-      sheet_coverage_(make_sheet_coverage()) {}
+      planar_coverage_(make_planar_coverage()) {}
 
 Tables TableStore::view() const {
   return {linear_from_srgb_.data(), srgb_from_linear_.data(), unit_normal_.data(), thesis_alpha_.data(),
-          sheet_coverage_.data()};
+          planar_coverage_.data()};
 }
 
 const TableStore& TableStore::host() {

@@ -12,7 +12,7 @@ namespace gigabake::kernels {
 
 /// Numbers of entries of the tables. An entry of Tables::unit_normal has four numbers.
 inline constexpr std::size_t srgb_codes = 256, linear_values = 65536, normal_codes = 65536, alpha_sums = 64 * 255 + 1;
-inline constexpr std::size_t normal_steps = 128, sheet_coverages = 256 * normal_steps;
+inline constexpr std::size_t normal_steps = 128, planar_coverages = 256 * normal_steps;
 
 /// Borrowed pointers to the tables.
 struct Tables {
@@ -22,7 +22,7 @@ struct Tables {
       nullptr;  ///< [65536][4] x, y, z of unit length 32767, indexed by pack_normal(), then 0
   const std::uint8_t* thesis_alpha =
       nullptr;  ///< [16321] 255·a^(1-a), indexed by the sum of 64 8-bit alphas; a is their mean
-  const std::uint8_t* sheet_coverage = nullptr;  ///< [256][128] 255·(1-(1-a)^n), indexed by 8-bit alpha a, then 127·n
+  const std::uint8_t* planar_coverage = nullptr;  ///< [256][128] 255·(1-(1-a)^n), indexed by 8-bit alpha a, then 127·n
 };
 
 /// Owner of the tables.
@@ -37,7 +37,7 @@ class TableStore {
   std::vector<std::uint16_t> linear_from_srgb_;
   std::vector<std::uint8_t> srgb_from_linear_;
   std::vector<std::int16_t> unit_normal_;
-  std::vector<std::uint8_t> thesis_alpha_, sheet_coverage_;
+  std::vector<std::uint8_t> thesis_alpha_, planar_coverage_;
 };
 
 }  // namespace gigabake::kernels

@@ -25,9 +25,9 @@ GB_HD std::uint16_t pack_normal(const std::int8_t normal[2]) {
 }
 
 /// Packs the directional coverage; the x axis becomes the lowest byte.
-GB_HD std::uint32_t pack_facing(const std::uint8_t facing[facing_bytes]) {
-  return std::uint32_t(facing[0]) | std::uint32_t(facing[1]) << 8 | std::uint32_t(facing[2]) << 16 |
-         std::uint32_t(facing[3]) << 24;
+GB_HD std::uint32_t pack_directional_coverage(const std::uint8_t directional_coverage[directional_coverage_bytes]) {
+  return std::uint32_t(directional_coverage[0]) | std::uint32_t(directional_coverage[1]) << 8 |
+         std::uint32_t(directional_coverage[2]) << 16 | std::uint32_t(directional_coverage[3]) << 24;
 }
 
 /// Returns byte `number`; 0 is the lowest.

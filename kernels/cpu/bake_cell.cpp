@@ -9,8 +9,8 @@
 #include "kernels/cpu/mip/level_hash.h"
 #include "kernels/cpu/mip/levels.h"
 #include "kernels/cpu/prune/prune.h"
-#include "kernels/cpu/voxelize/approximate.h"
 #include "kernels/cpu/voxelize/bin.h"
+#include "kernels/cpu/voxelize/quantize_groups.h"
 #include "kernels/cpu/voxelize/voxelize.h"
 #include "kernels/cpu/voxelize/window_triangles.h"
 
@@ -42,7 +42,7 @@ std::uint64_t pairs_per_batch(const CellParameters& parameters, std::uint64_t tr
 
 std::uint64_t bytes_of(const Level& l) {
   return 8 * (l.key.capacity() + l.mask.capacity() + l.first.capacity()) + l.rgba.capacity() + l.normal.capacity() +
-         l.facing.capacity();
+         l.directional_coverage.capacity();
 }
 
 std::uint64_t bytes_of(const std::vector<Level>& levels) {
@@ -92,12 +92,12 @@ CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, c
     LevelSurface surface;
     add_coarser_levels(volume.levels, surface, lods, parameters.mip, parameters.normals, pool);
     volume.above = downsample_state(volume.levels, lods - 1, surface, parameters.mip);
-    if (!parameters.facing) drop_facing(volume.levels);
+    if (!parameters.directional_coverage) drop_directional_coverage(volume.levels);
   }
   volume.stats.peak_bytes = std::max(volume.stats.peak_bytes, 2 * bytes_of(volume.levels));
   {
     const StageClock clock(volume.stats.prune_s);
-    approximate(volume.levels, parameters.max_error, pool);
+    quantize_groups(volume.levels, parameters.max_error, pool);
   }
   {
     const StageClock clock(volume.stats.hash_s);

@@ -3,7 +3,7 @@
 #include "core/base/thread_pool.h"
 #include "kernels/cpu/mip/level_hash.h"
 #include "kernels/cpu/prune/prune.h"
-#include "kernels/cpu/voxelize/approximate.h"
+#include "kernels/cpu/voxelize/quantize_groups.h"
 #include "kernels/cuda/baker.h"
 #include "kernels/cuda/cell.cuh"
 #include "kernels/cuda/device/download.cuh"
@@ -45,9 +45,9 @@ class CudaBaker::Impl {
         bake_stream_(device),
         download_stream_(device),
         download_clock_(download_stream_.handle),
-        upload_heap_(upload_stream_.handle, books_),
-        bake_heap_(bake_stream_.handle, books_),
-        download_heap_(download_stream_.handle, books_),
+        upload_heap_(upload_stream_.handle, memory_stats_),
+        bake_heap_(bake_stream_.handle, memory_stats_),
+        download_heap_(download_stream_.handle, memory_stats_),
         tables_(upload_heap_),
         textures_(upload_heap_, texture_bytes != 0 ? texture_bytes : quarter_of(device)),
         bake_(bake_heap_, tables_.view()) {
@@ -61,10 +61,10 @@ class CudaBaker::Impl {
 
   std::unique_ptr<CudaVolume> bake(const CudaInput& uploaded, const CellParameters& parameters) {
     start();
-    books_.restart_peak();
+    memory_stats_.restart_peak();
     auto cell = std::make_unique<BakedCell>();
     bake_.bake(uploaded, parameters, *cell);
-    cell->cell_stats.peak_bytes = books_.peak_bytes();
+    cell->cell_stats.peak_bytes = memory_stats_.peak_bytes();
     return cell;
   }
 
@@ -96,7 +96,7 @@ class CudaBaker::Impl {
   CellVolume download_approximate(BakedCell& cell) {
     CellVolume out;
     out.levels = std::move(cell.host_levels);
-    approximate(out.levels, cell.max_error, host_);
+    quantize_groups(out.levels, cell.max_error, host_);
     out.content_hash = level_hashes(out.levels, cell.window_min, host_);
     if (!out.levels.empty()) out.nodes = prune(out.levels, host_);
     out.above = std::move(cell.above);
@@ -109,7 +109,7 @@ class CudaBaker::Impl {
   int device_;
   Stream upload_stream_, bake_stream_, download_stream_;
   StreamClock download_clock_;
-  DeviceBooks books_;
+  DeviceMemoryStats memory_stats_;
   DeviceHeap upload_heap_, bake_heap_, download_heap_;
   DeviceTables tables_;
   DeviceTextures textures_;
@@ -144,8 +144,8 @@ double device_copy_rate(int device) {
   constexpr std::size_t bytes = std::size_t(1) << 30;
   constexpr int copies = 5;
   const Stream stream(device);
-  DeviceBooks books;
-  DeviceHeap heap(stream.handle, books);
+  DeviceMemoryStats memory_stats;
+  DeviceHeap heap(stream.handle, memory_stats);
   const DeviceArray<std::uint8_t> from(heap, bytes), to(heap, bytes);
   StreamClock clock(stream.handle);
   for (int i = 0; i <= copies; ++i) {

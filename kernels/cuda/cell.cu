@@ -8,7 +8,7 @@
 #include "kernels/cuda/cell.cuh"
 #include "kernels/cuda/device/download.cuh"
 #include "kernels/cuda/mip/hash.cuh"
-#include "kernels/cuda/voxelize/approximate.cuh"
+#include "kernels/cuda/voxelize/quantize_groups.cuh"
 
 namespace gigabake::kernels {
 namespace {
@@ -31,7 +31,8 @@ void append(Level& to, const Level& from) {
   for (std::size_t b = 1; b < from.first.size(); ++b) to.first.push_back(voxels + from.first[b]);
   to.rgba.insert(to.rgba.end(), from.rgba.begin(), from.rgba.end());
   to.normal.insert(to.normal.end(), from.normal.begin(), from.normal.end());
-  to.facing.insert(to.facing.end(), from.facing.begin(), from.facing.end());
+  to.directional_coverage.insert(to.directional_coverage.end(), from.directional_coverage.begin(),
+                                 from.directional_coverage.end());
 }
 
 template <class T>
@@ -121,8 +122,8 @@ LevelsAbove CellBake::levels_of(const Cell& cell, KeyRange range, int lods, BinC
   LevelsAbove all;
   if (finest.bricks != 0) {
     all = coarser_levels(heap_, tables_, finest, lods, cell.parameters.mip, cell.parameters.normals);
-    if (!cell.parameters.facing)
-      for (DeviceLevel& level : all.levels) level.facing = DeviceArray<std::uint8_t>();
+    if (!cell.parameters.directional_coverage)
+      for (DeviceLevel& level : all.levels) level.directional_coverage = DeviceArray<std::uint8_t>();
     all.levels.insert(all.levels.begin(), std::move(finest));
   }
   clock_.mark(5);
@@ -191,7 +192,7 @@ void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
   add_coarser_levels(out.host_levels, out.host_surface, cell.window.levels + 1, cell.parameters.mip,
                      cell.parameters.normals, host_);
   out.above = downsample_state(out.host_levels, cell.window.levels, out.host_surface, cell.parameters.mip);
-  if (!cell.parameters.facing) drop_facing(out.host_levels);
+  if (!cell.parameters.directional_coverage) drop_directional_coverage(out.host_levels);
   for (; lod < out.host_levels.size(); ++lod)
     out.host_hashes.push_back(level_hash(out.host_levels[lod], int(lod), out.window_min, host_));
 }

@@ -32,9 +32,9 @@ double beam_limit(const FirstHitCamera& camera, int tile, double reach) {
 }
 
 void look_up(const FirstHitView& scene, const FirstHitResult& result, std::size_t i) {
-  if (result.looks.empty()) return;
-  const std::uint32_t look = result.hits[i].look;
-  result.looks[i] = look == no_attributes ? VoxelAttributes{} : scene.looks[look];
+  if (result.attributes.empty()) return;
+  const std::uint32_t attributes_index = result.hits[i].attributes_index;
+  result.attributes[i] = attributes_index == no_attributes ? VoxelAttributes{} : scene.attributes[attributes_index];
 }
 
 }  // namespace

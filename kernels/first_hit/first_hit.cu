@@ -20,15 +20,15 @@ using SharedStack = FirstHitSlots<threads>;
 
 struct DeviceResult {
   FirstHit* hits;
-  VoxelAttributes* looks;  ///< null if no attributes are requested
+  VoxelAttributes* attributes;  ///< null if no attributes are requested
   const VoxelAttributes* of_voxels;
 
   __device__ void set(std::size_t i, const FirstHit& hit) const {
     hits[i] = hit;
-    if (looks == nullptr) return;
-    VoxelAttributes look;
-    if (hit.look != no_attributes) look = of_voxels[hit.look];
-    looks[i] = look;
+    if (attributes == nullptr) return;
+    VoxelAttributes voxel;
+    if (hit.attributes_index != no_attributes) voxel = of_voxels[hit.attributes_index];
+    attributes[i] = voxel;
   }
 };
 
@@ -141,7 +141,7 @@ class CudaFirstHits::Impl {
   Impl(int device, const FirstHitView& scene) : device_(device), stream_(device), scene_(scene) {
     nodes_ = to_device(scene.tree.nodes, scene_.tree);
     for (int s = 0; s < 2; ++s) shells_[s] = to_device(scene.shells[s].tree.nodes, scene_.shells[s].tree);
-    looks_ = copy_to_device(heap_, scene.looks);
+    attributes_ = copy_to_device(heap_, scene.attributes);
     check_cuda(cudaDeviceGetAttribute(&multiprocessors_, cudaDevAttrMultiProcessorCount, device),
                "cudaDeviceGetAttribute");
     check_cuda(cudaStreamSynchronize(stream_.handle), "cudaStreamSynchronize (first hits)");
@@ -154,9 +154,9 @@ class CudaFirstHits::Impl {
     check_cuda(cudaStreamSynchronize(stream_.handle), "cudaStreamSynchronize (rays)");
   }
 
-  double cast(const FirstHitCamera& camera, bool looks) {
+  double cast(const FirstHitCamera& camera, bool attributes) {
     const FirstHitBeams beams = plan_beams(scene_, camera);
-    const DeviceResult result = result_for(std::size_t(camera.width) * std::size_t(camera.height), looks);
+    const DeviceResult result = result_for(std::size_t(camera.width) * std::size_t(camera.height), attributes);
     const std::size_t tiles = std::size_t(beams.columns) * std::size_t(beams.rows);
     if (starts_.size() < tiles) starts_ = DeviceArray<float>(heap_, tiles);
     watch_.start(stream_.handle);
@@ -172,8 +172,8 @@ class CudaFirstHits::Impl {
     return watch_.stop(stream_.handle);
   }
 
-  double cast(bool looks) {
-    const DeviceResult result = result_for(rays_.size(), looks);
+  double cast(bool attributes) {
+    const DeviceResult result = result_for(rays_.size(), attributes);
     // Long queues keep warps full, but every multiprocessor needs enough warps.
     const std::size_t share = rays_.size() / std::size_t(multiprocessors_ * 32) / 32 * 32;
     const std::size_t per_warp = std::clamp(share, std::size_t(32), std::size_t(256));
@@ -185,11 +185,11 @@ class CudaFirstHits::Impl {
   }
 
   std::vector<FirstHit> hits() const { return copy_to_host(hits_, count_, stream_.handle); }
-  std::vector<VoxelAttributes> looks() const {
-    return copy_to_host(hit_looks_, has_looks_ ? count_ : 0, stream_.handle);
+  std::vector<VoxelAttributes> attributes() const {
+    return copy_to_host(hit_attributes_, has_attributes_ ? count_ : 0, stream_.handle);
   }
   std::uint64_t device_bytes() const {
-    return nodes_.bytes() + shells_[0].bytes() + shells_[1].bytes() + looks_.bytes();
+    return nodes_.bytes() + shells_[0].bytes() + shells_[1].bytes() + attributes_.bytes();
   }
 
  private:
@@ -200,38 +200,38 @@ class CudaFirstHits::Impl {
   }
 
   /// Allocates memory for the results of `count` rays.
-  DeviceResult result_for(std::size_t count, bool looks) {
+  DeviceResult result_for(std::size_t count, bool attributes) {
     check_cuda(cudaSetDevice(device_), "cudaSetDevice");
     if (hits_.size() < count) hits_ = DeviceArray<FirstHit>(heap_, count);
-    if (looks && hit_looks_.size() < count) hit_looks_ = DeviceArray<VoxelAttributes>(heap_, count);
+    if (attributes && hit_attributes_.size() < count) hit_attributes_ = DeviceArray<VoxelAttributes>(heap_, count);
     count_ = count;
-    has_looks_ = looks;
-    return {hits_.data(), looks ? hit_looks_.data() : nullptr, looks_.data()};
+    has_attributes_ = attributes;
+    return {hits_.data(), attributes ? hit_attributes_.data() : nullptr, attributes_.data()};
   }
 
   int device_, multiprocessors_ = 0;
   Stream stream_;
-  DeviceBooks books_;
-  DeviceHeap heap_{stream_.handle, books_};
+  DeviceMemoryStats memory_stats_;
+  DeviceHeap heap_{stream_.handle, memory_stats_};
   FirstHitView scene_;  ///< its spans refer to the device's arrays
   DeviceArray<FirstHitNode> nodes_, shells_[2];
-  DeviceArray<VoxelAttributes> looks_;
+  DeviceArray<VoxelAttributes> attributes_;
   DeviceArray<FirstHitRay> rays_;
   DeviceArray<float> starts_;
   DeviceArray<FirstHit> hits_;
-  DeviceArray<VoxelAttributes> hit_looks_;
+  DeviceArray<VoxelAttributes> hit_attributes_;
   std::size_t count_ = 0;
-  bool has_looks_ = false;
+  bool has_attributes_ = false;
   StopWatch watch_;
 };
 
 CudaFirstHits::CudaFirstHits(int device, const FirstHitView& scene) : impl_(std::make_unique<Impl>(device, scene)) {}
 CudaFirstHits::~CudaFirstHits() = default;
 void CudaFirstHits::upload(Span<const FirstHitRay> rays) { impl_->upload(rays); }
-double CudaFirstHits::cast(const FirstHitCamera& camera, bool looks) { return impl_->cast(camera, looks); }
-double CudaFirstHits::cast(bool looks) { return impl_->cast(looks); }
+double CudaFirstHits::cast(const FirstHitCamera& camera, bool attributes) { return impl_->cast(camera, attributes); }
+double CudaFirstHits::cast(bool attributes) { return impl_->cast(attributes); }
 std::vector<FirstHit> CudaFirstHits::hits() const { return impl_->hits(); }
-std::vector<VoxelAttributes> CudaFirstHits::looks() const { return impl_->looks(); }
+std::vector<VoxelAttributes> CudaFirstHits::attributes() const { return impl_->attributes(); }
 std::uint64_t CudaFirstHits::device_bytes() const { return impl_->device_bytes(); }
 
 }  // namespace gigabake::kernels

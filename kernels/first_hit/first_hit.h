@@ -35,9 +35,9 @@ struct FirstHitRay {
 };
 
 struct alignas(16) FirstHit {
-  std::uint64_t voxel = 0;             ///< x | y << 21 | z << 42, in the tree's voxels from its lowest corner
-  float distance = INFINITY;           ///< from the ray's origin to the voxel's surface; 0 inside a voxel
-  std::uint32_t look = no_attributes;  ///< index of the voxel's attributes; no_attributes: no hit
+  std::uint64_t voxel = 0;    ///< x | y << 21 | z << 42, in the tree's voxels from its lowest corner
+  float distance = INFINITY;  ///< from the ray's origin to the voxel's surface; 0 inside a voxel
+  std::uint32_t attributes_index = no_attributes;  ///< index of the voxel's attributes; no_attributes: no hit
 };
 
 GB_HD std::uint32_t bits_of(float v) {
@@ -247,7 +247,7 @@ GB_HD FirstHit met(const FirstHitTree& tree, const FirstHitTraversal& w) {
     hit.voxel |= std::uint64_t((w.line.mirror >> 2 * a & 1) != 0 ? maximum - v : v) << 21 * a;
   }
   hit.distance = (w.line.enter + w.t) * tree.edge;
-  hit.look = w.node.end - std::uint32_t(bit_count(w.node.mask >> child_at(w)));
+  hit.attributes_index = w.node.end - std::uint32_t(bit_count(w.node.mask >> child_at(w)));
   return hit;
 }
 

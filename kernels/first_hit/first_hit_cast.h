@@ -9,7 +9,7 @@ namespace gigabake::kernels {
 /// The results, one entry per ray. The rays of an image are ordered row by row.
 struct FirstHitResult {
   Span<FirstHit> hits;
-  Span<VoxelAttributes> looks;  ///< attributes of the hit voxels, zero for a miss; empty: not requested
+  Span<VoxelAttributes> attributes;  ///< attributes of the hit voxels, zero for a miss; empty: not requested
 };
 
 /// Returns beams for the smallest tiles whose rays stay within the shell's reach up to the scene's centre. Returns

@@ -27,15 +27,15 @@ class CudaFirstHits {
   void upload(Span<const FirstHitRay> rays);
 
   /// Casts rays and returns the seconds that the device needed, measured by its own clock. Results stay on the device
-  /// until the next cast. If `looks`, attributes of the hit voxels are fetched too.
+  /// until the next cast. If `attributes`, attributes of the hit voxels are fetched too.
   /// Exact   The same bits as cast_first_hits().
-  double cast(const FirstHitCamera& camera, bool looks);
-  double cast(bool looks);
+  double cast(const FirstHitCamera& camera, bool attributes);
+  double cast(bool attributes);
 
-  /// Returns the hits of the last cast. looks() returns the attributes of these hits, or an empty vector if the cast
-  /// did not fetch attributes.
+  /// Returns the hits of the last cast. attributes() returns the attributes of these hits, or an empty vector if the
+  /// cast did not fetch attributes.
   std::vector<FirstHit> hits() const;
-  std::vector<VoxelAttributes> looks() const;
+  std::vector<VoxelAttributes> attributes() const;
 
   std::uint64_t device_bytes() const;  ///< device memory that the scene occupies
 

@@ -46,7 +46,7 @@ struct FirstHitShell {
 struct FirstHitView {
   FirstHitTree tree;
   FirstHitShell shells[2];  ///< with coarse voxels of 4³ and of 16³ lod-0 voxels
-  Span<const VoxelAttributes> looks;
+  Span<const VoxelAttributes> attributes;
 };
 
 }  // namespace gigabake::kernels

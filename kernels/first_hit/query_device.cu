@@ -20,7 +20,7 @@ __global__ void __launch_bounds__(threads)
   const std::uint32_t i = blockIdx.x * threads + threadIdx.x;
   if (i >= count) return;
   const QueryRay ray = rays[i];
-  QueryTraversal walk = start_walk(ray, levels, window);
+  QueryTraversal walk = start_march(ray, levels, window);
   advance_walk(ray, levels, cells, FirstHitSlots<threads>{slots + threadIdx.x}, walk);
   walks[i] = walk;
 }
@@ -54,15 +54,15 @@ class CudaQuery::Impl {
     check_cuda(cudaSetDevice(device_), "cudaSetDevice");
     ShardTree resident = tree;
     DeviceArray<FirstHitNode> nodes;
-    DeviceArray<VoxelAttributes> looks;
+    DeviceArray<VoxelAttributes> attributes;
     own(resident.tree.nodes, nodes);
-    own(resident.looks, looks);
+    own(resident.attributes, attributes);
     const QueryCells::Entry entry{shard, QueryCells::State::resident};
     copy_to_device(trees_.data() + cell, Span<const ShardTree>{&resident, 1}, stream_.handle);
     copy_to_device(entries_.data() + cell, Span<const QueryCells::Entry>{&entry, 1}, stream_.handle);
     wait();
     nodes_.push_back(std::move(nodes));
-    looks_.push_back(std::move(looks));
+    attributes_.push_back(std::move(attributes));
   }
 
   void cast(Span<const QueryRay> rays, Span<QueryTraversal> walks) {
@@ -95,8 +95,8 @@ class CudaQuery::Impl {
 
   int device_;
   Stream stream_;
-  DeviceBooks books_;
-  DeviceHeap heap_{stream_.handle, books_};
+  DeviceMemoryStats memory_stats_;
+  DeviceHeap heap_{stream_.handle, memory_stats_};
   QueryCells cells_;  ///< its spans refer to the device's arrays
   QueryLevels levels_;
   VoxelBox window_;
@@ -106,7 +106,7 @@ class CudaQuery::Impl {
   DeviceArray<QueryCells::Entry> entries_;
   DeviceArray<ShardTree> trees_;
   std::vector<DeviceArray<FirstHitNode>> nodes_;
-  std::vector<DeviceArray<VoxelAttributes>> looks_;
+  std::vector<DeviceArray<VoxelAttributes>> attributes_;
   DeviceArray<QueryRay> rays_;
   DeviceArray<QueryTraversal> walks_;
 };

@@ -29,7 +29,7 @@ class CudaQuery {
   void add_tree(std::uint32_t cell, std::uint32_t shard, const ShardTree& tree);
 
   /// Casts each ray until it is finished or pauses at a tree that is not resident. Writes one traversal per ray.
-  /// Exact   The same bits as start_walk() and advance_walk() on the host.
+  /// Exact   The same bits as start_march() and advance_walk() on the host.
   void cast(Span<const QueryRay> rays, Span<QueryTraversal> walks);
 
   std::uint64_t device_bytes() const;

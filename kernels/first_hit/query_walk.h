@@ -97,7 +97,7 @@ GB_HD void cross_face(const QueryRay& ray, const VoxelBox& box, const BoxExit& e
 /// Starts a traversal. `window` is the bounding box of all cells.
 /// Range   All numbers of the ray except `end` are finite. The ray's direction is of unit length. levels.finest <
 ///         levels.count.
-GB_HD QueryTraversal start_walk(const QueryRay& ray, const QueryLevels& levels, const VoxelBox& window) {
+GB_HD QueryTraversal start_march(const QueryRay& ray, const QueryLevels& levels, const VoxelBox& window) {
   QueryTraversal walk;
   if (chord_of(ray, window, 0).empty()) {
     walk.nearest.outcome = QueryOutcome::outside;

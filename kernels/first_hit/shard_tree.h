@@ -16,7 +16,7 @@ namespace gigabake::kernels {
 /// A tree that rays borrow. Its coordinates have the unit `unit` and begin at the window's corner.
 struct ShardTree {
   FirstHitTree tree;
-  Span<const VoxelAttributes> looks;
+  Span<const VoxelAttributes> attributes;
   VoxelBox window{};              ///< lod-0 voxels of the lattice
   std::int64_t tree_min[3] = {};  ///< the tree's lowest corner
   double unit = 1;                ///< edge of a voxel of the shard's own level 0, lod-0 voxels
@@ -53,7 +53,7 @@ GB_HD QueryHit first_hit_in_shard(const ShardTree& shard, const QueryRay& ray, d
   if (chord.empty()) return hit;
   const FirstHitTree tree = shard.tree;
   const FirstHit found = first_hit(tree, ray_in_shard(shard, ray, chord), 0, stack);
-  if (found.look == no_attributes) return hit;
+  if (found.attributes_index == no_attributes) return hit;
   hit.outcome = QueryOutcome::hit;
   hit.lod = shard.lod;
   hit.shard = shard_number;
@@ -67,10 +67,10 @@ GB_HD QueryHit first_hit_in_shard(const ShardTree& shard, const QueryRay& ray, d
   const RayChord exact = chord_of(ray, box, 0);
   const double rough = chord.enter + double(found.distance) * shard.unit * shard.grown;
   hit.distance = smaller_of(larger_of(exact.empty() ? rough : exact.enter, from), to);
-  const VoxelAttributes look = shard.looks[found.look];
-  hit.rgba = look.rgba;
-  hit.normal[0] = look.normal[0];
-  hit.normal[1] = look.normal[1];
+  const VoxelAttributes of_voxel = shard.attributes[found.attributes_index];
+  hit.rgba = of_voxel.rgba;
+  hit.normal[0] = of_voxel.normal[0];
+  hit.normal[1] = of_voxel.normal[1];
   return hit;
 }
 

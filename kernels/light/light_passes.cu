@@ -31,7 +31,7 @@ __global__ void __launch_bounds__(tile_threads, min_lighting)
   PixelLight light = lights[i];
   const int px = pass.tile.x + x, py = pass.tile.y + y;
   const CastLine line = line_of_sight(pass.scene, pass.camera, px, py);
-  find_surface_once(pass.scene, lighting, line, pass.patient, pass.rays[i], px, py, light);
+  find_surface_once(pass.scene, lighting, line, pass.blocking, pass.rays[i], px, py, light);
   lights[i] = light;
 }
 
@@ -55,7 +55,7 @@ __global__ void __launch_bounds__(tile_threads, min_lighting)
   PixelLight light;
   if (is_in) light = lights[i];
   cast_to_light(pass.scene, pass.camera, lighting, pass.tile.x + int(i % width), pass.tile.y + int(i / width), which,
-                pass.patient, is_in, light);
+                pass.blocking, is_in, light);
   if (is_in) lights[i] = light;
 }
 
@@ -66,10 +66,11 @@ __global__ void count_unfinished(CastTile tile, const PixelLight* lights, std::s
   if (pixel_in_range(tile, begin, end, x, y, i) && lights[i].done != PixelLight::all) atomicAdd(unfinished, 1ull);
 }
 
-__global__ void share_lights(CastTile tile, CastLighting lighting, PixelLight* lights) {
+__global__ void reuse_shadow_samples(CastTile tile, CastLighting lighting, PixelLight* lights) {
   int x, y;
   if (!pixel_of_thread(tile, x, y)) return;
-  share_light({lights, tile}, lighting, x, y, lights[std::size_t(y) * std::size_t(tile.width) + std::size_t(x)]);
+  reuse_shadow_samples({lights, tile}, lighting, x, y,
+                       lights[std::size_t(y) * std::size_t(tile.width) + std::size_t(x)]);
 }
 
 }  // namespace
@@ -90,7 +91,7 @@ void LightPasses::cast(const RayPass& pass, std::size_t begin, std::size_t end) 
   const unsigned grid = grid_of_tile(pass.tile);
   find_surfaces<<<grid, tile_threads, 0, stream_>>>(pass, lighting_, lights_.data(), begin, end);
   check_launch("find_surfaces");
-  for (int r = 0; lighting_.part != CastLightPart::unhidden && r < light_rays; ++r)
+  for (int r = 0; lighting_.part != CastLightPart::unshadowed && r < light_rays; ++r)
     cast_rays(pass, LightRay(r), begin, end);
   count_unfinished<<<grid, tile_threads, 0, stream_>>>(pass.tile, lights_.data(), begin, end, pass.unfinished);
   check_launch("count_unfinished");
@@ -109,7 +110,7 @@ void LightPasses::cast_rays(const RayPass& pass, LightRay which, std::size_t beg
 }
 
 void LightPasses::share(const CastTile& tile) {
-  share_lights<<<grid_of_tile(tile), tile_threads, 0, stream_>>>(tile, lighting_, lights_.data());
+  reuse_shadow_samples<<<grid_of_tile(tile), tile_threads, 0, stream_>>>(tile, lighting_, lights_.data());
   check_launch("share_lights");
 }
 

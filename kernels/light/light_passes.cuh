@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "kernels/cuda/device/memory.cuh"
-#include "kernels/light/light_sharing.h"
 #include "kernels/light/shader.h"
+#include "kernels/light/shadow_reuse.h"
 #include "kernels/marching/ray_rounds.cuh"
 
 namespace gigabake::kernels {
@@ -22,7 +22,7 @@ class LightPasses {
   /// pass.unfinished.
   void cast(const RayPass& pass, std::size_t begin, std::size_t end);
 
-  /// Reuses shadow samples, like Caster::share_light().
+  /// Reuses shadow samples, like Caster::reuse_shadow_samples().
   void share(const CastTile& tile);
 
   /// Lights the tile's finished rays and returns the lit copies, which are valid until the next call.

@@ -1,7 +1,7 @@
 /// The light of a pixel: the visible fractions of the sun and the sky at its surface.
 ///
 /// A pixel's surface is where half of its ray's light is absorbed. One cone leads from this surface to the sun, and one
-/// to the sky. Not every pixel casts these cones: pixels of a block share results (kernels/light/light_sharing.h). A
+/// to the sky. Not every pixel casts these cones: pixels of a block share results (kernels/light/shadow_reuse.h). A
 /// cone is an ordinary ray whose levels have voxels as wide as the cone, but not finer than the pixel's level. The cone
 /// requests missing data, and surfaces absorb it. The width of the voxels through which a cone passes determines the
 /// width of a shadow's border.
@@ -73,21 +73,21 @@ GB_HD void set_surface(const SurfaceSums& sums, const CastLine& line, PixelLight
 }
 
 /// Finds the surface that the pixel's finished ray hit. Samples the surface at the hit and half a voxel before and
-/// behind the hit. If `patient` is true and the data has been evicted, returns false: the pixel must wait.
-GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, const CastLine& line, bool patient,
+/// behind the hit. If `blocking` is true and the data has been evicted, returns false: the pixel must wait.
+GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, const CastLine& line, bool blocking,
                         const CastRay& ray, PixelLight& light) {
   light.has_surface = ray.depth != CastRay::no_depth;
   if (!light.has_surface) return true;
   light.depth = ray.depth;
   light.lod = lod_at(scene, line, double(ray.depth));
-  LevelLook at(scene, line, light.lod);
+  LevelSampler at(scene, line, light.lod);
   CastPath path;
   SurfaceSums sums;
   GB_NO_UNROLL
   for (int side = -1; side <= 1; ++side) {
-    at.look(scene, line, double(ray.depth) + side * step_length(light.lod), patient, path);
-    if (at.place.waits && patient) return false;
-    if (is_here(at.place.brick))
+    at.look(scene, line, double(ray.depth) + side * step_length(light.lod), blocking, path);
+    if (at.place.waits && blocking) return false;
+    if (is_resident(at.place.brick))
       add_surface(corners_of(scene.brick(at.place.brick), at.point()), lighting.light.to_sun, sums);
   }
   for (int a = 0; a < 3; ++a) light.at[a] = float(line.direction[a] * double(ray.depth));
@@ -141,7 +141,7 @@ GB_HD CastLine line_to_light(const CastScene& scene, const CastCamera& camera, c
 /// Casts the pixel's ray `which` from its start, until it is finished or waits. The pixel's surface must be known. On a
 /// device all lanes of a warp must call this function; `is_cast` is false if a lane has no ray.
 GB_HD void cast_to_light(const CastScene& scene, const CastCamera& camera, const CastLighting& lighting, int x, int y,
-                         LightRay which, bool patient, bool is_cast, PixelLight& light) {
+                         LightRay which, bool blocking, bool is_cast, PixelLight& light) {
   CastLine line{};
   CastRay ray;
   if (is_cast) {
@@ -150,17 +150,17 @@ GB_HD void cast_to_light(const CastScene& scene, const CastCamera& camera, const
                          is_sun ? lighting.sun_lod1 : lighting.sky_lod1, is_sun);
     ray = start_ray(scene, line);
   }
-  cast_ray<CastAim::light>(scene, camera, line, patient, is_cast, ray);
+  cast_ray<RayType::shadow>(scene, camera, line, blocking, is_cast, ray);
   if (!is_cast || ray.lod >= 0) return;
   light.seen[int(which)] = ray.transmittance;
   light.done |= 1u << int(which);
 }
 
 /// Calls find_surface() if the surface is not known, and selects the rays to light that the pixel casts first.
-GB_HD void find_surface_once(const CastScene& scene, const CastLighting& lighting, const CastLine& line, bool patient,
+GB_HD void find_surface_once(const CastScene& scene, const CastLighting& lighting, const CastLine& line, bool blocking,
                              const CastRay& ray, int x, int y, PixelLight& light) {
-  if (light.has(light_rays) || !find_surface(scene, lighting, line, patient, ray, light)) return;
-  for (int r = 0; lighting.part != CastLightPart::unhidden && r < light_rays; ++r) {
+  if (light.has(light_rays) || !find_surface(scene, lighting, line, blocking, ray, light)) return;
+  for (int r = 0; lighting.part != CastLightPart::unshadowed && r < light_rays; ++r) {
     const auto which = LightRay(r);
     if (is_cast_first(x, y, which) && lights_up(light, light_direction(lighting, x, y, which), which))
       light.first |= 1u << r;
@@ -170,10 +170,10 @@ GB_HD void find_surface_once(const CastScene& scene, const CastLighting& lightin
 
 /// Runs one pass of a pixel's rays to the light. Results that the pass stores are final.
 GB_HD void light_pixel(const CastScene& scene, const CastCamera& camera, const CastLighting& lighting,
-                       const CastLine& line, const CastRay& ray, int x, int y, bool patient, PixelLight& light) {
-  find_surface_once(scene, lighting, line, patient, ray, x, y, light);
+                       const CastLine& line, const CastRay& ray, int x, int y, bool blocking, PixelLight& light) {
+  find_surface_once(scene, lighting, line, blocking, ray, x, y, light);
   for (int r = 0; light.has(light_rays) && r < light_rays; ++r)
-    if (!light.has(r)) cast_to_light(scene, camera, lighting, x, y, LightRay(r), patient, true, light);
+    if (!light.has(r)) cast_to_light(scene, camera, lighting, x, y, LightRay(r), blocking, true, light);
 }
 
 }  // namespace gigabake::kernels

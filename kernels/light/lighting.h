@@ -32,10 +32,10 @@ GB_HD CastLight unlit() { return CastLight{}; }
 /// The part of the light that an image shows.
 enum class CastLightPart : std::int32_t {
   all,
-  sun,      ///< light of the sun only
-  sky,      ///< light of the sky, and of the surfaces that hide parts of the sky
-  shadow,   ///< visible fraction of the sun; white: the whole sun is visible
-  unhidden  ///< all light without shadows: no rays are cast to the light
+  sun,        ///< light of the sun only
+  sky,        ///< light of the sky, and of the surfaces that hide parts of the sky
+  shadow,     ///< visible fraction of the sun; white: the whole sun is visible
+  unshadowed  ///< all light without shadows: no rays are cast to the light
 };
 
 struct CastLighting {

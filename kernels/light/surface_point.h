@@ -144,7 +144,7 @@ GB_HD SurfacePoint surface_point(const CastRay& ray, const double eye[3], const 
                                  const CastLighting& lighting, std::size_t i) {
   const int x = int(i % std::size_t(tile.tile.width)), y = int(i / std::size_t(tile.tile.width));
   const PixelLight own = tile.at(x, y).has_surface ? tile.at(x, y) : light_beside(tile, lighting, x, y);
-  const bool is_cast = lighting.part != CastLightPart::unhidden;
+  const bool is_cast = lighting.part != CastLightPart::unshadowed;
   float sky = 1;
   if (is_cast) sky_around(tile, lighting, x, y, own, SkyRays::all, sky);
   SurfacePoint at;

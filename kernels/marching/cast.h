@@ -21,8 +21,8 @@
 #include "kernels/marching/ray_light.h"
 #include "kernels/marching/sample.h"
 #include "kernels/marching/scene.h"
-#include "kernels/marching/sheet.h"
-#include "kernels/marching/sheet_met.h"
+#include "kernels/marching/surface_blend.h"
+#include "kernels/marching/surface_hit.h"
 
 namespace gigabake::kernels {
 
@@ -39,16 +39,16 @@ GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
 /// Returns the distance along the ray from point `u` to the exit of the empty, aligned cube around it. The cube has an
 /// edge of half or else a quarter of the brick. Returns 0 if neither cube is empty. `u` is relative to the brick; `u`
 /// and the result are in 1/65536 of the brick's voxels. `blocks` is CastHead::blocks.
-GB_HD float way_out_of_empty_part(std::uint64_t blocks, const CastLine& line, const std::uint32_t u[3]) {
+GB_HD float exit_distance_empty_part(std::uint64_t blocks, const CastLine& line, const std::uint32_t u[3]) {
   const int x = int(u[0] >> fraction_bits), y = int(u[1] >> fraction_bits), z = int(u[2] >> fraction_bits);
   constexpr std::uint64_t eight_blocks = 0x330033;
   const bool is_half = (blocks >> block_of(x & 4, y & 4, z & 4) & eight_blocks) == 0;
   if (!is_half && (blocks >> block_of(x, y, z) & 1) != 0) return 0;
   const std::uint32_t edge = fixed_one << (is_half ? 2 : 1);
-  float way[3];
+  float distances[3];
   GB_UNROLL
-  for (int a = 0; a < 3; ++a) way[a] = way_to_side(line, a, u[a], edge);
-  return min_of(way);
+  for (int a = 0; a < 3; ++a) distances[a] = distance_to_side(line, a, u[a], edge);
+  return min_of(distances);
 }
 
 /// Returns the latest distance at which to switch to the next level. Inside a surface the switch is deferred, because
@@ -79,18 +79,18 @@ GB_HD_NOINLINE double steps_in_coarser(double lod1_distance, int brick_lod, int 
 }
 
 /// Samples one level at arbitrary distances along a ray.
-struct LevelLook {
+struct LevelSampler {
   LevelPoints points;
   std::int32_t lod;
   CellFrame frame;
-  CastPlace place;  ///< where the last sample lies
+  SampleLocation place;  ///< where the last sample lies
 
-  GB_HD LevelLook(const CastScene& scene, const CastLine& line, int level)
+  GB_HD LevelSampler(const CastScene& scene, const CastLine& line, int level)
       : points(level_points(scene, line, level)), lod(level) {}
 
-  GB_HD void look(const CastScene& scene, const CastLine& line, double distance, bool patient, CastPath& path) {
+  GB_HD void look(const CastScene& scene, const CastLine& line, double distance, bool blocking, CastPath& path) {
     const FixedPoint at = points.at(line, lod, (distance - point_distance(line, lod, 0)) * steps_per_voxel(lod));
-    place = locate(scene, line, lod, at, patient, frame, path);
+    place = find_brick(scene, line, lod, at, blocking, frame, path);
   }
   /// Returns the properties of the brick that holds the last sample.
   GB_HD BrickTraits traits() const { return {place.lod, frame.cell, place.waits}; }
@@ -99,21 +99,21 @@ struct LevelLook {
 
 /// Composites the blended surface that the ray hit at distance `met`. Samples the surface's opacity at the hit, and its
 /// colour at the hit and half a voxel before and behind the hit. A shadow ray needs no colour, so it samples only at
-/// the hit. If `patient` is true and data is missing, returns false: the ray must wait.
-template <CastAim aim>
-GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, double met,
-                      CastPath& path, CastRay& ray) {
-  LevelLook at(scene, line, ray.lod);
+/// the hit. If `blocking` is true and data is missing, returns false: the ray must wait.
+template <RayType ray_type>
+GB_HD bool meet_surface(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool blocking,
+                        double met, CastPath& path, CastRay& ray) {
+  LevelSampler at(scene, line, ray.lod);
   CastSample sample;
   BrickTraits brick;
   double half = 0;
   float across = 1;
-  SheetOpacity seen;
+  SurfaceOpacity seen;
   GB_NO_UNROLL
-  for (int side = 0; side < (aim == CastAim::eye ? 3 : 1); ++side) {
-    at.look(scene, line, side == 0 ? met : (side == 1 ? met - half : met + half), patient, path);
-    if (at.place.waits && patient) return false;
-    if (!is_here(at.place.brick)) {
+  for (int side = 0; side < (ray_type == RayType::primary ? 3 : 1); ++side) {
+    at.look(scene, line, side == 0 ? met : (side == 1 ? met - half : met + half), blocking, path);
+    if (at.place.waits && blocking) return false;
+    if (!is_resident(at.place.brick)) {
       if (side == 0) return true;
       continue;
     }
@@ -121,21 +121,21 @@ GB_HD bool meet_sheet(const CastScene& scene, const CastCamera& camera, const Ca
     const CastPoint point = at.point();
     const CastCorners corners = corners_of(here, point);
     if (side == 0) {
-      const CastSheet sheet = blend_planes(corners).sheet;
-      if (!(sheet.sheet > 0)) return true;
-      seen = opacity_of_sheet(here, point, sheet);
+      const SurfaceBlend blend = blend_planes(corners).blend;
+      if (!(blend.weight > 0)) return true;
+      seen = surface_opacity(here, point, blend);
       half = power_of_two(at.place.lod - 1);
       brick = at.traits();
-      if (seen.density < 1 && is_between_sheets(sheet, line, ray)) return true;
-      across = length_along(line.direction, sheet.normal);
+      if (seen.density < 1 && is_between_surfaces(blend, line, ray)) return true;
+      across = length_along(line.direction, blend.normal);
     }
-    const CastSample more = sheet_sample(corners);
+    const CastSample more = surface_sample(corners);
     GB_UNROLL
     for (int k = 0; k < cast_channels; ++k) sample.c[k] += more.c[k];
   }
   if (seen.density < 1) stay_in_surface(met, across, float(2 * half), ray);
   const float covered = covered_in_surface(seen.opacity, seen.density, ray);
-  take_light<aim>(sample, brick, stop_light(covered, brick.lod, seen.density, ray), met, 0, camera, ray);
+  composite_sample<ray_type>(sample, brick, stop_light(covered, brick.lod, seen.density, ray), met, 0, camera, ray);
   return true;
 }
 
@@ -150,9 +150,9 @@ enum class CastTask : std::uint8_t {
 /// The state of a ray within a pass; only CastRay is kept between passes. CastPath is separate: a device indexes
 /// CastPath by computed values, so it cannot keep CastPath in registers like this struct. Values that a step can
 /// recompute are not stored, to save registers.
-struct CastWalk {
+struct MarchState {
   CastTask task = CastTask::none;
-  bool waits = false;         ///< CastPlace::waits of the current brick
+  bool waits = false;         ///< SampleLocation::waits of the current brick
   LevelPoints points;         ///< the samples of the ray's level
   CellFrame frame;            ///< the cell that was found last
   std::int32_t lod = 0;       ///< level of the brick that holds the sample
@@ -160,28 +160,28 @@ struct CastWalk {
   CastHead head;              ///< the header of that brick
 };
 
-/// Returns the ray's current sample in the coordinates of CastPlace::at, for the level of the sample's brick.
-GB_HD FixedPoint point_of(const CastLine& line, const CastWalk& walk, const CastRay& ray) {
-  FixedPoint point = walk.points.at(line, ray.lod, ray.step);
-  point.bits[2] -= walk.frame.low;
-  if (walk.lod != ray.lod) count_for_level(ray.lod, walk.lod, point);
+/// Returns the ray's current sample in the coordinates of SampleLocation::at, for the level of the sample's brick.
+GB_HD FixedPoint point_of(const CastLine& line, const MarchState& march, const CastRay& ray) {
+  FixedPoint point = march.points.at(line, ray.lod, ray.step);
+  point.bits[2] -= march.frame.low;
+  if (march.lod != ray.lod) count_for_level(ray.lod, march.lod, point);
   return point;
 }
 
 /// Returns true if `met` is a hit that has not been composited yet; the ray's next task is then to composite it.
-GB_HD bool is_met(double met, CastWalk& walk, CastRay& ray) {
+GB_HD bool is_met(double met, MarchState& march, CastRay& ray) {
   if (ray.is_seen || met == met_nowhere) return false;
   ray.met = met;
-  walk.task = CastTask::meet;
+  march.task = CastTask::meet;
   return true;
 }
 
 /// Handles a sample with a zero field. Returns true if the ray hit a surface before this sample; the ray's next task is
 /// then to composite that surface.
-GB_HD bool leaves_sheet(CastWalk& walk, CastRay& ray) {
-  if (is_met(extrapolated_hit(ray), walk, ray)) return true;
+GB_HD bool leaves_surface(MarchState& march, CastRay& ray) {
+  if (is_met(extrapolated_hit(ray), march, ray)) return true;
   ray.is_seen = false;
-  ray.height = CastRay::no_height;
+  ray.signed_distance = CastRay::no_signed_distance;
   return false;
 }
 
@@ -194,7 +194,7 @@ GB_HD double level_until(const CastScene& scene, const CastLine& line, int lod) 
 
 /// Finishes the ray behind the scene, or switches it to the next level where that level begins. Returns true if either
 /// happened.
-GB_HD bool leaves_level(const CastScene& scene, const CastLine& line, CastWalk& walk, CastRay& ray) {
+GB_HD bool leaves_level(const CastScene& scene, const CastLine& line, MarchState& march, CastRay& ray) {
   const double distance = point_distance(line, ray.lod, ray.step);
   const bool in_surface = ray.step == ray.past;
   // Test the level first: a step over empty space may end behind the scene, while the next level still has a surface
@@ -202,96 +202,97 @@ GB_HD bool leaves_level(const CastScene& scene, const CastLine& line, CastWalk& 
   const double next_lod = in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1);
   if (ray.lod + 1 < scene.lods && distance >= next_lod && next_lod <= line.leave) {
     enter_next_lod(line, ray);
-    walk.points = level_points(scene, line, ray.lod);
+    march.points = level_points(scene, line, ray.lod);
     return true;
   }
   if (distance <= line.leave) return false;
   ray.lod = -1;
-  walk.task = CastTask::none;
+  march.task = CastTask::none;
   return true;
 }
 
 /// Finds the brick of the current sample. Returns false if the ray skips empty space, switches level, ends or waits. If
-/// data is missing, the ray waits if `patient` is true, and otherwise uses a coarser brick.
-GB_HD bool enter_brick(const CastScene& scene, const CastLine& line, bool patient, CastWalk& walk, CastPath& path,
+/// data is missing, the ray waits if `blocking` is true, and otherwise uses a coarser brick.
+GB_HD bool enter_brick(const CastScene& scene, const CastLine& line, bool blocking, MarchState& march, CastPath& path,
                        CastRay& ray) {
-  if (leaves_level(scene, line, walk, ray)) return false;
-  const FixedPoint at = walk.points.at(line, ray.lod, ray.step);
-  const CastPlace place = locate(scene, line, ray.lod, at, patient, walk.frame, path);
-  if (place.waits && patient) {
-    walk.task = CastTask::none;
+  if (leaves_level(scene, line, march, ray)) return false;
+  const FixedPoint at = march.points.at(line, ray.lod, ray.step);
+  const SampleLocation place = find_brick(scene, line, ray.lod, at, blocking, march.frame, path);
+  if (place.waits && blocking) {
+    march.task = CastTask::none;
     return false;
   }
-  const bool is_brick = is_here(place.brick);
+  const bool is_brick = is_resident(place.brick);
   const double beyond =
-      ray.step + steps_within(is_brick ? exit_distance_node(line, place.at, place.node_lod) : place.way,
+      ray.step + steps_within(is_brick ? exit_distance_node(line, place.at, place.node_lod) : place.exit_distance,
                               short_power_of_two(1 - ray.lod));
   if (!is_brick) {
-    if (!leaves_sheet(walk, ray)) ray.step = beyond;
+    if (!leaves_surface(march, ray)) ray.step = beyond;
     return false;
   }
-  walk.in_brick_until = smaller_of(beyond, level_until(scene, line, ray.lod));
-  walk.lod = place.lod;
-  walk.waits = place.waits;
-  walk.head = load_head(scene.heads + place.brick);
+  march.in_brick_until = smaller_of(beyond, level_until(scene, line, ray.lod));
+  march.lod = place.lod;
+  march.waits = place.waits;
+  march.head = load_head(scene.heads + place.brick);
   return true;
 }
 
 /// Skips empty space once, towards the next sample with a non-zero field or the next surface hit. The ray's task
 /// becomes `none` if the ray leaves the scene or waits.
-GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool patient, CastWalk& walk, CastPath& path,
+GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool blocking, MarchState& march, CastPath& path,
                         CastRay& ray) {
-  if (!(ray.step < walk.in_brick_until)) {
-    walk.in_brick_until = -1;
-    if (!enter_brick(scene, line, patient, walk, path, ray)) return;
+  if (!(ray.step < march.in_brick_until)) {
+    march.in_brick_until = -1;
+    if (!enter_brick(scene, line, blocking, march, path, ray)) return;
   }
-  const FixedPoint at = point_of(line, walk, ray);
-  if (!is_zero(walk.head.blocks, scene.brick(walk.head), point_in_brick(at, walk.lod))) {
-    walk.task = CastTask::pass;
+  const FixedPoint at = point_of(line, march, ray);
+  if (!is_zero(march.head.blocks, scene.brick(march.head), point_in_brick(at, march.lod))) {
+    march.task = CastTask::pass;
     return;
   }
-  if (leaves_sheet(walk, ray)) return;
-  if (walk.lod != ray.lod) {
-    ray.step += steps_in_coarser(line.lod1_distance, walk.lod, ray.lod, ray.step, walk.in_brick_until);
+  if (leaves_surface(march, ray)) return;
+  if (march.lod != ray.lod) {
+    ray.step += steps_in_coarser(line.lod1_distance, march.lod, ray.lod, ray.step, march.in_brick_until);
     return;
   }
-  const std::uint32_t u[3] = {at.in_node(0, walk.lod), at.in_node(1, walk.lod), at.in_node(2, walk.lod)};
-  ray.step += steps_within(way_out_of_empty_part(walk.head.blocks, line, u), 2.0f / fixed_one);
+  const std::uint32_t u[3] = {at.in_node(0, march.lod), at.in_node(1, march.lod), at.in_node(2, march.lod)};
+  ray.step += steps_within(exit_distance_empty_part(march.head.blocks, line, u), 2.0f / fixed_one);
 }
 
 /// Composites the residual at the current sample. If the ray hit a surface before this sample, composites nothing and
 /// makes that surface the next task.
-template <CastAim aim>
-GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const CastLine& line, CastWalk& walk,
+template <RayType ray_type>
+GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const CastLine& line, MarchState& march,
                       CastRay& ray) {
-  const BrickTraits brick{walk.lod, walk.frame.cell, walk.waits};
+  const BrickTraits brick{march.lod, march.frame.cell, march.waits};
   const double distance = point_distance(line, ray.lod, ray.step);
-  const CastPoint point = point_in_brick(point_of(line, walk, ray), walk.lod);
-  const CastCorners corners = corners_of(scene.brick(walk.head), point);
-  const CastAround around = classify_neighbourhood(corners, brick.lod == ray.lod);
-  const CastSheet& sheet = around.sheet;
-  if (is_met(sheet_met(sheet, line, brick.lod, distance, ray), walk, ray)) return;
+  const CastPoint point = point_in_brick(point_of(line, march, ray), march.lod);
+  const CastCorners corners = corners_of(scene.brick(march.head), point);
+  const NeighbourhoodSurface neighbourhood = classify_neighbourhood(corners, brick.lod == ray.lod);
+  const SurfaceBlend& blend = neighbourhood.blend;
+  if (is_met(surface_hit_distance(blend, line, brick.lod, distance, ray), march, ray)) return;
   ray.is_seen = false;
-  keep_height(sheet, line, brick.lod, distance, ray);
-  const CastLoose loose = loose_at(corners, around, line.direction);
+  keep_signed_distance(blend, line, brick.lod, distance, ray);
+  const ResidualSample residual = volumetric_residual(corners, neighbourhood, line.direction);
   double steps = 1;
   if (brick.lod != ray.lod)
-    steps = steps_in_coarser(line.lod1_distance, brick.lod, ray.lod, ray.step, walk.in_brick_until);
-  const bool is_loose = loose.sample.mean_coverage() > 0;
-  if (is_loose) composite<aim>(loose.sample, loose.pane, line, brick, steps, distance, camera, ray);
+    steps = steps_in_coarser(line.lod1_distance, brick.lod, ray.lod, ray.step, march.in_brick_until);
+  const bool is_residual_only = residual.sample.mean_coverage() > 0;
+  if (is_residual_only)
+    composite<ray_type>(residual.sample, residual.translucent, line, brick, steps, distance, camera, ray);
   ray.step += steps;
-  if (is_loose || sheet.sheet > 0) ray.past = ray.step;
-  walk.task = ray.transmittance < transmittance_cutoff ? CastTask::none : CastTask::seek;
+  if (is_residual_only || blend.weight > 0) ray.past = ray.step;
+  march.task = ray.transmittance < transmittance_cutoff ? CastTask::none : CastTask::seek;
 }
 
 /// Composites the surface that the ray hit at ray.met. The ray then continues at its current sample, behind the
 /// surface.
-template <CastAim aim>
-GB_HD void pass_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
-                      CastWalk& walk, CastPath& path, CastRay& ray) {
-  const bool is_there = meet_sheet<aim>(scene, camera, line, patient, ray.met, path, ray);
+template <RayType ray_type>
+GB_HD void pass_surface(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool blocking,
+                        MarchState& march, CastPath& path, CastRay& ray) {
+  const bool is_there = meet_surface<ray_type>(scene, camera, line, blocking, ray.met, path, ray);
   ray.is_seen = is_there;
-  walk.task = !is_there || ray.transmittance < transmittance_cutoff ? CastTask::none : CastTask::seek;
+  march.task = !is_there || ray.transmittance < transmittance_cutoff ? CastTask::none : CastTask::seek;
 }
 
 /// Tests whether any ray of a group has a task. On a host a group is one ray, on a device the rays of one warp. All
@@ -320,38 +321,39 @@ inline constexpr int steps_together = 3;
 
 /// Continues the ray until it hits a surface, is finished or waits. At any time, the rays of a warp either seek or
 /// process samples (seeks_next()). On a device all lanes of a warp must call this function.
-template <CastAim aim = CastAim::eye>
-GB_HD void walk_to_sheet(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient,
-                         CastWalk& walk, CastPath& path, CastRay& ray) {
-  while (any_ray(walk.task == CastTask::seek || walk.task == CastTask::pass)) {
-    if (seeks_next(walk.task)) {
-      for (int step = 0; step < steps_together && walk.task == CastTask::seek; ++step)
-        seek_surface(scene, line, patient, walk, path, ray);
-    } else if (walk.task == CastTask::pass) {
-      pass_point<aim>(scene, camera, line, walk, ray);
+template <RayType ray_type = RayType::primary>
+GB_HD void march_to_surface(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool blocking,
+                            MarchState& march, CastPath& path, CastRay& ray) {
+  while (any_ray(march.task == CastTask::seek || march.task == CastTask::pass)) {
+    if (seeks_next(march.task)) {
+      for (int step = 0; step < steps_together && march.task == CastTask::seek; ++step)
+        seek_surface(scene, line, blocking, march, path, ray);
+    } else if (march.task == CastTask::pass) {
+      pass_point<ray_type>(scene, camera, line, march, ray);
     }
   }
 }
 
 /// Prepares a ray for the pass. `is_cast` is false if a lane of a device has no ray.
-GB_HD void start_walk(const CastScene& scene, const CastLine& line, bool is_cast, const CastRay& ray, CastWalk& walk) {
+GB_HD void start_march(const CastScene& scene, const CastLine& line, bool is_cast, const CastRay& ray,
+                       MarchState& march) {
   if (!is_cast || ray.lod < 0) return;
-  walk.task = CastTask::seek;
-  walk.points = level_points(scene, line, ray.lod);
+  march.task = CastTask::seek;
+  march.points = level_points(scene, line, ray.lod);
 }
 
 /// Continues the ray until it is finished (lod = -1) or waits for data. In a warp, a surface is composited only when
 /// all rays have hit a surface or have stopped, because compositing takes as long as about a dozen steps. On a device
 /// all lanes of a warp must call this function.
-template <CastAim aim = CastAim::eye>
-GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool patient, bool is_cast,
+template <RayType ray_type = RayType::primary>
+GB_HD void cast_ray(const CastScene& scene, const CastCamera& camera, const CastLine& line, bool blocking, bool is_cast,
                     CastRay& ray) {
-  CastWalk walk;
+  MarchState march;
   CastPath path;
-  start_walk(scene, line, is_cast, ray, walk);
-  while (any_ray(walk.task != CastTask::none)) {
-    walk_to_sheet<aim>(scene, camera, line, patient, walk, path, ray);
-    if (walk.task == CastTask::meet) pass_sheet<aim>(scene, camera, line, patient, walk, path, ray);
+  start_march(scene, line, is_cast, ray, march);
+  while (any_ray(march.task != CastTask::none)) {
+    march_to_surface<ray_type>(scene, camera, line, blocking, march, path, ray);
+    if (march.task == CastTask::meet) pass_surface<ray_type>(scene, camera, line, blocking, march, path, ray);
   }
   finish_opaque(ray);
 }

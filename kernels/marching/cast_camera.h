@@ -45,7 +45,7 @@ struct CastBackground {
 };
 
 /// The colours that a ray shows.
-enum class CastPaint : std::int32_t {
+enum class DebugColor : std::int32_t {
   shaded,  ///< the voxels' radiance
   lod,     ///< one debug colour per level
   cell,    ///< one debug colour per cell
@@ -77,7 +77,7 @@ struct CastCamera {
   double lod1_depth = 0;  ///< depth (along `forward`) from which lod-1 voxels are at most the pixel error wide; > 0
   CastHaze haze;
   CastTone tone;
-  CastPaint paint = CastPaint::shaded;
+  DebugColor debug_color = DebugColor::shaded;
   CastClip clip;
   CastPolygons polygons;  ///< in the caster's memory; as an argument of Caster::start(), in the caller's memory
 };

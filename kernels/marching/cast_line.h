@@ -49,15 +49,15 @@ GB_HD void clip_to_box(CastLine& line, int axis, double low, double high) {
 
 GB_HD void clip_to_plane(CastLine& line, const CastClip& clip) {
   if (clip.normal[0] == 0 && clip.normal[1] == 0 && clip.normal[2] == 0 && clip.offset <= 0) return;
-  double above = -clip.offset, rise = 0;
+  double above = -clip.offset, slope = 0;
   for (int a = 0; a < 3; ++a) {
     above += clip.normal[a] * line.origin[a];
-    rise += clip.normal[a] * line.direction[a];
+    slope += clip.normal[a] * line.direction[a];
   }
-  const double met = -above / rise;
-  if (rise == 0 && above < 0) line.leave = -1;
-  if (rise > 0 && met > line.enter) line.enter = met;
-  if (rise < 0 && met < line.leave) line.leave = met;
+  const double met = -above / slope;
+  if (slope == 0 && above < 0) line.leave = -1;
+  if (slope > 0 && met > line.enter) line.enter = met;
+  if (slope < 0 && met < line.leave) line.leave = met;
 }
 
 GB_HD double larger_of(double a, double b) { return a > b ? a : b; }

@@ -22,14 +22,15 @@ struct alignas(16) CastRay {
   double step = 0;         ///< index of the level's next sample, an integer
   double past = -1;        ///< index after the level's latest sample in a surface, an integer; -1: none yet
 
-  double met = 0;            ///< distance of the latest hit of a blended surface before the current sample
-  float height = no_height;  ///< signed distance of the previous sample, lod-0 voxels; no_height: no surface
-  float height_at = 0;       ///< distance of that sample along the ray
-  float rise = 0;            ///< change of `height` per lod-0 voxel along the ray at that sample
-  std::int32_t lod = -1;     ///< -1: finished
-  bool is_seen = false;      ///< the hit at `met` has been composited
+  double met = 0;  ///< distance of the latest hit of a blended surface before the current sample
+  float signed_distance =
+      no_signed_distance;  ///< signed distance of the previous sample, lod-0 voxels; no_signed_distance: no surface
+  float signed_distance_at = 0;  ///< distance of that sample along the ray
+  float slope = 0;               ///< change of the signed distance per lod-0 voxel along the ray at that sample
+  std::int32_t lod = -1;         ///< -1: finished
+  bool is_seen = false;          ///< the hit at `met` has been composited
 
-  static constexpr float no_depth = 3e38f, no_height = 3e38f;
+  static constexpr float no_depth = 3e38f, no_signed_distance = 3e38f;
 };
 
 /// Returns e^-x for x ≥ 0 with a relative error of 2e-5. For x > 16 the result is constant and less than 2e-7.

@@ -65,9 +65,9 @@ struct LevelPoints {
 
   /// Returns the sample `index`; a fractional index yields a point between two samples.
   GB_HD FixedPoint at(const CastLine& line, int lod, double index) const {
-    const double way = index * step_length(lod);
+    const double along = index * step_length(lod);
     FixedPoint point;
-    for (int a = 0; a < 3; ++a) point.bits[a] = std::bit_cast<std::uint64_t>(first[a] + line.direction[a] * way);
+    for (int a = 0; a < 3; ++a) point.bits[a] = std::bit_cast<std::uint64_t>(first[a] + line.direction[a] * along);
     return point;
   }
 };
@@ -87,7 +87,7 @@ inline constexpr float fixed_spare = 4;
 /// Returns the distance along the ray to the side of a box that the ray crosses on an axis. Rounding may shorten the
 /// distance, but never lengthens it. `at` is the point's coordinate relative to the lower side of the box. `edge` is
 /// the box's edge, a power of two. `at`, `edge` and the result have the same unit: 1/65536 of a voxel of any level.
-GB_HD float way_to_side(const CastLine& line, int axis, std::uint32_t at, std::uint32_t edge) {
+GB_HD float distance_to_side(const CastLine& line, int axis, std::uint32_t at, std::uint32_t edge) {
   const std::uint32_t behind = (at ^ backward(line, axis)) & (edge - 1);
   return (float(edge - behind) - fixed_spare) * line.inv_direction[axis];
 }
@@ -97,10 +97,10 @@ GB_HD float min_of(const float v[3]) {
   return two < v[2] ? two : v[2];
 }
 
-/// Returns the number of steps, an integer n ≥ 1, by which a ray may advance within the distance `way`. All samples
-/// fewer than n steps ahead are guaranteed to be nearer than `way`.
-GB_HD double steps_within(float way, float steps_per_unit) {
-  const float steps = std::ceil(way * (steps_per_unit * (1 - 1e-6f)));
+/// Returns the number of steps, an integer n ≥ 1, by which a ray may advance within the distance `along`. All samples
+/// fewer than n steps ahead are guaranteed to be nearer than `along`.
+GB_HD double steps_within(float along, float steps_per_unit) {
+  const float steps = std::ceil(along * (steps_per_unit * (1 - 1e-6f)));
   return steps > 1 ? double(steps) : 1;
 }
 

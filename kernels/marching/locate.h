@@ -26,7 +26,7 @@ GB_HD int highest_bit(std::uint64_t v) {
 #endif
 }
 
-GB_HD std::uint32_t mark_of(std::uint32_t* at) {
+GB_HD std::uint32_t timestamp_of(std::uint32_t* at) {
 #if defined(__CUDA_ARCH__)
   return *at;
 #else
@@ -34,7 +34,7 @@ GB_HD std::uint32_t mark_of(std::uint32_t* at) {
 #endif
 }
 
-GB_HD void set_mark(std::uint32_t* at, std::uint32_t pass) {
+GB_HD void set_timestamp(std::uint32_t* at, std::uint32_t pass) {
 #if defined(__CUDA_ARCH__)
   *at = pass;
 #else
@@ -43,8 +43,8 @@ GB_HD void set_mark(std::uint32_t* at, std::uint32_t pass) {
 }
 
 /// Writes the current pass to a usage mark. All rays of a pass write the same number, so their order does not matter.
-GB_HD void stamp(std::uint32_t* at, std::uint32_t pass) {
-  if (mark_of(at) != pass) set_mark(at, pass);
+GB_HD void touch(std::uint32_t* at, std::uint32_t pass) {
+  if (timestamp_of(at) != pass) set_timestamp(at, pass);
 }
 
 /// Sets a bit atomically. The bit is read first, because most rays find it already set. On a device the read bypasses
@@ -60,8 +60,8 @@ GB_HD void set_bit(std::uint32_t* words, std::size_t bit) {
 #endif
 }
 
-GB_HD void want(const CastScene& scene, std::uint32_t node, Want what) {
-  set_bit(scene.marks.wanted, 2 * std::size_t(node) + std::size_t(what));
+GB_HD void request(const CastScene& scene, std::uint32_t node, RequestKind what) {
+  set_bit(scene.feedback.requested, 2 * std::size_t(node) + std::size_t(what));
 }
 
 /// Returns the index of the first column whose key is ≥ key.
@@ -152,13 +152,13 @@ struct CellFrame {
   }
 };
 
-/// The result of locate(): the brick that holds the field around a point.
-struct CastPlace {
+/// The result of find_brick(): the brick that holds the field around a point.
+struct SampleLocation {
   /// The point in fixed-point coordinates. Their origin is the lowest voxel centre of level `lod`: in the scene for x
   /// and y, in the cell for z.
   FixedPoint at;
   std::uint32_t brick = empty_ref;  ///< slot; empty_ref: the field of this level is zero
-  float way = 0;                    ///< if there is no brick: exit distance from the empty space, lod-0 voxels
+  float exit_distance = 0;          ///< if there is no brick: exit distance from the empty space, lod-0 voxels
   std::int32_t lod = 0;       ///< level of the brick: the requested level, or a coarser level if that is not resident
   std::int32_t node_lod = 0;  ///< the result applies to the point's whole node of this level
   bool waits = false;         ///< finer data was requested and will become resident
@@ -209,34 +209,34 @@ GB_HD CastDescent descend(const CastScene& scene, std::uint32_t cell, int lod, c
   CastDescent at;
   at.lod = first_level(scene, path, cell, local, lod);
   at.index = at.lod == scene.lods - 1 ? cell : child_of(path.tile[at.lod + 1], local, at.lod);
-  std::uint32_t mark = mark_of(scene.marks.tile_used + at.index / 8);
+  std::uint32_t timestamp = timestamp_of(scene.feedback.tile_used + at.index / 8);
   at.word = scene.nodes[at.index];
   while (at.lod > lod && leads_on(at.word)) {
     path.tile[at.lod--] = at.word;
     at.index = child_of(at.word, local, at.lod);
-    mark = mark_of(scene.marks.tile_used + at.index / 8);
+    timestamp = timestamp_of(scene.feedback.tile_used + at.index / 8);
     at.word = scene.nodes[at.index];
   }
   path.cell = cell;
   path.lowest = at.lod;
   for (int a = 0; a < 3; ++a) path.local[a] = local[a];
-  if (mark != scene.pass) set_mark(scene.marks.tile_used + at.index / 8, scene.pass);
+  if (timestamp != scene.pass) set_timestamp(scene.feedback.tile_used + at.index / 8, scene.pass);
   return at;
 }
 
 /// Requests the data that the descent's last node lacks for a ray of level `lod`. Returns true if the data will become
 /// resident.
-GB_HD bool ask_for(const CastScene& scene, const CastDescent& at, const CastNode& node, int lod) {
-  const Want what = at.lod > lod ? Want::children : Want::brick;
-  if ((what == Want::children ? node.children : node.brick) != absent_ref) return false;
-  want(scene, at.index, what);
+GB_HD bool request_missing(const CastScene& scene, const CastDescent& at, const CastNode& node, int lod) {
+  const RequestKind what = at.lod > lod ? RequestKind::children : RequestKind::brick;
+  if ((what == RequestKind::children ? node.children : node.brick) != not_resident_ref) return false;
+  request(scene, at.index, what);
   return true;
 }
 
 /// A cell, or the empty space around a point.
 struct FoundCell {
-  std::uint32_t cell;  ///< no_cell: no cell holds the point
-  float way;           ///< if there is no cell: exit distance from the empty space, lod-0 voxels
+  std::uint32_t cell;   ///< no_cell: no cell holds the point
+  float exit_distance;  ///< if there is no cell: exit distance from the empty space, lod-0 voxels
 };
 
 /// Finds the cell that holds voxel (x, y, z). The function is not inlined, because few steps enter another cell.
@@ -249,23 +249,23 @@ GB_HD_NOINLINE FoundCell look_for_cell(const CastScene& scene, std::int64_t x, s
   constexpr float spare = 0.001f;
   for (int a = 0; a < 3; ++a) {
     const std::int64_t left = backward(line, a) != 0 ? v[a] - box.min[a] : box.max[a] - v[a] - 1;
-    const float way = (float(left) - spare) * line.inv_direction[a];
-    if (way < found.way) found.way = way;
+    const float exit_distance = (float(left) - spare) * line.inv_direction[a];
+    if (exit_distance < found.exit_distance) found.exit_distance = exit_distance;
   }
   found.cell = no_cell;
   return found;
 }
 
 /// Sets `frame` to the cell that holds the point, and returns true. If no cell holds the point, returns false and sets
-/// `way` to the exit distance from the empty space.
+/// `exit_distance` to the exit distance from the empty space.
 GB_HD bool enter_cell(const CastScene& scene, const CastLine& line, const FixedPoint& point, CellFrame& frame,
-                      float& way) {
+                      float& exit_distance) {
   if (frame.holds(scene, point)) return true;
   std::int64_t v[3];
   for (int a = 0; a < 3; ++a) v[a] = (std::int64_t(point.bits[a] - fixed_bias_bits) >> fraction_bits) + scene.corner[a];
   const FoundCell found = look_for_cell(scene, v[0], v[1], v[2], line);
   frame.cell = found.cell;
-  way = found.way;
+  exit_distance = found.exit_distance;
   if (frame.cell == no_cell) return false;
   for (int a = 0; a < 2; ++a) frame.column[a] = std::uint32_t(point.bits[a] >> (fraction_bits + scene.cell_bits));
   frame.low = std::uint64_t(scene.cells[frame.cell].min[2] - scene.corner[2]) << fraction_bits;
@@ -274,10 +274,10 @@ GB_HD bool enter_cell(const CastScene& scene, const CastLine& line, const FixedP
 
 /// Returns the distance along the ray from a point to the exit of its node of level `lod`, in lod-0 voxels.
 GB_HD float exit_distance_node(const CastLine& line, const FixedPoint& point, int lod) {
-  float way[3];
+  float exit_distance[3];
   GB_UNROLL
-  for (int a = 0; a < 3; ++a) way[a] = way_to_side(line, a, point.in_node(a, lod), node_mask + 1);
-  return min_of(way) * short_power_of_two(lod - fraction_bits);
+  for (int a = 0; a < 3; ++a) exit_distance[a] = distance_to_side(line, a, point.in_node(a, lod), node_mask + 1);
+  return min_of(exit_distance) * short_power_of_two(lod - fraction_bits);
 }
 
 /// Returns the exit distance, in lod-0 voxels, from the empty node at which a descent for level `of` ended. The
@@ -286,33 +286,36 @@ GB_HD float exit_distance_node(const CastLine& line, const FixedPoint& point, in
 GB_HD float exit_distance_empty(const CastScene& scene, const CastLine& line, const FixedPoint& point,
                                 const CastDescent& at, int of) {
   constexpr float edge = float(node_mask + 1);
-  float way[3];
+  float exit_distance[3];
   std::uint32_t ahead = 0;  // bit a: the node has a sibling ahead along axis a
   GB_UNROLL
   for (int a = 0; a < 3; ++a) {
-    way[a] = way_to_side(line, a, point.in_node(a, at.lod), node_mask + 1);
+    exit_distance[a] = distance_to_side(line, a, point.in_node(a, at.lod), node_mask + 1);
     ahead |= ~(at.index ^ backward(line, a)) & 1u << a;
   }
   if (at.lod + 1 == scene.lods) ahead = 0;
   std::uint32_t node = at.index;
   GB_NO_UNROLL
   while (true) {
-    const int axis = way[0] < way[1] ? (way[0] < way[2] ? 0 : 2) : (way[1] < way[2] ? 1 : 2);
+    const int axis = exit_distance[0] < exit_distance[1] ? (exit_distance[0] < exit_distance[2] ? 0 : 2)
+                                                         : (exit_distance[1] < exit_distance[2] ? 1 : 2);
     const std::uint32_t bit = 1u << axis;
     if ((ahead & bit) == 0 || scene.nodes[node ^ bit] != empty_node) break;
     // Stop if rounding could change which side the ray crosses first.
     const float unit = axis == 0 ? line.inv_direction[0] : axis == 1 ? line.inv_direction[1] : line.inv_direction[2];
-    const float latest = min_of(way) + 2 * fixed_spare * unit;
-    if ((axis != 0 && way[0] <= latest) || (axis != 1 && way[1] <= latest) || (axis != 2 && way[2] <= latest)) break;
+    const float latest = min_of(exit_distance) + 2 * fixed_spare * unit;
+    if ((axis != 0 && exit_distance[0] <= latest) || (axis != 1 && exit_distance[1] <= latest) ||
+        (axis != 2 && exit_distance[2] <= latest))
+      break;
     node ^= bit;
     ahead ^= bit;
     GB_UNROLL
-    for (int a = 0; a < 3; ++a) way[a] += a == axis ? edge * unit : 0;
+    for (int a = 0; a < 3; ++a) exit_distance[a] += a == axis ? edge * unit : 0;
   }
   const float beyond = float(fixed_one - (fixed_one >> (at.lod - of)));
   GB_UNROLL
-  for (int a = 0; a < 3; ++a) way[a] += backward(line, a) != 0 ? 0 : beyond * line.inv_direction[a];
-  return min_of(way) * short_power_of_two(at.lod - fraction_bits);
+  for (int a = 0; a < 3; ++a) exit_distance[a] += backward(line, a) != 0 ? 0 : beyond * line.inv_direction[a];
+  return min_of(exit_distance) * short_power_of_two(at.lod - fraction_bits);
 }
 
 /// Converts fixed-point coordinates from level `from` to level `to`. Each level's origin is its lowest voxel centre.
@@ -322,17 +325,17 @@ GB_HD void count_for_level(int from, int to, FixedPoint& point) {
 }
 
 /// Finds the brick that holds the field of level `lod` around a point. If that brick is not resident, returns the
-/// finest resident brick of a coarser level. If `patient` is true and the data can be loaded, returns only `waits` =
+/// finest resident brick of a coarser level. If `blocking` is true and the data can be loaded, returns only `waits` =
 /// true instead. `frame` is the cell that is tried first, and receives the cell that was found. `path` must stem from
 /// the current pass.
 /// Cost    One dependent load per level below the deepest node shared with `path`; one more descent per missing level.
-GB_HD CastPlace locate(const CastScene& scene, const CastLine& line, int lod, const FixedPoint& point, bool patient,
-                       CellFrame& frame, CastPath& path) {
-  CastPlace place;
+GB_HD SampleLocation find_brick(const CastScene& scene, const CastLine& line, int lod, const FixedPoint& point,
+                                bool blocking, CellFrame& frame, CastPath& path) {
+  SampleLocation place;
   FixedPoint at = point;
   int known = -1;  // level at which the first descent ended: that node has no resident descendants
   for (place.lod = lod;;) {
-    if (!enter_cell(scene, line, at, frame, place.way)) return place;
+    if (!enter_cell(scene, line, at, frame, place.exit_distance)) return place;
     place.at = at;
     place.at.bits[2] -= frame.low;
     const std::uint32_t in_cell = (1u << scene.cell_bits) - 1;
@@ -340,20 +343,20 @@ GB_HD CastPlace locate(const CastScene& scene, const CastLine& line, int lod, co
     const CastDescent end = descend(scene, frame.cell, place.lod, local, path);
     const CastNode node = scene.node_of(end.word);
     if (node.brick == empty_ref) {
-      place.way = exit_distance_empty(scene, line, place.at, end, place.lod);
+      place.exit_distance = exit_distance_empty(scene, line, place.at, end, place.lod);
       return place;
     }
     if (known < 0) known = end.lod;
     place.node_lod = known;
-    place.waits |= ask_for(scene, end, node, place.lod);
-    if (patient && place.waits) return place;
-    if (end.lod == place.lod && is_here(node.brick)) {
+    place.waits |= request_missing(scene, end, node, place.lod);
+    if (blocking && place.waits) return place;
+    if (end.lod == place.lod && is_resident(node.brick)) {
       place.brick = node.brick;
-      stamp(scene.marks.slot_used + place.brick, scene.pass);
+      touch(scene.feedback.slot_used + place.brick, scene.pass);
       return place;
     }
     if (place.lod == scene.lods - 1) {  // the root is not resident either
-      place.way = exit_distance_node(line, place.at, place.lod);
+      place.exit_distance = exit_distance_node(line, place.at, place.lod);
       return place;
     }
     const int coarser = end.lod == place.lod ? place.lod + 1 : end.lod;

@@ -13,7 +13,7 @@
 #include "kernels/marching/cast_ray.h"
 #include "kernels/marching/locate.h"
 #include "kernels/marching/sample.h"
-#include "kernels/marching/sheet.h"
+#include "kernels/marching/surface_blend.h"
 
 namespace gigabake::kernels {
 
@@ -32,18 +32,18 @@ struct BrickTraits {
   bool waits = false;
 };
 
-GB_HD std::uint32_t debug_color_index(const BrickTraits& brick, CastPaint paint) {
-  if (paint == CastPaint::lod) return std::uint32_t(brick.lod);
-  return paint == CastPaint::cell ? brick.cell * 2654435761u >> 20 : (brick.waits ? 0u : 2u);
+GB_HD std::uint32_t debug_color_index(const BrickTraits& brick, DebugColor debug) {
+  if (debug == DebugColor::lod) return std::uint32_t(brick.lod);
+  return debug == DebugColor::cell ? brick.cell * 2654435761u >> 20 : (brick.waits ? 0u : 2u);
 }
 
 /// Computes a sample's radiance, or a debug colour scaled by the sample's brightness so that shapes remain visible.
-GB_HD void radiance_of(const CastSample& s, const BrickTraits& brick, CastPaint paint, float rgb[3]) {
+GB_HD void radiance_of(const CastSample& s, const BrickTraits& brick, DebugColor debug, float rgb[3]) {
   const float scale = 2 / s.mean_coverage();
   for (int k = 0; k < 3; ++k) rgb[k] = s.c[k] * scale;
-  if (paint == CastPaint::shaded) return;
+  if (debug == DebugColor::shaded) return;
   const float grey = 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
-  const std::uint32_t n = debug_color_index(brick, paint);
+  const std::uint32_t n = debug_color_index(brick, debug);
   GB_UNROLL
   for (int k = 0; k < 3; ++k) rgb[k] = debug_color(n, k) * (0.25f + grey);
 }
@@ -112,38 +112,38 @@ GB_HD float fallback_opacity_scale(const BrickTraits& brick, const CastRay& ray)
 }
 
 /// The type of a ray.
-enum class CastAim : std::uint8_t {
-  eye,   ///< primary ray: computes colours and depth
-  light  ///< shadow ray: computes only the transmittance, with the same bits as a primary ray
+enum class RayType : std::uint8_t {
+  primary,  ///< primary ray: computes colours and depth
+  shadow    ///< shadow ray: computes only the transmittance, with the same bits as a primary ray
 };
 
-/// Composites a sample that absorbs the fraction `weight` of the initial light. The sample represents the length `way`
-/// around `distance`.
-template <CastAim aim>
-GB_HD void take_light(const CastSample& s, const BrickTraits& brick, float weight, double distance, double way,
-                      const CastCamera& camera, CastRay& ray) {
-  if constexpr (aim == CastAim::light) {
+/// Composites a sample that absorbs the fraction `weight` of the initial light. The sample represents the length
+/// `length` around `distance`.
+template <RayType ray_type>
+GB_HD void composite_sample(const CastSample& s, const BrickTraits& brick, float weight, double distance, double length,
+                            const CastCamera& camera, CastRay& ray) {
+  if constexpr (ray_type == RayType::shadow) {
     ray.transmittance -= weight;
     return;
   }
   const float seen = exp_minus(float(distance) * camera.haze.per_voxel);
   float rgb[3];
-  radiance_of(s, brick, camera.paint, rgb);
+  radiance_of(s, brick, camera.debug_color, rgb);
   for (int k = 0; k < 3; ++k) ray.rgb[k] += weight * (rgb[k] * seen + camera.haze.rgb[k] * (1 - seen));
   if (ray.depth == CastRay::no_depth && ray.transmittance - weight < 0.5f)
-    ray.depth = float(distance) + float(way) * ((ray.transmittance - 0.5f) / weight - 0.5f);
+    ray.depth = float(distance) + float(length) * ((ray.transmittance - 0.5f) / weight - 0.5f);
   ray.transmittance -= weight;
 }
 
 /// Composites a sample that represents `steps` samples of the ray's level.
-template <CastAim aim>
-GB_HD void composite(const CastSample& s, const CastPane& pane, const CastLine& line, const BrickTraits& brick,
-                     double steps, double distance, const CastCamera& camera, CastRay& ray) {
-  const double way = steps * step_length(ray.lod);
-  const float part = fallback_opacity_scale(brick, ray) * float(way * power_of_two(-brick.lod));
-  if (pane.density < 1) stay_in_surface(distance, pane.across, short_power_of_two(brick.lod), ray);
-  const float covered = covered_in_surface(crossings(s, line.direction, brick.lod) * part, pane.density, ray);
-  take_light<aim>(s, brick, stop_light(covered, brick.lod, 1, ray), distance, way, camera, ray);
+template <RayType ray_type>
+GB_HD void composite(const CastSample& s, const TranslucentSurface& translucent, const CastLine& line,
+                     const BrickTraits& brick, double steps, double distance, const CastCamera& camera, CastRay& ray) {
+  const double length = steps * step_length(ray.lod);
+  const float part = fallback_opacity_scale(brick, ray) * float(length * power_of_two(-brick.lod));
+  if (translucent.density < 1) stay_in_surface(distance, translucent.across, short_power_of_two(brick.lod), ray);
+  const float covered = covered_in_surface(crossings(s, line.direction, brick.lod) * part, translucent.density, ray);
+  composite_sample<ray_type>(s, brick, stop_light(covered, brick.lod, 1, ray), distance, length, camera, ray);
 }
 
 inline constexpr float transmittance_cutoff = 1.0f / 1024;

@@ -24,16 +24,16 @@ __device__ void keep(const RayPass& pass, std::uint32_t index, CastTask task, Ca
 /// stored too, because no other code initialises its entry.
 __device__ void traverse_and_list(const RayPass& pass, bool is_cast, bool starts, std::uint32_t index,
                                   const RayList& met) {
-  CastWalk walk;
+  MarchState march;
   CastPath path;
   CastRay ray;
   const CastLine line = line_of(pass, index);
   if (is_cast) ray = starts ? start_ray(pass.scene, line) : pass.rays[index];
-  start_walk(pass.scene, line, is_cast, ray, walk);
-  is_cast = walk.task != CastTask::none || (is_cast && starts);
-  walk_to_sheet(pass.scene, pass.camera, line, pass.patient, walk, path, ray);
-  if (is_cast) keep(pass, index, walk.task, ray);
-  append(walk.task == CastTask::meet, index, met);
+  start_march(pass.scene, line, is_cast, ray, march);
+  is_cast = march.task != CastTask::none || (is_cast && starts);
+  march_to_surface(pass.scene, pass.camera, line, pass.blocking, march, path, ray);
+  if (is_cast) keep(pass, index, march.task, ray);
+  append(march.task == CastTask::meet, index, met);
 }
 
 __global__ void __launch_bounds__(tile_threads, min_traversal)
@@ -53,19 +53,19 @@ __global__ void __launch_bounds__(tile_threads, min_traversal)
 }
 
 __global__ void __launch_bounds__(tile_threads, min_sampling)
-    look_at_sheets(const __grid_constant__ RayPass pass, RayList met, RayList continuing) {
+    sample_surface(const __grid_constant__ RayPass pass, RayList met, RayList continuing) {
   const std::uint32_t count = *met.count, first = blockIdx.x * blockDim.x;
   if (first >= count) return;
   const bool is_in = first + threadIdx.x < count;
-  CastWalk walk;
+  MarchState march;
   CastPath path;
   const std::uint32_t index = is_in ? met.rays[first + threadIdx.x] : 0;
   if (is_in) {
     CastRay ray = pass.rays[index];
-    pass_sheet<CastAim::eye>(pass.scene, pass.camera, line_of(pass, index), pass.patient, walk, path, ray);
-    keep(pass, index, walk.task, ray);
+    pass_surface<RayType::primary>(pass.scene, pass.camera, line_of(pass, index), pass.blocking, march, path, ray);
+    keep(pass, index, march.task, ray);
   }
-  append(walk.task == CastTask::seek, index, continuing);
+  append(march.task == CastTask::seek, index, continuing);
 }
 
 /// Casts the rays that remain after the waves, until they are finished or wait.
@@ -77,7 +77,7 @@ __global__ void __launch_bounds__(tile_threads, min_casting)
   const std::uint32_t index = is_in ? from.rays[first + threadIdx.x] : 0;
   CastRay ray;
   if (is_in) ray = pass.rays[index];
-  cast_ray(pass.scene, pass.camera, line_of(pass, index), pass.patient, is_in, ray);
+  cast_ray(pass.scene, pass.camera, line_of(pass, index), pass.blocking, is_in, ray);
   if (is_in) keep(pass, index, CastTask::none, ray);
 }
 
@@ -100,7 +100,7 @@ void RayRounds::cast(const RayPass& pass, std::size_t begin, std::size_t end) {
       traverse_listed<<<grid, tile_threads, 0, stream_>>>(pass, continuing, met);
     check_launch("walk");
     continuing.count = counts_.data() + 2 * round + 1;
-    look_at_sheets<<<grid, tile_threads, 0, stream_>>>(pass, met, continuing);
+    sample_surface<<<grid, tile_threads, 0, stream_>>>(pass, met, continuing);
     check_launch("look_at_sheets");
   }
   cast_listed<<<grid, tile_threads, 0, stream_>>>(pass, continuing);

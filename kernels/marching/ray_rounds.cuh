@@ -17,7 +17,7 @@ struct RayPass {
   CastCamera camera;
   CastTile tile;
   CastRay* rays;
-  bool patient;
+  bool blocking;
   bool starts;  ///< the rays are not started yet
   unsigned long long* unfinished;
 };

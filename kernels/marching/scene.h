@@ -30,14 +30,14 @@ struct CastCell {
 
 /// Usage feedback that rays write for the owner of the pools. An entry of tile_used or slot_used is the number of the
 /// last pass that used the tile or slot.
-struct CastMarks {
+struct UsageFeedback {
   std::uint32_t* tile_used = nullptr;  ///< by tile: last pass in which a ray's descent ended in the tile
   std::uint32_t* slot_used = nullptr;
-  /// The bitmap of missed data, 32 bits per word. A ray of this pass sets bit 2·node + Want if the data that `Want`
-  /// names is missing in the node.
-  std::uint32_t* wanted = nullptr;
+  /// The bitmap of missed data, 32 bits per word. A ray of this pass sets bit 2·node + Want if the data that
+  /// `RequestKind` names is missing in the node.
+  std::uint32_t* requested = nullptr;
 };
-enum class Want : std::uint32_t { brick = 0, children = 1 };
+enum class RequestKind : std::uint32_t { brick = 0, children = 1 };
 
 struct CastScene {
   Span<const CastCell> cells;              ///< ordered by column, upwards in each column, without overlap
@@ -55,7 +55,7 @@ struct CastScene {
   const std::uint32_t* parent_bricks = nullptr;  ///< by tile: the brick of the node whose children the tile holds
   const CastHead* heads = nullptr;               ///< by slot
   const PackedVoxel* voxels = nullptr;
-  CastMarks marks;
+  UsageFeedback feedback;
   std::uint32_t pass = 0;
 
   /// Sets `corner` to a point below all points that rays sample, aligned to cells.

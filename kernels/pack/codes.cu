@@ -88,14 +88,14 @@ __device__ std::uint32_t place_blocks(const Batch& batch, ChunkPlace& chunk) {
 /// Computes the offset of each packed chunk. One thread block processes all chunks, because there are few chunks.
 __global__ void __launch_bounds__(placers) place(Batch batch) {
   using Scan = cub::BlockScan<std::uint64_t, placers>;
-  __shared__ typename Scan::TempStorage room;
+  __shared__ typename Scan::TempStorage temp_storage;
   std::uint64_t end = *batch.packed_end;
   __syncthreads();
   for (std::uint32_t first = 0; first < batch.chunk_count; first += placers) {
     const std::uint32_t c = first + threadIdx.x;
     const std::uint64_t mine = c < batch.chunk_count ? place_blocks(batch, batch.chunks[c]) : 0;
     std::uint64_t before, all;
-    Scan(room).ExclusiveSum(mine, before, all);
+    Scan(temp_storage).ExclusiveSum(mine, before, all);
     if (c < batch.chunk_count) {
       batch.chunks[c].packed = end + before;
       batch.ends[c] = end + before + mine;

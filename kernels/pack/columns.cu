@@ -200,9 +200,9 @@ __global__ void __launch_bounds__(threads)
 struct NodesView {
   const std::uint32_t *key, *first_child, *value;
   const std::uint8_t *lod, *child_mask;
-  const NodeKind* kind;  ///< null if all nodes are bricks, like `normal` and `facing`
+  const NodeKind* kind;  ///< null if all nodes are bricks, like `normal` and `directional_coverage`
   const std::uint16_t* normal;
-  const std::uint32_t* facing;
+  const std::uint32_t* directional_coverage;
   std::uint32_t count;
 };
 
@@ -217,7 +217,7 @@ __global__ void __launch_bounds__(threads) write_nodes(const NodesView nodes, co
   if (nodes.kind == nullptr) return;
   out.kind[n] = nodes.kind[n];
   out.normal[n] = nodes.normal[n];
-  if (out.facing != nullptr) out.facing[n] = nodes.facing[n];
+  if (out.directional_coverage != nullptr) out.directional_coverage[n] = nodes.directional_coverage[n];
 }
 
 ChannelView view_of_channel(const DeviceLevel& level, const ChannelPlace& place) {
@@ -232,7 +232,7 @@ ChannelView view_of_channel(const DeviceLevel& level, const ChannelPlace& place)
     case VoxelArray::normal:
       return view(level.normal);
     default:
-      return view(level.facing);
+      return view(level.directional_coverage);
   }
 }
 
@@ -303,7 +303,7 @@ void make_columns(DeviceHeap& heap, const LevelsView& levels, const FoundShares&
 void make_node_columns(DeviceHeap& heap, const DeviceNodes& nodes, const NodesOut& out) {
   write_nodes<<<grid_of(nodes.count, threads), threads, 0, heap.stream()>>>(
       {nodes.key.data(), nodes.first_child.data(), nodes.value.data(), nodes.lod.data(), nodes.child_mask.data(),
-       nodes.kind.data(), nodes.normal.data(), nodes.facing.data(), nodes.count},
+       nodes.kind.data(), nodes.normal.data(), nodes.directional_coverage.data(), nodes.count},
       out);
   check_launch("write_nodes");
 }

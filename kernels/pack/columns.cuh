@@ -75,15 +75,15 @@ struct LevelOut {
 void make_columns(DeviceHeap& heap, const LevelsView& levels, const FoundShares& shares,
                   const std::vector<LevelOut>& out);
 
-/// The destinations of a node table's columns. If all nodes are bricks, the columns `kind`, `normal` and `facing` are
-/// not written. They must be zero already.
+/// The destinations of a node table's columns. If all nodes are bricks, the columns `kind`, `normal` and
+/// `directional_coverage` are not written. They must be zero already.
 struct NodesOut {
   std::uint64_t* key;
   std::uint32_t *first_child, *value;
   std::uint8_t *lod, *child_mask;
   NodeKind* kind;
   std::uint16_t* normal;
-  std::uint32_t* facing;  ///< null if the channel is off
+  std::uint32_t* directional_coverage;  ///< null if the channel is off
 };
 
 /// Writes the columns of a node table.

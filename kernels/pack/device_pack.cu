@@ -17,10 +17,10 @@ std::array<double, 6> steps(const StreamClock& clock) {
 DevicePacked pack_on_device(int device, std::span<const std::uint8_t> raw, std::span<const RawChunk> chunks,
                             int rounds) {
   const Stream stream(device);
-  DeviceBooks books;
+  DeviceMemoryStats memory_stats;
   DevicePacked result;
   {
-    DeviceHeap heap(stream.handle, books);
+    DeviceHeap heap(stream.handle, memory_stats);
     DeviceArray<std::uint8_t> bytes(heap, raw.size() + 1);
     check_cuda(cudaMemcpyAsync(bytes.data(), raw.data(), raw.size(), cudaMemcpyHostToDevice, stream.handle),
                "cudaMemcpyAsync");
@@ -38,7 +38,7 @@ DevicePacked pack_on_device(int device, std::span<const std::uint8_t> raw, std::
       if (!chunks.empty()) result.step_seconds = steps(clock);
     }
   }
-  result.peak_bytes = books.peak_bytes();
+  result.peak_bytes = memory_stats.peak_bytes();
   return result;
 }
 

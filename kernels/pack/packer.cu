@@ -45,7 +45,7 @@ class ColumnPlan {
     out.child_mask = of(NodeColumn::child_mask, out.child_mask);
     out.kind = of(NodeColumn::kind, out.kind);
     out.normal = of(NodeColumn::normal, out.normal);
-    out.facing = of(NodeColumn::facing, out.facing);
+    out.directional_coverage = of(NodeColumn::directional_coverage, out.directional_coverage);
     return out;
   }
 
@@ -114,7 +114,8 @@ class ColumnPlan {
 
 class CudaPacker::Impl {
  public:
-  explicit Impl(int device) : device_(device), stream_(device), clock_(stream_.handle), heap_(stream_.handle, books_) {}
+  explicit Impl(int device)
+      : device_(device), stream_(device), clock_(stream_.handle), heap_(stream_.handle, memory_stats_) {}
 
   std::optional<PackedCell> pack(const BakedCell& cell, const PackRequest& request) {
     if (cell.levels.empty()) return std::nullopt;
@@ -174,7 +175,7 @@ class CudaPacker::Impl {
   int device_;
   Stream stream_;
   StreamClock clock_;
-  DeviceBooks books_;
+  DeviceMemoryStats memory_stats_;
   DeviceHeap heap_;
   PinnedPool pinned_;
 };

@@ -32,9 +32,9 @@ class PinnedPool {
 /// Returns a capacity of at least `bytes` in steps of 25 %, so that cells of similar size do not enlarge a buffer
 /// repeatedly.
 inline std::size_t rounded_capacity(std::size_t bytes) {
-  std::size_t room = std::size_t(8) << 20;
-  while (room < bytes) room += room / 4;
-  return room;
+  std::size_t capacity = std::size_t(8) << 20;
+  while (capacity < bytes) capacity += capacity / 4;
+  return capacity;
 }
 
 }  // namespace gigabake::kernels

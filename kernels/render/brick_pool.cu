@@ -74,8 +74,8 @@ std::uint32_t end_of(const VoxelMove& move) { return move.to + move.count; }
 
 }  // namespace
 
-BrickPool::BrickPool(DeviceHeap& heap, Delivery& delivery, const ThreadPool& pool, const PoolSizes& sizes)
-    : heap_(heap), delivery_(delivery), pool_(pool), heads_(heap, sizes.slots), voxels_(heap, sizes.voxels) {}
+BrickPool::BrickPool(DeviceHeap& heap, UploadRing& uploads, const ThreadPool& pool, const PoolSizes& sizes)
+    : heap_(heap), uploads_(uploads), pool_(pool), heads_(heap, sizes.slots), voxels_(heap, sizes.voxels) {}
 
 void BrickPool::show_in(CastScene& scene) const {
   scene.heads = heads_.data();
@@ -87,15 +87,15 @@ void BrickPool::put(const std::vector<BrickPlace>& places, const std::vector<Cas
   std::vector<std::uint32_t> first{0};
   for (std::size_t i = 0; i < count; ++i) first.push_back(first.back() + std::uint32_t(bricks[i].parts.size()));
   const NewBricks sections(count, first.back());
-  std::byte* const room = delivery_.room(sections.bytes);
+  std::byte* const buffer = uploads_.reserve(sections.bytes);
   pool_.parallel_for(count, bricks_per_range, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
-      sections.moves(room)[i] = {places[i].slot, first[i], places[i].first, first[i + 1] - first[i]};
-      sections.heads(room)[i] = bricks[i].head;
-      std::copy(bricks[i].parts.begin(), bricks[i].parts.end(), sections.voxels(room) + first[i]);
+      sections.moves(buffer)[i] = {places[i].slot, first[i], places[i].first, first[i + 1] - first[i]};
+      sections.heads(buffer)[i] = bricks[i].head;
+      std::copy(bricks[i].parts.begin(), bricks[i].parts.end(), sections.voxels(buffer) + first[i]);
     }
   });
-  const std::byte* const sent = delivery_.send();
+  const std::byte* const sent = uploads_.send();
   scatter_bricks<<<unsigned(count), brick_threads, 0, heap_.stream()>>>(
       sections.moves(sent), sections.heads(sent), sections.voxels(sent), heads_.data(), voxels_.data());
   check_launch("scatter_bricks");
@@ -105,7 +105,7 @@ void BrickPool::put(const std::vector<BrickPlace>& places, const std::vector<Cas
 /// all destinations written before it.
 void BrickPool::move(const std::vector<VoxelMove>& moves) {
   if (moves.empty()) return;
-  const VoxelMove* const sent = delivery_.send(moves);
+  const VoxelMove* const sent = uploads_.send(moves);
   if (move_buffer_.empty()) move_buffer_ = DeviceArray<PackedVoxel>(heap_, move_buffer_voxels);
   for (std::size_t begin = 0, end = 0; begin < moves.size(); begin = end) {
     while (end < moves.size() && end_of(moves[end]) - moves[begin].to <= move_buffer_voxels) ++end;

@@ -5,16 +5,16 @@
 #include <vector>
 
 #include "core/base/thread_pool.h"
-#include "kernels/cuda/device/delivery.cuh"
 #include "kernels/cuda/device/memory.cuh"
+#include "kernels/cuda/device/upload_ring.cuh"
 #include "kernels/render/caster.h"
 
 namespace gigabake::kernels {
 
 class BrickPool {
  public:
-  /// Creates a pool. Borrows `heap`, `delivery` and `pool`.
-  BrickPool(DeviceHeap& heap, Delivery& delivery, const ThreadPool& pool, const PoolSizes& sizes);
+  /// Creates a pool. Borrows `heap`, `uploads` and `pool`.
+  BrickPool(DeviceHeap& heap, UploadRing& uploads, const ThreadPool& pool, const PoolSizes& sizes);
 
   void show_in(CastScene& scene) const;
 
@@ -25,7 +25,7 @@ class BrickPool {
 
  private:
   DeviceHeap& heap_;
-  Delivery& delivery_;
+  UploadRing& uploads_;
   const ThreadPool& pool_;
   DeviceArray<CastHead> heads_;
   DeviceArray<PackedVoxel> voxels_, move_buffer_;

@@ -7,7 +7,7 @@
 
 #include "core/base/thread_pool.h"
 #include "kernels/body/tables.h"
-#include "kernels/light/light_sharing.h"
+#include "kernels/light/shadow_reuse.h"
 #include "kernels/marching/level_blend.h"
 
 namespace gigabake::kernels {
@@ -27,12 +27,12 @@ class CpuCaster final : public Caster {
         voxels_(new PackedVoxel[sizes.voxels]),
         tile_used_(sizes.tiles),
         slot_used_(sizes.slots),
-        wanted_(sizes.want_words()) {
+        wanted_(sizes.request_words()) {
     scene_.nodes = nodes_.data();
     scene_.parent_bricks = parent_bricks_.data();
     scene_.heads = heads_.get();
     scene_.voxels = voxels_.get();
-    scene_.marks = {tile_used_.data(), slot_used_.data(), wanted_.data()};
+    scene_.feedback = {tile_used_.data(), slot_used_.data(), wanted_.data()};
     scene_.pass = 0;
   }
 
@@ -55,7 +55,7 @@ class CpuCaster final : public Caster {
   void put_nodes(const std::vector<NodeChange>& changes) override {
     for (const NodeChange& change : changes) {
       nodes_[change.node] = pack_node(change.value);
-      if (is_here(change.value.children)) parent_bricks_[change.value.children] = change.value.brick;
+      if (is_resident(change.value.children)) parent_bricks_[change.value.children] = change.value.brick;
       nodes_end_ = std::max<std::size_t>(nodes_end_, change.node + 1);
     }
   }
@@ -69,10 +69,10 @@ class CpuCaster final : public Caster {
     for_each_ray(0, rays_.size(), {}, [&](std::size_t i) { rays_[i] = start_ray(scene_, line_of(i)); });
   }
 
-  std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
+  std::size_t cast(std::size_t begin, std::size_t end, bool blocking, const StopAsked& stop) override {
     return one_pass(begin, end, stop, [&](std::size_t i) {
       CastRay& ray = rays_[i];
-      if (ray.lod >= 0) cast_ray(scene_, camera_, line_of(i), patient, true, ray);
+      if (ray.lod >= 0) cast_ray(scene_, camera_, line_of(i), blocking, true, ray);
       return ray.lod < 0;
     });
   }
@@ -84,11 +84,11 @@ class CpuCaster final : public Caster {
                  [&](std::size_t i) { coarser_[i] = start_coarser(scene_, line_of(i), coarser_line(i), rays_[i]); });
   }
 
-  std::size_t cast_blend(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
+  std::size_t cast_blend(std::size_t begin, std::size_t end, bool blocking, const StopAsked& stop) override {
     const CastCamera coarser = coarser_camera(camera_);
     return one_pass(begin, end, stop, [&](std::size_t i) {
       CastRay& second = coarser_[i];
-      if (second.lod >= 0) cast_ray(scene_, coarser, coarser_line(i), patient, true, second);
+      if (second.lod >= 0) cast_ray(scene_, coarser, coarser_line(i), blocking, true, second);
       return second.lod < 0;
     });
   }
@@ -100,33 +100,33 @@ class CpuCaster final : public Caster {
     lights_.assign(rays_.size(), PixelLight());
   }
 
-  std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
+  std::size_t cast_light(std::size_t begin, std::size_t end, bool blocking, const StopAsked& stop) override {
     return one_pass(begin, end, stop, [&](std::size_t i) {
       PixelLight& light = lights_[i];
       if (light.done != PixelLight::all)
-        light_pixel(scene_, camera_, lighting_, line_of(i), rays_[i], pixel_x(i), pixel_y(i), patient, light);
+        light_pixel(scene_, camera_, lighting_, line_of(i), rays_[i], pixel_x(i), pixel_y(i), blocking, light);
       return light.done == PixelLight::all;
     });
   }
 
-  void share_light() override {
+  void reuse_shadow_samples() override {
     for_each_ray(0, rays_.size(), {}, [&](std::size_t i) {
       const int x = int(i % std::size_t(tile_.width)), y = int(i / std::size_t(tile_.width));
-      kernels::share_light({lights_.data(), tile_}, lighting_, x, y, lights_[i]);
+      kernels::reuse_shadow_samples({lights_.data(), tile_}, lighting_, x, y, lights_[i]);
     });
   }
 
-  std::vector<std::uint32_t> wanted() override {
+  std::vector<std::uint32_t> requested() override {
     std::vector<std::uint32_t> found;
-    for (std::size_t i = 0; i < want_words(); ++i)
+    for (std::size_t i = 0; i < request_words(); ++i)
       for (std::uint32_t left = wanted_[i]; left != 0; left &= left - 1)
         found.push_back(std::uint32_t(32 * i) + std::uint32_t(kernels::lowest_one(left)));
     return found;
   }
 
   std::uint32_t pass() const override { return scene_.pass; }
-  const std::vector<std::uint32_t>& tile_stamps() override { return tile_used_; }
-  const std::vector<std::uint32_t>& slot_stamps() override { return slot_used_; }
+  const std::vector<std::uint32_t>& tile_timestamps() override { return tile_used_; }
+  const std::vector<std::uint32_t>& slot_timestamps() override { return slot_used_; }
 
   void resolve(const CastBackground& background, const CastPixels& out) override {
     const Tables tables = TableStore::host().view();
@@ -157,7 +157,7 @@ class CpuCaster final : public Caster {
 
   /// Returns the number of words of `wanted_` that rays can change: the words of all nodes that were ever written, and
   /// of the roots.
-  std::size_t want_words() const { return (2 * std::max(nodes_end_, scene_.cells.size) + 31) / 32; }
+  std::size_t request_words() const { return (2 * std::max(nodes_end_, scene_.cells.size) + 31) / 32; }
 
   void shade() {
     if (lights_.empty()) return;
@@ -166,15 +166,15 @@ class CpuCaster final : public Caster {
     shader_->on_host({rays_.data(), lights_.data(), tile_, lighting_, {eye[0], eye[1], eye[2]}}, lit_.data(), pool_);
   }
 
-  /// Runs one pass. go_on(i) continues ray i and returns true if the ray is finished. Returns the number of unfinished
+  /// Runs one pass. resume(i) continues ray i and returns true if the ray is finished. Returns the number of unfinished
   /// rays.
   template <class GoOn>
-  std::size_t one_pass(std::size_t begin, std::size_t end, const StopAsked& stop, const GoOn& go_on) {
+  std::size_t one_pass(std::size_t begin, std::size_t end, const StopAsked& stop, const GoOn& resume) {
     ++scene_.pass;
-    std::fill_n(wanted_.begin(), want_words(), 0);
+    std::fill_n(wanted_.begin(), request_words(), 0);
     std::atomic<std::size_t> unfinished{0};
     const bool whole = for_each_ray(begin, end, stop, [&](std::size_t i) {
-      if (!go_on(i)) unfinished.fetch_add(1, std::memory_order_relaxed);
+      if (!resume(i)) unfinished.fetch_add(1, std::memory_order_relaxed);
     });
     return whole ? unfinished.load() : std::max<std::size_t>(unfinished, 1);
   }
@@ -223,7 +223,7 @@ class CpuCaster final : public Caster {
 std::uint64_t PoolSizes::bytes() const {
   const std::uint64_t tile = 8 * sizeof(NodeWord) + 2 * sizeof(std::uint32_t);
   const std::uint64_t slot = sizeof(CastHead) + sizeof(std::uint32_t);
-  return tiles * tile + want_words() * sizeof(std::uint32_t) + slots * slot +
+  return tiles * tile + request_words() * sizeof(std::uint32_t) + slots * slot +
          voxels * std::uint64_t(sizeof(PackedVoxel));
 }
 

@@ -2,11 +2,11 @@
 #include <cstring>
 #include <utility>
 
-#include "kernels/cuda/device/arrival.cuh"
-#include "kernels/cuda/device/delivery.cuh"
+#include "kernels/cuda/device/download_ring.cuh"
 #include "kernels/cuda/device/input.cuh"
 #include "kernels/cuda/device/memory.cuh"
 #include "kernels/cuda/device/stream.cuh"
+#include "kernels/cuda/device/upload_ring.cuh"
 #include "kernels/light/light_passes.cuh"
 #include "kernels/marching/blend_passes.cuh"
 #include "kernels/marching/ray_rounds.cuh"
@@ -42,16 +42,16 @@ __global__ void apply_changes(const NodeChange* changes, std::uint32_t count, No
   if (i >= count) return;
   const NodeChange change = changes[i];
   nodes[change.node] = pack_node(change.value);
-  if (is_here(change.value.children)) parent_bricks[change.value.children] = change.value.brick;
+  if (is_resident(change.value.children)) parent_bricks[change.value.children] = change.value.brick;
 }
 
 /// Lists the requests in no particular order. Each thread reads one word.
-__global__ void list_wants(const std::uint32_t* wanted, std::uint32_t words, std::uint32_t* list,
-                           std::uint32_t* count) {
+__global__ void list_requests(const std::uint32_t* requested, std::uint32_t words, std::uint32_t* list,
+                              std::uint32_t* count) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
-  if (i >= words || wanted[i] == 0) return;
-  std::uint32_t at = atomicAdd(count, std::uint32_t(__popc(wanted[i])));
-  for (std::uint32_t left = wanted[i]; left != 0 && at < max_requests; left &= left - 1)
+  if (i >= words || requested[i] == 0) return;
+  std::uint32_t at = atomicAdd(count, std::uint32_t(__popc(requested[i])));
+  for (std::uint32_t left = requested[i]; left != 0 && at < max_requests; left &= left - 1)
     list[at++] = 32 * i + std::uint32_t(lowest_one(left));
 }
 
@@ -60,22 +60,22 @@ class CudaCaster final : public Caster {
   CudaCaster(const CastScene& scene, const PoolSizes& sizes, int device, const ThreadPool& pool)
       : device_(device),
         stream_(device),
-        heap_(stream_.handle, books_),
+        heap_(stream_.handle, memory_stats_),
         tables_(heap_),
         cells_(copy(scene.cells)),
         column_key_(copy(scene.column_key)),
         column_first_(copy(scene.column_first)),
         nodes_(copy_of(std::vector<NodeWord>(std::size_t(8) * sizes.tiles, pack_node({})))),
         parent_bricks_(heap_, sizes.tiles),
-        delivery_(heap_),
-        bricks_(heap_, delivery_, pool, sizes),
+        uploads_(heap_),
+        bricks_(heap_, uploads_, pool, sizes),
         tile_used_(zeros<std::uint32_t>(sizes.tiles)),
         slot_used_(zeros<std::uint32_t>(sizes.slots)),
-        wanted_(zeros<std::uint32_t>(sizes.want_words())),
-        want_list_(heap_, std::min<std::size_t>(32 * wanted_.size(), max_requests)),
+        wanted_(zeros<std::uint32_t>(sizes.request_words())),
+        request_list_(heap_, std::min<std::size_t>(32 * wanted_.size(), max_requests)),
         count_(heap_, 1),
         unfinished_(heap_, 1),
-        arrival_(stream_.handle, pool),
+        downloads_(stream_.handle, pool),
         rounds_(heap_, stream_.handle),
         blend_(heap_, stream_.handle),
         light_(heap_, stream_.handle),
@@ -86,7 +86,7 @@ class CudaCaster final : public Caster {
     scene_.nodes = nodes_.data();
     scene_.parent_bricks = parent_bricks_.data();
     bricks_.show_in(scene_);
-    scene_.marks = {tile_used_.data(), slot_used_.data(), wanted_.data()};
+    scene_.feedback = {tile_used_.data(), slot_used_.data(), wanted_.data()};
     scene_.pass = 0;
     finish("making pools");
   }
@@ -105,7 +105,7 @@ class CudaCaster final : public Caster {
   void put_nodes(const std::vector<NodeChange>& changes) override {
     if (changes.empty()) return;
     use_device();
-    const NodeChange* const sent = delivery_.send(changes);
+    const NodeChange* const sent = uploads_.send(changes);
     apply_changes<<<grid_of(changes.size(), 128), 128, 0, stream_.handle>>>(sent, std::uint32_t(changes.size()),
                                                                             nodes_.data(), parent_bricks_.data());
     check_launch("apply_changes");
@@ -122,9 +122,9 @@ class CudaCaster final : public Caster {
     is_started_ = false;
   }
 
-  std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
+  std::size_t cast(std::size_t begin, std::size_t end, bool blocking, const StopAsked& stop) override {
     const bool starts = !is_started_ && begin == 0 && end == ray_count();
-    return one_pass(end - begin, patient, stop, [&](RayPass pass) {
+    return one_pass(end - begin, blocking, stop, [&](RayPass pass) {
       pass.starts = starts;
       if (!starts) start_rays_once();
       is_started_ = true;
@@ -139,8 +139,8 @@ class CudaCaster final : public Caster {
     blend_.start(pass_of(true));
   }
 
-  std::size_t cast_blend(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
-    return one_pass(end - begin, patient, stop, [&](const RayPass& pass) { blend_.cast(rounds_, pass, begin, end); });
+  std::size_t cast_blend(std::size_t begin, std::size_t end, bool blocking, const StopAsked& stop) override {
+    return one_pass(end - begin, blocking, stop, [&](const RayPass& pass) { blend_.cast(rounds_, pass, begin, end); });
   }
 
   void start_light(const CastLighting& lighting, std::shared_ptr<const SurfaceShader> shader) override {
@@ -150,32 +150,32 @@ class CudaCaster final : public Caster {
     light_.start(lighting, std::move(shader), ray_count());
   }
 
-  std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) override {
-    return one_pass(end - begin, patient, stop, [&](const RayPass& pass) { light_.cast(pass, begin, end); });
+  std::size_t cast_light(std::size_t begin, std::size_t end, bool blocking, const StopAsked& stop) override {
+    return one_pass(end - begin, blocking, stop, [&](const RayPass& pass) { light_.cast(pass, begin, end); });
   }
 
-  void share_light() override {
+  void reuse_shadow_samples() override {
     use_device();
     light_.share(tile_);
   }
 
-  std::vector<std::uint32_t> wanted() override {
+  std::vector<std::uint32_t> requested() override {
     use_device();
     count_.clear_to_zero();
     const auto words = std::uint32_t(wanted_.size());
-    list_wants<<<grid_of(words, 256), 256, 0, stream_.handle>>>(wanted_.data(), words, want_list_.data(),
-                                                                count_.data());
+    list_requests<<<grid_of(words, 256), 256, 0, stream_.handle>>>(wanted_.data(), words, request_list_.data(),
+                                                                   count_.data());
     check_launch("list_wants");
     std::uint32_t count = 0;
     download(&count, count_.data(), 1);
-    std::vector<std::uint32_t> list(std::min<std::size_t>(count, want_list_.size()));
-    download(list.data(), want_list_.data(), list.size());
+    std::vector<std::uint32_t> list(std::min<std::size_t>(count, request_list_.size()));
+    download(list.data(), request_list_.data(), list.size());
     return list;
   }
 
   std::uint32_t pass() const override { return scene_.pass; }
-  const std::vector<std::uint32_t>& tile_stamps() override { return read_back(tile_used_, host_tile_used_); }
-  const std::vector<std::uint32_t>& slot_stamps() override { return read_back(slot_used_, host_slot_used_); }
+  const std::vector<std::uint32_t>& tile_timestamps() override { return read_back(tile_used_, host_tile_used_); }
+  const std::vector<std::uint32_t>& slot_timestamps() override { return read_back(slot_used_, host_slot_used_); }
 
   void resolve(const CastBackground& background, const CastPixels& out) override {
     use_device();
@@ -188,11 +188,11 @@ class CudaCaster final : public Caster {
     write_pixels<<<grid_of_tile(tile_), tile_threads, 0, stream_.handle>>>(scene_, camera_, tile_, shown, background,
                                                                            tables_.view(), here);
     check_launch("write_pixels");
-    std::vector<Arrival::Part> parts;
+    std::vector<DownloadRing::Part> parts;
     if (out.srgb != nullptr) parts.push_back({out.srgb, here.srgb, 4 * rays});
     if (out.linear != nullptr) parts.push_back({out.linear, here.linear, 4 * rays * sizeof(float)});
     if (out.depth != nullptr) parts.push_back({out.depth, here.depth, rays * sizeof(float)});
-    arrival_.bring(parts);
+    downloads_.bring(parts);
   }
 
  private:
@@ -209,19 +209,19 @@ class CudaCaster final : public Caster {
   /// Runs one pass. launch(RayPass) must continue `rays` rays. A pass takes a few milliseconds at most, so `stop` is
   /// called only before it.
   template <class Launch>
-  std::size_t one_pass(std::size_t rays, bool patient, const StopAsked& stop, const Launch& launch) {
+  std::size_t one_pass(std::size_t rays, bool blocking, const StopAsked& stop, const Launch& launch) {
     if (stop && stop()) return rays;
     use_device();
     ++scene_.pass;
     wanted_.clear_to_zero();
     unfinished_.clear_to_zero();
-    launch(pass_of(patient));
+    launch(pass_of(blocking));
     unsigned long long unfinished = 0;
     download(&unfinished, unfinished_.data(), 1);
     return std::size_t(unfinished);
   }
 
-  RayPass pass_of(bool patient) { return {scene_, camera_, tile_, rays_.data(), patient, false, unfinished_.data()}; }
+  RayPass pass_of(bool blocking) { return {scene_, camera_, tile_, rays_.data(), blocking, false, unfinished_.data()}; }
 
   /// Blends the second rays into the first rays, once.
   void blend() {
@@ -275,21 +275,21 @@ class CudaCaster final : public Caster {
   /// Copies an array to the host and waits until the copy is complete.
   template <class T>
   void download(T* host, const T* device, std::size_t count) {
-    const Arrival::Part part{host, device, count * sizeof(T)};
-    arrival_.bring({&part, 1});
+    const DownloadRing::Part part{host, device, count * sizeof(T)};
+    downloads_.bring({&part, 1});
   }
 
-  const std::vector<std::uint32_t>& read_back(const DeviceArray<std::uint32_t>& marks,
+  const std::vector<std::uint32_t>& read_back(const DeviceArray<std::uint32_t>& feedback,
                                               std::vector<std::uint32_t>& host) {
     use_device();
-    host.resize(marks.size());
-    download(host.data(), marks.data(), host.size());
+    host.resize(feedback.size());
+    download(host.data(), feedback.data(), host.size());
     return host;
   }
 
   int device_;
   Stream stream_;
-  DeviceBooks books_;
+  DeviceMemoryStats memory_stats_;
   DeviceHeap heap_;
   DeviceTables tables_;
   DeviceArray<CastCell> cells_;
@@ -297,11 +297,11 @@ class CudaCaster final : public Caster {
   DeviceArray<std::uint32_t> column_first_;
   DeviceArray<NodeWord> nodes_;
   DeviceArray<std::uint32_t> parent_bricks_;
-  Delivery delivery_;
+  UploadRing uploads_;
   BrickPool bricks_;
-  DeviceArray<std::uint32_t> tile_used_, slot_used_, wanted_, want_list_, count_;
+  DeviceArray<std::uint32_t> tile_used_, slot_used_, wanted_, request_list_, count_;
   DeviceArray<unsigned long long> unfinished_;
-  Arrival arrival_;
+  DownloadRing downloads_;
   RayRounds rounds_;
   BlendPasses blend_;
   LightPasses light_;

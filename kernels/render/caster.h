@@ -31,8 +31,8 @@ struct VoxelMove {
 struct PoolSizes {
   std::uint32_t tiles = 0, slots = 0, voxels = 0;
 
-  /// Returns the number of words in `CastMarks::wanted`, which has 16 bits per tile.
-  std::size_t want_words() const { return (std::size_t(tiles) + 1) / 2; }
+  /// Returns the number of words in `UsageFeedback::requested`, which has 16 bits per tile.
+  std::size_t request_words() const { return (std::size_t(tiles) + 1) / 2; }
   /// Returns the size of the pools and their marks in the memory of the caster's device.
   std::uint64_t bytes() const;
 };
@@ -63,17 +63,17 @@ class Caster {
   virtual void start(const CastCamera& camera, const CastTile& tile) = 0;
 
   /// Casts one pass: continues the unfinished rays among rays [begin, end) of the tile. Returns the number of rays that
-  /// are still unfinished. If `patient` is true, rays wait at missing data; otherwise they use coarser data and finish.
-  /// If `stop` ends the pass early, the remaining rays are unchanged and the result is above 0. Another pass then
-  /// continues with the same bits.
-  virtual std::size_t cast(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
+  /// are still unfinished. If `blocking` is true, rays wait at missing data; otherwise they use coarser data and
+  /// finish. If `stop` ends the pass early, the remaining rays are unchanged and the result is above 0. Another pass
+  /// then continues with the same bits.
+  virtual std::size_t cast(std::size_t begin, std::size_t end, bool blocking, const StopAsked& stop) = 0;
 
   /// Starts second rays for pixels between two levels. All rays of the tile must be finished. Pixels then blend both
   /// rays (kernels/marching/level_blend.h).
   virtual void start_blend() = 0;
 
   /// Casts one pass of the second rays of pixels [begin, end), like cast().
-  virtual std::size_t cast_blend(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
+  virtual std::size_t cast_blend(std::size_t begin, std::size_t end, bool blocking, const StopAsked& stop) = 0;
 
   /// Starts rays to the light from the surfaces that the tile's rays hit. All rays of the tile must be finished and
   /// must contain the surfaces' own colours. The shader then lights the pixels; null selects LitShader.
@@ -82,20 +82,21 @@ class Caster {
 
   /// Casts one pass of the rays to the light of pixels [begin, end), like cast(). Returns the number of pixels that
   /// have unfinished rays.
-  virtual std::size_t cast_light(std::size_t begin, std::size_t end, bool patient, const StopAsked& stop) = 0;
+  virtual std::size_t cast_light(std::size_t begin, std::size_t end, bool blocking, const StopAsked& stop) = 0;
 
   /// Reuses shadow samples within blocks of pixels. Call it once per tile, after all rays to the light are finished.
   /// Pixels without own rays take the light from other pixels of their block if it is uniform. The other pixels start
   /// their own rays, which cast_light() continues.
-  virtual void share_light() = 0;
+  virtual void reuse_shadow_samples() = 0;
 
   /// Returns the data that rays of the last pass missed, as 2·node + Want, in no particular order.
-  virtual std::vector<std::uint32_t> wanted() = 0;
+  virtual std::vector<std::uint32_t> requested() = 0;
 
-  /// Returns the number of the last pass. The elements of tile_stamps() and slot_stamps() are numbers of passes.
+  /// Returns the number of the last pass. The elements of tile_timestamps() and slot_timestamps() are numbers of
+  /// passes.
   virtual std::uint32_t pass() const = 0;
-  virtual const std::vector<std::uint32_t>& tile_stamps() = 0;
-  virtual const std::vector<std::uint32_t>& slot_stamps() = 0;
+  virtual const std::vector<std::uint32_t>& tile_timestamps() = 0;
+  virtual const std::vector<std::uint32_t>& slot_timestamps() = 0;
 
   /// Writes the pixels of the tile's rays to the host's memory.
   virtual void resolve(const CastBackground& background, const CastPixels& out) = 0;

@@ -25,7 +25,7 @@ void CudaFirstHits::upload(Span<const FirstHitRay>) { throw CudaFailure(cuda_dev
 double CudaFirstHits::cast(const FirstHitCamera&, bool) { throw CudaFailure(cuda_devices().reason); }
 double CudaFirstHits::cast(bool) { throw CudaFailure(cuda_devices().reason); }
 std::vector<FirstHit> CudaFirstHits::hits() const { throw CudaFailure(cuda_devices().reason); }
-std::vector<VoxelAttributes> CudaFirstHits::looks() const { throw CudaFailure(cuda_devices().reason); }
+std::vector<VoxelAttributes> CudaFirstHits::attributes() const { throw CudaFailure(cuda_devices().reason); }
 std::uint64_t CudaFirstHits::device_bytes() const { throw CudaFailure(cuda_devices().reason); }
 
 class CudaQuery::Impl {};

@@ -45,7 +45,7 @@ SceneDescription merge(const BakePlan& plan, const std::vector<CellReport>& repo
   scene.lattice_origin_m = parameters.lattice_origin_m;
   scene.origin = origin;
   scene.has_normals = parameters.normals;
-  scene.has_facing = has_facing(parameters);
+  scene.has_directional_coverage = has_directional_coverage(parameters);
   scene.parameters = to_json(parameters);
   scene.triangles = plan.triangles;
   scene.non_finite = plan.non_finite;

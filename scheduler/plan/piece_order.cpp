@@ -38,7 +38,7 @@ std::vector<Piece> piece_order(const std::vector<TileScan>& scans, bool all_tile
   std::size_t maximum = 0;
   for (const std::vector<Piece>& list : lists) {
     std::vector<std::uint64_t> weights;
-    for (const Piece& piece : list) weights.push_back(piece.column.crossings);
+    for (const Piece& piece : list) weights.push_back(piece.column.projected_voxels);
     orders.push_back(weighted_order(weights, ++seed));
     maximum = std::max(maximum, orders.back().size());
   }

@@ -8,7 +8,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 #include "core/base/quote.h"
 #include "format/job/fingerprint.h"
 #include "format/source/raster/dem.h"
@@ -190,7 +190,7 @@ std::vector<std::string> warning_lines(const std::vector<TileScan>& scans, const
 /// Returns the entry in the list of losses for triangles that are too long to be baked. The tile itself is readable.
 SceneLoss far_loss(const TileScan& s, const std::string& tile, double voxel_size_m) {
   const double needed_m = s.reach_m / double(max_side_voxels);
-  return {fmt::format("{} of tile {}", counted(s.too_far, "triangle"), tile),
+  return {fmt::format("{} of tile {}", pluralize(s.too_far, "triangle"), tile),
           fmt::format("up to {:.3g} voxels ({:.3g} m) long, but at most {} can be baked; fix the distant vertex, or "
                       "set `voxel_size_m` to {:.3g} or more",
                       s.reach_m / voxel_size_m, s.reach_m, max_side_voxels, needed_m * 1.005)};
@@ -205,7 +205,7 @@ void add_counts(const std::vector<TileScan>& scans, const SceneSources& sources,
     plan.triangles += s.triangles;
     plan.tile_triangles.push_back(s.triangles);
     plan.tile_crossings.push_back(0);
-    for (const ColumnExtent& c : s.columns) plan.tile_crossings.back() += c.crossings;
+    for (const ColumnExtent& c : s.columns) plan.tile_crossings.back() += c.projected_voxels;
     plan.non_finite += s.non_finite;
     plan.zero_area += s.zero_area;
     plan.skipped_points += s.skipped_points;

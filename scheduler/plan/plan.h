@@ -21,7 +21,7 @@ struct BakePlan {
   /// jobs[i].id is i.
   std::vector<CellJob> jobs;
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
-  /// Sums of ColumnExtent::crossings over each tile's columns, by index in sources.tiles.
+  /// Sums of ColumnExtent::projected_voxels over each tile's columns, by index in sources.tiles.
   std::vector<std::uint64_t> tile_crossings;
   std::vector<std::uint64_t> tile_triangles;
   SourcePrecision precision;

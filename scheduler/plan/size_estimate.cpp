@@ -15,11 +15,11 @@ std::uint64_t rounded(double v) { return std::uint64_t(std::llround(std::clamp(v
 
 /// Sums over pieces.
 struct Sums {
-  double crossings = 0, voxels_lod0 = 0, voxels = 0, level_bytes = 0, shard_bytes = 0, cells = 0;
+  double projected_voxels = 0, voxels_lod0 = 0, voxels = 0, level_bytes = 0, shard_bytes = 0, cells = 0;
   double read_s = 0, work_s = 0;
   explicit Sums(const std::vector<BakedPiece>& pieces) {
     for (const BakedPiece& p : pieces) {
-      crossings += p.crossings;
+      projected_voxels += p.projected_voxels;
       voxels_lod0 += double(p.voxels_lod0);
       voxels += double(p.voxels);
       level_bytes += double(p.level_bytes);
@@ -37,8 +37,8 @@ struct Ratio {
   explicit Ratio(const std::vector<BakedPiece>& pieces) {
     double sum = 0, squares = 0, n = 0;
     for (const BakedPiece& p : pieces) {
-      if (p.crossings <= 0) continue;
-      const double r = double(p.voxels_lod0) / p.crossings;
+      if (p.projected_voxels <= 0) continue;
+      const double r = double(p.voxels_lod0) / p.projected_voxels;
       sum += r;
       squares += r * r;
       n += 1;
@@ -73,7 +73,7 @@ double bake_seconds(const SampledScene& scene, const BakedSample& sample, const 
 SizeEstimate estimate_size(const SampledScene& scene, const BakedSample& sample) {
   const Sums sums(sample.pieces);
   const Ratio ratio(sample.pieces);
-  const double rest = std::max(0.0, scene.crossings - sums.crossings);
+  const double rest = std::max(0.0, scene.projected_voxels - sums.projected_voxels);
   const double voxels_lod0 = sums.voxels_lod0 + rest * ratio.mean;
   const bool has_voxels = sums.voxels > 0;
   const double voxels = voxels_lod0 * (has_voxels ? sums.voxels / sums.voxels_lod0 : usual_levels);
@@ -85,7 +85,7 @@ SizeEstimate estimate_size(const SampledScene& scene, const BakedSample& sample)
   e.bytes = rounded(voxels * per_voxel + double(scene.cells) * per_cell);
   if (has_voxels) e.bake_s = bake_seconds(scene, sample, sums, voxels);
   e.voxels_error = voxels_lod0 > 0 ? rest * ratio.error / voxels_lod0 : 0;
-  e.share = scene.crossings > 0 ? std::min(1.0, sums.crossings / scene.crossings) : 0;
+  e.share = scene.projected_voxels > 0 ? std::min(1.0, sums.projected_voxels / scene.projected_voxels) : 0;
   return e;
 }
 

@@ -10,7 +10,8 @@ namespace gigabake {
 /// Result of baking one column of one tile in isolation.
 struct BakedPiece {
   std::uint32_t tile = 0;
-  double crossings = 0;  ///< estimated projected lod-0 voxels of the piece's surface (ColumnExtent::crossings)
+  double projected_voxels =
+      0;  ///< estimated projected lod-0 voxels of the piece's surface (ColumnExtent::projected_voxels)
   std::uint64_t voxels_lod0 = 0, voxels = 0;  ///< voxels: sum over all levels
   std::uint64_t level_bytes = 0, shard_bytes = 0;
   std::uint32_t cells = 0;
@@ -25,7 +26,7 @@ struct BakedSample {
 
 /// The scene that the pieces were drawn from, in voxels of the same size.
 struct SampledScene {
-  double crossings = 0;
+  double projected_voxels = 0;
   std::vector<std::uint64_t> tile_triangles;  ///< per tile
   std::uint64_t cells = 0;
   int ranks = 1;  ///< number of ranks, each as fast as the one that baked the pieces

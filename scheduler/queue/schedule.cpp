@@ -189,7 +189,7 @@ void Schedule::lose(int worker, double now_s) {
 
 void Schedule::stop() { stopped_ = true; }
 
-std::vector<std::uint32_t> Schedule::take_set_aside() { return std::exchange(set_aside_, {}); }
+std::vector<std::uint32_t> Schedule::take_quarantined() { return std::exchange(quarantined_, {}); }
 
 /// Removes a pending job from its queue.
 void Schedule::withdraw(std::uint32_t job) {
@@ -235,7 +235,7 @@ void Schedule::record_failure(std::uint32_t job, const std::string& error, doubl
   if (++t.strikes < options_.strikes && !t.is_final) return put_back(job, now_s);
   job_[job].state = JobState::failed;
   ++counts_.failed;
-  set_aside_.push_back(job);
+  quarantined_.push_back(job);
   overviews_.settled(job, std::nullopt);
 }
 

@@ -100,7 +100,7 @@ class Schedule {
   void stop();
 
   /// Returns the jobs quarantined since the last call, in order.
-  std::vector<std::uint32_t> take_set_aside();
+  std::vector<std::uint32_t> take_quarantined();
 
   /// Returns true if no job is running and none will be dispatched.
   bool is_over() const { return counts_.running == 0 && (counts_.pending == 0 || stopped_); }
@@ -165,7 +165,7 @@ class Schedule {
   std::uint64_t pending_cost_ = 0;
   std::optional<int>
       reserved_worker_;  ///< the worker that gets no cells, so that it becomes free for an isolated retry
-  std::vector<std::uint32_t> set_aside_;
+  std::vector<std::uint32_t> quarantined_;
   bool stopped_ = false;
 };
 

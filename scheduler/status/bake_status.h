@@ -30,7 +30,7 @@ constexpr auto names_of<BakeState>() {
 /// Returns true if the state is final.
 bool is_over(BakeState state);
 
-/// Numbers of cells: planned = taken_over + pending + running + done + empty + set_aside.
+/// Numbers of cells: planned = taken_over + pending + running + done + empty + quarantined.
 struct CellTally {
   std::uint64_t planned = 0;
   std::uint64_t taken_over = 0;       ///< baked by an earlier run
@@ -38,7 +38,7 @@ struct CellTally {
   std::uint64_t running = 0;          ///< in flight at a worker
   std::uint64_t done = 0;             ///< baked by this run
   std::uint64_t empty = 0;            ///< found empty by this run
-  std::uint64_t set_aside = 0;        ///< failed permanently; missing from the scene
+  std::uint64_t quarantined = 0;      ///< failed permanently; missing from the scene
   std::uint64_t failed_attempts = 0;  ///< includes attempts at cells that a later attempt baked
   friend bool operator==(const CellTally&, const CellTally&) = default;
 };

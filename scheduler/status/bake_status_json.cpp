@@ -15,10 +15,14 @@ OrderedJson or_null(const std::optional<T>& value) {
 }
 
 OrderedJson json_of(const CellTally& c) {
-  return {{"planned", c.planned},     {"taken_over", c.taken_over},
-          {"pending", c.pending},     {"running", c.running},
-          {"done", c.done},           {"empty", c.empty},
-          {"set_aside", c.set_aside}, {"failed_attempts", c.failed_attempts}};
+  return {{"planned", c.planned},
+          {"taken_over", c.taken_over},
+          {"pending", c.pending},
+          {"running", c.running},
+          {"done", c.done},
+          {"empty", c.empty},
+          {"set_aside", c.quarantined},
+          {"failed_attempts", c.failed_attempts}};
 }
 
 OrderedJson json_of(const Throughput& t) {

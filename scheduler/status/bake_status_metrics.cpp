@@ -65,7 +65,7 @@ void add_cells(Exposition& e, const CellTally& c) {
   cells("running", c.running);
   cells("done", c.done);
   cells("empty", c.empty);
-  cells("set_aside", c.set_aside);
+  cells("set_aside", c.quarantined);
   e.counter("gigabake_failed_attempts_total", "Failed attempts to bake a cell.", double(c.failed_attempts));
 }
 

@@ -55,7 +55,8 @@ void BakeStatusRecord::add(const BakeEvent& event, double now_s) {
   if (const auto* sent = std::get_if<JobDispatched>(&event)) return handed_out(sent->job, sent->rank, now_s);
   if (const auto* done = std::get_if<JobFinished>(&event)) return cell_done(done->report, now_s);
   if (const auto* failed = std::get_if<AttemptFailed>(&event)) return attempt_failed(failed->job, now_s);
-  if (const auto* bad = std::get_if<JobQuarantined>(&event)) return set_aside(bad->report.id, bad->report.error, now_s);
+  if (const auto* bad = std::get_if<JobQuarantined>(&event))
+    return quarantined(bad->report.id, bad->report.error, now_s);
   if (const auto* died = std::get_if<ProcessDied>(&event)) return process_died(died->rank, now_s);
   if (const auto* silent = std::get_if<WorkerLost>(&event)) return worker_lost(silent->rank, now_s);
   if (const auto* entered = std::get_if<StateEntered>(&event)) return enter(entered->state);
@@ -136,9 +137,9 @@ void BakeStatusRecord::attempt_failed(std::uint32_t job, double now_s) {
   ++status_.cells.failed_attempts;
 }
 
-void BakeStatusRecord::set_aside(std::uint32_t job, const std::string& line, double now_s) {
+void BakeStatusRecord::quarantined(std::uint32_t job, const std::string& line, double now_s) {
   if (!settle(job, now_s)) return;
-  status_.cells.set_aside += is_cell(job);
+  status_.cells.quarantined += is_cell(job);
   lost((is_cell(job) ? "cell " : "parent ") + names_[job], line);
 }
 
@@ -166,7 +167,7 @@ BakeStatus BakeStatusRecord::at(double now_s) const {
   BakeStatus s = status_;
   s.updated_s = now_s;
   s.cells.pending =
-      s.cells.planned - s.cells.taken_over - s.cells.running - s.cells.done - s.cells.empty - s.cells.set_aside;
+      s.cells.planned - s.cells.taken_over - s.cells.running - s.cells.done - s.cells.empty - s.cells.quarantined;
   if (status_.state != BakeState::scanning) {
     s.recent = recent_.at(planned_s_, now_s);
     s.overall = over(now_s - planned_s_, double(s.cells.done + s.cells.empty), double(s.voxels), double(s.bytes));

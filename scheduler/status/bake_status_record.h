@@ -60,9 +60,9 @@ class BakeStatusRecord {
   void handed_out(std::uint32_t job, int worker, double now_s);
   /// Records a cell that was baked or found empty.
   void cell_done(const CellReport& report, double now_s);
-  /// Records a failed attempt; the cell is pending again unless set_aside() follows.
+  /// Records a failed attempt; the cell is pending again unless quarantined() follows.
   void attempt_failed(std::uint32_t job, double now_s);
-  void set_aside(std::uint32_t job, const std::string& line, double now_s);
+  void quarantined(std::uint32_t job, const std::string& line, double now_s);
   /// Records that a worker's bake process died and restarts. The worker's cells in flight are pending again.
   void process_died(int worker, double now_s);
   /// Records a heartbeat timeout of a worker. The worker's cells in flight are pending again.

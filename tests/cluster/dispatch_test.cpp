@@ -82,7 +82,7 @@ class Dispatch : public testing::Test {
     const CellTally tally = feed_->record().at(unix_now_s()).cells;
     EXPECT_EQ(tally.empty, done);
     EXPECT_EQ(tally.taken_over, taken_over);
-    EXPECT_EQ(tally.set_aside, result.counts.failed);
+    EXPECT_EQ(tally.quarantined, result.counts.failed);
   }
 
   static void expect_all_stopped(const ScriptedRanks& ranks) {

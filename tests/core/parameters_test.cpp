@@ -21,7 +21,7 @@ TEST(BakeParameters, ComeBackFromTheirText) {
     p.surface = SurfaceRule(rng() % 3);
     p.mip = MipFilter(rng() % 3);
     p.normals = rng() % 2 == 0;
-    p.facing = rng() % 2 == 0;
+    p.directional_coverage = rng() % 2 == 0;
     p.max_error = std::uint32_t(rng() % 128);
     p.codec = Codec(rng() % 2);
     const BakeParameters q = parameters_from_json(to_json(p));
@@ -31,7 +31,7 @@ TEST(BakeParameters, ComeBackFromTheirText) {
     EXPECT_EQ(p.surface, q.surface);
     EXPECT_EQ(p.mip, q.mip);
     EXPECT_EQ(p.normals, q.normals);
-    EXPECT_EQ(p.facing, q.facing);
+    EXPECT_EQ(p.directional_coverage, q.directional_coverage);
     EXPECT_EQ(p.max_error, q.max_error);
     EXPECT_EQ(p.codec, q.codec);
     EXPECT_EQ(to_json(p), to_json(q));
@@ -51,17 +51,17 @@ TEST(BakeParameters, OfTheFirstScenesAreReadAsWhatWasTheOnlyWayThen) {
       R"("normals":true})");
   EXPECT_EQ(p.codec, Codec::lz4);
   EXPECT_EQ(p.max_error, 0u);
-  EXPECT_TRUE(p.facing);
+  EXPECT_TRUE(p.directional_coverage);
 }
 
 TEST(BakeParameters, HaveCoverageAlongTheAxesWhereItIsMadeAndWanted) {
   BakeParameters p;
-  EXPECT_TRUE(has_facing(p));
+  EXPECT_TRUE(has_directional_coverage(p));
   p.mip = MipFilter::thesis;
-  EXPECT_FALSE(has_facing(p));
+  EXPECT_FALSE(has_directional_coverage(p));
   p.mip = MipFilter::coverage;
-  p.facing = false;
-  EXPECT_FALSE(has_facing(p));
+  p.directional_coverage = false;
+  EXPECT_FALSE(has_directional_coverage(p));
 }
 
 TEST(BakeParameters, AreRefusedWhereTheTextIsNotTheirs) {

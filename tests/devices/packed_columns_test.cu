@@ -20,11 +20,11 @@
 namespace gigabake {
 namespace {
 
-ShardHeader header_of(bool normals, bool facing, std::uint32_t cell_voxels) {
+ShardHeader header_of(bool normals, bool directional_coverage, std::uint32_t cell_voxels) {
   ShardHeader header;
   header.cell_voxels = cell_voxels;
   header.has_normals = normals;
-  header.has_facing = facing;
+  header.has_directional_coverage = directional_coverage;
   return header;
 }
 
@@ -147,7 +147,7 @@ void add_values(std::mt19937_64& rng, const BrickLevel& level, std::size_t width
   }
 }
 
-BrickLevel made_level(std::mt19937_64& rng, std::size_t bricks, bool normals, bool facing) {
+BrickLevel made_level(std::mt19937_64& rng, std::size_t bricks, bool normals, bool directional_coverage) {
   BrickLevel level;
   level.first.push_back(0);
   for (std::size_t b = 0; b < bricks; ++b) {
@@ -166,7 +166,8 @@ BrickLevel made_level(std::mt19937_64& rng, std::size_t bricks, bool normals, bo
   std::vector<std::uint8_t> normal;
   if (normals) add_values(rng, level, 2, normal);
   level.normal.assign(normal.begin(), normal.end());
-  if (facing) add_values(rng, level, bytes_a_voxel(VoxelArray::facing), level.facing);
+  if (directional_coverage)
+    add_values(rng, level, bytes_a_voxel(VoxelArray::directional_coverage), level.directional_coverage);
   return level;
 }
 
@@ -186,7 +187,8 @@ kernels::DeviceLevel on_device(kernels::DeviceHeap& heap, const BrickLevel& leve
   out.key = uploaded<std::uint32_t>(heap, std::vector<std::uint32_t>(out.bricks));
   out.rgba = uploaded<std::uint32_t>(heap, level.rgba);
   if (!level.normal.empty()) out.normal = uploaded<std::uint16_t>(heap, level.normal);
-  if (!level.facing.empty()) out.facing = uploaded<std::uint8_t>(heap, level.facing);
+  if (!level.directional_coverage.empty())
+    out.directional_coverage = uploaded<std::uint8_t>(heap, level.directional_coverage);
   return out;
 }
 
@@ -219,18 +221,19 @@ TEST_F(DevicePack, MakesTheHostsColumnsOfRandomLevels) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const kernels::Stream stream(device_);
-  kernels::DeviceBooks books;
-  kernels::DeviceHeap heap(stream.handle, books);
+  kernels::DeviceMemoryStats memory_stats;
+  kernels::DeviceHeap heap(stream.handle, memory_stats);
   for (int round = 0; round < 60 && !HasFailure(); ++round) {
     SCOPED_TRACE("round " + std::to_string(round));
-    const bool normals = rng() % 3 != 0, facing = rng() % 3 != 0;
+    const bool normals = rng() % 3 != 0, directional_coverage = rng() % 3 != 0;
     std::vector<BrickLevel> levels;
     const std::size_t lods = 1 + rng() % 6;
     for (std::size_t lod = 0; lod < lods; ++lod)
-      levels.push_back(made_level(rng, 1 + rng() % (rng() % 4 == 0 ? 5000 : 20), normals, facing && lod > 0));
+      levels.push_back(
+          made_level(rng, 1 + rng() % (rng() % 4 == 0 ? 5000 : 20), normals, directional_coverage && lod > 0));
     kernels::BakedCell cell;
     put_on_device(heap, levels, cell);
-    expect_same_columns(header_of(normals, facing, 8u << (lods - 1)), one_node(), levels, cell);
+    expect_same_columns(header_of(normals, directional_coverage, 8u << (lods - 1)), one_node(), levels, cell);
   }
 }
 
@@ -238,8 +241,8 @@ TEST_F(DevicePack, MakesTheHostsColumnsOfRandomLevels) {
 TEST_F(DevicePack, MakesTheHostsColumnsOfMoreThanAThousandChunks) {
   std::mt19937_64 rng(5);
   const kernels::Stream stream(device_);
-  kernels::DeviceBooks books;
-  kernels::DeviceHeap heap(stream.handle, books);
+  kernels::DeviceMemoryStats memory_stats;
+  kernels::DeviceHeap heap(stream.handle, memory_stats);
   BrickLevel level;
   level.first.push_back(0);
   constexpr std::size_t bricks = 100'000;  // full: 51 million voxels, 154 MB of colours
@@ -262,7 +265,7 @@ TEST_F(DevicePack, MakesTheHostsColumnsOfEveryRuleFilterAndChannel) {
         for (const bool all_channels : {true, false}) {
           SCOPED_TRACE(cell.name + ", rule " + std::to_string(int(rule)) + ", filter " + std::to_string(int(filter)));
           kernels::CellParameters parameters = cell.parameters(rule, filter, all_channels);
-          parameters.facing = all_channels;
+          parameters.directional_coverage = all_channels;
           parameters.max_error = rule == SurfaceRule::thin ? 3 : 0;
           const auto input = baker_->upload(cell.input());
           std::unique_ptr<kernels::CudaVolume> volume = baker_->bake(*input, parameters);
@@ -287,13 +290,14 @@ TEST_F(DevicePack, PrunesAsTheHostDoes) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const kernels::Stream stream(device_);
-  kernels::DeviceBooks books;
-  kernels::DeviceHeap heap(stream.handle, books);
+  kernels::DeviceMemoryStats memory_stats;
+  kernels::DeviceHeap heap(stream.handle, memory_stats);
   std::map<NodeKind, std::size_t> nodes_of;
   for (int round = 0; round < 40 && !HasFailure(); ++round) {
     SCOPED_TRACE("round " + std::to_string(round));
-    const bool normals = rng() % 3 != 0, facing = rng() % 3 != 0;
-    std::vector<kernels::Level> levels = kernels::test::MadeTree(rng, 1 + rng() % 5, normals, facing).levels();
+    const bool normals = rng() % 3 != 0, directional_coverage = rng() % 3 != 0;
+    std::vector<kernels::Level> levels =
+        kernels::test::MadeTree(rng, 1 + rng() % 5, normals, directional_coverage).levels();
     kernels::BakedCell cell;
     for (const kernels::Level& level : levels) {
       cell.levels.push_back(on_device(heap, level));
@@ -303,9 +307,9 @@ TEST_F(DevicePack, PrunesAsTheHostDoes) {
     ASSERT_EQ(cudaStreamSynchronize(heap.stream()), cudaSuccess);
     const NodeTable nodes = kernels::prune(levels, pool_);
     for (const NodeKind kind : nodes.kind) ++nodes_of[kind];
-    const ShardHeader header = header_of(normals, facing, 8u << (levels.size() - 1));
+    const ShardHeader header = header_of(normals, directional_coverage, 8u << (levels.size() - 1));
     NodeTable stored = nodes;
-    if (!facing) stored.facing.clear();
+    if (!directional_coverage) stored.directional_coverage.clear();
     expect_same_columns(header, stored, std::vector<BrickLevel>(levels.begin(), levels.end()), cell);
   }
   for (const NodeKind kind : {NodeKind::brick, NodeKind::constant, NodeKind::leaf_constant})

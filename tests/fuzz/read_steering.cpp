@@ -35,12 +35,12 @@ void steering(Bytes bytes) {
   CameraOptions home;
   home.eye_m = {100, -100, 50};
   home.target_m = {0, 0, 0};
-  RenderScheduler pilot(home, 0.03);
+  RenderScheduler scheduler(home, 0.03);
   std::string_view rest = text_of(bytes);
   for (double now_s = 0; !rest.empty(); now_s += 0.05) {
-    pilot.steer(steering_from_json(take_line(rest)), now_s);
-    pilot.next(now_s);
-    const CameraPose& pose = pilot.rig().pose();
+    scheduler.steer(viewer_input_from_json(take_line(rest)), now_s);
+    scheduler.next(now_s);
+    const CameraPose& pose = scheduler.controller().pose();
     if (!is_finite(pose.eye_m) || !is_finite(pose.target_m)) throw FaultFound("the camera is nowhere");
   }
 }

@@ -15,8 +15,8 @@ namespace gigabake::kernels::test {
 /// from the root down.
 class MadeTree {
  public:
-  MadeTree(std::mt19937_64& rng, std::size_t lods, bool normals, bool facing)
-      : rng_(rng), normals_(normals), facing_(facing), levels_(lods) {
+  MadeTree(std::mt19937_64& rng, std::size_t lods, bool normals, bool directional_coverage)
+      : rng_(rng), normals_(normals), directional_coverage_(directional_coverage), levels_(lods) {
     for (Level& level : levels_) level.first.push_back(0);
     add(0, lods - 1, std::nullopt);
   }
@@ -53,12 +53,13 @@ class MadeTree {
     const std::uint8_t alpha = std::uint8_t(200 + value % 3);
     level.rgba.insert(level.rgba.end(), {std::uint8_t(value), std::uint8_t(value >> 8), 7, alpha});
     if (normals_) level.normal.insert(level.normal.end(), {std::int8_t(value % 100), 3});
-    if (facing_ && lod > 0)
-      level.facing.insert(level.facing.end(), {alpha, alpha, alpha, std::uint8_t(value % 7 == 6)});
+    if (directional_coverage_ && lod > 0)
+      level.directional_coverage.insert(level.directional_coverage.end(),
+                                        {alpha, alpha, alpha, std::uint8_t(value % 7 == 6)});
   }
 
   std::mt19937_64& rng_;
-  bool normals_, facing_;
+  bool normals_, directional_coverage_;
   std::vector<Level> levels_;
 };
 

@@ -75,7 +75,9 @@ void expand_brick(const Level& level, std::size_t brick, const Voxel& corner, Vo
     BakedVoxel value;
     std::copy_n(&level.rgba[4 * at], 4, value.rgba.begin());
     if (!level.normal.empty()) std::copy_n(&level.normal[2 * at], 2, value.normal.begin());
-    if (!level.facing.empty()) std::copy_n(&level.facing[facing_bytes * at], facing_bytes, value.facing.begin());
+    if (!level.directional_coverage.empty())
+      std::copy_n(&level.directional_coverage[directional_coverage_bytes * at], directional_coverage_bytes,
+                  value.directional_coverage.begin());
     out[{corner[0] + bit % 8, corner[1] + bit / 8 % 8, corner[2] + bit / 64}] = value;
     ++at;
   }
@@ -86,7 +88,7 @@ void expand_constant(const NodeTable& nodes, std::size_t node, const Voxel& corn
   BakedVoxel value;
   for (int c = 0; c < 4; ++c) value.rgba[c] = std::uint8_t(nodes.value[node] >> (8 * c));
   if (!nodes.normal.empty()) value.normal = nodes.normal[node];
-  if (lod > 0) value.facing = nodes.facing[node];
+  if (lod > 0) value.directional_coverage = nodes.directional_coverage[node];
   for (std::int64_t z = 0; z < edge; ++z)
     for (std::int64_t y = 0; y < edge; ++y)
       for (std::int64_t x = 0; x < edge; ++x) out[{corner[0] + x, corner[1] + y, corner[2] + z}] = value;
@@ -193,12 +195,12 @@ std::set<Voxel> positions_of(const VoxelMap& voxels) {
 bool same_bits(const CellVolume& a, const CellVolume& b) {
   const auto same_level = [](const Level& x, const Level& y) {
     return x.key == y.key && x.mask == y.mask && x.first == y.first && x.rgba == y.rgba && x.normal == y.normal &&
-           x.facing == y.facing;
+           x.directional_coverage == y.directional_coverage;
   };
   const NodeTable &m = a.nodes, &n = b.nodes;
   return std::equal(a.levels.begin(), a.levels.end(), b.levels.begin(), b.levels.end(), same_level) && m.key == n.key &&
          m.lod == n.lod && m.kind == n.kind && m.child_mask == n.child_mask && m.first_child == n.first_child &&
-         m.value == n.value && m.normal == n.normal && m.facing == n.facing;
+         m.value == n.value && m.normal == n.normal && m.directional_coverage == n.directional_coverage;
 }
 
 const ThreadPool& policy_of(int threads) {

@@ -131,9 +131,12 @@ void expect_parent_by_view(const BakedVoxel& parent, const Octet& o, const Views
   for (std::size_t axis = 0; axis < 3; ++axis) {
     int sum = 0;
     for (const int cell : views.fine.cells[axis]) sum += cell;
-    const int facing = std::max(1, rounded(sum, edge * edge));
-    ASSERT_EQ(int(parent.facing[axis]), kernels::is_all_sheet(parent.facing[facing_plane]) ? 0 : facing) << axis;
-    maximum = std::max(maximum, facing);
+    const int directional_coverage = std::max(1, rounded(sum, edge * edge));
+    ASSERT_EQ(
+        int(parent.directional_coverage[axis]),
+        kernels::is_fully_planar(parent.directional_coverage[directional_coverage_plane]) ? 0 : directional_coverage)
+        << axis;
+    maximum = std::max(maximum, directional_coverage);
   }
   ASSERT_EQ(int(parent.rgba[3]), maximum) << "alpha";
   const long six_sides = 6L * (edge / 2) * (edge / 2);

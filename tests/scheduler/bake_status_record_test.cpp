@@ -39,7 +39,9 @@ struct Bake {
   BakeStatusRecord record{{"/out", "node1", 77, 4}, start_s - 10};
 };
 
-std::uint64_t sum(const CellTally& c) { return c.taken_over + c.pending + c.running + c.done + c.empty + c.set_aside; }
+std::uint64_t sum(const CellTally& c) {
+  return c.taken_over + c.pending + c.running + c.done + c.empty + c.quarantined;
+}
 
 TEST(BakeStatusRecord, KnowsWhoseBakeItIsAndHowFarTheScanIs) {
   BakeStatusRecord record({"/out", "node1", 77, 4}, start_s);
@@ -115,7 +117,7 @@ TEST(BakeStatusRecord, OfEventsIsThatOfItsFunctions) {
   for (const std::uint32_t job : {0u, 1u, 2u}) by_calls.handed_out(job, int(job % 2), start_s + 2);
   by_calls.cell_done(done, start_s + 3);
   by_calls.attempt_failed(1, start_s + 4);
-  by_calls.set_aside(1, "died", start_s + 4);
+  by_calls.quarantined(1, "died", start_s + 4);
   by_calls.process_died(0, start_s + 5);
   by_calls.worker_lost(1, start_s + 6);
   by_calls.enter(BakeState::draining);
@@ -145,12 +147,12 @@ TEST(BakeStatusRecord, ListsWhatWillBeMissing) {
   for (std::uint32_t job = 0; job < 30; ++job) {
     b.record.handed_out(job, 0, start_s);
     b.record.attempt_failed(job, start_s);
-    b.record.set_aside(job, "died", start_s);
-    b.record.set_aside(job, "died twice", start_s);
+    b.record.quarantined(job, "died", start_s);
+    b.record.quarantined(job, "died twice", start_s);
   }
   const BakeStatus s = b.record.at(start_s + 1);
   EXPECT_EQ(s.failures, 31u);
-  EXPECT_EQ(s.cells.set_aside, 30u);
+  EXPECT_EQ(s.cells.quarantined, 30u);
   EXPECT_EQ(s.cells.failed_attempts, 30u);
   ASSERT_EQ(s.first_failures.size(), max_failures_listed);
   EXPECT_EQ(s.first_failures[0], (BakeFailure{"tile a.glb", "not JSON"}));
@@ -201,7 +203,7 @@ TEST(BakeStatusRecord, EstimatesTheTimeLeftFromCostAndNotFromCells) {
   EXPECT_NEAR(*b.record.at(start_s + 7).left_s, 3, 1e-9);
   b.record.cell_done(baked(1), start_s + 8);
   EXPECT_NEAR(*b.record.at(start_s + 8).left_s, 2, 1e-9);
-  b.record.set_aside(2, "died", start_s + 8);
+  b.record.quarantined(2, "died", start_s + 8);
   EXPECT_NEAR(*b.record.at(start_s + 8).left_s, 1, 1e-9);
   b.record.cell_done(baked(3), start_s + 9);
   EXPECT_EQ(b.record.at(start_s + 9).left_s, 0);
@@ -267,13 +269,14 @@ class FaultyBake {
       now_s_ += 0.1;
       for (int w = 0; w < workers; ++w) hand_out(w);
       something_happens();
-      for (const std::uint32_t job : schedule_.take_set_aside()) record_.set_aside(job, schedule_.error(job), now_s_);
+      for (const std::uint32_t job : schedule_.take_quarantined())
+        record_.quarantined(job, schedule_.error(job), now_s_);
       const CellTally c = record_.at(start_s + now_s_).cells;
       const JobCounts counts = schedule_.counts();
       ASSERT_EQ(sum(c), c.planned);
       ASSERT_EQ(c.running, counts.running);
       ASSERT_EQ(c.done + c.empty, counts.done);
-      ASSERT_EQ(c.set_aside, counts.failed);
+      ASSERT_EQ(c.quarantined, counts.failed);
       ASSERT_EQ(c.pending, counts.pending);
     }
   }

@@ -36,8 +36,8 @@ TEST(ScheduleFaults, SetACellAsideAfterThreeStrikesEachAtAnotherWorker) {
   EXPECT_TRUE(schedule.is_over());
   EXPECT_EQ(schedule.counts(), (JobCounts{0, 0, 0, 1, 0}));
   EXPECT_EQ(schedule.error(0), "error 3 (tried 3 times)");
-  EXPECT_THAT(schedule.take_set_aside(), ElementsAre(0));
-  EXPECT_THAT(schedule.take_set_aside(), IsEmpty());
+  EXPECT_THAT(schedule.take_quarantined(), ElementsAre(0));
+  EXPECT_THAT(schedule.take_quarantined(), IsEmpty());
 }
 
 TEST(ScheduleFaults, TryAgainAtTheSameWorkerWhereItIsTheOnlyOneLeft) {

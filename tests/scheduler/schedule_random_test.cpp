@@ -123,7 +123,7 @@ class Ordeal {
       ++(s == JobState::done ? c.done : s == JobState::failed ? c.failed : c.abandoned);
     }
     ASSERT_EQ(c, schedule_.counts());
-    ASSERT_EQ(schedule_.take_set_aside().size(), c.failed);
+    ASSERT_EQ(schedule_.take_quarantined().size(), c.failed);
   }
 
   std::mt19937 random_;

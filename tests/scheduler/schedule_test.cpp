@@ -41,7 +41,7 @@ TEST(Schedule, SetsACellAsideAtOnceWhereAnotherTryIsUseless) {
   const auto first = schedule.next(0, 0);
   ASSERT_TRUE(first);
   EXPECT_EQ(schedule.failed(0, first->job, first->attempt, "bad input", 0, Retry::useless), Verdict::accepted);
-  EXPECT_EQ(schedule.take_set_aside(), std::vector<std::uint32_t>{first->job});
+  EXPECT_EQ(schedule.take_quarantined(), std::vector<std::uint32_t>{first->job});
   EXPECT_EQ(schedule.error(first->job), "bad input");
   EXPECT_EQ(schedule.state(first->job), JobState::failed);
 }

@@ -28,12 +28,12 @@ struct MadeScene {
       voxels.emplace_back();
       const double kind = ratio(random);
       for (int x = columns(random); x > 0; --x) {
-        const double crossings = size(random);
+        const double projected_voxels = size(random);
         s.columns.push_back(
-            {std::int64_t(voxels[t].size()), 0, 0, 1, 100, std::uint64_t(crossings * projected_voxel_unit)});
-        voxels[t].push_back(crossings * kind * (1 + 0.5 * (ratio(random) - 0.8)));
+            {std::int64_t(voxels[t].size()), 0, 0, 1, 100, std::uint64_t(projected_voxels * projected_voxel_unit)});
+        voxels[t].push_back(projected_voxels * kind * (1 + 0.5 * (ratio(random) - 0.8)));
         all += voxels[t].back();
-        scene.crossings += crossings;
+        scene.projected_voxels += projected_voxels;
       }
       scene.tile_triangles.push_back(100 * s.columns.size());
     }
@@ -43,7 +43,7 @@ struct MadeScene {
     std::vector<std::uint64_t> weights;
     for (const TileScan& s : scans) {
       weights.push_back(0);
-      for (const ColumnExtent& c : s.columns) weights.back() += c.crossings;
+      for (const ColumnExtent& c : s.columns) weights.back() += c.projected_voxels;
     }
     return weights;
   }
@@ -51,7 +51,7 @@ struct MadeScene {
   BakedPiece baked(const Piece& piece) const {
     const double v = voxels[piece.tile][std::size_t(piece.column.column_x)];
     const auto lod0 = std::uint64_t(v);
-    return {piece.tile, double(piece.column.crossings) / projected_voxel_unit,
+    return {piece.tile, double(piece.column.projected_voxels) / projected_voxel_unit,
             lod0,       lod0 * 4 / 3,
             lod0 * 4,   lod0 * 4 + 20000,
             1,          0.1,

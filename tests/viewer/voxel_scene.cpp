@@ -59,7 +59,7 @@ NodeTable nodes_of_bricks(const std::vector<kernels::Level>& levels) {
       nodes.first_child.push_back(0xffffffff);
       nodes.value.push_back(std::uint32_t(b));
       nodes.normal.push_back({0, 0});
-      nodes.facing.push_back({});
+      nodes.directional_coverage.push_back({});
       for (std::size_t p = 0; p + 1 < nodes.key.size(); ++p) {
         if (nodes.lod[p] != lod + 1 || nodes.key[p] != key >> 3) continue;
         if (nodes.child_mask[p] == 0) nodes.first_child[p] = std::uint32_t(nodes.key.size() - 1);
@@ -75,7 +75,7 @@ std::vector<NodeRow> rows_of(const NodeTable& table, std::uint32_t block) {
   for (std::size_t n = begin; n < std::min(begin + nodes_per_block, table.key.size()); ++n) {
     NodeRow row{table.first_child[n], table.value[n],     {table.normal[n][0], table.normal[n][1]}, {},
                 table.kind[n],        table.child_mask[n]};
-    std::copy(table.facing[n].begin(), table.facing[n].end(), row.facing);
+    std::copy(table.directional_coverage[n].begin(), table.directional_coverage[n].end(), row.directional_coverage);
     rows.push_back(row);
   }
   return rows;
@@ -92,9 +92,10 @@ BrickBlock bricks_of(const BrickLevel& level, std::uint32_t block) {
   if (!level.normal.empty())
     out.normal.assign(level.normal.begin() + std::ptrdiff_t(2 * level.first[begin]),
                       level.normal.begin() + std::ptrdiff_t(2 * level.first[end]));
-  if (!level.facing.empty())
-    out.facing.assign(level.facing.begin() + std::ptrdiff_t(facing_bytes * level.first[begin]),
-                      level.facing.begin() + std::ptrdiff_t(facing_bytes * level.first[end]));
+  if (!level.directional_coverage.empty())
+    out.directional_coverage.assign(
+        level.directional_coverage.begin() + std::ptrdiff_t(directional_coverage_bytes * level.first[begin]),
+        level.directional_coverage.begin() + std::ptrdiff_t(directional_coverage_bytes * level.first[end]));
   return out;
 }
 
@@ -120,7 +121,7 @@ void VoxelScene::add_shard(const std::vector<kernels::Level>& levels, NodeTable 
   cell.file = cell.name + ".h5";
   cell.lods = std::uint32_t(levels.size());
   description_.voxel_size_m = 1;
-  description_.has_facing = true;
+  description_.has_directional_coverage = true;
   description_.parameters = to_json(BakeParameters{.voxel_size_m = 1});
   to.push_back(std::move(cell));
 }

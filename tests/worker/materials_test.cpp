@@ -36,19 +36,19 @@ TEST(ShadedMaterial, TakesFactorsThatAreNoNumbersAsZeroAndClampsOthers) {
 TEST(ShadedMaterial, IgnoresTheImagesAlphaWhenOpaque) {
   const auto m = shaded_material(textured(AlphaMode::opaque));
   EXPECT_EQ(m.image, 3);
-  EXPECT_EQ(m.recipe, TextureRecipe{});
+  EXPECT_EQ(m.filter_key, TextureFilterKey{});
   EXPECT_EQ(m.view.alpha_mode, AlphaMode::opaque);
 }
 
 TEST(ShadedMaterial, KeepsTheImagesAlphaWhenBlended) {
-  EXPECT_EQ(shaded_material(textured(AlphaMode::blend)).recipe.alpha, kernels::TextureAlpha::blend);
+  EXPECT_EQ(shaded_material(textured(AlphaMode::blend)).filter_key.alpha, kernels::TextureAlpha::blend);
 }
 
 TEST(ShadedMaterial, TurnsTheCutoffIntoTheMinTexelThatPasses) {
   const auto cutoff_of = [](float cutoff, float factor) {
     const auto m = shaded_material(textured(AlphaMode::mask, factor, cutoff));
-    EXPECT_EQ(m.recipe.alpha, kernels::TextureAlpha::mask);
-    return int(m.recipe.mask_cutoff);
+    EXPECT_EQ(m.filter_key.alpha, kernels::TextureAlpha::mask);
+    return int(m.filter_key.mask_cutoff);
   };
   EXPECT_EQ(cutoff_of(0.5f, 1), 128);
   EXPECT_EQ(cutoff_of(0.2f, 1), 51);  // 0.2f is a little above 51/255
@@ -61,7 +61,7 @@ TEST(ShadedMaterial, TurnsTheCutoffIntoTheMinTexelThatPasses) {
 TEST(ShadedMaterial, IsOpaqueWhereEverythingPassesTheCutoff) {
   const auto m = shaded_material(textured(AlphaMode::mask, 1, 0));
   EXPECT_EQ(m.view.alpha_mode, AlphaMode::opaque);
-  EXPECT_EQ(m.recipe, TextureRecipe{});
+  EXPECT_EQ(m.filter_key, TextureFilterKey{});
 }
 
 TEST(ShadedMaterial, IsAbsentWhereNothingPassesTheCutoff) {

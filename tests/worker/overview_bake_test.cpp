@@ -79,14 +79,15 @@ TEST(CopiedLevels, HoldTheVoxelsOfTheChildrenThatLieInTheWindowAndNoOthers) {
       for_each_voxel(
           level, b, demorton(level.key[b]),
           [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal,
-              const std::uint8_t* facing) {
+              const std::uint8_t* directional_coverage) {
             VoxelValue value;
             std::optional<LevelLookup> lookup;
             const Corner v{std::int64_t(x) << lod, std::int64_t(y) << lod, std::int64_t(z) << lod};
             ASSERT_TRUE(find_in_children(children, lod, v, lookup, value));
             EXPECT_TRUE(std::equal(rgba, rgba + 4, value.rgba) && std::equal(normal, normal + 2, value.normal));
-            for (std::size_t f = 0; f < facing_bytes; ++f)
-              EXPECT_EQ(facing[f], value.facing == nullptr ? 0 : value.facing[f]);
+            for (std::size_t f = 0; f < directional_coverage_bytes; ++f)
+              EXPECT_EQ(directional_coverage[f],
+                        value.directional_coverage == nullptr ? 0 : value.directional_coverage[f]);
             ++found;
           });
     }
@@ -162,7 +163,7 @@ void expect_same(const OverviewChild& a, const OverviewChild& b) {
   EXPECT_EQ(m.first_child, n.first_child);
   EXPECT_EQ(m.value, n.value);
   EXPECT_EQ(m.normal, n.normal);
-  EXPECT_EQ(m.facing, n.facing);
+  EXPECT_EQ(m.directional_coverage, n.directional_coverage);
   ASSERT_EQ(a.copied.coarse.levels.size(), b.copied.coarse.levels.size());
   for (std::size_t l = 0; l < a.copied.coarse.levels.size(); ++l) {
     const BrickLevel &i = a.copied.coarse.levels[l], &j = b.copied.coarse.levels[l];
@@ -170,7 +171,7 @@ void expect_same(const OverviewChild& a, const OverviewChild& b) {
     EXPECT_EQ(i.first, j.first);
     EXPECT_EQ(i.rgba, j.rgba);
     EXPECT_EQ(i.normal, j.normal);
-    EXPECT_EQ(i.facing, j.facing);
+    EXPECT_EQ(i.directional_coverage, j.directional_coverage);
   }
 }
 
@@ -182,7 +183,7 @@ TEST(ChildOf, AShardInMemoryIsWhatIsReadOfItsFile) {
     made::ShardShape shape;
     shape.lods = 1 + int(rng() % 4);
     shape.normals = rng() % 2 != 0;
-    shape.facing = rng() % 2 != 0;
+    shape.directional_coverage = rng() % 2 != 0;
     shape.alike = rng() % 2 != 0;
     Shard shard = made::random_shard(rng, shape);
     shard.above.place = {0, 1, 2, 3};
@@ -233,7 +234,7 @@ class Family : public testing::Test {
                    .lattice_origin_m = cells_[0].header.lattice_origin_m,
                    .cell_voxels = 32,
                    .mip = MipFilter::box};
-    parameters_.facing = false;
+    parameters_.directional_coverage = false;
     write_and_describe();
     job_.name = "p3_0_0_0";
     job_.cell_voxels = 64;

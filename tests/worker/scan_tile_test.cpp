@@ -57,14 +57,15 @@ TEST(ScanTile, SaysHowManyVoxelsItsSurfaceCrosses) {
   floor.index = {0, 2, 1, 0, 3, 2};
   GlbMesh slope = floor;  // it rises by its width, so it is as large from the side as from above
   slope.position[4] = slope.position[7] = 20;
-  const auto crossings = [&](const GlbMesh& mesh) {
+  const auto projected_voxels = [&](const GlbMesh& mesh) {
     write_glb(folder.path() / "mesh.glb", mesh);
     double sum = 0;
-    for (const ColumnExtent& c : scan(folder.path(), "mesh.glb", fine_lattice()).columns) sum += double(c.crossings);
+    for (const ColumnExtent& c : scan(folder.path(), "mesh.glb", fine_lattice()).columns)
+      sum += double(c.projected_voxels);
     return sum / projected_voxel_unit;
   };
-  EXPECT_NEAR(crossings(floor), 6400, 0.1);  // a triangle's fraction of a column is rounded down
-  EXPECT_NEAR(crossings(slope), 12800, 0.1);
+  EXPECT_NEAR(projected_voxels(floor), 6400, 0.1);  // a triangle's fraction of a column is rounded down
+  EXPECT_NEAR(projected_voxels(slope), 12800, 0.1);
 }
 
 TEST(ScanTile, IsEqualForAnyNumberOfThreads) {
@@ -77,7 +78,7 @@ TEST(ScanTile, IsEqualForAnyNumberOfThreads) {
     for (std::size_t i = 0; i < one.columns.size(); ++i) {
       const ColumnExtent &a = one.columns[i], &b = many.columns[i];
       EXPECT_TRUE(a.column_x == b.column_x && a.column_y == b.column_y && a.z_min == b.z_min && a.z_end == b.z_end &&
-                  a.triangles == b.triangles && a.crossings == b.crossings);
+                  a.triangles == b.triangles && a.projected_voxels == b.projected_voxels);
     }
   }
 }

@@ -32,7 +32,7 @@ TEST(ShardFromVolume, KeepsEveryArrayAndHashesTheVoxels) {
   const auto volume = bake(position, 32);
   ShardHeader header;
   header.cell_voxels = 32;
-  header.has_facing = true;
+  header.has_directional_coverage = true;
   const Shard shard = shard_from_volume(volume, header);
   ASSERT_EQ(shard.levels.size(), 3u);
   EXPECT_EQ(shard.header.lods, 3u);
@@ -42,8 +42,9 @@ TEST(ShardFromVolume, KeepsEveryArrayAndHashesTheVoxels) {
   for (std::size_t l = 0; l < 3; ++l) {
     EXPECT_EQ(shard.levels[l].mask, volume.levels[l].mask);
     EXPECT_EQ(shard.levels[l].rgba, volume.levels[l].rgba);
-    EXPECT_EQ(shard.levels[l].facing, volume.levels[l].facing);
-    EXPECT_EQ(shard.levels[l].facing.size(), l == 0 ? 0 : volume.levels[l].rgba.size() / 4 * facing_bytes);
+    EXPECT_EQ(shard.levels[l].directional_coverage, volume.levels[l].directional_coverage);
+    EXPECT_EQ(shard.levels[l].directional_coverage.size(),
+              l == 0 ? 0 : volume.levels[l].rgba.size() / 4 * directional_coverage_bytes);
   }
   EXPECT_EQ(shard.header.content_hash, content_hash(shard));
 }

@@ -26,9 +26,9 @@ TEST(HashVoxel, IsTheLibrarysHashOfTheRecordForRandomVoxels) {
         hash_voxel(lod, corner[0], corner[1], corner[2], std::uint32_t(value), std::uint16_t(value >> 32));
     ASSERT_EQ((Hash128{ours.lo, ours.hi}), library) << "seed " << seed << " item " << i;
     const std::uint64_t more = random();
-    std::uint8_t facing[facing_bytes];
-    for (std::size_t b = 0; b < facing_bytes; ++b) facing[b] = std::uint8_t(more >> 8 * b);
-    const Hash128 library_too = voxel_hash(lod, corner, rgba, normal, facing);
+    std::uint8_t directional_coverage[directional_coverage_bytes];
+    for (std::size_t b = 0; b < directional_coverage_bytes; ++b) directional_coverage[b] = std::uint8_t(more >> 8 * b);
+    const Hash128 library_too = voxel_hash(lod, corner, rgba, normal, directional_coverage);
     const Hash128 ours_too = hash_voxel(lod, corner[0], corner[1], corner[2], std::uint32_t(value),
                                         std::uint16_t(value >> 32), std::uint32_t(more));
     ASSERT_EQ((Hash128{ours_too.lo, ours_too.hi}), library_too) << "facing, seed " << seed << " item " << i;

@@ -12,7 +12,7 @@ namespace {
 
 /// Returns the coverage a of a flat layer from `mean`, the value that the next coarser level stores.
 /// `mean` is the mean over the three axes: (a + 2(a - a²/2)) / 3.
-double facing_coverage_below(double mean) { return mean >= 2.0 / 3 ? 1 : (3 - std::sqrt(9 - 12 * mean)) / 2; }
+double directional_coverage_below(double mean) { return mean >= 2.0 / 3 ? 1 : (3 - std::sqrt(9 - 12 * mean)) / 2; }
 
 /// Sets red, green and blue to the normal's x, y and z, mapped from [-1, 1] to 0 … 255.
 void paint_normal(const std::int8_t* normal, std::uint8_t rgba[4]) {
@@ -27,33 +27,35 @@ Shading::Shading(const kernels::CastLight& light, const SceneHeader& scene, Surf
     : light_(surface == Surface::colour ? light : kernels::unlit()),
       surface_(surface),
       has_normals_(scene.has_normals) {
-  // Only version 1 scenes store the mean over the three axes. Bakes without `facing` store the maximum.
-  const bool averaged = has_facing(parameters_from_json(scene.parameters)) && !scene.has_facing;
+  // Only version 1 scenes store the mean over the three axes. Bakes without `directional_coverage` store the maximum.
+  const bool averaged =
+      has_directional_coverage(parameters_from_json(scene.parameters)) && !scene.has_directional_coverage;
   for (int lod = 0; lod < kernels::max_cast_lods; ++lod)
     for (int stored = 0; stored < 256; ++stored) {
       double coverage = stored / 255.0;
-      for (int l = 0; l < lod && averaged; ++l) coverage = facing_coverage_below(coverage);
+      for (int l = 0; l < lod && averaged; ++l) coverage = directional_coverage_below(coverage);
       coverage_[std::size_t(lod)][std::size_t(stored)] = std::uint8_t(coverage * 255 + 0.5);
     }
 }
 
 kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal,
-                                       const std::uint8_t* facing) const {
+                                       const std::uint8_t* directional_coverage) const {
   std::uint16_t coverage[3];
   // If a voxel's whole surface lies on its plane, the ray caster derives the coverage from the plane. Alpha is
   // then the coverage along all axes; it matters only in a brick that replaces missing finer bricks.
-  const bool is_sheet = facing != nullptr && kernels::is_all_sheet(facing[facing_plane]);
+  const bool is_planar =
+      directional_coverage != nullptr && kernels::is_fully_planar(directional_coverage[directional_coverage_plane]);
   for (int a = 0; a < 3; ++a)
-    coverage[a] = std::uint16_t(257 * (facing == nullptr ? coverage_[std::size_t(lod)][rgba[3]]
-                                       : is_sheet        ? rgba[3]
-                                                         : std::max<std::uint8_t>(facing[a], 1)));
+    coverage[a] = std::uint16_t(257 * (directional_coverage == nullptr ? coverage_[std::size_t(lod)][rgba[3]]
+                                       : is_planar                     ? rgba[3]
+                                                   : std::max<std::uint8_t>(directional_coverage[a], 1)));
   std::uint8_t shown[4] = {rgba[0], rgba[1], rgba[2], rgba[3]};
   if (surface_ == Surface::coverage) std::fill_n(shown, 3, rgba[3]);
   if (surface_ == Surface::normal && has_normals_) paint_normal(normal, shown);
   kernels::CastVoxel voxel = kernels::shade_voxel(shown, has_normals_ && surface_ == Surface::colour ? normal : nullptr,
                                                   light_, kernels::TableStore::host().view(), coverage);
   if (!has_normals_) return voxel;
-  if (facing != nullptr) voxel.plane = facing[facing_plane];
+  if (directional_coverage != nullptr) voxel.plane = directional_coverage[directional_coverage_plane];
   if (lod == 0 && rgba[3] < 255) voxel.plane = kernels::clear_plane;
   const kernels::OctahedronPoint n = kernels::octahedron_point(normal);
   for (int a = 0; a < 3; ++a) voxel.normal[a] = std::int8_t(n.c[a]);

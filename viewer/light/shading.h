@@ -14,9 +14,9 @@ namespace gigabake {
 enum class Surface : std::uint8_t { colour, normal, coverage };
 
 /// A converter of stored voxels to the values that the ray caster composites.
-/// The coverage of a voxel along each axis is its directional coverage (`facing`). Voxels have no directional coverage
-/// at lod 0, with mip filters that store no directions, and in bakes without `facing`. Their alpha then serves as the
-/// coverage along all three axes.
+/// The coverage of a voxel along each axis is its directional coverage (`directional_coverage`). Voxels have no
+/// directional coverage at lod 0, with mip filters that store no directions, and in bakes without
+/// `directional_coverage`. Their alpha then serves as the coverage along all three axes.
 /// The coverage filter of version 1 scenes stored the mean over the axes as alpha. Two of the three axes are parallel
 /// to flat ground, so the mean underestimates ground seen from above. Shading computes the coverage of a flat layer
 /// from this mean, so that ground does not become transparent.
@@ -24,16 +24,17 @@ class Shading {
  public:
   Shading(const kernels::CastLight& light, const SceneHeader& scene, Surface surface = Surface::colour);
 
-  /// Returns the shaded voxel. `normal` is octahedral, and is ignored if the scene has no normals. `facing` is null if
-  /// the level has no directional coverage.
+  /// Returns the shaded voxel. `normal` is octahedral, and is ignored if the scene has no normals.
+  /// `directional_coverage` is null if the level has no directional coverage.
   kernels::CastVoxel operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal,
-                                const std::uint8_t* facing) const;
+                                const std::uint8_t* directional_coverage) const;
 
  private:
   kernels::CastLight light_;
   Surface surface_;
   bool has_normals_;
-  std::array<std::array<std::uint8_t, 256>, kernels::max_cast_lods> coverage_;  ///< [lod][alpha]; without `facing`
+  std::array<std::array<std::uint8_t, 256>, kernels::max_cast_lods>
+      coverage_;  ///< [lod][alpha]; without `directional_coverage`
 };
 
 }  // namespace gigabake

@@ -11,9 +11,10 @@ void FrameBudget::took(double seconds, double share) {
   if (!(seconds > 0) || !std::isfinite(seconds) || !(share > 0) || !std::isfinite(share)) return;
   const double full_s = seconds / (share * share);
   full_s_ = full_s_ > 0 ? 0.6 * full_s_ + 0.4 * full_s : full_s;
-  const double wanted = std::sqrt(target_s_ / full_s_);
+  const double requested = std::sqrt(target_s_ / full_s_);
   // The size shrinks at once but grows only by a clear margin: size changes disturb more than a small image.
-  if (wanted < share_ || wanted > share_ * 1.15) share_ = std::clamp(std::floor(wanted * 32) / 32, min_share, 1.0);
+  if (requested < share_ || requested > share_ * 1.15)
+    share_ = std::clamp(std::floor(requested * 32) / 32, min_share, 1.0);
 }
 
 }  // namespace gigabake

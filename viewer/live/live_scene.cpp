@@ -62,15 +62,15 @@ std::shared_ptr<LiveScene::Viewer> LiveScene::find(ViewerId id) const {
   return found == viewers_.end() ? nullptr : *found;
 }
 
-bool LiveScene::steer(ViewerId id, const ViewerInput& steering) {
+bool LiveScene::steer(ViewerId id, const ViewerInput& input) {
   const std::lock_guard lock(mutex_);
   const auto viewer = find(id);
   if (!viewer) return false;
-  if (viewer->pilot) {
-    viewer->pilot->steer(with_sun(steering), now_s());
-    if (viewer->pilot->is_stale()) (viewer.get() == rendered_viewer_ ? cancel_ : yield_) = true;
-  } else if (steering.size) {
-    viewer->settings.size = steering.size;
+  if (viewer->scheduler) {
+    viewer->scheduler->steer(with_sun(input), now_s());
+    if (viewer->scheduler->is_stale()) (viewer.get() == rendered_viewer_ ? cancel_ : yield_) = true;
+  } else if (input.size) {
+    viewer->settings.size = input.size;
   }
   wake_drawing_.notify_all();
   return true;
@@ -85,15 +85,15 @@ std::optional<ViewerState> LiveScene::state(ViewerId id) const {
   out.has_place = place_.has_value();
   out.problem = problem_.empty() ? viewer->problem : problem_;
   out.problems = problems_;
-  if (!viewer->pilot) return out;
-  const RenderScheduler& pilot = *viewer->pilot;
-  out.resting = pilot.rests();
+  if (!viewer->scheduler) return out;
+  const RenderScheduler& scheduler = *viewer->scheduler;
+  out.resting = scheduler.rests();
   out.drawn = viewer->drawn_share;
-  out.pose = pilot.rig().pose();
-  out.style = pilot.rig().style();
-  out.speed_m_per_s = pilot.rig().speed_m_per_s();
-  out.full_view = pilot.full_view();
-  out.upload_s = pilot.upload_s();
+  out.pose = scheduler.controller().pose();
+  out.style = scheduler.controller().style();
+  out.speed_m_per_s = scheduler.controller().speed_m_per_s();
+  out.full_view = scheduler.full_view();
+  out.upload_s = scheduler.upload_s();
   return out;
 }
 
@@ -115,7 +115,7 @@ LiveScene::FramePtr LiveScene::frame_after(ViewerId id, std::uint64_t after, dou
 
 LiveScene::FramePtr LiveScene::full_frame(ViewerId id, double timeout_s) const {
   return wait_for_frame(id, timeout_s, [&](const Viewer& v) {
-    return v.pilot->rests() && v.problem.empty() && v.frame->full && v.frame->frame.stats.complete;
+    return v.scheduler->rests() && v.problem.empty() && v.frame->full && v.frame->frame.stats.complete;
   });
 }
 
@@ -191,22 +191,22 @@ void LiveScene::release_renderer() {
 
 void LiveScene::apply_home(Viewer& viewer) {
   viewer.problem.clear();
-  if (viewer.pilot) {
-    viewer.pilot->new_scene(*home_);
+  if (viewer.scheduler) {
+    viewer.scheduler->new_scene(*home_);
     return;
   }
-  viewer.pilot.emplace(*home_, options_.frame_s);
-  viewer.pilot->steer(look_, now_s());
-  viewer.pilot->steer(with_sun(viewer.settings), now_s());
+  viewer.scheduler.emplace(*home_, options_.frame_s);
+  viewer.scheduler->steer(look_, now_s());
+  viewer.scheduler->steer(with_sun(viewer.settings), now_s());
 }
 
 /// Returns the input, with `sun` computed from `time` if the scene has an origin on the earth.
-ViewerInput LiveScene::with_sun(ViewerInput steering) const {
-  if (steering.time && place_) {
-    const SunDirection sun = sun_at(*place_, *steering.time);
-    steering.sun = {sun.azimuth_deg, sun.elevation_deg};
+ViewerInput LiveScene::with_sun(ViewerInput input) const {
+  if (input.time && place_) {
+    const SunDirection sun = sun_at(*place_, *input.time);
+    input.sun = {sun.azimuth_deg, sun.elevation_deg};
   }
-  return steering;
+  return input;
 }
 
 std::shared_ptr<LiveScene::Viewer> LiveScene::next_order(RenderScheduler::RenderRequest& order, double& next_call_s) {
@@ -214,15 +214,15 @@ std::shared_ptr<LiveScene::Viewer> LiveScene::next_order(RenderScheduler::Render
   if (stop_ || !renderer_) return nullptr;
   for (std::size_t i = 0; i < viewers_.size(); ++i) {
     const auto viewer = viewers_[i];
-    if (!viewer->pilot) continue;
-    if (const auto wanted = viewer->pilot->next(now_s())) {
+    if (!viewer->scheduler) continue;
+    if (const auto requested = viewer->scheduler->next(now_s())) {
       std::rotate(viewers_.begin(), viewers_.begin() + std::ptrdiff_t(i) + 1, viewers_.end());
-      order = *wanted;
+      order = *requested;
       rendered_viewer_ = order.moving ? nullptr : viewer.get();
       cancel_ = yield_ = false;
       return viewer;
     }
-    next_call_s = std::min(next_call_s, viewer->pilot->next_call_s());
+    next_call_s = std::min(next_call_s, viewer->scheduler->next_call_s());
   }
   return nullptr;
 }
@@ -231,7 +231,8 @@ std::shared_ptr<LiveScene::Viewer> LiveScene::next_order(RenderScheduler::Render
 std::optional<Frame> LiveScene::render_request(Viewer& viewer, const RenderScheduler::RenderRequest& order) {
   if (order.in_tiles) return slice(viewer, order);
   viewer.in_tiles.reset();
-  Frame frame = renderer_->sketch(order.view, {order.upload_s, order.roots_s, [this] { return cancel_.load(); }});
+  Frame frame =
+      renderer_->render_preview(order.view, {order.upload_s, order.roots_s, [this] { return cancel_.load(); }});
   if (cancel_) return std::nullopt;
   return frame;
 }
@@ -244,7 +245,7 @@ std::optional<Frame> LiveScene::slice(Viewer& viewer, const RenderScheduler::Ren
   }
   ProgressiveFrame& work = *viewer.in_tiles;
   const double end_s = now_s() + slice_s;
-  renderer_->go_on(
+  renderer_->resume(
       work, [&] { return yield_ || now_s() >= end_s; }, [this] { return cancel_.load(); });
   if (work.is_complete()) {
     Frame frame{std::move(work.picture), work.stats};
@@ -275,7 +276,7 @@ void LiveScene::draw(const std::shared_ptr<Viewer>& viewer, const RenderSchedule
     const auto& work = viewer->in_tiles;
     viewer->drawn_share = work ? double(work->done) / double(work->tiles.size()) : frame && frame->stats.complete;
     if (!problem.empty()) {
-      viewer->pilot->failed();
+      viewer->scheduler->failed();
     } else if (frame) {
       publish_frame(*viewer, order, std::move(*frame), rays);
     }
@@ -296,7 +297,7 @@ void LiveScene::publish_frame(Viewer& viewer, const RenderScheduler::RenderReque
   const auto frame = std::make_shared<LiveFrame>();
   const double apart_s = now_s() - viewer.drawn_s;
   viewer.drawn_s = now_s();
-  viewer.pilot->drawn(order, drawn.stats);
+  viewer.scheduler->drawn(order, drawn.stats);
   frame->frame = std::move(drawn);
   frame->view = order.view;
   frame->rays = rays;

@@ -75,7 +75,7 @@ class LiveScene {
   void remove_viewer(ViewerId id);
 
   /// Applies user input. This member and the next three return false, nullopt or nullptr if no viewer has `id`.
-  bool steer(ViewerId id, const ViewerInput& steering);
+  bool steer(ViewerId id, const ViewerInput& input);
   std::optional<ViewerState> state(ViewerId id) const;
   /// Waits for a frame whose number exceeds `after` and returns the latest frame; nullptr after timeout_s.
   FramePtr frame_after(ViewerId id, std::uint64_t after, double timeout_s) const;
@@ -89,8 +89,8 @@ class LiveScene {
  private:
   struct Viewer {
     ViewerId id;
-    std::optional<RenderScheduler> pilot;  ///< set once a scene is loaded
-    ViewerInput settings;                  ///< input before a scene was loaded
+    std::optional<RenderScheduler> scheduler;  ///< set once a scene is loaded
+    ViewerInput settings;                      ///< input before a scene was loaded
     FramePtr frame;
     std::uint64_t frame_pose = 0;  ///< `pose` of the request that `frame` shows
     double drawn_s = -HUGE_VAL;    ///< time of the last frame
@@ -114,7 +114,7 @@ class LiveScene {
   std::shared_ptr<Viewer> find(ViewerId id) const;
   double now_s() const;
   void apply_home(Viewer& viewer);
-  ViewerInput with_sun(ViewerInput steering) const;
+  ViewerInput with_sun(ViewerInput input) const;
   FramePtr wait_for_frame(ViewerId id, double timeout_s, const std::function<bool(const Viewer&)>& good) const;
 
   const std::filesystem::path path_;

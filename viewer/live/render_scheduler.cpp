@@ -38,7 +38,7 @@ bool ViewerInput::moves() const {
 }
 
 RenderScheduler::RenderScheduler(const CameraOptions& home, double frame_s)
-    : rig_(pose_of(home)), frame_budget_(frame_s) {
+    : camera_controller_(pose_of(home)), frame_budget_(frame_s) {
   view_.camera = home;
   view_.camera.up.reset();
   set_home(home);
@@ -61,12 +61,12 @@ CameraPose RenderScheduler::fitted_home() const {
 }
 
 void RenderScheduler::new_scene(const CameraOptions& home) {
-  const CameraPose pose = rig_.pose();
-  const CameraController::Style style = rig_.style();
-  rig_ = CameraController(pose_of(home));
-  rig_.set_style(style);
+  const CameraPose pose = camera_controller_.pose();
+  const CameraController::Style style = camera_controller_.style();
+  camera_controller_ = CameraController(pose_of(home));
+  camera_controller_.set_style(style);
   set_home(home);
-  rig_.set_pose(at_home_ ? fitted_home() : pose);
+  camera_controller_.set_pose(at_home_ ? fitted_home() : pose);
   stale_ = true;
   any_drawn_ = false;
 }
@@ -74,12 +74,12 @@ void RenderScheduler::new_scene(const CameraOptions& home) {
 void RenderScheduler::steer(const ViewerInput& s, double now_s) {
   advance(now_s);
   apply_settings(s);
-  if (s.pose) rig_.set_pose(*s.pose);
-  if (s.home) rig_.go_home();
-  if (s.home || (s.size && at_home_)) rig_.set_pose(fitted_home());
-  rig_.turn(s.turn[0], s.turn[1]);
-  rig_.pan(s.pan[0], s.pan[1], view_.camera.fovy_deg);
-  rig_.zoom(s.zoom);
+  if (s.pose) camera_controller_.set_pose(*s.pose);
+  if (s.home) camera_controller_.go_home();
+  if (s.home || (s.size && at_home_)) camera_controller_.set_pose(fitted_home());
+  camera_controller_.turn(s.turn[0], s.turn[1]);
+  camera_controller_.pan(s.pan[0], s.pan[1], view_.camera.fovy_deg);
+  camera_controller_.zoom(s.zoom);
   if (s.walk) walk_ = within_one(*s.walk);
   if (s.swing) swing_ = within_one(*s.swing);
   if (s.walk || s.swing) held_s_ = now_s;
@@ -90,7 +90,7 @@ void RenderScheduler::steer(const ViewerInput& s, double now_s) {
 }
 
 void RenderScheduler::apply_settings(const ViewerInput& s) {
-  if (s.style) rig_.set_style(*s.style);
+  if (s.style) camera_controller_.set_style(*s.style);
   if (s.upload_s && std::isfinite(*s.upload_s)) upload_s_ = std::clamp(*s.upload_s, min_upload_s, max_upload_s);
   const View before = view_;
   if (s.mode && value_numbered<ViewMode>(std::uint64_t(*s.mode))) view_.mode = *s.mode;
@@ -116,8 +116,8 @@ void RenderScheduler::advance(double now_s) {
   advanced_s_ = std::max(advanced_s_, now_s);
   if (!holds()) return;
   if (dt_s > 0) {
-    rig_.walk(walk_[0], walk_[1], walk_[2], dt_s);
-    rig_.turn(swing_[0] * dt_s, swing_[1] * dt_s);
+    camera_controller_.walk(walk_[0], walk_[1], walk_[2], dt_s);
+    camera_controller_.turn(swing_[0] * dt_s, swing_[1] * dt_s);
     moved_s_ = std::max(moved_s_, std::min(now_s, held_s_ + max_hold_s));
     stale_ = true;
     at_home_ = false;
@@ -154,8 +154,8 @@ std::optional<RenderScheduler::RenderRequest> RenderScheduler::next(double now_s
   // If a full-size image fits the frame budget, previews refine the whole image at once until no data is missing.
   order.in_tiles = !moving && done_share_ > 0 && (frame_budget_.share() < 1 || done_share_ >= 1);
   if (!moving) order.upload_s = std::clamp(now_s - looked_s_, upload_s_, std::max(upload_s_, max_preview_upload_s));
-  order.view.camera.eye_m = rig_.pose().eye_m;
-  order.view.camera.target_m = rig_.pose().target_m;
+  order.view.camera.eye_m = camera_controller_.pose().eye_m;
+  order.view.camera.target_m = camera_controller_.pose().target_m;
   order.view.camera.width = scaled(view_.camera.width, order.share);
   order.view.camera.height = scaled(view_.camera.height, order.share);
   return order;

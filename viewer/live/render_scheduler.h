@@ -61,7 +61,7 @@ class RenderScheduler {
   /// movement.
   RenderScheduler(const CameraOptions& home, double frame_s);
 
-  void steer(const ViewerInput& steering, double now_s);
+  void steer(const ViewerInput& input, double now_s);
   /// Replaces the scene, so that all images are rendered again. A pose that the viewer has changed is kept; otherwise
   /// the pose becomes `home`.
   void new_scene(const CameraOptions& home);
@@ -81,7 +81,7 @@ class RenderScheduler {
   /// Returns true if the last request was complete at full size, or failed, and the view has not changed since.
   bool rests() const { return done_ && !stale_; }
 
-  const CameraController& rig() const { return rig_; }
+  const CameraController& controller() const { return camera_controller_; }
   const View& full_view() const { return view_; }
   double upload_s() const { return upload_s_; }
 
@@ -93,9 +93,9 @@ class RenderScheduler {
   bool holds() const;
   double next_share(bool moving) const;
 
-  CameraController rig_;
+  CameraController camera_controller_;
   FrameBudget frame_budget_;
-  View view_;  ///< full-size view; requests replace its eye and target by the pose of rig_
+  View view_;  ///< full-size view; requests replace its eye and target by the pose of camera_controller_
   double upload_s_ = 0.02;
   std::array<double, 3> walk_{};
   std::array<double, 2> swing_{};

@@ -18,7 +18,7 @@ nlohmann::ordered_json coordinates_json(const Point<Scene>& p) { return {p.x, p.
 
 }  // namespace
 
-ViewerInput steering_from_json(std::string_view text) {
+ViewerInput viewer_input_from_json(std::string_view text) {
   const std::filesystem::path file = "steering";
   const nlohmann::json json = parse_json_object(file, text);
   const JsonMembers members(file, json, "", JsonNull::refused);

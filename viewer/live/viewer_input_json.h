@@ -10,7 +10,7 @@ namespace gigabake {
 
 /// Parses the JSON object of one user input; docs/viewer.md lists its members.
 /// Errors  InputError: not JSON, or a member that is unknown, of a wrong type or out of range.
-ViewerInput steering_from_json(std::string_view text);
+ViewerInput viewer_input_from_json(std::string_view text);
 
 /// Returns a viewer's state and the statistics of its last frame as one JSON object; frame may be nullptr.
 std::string to_json(const ViewerState& state, const LiveFrame* frame);

@@ -49,7 +49,7 @@ struct FrameRenderer::State {
   PageSource source;
   Filling filling{};
   std::unique_ptr<SceneStream> stream;
-  std::vector<std::uint32_t> wanted;  ///< requests of the last frame
+  std::vector<std::uint32_t> requested;  ///< requests of the last frame
   View last;
   std::uint32_t frame_pass = 0;         ///< first pass of the last frame
   bool put_in = false;                  ///< the last put_in_wanted() uploaded data
@@ -89,17 +89,17 @@ struct FrameRenderer::State {
     return all - std::min(std::min<std::uint64_t>(max_open(options), shards) * open_shard_bytes, all / 8);
   }
 
-  void fill(const Filling& wish) {
-    if (stream && wish == filling) return;
-    filling = wish;
+  void fill(const Filling& filling_key) {
+    if (stream && filling_key == filling) return;
+    filling = filling_key;
     stream.reset();  // free its memory before the next stream allocates
-    SceneStream::Options wishes{wish.lit_by ? daylight(*wish.lit_by) : kernels::unlit(),
-                                wish.surface,
+    SceneStream::Options wishes{filling_key.lit_by ? daylight(*filling_key.lit_by) : kernels::unlit(),
+                                filling_key.surface,
                                 bytes_next_to_shards(),
                                 policy.threads(),
                                 options.cuda_device,
                                 options.device_bytes,
-                                wish.cells_alone};
+                                filling_key.cells_alone};
     try {
       stream = std::make_unique<SceneStream>(*scene, source, wishes, policy);
     } catch (const CudaFailure& failure) {
@@ -108,7 +108,7 @@ struct FrameRenderer::State {
       wishes.cuda_device = options.cuda_device = {};
       stream = std::make_unique<SceneStream>(*scene, source, wishes, policy);
     }
-    wanted.clear();
+    requested.clear();
     last = {};
   }
 
@@ -133,7 +133,7 @@ struct FrameRenderer::State {
     kernels::CastCamera camera = make_camera(view.camera, *scene, source);
     if (shows_light(view.mode)) camera.tone = screen_tone(options.exposure_stops);
     if (!light_part_of(view)) camera.haze = haze_of(view);
-    camera.paint = paint_of(view.mode);
+    camera.debug_color = debug_color_of(view.mode);
     if (view.polygons) camera.polygons = polygons.drawn(view, camera, scene->header(), haze_of(view), policy);
     return camera;
   }
@@ -166,7 +166,7 @@ struct FrameRenderer::State {
       return over() || is_asked(limits.stop);
     };
     stream->begin_pass();
-    const SceneStream::Served served = stream->serve(wanted, camera.eye, enough, {frame_pass, true});
+    const SceneStream::Served served = stream->serve(requested, camera.eye, enough, {frame_pass, true});
     starved = starved || is_starved(served);
     put_in = served.uploads > 0;
     upload_s += since(start);
@@ -196,24 +196,24 @@ struct FrameRenderer::State {
     std::size_t waiting = caster.cast(0, rays, true, limits.stop);
     frame_pass = caster.pass();
     while (waiting > 0 && !starved && upload_s < limits.upload_s && !is_asked(limits.stop)) {
-      wanted = caster.wanted();
+      requested = caster.requested();
       put_in_wanted(camera, limits);
       if (!put_in) break;
       waiting = caster.cast(0, rays, true, limits.stop);
     }
     if (waiting > 0) caster.cast(0, rays, false, limits.stop);
-    wanted = waiting > 0 ? caster.wanted() : std::vector<std::uint32_t>();
+    requested = waiting > 0 ? caster.requested() : std::vector<std::uint32_t>();
     const RenderSettings look = look_of(view);
     was_complete = waiting == 0;
     if (look.blends_levels) {
       caster.start_blend();
-      cast_more(camera, limits, [&](bool patient) { return caster.cast_blend(0, rays, patient, limits.stop); });
+      cast_more(camera, limits, [&](bool blocking) { return caster.cast_blend(0, rays, blocking, limits.stop); });
     }
     if (look.lighting) {
       caster.start_light(*look.lighting, look.shader);
-      const auto cast_light = [&](bool patient) { return caster.cast_light(0, rays, patient, limits.stop); };
+      const auto cast_light = [&](bool blocking) { return caster.cast_light(0, rays, blocking, limits.stop); };
       cast_more(camera, limits, cast_light);
-      caster.share_light();
+      caster.reuse_shadow_samples();
       cast_more(camera, limits, cast_light);
     }
     picture = blank.get();
@@ -222,11 +222,11 @@ struct FrameRenderer::State {
 
   /// Casts secondary rays in the same way as cast(). If primary rays missed data, secondary rays do not wait for data.
   void cast_more(const kernels::CastCamera& camera, const PreviewLimits& limits,
-                 const std::function<std::size_t(bool patient)>& pass) {
-    const std::vector<std::uint32_t> wanted_before = wanted;
+                 const std::function<std::size_t(bool blocking)>& pass) {
+    const std::vector<std::uint32_t> wanted_before = requested;
     std::size_t waiting = was_complete ? pass(true) : SIZE_MAX;
     while (was_complete && waiting > 0 && !starved && upload_s < limits.upload_s && !is_asked(limits.stop)) {
-      wanted = stream->caster().wanted();
+      requested = stream->caster().requested();
       put_in_wanted(camera, limits);
       if (!put_in) break;
       waiting = pass(true);
@@ -234,10 +234,10 @@ struct FrameRenderer::State {
     if (waiting == 0) return;
     pass(false);
     was_complete = false;
-    wanted = stream->caster().wanted();
-    wanted.insert(wanted.end(), wanted_before.begin(), wanted_before.end());
-    std::sort(wanted.begin(), wanted.end());
-    wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+    requested = stream->caster().requested();
+    requested.insert(requested.end(), wanted_before.begin(), wanted_before.end());
+    std::sort(requested.begin(), requested.end());
+    requested.erase(std::unique(requested.begin(), requested.end()), requested.end());
   }
 
   /// Renders one pass over resident and newly uploaded data.
@@ -253,7 +253,7 @@ struct FrameRenderer::State {
     frame.stats.upload_s = waited_s + upload_s;
     frame.stats.total_s = since(start);
     frame.stats.cast_s = frame.stats.total_s - frame.stats.upload_s;
-    frame.stats.wanted = wanted.size();
+    frame.stats.requested = requested.size();
     frame.stats.uploads = stream->uploads() - uploads_before;
     frame.stats.complete = was_complete;
     tell(frame.stats);
@@ -298,23 +298,23 @@ CameraOptions FrameRenderer::framed(const CameraOptions& options) const {
 
 Frame FrameRenderer::draw(const View& view, double upload_s) {
   state_->show(view);
-  if (state_->starved) return draw_exact(view);
+  if (state_->starved) return render_complete(view);
   return state_->pass_over(view, {upload_s, 0, {}}, false);
 }
 
-Frame FrameRenderer::sketch(const View& view, const PreviewLimits& limits) {
+Frame FrameRenderer::render_preview(const View& view, const PreviewLimits& limits) {
   state_->show(view);
   return state_->pass_over(view, limits, true);
 }
 
-Frame FrameRenderer::draw_exact(const View& view, const Progress& progress) {
+Frame FrameRenderer::render_complete(const View& view, const Progress& progress) {
   ProgressiveFrame frame = begin(view, nullptr);
   progress.step("rendering", frame.tiles.size());
   const auto tile_done = [&] {
     progress.advance();
     return false;
   };
-  go_on(frame, tile_done, {});
+  resume(frame, tile_done, {});
   return {std::move(frame.picture), frame.stats};
 }
 
@@ -330,11 +330,11 @@ ProgressiveFrame FrameRenderer::begin(const View& view, const Picture* meanwhile
   return frame;
 }
 
-void FrameRenderer::go_on(ProgressiveFrame& frame, const kernels::StopAsked& enough, const kernels::StopAsked& stop) {
+void FrameRenderer::resume(ProgressiveFrame& frame, const kernels::StopAsked& enough, const kernels::StopAsked& stop) {
   State& s = *state_;
   const auto start = Clock::now();
   s.show(frame.view);
-  s.wanted.clear();
+  s.requested.clear();
   const std::uint64_t uploads_before = s.stream->uploads();
   const kernels::CastCamera camera = s.camera_of(frame.view);
   const RenderSettings look = s.look_of(frame.view);

@@ -24,11 +24,11 @@
 namespace gigabake {
 
 struct FrameStats {
-  double cast_s = 0;          ///< casting of rays
-  double upload_s = 0;        ///< upload of bricks and nodes to the pools
-  double total_s = 0;         ///< the whole call
-  std::uint64_t wanted = 0;   ///< bricks and node tiles (8 sibling nodes) that rays missed in this frame
-  std::uint64_t uploads = 0;  ///< bricks and node tiles uploaded for this frame
+  double cast_s = 0;            ///< casting of rays
+  double upload_s = 0;          ///< upload of bricks and nodes to the pools
+  double total_s = 0;           ///< the whole call
+  std::uint64_t requested = 0;  ///< bricks and node tiles (8 sibling nodes) that rays missed in this frame
+  std::uint64_t uploads = 0;    ///< bricks and node tiles uploaded for this frame
   std::uint64_t pages_loading = 0;
   std::uint64_t files_opened = 0;                   ///< page and shard files that this renderer has opened so far
   std::uint64_t bytes_held = 0, bytes_allowed = 0;  ///< of pools and pages; bytes_allowed: UINT64_MAX means unbounded
@@ -52,7 +52,7 @@ struct ProgressiveFrame {
   bool is_complete() const { return done == tiles.size(); }
 };
 
-/// The time limits of one call of sketch().
+/// The time limits of one call of render_preview().
 struct PreviewLimits {
   double upload_s = 0.02;   ///< max. time for uploads; some data is always uploaded
   double roots_s = 0;       ///< max. wait at the start for the root bricks of all trees
@@ -90,26 +90,26 @@ class FrameRenderer {
   kernels::CastCamera rays_of(const CameraOptions& options) const;
 
   /// Renders a frame in one pass over resident data. `upload_s` is the maximum time for uploads; some data is always
-  /// uploaded. If the pools are too small for the view, its next frames are rendered by draw_exact().
+  /// uploaded. If the pools are too small for the view, its next frames are rendered by render_complete().
   /// Errors  UsageError: the errors of make_camera(); ViewMode::slope for a scene without normals. Damaged shards cause
   ///         no exception: see problems().
   Frame draw(const View& view, double upload_s);
 
-  /// Renders a preview for a moving eye, never by draw_exact(). The roots of all trees are uploaded first, so that each
-  /// tree has a fallback.
-  Frame sketch(const View& view, const PreviewLimits& limits);
+  /// Renders a preview for a moving eye, never by render_complete(). The roots of all trees are uploaded first, so that
+  /// each tree has a fallback.
+  Frame render_preview(const View& view, const PreviewLimits& limits);
 
   /// Renders the complete image in as many passes as necessary, whatever the size of the pools.
-  Frame draw_exact(const View& view, const Progress& progress = {});
+  Frame render_complete(const View& view, const Progress& progress = {});
 
-  /// Starts an image in tiles that equals the image of draw_exact(). Unfinished tiles show `meanwhile`, an image of the
-  /// same view in any size; null: they are transparent.
+  /// Starts an image in tiles that equals the image of render_complete(). Unfinished tiles show `meanwhile`, an image
+  /// of the same view in any size; null: they are transparent.
   ProgressiveFrame begin(const View& view, const Picture* meanwhile);
   /// Renders at least one tile, then further tiles until `enough` returns true. Calls `enough` after each tile. `stop`
   /// cancels within milliseconds; the next call restarts the unfinished tile.
-  /// Exact   The finished image equals the image of draw_exact(), also after cancelled calls and other renderings in
-  ///         between.
-  void go_on(ProgressiveFrame& frame, const kernels::StopAsked& enough, const kernels::StopAsked& stop);
+  /// Exact   The finished image equals the image of render_complete(), also after cancelled calls and other renderings
+  ///         in between.
+  void resume(ProgressiveFrame& frame, const kernels::StopAsked& enough, const kernels::StopAsked& stop);
 
   /// Returns one line for each page that could not be read, and one if the CPU replaces a failed device. The image
   /// shows the ancestors of unreadable data.

@@ -6,7 +6,7 @@ nlohmann::ordered_json to_json(const FrameStats& s) {
   nlohmann::ordered_json json{{"cast_s", s.cast_s},
                               {"upload_s", s.upload_s},
                               {"total_s", s.total_s},
-                              {"wanted", s.wanted},
+                              {"wanted", s.requested},
                               {"uploads", s.uploads},
                               {"pages_loading", s.pages_loading},
                               {"files_opened", s.files_opened},

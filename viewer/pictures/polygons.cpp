@@ -99,12 +99,12 @@ std::array<float, 4> lit(const std::array<float, 4>& colour, const Placed& at, c
                          const kernels::CastLight& light) {
   Vec3d n = cross(at.second, at.third);
   const double scale = (dot(n, direction) > 0 ? -1 : 1) / std::sqrt(dot(n, n));
-  float facing = 0, up = float(0.5 + 0.5 * n[2] * scale);
-  for (std::size_t a = 0; a < 3; ++a) facing += float(n[a] * scale) * light.to_sun[a];
+  float directional_coverage = 0, up = float(0.5 + 0.5 * n[2] * scale);
+  for (std::size_t a = 0; a < 3; ++a) directional_coverage += float(n[a] * scale) * light.to_sun[a];
   std::array<float, 4> out{0, 0, 0, 1};
   for (std::size_t k = 0; k < 3; ++k)
     out[k] = colour[k] / colour[3] *
-             (light.sun[k] * std::max(facing, 0.0f) + light.sky[k] * up + light.ground[k] * (1 - up));
+             (light.sun[k] * std::max(directional_coverage, 0.0f) + light.sky[k] * up + light.ground[k] * (1 - up));
   return out;
 }
 

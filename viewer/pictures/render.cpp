@@ -15,9 +15,9 @@ constexpr int max_page_checks = 5;
 
 /// Waits for the pages that serve() requested. Returns false if `stop` cancelled the wait.
 bool wait_for_served_pages(SceneStream& stream, const SceneStream::Served& served, const kernels::StopAsked& stop) {
-  for (int looks = 1; !stream.settle(stop_check_interval); ++looks) {
+  for (int page_checks = 1; !stream.settle(stop_check_interval); ++page_checks) {
     if (stop && stop()) return false;
-    if (looks >= max_page_checks && (served.uploads != 0 || stream.has_arrivals())) break;
+    if (page_checks >= max_page_checks && (served.uploads != 0 || stream.has_loaded_pages())) break;
   }
   return true;
 }
@@ -38,7 +38,7 @@ bool finish_rays(SceneStream& stream, const double eye[3], std::size_t count, co
       continue;
     }
     const SceneStream::Served served =
-        stream.serve(stream.caster().wanted(), eye, stop, {stream.caster().pass(), false});
+        stream.serve(stream.caster().requested(), eye, stop, {stream.caster().pass(), false});
     if (served.evicted_used && many > 1) many /= 2;
     if (!wait_for_served_pages(stream, served, stop)) return false;
     stream.begin_pass();
@@ -64,7 +64,7 @@ bool finish_tile(SceneStream& stream, const kernels::CastCamera& camera, const k
   caster.start_light(*look.lighting, look.shader);
   const auto cast_light = [&](std::size_t begin, std::size_t end) { return caster.cast_light(begin, end, true, stop); };
   if (!finish_rays(stream, camera.eye, pixels, stop, cast_light)) return false;
-  caster.share_light();
+  caster.reuse_shadow_samples();
   return finish_rays(stream, camera.eye, pixels, stop, cast_light);
 }
 

@@ -6,7 +6,7 @@ std::optional<kernels::CastLightPart> light_part_of(const View& view) {
   switch (view.mode) {
     case ViewMode::lit:
       if (view.shadows == Shadows::on) return kernels::CastLightPart::all;
-      if (view.shader) return kernels::CastLightPart::unhidden;
+      if (view.shader) return kernels::CastLightPart::unshadowed;
       return {};
     case ViewMode::sun:
       return kernels::CastLightPart::sun;
@@ -16,7 +16,7 @@ std::optional<kernels::CastLightPart> light_part_of(const View& view) {
       return kernels::CastLightPart::shadow;
     case ViewMode::height:
     case ViewMode::slope:
-      return kernels::CastLightPart::unhidden;
+      return kernels::CastLightPart::unshadowed;
     default:
       return {};
   }
@@ -42,16 +42,16 @@ Filling filling_of(const View& view) {
 
 bool shows_light(ViewMode mode) { return mode == ViewMode::lit || mode == ViewMode::sun || mode == ViewMode::sky; }
 
-kernels::CastPaint paint_of(ViewMode mode) {
+kernels::DebugColor debug_color_of(ViewMode mode) {
   switch (mode) {
     case ViewMode::lod:
-      return kernels::CastPaint::lod;
+      return kernels::DebugColor::lod;
     case ViewMode::cell:
-      return kernels::CastPaint::cell;
+      return kernels::DebugColor::cell;
     case ViewMode::requests:
-      return kernels::CastPaint::waits;
+      return kernels::DebugColor::waits;
     default:
-      return kernels::CastPaint::shaded;
+      return kernels::DebugColor::shaded;
   }
 }
 

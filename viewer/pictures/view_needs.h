@@ -26,7 +26,7 @@ Filling filling_of(const View& view);
 /// Returns true if the mode shows the intensity of light.
 bool shows_light(ViewMode mode);
 
-kernels::CastPaint paint_of(ViewMode mode);
+kernels::DebugColor debug_color_of(ViewMode mode);
 
 /// Returns the view's shader; null: kernels::LitShader. `heights` is the scene's range of heights, used only by
 /// ViewMode::height.

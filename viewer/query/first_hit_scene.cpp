@@ -31,11 +31,11 @@ std::length_error too_wide() {
 }
 
 VoxelAttributes look_of(const std::uint8_t rgba[4], const std::int8_t normal[2]) {
-  VoxelAttributes look;
-  for (int c = 0; c < 4; ++c) look.rgba |= std::uint32_t(rgba[c]) << 8 * c;
-  look.normal[0] = normal[0];
-  look.normal[1] = normal[1];
-  return look;
+  VoxelAttributes voxel;
+  for (int c = 0; c < 4; ++c) voxel.rgba |= std::uint32_t(rgba[c]) << 8 * c;
+  voxel.normal[0] = normal[0];
+  voxel.normal[1] = normal[1];
+  return voxel;
 }
 
 void check_columns(const NodeTable& nodes, const BrickLevel& level) {
@@ -75,27 +75,27 @@ std::uint64_t FirstHitScene::tree_bytes() const {
   return (nodes.size() + shells[0].size() + shells[1].size()) * sizeof(FirstHitNode);
 }
 
-std::uint64_t FirstHitScene::bytes() const { return tree_bytes() + looks.size() * sizeof(VoxelAttributes); }
+std::uint64_t FirstHitScene::bytes() const { return tree_bytes() + attributes.size() * sizeof(VoxelAttributes); }
 
 void FirstHitBuilder::add_brick(const Position& at, const BrickLevel& level, std::size_t brick) {
   FirstHitNode octants[8];
-  std::vector<VoxelAttributes> looks[8];
+  std::vector<VoxelAttributes> attributes[8];
   for_each_voxel(
       level, brick, {0, 0, 0},
       [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
         const std::size_t o = (x >> 2) | (y >> 2) << 1 | (z >> 2) << 2;
         octants[o].mask |= std::uint64_t(1) << ((x & 3) | (y & 3) << 2 | (z & 3) << 4);
-        looks[o].push_back(look_of(rgba, normal));  // in the order of the node's children
+        attributes[o].push_back(look_of(rgba, normal));  // in the order of the node's children
       });
   for (std::size_t o = 0; o < 8; ++o) {
-    if (looks[o].empty()) continue;
-    looks_.insert(looks_.end(), looks[o].begin(), looks[o].end());
-    octants[o].end = std::uint32_t(looks_.size());
+    if (attributes[o].empty()) continue;
+    attributes_.insert(attributes_.end(), attributes[o].begin(), attributes[o].end());
+    octants[o].end = std::uint32_t(attributes_.size());
     leaves_.push_back(
         {{std::int32_t(at[0] / 4) + std::int32_t(o & 1), std::int32_t(at[1] / 4) + std::int32_t(o >> 1 & 1),
           std::int32_t(at[2] / 4) + std::int32_t(o >> 2)},
          octants[o]});
-    voxels_ += looks[o].size();
+    voxels_ += attributes[o].size();
   }
 }
 
@@ -115,7 +115,8 @@ void FirstHitBuilder::add_cell(const Vec3i64& lattice_min, const NodeTable& node
     if (nodes.lod[n] < lod_ || (nodes.lod[n] > lod_ && nodes.kind[n] != NodeKind::leaf_constant)) continue;
     const std::int64_t edge = std::int64_t(brick_edge) << (nodes.lod[n] - lod_);
     const Position at = cell + Position(demorton(nodes.key[n])) * edge;
-    if (looks_.size() + brick_voxels > max_looks) throw std::length_error("2^32 voxels or more; use a coarser lod");
+    if (attributes_.size() + brick_voxels > max_looks)
+      throw std::length_error("2^32 voxels or more; use a coarser lod");
     if (nodes.kind[n] == NodeKind::brick) {
       require(nodes.value[n] < level.mask.size() / brick_edge, "a node's brick is out of range");
       add_brick(at, level, nodes.value[n]);
@@ -123,8 +124,8 @@ void FirstHitBuilder::add_cell(const Vec3i64& lattice_min, const NodeTable& node
     }
     std::uint8_t rgba[4];
     for (int c = 0; c < 4; ++c) rgba[c] = std::uint8_t(nodes.value[n] >> 8 * c);
-    constants_.push_back({at, edge, std::uint32_t(looks_.size())});
-    looks_.insert(looks_.end(), 64, look_of(rgba, nodes.normal[n].data()));
+    constants_.push_back({at, edge, std::uint32_t(attributes_.size())});
+    attributes_.insert(attributes_.end(), 64, look_of(rgba, nodes.normal[n].data()));
     voxels_ += std::uint64_t(edge * edge * edge);
   }
 }
@@ -175,7 +176,7 @@ std::vector<FirstHitNode> FirstHitBuilder::build_nodes(const Cube& cube) {
       low[a] = constant.at[a] - cube.corner[a];
       high[a] = low[a] + constant.edge;
     }
-    tree.add_constant(low, high, constant.look);
+    tree.add_constant(low, high, constant.attributes_index);
   }
   return tree.finish();
 }
@@ -185,7 +186,7 @@ FirstHitScene FirstHitBuilder::place_tree(const Cube& cube) {
   scene.lod = lod_;
   scene.voxels = voxels_;
   scene.nodes = build_nodes(cube);
-  scene.looks = std::move(looks_);
+  scene.attributes = std::move(attributes_);
   const std::int64_t voxel = std::int64_t(1) << lod_;
   double centre[3], half[3];
   for (std::size_t a = 0; a < 3; ++a) {
@@ -194,7 +195,7 @@ FirstHitScene FirstHitBuilder::place_tree(const Cube& cube) {
     half[a] = double(cube.half[a]);
   }
   scene.view.tree = tree_around(centre, half, cube.bits, double(voxel), scene.nodes);
-  scene.view.looks = {scene.looks.data(), scene.looks.size()};
+  scene.view.attributes = {scene.attributes.data(), scene.attributes.size()};
   return scene;
 }
 

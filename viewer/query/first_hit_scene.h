@@ -21,13 +21,13 @@ struct FirstHitScene {
 
   std::vector<kernels::FirstHitNode> nodes;
   std::array<std::vector<kernels::FirstHitNode>, 2> shells;  ///< empty if a constant node is wider than 64 voxels
-  std::vector<kernels::VoxelAttributes> looks;               ///< one per voxel, and 64 per constant node
+  std::vector<kernels::VoxelAttributes> attributes;          ///< one per voxel, and 64 per constant node
   kernels::FirstHitView view;                                ///< borrows the arrays above
   Vec3i64 lattice_min{};                                     ///< lod-0 voxel at the tree's lowest corner
   int lod = 0;                                               ///< level of the tree's voxels
   std::uint64_t voxels = 0;
 
-  std::uint64_t tree_bytes() const;  ///< nodes and shells, without `looks`
+  std::uint64_t tree_bytes() const;  ///< nodes and shells, without `attributes`
   std::uint64_t bytes() const;
 };
 
@@ -60,7 +60,7 @@ class FirstHitBuilder {
   struct Constant {
     Position at;
     std::int64_t edge;
-    std::uint32_t look;
+    std::uint32_t attributes_index;
   };
   /// The cube of the root.
   struct Cube {
@@ -80,7 +80,7 @@ class FirstHitBuilder {
   Vec3i64 first_corner_{};
   std::vector<Leaf> leaves_;
   std::vector<Constant> constants_;
-  std::vector<kernels::VoxelAttributes> looks_;
+  std::vector<kernels::VoxelAttributes> attributes_;
   std::uint64_t voxels_ = 0;
 };
 

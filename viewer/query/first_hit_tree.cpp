@@ -24,18 +24,18 @@ struct PlacedMask {
   std::uint64_t mask;
 };
 
-/// Appends the nodes of level `wanted` below node `index`, which has level `level` and position `at`.
-void collect_level(const std::vector<FirstHitNode>& nodes, std::size_t index, int level, int wanted,
+/// Appends the nodes of level `requested` below node `index`, which has level `level` and position `at`.
+void collect_level(const std::vector<FirstHitNode>& nodes, std::size_t index, int level, int requested,
                    const std::array<std::int32_t, 3>& at, std::vector<PlacedMask>& out) {
   const FirstHitNode& node = nodes[index];
-  if (level == wanted) {
+  if (level == requested) {
     out.push_back({at, node.mask});
     return;
   }
   std::size_t child = node.end - std::size_t(std::popcount(node.mask));
   for (std::uint64_t rest = node.mask; rest != 0; rest &= rest - 1) {
     const int c = std::countr_zero(rest);
-    collect_level(nodes, child++, level - 1, wanted,
+    collect_level(nodes, child++, level - 1, requested,
                   {at[0] * 4 + (c & 3), at[1] * 4 + (c >> 2 & 3), at[2] * 4 + (c >> 4)}, out);
   }
 }
@@ -79,13 +79,13 @@ void FirstHitTreeBuilder::add(const std::array<std::int32_t, 3>& at, const First
   levels_[0].push_back({key_of(at), node});
 }
 
-void FirstHitTreeBuilder::add_constant(const Position& low, const Position& high, std::uint32_t look) {
-  fill({0, 0, 0}, levels_.size(), low, high, look);
+void FirstHitTreeBuilder::add_constant(const Position& low, const Position& high, std::uint32_t attributes_index) {
+  fill({0, 0, 0}, levels_.size(), low, high, attributes_index);
 }
 
 /// Fills the part of a cube inside [low, high). `at` is the cube's lowest corner; the cube's edge is 4^level voxels.
 void FirstHitTreeBuilder::fill(const Position& at, std::size_t level, const Position& low, const Position& high,
-                               std::uint32_t look) {
+                               std::uint32_t attributes_index) {
   const std::int64_t edge = std::int64_t(1) << 2 * level;
   bool inside = true;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -93,23 +93,23 @@ void FirstHitTreeBuilder::fill(const Position& at, std::size_t level, const Posi
     inside = inside && at[a] >= low[a] && at[a] + edge <= high[a];
   }
   if (inside) {
-    levels_[level - 1].push_back({key_of(at / edge), full_node(level, look)});
+    levels_[level - 1].push_back({key_of(at / edge), full_node(level, attributes_index)});
     return;
   }
   for (int c = 0; c < 64; ++c)
     fill({at[0] + (c & 3) * edge / 4, at[1] + (c >> 2 & 3) * edge / 4, at[2] + (c >> 4) * edge / 4}, level - 1, low,
-         high, look);
+         high, attributes_index);
 }
 
 /// Returns a full node with an edge of 4^level voxels.
-FirstHitNode FirstHitTreeBuilder::full_node(std::size_t level, std::uint32_t look) {
-  if (level == 1) return {every_child, look + 64, 0};
-  const auto found = full_children_.find({look, level});
+FirstHitNode FirstHitTreeBuilder::full_node(std::size_t level, std::uint32_t attributes_index) {
+  if (level == 1) return {every_child, attributes_index + 64, 0};
+  const auto found = full_children_.find({attributes_index, level});
   if (found != full_children_.end()) return {every_child, found->second + 64, 0};
-  const FirstHitNode child = full_node(level - 1, look);
+  const FirstHitNode child = full_node(level - 1, attributes_index);
   const auto first = std::uint32_t(nodes_.size());
   nodes_.insert(nodes_.end(), 64, child);
-  full_children_[{look, level}] = first;
+  full_children_[{attributes_index, level}] = first;
   return {every_child, first + 64, 0};
 }
 

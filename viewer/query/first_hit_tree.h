@@ -23,9 +23,9 @@ class FirstHitTreeBuilder {
   /// Adds a node of level 0. `at` is the node's position in nodes of level 0 from the tree's lowest corner.
   void add(const std::array<std::int32_t, 3>& at, const kernels::FirstHitNode& node);
 
-  /// Fills the voxels of [low, high) with the largest nodes that fit; the coordinates are multiples of four. `look` is
-  /// the index of the first of 64 equal attributes.
-  void add_constant(const Position& low, const Position& high, std::uint32_t look);
+  /// Fills the voxels of [low, high) with the largest nodes that fit; the coordinates are multiples of four.
+  /// `attributes_index` is the index of the first of 64 equal attributes.
+  void add_constant(const Position& low, const Position& high, std::uint32_t attributes_index);
 
   /// Returns the nodes: the root, then the nodes of each level in order, starting with the lowest level.
   /// Errors  std::length_error: 2^32 nodes or more.
@@ -37,8 +37,9 @@ class FirstHitTreeBuilder {
     kernels::FirstHitNode node;
   };
 
-  void fill(const Position& at, std::size_t level, const Position& low, const Position& high, std::uint32_t look);
-  kernels::FirstHitNode full_node(std::size_t level, std::uint32_t look);
+  void fill(const Position& at, std::size_t level, const Position& low, const Position& high,
+            std::uint32_t attributes_index);
+  kernels::FirstHitNode full_node(std::size_t level, std::uint32_t attributes_index);
 
   std::vector<std::vector<Entry>> levels_;
   std::vector<kernels::FirstHitNode> nodes_;

@@ -2,7 +2,7 @@
 
 #include <bit>
 
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 
 namespace gigabake {
 
@@ -27,7 +27,7 @@ std::string device_limit(const QueryPlaces& places, const PagedScene& scene, con
   const int cell_lods = std::countr_zero(scene.totals().cell_voxels) - 2;
   if (places.has_pages() && levels.finest >= cell_lods) return "a device casts no rays through overviews";
   if (scene.totals().cells > memory_bytes / bytes_per_cell)
-    return "the list of " + counted(scene.totals().cells, "cell") + " is larger than the memory";
+    return "the list of " + pluralize(scene.totals().cells, "cell") + " is larger than the memory";
   return {};
 }
 

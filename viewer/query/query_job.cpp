@@ -19,14 +19,14 @@ constexpr std::size_t answers_per_piece = 1024;
 
 class Run {
  public:
-  Run(const QueryJob& job, SceneQuery& query, QuerySource& asks, const ThreadPool& pool)
+  Run(const QueryJob& job, SceneQuery& query, QuerySource& inputs, const ThreadPool& pool)
       : job_(job),
         query_(query),
-        asks_(asks),
+        asks_(inputs),
         pool_(pool),
         surface_(parameters_from_json(query.scene().header().parameters).surface),
         frames_(query.scene().header(), query.window(), job.frame),
-        text_(job.format, job.kind, frames_, query.scene().header().voxel_size_m, asks.have_ids(), asks.count()) {
+        text_(job.format, job.kind, frames_, query.scene().header().voxel_size_m, inputs.have_ids(), inputs.count()) {
     if (!(job.max_distance_m > 0)) throw UsageError("max_distance", "expected metres above 0");
     if (!(job.ignore_ends_m >= 0 && std::isfinite(job.ignore_ends_m)))
       throw UsageError("ignore_ends", "expected metres, 0 or more");
@@ -37,7 +37,7 @@ class Run {
     bool first = true;
     Batch batch, following;
     read(batch);
-    for (; !batch.asks.empty(); std::swap(batch, following)) {
+    for (; !batch.inputs.empty(); std::swap(batch, following)) {
       // The next batch is read while this batch is cast and written. Errors of the next batch are reported after the
       // answers of this batch.
       std::future<void> reading = std::async(std::launch::async, [&] { read(following); });
@@ -58,17 +58,17 @@ class Run {
 
  private:
   struct Batch {
-    std::vector<QueryInput> asks;
+    std::vector<QueryInput> inputs;
     std::vector<QueryRay> rays;
   };
 
   void read(Batch& batch) {
-    asks_.next(job_.batch_rays, batch.asks);
-    make_rays(batch.asks, batch.rays);
+    asks_.next(job_.batch_rays, batch.inputs);
+    make_rays(batch.inputs, batch.rays);
   }
 
-  QueryRay ray_for(const QueryInput& ask) const {
-    QueryRay ray = ray_of(ask, job_.kind, asks_.aim(), frames_);
+  QueryRay ray_for(const QueryInput& input) const {
+    QueryRay ray = ray_of(input, job_.kind, asks_.aim(), frames_);
     if (job_.kind == QueryKind::height) return ray;
     ray.end = std::fmin(ray.end, frames_.voxels(job_.max_distance_m));
     if (job_.kind != QueryKind::sight) return ray;
@@ -79,15 +79,15 @@ class Run {
     return ray;
   }
 
-  void make_rays(const std::vector<QueryInput>& asks, std::vector<QueryRay>& rays) const {
-    rays.resize(asks.size());
+  void make_rays(const std::vector<QueryInput>& inputs, std::vector<QueryRay>& rays) const {
+    rays.resize(inputs.size());
     std::mutex mutex;
-    std::size_t first_bad = asks.size();
+    std::size_t first_bad = inputs.size();
     std::string why;
-    pool_.parallel_for(asks.size(), answers_per_piece, [&](std::size_t begin, std::size_t end, int) {
+    pool_.parallel_for(inputs.size(), answers_per_piece, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t i = begin; i < end; ++i) {
         try {
-          rays[i] = ray_for(asks[i]);
+          rays[i] = ray_for(inputs[i]);
         } catch (const std::invalid_argument& bad) {
           const std::scoped_lock lock(mutex);
           if (i < first_bad) why = bad.what();
@@ -96,7 +96,7 @@ class Run {
         }
       }
     });
-    if (first_bad < asks.size()) asks_.refuse(first_bad, why);
+    if (first_bad < inputs.size()) asks_.refuse(first_bad, why);
   }
 
   /// Looks up the names of the hits' shards.
@@ -119,7 +119,7 @@ class Run {
       for (std::size_t p = begin; p < end; ++p) {
         pieces_[p].clear();
         for (std::size_t i = p * answers_per_piece; i < std::min(hits_.size(), (p + 1) * answers_per_piece); ++i)
-          text_.add({batch.asks[i], batch.rays[i], hits_[i], *names_[i]}, first && i == 0, pieces_[p]);
+          text_.add({batch.inputs[i], batch.rays[i], hits_[i], *names_[i]}, first && i == 0, pieces_[p]);
       }
     });
   }
@@ -138,10 +138,10 @@ class Run {
 
 }  // namespace
 
-QueryTally run_query(const QueryJob& job, SceneQuery& query, QuerySource& asks, const ThreadPool& pool,
+QueryTally run_query(const QueryJob& job, SceneQuery& query, QuerySource& inputs, const ThreadPool& pool,
                      const std::function<void(std::string_view)>& write, const Progress& progress) {
-  progress.step("casting rays", asks.count().value_or(0), "ray");
-  return Run(job, query, asks, pool).all(write, progress);
+  progress.step("casting rays", inputs.count().value_or(0), "ray");
+  return Run(job, query, inputs, pool).all(write, progress);
 }
 
 }  // namespace gigabake

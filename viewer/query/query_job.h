@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "core/base/progress.h"
-#include "viewer/query/query_asks.h"
+#include "viewer/query/query_inputs.h"
 #include "viewer/query/query_text.h"
 #include "viewer/query/scene_query.h"
 
@@ -29,7 +29,7 @@ using QueryTally = std::array<std::uint64_t, names_of<QueryOutcome>().size()>;
 /// Answers all queries and passes the text to `write`, piece by piece, in the calling thread.
 /// Exact   The text does not depend on the number of threads, the batch size or the memory.
 /// Errors  The errors of SceneQuery::first_hits() and QuerySource::refuse(); exceptions of `write`.
-QueryTally run_query(const QueryJob& job, SceneQuery& query, QuerySource& asks, const ThreadPool& pool,
+QueryTally run_query(const QueryJob& job, SceneQuery& query, QuerySource& inputs, const ThreadPool& pool,
                      const std::function<void(std::string_view)>& write, const Progress& progress = {});
 
 }  // namespace gigabake

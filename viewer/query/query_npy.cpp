@@ -70,7 +70,7 @@ class NpyQueries final : public QuerySource {
     read_header(columns_of(kind, frame));
   }
 
-  void next(std::size_t maximum, std::vector<QueryInput>& asks) override {
+  void next(std::size_t maximum, std::vector<QueryInput>& inputs) override {
     first_ = row_;
     const auto rows = std::size_t(std::min<std::uint64_t>(maximum, shape_.rows - row_));
     const auto columns = std::size_t(shape_.columns);
@@ -78,7 +78,7 @@ class NpyQueries final : public QuerySource {
     read(numbers_.data(), numbers_.size() * sizeof(double));
     row_ += rows;
     if (row_ == shape_.rows && std::fgetc(file_.get()) != EOF) fail(at_, "bytes after the last row");
-    asks.resize(rows);
+    inputs.resize(rows);
     std::mutex mutex;
     std::size_t bad = numbers_.size();
     pool_.parallel_for(rows, rows_per_range, [&](std::size_t begin, std::size_t end, int) {
@@ -88,7 +88,7 @@ class NpyQueries final : public QuerySource {
           bad = std::min(bad, i);
           return;
         }
-        set(asks[i / columns], i % columns, numbers_[i]);
+        set(inputs[i / columns], i % columns, numbers_[i]);
       }
     });
     if (bad < numbers_.size()) fail(byte_of(first_) + bad * sizeof(double), "expected a finite number");
@@ -107,9 +107,9 @@ class NpyQueries final : public QuerySource {
   }
   std::uint64_t byte_of(std::uint64_t row) const { return data_ + row * shape_.columns * sizeof(double); }
 
-  void set(QueryInput& ask, std::size_t column, double value) const {
+  void set(QueryInput& input, std::size_t column, double value) const {
     const std::size_t in_from = kind_ == QueryKind::height ? 2 : 3;
-    (column < in_from ? ask.from[column] : ask.to[column - in_from]) = value;
+    (column < in_from ? input.from[column] : input.to[column - in_from]) = value;
   }
 
   void read(void* bytes, std::size_t size) {

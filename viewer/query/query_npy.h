@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "viewer/query/query_asks.h"
+#include "viewer/query/query_inputs.h"
 #include "viewer/query/query_text.h"
 
 namespace gigabake {

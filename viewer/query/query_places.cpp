@@ -104,7 +104,7 @@ Page QueryPlaces::read_page(const PageKey& key) {
 void QueryPlaces::read(const std::vector<PageKey>& pages) {
   if (!pager_) return;
   if (!pages.empty()) {
-    pager_->want(pages);
+    pager_->request(pages);
     pager_->wait();
   }
   pager_->begin_pass();
@@ -126,15 +126,16 @@ QueryPlace QueryPlaces::find_in_layout(const std::int64_t v[3]) const {
 
 QueryPlace QueryPlaces::find_in_pages(int lod, const std::int64_t v[3]) const {
   QueryPlace place;
-  MissingPages gaps;
-  const std::optional<ShardExtent> found = map_->find(lod, map_->last_holder(lod), v, *pager_, gaps, place.box);
+  MissingPages missing_pages;
+  const std::optional<ShardExtent> found =
+      map_->find(lod, map_->last_provider(lod), v, *pager_, missing_pages, place.box);
   if (found) {
     place.kind = QueryPlace::Kind::shard;
     place.shard = found->number;
     place.box = found->window;
-  } else if (!gaps.missing.empty()) {
+  } else if (!missing_pages.missing.empty()) {
     place.kind = QueryPlace::Kind::unknown;
-    place.page = gaps.missing.front();
+    place.page = missing_pages.missing.front();
   }
   return place;
 }

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "viewer/query/query_asks.h"
+#include "viewer/query/query_inputs.h"
 #include "viewer/query/query_npy.h"
 
 namespace gigabake {
@@ -75,16 +75,16 @@ class TableQueries final : public QuerySource {
     read_head(kind, frame);
   }
 
-  void next(std::size_t maximum, std::vector<QueryInput>& asks) override {
+  void next(std::size_t maximum, std::vector<QueryInput>& inputs) override {
     const std::vector<std::string_view> lines = read_lines(maximum);
-    asks.resize(lines.size());
+    inputs.resize(lines.size());
     std::mutex mutex;
     std::size_t first_bad = lines.size();
     std::string why;
     pool_.parallel_for(lines.size(), 512, [&](std::size_t begin, std::size_t end, int) {
       std::vector<std::string> scratch;
       for (std::size_t i = begin; i < end; ++i) {
-        std::string problem = parse(lines[i], asks[i], scratch);
+        std::string problem = parse(lines[i], inputs[i], scratch);
         if (problem.empty()) continue;
         const std::scoped_lock lock(mutex);
         if (i < first_bad) {
@@ -205,7 +205,7 @@ class TableQueries final : public QuerySource {
   }
 
   /// Returns the error in the line; empty if there is none.
-  std::string parse(std::string_view line, QueryInput& ask, std::vector<std::string>& fields) const {
+  std::string parse(std::string_view line, QueryInput& input, std::vector<std::string>& fields) const {
     const bool plain = line.find('"') == std::string_view::npos;
     if (!plain && !split(line, fields)) return "a quote that is not closed, or text after it";
     std::size_t at = 0, count = plain ? std::size_t(std::count(line.begin(), line.end(), ',')) + 1 : fields.size();
@@ -217,10 +217,10 @@ class TableQueries final : public QuerySource {
       at = comma + 1;
       const TableColumn& column = columns_[c];
       if (column.holds == TableColumn::Holds::id) {
-        ask.id = field;
+        input.id = field;
         continue;
       }
-      double& value = (column.holds == TableColumn::Holds::from ? ask.from : ask.to)[column.place];
+      double& value = (column.holds == TableColumn::Holds::from ? input.from : input.to)[column.place];
       const char* begin = field.data() + (field.starts_with('+') ? 1 : 0);
       const auto [end, error] = std::from_chars(begin, field.data() + field.size(), value);
       if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value))

@@ -150,7 +150,7 @@ void QueryText::add_point(const QueryPoint& p, int height_decimals, std::string&
 void QueryText::add_csv(const QueryAnswer& answer, std::string& text) const {
   const QueryHit& hit = answer.hit;
   if (has_ids_) {
-    add_quoted_csv(answer.ask.id, text);
+    add_quoted_csv(answer.input.id, text);
     text += ',';
   }
   text += outcome(hit.outcome);
@@ -177,7 +177,7 @@ void QueryText::add_csv(const QueryAnswer& answer, std::string& text) const {
     add_integer(hit.lod, text);
     text += ',';
   } else if (kind_ == QueryKind::height) {
-    QueryPoint place = answer.ask.from;
+    QueryPoint place = answer.input.from;
     place[2] = 0;
     add_point(place, decimals_, text);
     text.erase(text.rfind(',') + 1);  // no height was found
@@ -195,7 +195,7 @@ void QueryText::add_members(const QueryAnswer& answer, bool with_scene_metres, s
   const QueryHit& hit = answer.hit;
   if (has_ids_) {
     text += "\"id\":";
-    add_json_string(answer.ask.id, text);
+    add_json_string(answer.input.id, text);
     text += ',';
   }
   text += "\"outcome\":";
@@ -247,7 +247,7 @@ void QueryText::add_json(const QueryAnswer& answer, std::string& text) const {
   text += '{';
   if (kind_ == QueryKind::height) {
     text += "\"at\":[";
-    add_point({answer.ask.from[0], answer.ask.from[1], 0}, decimals_, text);
+    add_point({answer.input.from[0], answer.input.from[1], 0}, decimals_, text);
     text.erase(text.rfind(','));
     text += "],";
   }
@@ -267,14 +267,14 @@ void QueryText::add_geojson(const QueryAnswer& answer, std::string& text) const 
   text += "{\"type\":\"Feature\",\"geometry\":";
   if (kind_ == QueryKind::sight) {
     text += "{\"type\":\"LineString\",\"coordinates\":[[";
-    add_lonlat(input_lonlat(answer.ask.from), decimals_, text);
+    add_lonlat(input_lonlat(answer.input.from), decimals_, text);
     text += "],[";
-    add_lonlat(is_hit ? met() : input_lonlat(answer.ask.to), decimals_, text);
+    add_lonlat(is_hit ? met() : input_lonlat(answer.input.to), decimals_, text);
     text += "]]}";
   } else if (is_hit || kind_ == QueryKind::height) {
     text += "{\"type\":\"Point\",\"coordinates\":[";
-    add_lonlat(is_hit ? met() : input_lonlat({answer.ask.from[0], answer.ask.from[1], 0}), height_decimals(answer.hit),
-               text);
+    add_lonlat(is_hit ? met() : input_lonlat({answer.input.from[0], answer.input.from[1], 0}),
+               height_decimals(answer.hit), text);
     if (!is_hit) text.erase(text.rfind(','));
     text += "]}";
   } else {

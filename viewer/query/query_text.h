@@ -6,8 +6,8 @@
 #include <string>
 
 #include "kernels/first_hit/query_ray.h"
-#include "viewer/query/query_asks.h"
 #include "viewer/query/query_frames.h"
+#include "viewer/query/query_inputs.h"
 
 namespace gigabake {
 
@@ -19,7 +19,7 @@ constexpr auto names_of<QueryFormat>() {
 
 /// A query and its answer.
 struct QueryAnswer {
-  const QueryInput& ask;
+  const QueryInput& input;
   const QueryRay& ray;
   const QueryHit& hit;
   const std::string& shard;  ///< name of the cell or overview; empty if there is none

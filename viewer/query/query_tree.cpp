@@ -65,7 +65,7 @@ QueryTree::QueryTree(const QueryTreeSource& source) {
     throw InputError(source.path_, "", error.what());
   }
   view_.tree = scene_.view.tree;
-  view_.looks = scene_.view.looks;
+  view_.attributes = scene_.view.attributes;
   std::ranges::copy(scene_.lattice_min, view_.tree_min);
   view_.grown = 1 + rim * double(scene_.view.tree.edge) / view_.half_window;
 }

@@ -7,8 +7,8 @@
 #include <unordered_set>
 #include <utility>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "kernels/first_hit/query_walk.h"
 #include "viewer/query/query_device.h"
 #include "viewer/query/query_places.h"
@@ -56,8 +56,8 @@ struct HostScene {
 /// The unfinished rays of a thread, and the data that they need.
 struct Waiting {
   std::vector<std::uint32_t> rays;
-  std::unordered_map<QueryTreeKey, std::uint64_t, QueryTreeKeyHash> wants;  ///< number of waiting rays per tree
-  std::set<PageKey> pages;                                                  ///< pages of the scene
+  std::unordered_map<QueryTreeKey, std::uint64_t, QueryTreeKeyHash> requests;  ///< number of waiting rays per tree
+  std::set<PageKey> pages;                                                     ///< pages of the scene
 };
 
 QueryLevels checked_levels(const QueryOptions& options, int lods) {
@@ -70,7 +70,7 @@ QueryLevels checked_levels(const QueryOptions& options, int lods) {
 std::vector<QueryTreeKey> by_request_count(const std::vector<Waiting>& waiting) {
   std::unordered_map<QueryTreeKey, std::uint64_t, QueryTreeKeyHash> sums;
   for (const Waiting& w : waiting)
-    for (const auto& [key, rays] : w.wants) sums[key] += rays;
+    for (const auto& [key, rays] : w.requests) sums[key] += rays;
   std::vector<std::pair<std::uint64_t, QueryTreeKey>> ranked;
   for (const auto& [key, rays] : sums) ranked.push_back({rays, key});
   std::sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) {
@@ -118,7 +118,7 @@ struct SceneQuery::State {
         if (needed.is_page)
           w.pages.insert(needed.page);
         else
-          ++w.wants[needed.tree];
+          ++w.requests[needed.tree];
       }
     });
     return waiting;
@@ -129,7 +129,7 @@ struct SceneQuery::State {
     pool.parallel_for(rays.size(), rays_per_range, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t i = begin; i < end; ++i) {
         active[i] = std::uint32_t(i);
-        walks[i] = kernels::start_walk(rays[i], levels, places.window());
+        walks[i] = kernels::start_march(rays[i], levels, places.window());
       }
     });
   }

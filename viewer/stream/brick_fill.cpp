@@ -19,13 +19,13 @@ struct SlotPart {
 class BrickFiller {
  public:
   BrickFiller(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,
-              MissingPages& gaps, CastBrick& brick)
+              MissingPages& missing_pages, CastBrick& brick)
       : lod_(node.lod),
         top_(layout.scene.lods - 1),
         corner_(box_of(node, layout)),
         lookup_(lookup),
         shading_(shading),
-        gaps_(gaps),
+        gaps_(missing_pages),
         brick_(brick) {}
 
   /// Fills the brick's own voxels, then the border from the neighbours at three faces, three edges and one corner.
@@ -92,9 +92,9 @@ class BrickFiller {
   /// larger voxel.
   std::optional<kernels::CastVoxel> coarser_voxel(const std::int64_t v[3]) {
     for (int lod = lod_ + 1; lod <= top_; ++lod) {
-      MissingPages gaps;
-      const VoxelPlace place = lookup_.place(lod, v, gaps, path_);
-      gaps_.missing.insert(gaps_.missing.end(), gaps.missing.begin(), gaps.missing.end());
+      MissingPages missing_pages;
+      const VoxelPlace place = lookup_.place(lod, v, missing_pages, path_);
+      gaps_.missing.insert(gaps_.missing.end(), missing_pages.missing.begin(), missing_pages.missing.end());
       if (place.kind == VoxelPlace::Kind::unreadable) continue;
       auto voxel = voxel_at(place, lod, v);
       if (voxel) voxel->plane = 0;
@@ -105,7 +105,8 @@ class BrickFiller {
 
   std::optional<kernels::CastVoxel> voxel_at(const VoxelPlace& place, int lod, const std::int64_t v[3]) const {
     if (place.kind == VoxelPlace::Kind::constant)
-      return shading_(lod, place.rgba.data(), place.normal.data(), place.has_facing ? place.facing.data() : nullptr);
+      return shading_(lod, place.rgba.data(), place.normal.data(),
+                      place.has_directional_coverage ? place.directional_coverage.data() : nullptr);
     if (place.kind != VoxelPlace::Kind::brick) return {};
     int at[3];
     for (int a = 0; a < 3; ++a) at[a] = int((v[a] - place.box.min[a]) >> lod);
@@ -120,13 +121,17 @@ class BrickFiller {
 
   kernels::CastVoxel stored_voxel(const BrickBlock& block, std::uint32_t rank, int lod) const {
     const std::int8_t* normal = block.normal.empty() ? nullptr : &block.normal[2 * std::size_t(rank)];
-    const std::uint8_t* facing = block.facing.empty() ? nullptr : &block.facing[facing_bytes * std::size_t(rank)];
-    return shading_(lod, &block.rgba[4 * std::size_t(rank)], normal, facing);
+    const std::uint8_t* directional_coverage =
+        block.directional_coverage.empty()
+            ? nullptr
+            : &block.directional_coverage[directional_coverage_bytes * std::size_t(rank)];
+    return shading_(lod, &block.rgba[4 * std::size_t(rank)], normal, directional_coverage);
   }
 
   void fill_constant(const SlotPart& part, const VoxelPlace& place) {
     const kernels::CastVoxel voxel =
-        shading_(lod_, place.rgba.data(), place.normal.data(), place.has_facing ? place.facing.data() : nullptr);
+        shading_(lod_, place.rgba.data(), place.normal.data(),
+                 place.has_directional_coverage ? place.directional_coverage.data() : nullptr);
     for (int z = part.begin[2]; z < part.end[2]; ++z)
       for (int y = part.begin[1]; y < part.end[1]; ++y)
         for (int x = part.begin[0]; x < part.end[0]; ++x) put(x, y, z, voxel);
@@ -183,18 +188,18 @@ VoxelBox box_of(const FieldNode& node, const CellLayout& layout) {
 }
 
 std::uint8_t children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup,
-                         MissingPages& gaps) {
+                         MissingPages& missing_pages) {
   VoxelLookup::Boxes boxes;
   for (unsigned octant = 0; octant < 8; ++octant) {
     boxes[octant] = box_of(node.child(octant), layout);
     for (std::int64_t& side : boxes[octant].max) side += std::int64_t(1) << (node.lod - 1);
   }
-  return lookup.occupied(node.lod - 1, boxes, gaps);
+  return lookup.occupied(node.lod - 1, boxes, missing_pages);
 }
 
 bool fill_brick(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,
-                MissingPages& gaps, CastBrick& brick) {
-  return BrickFiller(node, layout, lookup, shading, gaps, brick).fill();
+                MissingPages& missing_pages, CastBrick& brick) {
+  return BrickFiller(node, layout, lookup, shading, missing_pages, brick).fill();
 }
 
 }  // namespace gigabake

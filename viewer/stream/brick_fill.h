@@ -29,11 +29,11 @@ kernels::VoxelBox box_of(const FieldNode& node, const CellLayout& layout);
 /// valid only if gaps.missing stays empty.
 /// Range   node.lod > 0.
 std::uint8_t children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup,
-                         MissingPages& gaps);
+                         MissingPages& missing_pages);
 
 /// Fills the brick; returns false if the brick and its border contain no voxels. The result is valid only if
 /// gaps.missing stays empty.
 bool fill_brick(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,
-                MissingPages& gaps, kernels::CastBrick& brick);
+                MissingPages& missing_pages, kernels::CastBrick& brick);
 
 }  // namespace gigabake

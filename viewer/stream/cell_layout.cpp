@@ -6,8 +6,8 @@
 #include <map>
 #include <utility>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "core/octree/morton.h"
 #include "kernels/marching/locate.h"
 
@@ -33,7 +33,7 @@ void check_cell(const SceneCell& cell, const SceneCell& first) {
     refuse(cell, "an edge of " + std::to_string(edge) + " voxels where cell " + first.name + " has " +
                      std::to_string(first.cell_voxels));
   if (cell.lods != std::uint32_t(std::bit_width(edge / brick_edge)))
-    refuse(cell, counted(cell.lods, "level") + "; expected " + std::to_string(std::bit_width(edge / brick_edge)));
+    refuse(cell, pluralize(cell.lods, "level") + "; expected " + std::to_string(std::bit_width(edge / brick_edge)));
   for (const std::int64_t low : cell.lattice_min)
     if (low < -kernels::far_voxel / 4 || low > kernels::far_voxel / 4) refuse(cell, "it lies beyond 2^50 voxels");
   if (cell.lattice_min[0] % edge != 0 || cell.lattice_min[1] % edge != 0 || cell.lattice_min[2] % brick_edge != 0)

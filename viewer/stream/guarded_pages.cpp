@@ -30,7 +30,7 @@ std::string fault_of_rows(const std::vector<NodeRow>& rows) {
     if (row.kind > NodeKind::leaf_constant) return "a node of unknown type";
     if (row.kind == NodeKind::leaf_constant && row.child_mask != 0) return "a leaf with children";
     if (row.child_mask != 0 && row.first_child > 0xffffffffu - 8) return "children beyond every table";
-    if (!is_plane(row.facing[facing_plane])) return "an invalid plane";
+    if (!is_plane(row.directional_coverage[directional_coverage_plane])) return "an invalid plane";
   }
   return {};
 }
@@ -48,9 +48,10 @@ std::string fault_of_bricks(const BrickBlock& block, bool has_normals) {
   const std::size_t voxels = block.first[bricks];
   if (block.rgba.size() != 4 * voxels) return "expected 4 bytes of rgba per voxel";
   if (block.normal.size() != (has_normals ? 2 * voxels : 0)) return "normals do not match the channels of the scene";
-  if (!block.facing.empty() && block.facing.size() != facing_bytes * voxels) return "facing does not match the voxels";
-  for (std::size_t v = 0; v < block.facing.size(); v += facing_bytes)
-    if (!is_plane(block.facing[v + facing_plane])) return "an invalid plane";
+  if (!block.directional_coverage.empty() && block.directional_coverage.size() != directional_coverage_bytes * voxels)
+    return "facing does not match the voxels";
+  for (std::size_t v = 0; v < block.directional_coverage.size(); v += directional_coverage_bytes)
+    if (!is_plane(block.directional_coverage[v + directional_coverage_plane])) return "an invalid plane";
   return {};
 }
 

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 
 namespace gigabake {
 namespace {
@@ -71,7 +71,7 @@ SceneCell NumberedShards::shard(std::uint32_t number) {
       return listing.page->overviews[index - listing.first_overview];
   }
   throw InputError(scene_->file(), "shard " + std::to_string(number),
-                   "the scene has " + counted(cells, "cell") + " and " + counted(overviews, "overview"));
+                   "the scene has " + pluralize(cells, "cell") + " and " + pluralize(overviews, "overview"));
 }
 
 Page NumberedShards::listing(const PageKey& key) {

@@ -35,10 +35,10 @@ std::size_t OverviewLevels::holders(int lod) const {
   }));
 }
 
-const OverviewLevel& OverviewLevels::holder(int lod, std::size_t holder) const {
+const OverviewLevel& OverviewLevels::provider(int lod, std::size_t provider) const {
   std::size_t t = levels.size() - 1;
   while (levels[t].first_lod > lod) --t;
-  return levels[t - holder];
+  return levels[t - provider];
 }
 
 std::optional<OverviewLevels> overview_levels(const PagedScene& scene) {

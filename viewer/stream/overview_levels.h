@@ -33,9 +33,9 @@ struct OverviewLevels {
 
   /// Returns the number of overview levels that store level `lod`; cells that store it are not counted.
   std::size_t holders(int lod) const;
-  /// Returns one of the overview levels that store level `lod`; `holder` 0 has the largest overviews.
-  /// Range   `holder` < holders(lod).
-  const OverviewLevel& holder(int lod, std::size_t holder) const;
+  /// Returns one of the overview levels that store level `lod`; `provider` 0 has the largest overviews.
+  /// Range   `provider` < holders(lod).
+  const OverviewLevel& provider(int lod, std::size_t provider) const;
 };
 
 /// Returns the overview levels of a scene. Returns nullopt if the scene has no common root (format/scene/tier_shape.h),

@@ -14,7 +14,7 @@
 namespace gigabake {
 namespace {
 
-struct Arrival {
+struct LoadedPage {
   PageKey key;
   std::optional<Page> page;
   std::uint64_t bytes = 0;
@@ -34,19 +34,19 @@ std::string problem_with(const PageKey& key, const std::string& what) {
   return "shard " + std::to_string(key.shard) + ", " + part + ", block " + std::to_string(key.block) + ": " + what;
 }
 
-Arrival read_page(const PageSource& source, const PageKey& key) {
-  Arrival arrival{key, {}, 0, {}};
+LoadedPage read_page(const PageSource& source, const PageKey& key) {
+  LoadedPage loaded_page{key, {}, 0, {}};
   try {
-    arrival.page = source(key);
-    arrival.bytes = arrival.page->bytes();
+    loaded_page.page = source(key);
+    loaded_page.bytes = loaded_page.page->bytes();
   } catch (const InputError& error) {
-    arrival.problem = one_line(error.what());
+    loaded_page.problem = one_line(error.what());
   } catch (const std::exception& error) {
-    arrival.problem = one_line(problem_with(key, error.what()));
+    loaded_page.problem = one_line(problem_with(key, error.what()));
   } catch (...) {
-    arrival.problem = problem_with(key, "cannot be read, for an unknown reason");
+    loaded_page.problem = problem_with(key, "cannot be read, for an unknown reason");
   }
-  return arrival;
+  return loaded_page;
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ struct Pager::State {
 
   bool may_read() const;
   void reader_loop(const std::stop_token& stop);
-  void take(Arrival arrival);
+  void take(LoadedPage loaded_page);
   void list_unused_above(std::uint64_t limit);
   std::uint64_t bytes() const { return pages.bytes() + arrived_bytes; }
   std::uint64_t queued() const { return (queue.size() - next) + reading; }
@@ -77,7 +77,7 @@ struct Pager::State {
   std::unordered_set<PageKey, PageKeyHash> damaged;
 
   mutable std::mutex mutex;  ///< guards all members below, and evictions
-  std::condition_variable_any wanted;
+  std::condition_variable_any requested;
   std::condition_variable arrived;
   std::vector<PageKey> queue;  ///< pending from `next` on
   std::size_t next = 0;
@@ -85,7 +85,7 @@ struct Pager::State {
                                ///< some passes would never end
   std::uint64_t reading = 0;
   std::unordered_set<PageKey, PageKeyHash> in_flight;  ///< being read, or arrived
-  std::vector<Arrival> arrivals;
+  std::vector<LoadedPage> loaded_pages;
   std::uint64_t arrived_bytes = 0, reads = 0, peak_bytes = 0, bytes_read = 0;
   std::vector<std::string> problems;
   std::unordered_set<std::string> known_problems;
@@ -104,12 +104,12 @@ Pager::State::~State() {
 
 /// Returns whether the next page may be read. Pages being read are not counted, because their size is not known yet.
 bool Pager::State::may_read() const {
-  return (first_of_call && reading == 0 && arrivals.empty()) || bytes() - pages.candidate_bytes() < memory_bytes;
+  return (first_of_call && reading == 0 && loaded_pages.empty()) || bytes() - pages.candidate_bytes() < memory_bytes;
 }
 
 void Pager::State::reader_loop(const std::stop_token& stop) {
   std::unique_lock lock(mutex);
-  while (wanted.wait(lock, stop, [&] { return next < queue.size(); }) && !stop.stop_requested()) {
+  while (requested.wait(lock, stop, [&] { return next < queue.size(); }) && !stop.stop_requested()) {
     if (!may_read()) {
       next = queue.size();
       arrived.notify_all();
@@ -120,25 +120,25 @@ void Pager::State::reader_loop(const std::stop_token& stop) {
     in_flight.insert(key);
     ++reading;
     lock.unlock();
-    Arrival arrival = read_page(source, key);
+    LoadedPage loaded_page = read_page(source, key);
     lock.lock();
     --reading;
-    take(std::move(arrival));
+    take(std::move(loaded_page));
     arrived.notify_all();
   }
 }
 
-void Pager::State::take(Arrival arrival) {
-  if (arrival.page) {
+void Pager::State::take(LoadedPage loaded_page) {
+  if (loaded_page.page) {
     ++reads;
-    bytes_read += arrival.bytes;
-    arrived_bytes += arrival.bytes;
+    bytes_read += loaded_page.bytes;
+    arrived_bytes += loaded_page.bytes;
     pages.evict(memory_bytes - std::min(memory_bytes, arrived_bytes));
     peak_bytes = std::max(peak_bytes, bytes());
-  } else if (known_problems.insert(arrival.problem).second) {
-    problems.push_back(arrival.problem);
+  } else if (known_problems.insert(loaded_page.problem).second) {
+    problems.push_back(loaded_page.problem);
   }
-  arrivals.push_back(std::move(arrival));
+  loaded_pages.push_back(std::move(loaded_page));
 }
 
 /// Lists eviction candidates only if memory use exceeds the limit, because listing visits every page.
@@ -158,15 +158,15 @@ bool Pager::begin_pass() {
   const std::scoped_lock lock(s.mutex);
   s.list_unused_above(s.memory_bytes);
   s.pages.begin_pass();
-  for (Arrival& arrival : s.arrivals) {
-    s.in_flight.erase(arrival.key);
-    if (arrival.page)
-      s.pages.add(arrival.key, std::move(*arrival.page), arrival.bytes);
+  for (LoadedPage& loaded_page : s.loaded_pages) {
+    s.in_flight.erase(loaded_page.key);
+    if (loaded_page.page)
+      s.pages.add(loaded_page.key, std::move(*loaded_page.page), loaded_page.bytes);
     else
-      s.damaged.insert(arrival.key);
+      s.damaged.insert(loaded_page.key);
   }
-  const bool anything = !s.arrivals.empty();
-  s.arrivals.clear();
+  const bool anything = !s.loaded_pages.empty();
+  s.loaded_pages.clear();
   s.arrived_bytes = 0;
   s.pages.evict(s.memory_bytes);
   return anything;
@@ -176,7 +176,7 @@ const Page* Pager::find(const PageKey& key) const { return state_->pages.find(ke
 
 bool Pager::is_damaged(const PageKey& key) const { return state_->damaged.contains(key); }
 
-void Pager::want(const std::vector<PageKey>& by_urgency) {
+void Pager::request(const std::vector<PageKey>& by_urgency) {
   State& s = *state_;
   const std::scoped_lock lock(s.mutex);
   s.list_unused_above(s.memory_bytes / 8 * 7);
@@ -186,12 +186,12 @@ void Pager::want(const std::vector<PageKey>& by_urgency) {
   std::unordered_set<PageKey, PageKeyHash> seen = s.in_flight;
   for (const PageKey& key : by_urgency)
     if (!s.pages.has(key) && !s.damaged.contains(key) && seen.insert(key).second) s.queue.push_back(key);
-  s.wanted.notify_all();
+  s.requested.notify_all();
 }
 
 bool Pager::wait(std::chrono::milliseconds maximum) {
   State& s = *state_;
-  return s.wait_until(maximum, [&] { return !s.arrivals.empty() || s.queued() == 0; });
+  return s.wait_until(maximum, [&] { return !s.loaded_pages.empty() || s.queued() == 0; });
 }
 
 bool Pager::settle(std::chrono::milliseconds maximum) {
@@ -199,9 +199,9 @@ bool Pager::settle(std::chrono::milliseconds maximum) {
   return s.wait_until(maximum, [&] { return s.queued() == 0; });
 }
 
-bool Pager::has_arrivals() const {
+bool Pager::has_loaded_pages() const {
   const std::scoped_lock lock(state_->mutex);
-  return !state_->arrivals.empty();
+  return !state_->loaded_pages.empty();
 }
 
 PagerCounts Pager::counts() const {

@@ -45,9 +45,10 @@ class Pager {
   bool is_damaged(const PageKey& key) const;
 
   /// Replaces the request queue; pages being read are completed. Skips pages that are resident or damaged. Except for
-  /// the first request, a page is read only if it fits in memory next to the pages that the last pass used. Call want()
-  /// at the end of a pass: pages that find() has not returned by then may be evicted before the next pass begins.
-  void want(const std::vector<PageKey>& by_urgency);
+  /// the first request, a page is read only if it fits in memory next to the pages that the last pass used. Call
+  /// request() at the end of a pass: pages that find() has not returned by then may be evicted before the next pass
+  /// begins.
+  void request(const std::vector<PageKey>& by_urgency);
 
   /// Waits until something has arrived for begin_pass(), or nothing is queued. Returns false on timeout.
   bool wait(std::chrono::milliseconds maximum = std::chrono::hours(1));
@@ -55,7 +56,7 @@ class Pager {
   /// Waits until nothing is queued. Returns false on timeout.
   bool settle(std::chrono::milliseconds maximum);
   /// Returns whether begin_pass() would make a page resident or mark one as damaged.
-  bool has_arrivals() const;
+  bool has_loaded_pages() const;
 
   PagerCounts counts() const;
 

@@ -6,17 +6,17 @@
 namespace gigabake {
 namespace {
 
-using kernels::absent_ref;
 using kernels::CastNode;
 using kernels::empty_ref;
 using kernels::lost_ref;
+using kernels::not_resident_ref;
 
 /// The inverse of the fraction of a pool that is evicted at once, so that the timestamps are rarely scanned.
 constexpr std::size_t parts_of_pool = 16;
 
 std::uint32_t root_tiles(std::size_t cells) { return std::uint32_t((cells + 7) / 8); }
 
-std::uint32_t last_use(std::uint32_t stamp, std::uint32_t born) { return std::max(stamp, born); }
+std::uint32_t last_use(std::uint32_t touch, std::uint32_t born) { return std::max(touch, born); }
 
 }  // namespace
 
@@ -85,7 +85,7 @@ bool PoolAllocator::put_children(std::uint32_t node, std::uint8_t children, kern
   const bool finest = tiles_[t].place.lod == 1;
   for (std::uint32_t c = 0; c < 8; ++c) {
     const bool there = (children >> c & 1) != 0;
-    change(8 * t + c, {there && !finest ? absent_ref : empty_ref, there ? absent_ref : empty_ref});
+    change(8 * t + c, {there && !finest ? not_resident_ref : empty_ref, there ? not_resident_ref : empty_ref});
   }
   change(node, {t, nodes_[node].brick});
   return true;
@@ -106,14 +106,14 @@ std::optional<std::uint32_t> PoolAllocator::put_brick(std::uint32_t node, std::u
 
 void PoolAllocator::set_empty(std::uint32_t node) { change(node, {nodes_[node].children, empty_ref}); }
 
-void PoolAllocator::set_lost(std::uint32_t node, kernels::Want what) {
+void PoolAllocator::set_lost(std::uint32_t node, kernels::RequestKind what) {
   CastNode value = nodes_[node];
-  (what == kernels::Want::brick ? value.brick : value.children) = lost_ref;
+  (what == kernels::RequestKind::brick ? value.brick : value.children) = lost_ref;
   change(node, value);
 }
 
 void PoolAllocator::release_slot(std::uint32_t slot) {
-  change(slots_[slot].owner, {nodes_[slots_[slot].owner].children, absent_ref});
+  change(slots_[slot].owner, {nodes_[slots_[slot].owner].children, not_resident_ref});
   slots_[slot].used = false;
   arena_.give_back(slot);
   free_slots_.push_back(slot);
@@ -121,9 +121,9 @@ void PoolAllocator::release_slot(std::uint32_t slot) {
 
 void PoolAllocator::release_tile(std::uint32_t tile) {
   for (std::uint32_t n = 8 * tile; n < 8 * tile + 8; ++n)
-    if (kernels::is_here(nodes_[n].brick)) release_slot(nodes_[n].brick);
+    if (kernels::is_resident(nodes_[n].brick)) release_slot(nodes_[n].brick);
   const std::uint32_t parent = tiles_[tile].parent;
-  change(parent, {absent_ref, nodes_[parent].brick});
+  change(parent, {not_resident_ref, nodes_[parent].brick});
   if (parent >= cells_) --tiles_[parent / 8].resident_children;
   tiles_[tile].used = false;
   free_tiles_.push_back(tile);
@@ -139,9 +139,9 @@ std::vector<std::uint32_t> PoolAllocator::oldest(std::vector<std::pair<std::uint
   }
   std::sort(candidates.begin(), candidates.end());
   std::vector<std::uint32_t> gone;
-  for (const auto& [stamp, who] : candidates) {
-    if (stamp >= used_since_ && !(may_evict_used_ && gone.empty())) break;
-    evicted_used_ |= stamp >= used_since_;
+  for (const auto& [touch, who] : candidates) {
+    if (touch >= used_since_ && !(may_evict_used_ && gone.empty())) break;
+    evicted_used_ |= touch >= used_since_;
     gone.push_back(who);
   }
   return gone;
@@ -150,21 +150,21 @@ std::vector<std::uint32_t> PoolAllocator::oldest(std::vector<std::pair<std::uint
 /// Evicts tiles; returns false if no tile is free afterwards. Does not evict the tile `stays`, which contains the node
 /// whose children are allocated.
 bool PoolAllocator::free_some_tiles(std::uint32_t stays, kernels::Caster& caster) {
-  const std::vector<std::uint32_t>& stamps = caster.tile_stamps();
+  const std::vector<std::uint32_t>& timestamps = caster.tile_timestamps();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates;
   for (std::uint32_t t = root_tiles(cells_); t < tiles_.size(); ++t)
     if (tiles_[t].used && tiles_[t].resident_children == 0 && tiles_[t].round != round_ && t != stays)
-      candidates.emplace_back(last_use(stamps[t], tiles_[t].born), t);
+      candidates.emplace_back(last_use(timestamps[t], tiles_[t].born), t);
   for (const std::uint32_t t : oldest(std::move(candidates), 1 + tiles_.size() / parts_of_pool)) release_tile(t);
   return !free_tiles_.empty();
 }
 
 bool PoolAllocator::free_some_slots(kernels::Caster& caster) {
-  const std::vector<std::uint32_t>& stamps = caster.slot_stamps();
+  const std::vector<std::uint32_t>& timestamps = caster.slot_timestamps();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates;
   for (std::uint32_t s = 0; s < slots_.size(); ++s)
     if (slots_[s].used && slots_[s].round != round_ && !(roots_stay_ && slots_[s].owner < cells_))
-      candidates.emplace_back(last_use(stamps[s], slots_[s].born), s);
+      candidates.emplace_back(last_use(timestamps[s], slots_[s].born), s);
   const std::vector<std::uint32_t> gone = oldest(std::move(candidates), 1 + slots_.size() / parts_of_pool);
   for (const std::uint32_t s : gone) release_slot(s);
   return !gone.empty();

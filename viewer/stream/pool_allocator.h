@@ -51,7 +51,7 @@ class PoolAllocator {
   kernels::BrickPlace brick_place(std::uint32_t slot) const { return {slot, arena_.first(slot)}; }
 
   void set_empty(std::uint32_t node);
-  void set_lost(std::uint32_t node, kernels::Want what);
+  void set_lost(std::uint32_t node, kernels::RequestKind what);
 
   /// Returns the changed nodes for the caster, each once with its current value, and clears the list.
   std::vector<kernels::NodeChange> take_changes();

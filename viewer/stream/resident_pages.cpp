@@ -17,19 +17,19 @@ const Page* ResidentPages::find(const PageKey& key) const {
   if (found == residents_.end()) return nullptr;
   const Resident& resident = found->second;
   std::uint64_t used = resident.used.load(std::memory_order_relaxed);
-  while (used != gone && used != pass_)
+  while (used != evicted && used != pass_)
     if (resident.used.compare_exchange_weak(used, pass_, std::memory_order_relaxed)) return &resident.page;
-  return used == gone ? nullptr : &resident.page;
+  return used == evicted ? nullptr : &resident.page;
 }
 
 bool ResidentPages::has(const PageKey& key) const {
   const auto found = residents_.find(key);
-  return found != residents_.end() && found->second.used.load(std::memory_order_relaxed) != gone;
+  return found != residents_.end() && found->second.used.load(std::memory_order_relaxed) != evicted;
 }
 
 void ResidentPages::begin_pass() {
-  for (const PageKey& key : gone_) residents_.erase(key);
-  gone_.clear();
+  for (const PageKey& key : evicted_) residents_.erase(key);
+  evicted_.clear();
   ++pass_;
 }
 
@@ -51,7 +51,7 @@ void ResidentPages::list_unused() {
   list_none();
   for (auto& [key, resident] : residents_) {
     const std::uint64_t used = resident.used.load(std::memory_order_relaxed);
-    if (used == gone || used == pass_) continue;
+    if (used == evicted || used == pass_) continue;
     candidates_.push_back({used, key, &resident});
     candidate_bytes_ += resident.bytes;
   }
@@ -65,10 +65,10 @@ void ResidentPages::evict(std::uint64_t bytes) {
     candidates_.pop_back();
     Resident& resident = *candidate.resident;
     candidate_bytes_ -= resident.bytes;
-    if (!resident.used.compare_exchange_strong(candidate.used, gone, std::memory_order_relaxed)) continue;
+    if (!resident.used.compare_exchange_strong(candidate.used, evicted, std::memory_order_relaxed)) continue;
     bytes_ -= resident.bytes;
     resident.page = {};
-    gone_.push_back(candidate.key);
+    evicted_.push_back(candidate.key);
   }
 }
 

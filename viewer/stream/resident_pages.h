@@ -1,6 +1,6 @@
 /// Resident pages, each with the last pass in which it was found. Lookups need no lock, even during eviction. A page's
-/// timestamp is either its last pass or `gone`. An atomic exchange decides whether find() or evict() sets the timestamp
-/// first.
+/// timestamp is either its last pass or `evicted`. An atomic exchange decides whether find() or evict() sets the
+/// timestamp first.
 #pragma once
 
 #include <atomic>
@@ -44,14 +44,14 @@ class ResidentPages {
   std::uint64_t candidate_bytes() const { return candidate_bytes_; }
 
  private:
-  static constexpr std::uint64_t gone = std::numeric_limits<std::uint64_t>::max();
+  static constexpr std::uint64_t evicted = std::numeric_limits<std::uint64_t>::max();
 
   struct Resident {
     Resident(Page its_page, std::uint64_t its_bytes, std::uint64_t last_used)
         : page(std::move(its_page)), bytes(its_bytes), used(last_used) {}
     Page page;
     std::uint64_t bytes;
-    mutable std::atomic<std::uint64_t> used;  ///< last pass in which the page was found, or `gone`
+    mutable std::atomic<std::uint64_t> used;  ///< last pass in which the page was found, or `evicted`
   };
   struct Candidate {
     std::uint64_t used;
@@ -63,7 +63,7 @@ class ResidentPages {
   std::uint64_t pass_ = 0, bytes_ = 0, candidate_bytes_ = 0;
   std::unordered_map<PageKey, Resident, PageKeyHash> residents_;
   std::vector<Candidate> candidates_;  ///< heap, least recently used on top
-  std::vector<PageKey> gone_;
+  std::vector<PageKey> evicted_;
 };
 
 }  // namespace gigabake

@@ -4,14 +4,14 @@
 #include <bit>
 #include <utility>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "format/system/host_limits.h"
 
 namespace gigabake {
 namespace {
 
-using kernels::Want;
+using kernels::RequestKind;
 
 /// The number of requests that are answered in parallel before the clock is checked and the pools are filled. It is
 /// large enough to outweigh the start of the threads, and small enough to take less than 2 ms.
@@ -32,13 +32,13 @@ std::size_t requests_per_batch(const ThreadPool& policy) {
   return std::max(min_requests_per_batch, requests_per_thread * std::size_t(policy.threads()));
 }
 
-std::uint32_t node_of(std::uint32_t want) { return want / 2; }
-Want what_of(std::uint32_t want) { return Want(want % 2); }
+std::uint32_t node_of(std::uint32_t request) { return request / 2; }
+RequestKind kind_of_request(std::uint32_t request) { return RequestKind(request % 2); }
 
 /// Returns a sort key; the most urgent request has the smallest key. The bits of positive floats have the order of
 /// their values.
-std::uint64_t ranked_want(double urgency, std::uint32_t want) {
-  return std::uint64_t(~std::bit_cast<std::uint32_t>(float(urgency))) << 32 | want;
+std::uint64_t ranked_request(double urgency, std::uint32_t request) {
+  return std::uint64_t(~std::bit_cast<std::uint32_t>(float(urgency))) << 32 | request;
 }
 
 std::uint64_t host_memory() { return host_limits().memory_bytes; }
@@ -59,7 +59,7 @@ kernels::PoolSizes pool_sizes(const CellLayout& layout, std::uint64_t bytes) {
   const kernels::PoolSizes first{minimum, min_slots, min_slots * kernels::max_parts};
   const std::uint64_t one = kernels::PoolSizes{1, 2, 2 * parts_per_slot}.bytes(), roots = first.bytes();
   if (roots > bytes)
-    throw UsageError("memory_bytes", "the roots of " + counted(layout.cells.size(), "tree") + " need at least " +
+    throw UsageError("memory_bytes", "the roots of " + pluralize(layout.cells.size(), "tree") + " need at least " +
                                          std::to_string(roots / 2 * 3 / 1024 + 1) + "K");
   // The limit of 2^24 keeps all indices below 2^32.
   const auto more = std::uint32_t(std::min<std::uint64_t>((bytes - roots) / one, 1u << 24));
@@ -75,7 +75,7 @@ std::unique_ptr<kernels::Caster> make_caster(const CellLayout& layout, const ker
 }  // namespace
 
 struct SceneStream::Answer {
-  MissingPages gaps;
+  MissingPages missing_pages;
   std::uint8_t children = 0;
   bool is_empty = false;
 };
@@ -106,7 +106,7 @@ SceneStream::SceneStream(const PagedScene& scene, Opened opened, PageSource sour
       shading_(options.light, scene.header(), options.surface),
       pager_(std::move(source), {options.page_threads, page_bytes_}),
       lookup_(map_, pager_),
-      books_(layout_.cells.size(), layout_.scene.lods, pool_sizes(layout_, bytes_for_pools(options))) {
+      allocator_(layout_.cells.size(), layout_.scene.lods, pool_sizes(layout_, bytes_for_pools(options))) {
   const kernels::PoolSizes sizes = pool_sizes(layout_, bytes_for_pools(options));
   pool_bytes_ = sizes.bytes();
   caster_ = make_caster(layout_, sizes, options, policy);
@@ -114,22 +114,22 @@ SceneStream::SceneStream(const PagedScene& scene, Opened opened, PageSource sour
 }
 
 void SceneStream::request_roots() {
-  if (wants_roots_ || !books_.roots_stay()) return;
-  wants_roots_ = true;
+  if (requests_roots_ || !allocator_.roots_stay()) return;
+  requests_roots_ = true;
   for (std::uint32_t root = 0; root < layout_.cells.size(); ++root)
-    pending_roots_.push_back(2 * root + std::uint32_t(Want::brick));
+    pending_roots_.push_back(2 * root + std::uint32_t(RequestKind::brick));
   remove_loaded_roots();
 }
 
 /// Returns whether the request has been answered.
-bool SceneStream::is_fulfilled(std::uint32_t want) const {
-  const kernels::CastNode& node = books_.node(node_of(want));
-  return (what_of(want) == Want::brick ? node.brick : node.children) != kernels::absent_ref;
+bool SceneStream::is_fulfilled(std::uint32_t request) const {
+  const kernels::CastNode& node = allocator_.node(node_of(request));
+  return (kind_of_request(request) == RequestKind::brick ? node.brick : node.children) != kernels::not_resident_ref;
 }
 
 /// Returns the squared apparent size of the node: near and coarse nodes cover the most pixels.
-double SceneStream::urgency(std::uint32_t want, const double eye[3]) const {
-  const kernels::VoxelBox box = box_of(books_.place_of(node_of(want)), layout_);
+double SceneStream::urgency(std::uint32_t request, const double eye[3]) const {
+  const kernels::VoxelBox box = box_of(allocator_.place_of(node_of(request)), layout_);
   double squared = 1;
   for (int a = 0; a < 3; ++a) {
     const double to_middle = (double(box.min[a]) + double(box.max[a])) / 2 - eye[a];
@@ -140,14 +140,14 @@ double SceneStream::urgency(std::uint32_t want, const double eye[3]) const {
 }
 
 /// Returns the requests of rays and the pending roots, most urgent first. Pending roots have a reduced urgency.
-std::vector<std::uint32_t> SceneStream::sort_by_urgency(const std::vector<std::uint32_t>& wanted,
+std::vector<std::uint32_t> SceneStream::sort_by_urgency(const std::vector<std::uint32_t>& requested,
                                                         const double eye[3]) const {
-  std::vector<std::uint64_t> ranked(wanted.size() + pending_roots_.size());
+  std::vector<std::uint64_t> ranked(requested.size() + pending_roots_.size());
   policy_.parallel_for(ranked.size(), 2048, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
-      const bool is_seen = i < wanted.size();
-      const std::uint32_t want = is_seen ? wanted[i] : pending_roots_[i - wanted.size()];
-      ranked[i] = ranked_want(urgency(want, eye) * (is_seen ? 1 : unseen_root), want);
+      const bool is_seen = i < requested.size();
+      const std::uint32_t request = is_seen ? requested[i] : pending_roots_[i - requested.size()];
+      ranked[i] = ranked_request(urgency(request, eye) * (is_seen ? 1 : unseen_root), request);
     }
   });
   if (ranked.size() > max_requests) {
@@ -161,31 +161,31 @@ std::vector<std::uint32_t> SceneStream::sort_by_urgency(const std::vector<std::u
 }
 
 void SceneStream::remove_loaded_roots() {
-  std::erase_if(pending_roots_, [&](std::uint32_t want) { return is_fulfilled(want); });
+  std::erase_if(pending_roots_, [&](std::uint32_t request) { return is_fulfilled(request); });
 }
 
-void SceneStream::answer(std::uint32_t want, Answer& out, kernels::CastBrick& brick) const {
-  const FieldNode node = books_.place_of(node_of(want));
-  out.gaps.own = box_of(node, layout_);
-  if (what_of(want) == Want::children)
-    out.children = children_of(node, layout_, lookup_, out.gaps);
+void SceneStream::answer(std::uint32_t request, Answer& out, kernels::CastBrick& brick) const {
+  const FieldNode node = allocator_.place_of(node_of(request));
+  out.missing_pages.own = box_of(node, layout_);
+  if (kind_of_request(request) == RequestKind::children)
+    out.children = children_of(node, layout_, lookup_, out.missing_pages);
   else
-    out.is_empty = !fill_brick(node, layout_, lookup_, shading_, out.gaps, brick);
+    out.is_empty = !fill_brick(node, layout_, lookup_, shading_, out.missing_pages, brick);
   // If an overview is unreadable, an empty brick does not prove that finer levels are empty.
-  out.gaps.damaged |= out.is_empty && out.gaps.is_overview_damaged;
+  out.missing_pages.damaged |= out.is_empty && out.missing_pages.is_overview_damaged;
 }
 
 /// Enters the answer into the pools; returns false if the pool is full.
-bool SceneStream::enter(std::uint32_t want, const Answer& answer, kernels::CastBrick& brick) {
-  const std::uint32_t node = node_of(want);
-  if (answer.gaps.damaged) {
-    books_.set_lost(node, what_of(want));
-  } else if (what_of(want) == Want::children) {
-    if (!books_.put_children(node, answer.children, *caster_)) return false;
+bool SceneStream::enter(std::uint32_t request, const Answer& answer, kernels::CastBrick& brick) {
+  const std::uint32_t node = node_of(request);
+  if (answer.missing_pages.damaged) {
+    allocator_.set_lost(node, kind_of_request(request));
+  } else if (kind_of_request(request) == RequestKind::children) {
+    if (!allocator_.put_children(node, answer.children, *caster_)) return false;
   } else if (answer.is_empty) {
-    books_.set_empty(node);
+    allocator_.set_empty(node);
   } else {
-    const std::optional<std::uint32_t> slot = books_.put_brick(node, std::uint32_t(brick.parts.size()), *caster_);
+    const std::optional<std::uint32_t> slot = allocator_.put_brick(node, std::uint32_t(brick.parts.size()), *caster_);
     if (!slot) return false;
     new_slots_.push_back(*slot);
     new_bricks_.push_back(std::move(brick));
@@ -193,41 +193,41 @@ bool SceneStream::enter(std::uint32_t want, const Answer& answer, kernels::CastB
   return true;
 }
 
-SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& wanted, const double eye[3],
+SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& requested, const double eye[3],
                                        const kernels::StopAsked& enough, const Keep& keep) {
   Served served;
   std::vector<PageKey> missing;
-  const std::vector<std::uint32_t> wants = sort_by_urgency(wanted, eye);
+  const std::vector<std::uint32_t> requests = sort_by_urgency(requested, eye);
   std::vector<Answer> answers;
   const std::size_t per_batch = requests_per_batch(policy_);
-  std::vector<kernels::CastBrick> bricks(std::min(wants.size(), per_batch));
-  books_.begin_round(keep.used_since, !keep.all);
-  for (std::size_t from = 0; from < wants.size() && !served.is_full; from += per_batch) {
+  std::vector<kernels::CastBrick> bricks(std::min(requests.size(), per_batch));
+  allocator_.begin_round(keep.used_since, !keep.all);
+  for (std::size_t from = 0; from < requests.size() && !served.is_full; from += per_batch) {
     if (from != 0 && enough && enough()) break;
-    const std::size_t count = std::min(wants.size() - from, per_batch);
+    const std::size_t count = std::min(requests.size() - from, per_batch);
     answers.assign(count, {});
     policy_.parallel_for(count, 8, [&](std::size_t begin, std::size_t end, int) {
-      for (std::size_t i = begin; i < end; ++i) answer(wants[from + i], answers[i], bricks[i]);
+      for (std::size_t i = begin; i < end; ++i) answer(requests[from + i], answers[i], bricks[i]);
     });
     for (std::size_t i = 0; i < count; ++i) {
-      missing.insert(missing.end(), answers[i].gaps.missing.begin(), answers[i].gaps.missing.end());
-      if (served.is_full || !answers[i].gaps.missing.empty()) continue;
-      if (!books_.is_settled(node_of(wants[from + i])) || is_fulfilled(wants[from + i])) continue;
-      if (enter(wants[from + i], answers[i], bricks[i]))
+      missing.insert(missing.end(), answers[i].missing_pages.missing.begin(), answers[i].missing_pages.missing.end());
+      if (served.is_full || !answers[i].missing_pages.missing.empty()) continue;
+      if (!allocator_.is_settled(node_of(requests[from + i])) || is_fulfilled(requests[from + i])) continue;
+      if (enter(requests[from + i], answers[i], bricks[i]))
         ++served.uploads;
       else
         served.is_full = true;
     }
     std::vector<kernels::BrickPlace> places;
-    for (const std::uint32_t slot : new_slots_) places.push_back(books_.brick_place(slot));
+    for (const std::uint32_t slot : new_slots_) places.push_back(allocator_.brick_place(slot));
     caster_->put_bricks(places, new_bricks_);
     new_slots_.clear();
     new_bricks_.clear();
   }
-  caster_->put_nodes(books_.take_changes());
-  pager_.want(missing);
+  caster_->put_nodes(allocator_.take_changes());
+  pager_.request(missing);
   remove_loaded_roots();
-  served.evicted_used = books_.evicted_used();
+  served.evicted_used = allocator_.evicted_used();
   uploads_ += served.uploads;
   return served;
 }

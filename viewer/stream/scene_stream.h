@@ -56,10 +56,10 @@ class SceneStream {
   kernels::Caster& caster() { return *caster_; }
   const CellLayout& layout() const { return layout_; }
 
-  /// Answers the requests of rays (Caster::wanted()) whose pages are resident, until `enough` returns true, but at
+  /// Answers the requests of rays (Caster::requested()) whose pages are resident, until `enough` returns true, but at
   /// least one batch. Requests missing pages from the pager. Near and coarse nodes come first; `eye` is in lod-0
   /// voxels.
-  Served serve(const std::vector<std::uint32_t>& wanted, const double eye[3], const kernels::StopAsked& enough,
+  Served serve(const std::vector<std::uint32_t>& requested, const double eye[3], const kernels::StopAsked& enough,
                const Keep& keep);
 
   /// Makes pages resident that were read since the last call.
@@ -68,7 +68,7 @@ class SceneStream {
   bool wait(std::chrono::milliseconds maximum) { return pager_.wait(maximum); }
   /// Waits until nothing is being read. Returns false on timeout.
   bool settle(std::chrono::milliseconds maximum) { return pager_.settle(maximum); }
-  bool has_arrivals() const { return pager_.has_arrivals(); }
+  bool has_loaded_pages() const { return pager_.has_loaded_pages(); }
 
   /// Makes each later serve() also load the bricks of the roots, requested or not, if the pools can hold all of them.
   /// Then every view has a coarse fallback for the whole scene.
@@ -83,7 +83,7 @@ class SceneStream {
   /// Returns the size of the pools, on host or device, plus the memory limit of the pages.
   std::uint64_t bytes_allowed() const { return pool_bytes_ + page_bytes_; }
   /// Returns the bytes that pools and pages use.
-  std::uint64_t bytes_held() const { return books_.in_use().bytes() + pager_.counts().bytes; }
+  std::uint64_t bytes_held() const { return allocator_.in_use().bytes() + pager_.counts().bytes; }
   std::uint64_t page_bytes_allowed() const { return page_bytes_; }
   PagerCounts page_counts() const { return pager_.counts(); }
   std::uint64_t uploads() const { return uploads_; }  ///< bricks and node tiles put into the pools so far
@@ -100,11 +100,11 @@ class SceneStream {
   SceneStream(const PagedScene& scene, Opened opened, PageSource source, const Options& options,
               const ThreadPool& policy);
 
-  void answer(std::uint32_t want, Answer& out, kernels::CastBrick& brick) const;
-  bool enter(std::uint32_t want, const Answer& answer, kernels::CastBrick& brick);
-  std::vector<std::uint32_t> sort_by_urgency(const std::vector<std::uint32_t>& wanted, const double eye[3]) const;
-  bool is_fulfilled(std::uint32_t want) const;
-  double urgency(std::uint32_t want, const double eye[3]) const;
+  void answer(std::uint32_t request, Answer& out, kernels::CastBrick& brick) const;
+  bool enter(std::uint32_t request, const Answer& answer, kernels::CastBrick& brick);
+  std::vector<std::uint32_t> sort_by_urgency(const std::vector<std::uint32_t>& requested, const double eye[3]) const;
+  bool is_fulfilled(std::uint32_t request) const;
+  double urgency(std::uint32_t request, const double eye[3]) const;
   void remove_loaded_roots();
 
   const ThreadPool& policy_;
@@ -115,9 +115,9 @@ class SceneStream {
   Shading shading_;
   Pager pager_;
   VoxelLookup lookup_;
-  PoolAllocator books_;
+  PoolAllocator allocator_;
   std::unique_ptr<kernels::Caster> caster_;
-  bool wants_roots_ = false;
+  bool requests_roots_ = false;
   std::vector<std::uint32_t> pending_roots_;  ///< requests of root bricks
   std::vector<std::uint32_t> new_slots_;
   std::vector<kernels::CastBrick> new_bricks_;

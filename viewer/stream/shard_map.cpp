@@ -33,8 +33,8 @@ const ListedPage* page_around(const std::vector<ListedPage>& pages, const Lattic
 const ListedOverview* overview_at(const std::vector<ListedOverview>& overviews, std::uint32_t own_lod,
                                   const Vec3i64& min) {
   const auto found = std::lower_bound(overviews.begin(), overviews.end(), std::tie(own_lod, min),
-                                      [](const ListedOverview& overview, const auto& wanted) {
-                                        return std::tie(overview.own_lod, overview.min) < wanted;
+                                      [](const ListedOverview& overview, const auto& requested) {
+                                        return std::tie(overview.own_lod, overview.min) < requested;
                                       });
   return found != overviews.end() && found->own_lod == own_lod && found->min == min ? &*found : nullptr;
 }
@@ -47,9 +47,9 @@ bool overlap(const VoxelBox& a, const VoxelBox& b) {
   return true;
 }
 
-const Page* find_page(const Pager& pager, const PageKey& key, MissingPages& gaps) {
+const Page* find_page(const Pager& pager, const PageKey& key, MissingPages& missing_pages) {
   const Page* page = pager.find(key);
-  if (page == nullptr && !pager.is_damaged(key)) gaps.missing.push_back(key);
+  if (page == nullptr && !pager.is_damaged(key)) missing_pages.missing.push_back(key);
   return page;
 }
 
@@ -80,16 +80,16 @@ ShardExtent ShardMap::placed(const ListedCell& cell) const {
 /// Returns the listing; null if it is not resident. If it can never be read and its shards may overlap gaps.own, sets
 /// gaps.damaged. `missed` contains these shards.
 const Page* ShardMap::find_listing(const ListedPage& listed, std::int32_t part, const VoxelBox& missed,
-                                   const Pager& pager, MissingPages& gaps) const {
+                                   const Pager& pager, MissingPages& missing_pages) const {
   const PageKey key{listed.first_cell, part, 0};
-  const Page* page = find_page(pager, key, gaps);
-  if (page == nullptr && pager.is_damaged(key)) gaps.damaged |= overlap(missed, gaps.own);
+  const Page* page = find_page(pager, key, missing_pages);
+  if (page == nullptr && pager.is_damaged(key)) missing_pages.damaged |= overlap(missed, missing_pages.own);
   return page;
 }
 
 /// Descends through the scene's pages: an overview is listed in the smallest page whose block contains it.
 std::optional<ShardExtent> ShardMap::find_overview(const OverviewLevel& level, const OverviewBlock& block,
-                                                   const Pager& pager, MissingPages& gaps) const {
+                                                   const Pager& pager, MissingPages& missing_pages) const {
   const Vec3i64 corner = level.corner_of(block);
   const VoxelBox window = cube_at(corner, level.edge());
   const std::vector<ListedOverview>* overviews = &overviews_;
@@ -99,7 +99,7 @@ std::optional<ShardExtent> ShardMap::find_overview(const OverviewLevel& level, c
       return ShardExtent{cell_count_ + found->index, level.first_lod, level.lods, level.own_lod(), window};
     if (pages->empty() || pages->front().block.edge < level.edge()) return {};
     const ListedPage* listed = page_around(*pages, block_around(corner, pages->front().block.edge));
-    const Page* page = listed != nullptr ? find_listing(*listed, part, window, pager, gaps) : nullptr;
+    const Page* page = listed != nullptr ? find_listing(*listed, part, window, pager, missing_pages) : nullptr;
     if (page == nullptr) return {};
     overviews = &page->overviews;
     pages = &page->pages;
@@ -108,7 +108,7 @@ std::optional<ShardExtent> ShardMap::find_overview(const OverviewLevel& level, c
 
 /// Returns the list of the cells that begin in the block around v. Returns null if there are none or the listing is not
 /// resident.
-const ShardMap::Cells* ShardMap::cells_around(const Vec3i64& v, const Pager& pager, MissingPages& gaps,
+const ShardMap::Cells* ShardMap::cells_around(const Vec3i64& v, const Pager& pager, MissingPages& missing_pages,
                                               LatticeBlock& block) const {
   block = {{-everywhere, -everywhere, -everywhere}, 2 * everywhere};
   if (pages_.empty()) return &cells_;
@@ -119,14 +119,14 @@ const ShardMap::Cells* ShardMap::cells_around(const Vec3i64& v, const Pager& pag
     if (listed == nullptr) return nullptr;  // no cell begins there
     VoxelBox box = cube_at(block.min, block.edge);
     box.max[2] += std::int64_t(1) << cell_bits_;  // cells may extend above the block
-    const Page* page = find_listing(*listed, part, box, pager, gaps);
+    const Page* page = find_listing(*listed, part, box, pager, missing_pages);
     if (page == nullptr) return nullptr;
     if (page->pages.empty()) return &page->cells;
     pages = &page->pages;
   }
 }
 
-std::optional<ShardExtent> ShardMap::find_cell(const std::int64_t v[3], const Pager& pager, MissingPages& gaps,
+std::optional<ShardExtent> ShardMap::find_cell(const std::int64_t v[3], const Pager& pager, MissingPages& missing_pages,
                                                VoxelBox& empty) const {
   const std::int64_t edge = std::int64_t(1) << cell_bits_;
   const Vec3i64 low{v[0] >> cell_bits_ << cell_bits_, v[1] >> cell_bits_ << cell_bits_, v[2]};
@@ -134,7 +134,7 @@ std::optional<ShardExtent> ShardMap::find_cell(const std::int64_t v[3], const Pa
   empty.max[2] = (v[2] >> cell_bits_ << cell_bits_) + edge;
   for (std::int64_t z = v[2]; z > v[2] - edge;) {
     LatticeBlock block;
-    const Cells* cells = cells_around({low[0], low[1], z}, pager, gaps, block);
+    const Cells* cells = cells_around({low[0], low[1], z}, pager, missing_pages, block);
     if (cells != nullptr) {
       auto above = first_above(*cells, {low[0], low[1], z + 1});
       const auto is_here = [&](const ListedCell& cell) { return cell.min[0] == low[0] && cell.min[1] == low[1]; };
@@ -146,18 +146,18 @@ std::optional<ShardExtent> ShardMap::find_cell(const std::int64_t v[3], const Pa
   return {};
 }
 
-int ShardMap::last_holder(int lod) const {
+int ShardMap::last_provider(int lod) const {
   const int overviews = overview_levels_ ? int(overview_levels_->holders(lod)) : 0;
   return lod < cell_lods_ ? overviews : overviews - 1;
 }
 
-std::optional<ShardExtent> ShardMap::find(int lod, int holder, const std::int64_t v[3], const Pager& pager,
-                                          MissingPages& gaps, VoxelBox& empty) const {
-  if (lod < cell_lods_ && holder == last_holder(lod)) return find_cell(v, pager, gaps, empty);
-  const OverviewLevel& level = overview_levels_->holder(lod, std::size_t(holder));
+std::optional<ShardExtent> ShardMap::find(int lod, int provider, const std::int64_t v[3], const Pager& pager,
+                                          MissingPages& missing_pages, VoxelBox& empty) const {
+  if (lod < cell_lods_ && provider == last_provider(lod)) return find_cell(v, pager, missing_pages, empty);
+  const OverviewLevel& level = overview_levels_->provider(lod, std::size_t(provider));
   const OverviewBlock block = level.block_of({v[0], v[1], v[2]});
   empty = cube_at(level.corner_of(block), level.edge());
-  return find_overview(level, block, pager, gaps);
+  return find_overview(level, block, pager, missing_pages);
 }
 
 }  // namespace gigabake

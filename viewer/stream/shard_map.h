@@ -38,7 +38,7 @@ struct ShardExtent {
 bool overlap(const kernels::VoxelBox& a, const kernels::VoxelBox& b);
 
 /// Returns the page; null if it is not resident. Adds the page to gaps.missing unless Pager::is_damaged().
-const Page* find_page(const Pager& pager, const PageKey& key, MissingPages& gaps);
+const Page* find_page(const Pager& pager, const PageKey& key, MissingPages& missing_pages);
 
 /// The shards of a scene. Several threads may call const members concurrently between two passes of the pager.
 class ShardMap {
@@ -52,24 +52,24 @@ class ShardMap {
   /// Returns the number of the last provider of level `lod`. A level may be stored several times: by the cells or by
   /// one overview level, and as duplicates by coarser overview levels. Each of these is a provider. Provider 0 has the
   /// largest shards, so an image needs fewer of them. The last provider stores the original level.
-  int last_holder(int lod) const;
+  int last_provider(int lod) const;
 
-  /// Returns the shard of provider `holder` that contains lod-0 voxel v and stores level `lod`. If there is none,
+  /// Returns the shard of provider `provider` that contains lod-0 voxel v and stores level `lod`. If there is none,
   /// returns nullopt and sets `empty` to a box around v that no shard overlaps. If a page is missing, returns nullopt
-  /// and adds the page to `gaps`.
-  /// Range   `holder` ≤ last_holder(lod), also for any().
-  std::optional<ShardExtent> find(int lod, int holder, const std::int64_t v[3], const Pager& pager, MissingPages& gaps,
-                                  kernels::VoxelBox& empty) const;
+  /// and adds the page to `missing_pages`.
+  /// Range   `provider` ≤ last_provider(lod), also for any().
+  std::optional<ShardExtent> find(int lod, int provider, const std::int64_t v[3], const Pager& pager,
+                                  MissingPages& missing_pages, kernels::VoxelBox& empty) const;
 
   /// Calls visit(ShardExtent) for the shards of level `lod` that overlap the box until one call returns true.
   template <class Visit>
-  bool any(int lod, int holder, const kernels::VoxelBox& box, const Pager& pager, MissingPages& gaps,
+  bool any(int lod, int provider, const kernels::VoxelBox& box, const Pager& pager, MissingPages& missing_pages,
            const Visit& visit) const {
-    if (lod >= cell_lods_ || holder < last_holder(lod))
-      return any_overview(overview_levels_->holder(lod, std::size_t(holder)), box, pager, gaps, visit);
+    if (lod >= cell_lods_ || provider < last_provider(lod))
+      return any_overview(overview_levels_->provider(lod, std::size_t(provider)), box, pager, missing_pages, visit);
     for (std::int64_t y = box.min[1] >> cell_bits_; y <= (box.max[1] - 1) >> cell_bits_; ++y)
       for (std::int64_t x = box.min[0] >> cell_bits_; x <= (box.max[0] - 1) >> cell_bits_; ++x)
-        if (any_of_column(x << cell_bits_, y << cell_bits_, box, pager, gaps, visit)) return true;
+        if (any_of_column(x << cell_bits_, y << cell_bits_, box, pager, missing_pages, visit)) return true;
     return false;
   }
 
@@ -78,24 +78,25 @@ class ShardMap {
   static Cells::const_iterator first_above(const Cells& cells, const Vec3i64& min);
   ShardExtent placed(const ListedCell& cell) const;
   const Page* find_listing(const ListedPage& listed, std::int32_t part, const kernels::VoxelBox& missed,
-                           const Pager& pager, MissingPages& gaps) const;
+                           const Pager& pager, MissingPages& missing_pages) const;
   /// Returns the overview at a block of the overview level. Returns nullopt if there is none, or if a page that may
   /// list it is not resident.
   std::optional<ShardExtent> find_overview(const OverviewLevel& level, const OverviewBlock& block, const Pager& pager,
-                                           MissingPages& gaps) const;
-  const Cells* cells_around(const Vec3i64& v, const Pager& pager, MissingPages& gaps, LatticeBlock& block) const;
-  std::optional<ShardExtent> find_cell(const std::int64_t v[3], const Pager& pager, MissingPages& gaps,
+                                           MissingPages& missing_pages) const;
+  const Cells* cells_around(const Vec3i64& v, const Pager& pager, MissingPages& missing_pages,
+                            LatticeBlock& block) const;
+  std::optional<ShardExtent> find_cell(const std::int64_t v[3], const Pager& pager, MissingPages& missing_pages,
                                        kernels::VoxelBox& empty) const;
 
   template <class Visit>
-  bool any_overview(const OverviewLevel& level, const kernels::VoxelBox& box, const Pager& pager, MissingPages& gaps,
-                    const Visit& visit) const {
+  bool any_overview(const OverviewLevel& level, const kernels::VoxelBox& box, const Pager& pager,
+                    MissingPages& missing_pages, const Visit& visit) const {
     const OverviewBlock low = level.block_of({box.min[0], box.min[1], box.min[2]});
     const OverviewBlock high = level.block_of({box.max[0] - 1, box.max[1] - 1, box.max[2] - 1});
     for (std::int64_t z = low[2]; z <= high[2]; ++z)
       for (std::int64_t y = low[1]; y <= high[1]; ++y)
         for (std::int64_t x = low[0]; x <= high[0]; ++x) {
-          const std::optional<ShardExtent> found = find_overview(level, {x, y, z}, pager, gaps);
+          const std::optional<ShardExtent> found = find_overview(level, {x, y, z}, pager, missing_pages);
           if (found && visit(*found)) return true;
         }
     return false;
@@ -105,11 +106,11 @@ class ShardMap {
   /// listings, stacked in z.
   template <class Visit>
   bool any_of_column(std::int64_t x, std::int64_t y, const kernels::VoxelBox& box, const Pager& pager,
-                     MissingPages& gaps, const Visit& visit) const {
+                     MissingPages& missing_pages, const Visit& visit) const {
     const std::int64_t edge = std::int64_t(1) << cell_bits_;
     for (std::int64_t low = box.min[2] - edge + 1; low < box.max[2];) {
       LatticeBlock block;
-      const Cells* cells = cells_around({x, y, low}, pager, gaps, block);
+      const Cells* cells = cells_around({x, y, low}, pager, missing_pages, block);
       const std::int64_t end = std::min(box.max[2], block.min[2] + block.edge);
       if (cells != nullptr)
         for (auto cell = first_above(*cells, {x, y, low});

@@ -15,15 +15,15 @@ void VoxelArena::give_back(std::uint32_t slot) { free_ += std::exchange(taken_[s
 
 std::vector<kernels::VoxelMove> VoxelArena::close_gaps() {
   std::vector<kernels::VoxelMove> moves;
-  std::vector<Order> left;
+  std::vector<Allocation> left;
   end_ = 0;
-  for (const Order& order : upwards_) {
-    Taken& taken = taken_[order.slot];
+  for (const Allocation& allocation : upwards_) {
+    Taken& taken = taken_[allocation.slot];
     // A slot that was freed and allocated again is listed twice.
-    if (taken.count == 0 || taken.first != order.first) continue;
-    if (end_ != taken.first) moves.push_back({order.slot, taken.first, end_, taken.count});
+    if (taken.count == 0 || taken.first != allocation.first) continue;
+    if (end_ != taken.first) moves.push_back({allocation.slot, taken.first, end_, taken.count});
     taken.first = end_;
-    left.push_back({order.slot, end_});
+    left.push_back({allocation.slot, end_});
     end_ += taken.count;
   }
   upwards_ = std::move(left);

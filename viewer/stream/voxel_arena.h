@@ -37,12 +37,12 @@ class VoxelArena {
   struct Taken {
     std::uint32_t first = 0, count = 0;
   };
-  struct Order {
+  struct Allocation {
     std::uint32_t slot, first;
   };
 
-  std::vector<Taken> taken_;    ///< by slot; count 0: free
-  std::vector<Order> upwards_;  ///< allocations in ascending order; some were freed since the last close_gaps()
+  std::vector<Taken> taken_;         ///< by slot; count 0: free
+  std::vector<Allocation> upwards_;  ///< allocations in ascending order; some were freed since the last close_gaps()
   std::uint32_t free_, size_, end_ = 0;
 };
 

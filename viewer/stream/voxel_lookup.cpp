@@ -40,8 +40,8 @@ std::uint32_t child_row(const NodeRow& parent, int child) {
 
 }  // namespace
 
-const NodeRow* VoxelLookup::row(const ShardExtent& shard, std::uint32_t index, MissingPages& gaps) const {
-  const Page* page = find_page(pager_, {shard.number, PageKey::node_rows, index / nodes_per_block}, gaps);
+const NodeRow* VoxelLookup::row(const ShardExtent& shard, std::uint32_t index, MissingPages& missing_pages) const {
+  const Page* page = find_page(pager_, {shard.number, PageKey::node_rows, index / nodes_per_block}, missing_pages);
   return page == nullptr || index % nodes_per_block >= page->rows.size() ? nullptr
                                                                          : &page->rows[index % nodes_per_block];
 }
@@ -74,35 +74,36 @@ unsigned VoxelLookup::Question::reached_by(const VoxelBox& box) const {
 }
 
 VoxelLookup::Question VoxelLookup::Question::within(const VoxelBox& box) const {
-  Question part{lod, holder, boxes, reached_by(box)};
+  Question part{lod, provider, boxes, reached_by(box)};
   for (VoxelBox& own : part.boxes) own = common_box(own, box);
   return part;
 }
 
-std::uint8_t VoxelLookup::occupied(int lod, const Boxes& boxes, MissingPages& gaps) const {
-  return std::uint8_t(occupied_by_any({lod, 0, boxes, 255}, gaps));
+std::uint8_t VoxelLookup::occupied(int lod, const Boxes& boxes, MissingPages& missing_pages) const {
+  return std::uint8_t(occupied_by_any({lod, 0, boxes, 255}, missing_pages));
 }
 
-unsigned VoxelLookup::occupied_by_any(Question question, MissingPages& gaps) const {
+unsigned VoxelLookup::occupied_by_any(Question question, MissingPages& missing_pages) const {
   const unsigned asked = question.open;
   if (asked == 0) return 0;
-  map_.any(question.lod, question.holder, question.around(), pager_, gaps, [&](const ShardExtent& shard) {
-    question.open &=
-        ~occupied_below(shard, 0, shard.top(), shard.window.min, question, question.reached_by(shard.window), gaps);
+  map_.any(question.lod, question.provider, question.around(), pager_, missing_pages, [&](const ShardExtent& shard) {
+    question.open &= ~occupied_below(shard, 0, shard.top(), shard.window.min, question,
+                                     question.reached_by(shard.window), missing_pages);
     return question.open == 0;
   });
   return asked & ~question.open;
 }
 
 /// Returns the boxes that shards stored below an unreadable overview may overlap.
-unsigned VoxelLookup::may_be_occupied(const ShardExtent& shard, const Question& question, MissingPages& gaps) const {
-  gaps.is_overview_damaged = true;
+unsigned VoxelLookup::may_be_occupied(const ShardExtent& shard, const Question& question,
+                                      MissingPages& missing_pages) const {
+  missing_pages.is_overview_damaged = true;
   const int below = shard.own_lod - 1;
   unsigned found = 0;
   Question part = question.within(shard.window);
   const unsigned asked = part.open;
   if (asked == 0) return 0;
-  map_.any(below, map_.last_holder(below), part.around(), pager_, gaps, [&](const ShardExtent& stored) {
+  map_.any(below, map_.last_provider(below), part.around(), pager_, missing_pages, [&](const ShardExtent& stored) {
     found |= part.reached_by(stored.window);
     return found == asked;
   });
@@ -112,15 +113,15 @@ unsigned VoxelLookup::may_be_occupied(const ShardExtent& shard, const Question& 
 /// Returns the boxes that unreadable nodes of the shard may overlap. If another provider stores the level too, queries
 /// that provider.
 unsigned VoxelLookup::unread_occupied(const ShardExtent& shard, const Question& question, unsigned open,
-                                      MissingPages& gaps) const {
+                                      MissingPages& missing_pages) const {
   Question part = question;
   part.open = open;
-  if (question.holder < map_.last_holder(question.lod)) {
-    ++part.holder;
-    return occupied_by_any(part.within(shard.window), gaps);
+  if (question.provider < map_.last_provider(question.lod)) {
+    ++part.provider;
+    return occupied_by_any(part.within(shard.window), missing_pages);
   }
-  if (shard.is_overview()) return may_be_occupied(shard, part, gaps);
-  gaps.damaged |= overlap(shard.window, gaps.own);
+  if (shard.is_overview()) return may_be_occupied(shard, part, missing_pages);
+  missing_pages.damaged |= overlap(shard.window, missing_pages.own);
   return open;
 }
 
@@ -128,10 +129,10 @@ unsigned VoxelLookup::unread_occupied(const ShardExtent& shard, const Question& 
 /// row exists and overlaps the boxes of `open`.
 unsigned VoxelLookup::occupied_below(const ShardExtent& shard, std::uint32_t row_index, int level,
                                      const std::int64_t corner[3], const Question& question, unsigned open,
-                                     MissingPages& gaps) const {
+                                     MissingPages& missing_pages) const {
   if (level == question.lod || open == 0) return open;
-  const NodeRow* node = row(shard, row_index, gaps);
-  if (node == nullptr) return lacks_row(shard, row_index) ? unread_occupied(shard, question, open, gaps) : 0;
+  const NodeRow* node = row(shard, row_index, missing_pages);
+  if (node == nullptr) return lacks_row(shard, row_index) ? unread_occupied(shard, question, open, missing_pages) : 0;
   if (node->kind == NodeKind::leaf_constant) return open;
   unsigned found = 0;
   for (int child = 0; child < 8 && found != open; ++child) {
@@ -139,52 +140,54 @@ unsigned VoxelLookup::occupied_below(const ShardExtent& shard, std::uint32_t row
     std::int64_t at[3];
     for (int a = 0; a < 3; ++a) at[a] = corner[a] + (std::int64_t(child >> a & 1) << (level + 2));
     const unsigned reached = question.reached_by(node_box(at, level - 1)) & open & ~found;
-    if (reached != 0) found |= occupied_below(shard, child_row(*node, child), level - 1, at, question, reached, gaps);
+    if (reached != 0)
+      found |= occupied_below(shard, child_row(*node, child), level - 1, at, question, reached, missing_pages);
   }
   return found;
 }
 
-void VoxelLookup::set_content(const ShardExtent& shard, const NodeRow& found, int lod, MissingPages& gaps,
+void VoxelLookup::set_content(const ShardExtent& shard, const NodeRow& found, int lod, MissingPages& missing_pages,
                               VoxelPlace& place) const {
   if (found.kind != NodeKind::brick) {
     place.kind = VoxelPlace::Kind::constant;
     for (std::size_t c = 0; c < 4; ++c) place.rgba[c] = std::uint8_t(found.value >> (8 * c));
     std::copy_n(found.normal, 2, place.normal.begin());
-    std::copy_n(found.facing, facing_bytes, place.facing.begin());
-    place.has_facing = lod > 0 && place.facing != Facing{};
+    std::copy_n(found.directional_coverage, directional_coverage_bytes, place.directional_coverage.begin());
+    place.has_directional_coverage = lod > 0 && place.directional_coverage != Facing{};
     return;
   }
-  const Page* page = find_page(pager_, {shard.number, lod - shard.first_lod, found.value / bricks_per_block}, gaps);
+  const Page* page =
+      find_page(pager_, {shard.number, lod - shard.first_lod, found.value / bricks_per_block}, missing_pages);
   if (page == nullptr || found.value % bricks_per_block >= page->bricks.mask.size() / brick_edge) return;
   place.kind = VoxelPlace::Kind::brick;
   place.block = &page->bricks;
   place.brick = found.value % bricks_per_block;
 }
 
-VoxelPlace VoxelLookup::place(int lod, const std::int64_t v[3], MissingPages& gaps, NodePath& path) const {
-  for (int holder = 0;; ++holder) {
+VoxelPlace VoxelLookup::place(int lod, const std::int64_t v[3], MissingPages& missing_pages, NodePath& path) const {
+  for (int provider = 0;; ++provider) {
     VoxelPlace place;
-    const std::optional<ShardExtent> shard = map_.find(lod, holder, v, pager_, gaps, place.box);
+    const std::optional<ShardExtent> shard = map_.find(lod, provider, v, pager_, missing_pages, place.box);
     if (!shard) return place;
-    const std::size_t missing = gaps.missing.size();
-    place = place_in(*shard, lod, v, gaps, path);
-    if (place.kind != VoxelPlace::Kind::unreadable || gaps.missing.size() != missing) return place;
-    if (holder < map_.last_holder(lod)) continue;  // a further provider may be readable
-    gaps.damaged |= overlap(shard->window, gaps.own);
-    gaps.is_overview_damaged |= shard->is_overview();
+    const std::size_t missing = missing_pages.missing.size();
+    place = place_in(*shard, lod, v, missing_pages, path);
+    if (place.kind != VoxelPlace::Kind::unreadable || missing_pages.missing.size() != missing) return place;
+    if (provider < map_.last_provider(lod)) continue;  // a further provider may be readable
+    missing_pages.damaged |= overlap(shard->window, missing_pages.own);
+    missing_pages.is_overview_damaged |= shard->is_overview();
     return place;
   }
 }
 
 /// Returns the content of the shard at v; `Kind::unreadable` if the data can never become resident.
-VoxelPlace VoxelLookup::place_in(const ShardExtent& shard, int lod, const std::int64_t v[3], MissingPages& gaps,
-                                 NodePath& path) const {
+VoxelPlace VoxelLookup::place_in(const ShardExtent& shard, int lod, const std::int64_t v[3],
+                                 MissingPages& missing_pages, NodePath& path) const {
   VoxelPlace place;
-  const std::size_t missing = gaps.missing.size();
+  const std::size_t missing = missing_pages.missing.size();
   std::int64_t local[3], corner[3];
   for (int a = 0; a < 3; ++a) local[a] = v[a] - shard.window.min[a];
   int level = std::max(lod, shared_level(path, shard, local));
-  const NodeRow* node = level == shard.top() ? row(shard, 0, gaps) : path.node[level];
+  const NodeRow* node = level == shard.top() ? row(shard, 0, missing_pages) : path.node[level];
   for (int a = 0; a < 3; ++a) corner[a] = shard.window.min[a] + (local[a] >> (level + 3) << (level + 3));
   place.box = node_box(corner, level);
   path.shard = node == nullptr ? no_shard : shard.number;
@@ -197,13 +200,13 @@ VoxelPlace VoxelLookup::place_in(const ShardExtent& shard, int lod, const std::i
     for (int a = 0; a < 3; ++a) corner[a] += std::int64_t(child >> a & 1) << (level + 2);
     place.box = node_box(corner, --level);
     if ((node->child_mask >> child & 1) == 0) return place;
-    node = row(shard, child_row(*node, child), gaps);
+    node = row(shard, child_row(*node, child), missing_pages);
     if (node == nullptr) break;
     path.node[level] = node;
     path.lowest = level;
   }
-  if (node != nullptr) set_content(shard, *node, lod, gaps, place);
-  if (place.kind == VoxelPlace::Kind::nothing && gaps.missing.size() == missing)
+  if (node != nullptr) set_content(shard, *node, lod, missing_pages, place);
+  if (place.kind == VoxelPlace::Kind::nothing && missing_pages.missing.size() == missing)
     place.kind = VoxelPlace::Kind::unreadable;
   return place;
 }

@@ -19,8 +19,8 @@ struct VoxelPlace {
   std::size_t brick = 0;              ///< index in the block
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
-  Facing facing{};  ///< rgba, normal and facing are set for `Kind::constant`
-  bool has_facing = false;
+  Facing directional_coverage{};  ///< rgba, normal and facing are set for `Kind::constant`
+  bool has_directional_coverage = false;
 };
 
 inline constexpr std::uint32_t no_shard = 0xffffffffu;
@@ -45,18 +45,18 @@ class VoxelLookup {
   /// Returns a mask: bit i is set if a node of level `lod` overlaps boxes[i] (lod-0 voxels). The mask is invalid if
   /// pages are missing. Unreadable data counts as occupied, so that rays reach the cells. For a cell, all of it is
   /// occupied; for an overview, all shards below it.
-  std::uint8_t occupied(int lod, const Boxes& boxes, MissingPages& gaps) const;
+  std::uint8_t occupied(int lod, const Boxes& boxes, MissingPages& missing_pages) const;
 
   /// Returns the content of the voxel of level `lod` that contains lod-0 voxel v.
-  VoxelPlace place(int lod, const std::int64_t v[3], MissingPages& gaps, NodePath& path) const;
+  VoxelPlace place(int lod, const std::int64_t v[3], MissingPages& missing_pages, NodePath& path) const;
 
  private:
-  const NodeRow* row(const ShardExtent& shard, std::uint32_t index, MissingPages& gaps) const;
+  const NodeRow* row(const ShardExtent& shard, std::uint32_t index, MissingPages& missing_pages) const;
   bool lacks_row(const ShardExtent& shard, std::uint32_t index) const;
   /// A query for the boxes that nodes of a level overlap. It reads the level from one provider
-  /// (ShardMap::last_holder()). `open` is the mask of the boxes that have no answer yet.
+  /// (ShardMap::last_provider()). `open` is the mask of the boxes that have no answer yet.
   struct Question {
-    int lod, holder;
+    int lod, provider;
     Boxes boxes;
     unsigned open;
 
@@ -65,14 +65,15 @@ class VoxelLookup {
     Question within(const kernels::VoxelBox& box) const;
   };
   /// The following functions of type `unsigned` return a mask of boxes: bit i is for question.boxes[i].
-  unsigned occupied_by_any(Question question, MissingPages& gaps) const;
+  unsigned occupied_by_any(Question question, MissingPages& missing_pages) const;
   unsigned occupied_below(const ShardExtent& shard, std::uint32_t row_index, int level, const std::int64_t corner[3],
-                          const Question& question, unsigned open, MissingPages& gaps) const;
-  unsigned unread_occupied(const ShardExtent& shard, const Question& question, unsigned open, MissingPages& gaps) const;
-  VoxelPlace place_in(const ShardExtent& shard, int lod, const std::int64_t v[3], MissingPages& gaps,
+                          const Question& question, unsigned open, MissingPages& missing_pages) const;
+  unsigned unread_occupied(const ShardExtent& shard, const Question& question, unsigned open,
+                           MissingPages& missing_pages) const;
+  VoxelPlace place_in(const ShardExtent& shard, int lod, const std::int64_t v[3], MissingPages& missing_pages,
                       NodePath& path) const;
-  unsigned may_be_occupied(const ShardExtent& shard, const Question& question, MissingPages& gaps) const;
-  void set_content(const ShardExtent& shard, const NodeRow& found, int lod, MissingPages& gaps,
+  unsigned may_be_occupied(const ShardExtent& shard, const Question& question, MissingPages& missing_pages) const;
+  void set_content(const ShardExtent& shard, const NodeRow& found, int lod, MissingPages& missing_pages,
                    VoxelPlace& place) const;
 
   const ShardMap& map_;

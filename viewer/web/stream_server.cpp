@@ -210,7 +210,7 @@ struct StreamServer::State {
   }
 
   HttpAnswer open(const HttpRequest& request) {
-    const auto key = sessions.open(steering_from_json(request.body));
+    const auto key = sessions.open(viewer_input_from_json(request.body));
     if (!key) return error_reply(503, "the server has its maximum number of viewers; try again later");
     const nlohmann::ordered_json told{
         {"viewer", *key}, {"modes", names_of<ViewMode>()}, {"styles", names_of<CameraController::Style>()}};
@@ -241,7 +241,7 @@ struct StreamServer::State {
   }
 
   HttpAnswer steer(const HttpRequest& request, ViewerId viewer) {
-    scene.steer(viewer, steering_from_json(request.body));
+    scene.steer(viewer, viewer_input_from_json(request.body));
     return get_state(request, viewer);
   }
 

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 #include "viewer/live/viewer_input_json.h"
 
 namespace gigabake {
@@ -21,7 +21,8 @@ void show_numbers(const LiveFrame& f) {
   line(fmt::format("{} x {}{}", f.frame.picture.width, f.frame.picture.height, s.complete ? ", complete" : ""));
   line(fmt::format("{:.1f} fps, {:.1f} ms a frame", f.frames_per_s, s.total_s * 1e3));
   line(fmt::format("rays {:.1f} ms, uploads {:.1f} ms", s.cast_s * 1e3, s.upload_s * 1e3));
-  line(fmt::format("{} requested, {} uploaded, {} loading", s.wanted, s.uploads, counted(s.pages_loading, "page")));
+  line(
+      fmt::format("{} requested, {} uploaded, {} loading", s.requested, s.uploads, pluralize(s.pages_loading, "page")));
   line(fmt::format("{} of {} used", megabytes(s.bytes_held), megabytes(s.bytes_allowed)));
 }
 
@@ -80,14 +81,14 @@ PanelAnswer show_panel(const ViewerState& state, const LiveFrame* frame, bool re
   line(loading.empty() ? "complete" : loading);
   if (frame) show_numbers(*frame);
   if (state.has_scene) {
-    show_choices(state, out.steering, clock);
-    out.steering.home = ImGui::Button("Home (H)");
+    show_choices(state, out.input, clock);
+    out.input.home = ImGui::Button("Home (H)");
     ImGui::SameLine();
     out.save_picture = ImGui::Button("Save image (P)");
     ImGui::SameLine();
     out.record = ImGui::Button(recording ? "Stop recording (R)" : "Record path (R)");
   }
-  if (state.problems > 0) line(counted(state.problems, "shard is", "shards are") + " missing or damaged");
+  if (state.problems > 0) line(pluralize(state.problems, "shard is", "shards are") + " missing or damaged");
   if (!state.problem.empty()) line(state.problem);
   if (!place.empty()) line(place);
   if (!said.empty()) line(said);

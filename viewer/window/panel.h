@@ -8,7 +8,7 @@
 namespace gigabake {
 
 struct PanelAnswer {
-  ViewerInput steering;
+  ViewerInput input;
   bool save_picture = false, record = false;
 };
 

@@ -105,7 +105,7 @@ class Window {
     int redraws = redraws_after_event;
     while (glfwWindowShouldClose(window_) == 0) {
       glfwWaitEventsTimeout(redraws > 0 || input_.holds() ? held_poll_s : idle_poll_s);
-      obey();
+      handle();
       const bool news = take_frame();
       finish_picture();
       set_title();
@@ -119,33 +119,33 @@ class Window {
  private:
   ViewerState state() const { return scene_.state(viewer_).value(); }
 
-  void obey() {
-    ViewerInput steering = input_.take_steering();
+  void handle() {
+    ViewerInput input = input_.take_input();
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
-    if (width > 0 && height > 0 && std::array{width, height} != size_) steering.size = size_ = {width, height};
-    for (const WindowCommand command : input_.take_commands()) obey(command, steering);
-    for (const ViewKey key : input_.take_view_keys()) obey(key, steering);
-    const bool settings = steering.mode || steering.style || steering.pixel_error || steering.size;
-    if (steering.moves() || settings || steering.walk || steering.swing) scene_.steer(viewer_, steering);
+    if (width > 0 && height > 0 && std::array{width, height} != size_) input.size = size_ = {width, height};
+    for (const WindowCommand command : input_.take_commands()) handle(command, input);
+    for (const ViewKey key : input_.take_view_keys()) handle(key, input);
+    const bool settings = input.mode || input.style || input.pixel_error || input.size;
+    if (input.moves() || settings || input.walk || input.swing) scene_.steer(viewer_, input);
   }
 
-  void obey(WindowCommand command, ViewerInput& steering) {
+  void handle(WindowCommand command, ViewerInput& input) {
     const ViewerState now = state();
     constexpr std::size_t modes = names_of<ViewMode>().size();
     const bool orbits = now.style == CameraController::Style::orbit;
     switch (command) {
       case WindowCommand::next_mode:
-        steering.mode = ViewMode((std::size_t(now.full_view.mode) + 1) % modes);
+        input.mode = ViewMode((std::size_t(now.full_view.mode) + 1) % modes);
         break;
       case WindowCommand::next_style:
-        steering.style = orbits ? CameraController::Style::fly : CameraController::Style::orbit;
+        input.style = orbits ? CameraController::Style::fly : CameraController::Style::orbit;
         break;
       case WindowCommand::coarser:
-        steering.pixel_error = half_levels(now.full_view.camera.pixel_error, 1);
+        input.pixel_error = half_levels(now.full_view.camera.pixel_error, 1);
         break;
       case WindowCommand::finer:
-        steering.pixel_error = half_levels(now.full_view.camera.pixel_error, -1);
+        input.pixel_error = half_levels(now.full_view.camera.pixel_error, -1);
         break;
       case WindowCommand::measure:
         measure();
@@ -169,17 +169,17 @@ class Window {
     }
   }
 
-  void obey(ViewKey key, ViewerInput& steering) {
+  void handle(ViewKey key, ViewerInput& input) {
     if (!frame_) return;
     try {
       if (key.keeps) {
         views_.keep(key.digit, state().pose);
         return say("saved " + std::filesystem::absolute(views_.file_of(key.digit)).lexically_normal().string());
       }
-      steering.pose = views_.kept(key.digit, frame_->rays.origin);
-      if (!steering.pose) return note(fmt::format("no view is saved as {0}: Shift {0} saves this one", key.digit));
-      steering.turn = steering.pan = {};  // movements from before the jump would change the bookmarked pose
-      steering.zoom = 0;
+      input.pose = views_.kept(key.digit, frame_->rays.origin);
+      if (!input.pose) return note(fmt::format("no view is saved as {0}: Shift {0} saves this one", key.digit));
+      input.turn = input.pan = {};  // movements from before the jump would change the bookmarked pose
+      input.zoom = 0;
     } catch (const std::exception& e) {
       say(e.what());
     }
@@ -283,7 +283,7 @@ class Window {
     ImGui::Render();
     ImGui_ImplOpenGL2_RenderDrawData(ImGui::GetDrawData());
     glfwSwapBuffers(window_);
-    const ViewerInput& s = answer.steering;
+    const ViewerInput& s = answer.input;
     const bool lights = s.sun || s.time || s.shadows || s.level_blend;
     if (s.home || s.mode || s.style || s.pixel_error || s.upload_s || lights) scene_.steer(viewer_, s);
     if (answer.save_picture) request_image();

@@ -57,7 +57,7 @@ WindowInput::WindowInput(GLFWwindow* window) : window_(window) {
 
 WindowInput::~WindowInput() { glfwSetWindowUserPointer(window_, nullptr); }
 
-ViewerInput WindowInput::take_steering() {
+ViewerInput WindowInput::take_input() {
   ViewerInput out = std::exchange(pending_, {});
   if (!held_.empty() || sent_held_) {
     out.walk = total(held_, walks, slow_);

@@ -41,7 +41,7 @@ class WindowInput {
   WindowInput& operator=(const WindowInput&) = delete;
 
   /// Returns all movements since the last call, and the held keys.
-  ViewerInput take_steering();
+  ViewerInput take_input();
   /// Returns the commands of keys pressed since the last call.
   std::vector<WindowCommand> take_commands();
   std::vector<ViewKey> take_view_keys();

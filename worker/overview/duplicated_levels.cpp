@@ -13,16 +13,16 @@ namespace {
 
 constexpr std::uint64_t all_voxels[8] = {~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull};
 constexpr std::int8_t no_normal[2] = {0, 0};
-constexpr std::uint8_t no_facing[facing_bytes] = {};
+constexpr std::uint8_t no_directional_coverage[directional_coverage_bytes] = {};
 
 /// A borrowed view of a child's brick, or of a brick expanded from a constant node.
 struct BrickView {
   const std::uint64_t* mask;
   const std::uint8_t* rgba;
   const std::int8_t* normal;
-  const std::uint8_t* facing;
-  bool is_constant;             ///< all voxels have the same value
-  bool has_normal, has_facing;  ///< if false, `normal` or `facing` points to zeros
+  const std::uint8_t* directional_coverage;
+  bool is_constant;                           ///< all voxels have the same value
+  bool has_normal, has_directional_coverage;  ///< if false, `normal` or `directional_coverage` points to zeros
 
   std::size_t at(std::size_t voxel) const { return is_constant ? 0 : voxel; }
 };
@@ -63,7 +63,7 @@ class LevelJoin {
     const std::size_t voxels = level.first.back();
     level.rgba.resize(4 * voxels);
     level.normal.resize(window_.normals ? 2 * voxels : 0);
-    level.facing.resize(window_.facing ? facing_bytes * voxels : 0);
+    level.directional_coverage.resize(window_.directional_coverage ? directional_coverage_bytes * voxels : 0);
     pool.parallel_for(level.key.size(), bricks_a_task, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t b = begin; b < end; ++b) fill(b, level);
     });
@@ -105,13 +105,14 @@ class LevelJoin {
     const ChildLevels& child = *children_[brick.child];
     const NodeTable& n = child.coarse.nodes;
     const std::uint32_t node = brick.node;
-    BrickView view{all_voxels, nullptr, no_normal, no_facing, n.kind[node] != NodeKind::brick, false, false};
+    BrickView view{all_voxels, nullptr, no_normal, no_directional_coverage, n.kind[node] != NodeKind::brick,
+                   false,      false};
     if (view.is_constant) {
       view.rgba = reinterpret_cast<const std::uint8_t*>(&n.value[node]);
       view.normal = n.normal[node].data();
       view.has_normal = true;
-      view.has_facing = !n.facing.empty() && lod_ > child.first_lod;
-      if (view.has_facing) view.facing = n.facing[node].data();
+      view.has_directional_coverage = !n.directional_coverage.empty() && lod_ > child.first_lod;
+      if (view.has_directional_coverage) view.directional_coverage = n.directional_coverage[node].data();
       return view;
     }
     const BrickLevel& level = child.coarse.levels[lod_ - child.begin];
@@ -120,8 +121,9 @@ class LevelJoin {
     view.rgba = &level.rgba[4 * first];
     view.has_normal = !level.normal.empty();
     if (view.has_normal) view.normal = &level.normal[2 * first];
-    view.has_facing = !level.facing.empty();
-    if (view.has_facing) view.facing = &level.facing[facing_bytes * first];
+    view.has_directional_coverage = !level.directional_coverage.empty();
+    if (view.has_directional_coverage)
+      view.directional_coverage = &level.directional_coverage[directional_coverage_bytes * first];
     return view;
   }
 
@@ -202,8 +204,9 @@ class LevelJoin {
   void copy(const BrickView& from, std::size_t voxel, std::size_t count, std::size_t to, kernels::Level& level) const {
     std::copy_n(from.rgba + 4 * voxel, 4 * count, &level.rgba[4 * to]);
     if (window_.normals && from.has_normal) std::copy_n(from.normal + 2 * voxel, 2 * count, &level.normal[2 * to]);
-    if (window_.facing && from.has_facing)
-      std::copy_n(from.facing + facing_bytes * voxel, facing_bytes * count, &level.facing[facing_bytes * to]);
+    if (window_.directional_coverage && from.has_directional_coverage)
+      std::copy_n(from.directional_coverage + directional_coverage_bytes * voxel, directional_coverage_bytes * count,
+                  &level.directional_coverage[directional_coverage_bytes * to]);
   }
 
   const std::span<const ChildLevels* const> children_;

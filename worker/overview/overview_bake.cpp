@@ -22,7 +22,7 @@ std::vector<kernels::Level> copies_of(const CellJob& overview, const OverviewChi
                                 overview.first_lod,
                                 overview.first_lod + overview.copied_lods,
                                 p.normals,
-                                has_facing(p)};
+                                has_directional_coverage(p)};
   return joined_levels(copied, window, pool);
 }
 
@@ -46,9 +46,9 @@ std::uint64_t bytes_of(const OverviewChild& child) {
   const DownsampleState& source = child.source;
   const NodeTable& n = child.copied.coarse.nodes;
   std::uint64_t bytes = all(source.place, source.rgba, source.normal, source.raster, source.patch, n.key, n.lod, n.kind,
-                            n.child_mask, n.first_child, n.value, n.normal, n.facing);
+                            n.child_mask, n.first_child, n.value, n.normal, n.directional_coverage);
   for (const BrickLevel& level : child.copied.coarse.levels)
-    bytes += all(level.mask, level.first, level.rgba, level.normal, level.facing);
+    bytes += all(level.mask, level.first, level.rgba, level.normal, level.directional_coverage);
   return bytes;
 }
 

@@ -12,20 +12,20 @@ int sharers_of_device(int rank, int ranks, int devices) {
   return ranks / devices + (turn < ranks % devices ? 1 : 0);
 }
 
-DeviceChoice choose_device(const DeviceRequest& wish) {
-  if (wish.backend == Backend::cpu) return {};
+DeviceChoice choose_device(const DeviceRequest& requested) {
+  if (requested.backend == Backend::cpu) return {};
   const kernels::CudaDevices devices = kernels::cuda_devices();
   if (devices.usable.empty()) {
-    if (wish.backend == Backend::cuda) throw InputError("`backend` cuda", "", devices.reason);
+    if (requested.backend == Backend::cuda) throw InputError("`backend` cuda", "", devices.reason);
     return {std::nullopt, devices.reason};
   }
-  for (const int device : wish.allowed)
+  for (const int device : requested.allowed)
     if (std::find(devices.usable.begin(), devices.usable.end(), device) == devices.usable.end())
       throw UsageError("gpus", "this host has no usable device " + std::to_string(device));
-  const std::vector<int>& from = wish.allowed.empty() ? devices.usable : wish.allowed;
-  return {from[std::size_t(wish.rank_on_host) % from.size()],
+  const std::vector<int>& from = requested.allowed.empty() ? devices.usable : requested.allowed;
+  return {from[std::size_t(requested.rank_on_host) % from.size()],
           {},
-          sharers_of_device(wish.rank_on_host, wish.ranks_on_host, int(from.size()))};
+          sharers_of_device(requested.rank_on_host, requested.ranks_on_host, int(from.size()))};
 }
 
 }  // namespace gigabake

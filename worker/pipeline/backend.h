@@ -38,6 +38,6 @@ int sharers_of_device(int rank, int ranks, int devices);
 /// device if there are fewer devices than ranks.
 /// Errors  InputError if Backend::cuda is requested and the host has no usable device. UsageError if an allowed ordinal
 ///         is not a usable device of the host.
-DeviceChoice choose_device(const DeviceRequest& wish);
+DeviceChoice choose_device(const DeviceRequest& requested);
 
 }  // namespace gigabake

@@ -210,18 +210,18 @@ class BakeServer {
     setup_ = std::move(setup);
     set_memory_limit(setup_->worker.memory_bytes);
     chosen_ = choice_.get_future();
-    chooser_ = std::thread([this, wish = setup_->device] {
-      choice_.set_value(answer_to(wish));
+    chooser_ = std::thread([this, requested = setup_->device] {
+      choice_.set_value(answer_to(requested));
       done_.ring();
     });
     open_scene();
     send(BakeMessageKind::started, {});
   }
 
-  static DeviceAnswer answer_to(const DeviceRequest& wish) {
+  static DeviceAnswer answer_to(const DeviceRequest& requested) {
     DeviceAnswer answer;
     try {
-      answer.choice = choose_device(wish);
+      answer.choice = choose_device(requested);
     } catch (const std::exception& e) {
       answer.error = e.what();
     }

@@ -44,8 +44,8 @@ struct CellLoader::RequiredTextures {
   };
   std::vector<Item> items;
 
-  std::int32_t index_of(const LoadedTile& tile, std::size_t image, const TextureRecipe& recipe) {
-    const TextureKey key{tile.images().at(image).hash, recipe};
+  std::int32_t index_of(const LoadedTile& tile, std::size_t image, const TextureFilterKey& filter_key) {
+    const TextureKey key{tile.images().at(image).hash, filter_key};
     const auto [at, is_new] = index_.try_emplace(key, std::int32_t(items.size()));
     if (is_new) items.push_back({key, &tile, image});
     return at->second;
@@ -97,7 +97,7 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCel
   std::vector<std::int64_t> cell_material(mesh.materials.size(), -1);
   const auto add_material = [&](const Material& material) {
     ShadedMaterial shaded = shaded_material(material);
-    if (shaded.image >= 0) shaded.view.texture = wanted.index_of(tile, std::size_t(shaded.image), shaded.recipe);
+    if (shaded.image >= 0) shaded.view.texture = wanted.index_of(tile, std::size_t(shaded.image), shaded.filter_key);
     cell.materials.push_back(shaded.view);
     return std::int64_t(cell.materials.size()) - 1;
   };

@@ -15,7 +15,7 @@ kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters
   c.surface = p.surface;
   c.mip = p.mip;
   c.normals = p.normals;
-  c.facing = has_facing(p);
+  c.directional_coverage = has_directional_coverage(p);
   c.max_error = p.max_error;
   c.memory_bytes = kernel_bytes;
   return c;
@@ -28,7 +28,7 @@ kernels::OverviewParameters overview_parameters(const CellJob& job, const BakePa
   out.levels = std::countr_zero(job.cell_voxels / brick_edge) - out.child_lod;
   out.mip = p.mip;
   out.normals = p.normals;
-  out.facing = has_facing(p);
+  out.directional_coverage = has_directional_coverage(p);
   out.max_error = p.max_error;
   return out;
 }

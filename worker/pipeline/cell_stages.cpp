@@ -78,7 +78,7 @@ bool is_of_job(const ShardHeader& h, const CellJob& job, const BakeParameters& p
   return h.fingerprint == job.fingerprint && h.cell == job.name && h.lattice_min == job.lattice_min &&
          h.cell_voxels == job.cell_voxels && h.first_lod == job.first_lod && h.copied_lods == job.copied_lods &&
          h.voxel_size_m == p.voxel_size_m && h.lattice_origin_m == p.lattice_origin_m && h.origin == origin &&
-         h.has_normals == p.normals && h.has_facing == has_facing(p);
+         h.has_normals == p.normals && h.has_directional_coverage == has_directional_coverage(p);
 }
 
 /// Returns the shard of an earlier run if it is complete, matches the job, and its voxels match the stored hash.
@@ -303,7 +303,7 @@ ShardHeader CellStages::header_of(const InFlightCell& cell) const {
   h.origin = sources_.origin;
   h.fingerprint = cell.job.fingerprint;
   h.has_normals = parameters_.normals;
-  h.has_facing = has_facing(parameters_);
+  h.has_directional_coverage = has_directional_coverage(parameters_);
   h.triangles = cell.stats().triangles;
   return h;
 }

@@ -31,7 +31,7 @@ void set_alpha_test(const Material& material, ShadedMaterial& m) {
   if (m.image < 0) return;
   const double threshold = std::ceil(255 * cutoff / factor - cutoff_slack);
   if (!(threshold <= 255)) return make_invisible(m);
-  m.recipe = {kernels::TextureAlpha::mask, std::uint8_t(std::max(threshold, 1.0))};
+  m.filter_key = {kernels::TextureAlpha::mask, std::uint8_t(std::max(threshold, 1.0))};
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ ShadedMaterial shaded_material(const Material& material) {
   m.view.wrap_t = material.texture.wrap_t;
   m.view.nearest = material.texture.nearest;
   if (material.alpha_mode == AlphaMode::mask) set_alpha_test(material, m);
-  if (material.alpha_mode == AlphaMode::blend && m.image >= 0) m.recipe.alpha = kernels::TextureAlpha::blend;
+  if (material.alpha_mode == AlphaMode::blend && m.image >= 0) m.filter_key.alpha = kernels::TextureAlpha::blend;
   return m;
 }
 

@@ -10,16 +10,16 @@
 namespace gigabake {
 
 /// Prefiltering of a material's image. Materials with the same image and equal recipes share one texture.
-struct TextureRecipe {
+struct TextureFilterKey {
   kernels::TextureAlpha alpha = kernels::TextureAlpha::ignore;
   std::uint8_t mask_cutoff = 0;  ///< for TextureAlpha::mask: min 8-bit texel alpha that passes, 1 to 255
-  friend bool operator==(const TextureRecipe&, const TextureRecipe&) = default;
+  friend bool operator==(const TextureFilterKey&, const TextureFilterKey&) = default;
 };
 
 struct ShadedMaterial {
   kernels::MaterialView view;  ///< the caller sets `texture` if `image` is not -1
   int image = -1;              ///< index into TileMesh::images, or -1
-  TextureRecipe recipe;
+  TextureFilterKey filter_key;
 };
 
 /// Converts a material. The alpha test of AlphaMode::mask is `factor · texel ≥ cutoff`, where `factor` is the alpha of

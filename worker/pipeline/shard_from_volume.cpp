@@ -9,7 +9,7 @@ Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header) {
   shard.header = std::move(header);
   shard.nodes = std::move(volume.nodes);
   for (kernels::Level& level : volume.levels) shard.levels.push_back(std::move(static_cast<BrickLevel&>(level)));
-  if (!shard.header.has_facing) shard.nodes.facing.clear();
+  if (!shard.header.has_directional_coverage) shard.nodes.directional_coverage.clear();
   shard.header.lods = std::uint32_t(shard.levels.size());
   shard.header.content_hash = std::move(volume.content_hash);
   shard.above = std::move(volume.above);

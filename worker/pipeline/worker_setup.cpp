@@ -14,19 +14,21 @@ void put(ByteWriter& writer, const WorkerOptions& options) {
   writer.put(options.scratch.string());
 }
 
-void put(ByteWriter& writer, const DeviceRequest& wish) {
-  writer.put(wish.backend);
-  writer.put(wish.allowed);
-  writer.put(wish.rank_on_host);
-  writer.put(wish.ranks_on_host);
+void put(ByteWriter& writer, const DeviceRequest& requested) {
+  writer.put(requested.backend);
+  writer.put(requested.allowed);
+  writer.put(requested.rank_on_host);
+  writer.put(requested.ranks_on_host);
 }
 
-DeviceRequest get_device_wish(ByteReader& reader) {
-  DeviceRequest wish;
-  reader.get(wish.backend), reader.get(wish.allowed), reader.get(wish.rank_on_host), reader.get(wish.ranks_on_host);
-  if (wish.rank_on_host < 0) throw InputError("device wish", "rank_on_host", "expected 0 or more");
-  if (wish.ranks_on_host <= wish.rank_on_host) throw InputError("device wish", "ranks_on_host", "expected more");
-  return wish;
+DeviceRequest get_device_request(ByteReader& reader) {
+  DeviceRequest requested;
+  reader.get(requested.backend), reader.get(requested.allowed), reader.get(requested.rank_on_host),
+      reader.get(requested.ranks_on_host);
+  if (requested.rank_on_host < 0) throw InputError("device wish", "rank_on_host", "expected 0 or more");
+  if (requested.ranks_on_host <= requested.rank_on_host)
+    throw InputError("device wish", "ranks_on_host", "expected more");
+  return requested;
 }
 
 WorkerOptions get_worker_options(ByteReader& reader) {
@@ -57,7 +59,7 @@ WorkerSetup setup_from_bytes(std::span<const std::uint8_t> bytes) {
   WorkerSetup setup;
   setup.parameters = get_parameters(r);
   setup.worker = get_worker_options(r);
-  setup.device = get_device_wish(r);
+  setup.device = get_device_request(r);
   r.expect_end();
   return setup;
 }

@@ -29,13 +29,13 @@ struct ColumnKeyHash {
   }
 };
 
-/// Merges another extent of the same column into `column`. The sum of `crossings` saturates.
+/// Merges another extent of the same column into `column`. The sum of `projected_voxels` saturates.
 inline void unite_into(ColumnExtent& column, const ColumnExtent& other) {
   column.z_min = std::min(column.z_min, other.z_min);
   column.z_end = std::max(column.z_end, other.z_end);
   column.triangles += other.triangles;
-  const std::uint64_t room = UINT64_MAX - column.crossings;
-  column.crossings += std::min(room, other.crossings);
+  const std::uint64_t room = UINT64_MAX - column.projected_voxels;
+  column.projected_voxels += std::min(room, other.projected_voxels);
 }
 
 /// The columns that one thread has found. The last column is cached, because neighbouring triangles mostly lie in the

@@ -11,10 +11,10 @@ namespace gigabake {
 using CoordinateRange = std::array<float, 3>;
 
 /// Returns the max distance between adjacent representable coordinates on one axis, in scene metres, for coordinates up
-/// to `reach`. A vertex may be off by half of this distance.
-/// Exact   For float coordinates, the local distance is the ULP at `reach`; for quantized coordinates, it is their
+/// to `extent`. A vertex may be off by half of this distance.
+/// Exact   For float coordinates, the local distance is the ULP at `extent`; for quantized coordinates, it is their
 ///         step. It is multiplied by the scale of the instance's transform on the axis. The error of float32
 ///         translations in EXT_mesh_gpu_instancing is not included.
-double coordinate_resolution_m(const Primitive& primitive, const Instance& instance, const CoordinateRange& reach);
+double coordinate_resolution_m(const Primitive& primitive, const Instance& instance, const CoordinateRange& extent);
 
 }  // namespace gigabake

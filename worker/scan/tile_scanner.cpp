@@ -51,7 +51,7 @@ double doubled_views(const Vec3d& a, const Vec3d& b) {
   return std::fabs(n[0]) + std::fabs(n[1]) + std::fabs(n[2]);
 }
 
-std::uint64_t crossings_of(const LatticeTriangle& t) {
+std::uint64_t projected_voxels_of(const LatticeTriangle& t) {
   return std::uint64_t(std::min(doubled_views(Vec3d(t.p[1] - t.p[0]), Vec3d(t.p[2] - t.p[0])), max_projected_voxels));
 }
 
@@ -90,12 +90,12 @@ bool is_boxed(std::uint64_t triangles, std::size_t placements) {
   return placements >= min_boxed_instances && placements * triangles > max_exact_triangles;
 }
 
-/// Extends `reach` by the vertices on the lattice; a triangle with any other vertex is dropped.
+/// Extends `extent` by the vertices on the lattice; a triangle with any other vertex is dropped.
 template <class Vertices>
-void widen(CoordinateRange& reach, const Primitive& mesh, const Vertices& vertices) {
+void widen(CoordinateRange& extent, const Primitive& mesh, const Vertices& vertices) {
   for (std::size_t i = 0; i < vertices.size(); ++i)
     for (std::size_t axis = 0; vertices[i].valid && axis < 3; ++axis)
-      reach[axis] = std::max(reach[axis], std::fabs(mesh.position[3 * i + axis]));
+      extent[axis] = std::max(extent[axis], std::fabs(mesh.position[3 * i + axis]));
 }
 
 bool is_one(VoxelSpan columns) { return columns.first == columns.last; }
@@ -119,17 +119,17 @@ void TileScanner::add(const LoadedTile& tile, std::size_t primitive, Placements 
   if (placements.empty()) return;
   if (cut.clusters.size() < 2 || is_boxed(cut.triangles, placements.size()))
     return add(*tile.whole(primitive), placements);
-  for (ThreadScan& thread : threads_) thread.reach.assign(placements.size(), {});
+  for (ThreadScan& thread : threads_) thread.extent.assign(placements.size(), {});
   pool_.parallel_for(cut.clusters.size(), clusters_per_range, [&](std::size_t begin, std::size_t end, int thread) {
     for (std::size_t i = begin; i < end; ++i)
       add_cluster(*tile.mesh_of({&cut.clusters[i]}), placements, threads_[std::size_t(thread)]);
   });
   for (std::size_t i = 0; i < placements.size(); ++i) {
-    CoordinateRange reach{};
+    CoordinateRange extent{};
     for (const ThreadScan& thread : threads_)
-      for (std::size_t axis = 0; axis < 3; ++axis) reach[axis] = std::max(reach[axis], thread.reach[i][axis]);
+      for (std::size_t axis = 0; axis < 3; ++axis) extent[axis] = std::max(extent[axis], thread.extent[i][axis]);
     spacing_m_ =
-        std::max(spacing_m_, coordinate_resolution_m(tile.mesh().primitives[primitive], *placements[i], reach));
+        std::max(spacing_m_, coordinate_resolution_m(tile.mesh().primitives[primitive], *placements[i], extent));
   }
 }
 
@@ -159,9 +159,9 @@ void TileScanner::add_placed(const Primitive& mesh, const Instance& instance) {
   pool_.parallel_for(vertices.size(), vertices_per_range, [&](std::size_t begin, std::size_t end, int) {
     snap(mesh, instance, vertices.subspan(begin, end - begin), begin);
   });
-  CoordinateRange reach{};
-  widen(reach, mesh, vertices);
-  spacing_m_ = std::max(spacing_m_, coordinate_resolution_m(mesh, instance, reach));
+  CoordinateRange extent{};
+  widen(extent, mesh, vertices);
+  spacing_m_ = std::max(spacing_m_, coordinate_resolution_m(mesh, instance, extent));
   const std::span<const std::uint32_t> corners(mesh.index);
   pool_.parallel_for(corners.size() / 3, triangles_per_range, [&](std::size_t begin, std::size_t end, int thread) {
     add_triangles(mesh, corners.subspan(3 * begin, 3 * (end - begin)), vertices, instance,
@@ -173,7 +173,7 @@ void TileScanner::add_cluster(const Primitive& cluster, Placements placements, T
   found.vertices.resize(cluster.position.size() / 3);
   for (std::size_t i = 0; i < placements.size(); ++i) {
     snap(cluster, *placements[i], found.vertices, 0);
-    widen(found.reach[i], cluster, found.vertices);
+    widen(found.extent[i], cluster, found.vertices);
     add_triangles(cluster, cluster.index, found.vertices, *placements[i], found);
   }
 }
@@ -190,9 +190,9 @@ void TileScanner::add_boxes(const Primitive& mesh, Placements placements) {
     ThreadScan& found = threads_[std::size_t(thread)];
     for (std::size_t i = begin; i < end; ++i) {
       const SceneBox box = scene_box(bounds, *placements[i], parameters_);
-      const std::uint64_t crossings = crossings_of_area(local_area_m2 * area_scale(*placements[i]));
+      const std::uint64_t projected_voxels = projected_voxels_of_area(local_area_m2 * area_scale(*placements[i]));
       is_far[i] = may_have_long_triangle(box, parameters_) ||
-                  (!box.is_empty() && !add_box(box, triangles, crossings, found.map));
+                  (!box.is_empty() && !add_box(box, triangles, projected_voxels, found.map));
       if (is_far[i] == 0) found.non_finite += non_finite;
     }
   });
@@ -202,13 +202,14 @@ void TileScanner::add_boxes(const Primitive& mesh, Placements placements) {
 
 /// Returns the projected voxels of an area with evenly distributed normals, times projected_voxel_unit. The mean of |x|
 /// + |y| + |z| over all unit normals (x, y, z) is 3/2.
-std::uint64_t TileScanner::crossings_of_area(double surface_m2) const {
+std::uint64_t TileScanner::projected_voxels_of_area(double surface_m2) const {
   const double voxels = 1.5 * surface_m2 / (parameters_.voxel_size_m * parameters_.voxel_size_m);
   return std::uint64_t(std::clamp(voxels * projected_voxel_unit, 0.0, max_projected_voxels));
 }
 
 /// Returns false and adds nothing if the box extends beyond the lattice.
-bool TileScanner::add_box(const SceneBox& box, std::uint64_t triangles, std::uint64_t crossings, ColumnMap& map) const {
+bool TileScanner::add_box(const SceneBox& box, std::uint64_t triangles, std::uint64_t projected_voxels,
+                          ColumnMap& map) const {
   std::array<VoxelSpan, 3> voxels;
   for (std::size_t c = 0; c < 3; ++c) {
     const auto voxel = [&](double p_m) {
@@ -221,7 +222,8 @@ bool TileScanner::add_box(const SceneBox& box, std::uint64_t triangles, std::uin
   const auto columns = [&](VoxelSpan v) { return VoxelSpan{v.first >> grid_.cell_bits, v.last >> grid_.cell_bits}; };
   const VoxelSpan x = columns(voxels[0]), y = columns(voxels[1]);
   if (std::uint64_t(x.last - x.first) >= max_columns || std::uint64_t(y.last - y.first) >= max_columns) refuse();
-  const std::uint64_t share = crossings / (std::uint64_t(x.last - x.first + 1) * std::uint64_t(y.last - y.first + 1));
+  const std::uint64_t share =
+      projected_voxels / (std::uint64_t(x.last - x.first + 1) * std::uint64_t(y.last - y.first + 1));
   for (std::int64_t row = y.first; row <= y.last; ++row)
     for (std::int64_t column = x.first; column <= x.last; ++column) {
       map.add({column, row, voxels[2].first, voxels[2].last + 1, triangles, share});
@@ -275,21 +277,21 @@ void TileScanner::add_triangle(const LatticeTriangle& triangle, ThreadScan& foun
   const VoxelSpan x = column_span(triangle, 0, grid_), y = column_span(triangle, 1, grid_);
   if (is_one(x) && is_one(y)) {
     const VoxelSpan z = voxel_span(triangle, 2, grid_.closed);
-    found.map.add({x.first, y.first, z.first, z.last + 1, 1, crossings_of(triangle)});
+    found.map.add({x.first, y.first, z.first, z.last + 1, 1, projected_voxels_of(triangle)});
   } else {
-    add_wide(triangle, crossings_of(triangle), found);
+    add_wide(triangle, projected_voxels_of(triangle), found);
   }
   if (found.map.is_too_wide()) refuse();
 }
 
-void TileScanner::add_wide(const LatticeTriangle& triangle, std::uint64_t crossings, ThreadScan& found) const {
+void TileScanner::add_wide(const LatticeTriangle& triangle, std::uint64_t projected_voxels, ThreadScan& found) const {
   found.touched.clear();
   const bool fits = for_each_column(triangle, grid_, max_columns, [&](std::int64_t x, std::int64_t y, VoxelSpan z) {
     found.touched.push_back({x, y, z.first, z.last + 1, 1});
   });
   if (!fits) refuse();
   for (ColumnExtent& column : found.touched) {
-    column.crossings = crossings / found.touched.size();
+    column.projected_voxels = projected_voxels / found.touched.size();
     found.map.add(column);
   }
 }

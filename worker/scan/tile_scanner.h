@@ -46,7 +46,7 @@ class TileScanner {
     ColumnMap map;
     std::vector<ColumnExtent> touched;    ///< columns that the current triangle overlaps
     std::vector<SnappedVertex> vertices;  ///< of the current cluster
-    std::vector<CoordinateRange> reach;   ///< per placement of the current primitive
+    std::vector<CoordinateRange> extent;  ///< per placement of the current primitive
     std::uint64_t non_finite = 0, zero_area = 0, too_far = 0;
     double reach_m = 0;
   };
@@ -54,13 +54,13 @@ class TileScanner {
   void add_placed(const Primitive& mesh, const Instance& instance);
   void add_cluster(const Primitive& cluster, Placements placements, ThreadScan& found) const;
   void add_boxes(const Primitive& mesh, Placements placements);
-  bool add_box(const SceneBox& box, std::uint64_t triangles, std::uint64_t crossings, ColumnMap& map) const;
+  bool add_box(const SceneBox& box, std::uint64_t triangles, std::uint64_t projected_voxels, ColumnMap& map) const;
   void add_triangles(const Primitive& mesh, std::span<const std::uint32_t> corners,
                      std::span<const SnappedVertex> vertices, const Instance& instance, ThreadScan& found) const;
   void add_triangle(const LatticeTriangle& triangle, ThreadScan& found) const;
-  void add_wide(const LatticeTriangle& triangle, std::uint64_t crossings, ThreadScan& found) const;
+  void add_wide(const LatticeTriangle& triangle, std::uint64_t projected_voxels, ThreadScan& found) const;
   void snap(const Primitive& mesh, const Instance& instance, std::span<SnappedVertex> out, std::size_t first) const;
-  std::uint64_t crossings_of_area(double surface_m2) const;
+  std::uint64_t projected_voxels_of_area(double surface_m2) const;
   [[noreturn]] void refuse() const;
 
   const TileRef& tile_;

@@ -29,7 +29,7 @@ Publication publication_of(const std::filesystem::path& target) {
 }  // namespace
 
 ScratchPublication::ScratchPublication(std::filesystem::path target)
-    : target_(std::move(target)), publication_(publication_of(target_)), file_(publication_.aside(), O_WRONLY) {
+    : target_(std::move(target)), publication_(publication_of(target_)), file_(publication_.temporary(), O_WRONLY) {
   if (!file_.is_open()) fail_to_write(target_);
 }
 

@@ -129,11 +129,11 @@ class PyramidWriter {
 
 }  // namespace
 
-void write_texture_rows(const std::filesystem::path& target, ImageRows& image, const TextureRecipe& recipe) {
+void write_texture_rows(const std::filesystem::path& target, ImageRows& image, const TextureFilterKey& filter_key) {
   TextureHead head;
   head.width = std::int32_t(image.size().width), head.height = std::int32_t(image.size().height);
   head.levels = kernels::level_count(head.width, head.height);
-  head.mask_cutoff = kernels::effective_cutoff(recipe.alpha, recipe.mask_cutoff);
+  head.mask_cutoff = kernels::effective_cutoff(filter_key.alpha, filter_key.mask_cutoff);
   head.bytes = head.bytes_before(head.levels);
   ScratchPublication file(target);
   file.expect_room(sizeof head + head.bytes);
@@ -141,7 +141,7 @@ void write_texture_rows(const std::filesystem::path& target, ImageRows& image, c
   for (std::uint64_t y = 0; y < image.size().height; ++y) {
     std::vector<std::uint8_t>& row = pyramid.base_row();
     image.next(row.data());
-    if (recipe.alpha == kernels::TextureAlpha::ignore) kernels::make_opaque(row.data(), image.size().width);
+    if (filter_key.alpha == kernels::TextureAlpha::ignore) kernels::make_opaque(row.data(), image.size().width);
     pyramid.take_base_row();
   }
   pyramid.finish();

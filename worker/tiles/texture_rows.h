@@ -8,10 +8,10 @@
 
 namespace gigabake {
 
-/// Writes the scratch file of `image`, filtered as `recipe` specifies.
-/// Exact   The file has the same bytes as the file that write_texture() writes for the same image and `recipe`.
+/// Writes the scratch file of `image`, filtered as `filter_key` specifies.
+/// Exact   The file has the same bytes as the file that write_texture() writes for the same image and `filter_key`.
 /// Cost    Runs on one thread; needs memory for about six rows of the image and 256 KiB per level.
 /// Errors  The errors of ImageRows::next(). IoError with the file and the system's reason.
-void write_texture_rows(const std::filesystem::path& target, ImageRows& image, const TextureRecipe& recipe);
+void write_texture_rows(const std::filesystem::path& target, ImageRows& image, const TextureFilterKey& filter_key);
 
 }  // namespace gigabake

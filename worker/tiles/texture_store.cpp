@@ -14,9 +14,9 @@ namespace gigabake {
 namespace {
 
 /// Decodes and filters on the calling thread, because several textures are loaded concurrently.
-kernels::Texture make_texture(const EncodedImage& encoded, const TextureRecipe& recipe) {
+kernels::Texture make_texture(const EncodedImage& encoded, const TextureFilterKey& filter_key) {
   Image image = decode_image(encoded);
-  return {std::move(image.rgba), image.width, image.height, recipe.alpha, recipe.mask_cutoff, callers_thread()};
+  return {std::move(image.rgba), image.width, image.height, filter_key.alpha, filter_key.mask_cutoff, callers_thread()};
 }
 
 /// Bytes of memory per pixel of the image's width if the image is decoded in rows: three rows of each level, and the
@@ -24,34 +24,36 @@ kernels::Texture make_texture(const EncodedImage& encoded, const TextureRecipe& 
 constexpr std::uint64_t bytes_of_rows = 64;
 
 std::string file_name(const TextureKey& key) {
-  return "x_" + key.image.hex() + "_" + std::to_string(int(key.recipe.alpha)) + "_" +
-         std::to_string(int(key.recipe.mask_cutoff)) + ".texture";
+  return "x_" + key.image.hex() + "_" + std::to_string(int(key.filter_key.alpha)) + "_" +
+         std::to_string(int(key.filter_key.mask_cutoff)) + ".texture";
 }
 
 }  // namespace
 
 std::shared_ptr<const CellTexture> TextureStore::load(const TextureKey& key, std::uint64_t texture_bytes,
                                                       const std::function<EncodedImage()>& encoded) {
-  if (!is_on_scratch(texture_bytes)) return std::make_shared<const CellTexture>(make_texture(encoded(), key.recipe));
+  if (!is_on_scratch(texture_bytes))
+    return std::make_shared<const CellTexture>(make_texture(encoded(), key.filter_key));
   const std::filesystem::path file = folder_ / file_name(key);
   return find_or_make(
       file, [&] { return stored(key, file); },
       [&] {
-        write(file, encoded(), key.recipe);
+        write(file, encoded(), key.filter_key);
         if (auto found = stored(key, file, WasWritten::here)) return found;
         throw IoError(file, "", "is missing, although it was just written; does another bake clear the folder?");
       });
 }
 
 /// Writes the texture row by row if the image format allows it; otherwise the decoded image must fit into memory.
-void TextureStore::write(const std::filesystem::path& file, const EncodedImage& encoded, const TextureRecipe& recipe) {
+void TextureStore::write(const std::filesystem::path& file, const EncodedImage& encoded,
+                         const TextureFilterKey& filter_key) {
   const auto rows = ImageRows::open(encoded);
   if (rows == nullptr) {
     const std::scoped_lock lock(whole_image_);
-    return write_texture(file, make_texture(encoded, recipe).view());
+    return write_texture(file, make_texture(encoded, filter_key).view());
   }
   MemoryClaim(encoded.name, "make it smaller").add(rows->size().width * bytes_of_rows, "", "rows of the image");
-  write_texture_rows(file, *rows, recipe);
+  write_texture_rows(file, *rows, filter_key);
 }
 
 bool TextureStore::is_on_scratch(std::uint64_t texture_bytes) const {

@@ -20,11 +20,11 @@ namespace gigabake {
 /// Key of a texture: an image and its filtering.
 struct TextureKey {
   Hash128 image;  ///< hash of the encoded bytes
-  TextureRecipe recipe;
+  TextureFilterKey filter_key;
   friend bool operator==(const TextureKey&, const TextureKey&) = default;
 };
 struct TextureKeyHash {
-  std::size_t operator()(const TextureKey& key) const { return std::size_t(key.image.lo) + key.recipe.mask_cutoff; }
+  std::size_t operator()(const TextureKey& key) const { return std::size_t(key.image.lo) + key.filter_key.mask_cutoff; }
 };
 
 /// A texture that cells share, in memory or mapped from scratch.
@@ -61,7 +61,7 @@ class TextureStore {
 
  private:
   enum class WasWritten { before, here };  ///< before: the checksum must be verified
-  void write(const std::filesystem::path& file, const EncodedImage& encoded, const TextureRecipe& recipe);
+  void write(const std::filesystem::path& file, const EncodedImage& encoded, const TextureFilterKey& filter_key);
   std::shared_ptr<const CellTexture> stored(const TextureKey& key, const std::filesystem::path& file,
                                             WasWritten by = WasWritten::before);
 

@@ -57,7 +57,7 @@ std::string file_name(const LeakView& view) {
 
 /// The image that determines a scene's inner pixels (inner_pixels()), and the true alpha.
 struct LeakReference {
-  AlphaPicture inside, truth;
+  AlphaPicture inside, reference_alpha;
 };
 using LeakReferenceOf = std::function<LeakReference(const kernels::CastCamera&)>;
 
@@ -73,9 +73,9 @@ std::vector<LeakRow> look(const std::filesystem::path& folder, const LeakSubject
     const LeakReference reference = reference_of(reference_camera(view.camera, bench.parameters));
     const std::vector<bool> inner = inner_pixels(reference.inside);
     if (std::none_of(inner.begin(), inner.end(), [](bool is_inner) { return is_inner; })) continue;
-    const Picture picture = renderer.draw_exact({view.camera, ViewMode::albedo, {false, {0, 0, 0, 0}}}).picture;
+    const Picture picture = renderer.render_complete({view.camera, ViewMode::albedo, {false, {0, 0, 0, 0}}}).picture;
     if (request.keep) write_png(folder / file_name(view), picture);
-    rows.back().error = leak_error(inner, reference.truth, to_linear(picture));
+    rows.back().error = leak_error(inner, reference.reference_alpha, to_linear(picture));
   }
   if (!renderer.problems().empty()) throw InputError(folder, "", renderer.problems().front());
   return rows;
@@ -96,8 +96,8 @@ void finish(LeakResult& result, const LeakBenchRequest& request, const std::file
 
 LeakResult measure(const LeakScene& scene, const LeakBenchRequest& request, const std::optional<int>& device) {
   LeakResult result{scene.name, scene.family, scene.what, true, 0, {}, {}, false};
-  result.is_opaque = scene.truth == LeakTruth::sheets && scene.sheet_alpha == 1;
-  if (scene.truth == LeakTruth::traced && !ReferenceCaster::is_built()) {
+  result.is_opaque = scene.reference_alpha == LeakReferenceKind::sheets && scene.sheet_alpha == 1;
+  if (scene.reference_alpha == LeakReferenceKind::traced && !ReferenceCaster::is_built()) {
     result.not_measured = "this gigabake was built without Embree, which traces its reference";
     result.needs_embree = true;
     return result;
@@ -106,12 +106,12 @@ LeakResult measure(const LeakScene& scene, const LeakBenchRequest& request, cons
   const BenchScene bench = bench_scene_of(scene, folder, request.threads);
   const SceneSources sources = open_sources(bench.source, bench.source_options);
   std::optional<ReferenceCaster> caster;
-  if (scene.truth == LeakTruth::traced) caster.emplace(sources, bench.parameters, request.threads);
+  if (scene.reference_alpha == LeakReferenceKind::traced) caster.emplace(sources, bench.parameters, request.threads);
   result.voxels = bake_voxels(sources, bench, device, folder);
   result.rows = look(folder, subject_of(scene), bench, request, [&](const kernels::CastCamera& camera) {
     AlphaPicture inside = alpha_of_sheets(scene, camera);
-    AlphaPicture truth = caster ? alpha_of(caster->draw(camera, request.samples)) : inside;
-    return LeakReference{std::move(inside), std::move(truth)};
+    AlphaPicture reference_alpha = caster ? alpha_of(caster->draw(camera, request.samples)) : inside;
+    return LeakReference{std::move(inside), std::move(reference_alpha)};
   });
   finish(result, request, folder);
   return result;
@@ -154,7 +154,7 @@ LeakSubject subject_of(const ReferenceCaster& caster) {
 /// Returns the traced alpha. A pixel is inside if all its traced rays are opaque.
 LeakReference traced_inside(const ReferenceCaster& caster, const kernels::CastCamera& camera, int samples) {
   LeakReference reference{alpha_of(caster.draw(camera, samples)), {}};
-  reference.truth = reference.inside;
+  reference.reference_alpha = reference.inside;
   for (double& alpha : reference.inside.alpha) alpha = alpha < 1 - 1e-5 ? 0 : 1;
   return reference;
 }

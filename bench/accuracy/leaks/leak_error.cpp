@@ -37,13 +37,14 @@ std::vector<bool> inner_pixels(const AlphaPicture& inside) {
   return inner;
 }
 
-LeakError leak_error(const std::vector<bool>& inner, const AlphaPicture& truth, const LinearPicture& picture) {
+LeakError leak_error(const std::vector<bool>& inner, const AlphaPicture& reference_alpha,
+                     const LinearPicture& picture) {
   LeakError e;
   std::size_t below_99 = 0, below_90 = 0;
   double sum = 0, squares = 0;
   for (std::size_t i = 0; i < inner.size(); ++i) {
     if (!inner[i]) continue;
-    const double alpha = picture.alpha(i), off = alpha - truth.alpha[i];
+    const double alpha = picture.alpha(i), off = alpha - reference_alpha.alpha[i];
     ++e.inner;
     below_99 += off < -0.01;
     below_90 += off < -0.1;

@@ -32,7 +32,7 @@ std::vector<bool> inner_pixels(const AlphaPicture& inside);
 
 /// Measures an image over the inner pixels.
 /// Range   All arguments have the same size.
-LeakError leak_error(const std::vector<bool>& inner, const AlphaPicture& truth, const LinearPicture& picture);
+LeakError leak_error(const std::vector<bool>& inner, const AlphaPicture& reference_alpha, const LinearPicture& picture);
 
 /// Returns the errors over the inner pixels of a and b together.
 LeakError together(const LeakError& a, const LeakError& b);

@@ -222,7 +222,7 @@ LeakScene wires_scene(double edge) {
     for (const auto& [length, across] : {std::pair(whole.u, whole.v), std::pair(whole.v, whole.u)})
       add_bar(along(whole.corner, across, from / edge), length, scaled_by(across, thick / edge), up, bars);
   LeakScene scene = scene_of("wires", "wires", "square bars 2.6 thick and 19.4 apart, 12° steep", mesh_of(bars), 1);
-  scene.truth = LeakTruth::traced;
+  scene.reference_alpha = LeakReferenceKind::traced;
   scene.sheets = {whole};
   scene.width = edge;
   return scene;
@@ -239,7 +239,7 @@ LeakScene crown_scene(double edge) {
     for (int k = 0; k < 3; ++k) mesh.index.push_back(std::uint32_t(mesh.index.size()));
   }
   LeakScene scene = scene_of("crown", "crowns", fmt::format("{} leaves in a ball", leaves), std::move(mesh), 1);
-  scene.truth = LeakTruth::traced;
+  scene.reference_alpha = LeakReferenceKind::traced;
   scene.width = edge / std::numbers::sqrt3;  // of the cube inside the ball
   const double half = scene.width / 2;
   const Vector corner = along(off_the_lattice, {-half, -half, -half}, 1);

@@ -13,7 +13,7 @@
 
 namespace gigabake::bench {
 
-enum class LeakTruth {
+enum class LeakReferenceKind {
   sheets,  ///< alpha of the flat pieces (`Sheet`) that a ray crosses
   traced,  ///< alpha is traced by ReferenceCaster; the flat pieces define only the inside
 };
@@ -24,7 +24,7 @@ struct LeakScene {
   sample::GlbModel model;
   std::vector<Sheet> sheets;
   double sheet_alpha = 1;
-  LeakTruth truth = LeakTruth::sheets;
+  LeakReferenceKind reference_alpha = LeakReferenceKind::sheets;
   Vector target{};   ///< point at which cameras look: in the middle of the surface
   double width = 0;  ///< minimum width of the scene's inside in views that show the scene completely
 };

@@ -116,7 +116,7 @@ std::uint64_t export_gigavoxel(const std::filesystem::path& scene_xml, int lod, 
                                GigavoxelTreeFile kind, const Progress& progress) {
   const auto [scene, voxels] = open_scene_level(scene_xml, lod);
   FolderPublication publication(folder);
-  GigavoxelWriter writer(publication.target(), publication.aside(), kind);
+  GigavoxelWriter writer(publication.target(), publication.temporary(), kind);
   progress.step("writing the cells", voxels);
   std::size_t number = 0;
   for_each_shard_of_level(scene, lod, [&, &paged = scene](const SceneCell& shard) {

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "core/io/bytes.h"
 #include "format/export/gigavoxels/gigavoxel_files.h"
 #include "format/system/read_file.h"
@@ -166,7 +166,7 @@ GigavoxelTree read_binary(const std::filesystem::path& file, std::span<const std
   if (blocks == 0 || bytes.size() != header_bytes + 96 * std::uint64_t(blocks))
     throw InputError(
         file, "blocks",
-        fmt::format("{} not fill the file's {} bytes", counted(blocks, "block does", "blocks do"), bytes.size()));
+        fmt::format("{} not fill the file's {} bytes", pluralize(blocks, "block does", "blocks do"), bytes.size()));
   tree.nodes.resize(8 * std::size_t(blocks));
   for (GigavoxelNode& node : tree.nodes) {
     std::uint32_t word = 0;

@@ -129,7 +129,7 @@ std::uint64_t export_nanovdb(const std::filesystem::path& scene_xml, int lod, co
   NanovdbWriter writer(tree, {std::ldexp(header.voxel_size_m, lod), header.lattice_origin_m, voxels},
                        header.has_normals);
   {
-    RandomAccessFile file(nvdb, publication.aside(), writer.bytes());
+    RandomAccessFile file(nvdb, publication.temporary(), writer.bytes());
     progress.step("writing the voxels", voxels);
     const auto write = [&](const LevelIndex& lowest, const DenseBrick& brick) {
       if (!writer.write_leaf(file, lowest, brick))

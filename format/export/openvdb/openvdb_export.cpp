@@ -44,7 +44,7 @@ std::uint64_t export_openvdb(const std::filesystem::path& scene_xml, int lod, co
   };
   for_each_block_part(scene, lod, add, progress);
   progress.step("writing the grids");
-  grids->write(vdb, publication.aside());
+  grids->write(vdb, publication.temporary());
   publication.publish();
   return voxels;
 }

@@ -56,7 +56,7 @@ class Grids : public OpenvdbGrids {
     return density_->tree().leafCount() * (scalar_leaf_bytes + (normal_ ? 2 : 1) * vector_leaf_bytes);
   }
 
-  void write(const std::filesystem::path& vdb, const std::filesystem::path& aside) const override;
+  void write(const std::filesystem::path& vdb, const std::filesystem::path& temporary) const override;
 
  private:
   openvdb::GridPtrVec all() const {
@@ -85,22 +85,22 @@ class Grids : public OpenvdbGrids {
 
 /// Checks that one more byte fits on the disk. The library ignores failed writes. If the disk is full, this additional
 /// write fails as well.
-void expect_room_after(const std::filesystem::path& vdb, const std::filesystem::path& aside) {
-  const std::uintmax_t bytes = std::filesystem::file_size(aside);
-  const Descriptor file(aside, O_WRONLY | O_APPEND);
+void expect_room_after(const std::filesystem::path& vdb, const std::filesystem::path& temporary) {
+  const std::uintmax_t bytes = std::filesystem::file_size(temporary);
+  const Descriptor file(temporary, O_WRONLY | O_APPEND);
   const std::uint8_t one_more = 0;
   if (!file.is_open() || !file.write_all({&one_more, 1}) || ::ftruncate(file.get(), off_t(bytes)) != 0)
     throw InputError(vdb, "", std::string("cannot write: ") + std::strerror(errno));
 }
 
-void Grids::write(const std::filesystem::path& vdb, const std::filesystem::path& aside) const {
+void Grids::write(const std::filesystem::path& vdb, const std::filesystem::path& temporary) const {
   const openvdb::GridPtrVec grids = all();
   try {
-    openvdb::io::File out(aside.string());
+    openvdb::io::File out(temporary.string());
     out.write(grids);
     out.close();
-    expect_room_after(vdb, aside);
-    openvdb::io::File in(aside.string());
+    expect_room_after(vdb, temporary);
+    openvdb::io::File in(temporary.string());
     in.setCopyMaxBytes(0);
     in.open(false);
     if (in.readGrid(grids.back()->getName())->activeVoxelCount() != grids.back()->activeVoxelCount())

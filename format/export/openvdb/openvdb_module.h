@@ -19,9 +19,9 @@ class OpenvdbGrids {
   virtual void add(const Vec3<std::int32_t>& lowest, const DenseBrick& part) = 0;
   /// Returns the approximate memory of the grids in bytes.
   virtual std::uint64_t bytes() const = 0;
-  /// Writes the grids to the file `aside` and reads the last grid back.
+  /// Writes the grids to the file `temporary` and reads the last grid back.
   /// Errors  InputError naming `vdb`: the disk is full, or the grid read back has another number of voxels.
-  virtual void write(const std::filesystem::path& vdb, const std::filesystem::path& aside) const = 0;
+  virtual void write(const std::filesystem::path& vdb, const std::filesystem::path& temporary) const = 0;
 };
 
 struct OpenvdbModule {

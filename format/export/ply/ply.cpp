@@ -32,8 +32,8 @@ std::string header(const SceneHeader& scene, int lod, std::uint64_t voxels) {
 class VertexStream {
  public:
   VertexStream(const SceneHeader& scene, int lod, const std::filesystem::path& target,
-               const std::filesystem::path& aside, const Progress& progress)
-      : scene_(scene), lod_(lod), target_(target), progress_(progress), out_(aside, std::ios::binary) {}
+               const std::filesystem::path& temporary, const Progress& progress)
+      : scene_(scene), lod_(lod), target_(target), progress_(progress), out_(temporary, std::ios::binary) {}
 
   void write(std::string_view bytes) {
     errno = 0;
@@ -97,7 +97,7 @@ std::uint64_t export_ply(const std::filesystem::path& scene_xml, int lod, const 
   const auto [scene, voxels] = open_scene_level(scene_xml, lod);
   Publication publication(ply);
   progress.step("writing the voxels", voxels);
-  VertexStream stream(scene.header(), lod, ply, publication.aside(), progress);
+  VertexStream stream(scene.header(), lod, ply, publication.temporary(), progress);
   stream.write(header(scene.header(), lod, voxels));
   for_each_shard_of_level(scene, lod, [&paged = scene, &stream, lod](const SceneCell& shard) {
     stream.write_shard(paged.folder() / shard.file, read_level(paged, shard, lod));

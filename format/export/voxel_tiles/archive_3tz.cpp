@@ -117,7 +117,8 @@ std::vector<std::uint8_t> index_of(const std::vector<ZipEntry>& entries) {
 
 class ArchiveWriter {
  public:
-  ArchiveWriter(const std::filesystem::path& archive, const std::filesystem::path& aside) : out_(archive, aside) {}
+  ArchiveWriter(const std::filesystem::path& archive, const std::filesystem::path& temporary)
+      : out_(archive, temporary) {}
 
   void add(const std::string& name, const std::filesystem::path& file) {
     const std::vector<std::uint8_t> bytes = read_whole_file(file);
@@ -173,7 +174,7 @@ void write_archive_3tz(const std::filesystem::path& folder, const std::filesyste
   std::sort(names.begin(), names.end());
   progress.step("packing the archive", names.size(), "file");
   Publication publication(archive);
-  ArchiveWriter writer(archive, publication.aside());
+  ArchiveWriter writer(archive, publication.temporary());
   for (const std::string& name : names) {
     writer.add(name, folder / name);
     progress.advance();

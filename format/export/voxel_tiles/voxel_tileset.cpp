@@ -227,23 +227,23 @@ std::uint64_t export_3dtiles(const std::filesystem::path& scene_xml, const Tiles
       throw InputError(target, "", "is an export already; use `update`, or name another folder");
     if (team.rank() == 0) publication.emplace(target, options.update ? Replaces::a_folder : Replaces::nothing);
   });
-  const std::filesystem::path aside = shared_path(team, publication ? publication->aside() : "");
+  const std::filesystem::path temporary = shared_path(team, publication ? publication->temporary() : "");
   std::optional<TilesetExport> tileset;
   for (const Fit fit : {Fit::bricks_of_finest, Fit::windows_of_cells}) {
     team.together([&] {
-      if (publication) std::filesystem::remove_all(aside / "tiles");
+      if (publication) std::filesystem::remove_all(temporary / "tiles");
     });
     tileset.emplace(level->scene, options, fit, progress, team);
-    tileset->write_tiles(target, aside, before);
+    tileset->write_tiles(target, temporary, before);
     if (tileset->has_all_voxels()) break;
   }
   team.together([&] {
     if (!publication) return;
     if (!tileset->has_all_voxels())
       throw InputError(scene_xml, "Voxels", "the number of voxels in the shards differs from scene.xml");
-    tileset->write_documents(target, aside);
-    if (!is_archive) tileset->write_extras(target, aside);
-    is_archive ? write_archive_3tz(aside, publication->target(), progress) : publication->publish();
+    tileset->write_documents(target, temporary);
+    if (!is_archive) tileset->write_extras(target, temporary);
+    is_archive ? write_archive_3tz(temporary, publication->target(), progress) : publication->publish();
   });
   return level->voxels;
 }

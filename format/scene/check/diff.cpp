@@ -8,8 +8,8 @@
 #include <optional>
 #include <set>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "format/scene/cell_window.h"
 #include "format/scene/paged_scene.h"
 #include "format/scene/shard_of_scene.h"
@@ -56,7 +56,8 @@ class DifferenceSum {
   void add_both(const VoxelValue& a, const VoxelValue& b) {
     ++d_.both;
     d_.turned += std::memcmp(a.normal, b.normal, 2) != 0;
-    d_.refaced += a.facing != nullptr && b.facing != nullptr && std::memcmp(a.facing, b.facing, facing_bytes) != 0;
+    d_.refaced += a.directional_coverage != nullptr && b.directional_coverage != nullptr &&
+                  std::memcmp(a.directional_coverage, b.directional_coverage, directional_coverage_bytes) != 0;
     if (std::memcmp(a.rgba, b.rgba, 4) == 0) return;
     ++d_.recoloured;
     for (std::size_t c = 0; c < 4; ++c) {
@@ -98,7 +99,7 @@ PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const Ope
   };
   for_each_voxel_of_level(a.nodes, level_a, lod - a.first_lod,
                           [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
-                              const std::int8_t* normal, const std::uint8_t* facing) {
+                              const std::int8_t* normal, const std::uint8_t* directional_coverage) {
                             ++r.a.all;
                             const Vec3i64 corner = corner_of(a.min, x, y, z);
                             if (!box.contains(corner)) return;
@@ -106,7 +107,7 @@ PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const Ope
                             const Vec3<std::uint32_t> at((corner - b.min) >> lod);
                             VoxelValue other;
                             if (in_b.find(at[0], at[1], at[2], other))
-                              sum.add_both({rgba, normal, facing}, other);
+                              sum.add_both({rgba, normal, directional_coverage}, other);
                             else
                               sum.add_only_in_a(1);
                           });
@@ -358,7 +359,7 @@ void expect_shards(const std::filesystem::path& scene_xml) {
     throw InputError(
         scene.file(), first,
         fmt::format("{} of {} missing or cut short; gigabake verify lists them, bake again to restore them", faulty,
-                    counted(shards, "shard is", "shards are")));
+                    pluralize(shards, "shard is", "shards are")));
 }
 
 SceneDifference diff_scenes(const std::filesystem::path& a, const std::filesystem::path& b, const Progress& progress) {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <vector>
 
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 #include "format/scene/check/verify.h"
 
 namespace gigabake {
@@ -20,9 +20,9 @@ MissingData missing_data(const SceneHeader& scene, std::uint64_t cells) {
 std::string describe(const MissingData& missing) {
   std::vector<std::string> parts;
   if (missing.cells != 0)
-    parts.push_back(fmt::format("{} of {}", missing.cells, counted(missing.planned_cells, "cell")));
-  if (missing.overviews != 0) parts.push_back(counted(missing.overviews, "overview"));
-  if (missing.inputs != 0) parts.push_back(counted(missing.inputs, "input"));
+    parts.push_back(fmt::format("{} of {}", missing.cells, pluralize(missing.planned_cells, "cell")));
+  if (missing.overviews != 0) parts.push_back(pluralize(missing.overviews, "overview"));
+  if (missing.inputs != 0) parts.push_back(pluralize(missing.inputs, "input"));
   std::string text = parts.front();
   for (std::size_t i = 1; i < parts.size(); ++i) text += (i + 1 == parts.size() ? " and " : ", ") + parts[i];
   return text + (missing.cells + missing.overviews + missing.inputs == 1 ? " is missing" : " are missing");

@@ -6,8 +6,8 @@
 #include <map>
 #include <optional>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "core/base/thread_pool.h"
 #include "format/scene/cell_window.h"
 #include "format/scene/check/scene_check.h"
@@ -40,7 +40,7 @@ void check_voxels(const Shard& shard, const SceneCell& cell, Faults& faults) {
   for (std::size_t lod = 0; lod < voxels.size(); ++lod) {
     const std::string level = "/lod_" + std::to_string(lod);
     faults.expect(lod < cell.voxels.size() && voxels[lod] == cell.voxels[lod], level,
-                  "holds " + counted(voxels[lod], "voxel") + ", but scene.xml has another number");
+                  "holds " + pluralize(voxels[lod], "voxel") + ", but scene.xml has another number");
     faults.expect(hash[lod] == shard.header.content_hash[lod], level,
                   "the voxels do not match the shard's content_hash");
   }

@@ -237,7 +237,7 @@ void read_lattice(const SceneAttributes& a, SceneHeader& header) {
   header.voxel_size_m = a.value<double>("VoxelSize");
   if (!(header.voxel_size_m > 0)) a.fail("VoxelSize", "expected a positive number of metres");
   header.lattice_origin_m = a.triple<double>("LatticeOrigin");
-  if (!parse_channels(a.text("Channels"), header.has_normals, header.has_facing))
+  if (!parse_channels(a.text("Channels"), header.has_normals, header.has_directional_coverage))
     a.fail("Channels", "expected 'rgba', optionally followed by 'normal' and 'facing'");
 }
 

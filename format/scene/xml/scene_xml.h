@@ -73,7 +73,7 @@ struct SceneHeader {
   Vec3d lattice_origin_m{};
   std::optional<Geodetic> origin;
   bool has_normals = true;
-  bool has_facing = false;
+  bool has_directional_coverage = false;
   std::string parameters;  ///< the bake's parameters as one line of JSON
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
   std::vector<SceneLoss> losses;

@@ -55,7 +55,7 @@ void check_nodes(const std::filesystem::path& path, const ShardHeader& header, c
   const std::size_t count = n.key.size();
   table.expect(n.lod.size() == count && n.kind.size() == count && n.child_mask.size() == count &&
                    n.first_child.size() == count && n.value.size() == count && n.normal.size() == count &&
-                   n.facing.size() == (header.has_facing ? count : 0),
+                   n.directional_coverage.size() == (header.has_directional_coverage ? count : 0),
                0, "columns differ in length");
   NodeWalk walk(path, header, count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -65,7 +65,7 @@ void check_nodes(const std::filesystem::path& path, const ShardHeader& header, c
     check_key(table, header, n, i);
   }
   for (std::size_t i = 0; i < count; ++i) check_keys_of_children(table, n, i);
-  check_planes_of_nodes(path, 0, n.facing);
+  check_planes_of_nodes(path, 0, n.directional_coverage);
 }
 
 void check_bricks_of_level(const std::filesystem::path& path, const BrickLevel& level, int lod,
@@ -104,17 +104,18 @@ void check_coverage(const std::filesystem::path& path, int lod, std::uint64_t fi
 }
 
 void check_planes(const std::filesystem::path& path, int lod, std::uint64_t first_voxel,
-                  std::span<const std::uint8_t> facing) {
+                  std::span<const std::uint8_t> directional_coverage) {
   const BrokenRule table{path, level_name(lod)};
-  for (std::size_t v = 0; facing_bytes * v < facing.size(); ++v)
-    table.expect(is_plane(facing[facing_bytes * v + facing_plane]), first_voxel + v, no_plane);
+  for (std::size_t v = 0; directional_coverage_bytes * v < directional_coverage.size(); ++v)
+    table.expect(is_plane(directional_coverage[directional_coverage_bytes * v + directional_coverage_plane]),
+                 first_voxel + v, no_plane);
 }
 
 void check_planes_of_nodes(const std::filesystem::path& path, std::uint64_t first_node,
-                           std::span<const Facing> facing) {
+                           std::span<const Facing> directional_coverage) {
   const BrokenRule table{path, "/nodes"};
-  for (std::size_t i = 0; i < facing.size(); ++i)
-    table.expect(is_plane(facing[i][facing_plane]), first_node + i, no_plane);
+  for (std::size_t i = 0; i < directional_coverage.size(); ++i)
+    table.expect(is_plane(directional_coverage[i][directional_coverage_plane]), first_node + i, no_plane);
 }
 
 }  // namespace gigabake

@@ -34,11 +34,15 @@ void check_bricks(const std::filesystem::path& path, int lod, std::uint64_t firs
 /// Checks that no voxel has alpha 0. `rgba` begins at voxel `first_voxel` of the level.
 void check_coverage(const std::filesystem::path& path, int lod, std::uint64_t first_voxel,
                     std::span<const std::uint8_t> rgba);
-/// Checks that the plane byte of each voxel is valid (is_plane()). `facing` begins at voxel `first_voxel` of the level.
-/// Range   `facing` has facing_bytes per voxel; it is empty if the level does not have this channel.
+/// Checks that the plane byte of each voxel is valid (is_plane()). `directional_coverage` begins at voxel `first_voxel`
+/// of the level.
+/// Range   `directional_coverage` has directional_coverage_bytes per voxel; it is empty if the level does not have this
+///         channel.
 void check_planes(const std::filesystem::path& path, int lod, std::uint64_t first_voxel,
-                  std::span<const std::uint8_t> facing);
-/// Checks the plane byte of each node like check_planes(). `facing` begins at row `first_node` of the node table.
-void check_planes_of_nodes(const std::filesystem::path& path, std::uint64_t first_node, std::span<const Facing> facing);
+                  std::span<const std::uint8_t> directional_coverage);
+/// Checks the plane byte of each node like check_planes(). `directional_coverage` begins at row `first_node` of the
+/// node table.
+void check_planes_of_nodes(const std::filesystem::path& path, std::uint64_t first_node,
+                           std::span<const Facing> directional_coverage);
 
 }  // namespace gigabake

@@ -6,8 +6,8 @@
 
 namespace gigabake {
 
-std::string channel_names(bool has_normals, bool has_facing);
+std::string channel_names(bool has_normals, bool has_directional_coverage);
 /// Parses a result of channel_names(). Returns false for any other text.
-bool parse_channels(std::string_view text, bool& has_normals, bool& has_facing);
+bool parse_channels(std::string_view text, bool& has_normals, bool& has_directional_coverage);
 
 }  // namespace gigabake

@@ -72,7 +72,7 @@ void ShardColumns::add_nodes(const std::vector<PackedColumn>& nodes) {
 void ShardColumns::add_above(const DownsampleState& above) {
   if (above.empty()) return;
   next_part_ = of_above;
-  const AboveColumns names(int(header_.first_lod + header_.lods) - 1);
+  const DownsampleStateColumns names(int(header_.first_lod + header_.lods) - 1);
   group_ = "/above";
   add_array(names.place, above.place);
   add_array(names.rgba, above.rgba);

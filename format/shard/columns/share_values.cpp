@@ -174,14 +174,15 @@ void SharedValues::collect(std::uint64_t begin, std::span<std::uint8_t> to) cons
 void SharedValues::collect_shared(std::uint64_t begin, std::span<std::uint8_t> to) const {
   auto b = std::size_t(std::upper_bound(first_.begin(), first_.end(), begin) - first_.begin()) - 1;
   with_known_width(width_, [&](auto known) {
-    std::array<std::uint8_t, max_value_bytes * brick_voxels> aside;
+    std::array<std::uint8_t, max_value_bytes * brick_voxels> temporary;
     for (std::size_t at = 0; at < to.size(); ++b) {
       const std::size_t values = first_[b + 1] - first_[b], skipped = begin > first_[b] ? begin - first_[b] : 0;
       const std::size_t wanted = std::min((values - skipped) * known, to.size() - at);
       const bool is_whole = wanted == values * known;
-      const std::span<std::uint8_t> into = is_whole ? to.subspan(at, wanted) : std::span(aside).first(values * known);
+      const std::span<std::uint8_t> into =
+          is_whole ? to.subspan(at, wanted) : std::span(temporary).first(values * known);
       collect_values(brick_voxels_of(*groups_, voxel_first_, bytes_, b), known, &share_[share_bytes * b], into);
-      if (!is_whole) std::copy_n(aside.begin() + std::ptrdiff_t(skipped * known), wanted, &to[at]);
+      if (!is_whole) std::copy_n(temporary.begin() + std::ptrdiff_t(skipped * known), wanted, &to[at]);
       at += wanted;
     }
   });

@@ -23,7 +23,7 @@ struct VoxelChannel {
 
 /// Returns whether a shard of format version `version` stores a plane per voxel.
 inline bool has_planes(std::int32_t version, const ShardHeader& header) {
-  return version >= 3 && header.has_facing && header.has_normals;
+  return version >= 3 && header.has_directional_coverage && header.has_normals;
 }
 
 /// Returns the channels that a shard of format version `version` stores per voxel of level `lod`.
@@ -34,9 +34,10 @@ inline std::vector<VoxelChannel> stored_channels(std::int32_t version, const Sha
   else
     channels = {{"rgb", Hdf5Type::u8, 3, VoxelArray::rgba, 0}, {"alpha", Hdf5Type::u8, 1, VoxelArray::rgba, 3}};
   if (header.has_normals) channels.push_back({"normal", Hdf5Type::i8, 2, VoxelArray::normal, 0});
-  if (header.has_facing && int(header.first_lod) + lod > 0) {
-    channels.push_back({"facing", Hdf5Type::u8, coverage_bytes, VoxelArray::facing, 0});
-    if (has_planes(version, header)) channels.push_back({"plane", Hdf5Type::u8, 1, VoxelArray::facing, facing_plane});
+  if (header.has_directional_coverage && int(header.first_lod) + lod > 0) {
+    channels.push_back({"facing", Hdf5Type::u8, coverage_bytes, VoxelArray::directional_coverage, 0});
+    if (has_planes(version, header))
+      channels.push_back({"plane", Hdf5Type::u8, 1, VoxelArray::directional_coverage, directional_coverage_plane});
   }
   return channels;
 }
@@ -66,14 +67,14 @@ void with_known_width(std::size_t width, const Body& body) {
 }
 
 inline std::size_t bytes_a_voxel(VoxelArray array) {
-  return array == VoxelArray::rgba ? 4 : array == VoxelArray::normal ? 2 : facing_bytes;
+  return array == VoxelArray::rgba ? 4 : array == VoxelArray::normal ? 2 : directional_coverage_bytes;
 }
 
 /// Calls use(array) with the vector that holds the channel. `Bricks` is BrickLevel or BrickBlock.
 template <class Bricks, class Use>
 auto with_array(const VoxelChannel& channel, Bricks& bricks, const Use& use) {
   if (channel.array == VoxelArray::rgba) return use(bricks.rgba);
-  return channel.array == VoxelArray::facing ? use(bricks.facing) : use(bricks.normal);
+  return channel.array == VoxelArray::directional_coverage ? use(bricks.directional_coverage) : use(bricks.normal);
 }
 
 template <class Bricks>

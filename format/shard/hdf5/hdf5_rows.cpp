@@ -8,7 +8,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 #include "format/shard/hdf5/chunk_codec.h"
 #include "format/shard/hdf5/hdf5_types.h"
 
@@ -66,7 +66,7 @@ std::uint64_t checked_rows(const Hdf5File& file, const Hdf5Column& column, const
   if (stored > file_bytes) file.fail(column.name, "states a stored size that exceeds the size of the file");
   if (shape[0] == 0) return 0;
   if (shape[0] > stored * max_expansion_ratio(checked_filters(file, column, set).codec) / column.row_bytes())
-    file.fail(column.name, "states " + counted(shape[0], "row") + ", more than its stored bytes can hold");
+    file.fail(column.name, "states " + pluralize(shape[0], "row") + ", more than its stored bytes can hold");
   return shape[0];
 }
 

@@ -22,17 +22,17 @@ std::vector<std::uint64_t> count_voxels(const Shard& shard);
 
 template <class Visit>
 void visit_voxel(const Visit& visit, std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
-                 const std::int8_t* normal, const std::uint8_t* facing) {
+                 const std::int8_t* normal, const std::uint8_t* directional_coverage) {
   if constexpr (std::is_invocable_v<Visit, std::uint32_t, std::uint32_t, std::uint32_t, const std::uint8_t*,
                                     const std::int8_t*, const std::uint8_t*>)
-    visit(x, y, z, rgba, normal, facing);
+    visit(x, y, z, rgba, normal, directional_coverage);
   else
     visit(x, y, z, rgba, normal);
 }
 
-/// Calls visit(x, y, z, rgba, normal) for each voxel of one brick. If `visit` accepts a sixth argument, it is `facing`.
-/// `at` is the position of the brick, in bricks of the level. `normal` points at two zeros if the shard has no normals;
-/// `facing` is null if the level has no directional coverage.
+/// Calls visit(x, y, z, rgba, normal) for each voxel of one brick. If `visit` accepts a sixth argument, it is
+/// `directional_coverage`. `at` is the position of the brick, in bricks of the level. `normal` points at two zeros if
+/// the shard has no normals; `directional_coverage` is null if the level has no directional coverage.
 /// Space   x, y and z are in voxels of the level, relative to the cell's lowest corner.
 template <class Visit>
 void for_each_voxel(const BrickLevel& level, std::size_t brick, BrickCoordinate at, const Visit& visit) {
@@ -41,9 +41,10 @@ void for_each_voxel(const BrickLevel& level, std::size_t brick, BrickCoordinate 
   for (std::uint32_t z = 0; z < 8; ++z)
     for (std::uint64_t rest = level.mask[8 * brick + z]; rest != 0; rest &= rest - 1, ++i) {
       const auto bit = std::uint32_t(std::countr_zero(rest));
-      visit_voxel(visit, at.x * 8 + (bit & 7), at.y * 8 + (bit >> 3), at.z * 8 + z, &level.rgba[4 * i],
-                  level.normal.empty() ? no_normal : &level.normal[2 * i],
-                  level.facing.empty() ? nullptr : &level.facing[facing_bytes * i]);
+      visit_voxel(
+          visit, at.x * 8 + (bit & 7), at.y * 8 + (bit >> 3), at.z * 8 + z, &level.rgba[4 * i],
+          level.normal.empty() ? no_normal : &level.normal[2 * i],
+          level.directional_coverage.empty() ? nullptr : &level.directional_coverage[directional_coverage_bytes * i]);
     }
 }
 
@@ -53,12 +54,14 @@ void for_each_constant_voxel(const NodeTable& nodes, std::size_t node, int down,
   const BrickCoordinate at = demorton(nodes.key[node]);
   const std::uint32_t v = nodes.value[node];
   const std::uint8_t rgba[4] = {std::uint8_t(v), std::uint8_t(v >> 8), std::uint8_t(v >> 16), std::uint8_t(v >> 24)};
-  const std::uint8_t* facing = nodes.facing.empty() || nodes.lod[node] == down ? nullptr : nodes.facing[node].data();
+  const std::uint8_t* directional_coverage =
+      nodes.directional_coverage.empty() || nodes.lod[node] == down ? nullptr : nodes.directional_coverage[node].data();
   const std::uint32_t edge = 8u << down;
   for (std::uint32_t z = 0; z < edge; ++z)
     for (std::uint32_t y = 0; y < edge; ++y)
       for (std::uint32_t x = 0; x < edge; ++x)
-        visit_voxel(visit, at.x * edge + x, at.y * edge + y, at.z * edge + z, rgba, nodes.normal[node].data(), facing);
+        visit_voxel(visit, at.x * edge + x, at.y * edge + y, at.z * edge + z, rgba, nodes.normal[node].data(),
+                    directional_coverage);
 }
 
 /// Visits every voxel of level `lod`. `level` has the bricks of this level.

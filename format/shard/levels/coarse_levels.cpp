@@ -34,7 +34,7 @@ BrickLevel read_brick_level(const ColumnSource& source, const ShardHeader& heade
     rows.read(0, level.mask, 0, voxels, resize_channel(channel, voxels, level));
   }
   check_coverage(source.path(), lod, 0, level.rgba);
-  check_planes(source.path(), lod, 0, level.facing);
+  check_planes(source.path(), lod, 0, level.directional_coverage);
   return level;
 }
 
@@ -57,7 +57,8 @@ CoarseLevels take_coarse_levels(Shard&& shard, int begin) {
   };
   keep(coarse.nodes.key, n.key), keep(coarse.nodes.lod, n.lod), keep(coarse.nodes.kind, n.kind);
   keep(coarse.nodes.child_mask, n.child_mask), keep(coarse.nodes.first_child, n.first_child);
-  keep(coarse.nodes.value, n.value), keep(coarse.nodes.normal, n.normal), keep(coarse.nodes.facing, n.facing);
+  keep(coarse.nodes.value, n.value), keep(coarse.nodes.normal, n.normal),
+      keep(coarse.nodes.directional_coverage, n.directional_coverage);
   std::move(shard.levels.begin() + begin, shard.levels.end(), std::back_inserter(coarse.levels));
   return coarse;
 }

@@ -53,11 +53,11 @@ void add_row(const NodeWalk& walk, NodeKind kind, std::uint8_t child_mask, NodeT
     n.key.push_back(key << 3 | std::uint64_t(std::countr_zero(rest)));
 }
 
-/// Reads the values of constant nodes. Brick nodes get zeros in `normal` and `facing`, and keep the brick number in
-/// `value`.
+/// Reads the values of constant nodes. Brick nodes get zeros in `normal` and `directional_coverage`, and keep the brick
+/// number in `value`.
 void read_constants(const ColumnSource& source, const ShardHeader& header, const NodeColumns& columns, NodeTable& n) {
   n.normal.assign(n.kind.size(), {0, 0});
-  n.facing.assign(header.has_facing ? n.kind.size() : 0, Facing{});
+  n.directional_coverage.assign(header.has_directional_coverage ? n.kind.size() : 0, Facing{});
   const auto is_constant = [](NodeKind kind) { return kind != NodeKind::brick; };
   const auto first = std::find_if(n.kind.begin(), n.kind.end(), is_constant);
   if (first == n.kind.end()) return;
@@ -73,13 +73,14 @@ void read_constants(const ColumnSource& source, const ShardHeader& header, const
   std::vector<std::uint32_t> value(end - begin);
   read(columns.value, value.data());
   read(columns.normal, &n.normal[begin]);
-  std::vector<std::uint8_t> facing(header.has_facing ? (end - begin) * columns.facing.row_bytes() : 0);
-  if (header.has_facing) read(columns.facing, facing.data());
-  std::ranges::copy(facing_of_rows(facing, columns.facing),
-                    n.facing.begin() + std::ptrdiff_t(header.has_facing ? begin : 0));
+  std::vector<std::uint8_t> directional_coverage(
+      header.has_directional_coverage ? (end - begin) * columns.directional_coverage.row_bytes() : 0);
+  if (header.has_directional_coverage) read(columns.directional_coverage, directional_coverage.data());
+  std::ranges::copy(directional_coverage_of_rows(directional_coverage, columns.directional_coverage),
+                    n.directional_coverage.begin() + std::ptrdiff_t(header.has_directional_coverage ? begin : 0));
   for (std::uint64_t i = begin; i < end; ++i)
     if (is_constant(n.kind[i])) n.value[i] = value[i - begin];
-  check_planes_of_nodes(source.path(), 0, n.facing);
+  check_planes_of_nodes(source.path(), 0, n.directional_coverage);
 }
 
 }  // namespace

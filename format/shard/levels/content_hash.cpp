@@ -16,21 +16,22 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "hashes are defined over little-endian integers");
 
 constexpr std::size_t nodes_per_range = 4096;
-constexpr std::size_t record_bytes = 34, facing_record_bytes = 40;
+constexpr std::size_t record_bytes = 34, directional_coverage_record_bytes = 40;
 
 void put_record(unsigned char* to, std::int32_t lod, const Vec3i64& corner_lattice, const std::uint8_t* rgba,
-                const std::int8_t* normal, const std::uint8_t* facing) {
+                const std::int8_t* normal, const std::uint8_t* directional_coverage) {
   std::memcpy(to, &lod, 4);
   std::memcpy(to + 4, corner_lattice.v, 24);
   std::memcpy(to + 28, rgba, 4);
   std::memcpy(to + 32, normal, 2);
-  if (facing == nullptr) return;
-  std::memcpy(to + 34, facing, facing_bytes);
+  if (directional_coverage == nullptr) return;
+  std::memcpy(to + 34, directional_coverage, directional_coverage_bytes);
   to[38] = to[39] = 0;
 }
 
-Hash128 hash_record(const unsigned char* record, bool has_facing) {
-  const XXH128_hash_t h = XXH3_128bits(record, has_facing ? facing_record_bytes : record_bytes);
+Hash128 hash_record(const unsigned char* record, bool has_directional_coverage) {
+  const XXH128_hash_t h =
+      XXH3_128bits(record, has_directional_coverage ? directional_coverage_record_bytes : record_bytes);
   return {h.low64, h.high64};
 }
 
@@ -40,11 +41,12 @@ class LevelSum {
  public:
   LevelSum(int lod, const Vec3i64& lattice_min) : lod_(lod), min_(lattice_min) {}
 
-  /// `facing` must be null for all voxels of the level, or for none.
+  /// `directional_coverage` must be null for all voxels of the level, or for none.
   void add(std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal,
-           const std::uint8_t* facing) {
-    put_record(&records_[facing_record_bytes * count_], lod_, min_ + (Vec3i64{x, y, z} << lod_), rgba, normal, facing);
-    has_facing_ = facing != nullptr;
+           const std::uint8_t* directional_coverage) {
+    put_record(&records_[directional_coverage_record_bytes * count_], lod_, min_ + (Vec3i64{x, y, z} << lod_), rgba,
+               normal, directional_coverage);
+    has_directional_coverage_ = directional_coverage != nullptr;
     if (++count_ == batch) flush();
   }
   Hash128 value() {
@@ -55,7 +57,8 @@ class LevelSum {
  private:
   static constexpr std::size_t batch = 256;
   void flush() {
-    for (std::size_t i = 0; i < count_; ++i) sum_ += hash_record(&records_[facing_record_bytes * i], has_facing_);
+    for (std::size_t i = 0; i < count_; ++i)
+      sum_ += hash_record(&records_[directional_coverage_record_bytes * i], has_directional_coverage_);
     count_ = 0;
   }
 
@@ -63,8 +66,8 @@ class LevelSum {
   Vec3i64 min_;
   Hash128 sum_;
   std::size_t count_ = 0;
-  bool has_facing_ = false;
-  std::array<unsigned char, batch * facing_record_bytes> records_;
+  bool has_directional_coverage_ = false;
+  std::array<unsigned char, batch * directional_coverage_record_bytes> records_;
 };
 
 /// Adds the voxels of node `n` to the sum of the node's level. Adds a leaf-constant node to the sums of all finer
@@ -72,8 +75,9 @@ class LevelSum {
 void add_node(const Shard& s, std::size_t n, std::vector<LevelSum>& sums) {
   const auto add_to = [&sums](int lod) {
     return [&sum = sums[std::size_t(lod)]](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
-                                           const std::int8_t* normal,
-                                           const std::uint8_t* facing) { sum.add(x, y, z, rgba, normal, facing); };
+                                           const std::int8_t* normal, const std::uint8_t* directional_coverage) {
+      sum.add(x, y, z, rgba, normal, directional_coverage);
+    };
   };
   const int lod = s.nodes.lod[n];
   if (s.nodes.kind[n] == NodeKind::brick)
@@ -85,10 +89,10 @@ void add_node(const Shard& s, std::size_t n, std::vector<LevelSum>& sums) {
 }  // namespace
 
 Hash128 voxel_hash(int lod, Vec3i64 corner_lattice, const std::uint8_t rgba[4], const std::int8_t normal[2],
-                   const std::uint8_t* facing) {
-  unsigned char record[facing_record_bytes];
-  put_record(record, lod, corner_lattice, rgba, normal, facing);
-  return hash_record(record, facing != nullptr);
+                   const std::uint8_t* directional_coverage) {
+  unsigned char record[directional_coverage_record_bytes];
+  put_record(record, lod, corner_lattice, rgba, normal, directional_coverage);
+  return hash_record(record, directional_coverage != nullptr);
 }
 
 std::vector<Hash128> content_hash(const Shard& shard, int threads) {
@@ -110,8 +114,9 @@ std::vector<Hash128> content_hash(const Shard& shard, int threads) {
 Hash128 content_hash(const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level, int lod) {
   LevelSum sum(int(header.first_lod) + lod, header.lattice_min);
   const auto add = [&sum](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
-                          const std::int8_t* normal,
-                          const std::uint8_t* facing) { sum.add(x, y, z, rgba, normal, facing); };
+                          const std::int8_t* normal, const std::uint8_t* directional_coverage) {
+    sum.add(x, y, z, rgba, normal, directional_coverage);
+  };
   for_each_voxel_of_level(nodes, level, lod, add);
   return sum.value();
 }

@@ -46,15 +46,16 @@ bool LevelLookup::find(std::uint32_t x, std::uint32_t y, std::uint32_t z, VoxelV
   if (node_ == no_node) return false;
   if (nodes_.kind[node_] != NodeKind::brick) {
     value = {constant_, nodes_.normal[node_].data(),
-             nodes_.facing.empty() || lod_ == 0 ? nullptr : nodes_.facing[node_].data()};
+             nodes_.directional_coverage.empty() || lod_ == 0 ? nullptr : nodes_.directional_coverage[node_].data()};
     return true;
   }
   const std::size_t brick = nodes_.value[node_];
   const std::uint32_t bit = (x & 7) | (y & 7) << 3;
   if ((level_.mask[8 * brick + (z & 7)] >> bit & 1) == 0) return false;
   const std::size_t i = level_.first[brick] + rank(&level_.mask[8 * brick], z & 7, bit);
-  value = {&level_.rgba[4 * i], level_.normal.empty() ? no_normal : &level_.normal[2 * i],
-           level_.facing.empty() ? nullptr : &level_.facing[facing_bytes * i]};
+  value = {
+      &level_.rgba[4 * i], level_.normal.empty() ? no_normal : &level_.normal[2 * i],
+      level_.directional_coverage.empty() ? nullptr : &level_.directional_coverage[directional_coverage_bytes * i]};
   return true;
 }
 

@@ -10,9 +10,10 @@
 namespace gigabake {
 
 struct VoxelValue {
-  const std::uint8_t* rgba;    ///< 4 bytes
-  const std::int8_t* normal;   ///< 2 bytes; two zeros if the shard has no normals
-  const std::uint8_t* facing;  ///< facing_bytes; null if the level has no directional coverage
+  const std::uint8_t* rgba;   ///< 4 bytes
+  const std::int8_t* normal;  ///< 2 bytes; two zeros if the shard has no normals
+  const std::uint8_t*
+      directional_coverage;  ///< directional_coverage_bytes; null if the level has no directional coverage
 };
 
 /// Lookup by coordinates. Borrows the nodes and the bricks of level `lod`.

@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "format/source/content/data_uri.h"
 #include "format/source/gltf/packed_views.h"
 #include "format/source/gltf/version.h"
@@ -178,7 +178,7 @@ class Checker {
     const std::uint64_t step = stride != 0 && spacing == Spacing::of_view ? stride : item_bytes;
     const std::uint64_t offset = get_index(file_, user, where, "byteOffset").value_or(0);
     if (offset > whole || item_bytes > whole - offset || (count - 1) > (whole - offset - item_bytes) / step)
-      fail(where, counted(count, "item") + " from byte " + std::to_string(offset) + " exceed a buffer view of " +
+      fail(where, pluralize(count, "item") + " from byte " + std::to_string(offset) + " exceed a buffer view of " +
                       std::to_string(whole) + " bytes");
   }
 
@@ -195,7 +195,7 @@ class Checker {
     if (a.contains("bufferView"))
       check_range(a, where, count, item_bytes, Spacing::of_view);
     else if (count > max_unbacked_items)
-      fail(where + ".count", counted(count, "item") + " without a buffer view");
+      fail(where + ".count", pluralize(count, "item") + " without a buffer view");
     if (a.contains("sparse")) check_sparse(a["sparse"], where + ".sparse", count, item_bytes);
   }
 

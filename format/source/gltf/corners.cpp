@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 
 namespace gigabake {
 
@@ -21,7 +21,7 @@ Corners::Corners(const std::filesystem::path& file, const GltfDocument& document
     drawn_ = indices_->count();
   }
   if (mode_ == TINYGLTF_MODE_TRIANGLES && drawn_ % 3 != 0)
-    throw InputError(file_, where_, counted(drawn_, "vertex is", "vertices are") + " no whole number of triangles");
+    throw InputError(file_, where_, pluralize(drawn_, "vertex is", "vertices are") + " no whole number of triangles");
 }
 
 std::uint64_t Corners::triangles() const {
@@ -40,7 +40,7 @@ std::vector<std::uint32_t> Corners::in_order(std::uint64_t first, std::uint64_t 
   if (bad != out.end())
     throw InputError(file_, where_ + ".indices",
                      "index " + std::to_string(first + std::uint64_t(bad - out.begin())) + " is " +
-                         std::to_string(*bad) + ", beyond the " + counted(vertices_, "vertex", "vertices"));
+                         std::to_string(*bad) + ", beyond the " + pluralize(vertices_, "vertex", "vertices"));
   return out;
 }
 

@@ -2,8 +2,8 @@
 #include <draco/core/decoder_buffer.h>
 #include <draco/mesh/mesh.h>
 
-#include "core/base/counted.h"
 #include "core/base/memory_limit.h"
+#include "core/base/pluralize.h"
 #include "core/io/byte_cursor.h"
 #include "format/source/image/codecs.h"
 
@@ -66,7 +66,7 @@ DracoMesh decode_draco(const std::filesystem::path& file, const std::string& whe
   const auto announced = announced_triangles(file, packed);
   if (announced && *announced > max_triangles)
     throw InputError(file, where,
-                     "the Draco stream states " + counted(*announced, "triangle") + ", the document " +
+                     "the Draco stream states " + pluralize(*announced, "triangle") + ", the document " +
                          std::to_string(max_triangles));
   constexpr std::uint64_t triangle_bytes = 100;  // three corners, in the library's mesh and in the output
   MemoryClaim(file).add_items(announced.value_or(0), triangle_bytes, where, "triangles packed by Draco");

@@ -6,9 +6,9 @@
 #include <optional>
 #include <set>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
+#include "core/base/pluralize.h"
 #include "core/math/transform.h"
 #include "format/source/gltf/accessor.h"
 #include "format/source/gltf/corners.h"
@@ -237,7 +237,7 @@ class TileReader {
   void expect_count(int accessor, std::uint64_t vertices, const std::string& at) const {
     const std::uint64_t items = model_.accessors[std::size_t(accessor)].count;
     if (items != vertices)
-      throw InputError(tile_.path, at, counted(items, "item") + " for " + counted(vertices, "vertex", "vertices"));
+      throw InputError(tile_.path, at, pluralize(items, "item") + " for " + pluralize(vertices, "vertex", "vertices"));
   }
 
   /// Copies the images that primitives use. Counts unusable images even if only positions are read, so that the scan

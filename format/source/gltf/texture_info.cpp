@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 #include "format/source/image/codecs.h"
 
 namespace gigabake {
@@ -56,7 +56,7 @@ int image_of(const tinygltf::Texture& texture) {
 
 /// Returns why a texture has no image.
 std::string fault_of(const tinygltf::Model& model, const tinygltf::Texture& texture, int image) {
-  if (image >= 0) return "names no image of the file, which has " + counted(model.images.size(), "image");
+  if (image >= 0) return "names no image of the file, which has " + pluralize(model.images.size(), "image");
   if (texture.extensions.contains("KHR_texture_basisu")) return *missing_codec("KHR_texture_basisu");
   return "is missing: expected a PNG, JPEG or WebP image";
 }
@@ -90,7 +90,7 @@ void use_texture(const tinygltf::Model& model, const TextureInfo& info, SourceMa
   const std::string where = "textures[" + std::to_string(info.index) + "]";
   if (std::size_t(info.index) >= model.textures.size()) {
     out.texture_fault =
-        "a material names no texture of the file, which has " + counted(model.textures.size(), "texture");
+        "a material names no texture of the file, which has " + pluralize(model.textures.size(), "texture");
     return;
   }
   out.texcoord_set = info.texcoord_set;

@@ -6,9 +6,9 @@
 #include <optional>
 #include <utility>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
+#include "core/base/pluralize.h"
 #include "core/math/transform.h"
 #include "format/source/mesh/mesh_origin.h"
 #include "format/source/mesh/ply_colour.h"
@@ -82,7 +82,7 @@ class PlyReader {
       }
     }
     if (const std::uint64_t bytes = values_.bytes_after(); bytes != 0)
-      warnings_.count("bytes follow the elements that the header states, and are not read", counted(bytes, "byte"));
+      warnings_.count("bytes follow the elements that the header states, and are not read", pluralize(bytes, "byte"));
     finish();
     if (sink_ && !is_streamed_) pass_on_parts(out_, sink_);
     warn_of_alpha();

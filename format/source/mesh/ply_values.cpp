@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "format/source/source_file.h"
 
 namespace gigabake {
@@ -118,7 +118,7 @@ void PlyValues::expect_room_for(const PlyElement& element) const {
   for (const PlyProperty& p : element.properties)
     min_bytes += format_ == PlyFormat::ascii ? 2 : byte_count(p.count.value_or(p.type));
   if (min_bytes != 0 && element.count > (left() + 1) / min_bytes)
-    fail("the header states " + counted(element.count, "element") + " " + in_quotes(element.name) +
+    fail("the header states " + pluralize(element.count, "element") + " " + in_quotes(element.name) +
          ", more than the file can hold");
 }
 

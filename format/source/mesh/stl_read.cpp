@@ -9,9 +9,9 @@
 #include <string_view>
 #include <utility>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
+#include "core/base/pluralize.h"
 #include "core/math/transform.h"
 #include "format/source/mesh/mesh_origin.h"
 #include "format/source/mesh/obj_lines.h"
@@ -79,23 +79,23 @@ void for_each_binary_facet(StlBytes bytes, const Take& take) {
 std::uint64_t facets_in(const std::filesystem::path& file, std::uint64_t bytes, StlBytes head,
                         SourceWarnings& warnings) {
   if (bytes < head_bytes) throw InputError(file, "", "the file ends inside the header of a binary STL", bytes);
-  const std::uint64_t said = facets_said(head), there = (bytes - head_bytes) / facet_bytes;
+  const std::uint64_t declared = facets_said(head), there = (bytes - head_bytes) / facet_bytes;
   const bool is_whole = there > 0 && (bytes - head_bytes) % facet_bytes == 0;
-  if (said > there && !is_whole)
+  if (declared > there && !is_whole)
     throw InputError(file, "",
-                     "expected " + counted(said, "triangle") + " as the header states, the file holds " +
+                     "expected " + pluralize(declared, "triangle") + " as the header states, the file holds " +
                          std::to_string(there) + "; it is cut short, or not an STL",
                      name_bytes);
-  if (said > there)
+  if (declared > there)
     warnings.count_loss("the header states more triangles than the file holds",
-                        std::to_string(said) + " and " + std::to_string(there));
-  if (said < there && is_whole)
+                        std::to_string(declared) + " and " + std::to_string(there));
+  if (declared < there && is_whole)
     warnings.count("the header states fewer triangles than the file holds, all of which are taken",
-                   std::to_string(said) + " and " + std::to_string(there));
-  if (said <= there && !is_whole && bytes != head_bytes + said * facet_bytes)
+                   std::to_string(declared) + " and " + std::to_string(there));
+  if (declared <= there && !is_whole && bytes != head_bytes + declared * facet_bytes)
     warnings.count("bytes follow the triangles that the header states, and are not read",
-                   counted(bytes - head_bytes - said * facet_bytes, "byte"));
-  return is_whole ? there : said;
+                   pluralize(bytes - head_bytes - declared * facet_bytes, "byte"));
+  return is_whole ? there : declared;
 }
 
 void read_binary(const std::filesystem::path& file, const SourceBytes& bytes, StlBytes head, const TakeLoop& take,

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/base/counted.h"
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 
 namespace gigabake {
 
@@ -49,7 +49,7 @@ bool FeatureTable::flag(const char* key) const { return has(key) && members().ge
 template <class T>
 std::vector<T> FeatureTable::column(const char* key, std::uint64_t items, std::uint64_t components) const {
   if (!has(key)) return {};
-  if (items > binary_.size()) fail(key, counted(items, "item") + " inside the table");
+  if (items > binary_.size()) fail(key, pluralize(items, "item") + " inside the table");
   if (!json_[key].is_object()) fail(key, "a byteOffset into the table's binary part");
   const std::uint8_t* from = bytes_at(key, items * components * sizeof(T));
   std::vector<T> values(items * components);

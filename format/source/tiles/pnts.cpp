@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 #include "format/source/content/content_pieces.h"
 #include "format/source/tiles/feature_table.h"
 
@@ -28,7 +28,7 @@ SkippedSource skipped_points(const TileRef& tile, const SourceFiles& files, cons
     out.points = points_in(tile, files);
   } catch (const std::exception&) {  // points are not baked in any case
   }
-  if (out.points != 0) out.reason = "holds " + counted(out.points, "point") + ", which have no surface";
+  if (out.points != 0) out.reason = "holds " + pluralize(out.points, "point") + ", which have no surface";
   return out;
 }
 

@@ -8,7 +8,7 @@
 #include "core/base/host_device.h"
 #include "core/base/rules.h"
 #include "core/math/octahedral.h"
-#include "kernels/body/mip/facing.h"
+#include "kernels/body/mip/directional_coverage.h"
 #include "kernels/body/tables.h"
 #include "kernels/body/voxelize/resolve.h"
 
@@ -18,16 +18,17 @@ namespace gigabake::kernels {
 GB_HD constexpr bool filters_by_view(MipFilter filter) { return filter == MipFilter::coverage; }
 
 /// Returns true if a voxel of level `lod` is filtered from the 64 voxels two levels below it
-/// (kernels/body/mip/mip_of_64.h). Otherwise it is filtered from its eight children.
+/// (kernels/body/mip/two_level_filter.h). Otherwise it is filtered from its eight children.
 GB_HD constexpr bool is_of_64(MipFilter filter, int lod) { return filter == MipFilter::thesis && lod >= 2; }
 
 /// Weights (0 … 255) of eight children and their parent's coverage along x, y and z, one byte per value.
 struct Weights {
-  std::uint32_t child[2], facing;
+  std::uint32_t child[2], directional_coverage;
 
   GB_HD std::uint32_t of(int c) const { return child[c / 4] >> 8 * (c % 4) & 255; }
-  GB_HD std::uint32_t max_facing() const {
-    const std::uint32_t x = facing & 255, y = facing >> 8 & 255, z = facing >> 16, xy = x > y ? x : y;
+  GB_HD std::uint32_t max_directional_coverage() const {
+    const std::uint32_t x = directional_coverage & 255, y = directional_coverage >> 8 & 255,
+                        z = directional_coverage >> 16, xy = x > y ? x : y;
     return xy > z ? xy : z;
   }
 };
@@ -41,7 +42,7 @@ GB_HD Weights weights_of(const CoverageSums& seen, int edge, const std::uint32_t
     if ((there[c / 4] >> 8 * (c % 4) & 1) != 0) w.child[c / 4] |= seen.weight(c, edge) << 8 * (c % 4);
   if ((w.child[0] | w.child[1]) == 0) w.child[0] = there[0], w.child[1] = there[1];
   GB_UNROLL
-  for (int a = 0; a < 3; ++a) w.facing |= std::uint32_t(seen.facing(a, edge)) << 8 * a;
+  for (int a = 0; a < 3; ++a) w.directional_coverage |= std::uint32_t(seen.directional_coverage(a, edge)) << 8 * a;
   return w;
 }
 
@@ -109,7 +110,7 @@ GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, Mip
     sums.add(children[c], n, w, tables);
     each(c, w, n);
   }
-  return sums.voxel(by_view ? weights.max_facing() : mean_coverage(sums.weight, filter, tables), tables);
+  return sums.voxel(by_view ? weights.max_directional_coverage() : mean_coverage(sums.weight, filter, tables), tables);
 }
 
 struct NothingForEach {

@@ -33,7 +33,7 @@ GB_HD std::uint8_t pack_plane(const Plane& p) {
 /// ignored.
 GB_HD Plane unpack_plane(std::uint8_t byte) { return {(byte >> 2 & 15) - 8, byte & 3}; }
 
-GB_HD bool is_all_sheet(std::uint8_t plane) { return (plane & 3) == max_coherence; }
+GB_HD bool is_fully_planar(std::uint8_t plane) { return (plane & 3) == max_coherence; }
 
 /// Point on the octahedron |x| + |y| + |z| = 127.
 struct OctahedronPoint {

@@ -28,18 +28,23 @@ GB_HD bool is_full(const Index first[2]) {
 
 /// Values of a voxel by which it is compared with other voxels of its brick and with the brick's descendants.
 struct CommonVoxel {
-  std::uint32_t rgba = 0, facing = 0;  ///< `facing` is alpha along each axis if the level stores none
+  std::uint32_t rgba = 0,
+                directional_coverage = 0;  ///< `directional_coverage` is alpha along each axis if the level stores none
   std::uint16_t normal = 0;
 };
 
-/// Returns the values of a voxel. `facing` points to its directional coverage; it is null if the level has none.
-GB_HD CommonVoxel common_voxel(std::uint32_t rgba, std::uint16_t normal, const std::uint8_t* facing) {
+/// Returns the values of a voxel. `directional_coverage` points to its directional coverage; it is null if the level
+/// has none.
+GB_HD CommonVoxel common_voxel(std::uint32_t rgba, std::uint16_t normal, const std::uint8_t* directional_coverage) {
   const std::uint32_t alpha = byte_of(rgba, 3);
-  return {rgba, facing != nullptr ? pack_facing(facing) : alpha | alpha << 8 | alpha << 16, normal};
+  return {rgba,
+          directional_coverage != nullptr ? pack_directional_coverage(directional_coverage)
+                                          : alpha | alpha << 8 | alpha << 16,
+          normal};
 }
 
 GB_HD bool are_equal(const CommonVoxel& a, const CommonVoxel& b) {
-  return a.rgba == b.rgba && a.normal == b.normal && a.facing == b.facing;
+  return a.rgba == b.rgba && a.normal == b.normal && a.directional_coverage == b.directional_coverage;
 }
 
 /// Returns the node type of a brick. `is_constant` is true if the brick is full and all its voxels are equal.
@@ -55,9 +60,9 @@ GB_HD NodeKind kind_of_constant(bool like_all_below) {
 
 /// Returns the value that a node's row stores. Bricks store voxels instead, and nodes of levels without facing store no
 /// facing.
-GB_HD CommonVoxel value_of_node(NodeKind kind, const CommonVoxel& voxel, bool has_facing) {
+GB_HD CommonVoxel value_of_node(NodeKind kind, const CommonVoxel& voxel, bool has_directional_coverage) {
   if (stores_voxels(kind)) return {};
-  return {voxel.rgba, has_facing ? voxel.facing : 0, voxel.normal};
+  return {voxel.rgba, has_directional_coverage ? voxel.directional_coverage : 0, voxel.normal};
 }
 
 /// Children of a node, stored consecutively in ascending order of their keys.
@@ -76,7 +81,7 @@ struct NodeChildren {
 inline void set_all_bricks(NodeTable& nodes, std::size_t count) {
   nodes.kind.assign(count, NodeKind::brick);
   nodes.normal.assign(count, {});
-  nodes.facing.assign(count, {});
+  nodes.directional_coverage.assign(count, {});
 }
 
 /// Checks the number of nodes.

@@ -28,9 +28,9 @@ struct AxisCoverage {
   }
 };
 
-GB_HD std::uint32_t sheet_coverage(std::uint32_t alpha, std::int32_t normal_component, const Tables& tables) {
+GB_HD std::uint32_t planar_coverage(std::uint32_t alpha, std::int32_t normal_component, const Tables& tables) {
   const std::int32_t n = normal_component < 0 ? -normal_component : normal_component;
-  return tables.sheet_coverage[alpha * normal_steps + std::uint32_t(n)];
+  return tables.planar_coverage[alpha * normal_steps + std::uint32_t(n)];
 }
 
 /// Returns true if alpha is 255. `rgba` is packed by pack_rgba().
@@ -42,7 +42,7 @@ GB_HD void coverage_of_finest(const Voxel& voxel, bool has_normals, const Tables
   for (int a = 0; a < 3; ++a) coverage[a] = alpha;
   if (alpha == 255 || !has_normals) return;
   const OctahedronPoint n = octahedron_point(voxel.normal);
-  for (int a = 0; a < 3; ++a) coverage[a] = sheet_coverage(alpha, n.c[a], tables);
+  for (int a = 0; a < 3; ++a) coverage[a] = planar_coverage(alpha, n.c[a], tables);
 }
 
 }  // namespace gigabake::kernels

@@ -33,16 +33,16 @@ inline constexpr int triangle_classes = 5;
 /// Number of triangles per class. `bad_uv` counts the kept triangles with unusable texture coordinates.
 template <class Count>
 struct TriangleCounts {
-  Count fate[triangle_classes];
+  Count triangle_class[triangle_classes];
   Count bad_uv;
 };
 
 template <class Count>
 void add_to(CellStats& stats, const TriangleCounts<Count>& counts) {
-  stats.triangles += counts.fate[int(TriangleClass::kept)];
-  stats.non_finite += counts.fate[int(TriangleClass::non_finite)];
-  stats.zero_area += counts.fate[int(TriangleClass::zero_area)];
-  stats.oversized += counts.fate[int(TriangleClass::oversized)];
+  stats.triangles += counts.triangle_class[int(TriangleClass::kept)];
+  stats.non_finite += counts.triangle_class[int(TriangleClass::non_finite)];
+  stats.zero_area += counts.triangle_class[int(TriangleClass::zero_area)];
+  stats.oversized += counts.triangle_class[int(TriangleClass::oversized)];
   stats.bad_uv += counts.bad_uv;
 }
 
@@ -110,9 +110,9 @@ GB_HD TriangleClass classify_triangle(const CellWindow& window, const PartArrays
   return has_area<std::int64_t>(p) ? TriangleClass::kept : TriangleClass::zero_area;
 }
 
-GB_HD bool has_bad_uv(TriangleClass fate, const PartArrays& part, const std::uint32_t v[3]) {
+GB_HD bool has_bad_uv(TriangleClass triangle_class, const PartArrays& part, const std::uint32_t v[3]) {
   float uv[6];
-  return fate == TriangleClass::kept && part.textured && !load_uv(part, v, uv);
+  return triangle_class == TriangleClass::kept && part.textured && !load_uv(part, v, uv);
 }
 
 }  // namespace gigabake::kernels

@@ -8,7 +8,8 @@
 namespace gigabake::kernels {
 
 /// Returns the downsample state of a volume. It is empty if there are no levels.
-/// Range   `levels` are the levels before approximate() and prune(). `surface` and `lod` belong to the coarsest level.
+/// Range   `levels` are the levels before quantize_groups() and prune(). `surface` and `lod` belong to the coarsest
+///         level.
 DownsampleState downsample_state(const std::vector<Level>& levels, int lod, const LevelSurface& surface,
                                  MipFilter filter);
 

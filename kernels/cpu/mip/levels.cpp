@@ -12,8 +12,8 @@
 #include "kernels/body/mip/mip.h"
 #include "kernels/body/mip/plane_fit.h"
 #include "kernels/body/prune/node.h"
-#include "kernels/cpu/mip/level_of_64.h"
 #include "kernels/cpu/mip/level_read.h"
+#include "kernels/cpu/mip/two_level_filter.h"
 #include "kernels/cpu/voxelize/brick_run.h"
 
 namespace gigabake::kernels {
@@ -46,7 +46,8 @@ struct Children {
   std::uint32_t there[2] = {};  ///< byte c: 1 if child c exists
 };
 
-/// The accessor to the coverage masks of children that cover_children() requires (kernels/body/mip/facing.h).
+/// The accessor to the coverage masks of children that cover_children() requires
+/// (kernels/body/mip/directional_coverage.h).
 struct ChildRasters {
   const Children& children;
   const std::uint32_t* rasters;  ///< coverage masks of all voxels of the children's level
@@ -154,13 +155,13 @@ class ParentBuilder {
     patch_[to] = made.patch;
   }
 
-  void put_facing(int voxel, std::uint8_t facing[facing_bytes]) const {
-    const std::uint32_t all = weights_[voxel].facing;
+  void put_directional_coverage(int voxel, std::uint8_t directional_coverage[directional_coverage_bytes]) const {
+    const std::uint32_t all = weights_[voxel].directional_coverage;
     const Plane plane =
         has_planes_ ? plane_of(patch_[voxel], parent_[voxel].normal, surface_.patches.empty()) : Plane();
     const std::uint32_t coverage = stored_coverage(plane, all);
-    for (std::size_t axis = 0; axis < coverage_bytes; ++axis) facing[axis] = byte_of(coverage, int(axis));
-    facing[facing_plane] = pack_plane(plane);
+    for (std::size_t axis = 0; axis < coverage_bytes; ++axis) directional_coverage[axis] = byte_of(coverage, int(axis));
+    directional_coverage[directional_coverage_plane] = pack_plane(plane);
   }
 
   void pack(std::uint64_t key, LevelRun& run) {
@@ -178,14 +179,14 @@ class ParentBuilder {
   void pack_views(std::span<const std::uint16_t> voxels, LevelRun& run) {
     std::vector<std::uint32_t>& rasters = run.surface.rasters;
     const std::size_t words = std::size_t(raster_words_), before = rasters.size();
-    std::uint8_t facing[facing_bytes * brick_voxels];
+    std::uint8_t directional_coverage[directional_coverage_bytes * brick_voxels];
     rasters.resize(before + words * voxels.size());
     for (std::size_t i = 0; i < voxels.size(); ++i) {
-      put_facing(voxels[i], facing + facing_bytes * i);
+      put_directional_coverage(voxels[i], directional_coverage + directional_coverage_bytes * i);
       std::copy_n(raster_[voxels[i]], words, rasters.begin() + std::ptrdiff_t(before + words * i));
       if (has_planes_) run.surface.patches.push_back(patch_[voxels[i]]);
     }
-    run.bricks.push_facing({facing, facing_bytes * voxels.size()});
+    run.bricks.push_directional_coverage({directional_coverage, directional_coverage_bytes * voxels.size()});
   }
 
   const Level& fine_;
@@ -253,7 +254,7 @@ void add_coarser_levels(std::vector<Level>& levels, LevelSurface& surface, int l
   while (int(levels.size()) < lods) {
     const int lod = int(levels.size());
     if (is_of_64(filter, lod)) {
-      levels.push_back(level_of_64(levels[std::size_t(lod) - 2], normals, pool));
+      levels.push_back(two_level_filtered_level(levels[std::size_t(lod) - 2], normals, pool));
       continue;
     }
     FilteredLevel next = coarser_level(levels.back(), lod, surface, filter, normals, pool);
@@ -262,8 +263,8 @@ void add_coarser_levels(std::vector<Level>& levels, LevelSurface& surface, int l
   }
 }
 
-void drop_facing(std::vector<Level>& levels) {
-  for (Level& level : levels) level.facing = {};
+void drop_directional_coverage(std::vector<Level>& levels) {
+  for (Level& level : levels) level.directional_coverage = {};
 }
 
 }  // namespace gigabake::kernels

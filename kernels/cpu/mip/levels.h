@@ -11,7 +11,8 @@ namespace gigabake::kernels {
 /// The surface data of a level, which the next coarser level needs in addition to voxels. It is empty at lod 0 and
 /// without MipFilter::coverage.
 struct LevelSurface {
-  std::vector<std::uint32_t> rasters;   ///< coverage masks of all voxels, in order (kernels/body/mip/facing.h)
+  std::vector<std::uint32_t>
+      rasters;  ///< coverage masks of all voxels, in order (kernels/body/mip/directional_coverage.h)
   std::vector<SurfaceMoments> patches;  ///< moments of all voxels (kernels/body/mip/patch.h); empty without normals
 };
 
@@ -28,6 +29,6 @@ void add_coarser_levels(std::vector<Level>& levels, LevelSurface& surface, int l
                         const ThreadPool& pool);
 
 /// Removes the directional coverage of all levels. Only alpha remains, which is the max of the three coverages.
-void drop_facing(std::vector<Level>& levels);
+void drop_directional_coverage(std::vector<Level>& levels);
 
 }  // namespace gigabake::kernels

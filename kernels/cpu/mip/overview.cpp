@@ -13,8 +13,8 @@
 #include "kernels/cpu/mip/level_hash.h"
 #include "kernels/cpu/mip/levels.h"
 #include "kernels/cpu/prune/prune.h"
-#include "kernels/cpu/voxelize/approximate.h"
 #include "kernels/cpu/voxelize/brick_run.h"
+#include "kernels/cpu/voxelize/quantize_groups.h"
 
 namespace gigabake::kernels {
 namespace {
@@ -158,8 +158,8 @@ CellVolume bake_overview(std::span<const JoinedChild> children, const OverviewPa
   add_coarser_levels(levels, surface, lods, p.mip, p.normals, pool);
   volume.above = downsample_state(levels, lods - 1, surface, p.mip);
   levels.erase(levels.begin(), levels.begin() + own_lod);
-  if (!p.facing) drop_facing(levels);
-  approximate(levels, p.max_error, pool);
+  if (!p.directional_coverage) drop_directional_coverage(levels);
+  quantize_groups(levels, p.max_error, pool);
   levels.insert(levels.begin(), std::move_iterator(copies.begin()), std::move_iterator(copies.end()));
   expect_tree(levels);
   for (const Level& level : levels)

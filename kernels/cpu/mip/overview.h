@@ -25,13 +25,13 @@ struct OverviewParameters {
   int child_lod = 0;                ///< the coarsest lod of every child
   int levels = 0;                   ///< the window has 8 · 2^(child_lod + levels) voxels of lod 0 along its edge
   MipFilter mip = MipFilter::coverage;
-  bool normals = true, facing = true;
+  bool normals = true, directional_coverage = true;
   std::uint32_t max_error = 0;  ///< as in CellParameters
 };
 
 /// Computes the overview of `children`. `copies` are the duplicated levels: consecutive levels of the children up to
 /// child_lod, joined over the window. They precede the new levels.
-/// Exact   Before approximate(), the voxels equal the voxels of one cell with the overview's window. The boundaries
+/// Exact   Before quantize_groups(), the voxels equal the voxels of one cell with the overview's window. The boundaries
 ///         and the order of the children do not change any bit.
 /// Range   `levels` is 1 … 10. `children` are all children that overlap the window. They are baked by the same rules
 ///         and have no voxel in common.

@@ -33,9 +33,9 @@ std::vector<std::size_t> child_starts(const Level& level, const Level& below) {
 }
 
 CommonVoxel voxel_of(const Level& level, std::size_t i) {
-  return common_voxel(pack_rgba(&level.rgba[4 * i]),
-                      level.normal.empty() ? std::uint16_t(0) : pack_normal(&level.normal[2 * i]),
-                      level.facing.empty() ? nullptr : &level.facing[facing_bytes * i]);
+  return common_voxel(
+      pack_rgba(&level.rgba[4 * i]), level.normal.empty() ? std::uint16_t(0) : pack_normal(&level.normal[2 * i]),
+      level.directional_coverage.empty() ? nullptr : &level.directional_coverage[directional_coverage_bytes * i]);
 }
 
 BrickClass classify_brick(const Level& level, std::size_t b) {
@@ -85,7 +85,7 @@ void add_level_nodes(const Level& level, const BrickClasses& classes, std::size_
   std::uint32_t brick = 0;
   for (std::size_t b = 0; b < classes.size(); ++b) {
     const BrickClass& v = classes[b];
-    const CommonVoxel value = value_of_node(v.kind, v.value, !level.facing.empty());
+    const CommonVoxel value = value_of_node(v.kind, v.value, !level.directional_coverage.empty());
     const std::uint32_t number = stores_voxels(v.kind) ? brick++ : value.rgba;
     if (!v.stored) continue;
     nodes.key.push_back(level.key[b]);
@@ -95,8 +95,9 @@ void add_level_nodes(const Level& level, const BrickClasses& classes, std::size_
     nodes.first_child.push_back(no_child);
     nodes.value.push_back(number);
     nodes.normal.push_back({std::int8_t(byte_of(value.normal, 0)), std::int8_t(byte_of(value.normal, 1))});
-    nodes.facing.push_back(
-        {byte_of(value.facing, 0), byte_of(value.facing, 1), byte_of(value.facing, 2), byte_of(value.facing, 3)});
+    nodes.directional_coverage.push_back(
+        {byte_of(value.directional_coverage, 0), byte_of(value.directional_coverage, 1),
+         byte_of(value.directional_coverage, 2), byte_of(value.directional_coverage, 3)});
   }
 }
 
@@ -124,9 +125,11 @@ void remove_constant_bricks(Level& level, const BrickClasses& classes) {
     kept.rgba.insert(kept.rgba.end(), level.rgba.begin() + 4 * first, level.rgba.begin() + 4 * end);
     if (!level.normal.empty())
       kept.normal.insert(kept.normal.end(), level.normal.begin() + 2 * first, level.normal.begin() + 2 * end);
-    if (!level.facing.empty())
-      kept.facing.insert(kept.facing.end(), level.facing.begin() + std::ptrdiff_t(facing_bytes) * first,
-                         level.facing.begin() + std::ptrdiff_t(facing_bytes) * end);
+    if (!level.directional_coverage.empty())
+      kept.directional_coverage.insert(
+          kept.directional_coverage.end(),
+          level.directional_coverage.begin() + std::ptrdiff_t(directional_coverage_bytes) * first,
+          level.directional_coverage.begin() + std::ptrdiff_t(directional_coverage_bytes) * end);
     kept.first.push_back(kept.rgba.size() / 4);
   }
   level = std::move(kept);

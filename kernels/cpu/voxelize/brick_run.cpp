@@ -45,7 +45,8 @@ void BrickRun::make_room(Level& level, std::size_t bricks, std::size_t voxels, c
   // is the first.
   pool.parallel_for(6, 1, [&](std::size_t array, std::size_t, int) {
     if (array == 0) level.rgba.resize(4 * voxels);
-    if (array == 1 && !facing_.empty()) level.facing.resize(facing_bytes * voxels);
+    if (array == 1 && !directional_coverage_.empty())
+      level.directional_coverage.resize(directional_coverage_bytes * voxels);
     if (array == 2 && normals_) level.normal.resize(2 * voxels);
     if (array == 3) level.mask.resize(8 * bricks);
     if (array == 4) level.first.resize(bricks + 1);
@@ -64,7 +65,8 @@ void append(Level& level, std::vector<BrickRun>& runs, const ThreadPool& pool) {
       std::copy(run.mask_.begin(), run.mask_.end(), level.mask.begin() + 8 * at[r].brick);
       std::copy(run.rgba_.begin(), run.rgba_.end(), level.rgba.begin() + 4 * at[r].voxel);
       std::copy(run.normal_.begin(), run.normal_.end(), level.normal.begin() + 2 * at[r].voxel);
-      std::copy(run.facing_.begin(), run.facing_.end(), level.facing.begin() + facing_bytes * at[r].voxel);
+      std::copy(run.directional_coverage_.begin(), run.directional_coverage_.end(),
+                level.directional_coverage.begin() + directional_coverage_bytes * at[r].voxel);
       std::uint64_t first = at[r].voxel;
       for (std::size_t b = 0; b < run.bricks(); ++b) {
         for (int word = 0; word < 8; ++word) first += std::popcount(run.mask_[8 * b + word]);

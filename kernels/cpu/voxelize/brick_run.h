@@ -18,10 +18,10 @@ class BrickRun {
 
   /// Appends a brick. `voxels` are in ascending order of their mask bits.
   void push_brick(std::uint64_t key, const std::uint64_t mask[8], std::span<const Voxel> voxels);
-  /// Appends the directional coverage and planes of the last brick, facing_bytes per voxel. Call it for all bricks or
-  /// for none.
-  void push_facing(std::span<const std::uint8_t> facing) {
-    facing_.insert(facing_.end(), facing.begin(), facing.end());
+  /// Appends the directional coverage and planes of the last brick, directional_coverage_bytes per voxel. Call it for
+  /// all bricks or for none.
+  void push_directional_coverage(std::span<const std::uint8_t> directional_coverage) {
+    directional_coverage_.insert(directional_coverage_.end(), directional_coverage.begin(), directional_coverage.end());
   }
   std::size_t voxels() const { return rgba_.size() / 4; }
   std::size_t bricks() const { return key_.size(); }
@@ -35,7 +35,7 @@ class BrickRun {
   std::vector<std::uint64_t> key_, mask_;
   std::vector<std::uint8_t> rgba_;
   std::vector<std::int8_t> normal_;
-  std::vector<std::uint8_t> facing_;
+  std::vector<std::uint8_t> directional_coverage_;
 };
 
 /// Moves the runs' bricks, in order, to the end of the level and empties the runs.

@@ -51,12 +51,12 @@ void judge(const SnappedPart& from, const CellWindow& window, Range& range) {
   for (std::size_t t = range.begin; t < range.end; ++t) {
     std::uint32_t v[3];
     const WindowTriangle triangle = from.triangle(range.part, std::uint32_t(t), v);
-    const TriangleClass fate = classify_triangle(window, from.part, v, triangle.p);
-    ++range.counts.fate[int(fate)];
-    range.counts.bad_uv += has_bad_uv(fate, from.part, v);
+    const TriangleClass triangle_class = classify_triangle(window, from.part, v, triangle.p);
+    ++range.counts.triangle_class[int(triangle_class)];
+    range.counts.bad_uv += has_bad_uv(triangle_class, from.part, v);
     const std::size_t bit = t - range.begin;
-    range.kept[bit / 64] |= std::uint64_t(fate == TriangleClass::kept) << bit % 64;
-    range.kept_count += fate == TriangleClass::kept;
+    range.kept[bit / 64] |= std::uint64_t(triangle_class == TriangleClass::kept) << bit % 64;
+    range.kept_count += triangle_class == TriangleClass::kept;
   }
 }
 

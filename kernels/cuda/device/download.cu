@@ -55,7 +55,9 @@ class Download {
 void add(Download& download, const DeviceLevel& d, Level& level) {
   download.add_as<std::uint8_t>(d.rgba, d.voxels, level.rgba);  // largest array first
   if (!d.normal.empty()) download.add_as<std::int8_t>(d.normal, d.voxels, level.normal);
-  if (!d.facing.empty()) download.add(d.facing, facing_bytes * std::size_t(d.voxels), level.facing);
+  if (!d.directional_coverage.empty())
+    download.add(d.directional_coverage, directional_coverage_bytes * std::size_t(d.voxels),
+                 level.directional_coverage);
   download.add(d.mask, 8 * std::size_t(d.bricks), level.mask);
   download.add(d.key, d.bricks, level.key);
   download.add(d.first, std::size_t(d.bricks) + 1, level.first);

@@ -114,12 +114,12 @@ DeviceTables::DeviceTables(DeviceHeap& heap) {
   srgb_from_linear_ = upload(heap, host.srgb_from_linear, linear_values);
   unit_normal_ = upload(heap, host.unit_normal, 4 * normal_codes);
   thesis_alpha_ = upload(heap, host.thesis_alpha, alpha_sums);
-  sheet_coverage_ = upload(heap, host.sheet_coverage, sheet_coverages);
+  planar_coverage_ = upload(heap, host.planar_coverage, planar_coverages);
 }
 
 Tables DeviceTables::view() const {
   return {linear_from_srgb_.data(), srgb_from_linear_.data(), unit_normal_.data(), thesis_alpha_.data(),
-          sheet_coverage_.data()};
+          planar_coverage_.data()};
 }
 
 DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTextures& textures, const Tables& tables)

@@ -103,7 +103,7 @@ class DeviceTables {
 
  private:
   DeviceArray<std::uint16_t> linear_from_srgb_;
-  DeviceArray<std::uint8_t> srgb_from_linear_, thesis_alpha_, sheet_coverage_;
+  DeviceArray<std::uint8_t> srgb_from_linear_, thesis_alpha_, planar_coverage_;
   DeviceArray<std::int16_t> unit_normal_;
 };
 

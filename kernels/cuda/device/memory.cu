@@ -23,7 +23,7 @@ void* DeviceHeap::take(std::size_t bytes) {
   }
   check_cuda(code, "cudaMallocAsync");
   live_ += bytes;
-  books_.add(std::int64_t(bytes));
+  memory_stats_.add(std::int64_t(bytes));
   return data;
 }
 
@@ -31,7 +31,7 @@ void DeviceHeap::give(void* data, std::size_t bytes) noexcept {
   if (data == nullptr) return;
   cudaFreeAsync(data, stream_);
   live_ -= bytes;
-  books_.add(-std::int64_t(bytes));
+  memory_stats_.add(-std::int64_t(bytes));
 }
 
 void DeviceHeap::bring(void* host, const void* device, std::size_t bytes, const char* what) {

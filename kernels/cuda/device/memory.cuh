@@ -17,7 +17,7 @@ namespace gigabake::kernels {
 void check_cuda(cudaError_t code, const char* call);
 
 /// Live and peak bytes of all heaps of a baker.
-class DeviceBooks {
+class DeviceMemoryStats {
  public:
   void add(std::int64_t bytes) {
     const std::int64_t now = live_ += bytes;
@@ -36,7 +36,7 @@ class DeviceBooks {
 /// array.
 class DeviceHeap {
  public:
-  DeviceHeap(cudaStream_t stream, DeviceBooks& books) : stream_(stream), books_(books) {}
+  DeviceHeap(cudaStream_t stream, DeviceMemoryStats& memory_stats) : stream_(stream), memory_stats_(memory_stats) {}
 
   /// Allocates memory in stream order.
   /// Errors  DeviceFull, CudaFailure.
@@ -56,7 +56,7 @@ class DeviceHeap {
 
  private:
   cudaStream_t stream_;
-  DeviceBooks& books_;
+  DeviceMemoryStats& memory_stats_;
   std::atomic<std::uint64_t> live_{0};  ///< atomic: a thread other than the baking thread may free arrays
   std::uint64_t limit_ = 0;
   PinnedBuffer arrived_;

@@ -50,8 +50,8 @@ __device__ Children<Index> children_in(std::uint64_t low, std::uint64_t high, st
   return children;
 }
 
-/// Access to the children's coverage masks for see_run() (kernels/body/mip/facing.h); the masks are stored
-/// consecutively.
+/// Access to the children's coverage masks for see_run() (kernels/body/mip/directional_coverage.h); the masks are
+/// stored consecutively.
 template <int Edge, class Index>
 struct ChildRasters {
   const Children<Index>& children;
@@ -124,9 +124,9 @@ __device__ void see_columns(const Children<Index>* children, int n, const std::u
   }
 }
 
-/// A filtered voxel. The lowest byte of `facing` is the coverage along x.
+/// A filtered voxel. The lowest byte of `directional_coverage` is the coverage along x.
 struct FilteredVoxel {
-  std::uint32_t rgba, facing;
+  std::uint32_t rgba, directional_coverage;
   std::uint16_t normal;
   Plane plane;
   SurfaceMoments patch;
@@ -145,7 +145,7 @@ __device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<I
   }
   if (!by_view || below.normal == nullptr) {
     const Voxel v = filter_children<by_view>(voxel, w, filter, tables);
-    return {pack_rgba(v.rgba), w.facing, pack_normal(v.normal), {}, {}};
+    return {pack_rgba(v.rgba), w.directional_coverage, pack_normal(v.normal), {}, {}};
   }
   const bool is_finest = below.patch == nullptr;
   const auto patch = [&](int c) {
@@ -153,24 +153,24 @@ __device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<I
   };
   const VoxelPatch made = filter_patches(voxel, patch, w, is_finest, tables);
   const Plane plane = plane_of(made.patch, made.voxel.normal, is_finest);
-  return {pack_rgba(made.voxel.rgba), stored_coverage(plane, w.facing), pack_normal(made.voxel.normal), plane,
-          made.patch};
+  return {pack_rgba(made.voxel.rgba), stored_coverage(plane, w.directional_coverage), pack_normal(made.voxel.normal),
+          plane, made.patch};
 }
 
 /// Output arrays of a level's voxels.
 struct VoxelsOut {
   std::uint32_t* rgba;
-  std::uint16_t* normal;  ///< null if the level has none
-  std::uint8_t* facing;   ///< null without MipFilter::coverage
-  SurfaceMoments* patch;  ///< null without MipFilter::coverage or normals, or if no later launch reads it
+  std::uint16_t* normal;               ///< null if the level has none
+  std::uint8_t* directional_coverage;  ///< null without MipFilter::coverage
+  SurfaceMoments* patch;               ///< null without MipFilter::coverage or normals, or if no later launch reads it
 
   __device__ void put(std::size_t i, const FilteredVoxel& v) const {
     rgba[i] = v.rgba;
     if (normal != nullptr) normal[i] = v.normal;
-    if (facing == nullptr) return;
-    std::uint8_t* to = facing + facing_bytes * i;
-    for (int a = 0; a < 3; ++a) to[a] = byte_of(v.facing, a);
-    to[facing_plane] = pack_plane(v.plane);
+    if (directional_coverage == nullptr) return;
+    std::uint8_t* to = directional_coverage + directional_coverage_bytes * i;
+    for (int a = 0; a < 3; ++a) to[a] = byte_of(v.directional_coverage, a);
+    to[directional_coverage_plane] = pack_plane(v.plane);
     if (patch != nullptr) patch[i] = v.patch;
   }
 };

@@ -13,8 +13,8 @@ constexpr unsigned threads = 256, max_blocks = 2048;
 struct HashView {
   const std::uint32_t *key, *first, *rgba;
   const std::uint64_t* mask;
-  const std::uint16_t* normal;  ///< null if the level has none
-  const std::uint8_t* facing;   ///< null if the level has none
+  const std::uint16_t* normal;               ///< null if the level has none
+  const std::uint8_t* directional_coverage;  ///< null if the level has none
   std::uint32_t bricks;
   std::int64_t window_min[3];
   int lod;
@@ -50,7 +50,9 @@ __device__ Hash128 brick_hash(const HashView& level, std::uint32_t brick, int la
     if (i >= end) continue;
     sum += hash_of_voxel(level.window_min, level.lod, at, bit, level.rgba[i],
                          level.normal == nullptr ? std::uint16_t(0) : level.normal[i],
-                         level.facing == nullptr ? nullptr : level.facing + facing_bytes * std::size_t(i));
+                         level.directional_coverage == nullptr
+                             ? nullptr
+                             : level.directional_coverage + directional_coverage_bytes * std::size_t(i));
   }
   return sum;
 }
@@ -83,7 +85,7 @@ std::vector<Hash128> level_hashes(DeviceHeap& heap, const std::vector<DeviceLeve
                         l.rgba.data(),
                         l.mask.data(),
                         l.normal.empty() ? nullptr : l.normal.data(),
-                        l.facing.empty() ? nullptr : l.facing.data(),
+                        l.directional_coverage.empty() ? nullptr : l.directional_coverage.data(),
                         l.bricks,
                         {window_min[0], window_min[1], window_min[2]},
                         int(lod)};

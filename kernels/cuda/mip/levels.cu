@@ -1,10 +1,10 @@
 #include <algorithm>
 
 #include "core/base/rules.h"
-#include "kernels/cuda/mip/filter_64.cuh"
 #include "kernels/cuda/mip/filter_high.cuh"
 #include "kernels/cuda/mip/filter_low.cuh"
 #include "kernels/cuda/mip/levels.cuh"
+#include "kernels/cuda/mip/two_level_filter.cuh"
 
 namespace gigabake::kernels {
 namespace {
@@ -12,8 +12,10 @@ namespace {
 VoxelsOut make_room(DeviceHeap& heap, MipFilter filter, bool normals, DeviceLevel& level) {
   level.rgba = DeviceArray<std::uint32_t>(heap, level.voxels);
   if (normals) level.normal = DeviceArray<std::uint16_t>(heap, level.voxels);
-  if (filters_by_view(filter)) level.facing = DeviceArray<std::uint8_t>(heap, facing_bytes * std::size_t(level.voxels));
-  return {level.rgba.data(), level.normal.data(), level.facing.data(), nullptr};
+  if (filters_by_view(filter))
+    level.directional_coverage =
+        DeviceArray<std::uint8_t>(heap, directional_coverage_bytes * std::size_t(level.voxels));
+  return {level.rgba.data(), level.normal.data(), level.directional_coverage.data(), nullptr};
 }
 
 DeviceArray<std::uint32_t> room_for_rasters(DeviceHeap& heap, MipFilter filter, int lod, std::uint32_t voxels) {
@@ -37,7 +39,7 @@ void filter_high_levels(DeviceHeap& heap, const Tables& tables, MipFilter filter
     const DeviceLevel& level = bricks.levels[l];
     if (is_of_64(filter, int(l) + 1)) {
       const DeviceLevel& fine = l == 1 ? finest : bricks.levels[l - 2];
-      filter_level_of_64(
+      two_level_filter_level(
           heap, {view_of(fine), level.key.data(), level.first.data(), level.mask.data(), level.bricks, voxels_out[l]},
           tables);
       continue;

@@ -14,7 +14,7 @@ namespace gigabake::kernels {
 struct LevelsAbove {
   std::vector<DeviceLevel> levels;  ///< of lods 1 and coarser
   DeviceArray<std::uint32_t>
-      rasters;  ///< coverage masks of the coarsest level (kernels/body/mip/facing.h); empty without
+      rasters;  ///< coverage masks of the coarsest level (kernels/body/mip/directional_coverage.h); empty without
                 ///< MipFilter::coverage
   DeviceArray<SurfaceMoments> patches;  ///< patches of the coarsest level (kernels/body/mip/patch.h); empty without
                                         ///< MipFilter::coverage or normals
@@ -32,7 +32,7 @@ struct DeviceNodes {
   DeviceArray<std::uint8_t> lod, child_mask;
   DeviceArray<NodeKind> kind;
   DeviceArray<std::uint16_t> normal;
-  DeviceArray<std::uint32_t> facing;
+  DeviceArray<std::uint32_t> directional_coverage;
   std::uint32_t count = 0;
 };
 

@@ -11,12 +11,14 @@ constexpr unsigned threads = 256, warps = threads / 32;
 /// The voxel arrays of all levels, by lod.
 struct PrunedVoxels {
   const std::uint32_t* rgba[max_levels];
-  const std::uint16_t* normal[max_levels];  ///< null if the level has none
-  const std::uint8_t* facing[max_levels];   ///< null if the level has none
+  const std::uint16_t* normal[max_levels];               ///< null if the level has none
+  const std::uint8_t* directional_coverage[max_levels];  ///< null if the level has none
 
   __device__ CommonVoxel at(int lod, std::uint32_t voxel) const {
     return common_voxel(rgba[lod][voxel], normal[lod] == nullptr ? std::uint16_t(0) : normal[lod][voxel],
-                        facing[lod] == nullptr ? nullptr : facing[lod] + facing_bytes * std::size_t(voxel));
+                        directional_coverage[lod] == nullptr
+                            ? nullptr
+                            : directional_coverage[lod] + directional_coverage_bytes * std::size_t(voxel));
   }
 };
 
@@ -80,7 +82,7 @@ __global__ void count_kept(const NodeLevels levels, Numbers numbers, std::uint32
 }
 
 struct NodeRows {
-  std::uint32_t *key, *first_child, *value, *facing;
+  std::uint32_t *key, *first_child, *value, *directional_coverage;
   std::uint16_t* normal;
   std::uint8_t *lod, *child_mask;
   NodeKind* kind;
@@ -95,7 +97,7 @@ __global__ void __launch_bounds__(threads)
   const int lod = levels.lod_of(item);
   const std::uint32_t row = numbers.node[item], key = levels.key[lod][item - levels.offset[lod]];
   const NodeKind kind = verdicts.kind[item];
-  const CommonVoxel value = value_of_node(kind, verdicts.voxel[item], voxels.facing[lod] != nullptr);
+  const CommonVoxel value = value_of_node(kind, verdicts.voxel[item], voxels.directional_coverage[lod] != nullptr);
   NodeChildren children;
   if (!ends_branch(kind))
     levels.for_each_child(
@@ -107,14 +109,14 @@ __global__ void __launch_bounds__(threads)
   out.first_child[row] = children.first;
   out.value[row] = stores_voxels(kind) ? numbers.in_level(levels, lod, item) : value.rgba;
   out.normal[row] = value.normal;
-  out.facing[row] = value.facing;
+  out.directional_coverage[row] = value.directional_coverage;
 }
 
 struct KeptOut {
   std::uint32_t *key, *first, *rgba;
   std::uint64_t* mask;
-  std::uint16_t* normal;  ///< null if the level has none
-  std::uint32_t* facing;  ///< null if the level has none
+  std::uint16_t* normal;                ///< null if the level has none
+  std::uint32_t* directional_coverage;  ///< null if the level has none
 };
 
 /// Copies the bricks that keep their voxels to consecutive places, one warp per brick of the level.
@@ -132,21 +134,22 @@ __global__ void __launch_bounds__(threads)
     out.key[to] = levels.key[lod][brick];
     out.first[to + 1] = end - gone;
   }
-  const auto* facing = reinterpret_cast<const std::uint32_t*>(voxels.facing[lod]);
+  const auto* directional_coverage = reinterpret_cast<const std::uint32_t*>(voxels.directional_coverage[lod]);
   for (std::uint32_t i = first + lane; i < end; i += 32) {
     out.rgba[i - gone] = voxels.rgba[lod][i];
     if (out.normal != nullptr) out.normal[i - gone] = voxels.normal[lod][i];
-    if (out.facing != nullptr) out.facing[i - gone] = facing[i];
+    if (out.directional_coverage != nullptr) out.directional_coverage[i - gone] = directional_coverage[i];
   }
 }
 
 PrunedVoxels voxels_of(const std::vector<DeviceLevel>& levels) {
-  static_assert(facing_bytes == sizeof(std::uint32_t));
+  static_assert(directional_coverage_bytes == sizeof(std::uint32_t));
   PrunedVoxels view{};
   for (std::size_t l = 0; l < levels.size(); ++l) {
     view.rgba[l] = levels[l].rgba.data();
     view.normal[l] = levels[l].normal.empty() ? nullptr : levels[l].normal.data();
-    view.facing[l] = levels[l].facing.empty() ? nullptr : levels[l].facing.data();
+    view.directional_coverage[l] =
+        levels[l].directional_coverage.empty() ? nullptr : levels[l].directional_coverage.data();
   }
   return view;
 }
@@ -162,8 +165,8 @@ NodeRows make_rows(DeviceHeap& heap, std::uint32_t count, DeviceNodes& nodes) {
   nodes = make_device_nodes(heap, count);
   nodes.kind = DeviceArray<NodeKind>(heap, count);
   nodes.normal = DeviceArray<std::uint16_t>(heap, count);
-  nodes.facing = DeviceArray<std::uint32_t>(heap, count);
-  return {nodes.key.data(),    nodes.first_child.data(), nodes.value.data(),      nodes.facing.data(),
+  nodes.directional_coverage = DeviceArray<std::uint32_t>(heap, count);
+  return {nodes.key.data(),    nodes.first_child.data(), nodes.value.data(),      nodes.directional_coverage.data(),
           nodes.normal.data(), nodes.lod.data(),         nodes.child_mask.data(), nodes.kind.data()};
 }
 
@@ -177,13 +180,15 @@ KeptOut make_kept(DeviceHeap& heap, const DeviceLevel& level, std::uint32_t bric
   out.mask = DeviceArray<std::uint64_t>(heap, 8 * std::size_t(bricks));
   out.rgba = DeviceArray<std::uint32_t>(heap, out.voxels);
   if (!level.normal.empty()) out.normal = DeviceArray<std::uint16_t>(heap, out.voxels);
-  if (!level.facing.empty()) out.facing = DeviceArray<std::uint8_t>(heap, facing_bytes * std::size_t(out.voxels));
-  return {out.key.data(),
-          out.first.data(),
-          out.rgba.data(),
-          out.mask.data(),
-          level.normal.empty() ? nullptr : out.normal.data(),
-          level.facing.empty() ? nullptr : reinterpret_cast<std::uint32_t*>(out.facing.data())};
+  if (!level.directional_coverage.empty())
+    out.directional_coverage = DeviceArray<std::uint8_t>(heap, directional_coverage_bytes * std::size_t(out.voxels));
+  return {
+      out.key.data(),
+      out.first.data(),
+      out.rgba.data(),
+      out.mask.data(),
+      level.normal.empty() ? nullptr : out.normal.data(),
+      level.directional_coverage.empty() ? nullptr : reinterpret_cast<std::uint32_t*>(out.directional_coverage.data())};
 }
 
 }  // namespace

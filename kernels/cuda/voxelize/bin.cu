@@ -67,17 +67,17 @@ struct PairBuffers {
   }
 };
 
-/// Counts all pairs in `room.raw.counted` and writes the pairs that fit. Returns the required queue capacity. A window
-/// of one brick has no large triangles, so its pairs need no descent.
+/// Counts all pairs in `pair_buffers.raw.counted` and writes the pairs that fit. Returns the required queue capacity. A
+/// window of one brick has no large triangles, so its pairs need no descent.
 std::uint64_t find_pairs(DeviceHeap& heap, const InputView& input, const CellWindow& window, const PairSink& sink,
-                         PairBuffers& room) {
+                         PairBuffers& pair_buffers) {
   pair_kernel<<<grid_of(input.triangle_count, pair_threads), pair_threads, 0, heap.stream()>>>(input, window, sink);
   check_launch("pair_kernel");
-  room.raw.counted = read(heap, room.counters);
-  std::uint64_t nodes = room.raw.counted.items[0];
+  pair_buffers.raw.counted = read(heap, pair_buffers.counters);
+  std::uint64_t nodes = pair_buffers.raw.counted.items[0];
   if (nodes == 0 || nodes > sink.item_capacity) return nodes;
-  nodes = std::max(nodes, descend_large(heap, input, window, sink, room.counters));
-  room.raw.counted = read(heap, room.counters);
+  nodes = std::max(nodes, descend_large(heap, input, window, sink, pair_buffers.counters));
+  pair_buffers.raw.counted = read(heap, pair_buffers.counters);
   return nodes;
 }
 
@@ -90,10 +90,11 @@ std::uint32_t counted_pairs(const PairCounters& counted) {
 RawPairs pairs_in(DeviceHeap& heap, const InputView& input, const CellWindow& window, KeyRange range,
                   BinCapacity& capacity) {
   for (;;) {
-    PairBuffers room(heap, capacity);
-    const std::uint64_t nodes = find_pairs(heap, input, window, room.sink(range), room), pairs = room.raw.counted.pairs;
-    counted_pairs(room.raw.counted);
-    if (pairs <= capacity.pairs && nodes <= capacity.nodes) return std::move(room.raw);
+    PairBuffers pair_buffers(heap, capacity);
+    const std::uint64_t nodes = find_pairs(heap, input, window, pair_buffers.sink(range), pair_buffers),
+                        pairs = pair_buffers.raw.counted.pairs;
+    counted_pairs(pair_buffers.raw.counted);
+    if (pairs <= capacity.pairs && nodes <= capacity.nodes) return std::move(pair_buffers.raw);
     capacity.pairs = std::max(capacity.pairs, pairs + pairs / 16);
     capacity.nodes = std::max(capacity.nodes, nodes + nodes / 16);
   }
@@ -120,8 +121,8 @@ PairCounters pairs_by_brick(DeviceHeap& heap, const InputView& input, const Cell
                             DeviceArray<std::uint32_t>& brick, DeviceArray<std::uint32_t>* triangle,
                             BinCapacity& capacity) {
   for (;;) {
-    PairBuffers room(heap, {0, capacity.nodes});
-    PairSink sink = room.sink(range);
+    PairBuffers pair_buffers(heap, {0, capacity.nodes});
+    PairSink sink = pair_buffers.sink(range);
     sink.brick = brick.data();
     if (triangle == nullptr) {
       brick.clear_to_zero();
@@ -129,8 +130,8 @@ PairCounters pairs_by_brick(DeviceHeap& heap, const InputView& input, const Cell
       sink.triangle = triangle->data();
       sink.capacity = triangle->size();
     }
-    const std::uint64_t nodes = find_pairs(heap, input, window, sink, room);
-    if (nodes <= capacity.nodes) return room.raw.counted;
+    const std::uint64_t nodes = find_pairs(heap, input, window, sink, pair_buffers);
+    if (nodes <= capacity.nodes) return pair_buffers.raw.counted;
     capacity.nodes = nodes + nodes / 16;
   }
 }
@@ -230,17 +231,17 @@ std::vector<std::uint64_t> pairs_by_unit(DeviceHeap& heap, const InputView& inpu
   DeviceArray<unsigned long long> counts(heap, units);
   BinCapacity capacity{0};
   for (;;) {
-    PairBuffers room(heap, capacity);
+    PairBuffers pair_buffers(heap, capacity);
     counts.clear_to_zero();
-    PairSink sink = room.sink(all_keys(window));
+    PairSink sink = pair_buffers.sink(all_keys(window));
     sink.unit_pairs = counts.data();
     sink.unit_bits = 3 * unit_level;
-    const std::uint64_t nodes = find_pairs(heap, input, window, sink, room);
+    const std::uint64_t nodes = find_pairs(heap, input, window, sink, pair_buffers);
     if (nodes > capacity.nodes) {
       capacity.nodes = nodes + nodes / 16;
       continue;
     }
-    add_to(stats, room.raw.counted.triangles);
+    add_to(stats, pair_buffers.raw.counted.triangles);
     std::vector<std::uint64_t> host(units);
     heap.bring(host.data(), counts.data(), counts.bytes(), "counting pairs of units");
     return host;

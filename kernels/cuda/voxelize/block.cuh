@@ -55,7 +55,7 @@ struct FillShared : BlockBricks {
   __device__ Item& item(int i) { return reinterpret_cast<Item*>(pool + pool_bytes)[-1 - i]; }
   /// Returns the number of items that fit next to the sums of `slots` voxels.
   /// Range   slots ≤ brick_voxels.
-  __device__ static std::uint32_t item_room(int slots) {
+  __device__ static std::uint32_t item_capacity(int slots) {
     return smaller(unsigned(fill_threads), unsigned(pool_bytes - slots * int(sizeof(Sums))) / unsigned(sizeof(Item)));
   }
 };

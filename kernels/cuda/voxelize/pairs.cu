@@ -19,7 +19,7 @@ __device__ void add_count(unsigned long long* total, unsigned block) {
 /// line.
 __device__ void add_counts(const TriangleCounts<unsigned>& block, TriangleCounts<unsigned long long>& total) {
 #pragma unroll
-  for (int f = 0; f < triangle_classes; ++f) add_count(&total.fate[f], block.fate[f]);
+  for (int f = 0; f < triangle_classes; ++f) add_count(&total.triangle_class[f], block.triangle_class[f]);
   add_count(&total.bad_uv, block.bad_uv);
 }
 
@@ -49,7 +49,7 @@ __global__ void __launch_bounds__(pair_threads) pair_kernel(InputView in, CellWi
   if (threadIdx.x == 0) counts = {};
   __syncthreads();
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
-  TriangleClass fate = TriangleClass::elsewhere;
+  TriangleClass triangle_class = TriangleClass::elsewhere;
   BrickBox box;
   bool bad_uv = false, is_large = false;
   std::uint32_t pairs = 0;
@@ -62,15 +62,16 @@ __global__ void __launch_bounds__(pair_threads) pair_kernel(InputView in, CellWi
       const SnappedVertex p = snapped_vertex(in, part, v[k]);
       for (int c = 0; c < 3; ++c) t.p[k][c] = p.v[c];
     }
-    fate = classify_triangle(window, part, v, t.p);
-    bad_uv = has_bad_uv(fate, part, v);
-    if (fate == TriangleClass::kept && brick_box(t, window.rule, window.bricks, box)) {
+    triangle_class = classify_triangle(window, part, v, t.p);
+    bad_uv = has_bad_uv(triangle_class, part, v);
+    if (triangle_class == TriangleClass::kept && brick_box(t, window.rule, window.bricks, box)) {
       is_large = brick_count(box) > max_direct_bricks;
       if (!is_large) visit_keys(box, sink.range, [&](std::uint32_t) { ++pairs; });
     }
   }
 #pragma unroll
-  for (int f = int(TriangleClass::kept); f < triangle_classes; ++f) count(&counts.fate[f], fate == TriangleClass(f));
+  for (int f = int(TriangleClass::kept); f < triangle_classes; ++f)
+    count(&counts.triangle_class[f], triangle_class == TriangleClass(f));
   count(&counts.bad_uv, bad_uv);
   std::uint32_t before = 0, all = 0;
   Scan(scan).ExclusiveSum(pairs, before, all);

@@ -3,9 +3,9 @@
 #include <limits>
 
 #include "core/base/rules.h"
-#include "kernels/cuda/voxelize/rounds.cuh"
 #include "kernels/cuda/voxelize/select.cuh"
 #include "kernels/cuda/voxelize/voxelize.cuh"
+#include "kernels/cuda/voxelize/waves.cuh"
 
 namespace gigabake::kernels {
 namespace {
@@ -272,13 +272,13 @@ std::uint32_t counted_32(std::uint64_t n) {
   return std::uint32_t(n);
 }
 
-std::uint32_t with_room(double wanted, std::uint64_t minimum) {
+std::uint32_t with_capacity(double wanted, std::uint64_t minimum) {
   return counted_32(std::max(std::uint64_t(spare * wanted), minimum));
 }
 
 /// Returns the max number of pairs per batch. The batch's items and staging arrays use the memory that the cell's
 /// voxels leave.
-std::uint64_t pairs_that_fit(const BrickLists& lists, const FillRatios& ratios, bool at_once, double room_bytes) {
+std::uint64_t pairs_that_fit(const BrickLists& lists, const FillRatios& ratios, bool at_once, double capacity_bytes) {
   const double pairs = double(lists.triangle.size()), voxel_bytes = sizeof(std::uint32_t) + sizeof(std::uint16_t),
                item_bytes = sizeof(std::uint64_t) + sizeof(std::uint32_t), mask_bytes = 64 + 2 * sizeof(std::uint32_t);
   const double kept = mask_bytes * lists.bricks + spare * voxel_bytes * ratios.voxels_per_pair * pairs,
@@ -288,20 +288,21 @@ std::uint64_t pairs_that_fit(const BrickLists& lists, const FillRatios& ratios, 
   // voxels.
   const std::uint64_t minimum =
       std::max(min_pairs_per_batch, std::uint64_t(min_bricks_per_batch * pairs / lists.bricks));
-  return std::max(minimum, std::uint64_t(std::max(0.0, room_bytes - kept) / of_pair));
+  return std::max(minimum, std::uint64_t(std::max(0.0, capacity_bytes - kept) / of_pair));
 }
 
-FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios, bool at_once, double room_bytes) {
+FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios, bool at_once, double capacity_bytes) {
   const std::uint64_t pairs = lists.triangle.size(),
-                      batch = std::min({pairs, pairs_per_batch, pairs_that_fit(lists, ratios, at_once, room_bytes),
+                      batch = std::min({pairs, pairs_per_batch, pairs_that_fit(lists, ratios, at_once, capacity_bytes),
                                         1 + std::uint64_t(double(voxels_per_batch) / ratios.voxels_per_pair)});
   FillSizes s;
   s.bricks_per_batch = std::uint32_t(std::max<std::uint64_t>(1, lists.bricks * batch / pairs));
-  s.pairs_per_batch = with_room(double(batch) * ratios.pairs_spread, pairs_per_group);
-  s.items_per_batch = with_room(double(batch) * ratios.pairs_spread * ratios.items_per_pair, 1024);
-  s.voxels = with_room(double(pairs) * ratios.voxels_per_pair, 1024);
+  s.pairs_per_batch = with_capacity(double(batch) * ratios.pairs_spread, pairs_per_group);
+  s.items_per_batch = with_capacity(double(batch) * ratios.pairs_spread * ratios.items_per_pair, 1024);
+  s.voxels = with_capacity(double(pairs) * ratios.voxels_per_pair, 1024);
   s.stage_voxels =
-      at_once ? 0 : std::min(s.voxels, with_room(double(batch) * ratios.voxels_per_pair * ratios.voxels_spread, 1024));
+      at_once ? 0
+              : std::min(s.voxels, with_capacity(double(batch) * ratios.voxels_per_pair * ratios.voxels_spread, 1024));
   return s;
 }
 
@@ -331,9 +332,9 @@ void learn(const Filled& filled, const BrickLists& lists, const FillSizes& sizes
 
 }  // namespace
 
-DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, std::uint64_t room_bytes, const CellWindow& window,
+DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, std::uint64_t capacity_bytes, const CellWindow& window,
                      BrickLists lists, bool normals, CellMaterials materials, FillRatios& ratios, CellStats& stats) {
-  FillSizes sizes = first_sizes(lists, ratios, all_visible(materials), double(room_bytes) - double(heap.live()));
+  FillSizes sizes = first_sizes(lists, ratios, all_visible(materials), double(capacity_bytes) - double(heap.live()));
   for (;;) {
     Filled filled = Filler(heap, input, window.rule, lists, normals, materials, sizes).fill(lists.bricks);
     if (!fits(filled, sizes)) continue;

@@ -15,10 +15,10 @@ struct FillRatios {
   double pairs_spread = 1, voxels_spread = 1;  ///< ratio of the fullest batch to the mean batch
 };
 
-/// Computes the finest level. It has no empty brick and no invisible voxel. `room_bytes` is the intended max of the
+/// Computes the finest level. It has no empty brick and no invisible voxel. `capacity_bytes` is the intended max of the
 /// heap's live bytes; it determines the size of batches. `lists` is consumed.
 /// Errors  CudaFailure; DeviceFull, also beyond 2^32-1 voxels.
-DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, std::uint64_t room_bytes, const CellWindow& window,
+DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, std::uint64_t capacity_bytes, const CellWindow& window,
                      BrickLists lists, bool normals, CellMaterials materials, FillRatios& ratios, CellStats& stats);
 
 }  // namespace gigabake::kernels

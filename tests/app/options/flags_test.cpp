@@ -28,7 +28,7 @@ TEST(Said, NamesTheOptionOfWhatIsOutOfRange) {
     check(parameters);
     ADD_FAILURE();
   } catch (const std::exception& error) {
-    EXPECT_EQ(said(error), "--max-error: expected 0 to 127 codes of 255, got 128");
+    EXPECT_EQ(error_text(error), "--max-error: expected 0 to 127 codes of 255, got 128");
   }
 }
 

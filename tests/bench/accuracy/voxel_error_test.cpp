@@ -56,9 +56,10 @@ class VoxelErrors : public testing::Test {
     return path;
   }
 
-  VoxelError error_of(const GlbMesh& baked, const GlbMesh& truth, int coarser = 1, int threads = 2) const {
+  VoxelError error_of(const GlbMesh& baked, const GlbMesh& reference_alpha, int coarser = 1, int threads = 2) const {
     const auto scene = bake(sources("baked.glb", baked), lattice(voxel_m * coarser));
-    return voxel_error(ReferenceCaster(sources("truth.glb", truth), lattice(), threads), scene, coarser, {}, threads);
+    return voxel_error(ReferenceCaster(sources("truth.glb", reference_alpha), lattice(), threads), scene, coarser, {},
+                       threads);
   }
 
   ScratchFolder folder_;

@@ -112,7 +112,7 @@ TEST(TileScan, ComesBackFromItsBytes) {
   EXPECT_EQ(back.source, scan.source);
   EXPECT_EQ(back.error, scan.error);
   EXPECT_EQ(back.spacing_m, 0.5);
-  EXPECT_EQ(back.columns[0].crossings, scan.columns[0].crossings);
+  EXPECT_EQ(back.columns[0].projected_voxels, scan.columns[0].projected_voxels);
   EXPECT_EQ(back.too_far, scan.too_far);
   EXPECT_EQ(back.reach_m, 2.5);
   EXPECT_EQ(back.warnings, scan.warnings);

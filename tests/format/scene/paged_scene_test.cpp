@@ -166,9 +166,10 @@ SceneCell write_random_overview(const fs::path& scene_xml, const SceneCell& cell
   overview.header.lattice_min = {-512, -512, -512};
   overview.header.first_lod = 4;
   overview.header.cell_voxels <<= 4;
-  overview.nodes.facing.assign(overview.nodes.key.size(), {});
+  overview.nodes.directional_coverage.assign(overview.nodes.key.size(), {});
   for (BrickLevel& level : overview.levels)
-    for (std::size_t v = 0; v < level.rgba.size() / 4; ++v) level.facing.insert(level.facing.end(), {7, 8, 9, 0x1a});
+    for (std::size_t v = 0; v < level.rgba.size() / 4; ++v)
+      level.directional_coverage.insert(level.directional_coverage.end(), {7, 8, 9, 0x1a});
   return made::write_shard_of(scene_xml, made::with_content_hash(std::move(overview)));
 }
 

@@ -83,7 +83,7 @@ Shard small_overview() {
   overview.header.cell_voxels <<= 5;
   overview.header.lattice_min = {-512, 1024, 64};
   for (std::size_t b = 0; b < overview.levels[0].rgba.size() / 4; ++b)
-    overview.levels[0].facing.insert(overview.levels[0].facing.end(), {7, 8, 9, 0x1a});
+    overview.levels[0].directional_coverage.insert(overview.levels[0].directional_coverage.end(), {7, 8, 9, 0x1a});
   return overview;
 }
 
@@ -95,7 +95,7 @@ TEST(OverviewShard, HasFacingOnItsFinestLevelAndItsLevelsPlaceOnTheLattice) {
   const ShardReader reader(folder / "p.h5");
   EXPECT_EQ(reader.header().first_lod, 5u);
   EXPECT_EQ(reader.header().copied_lods, 1u);
-  EXPECT_EQ(reader.level(0).facing, overview.levels[0].facing);
+  EXPECT_EQ(reader.level(0).directional_coverage, overview.levels[0].directional_coverage);
   Shard cell = overview;
   cell.header.first_lod = cell.header.copied_lods = 0;
   EXPECT_NE(content_hash(cell), overview.header.content_hash);

@@ -29,10 +29,11 @@ inline std::vector<BrokenShard> broken_shards() {
       {"a voxel without coverage", [](Shard& s) { s.levels[0].rgba[3] = 0; }},
       {"normal does not match", [](Shard& s) { s.levels[0].normal.resize(4); }},
       {"/lod_1: row 1: plane is neither",
-       [](Shard& s) { s = small_shard_with_planes(), s.levels[1].facing[7] = 0x3c; }},
+       [](Shard& s) { s = small_shard_with_planes(), s.levels[1].directional_coverage[7] = 0x3c; }},
       {"/lod_1: row 0: plane is neither",
-       [](Shard& s) { s = small_shard_with_planes(), s.levels[1].facing[3] = 0x43; }},
-      {"/nodes: row 2: plane is neither", [](Shard& s) { s = small_shard_with_planes(), s.nodes.facing[2][3] = 3; }},
+       [](Shard& s) { s = small_shard_with_planes(), s.levels[1].directional_coverage[3] = 0x43; }},
+      {"/nodes: row 2: plane is neither",
+       [](Shard& s) { s = small_shard_with_planes(), s.nodes.directional_coverage[2][3] = 3; }},
   };
 }
 

@@ -82,8 +82,9 @@ TEST(ContentHash, TellsLevelPlaceColourAlphaNormalAndFacingApart) {
   Voxel turned = voxel;
   ++turned.normal[1];
   EXPECT_NE(h, hash(0, turned));
-  const std::uint8_t facing[facing_bytes] = {}, other[facing_bytes] = {0, 0, 0, 1};
-  const Hash128 faced = voxel_hash(1, voxel.at, voxel.rgba.data(), voxel.normal.data(), facing);
+  const std::uint8_t directional_coverage[directional_coverage_bytes] = {},
+                     other[directional_coverage_bytes] = {0, 0, 0, 1};
+  const Hash128 faced = voxel_hash(1, voxel.at, voxel.rgba.data(), voxel.normal.data(), directional_coverage);
   EXPECT_NE(faced, hash(1, voxel));
   EXPECT_NE(faced, voxel_hash(1, voxel.at, voxel.rgba.data(), voxel.normal.data(), other));
 }

@@ -16,13 +16,13 @@ namespace {
 constexpr std::uint32_t no_child = 0xffffffffu;
 
 /// Returns random directional coverage, with a random plane if the shape has normals.
-Facing random_facing(std::mt19937_64& rng, const ShardShape& shape) {
-  Facing facing{};
-  for (std::size_t a = 0; a < coverage_bytes; ++a) facing[a] = std::uint8_t(1 + rng() % 255);
-  if (!shape.normals) return facing;
-  do facing[facing_plane] = std::uint8_t(rng() % 64);
-  while (!is_plane(facing[facing_plane]));
-  return facing;
+Facing random_directional_coverage(std::mt19937_64& rng, const ShardShape& shape) {
+  Facing directional_coverage{};
+  for (std::size_t a = 0; a < coverage_bytes; ++a) directional_coverage[a] = std::uint8_t(1 + rng() % 255);
+  if (!shape.normals) return directional_coverage;
+  do directional_coverage[directional_coverage_plane] = std::uint8_t(rng() % 64);
+  while (!is_plane(directional_coverage[directional_coverage_plane]));
+  return directional_coverage;
 }
 
 void add_brick(std::mt19937_64& rng, const ShardShape& shape, int lod, BrickLevel& level) {
@@ -36,17 +36,19 @@ void add_brick(std::mt19937_64& rng, const ShardShape& shape, int lod, BrickLeve
   const std::uint64_t run = shape.alike ? 1 + rng() % 2000 : 1;
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
-  Facing facing{};
+  Facing directional_coverage{};
   for (std::uint64_t v = 0; v < voxels; ++v) {
     if (v % run == 0) {
       for (int c = 0; c < 3; ++c) rgba[std::size_t(c)] = std::uint8_t(rng());
       rgba[3] = std::uint8_t(1 + rng() % 255);
       for (int c = 0; c < 2; ++c) normal[std::size_t(c)] = std::int8_t(int(rng() % 255) - 127);
-      facing = random_facing(rng, shape);
+      directional_coverage = random_directional_coverage(rng, shape);
     }
     level.rgba.insert(level.rgba.end(), rgba.begin(), rgba.end());
     if (shape.normals) level.normal.insert(level.normal.end(), normal.begin(), normal.end());
-    if (shape.facing && lod > 0) level.facing.insert(level.facing.end(), facing.begin(), facing.end());
+    if (shape.directional_coverage && lod > 0)
+      level.directional_coverage.insert(level.directional_coverage.end(), directional_coverage.begin(),
+                                        directional_coverage.end());
   }
 }
 
@@ -58,7 +60,7 @@ void add_node(NodeTable& n, std::uint64_t key, int lod, NodeKind kind) {
   n.first_child.push_back(no_child);
   n.value.push_back(0);
   n.normal.push_back({0, 0});
-  n.facing.push_back({});
+  n.directional_coverage.push_back({});
 }
 
 /// Returns a random type. On coarse levels a leaf-constant node would cover too many voxels for a test, so they get
@@ -78,7 +80,7 @@ void grow(std::mt19937_64& rng, const ShardShape& shape, std::size_t i, Shard& s
   } else {
     n.value[i] = std::uint32_t(rng()) | 0x01000000u;
     if (shape.normals) n.normal[i] = {std::int8_t(rng() % 127), std::int8_t(rng() % 127)};
-    if (shape.facing && lod > 0) n.facing[i] = random_facing(rng, shape);
+    if (shape.directional_coverage && lod > 0) n.directional_coverage[i] = random_directional_coverage(rng, shape);
   }
   if (lod == 0 || n.kind[i] == NodeKind::leaf_constant) return;
   n.first_child[i] = std::uint32_t(n.key.size());
@@ -163,14 +165,14 @@ Shard random_shard(std::mt19937_64& rng, const ShardShape& shape) {
   Shard s;
   s.header = header_of(shape.lods);
   s.header.has_normals = shape.normals;
-  s.header.has_facing = shape.facing;
+  s.header.has_directional_coverage = shape.directional_coverage;
   for (std::int64_t& x : s.header.lattice_min) x = 8 * (std::int64_t(rng() % 2000) - 1000);
   if (rng() % 2 == 0) s.header.origin = Geodetic{48.123456789, -11.5, double(rng() % 1000) / 7};
   s.levels.resize(std::size_t(shape.lods));
   for (BrickLevel& level : s.levels) level.first = {0};
   add_node(s.nodes, 0, shape.lods - 1, random_kind(rng, shape.lods - 1, true));
   for (std::size_t i = 0; i < s.nodes.key.size(); ++i) grow(rng, shape, i, s);
-  if (!shape.facing) s.nodes.facing.clear();
+  if (!shape.directional_coverage) s.nodes.directional_coverage.clear();
   return with_content_hash(std::move(s));
 }
 
@@ -213,9 +215,9 @@ Shard small_shard() {
 
 Shard small_shard_with_planes() {
   Shard s = small_shard();
-  s.header.has_facing = true;
-  s.nodes.facing = {{}, {}, {0, 0, 0, 0x23}};
-  s.levels[1].facing = {255, 1, 128, 0x1a, 0, 0, 0, 0x3f};
+  s.header.has_directional_coverage = true;
+  s.nodes.directional_coverage = {{}, {}, {0, 0, 0, 0x23}};
+  s.levels[1].directional_coverage = {255, 1, 128, 0x1a, 0, 0, 0, 0x3f};
   return with_content_hash(std::move(s));
 }
 
@@ -250,7 +252,7 @@ Shard shard_of(const std::vector<Voxel>& voxels, Vec3i64 lattice_min, std::uint3
   s.header.cell = "c_" + std::to_string(lattice_min[0]) + "_" + std::to_string(lattice_min[1]) + "_" +
                   std::to_string(lattice_min[2]);
   s.nodes = nodes_of(levels);
-  s.nodes.facing.clear();
+  s.nodes.directional_coverage.clear();
   s.levels.resize(std::size_t(lods));
   for (std::size_t lod = 0; lod < levels.size(); ++lod) add_level(levels[lod], s.levels[lod]);
   return with_content_hash(std::move(s));
@@ -268,10 +270,11 @@ Shard small_overview() {
   overview.header.first_lod = 1;
   overview.header.copied_lods = 1;
   overview.header.cell_voxels = 32;
-  overview.header.has_facing = true;
-  overview.nodes.facing.assign(overview.nodes.key.size(), {});
+  overview.header.has_directional_coverage = true;
+  overview.nodes.directional_coverage.assign(overview.nodes.key.size(), {});
   for (BrickLevel& level : overview.levels)
-    for (std::size_t v = 0; v < level.rgba.size() / 4; ++v) level.facing.insert(level.facing.end(), {7, 8, 9, 0x1a});
+    for (std::size_t v = 0; v < level.rgba.size() / 4; ++v)
+      level.directional_coverage.insert(level.directional_coverage.end(), {7, 8, 9, 0x1a});
   return with_content_hash(std::move(overview));
 }
 
@@ -294,7 +297,7 @@ SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const st
     (h.first_lod == 0 ? scene.cells : scene.overviews).push_back(write_shard_of(scene_xml, s));
     scene.voxel_size_m = h.voxel_size_m;
     scene.has_normals = h.has_normals;
-    scene.has_facing = h.has_facing;
+    scene.has_directional_coverage = h.has_directional_coverage;
     scene.lattice_origin_m = h.lattice_origin_m;
     scene.origin = h.origin;
     scene.has_normals = h.has_normals;
@@ -303,7 +306,7 @@ SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const st
   BakeParameters parameters{.voxel_size_m = scene.voxel_size_m, .lattice_origin_m = scene.lattice_origin_m};
   if (!scene.cells.empty()) parameters.cell_voxels = scene.cells[0].cell_voxels;
   parameters.normals = scene.has_normals;
-  parameters.facing = scene.has_facing;
+  parameters.directional_coverage = scene.has_directional_coverage;
   scene.parameters = to_json(parameters);
   write_scene(scene_xml, scene);
   return scene;
@@ -315,16 +318,19 @@ std::string difference(const Shard& a, const Shard& b) {
       h.cell_voxels != g.cell_voxels || h.first_lod != g.first_lod || h.copied_lods != g.copied_lods ||
       h.voxel_size_m != g.voxel_size_m || h.lattice_origin_m != g.lattice_origin_m || h.origin != g.origin ||
       h.lods != g.lods || h.fingerprint != g.fingerprint || h.content_hash != g.content_hash ||
-      h.has_normals != g.has_normals || h.has_facing != g.has_facing || h.triangles != g.triangles)
+      h.has_normals != g.has_normals || h.has_directional_coverage != g.has_directional_coverage ||
+      h.triangles != g.triangles)
     return "headers differ";
   const NodeTable &n = a.nodes, &m = b.nodes;
   if (n.key != m.key || n.lod != m.lod || n.kind != m.kind || n.child_mask != m.child_mask ||
-      n.first_child != m.first_child || n.value != m.value || n.normal != m.normal || n.facing != m.facing)
+      n.first_child != m.first_child || n.value != m.value || n.normal != m.normal ||
+      n.directional_coverage != m.directional_coverage)
     return "nodes differ";
   if (a.levels.size() != b.levels.size()) return "numbers of levels differ";
   for (std::size_t lod = 0; lod < a.levels.size(); ++lod) {
     const BrickLevel &l = a.levels[lod], &k = b.levels[lod];
-    if (l.mask != k.mask || l.first != k.first || l.rgba != k.rgba || l.normal != k.normal || l.facing != k.facing)
+    if (l.mask != k.mask || l.first != k.first || l.rgba != k.rgba || l.normal != k.normal ||
+        l.directional_coverage != k.directional_coverage)
       return "levels differ at lod " + std::to_string(lod);
   }
   return "";

@@ -33,9 +33,9 @@ std::string bytes_of(const std::filesystem::path& path);
 struct ShardShape {
   int lods = 3;
   bool normals = true;
-  int max_children = 8;  ///< per node
-  bool alike = false;    ///< neighbours are often equal, so that values are shared
-  bool facing = true;    ///< for lod 1 and above
+  int max_children = 8;              ///< per node
+  bool alike = false;                ///< neighbours are often equal, so that values are shared
+  bool directional_coverage = true;  ///< for lod 1 and above
 };
 
 /// Returns a random consistent shard: bricks, constant and leaf-constant nodes, voxels of all colours, with

@@ -116,7 +116,7 @@ TEST(PackedShard, IsTheFileOfItsVoxels) {
     made::ShardShape shape;
     shape.lods = 1 + int(rng() % 4);
     shape.normals = rng() % 2 != 0;
-    shape.facing = rng() % 2 != 0;
+    shape.directional_coverage = rng() % 2 != 0;
     shape.alike = rng() % 2 != 0;
     const Shard shard = made::random_shard(rng, shape);
     const auto as = rng() % 2 != 0 ? PackedByHand::As::raw : PackedByHand::As::stored;
@@ -141,7 +141,7 @@ TEST(PackedShard, UnpacksToTheCoarseLevelsOfItsFile) {
     made::ShardShape shape;
     shape.lods = 1 + int(rng() % 4);
     shape.normals = rng() % 2 != 0;
-    shape.facing = rng() % 2 != 0;
+    shape.directional_coverage = rng() % 2 != 0;
     shape.alike = rng() % 2 != 0;
     const Shard shard = made::random_shard(rng, shape);
     write_shard(folder / "shard.h5", shard, {});
@@ -159,12 +159,13 @@ TEST(PackedShard, UnpacksToTheCoarseLevelsOfItsFile) {
       EXPECT_TRUE(is_prefix(n.key, shard.nodes.key) && is_prefix(n.lod, shard.nodes.lod));
       EXPECT_TRUE(is_prefix(n.kind, shard.nodes.kind) && is_prefix(n.child_mask, shard.nodes.child_mask));
       EXPECT_TRUE(is_prefix(n.first_child, shard.nodes.first_child) && is_prefix(n.value, shard.nodes.value));
-      EXPECT_TRUE(is_prefix(n.normal, shard.nodes.normal) && is_prefix(n.facing, shard.nodes.facing));
+      EXPECT_TRUE(is_prefix(n.normal, shard.nodes.normal) &&
+                  is_prefix(n.directional_coverage, shard.nodes.directional_coverage));
       ASSERT_EQ(coarse->levels.size(), shard.levels.size() - std::size_t(begin));
       for (std::size_t l = 0; l < coarse->levels.size(); ++l) {
         const BrickLevel &got = coarse->levels[l], &want = shard.levels[l + std::size_t(begin)];
         EXPECT_TRUE(got.mask == want.mask && got.first == want.first && got.rgba == want.rgba);
-        EXPECT_TRUE(got.normal == want.normal && got.facing == want.facing);
+        EXPECT_TRUE(got.normal == want.normal && got.directional_coverage == want.directional_coverage);
       }
     }
   }
@@ -224,7 +225,7 @@ TEST(PackedShard, HasRowsAsItsColumnsAre) {
     EXPECT_EQ(column.planes == BytePlanes::yes ? element_bytes(column.type) : 1, row.shuffled_bytes) << column.name;
   };
   ShardHeader header;
-  header.has_facing = true;
+  header.has_directional_coverage = true;
   const LevelColumns level(1);
   expect_row(level.mask, mask_row);
   expect_row(level.first, first_row);

@@ -32,7 +32,8 @@ Shard put_together(const ShardPages& pages, const Shard& written) {
     s.nodes.first_child.push_back(row.first_child);
     s.nodes.value.push_back(row.value);
     s.nodes.normal.push_back({row.normal[0], row.normal[1]});
-    if (s.header.has_facing) s.nodes.facing.push_back(std::to_array(row.facing));
+    if (s.header.has_directional_coverage)
+      s.nodes.directional_coverage.push_back(std::to_array(row.directional_coverage));
   }
   for (int lod = 0; lod < int(s.header.lods); ++lod) {
     BrickLevel& level = s.levels.emplace_back();
@@ -44,7 +45,8 @@ Shard put_together(const ShardPages& pages, const Shard& written) {
       level.mask.insert(level.mask.end(), block.mask.begin(), block.mask.end());
       level.rgba.insert(level.rgba.end(), block.rgba.begin(), block.rgba.end());
       level.normal.insert(level.normal.end(), block.normal.begin(), block.normal.end());
-      level.facing.insert(level.facing.end(), block.facing.begin(), block.facing.end());
+      level.directional_coverage.insert(level.directional_coverage.end(), block.directional_coverage.begin(),
+                                        block.directional_coverage.end());
     }
   }
   return s;

@@ -23,7 +23,9 @@ std::string difference(const std::vector<NodeRow>& rows, const NodeTable& n, std
     if (row.first_child != n.first_child[at] || row.value != n.value[at] || row.kind != n.kind[at] ||
         row.child_mask != n.child_mask[at] || row.normal[0] != n.normal[at][0] || row.normal[1] != n.normal[at][1])
       return "row " + std::to_string(at) + " differs";
-    if (!n.facing.empty() && !std::equal(row.facing, row.facing + facing_bytes, n.facing[at].begin()))
+    if (!n.directional_coverage.empty() &&
+        !std::equal(row.directional_coverage, row.directional_coverage + directional_coverage_bytes,
+                    n.directional_coverage[at].begin()))
       return "row " + std::to_string(at) + " faces otherwise";
   }
   return "";
@@ -41,7 +43,8 @@ std::string difference(const BrickBlock& block, const BrickLevel& level, std::si
     if (begin + block.first[b] != level.first[first + b]) return "first differs at brick " + std::to_string(first + b);
   if (!same(block.mask, level.mask, 8 * first, 8 * bricks)) return "masks differ";
   if (!same(block.rgba, level.rgba, 4 * begin, 4 * voxels)) return "colours differ";
-  if (!same(block.facing, level.facing, facing_bytes * begin, level.facing.empty() ? 0 : facing_bytes * voxels))
+  if (!same(block.directional_coverage, level.directional_coverage, directional_coverage_bytes * begin,
+            level.directional_coverage.empty() ? 0 : directional_coverage_bytes * voxels))
     return "facing differs";
   if (!same(block.normal, level.normal, 2 * begin, level.normal.empty() ? 0 : 2 * voxels)) return "normals differ";
   return "";

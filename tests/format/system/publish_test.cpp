@@ -54,7 +54,7 @@ TEST(Publish, KeepsTheOldFileWhereTheNewOneWasNeverPublished) {
   publish_file(folder / "f", "old");
   {
     Publication unfinished(folder / "f");
-    std::ofstream(unfinished.aside()) << "half of the ne";
+    std::ofstream(unfinished.temporary()) << "half of the ne";
     EXPECT_EQ(content(folder / "f"), "old");
   }
   EXPECT_EQ(content(folder / "f"), "old");
@@ -65,7 +65,7 @@ TEST(Publish, PassesOverWhatAKilledProcessLeft) {
   const TempFolder folder;
   const Publication first(folder / "f");
   const Publication second(folder / "f");
-  EXPECT_NE(first.aside(), second.aside());
+  EXPECT_NE(first.temporary(), second.temporary());
 }
 
 TEST(Publish, NamesTheTargetWhereItsFolderIsMissing) {

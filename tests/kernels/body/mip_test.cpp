@@ -23,13 +23,13 @@ TEST(Weights, AreAlikeWhereAllChildrenAreTooFaintAndNoneForThoseThatAreNotThere)
   const std::uint32_t there[2] = {0x01000001, 0x00010000};
   const Weights w = weights_of(CoverageSums{}, 8, there);
   for (int c = 0; c < 8; ++c) EXPECT_EQ(w.of(c), c == 0 || c == 3 || c == 6 ? 1u : 0u) << c;
-  EXPECT_EQ(w.max_facing(), 1u) << "what exists does not vanish";
+  EXPECT_EQ(w.max_directional_coverage(), 1u) << "what exists does not vanish";
 }
 
 TEST(Weights, ReportTheMaxFacing) {
-  EXPECT_EQ((Weights{{0, 0}, 0x010203}.max_facing()), 3u);
-  EXPECT_EQ((Weights{{0, 0}, 0x010302}.max_facing()), 3u);
-  EXPECT_EQ((Weights{{0, 0}, 0x030201}.max_facing()), 3u);
+  EXPECT_EQ((Weights{{0, 0}, 0x010203}.max_directional_coverage()), 3u);
+  EXPECT_EQ((Weights{{0, 0}, 0x010302}.max_directional_coverage()), 3u);
+  EXPECT_EQ((Weights{{0, 0}, 0x030201}.max_directional_coverage()), 3u);
 }
 
 TEST(ParentSlab, HasAVoxelWhereOneOfEightExists) {
@@ -52,7 +52,7 @@ Level two_voxels() {
   level.first = {0, 2};
   level.rgba = {255, 0, 0, 1, 0, 0, 255, 1};
   level.normal = {0, 0, 0, 0};
-  level.facing = {1, 1, 1, 0, 1, 1, 1, 0};
+  level.directional_coverage = {1, 1, 1, 0, 1, 1, 1, 0};
   return level;
 }
 

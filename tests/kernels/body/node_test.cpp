@@ -48,12 +48,12 @@ TEST(CellWindow, ComesFromTheParameters) {
 
 TEST(HashOfVoxel, IsOfItsLowestCornerInVoxelsOfTheFinestLevel) {
   const std::int64_t min[3] = {-800, 16, 1024};
-  const std::uint8_t facing[facing_bytes] = {1, 2, 3, 4};
+  const std::uint8_t directional_coverage[directional_coverage_bytes] = {1, 2, 3, 4};
   const BrickCoordinate brick{5, 0, 2};
   const int voxel = 3 + 8 * 7 + 64 * 4;
   const Hash128 plain = hash_of_voxel(min, 2, brick, voxel, 0x80ff01, 77, nullptr);
   EXPECT_EQ(plain, hash_voxel(2, -800 + 4 * 43, 16 + 4 * 7, 1024 + 4 * 20, 0x80ff01, 77));
-  const Hash128 faced = hash_of_voxel(min, 2, brick, voxel, 0x80ff01, 77, facing);
+  const Hash128 faced = hash_of_voxel(min, 2, brick, voxel, 0x80ff01, 77, directional_coverage);
   EXPECT_EQ(faced, hash_voxel(2, -800 + 4 * 43, 16 + 4 * 7, 1024 + 4 * 20, 0x80ff01, 77, 0x04030201));
 }
 

@@ -126,10 +126,10 @@ TEST(Plane, IsWhereTheVoxelsOfAPlaneLie) {
     for (int lod = 1; lod < 4; ++lod) {
       const Level& level = levels[std::size_t(lod)];
       for_each_voxel_of(level, lod, [&](const double centre[3], double half, std::size_t v) {
-        const std::uint8_t* facing = &level.facing[facing_bytes * v];
-        if (!is_all_sheet(facing[facing_plane])) return;
+        const std::uint8_t* directional_coverage = &level.directional_coverage[directional_coverage_bytes * v];
+        if (!is_fully_planar(directional_coverage[directional_coverage_plane])) return;
         const double offset = -plane.above(centre) / half,
-                     said = unpack_plane(facing[facing_plane]).offset / double(max_offset);
+                     said = unpack_plane(directional_coverage[directional_coverage_plane]).offset / double(max_offset);
         ASSERT_NEAR(said, offset, 1.0 / half + (lod == 1 ? 1.5 : 0.5) / max_offset)
             << "seed " << seed << " plane " << i << " lod " << lod;
       });
@@ -147,7 +147,8 @@ TEST(Plane, IsKnownToNearlyAllVoxelsOfAPlane) {
       int sheets = 0, voxels = 0;
       for_each_voxel_of(level, lod, [&](const double*, double, std::size_t v) {
         ++voxels;
-        sheets += is_all_sheet(level.facing[facing_bytes * v + facing_plane]);
+        sheets +=
+            is_fully_planar(level.directional_coverage[directional_coverage_bytes * v + directional_coverage_plane]);
       });
       EXPECT_GT(sheets, 0.9 * voxels) << "plane " << i << " lod " << lod;
     }
@@ -163,7 +164,8 @@ TEST(Plane, IsNoneWhereVoxelsFillTheirCubeOrTwoSidesOfAWallCancel) {
     const std::vector<Level> levels = levels_above(finest);
     const Level& top = levels[3];
     for (std::size_t v = 0; v < top.rgba.size() / 4; ++v) {
-      EXPECT_EQ(top.facing[facing_bytes * v + facing_plane], 0) << "voxel " << v;
+      EXPECT_EQ(top.directional_coverage[directional_coverage_bytes * v + directional_coverage_plane], 0)
+          << "voxel " << v;
     }
   }
 }
@@ -177,8 +179,9 @@ TEST(Plane, IsNoneWithoutNormals) {
   add_coarser_levels(levels, surface, 4, MipFilter::coverage, false, ThreadPool(1));
   EXPECT_TRUE(surface.patches.empty());
   for (std::size_t v = 0; v < levels[3].rgba.size() / 4; ++v) {
-    EXPECT_EQ(levels[3].facing[facing_bytes * v + facing_plane], 0);
-    EXPECT_NE(levels[3].facing[facing_bytes * v], 0) << "coverage describes the whole voxel";
+    EXPECT_EQ(levels[3].directional_coverage[directional_coverage_bytes * v + directional_coverage_plane], 0);
+    EXPECT_NE(levels[3].directional_coverage[directional_coverage_bytes * v], 0)
+        << "coverage describes the whole voxel";
   }
 }
 
@@ -191,7 +194,7 @@ TEST(Plane, ComesBackFromItsByte) {
       EXPECT_NE(byte, 0);
       EXPECT_EQ(again.offset, offset);
       EXPECT_EQ(again.coherence, coherence);
-      EXPECT_EQ(is_all_sheet(byte), coherence == max_coherence);
+      EXPECT_EQ(is_fully_planar(byte), coherence == max_coherence);
     }
 }
 

@@ -44,12 +44,12 @@ TEST(Tables, RaiseMeanAlphaToOneMinusItself) {
 TEST(Tables, HaveOfASheetsVoxelsThatTogetherTheyCoverWhatItDoes) {
   for (int alpha = 0; alpha < 256; ++alpha)
     for (int n = 1; n < int(normal_steps); ++n) {
-      const double one = tables.sheet_coverage[alpha * int(normal_steps) + n] / 255.0, voxels = 127.0 / n;
+      const double one = tables.planar_coverage[alpha * int(normal_steps) + n] / 255.0, voxels = 127.0 / n;
       const double low = std::max(one - 0.501 / 255, 0.0), high = std::min(one + 0.501 / 255, 1.0);
       ASSERT_LE(1 - std::pow(1 - low, voxels), alpha / 255.0 + 1e-9) << alpha << " " << n;
       ASSERT_GE(1 - std::pow(1 - high, voxels), alpha / 255.0 - 1e-9) << alpha << " " << n;
     }
-  for (int n = 1; n < int(normal_steps); ++n) EXPECT_EQ(tables.sheet_coverage[255 * int(normal_steps) + n], 255) << n;
+  for (int n = 1; n < int(normal_steps); ++n) EXPECT_EQ(tables.planar_coverage[255 * int(normal_steps) + n], 255) << n;
 }
 
 }  // namespace

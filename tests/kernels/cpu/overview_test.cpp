@@ -19,14 +19,14 @@ constexpr int whole_lods = 5;
 
 struct OverviewRules {
   MipFilter mip = MipFilter::coverage;
-  bool normals = true, facing = true;
+  bool normals = true, directional_coverage = true;
   std::uint32_t max_error = 0;
 };
 
 CellParameters parameters_of(const test::TestCell& cell, const OverviewRules& rules) {
   CellParameters p = cell.parameters(SurfaceRule::area, rules.mip, rules.normals);
   p.window_voxels = whole_voxels;
-  p.facing = rules.facing;
+  p.directional_coverage = rules.directional_coverage;
   p.max_error = rules.max_error;
   return p;
 }
@@ -81,7 +81,8 @@ class InBlocks {
       for (std::int64_t y = 0; y < whole; y += edge)
         for (std::int64_t x = 0; x < whole; x += edge) {
           OverviewParameters p{{x, y, z}, int(std::bit_width(std::uint64_t(child_edge / 8))) - 1, levels};
-          p.mip = parameters_.mip, p.normals = parameters_.normals, p.facing = parameters_.facing;
+          p.mip = parameters_.mip, p.normals = parameters_.normals,
+          p.directional_coverage = parameters_.directional_coverage;
           p.max_error = parameters_.max_error;
           keep(bake_overview(children, p, pool_), p.child_lod + 1, {x, y, z});
         }

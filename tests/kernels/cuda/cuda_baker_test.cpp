@@ -20,7 +20,7 @@ void expect_equal(const CellVolume& host, const CellVolume& device) {
     ASSERT_EQ(h.first, d.first) << "lod " << l;
     ASSERT_EQ(h.rgba, d.rgba) << "lod " << l;
     ASSERT_EQ(h.normal, d.normal) << "lod " << l;
-    ASSERT_EQ(h.facing, d.facing) << "lod " << l;
+    ASSERT_EQ(h.directional_coverage, d.directional_coverage) << "lod " << l;
   }
   EXPECT_EQ(host.nodes.key, device.nodes.key);
   EXPECT_EQ(host.nodes.lod, device.nodes.lod);
@@ -29,7 +29,7 @@ void expect_equal(const CellVolume& host, const CellVolume& device) {
   EXPECT_EQ(host.nodes.first_child, device.nodes.first_child);
   EXPECT_EQ(host.nodes.value, device.nodes.value);
   EXPECT_EQ(host.nodes.normal, device.nodes.normal);
-  EXPECT_EQ(host.nodes.facing, device.nodes.facing);
+  EXPECT_EQ(host.nodes.directional_coverage, device.nodes.directional_coverage);
   EXPECT_EQ(host.content_hash, device.content_hash);
   EXPECT_EQ(host.above, device.above);
 }
@@ -101,7 +101,7 @@ TEST_F(CudaBakerTest, BakesTheSameBitsAsTheCpuWhereCoverageAlongTheAxesIsNotKept
     for (const std::uint64_t bytes : {std::uint64_t(0), std::uint64_t(1)}) {
       SCOPED_TRACE(cell.name + ", bytes " + std::to_string(bytes));
       CellParameters parameters = cell.parameters(SurfaceRule::area, MipFilter::coverage, true);
-      parameters.facing = false;
+      parameters.directional_coverage = false;
       parameters.memory_bytes = bytes;
       expect_same_bits(cell, parameters);
     }

@@ -6,8 +6,8 @@
 
 #include "core/math/snap.h"
 #include "kernels/body/mip/mip.h"
-#include "kernels/body/mip/mip_of_64.h"
 #include "kernels/body/mip/plane_fit.h"
+#include "kernels/body/mip/two_level_filter.h"
 #include "kernels/body/voxelize/brick_triangle.h"
 #include "kernels/body/voxelize/part.h"
 #include "kernels/body/voxelize/surface.h"
@@ -141,7 +141,7 @@ constexpr int parent_words = raster_words(Edge < max_raster_edge ? 2 * Edge : ma
 template <int Edge>
 struct Filtered {
   Voxel by_mean[2], by_view;
-  std::uint16_t facing[3];  ///< 16 bits each, because padding bytes would be compared too
+  std::uint16_t directional_coverage[3];  ///< 16 bits each, because padding bytes would be compared too
   std::uint32_t raster[parent_words<Edge>];
 };
 
@@ -181,7 +181,7 @@ struct FilterBody {
     std::uint32_t there[2] = {};
     for (int c = 0; c < 8; ++c) there[c / 4] |= std::uint32_t(from.child[c].rgba[3] != 0) << 8 * (c % 4);
     const Weights weights = weights_of(seen, Edge, there);
-    for (int a = 0; a < 3; ++a) out.facing[a] = byte_of(weights.facing, a);
+    for (int a = 0; a < 3; ++a) out.directional_coverage[a] = byte_of(weights.directional_coverage, a);
     out.by_mean[0] = filter_children<false>(from.child, {}, MipFilter::thesis, tables);
     out.by_mean[1] = filter_children<false>(from.child, {}, MipFilter::box, tables);
     out.by_view = filter_children<true>(from.child, weights, MipFilter::coverage, tables);
@@ -217,7 +217,7 @@ TEST(DeviceBodies, FilterTheSameLevelsAsOnTheCpu) {
 struct PatchCase {
   Voxel child[8];
   SurfaceMoments patch[8];
-  std::uint32_t facing;
+  std::uint32_t directional_coverage;
 };
 
 struct Joined {
@@ -229,7 +229,7 @@ struct Joined {
 struct JoinBody {
   GB_HD Joined operator()(const PatchCase& from, const Tables& tables) const {
     Weights weights{};
-    weights.facing = from.facing;
+    weights.directional_coverage = from.directional_coverage;
     for (int c = 0; c < 8; ++c) weights.child[c / 4] |= std::uint32_t(from.child[c].rgba[3]) << 8 * (c % 4);
     Joined out;
     for (int i = 0; i < 2; ++i) {
@@ -238,7 +238,7 @@ struct JoinBody {
       const Plane plane = plane_of(made.patch, made.voxel.normal, i == 0);
       out.patch[i] = made.patch;
       out.plane[i] = pack_plane(plane);
-      for (int a = 0; a < 3; ++a) out.beside[i][a] = byte_of(stored_coverage(plane, from.facing), a);
+      for (int a = 0; a < 3; ++a) out.beside[i][a] = byte_of(stored_coverage(plane, from.directional_coverage), a);
     }
     return out;
   }
@@ -260,7 +260,7 @@ std::vector<PatchCase> random_patches(int count) {
       f.patch[c].normal_coherence = std::uint8_t(255 - random() % (flat ? 60 : 256));
     }
     f.child[random() % 8].rgba[3] = 255;
-    f.facing = std::uint32_t(random()) & 0xffffff;
+    f.directional_coverage = std::uint32_t(random()) & 0xffffff;
   }
   return cases;
 }
@@ -288,7 +288,7 @@ struct FilterOf64Body {
       out.voxel[octant] = Voxel{};
       if (out.there[octant] == 0) continue;
       const auto voxel = [&](std::size_t i) { return brick.voxel[i]; };
-      out.voxel[octant] = filter_64(brick.mask, octant, 0, voxel, tables);
+      out.voxel[octant] = two_level_filter(brick.mask, octant, 0, voxel, tables);
     }
     return out;
   }

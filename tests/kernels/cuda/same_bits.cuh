@@ -67,7 +67,7 @@ class DeviceTables {
   DeviceArray<std::uint8_t> srgb_{host_.srgb_from_linear, linear_values};
   DeviceArray<std::int16_t> normal_{host_.unit_normal, 4 * normal_codes};
   DeviceArray<std::uint8_t> thesis_{host_.thesis_alpha, alpha_sums};
-  DeviceArray<std::uint8_t> sheet_{host_.sheet_coverage, sheet_coverages};
+  DeviceArray<std::uint8_t> sheet_{host_.planar_coverage, planar_coverages};
 };
 
 template <class Out, class In, class Body>

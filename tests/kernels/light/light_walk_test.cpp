@@ -27,7 +27,7 @@ class OneBrick {
     scene.parent_bricks = &parent_brick_;
     scene.heads = &brick_.head;
     scene.voxels = brick_.parts.data();
-    scene.marks = {&tile_used_, &slot_used_, &wanted_};
+    scene.feedback = {&tile_used_, &slot_used_, &wanted_};
   }
 
   const CastScene& scene() const { return cell_.scene; }
@@ -72,7 +72,7 @@ CastLine random_line(std::mt19937_64& random) {
   return line;
 }
 
-template <CastAim aim>
+template <RayType aim>
 float light_through(const CastScene& scene, const CastLine& line) {
   CastRay ray = start_ray(scene, line);
   cast_ray<aim>(scene, CastCamera(), line, true, true, ray);
@@ -88,8 +88,8 @@ TEST(LightWalk, LetsThroughWhatTheEyesRayDoes) {
     const OneBrick brick(random);
     for (int n = 0; n < 50; ++n) {
       const CastLine line = random_line(random);
-      const float seen = light_through<CastAim::light>(brick.scene(), line);
-      ASSERT_EQ(seen, light_through<CastAim::eye>(brick.scene(), line))
+      const float seen = light_through<RayType::shadow>(brick.scene(), line);
+      ASSERT_EQ(seen, light_through<RayType::primary>(brick.scene(), line))
           << "seed " << seed << ", brick " << i << ", ray " << n;
       partly += seen > 0 && seen < 1 ? 1 : 0;
     }

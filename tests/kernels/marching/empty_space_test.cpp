@@ -20,17 +20,17 @@ constexpr int edge_bricks = 1 << (cell_bits - 3);
 struct RandomTree : OneCell {
   std::vector<bool> stands;
   std::vector<NodeWord> nodes = std::vector<NodeWord>(8, empty_node);
-  std::vector<std::uint32_t> parent_bricks{0}, tile_used, slot_used, wanted;
+  std::vector<std::uint32_t> parent_bricks{0}, tile_used, slot_used, requested;
 
   explicit RandomTree(std::mt19937_64& random) : OneCell(cell_bits, lods) {
     for (int i = 0; i < edge_bricks * edge_bricks * edge_bricks; ++i) stands.push_back(random() % 40 == 0);
     fill(0, lods - 1, {0, 0, 0});
     tile_used.resize(nodes.size() / 8);
     slot_used.resize(1);
-    wanted.resize(nodes.size());
+    requested.resize(nodes.size());
     scene.nodes = nodes.data();
     scene.parent_bricks = parent_bricks.data();
-    scene.marks = {tile_used.data(), slot_used.data(), wanted.data()};
+    scene.feedback = {tile_used.data(), slot_used.data(), requested.data()};
     scene.pass = 1;
   }
 
@@ -54,7 +54,7 @@ struct RandomTree : OneCell {
     }
     if (!stands_in(low, high)) return;
     if (lod == 0) {
-      nodes[node] = pack_node({absent_ref, 0});
+      nodes[node] = pack_node({not_resident_ref, 0});
       return;
     }
     const auto tile = std::uint32_t(nodes.size() / 8);
@@ -93,7 +93,7 @@ bool is_empty(const RandomTree& tree, const CastLine& line, double step) {
   CellFrame frame;
   CastPath path;
   const FixedPoint at = level_points(tree.scene, line, 0).at(line, 0, step);
-  return !is_here(locate(tree.scene, line, 0, at, true, frame, path).brick);
+  return !is_resident(find_brick(tree.scene, line, 0, at, true, frame, path).brick);
 }
 
 /// Returns a line along a diagonal of x and y that advances equally along both axes. Its points are within a few
@@ -119,10 +119,10 @@ void expect_empty(const RandomTree& tree, const CastLine& line, Leaps& leaps) {
   CellFrame frame;
   CastPath path;
   for (double step = 0; step < 2 << cell_bits;) {
-    const CastPlace place = locate(tree.scene, line, 0, points.at(line, 0, step), true, frame, path);
-    const bool is_brick = is_here(place.brick);
+    const SampleLocation place = find_brick(tree.scene, line, 0, points.at(line, 0, step), true, frame, path);
+    const bool is_brick = is_resident(place.brick);
     ASSERT_EQ(is_brick, !is_empty(tree, line, step)) << "at " << step;
-    const double steps = is_brick ? 1 : steps_within(place.way, 2);
+    const double steps = is_brick ? 1 : steps_within(place.exit_distance, 2);
     for (double over = step + 1; over < std::min(step + steps, 4.0 * (2 << cell_bits)); ++over) {
       ASSERT_TRUE(is_empty(tree, line, over)) << "from " << step << " over " << over;
       ++leaps.points;

@@ -92,7 +92,7 @@ void expect_empty_part(const SlotVoxels& slot, const CastBrick& brick, const Cas
   for (int a = 0; a < 3; ++a) u[a] = std::uint32_t(point.base[a]) * fixed_one + fixed_one / 2;
   for (int a = 0; a < 3; ++a)
     for (const bool is_up : {false, true}) {
-      const float way = way_out_of_empty_part(brick.head.blocks, line_along(a, is_up), u) / float(fixed_one);
+      const float way = exit_distance_empty_part(brick.head.blocks, line_along(a, is_up), u) / float(fixed_one);
       const float middle = float(point.base[a]) + 0.5f, side = float(from[a] + (is_up ? edge : 0));
       if (edge == 0)
         ASSERT_EQ(way, 0);

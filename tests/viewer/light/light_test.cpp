@@ -52,7 +52,7 @@ TEST(Light, ShowsAWhiteTownWithoutClippingAndItsWallsApart) {
   const VoxelScene town = white_town();
   FrameRenderer renderer = lit_renderer(town);
   for (const std::array<double, 3>& eye : {std::array{-60.0, -70.0, 60.0}, std::array{120.0, 130.0, 40.0}}) {
-    const Picture picture = renderer.draw_exact(lit_view(eye, {32, 32, 0}, 160)).picture;
+    const Picture picture = renderer.render_complete(lit_view(eye, {32, 32, 0}, 160)).picture;
     const auto clipped = std::count(picture.rgba.begin(), picture.rgba.end(), 255) - 160 * 160;  // alpha
     EXPECT_LT(double(clipped), 0.01 * 3 * 160 * 160);
   }
@@ -81,10 +81,10 @@ TEST(Light, IsNotBentWhereColoursAreAskedForOrBehindTheScene) {
   View view = lit_view({32, 32, 90}, {32, 32.1, 0}, 32);
   view.mode = ViewMode::albedo;
   view.background = {false, {255, 255, 255, 255}};
-  EXPECT_EQ(renderer.draw_exact(view).picture.rgba, std::vector<std::uint8_t>(4 * 32 * 32, 255));
+  EXPECT_EQ(renderer.render_complete(view).picture.rgba, std::vector<std::uint8_t>(4 * 32 * 32, 255));
   view = lit_view({32, 32, 90}, {32, 32.1, 900}, 8);
   view.background = {false, {255, 254, 253, 255}};
-  const Picture away = renderer.draw_exact(view).picture;
+  const Picture away = renderer.render_complete(view).picture;
   for (std::size_t i = 0; i < away.rgba.size(); ++i) EXPECT_EQ(away.rgba[i], (std::array{255, 254, 253, 255})[i % 4]);
 }
 
@@ -93,7 +93,7 @@ TEST(Light, ASkyHasNoBandsAndTheRightMean) {
   const VoxelScene town = white_town();
   FrameRenderer renderer = lit_renderer(town);
   View view = lit_view({32, 32, 90}, {32, 300, 160}, 400);
-  const Picture sky = renderer.draw_exact(view).picture;
+  const Picture sky = renderer.render_complete(view).picture;
   int equal_rows = 0, max_equal_rows = 0;
   for (std::ptrdiff_t y = 1; y < 400; ++y) {
     const auto row = sky.rgba.begin() + 1600 * y;
@@ -121,7 +121,7 @@ TEST(Light, PicturesAreTheSameWhetherDrawnAsAWholeOrInTiles) {
   options.haze_visibility_m = 200;
   FrameRenderer renderer = lit_renderer(town, options);
   const View view = lit_view({-60, -70, 60}, {32, 32, 20}, 300);
-  const Picture tiles = renderer.draw_exact(view).picture;
+  const Picture tiles = renderer.render_complete(view).picture;
   Frame whole;
   for (int i = 0; i < 1000 && !whole.stats.complete; ++i) whole = renderer.draw(view, 1);
   EXPECT_EQ(whole.picture.rgba, tiles.rgba);
@@ -141,8 +141,8 @@ TEST(Haze, IsOffUnlessAskedForAndLeavesATwentiethAtItsDistance) {
   FrameRenderer::Options options;
   options.haze_visibility_m = 150;
   FrameRenderer hazy = lit_renderer(town, options);
-  const Picture before_sky = clear.draw_exact(sky).picture, alone = clear.draw_exact(none).picture,
-                in_haze = hazy.draw_exact(sky).picture;
+  const Picture before_sky = clear.render_complete(sky).picture, alone = clear.render_complete(none).picture,
+                in_haze = hazy.render_complete(sky).picture;
   int compared = 0;
   for (std::size_t i = 0; i < 64 * 64; ++i) {
     if (alone.linear[4 * i + 3] != 1) continue;
@@ -155,7 +155,7 @@ TEST(Haze, IsOffUnlessAskedForAndLeavesATwentiethAtItsDistance) {
     ++compared;
   }
   EXPECT_GT(compared, 500);
-  EXPECT_EQ(hazy.draw_exact(none).picture.linear, alone.linear);
+  EXPECT_EQ(hazy.render_complete(none).picture.linear, alone.linear);
 }
 
 }  // namespace

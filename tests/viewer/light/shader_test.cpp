@@ -36,7 +36,7 @@ View seen_from_above(ViewMode mode) {
 Picture draw(const VoxelScene& scene, const View& view) {
   FrameRenderer::Options options;
   options.threads = 2;
-  return FrameRenderer(scene.description(), "scene.xml", scene.pages(), options).draw_exact(view).picture;
+  return FrameRenderer(scene.description(), "scene.xml", scene.pages(), options).render_complete(view).picture;
 }
 
 /// A shader whose colour is z of the position, z of the normal and x of the position.
@@ -90,7 +90,7 @@ TEST(Shader, OfSlopeRefusesASceneWithoutNormals) {
   FrameRenderer::Options options;
   options.threads = 1;
   FrameRenderer renderer(without, "scene.xml", scene.pages(), options);
-  EXPECT_THROW(renderer.draw_exact(seen_from_above(ViewMode::slope)), UsageError);
+  EXPECT_THROW(renderer.render_complete(seen_from_above(ViewMode::slope)), UsageError);
 }
 
 }  // namespace

@@ -168,14 +168,14 @@ TEST(Shadows, ArePicturesOfTheSameBytesInTilesAsAWholeAndWithAnyMemory) {
   FrameRenderer::Options options;
   options.threads = 2;
   FrameRenderer renderer(scene.description(), "scene.xml", scene.pages(), options);
-  const Picture tiles = renderer.draw_exact(shadowed_view()).picture;
+  const Picture tiles = renderer.render_complete(shadowed_view()).picture;
   Frame whole;
   for (int i = 0; i < 1000 && !whole.stats.complete; ++i) whole = renderer.draw(shadowed_view(), 1);
   EXPECT_EQ(whole.picture.linear, tiles.linear);
   options.threads = 1;
   options.memory_bytes = std::uint64_t(3) << 20;
   FrameRenderer small(scene.description(), "scene.xml", scene.pages(), options);
-  EXPECT_EQ(small.draw_exact(shadowed_view()).picture.linear, tiles.linear);
+  EXPECT_EQ(small.render_complete(shadowed_view()).picture.linear, tiles.linear);
 }
 
 TEST(Shadows, LeaveTheLightAsItIsWhereNothingStandsInIt) {
@@ -191,9 +191,9 @@ TEST(Shadows, LeaveTheLightAsItIsWhereNothingStandsInIt) {
   FrameRenderer renderer(open.description(), "scene.xml", open.pages(), options);
   View with{
       view({64, -90, 160}, {64, 64, 8}, 96).camera, ViewMode::lit, {false, {0, 0, 0, 0}}, PictureLight::linear_too};
-  const std::vector<float> plain = renderer.draw_exact(with).picture.linear;
+  const std::vector<float> plain = renderer.render_complete(with).picture.linear;
   with.shadows = Shadows::on;
-  const std::vector<float> lit = renderer.draw_exact(with).picture.linear;
+  const std::vector<float> lit = renderer.render_complete(with).picture.linear;
   double sum = 0, plain_sum = 0;
   for (std::size_t i = 0; i < lit.size(); ++i) {
     sum += lit[i];

@@ -10,7 +10,7 @@
 namespace gigabake {
 namespace {
 
-constexpr double patience_s = 60;  ///< much longer than any step of these tests
+constexpr double timeout_s = 60;  ///< much longer than any step of these tests
 
 LiveScene::Options small_pictures() {
   LiveScene::Options options;
@@ -50,10 +50,10 @@ TEST(LiveScene, EndsWithTheExactPictureOfWhereEachViewerRests) {
   write_hill(folder / "scene.xml");
   LiveScene scene(folder / "scene.xml", small_pictures());
   const auto first = scene.add_viewer().value(), second = scene.add_viewer().value();
-  ASSERT_NE(scene.full_frame(first, patience_s), nullptr);
+  ASSERT_NE(scene.full_frame(first, timeout_s), nullptr);
   scene.steer(second, turn(0.3));
   for (const auto viewer : {first, second}) {
-    const auto frame = scene.full_frame(viewer, patience_s);
+    const auto frame = scene.full_frame(viewer, timeout_s);
     ASSERT_NE(frame, nullptr);
     View view = frame->view;
     view.camera.eye_m = scene.state(viewer)->pose.eye_m;
@@ -61,17 +61,17 @@ TEST(LiveScene, EndsWithTheExactPictureOfWhereEachViewerRests) {
     EXPECT_EQ(frame->frame.picture.width, 96);
     EXPECT_EQ(frame->frame.picture.rgba, exact(folder / "scene.xml", view).rgba);
   }
-  EXPECT_NE(scene.full_frame(first, patience_s)->frame.picture.rgba,
-            scene.full_frame(second, patience_s)->frame.picture.rgba);
+  EXPECT_NE(scene.full_frame(first, timeout_s)->frame.picture.rgba,
+            scene.full_frame(second, timeout_s)->frame.picture.rgba);
 }
 
-/// Returns the first frame after `after` that satisfies `wanted`, or null on a timeout.
+/// Returns the first frame after `after` that satisfies `requested`, or null on a timeout.
 template <class Wanted>
 LiveScene::FramePtr wait_for(const LiveScene& scene, LiveScene::ViewerId viewer, std::uint64_t after,
-                             const Wanted& wanted) {
+                             const Wanted& requested) {
   for (;;) {
-    const auto frame = scene.frame_after(viewer, after, patience_s);
-    if (!frame || wanted(*frame)) return frame;
+    const auto frame = scene.frame_after(viewer, after, timeout_s);
+    if (!frame || requested(*frame)) return frame;
     after = frame->number;
   }
 }
@@ -102,11 +102,11 @@ TEST(LiveScene, ShowsASmallPictureOfAllBeforePartsOfTheFullOne) {
   write_hill(folder / "scene.xml");
   LiveScene scene(folder / "scene.xml", large_pictures(512, 0.001));
   const auto viewer = scene.add_viewer().value();
-  const auto first = scene.frame_after(viewer, 0, patience_s);
+  const auto first = scene.frame_after(viewer, 0, timeout_s);
   ASSERT_NE(first, nullptr);
   EXPECT_FALSE(first->full);
   EXPECT_LE(first->frame.picture.width, 512 / 4);
-  const auto last = scene.full_frame(viewer, patience_s);
+  const auto last = scene.full_frame(viewer, timeout_s);
   ASSERT_NE(last, nullptr);
   EXPECT_EQ(last->frame.picture.rgba, exact(folder / "scene.xml", last->view).rgba);
 }
@@ -116,14 +116,14 @@ TEST(LiveScene, DrawsNothingWhileNobodyMoves) {
   write_hill(folder / "scene.xml");
   LiveScene scene(folder / "scene.xml", small_pictures());
   const auto viewer = scene.add_viewer().value();
-  const auto full = scene.full_frame(viewer, patience_s);
+  const auto full = scene.full_frame(viewer, timeout_s);
   ASSERT_NE(full, nullptr);
   EXPECT_EQ(scene.frame_after(viewer, full->number, 0.7), nullptr);
   scene.steer(viewer, ViewerInput{});  // a mouse event without movement
   EXPECT_EQ(scene.frame_after(viewer, full->number, 0.3), nullptr);
   EXPECT_TRUE(scene.state(viewer)->resting);
   scene.steer(viewer, turn(0.01));
-  EXPECT_NE(scene.frame_after(viewer, full->number, patience_s), nullptr);
+  EXPECT_NE(scene.frame_after(viewer, full->number, timeout_s), nullptr);
 }
 
 TEST(LiveScene, WaitsForASceneAndFollowsItsReplacement) {
@@ -137,17 +137,17 @@ TEST(LiveScene, WaitsForASceneAndFollowsItsReplacement) {
   scene.steer(viewer, size);
 
   write_hill(folder / "scene.xml", {200, 30, 30, 255});
-  const auto red = scene.full_frame(viewer, patience_s);
+  const auto red = scene.full_frame(viewer, timeout_s);
   ASSERT_NE(red, nullptr);
   EXPECT_EQ(red->frame.picture.width, 48);  // requested before there was a scene
   scene.steer(viewer, turn(0.2));
-  const auto turned = scene.full_frame(viewer, patience_s);
+  const auto turned = scene.full_frame(viewer, timeout_s);
   const CameraPose pose = scene.state(viewer)->pose;
 
   write_hill(folder / "scene.xml", {30, 30, 200, 255});
-  const auto blue = scene.frame_after(viewer, turned->number, patience_s);
+  const auto blue = scene.frame_after(viewer, turned->number, timeout_s);
   ASSERT_NE(blue, nullptr);
-  EXPECT_NE(scene.full_frame(viewer, patience_s)->frame.picture.rgba, turned->frame.picture.rgba);
+  EXPECT_NE(scene.full_frame(viewer, timeout_s)->frame.picture.rgba, turned->frame.picture.rgba);
   EXPECT_EQ(scene.state(viewer)->pose, pose);
 }
 
@@ -159,7 +159,7 @@ TEST(LiveScene, SaysWhatIsWrongWithASceneAndGoesOnWhenItIsRight) {
   for (int i = 0; i < 600 && scene.state(viewer)->problem.empty(); ++i) scene.frame_after(viewer, 0, 0.1);
   EXPECT_THAT(scene.state(viewer)->problem, testing::HasSubstr("scene.xml"));
   write_hill(folder / "scene.xml");
-  EXPECT_NE(scene.full_frame(viewer, patience_s), nullptr);
+  EXPECT_NE(scene.full_frame(viewer, timeout_s), nullptr);
   EXPECT_EQ(scene.state(viewer)->problem, "");
 }
 
@@ -175,7 +175,7 @@ TEST(LiveScene, TakesNoMoreViewersThanAskedAndForgetsThoseThatLeave) {
   EXPECT_TRUE(scene.add_viewer().has_value());
   EXPECT_FALSE(scene.steer(gone, {}));
   EXPECT_FALSE(scene.state(gone).has_value());
-  EXPECT_EQ(scene.frame_after(gone, 0, patience_s), nullptr);
+  EXPECT_EQ(scene.frame_after(gone, 0, timeout_s), nullptr);
 }
 
 TEST(LiveScene, StoppingEndsEveryWait) {

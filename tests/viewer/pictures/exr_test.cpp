@@ -69,7 +69,7 @@ Picture ground_picture(const Background& background, const std::array<double, 3>
   options.memory_bytes = std::uint64_t(1) << 26;
   FrameRenderer renderer(scene.description(), "scene.xml", scene.pages(), options);
   return renderer
-      .draw_exact({view(eye_m, {64, 64, 12}, 96).camera, ViewMode::lit, background, PictureLight::linear_too})
+      .render_complete({view(eye_m, {64, 64, 12}, 96).camera, ViewMode::lit, background, PictureLight::linear_too})
       .picture;
 }
 

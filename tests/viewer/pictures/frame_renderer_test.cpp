@@ -38,7 +38,7 @@ TEST(FrameRenderer, ComesToTheExactPictureForAnyPool) {
   const VoxelScene scene = wide_ground(64);
   const View view = looking({-20, -30, 60}, {128, 128, 0});
   FrameRenderer exact = renderer_of(scene, std::uint64_t(1) << 28);
-  const Picture expected = exact.draw_exact(view).picture;
+  const Picture expected = exact.render_complete(view).picture;
   for (const std::uint64_t memory : {std::uint64_t(300000), std::uint64_t(3000000), std::uint64_t(1) << 28}) {
     FrameRenderer renderer = renderer_of(scene, memory);
     const Frame frame = draw_until_complete(renderer, view);
@@ -61,7 +61,7 @@ TEST(FrameRenderer, OnADeviceComesToTheSamePictureWhateverTheWayThere) {
   if (devices.usable.empty()) GTEST_SKIP() << "no GPU: " << devices.reason;
   const VoxelScene scene = wide_ground(64);
   const View last = looking({200, 40, 50}, {128, 128, 0});
-  const Picture expected = renderer_of(scene, std::uint64_t(1) << 28).draw_exact(last).picture;
+  const Picture expected = renderer_of(scene, std::uint64_t(1) << 28).render_complete(last).picture;
   for (const std::uint64_t pool : {std::uint64_t(1) << 19, std::uint64_t(1) << 21, std::uint64_t(1) << 26}) {
     FrameRenderer::Options options;
     options.threads = 2;
@@ -110,7 +110,7 @@ TEST(FrameRenderer, ShowsCoarserBricksWhileFinerOnesAreMissing) {
 TEST(FrameRenderer, AFrameInTilesEndsWithinAStepWhenAskedAndComesToTheSameBits) {
   const VoxelScene scene = wide_ground(64);
   const View view = looking({-20, -30, 60}, {128, 128, 0}, 260), other = looking({200, 40, 50}, {128, 128, 0}, 90);
-  const Picture expected = renderer_of(scene, std::uint64_t(1) << 28).draw_exact(view).picture;
+  const Picture expected = renderer_of(scene, std::uint64_t(1) << 28).render_complete(view).picture;
   for (const std::uint64_t memory : {std::uint64_t(3000000), std::uint64_t(1) << 28}) {
     FrameRenderer renderer = renderer_of(scene, memory);
     ProgressiveFrame frame = renderer.begin(view, nullptr);
@@ -125,12 +125,12 @@ TEST(FrameRenderer, AFrameInTilesEndsWithinAStepWhenAskedAndComesToTheSameBits) 
         after_stop += asked > allowed ? 1 : 0;
         return asked++ >= allowed;
       };
-      renderer.go_on(
+      renderer.resume(
           frame, [] { return true; }, stop);
       EXPECT_LE(frame.done, before + 1);
       EXPECT_LE(after_stop, 8) << "it continued after a stop was requested";
       stops += frame.done == before ? 1 : 0;
-      if (turn % 5 == 0) renderer.sketch(other, {0.001, 0, {}});
+      if (turn % 5 == 0) renderer.render_preview(other, {0.001, 0, {}});
       ASSERT_LT(turn, 3000);
     }
     EXPECT_GT(stops, 3) << memory;
@@ -168,10 +168,10 @@ TEST(FrameRenderer, AFirstSketchHasASurfaceWhereverTheFinalPictureHas) {
        {std::array{-20.0, -30.0, 60.0}, std::array{128.0, 128.0, 30.0}, std::array{5.0, 5.0, 16.0}}) {
     View view = looking(eye_m, {140, 150, 10}, 90);
     view.background = {false, {0, 0, 0, 0}};
-    const Picture last = renderer_of(scene, std::uint64_t(1) << 28).draw_exact(view).picture;
+    const Picture last = renderer_of(scene, std::uint64_t(1) << 28).render_complete(view).picture;
     FrameRenderer renderer = renderer_of(scene, std::uint64_t(1) << 28);
     for (int frames = 0;; ++frames) {
-      const Frame frame = renderer.sketch(view, {0.0001, 60, {}});
+      const Frame frame = renderer.render_preview(view, {0.0001, 60, {}});
       int minimum = 0;
       for (std::size_t i = 3; i < last.rgba.size(); i += 4)
         minimum = std::min(minimum, int(frame.picture.rgba[i]) - int(last.rgba[i]));
@@ -195,14 +195,14 @@ TEST(FrameRenderer, DrawsWhatIsDamagedAsItsParentAndSaysSo) {
     return inner(key);
   };
   FrameRenderer whole = renderer_of(scene, std::uint64_t(1) << 28);
-  const Frame expected = whole.draw_exact(view);
+  const Frame expected = whole.render_complete(view);
   for (const bool all : {false, true}) {
     FrameRenderer renderer = renderer_of(scene, std::uint64_t(1) << 28, all ? without_lod_0 : damaged);
     const Frame frame = draw_until_complete(renderer, view);
     ASSERT_TRUE(frame.stats.complete);
     ASSERT_EQ(renderer.problems().size(), 1u);
     EXPECT_NE(renderer.problems()[0].find("c_6.h5"), std::string::npos);
-    EXPECT_EQ(renderer.draw_exact(view).picture.rgba, frame.picture.rgba);
+    EXPECT_EQ(renderer.render_complete(view).picture.rgba, frame.picture.rgba);
     std::size_t different = 0;
     for (std::size_t i = 0; i < frame.picture.depth.size(); ++i)
       different += frame.picture.depth[i] != expected.picture.depth[i] ? 1 : 0;

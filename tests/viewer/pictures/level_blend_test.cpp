@@ -93,7 +93,7 @@ TEST(LevelBlend, NoPixelJumpsFromLevelToLevelAsTheEyeMoves) {
   for (const LevelBlend blend : {LevelBlend::off, LevelBlend::on}) {
     Picture last;
     for (double distance = 0.9 * lod1; distance < 2.3 * lod1; distance *= 1.02) {
-      Picture now = renderer.draw_exact(ground_view(distance, 128, blend)).picture;
+      Picture now = renderer.render_complete(ground_view(distance, 128, blend)).picture;
       if (last.width > 0) maximum[int(blend)] = std::max(maximum[int(blend)], max_change(last, now));
       last = std::move(now);
     }
@@ -110,7 +110,7 @@ TEST(LevelBlend, IsTheSameBytesInTilesAsAWholeAndWithAnyMemory) {
   View view_of = ground_view(400, 64, LevelBlend::on);
   for (const ViewMode mode : {ViewMode::lit, ViewMode::shadow}) {
     view_of.mode = mode;
-    const Picture tiles = renderer.draw_exact(view_of).picture;
+    const Picture tiles = renderer.render_complete(view_of).picture;
     Frame whole;
     for (int i = 0; i < 1000 && !whole.stats.complete; ++i) whole = renderer.draw(view_of, 1);
     EXPECT_EQ(whole.picture.rgba, tiles.rgba);
@@ -119,9 +119,9 @@ TEST(LevelBlend, IsTheSameBytesInTilesAsAWholeAndWithAnyMemory) {
     little.threads = 1;
     little.memory_bytes = std::uint64_t(3) << 20;
     FrameRenderer small(scene.description(), "scene.xml", scene.pages(), little);
-    EXPECT_EQ(small.draw_exact(view_of).picture.rgba, tiles.rgba);
+    EXPECT_EQ(small.render_complete(view_of).picture.rgba, tiles.rgba);
     view_of.level_blend = LevelBlend::off;
-    EXPECT_NE(renderer.draw_exact(view_of).picture.rgba, tiles.rgba) << "there is something to blend";
+    EXPECT_NE(renderer.render_complete(view_of).picture.rgba, tiles.rgba) << "there is something to blend";
     view_of.level_blend = LevelBlend::on;
   }
 }

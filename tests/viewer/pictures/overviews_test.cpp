@@ -116,7 +116,8 @@ TEST(DrawnFromOverviews, IsWhatOneCellOfAllShows) {
   FrameRenderer expected = renderer_of(one, one.pages()), drawn = renderer_of(many, many.pages());
   for (const ViewMode mode : {ViewMode::lit, ViewMode::lod})
     for (const Eye& eye : eyes) {
-      const Picture a = expected.draw_exact(at(eye, mode)).picture, b = drawn.draw_exact(at(eye, mode)).picture;
+      const Picture a = expected.render_complete(at(eye, mode)).picture,
+                    b = drawn.render_complete(at(eye, mode)).picture;
       EXPECT_EQ(a.rgba, b.rgba) << name_of(mode) << " from " << eye.eye_m[2];
       for (std::size_t i = 0; i < a.depth.size(); ++i) EXPECT_NEAR(a.depth[i], b.depth[i], 0.01) << "voxels";
       EXPECT_GT(mostly_covered_pixels(a), a.depth.size() / 40);
@@ -127,7 +128,7 @@ TEST(DrawnFromOverviews, IsWhatOneCellOfAllShows) {
 void expect_alike(const VoxelScene& one, const VoxelScene& many) {
   FrameRenderer expected = renderer_of(one, one.pages()), drawn = renderer_of(many, many.pages());
   for (const Eye& eye : std::span(eyes).first(4)) {
-    const Picture a = expected.draw_exact(at(eye)).picture, b = drawn.draw_exact(at(eye)).picture;
+    const Picture a = expected.render_complete(at(eye)).picture, b = drawn.render_complete(at(eye)).picture;
     int maximum = 0;
     for (std::size_t i = 0; i < a.rgba.size(); ++i) maximum = std::max(maximum, std::abs(a.rgba[i] - b.rgba[i]));
     EXPECT_LE(maximum, 2) << "from " << eye.eye_m[2];
@@ -145,7 +146,7 @@ std::set<std::uint32_t> shards_read(const VoxelScene& scene, const Eye& eye, std
     shards.insert(key.shard);
     return inner(key);
   });
-  EXPECT_GT(mostly_covered_pixels(renderer.draw_exact(at(eye)).picture), min_covered);
+  EXPECT_GT(mostly_covered_pixels(renderer.render_complete(at(eye)).picture), min_covered);
   return shards;
 }
 
@@ -182,13 +183,13 @@ std::size_t different_pixels(const Picture& a, const Picture& b) {
 TEST(DrawnFromOverviews, ShowsTheOverviewWhereACellIsDamaged) {
   const VoxelScene& scene = in_three_tiers();
   const View near = at({{36, 36, 70}, {36.1, 36, 30}, 1});
-  const Picture expected = renderer_of(scene, scene.pages()).draw_exact(near).picture;
+  const Picture expected = renderer_of(scene, scene.pages()).render_complete(near).picture;
   std::uint32_t below = 0;  // shard below the camera
   for (std::uint32_t c = 0; c < scene.description().cells.size(); ++c)
     if (scene.description().cells[c].lattice_min[0] == 32 && scene.description().cells[c].lattice_min[1] == 32)
       below = c;
   FrameRenderer renderer = renderer_of(scene, damaged(scene, below));
-  const Picture drawn = renderer.draw_exact(near).picture;
+  const Picture drawn = renderer.render_complete(near).picture;
   EXPECT_EQ(renderer.problems(), std::vector<std::string>{"shards/damaged.h5: no such file"});
   EXPECT_EQ(mostly_covered_pixels(drawn), mostly_covered_pixels(expected)) << "there is no hole";
   EXPECT_GT(different_pixels(drawn, expected), 0u);
@@ -202,12 +203,12 @@ TEST(DrawnFromOverviews, ShowsTheCellsWhereAnOverviewIsDamaged) {
   for (const std::uint32_t overview : {first, last}) {
     FrameRenderer whole = renderer_of(scene, scene.pages()), renderer = renderer_of(scene, damaged(scene, overview));
     const View near = at(eyes[0]);
-    EXPECT_EQ(renderer.draw_exact(near).picture.rgba, whole.draw_exact(near).picture.rgba);
+    EXPECT_EQ(renderer.render_complete(near).picture.rgba, whole.render_complete(near).picture.rgba);
     EXPECT_EQ(renderer.problems().size(), overview == last ? 0u : 1u) << "of the root nothing is needed from near";
     const View far = at({{64, 60, 300}, {64, 64, 20}, 6});
-    const std::size_t covered = mostly_covered_pixels(whole.draw_exact(far).picture);
+    const std::size_t covered = mostly_covered_pixels(whole.render_complete(far).picture);
     if (overview == last) continue;  // the root has no fallback
-    EXPECT_GE(mostly_covered_pixels(renderer.draw_exact(far).picture), covered * 9 / 10);
+    EXPECT_GE(mostly_covered_pixels(renderer.render_complete(far).picture), covered * 9 / 10);
   }
 }
 
@@ -217,7 +218,8 @@ TEST(DrawnFromOverviews, TakesFromItsChildrenWhatADamagedOverviewHasCopiesOf) {
   const auto root = first + std::uint32_t(scene.description().overviews.size()) - 1;
   FrameRenderer whole = renderer_of(scene, scene.pages()), renderer = renderer_of(scene, damaged(scene, root));
   for (const std::size_t eye : {1u, 3u}) {  // these eyes see levels 1 to 3
-    EXPECT_EQ(renderer.draw_exact(at(eyes[eye])).picture.rgba, whole.draw_exact(at(eyes[eye])).picture.rgba) << eye;
+    EXPECT_EQ(renderer.render_complete(at(eyes[eye])).picture.rgba, whole.render_complete(at(eyes[eye])).picture.rgba)
+        << eye;
     EXPECT_EQ(renderer.problems().size(), 1u) << "one line reports the damage";
   }
 }
@@ -229,7 +231,7 @@ TEST(DrawnFromOverviews, TakesCellsWhereAnOverviewIsMissing) {
   description.losses.push_back({"parent p", "was not baked"});
   const auto draw = [&](const SceneDescription& described) {
     FrameRenderer renderer(described, "scene.xml", scene.pages(), {});
-    return renderer.draw_exact(at(eyes[0])).picture;
+    return renderer.render_complete(at(eyes[0])).picture;
   };
   EXPECT_EQ(draw(description).rgba, draw(scene.description()).rgba);
 }

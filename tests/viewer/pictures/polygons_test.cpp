@@ -68,9 +68,9 @@ void expect_cube_seen_from(const std::array<double, 3>& eye_m) {
   FrameRenderer renderer(scene.description(), "scene.xml", scene.pages(), options);
   View view_of{
       view(eye_m, {29, 29, 20}, edge).camera, ViewMode::albedo, {false, {0, 0, 0, 0}}, PictureLight::linear_too};
-  const Picture without = renderer.draw_exact(view_of).picture;
+  const Picture without = renderer.render_complete(view_of).picture;
   view_of.polygons = cube();
-  const Picture with = renderer.draw_exact(view_of).picture;
+  const Picture with = renderer.render_complete(view_of).picture;
   const kernels::CastCamera camera = make_camera(view_of.camera, scene.paged(), scene.pages());
   std::vector<bool> expected, shown;
   std::vector<double> cube_at;

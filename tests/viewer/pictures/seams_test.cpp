@@ -83,7 +83,7 @@ TEST(Seams, AreNotSeenBetweenCellsInAnyModeFromNearAndFar) {
     for (const Place& place : places) {
       View there{view(place.eye_m, place.target_m, picture_edge).camera, mode, {false, {0, 0, 0, 0}}};
       there.camera.pixel_error = place.pixel_error;
-      EXPECT_LE(max_difference(whole.draw_exact(there).picture, parts.draw_exact(there).picture), 2)
+      EXPECT_LE(max_difference(whole.render_complete(there).picture, parts.render_complete(there).picture), 2)
           << name_of(mode) << " from " << place.eye_m[0] << ", pixel error " << place.pixel_error;
     }
 }

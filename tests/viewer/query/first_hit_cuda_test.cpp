@@ -25,15 +25,15 @@ class CudaFirstHit : public testing::Test {
 
   /// Expects the device's last cast to have the given hits and attributes.
   static void expect_equal(const kernels::CudaFirstHits& device, const std::vector<FirstHit>& hits,
-                           const std::vector<VoxelAttributes>& looks) {
+                           const std::vector<VoxelAttributes>& attributes) {
     const std::vector<FirstHit> device_hits = device.hits();
-    const std::vector<VoxelAttributes> device_looks = device.looks();
+    const std::vector<VoxelAttributes> device_looks = device.attributes();
     ASSERT_EQ(device_hits.size(), hits.size());
-    ASSERT_EQ(device_looks.size(), looks.size());
+    ASSERT_EQ(device_looks.size(), attributes.size());
     int different = 0;
     for (std::size_t i = 0; i < hits.size(); ++i)
       different += std::memcmp(&hits[i], &device_hits[i], sizeof hits[i]) != 0 ||
-                   std::memcmp(&looks[i], &device_looks[i], sizeof looks[i]) != 0;
+                   std::memcmp(&attributes[i], &device_looks[i], sizeof attributes[i]) != 0;
     EXPECT_EQ(different, 0) << "of " << hits.size() << " rays";
   }
 
@@ -50,11 +50,12 @@ TEST_F(CudaFirstHit, CastsRaysAsTheCpuDoes) {
     for (const std::size_t count : {std::size_t(1), std::size_t(33), std::size_t(200000)}) {
       const std::vector<kernels::FirstHitRay> rays = random_rays(count, -20, 84);
       std::vector<FirstHit> hits(count);
-      std::vector<VoxelAttributes> looks(count);
-      kernels::cast_first_hits(scene.view, {rays.data(), count}, {{hits.data(), count}, {looks.data(), count}}, pool_);
+      std::vector<VoxelAttributes> attributes(count);
+      kernels::cast_first_hits(scene.view, {rays.data(), count}, {{hits.data(), count}, {attributes.data(), count}},
+                               pool_);
       device.upload({rays.data(), count});
       device.cast(true);
-      expect_equal(device, hits, looks);
+      expect_equal(device, hits, attributes);
     }
   }
 }
@@ -67,10 +68,10 @@ TEST_F(CudaFirstHit, CastsPicturesAsTheCpuDoes) {
   for (const kernels::FirstHitCamera& c : cameras_on_hills()) {
     const std::size_t count = std::size_t(c.width) * std::size_t(c.height);
     std::vector<FirstHit> hits(count);
-    std::vector<VoxelAttributes> looks(count);
-    kernels::cast_first_hits(scene.view, c, {{hits.data(), count}, {looks.data(), count}}, pool_);
+    std::vector<VoxelAttributes> attributes(count);
+    kernels::cast_first_hits(scene.view, c, {{hits.data(), count}, {attributes.data(), count}}, pool_);
     device.cast(c, true);
-    expect_equal(device, hits, looks);
+    expect_equal(device, hits, attributes);
   }
 }
 
@@ -80,8 +81,8 @@ TEST_F(CudaFirstHit, MeetsNothingInAnEmptyScene) {
   const std::vector<kernels::FirstHitRay> rays = random_rays(100, -1, 1);
   device.upload({rays.data(), rays.size()});
   device.cast(false);
-  for (const FirstHit& hit : device.hits()) EXPECT_EQ(hit.look, kernels::no_attributes);
-  EXPECT_TRUE(device.looks().empty());
+  for (const FirstHit& hit : device.hits()) EXPECT_EQ(hit.attributes_index, kernels::no_attributes);
+  EXPECT_TRUE(device.attributes().empty());
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ Score score(const FirstHitScene& scene, const Painter& paint, const std::vector<
         << " to " << r.direction[0] << " " << r.direction[1] << " " << r.direction[2];
     s.same += agreement == Agreement::same;
     s.close += agreement == Agreement::within_rounding;
-    s.met += hits[i].look != kernels::no_attributes;
+    s.met += hits[i].attributes_index != kernels::no_attributes;
   }
   return s;
 }
@@ -118,7 +118,7 @@ TEST(FirstHit, AnAxisParallelRayOnAFaceBelongsToTheUpperVoxel) {
       cast(scene, {ray({5, 9.5, 30}, {0, 0, -1}), ray({6, 9.5, 30}, {0, 0, -1}), ray({4, 9.5, -3}, {0, 0, 1})});
   EXPECT_EQ(scene.lattice_min[0] + std::int64_t(hits[0].voxel & 0x1fffff), 5);
   EXPECT_EQ(hits[0].distance, 20);
-  EXPECT_EQ(hits[1].look, kernels::no_attributes);
+  EXPECT_EQ(hits[1].attributes_index, kernels::no_attributes);
   EXPECT_EQ(scene.lattice_min[0] + std::int64_t(hits[2].voxel & 0x1fffff), 4);
   EXPECT_EQ(hits[2].distance, 12);
 }
@@ -142,7 +142,7 @@ TEST(FirstHit, DoesNotSlipBetweenVoxelsThatShareAnEdge) {
     const std::array<double, 3> direction{1, 1 + wobble / far, rise};
     rays.push_back(ray({x - far, y - far * direction[1], z - far * rise}, direction));
   }
-  for (const FirstHit& hit : cast(scene, rays)) ASSERT_NE(hit.look, kernels::no_attributes);
+  for (const FirstHit& hit : cast(scene, rays)) ASSERT_NE(hit.attributes_index, kernels::no_attributes);
 }
 
 TEST(FirstHit, AgreesForOriginsFarAway) {
@@ -170,8 +170,8 @@ TEST(FirstHit, StopsAtTheEndOfARay) {
   for (std::size_t i = 0; i < rays.size(); ++i) rays[i].end = i % 2 == 0 ? whole[i].distance + 0.01f : 20;
   const std::vector<FirstHit> cut = cast(scene, rays);
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    const bool expected = whole[i].look != kernels::no_attributes && whole[i].distance <= rays[i].end;
-    EXPECT_EQ(cut[i].look, expected ? whole[i].look : kernels::no_attributes) << i;
+    const bool expected = whole[i].attributes_index != kernels::no_attributes && whole[i].distance <= rays[i].end;
+    EXPECT_EQ(cut[i].attributes_index, expected ? whole[i].attributes_index : kernels::no_attributes) << i;
   }
 }
 
@@ -180,13 +180,13 @@ TEST(FirstHit, NamesTheColourAndNormalOfTheVoxelItMet) {
   voxels.add_cells(dust(20), {0, 0, 0}, 64);
   const FirstHitScene scene = build(voxels);
   for (const FirstHit& hit : cast(scene, random_rays(5000, -20, 84))) {
-    if (hit.look == kernels::no_attributes) continue;
-    const kernels::VoxelAttributes& look = scene.looks[hit.look];
+    if (hit.attributes_index == kernels::no_attributes) continue;
+    const kernels::VoxelAttributes& voxel = scene.attributes[hit.attributes_index];
     std::int64_t v[3];
     for (std::size_t a = 0; a < 3; ++a) v[a] = scene.lattice_min[a] + std::int64_t(hit.voxel >> 21 * a & 0x1fffff);
-    EXPECT_EQ(look.rgba, std::uint32_t(v[0] | v[1] << 8 | v[2] << 16 | 255 << 24));
-    EXPECT_EQ(look.normal[0], v[0]);
-    EXPECT_EQ(look.normal[1], v[1]);
+    EXPECT_EQ(voxel.rgba, std::uint32_t(v[0] | v[1] << 8 | v[2] << 16 | 255 << 24));
+    EXPECT_EQ(voxel.normal[0], v[0]);
+    EXPECT_EQ(voxel.normal[1], v[1]);
   }
 }
 
@@ -205,8 +205,8 @@ TEST(FirstHit, MeetsConstantNodes) {
   const std::vector<FirstHitRay> rays = random_rays(20000, -40, 120);
   EXPECT_GT(score(scene, solid, rays).met, 3000);
   for (const FirstHit& hit : cast(scene, rays))
-    if (hit.look != kernels::no_attributes) {
-      EXPECT_EQ(scene.looks[hit.look].rgba, 0xff030201u);
+    if (hit.attributes_index != kernels::no_attributes) {
+      EXPECT_EQ(scene.attributes[hit.attributes_index].rgba, 0xff030201u);
     }
 }
 
@@ -275,7 +275,7 @@ TEST(FirstHit, MeetsTheVoxelsOfACoarserLod) {
   const std::vector<FirstHit> hits = cast(scene, rays);
   int met = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    met += hits[i].look != kernels::no_attributes;
+    met += hits[i].attributes_index != kernels::no_attributes;
     EXPECT_NE(bench::compare(scene.view.tree, rays[i], hits[i], rounding_of(scene),
                              [&](const bench::Voxel& v) {
                                return coarse(scene.lattice_min[0] / 2 + v[0], scene.lattice_min[1] / 2 + v[1],
@@ -289,7 +289,8 @@ TEST(FirstHit, MeetsTheVoxelsOfACoarserLod) {
 
 TEST(FirstHit, AnEmptySceneIsNotMet) {
   const FirstHitScene scene = FirstHitBuilder(0).finish();
-  for (const FirstHit& hit : cast(scene, random_rays(10, -1, 1))) EXPECT_EQ(hit.look, kernels::no_attributes);
+  for (const FirstHit& hit : cast(scene, random_rays(10, -1, 1)))
+    EXPECT_EQ(hit.attributes_index, kernels::no_attributes);
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ TEST(QueryCells, PausedTraversalsResumeToTheSameAnswers) {
   const kernels::FirstHitSlots<1> stack{slots};
   std::size_t paused = 0;
   for (const QueryRay& ray : rays) {
-    QueryTraversal walk = kernels::start_walk(ray, levels, places.window());
+    QueryTraversal walk = kernels::start_march(ray, levels, places.window());
     while (!kernels::advance_walk(ray, levels, cells, stack, walk)) {
       ++paused;
       std::vector<QueryCells::Entry> all = entries;

@@ -82,7 +82,7 @@ QueryPlace place_of(QueryPlaces& places, int lod, const Corner& v) {
 }
 
 /// Returns the shard that has level `lod` and contains v, by a linear search.
-std::string holder_of(const SceneDescription& scene, int lod, const Corner& v) {
+std::string provider_of(const SceneDescription& scene, int lod, const Corner& v) {
   for (const SceneCell& shard : lod < int(levels) ? scene.cells : scene.overviews)
     if (int(shard.own_lod()) <= lod && lod < int(shard.own_lod() + shard.lods) && window_of(shard).contains(v))
       return shard.name;
@@ -114,7 +114,7 @@ TEST(QueryPlaces, ReadThePagesOnTheWayToAPlaceAlone) {
     Corner v;
     for (std::size_t a = 0; a < 3; ++a) v[a] = std::int64_t(rng() % (a == 2 ? 160 : 540)) - (a == 2 ? 60 : 270);
     const QueryPlace place = place_of(places, lod, v);
-    const std::string expected = holder_of(made, lod, v);
+    const std::string expected = provider_of(made, lod, v);
     ASSERT_EQ(place.kind == QueryPlace::Kind::shard, !expected.empty()) << seed << " level " << lod;
     if (!expected.empty()) {
       ASSERT_EQ(numbers.shard(place.shard).name, expected) << seed;

@@ -37,7 +37,7 @@ bench::Agreement agreement_of(const QueryRay& ray, const QueryHit& hit, const Ex
     found.voxel |= std::uint64_t(hit.voxel[a]) << 21 * a;
   }
   const bool met = hit.outcome == QueryOutcome::hit;
-  found.look = met ? 0 : kernels::no_attributes;
+  found.attributes_index = met ? 0 : kernels::no_attributes;
   if (met) found.distance = float(hit.distance);
   return bench::compare(cube, single, found, 1e-3, [&](const bench::Voxel& v) { return exists(v[0], v[1], v[2]); });
 }
@@ -228,9 +228,9 @@ std::string text_of(const StoredDust& stored, QueryJob job, const std::string& t
   std::ofstream(stored.folder / "asked.csv", std::ios::binary) << table;
   SceneQuery query(stored.open(), {}, pool);
   job.batch_rays = at_a_time;
-  const auto asks = table_queries(stored.folder / "asked.csv", job.kind, job.frame, pool);
+  const auto inputs = table_queries(stored.folder / "asked.csv", job.kind, job.frame, pool);
   std::string text;
-  run_query(job, query, *asks, pool, [&](std::string_view piece) { text += piece; });
+  run_query(job, query, *inputs, pool, [&](std::string_view piece) { text += piece; });
   return text;
 }
 

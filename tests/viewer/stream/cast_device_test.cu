@@ -97,12 +97,12 @@ TEST(CastOnDevice, BlendsLevelsShadesAndHidesBehindPolygonsWithTheSameBitsAsOnTh
   const std::size_t pixels = 200 * 200;
   std::vector<float> distance(pixels, kernels::CastPolygons::nowhere), rgba(4 * pixels, 0.5f);
   for (std::size_t i = 0; i < pixels; i += 3) distance[i] = 500 + float(i % 1000);
-  const kernels::CastLighting unhidden = lighting({200, 30}, kernels::CastLightPart::unhidden, air(600, 1));
+  const kernels::CastLighting unshadowed = lighting({200, 30}, kernels::CastLightPart::unshadowed, air(600, 1));
   const kernels::CastLighting all = lighting({200, 30}, kernels::CastLightPart::all, {});
   const RenderSettings looks[] = {{.background = {}, .blends_levels = true},
                                   {.background = {}, .lighting = all, .blends_levels = true},
-                                  {.background = {}, .lighting = unhidden, .shader = kernels::height_shader({0, 64})},
-                                  {.background = {}, .lighting = unhidden, .shader = kernels::slope_shader({})}};
+                                  {.background = {}, .lighting = unshadowed, .shader = kernels::height_shader({0, 64})},
+                                  {.background = {}, .lighting = unshadowed, .shader = kernels::slope_shader({})}};
   for (const RenderSettings& look : looks)
     for (const std::array<double, 3>& eye : {std::array{120.0, -40.0, 80.0}, std::array{900.0, 700.0, 400.0}}) {
       const kernels::CastPolygons polygons{distance.data(), rgba.data()};

@@ -57,7 +57,7 @@ TEST(GuardedPages, RefuseLies) {
   EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.first.back() += 7; }), HasSubstr("first does not match"));
   EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.rgba.pop_back(); }), HasSubstr("4 bytes of rgba"));
   EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.normal.clear(); }), HasSubstr("normals"));
-  EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.facing.resize(4); }), HasSubstr("facing"));
+  EXPECT_THAT(answer_to(bricks_key, [](Page& p) { p.bricks.directional_coverage.resize(4); }), HasSubstr("facing"));
   const VoxelScene scene = wide_ground();
   EXPECT_THAT(answer_of(guarded_pages(scene.pages(), scene.description(), {.max_page_bytes = 100}), bricks_key),
               HasSubstr("expected at most 100"));
@@ -108,7 +108,7 @@ TEST(GuardedPages, OfALiarLeaveNoHoleInThePicture) {
     FrameRenderer::Options options;
     options.threads = 2;
     FrameRenderer renderer(scene.description(), "scene.xml", liar, options);
-    const Frame frame = renderer.draw_exact({camera, ViewMode::albedo, {false, {0, 0, 0, 0}}});
+    const Frame frame = renderer.render_complete({camera, ViewMode::albedo, {false, {0, 0, 0, 0}}});
     told = !renderer.problems().empty();
     int covered = 0;
     for (std::size_t i = 3; i < frame.picture.rgba.size(); i += 4) covered += frame.picture.rgba[i] > 250 ? 1 : 0;

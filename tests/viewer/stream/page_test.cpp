@@ -108,7 +108,7 @@ TEST(PagesFromFiles, DoNotStopWhereAFileIsMissingOrDamaged) {
   std::vector<PageKey> keys;
   for (std::uint32_t cell = 0; cell < 4; ++cell)
     for (int lod = -1; lod < 3; ++lod) keys.push_back({cell, lod, 0});
-  pager.want(keys);
+  pager.request(keys);
   do {
     pager.wait();
     pager.begin_pass();
@@ -225,12 +225,12 @@ TEST(NumberedShards, CountCellsThenOverviewsPageByPage) {
     for (const int lod : {2, 4, 6}) {
       std::optional<ShardExtent> found;
       for (int round = 0; round < 4; ++round) {
-        MissingPages gaps;
+        MissingPages missing_pages;
         kernels::VoxelBox empty;
         const std::int64_t v[3] = {x, 5, 5};
-        found = map.find(lod, 0, v, pager, gaps, empty);
-        if (gaps.missing.empty()) break;
-        pager.want(gaps.missing);
+        found = map.find(lod, 0, v, pager, missing_pages, empty);
+        if (missing_pages.missing.empty()) break;
+        pager.request(missing_pages.missing);
         pager.wait();
         pager.begin_pass();
       }

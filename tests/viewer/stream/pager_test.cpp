@@ -106,7 +106,7 @@ TEST(Pager, GivesWhatWasWantedFromTheNextPassOn) {
   Pager pager(shelf.source(), {2, plenty});
   EXPECT_FALSE(pager.begin_pass());
   EXPECT_EQ(pager.find(page(1)), nullptr);
-  pager.want({page(1)});
+  pager.request({page(1)});
   pager.wait();
   EXPECT_EQ(pager.find(page(1)), nullptr) << "the page arrived during a pass";
   EXPECT_TRUE(pager.begin_pass());
@@ -120,9 +120,9 @@ TEST(Pager, GivesWhatWasWantedFromTheNextPassOn) {
 TEST(Pager, ReadsInOrderOfUrgencyAndNothingTwice) {
   Shelf shelf;
   Pager pager(shelf.source(), {1, plenty});
-  pager.want({page(5), page(2), page(5), page(9), page(2)});
+  pager.request({page(5), page(2), page(5), page(9), page(2)});
   settle(pager);
-  pager.want({page(9), page(5), page(1)});
+  pager.request({page(9), page(5), page(1)});
   settle(pager);
   EXPECT_THAT(shelf.read(), ElementsAre(5, 2, 9, 1));
 }
@@ -131,16 +131,16 @@ TEST(Pager, ReadsOnlyWhatWasWantedLastButFinishesWhatItHasBegun) {
   Shelf shelf;
   shelf.close();
   Pager pager(shelf.source(), {1, plenty});
-  pager.want(pages(0, 50));
+  pager.request(pages(0, 50));
   shelf.wait_until_reading(1);
   EXPECT_EQ(pager.counts().queued, 50u);
-  pager.want({page(7), page(0)});
+  pager.request({page(7), page(0)});
   EXPECT_EQ(pager.counts().queued, 2u) << "the one being read, and 7";
   shelf.open();
   settle(pager);
   EXPECT_THAT(shelf.read(), ElementsAre(0, 7));
   EXPECT_THAT(here(pager, 0, 50), ElementsAre(0, 7));
-  pager.want({});
+  pager.request({});
   pager.wait();
   EXPECT_EQ(pager.counts().queued, 0u);
 }
@@ -148,7 +148,7 @@ TEST(Pager, ReadsOnlyWhatWasWantedLastButFinishesWhatItHasBegun) {
 TEST(Pager, EvictsTheLeastRecentlyUsedFirst) {
   Shelf shelf;
   Pager pager(shelf.source(), {1, 4 * shelf.page_bytes()});
-  pager.want(pages(0, 4));
+  pager.request(pages(0, 4));
   settle(pager);
   for (const std::uint32_t last : {3, 1, 0, 2}) {  // one pass each
     pager.begin_pass();
@@ -156,12 +156,12 @@ TEST(Pager, EvictsTheLeastRecentlyUsedFirst) {
   }
   pager.begin_pass();
   EXPECT_NE(pager.find(page(3)), nullptr) << "now 1 is the longest unused, then 0";
-  pager.want({page(10)});
+  pager.request({page(10)});
   settle(pager);
   EXPECT_THAT(here(pager, 0, 11), ElementsAre(0, 2, 3, 10));
   pager.begin_pass();
   EXPECT_THAT(here(pager, 2, 2), ElementsAre(2, 3));
-  pager.want(pages(20, 2));
+  pager.request(pages(20, 2));
   settle_at_once(pager);
   EXPECT_THAT(here(pager, 0, 22), ElementsAre(2, 3, 20, 21));
 }
@@ -173,7 +173,7 @@ TEST(Pager, KeepsWhatThePassFindsHoweverLittleMemoryThereIs) {
     std::vector<PageKey> missing;
     for (const PageKey& key : pages(0, 20))
       if (pager.find(key) == nullptr) missing.push_back(key);
-    pager.want(missing);
+    pager.request(missing);
     pager.wait();
     pager.begin_pass();
   }
@@ -188,12 +188,12 @@ TEST(Pager, KeepsWhatThePassFindsHoweverLittleMemoryThereIs) {
 TEST(Pager, LeavesWhatDoesNotFitForALaterCall) {
   Shelf shelf;
   Pager pager(shelf.source(), {1, 3 * shelf.page_bytes()});
-  pager.want(pages(0, 10));
+  pager.request(pages(0, 10));
   settle_at_once(pager);
   EXPECT_EQ(pager.counts().reads, 3u);
   EXPECT_THAT(here(pager, 0, 10), ElementsAre(0, 1, 2));
-  pager.want(pages(3, 7));
-  pager.want(pages(3, 7));
+  pager.request(pages(3, 7));
+  pager.request(pages(3, 7));
   settle_at_once(pager);
   EXPECT_THAT(shelf.read(), ElementsAre(0, 1, 2, 3)) << "one beyond the bound, so that the pass can end";
   EXPECT_EQ(pager.counts().peak_bytes, 4 * shelf.page_bytes());
@@ -211,7 +211,7 @@ TEST(Pager, KeepsWithinItsMemoryButForThePagesBeingRead) {
       std::vector<PageKey> missing;
       for (const PageKey& key : pages(std::uint32_t(rng() % 90), 12))
         if (pager.find(key) == nullptr) missing.push_back(key);
-      pager.want(missing);
+      pager.request(missing);
       if (rng() % 3 != 0) pager.wait();
       if (rng() % 3 == 0) std::this_thread::yield();
       pager.begin_pass();
@@ -227,7 +227,7 @@ TEST(Pager, HoldsTheSamePagesWhateverTheNumberOfThreads) {
     Shelf shelf;
     shelf.break_page(13);
     Pager pager(shelf.source(), {threads, plenty});
-    pager.want(pages(0, 200));
+    pager.request(pages(0, 200));
     settle(pager);
     std::vector<std::uint32_t> found = here(pager, 0, 200);
     ASSERT_EQ(found.size(), 199u) << threads;
@@ -241,13 +241,13 @@ TEST(Pager, TellsOfADamagedPageOnceAndReadsTheOthers) {
   shelf.break_page(1);
   shelf.break_page(2);
   Pager pager(shelf.source(), {2, plenty});
-  pager.want(pages(0, 4));
+  pager.request(pages(0, 4));
   settle(pager);
   EXPECT_THAT(here(pager, 0, 4), ElementsAre(0, 3));
   EXPECT_TRUE(pager.is_damaged(page(1)) && pager.is_damaged(page(2)));
   EXPECT_FALSE(pager.is_damaged(page(0)) || pager.is_damaged(page(4)));
   EXPECT_THAT(pager.problems(), ElementsAre("shelf.h5: /lod_0: torn out")) << "the same for both";
-  pager.want(pages(0, 4));
+  pager.request(pages(0, 4));
   pager.wait();
   EXPECT_EQ(shelf.read().size(), 4u) << "a page that failed is not tried again";
 }
@@ -259,7 +259,7 @@ TEST(Pager, NamesThePageWhereTheErrorDoesNot) {
         throw 42;
       },
       {1, plenty});
-  pager.want({{3, -1, 4}, {3, 2, 5}});
+  pager.request({{3, -1, 4}, {3, 2, 5}});
   settle(pager);
   ASSERT_EQ(pager.problems().size(), 2u);
   EXPECT_THAT(pager.problems()[0], HasSubstr("shard 3, nodes, block 4: "));
@@ -271,7 +271,7 @@ TEST(Pager, CountsDamageAsAnArrival) {
   Shelf shelf;
   shelf.break_page(0);
   Pager pager(shelf.source(), {1, plenty});
-  pager.want({page(0)});
+  pager.request({page(0)});
   pager.wait();
   EXPECT_FALSE(pager.is_damaged(page(0)));
   EXPECT_TRUE(pager.begin_pass());
@@ -284,7 +284,7 @@ TEST(Pager, GoesWhileItReads) {
   std::jthread opener;
   {
     Pager pager(shelf.source(), {2, plenty});
-    pager.want(pages(0, 1000));
+    pager.request(pages(0, 1000));
     shelf.wait_until_reading(2);
     opener = std::jthread([&] {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -317,10 +317,10 @@ TEST(Pager, IsFoundInByManyThreadsWhileItReadsAndLetsGo) {
           }
         }
       });
-    if (pass % 2 == 0) pager.want(pages(std::uint32_t(pass) % 100, 10));
+    if (pass % 2 == 0) pager.request(pages(std::uint32_t(pass) % 100, 10));
     finders.clear();
     EXPECT_EQ(wrong, 0) << "pass " << pass;
-    pager.want(missing);
+    pager.request(missing);
     pager.begin_pass();
   }
 }

@@ -57,12 +57,12 @@ struct Asked {
   template <class Question>
   auto answer(const Question& question) {
     for (;;) {
-      MissingPages gaps;
-      gaps.own = own;
-      auto found = question(gaps);
-      damaged = gaps.damaged;
-      if (gaps.missing.empty()) return found;
-      pager.want(gaps.missing);
+      MissingPages missing_pages;
+      missing_pages.own = own;
+      auto found = question(missing_pages);
+      damaged = missing_pages.damaged;
+      if (missing_pages.missing.empty()) return found;
+      pager.request(missing_pages.missing);
       pager.wait();
       pager.begin_pass();
     }
@@ -104,16 +104,16 @@ TEST(ShardMap, FindsTheCellsOfAnyPlaceThroughPagesOfPages) {
       if (window.contains(asked_for.min)) holds = i;
     }
     std::set<std::uint32_t> found;
-    asked.answer([&](MissingPages& gaps) {
-      return asked.map.any(1, 0, box, asked.pager, gaps, [&](const ShardExtent& shard) {
+    asked.answer([&](MissingPages& missing_pages) {
+      return asked.map.any(1, 0, box, asked.pager, missing_pages, [&](const ShardExtent& shard) {
         found.insert(shard.number);
         return false;
       });
     });
     EXPECT_EQ(found, expected);
     VoxelBox empty;
-    const auto shard =
-        asked.answer([&](MissingPages& gaps) { return asked.map.find(0, 0, box.min, asked.pager, gaps, empty); });
+    const auto shard = asked.answer(
+        [&](MissingPages& missing_pages) { return asked.map.find(0, 0, box.min, asked.pager, missing_pages, empty); });
     ASSERT_EQ(shard.has_value(), holds.has_value());
     if (shard) {
       EXPECT_EQ(shard->number, *holds);
@@ -140,12 +140,13 @@ TEST(ShardMap, SaysWhereAPageOfTheSceneCannotBeRead) {
   Asked asked(scene);
   VoxelBox empty;
   const std::int64_t inside[3] = {lost.totals.window.min[0], lost.totals.window.min[1], lost.totals.window.min[2]};
-  const auto shard =
-      asked.answer([&](MissingPages& gaps) { return asked.map.find(0, 0, inside, asked.pager, gaps, empty); });
+  const auto shard = asked.answer(
+      [&](MissingPages& missing_pages) { return asked.map.find(0, 0, inside, asked.pager, missing_pages, empty); });
   EXPECT_FALSE(shard.has_value());
   EXPECT_TRUE(asked.damaged) << "the requested part is damaged";
   asked.own = {{-2000, 0, 0}, {-1999, 1, 1}};
-  asked.answer([&](MissingPages& gaps) { return asked.map.find(0, 0, inside, asked.pager, gaps, empty); });
+  asked.answer(
+      [&](MissingPages& missing_pages) { return asked.map.find(0, 0, inside, asked.pager, missing_pages, empty); });
   EXPECT_FALSE(asked.damaged) << "only another part is damaged";
   ASSERT_EQ(asked.pager.problems().size(), 1u);
   EXPECT_NE(asked.pager.problems()[0].find(lost.file), std::string::npos);
@@ -192,8 +193,8 @@ TEST(OverviewLevels, NameTheOverviewsOfALevelInOrderOfSize) {
   EXPECT_EQ(levels->holders(0), 0u);
   for (const int lod : {1, 2, 3, 4}) {
     ASSERT_EQ(levels->holders(lod), 2u) << lod;
-    EXPECT_EQ(levels->holder(lod, 0).bits, 8) << lod;
-    EXPECT_EQ(levels->holder(lod, 1).bits, 7) << lod;
+    EXPECT_EQ(levels->provider(lod, 0).bits, 8) << lod;
+    EXPECT_EQ(levels->provider(lod, 1).bits, 7) << lod;
   }
   ASSERT_EQ(levels->holders(5), 1u);
   SceneDescription scene = two_levels_with_copies();
@@ -205,16 +206,17 @@ TEST(ShardMap, RequestsTheShardsOfALevelInOrderOfSizeAndTheCellsLast) {
   const auto scene = std::make_shared<const PagedScene>(PagedScene::of_cells("scene.xml", two_levels_with_copies()));
   const ShardMap map(*scene, *overview_levels(*scene));
   const Pager pager([](const PageKey&) { return Page(); }, {1, UINT64_MAX});
-  MissingPages gaps;
+  MissingPages missing_pages;
   VoxelBox empty;
   const std::int64_t v[3] = {0, 0, 130};
-  EXPECT_EQ(map.last_holder(0), 0);
-  EXPECT_EQ(map.last_holder(1), 2);
-  EXPECT_EQ(map.last_holder(4), 1);
-  EXPECT_EQ(map.find(1, 0, v, pager, gaps, empty)->number, 7u) << "the root, behind three cells and four overviews";
-  EXPECT_EQ(map.find(1, 1, v, pager, gaps, empty)->window.max[2], 256);
-  EXPECT_FALSE(map.find(1, 2, v, pager, gaps, empty)->is_overview());
-  EXPECT_FALSE(map.find(0, 0, v, pager, gaps, empty)->is_overview());
+  EXPECT_EQ(map.last_provider(0), 0);
+  EXPECT_EQ(map.last_provider(1), 2);
+  EXPECT_EQ(map.last_provider(4), 1);
+  EXPECT_EQ(map.find(1, 0, v, pager, missing_pages, empty)->number, 7u)
+      << "the root, behind three cells and four overviews";
+  EXPECT_EQ(map.find(1, 1, v, pager, missing_pages, empty)->window.max[2], 256);
+  EXPECT_FALSE(map.find(1, 2, v, pager, missing_pages, empty)->is_overview());
+  EXPECT_FALSE(map.find(0, 0, v, pager, missing_pages, empty)->is_overview());
 }
 
 TEST(OverviewLevels, AreThereOnlyWhereAllOfASceneHangsFromOneRoot) {
@@ -222,8 +224,8 @@ TEST(OverviewLevels, AreThereOnlyWhereAllOfASceneHangsFromOneRoot) {
   const auto levels = tiers_of(good);
   ASSERT_TRUE(levels.has_value());
   EXPECT_EQ(levels->root, 4u);
-  EXPECT_EQ(levels->holder(4, 0).edge(), 128);
-  EXPECT_EQ(levels->holder(5, 0).bits, 8);
+  EXPECT_EQ(levels->provider(4, 0).edge(), 128);
+  EXPECT_EQ(levels->provider(5, 0).bits, 8);
   EXPECT_EQ(levels->holders(1), 0u);
   EXPECT_EQ(levels->holders(4), 1u);
   // 2026-11-25: viewers opened every cell of a scene that was baked with `max_error`.

@@ -46,10 +46,10 @@ struct OpenGround {
   /// Reads missing pages and calls question() again until all required pages are resident.
   template <class Question>
   void read_for(const Question& question) {
-    for (MissingPages gaps;; gaps = {}) {
-      question(gaps);
-      if (gaps.missing.empty()) return;
-      pager.want(gaps.missing);
+    for (MissingPages missing_pages;; missing_pages = {}) {
+      question(missing_pages);
+      if (missing_pages.missing.empty()) return;
+      pager.request(missing_pages.missing);
       ASSERT_TRUE(pager.settle(std::chrono::minutes(1)));
       pager.begin_pass();
     }
@@ -61,9 +61,9 @@ struct OpenGround {
       const std::int64_t bricks = gappy_edge >> (lod + 3), edge = std::int64_t(8) << lod;
       for (std::int64_t i = 0; i < bricks * bricks * bricks; ++i) {
         const std::int64_t v[3] = {i % bricks * edge, i / bricks % bricks * edge, i / bricks / bricks * edge};
-        read_for([&](MissingPages& gaps) {
+        read_for([&](MissingPages& missing_pages) {
           NodePath path;
-          lookup.place(lod, v, gaps, path);
+          lookup.place(lod, v, missing_pages, path);
         });
       }
     }
@@ -85,11 +85,11 @@ TEST(VoxelLookup, AnswersAlikeWhateverWayItWentBefore) {
     const bool is_near = ground.random() % 2 == 0;  // the next voxel shares much of the path
     for (std::int64_t& c : v) c = is_near ? (c ^ std::int64_t(ground.random() % 16)) % gappy_edge : ground.coordinate();
     const int lod = int(ground.random() % lods);
-    MissingPages gaps;
+    MissingPages missing_pages;
     NodePath fresh;
-    const VoxelPlace expected = ground.lookup.place(lod, v, gaps, fresh),
-                     found = ground.lookup.place(lod, v, gaps, path);
-    ASSERT_TRUE(gaps.missing.empty()) << "seed " << seed << ", " << i;
+    const VoxelPlace expected = ground.lookup.place(lod, v, missing_pages, fresh),
+                     found = ground.lookup.place(lod, v, missing_pages, path);
+    ASSERT_TRUE(missing_pages.missing.empty()) << "seed " << seed << ", " << i;
     ASSERT_EQ(parts_of(found), parts_of(expected)) << "seed " << seed << ", " << i;
     bricks += found.kind == VoxelPlace::Kind::brick ? 1 : 0;
   }
@@ -103,9 +103,9 @@ bool is_occupied(const OpenGround& ground, int lod, const kernels::VoxelBox& box
     for (std::int64_t y = box.min[1] / edge * edge; y < box.max[1]; y += edge)
       for (std::int64_t x = box.min[0] / edge * edge; x < box.max[0]; x += edge) {
         const std::int64_t v[3] = {x, y, z};
-        MissingPages gaps;
+        MissingPages missing_pages;
         NodePath path;
-        if (ground.lookup.place(lod, v, gaps, path).kind != VoxelPlace::Kind::nothing) return true;
+        if (ground.lookup.place(lod, v, missing_pages, path).kind != VoxelPlace::Kind::nothing) return true;
       }
   return false;
 }
@@ -122,9 +122,9 @@ TEST(VoxelLookup, AnswersForEightBoxesWhatItAnswersForEach) {
         box.min[a] = ground.coordinate();
         box.max[a] = std::min(gappy_edge, box.min[a] + 1 + std::int64_t(ground.random() % 40));
       }
-    MissingPages gaps;
-    const std::uint8_t found = ground.lookup.occupied(lod, boxes, gaps);
-    ASSERT_TRUE(gaps.missing.empty()) << "seed " << seed << ", " << i;
+    MissingPages missing_pages;
+    const std::uint8_t found = ground.lookup.occupied(lod, boxes, missing_pages);
+    ASSERT_TRUE(missing_pages.missing.empty()) << "seed " << seed << ", " << i;
     for (std::size_t b = 0; b < boxes.size(); ++b)
       ASSERT_EQ((found >> b & 1) != 0, is_occupied(ground, lod, boxes[b])) << "seed " << seed << ", " << i << ", " << b;
     occupied += std::popcount(found);

@@ -105,23 +105,24 @@ using Made = std::vector<std::uint8_t>;
 
 class TextureRowsTest : public testing::Test {
  protected:
-  Made whole(const EncodedImage& encoded, const TextureRecipe& recipe) const {
+  Made whole(const EncodedImage& encoded, const TextureFilterKey& filter_key) const {
     try {
       Image image = decode_image(encoded);
-      write_texture(folder.path() / "whole", kernels::Texture(std::move(image.rgba), image.width, image.height,
-                                                              recipe.alpha, recipe.mask_cutoff, callers_thread())
-                                                 .view());
+      write_texture(folder.path() / "whole",
+                    kernels::Texture(std::move(image.rgba), image.width, image.height, filter_key.alpha,
+                                     filter_key.mask_cutoff, callers_thread())
+                        .view());
       return content(folder.path() / "whole");
     } catch (const InputError&) {
       return {};
     }
   }
   /// Returns nullopt if the image cannot be read in rows.
-  std::optional<Made> in_rows(const EncodedImage& encoded, const TextureRecipe& recipe) const {
+  std::optional<Made> in_rows(const EncodedImage& encoded, const TextureFilterKey& filter_key) const {
     try {
       const auto rows = ImageRows::open(encoded);
       if (rows == nullptr) return std::nullopt;
-      write_texture_rows(folder.path() / "rows", *rows, recipe);
+      write_texture_rows(folder.path() / "rows", *rows, filter_key);
       return content(folder.path() / "rows");
     } catch (const InputError&) {
       return Made{};
@@ -129,16 +130,16 @@ class TextureRowsTest : public testing::Test {
   }
 
   void expect_same(const EncodedImage& encoded, const std::string& what) const {
-    for (const TextureRecipe& recipe : recipes) {
-      const Made right = whole(encoded, recipe);
+    for (const TextureFilterKey& filter_key : recipes) {
+      const Made right = whole(encoded, filter_key);
       ASSERT_FALSE(right.empty()) << what;
-      const auto made = in_rows(encoded, recipe);
+      const auto made = in_rows(encoded, filter_key);
       ASSERT_TRUE(made.has_value()) << what;
-      EXPECT_TRUE(*made == right) << what << ", alpha " << int(recipe.alpha);
+      EXPECT_TRUE(*made == right) << what << ", alpha " << int(filter_key.alpha);
     }
   }
 
-  const std::vector<TextureRecipe> recipes = {
+  const std::vector<TextureFilterKey> recipes = {
       {kernels::TextureAlpha::ignore, 0}, {kernels::TextureAlpha::blend, 0}, {kernels::TextureAlpha::mask, 128}};
   ScratchFolder folder;
 };

@@ -51,8 +51,8 @@ TEST(InnerPixels, DoNotStandWhereTheNumberOfLayersChanges) {
 }
 
 TEST(LeakError, ABorderThatIsTransparentIsNoLeak) {
-  const AlphaPicture truth = square_of(1);
-  const LeakError e = leak_error(inner_pixels(truth), truth, picture_of(truth));
+  const AlphaPicture reference_alpha = square_of(1);
+  const LeakError e = leak_error(inner_pixels(reference_alpha), reference_alpha, picture_of(reference_alpha));
   EXPECT_EQ(e.inner, 36u);
   for (const double zero : {e.below_99, e.below_90, e.rms, e.bias}) EXPECT_EQ(zero, 0);
   EXPECT_EQ(e.minimum, 1);
@@ -60,10 +60,10 @@ TEST(LeakError, ABorderThatIsTransparentIsNoLeak) {
 }
 
 TEST(LeakError, OneTransparentPixelInsideIsOne) {
-  const AlphaPicture truth = square_of(1);
-  LinearPicture picture = picture_of(truth);
+  const AlphaPicture reference_alpha = square_of(1);
+  LinearPicture picture = picture_of(reference_alpha);
   picture.rgba[4 * at(9, 8) + 3] = 0;
-  const LeakError e = leak_error(inner_pixels(truth), truth, picture);
+  const LeakError e = leak_error(inner_pixels(reference_alpha), reference_alpha, picture);
   EXPECT_DOUBLE_EQ(e.below_99, 1.0 / 36);
   EXPECT_DOUBLE_EQ(e.below_90, 1.0 / 36);
   EXPECT_EQ(e.minimum, 0);
@@ -73,32 +73,32 @@ TEST(LeakError, OneTransparentPixelInsideIsOne) {
 }
 
 TEST(LeakError, NearTheBorderNothingCounts) {
-  const AlphaPicture truth = square_of(1);
-  LinearPicture picture = picture_of(truth);
+  const AlphaPicture reference_alpha = square_of(1);
+  LinearPicture picture = picture_of(reference_alpha);
   picture.rgba[4 * at(6, 9) + 3] = 0;
-  EXPECT_EQ(leak_error(inner_pixels(truth), truth, picture).below_99, 0);
+  EXPECT_EQ(leak_error(inner_pixels(reference_alpha), reference_alpha, picture).below_99, 0);
 }
 
 TEST(LeakError, TheTwoThresholdsAreThoseOfTheirNames) {
-  const AlphaPicture truth = square_of(1);
-  LinearPicture picture = picture_of(truth);
+  const AlphaPicture reference_alpha = square_of(1);
+  LinearPicture picture = picture_of(reference_alpha);
   picture.rgba[4 * at(8, 8) + 3] = 0.991f;
   picture.rgba[4 * at(9, 8) + 3] = 0.985f;
   picture.rgba[4 * at(10, 8) + 3] = 0.899f;
-  const LeakError e = leak_error(inner_pixels(truth), truth, picture);
+  const LeakError e = leak_error(inner_pixels(reference_alpha), reference_alpha, picture);
   EXPECT_DOUBLE_EQ(e.below_99, 2.0 / 36);
   EXPECT_DOUBLE_EQ(e.below_90, 1.0 / 36);
   EXPECT_NEAR(e.minimum, 0.899, 1e-6);
 }
 
 TEST(LeakError, APaneMayBeTooThinAndTooThick) {
-  const AlphaPicture truth = square_of(0.3);
-  const std::vector<bool> inner = inner_pixels(truth);
-  const LeakError thick = leak_error(inner, truth, picture_of(square_of(0.5)));
+  const AlphaPicture reference_alpha = square_of(0.3);
+  const std::vector<bool> inner = inner_pixels(reference_alpha);
+  const LeakError thick = leak_error(inner, reference_alpha, picture_of(square_of(0.5)));
   EXPECT_NEAR(thick.bias, 0.2, 1e-6);
   EXPECT_NEAR(thick.rms, 0.2, 1e-6);
   EXPECT_EQ(thick.below_99, 0);
-  const LeakError thin = leak_error(inner, truth, picture_of(square_of(0.1)));
+  const LeakError thin = leak_error(inner, reference_alpha, picture_of(square_of(0.1)));
   EXPECT_NEAR(thin.bias, -0.2, 1e-6);
   EXPECT_EQ(thin.below_90, 1);
 }

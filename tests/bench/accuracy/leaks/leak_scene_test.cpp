@@ -102,11 +102,11 @@ class LeakTruths : public testing::Test {
     std::size_t seen = 0;
     for (const LeakView& view : leak_views(subject_of(scene), range, lattice)) {
       const kernels::CastCamera camera = reference_camera(view.camera, lattice);
-      const AlphaPicture truth = alpha_of_sheets(scene, camera);
-      const std::vector<bool> inner = inner_pixels(truth);
-      const LeakError e = leak_error(inner, truth, caster.draw(camera, 4));
+      const AlphaPicture reference_alpha = alpha_of_sheets(scene, camera);
+      const std::vector<bool> inner = inner_pixels(reference_alpha);
+      const LeakError e = leak_error(inner, reference_alpha, caster.draw(camera, 4));
       seen += e.inner;
-      if (scene.truth == LeakTruth::sheets) {
+      if (scene.reference_alpha == LeakReferenceKind::sheets) {
         EXPECT_LT(e.rms, 1e-4) << scene.name << ", " << view.elevation_deg << "°, " << view.voxels_per_pixel;
       } else if (e.inner > 0 && view.elevation_deg >= 20) {
         EXPECT_TRUE(e.bias < -0.01 && e.bias > -0.99) << scene.name << " is neither empty nor full: " << e.bias;
@@ -134,8 +134,8 @@ TEST_F(LeakTruths, AHoleInTheTrianglesShows) {
   const ReferenceCaster caster(open_sources(folder_.path() / "scene.glb", options), lattice, 1);
   const kernels::CastCamera camera =
       reference_camera(leak_views(subject_of(scene), {}, lattice).front().camera, lattice);
-  const AlphaPicture truth = alpha_of_sheets(scene, camera);
-  EXPECT_GT(leak_error(inner_pixels(truth), truth, caster.draw(camera, 1)).below_90, 0.3);
+  const AlphaPicture reference_alpha = alpha_of_sheets(scene, camera);
+  EXPECT_GT(leak_error(inner_pixels(reference_alpha), reference_alpha, caster.draw(camera, 1)).below_90, 0.3);
 }
 
 }  // namespace

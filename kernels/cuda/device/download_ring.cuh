@@ -13,7 +13,7 @@ namespace gigabake::kernels {
 
 /// Download in pieces through page-locked memory. Threads copy a piece to its destination while later pieces are
 /// transferred.
-class Arrival {
+class DownloadRing {
  public:
   struct Part {
     void* host;
@@ -22,10 +22,10 @@ class Arrival {
   };
 
   /// Borrows the pool.
-  Arrival(cudaStream_t stream, const ThreadPool& pool) : stream_(stream), pool_(pool) {}
-  ~Arrival();
-  Arrival(const Arrival&) = delete;
-  Arrival& operator=(const Arrival&) = delete;
+  DownloadRing(cudaStream_t stream, const ThreadPool& pool) : stream_(stream), pool_(pool) {}
+  ~DownloadRing();
+  DownloadRing(const DownloadRing&) = delete;
+  DownloadRing& operator=(const DownloadRing&) = delete;
 
   /// Copies the arrays and returns when all of them are complete on the host.
   /// Errors  CudaFailure.

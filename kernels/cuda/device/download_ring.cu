@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "kernels/cuda/device/arrival.cuh"
+#include "kernels/cuda/device/download_ring.cuh"
 #include "kernels/cuda/device/memory.cuh"
 
 namespace gigabake::kernels {
@@ -13,11 +13,11 @@ constexpr std::size_t bytes_per_piece = 1u << 22, bytes_per_thread = 1u << 18;
 
 }  // namespace
 
-Arrival::~Arrival() {
+DownloadRing::~DownloadRing() {
   for (cudaEvent_t arrival : arrivals_) cudaEventDestroy(arrival);
 }
 
-std::vector<Arrival::Piece> Arrival::pieces_of(std::span<const Part> parts) {
+std::vector<DownloadRing::Piece> DownloadRing::pieces_of(std::span<const Part> parts) {
   std::size_t bytes = 0;
   for (const Part& part : parts) bytes += part.bytes;
   std::byte* arrived = room_.reserve(bytes);
@@ -32,7 +32,7 @@ std::vector<Arrival::Piece> Arrival::pieces_of(std::span<const Part> parts) {
   return pieces;
 }
 
-cudaEvent_t Arrival::arrival_of(std::size_t piece) {
+cudaEvent_t DownloadRing::arrival_of(std::size_t piece) {
   if (piece == arrivals_.size()) {
     cudaEvent_t made = nullptr;
     check_cuda(cudaEventCreateWithFlags(&made, cudaEventDisableTiming), "cudaEventCreate");
@@ -41,7 +41,7 @@ cudaEvent_t Arrival::arrival_of(std::size_t piece) {
   return arrivals_[piece];
 }
 
-void Arrival::bring(std::span<const Part> parts) {
+void DownloadRing::bring(std::span<const Part> parts) {
   const std::vector<Piece> pieces = pieces_of(parts);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Piece& piece = pieces[i];

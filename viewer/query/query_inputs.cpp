@@ -1,4 +1,4 @@
-#include "viewer/query/query_asks.h"
+#include "viewer/query/query_inputs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,10 +11,10 @@ namespace {
 
 class SingleQuery final : public QuerySource {
  public:
-  SingleQuery(QueryInput ask, DirectionForm aim, std::string option)
-      : ask_{std::move(ask)}, aim_(aim), option_(std::move(option)) {}
+  SingleQuery(QueryInput input, DirectionForm aim, std::string option)
+      : input_{std::move(input)}, aim_(aim), option_(std::move(option)) {}
 
-  void next(std::size_t, std::vector<QueryInput>& asks) override { asks = std::exchange(ask_, {}); }
+  void next(std::size_t, std::vector<QueryInput>& inputs) override { inputs = std::exchange(input_, {}); }
   DirectionForm aim() const override { return aim_; }
   std::optional<std::uint64_t> count() const override { return 1; }
   [[noreturn]] void refuse(std::size_t, const std::string& why) const override {
@@ -22,7 +22,7 @@ class SingleQuery final : public QuerySource {
   }
 
  private:
-  std::vector<QueryInput> ask_;
+  std::vector<QueryInput> input_;
   DirectionForm aim_;
   std::string option_;
 };
@@ -48,10 +48,10 @@ class GridQueries final : public QuerySource {
       throw UsageError("grid", "more than 2^40 points; expected a larger step or a smaller box");
   }
 
-  void next(std::size_t maximum, std::vector<QueryInput>& asks) override {
+  void next(std::size_t maximum, std::vector<QueryInput>& inputs) override {
     first_ = at_;
-    asks.resize(std::size_t(std::min<std::uint64_t>(maximum, columns_ * rows_ - at_)));
-    for (QueryInput& ask : asks) ask.from = point(at_++);
+    inputs.resize(std::size_t(std::min<std::uint64_t>(maximum, columns_ * rows_ - at_)));
+    for (QueryInput& input : inputs) input.from = point(at_++);
   }
   std::optional<std::uint64_t> count() const override { return columns_ * rows_; }
   [[noreturn]] void refuse(std::size_t i, const std::string& why) const override {
@@ -70,16 +70,16 @@ class GridQueries final : public QuerySource {
 
 }  // namespace
 
-QueryRay ray_of(const QueryInput& ask, QueryKind kind, DirectionForm aim, const QueryFrames& frames) {
-  if (kind == QueryKind::height) return frames.down(ask.from[0], ask.from[1]);
-  if (kind == QueryKind::sight) return frames.segment(ask.from, ask.to);
-  if (aim == DirectionForm::direction) return frames.ray(ask.from, ask.to);
-  if (aim == DirectionForm::angles) return frames.ray_by_angles(ask.from, ask.to[0], ask.to[1]);
-  return frames.ray_through(ask.from, ask.to);
+QueryRay ray_of(const QueryInput& input, QueryKind kind, DirectionForm aim, const QueryFrames& frames) {
+  if (kind == QueryKind::height) return frames.down(input.from[0], input.from[1]);
+  if (kind == QueryKind::sight) return frames.segment(input.from, input.to);
+  if (aim == DirectionForm::direction) return frames.ray(input.from, input.to);
+  if (aim == DirectionForm::angles) return frames.ray_by_angles(input.from, input.to[0], input.to[1]);
+  return frames.ray_through(input.from, input.to);
 }
 
-std::unique_ptr<QuerySource> single_query(const QueryInput& ask, DirectionForm aim, std::string option) {
-  return std::make_unique<SingleQuery>(ask, aim, std::move(option));
+std::unique_ptr<QuerySource> single_query(const QueryInput& input, DirectionForm aim, std::string option) {
+  return std::make_unique<SingleQuery>(input, aim, std::move(option));
 }
 
 std::unique_ptr<QuerySource> grid_queries(const QueryGrid& grid) { return std::make_unique<GridQueries>(grid); }

@@ -1,10 +1,10 @@
-#include "core/base/counted.h"
+#include "core/base/pluralize.h"
 
 #include <fmt/format.h>
 
 namespace gigabake {
 
-std::string counted(std::uint64_t count, std::string_view noun, std::string_view plural) {
+std::string pluralize(std::uint64_t count, std::string_view noun, std::string_view plural) {
   if (count == 1) return fmt::format("1 {}", noun);
   return plural.empty() ? fmt::format("{} {}s", count, noun) : fmt::format("{} {}", count, plural);
 }

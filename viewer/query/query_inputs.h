@@ -32,14 +32,14 @@ struct QueryInput {
 
 /// Returns the ray of a query.
 /// Errors  std::invalid_argument: the errors of QueryFrames.
-QueryRay ray_of(const QueryInput& ask, QueryKind kind, DirectionForm aim, const QueryFrames& frames);
+QueryRay ray_of(const QueryInput& input, QueryKind kind, DirectionForm aim, const QueryFrames& frames);
 
 class QuerySource {
  public:
   virtual ~QuerySource() = default;
 
-  /// Replaces `asks` by the next queries, at most `maximum`; by none at the end. Reuses the memory of `asks`.
-  virtual void next(std::size_t maximum, std::vector<QueryInput>& asks) = 0;
+  /// Replaces `inputs` by the next queries, at most `maximum`; by none at the end. Reuses the memory of `inputs`.
+  virtual void next(std::size_t maximum, std::vector<QueryInput>& inputs) = 0;
   virtual DirectionForm aim() const { return DirectionForm::point; }
   virtual bool have_ids() const { return false; }
   /// Returns the total number of queries; nullopt if it is unknown.
@@ -51,7 +51,7 @@ class QuerySource {
 
 /// Returns a sequence of one query. `option` is the name of the command-line option that states the query, for
 /// messages.
-std::unique_ptr<QuerySource> single_query(const QueryInput& ask, DirectionForm aim, std::string option);
+std::unique_ptr<QuerySource> single_query(const QueryInput& input, DirectionForm aim, std::string option);
 
 /// A grid of points with the distance `step`. It begins at the lower corner of the box. The points are ordered row by
 /// row, in ascending order of the second coordinate. Box and step have the units of the query's frame.

@@ -20,40 +20,40 @@
 
 namespace gigabake::kernels {
 
-struct CastSheet {
-  float sheet = 0;       ///< sum of interpolation weight · sheet_part() of the existing voxels
+struct SurfaceBlend {
+  float weight = 0;      ///< sum of interpolation weight · blend_weight() of the existing voxels
   float normal[3] = {};  ///< sum of the same weights · octahedral normal, 127 represents 1
   float above = 0;       ///< sum of the same weights · signed distance of the point; 127 represents half a voxel
 
   /// Returns the point's signed distance in voxels; 0 if there is no surface.
-  GB_HD float height() const { return sheet > 0 ? above / (sheet * 254) : 0; }
+  GB_HD float signed_distance() const { return weight > 0 ? above / (weight * 254) : 0; }
 
   /// Returns the change of the signed distance per voxel along the line.
-  /// Range   `sheet` > 0.
-  GB_HD float rise(const double direction[3]) const {
+  /// Range   `weight` > 0.
+  GB_HD float slope(const double direction[3]) const {
     const float rises =
         (normal[0] * float(direction[0]) + normal[1] * float(direction[1])) + normal[2] * float(direction[2]);
-    return rises / (sheet * 127);
+    return rises / (weight * 127);
   }
 };
 
 /// A translucent surface; its opacity does not depend on the viewing angle.
-struct CastPane {
+struct TranslucentSurface {
   float density = 1;  ///< mean alpha of the existing lod-0 voxels; 1 if all are opaque
   float across = 1;   ///< |cosine| between ray and normal: 1 if the ray is perpendicular to the surface, 0 if parallel
 };
 
 /// The volumetric residual around a point: coverage that no blended surface represents.
-struct CastLoose {
+struct ResidualSample {
   CastSample sample;
-  CastPane pane = {};
+  TranslucentSurface translucent = {};
 };
 
 GB_HD int coherence_of(const CastVoxel& voxel) { return unpack_plane(voxel.plane).coherence; }
 
 /// Returns the blend weight of a voxel's plane: coherence × mean coverage, 0 to 3. Planes of barely covered voxels are
 /// unreliable.
-GB_HD float sheet_part(const CastVoxel& voxel) {
+GB_HD float blend_weight(const CastVoxel& voxel) {
   const int covered = (voxel.c[3] + voxel.c[4]) + voxel.c[5];
   return float(coherence_of(voxel) * covered) * (1.0f / (3 * 65535));
 }
@@ -88,7 +88,7 @@ GB_HD float length_along(const double direction[3], const float n[3]) {
 }
 
 /// Returns the translucent surface at a point. Not inlined, because few points lie in translucent surfaces.
-GB_HD_NOINLINE CastPane pane_at(CastCorners corners, double x, double y, double z) {
+GB_HD_NOINLINE TranslucentSurface translucent_surface_at(CastCorners corners, double x, double y, double z) {
   const double direction[3] = {x, y, z};
   float there = 0, hidden = 0, across = 0;
   GB_NO_UNROLL
@@ -102,12 +102,12 @@ GB_HD_NOINLINE CastPane pane_at(CastCorners corners, double x, double y, double 
     hidden += weight * voxel.c[3];
     across += weight * (voxel.plane == 0 ? 1 : length_along(direction, to));
   }
-  return there > 0 ? CastPane{hidden / (there * 65535), across / there} : CastPane{};
+  return there > 0 ? TranslucentSurface{hidden / (there * 65535), across / there} : TranslucentSurface{};
 }
 
 /// The blended planes of the voxels around a point.
 struct BlendedPlanes {
-  CastSheet sheet;
+  SurfaceBlend blend;
   int bits = 0;          ///< bitwise OR of the plane bytes
   bool is_flat = false;  ///< the voxels are one flat surface: disagreement() is 0 for each of them
 };
@@ -128,7 +128,7 @@ GB_HD BlendedPlanes blend_planes(const CastCorners& corners) {
   GB_UNROLL
   for (int a = 0; a < 3; ++a) place[a] = int(corners.between[a] * 127 + 0.5f);
   const ByteVector from_first = byte_vector(place[0], place[1], place[2]);
-  CastSheet r;
+  SurfaceBlend r;
   ByteVector first = 0;
   bool is_flat = true;
   int bits = 0;
@@ -139,13 +139,13 @@ GB_HD BlendedPlanes blend_planes(const CastCorners& corners) {
     bits |= voxel.plane;
     const ByteVector n = normal_of(voxel);
     if (first == 0) first = n;
-    is_flat = is_flat && is_all_sheet(voxel.plane) && is_same_slope(n, first);
+    is_flat = is_flat && is_fully_planar(voxel.plane) && is_same_slope(n, first);
     const int along = dot(n, from_first) - dot(n, byte_vector(127 * (c & 1), 127 * (c >> 1 & 1), 127 * (c >> 2)));
     const int above = 2 * max_offset * along - 127 * 127 * unpack_plane(voxel.plane).offset;
-    const float by = corners.weight(c) * sheet_part(voxel);
+    const float by = corners.weight(c) * blend_weight(voxel);
     GB_UNROLL
     for (int a = 0; a < 3; ++a) r.normal[a] += by * float(voxel.normal[a]);
-    r.sheet += by;
+    r.weight += by;
     r.above += by * float(above);
   }
   r.above *= 1.0f / (127 * max_offset);
@@ -153,29 +153,29 @@ GB_HD BlendedPlanes blend_planes(const CastCorners& corners) {
 }
 
 /// A normal of a blended surface, scaled to 127 along its largest axis.
-struct SheetNormal {
+struct BlendNormal {
   ByteVector bytes;
   float squared;
 };
 
-GB_HD SheetNormal normal_of(const CastSheet& sheet) {
+GB_HD BlendNormal normal_of(const SurfaceBlend& blend) {
   float maximum = 0;
   int n[3];
   GB_UNROLL
-  for (int a = 0; a < 3; ++a) maximum = std::fabs(sheet.normal[a]) > maximum ? std::fabs(sheet.normal[a]) : maximum;
+  for (int a = 0; a < 3; ++a) maximum = std::fabs(blend.normal[a]) > maximum ? std::fabs(blend.normal[a]) : maximum;
   const float scale = maximum > 0 ? 127 / maximum : 0;
   GB_UNROLL
-  for (int a = 0; a < 3; ++a) n[a] = int(sheet.normal[a] * scale + (sheet.normal[a] < 0 ? -0.5f : 0.5f));
+  for (int a = 0; a < 3; ++a) n[a] = int(blend.normal[a] * scale + (blend.normal[a] < 0 ? -0.5f : 0.5f));
   const ByteVector bytes = byte_vector(n[0], n[1], n[2]);
   return {bytes, float(dot(bytes, bytes))};
 }
 
 /// Returns the disagreement of a voxel's normal with the blended surface: 0 within 30°, rising to 1 at 45°. At an edge
 /// between two surfaces, the blended surface may lie on neither of the two.
-GB_HD float disagreement(ByteVector normal, const SheetNormal& sheet) {
-  const int along = dot(normal, sheet.bytes);
+GB_HD float disagreement(ByteVector normal, const BlendNormal& blend) {
+  const int along = dot(normal, blend.bytes);
   if (along <= 0) return 1;
-  const float squared = 4 * (float(along) * float(along)), all = float(dot(normal, normal)) * sheet.squared;
+  const float squared = 4 * (float(along) * float(along)), all = float(dot(normal, normal)) * blend.squared;
   if (squared >= 3 * all) return 0;  // most voxels of a surface take this exit, which avoids the division
   const float left = 3 - squared / all;
   return left < 1 ? left : 1;
@@ -184,8 +184,8 @@ GB_HD float disagreement(ByteVector normal, const SheetNormal& sheet) {
 /// Returns the residual: coverage that the blended surface does not represent. The residual consists of voxels without
 /// a full plane, and of full planes more than 30° off the surface. A voxel with a full plane stores one coverage, which
 /// its normal distributes over the axes.
-GB_HD CastSample residual_sample(const CastCorners& corners, const CastSheet& sheet) {
-  const SheetNormal normal = normal_of(sheet);
+GB_HD CastSample residual_sample(const CastCorners& corners, const SurfaceBlend& blend) {
+  const BlendNormal normal = normal_of(blend);
   CastSample r;
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
@@ -193,7 +193,7 @@ GB_HD CastSample residual_sample(const CastCorners& corners, const CastSheet& sh
     const CastVoxel voxel = corners.stored(c);
     if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
     float by = corners.weight(c) * (1.0f / 65535), along[3] = {1, 1, 1};
-    if (is_all_sheet(voxel.plane)) {
+    if (is_fully_planar(voxel.plane)) {
       by *= disagreement(normal_of(voxel), normal);
       if (by == 0) continue;
       const OctahedronPoint n{{voxel.normal[0], voxel.normal[1], voxel.normal[2]}};
@@ -213,43 +213,46 @@ GB_HD CastSample residual_sample(const CastCorners& corners, const CastSheet& sh
 
 /// The class of the surface around a point.
 enum class PointKind : std::uint8_t {
-  loose,  ///< no plane: residual only
-  pane,   ///< translucent surface of lod 0
-  sheet   ///< some voxels have a plane
+  residual,     ///< no plane: residual only
+  translucent,  ///< translucent surface of lod 0
+  surface       ///< some voxels have a plane
 };
 
 /// The surface around a point, without the residual.
-struct CastAround {
-  PointKind kind = PointKind::loose;
-  CastSheet sheet;       ///< empty unless `kind` is `sheet`
+struct NeighbourhoodSurface {
+  PointKind kind = PointKind::residual;
+  SurfaceBlend blend;    ///< empty unless `kind` is `surface`
   bool is_flat = false;  ///< the blended surface represents all coverage: there is no residual
 };
 
-/// Classifies the neighbourhood of a point. `is_wanted` is true if the brick has the ray's level. Fallback bricks of
-/// coarser levels are rendered by their coverages only. Their voxels may be wider than the distance to the eye, so
-/// their planes may lie behind the eye.
-GB_HD CastAround classify_neighbourhood(const CastCorners& corners, bool is_wanted) {
+/// Classifies the neighbourhood of a point. `is_requested_level` is true if the brick has the ray's level. Fallback
+/// bricks of coarser levels are rendered by their coverages only. Their voxels may be wider than the distance to the
+/// eye, so their planes may lie behind the eye.
+GB_HD NeighbourhoodSurface classify_neighbourhood(const CastCorners& corners, bool is_requested_level) {
   const BlendedPlanes planes = blend_planes(corners);
-  if ((planes.bits & clear_plane) != 0) return {PointKind::pane, {}};
-  return planes.bits != 0 && is_wanted ? CastAround{PointKind::sheet, planes.sheet, planes.is_flat} : CastAround{};
+  if ((planes.bits & clear_plane) != 0) return {PointKind::translucent, {}};
+  return planes.bits != 0 && is_requested_level ? NeighbourhoodSurface{PointKind::surface, planes.blend, planes.is_flat}
+                                                : NeighbourhoodSurface{};
 }
 
-/// Returns the residual at a point. `around` is the result of classify_neighbourhood().
-GB_HD CastLoose loose_at(const CastCorners& corners, const CastAround& around, const double direction[3]) {
-  if (around.is_flat) return {};
-  if (around.kind == PointKind::sheet) return {residual_sample(corners, around.sheet), {}};
-  return {interpolate(corners),
-          around.kind == PointKind::pane ? pane_at(corners, direction[0], direction[1], direction[2]) : CastPane{}};
+/// Returns the residual at a point. `neighbourhood` is the result of classify_neighbourhood().
+GB_HD ResidualSample volumetric_residual(const CastCorners& corners, const NeighbourhoodSurface& neighbourhood,
+                                         const double direction[3]) {
+  if (neighbourhood.is_flat) return {};
+  if (neighbourhood.kind == PointKind::surface) return {residual_sample(corners, neighbourhood.blend), {}};
+  return {interpolate(corners), neighbourhood.kind == PointKind::translucent
+                                    ? translucent_surface_at(corners, direction[0], direction[1], direction[2])
+                                    : TranslucentSurface{}};
 }
 
 /// Returns the colour and coverage of the blended surface, without the residual.
-GB_HD CastSample sheet_sample(const CastCorners& corners) {
+GB_HD CastSample surface_sample(const CastCorners& corners) {
   CastSample r;
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
     const int c = lowest_one(left);
     const CastVoxel voxel = corners.stored(c);
-    const float by = corners.weight(c) * sheet_part(voxel) * (1.0f / 65535);
+    const float by = corners.weight(c) * blend_weight(voxel) * (1.0f / 65535);
     GB_UNROLL
     for (int k = 0; k < cast_channels; ++k) r.c[k] += by * voxel.c[k];
   }
@@ -267,7 +270,7 @@ GB_HD float part_in_pair(float at, float reach) {
 
 /// The opacity of a surface at a point. It is below 1 near the border even of an opaque surface. The member `density`
 /// is the opacity that the surface has away from its border.
-struct SheetOpacity {
+struct SurfaceOpacity {
   float opacity = 1, density = 1;
 };
 
@@ -280,7 +283,7 @@ GB_HD float component(const float v[3], int axis) { return axis == 0 ? v[0] : (a
 
 /// The columns of voxels around a point, along the axis closest to the surface's normal. The point lies between columns
 /// (0, 0) and (1, 1).
-struct SheetColumns {
+struct SurfaceColumns {
   BrickView brick;
   int base[3];
   int along, u, v;  ///< axes
@@ -305,17 +308,17 @@ struct SheetColumns {
   }
 };
 
-GB_HD SheetColumns columns_around(const BrickView& brick, const CastPoint& point, const CastSheet& sheet) {
-  const float x = std::fabs(sheet.normal[0]), y = std::fabs(sheet.normal[1]), z = std::fabs(sheet.normal[2]);
-  SheetColumns r;
+GB_HD SurfaceColumns columns_around(const BrickView& brick, const CastPoint& point, const SurfaceBlend& blend) {
+  const float x = std::fabs(blend.normal[0]), y = std::fabs(blend.normal[1]), z = std::fabs(blend.normal[2]);
+  SurfaceColumns r;
   r.brick = brick;
   for (int a = 0; a < 3; ++a) r.base[a] = point.base[a];
   r.along = z > (y > x ? y : x) ? 2 : (y > x ? 1 : 0);
   r.u = r.along == 0 ? 1 : 0;
   r.v = r.along == 2 ? 1 : 2;
-  const float maximum = component(sheet.normal, r.along);
-  r.slope_u = component(sheet.normal, r.u) / maximum;
-  r.slope_v = component(sheet.normal, r.v) / maximum;
+  const float maximum = component(blend.normal, r.along);
+  r.slope_u = component(blend.normal, r.u) / maximum;
+  r.slope_v = component(blend.normal, r.v) / maximum;
   r.reach = min_reach + 0.5f * (std::fabs(r.slope_u) + std::fabs(r.slope_v));
   r.at[0] = component(point.between, r.along);
   r.at[1] = component(point.between, r.u);
@@ -330,29 +333,29 @@ inline constexpr float min_part = 0.25f;
 /// voxels along x and y and one voxel along z. Near the border of an opaque surface some columns are full; in a
 /// translucent surface no column is. The range along z is smaller, because z positions of coarse bricks depend on the
 /// cells, and cells must not be visible in the image.
-GB_HD float densest_near(const SheetColumns& columns, const CastPoint& point) {
+GB_HD float max_density_near(const SurfaceColumns& columns, const CastPoint& point) {
   const int base_u = columns.u == 0 ? point.base[0] : point.base[1];
   const int base_v = columns.v == 1 ? point.base[1] : slot_edge;  // z: only the point's own voxels
   const int first_u = base_u > 0 ? -1 : 0, last_u = base_u + 2 < slot_edge ? 2 : 1;
   const int first_v = columns.v == 1 && base_v > 0 ? -1 : 0, last_v = base_v + 2 < slot_edge ? 2 : 1;
-  float densest = 0;
+  float max_density = 0;
   GB_NO_UNROLL
   for (int j = first_v; j <= last_v; ++j)
-    for (int i = first_u; i <= last_u && densest < 1; ++i) {
+    for (int i = first_u; i <= last_u && max_density < 1; ++i) {
       const float part = columns.part(i, j);
       if (part < min_part) continue;
       const float together = columns.together(i, j), density = together < part ? together / part : 1;
-      densest = density > densest ? density : densest;
+      max_density = density > max_density ? density : max_density;
     }
-  return densest;
+  return max_density;
 }
 
 /// Returns the opacity of the surface through a point: the covered part of the tangent plane in the voxels of four
 /// columns. The rest of the plane in these columns may lie in voxels above or below. If no column nearby is almost
 /// full, the surface is translucent, and its density is its opacity at this point. Otherwise the uncovered part of the
 /// plane lies beyond the surface's border.
-GB_HD SheetOpacity opacity_of_sheet(const BrickView& brick, const CastPoint& point, const CastSheet& sheet) {
-  const SheetColumns columns = columns_around(brick, point, sheet);
+GB_HD SurfaceOpacity surface_opacity(const BrickView& brick, const CastPoint& point, const SurfaceBlend& blend) {
+  const SurfaceColumns columns = columns_around(brick, point, blend);
   float there = 0, met = 0;
   GB_NO_UNROLL
   for (int column = 0; column < 4; ++column) {
@@ -365,8 +368,8 @@ GB_HD SheetOpacity opacity_of_sheet(const BrickView& brick, const CastPoint& poi
   if (!(met > 0)) return {};
   const float opacity = there / met;
   if (opacity >= 1) return {opacity, 1};
-  const float densest = densest_near(columns, point), full = 4 * densest - 3;
-  return {opacity, full >= 1 || densest == 0 ? 1 : (full > 0 ? opacity + (1 - opacity) * full : opacity)};
+  const float max_density = max_density_near(columns, point), full = 4 * max_density - 3;
+  return {opacity, full >= 1 || max_density == 0 ? 1 : (full > 0 ? opacity + (1 - opacity) * full : opacity)};
 }
 
 }  // namespace gigabake::kernels

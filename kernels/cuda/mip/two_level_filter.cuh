@@ -8,7 +8,7 @@
 
 namespace gigabake::kernels {
 
-struct LevelOf64 {
+struct TwoLevelFilter {
   LevelView fine;  ///< the level that is two levels finer
   const std::uint32_t *key, *first;
   const std::uint64_t* mask;
@@ -18,6 +18,6 @@ struct LevelOf64 {
 
 /// Computes the voxels of a level.
 /// Errors  CudaFailure.
-void filter_level_of_64(DeviceHeap& heap, const LevelOf64& level, const Tables& tables);
+void two_level_filter_level(DeviceHeap& heap, const TwoLevelFilter& level, const Tables& tables);
 
 }  // namespace gigabake::kernels

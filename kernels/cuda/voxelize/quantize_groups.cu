@@ -1,6 +1,6 @@
 #include "core/octree/octree.h"
-#include "kernels/body/voxelize/approximate.h"
-#include "kernels/cuda/voxelize/approximate.cuh"
+#include "kernels/body/voxelize/quantize_groups.h"
+#include "kernels/cuda/voxelize/quantize_groups.cuh"
 
 namespace gigabake::kernels {
 namespace {
@@ -13,8 +13,8 @@ struct VoxelsOut {
   const std::uint64_t* mask;
   const std::uint32_t* first;
   std::uint8_t* rgba;
-  std::uint16_t* normal;  ///< null if the level has none
-  std::uint8_t* facing;   ///< null if the level has none
+  std::uint16_t* normal;               ///< null if the level has none
+  std::uint8_t* directional_coverage;  ///< null if the level has none
   std::uint32_t bricks;
 };
 
@@ -107,8 +107,8 @@ struct ShareRanges {
 
 /// Approximates channels [begin, begin + channels) of each voxel's bytes together. All lanes of the warp must call it.
 template <int channels>
-__device__ void approximate_codes(const LaneBrick& brick, std::uint8_t* bytes, unsigned stride, unsigned begin,
-                                  std::uint32_t codes) {
+__device__ void quantize_codes(const LaneBrick& brick, std::uint8_t* bytes, unsigned stride, unsigned begin,
+                               std::uint32_t codes) {
   ShareRanges<CodeRange> range[channels];
   for (int c = 0; c < channels; ++c) {
     for (unsigned g = 0; g < groups_a_lane; ++g)
@@ -136,8 +136,8 @@ __device__ void approximate_codes(const LaneBrick& brick, std::uint8_t* bytes, u
 
 /// Approximates the normals. All lanes of the warp must call it. No normal is chosen for groups and octants without
 /// voxels.
-__device__ void approximate_normals(const LaneBrick& brick, std::uint16_t* normal, const std::int16_t* units,
-                                    std::uint32_t codes) {
+__device__ void quantize_normals(const LaneBrick& brick, std::uint16_t* normal, const std::int16_t* units,
+                                 std::uint32_t codes) {
   const auto unit = [&](std::uint16_t code) { return units + 4 * std::size_t(code); };
   ShareRanges<NormalRange> range;
   for (unsigned g = 0; g < groups_a_lane; ++g)
@@ -170,10 +170,11 @@ __global__ void __launch_bounds__(threads)
   const std::uint32_t number = blockIdx.x * warps + threadIdx.x / 32;
   if (number >= level.bricks) return;
   const LaneBrick brick(level, number);
-  approximate_codes<3>(brick, level.rgba, 4, 0, codes);
-  approximate_codes<1>(brick, level.rgba, 4, 3, codes);
-  if (level.facing != nullptr) approximate_codes<coverage_bytes>(brick, level.facing, unsigned(facing_bytes), 0, codes);
-  if (level.normal != nullptr) approximate_normals(brick, level.normal, units, codes);
+  quantize_codes<3>(brick, level.rgba, 4, 0, codes);
+  quantize_codes<1>(brick, level.rgba, 4, 3, codes);
+  if (level.directional_coverage != nullptr)
+    quantize_codes<coverage_bytes>(brick, level.directional_coverage, unsigned(directional_coverage_bytes), 0, codes);
+  if (level.normal != nullptr) quantize_normals(brick, level.normal, units, codes);
 }
 
 }  // namespace
@@ -185,7 +186,7 @@ void approximate_levels(DeviceHeap& heap, const Tables& tables, std::uint32_t co
                         level.first.data(),
                         reinterpret_cast<std::uint8_t*>(level.rgba.data()),
                         level.normal.empty() ? nullptr : level.normal.data(),
-                        level.facing.empty() ? nullptr : level.facing.data(),
+                        level.directional_coverage.empty() ? nullptr : level.directional_coverage.data(),
                         level.bricks};
     approximate_bricks<<<grid_of(level.bricks, warps), threads, 0, heap.stream()>>>(out, codes, tables.unit_normal);
     check_launch("approximate_bricks");

@@ -59,13 +59,13 @@ TEST(Pane, IsNotMetBetweenTwoSheets) {
   CastLine line{};
   line.direction[2] = -1;
   CastRay ray;
-  ray.height = -0.4f;
-  EXPECT_TRUE(is_between_sheets({1, {0, 0, 127}, 0}, line, ray));
-  ray.height = 0.4f;
-  EXPECT_FALSE(is_between_sheets({1, {0, 0, 127}, 0}, line, ray));
-  EXPECT_TRUE(is_between_sheets({1, {0, 0, -127}, 0}, line, ray)) << "its other side";
-  ray.height = CastRay::no_height;
-  EXPECT_FALSE(is_between_sheets({1, {0, 0, 127}, 0}, line, ray)) << "it begins here";
+  ray.signed_distance = -0.4f;
+  EXPECT_TRUE(is_between_surfaces({1, {0, 0, 127}, 0}, line, ray));
+  ray.signed_distance = 0.4f;
+  EXPECT_FALSE(is_between_surfaces({1, {0, 0, 127}, 0}, line, ray));
+  EXPECT_TRUE(is_between_surfaces({1, {0, 0, -127}, 0}, line, ray)) << "its other side";
+  ray.signed_distance = CastRay::no_signed_distance;
+  EXPECT_FALSE(is_between_surfaces({1, {0, 0, 127}, 0}, line, ray)) << "it begins here";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "kernels/cpu/voxelize/approximate.h"
+#include "kernels/cpu/voxelize/quantize_groups.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "core/octree/brick.h"
-#include "kernels/body/voxelize/approximate.h"
+#include "kernels/body/voxelize/quantize_groups.h"
 #include "tests/random_seed.h"
 
 namespace gigabake::kernels {
@@ -72,14 +72,14 @@ Changes expect_bound(const Level& exact, const Level& off, std::uint32_t codes) 
 }
 
 TEST(Approximate, KeepsEveryVoxelWithinTheBound) {
-  const test::RandomSeed seed;
+  const gigabake::test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const ThreadPool pool(2);
   Changes all;
   for (const std::uint32_t codes : {1u, 2u, 3u, 4u, 8u, 16u, 40u, 127u}) {
     const Level exact = made_level(rng, 600);
     std::vector<Level> off{exact};
-    approximate(off, codes, pool);
+    quantize_groups(off, codes, pool);
     const Changes changes = expect_bound(exact, off[0], codes);
     all.colours += changes.colours, all.alphas += changes.alphas, all.normals += changes.normals;
   }
@@ -92,7 +92,7 @@ TEST(Approximate, ChangesNothingWhereNothingMayBeOff) {
   std::mt19937_64 rng(1);
   const Level exact = made_level(rng, 50);
   std::vector<Level> off{exact};
-  approximate(off, 0, ThreadPool(1));
+  quantize_groups(off, 0, ThreadPool(1));
   EXPECT_EQ(exact.rgba, off[0].rgba);
   EXPECT_EQ(exact.normal, off[0].normal);
 }
@@ -101,8 +101,8 @@ TEST(Approximate, IsTheSameForAnyNumberOfThreads) {
   std::mt19937_64 rng(2);
   const Level exact = made_level(rng, 3000);
   std::vector<Level> one{exact}, three{exact};
-  approximate(one, 6, ThreadPool(1));
-  approximate(three, 6, ThreadPool(3));
+  quantize_groups(one, 6, ThreadPool(1));
+  quantize_groups(three, 6, ThreadPool(3));
   EXPECT_EQ(one[0].rgba, three[0].rgba);
   EXPECT_EQ(one[0].normal, three[0].normal);
 }
@@ -124,7 +124,7 @@ TEST(Approximate, TakesBrickBeforeOctantBeforeGroup) {
   const ThreadPool pool(1);
   const auto reds = [&](std::uint32_t codes) {
     std::vector<Level> levels{ramp()};
-    approximate(levels, codes, pool);
+    quantize_groups(levels, codes, pool);
     std::vector<int> row;
     for (std::size_t x = 0; x < 8; ++x) row.push_back(levels[0].rgba[4 * x]);
     return row;
@@ -150,7 +150,7 @@ TEST(Approximate, NumbersTheVoxelsOfAGroupFromItsLowestOn) {
 
 /// Joined ranges, including empty ones, equal the range of all values.
 TEST(Approximate, JoinsRangesToThatOfAll) {
-  const test::RandomSeed seed;
+  const gigabake::test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   for (int round = 0; round < 2000; ++round) {
     CodeRange codes[3], all_codes;

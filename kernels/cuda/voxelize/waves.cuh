@@ -14,33 +14,34 @@
 namespace gigabake::kernels {
 
 /// The bricks of the block whose voxels are summed at the same time.
-struct Round {
+struct Wave {
   int brick, end;
-  int first, used;     ///< first voxel in the block, and number of voxels
-  std::uint32_t room;  ///< items per chunk
+  int first, used;                ///< first voxel in the block, and number of voxels
+  std::uint32_t items_per_chunk;  ///< items per chunk
 };
 
 /// Returns the next round: the max number of bricks that need only one chunk of items, but at least one brick.
 template <class Shared>
-__device__ Round next_round(const Round& last, int bricks, const Shared& shared) {
-  Round next{last.end, last.end, shared.below[16 * last.end], 0, 0};
+__device__ Wave next_wave(const Wave& last, int bricks, const Shared& shared) {
+  Wave next{last.end, last.end, shared.below[16 * last.end], 0, 0};
   for (std::uint32_t items = 0; next.end < bricks; ++next.end) {
     const int used = shared.below[16 * next.end + 16] - next.first;
     items += shared.items[next.end];
-    if (next.end != next.brick && (used > brick_voxels || items > Shared::item_room(larger(used, last.used)))) break;
+    if (next.end != next.brick && (used > brick_voxels || items > Shared::item_capacity(larger(used, last.used))))
+      break;
     next.used = used;
-    next.room = Shared::item_room(larger(used, last.used));
+    next.items_per_chunk = Shared::item_capacity(larger(used, last.used));
   }
   return next;
 }
 
 inline constexpr std::uint32_t no_item = ~0u;
 
-/// Returns this thread's item among the next `room` items, or no_item.
-__device__ inline std::uint32_t take_item(FragmentIterator& walk, std::uint32_t room) {
+/// Returns this thread's item among the next `items_per_chunk` items, or no_item.
+__device__ inline std::uint32_t take_item(FragmentIterator& walk, std::uint32_t items_per_chunk) {
   std::uint32_t mine = no_item;
-  for (std::uint32_t taken = 0; taken < room && walk.has_more();) {
-    const ItemRange range = walk.take(room - taken);
+  for (std::uint32_t taken = 0; taken < items_per_chunk && walk.has_more();) {
+    const ItemRange range = walk.take(items_per_chunk - taken);
     const std::uint32_t i = threadIdx.x - taken;  // wraps around if this thread already has an item
     if (i < range.end - range.begin) mine = range.begin + i;
     taken += range.end - range.begin;
@@ -111,7 +112,7 @@ __device__ inline FragmentPlace place_of(const BlockBricks& shared, std::uint32_
 
 /// Measures the chunk's fragments and adds them to the sums of their voxels.
 template <bool is_hard, CellMaterials materials>
-__device__ void add_chunk(const BatchView& view, const Round& round, FillShared<is_hard, materials>& shared) {
+__device__ void add_chunk(const BatchView& view, const Wave& wave, FillShared<is_hard, materials>& shared) {
   std::uint32_t total = 0;
   for (const std::uint32_t cells : shared.warp_cells) total += cells;
   for (std::uint32_t f = threadIdx.x; f < total; f += fill_threads) {
@@ -119,22 +120,22 @@ __device__ void add_chunk(const BatchView& view, const Round& round, FillShared<
     const SlabFragment<is_hard, materials>& item = shared.item(place.item);
     const int cell = nth_bit(item.cells, place.cell);
     const int voxel = voxel_of_cell(item.axis, item.slab, cell), word = 16 * item.brick + (voxel >> 5);
-    const int slot = shared.below[word] + __popc(shared.mask[word] & ((1u << (voxel & 31)) - 1)) - round.first;
+    const int slot = shared.below[word] + __popc(shared.mask[word] & ((1u << (voxel & 31)) - 1)) - wave.first;
     shared.sums(slot).add(fragment_of(view.input.tables, item, cell));
   }
 }
 
 /// Resolves the round's voxels and stores them at their places. Clears the sums.
 template <bool is_hard, CellMaterials materials>
-__device__ void resolve_round(const BatchView& view, BrickSpan span, const Round& round,
-                              FillShared<is_hard, materials>& shared) {
-  const std::uint32_t first = shared.first_place + std::uint32_t(round.first);
-  for (int slot = int(threadIdx.x); slot < round.used; slot += fill_threads) {
+__device__ void resolve_wave(const BatchView& view, BrickSpan span, const Wave& wave,
+                             FillShared<is_hard, materials>& shared) {
+  const std::uint32_t first = shared.first_place + std::uint32_t(wave.first);
+  for (int slot = int(threadIdx.x); slot < wave.used; slot += fill_threads) {
     Voxel out;
     const bool visible = shared.sums(slot).resolve_to(view.input.tables, out);
     shared.sums(slot).clear();
     if (!all_visible(materials) && !visible)
-      drop_voxel(view.mask + 8 * std::size_t(span.first), round.first + slot, shared);
+      drop_voxel(view.mask + 8 * std::size_t(span.first), wave.first + slot, shared);
     const std::uint32_t at = first + std::uint32_t(slot);
     if (at >= view.capacity) continue;  // the host counts, enlarges the array and retries
     view.rgba[at] = visible ? pack_rgba(out.rgba) : 0;
@@ -147,24 +148,24 @@ template <bool is_hard, CellMaterials materials>
 __device__ void fill_bricks(const BatchView& view, BrickSpan span, FillShared<is_hard, materials>& shared) {
   open_bricks(view, span, shared);
   const std::uint32_t pairs = view.bricks.start[view.end] - view.bricks.start[view.begin];
-  Round round{0, 0, 0, 0, 0};
+  Wave wave{0, 0, 0, 0, 0};
   FragmentIterator walk(view.items, 0, 0, pairs);
   for (;;) {
-    const Round last = round;
+    const Wave last = wave;
     const bool ends = !walk.has_more();
     if (ends && last.end != int(span.bricks)) {
-      round = next_round(last, int(span.bricks), shared);
-      walk = FragmentIterator(view.items, shared.start[round.brick], shared.start[round.end], pairs);
+      wave = next_wave(last, int(span.bricks), shared);
+      walk = FragmentIterator(view.items, shared.start[wave.brick], shared.start[wave.end], pairs);
     }
-    const NextItem next = fetch_item(view, take_item(walk, round.room), shared);
+    const NextItem next = fetch_item(view, take_item(walk, wave.items_per_chunk), shared);
     if (ends) {
-      resolve_round(view, span, last, shared);
+      resolve_wave(view, span, last, shared);
       if (last.end == int(span.bricks)) break;
-      for (int slot = last.used + int(threadIdx.x); slot < round.used; slot += fill_threads) shared.sums(slot).clear();
+      for (int slot = last.used + int(threadIdx.x); slot < wave.used; slot += fill_threads) shared.sums(slot).clear();
     }
     cut_chunk(view, span.first, next, shared);
     __syncthreads();
-    add_chunk(view, round, shared);
+    add_chunk(view, wave, shared);
     __syncthreads();
   }
   if (all_visible(materials)) return;

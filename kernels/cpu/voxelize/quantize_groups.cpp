@@ -1,4 +1,4 @@
-#include "kernels/cpu/voxelize/approximate.h"
+#include "kernels/cpu/voxelize/quantize_groups.h"
 
 #include <array>
 #include <bit>
@@ -6,7 +6,7 @@
 
 #include "core/base/thread_pool.h"
 #include "core/octree/brick.h"
-#include "kernels/body/voxelize/approximate.h"
+#include "kernels/body/voxelize/quantize_groups.h"
 
 namespace gigabake::kernels {
 namespace {
@@ -41,8 +41,8 @@ class GroupedBrick {
 
 /// Quantizes channels [begin, end) of the voxels' bytes together. Each voxel takes the common value of the largest
 /// group that contains it and whose channels all fit the error bound.
-void approximate_codes(const GroupedBrick& brick, std::uint8_t* bytes, int stride, int begin, int end,
-                       std::uint32_t codes) {
+void quantize_codes(const GroupedBrick& brick, std::uint8_t* bytes, int stride, int begin, int end,
+                    std::uint32_t codes) {
   std::array<std::array<CodeRange, 3>, shares> range{};
   for (int v = 0; v < brick.voxels(); ++v)
     for (const int share : brick.of(v))
@@ -61,7 +61,7 @@ void approximate_codes(const GroupedBrick& brick, std::uint8_t* bytes, int strid
     }
 }
 
-void approximate_normals(const GroupedBrick& brick, std::int8_t* normal, std::uint32_t codes) {
+void quantize_normals(const GroupedBrick& brick, std::int8_t* normal, std::uint32_t codes) {
   const std::int16_t* units = TableStore::host().view().unit_normal;
   const auto unit = [&](std::uint16_t code) { return units + 4 * std::size_t(code); };
   std::array<std::uint16_t, brick_voxels> code;
@@ -86,18 +86,19 @@ void approximate_normals(const GroupedBrick& brick, std::int8_t* normal, std::ui
 
 }  // namespace
 
-void approximate(std::vector<Level>& levels, std::uint32_t codes, const ThreadPool& pool) {
+void quantize_groups(std::vector<Level>& levels, std::uint32_t codes, const ThreadPool& pool) {
   if (codes == 0) return;
   for (Level& level : levels)
     pool.parallel_for(level.key.size(), bricks_per_range, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t b = begin; b < end; ++b) {
         const GroupedBrick brick(&level.mask[8 * b]);
         std::uint8_t* rgba = &level.rgba[4 * level.first[b]];
-        approximate_codes(brick, rgba, 4, 0, 3, codes);
-        approximate_codes(brick, rgba, 4, 3, 4, codes);
-        if (!level.facing.empty())
-          approximate_codes(brick, &level.facing[facing_bytes * level.first[b]], int(facing_bytes), 0, 3, codes);
-        if (!level.normal.empty()) approximate_normals(brick, &level.normal[2 * level.first[b]], codes);
+        quantize_codes(brick, rgba, 4, 0, 3, codes);
+        quantize_codes(brick, rgba, 4, 3, 4, codes);
+        if (!level.directional_coverage.empty())
+          quantize_codes(brick, &level.directional_coverage[directional_coverage_bytes * level.first[b]],
+                         int(directional_coverage_bytes), 0, 3, codes);
+        if (!level.normal.empty()) quantize_normals(brick, &level.normal[2 * level.first[b]], codes);
       }
     });
 }

@@ -51,8 +51,8 @@ GB_HD void for_each_of_64(const std::uint64_t mask[8], int octant, std::size_t f
 /// m^(1 - m), where m is the mean alpha of all 64 voxels and missing voxels have alpha 0. The call voxel(i) returns
 /// voxel i of the level.
 template <class VoxelAt>
-GB_HD Voxel filter_64(const std::uint64_t mask[8], int octant, std::size_t first, const VoxelAt& voxel,
-                      const Tables& tables) {
+GB_HD Voxel two_level_filter(const std::uint64_t mask[8], int octant, std::size_t first, const VoxelAt& voxel,
+                             const Tables& tables) {
   MipSums sums;
   for_each_of_64(mask, octant, first, [&](std::size_t i) {
     const Voxel v = voxel(i);

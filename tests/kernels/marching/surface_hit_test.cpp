@@ -1,4 +1,4 @@
-#include "kernels/marching/sheet_met.h"
+#include "kernels/marching/surface_hit.h"
 
 #include <gtest/gtest.h>
 
@@ -15,16 +15,17 @@ struct RayDown {
     ray.lod = 4;
   }
 
-  /// Returns the ray's distance to the surface if this sample, `height` voxels above it, is the first at or below it.
-  double next(double distance, float height) {
-    const CastSheet sheet = {1, {0, 0, 127}, 254 * height};
-    const double met = sheet_met(sheet, line, ray.lod, distance, ray);
-    keep_height(sheet, line, ray.lod, distance, ray);
+  /// Returns the ray's distance to the surface if this sample, `signed_distance` voxels above it, is the first at or
+  /// below it.
+  double next(double distance, float signed_distance) {
+    const SurfaceBlend blend = {1, {0, 0, 127}, 254 * signed_distance};
+    const double met = surface_hit_distance(blend, line, ray.lod, distance, ray);
+    keep_signed_distance(blend, line, ray.lod, distance, ray);
     return met;
   }
   double next_without_sheet(double distance) {
-    const double met = sheet_met({}, line, ray.lod, distance, ray);
-    ray.height = CastRay::no_height;
+    const double met = surface_hit_distance({}, line, ray.lod, distance, ray);
+    ray.signed_distance = CastRay::no_signed_distance;
     return met;
   }
 };

@@ -2,7 +2,7 @@
 /// them.
 ///
 /// Colour, alpha, directional coverage and normal are quantized separately, by the rule of
-/// kernels/body/voxelize/approximate.h.
+/// kernels/body/voxelize/quantize_groups.h.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +18,6 @@ namespace gigabake::kernels {
 ///         chord of at most 2·codes/255, measured between the unit vectors of Tables::unit_normal. The result of a
 ///         brick depends only on this brick.
 /// Range   codes ≤ 127. If it is 0, nothing changes.
-void approximate(std::vector<Level>& levels, std::uint32_t codes, const ThreadPool& pool);
+void quantize_groups(std::vector<Level>& levels, std::uint32_t codes, const ThreadPool& pool);
 
 }  // namespace gigabake::kernels

@@ -1,4 +1,5 @@
-/// Device version of kernels/cpu's approximate(): makes voxels equal that differ by no more than the permitted error.
+/// Device version of kernels/cpu's quantize_groups(): makes voxels equal that differ by no more than the permitted
+/// error.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +11,7 @@
 namespace gigabake::kernels {
 
 /// Changes the values of voxels but not the set of voxels. Does not wait for the stream.
-/// Exact   Same values as kernels/cpu/voxelize/approximate.h.
+/// Exact   Same values as kernels/cpu/voxelize/quantize_groups.h.
 /// Errors  CudaFailure.
 void approximate_levels(DeviceHeap& heap, const Tables& tables, std::uint32_t codes, std::vector<DeviceLevel>& levels);
 

@@ -1,4 +1,4 @@
-#include "kernels/cpu/mip/level_of_64.h"
+#include "kernels/cpu/mip/two_level_filter.h"
 
 #include <array>
 #include <bit>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/octree/brick.h"
-#include "kernels/body/mip/mip_of_64.h"
+#include "kernels/body/mip/two_level_filter.h"
 #include "kernels/cpu/mip/level_read.h"
 #include "kernels/cpu/voxelize/brick_run.h"
 
@@ -27,7 +27,7 @@ void fill_from(const Level& fine, std::size_t brick, const Tables& tables, Coars
     if (!has_voxels(mask, octant)) continue;
     const int to = grandparent_voxel(fine.key[brick], octant);
     out.mask[to >> 6] |= std::uint64_t(1) << (to & 63);
-    out.voxel[to] = filter_64(
+    out.voxel[to] = two_level_filter(
         mask, octant, fine.first[brick], [&](std::size_t i) { return voxel_at(fine, i); }, tables);
   }
 }
@@ -43,7 +43,7 @@ void pack(const CoarseBrick& brick, std::uint64_t key, BrickRun& run) {
 
 }  // namespace
 
-Level level_of_64(const Level& fine, bool normals, const ThreadPool& pool) {
+Level two_level_filtered_level(const Level& fine, bool normals, const ThreadPool& pool) {
   const Tables tables = TableStore::host().view();
   const std::vector<std::size_t> starts = starts_below(fine, grandparent_key);
   const std::size_t bricks = starts.size() - 1;

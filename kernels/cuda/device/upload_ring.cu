@@ -1,20 +1,20 @@
-#include "kernels/cuda/device/delivery.cuh"
+#include "kernels/cuda/device/upload_ring.cuh"
 
 namespace gigabake::kernels {
 
-Delivery::Delivery(DeviceHeap& heap) : heap_(heap) {
+UploadRing::UploadRing(DeviceHeap& heap) : heap_(heap) {
   for (Part& part : parts_)
     check_cuda(cudaEventCreateWithFlags(&part.copied, cudaEventDisableTiming), "cudaEventCreate");
 }
 
-Delivery::~Delivery() {
+UploadRing::~UploadRing() {
   for (const Part& part : parts_) {
     cudaEventSynchronize(part.copied);  // the device may still read the buffers
     cudaEventDestroy(part.copied);
   }
 }
 
-std::byte* Delivery::room(std::size_t bytes) {
+std::byte* UploadRing::reserve(std::size_t bytes) {
   turn_ = (turn_ + 1) % parts_.size();
   bytes_ = bytes;
   Part& part = parts_[turn_];
@@ -23,7 +23,7 @@ std::byte* Delivery::room(std::size_t bytes) {
   return part.host.reserve(part.device.size());
 }
 
-const std::byte* Delivery::send() {
+const std::byte* UploadRing::send() {
   Part& part = parts_[turn_];
   std::byte* const host = part.host.reserve(bytes_);
   check_cuda(cudaMemcpyAsync(part.device.data(), host, bytes_, cudaMemcpyHostToDevice, heap_.stream()),

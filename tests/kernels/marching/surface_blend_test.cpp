@@ -1,4 +1,4 @@
-#include "kernels/marching/sheet.h"
+#include "kernels/marching/surface_blend.h"
 
 #include <algorithm>
 #include <array>
@@ -61,13 +61,13 @@ struct RandomPoints {
 };
 
 struct CastField {
-  CastSample loose;
-  CastSheet sheet;
+  CastSample residual;
+  SurfaceBlend blend;
 };
 
 CastField field_at(const CastCorners& corners, bool is_wanted, const double direction[3]) {
-  const CastAround around = classify_neighbourhood(corners, is_wanted);
-  return {loose_at(corners, around, direction).sample, around.sheet};
+  const NeighbourhoodSurface neighbourhood = classify_neighbourhood(corners, is_wanted);
+  return {volumetric_residual(corners, neighbourhood, direction).sample, neighbourhood.blend};
 }
 
 TEST(CastField, IsInterpolatedAsEverWhereThereIsNoSheet) {
@@ -82,8 +82,8 @@ TEST(CastField, IsInterpolatedAsEverWhereThereIsNoSheet) {
     const CastPoint p = points.next();
     const CastField field = field_at(corners_of(brick.view(), p), true, down);
     const CastSample plain = interpolate(corners_of(brick.view(), p));
-    ASSERT_EQ(std::memcmp(&field.loose, &plain, sizeof plain), 0);
-    ASSERT_EQ(field.sheet.height(), 0);
+    ASSERT_EQ(std::memcmp(&field.residual, &plain, sizeof plain), 0);
+    ASSERT_EQ(field.blend.signed_distance(), 0);
   }
 }
 
@@ -104,7 +104,7 @@ std::unique_ptr<Slot> slot_of_plane(const std::int8_t normal[2]) {
   return slot;
 }
 
-TEST(CastSheet, IsWhereThePlaneOfItsVoxelsIs) {
+TEST(SurfaceBlend, IsWhereThePlaneOfItsVoxelsIs) {
   RandomPoints points;
   for (int i = 0; i < 200; ++i) {
     const std::int8_t normal[2] = {std::int8_t(int(points.random() % 255) - 127),
@@ -113,17 +113,18 @@ TEST(CastSheet, IsWhereThePlaneOfItsVoxelsIs) {
     const Brick brick(*slot_of_plane(normal));
     for (int k = 0; k < 200; ++k) {
       const CastPoint p = points.next();
-      const CastSheet sheet = field_at(corners_of(brick.view(), p), true, down).sheet;
-      if (sheet.sheet == 0) continue;
+      const SurfaceBlend blend = field_at(corners_of(brick.view(), p), true, down).blend;
+      if (blend.weight == 0) continue;
       double above = 0;
       for (int a = 0; a < 3; ++a) above += n.c[a] / 127.0 * (p.base[a] + double(p.between[a]) - 4);
-      ASSERT_NEAR(sheet.height(), above, 0.25 / max_offset + 0.5 / 127 + 1e-5) << "half a unit of offset and place";
+      ASSERT_NEAR(blend.signed_distance(), above, 0.25 / max_offset + 0.5 / 127 + 1e-5)
+          << "half a unit of offset and place";
     }
   }
 }
 
 // 2026-11-23: coarse levels let light through where a surface passes from one layer of voxels to the next.
-TEST(CastSheet, IsOpaqueWhereverARayMeetsIt) {
+TEST(SurfaceBlend, IsOpaqueWhereverARayMeetsIt) {
   RandomPoints points;
   for (int i = 0; i < 200; ++i) {
     const std::int8_t normal[2] = {std::int8_t(int(points.random() % 255) - 127),
@@ -131,9 +132,9 @@ TEST(CastSheet, IsOpaqueWhereverARayMeetsIt) {
     const Brick brick(*slot_of_plane(normal));
     for (int k = 0; k < 500; ++k) {
       const CastPoint p = points.next();
-      const CastSheet sheet = field_at(corners_of(brick.view(), p), true, down).sheet;
-      if (sheet.sheet == 0 || std::abs(sheet.height()) > 0.02f) continue;
-      ASSERT_GE(opacity_of_sheet(brick.view(), p, sheet).opacity, 0.99f);
+      const SurfaceBlend blend = field_at(corners_of(brick.view(), p), true, down).blend;
+      if (blend.weight == 0 || std::abs(blend.signed_distance()) > 0.02f) continue;
+      ASSERT_GE(surface_opacity(brick.view(), p, blend).opacity, 0.99f);
     }
   }
 }
@@ -145,34 +146,34 @@ TEST(CastField, HasNoSheetInABrickThatStandsForFinerOnes) {
   for (int i = 0; i < 1000; ++i) {
     const CastPoint p = points.next();
     const CastField field = field_at(corners_of(brick.view(), p), false, down);
-    ASSERT_EQ(field.sheet.height(), 0);
-    ASSERT_EQ(field.loose.mean_coverage(), interpolate(corners_of(brick.view(), p)).mean_coverage());
+    ASSERT_EQ(field.blend.signed_distance(), 0);
+    ASSERT_EQ(field.residual.mean_coverage(), interpolate(corners_of(brick.view(), p)).mean_coverage());
   }
 }
 
-TEST(CastSheet, HasTheLooseAloneInWhatIsLoose) {
+TEST(SurfaceBlend, HasTheLooseAloneInWhatIsLoose) {
   const auto slot = std::make_unique<Slot>();
   for (CastVoxel& v : slot->voxel) {
     v = opaque_voxel();
     v.plane = whole_sheet;
   }
   const CastPoint middle{{3, 3, 3}, {0.5f, 0.5f, 0.5f}};
-  const auto loose = [&] {
+  const auto residual = [&] {
     const Brick brick(*slot);
-    return field_at(corners_of(brick.view(), middle), true, down).loose.mean_coverage();
+    return field_at(corners_of(brick.view(), middle), true, down).residual.mean_coverage();
   };
-  EXPECT_EQ(loose(), 0) << "planes describe all of the coverage";
+  EXPECT_EQ(residual(), 0) << "planes describe all of the coverage";
   slot->at(3, 3, 3).plane = 0;
-  EXPECT_NEAR(loose(), 1.0f / 8, 1e-6f);
+  EXPECT_NEAR(residual(), 1.0f / 8, 1e-6f);
   slot->at(4, 3, 3).plane = pack_plane({0, 2});
-  EXPECT_NEAR(loose(), 2.0f / 8, 1e-6f) << "a voxel that its plane describes only in part";
+  EXPECT_NEAR(residual(), 2.0f / 8, 1e-6f) << "a voxel that its plane describes only in part";
 }
 
 TEST(Disagreement, IsOfPlanesThatAreFartherThanThirtyDegreesFromTheSheet) {
   const ByteVector up = byte_vector(0, 0, 127);
   const auto sheet_at = [](double degrees) {
     const double slope = degrees * 3.14159265358979 / 180;
-    return normal_of(CastSheet{1, {float(std::sin(slope)), 0, float(std::cos(slope))}, 0});
+    return normal_of(SurfaceBlend{1, {float(std::sin(slope)), 0, float(std::cos(slope))}, 0});
   };
   EXPECT_EQ(disagreement(up, sheet_at(0)), 0);
   EXPECT_EQ(disagreement(up, sheet_at(29)), 0);
@@ -193,11 +194,12 @@ TEST(CastField, CountsSheetsByTheirCoverageWhereTheyDisagree) {
         slot->at(x, y, z) = v;
       }
   const Brick brick(*slot);
-  const CastSample edge = field_at(corners_of(brick.view(), {{3, 3, 3}, {0.5f, 0.5f, 0.5f}}), true, down).loose;
+  const CastSample edge = field_at(corners_of(brick.view(), {{3, 3, 3}, {0.5f, 0.5f, 0.5f}}), true, down).residual;
   EXPECT_NEAR(edge.c[3], 0.5f, 1e-3f);
   EXPECT_NEAR(edge.c[4], 0, 1e-3f) << "neither covers a view along y";
   EXPECT_NEAR(edge.c[5], 0.5f, 1e-3f);
-  EXPECT_EQ(field_at(corners_of(brick.view(), {{1, 3, 3}, {0.5f, 0.5f, 0.5f}}), true, down).loose.mean_coverage(), 0);
+  EXPECT_EQ(field_at(corners_of(brick.view(), {{1, 3, 3}, {0.5f, 0.5f, 0.5f}}), true, down).residual.mean_coverage(),
+            0);
 }
 
 TEST(PartInPair, IsHowMuchOfAColumnsSheetLiesInTwoVoxels) {
@@ -236,11 +238,11 @@ TEST(Sheet, IsAllThereIsWhereItIsCalledFlat) {
     RandomPoints points;
     for (int n = 0; n < 50; ++n) {
       const CastCorners corners = corners_of(brick.view(), points.next());
-      const CastAround around = classify_neighbourhood(corners, true);
-      if (around.kind != PointKind::sheet) continue;
-      const CastSample loose = residual_sample(corners, around.sheet);
-      ++(around.is_flat ? flat : others);
-      for (int k = 0; around.is_flat && k < cast_channels; ++k) ASSERT_EQ(loose.c[k], 0);
+      const NeighbourhoodSurface neighbourhood = classify_neighbourhood(corners, true);
+      if (neighbourhood.kind != PointKind::surface) continue;
+      const CastSample residual = residual_sample(corners, neighbourhood.blend);
+      ++(neighbourhood.is_flat ? flat : others);
+      for (int k = 0; neighbourhood.is_flat && k < cast_channels; ++k) ASSERT_EQ(residual.c[k], 0);
     }
   }
   EXPECT_GT(flat, 2000);

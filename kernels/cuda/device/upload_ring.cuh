@@ -14,26 +14,26 @@ namespace gigabake::kernels {
 
 /// Two page-locked buffers that are used alternately. The host fills one buffer while the other is copied, so that the
 /// host rarely waits.
-class Delivery {
+class UploadRing {
  public:
-  explicit Delivery(DeviceHeap& heap);
-  ~Delivery();
-  Delivery(const Delivery&) = delete;
-  Delivery& operator=(const Delivery&) = delete;
+  explicit UploadRing(DeviceHeap& heap);
+  ~UploadRing();
+  UploadRing(const UploadRing&) = delete;
+  UploadRing& operator=(const UploadRing&) = delete;
 
   /// Returns a host buffer to fill before send(). Waits if the device is still copying from that buffer.
   /// Errors  CudaFailure, DeviceFull.
-  std::byte* room(std::size_t bytes);
+  std::byte* reserve(std::size_t bytes);
   /// Starts the copy of the buffer. Returns the device pointer. It is valid for kernels that are launched before the
-  /// second next call of room().
+  /// second next call of reserve().
   /// Errors  CudaFailure.
   const std::byte* send();
 
-  /// Uploads a vector with room() and send().
+  /// Uploads a vector with reserve() and send().
   template <class T>
   const T* send(const std::vector<T>& values) {
     const std::size_t bytes = values.size() * sizeof(T);
-    std::memcpy(room(bytes), values.data(), bytes);
+    std::memcpy(reserve(bytes), values.data(), bytes);
     return reinterpret_cast<const T*>(send());
   }
 

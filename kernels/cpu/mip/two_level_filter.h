@@ -7,8 +7,8 @@
 namespace gigabake::kernels {
 
 /// Returns the level two steps coarser than `fine`. A voxel exists if one of its 64 descendants in `fine` exists.
-/// Exact   Depends only on the stored 8-bit voxels of `fine` (kernels/body/mip/mip_of_64.h).
+/// Exact   Depends only on the stored 8-bit voxels of `fine` (kernels/body/mip/two_level_filter.h).
 /// Cost    Reads `fine` once.
-Level level_of_64(const Level& fine, bool normals, const ThreadPool& pool);
+Level two_level_filtered_level(const Level& fine, bool normals, const ThreadPool& pool);
 
 }  // namespace gigabake::kernels

@@ -1,4 +1,4 @@
-#include "kernels/body/mip/facing.h"
+#include "kernels/body/mip/directional_coverage.h"
 
 #include <gtest/gtest.h>
 

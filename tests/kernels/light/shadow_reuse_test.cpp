@@ -1,5 +1,5 @@
 // Tests which pixels reuse the shadow samples of their block and which pixels cast separate rays.
-#include "kernels/light/light_sharing.h"
+#include "kernels/light/shadow_reuse.h"
 
 #include <gtest/gtest.h>
 #include <vector>
@@ -42,7 +42,7 @@ struct Ground {
 
   void share() {
     for (int y = 0; y < tile_edge; ++y)
-      for (int x = 0; x < tile_edge; ++x) share_light({lights.data(), tile}, lighting, x, y, at(x, y));
+      for (int x = 0; x < tile_edge; ++x) reuse_shadow_samples({lights.data(), tile}, lighting, x, y, at(x, y));
   }
 
   /// Returns the number of pixels of [x0, x0 + size) × [y0, y0 + size) that cast a separate ray.
@@ -120,8 +120,8 @@ TEST(LightSharing, DoesNotDependOnTheOrderOfPixels) {
   Ground backwards = forwards;
   forwards.share();
   for (int i = tile_edge * tile_edge - 1; i >= 0; --i)
-    share_light({backwards.lights.data(), backwards.tile}, backwards.lighting, i % tile_edge, i / tile_edge,
-                backwards.lights[std::size_t(i)]);
+    reuse_shadow_samples({backwards.lights.data(), backwards.tile}, backwards.lighting, i % tile_edge, i / tile_edge,
+                         backwards.lights[std::size_t(i)]);
   for (std::size_t i = 0; i < forwards.lights.size(); ++i) {
     EXPECT_EQ(backwards.lights[i].done, forwards.lights[i].done);
     EXPECT_EQ(backwards.lights[i].seen[sun], forwards.lights[i].seen[sun]);

@@ -105,7 +105,7 @@ struct CoverageSums {
 
   /// Returns the directional coverage, 1…255. It is not 0, so that an existing voxel does not vanish. `edge` is the
   /// edge of the children's rasters in cells.
-  GB_HD std::uint8_t facing(int axis, int edge) const {
+  GB_HD std::uint8_t directional_coverage(int axis, int edge) const {
     const std::uint32_t cells = 4 * std::uint32_t(edge * edge), mean = (covered[axis] + cells / 2) / cells;
     return std::uint8_t(mean < 1 ? 1 : mean);
   }

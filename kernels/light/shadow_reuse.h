@@ -25,7 +25,7 @@ struct SunSeen {
 
   /// Tests whether the samples are uniform. At least three pixels must see the whole sun, or at least three must see
   /// none of it, to within 1/64; no pixel may differ.
-  GB_HD bool is_told() const {
+  GB_HD bool is_uniform() const {
     constexpr int enough = 3;
     constexpr float bound = 1.0f / 64;
     return pixels >= enough && (minimum >= 1 - bound || maximum <= bound);
@@ -51,23 +51,23 @@ GB_HD SunSeen sun_around(const TileLights& tile, int x, int y, const PixelLight&
 /// Reuses shadow samples in pixel (x, y) of the tile, after all first rays are finished. `light` is the light of this
 /// pixel. If the samples are not uniform, marks the pixel's own ray for casting. Reads only results of first rays,
 /// which no call writes, so pixels may be processed concurrently.
-GB_HD void share_light(const TileLights& tile, const CastLighting& lighting, int x, int y, PixelLight& light) {
-  if (!light.has(light_rays) || lighting.part == CastLightPart::unhidden) return;
+GB_HD void reuse_shadow_samples(const TileLights& tile, const CastLighting& lighting, int x, int y, PixelLight& light) {
+  if (!light.has(light_rays) || lighting.part == CastLightPart::unshadowed) return;
   std::uint32_t then = 0;
   for (int r = 0; r < light_rays; ++r) {
     const auto which = LightRay(r);
     const float* direction = light_direction(lighting, tile.tile.x + x, tile.tile.y + y, which);
     if (light.is_first(which) || !lights_up(light, direction, which)) continue;
-    bool is_told = false;
+    bool is_uniform = false;
     if (which == LightRay::sun) {
       const SunSeen sun = sun_around(tile, x, y, light);
-      is_told = sun.is_told();
-      if (is_told) light.seen[r] = sun.sum / float(sun.pixels);
+      is_uniform = sun.is_uniform();
+      if (is_uniform) light.seen[r] = sun.sum / float(sun.pixels);
     } else {
       float share;
-      is_told = sky_around(tile, lighting, x, y, light, SkyRays::first, share);
+      is_uniform = sky_around(tile, lighting, x, y, light, SkyRays::first, share);
     }
-    if (!is_told) then |= 1u << r;
+    if (!is_uniform) then |= 1u << r;
   }
   light.then = then;
   light.done &= ~then;

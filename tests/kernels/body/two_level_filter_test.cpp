@@ -1,4 +1,4 @@
-#include "kernels/body/mip/mip_of_64.h"
+#include "kernels/body/mip/two_level_filter.h"
 
 #include <gtest/gtest.h>
 #include <random>
@@ -66,7 +66,7 @@ TEST(MipOf64, WeighsVoxelsByTheirAlphaAlone) {
   const auto red_then_blue = [](std::size_t i) {
     return i == 0 ? Voxel{{255, 0, 0, 255}, {127, 0}} : Voxel{{0, 0, 255, 255}, {127, 0}};
   };
-  const Voxel v = filter_64(mask, 0, 0, red_then_blue, tables_of_64);
+  const Voxel v = two_level_filter(mask, 0, 0, red_then_blue, tables_of_64);
   EXPECT_EQ(v.rgba[0], tables_of_64.srgb_from_linear[(65535 + 4) / 9]);
   EXPECT_EQ(v.rgba[1], 0);
   EXPECT_EQ(v.rgba[2], tables_of_64.srgb_from_linear[(8 * 65535 + 4) / 9]);
