@@ -65,7 +65,7 @@ std::vector<DerivedLevels::Voxel> level_above(const std::vector<DerivedLevels::V
   for (std::size_t i = 0; i < below.size();) {
     const LevelIndex place = below[i].at >> 1;
     Octet octet;
-    for (; i < below.size() && below[i].at >> 1 == place; ++i) octet.add(below[i]);
+    for (; i < below.size() && (below[i].at >> 1) == place; ++i) octet.add(below[i]);
     if (octet.weight > 0) above.push_back(octet.at(place));
   }
   return above;

@@ -20,8 +20,8 @@ inline constexpr std::string_view npy_magic = "\x93NUMPY";
 /// An open file of queries.
 struct QueryFile {
   struct Close {
-    void operator()(std::FILE* file) const {
-      if (file != stdin) std::fclose(file);
+    void operator()(std::FILE* opened) const {
+      if (opened != stdin) std::fclose(opened);
     }
   };
   std::filesystem::path path;  ///< for messages

@@ -87,7 +87,7 @@ class QueryPlaces {
   kernels::VoxelBox window_{};
   CellLayout layout_;
   std::vector<std::uint32_t> number_;  ///< shard number by cell of the layout
-  std::uint32_t cells_ = 0, first_lost_ = 0;
+  std::uint32_t first_lost_ = 0;
   std::vector<std::string> lost_;
   std::mutex mutex_;
   std::exception_ptr unreadable_;  ///< the error of a page that could not be read

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string_view>
 
+#include "format/source/raster/gdal/gdal_open.h"
+
 namespace gigabake {
 namespace {
 
