@@ -51,6 +51,7 @@ std::map<Voxel, ExpectedVoxel> expected_voxels(const std::vector<Painted>& scene
       const double w = std::max(min_weight, area_voxel2(piece, p.triangle));
       const auto colour = colour_on(p, piece);
       v.area += w;
+      v.is_opaque = v.is_opaque || colour[3] == 1;
       v.visible += w * colour[3];
       for (int c = 0; c < 3; ++c) v.colour[c] += w * colour[3] * colour[c];
       for (int c = 0; c < 3; ++c) v.normal[c] += w * colour[3] * normal[c];

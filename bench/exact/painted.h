@@ -24,7 +24,11 @@ struct ExpectedVoxel {
   std::array<double, 3> colour{};  ///< Σ w·a·c; c: linear colour of the piece
   Direction normal{};              ///< Σ w·a·n; n: unit normal of the piece
 
-  double alpha() const { return visible / area; }
+  bool is_opaque = false;  ///< a piece has alpha 1
+
+  double alpha() const { return is_opaque ? 1 : visible / area; }
+  /// Returns the visible fraction of the area. The rounding error of colours is inversely proportional to it.
+  double visible_fraction() const { return visible / area; }
   double linear(int c) const { return colour[c] / visible; }
   /// Returns the length of the mean normal: the certainty of its direction.
   double certainty() const;

@@ -11,7 +11,7 @@ namespace gigabake::bench {
 namespace {
 
 /// The minima below which colour and normal are not compared: a faint colour and a short mean normal are undefined.
-constexpr double min_alpha = 0.02, min_certainty = 0.01;
+constexpr double min_visible_fraction = 0.02, min_certainty = 0.01;
 
 struct VoxelErrors {
   std::uint64_t missed = 0, extra = 0;
@@ -22,11 +22,12 @@ void add_voxel(const StoredVoxel& stored, const reference::ExpectedVoxel& expect
   using namespace reference;
   const auto grow = [](double& worst, double error) { worst = std::max(worst, error); };
   grow(errors.alpha_codes, std::abs(stored.rgba[3] - 255 * expected.alpha()));
-  if (expected.alpha() < min_alpha) return;
+  const double visible_fraction = expected.visible_fraction();
+  if (visible_fraction < min_visible_fraction) return;
   for (int c = 0; c < 3; ++c) {
     // Premultiplied colours are rounded to 16 bits. The error is at most 0.1 codes of 255 for a dark opaque colour, and
-    // inversely proportional to alpha.
-    const double lost = 0.1 / expected.alpha() - 0.1;
+    // inversely proportional to the visible fraction of the area.
+    const double lost = 0.1 / visible_fraction - 0.1;
     grow(errors.colour_codes, code_error(stored.rgba[std::size_t(c)], expected.linear(c)) - lost);
     grow(errors.colour_linear, std::abs(linear_of(stored.rgba[std::size_t(c)] / 255.0) - expected.linear(c)));
   }

@@ -62,7 +62,7 @@ std::vector<HardCase> alphas() {
   };
   const AlphaMode blend = AlphaMode::blend, mask = AlphaMode::mask, opaque = AlphaMode::opaque;
   return {
-      sheets("translucent-over-opaque", "the translucent one counts by its alpha",
+      sheets("translucent-over-opaque", "the translucent one counts by its alpha in colour; the voxel is opaque",
              {{reference::white16, opaque}, {with_alpha(black, 32768), blend}}),
       sheets("alpha-just-absent", "128.4 of 65535 rounds to 0 of 255", {{with_alpha(red, 128), blend}}),
       sheets("alpha-just-there", "129 of 65535 rounds to 1 of 255", {{with_alpha(red, 129), blend}}),

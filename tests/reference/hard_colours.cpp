@@ -134,8 +134,45 @@ void translucent_over_opaque() {
   scene.add_mesh(sheet_at(100));
   scene.add_mesh(sheet_at(50), scene.add_colour({0, 0, 0, 32768}, AlphaMode::blend));
   const BakedVoxel v = only_voxel(scene);
-  EXPECT_EQ(v.rgba[3], 191);  // (1 + 1/2) / 2
+  EXPECT_EQ(v.rgba[3], 255);
   expect_colour(v, 2.0 / 3, 2.0 / 3, 2.0 / 3);
+}
+
+/// 2026-11-26: a mean over all fragments made the ground below decals, grass and litter translucent.
+void cut_away_over_opaque() {
+  BakeScene scene;
+  scene.add_mesh(sheet_at(100), scene.add_colour(red16));
+  const BakedVoxel alone = only_voxel(scene);
+  scene.add_mesh(sheet_at(50), scene.add_colour({0, 65535, 0, 0}, AlphaMode::mask));
+  scene.add_mesh(sheet_at(150), scene.add_colour({0, 65535, 0, 0}, AlphaMode::blend));
+  EXPECT_EQ(only_voxel(scene), alone);
+}
+
+/// Returns the alpha of a voxel with a cut-away layer and a layer whose texels have these alphas.
+int alpha_below_a_decal(AlphaMode mode, const std::array<std::uint8_t, 2>& alpha) {
+  BakeScene scene;
+  std::vector<std::uint8_t> texels;
+  for (const std::uint8_t a : alpha) texels.insert(texels.end(), {200, 100, 50, a});
+  kernels::MaterialView material;
+  material.alpha_mode = mode;
+  Part part;
+  part.material = scene.add_textured(material, texels, 2, 1);
+  part.position = {10, 10, 100, 250, 10, 100, 10, 250, 100};
+  part.index = {0, 1, 2};
+  part.uv = {0, 0, 1, 0, 0, 1};
+  scene.add_part(part);
+  scene.add_mesh(sheet_at(50), scene.add_colour({0, 65535, 0, 0}, AlphaMode::mask));
+  return only_voxel(scene).rgba[3];
+}
+
+/// Many exporters declare every material as MASK or BLEND.
+void textures_without_holes_are_opaque() {
+  for (const AlphaMode mode : {AlphaMode::mask, AlphaMode::blend}) {
+    EXPECT_EQ(alpha_below_a_decal(mode, {255, 255}), 255);
+    EXPECT_LT(alpha_below_a_decal(mode, {255, 0}), 200) << "a part of this one is cut away";
+  }
+  EXPECT_EQ(alpha_below_a_decal(AlphaMode::mask, {255, 128}), 255) << "both texels pass";
+  EXPECT_LT(alpha_below_a_decal(AlphaMode::blend, {255, 128}), 200);
 }
 
 }  // namespace
@@ -155,7 +192,9 @@ std::vector<HardValue> hard_colours() {
           {"alpha-rounds-at-half-a-code", alpha_rounds_at_half_a_code},
           {"opaque-ignores-alpha", opaque_ignores_alpha},
           {"mask-at-cutoff", a_mask_keeps_its_cutoff},
-          {"translucent-over-opaque", translucent_over_opaque}};
+          {"translucent-over-opaque", translucent_over_opaque},
+          {"cut-away-over-opaque", cut_away_over_opaque},
+          {"textures-without-holes", textures_without_holes_are_opaque}};
 }
 
 }  // namespace gigabake::reference

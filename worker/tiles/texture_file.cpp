@@ -22,7 +22,7 @@ namespace {
 bool is_sensible(const TextureHead& head, std::uint64_t file_bytes) {
   return head.magic == TextureHead::right_magic && head.version == texture_file_version && head.width > 0 &&
          head.height > 0 && std::uint64_t(head.width) * std::uint64_t(head.height) <= max_texels && head.levels > 0 &&
-         head.levels <= kernels::max_texture_levels && head.mask_cutoff < 256 &&
+         head.levels <= kernels::max_texture_levels && head.mask_cutoff < 256 && head.is_opaque <= 1 &&
          head.bytes == head.bytes_before(head.levels) && file_bytes == sizeof head + head.bytes;
 }
 
@@ -65,6 +65,7 @@ void write_texture(const std::filesystem::path& target, const kernels::TextureVi
   TextureHead head;
   head.width = texture.width, head.height = texture.height, head.levels = texture.levels;
   head.mask_cutoff = texture.mask_cutoff;
+  head.is_opaque = texture.is_opaque;
   head.bytes = head.bytes_before(head.levels);
   const auto level_at = [&](int l) {
     return l == 0 ? texture.base : reinterpret_cast<const std::uint8_t*>(texture.level[l]);
@@ -98,6 +99,7 @@ std::shared_ptr<const TextureFile> TextureFile::open(const std::filesystem::path
   for (int l = 1; l < head.levels; ++l) v.level[l] = reinterpret_cast<const std::uint16_t*>(level_at(l));
   v.width = head.width, v.height = head.height, v.levels = head.levels;
   v.mask_cutoff = std::uint8_t(head.mask_cutoff);
+  v.is_opaque = head.is_opaque != 0;
   v.id = id;
   return texture;
 }

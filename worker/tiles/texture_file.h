@@ -11,7 +11,7 @@
 namespace gigabake {
 
 /// Version of the file. Increment it when the same image would give another pyramid, or when the file layout changes.
-inline constexpr std::uint32_t texture_file_version = 2;
+inline constexpr std::uint32_t texture_file_version = 3;
 
 /// Writes a texture's scratch file atomically.
 /// Errors  IoError with the file and the system's reason.

@@ -15,7 +15,7 @@ struct TextureHead {
   std::uint64_t magic = right_magic, bytes = 0, checksum = 0;
   std::uint32_t version = texture_file_version;
   std::int32_t width = 0, height = 0, levels = 0;
-  std::uint32_t mask_cutoff = 0, unused[3] = {};
+  std::uint32_t mask_cutoff = 0, is_opaque = 0, unused[2] = {};
 
   std::uint64_t row_bytes(int level) const {
     return std::uint64_t(kernels::level_extent(width, level)) * (level == 0 ? 4 : 8);

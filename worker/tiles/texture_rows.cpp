@@ -68,12 +68,15 @@ class PyramidWriter {
       levels_.push_back(std::move(level));
     }
     for (auto& row : base_rows_) row.resize(head.row_bytes(0));
+    head_.is_opaque = 1;
   }
 
   /// Returns the buffer for the image's next row; call take_base_row() once it is filled.
   std::vector<std::uint8_t>& base_row() { return base_rows_[std::size_t(levels_[0].taken) % rows_held]; }
   void take_base_row() {
     levels_[0].sink.take(base_row());
+    if (!kernels::are_opaque(base_row().data(), std::size_t(head_.width), std::uint8_t(head_.mask_cutoff)))
+      head_.is_opaque = 0;
     ++levels_[0].taken;
     halve_from(0);
   }

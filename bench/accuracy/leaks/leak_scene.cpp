@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <numbers>
 
+#include "sample/settlement/picture.h"
 #include "sample/terrain/noise.h"
 
 namespace gigabake::bench {
@@ -114,6 +115,47 @@ Vector in_ball(sample::Random& random) {
     const Vector p{random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)};
     if (std::hypot(p[0], p[1], p[2]) <= 1) return p;
   }
+}
+
+/// A plane and its unit normal, with content in front of it. A ray that hits the plane must be opaque.
+struct CoveredPlane {
+  Sheet ground;
+  Vector normal;
+  CoveredPlane(double edge, double slope_deg)
+      : ground(square(edge, slope_deg, 161.2)),
+        normal(Heading(161.2).step(std::sin(radians(slope_deg)), 0, std::cos(radians(slope_deg)))) {}
+  Sheet lifted(double height) const { return {along(ground.corner, normal, height), ground.u, ground.v}; }
+};
+
+/// Returns the texture of a plant: blades of different height (`upright`), or one round leaf.
+sample::GlbImage plant_image(bool upright) {
+  constexpr int edge = 32;
+  sample::Picture image(edge, edge, 4);
+  for (int y = 0; y < edge; ++y)
+    for (int x = 0; x < edge; ++x) {
+      const bool is_blade = x % 4 < 2 && edge - y < 8 + x * 37 % 24;
+      const bool is_leaf = std::hypot(x - 15.5, y - 15.5) < 13;
+      image.set(x, y, {60, 120, 30});
+      image.at(x, y)[3] = (upright ? is_blade : is_leaf) ? 255 : 0;
+    }
+  return {"image/png", sample::to_png(image)};
+}
+
+/// Adds a quad with the whole texture.
+void add_card(const Vector& corner, const Vector& u, const Vector& v, sample::GlbMesh& mesh) {
+  add_sheet(mesh, {corner, u, v});
+  mesh.uv.insert(mesh.uv.end(), {0, 65535, 65535, 65535, 0, 0, 65535, 0});
+}
+
+LeakScene covered_scene(const std::string& name, double slope_deg, const std::string& what, const CoveredPlane& plane,
+                        sample::GlbMaterial material, sample::GlbMesh cover) {
+  LeakScene scene = sheets_scene(fmt::format("{}-{:g}", name, slope_deg), "covered planes",
+                                 fmt::format("{}, {:g}° steep", what, slope_deg), {plane.ground});
+  scene.width = std::hypot(plane.ground.u[0], plane.ground.u[1], plane.ground.u[2]);
+  cover.material = 1;
+  scene.model.materials.push_back(std::move(material));
+  scene.model.meshes.push_back(std::move(cover));
+  return scene;
 }
 
 /// Returns the azimuth of the next scene. Successive azimuths differ by the golden angle, so none repeats and none is
@@ -247,6 +289,39 @@ LeakScene crown_scene(double edge) {
   return scene;
 }
 
+LeakScene plants_scene(double edge, double slope_deg, bool upright) {
+  constexpr double card = 9;
+  const CoveredPlane plane(edge, slope_deg);
+  sample::Random random(20261126);
+  sample::GlbMesh mesh;
+  const int cards = int(edge * edge / (card * card));
+  for (int i = 0; i < cards; ++i) {
+    const Vector on_u = along(plane.ground.corner, plane.ground.u, random.between(0, 1));
+    const Vector at = along(on_u, plane.ground.v, random.between(0, 1));
+    const double turn = random.between(0, 2 * std::numbers::pi);
+    const Vector zero{}, a = along(along(zero, plane.ground.u, card / edge * std::cos(turn)), plane.ground.v,
+                                   card / edge * std::sin(turn));
+    const Vector b =
+        along(along(zero, plane.ground.u, -card / edge * std::sin(turn)), plane.ground.v, card / edge * std::cos(turn));
+    const Vector up = scaled_by(plane.normal, card);
+    add_card(along(at, plane.normal, upright ? 0 : random.between(0.05, 2)), a, upright ? up : b, mesh);
+  }
+  LeakScene scene =
+      covered_scene(upright ? "grass" : "litter", slope_deg, fmt::format("{} alpha-tested cards on a plane", cards),
+                    plane, {"plants", 0, {1, 1, 1, 1}, 0.5, true}, std::move(mesh));
+  scene.model.images.push_back(plant_image(upright));
+  return scene;
+}
+
+LeakScene layer_scene(double edge, double slope_deg, bool is_glass) {
+  const CoveredPlane plane(edge, slope_deg);
+  sample::GlbMaterial material{"layer", -1, {0.2, 0.5, 0.6, pane_alpha}, is_glass ? 0 : 0.5, true};
+  material.blended = is_glass;
+  return covered_scene(is_glass ? "glass" : "decal", slope_deg,
+                       is_glass ? "translucent layer 0.2 voxels before a plane" : "decal that its mask cuts away",
+                       plane, material, mesh_of({plane.lifted(0.2)}));
+}
+
 std::vector<LeakScene> leak_scenes(double edge) {
   std::vector<LeakScene> scenes;
   int azimuths = 0;
@@ -263,6 +338,11 @@ std::vector<LeakScene> leak_scenes(double edge) {
   scenes.push_back(pane_scene("two-panes-70", edge, 70, 2));
   scenes.push_back(wires_scene(edge));
   scenes.push_back(crown_scene(edge));
+  for (const double slope_deg : {20., 70.})
+    for (const bool first : {true, false}) {
+      scenes.push_back(plants_scene(edge, slope_deg, first));
+      scenes.push_back(layer_scene(edge, slope_deg, first));
+    }
   return scenes;
 }
 

@@ -1,5 +1,5 @@
-/// Scenes with a known alpha at every pixel: planes, hills, steps, walls, a house, glass, wires and a crown. None of
-/// them is aligned with the lattice.
+/// Scenes with a known alpha at every pixel: planes, hills, steps, walls, a house, glass, wires, a crown, and planes
+/// under plants, decals and glass. None of them is aligned with the lattice.
 ///
 /// Space   Lod-0 voxels of a lattice at the scene's origin, z up. Voxels are 1 m wide, so coordinates in files have the
 ///         same values.
@@ -46,6 +46,10 @@ LeakScene pane_scene(const std::string& name, double edge, double slope_deg, int
 LeakScene wires_scene(double edge);
 /// Returns small triangles in a ball, at random places and in random directions.
 LeakScene crown_scene(double edge);
+/// Returns a plane with alpha-tested cards on it: upright blades, or leaves that lie on it.
+LeakScene plants_scene(double edge, double slope_deg, bool upright);
+/// Returns a plane with a layer 0.2 voxels before it: glass of alpha .3, or a decal whose mask cuts away all of it.
+LeakScene layer_scene(double edge, double slope_deg, bool is_glass);
 
 /// Returns all scenes. `edge` is the width of each scene in voxels.
 std::vector<LeakScene> leak_scenes(double edge);

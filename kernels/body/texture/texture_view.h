@@ -19,6 +19,7 @@ struct TextureView {
   const std::uint16_t* level[max_texture_levels] = {};  ///< [0] is unused
   std::int32_t width = 0, height = 0, levels = 0;
   std::uint8_t mask_cutoff = 0;  ///< 0: no alpha test; else texel alpha ≥ cutoff is opaque and less is transparent
+  bool is_opaque = false;        ///< all texels pass the alpha test, or have alpha 1 if there is no test
   std::uint64_t id = 0;          ///< unique number of the Texture, never reused: a device identifies its resident
                                  ///< textures by it
 };

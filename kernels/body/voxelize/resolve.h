@@ -23,7 +23,7 @@ GB_HD std::uint16_t ratio16(double part, double inverse_whole) {
 template <class I>
 GB_HD bool resolve(const I sums[sum_count], const Tables& tables, Voxel& out) {
   const double weight = double(sums[sum_weight]), alpha = double(sums[sum_weight] * 65535 - sums[sum_clear]);
-  const double coverage = sums[sum_clear] == 0 ? 255 : std::floor(alpha / (weight * 65535) * 255 + 0.5);
+  const double coverage = sums[sum_opaque] != 0 ? 255 : std::floor(alpha / (weight * 65535) * 255 + 0.5);
   if (!(coverage >= 1)) return false;
   const double inverse = 1 / alpha;
   for (int c = 0; c < 3; ++c) out.rgba[c] = tables.srgb_from_linear[ratio16(double(sums[sum_red + c]), inverse)];

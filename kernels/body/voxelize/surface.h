@@ -123,11 +123,24 @@ GB_HD Rgba16 factor_of(const Surface& s, const double mean[4]) {
   return r;
 }
 
+/// Returns true if the alpha of a vertex colour is below 1.
+GB_HD bool has_vertex_alpha(const Surface& s) {
+  return s.has_vertex_rgba && (s.vertex_rgba[0][3] & s.vertex_rgba[1][3] & s.vertex_rgba[2][3]) != 65535;
+}
+
+/// Limits alpha to 65534. If alpha varies over a triangle, a fragment that happens to be opaque must not make its voxel
+/// opaque. Otherwise the coverage of cut-out textures would depend on their division into triangles.
+GB_HD Rgba16 without_opaque_alpha(Rgba16 rgba) {
+  if (rgba.c[3] == 65535) rgba.c[3] = 65534;
+  return rgba;
+}
+
 /// Returns the premultiplied linear RGBA of a fragment without texture.
 GB_HD Rgba16 shade_untextured(const Surface& s, const double mean[4]) {
   const Rgba16 factor = factor_of(s, mean);
   if (s.is_opaque()) return opaque_colour(factor);
-  return apply_material(s.material, factor, Rgba16{{65535, 65535, 65535, 65535}});
+  const Rgba16 rgba = apply_material(s.material, factor, Rgba16{{65535, 65535, 65535, 65535}});
+  return has_vertex_alpha(s) ? without_opaque_alpha(rgba) : rgba;
 }
 
 /// Returns the premultiplied linear RGBA of a fragment with texture. `factor` is straight linear RGBA and is multiplied
@@ -137,7 +150,9 @@ GB_HD Rgba16 shade_textured(const TextureView& texture, const MaterialView& m, c
                             const Rgba16& factor, const FragmentShape& f, const Tables& tables) {
   const Rgba16 texel = m.nearest ? nearest_over(texture, nearest_map(m, map), f, tables.linear_from_srgb)
                                  : texture_over<opaque>(texture, m, map, f, tables);
-  return opaque ? apply_opaque(factor, texel) : apply_material(m, factor, texel);
+  if (opaque) return apply_opaque(factor, texel);
+  const Rgba16 rgba = apply_material(m, factor, texel);
+  return m.alpha_mode == AlphaMode::opaque || texture.is_opaque ? rgba : without_opaque_alpha(rgba);
 }
 
 /// Returns the premultiplied linear RGBA of a fragment. `opaque` is as in texture_over().
@@ -149,7 +164,8 @@ GB_HD Rgba16 shade(const Surface& s, const TrianglePlane& t, const FragmentShape
     for (int c = 0; c < 4; ++c) mean[c] = vertex_mean(s, c, w);
   }
   if (s.texture == nullptr) return shade_untextured(s, mean);
-  return shade_textured<opaque>(*s.texture, s.material, s.map, factor_of(s, mean), f, tables);
+  const Rgba16 rgba = shade_textured<opaque>(*s.texture, s.material, s.map, factor_of(s, mean), f, tables);
+  return !s.is_opaque() && has_vertex_alpha(s) ? without_opaque_alpha(rgba) : rgba;
 }
 
 GB_HD Fragment make_fragment(const Surface& s, const Rgba16& rgba, std::int64_t weight) {
@@ -196,7 +212,7 @@ GB_HD std::uint16_t colour_near(const LinearColour& l, int c, double u, double v
 
 GB_HD Fragment linear_fragment(const LinearColour& l, double u, double v, const CellMoments& m, double weight_scale,
                                const std::int16_t normal[3]) {
-  Fragment f{weight_of(m.area, weight_scale), 0, {0, 0, 0}, {normal[0], normal[1], normal[2]}};
+  Fragment f{weight_of(m.area, weight_scale), 65535, {0, 0, 0}, {normal[0], normal[1], normal[2]}};
   if (!has_centroid(m.area)) {
     for (int c = 0; c < 3; ++c) f.colour[c] = f.weight * colour_near(l, c, u, v, weight_scale);
     return f;

@@ -48,6 +48,7 @@ Texture::Texture(std::vector<std::uint8_t> rgba, int width, int height, TextureA
       mask_cutoff_(effective_cutoff(alpha, mask_cutoff)),
       id_(new_texture_id()) {
   if (alpha == TextureAlpha::ignore) make_opaque(base_.data(), base_.size() / 4);
+  is_opaque_ = are_opaque(base_.data(), base_.size() / 4, mask_cutoff_);
   const BaseTexels base_texels(mask_cutoff_);
   for (int l = 1; l < int(levels_.size()); ++l) {
     const int from_width = level_extent(width, l - 1), from_height = level_extent(height, l - 1);
@@ -70,6 +71,7 @@ TextureView Texture::view() const {
   v.height = height_;
   v.levels = int(levels_.size());
   v.mask_cutoff = mask_cutoff_;
+  v.is_opaque = is_opaque_;
   v.id = id_;
   return v;
 }

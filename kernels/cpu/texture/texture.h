@@ -35,6 +35,7 @@ class Texture {
   std::vector<std::vector<std::uint16_t>> levels_;
   int width_, height_;
   std::uint8_t mask_cutoff_;
+  bool is_opaque_;
   std::uint64_t id_;
 };
 

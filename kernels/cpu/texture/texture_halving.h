@@ -76,4 +76,12 @@ inline void make_opaque(std::uint8_t* rgba, std::size_t texels) {
   for (std::size_t i = 0; i < texels; ++i) rgba[4 * i + 3] = 255;
 }
 
+/// Returns true if all texels pass the alpha test; a cutoff of 0 is no test and requires alpha 255.
+inline bool are_opaque(const std::uint8_t* rgba, std::size_t texels, std::uint8_t mask_cutoff) {
+  const std::uint8_t minimum = mask_cutoff == 0 ? 255 : mask_cutoff;
+  for (std::size_t i = 0; i < texels; ++i)
+    if (rgba[4 * i + 3] < minimum) return false;
+  return true;
+}
+
 }  // namespace gigabake::kernels

@@ -23,7 +23,7 @@ struct FillWidth {
   static constexpr int blocks = is_hard ? 3 : materials == CellMaterials::any ? 4 : 5;
   static constexpr std::size_t bytes = (228 * 1024 / blocks - 1024) / 128 * 128;  ///< the driver reserves 1 KiB per
                                                                                   ///< block
-  using Sums = VoxelSums<is_hard ? 3 : 2, all_visible(materials) ? opaque_sum_count : sum_count>;
+  using Sums = VoxelSums<is_hard ? 3 : 2, all_visible(materials) ? opaque_sum_count : sum_opaque>;
 };
 
 /// The block's bricks: their masks, item counts, and the places of their voxels in the output arrays.

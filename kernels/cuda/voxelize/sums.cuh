@@ -15,10 +15,14 @@ namespace gigabake::kernels {
 
 /// Sums of one voxel. A sum of 2 words (64 bits) suffices for bricks of at most fragments_before_flush triangles. A sum
 /// of 3 words (96 bits) suffices for up to 2^32 triangles. `channels` is opaque_sum_count if all materials are opaque,
-/// else sum_count.
+/// else sum_opaque. `sum_opaque` itself is one bit, in the word that makes the size odd.
 template <int words, int channels>
 struct VoxelSums {
   using Total = std::conditional_t<words == 2, std::int64_t, __int128>;
+
+  static constexpr bool is_opaque = channels == opaque_sum_count;
+  static constexpr int flag = words * channels;  ///< index of the word for `sum_opaque`
+  static_assert(is_opaque || flag % 2 == 0);
 
   unsigned word[(words * channels) | 1];  ///< odd size: adjacent lanes use different banks
 
@@ -33,6 +37,7 @@ struct VoxelSums {
     bool is_there[sum_count];
     for (bool& there : is_there) there = false;
     contribute(f, [&](Sum channel, std::int64_t value) {
+      if (!is_opaque && channel == sum_opaque) atomicOr(&word[flag], 1u);
       if (channel >= channels) return;
       is_there[channel] = true;
       rest[channel] = std::uint64_t(value);
@@ -47,6 +52,7 @@ struct VoxelSums {
   __device__ bool resolve_to(const Tables& tables, Voxel& out) const {
     Total s[sum_count];
     s[sum_clear] = 0;
+    s[sum_opaque] = is_opaque ? 1 : word[is_opaque ? 0 : flag];
     for (int c = 0; c < channels; ++c) {
       const unsigned* at = word + words * c;
       const std::int64_t low = std::int64_t(std::uint64_t(at[1]) << 32 | at[0]);

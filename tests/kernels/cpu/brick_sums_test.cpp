@@ -61,6 +61,34 @@ TEST(BrickSums, StartTheNextBrickFromZero) {
   EXPECT_EQ(resolved(sums).rgba, (std::vector<std::uint8_t>{0, 0, 0, 255}));
 }
 
+/// Returns the alpha of a voxel with these fragments (weight, alpha), in this order.
+int alpha_of(const std::vector<std::pair<std::int64_t, std::uint16_t>>& fragments) {
+  BrickSums sums;
+  for (const auto& [weight, alpha] : fragments) {
+    sums.add(7, fragment(weight, 0, alpha));
+    sums.end_triangle();
+  }
+  const Level level = resolved(sums);
+  return level.rgba.empty() ? 0 : level.rgba[3];
+}
+
+/// 2026-11-26: a mean over all fragments made the ground below grass, decals and glass translucent.
+TEST(BrickSums, AreOpaqueWithOneOpaqueFragmentWhateverElseTheVoxelHas) {
+  EXPECT_EQ(alpha_of({{1, 65535}, {1000000, 1}, {1000000, 0}, {1000000, 40000}}), 255);
+  EXPECT_EQ(alpha_of({{1000000, 0}, {1000000, 65534}, {1, 65535}}), 255);
+  std::vector<std::pair<std::int64_t, std::uint16_t>> many(2 * fragments_before_flush, {1000000, 100});
+  many[1] = {1, 65535};
+  EXPECT_EQ(alpha_of(many), 255);
+}
+
+TEST(BrickSums, HaveTheMeanAlphaOfFragmentsIfNoneIsOpaque) {
+  EXPECT_EQ(alpha_of({{1000, 40000}}), 156);
+  EXPECT_EQ(alpha_of({{1000, 40000}, {1000, 0}}), 78);
+  EXPECT_EQ(alpha_of({{1000, 65534}}), 255);
+  EXPECT_EQ(alpha_of({{1000, 65534}, {1000, 0}}), 127);
+  EXPECT_EQ(alpha_of({{1000000, 0}}), 0);
+}
+
 TEST(BrickSums, LeaveOutABrickOfInvisibleVoxels) {
   BrickSums sums;
   sums.add(3, fragment(1000, 0, 100));
