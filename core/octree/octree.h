@@ -13,7 +13,7 @@ namespace gigabake {
 /// z. Byte directional_coverage_plane is the plane of its surface, if the surface has one plane
 /// (kernels/body/mip/plane.h).
 inline constexpr std::size_t coverage_bytes = 3, directional_coverage_plane = 3, directional_coverage_bytes = 4;
-using Facing = std::array<std::uint8_t, directional_coverage_bytes>;
+using DirectionalCoverage = std::array<std::uint8_t, directional_coverage_bytes>;
 
 /// Returns true if `byte` is a valid plane. The value 0 means no plane. Otherwise the upper bits are the plane's offset
 /// plus 8 (1 to 15). The lower two bits are the fraction of the surface on the plane (1 to 3).
@@ -33,8 +33,9 @@ struct NodeTable {
   std::vector<std::uint8_t> child_mask;    ///< bit c: child c = x | y<<1 | z<<2 is stored
   std::vector<std::uint32_t> first_child;  ///< node index of the lowest stored child; siblings follow. 0xffffffff: none
   std::vector<std::uint32_t> value;        ///< brick index, or rgba as bytes r,g,b,a, lowest first
-  std::vector<std::array<std::int8_t, 2>> normal;  ///< constant nodes: octahedral; others: zero
-  std::vector<Facing> directional_coverage;        ///< constant nodes of lod 1 and up; empty if the channel is off
+  std::vector<std::array<std::int8_t, 2>> normal;         ///< constant nodes: octahedral; others: zero
+  std::vector<DirectionalCoverage> directional_coverage;  ///< constant nodes of lod 1 and up; empty if the
+                                                          ///< channel is off
 };
 
 /// The bricks of one level in Morton order. Voxel (x,y,z) of a brick is bit x+8y of word z. The voxels of a brick are

@@ -66,8 +66,10 @@ struct DownsampleStateColumns {
   Hdf5Column patch{"/above/patch", Hdf5Type::u8, source_patch_bytes};
 };
 
-/// Converts the stored rows of NodeColumns::directional_coverage. Bytes of a Facing that a stored row lacks are zero.
-std::vector<Facing> directional_coverage_of_rows(const std::vector<std::uint8_t>& bytes, const Hdf5Column& column);
+/// Converts the stored rows of NodeColumns::directional_coverage. Bytes of a DirectionalCoverage that a stored row
+/// lacks are zero.
+std::vector<DirectionalCoverage> directional_coverage_of_rows(const std::vector<std::uint8_t>& bytes,
+                                                              const Hdf5Column& column);
 
 /// The columns of one channel. `share` and `first` exist only if voxels share values (shared_values.h).
 struct ChannelColumns {

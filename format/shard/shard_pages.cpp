@@ -117,7 +117,7 @@ std::vector<NodeRow> ShardPages::nodes(std::uint64_t first, std::uint32_t count)
           ? directional_coverage_of_rows(read_range<std::uint8_t>(*columns.directional_coverage, first, rows,
                                                                   columns.directional_coverage_column.row_bytes()),
                                          columns.directional_coverage_column)
-          : std::vector<Facing>(rows);
+          : std::vector<DirectionalCoverage>(rows);
   check_planes_of_nodes(file_.path(), first, directional_coverage);
   std::vector<NodeRow> out(rows);
   for (std::size_t i = 0; i < kind.size(); ++i) {

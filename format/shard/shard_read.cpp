@@ -30,9 +30,10 @@ std::vector<std::uint8_t> read_bytes(const Hdf5File& file, const Hdf5Column& col
 
 }  // namespace
 
-std::vector<Facing> directional_coverage_of_rows(const std::vector<std::uint8_t>& bytes, const Hdf5Column& column) {
+std::vector<DirectionalCoverage> directional_coverage_of_rows(const std::vector<std::uint8_t>& bytes,
+                                                              const Hdf5Column& column) {
   const std::size_t width = column.row_bytes();
-  std::vector<Facing> out(bytes.size() / width);
+  std::vector<DirectionalCoverage> out(bytes.size() / width);
   for (std::size_t i = 0; i < out.size(); ++i) std::copy_n(&bytes[width * i], width, out[i].begin());
   return out;
 }

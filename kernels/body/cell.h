@@ -74,7 +74,8 @@ struct CellStats {
 
 struct CellVolume {
   std::vector<Level> levels;          ///< [lod]; log2(window_voxels/8)+1 levels; empty if no voxel is occupied
-  NodeTable nodes;                    ///< its `directional_coverage` is 0 for constant nodes of levels without facing
+  NodeTable nodes;                    ///< its `directional_coverage` is 0 for constant nodes of levels without this
+                                      ///< channel
   std::vector<Hash128> content_hash;  ///< [lod]; over all voxels, including those that constant nodes represent
   DownsampleState above;              ///< downsample state for the levels above; empty if no voxel is occupied
   CellStats stats;

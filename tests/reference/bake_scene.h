@@ -15,7 +15,7 @@ namespace gigabake::reference {
 struct BakedVoxel {
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
-  Facing directional_coverage{};  ///< zeros if the level has no facing
+  DirectionalCoverage directional_coverage{};  ///< zeros if the level has no such channel
   friend bool operator==(const BakedVoxel&, const BakedVoxel&) = default;
 };
 using VoxelMap = std::map<Voxel, BakedVoxel>;

@@ -26,13 +26,13 @@ struct FieldNode {
 kernels::VoxelBox box_of(const FieldNode& node, const CellLayout& layout);
 
 /// Returns the mask of the node's children that exist; some of these children may turn out to be empty. The mask is
-/// valid only if gaps.missing stays empty.
+/// valid only if missing_pages.missing stays empty.
 /// Range   node.lod > 0.
 std::uint8_t children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup,
                          MissingPages& missing_pages);
 
 /// Fills the brick; returns false if the brick and its border contain no voxels. The result is valid only if
-/// gaps.missing stays empty.
+/// missing_pages.missing stays empty.
 bool fill_brick(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,
                 MissingPages& missing_pages, kernels::CastBrick& brick);
 

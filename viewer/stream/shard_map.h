@@ -37,7 +37,7 @@ struct ShardExtent {
 
 bool overlap(const kernels::VoxelBox& a, const kernels::VoxelBox& b);
 
-/// Returns the page; null if it is not resident. Adds the page to gaps.missing unless Pager::is_damaged().
+/// Returns the page; null if it is not resident. Adds the page to missing_pages.missing unless Pager::is_damaged().
 const Page* find_page(const Pager& pager, const PageKey& key, MissingPages& missing_pages);
 
 /// The shards of a scene. Several threads may call const members concurrently between two passes of the pager.

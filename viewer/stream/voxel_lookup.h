@@ -19,7 +19,7 @@ struct VoxelPlace {
   std::size_t brick = 0;              ///< index in the block
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
-  Facing directional_coverage{};  ///< rgba, normal and facing are set for `Kind::constant`
+  DirectionalCoverage directional_coverage{};  ///< rgba, normal and directional_coverage are set for `Kind::constant`
   bool has_directional_coverage = false;
 };
 

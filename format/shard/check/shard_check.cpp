@@ -112,7 +112,7 @@ void check_planes(const std::filesystem::path& path, int lod, std::uint64_t firs
 }
 
 void check_planes_of_nodes(const std::filesystem::path& path, std::uint64_t first_node,
-                           std::span<const Facing> directional_coverage) {
+                           std::span<const DirectionalCoverage> directional_coverage) {
   const BrokenRule table{path, "/nodes"};
   for (std::size_t i = 0; i < directional_coverage.size(); ++i)
     table.expect(is_plane(directional_coverage[i][directional_coverage_plane]), first_node + i, no_plane);

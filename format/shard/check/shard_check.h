@@ -43,6 +43,6 @@ void check_planes(const std::filesystem::path& path, int lod, std::uint64_t firs
 /// Checks the plane byte of each node like check_planes(). `directional_coverage` begins at row `first_node` of the
 /// node table.
 void check_planes_of_nodes(const std::filesystem::path& path, std::uint64_t first_node,
-                           std::span<const Facing> directional_coverage);
+                           std::span<const DirectionalCoverage> directional_coverage);
 
 }  // namespace gigabake

@@ -57,7 +57,7 @@ void add_row(const NodeWalk& walk, NodeKind kind, std::uint8_t child_mask, NodeT
 /// number in `value`.
 void read_constants(const ColumnSource& source, const ShardHeader& header, const NodeColumns& columns, NodeTable& n) {
   n.normal.assign(n.kind.size(), {0, 0});
-  n.directional_coverage.assign(header.has_directional_coverage ? n.kind.size() : 0, Facing{});
+  n.directional_coverage.assign(header.has_directional_coverage ? n.kind.size() : 0, DirectionalCoverage{});
   const auto is_constant = [](NodeKind kind) { return kind != NodeKind::brick; };
   const auto first = std::find_if(n.kind.begin(), n.kind.end(), is_constant);
   if (first == n.kind.end()) return;

@@ -58,8 +58,8 @@ GB_HD NodeKind kind_of_constant(bool like_all_below) {
   return like_all_below ? NodeKind::leaf_constant : NodeKind::constant;
 }
 
-/// Returns the value that a node's row stores. Bricks store voxels instead, and nodes of levels without facing store no
-/// facing.
+/// Returns the value that a node's row stores. Bricks store voxels instead, and nodes of levels without directional
+/// coverage store none.
 GB_HD CommonVoxel value_of_node(NodeKind kind, const CommonVoxel& voxel, bool has_directional_coverage) {
   if (stores_voxels(kind)) return {};
   return {voxel.rgba, has_directional_coverage ? voxel.directional_coverage : 0, voxel.normal};

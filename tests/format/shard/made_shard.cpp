@@ -16,8 +16,8 @@ namespace {
 constexpr std::uint32_t no_child = 0xffffffffu;
 
 /// Returns random directional coverage, with a random plane if the shape has normals.
-Facing random_directional_coverage(std::mt19937_64& rng, const ShardShape& shape) {
-  Facing directional_coverage{};
+DirectionalCoverage random_directional_coverage(std::mt19937_64& rng, const ShardShape& shape) {
+  DirectionalCoverage directional_coverage{};
   for (std::size_t a = 0; a < coverage_bytes; ++a) directional_coverage[a] = std::uint8_t(1 + rng() % 255);
   if (!shape.normals) return directional_coverage;
   do directional_coverage[directional_coverage_plane] = std::uint8_t(rng() % 64);
@@ -36,7 +36,7 @@ void add_brick(std::mt19937_64& rng, const ShardShape& shape, int lod, BrickLeve
   const std::uint64_t run = shape.alike ? 1 + rng() % 2000 : 1;
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
-  Facing directional_coverage{};
+  DirectionalCoverage directional_coverage{};
   for (std::uint64_t v = 0; v < voxels; ++v) {
     if (v % run == 0) {
       for (int c = 0; c < 3; ++c) rgba[std::size_t(c)] = std::uint8_t(rng());

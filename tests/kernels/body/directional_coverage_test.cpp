@@ -8,7 +8,7 @@ namespace {
 /// Returns a + b - ab/255, rounded to nearest.
 int either_of(int a, int b) { return a + b - (2 * a * b + 255) / 510; }
 
-TEST(Facing, CoversWhatEitherOfTwoCellsCoversForEveryPair) {
+TEST(DirectionalCoverage, CoversWhatEitherOfTwoCellsCoversForEveryPair) {
   for (std::uint32_t a = 0; a < 256; ++a)
     for (std::uint32_t b = 0; b < 256; ++b) {
       const std::uint32_t cells = a | b << 8 | (255 - a) << 16 | a << 24, others = b | b << 8 | a << 16 | 255u << 24;
