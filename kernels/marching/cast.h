@@ -121,7 +121,7 @@ GB_HD bool meet_surface(const CastScene& scene, const CastCamera& camera, const 
     const CastPoint point = at.point();
     const CastCorners corners = corners_of(here, point);
     if (side == 0) {
-      const SurfaceBlend blend = blend_planes(corners).blend;
+      const SurfaceBlend blend = blend_planes(corners, ray.normal).blend;
       if (!(blend.weight > 0)) return true;
       seen = surface_opacity(here, point, blend);
       half = power_of_two(at.place.lod - 1);
@@ -182,6 +182,7 @@ GB_HD bool leaves_surface(MarchState& march, CastRay& ray) {
   if (is_met(extrapolated_hit(ray), march, ray)) return true;
   ray.is_seen = false;
   ray.signed_distance = CastRay::no_signed_distance;
+  ray.normal = 0;
   return false;
 }
 
@@ -268,7 +269,7 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
   const double distance = point_distance(line, ray.lod, ray.step);
   const CastPoint point = point_in_brick(point_of(line, march, ray), march.lod);
   const CastCorners corners = corners_of(scene.brick(march.head), point);
-  const NeighbourhoodSurface neighbourhood = classify_neighbourhood(corners, brick.lod == ray.lod);
+  const NeighbourhoodSurface neighbourhood = classify_neighbourhood(corners, brick.lod == ray.lod, ray.normal);
   const SurfaceBlend& blend = neighbourhood.blend;
   if (is_met(surface_hit_distance(blend, line, brick.lod, distance, ray), march, ray)) return;
   ray.is_seen = false;

@@ -29,6 +29,7 @@ struct alignas(16) CastRay {
   float slope = 0;               ///< change of the signed distance per lod-0 voxel along the ray at that sample
   std::int32_t lod = -1;         ///< -1: finished
   bool is_seen = false;          ///< the hit at `met` has been composited
+  std::uint32_t normal = 0;      ///< ByteVector: normal of the surface at that sample; 0: no surface
 
   static constexpr float no_depth = 3e38f, no_signed_distance = 3e38f;
 };

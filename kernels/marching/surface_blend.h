@@ -112,18 +112,26 @@ struct BlendedPlanes {
   bool is_flat = false;  ///< the voxels are one flat surface: disagreement() is 0 for each of them
 };
 
-/// Tests whether two normals are within 12.9° of each other. If all normals are within 12.9° of the first normal, so is
-/// the blended normal. Rounding to bytes turns the blended normal by less than half a degree. Each normal is therefore
-/// within 30° of the blended normal.
+/// Tests whether the planes with these normals are within 12.9° of each other, whichever sides the normals point to. If
+/// all planes are this close to the first plane, so is the blended plane. Rounding to bytes turns the blended normal by
+/// less than half a degree. Each plane is therefore within 30° of the blended plane.
 GB_HD bool is_same_slope(ByteVector a, ByteVector b) {
+  const float along = float(dot(a, b)), all = float(dot(a, a)) * float(dot(b, b));
+  return along * along >= 0.95f * all;
+}
+
+/// Tests whether two normals belong to similar planes but point to opposite sides: their angle is at least 135°.
+/// Triangles of one surface may be wound differently. Normals at a crease of a surface are closer to each other.
+GB_HD bool are_opposite(ByteVector a, ByteVector b) {
   const int along = dot(a, b);
-  const float all = float(dot(a, a)) * float(dot(b, b));
-  return along > 0 && float(along) * float(along) >= 0.95f * all;
+  if (along >= 0) return false;
+  return 2 * (float(along) * float(along)) >= float(dot(a, a)) * float(dot(b, b));
 }
 
 /// Blends the planes of the voxels. The point's position between the voxels is rounded to 1/127 voxel. The signed
-/// distance to a plane is then one dot product of bytes.
-GB_HD BlendedPlanes blend_planes(const CastCorners& corners) {
+/// distance to a plane is then one dot product of bytes. Planes whose normals are opposite to `side` are turned, so
+/// that inconsistent winding does not cancel a surface. If `side` is 0, the first plane's normal takes its place.
+GB_HD BlendedPlanes blend_planes(const CastCorners& corners, ByteVector side) {
   int place[3];
   GB_UNROLL
   for (int a = 0; a < 3; ++a) place[a] = int(corners.between[a] * 127 + 0.5f);
@@ -139,14 +147,15 @@ GB_HD BlendedPlanes blend_planes(const CastCorners& corners) {
     bits |= voxel.plane;
     const ByteVector n = normal_of(voxel);
     if (first == 0) first = n;
+    if (side == 0 && voxel.plane != 0) side = n;
     is_flat = is_flat && is_fully_planar(voxel.plane) && is_same_slope(n, first);
     const int along = dot(n, from_first) - dot(n, byte_vector(127 * (c & 1), 127 * (c >> 1 & 1), 127 * (c >> 2)));
     const int above = 2 * max_offset * along - 127 * 127 * unpack_plane(voxel.plane).offset;
-    const float by = corners.weight(c) * blend_weight(voxel);
+    const float by = corners.weight(c) * blend_weight(voxel), turned = are_opposite(n, side) ? -by : by;
     GB_UNROLL
-    for (int a = 0; a < 3; ++a) r.normal[a] += by * float(voxel.normal[a]);
+    for (int a = 0; a < 3; ++a) r.normal[a] += turned * float(voxel.normal[a]);
     r.weight += by;
-    r.above += by * float(above);
+    r.above += turned * float(above);
   }
   r.above *= 1.0f / (127 * max_offset);
   return {r, bits, is_flat};
@@ -170,11 +179,10 @@ GB_HD BlendNormal normal_of(const SurfaceBlend& blend) {
   return {bytes, float(dot(bytes, bytes))};
 }
 
-/// Returns the disagreement of a voxel's normal with the blended surface: 0 within 30°, rising to 1 at 45°. At an edge
+/// Returns the disagreement of a voxel's plane with the blended surface: 0 within 30°, rising to 1 at 45°. At an edge
 /// between two surfaces, the blended surface may lie on neither of the two.
 GB_HD float disagreement(ByteVector normal, const BlendNormal& blend) {
   const int along = dot(normal, blend.bytes);
-  if (along <= 0) return 1;
   const float squared = 4 * (float(along) * float(along)), all = float(dot(normal, normal)) * blend.squared;
   if (squared >= 3 * all) return 0;  // most voxels of a surface take this exit, which avoids the division
   const float left = 3 - squared / all;
@@ -227,9 +235,10 @@ struct NeighbourhoodSurface {
 
 /// Classifies the neighbourhood of a point. `is_requested_level` is true if the brick has the ray's level. Fallback
 /// bricks of coarser levels are rendered by their coverages only. Their voxels may be wider than the distance to the
-/// eye, so their planes may lie behind the eye.
-GB_HD NeighbourhoodSurface classify_neighbourhood(const CastCorners& corners, bool is_requested_level) {
-  const BlendedPlanes planes = blend_planes(corners);
+/// eye, so their planes may lie behind the eye. `side` is as in blend_planes().
+GB_HD NeighbourhoodSurface classify_neighbourhood(const CastCorners& corners, bool is_requested_level,
+                                                  ByteVector side) {
+  const BlendedPlanes planes = blend_planes(corners, side);
   if ((planes.bits & clear_plane) != 0) return {PointKind::translucent, {}};
   return planes.bits != 0 && is_requested_level ? NeighbourhoodSurface{PointKind::surface, planes.blend, planes.is_flat}
                                                 : NeighbourhoodSurface{};

@@ -18,10 +18,13 @@ namespace gigabake::kernels {
 GB_HD void keep_signed_distance(const SurfaceBlend& blend, const CastLine& line, int lod, double distance,
                                 CastRay& ray) {
   ray.signed_distance = CastRay::no_signed_distance;
+  ray.normal = 0;
   if (!(blend.weight > 0)) return;
   ray.signed_distance = blend.signed_distance() * short_power_of_two(lod);
   ray.signed_distance_at = float(distance);
   ray.slope = blend.slope(line.direction);
+  const float scale = 1 / blend.weight;
+  ray.normal = byte_vector(int(blend.normal[0] * scale), int(blend.normal[1] * scale), int(blend.normal[2] * scale));
 }
 
 inline constexpr double met_nowhere = -1;

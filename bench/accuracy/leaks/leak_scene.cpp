@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 #include <numbers>
+#include <utility>
 
 #include "sample/settlement/picture.h"
 #include "sample/terrain/noise.h"
@@ -84,6 +86,24 @@ double hill_height(double edge, double x, double y) {
   const double bump = 16 * x * (1 - x) * y * (1 - y);
   const double waves = 2 + std::sin(7 * x + 3 * y) + std::sin(17 * y - 5 * x + 1);
   return edge / 24 * bump * waves;
+}
+
+/// Returns the base, divided into quads² quads of two triangles, with a height above each vertex. x, y: 0 to 1.
+sample::GlbMesh grid_mesh(const Sheet& base, std::uint32_t quads, const std::function<double(double, double)>& height) {
+  sample::GlbMesh mesh;
+  for (std::uint32_t j = 0; j <= quads; ++j)
+    for (std::uint32_t i = 0; i <= quads; ++i) {
+      const double x = double(i) / quads, y = double(j) / quads;
+      Vector p = along(along(base.corner, base.u, x), base.v, y);
+      p[2] += height(x, y);
+      add_vertex(mesh, p);
+    }
+  for (std::uint32_t j = 0; j < quads; ++j)
+    for (std::uint32_t i = 0; i < quads; ++i) {
+      const std::uint32_t a = j * (quads + 1) + i, b = a + 1, c = a + quads + 1, d = c + 1;
+      mesh.index.insert(mesh.index.end(), {a, b, d, a, d, c});
+    }
+  return mesh;
 }
 
 /// Returns the six sides of a bar whose lowest corner is `corner`.
@@ -173,22 +193,9 @@ LeakScene plane_scene(double edge, double slope_deg, double azimuth_deg) {
 }
 
 LeakScene hill_scene(double edge) {
-  constexpr int quads = 256;
   const Sheet base = square(edge, 0, 21.3);
-  sample::GlbMesh mesh;
-  for (int j = 0; j <= quads; ++j)
-    for (int i = 0; i <= quads; ++i) {
-      const double x = double(i) / quads, y = double(j) / quads;
-      Vector p = along(along(base.corner, base.u, x), base.v, y);
-      p[2] += hill_height(edge, x, y);
-      add_vertex(mesh, p);
-    }
-  for (std::uint32_t j = 0; j < quads; ++j)
-    for (std::uint32_t i = 0; i < quads; ++i) {
-      const std::uint32_t a = j * (quads + 1) + i, b = a + 1, c = a + quads + 1, d = c + 1;
-      mesh.index.insert(mesh.index.end(), {a, b, d, a, d, c});
-    }
-  LeakScene scene = scene_of("hill", "hills", "waves on a bump, 131,072 triangles", std::move(mesh), 1);
+  LeakScene scene = scene_of("hill", "hills", "waves on a bump, 131,072 triangles",
+                             grid_mesh(base, 256, [edge](double x, double y) { return hill_height(edge, x, y); }), 1);
   scene.sheets = {base};
   scene.target[2] += hill_height(edge, 0.5, 0.5);
   scene.width = edge;
@@ -322,6 +329,24 @@ LeakScene layer_scene(double edge, double slope_deg, bool is_glass) {
                        plane, material, mesh_of({plane.lifted(0.2)}));
 }
 
+LeakScene mixed_winding(LeakScene scene) {
+  sample::Random random(20261127);
+  scene.name = "mixed-" + scene.name;
+  scene.family = "mixed winding";
+  scene.what += ", half of the triangles wound the other way";
+  for (sample::GlbMesh& mesh : scene.model.meshes)
+    for (std::size_t i = 0; i < mesh.index.size(); i += 3)
+      if (random.between(0, 1) < 0.5) std::swap(mesh.index[i], mesh.index[i + 1]);
+  return scene;
+}
+
+/// Returns a plane of 32,768 triangles.
+static LeakScene divided_plane_scene(double edge, double slope_deg) {
+  LeakScene scene = plane_scene(edge, slope_deg, 298.7);
+  scene.model.meshes = {grid_mesh(scene.sheets[0], 128, [](double, double) { return 0; })};
+  return scene;
+}
+
 std::vector<LeakScene> leak_scenes(double edge) {
   std::vector<LeakScene> scenes;
   int azimuths = 0;
@@ -343,6 +368,10 @@ std::vector<LeakScene> leak_scenes(double edge) {
       scenes.push_back(plants_scene(edge, slope_deg, first));
       scenes.push_back(layer_scene(edge, slope_deg, first));
     }
+  for (const double slope_deg : {3., 45.}) scenes.push_back(mixed_winding(divided_plane_scene(edge, slope_deg)));
+  scenes.push_back(mixed_winding(hill_scene(edge)));
+  scenes.push_back(mixed_winding(wall_scene("wall-1.6-thick", edge, 1.6)));
+  scenes.push_back(mixed_winding(house_scene(edge)));
   return scenes;
 }
 

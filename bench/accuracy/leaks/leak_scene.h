@@ -51,6 +51,9 @@ LeakScene plants_scene(double edge, double slope_deg, bool upright);
 /// Returns a plane with a layer 0.2 voxels before it: glass of alpha .3, or a decal whose mask cuts away all of it.
 LeakScene layer_scene(double edge, double slope_deg, bool is_glass);
 
+/// Returns the scene with half of its triangles, chosen at random, wound the other way.
+LeakScene mixed_winding(LeakScene scene);
+
 /// Returns all scenes. `edge` is the width of each scene in voxels.
 std::vector<LeakScene> leak_scenes(double edge);
 /// Returns three opaque planes, as `--hard` measures them.

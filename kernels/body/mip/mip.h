@@ -61,6 +61,16 @@ GB_HD UnitNormal unit_normal_of(const std::int8_t normal[2], const Tables& table
 #endif
 }
 
+/// Tests whether two unit normals belong to similar planes but point to opposite sides: their angle is at least 135°.
+/// Triangles of one surface may be wound differently, and a thin wall has two sides.
+/// Exact   Integers: the cosine is compared in units of 2^-26.
+GB_HD bool are_opposite(const UnitNormal& a, const UnitNormal& b) {
+  constexpr std::int32_t limit = -47452977;  // cos 135° · 8191.75²
+  std::int32_t along = 0;
+  for (int k = 0; k < 3; ++k) along += (a.c[k] >> 2) * (b.c[k] >> 2);
+  return along <= limit;
+}
+
 /// Weighted sums of the linear colours and normals of children, and the sum of the weights.
 struct MipSums {
   std::uint32_t weight = 0, colour[3] = {};
@@ -94,19 +104,24 @@ GB_HD std::uint32_t mean_coverage(std::uint32_t alpha_sum, MipFilter filter, con
 }
 
 /// Returns the parent of eight voxels; missing voxels must be zero. `by_view` must equal filters_by_view(filter). If it
-/// is true, `weights` is the result of weights_of(); otherwise `weights` is unused. each(c, w, n) is called with child
-/// c's weight and normal; children of weight 0 may be skipped.
+/// is true, `weights` is the result of weights_of(), and normals opposite to that of the first child with a weight are
+/// turned, so that they do not cancel each other. Otherwise `weights` is unused. each(c, w, n) is called with child c's
+/// weight and normal; children of weight 0 may be skipped.
 template <bool by_view, class Each>
 GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, MipFilter filter, const Tables& tables,
                             const Each& each) {
   MipSums sums;
+  UnitNormal first{{0, 0, 0}};
   GB_UNROLL
   for (int c = 0; c < 8; ++c) {
     const std::uint32_t w = by_view ? weights.of(c) : children[c].rgba[3];
 #if !defined(__CUDA_ARCH__)
     if (w == 0) continue;  // It would add nothing. On a device all lanes run the same code, so the test is omitted.
 #endif
-    const UnitNormal n = unit_normal_of(children[c].normal, tables);
+    UnitNormal n = unit_normal_of(children[c].normal, tables);
+    if (sums.weight == 0) first = n;
+    if (by_view && are_opposite(n, first))
+      for (int k = 0; k < 3; ++k) n.c[k] = -n.c[k];
     sums.add(children[c], n, w, tables);
     each(c, w, n);
   }

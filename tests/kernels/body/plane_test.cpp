@@ -155,17 +155,34 @@ TEST(Plane, IsKnownToNearlyAllVoxelsOfAPlane) {
   }
 }
 
-TEST(Plane, IsNoneWhereVoxelsFillTheirCubeOrTwoSidesOfAWallCancel) {
-  const std::array<std::int8_t, 2> up = {0, 0}, down = {127, 127};
-  const Level solid = filled([](const double*) { return true; }, [&](const double*) { return up; });
-  const Level wall = filled([](const double p[3]) { return p[2] > 19 && p[2] < 21; },
-                            [&](const double p[3]) { return p[2] > 20 ? up : down; });
-  for (const Level& finest : {solid, wall}) {
+constexpr std::array<std::int8_t, 2> octahedral_up = {0, 0}, octahedral_down = {127, 127};
+
+TEST(Plane, IsNoneWhereVoxelsFillTheirCube) {
+  const std::vector<Level> levels =
+      levels_above(filled([](const double*) { return true; }, [](const double*) { return octahedral_up; }));
+  const Level& top = levels[3];
+  for (std::size_t v = 0; v < top.rgba.size() / 4; ++v) {
+    EXPECT_EQ(top.directional_coverage[directional_coverage_bytes * v + directional_coverage_plane], 0)
+        << "voxel " << v;
+  }
+}
+
+/// 2026-11-26: opposite normals cancelled, so thin walls and surfaces of inconsistent winding had no plane.
+TEST(Plane, IsThatOfOneSurfaceForBothSidesOfAWallAndForAnyWinding) {
+  const auto in_wall = [](const double p[3]) { return p[2] > 19 && p[2] < 21; };
+  const Level wall = filled(in_wall, [](const double p[3]) { return p[2] > 20 ? octahedral_up : octahedral_down; });
+  const Level mixed = filled(
+      in_wall, [](const double p[3]) { return int(p[0]) * 7 + int(p[1]) % 3 < 90 ? octahedral_up : octahedral_down; });
+  const std::vector<Level> one_sided = levels_above(filled(in_wall, [](const double*) { return octahedral_up; }));
+  for (const Level& finest : {wall, mixed}) {
     const std::vector<Level> levels = levels_above(finest);
-    const Level& top = levels[3];
-    for (std::size_t v = 0; v < top.rgba.size() / 4; ++v) {
-      EXPECT_EQ(top.directional_coverage[directional_coverage_bytes * v + directional_coverage_plane], 0)
-          << "voxel " << v;
+    ASSERT_EQ(levels[3].rgba.size(), one_sided[3].rgba.size());
+    for (std::size_t v = 0; v < levels[3].rgba.size() / 4; ++v) {
+      const std::size_t at = directional_coverage_bytes * v + directional_coverage_plane;
+      const Plane plane = unpack_plane(levels[3].directional_coverage[at]);
+      const Plane expected = unpack_plane(one_sided[3].directional_coverage[at]);
+      EXPECT_EQ(plane.coherence, expected.coherence) << "voxel " << v;
+      EXPECT_EQ(std::abs(plane.offset), std::abs(expected.offset)) << "voxel " << v;
     }
   }
 }
