@@ -39,8 +39,8 @@ struct PlanMeasure {
 /// Cost    Takes about 4 s, and at most about 20 s; pieces that are not baked by then are not used. The driver's start
 ///         and the first split of a large tile take additional time. The shards of a few pieces and the clusters of
 ///         large tiles are stored in request.scratch or in the system's temporary folder.
-/// Errors  InputError: no temporary folder can be made. Stopped. An error of the sources is reported in `problem` of a
-///         size, as is a disk with too little space for large tiles.
+/// Errors  InputError: no temporary folder can be made. Stopped. An error of the sources, or a disk that is too
+///         small for large tiles, is reported in MeasuredSize::problem.
 PlanMeasure measure_plan(const MpiSession& mpi, const BakeRequest& request, const SharedSources& sources,
                          const BakePlan& plan, bool measures, const Progress& progress = {});
 

@@ -9,7 +9,7 @@
 
 namespace gigabake {
 
-/// Compressed sizes of columns on disk, in bytes. The rest of a shard is HDF5 headers, indexes and attributes.
+/// Compressed sizes of HDF5 columns on disk, in bytes. The rest of a shard is HDF5 headers, indexes and attributes.
 struct StoredBytes {
   std::vector<std::uint64_t> of_lod;
   std::uint64_t of_nodes = 0;

@@ -94,9 +94,10 @@ GB_HD void stay_in_surface(double distance, float across, float voxel, CastRay& 
   ray.apart = float(distance) + merge_distance_voxels * voxel / (across > slowest ? across : slowest);
 }
 
-/// Returns the ray's coverage after it has crossed `more` coverage of a surface with opacity `density`. Coverages of an
-/// opaque surface add up. A translucent surface covers at most the fraction `density` of the light that reaches it.
-/// Without this limit its opacity would depend on the slope, because a ray hits more of its voxels at a flat angle.
+/// Returns the sum of the ray's coverages after another sample of a surface with opacity `density`; `more` is the
+/// coverage of that sample. Coverages of an opaque surface add up. A translucent surface covers at most the fraction
+/// `density` of the light that reaches it. Without this limit its opacity would depend on the slope, because a ray hits
+/// more of its voxels at a flat angle.
 GB_HD float covered_in_surface(float more, float density, const CastRay& ray) {
   const float covered = ray.covered + more;
   if (density >= 1) return covered;

@@ -1,7 +1,7 @@
 /// Pages, the unit of streaming. A page is a block of node rows of a shard, or a block of bricks of one level, or a
-/// *listing*. A listing contains the cells, overviews and pages that a page of the scene lists. Node rows and bricks
-/// are stored in Morton order. A block therefore covers a compact part of the shard, and a whole tree never has to be
-/// resident.
+/// *listing*. A listing is the content of one scene page: cells, overviews and further scene pages. Node rows and
+/// bricks are stored in Morton order. A block therefore covers a compact part of the shard, and a whole tree never has
+/// to be resident.
 #pragma once
 
 #include <atomic>

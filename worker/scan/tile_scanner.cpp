@@ -19,7 +19,7 @@ constexpr std::size_t triangles_per_range = 16384, vertices_per_range = 65536, c
 constexpr std::size_t min_boxed_instances = 16;
 constexpr std::uint64_t max_exact_triangles = std::uint64_t(1) << 20;
 constexpr double max_projected_voxels = 0x1p60;  ///< of one triangle or box
-constexpr double max_voxel = 0x1p44;             ///< the snap's range is 2^53 sub-voxels
+constexpr double max_voxel = 0x1p44;             ///< half of the range of snap(): ±2^45 voxels
 
 /// Returns the unsnapped scene position of a vertex; it may be infinite.
 Vec3d scene_position(const Primitive& primitive, std::uint32_t vertex, const Instance& instance) {

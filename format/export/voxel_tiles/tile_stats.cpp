@@ -21,8 +21,8 @@ void count_in_tiles(const VoxelTiling& tiling, int lod, const Box3i64& box, Tile
         tiles[{tiling.level(lod), morton(std::uint32_t(x), std::uint32_t(y), std::uint32_t(z))}] += 1;
 }
 
-/// Returns whether level `lod` of the shard is not aligned with the lattice. The level's voxels are then rounded down,
-/// and may lie outside of the bricks of the next finer level.
+/// Returns whether level `lod` of the shard is not aligned with the lattice. The positions of its voxels are then
+/// rounded down to the lattice, and its voxels may lie outside of the bricks of the next finer level.
 bool stands_off_the_lattice(const SceneCell& shard, int lod) {
   for (const std::int64_t x : shard.lattice_min)
     if ((x & ((std::int64_t(1) << lod) - 1)) != 0) return true;

@@ -20,7 +20,7 @@ struct LowLevels {
   LevelView fine;  ///< lod 0
   LowLevel level[max_low_levels];
   int levels;                        ///< number of levels from lod 1 on, 1…4
-  const std::uint32_t *key, *start;  ///< [lod-1 brick]: its Morton key, and its first child
+  const std::uint32_t *key, *start;  ///< per brick of lod 1: its Morton key, and its first child
   const Ancestors* ancestors;
   std::uint32_t bricks;  ///< number of lod-1 bricks
   MipFilter filter;

@@ -10,8 +10,8 @@ namespace gigabake::kernels {
 
 struct PrunedLevels {
   DeviceNodes nodes;
-  std::vector<const DeviceLevel*> levels;  ///< [lod], without constant bricks: an element of `made`, or the unchanged
-                                           ///< input level
+  std::vector<const DeviceLevel*> levels;  ///< by lod, each without constant bricks: an element of `made`, or an
+                                           ///< unchanged input level
   std::deque<DeviceLevel> made;
   bool has_constants = false;  ///< true if constant bricks were removed from a level
 };

@@ -111,7 +111,8 @@ struct Filled {
   BatchCounters counted{};
 };
 
-/// Array sizes of one attempt. `stage_voxels` is 0 if all marked voxels are visible.
+/// Array sizes of one attempt to fill the bricks; if they do not suffice, the next attempt has larger arrays.
+/// `stage_voxels` is 0 if all marked voxels are visible.
 struct FillSizes {
   std::uint32_t voxels, bricks_per_batch, pairs_per_batch, items_per_batch, stage_voxels;
 };

@@ -132,7 +132,7 @@ TEST(PackedShard, HasTheCountsOfItsVoxels) {
   EXPECT_EQ(voxels[0], 2u);
 }
 
-// 2026-11-25: overviews take their children's levels from packed shards in memory.
+// Since 2026-11-25 overviews read their children from packed shards in memory, so these must equal the files.
 TEST(PackedShard, UnpacksToTheCoarseLevelsOfItsFile) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);

@@ -18,8 +18,8 @@ class HttpClient {
   std::string receive(std::size_t maximum, double idle_timeout_s = 2);
   /// Receives until `ending` arrives or the server is silent for half a minute.
   std::string receive_until(const std::string& ending);
-  /// Receives one answer with a Content-Length, head and body. Returns the received part if the answer stays
-  /// incomplete.
+  /// Receives the head and the body of one answer that states its Content-Length. Returns the received part if the
+  /// answer stays incomplete.
   std::string answer();
 
  private:

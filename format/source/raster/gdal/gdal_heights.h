@@ -9,7 +9,7 @@
 namespace gigabake {
 
 /// Returns the heights of a tile's vertices above the ellipsoid, row by row; NaN for vertices without a value.
-/// Opens only parts of the surface that overlap the tile.
+/// Opens only the files (DemPart) that overlap the tile.
 /// Errors  InputError: a part cannot be read or was changed since it was opened. Also if `is_on_earth` is true and a
 ///         height does not occur on earth.
 std::vector<double> read_heights(const DemTile& tile, bool is_on_earth, std::vector<std::string>& warnings);
