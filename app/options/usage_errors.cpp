@@ -94,7 +94,7 @@ std::string unknown_command(const std::string& word, const Command& command) {
                      meant ? fmt::format("did you mean {}?", *meant) : "expected one of " + joined(known));
 }
 
-/// Returns the words that the parsers in `path` did not consume: the program and the given commands.
+/// Returns the words that no parser consumed. `path` contains the parser of the program and of each given command.
 std::vector<std::string> words_left(const std::vector<const CLI::App*>& path) {
   std::vector<std::string> words;
   for (const CLI::App* command : path)

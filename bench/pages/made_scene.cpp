@@ -50,7 +50,8 @@ SceneCell made_cell(std::int64_t x, std::int64_t y) {
   return cell;
 }
 
-/// Returns the scene's entry of an overview, with the numbers of voxels and bricks that a bake would yield.
+/// Returns the scene's entry of an overview that has no shard. Voxels are counted as if the surface were flat; sizes in
+/// bytes and content hashes are invented.
 SceneCell made_overview(const CellJob& job) {
   SceneCell overview = cell_of(job);
   for (std::uint32_t width = job.cell_voxels >> job.first_lod; width >= 8; width /= 2) {

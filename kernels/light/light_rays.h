@@ -104,9 +104,9 @@ GB_HD bool lights_up(const PixelLight& light, const float direction[3], LightRay
   return ray == LightRay::sun ? light.facing > 0 : dot3(light.normal, direction) > min_cosine;
 }
 
-/// Tests whether a pixel casts this ray in the first round, whose shadow samples neighbours can reuse. Rays to the sky
-/// are cast first by every other pixel, in a checkerboard pattern. Rays to the sun are cast first by every other pixel
-/// of every other row.
+/// Tests whether a pixel casts this ray in the first round. In the second round, other pixels of the block can reuse
+/// the shadow samples of the first round. Rays to the sky are cast first by every other pixel, in a checkerboard
+/// pattern. Rays to the sun are cast first by every other pixel of every other row.
 GB_HD bool is_cast_first(int x, int y, LightRay ray) {
   return place_in_block(x, y) < (ray == LightRay::sun ? sky_block * sky_block / 4 : sky_directions);
 }

@@ -27,8 +27,8 @@ class WorkOrder {
 
   /// Returns the job to dispatch next; it stays waiting until take(). Returns nullopt if no job waits. `last` is the
   /// worker's previous job. The result is a waiting job that is near `last` on the curve and shares a tile with it. If
-  /// there is no such job, the result is far, on the curve, from the jobs at which workers began. Workers then do not
-  /// soon reach the same tiles.
+  /// no examined job shares a tile, or `last` is empty, choose() starts at a new position of the curve. New positions
+  /// are spread evenly, so that workers do not soon reach the same tiles.
   std::optional<std::uint32_t> choose(std::optional<std::uint32_t> last);
   void take(std::uint32_t job) { waiting_.erase(rank_[job]); }
 

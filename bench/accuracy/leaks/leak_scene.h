@@ -38,8 +38,8 @@ LeakScene hill_scene(double edge);
 LeakScene steps_scene(const std::string& name, double edge, double tread, double rise);
 /// Returns a solid wall with six sides, or a wall of one flat piece if `thickness` is 0.
 LeakScene wall_scene(const std::string& name, double edge, double thickness);
-/// Returns four walls and a saddle roof with eaves. The house has no floor, so a ray through a leak
-/// hits nothing else.
+/// Returns four walls and a saddle roof with eaves. The house has no floor, so a vertical ray through
+/// a leak in the roof hits nothing else.
 LeakScene house_scene(double edge);
 /// Returns parallel translucent surfaces, each with a transmittance of 70 %.
 LeakScene pane_scene(const std::string& name, double edge, double slope_deg, int layers);

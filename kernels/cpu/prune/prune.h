@@ -9,8 +9,8 @@
 namespace gigabake::kernels {
 
 /// Builds the nodes of all levels and removes constant bricks from the levels' arrays. A brick is constant if all its
-/// 512 voxels exist and are equal in every channel. A branch of equal constant bricks becomes
-/// one node.
+/// 512 voxels exist and are equal in every channel. A branch of equal constant bricks becomes one
+/// node.
 /// Exact   Expanding the nodes reproduces the levels bit by bit.
 /// Errors  std::length_error beyond 2^32-1 nodes.
 NodeTable prune(std::vector<Level>& levels, const ThreadPool& pool);
