@@ -107,7 +107,7 @@ QueryTally write_answers(const QueryArguments& a, const QueryJob& job, SceneQuer
             throw InputError("standard output", "", "cannot be written");
         },
         progress);
-  Publication publication(a.out);
+  Publication publication(a.out, Leftovers::remove);
   OutputFile file(a.out, publication.temporary());
   const QueryTally tally = run_query(
       job, query, asks, pool, [&](std::string_view text) { file.write(text); }, progress);

@@ -10,10 +10,17 @@
 
 namespace gigabake {
 
-Publication::Publication(std::filesystem::path target)
-    : target_(std::move(target)), temporary_(create_temporary(target_, [](const std::filesystem::path& temporary) {
-        return Descriptor(temporary, O_WRONLY | O_CREAT | O_EXCL).is_open();
-      })) {}
+Publication::Publication(std::filesystem::path target, Leftovers leftovers) : target_(std::move(target)) {
+  const auto make = [](const std::filesystem::path& name) { return Descriptor(name, O_WRONLY | O_CREAT | O_EXCL); };
+  if (leftovers == Leftovers::keep) {
+    temporary_ = create_temporary(target_, [&](const std::filesystem::path& name) { return make(name).is_open(); });
+    return;
+  }
+  remove_abandoned_temporaries(target_);
+  LockedTemporary made = create_locked_temporary(target_, make);
+  temporary_ = std::move(made.path);
+  lock_ = std::move(made.lock);
+}
 
 Publication::~Publication() {
   if (!published_) ::unlink(temporary_.c_str());

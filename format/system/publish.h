@@ -4,16 +4,22 @@
 #include <filesystem>
 #include <string_view>
 
+#include "format/system/descriptor.h"
+
 namespace gigabake {
 
 /// Durability of a published file after a power loss. Readers never see a partial file in either case.
 enum class Durability { across_power_loss, while_up };
 
+/// The treatment of temporary files of the same target that killed processes left. Removal lists the target's folder,
+/// so it is for single files that a user names, not for shards.
+enum class Leftovers { keep, remove };
+
 /// The owner of a temporary file. Unless publish() succeeds, the destructor removes the temporary file.
 class Publication {
  public:
   /// Errors  InputError if the target's folder is missing or not writable.
-  explicit Publication(std::filesystem::path target);
+  explicit Publication(std::filesystem::path target, Leftovers leftovers = Leftovers::keep);
   ~Publication();
   Publication(const Publication&) = delete;
   Publication& operator=(const Publication&) = delete;
@@ -27,6 +33,7 @@ class Publication {
 
  private:
   std::filesystem::path target_, temporary_;
+  Descriptor lock_;  ///< with Leftovers::remove, shows other processes that `temporary_` has an owner
   bool published_ = false;
 };
 

@@ -20,8 +20,12 @@ FolderPublication::FolderPublication(std::filesystem::path target, Replaces repl
   if (std::filesystem::exists(target_, ignored) &&
       !(is_folder && (replaces_ == Replaces::a_folder || std::filesystem::is_empty(target_, ignored))))
     throw InputError(target_, "", "exists already; expected the name of a new folder: remove it or name another");
-  temporary_ = create_temporary(
-      target_, [](const std::filesystem::path& temporary) { return ::mkdir(temporary.c_str(), 0777) == 0; });
+  remove_abandoned_temporaries(target_);
+  LockedTemporary made = create_locked_temporary(target_, [](const std::filesystem::path& temporary) {
+    return ::mkdir(temporary.c_str(), 0777) == 0 ? Descriptor(temporary, O_RDONLY | O_DIRECTORY) : Descriptor();
+  });
+  temporary_ = std::move(made.path);
+  lock_ = std::move(made.lock);
 }
 
 FolderPublication::~FolderPublication() {

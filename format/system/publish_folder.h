@@ -3,6 +3,8 @@
 
 #include <filesystem>
 
+#include "format/system/descriptor.h"
+
 namespace gigabake {
 
 /// The folder that may exist at the target: only an empty folder, or any folder. The existing folder is removed after
@@ -12,6 +14,7 @@ enum class Replaces { nothing, a_folder };
 /// The owner of a temporary folder. Unless publish() succeeds, the destructor removes the temporary folder.
 class FolderPublication {
  public:
+  /// Removes temporary folders of the target that killed processes left.
   /// Errors  InputError if the target exists and may not be replaced, or if the folder that contains the target is not
   ///         writable.
   explicit FolderPublication(std::filesystem::path target, Replaces replaces = Replaces::nothing);
@@ -33,6 +36,7 @@ class FolderPublication {
   bool swap_in() const;
 
   std::filesystem::path target_, temporary_;
+  Descriptor lock_;  ///< shows other processes that the temporary folder has an owner
   Replaces replaces_;
   bool published_ = false;
 };

@@ -1,16 +1,22 @@
 #include "format/system/publish_place.h"
 
+#include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <fcntl.h>
 #include <string>
+#include <string_view>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <system_error>
 #include <unistd.h>
+#include <utility>
+#include <vector>
 
 #include "core/base/error.h"
-#include "format/system/descriptor.h"
-
 namespace gigabake {
 namespace {
 
@@ -20,6 +26,26 @@ void flush(const std::filesystem::path& path, int flags) {
   const Descriptor file(path, flags);
   // Some network file systems cannot sync a folder and return EINVAL. The rename is then as durable as they support.
   if (!file.is_open() || (::fsync(file.get()) != 0 && errno != EINVAL)) fail_to(path, "flush to disk");
+}
+
+std::string prefix_of(const std::filesystem::path& target) { return "." + target.filename().string() + "."; }
+
+/// Tests whether create_temporary() gives such names: the prefix, a process and a number, ".part".
+bool is_temporary_of(const std::string& name, const std::string& prefix) {
+  constexpr std::string_view suffix = ".part";
+  if (!name.starts_with(prefix) || !name.ends_with(suffix) || name.size() <= prefix.size() + suffix.size())
+    return false;
+  const std::string middle = name.substr(prefix.size(), name.size() - prefix.size() - suffix.size());
+  return std::ranges::count(middle, '-') == 1 && middle.front() != '-' && middle.back() != '-' &&
+         std::ranges::all_of(middle, [](unsigned char c) { return std::isdigit(c) != 0 || c == '-'; });
+}
+
+bool lock(const Descriptor& file) { return ::flock(file.get(), LOCK_EX | LOCK_NB) == 0; }
+
+/// Returns true if the open file or folder was removed.
+bool is_removed(const Descriptor& file) {
+  struct stat found {};
+  return ::fstat(file.get(), &found) == 0 && found.st_nlink == 0;
 }
 
 }  // namespace
@@ -38,12 +64,39 @@ std::filesystem::path create_temporary(const std::filesystem::path& target,
   for (int attempt = 0; attempt < max_attempts; ++attempt) {
     static std::atomic<unsigned> count{0};
     const std::filesystem::path temporary =
-        folder_of(target) /
-        ("." + target.filename().string() + "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".part");
+        folder_of(target) / (prefix_of(target) + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".part");
     if (make(temporary)) return temporary;
     if (errno != EEXIST) break;
   }
   fail_to(target, "write");
+}
+
+LockedTemporary create_locked_temporary(const std::filesystem::path& target,
+                                        const std::function<Descriptor(const std::filesystem::path&)>& make) {
+  for (int attempt = 0; attempt < max_attempts; ++attempt) {
+    LockedTemporary out;
+    out.path = create_temporary(target, [&](const std::filesystem::path& name) {
+      out.lock = make(name);
+      return out.lock.is_open();
+    });
+    lock(out.lock);
+    if (!is_removed(out.lock)) return out;  // another process may have removed it before it was locked
+  }
+  fail_to(target, "write");
+}
+
+void remove_abandoned_temporaries(const std::filesystem::path& target) {
+  const std::string prefix = prefix_of(target);
+  std::error_code error;
+  std::vector<std::filesystem::path> found;
+  for (std::filesystem::directory_iterator entry(folder_of(target), error), end; !error && entry != end;
+       entry.increment(error))
+    if (is_temporary_of(entry->path().filename().string(), prefix)) found.push_back(entry->path());
+  for (const std::filesystem::path& path : found) {
+    const bool is_folder = std::filesystem::is_directory(std::filesystem::symlink_status(path, error));
+    const Descriptor opened(path, O_NOFOLLOW | (is_folder ? O_RDONLY | O_DIRECTORY : O_RDWR));
+    if (opened.is_open() && lock(opened)) std::filesystem::remove_all(path, error);
+  }
 }
 
 void rename_into_place(const std::filesystem::path& temporary, const std::filesystem::path& target) {

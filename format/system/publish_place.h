@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <functional>
 
+#include "format/system/descriptor.h"
+
 namespace gigabake {
 
 /// Throws InputError "cannot WHAT: the system's reason", with the reason from errno.
@@ -17,6 +19,22 @@ std::filesystem::path folder_of(const std::filesystem::path& path);
 /// Errors  InputError if `make` fails for another reason than an existing name.
 std::filesystem::path create_temporary(const std::filesystem::path& target,
                                        const std::function<bool(const std::filesystem::path&)>& make);
+
+/// A temporary file or folder and the lock (flock) that its owner holds on it. The lock ends with the process, so a
+/// temporary without a lock has no owner. On file systems without flock there is no lock.
+struct LockedTemporary {
+  std::filesystem::path path;
+  Descriptor lock;
+};
+
+/// Returns a new name next to `target` that make(name) created and opened, and locks it.
+/// Errors  InputError if `make` fails for another reason than an existing name.
+LockedTemporary create_locked_temporary(const std::filesystem::path& target,
+                                        const std::function<Descriptor(const std::filesystem::path&)>& make);
+
+/// Removes the temporary files and folders of `target` whose owners were killed. Keeps those that cannot be locked.
+/// Cost    Lists the folder of `target`.
+void remove_abandoned_temporaries(const std::filesystem::path& target);
 
 /// Renames the complete file or folder `temporary` to `target`, and replaces an existing target.
 /// Errors  InputError with the system's reason.

@@ -122,7 +122,7 @@ class NanovdbWriter {
 std::uint64_t export_nanovdb(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& nvdb,
                              const Progress& progress) {
   const auto [scene, voxels] = open_scene_level(scene_xml, lod);
-  Publication publication(nvdb);
+  Publication publication(nvdb, Leftovers::remove);
   progress.step("finding the bricks", voxels);
   NanovdbTree tree = tree_of(scene, lod, progress);
   const SceneHeader& header = scene.header();

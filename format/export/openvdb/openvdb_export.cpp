@@ -32,7 +32,7 @@ std::uint64_t export_openvdb(const std::filesystem::path& scene_xml, int lod, co
                              std::uint64_t max_bytes, const Progress& progress) {
   const auto [scene, voxels] = open_scene_level(scene_xml, lod);
   const std::unique_ptr<OpenvdbGrids> grids = grids_of(scene.header(), lod);
-  Publication publication(vdb);
+  Publication publication(vdb, Leftovers::remove);
   std::uint64_t parts = 0;
   progress.step("collecting the voxels", voxels);
   const auto add = [&](const LevelIndex& lowest, const DenseBrick& part) {

@@ -95,7 +95,7 @@ class VertexStream {
 std::uint64_t export_ply(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& ply,
                          const Progress& progress) {
   const auto [scene, voxels] = open_scene_level(scene_xml, lod);
-  Publication publication(ply);
+  Publication publication(ply, Leftovers::remove);
   progress.step("writing the voxels", voxels);
   VertexStream stream(scene.header(), lod, ply, publication.temporary(), progress);
   stream.write(header(scene.header(), lod, voxels));

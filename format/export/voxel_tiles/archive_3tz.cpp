@@ -173,7 +173,7 @@ void write_archive_3tz(const std::filesystem::path& folder, const std::filesyste
     if (entry.is_regular_file()) names.push_back(entry.path().lexically_relative(folder).generic_string());
   std::sort(names.begin(), names.end());
   progress.step("packing the archive", names.size(), "file");
-  Publication publication(archive);
+  Publication publication(archive, Leftovers::remove);
   ArchiveWriter writer(archive, publication.temporary());
   for (const std::string& name : names) {
     writer.add(name, folder / name);

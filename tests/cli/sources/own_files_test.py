@@ -122,6 +122,33 @@ class OwnFilesTest(unittest.TestCase):
         self.assertEqual(harness.run(small, env=environment).returncode, 0)
         self.assertEqual(folders(), [])
 
+    # Regression of 2026-11-26: each killed export left its temporary file or folder for good.
+    def test_a_killed_export_leaves_nothing_after_the_next(self):
+        source = PROGRAM.sample(self.root / "sample", size=256)
+        PROGRAM.succeed("bake", source, "-o", self.out, "--voxel-size", 0.5, "-q")
+        exports = self.root / "exports"
+        exports.mkdir()
+        for name, again in (("tiles", ["--update"]), ("points.ply", []), ("tiles.3tz", [])):
+            command = ["export", self.out, "-o", exports / name, "-q"] + ["--to", "3dtiles"] * (name == "tiles")
+            def temporaries():
+                return [path.name for path in exports.iterdir() if path.name.endswith(".part")]
+            export = harness.Started([PROGRAM.executable, *command])
+            for _ in range(5000):
+                if temporaries() or export.poll() is not None:
+                    break
+                time.sleep(0.001)
+            os.kill(export.pid, signal.SIGSTOP)
+            self.assertEqual(len(temporaries()), 1, name)
+            PROGRAM.succeed(*command)
+            self.assertEqual(len(temporaries()), 1, "that of a living export stays")
+            os.kill(export.pid, signal.SIGKILL)
+            export.wait()
+            self.assertEqual(len(temporaries()), 1, name)
+            if name == "tiles.3tz":
+                (exports / name).unlink()  # an archive is not replaced
+            PROGRAM.succeed(*command, *again)
+            self.assertEqual(temporaries(), [], name)
+
 
 if __name__ == "__main__":
     PROGRAM = harness.Gigabake(sys.argv[1])

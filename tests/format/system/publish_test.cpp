@@ -2,10 +2,13 @@
 
 #include <fstream>
 #include <gtest/gtest.h>
+#include <memory>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "core/base/error.h"
+#include "format/system/publish_folder.h"
 #include "small_disk.h"
 #include "tests/format/shard/made_shard.h"
 
@@ -66,6 +69,52 @@ TEST(Publish, PassesOverWhatAKilledProcessLeft) {
   const Publication first(folder / "f");
   const Publication second(folder / "f");
   EXPECT_NE(first.temporary(), second.temporary());
+}
+
+/// Starts a publication in a child process, which dies without calling destructors.
+template <class Start>
+void start_and_die(const Start& start) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const auto unfinished = start();
+    ::_exit(unfinished->temporary().empty() ? 1 : 0);
+  }
+  int status = 1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_EQ(status, 0);
+}
+
+/// 2026-11-26: each killed export left its temporary folder for good.
+TEST(Publish, RemovesTemporariesOfKilledProcessesButNotThoseOfLivingOnes) {
+  const TempFolder folder;
+  const auto target = folder / "f";
+  const Publication living(target, Leftovers::remove);
+  std::ofstream(folder / ".f.notes.part") << "of the user";
+  std::ofstream(folder / ".fx.1-1.part") << "of another target";
+  start_and_die([&] { return std::make_unique<Publication>(target, Leftovers::remove); });
+  EXPECT_EQ(files_in(folder), 4u);
+  {
+    const Publication next(target, Leftovers::remove);
+    EXPECT_EQ(files_in(folder), 4u) << "that of the killed process was replaced";
+    EXPECT_TRUE(std::filesystem::exists(living.temporary()));
+  }
+  EXPECT_EQ(files_in(folder), 3u);
+}
+
+TEST(Publish, RemovesTemporaryFoldersOfKilledProcessesButNotThoseOfLivingOnes) {
+  const TempFolder folder;
+  const FolderPublication living(folder / "f");
+  std::ofstream(living.temporary() / "tile") << "half";
+  start_and_die([&] {
+    auto killed = std::make_unique<FolderPublication>(folder / "f");
+    std::filesystem::create_directory(killed->temporary() / "tiles");
+    return killed;
+  });
+  FolderPublication next(folder / "f");
+  EXPECT_EQ(files_in(folder), 2u);
+  next.publish();
+  EXPECT_TRUE(std::filesystem::exists(living.temporary() / "tile"));
+  EXPECT_EQ(files_in(folder), 2u) << "the published folder and that of the living process";
 }
 
 TEST(Publish, NamesTheTargetWhereItsFolderIsMissing) {
