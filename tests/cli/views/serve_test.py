@@ -53,14 +53,15 @@ class Serve(harness.FolderTest):
         return page
 
     def shown(self, page):
-        """Returns the page's image at rest without its bar, the expected image, and the page's state."""
-        page.evaluate("document.getElementById('bar').style.visibility = 'hidden'")
+        """Returns the page's image at rest without its texts, the expected image, and the page's state."""
+        for text in ("bar", "place"):
+            page.evaluate(f"document.getElementById('{text}').style.visibility = 'hidden'")
         deadline = time.monotonic() + 60
         while True:  # the image lags the state by milliseconds, and the state lags the input
             page.wait_for(f"{RESTS} && shownState.frame && shownState.frame.full && !Object.keys(pending).length")
             state = page.evaluate("shownState")
             expected, image = self.rendered(state), read_png(page.screenshot())[..., :3]
-            if numpy.abs(image - expected).mean() < 4 or time.monotonic() > deadline:
+            if numpy.abs(image - expected).mean() < 3 or time.monotonic() > deadline:
                 return image, expected, state
             time.sleep(0.2)
 
@@ -94,7 +95,7 @@ class Serve(harness.FolderTest):
                               + json.dumps(before))
             image, expected, state = self.shown(page)
             self.assertEqual(image.shape, (SIZE[1], SIZE[0], 3))
-            self.assertLess(numpy.abs(image - expected).mean(), 4, name)
+            self.assertLess(numpy.abs(image - expected).mean(), 3, name)
             seen[name] = image, state
         before = seen["nothing"][0]
         for name in ("drag", "wheel", "right drag", "mode", "walk"):
