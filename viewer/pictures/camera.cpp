@@ -141,28 +141,9 @@ void for_each_occupied_box(const PagedScene& scene, const PageSource& pages, con
   if (!levels || !visit_root(scene, levels->root, pages, visit)) visit_cells(scene, pages, visit);
 }
 
-/// Calls visit(lowest corner, edge) for boxes that contain the occupied space. The default camera must not depend on
-/// which shards are readable. In a scene with a root overview, boxes are therefore voxels of the root's own level:
-/// those that the root stores, or if it cannot be read, those around the nodes of the cells. Without a root overview, a
-/// cell that cannot be read is framed by its whole cube.
-template <class Visit>
-void for_each_framed_box(const PagedScene& scene, const PageSource& pages, const Visit& visit) {
-  const std::optional<OverviewLevels> levels = overview_levels(scene);
-  if (levels && visit_root(scene, levels->root, pages, visit)) return;
-  if (!levels) return visit_cells(scene, pages, visit);
-  const SceneCell& root = scene.root().overviews[levels->root];
-  const double voxel = std::ldexp(1, int(root.own_lod()));
-  visit_cells(scene, pages, [&](const Vec3d& corner, double edge) {
-    if (edge >= voxel) return visit(corner, edge);
-    Vec3d low = corner - corner_of(root);
-    for (std::size_t a = 0; a < 3; ++a) low[a] = std::floor(low[a] / voxel) * voxel;
-    visit(corner_of(root) + low, voxel);
-  });
-}
-
 Vec3d middle_of(const PagedScene& scene, const PageSource& pages) {
   Vec3d low = Vec3d::all(HUGE_VAL), high = Vec3d::all(-HUGE_VAL);
-  for_each_framed_box(scene, pages, [&](const Vec3d& corner, double edge) {
+  for_each_occupied_box(scene, pages, [&](const Vec3d& corner, double edge) {
     low = min_by_axis(low, corner);
     high = max_by_axis(high, corner + Vec3d::all(edge));
   });
@@ -197,7 +178,7 @@ Vec3d framing_eye(const PagedScene& scene, const PageSource& pages, const std::o
                   const Axes& axes, double tan_x, double tan_y) {
   constexpr double margin = 0.96;
   FrustumSides sides[2] = {{axes.right, axes.forward, tan_x * margin}, {axes.up, axes.forward, tan_y * margin}};
-  for_each_framed_box(scene, pages, [&](const Vec3d& corner, double edge) {
+  for_each_occupied_box(scene, pages, [&](const Vec3d& corner, double edge) {
     for (FrustumSides& s : sides) s.include(corner + Vec3d::all(edge / 2), edge / 2);
   });
   double depth = HUGE_VAL;

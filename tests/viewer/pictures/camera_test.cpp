@@ -136,31 +136,6 @@ TEST(Camera, FramesTheWholeSceneFromTheSouthEastWhereNobodySaysOtherwise) {
   }
 }
 
-/// 2026-11-26: the default camera moved if a shard was missing.
-TEST(Camera, IsTheSameIfACellOrTheRootCannotBeRead) {
-  const Painter ramp = [](std::int64_t x, std::int64_t y, std::int64_t z) {
-    return x > 20 && y < 101 && z == 3 + (x + y) / 4 ? std::optional<Paint>(Paint{}) : std::nullopt;
-  };
-  VoxelScene scene(64);
-  scene.add_cells(ramp, {0, 0, 0}, 128);
-  const std::size_t cells = scene.description().cells.size();
-  scene.add_overview(ramp, {0, 0, 0}, 128, 4);
-  const auto eye_without = [&](std::optional<std::size_t> missing) {
-    const PageSource all = scene.pages();
-    const PageSource pages = [&](const PageKey& key) {
-      if (missing && key.shard == *missing) throw InputError("shard.h5", "", "cannot be read");
-      return all(key);
-    };
-    return make_camera({}, scene.paged(), pages);
-  };
-  const kernels::CastCamera whole = eye_without({});
-  ASSERT_GT(cells, 2u);
-  for (std::size_t missing = 0; missing <= cells; ++missing) {
-    const kernels::CastCamera camera = eye_without(missing);
-    for (int a = 0; a < 3; ++a) EXPECT_NEAR(camera.eye[a], whole.eye[a], 1e-9) << missing << " of " << cells;
-  }
-}
-
 TEST(Camera, LooksAtTheMiddleOfTheSceneFromAGivenEye) {
   CameraOptions options;
   options.eye_m = Point<Scene>{-500, 32, 28};
