@@ -334,7 +334,7 @@ def main():
     seed = random.SystemRandom().randrange(1 << 32) if options.seed == "random" else int(options.seed)
     OPTIONS.update(count=options.count, seed=seed, size=options.size)
     print(f"seed {seed}", flush=True)
-    harness.main(argv=[sys.argv[0], *rest])
+    harness.main(argv=[sys.argv[0], *rest], verbosity=2)
 
 
 if __name__ == "__main__":

@@ -214,4 +214,4 @@ class Surroundings(harness.FolderTest):
 
 
 if __name__ == "__main__":
-    harness.main(argv=sys.argv[:1])
+    harness.main(argv=sys.argv[:1], verbosity=2)

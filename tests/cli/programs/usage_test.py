@@ -158,4 +158,4 @@ class Jpeg(unittest.TestCase):
 
 if __name__ == "__main__":
     GIGABAKE, SOURCE = harness.Gigabake(sys.argv[1]), sys.argv[2]
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -346,4 +346,4 @@ class BadInput(unittest.TestCase):
 
 if __name__ == "__main__":
     PROGRAM = harness.Gigabake(sys.argv[1])
-    harness.main(argv=sys.argv[:1])
+    harness.main(argv=sys.argv[:1], verbosity=2)

@@ -80,8 +80,7 @@ class BehindProxies(harness.FolderTest):
 
     def setUp(self):
         if NGINX is None:
-            print("skipped:", self.id(), "- there is no nginx (Debian: apt install nginx)")
-            self.skipTest("no nginx")
+            self.skipTest("there is no nginx (Debian: apt install nginx)")
 
     def serve(self, *arguments):
         server = Server(GIGABAKE, self.scene, *arguments)
@@ -162,8 +161,7 @@ class BehindProxies(harness.FolderTest):
     def test_a_browser_sees_the_last_image_through_nginx(self):  # 2026-11-25
         program = chromium.find()
         if program is None:
-            print("skipped:", self.id(), "- there is no Chromium that starts (Debian: apt install chromium)")
-            self.skipTest("no Chromium")
+            self.skipTest("there is no Chromium that starts (Debian: apt install chromium)")
         server = self.serve("--port", 0)
         port = int(server.url.split(":")[2].strip("/"))
         # The host as the browser sends it, so that it equals the page's Origin.
@@ -189,4 +187,4 @@ class BehindProxies(harness.FolderTest):
 
 if __name__ == "__main__":
     GIGABAKE = harness.Gigabake(sys.argv[1])
-    harness.main(argv=sys.argv[:1])
+    harness.main(argv=sys.argv[:1], verbosity=2)

@@ -46,8 +46,7 @@ class Serve(harness.FolderTest):
     def open_page(self, server):
         program = chromium.find()
         if program is None:
-            print("skipped:", self.id(), "- there is no Chromium that starts (Debian: apt install chromium)")
-            self.skipTest("no Chromium")
+            self.skipTest("there is no Chromium that starts (Debian: apt install chromium)")
         page = chromium.Page(program, server.url, *SIZE)
         self.addCleanup(page.close)
         return page
@@ -283,4 +282,4 @@ class Serve(harness.FolderTest):
 
 if __name__ == "__main__":
     GIGABAKE = harness.Gigabake(sys.argv[1])
-    harness.main(argv=sys.argv[:1])
+    harness.main(argv=sys.argv[:1], verbosity=2)
