@@ -6,7 +6,10 @@ Usage: serve_test.py GIGABAKE SOURCE_DIR
 import contextlib
 import json
 import math
+import os
+import signal
 import socket
+import subprocess
 import sys
 import threading
 import time
@@ -261,6 +264,40 @@ class Serve(harness.FolderTest):
             server = self.serve(self.root / name)
             self.assertIn(f"waiting for a bake into {self.root / name}", server.process.said())
             server.close()
+
+    def signals_of(self, process, field):
+        """Returns signals of a process as bits. SigCgt: those with a handler; ShdPnd: those not handled yet."""
+        status = Path(f"/proc/{process.pid}/status").read_text(encoding="utf-8")
+        return int(status.partition(f"{field}:")[2].split()[0], 16)
+
+    def wait_until(self, condition):
+        deadline = time.monotonic() + 60
+        while not condition():
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+
+    def test_a_second_interrupt_says_that_no_file_changes(self):
+        reader, writer = os.pipe()
+        self.addCleanup(os.close, reader)
+        os.set_blocking(writer, False)
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                os.write(writer, bytes(4096))
+        os.set_blocking(writer, True)
+        # The server waits for a reader of its address, so it cannot end between the two signals.
+        process = subprocess.Popen([GIGABAKE.executable, "serve", self.scene, "--port", "0"], stdout=writer,
+                                   stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.kill)
+        os.close(writer)
+        interrupt = 1 << (signal.SIGINT - 1)
+        self.wait_until(lambda: self.signals_of(process, "SigCgt") & interrupt)
+        process.send_signal(signal.SIGINT)
+        self.wait_until(lambda: not self.signals_of(process, "ShdPnd") & interrupt)
+        self.assertIsNone(process.poll())
+        process.send_signal(signal.SIGINT)
+        errors = harness.errors_of(process, 60)
+        self.assertEqual(process.returncode, -signal.SIGINT, errors)
+        self.assertEqual(errors, "gigabake: stopped immediately; serving changes no file\n")
 
     def test_options_that_make_no_server_are_named(self):
         for arguments, code, expected in (
