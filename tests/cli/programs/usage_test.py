@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
@@ -114,6 +115,11 @@ class Usage(unittest.TestCase):
                               check=False)
         if head.returncode == 0 and Path(head.stdout.strip()).resolve() == Path(SOURCE).resolve():
             self.assertIn("commit", text.splitlines()[0])
+
+    def test_the_version_is_checked_without_git(self):
+        with tempfile.TemporaryDirectory() as empty, unittest.mock.patch.dict(os.environ, PATH=empty):
+            self.assertIsNone(shutil.which("git"))
+            self.test_the_version_names_commit_toolkit_libraries_and_formats()
 
 
 @unittest.skipUnless(shutil.which("man") or shutil.which("groff"), "neither man nor groff is installed")
