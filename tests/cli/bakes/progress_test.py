@@ -6,6 +6,7 @@ Usage: progress_test.py GIGABAKE SOURCE_DIR
 import json
 import os
 import pty
+import re
 import select
 import signal
 import subprocess
@@ -21,6 +22,8 @@ from programs import lines_of
 SQUARE = [[0, 0, 0], [40, 0, 0], [40, 0, -40], [0, 0, -40]]
 TWO = [0, 1, 2, 0, 2, 3]
 DRAINED = 75
+LOG_TIME = re.compile(r"^20\d\d-\d\d-\d\dT\d\d:\d\d:\d\dZ rank 0: (.*)$", re.M)
+LOG_LINE = re.compile(r"[\d,]+ triangles in ")
 # A stopped command ends after a second, or after ten on a busy machine; a hanging command never ends.
 BOUND_S = 60
 
@@ -119,6 +122,36 @@ class Progress(harness.FolderTest):
         os.close(master)
         self.assertIn(b"stopped by SIGINT", shown.splitlines()[-1])
         self.assertNotIn(b"\n", shown[:shown.index(b"stopped by")].replace(b"^C", b"").strip())
+
+    def log_on_terminal(self, *arguments):
+        """Returns the standard error of a command that ends with 0, whose terminal is a pty."""
+        master, slave = pty.openpty()
+        process = self.start(*arguments, stdout=subprocess.DEVNULL, stderr=slave)
+        os.close(slave)
+        shown = b""
+        with open(master, "rb", buffering=0) as terminal:
+            try:
+                while part := terminal.read(65536):
+                    shown += part
+            except OSError:  # the other end is closed
+                pass
+        self.assertEqual(process.wait(timeout=BOUND_S), 0, shown)
+        return re.sub(r"\r(\x1b\[K)?", "", shown.decode())
+
+    def test_log_lines_have_times_where_no_terminal_shows_them(self):
+        bake = ("bake", self.square, "--voxel-size", 1, "-o")
+        logs = {name: self.log_on_terminal(*bake, self.root / name, *more)
+                for name, more in (("terminal", ()), ("terminal_time", ("--log-time",)),
+                                   ("terminal_plain", ("--no-log-time",)))}
+        for name, more in (("pipe", ()), ("pipe_time", ("--log-time",)), ("pipe_plain", ("--no-log-time",))):
+            logs[name] = PROGRAM.run(*bake, self.root / name, *more).stderr
+        for name, log in logs.items():
+            with self.subTest(name):
+                self.assertRegex(log, LOG_LINE)
+                with_time = "\n".join(LOG_TIME.findall(log))
+                self.assertEqual(bool(LOG_LINE.search(with_time)), name in ("terminal_time", "pipe", "pipe_time"), log)
+                if name not in ("terminal_time", "pipe", "pipe_time"):
+                    self.assertEqual(with_time, "", log)
 
     def test_an_export_that_is_stopped_leaves_nothing(self):
         out = self.root / "out"
