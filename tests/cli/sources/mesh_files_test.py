@@ -160,6 +160,44 @@ class MeshFiles(unittest.TestCase):
         harness.write_glb(tiles / "local.glb", VERTICES, list(fan(FACES)))
         self.assertIn("a.b3dm and 1 more holds earth-centred coordinates and local.glb does not", self.refusal(tiles))
 
+    def warnings(self, source, *arguments):
+        result = PROGRAM.run("plan", source, "--voxel-size", 1, "--no-measure", *arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return [line for line in result.stderr.splitlines() if " km from " in line]
+
+    def scene(self, name, *places):
+        path = self.root / name
+        path.write_text(json.dumps({"gigabake": 1, "sources": [
+            {"path": "house.obj", "place": {"lon_lat_height": place}} for place in places]}))
+        return path
+
+    def test_an_origin_far_from_a_source_of_any_kind_is_reported(self):
+        obj(self.root / "house.obj")
+        centre = earth_tile(self.root / "a.b3dm", (47.37, 8.54, 430))
+        ball = {"sphere": [*centre, 9]}
+        tileset = self.root / "tileset.json"
+        tileset.write_text(json.dumps({"asset": {"version": "1.0"}, "geometricError": 1, "root": {
+            "geometricError": 0, "boundingVolume": ball, "content": {"uri": "a.b3dm"}}}))
+        for source in (self.scene("scene.json", [8.54, 47.37, 430]), tileset, self.root / "a.b3dm"):
+            with self.subTest(source.name):
+                for near in ((), ("--origin", "47.9,8.54,430"), ("--origin-lat-lon", "47.37,7.6,430")):
+                    self.assertEqual(self.warnings(source, *near), [])
+                [far] = self.warnings(source, "--origin", "49.37,8.54,430")
+                self.assertRegex(far, r"^warning: --origin \(latitude 49.37°, longitude 8.54°, height 430 m\) is 222 "
+                                      r"km from the source \(latitude 47\.37.*LAT,LON.*: are its latitude and "
+                                      r"longitude swapped\?$")
+                [swapped] = self.warnings(source, "--origin", "8.54,47.37,430")
+                self.assertRegex(swapped, r"longitude swapped\? Swapped, it would be [\d.e-]+ km away$")
+
+    def test_a_place_far_from_the_first_is_reported(self):
+        obj(self.root / "house.obj")
+        here, near, swapped = [8.54, 47.37, 430], [8.54, 48.2, 430], [47.37, 8.54, 430]
+        self.assertEqual(self.warnings(self.scene("near.json", here, near)), [])
+        [far] = self.warnings(self.scene("far.json", here, near, swapped, swapped))
+        self.assertRegex(far, r"^warning: sources\[2\] and 1 more \(latitude 8.54°, longitude 47.37°, height 430 m\) "
+                              r"is \d+ km from sources\[0\] \(.*\); lon_lat_height begins with the longitude: "
+                              r".*Swapped, it would be 0 km away$")
+
     def test_a_house_at_the_earths_surface_stands_upright(self):
         earth_tile(self.root / "a.b3dm", (-33.86, 151.21, 20))
         harness.write_glb(self.root / "local.glb", VERTICES, list(fan(FACES)))
