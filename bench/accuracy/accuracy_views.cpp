@@ -137,7 +137,7 @@ kernels::CastCamera reference_camera(const CameraOptions& camera, const BakePara
   SceneDescription frame;
   frame.voxel_size_m = lattice.voxel_size_m;
   frame.lattice_origin_m = lattice.lattice_origin_m;
-  return make_camera(camera, PagedScene::of_cells({}, std::move(frame)), {});
+  return make_camera(camera, PagedScene::of_cells({}, std::move(frame)));
 }
 
 }  // namespace gigabake::bench

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/math/box3.h"
 #include "format/shard/shard.h"
 #include "format/source/source_warning.h"
 #include "format/system/file_stamp.h"
@@ -14,7 +15,7 @@ namespace gigabake {
 
 /// The version of a scan. Increment it if scan_tile() returns another result for the same files, or if the fields of
 /// TileScan change. Stored scans of earlier bakes are then discarded.
-inline constexpr std::uint32_t scan_version = 6;
+inline constexpr std::uint32_t scan_version = 7;
 
 /// Max side of a triangle's box in voxels. Triangles with a longer side are omitted, because the arithmetic would not
 /// be exact (decision 151).
@@ -38,6 +39,7 @@ inline constexpr double projected_voxel_unit = 2.0 * 256 * 256;
 struct TileScan {
   std::uint32_t tile = 0;             ///< index into SceneSources::tiles
   std::vector<ColumnExtent> columns;  ///< sorted by (column_x, column_y), unique
+  Box3i64 bounds;                     ///< lod-0 voxels that contain all voxels of the tile; empty if it has none
   std::uint64_t triangles = 0;        ///< all triangles of the file, including instances
   std::uint64_t non_finite = 0;       ///< triangles dropped: a vertex is NaN/Inf
   std::uint64_t too_far = 0;          ///< triangles omitted: they extend too far to be baked

@@ -47,6 +47,7 @@ SceneDescription merge(const BakePlan& plan, const std::vector<CellReport>& repo
   scene.has_normals = parameters.normals;
   scene.has_directional_coverage = has_directional_coverage(parameters);
   scene.parameters = to_json(parameters);
+  scene.bounds = plan.bounds;
   scene.triangles = plan.triangles;
   scene.non_finite = plan.non_finite;
   scene.zero_area = plan.zero_area;

@@ -202,6 +202,7 @@ void add_counts(const std::vector<TileScan>& scans, const SceneSources& sources,
     plan.skipped_points += s.points;
   }
   for (const TileScan& s : scans) {
+    plan.bounds = hull(plan.bounds, s.bounds);
     plan.triangles += s.triangles;
     plan.tile_triangles.push_back(s.triangles);
     plan.tile_crossings.push_back(0);

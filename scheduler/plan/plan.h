@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/progress.h"
+#include "core/math/box3.h"
 #include "core/octree/parameters.h"
 #include "format/job/cell_job.h"
 #include "format/job/tile_scan.h"
@@ -20,6 +21,7 @@ struct BakePlan {
   /// Cells, sorted by z, y, x of lattice_min, then overviews, each after its children (scheduler/plan/overviews.h).
   /// jobs[i].id is i.
   std::vector<CellJob> jobs;
+  Box3i64 bounds;  ///< lod-0 voxels that contain all voxels of the cells; empty if there are none
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
   /// Sums of ColumnExtent::projected_voxels over each tile's columns, by index in sources.tiles.
   std::vector<std::uint64_t> tile_crossings;

@@ -72,6 +72,7 @@ void expect_equal(const TileScan& a, const TileScan& b) {
   EXPECT_EQ(a.source, b.source);
   EXPECT_EQ(a.triangles, b.triangles);
   EXPECT_EQ(a.spacing_m, b.spacing_m);
+  EXPECT_EQ(a.bounds, b.bounds);
   ASSERT_EQ(a.columns.size(), b.columns.size());
   EXPECT_EQ(a.columns[0].column_x, b.columns[0].column_x);
 }

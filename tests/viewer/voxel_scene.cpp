@@ -105,6 +105,11 @@ void VoxelScene::add_cell(const Painter& paint, const Vec3i64& lattice_min, Node
   std::vector<kernels::Level> levels = paint_levels(paint, lattice_min, cell_voxels_);
   if (levels[0].key.empty()) return;
   NodeTable table = nodes == Nodes::pruned ? kernels::prune(levels, one_thread()) : nodes_of_bricks(levels);
+  for (const std::uint64_t key : levels[0].key) {
+    const BrickCoordinate at = demorton(key);
+    const Vec3i64 corner = lattice_min + Vec3i64{at.x * 8, at.y * 8, at.z * 8};
+    description_.bounds = hull(description_.bounds, Box3i64::cube(corner, brick_edge));
+  }
   SceneCell cell;
   cell.lattice_min = lattice_min;
   cell.cell_voxels = cell_voxels_;
@@ -170,7 +175,7 @@ Picture take(const VoxelScene& scene, const PictureOptions& options) {
   wishes.light = options.light;
   wishes.memory_bytes = options.memory_bytes;
   SceneStream stream(scene.paged(), scene.pages(), wishes, pool);
-  return render(stream, make_camera(options.camera, scene.paged(), scene.pages()), options.background);
+  return render(stream, make_camera(options.camera, scene.paged()), options.background);
 }
 
 }  // namespace gigabake

@@ -98,6 +98,8 @@ TEST(Instances, ScannedByBoxesReachWhereTheirTrianglesReachAndHardlyFarther) {
   const TileScan boxed = scan_tile(forest_sources(many.path()), 0, metre_lattice(), pool);
   ASSERT_EQ(exact.error + boxed.error, "");
   EXPECT_EQ(boxed.triangles, 1200000u);
+  EXPECT_EQ(hull(exact.bounds, boxed.bounds), boxed.bounds);
+  EXPECT_LE(boxed.bounds.size()[0], exact.bounds.size()[0] + 24);
   const ColumnsByPlace near = by_place(exact), far = by_place(boxed);
   EXPECT_GE(far.size(), near.size());
   for (const auto& [place, column] : near) {

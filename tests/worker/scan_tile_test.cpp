@@ -49,6 +49,19 @@ TEST(ScanTile, HoldsEveryVertexInItsColumnsRangeAndEndsWhereTheGroundEnds) {
   }
 }
 
+/// 2026-11-26: default cameras frame the bounds, so they must be tight.
+TEST(ScanTile, BoundsTheVoxelsOfTheTile) {
+  const ScratchFolder folder;
+  GlbMesh floor;  // 20 × 10 m, level at 3 m
+  floor.position = {-10, 3, -5, 10, 3, -5, 10, 3, 5, -10, 3, 5};
+  floor.index = {0, 2, 1, 0, 3, 2};
+  write_glb(folder.path() / "floor.glb", floor);
+  const TileScan s = scan(folder.path(), "floor.glb", fine_lattice());
+  ASSERT_EQ(s.error, "");
+  EXPECT_EQ(s.bounds, (Box3i64{{-40, -20, 12}, {40, 20, 13}}));
+  for (const ColumnExtent& c : s.columns) EXPECT_TRUE(s.bounds.min[2] <= c.z_min && c.z_end <= s.bounds.end[2]);
+}
+
 /// 2026-11-22: plans estimate voxels and bytes from the projected voxels of the columns.
 TEST(ScanTile, SaysHowManyVoxelsItsSurfaceCrosses) {
   const ScratchFolder folder;
@@ -74,6 +87,7 @@ TEST(ScanTile, IsEqualForAnyNumberOfThreads) {
   const TileScan one = scan(folder.path(), "ground.glb", fine_lattice(), 1);
   for (int threads : {2, 5}) {
     const TileScan many = scan(folder.path(), "ground.glb", fine_lattice(), threads);
+    EXPECT_EQ(one.bounds, many.bounds);
     ASSERT_EQ(one.columns.size(), many.columns.size());
     for (std::size_t i = 0; i < one.columns.size(); ++i) {
       const ColumnExtent &a = one.columns[i], &b = many.columns[i];

@@ -1,14 +1,11 @@
 #include "viewer/pictures/camera.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
 #include <string>
 
 #include "core/base/error.h"
-#include "core/octree/brick.h"
-#include "viewer/stream/overview_levels.h"
 
 namespace gigabake {
 namespace {
@@ -60,92 +57,27 @@ Axes look(const Vec3d& forward, const std::optional<Point<Scene>>& up) {
 /// The direction of a view from the south-east, about 30° below the horizontal.
 const Vec3d oblique_view{-0.62, 0.60, -0.505};
 
-/// The maximum numbers of cells whose nodes are read, without and with a root overview. A scene of more cells is framed
-/// by its root overview, or by the boxes of its cells if it has no root overview.
-constexpr std::size_t max_cells_read = 256, max_cells_read_below_root = 32;
-
-/// Calls visit(node, lowest corner, edge) for the finest nodes of `rows` in the tree below `row`. Corner and edge are
-/// in lod-0 voxels. Descends only from nodes whose edge exceeds `minimum`.
+/// Calls visit(lowest corner, highest corner) for boxes that contain the occupied space, in lod-0 voxels. A box is the
+/// part of a cell, or of a page of cells, inside the scene's bounds. Reads no file, so that a missing shard changes
+/// nothing.
 template <class Visit>
-void visit_nodes(const std::vector<NodeRow>& rows, std::size_t row, const Vec3d& corner, double edge, double minimum,
-                 const Visit& visit) {
-  const NodeRow& node = rows[row];
-  const auto children = std::size_t(std::popcount(node.child_mask));
-  if (edge <= minimum || children == 0 || node.first_child + children > rows.size()) return visit(node, corner, edge);
-  std::size_t next = node.first_child;
-  for (int child = 0; child < 8; ++child) {
-    if ((node.child_mask >> child & 1) == 0) continue;
-    const double half = edge / 2;
-    visit_nodes(rows, next++, corner + Vec3d{child & 1 ? half : 0, child & 2 ? half : 0, child & 4 ? half : 0}, half,
-                minimum, visit);
-  }
+void for_each_occupied_box(const PagedScene& scene, const Visit& visit) {
+  const Box3i64& bounds = scene.header().bounds;
+  const auto visit_window = [&](const Box3i64& window) {
+    const Box3i64 box = bounds.is_empty() ? window : intersection(window, bounds);
+    // In a scene that was edited, a window may lie outside the bounds; it then counts whole.
+    const Box3i64& shown = box.is_empty() ? window : box;
+    visit(Vec3d(shown.min), Vec3d(shown.end));
+  };
+  for (const PageReference& page : scene.root().pages) visit_window(page.totals.window);
+  for (const SceneCell& cell : scene.root().cells) visit_window(window_of(cell));
 }
 
-/// Returns the page, or an empty page if it cannot be read. For framing, the box of the cell suffices; rendering
-/// reports the error.
-Page page_or_none(const PageSource& pages, const PageKey& key) {
-  try {
-    return pages(key);
-  } catch (const InputError&) {
-    return {};
-  }
-}
-
-Vec3d corner_of(const SceneCell& shard) {
-  return {double(shard.lattice_min[0]), double(shard.lattice_min[1]), double(shard.lattice_min[2])};
-}
-
-/// Calls visit(lowest corner, edge) for boxes that contain the occupied space, in lod-0 voxels.
-template <class Visit>
-void visit_cells(const PagedScene& scene, const PageSource& pages, const Visit& visit) {
-  const auto visit_box = [&](const NodeRow&, const Vec3d& corner, double edge) { visit(corner, edge); };
-  const bool few = scene.totals().cells <= max_cells_read;
-  std::uint32_t number = 0;
-  scene.for_each_cell([&](const SceneCell& cell) {
-    const std::vector<NodeRow> rows =
-        few ? page_or_none(pages, {number, PageKey::node_rows, 0}).rows : std::vector<NodeRow>();
-    if (rows.empty())
-      visit(corner_of(cell), double(cell.cell_voxels));
-    else
-      visit_nodes(rows, 0, corner_of(cell), double(cell.cell_voxels), 0, visit_box);
-    ++number;
-  });
-}
-
-/// Calls visit(lowest corner, edge) for the voxels of the finest level that the root stores but its children do not.
-/// One page contains all bricks of this level. Returns false if a page cannot be read.
-template <class Visit>
-bool visit_root(const PagedScene& scene, std::uint32_t root, const PageSource& pages, const Visit& visit) {
-  const SceneCell& shard = scene.root().overviews[root];
-  const auto number = std::uint32_t(scene.totals().cells + root);
-  const std::vector<NodeRow> rows = page_or_none(pages, {number, PageKey::node_rows, 0}).rows;
-  const BrickBlock bricks = page_or_none(pages, {number, int(shard.copied_lods), 0}).bricks;
-  if (rows.empty() || bricks.mask.empty()) return false;
-  visit_nodes(rows, 0, corner_of(shard), double(shard.cell_voxels), std::ldexp(brick_edge, int(shard.own_lod())),
-              [&](const NodeRow& node, const Vec3d& corner, double edge) {
-                const bool is_brick = node.kind == NodeKind::brick && 8 * std::size_t(node.value) < bricks.mask.size();
-                if (!is_brick) return visit(corner, edge);
-                const std::uint64_t* mask = &bricks.mask[8 * std::size_t(node.value)];
-                const double voxel = edge / brick_edge;
-                for (int i = 0; i < brick_voxels; ++i)
-                  if ((mask[i >> 6] >> (i & 63) & 1) != 0)
-                    visit(corner + Vec3d{double(i & 7), double(i >> 3 & 7), double(i >> 6)} * voxel, voxel);
-              });
-  return true;
-}
-
-template <class Visit>
-void for_each_occupied_box(const PagedScene& scene, const PageSource& pages, const Visit& visit) {
-  std::optional<OverviewLevels> levels;
-  if (scene.totals().cells > max_cells_read_below_root) levels = overview_levels(scene);
-  if (!levels || !visit_root(scene, levels->root, pages, visit)) visit_cells(scene, pages, visit);
-}
-
-Vec3d middle_of(const PagedScene& scene, const PageSource& pages) {
+Vec3d middle_of(const PagedScene& scene) {
   Vec3d low = Vec3d::all(HUGE_VAL), high = Vec3d::all(-HUGE_VAL);
-  for_each_occupied_box(scene, pages, [&](const Vec3d& corner, double edge) {
-    low = min_by_axis(low, corner);
-    high = max_by_axis(high, corner + Vec3d::all(edge));
+  for_each_occupied_box(scene, [&](const Vec3d& box_low, const Vec3d& box_high) {
+    low = min_by_axis(low, box_low);
+    high = max_by_axis(high, box_high);
   });
   return (low + high) * 0.5;
 }
@@ -164,9 +96,9 @@ struct FrustumSides {
         high_normal(unit_across - forward * tangent),
         tan(tangent) {}
 
-  void include(const Vec3d& centre, double half_edge) {
+  void include(const Vec3d& centre, const Vec3d& half) {
     const auto reach = [&](const Vec3d& n) {
-      return half_edge * (std::fabs(n[0]) + std::fabs(n[1]) + std::fabs(n[2]));
+      return half[0] * std::fabs(n[0]) + half[1] * std::fabs(n[1]) + half[2] * std::fabs(n[2]);
     };
     low = std::min(low, dot(centre, low_normal) - reach(low_normal));
     high = std::max(high, dot(centre, high_normal) + reach(high_normal));
@@ -174,12 +106,12 @@ struct FrustumSides {
 };
 
 /// Returns the nearest eye from which the whole scene is visible. If `target` is set, it is in the middle of the image.
-Vec3d framing_eye(const PagedScene& scene, const PageSource& pages, const std::optional<Vec3d>& target,
-                  const Axes& axes, double tan_x, double tan_y) {
+Vec3d framing_eye(const PagedScene& scene, const std::optional<Vec3d>& target, const Axes& axes, double tan_x,
+                  double tan_y) {
   constexpr double margin = 0.96;
   FrustumSides sides[2] = {{axes.right, axes.forward, tan_x * margin}, {axes.up, axes.forward, tan_y * margin}};
-  for_each_occupied_box(scene, pages, [&](const Vec3d& corner, double edge) {
-    for (FrustumSides& s : sides) s.include(corner + Vec3d::all(edge / 2), edge / 2);
+  for_each_occupied_box(scene, [&](const Vec3d& low, const Vec3d& high) {
+    for (FrustumSides& s : sides) s.include((low + high) * 0.5, (high - low) * 0.5);
   });
   double depth = HUGE_VAL;
   Vec3d eye{};
@@ -225,16 +157,16 @@ void check_pixel_error(double pixel_error) {
     throw UsageError("pixel_error", "expected 2^-16 to 2^16 pixels");
 }
 
-HeightRange occupied_heights(const PagedScene& scene, const PageSource& pages) {
+HeightRange occupied_heights(const PagedScene& scene) {
   HeightRange range{HUGE_VAL, -HUGE_VAL};
-  for_each_occupied_box(scene, pages, [&](const Vec3d& corner, double edge) {
-    range.low = std::min(range.low, corner[2]);
-    range.high = std::max(range.high, corner[2] + edge);
+  for_each_occupied_box(scene, [&](const Vec3d& low, const Vec3d& high) {
+    range.low = std::min(range.low, low[2]);
+    range.high = std::max(range.high, high[2]);
   });
   return range.low < range.high ? range : HeightRange{};
 }
 
-kernels::CastCamera make_camera(const CameraOptions& options, const PagedScene& scene, const PageSource& pages) {
+kernels::CastCamera make_camera(const CameraOptions& options, const PagedScene& scene) {
   check_options(options);
   const double tan_y = std::tan(options.fovy_deg * (std::numbers::pi / 360));
   const double tan_x = tan_y * options.width / options.height;
@@ -243,9 +175,9 @@ kernels::CastCamera make_camera(const CameraOptions& options, const PagedScene& 
   if (options.eye_m) eye = to_voxels(*options.eye_m, scene.header(), "eye_m");
   Vec3d forward = unit(oblique_view);
   if (!eye) {
-    eye = framing_eye(scene, pages, target, look(forward, options.up), tan_x, tan_y);
+    eye = framing_eye(scene, target, look(forward, options.up), tan_x, tan_y);
   } else {
-    if (!target) target = middle_of(scene, pages);
+    if (!target) target = middle_of(scene);
     if (*target == *eye) throw UsageError("target_m", "the same place as `eye_m`; there is no direction to look");
     forward = unit(*target - *eye);
   }

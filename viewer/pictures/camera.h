@@ -7,7 +7,6 @@
 #include "core/math/frames.h"
 #include "format/scene/paged_scene.h"
 #include "kernels/marching/cast_camera.h"
-#include "viewer/stream/page.h"
 
 namespace gigabake {
 
@@ -47,19 +46,15 @@ struct CameraOptions {
 void check_picture_size(const CameraOptions& options);
 
 /// Returns the camera in lod-0 voxels of the lattice.
-/// Cost    Reads pages only if eye or target is not set. Up to 256 cells (32 if there is a root overview): reads the
-///         first page of node rows of each cell, one after another. More cells: reads a page of node rows and a page of
-///         bricks of the root overview. Without a root overview, visits each cell's window.
+/// Cost    Reads no file. Without eye or target, visits the cells or pages that scene.xml lists.
 /// Errors  UsageError names the option that is not finite, has no direction or is out of range.
-kernels::CastCamera make_camera(const CameraOptions& options, const PagedScene& scene, const PageSource& pages);
+kernels::CastCamera make_camera(const CameraOptions& options, const PagedScene& scene);
 
-/// The range of heights of the occupied space in lod-0 voxels of the lattice. Its resolution is a node, a cell, or a
-/// voxel of the root overview.
+/// A range of heights in lod-0 voxels of the lattice.
 struct HeightRange {
   double low = 0, high = 1;
 };
-/// Returns the range of heights of the occupied space.
-/// Cost    The same as make_camera() without eye or target.
-HeightRange occupied_heights(const PagedScene& scene, const PageSource& pages);
+/// Returns the range of heights of the scene's bounds, or of its cells if the scene has no bounds. Reads no file.
+HeightRange occupied_heights(const PagedScene& scene);
 
 }  // namespace gigabake

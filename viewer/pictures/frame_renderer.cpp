@@ -130,7 +130,7 @@ struct FrameRenderer::State {
     if (view.mode == ViewMode::slope && !scene->header().has_normals)
       throw UsageError(
           "mode", "slope needs normals, and this scene was baked without; bake it with channels that hold normals");
-    kernels::CastCamera camera = make_camera(view.camera, *scene, source);
+    kernels::CastCamera camera = make_camera(view.camera, *scene);
     if (shows_light(view.mode)) camera.tone = screen_tone(options.exposure_stops);
     if (!light_part_of(view)) camera.haze = haze_of(view);
     camera.debug_color = debug_color_of(view.mode);
@@ -146,7 +146,7 @@ struct FrameRenderer::State {
   RenderSettings look_of(const View& view) {
     RenderSettings look{to_cast(view.background, shows_light(view.mode) ? view.sun : SunDirection{})};
     if (const auto part = light_part_of(view)) look.lighting = lighting(view.sun, *part, haze_of(view));
-    if (view.mode == ViewMode::height && !heights) heights = occupied_heights(*scene, source);
+    if (view.mode == ViewMode::height && !heights) heights = occupied_heights(*scene);
     look.shader = shader_of(view, heights.value_or(HeightRange{}));
     look.blends_levels = view.level_blend == LevelBlend::on;
     return look;
@@ -279,7 +279,7 @@ FrameRenderer::~FrameRenderer() = default;
 const PagedScene& FrameRenderer::scene() const { return *state_->scene; }
 
 kernels::CastCamera FrameRenderer::rays_of(const CameraOptions& options) const {
-  return make_camera(options, *state_->scene, state_->source);
+  return make_camera(options, *state_->scene);
 }
 
 CameraOptions FrameRenderer::framed(const CameraOptions& options) const {

@@ -36,10 +36,14 @@ inline VoxelSpan voxel_span(const LatticeTriangle& t, int axis, bool closed) {
   return {first >> subvoxel_bits, last >> subvoxel_bits};
 }
 
+/// Returns the column indices that a range of voxels overlaps along x or y.
+inline VoxelSpan columns_of(VoxelSpan voxels, const ColumnGrid& grid) {
+  return {voxels.first >> grid.cell_bits, voxels.last >> grid.cell_bits};
+}
+
 /// Returns the column indices that the triangle's box overlaps along x or y.
 inline VoxelSpan column_span(const LatticeTriangle& triangle, int axis, const ColumnGrid& grid) {
-  const VoxelSpan voxels = voxel_span(triangle, axis, grid.closed);
-  return {voxels.first >> grid.cell_bits, voxels.last >> grid.cell_bits};
+  return columns_of(voxel_span(triangle, axis, grid.closed), grid);
 }
 
 /// Calls visit(column_x, column_y, z range) for every column in which the surface rule may occupy a voxel, and for some

@@ -98,6 +98,11 @@ void widen(CoordinateRange& extent, const Primitive& mesh, const Vertices& verti
       extent[axis] = std::max(extent[axis], std::fabs(mesh.position[3 * i + axis]));
 }
 
+Box3i64 box_of(const std::array<VoxelSpan, 3>& voxels) {
+  return {{voxels[0].first, voxels[1].first, voxels[2].first},
+          {voxels[0].last + 1, voxels[1].last + 1, voxels[2].last + 1}};
+}
+
 bool is_one(VoxelSpan columns) { return columns.first == columns.last; }
 
 }  // namespace
@@ -140,6 +145,7 @@ void TileScanner::finish(TileScan& scan) const {
     scan.zero_area += thread.zero_area;
     scan.too_far += thread.too_far;
     scan.reach_m = std::max(scan.reach_m, thread.reach_m);
+    scan.bounds = hull(scan.bounds, thread.bounds);
     for (const auto& [key, column] : thread.map.columns()) scan.columns.push_back(column);
   }
   unite_columns(scan.columns);
@@ -192,7 +198,7 @@ void TileScanner::add_boxes(const Primitive& mesh, Placements placements) {
       const SceneBox box = scene_box(bounds, *placements[i], parameters_);
       const std::uint64_t projected_voxels = projected_voxels_of_area(local_area_m2 * area_scale(*placements[i]));
       is_far[i] = may_have_long_triangle(box, parameters_) ||
-                  (!box.is_empty() && !add_box(box, triangles, projected_voxels, found.map));
+                  (!box.is_empty() && !add_box(box, triangles, projected_voxels, found));
       if (is_far[i] == 0) found.non_finite += non_finite;
     }
   });
@@ -209,7 +215,7 @@ std::uint64_t TileScanner::projected_voxels_of_area(double surface_m2) const {
 
 /// Returns false and adds nothing if the box extends beyond the lattice.
 bool TileScanner::add_box(const SceneBox& box, std::uint64_t triangles, std::uint64_t projected_voxels,
-                          ColumnMap& map) const {
+                          ThreadScan& found) const {
   std::array<VoxelSpan, 3> voxels;
   for (std::size_t c = 0; c < 3; ++c) {
     const auto voxel = [&](double p_m) {
@@ -219,16 +225,16 @@ bool TileScanner::add_box(const SceneBox& box, std::uint64_t triangles, std::uin
     if (!(first > -max_voxel && last < max_voxel)) return false;
     voxels[c] = {std::int64_t(first), std::int64_t(last)};
   }
-  const auto columns = [&](VoxelSpan v) { return VoxelSpan{v.first >> grid_.cell_bits, v.last >> grid_.cell_bits}; };
-  const VoxelSpan x = columns(voxels[0]), y = columns(voxels[1]);
+  const VoxelSpan x = columns_of(voxels[0], grid_), y = columns_of(voxels[1], grid_);
   if (std::uint64_t(x.last - x.first) >= max_columns || std::uint64_t(y.last - y.first) >= max_columns) refuse();
   const std::uint64_t share =
       projected_voxels / (std::uint64_t(x.last - x.first + 1) * std::uint64_t(y.last - y.first + 1));
   for (std::int64_t row = y.first; row <= y.last; ++row)
     for (std::int64_t column = x.first; column <= x.last; ++column) {
-      map.add({column, row, voxels[2].first, voxels[2].last + 1, triangles, share});
-      if (map.is_too_wide()) refuse();
+      found.map.add({column, row, voxels[2].first, voxels[2].last + 1, triangles, share});
+      if (found.map.is_too_wide()) refuse();
     }
+  found.bounds = hull(found.bounds, box_of(voxels));
   return true;
 }
 
@@ -274,9 +280,11 @@ void TileScanner::add_triangle(const LatticeTriangle& triangle, ThreadScan& foun
     found.reach_m = std::max(found.reach_m, double(side) / double(subvoxels) * parameters_.voxel_size_m);
     return;
   }
-  const VoxelSpan x = column_span(triangle, 0, grid_), y = column_span(triangle, 1, grid_);
+  const std::array<VoxelSpan, 3> voxels = {voxel_span(triangle, 0, grid_.closed), voxel_span(triangle, 1, grid_.closed),
+                                           voxel_span(triangle, 2, grid_.closed)};
+  found.bounds = hull(found.bounds, box_of(voxels));
+  const VoxelSpan x = columns_of(voxels[0], grid_), y = columns_of(voxels[1], grid_), z = voxels[2];
   if (is_one(x) && is_one(y)) {
-    const VoxelSpan z = voxel_span(triangle, 2, grid_.closed);
     found.map.add({x.first, y.first, z.first, z.last + 1, 1, projected_voxels_of(triangle)});
   } else {
     add_wide(triangle, projected_voxels_of(triangle), found);

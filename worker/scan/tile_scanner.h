@@ -44,6 +44,7 @@ class TileScanner {
   };
   struct ThreadScan {
     ColumnMap map;
+    Box3i64 bounds;                       ///< lod-0 voxels that the triangles overlap
     std::vector<ColumnExtent> touched;    ///< columns that the current triangle overlaps
     std::vector<SnappedVertex> vertices;  ///< of the current cluster
     std::vector<CoordinateRange> extent;  ///< per placement of the current primitive
@@ -54,7 +55,7 @@ class TileScanner {
   void add_placed(const Primitive& mesh, const Instance& instance);
   void add_cluster(const Primitive& cluster, Placements placements, ThreadScan& found) const;
   void add_boxes(const Primitive& mesh, Placements placements);
-  bool add_box(const SceneBox& box, std::uint64_t triangles, std::uint64_t projected_voxels, ColumnMap& map) const;
+  bool add_box(const SceneBox& box, std::uint64_t triangles, std::uint64_t projected_voxels, ThreadScan& found) const;
   void add_triangles(const Primitive& mesh, std::span<const std::uint32_t> corners,
                      std::span<const SnappedVertex> vertices, const Instance& instance, ThreadScan& found) const;
   void add_triangle(const LatticeTriangle& triangle, ThreadScan& found) const;

@@ -216,11 +216,16 @@ SceneTotals read_totals(const SceneAttributes& a, int version) {
   }
   if (a.has("CellVoxels")) t.cell_voxels = a.value<std::uint32_t>("CellVoxels");
   if (t.cells == 0) return t;
-  t.window = {a.triple<std::int64_t>("LatticeMin"), a.triple<std::int64_t>("LatticeEnd")};
-  for (std::size_t c = 0; c < 3; ++c)
-    if (t.window.min[c] < -max_voxel || t.window.end[c] > max_end || t.window.min[c] >= t.window.end[c])
-      a.fail("LatticeMin", "expected a box of the lattice within ±2^53, up to LatticeEnd");
+  t.window = read_box(a, "LatticeMin", "LatticeEnd");
   return t;
+}
+
+Box3i64 read_box(const SceneAttributes& a, const char* min_key, const char* end_key) {
+  const Box3i64 box{a.triple<std::int64_t>(min_key), a.triple<std::int64_t>(end_key)};
+  for (std::size_t c = 0; c < 3; ++c)
+    if (box.min[c] < -max_voxel || box.end[c] > max_end || box.min[c] >= box.end[c])
+      a.fail(min_key, fmt::format("expected a box of the lattice within ±2^53, up to {}", end_key));
+  return box;
 }
 
 LatticeBlock read_block(const SceneAttributes& a) {

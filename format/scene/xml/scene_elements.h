@@ -31,9 +31,11 @@ pugi::xml_node root_of(const std::filesystem::path& file, const pugi::xml_docume
                        std::vector<SceneFault>& faults);
 
 /// Reads the totals of a group. Totals before version 5 do not count overviews.
-/// Errors  InputError if an attribute is missing or malformed; read_block() and read_lattice() throw it too.
+/// Errors  InputError if an attribute is missing or malformed; the functions below throw it too.
 SceneTotals read_totals(const SceneAttributes& a, int version);
 LatticeBlock read_block(const SceneAttributes& a);
+/// Reads a half-open box of the lattice from two attributes.
+Box3i64 read_box(const SceneAttributes& a, const char* min_key, const char* end_key);
 /// Reads voxel size, lattice and channels.
 void read_lattice(const SceneAttributes& a, SceneHeader& header);
 

@@ -26,7 +26,7 @@ std::span<const std::string_view> known_of_scene(int version) {
   static const std::vector<std::string_view> of_3 = [] { return with_totals({of_all.begin(), of_all.end() - 3}); }();
   static const std::vector<std::string_view> of_5 = [] {
     std::vector<std::string_view> names = of_3;
-    names.push_back("ParentTiers");
+    names.insert(names.end(), {"ParentTiers", "BoundsMin", "BoundsEnd"});
     return names;
   }();
   if (version >= 5) return of_5;
@@ -92,7 +92,15 @@ class SceneReader {
     reading_.said->overviews = a.value<std::uint64_t>("Parents");
     reading_.totals = read_totals(a, reading_.version);
     reading_.totals->overviews = reading_.said->overviews;
-    if (reading_.version >= 5 && a.has("ParentTiers")) read_tiers(a);
+    if (reading_.version < 5) return;
+    if (a.has("ParentTiers")) read_tiers(a);
+    if (a.has("BoundsMin") || a.has("BoundsEnd")) read_bounds(a);
+  }
+
+  void read_bounds(const SceneAttributes& a) {
+    reading_.scene.bounds = read_box(a, "BoundsMin", "BoundsEnd");
+    if (reading_.totals->cells != 0 && !reading_.scene.bounds.overlaps(reading_.totals->window))
+      a.fail("BoundsMin", "expected a box that overlaps the box from LatticeMin to LatticeEnd");
   }
 
   void read_tiers(const SceneAttributes& a) {

@@ -20,6 +20,10 @@ void set_header(pugi::xml_node group, const SceneHeader& scene) {
     set_text(group, "Origin",
              fmt::format("{} {} {}", scene.origin->latitude_deg, scene.origin->longitude_deg, scene.origin->height_m));
   set_text(group, "Parameters", scene.parameters);
+  if (!scene.bounds.is_empty()) {
+    set_numbers(group, "BoundsMin", scene.bounds.min);
+    set_numbers(group, "BoundsEnd", scene.bounds.end);
+  }
   set_number(group, "Triangles", scene.triangles);
   set_number(group, "NonFinite", scene.non_finite);
   set_number(group, "ZeroArea", scene.zero_area);

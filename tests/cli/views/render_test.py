@@ -143,6 +143,24 @@ class Render(harness.FolderTest):
                 shard.unlink(missing_ok=True)
             shard.write_bytes(bytes_of_shard)
 
+    # Regression of 2026-11-26: the default camera moved when a shard was missing.
+    def test_the_default_camera_is_the_same_without_a_shard(self):
+        scene, size = self.root / "corners", ("--size", "120x80", "--background", "0,0,0,0")
+        GIGABAKE.succeed("bake", self.root / "sample" / "tileset.json", "-o", scene, "--voxel-size", 1,
+                         "--cell-voxels", 64, "--no-overviews")
+        GIGABAKE.succeed("render", scene, "-o", self.root / "all.png", *size)
+        whole = read_png(self.root / "all.png")
+        for shard in sorted((scene / "shards").glob("c_*.h5")):
+            with self.subTest(shard=shard.name):
+                hidden = shard.rename(self.root / shard.name)
+                result = GIGABAKE.run("render", scene, "-o", self.root / "part.png", *size)
+                self.assertEqual(result.returncode, 3, result.stderr)
+                hidden.rename(shard)
+                part = read_png(self.root / "part.png")
+                shown = part[..., 3] == 255
+                # The gap is filled from coarser levels. No pixel was equal when the camera moved.
+                self.assertGreater((part == whole).all(axis=2)[shown].mean(), .25)
+
 
 if __name__ == "__main__":
     GIGABAKE = harness.Gigabake(sys.argv[1])

@@ -34,6 +34,7 @@ SourceWarning lost_faces() {
 TileScan some_scan() {
   return {5,
           {{-1, 2, -300, 400, 17}, {0, 0, 1, 2, 3}},
+          {{-9, 20, -300}, {7, 21, 400}},
           1,
           2,
           3,
@@ -108,6 +109,7 @@ TEST(TileScan, ComesBackFromItsBytes) {
   ASSERT_EQ(back.columns.size(), 2u);
   EXPECT_EQ(back.columns[0].z_min, -300);
   EXPECT_EQ(back.columns[1].triangles, 3u);
+  EXPECT_EQ(back.bounds, scan.bounds);
   EXPECT_EQ(back.skipped_lines, scan.skipped_lines);
   EXPECT_EQ(back.source, scan.source);
   EXPECT_EQ(back.error, scan.error);

@@ -25,6 +25,7 @@ SceneDescription random_scene(std::mt19937_64& rng) {
   const auto share = [&rng] { return double(rng()) / 0x1p64; };
   if (rng() % 2 == 0) s.origin = Geodetic{180 * share() - 90, 360 * share() - 180, real()};
   s.has_normals = rng() % 2 == 0;
+  if (rng() % 2 == 0) s.bounds = {{-70, 130, 3}, {-5, 150, 290}};
   s.parameters = R"({"voxel_size_m":0.1,"surface":"area"})";
   s.triangles = rng();
   s.non_finite = 1, s.zero_area = 2, s.skipped_points = 3, s.skipped_lines = 4;
@@ -56,6 +57,7 @@ void expect_same(const SceneDescription& a, const SceneDescription& b) {
   EXPECT_EQ(a.voxel_size_m, b.voxel_size_m);
   EXPECT_EQ(a.lattice_origin_m, b.lattice_origin_m);
   EXPECT_EQ(a.origin, b.origin);
+  EXPECT_EQ(a.bounds, b.bounds);
   EXPECT_EQ(a.has_normals, b.has_normals);
   EXPECT_EQ(a.parameters, b.parameters);
   EXPECT_EQ(a.triangles, b.triangles);
@@ -157,6 +159,11 @@ TEST(SceneXml, IsRefusedWithElementAndAttributeWhereItIsWrong) {
       {"c_0_0_0\" LatticeMin=\"-16 32 8\"", "c_0_0_0\" LatticeMin=\"-16 32 99999999999999999999\"",
        "PagedOctTree LatticeMin"},
       {"Lods=\"2\"", "Lods=\"3\"", "PagedOctTree Lods: does not match"},
+      {"Compressed", "BoundsMin=\"0 0 0\" Compressed", "OctTreeGroup BoundsEnd: is missing"},
+      {"Compressed", "BoundsMin=\"-16 32 8\" BoundsEnd=\"0 32 9\" Compressed",
+       "BoundsMin: expected a box of the lattice"},
+      {"Compressed", "BoundsMin=\"99 99 99\" BoundsEnd=\"100 100 100\" Compressed",
+       "BoundsMin: expected a box that overlaps"},
       {"\"12\" Voxels=\"", "\"12\" Voxels=\"5 ", "PagedOctTree Voxels: expected one count"},
       {"Fingerprint=\"", "Fingerprint=\"z", "PagedOctTree Fingerprint: expected 32 hexadecimal"},
   };

@@ -43,7 +43,7 @@ std::vector<float> from_above(const VoxelScene& scene, const kernels::CastLighti
       view({edge / 2.0 + shift, edge / 2.0, 20000}, {edge / 2.0 + shift, edge / 2.0, 0}, edge).camera;
   camera.up = Point<Scene>{0, 1, 0};
   camera.fovy_deg = 2 * std::atan(edge / 2.0 / 20000) * 180 / std::numbers::pi;
-  const kernels::CastCamera cast = make_camera(camera, scene.paged(), scene.pages());
+  const kernels::CastCamera cast = make_camera(camera, scene.paged());
   return render(stream, cast, {false, {0, 0, 0, 0}}, PictureLight::linear_too, light).linear;
 }
 

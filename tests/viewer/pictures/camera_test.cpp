@@ -25,9 +25,7 @@ const VoxelScene& hillside() {
   return scene;
 }
 
-kernels::CastCamera camera_of(const CameraOptions& options) {
-  return make_camera(options, hillside().paged(), hillside().pages());
-}
+kernels::CastCamera camera_of(const CameraOptions& options) { return make_camera(options, hillside().paged()); }
 
 std::string complaint(const CameraOptions& options) {
   try {

@@ -17,7 +17,7 @@ PictureOptions clipped_view(const Clip& clip) {
 
 /// Returns x and y of the ground point, at height 13, that pixel i of the view shows.
 std::array<double, 2> place_seen(const VoxelScene& scene, const PictureOptions& options, std::size_t i) {
-  const kernels::CastCamera camera = make_camera(options.camera, scene.paged(), scene.pages());
+  const kernels::CastCamera camera = make_camera(options.camera, scene.paged());
   kernels::CastScene nothing;
   const auto width = std::size_t(camera.width);
   const kernels::CastLine line = kernels::line_of_sight(nothing, camera, int(i % width), int(i / width));
@@ -73,7 +73,7 @@ TEST(Clip, RefusesBoxesAndPlanesThatMeanNothing) {
                            Clip{.box_m = {{Point<Scene>{nan, 0, 0}, Point<Scene>{5, 9, 9}}}, .plane = {}},
                            Clip{.box_m = {}, .plane = ClipPlane{{0, 0, 0}, {0, 0, 0}}},
                            Clip{.box_m = {}, .plane = ClipPlane{{0, nan, 0}, {0, 0, 1}}}})
-    EXPECT_THROW(make_camera(clipped_view(clip).camera, scene.paged(), scene.pages()), UsageError);
+    EXPECT_THROW(make_camera(clipped_view(clip).camera, scene.paged()), UsageError);
 }
 
 }  // namespace

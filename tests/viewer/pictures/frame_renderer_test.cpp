@@ -145,7 +145,7 @@ TEST(FrameRenderer, AStoppedPassOfRaysGoesOnWithTheSameBits) {
   const ThreadPool policy(2);
   const View view = looking({-20, -30, 60}, {128, 128, 0}, 160);
   SceneStream stream(scene.paged(), scene.pages(), {}, policy);
-  const kernels::CastCamera camera = make_camera(view.camera, scene.paged(), scene.pages());
+  const kernels::CastCamera camera = make_camera(view.camera, scene.paged());
   const Picture expected = render(stream, camera, {});  // everything is resident now
   kernels::Caster& caster = stream.caster();
   caster.start(camera, {0, 0, 160, 160});

@@ -270,7 +270,7 @@ struct InPages {
     SceneStream::Options wishes;
     wishes.light = options.light;
     SceneStream stream(*opened, with_pages_of(numbers, scene), wishes, policy);
-    const kernels::CastCamera camera = make_camera(options.camera, *opened, scene.pages());
+    const kernels::CastCamera camera = make_camera(options.camera, *opened);
     std::vector<std::uint8_t> rgba = render(stream, camera, options.background).rgba;
     return {std::move(rgba), stream.problems(), stream.layout().cells.size()};
   }

@@ -71,7 +71,7 @@ void expect_cube_seen_from(const std::array<double, 3>& eye_m) {
   const Picture without = renderer.render_complete(view_of).picture;
   view_of.polygons = cube();
   const Picture with = renderer.render_complete(view_of).picture;
-  const kernels::CastCamera camera = make_camera(view_of.camera, scene.paged(), scene.pages());
+  const kernels::CastCamera camera = make_camera(view_of.camera, scene.paged());
   std::vector<bool> expected, shown;
   std::vector<double> cube_at;
   for (int i = 0; i < edge * edge; ++i) {
@@ -119,7 +119,7 @@ TEST(Polygons, ACubeInAForestIsHiddenAndHidesToAPixel) {
 TEST(Polygons, AreDrawnWhereTheyPassTheEyeAndNotBehindIt) {
   const VoxelScene scene = forest();
   SceneHeader header = scene.description();
-  kernels::CastCamera camera = make_camera(view({0, 0, 10}, {1, 0, 10}, 33).camera, scene.paged(), scene.pages());
+  kernels::CastCamera camera = make_camera(view({0, 0, 10}, {1, 0, 10}, 33).camera, scene.paged());
   PolygonMesh wall;
   wall.colour = [](std::size_t, float, float) { return std::array<float, 4>{0, 1, 0, 1}; };
   wall.triangles = {{Point<Scene>{-100, 3, -200}, Point<Scene>{300, 3, -200}, Point<Scene>{100, 3, 400}},

@@ -31,7 +31,7 @@ Picture draw(const VoxelScene& scene, const std::array<double, 3>& eye, std::uin
   SceneStream stream(scene.paged(), scene.pages(), options, policy);
   CameraOptions wish = view(eye, {30, 31, 29.5}, 200).camera;
   wish.clip = clip;
-  kernels::CastCamera camera = make_camera(wish, scene.paged(), scene.pages());
+  kernels::CastCamera camera = make_camera(wish, scene.paged());
   if (!light) camera.haze = air(600, 1);
   camera.tone = screen_tone(0.5);
   camera.polygons = polygons;

@@ -38,7 +38,7 @@ Picture take_watched(const VoxelScene& scene, const PictureOptions& options, Wit
   SceneStream::Options wishes;
   wishes.memory_bytes = options.memory_bytes;
   SceneStream stream(scene.paged(), witness.watch(scene), wishes, pool);
-  return render(stream, make_camera(options.camera, scene.paged(), scene.pages()), options.background);
+  return render(stream, make_camera(options.camera, scene.paged()), options.background);
 }
 
 TEST(SceneStream, ReadsOnlyTheCoarsestBricksOfWhatIsFarAway) {
