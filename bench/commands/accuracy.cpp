@@ -188,8 +188,6 @@ int run(const AccuracyOptions& options) {
     request.scene.progress = progress;
     return bench::bench_accuracy(request, [&](const std::string& setting) { progress.step(setting); });
   });
-  for (const bench::NamedPlot& plot : plots_of(b))
-    publish_file(std::filesystem::path(options.bake.out) / plot.file, to_svg(plot.plot));
   publish(b, options);
   return complete;
 }
@@ -201,7 +199,7 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
   auto o = std::make_shared<AccuracyOptions>();
   BakeOptions& bake = o->bake;
   command->add_option("SOURCE", bake.source, "input of the bakes: see below");
-  command->add_option("-o,--out", bake.out, "folder for bakes, images and plots, which are replaced");
+  command->add_option("-o,--out", bake.out, "folder for bakes and images, which are replaced");
   command->add_option("--voxel-size", bake.voxel_size,
                       "edge of a voxel, metres; half of the settings use twice this edge");
   auto* hard = command->add_flag(

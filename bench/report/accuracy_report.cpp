@@ -1,7 +1,6 @@
 #include "bench/report/accuracy_report.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -160,13 +159,6 @@ std::string goals_table(const AccuracyBench& bench) {
   return out;
 }
 
-struct PlotOf {
-  const char *file, *title, *x_axis, *y_axis;
-  double (*x)(const AccuracySetting&);
-  double (*y)(const AccuracySetting&);
-  bool in_voxels = false;  ///< y is in voxels, so settings of different voxel sizes are not comparable
-};
-
 }  // namespace
 
 std::vector<AccuracyGoal> goals_of(const AccuracySetting& setting) {
@@ -206,34 +198,6 @@ std::string to_markdown(const AccuracyBench& bench) {
              bench.views.size(), bench.voxel_size_m, bench.samples) +
          settings_table(bench) + "\n" + voxels_table(bench) + "\n" + views_table(bench.settings.front()) + "\n" +
          lit_table(bench) + "\n" + goals_table(bench) + "\n" + accuracy_columns();
-}
-
-std::vector<NamedPlot> plots_of(const AccuracyBench& bench) {
-  constexpr auto megabytes = [](const AccuracySetting& s) { return 1e-6 * double(s.bytes); };
-  constexpr auto flip = [](const AccuracySetting& s) { return s.mean.flip; };
-  static constexpr char flip_title[] = "Mean FLIP over all views: towards the lower left is better";
-  constexpr PlotOf kinds[] = {{"flip-bytes-per-voxel.svg", flip_title, "bytes per voxel, all levels", "FLIP",
-                               [](const AccuracySetting& s) { return s.bytes_per_voxel(); }, flip},
-                              {"flip-bytes.svg", flip_title, "MB on disk", "FLIP", megabytes, flip},
-                              {"flip-bake-time.svg", flip_title, "bake, seconds", "FLIP",
-                               [](const AccuracySetting& s) { return s.bake_s; }, flip},
-                              {"colour-bytes.svg", "Colour of lod 0 against the surface in each voxel", "MB on disk",
-                               "ΔE", megabytes, [](const AccuracySetting& s) { return s.voxel.delta_e; }, true}};
-  constexpr std::array<std::pair<const char*, const char*>, 3> colours{
-      {{"area", "#1b6ca8"}, {"conservative", "#c8553d"}, {"thin", "#4f8a3c"}}};
-  std::vector<NamedPlot> plots;
-  for (const PlotOf& kind : kinds) {
-    Plot plot{kind.title, kind.x_axis, kind.y_axis, {}};
-    for (const auto& [surface, colour] : colours) {
-      PlotSeries series{surface, colour, {}};
-      for (const AccuracySetting& s : bench.settings)
-        if (s.surface == surface && !(kind.in_voxels && s.parameters.voxel_size_m != bench.voxel_size_m))
-          series.points.push_back({kind.x(s), kind.y(s), s.name});
-      plot.series.push_back(series);
-    }
-    plots.push_back({kind.file, plot});
-  }
-  return plots;
 }
 
 }  // namespace gigabake::bench

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "bench/accuracy/accuracy_bench.h"
-#include "bench/report/svg_plot.h"
 
 namespace gigabake::bench {
 
@@ -24,12 +23,5 @@ std::string to_json(const AccuracyBench& bench);
 /// Returns the conclusion, then tables of the settings, their lod-0 voxels, the first setting's
 /// views, and the goals. Ends with a description of the columns.
 std::string to_markdown(const AccuracyBench& bench);
-
-struct NamedPlot {
-  std::string file;  ///< "flip-bake-time.svg"
-  Plot plot;
-};
-/// Returns plots of mean FLIP against bytes per voxel, total bytes and bake time, and of lod-0 ΔE against bytes.
-std::vector<NamedPlot> plots_of(const AccuracyBench& bench);
 
 }  // namespace gigabake::bench

@@ -5,6 +5,7 @@ Usage: accuracy_test.py GIGABAKE SOURCE_DIR
 """
 import json
 import math
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -134,7 +135,7 @@ def goals_are_judged(bench):
     assert len(bench["goals"]) == 7, bench["goals"]
 
 
-def tables_plots_and_pictures_are_there(work, bench):
+def tables_plots_and_pictures_are_there(work, source_dir, bench):
     table = (work / "accuracy.md").read_text()
     # Regression of 2026-11-22: the table begins with a result of two sentences and explains the columns.
     verdict = table.splitlines()[0]
@@ -147,8 +148,10 @@ def tables_plots_and_pictures_are_there(work, bench):
         assert f"| {setting['name']} |" in table, setting["name"]
         assert (work / "out" / setting["name"] / "oblique-16.png").is_file()
     assert (work / "out/reference/nadir-0.25.png").is_file()
+    subprocess.run([sys.executable, source_dir / "tools/accuracy-plots", work / "accuracy.json", "-o", work / "plots"],
+                   check=True)
     for plot in ("flip-bytes-per-voxel", "flip-bytes", "flip-bake-time", "colour-bytes"):
-        assert "area-coverage" in (work / "out" / f"{plot}.svg").read_text()
+        assert "area-coverage" in (work / "plots" / f"{plot}.svg").read_text()
 
 
 def odd_settings_are_refused(gigabake, work):
@@ -193,7 +196,7 @@ def main():
                      a_larger_error_costs_fewer_bytes_and_shows_little, goals_are_judged):
             print(test.__name__, flush=True)
             test(bench)
-        tables_plots_and_pictures_are_there(work, bench)
+        tables_plots_and_pictures_are_there(work, Path(sys.argv[2]), bench)
         tables_of_the_document_can_be_stored(bench, sys.argv[2])
         odd_sizes_are_refused(gigabake, work)
         odd_settings_are_refused(gigabake, work)
