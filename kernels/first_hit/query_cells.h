@@ -30,7 +30,8 @@ struct QueryCells {
   GB_HD QueryRegion find(int, const std::int64_t v[3]) const {
     QueryRegion region;
     std::uint32_t cell = 0;
-    if (!(has_pages ? find_in_column(v, cell, region.box) : find_cell(layout, v, cell, region.box))) return region;
+    if (!(has_pages ? find_in_column(v, cell, region.box) : find_cell(layout, {v[0], v[1], v[2]}, cell, region.box)))
+      return region;
     for (int a = 0; a < 3; ++a) {
       region.box.min[a] = layout.cells[cell].min[a];
       region.box.max[a] = region.box.min[a] + (std::int64_t(1) << layout.cell_bits);

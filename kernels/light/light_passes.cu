@@ -115,7 +115,7 @@ void LightPasses::share(const CastTile& tile) {
 }
 
 const CastRay* LightPasses::lit(const CastRay* rays, const CastCamera& camera, const CastTile& tile) {
-  const ShadedTile shaded{rays, lights_.data(), tile, lighting_, {camera.eye[0], camera.eye[1], camera.eye[2]}};
+  const ShadedTile shaded{rays, lights_.data(), tile, lighting_, camera.eye};
   shader_->on_device(shaded, lit_.data(), stream_);
   return lit_.data();
 }

@@ -33,11 +33,12 @@ GB_HD int lod_at(const CastScene& scene, const CastLine& line, double distance) 
 
 /// Sums over voxels, weighted by interpolation weight and coverage.
 struct SurfaceSums {
-  float weight = 0, facing = 0, up = 0, normal[3] = {0, 0, 0};
+  float weight = 0, facing = 0, up = 0;
+  Vec3<float> normal{0, 0, 0};
 };
 
 /// Adds the eight voxels around a point. A voxel without a normal sees the whole sky and no sun, as in shade_voxel().
-GB_HD void add_surface(const CastCorners& corners, const float to_sun[3], SurfaceSums& sums) {
+GB_HD void add_surface(const CastCorners& corners, const Vec3<float>& to_sun, SurfaceSums& sums) {
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
     const int c = lowest_one(left);
@@ -46,18 +47,16 @@ GB_HD void add_surface(const CastCorners& corners, const float to_sun[3], Surfac
     if (covered == 0) continue;
     const float by = corners.weight(c) * float(covered);
     sums.weight += by;
-    float n[3] = {float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
-    const float squared = dot3(n, n);
+    Vec3<float> n{float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
+    const float squared = dot(n, n);
     if (!(squared > 0)) {
       sums.up += by;
       continue;
     }
     const float unit = 1 / std::sqrt(squared);
-    for (int a = 0; a < 3; ++a) {
-      n[a] *= unit;
-      sums.normal[a] += by * n[a];
-    }
-    const float cosine = dot3(n, to_sun);
+    n = n * unit;
+    sums.normal += n * by;
+    const float cosine = dot(n, to_sun);
     if (cosine > 0) sums.facing += by * cosine;
     sums.up += by * (0.5f + 0.5f * n[2]);
   }
@@ -68,8 +67,8 @@ GB_HD void add_surface(const CastCorners& corners, const float to_sun[3], Surfac
 GB_HD void set_surface(const SurfaceSums& sums, const CastLine& line, PixelLight& light) {
   light.facing = sums.weight > 0 ? sums.facing / sums.weight : 0;
   light.up = sums.weight > 0 ? sums.up / sums.weight : 1;
-  const float length = std::sqrt(dot3(sums.normal, sums.normal));
-  for (int a = 0; a < 3; ++a) light.normal[a] = length > 0 ? sums.normal[a] / length : -float(line.direction[a]);
+  const float length = std::sqrt(dot(sums.normal, sums.normal));
+  light.normal = length > 0 ? sums.normal / length : static_cast<Vec3<float>>(line.direction) * -1.0f;
 }
 
 /// Finds the surface that the pixel's finished ray hit. Samples the surface at the hit and half a voxel before and
@@ -90,7 +89,7 @@ GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, co
     if (is_resident(at.place.brick))
       add_surface(corners_of(scene.brick(at.place.brick), at.point()), lighting.light.to_sun, sums);
   }
-  for (int a = 0; a < 3; ++a) light.at[a] = float(line.direction[a] * double(ray.depth));
+  light.at = static_cast<Vec3<float>>(line.direction * double(ray.depth));
   set_surface(sums, line, light);
   return true;
 }
@@ -99,9 +98,9 @@ GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, co
 /// field of the surface does not reach this far.
 inline constexpr float light_clearance = 1.5f;
 /// Tests whether the result of this ray affects the pixel.
-GB_HD bool lights_up(const PixelLight& light, const float direction[3], LightRay ray) {
+GB_HD bool lights_up(const PixelLight& light, const Vec3<float>& direction, LightRay ray) {
   if (!light.has_surface || !(direction[2] > 0)) return false;
-  return ray == LightRay::sun ? light.facing > 0 : dot3(light.normal, direction) > min_cosine;
+  return ray == LightRay::sun ? light.facing > 0 : dot(light.normal, direction) > min_cosine;
 }
 
 /// Tests whether a pixel casts this ray in the first round. In the second round, other pixels of the block can reuse
@@ -115,9 +114,9 @@ GB_HD bool is_cast_first(int x, int y, LightRay ray) {
 /// start is moved along the normal. For the sun, whose shadows have sharp borders, it is moved along the ray; at
 /// grazing angles, the rest of the clearance is added along the normal.
 GB_HD CastLine line_to_light(const CastScene& scene, const CastCamera& camera, const PixelLight& light,
-                             const float direction[3], double lod1, bool is_sun) {
+                             const Vec3<float>& direction, double lod1, bool is_sun) {
   const float clearance = light_clearance * float(power_of_two(light.lod));
-  const float cosine = dot3(light.normal, direction);
+  const float cosine = dot(light.normal, direction);
   const float along = !is_sun ? 0 : (cosine > 0.25f ? clearance / cosine : 4 * clearance);
   const float left = clearance - (cosine > 0 ? along * cosine : 0), lift = left > 0 ? left : 0;
   CastLine line;

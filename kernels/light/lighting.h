@@ -20,10 +20,10 @@ inline constexpr int sky_block = 8, sky_directions = sky_block * sky_block / 2;
 
 /// Linear RGB irradiance; irradiance 1 shows a surface in its own colour.
 struct CastLight {
-  float to_sun[3] = {0, 0, 1};  ///< unit vector
-  float sun[3] = {0, 0, 0};     ///< on a surface that faces the sun
-  float sky[3] = {1, 1, 1};     ///< on a surface that faces up
-  float ground[3] = {1, 1, 1};  ///< on a surface that faces down; interpolated with `sky` by the normal's z
+  Vec3<float> to_sun{0, 0, 1};  ///< unit vector
+  Vec3<float> sun{0, 0, 0};     ///< on a surface that faces the sun
+  Vec3<float> sky{1, 1, 1};     ///< on a surface that faces up
+  Vec3<float> ground{1, 1, 1};  ///< on a surface that faces down; interpolated with `sky` by the normal's z
 };
 
 /// Returns a light that shows surfaces in their own colours.
@@ -45,9 +45,9 @@ struct CastLighting {
   double sun_lod1 = 1;  ///< distance from the cone's tip, in voxels, at which the sun's cone is as wide
                         ///< as a lod-1 voxel
   double sky_lod1 = 1;  ///< the distance at which a cone to the sky is as wide
-  float sun[sun_directions][3] =
+  Vec3<float> sun[sun_directions] =
       {};  ///< unit vectors, evenly over the sun's disc, by the pixel's position in its block
-  float sky[sky_directions][3] =
+  Vec3<float> sky[sky_directions] =
       {};  ///< unit vectors, evenly over the upper hemisphere, by the pixel's position in its block
 };
 

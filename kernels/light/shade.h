@@ -19,7 +19,7 @@ GB_HD std::uint16_t to_unorm16(float v) { return std::uint16_t(v >= 65535 ? 6553
 /// light from the sky only. `coverage` holds the coverages along x, y and z; 65535 represents 1.
 /// Exact   IEEE float.
 GB_HD CastVoxel shade_voxel(const std::uint8_t rgba[4], const std::int8_t* normal, const CastLight& light,
-                            const Tables& tables, const std::uint16_t coverage[3]) {
+                            const Tables& tables, const Vec3<std::uint16_t>& coverage) {
   CastVoxel voxel{};
   for (int a = 0; a < 3; ++a) voxel.c[3 + a] = coverage[a];
   float facing_sun = 0, up = 1;

@@ -31,7 +31,7 @@ struct ShadedTile {
   const PixelLight* lights;
   CastTile tile;
   CastLighting lighting;
-  double eye[3];
+  Vec3d eye;
 };
 
 /// A shader in the form that casters call.
@@ -70,7 +70,7 @@ GB_HD void colour_between(const float (*colours)[3], int count, float place, flo
 }
 
 /// Returns the brightness of relief shading, as on maps: surfaces that face north-west and up are brightest.
-GB_HD float relief(const float normal[3]) {
+GB_HD float relief(const Vec3<float>& normal) {
   const float facing = (normal[1] - normal[0]) * 0.5f + normal[2] * 0.70710678f;
   return 0.35f + 0.65f * (facing > 0 ? facing : 0);
 }
@@ -116,8 +116,8 @@ GB_HD CastRay shaded_ray(const ShadedTile& tile, const Shader& shader, std::size
   const SurfacePoint at = surface_point(out, tile.eye, {tile.lights, tile.tile}, tile.lighting, i);
   const CastHaze& haze = tile.lighting.haze;
   const float through = exp_minus(at.distance * haze.per_voxel);
-  float rgb[3];
-  shader(at, rgb);
+  Vec3<float> rgb;
+  shader(at, rgb.v);
   for (int k = 0; k < 3; ++k) out.rgb[k] = rgb[k] * through + haze.rgb[k] * (at.there * (1 - through));
   return out;
 }

@@ -56,7 +56,7 @@ GB_HD void reuse_shadow_samples(const TileLights& tile, const CastLighting& ligh
   std::uint32_t then = 0;
   for (int r = 0; r < light_rays; ++r) {
     const auto which = LightRay(r);
-    const float* direction = light_direction(lighting, tile.tile.x + x, tile.tile.y + y, which);
+    const Vec3<float>& direction = light_direction(lighting, tile.tile.x + x, tile.tile.y + y, which);
     if (light.is_first(which) || !lights_up(light, direction, which)) continue;
     bool is_uniform = false;
     if (which == LightRay::sun) {

@@ -20,8 +20,8 @@ inline constexpr int light_rays = 2;
 
 /// The light at a pixel's surface.
 struct PixelLight {
-  float normal[3] = {0, 0, 1};  ///< normal of the surface, unit vector
-  float at[3] = {0, 0, 0};      ///< position relative to the eye
+  Vec3<float> normal{0, 0, 1};  ///< normal of the surface, unit vector
+  Vec3<float> at{0, 0, 0};      ///< position relative to the eye
   float depth = 0;
   float facing = 0;             ///< mean of max(0, cosine between the sun's direction and the normal)
   float up = 1;                 ///< fraction of the sky that the surface would see without occluders
@@ -38,8 +38,6 @@ struct PixelLight {
   GB_HD bool is_cast(LightRay ray) const { return ((first | then) >> int(ray) & 1) != 0; }
 };
 
-GB_HD float dot3(const float a[3], const float b[3]) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
-
 /// The min cosine of the angle between the normal and a direction to the sky. Light from directions of a smaller cosine
 /// contributes almost nothing.
 inline constexpr float min_cosine = 1.0f / 32;
@@ -52,7 +50,7 @@ GB_HD int place_in_block(int x, int y) {
 
 /// Returns the direction to the light for a ray of pixel (x, y) of the image. The pixel's position in its block
 /// determines the part of the sun or the sky.
-GB_HD const float* light_direction(const CastLighting& lighting, int x, int y, LightRay ray) {
+GB_HD const Vec3<float>& light_direction(const CastLighting& lighting, int x, int y, LightRay ray) {
   constexpr int places_per_direction = sky_block * sky_block / sun_directions;
   const int place = place_in_block(x, y);
   return ray == LightRay::sun ? lighting.sun[place / places_per_direction] : lighting.sky[place % sky_directions];
@@ -60,9 +58,8 @@ GB_HD const float* light_direction(const CastLighting& lighting, int x, int y, L
 
 /// Tests whether two pixels show the same surface and therefore receive the same light.
 GB_HD bool is_same_surface(const PixelLight& a, const PixelLight& b) {
-  if (!b.has_surface || !(dot3(a.normal, b.normal) > 0.9f)) return false;
-  const float to[3] = {b.at[0] - a.at[0], b.at[1] - a.at[1], b.at[2] - a.at[2]};
-  const float above = dot3(a.normal, to);
+  if (!b.has_surface || !(dot(a.normal, b.normal) > 0.9f)) return false;
+  const float above = dot(a.normal, b.at - a.at);
   return (above < 0 ? -above : above) <= 2 * float(power_of_two(a.lod));
 }
 
@@ -102,8 +99,8 @@ GB_HD bool sky_around(const TileLights& tile, const CastLighting& lighting, int 
       const PixelLight& other = tile.at(i, j);
       const bool counts = rays == SkyRays::first ? other.is_first(LightRay::sky) : other.is_cast(LightRay::sky);
       if (!counts || !is_same_surface(own, other)) continue;
-      const float* direction = light_direction(lighting, tile.tile.x + i, tile.tile.y + j, LightRay::sky);
-      const float by = dot3(own.normal, direction);
+      const Vec3<float>& direction = light_direction(lighting, tile.tile.x + i, tile.tile.y + j, LightRay::sky);
+      const float by = dot(own.normal, direction);
       if (!(by > min_cosine)) continue;
       seen += by * other.seen[int(LightRay::sky)];
       all += by;
@@ -127,20 +124,20 @@ GB_HD PixelLight light_beside(const TileLights& tile, const CastLighting& lighti
 
 /// The surface that a pixel shows, and its light.
 struct SurfacePoint {
-  double place[3];  ///< lod-0 voxels of the scene's lattice
-  float normal[3];  ///< unit vector; towards the eye if the voxels have no normals
-  float distance;   ///< from the eye
-  float own[3];     ///< own colour: linear RGB, premultiplied by `there`
-  float there;      ///< fraction of the pixel that is surface, above 0
-  float facing;     ///< mean of max(0, cosine between the sun's direction and the normal)
-  float sun_seen;   ///< visible fraction of the sun; 1 if no rays are cast to the light
-  float sky_seen;   ///< visible fraction of the sky: 1/2 for an open wall, 1 for open flat ground
+  Vec3d place;         ///< lod-0 voxels of the scene's lattice
+  Vec3<float> normal;  ///< unit vector; towards the eye if the voxels have no normals
+  float distance;      ///< from the eye
+  Vec3<float> own;     ///< own colour: linear RGB, premultiplied by `there`
+  float there;         ///< fraction of the pixel that is surface, above 0
+  float facing;        ///< mean of max(0, cosine between the sun's direction and the normal)
+  float sun_seen;      ///< visible fraction of the sun; 1 if no rays are cast to the light
+  float sky_seen;      ///< visible fraction of the sky: 1/2 for an open wall, 1 for open flat ground
 };
 
 /// Returns the surface that pixel i of a tile shows. `ray` is the pixel's finished ray and contains the surface's own
 /// colour. `tile` holds the finished light of all pixels.
 /// Range   ray.transmittance < 1.
-GB_HD SurfacePoint surface_point(const CastRay& ray, const double eye[3], const TileLights& tile,
+GB_HD SurfacePoint surface_point(const CastRay& ray, const Vec3d& eye, const TileLights& tile,
                                  const CastLighting& lighting, std::size_t i) {
   const int x = int(i % std::size_t(tile.tile.width)), y = int(i / std::size_t(tile.tile.width));
   const PixelLight own = tile.at(x, y).has_surface ? tile.at(x, y) : light_beside(tile, lighting, x, y);
@@ -148,11 +145,9 @@ GB_HD SurfacePoint surface_point(const CastRay& ray, const double eye[3], const 
   float sky = 1;
   if (is_cast) sky_around(tile, lighting, x, y, own, SkyRays::all, sky);
   SurfacePoint at;
-  for (int a = 0; a < 3; ++a) {
-    at.place[a] = eye[a] + double(own.at[a]);
-    at.normal[a] = own.normal[a];
-    at.own[a] = ray.rgb[a];
-  }
+  at.place = eye + static_cast<Vec3d>(own.at);
+  at.normal = own.normal;
+  at.own = ray.rgb;
   at.distance = own.depth;
   at.there = 1 - ray.transmittance;
   at.facing = own.facing;

@@ -39,13 +39,13 @@ GB_HD CastRay start_ray(const CastScene& scene, const CastLine& line) {
 /// Returns the distance along the ray from point `u` to the exit of the empty, aligned cube around it. The cube has an
 /// edge of half or else a quarter of the brick. Returns 0 if neither cube is empty. `u` is relative to the brick; `u`
 /// and the result are in 1/65536 of the brick's voxels. `blocks` is CastHead::blocks.
-GB_HD float exit_distance_empty_part(std::uint64_t blocks, const CastLine& line, const std::uint32_t u[3]) {
+GB_HD float exit_distance_empty_part(std::uint64_t blocks, const CastLine& line, const Vec3<std::uint32_t>& u) {
   const int x = int(u[0] >> fraction_bits), y = int(u[1] >> fraction_bits), z = int(u[2] >> fraction_bits);
   constexpr std::uint64_t eight_blocks = 0x330033;
   const bool is_half = (blocks >> block_of(x & 4, y & 4, z & 4) & eight_blocks) == 0;
   if (!is_half && (blocks >> block_of(x, y, z) & 1) != 0) return 0;
   const std::uint32_t edge = fixed_one << (is_half ? 2 : 1);
-  float distances[3];
+  Vec3<float> distances;
   GB_UNROLL
   for (int a = 0; a < 3; ++a) distances[a] = distance_to_side(line, a, u[a], edge);
   return min_of(distances);
@@ -256,7 +256,7 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool block
     ray.step += steps_in_coarser(line.lod1_distance, march.lod, ray.lod, ray.step, march.in_brick_until);
     return;
   }
-  const std::uint32_t u[3] = {at.in_node(0, march.lod), at.in_node(1, march.lod), at.in_node(2, march.lod)};
+  const Vec3<std::uint32_t> u{at.in_node(0, march.lod), at.in_node(1, march.lod), at.in_node(2, march.lod)};
   ray.step += steps_within(exit_distance_empty_part(march.head.blocks, line, u), 2.0f / fixed_one);
 }
 

@@ -14,7 +14,7 @@ namespace gigabake::kernels {
 
 /// Haze: the fraction 1 - e^(-distance · per_voxel) of the light that reaches the eye comes from the air.
 struct CastHaze {
-  float rgb[3] = {0, 0, 0};
+  Vec3<float> rgb{0, 0, 0};
   float per_voxel = 0;
 };
 
@@ -33,14 +33,14 @@ GB_HD float shown_light(const CastTone& tone, float light) {
 
 /// Linear RGB of a sky: at the horizon, straight up, straight down.
 struct CastSky {
-  float horizon[3] = {0, 0, 0}, zenith[3] = {0, 0, 0}, nadir[3] = {0, 0, 0};
+  Vec3<float> horizon{0, 0, 0}, zenith{0, 0, 0}, nadir{0, 0, 0};
 };
 
 /// The background behind the voxels: a sky, or one premultiplied linear colour.
 struct CastBackground {
   bool has_sky = false;
   CastSky sky;
-  float rgb[3] = {0, 0, 0};
+  Vec3<float> rgb{0, 0, 0};
   float alpha = 0;
 };
 
@@ -54,9 +54,8 @@ enum class DebugColor : std::int32_t {
 
 /// The visible part of the scene: the box and the half-space normal · p ≥ offset. Everything is visible by default.
 struct CastClip {
-  double min[3] = {-double(far_voxel), -double(far_voxel), -double(far_voxel)};
-  double max[3] = {double(far_voxel), double(far_voxel), double(far_voxel)};
-  double normal[3] = {0, 0, 0};
+  Vec3d min = Vec3d::all(-double(far_voxel)), max = Vec3d::all(double(far_voxel));
+  Vec3d normal{0, 0, 0};
   double offset = 0;
 };
 
@@ -70,9 +69,9 @@ struct CastPolygons {
 };
 
 struct CastCamera {
-  double eye[3] = {};
-  double forward[3] = {};            ///< unit vector
-  double right[3] = {}, up[3] = {};  ///< from the image's centre to its right and upper edges, at the tip of `forward`
+  Vec3d eye{};
+  Vec3d forward{};      ///< unit vector
+  Vec3d right{}, up{};  ///< from the image's centre to its right and upper edges, at the tip of `forward`
   std::int32_t width = 0, height = 0;
   double lod1_depth = 0;  ///< depth (along `forward`) from which lod-1 voxels are at most the pixel error wide; > 0
   CastHaze haze;

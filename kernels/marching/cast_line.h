@@ -17,8 +17,8 @@ namespace gigabake::kernels {
 
 /// A pixel's line of sight, clipped to the scene's box.
 struct CastLine {
-  double origin[3], direction[3];  ///< direction: unit length
-  float inv_direction[3];          ///< 1 / |direction| per axis, at most 1e20
+  Vec3d origin, direction;    ///< direction: unit length
+  Vec3<float> inv_direction;  ///< 1 / |direction| per axis, at most 1e20
   double enter, leave;  ///< distances at which the line enters and leaves the box; enter > leave if it misses the box
   double lod1_distance;
 };

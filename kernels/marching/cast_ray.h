@@ -8,12 +8,13 @@
 #include <functional>
 
 #include "core/base/host_device.h"
+#include "core/math/vec3.h"
 
 namespace gigabake::kernels {
 
 /// The state of a ray. An unfinished ray continues from this state in the next pass.
 struct alignas(16) CastRay {
-  float rgb[3] = {0, 0, 0};  ///< linear, premultiplied
+  Vec3<float> rgb{0, 0, 0};  ///< linear, premultiplied
   float transmittance = 1;
   float covered = 0;       ///< sum of the coverages of all surfaces so far: 1 is opaque
   float before = 0;        ///< value of `covered` at the start of the current surface

@@ -33,7 +33,7 @@ inline constexpr std::uint32_t node_mask = (fixed_one << brick_bits) - 1;
 
 /// A point whose coordinates include the bits of fixed_bias. The members shift and truncate these bits away.
 struct FixedPoint {
-  std::uint64_t bits[3];
+  Vec3<std::uint64_t> bits;
 
   GB_HD std::uint32_t voxel(int a) const { return std::uint32_t(bits[a] >> fraction_bits); }
   /// Returns the position in the point's node of level `lod`, in 1/65536 of that level's voxels. A node is 8 voxels
@@ -61,7 +61,7 @@ GB_HD double point_distance(const CastLine& line, int lod, double step) {
 /// The samples of one level of a ray. Their coordinates are relative to the level's lowest voxel centre. The integer
 /// parts therefore select the lowest of the eight voxels around a sample.
 struct LevelPoints {
-  double first[3];  ///< sample 0, including the bias
+  Vec3d first;  ///< sample 0, including the bias
 
   /// Returns the sample `index`; a fractional index yields a point between two samples.
   GB_HD FixedPoint at(const CastLine& line, int lod, double index) const {
@@ -92,7 +92,7 @@ GB_HD float distance_to_side(const CastLine& line, int axis, std::uint32_t at, s
   return (float(edge - behind) - fixed_spare) * line.inv_direction[axis];
 }
 
-GB_HD float min_of(const float v[3]) {
+GB_HD float min_of(const Vec3<float>& v) {
   const float two = v[0] < v[1] ? v[0] : v[1];
   return two < v[2] ? two : v[2];
 }

@@ -96,11 +96,8 @@ GB_HD void set_empty_square(const CastScene& scene, std::uint64_t key, std::size
 }
 
 /// Returns true and sets `cell` if a cell holds the voxel; otherwise sets `box` to an empty box around the voxel.
-GB_HD bool find_cell(const CastScene& scene, const std::int64_t v[3], std::uint32_t& cell, VoxelBox& box) {
-  for (int a = 0; a < 3; ++a) {
-    box.min[a] = -far_voxel;
-    box.max[a] = far_voxel;
-  }
+GB_HD bool find_cell(const CastScene& scene, const Vec3i64& v, std::uint32_t& cell, VoxelBox& box) {
+  box = {Vec3i64::all(-far_voxel), Vec3i64::all(far_voxel)};
   std::int64_t column[2];
   for (int a = 0; a < 2; ++a) {
     column[a] = (v[a] >> scene.cell_bits) - scene.column_min[a];
@@ -174,13 +171,13 @@ struct CastDescent {
 /// The path of the latest descent. The next descent starts at the deepest node that it shares with this path.
 struct CastPath {
   std::uint32_t cell = no_cell;
-  std::uint32_t local[3] = {0, 0, 0};  ///< the descent's target, lod-0 voxels from the cell's corner
+  Vec3<std::uint32_t> local{0, 0, 0};  ///< the descent's target, lod-0 voxels from the cell's corner
   std::int32_t lowest = 0;             ///< level at which the descent ended
   std::uint32_t tile[max_cast_lods];   ///< by level, for levels above `lowest`: the children of the path's node
 };
 
 /// Returns the lowest level on which `path` and the path to voxel `local` share a node.
-GB_HD int shared_level(const CastPath& path, const std::uint32_t local[3]) {
+GB_HD int shared_level(const CastPath& path, const Vec3<std::uint32_t>& local) {
   const std::uint32_t differ = (local[0] ^ path.local[0]) | (local[1] ^ path.local[1]) | (local[2] ^ path.local[2]);
   const int level = differ < brick_edge ? 0 : highest_bit(differ) - 2;
   return level > path.lowest ? level : path.lowest;
@@ -188,15 +185,15 @@ GB_HD int shared_level(const CastPath& path, const std::uint32_t local[3]) {
 
 /// Returns the level of the first node that a descent to voxel `local` reads. This level is shared_level(), or the
 /// level below it if `path` stores the children of the shared node.
-GB_HD int first_level(const CastScene& scene, const CastPath& path, std::uint32_t cell, const std::uint32_t local[3],
-                      int lod) {
+GB_HD int first_level(const CastScene& scene, const CastPath& path, std::uint32_t cell,
+                      const Vec3<std::uint32_t>& local, int lod) {
   if (cell != path.cell) return scene.lods - 1;
   const int shared = shared_level(path, local), first = shared > path.lowest ? shared - 1 : shared;
   return first > lod ? first : lod;
 }
 
 /// Returns the node of level `lod` in a tile that contains the voxel.
-GB_HD std::uint32_t child_of(std::uint32_t tile, const std::uint32_t local[3], int lod) {
+GB_HD std::uint32_t child_of(std::uint32_t tile, const Vec3<std::uint32_t>& local, int lod) {
   const int bit = 3 + lod;
   return 8 * tile + ((local[0] >> bit & 1) | (local[1] >> bit & 1) << 1 | (local[2] >> bit & 1) << 2);
 }
@@ -204,7 +201,7 @@ GB_HD std::uint32_t child_of(std::uint32_t tile, const std::uint32_t local[3], i
 /// Descends towards the node of level `lod` that holds the voxel, from the cell's root or from the deepest node that
 /// `path` shares. Stops early at empty or missing nodes. Reads a tile's usage mark together with the node, so that both
 /// loads overlap.
-GB_HD CastDescent descend(const CastScene& scene, std::uint32_t cell, int lod, const std::uint32_t local[3],
+GB_HD CastDescent descend(const CastScene& scene, std::uint32_t cell, int lod, const Vec3<std::uint32_t>& local,
                           CastPath& path) {
   CastDescent at;
   at.lod = first_level(scene, path, cell, local, lod);
@@ -219,7 +216,7 @@ GB_HD CastDescent descend(const CastScene& scene, std::uint32_t cell, int lod, c
   }
   path.cell = cell;
   path.lowest = at.lod;
-  for (int a = 0; a < 3; ++a) path.local[a] = local[a];
+  path.local = local;
   if (timestamp != scene.pass) set_timestamp(scene.feedback.tile_used + at.index / 8, scene.pass);
   return at;
 }
@@ -242,7 +239,7 @@ struct FoundCell {
 /// Finds the cell that holds voxel (x, y, z). The function is not inlined, because few steps enter another cell.
 GB_HD_NOINLINE FoundCell look_for_cell(const CastScene& scene, std::int64_t x, std::int64_t y, std::int64_t z,
                                        CastLine line) {
-  const std::int64_t v[3] = {x, y, z};
+  const Vec3i64 v{x, y, z};
   VoxelBox box;
   FoundCell found{no_cell, 1e30f};
   if (find_cell(scene, v, found.cell, box)) return found;
@@ -261,7 +258,7 @@ GB_HD_NOINLINE FoundCell look_for_cell(const CastScene& scene, std::int64_t x, s
 GB_HD bool enter_cell(const CastScene& scene, const CastLine& line, const FixedPoint& point, CellFrame& frame,
                       float& exit_distance) {
   if (frame.holds(scene, point)) return true;
-  std::int64_t v[3];
+  Vec3i64 v;
   for (int a = 0; a < 3; ++a) v[a] = (std::int64_t(point.bits[a] - fixed_bias_bits) >> fraction_bits) + scene.corner[a];
   const FoundCell found = look_for_cell(scene, v[0], v[1], v[2], line);
   frame.cell = found.cell;
@@ -274,7 +271,7 @@ GB_HD bool enter_cell(const CastScene& scene, const CastLine& line, const FixedP
 
 /// Returns the distance along the ray from a point to the exit of its node of level `lod`, in lod-0 voxels.
 GB_HD float exit_distance_node(const CastLine& line, const FixedPoint& point, int lod) {
-  float exit_distance[3];
+  Vec3<float> exit_distance;
   GB_UNROLL
   for (int a = 0; a < 3; ++a) exit_distance[a] = distance_to_side(line, a, point.in_node(a, lod), node_mask + 1);
   return min_of(exit_distance) * short_power_of_two(lod - fraction_bits);
@@ -286,7 +283,7 @@ GB_HD float exit_distance_node(const CastLine& line, const FixedPoint& point, in
 GB_HD float exit_distance_empty(const CastScene& scene, const CastLine& line, const FixedPoint& point,
                                 const CastDescent& at, int of) {
   constexpr float edge = float(node_mask + 1);
-  float exit_distance[3];
+  Vec3<float> exit_distance;
   std::uint32_t ahead = 0;  // bit a: the node has a sibling ahead along axis a
   GB_UNROLL
   for (int a = 0; a < 3; ++a) {
@@ -339,7 +336,7 @@ GB_HD SampleLocation find_brick(const CastScene& scene, const CastLine& line, in
     place.at = at;
     place.at.bits[2] -= frame.low;
     const std::uint32_t in_cell = (1u << scene.cell_bits) - 1;
-    const std::uint32_t local[3] = {place.at.voxel(0) & in_cell, place.at.voxel(1) & in_cell, place.at.voxel(2)};
+    const Vec3<std::uint32_t> local{place.at.voxel(0) & in_cell, place.at.voxel(1) & in_cell, place.at.voxel(2)};
     const CastDescent end = descend(scene, frame.cell, place.lod, local, path);
     const CastNode node = scene.node_of(end.word);
     if (node.brick == empty_ref) {

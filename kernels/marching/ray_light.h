@@ -38,7 +38,7 @@ GB_HD std::uint32_t debug_color_index(const BrickTraits& brick, DebugColor debug
 }
 
 /// Computes a sample's radiance, or a debug colour scaled by the sample's brightness so that shapes remain visible.
-GB_HD void radiance_of(const CastSample& s, const BrickTraits& brick, DebugColor debug, float rgb[3]) {
+GB_HD void radiance_of(const CastSample& s, const BrickTraits& brick, DebugColor debug, Vec3<float>& rgb) {
   const float scale = 2 / s.mean_coverage();
   for (int k = 0; k < 3; ++k) rgb[k] = s.c[k] * scale;
   if (debug == DebugColor::shaded) return;
@@ -52,7 +52,7 @@ GB_HD void radiance_of(const CastSample& s, const BrickTraits& brick, DebugColor
 /// contributes the product |component of the direction|·coverage. The sum of these products is exact for boxes and for
 /// surfaces perpendicular to an axis. The root of the sum of their squares is exact for spheres. Coarse voxels contain
 /// mostly flat surfaces, so their estimate is 3/4 box and 1/4 sphere.
-GB_HD float crossings(const CastSample& s, const double direction[3], int lod) {
+GB_HD float crossings(const CastSample& s, const Vec3d& direction, int lod) {
   const float x = s.c[3] * std::fabs(float(direction[0]));
   const float y = s.c[4] * std::fabs(float(direction[1]));
   const float z = s.c[5] * std::fabs(float(direction[2]));
@@ -128,7 +128,7 @@ GB_HD void composite_sample(const CastSample& s, const BrickTraits& brick, float
     return;
   }
   const float seen = exp_minus(float(distance) * camera.haze.per_voxel);
-  float rgb[3];
+  Vec3<float> rgb;
   radiance_of(s, brick, camera.debug_color, rgb);
   for (int k = 0; k < 3; ++k) ray.rgb[k] += weight * (rgb[k] * seen + camera.haze.rgb[k] * (1 - seen));
   if (ray.depth == CastRay::no_depth && ray.transmittance - weight < 0.5f)

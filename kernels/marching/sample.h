@@ -22,8 +22,8 @@ struct CastSample {
 
 /// A point in a brick. On each axis it lies between the centres of voxels `base` and `base` + 1 of the brick.
 struct CastPoint {
-  int base[3];       ///< 0…7
-  float between[3];  ///< 0…1, in voxels
+  Vec3<int> base;       ///< 0…7
+  Vec3<float> between;  ///< 0…1, in voxels
 };
 
 /// Returns the position of a point in its brick.
@@ -43,7 +43,7 @@ GB_HD CastPoint point_in_brick(const FixedPoint& at, int lod) {
 struct CastCorners {
   const PackedVoxel* parts;
   LayerWindow low, high;
-  float between[3];
+  Vec3<float> between;
 
   /// Returns a mask of the taps that have a voxel (bit c: tap c). Sums over voxels iterate over these bits in ascending
   /// order. Usually fewer than half of the bits are set, and lanes of a warp stay busy although each lane visits
@@ -67,16 +67,14 @@ struct CastCorners {
 
 GB_HD CastCorners corners_of(const BrickView& brick, const CastPoint& point) {
   const int at = point.base[0] + slot_edge * point.base[1];
-  return {brick.parts,
-          window_of(load_layer(brick, point.base[2]), at),
-          window_of(load_layer(brick, point.base[2] + 1), at),
-          {point.between[0], point.between[1], point.between[2]}};
+  return {brick.parts, window_of(load_layer(brick, point.base[2]), at),
+          window_of(load_layer(brick, point.base[2] + 1), at), point.between};
 }
 
 /// Tests whether the field is zero at the point. Reads no layer if the field is zero in the point's whole block.
 /// `blocks` is the brick's CastHead::blocks.
 GB_HD bool is_zero(std::uint64_t blocks, const BrickView& brick, const CastPoint& point) {
-  return is_empty_block(blocks, point.base) || corners_of(brick, point).there() == 0;
+  return is_empty_block(blocks, point.base.v) || corners_of(brick, point).there() == 0;
 }
 
 GB_HD CastSample interpolate(const CastCorners& corners) {

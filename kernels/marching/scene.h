@@ -25,7 +25,7 @@ namespace gigabake::kernels {
 inline constexpr int max_cast_lods = 29;  ///< levels of a tree of up to 2^31 voxels along an edge
 
 struct CastCell {
-  std::int64_t min[3] = {};  ///< lowest voxel; x and y are multiples of the cell's edge. Node c is the root of cell c
+  Vec3i64 min{};  ///< lowest voxel; x and y are multiples of the cell's edge. Node c is the root of cell c
 };
 
 /// Usage feedback that rays write for the owner of the pools. An entry of tile_used or slot_used is the number of the
@@ -47,9 +47,8 @@ struct CastScene {
   std::int64_t column_count[2] = {};       ///< per axis; below 2^31
   std::int32_t cell_bits = 0;              ///< a cell's edge is 2^cell_bits voxels
   std::int32_t lods = 0;
-  double min[3] = {}, max[3] = {};  ///< a box around all voxels
-  std::int64_t corner[3] =
-      {};  ///< origin of fixed-point coordinates (kernels/marching/fixed_point.h); see set_corner()
+  Vec3d min{}, max{};  ///< a box around all voxels
+  Vec3i64 corner{};    ///< origin of fixed-point coordinates (kernels/marching/fixed_point.h); see set_corner()
 
   const NodeWord* nodes = nullptr;
   const std::uint32_t* parent_bricks = nullptr;  ///< by tile: the brick of the node whose children the tile holds

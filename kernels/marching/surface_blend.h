@@ -22,7 +22,7 @@ namespace gigabake::kernels {
 
 struct SurfaceBlend {
   float weight = 0;      ///< sum of interpolation weight · blend_weight() of the existing voxels
-  float normal[3] = {};  ///< sum of the same weights · octahedral normal, 127 represents 1
+  Vec3<float> normal{};  ///< sum of the same weights · octahedral normal, 127 represents 1
   float above = 0;       ///< sum of the same weights · signed distance of the point; 127 represents half a voxel
 
   /// Returns the point's signed distance in voxels; 0 if there is no surface.
@@ -30,10 +30,8 @@ struct SurfaceBlend {
 
   /// Returns the change of the signed distance per voxel along the line.
   /// Range   `weight` > 0.
-  GB_HD float slope(const double direction[3]) const {
-    const float rises =
-        (normal[0] * float(direction[0]) + normal[1] * float(direction[1])) + normal[2] * float(direction[2]);
-    return rises / (weight * 127);
+  GB_HD float slope(const Vec3d& direction) const {
+    return dot(normal, static_cast<Vec3<float>>(direction)) / (weight * 127);
   }
 };
 
@@ -80,23 +78,22 @@ GB_HD std::int32_t dot(ByteVector a, ByteVector b) {
 }
 
 /// Returns |cosine| between a unit direction and a vector of any length; 1 for a zero vector.
-GB_HD float length_along(const double direction[3], const float n[3]) {
-  const float squared = (n[0] * n[0] + n[1] * n[1]) + n[2] * n[2];
+GB_HD float length_along(const Vec3d& direction, const Vec3<float>& n) {
+  const float squared = dot(n, n);
   if (!(squared > 0)) return 1;
-  const double dot = (direction[0] * double(n[0]) + direction[1] * double(n[1])) + direction[2] * double(n[2]);
-  return std::fabs(float(dot)) / std::sqrt(squared);
+  return std::fabs(float(dot(direction, static_cast<Vec3d>(n)))) / std::sqrt(squared);
 }
 
 /// Returns the translucent surface at a point. Not inlined, because few points lie in translucent surfaces.
 GB_HD_NOINLINE TranslucentSurface translucent_surface_at(CastCorners corners, double x, double y, double z) {
-  const double direction[3] = {x, y, z};
+  const Vec3d direction{x, y, z};
   float there = 0, hidden = 0, across = 0;
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
     const int c = lowest_one(left);
     const CastVoxel voxel = corners.stored(c);
     if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
-    const float to[3] = {float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
+    const Vec3<float> to{float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
     const float weight = corners.weight(c);
     there += weight;
     hidden += weight * voxel.c[3];
@@ -132,7 +129,7 @@ GB_HD bool are_opposite(ByteVector a, ByteVector b) {
 /// distance to a plane is then one dot product of bytes. Planes whose normals are opposite to `side` are turned, so
 /// that inconsistent winding does not cancel a surface. If `side` is 0, the first plane's normal takes its place.
 GB_HD BlendedPlanes blend_planes(const CastCorners& corners, ByteVector side) {
-  int place[3];
+  Vec3<int> place;
   GB_UNROLL
   for (int a = 0; a < 3; ++a) place[a] = int(corners.between[a] * 127 + 0.5f);
   const ByteVector from_first = byte_vector(place[0], place[1], place[2]);
@@ -169,7 +166,7 @@ struct BlendNormal {
 
 GB_HD BlendNormal normal_of(const SurfaceBlend& blend) {
   float maximum = 0;
-  int n[3];
+  Vec3<int> n;
   GB_UNROLL
   for (int a = 0; a < 3; ++a) maximum = std::fabs(blend.normal[a]) > maximum ? std::fabs(blend.normal[a]) : maximum;
   const float scale = maximum > 0 ? 127 / maximum : 0;
@@ -200,7 +197,8 @@ GB_HD CastSample residual_sample(const CastCorners& corners, const SurfaceBlend&
     const int c = lowest_one(left);
     const CastVoxel voxel = corners.stored(c);
     if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
-    float by = corners.weight(c) * (1.0f / 65535), along[3] = {1, 1, 1};
+    float by = corners.weight(c) * (1.0f / 65535);
+    Vec3<float> along{1, 1, 1};
     if (is_fully_planar(voxel.plane)) {
       by *= disagreement(normal_of(voxel), normal);
       if (by == 0) continue;
@@ -246,7 +244,7 @@ GB_HD NeighbourhoodSurface classify_neighbourhood(const CastCorners& corners, bo
 
 /// Returns the residual at a point. `neighbourhood` is the result of classify_neighbourhood().
 GB_HD ResidualSample volumetric_residual(const CastCorners& corners, const NeighbourhoodSurface& neighbourhood,
-                                         const double direction[3]) {
+                                         const Vec3d& direction) {
   if (neighbourhood.is_flat) return {};
   if (neighbourhood.kind == PointKind::surface) return {residual_sample(corners, neighbourhood.blend), {}};
   return {interpolate(corners), neighbourhood.kind == PointKind::translucent
@@ -288,16 +286,16 @@ struct SurfaceOpacity {
 inline constexpr float min_reach = 0.125f;
 
 /// Returns v[axis] without indexing, because a device cannot keep an array with a computed index in registers.
-GB_HD float component(const float v[3], int axis) { return axis == 0 ? v[0] : (axis == 1 ? v[1] : v[2]); }
+GB_HD float component(const Vec3<float>& v, int axis) { return axis == 0 ? v[0] : (axis == 1 ? v[1] : v[2]); }
 
 /// The columns of voxels around a point, along the axis closest to the surface's normal. The point lies between columns
 /// (0, 0) and (1, 1).
 struct SurfaceColumns {
   BrickView brick;
-  int base[3];
+  Vec3<int> base;
   int along, u, v;  ///< axes
   float slope_u, slope_v, reach;
-  float at[3];  ///< position of the point between the voxels along `along`, u and v
+  Vec3<float> at;  ///< position of the point between the voxels along `along`, u and v
 
   /// Returns the fraction of the tangent plane in column (i, j) that lies in the column's two voxels.
   GB_HD float part(int i, int j) const {
@@ -321,7 +319,7 @@ GB_HD SurfaceColumns columns_around(const BrickView& brick, const CastPoint& poi
   const float x = std::fabs(blend.normal[0]), y = std::fabs(blend.normal[1]), z = std::fabs(blend.normal[2]);
   SurfaceColumns r;
   r.brick = brick;
-  for (int a = 0; a < 3; ++a) r.base[a] = point.base[a];
+  r.base = point.base;
   r.along = z > (y > x ? y : x) ? 2 : (y > x ? 1 : 0);
   r.u = r.along == 0 ? 1 : 0;
   r.v = r.along == 2 ? 1 : 2;

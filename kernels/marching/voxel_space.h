@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
+#include "core/math/vec3.h"
 
 namespace gigabake::kernels {
 
@@ -17,7 +18,7 @@ GB_HD double power_of_two(int exponent) { return std::bit_cast<double>(std::uint
 
 /// Voxels [min, max).
 struct VoxelBox {
-  std::int64_t min[3], max[3];
+  Vec3i64 min, max;
 };
 
 }  // namespace gigabake::kernels

@@ -162,8 +162,7 @@ class CpuCaster final : public Caster {
   void shade() {
     if (lights_.empty()) return;
     lit_.resize(rays_.size());
-    const double* eye = camera_.eye;
-    shader_->on_host({rays_.data(), lights_.data(), tile_, lighting_, {eye[0], eye[1], eye[2]}}, lit_.data(), pool_);
+    shader_->on_host({rays_.data(), lights_.data(), tile_, lighting_, camera_.eye}, lit_.data(), pool_);
   }
 
   /// Runs one pass. resume(i) continues ray i and returns true if the ray is finished. Returns the number of unfinished

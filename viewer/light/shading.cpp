@@ -40,7 +40,7 @@ Shading::Shading(const kernels::CastLight& light, const SceneHeader& scene, Surf
 
 kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal,
                                        const std::uint8_t* directional_coverage) const {
-  std::uint16_t coverage[3];
+  Vec3<std::uint16_t> coverage;
   // If a voxel's whole surface lies on its plane, the ray caster derives the coverage from the plane. Alpha is
   // then the coverage along all axes; it matters only in a brick that replaces missing finer bricks.
   const bool is_planar =

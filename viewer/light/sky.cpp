@@ -49,7 +49,7 @@ std::array<float, 3> share_of_sun(double elevation_deg) {
 /// Distributes directions evenly over the upper hemisphere, in rings between equal steps of z. Pixels with consecutive
 /// direction indices are far apart in a block, and their directions are mostly in the same or in adjacent rings. Each
 /// half of the indices covers one half of the sky.
-void set_sky_directions(float sky[kernels::sky_directions][3]) {
+void set_sky_directions(Vec3<float> sky[kernels::sky_directions]) {
   constexpr int sides = 4, rings = kernels::sky_directions / sides;
   for (int n = 0; n < kernels::sky_directions; ++n) {
     const int half = n / (kernels::sky_directions / 2), in_half = n % (kernels::sky_directions / 2);
@@ -57,9 +57,7 @@ void set_sky_directions(float sky[kernels::sky_directions][3]) {
     const int side = sides / 2 * half + in_half % 2;
     const double z = (ring + 0.5) / rings, level = std::sqrt(1 - z * z);
     const double turn = 2 * std::numbers::pi * (side + (ring * 3 % rings + 0.5) / rings) / sides;
-    sky[n][0] = float(std::cos(turn) * level);
-    sky[n][1] = float(std::sin(turn) * level);
-    sky[n][2] = float(z);
+    sky[n] = {float(std::cos(turn) * level), float(std::sin(turn) * level), float(z)};
   }
 }
 
@@ -72,7 +70,7 @@ constexpr double sky_lod1 = 16;
 /// are assumed to give the same result.
 ///
 /// Source  Vogel 1979, "A better way to construct the sunflower head".
-void set_sun_directions(const SunDirection& sun, double radius_deg, float out[kernels::sun_directions][3]) {
+void set_sun_directions(const SunDirection& sun, double radius_deg, Vec3<float> out[kernels::sun_directions]) {
   constexpr int points = kernels::sun_directions;
   const Vec3d east = to_sun({sun.azimuth_deg + 90, 0}), to = to_sun(sun);
   const Vec3d up = to_sun({sun.azimuth_deg + 180, 90 - sun.elevation_deg});
@@ -92,8 +90,8 @@ kernels::CastLight daylight(const SunDirection& sun) {
   const float of_sky = share_of_sky(sun.elevation_deg);
   const std::array<float, 3> rgb{1.06f, 1.00f, 0.90f}, sky{0.30f, 0.35f, 0.44f}, ground{0.12f, 0.11f, 0.10f};
   kernels::CastLight light;
+  light.to_sun = static_cast<Vec3<float>>(to);
   for (std::size_t k = 0; k < 3; ++k) {
-    light.to_sun[k] = float(to[k]);
     light.sun[k] = rgb[k] * of_sun[k];
     light.sky[k] = sky[k] * of_sky;
     light.ground[k] = ground[k] * of_sky;

@@ -123,13 +123,11 @@ Vec3d framing_eye(const PagedScene& scene, const std::optional<Vec3d>& target, c
   return eye + axes.forward * depth;
 }
 
-void set(double out[3], const Vec3d& v) { std::copy(v.begin(), v.end(), out); }
-
 kernels::CastClip cast_clip(const Clip& clip, const SceneHeader& scene) {
   kernels::CastClip out;
   if (clip.box_m) {
-    set(out.min, to_voxels((*clip.box_m)[0], scene, "clip_box"));
-    set(out.max, to_voxels((*clip.box_m)[1], scene, "clip_box"));
+    out.min = to_voxels((*clip.box_m)[0], scene, "clip_box");
+    out.max = to_voxels((*clip.box_m)[1], scene, "clip_box");
     for (int a = 0; a < 3; ++a)
       if (!(out.min[a] < out.max[a])) throw UsageError("clip_box", "expected the lowest corner first");
   }
@@ -137,7 +135,7 @@ kernels::CastClip cast_clip(const Clip& clip, const SceneHeader& scene) {
     const Vec3d towards{clip.plane->towards.x, clip.plane->towards.y, clip.plane->towards.z};
     if (!std::isfinite(length(towards)) || !(length(towards) > 0))
       throw UsageError("clip_plane", "expected a finite direction other than 0,0,0");
-    set(out.normal, unit(towards));
+    out.normal = unit(towards);
     out.offset = dot(unit(towards), to_voxels(clip.plane->through_m, scene, "clip_plane"));
   }
   return out;
@@ -185,10 +183,10 @@ kernels::CastCamera make_camera(const CameraOptions& options, const PagedScene& 
 
   kernels::CastCamera camera;
   camera.clip = cast_clip(options.clip, scene.header());
-  set(camera.eye, *eye);
-  set(camera.forward, axes.forward);
-  set(camera.right, axes.right * tan_x);
-  set(camera.up, axes.up * tan_y);
+  camera.eye = *eye;
+  camera.forward = axes.forward;
+  camera.right = axes.right * tan_x;
+  camera.up = axes.up * tan_y;
   camera.width = options.width;
   camera.height = options.height;
   camera.lod1_depth = 2 / options.pixel_error * options.height / (2 * tan_y);

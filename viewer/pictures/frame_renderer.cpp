@@ -31,8 +31,8 @@ kernels::StopAsked after(double seconds) {
 
 bool is_asked(const kernels::StopAsked& stop) { return stop && stop(); }
 
-Point<Scene> to_scene_m(const SceneHeader& scene, const double voxels[3]) {
-  const Vec3d m = scene.lattice_origin_m + Vec3d{voxels[0], voxels[1], voxels[2]} * scene.voxel_size_m;
+Point<Scene> to_scene_m(const SceneHeader& scene, const Vec3d& voxels) {
+  const Vec3d m = scene.lattice_origin_m + voxels * scene.voxel_size_m;
   return {m[0], m[1], m[2]};
 }
 
@@ -289,9 +289,8 @@ CameraOptions FrameRenderer::framed(const CameraOptions& options) const {
   out.eye_m = to_scene_m(state_->scene->header(), camera.eye);
   if (out.target_m) return out;
   const kernels::CastScene& scene = state_->stream->layout().scene;
-  double along = 0, target[3];
-  for (int a = 0; a < 3; ++a) along += ((scene.min[a] + scene.max[a]) / 2 - camera.eye[a]) * camera.forward[a];
-  for (int a = 0; a < 3; ++a) target[a] = camera.eye[a] + camera.forward[a] * (along > 1 ? along : 1);
+  const double along = dot((scene.min + scene.max) / 2 - camera.eye, camera.forward);
+  const Vec3d target = camera.eye + camera.forward * (along > 1 ? along : 1);
   out.target_m = to_scene_m(state_->scene->header(), target);
   return out;
 }

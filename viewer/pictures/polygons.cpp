@@ -13,8 +13,6 @@ constexpr std::size_t rows_at_a_time = 8;
 /// The minimum distance from the eye in lod-0 voxels. Closer parts of triangles are not rendered.
 constexpr double nearest = 1e-6;
 
-Vec3d vector(const double v[3]) { return {v[0], v[1], v[2]}; }
-
 /// A triangle, and the pixels that it may cover: [x0, x1) × [y0, y1).
 struct Placed {
   std::size_t triangle;
@@ -27,8 +25,8 @@ struct Extent {
   double x0 = HUGE_VAL, y0 = HUGE_VAL, x1 = -HUGE_VAL, y1 = -HUGE_VAL;
 
   void include(const kernels::CastCamera& camera, const Vec3d& p) {
-    const Vec3d right = vector(camera.right), up = vector(camera.up);
-    const double depth = dot(p, vector(camera.forward));
+    const Vec3d &right = camera.right, &up = camera.up;
+    const double depth = dot(p, camera.forward);
     const double x = (dot(p, right) / (dot(right, right) * depth) + 1) / 2 * camera.width;
     const double y = (1 - dot(p, up) / (dot(up, up) * depth)) / 2 * camera.height;
     x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
@@ -43,7 +41,7 @@ Placed place(const kernels::CastCamera& camera, std::size_t triangle, const std:
   Extent extent;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3d &a = p[k], &b = p[(k + 1) % 3];
-    const double depth_a = dot(a, vector(camera.forward)), depth_b = dot(b, vector(camera.forward));
+    const double depth_a = dot(a, camera.forward), depth_b = dot(b, camera.forward);
     if (depth_a >= nearest) extent.include(camera, a);
     if ((depth_a < nearest) == (depth_b < nearest)) continue;
     const double part = (nearest - depth_a) / (depth_b - depth_a);
@@ -65,7 +63,7 @@ std::vector<Placed> place_all(const PolygonMesh& mesh, const SceneHeader& scene,
     bool is_finite = true;
     for (std::size_t k = 0; k < 3; ++k) {
       const Point<Scene>& m = mesh.triangles[t][k];
-      p[k] = (Vec3d{m.x, m.y, m.z} - scene.lattice_origin_m) / scene.voxel_size_m - vector(camera.eye);
+      p[k] = (Vec3d{m.x, m.y, m.z} - scene.lattice_origin_m) / scene.voxel_size_m - camera.eye;
       is_finite = is_finite && std::ranges::all_of(p[k], [](double v) { return std::isfinite(v); });
     }
     if (!is_finite) continue;
@@ -126,7 +124,7 @@ PolygonPicture draw_polygons(const PolygonMesh& mesh, const SceneHeader& scene, 
     for (const Placed& at : placed)
       for (int y = std::max(at.y0, int(begin)); y < std::min(at.y1, int(end)); ++y)
         for (int x = at.x0; x < at.x1; ++x) {
-          const Vec3d direction = vector(kernels::line_of_sight({}, camera, x, y).direction);
+          const Vec3d direction = kernels::line_of_sight({}, camera, x, y).direction;
           const Met met = meet(at, direction);
           const std::size_t i = std::size_t(y) * width + std::size_t(x);
           if (!(float(met.distance) < out.distance[i])) continue;

@@ -26,7 +26,7 @@ bool wait_for_served_pages(SceneStream& stream, const SceneStream::Served& serve
 /// cannot hold the working set, processes fewer pixels at a time. `cast` casts one pass over pixels [begin, end), like
 /// Caster::cast(). Returns false if `stop` cancelled the rays.
 template <class Cast>
-bool finish_rays(SceneStream& stream, const double eye[3], std::size_t count, const kernels::StopAsked& stop,
+bool finish_rays(SceneStream& stream, const Vec3d& eye, std::size_t count, const kernels::StopAsked& stop,
                  const Cast& cast) {
   for (std::size_t begin = 0, many = count; begin < count;) {
     const std::size_t end = std::min(begin + many, count);

@@ -46,8 +46,8 @@ QueryPlaces::QueryPlaces(NumberedShards& numbers, std::uint64_t page_bytes, cons
     return;
   }
   lods_ = levels->levels.back().first_lod + levels->levels.back().lods;
-  std::ranges::copy(scene.totals().window.min, window_.min);
-  std::ranges::copy(scene.totals().window.end, window_.max);
+  window_.min = scene.totals().window.min;
+  window_.max = scene.totals().window.end;
   map_.emplace(scene, std::move(*levels));
   pager_ = std::make_unique<Pager>([this](const PageKey& key) { return read_page(key); },
                                    Pager::Options{page_threads, page_bytes});
@@ -115,7 +115,7 @@ void QueryPlaces::read(const std::vector<PageKey>& pages) {
 QueryPlace QueryPlaces::find_in_layout(const std::int64_t v[3]) const {
   QueryPlace place;
   std::uint32_t cell = 0;
-  if (!kernels::find_cell(layout_.scene, v, cell, place.box)) return place;
+  if (!kernels::find_cell(layout_.scene, {v[0], v[1], v[2]}, cell, place.box)) return place;
   const kernels::CastCell& found = layout_.cells[cell];
   place.box = window_box({found.min[0], found.min[1], found.min[2]}, std::int64_t(1) << layout_.scene.cell_bits);
   if (number_[cell] == kernels::no_cell) return place;
@@ -128,7 +128,7 @@ QueryPlace QueryPlaces::find_in_pages(int lod, const std::int64_t v[3]) const {
   QueryPlace place;
   MissingPages missing_pages;
   const std::optional<ShardExtent> found =
-      map_->find(lod, map_->last_provider(lod), v, *pager_, missing_pages, place.box);
+      map_->find(lod, map_->last_provider(lod), {v[0], v[1], v[2]}, *pager_, missing_pages, place.box);
   if (found) {
     place.kind = QueryPlace::Kind::shard;
     place.shard = found->number;

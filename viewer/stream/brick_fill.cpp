@@ -4,6 +4,8 @@
 #include <bit>
 #include <optional>
 
+#include "core/math/box3.h"
+
 namespace gigabake {
 namespace {
 
@@ -11,10 +13,8 @@ using kernels::CastBrick;
 using kernels::slot_edge;
 using kernels::VoxelBox;
 
-/// A box of voxels in a slot: [begin, end) along each axis.
-struct SlotPart {
-  int begin[3], end[3];
-};
+/// A box of voxels in a slot.
+using SlotPart = Box3<int>;
 
 class BrickFiller {
  public:
@@ -33,7 +33,7 @@ class BrickFiller {
     for (int side = 0; side < 8; ++side) {
       SlotPart part;
       for (int a = 0; a < 3; ++a) {
-        part.begin[a] = (side >> a & 1) != 0 ? brick_edge : 0;
+        part.min[a] = (side >> a & 1) != 0 ? brick_edge : 0;
         part.end[a] = (side >> a & 1) != 0 ? slot_edge : brick_edge;
       }
       fill_part(part);
@@ -52,12 +52,12 @@ class BrickFiller {
     // A cell may be offset along z by a fraction of a voxel. Use the cell's voxel that contains the centre of the
     // slot's voxel.
     const std::int64_t half = std::int64_t(1) << lod_ >> 1;
-    const std::int64_t v[3] = {lattice(0, part.begin[0]), lattice(1, part.begin[1]), lattice(2, part.begin[2]) + half};
+    const Vec3i64 v{lattice(0, part.min[0]), lattice(1, part.min[1]), lattice(2, part.min[2]) + half};
     const VoxelPlace place = lookup_.place(lod_, v, gaps_, path_);
     SlotPart first = part;
     for (int a = 0; a < 3; ++a) {
       const std::int64_t centre = a == 2 ? half : 0;
-      first.end[a] = part.begin[a] + 1;
+      first.end[a] = part.min[a] + 1;
       while (first.end[a] < part.end[a] && lattice(a, first.end[a]) + centre < place.box.max[a]) ++first.end[a];
     }
     if (place.kind == VoxelPlace::Kind::constant) fill_constant(first, place);
@@ -65,9 +65,9 @@ class BrickFiller {
     if (place.kind == VoxelPlace::Kind::unreadable && !gaps_.damaged) fill_from_coarser(first, half);
     SlotPart rest = part;
     for (int a = 0; a < 3; ++a) {
-      rest.begin[a] = first.end[a];
-      if (rest.begin[a] < rest.end[a]) fill_part(rest);
-      rest.begin[a] = first.begin[a];
+      rest.min[a] = first.end[a];
+      if (rest.min[a] < rest.end[a]) fill_part(rest);
+      rest.min[a] = first.min[a];
       rest.end[a] = first.end[a];
     }
   }
@@ -80,17 +80,17 @@ class BrickFiller {
   /// Fills a part of the border whose data cannot be read. Uses the coarser voxels that are rendered in place of this
   /// data.
   void fill_from_coarser(const SlotPart& part, std::int64_t half) {
-    for (int z = part.begin[2]; z < part.end[2]; ++z)
-      for (int y = part.begin[1]; y < part.end[1]; ++y)
-        for (int x = part.begin[0]; x < part.end[0]; ++x) {
-          const std::int64_t v[3] = {lattice(0, x), lattice(1, y), lattice(2, z) + half};
+    for (int z = part.min[2]; z < part.end[2]; ++z)
+      for (int y = part.min[1]; y < part.end[1]; ++y)
+        for (int x = part.min[0]; x < part.end[0]; ++x) {
+          const Vec3i64 v{lattice(0, x), lattice(1, y), lattice(2, z) + half};
           if (const auto voxel = coarser_voxel(v)) put(x, y, z, *voxel);
         }
   }
 
   /// Returns the voxel at v of the finest readable coarser level. Clears its plane, because the plane describes a
   /// larger voxel.
-  std::optional<kernels::CastVoxel> coarser_voxel(const std::int64_t v[3]) {
+  std::optional<kernels::CastVoxel> coarser_voxel(const Vec3i64& v) {
     for (int lod = lod_ + 1; lod <= top_; ++lod) {
       MissingPages missing_pages;
       const VoxelPlace place = lookup_.place(lod, v, missing_pages, path_);
@@ -103,13 +103,12 @@ class BrickFiller {
     return {};
   }
 
-  std::optional<kernels::CastVoxel> voxel_at(const VoxelPlace& place, int lod, const std::int64_t v[3]) const {
+  std::optional<kernels::CastVoxel> voxel_at(const VoxelPlace& place, int lod, const Vec3i64& v) const {
     if (place.kind == VoxelPlace::Kind::constant)
       return shading_(lod, place.rgba.data(), place.normal.data(),
                       place.has_directional_coverage ? place.directional_coverage.data() : nullptr);
     if (place.kind != VoxelPlace::Kind::brick) return {};
-    int at[3];
-    for (int a = 0; a < 3; ++a) at[a] = int((v[a] - place.box.min[a]) >> lod);
+    const auto at = static_cast<Vec3<int>>((v - place.box.min) >> lod);
     const std::uint64_t* mask = &place.block->mask[8 * place.brick];
     const int bit = at[0] + 8 * at[1];
     if ((mask[at[2]] >> bit & 1) == 0) return {};
@@ -132,22 +131,22 @@ class BrickFiller {
     const kernels::CastVoxel voxel =
         shading_(lod_, place.rgba.data(), place.normal.data(),
                  place.has_directional_coverage ? place.directional_coverage.data() : nullptr);
-    for (int z = part.begin[2]; z < part.end[2]; ++z)
-      for (int y = part.begin[1]; y < part.end[1]; ++y)
-        for (int x = part.begin[0]; x < part.end[0]; ++x) put(x, y, z, voxel);
+    for (int z = part.min[2]; z < part.end[2]; ++z)
+      for (int y = part.min[1]; y < part.end[1]; ++y)
+        for (int x = part.min[0]; x < part.end[0]; ++x) put(x, y, z, voxel);
   }
 
   void fill_from_brick(const SlotPart& part, const VoxelPlace& place, std::int64_t half) {
     const std::uint64_t* mask = &place.block->mask[8 * place.brick];
-    int from[3];
+    Vec3<int> from;
     for (int a = 0; a < 3; ++a)
-      from[a] = int((lattice(a, part.begin[a]) + (a == 2 ? half : 0) - place.box.min[a]) >> lod_);
+      from[a] = int((lattice(a, part.min[a]) + (a == 2 ? half : 0) - place.box.min[a]) >> lod_);
     std::uint32_t before = place.block->first[place.brick];
     for (int z = 0; z < from[2]; ++z) before += std::uint32_t(std::popcount(mask[z]));
-    for (int z = part.begin[2]; z < part.end[2]; ++z) {
-      const std::uint64_t word = mask[from[2] + z - part.begin[2]];
-      for (int y = part.begin[1]; y < part.end[1]; ++y) {
-        const int row = 8 * (from[1] + y - part.begin[1]);
+    for (int z = part.min[2]; z < part.end[2]; ++z) {
+      const std::uint64_t word = mask[from[2] + z - part.min[2]];
+      for (int y = part.min[1]; y < part.end[1]; ++y) {
+        const int row = 8 * (from[1] + y - part.min[1]);
         const std::uint32_t rank = before + std::uint32_t(std::popcount(word & ((std::uint64_t(1) << row) - 1)));
         fill_row(part, y, z, std::uint32_t(word >> row & 255), from[0], *place.block, rank);
       }
@@ -160,8 +159,8 @@ class BrickFiller {
   void fill_row(const SlotPart& part, int y, int z, std::uint32_t stored, int from_x, const BrickBlock& block,
                 std::uint32_t rank) {
     for (std::uint32_t rest = stored; rest != 0; rest &= rest - 1, ++rank) {
-      const int x = part.begin[0] + std::countr_zero(rest) - from_x;
-      if (x < part.begin[0] || x >= part.end[0]) continue;
+      const int x = part.min[0] + std::countr_zero(rest) - from_x;
+      if (x < part.min[0] || x >= part.end[0]) continue;
       put(x, y, z, stored_voxel(block, rank, lod_));
     }
   }
@@ -179,12 +178,8 @@ class BrickFiller {
 }  // namespace
 
 VoxelBox box_of(const FieldNode& node, const CellLayout& layout) {
-  VoxelBox box;
-  for (int a = 0; a < 3; ++a) {
-    box.min[a] = layout.cells[node.cell].min[a] + (std::int64_t(node.at[a]) << (node.lod + 3));
-    box.max[a] = box.min[a] + (std::int64_t(brick_edge) << node.lod);
-  }
-  return box;
+  const Vec3i64 min = layout.cells[node.cell].min + (static_cast<Vec3i64>(node.at) << (node.lod + 3));
+  return {min, min + Vec3i64::all(std::int64_t(brick_edge) << node.lod)};
 }
 
 std::uint8_t children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup,

@@ -15,7 +15,7 @@ namespace gigabake {
 struct FieldNode {
   std::uint32_t cell = 0;  ///< index in CellLayout::cells
   std::int32_t lod = 0;
-  std::uint32_t at[3] = {0, 0, 0};  ///< position in bricks of its level from the cell's corner
+  Vec3<std::uint32_t> at{0, 0, 0};  ///< position in bricks of its level from the cell's corner
 
   FieldNode child(unsigned octant) const {
     return {cell, lod - 1, {2 * at[0] + (octant & 1), 2 * at[1] + (octant >> 1 & 1), 2 * at[2] + (octant >> 2 & 1)}};

@@ -128,7 +128,7 @@ bool SceneStream::is_fulfilled(std::uint32_t request) const {
 }
 
 /// Returns the squared apparent size of the node: near and coarse nodes cover the most pixels.
-double SceneStream::urgency(std::uint32_t request, const double eye[3]) const {
+double SceneStream::urgency(std::uint32_t request, const Vec3d& eye) const {
   const kernels::VoxelBox box = box_of(allocator_.place_of(node_of(request)), layout_);
   double squared = 1;
   for (int a = 0; a < 3; ++a) {
@@ -141,7 +141,7 @@ double SceneStream::urgency(std::uint32_t request, const double eye[3]) const {
 
 /// Returns the requests of rays and the pending roots, most urgent first. Pending roots have a reduced urgency.
 std::vector<std::uint32_t> SceneStream::sort_by_urgency(const std::vector<std::uint32_t>& requested,
-                                                        const double eye[3]) const {
+                                                        const Vec3d& eye) const {
   std::vector<std::uint64_t> ranked(requested.size() + pending_roots_.size());
   policy_.parallel_for(ranked.size(), 2048, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -193,7 +193,7 @@ bool SceneStream::enter(std::uint32_t request, const Answer& answer, kernels::Ca
   return true;
 }
 
-SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& requested, const double eye[3],
+SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& requested, const Vec3d& eye,
                                        const kernels::StopAsked& enough, const Keep& keep) {
   Served served;
   std::vector<PageKey> missing;

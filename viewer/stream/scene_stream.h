@@ -59,7 +59,7 @@ class SceneStream {
   /// Answers the requests of rays (Caster::requested()) whose pages are resident, until `enough` returns true, but at
   /// least one batch. Requests missing pages from the pager. Near and coarse nodes come first; `eye` is in lod-0
   /// voxels.
-  Served serve(const std::vector<std::uint32_t>& requested, const double eye[3], const kernels::StopAsked& enough,
+  Served serve(const std::vector<std::uint32_t>& requested, const Vec3d& eye, const kernels::StopAsked& enough,
                const Keep& keep);
 
   /// Makes pages resident that were read since the last call.
@@ -102,9 +102,9 @@ class SceneStream {
 
   void answer(std::uint32_t request, Answer& out, kernels::CastBrick& brick) const;
   bool enter(std::uint32_t request, const Answer& answer, kernels::CastBrick& brick);
-  std::vector<std::uint32_t> sort_by_urgency(const std::vector<std::uint32_t>& requested, const double eye[3]) const;
+  std::vector<std::uint32_t> sort_by_urgency(const std::vector<std::uint32_t>& requested, const Vec3d& eye) const;
   bool is_fulfilled(std::uint32_t request) const;
-  double urgency(std::uint32_t request, const double eye[3]) const;
+  double urgency(std::uint32_t request, const Vec3d& eye) const;
   void remove_loaded_roots();
 
   const ThreadPool& policy_;

@@ -13,14 +13,7 @@ using kernels::VoxelBox;
 
 constexpr std::int64_t everywhere = kernels::far_voxel;
 
-VoxelBox cube_at(const Vec3i64& min, std::int64_t edge) {
-  VoxelBox box;
-  for (int a = 0; a < 3; ++a) {
-    box.min[a] = min[a];
-    box.max[a] = min[a] + edge;
-  }
-  return box;
-}
+VoxelBox cube_at(const Vec3i64& min, std::int64_t edge) { return {min, min + Vec3i64::all(edge)}; }
 
 /// Returns the listed page of the block, or null. Blocks of a listing have equal size and are sorted by z, y, x.
 const ListedPage* page_around(const std::vector<ListedPage>& pages, const LatticeBlock& block) {
@@ -126,7 +119,7 @@ const ShardMap::Cells* ShardMap::cells_around(const Vec3i64& v, const Pager& pag
   }
 }
 
-std::optional<ShardExtent> ShardMap::find_cell(const std::int64_t v[3], const Pager& pager, MissingPages& missing_pages,
+std::optional<ShardExtent> ShardMap::find_cell(const Vec3i64& v, const Pager& pager, MissingPages& missing_pages,
                                                VoxelBox& empty) const {
   const std::int64_t edge = std::int64_t(1) << cell_bits_;
   const Vec3i64 low{v[0] >> cell_bits_ << cell_bits_, v[1] >> cell_bits_ << cell_bits_, v[2]};
@@ -151,11 +144,11 @@ int ShardMap::last_provider(int lod) const {
   return lod < cell_lods_ ? overviews : overviews - 1;
 }
 
-std::optional<ShardExtent> ShardMap::find(int lod, int provider, const std::int64_t v[3], const Pager& pager,
+std::optional<ShardExtent> ShardMap::find(int lod, int provider, const Vec3i64& v, const Pager& pager,
                                           MissingPages& missing_pages, VoxelBox& empty) const {
   if (lod < cell_lods_ && provider == last_provider(lod)) return find_cell(v, pager, missing_pages, empty);
   const OverviewLevel& level = overview_levels_->provider(lod, std::size_t(provider));
-  const OverviewBlock block = level.block_of({v[0], v[1], v[2]});
+  const OverviewBlock block = level.block_of(v);
   empty = cube_at(level.corner_of(block), level.edge());
   return find_overview(level, block, pager, missing_pages);
 }

@@ -58,7 +58,7 @@ class ShardMap {
   /// returns nullopt and sets `empty` to a box around v that no shard overlaps. If a page is missing, returns nullopt
   /// and adds the page to `missing_pages`.
   /// Range   `provider` ≤ last_provider(lod), also for any().
-  std::optional<ShardExtent> find(int lod, int provider, const std::int64_t v[3], const Pager& pager,
+  std::optional<ShardExtent> find(int lod, int provider, const Vec3i64& v, const Pager& pager,
                                   MissingPages& missing_pages, kernels::VoxelBox& empty) const;
 
   /// Calls visit(ShardExtent) for the shards of level `lod` that overlap the box until one call returns true.
@@ -85,14 +85,14 @@ class ShardMap {
                                            MissingPages& missing_pages) const;
   const Cells* cells_around(const Vec3i64& v, const Pager& pager, MissingPages& missing_pages,
                             LatticeBlock& block) const;
-  std::optional<ShardExtent> find_cell(const std::int64_t v[3], const Pager& pager, MissingPages& missing_pages,
+  std::optional<ShardExtent> find_cell(const Vec3i64& v, const Pager& pager, MissingPages& missing_pages,
                                        kernels::VoxelBox& empty) const;
 
   template <class Visit>
   bool any_overview(const OverviewLevel& level, const kernels::VoxelBox& box, const Pager& pager,
                     MissingPages& missing_pages, const Visit& visit) const {
-    const OverviewBlock low = level.block_of({box.min[0], box.min[1], box.min[2]});
-    const OverviewBlock high = level.block_of({box.max[0] - 1, box.max[1] - 1, box.max[2] - 1});
+    const OverviewBlock low = level.block_of(box.min);
+    const OverviewBlock high = level.block_of(box.max - Vec3i64::all(1));
     for (std::int64_t z = low[2]; z <= high[2]; ++z)
       for (std::int64_t y = low[1]; y <= high[1]; ++y)
         for (std::int64_t x = low[0]; x <= high[0]; ++x) {

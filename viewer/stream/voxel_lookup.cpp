@@ -8,31 +8,24 @@ namespace {
 
 using kernels::VoxelBox;
 
-VoxelBox node_box(const std::int64_t corner[3], int level) {
-  VoxelBox box;
-  for (int a = 0; a < 3; ++a) {
-    box.min[a] = corner[a];
-    box.max[a] = corner[a] + (std::int64_t(brick_edge) << level);
-  }
-  return box;
+VoxelBox node_box(const Vec3i64& corner, int level) {
+  return {corner, corner + Vec3i64::all(std::int64_t(brick_edge) << level)};
 }
 
 VoxelBox common_box(const VoxelBox& a, const VoxelBox& b) {
-  VoxelBox box;
-  for (int i = 0; i < 3; ++i) {
-    box.min[i] = std::max(a.min[i], b.min[i]);
-    box.max[i] = std::min(a.max[i], b.max[i]);
-  }
-  return box;
+  return {max_by_axis(a.min, b.min), min_by_axis(a.max, b.max)};
 }
 
 /// Returns the lowest level on which the path to voxel `local` of the shard equals the stored path.
-int shared_level(const NodePath& path, const ShardExtent& shard, const std::int64_t local[3]) {
+int shared_level(const NodePath& path, const ShardExtent& shard, const Vec3i64& local) {
   if (path.shard != shard.number) return shard.top();
   const auto differ = std::uint64_t((local[0] ^ path.v[0]) | (local[1] ^ path.v[1]) | (local[2] ^ path.v[2]));
   const int level = differ < std::uint64_t(brick_edge) ? 0 : kernels::highest_bit(differ) - 2;
   return std::max(level, path.lowest);
 }
+
+/// Returns the offset of a child from the corner of its node of level `level`, in lod-0 voxels.
+Vec3i64 octant_offset(int child, int level) { return Vec3i64{child & 1, child >> 1 & 1, child >> 2} << (level + 2); }
 
 std::uint32_t child_row(const NodeRow& parent, int child) {
   return parent.first_child + std::uint32_t(std::popcount(parent.child_mask & ((1u << child) - 1)));
@@ -58,10 +51,7 @@ VoxelBox VoxelLookup::Question::around() const {
   VoxelBox all = boxes[std::size_t(std::countr_zero(open))];
   for (unsigned rest = open; rest != 0; rest &= rest - 1) {
     const VoxelBox& box = boxes[std::size_t(std::countr_zero(rest))];
-    for (int a = 0; a < 3; ++a) {
-      all.min[a] = std::min(all.min[a], box.min[a]);
-      all.max[a] = std::max(all.max[a], box.max[a]);
-    }
+    all = {min_by_axis(all.min, box.min), max_by_axis(all.max, box.max)};
   }
   return all;
 }
@@ -128,7 +118,7 @@ unsigned VoxelLookup::unread_occupied(const ShardExtent& shard, const Question& 
 /// Returns the boxes that nodes of the question's level overlap, in the subtree of row `row_index`. The node of this
 /// row exists and overlaps the boxes of `open`.
 unsigned VoxelLookup::occupied_below(const ShardExtent& shard, std::uint32_t row_index, int level,
-                                     const std::int64_t corner[3], const Question& question, unsigned open,
+                                     const Vec3i64& corner, const Question& question, unsigned open,
                                      MissingPages& missing_pages) const {
   if (level == question.lod || open == 0) return open;
   const NodeRow* node = row(shard, row_index, missing_pages);
@@ -137,8 +127,7 @@ unsigned VoxelLookup::occupied_below(const ShardExtent& shard, std::uint32_t row
   unsigned found = 0;
   for (int child = 0; child < 8 && found != open; ++child) {
     if ((node->child_mask >> child & 1) == 0) continue;
-    std::int64_t at[3];
-    for (int a = 0; a < 3; ++a) at[a] = corner[a] + (std::int64_t(child >> a & 1) << (level + 2));
+    const Vec3i64 at = corner + octant_offset(child, level);
     const unsigned reached = question.reached_by(node_box(at, level - 1)) & open & ~found;
     if (reached != 0)
       found |= occupied_below(shard, child_row(*node, child), level - 1, at, question, reached, missing_pages);
@@ -164,7 +153,7 @@ void VoxelLookup::set_content(const ShardExtent& shard, const NodeRow& found, in
   place.brick = found.value % bricks_per_block;
 }
 
-VoxelPlace VoxelLookup::place(int lod, const std::int64_t v[3], MissingPages& missing_pages, NodePath& path) const {
+VoxelPlace VoxelLookup::place(int lod, const Vec3i64& v, MissingPages& missing_pages, NodePath& path) const {
   for (int provider = 0;; ++provider) {
     VoxelPlace place;
     const std::optional<ShardExtent> shard = map_.find(lod, provider, v, pager_, missing_pages, place.box);
@@ -180,24 +169,23 @@ VoxelPlace VoxelLookup::place(int lod, const std::int64_t v[3], MissingPages& mi
 }
 
 /// Returns the content of the shard at v; `Kind::unreadable` if the data can never become resident.
-VoxelPlace VoxelLookup::place_in(const ShardExtent& shard, int lod, const std::int64_t v[3],
-                                 MissingPages& missing_pages, NodePath& path) const {
+VoxelPlace VoxelLookup::place_in(const ShardExtent& shard, int lod, const Vec3i64& v, MissingPages& missing_pages,
+                                 NodePath& path) const {
   VoxelPlace place;
   const std::size_t missing = missing_pages.missing.size();
-  std::int64_t local[3], corner[3];
-  for (int a = 0; a < 3; ++a) local[a] = v[a] - shard.window.min[a];
+  const Vec3i64 local = v - shard.window.min;
   int level = std::max(lod, shared_level(path, shard, local));
   const NodeRow* node = level == shard.top() ? row(shard, 0, missing_pages) : path.node[level];
-  for (int a = 0; a < 3; ++a) corner[a] = shard.window.min[a] + (local[a] >> (level + 3) << (level + 3));
+  Vec3i64 corner = shard.window.min + (local >> (level + 3) << (level + 3));
   place.box = node_box(corner, level);
   path.shard = node == nullptr ? no_shard : shard.number;
   path.lowest = level;
-  std::copy_n(local, 3, path.v);
+  path.v = local;
   path.node[level] = node;
   while (node != nullptr && level > lod && node->kind != NodeKind::leaf_constant) {
     int child = 0;
     for (int a = 0; a < 3; ++a) child |= int(local[a] >> (level + 2) & 1) << a;
-    for (int a = 0; a < 3; ++a) corner[a] += std::int64_t(child >> a & 1) << (level + 2);
+    corner += octant_offset(child, level);
     place.box = node_box(corner, --level);
     if ((node->child_mask >> child & 1) == 0) return place;
     node = row(shard, child_row(*node, child), missing_pages);

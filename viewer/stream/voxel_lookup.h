@@ -30,7 +30,7 @@ inline constexpr std::uint32_t no_shard = 0xffffffffu;
 struct NodePath {
   std::uint32_t shard = no_shard;
   std::int32_t lowest = 0;                           ///< level at which the path ended
-  std::int64_t v[3] = {};                            ///< target of the path: lod-0 voxels from the shard's corner
+  Vec3i64 v{};                                       ///< target of the path: lod-0 voxels from the shard's corner
   const NodeRow* node[kernels::max_cast_lods] = {};  ///< by level, from `lowest` up
 };
 
@@ -48,7 +48,7 @@ class VoxelLookup {
   std::uint8_t occupied(int lod, const Boxes& boxes, MissingPages& missing_pages) const;
 
   /// Returns the content of the voxel of level `lod` that contains lod-0 voxel v.
-  VoxelPlace place(int lod, const std::int64_t v[3], MissingPages& missing_pages, NodePath& path) const;
+  VoxelPlace place(int lod, const Vec3i64& v, MissingPages& missing_pages, NodePath& path) const;
 
  private:
   const NodeRow* row(const ShardExtent& shard, std::uint32_t index, MissingPages& missing_pages) const;
@@ -66,11 +66,11 @@ class VoxelLookup {
   };
   /// The following functions of type `unsigned` return a mask of boxes: bit i is for question.boxes[i].
   unsigned occupied_by_any(Question question, MissingPages& missing_pages) const;
-  unsigned occupied_below(const ShardExtent& shard, std::uint32_t row_index, int level, const std::int64_t corner[3],
+  unsigned occupied_below(const ShardExtent& shard, std::uint32_t row_index, int level, const Vec3i64& corner,
                           const Question& question, unsigned open, MissingPages& missing_pages) const;
   unsigned unread_occupied(const ShardExtent& shard, const Question& question, unsigned open,
                            MissingPages& missing_pages) const;
-  VoxelPlace place_in(const ShardExtent& shard, int lod, const std::int64_t v[3], MissingPages& missing_pages,
+  VoxelPlace place_in(const ShardExtent& shard, int lod, const Vec3i64& v, MissingPages& missing_pages,
                       NodePath& path) const;
   unsigned may_be_occupied(const ShardExtent& shard, const Question& question, MissingPages& missing_pages) const;
   void set_content(const ShardExtent& shard, const NodeRow& found, int lod, MissingPages& missing_pages,

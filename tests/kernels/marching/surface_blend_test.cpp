@@ -42,7 +42,7 @@ class Brick {
   CastBrick brick_;
 };
 
-constexpr double down[3] = {0, 0, -1};
+constexpr Vec3d down{0, 0, -1};
 
 CastVoxel opaque_voxel() { return {{32768, 32768, 32768, 65535, 65535, 65535}, {0, 0, 127}, 0}; }
 
@@ -65,7 +65,7 @@ struct CastField {
   SurfaceBlend blend;
 };
 
-CastField field_at(const CastCorners& corners, bool is_wanted, const double direction[3]) {
+CastField field_at(const CastCorners& corners, bool is_wanted, const Vec3d& direction) {
   const NeighbourhoodSurface neighbourhood = classify_neighbourhood(corners, is_wanted, 0);
   return {volumetric_residual(corners, neighbourhood, direction).sample, neighbourhood.blend};
 }

@@ -88,7 +88,7 @@ void expect_empty_part(const SlotVoxels& slot, const CastBrick& brick, const Cas
     edge = tried;
     for (int a = 0; a < 3; ++a) from[a] = corner[a];
   }
-  std::uint32_t u[3];
+  Vec3<std::uint32_t> u;
   for (int a = 0; a < 3; ++a) u[a] = std::uint32_t(point.base[a]) * fixed_one + fixed_one / 2;
   for (int a = 0; a < 3; ++a)
     for (const bool is_up : {false, true}) {
@@ -117,7 +117,7 @@ TEST(PackBrick, SaysWhereTheFieldIsZeroAndWhereVoxelsStand) {
       const bool has_block = (brick.head.blocks >> block_of(block[0], block[1], block[2]) & 1) != 0;
       ASSERT_EQ(has_block, has_field(slot, block, 2));
       const bool is_empty = is_zero(brick.head.blocks, view_of(brick), point);
-      ASSERT_EQ(is_empty, !has_field(slot, point.base, 1));
+      ASSERT_EQ(is_empty, !has_field(slot, point.base.v, 1));
       if (is_empty) expect_empty_part(slot, brick, point);
       expect_places(slot, brick, point);
       if (::testing::Test::HasFatalFailure()) return;

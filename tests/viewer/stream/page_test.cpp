@@ -227,7 +227,7 @@ TEST(NumberedShards, CountCellsThenOverviewsPageByPage) {
       for (int round = 0; round < 4; ++round) {
         MissingPages missing_pages;
         kernels::VoxelBox empty;
-        const std::int64_t v[3] = {x, 5, 5};
+        const Vec3i64 v{x, 5, 5};
         found = map.find(lod, 0, v, pager, missing_pages, empty);
         if (missing_pages.missing.empty()) break;
         pager.request(missing_pages.missing);

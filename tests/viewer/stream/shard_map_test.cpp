@@ -99,7 +99,7 @@ TEST(ShardMap, FindsTheCellsOfAnyPlaceThroughPagesOfPages) {
     std::optional<std::uint32_t> holds;
     for (std::uint32_t i = 0; i < cells.size(); ++i) {
       const Box3i64 window = window_of(cells[i]);
-      const Box3i64 asked_for{{box.min[0], box.min[1], box.min[2]}, {box.max[0], box.max[1], box.max[2]}};
+      const Box3i64 asked_for{box.min, box.max};
       if (!intersection(window, asked_for).is_empty()) expected.insert(i);
       if (window.contains(asked_for.min)) holds = i;
     }
@@ -123,8 +123,7 @@ TEST(ShardMap, FindsTheCellsOfAnyPlaceThroughPagesOfPages) {
     empty.min[2] = box.min[2];
     for (const SceneCell& cell : cells) {
       const Box3i64 window = window_of(cell);
-      const VoxelBox other{{window.min[0], window.min[1], window.min[2]},
-                           {window.end[0], window.end[1], window.end[2]}};
+      const VoxelBox other{window.min, window.end};
       EXPECT_FALSE(overlap(empty, other)) << cell.name << " overlaps the box that is reported as empty";
     }
   }
@@ -139,7 +138,7 @@ TEST(ShardMap, SaysWhereAPageOfTheSceneCannotBeRead) {
   std::filesystem::remove(folder / lost.file);
   Asked asked(scene);
   VoxelBox empty;
-  const std::int64_t inside[3] = {lost.totals.window.min[0], lost.totals.window.min[1], lost.totals.window.min[2]};
+  const Vec3i64& inside = lost.totals.window.min;
   const auto shard = asked.answer(
       [&](MissingPages& missing_pages) { return asked.map.find(0, 0, inside, asked.pager, missing_pages, empty); });
   EXPECT_FALSE(shard.has_value());
@@ -208,7 +207,7 @@ TEST(ShardMap, RequestsTheShardsOfALevelInOrderOfSizeAndTheCellsLast) {
   const Pager pager([](const PageKey&) { return Page(); }, {1, UINT64_MAX});
   MissingPages missing_pages;
   VoxelBox empty;
-  const std::int64_t v[3] = {0, 0, 130};
+  const Vec3i64 v{0, 0, 130};
   EXPECT_EQ(map.last_provider(0), 0);
   EXPECT_EQ(map.last_provider(1), 2);
   EXPECT_EQ(map.last_provider(4), 1);

@@ -60,7 +60,7 @@ struct OpenGround {
     for (int lod = 0; lod < lods; ++lod) {
       const std::int64_t bricks = gappy_edge >> (lod + 3), edge = std::int64_t(8) << lod;
       for (std::int64_t i = 0; i < bricks * bricks * bricks; ++i) {
-        const std::int64_t v[3] = {i % bricks * edge, i / bricks % bricks * edge, i / bricks / bricks * edge};
+        const Vec3i64 v{i % bricks * edge, i / bricks % bricks * edge, i / bricks / bricks * edge};
         read_for([&](MissingPages& missing_pages) {
           NodePath path;
           lookup.place(lod, v, missing_pages, path);
@@ -71,15 +71,14 @@ struct OpenGround {
 };
 
 auto parts_of(const VoxelPlace& place) {
-  return std::tuple(place.kind, place.block, place.brick, place.rgba, place.box.min[0], place.box.min[1],
-                    place.box.min[2], place.box.max[0], place.box.max[1], place.box.max[2]);
+  return std::tuple(place.kind, place.block, place.brick, place.rgba, place.box.min, place.box.max);
 }
 
 TEST(VoxelLookup, AnswersAlikeWhateverWayItWentBefore) {
   OpenGround ground;
   ground.read_all();
   NodePath path;
-  std::int64_t v[3] = {0, 0, 0};
+  Vec3i64 v{0, 0, 0};
   int bricks = 0;
   for (int i = 0; i < 20000; ++i) {
     const bool is_near = ground.random() % 2 == 0;  // the next voxel shares much of the path
@@ -102,7 +101,7 @@ bool is_occupied(const OpenGround& ground, int lod, const kernels::VoxelBox& box
   for (std::int64_t z = box.min[2] / edge * edge; z < box.max[2]; z += edge)
     for (std::int64_t y = box.min[1] / edge * edge; y < box.max[1]; y += edge)
       for (std::int64_t x = box.min[0] / edge * edge; x < box.max[0]; x += edge) {
-        const std::int64_t v[3] = {x, y, z};
+        const Vec3i64 v{x, y, z};
         MissingPages missing_pages;
         NodePath path;
         if (ground.lookup.place(lod, v, missing_pages, path).kind != VoxelPlace::Kind::nothing) return true;
