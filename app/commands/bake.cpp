@@ -93,7 +93,7 @@ int run(const BakeOptions& options, MpiSession& mpi) {
     print_report(summary, request.out);
   warn_of(summary.precision);
   print_losses(summary.scene.losses);
-  if (!options.report.empty()) publish_file(options.report, report);
+  if (!options.report.empty()) publish_file(options.report, report, Durability::across_power_loss, Leftovers::remove);
   const int exit_code = exit_code_of(summary);
   if (summary.lost_ranks != 0) mpi.abort(exit_code);  // a rank that hangs would never reach MPI's finalization
   return exit_code;

@@ -11,6 +11,8 @@
 #include "format/scene/xml/page_write.h"
 #include "format/system/path_within.h"
 #include "format/system/publish.h"
+#include "format/system/publish_place.h"
+#include "scheduler/status/bake_status.h"
 
 namespace gigabake {
 namespace {
@@ -30,11 +32,13 @@ bool begins_as_a_shard(std::string_view name) {
   return name.starts_with("c_") || (name.size() > 1 && name[0] == 'p' && name[1] >= '0' && name[1] <= '9');
 }
 
-bool is_temporary_file(std::string_view name) {
-  if (!name.starts_with('.') || !name.ends_with(".part")) return false;
-  name.remove_prefix(1);
-  const auto is_of = [&](const char* file) { return name.starts_with(file); };
-  return begins_as_a_shard(name) || is_of("scene.xml.") || is_of("journal.") || is_of("survey.");
+/// Returns true for the temporary name of each file that a bake publishes in OUT and its subfolders.
+bool is_temporary_file(const std::string& name) {
+  const std::optional<std::string> target = target_of_temporary(name);
+  if (!target) return false;
+  const bool is_in_out = *target == "scene.xml" || fs::path(*target) == status_file({}) ||
+                         fs::path(*target) == journal_of({}) || fs::path(*target) == scan_cache_of({});
+  return is_in_out || begins_as_a_shard(*target) || target->starts_with("g_");
 }
 
 template <class Wanted>
@@ -98,6 +102,8 @@ OutputFolder::OutputFolder(fs::path out, const fs::path& source) : out_(std::mov
   const Publication scene(out_ / "scene.xml"), shard(out_ / "shards" / "c_0_0_0.h5");  // throw early if unwritable
 }
 
+OutputFolder::~OutputFolder() { remove_temporary_files(); }
+
 void OutputFolder::expect_shards(SceneDescription& scene) const {
   const auto is_there = [this](const SceneCell& cell) {
     std::error_code error;
@@ -131,7 +137,7 @@ void OutputFolder::publish(const SceneDescription& scene) const {
 
 void OutputFolder::remove_temporary_files() const {
   std::error_code error;  // failures to remove files are harmless
-  for (const fs::path& folder : {out_, out_ / "shards"})
+  for (const fs::path& folder : {out_, out_ / "shards", out_ / "pages"})
     for (const fs::path& path : files_in(folder, is_temporary_file)) fs::remove(path, error);
 }
 

@@ -18,14 +18,20 @@ struct OrphanShards {
   std::uint64_t bytes = 0;
 };
 
+/// Returns the journal of the bakes into `out`.
+inline std::filesystem::path journal_of(const std::filesystem::path& out) { return out / "journal"; }
+
 class OutputFolder {
  public:
   /// Creates OUT and OUT/shards if they are missing, locks OUT, removes temporary files of killed writers, and tests
-  /// writing. The object keeps the lock until it is destroyed. Its destructor removes the folders that it created if
-  /// they are still empty.
+  /// writing. The object keeps the lock until it is destroyed. Its destructor again removes temporary files of killed
+  /// writers, and the folders that the object created if they are still empty.
   /// Errors  InputError: OUT is not a folder, cannot be written, or lies in the source folder, or another bake has
   ///         locked it. The files in OUT are then unchanged.
   OutputFolder(std::filesystem::path out, const std::filesystem::path& source);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
   /// Moves the cells and overviews whose shard is not in OUT to the losses. A rank may have written the shard to a
   /// local disk.
   void expect_shards(SceneDescription& scene) const;
@@ -39,7 +45,7 @@ class OutputFolder {
   /// without losses: shards of missing cells may be valid and useful to the next bake.
   OrphanShards remove_orphans(const SceneDescription& scene) const;
 
-  std::filesystem::path journal() const { return out_ / "journal"; }
+  std::filesystem::path journal() const { return journal_of(out_); }
 
  private:
   /// The folders that this object created. Its destructor removes those that are empty.

@@ -71,7 +71,7 @@ void StatusFeed::fail(const std::string& reason) {
 void StatusFeed::write(const BakeStatus& status) {
   try {
     write_status(out_, status);
-    if (!metrics_.empty()) publish_file(metrics_, to_prometheus(status), Durability::while_up);
+    if (!metrics_.empty()) publish_file(metrics_, to_prometheus(status), Durability::while_up, Leftovers::remove);
   } catch (const InputError& e) {
     if (!warned_) print_message("the bake continues without its status: {}\n", e.what());
     warned_ = true;

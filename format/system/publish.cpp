@@ -34,8 +34,9 @@ void Publication::publish(Durability durability) {
   if (flush) flush_folder_of(target_);
 }
 
-void publish_file(const std::filesystem::path& target, std::string_view content, Durability durability) {
-  Publication file(target);
+void publish_file(const std::filesystem::path& target, std::string_view content, Durability durability,
+                  Leftovers leftovers) {
+  Publication file(target, leftovers);
   {
     const Descriptor out(file.temporary(), O_WRONLY | O_TRUNC);
     const std::span bytes(reinterpret_cast<const std::uint8_t*>(content.data()), content.size());

@@ -40,7 +40,7 @@ class Publication {
 /// Publishes a small file in one call.
 /// Errors  InputError if the file cannot be written or renamed.
 void publish_file(const std::filesystem::path& target, std::string_view content,
-                  Durability durability = Durability::across_power_loss);
+                  Durability durability = Durability::across_power_loss, Leftovers leftovers = Leftovers::keep);
 
 /// Flushes all data of the file system that contains a folder. For thousands of files this is cheaper than flushing
 /// each file.

@@ -28,17 +28,7 @@ void flush(const std::filesystem::path& path, int flags) {
   if (!file.is_open() || (::fsync(file.get()) != 0 && errno != EINVAL)) fail_to(path, "flush to disk");
 }
 
-std::string prefix_of(const std::filesystem::path& target) { return "." + target.filename().string() + "."; }
-
-/// Tests whether create_temporary() gives such names: the prefix, a process and a number, ".part".
-bool is_temporary_of(const std::string& name, const std::string& prefix) {
-  constexpr std::string_view suffix = ".part";
-  if (!name.starts_with(prefix) || !name.ends_with(suffix) || name.size() <= prefix.size() + suffix.size())
-    return false;
-  const std::string middle = name.substr(prefix.size(), name.size() - prefix.size() - suffix.size());
-  return std::ranges::count(middle, '-') == 1 && middle.front() != '-' && middle.back() != '-' &&
-         std::ranges::all_of(middle, [](unsigned char c) { return std::isdigit(c) != 0 || c == '-'; });
-}
+constexpr std::string_view suffix = ".part";
 
 bool lock(const Descriptor& file) { return ::flock(file.get(), LOCK_EX | LOCK_NB) == 0; }
 
@@ -58,13 +48,25 @@ std::filesystem::path folder_of(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
 
+std::optional<std::string> target_of_temporary(const std::string& name) {
+  if (!name.starts_with('.') || !name.ends_with(suffix)) return std::nullopt;
+  const std::string named = name.substr(1, name.size() - 1 - suffix.size());
+  const std::size_t dot = named.rfind('.');
+  if (dot == std::string::npos || dot == 0) return std::nullopt;
+  const std::string_view owner = std::string_view(named).substr(dot + 1);
+  const bool is_owner = std::ranges::count(owner, '-') == 1 && owner.front() != '-' && owner.back() != '-' &&
+                        std::ranges::all_of(owner, [](unsigned char c) { return std::isdigit(c) != 0 || c == '-'; });
+  return is_owner ? std::optional(named.substr(0, dot)) : std::nullopt;
+}
+
 std::filesystem::path create_temporary(const std::filesystem::path& target,
                                        const std::function<bool(const std::filesystem::path&)>& make) {
   // A killed process may have left a file of this name; then the next number is tried.
   for (int attempt = 0; attempt < max_attempts; ++attempt) {
     static std::atomic<unsigned> count{0};
     const std::filesystem::path temporary =
-        folder_of(target) / (prefix_of(target) + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".part");
+        folder_of(target) / ("." + target.filename().string() + "." + std::to_string(::getpid()) + "-" +
+                             std::to_string(count++) + std::string(suffix));
     if (make(temporary)) return temporary;
     if (errno != EEXIST) break;
   }
@@ -86,12 +88,12 @@ LockedTemporary create_locked_temporary(const std::filesystem::path& target,
 }
 
 void remove_abandoned_temporaries(const std::filesystem::path& target) {
-  const std::string prefix = prefix_of(target);
+  const std::string of = target.filename().string();
   std::error_code error;
   std::vector<std::filesystem::path> found;
   for (std::filesystem::directory_iterator entry(folder_of(target), error), end; !error && entry != end;
        entry.increment(error))
-    if (is_temporary_of(entry->path().filename().string(), prefix)) found.push_back(entry->path());
+    if (target_of_temporary(entry->path().filename().string()) == of) found.push_back(entry->path());
   for (const std::filesystem::path& path : found) {
     const bool is_folder = std::filesystem::is_directory(std::filesystem::symlink_status(path, error));
     const Descriptor opened(path, O_NOFOLLOW | (is_folder ? O_RDONLY | O_DIRECTORY : O_RDWR));

@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
 
 #include "format/system/descriptor.h"
 
@@ -19,6 +21,9 @@ std::filesystem::path folder_of(const std::filesystem::path& path);
 /// Errors  InputError if `make` fails for another reason than an existing name.
 std::filesystem::path create_temporary(const std::filesystem::path& target,
                                        const std::function<bool(const std::filesystem::path&)>& make);
+
+/// Returns the name of the target if `name` is a name that create_temporary() gives: ".TARGET.PID-N.part".
+std::optional<std::string> target_of_temporary(const std::string& name);
 
 /// A temporary file or folder and the lock (flock) that its owner holds on it. The lock ends with the process, so a
 /// temporary without a lock has no owner. On file systems without flock there is no lock.

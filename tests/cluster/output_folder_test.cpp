@@ -129,24 +129,49 @@ TEST_F(OutputFolderTest, KeepsShardsOfEarlierBakesUntilTheyArePruned) {
   EXPECT_TRUE(fs::exists(out() / "shards/notes.txt"));
 }
 
-TEST_F(OutputFolderTest, RemovesWhatKilledWritersLeftWhenItIsOpenedAndWhenItPublishes) {
-  const std::vector<std::string> leftovers = {"shards/.c_0_0_0-ab.h5.9-1.part", ".scene.xml.9-1.part",
-                                              ".journal.9-1.part", ".survey.cache.9-1.part"};
-  const auto write_them = [&] {
-    for (const std::string& name : leftovers) write_text(out() / name, "half");
+/// 2026-11-26: a rank that was killed while it wrote its last status left .status.json.PID-N.part for good.
+TEST_F(OutputFolderTest, RemovesWhatKilledWritersLeftWhenItIsOpenedWhenItPublishesAndWhenItIsClosed) {
+  const std::vector<std::string> leftovers = {"shards/.c_0_0_0-ab.h5.9-1.part",
+                                              "shards/.p1_0_0_0-ab.h5.9-1.part",
+                                              ".scene.xml.9-1.part",
+                                              ".journal.9-1.part",
+                                              ".survey.cache.9-1.part",
+                                              ".status.json.9-1.part"};
+  const std::vector<std::string> of_others = {".notes.part", ".notes.txt.9-1.part", ".scene.xml.part",
+                                              "shards/.x.h5.9-1.part"};
+  fs::create_directories(out() / "shards");
+  const auto write_them = [&](const std::vector<std::string>& names) {
+    for (const std::string& name : names) write_text(out() / name, "half");
   };
-  const auto left = [&] {
-    return std::count_if(leftovers.begin(), leftovers.end(),
-                         [&](const auto& name) { return fs::exists(out() / name); });
+  const auto left = [&](const std::vector<std::string>& names) {
+    return std::count_if(names.begin(), names.end(), [&](const auto& name) { return fs::exists(out() / name); });
   };
-  write_them();
-  write_text(out() / ".notes.part", "a stranger's");
-  const OutputFolder folder_held(out(), folder / "scene.glb");
-  EXPECT_EQ(left(), 0);
-  write_them();
-  folder_held.publish(scene_of(made_plan(1)));
-  EXPECT_EQ(left(), 0);
-  EXPECT_TRUE(fs::exists(out() / ".notes.part"));
+  write_them(of_others);
+  write_them(leftovers);
+  {
+    const OutputFolder folder_held(out(), folder / "scene.glb");
+    EXPECT_EQ(left(leftovers), 0);
+    write_them(leftovers);
+    folder_held.publish(scene_of(made_plan(1)));
+    EXPECT_EQ(left(leftovers), 0);
+    write_them(leftovers);
+  }
+  EXPECT_EQ(left(leftovers), 0) << "also of a bake that published nothing";
+  EXPECT_EQ(left(of_others), std::ptrdiff_t(of_others.size()));
+}
+
+TEST_F(OutputFolderTest, RemovesWhatKilledWritersOfPagesLeft) {
+  fs::create_directories(out() / "pages");
+  const fs::path left = out() / "pages/.g_0_0_0_64-ab.xml.9-1.part", of_others = out() / "pages/.notes.txt.9-1.part";
+  write_text(left, "half");
+  write_text(of_others, "a stranger's");
+  {
+    const OutputFolder folder_held(out(), folder / "scene.glb");
+    EXPECT_FALSE(fs::exists(left));
+    write_text(left, "half");
+  }
+  EXPECT_FALSE(fs::exists(left));
+  EXPECT_TRUE(fs::exists(of_others));
 }
 
 TEST_F(OutputFolderTest, GoesWithWhatItMadeWhereNothingWasBaked) {

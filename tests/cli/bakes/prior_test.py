@@ -5,6 +5,7 @@ Usage: prior_test.py GIGABAKE SOURCE_DIR
 """
 import fcntl
 import json
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -65,6 +66,31 @@ class Prior(unittest.TestCase):
         self.assertEqual((third["orphans"]["shards"], third["pruned"]["shards"]), (0, 1))
         self.assertEqual(len(list((self.out / "shards").glob("*.h5"))), 5, "four cells and their overview")
         PROGRAM.succeed("verify", self.out / "scene.xml")
+
+    # Regression of 2026-11-26: .status.json.PID-N.part of a killed rank stayed after complete bakes, as did that of
+    # --metrics. The test takes the names from the folder, so that it includes files that bakes will write in future.
+    def test_a_bake_removes_the_temporary_files_of_killed_bakes(self):
+        texts = self.root / "texts"
+        texts.mkdir()
+        options = ("--metrics", texts / "bake.prom", "--report", texts / "report.json")
+        self.bake(*options)
+        published = [path for folder in (self.out, texts) for path in folder.rglob("*") if path.is_file()]
+        self.assertEqual({path.name for path in published if "shards" not in path.parts},
+                         {"scene.xml", "status.json", "journal", "survey.cache", "bake.prom", "report.json"})
+        dead = self.pid_of_a_process_that_ended()
+        for path in published:
+            (path.parent / f".{path.name}.{dead}-0.part").write_bytes(b"half of a file")
+        notes = self.out / ".notes.txt.1-1.part"
+        notes.write_text("of another program")
+        self.bake(*options)
+        self.assertEqual([path for path in self.root.rglob("*.part")], [notes])
+        PROGRAM.succeed("verify", self.out / "scene.xml")
+
+    @staticmethod
+    def pid_of_a_process_that_ended():
+        with subprocess.Popen(["true"]) as process:
+            pass
+        return process.pid
 
     def test_a_second_bake_into_the_same_folder_ends_with_one_line_and_touches_nothing(self):
         self.bake()
