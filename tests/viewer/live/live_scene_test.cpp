@@ -3,6 +3,9 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mutex>
+#include <unistd.h>
+#include <vector>
 
 #include "tests/format/shard/made_shard.h"
 #include "tests/viewer/stored_hill.h"
@@ -149,6 +152,41 @@ TEST(LiveScene, WaitsForASceneAndFollowsItsReplacement) {
   ASSERT_NE(blue, nullptr);
   EXPECT_NE(scene.full_frame(viewer, timeout_s)->frame.picture.rgba, turned->frame.picture.rgba);
   EXPECT_EQ(scene.state(viewer)->pose, pose);
+}
+
+/// Returns the size of this process's address space, which contains the pools from their allocation on.
+std::uint64_t address_space_bytes() {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * std::uint64_t(::sysconf(_SC_PAGESIZE));
+}
+
+/// 2026-11-26: a viewer held the pools of the previous scene until the pools of the next scene were allocated.
+/// `look` is called as soon as a scene has its renderer.
+TEST(LiveScene, HoldsOneSetOfPoolsWhileItReloads) {
+  const made::TempFolder folder;
+  const std::uint64_t before = address_space_bytes();
+  std::mutex mutex;
+  std::vector<std::uint64_t> loaded;
+  LiveScene::Options options = small_pictures();
+  options.look = [&](const SceneHeader&) {
+    const std::lock_guard lock(mutex);
+    loaded.push_back(address_space_bytes());
+    return ViewerInput{};
+  };
+  write_hill(folder / "scene.xml", {200, 30, 30, 255});
+  {
+    LiveScene scene(folder / "scene.xml", options);
+    const auto viewer = scene.add_viewer().value();
+    const auto red = scene.full_frame(viewer, timeout_s);
+    ASSERT_NE(red, nullptr);
+    write_hill(folder / "scene.xml", {30, 30, 200, 255});
+    ASSERT_NE(scene.frame_after(viewer, red->number, timeout_s), nullptr);
+  }
+  ASSERT_EQ(loaded.size(), 2u);
+  const std::uint64_t pools = loaded[0] - before;
+  EXPECT_GT(pools, options.renderer.memory_bytes / 4) << "the pools count";
+  EXPECT_LT(loaded[1], loaded[0] + pools / 2);
 }
 
 TEST(LiveScene, SaysWhatIsWrongWithASceneAndGoesOnWhenItIsRight) {
