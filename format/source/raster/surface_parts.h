@@ -12,6 +12,7 @@ struct RasterHead {
   DemPart part;  ///< its position in the surface is set by group_surfaces()
   Grid grid;
   std::optional<OGRSpatialReference> crs;  ///< without the vertical part
+  double pixel_m = 0;                      ///< geometric mean of a pixel's width and height on the ground
   std::array<double, 4> bounds{};          ///< min x, min y, max x, max y: degrees, or metres in a plane
 };
 

@@ -206,6 +206,16 @@ class OrthophotoTest(RasterTest):
         self.assertEqual([c[0] > 127 for c in colours], [i % 2 == 1 for i in range(10)])
         self.assertEqual({min(c[0], 255 - c[0]) < 20 for c in colours}, {True})
 
+    # Regression of 2026-11-26: a file of 286 bytes with pixels of 1e-300 m took minutes, because each tile got an image
+    # of 4096 × 4096 texels.
+    def test_pixels_that_are_too_small_to_be_meant_are_refused(self):
+        for pixel, words in ((1e-300, "would be 0 m wide"), (1e-5, "e-05 m wide")):
+            self.write("photo.tif", self.rgb[:, :2, :2], pixel=pixel, kind=gdal.GDT_Byte)
+            self.refuse("photo.tif", "ortho_crs", words, "less than 0.0001 m", "coordinate system", "geotransform")
+        self.write("small.tif", self.height[:3, :3])
+        self.write("photo.tif", self.rgb[:, :2, :2], pixel=0.001, kind=gdal.GDT_Byte)
+        self.plan(self.scene({"dem": "small.tif", "ortho": "photo.tif"}))
+
     def test_the_image_of_a_tile_counts_as_memory(self):
         self.write("coarse.tif", self.height[:6, :6], pixel=900)
         self.write("fine.tif", numpy.zeros((3, 8, 8), "u1"), pixel=1, kind=gdal.GDT_Byte)

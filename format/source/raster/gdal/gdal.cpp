@@ -62,6 +62,9 @@ using Path = std::filesystem::path;
 constexpr double quantum_m = 1.0 / 1024;
 /// The range of plausible pixel sizes on the ground. Other sizes indicate that degrees and metres were confused.
 constexpr double min_pixel_m = 1e-3, max_pixel_m = 2e5;
+/// The smallest plausible pixel of an orthophoto on the ground. Smaller ones would enlarge the images of all tiles to
+/// their max size, whatever the size of the file.
+constexpr double min_ortho_pixel_m = 1e-4;
 
 Grid grid_of(const Path& file, GDALDataset& dataset) {
   Grid grid;
@@ -94,10 +97,16 @@ std::vector<std::pair<double, double>> sample_points(double column, double row, 
                        "); set the right one in the scene file");
 }
 
-/// Returns the origin of a part: its first sample point that can be located, usually the centre. Checks the distance in
-/// metres of neighbouring pixels at this point.
+/// A place of a part that can be located, and the geometric mean of the pixel's width and height there.
+struct LocatedPixel {
+  Geodetic origin;
+  double size_m = 0;
+};
+
+/// Returns the first sample point of a part that can be located, usually the centre. Checks the distance in metres of
+/// neighbouring pixels at this point.
 /// Errors  InputError: no sample point can be located, or the distance is implausible for the coordinate system.
-Geodetic checked_origin(const DemPart& part, const Grid& grid, const Ground& ground) {
+LocatedPixel checked_pixel(const DemPart& part, const Grid& grid, const Ground& ground) {
   for (const auto& [c, r] : sample_points(part.column, part.row, part.columns - 1, part.rows - 1)) {
     std::vector<double> x, y;
     for (const auto& [dc, dr] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1)}) {
@@ -106,8 +115,8 @@ Geodetic checked_origin(const DemPart& part, const Grid& grid, const Ground& gro
     }
     const std::vector<char> is_located = ground.locate(x, y);
     if (std::count(is_located.begin(), is_located.end(), 0) != 0) continue;
-    const Geodetic origin = ground.origin(x[0], y[0]);
-    const Ground::Frame frame(ground, origin);
+    LocatedPixel out{ground.origin(x[0], y[0]), 1};
+    const Ground::Frame frame(ground, out.origin);
     for (const std::size_t i : {1, 2}) {
       const Point<Scene> p = frame(x[i], y[i], 0);
       const double pixel_m = std::hypot(p.x, p.y, p.z);
@@ -115,8 +124,9 @@ Geodetic checked_origin(const DemPart& part, const Grid& grid, const Ground& gro
         throw InputError(part.options.dem, "crs",
                          "a pixel would be " + short_number(pixel_m) + " m wide in the raster's coordinate system (" +
                              ground.name() + "); set the right one in the scene file");
+      out.size_m *= std::sqrt(pixel_m);
     }
-    return origin;
+    return out;
   }
   refuse_place(part.options, ground);
 }
@@ -242,7 +252,7 @@ RasterHead head_of(const DemOptions& options, bool is_local) {
   head.grid = grid_of(options.dem, *dataset);
   const Ground ground(options, *dataset);
   if (!ground.is_on_earth() && !is_local) throw InputError(options.dem, "crs", ground.why_not_on_earth());
-  checked_origin(part, head.grid, ground);
+  head.pixel_m = checked_pixel(part, head.grid, ground).size_m;
   head.bounds = bounds_of(part, head.grid, ground);
   head.crs = crs_of(options, *dataset);
   part.warnings = check_dem(options, *dataset);
@@ -254,6 +264,16 @@ RasterHead head_of(const DemOptions& options, bool is_local) {
   return head;
 }
 
+/// Throws InputError if the pixels of a part's orthophoto are implausibly small on the ground.
+void expect_plausible_ortho(const DemPart& part, double pixel_m, const OrthoFacts& facts) {
+  const double ortho_pixel_m = pixel_m / facts.texels_per_cell;
+  if (ortho_pixel_m >= min_ortho_pixel_m) return;
+  throw InputError(part.options.ortho, "ortho_crs",
+                   "a pixel of the orthophoto would be " + short_number(ortho_pixel_m) + " m wide, less than " +
+                       short_number(min_ortho_pixel_m) +
+                       " m; set its right coordinate system in the scene file, or correct its geotransform");
+}
+
 /// Sets the resolution of images to the max resolution of the orthophotos. Limits the edge of tiles, so that their
 /// images do not exceed the max size.
 void set_texels(const std::vector<RasterHead>& heads, const SurfaceHead& surface, DemRaster& raster) {
@@ -262,6 +282,7 @@ void set_texels(const std::vector<RasterHead>& heads, const SurfaceHead& surface
     if (part.options.ortho.empty()) continue;
     const OGRSpatialReference* crs = heads[surface.heads[0]].crs ? &*heads[surface.heads[0]].crs : nullptr;
     OrthoFacts facts = check_ortho(part, surface.grid, crs);
+    expect_plausible_ortho(part, heads[surface.heads[0]].pixel_m, facts);
     texels = std::max(texels, facts.texels_per_cell);
     if (facts.texels_per_cell > max_texels_per_cell)
       facts.warnings.push_back("the orthophoto has " + short_number(std::round(facts.texels_per_cell)) +
@@ -288,7 +309,7 @@ DemSurface surface_of(const std::vector<RasterHead>& heads, const SurfaceHead& s
   const std::vector<char> filled = filled_tiles(*raster, edge);
   const BorrowedRaster dataset = borrow_raster(raster->parts[0].options.dem, "dem");
   const Ground ground(raster->parts[0].options, *dataset);
-  raster->origin = checked_origin(raster->parts[0], surface.grid, ground);
+  raster->origin = checked_pixel(raster->parts[0], surface.grid, ground).origin;
   raster->is_on_earth = ground.is_on_earth();
   DemSurface tiles;
   const int columns = (raster->columns - 2) / edge + 1;
