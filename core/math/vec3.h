@@ -23,6 +23,7 @@ struct Vec3 {
   GB_HD static constexpr Vec3 by_axis(const OfAxis& of_axis) {
     return {of_axis(0), of_axis(1), of_axis(2)};
   }
+  /// Converts each component. Device code writes static_cast, because nvcc 13 reads Vec3<U>(v) as a list of components.
   template <class U>
   GB_HD constexpr explicit operator Vec3<U>() const {
     return {U(v[0]), U(v[1]), U(v[2])};
