@@ -16,6 +16,7 @@
 #include "core/base/rules.h"
 #include "core/io/hash128.h"
 #include "core/math/snap.h"
+#include "core/math/vec3.h"
 #include "core/octree/downsample_state.h"
 #include "core/octree/octree.h"
 #include "kernels/body/texture/material.h"
@@ -41,7 +42,7 @@ struct CellInput {
 
 struct CellParameters {
   SnapFrame frame;
-  std::int64_t window_min[3] = {};     ///< lod-0 voxels, multiples of 8
+  Vec3i64 window_min{};                ///< lod-0 voxels, multiples of 8
   std::uint32_t window_voxels = 1024;  ///< a power of two, 8 … 8192
   SurfaceRule surface = SurfaceRule::area;
   MipFilter mip = MipFilter::coverage;

@@ -76,7 +76,7 @@ CellBake::CellBake(DeviceHeap& heap, const Tables& tables)
     : heap_(heap), tables_(tables), clock_(heap.stream()), host_(download_threads) {}
 
 void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameters, BakedCell& out) {
-  std::copy(std::begin(parameters.window_min), std::end(parameters.window_min), out.window_min);
+  out.window_min = parameters.window_min;
   out.max_error = parameters.max_error;
   const InputView input = uploaded.view();
   if (input.triangle_count == 0) return;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/thread_pool.h"
+#include "core/math/vec3.h"
 #include "core/octree/voxel_hash.h"
 #include "kernels/cpu/mip/levels.h"
 #include "kernels/cuda/baker.h"
@@ -30,7 +31,7 @@ class BakedCell : public CudaVolume {
   LevelSurface host_surface;       ///< coverage masks and patches of the coarsest of host_levels
   std::vector<Hash128> host_hashes;
   DownsampleState above;  ///< always on the host, because it is small
-  std::int64_t window_min[3] = {};
+  Vec3i64 window_min{};
   std::uint32_t max_error = 0;  ///< error to which `host_levels` must still be approximated; 0: none
   CellStats cell_stats;
 };

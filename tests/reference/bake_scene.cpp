@@ -152,7 +152,7 @@ Part& BakeScene::add_painted(const Painted& painted) {
 }
 
 void BakeScene::set_window(const Voxel& min, std::uint32_t edge) {
-  std::copy(min.begin(), min.end(), parameters.window_min);
+  parameters.window_min = {min[0], min[1], min[2]};
   parameters.window_voxels = edge;
 }
 

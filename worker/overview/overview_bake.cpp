@@ -1,6 +1,5 @@
 #include "worker/overview/overview_bake.h"
 
-#include <algorithm>
 #include <mutex>
 #include <utility>
 
@@ -102,7 +101,7 @@ kernels::CellVolume make_overview(const CellJob& overview, const OverviewChildre
   for (const auto& child : children) {
     kernels::JoinedChild& source = sources.emplace_back();
     source.source = &child->source;
-    std::ranges::copy(child->copied.lattice_min, source.lattice_min);
+    source.lattice_min = child->copied.lattice_min;
   }
   return kernels::bake_overview(sources, overview_parameters(overview, parameters), pool,
                                 copies_of(overview, children, parameters, pool));

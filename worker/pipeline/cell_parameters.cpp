@@ -1,6 +1,5 @@
 #include "worker/pipeline/cell_parameters.h"
 
-#include <algorithm>
 #include <bit>
 
 #include "worker/pipeline/lattice.h"
@@ -10,7 +9,7 @@ namespace gigabake {
 kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters& p, std::uint64_t kernel_bytes) {
   kernels::CellParameters c;
   c.frame = snap_frame(p);
-  std::ranges::copy(job.lattice_min, c.window_min);
+  c.window_min = job.lattice_min;
   c.window_voxels = job.cell_voxels;
   c.surface = p.surface;
   c.mip = p.mip;
@@ -23,7 +22,7 @@ kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters
 
 kernels::OverviewParameters overview_parameters(const CellJob& job, const BakeParameters& p) {
   kernels::OverviewParameters out;
-  std::ranges::copy(job.lattice_min, out.window_min);
+  out.window_min = job.lattice_min;
   out.child_lod = int(job.first_lod + job.copied_lods) - 1;
   out.levels = std::countr_zero(job.cell_voxels / brick_edge) - out.child_lod;
   out.mip = p.mip;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "core/math/vec3.h"
 #include "core/octree/brick.h"
 #include "core/octree/morton.h"
 #include "core/octree/voxel_hash.h"
@@ -13,13 +14,13 @@ namespace gigabake::kernels {
 /// Hashes voxel x + 8y + 64z of a brick of level `lod`. `window_min` is CellParameters::window_min.
 /// `directional_coverage` points to the voxel's directional coverage; it is null if the level has none.
 /// Exact   Integers: host and device return the same bits.
-GB_HD Hash128 hash_of_voxel(const std::int64_t window_min[3], int lod, const BrickCoordinate& brick, int voxel,
+GB_HD Hash128 hash_of_voxel(const Vec3i64& window_min, int lod, const BrickCoordinate& brick, int voxel,
                             std::uint32_t rgba, std::uint16_t normal, const std::uint8_t* directional_coverage) {
-  const std::int64_t x = window_min[0] + (std::int64_t(brick.x * brick_edge + (voxel & 7)) << lod),
-                     y = window_min[1] + (std::int64_t(brick.y * brick_edge + (voxel >> 3 & 7)) << lod),
-                     z = window_min[2] + (std::int64_t(brick.z * brick_edge + (voxel >> 6)) << lod);
-  if (directional_coverage == nullptr) return hash_voxel(lod, x, y, z, rgba, normal);
-  return hash_voxel(lod, x, y, z, rgba, normal, pack_directional_coverage(directional_coverage));
+  const auto in_brick = Vec3<std::uint32_t>::by_axis([&](int axis) { return std::uint32_t(voxel) >> 3 * axis & 7; });
+  const Vec3<std::uint32_t> in_window = static_cast<Vec3<std::uint32_t>>(brick) * brick_edge + in_brick;
+  const Vec3i64 at = window_min + (static_cast<Vec3i64>(in_window) << lod);
+  if (directional_coverage == nullptr) return hash_voxel(lod, at[0], at[1], at[2], rgba, normal);
+  return hash_voxel(lod, at[0], at[1], at[2], rgba, normal, pack_directional_coverage(directional_coverage));
 }
 
 }  // namespace gigabake::kernels

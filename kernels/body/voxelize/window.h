@@ -9,6 +9,7 @@
 #include "core/base/host_device.h"
 #include "core/base/rules.h"
 #include "core/math/snap.h"
+#include "core/math/vec3.h"
 #include "core/octree/brick.h"
 #include "kernels/body/cell.h"
 
@@ -20,7 +21,7 @@ inline constexpr int max_levels = 11;
 /// Lattice frame to which vertices are snapped.
 struct SnapWindow {
   SnapFrame frame;
-  std::int64_t min[3];  ///< the window's lowest corner, lod-0 voxels
+  Vec3i64 min;  ///< the window's lowest corner, lod-0 voxels
 };
 
 struct CellWindow : SnapWindow {
@@ -36,7 +37,7 @@ GB_HD int key_bits(const CellWindow& window) { return 3 * window.levels; }
 inline CellWindow window_of(const CellParameters& p) {
   CellWindow w;
   w.frame = p.frame;
-  for (int c = 0; c < 3; ++c) w.min[c] = p.window_min[c];
+  w.min = p.window_min;
   w.edge = std::int64_t(p.window_voxels) * subvoxels;
   w.bricks = std::int32_t(p.window_voxels / brick_edge);
   w.levels = std::bit_width(std::uint32_t(w.bricks)) - 1;

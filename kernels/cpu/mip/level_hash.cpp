@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t bricks_per_hash_range = 1024;
 
-Hash128 brick_hash(const Level& level, std::size_t brick, int lod, const std::int64_t window_min[3]) {
+Hash128 brick_hash(const Level& level, std::size_t brick, int lod, const Vec3i64& window_min) {
   const BrickCoordinate at = demorton(level.key[brick]);
   Hash128 sum;
   std::size_t i = level.first[brick];
@@ -27,7 +27,7 @@ Hash128 brick_hash(const Level& level, std::size_t brick, int lod, const std::in
 
 }  // namespace
 
-Hash128 level_hash(const Level& level, int lod, const std::int64_t window_min[3], const ThreadPool& pool) {
+Hash128 level_hash(const Level& level, int lod, const Vec3i64& window_min, const ThreadPool& pool) {
   std::vector<Hash128> of_thread(std::size_t(pool.threads()));
   pool.parallel_for(level.key.size(), bricks_per_hash_range, [&](std::size_t begin, std::size_t end, int thread) {
     Hash128 sum;
@@ -39,8 +39,7 @@ Hash128 level_hash(const Level& level, int lod, const std::int64_t window_min[3]
   return all;
 }
 
-std::vector<Hash128> level_hashes(const std::vector<Level>& levels, const std::int64_t window_min[3],
-                                  const ThreadPool& pool) {
+std::vector<Hash128> level_hashes(const std::vector<Level>& levels, const Vec3i64& window_min, const ThreadPool& pool) {
   std::vector<Hash128> hashes;
   for (std::size_t lod = 0; lod < levels.size(); ++lod)
     hashes.push_back(level_hash(levels[lod], int(lod), window_min, pool));

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/base/thread_pool.h"
+#include "core/math/vec3.h"
 #include "core/octree/voxel_hash.h"
 #include "kernels/body/cell.h"
 
@@ -11,10 +12,9 @@ namespace gigabake::kernels {
 
 /// Returns the sum of hash_voxel() over the voxels of one level. `window_min` is CellParameters::window_min.
 /// Cost    About 6 ns per voxel and thread.
-Hash128 level_hash(const Level& level, int lod, const std::int64_t window_min[3], const ThreadPool& pool);
+Hash128 level_hash(const Level& level, int lod, const Vec3i64& window_min, const ThreadPool& pool);
 
 /// Returns level_hash() of each level, by lod.
-std::vector<Hash128> level_hashes(const std::vector<Level>& levels, const std::int64_t window_min[3],
-                                  const ThreadPool& pool);
+std::vector<Hash128> level_hashes(const std::vector<Level>& levels, const Vec3i64& window_min, const ThreadPool& pool);
 
 }  // namespace gigabake::kernels

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "core/base/error.h"
+#include "core/math/box3.h"
 #include "core/octree/morton.h"
 #include "kernels/body/mip/mip.h"
 #include "kernels/body/prune/node.h"
@@ -78,15 +79,13 @@ class JoinedLevel {
 
  private:
   void add(const JoinedChild& child) {
-    std::int64_t corner[3];
-    for (int a = 0; a < 3; ++a) corner[a] = (child.lattice_min[a] - parameters_.window_min[a]) >> lod_;
-    const std::int64_t edge = std::int64_t(brick_edge) << (parameters_.levels + below_);
+    const Vec3i64 corner = (child.lattice_min - parameters_.window_min) >> lod_;
+    const auto window = Box3i64::cube({}, std::int64_t(brick_edge) << (parameters_.levels + below_));
     for (std::size_t row = 0; row < child.source->voxels(); ++row) {
       const std::uint8_t* place = &child.source->place[source_place_bytes * row];
       if (int(place[0]) != below_) continue;
-      std::int64_t at[3];
-      for (int a = 0; a < 3; ++a) at[a] = corner[a] + place[1 + a];
-      if (std::any_of(at, at + 3, [edge](std::int64_t x) { return x < 0 || x >= edge; })) continue;
+      const Vec3i64 at = corner + Vec3i64{place[1], place[2], place[3]};
+      if (!window.contains(at)) continue;
       voxels_.push_back({morton(std::uint32_t(at[0] >> 3), std::uint32_t(at[1] >> 3), std::uint32_t(at[2] >> 3)),
                          std::uint32_t((at[0] & 7) + 8 * (at[1] & 7) + 64 * (at[2] & 7)), child.source, row});
     }

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "core/base/thread_pool.h"
+#include "core/math/vec3.h"
 #include "core/octree/downsample_state.h"
 #include "kernels/body/cell.h"
 
@@ -17,13 +18,13 @@ namespace gigabake::kernels {
 /// A child. It may extend beyond the overview's window; the voxels outside belong to another overview.
 struct JoinedChild {
   const DownsampleState* source = nullptr;
-  std::int64_t lattice_min[3] = {};  ///< in lod-0 voxels; multiples of the voxel edge of the child's coarsest level
+  Vec3i64 lattice_min{};  ///< in lod-0 voxels; multiples of the voxel edge of the child's coarsest level
 };
 
 struct OverviewParameters {
-  std::int64_t window_min[3] = {};  ///< in lod-0 voxels; multiples of the voxel edge of the overview's coarsest level
-  int child_lod = 0;                ///< the coarsest lod of every child
-  int levels = 0;                   ///< the window has 8 · 2^(child_lod + levels) voxels of lod 0 along its edge
+  Vec3i64 window_min{};  ///< in lod-0 voxels; multiples of the voxel edge of the overview's coarsest level
+  int child_lod = 0;     ///< the coarsest lod of every child
+  int levels = 0;        ///< the window has 8 · 2^(child_lod + levels) voxels of lod 0 along its edge
   MipFilter mip = MipFilter::coverage;
   bool normals = true, directional_coverage = true;
   std::uint32_t max_error = 0;  ///< as in CellParameters

@@ -16,7 +16,7 @@ struct HashView {
   const std::uint16_t* normal;               ///< null if the level has none
   const std::uint8_t* directional_coverage;  ///< null if the level has none
   std::uint32_t bricks;
-  std::int64_t window_min[3];
+  Vec3i64 window_min;
   int lod;
 };
 
@@ -74,8 +74,7 @@ __global__ void __launch_bounds__(threads, 6) hash_level(HashView level, Hash128
 
 }  // namespace
 
-std::vector<Hash128> level_hashes(DeviceHeap& heap, const std::vector<DeviceLevel>& levels,
-                                  const std::int64_t window_min[3]) {
+std::vector<Hash128> level_hashes(DeviceHeap& heap, const std::vector<DeviceLevel>& levels, const Vec3i64& window_min) {
   DeviceArray<Hash128> sums(heap, levels.size());
   sums.clear_to_zero();
   for (std::size_t lod = 0; lod < levels.size(); ++lod) {
@@ -87,7 +86,7 @@ std::vector<Hash128> level_hashes(DeviceHeap& heap, const std::vector<DeviceLeve
                         l.normal.empty() ? nullptr : l.normal.data(),
                         l.directional_coverage.empty() ? nullptr : l.directional_coverage.data(),
                         l.bricks,
-                        {window_min[0], window_min[1], window_min[2]},
+                        window_min,
                         int(lod)};
     hash_level<<<std::min(grid_of(32 * std::uint64_t(l.bricks), threads), max_blocks), threads, 0, heap.stream()>>>(
         view, sums.data() + lod);

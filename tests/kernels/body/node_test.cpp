@@ -47,7 +47,7 @@ TEST(CellWindow, ComesFromTheParameters) {
 }
 
 TEST(HashOfVoxel, IsOfItsLowestCornerInVoxelsOfTheFinestLevel) {
-  const std::int64_t min[3] = {-800, 16, 1024};
+  const Vec3i64 min{-800, 16, 1024};
   const std::uint8_t directional_coverage[directional_coverage_bytes] = {1, 2, 3, 4};
   const BrickCoordinate brick{5, 0, 2};
   const int voxel = 3 + 8 * 7 + 64 * 4;

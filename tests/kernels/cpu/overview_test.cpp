@@ -1,7 +1,6 @@
 /// Levels above the cells are the same for any division of the scene into cells and blocks.
 #include "kernels/cpu/mip/overview.h"
 
-#include <array>
 #include <bit>
 #include <gtest/gtest.h>
 #include <random>
@@ -34,7 +33,7 @@ CellParameters parameters_of(const test::TestCell& cell, const OverviewRules& ru
 /// A baked cell or overview, with its position.
 struct Baked {
   DownsampleState source;
-  std::array<std::int64_t, 3> min;
+  Vec3i64 min;
 };
 
 /// A scene that is baked in cells, and then in larger and larger blocks up to one. The hashes of each level are summed.
@@ -65,7 +64,7 @@ class InBlocks {
         for (std::int64_t x = 0; x < whole; x += n) {
           CellParameters p = parameters_;
           p.window_voxels = cell_voxels;
-          p.window_min[0] = x, p.window_min[1] = y, p.window_min[2] = z;
+          p.window_min = {x, y, z};
           keep(bake_cell(input_, p, pool_), 0, {x, y, z});
         }
   }
@@ -75,7 +74,7 @@ class InBlocks {
     baked_.clear();
     std::shuffle(below.begin(), below.end(), random_);
     std::vector<JoinedChild> children;
-    for (const Baked& b : below) children.push_back({&b.source, {b.min[0], b.min[1], b.min[2]}});
+    for (const Baked& b : below) children.push_back({&b.source, b.min});
     const std::int64_t edge = child_edge << levels, whole = whole_voxels;
     for (std::int64_t z = 0; z < whole; z += edge)
       for (std::int64_t y = 0; y < whole; y += edge)
@@ -88,7 +87,7 @@ class InBlocks {
         }
   }
 
-  void keep(CellVolume volume, int first_lod, const std::array<std::int64_t, 3>& min) {
+  void keep(CellVolume volume, int first_lod, const Vec3i64& min) {
     if (volume.levels.empty()) return;
     hash_.resize(std::max(hash_.size(), std::size_t(first_lod) + volume.content_hash.size()));
     for (std::size_t l = 0; l < volume.content_hash.size(); ++l)
