@@ -8,6 +8,7 @@
 #include "core/base/host_device.h"
 #include "core/base/rules.h"
 #include "core/math/octahedral.h"
+#include "core/math/vec3.h"
 #include "kernels/body/mip/directional_coverage.h"
 #include "kernels/body/tables.h"
 #include "kernels/body/voxelize/resolve.h"
@@ -48,7 +49,7 @@ GB_HD Weights weights_of(const CoverageSums& seen, int edge, const std::uint32_t
 
 /// Normal of length 32767, as stored in Tables.
 struct UnitNormal {
-  std::int32_t c[3];
+  Vec3<std::int32_t> c;
 };
 
 GB_HD UnitNormal unit_normal_of(const std::int8_t normal[2], const Tables& tables) {
@@ -66,15 +67,13 @@ GB_HD UnitNormal unit_normal_of(const std::int8_t normal[2], const Tables& table
 /// Exact   Integers: the cosine is compared in units of 2^-26.
 GB_HD bool are_opposite(const UnitNormal& a, const UnitNormal& b) {
   constexpr std::int32_t limit = -47452977;  // cos 135° · 8191.75²
-  std::int32_t along = 0;
-  for (int k = 0; k < 3; ++k) along += (a.c[k] >> 2) * (b.c[k] >> 2);
-  return along <= limit;
+  return dot(a.c >> 2, b.c >> 2) <= limit;
 }
 
 /// Weighted sums of the linear colours and normals of children, and the sum of the weights.
 struct MipSums {
   std::uint32_t weight = 0, colour[3] = {};
-  std::int32_t normal[3] = {};
+  Vec3<std::int32_t> normal{};
 
   /// Adds a child `v` with unit normal `n` and weight `w` (0 … 255).
   GB_HD void add(const Voxel& v, const UnitNormal& n, std::uint32_t w, const Tables& tables) {
@@ -120,8 +119,7 @@ GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, Mip
 #endif
     UnitNormal n = unit_normal_of(children[c].normal, tables);
     if (sums.weight == 0) first = n;
-    if (by_view && are_opposite(n, first))
-      for (int k = 0; k < 3; ++k) n.c[k] = -n.c[k];
+    if (by_view && are_opposite(n, first)) n.c = n.c * -1;
     sums.add(children[c], n, w, tables);
     each(c, w, n);
   }

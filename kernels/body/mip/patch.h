@@ -11,6 +11,7 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
+#include "core/math/vec3.h"
 #include "kernels/body/mip/mip.h"
 #include "kernels/body/tables.h"
 #include "kernels/body/voxel.h"
@@ -19,7 +20,7 @@ namespace gigabake::kernels {
 
 /// Surface moments of one voxel. The struct has eight bytes, so that a GPU reads it with one load.
 struct alignas(8) SurfaceMoments {
-  std::int16_t place[3];          ///< mean position of the surface; position_unit is half an edge
+  Vec3<std::int16_t> place;       ///< mean position of the surface; position_unit is half an edge
   std::uint8_t spread;            ///< mean squared distance of the surface from its plane; 256 = 1, max 255
   std::uint8_t normal_coherence;  ///< 256 · length of the mean of its unit normals, minus 1
 };
@@ -31,21 +32,21 @@ inline constexpr std::int32_t position_unit = 1 << 14;
 
 /// Sums over the children of a voxel, each weighted by its visible coverage (Weights), as for colour.
 struct PatchSums {
-  std::int32_t weight = 0, place[3] = {}, normal[3] = {};
+  std::int32_t weight = 0;
+  Vec3<std::int32_t> place{}, normal{};
 
-  /// Returns the mean position of a child's surface along an axis, relative to the parent's centre. Half an edge of the
-  /// parent is 2·position_unit.
-  GB_HD static std::int32_t place_in_parent(const SurfaceMoments& patch, int child, int axis) {
-    return ((child >> axis & 1) != 0 ? position_unit : -position_unit) + patch.place[axis];
+  /// Returns the mean position of a child's surface, relative to the parent's centre. Half an edge of the parent is
+  /// 2·position_unit.
+  GB_HD static Vec3<std::int32_t> place_in_parent(const SurfaceMoments& patch, int child) {
+    return Vec3<std::int32_t>::by_axis(
+        [&](int axis) { return ((child >> axis & 1) != 0 ? position_unit : -position_unit) + patch.place[axis]; });
   }
 
   /// Adds a child with unit normal `n` and weight `w` (0 … 255).
   GB_HD void add(const SurfaceMoments& patch, int child, const UnitNormal& n, std::int32_t w) {
     weight += w;
-    for (int a = 0; a < 3; ++a) {
-      place[a] += w * place_in_parent(patch, child, a);
-      normal[a] += w * ((patch.normal_coherence + 1) * n.c[a] >> 8);
-    }
+    place += place_in_parent(patch, child) * w;
+    normal += (n.c * (patch.normal_coherence + 1) >> 8) * w;
   }
 
   /// Returns 2^31 / weight. All means multiply by it, so that there is only one division.
@@ -56,11 +57,10 @@ struct PatchSums {
   GB_HD SurfaceMoments patch(const UnitNormal& n) const {
     const std::int64_t by = by_weight();
     SurfaceMoments out{};
-    std::int32_t along = 0;
-    for (int a = 0; a < 3; ++a) {
-      out.place[a] = std::int16_t((place[a] * by + (std::int64_t(1) << 31)) >> 32);
-      along += std::int32_t(normal[a] * by >> 31) * n.c[a];  // below 2^30 by the Cauchy-Schwarz inequality
-    }
+    constexpr std::int64_t half = std::int64_t(1) << 31;
+    out.place = static_cast<Vec3<std::int16_t>>((static_cast<Vec3i64>(place) * by + Vec3i64::all(half)) >> 32);
+    const auto mean_normal = static_cast<Vec3<std::int32_t>>(static_cast<Vec3i64>(normal) * by >> 31);
+    const std::int32_t along = dot(mean_normal, n.c);       // below 2^30 by the Cauchy-Schwarz inequality
     const std::int32_t length = (along + (1 << 21)) >> 22;  // 256 = 1
     out.normal_coherence = std::uint8_t(length < 1 ? 0 : length - 1);
     return out;
@@ -71,10 +71,9 @@ struct PatchSums {
 /// of its position from the parent's plane. The value 65536 is the square of half a parent edge; the max is 4·65536.
 GB_HD std::int32_t spread_in_parent(const SurfaceMoments& of_child, int child, const SurfaceMoments& of_parent,
                                     const UnitNormal& n) {
-  std::int32_t off = 0;  // 2^22 = one half edge
-  for (int a = 0; a < 3; ++a)
-    off += (n.c[a] >> 3) * ((PatchSums::place_in_parent(of_child, child, a) / 2 - of_parent.place[a]) >> 4);
-  off >>= 14;
+  const Vec3<std::int32_t> apart =
+      PatchSums::place_in_parent(of_child, child) / 2 - static_cast<Vec3<std::int32_t>>(of_parent.place);
+  const std::int32_t off = dot(n.c >> 3, apart >> 4) >> 14;  // before the shift, 2^22 is one half edge
   return 64 * std::int32_t(of_child.spread) + off * off;
 }
 
@@ -84,7 +83,7 @@ GB_HD std::int32_t spread_in_parent(const SurfaceMoments& of_child, int child, c
 /// distance is therefore not part of the surface's spread.
 GB_HD std::int32_t spread_of_centres(const UnitNormal& n) {
   std::int32_t reach = 0;
-  for (int a = 0; a < 3; ++a) reach += n.c[a] < 0 ? -n.c[a] : n.c[a];
+  for (const std::int32_t x : n.c) reach += x < 0 ? -x : x;
   reach >>= 7;
   return reach * reach / 12;
 }

@@ -15,6 +15,7 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
+#include "core/math/vec3.h"
 
 namespace gigabake::kernels {
 
@@ -37,7 +38,7 @@ GB_HD bool is_fully_planar(std::uint8_t plane) { return (plane & 3) == max_coher
 
 /// Point on the octahedron |x| + |y| + |z| = 127.
 struct OctahedronPoint {
-  std::int32_t c[3];
+  Vec3<std::int32_t> c;
 };
 
 GB_HD OctahedronPoint octahedron_point(const std::int8_t normal[2]) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
+#include "core/math/vec3.h"
 #include "kernels/body/mip/patch.h"
 #include "kernels/body/mip/plane.h"
 
@@ -39,8 +40,7 @@ GB_HD Plane plane_of(const SurfaceMoments& patch, const std::int8_t normal[2], b
   const int coherence = coherence_of(patch);
   if (coherence == 0) return {};
   const OctahedronPoint n = octahedron_point(normal);
-  std::int32_t above = 0;
-  for (int a = 0; a < 3; ++a) above += n.c[a] * patch.place[a];
+  const std::int32_t above = dot(n.c, static_cast<Vec3<std::int32_t>>(patch.place));
   const std::int32_t step = is_finest ? 3 : 1, maximum = max_offset / step;
   const std::int32_t steps = rounded_ratio(above >> 4, 127 * (position_unit >> 4) * step / max_offset);
   return {step * (steps < -maximum ? -maximum : (steps > maximum ? maximum : steps)), coherence};
