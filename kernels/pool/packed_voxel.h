@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
+#include "core/math/vec3.h"
 
 namespace gigabake::kernels {
 
@@ -12,7 +13,7 @@ namespace gigabake::kernels {
 /// zero and need no special case. The other members locate the voxel's surface.
 struct CastVoxel {
   std::uint16_t c[6] = {};
-  std::int8_t normal[3] = {};  ///< the normal, scaled to the octahedron |x| + |y| + |z| = 127; 0, 0, 0: no normal
+  Vec3<std::int8_t> normal{};  ///< the normal, scaled to the octahedron |x| + |y| + |z| = 127; 0, 0, 0: no normal
   std::uint8_t plane = 0;      ///< code of kernels/body/mip/plane.h (0: no plane), or clear_plane
 };
 /// The value of CastVoxel::plane for a translucent voxel of lod 0, which has no plane.
@@ -58,9 +59,7 @@ GB_HD CastVoxel unpack_voxel(const PackedVoxel& packed) {
   const int x = std::int8_t(packed.word[2] >> 8 & 255), y = std::int8_t(packed.word[2] >> 16 & 255);
   if (x == no_normal) return voxel;
   const int z = 127 - (x < 0 ? -x : x) - (y < 0 ? -y : y);
-  voxel.normal[0] = std::int8_t(x);
-  voxel.normal[1] = std::int8_t(y);
-  voxel.normal[2] = std::int8_t((packed.word[2] >> 31) != 0 ? -z : z);
+  voxel.normal = {std::int8_t(x), std::int8_t(y), std::int8_t((packed.word[2] >> 31) != 0 ? -z : z)};
   return voxel;
 }
 
