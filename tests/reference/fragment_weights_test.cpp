@@ -29,8 +29,7 @@ std::map<Voxel, Weighed> weigh(const Triangle& t, const Window& brick) {
   WindowTriangle w{};
   for (int k = 0; k < 3; ++k)
     for (int r = 0; r < 3; ++r) w.p[k][r] = std::int32_t(t[k][r] - brick.min[r] * subvoxels);
-  const std::int32_t corner[3] = {0, 0, 0};
-  const auto b = make_brick_triangle<__int128>(w, corner);
+  const auto b = make_brick_triangle<__int128>(w, {0, 0, 0});
   std::uint64_t slab[8];
   touched_voxels(b, SurfaceRule::conservative, slab);
   const TrianglePlane plane = make_plane(b);

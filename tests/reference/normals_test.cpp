@@ -93,12 +93,12 @@ bool snapped(const PartArrays& part, WindowTriangle& out) {
   const CellWindow window = window_of(scene.parameters);
   std::uint32_t v[3];
   triangle_vertices(part, 0, v);
-  for (int i = 0; i < 3; ++i) std::copy_n(snap_vertex(window, part, v[i]).v, 3, out.p[i]);
+  for (int i = 0; i < 3; ++i) out.p[i] = snap_vertex(window, part, v[i]);
   out.part = out.index = 0;
   return kernels::has_area<std::int64_t>(out.p);
 }
 
-Direction as_direction(const std::int16_t n[3]) { return {double(n[0]), double(n[1]), double(n[2])}; }
+Direction as_direction(const Vec3<std::int16_t>& n) { return {double(n[0]), double(n[1]), double(n[2])}; }
 
 struct Shape {
   const char* name;
@@ -122,13 +122,9 @@ TEST(TriangleNormal, IsThatOfTheVerticesBeforeTheSnap) {
       const PartArrays arrays = arrays_of(part);
       WindowTriangle w;
       if (!snapped(arrays, w)) continue;
-      const std::int32_t corner[3] = {0, 0, 0};
-      const auto t = make_brick_triangle<std::int64_t>(w, corner);
-      std::int16_t normal[3], of_snapped[3];
-      triangle_normal(arrays, 0, t, normal);
-      snapped_normal(t, of_snapped);
-      worst = std::max(worst, angle_deg(as_direction(normal), exact_normal(part)));
-      worst_snapped = std::max(worst_snapped, angle_deg(as_direction(of_snapped), exact_normal(part)));
+      const auto t = make_brick_triangle<std::int64_t>(w, {0, 0, 0});
+      worst = std::max(worst, angle_deg(as_direction(triangle_normal(arrays, 0, t)), exact_normal(part)));
+      worst_snapped = std::max(worst_snapped, angle_deg(as_direction(snapped_normal(t)), exact_normal(part)));
     }
     EXPECT_LE(worst, normal_error_deg) << shape.name << ", seed " << seed;
     EXPECT_GE(worst_snapped, shape.snapped_deg) << shape.name << ": the test shows nothing; seed " << seed;
@@ -143,12 +139,8 @@ TEST(TriangleNormal, IsTheSnappedOneWhereTheSceneHasNoArea) {
   const PartArrays arrays = arrays_of(part);
   WindowTriangle w;
   ASSERT_TRUE(snapped(arrays, w));
-  const std::int32_t corner[3] = {0, 0, 0};
-  const auto t = make_brick_triangle<std::int64_t>(w, corner);
-  std::int16_t normal[3], of_snapped[3];
-  triangle_normal(arrays, 0, t, normal);
-  snapped_normal(t, of_snapped);
-  for (int c = 0; c < 3; ++c) EXPECT_EQ(normal[c], of_snapped[c]);
+  const auto t = make_brick_triangle<std::int64_t>(w, {0, 0, 0});
+  EXPECT_EQ(triangle_normal(arrays, 0, t), snapped_normal(t));
 }
 
 /// The normal does not depend on the brick, the width of integers or the snapped vertices.
@@ -160,12 +152,10 @@ TEST(TriangleNormal, HasTheSameBitsFromWhereverItIsAskedFor) {
     const PartArrays arrays = arrays_of(part);
     WindowTriangle w;
     if (!snapped(arrays, w)) continue;
-    const std::int32_t here[3] = {0, 0, 0}, there[3] = {2048, -2048, 4096};
-    std::int16_t normal[3][3];
-    triangle_normal(arrays, 0, make_brick_triangle<std::int32_t, double>(w, here), normal[0]);
-    triangle_normal(arrays, 0, make_brick_triangle<std::int64_t>(w, there), normal[1]);
-    triangle_normal(arrays, 0, make_brick_triangle<__int128>(w, there), normal[2]);
-    for (int k = 0; k < 9; ++k) ASSERT_EQ(normal[k / 3][k % 3], normal[0][k % 3]) << "seed " << seed;
+    const Vec3<std::int32_t> here{0, 0, 0}, there{2048, -2048, 4096};
+    const auto normal = triangle_normal(arrays, 0, make_brick_triangle<std::int32_t, double>(w, here));
+    ASSERT_EQ(triangle_normal(arrays, 0, make_brick_triangle<std::int64_t>(w, there)), normal) << "seed " << seed;
+    ASSERT_EQ(triangle_normal(arrays, 0, make_brick_triangle<__int128>(w, there)), normal) << "seed " << seed;
   }
 }
 

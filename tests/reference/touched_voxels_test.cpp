@@ -16,8 +16,7 @@ std::set<Voxel> touched(const Triangle& t, SurfaceRule rule, const Window& brick
   WindowTriangle w{};
   for (int k = 0; k < 3; ++k)
     for (int r = 0; r < 3; ++r) w.p[k][r] = std::int32_t(t[k][r] - brick.min[r] * subvoxels);
-  const std::int32_t corner[3] = {0, 0, 0};
-  const BrickTriangle<I> b = make_brick_triangle<I>(w, corner);
+  const BrickTriangle<I> b = make_brick_triangle<I>(w, {0, 0, 0});
   std::uint64_t slab[8];
   touched_voxels(b, rule, slab);
   std::set<Voxel> out;

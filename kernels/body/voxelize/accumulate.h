@@ -4,20 +4,21 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
+#include "core/math/vec3.h"
 
 namespace gigabake::kernels {
 
 /// One triangle's contribution to one voxel.
 struct Fragment {
-  std::int64_t weight;     ///< area, 2^-36 voxel², ≥ 1
-  std::uint16_t alpha;     ///< 65535 = opaque: the voxel is then opaque, whatever else it contains
-  std::int64_t colour[3];  ///< weight · linear, premultiplied colour, 0 … 65535 · weight
-  std::int16_t normal[3];  ///< unit length 32767
+  std::int64_t weight;        ///< area, 2^-36 voxel², ≥ 1
+  std::uint16_t alpha;        ///< 65535 = opaque: the voxel is then opaque, whatever else it contains
+  std::int64_t colour[3];     ///< weight · linear, premultiplied colour, 0 … 65535 · weight
+  Vec3<std::int16_t> normal;  ///< unit length 32767
 };
 
 /// Returns a fragment of one colour. `rgba` is linear and premultiplied; 65535 = 1.
-GB_HD Fragment fragment_of_colour(std::int64_t weight, const std::uint16_t rgba[4], const std::int16_t normal[3]) {
-  return {weight, rgba[3], {weight * rgba[0], weight * rgba[1], weight * rgba[2]}, {normal[0], normal[1], normal[2]}};
+GB_HD Fragment fragment_of_colour(std::int64_t weight, const std::uint16_t rgba[4], const Vec3<std::int16_t>& normal) {
+  return {weight, rgba[3], {weight * rgba[0], weight * rgba[1], weight * rgba[2]}, normal};
 }
 
 /// Channels of an accumulator. The last two are not needed if all fragments are opaque. `sum_clear` is the sum of

@@ -12,6 +12,7 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
+#include "core/math/vec3.h"
 #include "kernels/body/mip/plane.h"
 #include "kernels/body/tables.h"
 #include "kernels/body/voxel.h"
@@ -23,7 +24,7 @@ namespace gigabake::kernels {
 struct AxisCoverage {
   std::uint32_t along[3][2] = {};
 
-  GB_HD void add(int c, const std::uint32_t coverage[3]) {
+  GB_HD void add(int c, const Vec3<std::uint32_t>& coverage) {
     for (int a = 0; a < 3; ++a) along[a][c / 4] |= coverage[a] << 8 * (c % 4);
   }
 };
@@ -36,13 +37,12 @@ GB_HD std::uint32_t planar_coverage(std::uint32_t alpha, std::int32_t normal_com
 /// Returns true if alpha is 255. `rgba` is packed by pack_rgba().
 GB_HD bool is_opaque(std::uint32_t rgba) { return rgba >> 24 == 255; }
 
-/// Computes the coverage of an existing lod-0 voxel along each axis. Without normals it is equal along all axes.
-GB_HD void coverage_of_finest(const Voxel& voxel, bool has_normals, const Tables& tables, std::uint32_t coverage[3]) {
+/// Returns the coverage of an existing lod-0 voxel along each axis. Without normals it is equal along all axes.
+GB_HD Vec3<std::uint32_t> coverage_of_finest(const Voxel& voxel, bool has_normals, const Tables& tables) {
   const std::uint32_t alpha = voxel.rgba[3];
-  for (int a = 0; a < 3; ++a) coverage[a] = alpha;
-  if (alpha == 255 || !has_normals) return;
+  if (alpha == 255 || !has_normals) return Vec3<std::uint32_t>::all(alpha);
   const OctahedronPoint n = octahedron_point(voxel.normal);
-  for (int a = 0; a < 3; ++a) coverage[a] = planar_coverage(alpha, n.c[a], tables);
+  return Vec3<std::uint32_t>::by_axis([&](int a) { return planar_coverage(alpha, n.c[a], tables); });
 }
 
 }  // namespace gigabake::kernels

@@ -13,6 +13,7 @@
 
 #include "core/base/host_device.h"
 #include "core/base/rules.h"
+#include "core/math/vec3.h"
 #include "core/octree/brick.h"
 
 namespace gigabake::kernels {
@@ -28,7 +29,7 @@ inline constexpr std::int64_t max_coordinate = 1 << 30;
 
 /// A snapped triangle, relative to its window's lowest corner, in sub-voxels.
 struct WindowTriangle {
-  std::int32_t p[3][3];
+  Vec3<std::int32_t> p[3];
   std::uint32_t part;   ///< index into CellInput::parts
   std::uint32_t index;  ///< triangle of that part
 };
@@ -36,9 +37,9 @@ struct WindowTriangle {
 /// Triangle in brick space. N is the type of the normal's components; double is exact if std::int64_t suffices.
 template <class I, class N = I>
 struct BrickTriangle {
-  I p[3][3];  ///< [vertex][u, v, w]
-  N n[3];     ///< (p1-p0) × (p2-p0); |n[2]| is the max component and not zero
-  int axis;   ///< which of x, y, z is w; u = (axis+1)%3, v = (axis+2)%3
+  Vec3<I> p[3];  ///< vertices in (u, v, w)
+  Vec3<N> n;     ///< (p1-p0) × (p2-p0); |n[2]| is the max component and not zero
+  int axis;      ///< which of x, y, z is w; u = (axis+1)%3, v = (axis+2)%3
 };
 
 /// Integer type of values of the plane equation.
@@ -81,39 +82,34 @@ GB_HD I larger(I a, I b) {
   return a < b ? b : a;
 }
 
-/// Returns component c of (u, v, w), where w is `axis`. All callers pass a constant c, so nothing is indexed at run
-/// time.
+/// Returns (u, v, w) of (x, y, z), where w is `axis`. Components are selected by comparisons, so that a device indexes
+/// nothing at run time.
 template <class T>
-GB_HD T permuted(const T xyz[3], int axis, int c) {
-  return axis == 2 ? xyz[c] : (axis == 1 ? xyz[(c + 2) % 3] : xyz[(c + 1) % 3]);
+GB_HD Vec3<T> permuted(const Vec3<T>& xyz, int axis) {
+  return Vec3<T>::by_axis(
+      [&](int c) { return axis == 2 ? xyz[c] : (axis == 1 ? xyz[(c + 2) % 3] : xyz[(c + 1) % 3]); });
 }
 
-/// Returns component c of (x, y, z); the inverse of permuted().
+/// Returns (x, y, z) of (u, v, w); the inverse of permuted().
 template <class T>
-GB_HD T unpermuted(const T uvw[3], int axis, int c) {
-  return axis == 2 ? uvw[c] : (axis == 1 ? uvw[(c + 1) % 3] : uvw[(c + 2) % 3]);
+GB_HD Vec3<T> unpermuted(const Vec3<T>& uvw, int axis) {
+  return Vec3<T>::by_axis(
+      [&](int c) { return axis == 2 ? uvw[c] : (axis == 1 ? uvw[(c + 1) % 3] : uvw[(c + 2) % 3]); });
 }
 
 /// Converts a triangle to brick space. `corner` is the brick's lowest corner in window sub-voxels. The triangle must
 /// have area; classify_triangle() drops triangles without area.
 template <class I, class N = I>
-GB_HD BrickTriangle<I, N> make_brick_triangle(const WindowTriangle& t, const std::int32_t corner[3]) {
-  using D = typename Coordinate<I>::type;
-  D q[3][3];
-  N n[3];
-  for (int i = 0; i < 3; ++i)
-    for (int c = 0; c < 3; ++c) q[i][c] = D(t.p[i][c]) - D(corner[c]);
-  for (int c = 0; c < 3; ++c) {
-    const int a = (c + 1) % 3, b = (c + 2) % 3;
-    n[c] = N(q[1][a] - q[0][a]) * N(q[2][b] - q[0][b]) - N(q[1][b] - q[0][b]) * N(q[2][a] - q[0][a]);
-  }
-  const N m[3] = {n[0] < 0 ? -n[0] : n[0], n[1] < 0 ? -n[1] : n[1], n[2] < 0 ? -n[2] : n[2]};
+GB_HD BrickTriangle<I, N> make_brick_triangle(const WindowTriangle& t, const Vec3<std::int32_t>& corner) {
+  using D = Vec3<typename Coordinate<I>::type>;
+  D q[3];
+  for (int i = 0; i < 3; ++i) q[i] = static_cast<D>(t.p[i]) - static_cast<D>(corner);
+  const auto n = cross(static_cast<Vec3<N>>(q[1] - q[0]), static_cast<Vec3<N>>(q[2] - q[0]));
+  const auto m = Vec3<N>::by_axis([&](int c) { return n[c] < 0 ? -n[c] : n[c]; });
   BrickTriangle<I, N> r;
   r.axis = m[2] >= m[1] ? (m[2] >= m[0] ? 2 : 0) : (m[1] >= m[0] ? 1 : 0);
-  for (int c = 0; c < 3; ++c) {
-    for (int i = 0; i < 3; ++i) r.p[i][c] = I(permuted(q[i], r.axis, c));
-    r.n[c] = permuted(n, r.axis, c);
-  }
+  for (int i = 0; i < 3; ++i) r.p[i] = static_cast<Vec3<I>>(permuted(q[i], r.axis));
+  r.n = permuted(n, r.axis);
   return r;
 }
 

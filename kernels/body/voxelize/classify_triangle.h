@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
+#include "core/math/vec3.h"
 #include "kernels/body/cell.h"
 #include "kernels/body/voxelize/brick_triangle.h"
 #include "kernels/body/voxelize/part.h"
@@ -14,10 +15,8 @@
 
 namespace gigabake::kernels {
 
-/// Snapped vertex. v[0] holds a special value if the vertex could not be snapped.
-struct SnappedVertex {
-  std::int32_t v[3];
-};
+/// Snapped vertex. Its first component holds a special value if the vertex could not be snapped.
+using SnappedVertex = Vec3<std::int32_t>;
 inline constexpr std::int32_t not_finite = INT32_MIN;        ///< NaN, infinite or off the lattice
 inline constexpr std::int32_t out_of_reach = INT32_MIN + 1;  ///< beyond max_coordinate
 
@@ -48,23 +47,19 @@ void add_to(CellStats& stats, const TriangleCounts<Count>& counts) {
 
 GB_HD SnappedVertex snap_vertex(const SnapWindow& window, const PartArrays& part, std::uint32_t vertex) {
   LatticePoint p;
-  if (!snap(window.frame, part.scene_from_local, part.position + 3 * std::size_t(vertex), p))
-    return {{not_finite, 0, 0}};
-  SnappedVertex s;
+  if (!snap(window.frame, part.scene_from_local, part.position + 3 * std::size_t(vertex), p)) return {not_finite, 0, 0};
+  const Vec3i64 at = p.v - window.min * subvoxels;
   bool is_far = false;
-  for (int c = 0; c < 3; ++c) {
-    const std::int64_t x = p.v[c] - window.min[c] * subvoxels;
-    is_far |= x > max_coordinate || x < -max_coordinate;
-    s.v[c] = std::int32_t(x);
-  }
-  if (is_far) s.v[0] = out_of_reach;
+  for (const std::int64_t x : at) is_far |= x > max_coordinate || x < -max_coordinate;
+  auto s = static_cast<SnappedVertex>(at);
+  if (is_far) s[0] = out_of_reach;
   return s;
 }
 
 /// Returns true if the triangle has area. Wide is an integer type that holds the product of two differences of
 /// coordinates.
-template <class Wide, class Corner>
-GB_HD bool has_area(const Corner p[3]) {
+template <class Wide, class T>
+GB_HD bool has_area(const Vec3<T> p[3]) {
   for (int k = 0; k < 3; ++k) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     const Wide bi = Wide(p[1][i]) - p[0][i], bj = Wide(p[1][j]) - p[0][j];
@@ -77,7 +72,7 @@ GB_HD bool has_area(const Corner p[3]) {
 /// Returns true if the triangle's bounding box intersects the closed window, whose edge has `edge` sub-voxels. Other
 /// triangles occupy no voxel of the window under any surface rule.
 template <class T>
-GB_HD bool intersects_window(const T p[3][3], std::int64_t edge) {
+GB_HD bool intersects_window(const Vec3<T> p[3], std::int64_t edge) {
   for (int c = 0; c < 3; ++c) {
     const std::int64_t a = p[0][c], b = p[1][c], d = p[2][c];
     if (smaller(smaller(a, b), d) > edge || larger(larger(a, b), d) < 0) return false;
@@ -87,11 +82,11 @@ GB_HD bool intersects_window(const T p[3][3], std::int64_t edge) {
 
 /// Classifies a triangle with a vertex beyond max_coordinate. Its vertices are snapped again, into wider integers.
 GB_HD TriangleClass classify_far_triangle(const CellWindow& window, const PartArrays& part, const std::uint32_t v[3]) {
-  std::int64_t p[3][3];
+  Vec3i64 p[3];
   for (int i = 0; i < 3; ++i) {
     LatticePoint vertex{};
     snap(window.frame, part.scene_from_local, part.position + 3 * std::size_t(v[i]), vertex);
-    for (int c = 0; c < 3; ++c) p[i][c] = vertex.v[c] - window.min[c] * subvoxels;
+    p[i] = vertex.v - window.min * subvoxels;
   }
   if (!intersects_window(p, window.edge)) return TriangleClass::elsewhere;
   return has_area<__int128>(p) ? TriangleClass::oversized : TriangleClass::zero_area;
@@ -99,7 +94,7 @@ GB_HD TriangleClass classify_far_triangle(const CellWindow& window, const PartAr
 
 /// Classifies a triangle. `v` holds the indices of its vertices, and `p` the results of snap_vertex() for them.
 GB_HD TriangleClass classify_triangle(const CellWindow& window, const PartArrays& part, const std::uint32_t v[3],
-                                      const std::int32_t p[3][3]) {
+                                      const SnappedVertex p[3]) {
   bool is_far = false;
   for (int i = 0; i < 3; ++i) {
     if (p[i][0] == not_finite) return TriangleClass::non_finite;

@@ -16,6 +16,7 @@
 
 #include "core/base/host_device.h"
 #include "core/math/rounding.h"
+#include "core/math/vec3.h"
 #include "core/octree/brick.h"
 #include "kernels/body/voxelize/brick_triangle.h"
 
@@ -38,7 +39,7 @@ struct SlabPolygon {
 /// Values that all voxels of a triangle share.
 struct TrianglePlane {
   double u[3], v[3], w[3];    ///< vertices in voxels from the anchor
-  std::int64_t anchor[3];     ///< (u, v, w) voxel of the lowest corner, relative to the brick
+  Vec3i64 anchor;             ///< (u, v, w) voxel of the lowest corner, relative to the brick
   double inverse_twice_area;  ///< 1 / (2 · projected area), signed; computed from the exact normal, because products
                               ///< of u and v would lose it to rounding on long slivers
   double weight_scale;        ///< weight per projected (u, v) area, signed: makes clockwise areas positive
@@ -64,12 +65,14 @@ template <class I, class N>
 GB_HD TrianglePlane make_plane(const BrickTriangle<I, N>& t) {
   using D = typename Coordinate<I>::type;
   TrianglePlane r;
-  double* out[3] = {r.u, r.v, r.w};
-  for (int c = 0; c < 3; ++c) {
-    const I lo = smaller(smaller(t.p[0][c], t.p[1][c]), t.p[2][c]);
-    const I anchor = floor_voxel(lo);
-    r.anchor[c] = std::int64_t(anchor);
-    for (int i = 0; i < 3; ++i) out[c][i] = double(D(t.p[i][c] - anchor * subvoxels)) / double(subvoxels);
+  const Vec3<I> anchor = min_by_axis(min_by_axis(t.p[0], t.p[1]), t.p[2]) >> subvoxel_bits;
+  r.anchor = static_cast<Vec3i64>(anchor);
+  for (int i = 0; i < 3; ++i) {
+    const auto from_anchor = static_cast<Vec3<D>>(t.p[i] - anchor * I(subvoxels));
+    const Vec3d p = static_cast<Vec3d>(from_anchor) / double(subvoxels);
+    r.u[i] = p[0];
+    r.v[i] = p[1];
+    r.w[i] = p[2];
   }
   const double nu = double(t.n[0]), nv = double(t.n[1]), nw = double(t.n[2]), inverse = 1 / nw;
   r.inverse_twice_area = double(subvoxels * subvoxels) * inverse;

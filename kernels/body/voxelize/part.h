@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
+#include "core/math/vec3.h"
 #include "kernels/body/cell.h"
 #include "kernels/body/voxelize/surface.h"
 
@@ -56,39 +57,34 @@ GB_HD void triangle_vertices(const PartArrays& part, std::uint32_t triangle, std
 }
 
 /// Returns the vector between two of the part's vertices, in scene axes.
-GB_HD void scene_edge(const PartArrays& part, std::uint32_t from, std::uint32_t to, double edge[3]) {
+GB_HD Vec3d scene_edge(const PartArrays& part, std::uint32_t from, std::uint32_t to) {
   const float *p = part.position + 3 * std::size_t(from), *q = part.position + 3 * std::size_t(to);
-  const double x = double(q[0]) - double(p[0]), y = double(q[1]) - double(p[1]), z = double(q[2]) - double(p[2]);
-  for (int r = 0; r < 3; ++r) {
+  const Vec3d local{double(q[0]) - double(p[0]), double(q[1]) - double(p[1]), double(q[2]) - double(p[2])};
+  return Vec3d::by_axis([&](int r) {
     const double* m = part.scene_from_local + 4 * r;
-    edge[r] = (m[0] * x + m[1] * y) + m[2] * z;
-  }
+    return dot(Vec3d{m[0], m[1], m[2]}, local);
+  });
 }
 
 /// Min sine of the angle between a triangle's edges. Below it, the computed area is only rounding error.
 inline constexpr double min_sine = 1.0 / (std::int64_t(1) << 40);
 
-/// Computes the unit normal of a triangle in scene axes; its length is 32767 and its sign follows the winding. It is
+/// Returns the unit normal of a triangle in scene axes; its length is 32767 and its sign follows the winding. It is
 /// computed from the unsnapped vertices. If their area is only rounding error, it is computed from the snapped triangle
 /// `t`.
 ///
 /// Exact   The error is at most 0.06 degrees, also for slivers, unless the part's matrix flattens the triangle by
 ///         shear.
 template <class I, class N>
-GB_HD void triangle_normal(const PartArrays& part, std::uint32_t triangle, const BrickTriangle<I, N>& t,
-                           std::int16_t normal[3]) {
+GB_HD Vec3<std::int16_t> triangle_normal(const PartArrays& part, std::uint32_t triangle, const BrickTriangle<I, N>& t) {
   std::uint32_t v[3];
   triangle_vertices(part, triangle, v);
-  double a[3], b[3];
-  scene_edge(part, v[0], v[1], a);
-  scene_edge(part, v[0], v[2], b);
-  const double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+  const Vec3d a = scene_edge(part, v[0], v[1]), b = scene_edge(part, v[0], v[2]), n = cross(a, b);
   constexpr double minimum = 1e-280, maximum = 1e280;  // squares in this range are finite and exceed rounding errors
   const double squared = dot(n, n);
   if (squared > minimum && squared < maximum && squared > min_sine * min_sine * (dot(a, a) * dot(b, b)))
-    scale_to_unit(n, normal);
-  else
-    snapped_normal(t, normal);
+    return scale_to_unit(n);
+  return snapped_normal(t);
 }
 
 /// Loads the texture coordinates of the triangle's vertices. If one of them is unusable, returns false and zeros. The

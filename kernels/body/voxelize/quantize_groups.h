@@ -8,6 +8,7 @@
 
 #include "core/codec/shared_value.h"
 #include "core/math/octahedral.h"
+#include "core/math/vec3.h"
 #include "kernels/body/tables.h"
 #include "kernels/body/voxel.h"
 
@@ -57,21 +58,19 @@ struct CodeRange {
 
 /// Range of the normals of a sharing unit.
 struct NormalRange {
-  std::int16_t low[3] = {32767, 32767, 32767}, high[3] = {-32767, -32767, -32767};
+  Vec3<std::int16_t> low = Vec3<std::int16_t>::all(32767), high = Vec3<std::int16_t>::all(-32767);
   std::uint16_t value = 0;  ///< the common normal, packed by pack_normal()
   bool fits = true;
 
-  GB_HD void add(const std::int16_t* unit) {
-    for (int a = 0; a < 3; ++a) {
+  GB_HD void add(const Vec3<std::int16_t>& unit) {
+    for (int a = 0; a < 3; ++a) {  // Assigning whole vectors would cost a device 16 more registers.
       low[a] = unit[a] < low[a] ? unit[a] : low[a];
       high[a] = unit[a] > high[a] ? unit[a] : high[a];
     }
   }
   GB_HD void join(const NormalRange& of) {
-    for (int a = 0; a < 3; ++a) {
-      low[a] = of.low[a] < low[a] ? of.low[a] : low[a];
-      high[a] = of.high[a] > high[a] ? of.high[a] : high[a];
-    }
+    low = min_by_axis(low, of.low);
+    high = max_by_axis(high, of.high);
   }
   /// Sets `value` to the direction of the centre of the range's box.
   GB_HD void choose() {
@@ -82,11 +81,10 @@ struct NormalRange {
 };
 
 /// Returns true if the unit vectors satisfy |a − b| ≤ 2·codes/255.
-GB_HD bool within_chord(const std::int16_t* a, const std::int16_t* b, std::uint32_t codes) {
-  std::int64_t squared = 0;
-  for (int c = 0; c < 3; ++c) squared += std::int64_t(a[c] - b[c]) * (a[c] - b[c]);
+GB_HD bool within_chord(const Vec3<std::int16_t>& a, const Vec3<std::int16_t>& b, std::uint32_t codes) {
+  const auto apart = static_cast<Vec3i64>(static_cast<Vec3<std::int32_t>>(a) - static_cast<Vec3<std::int32_t>>(b));
   const std::int64_t bound = std::int64_t(2) * codes * 32767;
-  return squared * (255 * 255) <= bound * bound;
+  return dot(apart, apart) * (255 * 255) <= bound * bound;
 }
 
 }  // namespace gigabake::kernels

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "core/base/rules.h"
+#include "core/math/vec3.h"
 #include "kernels/body/texture/nearest_texture.h"
 #include "kernels/body/texture/shade.h"
 #include "kernels/body/voxelize/accumulate.h"
@@ -33,7 +34,7 @@ struct Surface {
   TextureMap map{};
   std::uint16_t vertex_rgba[3][4] = {};
   bool has_vertex_rgba = false;
-  std::int16_t normal[3] = {};
+  Vec3<std::int16_t> normal{};
 
   GB_HD bool is_opaque() const { return material.alpha_mode == AlphaMode::opaque; }
   GB_HD ShadingRate look() const {
@@ -48,21 +49,16 @@ GB_HD bool usable_uv(const float uv[6]) {
   return true;
 }
 
-GB_HD double dot(const double a[3], const double b[3]) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
-
-/// Scales n to unit length, which is 32767.
-GB_HD void scale_to_unit(const double n[3], std::int16_t unit[3]) {
+/// Returns n, scaled to unit length, which is 32767.
+GB_HD Vec3<std::int16_t> scale_to_unit(const Vec3d& n) {
   const double scale = 32767 / std::sqrt(dot(n, n));
-  for (int c = 0; c < 3; ++c) unit[c] = std::int16_t(floor_to_int32(n[c] * scale + 0.5));
+  return Vec3<std::int16_t>::by_axis([&](int c) { return std::int16_t(floor_to_int32(n[c] * scale + 0.5)); });
 }
 
-/// Computes the unit normal of a snapped triangle in scene axes; its sign follows the winding.
+/// Returns the unit normal of a snapped triangle in scene axes; its sign follows the winding.
 template <class I, class N>
-GB_HD void snapped_normal(const BrickTriangle<I, N>& t, std::int16_t normal[3]) {
-  const double n[3] = {double(t.n[0]), double(t.n[1]), double(t.n[2])};
-  std::int16_t unit[3];
-  scale_to_unit(n, unit);
-  for (int c = 0; c < 3; ++c) normal[c] = unpermuted(unit, t.axis, c);
+GB_HD Vec3<std::int16_t> snapped_normal(const BrickTriangle<I, N>& t) {
+  return unpermuted(scale_to_unit(static_cast<Vec3d>(t.n)), t.axis);
 }
 
 struct Barycentric {
@@ -211,8 +207,8 @@ GB_HD std::uint16_t colour_near(const LinearColour& l, int c, double u, double v
 }
 
 GB_HD Fragment linear_fragment(const LinearColour& l, double u, double v, const CellMoments& m, double weight_scale,
-                               const std::int16_t normal[3]) {
-  Fragment f{weight_of(m.area, weight_scale), 65535, {0, 0, 0}, {normal[0], normal[1], normal[2]}};
+                               const Vec3<std::int16_t>& normal) {
+  Fragment f{weight_of(m.area, weight_scale), 65535, {0, 0, 0}, normal};
   if (!has_centroid(m.area)) {
     for (int c = 0; c < 3; ++c) f.colour[c] = f.weight * colour_near(l, c, u, v, weight_scale);
     return f;

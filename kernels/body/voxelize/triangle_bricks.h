@@ -7,6 +7,8 @@
 
 #include "core/base/host_device.h"
 #include "core/base/rules.h"
+#include "core/math/box3.h"
+#include "core/math/vec3.h"
 #include "core/octree/morton.h"
 #include "kernels/body/voxelize/brick_triangle.h"
 #include "kernels/body/voxelize/window.h"
@@ -19,16 +21,12 @@ inline constexpr int brick_subvoxel_bits = 11;  ///< 8 voxels · 256
 inline constexpr int max_direct_bricks = 8;
 
 /// Returns a brick's lowest corner, in window sub-voxels.
-GB_HD void brick_corner(std::uint64_t key, std::int32_t corner[3]) {
-  const BrickCoordinate at = demorton(key);
-  corner[0] = std::int32_t(at.x) << brick_subvoxel_bits;
-  corner[1] = std::int32_t(at.y) << brick_subvoxel_bits;
-  corner[2] = std::int32_t(at.z) << brick_subvoxel_bits;
+GB_HD Vec3<std::int32_t> brick_corner(std::uint64_t key) {
+  return static_cast<Vec3<std::int32_t>>(demorton(key)) << brick_subvoxel_bits;
 }
 
-struct BrickBox {
-  std::int32_t first[3], last[3];  ///< inclusive
-};
+/// A box of bricks, in bricks from the window's lowest corner.
+using BrickBox = Box3<std::int32_t>;
 
 /// Computes the bricks of the triangle's bounding box inside the window. Returns false if there are none.
 GB_HD bool brick_box(const WindowTriangle& t, SurfaceRule rule, std::int32_t window_bricks, BrickBox& box) {
@@ -36,24 +34,24 @@ GB_HD bool brick_box(const WindowTriangle& t, SurfaceRule rule, std::int32_t win
     const std::int32_t lo = smaller(smaller(t.p[0][c], t.p[1][c]), t.p[2][c]);
     const std::int32_t hi = larger(larger(t.p[0][c], t.p[1][c]), t.p[2][c]);
     const bool closed = rule != SurfaceRule::area;
-    box.first[c] = larger((closed ? lo - 1 : lo) >> brick_subvoxel_bits, 0);
-    box.last[c] = smaller((closed || hi == lo ? hi : hi - 1) >> brick_subvoxel_bits, window_bricks - 1);
-    if (box.first[c] > box.last[c]) return false;
+    box.min[c] = larger((closed ? lo - 1 : lo) >> brick_subvoxel_bits, 0);
+    box.end[c] = smaller((closed || hi == lo ? hi : hi - 1) >> brick_subvoxel_bits, window_bricks - 1) + 1;
+    if (box.min[c] >= box.end[c]) return false;
   }
   return true;
 }
 
 GB_HD std::int64_t brick_count(const BrickBox& box) {
-  return (std::int64_t(box.last[0]) - box.first[0] + 1) * (box.last[1] - box.first[1] + 1) *
-         (box.last[2] - box.first[2] + 1);
+  const Vec3<std::int32_t> size = box.size();
+  return std::int64_t(size[0]) * size[1] * size[2];
 }
 
 /// Calls visit(key) for every brick of the box.
 template <class Visit>
 GB_HD void for_each_key(const BrickBox& box, const Visit& visit) {
-  for (std::int32_t z = box.first[2]; z <= box.last[2]; ++z)
-    for (std::int32_t y = box.first[1]; y <= box.last[1]; ++y)
-      for (std::int32_t x = box.first[0]; x <= box.last[0]; ++x)
+  for (std::int32_t z = box.min[2]; z < box.end[2]; ++z)
+    for (std::int32_t y = box.min[1]; y < box.end[1]; ++y)
+      for (std::int32_t x = box.min[0]; x < box.end[0]; ++x)
         visit(morton(std::uint32_t(x), std::uint32_t(y), std::uint32_t(z)));
 }
 
@@ -61,15 +59,14 @@ GB_HD void for_each_key(const BrickBox& box, const Visit& visit) {
 /// edge axes; the caller has already compared the boxes.
 /// Source  Akenine-Möller 2001.
 template <class I>
-GB_HD bool intersects_cube(const WindowTriangle& t, const std::int64_t corner[3], std::int64_t edge) {
-  I p[3][3], n[3];
-  for (int i = 0; i < 3; ++i)
-    for (int c = 0; c < 3; ++c) p[i][c] = I(t.p[i][c]) - I(corner[c]);
-  I plane = 0, low = 0, high = 0;
+GB_HD bool intersects_cube(const WindowTriangle& t, const Vec3i64& corner, std::int64_t edge) {
+  using V = Vec3<I>;
+  V p[3];
+  for (int i = 0; i < 3; ++i) p[i] = static_cast<V>(t.p[i]) - static_cast<V>(corner);
+  const V n = cross(p[1] - p[0], p[2] - p[0]);
+  const I plane = -dot(n, p[0]);
+  I low = 0, high = 0;
   for (int c = 0; c < 3; ++c) {
-    const int a = (c + 1) % 3, b = (c + 2) % 3;
-    n[c] = (p[1][a] - p[0][a]) * (p[2][b] - p[0][b]) - (p[1][b] - p[0][b]) * (p[2][a] - p[0][a]);
-    plane -= n[c] * p[0][c];
     low += smaller<I>(n[c] * edge, 0);
     high += larger<I>(n[c] * edge, 0);
   }
@@ -105,31 +102,25 @@ GB_HD auto with_integer_for(const WindowTriangle& t, const Visit& visit) {
 
 /// Returns true if the triangle may touch an octree node of 2^level bricks per axis. `box` is the triangle's
 /// brick_box(). If `narrow`, 64-bit integers suffice for the test.
-GB_HD bool may_touch_node(const WindowTriangle& t, const BrickBox& box, bool narrow, const std::int32_t node[3],
+GB_HD bool may_touch_node(const WindowTriangle& t, const BrickBox& box, bool narrow, const Vec3<std::int32_t>& node,
                           int level) {
   const std::int64_t edge = std::int64_t(1) << (brick_subvoxel_bits + level);
-  std::int64_t corner[3];
-  for (int c = 0; c < 3; ++c) {
-    if ((node[c] << level) > box.last[c] || ((node[c] + 1) << level) <= box.first[c]) return false;
-    corner[c] = node[c] * edge;
-  }
+  if (!box.overlaps({node << level, (node + Vec3<std::int32_t>::all(1)) << level})) return false;
+  const Vec3i64 corner = static_cast<Vec3i64>(node) * edge;
   return narrow ? intersects_cube<std::int64_t>(t, corner, edge) : intersects_cube<__int128>(t, corner, edge);
 }
 
 /// Calls visit(key) for the bricks below an octree node that the triangle may touch. Level 0 is a brick.
 template <class Visit>
-void descend(const WindowTriangle& t, const BrickBox& box, bool narrow, const std::int32_t node[3], int level,
+void descend(const WindowTriangle& t, const BrickBox& box, bool narrow, const Vec3<std::int32_t>& node, int level,
              const Visit& visit) {
   if (!may_touch_node(t, box, narrow, node, level)) return;
   if (level == 0) {
     visit(morton(std::uint32_t(node[0]), std::uint32_t(node[1]), std::uint32_t(node[2])));
     return;
   }
-  for (int child = 0; child < 8; ++child) {
-    const std::int32_t next[3] = {node[0] * 2 + (child & 1), node[1] * 2 + (child >> 1 & 1),
-                                  node[2] * 2 + (child >> 2)};
-    descend(t, box, narrow, next, level - 1, visit);
-  }
+  for (int child = 0; child < 8; ++child)
+    descend(t, box, narrow, node * 2 + Vec3<std::int32_t>{child & 1, child >> 1 & 1, child >> 2}, level - 1, visit);
 }
 
 /// Calls visit(key) for every brick of the window that the triangle may touch.
@@ -138,8 +129,7 @@ void for_each_brick(const WindowTriangle& t, const CellWindow& window, const Vis
   BrickBox box;
   if (!brick_box(t, window.rule, window.bricks, box)) return;
   if (brick_count(box) <= max_direct_bricks) return for_each_key(box, visit);
-  const std::int32_t root[3] = {0, 0, 0};
-  descend(t, box, is_narrow(t), root, window.levels, visit);
+  descend(t, box, is_narrow(t), Vec3<std::int32_t>::all(0), window.levels, visit);
 }
 
 }  // namespace gigabake::kernels

@@ -65,11 +65,7 @@ struct ChildRasters {
 
 CoverageSums see_finest(const Children& children, bool has_normals, const Tables& tables, std::uint32_t* raster) {
   AxisCoverage all;
-  for (int c = 0; c < 8; ++c) {
-    std::uint32_t coverage[3];
-    coverage_of_finest(children.voxel[c], has_normals, tables, coverage);
-    all.add(c, coverage);
-  }
+  for (int c = 0; c < 8; ++c) all.add(c, coverage_of_finest(children.voxel[c], has_normals, tables));
   return see_voxels(all, raster);
 }
 

@@ -63,7 +63,10 @@ void quantize_codes(const GroupedBrick& brick, std::uint8_t* bytes, int stride, 
 
 void quantize_normals(const GroupedBrick& brick, std::int8_t* normal, std::uint32_t codes) {
   const std::int16_t* units = TableStore::host().view().unit_normal;
-  const auto unit = [&](std::uint16_t code) { return units + 4 * std::size_t(code); };
+  const auto unit = [&](std::uint16_t code) {
+    const std::int16_t* n = units + 4 * std::size_t(code);
+    return Vec3<std::int16_t>{n[0], n[1], n[2]};
+  };
   std::array<std::uint16_t, brick_voxels> code;
   std::memcpy(code.data(), normal, 2 * std::size_t(brick.voxels()));
   std::array<NormalRange, shares> range{};

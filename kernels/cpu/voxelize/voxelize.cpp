@@ -38,7 +38,7 @@ template <class I>
 Surface triangle_surface(const PartSurface& from, const WindowTriangle& w, const BrickTriangle<I>& t,
                          const TrianglePlane& plane) {
   Surface s = from.surface;
-  triangle_normal(from.part, w.index, t, s.normal);
+  s.normal = triangle_normal(from.part, w.index, t);
   if (s.has_vertex_rgba) load_vertex_rgba(from.part, w.index, s.vertex_rgba);
   if (s.texture != nullptr) s.map = texture_map(from.part, w.index, plane, *s.texture);
   return s;
@@ -52,8 +52,7 @@ class BrickWalker {
 
   void walk(const Pair* begin, const Pair* end, BrickRun& run) {
     const std::uint64_t key = brick_of(*begin);
-    std::int32_t corner[3];
-    brick_corner(key, corner);
+    const Vec3<std::int32_t> corner = brick_corner(key);
     for (const Pair* pair = begin; pair != end; ++pair) {
       const WindowTriangle& t = triangles_[triangle_of(*pair)];
       with_integer_for(t, [&]<class I>(I) { add_triangle<I>(t, corner); });
@@ -65,7 +64,7 @@ class BrickWalker {
 
  private:
   template <class I>
-  void add_triangle(const WindowTriangle& w, const std::int32_t corner[3]) {
+  void add_triangle(const WindowTriangle& w, const Vec3<std::int32_t>& corner) {
     const BrickTriangle<I> t = make_brick_triangle<I>(w, corner);
     std::uint64_t slab[8];
     touched_voxels(t, rule_, slab);

@@ -41,7 +41,7 @@ struct SnappedPart {
   WindowTriangle triangle(std::uint32_t number, std::uint32_t index, std::uint32_t v[3]) const {
     WindowTriangle t{{}, number, index};
     triangle_vertices(part, index, v);
-    for (int i = 0; i < 3; ++i) std::copy_n(vertices[v[i]].v, 3, t.p[i]);
+    for (int i = 0; i < 3; ++i) t.p[i] = vertices[v[i]];
     return t;
   }
 };

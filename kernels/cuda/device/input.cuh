@@ -65,10 +65,7 @@ __device__ inline WindowTriangle window_triangle(const InputView& in, std::uint3
   t.index = triangle - part.first_triangle;
   std::uint32_t v[3];
   triangle_vertices(part, t.index, v);
-  for (int i = 0; i < 3; ++i) {
-    const SnappedVertex p = snapped_vertex(in, part, v[i]);
-    for (int c = 0; c < 3; ++c) t.p[i][c] = p.v[c];
-  }
+  for (int i = 0; i < 3; ++i) t.p[i] = snapped_vertex(in, part, v[i]);
   return t;
 }
 

@@ -184,10 +184,8 @@ __device__ CoverageSums see_finest(const LowLevels& in, const Children<std::uint
     if (at == Children<std::uint32_t>::none) continue;
     const std::uint32_t rgba = in.fine.rgba[at];
     const bool has_normal = in.fine.normal != nullptr && !is_opaque(rgba);
-    std::uint32_t coverage[3];
-    coverage_of_finest(unpack_voxel(rgba, has_normal ? in.fine.normal[at] : std::uint16_t(0)), has_normal, tables,
-                       coverage);
-    all.add(c, coverage);
+    const Voxel voxel = unpack_voxel(rgba, has_normal ? in.fine.normal[at] : std::uint16_t(0));
+    all.add(c, coverage_of_finest(voxel, has_normal, tables));
   }
   return see_voxels(all, raster);
 }

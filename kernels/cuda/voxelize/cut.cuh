@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "core/math/rounding.h"
+#include "core/math/vec3.h"
 #include "core/octree/brick.h"
 #include "kernels/body/voxelize/accumulate.h"
 #include "kernels/body/voxelize/coverage.h"
@@ -29,7 +30,7 @@ struct CutItem {
   std::uint64_t cells;
   std::uint64_t edges_of_row;  ///< one byte per row v of the brick: the polygon's edges that reach into it
   std::int32_t anchor_u, anchor_v;
-  std::int16_t normal[3];
+  Vec3<std::int16_t> normal;
   std::uint16_t edge_lines;  ///< SlabPolygon::line, two bits each
   std::uint8_t corners, axis, slab, brick;
   ShadingRate look;  ///< is flat only if all_visible(materials)
@@ -134,10 +135,10 @@ __device__ inline void cut_polygon(const TrianglePlane& plane, double slab, CutI
 }
 
 template <class I, class N, bool is_hard, CellMaterials materials>
-__device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
+__device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const Vec3<std::int32_t>& corner,
                              std::uint32_t where, SlabFragment<is_hard, materials>& out) {
   const BrickTriangle<I, N> t = make_brick_triangle<I, N>(w, corner);
-  triangle_normal(in.parts[w.part], w.index, t, out.normal);
+  out.normal = triangle_normal(in.parts[w.part], w.index, t);
   const TrianglePlane plane = make_plane(t);
   for (int i = 0; i < 4; ++i) out.line[i] = plane.line[i];
   out.anchor_u = std::int32_t(plane.anchor[0]);
@@ -150,7 +151,7 @@ __device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const
 /// Cuts an item from the triangle of a pair. `corner` is the brick's lowest corner, and `where` is an element of
 /// ItemView::where.
 template <bool is_hard, CellMaterials materials>
-__device__ void cut_item(const InputView& in, const WindowTriangle& w, const std::int32_t corner[3],
+__device__ void cut_item(const InputView& in, const WindowTriangle& w, const Vec3<std::int32_t>& corner,
                          std::uint32_t where, SlabFragment<is_hard, materials>& out) {
   out.axis = std::uint8_t(where >> 3 & 3);
   out.slab = std::uint8_t(where & 7);

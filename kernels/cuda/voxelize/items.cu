@@ -39,7 +39,7 @@ struct ThreadSlabs {
 /// Computes the overlapped cells of the eight slabs of a pair's brick. Returns the bits `wide` and `axis` of
 /// ItemView::where.
 template <class I>
-__device__ std::uint32_t touch(const WindowTriangle& w, const std::int32_t corner[3], SurfaceRule rule,
+__device__ std::uint32_t touch(const WindowTriangle& w, const Vec3<std::int32_t>& corner, SurfaceRule rule,
                                ThreadSlabs slabs) {
   const BrickTriangle<I> t = make_brick_triangle<I>(w, corner);
   touched_voxels(t, rule, slabs);
@@ -48,8 +48,7 @@ __device__ std::uint32_t touch(const WindowTriangle& w, const std::int32_t corne
 
 __device__ std::uint32_t touch_pair(const InputView& in, SurfaceRule rule, const BricksView& bricks,
                                     std::uint32_t begin, std::uint32_t end, std::uint32_t pair, ThreadSlabs slabs) {
-  std::int32_t corner[3];
-  brick_corner(bricks.key[brick_of_pair(bricks.start, begin, end, pair)], corner);
+  const Vec3<std::int32_t> corner = brick_corner(bricks.key[brick_of_pair(bricks.start, begin, end, pair)]);
   const WindowTriangle w = window_triangle(in, bricks.triangle[pair]);
   return with_integer_for(w, [&](auto integer) { return touch<decltype(integer)>(w, corner, rule, slabs); });
 }

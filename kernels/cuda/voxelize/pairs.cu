@@ -58,10 +58,7 @@ __global__ void __launch_bounds__(pair_threads) pair_kernel(InputView in, CellWi
     std::uint32_t v[3];
     triangle_vertices(part, i - part.first_triangle, v);
     WindowTriangle t;
-    for (int k = 0; k < 3; ++k) {
-      const SnappedVertex p = snapped_vertex(in, part, v[k]);
-      for (int c = 0; c < 3; ++c) t.p[k][c] = p.v[c];
-    }
+    for (int k = 0; k < 3; ++k) t.p[k] = snapped_vertex(in, part, v[k]);
     triangle_class = classify_triangle(window, part, v, t.p);
     bad_uv = has_bad_uv(triangle_class, part, v);
     if (triangle_class == TriangleClass::kept && brick_box(t, window.rule, window.bricks, box)) {
@@ -89,8 +86,7 @@ __global__ void descend_kernel(InputView in, CellWindow window, PairSink sink, i
   for (std::uint64_t i = blockIdx.x * std::uint64_t(blockDim.x) + threadIdx.x; i < 8 * items; i += stride) {
     const LargeItem item = sink.items[from][i / 8];
     const std::uint32_t key = item.node << 3 | std::uint32_t(i % 8);
-    const BrickCoordinate child = demorton(key);
-    const std::int32_t node[3] = {std::int32_t(child.x), std::int32_t(child.y), std::int32_t(child.z)};
+    const auto node = static_cast<Vec3<std::int32_t>>(demorton(key));
     const int below = level - 1;
     if (key << 3 * below >= sink.range.end || (key + 1) << 3 * below <= sink.range.first) continue;
     const WindowTriangle t = window_triangle(in, item.triangle);

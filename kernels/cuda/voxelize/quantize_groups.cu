@@ -138,7 +138,10 @@ __device__ void quantize_codes(const LaneBrick& brick, std::uint8_t* bytes, unsi
 /// voxels.
 __device__ void quantize_normals(const LaneBrick& brick, std::uint16_t* normal, const std::int16_t* units,
                                  std::uint32_t codes) {
-  const auto unit = [&](std::uint16_t code) { return units + 4 * std::size_t(code); };
+  const auto unit = [&](std::uint16_t code) {
+    const std::int16_t* n = units + 4 * std::size_t(code);
+    return Vec3<std::int16_t>{n[0], n[1], n[2]};
+  };
   ShareRanges<NormalRange> range;
   for (unsigned g = 0; g < groups_a_lane; ++g)
     brick.group[g].for_each([&](std::uint32_t v) { range.group[g].add(unit(normal[v])); });
@@ -149,7 +152,7 @@ __device__ void quantize_normals(const LaneBrick& brick, std::uint16_t* normal, 
     if (brick.of_octant[g] != 0) range.octant[g].choose();
     if (brick.group[g].voxels() != 0) range.group[g].choose();
     brick.group[g].for_each([&](std::uint32_t v) {
-      const std::int16_t* own = unit(normal[v]);
+      const Vec3<std::int16_t> own = unit(normal[v]);
       off_brick |= !within_chord(own, unit(range.brick.value), codes);
       off_octant[g] |= !within_chord(own, unit(range.octant[g].value), codes);
       range.group[g].fits = range.group[g].fits && within_chord(own, unit(range.group[g].value), codes);

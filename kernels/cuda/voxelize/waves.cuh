@@ -80,8 +80,7 @@ __device__ void cut_chunk(const BatchView& view, std::uint32_t first_brick, cons
   SlabFragment<is_hard, materials>& out = shared.item(int(threadIdx.x));
   out.cells = next.cells;
   out.brick = std::uint8_t(brick_of_item(shared.start, next.where >> 6));
-  std::int32_t corner[3];
-  brick_corner(view.bricks.key[first_brick + out.brick], corner);
+  const Vec3<std::int32_t> corner = brick_corner(view.bricks.key[first_brick + out.brick]);
   cut_item(view.input, window_triangle(view.input, next.triangle), corner, next.where, out);
 }
 

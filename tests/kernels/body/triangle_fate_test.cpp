@@ -20,11 +20,8 @@ class TriangleFate : public testing::Test {
     const std::uint32_t index[3] = {0, 1, 2};
     PartArrays part{position.data(), index,         uv_, nullptr, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, 0,
                     false,           uv_ != nullptr};
-    std::int32_t p[3][3];
-    for (std::uint32_t i = 0; i < 3; ++i) {
-      const SnappedVertex vertex = snap_vertex(window_, part, i);
-      for (int c = 0; c < 3; ++c) p[i][c] = vertex.v[c];
-    }
+    SnappedVertex p[3];
+    for (std::uint32_t i = 0; i < 3; ++i) p[i] = snap_vertex(window_, part, i);
     const TriangleClass fate = classify_triangle(window_, part, index, p);
     bad_uv_ = has_bad_uv(fate, part, index);
     return fate;

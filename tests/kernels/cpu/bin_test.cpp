@@ -21,7 +21,7 @@ std::vector<WindowTriangle> random_triangles(std::size_t count, std::int32_t win
   std::vector<WindowTriangle> out(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::int32_t reach = 1 << uniform(rng, 2, 24), step = uniform(rng, 0, 3) ? 1 : 2048;
-    std::int32_t near[3];
+    Vec3<std::int32_t> near;
     for (auto& x : near) x = uniform(rng, -2000, window_subvoxels + 2000);
     for (auto& p : out[i].p)
       for (int c = 0; c < 3; ++c) p[c] = (near[c] + uniform(rng, -reach, reach)) / step * step;
@@ -32,9 +32,7 @@ std::vector<WindowTriangle> random_triangles(std::size_t count, std::int32_t win
 }
 
 bool touches(const WindowTriangle& t, SurfaceRule rule, std::uint64_t key) {
-  const BrickCoordinate b = demorton(key);
-  const std::int32_t corner[3] = {std::int32_t(b.x) << 11, std::int32_t(b.y) << 11, std::int32_t(b.z) << 11};
-  const auto brick = make_brick_triangle<__int128>(t, corner);
+  const auto brick = make_brick_triangle<__int128>(t, Vec3<std::int32_t>(demorton(key)) << 11);
   if (brick.n[2] == 0) return false;
   std::uint64_t slab[8], any = 0;
   touched_voxels(brick, rule, slab);

@@ -10,8 +10,7 @@ const Tables host_tables = TableStore::host().view();
 
 Fragment fragment(std::int64_t weight, std::uint16_t red, std::uint16_t alpha) {
   const std::uint16_t rgba[4] = {red, 0, 0, alpha};
-  const std::int16_t up[3] = {0, 0, 32767};
-  return fragment_of_colour(weight, rgba, up);
+  return fragment_of_colour(weight, rgba, {0, 0, 32767});
 }
 
 Level resolved(BrickSums& sums) {

@@ -159,15 +159,15 @@ TEST(Approximate, JoinsRangesToThatOfAll) {
       const auto part = rng() % 3;
       const auto code = std::uint8_t(rng());
       codes[part].add(code), all_codes.add(code);
-      std::int16_t unit[3];
+      Vec3<std::int16_t> unit;
       for (std::int16_t& axis : unit) axis = std::int16_t(int(rng() % 65535) - 32767);
       normals[part].add(unit), all_normals.add(unit);
     }
     for (const int part : {1, 2}) codes[0].join(codes[part]), normals[0].join(normals[part]);
     EXPECT_EQ(std::tuple(codes[0].low, codes[0].high, codes[0].sum),
               std::tuple(all_codes.low, all_codes.high, all_codes.sum));
-    EXPECT_TRUE(std::ranges::equal(normals[0].low, all_normals.low));
-    EXPECT_TRUE(std::ranges::equal(normals[0].high, all_normals.high));
+    EXPECT_EQ(normals[0].low, all_normals.low);
+    EXPECT_EQ(normals[0].high, all_normals.high);
   }
 }
 

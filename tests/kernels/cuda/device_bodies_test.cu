@@ -26,8 +26,7 @@ struct Slabs {
 struct TouchBody {
   template <class I>
   GB_HD static void touch(const WindowTriangle& t, Slabs& out) {
-    const std::int32_t corner[3] = {0, 0, 0};
-    const BrickTriangle<I> b = make_brick_triangle<I>(t, corner);
+    const BrickTriangle<I> b = make_brick_triangle<I>(t, {0, 0, 0});
     for (int r = 0; r < 3; ++r) touched_voxels(b, SurfaceRule(r), out.rule[r]);
   }
   GB_HD Slabs operator()(const WindowTriangle& t, const Tables&) const {
@@ -48,14 +47,13 @@ struct Measured {
 /// Computes weights and shades in the voxels on the brick's diagonal.
 struct MeasureBody {
   GB_HD Measured operator()(const WindowTriangle& w, const Tables& tables) const {
-    const std::int32_t corner[3] = {0, 0, 0};
-    const BrickTriangle<__int128> t = make_brick_triangle<__int128>(w, corner);
+    const BrickTriangle<__int128> t = make_brick_triangle<__int128>(w, {0, 0, 0});
     const TrianglePlane plane = make_plane(t);
     Surface surface;
     surface.has_vertex_rgba = true;
     for (int i = 0; i < 12; ++i) surface.vertex_rgba[i / 4][i % 4] = std::uint16_t(5461 * i);
     surface.material.alpha_mode = AlphaMode::blend;
-    snapped_normal(t, surface.normal);
+    surface.normal = snapped_normal(t);
     Measured out;
     out.normal[3] = 0;
     for (int c = 0; c < 3; ++c) out.normal[c] = surface.normal[c];
@@ -80,7 +78,7 @@ TEST(DeviceBodies, MeasureAndShadeTheSameFragmentsAsOnTheCpu) {
 }
 
 struct Normal {
-  std::int16_t n[4];
+  Vec3<std::int16_t> n;
 };
 
 /// Computes normals of vertices that are not on the lattice, in an instance that shears and mirrors.
@@ -91,10 +89,8 @@ struct NormalBody {
     for (int i = 0; i < 9; ++i) position[i] = float(w.p[i / 3][i % 3]) / 7;
     const PartArrays part{position, index, nullptr, nullptr, {0.9, 0.1, -0.3, 5, 0.2, -1.1, 0.4, 6, 0.3, 0.1, 0.7, 7},
                           0,        true,  false};
-    const std::int32_t corner[3] = {0, 0, 0};
-    Normal out{{0, 0, 0, 0}};
-    triangle_normal(part, 0, make_brick_triangle<__int128>(w, corner), out.n);
-    return out;
+    const Vec3<std::int16_t> normal = triangle_normal(part, 0, make_brick_triangle<__int128>(w, {0, 0, 0}));
+    return {normal};
   }
 };
 
@@ -111,7 +107,7 @@ std::vector<Sums> random_sums(int count) {
     for (int f = 0; f < 3; ++f) {
       const std::int64_t weight = std::int64_t(random() >> (28 + random() % 36)) + 1;
       std::uint16_t rgba[4];
-      std::int16_t normal[3];
+      Vec3<std::int16_t> normal;
       for (std::uint16_t& c : rgba) c = std::uint16_t(random());
       for (std::int16_t& c : normal) c = std::int16_t(random() % 65535 - 32767);
       accumulate(s.sum, fragment_of_colour(weight, rgba, normal));
@@ -161,11 +157,7 @@ struct FilterCase {
   GB_HD CoverageSums see(const Tables& tables, std::uint32_t* to) const {
     if constexpr (Edge == 1) {
       AxisCoverage all;
-      for (int c = 0; c < 8; ++c) {
-        std::uint32_t coverage[3];
-        coverage_of_finest(child[c], true, tables, coverage);
-        all.add(c, coverage);
-      }
+      for (int c = 0; c < 8; ++c) all.add(c, coverage_of_finest(child[c], true, tables));
       return see_voxels(all, to);
     } else {
       return cover_children<Edge>(*this, to);

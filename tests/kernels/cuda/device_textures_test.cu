@@ -90,8 +90,7 @@ struct TextureBody {
   }
 
   GB_HD ShadedTriangle operator()(const TexturedTriangle& from, const Tables& tables) const {
-    const std::int32_t corner[3] = {0, 0, 0};
-    const TrianglePlane plane = make_plane(make_brick_triangle<__int128>(from.triangle, corner));
+    const TrianglePlane plane = make_plane(make_brick_triangle<__int128>(from.triangle, {0, 0, 0}));
     Surface surface;
     surface.texture = &texture;
     surface.material.texture = 0;
