@@ -72,5 +72,6 @@ set(CPACK_COMPONENT_BENCH_DESCRIPTION "Benchmarks of gigabake: the program that 
 measures times, and the errors of voxels and images against references.")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Libraries and headers for CMake, one a component: gigabake::shard and ::scene read
 and write its files, ::source reads meshes and tilesets, ::export writes other
-formats, ::kernels voxelizes, ::viewer renders images.")
+formats, ::kernels voxelizes, ::viewer renders images,
+::query finds first hits.")
 include(CPack)

@@ -42,7 +42,6 @@ set(gb_public_headers_export
     format/export/ply/ply.h
     format/export/voxel_tiles/voxel_tileset.h)
 set(gb_public_headers_kernels
-    kernels/first_hit/query_ray.h
     kernels/body/cell.h
     kernels/body/texture/material.h
     kernels/body/texture/texture_view.h
@@ -66,7 +65,9 @@ set(gb_public_headers_viewer
     viewer/pictures/picture.h
     viewer/pictures/polygons.h
     viewer/pictures/view.h
-    viewer/query/query_frames.h
-    viewer/query/scene_query.h
-    viewer/query/surface_height.h
     viewer/stream/page.h)
+set(gb_public_headers_query
+    query/first_hit/query_ray.h
+    query/query_frames.h
+    query/scene_query.h
+    query/surface_height.h)

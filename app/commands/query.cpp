@@ -23,7 +23,7 @@
 #include "format/system/message.h"
 #include "format/system/output_file.h"
 #include "format/system/publish.h"
-#include "viewer/query/query_job.h"
+#include "query/query_job.h"
 #include "worker/pipeline/backend.h"
 
 namespace gigabake::app {

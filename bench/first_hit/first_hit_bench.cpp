@@ -9,15 +9,15 @@
 #include "bench/bench_scene.h"
 #include "bench/first_hit/first_hit_reference.h"
 #include "bench/first_hit/first_hit_views.h"
-#include "kernels/first_hit/first_hit_device.h"
-#include "viewer/query/first_hit_scene.h"
+#include "query/first_hit/first_hit_device.h"
+#include "query/first_hit_scene.h"
 
 namespace gigabake::bench {
 namespace {
 
 constexpr unsigned seed = 20261121;
 constexpr int max_cpu_repeats = 3;
-constexpr double promised_rounding = 0x1p-20;  ///< fraction of the tree's edge: kernels/first_hit/first_hit.h
+constexpr double promised_rounding = 0x1p-20;  ///< fraction of the tree's edge: query/first_hit/first_hit.h
 
 struct Spread {
   double best, median;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "kernels/first_hit/first_hit.h"
+#include "query/first_hit/first_hit.h"
 
 namespace gigabake::bench {
 

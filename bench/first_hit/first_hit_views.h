@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "kernels/first_hit/first_hit_camera.h"
-#include "kernels/first_hit/first_hit_tree.h"
+#include "query/first_hit/first_hit_camera.h"
+#include "query/first_hit/first_hit_tree.h"
 
 namespace gigabake::bench {
 

@@ -17,8 +17,8 @@
 #include "format/scene/paged_scene.h"
 #include "format/scene/shard_of_scene.h"
 #include "format/shard/levels/brick_walk.h"
-#include "viewer/query/first_hit_scene.h"
-#include "viewer/query/scene_query.h"
+#include "query/first_hit_scene.h"
+#include "query/scene_query.h"
 
 namespace gigabake::bench {
 namespace {
@@ -28,7 +28,7 @@ using Voxel = CubeCaster::Voxel;
 constexpr std::uint64_t max_voxels = std::uint64_t(1) << 23;
 constexpr std::size_t batch_rays = std::size_t(1) << 17;
 /// The penetration depth, in voxels, below which either caster may miss a voxel. It is twice the bound of SceneQuery
-/// for cells of up to 1024 voxels (viewer/query/query_tree.h).
+/// for cells of up to 1024 voxels (query/query_tree.h).
 constexpr double slight = 1.0 / 64;
 
 /// Returns every voxel of a level, of bricks and constant nodes, in coordinates of the level.

@@ -3,11 +3,11 @@
 #include <core/octree/parameters.h>
 #include <cstdio>
 #include <exception>
+#include <query/query_frames.h>
+#include <query/scene_query.h>
+#include <query/surface_height.h>
 #include <viewer/pictures/frame_renderer.h>
 #include <viewer/pictures/image_files.h>
-#include <viewer/query/query_frames.h>
-#include <viewer/query/scene_query.h>
-#include <viewer/query/surface_height.h>
 
 namespace {
 

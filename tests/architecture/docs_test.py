@@ -11,8 +11,8 @@ from pathlib import Path
 from architecture_test import MODULES
 from verdict import verdict
 
-FOLDERS = ("app bench cluster cmake core docs examples format kernels packaging sample scheduler tests tools viewer "
-           "worker").split()
+FOLDERS = ("app bench cluster cmake core docs examples format kernels packaging query sample scheduler tests tools "
+           "viewer worker").split()
 PATH = re.compile(r"(?<![\w/.-])((?:%s)/[\w./-]*\w)" % "|".join(FOLDERS))
 CODE = {".h", ".cpp", ".cu", ".cuh", ".py"}
 # NAME is a placeholder for a name that the reader chooses.

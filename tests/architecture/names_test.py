@@ -20,7 +20,7 @@ from architecture_test import JOINTS, MODULES, module_of
 from declarations import declarations
 from verdict import verdict
 
-FOLDERS = "app bench cluster core examples format kernels sample scheduler tests viewer worker".split()
+FOLDERS = "app bench cluster core examples format kernels query sample scheduler tests viewer worker".split()
 SOURCE = {".h", ".cpp", ".cu", ".cuh"}
 # These replace another file if a library is missing.
 STUB = re.compile(r"_stub\.cpp$")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that device files of kernels/ (*.cu, *.cuh) contain no rules about voxels: kernels/body has them.
+"""Checks that device files of kernels/ and query/ (*.cu, *.cuh) contain no rules about voxels: kernels/body has them.
 
 A rule in a device file would not be tested on a machine without a GPU, and could differ from the CPU's. Device files
 may not
@@ -104,7 +104,8 @@ def problems(root):
     if not {"SurfaceRule", "MipFilter", "AlphaMode", "Wrap", "NodeKind"} <= set(enums):
         yield f"the rules' enums are not where this test looks for them: {', '.join(ENUM_HEADERS)} have {enums}"
     yield from wrong_about_samples(enums)
-    files = sorted(path for path in (root / "kernels").rglob("*") if path.suffix in {".cu", ".cuh"})
+    everything = [path for folder in ("kernels", "query") for path in (root / folder).rglob("*")]
+    files = sorted(path for path in everything if path.suffix in {".cu", ".cuh"})
     if not files:
         yield "kernels/ has no device files"
     for path in files:
