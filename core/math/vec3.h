@@ -1,6 +1,7 @@
 /// Triples of numbers along the axes x, y and z, for host and device.
 #pragma once
 
+#include <cmath>
 #include <compare>
 #include <cstdint>
 
@@ -22,6 +23,11 @@ struct Vec3 {
   template <class OfAxis>
   GB_HD static constexpr Vec3 by_axis(const OfAxis& of_axis) {
     return {of_axis(0), of_axis(1), of_axis(2)};
+  }
+  /// Converts the first three elements of an array.
+  template <class Array>
+  GB_HD static constexpr Vec3 from(const Array& a) {
+    return {T(a[0]), T(a[1]), T(a[2])};
   }
   /// Converts each component. Device code writes static_cast, because nvcc 13 reads Vec3<U>(v) as a list of components.
   template <class U>
@@ -73,6 +79,9 @@ struct Vec3 {
   friend GB_HD constexpr T dot(const Vec3& a, const Vec3& b) {
     return (a.v[0] * b.v[0] + a.v[1] * b.v[1]) + a.v[2] * b.v[2];
   }
+  /// Returns the Euclidean length: the square root of dot(a, a).
+  /// Range   T is a floating-point type.
+  friend GB_HD T length(const Vec3& a) { return std::sqrt(dot(a, a)); }
   friend GB_HD constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
     return {a.v[1] * b.v[2] - a.v[2] * b.v[1], a.v[2] * b.v[0] - a.v[0] * b.v[2], a.v[0] * b.v[1] - a.v[1] * b.v[0]};
   }

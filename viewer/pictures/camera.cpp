@@ -14,7 +14,6 @@ constexpr int max_image_edge = 32768;
 constexpr std::int64_t max_pixels = std::int64_t(1) << 28;
 constexpr double max_voxel = double(std::int64_t(1) << 40);
 
-double length(const Vec3d& a) { return std::hypot(a[0], a[1], a[2]); }
 Vec3d unit(const Vec3d& a) { return a * (1 / length(a)); }
 
 void check_options(const CameraOptions& o) {

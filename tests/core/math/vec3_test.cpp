@@ -1,5 +1,6 @@
 #include "core/math/vec3.h"
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -27,6 +28,7 @@ static_assert(cross(Vec3<int>{1, 0, 0}, Vec3<int>{0, 1, 0}) == Vec3<int>{0, 0, 1
 static_assert(min_by_axis(Vec3<int>{1, 5, 3}, Vec3<int>{2, 4, 3}) == Vec3<int>{1, 4, 3});
 static_assert(max_by_axis(Vec3<int>{1, 5, 3}, Vec3<int>{2, 4, 3}) == Vec3<int>{2, 5, 3});
 static_assert(Vec3<int>{1, 2, 3}.zyx() == Vec3<int>{3, 2, 1});
+static_assert(Vec3d::from(std::array<float, 4>{1, -2, 0.5f, 9}) == Vec3d{1, -2, 0.5});
 static_assert(Vec3d(Vec3i64{-1, 2, std::int64_t(1) << 52}) == Vec3d{-1, 2, 0x1p52});
 
 TEST(Vec3, CallsEachAxisInOrder) {
@@ -47,6 +49,7 @@ TEST(Vec3, RoundsLikeTheLoopOverAxes) {
     double sum = 0;
     for (int axis = 0; axis < 3; ++axis) sum += a[axis] * b[axis];
     ASSERT_EQ(std::bit_cast<std::uint64_t>(sum), std::bit_cast<std::uint64_t>(dot(a, b)));
+    ASSERT_EQ(length(a), std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]));
     other_orders += a[0] * b[0] + (a[1] * b[1] + a[2] * b[2]) != sum;
     for (int axis = 0; axis < 3; ++axis) {
       ASSERT_EQ((a + b)[axis], a[axis] + b[axis]);
