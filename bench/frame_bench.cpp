@@ -49,15 +49,10 @@ View looking(const Point<Scene>& eye_m, const Point<Scene>& target_m, const Fram
 Stage measure(FrameRenderer& renderer, const FrameBenchRequest& request) {
   const SceneHeader& scene = renderer.scene().header();
   const Box3i64& window = renderer.scene().totals().window;
-  std::array<double, 3> low{}, high{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    low[a] = scene.lattice_origin_m[a] + double(window.min[a]) * scene.voxel_size_m;
-    high[a] = scene.lattice_origin_m[a] + double(window.end[a]) * scene.voxel_size_m;
-  }
-  Stage stage{{(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2},
-              std::max(high[0] - low[0], high[1] - low[1]),
-              (low[2] + high[2]) / 2,
-              scene.voxel_size_m};
+  const Vec3d low = scene.lattice_origin_m + Vec3d(window.min) * scene.voxel_size_m,
+              high = scene.lattice_origin_m + Vec3d(window.end) * scene.voxel_size_m, middle = (low + high) / 2,
+              size = high - low;
+  Stage stage{{middle[0], middle[1], middle[2]}, std::max(size[0], size[1]), middle[2], scene.voxel_size_m};
   const Point<Scene> above{stage.middle_m.x, stage.middle_m.y, high[2] + stage.width_m * 0.1};
   FrameBenchRequest small = request;
   small.width = small.height = 33;

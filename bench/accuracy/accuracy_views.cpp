@@ -11,13 +11,7 @@
 namespace gigabake::bench {
 namespace {
 
-using Vector = std::array<double, 3>;
-
 constexpr int min_pixels = 8;
-
-Vector along(const Vector& from, const Vector& direction, double distance) {
-  return {from[0] + distance * direction[0], from[1] + distance * direction[1], from[2] + distance * direction[2]};
-}
 
 struct Direction {
   const char* name;
@@ -26,24 +20,17 @@ struct Direction {
 constexpr Direction directions[] = {{"nadir", 90}, {"oblique", 35}, {"grazing", 10}};
 
 /// Returns half the extent of the box along a direction.
-double reach(const TriangleBox& box, const Vector& direction) {
-  double sum = 0;
-  for (std::size_t a = 0; a < 3; ++a) sum += (box.max[a] - box.min[a]) / 2 * std::fabs(direction[a]);
-  return sum;
-}
-
-Vector middle_of(const TriangleBox& box) {
-  return {(box.min[0] + box.max[0]) / 2, (box.min[1] + box.max[1]) / 2, (box.min[2] + box.max[2]) / 2};
+double reach(const TriangleBox& box, const Vec3d& direction) {
+  return dot((box.max - box.min) / 2, {std::fabs(direction[0]), std::fabs(direction[1]), std::fabs(direction[2])});
 }
 
 /// Returns the first intersection of a triangle with the line through `place` along `forward`, or `place` if there is
 /// none.
-Vector first_surface(const ReferenceCaster& caster, const Vector& place, const Vector& forward) {
-  double to_place = 0;
-  for (std::size_t a = 0; a < 3; ++a) to_place += (place[a] - middle_of(caster.box())[a]) * forward[a];
-  const Vector outside = along(place, forward, -2 * reach(caster.box(), forward) - 1 - to_place);
+Vec3d first_surface(const ReferenceCaster& caster, const Vec3d& place, const Vec3d& forward) {
+  const double to_place = dot(place - caster.box().centre(), forward);
+  const Vec3d outside = place + forward * (-2 * reach(caster.box(), forward) - 1 - to_place);
   const auto hit = caster.first_hit(outside, forward);
-  return hit ? along(outside, forward, *hit) : place;
+  return hit ? outside + forward * *hit : place;
 }
 
 int pixels_across(double voxels, double voxels_per_pixel, int maximum) {
@@ -51,13 +38,13 @@ int pixels_across(double voxels, double voxels_per_pixel, int maximum) {
 }
 
 AccuracyView make_view(const ReferenceCaster& caster, const BakeParameters& lattice, const Direction& direction,
-                       double voxels_per_pixel, const Vector& place, int width, int height) {
+                       double voxels_per_pixel, const Vec3d& place, int width, int height) {
   const TriangleBox& box = caster.box();
-  const Vector forward = forward_at(direction.elevation_deg);
+  const Vec3d forward = forward_at(direction.elevation_deg);
   const double level = std::hypot(forward[0], forward[1]);
-  const Vector right = level > 0 ? Vector{forward[1] / level, -forward[0] / level, 0} : Vector{1, 0, 0};
-  const Vector up =
-      level > 0 ? Vector{-forward[2] * forward[0] / level, -forward[2] * forward[1] / level, level} : Vector{0, 1, 0};
+  const Vec3d right = level > 0 ? Vec3d{forward[1] / level, -forward[0] / level, 0} : Vec3d{1, 0, 0};
+  const Vec3d up =
+      level > 0 ? Vec3d{-forward[2] * forward[0] / level, -forward[2] * forward[1] / level, level} : Vec3d{0, 1, 0};
   AccuracyView view;
   view.direction = direction.name;
   view.voxels_per_pixel = voxels_per_pixel;
@@ -65,12 +52,11 @@ AccuracyView make_view(const ReferenceCaster& caster, const BakeParameters& latt
   view.camera.width = pixels_across(2 * reach(box, right), voxels_per_pixel, width);
   view.camera.height = pixels_across(2 * reach(box, up), voxels_per_pixel, height);
   const bool holds_all = view.camera.width < width && view.camera.height < height;
-  const Vector target = holds_all ? middle_of(box) : first_surface(caster, place, forward);
-  double to_target = 0;
-  for (std::size_t a = 0; a < 3; ++a) to_target += (target[a] - middle_of(box)[a]) * forward[a];
+  const Vec3d target = holds_all ? box.centre() : first_surface(caster, place, forward);
+  const double to_target = dot(target - box.centre(), forward);
   const double to_front =
       voxels_per_pixel * view.camera.height / (2 * std::tan(accuracy_fovy_deg * std::numbers::pi / 360));
-  const Vector eye = along(target, forward, -(to_front + reach(box, forward) + to_target));
+  const Vec3d eye = target - forward * (to_front + reach(box, forward) + to_target);
   view.camera.eye_m = to_scene_m(eye, lattice);
   view.camera.target_m = to_scene_m(target, lattice);
   return view;
@@ -78,16 +64,15 @@ AccuracyView make_view(const ReferenceCaster& caster, const BakeParameters& latt
 
 }  // namespace
 
-std::array<double, 3> forward_at(double elevation_deg) {
+Vec3d forward_at(double elevation_deg) {
   constexpr double azimuth = 0.8;
   if (elevation_deg == 90) return {0, 0, -1};
   const double elevation = elevation_deg * std::numbers::pi / 180;
   return {-std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), -std::sin(elevation)};
 }
 
-Point<Scene> to_scene_m(const std::array<double, 3>& voxels, const BakeParameters& lattice) {
-  std::array<double, 3> m;
-  for (std::size_t a = 0; a < 3; ++a) m[a] = lattice.lattice_origin_m[a] + voxels[a] * lattice.voxel_size_m;
+Point<Scene> to_scene_m(const Vec3d& voxels, const BakeParameters& lattice) {
+  const Vec3d m = lattice.lattice_origin_m + voxels * lattice.voxel_size_m;
   return {m[0], m[1], m[2]};
 }
 
@@ -95,9 +80,9 @@ std::string AccuracyView::name() const { return fmt::format("{} {:g}", direction
 
 std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const BakeParameters& lattice,
                                          const std::vector<double>& voxels_per_pixel, int width, int height) {
-  std::vector<Vector> places = visible_places(caster.triangles(), std::size(directions) * voxels_per_pixel.size());
+  std::vector<Vec3d> places = visible_places(caster.triangles(), std::size(directions) * voxels_per_pixel.size());
   // The first view shows the middle of the scene, if it contains surface, because a user inspects this place first.
-  const Vector middle = middle_of(caster.box());
+  const Vec3d middle = caster.box().centre();
   if (caster.first_hit({middle[0], middle[1], caster.box().max[2] + 1}, {0, 0, -1})) places.front() = middle;
   std::vector<AccuracyView> views;
   for (const Direction& direction : directions)
@@ -107,13 +92,13 @@ std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const Ba
   return views;
 }
 
-std::vector<std::array<double, 3>> visible_places(const SourceTriangles& source, std::size_t maximum) {
+std::vector<Vec3d> visible_places(const SourceTriangles& source, std::size_t maximum) {
   constexpr std::uint64_t seed = 20261125;
   // Some points of a masked surface have no alpha, so more points than places are sampled.
   constexpr std::size_t tries = 16;
-  const std::vector<Vector> points = surface_points(source, tries * maximum, seed);
+  const std::vector<Vec3d> points = surface_points(source, tries * maximum, seed);
   if (points.empty()) throw InputError("the source", "", "has no visible surface; nothing can be compared");
-  std::vector<Vector> places;
+  std::vector<Vec3d> places;
   for (std::size_t i = 0; i < std::min(maximum, points.size()); ++i)
     places.push_back(points[i * points.size() / std::min(maximum, points.size())]);
   return places;

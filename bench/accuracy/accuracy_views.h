@@ -1,13 +1,13 @@
 /// The cameras for comparing images of voxels with images of triangles.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "bench/accuracy/reference_caster.h"
+#include "core/math/vec3.h"
 #include "core/octree/parameters.h"
 #include "viewer/pictures/camera.h"
 
@@ -38,7 +38,7 @@ std::vector<AccuracyView> accuracy_views(const ReferenceCaster& caster, const Ba
 /// Returns at least one and at most `maximum` places of the visible surface, distributed over its area. The result is
 /// deterministic.
 /// Errors  InputError: no triangle is visible.
-std::vector<std::array<double, 3>> visible_places(const SourceTriangles& source, std::size_t maximum);
+std::vector<Vec3d> visible_places(const SourceTriangles& source, std::size_t maximum);
 
 /// The minimum number of pixels that must show the surface, so that a view measures something.
 inline constexpr std::uint64_t min_compared_pixels = 4;
@@ -56,7 +56,7 @@ kernels::CastCamera reference_camera(const CameraOptions& camera, const BakePara
 inline constexpr double accuracy_fovy_deg = 1;
 /// Returns the view direction of a camera at this elevation above the horizon. The direction points north-west, so that
 /// it is not parallel to an axis of the lattice. At an elevation of 90° it points straight down.
-std::array<double, 3> forward_at(double elevation_deg);
-Point<Scene> to_scene_m(const std::array<double, 3>& voxels, const BakeParameters& lattice);
+Vec3d forward_at(double elevation_deg);
+Point<Scene> to_scene_m(const Vec3d& voxels, const BakeParameters& lattice);
 
 }  // namespace gigabake::bench

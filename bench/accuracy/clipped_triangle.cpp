@@ -7,9 +7,7 @@ namespace gigabake::bench {
 namespace {
 
 ClippedCorner between(const ClippedCorner& a, const ClippedCorner& b, double t) {
-  ClippedCorner c{{}, a.second + t * (b.second - a.second), a.third + t * (b.third - a.third)};
-  for (std::size_t k = 0; k < 3; ++k) c.at[k] = a.at[k] + t * (b.at[k] - a.at[k]);
-  return c;
+  return {a.at + (b.at - a.at) * t, a.second + t * (b.second - a.second), a.third + t * (b.third - a.third)};
 }
 
 /// Returns the part of the polygon where sign·(coordinate - plane) ≥ 0.
@@ -25,25 +23,21 @@ std::vector<ClippedCorner> clip(const std::vector<ClippedCorner>& polygon, std::
   return kept;
 }
 
-double length(const Vector& v) { return std::sqrt(dot(v, v)); }
-
 double fan_area(const std::vector<ClippedCorner>& polygon, std::size_t i) {
   return length(normal_of({polygon[0].at, polygon[i].at, polygon[i + 1].at})) / 2;
 }
 
-double distance_to_segment(const Vector& a, const Vector& b, const Vector& p) {
-  const Vector ab = minus(b, a), ap = minus(p, a);
+double distance_to_segment(const Vec3d& a, const Vec3d& b, const Vec3d& p) {
+  const Vec3d ab = b - a, ap = p - a;
   const double t = std::clamp(dot(ap, ab) / dot(ab, ab), 0.0, 1.0);
-  return length({ap[0] - t * ab[0], ap[1] - t * ab[1], ap[2] - t * ab[2]});
+  return length(ap - ab * t);
 }
 
 }  // namespace
 
-Vector normal_of(const Corners& triangle) {
-  return cross(minus(triangle[1], triangle[0]), minus(triangle[2], triangle[0]));
-}
+Vec3d normal_of(const Corners& triangle) { return cross(triangle[1] - triangle[0], triangle[2] - triangle[0]); }
 
-std::vector<ClippedCorner> clip_to_cube(const Corners& triangle, const Vector& lowest, double edge) {
+std::vector<ClippedCorner> clip_to_cube(const Corners& triangle, const Vec3d& lowest, double edge) {
   std::vector<ClippedCorner> polygon{{triangle[0], 0, 0}, {triangle[1], 1, 0}, {triangle[2], 0, 1}};
   for (std::size_t axis = 0; axis < 3 && !polygon.empty(); ++axis) {
     polygon = clip(polygon, axis, lowest[axis], 1);
@@ -67,16 +61,16 @@ ClippedCorner point_in(const std::vector<ClippedCorner>& polygon, double u, doub
   return between(polygon[0], between(polygon[i], polygon[i + 1], v), w);
 }
 
-double distance_to(const Corners& triangle, const Vector& p) {
-  const Vector n = normal_of(triangle);
+double distance_to(const Corners& triangle, const Vec3d& p) {
+  const Vec3d n = normal_of(triangle);
   bool inside = true;
   double nearest = INFINITY;
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vector &a = triangle[k], &b = triangle[(k + 1) % 3];
-    inside = inside && dot(cross(n, minus(b, a)), minus(p, a)) >= 0;
+    const Vec3d &a = triangle[k], &b = triangle[(k + 1) % 3];
+    inside = inside && dot(cross(n, b - a), p - a) >= 0;
     nearest = std::min(nearest, distance_to_segment(a, b, p));
   }
-  return inside ? std::fabs(dot(n, minus(p, triangle[0]))) / length(n) : nearest;
+  return inside ? std::fabs(dot(n, p - triangle[0])) / length(n) : nearest;
 }
 
 }  // namespace gigabake::bench

@@ -15,8 +15,6 @@
 namespace gigabake::bench {
 namespace {
 
-using Vector = std::array<double, 3>;
-
 constexpr int pairs_of_path = 6;
 constexpr double fovy_deg = 40;
 
@@ -26,17 +24,13 @@ struct MotionPair {
   CameraOptions cameras[2];
 };
 
-Vector moved(const Vector& from, const Vector& direction, double way) {
-  return {from[0] + direction[0] * way, from[1] + direction[1] * way, from[2] + direction[2] * way};
-}
-
 /// Returns twice the tangent of half the field of view, divided by the height: the width of a pixel at distance 1.
 double pixel_angle(double fovy, int height) { return 2 * std::tan(fovy * std::numbers::pi / 360) / height; }
 
-CameraOptions camera_at(const Vector& eye, const Vector& forward, double fovy, const AccuracyBenchRequest& request) {
+CameraOptions camera_at(const Vec3d& eye, const Vec3d& forward, double fovy, const AccuracyBenchRequest& request) {
   CameraOptions camera;
   camera.eye_m = to_scene_m(eye, request.scene.parameters);
-  camera.target_m = to_scene_m(moved(eye, forward, 1000), request.scene.parameters);
+  camera.target_m = to_scene_m(eye + forward * 1000, request.scene.parameters);
   camera.fovy_deg = fovy;
   camera.width = request.width;
   camera.height = request.height;
@@ -53,19 +47,19 @@ struct Flight {
 constexpr Flight flights[] = {
     {"forward", 15, 0.25, 1, 0, 0}, {"aside", 15, 0.25, 0, 1, 0}, {"climb", 35, 0.5, 0, 0, 1}};
 
-Vector above_surface(const ReferenceCaster& caster, double x, double y, double height) {
-  const Vector from{x, y, caster.box().max[2] + 1};
+Vec3d above_surface(const ReferenceCaster& caster, double x, double y, double height) {
+  const Vec3d from{x, y, caster.box().max[2] + 1};
   const double down = caster.first_hit(from, {0, 0, -1}).value_or(caster.box().max[2] - caster.box().min[2] + 1);
   return {x, y, from[2] - down + height};
 }
 
 /// Returns the highest point of the surface above or below the middle of the box. If there is no such point, returns a
 /// place in the middle of the surface's area.
-Vector middle_place(const ReferenceCaster& caster) {
+Vec3d middle_place(const ReferenceCaster& caster) {
   const TriangleBox& box = caster.box();
-  const Vector from{(box.min[0] + box.max[0]) / 2, (box.min[1] + box.max[1]) / 2, box.max[2] + 1};
-  if (const auto down = caster.first_hit(from, {0, 0, -1})) return moved(from, {0, 0, -1}, *down);
-  const std::vector<Vector> places = visible_places(caster.triangles(), 3);
+  const Vec3d centre = box.centre(), from{centre[0], centre[1], box.max[2] + 1};
+  if (const auto down = caster.first_hit(from, {0, 0, -1})) return {from[0], from[1], from[2] - *down};
+  const std::vector<Vec3d> places = visible_places(caster.triangles(), 3);
   return places[places.size() / 2];
 }
 
@@ -73,20 +67,18 @@ void add_flight(const ReferenceCaster& caster, const AccuracyBenchRequest& reque
                 std::vector<MotionPair>& out) {
   const TriangleBox& box = caster.box();
   const double lod1 = 2 / pixel_angle(fovy_deg, request.height), height = flight.height * lod1;
-  const Vector forward = forward_at(flight.elevation_deg);
+  const Vec3d forward = forward_at(flight.elevation_deg);
   const double level = std::hypot(forward[0], forward[1]);
-  const Vector ahead{forward[0] / level, forward[1] / level, 0}, aside{ahead[1], -ahead[0], 0};
+  const Vec3d ahead{forward[0] / level, forward[1] / level, 0}, aside{ahead[1], -ahead[0], 0};
   const double nearest = height / std::sin((flight.elevation_deg + fovy_deg / 2) * std::numbers::pi / 180);
   const double step = motion_pixels * pixel_angle(fovy_deg, request.height) * nearest;
-  const Vector middle = middle_place(caster);
-  const Vector start =
-      moved({middle[0], middle[1], 0}, ahead, -0.3 * std::min(box.max[0] - box.min[0], box.max[1] - box.min[1]));
-  const Vector way{ahead[0] * flight.ahead + aside[0] * flight.aside, ahead[1] * flight.ahead + aside[1] * flight.aside,
-                   flight.up};
+  const Vec3d middle = middle_place(caster);
+  const Vec3d size = box.max - box.min, start = middle - ahead * (0.3 * std::min(size[0], size[1]));
+  const Vec3d way = ahead * flight.ahead + aside * flight.aside + Vec3d{0, 0, flight.up};
   for (int i = 0; i < pairs_of_path; ++i) {
-    const Vector eye = moved(above_surface(caster, start[0], start[1], height), way, i * 0.11 * lod1);
+    const Vec3d eye = above_surface(caster, start[0], start[1], height) + way * (i * 0.11 * lod1);
     MotionPair pair{flight.name, double(i) / (pairs_of_path - 1), {}};
-    for (int k = 0; k < 2; ++k) pair.cameras[k] = camera_at(moved(eye, way, k * step), forward, fovy_deg, request);
+    for (int k = 0; k < 2; ++k) pair.cameras[k] = camera_at(eye + way * (k * step), forward, fovy_deg, request);
     out.push_back(pair);
   }
 }
@@ -94,15 +86,15 @@ void add_flight(const ReferenceCaster& caster, const AccuracyBenchRequest& reque
 /// Adds the pairs of a zoom through one level. Rays are nearly parallel, so that much of the image changes its level at
 /// once.
 void add_zoom(const ReferenceCaster& caster, const AccuracyBenchRequest& request, std::vector<MotionPair>& out) {
-  const Vector forward = forward_at(35);
-  const Vector target = middle_place(caster);
+  const Vec3d forward = forward_at(35);
+  const Vec3d target = middle_place(caster);
   const double nearer = 1 - motion_pixels / (request.width / 2.0);
   for (int i = 0; i < pairs_of_path; ++i) {
     const double way = std::exp2(double(i) / pairs_of_path) / pixel_angle(accuracy_fovy_deg, request.height);
     MotionPair pair{"zoom", double(i) / (pairs_of_path - 1), {}};
     for (int k = 0; k < 2; ++k)
       pair.cameras[k] =
-          camera_at(moved(target, forward, -way * (k == 0 ? 1 : nearer)), forward, accuracy_fovy_deg, request);
+          camera_at(target - forward * (way * (k == 0 ? 1 : nearer)), forward, accuracy_fovy_deg, request);
     out.push_back(pair);
   }
 }

@@ -1,11 +1,11 @@
 /// A ray caster of the source's triangles. It renders the reference images with which images of voxels are compared.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <optional>
 
 #include "bench/accuracy/linear_picture.h"
+#include "core/math/vec3.h"
 #include "kernels/light/shade.h"
 #include "kernels/marching/cast.h"
 #include "worker/scan/source_triangles.h"
@@ -34,7 +34,7 @@ class ReferenceCaster {
 
   /// Returns all triangles closer to p than `radius`, and some farther triangles, in ascending order. Thread-safe.
   /// Range   `radius` is far above 2^-24 of the box's size.
-  std::vector<TriangleName> near(const std::array<double, 3>& p, double radius) const;
+  std::vector<TriangleName> near(const Vec3d& p, double radius) const;
 
   /// Renders an image. Each pixel is the mean of at least `samples` rays, one at a random position in each square of a
   /// grid over the pixel.
@@ -48,7 +48,7 @@ class ReferenceCaster {
                               double sun_radius_deg) const;
 
   /// Returns the distance to the first triangle that the ray hits. `direction` is a unit vector.
-  std::optional<double> first_hit(const std::array<double, 3>& origin, const std::array<double, 3>& direction) const;
+  std::optional<double> first_hit(const Vec3d& origin, const Vec3d& direction) const;
 
  private:
   struct State;

@@ -10,8 +10,7 @@ namespace {
 
 /// Returns the area; 0 if it is not finite, so that no point is sampled there.
 double area_of(const Corners& triangle) {
-  const Vector n = normal_of(triangle);
-  const double area = std::sqrt(dot(n, n)) / 2;
+  const double area = length(normal_of(triangle)) / 2;
   return std::isfinite(area) ? area : 0;
 }
 
@@ -26,11 +25,10 @@ void for_each_triangle(const SourceTriangles& source, const Visit& visit) {
 
 }  // namespace
 
-std::vector<std::array<double, 3>> surface_points(const SourceTriangles& source, std::uint64_t maximum,
-                                                  std::uint64_t seed) {
+std::vector<Vec3d> surface_points(const SourceTriangles& source, std::uint64_t maximum, std::uint64_t seed) {
   double area = 0;
   for_each_triangle(source, [&](TriangleName, const Corners&, double a) { area += a; });
-  std::vector<Vector> points;
+  std::vector<Vec3d> points;
   double before = 0;
   std::uint64_t i = 0;
   const auto place = [&] { return (double(i) + uniform(seed, 3 * i)) / double(maximum) * area; };

@@ -31,27 +31,26 @@ double sum_of_squares(const Rgb& a, const Rgb& b) {
 }
 
 /// Returns the distance from a point to the nearest voxel in the maximum norm, in voxels; 2 if none is within 1.
-double distance_to_voxels(const ReferenceVoxels& voxels, const Vector& p) {
-  Vec3i64 in;
-  for (std::size_t a = 0; a < 3; ++a) in[a] = std::int64_t(std::floor(p[a])) - voxels.origin()[a];
+double distance_to_voxels(const ReferenceVoxels& voxels, const Vec3d& p) {
+  const Vec3d low{std::floor(p[0]), std::floor(p[1]), std::floor(p[2])};
+  const Vec3d inside = p - low;
+  const Vec3i64 in = Vec3i64(low) - voxels.origin();
   if (voxels.exists(in)) return 0;
   double nearest = 2;
   for (int i = 0; i < 27; ++i) {
-    const int step[3] = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
+    const Vec3i64 step{i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
     double distance = 0;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double inside = p[a] - std::floor(p[a]);
-      if (step[a] != 0) distance = std::max(distance, step[a] < 0 ? inside : 1 - inside);
-    }
-    if (distance < nearest && voxels.exists({in[0] + step[0], in[1] + step[1], in[2] + step[2]})) nearest = distance;
+    for (std::size_t a = 0; a < 3; ++a)
+      if (step[a] != 0) distance = std::max(distance, step[a] < 0 ? inside[a] : 1 - inside[a]);
+    if (distance < nearest && voxels.exists(in + step)) nearest = distance;
   }
   return nearest;
 }
 
-void judge_points(const ReferenceVoxels& voxels, const std::vector<Vector>& points, double edge, VoxelError& error) {
+void judge_points(const ReferenceVoxels& voxels, const std::vector<Vec3d>& points, double edge, VoxelError& error) {
   std::uint64_t missed = 0, by_half = 0, by_one = 0;
-  for (const Vector& p : points) {
-    const double distance = distance_to_voxels(voxels, {p[0] / edge, p[1] / edge, p[2] / edge});
+  for (const Vec3d& p : points) {
+    const double distance = distance_to_voxels(voxels, p / edge);
     missed += distance > snap;
     by_half += distance > 0.5;
     by_one += distance > 1;
@@ -82,17 +81,13 @@ class VoxelComparison {
       : caster_(caster), source_(caster.triangles()), edge_(edge), has_normals_(has_normals), sample_(sample) {}
 
   Verdict judge(const SampledVoxel& voxel, std::uint64_t number) const {
-    Vector lowest, centre;
-    for (std::size_t a = 0; a < 3; ++a) {
-      lowest[a] = double(voxel.at[a]) * edge_;
-      centre[a] = lowest[a] + edge_ / 2;
-    }
+    const Vec3d lowest = Vec3d(voxel.at) * edge_, centre = lowest + Vec3d::all(edge_ / 2);
     const std::vector<Nearby> nearby = around(centre);
     Verdict verdict;
     for (const Nearby& t : nearby) verdict.distance = std::min(verdict.distance, t.distance / edge_);
     if (has_normals_) verdict.angle_deg = angle(nearby, verdict.distance * edge_, voxel.normal);
     const double margin = snap * edge_;
-    const Vector wider{lowest[0] - margin, lowest[1] - margin, lowest[2] - margin};
+    const Vec3d wider = lowest - Vec3d::all(margin);
     verdict.is_touched = std::any_of(nearby.begin(), nearby.end(), [&](const Nearby& t) {
       return !clip_to_cube(t.corners, wider, edge_ + 2 * margin).empty();
     });
@@ -114,12 +109,12 @@ class VoxelComparison {
 
   /// Returns the triangles whose distance from the voxel's centre is at most the voxel's edge; they include all
   /// triangles in the voxel. If there are none, doubles the distance, up to max_distance.
-  std::vector<Nearby> around(const Vector& centre) const {
+  std::vector<Nearby> around(const Vec3d& centre) const {
     std::vector<Nearby> nearby;
     for (double radius = edge_; nearby.empty() && radius <= max_distance * edge_; radius *= 2)
       for (const TriangleName name : caster_.near(centre, radius)) {
         const Corners corners = source_.corners(name.part, name.triangle);
-        const Vector n = normal_of(corners);
+        const Vec3d n = normal_of(corners);
         if (!(dot(n, n) > 0)) continue;
         const double distance = distance_to(corners, centre);
         if (distance <= radius) nearby.push_back({name, corners, distance});
@@ -131,13 +126,13 @@ class VoxelComparison {
   /// equally near, returns the minimum.
   std::optional<double> angle(const std::vector<Nearby>& nearby, double nearest,
                               const std::array<std::int8_t, 2>& stored) const {
-    const std::array<float, 3> n = unit_normal(stored.data());
+    const Vec3d n = Vec3d::from(unit_normal(stored.data()));
     std::optional<double> minimum;
     for (const Nearby& t : nearby) {
       if (t.distance > nearest + snap * edge_) continue;
-      Vector m = normal_of(t.corners);
-      if (source_.is_mirrored(t.name.part)) m = {-m[0], -m[1], -m[2]};
-      const double cosine = (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) / std::sqrt(dot(m, m));
+      Vec3d m = normal_of(t.corners);
+      if (source_.is_mirrored(t.name.part)) m = m * -1;
+      const double cosine = dot(n, m) / length(m);
       const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
       if (!minimum || angle < *minimum) minimum = angle;
     }
@@ -145,7 +140,7 @@ class VoxelComparison {
   }
 
   /// Returns the reference colour of the voxel: the mean over all surface in it.
-  std::optional<SourceColour> colour(const std::vector<Nearby>& nearby, const Vector& lowest,
+  std::optional<SourceColour> colour(const std::vector<Nearby>& nearby, const Vec3d& lowest,
                                      std::uint64_t number) const {
     std::vector<Fragment> fragments;
     double area = 0;
@@ -164,8 +159,8 @@ class VoxelComparison {
   }
 
   void add(const Fragment& f, double area, SourceColour& sum, std::uint64_t& drawn) const {
-    const Vector n = normal_of(source_.corners(f.name.part, f.name.triangle));
-    const double texels_per_area = 2 * source_.texels(f.name.part, f.name.triangle) / std::sqrt(dot(n, n));
+    const double twice_area = length(normal_of(source_.corners(f.name.part, f.name.triangle)));
+    const double texels_per_area = 2 * source_.texels(f.name.part, f.name.triangle) / twice_area;
     sum.texels += f.area / area * std::sqrt(texels_per_area) * edge_;
     const int points = std::max(1, int(std::lround(sample_.texels * f.area / area)));
     for (int k = 0; k < points; ++k) {

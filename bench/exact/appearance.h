@@ -8,9 +8,11 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "core/math/vec3.h"
+
 namespace gigabake::reference {
 
-using Direction = std::array<double, 3>;
+using Direction = Vec3d;
 using Rgba16 = std::array<std::uint16_t, 4>;  ///< linear, straight alpha
 inline constexpr Rgba16 white16{65535, 65535, 65535, 65535};
 
@@ -34,15 +36,12 @@ inline Direction direction_of(const std::array<std::int8_t, 2>& octahedral) {
     d[0] = std::copysign(1 - std::abs(v), u);
     d[1] = std::copysign(1 - std::abs(u), v);
   }
-  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-  for (double& x : d) x /= length;
-  return d;
+  return d / length(d);
 }
 
 inline double angle_deg(const Direction& a, const Direction& b) {
-  const double dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-  const double aa = a[0] * a[0] + a[1] * a[1] + a[2] * a[2], bb = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
-  return std::acos(std::min(1.0, std::max(-1.0, dot / std::sqrt(aa * bb)))) * 180 / std::numbers::pi;
+  const double cosine = dot(a, b) / std::sqrt(dot(a, a) * dot(b, b));
+  return std::acos(std::min(1.0, std::max(-1.0, cosine))) * 180 / std::numbers::pi;
 }
 
 /// The maximum angle between a direction and the direction that its two stored bytes represent (measured in

@@ -147,8 +147,7 @@ bool has_area_in_voxel(const Piece& piece) {
 
 bool crosses_centre_segment(const Triangle& t, const Voxel& voxel) {
   const auto n = normal_of(t);
-  LatticeVertex centre;
-  for (int r = 0; r < 3; ++r) centre[r] = voxel[r] * voxel_edge + voxel_edge / 2;
+  const LatticeVertex centre = voxel * voxel_edge + LatticeVertex::all(voxel_edge / 2);
   for (int axis = 0; axis < 3; ++axis) {
     if (n[axis] == 0 || !column_hits(t, centre, axis)) continue;
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;

@@ -1,5 +1,5 @@
 /// The reference for intersections of triangles and voxels, in exact rational arithmetic. It is written from
-/// docs/accuracy.md, not from kernels/.
+/// docs/accuracy.md, not from kernels/, and shares only Vec3 with them.
 ///
 /// Space   Sub-voxels (1/256 voxel) from the lattice origin; voxel i is the half-open cube [256i, 256(i+1)).
 /// Exact   GMP rationals. Only area_voxel2() and the conversions of a Piece to double return doubles.
@@ -12,13 +12,13 @@
 #include <set>
 #include <vector>
 
-#include "core/base/host_device.h"
 #include "core/base/rules.h"
+#include "core/math/vec3.h"
 
 namespace gigabake::reference {
 
-using Voxel = std::array<std::int64_t, 3>;
-using LatticeVertex = std::array<std::int64_t, 3>;
+using Voxel = Vec3i64;
+using LatticeVertex = Vec3i64;
 using Triangle = std::array<LatticeVertex, 3>;
 using RationalPoint = std::array<mpq_class, 3>;
 using Polygon = std::vector<RationalPoint>;

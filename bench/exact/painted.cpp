@@ -11,10 +11,8 @@ constexpr double min_weight = 1.0 / 68719476736.0;  // 2^-36 voxel²
 
 Direction unit_normal(const Triangle& t) {
   const auto n = normal_of(t);
-  Direction d{n[0].get_d(), n[1].get_d(), n[2].get_d()};
-  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-  for (double& x : d) x /= length;
-  return d;
+  const Direction d{n[0].get_d(), n[1].get_d(), n[2].get_d()};
+  return d / length(d);
 }
 
 std::array<double, 4> colour_on(const Painted& p, const Piece& piece) {
@@ -34,9 +32,7 @@ std::array<double, 4> colour_on(const Painted& p, const Piece& piece) {
 
 }  // namespace
 
-double ExpectedVoxel::certainty() const {
-  return std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) / visible;
-}
+double ExpectedVoxel::certainty() const { return length(normal) / visible; }
 
 std::map<Voxel, ExpectedVoxel> expected_voxels(const std::vector<Painted>& scene, SurfaceRule rule,
                                                const Window& window) {
@@ -53,8 +49,8 @@ std::map<Voxel, ExpectedVoxel> expected_voxels(const std::vector<Painted>& scene
       v.area += w;
       v.is_opaque = v.is_opaque || colour[3] == 1;
       v.visible += w * colour[3];
-      for (int c = 0; c < 3; ++c) v.colour[c] += w * colour[3] * colour[c];
-      for (int c = 0; c < 3; ++c) v.normal[c] += w * colour[3] * normal[c];
+      v.colour += Vec3d::from(colour) * (w * colour[3]);
+      v.normal += normal * (w * colour[3]);
     }
   }
   return out;

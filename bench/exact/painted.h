@@ -19,10 +19,10 @@ struct Painted {
 };
 
 struct ExpectedVoxel {
-  double area = 0;                 ///< Σ w over the pieces; w: area of a piece in voxel²
-  double visible = 0;              ///< Σ w·a; a: alpha of the piece
-  std::array<double, 3> colour{};  ///< Σ w·a·c; c: linear colour of the piece
-  Direction normal{};              ///< Σ w·a·n; n: unit normal of the piece
+  double area = 0;     ///< Σ w over the pieces; w: area of a piece in voxel²
+  double visible = 0;  ///< Σ w·a; a: alpha of the piece
+  Vec3d colour{};      ///< Σ w·a·c; c: linear colour of the piece
+  Direction normal{};  ///< Σ w·a·n; n: unit normal of the piece
 
   bool is_opaque = false;  ///< a piece has alpha 1
 

@@ -116,17 +116,13 @@ class Bench {
   void check(const FirstHitBenchView& view, const std::vector<kernels::FirstHit>& hits, FirstHitRow& row) const {
     const kernels::FirstHitTree& tree = scene_.view.tree;
     const std::size_t step = std::max<std::size_t>(1, hits.size() / request_.reference_rays);
-    std::array<std::int64_t, 3> shift;
-    for (std::size_t a = 0; a < 3; ++a)
-      shift[a] = (scene_.lattice_min[a] - reference_->origin()[a]) / (std::int64_t(1) << request_.lod);
+    const Vec3i64 shift = (scene_.lattice_min - reference_->origin()) / (std::int64_t(1) << request_.lod);
     for (std::size_t i = 0; i < hits.size(); i += step, ++row.reference_rays) {
       const auto width = std::size_t(request_.width);
       const kernels::FirstHitRay ray =
           view.camera ? kernels::camera_ray(*view.camera, float(i % width) + 0.5f, float(i / width) + 0.5f) : rays_[i];
-      const Agreement agreement =
-          compare(tree, ray, hits[i], promised_rounding * double(1 << tree.bits), [&](const Voxel& v) {
-            return reference_->exists({v[0] + shift[0], v[1] + shift[1], v[2] + shift[2]});
-          });
+      const Agreement agreement = compare(tree, ray, hits[i], promised_rounding * double(1 << tree.bits),
+                                          [&](const Vec3i64& v) { return reference_->exists(v + shift); });
       row.within_rounding += agreement == Agreement::within_rounding;
       row.wrong += agreement == Agreement::wrong;
     }

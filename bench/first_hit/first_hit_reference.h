@@ -1,29 +1,25 @@
 /// A reference for first hits that steps from voxel to voxel in double precision, without tree and tables.
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
+#include "core/math/vec3.h"
 #include "query/first_hit/first_hit.h"
 
 namespace gigabake::bench {
 
 /// A ray in voxels of the tree, relative to its lowest corner.
 struct ReferenceRay {
-  std::array<double, 3> origin, direction;
+  Vec3d origin, direction;
   double end;  ///< in lengths of `direction`
 };
 
 inline ReferenceRay reference_ray(const kernels::FirstHitRay& ray, const kernels::FirstHitTree& tree) {
   const double voxels = double(1 << tree.bits), scale = voxels * tree.per_edge;
-  ReferenceRay r{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    r.origin[a] = (ray.origin[a] - tree.centre[a]) * scale + voxels / 2;
-    r.direction[a] = ray.direction[a];
-  }
-  r.end = double(ray.end) * scale;
-  return r;
+  const Vec3d from_centre = Vec3d::from(ray.origin) - Vec3d::from(tree.centre);
+  return {from_centre * scale + Vec3d::all(voxels / 2), Vec3d::from(ray.direction), double(ray.end) * scale};
 }
 
 /// The interval of a ray inside a box.
@@ -32,7 +28,9 @@ struct Chord {
   bool empty() const { return !(enter <= leave); }
 };
 
-inline Chord chord(const ReferenceRay& ray, const std::array<double, 3>& low, const std::array<double, 3>& high) {
+using Voxel = Vec3i64;
+
+inline Chord chord(const ReferenceRay& ray, const Vec3d& low, const Vec3d& high) {
   Chord c{0, ray.end};
   for (std::size_t a = 0; a < 3; ++a) {
     const double o = ray.origin[a], d = ray.direction[a];
@@ -46,29 +44,23 @@ inline Chord chord(const ReferenceRay& ray, const std::array<double, 3>& low, co
   return c;
 }
 
-using Voxel = std::array<std::int64_t, 3>;
-
 /// Returns the chord of a voxel whose cube is expanded by `rim` on all sides.
 inline Chord chord(const ReferenceRay& ray, const Voxel& v, double rim) {
-  std::array<double, 3> low{}, high{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    low[a] = double(v[a]) - rim;
-    high[a] = double(v[a]) + 1 + rim;
-  }
-  return chord(ray, low, high);
+  const auto low = Vec3d(v);
+  return chord(ray, low - Vec3d::all(rim), low + Vec3d::all(1) + Vec3d::all(rim));
 }
 
 /// Calls visit(voxel, distance) for every voxel of the cube [0, edge)³ along the ray, until it returns true.
 template <class Visit>
 void step_through(const ReferenceRay& ray, std::int64_t edge, const Visit& visit) {
-  const Chord inside = chord(ray, {0, 0, 0}, {double(edge), double(edge), double(edge)});
+  const Chord inside = chord(ray, Vec3d{}, Vec3d::all(double(edge)));
   if (inside.empty()) return;
+  const Vec3d at = ray.origin + ray.direction * inside.enter;
   Voxel v{};
   for (std::size_t a = 0; a < 3; ++a) {
-    const double at = ray.origin[a] + ray.direction[a] * inside.enter;
-    v[a] = std::int64_t(std::floor(at));
-    if (ray.direction[a] < 0 && at == std::floor(at)) --v[a];
-    v[a] = std::min(std::max(v[a], std::int64_t(0)), edge - 1);
+    v[a] = std::int64_t(std::floor(at[a]));
+    if (ray.direction[a] < 0 && at[a] == std::floor(at[a])) --v[a];
+    v[a] = std::clamp(v[a], std::int64_t(0), edge - 1);
   }
   for (double t = inside.enter; !visit(v, t);) {
     std::size_t axis = 0;
@@ -96,14 +88,12 @@ Agreement compare(const kernels::FirstHitTree& tree, const kernels::FirstHitRay&
   const bool met = hit.attributes_index != kernels::no_attributes;
   const double to_voxels = double(1 << tree.bits) * tree.per_edge, distance = double(hit.distance) * to_voxels;
   const double blur = rounding + (met ? distance * 0x1p-23 : 0);  // because a distance is a float
-  Voxel found{};
-  for (std::size_t a = 0; a < 3; ++a) found[a] = std::int64_t(hit.voxel >> 21 * a & 0x1fffff);
+  const auto found = Voxel::by_axis([&](int a) { return std::int64_t(hit.voxel >> 21 * a & 0x1fffff); });
   if (met) {
     const Chord wide = chord(ray, found, rounding);
     if (!exists(found) || wide.empty()) return Agreement::wrong;
     bool near_face = distance <= blur;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double at = ray.origin[a] + ray.direction[a] * distance - double(found[a]);
+    for (const double at : ray.origin + ray.direction * distance - Vec3d(found)) {
       if (at < -2 * blur || at > 1 + 2 * blur) return Agreement::wrong;
       near_face = near_face || std::fabs(at) <= 2 * blur || std::fabs(at - 1) <= 2 * blur;
     }

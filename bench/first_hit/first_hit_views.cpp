@@ -1,36 +1,29 @@
 #include "bench/first_hit/first_hit_views.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
 
+#include "core/math/vec3.h"
+
 namespace gigabake::bench {
 namespace {
 
-using Vector = std::array<double, 3>;
-
-Vector operator+(const Vector& a, const Vector& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-Vector operator*(const Vector& a, double s) { return {a[0] * s, a[1] * s, a[2] * s}; }
-double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vector unit(const Vector& a) { return a * (1 / std::sqrt(dot(a, a))); }
-Vector cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+Vec3d unit(const Vec3d& a) { return a * (1 / length(a)); }
 
 /// Forward, right and up vectors; up is north if the view is vertical.
 struct Axes {
-  Vector forward, right, up;
-  explicit Axes(const Vector& towards) : forward(unit(towards)) {
-    right = unit(cross(forward, std::fabs(forward[2]) > 0.999 ? Vector{0, 1, 0} : Vector{0, 0, 1}));
+  Vec3d forward, right, up;
+  explicit Axes(const Vec3d& towards) : forward(unit(towards)) {
+    right = unit(cross(forward, std::fabs(forward[2]) > 0.999 ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1}));
     up = cross(right, forward);
   }
 };
 
 /// A box in voxels: its centre and its half extents.
 struct Box {
-  Vector centre, half;
+  Vec3d centre, half;
 };
 
 struct Picture {
@@ -38,10 +31,10 @@ struct Picture {
   double aspect() const { return double(width) / height; }
 };
 
-kernels::FirstHitCamera make_camera(const Box& box, const Vector& eye_from_centre, const Axes& axes,
+kernels::FirstHitCamera make_camera(const Box& box, const Vec3d& eye_from_centre, const Axes& axes,
                                     const Picture& picture) {
   kernels::FirstHitCamera c;
-  const Vector eye = box.centre + eye_from_centre;
+  const Vec3d eye = box.centre + eye_from_centre;
   for (std::size_t a = 0; a < 3; ++a) {
     c.eye[a] = eye[a];
     c.forward[a] = float(axes.forward[a]);
@@ -53,9 +46,9 @@ kernels::FirstHitCamera make_camera(const Box& box, const Vector& eye_from_centr
   return c;
 }
 
-kernels::FirstHitCamera parallel(const Box& box, const Vector& towards, double half_height, const Picture& picture) {
+kernels::FirstHitCamera parallel(const Box& box, const Vec3d& towards, double half_height, const Picture& picture) {
   const Axes axes(towards);
-  kernels::FirstHitCamera c = make_camera(box, axes.forward * -std::sqrt(dot(box.half, box.half)), axes, picture);
+  kernels::FirstHitCamera c = make_camera(box, axes.forward * -length(box.half), axes, picture);
   for (std::size_t a = 0; a < 3; ++a) {
     c.across[a] = float(axes.right[a] * half_height * picture.aspect());
     c.upward[a] = float(axes.up[a] * half_height);
@@ -63,7 +56,7 @@ kernels::FirstHitCamera parallel(const Box& box, const Vector& towards, double h
   return c;
 }
 
-kernels::FirstHitCamera central(const Box& box, const Vector& eye_from_centre, const Vector& towards, double fovy_deg,
+kernels::FirstHitCamera central(const Box& box, const Vec3d& eye_from_centre, const Vec3d& towards, double fovy_deg,
                                 const Picture& picture) {
   const Axes axes(towards);
   kernels::FirstHitCamera c = make_camera(box, eye_from_centre, axes, picture);
@@ -80,14 +73,14 @@ kernels::FirstHitCamera central(const Box& box, const Vector& eye_from_centre, c
 template <class Visit>
 void for_each_corner(const Box& box, const Visit& visit) {
   for (int i = 0; i < 4; ++i)
-    visit(Vector{(i & 1) != 0 ? box.half[0] : -box.half[0], (i & 2) != 0 ? box.half[1] : -box.half[1], 0});
+    visit(Vec3d{(i & 1) != 0 ? box.half[0] : -box.half[0], (i & 2) != 0 ? box.half[1] : -box.half[1], 0});
 }
 
 /// Returns half the height of the smallest parallel image that shows the whole ground.
-double fitting_half_height(const Box& box, const Vector& towards, const Picture& picture) {
+double fitting_half_height(const Box& box, const Vec3d& towards, const Picture& picture) {
   const Axes axes(towards);
   double half_height = 0;
-  for_each_corner(box, [&](const Vector& corner) {
+  for_each_corner(box, [&](const Vec3d& corner) {
     half_height =
         std::max({half_height, std::fabs(dot(corner, axes.up)), std::fabs(dot(corner, axes.right)) / picture.aspect()});
   });
@@ -95,11 +88,11 @@ double fitting_half_height(const Box& box, const Vector& towards, const Picture&
 }
 
 /// Returns the distance from the centre at which an eye sees the whole ground.
-double fitting_distance(const Box& box, const Vector& towards, double fovy_deg, const Picture& picture) {
+double fitting_distance(const Box& box, const Vec3d& towards, double fovy_deg, const Picture& picture) {
   const Axes axes(towards);
   const double tangent = std::tan(fovy_deg * std::numbers::pi / 360);
   double distance = 0;
-  for_each_corner(box, [&](const Vector& corner) {
+  for_each_corner(box, [&](const Vec3d& corner) {
     const double side =
         std::max(std::fabs(dot(corner, axes.up)), std::fabs(dot(corner, axes.right)) / picture.aspect());
     distance = std::max(distance, side / tangent - dot(corner, axes.forward));
@@ -119,12 +112,7 @@ double ground_height(const kernels::FirstHitTree& tree, const Box& box) {
 }
 
 Box box_of(const kernels::FirstHitTree& tree) {
-  Box box{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    box.centre[a] = tree.centre[a];
-    box.half[a] = tree.half[a] * double(tree.edge);
-  }
-  return box;
+  return {Vec3d::from(tree.centre), Vec3d::from(tree.half) * double(tree.edge)};
 }
 
 }  // namespace
@@ -132,9 +120,9 @@ Box box_of(const kernels::FirstHitTree& tree) {
 std::vector<FirstHitBenchView> first_hit_views(const kernels::FirstHitTree& tree, int width, int height) {
   const Picture picture{width, height};
   const Box box = box_of(tree);
-  const Vector south_east{-0.62, 0.60, -0.505}, north_west{-1, 1, -0.18};
+  const Vec3d south_east{-0.62, 0.60, -0.505}, north_west{-1, 1, -0.18};
   constexpr double fovy_deg = 40, wide_fovy_deg = 60;
-  const Vector half = box.half;
+  const Vec3d half = box.half;
   const double ground = ground_height(tree, box), wide = std::max(half[0], half[1]);
   const double distance = fitting_distance(box, south_east, fovy_deg, picture);
   return {
@@ -156,7 +144,7 @@ std::vector<kernels::FirstHitRay> random_rays(const kernels::FirstHitTree& tree,
   std::uniform_real_distribution<double> uniform(-1, 1);
   std::vector<kernels::FirstHitRay> rays(count);
   for (kernels::FirstHitRay& ray : rays) {
-    Vector v;
+    Vec3d v;
     do v = {uniform(generator), uniform(generator), uniform(generator)};
     while (dot(v, v) > 1 || dot(v, v) < 1e-6);
     v = unit(v);

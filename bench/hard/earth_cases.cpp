@@ -50,8 +50,7 @@ void add_triangles(HardScene& scene, std::size_t tile, const Geodetic& origin, c
     for (int i = 0; i < 9; ++i) corner[i] = float(middle[i % 3] + between(rng, -0.03, 0.03));
     bool usable = true;
     for (int k = 0; k < 3; ++k)
-      usable &= keeps_away_from_ties(
-          lattice_place(parameters, placement * LongPoint{corner[3 * k], corner[3 * k + 1], corner[3 * k + 2]}));
+      usable &= keeps_away_from_ties(lattice_place(parameters, placement * LongPoint::from(corner + 3 * k)));
     if (!usable) continue;
     for (int k = 0; k < 3; ++k) mesh.index.push_back(std::uint32_t(mesh.index.size()));
     mesh.position.insert(mesh.position.end(), corner, corner + 9);
@@ -60,9 +59,8 @@ void add_triangles(HardScene& scene, std::size_t tile, const Geodetic& origin, c
 
 /// Returns a window of 128 voxels around the tile's origin.
 reference::Window window_about(const LongPoint& p_lattice) {
-  reference::Window window{{}, 128};
-  for (std::size_t r = 0; r < 3; ++r) window.min[r] = (std::int64_t(floorl(p_lattice[r])) >> 11 << 3) - 64;
-  return window;
+  const auto floored = reference::Voxel::by_axis([&](int r) { return std::int64_t(floorl(p_lattice[r])); });
+  return {(floored >> 11 << 3) - reference::Voxel::all(64), 128};
 }
 
 /// Returns a case on the earth. `origin` is the origin of the scene frame. If `is_asked` is true, the option --origin

@@ -26,9 +26,7 @@ LongAffine axes_at(const Geodetic& g) {
            {0, cp, sp, ((1 - e2) * n + h) * sp}}};
 }
 
-LongPoint vertex(const HardMesh& mesh, std::size_t v) {
-  return {mesh.position[3 * v], mesh.position[3 * v + 1], mesh.position[3 * v + 2]};
-}
+LongPoint vertex(const HardMesh& mesh, std::size_t v) { return LongPoint::from(&mesh.position[3 * v]); }
 
 /// Returns the triangle on the lattice; nullopt if a coordinate of a vertex is not finite or is 2^53 sub-voxels or
 /// more.
@@ -57,10 +55,7 @@ long double LongAffine::determinant() const {
 }
 
 LongPoint operator*(const LongAffine& map, const LongPoint& p) {
-  LongPoint out;
-  for (std::size_t r = 0; r < 3; ++r)
-    out[r] = map.m[r][0] * p[0] + map.m[r][1] * p[1] + map.m[r][2] * p[2] + map.m[r][3];
-  return out;
+  return LongPoint::by_axis([&](int r) { return dot(LongPoint::from(map.m[r]), p) + map.m[r][3]; });
 }
 
 LongAffine operator*(const LongAffine& a, const LongAffine& b) {
@@ -98,16 +93,11 @@ std::vector<LongAffine> exact_placements(const HardScene& scene, const std::opti
 }
 
 LongPoint lattice_place(const BakeParameters& parameters, const LongPoint& p_scene_m) {
-  LongPoint out;
-  for (std::size_t r = 0; r < 3; ++r)
-    out[r] = (p_scene_m[r] - parameters.lattice_origin_m[r]) / parameters.voxel_size_m * 256;
-  return out;
+  return (p_scene_m - LongPoint(parameters.lattice_origin_m)) / parameters.voxel_size_m * 256;
 }
 
 reference::LatticeVertex snapped(const LongPoint& p_lattice) {
-  reference::LatticeVertex out;
-  for (std::size_t r = 0; r < 3; ++r) out[r] = std::int64_t(floorl(p_lattice[r] + 0.5L));
-  return out;
+  return reference::LatticeVertex::by_axis([&](int r) { return std::int64_t(floorl(p_lattice[r] + 0.5L)); });
 }
 
 std::vector<reference::Painted> painted_triangles(const HardScene& scene, const std::optional<Geodetic>& origin,

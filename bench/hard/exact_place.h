@@ -1,5 +1,5 @@
 /// The exact positions of a hard scene's vertices, computed from its files in long double and from closed forms. Uses
-/// no code of format/ or kernels/.
+/// no code of format/ or kernels/, only plain vectors.
 ///
 /// Exact   A long double has a mantissa of 64 bits on x86 and 113 bits on aarch64. This resolves 10⁻¹² m on the earth.
 ///         If the compiler's long double is a double, the suite compares double with double.
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench/hard/hard_scene.h"
+#include "core/math/vec3.h"
 #include "core/octree/parameters.h"
 
 namespace gigabake::bench {
@@ -16,7 +17,7 @@ struct LongAffine {
   long double m[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
   long double determinant() const;
 };
-using LongPoint = std::array<long double, 3>;
+using LongPoint = Vec3<long double>;
 
 LongPoint operator*(const LongAffine& map, const LongPoint& p);
 LongAffine operator*(const LongAffine& a, const LongAffine& b);

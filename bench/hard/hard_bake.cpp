@@ -16,7 +16,7 @@ namespace {
 CellJob job_of(const HardCase& hard, std::size_t tiles) {
   CellJob job;
   job.name = "cell";
-  job.lattice_min = {hard.window.min[0], hard.window.min[1], hard.window.min[2]};
+  job.lattice_min = hard.window.min;
   job.cell_voxels = std::uint32_t(hard.window.edge);
   job.tiles.resize(tiles);
   std::iota(job.tiles.begin(), job.tiles.end(), 0u);
@@ -24,7 +24,8 @@ CellJob job_of(const HardCase& hard, std::size_t tiles) {
 }
 
 double distance(const LongPoint& a, const LongPoint& b) {
-  return double(hypotl(hypotl(a[0] - b[0], a[1] - b[1]), a[2] - b[2]));
+  const LongPoint d = a - b;
+  return double(hypotl(hypotl(d[0], d[1]), d[2]));
 }
 
 /// Returns the vertex in double, with the same steps as core/math/snap.h.
@@ -36,10 +37,7 @@ LongPoint in_double(const std::array<double, 12>& m, const float* local) {
 }
 
 LongPoint middle_of(const LatticePoint& at, const BakeParameters& parameters) {
-  LongPoint p;
-  for (std::size_t r = 0; r < 3; ++r)
-    p[r] = at.v[r] * (long double)(parameters.voxel_size_m) / 256 + parameters.lattice_origin_m[r];
-  return p;
+  return LongPoint(at.v) * parameters.voxel_size_m / 256 + LongPoint(parameters.lattice_origin_m);
 }
 
 /// Compares the vertices of the pipeline with the exact vertices.
@@ -55,7 +53,7 @@ void measure_places(const HardScene& scene, const SceneSources& sources, const B
       for (std::size_t v = 0; v + 2 < position.size(); v += 3) {
         LatticePoint at;
         if (!snap(snap_frame(parameters), m.data(), &position[v], at)) continue;
-        const LongPoint p = *placement * LongPoint{position[v], position[v + 1], position[v + 2]};
+        const LongPoint p = *placement * LongPoint::from(&position[v]);
         out.placement_m = std::max(out.placement_m, distance(in_double(m, &position[v]), p));
         out.position_m = std::max(out.position_m, distance(middle_of(at, parameters), p));
       }
@@ -73,7 +71,7 @@ StoredVoxels voxels_of(const Shard& shard) {
         StoredVoxel v;
         std::copy_n(rgba, 4, v.rgba.begin());
         std::copy_n(normal, 2, v.normal.begin());
-        out[{low[0] + x, low[1] + y, low[2] + z}] = v;
+        out[low + Vec3i64{x, y, z}] = v;
       });
   return out;
 }

@@ -11,8 +11,8 @@ using reference::Triangle;
 bool fits_floats(const Triangle& t) {
   constexpr std::int64_t float_exact = std::int64_t(1) << 24;
   for (int k = 1; k < 3; ++k)
-    for (int r = 0; r < 3; ++r)
-      if (std::abs(t[k][r] - t[0][r]) >= float_exact) return false;
+    for (const std::int64_t distance : t[k] - t[0])
+      if (std::abs(distance) >= float_exact) return false;
   return true;
 }
 
@@ -21,7 +21,8 @@ HardMesh mesh_of(const std::vector<Triangle>& triangles, const reference::Lattic
   for (const Triangle& t : triangles)
     for (const reference::LatticeVertex& v : t) {
       mesh.index.push_back(std::uint32_t(mesh.index.size()));
-      for (int r = 0; r < 3; ++r) mesh.position.push_back(float(v[r] - origin[r]));
+      const auto p = Vec3<float>(v - origin);
+      mesh.position.insert(mesh.position.end(), p.begin(), p.end());
     }
   return mesh;
 }

@@ -11,11 +11,11 @@ namespace {
 constexpr int sheet_voxels = 16;
 constexpr std::int64_t sheet_units = 256 * sheet_voxels;
 
-reference::ExpectedVoxel plain(double alpha, const std::array<double, 3>& linear) {
+reference::ExpectedVoxel plain(double alpha, const Vec3d& linear) {
   reference::ExpectedVoxel v;
   v.area = 1;
   v.visible = alpha;
-  for (std::size_t c = 0; c < 3; ++c) v.colour[c] = alpha * linear[c];
+  v.colour = linear * alpha;
   v.normal = {0, 0, alpha};
   return v;
 }

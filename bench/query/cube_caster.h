@@ -1,33 +1,31 @@
 /// A ray caster on top of Embree that represents voxels as cubes of quads.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
+
+#include "core/math/vec3.h"
 
 namespace gigabake::bench {
 
 /// A caster for a set of voxels; first_hit() is thread-safe.
 class CubeCaster {
  public:
-  using Voxel = std::array<std::int64_t, 3>;
-
   /// Builds the caster. `voxels` holds the position of each voxel in its level, without duplicates.
   /// Errors  UsageError: built without Embree.
-  CubeCaster(const std::vector<Voxel>& voxels, int threads);
+  CubeCaster(const std::vector<Vec3i64>& voxels, int threads);
   ~CubeCaster();
   CubeCaster(const CubeCaster&) = delete;
   CubeCaster& operator=(const CubeCaster&) = delete;
 
   struct Hit {
-    Voxel voxel;
+    Vec3i64 voxel;
     double distance;
   };
   /// Returns the first voxel that the ray hits. `direction` is a unit vector.
   /// Space   Voxels of the level.
-  std::optional<Hit> first_hit(const std::array<double, 3>& origin, const std::array<double, 3>& direction) const;
+  std::optional<Hit> first_hit(const Vec3d& origin, const Vec3d& direction) const;
 
  private:
   struct State;

@@ -1,7 +1,6 @@
 #include "bench/query/query_bench.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <ctime>
 #include <fmt/format.h>
@@ -23,8 +22,6 @@
 namespace gigabake::bench {
 namespace {
 
-using Voxel = CubeCaster::Voxel;
-
 constexpr std::uint64_t max_voxels = std::uint64_t(1) << 23;
 constexpr std::size_t batch_rays = std::size_t(1) << 17;
 /// The penetration depth, in voxels, below which either caster may miss a voxel. It is twice the bound of SceneQuery
@@ -32,33 +29,31 @@ constexpr std::size_t batch_rays = std::size_t(1) << 17;
 constexpr double slight = 1.0 / 64;
 
 /// Returns every voxel of a level, of bricks and constant nodes, in coordinates of the level.
-std::vector<Voxel> voxels_of(const PagedScene& scene, int lod) {
-  std::vector<Voxel> voxels;
+std::vector<Vec3i64> voxels_of(const PagedScene& scene, int lod) {
+  std::vector<Vec3i64> voxels;
   scene.for_each_cell([&](const SceneCell& cell) {
     const ShardReader shard = open_shard_of_scene(scene.file(), scene.header(), cell);
     const NodeTable nodes = shard.nodes();
     const BrickLevel level = shard.level(lod);
-    Voxel corner;
-    for (std::size_t a = 0; a < 3; ++a) corner[a] = cell.lattice_min[a] >> lod;
-    const auto add = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    const Vec3i64 corner = cell.lattice_min >> lod;
+    const auto add = [&](const Vec3i64& voxel) {
       if (voxels.size() >= max_voxels) throw UsageError("lod", "more than 2^23 voxels; expected a coarser level");
-      voxels.push_back({x, y, z});
+      voxels.push_back(voxel);
     };
     for (std::size_t n = 0; n < nodes.key.size(); ++n) {
       const int above = int(nodes.lod[n]) - lod;
       if (above < 0 || (above > 0 && nodes.kind[n] != NodeKind::leaf_constant)) continue;
-      const BrickCoordinate at = demorton(nodes.key[n]);
       const std::int64_t edge = std::int64_t(brick_edge) << above;
-      const Voxel low{corner[0] + at.x * edge, corner[1] + at.y * edge, corner[2] + at.z * edge};
+      const Vec3i64 low = corner + Vec3i64(demorton(nodes.key[n])) * edge;
       if (nodes.kind[n] == NodeKind::brick) {
         for_each_voxel(level, nodes.value[n], {0, 0, 0},
                        [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t*, const std::int8_t*) {
-                         add(low[0] + x, low[1] + y, low[2] + z);
+                         add(low + Vec3i64{x, y, z});
                        });
         continue;
       }
       for (std::int64_t i = 0; i < edge * edge * edge; ++i)
-        add(low[0] + i % edge, low[1] + i / edge % edge, low[2] + i / (edge * edge));
+        add(low + Vec3i64{i % edge, i / edge % edge, i / (edge * edge)});
     }
   });
   return voxels;
@@ -85,7 +80,7 @@ std::vector<QueryRay> random_query_rays(const kernels::VoxelBox& box, std::size_
 }
 
 /// Returns the part of the ray deeper than `slight` in a voxel; empty if there is none.
-RayChord deep_chord(const QueryRay& ray, const Voxel& voxel, int lod) {
+RayChord deep_chord(const QueryRay& ray, const Vec3i64& voxel, int lod) {
   kernels::VoxelBox box;
   for (std::size_t a = 0; a < 3; ++a) {
     box.min[a] = voxel[a] << lod;
@@ -100,25 +95,19 @@ class Comparison {
 
   void add(const QueryRay& ray, const QueryHit& ours) {
     const double edge = kernels::power_of_two(lod_);
-    std::array<double, 3> origin, direction;
-    for (std::size_t a = 0; a < 3; ++a) {
-      origin[a] = ray.origin[a] / edge;
-      direction[a] = ray.direction[a];
-    }
     const bool met = ours.outcome == QueryOutcome::hit;
     result_.hits += met ? 1 : 0;
     if (met && ours.distance < slight * edge) {
       ++result_.inside;
       return;
     }
-    const auto theirs = cubes_.first_hit(origin, direction);
-    Voxel our_voxel{};
-    for (std::size_t a = 0; a < 3; ++a) our_voxel[a] = ours.voxel[a] >> lod_;
+    const auto theirs = cubes_.first_hit(Vec3d::from(ray.origin) / edge, Vec3d::from(ray.direction));
+    const Vec3i64 our_voxel = Vec3i64::from(ours.voxel) >> lod_;
     if (met == theirs.has_value() && (!met || our_voxel == theirs->voxel)) return add_same(ray, ours, theirs);
     const double never = std::numeric_limits<double>::infinity();
     const double our_way = met ? ours.distance : never, their_way = theirs ? theirs->distance * edge : never;
     // The nearer hit is in a voxel that the other caster missed, or the ray hits both voxels at their common edge.
-    const Voxel& passed = our_way < their_way ? our_voxel : theirs->voxel;
+    const Vec3i64& passed = our_way < their_way ? our_voxel : theirs->voxel;
     if (std::fabs(our_way - their_way) < slight * edge || deep_chord(ray, passed, lod_).empty()) {
       ++result_.grazing;
       return;
@@ -137,9 +126,9 @@ class Comparison {
       result_.max_gap = std::max(result_.max_gap, gap);
       return;
     }
-    Voxel before{};
-    for (std::size_t a = 0; a < 3; ++a)
-      before[a] = std::int64_t(std::floor((ray.origin[a] + ray.direction[a] * (ours.distance - 1e-6 * edge)) / edge));
+    const double before_hit = ours.distance - 1e-6 * edge;
+    const auto before = Vec3i64::by_axis(
+        [&](int a) { return std::int64_t(std::floor((ray.origin[a] + ray.direction[a] * before_hit) / edge)); });
     if (before != theirs->voxel && deep_chord(ray, before, lod_).empty())
       ++result_.grazing;
     else

@@ -34,8 +34,8 @@ PartView view_of(const Part& part) {
 
 bool fits_floats(const Triangle& t) {
   for (int k = 1; k < 3; ++k)
-    for (int r = 0; r < 3; ++r)
-      if (std::abs(t[k][r] - t[0][r]) >= float_exact) return false;
+    for (const std::int64_t distance : t[k] - t[0])
+      if (std::abs(distance) >= float_exact) return false;
   return true;
 }
 
@@ -137,7 +137,8 @@ Part& BakeScene::add_mesh(const std::vector<Triangle>& mesh, std::uint32_t mater
   for (const Triangle& t : mesh)
     for (const LatticeVertex& v : t) {
       part.index.push_back(std::uint32_t(part.index.size()));
-      for (int r = 0; r < 3; ++r) part.position.push_back(float(v[r] - origin[r]));
+      const auto p = Vec3<float>(v - origin);
+      part.position.insert(part.position.end(), p.begin(), p.end());
     }
   for (int r = 0; r < 3; ++r) part.scene_from_local[4 * r + 3] = double(origin[r]);
   return add_part(std::move(part));
@@ -156,9 +157,7 @@ void BakeScene::set_window(const Voxel& min, std::uint32_t edge) {
   parameters.window_voxels = edge;
 }
 
-Window BakeScene::window() const {
-  return {{parameters.window_min[0], parameters.window_min[1], parameters.window_min[2]}, parameters.window_voxels};
-}
+Window BakeScene::window() const { return {Voxel::from(parameters.window_min), parameters.window_voxels}; }
 
 CellVolume BakeScene::bake(int threads) const {
   std::vector<PartView> parts;
@@ -176,8 +175,8 @@ VoxelMap voxels_at(const CellVolume& volume, const CellParameters& parameters, i
   for (std::size_t n = 0; n < nodes.key.size(); ++n) {
     const int down = nodes.lod[n] - lod;
     if (down < 0 || (down > 0 && nodes.kind[n] != NodeKind::leaf_constant)) continue;
-    Voxel corner = morton_decode(nodes.key[n]);
-    for (int r = 0; r < 3; ++r) corner[r] = (corner[r] * brick_edge << down) + (parameters.window_min[r] >> lod);
+    const Voxel corner =
+        (morton_decode(nodes.key[n]) * brick_edge << down) + (Voxel::from(parameters.window_min) >> lod);
     if (nodes.kind[n] == NodeKind::brick)
       expand_brick(volume.levels[lod], nodes.value[n], corner, out);
     else

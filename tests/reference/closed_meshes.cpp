@@ -148,29 +148,18 @@ ClosedMesh random_hull(const LatticeVertex& centre, std::int64_t reach, std::int
 double winding_number(const std::vector<Triangle>& mesh, const LatticeVertex& point) {
   double sum = 0;
   for (const Triangle& t : mesh) {
-    double p[3][3], length[3];
-    for (int k = 0; k < 3; ++k) {
-      for (int r = 0; r < 3; ++r) p[k][r] = double(t[k][r] - point[r]);
-      length[k] = std::sqrt(p[k][0] * p[k][0] + p[k][1] * p[k][1] + p[k][2] * p[k][2]);
-    }
-    const auto dot = [&](int a, int b) { return p[a][0] * p[b][0] + p[a][1] * p[b][1] + p[a][2] * p[b][2]; };
-    const double triple = p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) -
-                          p[0][1] * (p[1][0] * p[2][2] - p[1][2] * p[2][0]) +
-                          p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
-    sum += 2 * std::atan2(triple, length[0] * length[1] * length[2] + dot(0, 1) * length[2] + dot(1, 2) * length[0] +
-                                      dot(2, 0) * length[1]);
+    const Vec3d a(t[0] - point), b(t[1] - point), c(t[2] - point);
+    const double triple = dot(a, cross(b, c)), a_length = length(a), b_length = length(b), c_length = length(c);
+    sum += 2 * std::atan2(triple, a_length * b_length * c_length + dot(a, b) * c_length + dot(b, c) * a_length +
+                                      dot(c, a) * b_length);
   }
   return sum / (4 * pi);
 }
 
 bool holds_lattice_corner(const std::vector<Triangle>& mesh) {
   for (const Triangle& t : mesh) {
-    LatticeVertex low, high;
-    for (int r = 0; r < 3; ++r) {
-      std::tie(low[r], high[r]) = std::minmax({t[0][r], t[1][r], t[2][r]});
-      low[r] = (low[r] + 255) >> 8;
-      high[r] >>= 8;
-    }
+    const LatticeVertex low = (min_by_axis(min_by_axis(t[0], t[1]), t[2]) + LatticeVertex::all(255)) >> 8,
+                        high = max_by_axis(max_by_axis(t[0], t[1]), t[2]) >> 8;
     for (std::int64_t z = low[2]; z <= high[2]; ++z)
       for (std::int64_t y = low[1]; y <= high[1]; ++y)
         for (std::int64_t x = low[0]; x <= high[0]; ++x)

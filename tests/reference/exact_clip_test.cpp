@@ -13,13 +13,9 @@ namespace {
 
 /// Returns a window that contains the whole closed triangle.
 Window around(const Triangle& t) {
-  Window w{{t[0][0], t[0][1], t[0][2]}, 0};
-  for (int r = 0; r < 3; ++r) {
-    const auto [low, high] = std::minmax({t[0][r], t[1][r], t[2][r]});
-    w.min[r] = (low >> 8) - 1;
-    w.edge = std::max(w.edge, ((high - low) >> 8) + 4);
-  }
-  return w;
+  const LatticeVertex low = min_by_axis(min_by_axis(t[0], t[1]), t[2]),
+                      high = max_by_axis(max_by_axis(t[0], t[1]), t[2]);
+  return {(low >> 8) - Voxel::all(1), (std::ranges::max(high - low) >> 8) + 4};
 }
 
 bool inside(const RationalPoint& p, const Voxel& voxel) {

@@ -95,12 +95,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 /// Returns the sum of the weights of all half-open voxels that contain a part of the triangle, brick by brick.
 double total_weight(const Triangle& t) {
-  Voxel low, high;
-  for (int r = 0; r < 3; ++r) {
-    const auto [minimum, maximum] = std::minmax({t[0][r], t[1][r], t[2][r]});
-    low[r] = minimum >> 11;
-    high[r] = maximum >> 11;
-  }
+  const Voxel low = min_by_axis(min_by_axis(t[0], t[1]), t[2]) >> 11,
+              high = max_by_axis(max_by_axis(t[0], t[1]), t[2]) >> 11;
   double sum = 0;
   for (std::int64_t z = low[2]; z <= high[2]; ++z)
     for (std::int64_t y = low[1]; y <= high[1]; ++y)

@@ -5,6 +5,7 @@
 #include "bake_scene.h"
 #include "closed_meshes.h"
 #include "core/base/rules.h"
+#include "core/math/box3.h"
 
 namespace gigabake::reference {
 namespace {
@@ -119,11 +120,9 @@ TEST_P(Invariance, HoldsForASceneCutIntoFour) {
 /// Returns the voxels of a level that lie in the window [at, at + window_edge)³ of lod 0.
 VoxelMap inside(const VoxelMap& voxels, const Voxel& at, std::int64_t window_edge, int lod) {
   VoxelMap out;
-  for (const auto& [p, v] : voxels) {
-    bool in = true;
-    for (int r = 0; r < 3; ++r) in &= p[r] >= at[r] >> lod && p[r] < (at[r] + window_edge) >> lod;
-    if (in) out[p] = v;
-  }
+  const Box3i64 window{at >> lod, (at + Voxel::all(window_edge)) >> lod};
+  for (const auto& [p, v] : voxels)
+    if (window.contains(p)) out[p] = v;
   return out;
 }
 
@@ -161,7 +160,7 @@ TEST_P(Invariance, HoldsForLodZeroUnderAShiftByOneVoxel) {
   const VoxelMap here = voxels_at(volume_, scene_.parameters, 0), there = voxels_at(moved.bake(), moved.parameters, 0);
   std::size_t compared = 0;
   for (const auto& [p, v] : here) {
-    const Voxel q{p[0] + 1, p[1] + 2, p[2] + 3};
+    const Voxel q = p + Voxel{1, 2, 3};
     if (std::max({q[0], q[1], q[2]}) >= cube_edge) continue;
     const auto found = there.find(q);
     ASSERT_TRUE(found != there.end() && found->second == v) << p[0] << ' ' << p[1] << ' ' << p[2] << ", seed " << seed;

@@ -86,11 +86,9 @@ std::map<Voxel, Octet> octets_of(const VoxelMap& fine, const Rasters& rasters) {
 /// Groups the voxels of a level by the voxel, `levels` levels coarser, that contains them.
 std::map<Voxel, Finer> finer_of(const VoxelMap& fine, int levels) {
   std::map<Voxel, Finer> out;
-  for (const auto& [p, v] : fine) out[{p[0] >> levels, p[1] >> levels, p[2] >> levels}].push_back(&v);
+  for (const auto& [p, v] : fine) out[p >> levels].push_back(&v);
   return out;
 }
-
-double cosine(const Direction& a, const Direction& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// The sides that normals point to while a mean is computed.
 enum class Sides {
@@ -102,7 +100,7 @@ enum class Sides {
 void expect_mean(const BakedVoxel& parent, const Finer& finer, const std::vector<double>& weight, Sides sides) {
   const double opposite = -std::sqrt(0.5);
   double sum = 0;
-  std::array<double, 3> colour{};
+  Vec3d colour{};
   Direction normal{};
   std::optional<Direction> first;
   bool is_certain = true;
@@ -110,20 +108,16 @@ void expect_mean(const BakedVoxel& parent, const Finer& finer, const std::vector
     if (finer[c] == nullptr || weight[c] == 0) continue;
     Direction n = direction_of(finer[c]->normal);
     if (!first) first = n;
-    const double along = cosine(n, *first);
+    const double along = dot(n, *first);
     is_certain = is_certain && std::abs(along - opposite) > 1e-3;
-    if (sides == Sides::as_the_first && along < opposite)
-      for (double& x : n) x = -x;
+    if (sides == Sides::as_the_first && along < opposite) n = n * -1;
     sum += weight[c];
-    for (std::size_t k = 0; k < 3; ++k) {
-      colour[k] += weight[c] * linear_of(finer[c]->rgba[k] / 255.0);
-      normal[k] += weight[c] * n[k];
-    }
+    colour += Vec3d::by_axis([&](std::size_t k) { return linear_of(finer[c]->rgba[k] / 255.0); }) * weight[c];
+    normal += n * weight[c];
   }
   // Rounding in the 16-bit table of linear values costs at most 0.05 codes, where sRGB is steepest.
   for (std::size_t c = 0; c < 3; ++c) ASSERT_LE(code_error(parent.rgba[c], colour[c] / sum), 0.6) << "channel " << c;
-  const double length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) / sum;
-  if (length > 1e-2 && (is_certain || sides == Sides::as_stored)) {
+  if (length(normal) / sum > 1e-2 && (is_certain || sides == Sides::as_stored)) {
     ASSERT_LE(angle_deg(direction_of(parent.normal), normal), octahedral_error_deg + 0.05);
   }
 }

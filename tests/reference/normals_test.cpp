@@ -27,10 +27,6 @@ Direction random_direction(Rng& rng) {
   }
 }
 
-Direction cross(const Direction& a, const Direction& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 /// Returns a triangle `length` long and about `width` wide, in sub-voxels. Its instance rotates, scales and may mirror
 /// it, and moves one vertex to `at`.
 Part random_part(double length, double width, const Direction& at, Rng& rng) {
@@ -46,7 +42,7 @@ Part random_part(double length, double width, const Direction& at, Rng& rng) {
     part.position[6 + k] = float(along_m * 0.6 + across_m);
   }
   const Direction x = random_direction(rng), z = cross(x, random_direction(rng)), y = cross(z, x);
-  const double unit = std::sqrt(y[0] * y[0] + y[1] * y[1] + y[2] * y[2]), mirror = uniform(rng, 0, 1) == 0 ? -1 : 1;
+  const double unit = std::sqrt(dot(y, y)), mirror = uniform(rng, 0, 1) == 0 ? -1 : 1;
   for (std::size_t r = 0; r < 3; ++r) {
     double* m = &part.scene_from_local[4 * r];
     m[0] = x[r] * scale;
@@ -68,23 +64,14 @@ PartArrays arrays_of(const Part& part) {
 
 /// Returns the normal for the winding that the triangle has after the instance's map.
 Direction exact_normal(const Part& part) {
-  long double e[2][3];
-  for (std::size_t i = 0; i < 2; ++i)
-    for (std::size_t r = 0; r < 3; ++r) {
-      e[i][r] = 0;
-      for (std::size_t k = 0; k < 3; ++k)
-        e[i][r] += static_cast<long double>(part.scene_from_local[4 * r + k]) *
-                   (static_cast<long double>(part.position[3 * i + 3 + k]) - part.position[k]);
-    }
-  long double n[3], squared = 0;
+  using Wide = Vec3<long double>;
+  const auto edge_to = [&](std::size_t vertex) {
+    const Wide local = Wide::from(&part.position[3 * vertex]) - Wide::from(part.position);
+    return Wide::by_axis([&](std::size_t r) { return dot(Wide::from(&part.scene_from_local[4 * r]), local); });
+  };
   const bool mirrored = determinant(part.scene_from_local.data()) < 0;
-  for (std::size_t r = 0; r < 3; ++r) {
-    const std::size_t i = (r + 1) % 3, j = (r + 2) % 3;
-    n[r] = (e[0][i] * e[1][j] - e[0][j] * e[1][i]) * (mirrored ? -1 : 1);
-    squared += n[r] * n[r];
-  }
-  const long double length = std::sqrt(squared);
-  return {double(n[0] / length), double(n[1] / length), double(n[2] / length)};
+  const Wide n = cross(edge_to(1), edge_to(2)) * (mirrored ? -1 : 1);
+  return Direction(n / length(n));
 }
 
 /// Snaps the part's first triangle. Returns false if the snapped triangle has no area.

@@ -108,8 +108,7 @@ std::vector<Triangle> cut_sheet(std::size_t count, Rng& rng) {
   while (all.size() < count) {
     Triangle& t = all[std::size_t(uniform(rng, 0, std::int64_t(all.size()) - 1))];
     const std::int64_t b = uniform(rng, 1, 998), c = uniform(rng, 1, 999 - b), a = 1000 - b - c;
-    LatticeVertex inside{};
-    for (std::size_t k = 0; k < 3; ++k) inside[k] = (a * t[0][k] + b * t[1][k] + c * t[2][k]) / 1000;
+    const LatticeVertex inside = (t[0] * a + t[1] * b + t[2] * c) / 1000;
     if (!turns_left(t[0], t[1], inside) || !turns_left(t[1], t[2], inside) || !turns_left(t[2], t[0], inside)) continue;
     const Triangle other[2] = {{{t[1], t[2], inside}}, {{t[2], t[0], inside}}};
     t[2] = inside;

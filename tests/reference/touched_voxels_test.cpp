@@ -33,8 +33,8 @@ std::set<Voxel> touched(const Triangle& t, SurfaceRule rule, const Window& brick
 
 bool is_within(const Triangle& t, const Window& brick, std::int64_t extent) {
   for (const auto& v : t)
-    for (int r = 0; r < 3; ++r)
-      if (std::abs(v[r] - brick.min[r] * subvoxels) > extent / 2) return false;
+    for (const std::int64_t distance : v - brick.min * subvoxels)
+      if (std::abs(distance) > extent / 2) return false;
   return true;
 }
 

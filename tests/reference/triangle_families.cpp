@@ -8,9 +8,7 @@ namespace {
 constexpr std::int64_t half = 128, voxel_edge = 256, million_voxels = 1'000'000 * voxel_edge;
 
 LatticeVertex vertex_near(const LatticeVertex& c, std::int64_t reach, Rng& rng, std::int64_t step = 1) {
-  LatticeVertex v;
-  for (int r = 0; r < 3; ++r) v[r] = c[r] + step * uniform(rng, -reach / step, reach / step);
-  return v;
+  return LatticeVertex::by_axis([&](int r) { return c[r] + step * uniform(rng, -reach / step, reach / step); });
 }
 
 Triangle near(const LatticeVertex& c, std::int64_t reach, Rng& rng, std::int64_t step = 1) {
@@ -25,9 +23,7 @@ Triangle tiny(const LatticeVertex& c, Rng& rng) {
 
 Triangle sliver(const LatticeVertex& c, Rng& rng) {
   const LatticeVertex a = vertex_near(c, 2 * voxel_edge, rng), b = vertex_near(c, 2 * voxel_edge, rng);
-  return {a, b,
-          vertex_near(uniform(rng, 0, 1) ? a : LatticeVertex{(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2},
-                      uniform(rng, 1, 3), rng)};
+  return {a, b, vertex_near(uniform(rng, 0, 1) ? a : (a + b) / 2, uniform(rng, 1, 3), rng)};
 }
 
 Triangle flat(const LatticeVertex& c, Rng& rng, std::int64_t step) {
@@ -41,12 +37,7 @@ Triangle flat(const LatticeVertex& c, Rng& rng, std::int64_t step) {
 Triangle edge_through(const LatticeVertex& c, Rng& rng) {
   const LatticeVertex d = vertex_near({0, 0, 0}, 100, rng);
   const std::int64_t back = uniform(rng, 0, 3), forth = uniform(rng, 1, 3);
-  Triangle t{c, c, vertex_near(c, 2 * voxel_edge, rng)};
-  for (int r = 0; r < 3; ++r) {
-    t[0][r] -= back * d[r];
-    t[1][r] += forth * d[r];
-  }
-  return t;
+  return {c - d * back, c + d * forth, vertex_near(c, 2 * voxel_edge, rng)};
 }
 
 /// Returns a triangle whose vertices are moved along one axis into a plane through the corner c. If the axis is z, the
@@ -67,10 +58,8 @@ Triangle large(const LatticeVertex& c, Rng& rng, std::int64_t step) {
   Triangle t = near({0, 0, 0}, million_voxels / 2, rng, step);
   std::int64_t w[3] = {uniform(rng, 0, 8), uniform(rng, 0, 8), uniform(rng, 0, 8)};
   if (w[0] + w[1] + w[2] == 0) w[0] = 1;
-  for (int r = 0; r < 3; ++r) {
-    const std::int64_t point = (w[0] * t[0][r] + w[1] * t[1][r] + w[2] * t[2][r]) / (w[0] + w[1] + w[2]);
-    for (auto& v : t) v[r] += c[r] - point / step * step;
-  }
+  const LatticeVertex point = (t[0] * w[0] + t[1] * w[1] + t[2] * w[2]) / (w[0] + w[1] + w[2]);
+  for (auto& v : t) v += c - point / step * step;
   return t;
 }
 
@@ -133,8 +122,7 @@ const char* name_of(Family family) {
 }
 
 Triangle random_triangle(Family family, const Window& window, Rng& rng) {
-  LatticeVertex corner;
-  for (int r = 0; r < 3; ++r) corner[r] = (window.min[r] + window.edge / 2) * voxel_edge;
+  const LatticeVertex corner = (window.min + Voxel::all(window.edge / 2)) * voxel_edge;
   for (;;) {
     const Triangle t = candidate(family, corner, rng);
     if (has_area(t)) return t;

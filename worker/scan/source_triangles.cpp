@@ -63,41 +63,37 @@ kernels::Rgba16 texel_at(const kernels::PartView& part, const kernels::MaterialV
 SourceTriangles::SourceTriangles(const SceneSources& sources, const BakeParameters& lattice, int threads)
     : cell_(CellLoader(sources, lattice, 0, threads).load(everything(sources))),
       voxel_size_m_(lattice.voxel_size_m),
-      lattice_origin_m_{lattice.lattice_origin_m[0], lattice.lattice_origin_m[1], lattice.lattice_origin_m[2]} {
+      lattice_origin_m_(lattice.lattice_origin_m) {
   measure();
   if (!(box_.min[0] <= box_.max[0])) throw InputError(sources.root, "", "has no triangles to show");
 }
 
-std::array<double, 3> SourceTriangles::to_lattice(const kernels::PartView& part, std::size_t vertex) const {
-  std::array<double, 3> p;
-  for (std::size_t r = 0; r < 3; ++r) {
-    const double* m = part.scene_from_local + 4 * r;
-    const float* local = part.position.data + 3 * vertex;
-    p[r] = (m[0] * local[0] + m[1] * local[1] + m[2] * local[2] + m[3] - lattice_origin_m_[r]) / voxel_size_m_;
-  }
-  return p;
+Vec3d SourceTriangles::to_lattice(const kernels::PartView& part, std::size_t vertex) const {
+  const Vec3d local = Vec3d::from(part.position.data + 3 * vertex);
+  const Vec3d p_scene_m = Vec3d::by_axis([&](int row) {
+    const double* m = part.scene_from_local + 4 * row;
+    return dot(Vec3d::from(m), local) + m[3];
+  });
+  return (p_scene_m - lattice_origin_m_) / voxel_size_m_;
 }
 
 void SourceTriangles::measure() {
   constexpr double infinite = std::numeric_limits<double>::infinity();
-  box_ = {{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
+  box_ = {Vec3d::all(infinite), Vec3d::all(-infinite)};
   for (const kernels::PartView& part : cell_.parts)
     for (std::size_t i = 0; i < part.index.size; ++i) {
-      const std::array<double, 3> p = to_lattice(part, part.index[i]);
+      const Vec3d p = to_lattice(part, part.index[i]);
       if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
-      for (std::size_t a = 0; a < 3; ++a) {
-        box_.min[a] = std::min(box_.min[a], p[a]);
-        box_.max[a] = std::max(box_.max[a], p[a]);
-      }
+      box_ = {min_by_axis(box_.min, p), max_by_axis(box_.max, p)};
     }
-  for (std::size_t a = 0; a < 3; ++a) middle_[a] = std::floor((box_.min[a] + box_.max[a]) / 2);
+  const Vec3d centre = box_.centre();
+  middle_ = {std::floor(centre[0]), std::floor(centre[1]), std::floor(centre[2])};
 }
 
-std::array<std::array<double, 3>, 3> SourceTriangles::corners(std::size_t part, std::size_t triangle) const {
+std::array<Vec3d, 3> SourceTriangles::corners(std::size_t part, std::size_t triangle) const {
   const kernels::PartView& view = cell_.parts[part];
-  std::array<std::array<double, 3>, 3> corners;
-  for (std::size_t k = 0; k < 3; ++k) corners[k] = to_lattice(view, view.index[3 * triangle + k]);
-  return corners;
+  const auto corner = [&](std::size_t k) { return to_lattice(view, view.index[3 * triangle + k]); };
+  return {corner(0), corner(1), corner(2)};
 }
 
 double SourceTriangles::texels(std::size_t part, std::size_t triangle) const {
@@ -120,14 +116,12 @@ bool SourceTriangles::is_mirrored(std::size_t part) const {
          0;
 }
 
-std::array<double, 3> SourceTriangles::outside(std::size_t part, std::size_t triangle) const {
+Vec3d SourceTriangles::outside(std::size_t part, std::size_t triangle) const {
   const auto p = corners(part, triangle);
-  std::array<double, 3> u, v;
-  for (std::size_t a = 0; a < 3; ++a) u[a] = p[1][a] - p[0][a], v[a] = p[2][a] - p[0][a];
-  const std::array<double, 3> n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+  const Vec3d n = cross(p[1] - p[0], p[2] - p[0]);
   const double length = std::hypot(n[0], n[1], n[2]) * (is_mirrored(part) ? -1 : 1);
   if (!(std::fabs(length) > 0)) return {};
-  return {n[0] / length, n[1] / length, n[2] / length};
+  return n / length;
 }
 
 std::vector<float> SourceTriangles::positions(std::size_t part) const {
@@ -135,8 +129,8 @@ std::vector<float> SourceTriangles::positions(std::size_t part) const {
   std::vector<float> out;
   out.reserve(view.position.size);
   for (std::size_t v = 0; v < view.position.size / 3; ++v) {
-    const std::array<double, 3> p = to_lattice(view, v);
-    for (std::size_t a = 0; a < 3; ++a) out.push_back(float(p[a] - middle_[a]));
+    const auto p = Vec3<float>(to_lattice(view, v) - middle_);
+    out.insert(out.end(), p.begin(), p.end());
   }
   return out;
 }

@@ -11,14 +11,17 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "core/octree/parameters.h"
 #include "format/source/source.h"
 #include "worker/pipeline/cell_loader.h"
 
 namespace gigabake {
 
+/// A closed box.
 struct TriangleBox {
-  std::array<double, 3> min{}, max{};
+  Vec3d min{}, max{};
+  Vec3d centre() const { return (min + max) / 2; }
 };
 
 struct TriangleName {
@@ -45,29 +48,29 @@ class SourceTriangles {
   /// Returns 3 coordinates per vertex, relative to middle(); not finite if the source's coordinates are not.
   std::vector<float> positions(std::size_t part) const;
   /// Returns the corners of one triangle, in double, in the order of its indices.
-  std::array<std::array<double, 3>, 3> corners(std::size_t part, std::size_t triangle) const;
+  std::array<Vec3d, 3> corners(std::size_t part, std::size_t triangle) const;
   /// Returns the number of texels that the triangle covers in its image; 0 if it has no image.
   double texels(std::size_t part, std::size_t triangle) const;
   /// Returns true if the part's instance transform is a reflection: the winding then follows the left-hand rule.
   bool is_mirrored(std::size_t part) const;
   /// Returns the outward unit normal, as defined by the winding and is_mirrored(); 0 if the triangle has no area.
-  std::array<double, 3> outside(std::size_t part, std::size_t triangle) const;
+  Vec3d outside(std::size_t part, std::size_t triangle) const;
   const TriangleBox& box() const { return box_; }
-  const std::array<double, 3>& middle() const { return middle_; }
+  const Vec3d& middle() const { return middle_; }
 
   /// Returns the linear, premultiplied colour at a point. It is the product of the bilinear (or nearest) texel, vertex
   /// colour and base colour, with alpha by the material's mode. Both sides have the same colour, as in a bake.
   std::array<float, 4> colour(const TrianglePoint& at) const;
 
  private:
-  std::array<double, 3> to_lattice(const kernels::PartView& part, std::size_t vertex) const;
+  Vec3d to_lattice(const kernels::PartView& part, std::size_t vertex) const;
   void measure();
 
   LoadedCell cell_;
   double voxel_size_m_;
-  std::array<double, 3> lattice_origin_m_;
+  Vec3d lattice_origin_m_;
   TriangleBox box_;
-  std::array<double, 3> middle_{};
+  Vec3d middle_{};
 };
 
 }  // namespace gigabake

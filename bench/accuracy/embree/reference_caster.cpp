@@ -21,8 +21,6 @@ struct Released {
 using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, Released>;
 using EmbreeScene = std::unique_ptr<std::remove_pointer_t<RTCScene>, Released>;
 
-using Vector = std::array<double, 3>;
-
 void check(RTCDevice device, const char* call) {
   const RTCError error = rtcGetDeviceError(device);
   if (error != RTC_ERROR_NONE) throw std::runtime_error(std::string(call) + ": Embree error " + std::to_string(error));
@@ -43,19 +41,17 @@ void add_part(RTCDevice device, RTCScene scene, const SourceTriangles& triangles
   rtcReleaseGeometry(geometry);
 }
 
+Vec3d unit(const Vec3d& v) { return v / std::hypot(v[0], v[1], v[2]); }
+
 /// Returns the unit direction through an image position in pixels. kernels::line_of_sight() supports only pixel
 /// centres.
-Vector direction_through(const kernels::CastCamera& camera, double x, double y) {
+Vec3d direction_through(const kernels::CastCamera& camera, double x, double y) {
   const double sx = 2 * x / camera.width - 1, sy = 1 - 2 * y / camera.height;
-  Vector d;
-  for (std::size_t a = 0; a < 3; ++a) d[a] = camera.forward[a] + (camera.right[a] * sx + camera.up[a] * sy);
-  const double length = std::hypot(d[0], d[1], d[2]);
-  for (double& v : d) v /= length;
-  return d;
+  return unit(Vec3d::from(camera.forward) + (Vec3d::from(camera.right) * sx + Vec3d::from(camera.up) * sy));
 }
 
 /// Returns the distance at which a ray enters the box; nullopt if it misses the box.
-std::optional<double> entry(const TriangleBox& box, const Vector& origin, const Vector& direction) {
+std::optional<double> entry(const TriangleBox& box, const Vec3d& origin, const Vec3d& direction) {
   double enter = 0, leave = std::numeric_limits<double>::infinity();
   for (std::size_t a = 0; a < 3; ++a) {
     if (direction[a] == 0) {
@@ -77,26 +73,15 @@ constexpr float apart = 1e-6f;
 /// Transmittance below which surfaces behind are not visible.
 constexpr float dark = 1e-4f;
 
-double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-Vector unit(const Vector& v) {
-  const double length = std::hypot(v[0], v[1], v[2]);
-  return {v[0] / length, v[1] / length, v[2] / length};
-}
-
 /// Transforms a vector to the lattice from a frame whose z axis is the unit vector `axis`.
-Vector around(const Vector& axis, double x, double y, double z) {
-  const Vector other = std::fabs(axis[0]) < 0.5 ? Vector{1, 0, 0} : Vector{0, 1, 0};
-  const Vector u = unit({axis[1] * other[2] - axis[2] * other[1], axis[2] * other[0] - axis[0] * other[2],
-                         axis[0] * other[1] - axis[1] * other[0]});
-  const Vector v{axis[1] * u[2] - axis[2] * u[1], axis[2] * u[0] - axis[0] * u[2], axis[0] * u[1] - axis[1] * u[0]};
-  Vector out;
-  for (std::size_t a = 0; a < 3; ++a) out[a] = x * u[a] + y * v[a] + z * axis[a];
-  return out;
+Vec3d around(const Vec3d& axis, double x, double y, double z) {
+  const Vec3d other = std::fabs(axis[0]) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  const Vec3d u = unit(cross(axis, other)), v = cross(axis, u);
+  return u * x + v * y + axis * z;
 }
 
 /// Returns a cosine-weighted direction of the hemisphere around `axis`. `a` and `b` are uniform in 0 … 1.
-Vector by_cosine(const Vector& axis, double a, double b) {
+Vec3d by_cosine(const Vec3d& axis, double a, double b) {
   const double level = std::sqrt(a), turn = 2 * std::numbers::pi * b;
   return around(axis, level * std::cos(turn), level * std::sin(turn), std::sqrt(1 - a));
 }
@@ -109,8 +94,8 @@ struct SunAndSky {
   mutable std::uint64_t next = 0;
 
   double random() const { return uniform(seed, next++); }
-  Vector sun() const { return unit({light.to_sun[0], light.to_sun[1], light.to_sun[2]}); }
-  Vector point_of_sun() const {
+  Vec3d sun() const { return unit(Vec3d::from(light.to_sun)); }
+  Vec3d point_of_sun() const {
     const double level = radius * std::sqrt(random()), turn = 2 * std::numbers::pi * random();
     return unit(around(sun(), level * std::cos(turn), level * std::sin(turn), 1));
   }
@@ -139,15 +124,13 @@ struct ReferenceCaster::State {
   }
 
   /// Returns a ray that starts close to where it enters the box, because Embree's distances are float.
-  std::optional<RTCRayHit> ray(const Vector& origin, const Vector& direction, double& before_box) const {
+  std::optional<RTCRayHit> ray(const Vec3d& origin, const Vec3d& direction, double& before_box) const {
     const std::optional<double> enter = entry(triangles.box(), origin, direction);
     if (!enter) return {};
     before_box = std::max(0.0, *enter - 1);
     RTCRayHit hit{};
-    const auto start = [&](std::size_t a) {
-      return float(origin[a] + direction[a] * before_box - triangles.middle()[a]);
-    };
-    hit.ray.org_x = start(0), hit.ray.org_y = start(1), hit.ray.org_z = start(2);
+    const auto start = Vec3<float>(origin + direction * before_box - triangles.middle());
+    hit.ray.org_x = start[0], hit.ray.org_y = start[1], hit.ray.org_z = start[2];
     hit.ray.dir_x = float(direction[0]), hit.ray.dir_y = float(direction[1]), hit.ray.dir_z = float(direction[2]);
     hit.ray.mask = ~0u;
     return hit;
@@ -163,7 +146,7 @@ struct ReferenceCaster::State {
   }
 
   /// Returns the fraction of light that reaches `origin` from `direction`.
-  float through(const Vector& origin, const Vector& direction) const {
+  float through(const Vec3d& origin, const Vec3d& direction) const {
     double before_box = 0;
     std::optional<RTCRayHit> hit = ray(origin, direction, before_box);
     float left = 1;
@@ -174,17 +157,16 @@ struct ReferenceCaster::State {
     return left;
   }
 
-  std::array<float, 4> lit_colour(const RTCHit& hit, const Vector& at, const SunAndSky& from) const {
+  std::array<float, 4> lit_colour(const RTCHit& hit, const Vec3d& at, const SunAndSky& from) const {
     const kernels::CastLight& light = from.light;
     std::array<float, 4> c = triangles.colour({hit.geomID, hit.primID, hit.u, hit.v});
-    const Vector n = triangles.outside(hit.geomID, hit.primID);
+    const Vec3d n = triangles.outside(hit.geomID, hit.primID);
     double sun = std::max(dot(n, from.sun()), 0.0), up = (1 + n[2]) / 2;
     if (from.radius > 0) {
-      Vector above;
-      for (std::size_t a = 0; a < 3; ++a) above[a] = at[a] + off_surface * n[a];
+      const Vec3d above = at + n * off_surface;
       if (sun > 0) sun *= double(through(above, from.point_of_sun()));
       const double a = from.random(), b = from.random();
-      const Vector to_sky = by_cosine(n, a, b);
+      const Vec3d to_sky = by_cosine(n, a, b);
       up = to_sky[2] > 0 ? double(through(above, to_sky)) : 0;
     }
     for (std::size_t k = 0; k < 3; ++k)
@@ -192,13 +174,12 @@ struct ReferenceCaster::State {
     return c;
   }
 
-  std::array<float, 4> radiance(const Vector& origin, const Vector& direction, const SunAndSky& from) const {
+  std::array<float, 4> radiance(const Vec3d& origin, const Vec3d& direction, const SunAndSky& from) const {
     std::array<float, 4> sum{};
     double before_box = 0;
     std::optional<RTCRayHit> hit = ray(origin, direction, before_box);
     while (hit && sum[3] < 1 - dark && next(*hit)) {
-      Vector at;
-      for (std::size_t a = 0; a < 3; ++a) at[a] = origin[a] + direction[a] * (before_box + double(hit->ray.tfar));
+      const Vec3d at = origin + direction * (before_box + double(hit->ray.tfar));
       const std::array<float, 4> c = lit_colour(hit->hit, at, from);
       const float left = 1 - sum[3];
       for (std::size_t k = 0; k < 4; ++k) sum[k] += left * c[k];
@@ -209,7 +190,7 @@ struct ReferenceCaster::State {
 
   std::array<float, 4> pixel(const kernels::CastCamera& camera, int x, int y, int grid, const SunAndSky& light) const {
     const std::uint64_t seed = std::uint64_t(y) << 32 | std::uint64_t(x);
-    const Vector eye{camera.eye[0], camera.eye[1], camera.eye[2]};
+    const Vec3d eye = Vec3d::from(camera.eye);
     std::array<double, 4> sum{};
     for (int s = 0; s < grid * grid; ++s) {
       const double across = (s % grid + uniform(seed, 2 * std::uint64_t(s))) / grid,
@@ -250,11 +231,11 @@ const TriangleBox& ReferenceCaster::box() const { return state_->triangles.box()
 
 const SourceTriangles& ReferenceCaster::triangles() const { return state_->triangles; }
 
-std::vector<TriangleName> ReferenceCaster::near(const Vector& p, double radius) const {
+std::vector<TriangleName> ReferenceCaster::near(const Vec3d& p, double radius) const {
   std::vector<TriangleName> found;
   RTCPointQuery query{};
-  const Vector& middle = state_->triangles.middle();
-  query.x = float(p[0] - middle[0]), query.y = float(p[1] - middle[1]), query.z = float(p[2] - middle[2]);
+  const auto centre = Vec3<float>(p - state_->triangles.middle());
+  query.x = centre[0], query.y = centre[1], query.z = centre[2];
   query.radius = float(radius);
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
@@ -277,7 +258,7 @@ LinearPicture ReferenceCaster::draw_shadowed(const kernels::CastCamera& camera, 
   return state_->picture(camera, samples, {light, std::tan(sun_radius_deg * std::numbers::pi / 180)});
 }
 
-std::optional<double> ReferenceCaster::first_hit(const Vector& origin, const Vector& direction) const {
+std::optional<double> ReferenceCaster::first_hit(const Vec3d& origin, const Vec3d& direction) const {
   double before_box = 0;
   std::optional<RTCRayHit> hit = state_->ray(origin, direction, before_box);
   if (!hit || !state_->next(*hit)) return {};

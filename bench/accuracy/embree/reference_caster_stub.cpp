@@ -16,13 +16,11 @@ ReferenceCaster::~ReferenceCaster() = default;
 // Without Embree no caster can be constructed, so none of these functions is called.
 const TriangleBox& ReferenceCaster::box() const { throw UsageError("bench accuracy: built without Embree"); }
 const SourceTriangles& ReferenceCaster::triangles() const { throw UsageError("bench accuracy: built without Embree"); }
-std::vector<TriangleName> ReferenceCaster::near(const std::array<double, 3>&, double) const { return {}; }
+std::vector<TriangleName> ReferenceCaster::near(const Vec3d&, double) const { return {}; }
 LinearPicture ReferenceCaster::draw(const kernels::CastCamera&, int, const kernels::CastLight&) const { return {}; }
 LinearPicture ReferenceCaster::draw_shadowed(const kernels::CastCamera&, int, const kernels::CastLight&, double) const {
   return {};
 }
-std::optional<double> ReferenceCaster::first_hit(const std::array<double, 3>&, const std::array<double, 3>&) const {
-  return {};
-}
+std::optional<double> ReferenceCaster::first_hit(const Vec3d&, const Vec3d&) const { return {}; }
 
 }  // namespace gigabake::bench

@@ -133,20 +133,19 @@ std::string name_of(const BenchScene& scene) {
 LeakSubject subject_of(const ReferenceCaster& caster) {
   const TriangleBox& box = caster.box();
   LeakSubject subject;
-  for (std::size_t a = 0; a < 3; ++a) subject.target[a] = (box.min[a] + box.max[a]) / 2;
-  const Vector above{subject.target[0], subject.target[1], box.max[2] + 1};
+  subject.target = box.centre();
+  const Vec3d above{subject.target[0], subject.target[1], box.max[2] + 1};
   if (const auto depth = caster.first_hit(above, {0, 0, -1})) {
     subject.target[2] = above[2] - *depth;
   } else {
-    const std::vector<Vector> places = visible_places(caster.triangles(), 3);
+    const std::vector<Vec3d> places = visible_places(caster.triangles(), 3);
     subject.target = places[places.size() / 2];
   }
   subject.width = std::min(box.max[0] - box.min[0], box.max[1] - box.min[1]);
   const SourceTriangles& triangles = caster.triangles();
   for (std::size_t part = 0; part < triangles.parts(); ++part) {
     const std::vector<float> p = triangles.positions(part);
-    for (std::size_t v = 0; v < p.size(); v += 3)
-      subject.points.push_back(along(triangles.middle(), {p[v], p[v + 1], p[v + 2]}, 1));
+    for (std::size_t v = 0; v < p.size(); v += 3) subject.points.push_back(triangles.middle() + Vec3d::from(&p[v]));
   }
   return subject;
 }

@@ -13,22 +13,22 @@ namespace gigabake::bench {
 namespace {
 
 /// An offset that is no multiple of a voxel or of its half, quarter or eighth.
-constexpr Vector off_the_lattice{13.371, -7.713, 5.237};
+constexpr Vec3d off_the_lattice{13.371, -7.713, 5.237};
 constexpr double pane_alpha = 0.3;
 
 double radians(double deg) { return deg * std::numbers::pi / 180; }
 
-void add_vertex(sample::GlbMesh& mesh, const Vector& p) {
+void add_vertex(sample::GlbMesh& mesh, const Vec3d& p) {
   mesh.position.insert(mesh.position.end(), {float(p[0]), float(p[2]), float(-p[1])});
 }
 
 void add_sheet(sample::GlbMesh& mesh, const Sheet& sheet) {
   const auto first = std::uint32_t(mesh.vertices());
-  const Vector by_u = along(sheet.corner, sheet.u, 1), by_v = along(sheet.corner, sheet.v, 1);
-  for (const Vector& p : {sheet.corner, by_u, by_v}) add_vertex(mesh, p);
+  const Vec3d by_u = sheet.corner + sheet.u, by_v = sheet.corner + sheet.v;
+  for (const Vec3d& p : {sheet.corner, by_u, by_v}) add_vertex(mesh, p);
   mesh.index.insert(mesh.index.end(), {first, first + 1, first + 2});
   if (sheet.shape == SheetShape::triangle) return;
-  add_vertex(mesh, along(by_u, sheet.v, 1));
+  add_vertex(mesh, by_u + sheet.v);
   mesh.index.insert(mesh.index.end(), {first + 1, first + 3, first + 2});
 }
 
@@ -62,16 +62,14 @@ LeakScene sheets_scene(std::string name, std::string family, std::string what, s
 
 /// The horizontal directions forward and left for an azimuth, which is measured from east to north.
 struct Heading {
-  Vector forward, left;
+  Vec3d forward, left;
   explicit Heading(double azimuth_deg)
       : forward{std::cos(radians(azimuth_deg)), std::sin(radians(azimuth_deg)), 0}, left{-forward[1], forward[0], 0} {}
-  Vector at(double forwards, double leftwards, double up) const {
-    Vector p = along(along(off_the_lattice, forward, forwards), left, leftwards);
-    p[2] += up;
-    return p;
+  Vec3d at(double forwards, double leftwards, double up) const {
+    return off_the_lattice + forward * forwards + left * leftwards + Vec3d{0, 0, up};
   }
-  Vector step(double forwards, double leftwards, double up) const {
-    return along(at(forwards, leftwards, up), off_the_lattice, -1);
+  Vec3d step(double forwards, double leftwards, double up) const {
+    return at(forwards, leftwards, up) - off_the_lattice;
   }
 };
 
@@ -94,9 +92,7 @@ sample::GlbMesh grid_mesh(const Sheet& base, std::uint32_t quads, const std::fun
   for (std::uint32_t j = 0; j <= quads; ++j)
     for (std::uint32_t i = 0; i <= quads; ++i) {
       const double x = double(i) / quads, y = double(j) / quads;
-      Vector p = along(along(base.corner, base.u, x), base.v, y);
-      p[2] += height(x, y);
-      add_vertex(mesh, p);
+      add_vertex(mesh, base.corner + base.u * x + base.v * y + Vec3d{0, 0, height(x, y)});
     }
   for (std::uint32_t j = 0; j < quads; ++j)
     for (std::uint32_t i = 0; i < quads; ++i) {
@@ -107,32 +103,25 @@ sample::GlbMesh grid_mesh(const Sheet& base, std::uint32_t quads, const std::fun
 }
 
 /// Returns the six sides of a bar whose lowest corner is `corner`.
-std::vector<Sheet> sides_of(const Vector& corner, const Vector& u, const Vector& v, const Vector& w) {
-  return {{corner, u, v},
-          {corner, u, w},
-          {corner, v, w},
-          {along(corner, w, 1), u, v},
-          {along(corner, v, 1), u, w},
-          {along(corner, u, 1), v, w}};
+std::vector<Sheet> sides_of(const Vec3d& corner, const Vec3d& u, const Vec3d& v, const Vec3d& w) {
+  return {{corner, u, v}, {corner, u, w}, {corner, v, w}, {corner + w, u, v}, {corner + v, u, w}, {corner + u, v, w}};
 }
-
-Vector scaled_by(const Vector& v, double factor) { return {factor * v[0], factor * v[1], factor * v[2]}; }
 
 /// Adds the four long sides of a bar, without its ends. The sides are divided into pieces, because long triangles slow
 /// down the search for the triangles that a ray hits.
-void add_bar(const Vector& corner, const Vector& length, const Vector& v, const Vector& w, std::vector<Sheet>& bars) {
+void add_bar(const Vec3d& corner, const Vec3d& length, const Vec3d& v, const Vec3d& w, std::vector<Sheet>& bars) {
   constexpr int pieces = 32;
-  const Vector u = scaled_by(length, 1.0 / pieces);
+  const Vec3d u = length * (1.0 / pieces);
   for (int i = 0; i < pieces; ++i) {
-    const Vector from = along(corner, u, i);
-    bars.insert(bars.end(), {{from, u, v}, {from, u, w}, {along(from, w, 1), u, v}, {along(from, v, 1), u, w}});
+    const Vec3d from = corner + u * i;
+    bars.insert(bars.end(), {{from, u, v}, {from, u, w}, {from + w, u, v}, {from + v, u, w}});
   }
 }
 
 /// Returns a random point in the unit ball.
-Vector in_ball(sample::Random& random) {
+Vec3d in_ball(sample::Random& random) {
   for (;;) {
-    const Vector p{random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)};
+    const Vec3d p{random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)};
     if (std::hypot(p[0], p[1], p[2]) <= 1) return p;
   }
 }
@@ -140,11 +129,11 @@ Vector in_ball(sample::Random& random) {
 /// A plane and its unit normal, with content in front of it. A ray that hits the plane must be opaque.
 struct CoveredPlane {
   Sheet ground;
-  Vector normal;
+  Vec3d normal;
   CoveredPlane(double edge, double slope_deg)
       : ground(square(edge, slope_deg, 161.2)),
         normal(Heading(161.2).step(std::sin(radians(slope_deg)), 0, std::cos(radians(slope_deg)))) {}
-  Sheet lifted(double height) const { return {along(ground.corner, normal, height), ground.u, ground.v}; }
+  Sheet lifted(double height) const { return {ground.corner + normal * height, ground.u, ground.v}; }
 };
 
 /// Returns the texture of a plant: blades of different height (`upright`), or one round leaf.
@@ -162,7 +151,7 @@ sample::GlbImage plant_image(bool upright) {
 }
 
 /// Adds a quad with the whole texture.
-void add_card(const Vector& corner, const Vector& u, const Vector& v, sample::GlbMesh& mesh) {
+void add_card(const Vec3d& corner, const Vec3d& u, const Vec3d& v, sample::GlbMesh& mesh) {
   add_sheet(mesh, {corner, u, v});
   mesh.uv.insert(mesh.uv.end(), {0, 65535, 65535, 65535, 0, 0, 65535, 0});
 }
@@ -219,7 +208,7 @@ LeakScene steps_scene(const std::string& name, double edge, double tread, double
 
 LeakScene wall_scene(const std::string& name, double edge, double thickness) {
   const Heading heading(38.9);
-  const Vector length = heading.step(edge, 0, 0), up = heading.step(0, 0, edge / 2);
+  const Vec3d length = heading.step(edge, 0, 0), up = heading.step(0, 0, edge / 2);
   std::vector<Sheet> sheets{{heading.at(-edge / 2, 0, -edge / 4), length, up}};
   if (thickness > 0)
     sheets = sides_of(heading.at(-edge / 2, -thickness / 2, -edge / 4), length, heading.step(0, thickness, 0), up);
@@ -233,7 +222,7 @@ LeakScene house_scene(double edge) {
   const Heading heading(17.9);
   const double half = edge / 2, side = 0.35 * edge, low = -0.2 * edge, top = 0.1 * edge, ridge = 0.3 * edge;
   const double eaves = 0.04 * edge, eaves_up = top - eaves * (ridge - top) / side;
-  const Vector up = heading.step(0, 0, top - low);
+  const Vec3d up = heading.step(0, 0, top - low);
   std::vector<Sheet> sheets;
   for (const double s : {-1.0, 1.0}) {
     sheets.push_back({heading.at(-half, s * side, low), heading.step(edge, 0, 0), up});
@@ -253,8 +242,8 @@ LeakScene pane_scene(const std::string& name, double edge, double slope_deg, int
   std::vector<Sheet> sheets;
   for (int i = 0; i < layers; ++i) {
     sheets.push_back(square(edge, slope_deg, 161.2));
-    const Vector across = Heading(161.2).step(std::sin(radians(slope_deg)), 0, std::cos(radians(slope_deg)));
-    sheets.back().corner = along(sheets.back().corner, across, apart * i);
+    const Vec3d across = Heading(161.2).step(std::sin(radians(slope_deg)), 0, std::cos(radians(slope_deg)));
+    sheets.back().corner += across * (apart * i);
   }
   LeakScene scene = sheets_scene(
       name, "panes", fmt::format("{} of alpha {:g}, {:g}° steep", layers, pane_alpha, slope_deg), sheets, pane_alpha);
@@ -265,11 +254,11 @@ LeakScene pane_scene(const std::string& name, double edge, double slope_deg, int
 LeakScene wires_scene(double edge) {
   constexpr double thick = 2.6, apart = 19.4;
   const Sheet whole = square(edge, 12, 57.1);
-  const Vector up = Heading(57.1).step(thick * std::sin(radians(12)), 0, thick * std::cos(radians(12)));
+  const Vec3d up = Heading(57.1).step(thick * std::sin(radians(12)), 0, thick * std::cos(radians(12)));
   std::vector<Sheet> bars;
   for (double from = 0; from + thick <= edge; from += apart)
     for (const auto& [length, across] : {std::pair(whole.u, whole.v), std::pair(whole.v, whole.u)})
-      add_bar(along(whole.corner, across, from / edge), length, scaled_by(across, thick / edge), up, bars);
+      add_bar(whole.corner + across * (from / edge), length, across * (thick / edge), up, bars);
   LeakScene scene = scene_of("wires", "wires", "square bars 2.6 thick and 19.4 apart, 12° steep", mesh_of(bars), 1);
   scene.reference_alpha = LeakReferenceKind::traced;
   scene.sheets = {whole};
@@ -283,15 +272,15 @@ LeakScene crown_scene(double edge) {
   sample::GlbMesh mesh;
   const int leaves = int(2 * edge * edge / (leaf * leaf));
   for (int i = 0; i < leaves; ++i) {
-    const Vector middle = along(off_the_lattice, in_ball(random), edge / 2);
-    for (int k = 0; k < 3; ++k) add_vertex(mesh, along(middle, in_ball(random), leaf));
+    const Vec3d middle = off_the_lattice + in_ball(random) * (edge / 2);
+    for (int k = 0; k < 3; ++k) add_vertex(mesh, middle + in_ball(random) * leaf);
     for (int k = 0; k < 3; ++k) mesh.index.push_back(std::uint32_t(mesh.index.size()));
   }
   LeakScene scene = scene_of("crown", "crowns", fmt::format("{} leaves in a ball", leaves), std::move(mesh), 1);
   scene.reference_alpha = LeakReferenceKind::traced;
   scene.width = edge / std::numbers::sqrt3;  // of the cube inside the ball
   const double half = scene.width / 2;
-  const Vector corner = along(off_the_lattice, {-half, -half, -half}, 1);
+  const Vec3d corner = off_the_lattice - Vec3d::all(half);
   scene.sheets = sides_of(corner, {scene.width, 0, 0}, {0, scene.width, 0}, {0, 0, scene.width});
   return scene;
 }
@@ -303,15 +292,14 @@ LeakScene plants_scene(double edge, double slope_deg, bool upright) {
   sample::GlbMesh mesh;
   const int cards = int(edge * edge / (card * card));
   for (int i = 0; i < cards; ++i) {
-    const Vector on_u = along(plane.ground.corner, plane.ground.u, random.between(0, 1));
-    const Vector at = along(on_u, plane.ground.v, random.between(0, 1));
+    const Vec3d on_u = plane.ground.corner + plane.ground.u * random.between(0, 1);
+    const Vec3d at = on_u + plane.ground.v * random.between(0, 1);
     const double turn = random.between(0, 2 * std::numbers::pi);
-    const Vector zero{}, a = along(along(zero, plane.ground.u, card / edge * std::cos(turn)), plane.ground.v,
-                                   card / edge * std::sin(turn));
-    const Vector b =
-        along(along(zero, plane.ground.u, -card / edge * std::sin(turn)), plane.ground.v, card / edge * std::cos(turn));
-    const Vector up = scaled_by(plane.normal, card);
-    add_card(along(at, plane.normal, upright ? 0 : random.between(0.05, 2)), a, upright ? up : b, mesh);
+    const double cosine = card / edge * std::cos(turn), sine = card / edge * std::sin(turn);
+    const Vec3d a = plane.ground.u * cosine + plane.ground.v * sine;
+    const Vec3d b = plane.ground.v * cosine - plane.ground.u * sine;
+    const Vec3d up = plane.normal * card;
+    add_card(at + plane.normal * (upright ? 0 : random.between(0.05, 2)), a, upright ? up : b, mesh);
   }
   LeakScene scene =
       covered_scene(upright ? "grass" : "litter", slope_deg, fmt::format("{} alpha-tested cards on a plane", cards),

@@ -25,7 +25,7 @@ struct LeakScene {
   std::vector<Sheet> sheets;
   double sheet_alpha = 1;
   LeakReferenceKind reference_alpha = LeakReferenceKind::sheets;
-  Vector target{};   ///< point at which cameras look: in the middle of the surface
+  Vec3d target{};    ///< point at which cameras look: in the middle of the surface
   double width = 0;  ///< minimum width of the scene's inside in views that show the scene completely
 };
 

@@ -10,12 +10,9 @@ namespace gigabake::bench {
 namespace {
 
 /// Returns the maximum distance by which the scene is nearer than its target to an eye that looks along `forward`.
-double reach_towards_eye(const LeakSubject& subject, const Vector& forward) {
+double reach_towards_eye(const LeakSubject& subject, const Vec3d& forward) {
   double reach = 0;
-  for (const Vector& p : subject.points) {
-    const Vector to_target = along(subject.target, p, -1);
-    reach = std::max(reach, to_target[0] * forward[0] + to_target[1] * forward[1] + to_target[2] * forward[2]);
-  }
+  for (const Vec3d& p : subject.points) reach = std::max(reach, dot(subject.target - p, forward));
   return reach;
 }
 
@@ -28,10 +25,10 @@ LeakView make_view(const LeakSubject& subject, double elevation_deg, LeakEye kin
   view.camera.fovy_deg = accuracy_fovy_deg;
   view.camera.width = range.width;
   view.camera.height = range.height;
-  const Vector forward = forward_at(elevation_deg);
+  const Vec3d forward = forward_at(elevation_deg);
   double distance = voxels_per_pixel * range.height / (2 * std::tan(accuracy_fovy_deg * std::numbers::pi / 360));
   if (kind != LeakEye::at_level_change) distance += reach_towards_eye(subject, forward);
-  Vector eye = along(subject.target, forward, -distance);
+  Vec3d eye = subject.target - forward * distance;
   if (kind == LeakEye::on_lattice) eye[2] = lattice_plane * std::ceil(eye[2] / lattice_plane);
   view.camera.eye_m = to_scene_m(eye, lattice);
   view.camera.target_m = to_scene_m(subject.target, lattice);
@@ -70,9 +67,8 @@ AlphaPicture alpha_of_sheets(const LeakScene& scene, const kernels::CastCamera& 
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       const kernels::CastLine line = kernels::line_of_sight(nowhere, camera, x, y);
-      picture.alpha.push_back(alpha_through(scene.sheets, scene.sheet_alpha,
-                                            {line.origin[0], line.origin[1], line.origin[2]},
-                                            {line.direction[0], line.direction[1], line.direction[2]}));
+      picture.alpha.push_back(
+          alpha_through(scene.sheets, scene.sheet_alpha, Vec3d::from(line.origin), Vec3d::from(line.direction)));
     }
   return picture;
 }

@@ -28,9 +28,9 @@ struct LeakViewRange {
 
 /// The part of a scene that cameras show.
 struct LeakSubject {
-  Vector target{};             ///< point at which cameras look: in the middle of the surface
-  double width = 0;            ///< minimum width of the subject in views that show the whole subject
-  std::vector<Vector> points;  ///< points of the scene, including the nearest point for every eye
+  Vec3d target{};             ///< point at which cameras look: in the middle of the surface
+  double width = 0;           ///< minimum width of the subject in views that show the whole subject
+  std::vector<Vec3d> points;  ///< points of the scene, including the nearest point for every eye
 };
 LeakSubject subject_of(const LeakScene& scene);
 

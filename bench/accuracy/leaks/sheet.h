@@ -4,33 +4,26 @@
 /// Space   Lod-0 voxels of the lattice, z up.
 #pragma once
 
-#include <array>
 #include <vector>
 
-namespace gigabake::bench {
+#include "core/math/vec3.h"
 
-using Vector = std::array<double, 3>;
+namespace gigabake::bench {
 
 enum class SheetShape { parallelogram, triangle };
 
 /// A parallelogram, the points corner + a·u + b·v with a and b from 0 to 1, or its triangle with a + b ≤ 1.
 struct Sheet {
-  Vector corner{}, u{}, v{};
+  Vec3d corner{}, u{}, v{};
   SheetShape shape = SheetShape::parallelogram;
 };
 
 /// Returns true if the ray crosses the piece. `direction` may have any length. The border belongs to the piece, so that
 /// a ray finds no gap between adjacent pieces.
 /// Exact   Computed in double; a piece seen edge-on is not crossed.
-bool is_crossed(const Sheet& sheet, const Vector& origin, const Vector& direction);
+bool is_crossed(const Sheet& sheet, const Vec3d& origin, const Vec3d& direction);
 
 /// Returns the alpha of all pieces that a ray crosses: 1 - (1 - sheet_alpha)^n for n pieces.
-double alpha_through(const std::vector<Sheet>& sheets, double sheet_alpha, const Vector& origin,
-                     const Vector& direction);
-
-/// Returns the point at `distance` from `from`, in units of the direction's length.
-inline Vector along(const Vector& from, const Vector& direction, double distance) {
-  return {from[0] + distance * direction[0], from[1] + distance * direction[1], from[2] + distance * direction[2]};
-}
+double alpha_through(const std::vector<Sheet>& sheets, double sheet_alpha, const Vec3d& origin, const Vec3d& direction);
 
 }  // namespace gigabake::bench

@@ -11,10 +11,8 @@
 namespace gigabake::bench {
 namespace {
 
-using Voxel = CubeCaster::Voxel;
-
 struct VoxelHash {
-  std::size_t operator()(const Voxel& v) const {
+  std::size_t operator()(const Vec3i64& v) const {
     std::uint64_t hash = 0;
     for (const std::int64_t c : v) hash = (hash ^ std::uint64_t(c)) * 0x9e3779b97f4a7c15u, hash ^= hash >> 29;
     return hash;
@@ -27,13 +25,13 @@ struct Face {
 };
 
 /// Returns the faces that no neighbour covers.
-std::vector<Face> open_faces(const std::vector<Voxel>& voxels) {
-  const std::unordered_set<Voxel, VoxelHash> there(voxels.begin(), voxels.end());
+std::vector<Face> open_faces(const std::vector<Vec3i64>& voxels) {
+  const std::unordered_set<Vec3i64, VoxelHash> there(voxels.begin(), voxels.end());
   std::vector<Face> faces;
   for (std::uint32_t i = 0; i < voxels.size(); ++i)
     for (std::uint8_t axis = 0; axis < 3; ++axis)
       for (std::uint8_t side = 0; side < 2; ++side) {
-        Voxel beside = voxels[i];
+        Vec3i64 beside = voxels[i];
         beside[axis] += side != 0 ? 1 : -1;
         if (!there.contains(beside)) faces.push_back({i, axis, side});
       }
@@ -43,9 +41,9 @@ std::vector<Face> open_faces(const std::vector<Voxel>& voxels) {
 }  // namespace
 
 struct CubeCaster::State {
-  std::vector<Voxel> voxels;
+  std::vector<Vec3i64> voxels;
   std::vector<Face> faces;
-  Voxel middle{};
+  Vec3i64 middle{};
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 
@@ -61,15 +59,13 @@ struct CubeCaster::State {
   }
 
   void set_middle() {
-    Voxel low, high;
-    low.fill(std::numeric_limits<std::int64_t>::max());
-    high.fill(std::numeric_limits<std::int64_t>::min());
-    for (const Voxel& v : voxels)
-      for (std::size_t a = 0; a < 3; ++a) {
-        low[a] = std::min(low[a], v[a]);
-        high[a] = std::max(high[a], v[a]);
-      }
-    for (std::size_t a = 0; a < 3 && !voxels.empty(); ++a) middle[a] = (low[a] + high[a]) / 2;
+    if (voxels.empty()) return;
+    Vec3i64 low = voxels.front(), high = low;
+    for (const Vec3i64& v : voxels) {
+      low = min_by_axis(low, v);
+      high = max_by_axis(high, v);
+    }
+    middle = (low + high) / 2;
   }
 
   /// Adds the faces with integer coordinates relative to the middle, which floats represent exactly.
@@ -83,11 +79,11 @@ struct CubeCaster::State {
     for (std::size_t f = 0; f < faces.size(); ++f)
       for (std::uint32_t corner = 0; corner < 4; ++corner) {
         const std::size_t axis = faces[f].axis, u = (axis + 1) % 3, v = (axis + 2) % 3;
-        Voxel at = voxels[faces[f].voxel];
+        Vec3i64 at = voxels[faces[f].voxel];
         at[axis] += faces[f].side;
         at[u] += corner == 1 || corner == 2 ? 1 : 0;
         at[v] += corner >= 2 ? 1 : 0;
-        for (std::size_t a = 0; a < 3; ++a) vertex[12 * f + 3 * corner + a] = float(at[a] - middle[a]);
+        std::ranges::copy(Vec3<float>(at - middle), vertex + 12 * f + 3 * corner);
         index[4 * f + corner] = std::uint32_t(4 * f + corner);
       }
     rtcCommitGeometry(geometry);
@@ -96,7 +92,7 @@ struct CubeCaster::State {
   }
 };
 
-CubeCaster::CubeCaster(const std::vector<Voxel>& voxels, int threads) : state_(std::make_unique<State>()) {
+CubeCaster::CubeCaster(const std::vector<Vec3i64>& voxels, int threads) : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.voxels = voxels;
   s.faces = open_faces(voxels);
@@ -113,13 +109,11 @@ CubeCaster::CubeCaster(const std::vector<Voxel>& voxels, int threads) : state_(s
 
 CubeCaster::~CubeCaster() = default;
 
-std::optional<CubeCaster::Hit> CubeCaster::first_hit(const std::array<double, 3>& origin,
-                                                     const std::array<double, 3>& direction) const {
+std::optional<CubeCaster::Hit> CubeCaster::first_hit(const Vec3d& origin, const Vec3d& direction) const {
   const State& s = *state_;
   RTCRayHit ray{};
-  ray.ray.org_x = float(origin[0] - double(s.middle[0]));
-  ray.ray.org_y = float(origin[1] - double(s.middle[1]));
-  ray.ray.org_z = float(origin[2] - double(s.middle[2]));
+  const auto start = Vec3<float>(origin - Vec3d(s.middle));
+  ray.ray.org_x = start[0], ray.ray.org_y = start[1], ray.ray.org_z = start[2];
   ray.ray.dir_x = float(direction[0]), ray.ray.dir_y = float(direction[1]), ray.ray.dir_z = float(direction[2]);
   ray.ray.tfar = std::numeric_limits<float>::infinity();
   ray.ray.mask = ~0u;

@@ -5,11 +5,11 @@ namespace gigabake::bench {
 
 struct CubeCaster::State {};
 
-CubeCaster::CubeCaster(const std::vector<Voxel>&, int) {
+CubeCaster::CubeCaster(const std::vector<Vec3i64>&, int) {
   throw UsageError("bench query: this gigabake was built without Embree; install libembree-dev and build again");
 }
 CubeCaster::~CubeCaster() = default;
-std::optional<CubeCaster::Hit> CubeCaster::first_hit(const std::array<double, 3>&, const std::array<double, 3>&) const {
+std::optional<CubeCaster::Hit> CubeCaster::first_hit(const Vec3d&, const Vec3d&) const {
   return {};  // never called: no caster can be constructed
 }
 

@@ -23,21 +23,20 @@ TEST(ClippedTriangle, OverAllCubesOfAGridHasItsWholeArea) {
   std::uniform_real_distribution<double> place(0, 5);
   for (int round = 0; round < 100; ++round) {
     Corners triangle;
-    for (Vector& corner : triangle) corner = {place(rng), place(rng), place(rng)};
+    for (Vec3d& corner : triangle) corner = {place(rng), place(rng), place(rng)};
     double sum = 0;
     for (int i = 0; i < 125; ++i)
       sum += area_of(clip_to_cube(triangle, {double(i % 5), double(i / 5 % 5), double(i / 25)}, 1));
-    EXPECT_NEAR(sum, std::sqrt(dot(normal_of(triangle), normal_of(triangle))) / 2, 1e-9);
+    EXPECT_NEAR(sum, length(normal_of(triangle)) / 2, 1e-9);
   }
 }
 
 TEST(ClippedTriangle, KeepsTheWeightsOfItsCorners) {
   const Corners triangle{{{0, 0, 0.5}, {3, 0.25, 0.5}, {0.5, 3, 0.75}}};
-  for (const ClippedCorner& c : clip_to_cube(triangle, {0, 0, 0}, 1))
-    for (std::size_t k = 0; k < 3; ++k)
-      EXPECT_NEAR(c.at[k],
-                  (1 - c.second - c.third) * triangle[0][k] + c.second * triangle[1][k] + c.third * triangle[2][k],
-                  1e-12);
+  for (const ClippedCorner& c : clip_to_cube(triangle, {0, 0, 0}, 1)) {
+    const Vec3d at = triangle[0] * (1 - c.second - c.third) + triangle[1] * c.second + triangle[2] * c.third;
+    EXPECT_LT(length(c.at - at), 1e-12);
+  }
 }
 
 TEST(ClippedTriangle, IsAsFarAsTheNearestOfItsPoints) {
@@ -46,17 +45,14 @@ TEST(ClippedTriangle, IsAsFarAsTheNearestOfItsPoints) {
   std::uniform_real_distribution<double> place(-1, 1);
   for (int round = 0; round < 50; ++round) {
     Corners triangle;
-    for (Vector& corner : triangle) corner = {place(rng), place(rng), place(rng)};
-    const Vector p{2 * place(rng), 2 * place(rng), 2 * place(rng)};
+    for (Vec3d& corner : triangle) corner = {place(rng), place(rng), place(rng)};
+    const Vec3d p{2 * place(rng), 2 * place(rng), 2 * place(rng)};
     constexpr int steps = 200;
     double nearest = INFINITY;
     for (int i = 0; i <= steps; ++i)
       for (int j = 0; i + j <= steps; ++j) {
-        Vector q;
-        for (std::size_t k = 0; k < 3; ++k)
-          q[k] =
-              triangle[0][k] + (i * (triangle[1][k] - triangle[0][k]) + j * (triangle[2][k] - triangle[0][k])) / steps;
-        nearest = std::min(nearest, std::sqrt(dot(minus(p, q), minus(p, q))));
+        const Vec3d q = triangle[0] + ((triangle[1] - triangle[0]) * i + (triangle[2] - triangle[0]) * j) / steps;
+        nearest = std::min(nearest, length(p - q));
       }
     const double distance = distance_to(triangle, p);
     EXPECT_LE(distance, nearest + 1e-12);

@@ -27,7 +27,7 @@ TEST(VisiblePlaces, AreDistinctAndDistributedOverTheArea) {
   BakeParameters lattice;
   lattice.voxel_size_m = 1;
   const SourceTriangles source(sources_of(folder.path(), {"large.glb", "small.glb"}), lattice, 2);
-  const std::vector<std::array<double, 3>> places = visible_places(source, count);
+  const std::vector<Vec3d> places = visible_places(source, count);
   ASSERT_EQ(places.size(), count);
   EXPECT_EQ(std::set(places.begin(), places.end()).size(), count);
   const TriangleBox& box = source.box();

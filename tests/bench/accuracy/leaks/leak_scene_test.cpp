@@ -16,7 +16,7 @@ namespace {
 
 TEST(Sheet, IsCrossedWithinItsBordersAndInFrontOfTheEye) {
   const Sheet sheet{{1, 1, 5}, {4, 0, 0}, {0, 2, 1}};
-  const Vector down{0, 0, -1};
+  const Vec3d down{0, 0, -1};
   EXPECT_TRUE(is_crossed(sheet, {2, 2, 20}, down));
   EXPECT_TRUE(is_crossed(sheet, {1, 1, 20}, down)) << "the border belongs to it";
   EXPECT_FALSE(is_crossed(sheet, {0.9, 2, 20}, down));
@@ -60,14 +60,13 @@ TEST(LeakViews, BeginBehindTheirDistanceOrChangeLevelsInTheMiddle) {
   for (const LeakView& view : leak_views(subject_of(scene), {}, lattice)) {
     const kernels::CastCamera camera = reference_camera(view.camera, lattice);
     const double wanted = camera.lod1_depth * view.voxels_per_pixel / 2;
-    double nearest = 1e30, target = 0;
-    for (int a = 0; a < 3; ++a) target += (scene.target[std::size_t(a)] - camera.eye[a]) * camera.forward[a];
+    const auto depth_of = [&](const Vec3d& p) { return dot(p - Vec3d::from(camera.eye), Vec3d::from(camera.forward)); };
+    const double target = depth_of(scene.target);
+    double nearest = 1e30;
     for (const double u : {0.0, 1.0})
       for (const double v : {0.0, 1.0}) {
-        const Vector p = along(along(scene.sheets[0].corner, scene.sheets[0].u, u), scene.sheets[0].v, v);
-        double depth = 0;
-        for (int a = 0; a < 3; ++a) depth += (p[std::size_t(a)] - camera.eye[a]) * camera.forward[a];
-        nearest = std::min(nearest, depth);
+        const Sheet& sheet = scene.sheets[0];
+        nearest = std::min(nearest, depth_of(sheet.corner + sheet.u * u + sheet.v * v));
       }
     if (view.eye == LeakEye::at_level_change) {
       EXPECT_NEAR(target / wanted, 1, 1e-6);
