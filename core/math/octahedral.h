@@ -2,12 +2,12 @@
 /// Source  Cigolle et al. 2014 (JCGT 3(2)).
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstdint>
 
 #include "core/base/host_device.h"
 #include "core/math/rounding.h"
+#include "core/math/vec3.h"
 
 namespace gigabake {
 
@@ -45,10 +45,10 @@ GB_HD void decode_octahedral(const std::int8_t oct[2], double n[3]) {
 }
 
 /// Returns the unit vector for a viewer or an export: computed in double, rounded once to float.
-inline std::array<float, 3> unit_normal(const std::int8_t oct[2]) {
-  double n[3];
-  decode_octahedral(oct, n);
-  return {float(n[0]), float(n[1]), float(n[2])};
+inline Vec3<float> unit_normal(const std::int8_t oct[2]) {
+  Vec3d n;
+  decode_octahedral(oct, n.v);
+  return static_cast<Vec3<float>>(n);
 }
 
 }  // namespace gigabake

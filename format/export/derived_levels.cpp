@@ -30,12 +30,10 @@ struct Octet {
     const std::uint32_t a = voxel.rgba[3];
     alpha[std::size_t((voxel.at[0] & 1) | (voxel.at[1] & 1) << 1 | (voxel.at[2] & 1) << 2)] = a;
     weight += a;
-    double n[3];
-    decode_octahedral(voxel.normal.data(), n);
-    for (std::size_t i = 0; i < 3; ++i) {
-      colour[i] += a * linear[voxel.rgba[i]];
-      normal[i] += a * n[i];
-    }
+    Vec3d n;
+    decode_octahedral(voxel.normal.data(), n.v);
+    colour += Vec3d{linear[voxel.rgba[0]], linear[voxel.rgba[1]], linear[voxel.rgba[2]]} * a;
+    normal += n * a;
   }
 
   DerivedLevels::Voxel at(const LevelIndex& place) const {

@@ -14,29 +14,23 @@ using NormalBytes = std::array<std::uint8_t, 3>;
 /// direction. The result is the candidate nearest in direction that encodes to the same code. Some rounded directions
 /// encode to a different code.
 NormalBytes nearest_that_comes_back(const std::int8_t oct[2]) {
-  double n[3];
-  decode_octahedral(oct, n);
+  Vec3d n;
+  decode_octahedral(oct, n.v);
   std::int8_t canonical[2];
   encode_octahedral(n[0], n[1], n[2], canonical);  // on the folds of the octahedron, a direction has two codes
   NormalBytes best{};
   double best_cosine = -2;
   for (int step = 0; step < 27; ++step) {
-    NormalBytes bytes{};
-    double v[3], length = 0, cosine = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const int offset = (c == 0 ? step % 3 : c == 1 ? step / 3 % 3 : step / 9) - 1;
-      const int code = std::clamp(int(std::lround(n[c] * 127)) + offset, -127, 127);
-      bytes[c] = std::uint8_t(code + 128);
-      v[c] = code / 127.0;
-      length += v[c] * v[c];
-      cosine += v[c] * n[c];
-    }
+    const Vec3<int> offset{step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1};
+    const auto code = Vec3<int>::by_axis(
+        [&](std::size_t c) { return std::clamp(int(std::lround(n[c] * 127)) + offset[c], -127, 127); });
+    const Vec3d v = Vec3d(code) / 127;
     std::int8_t back[2];
     encode_octahedral(v[0], v[1], v[2], back);
     if (back[0] != canonical[0] || back[1] != canonical[1]) continue;
-    if (cosine /= std::sqrt(length); cosine > best_cosine) {
+    if (const double cosine = dot(v, n) / length(v); cosine > best_cosine) {
       best_cosine = cosine;
-      best = bytes;
+      best = {std::uint8_t(code[0] + 128), std::uint8_t(code[1] + 128), std::uint8_t(code[2] + 128)};
     }
   }
   return best;

@@ -29,9 +29,9 @@ GigavoxelHeader header_of(const ShardHeader& cell, int lod) {
 }  // namespace
 
 GradientBytes gradient_bytes(const std::int8_t oct[2]) {
-  const std::array<float, 3> n = unit_normal(oct);
+  const auto n = Vec3d(unit_normal(oct));
   GradientBytes bytes;
-  for (std::size_t c = 0; c < 3; ++c) bytes[c] = std::uint8_t(std::floor((double(n[c]) + 1) * 127.5 + 0.5));
+  for (std::size_t c = 0; c < 3; ++c) bytes[c] = std::uint8_t(std::floor((n[c] + 1) * 127.5 + 0.5));
   return bytes;
 }
 

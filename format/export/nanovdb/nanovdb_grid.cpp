@@ -127,12 +127,10 @@ void NanovdbGrid<Value>::write_leaf(RandomAccessFile& file, std::uint32_t leaf, 
   if (!merge) return file.write_value(at, voxels);
   auto merged = Leaf();
   file.read_value(at, merged);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const std::int32_t end =
-        std::max(merged.box_min[c] + merged.box_extent[c], voxels.box_min[c] + voxels.box_extent[c]);
-    merged.box_min[c] = std::min(merged.box_min[c], voxels.box_min[c]);
-    merged.box_extent[c] = std::uint8_t(end - merged.box_min[c]);
-  }
+  const auto max_of = [](const Leaf& l) { return l.box_min + Vec3<std::int32_t>(l.box_extent); };
+  const Vec3<std::int32_t> max = max_by_axis(max_of(merged), max_of(voxels));
+  merged.box_min = min_by_axis(merged.box_min, voxels.box_min);
+  merged.box_extent = Vec3<std::uint8_t>(max - merged.box_min);
   for (std::size_t n = 0; n < merged.values.size(); ++n)
     if (voxels.mask[n >> 6] >> (n & 63) & 1) merged.values[n] = voxels.values[n];
   for (std::size_t word = 0; word < merged.mask.size(); ++word) merged.mask[word] |= voxels.mask[word];

@@ -22,7 +22,7 @@ struct alignas(4) Rgba8 {
 };
 struct Vec3f {
   static constexpr std::uint32_t grid_type = 6;
-  std::array<float, 3> v{};
+  Vec3<float> v{};
 };
 
 struct IndexBox {

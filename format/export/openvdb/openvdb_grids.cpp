@@ -47,7 +47,7 @@ class Grids : public OpenvdbGrids {
     });
     if (!normal_) return;
     set_voxels(*normal_, lowest, part, [&](std::size_t n) {
-      const std::array<float, 3> v = unit_normal(part.normal[n].data());
+      const Vec3<float> v = unit_normal(part.normal[n].data());
       return openvdb::Vec3f(v[0], v[1], v[2]);
     });
   }

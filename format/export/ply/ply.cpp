@@ -61,18 +61,17 @@ class VertexStream {
                   const std::int8_t* normal) {
     if (used_ + vertex_bytes > buffer_.size()) flush();
     char* const to = buffer_.data() + used_;
-    const double half = std::ldexp(0.5, lod_);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double centre_m = scene_.lattice_origin_m[c] + (double(corner[c]) + half) * scene_.voxel_size_m;
-      const std::int64_t index = corner[c] >> lod_;
-      const auto index32 = std::int32_t(index);
-      if (index != index32) throw InputError(shard, "lattice_min", "a PLY cannot store indices of more than 32 bits");
-      std::memcpy(to + 8 * c, &centre_m, 8);
-      std::memcpy(to + 24 + 4 * c, &index32, 4);
-    }
+    const Vec3d half = Vec3d::all(std::ldexp(0.5, lod_));
+    const Vec3d centre_m = scene_.lattice_origin_m + (Vec3d(corner) + half) * scene_.voxel_size_m;
+    const Vec3i64 index = corner >> lod_;
+    const Vec3<std::int32_t> index32(index);
+    if (index != Vec3i64(index32))
+      throw InputError(shard, "lattice_min", "a PLY cannot store indices of more than 32 bits");
+    const Vec3<float> n = scene_.has_normals ? unit_normal(normal) : Vec3<float>{};
+    std::memcpy(to, &centre_m, 24);
+    std::memcpy(to + 24, &index32, 12);
     std::memcpy(to + 36, rgba, 4);
-    const std::array<float, 3> n = scene_.has_normals ? unit_normal(normal) : std::array<float, 3>{};
-    std::memcpy(to + 40, n.data(), 12);
+    std::memcpy(to + 40, &n, 12);
     used_ += vertex_bytes;
   }
   void flush() {

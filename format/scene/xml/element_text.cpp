@@ -17,14 +17,12 @@ std::vector<std::string> hex_of(const std::vector<Hash128>& hashes) {
 
 /// Writes the bounding sphere of a window, in the scene frame.
 void set_sphere(pugi::xml_node node, const SceneHeader& scene, const Box3i64& window) {
-  const char* const centre[3] = {"CenterX", "CenterY", "CenterZ"};
-  double square = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double edge_m = double(window.end[c] - window.min[c]) * scene.voxel_size_m;
-    set_number(node, centre[c], scene.lattice_origin_m[c] + double(window.min[c]) * scene.voxel_size_m + edge_m / 2);
-    square += edge_m * edge_m;
-  }
-  set_number(node, "Radius", std::sqrt(square) / 2);
+  const Vec3d edge_m = Vec3d(window.size()) * scene.voxel_size_m;
+  const Vec3d centre_m = scene.lattice_origin_m + Vec3d(window.min) * scene.voxel_size_m + edge_m / 2;
+  set_number(node, "CenterX", centre_m[0]);
+  set_number(node, "CenterY", centre_m[1]);
+  set_number(node, "CenterZ", centre_m[2]);
+  set_number(node, "Radius", length(edge_m) / 2);
 }
 
 }  // namespace

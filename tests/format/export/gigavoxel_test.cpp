@@ -48,17 +48,15 @@ ReadVoxels read_back(const std::filesystem::path& folder, const SceneDescription
     const GigavoxelTree tree = read_gigavoxel_tree(trees[i]);
     const SceneCell& cell = scene.cells[i];
     const std::uint32_t depth = cell.lods - 1 - std::uint32_t(lod);
-    for (std::size_t c = 0; c < 3; ++c)
-      EXPECT_EQ(tree.header.corner_m[c], scene.lattice_origin_m[c] + double(cell.lattice_min[c]) * scene.voxel_size_m);
+    EXPECT_EQ(tree.header.corner_m, scene.lattice_origin_m + Vec3d(cell.lattice_min) * scene.voxel_size_m);
     for_each_gigavoxel(tree, depth, trees[i].parent_path() / ("voxels_" + std::to_string(depth) + ".gvb"),
                        [&](const GigavoxelBox& box) {
                          for (std::uint64_t z = 0; z < box.extent[2]; ++z)
                            for (std::uint64_t y = 0; y < box.extent[1]; ++y)
                              for (std::uint64_t x = 0; x < box.extent[0]; ++x)
-                               voxels[{(cell.lattice_min[0] >> lod) + std::int64_t(box.lowest[0] + x),
-                                       (cell.lattice_min[1] >> lod) + std::int64_t(box.lowest[1] + y),
-                                       (cell.lattice_min[2] >> lod) + std::int64_t(box.lowest[2] + z)}] = {
-                                   box.rgba, box.gradient};
+                               voxels[(cell.lattice_min >> lod) +
+                                      Vec3i64{std::int64_t(box.lowest[0] + x), std::int64_t(box.lowest[1] + y),
+                                              std::int64_t(box.lowest[2] + z)}] = {box.rgba, box.gradient};
                        });
   }
   return voxels;
@@ -69,7 +67,7 @@ void expect_same(const ReadVoxels& read, const made::SceneVoxels& voxels, bool n
   for (const auto& [at, voxel] : voxels) {
     ASSERT_TRUE(read.contains(at));
     EXPECT_EQ(read.at(at).rgba, voxel.rgba);
-    const std::array<float, 3> n = unit_normal(voxel.normal.data());
+    const Vec3<float> n = unit_normal(voxel.normal.data());
     for (std::size_t c = 0; c < 3; ++c)
       EXPECT_NEAR(read.at(at).gradient[c] / 127.5 - 1, normals ? n[c] : 0, 0.5 / 127.5 + 1e-6);
   }

@@ -69,7 +69,7 @@ void for_each_active(const nanovdb::NanoGrid<Value>& grid, const Visit& visit) {
         for (auto voxel = leaf->beginValueOn(); voxel; ++voxel) {
           const nanovdb::Coord at = voxel.getCoord();
           ASSERT_TRUE(leaf->bbox().isInside(at) && lower->bbox().isInside(at) && upper->bbox().isInside(at));
-          visit(Vec3i64{at[0], at[1], at[2]}, *voxel);
+          visit(Vec3i64::from(at), *voxel);
         }
       }
 }
@@ -82,16 +82,13 @@ void expect_sound(const nanovdb::NanoGrid<Value>& grid, const made::SceneVoxels&
   EXPECT_EQ(grid.gridClass(), nanovdb::GridClass::VoxelVolume);
   EXPECT_TRUE(grid.hasBBox() && grid.isBreadthFirst());
   Vec3i64 low = voxels.begin()->first, high = low;
-  for (const auto& [at, voxel] : voxels)
-    for (std::size_t c = 0; c < 3; ++c) {
-      low[c] = std::min(low[c], at[c]);
-      high[c] = std::max(high[c], at[c]);
-    }
-  const nanovdb::CoordBBox box = grid.indexBBox();
-  for (int c = 0; c < 3; ++c) {
-    EXPECT_EQ(box.min()[c], low[std::size_t(c)]);
-    EXPECT_EQ(box.max()[c], high[std::size_t(c)]);
+  for (const auto& [at, voxel] : voxels) {
+    low = min_by_axis(low, at);
+    high = max_by_axis(high, at);
   }
+  const nanovdb::CoordBBox box = grid.indexBBox();
+  EXPECT_EQ(Vec3i64::from(box.min()), low);
+  EXPECT_EQ(Vec3i64::from(box.max()), high);
 }
 
 void expect_same_voxels(const std::filesystem::path& nvdb, const made::SceneVoxels& voxels, bool normals) {
@@ -115,8 +112,7 @@ void expect_same_voxels(const std::filesystem::path& nvdb, const made::SceneVoxe
   EXPECT_STREQ(normal->gridName(), "normal");
   expect_sound(*normal, voxels);
   for_each_active(*normal, [&](const Vec3i64& at, const nanovdb::Vec3f& value) {
-    const std::array<float, 3> n{value[0], value[1], value[2]};
-    EXPECT_EQ(n, unit_normal(voxels.at(at).normal.data()));
+    EXPECT_EQ(Vec3<float>::from(value), unit_normal(voxels.at(at).normal.data()));
   });
   const auto access = rgba->getAccessor();
   for (const auto& [at, voxel] : voxels)

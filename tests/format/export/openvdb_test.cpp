@@ -51,8 +51,7 @@ void expect_same_grid(const std::filesystem::path& vdb, const made::SceneVoxels&
   ASSERT_EQ(normal->activeVoxelCount(), voxels.size());
   for (auto v = normal->cbeginValueOn(); v; ++v) {
     const openvdb::Coord at = v.getCoord();
-    const std::array<float, 3> n{(*v)[0], (*v)[1], (*v)[2]};
-    EXPECT_EQ(n, unit_normal(voxels.at({at[0], at[1], at[2]}).normal.data()));
+    EXPECT_EQ(Vec3<float>::from(*v), unit_normal(voxels.at({at[0], at[1], at[2]}).normal.data()));
   }
 }
 

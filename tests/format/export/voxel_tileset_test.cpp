@@ -97,9 +97,8 @@ struct Tree {
 
   /// Returns the position of the tree's corner on the lattice, in voxels of `voxel_m` metres.
   Vec3i64 corner(const SceneDescription& scene, double voxel_m) const {
-    Vec3i64 at{};
-    for (std::size_t c = 0; c < 3; ++c) at[c] = std::llround((box[c] - box[3] - scene.lattice_origin_m[c]) / voxel_m);
-    return at;
+    return Vec3i64::by_axis(
+        [&](std::size_t c) { return std::llround((box[c] - box[3] - scene.lattice_origin_m[c]) / voxel_m); });
   }
 
   nlohmann::json root;

@@ -108,6 +108,11 @@ TEST(PagedScene, HasTheCellsAndSumsOfTheSceneThatWasWritten) {
   }
 }
 
+/// Returns a point with coordinates from 0 to `range` - 1.
+Vec3i64 random_point(std::mt19937_64& rng, std::uint64_t range) {
+  return Vec3i64::by_axis([&](int) { return std::int64_t(rng() % range); });
+}
+
 TEST(PagedScene, FindsTheCellsThatOverlapABox) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
@@ -116,11 +121,8 @@ TEST(PagedScene, FindsTheCellsThatOverlapABox) {
   write_scene(folder / "scene.xml", scene, small_pages);
   const PagedScene paged(folder / "scene.xml");
   for (int round = 0; round < 20; ++round) {
-    Box3i64 box;
-    for (std::size_t c = 0; c < 3; ++c) {
-      box.min[c] = std::int64_t(rng() % 200) - 100;
-      box.end[c] = box.min[c] + 1 + std::int64_t(rng() % 60);
-    }
+    const Vec3i64 min = random_point(rng, 200) - Vec3i64::all(100);
+    const Box3i64 box{min, min + Vec3i64::all(1) + random_point(rng, 60)};
     std::vector<SceneCell> expected;
     for (const SceneCell& cell : scene.cells)
       if (!intersection(window_of(cell), box).is_empty()) expected.push_back(cell);

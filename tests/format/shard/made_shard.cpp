@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 
+#include "core/math/box3.h"
 #include "core/octree/parameters.h"
 #include "format/shard/levels/brick_walk.h"
 #include "format/shard/levels/content_hash.h"
@@ -235,13 +236,9 @@ Shard shard_of(const std::vector<Voxel>& voxels, Vec3i64 lattice_min, std::uint3
   const int lods = std::bit_width(cell_voxels / 8);
   std::vector<SortedVoxels> levels(std::size_t(lods), SortedVoxels{});
   for (const Voxel& v : voxels) {
-    std::array<std::uint32_t, 3> p{};
-    bool inside = true;
-    for (std::size_t c = 0; c < 3; ++c) {
-      inside &= v.at[c] >= lattice_min[c] && v.at[c] < lattice_min[c] + std::int64_t(cell_voxels);
-      p[c] = std::uint32_t(v.at[c] - lattice_min[c]);
-    }
-    for (int lod = 0; lod < lods && inside; ++lod) {
+    if (!Box3i64::cube(lattice_min, cell_voxels).contains(v.at)) continue;
+    const Vec3<std::uint32_t> p(v.at - lattice_min);
+    for (int lod = 0; lod < lods; ++lod) {
       const std::uint32_t x = p[0] >> lod, y = p[1] >> lod, z = p[2] >> lod;
       levels[std::size_t(lod)].insert({{morton(x / 8, y / 8, z / 8), (x & 7) | (y & 7) << 3 | (z & 7) << 6}, v});
     }
