@@ -99,10 +99,9 @@ TEST(ForEachColumn, HoldsPointsOfTrianglesOfAnySizeAndSlope) {
     for (int sample = 0; sample < 200; ++sample) {
       double a = unit(rng), b = unit(rng);
       if (a + b > 1) a = 1 - a, b = 1 - b;
-      std::int64_t q[3];  // a point within a sub-voxel of the triangle
-      for (int c = 0; c < 3; ++c)
-        q[c] =
-            t.p[0][c] + std::int64_t(std::floor(a * double(t.p[1][c] - t.p[0][c]) + b * double(t.p[2][c] - t.p[0][c])));
+      const Vec3d inside = Vec3d(t.p[1] - t.p[0]) * a + Vec3d(t.p[2] - t.p[0]) * b;
+      // a point within a sub-voxel of the triangle
+      const Vec3i64 q = t.p[0] + Vec3i64::by_axis([&](std::size_t c) { return std::int64_t(std::floor(inside[c])); });
       const auto at = columns.find({q[0] >> bits, q[1] >> bits});
       ASSERT_NE(at, columns.end()) << "round " << round;
       EXPECT_TRUE(at->second.first <= (q[2] >> 8) && (q[2] >> 8) <= at->second.last) << "round " << round;

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
+#include "core/math/box3.h"
 #include "core/octree/morton.h"
 #include "format/scene/check/verify.h"
 #include "format/shard/levels/brick_walk.h"
@@ -43,15 +44,10 @@ std::vector<Shard> random_children(std::mt19937_64& rng) {
 bool find_in_children(const std::vector<Shard>& children, int lod, const Corner& v, std::optional<LevelLookup>& lookup,
                       VoxelValue& value) {
   for (const Shard& child : children) {
-    Corner at;
-    bool inside = true;
-    for (std::size_t a = 0; a < 3; ++a) {
-      at[a] = v[a] - child.header.lattice_min[a];
-      inside = inside && at[a] >= 0 && at[a] < child_edge;
-    }
-    if (!inside) continue;
+    if (!Box3i64::cube(child.header.lattice_min, child_edge).contains(v)) continue;
+    const Vec3<std::uint32_t> at((v - child.header.lattice_min) >> lod);
     lookup.emplace(child.nodes, child.levels[std::size_t(lod)], child.header.lods, lod);
-    return lookup->find(std::uint32_t(at[0] >> lod), std::uint32_t(at[1] >> lod), std::uint32_t(at[2] >> lod), value);
+    return lookup->find(at[0], at[1], at[2], value);
   }
   return false;
 }

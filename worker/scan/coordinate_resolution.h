@@ -1,14 +1,13 @@
 /// Resolution of a file's vertex coordinates.
 #pragma once
 
-#include <array>
-
+#include "core/math/vec3.h"
 #include "format/source/mesh.h"
 
 namespace gigabake {
 
 /// Max magnitude of a mesh's coordinates on each axis of its local frame.
-using CoordinateRange = std::array<float, 3>;
+using CoordinateRange = Vec3<float>;
 
 /// Returns the max distance between adjacent representable coordinates on one axis, in scene metres, for coordinates up
 /// to `extent`. A vertex may be off by half of this distance.

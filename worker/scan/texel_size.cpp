@@ -19,20 +19,13 @@ TriangleCorners corners_of(const Primitive& primitive, const Instance& instance,
   const auto m = row_major(instance.scene_from_local);
   TriangleCorners corners{};
   for (std::size_t i = 0; i < 3; ++i) {
-    const float* p = primitive.position.data() + 3 * std::size_t(index[i]);
-    const Vec3d local{p[0], p[1], p[2]};
-    corners[i] = Vec3d::by_axis([&](int row) {
-      const double* in_row = &m[4 * std::size_t(row)];
-      return dot({in_row[0], in_row[1], in_row[2]}, local);
-    });
+    const Vec3d local = Vec3d::from(primitive.position.data() + 3 * std::size_t(index[i]));
+    corners[i] = Vec3d::by_axis([&](std::size_t row) { return dot(Vec3d::from(&m[4 * row]), local); });
   }
   return corners;
 }
 
-double area_m2(const TriangleCorners& c) {
-  const Vec3d n = cross(c[1] - c[0], c[2] - c[0]);
-  return std::sqrt(dot(n, n)) / 2;
-}
+double area_m2(const TriangleCorners& c) { return length(cross(c[1] - c[0], c[2] - c[0])) / 2; }
 
 /// Returns the triangle's area as a fraction of the whole image.
 double area_in_texture(const Primitive& primitive, const std::uint32_t* index) {

@@ -23,10 +23,10 @@ constexpr double max_voxel = 0x1p44;             ///< half of the range of snap(
 
 /// Returns the unsnapped scene position of a vertex; it may be infinite.
 Vec3d scene_position(const Primitive& primitive, std::uint32_t vertex, const Instance& instance) {
-  const float* local = primitive.position.data() + 3 * std::size_t(vertex);
-  return Vec3d::by_axis([&](int row) {
-    const auto& m = instance.scene_from_local.m[std::size_t(row)];
-    return m[0] * local[0] + m[1] * local[1] + m[2] * local[2] + m[3];
+  const Vec3d local = Vec3d::from(primitive.position.data() + 3 * std::size_t(vertex));
+  return Vec3d::by_axis([&](std::size_t row) {
+    const auto& m = instance.scene_from_local.m[row];
+    return dot(Vec3d::from(m), local) + m[3];
   });
 }
 
@@ -60,11 +60,9 @@ double area_m2(const Primitive& primitive) {
   double doubled = 0;
   for (std::size_t t = 0; t + 2 < primitive.index.size(); t += 3) {
     const auto corner = [&](std::size_t i) {
-      const float* p = primitive.position.data() + 3 * std::size_t(primitive.index[t + i]);
-      return Vec3d{p[0], p[1], p[2]};
+      return Vec3d::from(primitive.position.data() + 3 * std::size_t(primitive.index[t + i]));
     };
-    const Vec3d n = cross(corner(1) - corner(0), corner(2) - corner(0));
-    const double area = std::sqrt(dot(n, n));
+    const double area = length(cross(corner(1) - corner(0), corner(2) - corner(0)));
     if (std::isfinite(area)) doubled += area;
   }
   return doubled / 2;
@@ -131,8 +129,7 @@ void TileScanner::add(const LoadedTile& tile, std::size_t primitive, Placements 
   });
   for (std::size_t i = 0; i < placements.size(); ++i) {
     CoordinateRange extent{};
-    for (const ThreadScan& thread : threads_)
-      for (std::size_t axis = 0; axis < 3; ++axis) extent[axis] = std::max(extent[axis], thread.extent[i][axis]);
+    for (const ThreadScan& thread : threads_) extent = max_by_axis(extent, thread.extent[i]);
     spacing_m_ =
         std::max(spacing_m_, coordinate_resolution_m(tile.mesh().primitives[primitive], *placements[i], extent));
   }

@@ -16,10 +16,8 @@ constexpr std::uint32_t no_vertex = UINT32_MAX;
 /// Returns three times the triangle's centroid.
 Vec3d tripled_centroid(const Primitive& mesh, std::size_t triangle) {
   Vec3d sum{};
-  for (std::size_t corner = 0; corner < 3; ++corner) {
-    const float* p = &mesh.position[3 * std::size_t(mesh.index[3 * triangle + corner])];
-    sum += Vec3d{p[0], p[1], p[2]};
-  }
+  for (std::size_t corner = 0; corner < 3; ++corner)
+    sum += Vec3d::from(&mesh.position[3 * std::size_t(mesh.index[3 * triangle + corner])]);
   return sum;
 }
 
