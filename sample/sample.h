@@ -1,11 +1,11 @@
 /// The project's own sample: a synthetic landscape of any size as 3D Tiles, georeferenced and in a flat local frame.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 
 #include "core/math/frames.h"
+#include "core/math/vec3.h"
 
 namespace gigabake::sample {
 
@@ -25,7 +25,7 @@ struct SampleOptions {
 struct SampleReport {
   std::uint64_t triangles = 0, bytes = 0;  ///< triangles of the finest tiles in one frame; bytes of all files
   std::uint32_t houses = 0, trees = 0, tiles = 0;
-  std::array<double, 3> min_m{}, max_m{};  ///< east, north, up of the origin's tangent plane
+  Vec3d min_m{}, max_m{};  ///< east, north, up of the origin's tangent plane
 };
 
 /// Writes DIR/tileset.json with DIR/tiles/*.glb and DIR/local/*.glb. The tiles in tiles/ are georeferenced, and a

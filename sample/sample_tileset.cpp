@@ -1,7 +1,5 @@
 #include "sample/sample_tileset.h"
 
-#include <algorithm>
-
 #include "sample/sample_folder.h"
 
 namespace gigabake::sample {
@@ -11,9 +9,10 @@ using Json = nlohmann::ordered_json;
 
 Json volume_of(const TilesetEntry& tile) {
   Json box = Json::array();
-  for (std::size_t c = 0; c < 3; ++c) box.push_back((tile.min_m[c] + tile.max_m[c]) / 2);
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    for (std::size_t c = 0; c < 3; ++c) box.push_back(c == axis ? (tile.max_m[c] - tile.min_m[c]) / 2 : 0.0);
+  const Vec3d half_m = (tile.max_m - tile.min_m) / 2;
+  for (const double centre_m : (tile.min_m + tile.max_m) / 2) box.push_back(centre_m);
+  for (const Vec3d& axis : {Vec3d{half_m[0], 0, 0}, Vec3d{0, half_m[1], 0}, Vec3d{0, 0, half_m[2]}})
+    for (const double c : axis) box.push_back(c);
   return Json{{"box", box}};
 }
 
@@ -33,11 +32,10 @@ Json transform_of(const Earth& earth) {
 }  // namespace
 
 void enclose(const std::vector<TilesetEntry>& children, TilesetEntry& coarse) {
-  for (const TilesetEntry& child : children)
-    for (std::size_t c = 0; c < 3; ++c) {
-      coarse.min_m[c] = std::min(coarse.min_m[c], child.min_m[c]);
-      coarse.max_m[c] = std::max(coarse.max_m[c], child.max_m[c]);
-    }
+  for (const TilesetEntry& child : children) {
+    coarse.min_m = min_by_axis(coarse.min_m, child.min_m);
+    coarse.max_m = max_by_axis(coarse.max_m, child.max_m);
+  }
 }
 
 Json tileset_of(const TilesetEntry& coarse, const std::vector<TilesetEntry>& children, const Earth* earth) {

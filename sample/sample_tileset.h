@@ -1,11 +1,11 @@
 /// The tilesets of a sample, as JSON (3D Tiles 1.1).
 #pragma once
 
-#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "core/math/vec3.h"
 #include "sample/terrain/earth.h"
 
 namespace gigabake::sample {
@@ -13,8 +13,8 @@ namespace gigabake::sample {
 /// One tile of a tileset: a mesh, or another tileset.
 struct TilesetEntry {
   std::string uri;
-  std::array<double, 3> min_m{}, max_m{};  ///< east, north, up in the tangent plane of the map's origin
-  double error_m = 0;                      ///< approximate geometric error of the content; 0: the finest level
+  Vec3d min_m{}, max_m{};  ///< east, north, up in the tangent plane of the map's origin
+  double error_m = 0;      ///< approximate geometric error of the content; 0: the finest level
 };
 
 /// Extends the box of `coarse` to contain the boxes of `children`, the finer tiles that replace `coarse`. The mesh of

@@ -47,8 +47,8 @@ class TileBuilder {
 
  private:
   Corner local(MapPoint p, double height_m) const {
-    const auto at = frame_.place(p, height_m);
-    return {at[0] - origin_[0], at[1] - origin_[1], at[2] - origin_[2]};
+    const Vec3d at = frame_.place(p, height_m) - origin_;
+    return {at[0], at[1], at[2]};
   }
   MapPoint grid_point(int x, int y) const {
     return {plan_.min.e_m + plan_.size_m.e_m * x / plan_.quads.e, plan_.min.n_m + plan_.size_m.n_m * y / plan_.quads.n};
@@ -127,17 +127,15 @@ class TileBuilder {
   }
 
   void measure() {
-    out_.min_m = {1e9, 1e9, 1e9};
-    out_.max_m = {-1e9, -1e9, -1e9};
+    out_.min_m = Vec3d::all(1e9);
+    out_.max_m = Vec3d::all(-1e9);
     for (const GlbMesh& mesh : out_.model.meshes) {
       out_.triangles += mesh.index.size() / 3;
       for (std::size_t i = 0; i < mesh.position.size(); i += 3) {
-        const double at[3] = {origin_[0] + double(mesh.position[i]), origin_[1] - double(mesh.position[i + 2]),
-                              origin_[2] + double(mesh.position[i + 1])};
-        for (std::size_t c = 0; c < 3; ++c) {
-          out_.min_m[c] = std::min(out_.min_m[c], at[c]);
-          out_.max_m[c] = std::max(out_.max_m[c], at[c]);
-        }
+        const float* p = &mesh.position[i];
+        const Vec3d at = origin_ + Vec3d{p[0], -p[2], p[1]};
+        out_.min_m = min_by_axis(out_.min_m, at);
+        out_.max_m = max_by_axis(out_.max_m, at);
       }
     }
   }
@@ -146,7 +144,7 @@ class TileBuilder {
   const TileFrame& frame_;
   const TilePlan& plan_;
   const GlbImage& painted_;
-  std::array<double, 3> origin_{};
+  Vec3d origin_{};
   TerrainTile out_;
 };
 
@@ -155,7 +153,7 @@ class TileBuilder {
 Landscape::Landscape(double size_m, std::uint32_t seed_)
     : seed(seed_), relief(size_m, seed_), settlement(relief, seed_), kit(paint_kit(seed_)) {}
 
-std::array<double, 3> TileFrame::place(MapPoint p, double height_m) const {
+Vec3d TileFrame::place(MapPoint p, double height_m) const {
   if (earth == nullptr) return {on_grid(p.e_m), on_grid(p.n_m), on_grid(height_m)};
   const Point<Enu> at = earth->enu(p, height_m);
   return {on_grid(at.x), on_grid(at.y), on_grid(at.z)};

@@ -1,9 +1,9 @@
 /// One tile of the sample as a mesh.
 #pragma once
 
-#include <array>
 #include <cstdint>
 
+#include "core/math/vec3.h"
 #include "sample/glb_writer.h"
 #include "sample/settlement/building_kit.h"
 #include "sample/settlement/settlement.h"
@@ -26,7 +26,7 @@ struct Landscape {
 struct TileFrame {
   const Earth* earth = nullptr;  ///< null: the flat map itself
   /// Returns east, north, up in metres, rounded to 1/1024 m, so that a point has the same coordinates in every tile.
-  std::array<double, 3> place(MapPoint p, double height_m) const;
+  Vec3d place(MapPoint p, double height_m) const;
 };
 
 /// A rectangle of the map.
@@ -39,8 +39,8 @@ struct TilePlan {
 };
 
 struct TerrainTile {
-  GlbModel model;                          ///< y up; the translation of its node places it in the tile's TileFrame
-  std::array<double, 3> min_m{}, max_m{};  ///< east, north, up: bounds of all vertices
+  GlbModel model;          ///< y up; the translation of its node places it in the tile's TileFrame
+  Vec3d min_m{}, max_m{};  ///< east, north, up: bounds of all vertices
   std::uint64_t triangles = 0;
   std::uint32_t houses = 0, trees = 0;
 };
