@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 
+#include "core/math/box3.h"
 #include "scheduler/queue/overview_queue.h"
 #include "tests/random_seed.h"
 
@@ -39,13 +40,9 @@ std::vector<CellJob> scattered_cells(std::mt19937& random, std::uint32_t cell_vo
   return jobs;
 }
 
-bool overlap(const CellJob& a, const CellJob& b) {
-  for (std::size_t c = 0; c < 3; ++c)
-    if (a.lattice_min[c] >= b.lattice_min[c] + std::int64_t(b.cell_voxels) ||
-        b.lattice_min[c] >= a.lattice_min[c] + std::int64_t(a.cell_voxels))
-      return false;
-  return true;
-}
+Box3i64 box_of(const CellJob& job) { return Box3i64::cube(job.lattice_min, job.cell_voxels); }
+
+bool overlap(const CellJob& a, const CellJob& b) { return box_of(a).overlaps(box_of(b)); }
 
 int own_lod(const CellJob& overview) { return int(overview.first_lod + overview.copied_lods); }
 int levels_of(const CellJob& overview) { return std::countr_zero(overview.cell_voxels) - own_lod(overview) - 2; }
@@ -74,11 +71,7 @@ TEST(Overviews, LeadToOneRootAndEachHasAllThatItsWindowOverlaps) {
       }
     }
     const CellJob& root = jobs.back();
-    for (const CellJob& cell : std::span(jobs).first(cells))
-      for (std::size_t c = 0; c < 3; ++c) {
-        EXPECT_GE(cell.lattice_min[c], root.lattice_min[c]);
-        EXPECT_LE(cell.lattice_min[c] + cell.cell_voxels, root.lattice_min[c] + root.cell_voxels);
-      }
+    for (const CellJob& cell : std::span(jobs).first(cells)) EXPECT_EQ(hull(box_of(cell), box_of(root)), box_of(root));
     for (std::size_t i = cells; i + 1 < jobs.size(); ++i) EXPECT_LT(own_lod(jobs[i]), own_lod(root));
   }
 }
