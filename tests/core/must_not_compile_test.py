@@ -24,7 +24,7 @@ Affine<Scene, Local> scene_from_local;
 kernels::WindowTriangle window_triangle;
 LatticePoint lattice_point;
 SnapFrame frame;
-const std::int32_t corner[3] = {0, 0, 0};
+const Vec3<std::int32_t> corner{0, 0, 0};
 """
 NO_OPERATOR = r"no match for .operator|invalid operands to binary"
 NO_CALL = r"no match for call|no matching function"
