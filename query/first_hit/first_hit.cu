@@ -3,6 +3,7 @@
 
 #include "kernels/cuda/device/memory.cuh"
 #include "kernels/cuda/device/stream.cuh"
+#include "query/first_hit/device_copy.cuh"
 #include "query/first_hit/first_hit_device.h"
 
 namespace gigabake::kernels {
@@ -94,8 +95,7 @@ __global__ void __launch_bounds__(threads) cast_rays(const __grid_constant__ Fir
 template <class T>
 DeviceArray<T> copy_to_device(DeviceHeap& heap, const Span<const T>& host) {
   DeviceArray<T> device(heap, host.size);
-  check_cuda(cudaMemcpyAsync(device.data(), host.data, device.bytes(), cudaMemcpyHostToDevice, heap.stream()),
-             "cudaMemcpyAsync (first hits, to the device)");
+  copy_to_device(device.data(), host, heap.stream(), "cudaMemcpyAsync (first hits, to the device)");
   return device;
 }
 

@@ -4,6 +4,7 @@
 
 #include "kernels/cuda/device/memory.cuh"
 #include "kernels/cuda/device/stream.cuh"
+#include "query/first_hit/device_copy.cuh"
 #include "query/first_hit/query_device.h"
 
 namespace gigabake::kernels {
@@ -25,11 +26,7 @@ __global__ void __launch_bounds__(threads)
   walks[i] = walk;
 }
 
-template <class T>
-void copy_to_device(T* device, const Span<const T>& host, cudaStream_t stream) {
-  check_cuda(cudaMemcpyAsync(device, host.data, host.size * sizeof(T), cudaMemcpyHostToDevice, stream),
-             "cudaMemcpyAsync (queries, to the device)");
-}
+constexpr const char* copy_call = "cudaMemcpyAsync (queries, to the device)";
 
 }  // namespace
 
@@ -58,8 +55,8 @@ class CudaQuery::Impl {
     own(resident.tree.nodes, nodes);
     own(resident.attributes, attributes);
     const QueryCells::Entry entry{shard, QueryCells::State::resident};
-    copy_to_device(trees_.data() + cell, Span<const ShardTree>{&resident, 1}, stream_.handle);
-    copy_to_device(entries_.data() + cell, Span<const QueryCells::Entry>{&entry, 1}, stream_.handle);
+    copy_to_device(trees_.data() + cell, Span<const ShardTree>{&resident, 1}, stream_.handle, copy_call);
+    copy_to_device(entries_.data() + cell, Span<const QueryCells::Entry>{&entry, 1}, stream_.handle, copy_call);
     wait();
     nodes_.push_back(std::move(nodes));
     attributes_.push_back(std::move(attributes));
@@ -69,7 +66,7 @@ class CudaQuery::Impl {
     check_cuda(cudaSetDevice(device_), "cudaSetDevice");
     for (std::size_t first = 0; first < rays.size; first += rays_per_launch) {
       const std::size_t count = std::min(rays_per_launch, rays.size - first);
-      copy_to_device(rays_.data(), Span<const QueryRay>{rays.data + first, count}, stream_.handle);
+      copy_to_device(rays_.data(), Span<const QueryRay>{rays.data + first, count}, stream_.handle, copy_call);
       cast_queries<<<grid_of(count, threads), threads, 0, stream_.handle>>>(cells_, levels_, window_, rays_.data(),
                                                                             std::uint32_t(count), walks_.data());
       check_launch("cast_queries");
@@ -89,7 +86,7 @@ class CudaQuery::Impl {
   template <class T>
   void own(Span<const T>& span, DeviceArray<T>& array) {
     array = DeviceArray<T>(heap_, span.size);
-    copy_to_device(array.data(), span, stream_.handle);
+    copy_to_device(array.data(), span, stream_.handle, copy_call);
     span.data = array.data();
   }
 
