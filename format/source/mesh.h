@@ -10,6 +10,7 @@
 
 #include "core/base/rules.h"
 #include "core/math/frames.h"
+#include "core/math/octahedral.h"
 
 namespace gigabake {
 
@@ -35,6 +36,7 @@ struct Primitive {
   std::vector<std::uint32_t> index;  ///< 3 per triangle, counter-clockwise seen from outside
   std::vector<float> uv;             ///< 2 per vertex, or empty; the base colour's set, after KHR_texture_transform
   std::vector<std::uint16_t> rgba;   ///< 4 per vertex, linear, 65535 = 1, or empty
+  std::vector<VertexNormal> normal;  ///< 1 per vertex, or empty; a vertex may have none
   int material = 0;                  ///< index into TileMesh::materials (always valid)
 };
 

@@ -83,6 +83,7 @@ Primitive with_corners(const Primitive& whole, std::vector<std::uint32_t>&& inde
   out.position = chosen(whole.position, vertices, 3);
   out.uv = chosen(whole.uv, vertices, 2);
   out.rgba = chosen(whole.rgba, vertices, 4);
+  out.normal = chosen(whole.normal, vertices, 1);
   return out;
 }
 

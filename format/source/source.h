@@ -87,7 +87,7 @@ struct SceneSources {
 SceneSources open_sources(const std::filesystem::path& path, const SourceOptions& options,
                           const Progress& progress = {});
 
-enum class ReadScope : std::uint8_t { positions_only, everything };
+enum class ReadScope : std::uint8_t { positions_only, without_normals, everything };
 
 /// A callback that receives each primitive after it is read, in the order of TileMesh::primitives. `index` is the index
 /// of the primitive in TileMesh::primitives.

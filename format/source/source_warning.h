@@ -11,6 +11,10 @@
 
 namespace gigabake {
 
+/// Text of the warning about vertex normals of length zero or with a component that is not finite.
+inline constexpr const char* bad_vertex_normals =
+    "vertex normals without a direction, replaced by the normals of the triangles";
+
 /// A counter of the warnings of one source, with one entry per class of warnings. The entries are in the order of their
 /// first warnings.
 /// Warnings are counted, not listed, because each of 10^8 faces may cause one warning.

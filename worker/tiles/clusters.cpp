@@ -104,6 +104,7 @@ class ClusterBuilder {
     gather<3>(mesh_.position, cluster_.position);
     gather<2>(mesh_.uv, cluster_.uv);
     gather<4>(mesh_.rgba, cluster_.rgba);
+    gather<1>(mesh_.normal, cluster_.normal);
     for (const std::uint32_t vertex : used_) local_[vertex] = no_vertex;
     used_.clear();
   }
@@ -166,12 +167,14 @@ Primitive joined(std::span<const std::shared_ptr<const Primitive>> clusters) {
   all.index.reserve(corners);
   if (!clusters.front()->uv.empty()) all.uv.reserve(2 * vertices);
   if (!clusters.front()->rgba.empty()) all.rgba.reserve(4 * vertices);
+  if (!clusters.front()->normal.empty()) all.normal.reserve(vertices);
   for (const auto& c : clusters) {
     const std::uint32_t first = std::uint32_t(all.position.size() / 3);
     for (const std::uint32_t vertex : c->index) all.index.push_back(first + vertex);
     all.position.insert(all.position.end(), c->position.begin(), c->position.end());
     all.uv.insert(all.uv.end(), c->uv.begin(), c->uv.end());
     all.rgba.insert(all.rgba.end(), c->rgba.begin(), c->rgba.end());
+    all.normal.insert(all.normal.end(), c->normal.begin(), c->normal.end());
   }
   return all;
 }

@@ -21,10 +21,11 @@ struct Trailer {
 
 struct ClusterHead {
   std::uint32_t vertices = 0, corners = 0;
-  std::uint32_t has_uv = 0, has_rgba = 0;
+  std::uint32_t has_uv = 0, has_rgba = 0, has_normal = 0;
 
   std::uint64_t bytes() const {
-    return sizeof *this + std::uint64_t(vertices) * (12 + 8 * has_uv + 8 * has_rgba) + 2 * std::uint64_t(corners);
+    return sizeof *this + std::uint64_t(vertices) * (12 + 8 * has_uv + 8 * has_rgba + 4 * has_normal) +
+           2 * std::uint64_t(corners);
   }
 };
 
@@ -71,12 +72,14 @@ std::uint64_t size_of(const Descriptor& file) {
 ScratchBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>& bytes) {
   const std::size_t begin = bytes.size();
   const ClusterHead head{std::uint32_t(cluster.position.size() / 3), std::uint32_t(cluster.index.size()),
-                         cluster.uv.empty() ? 0u : 1u, cluster.rgba.empty() ? 0u : 1u};
+                         cluster.uv.empty() ? 0u : 1u, cluster.rgba.empty() ? 0u : 1u,
+                         cluster.normal.empty() ? 0u : 1u};
   const std::vector<std::uint16_t> index(cluster.index.begin(), cluster.index.end());
   const auto head_bytes = raw_bytes(head);
   bytes.insert(bytes.end(), head_bytes.begin(), head_bytes.end());
   append_values(cluster.position, bytes), append_values(cluster.uv, bytes);
-  append_values(cluster.rgba, bytes), append_values(index, bytes);
+  append_values(cluster.rgba, bytes), append_values(cluster.normal, bytes);
+  append_values(index, bytes);
   const auto all = std::span<const std::uint8_t>(bytes).subspan(begin);
   return {begin, checksum_of(all), all.size()};
 }
@@ -137,6 +140,7 @@ Primitive TileFile::read_cluster(const ScratchBytes& cluster) const {
   from = take(from, 3 * std::size_t(head.vertices), mesh.position);
   from = take(from, 2 * std::size_t(head.vertices) * head.has_uv, mesh.uv);
   from = take(from, 4 * std::size_t(head.vertices) * head.has_rgba, mesh.rgba);
+  from = take(from, std::size_t(head.vertices) * head.has_normal, mesh.normal);
   take(from, head.corners, index);
   mesh.index.assign(index.begin(), index.end());
   return mesh;

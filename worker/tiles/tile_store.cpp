@@ -24,7 +24,8 @@ bool TileStore::may_be_large(std::uint32_t tile) const {
 
 std::shared_ptr<const LoadedTile> TileStore::load(std::uint32_t tile, const std::optional<Hash128>& expected) const {
   if (scratch_.folder.empty() || !expected) return read(tile, expected, {});
-  const std::filesystem::path file = scratch_.folder / ("t_" + expected->hex() + ".clusters");
+  const std::string content = parameters_.normals ? "" : "_without_normals";
+  const std::filesystem::path file = scratch_.folder / ("t_" + expected->hex() + content + ".clusters");
   const auto find = [&] { return stored(file); };
   const auto make = [&] { return read(tile, expected, file); };
   if (may_be_large(tile)) return find_or_make(file, find, make);
@@ -43,7 +44,8 @@ std::shared_ptr<const LoadedTile> TileStore::read(std::uint32_t tile, const std:
                                                   const std::filesystem::path& file) const {
   const TileRef& ref = sources_.tiles.at(tile);
   TilePrimitiveCollector gatherer(ref.path, {scratch_.max_tile_bytes, file}, pool_);
-  TileMesh mesh = read_tile(ref, sources_.root, ReadScope::everything,
+  const ReadScope scope = parameters_.normals ? ReadScope::everything : ReadScope::without_normals;
+  TileMesh mesh = read_tile(ref, sources_.root, scope,
                             [&](std::size_t, Primitive&& primitive) { gatherer.take(std::move(primitive)); });
   // The hash is compared after the read, so that a replacement of the file during the read is detected too.
   if (expected && tile_hash(ref, sources_.root) != *expected)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 
@@ -21,8 +22,8 @@ namespace gigabake {
 namespace {
 
 /// Bytes of a vertex: its position, its texture coordinates, and its colour before and after conversion. Bytes of a
-/// corner.
-constexpr std::uint64_t vertex_bytes = 12 + 8 + 16 + 8, corner_bytes = 8;
+/// normal before and after conversion, and bytes of a corner.
+constexpr std::uint64_t vertex_bytes = 12 + 8 + 16 + 8, normal_bytes = 12 + 4, corner_bytes = 8;
 
 struct PrimitiveCounts {
   std::uint64_t triangles = 0, points = 0, lines = 0;
@@ -47,11 +48,20 @@ std::vector<std::uint16_t> linear_colours(const std::vector<float>& rgba) {
   return out;
 }
 
+std::vector<VertexNormal> vertex_normals(const std::vector<float>& xyz) {
+  std::vector<VertexNormal> out(xyz.size() / 3);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] = encode_vertex_normal({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]});
+  return out;
+}
+
 /// Readers of the vertices of a primitive, for all vertices or for the vertices of a part.
 struct VertexValues {
   AccessorItems position;
-  std::optional<AccessorItems> colour, uv;
+  std::optional<AccessorItems> colour, uv, normal;
   int material = 0;
+
+  std::uint64_t bytes_of_vertex() const { return vertex_bytes + (normal ? normal_bytes : 0); }
 };
 
 /// Memory claim of a primitive, given back when the primitive has been passed on.
@@ -76,7 +86,8 @@ class TileReader {
   TileReader(const TileRef& tile, const std::filesystem::path& root, ReadScope scope, const PrimitiveSink& sink)
       : tile_(tile),
         sink_(sink),
-        everything_(scope == ReadScope::everything),
+        everything_(scope != ReadScope::positions_only),
+        with_normals_(scope == ReadScope::everything),
         document_(load_gltf(tile, root, everything_)),
         model_(document_.model) {
     const auto& rtc = document_.rtc_center;
@@ -152,8 +163,9 @@ class TileReader {
     if (corners.mode() >= TINYGLTF_MODE_LINE && corners.mode() <= TINYGLTF_MODE_LINE_STRIP)
       parts.counts.lines += line_count(corners.drawn(), corners.mode());
     if (corners.mode() < TINYGLTF_MODE_TRIANGLES) return corners.check();
-    VertexValues values{AccessorItems(tile_.path, document_, position->second), {}, {}, material_of(p)};
+    VertexValues values{AccessorItems(tile_.path, document_, position->second), {}, {}, {}, material_of(p)};
     find_appearance(p, at, values);
+    find_normals(p, at, values);
     parts.counts.triangles += corners.triangles();
     if (!sink_ || !is_split(corners.triangles(), vertices)) {
       add_whole(corners, values, at, parts);
@@ -184,15 +196,36 @@ class TileReader {
     find(set, out.uv);
   }
 
+  /// Finds the normals of the vertices, and counts the normals without a direction. Without a sink and with it, the
+  /// counts are the same.
+  void find_normals(const tinygltf::Primitive& p, const std::string& at, VertexValues& out) {
+    const auto attribute = p.attributes.find("NORMAL");
+    if (attribute == p.attributes.end()) return;
+    const std::string key = at + ".attributes.NORMAL";
+    AccessorItems normals(tile_.path, document_, attribute->second);
+    if (normals.components() != 3 || normals.count() != out.position.count())
+      return warnings_.count("normals that do not fit the positions, ignored", key);
+    constexpr std::uint64_t block = 1 << 16;
+    std::vector<std::uint32_t> items;
+    for (std::uint64_t first = 0; first < normals.count(); first += block) {
+      items.resize(std::min(block, normals.count() - first));
+      std::iota(items.begin(), items.end(), std::uint32_t(first));
+      for (const VertexNormal& n : vertex_normals(normals.floats_of(items, 3)))
+        if (n[0] == no_vertex_normal) warnings_.count(bad_vertex_normals, key);
+    }
+    if (with_normals_) out.normal.emplace(std::move(normals));
+  }
+
   void add_whole(const Corners& corners, const VertexValues& values, const std::string& at, MeshParts& parts) {
     HeldClaim claim(claim_);
-    claim.add_items(values.position.count(), vertex_bytes, at, "vertices");
+    claim.add_items(values.position.count(), values.bytes_of_vertex(), at, "vertices");
     claim.add_items(corners.triangles() * 3, corner_bytes, at, "corners of triangles");
     Primitive out;
     out.index = corners.of_triangles(0, corners.triangles());
     out.position = values.position.floats(3);
     if (values.colour) out.rgba = linear_colours(values.colour->floats(4, 1.0f));
     if (values.uv) out.uv = transformed(values.uv->floats(2), values.material);
+    if (values.normal) out.normal = vertex_normals(values.normal->floats(3));
     add(std::move(out), values, parts);
     if (!sink_) claim.keep();
   }
@@ -208,10 +241,11 @@ class TileReader {
     const UsedVertices used(out.index);
     used.renumber(out.index);
     const std::vector<std::uint32_t>& vertices = used.ascending();
-    claim.add_items(vertices.size(), vertex_bytes, at, "vertices");
+    claim.add_items(vertices.size(), values.bytes_of_vertex(), at, "vertices");
     out.position = values.position.floats_of(vertices, 3);
     if (values.colour) out.rgba = linear_colours(values.colour->floats_of(vertices, 4, 1.0f));
     if (values.uv) out.uv = transformed(values.uv->floats_of(vertices, 2), values.material);
+    if (values.normal) out.normal = vertex_normals(values.normal->floats_of(vertices, 3));
     add(std::move(out), values, parts);
   }
 
@@ -268,7 +302,7 @@ class TileReader {
 
   const TileRef& tile_;
   const PrimitiveSink& sink_;
-  bool everything_;
+  bool everything_, with_normals_;
   MemoryClaim claim_{tile_.path};
   GltfDocument document_;
   const tinygltf::Model& model_;

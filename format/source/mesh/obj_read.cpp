@@ -17,7 +17,7 @@ namespace gigabake {
 namespace {
 
 /// Bytes of a vertex in a primitive and in Part::vertex, and bytes of a corner.
-constexpr std::uint64_t vertex_bytes = 12 + 8 + 8 + 4 + 56, corner_bytes = 4;
+constexpr std::uint64_t vertex_bytes = 12 + 8 + 8 + 4 + 4 + 64, corner_bytes = 4;
 
 using Vector = std::array<double, 3>;
 
@@ -32,7 +32,7 @@ bool is_face(const ObjLine& line) { return line.word == "f" || line.word == "fo"
 
 /// Numbers of elements in the file, counted before memory is reserved.
 struct Counts {
-  std::uint64_t positions = 0, uvs = 0, triangles = 0;
+  std::uint64_t positions = 0, uvs = 0, normals = 0, triangles = 0;
 };
 
 Counts counts_of(const std::filesystem::path& file, const SourceBytes& text, ObjMaterialTable& materials) {
@@ -40,17 +40,18 @@ Counts counts_of(const std::filesystem::path& file, const SourceBytes& text, Obj
   for_each_obj_line(file, text, [&](const ObjLine& line) {
     if (line.word == "v") ++out.positions;
     if (line.word == "vt") ++out.uvs;
+    if (line.word == "vn") ++out.normals;
     if (is_face(line)) out.triangles += std::max<std::size_t>(words(line.rest), 2) - 2;
     if (line.word == "mtllib") materials.take(line);
   });
   return out;
 }
 
-/// Returns whether a keyword is irrelevant for triangle surfaces, for example normals, groups and display settings.
+/// Returns whether a keyword is irrelevant for triangle surfaces, for example groups and display settings.
 bool is_without_meaning(std::string_view word) {
-  static const std::set<std::string_view> words{"vn",       "g",      "o",          "s",        "mg",
-                                                "mtllib",   "usemap", "maplib",     "bevel",    "c_interp",
-                                                "d_interp", "lod",    "shadow_obj", "trace_obj"};
+  static const std::set<std::string_view> words{"g",      "o",          "s",        "mg",       "mtllib",
+                                                "usemap", "maplib",     "bevel",    "c_interp", "d_interp",
+                                                "lod",    "shadow_obj", "trace_obj"};
   return words.count(word) != 0;
 }
 
@@ -62,10 +63,17 @@ bool is_free_form(std::string_view word) {
   return words.count(word) != 0;
 }
 
-/// Triangles of one material. Each pair of position and texture coordinate is stored once.
+struct HashOfCorner {
+  std::size_t operator()(const ObjCorner& c) const {
+    const std::uint64_t mixed = (std::uint64_t(c.uv) << 32 | c.position) ^ c.normal * 0x9e3779b97f4a7c15ull;
+    return std::size_t(mixed);
+  }
+};
+
+/// Triangles of one material. Each triple of position, texture coordinate and normal is stored once.
 struct Part {
   Primitive primitive;
-  std::unordered_map<std::uint64_t, std::uint32_t> vertex;
+  std::unordered_map<ObjCorner, std::uint32_t, HashOfCorner> vertex;
   std::vector<std::uint32_t> position_of;  ///< index of the position per vertex
 
   std::uint64_t triangles() const { return primitive.index.size() / 3; }
@@ -82,7 +90,8 @@ class ObjReader {
   ObjReader(const TileRef& tile, const SourceFiles& files, ReadScope scope, const PrimitiveSink& sink)
       : file_(tile.path),
         files_(files),
-        everything_(scope == ReadScope::everything),
+        everything_(scope != ReadScope::positions_only),
+        with_normals_(scope == ReadScope::everything),
         sink_(sink),
         materials_(tile.path, files),
         vertices_(file_, claim_),
@@ -91,7 +100,8 @@ class ObjReader {
   TileMesh read() {
     const SourceBytes text = files_.open(file_);
     const Counts counts = counts_of(file_, text, materials_);
-    vertices_.reserve(counts.positions, counts.uvs);
+    vertices_.reserve(counts.positions, counts.uvs, with_normals_ ? counts.normals : 0);
+    normals_ = counts.normals;
     is_used_.resize(counts.positions);
     for_each_obj_line(file_, text, [&](const ObjLine& line) { take_other(line); });
     is_streamed_ = sink_ && counts.triangles > part_triangles();
@@ -110,7 +120,7 @@ class ObjReader {
   /// Handles all lines except faces and `usemtl`.
   void take_other(const ObjLine& line) {
     if (is_face(line) || line.word == "usemtl") return;
-    if (line.word == "v" || line.word == "vt")
+    if (line.word == "v" || line.word == "vt" || line.word == "vn")
       vertices_.take(line, warnings_);
     else if (line.word == "p")
       out_.counts.skipped_points += words(without_comment(line.rest));
@@ -125,14 +135,16 @@ class ObjReader {
   static LineName name_of(const ObjLine& line) { return {line.number}; }
 
   void read_faces(const SourceBytes& text, Faces faces) {
-    range_ = {0, 0, vertices_.positions(), vertices_.uvs()};
+    range_ = {0, 0, 0, vertices_.positions(), vertices_.uvs(), normals_};
     set_material("", faces);
     for_each_obj_line(file_, text, [&](const ObjLine& line) {
       if (is_face(line)) return take_face(line, faces);
       if (line.word == "usemtl") set_material(std::string(line.rest), faces);
       if (line.word == "v") ++range_.positions;
       if (line.word == "vt") ++range_.uvs;
-      if (range_.positions > range_.all_positions || range_.uvs > range_.all_uvs) fail_as_changed(line);
+      if (line.word == "vn") ++range_.normals;
+      if (range_.positions > range_.all_positions || range_.uvs > range_.all_uvs || range_.normals > range_.all_normals)
+        fail_as_changed(line);
     });
   }
 
@@ -146,13 +158,15 @@ class ObjReader {
   }
 
   void take_face(const ObjLine& line, Faces faces) {
-    std::uint64_t bad_uvs = 0;
-    const ObjFaceFault fault = read_obj_corners(line.rest, range_, corners_, bad_uvs);
-    if (faces != Faces::hand_over) inspect_face(line, fault, bad_uvs);
+    ObjBadIndices bad;
+    const ObjFaceFault fault = read_obj_corners(line.rest, range_, corners_, bad);
+    if (faces != Faces::hand_over) inspect_face(line, fault, bad);
     if (fault != ObjFaceFault::none || corners_.size() < 3) return;
     const ObjMaterialUse use = use_of_corners();
-    if (!everything_ || !use.has_uv)
-      for (ObjCorner& c : corners_) c.uv = ObjCorner::none;
+    for (ObjCorner& c : corners_) {
+      if (!everything_ || !use.has_uv) c.uv = ObjCorner::none;
+      if (!with_normals_) c.normal = ObjCorner::none;
+    }
     const ObjMaterialUse kept = everything_ ? use : ObjMaterialUse();
     if (faces == Faces::hand_over)
       make_room(line, kept);
@@ -170,14 +184,15 @@ class ObjReader {
     return use;
   }
 
-  void inspect_face(const ObjLine& line, ObjFaceFault fault, std::uint64_t bad_uvs) {
+  void inspect_face(const ObjLine& line, ObjFaceFault fault, const ObjBadIndices& bad) {
     ++faces_;
     if (fault == ObjFaceFault::no_vertex) count_lost_face(line, "faces left out, since a corner refers to no vertex");
     if (fault == ObjFaceFault::no_index) count_lost_face(line, "faces left out, since a corner is not a number");
     if (fault == ObjFaceFault::too_many_corners)
       count_lost_face(line, "faces left out, since they have more than 2^20 corners");
     if (fault != ObjFaceFault::none) return;
-    if (bad_uvs != 0) warnings_.count("faces that refer to missing texture coordinates", name_of(line));
+    if (bad.uvs != 0) warnings_.count("faces that refer to missing texture coordinates", name_of(line));
+    if (bad.normals != 0) warnings_.count("faces that refer to missing normals", name_of(line));
     if (corners_.size() == 1) ++out_.counts.skipped_points;
     if (corners_.size() == 2) ++out_.counts.skipped_lines;
     if (corners_.empty()) warnings_.count("lines not understood", name_of(line));
@@ -186,7 +201,7 @@ class ObjReader {
     for (const ObjCorner& c : corners_) is_used_[c.position] = true;
     if (std::exchange(is_new_material_, false)) used_materials_.insert(material_);
     const ObjMaterialUse use = use_of_corners();
-    if (shows_image_ && !use.has_uv && bad_uvs == 0)
+    if (shows_image_ && !use.has_uv && bad.uvs == 0)
       warnings_.count("faces without texture coordinates, of materials with an image", name_of(line));
     if (vertices_.has_colours() && !use.has_colour)
       warnings_.count("faces without vertex colours, in a file that has some", name_of(line));
@@ -206,11 +221,13 @@ class ObjReader {
   }
 
   std::uint32_t vertex(Part& part, const ObjCorner& c) {
-    const auto [at, is_new] =
-        part.vertex.try_emplace(std::uint64_t(c.uv) << 32 | c.position, std::uint32_t(part.position_of.size()));
+    const auto [at, is_new] = part.vertex.try_emplace(c, std::uint32_t(part.position_of.size()));
     if (!is_new) return at->second;
     claim_.add_items(1, vertex_bytes, "", "more vertices of triangles");
     part.position_of.push_back(c.position);
+    if (vertices_.has_normals())
+      part.primitive.normal.push_back(c.normal == ObjCorner::none ? VertexNormal{no_vertex_normal, no_vertex_normal}
+                                                                  : vertices_.normal(c.normal));
     if (c.uv != ObjCorner::none) {
       const auto& uv = vertices_.uv(c.uv);
       part.primitive.uv.insert(part.primitive.uv.end(), uv.begin(), uv.end());
@@ -276,7 +293,7 @@ class ObjReader {
 
   const std::filesystem::path& file_;
   const SourceFiles& files_;
-  bool everything_;
+  bool everything_, with_normals_;
   const PrimitiveSink& sink_;
   MemoryClaim claim_{file_};
   ObjMaterialTable materials_;
@@ -284,6 +301,7 @@ class ObjReader {
   MeshOrigins origins_;
   SourceWarnings warnings_;
   ObjIndexRange range_;  ///< at the current line
+  std::uint64_t normals_ = 0;
   std::string material_;
   bool is_new_material_ = true, shows_image_ = false;
   std::map<std::string, bool> has_image_;  ///< whether a material has an image, by the material's name

@@ -26,25 +26,59 @@ std::optional<std::uint64_t> index_at(const char*& at, const char* end, std::uin
   return i < 1 || std::uint64_t(i) > count ? count : std::uint64_t(i - 1);
 }
 
+/// Reads the index at `at`, after a slash. Sets `index`, or counts an index of a missing item in `bad`. Returns false
+/// if the text is not a number.
+bool take_index(const char*& at, const char* end, std::uint64_t before, std::uint64_t count, std::uint32_t& index,
+                std::uint64_t& bad) {
+  const auto found = index_at(at, end, before, count);
+  if (!found) return false;
+  if (*found == count)
+    ++bad;
+  else
+    index = std::uint32_t(*found);
+  return true;
+}
+
+/// Skips a slash. Returns whether an index follows it.
+bool skip_slash(const char*& at, const char* end) {
+  return at < end && *at == '/' && ++at < end && *at != '/' && *at > ' ';
+}
+
 }  // namespace
 
-void ObjVertices::reserve(std::uint64_t positions, std::uint64_t uvs) {
-  if (positions >= ObjCorner::none || uvs >= ObjCorner::none)
-    throw InputError(file_, "", "more than 2^32 vertices or texture coordinates; split the file");
+void ObjVertices::reserve(std::uint64_t positions, std::uint64_t uvs, std::uint64_t normals) {
+  if (positions >= ObjCorner::none || uvs >= ObjCorner::none || normals >= ObjCorner::none)
+    throw InputError(file_, "", "more than 2^32 vertices, texture coordinates or normals; split the file");
   claim_.add_items(positions, sizeof position_[0], "", "vertices");
   claim_.add_items(uvs, sizeof uv_[0], "", "texture coordinates");
+  claim_.add_items(normals, sizeof normal_[0], "", "normals");
   position_.reserve(positions);
   uv_.reserve(uvs);
+  normal_.reserve(normals);
 }
 
 void ObjVertices::take(const ObjLine& line, SourceWarnings& warnings) {
+  if (line.word == "vn") return take_normal(line, warnings);
   const bool is_position = line.word == "v";
-  if ((is_position ? position_.size() == position_.capacity() : uv_.size() == uv_.capacity()))
-    throw InputError(file_, line_name(line), "changed while it was read; bake again");
+  expect_capacity(is_position ? position_.size() < position_.capacity() : uv_.size() < uv_.capacity(), line);
   if (is_position) return take_position(line, warnings);
   const std::vector<double> v = obj_numbers(line.rest, 2);
   if (v.empty()) warnings.count("texture coordinates without a number, taken as 0", line_name(line));
   uv_.push_back({v.empty() ? 0.0f : float(v[0]), v.size() > 1 ? float(1 - v[1]) : 1.0f});
+}
+
+void ObjVertices::expect_capacity(bool is_there, const ObjLine& line) const {
+  if (!is_there) throw InputError(file_, line_name(line), "changed while it was read; bake again");
+}
+
+void ObjVertices::take_normal(const ObjLine& line, SourceWarnings& warnings) {
+  std::vector<double> v = obj_numbers(line.rest, 3);
+  v.resize(3);
+  const VertexNormal n = encode_vertex_normal({v[0], v[1], v[2]});
+  if (n[0] == no_vertex_normal) warnings.count(bad_vertex_normals, line_name(line));
+  if (normal_.capacity() == 0) return;
+  expect_capacity(normal_.size() < normal_.capacity(), line);
+  normal_.push_back(n);
 }
 
 void ObjVertices::take_position(const ObjLine& line, SourceWarnings& warnings) {
@@ -66,7 +100,7 @@ void ObjVertices::take_position(const ObjLine& line, SourceWarnings& warnings) {
 }
 
 ObjFaceFault read_obj_corners(std::string_view text, const ObjIndexRange& range, std::vector<ObjCorner>& corners,
-                              std::uint64_t& bad_uvs) {
+                              ObjBadIndices& bad) {
   corners.clear();
   const char *at = text.data(), *end = at + text.size();
   while (at < end && *at != '#') {
@@ -75,15 +109,11 @@ ObjFaceFault read_obj_corners(std::string_view text, const ObjIndexRange& range,
     if (!position) return ObjFaceFault::no_index;
     if (*position == range.all_positions) return ObjFaceFault::no_vertex;
     c.position = std::uint32_t(*position);
-    if (at < end && *at == '/' && ++at < end && *at != '/' && *at > ' ') {
-      const auto uv = index_at(at, end, range.uvs, range.all_uvs);
-      if (!uv) return ObjFaceFault::no_index;
-      if (*uv == range.all_uvs)
-        ++bad_uvs;
-      else
-        c.uv = std::uint32_t(*uv);
-    }
-    while (at<end&& * at> ' ') ++at;  // skips indices of normals, which are computed from triangles
+    if (skip_slash(at, end) && !take_index(at, end, range.uvs, range.all_uvs, c.uv, bad.uvs))
+      return ObjFaceFault::no_index;
+    // An index of a normal that is not a number costs only the normal.
+    if (skip_slash(at, end)) take_index(at, end, range.normals, range.all_normals, c.normal, bad.normals);
+    while (at<end&& * at> ' ') ++at;
     while (at < end && *at <= ' ') ++at;
     if (corners.size() == max_polygon_corners) return ObjFaceFault::too_many_corners;
     corners.push_back(c);

@@ -1,9 +1,8 @@
-#include "format/source/mesh/ply_colour.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "core/math/srgb.h"
+#include "format/source/mesh/ply_layout.h"
 
 namespace gigabake {
 namespace {

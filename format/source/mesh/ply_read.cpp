@@ -11,8 +11,8 @@
 #include "core/base/pluralize.h"
 #include "core/math/transform.h"
 #include "format/source/mesh/mesh_origin.h"
-#include "format/source/mesh/ply_colour.h"
 #include "format/source/mesh/ply_layout.h"
+#include "format/source/mesh/ply_parts.h"
 #include "format/source/mesh/ply_values.h"
 #include "format/source/mesh/polygon.h"
 #include "format/source/mesh_parts.h"
@@ -25,29 +25,9 @@ using Vector = std::array<double, 3>;
 
 constexpr std::uint64_t max_vertices = 0xffffffff;
 constexpr std::uint32_t unused = ~std::uint32_t(0);
-/// Bytes of a vertex in a primitive and in Part::position_of, and bytes of a corner.
-constexpr std::uint64_t vertex_bytes = 12 + 8 + 8 + 4, corner_bytes = 4;
-
 /// The keys of faces without texture coordinates in PlyReader::parts_: `of_faces` if the face has a colour, else
 /// `of_vertices`.
 constexpr int of_vertices = -2, of_faces = -3;
-
-/// The triangles of one texture, or of one of the keys of_vertices and of_faces.
-struct Part {
-  Primitive primitive;
-  std::vector<std::uint32_t> position_of;  ///< index of the position per vertex
-  std::vector<std::uint32_t> vertex_of;    ///< vertex per position; empty if corners are not shared
-
-  std::uint64_t bytes() const { return position_of.size() * vertex_bytes + primitive.index.size() * corner_bytes; }
-};
-
-struct Face {
-  std::vector<std::uint32_t> corners;
-  std::vector<float> uv;  ///< two values per corner, or empty
-  int texture = 0;
-  std::optional<PlyColour::Rgba> colour = {};
-  bool is_lost = false;  ///< an index is invalid, or there are too many corners
-};
 
 PlyHeader header_of(const std::filesystem::path& file, const SourceBytes& bytes) {
   std::vector<std::uint8_t> buffer;
@@ -60,7 +40,8 @@ class PlyReader {
       : file_(tile.path),
         tile_(tile),
         files_(files),
-        everything_(scope == ReadScope::everything),
+        everything_(scope != ReadScope::positions_only),
+        with_normals_(scope == ReadScope::everything),
         sink_(sink),
         bytes_(files.open(file_)),
         header_(header_of(file_, bytes_)),
@@ -109,10 +90,12 @@ class PlyReader {
       is_float_ = e.properties[*layout.position[0]].type == PlyType::float32;
       has_colour_ = layout.has_colour();
       has_alpha_ |= has_colour_ && layout.colour[3];
-      const std::uint64_t with_values = everything_ ? 8 * (layout.has_colour() + layout.has_uv()) : 0;
-      claim_.add_items(e.count, sizeof(Vector) + with_values, "", "vertices");
+      const std::uint64_t with_values = everything_ ? 8 * (layout.has_colour() + layout.has_uv()) : 0,
+                          with_normal = with_normals_ && layout.has_normal() ? sizeof(VertexNormal) : 0;
+      claim_.add_items(e.count, sizeof(Vector) + with_values + with_normal, "", "vertices");
       if (layout.has_colour() && everything_) rgba_.reserve(4 * e.count);
       if (layout.has_uv() && everything_) uv_.reserve(2 * e.count);
+      if (with_normal != 0) normal_.reserve(e.count);
     }
     // All faces must be read to know if their alpha is 0 everywhere.
     if (face_alpha && !has_colour_) has_alpha_ = true, is_streamed_ = false;
@@ -147,8 +130,15 @@ class PlyReader {
         const PlyColour::Rgba colour = colour_of(element, layout, value);
         if (everything_) rgba_.insert(rgba_.end(), colour.begin(), colour.end());
       }
+      if (layout.has_normal()) add_normal(layout, value);
       if (with_uv) uv_.insert(uv_.end(), {float(value[*layout.uv[0]]), float(1 - value[*layout.uv[1]])});
     }
+  }
+
+  void add_normal(const VertexLayout& layout, const std::vector<double>& value) {
+    const VertexNormal n = layout.normal_of(value);
+    if (n[0] == no_vertex_normal) warnings_.count(bad_vertex_normals, values_.place());
+    if (with_normals_) normal_.push_back(n);
   }
 
   PlyColour::Rgba colour_of(const PlyElement& element, const VertexLayout& layout, const std::vector<double>& value) {
@@ -169,7 +159,7 @@ class PlyReader {
     const VertexLayout layout(element);
     const bool has_colour = !has_colour_ && layout.has_colour();  // colours of vertices have precedence
     std::vector<double> value(element.properties.size());
-    Face face;
+    PlyFace face;
     for (std::uint64_t i = 0; i < element.count; ++i) {
       for (std::size_t p = 0; p < element.properties.size(); ++p) {
         const PlyProperty& property = element.properties[p];
@@ -188,7 +178,7 @@ class PlyReader {
     }
   }
 
-  void read_corners(const PlyProperty& list, Face& face) {
+  void read_corners(const PlyProperty& list, PlyFace& face) {
     const std::uint64_t corners = values_.length(list);
     face.is_lost = corners > max_polygon_corners;
     if (face.is_lost) warnings_.count_loss("faces left out, since they have more than 2^20 corners", values_.place());
@@ -203,7 +193,7 @@ class PlyReader {
     }
   }
 
-  void read_uv(const PlyProperty& list, Face& face) {
+  void read_uv(const PlyProperty& list, PlyFace& face) {
     face.uv.clear();
     for (std::uint64_t n = values_.length(list), i = 0; i < n; ++i) {
       const double v = values_.number(list.type);
@@ -218,7 +208,7 @@ class PlyReader {
   }
 
   /// Adds a face. Stores a polygon until all vertices are read, because its triangulation depends on the positions.
-  void add(const Face& face) {
+  void add(const PlyFace& face) {
     if (face.is_lost) return;
     if (face.corners.size() < 3) {
       out_.counts.skipped_points += face.corners.size() == 1 ? 1 : 0;
@@ -230,11 +220,11 @@ class PlyReader {
       warnings_.count("faces whose numbers of texture coordinates and corners differ", values_.place());
     const bool is_corner_its_own = everything_ && (has_uv || face.colour);
     const int texture = has_uv ? face.texture : face.colour && everything_ ? of_faces : of_vertices;
-    Part& part = parts_[texture];
+    PlyPart& part = parts_[texture];
     const std::uint64_t triangles = face.corners.size() - 2;
     if (is_streamed_ && !part.primitive.index.empty() && part.primitive.index.size() / 3 + triangles > part_triangles())
       finish_part(texture, part);
-    claim_.add_items(3 * triangles, corner_bytes, "", "corners of triangles");
+    claim_.add_items(3 * triangles, PlyPart::corner_bytes, "", "corners of triangles");
     std::vector<std::uint32_t> vertices;
     for (std::size_t c = 0; c < face.corners.size(); ++c)
       vertices.push_back(vertex(part, face.corners[c], is_corner_its_own));
@@ -250,14 +240,14 @@ class PlyReader {
       polygons_[texture].push_back(std::move(vertices));
   }
 
-  std::uint32_t vertex(Part& part, std::uint32_t position, bool is_corner_its_own) {
+  std::uint32_t vertex(PlyPart& part, std::uint32_t position, bool is_corner_its_own) {
     if (part.vertex_of.empty() && !is_corner_its_own) {
       claim_.add_items(vertices_, sizeof unused, "", "numbers of vertices");
       part.vertex_of.assign(vertices_, unused);
     }
     if (!is_corner_its_own && part.vertex_of[position] != unused) return part.vertex_of[position];
     const auto v = std::uint32_t(part.position_of.size());
-    claim_.add_items(1, vertex_bytes, "", "more vertices of triangles");
+    claim_.add_items(1, PlyPart::vertex_bytes, "", "more vertices of triangles");
     part.position_of.push_back(position);
     if (!is_corner_its_own) part.vertex_of[position] = v;
     return v;
@@ -310,7 +300,7 @@ class PlyReader {
 
   /// Moves the triangles of the part into a primitive, and passes the primitive to the sink if there is one.
   /// Range   All vertices have been read.
-  void finish_part(int texture, Part& part) {
+  void finish_part(int texture, PlyPart& part) {
     if (origins_.groups() == 0) origins_.finish();
     claim_.give_back(is_streamed_ ? part.bytes() : 0);
     Primitive p = std::move(part.primitive);
@@ -319,6 +309,7 @@ class PlyReader {
     for (const std::uint32_t v : part.position_of) {
       if (!rgba_.empty()) p.rgba.insert(p.rgba.end(), &rgba_[4 * std::size_t(v)], &rgba_[4 * std::size_t(v)] + 4);
       if (has_vertex_uv) p.uv.insert(p.uv.end(), &uv_[2 * std::size_t(v)], &uv_[2 * std::size_t(v)] + 2);
+      if (!normal_.empty()) p.normal.push_back(normal_[v]);
       if (!part.vertex_of.empty()) part.vertex_of[v] = unused;
     }
     for (std::size_t a = 3; !is_alpha_used() && a < p.rgba.size(); a += 4) p.rgba[a] = 65535;
@@ -343,7 +334,7 @@ class PlyReader {
     return at->second;
   }
 
-  void add_polygon(Part& part, const std::vector<std::uint32_t>& polygon) const {
+  void add_polygon(PlyPart& part, const std::vector<std::uint32_t>& polygon) const {
     std::vector<Vector> corners;
     for (const std::uint32_t v : polygon) corners.push_back(position_[part.position_of[v]]);
     for (const std::uint32_t corner : triangles_of_polygon(corners)) part.primitive.index.push_back(polygon[corner]);
@@ -369,7 +360,7 @@ class PlyReader {
   const std::filesystem::path& file_;
   const TileRef& tile_;
   const SourceFiles& files_;
-  bool everything_;
+  bool everything_, with_normals_;
   const PrimitiveSink& sink_;
   MemoryClaim claim_{file_};
   SourceBytes bytes_;
@@ -385,7 +376,8 @@ class PlyReader {
   std::vector<Vector> position_;
   std::vector<std::uint16_t> rgba_;
   std::vector<float> uv_;
-  std::map<int, Part> parts_;
+  std::vector<VertexNormal> normal_;
+  std::map<int, PlyPart> parts_;
   std::map<int, std::vector<std::vector<std::uint32_t>>>
       polygons_;  ///< polygons that were read before all vertices, by texture, as vertices of the part
   TileMesh out_;

@@ -16,7 +16,8 @@ bool is_used_of_faces(std::string_view name) {
   return names.count(name) != 0;
 }
 
-/// Returns whether a property is irrelevant for surfaces, for example a normal or the accuracy of a scanner.
+/// Returns whether a property is irrelevant for surfaces, for example the normal of a face or the accuracy of a
+/// scanner.
 bool is_without_meaning(std::string_view name) {
   static const std::set<std::string_view> names{"nx",    "ny",      "nz",        "confidence", "intensity",
                                                 "flags", "quality", "curvature", "radius",     "material_index"};

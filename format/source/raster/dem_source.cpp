@@ -127,7 +127,7 @@ std::vector<DemOptions> dem_options(const JsonMembers& entry) {
 }
 
 TileMesh read_dem_tile(const TileRef& tile, ReadScope scope) {
-  DemMesh dem = read_dem(*tile.dem, scope == ReadScope::everything);
+  DemMesh dem = read_dem(*tile.dem, scope != ReadScope::positions_only);
   TileMesh out;
   out.counts.triangles = dem.primitive.index.size() / 3;
   Affine<Scene, Local> scene_from_local;

@@ -30,7 +30,8 @@ std::string large_text() {
   std::string out = "mtllib gone.mtl\n";
   for (std::uint32_t v = 0; v < line_vertices; ++v) {
     const auto number = [&random] { return " " + std::to_string(double(random()) / 4e9); };
-    out += "v" + number() + number() + number() + " 0.5 0.25" + number() + "\nvt" + number() + number() + "\n";
+    out += "v" + number() + number() + number() + " 0.5 0.25" + number() + "\nvt" + number() + number() + "\nvn" +
+           number() + number() + number() + "\n";
   }
   const auto corner = [&random] { return std::to_string(random() % line_vertices + 1); };
   for (std::uint64_t turn = 0; turn < 1300; ++turn) {
@@ -38,7 +39,7 @@ std::string large_text() {
     for (int f = 0; f < 1000; ++f) {
       for (const char* between : {"f ", " ", " "}) {
         const std::string v = corner();
-        out += between + v + "/" + v;
+        out += between + v + "/" + v + "/" + v;
       }
       out += f % 100 == 0 ? " -3/-7\n" : "\n";
     }
@@ -72,6 +73,7 @@ class ObjParts : public testing::Test {
 struct CornerValues {
   std::vector<float> position, uv;
   std::vector<std::uint16_t> rgba;
+  std::vector<VertexNormal> normal;
   friend bool operator==(const CornerValues&, const CornerValues&) = default;
 
   void add(const Primitive& p) {
@@ -79,7 +81,7 @@ struct CornerValues {
       if (from.empty()) return;
       for (const std::uint32_t v : p.index) to.insert(to.end(), &from.at(v * width), &from[v * width] + width);
     };
-    take(p.position, 3, position), take(p.uv, 2, uv), take(p.rgba, 4, rgba);
+    take(p.position, 3, position), take(p.uv, 2, uv), take(p.rgba, 4, rgba), take(p.normal, 1, normal);
   }
 };
 
@@ -100,6 +102,7 @@ TEST_F(ObjParts, HoldTheTrianglesOfTheWhole) {
   EXPECT_GT(materials.size(), 2u);
   EXPECT_TRUE(of_whole == of_parts);
   EXPECT_FALSE(of_whole.at(0).uv.empty() || !of_whole.at(1).uv.empty() || of_whole.at(1).rgba.empty());
+  EXPECT_FALSE(of_whole.at(0).normal.empty());
   EXPECT_EQ(parts.counts.triangles, whole.counts.triangles);
   EXPECT_EQ(parts.warnings, whole.warnings);
   EXPECT_EQ(parts.materials.size(), whole.materials.size());

@@ -69,6 +69,7 @@ TEST_F(InParts, AnIndexedGridWithColoursAndTextureCoordinates) {
   Json& p = made.add_primitive(position, made.add(corners_of_grid(), 1, of_words));
   p["attributes"]["COLOR_0"] = made.add(numbers<std::uint8_t>(4 * grid_vertices, 2), 4, of_bytes, true);
   p["attributes"]["TEXCOORD_0"] = made.add(numbers<std::uint16_t>(2 * grid_vertices, 3), 2, of_shorts, true);
+  p["attributes"]["NORMAL"] = made.add(numbers<float>(3 * grid_vertices, 4), 3, of_floats);
   p["material"] = 0;
   made.gltf["images"] = {{{"uri",
                            "data:image/png;base64,"
@@ -77,7 +78,8 @@ TEST_F(InParts, AnIndexedGridWithColoursAndTextureCoordinates) {
   made.gltf["textures"] = {{{"source", 0}}};
   made.gltf["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
   EXPECT_EQ(parts_of(made), 2u);
-  EXPECT_FALSE(read().primitives.at(0).uv.empty() || read().primitives.at(0).rgba.empty());
+  const Primitive read_whole = read().primitives.at(0);
+  EXPECT_FALSE(read_whole.uv.empty() || read_whole.rgba.empty() || read_whole.normal.empty());
 }
 
 TEST_F(InParts, VerticesInRandomOrder) {
