@@ -32,6 +32,7 @@ std::uint64_t bytes_of(const kernels::CellInput& input) {
     add(p.index.data, p.index.size * 4);
     add(p.uv.data, p.uv.size * 4);
     add(p.rgba.data, p.rgba.size * 2);
+    add(p.normal.data, p.normal.size * sizeof(VertexNormal));
   }
   for (std::size_t i = 0; i < input.textures.size; ++i) {
     const kernels::TextureView& t = input.textures[i];

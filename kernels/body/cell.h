@@ -15,6 +15,7 @@
 #include "core/base/host_device.h"
 #include "core/base/rules.h"
 #include "core/io/hash128.h"
+#include "core/math/octahedral.h"
 #include "core/math/snap.h"
 #include "core/math/vec3.h"
 #include "core/octree/downsample_state.h"
@@ -30,6 +31,7 @@ struct PartView {
   Span<const std::uint32_t> index;   ///< 3 per triangle, each < vertex count
   Span<const float> uv;              ///< 2 per vertex or empty
   Span<const std::uint16_t> rgba;    ///< 4 per vertex, linear, or empty
+  Span<const VertexNormal> normal;   ///< 1 per vertex, or empty
   double scene_from_local[12] = {};  ///< 3x4 row-major
   std::uint32_t material = 0;
 };

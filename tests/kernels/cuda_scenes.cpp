@@ -72,6 +72,21 @@ void TestCell::add_part(std::vector<float> position, std::vector<std::uint32_t> 
   parts_.push_back(p);
 }
 
+void TestCell::add_vertex_normals(unsigned seed) {
+  name += " with vertex normals";
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (PartView& p : parts_) {
+    std::vector<VertexNormal> normal;
+    for (std::size_t v = 0; v < p.position.size / 3; ++v) {
+      const double x = unit(random), y = unit(random), z = unit(random), some = v % 17 == 0 ? 0 : 1;
+      normal.push_back(encode_vertex_normal({x * some, y * some, (2 + z) * some * (v % 50 < 25 ? 1 : -1)}));
+    }
+    normals_.push_back(std::move(normal));
+    p.normal = {normals_.back().data(), normals_.back().size()};
+  }
+}
+
 void TestCell::add_instance(double x, double y, double z, double scale) {
   PartView p = parts_.back();
   const double m[12] = {scale, 0, 0, x, 0, std::fabs(scale), 0, y, 0, 0, std::fabs(scale), z};
@@ -234,7 +249,23 @@ TestCell constant_block() {
   return cell;
 }
 
-std::list<TestCell> all_cells() {
+std::list<TestCell> smooth_cells() {
+  std::list<TestCell> cells;
+  cells.push_back(ground("plain", 64, 20, false, false));
+  cells.push_back(textured_ground());
+  cells.push_back(opaque_ground());
+  cells.push_back(triangle_soup(10));
+  cells.push_back(crowded_voxel());
+  unsigned seed = 20;
+  for (TestCell& cell : cells) cell.add_vertex_normals(seed++);
+  cells.push_back(ground("instances", 64, 3, false, true));
+  cells.back().add_vertex_normals(seed);
+  for (int i = 0; i < 20; ++i)
+    cells.back().add_instance((i * 37) % 64, (i * 53) % 64, (i * 11) % 50, (i % 2 == 0 ? 0.12 : -0.2));
+  return cells;
+}
+
+std::list<TestCell> flat_cells() {
   std::list<TestCell> cells;
   cells.push_back(ground("plain", 64, 20, false, false));
   cells.push_back(ground("coloured", 128, 64, false, true));
@@ -248,6 +279,12 @@ std::list<TestCell> all_cells() {
   cells.push_back(bad_triangles());
   cells.push_back(instances());
   cells.push_back(constant_block());
+  return cells;
+}
+
+std::list<TestCell> all_cells() {
+  std::list<TestCell> cells = flat_cells();
+  cells.splice(cells.end(), smooth_cells());
   return cells;
 }
 

@@ -29,6 +29,8 @@ class TestCell {
   /// Range   material: an index of `materials`.
   void add_part(std::vector<float> position, std::vector<std::uint32_t> index, std::uint32_t material,
                 std::vector<float> uv = {}, std::vector<std::uint16_t> rgba = {});
+  /// Gives all parts random vertex normals on both sides. Some vertices have none.
+  void add_vertex_normals(unsigned seed);
   /// Adds a moved and scaled instance of the last part; a negative scale mirrors it.
   void add_instance(double x, double y, double z, double scale);
   /// Adds a texture and returns its index, for MaterialView::texture.
@@ -42,6 +44,7 @@ class TestCell {
   std::deque<std::vector<float>> floats_;
   std::deque<std::vector<std::uint32_t>> indices_;
   std::deque<std::vector<std::uint16_t>> colours_;
+  std::deque<std::vector<VertexNormal>> normals_;
   std::deque<Texture> textures_;
   std::vector<PartView> parts_;
   std::vector<TextureView> views_;
@@ -65,6 +68,10 @@ TestCell instances();
 /// Returns a dense stack of planes: bricks with all 512 voxels of one colour, which become constant nodes.
 TestCell constant_block();
 
+/// Returns the cells without vertex normals.
+std::list<TestCell> flat_cells();
+/// Returns cells with vertex normals: with and without textures, alpha, mirrored instances, and triangles of all sizes.
+std::list<TestCell> smooth_cells();
 std::list<TestCell> all_cells();
 
 }  // namespace gigabake::kernels::test

@@ -177,14 +177,15 @@ TEST(CellFingerprints, DoNotDependOnTheOrderOfTilesButOnHowOftenEachIsThere) {
 }
 
 /// The values stay the same until kernel_version or fingerprint_version is raised; every cell is then baked again. On
-/// 2026-11-25 both were raised: ranks may have written different shards, and alpha tests changed.
+/// 2026-11-25 both were raised: ranks may have written different shards, and alpha tests changed. On 2026-11-26
+/// kernel_version was raised: vertex normals shade voxels.
 TEST(CellFingerprints, KeepTheirValuesSoThatOldBakesStayValid) {
   const CellFingerprints local(parameters(128), std::nullopt), placed(parameters(128), Geodetic{46.5, 8.25, 600});
   CellJob job;
   job.lattice_min = {-128, 256, 8};
   job.cell_voxels = 128;
-  EXPECT_EQ(local.of(job, {{1, 2}, {3, 4}}).hex(), "075adaee776e0d3794f4eeb78597db3d");
-  EXPECT_EQ(placed.of(job, {{5, 6}}).hex(), "363627211fe45bddfa30efdfb91c8445");
+  EXPECT_EQ(local.of(job, {{1, 2}, {3, 4}}).hex(), "ecbb036ef6f52fb7179b876c9305a48a");
+  EXPECT_EQ(placed.of(job, {{5, 6}}).hex(), "0ff1358043b6112c2810d18f034dd90b");
 }
 
 TEST(MakePlan, ListsWhatTheSourceLacksThenTilesThatCouldNotBeRead) {

@@ -117,9 +117,17 @@ void write_glb(const std::filesystem::path& path, const GlbMesh& mesh) {
     accessors += "," + accessor(2, 5126, mesh.uv.size() / 2, "VEC2") + "}";
     attributes += ",\"TEXCOORD_0\":2";
   }
+  if (!mesh.normal.empty()) {
+    add_view(mesh.normal, bin, views);
+    accessors += "," + accessor(3, 5126, mesh.normal.size() / 3, "VEC3") + "}";
+    attributes += ",\"NORMAL\":3";
+  }
   if (!mesh.image.empty()) {
     add_view(mesh.image, bin, views);
-    textures = std::string("\"images\":[{\"mimeType\":\"image/png\",\"bufferView\":") + (mesh.uv.empty() ? "2" : "3") +
+    textures = std::string("\"images\":[{\"mimeType\":\"image/png\",\"bufferView\":") +
+               (mesh.uv.empty()       ? "2"
+                : mesh.normal.empty() ? "3"
+                                      : "4") +
                "}],\"textures\":[{\"source\":0}],";
   }
   const std::string json =

@@ -32,6 +32,7 @@ struct GlbMesh {
   std::vector<float> uv;            ///< empty if there is no texture
   std::vector<std::uint8_t> image;  ///< encoded image; may be empty
   std::string material = "{}";      ///< glTF material without its texture
+  std::vector<float> normal = {};   ///< empty, or one per vertex; requires `uv`
 };
 
 /// Returns rolling ground of 2·n² triangles with one metre per step: x east, y up, z south.

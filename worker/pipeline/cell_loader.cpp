@@ -16,8 +16,13 @@ Span<const T> span(const std::vector<T>& v) {
 }
 
 kernels::PartView part_view(const Primitive& primitive, const Instance& instance, std::uint32_t material) {
-  kernels::PartView part{
-      span(primitive.position), span(primitive.index), span(primitive.uv), span(primitive.rgba), {}, material};
+  kernels::PartView part{span(primitive.position),
+                         span(primitive.index),
+                         span(primitive.uv),
+                         span(primitive.rgba),
+                         span(primitive.normal),
+                         {},
+                         material};
   std::ranges::copy(row_major(instance.scene_from_local), part.scene_from_local);
   return part;
 }

@@ -12,13 +12,20 @@ namespace gigabake::kernels {
 enum class CellMaterials : std::uint8_t {
   plain,   ///< opaque and without textures
   opaque,  ///< opaque; no part has both a texture and vertex colours
-  any
+  any,
+  smooth_opaque,  ///< like `plain` or `opaque`, with vertex normals
+  smooth          ///< like `any`, with vertex normals
 };
 
 /// Returns true if every voxel that a triangle overlaps is visible.
-constexpr bool all_visible(CellMaterials m) { return m != CellMaterials::any; }
+constexpr bool all_visible(CellMaterials m) { return m != CellMaterials::any && m != CellMaterials::smooth; }
 
-inline CellMaterials materials_in(const CellInput& input) {
+constexpr bool has_vertex_normals(CellMaterials m) {
+  return m == CellMaterials::smooth_opaque || m == CellMaterials::smooth;
+}
+
+/// Returns the class without regard to vertex normals.
+inline CellMaterials flat_materials_in(const CellInput& input) {
   for (std::size_t i = 0; i < input.materials.size; ++i)
     if (input.materials[i].alpha_mode != AlphaMode::opaque) return CellMaterials::any;
   CellMaterials found = CellMaterials::plain;
@@ -28,6 +35,13 @@ inline CellMaterials materials_in(const CellInput& input) {
     found = CellMaterials::opaque;
   }
   return found;
+}
+
+inline CellMaterials materials_in(const CellInput& input) {
+  const CellMaterials flat = flat_materials_in(input);
+  for (std::size_t i = 0; i < input.parts.size; ++i)
+    if (!input.parts[i].normal.empty()) return all_visible(flat) ? CellMaterials::smooth_opaque : CellMaterials::smooth;
+  return flat;
 }
 
 }  // namespace gigabake::kernels

@@ -16,8 +16,9 @@ namespace gigabake::kernels {
 struct PartArrays {
   const float* position;
   const std::uint32_t* index;
-  const float* uv;            ///< null if the part has none
-  const std::uint16_t* rgba;  ///< null if the part has none
+  const float* uv;             ///< null if the part has none
+  const std::uint16_t* rgba;   ///< null if the part has none
+  const std::int16_t* normal;  ///< two numbers of a VertexNormal per vertex; null if the part has none
   double scene_from_local[12];
   std::uint32_t material;
   bool mirrored;  ///< the instance's transform mirrors its triangles
@@ -39,6 +40,7 @@ inline PartArrays part_arrays(const CellInput& input, const PartView& part) {
                part.index.data,
                part.uv.empty() ? nullptr : part.uv.data,
                part.rgba.empty() ? nullptr : part.rgba.data,
+               part.normal.empty() ? nullptr : part.normal.data->data(),
                {},
                part.material,
                determinant(part.scene_from_local) < 0,

@@ -34,7 +34,6 @@ struct Surface {
   TextureMap map{};
   std::uint16_t vertex_rgba[3][4] = {};
   bool has_vertex_rgba = false;
-  Vec3<std::int16_t> normal{};
 
   GB_HD bool is_opaque() const { return material.alpha_mode == AlphaMode::opaque; }
   GB_HD ShadingRate look() const {
@@ -91,18 +90,20 @@ GB_HD void set_variances(const CellMoments& m, float inverse_area, FragmentShape
   f.uv = larger(-maximum, smaller(0.5f * m.uv * twelfth - u * v, maximum));
 }
 
+/// Returns the centroid of a fragment. `m` includes first moments.
+GB_HD Point2 fragment_centroid(const TrianglePlane& t, const CellMoments& m, double cell_u, double cell_v) {
+  if (!has_centroid(m.area)) return small_centroid(t, cell_u, cell_v);
+  const double inverse = 1 / m.area;
+  return {cell_u + clamp01(m.u * inverse), cell_v + clamp01(m.v * inverse)};
+}
+
 /// Returns the shape of a fragment. `m` includes second moments. `polygon_u` and `polygon_v` are the corners of the
 /// slab polygon that contains the fragment.
 GB_HD FragmentShape fragment_shape(const TrianglePlane& t, const CellMoments& m, double cell_u, double cell_v,
                                    const double* polygon_u, const double* polygon_v, int corners) {
   FragmentShape r{{0, 0}, m.area, 0, 0, 0, cell_u, cell_v, polygon_u, polygon_v, corners};
-  if (has_centroid(m.area)) {
-    const double inverse = 1 / m.area;
-    r.centroid = {cell_u + clamp01(m.u * inverse), cell_v + clamp01(m.v * inverse)};
-    set_variances(m, float(inverse), r);
-  } else {
-    r.centroid = small_centroid(t, cell_u, cell_v);
-  }
+  r.centroid = fragment_centroid(t, m, cell_u, cell_v);
+  if (has_centroid(m.area)) set_variances(m, float(1 / m.area), r);
   return r;
 }
 
@@ -162,10 +163,6 @@ GB_HD Rgba16 shade(const Surface& s, const TrianglePlane& t, const FragmentShape
   if (s.texture == nullptr) return shade_untextured(s, mean);
   const Rgba16 rgba = shade_textured<opaque>(*s.texture, s.material, s.map, factor_of(s, mean), f, tables);
   return !s.is_opaque() && has_vertex_alpha(s) ? without_opaque_alpha(rgba) : rgba;
-}
-
-GB_HD Fragment make_fragment(const Surface& s, const Rgba16& rgba, std::int64_t weight) {
-  return fragment_of_colour(weight, rgba.c, s.normal);
 }
 
 /// Red, green and blue as linear functions of (u, v) in voxels from the anchor, multiplied by weight_scale. Their

@@ -10,6 +10,7 @@
 #include "kernels/body/voxelize/part.h"
 #include "kernels/body/voxelize/surface.h"
 #include "kernels/body/voxelize/triangle_bricks.h"
+#include "kernels/body/voxelize/vertex_normals.h"
 #include "kernels/cpu/voxelize/brick_run.h"
 #include "kernels/cpu/voxelize/brick_sums.h"
 #include "kernels/cpu/voxelize/cell_lanes.h"
@@ -34,14 +35,23 @@ std::vector<PartSurface> part_surfaces(const CellInput& input) {
   return out;
 }
 
-template <class I>
-Surface triangle_surface(const PartSurface& from, const WindowTriangle& w, const BrickTriangle<I>& t,
-                         const TrianglePlane& plane) {
+Surface triangle_surface(const PartSurface& from, const WindowTriangle& w, const TrianglePlane& plane) {
   Surface s = from.surface;
-  s.normal = triangle_normal(from.part, w.index, t);
   if (s.has_vertex_rgba) load_vertex_rgba(from.part, w.index, s.vertex_rgba);
   if (s.texture != nullptr) s.map = texture_map(from.part, w.index, plane, *s.texture);
   return s;
+}
+
+/// Normals of a triangle.
+struct TriangleNormals {
+  Vec3<std::int16_t> geometric, vertex[3];
+  bool has_vertex = false;  ///< `vertex` is set
+};
+
+TriangleNormals triangle_normals(const PartArrays& part, std::uint32_t triangle, const Vec3<std::int16_t>& geometric) {
+  TriangleNormals n{geometric, {}, part.normal != nullptr};
+  if (n.has_vertex) load_vertex_normals(part, triangle, geometric, n.vertex);
+  return n;
 }
 
 /// The voxelizer of one thread. Its buffers are reused for all its bricks.
@@ -70,7 +80,9 @@ class BrickWalker {
     touched_voxels(t, rule_, slab);
     if ((slab[0] | slab[1] | slab[2] | slab[3] | slab[4] | slab[5] | slab[6] | slab[7]) == 0) return;
     const TrianglePlane plane = make_plane(t);
-    const Surface surface = triangle_surface(parts_[w.part], w, t, plane);
+    const PartArrays& part = parts_[w.part].part;
+    const Surface surface = triangle_surface(parts_[w.part], w, plane);
+    normals_ = triangle_normals(part, w.index, triangle_normal(part, w.index, t));
     if (surface.look() == ShadingRate::linear) linear_ = make_linear_colour(surface, plane);
     for (int i = 0; i < 8; ++i)
       if (slab[i] != 0) add_slab(plane, surface, t.axis, i, slab[i]);
@@ -92,16 +104,16 @@ class BrickWalker {
     const SlabPolygon polygon = cut_slab(plane, double(w - plane.anchor[2]));
     measure(plane, polygon, look);
     if (look == ShadingRate::linear)
-      add_linear_cells(plane, surface, voxel);
+      add_linear_cells(plane, voxel);
     else
       add_cells(plane, polygon, surface, voxel);
     fragments_ += std::uint64_t(lanes_.count);
   }
 
   void measure(const TrianglePlane& plane, const SlabPolygon& polygon, ShadingRate look) {
-    if (look == ShadingRate::flat) return measure_areas(plane, polygon, lanes_);
-    look == ShadingRate::linear ? measure_moments(plane, polygon, lanes_)
-                                : measure_second_moments(plane, polygon, lanes_);
+    if (look == ShadingRate::varying) return measure_second_moments(plane, polygon, lanes_);
+    look == ShadingRate::linear || normals_.has_vertex ? measure_moments(plane, polygon, lanes_)
+                                                       : measure_areas(plane, polygon, lanes_);
   }
 
   CellMoments moments_of(int lane) const {
@@ -113,10 +125,16 @@ class BrickWalker {
             lanes_.moment_uu[i], lanes_.moment_uv[i], lanes_.moment_vv[i]};
   }
 
-  void add_linear_cells(const TrianglePlane& plane, const Surface& surface, const int voxel[64]) {
+  /// Returns the normal of a fragment. If the triangle has vertex normals, its moments must have been measured.
+  Vec3<std::int16_t> normal_of(const TrianglePlane& plane, int lane) const {
+    if (!normals_.has_vertex) return normals_.geometric;
+    return mean_normal(normals_.vertex, plane, moments_of(lane), lanes_.u[lane], lanes_.v[lane]);
+  }
+
+  void add_linear_cells(const TrianglePlane& plane, const int voxel[64]) {
     for (int i = 0; i < lanes_.count; ++i)
-      sums_.add(voxel[i],
-                linear_fragment(linear_, lanes_.u[i], lanes_.v[i], moments_of(i), plane.weight_scale, surface.normal));
+      sums_.add(voxel[i], linear_fragment(linear_, lanes_.u[i], lanes_.v[i], moments_of(i), plane.weight_scale,
+                                          normal_of(plane, i)));
   }
 
   void add_cells(const TrianglePlane& plane, const SlabPolygon& polygon, const Surface& surface, const int voxel[64]) {
@@ -129,7 +147,8 @@ class BrickWalker {
             fragment_shape(plane, second_moments_of(i), lanes_.u[i], lanes_.v[i], polygon.u, polygon.v, polygon.count);
         rgba = opaque ? shade<true>(surface, plane, shape, tables_) : shade<false>(surface, plane, shape, tables_);
       }
-      sums_.add(voxel[i], make_fragment(surface, rgba, weight_of(lanes_.area[i], plane.weight_scale)));
+      sums_.add(voxel[i],
+                fragment_of_colour(weight_of(lanes_.area[i], plane.weight_scale), rgba.c, normal_of(plane, i)));
     }
   }
 
@@ -139,7 +158,8 @@ class BrickWalker {
   Tables tables_;
   BrickSums sums_;
   CellLanes lanes_;
-  LinearColour linear_;  ///< colour of the current triangle, if its shading rate is linear
+  LinearColour linear_;      ///< colour of the current triangle, if its shading rate is linear
+  TriangleNormals normals_;  ///< of the current triangle
   std::uint64_t fragments_ = 0;
 };
 

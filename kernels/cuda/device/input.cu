@@ -131,6 +131,7 @@ DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTexture
     layout.add(p.index);
     layout.add(p.uv);
     layout.add(p.rgba);
+    layout.add(p.normal);
   }
   arrays_ = layout.upload(heap);
   std::vector<DevicePart> parts;
@@ -141,6 +142,7 @@ DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTexture
     d.index = layout.address(arrays_, p.index);
     d.uv = layout.address(arrays_, p.uv);
     d.rgba = layout.address(arrays_, p.rgba);
+    d.normal = reinterpret_cast<const std::int16_t*>(layout.address(arrays_, p.normal));
     parts.push_back(d);
     vertex_count_ = counted(std::size_t(vertex_count_) + p.position.size / 3, "vertices");
     triangle_count_ = counted(std::size_t(triangle_count_) + p.index.size / 3, "triangles");

@@ -20,7 +20,7 @@ inline constexpr int mask_words = 16 * bricks_per_block;
 /// multiprocessor with 228 KiB of shared memory.
 template <bool is_hard, CellMaterials materials>
 struct FillWidth {
-  static constexpr int blocks = is_hard ? 3 : materials == CellMaterials::any ? 4 : 5;
+  static constexpr int blocks = is_hard ? 3 : all_visible(materials) ? 5 : 4;
   static constexpr std::size_t bytes = (228 * 1024 / blocks - 1024) / 128 * 128;  ///< the driver reserves 1 KiB per
                                                                                   ///< block
   using Sums = VoxelSums<is_hard ? 3 : 2, all_visible(materials) ? opaque_sum_count : sum_opaque>;

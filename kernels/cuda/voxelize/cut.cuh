@@ -13,6 +13,7 @@
 #include "kernels/body/voxelize/part.h"
 #include "kernels/body/voxelize/surface.h"
 #include "kernels/body/voxelize/triangle_bricks.h"
+#include "kernels/body/voxelize/vertex_normals.h"
 #include "kernels/cuda/device/input.cuh"
 
 namespace gigabake::kernels {
@@ -36,11 +37,17 @@ struct CutItem {
   ShadingRate look;  ///< is flat only if all_visible(materials)
 };
 
+/// Vertices of a triangle in its plane, from which plane_of() restores the plane.
+template <bool is_hard>
+struct TrianglePoints {
+  PlaneCoordinate<is_hard> u[3], v[3];
+  double inverse_twice_area;
+};
+
 /// Data that only textured fragments need.
 template <bool is_hard>
 struct TexturedLook {
-  PlaneCoordinate<is_hard> plane_u[3], plane_v[3];
-  double inverse_twice_area;
+  TrianglePoints<is_hard> points;
   TextureMap map;
   const TextureView* texture;
   MaterialView material;
@@ -53,9 +60,20 @@ struct VaryingLook : TexturedLook<is_hard> {
   bool has_vertex_rgba;
 };
 
+/// Vertices and vertex normals of a triangle, in cells with vertex normals. A triangle without
+/// them has its geometric normal at each vertex.
+template <bool is_hard>
+struct SmoothLook {
+  TrianglePoints<is_hard> points;
+  Vec3<std::int16_t> vertex_normal[3];
+};
+
+/// Base of items in cells without vertex normals.
+struct FlatLook {};
+
 template <bool is_hard, CellMaterials materials>
-struct SlabFragment : CutItem {
-  using Varying = std::conditional_t<materials == CellMaterials::any, VaryingLook<is_hard>, TexturedLook<is_hard>>;
+struct SlabFragment : CutItem, std::conditional_t<has_vertex_normals(materials), SmoothLook<is_hard>, FlatLook> {
+  using Varying = std::conditional_t<all_visible(materials), TexturedLook<is_hard>, VaryingLook<is_hard>>;
   union {
     LinearColour colour;  ///< if look is flat, only `low` is set
     Varying varying;
@@ -66,14 +84,21 @@ struct SlabFragment<is_hard, CellMaterials::plain> : CutItem {
   LinearColour colour;
 };
 
+template <bool is_hard>
+__device__ TrianglePoints<is_hard> points_of(const TrianglePlane& plane) {
+  TrianglePoints<is_hard> points;
+  for (int c = 0; c < 3; ++c) {
+    points.u[c] = PlaneCoordinate<is_hard>(plane.u[c] * double(subvoxels));
+    points.v[c] = PlaneCoordinate<is_hard>(plane.v[c] * double(subvoxels));
+  }
+  points.inverse_twice_area = plane.inverse_twice_area;
+  return points;
+}
+
 /// Sets vertices and texture of a triangle whose fragments are shaded individually.
 template <bool is_hard>
 __device__ void set_varying(const Surface& surface, const TrianglePlane& plane, TexturedLook<is_hard>& out) {
-  for (int c = 0; c < 3; ++c) {
-    out.plane_u[c] = PlaneCoordinate<is_hard>(plane.u[c] * double(subvoxels));
-    out.plane_v[c] = PlaneCoordinate<is_hard>(plane.v[c] * double(subvoxels));
-  }
-  out.inverse_twice_area = plane.inverse_twice_area;
+  out.points = points_of<is_hard>(plane);
   out.material = surface.material;
   out.texture = surface.texture;
 }
@@ -93,7 +118,7 @@ __device__ void set_look(const InputView& in, const WindowTriangle& w, const Tri
     out.look = ShadingRate::varying;
     set_varying(surface, plane, out.varying);
     if (surface.texture != nullptr) out.varying.map = texture_map(part, w.index, plane, *surface.texture);
-    if constexpr (materials == CellMaterials::any) {
+    if constexpr (!all_visible(materials)) {
       out.varying.has_vertex_rgba = surface.has_vertex_rgba;
       if (surface.has_vertex_rgba)
         for (int c = 0; c < 3; ++c)
@@ -134,6 +159,14 @@ __device__ inline void cut_polygon(const TrianglePlane& plane, double slab, CutI
   out.edges_of_row = edges;
 }
 
+template <bool is_hard>
+__device__ void set_smooth(const DevicePart& part, std::uint32_t triangle, const TrianglePlane& plane,
+                           const Vec3<std::int16_t>& normal, SmoothLook<is_hard>& out) {
+  out.points = points_of<is_hard>(plane);
+  for (Vec3<std::int16_t>& n : out.vertex_normal) n = normal;
+  if (part.normal != nullptr) load_vertex_normals(part, triangle, normal, out.vertex_normal);
+}
+
 template <class I, class N, bool is_hard, CellMaterials materials>
 __device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const Vec3<std::int32_t>& corner,
                              std::uint32_t where, SlabFragment<is_hard, materials>& out) {
@@ -146,6 +179,7 @@ __device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const
   out.weight_scale = plane.weight_scale;
   cut_polygon(plane, double(std::int64_t(where & 7) - plane.anchor[2]), out);
   set_look(in, w, plane, out);
+  if constexpr (has_vertex_normals(materials)) set_smooth<is_hard>(in.parts[w.part], w.index, plane, out.normal, out);
 }
 
 /// Cuts an item from the triangle of a pair. `corner` is the brick's lowest corner, and `where` is an element of
@@ -173,13 +207,13 @@ __device__ CellMoments measure(const CutItem& item, double u, double v, int row)
 }
 
 template <bool is_hard>
-__device__ TrianglePlane plane_of(const TexturedLook<is_hard>& look) {
+__device__ TrianglePlane plane_of(const TrianglePoints<is_hard>& points) {
   TrianglePlane plane;
   for (int c = 0; c < 3; ++c) {
-    plane.u[c] = double(look.plane_u[c]) / double(subvoxels);
-    plane.v[c] = double(look.plane_v[c]) / double(subvoxels);
+    plane.u[c] = double(points.u[c]) / double(subvoxels);
+    plane.v[c] = double(points.v[c]) / double(subvoxels);
   }
-  plane.inverse_twice_area = look.inverse_twice_area;
+  plane.inverse_twice_area = points.inverse_twice_area;
   return plane;
 }
 
@@ -188,7 +222,7 @@ template <bool is_hard>
 __device__ Rgba16 shade_item(const Tables& tables, const CutItem& item, const TexturedLook<is_hard>& look,
                              const CellMoments& m, double u, double v) {
   return shade_textured<true>(*look.texture, look.material, look.map, base_factor(look.material),
-                              fragment_shape(plane_of(look), m, u, v, item.u, item.v, item.corners), tables);
+                              fragment_shape(plane_of(look.points), m, u, v, item.u, item.v, item.corners), tables);
 }
 
 template <bool is_hard>
@@ -203,8 +237,18 @@ __device__ Rgba16 shade_item(const Tables& tables, const CutItem& item, const Va
   s.texture = look.texture;
   if (look.texture != nullptr) s.map = look.map;
   if (s.look() == ShadingRate::flat) return shade<false>(s, {}, {}, tables);
-  const TrianglePlane plane = plane_of(look);
+  const TrianglePlane plane = plane_of(look.points);
   return shade<false>(s, plane, fragment_shape(plane, m, u, v, item.u, item.v, item.corners), tables);
+}
+
+/// Returns the normal of a fragment. `m` includes first moments.
+template <bool is_hard, CellMaterials materials>
+__device__ Vec3<std::int16_t> normal_of(const SlabFragment<is_hard, materials>& item, const CellMoments& m, double u,
+                                        double v) {
+  if constexpr (has_vertex_normals(materials))
+    return mean_normal(item.vertex_normal, plane_of(item.SmoothLook<is_hard>::points), m, u, v);
+  else
+    return item.normal;
 }
 
 template <bool is_hard, CellMaterials materials>
@@ -212,13 +256,14 @@ __device__ Fragment fragment_of(const Tables& tables, const SlabFragment<is_hard
   const double u = double((cell & 7) - item.anchor_u), v = double((cell >> 3) - item.anchor_v);
   constexpr Moments wanted = materials == CellMaterials::plain ? Moments::first : Moments::second;
   const CellMoments m = measure<wanted>(item, u, v, cell >> 3);
-  if (item.look == ShadingRate::linear) return linear_fragment(item.colour, u, v, m, item.weight_scale, item.normal);
+  if (item.look == ShadingRate::linear)
+    return linear_fragment(item.colour, u, v, m, item.weight_scale, normal_of(item, m, u, v));
   Rgba16 rgba;
   if (materials == CellMaterials::plain || item.look == ShadingRate::flat)
     rgba = opaque_colour({{item.colour.low[0], item.colour.low[1], item.colour.low[2], 0}});
   else if constexpr (materials != CellMaterials::plain)
     rgba = shade_item(tables, item, item.varying, m, u, v);
-  return fragment_of_colour(weight_of(m.area, item.weight_scale), rgba.c, item.normal);
+  return fragment_of_colour(weight_of(m.area, item.weight_scale), rgba.c, normal_of(item, m, u, v));
 }
 
 }  // namespace gigabake::kernels

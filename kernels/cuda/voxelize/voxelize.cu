@@ -200,12 +200,17 @@ class Filler {
       sum_visible(temporary_.data(), bytes, view_.begin, view_.end);
       if (materials_ == CellMaterials::plain)
         launch_fill<CellMaterials::plain>(view_, stream);
+      else if (materials_ == CellMaterials::smooth_opaque)
+        launch_fill<CellMaterials::smooth_opaque>(view_, stream);
       else
         launch_fill<CellMaterials::opaque>(view_, stream);
       return;
     }
     place(temporary_.data(), bytes, view_.begin, view_.end);
-    launch_fill<CellMaterials::any>(view_, stream);
+    if (materials_ == CellMaterials::smooth)
+      launch_fill<CellMaterials::smooth>(view_, stream);
+    else
+      launch_fill<CellMaterials::any>(view_, stream);
     bytes = temporary_bytes_;
     sum_visible(temporary_.data(), bytes, view_.begin, view_.end);
     unstage<<<grid_of(32 * std::uint64_t(view_.end - view_.begin), threads), threads, 0, stream>>>(

@@ -18,7 +18,7 @@ class TriangleFate : public testing::Test {
 
   TriangleClass fate(const std::vector<float>& position) {
     const std::uint32_t index[3] = {0, 1, 2};
-    PartArrays part{position.data(), index,         uv_, nullptr, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, 0,
+    PartArrays part{position.data(), index,         uv_, nullptr, nullptr, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, 0,
                     false,           uv_ != nullptr};
     SnappedVertex p[3];
     for (std::uint32_t i = 0; i < 3; ++i) p[i] = snap_vertex(window_, part, i);

@@ -3,6 +3,8 @@
 #include "core/base/kernel_version.h"
 
 #include <gtest/gtest.h>
+#include <list>
+#include <utility>
 
 #include "kernels/cpu/bake_cell.h"
 #include "tests/kernels/cuda_scenes.h"
@@ -10,30 +12,48 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Returns the sum of the hashes of all levels of all test cells.
-Hash128 hash_of_all_cells(SurfaceRule rule, MipFilter filter) {
+/// Returns the sum of the hashes of all levels of the cells.
+Hash128 hash_of(std::list<test::TestCell> cells, SurfaceRule rule, MipFilter filter) {
   const ThreadPool pool(2);
   Hash128 sum{};
-  for (test::TestCell& cell : test::all_cells())
+  for (test::TestCell& cell : cells)
     for (const Hash128& lod : bake_cell(cell.input(), cell.parameters(rule, filter, true), pool).content_hash)
       sum += lod;
   return sum;
 }
 
 TEST(KernelVersion, IsRaisedWithWhateverGivesOtherVoxels) {
-  EXPECT_EQ(kernel_version, 10u) << "write down what this version gives";
+  EXPECT_EQ(kernel_version, 11u) << "write down what this version gives";
   const struct {
     SurfaceRule rule;
     MipFilter filter;
-    Hash128 hash;
-  } version_10[] = {{SurfaceRule::area, MipFilter::coverage, {0x219a9f127e58a501, 0x468de5c8d370a431}},
-                    {SurfaceRule::area, MipFilter::thesis, {0xf50435f8bb3cee67, 0x9cd997d78a13df86}},
-                    {SurfaceRule::area, MipFilter::box, {0x364416ad2bf89cb0, 0xf64e1c94c4446512}},
-                    {SurfaceRule::conservative, MipFilter::coverage, {0xda0958782a06fbaa, 0x32a8628034a40cde}},
-                    {SurfaceRule::thin, MipFilter::coverage, {0xbc8c87d950c713cc, 0x82470e9e2fa06edc}}};
-  for (const auto& [rule, filter, hash] : version_10)
-    EXPECT_EQ(hash_of_all_cells(rule, filter), hash)
+    Hash128 flat, smooth;  ///< of cells without and with vertex normals
+  } version_11[] = {{SurfaceRule::area,
+                     MipFilter::coverage,
+                     {0x219a9f127e58a501, 0x468de5c8d370a431},
+                     {0xd33173e8ef26cf57, 0x6b6f4d8d3f33c527}},
+                    {SurfaceRule::area,
+                     MipFilter::thesis,
+                     {0xf50435f8bb3cee67, 0x9cd997d78a13df86},
+                     {0xfcbd4a2a38c641d8, 0x42c3d3342e046239}},
+                    {SurfaceRule::area,
+                     MipFilter::box,
+                     {0x364416ad2bf89cb0, 0xf64e1c94c4446512},
+                     {0x1d4bee4a082da2f5, 0xbe1b311af548f0a7}},
+                    {SurfaceRule::conservative,
+                     MipFilter::coverage,
+                     {0xda0958782a06fbaa, 0x32a8628034a40cde},
+                     {0x98fc265750945cbd, 0x0eaed26e9fda62ec}},
+                    {SurfaceRule::thin,
+                     MipFilter::coverage,
+                     {0xbc8c87d950c713cc, 0x82470e9e2fa06edc},
+                     {0x00d169447cadf338, 0x101133f65c1f1a6c}}};
+  for (const auto& [rule, filter, flat, smooth] : version_11) {
+    EXPECT_EQ(hash_of(test::flat_cells(), rule, filter), flat)
         << name_of(rule) << ", " << name_of(filter) << ": other voxels than this version gave: raise kernel_version";
+    EXPECT_EQ(hash_of(test::smooth_cells(), rule, filter), smooth)
+        << name_of(rule) << ", " << name_of(filter) << ": other voxels than this version gave: raise kernel_version";
+  }
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "kernels/body/voxelize/part.h"
 #include "kernels/body/voxelize/surface.h"
 #include "kernels/body/voxelize/triangle_bricks.h"
+#include "kernels/body/voxelize/vertex_normals.h"
 #include "tests/kernels/cuda/same_bits.cuh"
 
 namespace gigabake::kernels {
@@ -53,10 +54,10 @@ struct MeasureBody {
     surface.has_vertex_rgba = true;
     for (int i = 0; i < 12; ++i) surface.vertex_rgba[i / 4][i % 4] = std::uint16_t(5461 * i);
     surface.material.alpha_mode = AlphaMode::blend;
-    surface.normal = snapped_normal(t);
+    const Vec3<std::int16_t> normal = snapped_normal(t);
     Measured out;
     out.normal[3] = 0;
-    for (int c = 0; c < 3; ++c) out.normal[c] = surface.normal[c];
+    for (int c = 0; c < 3; ++c) out.normal[c] = normal[c];
     for (int i = 0; i < 8; ++i) {
       const SlabPolygon polygon = cut_slab(plane, double(i - plane.anchor[2]));
       const double u = double(i - plane.anchor[0]), v = double(i - plane.anchor[1]);
@@ -65,8 +66,7 @@ struct MeasureBody {
       const Rgba16 rgba =
           shade<false>(surface, plane, fragment_shape(plane, m, u, v, polygon.u, polygon.v, polygon.count), tables);
       for (int c = 0; c < 4; ++c) out.rgba[i][c] = rgba.c[c];
-      const Fragment linear =
-          linear_fragment(make_linear_colour(surface, plane), u, v, m, plane.weight_scale, surface.normal);
+      const Fragment linear = linear_fragment(make_linear_colour(surface, plane), u, v, m, plane.weight_scale, normal);
       for (int c = 0; c < 3; ++c) out.linear[i][c] = linear.colour[c];
     }
     return out;
@@ -77,24 +77,30 @@ TEST(DeviceBodies, MeasureAndShadeTheSameFragmentsAsOnTheCpu) {
   expect_same_bits<Measured>(random_triangles(20000), MeasureBody{});
 }
 
-struct Normal {
-  Vec3<std::int16_t> n;
+struct Normals {
+  Vec3<std::int16_t> geometric, vertex[3];
 };
 
-/// Computes normals of vertices that are not on the lattice, in an instance that shears and mirrors.
+/// Computes triangle normals and shading normals of vertices that are not on the lattice, in an instance that shears
+/// and mirrors.
 struct NormalBody {
-  GB_HD Normal operator()(const WindowTriangle& w, const Tables&) const {
+  GB_HD Normals operator()(const WindowTriangle& w, const Tables&) const {
     const std::uint32_t index[3] = {0, 1, 2};
     float position[9];
+    std::int16_t codes[6];
+    for (int i = 0; i < 6; ++i) codes[i] = std::int16_t(w.p[i / 2][i % 2] % 16384);
+    if (w.p[2][2] % 16 == 0) codes[2] = no_vertex_normal;
     for (int i = 0; i < 9; ++i) position[i] = float(w.p[i / 3][i % 3]) / 7;
-    const PartArrays part{position, index, nullptr, nullptr, {0.9, 0.1, -0.3, 5, 0.2, -1.1, 0.4, 6, 0.3, 0.1, 0.7, 7},
+    const PartArrays part{position, index, nullptr,
+                          nullptr,  codes, {0.9, 0.1, -0.3, 5, 0.2, -1.1, 0.4, 6, 0.3, 0.1, 0.7, 7},
                           0,        true,  false};
-    const Vec3<std::int16_t> normal = triangle_normal(part, 0, make_brick_triangle<__int128>(w, {0, 0, 0}));
-    return {normal};
+    Normals out{triangle_normal(part, 0, make_brick_triangle<__int128>(w, {0, 0, 0})), {}};
+    load_vertex_normals(part, 0, out.geometric, out.vertex);
+    return out;
   }
 };
 
-TEST(DeviceBodies, FindTheSameNormalsAsOnTheCpu) { expect_same_bits<Normal>(random_triangles(20000), NormalBody{}); }
+TEST(DeviceBodies, FindTheSameNormalsAsOnTheCpu) { expect_same_bits<Normals>(random_triangles(20000), NormalBody{}); }
 
 struct Sums {
   std::int64_t sum[sum_count];

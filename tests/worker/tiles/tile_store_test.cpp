@@ -97,6 +97,29 @@ TEST_F(TileStoreTest, CellsHaveTheSameBitsFromScratch) {
   EXPECT_EQ(left().size(), 2u) << "the clusters and the texture";
 }
 
+TEST_F(TileStoreTest, CellsHaveTheSameBitsFromScratchWithVertexNormals) {
+  GlbMesh mesh = rolling_ground(128, 0, 0);
+  for (std::size_t v = 0; v < mesh.position.size() / 3; ++v)
+    mesh.normal.insert(mesh.normal.end(), {float(v % 7) / 20, 1, float(v % 5) / 10});
+  const std::vector<Hash128> without = bake(128, 128, {});
+  write(mesh);
+  const std::vector<Hash128> with = bake(128, 128, {});
+  EXPECT_EQ(bake(128, 128, {scratch(), 0}), with);
+  EXPECT_NE(with, without);
+}
+
+/// A bake without normals must not find the scratch file of a bake with normals, and conversely.
+TEST_F(TileStoreTest, ScratchFilesOfBakesWithAndWithoutNormalsDiffer) {
+  GlbMesh mesh = rolling_ground(128, 0, 0);
+  mesh.normal.assign(mesh.position.size(), 0.5f);
+  write(mesh);
+  bake(128, 128, {scratch(), 0});
+  const std::size_t files = left().size();
+  parameters.normals = false;
+  bake(128, 128, {scratch(), 0});
+  EXPECT_EQ(left().size(), files + 1);
+}
+
 TEST_F(TileStoreTest, ATileIsReadOnce) {
   const std::vector<Hash128> from_file = bake(0, 0, {});
   const Hash128 as_it_was = hash();
