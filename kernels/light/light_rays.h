@@ -19,6 +19,7 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
+#include "kernels/light/light_start.h"
 #include "kernels/light/lighting.h"
 #include "kernels/light/surface_point.h"
 #include "kernels/marching/cast.h"
@@ -31,14 +32,29 @@ GB_HD int lod_at(const CastScene& scene, const CastLine& line, double distance) 
   return lod;
 }
 
-/// Sums over voxels, weighted by interpolation weight and coverage.
+/// Sums over voxels, weighted by interpolation weight and coverage. Normals opposite to that of the first voxel are
+/// turned, so that inconsistent winding does not cancel a surface.
 struct SurfaceSums {
-  float weight = 0, facing = 0, up = 0;
+  float weight = 0;
+  float facing = 0, up = 0;                ///< of the side to which the turned normals point
+  float facing_behind = 0, up_behind = 0;  ///< of the other side
+  float before = 0;                        ///< signed distance of the sample before the hit, along the turned normals
   Vec3<float> normal{0, 0, 0};
+  ByteVector first = 0;  ///< the first voxel's normal
 };
 
+/// Returns the signed distance of a point to the plane of one of its eight voxels. The plane of a voxel without one
+/// goes through the voxel's centre.
+GB_HD float signed_distance_to(const CastCorners& corners, int corner, const CastVoxel& voxel) {
+  const Vec3<float> n{float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
+  const Vec3<float> centre{float(corner & 1), float(corner >> 1 & 1), float(corner >> 2)};
+  const int offset = coherence_of(voxel) == 0 ? 0 : unpack_plane(voxel.plane).offset;
+  return dot(n, corners.between - centre) * (1.0f / 127) - float(offset) * (0.5f / max_offset);
+}
+
 /// Adds the eight voxels around a point. A voxel without a normal sees the whole sky and no sun, as in shade_voxel().
-GB_HD void add_surface(const CastCorners& corners, const Vec3<float>& to_sun, SurfaceSums& sums) {
+/// `is_before` is true at the sample before the hit.
+GB_HD void add_surface(const CastCorners& corners, const Vec3<float>& to_sun, bool is_before, SurfaceSums& sums) {
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
     const int c = lowest_one(left);
@@ -47,28 +63,44 @@ GB_HD void add_surface(const CastCorners& corners, const Vec3<float>& to_sun, Su
     if (covered == 0) continue;
     const float by = corners.weight(c) * float(covered);
     sums.weight += by;
-    Vec3<float> n{float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
-    const float squared = dot(n, n);
-    if (!(squared > 0)) {
+    const ByteVector side = normal_of(voxel);
+    if (side == 0) {
       sums.up += by;
+      sums.up_behind += by;
       continue;
     }
-    const float unit = 1 / std::sqrt(squared);
-    n = n * unit;
+    if (sums.first == 0) sums.first = side;
+    Vec3<float> n{float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
+    const float unit = 1 / std::sqrt(dot(n, n)), turn = are_opposite(side, sums.first) ? -1.0f : 1.0f;
+    n = n * (unit * turn);
     sums.normal += n * by;
+    if (is_before) sums.before += by * turn * signed_distance_to(corners, c, voxel);
     const float cosine = dot(n, to_sun);
-    if (cosine > 0) sums.facing += by * cosine;
+    if (cosine > 0)
+      sums.facing += by * cosine;
+    else
+      sums.facing_behind -= by * cosine;
     sums.up += by * (0.5f + 0.5f * n[2]);
+    sums.up_behind += by * (0.5f - 0.5f * n[2]);
   }
 }
 
-/// Sets `normal`, `facing` and `up` of the pixel's surface. The surface faces the eye if the voxels have no normals or
-/// if their normals cancel.
+/// Tests whether the ray meets the surface from the side to which the normals do not point. The sample before the hit
+/// must lie on that side. A ray that passes behind an edge of a solid object meets normals that point away from the
+/// eye, but this sample lies on their side.
+GB_HD bool is_seen_from_behind(const SurfaceSums& sums, const CastLine& line) {
+  return sums.before < 0 && dot(sums.normal, static_cast<Vec3<float>>(line.direction)) > 0;
+}
+
+/// Sets `normal`, `facing` and `up` of the pixel's surface, for the side that the eye sees. The surface faces the eye
+/// if the voxels have no normals or if their normals cancel.
 GB_HD void set_surface(const SurfaceSums& sums, const CastLine& line, PixelLight& light) {
-  light.facing = sums.weight > 0 ? sums.facing / sums.weight : 0;
-  light.up = sums.weight > 0 ? sums.up / sums.weight : 1;
+  const bool is_behind = is_seen_from_behind(sums, line);
+  light.facing = sums.weight > 0 ? (is_behind ? sums.facing_behind : sums.facing) / sums.weight : 0;
+  light.up = sums.weight > 0 ? (is_behind ? sums.up_behind : sums.up) / sums.weight : 1;
   const float length = std::sqrt(dot(sums.normal, sums.normal));
-  light.normal = length > 0 ? sums.normal / length : static_cast<Vec3<float>>(line.direction) * -1.0f;
+  light.normal =
+      length > 0 ? sums.normal / (is_behind ? -length : length) : static_cast<Vec3<float>>(line.direction) * -1.0f;
 }
 
 /// Finds the surface that the pixel's finished ray hit. Samples the surface at the hit and half a voxel before and
@@ -87,16 +119,13 @@ GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, co
     at.look(scene, line, double(ray.depth) + side * step_length(light.lod), blocking, path);
     if (at.place.waits && blocking) return false;
     if (is_resident(at.place.brick))
-      add_surface(corners_of(scene.brick(at.place.brick), at.point()), lighting.light.to_sun, sums);
+      add_surface(corners_of(scene.brick(at.place.brick), at.point()), lighting.light.to_sun, side < 0, sums);
   }
   light.at = static_cast<Vec3<float>>(line.direction * double(ray.depth));
   set_surface(sums, line, light);
   return true;
 }
 
-/// The distance above the surface, in voxels of the pixel's level, at which a ray to the light starts. The interpolated
-/// field of the surface does not reach this far.
-inline constexpr float light_clearance = 1.5f;
 /// Tests whether the result of this ray affects the pixel.
 GB_HD bool lights_up(const PixelLight& light, const Vec3<float>& direction, LightRay ray) {
   if (!light.has_surface || !(direction[2] > 0)) return false;
@@ -110,17 +139,11 @@ GB_HD bool is_cast_first(int x, int y, LightRay ray) {
   return place_in_block(x, y) < (ray == LightRay::sun ? sky_block * sky_block / 4 : sky_directions);
 }
 
-/// Returns the line from the surface to a light. The line starts light_clearance above the surface. For the sky, the
-/// start is moved along the normal. For the sun, whose shadows have sharp borders, it is moved along the ray; at
-/// grazing angles, the rest of the clearance is added along the normal.
+/// Returns the line from the surface to a light, which begins at `start`.
 GB_HD CastLine line_to_light(const CastScene& scene, const CastCamera& camera, const PixelLight& light,
-                             const Vec3<float>& direction, double lod1, bool is_sun) {
-  const float clearance = light_clearance * float(power_of_two(light.lod));
-  const float cosine = dot(light.normal, direction);
-  const float along = !is_sun ? 0 : (cosine > 0.25f ? clearance / cosine : 4 * clearance);
-  const float left = clearance - (cosine > 0 ? along * cosine : 0), lift = left > 0 ? left : 0;
+                             const Vec3<float>& direction, double lod1, const LightStart& start) {
   CastLine line;
-  line.enter = light.lod == 0 ? 0 : lod1 * power_of_two(light.lod - 1);
+  line.enter = start.distance;
   line.leave = double(far_voxel);
   line.lod1_distance = lod1;
   // Beyond this border around the voxels, only coarser levels have a field, and that field must not cast shadows.
@@ -128,9 +151,8 @@ GB_HD CastLine line_to_light(const CastScene& scene, const CastCamera& camera, c
   for (int a = 0; a < 3; ++a) {
     const double d = direction[a];
     set_direction(line, a, d);
-    // At the start of the ray the cone is as wide as the pixel's voxels, so the cone's tip lies behind the start.
-    line.origin[a] =
-        camera.eye[a] + double(light.at[a]) + double(light.normal[a] * lift) + d * (double(along) - line.enter);
+    line.origin[a] = camera.eye[a] + double(light.at[a]) + double(light.normal[a] * start.lift) +
+                     d * (double(start.along) - start.distance);
     clip_to_box(line, a, larger_of(scene.min[a] - border, camera.clip.min[a]),
                 smaller_of(scene.max[a] + border, camera.clip.max[a]));
   }
@@ -146,9 +168,12 @@ GB_HD void cast_to_light(const CastScene& scene, const CastCamera& camera, const
   CastRay ray;
   if (is_cast) {
     const bool is_sun = which == LightRay::sun;
-    line = line_to_light(scene, camera, light, light_direction(lighting, x, y, which),
-                         is_sun ? lighting.sun_lod1 : lighting.sky_lod1, is_sun);
+    const Vec3<float>& direction = light_direction(lighting, x, y, which);
+    const double lod1 = is_sun ? lighting.sun_lod1 : lighting.sky_lod1;
+    const LightStart start = light_start(light, direction, lod1, is_sun);
+    line = line_to_light(scene, camera, light, direction, lod1, start);
     ray = start_ray(scene, line);
+    is_cast = cover_start(scene, line, light, direction, start, blocking, ray);
   }
   cast_ray<RayType::shadow>(scene, camera, line, blocking, is_cast, ray);
   if (!is_cast || ray.lod >= 0) return;

@@ -20,7 +20,7 @@ inline constexpr int light_rays = 2;
 
 /// The light at a pixel's surface.
 struct PixelLight {
-  Vec3<float> normal{0, 0, 1};  ///< normal of the surface, unit vector
+  Vec3<float> normal{0, 0, 1};  ///< normal of the side that the eye sees, unit vector
   Vec3<float> at{0, 0, 0};      ///< position relative to the eye
   float depth = 0;
   float facing = 0;             ///< mean of max(0, cosine between the sun's direction and the normal)
@@ -125,7 +125,7 @@ GB_HD PixelLight light_beside(const TileLights& tile, const CastLighting& lighti
 /// The surface that a pixel shows, and its light.
 struct SurfacePoint {
   Vec3d place;         ///< lod-0 voxels of the scene's lattice
-  Vec3<float> normal;  ///< unit vector; towards the eye if the voxels have no normals
+  Vec3<float> normal;  ///< unit vector of the side that the eye sees; towards the eye if the voxels have no normals
   float distance;      ///< from the eye
   Vec3<float> own;     ///< own colour: linear RGB, premultiplied by `there`
   float there;         ///< fraction of the pixel that is surface, above 0
