@@ -21,6 +21,7 @@ LOST = "faces left out, since a corner refers to no vertex"
 NO_TEXNUMBER = "faces whose texnumber refers to no image"
 ALPHA = "alpha is 0 everywhere, taken as opaque"
 BOTH = "colours of faces are not used, since vertices have some"
+NO_DIRECTION = "vertex normals without a direction, replaced by the normals of the triangles"
 # Properties that do not describe a surface's shape or colour.
 PLAIN = ("nx", "ny", "nz", "confidence", "intensity", "quality", "curvature", "radius", "flags")
 
@@ -150,7 +151,10 @@ class PlyWriter:
     def add_plain(self, columns, count, maximum):
         """Adds properties without expected warnings, and possibly a property that must be reported."""
         odd = self.odd
-        for name in odd.sample(PLAIN, odd.randint(0, maximum)):
+        names = odd.sample(PLAIN, odd.randint(0, maximum))
+        if columns is self.vertex and {"nx", "ny", "nz"} <= set(names) and count:
+            self.warn(NO_DIRECTION, count)  # all three are 0
+        for name in names:
             columns.insert(odd.randint(0, len(columns)), (name, odd.choice(["float", "uchar", "double"]), [0] * count))
         if odd.maybe(0.1):
             columns.append((odd.choice(["label", "scalar_Value", "material_id"]), "int", list(range(count))))
