@@ -124,7 +124,7 @@ class Progress(harness.FolderTest):
         self.assertNotIn(b"\n", shown[:shown.index(b"stopped by")].replace(b"^C", b"").strip())
 
     def log_on_terminal(self, *arguments):
-        """Returns the standard error of a command that ends with 0, whose terminal is a pty."""
+        """Returns the lines that remain on the terminal, a pty, of a command that ends with 0."""
         master, slave = pty.openpty()
         process = self.start(*arguments, stdout=subprocess.DEVNULL, stderr=slave)
         os.close(slave)
@@ -136,7 +136,7 @@ class Progress(harness.FolderTest):
             except OSError:  # the other end is closed
                 pass
         self.assertEqual(process.wait(timeout=BOUND_S), 0, shown)
-        return re.sub(r"\r(\x1b\[K)?", "", shown.decode())
+        return re.sub(r"[^\n]*\r\x1b\[K", "", shown.decode().replace("\r\n", "\n"))
 
     def test_log_lines_have_times_where_no_terminal_shows_them(self):
         bake = ("bake", self.square, "--voxel-size", 1, "-o")
