@@ -23,6 +23,7 @@
 #include "kernels/light/lighting.h"
 #include "kernels/light/surface_point.h"
 #include "kernels/marching/cast.h"
+#include "kernels/marching/seen_side.h"
 
 namespace gigabake::kernels {
 
@@ -43,15 +44,6 @@ struct SurfaceSums {
   ByteVector first = 0;  ///< the first voxel's normal
 };
 
-/// Returns the signed distance of a point to the plane of one of its eight voxels. The plane of a voxel without one
-/// goes through the voxel's centre.
-GB_HD float signed_distance_to(const CastCorners& corners, int corner, const CastVoxel& voxel) {
-  const Vec3<float> n{float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
-  const Vec3<float> centre{float(corner & 1), float(corner >> 1 & 1), float(corner >> 2)};
-  const int offset = coherence_of(voxel) == 0 ? 0 : unpack_plane(voxel.plane).offset;
-  return dot(n, corners.between - centre) * (1.0f / 127) - float(offset) * (0.5f / max_offset);
-}
-
 /// Adds the eight voxels around a point. A voxel without a normal sees the whole sky and no sun, as in shade_voxel().
 /// `is_before` is true at the sample before the hit.
 GB_HD void add_surface(const CastCorners& corners, const Vec3<float>& to_sun, bool is_before, SurfaceSums& sums) {
@@ -70,7 +62,7 @@ GB_HD void add_surface(const CastCorners& corners, const Vec3<float>& to_sun, bo
       continue;
     }
     if (sums.first == 0) sums.first = side;
-    Vec3<float> n{float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
+    Vec3<float> n = vector_of_normal(voxel);
     const float unit = 1 / std::sqrt(dot(n, n)), turn = are_opposite(side, sums.first) ? -1.0f : 1.0f;
     n = n * (unit * turn);
     sums.normal += n * by;

@@ -12,6 +12,7 @@
 #include "core/base/host_device.h"
 #include "kernels/light/surface_point.h"
 #include "kernels/marching/cast.h"
+#include "kernels/marching/seen_side.h"
 
 namespace gigabake::kernels {
 
@@ -50,7 +51,7 @@ inline constexpr float max_squared_cosine = 0.75f;
 GB_HD bool is_ahead(const CastVoxel& voxel, const PixelLight& light, const Vec3<float>& direction,
                     const Vec3<float>& to, float above) {
   if (above + dot(light.normal, to) < min_before_plane) return false;
-  const Vec3<float> n{float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
+  const Vec3<float> n = vector_of_normal(voxel);
   const float cosine = dot(n, light.normal);
   return cosine * cosine <= max_squared_cosine * dot(n, n) && dot(n, to) * dot(n, direction) > 0;
 }

@@ -18,17 +18,6 @@ inline constexpr int sun_block = 4, sun_directions = sun_block * sun_block;
 /// casts a ray to the sky, and the remaining pixels reuse the results.
 inline constexpr int sky_block = 8, sky_directions = sky_block * sky_block / 2;
 
-/// Linear RGB irradiance; irradiance 1 shows a surface in its own colour.
-struct CastLight {
-  Vec3<float> to_sun{0, 0, 1};  ///< unit vector
-  Vec3<float> sun{0, 0, 0};     ///< on a surface that faces the sun
-  Vec3<float> sky{1, 1, 1};     ///< on a surface that faces up
-  Vec3<float> ground{1, 1, 1};  ///< on a surface that faces down; interpolated with `sky` by the normal's z
-};
-
-/// Returns a light that shows surfaces in their own colours.
-GB_HD CastLight unlit() { return CastLight{}; }
-
 /// The part of the light that an image shows.
 enum class CastLightPart : std::int32_t {
   all,

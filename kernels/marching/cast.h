@@ -17,10 +17,12 @@
 #include "kernels/marching/cast_camera.h"
 #include "kernels/marching/cast_line.h"
 #include "kernels/marching/cast_ray.h"
+#include "kernels/marching/level_sampler.h"
 #include "kernels/marching/locate.h"
 #include "kernels/marching/ray_light.h"
 #include "kernels/marching/sample.h"
 #include "kernels/marching/scene.h"
+#include "kernels/marching/seen_side.h"
 #include "kernels/marching/surface_blend.h"
 #include "kernels/marching/surface_hit.h"
 
@@ -78,24 +80,21 @@ GB_HD_NOINLINE double steps_in_coarser(double lod1_distance, int brick_lod, int 
   return steps < wide ? steps : wide;
 }
 
-/// Samples one level at arbitrary distances along a ray.
-struct LevelSampler {
-  LevelPoints points;
-  std::int32_t lod;
-  CellFrame frame;
-  SampleLocation place;  ///< where the last sample lies
+/// Multiplies the colour of a sample by `light`, per channel.
+GB_HD void multiply(const Vec3<float>& light, CastSample& sample) {
+  GB_UNROLL
+  for (int k = 0; k < 3; ++k) sample.c[k] *= light[k];
+}
 
-  GB_HD LevelSampler(const CastScene& scene, const CastLine& line, int level)
-      : points(level_points(scene, line, level)), lod(level) {}
-
-  GB_HD void look(const CastScene& scene, const CastLine& line, double distance, bool blocking, CastPath& path) {
-    const FixedPoint at = points.at(line, lod, (distance - point_distance(line, lod, 0)) * steps_per_voxel(lod));
-    place = find_brick(scene, line, lod, at, blocking, frame, path);
-  }
-  /// Returns the properties of the brick that holds the last sample.
-  GB_HD BrickTraits traits() const { return {place.lod, frame.cell, place.waits}; }
-  GB_HD CastPoint point() const { return point_in_brick(place.at, place.lod); }
-};
+/// Lights the residual at the current sample on the side that the ray meets. The first sample in a surface determines
+/// whether this is the side of the normals.
+GB_HD void light_residual(const CastScene& scene, const CastLine& line, const CastCorners& corners, CastRay& ray,
+                          CastSample& residual) {
+  const Vec3d& d = line.direction;
+  const bool is_there = residual.mean_coverage() > 0;
+  if (ray.step != ray.past) ray.is_other_side = is_there && meets_other_side(corners, d[0], d[1], d[2]);
+  if (is_there && ray.is_other_side) multiply(relative_light(corners, scene.light, d[0], d[1], d[2]), residual);
+}
 
 /// Composites the blended surface that the ray hit at distance `met`. Samples the surface's opacity at the hit, and its
 /// colour at the hit and half a voxel before and behind the hit. A shadow ray needs no colour, so it samples only at
@@ -108,9 +107,10 @@ GB_HD bool meet_surface(const CastScene& scene, const CastCamera& camera, const 
   BrickTraits brick;
   double half = 0;
   float across = 1;
+  bool is_other_side = false;
   SurfaceOpacity seen;
   GB_NO_UNROLL
-  for (int side = 0; side < (ray_type == RayType::primary ? 3 : 1); ++side) {
+  for (int side = 0; side < (ray_type == RayType::shadow ? 1 : 3); ++side) {
     at.look(scene, line, side == 0 ? met : (side == 1 ? met - half : met + half), blocking, path);
     if (at.place.waits && blocking) return false;
     if (!is_resident(at.place.brick)) {
@@ -121,18 +121,22 @@ GB_HD bool meet_surface(const CastScene& scene, const CastCamera& camera, const 
     const CastPoint point = at.point();
     const CastCorners corners = corners_of(here, point);
     if (side == 0) {
-      const SurfaceBlend blend = blend_planes(corners, ray.normal).blend;
+      const BlendedPlanes planes = blend_planes(corners, ray.normal);
+      const SurfaceBlend& blend = planes.blend;
       if (!(blend.weight > 0)) return true;
       seen = surface_opacity(here, point, blend);
       half = power_of_two(at.place.lod - 1);
       brick = at.traits();
       if (seen.density < 1 && is_between_surfaces(blend, line, ray)) return true;
       across = length_along(line.direction, blend.normal);
+      is_other_side = planes.is_mixed || blend.slope(line.direction) > 0;
     }
     const CastSample more = surface_sample(corners);
     GB_UNROLL
     for (int k = 0; k < cast_channels; ++k) sample.c[k] += more.c[k];
   }
+  if constexpr (ray_type == RayType::lit)
+    if (is_other_side) multiply(relative_surface_light(scene, line, ray.lod, met, half), sample);
   if (seen.density < 1) stay_in_surface(met, across, float(2 * half), ray);
   const float covered = covered_in_surface(seen.opacity, seen.density, ray);
   composite_sample<ray_type>(sample, brick, stop_light(covered, brick.lod, seen.density, ray), met, 0, camera, ray);
@@ -274,11 +278,12 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
   if (is_met(surface_hit_distance(blend, line, brick.lod, distance, ray), march, ray)) return;
   ray.is_seen = false;
   keep_signed_distance(blend, line, brick.lod, distance, ray);
-  const ResidualSample residual = volumetric_residual(corners, neighbourhood, line.direction);
+  ResidualSample residual = volumetric_residual(corners, neighbourhood, line.direction);
   double steps = 1;
   if (brick.lod != ray.lod)
     steps = steps_in_coarser(line.lod1_distance, brick.lod, ray.lod, ray.step, march.in_brick_until);
   const bool is_residual_only = residual.sample.mean_coverage() > 0;
+  if constexpr (ray_type == RayType::lit) light_residual(scene, line, corners, ray, residual.sample);
   if (is_residual_only)
     composite<ray_type>(residual.sample, residual.translucent, line, brick, steps, distance, camera, ray);
   ray.step += steps;

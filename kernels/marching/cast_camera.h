@@ -1,5 +1,5 @@
 /// The camera that rays are cast for: eye and image plane, haze, clipping, background, and the tone
-/// curve of the screen.
+/// curve of the screen. Also the light of sun and sky without shadows.
 ///
 /// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float, no transcendental functions: host and device return the same bits.
@@ -80,5 +80,27 @@ struct CastCamera {
   CastClip clip;
   CastPolygons polygons;  ///< in the caster's memory; as an argument of Caster::start(), in the caller's memory
 };
+
+/// Linear RGB irradiance; irradiance 1 shows a surface in its own colour.
+struct CastLight {
+  Vec3<float> to_sun{0, 0, 1};  ///< unit vector
+  Vec3<float> sun{0, 0, 0};     ///< on a surface that faces the sun
+  Vec3<float> sky{1, 1, 1};     ///< on a surface that faces up
+  Vec3<float> ground{1, 1, 1};  ///< on a surface that faces down; interpolated with `sky` by the normal's z
+};
+
+/// Returns a light that shows surfaces in their own colours.
+GB_HD CastLight unlit() { return CastLight{}; }
+
+/// Tests whether surfaces of different normals receive different light.
+inline bool depends_on_normal(const CastLight& light) {
+  return light.sun != Vec3<float>{0, 0, 0} || light.sky != light.ground;
+}
+
+/// Returns a channel of the irradiance of a surface with the given unit normal.
+GB_HD float irradiance(const CastLight& light, const Vec3<float>& normal, int channel) {
+  const float cosine = dot(normal, light.to_sun), up = 0.5f + 0.5f * normal[2];
+  return light.sun[channel] * (cosine > 0 ? cosine : 0) + (light.sky[channel] * up + light.ground[channel] * (1 - up));
+}
 
 }  // namespace gigabake::kernels

@@ -29,6 +29,7 @@ struct alignas(16) CastRay {
   float signed_distance_at = 0;  ///< distance of that sample along the ray
   float slope = 0;               ///< change of the signed distance per lod-0 voxel along the ray at that sample
   std::int32_t lod = -1;         ///< -1: finished
+  bool is_other_side = false;    ///< the ray meets the current surface on the side opposite to its normals
   bool is_seen = false;          ///< the hit at `met` has been composited
   std::uint32_t normal = 0;      ///< ByteVector: normal of the surface at that sample; 0: no surface
 

@@ -115,6 +115,7 @@ GB_HD float fallback_opacity_scale(const BrickTraits& brick, const CastRay& ray)
 /// The type of a ray.
 enum class RayType : std::uint8_t {
   primary,  ///< primary ray: computes colours and depth
+  lit,      ///< primary ray in a scene with CastScene::is_lit: lights surfaces on the side that it meets
   shadow    ///< shadow ray: computes only the transmittance, with the same bits as a primary ray
 };
 

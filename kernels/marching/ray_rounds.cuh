@@ -34,6 +34,9 @@ class RayRounds {
   /// The number of waves. Few rays hit more than this many surfaces; one kernel finishes these rays.
   static constexpr std::size_t rounds = 2;
 
+  template <RayType ray_type>
+  void cast_as(const RayPass& pass, std::size_t begin, std::size_t end);
+
   DeviceHeap& heap_;
   cudaStream_t stream_;
   DeviceArray<std::uint32_t> counts_, met_, continuing_;

@@ -16,6 +16,7 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
+#include "kernels/marching/cast_camera.h"
 #include "kernels/marching/cast_node.h"
 #include "kernels/marching/voxel_space.h"
 #include "kernels/pool/cast_brick.h"
@@ -49,6 +50,9 @@ struct CastScene {
   std::int32_t lods = 0;
   Vec3d min{}, max{};  ///< a box around all voxels
   Vec3i64 corner{};    ///< origin of fixed-point coordinates (kernels/marching/fixed_point.h); see set_corner()
+
+  bool is_lit = false;  ///< the voxels' radiance contains `light`, whose irradiance depends on the normal
+  CastLight light;
 
   const NodeWord* nodes = nullptr;
   const std::uint32_t* parent_bricks = nullptr;  ///< by tile: the brick of the node whose children the tile holds

@@ -105,8 +105,9 @@ GB_HD_NOINLINE TranslucentSurface translucent_surface_at(CastCorners corners, do
 /// The blended planes of the voxels around a point.
 struct BlendedPlanes {
   SurfaceBlend blend;
-  int bits = 0;          ///< bitwise OR of the plane bytes
-  bool is_flat = false;  ///< the voxels are one flat surface: disagreement() is 0 for each of them
+  int bits = 0;           ///< bitwise OR of the plane bytes
+  bool is_flat = false;   ///< the voxels are one flat surface: disagreement() is 0 for each of them
+  bool is_mixed = false;  ///< some normals are opposite to others
 };
 
 /// Tests whether the planes with these normals are within 12.9° of each other, whichever sides the normals point to. If
@@ -135,7 +136,7 @@ GB_HD BlendedPlanes blend_planes(const CastCorners& corners, ByteVector side) {
   const ByteVector from_first = byte_vector(place[0], place[1], place[2]);
   SurfaceBlend r;
   ByteVector first = 0;
-  bool is_flat = true;
+  bool is_flat = true, is_mixed = false;
   int bits = 0;
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
@@ -148,14 +149,16 @@ GB_HD BlendedPlanes blend_planes(const CastCorners& corners, ByteVector side) {
     is_flat = is_flat && is_fully_planar(voxel.plane) && is_same_slope(n, first);
     const int along = dot(n, from_first) - dot(n, byte_vector(127 * (c & 1), 127 * (c >> 1 & 1), 127 * (c >> 2)));
     const int above = 2 * max_offset * along - 127 * 127 * unpack_plane(voxel.plane).offset;
-    const float by = corners.weight(c) * blend_weight(voxel), turned = are_opposite(n, side) ? -by : by;
+    const bool is_turned = are_opposite(n, side);
+    is_mixed = is_mixed || is_turned;
+    const float by = corners.weight(c) * blend_weight(voxel), turned = is_turned ? -by : by;
     GB_UNROLL
     for (int a = 0; a < 3; ++a) r.normal[a] += turned * float(voxel.normal[a]);
     r.weight += by;
     r.above += turned * float(above);
   }
   r.above *= 1.0f / (127 * max_offset);
-  return {r, bits, is_flat};
+  return {r, bits, is_flat, is_mixed};
 }
 
 /// A normal of a blended surface, scaled to 127 along its largest axis.

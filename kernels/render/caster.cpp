@@ -72,7 +72,7 @@ class CpuCaster final : public Caster {
   std::size_t cast(std::size_t begin, std::size_t end, bool blocking, const StopAsked& stop) override {
     return one_pass(begin, end, stop, [&](std::size_t i) {
       CastRay& ray = rays_[i];
-      if (ray.lod >= 0) cast_ray(scene_, camera_, line_of(i), blocking, true, ray);
+      if (ray.lod >= 0) cast_primary(camera_, line_of(i), blocking, ray);
       return ray.lod < 0;
     });
   }
@@ -88,7 +88,7 @@ class CpuCaster final : public Caster {
     const CastCamera coarser = coarser_camera(camera_);
     return one_pass(begin, end, stop, [&](std::size_t i) {
       CastRay& second = coarser_[i];
-      if (second.lod >= 0) cast_ray(scene_, coarser, coarser_line(i), blocking, true, second);
+      if (second.lod >= 0) cast_primary(coarser, coarser_line(i), blocking, second);
       return second.lod < 0;
     });
   }
@@ -145,6 +145,13 @@ class CpuCaster final : public Caster {
   CastLine line_of(std::size_t ray) const { return line_of_sight(scene_, camera_, pixel_x(ray), pixel_y(ray)); }
   CastLine coarser_line(std::size_t ray) const {
     return line_of_sight(scene_, coarser_camera(camera_), pixel_x(ray), pixel_y(ray));
+  }
+
+  void cast_primary(const CastCamera& camera, const CastLine& line, bool blocking, CastRay& ray) const {
+    if (scene_.is_lit)
+      cast_ray<RayType::lit>(scene_, camera, line, blocking, true, ray);
+    else
+      cast_ray(scene_, camera, line, blocking, true, ray);
   }
 
   /// Blends the second rays into the first rays, once.

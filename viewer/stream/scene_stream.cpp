@@ -107,6 +107,9 @@ SceneStream::SceneStream(const PagedScene& scene, Opened opened, PageSource sour
       pager_(std::move(source), {options.page_threads, page_bytes_}),
       lookup_(map_, pager_),
       allocator_(layout_.cells.size(), layout_.scene.lods, pool_sizes(layout_, bytes_for_pools(options))) {
+  layout_.scene.light = options.light;
+  layout_.scene.is_lit =
+      options.surface == Surface::colour && scene.header().has_normals && depends_on_normal(options.light);
   const kernels::PoolSizes sizes = pool_sizes(layout_, bytes_for_pools(options));
   pool_bytes_ = sizes.bytes();
   caster_ = make_caster(layout_, sizes, options, policy);

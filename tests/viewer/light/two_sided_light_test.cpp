@@ -26,13 +26,13 @@ VoxelScene scene_of(const Painter& paint) {
   return scene;
 }
 
-Picture shadowed(const VoxelScene& scene, const std::array<double, 3>& eye_m, const std::array<double, 3>& target_m,
-                 ViewMode mode = ViewMode::lit) {
+Picture lit(const VoxelScene& scene, const std::array<double, 3>& eye_m, const std::array<double, 3>& target_m,
+            Shadows shadows, ViewMode mode = ViewMode::lit) {
   FrameRenderer::Options options;
   options.threads = 2;
   FrameRenderer renderer(scene.description(), "scene.xml", scene.pages(), options);
   View out{view(eye_m, target_m, 120).camera, mode, {false, {0, 0, 0, 0}}, PictureLight::linear_too};
-  out.shadows = Shadows::on;
+  out.shadows = shadows;
   return renderer.render_complete(out).picture;
 }
 
@@ -58,12 +58,14 @@ Difference difference(const Picture& a, const Picture& b) {
 
 /// Expects equal light from near and far. Rays that meet a surface one voxel thick at its rim may see either side.
 void expect_equal_light(const Painter& right, const Painter& wrong, const char* name) {
-  for (const std::array<double, 3>& eye : {std::array{-40.0, -60.0, 70.0}, std::array{-150.0, -220.0, 180.0}}) {
-    const Difference off =
-        difference(shadowed(scene_of(right), eye, {32, 32, 28}), shadowed(scene_of(wrong), eye, {32, 32, 28}));
-    EXPECT_LT(off.mean, 1.5) << name << " from " << eye[2];
-    EXPECT_LT(off.share_above_3, 0.06) << name << " from " << eye[2];
-  }
+  for (const Shadows shadows : {Shadows::off, Shadows::on})
+    for (const std::array<double, 3>& eye : {std::array{-40.0, -60.0, 70.0}, std::array{-150.0, -220.0, 180.0}}) {
+      const Difference off = difference(lit(scene_of(right), eye, {32, 32, 28}, shadows),
+                                        lit(scene_of(wrong), eye, {32, 32, 28}, shadows));
+      EXPECT_LT(off.mean, 1.5) << name << " from " << eye[2] << (shadows == Shadows::on ? " with shadows" : "");
+      EXPECT_LT(off.share_above_3, 0.06) << name << " from " << eye[2]
+                                         << (shadows == Shadows::on ? " with shadows" : "");
+    }
 }
 
 Painter sphere(double side) {
@@ -122,7 +124,7 @@ TEST(TwoSidedLight, TheInsideOfAClosedHouseIsDark) {
     double sunlit = 0, pixels = 0;
     for (const std::array<double, 3>& target :
          {std::array{50.0, 50.0, 5.0}, std::array{50.0, 20.0, 29.0}, std::array{30.0, 50.0, 15.0}}) {
-      const Picture picture = shadowed(scene, {20, 20, 15}, target, ViewMode::sun);
+      const Picture picture = lit(scene, {20, 20, 15}, target, Shadows::on, ViewMode::sun);
       for (std::size_t i = 0; i < picture.linear.size(); i += 4) sunlit += picture.linear[i] > 0.01 ? 1 : 0;
       pixels += double(picture.linear.size()) / 4;
     }

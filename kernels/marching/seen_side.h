@@ -1,0 +1,122 @@
+/// Light of the side of a surface that a ray meets. Voxels are lit when they are loaded, on the side to which their
+/// normals point. If a ray meets the other side, the light of its samples is replaced by the light of that side.
+///
+/// Exact   IEEE float: host and device return the same bits.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "core/base/host_device.h"
+#include "kernels/marching/cast_camera.h"
+#include "kernels/marching/level_sampler.h"
+#include "kernels/marching/sample.h"
+#include "kernels/marching/surface_blend.h"
+
+namespace gigabake::kernels {
+
+GB_HD Vec3<float> vector_of_normal(const CastVoxel& voxel) {
+  return {float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
+}
+
+/// Returns the signed distance of a point to the plane of one of its eight voxels, along the voxel's normal. If the
+/// voxel has no plane, the plane through its centre takes its place.
+GB_HD float signed_distance_to(const CastCorners& corners, int corner, const CastVoxel& voxel) {
+  const Vec3<float> centre{float(corner & 1), float(corner >> 1 & 1), float(corner >> 2)};
+  const int offset = coherence_of(voxel) == 0 ? 0 : unpack_plane(voxel.plane).offset;
+  return dot(vector_of_normal(voxel), corners.between - centre) * (1.0f / 127) - float(offset) * (0.5f / max_offset);
+}
+
+/// The orientation of the surface around a point. Normals opposite to the first voxel's normal are turned.
+struct SurfaceSide {
+  Vec3<float> normal{0, 0, 0};  ///< sum of the turned normals, weighted by interpolation weight and coverage
+  float signed_distance = 0;    ///< sum of the point's signed distances along the turned normals, with the same weights
+  ByteVector first = 0;         ///< the first voxel's normal
+  bool is_mixed = false;        ///< some normals were turned
+};
+
+GB_HD SurfaceSide surface_side(const CastCorners& corners) {
+  SurfaceSide side;
+  GB_NO_UNROLL
+  for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
+    const int c = lowest_one(left);
+    const CastVoxel voxel = corners.stored(c);
+    const ByteVector n = normal_of(voxel);
+    if (side.first == 0) side.first = n;
+    const bool is_turned = are_opposite(n, side.first);
+    side.is_mixed = side.is_mixed || is_turned;
+    const float by = corners.weight(c) * float((voxel.c[3] + voxel.c[4]) + voxel.c[5]), turned = is_turned ? -by : by;
+    side.normal += vector_of_normal(voxel) * turned;
+    side.signed_distance += turned * signed_distance_to(corners, c, voxel);
+  }
+  return side;
+}
+
+/// Tests whether a ray of this direction, which enters a surface near the point, meets the side to which no or not all
+/// normals point. Before a ray meets that side, its points lie on that side. A ray that passes behind an edge of a
+/// solid object meets normals that point away from the eye, but its points lie on the side of these normals. Not
+/// inlined, because few samples enter a surface.
+GB_HD_NOINLINE bool meets_other_side(CastCorners corners, double x, double y, double z) {
+  const SurfaceSide side = surface_side(corners);
+  const Vec3<float> direction{float(x), float(y), float(z)};
+  return side.is_mixed || (side.signed_distance < 0 && dot(side.normal, direction) > 0);
+}
+
+/// The light of voxels, per channel: the light that they contain, and the light on the side that a ray meets.
+struct SideLight {
+  Vec3<float> stored{0, 0, 0}, seen{0, 0, 0};
+
+  GB_HD Vec3<float> ratio() const {
+    return Vec3<float>::by_axis([&](int k) { return stored[k] > 0 ? seen[k] / stored[k] : 1; });
+  }
+};
+
+/// Adds the light of the eight voxels around a point for a ray of this direction. `of_surface` selects the weights of
+/// surface_sample(), otherwise the weights of interpolate() apply.
+GB_HD void add_light(const CastCorners& corners, const CastLight& light, const Vec3<float>& direction, bool of_surface,
+                     SideLight& sums) {
+  const SurfaceSide side = surface_side(corners);
+  const bool is_behind = dot(side.normal, direction) > 0;
+  GB_NO_UNROLL
+  for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
+    const int c = lowest_one(left);
+    const CastVoxel voxel = corners.stored(c);
+    const ByteVector bytes = normal_of(voxel);
+    const bool is_other = bytes != 0 && are_opposite(bytes, side.first) != is_behind;
+    const Vec3<float> n = vector_of_normal(voxel);
+    const float unit = is_other ? 1 / std::sqrt(dot(n, n)) : 0;
+    const float by = corners.weight(c) * (of_surface ? blend_weight(voxel) : 1);
+    for (int k = 0; k < 3; ++k) {
+      const float own = by * float(voxel.c[k]), on_normal = irradiance(light, n * unit, k);
+      sums.stored[k] += own;
+      sums.seen[k] += is_other && on_normal > 0 ? own * (irradiance(light, n * -unit, k) / on_normal) : own;
+    }
+  }
+}
+
+/// Returns, per channel, the light on the side that a ray of this direction meets, relative to the light that the
+/// interpolated voxels contain. Not inlined, because few samples need it.
+GB_HD_NOINLINE Vec3<float> relative_light(CastCorners corners, CastLight light, double x, double y, double z) {
+  SideLight sums;
+  add_light(corners, light, {float(x), float(y), float(z)}, false, sums);
+  return sums.ratio();
+}
+
+/// Returns the light on the side that the ray meets, relative to the light of the three samples of meet_surface(). They
+/// lie at `met`, and `half` before and behind it. Not inlined, because few rays need it.
+GB_HD_NOINLINE Vec3<float> relative_surface_light(const CastScene& scene, CastLine line, int lod, double met,
+                                                  double half) {
+  LevelSampler at(scene, line, lod);
+  CastPath path;
+  SideLight sums;
+  GB_NO_UNROLL
+  for (int side = -1; side <= 1; ++side) {
+    at.look(scene, line, met + side * half, false, path);
+    if (!is_resident(at.place.brick)) continue;
+    const CastCorners corners = corners_of(scene.brick(at.place.brick), at.point());
+    add_light(corners, scene.light, static_cast<Vec3<float>>(line.direction), true, sums);
+  }
+  return sums.ratio();
+}
+
+}  // namespace gigabake::kernels
