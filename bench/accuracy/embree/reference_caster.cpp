@@ -157,10 +157,13 @@ struct ReferenceCaster::State {
     return left;
   }
 
-  std::array<float, 4> lit_colour(const RTCHit& hit, const Vec3d& at, const SunAndSky& from) const {
+  /// Returns the colour of a hit, lit on the side that a ray of this direction meets.
+  std::array<float, 4> lit_colour(const RTCHit& hit, const Vec3d& at, const Vec3d& direction,
+                                  const SunAndSky& from) const {
     const kernels::CastLight& light = from.light;
     std::array<float, 4> c = triangles.colour({hit.geomID, hit.primID, hit.u, hit.v});
-    const Vec3d n = triangles.outside(hit.geomID, hit.primID);
+    const Vec3d outside = triangles.outside(hit.geomID, hit.primID);
+    const Vec3d n = dot(outside, direction) > 0 ? outside * -1.0 : outside;
     double sun = std::max(dot(n, from.sun()), 0.0), up = (1 + n[2]) / 2;
     if (from.radius > 0) {
       const Vec3d above = at + n * off_surface;
@@ -180,7 +183,7 @@ struct ReferenceCaster::State {
     std::optional<RTCRayHit> hit = ray(origin, direction, before_box);
     while (hit && sum[3] < 1 - dark && next(*hit)) {
       const Vec3d at = origin + direction * (before_box + double(hit->ray.tfar));
-      const std::array<float, 4> c = lit_colour(hit->hit, at, from);
+      const std::array<float, 4> c = lit_colour(hit->hit, at, direction, from);
       const float left = 1 - sum[3];
       for (std::size_t k = 0; k < 4; ++k) sum[k] += left * c[k];
       hit->ray.tnear = hit->ray.tfar * (1 + apart) + apart;
