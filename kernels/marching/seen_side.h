@@ -15,10 +15,6 @@
 
 namespace gigabake::kernels {
 
-GB_HD Vec3<float> vector_of_normal(const CastVoxel& voxel) {
-  return {float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
-}
-
 /// Returns the signed distance of a point to the plane of one of its eight voxels, along the voxel's normal. If the
 /// voxel has no plane, the plane through its centre takes its place.
 GB_HD float signed_distance_to(const CastCorners& corners, int corner, const CastVoxel& voxel) {

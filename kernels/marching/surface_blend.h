@@ -77,6 +77,10 @@ GB_HD std::int32_t dot(ByteVector a, ByteVector b) {
 #endif
 }
 
+GB_HD Vec3<float> vector_of_normal(const CastVoxel& voxel) {
+  return {float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
+}
+
 /// Returns |cosine| between a unit direction and a vector of any length; 1 for a zero vector.
 GB_HD float length_along(const Vec3d& direction, const Vec3<float>& n) {
   const float squared = dot(n, n);
@@ -93,11 +97,10 @@ GB_HD_NOINLINE TranslucentSurface translucent_surface_at(CastCorners corners, do
     const int c = lowest_one(left);
     const CastVoxel voxel = corners.stored(c);
     if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
-    const Vec3<float> to{float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
     const float weight = corners.weight(c);
     there += weight;
     hidden += weight * voxel.c[3];
-    across += weight * (voxel.plane == 0 ? 1 : length_along(direction, to));
+    across += weight * (voxel.plane == 0 ? 1 : length_along(direction, vector_of_normal(voxel)));
   }
   return there > 0 ? TranslucentSurface{hidden / (there * 65535), across / there} : TranslucentSurface{};
 }

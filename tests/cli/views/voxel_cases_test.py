@@ -13,6 +13,7 @@ import numpy
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
 from png_file import read_png
+from tool_module import tool_module
 
 MAGENTA = (255, 0, 255)
 
@@ -50,11 +51,8 @@ class VoxelCases(harness.FolderTest):
         bare = self.root / "bare"
         bare.mkdir()
         (bare / "grass.gltf").write_text(json.dumps(scene))
-        camera = ("--eye", "2.3,-2.7,1.9", "--target", "0,0,0.1", "--mode", "albedo", "--size", "256x256",
-                  "--background", "255,0,255")
-        PROGRAM.succeed("bake", bare / "grass.gltf", "-o", bare / "scene", "--local", "--voxel-size", 0.05)
-        PROGRAM.succeed("render", bare / "scene", "-o", bare / "ground.png", *camera)
-        ground = inner((read_png(bare / "ground.png")[..., :3] != MAGENTA).any(axis=2), 10)
+        CASES.bake_and_render(PROGRAM.executable, bare / "grass.gltf")
+        ground = inner((read_png(bare / "grass.png")[..., :3] != MAGENTA).any(axis=2), 10)
         self.assertGreater(ground.sum(), 8000)
         image = self.image("grass")
         magenta = numpy.minimum(image[..., 0], image[..., 2]) - image[..., 1]
@@ -78,4 +76,5 @@ class VoxelCases(harness.FolderTest):
 if __name__ == "__main__":
     PROGRAM = harness.Gigabake(sys.argv[1])
     SOURCE = Path(sys.argv[2])
+    CASES = tool_module(SOURCE, "voxel-cases")
     harness.main(argv=sys.argv[:1])
