@@ -204,7 +204,8 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
                       "edge of a voxel, metres; half of the settings use twice this edge");
   auto* hard = command->add_flag(
       "--hard", o->hard,
-      "run the suite of hard cases instead, which needs no SOURCE; exit code 1 if a claimed bound does not hold");
+      "run the suite of hard cases and of surfaces of real scenes instead, which needs no SOURCE; exit code 1 if a "
+      "claimed bound does not hold");
   command
       ->add_flag("--leaks", o->leaks,
                  "measure light through opaque surfaces instead, from each side and distance; without SOURCE: through "

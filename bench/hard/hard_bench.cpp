@@ -5,6 +5,7 @@
 
 #include "bench/hard/exact_place.h"
 #include "bench/hard/hard_bake.h"
+#include "bench/hard/surfaces/surface_bench.h"
 #include "core/base/error.h"
 
 namespace gigabake::bench {
@@ -175,6 +176,10 @@ HardBench bench_hard(const HardBenchRequest& request, const std::function<void(c
     out.cases.push_back(run_hard_case(hard, request.out / file_name(hard.name), machine));
     done(out.cases.back());
   }
+  run_surface_cases(request.out, machine, [&](HardResult&& result) {
+    out.cases.push_back(std::move(result));
+    done(out.cases.back());
+  });
   out.leaks = few_leaks(request);
   return out;
 }

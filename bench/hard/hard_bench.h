@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,12 +24,19 @@ struct HardBenchRequest {
   int million_triangles = 17;
 };
 
+struct HardRange {
+  double low = 0, high = 0;
+  bool contains(double value) const { return low <= value && value <= high; }
+};
+
 /// A measured number and its bound.
 struct HardFigure {
   std::string name;  ///< "missed", "colour"; the same name has the same meaning in all cases
   std::string unit;  ///< "voxels", "codes", "°", "m", …
   double measured = 0, bound = 0;
-  bool holds() const { return measured <= bound; }
+  std::optional<HardRange> goal{};   ///< the desired range, which may be narrower than the bounds
+  std::optional<double> at_least{};  ///< lower bound
+  bool holds() const { return measured <= bound && !(at_least && measured < *at_least); }
 };
 
 struct HardResult {

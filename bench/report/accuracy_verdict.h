@@ -12,9 +12,12 @@ namespace gigabake::bench {
 std::string verdict(const AccuracyBench& bench);
 /// Returns two sentences: whether all bounds hold, and the number that is nearest to its bound or beyond it.
 std::string verdict(const HardBench& bench);
+/// Returns one sentence: how many goals are met.
+std::string goals_verdict(const HardBench& bench);
 
 /// Returns a Markdown list of the tables' columns.
 std::string accuracy_columns();
 std::string hard_columns();
+std::string goals_columns();
 
 }  // namespace gigabake::bench

@@ -7,9 +7,9 @@
 
 #include "bench/accuracy/accuracy_views.h"
 #include "bench/accuracy/leaks/leak_views.h"
+#include "bench/accuracy/leaks/sheet_mesh.h"
 #include "bench/bench_scene.h"
 #include "core/base/error.h"
-#include "format/system/publish.h"
 #include "viewer/pictures/frame_renderer.h"
 #include "viewer/pictures/image_files.h"
 
@@ -25,21 +25,6 @@ LeakViewRange range_of(const LeakBenchRequest& request) {
   range.width = request.width;
   range.height = request.height;
   return range;
-}
-
-BenchScene bench_scene_of(const LeakScene& scene, const std::filesystem::path& folder, int threads) {
-  std::error_code error;
-  std::filesystem::remove_all(folder, error);
-  std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(folder, "", "cannot make the folder: " + error.message());
-  BenchScene bench;
-  bench.source = folder / "scene.glb";
-  bench.source_options.local = true;
-  bench.parameters.voxel_size_m = 1;
-  bench.threads = threads;
-  const std::vector<std::uint8_t> glb = sample::to_glb(scene.model);
-  publish_file(bench.source, {reinterpret_cast<const char*>(glb.data()), glb.size()}, Durability::while_up);
-  return bench;
 }
 
 AlphaPicture alpha_of(const LinearPicture& picture) {
@@ -103,7 +88,7 @@ LeakResult measure(const LeakScene& scene, const LeakBenchRequest& request, cons
     return result;
   }
   const std::filesystem::path folder = request.out / scene.name;
-  const BenchScene bench = bench_scene_of(scene, folder, request.threads);
+  const BenchScene bench = write_glb_scene(scene.model, folder, request.threads);
   const SceneSources sources = open_sources(bench.source, bench.source_options);
   std::optional<ReferenceCaster> caster;
   if (scene.reference_alpha == LeakReferenceKind::traced) caster.emplace(sources, bench.parameters, request.threads);

@@ -6,37 +6,16 @@
 #include <numbers>
 #include <utility>
 
+#include "bench/accuracy/leaks/sheet_mesh.h"
 #include "sample/settlement/picture.h"
 #include "sample/terrain/noise.h"
 
 namespace gigabake::bench {
 namespace {
 
-/// An offset that is no multiple of a voxel or of its half, quarter or eighth.
-constexpr Vec3d off_the_lattice{13.371, -7.713, 5.237};
 constexpr double pane_alpha = 0.3;
 
 double radians(double deg) { return deg * std::numbers::pi / 180; }
-
-void add_vertex(sample::GlbMesh& mesh, const Vec3d& p) {
-  mesh.position.insert(mesh.position.end(), {float(p[0]), float(p[2]), float(-p[1])});
-}
-
-void add_sheet(sample::GlbMesh& mesh, const Sheet& sheet) {
-  const auto first = std::uint32_t(mesh.vertices());
-  const Vec3d by_u = sheet.corner + sheet.u, by_v = sheet.corner + sheet.v;
-  for (const Vec3d& p : {sheet.corner, by_u, by_v}) add_vertex(mesh, p);
-  mesh.index.insert(mesh.index.end(), {first, first + 1, first + 2});
-  if (sheet.shape == SheetShape::triangle) return;
-  add_vertex(mesh, by_u + sheet.v);
-  mesh.index.insert(mesh.index.end(), {first + 1, first + 3, first + 2});
-}
-
-sample::GlbMesh mesh_of(const std::vector<Sheet>& sheets) {
-  sample::GlbMesh mesh;
-  for (const Sheet& sheet : sheets) add_sheet(mesh, sheet);
-  return mesh;
-}
 
 LeakScene scene_of(std::string name, std::string family, std::string what, sample::GlbMesh mesh, double alpha) {
   LeakScene scene;
@@ -100,11 +79,6 @@ sample::GlbMesh grid_mesh(const Sheet& base, std::uint32_t quads, const std::fun
       mesh.index.insert(mesh.index.end(), {a, b, d, a, d, c});
     }
   return mesh;
-}
-
-/// Returns the six sides of a bar whose lowest corner is `corner`.
-std::vector<Sheet> sides_of(const Vec3d& corner, const Vec3d& u, const Vec3d& v, const Vec3d& w) {
-  return {{corner, u, v}, {corner, u, w}, {corner, v, w}, {corner + w, u, v}, {corner + v, u, w}, {corner + u, v, w}};
 }
 
 /// Adds the four long sides of a bar, without its ends. The sides are divided into pieces, because long triangles slow

@@ -27,22 +27,39 @@ def every_bound_holds(gigabake, work, source):
     for case in bench["cases"]:
         assert case["holds"] and "error" not in case, case
         for name, figure in case["figures"].items():
-            assert figure["measured"] <= figure["bound"], (case["name"], name, figure)
+            assert figure.get("at_least", 0) <= figure["measured"] <= figure["bound"], (case["name"], name, figure)
     leaks = bench["leaks"]
     assert len(leaks["scenes"]) == 3 and all(scene["opaque"] and scene["rows"] for scene in leaks["scenes"]), leaks
     assert leaks["bounded"] or "not yet bounded" in result.stdout, result
     printed = set(result.stdout.replace("|  |", "| |").splitlines())
-    assert set(table_of(source, "hard-cases", bench)) <= printed, result.stdout
+    for table in ("hard-cases", "surfaces"):
+        assert set(table_of(source, table, bench)) <= printed, result.stdout
     return bench
 
 
-def the_document_lists_every_case(bench, source):
-    """Every case is in the table of the document; cases of ties have separate tables."""
-    text = (Path(source) / "docs/accuracy-suite.md").read_text()
-    section = text.split("## The suite")[1].split("\n## ")[0]
-    listed = re.findall(r"^\| `([^`]+)` \|", section, re.M)
-    names = [case["name"] for case in bench["cases"] if not case["group"].startswith("ties")]
-    assert listed == names, (listed, names)
+def the_documents_list_every_case(bench, source):
+    """Every case is in the table of a document; cases of ties have separate tables."""
+    def listed(page, heading):
+        section = (Path(source) / f"docs/{page}.md").read_text().split(f"## {heading}")[1].split("\n## ")[0]
+        return re.findall(r"^\| `([^`]+)` \|", section, re.M)
+
+    def names(are_surfaces):
+        return [case["name"] for case in bench["cases"]
+                if not case["group"].startswith("ties") and (case["group"] == "surfaces") == are_surfaces]
+
+    assert listed("accuracy-suite", "The suite") == names(False), listed("accuracy-suite", "The suite")
+    assert listed("accuracy-rendering", "Surfaces of real scenes") == names(True), names(True)
+
+
+def surfaces_of_real_scenes_have_goals(bench):
+    """A value that meets its goal has the goal as its bound: it may not be lost again."""
+    cases = [case for case in bench["cases"] if case["group"] == "surfaces"]
+    assert len(cases) == 16, [case["name"] for case in cases]
+    for case in cases:
+        for figure in case["figures"].values():
+            low, high = figure["goal"]
+            assert figure["meets_goal"] == (low <= figure["measured"] <= high), (case, figure)
+            assert figure["at_least"] <= low and figure["bound"] >= high, (case, figure)
 
 
 def wrong_usage_is_refused(gigabake, work):
@@ -63,7 +80,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
         bench = every_bound_holds(gigabake, work, sys.argv[2])
-        the_document_lists_every_case(bench, sys.argv[2])
+        the_documents_list_every_case(bench, sys.argv[2])
+        surfaces_of_real_scenes_have_goals(bench)
         wrong_usage_is_refused(gigabake, work)
         kept_scenes_can_be_baked(gigabake, work)
 
