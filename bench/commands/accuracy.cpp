@@ -209,7 +209,8 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
   command
       ->add_flag("--leaks", o->leaks,
                  "measure light through opaque surfaces instead, from each side and distance; without SOURCE: through "
-                 "generated planes, hills, steps, walls, translucent surfaces, wires and a tree crown")
+                 "generated planes, hills, steps, walls, a house, translucent surfaces, wires, a tree crown, slopes "
+                 "under plants, decals and glass, and surfaces of mixed winding")
       ->excludes(hard);
   command
       ->add_flag("--motion", o->motion,

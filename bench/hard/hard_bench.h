@@ -56,7 +56,7 @@ struct HardBench {
 };
 
 /// Runs all cases and calls `done` after each. A failure of a case is part of its result.
-/// Cost    Ten CPU seconds and about 250 flushes to disk; 1.6 GB for the 17 million triangles.
+/// Cost    Twenty CPU seconds and about 270 flushes to disk; 1.6 GB for the 17 million triangles.
 /// Errors  UsageError: cuda without a device, or this build has no exact reference. InputError: `out` cannot be
 ///         written.
 HardBench bench_hard(const HardBenchRequest& request, const std::function<void(const HardResult&)>& done);

@@ -69,7 +69,7 @@ std::vector<std::string> leak_families();
 using LeakProgress = std::function<void(const std::string& scene)>;
 
 /// Measures the leaks of the generated scenes.
-/// Cost    Bakes about 3·edge² voxels of level 0 per scene, 33 scenes, and renders up to 63 images of each.
+/// Cost    Bakes about 3·edge² voxels of level 0 per scene, 62 scenes, and renders up to 71 images of each.
 /// Errors  Same as a bake. Without Embree, scenes with a traced reference are reported as not measured.
 LeakBench bench_leaks(const LeakBenchRequest& request, const LeakProgress& progress);
 

@@ -294,7 +294,7 @@ LeakScene layer_scene(double edge, double slope_deg, bool is_glass) {
 LeakScene mixed_winding(LeakScene scene) {
   sample::Random random(20261127);
   scene.name = "mixed-" + scene.name;
-  scene.family = "mixed winding";
+  if (scene.sheet_alpha == 1) scene.family = "mixed winding";  // translucent scenes stay in their family
   scene.what += ", half of the triangles wound the other way";
   for (sample::GlbMesh& mesh : scene.model.meshes)
     for (std::size_t i = 0; i < mesh.index.size(); i += 3)
@@ -309,6 +309,24 @@ static LeakScene divided_plane_scene(double edge, double slope_deg) {
   return scene;
 }
 
+/// Returns the opaque scenes that are also measured with mixed winding: one or more of each family.
+static std::vector<LeakScene> mixed_scenes(double edge) {
+  std::vector<LeakScene> scenes;
+  for (const double slope_deg : {3., 20., 45., 89.}) scenes.push_back(divided_plane_scene(edge, slope_deg));
+  scenes.push_back(hill_scene(edge));
+  scenes.push_back(steps_scene("small-steps", edge, 7.3, 5.1));
+  scenes.push_back(steps_scene("large-steps", edge, 61.7, 43.9));
+  scenes.push_back(wall_scene("wall-of-a-sheet", edge, 0));
+  scenes.push_back(wall_scene("wall-0.3-thick", edge, 0.3));
+  scenes.push_back(wall_scene("wall-1.6-thick", edge, 1.6));
+  scenes.push_back(house_scene(edge));
+  for (const bool first : {true, false}) {
+    scenes.push_back(plants_scene(edge, 20, first));
+    scenes.push_back(layer_scene(edge, 20, first));
+  }
+  return scenes;
+}
+
 std::vector<LeakScene> leak_scenes(double edge) {
   std::vector<LeakScene> scenes;
   int azimuths = 0;
@@ -318,22 +336,21 @@ std::vector<LeakScene> leak_scenes(double edge) {
   scenes.push_back(steps_scene("small-steps", edge, 7.3, 5.1));
   scenes.push_back(steps_scene("large-steps", edge, 61.7, 43.9));
   scenes.push_back(wall_scene("wall-of-a-sheet", edge, 0));
+  scenes.push_back(wall_scene("wall-0.3-thick", edge, 0.3));
   scenes.push_back(wall_scene("wall-1.6-thick", edge, 1.6));
   scenes.push_back(house_scene(edge));
   for (const double slope_deg : {3., 35., 80.})
     scenes.push_back(pane_scene(fmt::format("pane-{:g}", slope_deg), edge, slope_deg, 1));
+  scenes.push_back(mixed_winding(pane_scene("pane-35", edge, 35, 1)));
   scenes.push_back(pane_scene("two-panes-70", edge, 70, 2));
   scenes.push_back(wires_scene(edge));
   scenes.push_back(crown_scene(edge));
-  for (const double slope_deg : {20., 70.})
+  for (const double slope_deg : {20., 70., 89.})
     for (const bool first : {true, false}) {
       scenes.push_back(plants_scene(edge, slope_deg, first));
       scenes.push_back(layer_scene(edge, slope_deg, first));
     }
-  for (const double slope_deg : {3., 45.}) scenes.push_back(mixed_winding(divided_plane_scene(edge, slope_deg)));
-  scenes.push_back(mixed_winding(hill_scene(edge)));
-  scenes.push_back(mixed_winding(wall_scene("wall-1.6-thick", edge, 1.6)));
-  scenes.push_back(mixed_winding(house_scene(edge)));
+  for (LeakScene& scene : mixed_scenes(edge)) scenes.push_back(mixed_winding(std::move(scene)));
   return scenes;
 }
 

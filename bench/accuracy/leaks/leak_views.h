@@ -21,7 +21,7 @@ struct LeakView {
 
 struct LeakViewRange {
   std::vector<double> elevations_deg{90, 60, 35, 20, 10, 5, 2};
-  std::vector<double> voxels_per_pixel{1, 1.4, 4, 16, 64, 256, 1024};
+  std::vector<double> voxels_per_pixel{0.25, 1, 1.4, 4, 16, 64, 256, 1024};
   std::vector<double> level_changes{8};  ///< voxels per pixel at the target, where the level changes
   int width = 160, height = 120;
 };

@@ -26,7 +26,7 @@ sample::GlbMesh mesh_of(const std::vector<Sheet>& sheets) {
 }
 
 std::vector<Sheet> sides_of(const Vec3d& corner, const Vec3d& u, const Vec3d& v, const Vec3d& w) {
-  return {{corner, u, v}, {corner, u, w}, {corner, v, w}, {corner + w, u, v}, {corner + v, u, w}, {corner + u, v, w}};
+  return {{corner, v, u}, {corner, u, w}, {corner, w, v}, {corner + w, u, v}, {corner + v, w, u}, {corner + u, v, w}};
 }
 
 BenchScene write_glb_scene(const sample::GlbModel& model, const std::filesystem::path& folder, int threads) {

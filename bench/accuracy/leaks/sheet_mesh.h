@@ -20,7 +20,8 @@ void add_vertex(sample::GlbMesh& mesh, const Vec3d& p);
 void add_sheet(sample::GlbMesh& mesh, const Sheet& sheet);
 sample::GlbMesh mesh_of(const std::vector<Sheet>& sheets);
 
-/// Returns the six sides of a box with a corner and three edges.
+/// Returns the six sides of a box with a corner and three edges, wound outwards.
+/// Range   (u, v, w) is right-handed.
 std::vector<Sheet> sides_of(const Vec3d& corner, const Vec3d& u, const Vec3d& v, const Vec3d& w);
 
 /// Replaces `folder`, writes the model to it, and returns the scene with voxels of 1 m and default settings.

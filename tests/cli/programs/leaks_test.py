@@ -14,6 +14,9 @@ from stored_tables import table_of
 
 TRACED = {"wires", "crown"}
 ELEVATIONS = {90, 60, 35, 20, 10, 5, 2}
+# The number of images beyond the bounds that was reached: lower it when a change improves it, and never raise it.
+# Opaque scenes that are not listed have none.
+MAX_LEAKING = {"grass-89": 3, "litter-89": 3, "mixed-small-steps": 3}
 
 
 def measure(gigabake, work):
@@ -25,7 +28,7 @@ def measure(gigabake, work):
 
 
 def every_scene_has_its_rows(bench):
-    assert bench["edge_voxels"] == 100 and bench["backend"] == "cpu" and len(bench["scenes"]) == 46, bench
+    assert bench["edge_voxels"] == 100 and bench["backend"] == "cpu" and len(bench["scenes"]) == 62, bench
     for scene in bench["scenes"]:
         if "not_measured" in scene:
             assert scene["name"] in TRACED and "without Embree" in scene["not_measured"], scene
@@ -56,6 +59,14 @@ def the_table_of_the_document_can_be_stored(bench, source):
     assert rows[-1][1].split(" of ")[1] == f"{len(opaque):,}", (rows[-1], len(opaque))
 
 
+def leaks_do_not_increase(bench):
+    bounds = bench["bounds"]
+    for scene in (scene for scene in bench["scenes"] if scene["opaque"]):
+        leaking = [row for row in scene["rows"] if row["inner_pixels"] > 0 and
+                   (row["below_99"] > bounds["max_below_99"] or row["min_alpha"] < bounds["min_alpha"])]
+        assert len(leaking) <= MAX_LEAKING.get(scene["name"], 0), (scene["name"], leaking)
+
+
 def voxels_of_level_0_are_opaque(bench):
     """Tests the simplest case: a nearly level plane, seen from above, with one voxel per pixel."""
     scene = next(scene for scene in bench["scenes"] if scene["name"].startswith("plane-0.5-"))
@@ -65,7 +76,8 @@ def voxels_of_level_0_are_opaque(bench):
 
 
 def families_have_tables(text):
-    for family in ("planes", "hills", "steps", "thin walls", "roofs over walls", "panes", "wires", "crowns"):
+    for family in ("planes", "hills", "steps", "thin walls", "roofs over walls", "panes", "wires", "crowns",
+                   "covered planes", "mixed winding"):
         assert f"\n### {family}\n" in text, family
 
 
@@ -109,6 +121,7 @@ def main():
         every_scene_has_its_rows(bench)
         the_verdict_says_what_rows_say(bench, text)
         the_table_of_the_document_can_be_stored(bench, sys.argv[2])
+        leaks_do_not_increase(bench)
         voxels_of_level_0_are_opaque(bench)
         families_have_tables(text)
         scenes_and_pictures_are_kept(gigabake, work)

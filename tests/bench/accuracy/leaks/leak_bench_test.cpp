@@ -19,7 +19,7 @@ TEST(Panes, ShowTheirAlphaFromEverySideAtEveryLevel) {
   request.families = {"panes"};
   request.width = 80, request.height = 60;
   const LeakBench bench = bench_leaks(request, [](const std::string&) {});
-  ASSERT_EQ(bench.scenes.size(), 4u);
+  ASSERT_EQ(bench.scenes.size(), 5u);
   for (const LeakResult& scene : bench.scenes)
     for (const LeakRow& row : scene.rows) {
       if (row.error.inner < 100) continue;
