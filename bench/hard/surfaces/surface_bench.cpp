@@ -81,8 +81,8 @@ void run_surface_cases(const std::filesystem::path& out, const HardMachine& mach
     const WallScene wall = thin_wall_scene(0.3, azimuth_deg, lean_deg);
     done(run_case(wall, out, machine, [&](BakedSurface& baked) { return measure_wall(wall, baked); }));
   }
-  for (const double thickness : {0., 0.3, 2.}) {
-    const HouseScene house = closed_house_scene(thickness);
+  for (const auto& [thickness, azimuth_deg] : {std::pair(0., 17.9), {0.3, 0.}, {0.3, 17.9}, {2., 17.9}}) {
+    const HouseScene house = closed_house_scene(thickness, azimuth_deg);
     done(run_case(house, out, machine, [&](BakedSurface& baked) { return measure_inside(house, baked); }));
   }
 }

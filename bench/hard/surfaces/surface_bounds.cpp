@@ -52,6 +52,7 @@ constexpr ReachedBound reached[] = {
     {"wall-0.3-at-38.9", "stripes", 0.13},
     {"wall-0.3-at-38.9-leaning", "normals beyond 30°", 0.125},
     {"wall-0.3-at-38.9-leaning", "stripes", 0.307},
+    {"inside-0.3-at-0", "sunlit inside", 0.119},
 };
 
 }  // namespace

@@ -169,12 +169,12 @@ WallScene thin_wall_scene(double thickness, double azimuth_deg, double lean_deg)
   return wall;
 }
 
-HouseScene closed_house_scene(double thickness) {
-  const Heading heading(17.9);
+HouseScene closed_house_scene(double thickness, double azimuth_deg) {
+  const Heading heading(azimuth_deg);
   const HouseSize outer{32, 22, 24, 14};
   HouseScene house;
   static_cast<SurfaceScene&>(house) =
-      named(fmt::format("inside-{:g}", thickness),
+      named(fmt::format("inside-{:g}-at-{:g}", thickness, azimuth_deg),
             thickness > 0 ? fmt::format("the inside of a closed house with walls {:g} thick", thickness)
                           : "the inside of a closed house of one layer");
   add_solid(house, house_sides(off_the_lattice, heading, outer));

@@ -46,6 +46,6 @@ struct HouseScene : SurfaceScene {
   Vec3d inside{};
 };
 /// Returns a house whose walls, roof and floor are `thickness` voxels thick; 0: one layer.
-HouseScene closed_house_scene(double thickness);
+HouseScene closed_house_scene(double thickness, double azimuth_deg);
 
 }  // namespace gigabake::bench

@@ -95,7 +95,7 @@ TEST_F(SurfaceScenes, ShowTheAreaOfTheirSilhouettes) {
 
 TEST_F(SurfaceScenes, HousesAreClosed) {
   for (const double thickness : {0., 0.3, 2.}) {
-    const HouseScene house = closed_house_scene(thickness);
+    const HouseScene house = closed_house_scene(thickness, 17.9);
     for (const Vec3d& direction : {Vec3d{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) {
       CameraOptions camera = narrow_camera(house.inside, direction * -1.0, 1e-3, 32, 32);
       camera.fovy_deg = 90;
