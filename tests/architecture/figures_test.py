@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Checks that tools/figures wrote all tables of measured values, and that it notices a changed number.
+"""Checks that tools/figures wrote all tables of measured values, and that it notices a changed number. Also checks that
+each measured number in the text of README.md is in the data of its table.
 
 Usage: figures_test.py SOURCE_DIR
 """
+import json
 import re
 import shutil
 import subprocess
@@ -17,6 +19,8 @@ MARKED = re.compile(r"^<!-- data/.*?^<!-- end -->$", re.M | re.S)
 TABLE = re.compile(r"^\|.*\n\| ---.*\n(?:\|.*\n)+", re.M)
 MEASURED = re.compile(r"\b(?:m?s|[kKMG]i?B|bytes|seconds|memory|errors?|FLIP|PSNR|IoU|worst|missed)\b|ΔE")
 NUMBER = re.compile(r"[+-]?[\d.][\d.,]*(?: \d{3})*(?: (?:m?s|%|[kKMG]i?B|[MG]))?")
+# A number with a unit of time, bytes, rates, area or error in text.
+IN_TEXT = re.compile(r"\d[\d.,]*\s?(?:ms|µs|ns|s|seconds?|minutes?|hours?|%|×|times|[kKMGT]i?B|dB|km²|fps)(?!\w)")
 # Headings of tables with such words or numbers that are not measured.
 EXEMPT = {"| claim | test | cases |": "numbers of test cases",
           "| case | expected (area; conservative; thin) | why |": "numbers of voxels that follow from the rules"}
@@ -38,6 +42,18 @@ def tables_by_hand(root):
             if has_measurements(found) and found.split("\n")[0] not in EXEMPT:
                 heading = found.split("\n")[0]
                 yield f"{path.relative_to(root)}: `{heading}` looks measured, but has no markers of tools/figures"
+
+
+def loose_numbers(root):
+    """Yields the measured numbers in the text of README.md that the data of its table do not contain."""
+    readme = root / "README.md"
+    text = re.sub(r"```.*?```|`[^`]*`", "", TABLE.sub("", readme.read_text(encoding="utf-8")), flags=re.S)
+    stored = json.loads((root / "docs/data/readme.json").read_text(encoding="utf-8"))
+    cells = " ".join(str(cell) for row in stored["rows"] for cell in row)
+    for found in IN_TEXT.findall(text):
+        number = re.match(r"[\d.,]*\d", found)[0]
+        if not re.search(rf"(?<![\d.]){re.escape(number)}(?![\d.])", cells):
+            yield f"README.md: `{found}` looks measured, but docs/data/readme.json does not contain it"
 
 
 def checked(root):
@@ -66,6 +82,9 @@ def unnoticed(root):
             code, output = checked(copy)
             if code != 1 or expected not in output:
                 yield f"tools/figures --check does not report `{expected}`: {code}, {output}"
+        (copy / "README.md").write_text("A bake takes 4.1 s, later 4.7 s, of `--threads 7 s`.\n", encoding="utf-8")
+        if len(list(loose_numbers(copy))) != 1:
+            yield f"this test finds {list(loose_numbers(copy))} in the text of a README.md with one number without data"
         page.write_text(re.sub(r"<!-- .* -->\n", "", text), encoding="utf-8")
         found, expected = len(list(tables_by_hand(copy))), len(MARKED.findall(text))
         if found != expected:
@@ -77,6 +96,7 @@ def problems(root):
     if code != 0:
         yield output
     yield from tables_by_hand(root)
+    yield from loose_numbers(root)
     yield from unnoticed(root)
 
 
