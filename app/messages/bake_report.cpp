@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/messages/json_text.h"
+#include "app/messages/run_report.h"
 #include "app/messages/similar_lines.h"
 #include "app/messages/status_text.h"
 #include "app/options/flags.h"
@@ -149,6 +150,7 @@ void print_report(const BakeSummary& s, const std::filesystem::path& out) {
   if (s.orphans.files != 0)
     fmt::print("{} of earlier bakes kept, {}; --prune removes {}\n", pluralize(s.orphans.files, "shard"),
                readable_bytes(s.orphans.bytes), s.orphans.files == 1 ? "it" : "them");
+  fmt::print("{}\n", run_text(s));
   if (!s.scene.cells.empty()) fmt::print("{}\n", (out / "scene.xml").string());
 }
 
@@ -176,6 +178,7 @@ std::string json_report(const BakeSummary& s, const std::filesystem::path& out) 
       {"survey", s.scan_s}, {"bake", s.bake_s}, {"read", s.read_s}, {"kernels", s.kernel_s}, {"write", s.write_s}};
   j["slowest_stage"] = slowest_stage(s);
   add_slowest(s.status.slowest, j);
+  add_run(s, j);
   j["peak_process_bytes"] = s.peak_process_bytes;
   j["peak_kernel_bytes"] = s.peak_kernel_bytes;
   j["bad_uv"] = s.bad_uv;

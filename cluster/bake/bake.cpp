@@ -18,6 +18,7 @@
 #include "core/base/memory_limit.h"
 #include "core/base/pluralize.h"
 #include "format/system/message.h"
+#include "format/system/meters/energy_meter.h"
 #include "scheduler/journal/scan_cache.h"
 
 namespace gigabake {
@@ -207,6 +208,7 @@ void bake_jobs(BakeSession& s) {
 
 /// Runs all steps of a bake. OUT is unlocked when it returns. `feed` is null except on rank 0.
 BakeSummary run_steps(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress, StatusFeed* feed) {
+  EnergyMeter energy;
   BakeSession s(mpi, request, progress, feed);
   s.summary.ranks = mpi.ranks();
   s.summary.threads = threads_of(mpi, request);
@@ -219,6 +221,7 @@ BakeSummary run_steps(MpiSession& mpi, const BakeRequest& request, const BakePro
   choose_devices(s);  // after the scan, because the driver's start would delay the scan
   plan_jobs(s, request.overviews ? PlanLevels::cells_and_overviews : PlanLevels::cells);
   bake_jobs(s);
+  s.summary.joules = energy.joules();
   return std::move(s.summary);
 }
 

@@ -3,15 +3,18 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "cluster/bake/output_folder.h"
+#include "cluster/bake/run_amounts.h"
 #include "cluster/bake/shared_sources.h"
 #include "cluster/mpi/collective.h"
 #include "cluster/mpi/mpi_session.h"
 #include "core/base/progress.h"
 #include "core/octree/parameters.h"
+#include "format/job/run_work.h"
 #include "format/scene/xml/scene_xml.h"
 #include "format/source/source.h"
 #include "scheduler/plan/plan.h"
@@ -53,6 +56,9 @@ struct BakeSummary {
   std::vector<std::string> warnings;  ///< BakePlan::warnings
   BakeStatus status;                  ///< the status at the end of the bake
   double scan_s = 0, bake_s = 0, read_s = 0, kernel_s = 0, write_s = 0;
+  RunAmounts amounts;                    ///< baked by this run
+  RunWork work;                          ///< of all bake processes and rank 0
+  std::optional<double> joules;          ///< of the processors of rank 0's host; nullopt: not measured
   std::uint64_t peak_kernel_bytes = 0;   ///< max over cells
   std::uint64_t bad_uv = 0;              ///< triangles with unusable texture coordinates, summed over this run's cells
   std::uint64_t peak_process_bytes = 0;  ///< max over bake processes and rank 0

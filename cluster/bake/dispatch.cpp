@@ -104,6 +104,7 @@ class Dispatcher {
     hear(message.from);
     if (message.tag == tag_report) {
       const BakeAnswer answer = answer_from_bytes(message.bytes);
+      result_.work += answer.work;
       take(message.from, answer.report, answer.attempt);
     }
     if (message.tag == tag_died) report_end(message.from, std::string(message.bytes.begin(), message.bytes.end()));

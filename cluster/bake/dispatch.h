@@ -23,6 +23,7 @@ struct DispatchResult {
   JobCounts counts;
   std::vector<int> lost_ranks;   ///< ranks lost at the end; if there are any, no collective call may follow
   std::uint64_t peak_bytes = 0;  ///< max over the bake processes of ranks other than 0
+  RunWork work;                  ///< of all ranks' bake processes, including failed attempts
   bool is_drained = false;       ///< the bake ended on request before all cells were baked
 };
 

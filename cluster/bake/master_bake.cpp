@@ -79,6 +79,9 @@ void MasterBake::run() {
   summary_.is_drained = result.is_drained;
   summary_.lost_ranks = result.lost_ranks.size();
   summary_.peak_process_bytes = std::max({result.peak_bytes, session_.process->peak_bytes(), peak_bytes_here()});
+  summary_.amounts = amounts_of(plan_, result.reports, request_.parameters.voxel_size_m);
+  summary_.work = result.work;
+  summary_.work.cpu_s += process_cpu_s();
   std::move(prior.done.begin(), prior.done.end(), std::back_inserter(result.reports));
   add_times(result.reports, plan_, summary_);  // find_cached() sets the times of reused cells to 0
   for (const CellReport& r : result.reports)

@@ -18,7 +18,7 @@ void RankBaker::handle(std::span<const std::uint8_t> order) {
 std::optional<Message> RankBaker::answer() {
   while (const auto event = process_.poll()) {
     if (const auto* baked = std::get_if<BakeProcess::Baked>(&*event))
-      return Message{0, tag_report, to_bytes(BakeAnswer{baked->report, baked->attempt})};
+      return Message{0, tag_report, to_bytes(BakeAnswer{baked->report, baked->attempt, baked->work})};
     if (const auto* died = std::get_if<BakeProcess::Died>(&*event)) {
       ++deaths_;
       return Message{0, tag_died, {died->why.begin(), died->why.end()}};

@@ -146,7 +146,7 @@ void BakeProcess::take(const BakeMessage& message) {
     if (asked == cells_.end()) throw InputError("cell report", "id", "was not requested");
     if (asked == cells_.begin()) cell_since_ = watch_.watched();
     cells_.erase(asked);
-    events_.push_back(Baked{std::move(answer.report), answer.attempt});
+    events_.push_back(Baked{std::move(answer.report), answer.attempt, answer.work});
   } else {
     throw InputError("bake message", "kind", "expected an answer");
   }

@@ -43,6 +43,7 @@ class BakeProcess {
   struct Baked {
     CellReport report;
     std::uint32_t attempt;
+    RunWork work;  ///< the process's work since its previous answer
   };
   /// The death of the process, with the requests that were in flight, oldest first. The caller may submit them again.
   struct Died {

@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "core/base/work_counts.h"
+
 namespace gigabake {
 namespace {
 
@@ -123,6 +125,7 @@ void ThreadPool::parallel_for(std::size_t count, std::size_t grain, const Body& 
     return;
   }
   Loop loop{body, count, grain, ranges, {}, {}, {}, {}};
+  count_work(WorkCounter::joins);
   pool_->run(loop);
   if (loop.error) std::rethrow_exception(loop.error);
 }

@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <mutex>
 
+#include "core/base/work_counts.h"
 #include "format/shard/columns/channels.h"
 #include "format/shard/columns/shard_columns.h"
 #include "format/shard/levels/above.h"
@@ -8,6 +9,7 @@
 #include "format/shard/shard.h"
 #include "format/shard/shard_layout.h"
 #include "format/system/descriptor.h"
+#include "format/system/meters/stage_clock.h"
 #include "format/system/publish.h"
 #include "format/system/publish_place.h"
 
@@ -45,10 +47,17 @@ void write_header(Hdf5File& file, const ShardHeader& h, const DownsampleState& a
 template <class AddColumns>
 StoredShard make_file(Hdf5File file, const ShardHeader& header, const DownsampleState& above,
                       const ShardWriteOptions& options, const AddColumns& add_columns) {
-  write_header(file, header, above);
+  {
+    const InStage writing(BakeStage::writing);
+    write_header(file, header, above);
+  }
   ShardColumns columns(header);
-  add_columns(columns);
+  {
+    const InStage packing(BakeStage::packing);
+    add_columns(columns);
+  }
   const StoredShard stored = columns.stored_bytes(file.write_columns(columns.columns(), options.codec, options.pool));
+  const InStage writing(BakeStage::writing);
   file.close();
   return stored;
 }
@@ -84,7 +93,17 @@ struct Ahead {
   }
 };
 
+/// Publishes the complete file at publication.temporary() and returns its size.
+std::uint64_t publish(Publication& publication) {
+  const InStage writing(BakeStage::writing);
+  const std::uint64_t bytes = std::filesystem::file_size(publication.temporary());
+  publication.publish();
+  count_work(WorkCounter::shard_bytes_written, bytes);
+  return bytes;
+}
+
 void write_image(const FileImage& image, const std::filesystem::path& temporary, const std::filesystem::path& path) {
+  const InStage writing(BakeStage::writing);
   const Descriptor out(temporary, O_WRONLY | O_TRUNC);
   if (!out.is_open() || !out.write_all(image.file())) fail_to(path, "write");
 }
@@ -99,8 +118,7 @@ StoredShard write_shard(const std::filesystem::path& path, const Shard& shard, c
                                    columns.add_above(shard.above);
                                    for (const BrickLevel& level : shard.levels) columns.add_level(level, options.pool);
                                  });
-  stored.file = std::filesystem::file_size(publication.temporary());
-  publication.publish();
+  stored.file = publish(publication);
   return stored;
 }
 
@@ -121,8 +139,7 @@ StoredShard write_packed_shard(const std::filesystem::path& path, const PackedSh
                 });
   if (turn.owns_lock()) turn.unlock();
   if (in_memory) write_image(image, publication.temporary(), path);
-  stored.file = std::filesystem::file_size(publication.temporary());
-  publication.publish();
+  stored.file = publish(publication);
   return stored;
 }
 

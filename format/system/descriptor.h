@@ -8,13 +8,17 @@
 #include <unistd.h>
 #include <utility>
 
+#include "core/base/work_counts.h"
+
 namespace gigabake {
 
 class Descriptor {
  public:
   Descriptor() = default;
   /// Opens the file with the flags of open(2). If is_open() is false afterwards, errno has the reason.
-  Descriptor(const std::filesystem::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+  Descriptor(const std::filesystem::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
+    count_work(WorkCounter::files_opened);
+  }
   ~Descriptor() {
     if (fd_ >= 0) ::close(fd_);
   }

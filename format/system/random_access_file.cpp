@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/work_counts.h"
 
 namespace gigabake {
 
@@ -26,6 +27,7 @@ void RandomAccessFile::write(std::uint64_t offset, std::span<const std::uint8_t>
 }
 
 void RandomAccessFile::read(std::uint64_t offset, std::span<std::uint8_t> bytes) const {
+  count_work(WorkCounter::file_bytes_read, bytes.size());
   while (!bytes.empty()) {
     const ssize_t got = ::pread(file_.get(), bytes.data(), bytes.size(), off_t(offset));
     if (got < 0 && errno == EINTR) continue;

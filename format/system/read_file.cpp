@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
+#include "core/base/work_counts.h"
 
 namespace gigabake {
 
@@ -17,6 +18,8 @@ std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& path, std
     throw InputError(path, "", "larger than " + std::to_string(max_bytes) + " bytes; split it into tiles");
   MemoryClaim(path).add_items(bytes, 1, "", "bytes of the file");
   std::vector<std::uint8_t> content(bytes);
+  count_work(WorkCounter::files_opened);
+  count_work(WorkCounter::file_bytes_read, bytes);
   std::ifstream in(path, std::ios::binary);
   if (!in.read(reinterpret_cast<char*>(content.data()), std::streamsize(bytes)))
     throw IoError(path, "", "cannot be read to its end");

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include "core/base/error.h"
+#include "core/base/work_counts.h"
 
 namespace gigabake {
 
@@ -19,6 +20,7 @@ ReadableFile::ReadableFile(std::filesystem::path path)
 }
 
 void ReadableFile::read(std::uint64_t offset, std::span<std::uint8_t> out) const {
+  count_work(WorkCounter::file_bytes_read, out.size());
   while (!out.empty()) {
     const ssize_t got = ::pread(file_.get(), out.data(), out.size(), off_t(offset));
     if (got < 0 && errno == EINTR) continue;

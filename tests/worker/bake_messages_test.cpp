@@ -78,8 +78,12 @@ TEST(BakeOrder, ComesBackFromItsBytesAndSoDoesTheAnswer) {
   BakeAnswer answer;
   answer.report.error = "no";
   answer.attempt = 4;
+  answer.work.counts.counts[std::size_t(WorkCounter::joins)] = 7;
+  answer.work.cpu_s = 1.5;
   EXPECT_EQ(answer_from_bytes(to_bytes(answer)).report.error, "no");
   EXPECT_EQ(answer_from_bytes(to_bytes(answer)).attempt, 4u);
+  EXPECT_EQ(answer_from_bytes(to_bytes(answer)).work.counts, answer.work.counts);
+  EXPECT_EQ(answer_from_bytes(to_bytes(answer)).work.cpu_s, 1.5);
   EXPECT_EQ(tile_of_request(scan_request(77)), 77u);
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
+#include "core/base/work_counts.h"
 #include "format/shard/shard_reader.h"
 #include "kernels/cpu/mip/overview.h"
 #include "worker/pipeline/cell_parameters.h"
@@ -70,6 +71,7 @@ namespace {
 
 std::shared_ptr<const OverviewChild> read_child_file(const std::filesystem::path& out, const std::string& file,
                                                      const CellJob& overview) {
+  count_work(WorkCounter::overview_children_read);
   const ShardReader reader(out / file);
   // The fingerprint in the header differs from the name if another bake has replaced the child.
   if (shard_file(reader.header().cell, reader.header().fingerprint) != file)
@@ -89,6 +91,8 @@ OverviewChildren read_children(const std::filesystem::path& out, const CellJob& 
     children[c] = find(file);
     if (!children[c] || children[c]->copied.begin != overview.first_lod)
       children[c] = read_child_file(out, file, overview);
+    count_work(WorkCounter::overview_children);
+    count_work(WorkCounter::overview_rows, children[c]->copied.coarse.nodes.key.size());
     const std::scoped_lock lock(claiming);
     memory.add_items(2, bytes_of(*children[c]), "", "duplicated levels of its children");
   });

@@ -47,7 +47,15 @@ std::vector<std::uint8_t> split_attempt(std::span<const std::uint8_t> bytes, con
 }  // namespace
 
 std::vector<std::uint8_t> to_bytes(const BakeOrder& order) { return with_attempt(order.attempt, order.job); }
-std::vector<std::uint8_t> to_bytes(const BakeAnswer& answer) { return with_attempt(answer.attempt, answer.report); }
+
+std::vector<std::uint8_t> to_bytes(const BakeAnswer& answer) {
+  ByteWriter w;
+  w.put(answer.work);
+  std::vector<std::uint8_t> bytes = w.take();
+  const std::vector<std::uint8_t> report = with_attempt(answer.attempt, answer.report);
+  bytes.insert(bytes.end(), report.begin(), report.end());
+  return bytes;
+}
 
 std::vector<std::uint8_t> to_bytes(const DeviceAnswer& answer) {
   ByteWriter w;
@@ -85,7 +93,8 @@ BakeOrder order_from_bytes(std::span<const std::uint8_t> bytes) {
 
 BakeAnswer answer_from_bytes(std::span<const std::uint8_t> bytes) {
   BakeAnswer answer;
-  answer.report = report_from_bytes(split_attempt(bytes, "bake answer", answer.attempt));
+  ByteReader(bytes, "bake answer").get(answer.work);
+  answer.report = report_from_bytes(split_attempt(bytes.subspan(sizeof answer.work), "bake answer", answer.attempt));
   return answer;
 }
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "format/job/cell_job.h"
+#include "format/job/run_work.h"
 #include "worker/pipeline/backend.h"
 
 namespace gigabake {
@@ -37,6 +38,7 @@ struct BakeOrder {
 struct BakeAnswer {
   CellReport report;
   std::uint32_t attempt = 1;
+  RunWork work = {};  ///< the process's work since its previous answer
 };
 
 /// The device that the process bakes on, or the reason why the requested device is not available.

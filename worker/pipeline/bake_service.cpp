@@ -21,6 +21,7 @@
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
 #include "format/job/fingerprint.h"
+#include "format/job/run_work.h"
 #include "format/job/source_bytes.h"
 #include "worker/pipeline/bake_messages.h"
 #include "worker/pipeline/cell_pipeline.h"
@@ -311,7 +312,7 @@ class BakeServer {
       if (!report) break;
       // Finds the oldest attempt at this cell, because the cell may have been requested again.
       const auto attempt = std::ranges::find(attempts_, report->id, &Attempt::first);
-      send(BakeMessageKind::baked, to_bytes(BakeAnswer{std::move(*report), attempt->second}));
+      send(BakeMessageKind::baked, to_bytes(BakeAnswer{std::move(*report), attempt->second, work_.next()}));
       attempts_.erase(attempt);
     }
   }
@@ -332,6 +333,7 @@ class BakeServer {
   std::unique_ptr<ScanThread> scanner_;
   bool scans_ = false;  ///< true if scan requests are accepted
   std::unique_ptr<CellPipeline> pipeline_;
+  RunWorkMeter work_;
   std::vector<Attempt> attempts_;  ///< attempts at the cells in the pipeline, oldest first
 };
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "format/system/meters/stage_clock.h"
 #include "worker/pipeline/bounded_queue.h"
 #include "worker/pipeline/cell_stages.h"
 #include "worker/pipeline/writer_pool_size.h"
@@ -22,9 +23,11 @@ namespace {
 constexpr std::size_t overviews_waiting = 64;
 
 /// Runs one stage on a cell; an exception makes the report final. `of_input` is the outcome of an InputError in this
-/// stage. The write stage passes `failed`, because its errors are I/O errors.
+/// stage. The write stage passes `failed`, because its errors are I/O errors. `stage` is the stage on the process's
+/// clock; the write stage passes nullopt, because the writer of shards distinguishes packing from writing.
 template <class Work>
-void run_stage(InFlightCell& cell, double CellReport::*seconds, CellOutcome of_input, const Work& work) {
+void run_stage(InFlightCell& cell, double CellReport::*seconds, std::optional<BakeStage> stage, CellOutcome of_input,
+               const Work& work) {
   if (cell.is_final) return;
   const auto start = std::chrono::steady_clock::now();
   const auto fail = [&](std::string line, CellOutcome outcome = CellOutcome::failed) {
@@ -38,6 +41,8 @@ void run_stage(InFlightCell& cell, double CellReport::*seconds, CellOutcome of_i
     cell.volume = {};
   };
   try {
+    std::optional<InStage> in_stage;
+    if (stage) in_stage.emplace(*stage);
     work(cell);
   } catch (const std::bad_alloc&) {
     fail("not enough memory for this cell; use a smaller `cell_voxels` or fewer ranks on the machine");
@@ -136,7 +141,7 @@ class CellPipeline::Stages {
   void read(InFlightCell& cell) {
     // A missing child may still appear, because another host may have written it a moment ago.
     const CellOutcome of_input = is_overview(cell.job) ? CellOutcome::failed : CellOutcome::refused;
-    run_stage(cell, &CellReport::read_s, of_input, [this](InFlightCell& c) { stages_.read(c); });
+    run_stage(cell, &CellReport::read_s, BakeStage::reading, of_input, [this](InFlightCell& c) { stages_.read(c); });
   }
 
   /// Reads and computes overviews on the host while a device bakes cells, so that the device never waits for an
@@ -144,7 +149,7 @@ class CellPipeline::Stages {
   void make_overviews() {
     while (auto cell = overviews_.take()) {
       read(**cell);
-      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused, [this](InFlightCell& c) {
+      run_stage(**cell, &CellReport::kernel_s, BakeStage::kernels, CellOutcome::refused, [this](InFlightCell& c) {
         stages_.compute(c);
         stages_.read_back(c, 0);
       });
@@ -162,7 +167,7 @@ class CellPipeline::Stages {
   void compute_all() {
     BoundedQueue<std::unique_ptr<InFlightCell>>& next = has_device_ ? computed_ : ready_;
     while (auto cell = loaded_.take()) {
-      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused, [this](InFlightCell& c) {
+      run_stage(**cell, &CellReport::kernel_s, BakeStage::kernels, CellOutcome::refused, [this](InFlightCell& c) {
         stages_.compute(c);
         if (!has_device_) stages_.read_back(c, 0);
       });
@@ -173,7 +178,7 @@ class CellPipeline::Stages {
 
   void read_back_all(std::size_t readback_worker) {
     while (auto cell = computed_.take()) {
-      run_stage(**cell, &CellReport::kernel_s, CellOutcome::refused,
+      run_stage(**cell, &CellReport::kernel_s, BakeStage::packing, CellOutcome::refused,
                 [this, readback_worker](InFlightCell& c) { stages_.read_back(c, readback_worker); });
       ready_.push(std::move(*cell));
     }
@@ -182,7 +187,7 @@ class CellPipeline::Stages {
 
   void write_all() {
     while (auto cell = ready_.take()) {
-      run_stage(**cell, &CellReport::write_s, CellOutcome::failed, [this](InFlightCell& c) { stages_.write(c); });
+      run_stage(**cell, &CellReport::write_s, {}, CellOutcome::failed, [this](InFlightCell& c) { stages_.write(c); });
       {
         const std::scoped_lock lock(mutex_);
         reports_.push_back(std::move((*cell)->report));

@@ -9,6 +9,7 @@
 #include "format/shard/levels/content_hash.h"
 #include "format/shard/packed_shard.h"
 #include "format/shard/shard_reader.h"
+#include "format/system/meters/stage_clock.h"
 #include "kernels/cpu/bake_cell.h"
 #include "worker/pipeline/cell_parameters.h"
 #include "worker/pipeline/shard_from_volume.h"
@@ -279,6 +280,7 @@ void CellStages::write(InFlightCell& cell) {
 
 template <class AnyShard>
 void CellStages::report_shard(InFlightCell& cell, const AnyShard& shard, const StoredShard& stored) const {
+  const InStage packing(BakeStage::packing);
   cell.report.shard = stamp_of(options_.out / shard_path(cell.job)).value_or(FileStamp{});
   cell.report.cell = scene_cell(cell.job, shard, stored);
   cell.report.levels = with_stored(summaries(shard, write_pool_), stored.levels);

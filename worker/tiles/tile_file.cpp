@@ -8,6 +8,7 @@
 #include <xxhash.h>
 
 #include "core/base/error.h"
+#include "core/base/work_counts.h"
 
 namespace gigabake {
 namespace {
@@ -51,6 +52,7 @@ const std::uint8_t* take(const std::uint8_t* from, std::size_t count, std::vecto
 
 /// Returns false if the file ends early (errno is 0) or cannot be read (errno is set).
 bool read_at(const Descriptor& file, std::uint64_t offset, std::span<std::uint8_t> bytes) {
+  count_work(WorkCounter::file_bytes_read, bytes.size());
   errno = 0;
   while (!bytes.empty()) {
     const ssize_t got = ::pread(file.get(), bytes.data(), bytes.size(), off_t(offset));

@@ -98,6 +98,7 @@ Hdf5Id created(const Hdf5Call& call, const std::filesystem::path& path, const Hd
 Hdf5File Hdf5File::create(const std::filesystem::path& path, const std::filesystem::path& called) {
   const Hdf5Call call{called, ""};
   configure_hdf5(call);
+  count_work(WorkCounter::files_opened);
   return {called, created(call, path, access_properties(call))};
 }
 
@@ -114,6 +115,7 @@ Hdf5File Hdf5File::open(const std::filesystem::path& path) {
   const Hdf5Call call{path, ""};
   configure_hdf5(call);
   const Hdf5Id access = access_properties(call);
+  count_work(WorkCounter::files_opened);
   return {path, call.id("H5Fopen", H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose)};
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/thread_pool.h"
+#include "core/base/work_counts.h"
 #include "format/shard/hdf5/chunk_codec.h"
 #include "format/shard/hdf5/file_image.h"
 #include "format/shard/hdf5/hdf5_call.h"
@@ -82,8 +83,14 @@ class Hdf5File {
 
   ColumnReads reads() const { return {reads_->rows, reads_->bytes}; }
   /// Adds `rows` to the sum that reads() returns. All code that reads columns of this file calls add_read_rows().
-  void add_read_rows(std::uint64_t rows) const { reads_->rows += rows; }
-  void add_read_bytes(std::uint64_t bytes) const { reads_->bytes += bytes; }
+  void add_read_rows(std::uint64_t rows) const {
+    reads_->rows += rows;
+    count_work(WorkCounter::shard_rows_read, rows);
+  }
+  void add_read_bytes(std::uint64_t bytes) const {
+    reads_->bytes += bytes;
+    count_work(WorkCounter::shard_bytes_read, bytes);
+  }
 
   const std::filesystem::path& path() const { return path_; }
   /// Returns the file descriptor of the open file, for pread(). HDF5 still owns the descriptor.

@@ -7,6 +7,7 @@
 #include "core/codec/chunk_rows.h"
 #include "format/shard/hdf5/chunk_codec.h"
 #include "format/shard/hdf5/hdf5_file.h"
+#include "format/system/meters/stage_clock.h"
 
 namespace gigabake {
 namespace {
@@ -48,16 +49,14 @@ Bytes encode(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scr
   return encode_chunk(padded, filters);
 }
 
-/// Returns `pool`, or only the calling thread if all columns are packed already. Waking threads would then take longer
-/// than storing the chunks.
-const ThreadPool& threads_for(std::span<const ColumnRows> columns, const ThreadPool& pool) {
-  const bool is_packed =
-      std::all_of(columns.begin(), columns.end(), [](const ColumnRows& c) { return c.rows == 0 || !c.stored.empty(); });
-  return is_packed ? callers_thread() : pool;
+bool are_packed(std::span<const ColumnRows> columns) {
+  return std::all_of(columns.begin(), columns.end(),
+                     [](const ColumnRows& c) { return c.rows == 0 || !c.stored.empty(); });
 }
 
 Chunk pack(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scratch) {
   if (!from.stored.empty()) return {{}, from.stored[number]};
+  const InStage packing(BakeStage::packing);
   return {encode(from, number, codec, scratch), {}};
 }
 
@@ -68,12 +67,20 @@ Chunk pack(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scrat
 class ColumnsInOrder {
  public:
   ColumnsInOrder(Hdf5File& file, std::span<const ColumnRows> columns, Codec codec)
-      : file_(file), columns_(columns), codec_(codec), chunks_(all_chunks(columns)), ready_(chunks_.size()) {
+      : file_(file),
+        columns_(columns),
+        codec_(codec),
+        is_packed_(are_packed(columns)),
+        chunks_(all_chunks(columns)),
+        ready_(chunks_.size()) {
     stored_.resize(columns.size());
   }
 
   std::vector<std::uint64_t> write(const ThreadPool& all_threads) {
-    const ThreadPool& pool = threads_for(columns_, all_threads);
+    // If all columns are packed already, waking threads would take longer than storing the chunks.
+    const ThreadPool& pool = is_packed_ ? callers_thread() : all_threads;
+    std::optional<InStage> writing;
+    if (is_packed_) writing.emplace(BakeStage::writing);
     std::vector<Bytes> scratch(std::size_t(pool.threads()));
     pool.parallel_for(chunks_.size(), 1, [&](std::size_t i, std::size_t, int thread) {
       give(i, pack(columns_[chunks_[i].column], chunks_[i].number, codec_, scratch[std::size_t(thread)]));
@@ -90,6 +97,8 @@ class ColumnsInOrder {
     std::unique_lock lock(mutex_);
     ready_[chunk] = std::move(packed);
     if (std::exchange(storing_, true)) return;
+    std::optional<InStage> writing;
+    if (!is_packed_) writing.emplace(BakeStage::writing);
     for (; next_ < ready_.size() && !ready_[next_].bytes().empty(); ++next_) {
       const Chunk taken = std::exchange(ready_[next_], {});
       lock.unlock();
@@ -122,6 +131,7 @@ class ColumnsInOrder {
   Hdf5File& file_;
   const std::span<const ColumnRows> columns_;
   const Codec codec_;
+  const bool is_packed_;
   const std::vector<ChunkPlace> chunks_;
   std::mutex mutex_;          ///< guards the next three members
   std::vector<Chunk> ready_;  ///< per chunk; no bytes: not ready, or stored already

@@ -1,4 +1,4 @@
-"""PNG files: reads images of eight bits, RGB or RGBA, not interlaced; writes chunks."""
+"""PNG files: reads images of eight bits, RGB or RGBA, not interlaced; writes RGB, and chunks."""
 import struct
 import zlib
 from pathlib import Path
@@ -9,6 +9,15 @@ import numpy
 def chunk(kind, data):
     """Returns a chunk with its length and checksum."""
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+
+def write_png(path, pixels):
+    """Writes height × width × 3 bytes as RGB, without row filters."""
+    height, width, _ = pixels.shape
+    rows = numpy.concatenate([numpy.zeros((height, 1), "u1"), pixels.reshape(height, -1)], 1).tobytes()
+    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    Path(path).write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows, 1)) +
+                           chunk(b"IEND", b""))
 
 
 def read_png(path):
