@@ -40,6 +40,8 @@ void append(const DeviceArray<T>& from, std::vector<T>& to) {
   const std::size_t before = to.size();
   to.resize(before + from.size());
   if (from.empty()) return;
+  count_work(WorkCounter::device_bytes_downloaded, from.bytes());
+  count_work(WorkCounter::device_synchronizations);
   check_cuda(cudaMemcpy(to.data() + before, from.data(), from.bytes(), cudaMemcpyDeviceToHost),
              "cudaMemcpy (input of coarser levels)");
 }
@@ -99,14 +101,13 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
   } else {  // keeping the vertices would take more than half of the spare 20 %, so each access snaps again
     window = DeviceArray<SnapWindow>(heap_, 1);
     const SnapWindow& snapped_to = cell.window;
-    check_cuda(cudaMemcpyAsync(window.data(), &snapped_to, sizeof snapped_to, cudaMemcpyHostToDevice, heap_.stream()),
-               "cudaMemcpyAsync (window)");
+    upload_async(window.data(), &snapped_to, sizeof snapped_to, heap_.stream(), "cudaMemcpyAsync (window)");
     cell.input.window = window.data();
   }
   clock_.mark(1);
   heap_.limit_to(cell.limit);
   if (!bake_at_once(cell, out)) bake_in_parts(cell, out);
-  check_cuda(cudaStreamSynchronize(heap_.stream()), "cudaStreamSynchronize (bake)");
+  wait_for(heap_.stream(), "cudaStreamSynchronize (bake)");
 }
 
 /// Computes the levels [0, lods) of a range of bricks. Records the clock's marks 2 to 5.
@@ -131,7 +132,7 @@ LevelsAbove CellBake::levels_of(const Cell& cell, KeyRange range, int lods, BinC
 }
 
 void CellBake::count_batch(CellStats& total) const {
-  check_cuda(cudaStreamSynchronize(heap_.stream()), "cudaStreamSynchronize (levels)");
+  wait_for(heap_.stream(), "cudaStreamSynchronize (levels)");
   total.batches += 1;
   total.snap_s = clock_.between(0, 1);
   total.sort_s += clock_.between(2, 3);

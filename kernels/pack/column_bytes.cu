@@ -11,8 +11,8 @@ std::shared_ptr<PinnedBuffer> read_back(DeviceHeap& heap, const std::uint8_t* by
                                         PinnedPool& pinned, const std::uint8_t*& arrived) {
   std::shared_ptr<PinnedBuffer> buffer = pinned.take();
   std::byte* to = buffer->reserve(rounded_capacity(size));
-  check_cuda(cudaMemcpyAsync(to, bytes, size, cudaMemcpyDeviceToHost, heap.stream()), "cudaMemcpyAsync (columns)");
-  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (columns)");
+  download_async(to, bytes, size, heap.stream(), "cudaMemcpyAsync (columns)");
+  wait_for(heap.stream(), "cudaStreamSynchronize (columns)");
   arrived = reinterpret_cast<const std::uint8_t*>(to);
   return buffer;
 }

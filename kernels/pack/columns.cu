@@ -293,8 +293,7 @@ FoundShares find_shares(DeviceHeap& heap, const LevelsView& levels, Findings& fi
 void make_columns(DeviceHeap& heap, const LevelsView& levels, const FoundShares& shares,
                   const std::vector<LevelOut>& out) {
   DeviceArray<LevelOut> places(heap, out.size());
-  check_cuda(cudaMemcpyAsync(places.data(), out.data(), places.bytes(), cudaMemcpyHostToDevice, heap.stream()),
-             "cudaMemcpyAsync (columns)");
+  upload_async(places.data(), out.data(), places.bytes(), heap.stream(), "cudaMemcpyAsync (columns)");
   const dim3 grid(grid_of(levels.bricks_in_all, warps), unsigned(levels.channels) + 1);
   write_columns<<<grid, threads, 0, heap.stream()>>>(levels, shares.share.data(), shares.start.data(), places.data());
   check_launch("write_columns");

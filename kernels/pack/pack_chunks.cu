@@ -49,8 +49,7 @@ BatchPlan plan_batch(std::span<const RawChunk> chunks, std::size_t first) {
 template <class T>
 DeviceArray<T> uploaded(DeviceHeap& heap, const std::vector<T>& host) {
   DeviceArray<T> device(heap, host.size());
-  check_cuda(cudaMemcpyAsync(device.data(), host.data(), device.bytes(), cudaMemcpyHostToDevice, heap.stream()),
-             "cudaMemcpyAsync");
+  upload_async(device.data(), host.data(), device.bytes(), heap.stream(), "cudaMemcpyAsync");
   return device;
 }
 

@@ -33,10 +33,8 @@ class Download {
 
   void run(cudaStream_t stream, PinnedBuffer& pinned, const ThreadPool& pool) const {
     std::byte* buffer = pinned.reserve(bytes_);
-    for (const Copy& c : copies_)
-      check_cuda(cudaMemcpyAsync(buffer + c.at, c.from, c.bytes, cudaMemcpyDeviceToHost, stream),
-                 "cudaMemcpyAsync (download)");
-    check_cuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize (download)");
+    for (const Copy& c : copies_) download_async(buffer + c.at, c.from, c.bytes, stream, "cudaMemcpyAsync (download)");
+    wait_for(stream, "cudaStreamSynchronize (download)");
     pool.parallel_for(fills_.size(), 1, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t i = begin; i < end; ++i) fills_[i](buffer);
     });

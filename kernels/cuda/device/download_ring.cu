@@ -45,13 +45,12 @@ void DownloadRing::bring(std::span<const Part> parts) {
   const std::vector<Piece> pieces = pieces_of(parts);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Piece& piece = pieces[i];
-    check_cuda(cudaMemcpyAsync(piece.arrived, piece.device, piece.bytes, cudaMemcpyDeviceToHost, stream_),
-               "cudaMemcpyAsync");
+    download_async(piece.arrived, piece.device, piece.bytes, stream_, "cudaMemcpyAsync");
     check_cuda(cudaEventRecord(arrival_of(i), stream_), "cudaEventRecord");
   }
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Piece& piece = pieces[i];
-    check_cuda(cudaEventSynchronize(arrivals_[i]), "cudaEventSynchronize");
+    wait_for(arrivals_[i], "cudaEventSynchronize");
     pool_.parallel_for(piece.bytes, bytes_per_thread, [&](std::size_t begin, std::size_t end, int) {
       std::memcpy(piece.host + begin, piece.arrived + begin, end - begin);
     });

@@ -14,9 +14,7 @@ std::size_t aligned(std::size_t bytes) { return (bytes + alignment - 1) / alignm
 template <class T>
 DeviceArray<T> upload(DeviceHeap& heap, const T* host, std::size_t size) {
   DeviceArray<T> array(heap, size);
-  if (size != 0)
-    check_cuda(cudaMemcpyAsync(array.data(), host, size * sizeof(T), cudaMemcpyHostToDevice, heap.stream()),
-               "cudaMemcpyAsync (upload)");
+  if (size != 0) upload_async(array.data(), host, size * sizeof(T), heap.stream(), "cudaMemcpyAsync (upload)");
   return array;
 }
 
@@ -32,9 +30,7 @@ class Layout {
   DeviceArray<std::uint8_t> upload(DeviceHeap& heap) const {
     DeviceArray<std::uint8_t> array(heap, bytes_);
     for (const Piece& p : pieces_)
-      check_cuda(
-          cudaMemcpyAsync(array.data() + offset_.at(p.host), p.host, p.bytes, cudaMemcpyHostToDevice, heap.stream()),
-          "cudaMemcpyAsync (mesh)");
+      upload_async(array.data() + offset_.at(p.host), p.host, p.bytes, heap.stream(), "cudaMemcpyAsync (mesh)");
     return array;
   }
   template <class T>
@@ -86,8 +82,7 @@ std::shared_ptr<const DeviceTexture> DeviceTextures::get(const TextureView& host
   for (int l = 0; l < host.levels; ++l) {
     const void* from = l == 0 ? static_cast<const void*>(host.base) : host.level[l];
     std::uint8_t* to = texture->texels.data() + at;
-    check_cuda(cudaMemcpyAsync(to, from, level_bytes(host, l), cudaMemcpyHostToDevice, heap_.stream()),
-               "cudaMemcpyAsync (texture)");
+    upload_async(to, from, level_bytes(host, l), heap_.stream(), "cudaMemcpyAsync (texture)");
     if (l == 0)
       texture->view.base = to;
     else
@@ -156,7 +151,7 @@ DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTexture
   }
   textures_ = upload(heap, views.data(), views.size());
   cell_materials_ = materials_in(input);
-  check_cuda(cudaStreamSynchronize(heap.stream()), "cudaStreamSynchronize (upload)");  // host arrays may be freed now
+  wait_for(heap.stream(), "cudaStreamSynchronize (upload)");  // host arrays may be freed now
 }
 
 std::uint64_t DeviceInput::bytes_with_textures() const {

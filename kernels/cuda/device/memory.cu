@@ -22,6 +22,7 @@ void* DeviceHeap::take(std::size_t bytes) {
     throw DeviceFull("cudaMallocAsync: no " + std::to_string(bytes) + " bytes are left on the device");
   }
   check_cuda(code, "cudaMallocAsync");
+  count_work(WorkCounter::device_allocations);
   live_ += bytes;
   memory_stats_.add(std::int64_t(bytes));
   return data;
@@ -36,9 +37,29 @@ void DeviceHeap::give(void* data, std::size_t bytes) noexcept {
 
 void DeviceHeap::bring(void* host, const void* device, std::size_t bytes, const char* what) {
   std::byte* arrived = arrived_.reserve(bytes);
-  check_cuda(cudaMemcpyAsync(arrived, device, bytes, cudaMemcpyDeviceToHost, stream_), what);
-  check_cuda(cudaStreamSynchronize(stream_), what);
+  download_async(arrived, device, bytes, stream_, what);
+  wait_for(stream_, what);
   std::memcpy(host, arrived, bytes);
+}
+
+void upload_async(void* device, const void* host, std::size_t bytes, cudaStream_t stream, const char* what) {
+  count_work(WorkCounter::device_bytes_uploaded, bytes);
+  check_cuda(cudaMemcpyAsync(device, host, bytes, cudaMemcpyHostToDevice, stream), what);
+}
+
+void download_async(void* host, const void* device, std::size_t bytes, cudaStream_t stream, const char* what) {
+  count_work(WorkCounter::device_bytes_downloaded, bytes);
+  check_cuda(cudaMemcpyAsync(host, device, bytes, cudaMemcpyDeviceToHost, stream), what);
+}
+
+void wait_for(cudaStream_t stream, const char* what) {
+  count_work(WorkCounter::device_synchronizations);
+  check_cuda(cudaStreamSynchronize(stream), what);
+}
+
+void wait_for(cudaEvent_t event, const char* what) {
+  count_work(WorkCounter::device_synchronizations);
+  check_cuda(cudaEventSynchronize(event), what);
 }
 
 }  // namespace gigabake::kernels

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/work_counts.h"
 #include "kernels/cuda/device/pinned.cuh"
 
 namespace gigabake::kernels {
@@ -111,6 +112,17 @@ inline unsigned grid_of(std::uint64_t items, unsigned threads) {
   return unsigned(items == 0 ? 1 : (items + threads - 1) / threads);
 }
 
-inline void check_launch(const char* kernel) { check_cuda(cudaGetLastError(), kernel); }
+/// Checks and counts a launch. Call it after each launch.
+inline void check_launch(const char* kernel) {
+  count_work(WorkCounter::device_launches);
+  check_cuda(cudaGetLastError(), kernel);
+}
+
+/// Copies in stream order, and counts the bytes. `what` names the step in an error's message.
+void upload_async(void* device, const void* host, std::size_t bytes, cudaStream_t stream, const char* what);
+void download_async(void* host, const void* device, std::size_t bytes, cudaStream_t stream, const char* what);
+/// Waits for the stream or event, and counts the synchronization.
+void wait_for(cudaStream_t stream, const char* what);
+void wait_for(cudaEvent_t event, const char* what);
 
 }  // namespace gigabake::kernels

@@ -18,7 +18,7 @@ std::byte* UploadRing::reserve(std::size_t bytes) {
   turn_ = (turn_ + 1) % parts_.size();
   bytes_ = bytes;
   Part& part = parts_[turn_];
-  check_cuda(cudaEventSynchronize(part.copied), "cudaEventSynchronize");
+  wait_for(part.copied, "cudaEventSynchronize");
   if (part.device.size() < bytes) part.device = DeviceArray<std::byte>(heap_, bytes + bytes / 2);
   return part.host.reserve(part.device.size());
 }
@@ -26,8 +26,7 @@ std::byte* UploadRing::reserve(std::size_t bytes) {
 const std::byte* UploadRing::send() {
   Part& part = parts_[turn_];
   std::byte* const host = part.host.reserve(bytes_);
-  check_cuda(cudaMemcpyAsync(part.device.data(), host, bytes_, cudaMemcpyHostToDevice, heap_.stream()),
-             "cudaMemcpyAsync");
+  upload_async(part.device.data(), host, bytes_, heap_.stream(), "cudaMemcpyAsync");
   check_cuda(cudaEventRecord(part.copied, heap_.stream()), "cudaEventRecord");
   return part.device.data();
 }
