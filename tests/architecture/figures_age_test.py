@@ -3,7 +3,7 @@
 
 The age of a table is the number of commits, after the key `commit` of its data, that change MEASURED_CODE. A table that
 exceeds MAX_AGE must be measured again (tools/figures --measure). Exceptions are in old_tables.txt: tables that were
-measured before their data had the key, or that nobody could measure again. The list may only shrink: a name that was
+measured before their data had the key, or that could not be measured again. The list may only shrink: a name that was
 not in an earlier version of the list is an error, and so is a name whose table is new enough.
 
 MAX_AGE is two days of the project at the rate of November 2026, about 50 such commits per day. Tables are measured on
@@ -92,7 +92,7 @@ def problems(repository):
 
 
 def unnoticed():
-    """Yields a line for each fault that this test does not notice in a repository of its own."""
+    """Yields a line for each fault that this test does not notice in a temporary repository."""
     with tempfile.TemporaryDirectory() as folder:
         made = Repository(Path(folder).resolve())
         for name in ("docs/data", "tests/architecture", "kernels"):

@@ -63,6 +63,16 @@ def checked(root):
     return run.returncode, run.stdout + run.stderr
 
 
+def measures_uncommitted_sources(root, folder):
+    """Returns whether tools/figures measures with a program whose sources have changes."""
+    program = folder / "program"
+    program.write_text("#!/bin/sh\necho gigabake 0.3.0, commit 0123456789ab with changes\n", encoding="utf-8")
+    program.chmod(0o755)
+    run = subprocess.run([sys.executable, root / "tools/figures", "--measure", "settings", "--machine", "none",
+                          "--program", program], capture_output=True, text=True, check=False)
+    return run.returncode != 1 or "without changes of" not in run.stdout
+
+
 def unnoticed(root):
     """Tests the check and this test with a changed number, a table without data and a table outside the markers."""
     with tempfile.TemporaryDirectory() as folder:
@@ -70,6 +80,8 @@ def unnoticed(root):
         for name in ("tools/figures", "docs/data", "docs/performance.md"):
             (copy / name).parent.mkdir(parents=True, exist_ok=True)
             (shutil.copytree if (root / name).is_dir() else shutil.copy)(root / name, copy / name)
+        if measures_uncommitted_sources(copy, copy):
+            yield "tools/figures --measure accepts a program whose sources have changes"
         page = copy / "docs/performance.md"
         text = page.read_text(encoding="utf-8")
         name = re.search(r"<!-- data/(.*?)\.json -->", text)[1]
