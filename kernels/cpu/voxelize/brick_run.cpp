@@ -25,6 +25,13 @@ std::vector<Landing> landings(const std::vector<BrickRun>& runs, Landing at) {
   return result;
 }
 
+/// Returns the threads that grow the arrays of a level of `voxels` voxels: only the caller's if this takes less time
+/// than joining threads.
+const ThreadPool& threads_for(std::size_t voxels, const ThreadPool& pool) {
+  constexpr std::size_t min_voxels_to_share = std::size_t(1) << 15;
+  return voxels < min_voxels_to_share ? callers_thread() : pool;
+}
+
 }  // namespace
 
 void BrickRun::push_brick(std::uint64_t key, const std::uint64_t mask[8], std::span<const Voxel> voxels) {
@@ -43,7 +50,7 @@ void BrickRun::push_brick(std::uint64_t key, const std::uint64_t mask[8], std::s
 void BrickRun::make_room(Level& level, std::size_t bricks, std::size_t voxels, const ThreadPool& pool) const {
   // Growing an array fills it with zeros, which takes time. Each array is therefore a separate task. The largest array
   // is the first.
-  pool.parallel_for(6, 1, [&](std::size_t array, std::size_t, int) {
+  threads_for(voxels, pool).parallel_for(6, 1, [&](std::size_t array, std::size_t, int) {
     if (array == 0) level.rgba.resize(4 * voxels);
     if (array == 1 && !directional_coverage_.empty())
       level.directional_coverage.resize(directional_coverage_bytes * voxels);
