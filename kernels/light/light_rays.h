@@ -1,7 +1,7 @@
 /// The light of a pixel: the visible fractions of the sun and the sky at its surface.
 ///
 /// A pixel's surface is where half of its ray's light is absorbed. One cone leads from this surface to the sun, and one
-/// to the sky. Not every pixel casts these cones: pixels of a block share results (kernels/light/shadow_reuse.h). A
+/// to the sky. Not every pixel casts these cones: neighbouring pixels share results (kernels/light/shadow_reuse.h). A
 /// cone is an ordinary ray whose levels have voxels as wide as the cone, but not finer than the pixel's level. The cone
 /// requests missing data, and surfaces absorb it. The width of the voxels through which a cone passes determines the
 /// width of a shadow's border.
@@ -124,8 +124,8 @@ GB_HD bool lights_up(const PixelLight& light, const Vec3<float>& direction, Ligh
   return ray == LightRay::sun ? light.facing > 0 : dot(light.normal, direction) > min_cosine;
 }
 
-/// Tests whether a pixel casts this ray in the first round. In the second round, other pixels of the block can reuse
-/// the shadow samples of the first round. Rays to the sky are cast first by every other pixel, in a checkerboard
+/// Tests whether a pixel casts this ray in the first round. In the second round, other pixels can reuse the shadow
+/// samples of the first round. Rays to the sky are cast first by every other pixel, in a checkerboard
 /// pattern. Rays to the sun are cast first by every other pixel of every other row.
 GB_HD bool is_cast_first(int x, int y, LightRay ray) {
   return place_in_block(x, y) < (ray == LightRay::sun ? sky_block * sky_block / 4 : sky_directions);

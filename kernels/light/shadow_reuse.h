@@ -1,8 +1,8 @@
-/// Reuse of shadow samples within blocks of pixels.
+/// Reuse of shadow samples among neighbouring pixels.
 ///
-/// Some pixels cast their rays to light first. Every other pixel of the block reuses these samples or casts its own
-/// rays. This choice depends only on the first rays of the block. The result therefore does not depend on the order of
-/// pixels or on tiles, if tiles begin where blocks do.
+/// Some pixels cast their rays to light first. Every other pixel reuses the samples around it or casts its own rays.
+/// This choice depends only on first rays in the pixel's region. The result therefore does not depend on the order of
+/// pixels or on tiles, if tiles begin where regions do.
 ///
 /// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
@@ -17,7 +17,7 @@
 
 namespace gigabake::kernels {
 
-/// The visibility of the sun from some pixels of a block: pixels that cast a ray to the sun first and show the same
+/// The visibility of the sun from some pixels around a pixel: pixels that cast a ray to the sun first and show the same
 /// surface.
 struct SunSeen {
   int pixels = 0;
@@ -32,11 +32,12 @@ struct SunSeen {
   }
 };
 
+/// Returns the samples of the four pixels around pixel (x, y) that cast a ray to the sun first, two on each axis.
 GB_HD SunSeen sun_around(const TileLights& tile, int x, int y, const PixelLight& own) {
-  const LightBlock block = block_around(tile.tile, sun_block, x, y);
+  const LightWindow window = window_around(tile.tile, 1, sun_block, x, y);
   SunSeen sun;
-  for (int j = block.y0; j < block.y1; ++j)
-    for (int i = block.x0; i < block.x1; ++i) {
+  for (int j = window.y0; j < window.y1; ++j)
+    for (int i = window.x0; i < window.x1; ++i) {
       const PixelLight& other = tile.at(i, j);
       if (!other.is_first(LightRay::sun) || !is_same_surface(own, other)) continue;
       const float seen = other.seen[int(LightRay::sun)];

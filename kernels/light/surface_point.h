@@ -56,11 +56,12 @@ GB_HD const Vec3<float>& light_direction(const CastLighting& lighting, int x, in
   return ray == LightRay::sun ? lighting.sun[place / places_per_direction] : lighting.sky[place % sky_directions];
 }
 
-/// Tests whether two pixels show the same surface and therefore receive the same light.
+/// Tests whether two pixels show the same surface and therefore receive the same light. Their normals must differ by
+/// less than 26°, and pixel b must lie within a voxel of the plane of pixel a.
 GB_HD bool is_same_surface(const PixelLight& a, const PixelLight& b) {
   if (!b.has_surface || !(dot(a.normal, b.normal) > 0.9f)) return false;
   const float above = dot(a.normal, b.at - a.at);
-  return (above < 0 ? -above : above) <= 2 * float(power_of_two(a.lod));
+  return (above < 0 ? -above : above) <= float(power_of_two(a.lod));
 }
 
 /// The light of a tile's pixels, row by row.
@@ -73,29 +74,52 @@ struct TileLights {
   }
 };
 
-/// A block of pixels of a tile: [x0, x1) × [y0, y1).
-struct LightBlock {
+/// A rectangle of pixels of a tile: [x0, x1) × [y0, y1).
+struct LightWindow {
   int x0, y0, x1, y1;
 };
 
-/// Returns the block of edge × edge pixels around pixel (x, y) of a tile, clipped to the tile.
-/// Range   The tile begins at a multiple of `edge` in the image.
-GB_HD LightBlock block_around(const CastTile& tile, int edge, int x, int y) {
-  const int x0 = x / edge * edge, y0 = y / edge * edge;
-  return {x0, y0, x0 + edge < tile.width ? x0 + edge : tile.width, y0 + edge < tile.height ? y0 + edge : tile.height};
+/// The light of a pixel depends only on pixels of its region of light_region × light_region pixels of the image. Images
+/// therefore do not depend on tiles, if tiles begin where regions do.
+inline constexpr int light_region = 128;
+
+/// The pixels [low, high) of one axis.
+struct LightRange {
+  int low, high;
+};
+
+/// Returns `edge` pixels of one axis of a tile, from `before` pixels before pixel `at` on, moved into the region of
+/// this pixel. Returns the whole region if it is smaller. The tile has `size` pixels on this axis.
+GB_HD LightRange range_around(int at, int before, int edge, int size) {
+  const int region = at / light_region * light_region;
+  const int end = region + light_region < size ? region + light_region : size;
+  int low = at - before;
+  if (low + edge > end) low = end - edge;
+  if (low < region) low = region;
+  return {low, low + edge < end ? low + edge : end};
+}
+
+/// Returns the window of edge × edge pixels around pixel (x, y) of a tile, moved into the region of this pixel.
+/// Wherever a window of sky_block pixels lies, its pixels sample each direction to the sky once. Windows of neighbours
+/// share most of their pixels, so light changes gradually from pixel to pixel.
+/// Range   The tile begins at multiples of light_region in the image.
+GB_HD LightWindow window_around(const CastTile& tile, int before, int edge, int x, int y) {
+  const LightRange across = range_around(x, before, edge, tile.width),
+                   down = range_around(y, before, edge, tile.height);
+  return {across.low, down.low, across.high, down.high};
 }
 
 /// The set of rays to the sky that a sum includes.
 enum class SkyRays : std::int32_t { first, all };
 
-/// Sets `share` to the visible fraction of the sky at pixel (x, y). Evaluates the rays from those pixels of its block
+/// Sets `share` to the visible fraction of the sky at pixel (x, y). Evaluates the rays from those pixels of its window
 /// that show the same surface. If there are no such rays, returns false and sets `share` to 1.
 GB_HD bool sky_around(const TileLights& tile, const CastLighting& lighting, int x, int y, const PixelLight& own,
                       SkyRays rays, float& share) {
-  const LightBlock block = block_around(tile.tile, sky_block, x, y);
+  const LightWindow window = window_around(tile.tile, sky_block / 2, sky_block, x, y);
   float seen = 0, all = 0;
-  for (int j = block.y0; j < block.y1; ++j)
-    for (int i = block.x0; i < block.x1; ++i) {
+  for (int j = window.y0; j < window.y1; ++j)
+    for (int i = window.x0; i < window.x1; ++i) {
       const PixelLight& other = tile.at(i, j);
       const bool counts = rays == SkyRays::first ? other.is_first(LightRay::sky) : other.is_cast(LightRay::sky);
       if (!counts || !is_same_surface(own, other)) continue;
@@ -109,13 +133,23 @@ GB_HD bool sky_around(const TileLights& tile, const CastLighting& lighting, int 
   return all > 0;
 }
 
-/// Returns the light for a pixel without PixelLight::has_surface. This is the light of a pixel of the same block that
-/// has a surface, or unshadowed light if no pixel of the block has a surface.
+/// The max distance, along each axis, of the pixel whose light a pixel without a surface takes.
+inline constexpr int max_apart = 2;
+
+/// Returns the light for a pixel without PixelLight::has_surface. This is the light of the nearest pixel that has a
+/// surface, or unshadowed light if no pixel nearby has a surface.
 GB_HD PixelLight light_beside(const TileLights& tile, const CastLighting& lighting, int x, int y) {
-  const LightBlock block = block_around(tile.tile, sun_block, x, y);
-  for (int j = block.y0; j < block.y1; ++j)
-    for (int i = block.x0; i < block.x1; ++i)
-      if (tile.at(i, j).has_surface) return tile.at(i, j);
+  const LightWindow window = window_around(tile.tile, max_apart, 2 * max_apart + 1, x, y);
+  int nearest = INT32_MAX, from_x = 0, from_y = 0;
+  for (int j = window.y0; j < window.y1; ++j)
+    for (int i = window.x0; i < window.x1; ++i) {
+      const int squared = (i - x) * (i - x) + (j - y) * (j - y);
+      if (squared >= nearest || !tile.at(i, j).has_surface) continue;
+      nearest = squared;
+      from_x = i;
+      from_y = j;
+    }
+  if (nearest != INT32_MAX) return tile.at(from_x, from_y);
   PixelLight open;
   open.facing = lighting.light.to_sun[2] > 0 ? lighting.light.to_sun[2] : 0;
   open.seen[int(LightRay::sun)] = 1;

@@ -77,15 +77,15 @@ class Caster {
 
   /// Starts rays to the light from the surfaces that the tile's rays hit. All rays of the tile must be finished and
   /// must contain the surfaces' own colours. The shader then lights the pixels; null selects LitShader.
-  /// Range   The tile begins at multiples of sky_block.
+  /// Range   The tile begins at multiples of light_region.
   virtual void start_light(const CastLighting& lighting, std::shared_ptr<const SurfaceShader> shader) = 0;
 
   /// Casts one pass of the rays to the light of pixels [begin, end), like cast(). Returns the number of pixels that
   /// have unfinished rays.
   virtual std::size_t cast_light(std::size_t begin, std::size_t end, bool blocking, const StopAsked& stop) = 0;
 
-  /// Reuses shadow samples within blocks of pixels. Call it once per tile, after all rays to the light are finished.
-  /// Pixels without own rays take the light from other pixels of their block if it is uniform. The other pixels start
+  /// Reuses shadow samples among neighbouring pixels. Call it once per tile, after all rays to the light are finished.
+  /// Pixels without own rays take the light of their neighbours if it is uniform. The other pixels start
   /// their own rays, which cast_light() continues.
   virtual void reuse_shadow_samples() = 0;
 

@@ -22,7 +22,7 @@ struct RenderSettings {
 
 /// Renders one tile into the whole image. Returns false if `stop` cancelled it; the image is unchanged then.
 /// Exact   The pixels are the same as in render(), for all tilings whose tiles begin at multiples of
-///         kernels::sky_block.
+///         kernels::light_region.
 bool render_tile(SceneStream& stream, const kernels::CastCamera& camera, const kernels::CastTile& tile,
                  const RenderSettings& look, const kernels::StopAsked& stop, Picture& picture);
 

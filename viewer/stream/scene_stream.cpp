@@ -25,8 +25,8 @@ constexpr std::uint32_t parts_per_slot = 90;
 /// The factor on the urgency of a root whose cell no ray has hit yet.
 constexpr double unseen_root = 1.0 / 64;
 constexpr int cpu_tile_edge = 128, device_tile_edge = 1024;
-static_assert(cpu_tile_edge % kernels::sky_block == 0 && device_tile_edge % kernels::sky_block == 0,
-              "pixels share shadow samples within blocks: tiles must not cut these");
+static_assert(cpu_tile_edge % kernels::light_region == 0 && device_tile_edge % kernels::light_region == 0,
+              "pixels share shadow samples within regions: tiles must not cut these");
 
 std::size_t requests_per_batch(const ThreadPool& policy) {
   return std::max(min_requests_per_batch, requests_per_thread * std::size_t(policy.threads()));

@@ -109,8 +109,54 @@ TEST(LightSharing, AsksForThreePixelsOfTheSameSurface) {
     ground.at(0, 0).first = 0;
     if (others == 2) ground.at(2, 0) = ground.at(0, 0);
     ground.share();
-    EXPECT_EQ(ground.own_rays(LightRay::sun, 0, 0, sun_block), others == 1 ? 0 : sun_block * sun_block * 3 / 4);
+    EXPECT_EQ(ground.own_rays(LightRay::sun, 0, 0, tile_edge), others == 1 ? 0 : 3);
   }
+}
+
+// A pixel took the light of its block, although the sample next to it in the other block was dark.
+TEST(LightSharing, CastsOwnRaysBetweenTwoSamplesThatDiffer) {
+  for (const int edge : {6, sky_block}) {
+    Ground ground;
+    for (int y = 0; y < tile_edge; ++y)
+      for (int x = edge; x < tile_edge; ++x) ground.at(x, y).seen[sun] = 0;
+    ground.share();
+    for (int y = 0; y < tile_edge; ++y) EXPECT_FALSE(ground.at(edge - 1, y).has(sun)) << edge << " " << y;
+  }
+}
+
+// All pixels of a block of 8 × 8 had the same light of the sky: shade had blotches.
+TEST(LightSharing, ChangesTheLightOfTheSkyGradually) {
+  Ground ground;
+  for (int y = 0; y < tile_edge; ++y)
+    for (int x = 0; x < sky_block; ++x) ground.at(x, y).seen[sky] = 0;
+  ground.share();
+  for (int y = 0; y < tile_edge; ++y) {
+    float before = 0;
+    for (int x = 0; x < tile_edge; ++x) {
+      float share = 0;
+      EXPECT_TRUE(
+          sky_around({ground.lights.data(), ground.tile}, ground.lighting, x, y, ground.at(x, y), SkyRays::all, share));
+      EXPECT_GE(share, before) << x;
+      EXPECT_LE(share, before + 1.0f / sky_block + 1e-6f);
+      before = share;
+    }
+    EXPECT_EQ(before, 1);
+  }
+}
+
+// Tiles of the image begin where regions do, so they have the same pixels as the whole image.
+TEST(LightSharing, UsesNoPixelOfAnotherRegion) {
+  const CastTile tile{0, 0, 2 * light_region + 3, light_region};
+  for (const int edge : {sun_block, sky_block})
+    for (int x = 0; x < tile.width; ++x) {
+      const LightWindow window = window_around(tile, edge / 2, edge, x, light_region - 1);
+      EXPECT_LE(window.x0, x);
+      EXPECT_GT(window.x1, x);
+      EXPECT_EQ(window.x0 / light_region, x / light_region);
+      EXPECT_EQ((window.x1 - 1) / light_region, x / light_region);
+      EXPECT_EQ(window.x1 - window.x0, x < 2 * light_region ? edge : 3);
+      EXPECT_EQ(window.y0, light_region - edge);
+    }
 }
 
 TEST(LightSharing, DoesNotDependOnTheOrderOfPixels) {
