@@ -150,7 +150,7 @@ void print_report(const BakeSummary& s, const std::filesystem::path& out) {
   if (s.orphans.files != 0)
     fmt::print("{} of earlier bakes kept, {}; --prune removes {}\n", pluralize(s.orphans.files, "shard"),
                readable_bytes(s.orphans.bytes), s.orphans.files == 1 ? "it" : "them");
-  fmt::print("{}\n", run_text(s));
+  if (s.amounts.voxels != 0) fmt::print("{}\n", run_text(s));
   if (!s.scene.cells.empty()) fmt::print("{}\n", (out / "scene.xml").string());
 }
 

@@ -28,7 +28,7 @@ std::string stages_text(const StageTimes& times) {
   for (std::size_t s = 0; s < StageTimes::stages; ++s)
     text += fmt::format("{} {} {:.0f} %", s == 0 ? "" : ",", name_of(BakeStage(s)),
                         100 * share(times.exclusive_s[s], times));
-  if (const auto bound = times.bound()) text += fmt::format("; {} bounds the run", name_of(*bound));
+  if (const auto bound = times.bound()) text += fmt::format("; the run is bound by {}", name_of(*bound));
   return text;
 }
 
