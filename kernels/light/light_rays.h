@@ -33,20 +33,24 @@ GB_HD int lod_at(const CastScene& scene, const CastLine& line, double distance) 
   return lod;
 }
 
-/// Sums over voxels, weighted by interpolation weight and coverage. Normals opposite to that of the first voxel are
-/// turned, so that inconsistent winding does not cancel a surface.
+/// Sums over voxels, weighted by interpolation weight and coverage.
 struct SurfaceSums {
   float weight = 0;
-  float facing = 0, up = 0;                ///< of the side to which the turned normals point
+  float facing = 0, up = 0;                ///< of the side to which the normals point
   float facing_behind = 0, up_behind = 0;  ///< of the other side
-  float before = 0;                        ///< signed distance of the sample before the hit, along the turned normals
+  float before = 0;                        ///< signed distance of the sample before the hit
   Vec3<float> normal{0, 0, 0};
-  ByteVector first = 0;  ///< the first voxel's normal
+};
+
+/// The voxels around a hit: those whose normals point towards the eye, and the others.
+struct HitSums {
+  SurfaceSums front, back;
 };
 
 /// Adds the eight voxels around a point. A voxel without a normal sees the whole sky and no sun, as in shade_voxel().
 /// `is_before` is true at the sample before the hit.
-GB_HD void add_surface(const CastCorners& corners, const Vec3<float>& to_sun, bool is_before, SurfaceSums& sums) {
+GB_HD void add_surface(const CastCorners& corners, const Vec3<float>& direction, const Vec3<float>& to_sun,
+                       bool is_before, HitSums& hit) {
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
     const int c = lowest_one(left);
@@ -54,19 +58,16 @@ GB_HD void add_surface(const CastCorners& corners, const Vec3<float>& to_sun, bo
     const int covered = (voxel.c[3] + voxel.c[4]) + voxel.c[5];
     if (covered == 0) continue;
     const float by = corners.weight(c) * float(covered);
+    Vec3<float> n = vector_of_normal(voxel);
+    SurfaceSums& sums = dot(n, direction) > 0 ? hit.back : hit.front;
     sums.weight += by;
-    const ByteVector side = normal_of(voxel);
-    if (side == 0) {
+    if (normal_of(voxel) == 0) {
       sums.up += by;
-      sums.up_behind += by;
       continue;
     }
-    if (sums.first == 0) sums.first = side;
-    Vec3<float> n = vector_of_normal(voxel);
-    const float unit = 1 / std::sqrt(dot(n, n)), turn = are_opposite(side, sums.first) ? -1.0f : 1.0f;
-    n = n * (unit * turn);
+    n = n * (1 / std::sqrt(dot(n, n)));
     sums.normal += n * by;
-    if (is_before) sums.before += by * turn * signed_distance_to(corners, c, voxel);
+    if (is_before) sums.before += by * signed_distance_to(corners, c, voxel);
     const float cosine = dot(n, to_sun);
     if (cosine > 0)
       sums.facing += by * cosine;
@@ -77,17 +78,18 @@ GB_HD void add_surface(const CastCorners& corners, const Vec3<float>& to_sun, bo
   }
 }
 
-/// Tests whether the ray meets the surface from the side to which the normals do not point. The sample before the hit
-/// must lie on that side. A ray that passes behind an edge of a solid object meets normals that point away from the
-/// eye, but this sample lies on their side.
-GB_HD bool is_seen_from_behind(const SurfaceSums& sums, const CastLine& line) {
-  return sums.before < 0 && dot(sums.normal, static_cast<Vec3<float>>(line.direction)) > 0;
-}
+/// The min fraction of the voxels around a hit whose normals point towards the eye, so that they are the surface that
+/// the eye sees. The other voxels then belong to a surface that these hide, such as the far side of a ridge.
+inline constexpr float min_front = 0.125f;
 
-/// Sets `normal`, `facing` and `up` of the pixel's surface, for the side that the eye sees. The surface faces the eye
-/// if the voxels have no normals or if their normals cancel.
-GB_HD void set_surface(const SurfaceSums& sums, const CastLine& line, PixelLight& light) {
-  const bool is_behind = is_seen_from_behind(sums, line);
+/// Sets `normal`, `facing` and `up` of the pixel's surface, for the side that the eye sees. If most normals point away
+/// from the eye, the eye sees their other side, unless the sample before the hit lies on the side of the normals: a ray
+/// that passes behind an edge of a solid object. The surface faces the eye if the voxels have no normals or if their
+/// normals cancel.
+GB_HD void set_surface(const HitSums& hit, const CastLine& line, PixelLight& light) {
+  const bool is_front = hit.front.weight >= min_front * (hit.front.weight + hit.back.weight);
+  const SurfaceSums& sums = is_front ? hit.front : hit.back;
+  const bool is_behind = !is_front && sums.before < 0;
   light.facing = sums.weight > 0 ? (is_behind ? sums.facing_behind : sums.facing) / sums.weight : 0;
   light.up = sums.weight > 0 ? (is_behind ? sums.up_behind : sums.up) / sums.weight : 1;
   const float length = std::sqrt(dot(sums.normal, sums.normal));
@@ -105,23 +107,27 @@ GB_HD bool find_surface(const CastScene& scene, const CastLighting& lighting, co
   light.lod = lod_at(scene, line, double(ray.depth));
   LevelSampler at(scene, line, light.lod);
   CastPath path;
-  SurfaceSums sums;
+  HitSums sums;
+  const Vec3<float> direction = static_cast<Vec3<float>>(line.direction);
   GB_NO_UNROLL
   for (int side = -1; side <= 1; ++side) {
     at.look(scene, line, double(ray.depth) + side * step_length(light.lod), blocking, path);
     if (at.place.waits && blocking) return false;
     if (is_resident(at.place.brick))
-      add_surface(corners_of(scene.brick(at.place.brick), at.point()), lighting.light.to_sun, side < 0, sums);
+      add_surface(corners_of(scene.brick(at.place.brick), at.point()), direction, lighting.light.to_sun, side < 0,
+                  sums);
   }
   light.at = static_cast<Vec3<float>>(line.direction * double(ray.depth));
   set_surface(sums, line, light);
   return true;
 }
 
-/// Tests whether the result of this ray affects the pixel.
+/// Tests whether the result of this ray affects the pixel. At an edge of two surfaces, the mean normal may point away
+/// from the sun although one of the surfaces faces it. The pixel then receives no light from the sun.
 GB_HD bool lights_up(const PixelLight& light, const Vec3<float>& direction, LightRay ray) {
   if (!light.has_surface || !(direction[2] > 0)) return false;
-  return ray == LightRay::sun ? light.facing > 0 : dot(light.normal, direction) > min_cosine;
+  const float cosine = dot(light.normal, direction);
+  return ray == LightRay::sun ? light.facing > 0 && cosine > 0 : cosine > min_cosine;
 }
 
 /// Tests whether a pixel casts this ray in the first round. In the second round, other pixels can reuse the shadow
@@ -165,7 +171,7 @@ GB_HD void cast_to_light(const CastScene& scene, const CastCamera& camera, const
     const LightStart start = light_start(light, direction, lod1, is_sun);
     line = line_to_light(scene, camera, light, direction, lod1, start);
     ray = start_ray(scene, line);
-    is_cast = cover_start(scene, line, light, direction, start, blocking, ray);
+    is_cast = cover_start(scene, camera, light, direction, start, blocking, ray);
   }
   cast_ray<RayType::shadow>(scene, camera, line, blocking, is_cast, ray);
   if (!is_cast || ray.lod >= 0) return;

@@ -1,6 +1,6 @@
 /// The start of a ray to the light. A ray to the light starts above its surface, because the interpolated field of the
 /// surface would otherwise absorb it. Other surfaces between the surface and this start, such as the ceiling next to a
-/// wall, absorb the ray as if it started at the surface.
+/// wall, absorb the ray on its path from the surface to the start.
 ///
 /// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
@@ -73,23 +73,58 @@ GB_HD float coverage_ahead(const CastCorners& corners, const PixelLight& light, 
   return covered;
 }
 
-/// Adds to `ray` the coverage of other surfaces between the pixel's surface and the start of the ray. Samples lie half
-/// a voxel apart. Only the half of a surface that lies ahead of a sample counts, so it counts twice. If `blocking` is
-/// true and data is missing, returns false: the ray must wait.
-GB_HD bool cover_start(const CastScene& scene, const CastLine& line, const PixelLight& light,
+/// The distance from the surface, in voxels, at which the path to the start of a ray leaves the pixel's line of sight.
+/// Points of the line of sight lie on the side that the eye sees, also in corners, where the surface lies in the field
+/// of another surface.
+inline constexpr float free_sight = 1;
+
+/// The path from a point of the pixel's line of sight to the start of a ray.
+struct StartPath {
+  CastLine line;                ///< `leave` is its length
+  Vec3<float> direction;        ///< of the line
+  float above, rise_per_voxel;  ///< distance of the first point from the pixel's surface in voxels, and its change
+};
+
+GB_HD StartPath path_to_start(const CastCamera& camera, const PixelLight& light, const Vec3<float>& direction,
+                              const LightStart& start) {
+  const float back = free_sight * float(power_of_two(light.lod));
+  const Vec3<float> before = light.at * (light.depth > back ? 1 - back / light.depth : 0),
+                    to_surface = light.at - before;
+  const Vec3<float> to = to_surface + light.normal * start.lift + direction * start.along;
+  const float length = std::sqrt(dot(to, to));
+  StartPath path;
+  path.direction = to / length;
+  path.above = -dot(light.normal, to_surface) * float(power_of_two(-light.lod));
+  path.rise_per_voxel = dot(light.normal, path.direction);
+  path.line.enter = 0;
+  path.line.leave = double(length);
+  path.line.lod1_distance = 0;
+  for (int a = 0; a < 3; ++a) {
+    set_direction(path.line, a, double(path.direction[a]));
+    path.line.origin[a] = camera.eye[a] + double(before[a]);
+  }
+  return path;
+}
+
+/// Adds to `ray` the coverage of other surfaces between the pixel's line of sight and the start of the ray. Samples lie
+/// half a voxel apart. Only the half of a surface that lies ahead of a sample counts, so it counts twice. If `blocking`
+/// is true and data is missing, returns false: the ray must wait.
+GB_HD bool cover_start(const CastScene& scene, const CastCamera& camera, const PixelLight& light,
                        const Vec3<float>& direction, const LightStart& start, bool blocking, CastRay& ray) {
+  if (start.along == 0) return true;
   const double step = step_length(light.lod);
   const float voxels = float(power_of_two(-light.lod));
-  LevelSampler at(scene, line, light.lod);
+  const StartPath to_start = path_to_start(camera, light, direction, start);
+  LevelSampler at(scene, to_start.line, light.lod);
   CastPath path;
   float covered = 0;
   GB_NO_UNROLL
-  for (double along = step / 2; along < double(start.along); along += step) {
-    at.look(scene, line, start.distance - double(start.along) + along, blocking, path);
+  for (double along = step / 2; along < to_start.line.leave; along += step) {
+    at.look(scene, to_start.line, along, blocking, path);
     if (at.place.waits && blocking) return false;
     if (!is_resident(at.place.brick) || at.place.lod != light.lod) continue;
-    const float above = (start.lift + float(along) * start.cosine) * voxels;
-    covered += coverage_ahead(corners_of(scene.brick(at.place.brick), at.point()), light, direction, above);
+    const float above = to_start.above + float(along) * voxels * to_start.rise_per_voxel;
+    covered += coverage_ahead(corners_of(scene.brick(at.place.brick), at.point()), light, to_start.direction, above);
   }
   ray.covered = covered < 1 ? covered : 1;
   ray.transmittance = 1 - ray.covered;
