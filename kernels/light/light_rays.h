@@ -47,8 +47,21 @@ struct HitSums {
   SurfaceSums front, back;
 };
 
+/// Adds a voxel of weight `by` and unit normal `n`. The other arguments are its `before`, and the cosine between its
+/// normal and the direction to the sun.
+GB_HD void add_voxel(float by, const Vec3<float>& n, float signed_distance, float cosine, SurfaceSums& sums) {
+  sums.weight += by;
+  sums.normal += n * by;
+  sums.before += by * signed_distance;
+  sums.facing += by * (cosine > 0 ? cosine : 0);
+  sums.facing_behind += by * (cosine < 0 ? -cosine : 0);
+  sums.up += by * (0.5f + 0.5f * n[2]);
+  sums.up_behind += by * (0.5f - 0.5f * n[2]);
+}
+
 /// Adds the eight voxels around a point. A voxel without a normal sees the whole sky and no sun, as in shade_voxel().
-/// `is_before` is true at the sample before the hit.
+/// `is_before` is true at the sample before the hit. Each voxel is added to both sums, with weight 0 to one of them,
+/// because a device cannot keep sums with a computed address in registers.
 GB_HD void add_surface(const CastCorners& corners, const Vec3<float>& direction, const Vec3<float>& to_sun,
                        bool is_before, HitSums& hit) {
   GB_NO_UNROLL
@@ -58,23 +71,17 @@ GB_HD void add_surface(const CastCorners& corners, const Vec3<float>& direction,
     const int covered = (voxel.c[3] + voxel.c[4]) + voxel.c[5];
     if (covered == 0) continue;
     const float by = corners.weight(c) * float(covered);
-    Vec3<float> n = vector_of_normal(voxel);
-    SurfaceSums& sums = dot(n, direction) > 0 ? hit.back : hit.front;
-    sums.weight += by;
     if (normal_of(voxel) == 0) {
-      sums.up += by;
+      hit.front.weight += by;
+      hit.front.up += by;
       continue;
     }
+    Vec3<float> n = vector_of_normal(voxel);
     n = n * (1 / std::sqrt(dot(n, n)));
-    sums.normal += n * by;
-    if (is_before) sums.before += by * signed_distance_to(corners, c, voxel);
-    const float cosine = dot(n, to_sun);
-    if (cosine > 0)
-      sums.facing += by * cosine;
-    else
-      sums.facing_behind -= by * cosine;
-    sums.up += by * (0.5f + 0.5f * n[2]);
-    sums.up_behind += by * (0.5f - 0.5f * n[2]);
+    const bool is_back = dot(n, direction) > 0;
+    const float signed_distance = is_before ? signed_distance_to(corners, c, voxel) : 0, cosine = dot(n, to_sun);
+    add_voxel(is_back ? 0 : by, n, signed_distance, cosine, hit.front);
+    add_voxel(is_back ? by : 0, n, signed_distance, cosine, hit.back);
   }
 }
 
@@ -88,13 +95,17 @@ inline constexpr float min_front = 0.125f;
 /// normals cancel.
 GB_HD void set_surface(const HitSums& hit, const CastLine& line, PixelLight& light) {
   const bool is_front = hit.front.weight >= min_front * (hit.front.weight + hit.back.weight);
-  const SurfaceSums& sums = is_front ? hit.front : hit.back;
-  const bool is_behind = !is_front && sums.before < 0;
-  light.facing = sums.weight > 0 ? (is_behind ? sums.facing_behind : sums.facing) / sums.weight : 0;
-  light.up = sums.weight > 0 ? (is_behind ? sums.up_behind : sums.up) / sums.weight : 1;
-  const float length = std::sqrt(dot(sums.normal, sums.normal));
+  const bool is_behind = !is_front && hit.back.before < 0;
+  const float weight = is_front ? hit.front.weight : hit.back.weight;
+  const float facing = is_front ? hit.front.facing : (is_behind ? hit.back.facing_behind : hit.back.facing);
+  const float up = is_front ? hit.front.up : (is_behind ? hit.back.up_behind : hit.back.up);
+  const Vec3<float> normal =
+      Vec3<float>::by_axis([&](int a) { return is_front ? hit.front.normal[a] : hit.back.normal[a]; });
+  light.facing = weight > 0 ? facing / weight : 0;
+  light.up = weight > 0 ? up / weight : 1;
+  const float length = std::sqrt(dot(normal, normal));
   light.normal =
-      length > 0 ? sums.normal / (is_behind ? -length : length) : static_cast<Vec3<float>>(line.direction) * -1.0f;
+      length > 0 ? normal / (is_behind ? -length : length) : static_cast<Vec3<float>>(line.direction) * -1.0f;
 }
 
 /// Finds the surface that the pixel's finished ray hit. Samples the surface at the hit and half a voxel before and
