@@ -3,8 +3,10 @@
 
 Usage: own_files_test.py GIGABAKE SOURCE_DIR
 """
+import contextlib
 import json
 import os
+import shutil
 import signal
 import sys
 import tempfile
@@ -132,12 +134,9 @@ class OwnFilesTest(unittest.TestCase):
             command = ["export", self.out, "-o", exports / name, "-q"] + ["--to", "3dtiles"] * (name == "tiles")
             def temporaries():
                 return [path.name for path in exports.iterdir() if path.name.endswith(".part")]
-            export = harness.Started([PROGRAM.executable, *command])
-            for _ in range(5000):
-                if temporaries() or export.poll() is not None:
-                    break
-                time.sleep(0.001)
-            os.kill(export.pid, signal.SIGSTOP)
+            # An unlocked temporary has no owner: another export may remove it, and its owner makes another.
+            export = stopped_while(command, lambda: any(is_locked(exports / path) for path in temporaries()),
+                                   lambda: remove(exports / name))
             self.assertEqual(len(temporaries()), 1, name)
             PROGRAM.succeed(*command)
             self.assertEqual(len(temporaries()), 1, "that of a living export stays")
@@ -148,6 +147,51 @@ class OwnFilesTest(unittest.TestCase):
                 (exports / name).unlink()  # an archive is not replaced
             PROGRAM.succeed(*command, *again)
             self.assertEqual(temporaries(), [], name)
+
+
+def remove(path):
+    shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+
+def is_locked(path):
+    """Returns true if a process holds a lock on the file or folder `path`."""
+    try:
+        inode = str(path.stat().st_ino)
+    except FileNotFoundError:
+        return False
+    locks = Path("/proc/locks").read_text().splitlines()
+    return any(words[1] == "FLOCK" and words[5].split(":")[2] == inode for words in map(str.split, locks))
+
+
+def has_stopped(process):
+    """Returns true if all threads of `process` have stopped, or false if it ended before."""
+    while process.poll() is None:
+        states = set()
+        for stat in Path(f"/proc/{process.pid}/task").glob("*/stat"):
+            with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # the thread ended
+                states.add(stat.read_text().rpartition(")")[2].split()[0])
+        if states == {"T"}:
+            return True
+        time.sleep(0.001)
+    return False
+
+
+def stopped_while(command, holds, remove_output):
+    """Returns the program with arguments `command`, stopped while `holds()` is true.
+
+    A signal arrives late, so `holds` is asked again after the stop. A program that ended before runs once more.
+    """
+    for _ in range(20):
+        process = harness.Started([PROGRAM.executable, *command])
+        while process.poll() is None:
+            if holds():
+                os.kill(process.pid, signal.SIGSTOP)
+                if has_stopped(process) and holds():
+                    return process
+                os.kill(process.pid, signal.SIGCONT)
+            time.sleep(0.0005)
+        remove_output()
+    raise AssertionError("always ended before it could be stopped: " + process.said())
 
 
 if __name__ == "__main__":
