@@ -179,7 +179,7 @@ def has_stopped(process):
 def stopped_while(command, holds, remove_output):
     """Returns the program with arguments `command`, stopped while `holds()` is true.
 
-    A signal arrives late, so `holds` is asked again after the stop. A program that ended before runs once more.
+    A signal arrives late, so `holds` is called again after the stop. A program that ended before is run again.
     """
     for _ in range(20):
         process = harness.Started([PROGRAM.executable, *command])
