@@ -33,6 +33,8 @@ std::uint64_t bytes_of(const kernels::CellInput& input) {
     add(p.uv.data, p.uv.size * 4);
     add(p.rgba.data, p.rgba.size * 2);
     add(p.normal.data, p.normal.size * sizeof(VertexNormal));
+    add(p.normal_uv.data, p.normal_uv.size * 4);
+    add(p.tangent.data, p.tangent.size * sizeof(VertexTangent));
   }
   for (std::size_t i = 0; i < input.textures.size; ++i) {
     const kernels::TextureView& t = input.textures[i];

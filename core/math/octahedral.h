@@ -85,4 +85,18 @@ GB_HD Vec3d decode_vertex_normal(const std::int16_t code[2]) {
   return {double(x), double(y), double(z)};
 }
 
+/// Direction of a vertex tangent like a VertexNormal. The lowest bit of the second component is set if the bitangent is
+/// normal × tangent times -1, as where texture coordinates are mirrored. The error is at most 0.008°.
+using VertexTangent = std::array<std::int16_t, 2>;
+
+/// Returns the code of a tangent of any length. Returns no_vertex_normal if the length is zero or not finite.
+inline VertexTangent encode_vertex_tangent(const Vec3d& t, bool is_mirrored) {
+  VertexTangent code = encode_vertex_normal(t);
+  if (code[0] != no_vertex_normal) code[1] = std::int16_t((code[1] & ~1) | (is_mirrored ? 1 : 0));
+  return code;
+}
+
+/// Returns true if the bitangent of the code is normal × tangent times -1. decode_vertex_normal() returns the tangent.
+GB_HD bool has_mirrored_bitangent(const std::int16_t code[2]) { return (code[1] & 1) != 0; }
+
 }  // namespace gigabake

@@ -34,6 +34,9 @@ struct PartView {
   Span<const VertexNormal> normal;   ///< 1 per vertex, or empty
   double scene_from_local[12] = {};  ///< 3x4 row-major
   std::uint32_t material = 0;
+  NormalMapView normal_map = {};           ///< used only if `normal_uv` is not empty
+  Span<const float> normal_uv = {};        ///< coordinates of the normal map, 2 per vertex or empty; may be `uv`
+  Span<const VertexTangent> tangent = {};  ///< 1 per vertex, or empty: computed from `normal_uv`
 };
 
 struct CellInput {
@@ -66,7 +69,7 @@ struct CellStats {
   std::uint64_t non_finite = 0;  ///< dropped: a vertex is NaN/Inf or off the lattice
   std::uint64_t zero_area = 0;   ///< dropped: no area after the snap
   std::uint64_t oversized = 0;   ///< extend farther than 2^30 sub-voxels from the window; the cell must fail
-  std::uint64_t bad_uv = 0;      ///< triangles with NaN/Inf or too large texture coordinates, baked with (0,0)
+  std::uint64_t bad_uv = 0;      ///< triangles with NaN/Inf or too large texture coordinates, baked without them
   std::uint64_t pairs = 0;       ///< pairs of a triangle and a brick that it may touch
   std::uint64_t fragments = 0;   ///< pairs of a triangle and a voxel that it occupies
   std::uint64_t batches = 0;

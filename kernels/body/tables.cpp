@@ -55,6 +55,12 @@ std::vector<std::uint8_t> make_planar_coverage() {
   return table;
 }
 
+std::vector<std::uint16_t> make_linear_from_code() {
+  std::vector<std::uint16_t> table(srgb_codes);
+  for (std::size_t code = 0; code < srgb_codes; ++code) table[code] = std::uint16_t(257 * code);
+  return table;
+}
+
 }  // namespace
 
 TableStore::TableStore()
@@ -62,11 +68,12 @@ TableStore::TableStore()
       srgb_from_linear_(make_srgb_from_linear()),
       unit_normal_(make_unit_normal()),
       thesis_alpha_(make_thesis_alpha()),
-      planar_coverage_(make_planar_coverage()) {}
+      planar_coverage_(make_planar_coverage()),
+      linear_from_code_(make_linear_from_code()) {}
 
 Tables TableStore::view() const {
-  return {linear_from_srgb_.data(), srgb_from_linear_.data(), unit_normal_.data(), thesis_alpha_.data(),
-          planar_coverage_.data()};
+  return {linear_from_srgb_.data(), srgb_from_linear_.data(), unit_normal_.data(),
+          thesis_alpha_.data(),     planar_coverage_.data(),  linear_from_code_.data()};
 }
 
 const TableStore& TableStore::host() {

@@ -23,6 +23,8 @@ struct Tables {
   const std::uint8_t* thesis_alpha =
       nullptr;  ///< [16321] 255·a^(1-a), indexed by the sum of 64 8-bit alphas; a is their mean
   const std::uint8_t* planar_coverage = nullptr;  ///< [256][128] 255·(1-(1-a)^n), indexed by 8-bit alpha a, then 127·n
+  const std::uint16_t* linear_from_code =
+      nullptr;  ///< [256] 257·code, in place of linear_from_srgb for textures that are not colours
 };
 
 /// Owner of the tables.
@@ -38,6 +40,7 @@ class TableStore {
   std::vector<std::uint8_t> srgb_from_linear_;
   std::vector<std::int16_t> unit_normal_;
   std::vector<std::uint8_t> thesis_alpha_, planar_coverage_;
+  std::vector<std::uint16_t> linear_from_code_;
 };
 
 }  // namespace gigabake::kernels

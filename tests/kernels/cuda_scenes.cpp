@@ -87,6 +87,35 @@ void TestCell::add_vertex_normals(unsigned seed) {
   }
 }
 
+void TestCell::add_normal_maps(unsigned seed) {
+  name += " with normal maps";
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int n = 0;
+  for (PartView& p : parts_) {
+    const int width = 5 + 13 * n, height = n % 3 == 0 ? 8 : 40;
+    p.normal_map.texture =
+        add_texture(width, height, TextureAlpha::ignore, seed + unsigned(n), TextureContent::directions);
+    p.normal_map.scale = n % 4 == 3 ? -0.5f : float(1 + n % 2);
+    p.normal_map.wrap_s = Wrap(n % 3);
+    p.normal_map.wrap_t = Wrap(n / 3 % 3);
+    p.normal_map.nearest = n % 5 == 4;
+    std::vector<float> uv;
+    std::vector<VertexTangent> tangent;
+    for (std::size_t v = 0; v < p.position.size / 3; ++v) {
+      uv.push_back(v % 97 == 96 ? std::numeric_limits<float>::quiet_NaN() : float(3 * unit(random)));
+      uv.push_back(float(unit(random)));
+      const double some = v % 13 == 12 ? 0 : 1, x = unit(random), y = unit(random), z = unit(random);
+      tangent.push_back(encode_vertex_tangent({(2 + x) * some, y * some, z * some}, v % 100 < 50));
+    }
+    floats_.push_back(std::move(uv));
+    p.normal_uv = n % 3 == 2 && !p.uv.empty() ? p.uv : Span<const float>{floats_.back().data(), floats_.back().size()};
+    tangents_.push_back(std::move(tangent));
+    if (n % 2 == 0) p.tangent = {tangents_.back().data(), tangents_.back().size()};
+    ++n;
+  }
+}
+
 void TestCell::add_instance(double x, double y, double z, double scale) {
   PartView p = parts_.back();
   const double m[12] = {scale, 0, 0, x, 0, std::fabs(scale), 0, y, 0, 0, std::fabs(scale), z};
@@ -94,11 +123,11 @@ void TestCell::add_instance(double x, double y, double z, double scale) {
   parts_.push_back(p);
 }
 
-std::int32_t TestCell::add_texture(int width, int height, TextureAlpha alpha, unsigned seed) {
+std::int32_t TestCell::add_texture(int width, int height, TextureAlpha alpha, unsigned seed, TextureContent content) {
   std::mt19937 random(seed);
   std::vector<std::uint8_t> rgba(std::size_t(4) * std::size_t(width) * std::size_t(height));
   for (auto& x : rgba) x = std::uint8_t(random());
-  textures_.emplace_back(std::move(rgba), width, height, alpha, std::uint8_t(128), ThreadPool(1));
+  textures_.emplace_back(std::move(rgba), width, height, alpha, std::uint8_t(128), ThreadPool(1), content);
   return std::int32_t(textures_.size()) - 1;
 }
 
@@ -265,6 +294,27 @@ std::list<TestCell> smooth_cells() {
   return cells;
 }
 
+std::list<TestCell> mapped_cells() {
+  std::list<TestCell> cells;
+  cells.push_back(ground("plain", 64, 20, false, false));
+  cells.push_back(textured_ground());
+  cells.push_back(opaque_ground());
+  cells.push_back(triangle_soup(11));
+  cells.push_back(ground("coloured", 64, 20, false, true));
+  cells.push_back(bad_triangles());
+  unsigned seed = 30;
+  for (TestCell& cell : cells) {
+    if (seed % 2 == 0) cell.add_vertex_normals(seed);
+    cell.add_normal_maps(seed++);
+  }
+  cells.push_back(ground("instances", 64, 3, false, true));
+  cells.back().add_vertex_normals(seed);
+  cells.back().add_normal_maps(seed);
+  for (int i = 0; i < 20; ++i)
+    cells.back().add_instance((i * 37) % 64, (i * 53) % 64, (i * 11) % 50, (i % 2 == 0 ? 0.12 : -0.2));
+  return cells;
+}
+
 std::list<TestCell> flat_cells() {
   std::list<TestCell> cells;
   cells.push_back(ground("plain", 64, 20, false, false));
@@ -285,6 +335,7 @@ std::list<TestCell> flat_cells() {
 std::list<TestCell> all_cells() {
   std::list<TestCell> cells = flat_cells();
   cells.splice(cells.end(), smooth_cells());
+  cells.splice(cells.end(), mapped_cells());
   return cells;
 }
 

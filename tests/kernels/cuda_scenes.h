@@ -31,10 +31,14 @@ class TestCell {
                 std::vector<float> uv = {}, std::vector<std::uint16_t> rgba = {});
   /// Gives all parts random vertex normals on both sides. Some vertices have none.
   void add_vertex_normals(unsigned seed);
+  /// Gives all parts random normal maps of different samplers and scales. Some parts have tangents on both sides. Some
+  /// vertices have no tangent or no usable coordinates.
+  void add_normal_maps(unsigned seed);
   /// Adds a moved and scaled instance of the last part; a negative scale mirrors it.
   void add_instance(double x, double y, double z, double scale);
   /// Adds a texture and returns its index, for MaterialView::texture.
-  std::int32_t add_texture(int width, int height, TextureAlpha alpha, unsigned seed);
+  std::int32_t add_texture(int width, int height, TextureAlpha alpha, unsigned seed,
+                           TextureContent content = TextureContent::colours);
 
   CellInput input();
   /// Returns parameters in which one metre is one voxel; the window starts at the lattice's origin.
@@ -45,6 +49,7 @@ class TestCell {
   std::deque<std::vector<std::uint32_t>> indices_;
   std::deque<std::vector<std::uint16_t>> colours_;
   std::deque<std::vector<VertexNormal>> normals_;
+  std::deque<std::vector<VertexTangent>> tangents_;
   std::deque<Texture> textures_;
   std::vector<PartView> parts_;
   std::vector<TextureView> views_;
@@ -68,10 +73,12 @@ TestCell instances();
 /// Returns a dense stack of planes: bricks with all 512 voxels of one colour, which become constant nodes.
 TestCell constant_block();
 
-/// Returns the cells without vertex normals.
+/// Returns the cells without vertex normals and normal maps.
 std::list<TestCell> flat_cells();
 /// Returns cells with vertex normals: with and without textures, alpha, mirrored instances, and triangles of all sizes.
 std::list<TestCell> smooth_cells();
+/// Returns cells with normal maps, half of them with vertex normals.
+std::list<TestCell> mapped_cells();
 std::list<TestCell> all_cells();
 
 }  // namespace gigabake::kernels::test

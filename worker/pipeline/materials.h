@@ -13,6 +13,7 @@ namespace gigabake {
 struct TextureFilterKey {
   kernels::TextureAlpha alpha = kernels::TextureAlpha::ignore;
   std::uint8_t mask_cutoff = 0;  ///< for TextureAlpha::mask: min 8-bit texel alpha that passes, 1 to 255
+  kernels::TextureContent content = kernels::TextureContent::colours;
   friend bool operator==(const TextureFilterKey&, const TextureFilterKey&) = default;
 };
 
@@ -20,7 +21,13 @@ struct ShadedMaterial {
   kernels::MaterialView view;  ///< the caller sets `texture` if `image` is not -1
   int image = -1;              ///< index into TileMesh::images, or -1
   TextureFilterKey filter_key;
+  kernels::NormalMapView normal_map;  ///< the caller sets `texture` if `normal_image` is not -1
+  int normal_image = -1;              ///< index into TileMesh::images, or -1
 };
+
+/// Filtering of all normal maps.
+inline constexpr TextureFilterKey normal_map_filter{kernels::TextureAlpha::ignore, 0,
+                                                    kernels::TextureContent::directions};
 
 /// Converts a material. The alpha test of AlphaMode::mask is `factor · texel ≥ cutoff`, where `factor` is the alpha of
 /// the base colour. If there is a texture, the test becomes a threshold on texels. The pyramid can then store the

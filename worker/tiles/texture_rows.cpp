@@ -59,8 +59,8 @@ std::span<const std::uint8_t> bytes_of(const std::vector<T>& row) {
 
 class PyramidWriter {
  public:
-  PyramidWriter(ScratchPublication& file, const TextureHead& head)
-      : file_(file), head_(head), base_texels_(std::uint8_t(head.mask_cutoff)) {
+  PyramidWriter(ScratchPublication& file, const TextureHead& head, kernels::TextureContent content)
+      : file_(file), head_(head), base_texels_(std::uint8_t(head.mask_cutoff), content) {
     for (int l = 0; l < head.levels; ++l) {
       Level level{{kernels::level_extent(head.width, l), kernels::level_extent(head.height, l)},
                   LevelSink(file, sizeof head + head.bytes_before(l))};
@@ -140,7 +140,7 @@ void write_texture_rows(const std::filesystem::path& target, ImageRows& image, c
   head.bytes = head.bytes_before(head.levels);
   ScratchPublication file(target);
   file.expect_room(sizeof head + head.bytes);
-  PyramidWriter pyramid(file, head);
+  PyramidWriter pyramid(file, head, filter_key.content);
   for (std::uint64_t y = 0; y < image.size().height; ++y) {
     std::vector<std::uint8_t>& row = pyramid.base_row();
     image.next(row.data());

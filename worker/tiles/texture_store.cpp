@@ -16,7 +16,8 @@ namespace {
 /// Decodes and filters on the calling thread, because several textures are loaded concurrently.
 kernels::Texture make_texture(const EncodedImage& encoded, const TextureFilterKey& filter_key) {
   Image image = decode_image(encoded);
-  return {std::move(image.rgba), image.width, image.height, filter_key.alpha, filter_key.mask_cutoff, callers_thread()};
+  return {std::move(image.rgba),  image.width,      image.height,      filter_key.alpha,
+          filter_key.mask_cutoff, callers_thread(), filter_key.content};
 }
 
 /// Bytes of memory per pixel of the image's width if the image is decoded in rows: three rows of each level, and the
@@ -24,8 +25,9 @@ kernels::Texture make_texture(const EncodedImage& encoded, const TextureFilterKe
 constexpr std::uint64_t bytes_of_rows = 64;
 
 std::string file_name(const TextureKey& key) {
+  const bool is_colours = key.filter_key.content == kernels::TextureContent::colours;
   return "x_" + key.image.hex() + "_" + std::to_string(int(key.filter_key.alpha)) + "_" +
-         std::to_string(int(key.filter_key.mask_cutoff)) + ".texture";
+         std::to_string(int(key.filter_key.mask_cutoff)) + (is_colours ? "" : "_normals") + ".texture";
 }
 
 }  // namespace

@@ -24,7 +24,9 @@ struct TextureKey {
   friend bool operator==(const TextureKey&, const TextureKey&) = default;
 };
 struct TextureKeyHash {
-  std::size_t operator()(const TextureKey& key) const { return std::size_t(key.image.lo) + key.filter_key.mask_cutoff; }
+  std::size_t operator()(const TextureKey& key) const {
+    return std::size_t(key.image.lo) + key.filter_key.mask_cutoff + 256 * std::size_t(key.filter_key.content);
+  }
 };
 
 /// A texture that cells share, in memory or mapped from scratch.

@@ -18,6 +18,14 @@ struct MaterialView {
                               ///< TextureAlpha::ignore
 };
 
+/// A part's normal map and its sampler.
+struct NormalMapView {
+  std::int32_t texture = -1;  ///< index into CellInput::textures, -1: none; the texture has TextureContent::directions
+  float scale = 1;            ///< of x and y; finite
+  Wrap wrap_s = Wrap::repeat, wrap_t = Wrap::repeat;
+  bool nearest = false;
+};
+
 struct Rgba16 {
   std::uint16_t c[4];
 };

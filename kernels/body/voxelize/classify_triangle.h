@@ -107,7 +107,9 @@ GB_HD TriangleClass classify_triangle(const CellWindow& window, const PartArrays
 
 GB_HD bool has_bad_uv(TriangleClass triangle_class, const PartArrays& part, const std::uint32_t v[3]) {
   float uv[6];
-  return triangle_class == TriangleClass::kept && part.textured && !load_uv(part, v, uv);
+  if (triangle_class != TriangleClass::kept) return false;
+  return (part.textured && !load_uv(part.uv, v, uv)) ||
+         (part.normal_map.texture >= 0 && !load_uv(part.normal_uv, v, uv));
 }
 
 }  // namespace gigabake::kernels

@@ -21,8 +21,11 @@ struct PartArrays {
   const std::int16_t* normal;  ///< two numbers of a VertexNormal per vertex; null if the part has none
   double scene_from_local[12];
   std::uint32_t material;
-  bool mirrored;  ///< the instance's transform mirrors its triangles
-  bool textured;  ///< the part's texture is read
+  bool mirrored;                          ///< the instance's transform mirrors its triangles
+  bool textured;                          ///< the part's texture is read
+  NormalMapView normal_map = {};          ///< without texture if the part has no `normal_uv`
+  const float* normal_uv = nullptr;       ///< null if the part has none
+  const std::int16_t* tangent = nullptr;  ///< two numbers of a VertexTangent per vertex; null if the part has none
 };
 
 /// Returns the determinant of the linear part of a 3x4 row-major matrix.
@@ -44,7 +47,10 @@ inline PartArrays part_arrays(const CellInput& input, const PartView& part) {
                {},
                part.material,
                determinant(part.scene_from_local) < 0,
-               is_textured(input, part)};
+               is_textured(input, part),
+               part.normal_uv.empty() ? NormalMapView() : part.normal_map,
+               part.normal_uv.empty() ? nullptr : part.normal_uv.data,
+               part.tangent.empty() ? nullptr : part.tangent.data->data()};
   for (int i = 0; i < 12; ++i) a.scene_from_local[i] = part.scene_from_local[i];
   return a;
 }
@@ -89,10 +95,11 @@ GB_HD Vec3<std::int16_t> triangle_normal(const PartArrays& part, std::uint32_t t
   return snapped_normal(t);
 }
 
-/// Loads the texture coordinates of the triangle's vertices. If one of them is unusable, returns false and zeros. The
-/// triangle is then baked with zeros and counted in CellStats::bad_uv.
-GB_HD bool load_uv(const PartArrays& part, const std::uint32_t v[3], float uv[6]) {
-  for (int i = 0; i < 6; ++i) uv[i] = part.uv[2 * std::size_t(v[i / 2]) + i % 2];
+/// Loads coordinates of the triangle's vertices from `all`, the part's `uv` or `normal_uv`. If one of them is unusable,
+/// returns false and zeros. The triangle is then baked with zeros or without normal map, and counted in
+/// CellStats::bad_uv.
+GB_HD bool load_uv(const float* all, const std::uint32_t v[3], float uv[6]) {
+  for (int i = 0; i < 6; ++i) uv[i] = all[2 * std::size_t(v[i / 2]) + i % 2];
   if (usable_uv(uv)) return true;
   for (int i = 0; i < 6; ++i) uv[i] = 0;
   return false;
@@ -126,7 +133,7 @@ GB_HD TextureMap texture_map(const PartArrays& part, std::uint32_t triangle, con
   std::uint32_t v[3];
   triangle_vertices(part, triangle, v);
   float uv[6];
-  load_uv(part, v, uv);
+  load_uv(part.uv, v, uv);
   return make_texture_map(plane, uv, texture.width, texture.height);
 }
 

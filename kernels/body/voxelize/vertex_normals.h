@@ -50,10 +50,11 @@ GB_HD Vec3<std::int16_t> turned_toward(const Vec3d& n, const Vec3<std::int16_t>&
 }
 
 /// Loads the shading normals of a triangle's vertices. `geometric` is the result of triangle_normal(). If the vertex
-/// normals point to the other side of the triangle, all three are negated: the winding determines the side.
+/// normals point to the other side of the triangle, all three are negated: the winding determines the side. Returns -1
+/// if they are negated, otherwise 1.
 /// Range   The part has vertex normals.
-GB_HD void load_vertex_normals(const PartArrays& part, std::uint32_t triangle, const Vec3<std::int16_t>& geometric,
-                               Vec3<std::int16_t> normal[3]) {
+GB_HD double load_vertex_normals(const PartArrays& part, std::uint32_t triangle, const Vec3<std::int16_t>& geometric,
+                                 Vec3<std::int16_t> normal[3]) {
   std::uint32_t v[3];
   triangle_vertices(part, triangle, v);
   const Vec3d a = scene_normal(part, v[0]), b = scene_normal(part, v[1]), c = scene_normal(part, v[2]);
@@ -61,6 +62,7 @@ GB_HD void load_vertex_normals(const PartArrays& part, std::uint32_t triangle, c
   normal[0] = turned_toward(a * side, geometric);
   normal[1] = turned_toward(b * side, geometric);
   normal[2] = turned_toward(c * side, geometric);
+  return side;
 }
 
 /// Returns the mean of the shading normal over the fragment in cell (u, v), whose moments are `m`. It is shorter than a

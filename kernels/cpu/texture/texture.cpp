@@ -40,7 +40,7 @@ std::uint64_t new_texture_id() {
 }
 
 Texture::Texture(std::vector<std::uint8_t> rgba, int width, int height, TextureAlpha alpha, std::uint8_t mask_cutoff,
-                 const ThreadPool& pool)
+                 const ThreadPool& pool, TextureContent content)
     : base_(std::move(rgba)),
       levels_(std::size_t(level_count(width, height))),
       width_(width),
@@ -49,7 +49,7 @@ Texture::Texture(std::vector<std::uint8_t> rgba, int width, int height, TextureA
       id_(new_texture_id()) {
   if (alpha == TextureAlpha::ignore) make_opaque(base_.data(), base_.size() / 4);
   is_opaque_ = are_opaque(base_.data(), base_.size() / 4, mask_cutoff_);
-  const BaseTexels base_texels(mask_cutoff_);
+  const BaseTexels base_texels(mask_cutoff_, content);
   for (int l = 1; l < int(levels_.size()); ++l) {
     const int from_width = level_extent(width, l - 1), from_height = level_extent(height, l - 1);
     const std::size_t stride = std::size_t(4) * std::size_t(from_width);

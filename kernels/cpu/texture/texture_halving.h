@@ -10,6 +10,7 @@
 #include "kernels/body/tables.h"
 #include "kernels/body/texture/nearest_texture.h"
 #include "kernels/body/texture/texture_view.h"
+#include "kernels/cpu/texture/texture.h"
 
 namespace gigabake::kernels {
 
@@ -55,15 +56,20 @@ void halve_row(LevelExtent from, int y, const RowAt& row_at, const Add& add, std
 /// counts as opaque or transparent.
 class BaseTexels {
  public:
-  explicit BaseTexels(std::uint8_t mask_cutoff) : mask_cutoff_(mask_cutoff), tables_(TableStore::host().view()) {}
+  BaseTexels(std::uint8_t mask_cutoff, TextureContent content)
+      : mask_cutoff_(mask_cutoff), linear_from_code_(table_of(TableStore::host().view(), content)) {}
   void operator()(const std::uint8_t* p, std::uint64_t weight, std::uint64_t sum[4]) const {
-    const Rgba16 texel = base_texel(p, mask_cutoff_, tables_.linear_from_srgb);
+    const Rgba16 texel = base_texel(p, mask_cutoff_, linear_from_code_);
     for (int c = 0; c < 4; ++c) sum[c] += weight * texel.c[c];
   }
 
  private:
+  static const std::uint16_t* table_of(const Tables& tables, TextureContent content) {
+    return content == TextureContent::directions ? tables.linear_from_code : tables.linear_from_srgb;
+  }
+
   const std::uint8_t mask_cutoff_;
-  const Tables tables_;
+  const std::uint16_t* const linear_from_code_;
 };
 
 /// Adds a weighted texel of level 1 or coarser to the sums.

@@ -7,6 +7,7 @@
 
 #include "core/base/rules.h"
 #include "core/base/thread_pool.h"
+#include "kernels/body/voxelize/normal_maps.h"
 #include "kernels/body/voxelize/part.h"
 #include "kernels/body/voxelize/surface.h"
 #include "kernels/body/voxelize/triangle_bricks.h"
@@ -46,19 +47,25 @@ Surface triangle_surface(const PartSurface& from, const WindowTriangle& w, const
 struct TriangleNormals {
   Vec3<std::int16_t> geometric, vertex[3];
   bool has_vertex = false;  ///< `vertex` is set
+  TriangleMap map{};
+
+  bool has_map() const { return map.texture != nullptr; }
 };
 
-TriangleNormals triangle_normals(const PartArrays& part, std::uint32_t triangle, const Vec3<std::int16_t>& geometric) {
+TriangleNormals triangle_normals(const PartArrays& part, const TextureView* textures, std::uint32_t triangle,
+                                 const TrianglePlane& plane, const Vec3<std::int16_t>& geometric) {
   TriangleNormals n{geometric, {}, part.normal != nullptr};
-  if (n.has_vertex) load_vertex_normals(part, triangle, geometric, n.vertex);
+  const double side = n.has_vertex ? load_vertex_normals(part, triangle, geometric, n.vertex) : 1;
+  n.map = triangle_map(part, textures, triangle, plane, side);
   return n;
 }
 
 /// The voxelizer of one thread. Its buffers are reused for all its bricks.
 class BrickWalker {
  public:
-  BrickWalker(std::span<const WindowTriangle> triangles, const std::vector<PartSurface>& parts, SurfaceRule rule)
-      : triangles_(triangles), parts_(parts), rule_(rule), tables_(TableStore::host().view()) {}
+  BrickWalker(std::span<const WindowTriangle> triangles, const std::vector<PartSurface>& parts,
+              const TextureView* textures, SurfaceRule rule)
+      : triangles_(triangles), parts_(parts), textures_(textures), rule_(rule), tables_(TableStore::host().view()) {}
 
   void walk(const Pair* begin, const Pair* end, BrickRun& run) {
     const std::uint64_t key = brick_of(*begin);
@@ -82,7 +89,7 @@ class BrickWalker {
     const TrianglePlane plane = make_plane(t);
     const PartArrays& part = parts_[w.part].part;
     const Surface surface = triangle_surface(parts_[w.part], w, plane);
-    normals_ = triangle_normals(part, w.index, triangle_normal(part, w.index, t));
+    normals_ = triangle_normals(part, textures_, w.index, plane, triangle_normal(part, w.index, t));
     if (surface.look() == ShadingRate::linear) linear_ = make_linear_colour(surface, plane);
     for (int i = 0; i < 8; ++i)
       if (slab[i] != 0) add_slab(plane, surface, t.axis, i, slab[i]);
@@ -104,14 +111,14 @@ class BrickWalker {
     const SlabPolygon polygon = cut_slab(plane, double(w - plane.anchor[2]));
     measure(plane, polygon, look);
     if (look == ShadingRate::linear)
-      add_linear_cells(plane, voxel);
+      add_linear_cells(plane, polygon, voxel);
     else
       add_cells(plane, polygon, surface, voxel);
     fragments_ += std::uint64_t(lanes_.count);
   }
 
   void measure(const TrianglePlane& plane, const SlabPolygon& polygon, ShadingRate look) {
-    if (look == ShadingRate::varying) return measure_second_moments(plane, polygon, lanes_);
+    if (look == ShadingRate::varying || normals_.has_map()) return measure_second_moments(plane, polygon, lanes_);
     look == ShadingRate::linear || normals_.has_vertex ? measure_moments(plane, polygon, lanes_)
                                                        : measure_areas(plane, polygon, lanes_);
   }
@@ -125,16 +132,24 @@ class BrickWalker {
             lanes_.moment_uu[i], lanes_.moment_uv[i], lanes_.moment_vv[i]};
   }
 
-  /// Returns the normal of a fragment. If the triangle has vertex normals, its moments must have been measured.
-  Vec3<std::int16_t> normal_of(const TrianglePlane& plane, int lane) const {
-    if (!normals_.has_vertex) return normals_.geometric;
-    return mean_normal(normals_.vertex, plane, moments_of(lane), lanes_.u[lane], lanes_.v[lane]);
+  FragmentShape shape_of(const TrianglePlane& plane, const SlabPolygon& polygon, int i) const {
+    return fragment_shape(plane, second_moments_of(i), lanes_.u[i], lanes_.v[i], polygon.u, polygon.v, polygon.count);
   }
 
-  void add_linear_cells(const TrianglePlane& plane, const int voxel[64]) {
+  /// Returns the normal of a fragment. If the triangle has vertex normals or a normal map, its moments must have been
+  /// measured.
+  Vec3<std::int16_t> normal_of(const TrianglePlane& plane, const SlabPolygon& polygon, int i) const {
+    const Vec3<std::int16_t> smooth = normals_.has_vertex
+                                          ? mean_normal(normals_.vertex, plane, moments_of(i), lanes_.u[i], lanes_.v[i])
+                                          : normals_.geometric;
+    if (!normals_.has_map()) return smooth;
+    return mapped_normal(normals_.map, smooth, normals_.geometric, plane, shape_of(plane, polygon, i), tables_);
+  }
+
+  void add_linear_cells(const TrianglePlane& plane, const SlabPolygon& polygon, const int voxel[64]) {
     for (int i = 0; i < lanes_.count; ++i)
       sums_.add(voxel[i], linear_fragment(linear_, lanes_.u[i], lanes_.v[i], moments_of(i), plane.weight_scale,
-                                          normal_of(plane, i)));
+                                          normal_of(plane, polygon, i)));
   }
 
   void add_cells(const TrianglePlane& plane, const SlabPolygon& polygon, const Surface& surface, const int voxel[64]) {
@@ -143,17 +158,17 @@ class BrickWalker {
     if (!varies) rgba = shade<false>(surface, plane, {}, tables_);
     for (int i = 0; i < lanes_.count; ++i) {
       if (varies) {
-        const FragmentShape shape =
-            fragment_shape(plane, second_moments_of(i), lanes_.u[i], lanes_.v[i], polygon.u, polygon.v, polygon.count);
+        const FragmentShape shape = shape_of(plane, polygon, i);
         rgba = opaque ? shade<true>(surface, plane, shape, tables_) : shade<false>(surface, plane, shape, tables_);
       }
-      sums_.add(voxel[i],
-                fragment_of_colour(weight_of(lanes_.area[i], plane.weight_scale), rgba.c, normal_of(plane, i)));
+      sums_.add(voxel[i], fragment_of_colour(weight_of(lanes_.area[i], plane.weight_scale), rgba.c,
+                                             normal_of(plane, polygon, i)));
     }
   }
 
   std::span<const WindowTriangle> triangles_;
   const std::vector<PartSurface>& parts_;
+  const TextureView* textures_;
   SurfaceRule rule_;
   Tables tables_;
   BrickSums sums_;
@@ -182,7 +197,8 @@ void voxelize(const CellInput& input, std::span<const WindowTriangle> triangles,
   std::vector<BrickRun> runs((bricks + bricks_per_run - 1) / bricks_per_run, BrickRun(parameters.normals));
   std::vector<std::unique_ptr<BrickWalker>> walkers(pool.threads());
   pool.parallel_for(bricks, bricks_per_run, [&](std::size_t begin, std::size_t end, int thread) {
-    if (!walkers[thread]) walkers[thread] = std::make_unique<BrickWalker>(triangles, parts, parameters.surface);
+    if (!walkers[thread])
+      walkers[thread] = std::make_unique<BrickWalker>(triangles, parts, input.textures.data, parameters.surface);
     for (std::size_t b = begin; b < end; ++b)
       walkers[thread]->walk(pairs.data() + starts[b], pairs.data() + starts[b + 1], runs[b / bricks_per_run]);
   });

@@ -110,11 +110,12 @@ DeviceTables::DeviceTables(DeviceHeap& heap) {
   unit_normal_ = upload(heap, host.unit_normal, 4 * normal_codes);
   thesis_alpha_ = upload(heap, host.thesis_alpha, alpha_sums);
   planar_coverage_ = upload(heap, host.planar_coverage, planar_coverages);
+  linear_from_code_ = upload(heap, host.linear_from_code, srgb_codes);
 }
 
 Tables DeviceTables::view() const {
-  return {linear_from_srgb_.data(), srgb_from_linear_.data(), unit_normal_.data(), thesis_alpha_.data(),
-          planar_coverage_.data()};
+  return {linear_from_srgb_.data(), srgb_from_linear_.data(), unit_normal_.data(),
+          thesis_alpha_.data(),     planar_coverage_.data(),  linear_from_code_.data()};
 }
 
 DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTextures& textures, const Tables& tables)
@@ -127,6 +128,8 @@ DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTexture
     layout.add(p.uv);
     layout.add(p.rgba);
     layout.add(p.normal);
+    layout.add(p.normal_uv);
+    layout.add(p.tangent);
   }
   arrays_ = layout.upload(heap);
   std::vector<DevicePart> parts;
@@ -138,6 +141,8 @@ DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTexture
     d.uv = layout.address(arrays_, p.uv);
     d.rgba = layout.address(arrays_, p.rgba);
     d.normal = reinterpret_cast<const std::int16_t*>(layout.address(arrays_, p.normal));
+    d.normal_uv = layout.address(arrays_, p.normal_uv);
+    d.tangent = reinterpret_cast<const std::int16_t*>(layout.address(arrays_, p.tangent));
     parts.push_back(d);
     vertex_count_ = counted(std::size_t(vertex_count_) + p.position.size / 3, "vertices");
     triangle_count_ = counted(std::size_t(triangle_count_) + p.index.size / 3, "triangles");

@@ -99,7 +99,7 @@ class DeviceTables {
   Tables view() const;
 
  private:
-  DeviceArray<std::uint16_t> linear_from_srgb_;
+  DeviceArray<std::uint16_t> linear_from_srgb_, linear_from_code_;
   DeviceArray<std::uint8_t> srgb_from_linear_, thesis_alpha_, planar_coverage_;
   DeviceArray<std::int16_t> unit_normal_;
 };

@@ -10,6 +10,7 @@
 #include "core/octree/brick.h"
 #include "kernels/body/voxelize/accumulate.h"
 #include "kernels/body/voxelize/coverage.h"
+#include "kernels/body/voxelize/normal_maps.h"
 #include "kernels/body/voxelize/part.h"
 #include "kernels/body/voxelize/surface.h"
 #include "kernels/body/voxelize/triangle_bricks.h"
@@ -68,11 +69,21 @@ struct SmoothLook {
   Vec3<std::int16_t> vertex_normal[3];
 };
 
+/// SmoothLook in cells with normal maps.
+template <bool is_hard>
+struct MappedLook : SmoothLook<is_hard> {
+  TriangleMap normal_map;
+};
+
 /// Base of items in cells without vertex normals.
 struct FlatLook {};
 
 template <bool is_hard, CellMaterials materials>
-struct SlabFragment : CutItem, std::conditional_t<has_vertex_normals(materials), SmoothLook<is_hard>, FlatLook> {
+using NormalLook = std::conditional_t<has_normal_maps(materials), MappedLook<is_hard>,
+                                      std::conditional_t<has_vertex_normals(materials), SmoothLook<is_hard>, FlatLook>>;
+
+template <bool is_hard, CellMaterials materials>
+struct SlabFragment : CutItem, NormalLook<is_hard, materials> {
   using Varying = std::conditional_t<all_visible(materials), TexturedLook<is_hard>, VaryingLook<is_hard>>;
   union {
     LinearColour colour;  ///< if look is flat, only `low` is set
@@ -159,12 +170,13 @@ __device__ inline void cut_polygon(const TrianglePlane& plane, double slab, CutI
   out.edges_of_row = edges;
 }
 
+/// Sets the vertices and their normals. Returns the result of load_vertex_normals(), or 1 without vertex normals.
 template <bool is_hard>
-__device__ void set_smooth(const DevicePart& part, std::uint32_t triangle, const TrianglePlane& plane,
-                           const Vec3<std::int16_t>& normal, SmoothLook<is_hard>& out) {
+__device__ double set_smooth(const DevicePart& part, std::uint32_t triangle, const TrianglePlane& plane,
+                             const Vec3<std::int16_t>& normal, SmoothLook<is_hard>& out) {
   out.points = points_of<is_hard>(plane);
   for (Vec3<std::int16_t>& n : out.vertex_normal) n = normal;
-  if (part.normal != nullptr) load_vertex_normals(part, triangle, normal, out.vertex_normal);
+  return part.normal != nullptr ? load_vertex_normals(part, triangle, normal, out.vertex_normal) : 1;
 }
 
 template <class I, class N, bool is_hard, CellMaterials materials>
@@ -179,7 +191,11 @@ __device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const
   out.weight_scale = plane.weight_scale;
   cut_polygon(plane, double(std::int64_t(where & 7) - plane.anchor[2]), out);
   set_look(in, w, plane, out);
-  if constexpr (has_vertex_normals(materials)) set_smooth<is_hard>(in.parts[w.part], w.index, plane, out.normal, out);
+  if constexpr (has_vertex_normals(materials)) {
+    const DevicePart& part = in.parts[w.part];
+    const double side = set_smooth<is_hard>(part, w.index, plane, out.normal, out);
+    if constexpr (has_normal_maps(materials)) out.normal_map = triangle_map(part, in.textures, w.index, plane, side);
+  }
 }
 
 /// Cuts an item from the triangle of a pair. `corner` is the brick's lowest corner, and `where` is an element of
@@ -241,14 +257,21 @@ __device__ Rgba16 shade_item(const Tables& tables, const CutItem& item, const Va
   return shade<false>(s, plane, fragment_shape(plane, m, u, v, item.u, item.v, item.corners), tables);
 }
 
-/// Returns the normal of a fragment. `m` includes first moments.
+/// Returns the normal of a fragment. `m` includes first moments, and second moments if the cell has normal maps.
 template <bool is_hard, CellMaterials materials>
-__device__ Vec3<std::int16_t> normal_of(const SlabFragment<is_hard, materials>& item, const CellMoments& m, double u,
-                                        double v) {
-  if constexpr (has_vertex_normals(materials))
-    return mean_normal(item.vertex_normal, plane_of(item.SmoothLook<is_hard>::points), m, u, v);
-  else
+__device__ Vec3<std::int16_t> normal_of(const Tables& tables, const SlabFragment<is_hard, materials>& item,
+                                        const CellMoments& m, double u, double v) {
+  if constexpr (has_vertex_normals(materials)) {
+    const TrianglePlane plane = plane_of(item.SmoothLook<is_hard>::points);
+    const Vec3<std::int16_t> smooth = mean_normal(item.vertex_normal, plane, m, u, v);
+    if constexpr (has_normal_maps(materials))
+      if (item.normal_map.texture != nullptr)
+        return mapped_normal(item.normal_map, smooth, item.normal, plane,
+                             fragment_shape(plane, m, u, v, item.u, item.v, item.corners), tables);
+    return smooth;
+  } else {
     return item.normal;
+  }
 }
 
 template <bool is_hard, CellMaterials materials>
@@ -257,13 +280,13 @@ __device__ Fragment fragment_of(const Tables& tables, const SlabFragment<is_hard
   constexpr Moments wanted = materials == CellMaterials::plain ? Moments::first : Moments::second;
   const CellMoments m = measure<wanted>(item, u, v, cell >> 3);
   if (item.look == ShadingRate::linear)
-    return linear_fragment(item.colour, u, v, m, item.weight_scale, normal_of(item, m, u, v));
+    return linear_fragment(item.colour, u, v, m, item.weight_scale, normal_of(tables, item, m, u, v));
   Rgba16 rgba;
   if (materials == CellMaterials::plain || item.look == ShadingRate::flat)
     rgba = opaque_colour({{item.colour.low[0], item.colour.low[1], item.colour.low[2], 0}});
   else if constexpr (materials != CellMaterials::plain)
     rgba = shade_item(tables, item, item.varying, m, u, v);
-  return fragment_of_colour(weight_of(m.area, item.weight_scale), rgba.c, normal_of(item, m, u, v));
+  return fragment_of_colour(weight_of(m.area, item.weight_scale), rgba.c, normal_of(tables, item, m, u, v));
 }
 
 }  // namespace gigabake::kernels

@@ -202,6 +202,8 @@ class Filler {
         launch_fill<CellMaterials::plain>(view_, stream);
       else if (materials_ == CellMaterials::smooth_opaque)
         launch_fill<CellMaterials::smooth_opaque>(view_, stream);
+      else if (materials_ == CellMaterials::mapped_opaque)
+        launch_fill<CellMaterials::mapped_opaque>(view_, stream);
       else
         launch_fill<CellMaterials::opaque>(view_, stream);
       return;
@@ -209,6 +211,8 @@ class Filler {
     place(temporary_.data(), bytes, view_.begin, view_.end);
     if (materials_ == CellMaterials::smooth)
       launch_fill<CellMaterials::smooth>(view_, stream);
+    else if (materials_ == CellMaterials::mapped)
+      launch_fill<CellMaterials::mapped>(view_, stream);
     else
       launch_fill<CellMaterials::any>(view_, stream);
     bytes = temporary_bytes_;

@@ -59,7 +59,9 @@ __global__ void run_body(Body body, const In* in, Out* out, int count, Tables ta
 /// The host's tables in device memory.
 class DeviceTables {
  public:
-  Tables view() const { return {linear_.data(), srgb_.data(), normal_.data(), thesis_.data(), sheet_.data()}; }
+  Tables view() const {
+    return {linear_.data(), srgb_.data(), normal_.data(), thesis_.data(), sheet_.data(), code_.data()};
+  }
 
  private:
   Tables host_ = TableStore::host().view();
@@ -68,6 +70,7 @@ class DeviceTables {
   DeviceArray<std::int16_t> normal_{host_.unit_normal, 4 * normal_codes};
   DeviceArray<std::uint8_t> thesis_{host_.thesis_alpha, alpha_sums};
   DeviceArray<std::uint8_t> sheet_{host_.planar_coverage, planar_coverages};
+  DeviceArray<std::uint16_t> code_{host_.linear_from_code, srgb_codes};
 };
 
 template <class Out, class In, class Body>

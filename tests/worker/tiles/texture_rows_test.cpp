@@ -110,7 +110,7 @@ class TextureRowsTest : public testing::Test {
       Image image = decode_image(encoded);
       write_texture(folder.path() / "whole",
                     kernels::Texture(std::move(image.rgba), image.width, image.height, filter_key.alpha,
-                                     filter_key.mask_cutoff, callers_thread())
+                                     filter_key.mask_cutoff, callers_thread(), filter_key.content)
                         .view());
       return content(folder.path() / "whole");
     } catch (const InputError&) {
@@ -139,8 +139,10 @@ class TextureRowsTest : public testing::Test {
     }
   }
 
-  const std::vector<TextureFilterKey> recipes = {
-      {kernels::TextureAlpha::ignore, 0}, {kernels::TextureAlpha::blend, 0}, {kernels::TextureAlpha::mask, 128}};
+  const std::vector<TextureFilterKey> recipes = {{kernels::TextureAlpha::ignore, 0},
+                                                 {kernels::TextureAlpha::blend, 0},
+                                                 {kernels::TextureAlpha::mask, 128},
+                                                 normal_map_filter};
   ScratchFolder folder;
 };
 
