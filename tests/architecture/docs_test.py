@@ -11,8 +11,8 @@ from pathlib import Path
 from architecture_test import MODULES
 from verdict import verdict
 
-FOLDERS = ("app bench cluster cmake core docs examples format kernels packaging query sample scheduler tests tools "
-           "viewer worker").split()
+FOLDERS = ("app bench cluster cmake core docs examples format kernels packaging python query sample scheduler tests "
+           "tools viewer worker").split()
 PATH = re.compile(r"(?<![\w/.-])((?:%s)/[\w./-]*\w)" % "|".join(FOLDERS))
 CODE = {".h", ".cpp", ".cu", ".cuh", ".py"}
 # NAME is a placeholder for a name that the reader chooses.
@@ -171,7 +171,9 @@ def version_problems(root):
     version = re.search(r"VERSION (\d+\.\d+)\.(\d+)", (root / "CMakeLists.txt").read_text(encoding="utf-8"))
     minor, whole = version.group(1), f"{version.group(1)}.{version.group(2)}"
     for name, text in (("CITATION.cff", f"\nversion: {whole}\n"), ("packaging/changelog", f"gigabake ({whole})"),
-                       ("docs/library.md", f"find_package(gigabake {minor} "), ("CHANGELOG.md", f"\n## {whole}, ")):
+                       ("docs/library.md", f"find_package(gigabake {minor} "), ("CHANGELOG.md", f"\n## {whole}, "),
+                       ("python/pyproject.toml", f'\nversion = "{whole}"\n'),
+                       ("python/gigabake/__init__.py", f'\n__version__ = "{whole}"\n')):
         if text not in (root / name).read_text(encoding="utf-8"):
             yield f"{name}: expected version {whole}, as in CMakeLists.txt"
 

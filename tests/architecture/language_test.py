@@ -25,7 +25,7 @@ from tree_rules import folder_problems, header_problems, page_problems
 HERE = Path(__file__).parent
 COUNTS = HERE / "language_counts.json"
 FOLDERS = (".ci .github app bench cluster cmake docs core examples format kernels packaging query sample scheduler "
-           "tests tools viewer worker").split()
+           "python tests tools viewer worker").split()
 # These define, quote or test the old words, or are texts of others.
 EXEMPT = re.compile(r"tests/fuzz/corpus/|tests/architecture/(language_\w+|prose)\.py|docs/glossary\.md|LICENSE|"
                     r"packaging/copyright")

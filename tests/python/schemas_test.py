@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""Each JSON output of the program has the form that docs/schemas publishes, without members that a schema lacks.
+
+Usage: schemas_test.py GIGABAKE SOURCE_DIR
+"""
+import copy
+import json
+import re
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "cli/support"))
+from package_imports import gigabake
+
+try:
+    import jsonschema
+except ImportError as error:
+    print(f"skipped: {error} (python3-jsonschema)")
+    sys.exit(77)
+
+import harness
+
+SCHEMAS = Path(sys.argv[2]) / "docs/schemas"
+QUESTIONS = {"rays": [[0, 0, 900, 0, 0, -1], [0, 0, 900, 0, 0, 1]], "heights": [[0, 0], [1e6, 0]],
+             "sights": [[0, 0, 9, 5, 5, -9], [0, 0, 9, 5, 5, 9]]}
+
+
+def closed(schema):
+    """Returns the schema with every object refusing members that it does not list."""
+    if isinstance(schema, dict):
+        schema = {key: closed(value) for key, value in schema.items()}
+        if "properties" in schema and isinstance(schema.get("required"), list):
+            schema.setdefault("additionalProperties", False)
+    elif isinstance(schema, list):
+        schema = [closed(item) for item in schema]
+    return schema
+
+
+def validator(name):
+    schema = json.loads((SCHEMAS / f"{name}.json").read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(closed(schema))
+
+
+class Schemas(harness.FolderTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        options = {"program": PROGRAM.executable}
+        root, outputs = cls.root, {}
+        outputs["sample-1"] = [cls.printed("sample", root / "source", "--size", 64, "--tiles", 2)]
+        source, scene = root / "source/tileset.json", root / "scene"
+        report = root / "report.json"
+        baked = gigabake.bake(source, scene, 1, "--cell-voxels", 32, "--report", report, **options)
+        again = gigabake.bake(source, scene, 1, "--cell-voxels", 32, **options)
+        outputs["bake-1"] = [baked, json.loads(report.read_text(encoding="utf-8")), again]
+        outputs["plan-1"] = [gigabake.plan(source, 2, **options), gigabake.plan(source, 2, "--no-measure", **options),
+                             gigabake.plan(source, 1, "--cell-voxels", 32, "-o", scene, "--no-measure", **options)]
+        outputs["query-1"] = [gigabake.query(scene, **{kind: table}, **options) for kind, table in QUESTIONS.items()]
+        (root / "places.csv").write_text("id,x,y\nhere,0,0\n", encoding="utf-8")
+        outputs["query-1"].append(cls.printed("query", scene, "--heights", root / "places.csv", "--format", "json"))
+        outputs["query-1"].append(cls.printed("query", scene, "--grid=-2,-2,2,2", "--step", 2, "--format", "json"))
+        gigabake.bake(source, root / "other", 1, "--cell-voxels", 32, "--surface", "conservative", **options)
+        outputs["info-1"], outputs["verify-1"] = ([cls.printed(name, scene)] for name in ("info", "verify"))
+        outputs["status-1"] = [cls.printed("status", scene)]
+        outputs["diff-1"] = [cls.printed("diff", scene, scene), cls.printed("diff", scene, root / "other")]
+        cls.outputs = outputs
+
+    @classmethod
+    def printed(cls, command, *arguments):
+        as_json = [] if command == "query" else ["--json"]
+        result = PROGRAM.run(command, *arguments, *as_json)
+        assert result.returncode in (0, 1), result
+        return json.loads(result.stdout)
+
+    def test_each_schema_is_valid_and_listed(self):
+        listed = re.findall(r"^\| \[([\w-]+)\.json\]", (SCHEMAS / "README.md").read_text(encoding="utf-8"), re.M)
+        names = sorted(path.stem for path in SCHEMAS.glob("*.json"))
+        self.assertEqual(sorted(listed), names)
+        self.assertEqual(sorted(self.outputs), names)
+        for name in names:
+            schema = json.loads((SCHEMAS / f"{name}.json").read_text(encoding="utf-8"))
+            self.assertRegex(name, r"^[a-z]+-\d+$")
+            self.assertEqual(schema["$id"], f"gigabake:schemas/{name}")
+
+    def test_outputs_have_the_published_form(self):
+        for name, outputs in self.outputs.items():
+            for number, output in enumerate(outputs):
+                with self.subTest(schema=name, output=number):
+                    self.assertEqual([f"{error.json_path}: {error.message}"
+                                      for error in validator(name).iter_errors(output)], [])
+
+    def test_outputs_cover_different_forms(self):
+        plans = self.outputs["plan-1"]
+        self.assertEqual([plan["sizes"][1]["seconds"] is None for plan in plans], [False, True, True])
+        self.assertEqual(plans[2]["remaining"]["cells"], 0)
+        self.assertEqual(self.outputs["bake-1"][2]["cells_taken_over"], self.outputs["bake-1"][2]["cells_planned"])
+        outcomes = {answer["outcome"] for answers in self.outputs["query-1"] for answer in answers}
+        self.assertLessEqual({"hit", "blocked", "visible", "outside the scene"}, outcomes)
+        self.assertEqual([diff["same"] for diff in self.outputs["diff-1"]], [True, False])
+        self.assertGreater(len(self.outputs["diff-1"][1]["cells"]), 0)
+
+    def test_a_missing_a_wrong_and_an_additional_member_are_noticed(self):
+        for name, outputs in self.outputs.items():
+            check, output = validator(name), outputs[0]
+            form = check.schema.get("items", check.schema)
+            faults = [("additional", 0)]
+            faults += [(key, None) for key in form["required"]]  # None: without the member
+            faults += [(key, {"no": "such type"}) for key, part in form["properties"].items()
+                       if "properties" in part or part.get("type") != "object"]
+            for key, value in faults:
+                changed = copy.deepcopy(output)
+                item = changed[0] if isinstance(changed, list) else changed
+                item[key] = value
+                if value is None:
+                    del item[key]
+                with self.subTest(schema=name, key=key, value=value):
+                    self.assertFalse(check.is_valid(changed))
+
+
+if __name__ == "__main__":
+    PROGRAM = harness.Gigabake(sys.argv[1])
+    harness.main(argv=sys.argv[:1], verbosity=2)
