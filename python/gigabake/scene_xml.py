@@ -13,6 +13,7 @@ from .errors import BAKE_AGAIN, NEWER_PROGRAM, GigabakeError
 OLDEST_SCENE_VERSION, NEWEST_SCENE_VERSION = 1, 5
 BRICK_EDGE = 8
 MAX_LODS = 62
+MAX_PAGES_KEPT = 64  # of some 512 shards each, about 1 KB per shard
 
 Index = tuple[int, int, int]
 
@@ -249,6 +250,7 @@ class SceneXml:
         expect_sums(group, self.listing, self.cells, self.voxels)
         self.bounds = group.box("BoundsMin", "BoundsEnd")
         self.window = group.box("LatticeMin", "LatticeEnd")
+        self._read_pages: dict[Path, Listing] = {}
         self._has_overviews = group.integer("Parents", 0) != 0
         self._edge = group.integer("CellVoxels", 0)
 
@@ -269,6 +271,14 @@ class SceneXml:
         return min((shard.lods for shard in self.listing.shards), default=0)
 
     def _page(self, page: PageEntry) -> Listing:
+        """Returns the content of a page. Recent pages are kept: a page never changes once it has its name."""
+        listing = self._read_pages.pop(page.file, None) or self._read_page(page)
+        self._read_pages[page.file] = listing
+        if len(self._read_pages) > MAX_PAGES_KEPT:
+            del self._read_pages[next(iter(self._read_pages))]
+        return listing
+
+    def _read_page(self, page: PageEntry) -> Listing:
         group = root_of(page.file)
         version = group.integer("Version")
         if not 3 <= version <= NEWEST_SCENE_VERSION:

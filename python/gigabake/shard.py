@@ -17,6 +17,8 @@ from .scene_xml import BRICK_EDGE, SceneXml, ShardEntry
 
 OLDEST_SHARD_VERSION, NEWEST_SHARD_VERSION = 1, 5
 BRICK, LEAF_CONSTANT = 0, 2
+# Columns of /nodes that do not describe the voxels of constant nodes.
+STRUCTURE = {"key", "lod", "kind", "child_mask", "first_child"}
 # Bounds the memory of one step: a brick takes 512 bytes and at most 512 voxels.
 MAX_BRICKS_AT_ONCE = 1 << 12
 MAX_BLOCKS_AT_ONCE = 1 << 11
@@ -162,8 +164,7 @@ class Shard:
             rows, edge, low, is_brick = rows[inside], edge[inside], low[inside], is_brick[inside]
         yield from self._brick_parts(own_lod, nodes["value"][rows[is_brick]].astype(numpy.int64), low[is_brick])
         constant = rows[~is_brick]
-        looks = {name: columns[name].rows()[constant] for name in ("normal", "facing") if name in columns}
-        looks["value"] = nodes["value"][constant]
+        looks = {name: columns[name].rows()[constant] for name in columns if name not in STRUCTURE}
         yield from self._constant_parts(own_lod, looks, edge[~is_brick], low[~is_brick], box)
 
     def _expect_count(self, own_lod: int, constant_edges: NDArray[numpy.int64], numbers: Array) -> None:
@@ -203,12 +204,12 @@ class Shard:
         group = self._hdf5[f"lod_{own_lod}"]
         rgba = looks["value"].astype("<u4").view(numpy.uint8).reshape(-1, 4)
         columns = {"rgb": rgba[:, :3], "alpha": rgba[:, 3]}
-        if "normal" in looks:
-            columns["normal"] = looks["normal"]
-        if "facing" in looks and "facing" in group:
-            columns["facing"] = looks["facing"][:, :3]
-        if "facing" in looks and "plane" in group and looks["facing"].shape[1] > 3:
-            columns["plane"] = looks["facing"][:, 3]
+        columns.update({name: look for name, look in looks.items() if name in group})
+        if "facing" in columns:
+            facing = columns["facing"]
+            columns["facing"] = facing[:, :3]
+            if "plane" in group and facing.shape[1] > 3:
+                columns["plane"] = facing[:, 3]
         corner, node = blocks_of(low, edges, box)
         for begin in range(0, len(node), MAX_BLOCKS_AT_ONCE):
             some = slice(begin, begin + MAX_BLOCKS_AT_ONCE)
