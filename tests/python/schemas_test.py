@@ -5,9 +5,13 @@ Usage: schemas_test.py GIGABAKE SOURCE_DIR
 """
 import copy
 import json
+import os
 import re
+import shutil
 import sys
+import warnings
 from pathlib import Path
+from unittest import mock
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "cli/support"))
 from package_imports import gigabake
@@ -60,17 +64,37 @@ class Schemas(harness.FolderTest):
         (root / "places.csv").write_text("id,x,y\nhere,0,0\n", encoding="utf-8")
         outputs["query-1"].append(cls.printed("query", scene, "--heights", root / "places.csv", "--format", "json"))
         outputs["query-1"].append(cls.printed("query", scene, "--grid=-2,-2,2,2", "--step", 2, "--format", "json"))
+        with mock.patch.dict(os.environ, harness.MPI_ENVIRONMENT):
+            outputs["bake-1"].append(gigabake.bake(source, root / "ranks", 1, "--cell-voxels", 32, ranks=2, **options))
         gigabake.bake(source, root / "other", 1, "--cell-voxels", 32, "--surface", "conservative", **options)
         outputs["info-1"], outputs["verify-1"] = ([cls.printed(name, scene)] for name in ("info", "verify"))
+        cls.lost = cls.incomplete(source, options, outputs)
         outputs["status-1"] = [cls.printed("status", scene)]
         outputs["diff-1"] = [cls.printed("diff", scene, scene), cls.printed("diff", scene, root / "other")]
         cls.outputs = outputs
 
     @classmethod
+    def incomplete(cls, source, options, outputs):
+        """Plans and bakes a copy of the source that lost a tile. Returns the warnings, and the lost file."""
+        folder = cls.root / "lost"
+        shutil.copytree(source.parent, folder)
+        tile = next(path for path in sorted(folder.rglob("tile_*.glb")) if "local" not in path.parts)
+        tile.unlink()
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            outputs["plan-1"].append(gigabake.plan(folder / source.name, 1, "--no-measure", **options))
+            outputs["bake-1"].append(gigabake.bake(folder / source.name, cls.root / "part", 1, **options))
+            outputs["query-1"].append(gigabake.query(cls.root / "part", heights=[[0, 0]], **options))
+            gigabake.open(cls.root / "part").level(0).region()
+        outputs["info-1"].append(cls.printed("info", cls.root / "part"))
+        outputs["verify-1"].append(cls.printed("verify", cls.root / "part"))
+        return caught, tile.name
+
+    @classmethod
     def printed(cls, command, *arguments):
         as_json = [] if command == "query" else ["--json"]
         result = PROGRAM.run(command, *arguments, *as_json)
-        assert result.returncode in (0, 1), result
+        assert result.returncode in (0, 1, 3), result
         return json.loads(result.stdout)
 
     def test_each_schema_is_valid_and_listed(self):
@@ -92,13 +116,22 @@ class Schemas(harness.FolderTest):
 
     def test_outputs_cover_different_forms(self):
         plans = self.outputs["plan-1"]
-        self.assertEqual([plan["sizes"][1]["seconds"] is None for plan in plans], [False, True, True])
+        self.assertEqual([plan["sizes"][1]["seconds"] is None for plan in plans], [False, True, True, True])
         self.assertEqual(plans[2]["remaining"]["cells"], 0)
         self.assertEqual(self.outputs["bake-1"][2]["cells_taken_over"], self.outputs["bake-1"][2]["cells_planned"])
+        self.assertEqual([report["ranks"] for report in self.outputs["bake-1"]], [1, 1, 1, 2, 1])
         outcomes = {answer["outcome"] for answers in self.outputs["query-1"] for answer in answers}
         self.assertLessEqual({"hit", "blocked", "visible", "outside the scene"}, outcomes)
         self.assertEqual([diff["same"] for diff in self.outputs["diff-1"]], [True, False])
         self.assertGreater(len(self.outputs["diff-1"][1]["cells"]), 0)
+
+    def test_incomplete_results_warn(self):
+        caught, tile = self.lost
+        self.assertEqual([warning.category for warning in caught], 4 * [gigabake.IncompleteWarning])
+        self.assertEqual({warning.filename for warning in caught}, {__file__})
+        self.assertIn(tile, str(caught[3].message))
+        for name in ("plan-1", "bake-1", "info-1"):
+            self.assertIn(tile, str(self.outputs[name][-1]["losses"]))
 
     def test_a_missing_a_wrong_and_an_additional_member_are_noticed(self):
         for name, outputs in self.outputs.items():
