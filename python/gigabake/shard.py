@@ -206,10 +206,9 @@ class Shard:
         columns = {"rgb": rgba[:, :3], "alpha": rgba[:, 3]}
         columns.update({name: look for name, look in looks.items() if name in group})
         if "facing" in columns:
-            facing = columns["facing"]
-            columns["facing"] = facing[:, :3]
-            if "plane" in group and facing.shape[1] > 3:
-                columns["plane"] = facing[:, 3]
+            columns["facing"] = columns["facing"][:, :3]
+        if "plane" in group and "facing" in looks and looks["facing"].shape[1] > 3:
+            columns["plane"] = looks["facing"][:, 3]
         corner, node = blocks_of(low, edges, box)
         for begin in range(0, len(node), MAX_BLOCKS_AT_ONCE):
             some = slice(begin, begin + MAX_BLOCKS_AT_ONCE)

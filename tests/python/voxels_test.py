@@ -137,27 +137,40 @@ class VoxelsOfThePackage(harness.FolderTest):
         self.assertGreater(len(found), 50)
         numpy.testing.assert_array_equal(in_order(found).index, in_order(whole.level(0).region(box)).index)
 
+    def state_size(self, shard):
+        """Edits the size of a shard in its scene.xml."""
+        scene_xml = shard.parent.parent / "scene.xml"
+        text, count = re.subn(rf'(TreeFile="shards/{shard.name}"[^>]* Bytes=")\d+', rf"\g<1>{shard.stat().st_size}",
+                              scene_xml.read_text(encoding="utf-8"))
+        self.assertEqual(count, 1)
+        scene_xml.write_text(text, encoding="utf-8")
+
     def test_columns_are_read_at_each_level_that_has_them(self):
         folder = self.root / "more"
         shutil.copytree(GOLDEN / "version_5_scene_5", folder)
         path = folder / "shards/c_0_0_0.h5"
-        before = path.stat().st_size
         with h5py.File(path, "r+") as shard:
+            shard["lod_1/class"] = numpy.array([3, 4], "u1")
             shard["lod_0/facing"] = numpy.array([[1, 2, 3], [0, 0, 0], [4, 5, 6]], "u1")
             shard["lod_0/plane"] = numpy.array([8 << 2 | 1, 9 << 2 | 3, 0], "u1")
             shard["lod_0/class"] = numpy.array([7, 8, 9], "u1")
             shard["nodes/class"] = numpy.array([1, 2, 3], "u1")
             constant = int(numpy.flatnonzero(shard["nodes/kind"][:])[0])
             shard["nodes/facing"][constant] = [9, 9, 9, 10 << 2 | 2]
-        text = (folder / "scene.xml").read_text(encoding="utf-8")
-        (folder / "scene.xml").write_text(text.replace(f'Bytes="{before}"', f'Bytes="{path.stat().st_size}"'))
+        self.state_size(path)
         voxels = gigabake.open(folder).level(0).region()
         self.assertEqual(len(voxels), 515)
         self.assertEqual(voxels.plane_thirds[:3].tolist(), [1, 3, 0])
         self.assertEqual(set(voxels.plane_thirds[3:].tolist()), {2})
         self.assertEqual(voxels.columns["facing"][:4].tolist(), [[1, 2, 3], [0, 0, 0], [4, 5, 6], [9, 9, 9]])
         self.assertEqual((voxels.classes[:3].tolist(), set(voxels.classes[3:].tolist())), ([7, 8, 9], {constant + 1}))
-        self.assertIsNone(gigabake.open(folder).level(1).region().classes)
+        self.assertEqual(gigabake.open(folder).level(1).region().classes.tolist(), [3, 4])
+        with h5py.File(path, "r+") as shard:
+            del shard["lod_0/facing"], shard["lod_0/class"]
+        self.state_size(path)
+        planes_only = gigabake.open(folder).level(0).region()
+        self.assertEqual((planes_only.classes, planes_only.directional_coverage), (None, None))
+        numpy.testing.assert_array_equal(planes_only.plane_thirds, voxels.plane_thirds)
 
     def test_boxes_that_share_faces_partition_the_voxels(self):
         random = numpy.random.default_rng(5)
