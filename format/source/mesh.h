@@ -20,9 +20,16 @@ struct TextureUse {
   bool nearest = false;  ///< magFilter NEAREST
 };
 
+/// A texture whose texels are directions in the surface's tangent frame.
+struct NormalMap {
+  TextureUse texture;
+  float scale = 1;  ///< factor of x and y; finite
+};
+
 struct Material {
   std::array<float, 4> base_color{1, 1, 1, 1};  ///< linear RGB and alpha factor, each clamped to 0…1
   TextureUse texture;
+  NormalMap normal_map;
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;
   bool double_sided = false;
@@ -37,7 +44,10 @@ struct Primitive {
   std::vector<float> uv;             ///< 2 per vertex, or empty; the base colour's set, after KHR_texture_transform
   std::vector<std::uint16_t> rgba;   ///< 4 per vertex, linear, 65535 = 1, or empty
   std::vector<VertexNormal> normal;  ///< 1 per vertex, or empty; a vertex may have none
-  int material = 0;                  ///< index into TileMesh::materials (always valid)
+  std::vector<float> normal_uv;      ///< coordinates of the normal map: 2 per vertex, or empty
+  bool shares_uv = false;            ///< `uv` has the coordinates of the normal map; `normal_uv` is empty
+  std::vector<VertexTangent> tangent;  ///< 1 per vertex, or empty; a vertex may have none
+  int material = 0;                    ///< index into TileMesh::materials (always valid)
 };
 
 /// Max triangles of a part that a PrimitiveSink (source.h) receives. A part has only the vertices that it uses.

@@ -69,6 +69,7 @@ std::uint64_t part_triangles() {
 Primitive without_lists(const Primitive& primitive) {
   Primitive out;
   out.position_step = primitive.position_step;
+  out.shares_uv = primitive.shares_uv;
   out.material = primitive.material;
   return out;
 }
@@ -84,6 +85,8 @@ Primitive with_corners(const Primitive& whole, std::vector<std::uint32_t>&& inde
   out.uv = chosen(whole.uv, vertices, 2);
   out.rgba = chosen(whole.rgba, vertices, 4);
   out.normal = chosen(whole.normal, vertices, 1);
+  out.normal_uv = chosen(whole.normal_uv, vertices, 2);
+  out.tangent = chosen(whole.tangent, vertices, 1);
   return out;
 }
 

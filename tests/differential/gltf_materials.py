@@ -5,7 +5,7 @@ from figures import voxels_of
 from frames import linear
 from images import Image
 
-OTHER_TEXTURES = "textures other than the base colour's, not used"
+OTHER_TEXTURES = "textures other than base colours and normal maps, not used"
 NO_UV = "primitives without the texture coordinates of their texture"
 REPEAT, MIRROR, CLAMP = 10497, 33648, 33071
 
@@ -212,8 +212,10 @@ class Materials:
             entry = {"emissiveTexture": info, "emissiveFactor": [1, 1, 1],
                      "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}}
         elif odd.maybe(0.1) and not self.is_missing:
-            entry["normalTexture"] = {"index": info["index"]}
-            writer.warn(OTHER_TEXTURES)
+            unread = odd.maybe()
+            entry["occlusionTexture" if unread else "normalTexture"] = {"index": info["index"]}
+            if unread:
+                writer.warn(OTHER_TEXTURES)
         writer.case.colour_tolerance = max(writer.case.colour_tolerance, image.tolerance)
         mode, visible = self.alpha_mode(alpha)
         if "emissiveTexture" not in entry:

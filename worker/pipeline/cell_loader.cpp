@@ -15,14 +15,24 @@ Span<const T> span(const std::vector<T>& v) {
   return {v.data(), v.size()};
 }
 
-kernels::PartView part_view(const Primitive& primitive, const Instance& instance, std::uint32_t material) {
+/// Index of a material in the cell, and its normal map.
+struct CellMaterial {
+  std::int64_t index = -1;            ///< -1: not added yet
+  int normal_image = -1;              ///< index into TileMesh::images, or -1
+  kernels::NormalMapView normal_map;  ///< without texture until a part needs it
+};
+
+kernels::PartView part_view(const Primitive& primitive, const Instance& instance, const CellMaterial& material) {
   kernels::PartView part{span(primitive.position),
                          span(primitive.index),
                          span(primitive.uv),
                          span(primitive.rgba),
                          span(primitive.normal),
                          {},
-                         material};
+                         std::uint32_t(material.index),
+                         material.normal_map,
+                         span(primitive.shares_uv ? primitive.uv : primitive.normal_uv),
+                         span(primitive.tangent)};
   std::ranges::copy(row_major(instance.scene_from_local), part.scene_from_local);
   return part;
 }
@@ -99,12 +109,12 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCel
                            RequiredTextures& wanted) const {
   const auto box = Box3i64::cube(job.lattice_min, job.cell_voxels);
   const TileMesh& mesh = tile.mesh();
-  std::vector<std::int64_t> cell_material(mesh.materials.size(), -1);
+  std::vector<CellMaterial> cell_materials(mesh.materials.size());
   const auto add_material = [&](const Material& material) {
     ShadedMaterial shaded = shaded_material(material);
     if (shaded.image >= 0) shaded.view.texture = wanted.index_of(tile, std::size_t(shaded.image), shaded.filter_key);
     cell.materials.push_back(shaded.view);
-    return std::int64_t(cell.materials.size()) - 1;
+    return CellMaterial{std::int64_t(cell.materials.size()) - 1, shaded.normal_image, shaded.normal_map};
   };
   for (std::size_t i = 0; i < mesh.instances.size(); ++i) {
     const SceneBox& reach = tile.instance_boxes()[i];
@@ -113,9 +123,11 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCel
     std::shared_ptr<const Primitive> near = mesh_near(box, tile, instance, cell.memory);
     if (near == nullptr) continue;
     const std::size_t of_tile = std::size_t(mesh.primitives[std::size_t(instance.primitive)].material);
-    std::int64_t& material = cell_material[of_tile];
-    if (material < 0) material = add_material(mesh.materials[of_tile]);
-    cell.parts.push_back(part_view(*near, instance, std::uint32_t(material)));
+    CellMaterial& material = cell_materials[of_tile];
+    if (material.index < 0) material = add_material(mesh.materials[of_tile]);
+    if (material.normal_image >= 0 && (near->shares_uv || !near->normal_uv.empty()))
+      material.normal_map.texture = wanted.index_of(tile, std::size_t(material.normal_image), normal_map_filter);
+    cell.parts.push_back(part_view(*near, instance, material));
     if (may_have_long_triangle(reach, parameters_)) {
       cell.memory.add_items(near->index.size(), sizeof(std::uint32_t), "", "corners of triangles");
       cell.indices.push_back(index_without_long(*near, instance, parameters_));

@@ -15,7 +15,7 @@ std::uint16_t to_16_bit(float share) {
 }
 
 void make_invisible(ShadedMaterial& m) {
-  m.image = -1;
+  m.image = m.normal_image = -1;
   m.view.base_rgba[3] = 0;
   m.view.cutoff = 65535;
 }
@@ -44,6 +44,9 @@ ShadedMaterial shaded_material(const Material& material) {
   m.view.wrap_s = material.texture.wrap_s;
   m.view.wrap_t = material.texture.wrap_t;
   m.view.nearest = material.texture.nearest;
+  const NormalMap& map = material.normal_map;
+  m.normal_image = map.texture.image;
+  m.normal_map = {-1, map.scale, map.texture.wrap_s, map.texture.wrap_t, map.texture.nearest};
   if (material.alpha_mode == AlphaMode::mask) set_alpha_test(material, m);
   if (material.alpha_mode == AlphaMode::blend && m.image >= 0) m.filter_key.alpha = kernels::TextureAlpha::blend;
   return m;

@@ -79,6 +79,7 @@ class ClusterBuilder {
   explicit ClusterBuilder(const Primitive& mesh) : mesh_(mesh), local_(mesh.position.size() / 3, no_vertex) {
     cluster_.material = mesh_.material;
     cluster_.position_step = mesh_.position_step;
+    cluster_.shares_uv = mesh_.shares_uv;
   }
 
   /// Returns a cluster; the reference is valid until the next call.
@@ -105,6 +106,8 @@ class ClusterBuilder {
     gather<2>(mesh_.uv, cluster_.uv);
     gather<4>(mesh_.rgba, cluster_.rgba);
     gather<1>(mesh_.normal, cluster_.normal);
+    gather<2>(mesh_.normal_uv, cluster_.normal_uv);
+    gather<1>(mesh_.tangent, cluster_.tangent);
     for (const std::uint32_t vertex : used_) local_[vertex] = no_vertex;
     used_.clear();
   }
@@ -168,6 +171,9 @@ Primitive joined(std::span<const std::shared_ptr<const Primitive>> clusters) {
   if (!clusters.front()->uv.empty()) all.uv.reserve(2 * vertices);
   if (!clusters.front()->rgba.empty()) all.rgba.reserve(4 * vertices);
   if (!clusters.front()->normal.empty()) all.normal.reserve(vertices);
+  if (!clusters.front()->normal_uv.empty()) all.normal_uv.reserve(2 * vertices);
+  if (!clusters.front()->tangent.empty()) all.tangent.reserve(vertices);
+  all.shares_uv = clusters.front()->shares_uv;
   for (const auto& c : clusters) {
     const std::uint32_t first = std::uint32_t(all.position.size() / 3);
     for (const std::uint32_t vertex : c->index) all.index.push_back(first + vertex);
@@ -175,6 +181,8 @@ Primitive joined(std::span<const std::shared_ptr<const Primitive>> clusters) {
     all.uv.insert(all.uv.end(), c->uv.begin(), c->uv.end());
     all.rgba.insert(all.rgba.end(), c->rgba.begin(), c->rgba.end());
     all.normal.insert(all.normal.end(), c->normal.begin(), c->normal.end());
+    all.normal_uv.insert(all.normal_uv.end(), c->normal_uv.begin(), c->normal_uv.end());
+    all.tangent.insert(all.tangent.end(), c->tangent.begin(), c->tangent.end());
   }
   return all;
 }

@@ -17,7 +17,7 @@ namespace gigabake {
 /// occur in no other cluster.
 inline constexpr std::size_t cluster_triangles = 512;
 /// Approximate bytes of one cluster in a joined mesh, if its triangles share vertices as the triangles of a terrain do.
-inline constexpr std::uint64_t cluster_bytes = cluster_triangles * (3 * 4 + 32 * 6 / 10);
+inline constexpr std::uint64_t cluster_bytes = cluster_triangles * (3 * 4 + 44 * 6 / 10);
 
 /// Splits the mesh's triangles into clusters of at most cluster_triangles. The centroids of a cluster's triangles lie
 /// in one box of an octree: their Morton codes have a common prefix (Lauterbach et al. 2009). Each cluster is a mesh

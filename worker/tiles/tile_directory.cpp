@@ -35,9 +35,14 @@ TileImage get_image(ByteReader& r) {
   return image;
 }
 
+void put_texture(ByteWriter& w, const TextureUse& t) {
+  w.put(t.image), w.put(t.wrap_s), w.put(t.wrap_t), w.put(t.nearest);
+}
+
 void put_material(ByteWriter& w, const Material& m) {
-  w.put(m.base_color), w.put(m.texture.image), w.put(m.texture.wrap_s), w.put(m.texture.wrap_t);
-  w.put(m.texture.nearest), w.put(m.alpha_mode), w.put(m.alpha_cutoff), w.put(m.double_sided), w.put(m.unlit);
+  w.put(m.base_color);
+  put_texture(w, m.texture), put_texture(w, m.normal_map.texture);
+  w.put(m.normal_map.scale), w.put(m.alpha_mode), w.put(m.alpha_cutoff), w.put(m.double_sided), w.put(m.unlit);
 }
 
 /// Reads an enum that is stored as a number, with values 0 to `last`.
@@ -50,11 +55,17 @@ void get_numbered(ByteReader& r, Enum& value, Enum last) {
   value = Enum(number);
 }
 
+void get_texture(ByteReader& r, TextureUse& t) {
+  r.get(t.image);
+  get_numbered(r, t.wrap_s, Wrap::clamp_to_edge), get_numbered(r, t.wrap_t, Wrap::clamp_to_edge);
+  r.get(t.nearest);
+}
+
 Material get_material(ByteReader& r) {
   Material m;
-  r.get(m.base_color), r.get(m.texture.image);
-  get_numbered(r, m.texture.wrap_s, Wrap::clamp_to_edge), get_numbered(r, m.texture.wrap_t, Wrap::clamp_to_edge);
-  r.get(m.texture.nearest);
+  r.get(m.base_color);
+  get_texture(r, m.texture), get_texture(r, m.normal_map.texture);
+  r.get(m.normal_map.scale);
   get_numbered(r, m.alpha_mode, AlphaMode::blend);
   r.get(m.alpha_cutoff), r.get(m.double_sided), r.get(m.unlit);
   return m;
@@ -108,12 +119,14 @@ SourceWarning get_warning(ByteReader& r) {
   return warning;
 }
 
-void put_shell(ByteWriter& w, const Primitive& p) { w.put(std::int32_t(p.material)), w.put(p.position_step); }
+void put_shell(ByteWriter& w, const Primitive& p) {
+  w.put(std::int32_t(p.material)), w.put(p.position_step), w.put(p.shares_uv);
+}
 
 Primitive get_shell(ByteReader& r) {
   Primitive p;
   std::int32_t material = 0;
-  r.get(material), r.get(p.position_step);
+  r.get(material), r.get(p.position_step), r.get(p.shares_uv);
   p.material = material;
   return p;
 }
@@ -134,7 +147,8 @@ void check(const TileDirectory& d) {
   for (const Instance& i : d.mesh.instances) is_right = is_right && within(i.primitive, d.primitives.size());
   for (const Primitive& p : d.mesh.primitives) is_right = is_right && within(p.material, d.mesh.materials.size());
   for (const Material& m : d.mesh.materials)
-    is_right = is_right && (m.texture.image < 0 || within(m.texture.image, d.images.size()));
+    for (const int image : {m.texture.image, m.normal_map.texture.image})
+      is_right = is_right && (image < 0 || within(image, d.images.size()));
   if (!is_right) throw InputError(directory_name, "", "refers to missing items");
 }
 

@@ -35,7 +35,7 @@ struct TileImage {
 
 /// A tile without the triangles of its primitives.
 struct TileDirectory {
-  TileMesh mesh;  ///< its primitives have only `material` and `position_step`; it has no images
+  TileMesh mesh;  ///< its primitives are without_lists(); it has no images
   std::vector<TilePrimitive> primitives;
   std::vector<TileImage> images;  ///< in the order of TileMesh::images
 };

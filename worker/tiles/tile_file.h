@@ -19,14 +19,14 @@
 namespace gigabake {
 
 /// Version of the file. Increment it when the same tile would be read or stored differently.
-inline constexpr std::uint32_t tile_file_version = 2;
+inline constexpr std::uint32_t tile_file_version = 3;
 
 /// Location of a cluster or an image in the file.
 struct ScratchBytes {
   std::uint64_t offset = 0, checksum = 0, bytes = 0;
 };
 
-/// Appends position, uv, rgba, normal and index to `bytes`; the returned offset counts from the beginning of `bytes`.
+/// Appends the lists of a cluster to `bytes`; the returned offset counts from the beginning of `bytes`.
 /// Range   The cluster has at most 65,536 vertices.
 ScratchBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>& bytes);
 
@@ -55,7 +55,7 @@ class TileFile {
   /// Errors  IoError: the file cannot be read, or its checksum does not match. On a mismatch the file is removed, so
   ///         that the next attempt makes it again.
   std::vector<std::uint8_t> read(const ScratchBytes& stored) const;
-  /// Reads position, uv, rgba, normal and index of one cluster.
+  /// Reads the lists of one cluster.
   /// Errors  The errors of read().
   Primitive read_cluster(const ScratchBytes& cluster) const;
 

@@ -10,7 +10,9 @@ namespace gigabake {
 namespace {
 
 std::uint64_t list_bytes(const Primitive& p) {
-  return 4 * (p.position.size() + p.index.size() + p.uv.size() + p.normal.size()) + 2 * p.rgba.size();
+  return 4 * (p.position.size() + p.index.size() + p.uv.size() + p.normal.size() + p.normal_uv.size() +
+              p.tangent.size()) +
+         2 * p.rgba.size();
 }
 
 /// Returns the approximate size in bytes of a part with part_triangles() triangles. A batch of one part per thread

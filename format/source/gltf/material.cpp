@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 
 #include "core/base/error.h"
 #include "core/math/srgb.h"
@@ -27,13 +28,18 @@ const tinygltf::Value* extension_of(const tinygltf::Material& m, const char* nam
   return at == m.extensions.end() ? nullptr : &at->second;
 }
 
+void use_base_texture(const tinygltf::Model& model, const TextureInfo& info, SourceMaterial& out,
+                      SourceWarnings& warnings) {
+  use_texture(model, info, out.material.texture, out.texture, warnings);
+}
+
 /// Uses the extension's colour in place of the metallic-roughness base colour.
 void use_specular_glossiness(const tinygltf::Model& model, const tinygltf::Value& gloss, SourceMaterial& out,
                              SourceWarnings& warnings) {
   if (gloss.Has("diffuseFactor") && gloss.Get("diffuseFactor").ArrayLen() == 4)
     for (std::size_t c = 0; c < 4; ++c)
       out.material.base_color[c] = clamp01(gloss.Get("diffuseFactor").Get(c).GetNumberAsDouble());
-  if (gloss.Has("diffuseTexture")) use_texture(model, texture_info(gloss.Get("diffuseTexture")), out, warnings);
+  if (gloss.Has("diffuseTexture")) use_base_texture(model, texture_info(gloss.Get("diffuseTexture")), out, warnings);
 }
 
 /// Returns the first colour or texture of a shader with "diffuse" in the name of the value; null if there is none.
@@ -59,7 +65,7 @@ void use_technique(const std::filesystem::path& file, const tinygltf::Model& mod
     throw InputError(file, name_of(model, material),
                      std::string("only the extension ") + techniques_extension +
                          " describes the material, by a shader without a diffuse colour; convert it to a PBR material");
-  if (diffuse->IsObject()) return use_texture(model, texture_info(*diffuse), out, warnings);
+  if (diffuse->IsObject()) return use_base_texture(model, texture_info(*diffuse), out, warnings);
   for (std::size_t c = 0; c < diffuse->ArrayLen(); ++c) {
     const float value = diffuse->Get(c).IsNumber() ? clamp01(diffuse->Get(c).GetNumberAsDouble()) : 1.0f;
     out.material.base_color[c] = c < 3 ? float(linear_from_srgb(value)) : value;
@@ -94,12 +100,12 @@ void use_emission(const tinygltf::Model& model, const tinygltf::Material& m, Sou
   std::copy(emission.begin(), emission.end(), material.base_color.begin());
   material.texture = {};
   material.unlit = true;
-  out.texture_fault.clear();
-  out.uv_transform = SourceMaterial().uv_transform;
+  out.texture.fault.clear();
+  out.texture.uv_transform = TextureSource().uv_transform;
   tinygltf::TextureInfo info;
   info.index = m.emissiveTexture.index, info.texCoord = m.emissiveTexture.texCoord;
   info.extensions = m.emissiveTexture.extensions;
-  if (passes || info.index < 0) use_texture(model, texture_info(info), out, warnings);
+  if (passes || info.index < 0) use_base_texture(model, texture_info(info), out, warnings);
 }
 
 /// Returns the first extension that may describe a base colour and is not read; empty if there is none.
@@ -126,7 +132,23 @@ void use_colour(const std::filesystem::path& file, const tinygltf::Model& model,
                    name_of(model, material) + " (" + unread + ")");
   for (std::size_t c = 0; c < 4 && pbr.baseColorFactor.size() == 4; ++c)
     out.material.base_color[c] = clamp01(pbr.baseColorFactor[c]);
-  use_texture(model, texture_info(pbr.baseColorTexture), out, warnings);
+  use_base_texture(model, texture_info(pbr.baseColorTexture), out, warnings);
+}
+
+/// Reads the normal map. An unlit material has none, by KHR_materials_unlit.
+void use_normal_map(const tinygltf::Model& model, int material, SourceMaterial& out, SourceWarnings& warnings) {
+  const tinygltf::NormalTextureInfo& from = model.materials[std::size_t(material)].normalTexture;
+  if (from.index < 0 || out.material.unlit) return;
+  tinygltf::TextureInfo info;
+  info.index = from.index, info.texCoord = from.texCoord, info.extensions = from.extensions;
+  NormalMap& map = out.material.normal_map;
+  use_texture(model, texture_info(info), map.texture, out.normal_map, warnings);
+  if (std::fabs(from.scale) <= double(std::numeric_limits<float>::max())) {
+    map.scale = float(from.scale);
+    return;
+  }
+  warnings.count("scales of normal maps that are not finite, taken as 1",
+                 "materials[" + std::to_string(material) + "].normalTexture.scale");
 }
 
 }  // namespace
@@ -141,6 +163,7 @@ SourceMaterial source_material(const std::filesystem::path& file, const tinygltf
   out.material.double_sided = m.doubleSided;
   out.material.unlit = m.extensions.contains(unlit_extension);
   if (is_only_emissive(m, out.material)) use_emission(model, m, out, warnings);
+  use_normal_map(model, material, out, warnings);
   return out;
 }
 

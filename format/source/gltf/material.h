@@ -1,4 +1,4 @@
-/// glTF materials reduced to the properties that a bake uses: base colour, alpha, texture.
+/// glTF materials reduced to the properties that a bake uses: base colour, alpha, texture, normal map.
 #pragma once
 
 #include <array>
@@ -11,13 +11,22 @@
 
 namespace gigabake {
 
-/// A material and the source of its texture coordinates.
-struct SourceMaterial {
-  Material material;
+/// The source of a texture's coordinates.
+struct TextureSource {
   int texcoord_set = 0;
   /// KHR_texture_transform: u' = row 0 · (u, v, 1), v' = row 1 · (u, v, 1).
   std::array<std::array<float, 3>, 2> uv_transform{{{1, 0, 0}, {0, 1, 0}}};
-  std::string texture_fault = {};  ///< why the material's texture has no image; else empty
+  std::string fault = {};  ///< why the texture has no image; else empty
+
+  bool has_coordinates_of(const TextureSource& other) const {
+    return texcoord_set == other.texcoord_set && uv_transform == other.uv_transform;
+  }
+};
+
+/// A material and the sources of its texture coordinates.
+struct SourceMaterial {
+  Material material;
+  TextureSource texture, normal_map;
 };
 
 /// Returns a material of a checked document. Its colour is the diffuse colour of KHR_materials_pbrSpecularGlossiness,

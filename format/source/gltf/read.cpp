@@ -22,8 +22,9 @@ namespace gigabake {
 namespace {
 
 /// Bytes of a vertex: its position, its texture coordinates, and its colour before and after conversion. Bytes of a
-/// normal before and after conversion, and bytes of a corner.
-constexpr std::uint64_t vertex_bytes = 12 + 8 + 16 + 8, normal_bytes = 12 + 4, corner_bytes = 8;
+/// normal and of a tangent before and after conversion, of coordinates of a normal map, and of a corner.
+constexpr std::uint64_t vertex_bytes = 12 + 8 + 16 + 8, normal_bytes = 12 + 4, tangent_bytes = 16 + 4, uv_bytes = 8,
+                        corner_bytes = 8;
 
 struct PrimitiveCounts {
   std::uint64_t triangles = 0, points = 0, lines = 0;
@@ -55,13 +56,27 @@ std::vector<VertexNormal> vertex_normals(const std::vector<float>& xyz) {
   return out;
 }
 
+/// A tangent whose fourth number is neither positive nor negative has no direction.
+std::vector<VertexTangent> vertex_tangents(const std::vector<float>& xyzw) {
+  std::vector<VertexTangent> out(xyzw.size() / 4);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const float* t = &xyzw[4 * i];
+    const bool has_side = t[3] > 0 || t[3] < 0;
+    out[i] = encode_vertex_tangent(has_side ? Vec3d{t[0], t[1], t[2]} : Vec3d{0, 0, 0}, t[3] < 0);
+  }
+  return out;
+}
+
 /// Readers of the vertices of a primitive, for all vertices or for the vertices of a part.
 struct VertexValues {
   AccessorItems position;
-  std::optional<AccessorItems> colour, uv, normal;
   int material = 0;
+  std::optional<AccessorItems> colour = {}, uv = {}, normal = {}, normal_uv = {}, tangent = {};
+  bool shares_uv = false;  ///< `uv` has the coordinates of the normal map
 
-  std::uint64_t bytes_of_vertex() const { return vertex_bytes + (normal ? normal_bytes : 0); }
+  std::uint64_t bytes_of_vertex() const {
+    return vertex_bytes + (normal ? normal_bytes : 0) + (normal_uv ? uv_bytes : 0) + (tangent ? tangent_bytes : 0);
+  }
 };
 
 /// Memory claim of a primitive, given back when the primitive has been passed on.
@@ -114,8 +129,12 @@ class TileReader {
     materials_.resize(model_.materials.size() + 1);  // the last material is for primitives without a material
     for (SourceMaterial& m : materials_) {
       const int image = m.material.texture.image;
-      if (image >= 0 && m.texture_fault.empty()) m.texture_fault = document_.image_faults[std::size_t(image)];
-      if (!m.texture_fault.empty()) make_grey(m.material);
+      if (image >= 0 && m.texture.fault.empty()) m.texture.fault = document_.image_faults[std::size_t(image)];
+      if (!m.texture.fault.empty()) make_grey(m.material);
+      TextureUse& map = m.material.normal_map.texture;
+      if (map.image >= 0 && m.normal_map.fault.empty())
+        m.normal_map.fault = document_.image_faults[std::size_t(map.image)];
+      if (!m.normal_map.fault.empty()) map = {};
       out_.materials.push_back(m.material);
     }
   }
@@ -163,9 +182,10 @@ class TileReader {
     if (corners.mode() >= TINYGLTF_MODE_LINE && corners.mode() <= TINYGLTF_MODE_LINE_STRIP)
       parts.counts.lines += line_count(corners.drawn(), corners.mode());
     if (corners.mode() < TINYGLTF_MODE_TRIANGLES) return corners.check();
-    VertexValues values{AccessorItems(tile_.path, document_, position->second), {}, {}, {}, material_of(p)};
+    VertexValues values{AccessorItems(tile_.path, document_, position->second), material_of(p)};
     find_appearance(p, at, values);
     find_normals(p, at, values);
+    find_normal_map(p, at, values);
     parts.counts.triangles += corners.triangles();
     if (!sink_ || !is_split(corners.triangles(), vertices)) {
       add_whole(corners, values, at, parts);
@@ -190,7 +210,7 @@ class TileReader {
     const SourceMaterial& m = materials_[std::size_t(out.material)];
     find("COLOR_0", out.colour);
     if (m.material.texture.image < 0) return;
-    const std::string set = "TEXCOORD_" + std::to_string(m.texcoord_set);
+    const std::string set = set_name(m.texture);
     if (!p.attributes.contains(set))
       warnings_.count("primitives without the texture coordinates of their texture", at + "." + set);
     find(set, out.uv);
@@ -205,15 +225,55 @@ class TileReader {
     AccessorItems normals(tile_.path, document_, attribute->second);
     if (normals.components() != 3 || normals.count() != out.position.count())
       return warnings_.count("normals that do not fit the positions, ignored", key);
+    for_each_block(normals, 3, [&](const std::vector<float>& xyz) {
+      for (const VertexNormal& n : vertex_normals(xyz))
+        if (n[0] == no_vertex_normal) warnings_.count(bad_vertex_normals, key);
+    });
+    if (with_normals_) out.normal.emplace(std::move(normals));
+  }
+
+  /// Calls visit(values) for consecutive blocks of items.
+  template <class Visit>
+  static void for_each_block(const AccessorItems& all, int components, const Visit& visit) {
     constexpr std::uint64_t block = 1 << 16;
     std::vector<std::uint32_t> items;
-    for (std::uint64_t first = 0; first < normals.count(); first += block) {
-      items.resize(std::min(block, normals.count() - first));
+    for (std::uint64_t first = 0; first < all.count(); first += block) {
+      items.resize(std::min(block, all.count() - first));
       std::iota(items.begin(), items.end(), std::uint32_t(first));
-      for (const VertexNormal& n : vertex_normals(normals.floats_of(items, 3)))
-        if (n[0] == no_vertex_normal) warnings_.count(bad_vertex_normals, key);
+      visit(all.floats_of(items, components));
     }
-    if (with_normals_) out.normal.emplace(std::move(normals));
+  }
+
+  static std::string set_name(const TextureSource& source) { return "TEXCOORD_" + std::to_string(source.texcoord_set); }
+
+  /// Finds the coordinates of the normal map and the tangents. The counts do not depend on the scope.
+  void find_normal_map(const tinygltf::Primitive& p, const std::string& at, VertexValues& out) {
+    const SourceMaterial& m = materials_[std::size_t(out.material)];
+    if (m.material.normal_map.texture.image < 0) return;
+    const std::string set = set_name(m.normal_map), key = at + ".attributes." + set;
+    const auto attribute = p.attributes.find(set);
+    if (attribute == p.attributes.end())
+      return warnings_.count("normal maps without the texture coordinates that they require, not used", key);
+    expect_count(attribute->second, out.position.count(), key);
+    find_tangents(p, at, out);
+    if (!with_normals_) return;
+    out.shares_uv = out.uv && m.normal_map.has_coordinates_of(m.texture);
+    if (!out.shares_uv) out.normal_uv.emplace(tile_.path, document_, attribute->second);
+  }
+
+  void find_tangents(const tinygltf::Primitive& p, const std::string& at, VertexValues& out) {
+    const auto attribute = p.attributes.find("TANGENT");
+    if (attribute == p.attributes.end()) return;
+    const std::string key = at + ".attributes.TANGENT";
+    AccessorItems tangents(tile_.path, document_, attribute->second);
+    if (tangents.components() != 4 || tangents.count() != out.position.count())
+      return warnings_.count("tangents that do not fit the positions, ignored", key);
+    for_each_block(tangents, 4, [&](const std::vector<float>& xyzw) {
+      for (const VertexTangent& t : vertex_tangents(xyzw))
+        if (t[0] == no_vertex_normal)
+          warnings_.count("vertex tangents without a direction, computed from the texture coordinates", key);
+    });
+    if (with_normals_) out.tangent.emplace(std::move(tangents));
   }
 
   void add_whole(const Corners& corners, const VertexValues& values, const std::string& at, MeshParts& parts) {
@@ -224,8 +284,11 @@ class TileReader {
     out.index = corners.of_triangles(0, corners.triangles());
     out.position = values.position.floats(3);
     if (values.colour) out.rgba = linear_colours(values.colour->floats(4, 1.0f));
-    if (values.uv) out.uv = transformed(values.uv->floats(2), values.material);
+    const SourceMaterial& m = materials_[std::size_t(values.material)];
+    if (values.uv) out.uv = transformed(values.uv->floats(2), m.texture);
     if (values.normal) out.normal = vertex_normals(values.normal->floats(3));
+    if (values.normal_uv) out.normal_uv = transformed(values.normal_uv->floats(2), m.normal_map);
+    if (values.tangent) out.tangent = vertex_tangents(values.tangent->floats(4));
     add(std::move(out), values, parts);
     if (!sink_) claim.keep();
   }
@@ -244,22 +307,26 @@ class TileReader {
     claim.add_items(vertices.size(), values.bytes_of_vertex(), at, "vertices");
     out.position = values.position.floats_of(vertices, 3);
     if (values.colour) out.rgba = linear_colours(values.colour->floats_of(vertices, 4, 1.0f));
-    if (values.uv) out.uv = transformed(values.uv->floats_of(vertices, 2), values.material);
+    const SourceMaterial& m = materials_[std::size_t(values.material)];
+    if (values.uv) out.uv = transformed(values.uv->floats_of(vertices, 2), m.texture);
     if (values.normal) out.normal = vertex_normals(values.normal->floats_of(vertices, 3));
+    if (values.normal_uv) out.normal_uv = transformed(values.normal_uv->floats_of(vertices, 2), m.normal_map);
+    if (values.tangent) out.tangent = vertex_tangents(values.tangent->floats_of(vertices, 4));
     add(std::move(out), values, parts);
   }
 
   void add(Primitive&& primitive, const VertexValues& values, MeshParts& parts) {
     primitive.position_step = values.position.quantization_step();
     primitive.material = values.material;
+    primitive.shares_uv = values.shares_uv;
     parts.primitives.push_back(int(out_.primitives.size()));
     if (!sink_) return out_.primitives.push_back(std::move(primitive));
     out_.primitives.push_back(without_lists(primitive));
     sink_(out_.primitives.size() - 1, std::move(primitive));
   }
 
-  std::vector<float> transformed(std::vector<float> uv, int material) const {
-    const auto& t = materials_[std::size_t(material)].uv_transform;
+  static std::vector<float> transformed(std::vector<float> uv, const TextureSource& source) {
+    const auto& t = source.uv_transform;
     for (std::size_t i = 0; i < uv.size(); i += 2) {
       const float u = uv[i], v = uv[i + 1];
       uv[i] = t[0][0] * u + t[0][1] * v + t[0][2];
@@ -277,14 +344,16 @@ class TileReader {
   /// Copies the images that primitives use. Counts unusable images even if only positions are read, so that the scan
   /// reports them.
   void keep_images() {
-    std::set<std::string> faults;
+    std::set<std::string> faults, map_faults;
     std::vector<char> is_used(document_.images.size());
     for (const Primitive& p : out_.primitives) {
-      const std::string& fault = materials_[std::size_t(p.material)].texture_fault;
-      if (!fault.empty() && faults.insert(fault).second)
-        warnings_.count_loss("unusable images, replaced by grey", without_file(fault));
-      const int image = out_.materials[std::size_t(p.material)].texture.image;
-      if (image >= 0) is_used[std::size_t(image)] = 1;
+      const SourceMaterial& m = materials_[std::size_t(p.material)];
+      if (!m.texture.fault.empty() && faults.insert(m.texture.fault).second)
+        warnings_.count_loss("unusable images, replaced by grey", without_file(m.texture.fault));
+      if (!m.normal_map.fault.empty() && map_faults.insert(m.normal_map.fault).second)
+        warnings_.count_loss("unusable images of normal maps, not used", without_file(m.normal_map.fault));
+      for (const int image : {m.material.texture.image, with_normals_ ? m.material.normal_map.texture.image : -1})
+        if (image >= 0) is_used[std::size_t(image)] = 1;
     }
     for (std::size_t i = 0; everything_ && i < document_.images.size(); ++i) {
       const std::string key = "images[" + std::to_string(i) + "]";

@@ -27,7 +27,7 @@ std::array<float, 2> pair_or(const tinygltf::Value& object, const char* key, std
 ///         rotation r, u' = u cos r + v sin r and v' = v cos r - u sin r. The matrix of the extension's text turns the
 ///         other way (KhronosGroup/glTF#1563); the Khronos sample viewer and its TextureTransformTest turn as this
 ///         function does.
-void apply_texture_transform(const tinygltf::Value& t, SourceMaterial& out) {
+void apply_texture_transform(const tinygltf::Value& t, TextureSource& out) {
   const auto offset = pair_or(t, "offset", {0, 0}), scale = pair_or(t, "scale", {1, 1});
   const float rotation = number_or(t, "rotation", 0), c = std::cos(rotation), s = std::sin(rotation);
   out.uv_transform = {{{c * scale[0], s * scale[1], offset[0]}, {-s * scale[0], c * scale[1], offset[1]}}};
@@ -85,21 +85,20 @@ TextureInfo texture_info(const tinygltf::Value& info) {
   return out;
 }
 
-void use_texture(const tinygltf::Model& model, const TextureInfo& info, SourceMaterial& out, SourceWarnings& warnings) {
+void use_texture(const tinygltf::Model& model, const TextureInfo& info, TextureUse& use, TextureSource& source,
+                 SourceWarnings& warnings) {
   if (info.index < 0) return;
   const std::string where = "textures[" + std::to_string(info.index) + "]";
   if (std::size_t(info.index) >= model.textures.size()) {
-    out.texture_fault =
-        "a material names no texture of the file, which has " + pluralize(model.textures.size(), "texture");
+    source.fault = "a material names no texture of the file, which has " + pluralize(model.textures.size(), "texture");
     return;
   }
-  out.texcoord_set = info.texcoord_set;
-  if (info.transform != nullptr) apply_texture_transform(*info.transform, out);
+  source.texcoord_set = info.texcoord_set;
+  if (info.transform != nullptr) apply_texture_transform(*info.transform, source);
   const tinygltf::Texture& texture = model.textures[std::size_t(info.index)];
-  TextureUse& use = out.material.texture;
   use.image = image_of(texture);
   if (use.image < 0 || std::size_t(use.image) >= model.images.size()) {
-    out.texture_fault = where + ".source: " + fault_of(model, texture, use.image);
+    source.fault = where + ".source: " + fault_of(model, texture, use.image);
     use.image = -1;
   }
   if (texture.sampler < 0) return;

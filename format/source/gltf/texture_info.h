@@ -24,7 +24,8 @@ TextureInfo texture_info(const tinygltf::TextureInfo& info);
 /// Reads a textureInfo inside an extension, whose members are not checked.
 TextureInfo texture_info(const tinygltf::Value& info);
 
-/// Sets the texture and its coordinates. Sets the fault if the texture has no usable image.
-void use_texture(const tinygltf::Model& model, const TextureInfo& info, SourceMaterial& out, SourceWarnings& warnings);
+/// Sets a texture and its coordinates. Sets the fault if the texture has no usable image.
+void use_texture(const tinygltf::Model& model, const TextureInfo& info, TextureUse& use, TextureSource& source,
+                 SourceWarnings& warnings);
 
 }  // namespace gigabake

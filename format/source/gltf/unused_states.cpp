@@ -34,9 +34,8 @@ bool is_read_or_invisible(const std::string& extension) {
 
 void count_textures(const tinygltf::Material& m, const std::string& where, SourceWarnings& warnings) {
   const auto count = [&](int index, const char* name) {
-    if (index >= 0) warnings.count("textures other than the base colour's, not used", where + "." + name);
+    if (index >= 0) warnings.count("textures other than base colours and normal maps, not used", where + "." + name);
   };
-  count(m.normalTexture.index, "normalTexture");
   count(m.occlusionTexture.index, "occlusionTexture");
   count(m.pbrMetallicRoughness.metallicRoughnessTexture.index, "pbrMetallicRoughness.metallicRoughnessTexture");
   const auto& base = m.pbrMetallicRoughness.baseColorFactor;

@@ -43,7 +43,8 @@ constexpr const char* document = R"({
   "animations": [{"samplers": [{"input": 0, "output": 1}]}], "skins": [{"joints": [0]}, {"joints": []}],
   "materials": [
     {"name": "plain", "alphaMode": "MASK", "alphaCutoff": 0.25, "doubleSided": true, "emissiveFactor": [1, 0.5, 0],
-     "normalTexture": {"index": 1}, "occlusionTexture": {"index": 2}, "emissiveTexture": {"index": 0, "texCoord": 1},
+     "normalTexture": {"index": 1, "scale": 0.5}, "occlusionTexture": {"index": 2},
+     "emissiveTexture": {"index": 0, "texCoord": 1},
      "pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 0.25], "metallicFactor": 0, "metallicRoughnessTexture":
        {"index": 1}, "baseColorTexture": {"index": 0, "texCoord": 2, "extensions": {"KHR_texture_transform":
        {"offset": [0.5, 1], "rotation": 3, "texCoord": 1}}}}},

@@ -213,12 +213,13 @@ TEST(GltfStates, BlackMaterialsThatEmitLightHaveItsColour) {
 TEST(GltfStates, LightOfOtherMaterialsIsReportedAndNotUsed) {
   Json m = base_texture();
   m["emissiveFactor"] = {1, 1, 1};
-  m["emissiveTexture"] = m["normalTexture"] = {{"index", 0}};
+  m["emissiveTexture"] = m["occlusionTexture"] = {{"index", 0}};
   Json g = textured(m);
   g["extensionsUsed"] = {"KHR_materials_transmission", "EXT_mesh_features"};
   const Opened made(g);
   EXPECT_EQ(made.mesh.materials.at(0).base_color[0], 1.0f);
-  EXPECT_THAT(made.warnings(), HasSubstr("other than the base colour's, not used: 2, e.g. materials[0].normalTexture"));
+  EXPECT_THAT(made.warnings(),
+              HasSubstr("textures other than base colours and normal maps, not used: 2, e.g. materials[0].occlusion"));
   EXPECT_THAT(made.warnings(), HasSubstr("extensions that are not read: 1, e.g. 'KHR_materials_transmission'"));
 }
 

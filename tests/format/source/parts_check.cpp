@@ -26,6 +26,8 @@ Primitive expected_part(const Primitive& whole, std::size_t first, std::size_t t
     take(whole.position, v, 3, out.position);
     take(whole.uv, v, 2, out.uv);
     take(whole.rgba, v, 4, out.rgba);
+    take(whole.normal_uv, v, 2, out.normal_uv);
+    take(whole.tangent, v, 1, out.tangent);
     take(whole.normal, v, 1, out.normal);
   }
   for (const std::uint32_t c : corners) out.index.push_back(place[c]);
@@ -43,6 +45,8 @@ void expect_same(const Primitive& got, const Primitive& expected, const std::str
   EXPECT_TRUE(is_same(got.position, expected.position)) << what;
   EXPECT_TRUE(is_same(got.uv, expected.uv)) << what;
   EXPECT_TRUE(is_same(got.rgba, expected.rgba)) << what;
+  EXPECT_TRUE(is_same(got.normal_uv, expected.normal_uv)) << what;
+  EXPECT_TRUE(is_same(got.tangent, expected.tangent)) << what;
   EXPECT_TRUE(is_same(got.normal, expected.normal)) << what;
 }
 

@@ -108,6 +108,19 @@ TEST_F(TileStoreTest, CellsHaveTheSameBitsFromScratchWithVertexNormals) {
   EXPECT_NE(with, without);
 }
 
+TEST_F(TileStoreTest, CellsHaveTheSameBitsFromScratchWithNormalMaps) {
+  GlbMesh mesh = rolling_ground(128, 0, 0);
+  const std::vector<Hash128> without = bake(128, 128, {});
+  for (const std::string map :
+       {R"({"index":0})", R"({"index":0,"extensions":{"KHR_texture_transform":{"scale":[2,3]}}})"}) {
+    mesh.material = R"({"normalTexture":)" + map + "}";
+    write(mesh);
+    const std::vector<Hash128> with = bake(128, 128, {});
+    EXPECT_EQ(bake(128, 128, {scratch(), 0}), with);
+    EXPECT_NE(with, without);
+  }
+}
+
 /// A bake without normals must not find the scratch file of a bake with normals, and conversely.
 TEST_F(TileStoreTest, ScratchFilesOfBakesWithAndWithoutNormalsDiffer) {
   GlbMesh mesh = rolling_ground(128, 0, 0);

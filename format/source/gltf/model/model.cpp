@@ -222,6 +222,8 @@ tinygltf::Material material_of(const Json& json) {
   out.doubleSided = member(json, "doubleSided") == Json(true);
   if (pbr.is_object()) read_metallic_roughness(pbr, out);
   read_texture_info(json, "normalTexture", out.normalTexture);
+  const Json& normal_scale = member(member(json, "normalTexture"), "scale");
+  if (normal_scale.is_number()) out.normalTexture.scale = normal_scale.get<double>();
   read_texture_info(json, "occlusionTexture", out.occlusionTexture);
   read_texture_info(json, "emissiveTexture", out.emissiveTexture);
   out.extensions = extensions_of(json);
