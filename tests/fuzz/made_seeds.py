@@ -66,6 +66,18 @@ def textured(picture, kind, extension=None):
     return document
 
 
+def mapped():
+    """Returns a square with vertex normals, a normal map with a transform, and tangents."""
+    document = textured(png(4), "image/png")
+    document["materials"][0]["normalTexture"] = {
+        "index": 0, "scale": 0.5, "extensions": {"KHR_texture_transform": {"scale": [-1, 3], "texCoord": 0}}}
+    document["accessors"].append({"bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC4"})
+    document["bufferViews"].append({"buffer": 1, "byteLength": 64})
+    document["buffers"].append({"byteLength": 64, "uri": data_uri(struct.pack("<16f", *[1, 0, 0, 1, 0, 0, 0, -1] * 2))})
+    document["meshes"][0]["primitives"][0]["attributes"].update({"NORMAL": 0, "TANGENT": 4})
+    return document
+
+
 def sparse():
     document = square()
     document["accessors"][0]["sparse"] = {"count": 1, "indices": {"bufferView": 1, "componentType": 5123},
@@ -191,7 +203,8 @@ def archives():
 def objs():
     faces = b"v 0 0 0\nv 1 0 0 1 0 0\nv 1 1 0\nv 0 1 1e-3\nv 5e6 4e6 100\nvt 0 0\nvt 1 1 0\nvn 0 0 1\n"
     return [b"mtllib material.mtl\n" + faces + b"g one\nusemtl m\nf 1/1/1 2/2/1 3/1/1 4//1\nf -1 -2 -3\nl 1 2\np 1\n" +
-            PART + b"newmtl m\nKd 1 0.5 0\nd 0.5\nmap_Kd missing.png\nnewmtl n\nTr 1\nmap_d -o 1 1 missing.png\n",
+            PART + b"newmtl m\nKd 1 0.5 0\nd 0.5\nmap_Kd missing.png\nnewmtl n\nTr 1\nmap_d -o 1 1 missing.png\n" +
+            b"norm -bm .5 n.png\n",
             faces + b"f 1 2 3 \\\n4\n"]
 
 
@@ -269,7 +282,7 @@ def made():
     """Returns seeds by reader."""
     gltf = [square(), sparse(), textured(png(4), "image/png"), textured(packed.JPEG, "image/jpeg"),
             textured(packed.WEBP, "image/webp", "EXT_texture_webp"), draco(packed.DRACO_EDGEBREAKER),
-            draco(packed.DRACO_SEQUENTIAL), meshopt()]
+            draco(packed.DRACO_SEQUENTIAL), meshopt(), mapped()]
     tiles = [b3dm(), *i3dm()]
     inner = b"".join(tiles)
     return {

@@ -51,6 +51,10 @@ class MtlReader {
       material.color_map = map();
     else if (key == "map_d" || key == "map_opacity")
       material.alpha_map = map();
+    else if (key == "norm" || key == "map_norm")
+      material.normal_map = map(), current_->has_norm = true;
+    else if ((key == "bump" || key == "map_bump") && !current_->has_norm)
+      material.normal_map = map();
     else if (!is_lighting(key))
       warn("MTL lines not understood");
   }
@@ -68,6 +72,7 @@ class MtlReader {
   struct Entry {
     ObjMaterial material;
     std::optional<double> dissolve, transparency;
+    bool has_norm = false;  ///< `norm` has precedence over `bump`
   };
 
   static float clamped(double v) { return v >= 0 ? float(std::min(v, 1.0)) : 0.0f; }
@@ -78,7 +83,7 @@ class MtlReader {
     return clamped(1 - *entry.transparency);
   }
 
-  /// Returns whether the keyword describes lighting or relief, which are not used, because colours are stored unlit.
+  /// Returns whether the keyword describes lighting or displacement, which are not used.
   static bool is_lighting(const std::string& key) {
     static const char* const keys[] = {"ka",        "ks",     "ke",     "ns",       "ni",       "tf",       "illum",
                                        "sharpness", "map_ka", "map_ks", "map_ke",   "map_ns",   "bump",     "disp",
@@ -142,6 +147,7 @@ class MtlReader {
     };
     if (option == "-s") out.scale = first_two(1);
     if (option == "-o") out.offset = first_two(0);
+    if (option == "-bm") out.bump_scale = values[0];
     const bool is_unused =
         (option == "-t" && std::any_of(values.begin(), values.end(), [](double v) { return v != 0; })) ||
         (option == "-mm" && values != std::vector<double>{0, 1});

@@ -23,6 +23,7 @@ struct ObjMap {
   std::string name;                                 ///< name of the image file in the MTL; empty: no image
   std::array<double, 2> scale{1, 1}, offset{0, 0};  ///< -s and -o, applied to texture coordinates, scale first
   bool is_clamped = false;                          ///< -clamp on
+  double bump_scale = 1;                            ///< -bm
 
   /// Returns texture coordinates after scale and offset. Both `uv` and the result have v downwards, as in Primitive.
   std::array<float, 2> uv(const std::array<float, 2>& uv) const;
@@ -34,6 +35,7 @@ struct ObjMap {
 struct ObjMaterial {
   std::array<float, 4> base_color{1, 1, 1, 1};  ///< Kd and d, interpreted as linear
   ObjMap color_map, alpha_map;                  ///< map_Kd and map_d
+  ObjMap normal_map;                            ///< `norm`, else `bump`, which may be a height map
 
   bool has_map() const { return !color_map.name.empty() || !alpha_map.name.empty(); }
   /// Returns the map whose placement applies to both maps.

@@ -1,10 +1,13 @@
 #include "format/source/mesh/obj_material_table.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
 
 #include "core/base/error.h"
 #include "format/source/image/alpha_image.h"
+#include "format/source/image/grey_image.h"
 #include "format/source/image/image_file.h"
 #include "format/source/invisible_material.h"
 
@@ -22,7 +25,8 @@ void ObjMaterialTable::take(const ObjLine& line) {
 
 /// Adds a material. A name ends before a comment, unless a material or a file has the whole text as its name.
 void ObjMaterialTable::describe(const std::string& name, Described described) {
-  for (ObjMap* map : {&described.material.color_map, &described.material.alpha_map}) {
+  ObjMaterial& m = described.material;
+  for (ObjMap* map : {&m.color_map, &m.alpha_map, &m.normal_map}) {
     const std::string plain(without_comment(map->name));
     if (plain != map->name && !named_file(described.file, map->name, files_).is_there(files_)) map->name = plain;
   }
@@ -83,13 +87,47 @@ void ObjMaterialTable::warn(const std::set<std::string>& used, SourceWarnings& w
 std::vector<std::filesystem::path> ObjMaterialTable::dependencies() const {
   std::set<std::filesystem::path> out = mtl_files_;
   for (const auto& [name, m] : described_)
-    for (const ObjMap& map : {m.material.color_map, m.material.alpha_map})
+    for (const ObjMap& map : {m.material.color_map, m.material.alpha_map, m.material.normal_map})
       if (!map.name.empty())
         if (const NamedFile image = named_file(m.file, map.name, files_); image.file) out.insert(*image.file);
   return {out.begin(), out.end()};
 }
 
-int ObjMaterialTable::add(const ObjMaterialUse& use, TileMesh& out) {
+bool ObjMaterialTable::has_normal_map(const Described& m) const {
+  if (!is_usable(m, m.material.normal_map)) return false;
+  const std::filesystem::path file = *named_file(m.file, m.material.normal_map.name, files_).file;
+  const auto known = is_grey_.find(file);
+  if (known != is_grey_.end()) return !known->second;
+  bool grey = true;
+  try {
+    grey = is_grey(load(m, m.material.normal_map));
+  } catch (const InputError&) {
+    // A damaged image counts as unusable, like a height map.
+  }
+  is_grey_.emplace(file, grey);
+  return !grey;
+}
+
+void ObjMaterialTable::warn_of_normal_map(const ObjMaterialUse& use, SourceWarnings& warnings) const {
+  const Described* m = find(use.name);
+  if (m == nullptr || m->material.normal_map.name.empty()) return;
+  if (!is_usable(*m, m->material.normal_map))
+    warnings.count("normal maps (norm, bump) that are missing or no PNG, JPEG or WebP, not used",
+                   in_quotes(m->material.normal_map.name));
+  else if (!has_normal_map(*m))
+    warnings.count("grey or damaged images in place of normal maps (height maps), not used",
+                   in_quotes(m->material.normal_map.name));
+  else if (!use.has_uv)
+    warnings.count("normal maps without the texture coordinates that they require, not used", in_quotes(use.name));
+}
+
+std::optional<ObjMap> ObjMaterialTable::placed_normal_map(const ObjMaterialUse& use) const {
+  const Described* m = find(use.name);
+  if (m == nullptr || !use.has_uv || !has_normal_map(*m)) return std::nullopt;
+  return m->material.normal_map;
+}
+
+int ObjMaterialTable::add(const ObjMaterialUse& use, bool with_normals, TileMesh& out) {
   Material material;
   const Described* m = find(use.name);
   const auto make_grey = [&] {
@@ -100,7 +138,7 @@ int ObjMaterialTable::add(const ObjMaterialUse& use, TileMesh& out) {
   } else {
     material.base_color = m->material.base_color;
     const bool is_placed = use.has_uv || !m->material.has_map();
-    if (is_placed) material.texture.image = add_image(*m, out);
+    if (is_placed) material.texture.image = add_image(*m, m->material.color_map, m->material.alpha_map, out);
     if (m->material.placed_map().is_clamped) material.texture.wrap_s = material.texture.wrap_t = Wrap::clamp_to_edge;
     // Many programs write a black Kd for materials that have an image.
     const bool has_colour_map = !m->material.color_map.name.empty();
@@ -108,27 +146,35 @@ int ObjMaterialTable::add(const ObjMaterialUse& use, TileMesh& out) {
     if (has_colour_map && use.has_uv && !is_usable(*m, m->material.color_map)) make_grey();
     if (material.base_color[3] < 1 || (is_placed && is_usable(*m, m->material.alpha_map)))
       material.alpha_mode = AlphaMode::blend;
+    if (with_normals && use.has_uv && has_normal_map(*m)) {
+      const ObjMap& map = m->material.normal_map;
+      TextureUse& texture = material.normal_map.texture;
+      texture.image = add_image(*m, map, {}, out);
+      if (map.is_clamped) texture.wrap_s = texture.wrap_t = Wrap::clamp_to_edge;
+      if (std::fabs(map.bump_scale) <= double(std::numeric_limits<float>::max()))
+        material.normal_map.scale = float(map.bump_scale);
+    }
   }
   out.materials.push_back(material);
   return int(out.materials.size()) - 1;
 }
 
-/// Returns the index of the image that combines the colour map and the alpha map; -1 if neither can be read.
-int ObjMaterialTable::add_image(const Described& m, TileMesh& out) {
-  const ObjMap &color = m.material.color_map, &alpha = m.material.alpha_map;
+EncodedImage ObjMaterialTable::load(const Described& m, const ObjMap& map) const {
+  const std::filesystem::path file = *named_file(m.file, map.name, files_).file;
+  return {file.string(), files_.read(file)};
+}
+
+/// Returns the index of the image that combines `color` and `alpha`; -1 if neither can be read.
+int ObjMaterialTable::add_image(const Described& m, const ObjMap& color, const ObjMap& alpha, TileMesh& out) {
   const bool has_color = is_usable(m, color), has_alpha = is_usable(m, alpha);
   if (!has_color && !has_alpha) return -1;
   const std::string key = m.file.string() + "\n" + color.name + "\n" + alpha.name;
   const auto [at, is_new] = image_.try_emplace(key, int(out.images.size()));
   if (!is_new) return at->second;
-  const auto load = [&](const ObjMap& map) {
-    const std::filesystem::path file = *named_file(m.file, map.name, files_).file;
-    return EncodedImage{file.string(), files_.read(file)};
-  };
   if (!has_alpha || alpha.name == color.name)
-    out.images.push_back(load(color));
+    out.images.push_back(load(m, color));
   else
-    out.images.push_back(with_alpha(has_color ? std::optional(load(color)) : std::nullopt, load(alpha)));
+    out.images.push_back(with_alpha(has_color ? std::optional(load(m, color)) : std::nullopt, load(m, alpha)));
   return at->second;
 }
 

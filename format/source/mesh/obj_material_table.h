@@ -38,8 +38,13 @@ class ObjMaterialTable {
   /// Returns whether the material has an image that can be read.
   bool has_image(const std::string& name) const;
 
-  /// Appends the material and its image. Returns its index in out.materials.
-  int add(const ObjMaterialUse& use, TileMesh& out);
+  /// Counts normal maps of a used material that are not used, with the reason.
+  /// Cost    Decodes rows of the map up to the first coloured texel.
+  void warn_of_normal_map(const ObjMaterialUse& use, SourceWarnings& warnings) const;
+  /// Appends the material, its image, and its normal map if `with_normals`. Returns its index in out.materials.
+  int add(const ObjMaterialUse& use, bool with_normals, TileMesh& out);
+  /// Returns the placement of the material's normal map; nullopt if none is used.
+  std::optional<ObjMap> placed_normal_map(const ObjMaterialUse& use) const;
   /// Returns the placement of the material's image.
   ObjMap placed_map(const std::string& name) const;
 
@@ -52,7 +57,10 @@ class ObjMaterialTable {
   void describe(const std::string& name, Described described);
   const Described* find(const std::string& name) const;
   bool is_usable(const Described& material, const ObjMap& map) const;
-  int add_image(const Described& material, TileMesh& out);
+  /// Returns whether the material has an image of directions. Grey images are height maps.
+  bool has_normal_map(const Described& material) const;
+  EncodedImage load(const Described& material, const ObjMap& map) const;
+  int add_image(const Described& material, const ObjMap& color, const ObjMap& alpha, TileMesh& out);
 
   const std::filesystem::path& file_;
   const SourceFiles& files_;
@@ -61,6 +69,7 @@ class ObjMaterialTable {
   std::set<std::string> missing_;  ///< names of missing material files
   SourceWarnings mtl_warnings_;
   std::map<std::string, int> image_;
+  mutable std::map<std::filesystem::path, bool> is_grey_;  ///< results of is_grey(), by path of the image
 };
 
 }  // namespace gigabake

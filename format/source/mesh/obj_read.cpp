@@ -262,7 +262,8 @@ class ObjReader {
   /// Adds materials in the order of their names. This order determines their indices.
   void add_materials() {
     if (everything_)
-      for (auto& [use, index] : material_index_) index = materials_.add(use, out_);
+      for (auto& [use, index] : material_index_) index = materials_.add(use, with_normals_, out_);
+    for (const auto& [use, index] : material_index_) materials_.warn_of_normal_map(use, warnings_);
     if (out_.materials.empty()) out_.materials.emplace_back();
     materials_.warn(used_materials_, warnings_);
     out_.warnings = warnings_.take();
@@ -270,9 +271,25 @@ class ObjReader {
       if (w.text.starts_with("faces ")) w.of = faces_;
   }
 
+  /// Sets the coordinates of the normal map, and returns their claimed bytes. `colour` is the placement of the colour
+  /// map, which is not yet applied.
+  std::uint64_t set_normal_uv(const ObjMaterialUse& use, const ObjMap& colour, Primitive& p) {
+    const std::optional<ObjMap> map = materials_.placed_normal_map(use);
+    if (!map) return 0;
+    p.shares_uv = map->scale == colour.scale && map->offset == colour.offset;
+    if (p.shares_uv) return 0;
+    claim_.add_items(p.uv.size(), sizeof(float), "", "texture coordinates of normal maps");
+    for (std::size_t i = 0; i < p.uv.size(); i += 2) {
+      const std::array<float, 2> placed = map->uv({p.uv[i], p.uv[i + 1]});
+      p.normal_uv.insert(p.normal_uv.end(), placed.begin(), placed.end());
+    }
+    return p.uv.size() * sizeof(float);
+  }
+
   void add_primitive(const ObjMaterialUse& use, Part& part) {
     Primitive& p = part.primitive;
     const ObjMap map = materials_.placed_map(use.name);
+    const std::uint64_t normal_uv_bytes = with_normals_ ? set_normal_uv(use, map, p) : 0;
     for (std::size_t i = 0; !map.is_placed_as(ObjMap()) && i < p.uv.size(); i += 2) {
       const std::array<float, 2> placed = map.uv({p.uv[i], p.uv[i + 1]});
       std::copy(placed.begin(), placed.end(), p.uv.begin() + std::ptrdiff_t(i));
@@ -281,7 +298,7 @@ class ObjReader {
       for (const std::uint32_t v : part.position_of)
         p.rgba.insert(p.rgba.end(), vertices_.colour(v).begin(), vertices_.colour(v).end());
     p.material = material_index_.at(use);
-    const std::uint64_t bytes = part.bytes();
+    const std::uint64_t bytes = part.bytes() + normal_uv_bytes;
     origins_.place(std::move(p), part.position_of, vertices_.position(), [&](Primitive&& piece, const MeshOrigin& at) {
       out_.instances.push_back({int(out_.primitives.size()), at.scene_from_local()});
       if (!is_streamed_) return out_.primitives.push_back(std::move(piece));
