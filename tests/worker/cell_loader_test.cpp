@@ -85,5 +85,26 @@ TEST_F(CellLoaderTest, AMeshThatLiesInOneCellIsNotCut) {
   EXPECT_EQ(triangles_of(cell), 32768u);
 }
 
+/// One image is the colour and the normal map: each use has its texture.
+TEST_F(CellLoaderTest, ACellHasTheNormalMapsThatItsPartsUse) {
+  const auto textures_with = [&](const std::string& map, bool normals) {
+    GlbMesh mesh = rolling_ground(128, 0, 0);
+    mesh.image = checkered_png(64);
+    mesh.material = R"({"normalTexture":)" + map + "}";
+    write_glb(folder.path() / "ground.glb", mesh);
+    sources = sources_of(folder.path(), {"ground.glb"});
+    BakeParameters p = parameters;
+    p.normals = normals;
+    CellLoader loader(sources, p, std::uint64_t(1) << 28, 2);
+    const LoadedCell cell = loader.load(job_at(0, 0, 128));
+    for (const kernels::PartView& part : cell.parts)
+      EXPECT_EQ(part.normal_map.texture, cell.textures.size() == 2 ? 1 : -1) << map;
+    return cell.textures.size();
+  };
+  EXPECT_EQ(textures_with(R"({"index":0})", true), 2u);
+  EXPECT_EQ(textures_with(R"({"index":0})", false), 1u) << "voxels without normals";
+  EXPECT_EQ(textures_with(R"({"index":0,"texCoord":3})", true), 1u) << "no coordinates";
+}
+
 }  // namespace
 }  // namespace gigabake
