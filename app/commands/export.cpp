@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "app/commands.h"
@@ -9,8 +10,10 @@
 #include "app/options/choices.h"
 #include "app/options/output_file.h"
 #include "app/options/scene_argument.h"
+#include "app/process/clipped_scene.h"
 #include "app/process/on_all_ranks.h"
 #include "cluster/launch/agreed_request.h"
+#include "cluster/mpi/collective.h"
 #include "cluster/mpi/mpi_export_team.h"
 #include "core/base/error.h"
 #include "core/base/pluralize.h"
@@ -26,6 +29,7 @@ namespace {
 
 struct ExportOptions {
   std::string scene, format, out;
+  AreaOptions area;
   int lod = 0;
   bool quiet = false;
   TilesetOptions tiles = {.threads = 0};  ///< 0: the host's cores, divided among its ranks
@@ -93,6 +97,7 @@ std::vector<NamedOption> shared_options(const ExportOptions& o, const ExportForm
           {"`to`", format.name},
           {"`out`", std::filesystem::absolute(o.out).lexically_normal().string()},
           {"`lod`", std::to_string(o.lod)},
+          {"`bounds`, `clip` or `crs`", o.area.text()},
           {"--tile-voxels", std::to_string(o.tiles.tile_voxels)},
           {"`update`", o.tiles.update ? "given" : "not given"}};
 }
@@ -103,10 +108,13 @@ int run_on_rank(const ExportOptions& options, const ExportFormat& format, MpiSes
   if (std::string_view(format.name) == "3dtiles-gltf") tiles.form = TilesetForm::gltf_2_1;
   tiles.lod = options.lod;
   if (tiles.threads == 0) tiles.threads = mpi.cores();
+  std::optional<ClippedScene> scene;  // each rank clips for itself, because hosts may share no temporary folder
+  check_options_collectively(
+      mpi, [&] { scene.emplace(options.scene, options.area, tiles.threads, mpi.rank() == 0 && !options.quiet); });
   const MpiExportTeam team(mpi);
   try {
     const std::uint64_t voxels = with_progress(
-        [&](const Progress& progress) { return export_3dtiles(options.scene, tiles, options.out, progress, team); },
+        [&](const Progress& progress) { return export_3dtiles(scene->file(), tiles, options.out, progress, team); },
         mpi.rank() == 0 && !options.quiet ? stderr : nullptr);
     if (mpi.rank() == 0) print_done(options, voxels);
     return 0;
@@ -142,6 +150,7 @@ void add_export(CLI::App& app, int& exit_code) {
   command->add_option("--lod", o->lod, "level to write; 3dtiles and gigavoxel: the finest")
       ->capture_default_str()
       ->check(CLI::Range(0, 62));
+  o->area.add_to(*command);
   add_tile_options(*command, *o);
   command->add_flag("-q,--quiet", o->quiet, "print only errors");
   command->callback([o, command, &exit_code] {
@@ -153,8 +162,11 @@ void add_export(CLI::App& app, int& exit_code) {
       return;
     }
     expect_no_tile_options(*command, format);
-    const std::uint64_t voxels = with_progress([&](const Progress& progress) { return format.write(*o, progress); },
-                                               o->quiet ? nullptr : stderr);
+    const ClippedScene scene(o->scene, o->area, 0, !o->quiet);
+    ExportOptions of_clipped = *o;
+    of_clipped.scene = scene.file().string();
+    const std::uint64_t voxels = with_progress(
+        [&](const Progress& progress) { return format.write(of_clipped, progress); }, o->quiet ? nullptr : stderr);
     print_done(*o, voxels);
   });
 }

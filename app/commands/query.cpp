@@ -15,6 +15,7 @@
 #include "app/options/output_file.h"
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
+#include "app/process/clipped_scene.h"
 #include "app/process/standard_streams.h"
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
@@ -36,6 +37,7 @@ struct QueryArguments {
   QueryFrame frame = QueryFrame::scene;
   QueryFormat format = QueryFormat::csv;
   QueryOptions options;
+  AreaOptions area;
   Backend backend = Backend::automatic;
   int threads = 0;
   bool quiet = false;
@@ -169,7 +171,8 @@ int run(const QueryArguments& a) {
   QueryOptions options = a.options;
   share_memory(a.options.memory_bytes, options, job);
   set_device(a.backend, options);
-  SceneQuery query(std::make_shared<const PagedScene>(a.scene), options, pool);
+  const ClippedScene scene(a.scene, a.area, a.threads, !a.quiet && !a.out.empty());
+  SceneQuery query(std::make_shared<const PagedScene>(scene.file()), options, pool);
   const QueryTally tally = with_progress(
       [&](const Progress& progress) { return write_answers(a, job, query, *question.asks, pool, progress); },
       a.quiet || a.out.empty() ? nullptr : stderr);
@@ -220,6 +223,7 @@ void add_query(CLI::App& app, int& exit_code) {
       .add_option("--ignore-ends", a->ignore_ends_m,
                   "metres: surfaces within this distance of an end of a line of sight do not block it")
       ->capture_default_str();
+  a->area.add_to(command);
   add_choice(command, "--backend", a->backend, "backend that casts long lists of rays; auto: a GPU if there is one");
   command.add_option("--threads", a->threads, "CPU threads (all cores)");
   command.add_option("--gpu-memory", a->options.device_bytes, "max bytes of voxels in GPU memory (4G)")

@@ -16,6 +16,7 @@
 #include "app/options/renderer_options.h"
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
+#include "app/process/clipped_scene.h"
 #include "core/base/error.h"
 #include "core/base/pluralize.h"
 #include "format/system/message.h"
@@ -34,6 +35,7 @@ struct RenderArguments {
   std::string clip_box, clip_plane, polygons;
   std::string eye, target, up, size = "1280x720", background = "sky";
   double fovy_deg = CameraOptions{}.fovy_deg, pixel_error = CameraOptions{}.pixel_error;
+  AreaOptions area;
   RendererArguments renderer;
   LightArguments light;
   SunArguments sun;
@@ -141,7 +143,8 @@ void check_outputs(const RenderArguments& a) {
 int run(const RenderArguments& a) {
   View view = view_of(a);
   check_outputs(a);
-  FrameRenderer renderer(a.scene, renderer_options_of(a));
+  const ClippedScene scene(a.scene, a.area, a.renderer.threads, !a.quiet);
+  FrameRenderer renderer(scene.file(), renderer_options_of(a));
   set_sun(a.sun, renderer.scene().header(), view);
   if (!a.quiet) print_sun(a.sun, view);
   const auto draw = [&](const Progress& progress) {
@@ -179,7 +182,8 @@ int run_path(const RenderArguments& a) {
   check_outputs(a);
   numbered_file(a.picture, 0, "out");
   if (!a.depth.empty()) numbered_file(a.depth, 0, "depth");
-  FrameRenderer renderer(a.scene, renderer_options_of(a));
+  const ClippedScene scene(a.scene, a.area, a.renderer.threads, !a.quiet);
+  FrameRenderer renderer(scene.file(), renderer_options_of(a));
   set_sun(a.sun, renderer.scene().header(), view);
   if (!a.quiet) print_sun(a.sun, view);
   const CameraPath path = read_camera_path(a.path, renderer.scene().header().origin);
@@ -237,6 +241,7 @@ void add_render(CLI::App& app, int& exit_code) {
   command.add_option(
       "--polygons", a->polygons,
       "mesh file, such as .glb, in scene metres: its triangles are rendered with the voxels, in colour and depth");
+  a->area.add_to(command);
   add_light_options(command, a->light);
   add_sun_options(command, a->sun);
   add_renderer_options(command, a->renderer);

@@ -86,7 +86,7 @@ SharedSources open_shared_sources(MpiSession& mpi, const std::filesystem::path& 
   } else {
     await_master(mpi);
   }
-  collective_try(mpi, [&] {
+  check_options_collectively(mpi, [&] {
     if (failure) std::rethrow_exception(failure);
   });
   sources.bytes = std::make_shared<const std::vector<std::uint8_t>>(mpi.from_master(std::move(bytes)));

@@ -18,8 +18,9 @@ struct SharedSources {
 };
 
 /// Collective. Rank 0 opens the source and sends heartbeats to the other ranks during that time.
-/// Errors  CollectiveFailure: an error of open_sources() on rank 0, or another rank does not see the path. Stopped: a
-///         stop was requested on rank 0. RankLost: no message from rank 0 within the timeout of a collective call.
+/// Errors  CollectiveUsageError: the area does not fit the source. CollectiveFailure: another error of open_sources()
+///         on rank 0, or another rank does not see the path. Stopped: a stop was requested on rank 0. RankLost: no
+///         message from rank 0 within the timeout of a collective call.
 SharedSources open_shared_sources(MpiSession& mpi, const std::filesystem::path& path, const SourceOptions& options,
                                   const Progress& progress);
 

@@ -17,7 +17,10 @@ constexpr std::uint32_t fingerprint_version = 2;
 
 }  // namespace
 
-CellFingerprints::CellFingerprints(const BakeParameters& parameters, const std::optional<Geodetic>& origin) {
+CellFingerprints::CellFingerprints(const BakeParameters& parameters, const std::optional<Geodetic>& origin,
+                                   std::shared_ptr<const Area> area)
+    : frame_{parameters.voxel_size_m, parameters.lattice_origin_m} {
+  if (area) area_.emplace(std::move(area), origin);
   ByteWriter w;
   w.put(fingerprint_version);
   w.put(kernel_version);
@@ -36,6 +39,11 @@ Hash128 CellFingerprints::of(const CellJob& job, std::vector<Hash128> tile_sourc
   XXH3_128bits_update(&state, &job.lattice_min, sizeof job.lattice_min);
   XXH3_128bits_update(&state, &job.cell_voxels, sizeof job.cell_voxels);
   XXH3_128bits_update(&state, tile_sources.data(), tile_sources.size() * sizeof(Hash128));
+  const auto voxels = Box3i64::cube(job.lattice_min, job.cell_voxels);
+  if (area_ && area_->overlap(frame_, voxels) != AreaOverlap::inside) {
+    const Hash128 border = area_->border_hash(frame_, voxels);
+    XXH3_128bits_update(&state, &border, sizeof border);
+  }
   const XXH128_hash_t h = XXH3_128bits_digest(&state);
   return {h.low64, h.high64};
 }

@@ -1,10 +1,12 @@
 /// The key of a cell's result: a hash of all its inputs.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/octree/parameters.h"
+#include "format/area/area_in_scene.h"
 #include "format/job/cell_job.h"
 
 namespace gigabake {
@@ -12,10 +14,13 @@ namespace gigabake {
 /// The fingerprints of one bake's cells. Rank 0 plans with these fingerprints; each bake process checks them against
 /// its own inputs with match().
 /// Exact   A fingerprint depends on the set of tiles and their multiplicity, not on their order, because results do not
-///         depend on the order of triangles.
+///         depend on the order of triangles. It depends on the area of interest only if the area's border cuts the
+///         cell, and then only on the border in the cell.
 class CellFingerprints {
  public:
-  CellFingerprints(const BakeParameters& parameters, const std::optional<Geodetic>& origin);
+  /// `area` is the area of interest; null without one.
+  CellFingerprints(const BakeParameters& parameters, const std::optional<Geodetic>& origin,
+                   std::shared_ptr<const Area> area = nullptr);
 
   /// Returns the fingerprint of a cell. `tile_sources` has the TileScan::source of each of job.tiles, in any order.
   Hash128 of(const CellJob& job, std::vector<Hash128> tile_sources) const;
@@ -26,6 +31,8 @@ class CellFingerprints {
 
  private:
   std::vector<std::uint8_t> shared_;  ///< inputs that all cells share
+  SnapFrame frame_;
+  std::optional<AreaInScene> area_;
 };
 
 }  // namespace gigabake

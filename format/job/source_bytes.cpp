@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "core/io/bytes.h"
+#include "format/area/area.h"
+#include "format/source/raster/crs_map.h"
 #include "format/source/raster/dem.h"
 #include "format/source/tiles/archive.h"
 
@@ -262,6 +264,11 @@ class TileReader {
   Affine<World, World> world_;
 };
 
+Area with_crs_map(Area area) {
+  if (!area.crs.empty()) area.crs_map = open_crs_map(area.crs);
+  return area;
+}
+
 SkippedSource get_skipped(ByteReader& r) {
   SkippedSource skipped;
   r.get(skipped.name), r.get(skipped.reason);
@@ -286,6 +293,8 @@ std::vector<std::uint8_t> to_bytes(const SceneSources& sources) {
     w.put(std::uint8_t(skipped.informative)), w.put(skipped.points);
   }
   w.put(sources.notes);
+  w.put(std::uint8_t(sources.area != nullptr));
+  if (sources.area) put(w, *sources.area);
   return w.take();
 }
 
@@ -301,6 +310,9 @@ SceneSources sources_from_bytes(std::span<const std::uint8_t> bytes) {
   for (r.get(count); count > 0; --count) sources.tiles.push_back(tiles.get());
   for (r.get(count); count > 0; --count) sources.skipped.push_back(get_skipped(r));
   r.get(sources.notes);
+  bool has_area = false;
+  r.get(has_area);
+  if (has_area) sources.area = std::make_shared<const Area>(with_crs_map(get_area(r)));
   r.expect_end();
   return sources;
 }

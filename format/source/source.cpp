@@ -1,9 +1,11 @@
 #include "format/source/source.h"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <map>
 
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "core/math/georeference.h"
 #include "core/math/transform.h"
 #include "format/source/content/composite.h"
@@ -28,6 +30,24 @@ Path folder_of(const Path& file) { return file.has_parent_path() ? file.parent_p
 /// Returns the transform from the source's own frame to the local scene: z up by default.
 Affine<Scene, World> local_scene(const SourceOptions& options) {
   return z_up_from<Scene, World>(options.scene_up.value_or(UpAxis::z));
+}
+
+TileMembers tile_members(const SourceOptions& options) {
+  return options.area ? TileMembers::all : TileMembers::without_volumes;
+}
+
+/// Returns a function that makes the filter for the area of interest; empty without an area. The tileset is placed by
+/// its anchor, like the scene.
+MakeVolumeFilter volume_filter(const SourceOptions& options) {
+  if (!options.area) return {};
+  return [&options](const std::optional<Point<Ecef>>& anchor) {
+    if (!anchor || options.local)
+      return VolumeFilter(options.area, options.local ? std::nullopt : options.origin, local_scene(options));
+    const Geodetic origin = options.origin.value_or(geodetic_of(*anchor));
+    Affine<Scene, World> scene_from_world;
+    scene_from_world.m = scene_from_ecef(origin).m;
+    return VolumeFilter(options.area, origin, scene_from_world);
+  };
 }
 
 /// Returns the format by the file name extension; nullopt if no content format has the extension.
@@ -71,6 +91,23 @@ void add_mesh_file(const Path& path, const SourceOptions& options, SceneSources&
   }
 }
 
+/// Removes the files whose stated bounds lie outside the area. Files that state no bounds remain.
+void drop_outside(const SourceOptions& options, SceneSources& sources) {
+  const VolumeFilter filter(options.area, sources.origin, {});
+  const auto is_outside = [&](const TileRef& tile) {
+    if (tile.kind != ContentKind::glb && tile.kind != ContentKind::gltf && tile.kind != ContentKind::b3dm) return false;
+    try {
+      const WorldBox box = stated_bounds(tile, SourceFiles(sources.root));
+      Affine<World, World> place;
+      place.m = tile.scene_from_tile.m;
+      return !box.is_empty && !filter.may_overlap(volume_of(box), place);
+    } catch (const std::exception&) {
+      return false;  // the scan reports the fault
+    }
+  };
+  sources.outside += std::erase_if(sources.tiles, is_outside);
+}
+
 /// Opens mesh files. If no file has earth-centred coordinates, only SourceOptions::origin can set the origin.
 SceneSources mesh_sources(const Path& root, const std::vector<Path>& files, const SourceOptions& options,
                           const Progress& progress) {
@@ -83,6 +120,7 @@ SceneSources mesh_sources(const Path& root, const std::vector<Path>& files, cons
     progress.advance();
   }
   place_on_earth(options, out);
+  if (options.area) drop_outside(options, out);
   return out;
 }
 
@@ -90,8 +128,9 @@ SceneSources tileset_sources(const SourceFiles& files, const Path& file, const T
                              const SourceOptions& options, const Progress& progress) {
   SceneSources out;
   out.root = files.root();
-  const Tileset tileset = open_tileset(files, file, document, progress);
+  const Tileset tileset = open_tileset(files, file, document, volume_filter(options), progress);
   out.skipped = tileset.skipped;
+  out.outside = tileset.outside;
   Affine<Scene, World> scene_from_world = local_scene(options);
   if (!options.local) out.origin = options.origin;
   TilesetPlace found = tileset_place(files, tileset);
@@ -124,14 +163,15 @@ SceneSources archive_sources(const Path& file, const SourceOptions& options, con
   const SourceFiles files(std::make_shared<const Archive>(file));
   const Path tileset = file / "tileset.json";
   if (!files.has(tileset)) throw InputError(file, "", "holds no tileset.json");
-  const TilesetDocument document = parse_tileset(tileset, files.read_content(tileset), progress);
+  const TilesetDocument document = parse_tileset(tileset, files.read_content(tileset), progress, tile_members(options));
   if (!document.root) throw InputError(tileset, "root", "is missing");
   return tileset_sources(files, tileset, document, options, progress);
 }
 
 SceneSources json_sources(const Path& file, const SourceOptions& options, const Progress& progress) {
   progress.step("reading " + file.filename().string());
-  const TilesetDocument document = parse_tileset(file, SourceFiles(folder_of(file)).read_content(file), progress);
+  const TilesetDocument document =
+      parse_tileset(file, SourceFiles(folder_of(file)).read_content(file), progress, tile_members(options));
   const Json& json = document.json;
   if (!json.is_object()) throw InputError(file, "", "expected a tileset.json or a scene .json");
   if (json.contains("gigabake")) return open_scene_json(file, json, options, progress);
@@ -203,6 +243,18 @@ SceneSources folder_sources(const Path& folder, const SourceOptions& options, co
   return out;
 }
 
+/// Checks that the area fits the scene, and stores it in the sources.
+void restrict_to_area(const std::shared_ptr<const Area>& area, SceneSources& sources) {
+  const AreaInScene placed(area, sources.origin);
+  sources.area = area;
+  if (sources.tiles.empty() && sources.outside != 0)
+    throw UsageError(fmt::format("no tile intersects the area of interest; {} outside",
+                                 pluralize(sources.outside, "tile is", "tiles are")));
+  if (sources.outside != 0)
+    sources.notes.push_back(
+        fmt::format("area of interest: {} outside and not read", pluralize(sources.outside, "tile is", "tiles are")));
+}
+
 }  // namespace
 
 SceneSources open_sources(const std::filesystem::path& path, const SourceOptions& options, const Progress& progress) {
@@ -226,6 +278,7 @@ SceneSources open_sources(const std::filesystem::path& path, const SourceOptions
         path, "",
         "expected a .glb, .gltf, .b3dm, .i3dm, .cmpt, .obj, .ply, .stl, .tif, .asc, .hgt or .vrt, a folder, "
         "a tileset.json, a .3tz or a scene .json");
+  if (options.area) restrict_to_area(options.area, out);
   for (const TileRef& tile : out.tiles)
     if (!tile.scene_from_tile.is_finite()) throw InputError(tile.path, "transform", "the tile's place is not finite");
   return out;

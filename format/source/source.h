@@ -18,6 +18,7 @@
 namespace gigabake {
 
 class Archive;
+struct Area;
 struct DemTile;
 
 struct SourceOptions {
@@ -25,6 +26,7 @@ struct SourceOptions {
   std::optional<Geodetic> origin;  ///< scene origin; default: the source's own (see open_sources)
   std::optional<UpAxis> scene_up;  ///< up axis in a tileset's own frame (default z) or in mesh files (default y, as in
                                    ///< glTF)
+  std::shared_ptr<const Area> area = nullptr;  ///< the part of the source that is used; null: all of it
 };
 
 enum class ContentKind : std::uint8_t { glb, gltf, b3dm, i3dm, obj, dem, ply, stl };
@@ -69,7 +71,9 @@ struct SceneSources {
   std::vector<TileRef> tiles;      ///< in the source's own order; deterministic
   std::optional<Geodetic> origin;  ///< nullopt if the scene is local
   std::vector<SkippedSource> skipped;
-  std::vector<std::string> notes;  ///< information on the sources' places for the user; one line each
+  std::vector<std::string> notes;              ///< information on the sources' places for the user; one line each
+  std::shared_ptr<const Area> area = nullptr;  ///< SourceOptions::area
+  std::uint64_t outside = 0;  ///< known content files that were not opened, because they lie outside the area
 };
 
 /// Opens the source at `path`: a content file (docs/format-sources.md), a folder of content files, a tileset or a
@@ -82,8 +86,11 @@ struct SceneSources {
 /// else the centre of the root's bounding volume. The place of mesh files is the centre of their bounds.
 /// If tiles refine by REPLACE, the finest content is used. If a finest content file is missing, the nearest ancestor's
 /// content replaces it, and the missing file is listed in `skipped`.
+/// If there is an area, omits all tiles whose bounds lie outside it, without opening their files. Only mesh files state
+/// their bounds inside; their headers are read.
 /// Errors  InputError: a source is unreadable, cyclic or malformed, a URI leads out of the root, or a required
-///         extension is not supported. Stopped: the caller cancelled the step.
+///         extension is not supported. UsageError: the area lies on the earth and the scene does not, or no tile
+///         intersects the area. Stopped: the caller cancelled the step.
 SceneSources open_sources(const std::filesystem::path& path, const SourceOptions& options,
                           const Progress& progress = {});
 

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/base/host_device.h"
@@ -45,6 +46,13 @@ struct CellInput {
   Span<const TextureView> textures;
 };
 
+/// The voxels of a brick: bit x + 8y of word z, as in core/octree/octree.h.
+using VoxelMask = std::array<std::uint64_t, 8>;
+
+/// A function that returns the voxels of a brick that a cell keeps. `min` is the brick's lowest voxel on the lattice.
+/// Threads call it concurrently.
+using KeptVoxels = std::function<VoxelMask(const Vec3i64& min)>;
+
 struct CellParameters {
   SnapFrame frame;
   Vec3i64 window_min{};                ///< lod-0 voxels, multiples of 8
@@ -56,6 +64,7 @@ struct CellParameters {
       true;  ///< store the directional coverage of MipFilter::coverage; the filter uses it in either case
   std::uint32_t max_error = 0;     ///< max error of stored values in units of 1/255 (quantize_groups.h); at most 127
   std::uint64_t memory_bytes = 0;  ///< target; bricks are processed in batches to meet it. 0: no bound
+  KeptVoxels kept = nullptr;       ///< voxels of lod 0 that are kept; all if null. Only the CPU backend accepts it
 };
 
 /// One level of a cell. `directional_coverage` is empty at lod 0, without MipFilter::coverage and without

@@ -10,6 +10,7 @@
 #include "kernels/cpu/mip/levels.h"
 #include "kernels/cpu/prune/prune.h"
 #include "kernels/cpu/voxelize/bin.h"
+#include "kernels/cpu/voxelize/clip.h"
 #include "kernels/cpu/voxelize/quantize_groups.h"
 #include "kernels/cpu/voxelize/voxelize.h"
 #include "kernels/cpu/voxelize/window_triangles.h"
@@ -79,12 +80,9 @@ Level finest_level(const CellInput& input, const CellParameters& parameters, con
   return level;
 }
 
-}  // namespace
-
-CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, const ThreadPool& pool) {
-  CellVolume volume;
-  Level finest = finest_level(input, parameters, pool, volume.stats);
-  if (finest.key.empty()) return volume;
+/// Stores the finest level in the volume, and computes everything else from this level.
+void add_all_but_finest(Level finest, const CellParameters& parameters, const ThreadPool& pool, CellVolume& volume) {
+  if (finest.key.empty()) return;
   volume.levels.push_back(std::move(finest));
   const int lods = window_of(parameters).levels + 1;
   {
@@ -105,6 +103,21 @@ CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, c
   }
   const StageClock clock(volume.stats.prune_s);
   volume.nodes = prune(volume.levels, pool);
+}
+
+}  // namespace
+
+CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, const ThreadPool& pool) {
+  CellVolume volume;
+  Level finest = finest_level(input, parameters, pool, volume.stats);
+  if (parameters.kept) clip(finest, parameters, pool);
+  add_all_but_finest(std::move(finest), parameters, pool, volume);
+  return volume;
+}
+
+CellVolume volume_of(Level finest, const CellParameters& parameters, const ThreadPool& pool) {
+  CellVolume volume;
+  add_all_but_finest(std::move(finest), parameters, pool, volume);
   return volume;
 }
 

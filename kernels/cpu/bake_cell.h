@@ -9,4 +9,7 @@ namespace gigabake::kernels {
 
 CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, const ThreadPool& pool);
 
+/// Computes the volume of a cell from its voxels of lod 0, as bake_cell() does after voxelization.
+CellVolume volume_of(Level finest, const CellParameters& parameters, const ThreadPool& pool);
+
 }  // namespace gigabake::kernels

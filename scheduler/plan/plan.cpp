@@ -10,6 +10,7 @@
 
 #include "core/base/pluralize.h"
 #include "core/base/quote.h"
+#include "format/area/area_in_scene.h"
 #include "format/job/fingerprint.h"
 #include "format/source/raster/dem.h"
 #include "scheduler/plan/overviews.h"
@@ -84,6 +85,23 @@ CellJob empty_job(const ColumnExtent& c, const CellStack& stack, std::int64_t le
   return job;
 }
 
+/// The area of interest on the lattice of a bake.
+class PlannedArea {
+ public:
+  PlannedArea(const SceneSources& sources, const BakeParameters& parameters)
+      : frame_{parameters.voxel_size_m, parameters.lattice_origin_m} {
+    if (sources.area) area_.emplace(sources.area, sources.origin);
+  }
+  bool is_restricted() const { return area_.has_value(); }
+  bool excludes(const CellJob& job) const {
+    return area_ && area_->overlap(frame_, Box3i64::cube(job.lattice_min, job.cell_voxels)) == AreaOverlap::outside;
+  }
+
+ private:
+  SnapFrame frame_;
+  std::optional<AreaInScene> area_;
+};
+
 /// Appends the cells of a column's stack that at least one tile overlaps.
 void add_column(std::span<const TileColumn> column, std::uint32_t cell_voxels, std::vector<CellJob>& jobs) {
   std::int64_t z_min = column[0].extent->z_min, z_end = column[0].extent->z_end;
@@ -107,14 +125,18 @@ void add_column(std::span<const TileColumn> column, std::uint32_t cell_voxels, s
   }
 }
 
-void add_columns(const std::vector<TileScan>& scans, std::uint32_t cell_voxels, const Progress& progress,
-                 std::vector<CellJob>& jobs) {
+/// Appends the cells of all columns, except cells outside the area. A column's stack does not depend on the area.
+void add_columns(const std::vector<TileScan>& scans, std::uint32_t cell_voxels, const PlannedArea& area,
+                 const Progress& progress, std::vector<CellJob>& jobs) {
   const std::vector<TileColumn> all = by_column(scans);
   jobs.reserve(columns_in(all));  // few columns have more than one cell
   progress.step("planning the cells", all.size());
   for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
     while (end < all.size() && same_column(all[begin], all[end])) ++end;
+    const auto first = std::ptrdiff_t(jobs.size());
     add_column(std::span(all).subspan(begin, end - begin), cell_voxels, jobs);
+    jobs.erase(std::remove_if(jobs.begin() + first, jobs.end(), [&](const CellJob& job) { return area.excludes(job); }),
+               jobs.end());
     progress.advance(end - begin);
   }
 }
@@ -218,13 +240,20 @@ void add_counts(const std::vector<TileScan>& scans, const SceneSources& sources,
   }
 }
 
+/// Returns the smallest box that contains all cells.
+Box3i64 box_of(const std::vector<CellJob>& cells) {
+  Box3i64 box;
+  for (const CellJob& job : cells) box = hull(box, Box3i64::cube(job.lattice_min, job.cell_voxels));
+  return box;
+}
+
 void name_jobs(const std::vector<TileScan>& scans, const SceneSources& sources, const BakeParameters& parameters,
                const Progress& progress, std::vector<CellJob>& jobs) {
   std::sort(jobs.begin(), jobs.end(), [](const CellJob& a, const CellJob& b) {
     return std::tie(a.lattice_min[2], a.lattice_min[1], a.lattice_min[0]) <
            std::tie(b.lattice_min[2], b.lattice_min[1], b.lattice_min[0]);
   });
-  const CellFingerprints fingerprints(parameters, sources.origin);
+  const CellFingerprints fingerprints(parameters, sources.origin, sources.area);
   progress.step("naming the cells", jobs.size());
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     progress.advance();
@@ -256,7 +285,9 @@ BakePlan make_plan(std::vector<TileScan> scans, const SceneSources& sources, con
   add_counts(scans, sources, parameters.voxel_size_m, plan);
   plan.warnings = warning_lines(scans, sources);
   plan.precision = source_precision(scans, sources, parameters.voxel_size_m);
-  add_columns(scans, parameters.cell_voxels, progress, plan.jobs);
+  const PlannedArea area(sources, parameters);
+  add_columns(scans, parameters.cell_voxels, area, progress, plan.jobs);
+  if (area.is_restricted()) plan.bounds = intersection(plan.bounds, box_of(plan.jobs));
   name_jobs(scans, sources, parameters, progress, plan.jobs);
   if (levels == PlanLevels::cells_and_overviews) add_overviews(plan.jobs);
   return plan;

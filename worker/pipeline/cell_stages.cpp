@@ -12,6 +12,8 @@
 #include "format/system/meters/stage_clock.h"
 #include "kernels/cpu/bake_cell.h"
 #include "worker/pipeline/cell_parameters.h"
+#include "worker/pipeline/clipped_cell.h"
+#include "worker/pipeline/lattice.h"
 #include "worker/pipeline/shard_from_volume.h"
 #include "worker/pipeline/writer_pool_size.h"
 
@@ -116,13 +118,27 @@ CellStages::CellStages(SceneSources sources, BakeParameters parameters, const Wo
               scratch_in(options_.scratch, options_.memory_bytes)),
       overview_inputs_(overview_bytes(options_)),
       pool_(options_.threads),
-      write_pool_(writer_pool_size_for(options_).threads) {}
+      write_pool_(writer_pool_size_for(options_).threads) {
+  if (sources_.area) area_.emplace(sources_.area, sources_.origin);
+}
+
+bool CellStages::is_wholly_inside(const CellJob& job) const {
+  return !area_ || area_->overlap(snap_frame(parameters_), Box3i64::cube(job.lattice_min, job.cell_voxels)) ==
+                       AreaOverlap::inside;
+}
+
+kernels::CellParameters CellStages::parameters_of(const CellJob& job) const {
+  kernels::CellParameters p = cell_parameters(job, parameters_, kernel_bytes(options_));
+  if (!is_wholly_inside(job))
+    p.kept = [this](const Vec3i64& min) { return area_->inside(snap_frame(parameters_), min); };
+  return p;
+}
 
 /// Runs one step of a cell on the device. Returns false if there is no device, or if this or an earlier step of the
-/// cell failed; the CPU then bakes the cell.
+/// cell failed, or if the border of the area cuts the cell; the CPU then bakes the cell.
 template <class Step>
 bool CellStages::on_device(InFlightCell& cell, const Step& step) {
-  if (!options_.cuda_device || !cell.report.note.empty()) return false;
+  if (!options_.cuda_device || !cell.report.note.empty() || !is_wholly_inside(cell.job)) return false;
   try {
     step();
     return true;
@@ -179,8 +195,7 @@ void CellStages::bake_overview(InFlightCell& overview) const {
 void CellStages::compute(InFlightCell& cell) {
   if (is_overview(cell.job)) return bake_overview(cell);
   const bool baked = on_device(cell, [&] {
-    cell.device_volume =
-        cuda_->bake(*cell.device_input, cell_parameters(cell.job, parameters_, kernel_bytes(options_)));
+    cell.device_volume = cuda_->bake(*cell.device_input, parameters_of(cell.job));
     cell.device_input.reset();
     cell.report.on_device = true;
   });
@@ -247,8 +262,12 @@ void CellStages::read_back_volume(InFlightCell& cell) {
 }
 
 void CellStages::bake_on_cpu(InFlightCell& cell) const {
-  cell.volume =
-      kernels::bake_cell(cell.loaded->input(), cell_parameters(cell.job, parameters_, kernel_bytes(options_)), pool_);
+  cell.volume = kernels::bake_cell(cell.loaded->input(), parameters_of(cell.job), pool_);
+}
+
+void CellStages::clip(InFlightCell& cell, const ShardReader& shard) const {
+  cell.volume = clipped_volume(shard, cell_parameters(cell.job, parameters_, kernel_bytes(options_)), *area_, pool_);
+  if (cell.volume.levels.empty()) decide(cell, CellOutcome::empty);
 }
 
 void CellStages::take_stats(InFlightCell& cell) const {

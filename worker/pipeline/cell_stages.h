@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/thread_pool.h"
+#include "format/area/area_in_scene.h"
 #include "format/job/cell_job.h"
 #include "kernels/body/cell.h"
 #include "kernels/cuda/baker.h"
@@ -64,6 +65,9 @@ class CellStages {
   /// `readback_worker`, 0 to readback_workers, selects the packer. Concurrent calls for cells on the device need
   /// different values.
   void read_back(InFlightCell& cell, std::size_t readback_worker);
+  /// Computes the volume from the voxels of a stored shard of the cell that are inside the area. Sets the outcome
+  /// `empty` if no voxel is inside.
+  void clip(InFlightCell& cell, const ShardReader& shard) const;
   /// Writes the volume or the columns to a shard, and fills the report.
   void write(InFlightCell& cell);
 
@@ -72,6 +76,9 @@ class CellStages {
   template <class Step>
   bool on_device(InFlightCell& cell, const Step& step);
   void bake_on_cpu(InFlightCell& cell) const;
+  kernels::CellParameters parameters_of(const CellJob& job) const;
+  /// Returns whether the area of interest contains all voxels of the cell.
+  bool is_wholly_inside(const CellJob& job) const;
   void bake_overview(InFlightCell& overview) const;
   void read_back_from_device(InFlightCell& cell, kernels::CudaPacker& packer);
   void pack_on_device(InFlightCell& cell, kernels::CudaPacker& packer);
@@ -88,6 +95,7 @@ class CellStages {
   const SceneSources sources_;
   const BakeParameters parameters_;
   const WorkerOptions options_;
+  std::optional<AreaInScene> area_;
   CellLoader loader_;
   OverviewInputs overview_inputs_;
   ThreadPool pool_, write_pool_;                               ///< write_pool_: shared by concurrent writers

@@ -53,6 +53,9 @@ struct DemTile {
   std::shared_ptr<const DemRaster> raster;
   int column = 0, row = 0, columns = 0, rows = 0;
   std::array<double, 3> offset_m{};  ///< origin of the tile's frame in the frame of the raster, in whole metres
+  /// A box around the tile in the frame of the raster, for all heights on the earth. Equal corners: unknown. Set only
+  /// on the rank that opened the file.
+  std::array<double, 3> low_m{}, high_m{};
 };
 
 /// Returns whether a part overlaps a tile or the margin of one cell around its image.

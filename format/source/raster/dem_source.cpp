@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/math/georeference.h"
 #include "core/math/transform.h"
+#include "format/area/area_in_scene.h"
 #include "format/source/origin_check.h"
 
 namespace gigabake {
@@ -27,6 +28,15 @@ std::uint64_t bytes_of(const SourceFiles& files, const DemRaster& raster) {
   return bytes;
 }
 
+bool is_outside(const AreaInScene& area, const DemTile& tile, const Affine<Scene, World>& scene_from_raster) {
+  if (tile.low_m == tile.high_m) return false;
+  const auto at = [&](std::size_t c, double part) { return tile.low_m[c] + (tile.high_m[c] - tile.low_m[c]) * part; };
+  const BoxSamples box = samples_of([&](double x, double y, double z) {
+    return scene_from_raster({at(0, x), at(1, y), at(2, z)});
+  });
+  return area.overlap(box) == AreaOverlap::outside;
+}
+
 SceneSources surface_source(const std::filesystem::path& root, const DemSurface& tiles, const SourceOptions& options,
                             const Progress& progress) {
   SceneSources out;
@@ -39,11 +49,17 @@ SceneSources surface_source(const std::filesystem::path& root, const DemSurface&
   Affine<Scene, World> scene_from_raster;
   if (out.origin && *out.origin != middle)
     scene_from_raster.m = (scene_from_ecef(*out.origin) * ecef_from_enu(middle)).m;
+  std::optional<AreaInScene> area;
+  if (options.area) area.emplace(options.area, out.origin);
   const std::uint64_t bytes = bytes_of(SourceFiles(root), raster);
   progress.step("laying out the raster's tiles", tiles.size(), "tile");
   std::string name;  // cached, because name_in() needs system calls
   for (const DemTile& t : tiles) {
     progress.advance();
+    if (area && is_outside(*area, t, scene_from_raster)) {
+      ++out.outside;
+      continue;
+    }
     TileRef tile;
     const std::filesystem::path& file = file_of(t);
     if (out.tiles.empty() || file != out.tiles.back().path) name = name_in(root, file);
@@ -91,8 +107,11 @@ std::vector<SceneSources> dem_sources(const std::filesystem::path& root, const s
                                       const SourceOptions& options, const Progress& progress) {
   progress.step(rasters.size() == 1 ? "opening the raster" : "opening the rasters");
   std::vector<SceneSources> out;
-  for (const DemSurface& surface : open_dem(rasters, options.local))
-    out.push_back(surface_source(root, surface, options, progress));
+  SourceOptions own = options;
+  for (const DemSurface& surface : open_dem(rasters, options.local)) {
+    out.push_back(surface_source(root, surface, own, progress));
+    if (options.area && !is_on_earth(*options.area)) own.area = nullptr;  // later surfaces have other frames
+  }
   return out;
 }
 

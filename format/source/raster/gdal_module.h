@@ -3,8 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <string>
 #include <vector>
 
+#include "format/area/crs_map.h"
 #include "format/source/raster/dem.h"
 
 namespace gigabake {
@@ -16,6 +19,8 @@ struct GdalModule {
   std::vector<DemSurface> (*open_dem)(const std::vector<DemOptions>& options, bool is_local);
   DemMesh (*read_dem)(const DemTile& tile, bool with_ortho);
   std::vector<std::filesystem::path> (*dem_files)(const DemTile& tile);
+  /// Implements open_crs_map() of format/source/raster/crs_map.h.
+  std::shared_ptr<const CrsMap> (*open_crs_map)(const std::string& text);
 };
 
 }  // namespace gigabake

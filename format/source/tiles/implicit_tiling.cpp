@@ -156,4 +156,17 @@ SubtreeAvailability::SubtreeAvailability(const SourceFiles& files, const std::fi
   if (contents != 0) contents_ = reader.contents(tiling);
 }
 
+std::uint64_t SubtreeAvailability::contents_below(const ImplicitTiling& tiling, const TileCoordinates& local) const {
+  std::uint64_t contents = 0;
+  for (std::size_t i = 0; i < contents_.size(); ++i) contents += content(i, tiling.index_in_subtree(local)) ? 1 : 0;
+  for (int child = 0; child < tiling.children(); ++child) {
+    const TileCoordinates next = local.child(child);
+    if (next.level == tiling.subtree_levels)
+      contents += child_subtree(tiling.index_in_level(next)) ? 1 : 0;
+    else if (tile(tiling.index_in_subtree(next)))
+      contents += contents_below(tiling, next);
+  }
+  return contents;
+}
+
 }  // namespace gigabake

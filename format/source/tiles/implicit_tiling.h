@@ -66,6 +66,9 @@ class SubtreeAvailability {
   /// Returns whether a child subtree exists. Its root is in the level below the last level of this subtree, at
   /// `index_in_level`.
   bool child_subtree(std::uint64_t index_in_level) const { return children_.at(index_in_level); }
+  /// Returns the number of contents of a tile and of the tiles below it in the subtree. Counts a child subtree as one
+  /// content. `local` is relative to the subtree's root.
+  std::uint64_t contents_below(const ImplicitTiling& tiling, const TileCoordinates& local) const;
 
  private:
   struct Bits {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <set>
 #include <type_traits>
 
 #include "core/base/error.h"
@@ -13,6 +12,7 @@
 #include "format/source/tiles/implicit_tiling.h"
 #include "format/source/tiles/pnts.h"
 #include "format/source/tiles/tileset_anchor.h"
+#include "format/source/tiles/tileset_head.h"
 #include "format/source/tiles/tileset_inclusions.h"
 
 namespace gigabake {
@@ -41,14 +41,15 @@ struct Context {
 struct Subtree {
   std::vector<TilesetContent> contents;
   bool is_missing_some = false;  ///< a finest content is missing and no coarser content replaces it
+  bool has_outside = false;      ///< some finest contents lie outside the area and were not opened
 };
 
 class Reader {
  public:
-  Reader(Path root, Tileset& out, const Progress& progress)
-      : root_(std::move(root)), out_(out), progress_(progress), memory_(root_) {}
+  Reader(Path root, const MakeVolumeFilter& make_filter, Tileset& out, const Progress& progress)
+      : root_(std::move(root)), make_filter_(make_filter), out_(out), progress_(progress), memory_(root_) {}
 
-  /// Reads a document that check_head() has accepted.
+  /// Reads a document that check_tileset_head() has accepted.
   Subtree read_document(const Path& file, const TilesetDocument& document, Context context) {
     std::error_code error;
     const Path canonical = std::filesystem::weakly_canonical(file, error);
@@ -56,46 +57,19 @@ class Reader {
       throw InputError(file, "root", "the tileset includes itself");
     if (open_files_.size() == deepest_external) throw InputError(file, "root", "external tilesets nest deeper than 32");
     context.file = file;
-    context.gltf_up = up_axis(JsonMembers(file, document.json).members("asset"));
-    if (open_files_.empty()) find_anchor(document.json["root"], context);
+    context.gltf_up = tileset_up_axis(JsonMembers(file, document.json).members("asset"));
+    if (open_files_.empty()) {
+      find_anchor(document.json["root"], context);
+      if (make_filter_) filter_ = make_filter_(out_.anchor);
+    }
     open_files_.push_back(canonical);
-    std::vector<std::string> uris;
-    add_uris_below(*document.root, uris);
-    inclusions_.read(canonical, uris);
+    inclusions_.read(canonical, uris_below(*document.root));
     Subtree found = read_tile(*document.root, "root", context);
     open_files_.pop_back();
     return found;
   }
 
-  /// Throws InputError if the version, a required extension or the root of a document cannot be used.
-  static void check_head(const Path& file, const TilesetDocument& document) {
-    const JsonMembers json(file, document.json), asset = json.members("asset");
-    const std::string version = asset.find<std::string>("version").value_or("");
-    static const std::set<std::string> versions{"0.0", "1.0", "1.1"};  // and "1.0.0"
-    if (!versions.contains(version.substr(0, 3)) || (version.size() > 3 && version[3] != '.'))
-      asset.fail("version", "expected 3D Tiles 1.0 or 1.1, got " + in_quotes(version));
-    static const std::set<std::string> known{
-        "3DTILES_content_gltf",       "3DTILES_multiple_contents",     "3DTILES_implicit_tiling", "3DTILES_metadata",
-        "3DTILES_bounding_volume_S2", "3DTILES_batch_table_hierarchy", "MAXAR_content_3tz"};
-    for (const Json& e : json.array("extensionsRequired")) {
-      const std::string name = e.is_string() ? e.get<std::string>() : "(not a string)";
-      if (!known.contains(name))
-        json.fail("extensionsRequired", "the extension " + in_quotes(name) + " is not supported");
-    }
-    if (!document.root) throw InputError(file, "root", "is missing");
-    if (document.root->fault) throw InputError(file, "", *document.root->fault);
-    up_axis(asset);
-  }
-
  private:
-  static UpAxis up_axis(const JsonMembers& asset) {
-    const std::string up = asset.find<std::string>("gltfUpAxis").value_or("Y");
-    if (up == "X" || up == "x") return UpAxis::x;
-    if (up == "Z" || up == "z") return UpAxis::z;
-    if (up == "Y" || up == "y") return UpAxis::y;
-    asset.fail("gltfUpAxis", "expected X, Y or Z, got " + in_quotes(up));
-  }
-
   /// Finds the anchor. A malformed volume is reported and is no anchor; the place then follows from the content.
   void find_anchor(const Json& root, const Context& here) {
     try {
@@ -114,13 +88,14 @@ class Reader {
     Context here = parent;
     if (tile.world_from_tile) here.world_from_parent = parent.world_from_parent * *tile.world_from_tile;
     here.refine = tile.refine.value_or(parent.refine);
+    if (is_outside(tile.volume.get(), here)) return outside(contents_below(tile));
     Subtree finer;
     for (std::size_t i = 0; i < tile.children.size(); ++i)
       join(finer, read_tile(tile.children[i], where + ".children[" + std::to_string(i) + "]", here));
     finer.is_missing_some |= tile.bad_children != 0;
     if (tile.bad_children != 0) skip(here, where + ".children", "expected tiles, which are JSON objects", false);
     if (tile.implicit) {
-      join(finer, read_subtree({*tile.implicit, tile.uris, where, here}, {}));
+      join(finer, read_subtree({*tile.implicit, tile.uris, where, here, tile.volume.get()}, {}));
       return finer;
     }
     return with_own_content(tile.uris, where, here, std::move(finer));
@@ -132,10 +107,28 @@ class Reader {
     std::vector<std::string> uris;
     std::string where;
     Context here;
+    const BoundingVolume* volume;  ///< null: unknown
   };
+
+  bool is_outside(const BoundingVolume* volume, const Context& here) const {
+    return filter_ && volume != nullptr && !filter_->may_overlap(*volume, here.world_from_parent);
+  }
+
+  /// Returns the result for a tile outside the area, whose contents are not opened.
+  Subtree outside(std::uint64_t contents) {
+    out_.outside += contents;
+    return {{}, false, contents != 0};
+  }
+
+  bool is_outside(const Implicit& implicit, const TileCoordinates& place) const {
+    if (!filter_ || implicit.volume == nullptr) return false;
+    const BoundingVolume volume = volume_of(*implicit.volume, implicit.tiling.is_octree, place);
+    return is_outside(&volume, implicit.here);
+  }
 
   /// Reads the subtree's root and all tiles below it. `place` has the coordinates of the root in the whole tileset.
   Subtree read_subtree(const Implicit& implicit, const TileCoordinates& place) {
+    if (is_outside(implicit, place)) return outside(1);
     const std::string key = implicit.where + ".implicitTiling.subtrees.uri";
     const SourceFiles& files = implicit.here.files;
     const std::string uri = filled_template(implicit.tiling.subtrees_uri, place);
@@ -153,6 +146,7 @@ class Reader {
                              const TileCoordinates& place, const TileCoordinates& local) {
     const ImplicitTiling& tiling = implicit.tiling;
     count_tile(implicit.here.file, implicit.where);
+    if (is_outside(implicit, place)) return outside(available.contents_below(tiling, local));
     Subtree finer;
     const bool has_children = place.level + 1 < tiling.available_levels;
     for (int child = 0; has_children && child < tiling.children(); ++child) {
@@ -178,7 +172,7 @@ class Reader {
 
   Subtree with_own_content(const std::vector<std::string>& uris, const std::string& where, const Context& here,
                            Subtree finer) {
-    const bool is_leaf = finer.contents.empty() && !finer.is_missing_some;
+    const bool is_leaf = finer.contents.empty() && !finer.is_missing_some && !finer.has_outside;
     if (here.refine == Refine::replace && !is_leaf && !finer.is_missing_some) {
       join(finer, external_only(uris, where, here));
       return finer;
@@ -211,11 +205,6 @@ class Reader {
       if (magic == ContentMagic::json) join(found, read_external(*path, here.files, key, here).value_or(Subtree()));
     }
     return found;
-  }
-
-  static void add_uris_below(const TilesetTile& tile, std::vector<std::string>& uris) {
-    uris.insert(uris.end(), tile.uris.begin(), tile.uris.end());
-    for (const TilesetTile& child : tile.children) add_uris_below(child, uris);
   }
 
   /// Returns the resolved path. Caches the last path: many tiles may share a path, and resolving needs system calls.
@@ -329,7 +318,7 @@ class Reader {
                                        const Context& here) {
     const auto document = or_missing(here, key, [&] {
       TilesetDocument read = read_json(files, path);
-      if (read.root) check_head(path, read);
+      if (read.root) check_tileset_head(path, read);
       return read;
     });
     if (external_bytes_ > max_external_bytes)
@@ -344,7 +333,7 @@ class Reader {
   TilesetDocument read_json(const SourceFiles& files, const Path& path) {
     const std::vector<std::uint8_t> text = files.read_content(path);
     external_bytes_ += std::max<std::uint64_t>(text.size(), min_external_bytes);
-    return parse_tileset(path, text, progress_);
+    return parse_tileset(path, text, progress_, filter_ ? TileMembers::all : TileMembers::without_volumes);
   }
 
   static void join(Subtree& to, Subtree from) {
@@ -353,6 +342,7 @@ class Reader {
     else
       to.contents.insert(to.contents.end(), from.contents.begin(), from.contents.end());
     to.is_missing_some |= from.is_missing_some;
+    to.has_outside |= from.has_outside;
   }
 
   void skip_points(const TilesetContent& content, const std::string& name, const std::string& key,
@@ -374,6 +364,8 @@ class Reader {
   }
 
   Path root_;  ///< names of skipped contents are relative to this folder
+  const MakeVolumeFilter& make_filter_;
+  std::optional<VolumeFilter> filter_;  ///< nullopt without an area
   Tileset& out_;
   const Progress& progress_;
   TilesetInclusions inclusions_;
@@ -389,11 +381,12 @@ class Reader {
 }  // namespace
 
 Tileset open_tileset(const SourceFiles& files, const std::filesystem::path& file, const TilesetDocument& document,
-                     const Progress& progress) {
+                     const MakeVolumeFilter& make_filter, const Progress& progress) {
   progress.step("reading the tileset", 0, "tile");
   Tileset tileset;
-  Reader::check_head(file, document);
-  tileset.contents = Reader(files.root(), tileset, progress).read_document(file, document, {files, file}).contents;
+  check_tileset_head(file, document);
+  tileset.contents =
+      Reader(files.root(), make_filter, tileset, progress).read_document(file, document, {files, file}).contents;
   return tileset;
 }
 

@@ -54,10 +54,13 @@ void read_members(const JsonMembers& json, TilesetTile& tile) {
   if (auto tiling = implicit_tiling(json)) tile.implicit = std::make_unique<const ImplicitTiling>(std::move(*tiling));
 }
 
-TilesetTile tile_of(const Path& file, const Json& json, const std::string& where) {
+TilesetTile tile_of(const Path& file, const Json& json, const std::string& where, TileMembers members) {
   TilesetTile tile;
   try {
     read_members(JsonMembers(file, json, where), tile);
+    if (members == TileMembers::all)
+      if (const auto volume = bounding_volume(JsonMembers(file, json, where)))
+        tile.volume = std::make_unique<const BoundingVolume>(*volume);
   } catch (const InputError& e) {
     tile.fault = std::make_unique<const std::string>(reason_without_place(e.what(), file, ""));
   }
@@ -68,13 +71,13 @@ TilesetTile tile_of(const Path& file, const Json& json, const std::string& where
 /// parent.
 class TileCollector {
  public:
-  explicit TileCollector(const Path& file) : file_(file), memory_(file) {}
+  TileCollector(const Path& file, TileMembers members) : file_(file), members_(members), memory_(file) {}
 
   bool fold(const std::vector<OpenJson>& around, Json& complete) {
     if (!is_tile(around)) return false;
     const std::size_t depth = around.size() / 2;  // number of levels below the root
     below_.resize(std::max(below_.size(), depth + 2));
-    TilesetTile tile = tile_of(file_, complete, where_of(around));
+    TilesetTile tile = tile_of(file_, complete, where_of(around), members_);
     tile.children = std::move(below_[depth + 1]);
     below_[depth + 1].clear();
     if (depth > 0 && around.back().items == 0) below_[depth].clear();  // `children` occurs twice; the last list counts
@@ -108,20 +111,39 @@ class TileCollector {
     std::uint64_t bytes = 2 * sizeof tile;  // lists grow by doubling
     for (const std::string& uri : tile.uris) bytes += text_bytes + uri.size();
     if (tile.world_from_tile) bytes += sizeof *tile.world_from_tile;
+    if (tile.volume) bytes += sizeof *tile.volume;
     if (tile.implicit) bytes += sizeof *tile.implicit + tile.implicit->subtrees_uri.size();
     return bytes;
   }
 
   const Path& file_;
+  TileMembers members_;
   MemoryClaim memory_;
   std::vector<std::vector<TilesetTile>> below_;  ///< complete tiles with an incomplete parent, by depth
 };
 
+void add_uris_below(const TilesetTile& tile, std::vector<std::string>& uris) {
+  uris.insert(uris.end(), tile.uris.begin(), tile.uris.end());
+  for (const TilesetTile& child : tile.children) add_uris_below(child, uris);
+}
+
 }  // namespace
 
+std::vector<std::string> uris_below(const TilesetTile& tile) {
+  std::vector<std::string> uris;
+  add_uris_below(tile, uris);
+  return uris;
+}
+
+std::uint64_t contents_below(const TilesetTile& tile) {
+  const std::vector<std::string> uris = uris_below(tile);
+  return std::uint64_t(std::count_if(uris.begin(), uris.end(),
+                                     [](const std::string& uri) { return !uri.empty() && !uri.ends_with(".pnts"); }));
+}
+
 TilesetDocument parse_tileset(const std::filesystem::path& file, std::span<const std::uint8_t> text,
-                              const Progress& progress) {
-  TileCollector tiles(file);
+                              const Progress& progress, TileMembers members) {
+  TileCollector tiles(file, members);
   TilesetDocument out;
   out.json = parse_json(file, text, [&](const std::vector<OpenJson>& around, Json& complete) {
     progress.advance(0);

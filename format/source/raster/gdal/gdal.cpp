@@ -9,9 +9,11 @@
 #include "format/source/raster/crs_text.h"
 #include "format/source/raster/dem.h"
 #include "format/source/raster/dem_checks.h"
+#include "format/source/raster/gdal/gdal_crs.h"
 #include "format/source/raster/gdal/gdal_heights.h"
 #include "format/source/raster/gdal/gdal_open.h"
 #include "format/source/raster/gdal/gdal_ortho.h"
+#include "format/source/raster/gdal/tile_box.h"
 #include "format/source/raster/gdal_module.h"
 #include "format/source/raster/ground.h"
 #include "format/source/raster/raster_claims.h"
@@ -178,7 +180,7 @@ void add_triangles(const DemTile& tile, const std::vector<double>& height_m, boo
     }
 }
 
-/// Sets the origin of each tile to its centre, in whole metres of the frame of the raster.
+/// Sets the origin of each tile to its centre, in whole metres of the frame of the raster, and its box.
 void place_tiles(const Ground& ground, std::vector<DemTile>& tiles) {
   const DemRaster& raster = *tiles.front().raster;
   const Grid grid{raster.geotransform};
@@ -194,6 +196,7 @@ void place_tiles(const Ground& ground, std::vector<DemTile>& tiles) {
     if (at == std::ptrdiff_t(is_located.size())) continue;  // places() turns all heights into holes
     const Point<Scene> p = frame(x[std::size_t(at)], y[std::size_t(at)], 0);
     t.offset_m = {std::round(p.x), std::round(p.y), std::round(p.z)};
+    if (std::count(is_located.begin(), is_located.end(), 0) == 0) set_box(frame, x, y, t);
   }
 }
 
@@ -382,6 +385,6 @@ std::vector<Path> files_of(const DemTile& tile) {
 
 const gigabake::GdalModule* gigabake_gdal() {
   static const gigabake::GdalModule module{gigabake::set_memory_limit, gigabake::surfaces_of, gigabake::mesh_of,
-                                           gigabake::files_of};
+                                           gigabake::files_of, gigabake::gdal_crs_map};
   return &module;
 }
