@@ -48,6 +48,7 @@ class SceneClipper {
     plan_jobs();
     progress_.step("clipping cells", plan_.jobs.size(), "cell");
     for (std::size_t i = 0; i < cells_.size(); ++i) take(cell_report(i));
+    expect_voxels();
     OverviewJobs overviews(plan_.jobs);
     for (const CellReport& report : reports_) overviews.is_done(report);
     for (std::size_t i = cells_.size(); i < plan_.jobs.size(); ++i) {
@@ -88,6 +89,13 @@ class SceneClipper {
     });
     std::sort(cells_.begin(), cells_.end(), is_before);
     if (cells_.empty()) throw UsageError("no cell of the scene intersects the area of interest");
+  }
+
+  /// Throws UsageError if all cells are on the border and none has a voxel inside.
+  void expect_voxels() const {
+    for (const CellReport& report : reports_)
+      if (report.outcome == CellOutcome::baked) return;
+    throw UsageError("no voxel of the scene is inside the area of interest");
   }
 
   void plan_jobs() {

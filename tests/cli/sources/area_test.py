@@ -263,6 +263,12 @@ class Area(harness.FolderTest):
             self.assertEqual(result.returncode, 2, result)
             self.assertIn("no cell of the scene intersects the area", result.stderr)
             self.assertEqual(len(result.stderr.splitlines()), 1, result)
+        # This area lies above the surface, inside the cells.
+        low, high = (1.3, 1.3), (1.4, 1.4)
+        result = PROGRAM.run("render", self.root / "whole", "-o", self.root / "none.png", "--bounds",
+                             f"{text_of(bounds_around(low, high))},3,3.1")
+        self.assertEqual(result.returncode, 2, result)
+        self.assertIn("no voxel of the scene is inside the area", result.stderr)
         self.assertEqual(list(self.root.glob("none.*")), [])
 
     def test_an_area_across_the_antimeridian(self):
