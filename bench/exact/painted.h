@@ -23,6 +23,9 @@ struct ExpectedVoxel {
   double visible = 0;  ///< Σ w·a; a: alpha of the piece
   Vec3d colour{};      ///< Σ w·a·c; c: linear colour of the piece
   Direction normal{};  ///< Σ w·a·n; n: unit normal of the piece
+  Direction axis{};    ///< Σ w·a·n, each n turned to one half space
+  int pieces = 0;
+  bool is_at_border = false;  ///< the normal of a piece lies on the half space's border; rounding determines its side
 
   bool is_opaque = false;  ///< a piece has alpha 1
 
@@ -32,6 +35,9 @@ struct ExpectedVoxel {
   double linear(int c) const { return colour[c] / visible; }
   /// Returns the length of the mean normal: the certainty of its direction.
   double certainty() const;
+  /// Returns the angle between a stored normal and the expected normal. The normal of a two-sided voxel is its axis, on
+  /// either side. If the voxel is nearly two-sided, it may have either normal. The rounding of the axis is not counted.
+  double normal_error_deg(const Direction& stored) const;
 };
 
 /// Returns every voxel of the window that a triangle occupies, visible or not.

@@ -33,7 +33,7 @@ void add_voxel(const StoredVoxel& stored, const reference::ExpectedVoxel& expect
     grow(errors.colour_linear, std::abs(linear_of(stored.rgba[std::size_t(c)] / 255.0) - expected.linear(c)));
   }
   if (expected.certainty() > min_certainty)
-    grow(errors.normal_deg, angle_deg(direction_of(stored.normal), expected.normal));
+    grow(errors.normal_deg, expected.normal_error_deg(direction_of(stored.normal)));
 }
 
 /// Compares stored with expected voxels. A voxel may be missing or extra if its alpha is below the bound of alpha.

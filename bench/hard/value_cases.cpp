@@ -78,7 +78,8 @@ std::vector<HardCase> normals() {
   add_sheet(opposite, 100);
   add_sheet(opposite, 120);
   for (std::size_t i = 2; i < 4; ++i) std::swap(opposite[i].triangle[1], opposite[i].triangle[2]);
-  HardCase cancelling = value_case("opposite-sheets", "their normals cancel: +z represents no direction", opposite);
+  HardCase cancelling = value_case(
+      "opposite-sheets", "their normals cancel: the voxel is two-sided, its normal the axis of both", opposite);
   cancelling.more = [](const HardBake& bake) {
     double wrong = 0;
     for (const auto& [voxel, stored] : bake.voxels) wrong += stored.normal != std::array<std::int8_t, 2>{0, 0};

@@ -134,7 +134,7 @@ std::string goals_columns() {
   return "- area at N: covered area divided by the area of the exact silhouettes, at N voxels per pixel; the worst "
          "from "
          "90°, 35° and 10° above the horizon\n"
-         "- normals beyond 30°: fraction of pixels whose normal is more than 30° from the wall's axis\n"
+         "- normals beyond 30°: fraction of voxels whose normal is more than 30° from the wall's axis\n"
          "- light: mean difference from the light of the wall's side, on both sides; stripes: fraction of pixels that "
          "differ by more than 3 codes\n"
          "- sunlit inside: fraction of what an eye inside of a closed house sees\n"

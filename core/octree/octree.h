@@ -9,11 +9,16 @@
 
 namespace gigabake {
 
-/// The directional data of a voxel of lod 1 and up. The first three bytes are its directional coverage along x, y and
-/// z. Byte directional_coverage_plane is the plane of its surface, if the surface has one plane
+/// The directional data of a voxel. The first three bytes are its directional coverage along x, y and z; at lod 0 they
+/// are zero. Byte directional_coverage_plane is the plane of its surface, if the surface has one plane
 /// (kernels/body/mip/plane.h).
 inline constexpr std::size_t coverage_bytes = 3, directional_coverage_plane = 3, directional_coverage_bytes = 4;
 using DirectionalCoverage = std::array<std::uint8_t, directional_coverage_bytes>;
+
+/// Returns the directional data of a lod-0 voxel: its plane without coverages.
+inline DirectionalCoverage finest_directional_coverage(const std::uint8_t directional_coverage[]) {
+  return {0, 0, 0, directional_coverage[directional_coverage_plane]};
+}
 
 /// Returns true if `byte` is a valid plane. The value 0 means no plane. Otherwise the upper bits are the plane's offset
 /// plus 8 (1 to 15). The lower two bits are the fraction of the surface on the plane (1 to 3).
@@ -34,8 +39,9 @@ struct NodeTable {
   std::vector<std::uint32_t> first_child;  ///< node index of the lowest stored child; siblings follow. 0xffffffff: none
   std::vector<std::uint32_t> value;        ///< brick index, or rgba as bytes r,g,b,a, lowest first
   std::vector<std::array<std::int8_t, 2>> normal;         ///< constant nodes: octahedral; others: zero
-  std::vector<DirectionalCoverage> directional_coverage;  ///< constant nodes of lod 1 and up; empty if the
-                                                          ///< channel is off
+  std::vector<DirectionalCoverage> directional_coverage;  ///< constant nodes; empty if the channel is off. For lod-0
+                                                          ///< voxels, only the plane applies
+  bool has_finest_planes = false;                         ///< lod-0 voxels have planes
 };
 
 /// The bricks of one level in Morton order. Voxel (x,y,z) of a brick is bit x+8y of word z. The voxels of a brick are
@@ -45,8 +51,7 @@ struct BrickLevel {
   std::vector<std::uint64_t> first;  ///< bricks+1 entries: the index of each brick's first voxel
   std::vector<std::uint8_t> rgba;    ///< 4 per voxel: sRGB colour, coverage
   std::vector<std::int8_t> normal;   ///< 2 per voxel: octahedral; empty if the channel is off
-  /// directional_coverage_bytes per voxel. Empty at lod 0, where voxels have no directional data, and if the channel is
-  /// off.
+  /// directional_coverage_bytes per voxel. Empty if the channel is off, and at lod 0 without planes.
   std::vector<std::uint8_t> directional_coverage;
 };
 

@@ -11,7 +11,7 @@
 namespace gigabake {
 
 inline constexpr char shard_format[] = "gigabake-shard";
-inline constexpr std::int32_t shard_version = 5;
+inline constexpr std::int32_t shard_version = 6;
 inline constexpr std::int32_t oldest_shard_version = 1;
 
 struct NodeColumns {

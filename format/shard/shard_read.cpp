@@ -63,6 +63,7 @@ NodeTable ShardReader::nodes() const {
   if (header_.has_directional_coverage)
     n.directional_coverage =
         directional_coverage_of_rows(read_bytes(*file_, columns.directional_coverage), columns.directional_coverage);
+  n.has_finest_planes = has_finest_planes(version_, header_);
   check_nodes(path_, header_, n);
   return n;
 }

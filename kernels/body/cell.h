@@ -67,8 +67,13 @@ struct CellParameters {
   KeptVoxels kept = nullptr;       ///< voxels of lod 0 that are kept; all if null. Only the CPU backend accepts it
 };
 
-/// One level of a cell. `directional_coverage` is empty at lod 0, without MipFilter::coverage and without
-/// CellParameters::directional_coverage.
+/// Returns true if lod-0 voxels have planes.
+GB_HD bool has_finest_planes(const CellParameters& p) {
+  return p.normals && p.directional_coverage && p.mip == MipFilter::coverage;
+}
+
+/// One level of a cell. `directional_coverage` is empty without MipFilter::coverage and without
+/// CellParameters::directional_coverage. At lod 0 it is empty without normals too, and its coverages are 0.
 struct Level : BrickLevel {
   std::vector<std::uint64_t> key;  ///< Morton code of the brick in its level, ascending
 };

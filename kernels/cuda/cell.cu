@@ -117,8 +117,8 @@ LevelsAbove CellBake::levels_of(const Cell& cell, KeyRange range, int lods, BinC
   clock_.mark(3);
   DeviceLevel finest;
   if (lists.bricks != 0)
-    finest = voxelize(heap_, cell.input, cell.room, cell.window, std::move(lists), cell.parameters.normals,
-                      cell.materials, fill_ratios_, stats);
+    finest = voxelize(heap_, cell.input, cell.room, cell.window, std::move(lists), cell.parameters, cell.materials,
+                      fill_ratios_, stats);
   clock_.mark(4);
   LevelsAbove all;
   if (finest.bricks != 0) {

@@ -273,12 +273,12 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
   const double distance = point_distance(line, ray.lod, ray.step);
   const CastPoint point = point_in_brick(point_of(line, march, ray), march.lod);
   const CastCorners corners = corners_of(scene.brick(march.head), point);
-  const NeighbourhoodSurface neighbourhood = classify_neighbourhood(corners, brick.lod == ray.lod, ray.normal);
+  const NeighbourhoodSurface neighbourhood = classify_neighbourhood(corners, brick.lod, ray.lod, ray.normal);
   const SurfaceBlend& blend = neighbourhood.blend;
   if (is_met(surface_hit_distance(blend, line, brick.lod, distance, ray), march, ray)) return;
   ray.is_seen = false;
   keep_signed_distance(blend, line, brick.lod, distance, ray);
-  ResidualSample residual = volumetric_residual(corners, neighbourhood, line.direction);
+  ResidualSample residual = volumetric_residual(corners, neighbourhood, line.direction, ray.covered > 0);
   double steps = 1;
   if (brick.lod != ray.lod)
     steps = steps_in_coarser(line.lod1_distance, brick.lod, ray.lod, ray.step, march.in_brick_until);

@@ -226,33 +226,44 @@ GB_HD CastSample residual_sample(const CastCorners& corners, const SurfaceBlend&
 /// The class of the surface around a point.
 enum class PointKind : std::uint8_t {
   residual,     ///< no plane: residual only
-  translucent,  ///< translucent surface of lod 0
+  translucent,  ///< some voxels belong to a translucent surface of lod 0; others may have a plane
   surface       ///< some voxels have a plane
 };
 
 /// The surface around a point, without the residual.
 struct NeighbourhoodSurface {
   PointKind kind = PointKind::residual;
-  SurfaceBlend blend;    ///< empty unless `kind` is `surface`
-  bool is_flat = false;  ///< the blended surface represents all coverage: there is no residual
+  SurfaceBlend blend;       ///< empty if `kind` is `residual`
+  bool is_flat = false;     ///< the blended surface represents all coverage: there is no residual
+  bool is_doubled = false;  ///< if there is any residual, all coverage is residual
 };
 
-/// Classifies the neighbourhood of a point. `is_requested_level` is true if the brick has the ray's level. Fallback
+/// Classifies the neighbourhood of a point in a brick of level `brick_lod`; `ray_lod` is the level of the ray. Fallback
 /// bricks of coarser levels are rendered by their coverages only. Their voxels may be wider than the distance to the
 /// eye, so their planes may lie behind the eye. `side` is as in blend_planes().
-GB_HD NeighbourhoodSurface classify_neighbourhood(const CastCorners& corners, bool is_requested_level,
+///
+/// At lod 0, all coverage around a crease is residual, in addition to the blended surface, because planes do not
+/// represent the surface there. The same applies to coverage around a translucent voxel.
+GB_HD NeighbourhoodSurface classify_neighbourhood(const CastCorners& corners, int brick_lod, int ray_lod,
                                                   ByteVector side) {
   const BlendedPlanes planes = blend_planes(corners, side);
-  if ((planes.bits & clear_plane) != 0) return {PointKind::translucent, {}};
-  return planes.bits != 0 && is_requested_level ? NeighbourhoodSurface{PointKind::surface, planes.blend, planes.is_flat}
-                                                : NeighbourhoodSurface{};
+  if (planes.bits == 0 || brick_lod != ray_lod) return {};
+  if ((planes.bits & clear_plane) != 0) return {PointKind::translucent, planes.blend};
+  return {PointKind::surface, planes.blend, planes.is_flat, brick_lod == 0};
 }
 
-/// Returns the residual at a point. `neighbourhood` is the result of classify_neighbourhood().
+/// Returns the residual at a point. `neighbourhood` is the result of classify_neighbourhood(). `is_covered` is true if
+/// the ray has met coverage before. At lod 0, all coverage behind it is residual: a surface whose front part was
+/// composited as cubes stays opaque.
 GB_HD ResidualSample volumetric_residual(const CastCorners& corners, const NeighbourhoodSurface& neighbourhood,
-                                         const Vec3d& direction) {
-  if (neighbourhood.is_flat) return {};
-  if (neighbourhood.kind == PointKind::surface) return {residual_sample(corners, neighbourhood.blend), {}};
+                                         const Vec3d& direction, bool is_covered) {
+  const bool is_full = neighbourhood.is_doubled && is_covered;
+  if (neighbourhood.is_flat && !is_full) return {};
+  if (neighbourhood.kind == PointKind::surface) {
+    const CastSample residual = residual_sample(corners, neighbourhood.blend);
+    return {is_full || (neighbourhood.is_doubled && residual.mean_coverage() > 0) ? interpolate(corners) : residual,
+            {}};
+  }
   return {interpolate(corners), neighbourhood.kind == PointKind::translucent
                                     ? translucent_surface_at(corners, direction[0], direction[1], direction[2])
                                     : TranslucentSurface{}};

@@ -15,7 +15,7 @@ from .columns import Array, Column
 from .errors import BAKE_AGAIN, NEWER_PROGRAM, GigabakeError, damage_of
 from .scene_xml import BRICK_EDGE, SceneXml, ShardEntry
 
-OLDEST_SHARD_VERSION, NEWEST_SHARD_VERSION = 1, 5
+OLDEST_SHARD_VERSION, NEWEST_SHARD_VERSION = 1, 6
 BRICK, LEAF_CONSTANT = 0, 2
 # Columns of /nodes that do not describe the voxels of constant nodes.
 STRUCTURE = {"key", "lod", "kind", "child_mask", "first_child"}

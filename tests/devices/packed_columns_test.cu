@@ -229,8 +229,8 @@ TEST_F(DevicePack, MakesTheHostsColumnsOfRandomLevels) {
     std::vector<BrickLevel> levels;
     const std::size_t lods = 1 + rng() % 6;
     for (std::size_t lod = 0; lod < lods; ++lod)
-      levels.push_back(
-          made_level(rng, 1 + rng() % (rng() % 4 == 0 ? 5000 : 20), normals, directional_coverage && lod > 0));
+      levels.push_back(made_level(rng, 1 + rng() % (rng() % 4 == 0 ? 5000 : 20), normals,
+                                  directional_coverage && (lod > 0 || normals)));
     kernels::BakedCell cell;
     put_on_device(heap, levels, cell);
     expect_same_columns(header_of(normals, directional_coverage, 8u << (lods - 1)), one_node(), levels, cell);

@@ -53,9 +53,10 @@ class MadeTree {
     const std::uint8_t alpha = std::uint8_t(200 + value % 3);
     level.rgba.insert(level.rgba.end(), {std::uint8_t(value), std::uint8_t(value >> 8), 7, alpha});
     if (normals_) level.normal.insert(level.normal.end(), {std::int8_t(value % 100), 3});
-    if (directional_coverage_ && lod > 0)
-      level.directional_coverage.insert(level.directional_coverage.end(),
-                                        {alpha, alpha, alpha, std::uint8_t(value % 7 == 6)});
+    if (!directional_coverage_ || (lod == 0 && !normals_)) return;
+    const std::uint8_t coverage = lod == 0 ? 0 : alpha;
+    level.directional_coverage.insert(level.directional_coverage.end(),
+                                      {coverage, coverage, coverage, std::uint8_t(value % 7 == 6)});
   }
 
   std::mt19937_64& rng_;

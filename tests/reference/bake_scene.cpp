@@ -89,6 +89,8 @@ void expand_constant(const NodeTable& nodes, std::size_t node, const Voxel& corn
   for (int c = 0; c < 4; ++c) value.rgba[c] = std::uint8_t(nodes.value[node] >> (8 * c));
   if (!nodes.normal.empty()) value.normal = nodes.normal[node];
   if (lod > 0) value.directional_coverage = nodes.directional_coverage[node];
+  if (lod == 0 && nodes.has_finest_planes)
+    value.directional_coverage = finest_directional_coverage(nodes.directional_coverage[node].data());
   for (std::int64_t z = 0; z < edge; ++z)
     for (std::int64_t y = 0; y < edge; ++y)
       for (std::int64_t x = 0; x < edge; ++x) out[{corner[0] + x, corner[1] + y, corner[2] + z}] = value;
@@ -199,7 +201,8 @@ bool same_bits(const CellVolume& a, const CellVolume& b) {
   const NodeTable &m = a.nodes, &n = b.nodes;
   return std::equal(a.levels.begin(), a.levels.end(), b.levels.begin(), b.levels.end(), same_level) && m.key == n.key &&
          m.lod == n.lod && m.kind == n.kind && m.child_mask == n.child_mask && m.first_child == n.first_child &&
-         m.value == n.value && m.normal == n.normal && m.directional_coverage == n.directional_coverage;
+         m.value == n.value && m.normal == n.normal && m.directional_coverage == n.directional_coverage &&
+         m.has_finest_planes == n.has_finest_planes;
 }
 
 const ThreadPool& policy_of(int threads) {

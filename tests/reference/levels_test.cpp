@@ -242,6 +242,7 @@ TEST_P(Levels, AreTheFiltersOfFinerLevelsForRandomTranslucentScenes) {
 
 TEST_P(Levels, OfAFilledBlockAreOneLeafAndExpandToEveryVoxel) {
   BakeScene scene = empty_scene({0, 0, 0}, 64);
+  scene.parameters.normals = false;
   fill(scene, {0, 0, 0}, {64, 64, 64}, scene.add_colour({50000, 20000, 1000, 65535}));
   const CellVolume volume = scene.bake();
   ASSERT_EQ(volume.nodes.kind.size(), 1u);
@@ -255,6 +256,7 @@ TEST_P(Levels, OfAFilledBlockAreOneLeafAndExpandToEveryVoxel) {
 /// leaves.
 TEST_P(Levels, OfAFilledBlockWithOneOddVoxelKeepTheOddVoxel) {
   BakeScene scene = empty_scene({0, 0, 0}, 64);
+  scene.parameters.normals = false;
   fill(scene, {0, 0, 0}, {64, 64, 64}, 0);
   const auto red = scene.add_colour({65535, 0, 0, 65535});
   scene.add_mesh({{{{8970, 4362, 10}, {9200, 4370, 10}, {8980, 4590, 10}}}}, red);

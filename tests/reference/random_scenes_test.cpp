@@ -44,7 +44,7 @@ void expect_voxel(const BakedVoxel& baked, const ExpectedVoxel& expected) {
     ASSERT_LE(code_error(baked.rgba[c], expected.linear(c)), 0.55 + 0.1 / expected.visible_fraction())
         << "channel " << c;
   if (expected.certainty() > 1e-2) {
-    ASSERT_LE(angle_deg(direction_of(baked.normal), expected.normal), octahedral_error_deg + 0.05);
+    ASSERT_LE(expected.normal_error_deg(direction_of(baked.normal)), octahedral_error_deg + 0.05);
   }
 }
 

@@ -44,7 +44,7 @@ TEST(ShardFromVolume, KeepsEveryArrayAndHashesTheVoxels) {
     EXPECT_EQ(shard.levels[l].rgba, volume.levels[l].rgba);
     EXPECT_EQ(shard.levels[l].directional_coverage, volume.levels[l].directional_coverage);
     EXPECT_EQ(shard.levels[l].directional_coverage.size(),
-              l == 0 ? 0 : volume.levels[l].rgba.size() / 4 * directional_coverage_bytes);
+              volume.levels[l].rgba.size() / 4 * directional_coverage_bytes);
   }
   EXPECT_EQ(shard.header.content_hash, content_hash(shard));
 }

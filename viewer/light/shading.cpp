@@ -46,9 +46,10 @@ kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], cons
   const bool is_planar =
       directional_coverage != nullptr && kernels::is_fully_planar(directional_coverage[directional_coverage_plane]);
   for (int a = 0; a < 3; ++a)
-    coverage[a] = std::uint16_t(257 * (directional_coverage == nullptr ? coverage_[std::size_t(lod)][rgba[3]]
-                                       : is_planar                     ? rgba[3]
-                                                   : std::max<std::uint8_t>(directional_coverage[a], 1)));
+    coverage[a] =
+        std::uint16_t(257 * (directional_coverage == nullptr || lod == 0 ? coverage_[std::size_t(lod)][rgba[3]]
+                             : is_planar                                 ? rgba[3]
+                                         : std::max<std::uint8_t>(directional_coverage[a], 1)));
   std::uint8_t shown[4] = {rgba[0], rgba[1], rgba[2], rgba[3]};
   if (surface_ == Surface::coverage) std::fill_n(shown, 3, rgba[3]);
   if (surface_ == Surface::normal && has_normals_) paint_normal(normal, shown);

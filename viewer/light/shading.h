@@ -15,7 +15,7 @@ enum class Surface : std::uint8_t { colour, normal, coverage };
 
 /// A converter of stored voxels to the values that the ray caster composites.
 /// The coverage of a voxel along each axis is its directional coverage (`directional_coverage`). Voxels have no
-/// directional coverage at lod 0, with mip filters that store no directions, and in bakes without
+/// coverages at lod 0, with mip filters that store no directions, and in bakes without
 /// `directional_coverage`. Their alpha then serves as the coverage along all three axes.
 /// The coverage filter of version 1 scenes stored the mean over the axes as alpha. Two of the three axes are parallel
 /// to flat ground, so the mean underestimates ground seen from above. Shading computes the coverage of a flat layer

@@ -142,7 +142,8 @@ void VoxelLookup::set_content(const ShardExtent& shard, const NodeRow& found, in
     for (std::size_t c = 0; c < 4; ++c) place.rgba[c] = std::uint8_t(found.value >> (8 * c));
     std::copy_n(found.normal, 2, place.normal.begin());
     std::copy_n(found.directional_coverage, directional_coverage_bytes, place.directional_coverage.begin());
-    place.has_directional_coverage = lod > 0 && place.directional_coverage != DirectionalCoverage{};
+    if (lod == 0) place.directional_coverage = finest_directional_coverage(found.directional_coverage);
+    place.has_directional_coverage = place.directional_coverage != DirectionalCoverage{};
     return;
   }
   const Page* page =

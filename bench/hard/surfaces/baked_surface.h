@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 #include "bench/hard/hard_case.h"
@@ -17,6 +18,8 @@ class BakedSurface {
   BakedSurface(const SurfaceScene& scene, const std::filesystem::path& folder, const HardMachine& machine);
 
   std::uint64_t voxels() const { return voxels_; }
+  /// Calls visit(centre, normal) for each lod-0 voxel: its centre and the octahedral code of its normal.
+  void for_each_normal(const std::function<void(const Vec3d& centre, const std::int8_t* normal)>& visit) const;
   /// Renders an exact image with a transparent background and with linear light.
   /// Errors  InputError: the scene cannot be read.
   Picture image(const CameraOptions& camera, ViewMode mode, Shadows shadows = Shadows::off,

@@ -9,6 +9,8 @@
 #include "bench/hard/surfaces/baked_surface.h"
 #include "bench/hard/surfaces/surface_bounds.h"
 #include "core/base/error.h"
+#include "format/scene/xml/scene_xml.h"
+#include "format/shard/levels/brick_walk.h"
 
 namespace gigabake::bench {
 
@@ -21,6 +23,18 @@ BakedSurface::BakedSurface(const SurfaceScene& scene, const std::filesystem::pat
   FrameRenderer::Options options;
   options.threads = machine.threads;
   renderer_ = std::make_unique<FrameRenderer>(folder / "scene.xml", options);
+}
+
+void BakedSurface::for_each_normal(
+    const std::function<void(const Vec3d& centre, const std::int8_t* normal)>& visit) const {
+  for (const SceneCell& cell : read_scene(folder_ / "scene.xml").cells) {
+    const Shard shard = read_shard(folder_ / cell.file);
+    for_each_voxel_of_level(
+        shard.nodes, shard.levels[0], 0,
+        [&](std::int64_t x, std::int64_t y, std::int64_t z, const std::uint8_t*, const std::int8_t* normal) {
+          visit(Vec3d(shard.header.lattice_min + Vec3i64{x, y, z}) + Vec3d::all(0.5), normal);
+        });
+  }
 }
 
 Picture BakedSurface::image(const CameraOptions& camera, ViewMode mode, Shadows shadows, const SunDirection& sun) {

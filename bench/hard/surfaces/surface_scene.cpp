@@ -153,7 +153,6 @@ SurfaceScene leaves_scene(LeafShape shape, double edge) {
 }
 
 WallScene thin_wall_scene(double thickness, double azimuth_deg, double lean_deg) {
-  constexpr double length = 192, height = 96;
   const Heading heading(azimuth_deg);
   WallScene wall;
   static_cast<SurfaceScene&>(wall) =
@@ -164,8 +163,9 @@ WallScene thin_wall_scene(double thickness, double azimuth_deg, double lean_deg)
   wall.middle = off_the_lattice;
   wall.thickness = thickness;
   const Vec3d up = cross(wall.along, wall.normal);
-  const Vec3d corner = wall.middle - wall.along * (length / 2) - up * (height / 2) - wall.normal * (thickness / 2);
-  add_solid(wall, sides_of(corner, wall.along * length, wall.normal * thickness, up * height));
+  const Vec3d corner =
+      wall.middle - wall.along * (wall.length / 2) - up * (wall.height / 2) - wall.normal * (thickness / 2);
+  add_solid(wall, sides_of(corner, wall.along * wall.length, wall.normal * thickness, up * wall.height));
   return wall;
 }
 

@@ -37,7 +37,7 @@ SurfaceScene leaves_scene(LeafShape shape, double edge);
 /// A solid wall that leans from upright by `lean_deg`. The normal is a unit vector; the wall's middle is `middle`.
 struct WallScene : SurfaceScene {
   Vec3d normal{}, along{}, middle{};
-  double thickness = 0;
+  double length = 192, height = 96, thickness = 0;
 };
 WallScene thin_wall_scene(double thickness, double azimuth_deg, double lean_deg);
 

@@ -21,9 +21,15 @@ struct VoxelChannel {
   std::size_t offset;  ///< first byte of the channel within a voxel's entry of the array
 };
 
-/// Returns whether a shard of format version `version` stores a plane per voxel.
-inline bool has_planes(std::int32_t version, const ShardHeader& header) {
-  return version >= 3 && header.has_directional_coverage && header.has_normals;
+/// Returns whether a shard of format version `version` stores a plane per voxel of lattice level `lod`. Lod-0 voxels
+/// have planes since version 6.
+inline bool has_planes(std::int32_t version, const ShardHeader& header, int lattice_lod) {
+  return version >= (lattice_lod == 0 ? 6 : 3) && header.has_directional_coverage && header.has_normals;
+}
+
+/// Returns whether the voxels of level 0 have lattice level 0 and planes.
+inline bool has_finest_planes(std::int32_t version, const ShardHeader& header) {
+  return header.first_lod == 0 && has_planes(version, header, 0);
 }
 
 /// Returns the channels that a shard of format version `version` stores per voxel of level `lod`.
@@ -34,11 +40,11 @@ inline std::vector<VoxelChannel> stored_channels(std::int32_t version, const Sha
   else
     channels = {{"rgb", Hdf5Type::u8, 3, VoxelArray::rgba, 0}, {"alpha", Hdf5Type::u8, 1, VoxelArray::rgba, 3}};
   if (header.has_normals) channels.push_back({"normal", Hdf5Type::i8, 2, VoxelArray::normal, 0});
-  if (header.has_directional_coverage && int(header.first_lod) + lod > 0) {
+  const int lattice_lod = int(header.first_lod) + lod;
+  if (header.has_directional_coverage && lattice_lod > 0)
     channels.push_back({"facing", Hdf5Type::u8, coverage_bytes, VoxelArray::directional_coverage, 0});
-    if (has_planes(version, header))
-      channels.push_back({"plane", Hdf5Type::u8, 1, VoxelArray::directional_coverage, directional_coverage_plane});
-  }
+  if (has_planes(version, header, lattice_lod))
+    channels.push_back({"plane", Hdf5Type::u8, 1, VoxelArray::directional_coverage, directional_coverage_plane});
   return channels;
 }
 

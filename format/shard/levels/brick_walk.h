@@ -54,8 +54,14 @@ void for_each_constant_voxel(const NodeTable& nodes, std::size_t node, int down,
   const BrickCoordinate at = demorton(nodes.key[node]);
   const std::uint32_t v = nodes.value[node];
   const std::uint8_t rgba[4] = {std::uint8_t(v), std::uint8_t(v >> 8), std::uint8_t(v >> 16), std::uint8_t(v >> 24)};
+  const bool is_finest = nodes.lod[node] == down;
+  DirectionalCoverage finest;
   const std::uint8_t* directional_coverage =
-      nodes.directional_coverage.empty() || nodes.lod[node] == down ? nullptr : nodes.directional_coverage[node].data();
+      nodes.directional_coverage.empty() ? nullptr : nodes.directional_coverage[node].data();
+  if (is_finest && directional_coverage != nullptr) {
+    finest = finest_directional_coverage(directional_coverage);
+    directional_coverage = nodes.has_finest_planes ? finest.data() : nullptr;
+  }
   const std::uint32_t edge = 8u << down;
   for (std::uint32_t z = 0; z < edge; ++z)
     for (std::uint32_t y = 0; y < edge; ++y)

@@ -59,6 +59,7 @@ CoarseLevels take_coarse_levels(Shard&& shard, int begin) {
   keep(coarse.nodes.child_mask, n.child_mask), keep(coarse.nodes.first_child, n.first_child);
   keep(coarse.nodes.value, n.value), keep(coarse.nodes.normal, n.normal),
       keep(coarse.nodes.directional_coverage, n.directional_coverage);
+  coarse.nodes.has_finest_planes = n.has_finest_planes;
   std::move(shard.levels.begin() + begin, shard.levels.end(), std::back_inserter(coarse.levels));
   return coarse;
 }

@@ -91,6 +91,7 @@ NodeTable read_coarse_nodes(const ColumnSource& source, const ShardHeader& heade
   NodeWalk walk(source.path(), header, branches.rows());
   NodeTable n;
   n.key = {0};
+  n.has_finest_planes = has_finest_planes(version, header);
   while (walk.place().row < branches.rows() && int(walk.place().lod) >= begin) {
     const std::uint64_t end = walk.place().level_end;
     branches.read_to(end);

@@ -31,6 +31,7 @@ class LevelLookup {
  private:
   static constexpr std::size_t no_node = ~std::size_t(0);
   std::size_t find_node(std::uint64_t key) const;
+  const std::uint8_t* directional_coverage_of_constant();
 
   const NodeTable& nodes_;
   const BrickLevel& level_;
@@ -39,6 +40,7 @@ class LevelLookup {
   std::uint64_t key_ = ~std::uint64_t(0);  ///< Morton key whose node is `node_`
   std::size_t node_ = no_node;
   std::uint8_t constant_[4] = {};
+  DirectionalCoverage finest_{};  ///< of a constant node, for lod-0 voxels
 };
 
 }  // namespace gigabake

@@ -29,18 +29,16 @@ GB_HD bool is_full(const Index first[2]) {
 /// Values of a voxel by which it is compared with other voxels of its brick and with the brick's descendants.
 struct CommonVoxel {
   std::uint32_t rgba = 0,
-                directional_coverage = 0;  ///< `directional_coverage` is alpha along each axis if the level stores none
+                directional_coverage = 0;  ///< alpha along each axis if the voxel stores neither coverages nor a plane
   std::uint16_t normal = 0;
 };
 
 /// Returns the values of a voxel. `directional_coverage` points to its directional coverage; it is null if the level
 /// has none.
 GB_HD CommonVoxel common_voxel(std::uint32_t rgba, std::uint16_t normal, const std::uint8_t* directional_coverage) {
-  const std::uint32_t alpha = byte_of(rgba, 3);
-  return {rgba,
-          directional_coverage != nullptr ? pack_directional_coverage(directional_coverage)
-                                          : alpha | alpha << 8 | alpha << 16,
-          normal};
+  const std::uint32_t alpha = byte_of(rgba, 3),
+                      stored = directional_coverage != nullptr ? pack_directional_coverage(directional_coverage) : 0;
+  return {rgba, stored != 0 ? stored : alpha | alpha << 8 | alpha << 16, normal};
 }
 
 GB_HD bool are_equal(const CommonVoxel& a, const CommonVoxel& b) {

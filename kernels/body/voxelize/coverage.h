@@ -45,6 +45,7 @@ struct TrianglePlane {
   double weight_scale;        ///< weight per projected (u, v) area, signed: makes clockwise areas positive
   Line line[4];               ///< lines of the three edges, and of any cut by a plane w = constant
   double du_dw[3], dv_dw[3];  ///< slopes of the edges; undefined if w is constant along the edge
+  double dw_du, dw_dv;        ///< slopes of the plane
 };
 inline constexpr int cut_line = 3;
 
@@ -85,6 +86,8 @@ GB_HD TrianglePlane make_plane(const BrickTriangle<I, N>& t) {
     r.dv_dw[p] = dv * per_w;
   }
   r.line[cut_line] = line_along(-nv, nu);
+  r.dw_du = -nu * inverse;
+  r.dw_dv = -nv * inverse;
   return r;
 }
 

@@ -204,8 +204,8 @@ GB_HD std::uint16_t colour_near(const LinearColour& l, int c, double u, double v
 }
 
 GB_HD Fragment linear_fragment(const LinearColour& l, double u, double v, const CellMoments& m, double weight_scale,
-                               const Vec3<std::int16_t>& normal) {
-  Fragment f{weight_of(m.area, weight_scale), 65535, {0, 0, 0}, normal};
+                               const Vec3<std::int16_t>& normal, std::int16_t offset) {
+  Fragment f{weight_of(m.area, weight_scale), 65535, {0, 0, 0}, normal, offset};
   if (!has_centroid(m.area)) {
     for (int c = 0; c < 3; ++c) f.colour[c] = f.weight * colour_near(l, c, u, v, weight_scale);
     return f;

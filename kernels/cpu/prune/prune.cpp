@@ -153,6 +153,7 @@ NodeTable nodes_of(const std::vector<Level>& levels, const std::vector<BrickClas
 NodeTable prune(std::vector<Level>& levels, const ThreadPool& pool) {
   const std::vector<BrickClasses> classes = judge(levels, pool);
   NodeTable nodes = nodes_of(levels, classes);
+  nodes.has_finest_planes = !levels.empty() && !levels[0].directional_coverage.empty();
   for (std::size_t lod = 0; lod < levels.size(); ++lod) remove_constant_bricks(levels[lod], classes[lod]);
   return nodes;
 }

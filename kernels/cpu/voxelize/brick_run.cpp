@@ -47,13 +47,13 @@ void BrickRun::push_brick(std::uint64_t key, const std::uint64_t mask[8], std::s
   for (std::size_t i = 0; i < voxels.size(); ++i) std::memcpy(normal + 2 * i, voxels[i].normal, 2);
 }
 
-void BrickRun::make_room(Level& level, std::size_t bricks, std::size_t voxels, const ThreadPool& pool) const {
+void BrickRun::make_room(Level& level, std::size_t bricks, std::size_t voxels, bool directional_coverage,
+                         const ThreadPool& pool) const {
   // Growing an array fills it with zeros, which takes time. Each array is therefore a separate task. The largest array
   // is the first.
   threads_for(voxels, pool).parallel_for(6, 1, [&](std::size_t array, std::size_t, int) {
     if (array == 0) level.rgba.resize(4 * voxels);
-    if (array == 1 && !directional_coverage_.empty())
-      level.directional_coverage.resize(directional_coverage_bytes * voxels);
+    if (array == 1 && directional_coverage) level.directional_coverage.resize(directional_coverage_bytes * voxels);
     if (array == 2 && normals_) level.normal.resize(2 * voxels);
     if (array == 3) level.mask.resize(8 * bricks);
     if (array == 4) level.first.resize(bricks + 1);
@@ -64,7 +64,9 @@ void BrickRun::make_room(Level& level, std::size_t bricks, std::size_t voxels, c
 void append(Level& level, std::vector<BrickRun>& runs, const ThreadPool& pool) {
   if (level.first.empty()) level.first.push_back(0);
   const std::vector<Landing> at = landings(runs, {level.key.size(), level.rgba.size() / 4});
-  if (!runs.empty()) runs.front().make_room(level, at.back().brick, at.back().voxel, pool);
+  const bool directional_coverage =  // the first runs may have no brick
+      std::ranges::any_of(runs, [](const BrickRun& run) { return !run.directional_coverage_.empty(); });
+  if (!runs.empty()) runs.front().make_room(level, at.back().brick, at.back().voxel, directional_coverage, pool);
   pool.parallel_for(runs.size(), 4, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t r = begin; r < end; ++r) {
       BrickRun& run = runs[r];
@@ -79,7 +81,7 @@ void append(Level& level, std::vector<BrickRun>& runs, const ThreadPool& pool) {
         for (int word = 0; word < 8; ++word) first += std::popcount(run.mask_[8 * b + word]);
         level.first[at[r].brick + b + 1] = first;
       }
-      run = BrickRun(run.normals_);
+      run = BrickRun(run.normals_, run.planes_);
     }
   });
 }

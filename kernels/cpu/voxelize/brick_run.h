@@ -14,7 +14,8 @@ namespace gigabake::kernels {
 /// Consecutive bricks of a level in Morton order.
 class BrickRun {
  public:
-  explicit BrickRun(bool normals = true) : normals_(normals) {}
+  /// `planes` is true for lod-0 bricks with planes. Bricks of coarser levels ignore it.
+  explicit BrickRun(bool normals = true, bool planes = false) : normals_(normals), planes_(planes) {}
 
   /// Appends a brick. `voxels` are in ascending order of their mask bits.
   void push_brick(std::uint64_t key, const std::uint64_t mask[8], std::span<const Voxel> voxels);
@@ -23,15 +24,17 @@ class BrickRun {
   void push_directional_coverage(std::span<const std::uint8_t> directional_coverage) {
     directional_coverage_.insert(directional_coverage_.end(), directional_coverage.begin(), directional_coverage.end());
   }
+  bool has_planes() const { return planes_; }
   std::size_t voxels() const { return rgba_.size() / 4; }
   std::size_t bricks() const { return key_.size(); }
 
   friend void append(Level& level, std::vector<BrickRun>& runs, const ThreadPool& pool);
 
  private:
-  void make_room(Level& level, std::size_t bricks, std::size_t voxels, const ThreadPool& pool) const;
+  void make_room(Level& level, std::size_t bricks, std::size_t voxels, bool directional_coverage,
+                 const ThreadPool& pool) const;
 
-  bool normals_;
+  bool normals_, planes_;
   std::vector<std::uint64_t> key_, mask_;
   std::vector<std::uint8_t> rgba_;
   std::vector<std::int8_t> normal_;

@@ -31,18 +31,24 @@ void BrickSums::resolve_to(BrickRun& run, std::uint64_t key, const Tables& table
   if (flushed_) flush();
   std::uint64_t visible[8] = {};
   std::array<Voxel, brick_voxels> voxels;
+  std::array<DirectionalCoverage, brick_voxels> planes;
   std::size_t count = 0;
   for_each_bit(mask_, [&](int voxel) {
-    const bool there = flushed_ ? resolve((*wide_)[voxel].data(), tables, voxels[count])
-                                : resolve(narrow_[voxel].data(), tables, voxels[count]);
+    FinestVoxel resolved;
+    const bool there =
+        flushed_ ? resolve((*wide_)[voxel].data(), tables, resolved) : resolve(narrow_[voxel].data(), tables, resolved);
     if (there) {
-      ++count;
+      voxels[count] = resolved.voxel;
+      planes[count++] = {0, 0, 0, resolved.plane};
       visible[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
     }
     narrow_[voxel].fill(0);
     if (flushed_) (*wide_)[voxel].fill(0);
   });
-  if (count != 0) run.push_brick(key, visible, std::span(voxels).first(count));
+  if (count != 0) {
+    run.push_brick(key, visible, std::span(voxels).first(count));
+    if (run.has_planes()) run.push_directional_coverage({planes[0].data(), directional_coverage_bytes * count});
+  }
   for (std::uint64_t& word : mask_) word = 0;
   triangles_ = 0;
   flushed_ = false;

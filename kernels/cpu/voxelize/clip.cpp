@@ -32,7 +32,8 @@ void keep_values(std::vector<Value>& values, std::size_t per_voxel, std::uint64_
 
 void clip(Level& level, const CellParameters& parameters, const ThreadPool& pool) {
   const std::vector<std::uint64_t> before = keep_in_masks(level, parameters, pool);
-  const std::size_t per_normal = level.normal.empty() ? 0 : 2;
+  const std::size_t per_normal = level.normal.empty() ? 0 : 2,
+                    per_plane = level.directional_coverage.empty() ? 0 : directional_coverage_bytes;
   std::uint64_t from = 0, to = 0;
   std::size_t bricks = 0;
   for (std::size_t b = 0; b < level.key.size(); ++b) {
@@ -43,6 +44,7 @@ void clip(Level& level, const CellParameters& parameters, const ThreadPool& pool
         if ((kept >> std::countr_zero(left) & 1) == 0) continue;
         keep_values(level.rgba, 4, from, to);
         keep_values(level.normal, per_normal, from, to);
+        keep_values(level.directional_coverage, per_plane, from, to);
         ++to;
       }
       level.mask[words_per_brick * bricks + w] = kept;
@@ -57,6 +59,7 @@ void clip(Level& level, const CellParameters& parameters, const ThreadPool& pool
   level.first[bricks] = to;
   level.rgba.resize(4 * to);
   level.normal.resize(per_normal * to);
+  level.directional_coverage.resize(per_plane * to);
 }
 
 }  // namespace gigabake::kernels

@@ -9,6 +9,7 @@
 #include "core/base/thread_pool.h"
 #include "kernels/body/voxelize/normal_maps.h"
 #include "kernels/body/voxelize/part.h"
+#include "kernels/body/voxelize/plane_offset.h"
 #include "kernels/body/voxelize/surface.h"
 #include "kernels/body/voxelize/triangle_bricks.h"
 #include "kernels/body/voxelize/vertex_normals.h"
@@ -108,7 +109,9 @@ class BrickWalker {
       lanes_.v[lanes_.count] = double(v - plane.anchor[1]);
       ++lanes_.count;
     }
-    const SlabPolygon polygon = cut_slab(plane, double(w - plane.anchor[2]));
+    const double slab = double(w - plane.anchor[2]);
+    const SlabPolygon polygon = cut_slab(plane, slab);
+    offset_ = make_plane_offset(plane, normals_.geometric, axis, slab);
     measure(plane, polygon, look);
     if (look == ShadingRate::linear)
       add_linear_cells(plane, polygon, voxel);
@@ -149,7 +152,7 @@ class BrickWalker {
   void add_linear_cells(const TrianglePlane& plane, const SlabPolygon& polygon, const int voxel[64]) {
     for (int i = 0; i < lanes_.count; ++i)
       sums_.add(voxel[i], linear_fragment(linear_, lanes_.u[i], lanes_.v[i], moments_of(i), plane.weight_scale,
-                                          normal_of(plane, polygon, i)));
+                                          normal_of(plane, polygon, i), offset_in(offset_, lanes_.u[i], lanes_.v[i])));
   }
 
   void add_cells(const TrianglePlane& plane, const SlabPolygon& polygon, const Surface& surface, const int voxel[64]) {
@@ -161,8 +164,9 @@ class BrickWalker {
         const FragmentShape shape = shape_of(plane, polygon, i);
         rgba = opaque ? shade<true>(surface, plane, shape, tables_) : shade<false>(surface, plane, shape, tables_);
       }
-      sums_.add(voxel[i], fragment_of_colour(weight_of(lanes_.area[i], plane.weight_scale), rgba.c,
-                                             normal_of(plane, polygon, i)));
+      sums_.add(voxel[i],
+                fragment_of_colour(weight_of(lanes_.area[i], plane.weight_scale), rgba.c, normal_of(plane, polygon, i),
+                                   offset_in(offset_, lanes_.u[i], lanes_.v[i])));
     }
   }
 
@@ -175,6 +179,7 @@ class BrickWalker {
   CellLanes lanes_;
   LinearColour linear_;      ///< colour of the current triangle, if its shading rate is linear
   TriangleNormals normals_;  ///< of the current triangle
+  PlaneOffset offset_;       ///< of the current triangle in the current slab
   std::uint64_t fragments_ = 0;
 };
 
@@ -194,7 +199,8 @@ void voxelize(const CellInput& input, std::span<const WindowTriangle> triangles,
   const std::vector<PartSurface> parts = part_surfaces(input);
   const std::vector<std::size_t> starts = brick_starts(pairs);
   const std::size_t bricks = starts.size() - 1;
-  std::vector<BrickRun> runs((bricks + bricks_per_run - 1) / bricks_per_run, BrickRun(parameters.normals));
+  std::vector<BrickRun> runs((bricks + bricks_per_run - 1) / bricks_per_run,
+                             BrickRun(parameters.normals, has_finest_planes(parameters)));
   std::vector<std::unique_ptr<BrickWalker>> walkers(pool.threads());
   pool.parallel_for(bricks, bricks_per_run, [&](std::size_t begin, std::size_t end, int thread) {
     if (!walkers[thread])

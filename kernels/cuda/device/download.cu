@@ -79,6 +79,7 @@ CellVolume to_host(cudaStream_t stream, PinnedBuffer& pinned, std::span<const De
   Download download;
   for (std::size_t lod = 0; lod < levels.size(); ++lod) add(download, levels[lod], out.levels[lod]);
   if (nodes.count != 0) add(download, nodes, out.nodes);
+  out.nodes.has_finest_planes = !levels.empty() && !levels[0].directional_coverage.empty();
   download.run(stream, pinned, pool);
   return out;
 }

@@ -35,6 +35,7 @@ struct BatchView {
                                 ///< because they take longest; bricks of `hard` are filled with 96-bit sums
   std::uint32_t* rgba;          ///< by place; 0: the voxel is invisible, the place is empty
   std::uint16_t* normal;        ///< by place; null if the cell has no normals
+  std::uint32_t* plane;         ///< by place: a DirectionalCoverage; null if lod-0 voxels have no planes
   std::uint32_t capacity;       ///< number of places
   BatchCounters* counters;
 };

@@ -20,7 +20,7 @@ inline constexpr int mask_words = 16 * bricks_per_block;
 /// multiprocessor with 228 KiB of shared memory.
 template <bool is_hard, CellMaterials materials>
 struct FillWidth {
-  static constexpr int blocks = is_hard ? 3 : all_visible(materials) ? 5 : 4;
+  static constexpr int blocks = (is_hard ? 2 : 4) + (all_visible(materials) ? 1 : 0);
   static constexpr std::size_t bytes = (228 * 1024 / blocks - 1024) / 128 * 128;  ///< the driver reserves 1 KiB per
                                                                                   ///< block
   using Sums = VoxelSums<is_hard ? 3 : 2, all_visible(materials) ? opaque_sum_count : sum_opaque>;
@@ -46,7 +46,7 @@ struct FillShared : BlockBricks {
   using Sums = typename FillWidth<is_hard, materials>::Sums;
   using Item = SlabFragment<is_hard, materials>;
   static constexpr int pool_bytes = (FillWidth<is_hard, materials>::bytes - sizeof(BlockBricks)) / 16 * 16;
-  static constexpr int min_items = 16;
+  static constexpr int min_items = 8;
   static_assert(pool_bytes >= brick_voxels * int(sizeof(Sums)) + min_items * int(sizeof(Item)));
 
   alignas(16) unsigned char pool[pool_bytes];

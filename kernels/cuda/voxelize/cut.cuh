@@ -12,6 +12,7 @@
 #include "kernels/body/voxelize/coverage.h"
 #include "kernels/body/voxelize/normal_maps.h"
 #include "kernels/body/voxelize/part.h"
+#include "kernels/body/voxelize/plane_offset.h"
 #include "kernels/body/voxelize/surface.h"
 #include "kernels/body/voxelize/triangle_bricks.h"
 #include "kernels/body/voxelize/vertex_normals.h"
@@ -29,6 +30,7 @@ struct CutItem {
   double u[5], v[5];  ///< the slab's polygon
   Line line[4];
   double weight_scale;
+  PlaneOffset offset;
   std::uint64_t cells;
   std::uint64_t edges_of_row;  ///< one byte per row v of the brick: the polygon's edges that reach into it
   std::int32_t anchor_u, anchor_v;
@@ -189,7 +191,9 @@ __device__ void cut_triangle(const InputView& in, const WindowTriangle& w, const
   out.anchor_u = std::int32_t(plane.anchor[0]);
   out.anchor_v = std::int32_t(plane.anchor[1]);
   out.weight_scale = plane.weight_scale;
-  cut_polygon(plane, double(std::int64_t(where & 7) - plane.anchor[2]), out);
+  const double slab = double(std::int64_t(where & 7) - plane.anchor[2]);
+  out.offset = make_plane_offset(plane, out.normal, out.axis, slab);
+  cut_polygon(plane, slab, out);
   set_look(in, w, plane, out);
   if constexpr (has_vertex_normals(materials)) {
     const DevicePart& part = in.parts[w.part];
@@ -280,13 +284,15 @@ __device__ Fragment fragment_of(const Tables& tables, const SlabFragment<is_hard
   constexpr Moments wanted = materials == CellMaterials::plain ? Moments::first : Moments::second;
   const CellMoments m = measure<wanted>(item, u, v, cell >> 3);
   if (item.look == ShadingRate::linear)
-    return linear_fragment(item.colour, u, v, m, item.weight_scale, normal_of(tables, item, m, u, v));
+    return linear_fragment(item.colour, u, v, m, item.weight_scale, normal_of(tables, item, m, u, v),
+                           offset_in(item.offset, u, v));
   Rgba16 rgba;
   if (materials == CellMaterials::plain || item.look == ShadingRate::flat)
     rgba = opaque_colour({{item.colour.low[0], item.colour.low[1], item.colour.low[2], 0}});
   else if constexpr (materials != CellMaterials::plain)
     rgba = shade_item(tables, item, item.varying, m, u, v);
-  return fragment_of_colour(weight_of(m.area, item.weight_scale), rgba.c, normal_of(tables, item, m, u, v));
+  return fragment_of_colour(weight_of(m.area, item.weight_scale), rgba.c, normal_of(tables, item, m, u, v),
+                            offset_in(item.offset, u, v));
 }
 
 }  // namespace gigabake::kernels

@@ -14,17 +14,25 @@
 namespace gigabake::kernels {
 
 /// Sums of one voxel. A sum of 2 words (64 bits) suffices for bricks of at most fragments_before_flush triangles. A sum
-/// of 3 words (96 bits) suffices for up to 2^32 triangles. `channels` is opaque_sum_count if all materials are opaque,
-/// else sum_opaque. `sum_opaque` itself is one bit, in the word that makes the size odd.
+/// of 3 words (96 bits) suffices for up to 2^32 triangles. Narrow sums need one word less. `channels` is
+/// opaque_sum_count if all materials are opaque, else sum_opaque. `sum_opaque` itself is one bit, in the last word.
 template <int words, int channels>
 struct VoxelSums {
   using Total = std::conditional_t<words == 2, std::int64_t, __int128>;
 
   static constexpr bool is_opaque = channels == opaque_sum_count;
-  static constexpr int flag = words * channels;  ///< index of the word for `sum_opaque`
-  static_assert(is_opaque || flag % 2 == 0);
 
-  unsigned word[(words * channels) | 1];  ///< odd size: adjacent lanes use different banks
+  /// Returns the number of words of a channel's sum.
+  static constexpr int words_of(int channel) { return is_narrow_sum(channel) ? words - 1 : words; }
+  /// Returns the index of the lowest word of a channel's sum.
+  static constexpr int word_of(int channel) {
+    int word = 0;
+    for (int c = 0; c < channel; ++c) word += words_of(c);
+    return word;
+  }
+  static constexpr int flag = word_of(channels);  ///< index of the word for `sum_opaque`
+
+  unsigned word[(is_opaque ? flag : flag + 1) | 1];  ///< odd size: adjacent lanes use different banks
 
   __device__ void clear() {
     for (unsigned& w : word) w = 0;
@@ -46,28 +54,30 @@ struct VoxelSums {
     for (int w = 0; w < words; ++w)
 #pragma unroll
       for (int c = 0; c < channels; ++c)
-        if (is_there[c]) add_word(words * c + w, rest[c]);
+        if (is_there[c] && w < words_of(c)) add_word(word_of(c) + w, w == 2, rest[c]);
   }
 
-  __device__ bool resolve_to(const Tables& tables, Voxel& out) const {
+  __device__ bool resolve_to(const Tables& tables, FinestVoxel& out) const {
     Total s[sum_count];
     s[sum_clear] = 0;
     s[sum_opaque] = is_opaque ? 1 : word[is_opaque ? 0 : flag];
-    for (int c = 0; c < channels; ++c) {
-      const unsigned* at = word + words * c;
-      const std::int64_t low = std::int64_t(std::uint64_t(at[1]) << 32 | at[0]);
-      if constexpr (words == 2)
-        s[c] = low;
-      else
-        s[c] = __int128(std::int32_t(at[2])) * (__int128(1) << 64) + __int128(std::uint64_t(low));
-    }
+#pragma unroll
+    for (int c = 0; c < channels; ++c) s[c] = sum_of(word + word_of(c), words_of(c));
     return resolve(s, tables, out);
   }
 
  private:
-  __device__ void add_word(int at, std::uint64_t& rest) {
+  /// Returns the sum of `count` words, the lowest first.
+  __device__ static Total sum_of(const unsigned* at, int count) {
+    if (count == 1) return std::int32_t(at[0]);
+    const auto low = std::int64_t(std::uint64_t(at[1]) << 32 | at[0]);
+    if constexpr (words == 3)
+      if (count == 3) return __int128(std::int32_t(at[2])) * (__int128(1) << 64) + __int128(std::uint64_t(low));
+    return low;
+  }
+
+  __device__ void add_word(int at, bool is_third, std::uint64_t& rest) {
     const auto part = std::uint32_t(rest);
-    const bool is_third = at % words == 2;
     bool carry = false;
     if (!is_third || part != 0) {  // the third word rarely changes
       const std::uint32_t before = atomicAdd(&word[at], part);

@@ -46,7 +46,7 @@ __global__ void __launch_bounds__(fill_threads) fill_hard_bricks(BatchView view)
 /// Moves a batch's voxels from the staging arrays to their places in the level and removes the empty places. One warp
 /// per brick.
 __global__ void unstage(BatchView view, const std::uint32_t* first, std::uint32_t* rgba, std::uint16_t* normal,
-                        std::uint32_t capacity) {
+                        std::uint32_t* plane, std::uint32_t capacity) {
   if (blockIdx.x == 0 && threadIdx.x == 0 && items_fit(view))
     view.counters->max_staged = larger(view.counters->max_staged, view.place[view.end - 1] + view.marked[view.end - 1]);
   const std::uint32_t brick = view.begin + (blockIdx.x * blockDim.x + threadIdx.x) / 32, lane = threadIdx.x & 31;
@@ -61,6 +61,7 @@ __global__ void unstage(BatchView view, const std::uint32_t* first, std::uint32_
     if (voxel != 0) {
       rgba[at] = voxel;
       if (normal != nullptr) normal[at] = view.normal[from + i];
+      if (plane != nullptr) plane[at] = view.plane[from + i];
     }
     to += std::uint32_t(__popc(who));
   }
@@ -108,7 +109,10 @@ struct Filled {
   DeviceArray<std::uint64_t> mask;
   DeviceArray<std::uint32_t> count, first, rgba;
   DeviceArray<std::uint16_t> normal;
+  DeviceArray<std::uint8_t> directional_coverage;  ///< empty if lod-0 voxels have no planes
   BatchCounters counted{};
+
+  std::uint32_t* plane() { return reinterpret_cast<std::uint32_t*>(directional_coverage.data()); }
 };
 
 /// Array sizes of one attempt to fill the bricks; if they do not suffice, the next attempt has larger arrays.
@@ -117,11 +121,21 @@ struct FillSizes {
   std::uint32_t voxels, bricks_per_batch, pairs_per_batch, items_per_batch, stage_voxels;
 };
 
+/// The channels of a lod-0 voxel in addition to its colour.
+struct FinestChannels {
+  bool normals, planes;
+
+  /// Returns the bytes of a voxel.
+  std::size_t bytes() const {
+    return sizeof(std::uint32_t) + (normals ? sizeof(std::uint16_t) : 0) + (planes ? directional_coverage_bytes : 0);
+  }
+};
+
 /// Filler of bricks, batch by batch, with item arrays of limited size. If voxels may be invisible, a batch is first
 /// written to staging arrays.
 class Filler {
  public:
-  Filler(DeviceHeap& heap, const InputView& input, SurfaceRule rule, const BrickLists& lists, bool normals,
+  Filler(DeviceHeap& heap, const InputView& input, SurfaceRule rule, const BrickLists& lists, FinestChannels channels,
          CellMaterials materials, const FillSizes& sizes)
       : heap_(heap),
         rule_(rule),
@@ -137,7 +151,8 @@ class Filler {
         first_(heap, sizes.pairs_per_batch),
         group_end_(heap, sizes.pairs_per_batch / pairs_per_group + 1),
         cells_(heap, sizes.items_per_batch),
-        stage_normal_(heap, normals ? sizes.stage_voxels : 0),
+        stage_normal_(heap, channels.normals ? sizes.stage_voxels : 0),
+        stage_plane_(heap, channels.planes ? sizes.stage_voxels : 0),
         is_easy_(heap, sizes.bricks_per_batch / bricks_per_block + 1),
         counters_(heap, 1) {
     const std::uint32_t n = lists.bricks;
@@ -145,7 +160,10 @@ class Filler {
     out_.count = DeviceArray<std::uint32_t>(heap_, n + 1);
     out_.first = DeviceArray<std::uint32_t>(heap_, n + 1);
     out_.rgba = DeviceArray<std::uint32_t>(heap_, sizes.voxels);
-    if (normals) out_.normal = DeviceArray<std::uint16_t>(heap_, sizes.voxels);
+    if (channels.normals) out_.normal = DeviceArray<std::uint16_t>(heap_, sizes.voxels);
+    if (channels.planes)
+      out_.directional_coverage =
+          DeviceArray<std::uint8_t>(heap_, directional_coverage_bytes * std::size_t(sizes.voxels));
     counters_.clear_to_zero();
     if (!all_visible(materials)) marked_.clear_to_zero();  // batches that do not fit leave it unchanged
     out_.count.clear_to_zero();
@@ -162,7 +180,8 @@ class Filler {
     view_.items_of = items_of_.data();
     view_.is_easy = is_easy_.data();
     view_.rgba = at_once ? out_.rgba.data() : stage_rgba_.data();
-    if (normals) view_.normal = at_once ? out_.normal.data() : stage_normal_.data();
+    if (channels.normals) view_.normal = at_once ? out_.normal.data() : stage_normal_.data();
+    if (channels.planes) view_.plane = at_once ? out_.plane() : stage_plane_.data();
     view_.capacity = at_once ? sizes.voxels : sizes.stage_voxels;
     view_.counters = counters_.data();
     view_.heavy = heavy_.data();
@@ -218,7 +237,7 @@ class Filler {
     bytes = temporary_bytes_;
     sum_visible(temporary_.data(), bytes, view_.begin, view_.end);
     unstage<<<grid_of(32 * std::uint64_t(view_.end - view_.begin), threads), threads, 0, stream>>>(
-        view_, out_.first.data(), out_.rgba.data(), out_.normal.data(), sizes_.voxels);
+        view_, out_.first.data(), out_.rgba.data(), out_.normal.data(), out_.plane(), sizes_.voxels);
     check_launch("unstage");
   }
 
@@ -244,6 +263,7 @@ class Filler {
   DeviceArray<std::uint32_t> stage_rgba_, marked_, place_, items_of_, heavy_, hard_, where_, first_, group_end_;
   DeviceArray<std::uint64_t> cells_;
   DeviceArray<std::uint16_t> stage_normal_;
+  DeviceArray<std::uint32_t> stage_plane_;
   DeviceArray<std::uint8_t> is_easy_;
   DeviceArray<BatchCounters> counters_;
   Filled out_;
@@ -267,6 +287,7 @@ DeviceLevel without_empty(DeviceHeap& heap, const BrickLists& lists, Filled fill
   check_launch("keep_bricks");
   level.rgba = std::move(filled.rgba);
   level.normal = std::move(filled.normal);
+  level.directional_coverage = std::move(filled.directional_coverage);
   return level;
 }
 
@@ -288,8 +309,9 @@ std::uint32_t with_capacity(double wanted, std::uint64_t minimum) {
 
 /// Returns the max number of pairs per batch. The batch's items and staging arrays use the memory that the cell's
 /// voxels leave.
-std::uint64_t pairs_that_fit(const BrickLists& lists, const FillRatios& ratios, bool at_once, double capacity_bytes) {
-  const double pairs = double(lists.triangle.size()), voxel_bytes = sizeof(std::uint32_t) + sizeof(std::uint16_t),
+std::uint64_t pairs_that_fit(const BrickLists& lists, const FillRatios& ratios, bool at_once,
+                             std::size_t bytes_of_voxel, double capacity_bytes) {
+  const double pairs = double(lists.triangle.size()), voxel_bytes = double(bytes_of_voxel),
                item_bytes = sizeof(std::uint64_t) + sizeof(std::uint32_t), mask_bytes = 64 + 2 * sizeof(std::uint32_t);
   const double kept = mask_bytes * lists.bricks + spare * voxel_bytes * ratios.voxels_per_pair * pairs,
                of_pair = spare * (ratios.pairs_spread * ratios.items_per_pair * item_bytes + sizeof(std::uint32_t) +
@@ -301,9 +323,11 @@ std::uint64_t pairs_that_fit(const BrickLists& lists, const FillRatios& ratios, 
   return std::max(minimum, std::uint64_t(std::max(0.0, capacity_bytes - kept) / of_pair));
 }
 
-FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios, bool at_once, double capacity_bytes) {
+FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios, bool at_once, std::size_t bytes_of_voxel,
+                      double capacity_bytes) {
   const std::uint64_t pairs = lists.triangle.size(),
-                      batch = std::min({pairs, pairs_per_batch, pairs_that_fit(lists, ratios, at_once, capacity_bytes),
+                      batch = std::min({pairs, pairs_per_batch,
+                                        pairs_that_fit(lists, ratios, at_once, bytes_of_voxel, capacity_bytes),
                                         1 + std::uint64_t(double(voxels_per_batch) / ratios.voxels_per_pair)});
   FillSizes s;
   s.bricks_per_batch = std::uint32_t(std::max<std::uint64_t>(1, lists.bricks * batch / pairs));
@@ -343,10 +367,13 @@ void learn(const Filled& filled, const BrickLists& lists, const FillSizes& sizes
 }  // namespace
 
 DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, std::uint64_t capacity_bytes, const CellWindow& window,
-                     BrickLists lists, bool normals, CellMaterials materials, FillRatios& ratios, CellStats& stats) {
-  FillSizes sizes = first_sizes(lists, ratios, all_visible(materials), double(capacity_bytes) - double(heap.live()));
+                     BrickLists lists, const CellParameters& parameters, CellMaterials materials, FillRatios& ratios,
+                     CellStats& stats) {
+  const FinestChannels channels{parameters.normals, has_finest_planes(parameters)};
+  FillSizes sizes = first_sizes(lists, ratios, all_visible(materials), channels.bytes(),
+                                double(capacity_bytes) - double(heap.live()));
   for (;;) {
-    Filled filled = Filler(heap, input, window.rule, lists, normals, materials, sizes).fill(lists.bricks);
+    Filled filled = Filler(heap, input, window.rule, lists, channels, materials, sizes).fill(lists.bricks);
     if (!fits(filled, sizes)) continue;
     stats.fragments += filled.counted.fragments;
     learn(filled, lists, sizes, ratios);

@@ -19,6 +19,7 @@ struct FillRatios {
 /// heap's live bytes; it determines the size of batches. `lists` is consumed.
 /// Errors  CudaFailure; DeviceFull, also beyond 2^32-1 voxels.
 DeviceLevel voxelize(DeviceHeap& heap, const InputView& input, std::uint64_t capacity_bytes, const CellWindow& window,
-                     BrickLists lists, bool normals, CellMaterials materials, FillRatios& ratios, CellStats& stats);
+                     BrickLists lists, const CellParameters& parameters, CellMaterials materials, FillRatios& ratios,
+                     CellStats& stats);
 
 }  // namespace gigabake::kernels

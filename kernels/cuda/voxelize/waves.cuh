@@ -130,15 +130,17 @@ __device__ void resolve_wave(const BatchView& view, BrickSpan span, const Wave& 
                              FillShared<is_hard, materials>& shared) {
   const std::uint32_t first = shared.first_place + std::uint32_t(wave.first);
   for (int slot = int(threadIdx.x); slot < wave.used; slot += fill_threads) {
-    Voxel out;
+    FinestVoxel out;
     const bool visible = shared.sums(slot).resolve_to(view.input.tables, out);
     shared.sums(slot).clear();
     if (!all_visible(materials) && !visible)
       drop_voxel(view.mask + 8 * std::size_t(span.first), wave.first + slot, shared);
     const std::uint32_t at = first + std::uint32_t(slot);
     if (at >= view.capacity) continue;  // the host counts, enlarges the array and retries
-    view.rgba[at] = visible ? pack_rgba(out.rgba) : 0;
-    if (view.normal != nullptr && visible) view.normal[at] = pack_normal(out.normal);
+    view.rgba[at] = visible ? pack_rgba(out.voxel.rgba) : 0;
+    if (view.normal != nullptr && visible) view.normal[at] = pack_normal(out.voxel.normal);
+    if (view.plane != nullptr && visible)
+      view.plane[at] = std::uint32_t(out.plane) << 8 * int(directional_coverage_plane);
   }
 }
 

@@ -67,20 +67,15 @@ def ground_seen_from_above_is_right(bench):
     assert view["flip"] < 0.1 and view["psnr_white_db"] > 25 and view["holes"] < 0.001, view
 
 
-def normals_cost_bytes_and_show_from_afar_alone(bench):
+def normals_cost_bytes_and_show_surfaces(bench):
     lit, unlit = (next(s for s in bench["settings"] if s["name"] == name)
                   for name in ("area-coverage", "area-coverage-no-normals"))
     assert unlit["bytes"] < lit["bytes"], (lit, unlit)
     for direction in DIRECTIONS:
         near, near_unlit = (view_of(s, f"{direction} 0.25") for s in (lit, unlit))
-        # Seen straight down, both results are equal. Seen at an angle, normals determine the coverage of translucent
-        # voxels.
-        alike = [key for key in near if key not in ("render_s", "lit_flip")]
-        if direction == "nadir":
-            assert all(near[key] == near_unlit[key] for key in alike), (near, near_unlit)
-        assert abs(near["flip"] - near_unlit["flip"]) < 0.01, (near["flip"], near_unlit["flip"])
+        assert near["flip"] <= near_unlit["flip"] + 0.001, "planes lie along normals"
         assert near["lit_flip"] < near_unlit["lit_flip"], "voxels without normals are lit from all directions"
-    assert lit["mean"]["flip"] < unlit["mean"]["flip"], "planes of coarser levels lie along normals"
+    assert lit["mean"]["flip"] < unlit["mean"]["flip"], "planes lie along normals"
 
 
 def named(bench, name):
@@ -190,7 +185,7 @@ def main():
         gigabake.succeed("sample", work / "sample", "--size", 64, "--seed", 7)
         bench = measure(gigabake, work)
         for test in (every_setting_has_its_costs, every_error_is_sane, smaller_voxels_are_not_worse,
-                     ground_seen_from_above_is_right, normals_cost_bytes_and_show_from_afar_alone,
+                     ground_seen_from_above_is_right, normals_cost_bytes_and_show_surfaces,
                      facing_costs_bytes_and_shows, voxels_are_where_the_surface_is,
                      voxels_have_the_colours_and_normals_of_their_surface,
                      a_larger_error_costs_fewer_bytes_and_shows_little, goals_are_judged):

@@ -378,4 +378,4 @@ class Opened(harness.FolderTest):
 if __name__ == "__main__":
     PROGRAM = harness.Gigabake(Path(sys.argv[1]).resolve())
     TILES = int(sys.argv[sys.argv.index("--tiles") + 1]) if "--tiles" in sys.argv else 100
-    unittest.main(argv=sys.argv[:1])
+    harness.main(argv=sys.argv[:1], verbosity=2)

@@ -77,7 +77,7 @@ TEST(Above, HashIsOfEveryByte) {
 
 /// Returns an overview of 512³ lod-0 voxels. Its levels 0 and 1 are levels 5 and 6 of the scene.
 Shard small_overview() {
-  Shard overview = made::small_shard_with_planes();
+  Shard overview = made::small_shard_with_planes(5);
   overview.header.first_lod = 5;
   overview.header.copied_lods = 1;
   overview.header.cell_voxels <<= 5;

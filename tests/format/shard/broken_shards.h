@@ -32,6 +32,8 @@ inline std::vector<BrokenShard> broken_shards() {
        [](Shard& s) { s = small_shard_with_planes(), s.levels[1].directional_coverage[7] = 0x3c; }},
       {"/lod_1: row 0: plane is neither",
        [](Shard& s) { s = small_shard_with_planes(), s.levels[1].directional_coverage[3] = 0x43; }},
+      {"/lod_0: row 2: plane is neither",
+       [](Shard& s) { s = small_shard_with_planes(), s.levels[0].directional_coverage[11] = 0x43; }},
       {"/nodes: row 2: plane is neither",
        [](Shard& s) { s = small_shard_with_planes(), s.nodes.directional_coverage[2][3] = 3; }},
   };

@@ -13,10 +13,10 @@ namespace {
 struct Version {
   std::string folder;  ///< named after the version of the shards, and of scene.xml if it has one
   bool has_totals;
-  bool has_planes = false, has_above = false, has_overview = false;
+  bool has_planes = false, has_above = false, has_overview = false, has_finest_planes = false;
 
   Shard shard() const {
-    Shard shard = has_planes ? made::small_shard_with_planes() : made::small_shard();
+    Shard shard = has_planes ? made::small_shard_with_planes(has_finest_planes ? 6 : 5) : made::small_shard();
     if (has_above) shard.above = made::small_above();
     return shard;
   }
@@ -25,7 +25,7 @@ struct Version {
     return {shard(), made::small_overview()};
   }
 };
-const Version newest{"version_5_scene_5", true, true, true, true};
+const Version newest{"version_6_scene_5", true, true, true, true, true};
 
 std::filesystem::path golden(const Version& version) {
   return std::filesystem::path(GIGABAKE_SOURCE_DIR) / "tests/format/golden" / version.folder;
@@ -60,7 +60,8 @@ INSTANTIATE_TEST_SUITE_P(Versions, Golden,
                          testing::Values(Version{"version_1", false}, Version{"version_2", false},
                                          Version{"version_2_scene_2", true}, Version{"version_3_scene_2", true, true},
                                          Version{"version_4_scene_3", true, true, true},
-                                         Version{"version_5_scene_4", true, true, true, true}, newest),
+                                         Version{"version_5_scene_4", true, true, true, true},
+                                         Version{"version_5_scene_5", true, true, true, true}, newest),
                          [](const auto& version) { return version.param.folder; });
 
 TEST(GoldenToday, WriterStoresWhatTheNewestVersionStores) {

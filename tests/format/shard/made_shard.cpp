@@ -16,10 +16,14 @@ namespace {
 
 constexpr std::uint32_t no_child = 0xffffffffu;
 
-/// Returns random directional coverage, with a random plane if the shape has normals.
-DirectionalCoverage random_directional_coverage(std::mt19937_64& rng, const ShardShape& shape) {
+bool has_directional_coverage(const ShardShape& shape, int lod) {
+  return shape.directional_coverage && (lod > 0 || shape.normals);
+}
+
+/// Returns random directional coverage, with a random plane if the shape has normals. Lod-0 voxels have only a plane.
+DirectionalCoverage random_directional_coverage(std::mt19937_64& rng, const ShardShape& shape, int lod) {
   DirectionalCoverage directional_coverage{};
-  for (std::size_t a = 0; a < coverage_bytes; ++a) directional_coverage[a] = std::uint8_t(1 + rng() % 255);
+  for (std::size_t a = 0; a < coverage_bytes && lod > 0; ++a) directional_coverage[a] = std::uint8_t(1 + rng() % 255);
   if (!shape.normals) return directional_coverage;
   do directional_coverage[directional_coverage_plane] = std::uint8_t(rng() % 64);
   while (!is_plane(directional_coverage[directional_coverage_plane]));
@@ -43,11 +47,11 @@ void add_brick(std::mt19937_64& rng, const ShardShape& shape, int lod, BrickLeve
       for (int c = 0; c < 3; ++c) rgba[std::size_t(c)] = std::uint8_t(rng());
       rgba[3] = std::uint8_t(1 + rng() % 255);
       for (int c = 0; c < 2; ++c) normal[std::size_t(c)] = std::int8_t(int(rng() % 255) - 127);
-      directional_coverage = random_directional_coverage(rng, shape);
+      directional_coverage = random_directional_coverage(rng, shape, lod);
     }
     level.rgba.insert(level.rgba.end(), rgba.begin(), rgba.end());
     if (shape.normals) level.normal.insert(level.normal.end(), normal.begin(), normal.end());
-    if (shape.directional_coverage && lod > 0)
+    if (has_directional_coverage(shape, lod))
       level.directional_coverage.insert(level.directional_coverage.end(), directional_coverage.begin(),
                                         directional_coverage.end());
   }
@@ -81,7 +85,7 @@ void grow(std::mt19937_64& rng, const ShardShape& shape, std::size_t i, Shard& s
   } else {
     n.value[i] = std::uint32_t(rng()) | 0x01000000u;
     if (shape.normals) n.normal[i] = {std::int8_t(rng() % 127), std::int8_t(rng() % 127)};
-    if (shape.directional_coverage && lod > 0) n.directional_coverage[i] = random_directional_coverage(rng, shape);
+    if (has_directional_coverage(shape, lod)) n.directional_coverage[i] = random_directional_coverage(rng, shape, lod);
   }
   if (lod == 0 || n.kind[i] == NodeKind::leaf_constant) return;
   n.first_child[i] = std::uint32_t(n.key.size());
@@ -174,6 +178,7 @@ Shard random_shard(std::mt19937_64& rng, const ShardShape& shape) {
   add_node(s.nodes, 0, shape.lods - 1, random_kind(rng, shape.lods - 1, true));
   for (std::size_t i = 0; i < s.nodes.key.size(); ++i) grow(rng, shape, i, s);
   if (!shape.directional_coverage) s.nodes.directional_coverage.clear();
+  s.nodes.has_finest_planes = has_directional_coverage(shape, 0);
   return with_content_hash(std::move(s));
 }
 
@@ -214,11 +219,13 @@ Shard small_shard() {
   return with_content_hash(std::move(s));
 }
 
-Shard small_shard_with_planes() {
+Shard small_shard_with_planes(int version) {
   Shard s = small_shard();
   s.header.has_directional_coverage = true;
   s.nodes.directional_coverage = {{}, {}, {0, 0, 0, 0x23}};
   s.levels[1].directional_coverage = {255, 1, 128, 0x1a, 0, 0, 0, 0x3f};
+  if (version >= 6) s.levels[0].directional_coverage = {0, 0, 0, 0x1b, 0, 0, 0, 0, 0, 0, 0, 0x3e};
+  s.nodes.has_finest_planes = version >= 6;
   return with_content_hash(std::move(s));
 }
 

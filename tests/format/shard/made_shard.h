@@ -35,7 +35,7 @@ struct ShardShape {
   bool normals = true;
   int max_children = 8;              ///< per node
   bool alike = false;                ///< neighbours are often equal, so that values are shared
-  bool directional_coverage = true;  ///< for lod 1 and above
+  bool directional_coverage = true;  ///< and planes, with normals
 };
 
 /// Returns a random consistent shard: bricks, constant and leaf-constant nodes, voxels of all colours, with
@@ -48,8 +48,9 @@ Shard with_content_hash(Shard shard);
 /// Returns a cell of 16³ voxels whose every byte is defined in this module: the content of the golden files.
 Shard small_shard();
 
-/// Returns small_shard() with directional coverage and planes, which exist from version 3 on.
-Shard small_shard_with_planes();
+/// Returns small_shard() with directional coverage and planes as version `version` stores them. Planes exist from
+/// version 3 on; planes of lod-0 voxels from version 6 on.
+Shard small_shard_with_planes(int version = 6);
 
 /// Returns a small downsample state for small_shard(). Shards store it from version 4 on.
 DownsampleState small_above();

@@ -35,6 +35,7 @@ Shard put_together(const ShardPages& pages, const Shard& written) {
     if (s.header.has_directional_coverage)
       s.nodes.directional_coverage.push_back(std::to_array(row.directional_coverage));
   }
+  s.nodes.has_finest_planes = s.header.has_directional_coverage && s.header.has_normals && s.header.first_lod == 0;
   for (int lod = 0; lod < int(s.header.lods); ++lod) {
     BrickLevel& level = s.levels.emplace_back();
     level.first = {0};

@@ -10,7 +10,7 @@ const Tables host_tables = TableStore::host().view();
 
 Fragment fragment(std::int64_t weight, std::uint16_t red, std::uint16_t alpha) {
   const std::uint16_t rgba[4] = {red, 0, 0, alpha};
-  return fragment_of_colour(weight, rgba, {0, 0, 32767});
+  return fragment_of_colour(weight, rgba, {0, 0, 32767}, 0);
 }
 
 Level resolved(BrickSums& sums) {
@@ -86,6 +86,19 @@ TEST(BrickSums, HaveTheMeanAlphaOfFragmentsIfNoneIsOpaque) {
   EXPECT_EQ(alpha_of({{1000, 65534}}), 255);
   EXPECT_EQ(alpha_of({{1000, 65534}, {1000, 0}}), 127);
   EXPECT_EQ(alpha_of({{1000000, 0}}), 0);
+}
+
+/// Regression of 2026-11-27: the arrays of a level were sized by its first run, which may have no brick.
+TEST(BrickRuns, MayBeEmptyBeforeARunWithPlanes) {
+  std::vector<BrickRun> runs(3, BrickRun(true, true));
+  BrickSums sums;
+  sums.add(7, fragment(1 << 30, 65535, 65535));
+  sums.end_triangle();
+  sums.resolve_to(runs[1], 0, host_tables);
+  Level level;
+  append(level, runs, ThreadPool(1));
+  EXPECT_EQ(level.directional_coverage.size(), directional_coverage_bytes);
+  EXPECT_EQ(level.directional_coverage[directional_coverage_plane], 8 << 2 | 3);  // through the voxel's centre
 }
 
 TEST(BrickSums, LeaveOutABrickOfInvisibleVoxels) {

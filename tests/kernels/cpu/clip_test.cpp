@@ -12,7 +12,7 @@
 namespace gigabake::kernels {
 namespace {
 
-using Values = std::array<int, 6>;
+using Values = std::array<int, 6 + directional_coverage_bytes>;
 
 /// Returns the voxels of a level by their position.
 std::map<Vec3i64, Values> voxels_of(const Level& level) {
@@ -26,6 +26,10 @@ std::map<Vec3i64, Values> voxels_of(const Level& level) {
       Values& values = out[at];
       for (std::size_t c = 0; c < 4; ++c) values[c] = level.rgba.at(4 * voxel + c);
       for (std::size_t c = 0; c < 2; ++c) values[4 + c] = level.normal.empty() ? 0 : level.normal.at(2 * voxel + c);
+      for (std::size_t c = 0; c < directional_coverage_bytes; ++c)
+        values[6 + c] = level.directional_coverage.empty()
+                            ? 0
+                            : level.directional_coverage.at(directional_coverage_bytes * voxel + c);
       ++voxel;
     }
   }
@@ -49,6 +53,8 @@ Level random_level(std::mt19937_64& random, bool has_normals) {
   level.first.push_back(voxels);
   for (std::uint64_t i = 0; i < 4 * voxels; ++i) level.rgba.push_back(std::uint8_t(random()));
   for (std::uint64_t i = 0; i < (has_normals ? 2 * voxels : 0); ++i) level.normal.push_back(std::int8_t(random()));
+  for (std::uint64_t i = 0; i < (has_normals ? directional_coverage_bytes * voxels : 0); ++i)
+    level.directional_coverage.push_back(std::uint8_t(random()));
   return level;
 }
 
@@ -76,6 +82,7 @@ TEST(Clip, KeepsExactlyTheVoxelsInsideWithTheirValues) {
     EXPECT_EQ(voxels_of(level), expected);
     for (std::size_t b = 0; b + 1 < level.first.size(); ++b) EXPECT_LT(level.first[b], level.first[b + 1]);
     EXPECT_EQ(level.normal.empty(), !has_normals);
+    EXPECT_EQ(level.directional_coverage.empty(), !has_normals);
   }
 }
 

@@ -39,11 +39,10 @@ Voxels all_voxels(const Level& level) {
 Voxels expanded(const NodeTable& nodes, const Level& level, int lod, bool directional_coverage) {
   Voxels voxels;
   const auto take = taker(voxels);
-  for_each_voxel_of_level(nodes, level, lod,
-                          [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
-                              const std::int8_t* normal, const std::uint8_t* of_axes) {
-                            take(x, y, z, rgba, normal, directional_coverage && lod > 0 ? of_axes : nullptr);
-                          });
+  for_each_voxel_of_level(
+      nodes, level, lod,
+      [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal,
+          const std::uint8_t* of_axes) { take(x, y, z, rgba, normal, directional_coverage ? of_axes : nullptr); });
   return voxels;
 }
 

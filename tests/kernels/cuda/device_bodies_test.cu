@@ -10,6 +10,7 @@
 #include "kernels/body/mip/two_level_filter.h"
 #include "kernels/body/voxelize/brick_triangle.h"
 #include "kernels/body/voxelize/part.h"
+#include "kernels/body/voxelize/plane_offset.h"
 #include "kernels/body/voxelize/surface.h"
 #include "kernels/body/voxelize/triangle_bricks.h"
 #include "kernels/body/voxelize/vertex_normals.h"
@@ -42,7 +43,7 @@ TEST(DeviceBodies, TouchTheSameVoxelsAsOnTheCpu) { expect_same_bits<Slabs>(rando
 struct Measured {
   std::int64_t weight[8], linear[8][3];
   std::uint16_t rgba[8][4];
-  std::int16_t normal[4];
+  std::int16_t normal[4], offset[8];
 };
 
 /// Computes weights and shades in the voxels on the brick's diagonal.
@@ -59,14 +60,17 @@ struct MeasureBody {
     out.normal[3] = 0;
     for (int c = 0; c < 3; ++c) out.normal[c] = normal[c];
     for (int i = 0; i < 8; ++i) {
-      const SlabPolygon polygon = cut_slab(plane, double(i - plane.anchor[2]));
+      const double slab = double(i - plane.anchor[2]);
+      const SlabPolygon polygon = cut_slab(plane, slab);
       const double u = double(i - plane.anchor[0]), v = double(i - plane.anchor[1]);
       const CellMoments m = moments_of(plane, polygon, u, v);
       out.weight[i] = weight_of(m.area, plane.weight_scale);
       const Rgba16 rgba =
           shade<false>(surface, plane, fragment_shape(plane, m, u, v, polygon.u, polygon.v, polygon.count), tables);
       for (int c = 0; c < 4; ++c) out.rgba[i][c] = rgba.c[c];
-      const Fragment linear = linear_fragment(make_linear_colour(surface, plane), u, v, m, plane.weight_scale, normal);
+      out.offset[i] = offset_in(make_plane_offset(plane, normal, t.axis, slab), u, v);
+      const Fragment linear =
+          linear_fragment(make_linear_colour(surface, plane), u, v, m, plane.weight_scale, normal, out.offset[i]);
       for (int c = 0; c < 3; ++c) out.linear[i][c] = linear.colour[c];
     }
     return out;
@@ -116,19 +120,19 @@ std::vector<Sums> random_sums(int count) {
       Vec3<std::int16_t> normal;
       for (std::uint16_t& c : rgba) c = std::uint16_t(random());
       for (std::int16_t& c : normal) c = std::int16_t(random() % 65535 - 32767);
-      accumulate(s.sum, fragment_of_colour(weight, rgba, normal));
+      accumulate(s.sum, fragment_of_colour(weight, rgba, normal, std::int16_t(random() % 255 - 127)));
     }
   return out;
 }
 
 struct Resolved {
   std::uint8_t there;
-  Voxel voxel;
+  FinestVoxel voxel;
 };
 
 struct ResolveBody {
   GB_HD Resolved operator()(const Sums& s, const Tables& tables) const {
-    Resolved r{0, {{0, 0, 0, 0}, {0, 0}}};
+    Resolved r{0, {{{0, 0, 0, 0}, {0, 0}}, 0}};
     r.there = resolve(s.sum, tables, r.voxel) ? 1 : 0;
     return r;
   }
