@@ -132,7 +132,7 @@ class ShardsByH5py(harness.FolderTest):
         for path in self.shards:
             with h5py.File(path) as shard:
                 self.assertEqual(shard.attrs["format"], b"gigabake-shard")
-                self.assertEqual(shard.attrs["version"], 5)
+                self.assertEqual(shard.attrs["version"], 6)
                 self.assertEqual(shard.attrs["voxel_size_m"], VOXEL_M)
                 self.assertEqual(shard.attrs["cell_voxels"], 8 << (shard.attrs["lods"] - 1))
                 self.assertEqual(len(shard.attrs["content_hash"].split()), shard.attrs["lods"])
