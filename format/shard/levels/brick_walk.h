@@ -48,20 +48,26 @@ void for_each_voxel(const BrickLevel& level, std::size_t brick, BrickCoordinate 
     }
 }
 
+/// Returns the directional data of the voxels that a constant node represents; null if they have none. The voxels of
+/// level 0 (`is_finest`) have only a plane, which the function stores in `finest`.
+inline const std::uint8_t* directional_coverage_of_constant(const NodeTable& nodes, std::size_t node, bool is_finest,
+                                                            DirectionalCoverage& finest) {
+  if (nodes.directional_coverage.empty() || (is_finest && !nodes.has_finest_planes)) return nullptr;
+  const std::uint8_t* stored = nodes.directional_coverage[node].data();
+  if (!is_finest) return stored;
+  finest = finest_directional_coverage(stored);
+  return finest.data();
+}
+
 /// Visits the voxels that a constant node represents on the level that is `down` levels finer than the node's level.
 template <class Visit>
 void for_each_constant_voxel(const NodeTable& nodes, std::size_t node, int down, const Visit& visit) {
   const BrickCoordinate at = demorton(nodes.key[node]);
   const std::uint32_t v = nodes.value[node];
   const std::uint8_t rgba[4] = {std::uint8_t(v), std::uint8_t(v >> 8), std::uint8_t(v >> 16), std::uint8_t(v >> 24)};
-  const bool is_finest = nodes.lod[node] == down;
   DirectionalCoverage finest;
   const std::uint8_t* directional_coverage =
-      nodes.directional_coverage.empty() ? nullptr : nodes.directional_coverage[node].data();
-  if (is_finest && directional_coverage != nullptr) {
-    finest = finest_directional_coverage(directional_coverage);
-    directional_coverage = nodes.has_finest_planes ? finest.data() : nullptr;
-  }
+      directional_coverage_of_constant(nodes, node, nodes.lod[node] == down, finest);
   const std::uint32_t edge = 8u << down;
   for (std::uint32_t z = 0; z < edge; ++z)
     for (std::uint32_t y = 0; y < edge; ++y)

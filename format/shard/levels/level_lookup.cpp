@@ -35,13 +35,6 @@ std::size_t LevelLookup::find_node(std::uint64_t key) const {
   return no_node;
 }
 
-const std::uint8_t* LevelLookup::directional_coverage_of_constant() {
-  if (nodes_.directional_coverage.empty()) return nullptr;
-  if (lod_ != 0) return nodes_.directional_coverage[node_].data();
-  finest_ = finest_directional_coverage(nodes_.directional_coverage[node_].data());
-  return nodes_.has_finest_planes ? finest_.data() : nullptr;
-}
-
 bool LevelLookup::find(std::uint32_t x, std::uint32_t y, std::uint32_t z, VoxelValue& value) {
   const std::uint64_t key = morton(x / 8, y / 8, z / 8);
   if (key != key_) {
@@ -52,7 +45,8 @@ bool LevelLookup::find(std::uint32_t x, std::uint32_t y, std::uint32_t z, VoxelV
   }
   if (node_ == no_node) return false;
   if (nodes_.kind[node_] != NodeKind::brick) {
-    value = {constant_, nodes_.normal[node_].data(), directional_coverage_of_constant()};
+    value = {constant_, nodes_.normal[node_].data(),
+             directional_coverage_of_constant(nodes_, node_, lod_ == 0, finest_)};
     return true;
   }
   const std::size_t brick = nodes_.value[node_];

@@ -31,7 +31,6 @@ class LevelLookup {
  private:
   static constexpr std::size_t no_node = ~std::size_t(0);
   std::size_t find_node(std::uint64_t key) const;
-  const std::uint8_t* directional_coverage_of_constant();
 
   const NodeTable& nodes_;
   const BrickLevel& level_;
