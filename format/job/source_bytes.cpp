@@ -111,6 +111,8 @@ void put_part(ByteWriter& w, const DemPart& part) {
   w.put(o.dem.string()), w.put(o.ortho.string()), w.put(o.crs), w.put(o.ortho_crs);
   put_optional(w, o.nodata), put_optional(w, o.height_scale), put_optional(w, o.geoid_offset_m);
   for (const int number : {o.tile_cells, part.column, part.row, part.columns, part.rows}) w.put(std::int32_t(number));
+  w.put(std::uint64_t(part.grids.size()));
+  for (const std::filesystem::path& grid : part.grids) w.put(grid.string());
 }
 
 DemPart get_part(ByteReader& r) {
@@ -124,6 +126,8 @@ DemPart get_part(ByteReader& r) {
     r.get(value);
     *number = value;
   }
+  std::uint64_t grids = 0;
+  for (r.get(grids); grids > 0; --grids) part.grids.push_back(get_path(r));
   if (o.tile_cells < 1 || part.columns < 2 || part.rows < 2)
     refuse("raster", "at least one cell per tile and 2 × 2 pixels");
   return part;

@@ -40,6 +40,7 @@ void put_part(const DemPart& part, ByteWriter& w) {
   }
   w.put(o.tile_cells);
   for (const int number : {part.column, part.row, part.columns, part.rows}) w.put(number);
+  for (const std::filesystem::path& grid : part.grids) w.put(grid.string());
 }
 
 /// Serializes the raster's parts that overlap the tile, the raster's grid, and the tile's position in the grid. Other

@@ -33,8 +33,11 @@ struct DemOptions {
 struct DemPart {
   DemOptions options;
   int column = 0, row = 0, columns = 0, rows = 0;
-  std::vector<std::string> warnings;  ///< unused declarations of the file, one line each, without its name.
-                                      ///< Set only on the rank that opened the file
+  std::vector<std::filesystem::path> grids;  ///< grids of PROJ from which heights are converted
+  std::string heights_note;                  ///< how heights are understood; one line, without the file's name, or
+                                             ///< empty. Set only on the rank that opened the file
+  std::vector<std::string> warnings;         ///< unused declarations of the file, one line each, without its name.
+                                             ///< Set only on the rank that opened the file
 };
 
 /// A surface: one or more rasters on one pixel grid. If parts overlap, the last part that has a value applies.

@@ -7,54 +7,18 @@
 #include <string_view>
 
 #include "format/source/raster/gdal/gdal_open.h"
+#include "format/source/raster/vertical_system.h"
 
 namespace gigabake {
 namespace {
 
-/// The vertical reference system of heights.
-struct VerticalSystem {
-  std::string name, unit;
-  double unit_m = 1;
-  bool is_depth = false;
-};
-
-std::optional<VerticalSystem> vertical_system(const OGRSpatialReference* crs) {
-  if (crs == nullptr || crs->IsVertical() == 0) return std::nullopt;
-  VerticalSystem out;
-  const char* name = crs->GetAttrValue("VERT_CS");
-  if (name == nullptr) name = crs->GetName();
-  out.name = name != nullptr ? name : "unnamed";
-  const char* unit = nullptr;
-  out.unit_m = crs->GetTargetLinearUnits("VERT_CS", &unit);
-  out.unit = unit != nullptr ? unit : "metre";
-  OGRAxisOrientation up = OAO_Up;
-  crs->GetAxis("VERT_CS", 0, &up);
-  out.is_depth = up == OAO_Down;
-  return out;
-}
-
-std::optional<VerticalSystem> vertical_system_of(const DemOptions& options, GDALDataset& dataset) {
-  if (!options.crs.empty()) {
-    const auto named = whole_crs_of(options, dataset);
-    if (auto vertical = vertical_system(named ? &*named : nullptr)) return vertical;
-  }
-  if (auto vertical = vertical_system(dataset.GetSpatialRef())) return vertical;
-  if (std::string_view(dataset.GetDriver()->GetDescription()) == "SRTMHGT")
-    return VerticalSystem{"EGM96 height", "metre"};  // the format defines this system
-  return std::nullopt;
-}
-
-void check_vertical(const DemOptions& options, GDALDataset& dataset, std::vector<std::string>& warnings) {
+/// Rejects depths, which height_scale turns into heights.
+void expect_no_depths(const DemOptions& options, GDALDataset& dataset) {
   const std::optional<VerticalSystem> vertical = vertical_system_of(options, dataset);
-  if (!vertical) return;
-  if (vertical->is_depth && !options.height_scale)
+  if (vertical && vertical->is_depth && !options.height_scale)
     throw InputError(options.dem, "height_scale",
                      "the raster's heights are depths below " + in_quotes(vertical->name) +
                          "; set -1 in the scene file (a foot: -0.3048)");
-  if (options.geoid_offset_m) return;
-  warnings.push_back("its vertical reference system " + in_quotes(vertical->name) +
-                     " is not applied: heights are taken as metres above the WGS84 ellipsoid and may be up to 100 m "
-                     "off; set geoid_offset_m in a scene .json (0: keep them unchanged)");
 }
 
 constexpr double us_survey_foot_m = 1200.0 / 3937, foot_m = 0.3048;
@@ -122,16 +86,6 @@ std::optional<double> metres_of(std::string_view unit) {
 bool names_a_foot(std::string_view unit) {
   const std::string name = plain_unit(unit);
   return name == "ft" || name == "foot" || name == "feet";
-}
-
-/// Returns the metres per unit of the third axis of a coordinate system; 1 if there is no third axis. A system without
-/// a vertical part may have a third axis ("+proj=utm … +vunits=us-ft").
-double third_axis_m(const OGRSpatialReference* crs) {
-  constexpr int third = 2;
-  double unit_m = 1;
-  OGRAxisOrientation up = OAO_Up;
-  if (crs == nullptr || crs->IsGeocentric() != 0 || crs->GetAxesCount() <= third) return 1;
-  return crs->GetAxis(nullptr, third, &up, &unit_m) != nullptr && unit_m > 0 ? unit_m : 1;
 }
 
 /// Adds a warning if the horizontal unit is not the metre and no unit of heights is declared. Such rasters may have
@@ -226,11 +180,7 @@ double height_scale_of(const DemOptions& options, GDALDataset& dataset) {
   const std::optional<double> metres = metres_of(unit);
   if (metres) return *metres;
   const std::optional<VerticalSystem> vertical = vertical_system_of(options, dataset);
-  if (plain_unit(unit).empty()) {
-    if (vertical) return vertical->unit_m;
-    const auto crs = whole_crs_of(options, dataset);
-    return third_axis_m(crs ? &*crs : nullptr);
-  }
+  if (plain_unit(unit).empty()) return vertical ? vertical->unit_m : 1;
   if (vertical && names_a_foot(unit) && is_foot(vertical->unit_m)) return vertical->unit_m;
   throw InputError(options.dem, "height_scale",
                    "the raster's heights are in " + in_quotes(unit) +
@@ -240,7 +190,7 @@ double height_scale_of(const DemOptions& options, GDALDataset& dataset) {
 std::vector<std::string> check_dem(const DemOptions& options, GDALDataset& dataset) {
   std::vector<std::string> warnings = side_file_warnings(options.dem);
   check_bands(options, dataset, warnings);
-  check_vertical(options, dataset, warnings);
+  expect_no_depths(options, dataset);
   check_unit(options, dataset, warnings);
   return warnings;
 }

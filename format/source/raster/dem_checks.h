@@ -8,8 +8,8 @@
 
 namespace gigabake {
 
-/// Returns one warning per declaration of the raster that is not used: a vertical reference system, further bands, or
-/// units. Reads pixels only if the raster is rejected.
+/// Returns one warning per declaration of the raster that is not used, such as further bands or units.
+/// Reads pixels only if the raster is rejected.
 /// Errors  InputError names the key to set in the scene file. The raster is an image, or has elevation encoded as
 ///         colours, complex numbers, a scale of 0, depths, or heights in an unknown unit.
 std::vector<std::string> check_dem(const DemOptions& options, GDALDataset& dataset);

@@ -74,6 +74,23 @@ SceneSources surface_source(const std::filesystem::path& root, const DemSurface&
   return out;
 }
 
+/// Adds one line per statement about heights, with the name of the first file and the number of other files.
+void add_height_notes(const std::vector<DemSurface>& surfaces, const std::filesystem::path& root,
+                      std::vector<std::string>& notes) {
+  std::vector<std::pair<std::string, std::vector<std::filesystem::path>>> files;
+  for (const DemSurface& surface : surfaces)
+    for (const DemPart& part : surface.front().raster->parts) {
+      if (part.heights_note.empty()) continue;
+      const auto known = [&](const auto& entry) { return entry.first == part.heights_note; };
+      auto at = std::find_if(files.begin(), files.end(), known);
+      if (at == files.end()) at = files.insert(files.end(), {part.heights_note, {}});
+      at->second.push_back(part.options.dem);
+    }
+  for (const auto& [note, names] : files)
+    notes.push_back(name_in(root, names.front()) +
+                    (names.size() > 1 ? " and " + std::to_string(names.size() - 1) + " more" : "") + ": " + note);
+}
+
 bool has_extension(const std::filesystem::path& path, std::initializer_list<std::string_view> extensions) {
   const std::string extension = lower_extension(path);
   return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
@@ -108,10 +125,12 @@ std::vector<SceneSources> dem_sources(const std::filesystem::path& root, const s
   progress.step(rasters.size() == 1 ? "opening the raster" : "opening the rasters");
   std::vector<SceneSources> out;
   SourceOptions own = options;
-  for (const DemSurface& surface : open_dem(rasters, options.local)) {
+  const std::vector<DemSurface> surfaces = open_dem(rasters, options.local);
+  for (const DemSurface& surface : surfaces) {
     out.push_back(surface_source(root, surface, own, progress));
     if (options.area && !is_on_earth(*options.area)) own.area = nullptr;  // later surfaces have other frames
   }
+  add_height_notes(surfaces, root, out.front().notes);
   return out;
 }
 

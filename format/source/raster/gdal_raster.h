@@ -54,6 +54,9 @@ const OGRSpatialReference* plain_crs_of(GDALDataset& dataset);
 
 std::string wkt_of(const OGRSpatialReference& crs);
 
+/// Returns a number as text with up to six significant digits.
+std::string short_number(double v);
+
 /// Returns the coordinate system that a text names: EPSG:…, WKT or a PROJ text.
 /// Errors  InputError(file, key): the text is unknown or names files.
 OGRSpatialReference crs_of_text(const std::filesystem::path& file, const char* key, const std::string& text);

@@ -37,11 +37,6 @@ class DemChecksTest(unittest.TestCase):
         change(raster)
         raster = None
 
-    def set_crs(self, text):
-        crs = osr.SpatialReference()
-        crs.SetFromUserInput(text)
-        self.change(lambda raster: raster.SetSpatialRef(crs))
-
     def scene(self, **entry):
         path = self.root / "scene.json"
         path.write_text(json.dumps({"gigabake": 1, "sources": [{"dem": "dem.tif", **entry}]}))
@@ -71,45 +66,11 @@ class DemChecksTest(unittest.TestCase):
         PROGRAM.succeed("export", self.root / "out", "--to", "ply", "-o", self.root / "v.ply")
         return harness.read_ply(self.root / "v.ply")["p"]
 
-    # Regression of 2026-11-25: a vertical reference system was dropped without a message, an error of some 50 m.
-    def test_a_vertical_reference_system_is_named_once(self):
-        self.write()
-        self.assertEqual(self.warnings(), [])
-        for crs, name in (("EPSG:32611+5773", "EGM96 height"), ("EPSG:25832+5783", "DHHN92 height")):
-            self.write(epsg=None)
-            self.set_crs(crs)
-            [warning] = self.warnings(tile_cells=16)  # 20 tiles
-            self.assertIn(name, warning)
-            self.assertIn("geoid_offset_m", warning)
-        self.assertEqual(self.warnings(geoid_offset_m=0), [])  # the user specified the offset
-        [warning] = self.warnings(crs="EPSG:32611")  # replaces the raster's own system, which names the vertical one
-        self.assertIn("DHHN92 height", warning)
-        self.write()
-        [warning] = self.warnings(crs="EPSG:32611+5773")
-        self.assertIn("EGM96 height", warning)
-        self.set_crs("EPSG:4979")  # above the ellipsoid
-        self.assertEqual(self.warnings(crs="EPSG:32611"), [])
-
-    def test_many_rasters_of_one_vertical_system_share_a_line(self):
-        self.write(epsg=None)
-        self.set_crs("EPSG:32611+5773")
-        for name in ("b.tif", "c.tif"):
-            (self.root / name).write_bytes((self.root / "dem.tif").read_bytes())
-        (self.root / "three.json").write_text(json.dumps(
-            {"gigabake": 1, "sources": [{"dem": name} for name in ("dem.tif", "b.tif", "c.tif")]}))
-        [warning] = self.warnings(source=self.root / "three.json")
-        self.assertIn("dem.tif and 2 more", warning)
-        result = PROGRAM.run("bake", self.root / "three.json", "-o", self.root / "out", "--voxel-size", 4, "--quiet",
-                             "--report", self.root / "report.json")
-        self.assertIn("EGM96 height", result.stderr)
-        self.assertEqual(json.loads((self.root / "report.json").read_text())["warnings"], [warning])
-
     def test_feet_and_depths_need_a_scale(self):
         self.write()
-        [warning] = self.warnings(crs="EPSG:2229+6360")  # in US feet, which are applied: raster_test.py
-        self.assertIn("NAVD88 height (ftUS)", warning)
         self.refused("height_scale", "MSL depth", "-1", crs="EPSG:32611+5715")
-        self.assertIn("MSL depth", self.warnings(crs="EPSG:32611+5715", height_scale=-1)[0])
+        self.refused("MSL depth", "geoid_offset_m", crs="EPSG:32611+5715", height_scale=-1)
+        self.assertEqual(self.warnings(crs="EPSG:32611+5715", height_scale=-1, geoid_offset_m=0), [])
         feet = self.warnings(crs="EPSG:2229", source=None)
         self.assertIn("US survey foot", feet[0])
         self.assertEqual(self.warnings(crs="EPSG:2229", height_scale=1), [])

@@ -43,6 +43,7 @@ std::shared_ptr<const DemRaster> random_raster(Random& random) {
     if (random() % 2 == 0) o.height_scale = 0.3048;
     o.geoid_offset_m = double(random() % 100) / 3;
     o.tile_cells = int(1 + random() % 100);
+    for (std::uint64_t grids = random() % 3; grids > 0; --grids) part.grids.push_back(random_name(random));
     part.column = int(random() % std::uint64_t(raster->columns - 1));
     part.row = int(random() % std::uint64_t(raster->rows - 1));
     part.columns = 2 + int(random() % std::uint64_t(raster->columns - 1 - part.column));
@@ -109,6 +110,7 @@ void expect_same(const DemTile& a, const DemTile& b) {
     EXPECT_EQ(p.options.height_scale, q.options.height_scale);
     EXPECT_EQ(p.options.geoid_offset_m, q.options.geoid_offset_m);
     EXPECT_EQ(p.options.tile_cells, q.options.tile_cells);
+    EXPECT_EQ(p.grids, q.grids);
     EXPECT_EQ(std::tuple(p.column, p.row, p.columns, p.rows), std::tuple(q.column, q.row, q.columns, q.rows));
   }
   EXPECT_EQ(a.raster->texels_per_cell, b.raster->texels_per_cell);

@@ -10,6 +10,7 @@
 #include "format/source/raster/dem.h"
 #include "format/source/raster/dem_checks.h"
 #include "format/source/raster/gdal/gdal_crs.h"
+#include "format/source/raster/gdal/gdal_head.h"
 #include "format/source/raster/gdal/gdal_heights.h"
 #include "format/source/raster/gdal/gdal_open.h"
 #include "format/source/raster/gdal/gdal_ortho.h"
@@ -62,76 +63,9 @@ namespace {
 using Path = std::filesystem::path;
 
 constexpr double quantum_m = 1.0 / 1024;
-/// The range of plausible pixel sizes on the ground. Other sizes indicate that degrees and metres were confused.
-constexpr double min_pixel_m = 1e-3, max_pixel_m = 2e5;
 /// The smallest plausible pixel of an orthophoto on the ground. Smaller ones would enlarge the images of all tiles to
 /// their max size, whatever the size of the file.
 constexpr double min_ortho_pixel_m = 1e-4;
-
-Grid grid_of(const Path& file, GDALDataset& dataset) {
-  Grid grid;
-  if (dataset.GetGeoTransform(grid.g.data()) != CE_None || !std::isnormal(grid.determinant()))
-    throw InputError(file, "dem",
-                     "the raster does not state the position of its pixels; give it a geotransform or a world file");
-  return grid;
-}
-
-/// Returns a number as text with up to six significant digits.
-std::string short_number(double v) {
-  std::ostringstream text;
-  text << v;
-  return text.str();
-}
-
-/// Returns sample points of a rectangle of pixels. The first point is the centre, because corners of a raster may lie
-/// outside the domain of the projection.
-std::vector<std::pair<double, double>> sample_points(double column, double row, double columns, double rows) {
-  constexpr int steps = 6;
-  std::vector<std::pair<double, double>> out{{column + columns / 2, row + rows / 2}};
-  for (int r = 0; r <= steps; ++r)
-    for (int c = 0; c <= steps; ++c) out.emplace_back(column + columns * c / steps, row + rows * r / steps);
-  return out;
-}
-
-[[noreturn]] void refuse_place(const DemOptions& o, const Ground& ground) {
-  throw InputError(o.dem, "crs",
-                   "the raster's coordinates are not on the earth in its coordinate system (" + ground.name() +
-                       "); set the right one in the scene file");
-}
-
-/// A place of a part that can be located, and the geometric mean of the pixel's width and height there.
-struct LocatedPixel {
-  Geodetic origin;
-  double size_m = 0;
-};
-
-/// Returns the first sample point of a part that can be located, usually the centre. Checks the distance in metres of
-/// neighbouring pixels at this point.
-/// Errors  InputError: no sample point can be located, or the distance is implausible for the coordinate system.
-LocatedPixel checked_pixel(const DemPart& part, const Grid& grid, const Ground& ground) {
-  for (const auto& [c, r] : sample_points(part.column, part.row, part.columns - 1, part.rows - 1)) {
-    std::vector<double> x, y;
-    for (const auto& [dc, dr] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1)}) {
-      const auto [px, py] = grid.place(c + dc, r + dr);
-      x.push_back(px), y.push_back(py);
-    }
-    const std::vector<char> is_located = ground.locate(x, y);
-    if (std::count(is_located.begin(), is_located.end(), 0) != 0) continue;
-    LocatedPixel out{ground.origin(x[0], y[0]), 1};
-    const Ground::Frame frame(ground, out.origin);
-    for (const std::size_t i : {1, 2}) {
-      const Point<Scene> p = frame(x[i], y[i], 0);
-      const double pixel_m = std::hypot(p.x, p.y, p.z);
-      if (!(pixel_m >= min_pixel_m && pixel_m <= max_pixel_m))
-        throw InputError(part.options.dem, "crs",
-                         "a pixel would be " + short_number(pixel_m) + " m wide in the raster's coordinate system (" +
-                             ground.name() + "); set the right one in the scene file");
-      out.size_m *= std::sqrt(pixel_m);
-    }
-    return out;
-  }
-  refuse_place(part.options, ground);
-}
 
 /// Returns the positions of a tile's vertices in the frame of the raster, row by row. Vertices without a value are at
 /// the origin of the tile. Vertices that cannot be located on the earth, such as the corners of a global raster, become
@@ -211,60 +145,6 @@ void add_files(const Path& file, const char* key, std::vector<Path>& out) {
   for (const std::string& name : safe_side_files(file))
     if (std::find(out.begin(), out.end(), file.parent_path() / name) == out.end())
       out.push_back(file.parent_path() / name);
-}
-
-/// Throws InputError if an ASCII grid is too short for the declared number of values.
-void expect_whole_text(const DemOptions& o, GDALDataset& dataset) {
-  if (std::string_view(dataset.GetDriver()->GetDescription()) != "AAIGrid") return;
-  const std::uint64_t columns = std::uint64_t(dataset.GetRasterXSize()), rows = std::uint64_t(dataset.GetRasterYSize());
-  const std::uint64_t bytes = std::filesystem::file_size(o.dem);
-  if (columns * rows > bytes)
-    throw InputError(o.dem, "dem",
-                     "the grid states " + std::to_string(columns) + " × " + std::to_string(rows) +
-                         " values, more than its " + std::to_string(bytes) + " bytes can hold");
-}
-
-/// Returns the bounds of sample points of a raster.
-std::array<double, 4> bounds_of(const DemPart& part, const Grid& grid, const Ground& ground) {
-  std::vector<double> x, y;
-  for (const auto& [c, r] : sample_points(0, 0, part.columns - 1, part.rows - 1)) {
-    const auto [px, py] = grid.place(c, r);
-    x.push_back(px), y.push_back(py);
-  }
-  const std::vector<char> is_located = ground.locate(x, y);
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  std::array<double, 4> out{infinity, infinity, -infinity, -infinity};
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    if (is_located[i] == 0) continue;
-    out = {std::min(out[0], x[i]), std::min(out[1], y[i]), std::max(out[2], x[i]), std::max(out[3], y[i])};
-  }
-  return out;
-}
-
-/// Reads the header of one raster and checks the raster.
-RasterHead head_of(const DemOptions& options, bool is_local) {
-  RasterHead head;
-  const BorrowedRaster dataset = borrow_raster(options.dem, "dem");
-  DemPart& part = head.part;
-  part.options = options;
-  part.columns = dataset->GetRasterXSize(), part.rows = dataset->GetRasterYSize();
-  if (part.columns < 2 || part.rows < 2)
-    throw InputError(options.dem, "dem", "expected at least 2 × 2 pixels, which are the terrain's vertices");
-  expect_whole_text(options, *dataset);
-  claim_tile(options, *dataset);
-  head.grid = grid_of(options.dem, *dataset);
-  const Ground ground(options, *dataset);
-  if (!ground.is_on_earth() && !is_local) throw InputError(options.dem, "crs", ground.why_not_on_earth());
-  head.pixel_m = checked_pixel(part, head.grid, ground).size_m;
-  head.bounds = bounds_of(part, head.grid, ground);
-  head.crs = crs_of(options, *dataset);
-  part.warnings = check_dem(options, *dataset);
-  const double left_out = fraction_left_out(options, *dataset);
-  if (left_out > 0)
-    part.warnings.push_back("the file leaves out " + short_number(std::ceil(left_out * 1000) / 10) +
-                            " % of its blocks, which are taken as heights of 0; set \"nodata\": 0 in a scene .json if "
-                            "they are holes");
-  return head;
 }
 
 /// Throws InputError if the pixels of a part's orthophoto are implausibly small on the ground.
@@ -347,7 +227,7 @@ DemMesh mesh_of(const DemTile& tile, bool with_ortho) {
   const DemOptions& first = raster.parts[0].options;
   const Ground ground(first, *borrow_raster(first.dem, "dem"));
   DemMesh out;
-  std::vector<double> height_m = read_heights(tile, raster.is_on_earth, out.warnings);
+  std::vector<double> height_m = read_heights(tile, ground, out.warnings);
   for (const Point<Scene>& p : places(tile, ground, height_m, out.warnings)) {
     const double xyz[3] = {p.x, p.y, p.z};
     for (std::size_t c = 0; c < 3; ++c)
@@ -376,6 +256,8 @@ std::vector<Path> files_of(const DemTile& tile) {
     if (!touches(tile, part)) continue;
     add_files(part.options.dem, "dem", out);
     if (!part.options.ortho.empty()) add_files(part.options.ortho, "ortho", out);
+    for (const Path& grid : part.grids)
+      if (std::find(out.begin(), out.end(), grid) == out.end()) out.push_back(grid);
   }
   return out;
 }

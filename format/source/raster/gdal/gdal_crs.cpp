@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "format/source/raster/gdal_raster.h"
 #include "format/source/raster/proj_files.h"
+#include "format/source/raster/proj_operations.h"
 
 namespace gigabake {
 namespace {
@@ -37,7 +38,7 @@ class GdalCrsMap : public CrsMap {
     to_crs_ = transformation(degrees, crs);
     to_degrees_ = transformation(crs, degrees);
     if (!to_crs_ || !to_degrees_)
-      throw InputError("", "crs", "no transformation from WGS84 to " + in_quotes(text) + QuietErrors::last());
+      throw InputError("", "crs", in_quotes(text) + " " + why_no_transformation(crs, degrees));
   }
 
   void convert(std::span<std::array<double, 3>> points) const override { transform(*to_crs_, points); }

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "format/source/raster/dem_checks.h"
+#include "format/source/raster/ellipsoid_heights.h"
 #include "format/source/raster/gdal/gdal_open.h"
 #include "format/source/raster/height_values.h"
 
@@ -72,9 +73,32 @@ void restore_signs(GDALRasterBand& band, std::vector<double>& values) {
     if (v > 127) v -= 256;
 }
 
+/// Converts the heights of a window of a part. A height at a place that is not on the earth is unchanged.
+/// Errors  InputError: the transformation does not cover a height.
+void convert_to_ellipsoid(const EllipsoidHeights& heights, const DemTile& tile, const DemPart& part, const Window& w,
+                          const Ground& ground, std::vector<double>& z) {
+  const Grid grid{tile.raster->geotransform};
+  std::vector<std::size_t> pixels;
+  std::vector<double> x, y, height_m;
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    if (std::isnan(z[i])) continue;
+    const auto columns = std::size_t(w.columns);
+    const auto [px, py] = grid.place(part.column + w.column + int(i % columns), part.row + w.row + int(i / columns));
+    pixels.push_back(i), x.push_back(px), y.push_back(py), height_m.push_back(z[i]);
+  }
+  heights.convert(x, y, height_m);
+  const std::vector<char> is_located = ground.locate(x, y);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (is_located[i] == 0) continue;
+    if (std::isnan(height_m[i]))
+      throw InputError(part.options.dem, "crs", heights.why_not_covered({x[i], y[i], x[i], y[i]}));
+    z[pixels[i]] = height_m[i];
+  }
+}
+
 /// Returns the heights of a window of one part; NaN for pixels without a value. Returns an empty list if no pixel has
 /// a value.
-std::vector<double> part_heights(const DemPart& part, const Window& w, bool is_on_earth,
+std::vector<double> part_heights(const DemTile& tile, const DemPart& part, const Window& w, const Ground& ground,
                                  std::vector<std::string>& warnings) {
   const DemOptions& o = part.options;
   const BorrowedRaster dataset = borrow_raster(o.dem, "dem");
@@ -89,8 +113,10 @@ std::vector<double> part_heights(const DemPart& part, const Window& w, bool is_o
     for (std::size_t i = 0; i < z.size(); ++i)
       if (is_valid[i] == 0) z[i] = std::numeric_limits<double>::quiet_NaN();
   }
-  for (std::string& warning : take_heights(o.dem, height_rule(o, *dataset, is_on_earth), z))
+  for (std::string& warning : take_heights(o.dem, height_rule(o, *dataset, ground.is_on_earth()), z))
     if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(std::move(warning));
+  const EllipsoidHeights heights(o, *dataset, ground.is_on_earth());
+  if (!heights.is_identity()) convert_to_ellipsoid(heights, tile, part, w, ground, z);
   return z;
 }
 
@@ -295,13 +321,13 @@ std::vector<char> filled_tiles(const DemRaster& raster, int edge) {
   return tiles.take();
 }
 
-std::vector<double> read_heights(const DemTile& tile, bool is_on_earth, std::vector<std::string>& warnings) {
+std::vector<double> read_heights(const DemTile& tile, const Ground& ground, std::vector<std::string>& warnings) {
   const auto width = std::size_t(tile.columns + 1), height = std::size_t(tile.rows + 1);
   std::vector<double> out(width * height, std::numeric_limits<double>::quiet_NaN());
   for (const DemPart& part : tile.raster->parts) {
     const Window w = window_of(tile, part);
     if (w.is_empty()) continue;
-    const std::vector<double> z = part_heights(part, w, is_on_earth, warnings);
+    const std::vector<double> z = part_heights(tile, part, w, ground, warnings);
     const auto first_column = std::size_t(part.column + w.column - tile.column);
     const auto first_row = std::size_t(part.row + w.row - tile.row);
     for (std::size_t i = 0; i < z.size(); ++i)

@@ -4,15 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "format/source/raster/gdal_raster.h"
+#include "format/source/raster/ground.h"
 
 namespace gigabake {
 
 /// Returns the heights of a tile's vertices above the ellipsoid, row by row; NaN for vertices without a value.
 /// Opens only the files (DemPart) that overlap the tile.
-/// Errors  InputError: a part cannot be read or was changed since it was opened. Also if `is_on_earth` is true and a
-///         height does not occur on earth.
-std::vector<double> read_heights(const DemTile& tile, bool is_on_earth, std::vector<std::string>& warnings);
+/// Errors  InputError: a part cannot be read or was changed since it was opened. On the earth also if a height does not
+///         occur there, or the transformation of heights to the ellipsoid does not cover a height.
+std::vector<double> read_heights(const DemTile& tile, const Ground& ground, std::vector<std::string>& warnings);
 
 /// Returns true if a window of columns × rows pixels is known to have no value. For this, a sparse file must omit all
 /// blocks of the window, and omitted blocks must read as nodata or be masked. Reads no pixels.
