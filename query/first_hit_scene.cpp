@@ -30,11 +30,14 @@ std::length_error too_wide() {
                            " voxels an edge or more; use a coarser lod");
 }
 
-VoxelAttributes look_of(const std::uint8_t rgba[4], const std::int8_t normal[2]) {
+/// `directional_coverage` is null for a voxel without a plane.
+VoxelAttributes look_of(const std::uint8_t rgba[4], const std::int8_t normal[2],
+                        const std::uint8_t* directional_coverage) {
   VoxelAttributes voxel;
   for (int c = 0; c < 4; ++c) voxel.rgba |= std::uint32_t(rgba[c]) << 8 * c;
   voxel.normal[0] = normal[0];
   voxel.normal[1] = normal[1];
+  if (directional_coverage != nullptr) voxel.plane = directional_coverage[directional_coverage_plane];
   return voxel;
 }
 
@@ -82,10 +85,11 @@ void FirstHitBuilder::add_brick(const Position& at, const BrickLevel& level, std
   std::vector<VoxelAttributes> attributes[8];
   for_each_voxel(
       level, brick, {0, 0, 0},
-      [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
+      [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal,
+          const std::uint8_t* directional_coverage) {
         const std::size_t o = (x >> 2) | (y >> 2) << 1 | (z >> 2) << 2;
         octants[o].mask |= std::uint64_t(1) << ((x & 3) | (y & 3) << 2 | (z & 3) << 4);
-        attributes[o].push_back(look_of(rgba, normal));  // in the order of the node's children
+        attributes[o].push_back(look_of(rgba, normal, directional_coverage));  // in the order of the node's children
       });
   for (std::size_t o = 0; o < 8; ++o) {
     if (attributes[o].empty()) continue;
@@ -125,7 +129,9 @@ void FirstHitBuilder::add_cell(const Vec3i64& lattice_min, const NodeTable& node
     std::uint8_t rgba[4];
     for (int c = 0; c < 4; ++c) rgba[c] = std::uint8_t(nodes.value[n] >> 8 * c);
     constants_.push_back({at, edge, std::uint32_t(attributes_.size())});
-    attributes_.insert(attributes_.end(), 64, look_of(rgba, nodes.normal[n].data()));
+    DirectionalCoverage finest;
+    const std::uint8_t* directional_coverage = directional_coverage_of_constant(nodes, n, lod_ == 0, finest);
+    attributes_.insert(attributes_.end(), 64, look_of(rgba, nodes.normal[n].data(), directional_coverage));
     voxels_ += std::uint64_t(edge * edge * edge);
   }
 }

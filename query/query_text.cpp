@@ -129,7 +129,9 @@ double QueryText::height_error_m(const QueryHit& hit) const {
 
 int QueryText::height_decimals(const QueryHit& hit) const {
   const bool is_height = kind_ == QueryKind::height && hit.outcome == QueryOutcome::hit;
-  return is_height ? decimals_for(height_error_m(hit) / (10 * height_error_edges)) : decimals_;
+  if (!is_height) return decimals_;
+  // A plane is stored to 1/30 voxel. Without one, the height of the surface in the voxel is less certain.
+  return decimals_for(frames_.metres(kernels::power_of_two(hit.lod)) / (hit.plane != 0 ? 100 : 10));
 }
 
 void QueryText::add_lonlat(const QueryPoint& p, int height_decimals, std::string& text) const {

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/math/octahedral.h"
+#include "kernels/body/mip/plane.h"
 
 namespace gigabake {
 namespace {
@@ -70,13 +71,19 @@ double surface_distance(const QueryRay& ray, const QueryHit& hit, SurfaceRule ru
     advance += std::fabs(ray.direction[a]);
   }
   if (std::fabs(cosine) < min_cosine) return middle_of(segment_in(ray, hit));
-  if (cosine > 0) from_centre = -from_centre;
+  const double side = cosine > 0 ? -1 : 1;  // of the plane that the ray comes from
+  from_centre *= side;
   cosine = std::fabs(cosine);
   // A plane intersects a cube if its distance from the centre is at most extent / 2. Under SurfaceRule::thin, a lod-0
   // voxel exists only if the plane intersects one of the voxel's three centre lines, which are parallel to the axes.
   const double extent = rule == SurfaceRule::thin ? sum * (edge - 1) + maximum : sum * edge;
   const double below_centre = 0.5 * (extent - cosine * edge / advance);
-  return (from_centre + below_centre) / cosine;
+  const double middle = (from_centre + below_centre) / cosine;
+  const kernels::Plane plane = kernels::unpack_plane(hit.plane);
+  if (plane.coherence == 0) return middle;
+  const double above_centre = side * sum * edge * plane.offset / (2 * kernels::max_offset);
+  const double half_range = height_error_edges * edge / advance;
+  return std::clamp((from_centre - above_centre) / cosine, middle - half_range, middle + half_range);
 }
 
 void move_to_surface(SceneQuery& query, SurfaceRule rule, std::span<const QueryRay> rays, std::span<QueryHit> hits,

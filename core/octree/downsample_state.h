@@ -33,8 +33,8 @@ struct DownsampleState {
   std::vector<std::int8_t> normal;  ///< 2 per voxel; empty if the channel is off
   /// raster_bytes() per voxel of the coarsest level; empty without MipFilter::coverage and at lod 0.
   std::vector<std::uint8_t> raster;
-  /// Surface moments, 8 bytes per voxel of the coarsest level (kernels/body/mip/patch.h). Empty if `raster` is empty,
-  /// and without normals.
+  /// Surface moments, 8 bytes per voxel of the coarsest level (kernels/body/mip/patch.h). Empty without
+  /// MipFilter::coverage, without normals, and at lod 0 without planes.
   std::vector<std::uint8_t> patch;
 
   std::size_t voxels() const { return rgba.size() / 4; }

@@ -21,7 +21,8 @@ struct alignas(16) FirstHitNode {
 struct alignas(8) VoxelAttributes {
   std::uint32_t rgba = 0;      ///< sRGB colour and coverage; red in the lowest byte
   std::int8_t normal[2] = {};  ///< octahedral
-  std::int8_t unused[2] = {};
+  std::uint8_t plane = 0;      ///< of the surface (kernels/body/mip/plane.h); 0: none
+  std::uint8_t unused = 0;
 };
 
 /// A cube of 2^bits voxels per edge, centred on a box that contains all voxels.

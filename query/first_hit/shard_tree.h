@@ -71,6 +71,7 @@ GB_HD QueryHit first_hit_in_shard(const ShardTree& shard, const QueryRay& ray, d
   hit.rgba = of_voxel.rgba;
   hit.normal[0] = of_voxel.normal[0];
   hit.normal[1] = of_voxel.normal[1];
+  hit.plane = of_voxel.plane;
   return hit;
 }
 

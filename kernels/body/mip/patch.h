@@ -13,6 +13,7 @@
 #include "core/base/host_device.h"
 #include "core/math/vec3.h"
 #include "kernels/body/mip/mip.h"
+#include "kernels/body/mip/plane.h"
 #include "kernels/body/tables.h"
 #include "kernels/body/voxel.h"
 
@@ -21,14 +22,24 @@ namespace gigabake::kernels {
 /// Surface moments of one voxel. The struct has eight bytes, so that a GPU reads it with one load.
 struct alignas(8) SurfaceMoments {
   Vec3<std::int16_t> place;       ///< mean position of the surface; position_unit is half an edge
-  std::uint8_t spread;            ///< mean squared distance of the surface from its plane; 256 = 1, max 255
+  std::uint8_t spread;            ///< mean squared distance of the surface from its plane; 256 = 1, max 255; at lod 0
+                                  ///< 0 or unknown_spread
   std::uint8_t normal_coherence;  ///< 256 · length of the mean of its unit normals, minus 1
 };
 
-/// Returns the patch of a lod-0 voxel.
-GB_HD SurfaceMoments finest_patch() { return {{0, 0, 0}, 0, 255}; }
-
 inline constexpr std::int32_t position_unit = 1 << 14;
+
+/// Value of `spread` in the patch of a lod-0 voxel without a plane: the position of its surface is unknown.
+inline constexpr std::uint8_t unknown_spread = 255;
+
+/// Returns the patch of a lod-0 voxel. Its position is the point of the plane that is nearest to the voxel's centre, or
+/// the centre if `plane` is 0.
+GB_HD SurfaceMoments finest_patch(std::uint8_t plane, const std::int8_t normal[2]) {
+  if (plane == 0) return {{0, 0, 0}, unknown_spread, 255};
+  const OctahedronPoint n = octahedron_point(normal);
+  const std::int32_t scale_256 = 256 * 127 * position_unit / (max_offset * dot(n.c, n.c)) * unpack_plane(plane).offset;
+  return {static_cast<Vec3<std::int16_t>>(n.c * scale_256 / 256), 0, 255};
+}
 
 /// Sums over the children of a voxel, each weighted by its visible coverage (Weights), as for colour.
 struct PatchSums {
@@ -67,20 +78,20 @@ struct PatchSums {
   }
 };
 
-/// Returns a child's contribution to the spread of its parent. It is the child's own spread plus the squared distance
-/// of its position from the parent's plane. The value 65536 is the square of half a parent edge; the max is 4·65536.
-GB_HD std::int32_t spread_in_parent(const SurfaceMoments& of_child, int child, const SurfaceMoments& of_parent,
-                                    const UnitNormal& n) {
+/// Returns the squared distance of a child's position from its parent's plane. The value 65536 is the square of half a
+/// parent edge; the max is 4·65536.
+GB_HD std::int32_t squared_distance_in_parent(const SurfaceMoments& of_child, int child,
+                                              const SurfaceMoments& of_parent, const UnitNormal& n) {
   const Vec3<std::int32_t> apart =
       PatchSums::place_in_parent(of_child, child) / 2 - static_cast<Vec3<std::int32_t>>(of_parent.place);
   const std::int32_t off = dot(n.c >> 3, apart >> 4) >> 14;  // before the shift, 2^22 is one half edge
-  return 64 * std::int32_t(of_child.spread) + off * off;
+  return off * off;
 }
 
 /// Returns the mean squared distance of voxel centres from a plane, over the voxels that the plane intersects. The
 /// value 65536 is the squared edge of these voxels. For a unit normal (x, y, z), the distances are at most (|x| + |y| +
-/// |z|) / 2 edges. A lod-0 voxel has its centre as position, because the surface's position in it is unknown. This
-/// distance is therefore not part of the surface's spread.
+/// |z|) / 2 edges. A lod-0 voxel without a plane has its centre as position, because the surface's position in it is
+/// unknown. This distance is therefore not part of the surface's spread.
 GB_HD std::int32_t spread_of_centres(const UnitNormal& n) {
   std::int32_t reach = 0;
   for (const std::int32_t x : n.c) reach += x < 0 ? -x : x;
@@ -95,11 +106,17 @@ GB_HD SurfaceMoments join_patches(const PatchSums& sums, const PatchOf& patch, c
                                   const Voxel& parent, bool is_finest, const Tables& tables) {
   const UnitNormal n = unit_normal_of(parent.normal, tables);
   SurfaceMoments out = sums.patch(n);
-  std::int32_t spread = 0;
+  std::int32_t spread = 0, unknown_weight = 0;
   GB_UNROLL
-  for (int c = 0; c < 8; ++c) spread += std::int32_t(weights.of(c)) * spread_in_parent(patch(c), c, out, n);
-  spread = std::int32_t(spread * sums.by_weight() >> 31) - (is_finest ? spread_of_centres(n) : 0);
-  spread = (spread + 128) >> 8;
+  for (int c = 0; c < 8; ++c) {
+    const SurfaceMoments of_child = patch(c);
+    const auto w = std::int32_t(weights.of(c));
+    spread += w * squared_distance_in_parent(of_child, c, out, n);
+    if (!is_finest) spread += w * (64 * std::int32_t(of_child.spread));
+    if (is_finest && of_child.spread == unknown_spread) unknown_weight += w;
+  }
+  if (is_finest) spread -= unknown_weight * spread_of_centres(n);
+  spread = (std::int32_t(spread * sums.by_weight() >> 31) + 128) >> 8;
   out.spread = std::uint8_t(spread < 0 ? 0 : (spread > 255 ? 255 : spread));
   return out;
 }

@@ -34,8 +34,8 @@ GB_HD int coherence_of(const SurfaceMoments& patch) {
   return int((max_coherence * alike * (256 - far) + 32768) >> 16);
 }
 
-/// Returns the plane of a patch. `is_finest` is true at lod 1, because positions within lod-0 voxels are unknown. Only
-/// every third offset is then used: it is as accurate and takes fewer bytes of a shard.
+/// Returns the plane of a patch. At lod 1 (`is_finest`), every third offset is used, which takes fewer bytes of a
+/// shard.
 GB_HD Plane plane_of(const SurfaceMoments& patch, const std::int8_t normal[2], bool is_finest) {
   const int coherence = coherence_of(patch);
   if (coherence == 0) return {};

@@ -35,6 +35,16 @@ std::vector<std::uint8_t> bytes_of_all(const std::vector<T>& items) {
   return {bytes, bytes + items.size() * sizeof(T)};
 }
 
+/// Returns the patches of level 0; none if the level has no planes.
+std::vector<SurfaceMoments> finest_patches(const Level& finest) {
+  std::vector<SurfaceMoments> patches;
+  const std::vector<std::uint8_t>& planes = finest.directional_coverage;
+  for (std::size_t i = 0; i < planes.size() / directional_coverage_bytes; ++i)
+    patches.push_back(
+        finest_patch(planes[directional_coverage_bytes * i + directional_coverage_plane], &finest.normal[2 * i]));
+  return patches;
+}
+
 }  // namespace
 
 DownsampleState downsample_state(const std::vector<Level>& levels, int lod, const LevelSurface& surface,
@@ -45,7 +55,7 @@ DownsampleState downsample_state(const std::vector<Level>& levels, int lod, cons
   add_level(levels.back(), 0, source);
   if (is_of_64(filter, lod + 1)) add_level(levels[levels.size() - 2], 1, source);
   source.raster = bytes_of_all(surface.rasters);
-  source.patch = bytes_of_all(surface.patches);
+  source.patch = bytes_of_all(lod == 0 ? finest_patches(levels.back()) : surface.patches);
   return source;
 }
 

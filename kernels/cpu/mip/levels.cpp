@@ -86,7 +86,7 @@ struct LevelRun {
 
 class ParentBuilder {
  public:
-  /// `surface` is the surface data of `fine`. It is empty if `fine` is lod 0.
+  /// `surface` is the surface data of `fine`. If `fine` is lod 0, it has at most patches, in place of planes in `fine`.
   ParentBuilder(const Level& fine, int lod, const LevelSurface& surface, MipFilter filter)
       : fine_(fine),
         surface_(surface),
@@ -106,6 +106,9 @@ class ParentBuilder {
   }
 
  private:
+  /// Tests whether `fine` is lod 0.
+  bool is_finest() const { return edge_ == 1; }
+
   /// Computes the 4×4×4 voxels of the parent brick that the open child brick covers.
   void fill_octant(int octant) {
     const int base = 4 * (octant & 1) + 8 * 4 * (octant >> 1 & 1) + 64 * 4 * (octant >> 2);
@@ -129,8 +132,8 @@ class ParentBuilder {
     }
     mask_[to >> 6] |= std::uint64_t(1) << (to & 63);
     if (filters_by_view(filter_)) {
-      const CoverageSums seen = edge_ == 1 ? see_finest(children, has_planes_, tables_, raster_[to])
-                                           : see(children, surface_.rasters.data(), edge_, raster_[to]);
+      const CoverageSums seen = is_finest() ? see_finest(children, has_planes_, tables_, raster_[to])
+                                            : see(children, surface_.rasters.data(), edge_, raster_[to]);
       weights_[to] = weights_of(seen, edge_, children.there);
       if (has_planes_)
         filter_patch(children, to);
@@ -141,20 +144,26 @@ class ParentBuilder {
     }
   }
 
+  SurfaceMoments finest_patch_of(const Children& children, int c) const {
+    if (!surface_.patches.empty()) return surface_.patches[children.index[c]];
+    const std::vector<std::uint8_t>& planes = fine_.directional_coverage;
+    const std::size_t at = directional_coverage_bytes * children.index[c] + directional_coverage_plane;
+    return finest_patch(planes.empty() ? std::uint8_t(0) : planes[at], children.voxel[c].normal);
+  }
+
   void filter_patch(const Children& children, int to) {
-    const bool is_finest = surface_.patches.empty();
     const auto patch = [&](int c) {
-      return is_finest || weights_[to].of(c) == 0 ? finest_patch() : surface_.patches[children.index[c]];
+      if (weights_[to].of(c) == 0) return SurfaceMoments{};
+      return is_finest() ? finest_patch_of(children, c) : surface_.patches[children.index[c]];
     };
-    const VoxelPatch made = filter_patches(children.voxel, patch, weights_[to], is_finest, tables_);
+    const VoxelPatch made = filter_patches(children.voxel, patch, weights_[to], is_finest(), tables_);
     parent_[to] = made.voxel;
     patch_[to] = made.patch;
   }
 
   void put_directional_coverage(int voxel, std::uint8_t directional_coverage[directional_coverage_bytes]) const {
     const std::uint32_t all = weights_[voxel].directional_coverage;
-    const Plane plane =
-        has_planes_ ? plane_of(patch_[voxel], parent_[voxel].normal, surface_.patches.empty()) : Plane();
+    const Plane plane = has_planes_ ? plane_of(patch_[voxel], parent_[voxel].normal, is_finest()) : Plane();
     const std::uint32_t coverage = stored_coverage(plane, all);
     for (std::size_t axis = 0; axis < coverage_bytes; ++axis) directional_coverage[axis] = byte_of(coverage, int(axis));
     directional_coverage[directional_coverage_plane] = pack_plane(plane);

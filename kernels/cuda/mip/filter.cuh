@@ -19,6 +19,7 @@ struct VoxelArrays {
   const std::uint32_t* rgba;
   const std::uint16_t* normal;  ///< null if the level has none
   const SurfaceMoments* patch;  ///< (kernels/body/mip/patch.h); null at lod 0, or if not required
+  const std::uint8_t* planes;   ///< directional coverage of lod 0; null at coarser lods, or if lod 0 has no planes
 };
 
 /// The 2×2×2 children of a voxel, ordered x | y<<1 | z<<2.
@@ -132,8 +133,9 @@ struct FilteredVoxel {
   SurfaceMoments patch;
 };
 
-/// Filters a voxel from its children. The children's loads are independent of each other.
-template <bool by_view, class Index>
+/// Filters a voxel from its children. The children's loads are independent of each other. `is_finest` is true if the
+/// children are of lod 0.
+template <bool by_view, bool is_finest, class Index>
 __device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<Index>& children, const Weights& w,
                                       MipFilter filter, const Tables& tables) {
   Voxel voxel[8];
@@ -147,9 +149,11 @@ __device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<I
     const Voxel v = filter_children<by_view>(voxel, w, filter, tables);
     return {pack_rgba(v.rgba), w.directional_coverage, pack_normal(v.normal), {}, {}};
   }
-  const bool is_finest = below.patch == nullptr;
   const auto patch = [&](int c) {
-    return is_finest || children.at[c] == Children<Index>::none ? finest_patch() : below.patch[children.at[c]];
+    if (children.at[c] == Children<Index>::none) return SurfaceMoments{};
+    if constexpr (!is_finest) return below.patch[children.at[c]];
+    const std::size_t at = directional_coverage_bytes * std::size_t(children.at[c]) + directional_coverage_plane;
+    return finest_patch(below.planes == nullptr ? std::uint8_t(0) : below.planes[at], voxel[c].normal);
   };
   const VoxelPatch made = filter_patches(voxel, patch, w, is_finest, tables);
   const Plane plane = plane_of(made.patch, made.voxel.normal, is_finest);

@@ -61,7 +61,7 @@ __global__ void __launch_bounds__(filter_threads) filter_high_level(HighLevel in
   __shared__ HighShared<by_view> s;
   const std::uint32_t p = blockIdx.x / blocks_per_brick;
   const int t = int(threadIdx.x), step = together<by_view>;
-  const VoxelArrays below{in.fine.rgba, in.fine.normal, in.patches_below};
+  const VoxelArrays below{in.fine.rgba, in.fine.normal, in.patches_below, nullptr};
   const std::uint32_t first = in.first[p];
   const int voxels = int(in.first[p + 1] - first);
   int begin = int(blockIdx.x % blocks_per_brick) * step;
@@ -80,7 +80,7 @@ __global__ void __launch_bounds__(filter_threads) filter_high_level(HighLevel in
     if (t < n) {
       Weights w{};
       if (by_view) w = weights_by_view<max_raster_edge>(s.sums[t].total(), s.children[t]);
-      in.out.put(first + begin + t, filter_voxel<by_view>(below, s.children[t], w, in.filter, tables));
+      in.out.put(first + begin + t, filter_voxel<by_view, false>(below, s.children[t], w, in.filter, tables));
     }
     __syncthreads();
   }

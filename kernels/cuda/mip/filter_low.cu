@@ -199,8 +199,8 @@ __device__ void filter_lod_1(const LowLevels& in, const Group& g, const Tables& 
     const auto children = children_in<std::uint32_t>(mask[0], mask[1], s.first_0[b][octant][z & 3], x & 3, y & 3);
     Weights w{};
     if (by_view) w = weights_by_view<1>(see_finest(in, children, tables, s.raster_1[i]), children);
-    const FilteredVoxel v =
-        filter_voxel<by_view>({in.fine.rgba, in.fine.normal, nullptr}, children, w, in.filter, tables);
+    const FilteredVoxel v = filter_voxel<by_view, true>(
+        {in.fine.rgba, in.fine.normal, nullptr, in.fine.directional_coverage}, children, w, in.filter, tables);
     in.level[0].out.put(g.first_1 + i, v);
     if (by_view) s.patch_1[i] = v.patch;
   }
@@ -211,7 +211,7 @@ __device__ void filter_lod_1(const LowLevels& in, const Group& g, const Tables& 
 template <bool by_view>
 __device__ __noinline__ FilteredVoxel filter_slots(const Slots& children, VoxelArrays below, Weights w,
                                                    MipFilter filter, Tables tables) {
-  return filter_voxel<by_view>(below, children, w, filter, tables);
+  return filter_voxel<by_view, false>(below, children, w, filter, tables);
 }
 
 /// Filters the voxel in `slot`. `below` holds the voxels of the next finer level. `level` is 1 … 3, that is lod 2 to 4.
@@ -228,7 +228,8 @@ __device__ void filter_slot(const LowLevels& in, int level, int slot, const Voxe
 template <bool by_view>
 __device__ void filter_lod_2(const LowLevels& in, const Group& g, const Tables& tables, LowShared& s) {
   const VoxelsOut& from = in.level[0].out;
-  const VoxelArrays below{from.rgba + g.first_1, from.normal == nullptr ? nullptr : from.normal + g.first_1, s.patch_1};
+  const VoxelArrays below{from.rgba + g.first_1, from.normal == nullptr ? nullptr : from.normal + g.first_1, s.patch_1,
+                          nullptr};
   for (int i = int(threadIdx.x); i < g.n2; i += filter_threads) {
     const int voxel = s.list_2[i], b = voxel >> 6, x = voxel & 3, y = voxel >> 2 & 3, z = voxel >> 4 & 3;
     const Slots children = children_in<std::uint16_t>(s.mask[0][b][2 * z], s.mask[0][b][2 * z + 1],
@@ -257,7 +258,7 @@ __device__ void filter_few(const LowLevels& in, int level, int n, int at, int at
     Weights w{};
     if (by_view) w = weights_by_view<Edge>(s.sums[i].total(), s.children[at + i]);
     const bool normals = in.level[level].out.normal != nullptr;
-    const VoxelArrays below{s.rgba + at_below, normals ? s.normal + at_below : nullptr, s.patch + at_below};
+    const VoxelArrays below{s.rgba + at_below, normals ? s.normal + at_below : nullptr, s.patch + at_below, nullptr};
     filter_slot<by_view>(in, level, at + i, below, w, tables, s);
   }
   __syncthreads();

@@ -14,12 +14,18 @@ struct LevelView {
   const std::uint32_t *key, *first;
   const std::uint64_t* mask;
   const std::uint32_t* rgba;
-  const std::uint16_t* normal;  ///< null if the level has none
+  const std::uint16_t* normal;               ///< null if the level has none
+  const std::uint8_t* directional_coverage;  ///< null if the level has none
   std::uint32_t bricks;
 };
 
 inline LevelView view_of(const DeviceLevel& l) {
-  return {l.key.data(), l.first.data(), l.mask.data(), l.rgba.data(), l.normal.empty() ? nullptr : l.normal.data(),
+  return {l.key.data(),
+          l.first.data(),
+          l.mask.data(),
+          l.rgba.data(),
+          l.normal.empty() ? nullptr : l.normal.data(),
+          l.directional_coverage.empty() ? nullptr : l.directional_coverage.data(),
           l.bricks};
 }
 

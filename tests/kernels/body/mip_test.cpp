@@ -61,7 +61,8 @@ Level two_voxels() {
 TEST(Levels, TakeTheMeanOfAllChildrenWhereNothingOfAnyShows) {
   std::vector<Level> levels(5);
   levels.back() = two_voxels();
-  LevelSurface rasters{std::vector<std::uint32_t>(2 * std::size_t(raster_words(max_raster_edge)), 0), {}};
+  LevelSurface rasters{std::vector<std::uint32_t>(2 * std::size_t(raster_words(max_raster_edge)), 0),
+                       std::vector<SurfaceMoments>(2)};
   add_coarser_levels(levels, rasters, 6, MipFilter::coverage, true, ThreadPool(1));
   ASSERT_EQ(levels.size(), 6u);
   const std::uint8_t half = mip_tables.srgb_from_linear[(65535 + 1) / 2];

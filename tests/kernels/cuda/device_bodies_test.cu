@@ -219,6 +219,7 @@ TEST(DeviceBodies, FilterTheSameLevelsAsOnTheCpu) {
 struct PatchCase {
   Voxel child[8];
   SurfaceMoments patch[8];
+  std::uint8_t plane[8];
   std::uint32_t directional_coverage;
 };
 
@@ -235,7 +236,9 @@ struct JoinBody {
     for (int c = 0; c < 8; ++c) weights.child[c / 4] |= std::uint32_t(from.child[c].rgba[3]) << 8 * (c % 4);
     Joined out;
     for (int i = 0; i < 2; ++i) {
-      const auto patch = [&](int c) { return i == 0 ? finest_patch() : from.patch[c]; };
+      const auto patch = [&](int c) {
+        return i == 0 ? finest_patch(from.plane[c], from.child[c].normal) : from.patch[c];
+      };
       const VoxelPatch made = filter_patches(from.child, patch, weights, i == 0, tables);
       const Plane plane = plane_of(made.patch, made.voxel.normal, i == 0);
       out.patch[i] = made.patch;
@@ -257,6 +260,7 @@ std::vector<PatchCase> random_patches(int count) {
     for (int c = 0; c < 8; ++c) {
       for (int a = 0; a < 2; ++a) f.child[c].normal[a] = flat ? normal[a] : std::int8_t(within(127));
       f.child[c].rgba[3] = random() % 3 == 0 ? 0 : std::uint8_t(random());
+      f.plane[c] = random() % 4 == 0 ? 0 : pack_plane({within(max_offset), 1 + int(random() % 3)});
       for (std::int16_t& x : f.patch[c].place) x = std::int16_t(within(flat ? 2000 : position_unit));
       f.patch[c].spread = std::uint8_t(random() % (flat ? 40 : 256));
       f.patch[c].normal_coherence = std::uint8_t(255 - random() % (flat ? 60 : 256));
