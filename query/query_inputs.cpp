@@ -68,6 +68,46 @@ class GridQueries final : public QuerySource {
   std::uint64_t columns_ = 0, rows_ = 0, at_ = 0, first_ = 0;
 };
 
+/// The fraction of a step below which the end of a profile replaces the last multiple of the step. The end of a line of
+/// 100 m is rarely at exactly 100 m.
+constexpr double min_last_step = 1e-3;
+
+/// The stations of a profile.
+class ProfileQueries final : public QuerySource {
+ public:
+  ProfileQueries(GeodesicPath path, double step_m, std::string option)
+      : path_(std::move(path)), step_m_(step_m), option_(std::move(option)) {
+    if (!(step_m > 0 && std::isfinite(step_m))) throw UsageError("step", "expected metres above 0");
+    const double steps = path_.length_m() / step_m;
+    if (!(steps < 0x1p40))
+      throw UsageError("step", "more than 2^40 stations; expected a larger step or a shorter line");
+    stations_ = std::uint64_t(std::fmax(std::ceil(steps - min_last_step), 1)) + 1;
+  }
+
+  void next(std::size_t maximum, std::vector<QueryInput>& inputs) override {
+    first_ = at_;
+    inputs.resize(std::size_t(std::min<std::uint64_t>(maximum, stations_ - at_)));
+    for (QueryInput& input : inputs) {
+      input.station_m = station_m(at_++);
+      const Geodetic p = path_.position(input.station_m);
+      input.from = {p.longitude_deg, p.latitude_deg, 0};
+    }
+  }
+  bool have_stations() const override { return true; }
+  std::optional<std::uint64_t> count() const override { return stations_; }
+  [[noreturn]] void refuse(std::size_t i, const std::string& why) const override {
+    throw UsageError(option_ + ": at " + std::to_string(station_m(first_ + i)) + " m: " + why);
+  }
+
+ private:
+  double station_m(std::uint64_t i) const { return i + 1 < stations_ ? double(i) * step_m_ : path_.length_m(); }
+
+  GeodesicPath path_;
+  double step_m_;
+  std::string option_;
+  std::uint64_t stations_ = 0, at_ = 0, first_ = 0;
+};
+
 }  // namespace
 
 QueryRay ray_of(const QueryInput& input, QueryKind kind, DirectionForm aim, const QueryFrames& frames) {
@@ -83,5 +123,9 @@ std::unique_ptr<QuerySource> single_query(const QueryInput& input, DirectionForm
 }
 
 std::unique_ptr<QuerySource> grid_queries(const QueryGrid& grid) { return std::make_unique<GridQueries>(grid); }
+
+std::unique_ptr<QuerySource> profile_queries(GeodesicPath path, double step_m, std::string option) {
+  return std::make_unique<ProfileQueries>(std::move(path), step_m, std::move(option));
+}
 
 }  // namespace gigabake

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/thread_pool.h"
+#include "core/math/geodesic.h"
 #include "query/query_frames.h"
 
 namespace gigabake {
@@ -26,8 +27,9 @@ enum class DirectionForm : std::uint8_t { direction, angles, point };
 
 struct QueryInput {
   std::string id;
-  QueryPoint from{};  ///< a height query ignores the third coordinate
-  QueryPoint to{};    ///< direction, second point, or azimuth and elevation (degrees); unused by height queries
+  QueryPoint from{};     ///< a height query ignores the third coordinate
+  QueryPoint to{};       ///< direction, second point, or azimuth and elevation (degrees); unused by height queries
+  double station_m = 0;  ///< distance along the line of a profile
 };
 
 /// Returns the ray of a query.
@@ -42,6 +44,7 @@ class QuerySource {
   virtual void next(std::size_t maximum, std::vector<QueryInput>& inputs) = 0;
   virtual DirectionForm aim() const { return DirectionForm::point; }
   virtual bool have_ids() const { return false; }
+  virtual bool have_stations() const { return false; }
   /// Returns the total number of queries; nullopt if it is unknown.
   virtual std::optional<std::uint64_t> count() const { return {}; }
   /// Reports that query i of the last next() is invalid.
@@ -62,6 +65,11 @@ struct QueryGrid {
 /// Returns a height query for each point of the grid.
 /// Errors  UsageError: the grid has no points, or more than 2^40.
 std::unique_ptr<QuerySource> grid_queries(const QueryGrid& grid);
+
+/// Returns height queries along a line, in geographic coordinates: at its begin, at each multiple of `step_m`, and at
+/// its end. `option` is the name of the command-line option that states the line, for messages.
+/// Errors  UsageError: the step is not above 0, or there are more than 2^40 queries.
+std::unique_ptr<QuerySource> profile_queries(GeodesicPath path, double step_m, std::string option);
 
 /// Returns the queries of a file; "-" is standard input. A file that begins with the magic bytes of NumPy's .npy format
 /// is read as a .npy array (query_npy.h). Any other file is CSV with a header line that names the columns, in any

@@ -46,9 +46,6 @@ void add_fixed(double v, int decimals, std::string& text) {
   text.append(digits + (length - fraction), fraction);
 }
 
-/// Returns the number of decimals of metres that resolve `step_m`.
-int decimals_for(double step_m) { return std::clamp(-int(std::floor(std::log10(step_m) + 1e-9)), 0, max_decimals); }
-
 void add_quoted_csv(const std::string& field, std::string& text) {
   if (field.find_first_of(",\"\r\n") == std::string::npos) {
     text += field;
@@ -79,13 +76,15 @@ struct Normal {
 
 }  // namespace
 
-QueryText::QueryText(QueryFormat format, QueryKind kind, const QueryFrames& frames, double voxel_size_m, bool has_ids,
-                     std::optional<std::uint64_t> count)
+int decimals_for(double step) { return std::clamp(-int(std::floor(std::log10(step) + 1e-9)), 0, max_decimals); }
+
+QueryText::QueryText(QueryFormat format, QueryKind kind, const QueryFrames& frames, double voxel_size_m,
+                     QueryColumns columns, std::optional<std::uint64_t> count)
     : format_(format),
       kind_(kind),
       frames_(frames),
       decimals_(decimals_for(voxel_size_m / 1000)),
-      has_ids_(has_ids),
+      columns_(columns),
       count_(count.value_or(0)) {
   if (format == QueryFormat::npy && !count)
     throw UsageError("format", "npy states the number of answers first; expected a .npy table, a grid or one query");
@@ -105,7 +104,7 @@ std::string QueryText::begin() const {
   if (format_ == QueryFormat::geojson) return "{\"type\":\"FeatureCollection\",\"features\":[";
   if (format_ == QueryFormat::json) return "[";
   if (format_ == QueryFormat::npy) return npy_header(kind_, count_);
-  return std::string(has_ids_ ? "id," : "") + "outcome,distance_m," +
+  return std::string(columns_.ids ? "id," : "") + (columns_.stations ? "station_m," : "") + "outcome,distance_m," +
          (frames_.frame() == QueryFrame::scene ? "x,y,z" : "lon,lat,height") +
          (kind_ == QueryKind::height ? ",height_error_m" : "") + ",nx,ny,nz,red,green,blue,coverage,lod,cell\n";
 }
@@ -151,8 +150,12 @@ void QueryText::add_point(const QueryPoint& p, int height_decimals, std::string&
 
 void QueryText::add_csv(const QueryAnswer& answer, std::string& text) const {
   const QueryHit& hit = answer.hit;
-  if (has_ids_) {
+  if (columns_.ids) {
     add_quoted_csv(answer.input.id, text);
+    text += ',';
+  }
+  if (columns_.stations) {
+    add_fixed(answer.input.station_m, decimals_, text);
     text += ',';
   }
   text += outcome(hit.outcome);
@@ -195,9 +198,14 @@ void QueryText::add_csv(const QueryAnswer& answer, std::string& text) const {
 /// in the query's frame as "position".
 void QueryText::add_members(const QueryAnswer& answer, bool with_scene_metres, std::string& text) const {
   const QueryHit& hit = answer.hit;
-  if (has_ids_) {
+  if (columns_.ids) {
     text += "\"id\":";
     add_json_string(answer.input.id, text);
+    text += ',';
+  }
+  if (columns_.stations) {
+    text += "\"station_m\":";
+    add_fixed(answer.input.station_m, decimals_, text);
     text += ',';
   }
   text += "\"outcome\":";

@@ -25,6 +25,14 @@ struct QueryAnswer {
   const std::string& shard;  ///< name of the cell or overview; empty if there is none
 };
 
+/// Returns the number of decimals, at most nine, that resolve `step`.
+int decimals_for(double step);
+
+/// The columns that some sources of queries add to the answers.
+struct QueryColumns {
+  bool ids = false, stations = false;
+};
+
 /// A formatter of answers. The text of a result consists of begin(), the text of each answer, and end().
 /// Lengths are printed with a resolution of 1/1000 voxel or finer. Degrees are printed with a finer resolution on the
 /// ground. Heights are printed with a resolution of 1/10 voxel of their level or finer, because their error is half a
@@ -33,7 +41,7 @@ class QueryText {
  public:
   /// Takes the number of answers, `count`, if it is known.
   /// Errors  UsageError: GeoJSON of a scene that is not georeferenced; an array of an unknown number of answers.
-  QueryText(QueryFormat format, QueryKind kind, const QueryFrames& frames, double voxel_size_m, bool has_ids,
+  QueryText(QueryFormat format, QueryKind kind, const QueryFrames& frames, double voxel_size_m, QueryColumns columns,
             std::optional<std::uint64_t> count);
 
   std::string begin() const;
@@ -58,7 +66,7 @@ class QueryText {
   QueryKind kind_;
   const QueryFrames& frames_;
   int decimals_;  ///< number of decimals of metres
-  bool has_ids_;
+  QueryColumns columns_;
   std::uint64_t count_;  ///< number of answers; 0 if unknown
 };
 

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <fmt/format.h>
 #include <memory>
 #include <numeric>
@@ -9,39 +8,24 @@
 #include <vector>
 
 #include "app/commands.h"
+#include "app/commands/query_arguments.h"
 #include "app/messages/with_progress.h"
 #include "app/options/choices.h"
-#include "app/options/flags.h"
 #include "app/options/output_file.h"
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
 #include "app/process/clipped_scene.h"
-#include "app/process/standard_streams.h"
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
 #include "core/base/pluralize.h"
+#include "core/math/geodesic.h"
+#include "format/area/geojson.h"
 #include "format/system/host_limits.h"
 #include "format/system/message.h"
-#include "format/system/output_file.h"
-#include "format/system/publish.h"
 #include "query/query_job.h"
-#include "worker/pipeline/backend.h"
 
 namespace gigabake::app {
 namespace {
-
-struct QueryArguments {
-  std::string scene, out;
-  std::string ray, rays, at, heights, grid, sight, sights;
-  double step = 0, max_distance_m = 0, ignore_ends_m = 0;
-  QueryFrame frame = QueryFrame::scene;
-  QueryFormat format = QueryFormat::csv;
-  QueryOptions options;
-  AreaOptions area;
-  Backend backend = Backend::automatic;
-  int threads = 0;
-  bool quiet = false;
-};
 
 std::unique_ptr<QuerySource> one_ray(const QueryArguments& a) {
   const char* const form =
@@ -52,6 +36,16 @@ std::unique_ptr<QuerySource> one_ray(const QueryArguments& a) {
   return single_query(ask, v.size() == 6 ? DirectionForm::direction : DirectionForm::angles, "--ray");
 }
 
+/// Returns the line of the file.
+/// Errors  UsageError: the file cannot be used.
+GeodesicPath line_of(const std::string& file) {
+  try {
+    return GeodesicPath(read_geojson_line(file));
+  } catch (const InputError& e) {
+    throw UsageError(e.what());
+  }
+}
+
 struct Asked {
   QueryKind kind;
   std::unique_ptr<QuerySource> asks;
@@ -59,10 +53,6 @@ struct Asked {
 
 /// Returns the source of the queries on the command line, and whether they are rays, heights or lines of sight.
 Asked question_of(const QueryArguments& a, const ThreadPool& pool) {
-  const std::array<const std::string*, 7> all{&a.ray, &a.rays, &a.at, &a.heights, &a.grid, &a.sight, &a.sights};
-  if (std::count_if(all.begin(), all.end(), [](const std::string* s) { return !s->empty(); }) != 1)
-    throw UsageError("expected one of --ray, --rays, --at, --heights, --grid, --sight and --sights");
-  if (!a.grid.empty() != (a.step != 0)) throw UsageError("--grid and --step: expected both or none of them");
   if (!a.ray.empty()) return {QueryKind::ray, one_ray(a)};
   if (!a.rays.empty()) return {QueryKind::ray, table_queries(a.rays, QueryKind::ray, a.frame, pool)};
   if (!a.sights.empty()) return {QueryKind::sight, table_queries(a.sights, QueryKind::sight, a.frame, pool)};
@@ -71,6 +61,8 @@ Asked question_of(const QueryArguments& a, const ThreadPool& pool) {
     const auto v = numbers("--at", "X,Y, or LON,LAT with --coordinates lonlat", a.at, {2});
     return {QueryKind::height, single_query({{}, {v[0], v[1], 0}, {}}, DirectionForm::point, "--at")};
   }
+  if (!a.profile.empty())
+    return {QueryKind::height, profile_queries(line_of(a.profile), a.step, "--profile " + a.profile)};
   if (!a.grid.empty()) {
     const auto v = numbers("--grid", "X,Y,X,Y: lower and upper corner", a.grid, {4});
     return {QueryKind::height, grid_queries({{v[0], v[1], v[2], v[3]}, a.step})};
@@ -78,44 +70,6 @@ Asked question_of(const QueryArguments& a, const ThreadPool& pool) {
   const auto v = numbers("--sight", "X,Y,Z,X,Y,Z: two points", a.sight, {6});
   return {QueryKind::sight,
           single_query({{}, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}}, DirectionForm::point, "--sight")};
-}
-
-/// Selects the device: immediately for `cuda`, otherwise at the first long batch, because a driver's start takes a
-/// second.
-void set_device(Backend backend, QueryOptions& options) {
-  if (backend == Backend::cpu) return;
-  options.device = [] { return choose_device({Backend::automatic}).device; };
-  if (backend != Backend::cuda) return;
-  options.device = [device = choose_device({backend}).device] { return device; };
-  options.min_device_rays = 1;
-}
-
-/// Assigns an eighth of the memory to queries and results in flight, and the rest to trees.
-void share_memory(std::uint64_t memory_bytes, QueryOptions& options, QueryJob& job) {
-  constexpr std::uint64_t bytes_per_ray = 1024, min_rays = 1024;
-  const std::uint64_t all = memory_bytes != 0 ? memory_bytes : host_limits().memory_bytes / 2;
-  job.batch_rays = std::size_t(std::clamp(all / 8 / bytes_per_ray, min_rays, std::uint64_t(job.batch_rays)));
-  const std::uint64_t rays = job.batch_rays * bytes_per_ray;
-  options.memory_bytes = all > rays ? all - rays : 0;
-}
-
-QueryTally write_answers(const QueryArguments& a, const QueryJob& job, SceneQuery& query, QuerySource& asks,
-                         const ThreadPool& pool, const Progress& progress) {
-  if (a.out.empty())
-    return run_query(
-        job, query, asks, pool,
-        [](std::string_view text) {
-          if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size())
-            throw InputError("standard output", "", "cannot be written");
-        },
-        progress);
-  Publication publication(a.out, Leftovers::remove);
-  OutputFile file(a.out, publication.temporary());
-  const QueryTally tally = run_query(
-      job, query, asks, pool, [&](std::string_view text) { file.write(text); }, progress);
-  file.finish();
-  publication.publish();
-  return tally;
 }
 
 /// Returns "1 place is", "2 rays are".
@@ -141,11 +95,7 @@ void warn_of_outside(QueryKind kind, const QueryTally& tally) {
 
 int tell(const QueryArguments& a, QueryKind kind, const QueryTally& tally, SceneQuery& query) {
   const auto of = [&](QueryOutcome outcome) { return tally[std::size_t(outcome)]; };
-  for (const std::string& problem : query.problems())
-    print_message("gigabake: cell missing: {}\n", with_flags(problem));
-  if (!query.device_problem().empty() && (!a.quiet || a.backend == Backend::cuda))
-    print_message("gigabake: the CPU cast {}: {}\n", query.counts().device_rays > 0 ? "some of the rays" : "the rays",
-                  query.device_problem());
+  print_problems(a, query);
   if (!a.out.empty() && !a.quiet)
     fmt::print("{}: {} hit, {} hit nothing, {} outside the scene, {} where a cell is missing; {} built, {} at most\n",
                a.out, of(QueryOutcome::hit), of(QueryOutcome::nothing), of(QueryOutcome::outside),
@@ -158,9 +108,7 @@ int tell(const QueryArguments& a, QueryKind kind, const QueryTally& tally, Scene
   return of(QueryOutcome::missing) > 0 ? cells_failed : complete;
 }
 
-int run(const QueryArguments& a) {
-  if (a.threads < 0 || a.threads > 1024) throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
-  const ThreadPool pool(a.threads != 0 ? a.threads : host_limits().cores());
+int run_rays(const QueryArguments& a, const ThreadPool& pool) {
   const Asked question = question_of(a, pool);
   QueryJob job;
   job.kind = question.kind;
@@ -168,22 +116,46 @@ int run(const QueryArguments& a) {
   job.format = a.format;
   if (a.max_distance_m != 0) job.max_distance_m = a.max_distance_m;
   job.ignore_ends_m = a.ignore_ends_m;
-  QueryOptions options = a.options;
-  share_memory(a.options.memory_bytes, options, job);
-  set_device(a.backend, options);
-  const ClippedScene scene(a.scene, a.area, a.threads, !a.quiet && !a.out.empty());
+  const QueryOptions options = options_of(a, 1, job.batch_rays);
+  const ClippedScene scene(a.scene, a.area, a.threads, a.shows_progress());
   SceneQuery query(std::make_shared<const PagedScene>(scene.file()), options, pool);
-  const QueryTally tally = with_progress(
-      [&](const Progress& progress) { return write_answers(a, job, query, *question.asks, pool, progress); },
-      a.quiet || a.out.empty() ? nullptr : stderr);
-  flush_output();
+  if (!a.profile.empty()) expect_on_earth("--profile", a.scene, query);
+  QueryTally tally{};
+  write_result(a, [&](const TextSink& write) {
+    tally = with_progress(
+        [&](const Progress& progress) { return run_query(job, query, *question.asks, pool, write, progress); },
+        a.shows_progress() ? stderr : nullptr);
+  });
   return tell(a, job.kind, tally, query);
+}
+
+void expect_one_question(const QueryArguments& a) {
+  const std::array<const std::string*, 9> all{&a.ray,     &a.rays,  &a.at,     &a.heights,    &a.grid,
+                                              &a.profile, &a.sight, &a.sights, &a.volume.area};
+  if (std::count_if(all.begin(), all.end(), [](const std::string* s) { return !s->empty(); }) != 1)
+    throw UsageError(
+        "expected one of --ray, --rays, --at, --heights, --grid, --profile, --sight, --sights and --volume");
+  if ((!a.grid.empty() || !a.profile.empty()) != (a.step != 0))
+    throw UsageError("--step: expected the distance between points, above 0, with --grid or --profile, and only there");
+  if (a.volume.area.empty() && (a.volume.above_m || !a.volume.against.empty()))
+    throw UsageError("--above and --against: belong to --volume, which is missing");
+}
+
+int run(const QueryArguments& a) {
+  expect_one_question(a);
+  if (a.threads < 0 || a.threads > 1024) throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
+  const ThreadPool pool(a.threads != 0 ? a.threads : host_limits().cores());
+  return a.volume.area.empty() ? run_rays(a, pool) : run_volume(a, pool);
 }
 
 /// Rejects an output file that would overwrite the queries or the scene.
 void expect_apart(const QueryArguments& a) {
   std::vector<std::filesystem::path> inputs = files_of_bake(std::filesystem::path(a.scene).parent_path());
-  for (const std::string* table : {&a.rays, &a.heights, &a.sights}) inputs.emplace_back(*table);
+  for (const std::string* file : {&a.rays, &a.heights, &a.sights, &a.profile, &a.volume.area})
+    inputs.emplace_back(*file);
+  if (!a.volume.against.empty())
+    for (const auto& file : files_of_bake(std::filesystem::path(a.volume.against).parent_path()))
+      inputs.push_back(file);
   expect_no_input("-o", a.out, inputs);
   expect_parent_folder("-o", a.out);
 }
@@ -196,9 +168,20 @@ void add_questions(CLI::App& command, QueryArguments& a) {
   command.add_option(
       "--grid", a.grid,
       "X,Y,X,Y: heights at points from a lower to an upper corner, --step apart, to within half a voxel");
-  command.add_option("--step", a.step, "distance between points of --grid, metres or degrees");
+  command.add_option("--profile", a.profile,
+                     "LINE.geojson: heights along its LineString, --step metres apart, in longitude and latitude");
+  command.add_option("--step", a.step, "distance between points of --grid (metres or degrees) or --profile (metres)");
   command.add_option("--sight", a.sight, "X,Y,Z,X,Y,Z: whether two points see each other");
   command.add_option("--sights", a.sights, "CSV or .npy file of pairs of points");
+  command.add_option("--volume", a.volume.area,
+                     "AREA.geojson: cut and fill inside its polygons, from --above or --against");
+  command.add_option("--above", a.volume.above_m,
+                     "HEIGHT: compare the surface with this height, metres above the WGS84 ellipsoid: above it is cut, "
+                     "below it is fill");
+  command.add_option(
+      "--against", a.volume.against,
+      "OTHER: compare the surface with another scene: where OTHER is lower is cut, where it is higher is "
+      "fill");
   add_choice(command, "--coordinates", a.frame,
              "coordinates of input and answers: scene metres, or longitude, latitude and height");
 }
@@ -233,8 +216,14 @@ void add_query(CLI::App& app, int& exit_code) {
                   "max bytes of voxels in memory, such as 512M or 4G; 0: half of the host's memory (1G)")
       ->transform(CLI::AsSizeValue(false));
   command.add_flag("-q,--quiet", a->quiet, "print only errors");
-  command.callback([a, &exit_code] {
+  command.callback([a, &command, &exit_code] {
     a->scene = scene_argument(a->scene).string();
+    if (!a->profile.empty()) {
+      if (command.count("--coordinates") > 0 && a->frame == QueryFrame::scene)
+        throw UsageError("--profile: its answers are longitudes and latitudes; expected no --coordinates scene");
+      a->frame = QueryFrame::lonlat;
+    }
+    if (!a->volume.against.empty()) a->volume.against = other_scene_argument(a->volume.against);
     expect_apart(*a);
     exit_code = run(*a);
   });

@@ -51,6 +51,7 @@ constexpr auto flags = std::to_array<std::pair<std::string_view, std::string_vie
     {"size", "--size"},
     {"size_m", "--size"},
     {"spread", "--footprint"},
+    {"step", "--step"},
     {"surface", "--surface"},
     {"target_m", "--target"},
     {"texel_m", "--texel"},
@@ -61,6 +62,7 @@ constexpr auto flags = std::to_array<std::pair<std::string_view, std::string_vie
     {"token", "--token"},
     {"up", "--up"},
     {"update", "--update"},
+    {"volume", "--volume"},
     {"voxel_size_m", "--voxel-size"},
 });
 

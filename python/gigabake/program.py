@@ -111,3 +111,32 @@ def query_array(scene: Path | str, *options: Option, rays: ArrayLike | None = No
     output = run("query", [scene, name, "-", "--format", "npy", *options], scene, table, program=program)
     answers: NDArray[Any] = numpy.load(io.BytesIO(output))
     return answers
+
+
+def profile(scene: Path | str, line: Path | str, step_m: float, *options: Option,
+            program: Path | str | None = None) -> list[dict[str, Any]]:
+    """Queries heights along the line of a GeoJSON file, a step apart (docs/schemas/query-1.json).
+
+    The options of `gigabake query` follow.
+    """
+    arguments = [scene, "--profile", line, f"--step={float(step_m)!r}", "--format", "json", *options]
+    result: list[dict[str, Any]] = json_of("query", run("query", arguments, scene, program=program))
+    return result
+
+
+def volume(scene: Path | str, area: Path | str, *options: Option, above_m: float | None = None,
+           against: Path | str | None = None, program: Path | str | None = None) -> dict[str, Any]:
+    """Measures cut and fill inside the polygons of a GeoJSON file (docs/schemas/volume-1.json).
+
+    The reference is a height above the WGS84 ellipsoid or another scene. The options of `gigabake query` follow.
+    """
+    reference: list[Option]
+    if above_m is not None and against is None:
+        reference = [f"--above={float(above_m)!r}"]
+    elif against is not None and above_m is None:
+        reference = ["--against", against]
+    else:
+        raise ValueError("expected one of above_m and against")
+    arguments = [scene, "--volume", area, *reference, "--format", "json", *options]
+    result: dict[str, Any] = json_of("query", run("query", arguments, scene, program=program))
+    return result

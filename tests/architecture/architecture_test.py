@@ -43,7 +43,7 @@ MODULES = {
     "viewer/window": [*SHOWN, "viewer/live", "viewer/pictures"],
     "viewer/web": [*SHOWN, "viewer/live", "viewer/pictures"],
     "query/first_hit": ["core", "kernels/body", "kernels/cuda", "kernels/marching"],
-    "query": [*SHOWN, "query/first_hit", "viewer/stream"],
+    "query": [*SHOWN, "format/area", "query/first_hit", "viewer/stream"],
 }
 # These may include all modules.
 JOINTS = ["app", "bench", "examples", "tests"]

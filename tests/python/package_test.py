@@ -78,6 +78,8 @@ class Package(unittest.TestCase):
         self.assertIn("no-such-file.glb", caught.exception.cause)
         with self.assertRaisesRegex(ValueError, "expected one of rays, heights and sights"):
             gigabake.query("SCENE", rays=[[0] * 6], heights=[[0, 0]])
+        with self.assertRaisesRegex(ValueError, "expected one of above_m and against"):
+            gigabake.volume("SCENE", "area.geojson")
 
 
 if __name__ == "__main__":

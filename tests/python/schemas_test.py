@@ -64,6 +64,8 @@ class Schemas(harness.FolderTest):
         (root / "places.csv").write_text("id,x,y\nhere,0,0\n", encoding="utf-8")
         outputs["query-1"].append(cls.printed("query", scene, "--heights", root / "places.csv", "--format", "json"))
         outputs["query-1"].append(cls.printed("query", scene, "--grid=-2,-2,2,2", "--step", 2, "--format", "json"))
+        outputs["volume-1"] = cls.volumes(scene, root, options)
+        outputs["query-1"].append(cls.profile(scene, root, options))
         with mock.patch.dict(os.environ, harness.MPI_ENVIRONMENT):
             outputs["bake-1"].append(gigabake.bake(source, root / "ranks", 1, "--cell-voxels", 32, ranks=2, **options))
         gigabake.bake(source, root / "other", 1, "--cell-voxels", 32, "--surface", "conservative", **options)
@@ -72,6 +74,25 @@ class Schemas(harness.FolderTest):
         outputs["status-1"] = [cls.printed("status", scene)]
         outputs["diff-1"] = [cls.printed("diff", scene, scene), cls.printed("diff", scene, root / "other")]
         cls.outputs = outputs
+
+    @classmethod
+    def profile(cls, scene, root, options):
+        """Returns the profile of a line of some ten metres in the middle of the scene."""
+        lat, lon = gigabake.open(scene).origin[:2]
+        line = root / "line.geojson"
+        text = json.dumps({"type": "LineString", "coordinates": [[lon, lat], [lon + 1e-4, lat + 1e-4]]})
+        line.write_text(text, encoding="utf-8")
+        return gigabake.profile(scene, line, 2, **options)
+
+    @classmethod
+    def volumes(cls, scene, root, options):
+        """Returns the volumes of a square of some ten metres in the middle of the scene."""
+        lat, lon = gigabake.open(scene).origin[:2]
+        ring = [[lon + x, lat + y] for x, y in ((0, 0), (1e-4, 0), (1e-4, 1e-4), (0, 1e-4), (0, 0))]
+        area = root / "area.geojson"
+        area.write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}), encoding="utf-8")
+        return [gigabake.volume(scene, area, above_m=600, **options),
+                gigabake.volume(scene, area, against=scene, **options)]
 
     @classmethod
     def incomplete(cls, source, options, outputs):

@@ -38,7 +38,9 @@ SMALL = {"sample": {"--size": "64"}, "plan": {"--voxel-size": "2"},
          "render": {"--size": "64x48", "--frames": "2", "--eye": "60,-60,300", "--target": "0,0,0"},
          "query": {"--step": "20"}}
 # Values for the placeholders in documents.
-OPEN_VALUES = {"--path ...": "--path path.json --frames 2 -o f%04d.png", "--grid ...": "--grid=-5,-5,5,5 --step 5"}
+OPEN_VALUES = {"--path ...": "--path path.json --frames 2 -o f%04d.png", "--grid ...": "--grid=-5,-5,5,5 --step 5",
+               "--profile ...": "--profile line.geojson --step 5",
+               "--volume A.geojson": "--volume area.geojson --above 600"}
 NEEDED = {"bake": [("-o", "SCENE"), ("--voxel-size", "2")], "render": [("-o", "P.png")]}
 NUMBERS = [("X,Y,Z,DX,DY,DZ", "0,0,900,0,0,-1"), ("X,Y,Z,X,Y,Z", "0,0,900,5,5,900"), ("X,Y,X,Y", "-5,-5,5,5"),
            ("X,Y", "0,0"), ("W,S,E,N", "8.3,46.93,8.303,46.932")]
@@ -138,7 +140,11 @@ class Documents(harness.FolderTest):
                               ("pairs", "x,y,z,to_x,to_y,to_z\n0,0,900,5,5,900")):
             (cls.root / "made" / f"{name}.csv").write_text(columns + "\n")
         ring = [[8.3, 46.93], [8.303, 46.93], [8.303, 46.933], [8.3, 46.93]]
-        (cls.root / "made" / "district.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
+        for name in ("district", "area"):
+            polygon = {"type": "Polygon", "coordinates": [ring]}
+            (cls.root / "made" / f"{name}.geojson").write_text(json.dumps(polygon))
+        line = {"type": "LineString", "coordinates": ring[:2]}
+        (cls.root / "made" / "line.geojson").write_text(json.dumps(line))
         numpy.save(cls.root / "made" / "rays.npy", [[0.0, 0, 900, 0, 0, -1]])
         harness.write_glb(cls.root / "made" / "machine.glb", [[0, 9, 0], [4, 9, 0], [4, 9, -4]], [0, 1, 2])
 

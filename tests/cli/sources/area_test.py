@@ -8,7 +8,6 @@ Usage: area_test.py GIGABAKE SOURCE_DIR [--tiles N]
 """
 import itertools
 import json
-import math
 import re
 import shutil
 import subprocess
@@ -19,6 +18,7 @@ from pathlib import Path
 import numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import earth
 import harness
 
 LATITUDE, LONGITUDE = 47.0, 8.0
@@ -27,50 +27,17 @@ TILE_M = 8.0
 VERTICES = 5
 VOXEL_M = 0.5
 OPTIONS = ("--cell-voxels", 16, "--threads", 2, "--no-overviews")
-RADIUS_M, FLATTENING = 6378137.0, 1 / 298.257223563  # of WGS84
-ECCENTRICITY_2 = FLATTENING * (2 - FLATTENING)
-
-
-def earth_centred(longitude, latitude, height_m):
-    lon, lat = math.radians(longitude), math.radians(latitude)
-    normal = RADIUS_M / math.sqrt(1 - ECCENTRICITY_2 * math.sin(lat) ** 2)
-    across = (normal + height_m) * math.cos(lat)
-    return numpy.array([across * math.cos(lon), across * math.sin(lon),
-                        (normal * (1 - ECCENTRICITY_2) + height_m) * math.sin(lat)])
-
-
-def geodetic(points):
-    """Returns longitude, latitude and height of earth-centred points near the surface, by fixed-point iteration."""
-    x, y, z = points.T
-    across = numpy.hypot(x, y)
-    latitude = numpy.arctan2(z, across * (1 - ECCENTRICITY_2))
-    for _ in range(8):
-        normal = RADIUS_M / numpy.sqrt(1 - ECCENTRICITY_2 * numpy.sin(latitude) ** 2)
-        latitude = numpy.arctan2(z + ECCENTRICITY_2 * normal * numpy.sin(latitude), across)
-    normal = RADIUS_M / numpy.sqrt(1 - ECCENTRICITY_2 * numpy.sin(latitude) ** 2)
-    height = across * numpy.cos(latitude) + z * numpy.sin(latitude) - RADIUS_M ** 2 / normal
-    return numpy.stack([numpy.degrees(numpy.arctan2(y, x)), numpy.degrees(latitude), height], -1)
-
-
-def frame(longitude, latitude):
-    """Returns the rotation from east, north, up to the earth-centred frame, and the origin."""
-    lon, lat = math.radians(longitude), math.radians(latitude)
-    east = [-math.sin(lon), math.cos(lon), 0]
-    north = [-math.sin(lat) * math.cos(lon), -math.sin(lat) * math.sin(lon), math.cos(lat)]
-    up = [math.cos(lat) * math.cos(lon), math.cos(lat) * math.sin(lon), math.sin(lat)]
-    return numpy.array([east, north, up]).T, earth_centred(longitude, latitude, 0)
 
 
 def degrees_of(points, longitude=LONGITUDE, latitude=LATITUDE):
     """Returns longitude, latitude and height of points in the scene's frame."""
-    rotation, origin = frame(longitude, latitude)
-    return geodetic(points @ rotation.T + origin)
+    return earth.degrees_of(points, longitude, latitude)
 
 
 def write_tileset(folder, edge, longitude=LONGITUDE, latitude=LATITUDE):
     """Writes edge × edge tiles, each with its own file, around the place. Returns the path of the tileset."""
     folder.mkdir(parents=True)
-    rotation, origin = frame(longitude, latitude)
+    rotation, origin = earth.frame(longitude, latitude)
     grid = numpy.linspace(0, TILE_M, VERTICES)
     tiles = []
     for row in range(edge):
