@@ -28,6 +28,7 @@ const std::map<std::string, Lines> examples{
     {"bake",
      {"gigabake bake village/tileset.json --voxel-size 0.25 -o SCENE",
       "gigabake bake scan.obj --voxel-size 0.01 --up z --codec lz4 -o SCENE",
+      "gigabake bake dem.tif --ortho photo.tif --voxel-size 0.5 -o SCENE",
       "mpirun -n 8 gigabake bake city/tileset.json --voxel-size 0.5 --origin 46.93,8.30,610 -o SCENE"}},
     {"status", {"gigabake status SCENE", "gigabake status SCENE --follow"}},
     {"info", {"gigabake info SCENE", "gigabake info SCENE --json"}},

@@ -73,6 +73,7 @@ void BakeOptions::add_to(CLI::App& command) {
   command.add_flag("--local", asked.source_options.local, "no georeference: use the source's frame, rotated to z up");
   add_choice(command, "--up", asked.source_options.scene_up,
              "axis that points up in the source (tilesets z, mesh files y)");
+  raster.add_to(command);
   area.add_to(command);
   command.add_option("--threads", asked.threads, "threads of each rank (the host's cores shared by its ranks)");
   command
@@ -95,7 +96,9 @@ BakeRequest BakeOptions::request_of(MpiSession& mpi) const {
       expect_source(source);  // the path is checked on rank 0 only, because other ranks may have
                               // another working directory
     own = checked_request();
-    if (mpi.rank() == 0) own.source_options.area = area.area();  // only rank 0 opens the source
+    if (mpi.rank() != 0) return;  // only rank 0 opens the source
+    own.source_options.raster = raster.options();
+    own.source_options.area = area.area();
   });
   return own;
 }
@@ -103,6 +106,7 @@ BakeRequest BakeOptions::request_of(MpiSession& mpi) const {
 BakeRequest BakeOptions::request() const {
   expect_source(source);
   BakeRequest own = checked_request();
+  own.source_options.raster = raster.options();
   own.source_options.area = area.area();
   return own;
 }
@@ -113,6 +117,7 @@ BakeRequest BakeOptions::checked_request() const {
   r.out = out;
   r.metrics = metrics;
   r.area_text = area.text();
+  r.raster_text = raster.text();
   if (!origin.empty()) r.source_options.origin = geodetic("--origin", origin);
   if (r.source_options.local && !origin.empty()) throw UsageError("--local and --origin contradict each other");
   r.parameters.voxel_size_m = number("--voxel-size", voxel_size);

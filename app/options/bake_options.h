@@ -6,6 +6,7 @@
 #include <string>
 
 #include "app/options/area_options.h"
+#include "app/options/raster_options.h"
 #include "cluster/bake/bake.h"
 
 namespace gigabake::app {
@@ -15,6 +16,7 @@ struct BakeOptions {
   BakeRequest asked;  ///< its defaults are shown in the help
   std::string source, out, metrics, report, voxel_size, channels, lattice_origin, origin;
   std::optional<std::uint64_t> memory_bytes;
+  RasterArguments raster;
   AreaOptions area;
   bool json = false, quiet = false;
   std::optional<bool> log_time;  ///< unset: log times if standard error is not a terminal

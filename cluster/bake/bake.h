@@ -28,8 +28,9 @@ namespace gigabake {
 struct BakeRequest {
   std::filesystem::path source, out;
   std::filesystem::path scratch;  ///< folder for the clusters of large tiles during the bake; empty: OUT/scratch
-  SourceOptions source_options;   ///< its area is set on rank 0 only
+  SourceOptions source_options;   ///< its area and its raster are set on rank 0 only
   std::string area_text;          ///< the options of the area of interest; empty without one
+  std::string raster_text;        ///< the options of elevation rasters; empty without one
   BakeParameters parameters;
   int threads = 0;                 ///< per rank; 0: the host's cores divided among its ranks
   std::uint64_t memory_bytes = 0;  ///< per rank; 0: no bound

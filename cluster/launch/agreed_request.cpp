@@ -83,6 +83,8 @@ std::vector<NamedOption> named_options(const BakeRequest& request) {
                        ? fmt::format("{},{},{}", s.origin->latitude_deg, s.origin->longitude_deg, s.origin->height_m)
                        : "the source's own"},
       {"`bounds`, `clip` or `crs`", request.area_text.empty() ? "not given" : request.area_text},
+      {"`ortho`, `dem_crs`, `nodata` or `geoid_offset_m`",
+       request.raster_text.empty() ? "not given" : request.raster_text},
       {"`up`", s.scene_up ? std::string(name_of(*s.scene_up)) : "the source's own"},
       {"`no_keep_going`", request.keep_going ? "not given" : "given"},
       {"`no_overviews`", request.overviews ? "not given" : "given"},

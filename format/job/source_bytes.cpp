@@ -109,7 +109,7 @@ void get_next_place(ByteReader& r, Place& place) {
 void put_part(ByteWriter& w, const DemPart& part) {
   const DemOptions& o = part.options;
   w.put(o.dem.string()), w.put(o.ortho.string()), w.put(o.crs), w.put(o.ortho_crs);
-  put_optional(w, o.nodata), put_optional(w, o.height_scale), put_optional(w, o.geoid_offset_m);
+  w.put(o.nodata), put_optional(w, o.height_scale), put_optional(w, o.geoid_offset_m);
   for (const int number : {o.tile_cells, part.column, part.row, part.columns, part.rows}) w.put(std::int32_t(number));
   w.put(std::uint64_t(part.grids.size()));
   for (const std::filesystem::path& grid : part.grids) w.put(grid.string());
@@ -120,7 +120,7 @@ DemPart get_part(ByteReader& r) {
   DemOptions& o = part.options;
   o.dem = get_path(r), o.ortho = get_path(r);
   r.get(o.crs), r.get(o.ortho_crs);
-  get_optional(r, o.nodata), get_optional(r, o.height_scale), get_optional(r, o.geoid_offset_m);
+  r.get(o.nodata), get_optional(r, o.height_scale), get_optional(r, o.geoid_offset_m);
   for (int* const number : {&o.tile_cells, &part.column, &part.row, &part.columns, &part.rows}) {
     std::int32_t value = 0;
     r.get(value);

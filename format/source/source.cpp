@@ -181,19 +181,43 @@ SceneSources json_sources(const Path& file, const SourceOptions& options, const 
   throw InputError(file, "", "expected a tileset (\"root\") or a scene (\"gigabake\")");
 }
 
+DemOptions stated_options(const RasterOptions& stated) {
+  DemOptions out;
+  if (!stated.ortho.empty()) out.ortho = std::filesystem::absolute(stated.ortho);  // ranks have other working folders
+  out.crs = stated.dem_crs;
+  out.nodata = stated.nodata;
+  out.geoid_offset_m = stated.geoid_offset_m;
+  return out;
+}
+
+/// Rejects statements about rasters for a source that has other files, or its own statements.
+void expect_rasters(const Path& path, const RasterOptions& stated) {
+  if (stated == RasterOptions{}) return;
+  std::error_code error;
+  const bool is_folder = std::filesystem::is_directory(path, error);
+  if (is_raster_name(path) || (is_folder && !rasters_in(path).empty())) return;
+  const char* field = !stated.ortho.empty() ? "ortho" : "nodata";
+  if (stated.ortho.empty() && stated.nodata.empty()) field = stated.dem_crs.empty() ? "geoid_offset_m" : "dem_crs";
+  throw UsageError(field, lower_extension(path) == ".json"
+                              ? "the source is a .json, which states this for each of its rasters (\"dem\")"
+                              : "the source is no elevation raster (.tif, .asc, .hgt, .vrt)");
+}
+
 /// Returns the rasters that can be opened. Lists files that cannot be opened, such as a photo, as skipped.
 std::vector<DemOptions> readable_rasters(const Path& root, const std::vector<Path>& files, const SourceOptions& options,
                                          std::vector<SkippedSource>& skipped) {
   std::vector<DemOptions> rasters;
+  std::error_code error;
   for (const Path& file : files) {
-    DemOptions raster;
+    DemOptions raster = stated_options(options.raster);
     raster.dem = file;
+    if (files.size() > 1 && std::filesystem::equivalent(file, raster.ortho, error)) continue;
     if (files.size() == 1) return {raster};  // dem_sources() opens it and reports its error
     try {
       open_dem({raster}, options.local);
       rasters.push_back(raster);
-    } catch (const InputError& error) {
-      skipped.push_back({name_in(root, file), error.what()});
+    } catch (const InputError& e) {
+      skipped.push_back({name_in(root, file), e.what()});
     }
   }
   if (rasters.empty()) throw InputError(root, "", "none of its rasters can be read: " + skipped.front().reason);
@@ -230,6 +254,8 @@ SceneSources folder_sources(const Path& folder, const SourceOptions& options, co
   if (std::filesystem::is_regular_file(folder / "tileset.json", error))
     return json_sources(folder / "tileset.json", options, progress);
   const FolderListing listing = list_folder(folder, is_mesh, progress);
+  if ((listing.tileset || !listing.files.empty()) && options.raster != RasterOptions{})
+    throw UsageError("ortho", "the folder has a tileset or mesh files; name the elevation raster");
   if (listing.tileset) return json_sources(*listing.tileset, options, progress);
   const std::vector<Path> rasters = listing.files.empty() ? rasters_in(folder) : std::vector<Path>();
   if (listing.files.empty() && rasters.empty())
@@ -260,6 +286,7 @@ void restrict_to_area(const std::shared_ptr<const Area>& area, SceneSources& sou
 SceneSources open_sources(const std::filesystem::path& path, const SourceOptions& options, const Progress& progress) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw InputError(path, "", "no such file or folder");
+  expect_rasters(path, options.raster);
   SceneSources out;
   if (std::filesystem::is_directory(path, error))
     out = folder_sources(path, options, progress);

@@ -21,12 +21,22 @@ class Archive;
 struct Area;
 struct DemTile;
 
+/// Statements about the elevation rasters of a source. A scene .json has its own statements per raster.
+struct RasterOptions {
+  std::filesystem::path ortho;           ///< image with their colours; empty: none
+  std::string dem_crs;                   ///< in place of their coordinate system; empty: their own
+  std::vector<double> nodata;            ///< numbers that mark missing heights; empty: those that the rasters declare
+  std::optional<double> geoid_offset_m;  ///< in place of their vertical reference system
+  friend bool operator==(const RasterOptions&, const RasterOptions&) = default;
+};
+
 struct SourceOptions {
   bool local = false;              ///< no georeference even if the source has one
   std::optional<Geodetic> origin;  ///< scene origin; default: the source's own (see open_sources)
   std::optional<UpAxis> scene_up;  ///< up axis in a tileset's own frame (default z) or in mesh files (default y, as in
                                    ///< glTF)
   std::shared_ptr<const Area> area = nullptr;  ///< the part of the source that is used; null: all of it
+  RasterOptions raster = {};                   ///< for a source that consists of elevation rasters
 };
 
 enum class ContentKind : std::uint8_t { glb, gltf, b3dm, i3dm, obj, dem, ply, stl };
@@ -89,8 +99,8 @@ struct SceneSources {
 /// If there is an area, omits all tiles whose bounds lie outside it, without opening their files. Only mesh files state
 /// their bounds inside; their headers are read.
 /// Errors  InputError: a source is unreadable, cyclic or malformed, a URI leads out of the root, or a required
-///         extension is not supported. UsageError: the area lies on the earth and the scene does not, or no tile
-///         intersects the area. Stopped: the caller cancelled the step.
+///         extension is not supported. UsageError: the area lies on the earth and the scene does not, no tile lies in
+///         the area, or `raster` is stated for another source. Stopped: the caller cancelled the step.
 SceneSources open_sources(const std::filesystem::path& path, const SourceOptions& options,
                           const Progress& progress = {});
 

@@ -33,8 +33,8 @@ static_assert(sizeof(FileHeader) == 48);
 void put_part(const DemPart& part, ByteWriter& w) {
   const DemOptions& o = part.options;
   w.put(o.dem.string()), w.put(o.ortho.string());
-  w.put(o.crs), w.put(o.ortho_crs);
-  for (const auto& number : {o.nodata, o.height_scale, o.geoid_offset_m}) {
+  w.put(o.crs), w.put(o.ortho_crs), w.put(o.nodata);
+  for (const auto& number : {o.height_scale, o.geoid_offset_m}) {
     w.put(std::uint8_t(number.has_value()));
     w.put(number.value_or(0));
   }

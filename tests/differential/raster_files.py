@@ -24,8 +24,6 @@ EIGHT_BITS = ("has 8-bit heights, taken as whole metres from 0 to 255; set heigh
               ".json to the metres of one step (1: they are metres)")
 FEET = ("its coordinates are in 'US survey foot' and it does not say in which unit its heights are: taken as metres; "
         "set height_scale in a scene .json (1, or a foot: 0.3048)")
-UNDECLARED = ("pixels of {} are taken as holes, though the raster does not declare this number as nodata; declare it, "
-              "or set \"nodata\" in a scene .json")
 BANDS = "has 2 bands; heights are read from the first band (without a name), the others are not used"
 
 
@@ -155,7 +153,7 @@ class RasterWriter:
             if value == -9999 and (self.scale, self.offset) != (1, 0):
                 self.void = "none"
                 return
-            self.warned.append((UNDECLARED.format(f"{value:.9g}"), 1, 1))
+            self.entry["nodata"] = odd.choice([value, [value], [value, -5555]])
         if self.void == "scene":
             self.entry["nodata"] = value
         with numpy.errstate(over="ignore"):

@@ -23,7 +23,7 @@ struct DemOptions {
   std::filesystem::path dem, ortho;      ///< ortho may be empty
   std::string crs;                       ///< overrides that of the raster: "EPSG:25832", WKT or a PROJ text
   std::string ortho_crs;                 ///< overrides that of the orthophoto
-  std::optional<double> nodata;          ///< overrides that of the raster
+  std::vector<double> nodata;            ///< numbers that mark missing heights; override that of the raster
   std::optional<double> height_scale;    ///< metres per unit; overrides the unit of the raster
   std::optional<double> geoid_offset_m;  ///< height of the geoid above the ellipsoid, added to heights; unset: 0
   int tile_cells = 256;                  ///< max edge of a tile in cells

@@ -134,6 +134,17 @@ std::vector<SceneSources> dem_sources(const std::filesystem::path& root, const s
   return out;
 }
 
+/// Returns a member that is a number or a list of numbers; empty if it is absent.
+std::vector<double> numbers_of(const JsonMembers& entry, const char* key) {
+  const Json* value = entry.value(key);
+  if (value == nullptr || !value->is_array()) {
+    const auto number = entry.find<double>(key);
+    return number ? std::vector<double>{*number} : std::vector<double>{};
+  }
+  if (value->empty()) entry.fail(key, "expected a number or a list of numbers");
+  return *entry.numbers(key, value->size());
+}
+
 std::vector<DemOptions> dem_options(const JsonMembers& entry) {
   const std::filesystem::path& scene_file = entry.file();
   const std::filesystem::path root = scene_file.parent_path().empty() ? "." : scene_file.parent_path();
@@ -151,7 +162,7 @@ std::vector<DemOptions> dem_options(const JsonMembers& entry) {
   out.ortho = file("ortho");
   out.crs = entry.find<std::string>("crs").value_or("");
   out.ortho_crs = entry.find<std::string>("ortho_crs").value_or("");
-  out.nodata = entry.find<double>("nodata");
+  out.nodata = numbers_of(entry, "nodata");
   out.height_scale = entry.find<double>("height_scale");
   out.geoid_offset_m = entry.find<double>("geoid_offset_m");
   const std::uint64_t cells = entry.find<std::uint64_t>("tile_cells").value_or(256);

@@ -31,9 +31,10 @@ EllipsoidHeights::EllipsoidHeights(const DemOptions& options, GDALDataset& datas
   if (map_ || system_->is_ellipsoidal) return;
   const std::string why = system_->whole ? why_no_transformation(*system_->whole, ellipsoid_, bounds)
                                          : "cannot be combined with the horizontal coordinate system";
-  throw InputError(options.dem, "crs",
-                   "the vertical reference system " + in_quotes(system_->name) + " " + why +
-                       "; else set geoid_offset_m in a scene .json (0: heights are above the ellipsoid)");
+  throw InputError(
+      options.dem, "crs",
+      "the vertical reference system " + in_quotes(system_->name) + " " + why +
+          "; else set `geoid_offset_m` (in a scene .json \"geoid_offset_m\"; 0: heights are above the ellipsoid)");
 }
 
 void EllipsoidHeights::convert(std::vector<double> x, std::vector<double> y, std::vector<double>& height_m) const {
@@ -52,7 +53,8 @@ std::string EllipsoidHeights::why_not_covered(const LonLatBounds& area) const {
   return "the transformation of " + in_quotes(system_->name) + " to heights above the WGS84 ellipsoid" +
          (grids.empty() ? "" : " (grid " + grids + ")") + " does not cover the raster, which lies at longitude " +
          short_number(area[0]) + " to " + short_number(area[2]) + " and latitude " + short_number(area[1]) + " to " +
-         short_number(area[3]) + "; set the right crs, or geoid_offset_m, in a scene .json";
+         short_number(area[3]) +
+         "; set the right `dem_crs`, or `geoid_offset_m` (in a scene .json \"crs\", \"geoid_offset_m\")";
 }
 
 std::optional<UsedTransformation> EllipsoidHeights::transformation(const LonLatBounds& area) const {
@@ -63,7 +65,8 @@ std::string heights_note(const DemOptions& options, const EllipsoidHeights& heig
   if (options.geoid_offset_m) return "";
   if (!heights.system())
     return "states no vertical reference system: heights are taken as metres above the WGS84 ellipsoid; if they are "
-           "above sea level, set \"crs\" (such as EPSG:25832+7837) or \"geoid_offset_m\" in a scene .json";
+           "above sea level, set `dem_crs` (such as EPSG:25832+7837) or `geoid_offset_m` (in a scene .json \"crs\", "
+           "\"geoid_offset_m\")";
   const std::string name = in_quotes(heights.system()->name);
   if (heights.system()->is_ellipsoidal) return "heights are ellipsoidal (" + name + ")";
   std::string grids, accuracy;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <sstream>
 
@@ -32,9 +33,11 @@ std::string height_text(double v) {
   return text.str();
 }
 
-bool is_declared(double v, double nodata) {
+bool is_declared(double v, const std::vector<double>& nodata) {
   // Nodata in a tag is rounded text; for example, -3.40282e+38 means the lowest float.
-  return float(v) == float(nodata) || (std::fabs(v) >= huge && std::fabs(nodata) >= huge);
+  return std::any_of(nodata.begin(), nodata.end(), [&](double number) {
+    return float(v) == float(number) || (std::fabs(v) >= huge && std::fabs(number) >= huge);
+  });
 }
 
 bool is_marker(double v, double height_m, const HeightRule& rule) {
@@ -79,6 +82,18 @@ void warn_of_gaps(const std::vector<double>& height_m, std::vector<std::string>&
                        " m high: no place on earth is; set height_scale (a foot: 0.3048) or nodata in a scene .json");
 }
 
+[[noreturn]] void refuse_markers(const std::filesystem::path& file, const std::set<double>& marked) {
+  std::string numbers;
+  std::size_t named = 0;
+  for (const double v : marked)
+    if (++named <= max_markers_named) numbers += (numbers.empty() ? "" : ", ") + height_text(v);
+  throw InputError(file, "nodata",
+                   "pixels of " + numbers +
+                       " look like missing heights, but the raster does not declare this; set `nodata` (in a scene "
+                       ".json \"nodata\") to the numbers that mark missing heights: " +
+                       numbers + ", or other numbers if these are heights");
+}
+
 }  // namespace
 
 std::vector<std::string> take_heights(const std::filesystem::path& file, const HeightRule& rule,
@@ -91,14 +106,10 @@ std::vector<std::string> take_heights(const std::filesystem::path& file, const H
       marked.insert(v);
     else if (!is_missing && !rule.is_unit_chosen && (height_m < min_plausible_m || height_m > max_plausible_m))
       refuse_height(file, height_m);
-    v = is_missing || marked.contains(v) ? std::numeric_limits<double>::quiet_NaN() : height_m;
+    v = is_missing ? std::numeric_limits<double>::quiet_NaN() : height_m;
   }
+  if (!marked.empty()) refuse_markers(file, marked);
   std::vector<std::string> warnings;
-  for (const double v : marked)
-    if (warnings.size() < max_markers_named)
-      warnings.push_back("pixels of " + height_text(v) +
-                         " are taken as holes, though the raster does not declare this number as nodata; declare it, "
-                         "or set \"nodata\" in a scene .json");
   warn_of_gaps(values, warnings);
   return warnings;
 }

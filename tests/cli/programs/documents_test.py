@@ -17,6 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy
+from osgeo import gdal, osr
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
@@ -124,6 +125,22 @@ class Parser:
         return "" if result.returncode == 0 else result.stderr
 
 
+def write_rasters(folder):
+    """Writes an elevation raster, a folder of rasters, and a photo."""
+    (folder / "tiles").mkdir()
+    for name, values in (("dem.tif", numpy.full((1, 40, 40), 500, "f4")), ("photo.tif", numpy.ones((3, 40, 40), "u1"))):
+        kind = gdal.GDT_Float32 if len(values) == 1 else gdal.GDT_Byte
+        raster = gdal.GetDriverByName("GTiff").Create(str(folder / name), 40, 40, len(values), kind)
+        raster.SetGeoTransform([446800, 2, 0, 5197780, 0, -2])
+        crs = osr.SpatialReference()
+        crs.ImportFromEPSG(25832)
+        raster.SetSpatialRef(crs)
+        for i, band in enumerate(values, 1):
+            raster.GetRasterBand(i).WriteArray(band)
+        raster = None
+    shutil.copy(folder / "dem.tif", folder / "tiles")
+
+
 class Documents(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
@@ -146,6 +163,7 @@ class Documents(harness.FolderTest):
         line = {"type": "LineString", "coordinates": ring[:2]}
         (cls.root / "made" / "line.geojson").write_text(json.dumps(line))
         numpy.save(cls.root / "made" / "rays.npy", [[0.0, 0, 900, 0, 0, -1]])
+        write_rasters(cls.root / "made")
         harness.write_glb(cls.root / "made" / "machine.glb", [[0, 9, 0], [4, 9, 0], [4, 9, -4]], [0, 1, 2])
 
     def commands(self):

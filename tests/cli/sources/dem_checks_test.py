@@ -75,8 +75,8 @@ class DemChecksTest(unittest.TestCase):
         self.assertIn("US survey foot", feet[0])
         self.assertEqual(self.warnings(crs="EPSG:2229", height_scale=1), [])
 
-    # Regression of 2026-11-25: an untagged -9999 was a pit of 10 km.
-    def test_numbers_that_mark_missing_heights_are_holes_and_are_named(self):
+    # Regression of 2026-11-25: an untagged -9999 was a pit of 10 km. Since 2026-11-27 the user decides.
+    def test_undeclared_numbers_that_look_like_missing_heights_are_refused(self):
         holes = (slice(20, 40), slice(30, 60))
         expected = None
         for marker, kind in ((-9999, gdal.GDT_Float32), (-3.4028234663852886e38, gdal.GDT_Float32),
@@ -89,13 +89,32 @@ class DemChecksTest(unittest.TestCase):
             if marker == 123456:  # not a common marker
                 self.refused("height_scale", "nodata")
                 continue
-            [warning] = self.warnings(tile_cells=16)
-            self.assertIn("nodata", warning)
-            self.assertIn("%.3g" % marker if abs(marker) > 1e9 else str(marker), warning)
-            p = self.voxels()
+            self.refused("dem.tif", "nodata: ", "%.3g" % marker if abs(marker) > 1e9 else str(marker), "--nodata")
+            self.assertEqual(self.warnings(nodata=marker, tile_cells=16), [])
+            p = self.voxels(nodata=marker)
             self.assertGreater(p[:, 2].min(), 0)
             expected = expected or len(p)
             self.assertEqual(len(p), expected)
+
+    def test_a_refused_bake_writes_no_scene(self):
+        self.height[20:40, 30:60] = -9999
+        self.write()
+        result = PROGRAM.run("bake", self.root / "dem.tif", "-o", self.root / "out", "--voxel-size", 1)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertFalse((self.root / "out/scene.xml").exists())
+
+    def test_several_numbers_may_mark_missing_heights(self):
+        self.height[20:30, 30:60] = -9999
+        self.height[30:40, 30:60] = -32768
+        self.write(nodata=-9999)
+        self.refused("nodata: pixels of -32768 ")
+        p = self.voxels(nodata=[-9999, -32768])
+        self.assertGreater(p[:, 2].min(), 0)
+        self.write()
+        self.refused("nodata: pixels of -32768, -9999 ")
+        self.assertEqual(len(self.voxels(nodata=[-32768, -9999])), len(p))
+        for bad in ([], ["a"], "-9999"):
+            self.refused("nodata", nodata=bad)
 
     def test_a_chosen_nodata_makes_heights_of_other_numbers(self):
         self.height[20:40, 30:60] = -9999

@@ -39,7 +39,7 @@ std::shared_ptr<const DemRaster> random_raster(Random& random) {
     o.dem = random_name(random);
     if (random() % 2 == 0) o.ortho = random_name(random);
     o.crs = random_name(random), o.ortho_crs = random_name(random);
-    if (random() % 2 == 0) o.nodata = -9999.5;
+    if (random() % 2 == 0) o.nodata = {-9999.5, 0};
     if (random() % 2 == 0) o.height_scale = 0.3048;
     o.geoid_offset_m = double(random() % 100) / 3;
     o.tile_cells = int(1 + random() % 100);

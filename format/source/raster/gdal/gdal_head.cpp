@@ -46,6 +46,31 @@ void expect_whole_text(const DemOptions& o, GDALDataset& dataset) {
                          " values, more than its " + std::to_string(bytes) + " bytes can hold");
 }
 
+/// Rejects a GeoTIFF with a false header: its size is stated as far more than the file can hold. Blocks that a sparse
+/// file leaves out need only their entry in the index.
+/// Cost    Reads the index of blocks.
+void expect_whole_tiff(const DemOptions& o, GDALDataset& dataset) {
+  if (std::string_view(dataset.GetDriver()->GetDescription()) != "GTiff") return;
+  constexpr double min_index_bytes = 6;  // an offset of 4 bytes and a size of 2 bytes per block
+  constexpr double min_fraction = 0.1;   // tiles of a file that is cut off are reported when they are read
+  GDALRasterBand& band = *dataset.GetRasterBand(1);
+  int width = 1, height = 1;
+  band.GetBlockSize(&width, &height);
+  const double blocks = std::ceil(double(band.GetXSize()) / width) * std::ceil(double(band.GetYSize()) / height);
+  double bytes = blocks > 1 ? blocks * min_index_bytes : 0;
+  const bool is_plain = dataset.GetMetadataItem("COMPRESSION", "IMAGE_STRUCTURE") == nullptr &&
+                        band.GetMetadataItem("NBITS", "IMAGE_STRUCTURE") == nullptr;
+  double percent = 0;
+  if (is_plain) band.GetDataCoverageStatus(0, 0, band.GetXSize(), band.GetYSize(), 0, &percent);
+  if (percent > 0)
+    bytes += percent / 100 * band.GetXSize() * band.GetYSize() * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
+  const std::uint64_t own_bytes = std::filesystem::file_size(o.dem);
+  if (double(own_bytes) < min_fraction * bytes)
+    throw InputError(o.dem, "dem",
+                     "its header states " + std::to_string(band.GetXSize()) + " × " + std::to_string(band.GetYSize()) +
+                         " values, more than its " + std::to_string(own_bytes) + " bytes can hold");
+}
+
 /// Returns the bounds of sample points of a raster.
 std::array<double, 4> bounds_of(const DemPart& part, const Grid& grid, const Ground& ground) {
   std::vector<double> x, y;
@@ -131,6 +156,7 @@ RasterHead head_of(const DemOptions& options, bool is_local) {
   if (part.columns < 2 || part.rows < 2)
     throw InputError(options.dem, "dem", "expected at least 2 × 2 pixels, which are the terrain's vertices");
   expect_whole_text(options, *dataset);
+  expect_whole_tiff(options, *dataset);
   claim_tile(options, *dataset);
   head.grid = grid_of(options.dem, *dataset);
   const Ground ground(options, *dataset);

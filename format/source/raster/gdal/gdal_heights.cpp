@@ -56,11 +56,11 @@ HeightRule height_rule(const DemOptions& o, GDALDataset& dataset, bool is_on_ear
   HeightRule rule;
   int has_nodata = 0;
   const double own = band.GetNoDataValue(&has_nodata);
-  if (has_nodata != 0) rule.nodata = own;
-  if (o.nodata) rule.nodata = *o.nodata;
+  if (has_nodata != 0) rule.nodata = {own};
+  if (!o.nodata.empty()) rule.nodata = o.nodata;
   rule.scale = band.GetScale(), rule.offset = band.GetOffset(), rule.unit_m = height_scale_of(o, dataset);
   rule.geoid_offset_m = o.geoid_offset_m.value_or(0);
-  rule.is_nodata_chosen = o.nodata.has_value();
+  rule.is_nodata_chosen = !o.nodata.empty();
   rule.is_unit_chosen = o.height_scale.has_value() || !is_on_earth;
   return rule;
 }
@@ -131,9 +131,9 @@ double left_out_value(GDALRasterBand& band) {
 bool is_hole(const DemOptions& o, GDALRasterBand& band, double value) {
   int has_nodata = 0;
   const double own = band.GetNoDataValue(&has_nodata);
-  if (!o.nodata && has_nodata == 0) return false;
-  const double nodata = o.nodata.value_or(own);
-  return std::isnan(value) || value == nodata;
+  if (o.nodata.empty() && has_nodata == 0) return false;
+  if (std::isnan(value)) return true;
+  return o.nodata.empty() ? value == own : std::find(o.nodata.begin(), o.nodata.end(), value) != o.nodata.end();
 }
 
 bool is_without_data(GDALRasterBand& band, int column, int row, int columns, int rows) {
@@ -208,7 +208,7 @@ std::vector<MosaicSource> mosaic_sources(const DemOptions& options, GDALDataset&
     if (!source) return {};
     out.push_back(*source);
     out.back().holes.push_back(left_out_value(band));
-    if (options.nodata) out.back().holes.push_back(*options.nodata);
+    out.back().holes.insert(out.back().holes.end(), options.nodata.begin(), options.nodata.end());
   }
   return out;
 }
