@@ -78,6 +78,7 @@ class ProfileQueries final : public QuerySource {
   ProfileQueries(GeodesicPath path, double step_m, std::string option)
       : path_(std::move(path)), step_m_(step_m), option_(std::move(option)) {
     if (!(step_m > 0 && std::isfinite(step_m))) throw UsageError("step", "expected metres above 0");
+    if (!(path_.length_m() > 0)) throw UsageError(option_ + ": all positions of the line are at the same place");
     const double steps = path_.length_m() / step_m;
     if (!(steps < 0x1p40))
       throw UsageError("step", "more than 2^40 stations; expected a larger step or a shorter line");

@@ -68,7 +68,7 @@ std::unique_ptr<QuerySource> grid_queries(const QueryGrid& grid);
 
 /// Returns height queries along a line, in geographic coordinates: at its begin, at each multiple of `step_m`, and at
 /// its end. `option` is the name of the command-line option that states the line, for messages.
-/// Errors  UsageError: the step is not above 0, or there are more than 2^40 queries.
+/// Errors  UsageError: the line has no length, the step is not above 0, or there are more than 2^40 queries.
 std::unique_ptr<QuerySource> profile_queries(GeodesicPath path, double step_m, std::string option);
 
 /// Returns the queries of a file; "-" is standard input. A file that begins with the magic bytes of NumPy's .npy format

@@ -36,10 +36,10 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(GIGABAKE_NAMED(gltf), GIGABAKE_NAMED(tile), GIGABAKE_NAMED(tileset), GIGABAKE_NAMED(subtree),
                     GIGABAKE_NAMED(archive), GIGABAKE_NAMED(scene_json), GIGABAKE_NAMED(obj), GIGABAKE_NAMED(ply),
                     GIGABAKE_NAMED(stl), GIGABAKE_NAMED(raster), GIGABAKE_NAMED(orthophoto), GIGABAKE_NAMED(image),
-                    GIGABAKE_NAMED(shard), GIGABAKE_NAMED(scene_xml), GIGABAKE_NAMED(gigavoxel_list),
-                    GIGABAKE_NAMED(gigavoxel_tree), GIGABAKE_NAMED(journal), GIGABAKE_NAMED(scan_cache),
-                    GIGABAKE_NAMED(bake_status), GIGABAKE_NAMED(bake_messages), GIGABAKE_NAMED(camera_path),
-                    GIGABAKE_NAMED(steering), GIGABAKE_NAMED(http_head)),
+                    GIGABAKE_NAMED(geojson), GIGABAKE_NAMED(shard), GIGABAKE_NAMED(scene_xml),
+                    GIGABAKE_NAMED(gigavoxel_list), GIGABAKE_NAMED(gigavoxel_tree), GIGABAKE_NAMED(journal),
+                    GIGABAKE_NAMED(scan_cache), GIGABAKE_NAMED(bake_status), GIGABAKE_NAMED(bake_messages),
+                    GIGABAKE_NAMED(camera_path), GIGABAKE_NAMED(steering), GIGABAKE_NAMED(http_head)),
     [](const auto& named) { return std::string(named.param.name); });
 #undef GIGABAKE_NAMED
 

@@ -271,6 +271,17 @@ def scenes():
     return [text({"gigabake": 1, "sources": [place]}), text({"gigabake": 1, "sources": [earth]})]
 
 
+def geojsons():
+    ring = [[8, 46], [8.5, 46.1], [8.2, 46.4], [8, 46]]
+    hole = [[8.2, 46.1], [8.25, 46.1], [8.25, 46.2], [8.2, 46.1]]
+    east = [[179.9, 1], [-179.9, 1], [-179.9, 2, 100], [179.9, 1]]
+    line = {"type": "LineString", "coordinates": [[179, -1], [-179, 2.5, 7], [-178, 2.5]]}
+    return [text({"type": "MultiPolygon", "coordinates": [[ring, hole], [east]]}),
+            text({"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {}, "geometry": line}]}),
+            text({"type": "GeometryCollection", "geometries": [{"type": "Polygon", "coordinates": [ring]}],
+                  "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:OGC:1.3:CRS84"}}})]
+
+
 def camera_paths():
     frames = [{"time_s": 0, "eye": [0, -9, 5], "target": [0, 0, 0]},
               {"time_s": 2.5, "eye": [9, 0, 5], "target": [0, 0, 0], "fovy_deg": 60, "up": [0, 0, 1]}]
@@ -297,6 +308,7 @@ def made():
         "stl": stls(),
         "raster": rasters(),
         "orthophoto": [tiff(4, 3), png(4, 2), packed.JPEG],
+        "geojson": geojsons(),
         "image": [png(4), png(4, 0), packed.JPEG, packed.WEBP, packed.WEBP_LOSSLESS],
         "journal": [b"gigabake"],
         "scan_cache": [b"gigabake"],

@@ -7,6 +7,8 @@
 
 #include "core/base/error.h"
 #include "core/base/thread_pool.h"
+#include "core/math/geodesic.h"
+#include "format/area/geojson.h"
 #include "format/source/content/content_magic.h"
 #include "format/source/image/image_rows.h"
 #include "format/source/mesh.h"
@@ -200,6 +202,47 @@ void image(Bytes bytes) {
     if (!std::equal(row.begin(), row.end(), whole.rgba.data() + y * row.size()))
       throw FaultFound("a row has other texels than the whole image");
   }
+}
+
+namespace {
+
+void read_polygons(const Path& file) {
+  for (const AreaPolygon& polygon : read_geojson_polygons(file)) {
+    if (fault_of(polygon.rings())) throw FaultFound("a polygon with a fault is accepted");
+    const FixedBox all = polygon.bounds();
+    if (polygon.overlap(all) != AreaOverlap::border) throw FaultFound("the box of a polygon does not cut its rings");
+    const FixedPoint beside{all.high.x + 1, all.low.y};
+    if (polygon.contains(beside)) throw FaultFound("a position outside the box of a polygon is inside");
+  }
+}
+
+void read_line(const Path& file) {
+  const GeodesicPath path(read_geojson_line(file));
+  for (int i = 0; i <= 8; ++i) {
+    const Geodetic p = path.position(path.length_m() * i / 8);
+    if (!(std::fabs(p.latitude_deg) <= 90 && std::fabs(p.longitude_deg) <= 180))
+      throw FaultFound("a position on a line is not on the earth");
+  }
+}
+
+}  // namespace
+
+/// Calls both readers. None accepts a file that the other accepts, because they read different geometries.
+void geojson(Bytes bytes) {
+  const Path file = neighbours().with("area.geojson", bytes);
+  std::optional<std::string> refused;
+  try {
+    read_polygons(file);
+  } catch (const InputError& e) {
+    refused = e.what();
+  }
+  if (refused) return read_line(file);
+  try {
+    read_line(file);
+  } catch (const InputError&) {
+    return;
+  }
+  throw FaultFound("a file of polygons is accepted as a line");
 }
 
 }  // namespace gigabake::fuzz

@@ -36,6 +36,7 @@ void stl(Bytes bytes);         ///< an STL
 void raster(Bytes bytes);      ///< an elevation raster of any format, in EPSG:25832
 void orthophoto(Bytes bytes);  ///< a photo of any format over a raster of 17×17
 void image(Bytes bytes);       ///< PNG, JPEG, WebP
+void geojson(Bytes bytes);     ///< polygons of an area, or the line of a profile
 
 // Results of bakes.
 void shard(Bytes bytes);           ///< a shard, read page by page and as a whole

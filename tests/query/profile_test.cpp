@@ -57,6 +57,8 @@ TEST(ProfileQueries, IncludeBothEndsOfTheLine) {
   EXPECT_EQ(stations({{0, 0, 0}, {0, 1, 0}}, 1e9).size(), 2u);
   for (const double step : {0.0, -1.0, std::nan(""), HUGE_VAL, 1e-9})
     EXPECT_THROW(stations({{0, 0, 0}, {0, 1, 0}}, step), UsageError) << step;
+  EXPECT_THROW(stations({{46, 8, 0}, {46, 368, 0}}, 1), UsageError);
+  EXPECT_THROW(stations({{90, 8, 0}, {90, 9, 0}}, 1), UsageError);
 }
 
 }  // namespace
