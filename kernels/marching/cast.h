@@ -129,14 +129,15 @@ GB_HD bool meet_surface(const CastScene& scene, const CastCamera& camera, const 
       brick = at.traits();
       if (seen.density < 1 && is_between_surfaces(blend, line, ray)) return true;
       across = length_along(line.direction, blend.normal);
-      is_other_side = planes.is_mixed || blend.slope(line.direction) > 0;
+      is_other_side = planes.is_mixed || dot(blend.normal, to_seen_side(line, ray)) < 0;
     }
     const CastSample more = surface_sample(corners);
     GB_UNROLL
     for (int k = 0; k < cast_channels; ++k) sample.c[k] += more.c[k];
   }
   if constexpr (ray_type == RayType::lit)
-    if (is_other_side) multiply(relative_surface_light(scene, line, ray.lod, met, half), sample);
+    if (is_other_side)
+      multiply(relative_surface_light(scene, line, ray.lod, met, half, to_seen_side(line, ray)), sample);
   if (seen.density < 1) stay_in_surface(met, across, float(2 * half), ray);
   const float covered = covered_in_surface(seen.opacity, seen.density, ray);
   composite_sample<ray_type>(sample, brick, stop_light(covered, brick.lod, seen.density, ray), met, 0, camera, ray);

@@ -31,6 +31,7 @@ struct alignas(16) CastRay {
   std::int32_t lod = -1;         ///< -1: finished
   bool is_other_side = false;    ///< the ray meets the current surface on the side opposite to its normals
   bool is_seen = false;          ///< the hit at `met` has been composited
+  bool is_behind = false;        ///< the ray came to that sample from the side opposite to its normals
   std::uint32_t normal = 0;      ///< ByteVector: normal of the surface at that sample; 0: no surface
 
   static constexpr float no_depth = 3e38f, no_signed_distance = 3e38f;

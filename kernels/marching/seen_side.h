@@ -67,12 +67,12 @@ struct SideLight {
   }
 };
 
-/// Adds the light of the eight voxels around a point for a ray of this direction. `of_surface` selects the weights of
-/// surface_sample(), otherwise the weights of interpolate() apply.
-GB_HD void add_light(const CastCorners& corners, const CastLight& light, const Vec3<float>& direction, bool of_surface,
+/// Adds the light of the eight voxels around a point. `to_eye` points to the side of the surface that is seen.
+/// `of_surface` selects the weights of surface_sample(), otherwise the weights of interpolate() apply.
+GB_HD void add_light(const CastCorners& corners, const CastLight& light, const Vec3<float>& to_eye, bool of_surface,
                      SideLight& sums) {
   const SurfaceSide side = surface_side(corners);
-  const bool is_behind = dot(side.normal, direction) > 0;
+  const bool is_behind = dot(side.normal, to_eye) < 0;
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
     const int c = lowest_one(left);
@@ -94,14 +94,26 @@ GB_HD void add_light(const CastCorners& corners, const CastLight& light, const V
 /// interpolated voxels contain. Not inlined, because few samples need it.
 GB_HD_NOINLINE Vec3<float> relative_light(CastCorners corners, CastLight light, double x, double y, double z) {
   SideLight sums;
-  add_light(corners, light, {float(x), float(y), float(z)}, false, sums);
+  add_light(corners, light, {float(-x), float(-y), float(-z)}, false, sums);
   return sums.ratio();
 }
 
-/// Returns the light on the side that the ray meets, relative to the light of the three samples of meet_surface(). They
-/// lie at `met`, and `half` before and behind it. Not inlined, because few rays need it.
+GB_HD Vec3<float> components(ByteVector v) {
+  return Vec3<float>::by_axis([&](int a) { return float(std::int8_t(v >> 8 * a & 255)); });
+}
+
+/// Returns a vector to the side of the surface from which the ray comes to its current sample. Beyond the horizon of a
+/// curved surface, normals of the seen side can point away from the eye: normals of voxels are rounded, and vertex
+/// normals differ from the triangles. The side of the ray at the surface's first sample therefore decides, if known.
+GB_HD Vec3<float> to_seen_side(const CastLine& line, const CastRay& ray) {
+  if (ray.normal == 0) return static_cast<Vec3<float>>(line.direction) * -1.0f;
+  return components(ray.normal) * (ray.is_behind ? -1.0f : 1.0f);
+}
+
+/// Returns the light on the side to which `to_eye` points, relative to the light of the three samples of
+/// meet_surface(). They lie at `met`, and `half` before and behind it. Not inlined, because few rays need it.
 GB_HD_NOINLINE Vec3<float> relative_surface_light(const CastScene& scene, CastLine line, int lod, double met,
-                                                  double half) {
+                                                  double half, Vec3<float> to_eye) {
   LevelSampler at(scene, line, lod);
   CastPath path;
   SideLight sums;
@@ -110,7 +122,7 @@ GB_HD_NOINLINE Vec3<float> relative_surface_light(const CastScene& scene, CastLi
     at.look(scene, line, met + side * half, false, path);
     if (!is_resident(at.place.brick)) continue;
     const CastCorners corners = corners_of(scene.brick(at.place.brick), at.point());
-    add_light(corners, scene.light, static_cast<Vec3<float>>(line.direction), true, sums);
+    add_light(corners, scene.light, to_eye, true, sums);
   }
   return sums.ratio();
 }

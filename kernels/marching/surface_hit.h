@@ -17,10 +17,15 @@ namespace gigabake::kernels {
 /// the brick.
 GB_HD void keep_signed_distance(const SurfaceBlend& blend, const CastLine& line, int lod, double distance,
                                 CastRay& ray) {
+  const float before = ray.signed_distance;
   ray.signed_distance = CastRay::no_signed_distance;
   ray.normal = 0;
   if (!(blend.weight > 0)) return;
   ray.signed_distance = blend.signed_distance() * short_power_of_two(lod);
+  if (before == CastRay::no_signed_distance)
+    ray.is_behind = ray.signed_distance < 0;
+  else if (before * ray.signed_distance < 0)
+    ray.is_behind = !ray.is_behind;
   ray.signed_distance_at = float(distance);
   ray.slope = blend.slope(line.direction);
   const float scale = 1 / blend.weight;

@@ -67,6 +67,15 @@ class VoxelCases(harness.FolderTest):
         steps = abs(numpy.diff(self.image("winding")[..., 1], axis=1))[hill[:, 1:]]
         self.assertLess((steps > 40).mean(), .02)
 
+    # Regression of 2026-11-27: dashes lit from the other side at the horizon of spheres, 37 and 82 pixels.
+    def test_horizons_have_the_light_of_the_seen_side(self):
+        both = self.shown("smooth") & self.shown("inside_out")
+        difference = abs(self.image("smooth") - self.image("inside_out")).max(axis=2)[both]
+        self.assertLess((difference > 40).sum(), 5)
+        sphere = self.shown("smooth")
+        steps = abs(numpy.diff(self.image("smooth")[..., 1], axis=1))[sphere[:, 1:] & sphere[:, :-1]]
+        self.assertLess((steps > 40).sum(), 5)
+
     def test_vertex_normals_hide_facets(self):
         sphere = inner(self.shown("smooth"), 8)
         steps = abs(numpy.diff(self.image("smooth")[..., 1], axis=1))[sphere[:, 1:]]
