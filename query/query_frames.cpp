@@ -3,9 +3,11 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/math/georeference.h"
+#include "format/area/crs_map.h"
 
 namespace gigabake {
 namespace {
@@ -25,23 +27,33 @@ QueryRay towards(const Vec3d& origin, const Vec3d& direction) {
 
 }  // namespace
 
-QueryFrames::QueryFrames(const SceneHeader& scene, const kernels::VoxelBox& window, QueryFrame frame)
-    : frame_(frame), voxel_size_m_(scene.voxel_size_m), lattice_origin_m_(scene.lattice_origin_m), window_(window) {
+QueryFrames::QueryFrames(const SceneHeader& scene, const kernels::VoxelBox& window, QueryFrame frame,
+                         std::shared_ptr<const CrsMap> crs)
+    : frame_(frame),
+      crs_(std::move(crs)),
+      is_in_degrees_(frame == QueryFrame::lonlat || (crs_ && crs_->facts().is_in_degrees)),
+      voxel_size_m_(scene.voxel_size_m),
+      lattice_origin_m_(scene.lattice_origin_m),
+      window_(window) {
   if (scene.origin) {
     scene_from_ecef_ = scene_from_ecef(*scene.origin);
     ecef_from_scene_ = ecef_from_enu(*scene.origin);
-  } else if (frame == QueryFrame::lonlat) {
-    throw UsageError("coordinates", "the scene has no position on the earth; expected scene");
+  } else if (frame != QueryFrame::scene) {
+    throw UsageError(frame == QueryFrame::crs ? "crs" : "coordinates",
+                     "the scene has no position on the earth; expected scene");
   }
 }
 
 QueryFrames::Vector QueryFrames::lattice_point(const QueryPoint& p) const {
-  Point<Scene> at{p[0], p[1], p[2]};
-  if (frame_ == QueryFrame::lonlat) {
-    if (!(std::fabs(p[0]) <= 360) || !(std::fabs(p[1]) <= 90))
-      throw std::invalid_argument("expected a longitude within ±360° and a latitude within ±90°, in this order");
-    at = (*scene_from_ecef_)(ecef_of({p[1], p[0], p[2]}));
-  }
+  if (frame_ == QueryFrame::scene) return lattice_of({p[0], p[1], p[2]});
+  return lattice_of_degrees(degrees_of(p));
+}
+
+QueryFrames::Vector QueryFrames::lattice_of_degrees(const QueryPoint& degrees) const {
+  return lattice_of((*scene_from_ecef_)(ecef_of({degrees[1], degrees[0], degrees[2]})));
+}
+
+QueryFrames::Vector QueryFrames::lattice_of(const Point<Scene>& at) const {
   const Vector lattice{(at.x - lattice_origin_m_[0]) / voxel_size_m_, (at.y - lattice_origin_m_[1]) / voxel_size_m_,
                        (at.z - lattice_origin_m_[2]) / voxel_size_m_};
   for (const double v : lattice)
@@ -50,10 +62,24 @@ QueryFrames::Vector QueryFrames::lattice_point(const QueryPoint& p) const {
   return lattice;
 }
 
-/// Returns the matrix whose columns are east, north and up at p, in scene coordinates.
-Affine<Scene, Scene> QueryFrames::axes_at(const QueryPoint& p) const {
-  if (frame_ == QueryFrame::scene) return {};
-  return *scene_from_ecef_ * ecef_from_enu({p[1], p[0], p[2]});
+QueryPoint QueryFrames::degrees_of(const QueryPoint& p) const {
+  if (frame_ == QueryFrame::scene) return lonlat_point({p[0], p[1], p[2]});
+  if (frame_ == QueryFrame::lonlat) {
+    if (!(std::fabs(p[0]) <= 360) || !(std::fabs(p[1]) <= 90))
+      throw std::invalid_argument("expected a longitude within ±360° and a latitude within ±90°, in this order");
+    return p;
+  }
+  std::array<double, 3> point{p[0], p[1], p[2]};
+  crs_->to_degrees({&point, 1});
+  if (!std::isfinite(point[0]) || !std::isfinite(point[1]) || !std::isfinite(point[2]) || std::fabs(point[1]) > 90)
+    throw std::invalid_argument(
+        "the coordinates have no place on the earth in this system, or a grid of PROJ does not cover them");
+  return {point[0], point[1], point[2]};
+}
+
+/// Returns the matrix whose columns are east, north and up at a place, in scene coordinates.
+Affine<Scene, Scene> QueryFrames::axes_at(const QueryPoint& degrees) const {
+  return *scene_from_ecef_ * ecef_from_enu({degrees[1], degrees[0], degrees[2]});
 }
 
 QueryRay QueryFrames::ray(const QueryPoint& from, const QueryPoint& direction) const {
@@ -62,11 +88,13 @@ QueryRay QueryFrames::ray(const QueryPoint& from, const QueryPoint& direction) c
 
 QueryRay QueryFrames::ray_by_angles(const QueryPoint& from, double azimuth_deg, double elevation_deg) const {
   if (!(std::fabs(elevation_deg) <= 90)) throw std::invalid_argument("expected an elevation within ±90°");
-  const Vector origin = lattice_point(from);
+  const bool is_scene = frame_ == QueryFrame::scene;
+  const QueryPoint degrees = is_scene ? QueryPoint{} : degrees_of(from);
+  const Vector origin = is_scene ? lattice_point(from) : lattice_of_degrees(degrees);
   const double level = std::cos(radians(elevation_deg));
   const Vector local{std::sin(radians(azimuth_deg)) * level, std::cos(radians(azimuth_deg)) * level,
                      std::sin(radians(elevation_deg))};
-  const Affine<Scene, Scene> axes = axes_at(from);
+  const Affine<Scene, Scene> axes = is_scene ? Affine<Scene, Scene>{} : axes_at(degrees);
   Vector direction{};
   for (std::size_t r = 0; r < 3; ++r)
     for (std::size_t c = 0; c < 3; ++c) direction[r] += axes.m[r][c] * local[c];
@@ -92,9 +120,11 @@ QueryRay QueryFrames::down(double x, double y) const {
     ray.origin[2] = double(window_.max[2]) + 1;
     return ray;
   }
-  const Affine<Scene, Scene> axes = axes_at({x, y, 0});
+  QueryPoint place = degrees_of({x, y, 0});
+  place[2] = 0;
+  const Affine<Scene, Scene> axes = axes_at(place);
   const Vector up{axes.m[0][2], axes.m[1][2], axes.m[2][2]};
-  QueryRay ray = towards(lattice_point({x, y, 0}), {-up[0], -up[1], -up[2]});
+  QueryRay ray = towards(lattice_of_degrees(place), {-up[0], -up[1], -up[2]});
   // Move the origin up along the local vertical, until the whole scene lies below the origin. In a large scene the
   // local vertical may differ from the scene's z axis. A ray from a place far outside the scene misses the scene's box.
   double rise = 0;
@@ -121,7 +151,17 @@ QueryPoint QueryFrames::lonlat_point(const Point<Scene>& p) const {
 }
 
 QueryPoint QueryFrames::point_in_query_frame(const Point<Scene>& p) const {
-  return frame_ == QueryFrame::scene ? QueryPoint{p.x, p.y, p.z} : lonlat_point(p);
+  if (frame_ == QueryFrame::scene) return {p.x, p.y, p.z};
+  const QueryPoint degrees = lonlat_point(p);
+  if (frame_ == QueryFrame::lonlat) return degrees;
+  std::array<double, 3> point{degrees[0], degrees[1], degrees[2]};
+  crs_->convert({&point, 1});
+  if (!std::isfinite(point[0]) || !std::isfinite(point[1]) || !std::isfinite(point[2]))
+    throw InputError("", "crs",
+                     "an answer at longitude " + std::to_string(degrees[0]) + ", latitude " +
+                         std::to_string(degrees[1]) +
+                         " has no coordinates in this system, or a grid of PROJ does not cover it");
+  return {point[0], point[1], point[2]};
 }
 
 }  // namespace gigabake

@@ -25,7 +25,7 @@ class Run {
         asks_(inputs),
         pool_(pool),
         surface_(parameters_from_json(query.scene().header().parameters).surface),
-        frames_(query.scene().header(), query.window(), job.frame),
+        frames_(query.scene().header(), query.window(), job.frame, job.crs),
         text_(job.format, job.kind, frames_, query.scene().header().voxel_size_m,
               {inputs.have_ids(), inputs.have_stations()}, inputs.count()) {
     if (!(job.max_distance_m > 0)) throw UsageError("max_distance", "expected metres above 0");

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string_view>
 
 #include "core/base/progress.h"
@@ -16,6 +17,7 @@ namespace gigabake {
 struct QueryJob {
   QueryKind kind = QueryKind::ray;
   QueryFrame frame = QueryFrame::scene;
+  std::shared_ptr<const CrsMap> crs = nullptr;  ///< of QueryFrame::crs
   QueryFormat format = QueryFormat::csv;
   double max_distance_m = std::numeric_limits<double>::infinity();
   /// Voxels closer than this to either end point do not block a line of sight.

@@ -56,7 +56,8 @@ struct NpyColumns {
 
 NpyColumns columns_of(QueryKind kind, QueryFrame frame) {
   const bool is_scene = frame == QueryFrame::scene;
-  const std::string point = is_scene ? "x, y" : "lon, lat", third = is_scene ? ", z" : ", height";
+  const bool is_lonlat = frame == QueryFrame::lonlat;
+  const std::string point = is_lonlat ? "lon, lat" : "x, y", third = is_lonlat ? ", height" : ", z";
   if (kind == QueryKind::height) return {2, 0, "2 columns (" + point + ")"};
   if (kind == QueryKind::sight) return {6, 0, "6 columns (" + point + third + " of both points)"};
   const std::string angles = "5 columns (" + point + third + ", azimuth, elevation)";
@@ -178,9 +179,10 @@ std::unique_ptr<QuerySource> npy_queries(QueryFile file, QueryKind kind, QueryFr
   return std::make_unique<NpyQueries>(std::move(file), kind, frame, pool);
 }
 
-std::string npy_header(QueryKind kind, std::uint64_t count) {
+std::string npy_header(QueryKind kind, QueryFrame frame, std::uint64_t count) {
   constexpr std::size_t alignment = 64, before_text = 10;
-  std::string text = std::string("{'descr': [('") + (kind == QueryKind::height ? "height_m" : "distance_m") +
+  const char* height = frame == QueryFrame::crs ? "height" : "height_m";  // heights of a system may be in feet
+  std::string text = std::string("{'descr': [('") + (kind == QueryKind::height ? height : "distance_m") +
                      "', '<f8'), ('normal', '<f4', (3,)), ('rgba', '|u1', (4,)), ('outcome', '|u1'), ('lod', '|i1')], "
                      "'fortran_order': False, 'shape': (" +
                      std::to_string(count) + ",), }";

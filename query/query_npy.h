@@ -41,7 +41,7 @@ QueryFile open_query_file(const std::filesystem::path& path);
 std::unique_ptr<QuerySource> npy_queries(QueryFile file, QueryKind kind, QueryFrame frame, const ThreadPool& pool);
 
 /// Returns the magic bytes and the header of a .npy file of `count` answers.
-std::string npy_header(QueryKind kind, std::uint64_t count);
+std::string npy_header(QueryKind kind, QueryFrame frame, std::uint64_t count);
 /// Appends the record of an answer.
 void add_npy(const QueryAnswer& answer, QueryKind kind, const QueryFrames& frames, std::string& bytes);
 

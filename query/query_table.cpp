@@ -63,7 +63,7 @@ struct Names {
 };
 
 Names names_in(QueryFrame frame) {
-  if (frame == QueryFrame::scene) return {{"x", "y", "z"}, {"to_x", "to_y", "to_z"}};
+  if (frame != QueryFrame::lonlat) return {{"x", "y", "z"}, {"to_x", "to_y", "to_z"}};
   return {{"lon", "lat", "height"}, {"to_lon", "to_lat", "to_height"}};
 }
 
@@ -176,9 +176,9 @@ class TableQueries final : public QuerySource {
   }
 
   static std::string expected(QueryKind kind, QueryFrame frame) {
-    const std::string from = frame == QueryFrame::scene ? "x,y" : "lon,lat",
-                      third = frame == QueryFrame::scene ? ",z" : ",height";
-    const std::string to = frame == QueryFrame::scene ? "to_x,to_y,to_z" : "to_lon,to_lat,to_height";
+    const bool is_lonlat = frame == QueryFrame::lonlat;
+    const std::string from = is_lonlat ? "lon,lat" : "x,y", third = is_lonlat ? ",height" : ",z";
+    const std::string to = is_lonlat ? "to_lon,to_lat,to_height" : "to_x,to_y,to_z";
     if (kind == QueryKind::height) return from;
     if (kind == QueryKind::sight) return from + third + " and " + to;
     return from + third + " and " + (frame == QueryFrame::scene ? "dx,dy,dz or " : "") + "azimuth,elevation or " + to;

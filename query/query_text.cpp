@@ -103,9 +103,9 @@ std::string_view QueryText::outcome(QueryOutcome outcome) const {
 std::string QueryText::begin() const {
   if (format_ == QueryFormat::geojson) return "{\"type\":\"FeatureCollection\",\"features\":[";
   if (format_ == QueryFormat::json) return "[";
-  if (format_ == QueryFormat::npy) return npy_header(kind_, count_);
+  if (format_ == QueryFormat::npy) return npy_header(kind_, frames_.frame(), count_);
   return std::string(columns_.ids ? "id," : "") + (columns_.stations ? "station_m," : "") + "outcome,distance_m," +
-         (frames_.frame() == QueryFrame::scene ? "x,y,z" : "lon,lat,height") +
+         (frames_.frame() == QueryFrame::lonlat ? "lon,lat,height" : "x,y,z") +
          (kind_ == QueryKind::height ? ",height_error_m" : "") + ",nx,ny,nz,red,green,blue,coverage,lod,cell\n";
 }
 
@@ -141,7 +141,7 @@ void QueryText::add_lonlat(const QueryPoint& p, int height_decimals, std::string
 }
 
 void QueryText::add_point(const QueryPoint& p, int height_decimals, std::string& text) const {
-  if (frames_.frame() == QueryFrame::lonlat) return add_lonlat(p, height_decimals, text);
+  if (frames_.is_in_degrees()) return add_lonlat(p, height_decimals, text);
   for (std::size_t a = 0; a < 3; ++a) {
     if (a > 0) text += ',';
     add_fixed(p[a], a < 2 ? decimals_ : height_decimals, text);
@@ -265,9 +265,7 @@ void QueryText::add_json(const QueryAnswer& answer, std::string& text) const {
   text += '}';
 }
 
-QueryPoint QueryText::input_lonlat(const QueryPoint& asked) const {
-  return frames_.frame() == QueryFrame::lonlat ? asked : frames_.lonlat_point({asked[0], asked[1], asked[2]});
-}
+QueryPoint QueryText::input_lonlat(const QueryPoint& asked) const { return frames_.degrees_of(asked); }
 
 /// Appends a feature. A hit gives a point; a line of sight gives a line to the obstacle or to the end point. A height
 /// query without a hit gives a point without height. A ray without a hit gives no geometry.

@@ -20,6 +20,7 @@
 #include "core/base/pluralize.h"
 #include "core/math/geodesic.h"
 #include "format/area/geojson.h"
+#include "format/source/raster/crs_map.h"
 #include "format/system/host_limits.h"
 #include "format/system/message.h"
 #include "query/query_job.h"
@@ -29,9 +30,11 @@ namespace {
 
 std::unique_ptr<QuerySource> one_ray(const QueryArguments& a) {
   const char* const form =
-      "X,Y,Z,DX,DY,DZ or X,Y,Z,AZIMUTH,ELEVATION, only the latter with --coordinates lonlat, in place of X,Y,Z then";
+      "X,Y,Z,DX,DY,DZ in scene metres, or X,Y,Z,AZIMUTH,ELEVATION; with --coordinates lonlat LON,LAT,HEIGHT in place "
+      "of "
+      "X,Y,Z";
   const auto v =
-      a.frame == QueryFrame::lonlat ? numbers("--ray", form, a.ray, {5}) : numbers("--ray", form, a.ray, {5, 6});
+      a.frame == QueryFrame::scene ? numbers("--ray", form, a.ray, {5, 6}) : numbers("--ray", form, a.ray, {5});
   QueryInput ask{{}, {v[0], v[1], v[2]}, {v[3], v[4], v.size() == 6 ? v[5] : 0}};
   return single_query(ask, v.size() == 6 ? DirectionForm::direction : DirectionForm::angles, "--ray");
 }
@@ -113,6 +116,7 @@ int run_rays(const QueryArguments& a, const ThreadPool& pool) {
   QueryJob job;
   job.kind = question.kind;
   job.frame = a.frame;
+  job.crs = a.crs;
   job.format = a.format;
   if (a.max_distance_m != 0) job.max_distance_m = a.max_distance_m;
   job.ignore_ends_m = a.ignore_ends_m;
@@ -146,6 +150,31 @@ int run(const QueryArguments& a) {
   if (a.threads < 0 || a.threads > 1024) throw UsageError("--threads: expected 1 to 1024, or 0 for all cores");
   const ThreadPool pool(a.threads != 0 ? a.threads : host_limits().cores());
   return a.volume.area.empty() ? run_rays(a, pool) : run_volume(a, pool);
+}
+
+/// Selects the coordinates of questions and answers. --crs applies to them and to --bounds, unless --coordinates
+/// selects others.
+void choose_coordinates(QueryArguments& a, bool is_chosen) {
+  std::string& crs = a.area.crs;
+  if (!a.profile.empty()) {
+    if (is_chosen && a.frame != QueryFrame::lonlat)
+      throw UsageError("--profile: its answers are longitudes and latitudes; expected --coordinates lonlat or none");
+    a.frame = QueryFrame::lonlat;
+    return;
+  }
+  if (!a.volume.area.empty()) return;
+  const bool is_scene = crs == "scene";
+  if (!is_chosen && !crs.empty() && !is_scene) a.frame = QueryFrame::crs;
+  if (a.frame == QueryFrame::crs) {
+    if (crs.empty() || is_scene)
+      throw UsageError("--coordinates: crs needs a coordinate system, such as --crs EPSG:25832+7837");
+    try {
+      a.crs = open_crs_map(crs);
+    } catch (const InputError& e) {
+      throw UsageError(std::string("--") + e.what());
+    }
+  }
+  if (a.area.bounds.empty() && (a.crs || is_scene)) crs.clear();
 }
 
 /// Rejects an output file that would overwrite the queries or the scene.
@@ -183,7 +212,8 @@ void add_questions(CLI::App& command, QueryArguments& a) {
       "OTHER: compare the surface with another scene: where OTHER is lower is cut, where it is higher is "
       "fill");
   add_choice(command, "--coordinates", a.frame,
-             "coordinates of input and answers: scene metres, or longitude, latitude and height");
+             "coordinates of input and answers: scene metres; longitude, latitude and height; or the system of --crs, "
+             "which is the default with --crs");
 }
 
 }  // namespace
@@ -218,11 +248,7 @@ void add_query(CLI::App& app, int& exit_code) {
   command.add_flag("-q,--quiet", a->quiet, "print only errors");
   command.callback([a, &command, &exit_code] {
     a->scene = scene_argument(a->scene).string();
-    if (!a->profile.empty()) {
-      if (command.count("--coordinates") > 0 && a->frame == QueryFrame::scene)
-        throw UsageError("--profile: its answers are longitudes and latitudes; expected no --coordinates scene");
-      a->frame = QueryFrame::lonlat;
-    }
+    choose_coordinates(*a, command.count("--coordinates") > 0);
     if (!a->volume.against.empty()) a->volume.against = other_scene_argument(a->volume.against);
     expect_apart(*a);
     exit_code = run(*a);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,6 +28,7 @@ struct QueryArguments {
   VolumeArguments volume;
   double step = 0, max_distance_m = 0, ignore_ends_m = 0;
   QueryFrame frame = QueryFrame::scene;
+  std::shared_ptr<const CrsMap> crs = nullptr;  ///< of QueryFrame::crs
   QueryFormat format = QueryFormat::csv;
   QueryOptions options;
   AreaOptions area;

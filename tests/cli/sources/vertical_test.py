@@ -227,6 +227,30 @@ class VerticalTest(RasterTest):
         self.assertEqual(self.program.info(self.folder / "out")["losses"], [])
         self.expect_heights(self.height + 47, tolerance=0.3)
 
+    def test_a_grid_of_another_format_may_have_the_name_of_the_message(self):
+        """PROJ 9.1 names GCG2016.txt for EPSG:7837; a GeoTIFF of this name serves."""
+        self.own_proj()
+        self.write("dem.tif", self.height)
+        scene = self.scene({"dem": "dem.tif", "crs": "EPSG:25832+7837"})
+        message = self.program.run("plan", scene, "--voxel-size", 2, "--no-measure").stderr
+        name = message.split("needs the grid '")[1].split("'")[0]
+        path = Path(os.environ["PROJ_DATA"]) / name
+        raster = gdal.GetDriverByName("GTiff").Create(str(path), 20, 20, 1, gdal.GDT_Float32)
+        raster.SetGeoTransform([4.5, 1, 0, 60.5, 0, -1])
+        crs = osr.SpatialReference()
+        crs.ImportFromEPSG(4258)
+        raster.SetSpatialRef(crs)
+        raster.SetMetadataItem("TYPE", "VERTICAL_OFFSET_GEOGRAPHIC_TO_VERTICAL")
+        raster.SetMetadataItem("AREA_OR_POINT", "Point")
+        raster.GetRasterBand(1).SetDescription("geoid_undulation")
+        raster.GetRasterBand(1).WriteArray(numpy.full((20, 20), 45.5, "f4"))
+        raster = None
+        self.bake(scene, 0.5)
+        self.assertAlmostEqual(self.height_at(lon_lat(500041, 5399959))[0], self.height[20, 20] + 45.5, delta=0.26)
+        [row] = csv.DictReader(io.StringIO(self.program.succeed("query", self.folder / "out", "--crs",
+                                                                "EPSG:25832+7837", "--at", "500041,5399959")))
+        self.assertAlmostEqual(float(row["z"]), self.height[20, 20], delta=0.26)
+
     def test_ranks_agree(self):
         path = self.degrees("dem.tif", numpy.full((40, 40), 5, "f4"), 8, 47, 1e-5)
         hashes = set()

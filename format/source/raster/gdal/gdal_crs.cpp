@@ -25,6 +25,32 @@ Transformation transformation(const OGRSpatialReference& from, const OGRSpatialR
   return Transformation(OGRCreateCoordinateTransformation(&from, &to, options));
 }
 
+/// Returns the name of a unit of heights, as GDAL names units of bands.
+std::string name_of_unit(double metres) {
+  constexpr double foot_m = 0.3048, survey_foot_m = 1200.0 / 3937;
+  for (const auto& [unit_m, name] :
+       {std::pair(1.0, "m"), std::pair(foot_m, "ft"), std::pair(survey_foot_m, "US survey foot")})
+    if (std::fabs(metres - unit_m) < 1e-9) return name;
+  return std::to_string(metres) + " m";
+}
+
+CrsFacts facts_of(const OGRSpatialReference& crs) {
+  CrsFacts out;
+  out.wkt = wkt_of(crs);
+  out.is_in_degrees = crs.IsGeographic() != 0;
+  out.is_wgs84_degrees = out.is_in_degrees && crs.IsSame(OGRSpatialReference::GetWGS84SRS()) != 0;
+  if (!out.is_in_degrees) out.metres_per_unit = crs.GetLinearUnits();
+  const bool is_compound = crs.IsVertical() != 0;
+  out.has_heights = is_compound || crs.GetAxesCount() == 3;
+  double unit_m = 1;
+  if (is_compound)
+    unit_m = crs.GetTargetLinearUnits("VERT_CS");
+  else if (out.has_heights)
+    crs.GetAxis(nullptr, 2, nullptr, &unit_m);
+  out.height_unit = name_of_unit(unit_m);
+  return out;
+}
+
 /// A transformation is not thread-safe, so calls take turns.
 class GdalCrsMap : public CrsMap {
  public:
@@ -39,9 +65,12 @@ class GdalCrsMap : public CrsMap {
     to_degrees_ = transformation(crs, degrees);
     if (!to_crs_ || !to_degrees_)
       throw InputError("", "crs", in_quotes(text) + " " + why_no_transformation(crs, degrees));
+    facts_ = facts_of(crs);
   }
 
   void convert(std::span<std::array<double, 3>> points) const override { transform(*to_crs_, points); }
+  void to_degrees(std::span<std::array<double, 3>> points) const override { transform(*to_degrees_, points); }
+  const CrsFacts& facts() const override { return facts_; }
 
   bool has_place(const std::array<double, 3>& coordinates) const override {
     std::array<double, 3> p = coordinates;
@@ -68,6 +97,7 @@ class GdalCrsMap : public CrsMap {
 
   mutable std::mutex mutex_;
   Transformation to_crs_, to_degrees_;
+  CrsFacts facts_;
 };
 
 }  // namespace
