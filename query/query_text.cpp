@@ -1,6 +1,7 @@
 #include "query/query_text.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -194,9 +195,8 @@ void QueryText::add_csv(const QueryAnswer& answer, std::string& text) const {
   text += '\n';
 }
 
-/// Appends the members of an answer. Adds the position in scene metres as "scene_m" if `with_scene_metres`, otherwise
-/// in the query's frame as "position".
-void QueryText::add_members(const QueryAnswer& answer, bool with_scene_metres, std::string& text) const {
+/// Appends the members that each answer has, up to the distance.
+void QueryText::add_outcome(const QueryAnswer& answer, std::string& text) const {
   const QueryHit& hit = answer.hit;
   if (columns_.ids) {
     text += "\"id\":";
@@ -210,30 +210,35 @@ void QueryText::add_members(const QueryAnswer& answer, bool with_scene_metres, s
   }
   text += "\"outcome\":";
   add_json_string(outcome(hit.outcome), text);
-  const bool is_hit = hit.outcome == QueryOutcome::hit;
-  if (is_hit || hit.outcome == QueryOutcome::missing) {
-    text += ",\"distance_m\":";
-    add_fixed(frames_.metres(hit.distance), height_decimals(hit), text);
+  if (hit.outcome != QueryOutcome::hit && hit.outcome != QueryOutcome::missing) return;
+  text += ",\"distance_m\":";
+  add_fixed(frames_.metres(hit.distance), height_decimals(hit), text);
+}
+
+/// Appends the last members of an answer.
+void QueryText::add_place(const QueryAnswer& answer, std::string& text) const {
+  if (answer.hit.outcome == QueryOutcome::hit) {
+    text += ",\"lod\":";
+    add_integer(answer.hit.lod, text);
   }
-  if (is_hit) {
-    const Point<Scene> p = frames_.scene_point(answer.ray, hit.distance);
-    text += with_scene_metres ? ",\"scene_m\":[" : ",\"position\":[";
-    if (with_scene_metres) {
-      add_fixed(p.x, decimals_, text);
-      text += ',';
-      add_fixed(p.y, decimals_, text);
-      text += ',';
-      add_fixed(p.z, height_decimals(hit), text);
-    } else {
-      add_point(frames_.point_in_query_frame(p), height_decimals(hit), text);
-    }
+  if (answer.shard.empty()) return;
+  text += ",\"cell\":";
+  add_json_string(answer.shard, text);
+}
+
+/// Appends the members of an answer in JSON, with the position in the query's frame.
+void QueryText::add_members(const QueryAnswer& answer, std::string& text) const {
+  const QueryHit& hit = answer.hit;
+  add_outcome(answer, text);
+  if (hit.outcome == QueryOutcome::hit) {
+    text += ",\"position\":[";
+    add_point(frames_.point_in_query_frame(frames_.scene_point(answer.ray, hit.distance)), height_decimals(hit), text);
+    text += ']';
     if (kind_ == QueryKind::height) {
-      text += "],\"height_error_m\":";
+      text += ",\"height_error_m\":";
       add_fixed(height_error_m(hit), decimals_, text);
-      text += ",\"normal\":[";
-    } else {
-      text += "],\"normal\":[";
     }
+    text += ",\"normal\":[";
     for (const double n : Normal(hit.normal).n) {
       add_fixed(n, decimals_of_normals, text);
       text += ',';
@@ -245,12 +250,32 @@ void QueryText::add_members(const QueryAnswer& answer, bool with_scene_metres, s
       text += ',';
     }
     text.back() = ']';
-    text += ",\"lod\":";
-    add_integer(hit.lod, text);
   }
-  if (answer.shard.empty()) return;
-  text += ",\"cell\":";
-  add_json_string(answer.shard, text);
+  add_place(answer, text);
+}
+
+/// Appends the properties of a feature. Each is a single number or a text, because programs that read GeoJSON into
+/// tables (OGR) take lists for text.
+void QueryText::add_properties(const QueryAnswer& answer, std::string& text) const {
+  const QueryHit& hit = answer.hit;
+  add_outcome(answer, text);
+  const auto number = [&](const char* name, double value, int decimals) {
+    text += ",\"" + std::string(name) + "\":";
+    add_fixed(value, decimals, text);
+  };
+  if (hit.outcome == QueryOutcome::hit) {
+    const Point<Scene> p = frames_.scene_point(answer.ray, hit.distance);
+    number("height_m", frames_.lonlat_point(p)[2], height_decimals(hit));
+    if (kind_ == QueryKind::height) number("height_error_m", height_error_m(hit), decimals_);
+    number("scene_x_m", p.x, decimals_);
+    number("scene_y_m", p.y, decimals_);
+    number("scene_z_m", p.z, height_decimals(hit));
+    const Normal normal(hit.normal);
+    for (std::size_t a = 0; a < 3; ++a) number(std::array{"nx", "ny", "nz"}[a], normal.n[a], decimals_of_normals);
+    for (std::size_t c = 0; c < 4; ++c)
+      number(std::array{"red", "green", "blue", "coverage"}[c], hit.rgba >> 8 * c & 255, 0);
+  }
+  add_place(answer, text);
 }
 
 void QueryText::add_json(const QueryAnswer& answer, std::string& text) const {
@@ -261,7 +286,7 @@ void QueryText::add_json(const QueryAnswer& answer, std::string& text) const {
     text.erase(text.rfind(','));
     text += "],";
   }
-  add_members(answer, false, text);
+  add_members(answer, text);
   text += '}';
 }
 
@@ -289,7 +314,7 @@ void QueryText::add_geojson(const QueryAnswer& answer, std::string& text) const 
     text += "null";
   }
   text += ",\"properties\":{";
-  add_members(answer, true, text);
+  add_properties(answer, text);
   text += "}}";
 }
 

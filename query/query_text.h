@@ -53,7 +53,10 @@ class QueryText {
   void add_csv(const QueryAnswer& answer, std::string& text) const;
   void add_json(const QueryAnswer& answer, std::string& text) const;
   void add_geojson(const QueryAnswer& answer, std::string& text) const;
-  void add_members(const QueryAnswer& answer, bool with_scene_metres, std::string& text) const;
+  void add_outcome(const QueryAnswer& answer, std::string& text) const;
+  void add_place(const QueryAnswer& answer, std::string& text) const;
+  void add_members(const QueryAnswer& answer, std::string& text) const;
+  void add_properties(const QueryAnswer& answer, std::string& text) const;
   void add_point(const QueryPoint& p, int height_decimals, std::string& text) const;
   void add_lonlat(const QueryPoint& p, int height_decimals, std::string& text) const;
   /// Returns the number of decimals of a hit's third coordinate and distance.

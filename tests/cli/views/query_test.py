@@ -8,6 +8,7 @@ import io
 import json
 import shutil
 import sys
+import unittest
 from pathlib import Path
 
 import numpy
@@ -15,6 +16,11 @@ import numpy
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
 from programs import lines_of
+
+try:
+    from osgeo import ogr
+except ImportError:
+    ogr = None
 
 VOXEL_M = 0.5
 
@@ -78,6 +84,27 @@ class QueryTest(harness.FolderTest):
         self.assertAlmostEqual(float(there["height"]), height, delta=0.02)
         down = self.query("--ray", f"{lon},{lat},{height + 20},0,-90", "--coordinates", "lonlat")[0]
         self.assertAlmostEqual(float(down["distance_m"]), 20, delta=1.5 * VOXEL_M)  # distance to the cube
+
+    @unittest.skipIf(ogr is None, "expected python3-gdal to be installed")
+    def test_ogr_reads_the_members_of_geojson_as_numbers(self):
+        table = self.root / "rays.csv"
+        table.write_text("id,x,y,z,dx,dy,dz\na,0.1,0.2,90,0,0,-1\nb,3.1,7,90,0.1,0,-1\nc,9000,0,0,0,0,-1\n")
+        numbers = {"distance_m", "height_m", "scene_x_m", "scene_y_m", "scene_z_m", "nx", "ny", "nz"}
+        whole = {"red", "green", "blue", "coverage", "lod"}
+        for question, more in ((("--rays", table), set()), (("--grid=-9,-9,9,9", "--step", 3), {"height_error_m"})):
+            answers = self.root / "answers.geojson"
+            self.program.succeed("query", self.out, *question, "--format", "geojson", "-o", answers, "-q")
+            data = ogr.Open(str(answers))
+            layer = data.GetLayer()
+            fields = layer.GetLayerDefn()
+            types = {fields.GetFieldDefn(i).GetName(): fields.GetFieldDefn(i).GetType()
+                     for i in range(fields.GetFieldCount())}
+            self.assertLessEqual(numbers | whole | more, set(types))
+            for name, kind in types.items():
+                expected = ogr.OFTReal if name in numbers | more else ogr.OFTInteger
+                self.assertEqual(kind, expected if name in numbers | whole | more else ogr.OFTString, name)
+            feature = layer.GetNextFeature()
+            self.assertAlmostEqual(feature.GetGeometryRef().GetZ(), feature["height_m"], delta=1e-9)
 
     def test_lines_of_sight(self):
         ground = float(self.query("--at", "0,0")[0]["z"])
