@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <functional>
@@ -8,10 +9,13 @@
 #include "app/commands.h"
 #include "app/messages/with_progress.h"
 #include "app/options/choices.h"
+#include "app/options/map_crs.h"
 #include "app/options/output_file.h"
 #include "app/options/scene_argument.h"
 #include "app/process/clipped_scene.h"
+#include "app/process/map_export.h"
 #include "app/process/on_all_ranks.h"
+#include "app/process/point_export.h"
 #include "cluster/launch/agreed_request.h"
 #include "cluster/mpi/collective.h"
 #include "cluster/mpi/mpi_export_team.h"
@@ -33,30 +37,41 @@ struct ExportOptions {
   int lod = 0;
   bool quiet = false;
   TilesetOptions tiles = {.threads = 0};  ///< 0: the host's cores, divided among its ranks
+  double step = 0;
+  std::uint64_t memory_bytes = std::uint64_t(1) << 30;
 };
+
+/// The class of a format, which determines its options.
+enum class FormatClass : std::uint8_t { voxels, points, tiles, map };
 
 struct ExportFormat {
   const char* name;
-  const char* suffix;  ///< suffix of the single file; empty if the output is always a folder
-  /// Writes the export, and returns the number of voxels of the level. Empty if all ranks write the format together.
+  const char* suffix;  ///< suffix of the single file that selects the format; empty if none does
+  FormatClass options;
+  /// Writes the voxels of the level, and returns their number. Only for voxels and points.
   std::function<std::uint64_t(const ExportOptions&, const Progress&)> write;
 };
 
 const ExportFormat formats[] = {
-    {"ply", ".ply", [](const ExportOptions& o, const Progress& p) { return export_ply(o.scene, o.lod, o.out, p); }},
-    {"nvdb", ".nvdb",
+    {"ply", ".ply", FormatClass::voxels,
+     [](const ExportOptions& o, const Progress& p) { return export_ply(o.scene, o.lod, o.out, p); }},
+    {"las", ".las", FormatClass::points,
+     [](const ExportOptions& o, const Progress& p) { return export_points(o.scene, o.lod, o.area.crs, o.out, p); }},
+    {"nvdb", ".nvdb", FormatClass::voxels,
      [](const ExportOptions& o, const Progress& p) { return export_nanovdb(o.scene, o.lod, o.out, p); }},
-    {"vdb", ".vdb",
+    {"vdb", ".vdb", FormatClass::voxels,
      [](const ExportOptions& o, const Progress& p) {
        return export_openvdb(o.scene, o.lod, o.out, openvdb_memory_bytes(), p);
      }},
-    {"3dtiles", ".3tz", {}},
-    {"3dtiles-gltf", "", {}},
-    {"gigavoxel-xml", "",
+    {"3dtiles", ".3tz", FormatClass::tiles, {}},
+    {"3dtiles-gltf", "", FormatClass::tiles, {}},
+    {"dsm", "", FormatClass::map, {}},
+    {"ortho", "", FormatClass::map, {}},
+    {"gigavoxel-xml", "", FormatClass::voxels,
      [](const ExportOptions& o, const Progress& p) {
        return export_gigavoxel(o.scene, o.lod, o.out, GigavoxelTreeFile::xml, p);
      }},
-    {"gigavoxel-binary", "",
+    {"gigavoxel-binary", "", FormatClass::voxels,
      [](const ExportOptions& o, const Progress& p) {
        return export_gigavoxel(o.scene, o.lod, o.out, GigavoxelTreeFile::binary, p);
      }},
@@ -73,18 +88,32 @@ const ExportFormat& chosen_format(const ExportOptions& o) {
   const std::string suffix = std::filesystem::path(o.out).extension().string();
   for (const ExportFormat& f : formats)
     if (o.format.empty() ? *f.suffix != 0 && suffix == f.suffix : o.format == f.name) return f;
-  throw UsageError(fmt::format(
-      "--to: the name '{}' does not determine the format; expected a name that ends in .ply, .nvdb, .vdb or .3tz, or "
-      "--to with one of {}",
-      o.out, fmt::join(format_names(), ", ")));
+  throw UsageError(
+      fmt::format("--to: the name '{}' does not determine the format; expected a name that ends in .ply, .las, .nvdb, "
+                  ".vdb or .3tz, or "
+                  "--to with one of {}",
+                  o.out, fmt::join(format_names(), ", ")));
 }
 
-/// Rejects tileset options for a format without tiles.
-/// Errors  UsageError: the command line has a tileset option.
-void expect_no_tile_options(const CLI::App& command, const ExportFormat& format) {
-  for (const char* name : {"--tile-voxels", "--threads", "--update"})
-    if (command.count(name) != 0)
-      throw UsageError(fmt::format("{}: is an option of --to 3dtiles and 3dtiles-gltf, not of {}", name, format.name));
+/// Rejects options of other formats.
+/// Errors  UsageError: the command line has such an option.
+void expect_no_other_options(const CLI::App& command, const ExportFormat& format) {
+  struct OptionOfFormats {
+    const char* name;
+    const char* formats;
+    std::vector<FormatClass> classes;
+  };
+  const OptionOfFormats options[] = {
+      {"--tile-voxels", "3dtiles and 3dtiles-gltf", {FormatClass::tiles}},
+      {"--update", "3dtiles and 3dtiles-gltf", {FormatClass::tiles}},
+      {"--threads", "3dtiles, 3dtiles-gltf, dsm and ortho", {FormatClass::tiles, FormatClass::map}},
+      {"--step", "dsm and ortho", {FormatClass::map}},
+      {"--memory", "dsm and ortho", {FormatClass::map}},
+  };
+  for (const OptionOfFormats& option : options)
+    if (command.count(option.name) != 0 &&
+        std::find(option.classes.begin(), option.classes.end(), format.options) == option.classes.end())
+      throw UsageError(fmt::format("{}: is an option of --to {}, not of {}", option.name, option.formats, format.name));
 }
 
 void print_done(const ExportOptions& o, std::uint64_t voxels) {
@@ -124,6 +153,30 @@ int run_on_rank(const ExportOptions& options, const ExportFormat& format, MpiSes
   }
 }
 
+int run_map(const ExportOptions& o, const ExportFormat& format) {
+  MapExport map;
+  map.scene = o.scene;
+  map.out = o.out;
+  map.content = std::string_view(format.name) == "ortho" ? MapContent::colours : MapContent::heights;
+  map.area = o.area;
+  map.lod = o.lod;
+  map.step = o.step;
+  map.memory_bytes = o.memory_bytes;
+  map.threads = o.tiles.threads;
+  map.quiet = o.quiet;
+  return export_map(map);
+}
+
+void add_map_options(CLI::App& command, ExportOptions& options) {
+  command.add_option(
+      "--step", options.step,
+      "dsm and ortho: edge of a pixel in units of --crs (edge of a voxel at --lod, if these are metres)");
+  command
+      .add_option("--memory", options.memory_bytes,
+                  "dsm and ortho: max bytes of memory, such as 256M; 0: half of the host's memory (1G)")
+      ->transform(CLI::AsSizeValue(false));
+}
+
 void add_tile_options(CLI::App& command, ExportOptions& options) {
   command
       .add_option("--tile-voxels", options.tiles.tile_voxels,
@@ -131,7 +184,7 @@ void add_tile_options(CLI::App& command, ExportOptions& options) {
       ->check(CLI::Range(8, 126));
   command
       .add_option("--threads", options.tiles.threads,
-                  "3dtiles: threads of each rank (the host's cores shared by its ranks)")
+                  "3dtiles, dsm and ortho: threads of each rank (the host's cores shared by its ranks)")
       ->check(CLI::Range(0, 1024));
   command.add_flag("--update", options.tiles.update,
                    "3dtiles: update an earlier export of the scene; only tiles that changed are rewritten");
@@ -144,7 +197,7 @@ void add_export(CLI::App& app, int& exit_code) {
       app.add_subcommand("export", "Write a baked scene's voxels in another format; 3dtiles under mpirun on all ranks");
   auto o = std::make_shared<ExportOptions>();
   command->add_option("SCENE", o->scene, "folder of a bake, or its scene.xml")->required();
-  command->add_option("--to", o->format, "format (default: by the suffix of -o: .ply, .nvdb, .vdb, .3tz)")
+  command->add_option("--to", o->format, "format (default: by the suffix of -o: .ply, .las, .nvdb, .vdb, .3tz)")
       ->check(one_of(format_names()));
   command->add_option("-o,--out", o->out, "file to write; new folder for the formats of many files")->required();
   command->add_option("--lod", o->lod, "level to write; 3dtiles and gigavoxel: the finest")
@@ -152,17 +205,24 @@ void add_export(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0, 62));
   o->area.add_to(*command);
   add_tile_options(*command, *o);
+  add_map_options(*command, *o);
   command->add_flag("-q,--quiet", o->quiet, "print only errors");
   command->callback([o, command, &exit_code] {
     const ExportFormat& format = chosen_format(*o);
     o->scene = scene_argument(o->scene).string();
     expect_parent_folder("-o", o->out);
-    if (!format.write) {
+    expect_no_other_options(*command, format);
+    if (format.options == FormatClass::map) {
+      expect_no_input("-o", o->out, files_of_bake(std::filesystem::path(o->scene).parent_path()));
+      exit_code = run_map(*o, format);
+      return;
+    }
+    if (format.options == FormatClass::tiles) {
       exit_code = on_all_ranks("export", [&](MpiSession& mpi) { return run_on_rank(*o, format, mpi); });
       return;
     }
-    expect_no_tile_options(*command, format);
-    const ClippedScene scene(o->scene, o->area, 0, !o->quiet);
+    const bool has_crs = format.options == FormatClass::points;
+    const ClippedScene scene(o->scene, has_crs ? area_without_map_crs(o->area) : o->area, 0, !o->quiet);
     ExportOptions of_clipped = *o;
     of_clipped.scene = scene.file().string();
     const std::uint64_t voxels = with_progress(

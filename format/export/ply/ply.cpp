@@ -19,13 +19,22 @@ namespace {
 
 constexpr std::size_t vertex_bytes = 3 * 8 + 3 * 4 + 4 + 3 * 4;
 
+/// Returns the comments that place the scene's frame on the earth; empty for a local scene.
+std::string origin_comments(const SceneHeader& scene) {
+  if (!scene.origin) return {};
+  return fmt::format(
+      "comment frame east north up, metres, WGS84\ncomment origin_latitude_deg {}\ncomment origin_longitude_deg {}\n"
+      "comment origin_height_m {}\n",
+      scene.origin->latitude_deg, scene.origin->longitude_deg, scene.origin->height_m);
+}
+
 std::string header(const SceneHeader& scene, int lod, std::uint64_t voxels) {
   return fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment {}, lod {}, voxels of {} m\nelement vertex {}\n"
+      "ply\nformat binary_little_endian 1.0\ncomment {}, lod {}, voxels of {} m\n{}element vertex {}\n"
       "property double x\nproperty double y\nproperty double z\nproperty int i\nproperty int j\nproperty int k\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
       "property float nx\nproperty float ny\nproperty float nz\nend_header\n",
-      scene.generator, lod, std::ldexp(scene.voxel_size_m, lod), voxels);
+      scene.generator, lod, std::ldexp(scene.voxel_size_m, lod), origin_comments(scene), voxels);
 }
 
 /// Writer of the vertices, shard by shard.

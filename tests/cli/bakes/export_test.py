@@ -308,7 +308,7 @@ class Export(harness.FolderTest):
     # Regression of 2026-11-25: levels above the cells' levels could not be exported.
     def test_every_format_takes_every_level_that_info_lists(self):
         levels = len(self.program.info(self.scene)["lods"])
-        for form in ("ply", "nvdb", "3dtiles", "3dtiles-gltf", "gigavoxel-xml", "gigavoxel-binary"):
+        for form in ("ply", "las", "nvdb", "3dtiles", "3dtiles-gltf", "gigavoxel-xml", "gigavoxel-binary"):
             with self.subTest(form=form):
                 wish = ("export", self.scene, "--to", form, "-o", self.root / f"level_{form}", "--lod")
                 refused = self.program.run(*wish, levels)
@@ -373,7 +373,7 @@ class Export(harness.FolderTest):
         (self.root / "full").mkdir(exist_ok=True)
         (self.root / "full/file").write_text("x")
         without_openvdb = self.program.run("export", self.scene, "--to", "vdb", "-o", self.root / "x").returncode == 2
-        kinds = ["ply", "nvdb", "3dtiles", "3dtiles-gltf", "gigavoxel-xml", "gigavoxel-binary"]
+        kinds = ["ply", "las", "dsm", "ortho", "nvdb", "3dtiles", "3dtiles-gltf", "gigavoxel-xml", "gigavoxel-binary"]
         kinds += ["vdb"] * (not without_openvdb)
         for kind in kinds:
             for out in (self.root / "none/out", self.root / "full"):

@@ -52,7 +52,8 @@ class Incomplete(harness.FolderTest):
     def test_every_command_that_reads_a_scene_says_what_is_missing_and_exits_with_3(self):
         scene = self.drained
         exports = [("export", scene, "--to", form, "-o", self.root / ("e" + form))
-                   for form in ("ply", "nvdb", "3dtiles", "3dtiles-gltf", "gigavoxel-xml", "gigavoxel-binary")]
+                   for form in ("ply", "las", "dsm", "ortho", "nvdb", "3dtiles", "3dtiles-gltf", "gigavoxel-xml",
+                                "gigavoxel-binary")]
         for command in [("info", scene), ("info", scene, "--json"), ("verify", scene), ("verify", scene, "--json"),
                         ("verify", scene / "scene.xml", "-q"), ("render", scene, "-o", self.root / "p.png", "--size",
                                                                 "32x32", "-q"),

@@ -1,0 +1,200 @@
+#include "app/process/map_export.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <malloc.h>
+#include <memory>
+#include <optional>
+
+#include "app/commands.h"
+#include "app/messages/with_progress.h"
+#include "app/options/flags.h"
+#include "app/options/map_crs.h"
+#include "app/options/text_values.h"
+#include "app/process/clipped_scene.h"
+#include "core/base/error.h"
+#include "core/base/pluralize.h"
+#include "format/export/geotiff/geotiff.h"
+#include "format/system/host_limits.h"
+#include "format/system/message.h"
+#include "worker/pipeline/backend.h"
+
+namespace gigabake::app {
+namespace {
+
+/// The bytes of a ray in a batch, with its pixel and its hit.
+constexpr std::uint64_t bytes_per_ray = 1024;
+
+/// Returns the box around all surfaces in scene metres.
+std::array<Vec3d, 2> box_of_scene_m(const SceneQuery& query) {
+  const SceneHeader& scene = query.scene().header();
+  const kernels::VoxelBox& window = query.window();
+  Box3i64 box{Vec3i64::from(window.min), Vec3i64::from(window.max)};
+  if (const Box3i64 part = intersection(box, scene.bounds); !part.is_empty()) box = part;
+  return {scene.lattice_origin_m + Vec3d(box.min) * scene.voxel_size_m,
+          scene.lattice_origin_m + Vec3d(box.end) * scene.voxel_size_m};
+}
+
+MapBox intersection_of(const MapBox& a, const MapBox& b) {
+  return {{std::max(a.low[0], b.low[0]), std::max(a.low[1], b.low[1])},
+          {std::min(a.high[0], b.high[0]), std::min(a.high[1], b.high[1])}};
+}
+
+MapBox map_box(const FixedPoint& low, const FixedPoint& high) {
+  const auto number = [](std::int64_t fixed) { return double(fixed) / fixed_per_unit; };
+  return {{number(low.x), number(low.y)}, {number(high.x), number(high.y)}};
+}
+
+/// Returns the degrees that contain all polygons.
+MapBox box_of(const std::vector<AreaPolygon>& polygons) {
+  FixedBox box = polygons.front().bounds();
+  for (const AreaPolygon& p : polygons) {
+    box.low = {std::min(box.low.x, p.bounds().low.x), std::min(box.low.y, p.bounds().low.y)};
+    box.high = {std::max(box.high.x, p.bounds().high.x), std::max(box.high.y, p.bounds().high.y)};
+  }
+  return map_box(box.low, box.high);
+}
+
+/// The pixels of the map, and the area that the surface must be inside of.
+struct MapPlace {
+  MapGrid grid;
+  std::shared_ptr<const AreaInScene> area;
+};
+
+double step_of(const MapExport& o, const SceneHeader& scene, const MapFrame& frame) {
+  if (o.step != 0) return o.step;
+  if (frame.facts().is_in_degrees)
+    throw UsageError("--step: is missing; expected the edge of a pixel in degrees, the unit of --crs");
+  return std::ldexp(scene.voxel_size_m, o.lod) / frame.facts().metres_per_unit;
+}
+
+MapPlace place_of(const MapExport& o, const SceneQuery& query, const MapFrame& frame, std::shared_ptr<const Area> all) {
+  const SceneHeader& scene = query.scene().header();
+  const double step = step_of(o, scene, frame);
+  if (!(step > 0) || !std::isfinite(step)) throw UsageError("--step: expected a number above 0");
+  const std::array<Vec3d, 2> corners = box_of_scene_m(query);
+  MapBox box = frame.box_of_scene(corners[0], corners[1], step);
+  MapPlace place;
+  if (!all) return {grid_of(box, step, false), nullptr};
+  auto area = std::make_shared<Area>(*all);
+  const double base_m = scene.origin ? scene.origin->height_m : 0;
+  const std::array<double, 2> heights_m{base_m + corners[0][2], base_m + corners[1][2]};
+  if (!area->polygons.empty())
+    box = intersection_of(box, frame.box_of_degrees(box_of(area->polygons), heights_m, step));
+  bool is_exact = false;
+  if (area->bounds) {
+    MapBox bounds = map_box(area->bounds->low, area->bounds->high);
+    is_exact = area->bounds->frame != AreaFrame::degrees;
+    if (!is_exact) bounds = frame.box_of_degrees(bounds, heights_m, step);
+    box = intersection_of(box, bounds);
+    if (is_exact && !box.is_empty()) box = bounds, area->bounds.reset();
+  }
+  if (box.is_empty()) throw UsageError("no part of the scene is inside --bounds or --clip");
+  place.grid = grid_of(box, step, is_exact);
+  if (area->bounds || !area->polygons.empty()) place.area = std::make_shared<const AreaInScene>(area, scene.origin);
+  return place;
+}
+
+/// Returns the options for the scene's voxels: bounds with heights remove voxels, other bounds only remove pixels.
+AreaOptions area_of_voxels(const AreaOptions& all, const Area* area) {
+  AreaOptions out;
+  if (area == nullptr || !area->bounds || !std::isfinite(area->bounds->height_low_m)) return out;
+  out.bounds = all.bounds;
+  out.crs = all.crs;
+  return out;
+}
+
+/// Returns the options of the query with the pixels' centres; empty if queries do not have the coordinate system.
+std::string query_text(const MapGrid& grid, const MapFrame& frame) {
+  if (!frame.is_scene() && !frame.facts().is_wgs84_degrees) return {};
+  // The upper corner lies beyond the last centres by a quarter of a step, so that rounding cannot leave one out.
+  const auto last = [&](double first, std::uint32_t count) { return first + (count - 0.75) * grid.step; };
+  const double x = grid.x(0), y = grid.y(grid.rows - 1);
+  return fmt::format("; gigabake query --grid={},{},{},{} --step {}{}", x, y, last(x, grid.columns), last(y, grid.rows),
+                     grid.step, frame.is_scene() ? "" : " --coordinates lonlat");
+}
+
+GeotiffImage image_of(const MapExport& o, const MapGrid& grid, const SceneHeader& scene, const MapFrame& frame) {
+  GeotiffImage image;
+  image.columns = grid.columns, image.rows = grid.rows;
+  image.west = grid.west, image.north = grid.north(), image.step = grid.step;
+  image.wkt = frame.facts().wkt;
+  image.software = scene.generator;
+  image.height_unit = frame.facts().height_unit;
+  const std::string detail =
+      fmt::format("lod {}, voxels of {} m{}", o.lod, std::ldexp(scene.voxel_size_m, o.lod), query_text(grid, frame));
+  if (o.content == MapContent::colours) {
+    image.pixels = GeotiffPixels::colours;
+    image.description = "Colours seen from above; " + detail;
+    return image;
+  }
+  const char* above = "above the WGS84 ellipsoid";
+  if (frame.is_scene()) above = "along z of the scene's frame";
+  if (frame.facts().has_heights) above = "in the coordinate system";
+  image.description = fmt::format("Heights of the highest surface {}; {}", above, detail);
+  return image;
+}
+
+/// The shares of --memory: half for trees, an eighth for rays, an eighth for GDAL's blocks. The rest is for the program
+/// itself.
+struct MemoryShares {
+  std::uint64_t trees, cache;
+  std::size_t batch_rays;
+};
+
+MemoryShares shares_of(std::uint64_t memory_bytes) {
+  const std::uint64_t all = memory_bytes != 0 ? memory_bytes : host_limits().memory_bytes / 2;
+  return {all / 2, std::clamp<std::uint64_t>(all / 8, 16 << 20, 512 << 20),
+          std::size_t(std::clamp<std::uint64_t>(all / 8 / bytes_per_ray, 1024, 1 << 17))};
+}
+
+int print_result(const MapExport& o, const MapGrid& grid, const MapTally& tally, const SceneQuery& query) {
+  for (const std::string& problem : query.problems())
+    print_message("gigabake: cell missing: {}\n", with_flags(problem));
+  if (!o.quiet)
+    fmt::print("{} × {} pixels of {} in {}, {} with a surface\n", grid.columns, grid.rows, grid.step, o.out,
+               tally.with_surface);
+  if (tally.missing == 0) return complete;
+  print_message("gigabake: {} a cell that is missing and have no value; bake the scene again\n",
+                pluralize(tally.missing, "pixel lies in", "pixels lie in"));
+  return cells_failed;
+}
+
+}  // namespace
+
+int export_map(const MapExport& o) {
+  // glibc raises this limit when a large block is freed. Trees would then fragment the heap: 345 MB instead of 223 MB
+  // with --memory 256M.
+  ::mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  const ThreadPool pool(o.threads != 0 ? o.threads : host_limits().cores());
+  const MemoryShares memory = shares_of(o.memory_bytes);
+  const std::shared_ptr<const Area> area = area_without_map_crs(o.area).area();
+  const ClippedScene scene(o.scene, area_of_voxels(o.area, area.get()), pool.threads(), !o.quiet);
+  QueryOptions of_query;
+  of_query.lod = o.lod;
+  of_query.memory_bytes = memory.trees;
+  of_query.device = [] { return choose_device({Backend::automatic}).device; };
+  SceneQuery query(std::make_shared<const PagedScene>(scene.file()), of_query, pool);
+  const MapFrame frame = open_map_frame(query.scene().header(), o.area.crs, pool.threads());
+  const MapPlace place = place_of(o, query, frame, area);
+  const std::unique_ptr<GeotiffFile> file =
+      create_geotiff(o.out, image_of(o, place.grid, query.scene().header(), frame), {memory.cache, pool.threads()});
+  const MapJob job{o.content, place.grid, geotiff_block, memory.batch_rays, place.area};
+  const MapTally tally = with_progress(
+      [&](const Progress& progress) {
+        const MapTally made = make_surface_map(
+            query, frame, job, pool,
+            [&](std::uint32_t column, std::uint32_t row, std::span<const std::byte> pixels) {
+              file->write_block(column, row, pixels);
+            },
+            progress);
+        file->finish(progress);
+        return made;
+      },
+      o.quiet ? nullptr : stderr);
+  return print_result(o, place.grid, tally, query);
+}
+
+}  // namespace gigabake::app
