@@ -237,6 +237,21 @@ class ShapeTest(VolumeTest):
         self.assertEqual(PROGRAM.run("query", broken, "--volume", corner, "--above", HEIGHT_M).returncode,
                          0 if "_-1_-1" not in row["cell"] else 3)
 
+    def test_a_scene_without_an_input_exits_with_3(self):
+        source = PROGRAM.sample(self.root / "village", size=64, tiles=2)
+        next(path for path in sorted(source.parent.rglob("tile_*.glb")) if "local" not in path.parts).unlink()
+        baked = PROGRAM.run("bake", source, "-o", self.root / "part", "--voxel-size", 1, "-q")
+        self.assertEqual(baked.returncode, 3, baked.stderr)
+        place = PROGRAM.info(self.root / "part")["origin"]
+        points = numpy.array([[-20, -20, 0], [20, -20, 0], [20, 20, 0], [-20, 20, 0], [-20, -20, 0]], float)
+        ring = earth.degrees_of(points, place["longitude_deg"], place["latitude_deg"], place["height_m"])
+        area = self.root / "village.geojson"
+        area.write_text(json.dumps({"type": "Polygon", "coordinates": [ring[:, :2].tolist()]}))
+        result = PROGRAM.run("query", self.root / "part", "--volume", area, "--above", 600, "--format", "json")
+        self.assertEqual(result.returncode, 3, result.stderr)
+        self.assertIn("1 input is missing", result.stderr)
+        self.assertGreater(json.loads(result.stdout)["cut_m3"], 0)
+
     def test_says_what_is_wrong(self):
         scene, area, above = self.shape("ground", 0.5), self.square(15), ["--above", HEIGHT_M]
         bad = self.root / "bad.geojson"
