@@ -54,8 +54,17 @@ bool are_plain_parameters(std::string_view text) {
   return true;
 }
 
-/// Returns whether all PROJ texts in quoted strings of a WKT have only plain parameters.
+/// Returns whether a list of grids has only names without folders, which PROJ looks up in its own folders.
+bool are_plain_grids(std::string_view list) {
+  return std::all_of(list.begin(), list.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.' || c == ',' || c == '@';
+  });
+}
+
+/// Returns whether all PROJ texts in quoted strings of a WKT have only plain parameters, and lists of geoid grids have
+/// only plain names.
 bool holds_plain_quotes(std::string_view wkt) {
+  std::string_view previous;
   for (auto at = wkt.find('"'); at != wkt.npos;) {
     const auto end = wkt.find('"', at + 1);
     if (end == wkt.npos) return true;  // GDAL rejects such a text
@@ -63,6 +72,8 @@ bool holds_plain_quotes(std::string_view wkt) {
     const auto proj = quoted.find('+');
     if (quoted.find("proj=") != quoted.npos || quoted.find("init=") != quoted.npos)
       if (proj == quoted.npos || !are_plain_parameters(quoted.substr(proj))) return false;
+    if (upper(previous) == "PROJ4_GRIDS" && !are_plain_grids(quoted)) return false;
+    previous = quoted;
     at = wkt.find('"', end + 1);
   }
   return true;
@@ -70,6 +81,18 @@ bool holds_plain_quotes(std::string_view wkt) {
 
 bool is_plain_structure(std::string_view text) {
   return upper(text).find("PARAMETERFILE") == std::string::npos && holds_plain_quotes(text);
+}
+
+/// Returns whether a PROJJSON has no parameter whose value is a text: such a value is a file. An escaped character
+/// could hide the name of a member.
+bool has_plain_values(std::string_view json) {
+  constexpr std::string_view key = "\"value\"";
+  if (json.find('\\') != json.npos) return false;
+  for (auto at = json.find(key); at != json.npos; at = json.find(key, at + 1)) {
+    const auto value = json.find_first_not_of(" \t\r\n:", at + key.size());
+    if (value == json.npos || json[value] == '"') return false;
+  }
+  return true;
 }
 
 /// Returns whether a text begins with a keyword and a bracket.
@@ -89,7 +112,8 @@ bool is_plain_crs(const std::string& text) {
   const std::string_view trimmed = std::string_view(text).substr(begin, text.find_last_not_of(" \t\r\n") + 1 - begin);
   if (is_code(trimmed)) return true;
   if (trimmed.starts_with("+") || trimmed.starts_with("proj=")) return are_plain_parameters(trimmed);
-  if (trimmed.starts_with("{") || is_wkt(trimmed)) return is_plain_structure(trimmed);
+  if (trimmed.starts_with("{")) return has_plain_values(trimmed) && is_plain_structure(trimmed);
+  if (is_wkt(trimmed)) return is_plain_structure(trimmed);
   return false;
 }
 

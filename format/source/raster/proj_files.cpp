@@ -71,13 +71,16 @@ int refuse_rename(PJ_CONTEXT*, const char*, const char*, void*) { return 0; }
 
 }  // namespace
 
-void confine_proj() {
+void confine_files(PJ_CONTEXT* context) {
   static const PROJ_FILE_API files{1,          open_file,   read_file, write_file, seek_file,    tell_file,
                                    close_file, file_exists, refuse,    refuse,     refuse_rename};
   folders_of_proj();
-  // All new contexts copy these settings from the default context.
-  proj_context_set_fileapi(nullptr, &files, nullptr);
-  proj_context_set_enable_network(nullptr, 0);
+  proj_context_set_fileapi(context, &files, nullptr);
+  proj_context_set_enable_network(context, 0);
+}
+
+void confine_proj() {
+  confine_files(nullptr);  // the default context
   OSRSetPROJEnableNetwork(0);
 }
 

@@ -6,6 +6,7 @@
 #include <proj.h>
 
 #include "core/base/error.h"
+#include "format/source/raster/proj_files.h"
 
 namespace gigabake {
 namespace {
@@ -61,6 +62,7 @@ ProjOperation operation_of(PJ_CONTEXT* context, const PJ* object) {
 std::vector<ProjOperation> operations(const OGRSpatialReference& from, const OGRSpatialReference& to,
                                       const std::optional<LonLatBounds>& area, PROJ_GRID_AVAILABILITY_USE use) {
   const ProjContext context(proj_context_create());
+  confine_files(context.get());
   proj_log_level(context.get(), PJ_LOG_NONE);
   const Object source = object_of(context.get(), from), target = object_of(context.get(), to);
   const Factory factory(proj_create_operation_factory_context(context.get(), nullptr));

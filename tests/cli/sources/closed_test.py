@@ -22,6 +22,25 @@ GRID = "ncols 20\nnrows 20\nxllcorner 500000\nyllcorner 5100000\ncellsize 10\n" 
 DEGREES = "ncols 20\nnrows 20\nxllcorner 8\nyllcorner 46\ncellsize 0.001\n" + ("1 2 3 4 " * 5 + "\n") * 20
 WGS84 = ('GEOGCS["x",DATUM["x",SPHEROID["WGS 84",6378137,298.257223563]{more}],PRIMEM["Greenwich",0],'
          'UNIT["degree",0.0174532925199433]{end}]')
+GEOID = ('COMPD_CS["c",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],'
+         'PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433],AUTHORITY["EPSG","4326"]],VERT_CS["v",'
+         'VERT_DATUM["v",2005,EXTENSION["PROJ4_GRIDS","{file}"]],UNIT["metre",1],AXIS["Up",UP]]]')
+JSON_BOUND = json.dumps({
+    "type": "BoundCRS", "source_crs": {"type": "GeographicCRS", "name": "w", "datum": {
+        "type": "GeodeticReferenceFrame", "name": "w", "ellipsoid": {
+            "name": "w", "semi_major_axis": 6378137, "inverse_flattening": 298.257223563}},
+        "coordinate_system": {"subtype": "ellipsoidal", "axis": [
+            {"name": "Longitude", "abbreviation": "lon", "direction": "east", "unit": "degree"},
+            {"name": "Latitude", "abbreviation": "lat", "direction": "north", "unit": "degree"}]}},
+    "target_crs": {"type": "GeographicCRS", "name": "WGS 84", "id": {"authority": "EPSG", "code": 4326},
+                   "datum": {"type": "GeodeticReferenceFrame", "name": "World Geodetic System 1984", "ellipsoid": {
+                       "name": "WGS 84", "semi_major_axis": 6378137, "inverse_flattening": 298.257223563}},
+                   "coordinate_system": {"subtype": "ellipsoidal", "axis": [
+                       {"name": "Latitude", "abbreviation": "lat", "direction": "north", "unit": "degree"},
+                       {"name": "Longitude", "abbreviation": "lon", "direction": "east", "unit": "degree"}]}},
+    "transformation": {"name": "t", "method": {"name": "NTv2", "id": {"authority": "EPSG", "code": 9615}},
+                       "parameters": [{"name": "Latitude and longitude difference file", "value": "FILE",
+                                       "id": {"authority": "EPSG", "code": 8656}}]}})
 BOUND = ('BOUNDCRS[SOURCECRS[GEOGCRS["x",DATUM["x",ELLIPSOID["WGS 84",6378137,298.257223563]],CS[ellipsoidal,2],'
          'AXIS["lat",north],AXIS["lon",east],ANGLEUNIT["degree",0.0174532925199433]]],'
          'TARGETCRS[GEOGCRS["WGS 84",DATUM["World Geodetic System 1984",ELLIPSOID["WGS 84",6378137,298.257223563]],'
@@ -104,6 +123,8 @@ class ClosedTest(unittest.TestCase):
         for t in targets[::2]:
             texts += [f"+proj=longlat +ellps=WGS84 +nadgrids={t} +type=crs", f"proj=longlat ellps=WGS84 nadgrids={t}",
                       WGS84.format(more="", end=f',EXTENSION["PROJ4","+proj=longlat +ellps=WGS84 +nadgrids={t}"]'),
+                      GEOID.format(file=t), JSON_BOUND.replace("FILE", t),
+                      JSON_BOUND.replace("FILE", t).replace('"value"', '"\\u0076alue"'),
                       BOUND.format(file=t), f"+proj=pipeline +step +proj=hgridshift +grids={t}"]
         for text in texts:
             result = self.expect_closed(self.scene(dem="d.asc", crs=text), text)
@@ -115,7 +136,7 @@ class ClosedTest(unittest.TestCase):
         for text in ("EPSG:4326", "OGC:CRS84", "+proj=longlat +datum=WGS84 +no_defs", "+proj=longlat +ellps=WGS84 "
                      "+towgs84=1,2,3 +type=crs", WGS84.format(more="", end=""),
                      WGS84.format(more=",TOWGS84[1,2,3,0,0,0,0]", end=""), "EPSG:4314",
-                     "+proj=longlat +ellps=WGS84 +nadgrids=@null +type=crs"):
+                     "+proj=longlat +ellps=WGS84 +nadgrids=@null +type=crs", GEOID.format(file="egm96_15.gtx")):
             result = self.expect_closed(self.scene(dem="d.asc", crs=text), text)
             self.assertEqual(result.returncode, 0, f"{text}: {result.stderr}")
 
@@ -124,7 +145,7 @@ class ClosedTest(unittest.TestCase):
         (self.root / "d.asc").write_text(DEGREES)
         for t in self.addresses()[::2]:
             for text in (WGS84.format(more="", end=f',EXTENSION["PROJ4","+proj=longlat +ellps=WGS84 +nadgrids={t}"]'),
-                         BOUND.format(file=t)):
+                         GEOID.format(file=t), BOUND.format(file=t)):
                 (self.root / "d.prj").write_text(text)
                 self.expect_closed(self.scene(dem="d.asc"), text)
 
