@@ -8,6 +8,7 @@ import io
 import json
 import os
 import random
+import struct
 import sys
 from pathlib import Path
 
@@ -16,7 +17,7 @@ import numpy
 HERE = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(HERE / "support"), str(HERE / "sources")]
 import harness
-from dem_test import osr, write_raster
+from dem_test import gdal, osr, write_raster
 
 LEFT, TOP, PIXEL, EDGE = 500000, 5400000, 2, 60
 UTM = "EPSG:25832+5773"
@@ -124,6 +125,28 @@ class QueryCrsTest(harness.FolderTest):
         PROGRAM.succeed("query", self.scene, "--crs", UTM, *grid, "--format", "npy", "-o", self.root / "a.npy")
         numbers = numpy.load(self.root / "a.npy")
         self.assertLess(numpy.abs(numbers["height"] - [float(a["z"]) for a in answers]).max(), 0.06)
+
+    def test_exports_have_the_same_heights(self):
+        """Pixels of a dsm equal answers at their centres, and points of a LAS file lie in the raster's heights."""
+        bounds = f"--bounds={LEFT + 20},{TOP - 80},{LEFT + 60},{TOP - 40}"
+        PROGRAM.succeed("export", self.scene, "--to", "dsm", "--crs", UTM, bounds, "--step", 4, "-o",
+                        self.root / "dsm.tif")
+        raster = gdal.Open(str(self.root / "dsm.tif"))
+        self.assertIn("EGM96", raster.GetSpatialRef().ExportToWkt())
+        pixels = raster.ReadAsArray()
+        west, step, _, north, _, down = raster.GetGeoTransform()
+        rows, columns = numpy.mgrid[0:pixels.shape[0], 0:pixels.shape[1]]
+        places = numpy.stack([west + (columns + 0.5) * step, north + (rows + 0.5) * down], -1).reshape(-1, 2)
+        answers = self.query("--crs", UTM, "--heights", self.table("x,y", places, "centres.csv"))
+        got = numpy.array([float(a["z"]) for a in answers])
+        self.assertEqual(len(got), 100)
+        self.assertLess(numpy.abs(got - pixels.reshape(-1)).max(), 0.011)
+        PROGRAM.succeed("export", self.scene, "--to", "las", "--crs", UTM, "-o", self.root / "p.las")
+        with open(self.root / "p.las", "rb") as file:
+            head = file.read(375)
+        high, low = struct.unpack_from("<dd", head, 211)
+        self.assertAlmostEqual(high, self.height.max(), delta=0.6)
+        self.assertAlmostEqual(low, self.height.min(), delta=0.6)
 
     def test_bounds_and_questions_share_the_system(self):
         bounds = f"--bounds={LEFT + 20},{TOP - 80},{LEFT + 40},{TOP - 60}"
