@@ -58,7 +58,8 @@ SOURCES = {
     "scene .json": ({"a.json": made_seeds.scenes()[0], "model.gltf": made_seeds.text(made_seeds.square())}, "a.json"),
 }
 # Exports that docs/commands.md names, with the names of their formats.
-EXPORTS = {"PLY": "ply", "NanoVDB": "nvdb", "OpenVDB": "vdb", "CesiumJS": "3dtiles", "GigaVoxels": "gigavoxel-xml"}
+EXPORTS = {"PLY": "ply", "NanoVDB": "nvdb", "OpenVDB": "vdb", "CesiumJS": "3dtiles", "GigaVoxels": "gigavoxel-xml",
+           "LAS": "las"}
 
 
 def meshopt():
