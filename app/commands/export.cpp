@@ -128,6 +128,7 @@ std::vector<NamedOption> shared_options(const ExportOptions& o, const ExportForm
           {"`lod`", std::to_string(o.lod)},
           {"`bounds`, `clip` or `crs`", o.area.text()},
           {"--tile-voxels", std::to_string(o.tiles.tile_voxels)},
+          {"`step`", fmt::format("{}", o.step)},
           {"`update`", o.tiles.update ? "given" : "not given"}};
 }
 
@@ -153,7 +154,8 @@ int run_on_rank(const ExportOptions& options, const ExportFormat& format, MpiSes
   }
 }
 
-int run_map(const ExportOptions& o, const ExportFormat& format) {
+int run_map(const ExportOptions& o, const ExportFormat& format, MpiSession& mpi) {
+  expect_same_options(mpi, shared_options(o, format));
   MapExport map;
   map.scene = o.scene;
   map.out = o.out;
@@ -164,7 +166,7 @@ int run_map(const ExportOptions& o, const ExportFormat& format) {
   map.memory_bytes = o.memory_bytes;
   map.threads = o.tiles.threads;
   map.quiet = o.quiet;
-  return export_map(map);
+  return export_map(map, mpi);
 }
 
 void add_map_options(CLI::App& command, ExportOptions& options) {
@@ -173,7 +175,7 @@ void add_map_options(CLI::App& command, ExportOptions& options) {
       "dsm and ortho: edge of a pixel in units of --crs (edge of a voxel at --lod, if these are metres)");
   command
       .add_option("--memory", options.memory_bytes,
-                  "dsm and ortho: max bytes of memory, such as 256M; 0: half of the host's memory (1G)")
+                  "dsm and ortho: max bytes of memory of each rank, such as 256M; 0: half of the host's memory (1G)")
       ->transform(CLI::AsSizeValue(false));
 }
 
@@ -193,8 +195,8 @@ void add_tile_options(CLI::App& command, ExportOptions& options) {
 }  // namespace
 
 void add_export(CLI::App& app, int& exit_code) {
-  auto* command =
-      app.add_subcommand("export", "Write a baked scene's voxels in another format; 3dtiles under mpirun on all ranks");
+  auto* command = app.add_subcommand(
+      "export", "Write a baked scene's voxels in another format; 3dtiles, dsm and ortho under mpirun on all ranks");
   auto o = std::make_shared<ExportOptions>();
   command->add_option("SCENE", o->scene, "folder of a bake, or its scene.xml")->required();
   command->add_option("--to", o->format, "format (default: by the suffix of -o: .ply, .las, .nvdb, .vdb, .3tz)")
@@ -214,7 +216,7 @@ void add_export(CLI::App& app, int& exit_code) {
     expect_no_other_options(*command, format);
     if (format.options == FormatClass::map) {
       expect_no_input("-o", o->out, files_of_bake(std::filesystem::path(o->scene).parent_path()));
-      exit_code = run_map(*o, format);
+      exit_code = on_all_ranks("export", [&](MpiSession& mpi) { return run_map(*o, format, mpi); });
       return;
     }
     if (format.options == FormatClass::tiles) {

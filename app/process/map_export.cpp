@@ -7,6 +7,9 @@
 #include <malloc.h>
 #include <memory>
 #include <optional>
+#include <set>
+#include <span>
+#include <vector>
 
 #include "app/commands.h"
 #include "app/messages/with_progress.h"
@@ -14,8 +17,11 @@
 #include "app/options/map_crs.h"
 #include "app/options/text_values.h"
 #include "app/process/clipped_scene.h"
+#include "cluster/mpi/collective.h"
+#include "cluster/mpi/mpi_export_team.h"
 #include "core/base/error.h"
 #include "core/base/pluralize.h"
+#include "core/io/bytes.h"
 #include "format/export/geotiff/geotiff.h"
 #include "format/system/host_limits.h"
 #include "format/system/message.h"
@@ -150,51 +156,135 @@ MemoryShares shares_of(std::uint64_t memory_bytes) {
           std::size_t(std::clamp<std::uint64_t>(all / 8 / bytes_per_ray, 1024, 1 << 17))};
 }
 
-int print_result(const MapExport& o, const MapGrid& grid, const MapTally& tally, const SceneQuery& query) {
-  for (const std::string& problem : query.problems())
-    print_message("gigabake: cell missing: {}\n", with_flags(problem));
+/// The values with which a rank computes blocks of the map. Later members refer to earlier ones.
+struct MapOfRank {
+  MapOfRank(const MapExport& o, int threads, bool shows_progress)
+      : memory(shares_of(o.memory_bytes)),
+        pool(threads),
+        area(area_without_map_crs(o.area).area()),
+        scene(o.scene, area_of_voxels(o.area, area.get()), threads, shows_progress),
+        query(std::make_shared<const PagedScene>(scene.file()), query_options(o, memory), pool),
+        frame(open_map_frame(query.scene().header(), o.area.crs, threads)),
+        place(place_of(o, query, frame, area)),
+        job{o.content, place.grid, geotiff_block, memory.batch_rays, place.area},
+        map(query, frame, job, pool) {}
+
+  static QueryOptions query_options(const MapExport& o, const MemoryShares& memory) {
+    QueryOptions options;
+    options.lod = o.lod;
+    options.memory_bytes = memory.trees;
+    options.device = [] { return choose_device({Backend::automatic}).device; };
+    return options;
+  }
+
+  MemoryShares memory;
+  ThreadPool pool;
+  std::shared_ptr<const Area> area;
+  ClippedScene scene;
+  SceneQuery query;
+  MapFrame frame;
+  MapPlace place;
+  MapJob job;
+  SurfaceMap map;
+};
+
+/// Computes the blocks in turn on all ranks. Rank 0 writes them in their order.
+void write_blocks(SurfaceMap& map, GeotiffFile* file, MpiSession& mpi, const ExportTeam& team,
+                  const Progress& progress) {
+  const std::uint64_t ranks = std::uint64_t(mpi.ranks()), blocks = map.blocks();
+  for (std::uint64_t first = 0; first < blocks; first += ranks) {
+    std::vector<std::uint8_t> own;
+    check_options_collectively(mpi, [&] {
+      const std::uint64_t number = first + std::uint64_t(mpi.rank());
+      if (number >= blocks) return;
+      const std::span<const std::byte> pixels = map.block(number, progress);
+      const auto* const bytes = reinterpret_cast<const std::uint8_t*>(pixels.data());
+      own.assign(bytes, bytes + pixels.size());
+    });
+    const std::vector<std::vector<std::uint8_t>> parts = team.collect(std::move(own));
+    check_options_collectively(mpi, [&] {
+      for (std::size_t i = 0; i < parts.size() && first + i < blocks; ++i)
+        file->write_block(std::uint32_t((first + i) % map.block_columns()),
+                          std::uint32_t((first + i) / map.block_columns()), std::as_bytes(std::span(parts[i])));
+    });
+  }
+}
+
+/// The tally and the unreadable shards of all ranks.
+struct MapResult {
+  MapTally tally;
+  std::set<std::string> problems;
+};
+
+MapResult result_of(const MapOfRank& rank, const ExportTeam& team) {
+  ByteWriter own;
+  own.put(rank.map.tally());
+  own.put(rank.query.problems());
+  MapResult all;
+  for (const std::vector<std::uint8_t>& bytes : team.exchange(own.take())) {
+    ByteReader reader(bytes, "results of a rank");
+    MapTally tally;
+    std::vector<std::string> problems;
+    reader.get(tally);
+    reader.get(problems);
+    all.tally.with_surface += tally.with_surface;
+    all.tally.missing += tally.missing;
+    all.problems.insert(problems.begin(), problems.end());
+  }
+  return all;
+}
+
+int print_result(const MapExport& o, const MapGrid& grid, const MapResult& result, bool is_first) {
+  const int code = result.tally.missing == 0 ? complete : cells_failed;
+  if (!is_first) return code;
+  for (const std::string& problem : result.problems) print_message("gigabake: cell missing: {}\n", with_flags(problem));
   if (!o.quiet)
     fmt::print("{} × {} pixels of {} in {}, {} with a surface\n", grid.columns, grid.rows, grid.step, o.out,
-               tally.with_surface);
-  if (tally.missing == 0) return complete;
-  print_message("gigabake: {} a cell that is missing and have no value; bake the scene again\n",
-                pluralize(tally.missing, "pixel lies in", "pixels lie in"));
-  return cells_failed;
+               result.tally.with_surface);
+  if (code != complete)
+    print_message("gigabake: {} a cell that is missing and have no value; bake the scene again\n",
+                  pluralize(result.tally.missing, "pixel lies in", "pixels lie in"));
+  return code;
+}
+
+/// Computes and writes the map. Collective call.
+void write_map(const MapExport& o, MapOfRank& rank, MpiSession& mpi, const ExportTeam& team, const Progress& progress) {
+  const MapGrid& grid = rank.place.grid;
+  std::unique_ptr<GeotiffFile> file;
+  check_options_collectively(mpi, [&] {
+    if (mpi.rank() != 0) return;
+    const GeotiffImage image = image_of(o, grid, rank.query.scene().header(), rank.frame);
+    file = create_geotiff(o.out, image, {rank.memory.cache, rank.pool.threads()});
+  });
+  progress.step("casting rays", std::uint64_t(grid.columns) * grid.rows / std::uint64_t(mpi.ranks()), "pixel");
+  write_blocks(rank.map, file.get(), mpi, team, progress);
+  check_options_collectively(mpi, [&] {
+    if (file) file->finish(progress);
+  });
 }
 
 }  // namespace
 
-int export_map(const MapExport& o) {
+int export_map(const MapExport& o, MpiSession& mpi) {
   // glibc raises this limit when a large block is freed. Trees would then fragment the heap: 345 MB instead of 223 MB
   // with --memory 256M.
   ::mallopt(M_MMAP_THRESHOLD, 1 << 20);
-  const ThreadPool pool(o.threads != 0 ? o.threads : host_limits().cores());
-  const MemoryShares memory = shares_of(o.memory_bytes);
-  const std::shared_ptr<const Area> area = area_without_map_crs(o.area).area();
-  const ClippedScene scene(o.scene, area_of_voxels(o.area, area.get()), pool.threads(), !o.quiet);
-  QueryOptions of_query;
-  of_query.lod = o.lod;
-  of_query.memory_bytes = memory.trees;
-  of_query.device = [] { return choose_device({Backend::automatic}).device; };
-  SceneQuery query(std::make_shared<const PagedScene>(scene.file()), of_query, pool);
-  const MapFrame frame = open_map_frame(query.scene().header(), o.area.crs, pool.threads());
-  const MapPlace place = place_of(o, query, frame, area);
-  const std::unique_ptr<GeotiffFile> file =
-      create_geotiff(o.out, image_of(o, place.grid, query.scene().header(), frame), {memory.cache, pool.threads()});
-  const MapJob job{o.content, place.grid, geotiff_block, memory.batch_rays, place.area};
-  const MapTally tally = with_progress(
-      [&](const Progress& progress) {
-        const MapTally made = make_surface_map(
-            query, frame, job, pool,
-            [&](std::uint32_t column, std::uint32_t row, std::span<const std::byte> pixels) {
-              file->write_block(column, row, pixels);
-            },
-            progress);
-        file->finish(progress);
-        return made;
-      },
-      o.quiet ? nullptr : stderr);
-  return print_result(o, place.grid, tally, query);
+  const bool is_first = mpi.rank() == 0, shows_progress = is_first && !o.quiet;
+  std::optional<MapOfRank> rank;
+  check_options_collectively(mpi, [&] { rank.emplace(o, o.threads != 0 ? o.threads : mpi.cores(), shows_progress); });
+  const MpiExportTeam team(mpi);
+  try {
+    with_progress(
+        [&](const Progress& progress) {
+          write_map(o, *rank, mpi, team, progress);
+          return 0;
+        },
+        shows_progress ? stderr : nullptr);
+  } catch (const Stopped&) {
+    if (is_first) print_message("{}\n", stop_line());
+    return exit_code_of_stop();
+  }
+  return print_result(o, rank->place.grid, result_of(*rank, team), is_first);
 }
 
 }  // namespace gigabake::app

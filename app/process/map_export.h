@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/options/area_options.h"
+#include "cluster/mpi/mpi_session.h"
 #include "query/maps/surface_map.h"
 
 namespace gigabake::app {
@@ -16,12 +17,13 @@ struct MapExport {
   int lod = 0;
   double step = 0;                                      ///< the edge of a pixel; 0: a voxel's edge at `lod`
   std::uint64_t memory_bytes = std::uint64_t(1) << 30;  ///< 0: half of the host's memory
-  int threads = 0;                                      ///< 0: all cores
+  int threads = 0;                                      ///< of each rank; 0: the host's cores, divided among its ranks
   bool quiet = false;
 };
 
-/// Writes the file, and prints a line about its pixels. Returns the exit code.
-/// Errors  UsageError, InputError. No file is left behind.
-int export_map(const MapExport& options);
+/// Computes blocks of pixels on all ranks. Rank 0 writes the file, and prints a line about its pixels. Collective call.
+/// Returns the exit code.
+/// Errors  CollectiveUsageError, CollectiveFailure. No file is left behind.
+int export_map(const MapExport& options, MpiSession& mpi);
 
 }  // namespace gigabake::app

@@ -49,4 +49,14 @@ Parts MpiExportTeam::exchange(std::vector<std::uint8_t> own) const {
   return parts;
 }
 
+Parts MpiExportTeam::collect(std::vector<std::uint8_t> own) const {
+  Parts parts;
+  if (mpi_.rank() == 0)
+    parts = gathered(mpi_, std::move(own));
+  else
+    mpi_.send(0, tag_export, std::move(own));
+  mpi_.from_master(0);  // no rank begins the next exchange before rank 0 has all messages
+  return parts;
+}
+
 }  // namespace gigabake

@@ -8,8 +8,8 @@ namespace gigabake {
 
 /// A team over MPI. A step may take up to a day, because the other ranks wait that long. If a rank dies, mpirun ends
 /// the other ranks.
-/// Errors  together() throws Stopped if a rank was stopped, CollectiveFailure if a step failed. together() and
-///         exchange() throw RankLost if a rank does not answer within a day.
+/// Errors  together() throws Stopped if a rank was stopped, CollectiveFailure if a step failed. together(),
+///         exchange() and collect() throw RankLost if a rank does not answer within a day.
 class MpiExportTeam : public ExportTeam {
  public:
   explicit MpiExportTeam(MpiSession& mpi);
@@ -18,6 +18,7 @@ class MpiExportTeam : public ExportTeam {
   int ranks() const override { return mpi_.ranks(); }
   void together(const std::function<void()>& step) const override;
   std::vector<std::vector<std::uint8_t>> exchange(std::vector<std::uint8_t> own) const override;
+  std::vector<std::vector<std::uint8_t>> collect(std::vector<std::uint8_t> own) const override;
 
  private:
   MpiSession& mpi_;

@@ -18,9 +18,10 @@ namespace {
 constexpr std::size_t pixel_bytes = 4;
 constexpr std::size_t pixels_per_range = 1024;
 
-class SurfaceMap {
- public:
-  SurfaceMap(SceneQuery& query, const MapFrame& frame, const MapJob& job, const ThreadPool& pool)
+}  // namespace
+
+struct SurfaceMap::State {
+  State(SceneQuery& query, const MapFrame& frame, const MapJob& job, const ThreadPool& pool)
       : query_(query),
         frame_(frame),
         job_(job),
@@ -28,17 +29,6 @@ class SurfaceMap {
         surface_(parameters_from_json(query.scene().header().parameters).surface),
         frames_(query.scene().header(), query.window(), frame.query_frame()) {}
 
-  MapTally all(const WriteBlock& write, const Progress& progress) {
-    const MapGrid& grid = job_.grid;
-    for (std::uint32_t top = 0; top < grid.rows; top += job_.block)
-      for (std::uint32_t left = 0; left < grid.columns; left += job_.block) {
-        make_block(left, top, progress);
-        write(left / job_.block, top / job_.block, block_);
-      }
-    return tally_;
-  }
-
- private:
   void make_block(std::uint32_t left, std::uint32_t top, const Progress& progress) {
     const std::uint32_t width = std::min(job_.block, job_.grid.columns - left),
                         height = std::min(job_.block, job_.grid.rows - top);
@@ -137,6 +127,8 @@ class SurfaceMap {
   std::vector<QueryHit> hits_;
 };
 
+namespace {
+
 /// Returns the first multiple of a pixel's edge, and the number of pixels from there whose centres are below `high`.
 std::pair<double, double> pixels_between(double low, double high, double step, bool is_exact) {
   // The centre of pixel i is low + (i + 1/2) step. A centre at `low` is inside, a centre at `high` is not.
@@ -157,10 +149,28 @@ MapGrid grid_of(const MapBox& box, double step, bool is_exact) {
   return {west, south, step, std::uint32_t(columns), std::uint32_t(rows)};
 }
 
-MapTally make_surface_map(SceneQuery& query, const MapFrame& frame, const MapJob& job, const ThreadPool& pool,
-                          const WriteBlock& write, const Progress& progress) {
-  progress.step("casting rays", std::uint64_t(job.grid.columns) * job.grid.rows, "pixel");
-  return SurfaceMap(query, frame, job, pool).all(write, progress);
+SurfaceMap::SurfaceMap(SceneQuery& query, const MapFrame& frame, const MapJob& job, const ThreadPool& pool)
+    : state_(std::make_unique<State>(query, frame, job, pool)) {}
+
+SurfaceMap::~SurfaceMap() = default;
+
+std::uint32_t SurfaceMap::block_columns() const {
+  const MapJob& job = state_->job_;
+  return (job.grid.columns + job.block - 1) / job.block;
 }
+
+std::uint64_t SurfaceMap::blocks() const {
+  const MapJob& job = state_->job_;
+  return std::uint64_t(block_columns()) * ((job.grid.rows + job.block - 1) / job.block);
+}
+
+std::span<const std::byte> SurfaceMap::block(std::uint64_t number, const Progress& progress) {
+  const std::uint32_t edge = state_->job_.block;
+  state_->make_block(std::uint32_t(number % block_columns()) * edge, std::uint32_t(number / block_columns()) * edge,
+                     progress);
+  return state_->block_;
+}
+
+const MapTally& SurfaceMap::tally() const { return state_->tally_; }
 
 }  // namespace gigabake

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 
@@ -50,14 +49,28 @@ struct MapTally {
   std::uint64_t with_surface = 0, without_surface = 0, missing = 0;
 };
 
-using WriteBlock = std::function<void(std::uint32_t column, std::uint32_t row, std::span<const std::byte> pixels)>;
-
-/// Computes the pixels block by block, and passes each block to `write` in the calling thread: 4 bytes per pixel, row
-/// by row. Blocks on the eastern and southern border are smaller.
+/// The pixels of a map, block by block.
 /// Exact   The pixels do not depend on threads, batches, blocks or memory. A float is the query's double, rounded.
-/// Cost    Holds two blocks and a batch of rays, and the trees of the query.
-/// Errors  The errors of SceneQuery::first_hits(), and of `write`.
-MapTally make_surface_map(SceneQuery& query, const MapFrame& frame, const MapJob& job, const ThreadPool& pool,
-                          const WriteBlock& write, const Progress& progress = {});
+/// Cost    Holds a block and a batch of rays, and the trees of the query.
+class SurfaceMap {
+ public:
+  /// Borrows all arguments.
+  SurfaceMap(SceneQuery& query, const MapFrame& frame, const MapJob& job, const ThreadPool& pool);
+  ~SurfaceMap();
+
+  std::uint32_t block_columns() const;
+  /// Returns the number of blocks. They are numbered row by row.
+  std::uint64_t blocks() const;
+  /// Computes a block: 4 bytes per pixel, row by row. Blocks on the eastern and southern border are smaller. The result
+  /// is valid until the next call.
+  /// Errors  The errors of SceneQuery::first_hits().
+  std::span<const std::byte> block(std::uint64_t number, const Progress& progress = {});
+  /// Returns the tally of all computed blocks.
+  const MapTally& tally() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace gigabake

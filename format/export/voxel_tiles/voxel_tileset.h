@@ -38,6 +38,10 @@ class ExportTeam {
   virtual std::vector<std::vector<std::uint8_t>> exchange(std::vector<std::uint8_t> own) const {
     return {std::move(own)};
   }
+  /// Returns the bytes of all ranks, ordered by rank, on rank 0; nothing on the other ranks.
+  virtual std::vector<std::vector<std::uint8_t>> collect(std::vector<std::uint8_t> own) const {
+    return {std::move(own)};
+  }
 };
 
 /// Writes a new folder, or an archive if `target` ends in .3tz. It contains tileset.json, one implicit octree over the

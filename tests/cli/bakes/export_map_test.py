@@ -83,7 +83,7 @@ class ExportMap(harness.FolderTest):
         return numpy.load(out).reshape(raster.rows, raster.columns)[::-1]
 
     def expect_heights(self, raster, answers):
-        expected = answers["height_m"].astype("f4")
+        expected = answers[answers.dtype.names[0]].astype("f4")  # height_m, or height with --crs
         self.assertTrue(numpy.array_equal(raster.pixels, expected, equal_nan=True),
                         numpy.nanmax(numpy.abs(raster.pixels - expected)))
 
@@ -128,6 +128,17 @@ class ExportMap(harness.FolderTest):
         differs = ~numpy.isclose(raster.pixels, expected, rtol=0, atol=1e-3, equal_nan=True)
         self.assertLess(differs.mean(), 1e-3)
 
+    def test_a_dsm_in_a_projection_has_the_heights_of_query(self):
+        raster = self.map("--to", "dsm", "--crs", "EPSG:25832", "--step", "0.5")
+        low = raster.west + 0.25, raster.south + 0.25  # exact: edges are multiples of 0.5
+        high = low[0] + (raster.columns - 0.75) * 0.5, low[1] + (raster.rows - 0.75) * 0.5
+        grid = "--grid=" + ",".join(repr(v) for v in low + high)
+        self.program.succeed("query", self.scene, "--crs", "EPSG:25832", grid, "--step", "0.5", "--format", "npy", "-o",
+                             self.root / "answers.npy", "-q")
+        answers = numpy.load(self.root / "answers.npy").reshape(raster.rows, raster.columns)[::-1]
+        self.assertGreater(numpy.isfinite(raster.pixels).sum(), 1000)
+        self.expect_heights(raster, answers)
+
     def test_a_vertical_system_changes_heights(self):
         plain = self.map("--to", "dsm", "--crs", "EPSG:32632", "--step", "4")
         wkt = traditional(32632).ExportToWkt(), 'VERT_CS["feet",VERT_DATUM["ellipsoid",2002],UNIT["foot",0.3048]]'
@@ -159,10 +170,14 @@ class ExportMap(harness.FolderTest):
             else:
                 self.assertEqual(data.GetRasterBand(4).GetColorInterpretation(), gdal.GCI_AlphaBand)
 
-    def test_the_bytes_do_not_depend_on_threads_and_memory(self):
+    def test_the_bytes_do_not_depend_on_ranks_threads_and_memory(self):
         self.map("--to", "dsm", "--step", "0.2", "--threads", 1, "--memory", "64M", name="one.tif")
         self.map("--to", "dsm", "--step", "0.2", "--threads", 3, name="three.tif")
-        self.assertEqual((self.root / "one.tif").read_bytes(), (self.root / "three.tif").read_bytes())
+        one = (self.root / "one.tif").read_bytes()
+        self.assertEqual(one, (self.root / "three.tif").read_bytes())
+        self.program.succeed("export", self.scene, "--to", "dsm", "--step", "0.2", "-q", "-o", self.root / "ranks.tif",
+                             ranks=3)
+        self.assertEqual(one, (self.root / "ranks.tif").read_bytes())
 
     def test_bounds_in_the_system_of_the_map_are_its_bounds_and_adjacent_maps_join(self):
         whole = self.map("--to", "dsm", "--crs", "EPSG:32632", "--step", "0.5")
@@ -223,6 +238,10 @@ class ExportMap(harness.FolderTest):
         self.assertGreater(lost.sum(), 100)
         self.assertTrue((numpy.isnan(part.pixels) | (part.pixels == whole.pixels)).all())
         self.expect_heights(part, self.answers(part, scene=broken, code=MISSING))
+        of_ranks = self.program.run("export", broken, "--to", "dsm", "--crs", "scene", "-q", "-o",
+                                    self.root / "ranks.tif", ranks=2)
+        self.assertEqual(of_ranks.returncode, MISSING, of_ranks.stderr)
+        self.assertEqual(of_ranks.stderr.count(cell), 1, of_ranks.stderr)
 
     def test_bad_input_is_one_line_and_leaves_no_file(self):
         before = sorted(self.root.iterdir())
