@@ -99,17 +99,16 @@ GB_HD std::int32_t spread_of_centres(const UnitNormal& n) {
   return reach * reach / 12;
 }
 
-/// Returns the patch of the parent of eight voxels. `sums` are over the children of non-zero weight. The result of
-/// patch(c) is ignored if child c's weight is 0. `is_finest` is true if the children are of lod 0.
-template <class PatchOf>
-GB_HD SurfaceMoments join_patches(const PatchSums& sums, const PatchOf& patch, const Weights& weights,
+/// Returns the patch of the parent of eight voxels. `sums` are over the children of non-zero weight; the patches of the
+/// others are ignored. `is_finest` is true if the children are of lod 0.
+GB_HD SurfaceMoments join_patches(const PatchSums& sums, const SurfaceMoments patches[8], const Weights& weights,
                                   const Voxel& parent, bool is_finest, const Tables& tables) {
   const UnitNormal n = unit_normal_of(parent.normal, tables);
   SurfaceMoments out = sums.patch(n);
   std::int32_t spread = 0, unknown_weight = 0;
   GB_UNROLL
   for (int c = 0; c < 8; ++c) {
-    const SurfaceMoments of_child = patch(c);
+    const SurfaceMoments of_child = patches[c];
     const auto w = std::int32_t(weights.of(c));
     spread += w * squared_distance_in_parent(of_child, c, out, n);
     if (!is_finest) spread += w * (64 * std::int32_t(of_child.spread));
@@ -127,15 +126,19 @@ struct VoxelPatch {
   SurfaceMoments patch;
 };
 
-/// Computes a voxel by filter_children<true>() and its patch by join_patches().
+/// Computes a voxel by filter_children<true>() and its patch by join_patches(). patch(c) is the patch of child c; it is
+/// ignored if the child's weight is 0.
 template <class PatchOf>
 GB_HD VoxelPatch filter_patches(const Voxel children[8], const PatchOf& patch, const Weights& weights, bool is_finest,
                                 const Tables& tables) {
+  SurfaceMoments patches[8];
+  GB_UNROLL
+  for (int c = 0; c < 8; ++c) patches[c] = patch(c);
   PatchSums sums;
-  const auto add = [&](int c, std::uint32_t w, const UnitNormal& n) { sums.add(patch(c), c, n, std::int32_t(w)); };
+  const auto add = [&](int c, std::uint32_t w, const UnitNormal& n) { sums.add(patches[c], c, n, std::int32_t(w)); };
   VoxelPatch out;
   out.voxel = filter_children<true>(children, weights, MipFilter::coverage, tables, add);
-  out.patch = join_patches(sums, patch, weights, out.voxel, is_finest, tables);
+  out.patch = join_patches(sums, patches, weights, out.voxel, is_finest, tables);
   return out;
 }
 
