@@ -54,6 +54,17 @@ class Examples(harness.FolderTest):
         self.assertEqual(Path(f"{scene}.png").read_bytes()[:4], b"\x89PNG")
         self.assertEqual(PROGRAM.info(scene)["voxel_size_m"], 1)
 
+    def test_export_map_writes_heights_and_colours_with_the_same_pixels(self):
+        command = ["bash", EXAMPLES / "export_map.sh", self.scene, self.root / "map", "0.5", "--crs", "scene"]
+        result = harness.run(command, 120, env=self.environment)
+        if "built without GDAL" in result.stderr:
+            self.skipTest("this gigabake was built without GDAL")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for name in ("heights", "colours"):
+            self.assertEqual((self.root / f"map-{name}.tif").read_bytes()[:4], b"II*\0")
+        heights, colours = (line.split(" in ")[0] for line in result.stdout.splitlines())
+        self.assertEqual(heights, colours)
+
     def test_export_volume_writes_the_finest_level_within_the_limit(self):
         counts = [level["voxels"] for level in self.info["lods"]]
         for limit, lod in ((counts[0], 0), (counts[0] - 1, 1), (counts[2], 2)):
