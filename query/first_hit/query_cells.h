@@ -45,7 +45,7 @@ struct QueryCells {
   }
 
   /// Sets `cell` and returns true if a cell holds the voxel. Otherwise sets `box` to an empty part of the aligned cube
-  /// of a cell's size around the voxel. Along z, this part extends from the voxel up to the next cell.
+  /// of a cell's size around the voxel. Along z, this part lies between the next cells.
   GB_HD bool find_in_column(const std::int64_t v[3], std::uint32_t& cell, VoxelBox& box) const {
     const std::int64_t edge = std::int64_t(1) << layout.cell_bits;
     std::int64_t column[2];
@@ -57,7 +57,6 @@ struct QueryCells {
       column[a] = (v[a] >> layout.cell_bits) - layout.column_min[a];
       is_inside = is_inside && column[a] >= 0 && column[a] < layout.column_count[a];
     }
-    box.min[2] = v[2];
     if (!is_inside) return false;
     const std::uint64_t key = morton(std::uint32_t(column[0]), std::uint32_t(column[1]));
     const std::size_t found = lower_column(layout, key);
@@ -70,6 +69,7 @@ struct QueryCells {
         return false;
       }
       if (v[2] < low + edge) return true;
+      if (low + edge > box.min[2]) box.min[2] = low + edge;
     }
     return false;
   }

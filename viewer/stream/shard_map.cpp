@@ -123,25 +123,23 @@ std::optional<ShardExtent> ShardMap::find_cell(const Vec3i64& v, const Pager& pa
                                                VoxelBox& empty) const {
   const std::int64_t edge = std::int64_t(1) << cell_bits_;
   const Vec3i64 low{v[0] >> cell_bits_ << cell_bits_, v[1] >> cell_bits_ << cell_bits_, v[2]};
-  empty = cube_at(low, edge);
-  empty.max[2] = (v[2] >> cell_bits_ << cell_bits_) + edge;
-  std::int64_t end_below = v[2];  // no cell of the column lies between here and v
-  for (std::int64_t z = v[2]; z > v[2] - edge;) {
+  const std::int64_t aligned = v[2] >> cell_bits_ << cell_bits_;
+  empty = cube_at({low[0], low[1], aligned}, edge);
+  for (std::int64_t z = v[2]; z > aligned - edge;) {
     LatticeBlock block;
     const Cells* cells = cells_around({low[0], low[1], z}, pager, missing_pages, block);
-    end_below = block.min[2] + edge;  // the highest end of cells of lower blocks
     if (cells != nullptr) {
       auto above = first_above(*cells, {low[0], low[1], z + 1});
       const auto is_here = [&](const ListedCell& cell) { return cell.min[0] == low[0] && cell.min[1] == low[1]; };
       if (above != cells->end() && is_here(*above)) empty.max[2] = std::min(empty.max[2], above->min[2]);
       if (above != cells->begin() && is_here(*--above)) {
-        end_below = above->min[2] + edge;
-        if (end_below > v[2]) return placed(*above);
+        if (above->min[2] + edge > v[2]) return placed(*above);
+        empty.min[2] = std::max(aligned, above->min[2] + edge);
+        return {};
       }
     }
     z = block.min[2] - 1;
   }
-  empty.min[2] = std::min(v[2], end_below);
   return {};
 }
 
