@@ -6,6 +6,7 @@
 #include "core/octree/brick.h"
 #include "core/octree/morton.h"
 #include "kernels/body/mip/mip.h"
+#include "kernels/cpu/mip/level_read.h"
 
 namespace gigabake::kernels {
 namespace {
@@ -38,10 +39,8 @@ std::vector<std::uint8_t> bytes_of_all(const std::vector<T>& items) {
 /// Returns the patches of level 0; none if the level has no planes.
 std::vector<SurfaceMoments> finest_patches(const Level& finest) {
   std::vector<SurfaceMoments> patches;
-  const std::vector<std::uint8_t>& planes = finest.directional_coverage;
-  for (std::size_t i = 0; i < planes.size() / directional_coverage_bytes; ++i)
-    patches.push_back(
-        finest_patch(planes[directional_coverage_bytes * i + directional_coverage_plane], &finest.normal[2 * i]));
+  for (std::size_t i = 0; i < finest.directional_coverage.size() / directional_coverage_bytes; ++i)
+    patches.push_back(finest_patch_at(finest, i));
   return patches;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernels/body/cell.h"
+#include "kernels/body/mip/patch.h"
 #include "kernels/body/voxel.h"
 
 namespace gigabake::kernels {
@@ -29,6 +30,13 @@ inline Voxel voxel_at(const Level& level, std::size_t i) {
   for (std::size_t c = 0; c < 4; ++c) v.rgba[c] = level.rgba[4 * i + c];
   for (std::size_t c = 0; c < 2 && !level.normal.empty(); ++c) v.normal[c] = level.normal[2 * i + c];
   return v;
+}
+
+/// Returns the patch of voxel `i` of a lod-0 level that has normals.
+inline SurfaceMoments finest_patch_at(const Level& finest, std::size_t i) {
+  const std::vector<std::uint8_t>& planes = finest.directional_coverage;
+  const std::size_t at = directional_coverage_bytes * i + directional_coverage_plane;
+  return finest_patch(planes.empty() ? std::uint8_t(0) : planes[at], &finest.normal[2 * i]);
 }
 
 }  // namespace gigabake::kernels

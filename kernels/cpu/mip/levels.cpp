@@ -144,17 +144,11 @@ class ParentBuilder {
     }
   }
 
-  SurfaceMoments finest_patch_of(const Children& children, int c) const {
-    if (!surface_.patches.empty()) return surface_.patches[children.index[c]];
-    const std::vector<std::uint8_t>& planes = fine_.directional_coverage;
-    const std::size_t at = directional_coverage_bytes * children.index[c] + directional_coverage_plane;
-    return finest_patch(planes.empty() ? std::uint8_t(0) : planes[at], children.voxel[c].normal);
-  }
-
   void filter_patch(const Children& children, int to) {
     const auto patch = [&](int c) {
       if (weights_[to].of(c) == 0) return SurfaceMoments{};
-      return is_finest() ? finest_patch_of(children, c) : surface_.patches[children.index[c]];
+      const std::size_t i = children.index[c];
+      return surface_.patches.empty() ? finest_patch_at(fine_, i) : surface_.patches[i];
     };
     const VoxelPatch made = filter_patches(children.voxel, patch, weights_[to], is_finest(), tables_);
     parent_[to] = made.voxel;

@@ -62,33 +62,25 @@ class JoinedLevel {
     return level;
   }
 
+  /// Returns the coverage masks and patches of the voxels. Level 0 has no coverage masks, and no patches if its voxels
+  /// have no planes.
   LevelSurface surface() const {
     LevelSurface surface;
     if (!filters_by_view(parameters_.mip)) return surface;
-    if (lod_ == 0) return finest_surface();
     const std::size_t bytes = raster_bytes(lod_), words = bytes / sizeof(std::uint32_t);
     surface.rasters.resize(words * voxels_.size());
-    surface.patches.resize(parameters_.normals ? voxels_.size() : 0);
+    surface.patches.resize(parameters_.normals ? voxels_.size() : 0, finest_patch(0, nullptr));
     for (std::size_t i = 0; i < voxels_.size(); ++i) {
       const PlacedVoxel& v = voxels_[i];
-      std::memcpy(&surface.rasters[words * i], &v.source->raster[bytes * v.row], bytes);
-      if (parameters_.normals)
+      std::copy_n(v.source->raster.data() + bytes * v.row, bytes,
+                  reinterpret_cast<std::uint8_t*>(surface.rasters.data() + words * i));
+      if (!v.source->patch.empty())
         std::memcpy(&surface.patches[i], &v.source->patch[source_patch_bytes * v.row], source_patch_bytes);
     }
     return surface;
   }
 
  private:
-  LevelSurface finest_surface() const {
-    LevelSurface surface;
-    if (!parameters_.normals) return surface;
-    surface.patches.resize(voxels_.size(), finest_patch(0, nullptr));
-    for (std::size_t i = 0; i < voxels_.size(); ++i)
-      if (const std::vector<std::uint8_t>& patch = voxels_[i].source->patch; !patch.empty())
-        std::memcpy(&surface.patches[i], &patch[source_patch_bytes * voxels_[i].row], source_patch_bytes);
-    return surface;
-  }
-
   void add(const JoinedChild& child) {
     const Vec3i64 corner = (child.lattice_min - parameters_.window_min) >> lod_;
     const auto window = Box3i64::cube({}, std::int64_t(brick_edge) << (parameters_.levels + below_));
@@ -123,12 +115,11 @@ void expect_columns(const DownsampleState& s, const OverviewParameters& p) {
   expect(s.place.size() == source_place_bytes * voxels && s.rgba.size() == 4 * voxels);
   std::size_t coarsest = 0;
   while (coarsest < voxels && s.place[source_place_bytes * coarsest] == 0) ++coarsest;
-  const bool by_view = filters_by_view(p.mip) && p.child_lod > 0;
+  const bool by_view = filters_by_view(p.mip);
   expect(s.normal.size() == (p.normals ? 2 * voxels : 0));
   expect(s.raster.size() == (by_view ? raster_bytes(p.child_lod) * coarsest : 0));
   const bool finest_without_planes = p.child_lod == 0 && s.patch.empty();
-  const bool has_patches = filters_by_view(p.mip) && p.normals && !finest_without_planes;
-  expect(s.patch.size() == (has_patches ? source_patch_bytes * coarsest : 0));
+  expect(s.patch.size() == (by_view && p.normals && !finest_without_planes ? source_patch_bytes * coarsest : 0));
   expect((coarsest < voxels) == (voxels > 0 && is_of_64(p.mip, p.child_lod + 1)));
 }
 

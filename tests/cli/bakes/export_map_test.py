@@ -14,16 +14,9 @@ import numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
+from gdal_there import coordinate_system, gdal, ogr, osr
 from programs import lines_of
 
-try:
-    from osgeo import gdal, ogr, osr
-except ImportError:
-    print("skipped: expected python3-gdal to be installed")
-    sys.exit(77)
-
-gdal.UseExceptions()
-osr.UseExceptions()
 VOXEL_M = 0.5
 MISSING = 3
 
@@ -49,11 +42,8 @@ class Map:
         return self.data.GetSpatialRef().GetAuthorityCode(None)
 
 
-def traditional(epsg):
-    crs = osr.SpatialReference()
-    crs.ImportFromEPSG(epsg)
-    crs.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
-    return crs
+def to_degrees_from(epsg):
+    return osr.CoordinateTransformation(coordinate_system(f"EPSG:{epsg}"), coordinate_system("EPSG:4326"))
 
 
 class ExportMap(harness.FolderTest):
@@ -118,7 +108,7 @@ class ExportMap(harness.FolderTest):
         self.assertEqual(raster.epsg(), str((32600 if latitude >= 0 else 32700) + zone))
         self.assertEqual(raster.step, VOXEL_M)
         self.assertEqual((raster.west / VOXEL_M) % 1, 0)
-        to_degrees = osr.CoordinateTransformation(traditional(int(raster.epsg())), traditional(4326))
+        to_degrees = to_degrees_from(raster.epsg())
         places = numpy.array(to_degrees.TransformPoints(raster.centres().tolist()))[:, :2]
         numpy.save(self.root / "places.npy", places)
         self.program.succeed("query", self.scene, "--coordinates", "lonlat", "--heights", self.root / "places.npy",
@@ -141,7 +131,8 @@ class ExportMap(harness.FolderTest):
 
     def test_a_vertical_system_changes_heights(self):
         plain = self.map("--to", "dsm", "--crs", "EPSG:32632", "--step", "4")
-        wkt = traditional(32632).ExportToWkt(), 'VERT_CS["feet",VERT_DATUM["ellipsoid",2002],UNIT["foot",0.3048]]'
+        wkt = (coordinate_system("EPSG:32632").ExportToWkt(),
+               'VERT_CS["feet",VERT_DATUM["ellipsoid",2002],UNIT["foot",0.3048]]')
         crs = f'COMPD_CS["both",{wkt[0]},{wkt[1]}]'
         result = self.program.run("export", self.scene, "--to", "dsm", "--crs", crs, "--step", "4", "-q", "-o",
                                   self.root / "feet.tif")
@@ -195,7 +186,7 @@ class ExportMap(harness.FolderTest):
 
     def test_a_polygon_and_degrees_keep_the_pixels_whose_places_are_inside(self):
         whole = self.map("--to", "dsm", "--step", "0.5")
-        to_degrees = osr.CoordinateTransformation(traditional(int(whole.epsg())), traditional(4326))
+        to_degrees = to_degrees_from(whole.epsg())
         x, y = whole.west + whole.columns * 0.25, whole.south + whole.rows * 0.25
         corners = [to_degrees.TransformPoint(x + dx, y + dy)[:2] for dx, dy in ((-15, -10), (17, -12), (3, 19))]
         west, south = numpy.min(corners, 0)

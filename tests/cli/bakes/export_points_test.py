@@ -15,15 +15,9 @@ import numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
+from gdal_there import coordinate_system, osr
 from programs import lines_of
 
-try:
-    from osgeo import osr
-except ImportError:
-    print("skipped: expected python3-gdal to be installed")
-    sys.exit(77)
-
-osr.UseExceptions()
 VOXEL_M = 0.5
 HEADER = struct.Struct("<4sHH16sBB32s32sHHHIIBHI5I3d3d6dQQIQ15Q")
 EXTRA_TYPES = {1: "u1", 9: "<f4"}
@@ -70,10 +64,7 @@ class Las:
         assert at == self.first
 
     def crs(self):
-        crs = osr.SpatialReference()
-        crs.ImportFromWkt(self.wkt)
-        crs.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
-        return crs
+        return coordinate_system(self.wkt)
 
 
 class ExportPoints(harness.FolderTest):

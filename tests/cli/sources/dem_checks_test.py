@@ -15,7 +15,7 @@ import numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
-from dem_test import gdal, osr, write_raster
+from gdal_there import gdal, osr, write_raster
 from raster_places import LEFT, PIXEL, TOP, RasterTest, opens_of, reads_of, translate
 
 

@@ -13,32 +13,7 @@ import numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
-
-try:
-    from osgeo import gdal, osr
-except ImportError:
-    print("skipped: expected python3-gdal to be installed")
-    sys.exit(77)
-
-gdal.UseExceptions()
-
-
-def write_raster(path, values, left, top, pixel, epsg=32611, nodata=None, kind=gdal.GDT_Float32):
-    """Writes rows × columns, or bands × rows × columns; the first row is the northernmost."""
-    values = numpy.asarray(values)
-    bands = values if values.ndim == 3 else values[None]
-    options = ["TILED=YES", "BLOCKXSIZE=64", "BLOCKYSIZE=64"]
-    raster = gdal.GetDriverByName("GTiff").Create(str(path), bands.shape[2], bands.shape[1], len(bands), kind, options)
-    raster.SetGeoTransform([left, pixel, 0, top, 0, -pixel])
-    if epsg is not None:
-        crs = osr.SpatialReference()
-        crs.ImportFromEPSG(epsg)
-        raster.SetProjection(crs.ExportToWkt())
-    for i, band in enumerate(bands, 1):
-        raster.GetRasterBand(i).WriteArray(band)
-        if nodata is not None:
-            raster.GetRasterBand(i).SetNoDataValue(nodata)
-    raster.FlushCache()
+from gdal_there import gdal, osr, write_raster
 
 
 class DemTest(unittest.TestCase):

@@ -10,7 +10,7 @@ import numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
-from dem_test import gdal
+from gdal_there import gdal
 from raster_places import LEFT, PIXEL, TOP, RasterTest, lon_lat, translate
 
 COLOURS = {(8, 8): (200, 30, 20), (31, 8): (20, 180, 40), (8, 31): (30, 40, 210), (31, 31): (240, 240, 240)}

@@ -13,7 +13,7 @@ import numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
-from dem_test import gdal
+from gdal_there import gdal
 from raster_places import LEFT, PIXEL, TOP, RasterTest
 
 RED, BLUE = (200, 30, 20), (20, 40, 180)

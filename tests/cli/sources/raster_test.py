@@ -11,7 +11,7 @@ import numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
-from dem_test import gdal, osr
+from gdal_there import gdal, osr
 from raster_places import LEFT, PIXEL, TOP, RasterTest, translate
 
 

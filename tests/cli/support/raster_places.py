@@ -11,17 +11,13 @@ import subprocess
 import numpy
 
 import harness
-from dem_test import gdal, osr, write_raster
+from gdal_there import coordinate_system, gdal, osr, write_raster
 
 LEFT, TOP, PIXEL = 500000, 5400000, 2
 
 
 def lon_lat(x, y, epsg=32632):
-    source, target = osr.SpatialReference(), osr.SpatialReference()
-    source.ImportFromEPSG(epsg)
-    target.ImportFromEPSG(4326)
-    for crs in (source, target):
-        crs.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
+    source, target = coordinate_system(f"EPSG:{epsg}"), coordinate_system("EPSG:4326")
     lon, lat, _ = osr.CoordinateTransformation(source, target).TransformPoint(x, y)
     return lon, lat
 

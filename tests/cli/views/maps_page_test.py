@@ -10,17 +10,12 @@ import shlex
 import sys
 from pathlib import Path
 
+import numpy
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
+from gdal_there import gdal, write_raster
 
-try:
-    import numpy
-    from osgeo import gdal, osr
-except ImportError as error:
-    print(f"skipped: {error} (python3-gdal)")
-    sys.exit(77)
-
-gdal.UseExceptions()
 # The sample lies at 46.9312° N, 8.3017° E: the page's coordinates are around it, in degrees and in EPSG:25832.
 LEFT_M, TOP_M, PIXEL_M, PIXELS = 446780, 5197815, 2, 60
 DISTRICT = [(8.30150, 46.93105), (8.30185, 46.93105), (8.30185, 46.93135), (8.30150, 46.93135), (8.30150, 46.93105)]
@@ -30,17 +25,6 @@ LINE = [(8.30155, 46.9311), (8.3018, 46.9313)]
 def write_geojson(path, kind, coordinates):
     path.write_text(json.dumps({"type": "Feature", "properties": {},
                                 "geometry": {"type": kind, "coordinates": coordinates}}), encoding="utf-8")
-
-
-def write_raster(path, bands, kind):
-    """Writes bands of PIXELS × PIXELS values in EPSG:25832."""
-    raster = gdal.GetDriverByName("GTiff").Create(str(path), PIXELS, PIXELS, len(bands), kind)
-    raster.SetGeoTransform((LEFT_M, PIXEL_M, 0, TOP_M, 0, -PIXEL_M))
-    crs = osr.SpatialReference()
-    crs.ImportFromEPSG(25832)
-    raster.SetProjection(crs.ExportToWkt())
-    for number, band in enumerate(bands, 1):
-        raster.GetRasterBand(number).WriteArray(band)
 
 
 def commands(source):
@@ -61,9 +45,9 @@ class MapsPage(harness.FolderTest):
         write_geojson(cls.root / "line.geojson", "LineString", LINE)
         x, y = numpy.meshgrid(numpy.arange(PIXELS), numpy.arange(PIXELS))
         cls.heights_m = (562 + 3 * numpy.sin(x / 9) + 2 * numpy.cos(y / 7)).astype("float32")
-        write_raster(cls.root / "dem.tif", [cls.heights_m], gdal.GDT_Float32)
+        write_raster(cls.root / "dem.tif", cls.heights_m, LEFT_M, TOP_M, PIXEL_M, 25832)
         photo = [(x * 4 % 256).astype("uint8"), (y * 4 % 256).astype("uint8"), (x + y).astype("uint8")]
-        write_raster(cls.root / "photo.tif", photo, gdal.GDT_Byte)
+        write_raster(cls.root / "photo.tif", photo, LEFT_M, TOP_M, PIXEL_M, 25832, kind=gdal.GDT_Byte)
         cls.printed = {}
         executable = Path(program.executable).resolve()
         for line in commands(Path(sys.argv[2])):

@@ -17,7 +17,7 @@ import numpy
 HERE = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(HERE / "support"), str(HERE / "sources")]
 import harness
-from dem_test import gdal, osr, write_raster
+from gdal_there import coordinate_system, gdal, osr, write_raster
 
 LEFT, TOP, PIXEL, EDGE = 500000, 5400000, 2, 60
 UTM = "EPSG:25832+5773"
@@ -25,17 +25,11 @@ FEET = "+proj=utm +zone=32 +ellps=GRS80 +towgs84=0,0,0 +units=us-ft +vunits=us-f
 US_FOOT_M = 1200 / 3937
 
 
-def system(text):
-    out = osr.SpatialReference()
-    assert out.SetFromUserInput(text) == 0, text
-    out.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
-    return out
-
-
 def convert(source, target, points):
     options = osr.CoordinateTransformationOptions()
     options.SetBallparkAllowed(False)
-    return numpy.array(osr.CoordinateTransformation(system(source), system(target), options).TransformPoints(points))
+    systems = [coordinate_system(text) for text in (source, target)]
+    return numpy.array(osr.CoordinateTransformation(*systems, options).TransformPoints(points))
 
 
 class QueryCrsTest(harness.FolderTest):
