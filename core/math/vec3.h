@@ -79,6 +79,10 @@ struct Vec3 {
   friend GB_HD constexpr T dot(const Vec3& a, const Vec3& b) {
     return (a.v[0] * b.v[0] + a.v[1] * b.v[1]) + a.v[2] * b.v[2];
   }
+  /// Returns |x| + |y| + |z|.
+  friend GB_HD constexpr T sum_of_magnitudes(const Vec3& a) {
+    return (a.v[0] < 0 ? -a.v[0] : a.v[0]) + (a.v[1] < 0 ? -a.v[1] : a.v[1]) + (a.v[2] < 0 ? -a.v[2] : a.v[2]);
+  }
   /// Returns the Euclidean length: the square root of dot(a, a).
   /// Range   T is a floating-point type.
   friend GB_HD T length(const Vec3& a) { return std::sqrt(dot(a, a)); }

@@ -104,8 +104,8 @@ GB_HD std::uint32_t mean_coverage(std::uint32_t alpha_sum, MipFilter filter, con
 
 /// Returns the parent of eight voxels; missing voxels must be zero. `by_view` must equal filters_by_view(filter). If it
 /// is true, `weights` is the result of weights_of(), and normals opposite to that of the first child with a weight are
-/// turned, so that they do not cancel each other. Otherwise `weights` is unused. each(c, w, n) is called with child c's
-/// weight and normal; children of weight 0 may be skipped.
+/// turned, so that they do not cancel each other. Otherwise `weights` is unused. each(c, w, stored, n) is called with
+/// child c's weight, its stored normal and its turned normal; children of weight 0 may be skipped.
 template <bool by_view, class Each>
 GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, MipFilter filter, const Tables& tables,
                             const Each& each) {
@@ -117,17 +117,17 @@ GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, Mip
 #if !defined(__CUDA_ARCH__)
     if (w == 0) continue;  // It would add nothing. On a device all lanes run the same code, so the test is omitted.
 #endif
-    UnitNormal n = unit_normal_of(children[c].normal, tables);
-    if (sums.weight == 0) first = n;
-    if (by_view && are_opposite(n, first)) n.c = n.c * -1;
+    const UnitNormal stored = unit_normal_of(children[c].normal, tables);
+    if (sums.weight == 0) first = stored;
+    const UnitNormal n{by_view && are_opposite(stored, first) ? stored.c * -1 : stored.c};
     sums.add(children[c], n, w, tables);
-    each(c, w, n);
+    each(c, w, stored, n);
   }
   return sums.voxel(by_view ? weights.max_directional_coverage() : mean_coverage(sums.weight, filter, tables), tables);
 }
 
 struct NothingForEach {
-  GB_HD void operator()(int, std::uint32_t, const UnitNormal&) const {}
+  GB_HD void operator()(int, std::uint32_t, const UnitNormal&, const UnitNormal&) const {}
 };
 
 template <bool by_view>

@@ -32,13 +32,16 @@ inline constexpr std::int32_t position_unit = 1 << 14;
 /// Value of `spread` in the patch of a lod-0 voxel without a plane: the position of its surface is unknown.
 inline constexpr std::uint8_t unknown_spread = 255;
 
-/// Returns the patch of a lod-0 voxel. Its position is the point of the plane that is nearest to the voxel's centre, or
-/// the centre if `plane` is 0.
-GB_HD SurfaceMoments finest_patch(std::uint8_t plane, const std::int8_t normal[2]) {
-  if (plane == 0) return {{0, 0, 0}, unknown_spread, 255};
-  const OctahedronPoint n = octahedron_point(normal);
-  const std::int32_t scale_256 = 256 * 127 * position_unit / (max_offset * dot(n.c, n.c)) * unpack_plane(plane).offset;
-  return {static_cast<Vec3<std::int16_t>>(n.c * scale_256 / 256), 0, 255};
+/// Returns the patch of a lod-0 voxel without a plane. Its position is the voxel's centre.
+GB_HD SurfaceMoments patch_without_plane() { return {{0, 0, 0}, unknown_spread, 255}; }
+
+/// Returns the patch of a lod-0 voxel with unit normal `n`. Its position is the point of the plane that is nearest to
+/// the voxel's centre. It needs no division: |x| + |y| + |z| of `n` is the inverse length of the plane's normal
+/// (kernels/body/mip/plane.h).
+GB_HD SurfaceMoments finest_patch(std::uint8_t plane, const UnitNormal& n) {
+  if (plane == 0) return patch_without_plane();
+  const std::int32_t distance = sum_of_magnitudes(n.c) * unpack_plane(plane).offset / (2 * max_offset);
+  return {static_cast<Vec3<std::int16_t>>((n.c * distance + Vec3<std::int32_t>::all(1 << 14)) >> 15), 0, 255};
 }
 
 /// Sums over the children of a voxel, each weighted by its visible coverage (Weights), as for colour.
@@ -93,9 +96,7 @@ GB_HD std::int32_t squared_distance_in_parent(const SurfaceMoments& of_child, in
 /// |z|) / 2 edges. A lod-0 voxel without a plane has its centre as position, because the surface's position in it is
 /// unknown. This distance is therefore not part of the surface's spread.
 GB_HD std::int32_t spread_of_centres(const UnitNormal& n) {
-  std::int32_t reach = 0;
-  for (const std::int32_t x : n.c) reach += x < 0 ? -x : x;
-  reach >>= 7;
+  const std::int32_t reach = sum_of_magnitudes(n.c) >> 7;
   return reach * reach / 12;
 }
 
@@ -126,16 +127,17 @@ struct VoxelPatch {
   SurfaceMoments patch;
 };
 
-/// Computes a voxel by filter_children<true>() and its patch by join_patches(). patch(c) is the patch of child c; it is
-/// ignored if the child's weight is 0.
+/// Computes a voxel by filter_children<true>() and its patch by join_patches(). patch(c, n) is the patch of child c,
+/// whose unit normal is `n`; it is ignored if the child's weight is 0.
 template <class PatchOf>
 GB_HD VoxelPatch filter_patches(const Voxel children[8], const PatchOf& patch, const Weights& weights, bool is_finest,
                                 const Tables& tables) {
-  SurfaceMoments patches[8];
-  GB_UNROLL
-  for (int c = 0; c < 8; ++c) patches[c] = patch(c);
+  SurfaceMoments patches[8] = {};
   PatchSums sums;
-  const auto add = [&](int c, std::uint32_t w, const UnitNormal& n) { sums.add(patches[c], c, n, std::int32_t(w)); };
+  const auto add = [&](int c, std::uint32_t w, const UnitNormal& stored, const UnitNormal& n) {
+    patches[c] = patch(c, stored);
+    sums.add(patches[c], c, n, std::int32_t(w));
+  };
   VoxelPatch out;
   out.voxel = filter_children<true>(children, weights, MipFilter::coverage, tables, add);
   out.patch = join_patches(sums, patches, weights, out.voxel, is_finest, tables);

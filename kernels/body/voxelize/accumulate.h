@@ -25,8 +25,11 @@ GB_HD Fragment fragment_of_colour(std::int64_t weight, const std::uint16_t rgba[
 }
 
 /// Channels of an accumulator. The last two are not needed if all fragments are opaque. `sum_clear` is the sum of
-/// weight · (65535 − alpha). `sum_opaque` is 0 if and only if no fragment is opaque. `sum_axis_x` to `sum_axis_offset`
-/// sum normals and offsets of fragments that are turned to one half space (axis_sign()).
+/// weight · (65535 − alpha). `sum_opaque` is the narrow area of the opaque fragments; it is 0 if and only if there are
+/// none.
+///
+/// `sum_nx` to `sum_offset` state the voxel's surface. Their weight is the visible area. `sum_lower_x` to
+/// `sum_lower_offset` sum only fragments of the lower half space (is_lower()). Most voxels have none.
 enum Sum : int {
   sum_weight,
   sum_red,
@@ -35,10 +38,10 @@ enum Sum : int {
   sum_nx,
   sum_ny,
   sum_nz,
-  sum_axis_x,
-  sum_axis_y,
-  sum_axis_z,
-  sum_axis_offset,
+  sum_lower_x,
+  sum_lower_y,
+  sum_lower_z,
+  sum_lower_offset,
   sum_offset,
   sum_clear,
   sum_opaque,
@@ -46,40 +49,44 @@ enum Sum : int {
 };
 inline constexpr int opaque_sum_count = sum_clear;
 
-/// Returns true for sums with the weights of surface_weight(). They fit 32 bits where the others need 64 bits.
-GB_HD constexpr bool is_narrow_sum(int channel) { return channel >= sum_axis_x && channel <= sum_offset; }
-
-/// Number of fragments that a 64-bit accumulator holds without overflow: each adds at most √3·2^36·65535 < 2^53. A
-/// narrow sum then fits 32 bits: each fragment adds at most √2·2^12·128 < 2^20.
-inline constexpr int fragments_before_flush = 1024;
-
-/// Returns the weight of a fragment in narrow sums: its area in 2^-12 voxel², at least 1. It is 0 for a fragment that
-/// is completely transparent.
-GB_HD std::int64_t surface_weight(std::int64_t visible) {
-  const std::int64_t weight = visible >> 24;
-  return weight > 0 ? weight : (visible > 0 ? 1 : 0);
+/// Returns true for sums of rounded terms. They fit 32 bits where the others need 64 bits.
+GB_HD constexpr bool is_narrow_sum(int channel) {
+  return (channel >= sum_lower_x && channel <= sum_offset) || channel == sum_opaque;
 }
 
-/// Returns -1 or 1, the sign that turns a normal to a fixed half space. Opposite normals have opposite signs, unless
-/// they lie on the border of the half space. The border contains no common normal.
-GB_HD int axis_sign(const Vec3<std::int16_t>& normal) {
-  return 9973 * normal[0] + 17327 * normal[1] + 31469 * normal[2] < 0 ? -1 : 1;
+/// Number of fragments that a 64-bit accumulator holds without overflow: each adds at most √3·2^36·65535 < 2^53. A
+/// narrow sum then fits 32 bits: each fragment adds at most √3·2^36·32767 / 2^32 < 2^20.
+inline constexpr int fragments_before_flush = 1024;
+
+/// Numbers of low bits that narrow sums omit: of areas and of offsets times areas, and of normals times areas.
+inline constexpr int narrow_area_bits = 24, narrow_normal_bits = 32;
+
+/// Returns the term of a narrow sum: `term` / 2^bits, rounded to nearest, half up. The product is rounded instead of
+/// the area, so that small fragments keep their weight.
+GB_HD std::int64_t narrow_term(std::int64_t term, int bits) { return (term + (std::int64_t(1) << (bits - 1))) >> bits; }
+
+/// Tests whether a normal points to a fixed half space. One of two opposite normals does, unless both lie on its
+/// border. The border contains no common normal.
+GB_HD bool is_lower(const Vec3<std::int16_t>& normal) {
+  return 9973 * normal[0] + 17327 * normal[1] + 31469 * normal[2] < 0;
 }
 
 /// Calls add(channel, value) for each sum of a fragment. The caller decides where the sums are stored.
 template <class Add>
 GB_HD void contribute(const Fragment& f, const Add& add) {
-  // Transparent parts must not influence the normal, so the normal's weight is scaled by alpha.
+  // Transparent parts must not influence the surface, so its weight is scaled by alpha.
   const std::int64_t clear = f.weight * (65535 - f.alpha);
-  const std::int64_t visible = clear == 0 ? f.weight : (f.weight * 65535 - clear) / 65535;
+  const std::int64_t area = clear == 0 ? f.weight : (f.weight * 65535 - clear) / 65535;
+  const std::int64_t offset = narrow_term(area * f.offset, narrow_area_bits);
   add(sum_weight, f.weight);
   for (int c = 0; c < 3; ++c) add(Sum(sum_red + c), f.colour[c]);
-  for (int c = 0; c < 3; ++c) add(Sum(sum_nx + c), visible * f.normal[c]);
-  const std::int64_t weight = surface_weight(visible), turned = axis_sign(f.normal) * weight;
-  for (int c = 0; c < 3; ++c) add(Sum(sum_axis_x + c), turned * ((f.normal[c] + 128) >> 8));
-  add(sum_axis_offset, turned * f.offset);
-  add(sum_offset, weight * f.offset);
-  clear == 0 ? add(sum_opaque, 1) : add(sum_clear, clear);
+  for (int c = 0; c < 3; ++c) add(Sum(sum_nx + c), area * f.normal[c]);
+  add(sum_offset, offset);
+  if (is_lower(f.normal)) {
+    for (int c = 0; c < 3; ++c) add(Sum(sum_lower_x + c), narrow_term(area * f.normal[c], narrow_normal_bits));
+    add(sum_lower_offset, offset);
+  }
+  clear == 0 ? add(sum_opaque, 1 + (area >> narrow_area_bits)) : add(sum_clear, clear);
 }
 
 template <class I>

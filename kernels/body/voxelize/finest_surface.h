@@ -5,7 +5,7 @@
 /// same area, to the half space. The plane of a two-sided voxel lies in the middle between the sides.
 ///
 /// Exact   Sums are exact integers; the rest is IEEE double: host and device return the same bits.
-/// Source  docs/adr/0554-planes-at-level-0.md
+/// Source  docs/adr/0554-planes-at-level-0.md, docs/adr/0564-sums-of-the-lower-half-space.md
 #pragma once
 
 #include <cmath>
@@ -18,14 +18,12 @@
 
 namespace gigabake::kernels {
 
-/// A narrow weight of 1 in units of Fragment::weight is 1 / narrow_unit.
-inline constexpr double narrow_unit = 1.0 / (std::int64_t(1) << 24);
-
+/// Surface of a voxel, in the units of its sums.
 struct FinestSurface {
-  Vec3d normal;      ///< any length
-  double coherence;  ///< length of the mean of the unit normals on either side, 0 … 1
-  double distance;   ///< from the voxel's centre to the surface, along the normal; voxels
-  bool has_distance;
+  Vec3d normal;           ///< any length
+  double squared_length;  ///< of the sum of its unit normals, on one or on either side
+  double offset;          ///< sum of distances from the voxel's centre, along the normal
+  double norm;            ///< |x| + |y| + |z| of the sum of normals that `offset` belongs to
 };
 
 /// Max length of the mean normal of a two-sided voxel, and min length of its mean turned normal. The latter excludes
@@ -34,58 +32,56 @@ inline constexpr double max_two_sided_length = 0.5, min_axis_length = 0.8;
 /// Square of the cosine of the max angle between a voxel's two mean normals that counts as the same axis.
 inline constexpr double same_axis = 0.97;
 
-/// Lengths of the two mean normals of a voxel, and their mean distances.
-struct FinestMeans {
-  Vec3d side, axis;                 ///< sums of unchanged normals, and of normals turned to one half space
-  double side_length, axis_length;  ///< lengths of the means
-  double axis_distance;             ///< along `axis`; voxels
-
-  GB_HD bool is_two_sided() const { return side_length < max_two_sided_length && axis_length >= min_axis_length; }
-  GB_HD bool has_same_axis() const {
-    const double along = dot(side, axis);
-    return along * along >= same_axis * (dot(side, side) * dot(axis, axis)) && dot(axis, axis) > 0;
-  }
-};
-
-/// Returns the means of a voxel. `visible` is the sum of weight · alpha over its fragments, in units of
-/// Fragment::weight. Distances are divided by the length of the mean normal: the plane of a crease goes through the
-/// intersection of the two surfaces.
+/// Returns an upper bound of the area of a voxel's opaque fragments. It exceeds the area by at most 2^-12 voxel² per
+/// fragment.
 template <class I>
-GB_HD FinestMeans finest_means(const I sums[sum_count], double visible) {
-  FinestMeans r;
-  r.side = {double(sums[sum_nx]), double(sums[sum_ny]), double(sums[sum_nz])};
-  r.axis = {double(sums[sum_axis_x]), double(sums[sum_axis_y]), double(sums[sum_axis_z])};
-  const double axis = std::sqrt(dot(r.axis, r.axis)), length = axis / (visible * narrow_unit * 127);
-  r.side_length = std::sqrt(dot(r.side, r.side)) / (visible * 32767);
-  r.axis_length = length < 1 ? length : 1;
-  r.axis_distance = double(sums[sum_axis_offset]) / axis * 127 / 128;
-  return r;
+GB_HD double opaque_area_of(const I sums[sum_count]) {
+  return double(sums[sum_opaque]) * double(1 << narrow_area_bits);
 }
 
-/// Returns the surface of a voxel; parameters as in finest_means().
+/// Tests whether a voxel has a plane: it is opaque, and no translucent content of it is visible. Other content would
+/// move the plane of the opaque surface. Content that is cut away changes nothing. `visible` is the sum of weight ·
+/// alpha.
 template <class I>
-GB_HD FinestSurface finest_surface(const I sums[sum_count], double visible) {
-  const FinestMeans m = finest_means(sums, visible);
-  const bool is_turned = dot(m.side, m.axis) < 0;
-  if (m.is_two_sided())
-    return {is_turned ? m.axis * -1 : m.axis, m.axis_length, is_turned ? -m.axis_distance : m.axis_distance, true};
-  if (m.has_same_axis())  // fragments of the other side shorten the mean normal, but not the axis
-    return {m.side, m.axis_length > m.side_length ? m.axis_length : m.side_length,
-            is_turned ? -m.axis_distance : m.axis_distance, true};
-  const double side = std::sqrt(dot(m.side, m.side));
-  return {m.side, m.side_length, double(sums[sum_offset]) / (side * narrow_unit * 128) * 32767,
-          visible * narrow_unit >= 1 && side > 0};
+GB_HD bool has_plane(const I sums[sum_count], double visible) {
+  return sums[sum_opaque] != 0 && (sums[sum_clear] == 0 || opaque_area_of(sums) >= visible);
+}
+
+/// Returns the square of the length that the sum of a voxel's normals has if all are equal. `visible` is the
+/// sum of weight · alpha.
+GB_HD double squared_length_of_equal_normals(double visible) { return visible * 32767 * (visible * 32767); }
+
+/// Returns the surface of a voxel. `whole` is the result of squared_length_of_equal_normals().
+template <class I>
+GB_HD FinestSurface finest_surface(const I sums[sum_count], double whole) {
+  const Vec3d side = {double(sums[sum_nx]), double(sums[sum_ny]), double(sums[sum_nz])};
+  const FinestSurface one_side{side, dot(side, side), double(sums[sum_offset]), sum_of_magnitudes(side)};
+  if ((sums[sum_lower_x] | sums[sum_lower_y] | sums[sum_lower_z] | sums[sum_lower_offset]) == 0) return one_side;
+  constexpr double unit = double(std::int64_t(1) << (narrow_normal_bits + 1));
+  const Vec3d lower = {double(sums[sum_lower_x]), double(sums[sum_lower_y]), double(sums[sum_lower_z])};
+  const Vec3d axis = side - lower * unit;
+  const double squared_axis = dot(axis, axis), along = dot(side, axis), sign = along < 0 ? -1 : 1;
+  const double offset = sign * double(sums[sum_offset] - 2 * sums[sum_lower_offset]);
+  if (one_side.squared_length < max_two_sided_length * max_two_sided_length * whole &&
+      squared_axis >= min_axis_length * min_axis_length * whole)
+    return {axis * sign, squared_axis, offset, sum_of_magnitudes(axis)};
+  if (squared_axis > 0 && along * along >= same_axis * (one_side.squared_length * squared_axis))
+    return {side, squared_axis > one_side.squared_length ? squared_axis : one_side.squared_length, offset,
+            sum_of_magnitudes(axis)};  // fragments of the other side shorten the mean normal, but not the axis
+  return one_side;
 }
 
 /// Returns the plane of a surface. It rises to full coherence while the length of the mean normal grows from 0.65 to
-/// 0.8, as at coarser levels. `normal` is the voxel's stored normal.
-GB_HD Plane plane_of(const FinestSurface& surface, const std::int8_t normal[2]) {
-  const double alike = (surface.coherence - 0.65) * (1 / 0.15);
-  const int coherence = alike >= 1 ? max_coherence : (alike > 0 ? int(alike * max_coherence + 0.5) : 0);
-  if (coherence == 0 || !surface.has_distance) return {};
-  const OctahedronPoint n = octahedron_point(normal);
-  const double length = std::sqrt(double(dot(n.c, n.c)));
-  const double offset = std::floor(surface.distance * (2.0 * max_offset / 127) * length + 0.5);
+/// 0.8, as at coarser levels: one third is reached at 0.675, 0.725 and 0.775. `whole` is as in finest_surface(). The
+/// distance is divided by the length of the mean normal: the plane of a crease goes through the intersection of the two
+/// surfaces.
+GB_HD Plane plane_of(const FinestSurface& surface, double whole) {
+  const double squared = surface.squared_length;
+  const int coherence = int(squared >= 0.675 * 0.675 * whole) + int(squared >= 0.725 * 0.725 * whole) +
+                        int(squared >= 0.775 * 0.775 * whole);
+  if (coherence == 0 || !(surface.norm > 0)) return {};
+  constexpr double half_edges = 2 / 128.0, unit = half_edges * max_offset * 32767 * (1 << narrow_area_bits);
+  const double offset = std::floor(surface.offset * unit / surface.norm + 0.5);
   return {offset < -max_offset ? -max_offset : (offset > max_offset ? max_offset : int(offset)), coherence};
 }
 

@@ -37,9 +37,11 @@ GB_HD bool resolve(const I sums[sum_count], const Tables& tables, FinestVoxel& o
   const double inverse = 1 / alpha;
   for (int c = 0; c < 3; ++c) voxel.rgba[c] = tables.srgb_from_linear[ratio16(double(sums[sum_red + c]), inverse)];
   voxel.rgba[3] = std::uint8_t(coverage > 255 ? 255 : coverage);
-  const FinestSurface surface = finest_surface(sums, alpha / 65535);
+  const double visible = alpha * (1 / 65535.0);
+  const double whole = squared_length_of_equal_normals(visible);
+  const FinestSurface surface = finest_surface(sums, whole);
   encode_octahedral(surface.normal[0], surface.normal[1], surface.normal[2], voxel.normal);
-  out.plane = voxel.rgba[3] == 255 ? pack_plane(plane_of(surface, voxel.normal)) : std::uint8_t(0);
+  out.plane = has_plane(sums, visible) ? pack_plane(plane_of(surface, whole)) : std::uint8_t(0);
   return true;
 }
 

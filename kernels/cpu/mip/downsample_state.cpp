@@ -38,9 +38,10 @@ std::vector<std::uint8_t> bytes_of_all(const std::vector<T>& items) {
 
 /// Returns the patches of level 0; none if the level has no planes.
 std::vector<SurfaceMoments> finest_patches(const Level& finest) {
+  const Tables tables = TableStore::host().view();
   std::vector<SurfaceMoments> patches;
   for (std::size_t i = 0; i < finest.directional_coverage.size() / directional_coverage_bytes; ++i)
-    patches.push_back(finest_patch_at(finest, i));
+    patches.push_back(finest_patch_at(finest, i, unit_normal_of(&finest.normal[2 * i], tables)));
   return patches;
 }
 

@@ -32,11 +32,11 @@ inline Voxel voxel_at(const Level& level, std::size_t i) {
   return v;
 }
 
-/// Returns the patch of voxel `i` of a lod-0 level that has normals.
-inline SurfaceMoments finest_patch_at(const Level& finest, std::size_t i) {
+/// Returns the patch of voxel `i` of a lod-0 level that has normals. `n` is the voxel's unit normal.
+inline SurfaceMoments finest_patch_at(const Level& finest, std::size_t i, const UnitNormal& n) {
   const std::vector<std::uint8_t>& planes = finest.directional_coverage;
   const std::size_t at = directional_coverage_bytes * i + directional_coverage_plane;
-  return finest_patch(planes.empty() ? std::uint8_t(0) : planes[at], &finest.normal[2 * i]);
+  return finest_patch(planes.empty() ? std::uint8_t(0) : planes[at], n);
 }
 
 }  // namespace gigabake::kernels

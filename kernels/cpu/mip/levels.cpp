@@ -145,10 +145,9 @@ class ParentBuilder {
   }
 
   void filter_patch(const Children& children, int to) {
-    const auto patch = [&](int c) {
-      if (weights_[to].of(c) == 0) return SurfaceMoments{};
+    const auto patch = [&](int c, const UnitNormal& n) {
       const std::size_t i = children.index[c];
-      return surface_.patches.empty() ? finest_patch_at(fine_, i) : surface_.patches[i];
+      return surface_.patches.empty() ? finest_patch_at(fine_, i, n) : surface_.patches[i];
     };
     const VoxelPatch made = filter_patches(children.voxel, patch, weights_[to], is_finest(), tables_);
     parent_[to] = made.voxel;

@@ -69,7 +69,7 @@ class JoinedLevel {
     if (!filters_by_view(parameters_.mip)) return surface;
     const std::size_t bytes = raster_bytes(lod_), words = bytes / sizeof(std::uint32_t);
     surface.rasters.resize(words * voxels_.size());
-    surface.patches.resize(parameters_.normals ? voxels_.size() : 0, finest_patch(0, nullptr));
+    surface.patches.resize(parameters_.normals ? voxels_.size() : 0, patch_without_plane());
     for (std::size_t i = 0; i < voxels_.size(); ++i) {
       const PlacedVoxel& v = voxels_[i];
       std::copy_n(v.source->raster.data() + bytes * v.row, bytes,

@@ -149,11 +149,11 @@ __device__ FilteredVoxel filter_voxel(const VoxelArrays& below, const Children<I
     const Voxel v = filter_children<by_view>(voxel, w, filter, tables);
     return {pack_rgba(v.rgba), w.directional_coverage, pack_normal(v.normal), {}, {}};
   }
-  const auto patch = [&](int c) {
+  const auto patch = [&](int c, const UnitNormal& n) {
     if (children.at[c] == Children<Index>::none) return SurfaceMoments{};
     if constexpr (!is_finest) return below.patch[children.at[c]];
     const std::size_t at = directional_coverage_bytes * std::size_t(children.at[c]) + directional_coverage_plane;
-    return finest_patch(below.planes == nullptr ? std::uint8_t(0) : below.planes[at], voxel[c].normal);
+    return finest_patch(below.planes == nullptr ? std::uint8_t(0) : below.planes[at], n);
   };
   const VoxelPatch made = filter_patches(voxel, patch, w, is_finest, tables);
   const Plane plane = plane_of(made.patch, made.voxel.normal, is_finest);

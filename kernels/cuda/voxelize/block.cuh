@@ -23,7 +23,7 @@ struct FillWidth {
   static constexpr int blocks = (is_hard ? 2 : 4) + (all_visible(materials) ? 1 : 0);
   static constexpr std::size_t bytes = (228 * 1024 / blocks - 1024) / 128 * 128;  ///< the driver reserves 1 KiB per
                                                                                   ///< block
-  using Sums = VoxelSums<is_hard ? 3 : 2, all_visible(materials) ? opaque_sum_count : sum_opaque>;
+  using Sums = VoxelSums<is_hard ? 3 : 2, all_visible(materials) ? opaque_sum_count : sum_count>;
 };
 
 /// The block's bricks: their masks, item counts, and the places of their voxels in the output arrays.

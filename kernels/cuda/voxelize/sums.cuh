@@ -15,7 +15,7 @@ namespace gigabake::kernels {
 
 /// Sums of one voxel. A sum of 2 words (64 bits) suffices for bricks of at most fragments_before_flush triangles. A sum
 /// of 3 words (96 bits) suffices for up to 2^32 triangles. Narrow sums need one word less. `channels` is
-/// opaque_sum_count if all materials are opaque, else sum_opaque. `sum_opaque` itself is one bit, in the last word.
+/// opaque_sum_count if all materials are opaque, else sum_count.
 template <int words, int channels>
 struct VoxelSums {
   using Total = std::conditional_t<words == 2, std::int64_t, __int128>;
@@ -30,9 +30,8 @@ struct VoxelSums {
     for (int c = 0; c < channel; ++c) word += words_of(c);
     return word;
   }
-  static constexpr int flag = word_of(channels);  ///< index of the word for `sum_opaque`
 
-  unsigned word[(is_opaque ? flag : flag + 1) | 1];  ///< odd size: adjacent lanes use different banks
+  unsigned word[word_of(channels) | 1];  ///< odd size: adjacent lanes use different banks
 
   __device__ void clear() {
     for (unsigned& w : word) w = 0;
@@ -45,8 +44,11 @@ struct VoxelSums {
     bool is_there[sum_count];
     for (bool& there : is_there) there = false;
     contribute(f, [&](Sum channel, std::int64_t value) {
-      if (!is_opaque && channel == sum_opaque) atomicOr(&word[flag], 1u);
       if (channel >= channels) return;
+      if (words_of(channel) == 1) {
+        atomicAdd(&word[word_of(channel)], std::uint32_t(value));  // has no carry, so nothing waits for it
+        return;
+      }
       is_there[channel] = true;
       rest[channel] = std::uint64_t(value);
     });
@@ -60,7 +62,7 @@ struct VoxelSums {
   __device__ bool resolve_to(const Tables& tables, FinestVoxel& out) const {
     Total s[sum_count];
     s[sum_clear] = 0;
-    s[sum_opaque] = is_opaque ? 1 : word[is_opaque ? 0 : flag];
+    s[sum_opaque] = 1;
 #pragma unroll
     for (int c = 0; c < channels; ++c) s[c] = sum_of(word + word_of(c), words_of(c));
     return resolve(s, tables, out);

@@ -16,7 +16,7 @@ TRACED = {"wires", "crown"}
 ELEVATIONS = {90, 60, 35, 20, 10, 5, 2}
 # The number of images beyond the bounds that was reached: lower it when a change improves it, and never raise it.
 # Opaque scenes that are not listed have none.
-MAX_LEAKING = {"grass-70": 2, "grass-89": 4, "litter-89": 4, "mixed-small-steps": 3}
+MAX_LEAKING = {"grass-89": 4, "glass-89": 1, "litter-89": 1, "mixed-small-steps": 3}
 
 
 def measure(gigabake, work):

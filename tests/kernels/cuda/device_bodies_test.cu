@@ -236,8 +236,8 @@ struct JoinBody {
     for (int c = 0; c < 8; ++c) weights.child[c / 4] |= std::uint32_t(from.child[c].rgba[3]) << 8 * (c % 4);
     Joined out;
     for (int i = 0; i < 2; ++i) {
-      const auto patch = [&](int c) {
-        return i == 0 ? finest_patch(from.plane[c], from.child[c].normal) : from.patch[c];
+      const auto patch = [&](int c, const UnitNormal& n) {
+        return i == 0 ? finest_patch(from.plane[c], n) : from.patch[c];
       };
       const VoxelPatch made = filter_patches(from.child, patch, weights, i == 0, tables);
       const Plane plane = plane_of(made.patch, made.voxel.normal, i == 0);
