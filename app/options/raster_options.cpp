@@ -6,8 +6,22 @@
 #include <fmt/ranges.h>
 
 #include "core/base/error.h"
+#include "format/source/raster/crs_map.h"
 
 namespace gigabake::app {
+namespace {
+
+/// A stated offset replaces the vertical system, whose grid may then be missing.
+void expect_known_crs(const RasterArguments& a) {
+  if (a.crs.empty() || a.geoid_offset_m) return;
+  try {
+    open_crs_map(a.crs);
+  } catch (const InputError& e) {
+    throw UsageError(std::string("--dem-crs: ") + e.what());
+  }
+}
+
+}  // namespace
 
 void RasterArguments::add_to(CLI::App& command) {
   command.add_option("--ortho", ortho, "image with the colours of an elevation raster, such as photo.tif");
@@ -27,6 +41,7 @@ RasterOptions RasterArguments::options() const {
   for (const double number : nodata)
     if (std::isinf(number)) throw UsageError("--nodata: expected finite numbers or nan");
   if (geoid_offset_m && !std::isfinite(*geoid_offset_m)) throw UsageError("--geoid-offset: expected finite metres");
+  expect_known_crs(*this);
   return {ortho, crs, nodata, geoid_offset_m};
 }
 

@@ -17,7 +17,7 @@ struct RasterArguments {
 
   void add_to(CLI::App& command);
   /// Returns the options for open_sources().
-  /// Errors  UsageError: the orthophoto does not exist, or a number is not finite.
+  /// Errors  UsageError: the orthophoto does not exist, a number is not finite, or --dem-crs is unknown.
   RasterOptions options() const;
   /// Returns the options as text; empty if none is given.
   std::string text() const;

@@ -66,7 +66,7 @@ class RasterOptionsTest(RasterTest):
         path = self.write("dem.tif", self.height)
         self.bake(path, 1, "--dem-crs", "EPSG:32632+5773")
         self.assertGreater(float(self.at((20, 20))[0]["height"]), self.height[20, 20] + 40)
-        self.refused(path, "dem.tif: crs: ", "is unknown", "EPSG:999999", arguments=("--dem-crs", "EPSG:999999"))
+        self.misused(path, "--dem-crs", "is unknown", "EPSG:999999", arguments=("--dem-crs", "EPSG:999999"))
 
     def test_a_folder_of_rasters_has_one_photo_which_may_lie_in_it(self):
         tiles = self.folder / "tiles"
