@@ -28,7 +28,7 @@ GB_HD Fragment fragment_of_colour(std::int64_t weight, const std::uint16_t rgba[
 /// weight · (65535 − alpha). `sum_opaque` is the narrow area of the opaque fragments; it is 0 if and only if there are
 /// none.
 ///
-/// `sum_nx` to `sum_offset` state the voxel's surface. Their weight is the visible area. `sum_lower_x` to
+/// `sum_nx` to `sum_offset` state the voxel's surface. Their weight is surface_weight(). `sum_lower_x` to
 /// `sum_lower_offset` sum only fragments of the lower half space (is_lower()). Most voxels have none.
 enum Sum : int {
   sum_weight,
@@ -49,17 +49,26 @@ enum Sum : int {
 };
 inline constexpr int opaque_sum_count = sum_clear;
 
-/// Returns true for sums of rounded terms. They fit 32 bits where the others need 64 bits.
+/// Returns true for sums of rounded terms. They have 32 bits where the others have 64 bits.
 GB_HD constexpr bool is_narrow_sum(int channel) {
   return (channel >= sum_lower_x && channel <= sum_offset) || channel == sum_opaque;
 }
 
-/// Number of fragments that a 64-bit accumulator holds without overflow: each adds at most √3·2^36·65535 < 2^53. A
-/// narrow sum then fits 32 bits: each fragment adds at most √3·2^36·32767 / 2^32 < 2^20.
+/// Number of fragments that a 64-bit accumulator holds without overflow: each adds at most √3·2^36·65535 < 2^53.
 inline constexpr int fragments_before_flush = 1024;
 
-/// Numbers of low bits that narrow sums omit: of areas and of offsets times areas, and of normals times areas.
-inline constexpr int narrow_area_bits = 24, narrow_normal_bits = 32;
+/// Numbers of low bits that narrow sums omit: of areas, of offsets times areas, and of normals times areas.
+inline constexpr int narrow_area_bits = 24, narrow_offset_bits = 14, narrow_normal_bits = 22;
+/// Max visible area of a voxel whose narrow sums of offsets and normals fit 32 bits: 4 voxel². In other voxels these
+/// sums may wrap around and are ignored.
+inline constexpr double max_narrow_area = double(std::int64_t(4) << 36);
+
+/// Returns a fragment's weight in the sums of the surface, in units of Fragment::weight: its visible area. A smaller
+/// area than 2^-22 voxel² counts as that, so that narrow sums state its offset exactly.
+GB_HD std::int64_t surface_weight(std::int64_t visible) {
+  constexpr std::int64_t minimum = std::int64_t(1) << narrow_offset_bits;
+  return visible <= 0 || visible >= minimum ? visible : minimum;
+}
 
 /// Returns the term of a narrow sum: `term` / 2^bits, rounded to nearest, half up. The product is rounded instead of
 /// the area, so that small fragments keep their weight.
@@ -76,8 +85,8 @@ template <class Add>
 GB_HD void contribute(const Fragment& f, const Add& add) {
   // Transparent parts must not influence the surface, so its weight is scaled by alpha.
   const std::int64_t clear = f.weight * (65535 - f.alpha);
-  const std::int64_t area = clear == 0 ? f.weight : (f.weight * 65535 - clear) / 65535;
-  const std::int64_t offset = narrow_term(area * f.offset, narrow_area_bits);
+  const std::int64_t area = surface_weight(clear == 0 ? f.weight : (f.weight * 65535 - clear) / 65535);
+  const std::int64_t offset = narrow_term(area * f.offset, narrow_offset_bits);
   add(sum_weight, f.weight);
   for (int c = 0; c < 3; ++c) add(Sum(sum_red + c), f.colour[c]);
   for (int c = 0; c < 3; ++c) add(Sum(sum_nx + c), area * f.normal[c]);

@@ -23,7 +23,7 @@ struct FinestSurface {
   Vec3d normal;           ///< any length
   double squared_length;  ///< of the sum of its unit normals, on one or on either side
   double offset;          ///< sum of distances from the voxel's centre, along the normal
-  double norm;            ///< |x| + |y| + |z| of the sum of normals that `offset` belongs to
+  double squared_norm;    ///< squared length of the sum of normals that `offset` belongs to
 };
 
 /// Max length of the mean normal of a two-sided voxel, and min length of its mean turned normal. The latter excludes
@@ -39,49 +39,55 @@ GB_HD double opaque_area_of(const I sums[sum_count]) {
   return double(sums[sum_opaque]) * double(1 << narrow_area_bits);
 }
 
-/// Tests whether a voxel has a plane: it is opaque, and no translucent content of it is visible. Other content would
-/// move the plane of the opaque surface. Content that is cut away changes nothing. `visible` is the sum of weight ·
-/// alpha.
+/// Tests whether a voxel has a plane: it is opaque, no translucent content of it is visible, and its area is at most
+/// max_narrow_area. Other content would move the plane of the opaque surface. Content that is cut away changes nothing.
+/// `visible` is the sum of weight · alpha.
 template <class I>
 GB_HD bool has_plane(const I sums[sum_count], double visible) {
-  return sums[sum_opaque] != 0 && (sums[sum_clear] == 0 || opaque_area_of(sums) >= visible);
+  return sums[sum_opaque] != 0 && visible <= max_narrow_area &&
+         (sums[sum_clear] == 0 || opaque_area_of(sums) >= visible);
 }
 
 /// Returns the square of the length that the sum of a voxel's normals has if all are equal. `visible` is the
 /// sum of weight · alpha.
 GB_HD double squared_length_of_equal_normals(double visible) { return visible * 32767 * (visible * 32767); }
 
-/// Returns the surface of a voxel. `whole` is the result of squared_length_of_equal_normals().
+/// Returns the surface of a voxel. `visible` is the sum of weight · alpha.
 template <class I>
-GB_HD FinestSurface finest_surface(const I sums[sum_count], double whole) {
+GB_HD FinestSurface finest_surface(const I sums[sum_count], double visible) {
+  const double whole = squared_length_of_equal_normals(visible);
   const Vec3d side = {double(sums[sum_nx]), double(sums[sum_ny]), double(sums[sum_nz])};
-  const FinestSurface one_side{side, dot(side, side), double(sums[sum_offset]), sum_of_magnitudes(side)};
-  if ((sums[sum_lower_x] | sums[sum_lower_y] | sums[sum_lower_z] | sums[sum_lower_offset]) == 0) return one_side;
+  const double squared_side = dot(side, side);
+  const FinestSurface one_side{side, squared_side, double(sums[sum_offset]), squared_side};
+  const bool has_lower = (sums[sum_lower_x] | sums[sum_lower_y] | sums[sum_lower_z] | sums[sum_lower_offset]) != 0;
+  if (!has_lower || visible > max_narrow_area) return one_side;
   constexpr double unit = double(std::int64_t(1) << (narrow_normal_bits + 1));
   const Vec3d lower = {double(sums[sum_lower_x]), double(sums[sum_lower_y]), double(sums[sum_lower_z])};
   const Vec3d axis = side - lower * unit;
   const double squared_axis = dot(axis, axis), along = dot(side, axis), sign = along < 0 ? -1 : 1;
   const double offset = sign * double(sums[sum_offset] - 2 * sums[sum_lower_offset]);
-  if (one_side.squared_length < max_two_sided_length * max_two_sided_length * whole &&
+  if (squared_side < max_two_sided_length * max_two_sided_length * whole &&
       squared_axis >= min_axis_length * min_axis_length * whole)
-    return {axis * sign, squared_axis, offset, sum_of_magnitudes(axis)};
-  if (squared_axis > 0 && along * along >= same_axis * (one_side.squared_length * squared_axis))
-    return {side, squared_axis > one_side.squared_length ? squared_axis : one_side.squared_length, offset,
-            sum_of_magnitudes(axis)};  // fragments of the other side shorten the mean normal, but not the axis
+    return {axis * sign, squared_axis, offset, squared_axis};
+  if (squared_axis > 0 && along * along >= same_axis * (squared_side * squared_axis))
+    return {side, squared_axis > squared_side ? squared_axis : squared_side, offset,
+            squared_axis};  // fragments of the other side shorten the mean normal, but not the axis
   return one_side;
 }
 
 /// Returns the plane of a surface. It rises to full coherence while the length of the mean normal grows from 0.65 to
-/// 0.8, as at coarser levels: one third is reached at 0.675, 0.725 and 0.775. `whole` is as in finest_surface(). The
-/// distance is divided by the length of the mean normal: the plane of a crease goes through the intersection of the two
-/// surfaces.
-GB_HD Plane plane_of(const FinestSurface& surface, double whole) {
-  const double squared = surface.squared_length;
+/// 0.8, as at coarser levels: one third is reached at 0.675, 0.725 and 0.775. The distance is divided by the length of
+/// the mean normal: the plane of a crease goes through the intersection of the two surfaces. `visible` is as in
+/// finest_surface(), and `normal` is the voxel's stored normal.
+GB_HD Plane plane_of(const FinestSurface& surface, double visible, const std::int8_t normal[2]) {
+  const double squared = surface.squared_length, whole = squared_length_of_equal_normals(visible);
   const int coherence = int(squared >= 0.675 * 0.675 * whole) + int(squared >= 0.725 * 0.725 * whole) +
                         int(squared >= 0.775 * 0.775 * whole);
-  if (coherence == 0 || !(surface.norm > 0)) return {};
-  constexpr double half_edges = 2 / 128.0, unit = half_edges * max_offset * 32767 * (1 << narrow_area_bits);
-  const double offset = std::floor(surface.offset * unit / surface.norm + 0.5);
+  if (coherence == 0 || !(surface.squared_norm > 0)) return {};
+  constexpr double half_edges = 2 / 128.0, unit = half_edges * max_offset * 32767 * (1 << narrow_offset_bits);
+  const OctahedronPoint n = octahedron_point(normal);
+  const double scale = std::sqrt(double(dot(n.c, n.c)) / surface.squared_norm);
+  const double offset = std::floor(surface.offset * (unit / 127) * scale + 0.5);
   return {offset < -max_offset ? -max_offset : (offset > max_offset ? max_offset : int(offset)), coherence};
 }
 

@@ -38,10 +38,9 @@ GB_HD bool resolve(const I sums[sum_count], const Tables& tables, FinestVoxel& o
   for (int c = 0; c < 3; ++c) voxel.rgba[c] = tables.srgb_from_linear[ratio16(double(sums[sum_red + c]), inverse)];
   voxel.rgba[3] = std::uint8_t(coverage > 255 ? 255 : coverage);
   const double visible = alpha * (1 / 65535.0);
-  const double whole = squared_length_of_equal_normals(visible);
-  const FinestSurface surface = finest_surface(sums, whole);
+  const FinestSurface surface = finest_surface(sums, visible);
   encode_octahedral(surface.normal[0], surface.normal[1], surface.normal[2], voxel.normal);
-  out.plane = has_plane(sums, visible) ? pack_plane(plane_of(surface, whole)) : std::uint8_t(0);
+  out.plane = has_plane(sums, visible) ? pack_plane(plane_of(surface, visible, voxel.normal)) : std::uint8_t(0);
   return true;
 }
 

@@ -336,7 +336,7 @@ class HeightTest(harness.FolderTest):
             out = self.bake(f"slope{slope}", self.terrain(heights))
             with self.subTest(slope=slope):
                 errors = self.errors(out, heights)
-                self.assertLess(abs(errors.mean()), 0.02)
+                self.assertLess(abs(errors.mean()), 0.006 * numpy.hypot(1, slope))  # .006 voxel along the normal
                 self.assertLess(numpy.percentile(abs(errors), 95), {1.5: 0.12, 3: 0.2, 8: 0.45}[slope])
 
     def test_a_steep_leaf_and_a_wall_keep_their_height(self):
