@@ -46,10 +46,7 @@ double side_m(const Primitive& primitive, const std::uint32_t* index, const Inst
 
 /// Returns twice the sum of a triangle's areas projected along x, y and z. `a` and `b` are two of its edges. The result
 /// is exact for lattice triangles while the values fit into a double.
-double doubled_views(const Vec3d& a, const Vec3d& b) {
-  const Vec3d n = cross(a, b);
-  return std::fabs(n[0]) + std::fabs(n[1]) + std::fabs(n[2]);
-}
+double doubled_views(const Vec3d& a, const Vec3d& b) { return sum_of_magnitudes(cross(a, b)); }
 
 std::uint64_t projected_voxels_of(const LatticeTriangle& t) {
   return std::uint64_t(std::min(doubled_views(Vec3d(t.p[1] - t.p[0]), Vec3d(t.p[2] - t.p[0])), max_projected_voxels));

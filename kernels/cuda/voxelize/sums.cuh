@@ -20,8 +20,6 @@ template <int words, int channels>
 struct VoxelSums {
   using Total = std::conditional_t<words == 2, std::int64_t, __int128>;
 
-  static constexpr bool is_opaque = channels == opaque_sum_count;
-
   /// Returns the number of words of a channel's sum.
   static constexpr int words_of(int channel) { return is_narrow_sum(channel) ? words - 1 : words; }
   /// Returns the index of the lowest word of a channel's sum.
