@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Checks that tables of measured values are not much older than the code that they measure.
 
-The age of a table is the number of commits, after the key `commit` of its data, that change MEASURED_CODE. A table that
-exceeds MAX_AGE must be measured again (tools/figures --measure). Exceptions are in old_tables.txt: tables that were
-measured before their data had the key, or that could not be measured again. The list may only shrink: a name that was
-not in an earlier version of the list is an error, and so is a name whose table is new enough.
+The age of a table is the number of commits, after the commit of its rows, that change MEASURED_CODE. The commit is that
+of the run in docs/data/MACHINE.json, or the key `commit` of a table by hand. A table that exceeds MAX_AGE must be
+measured again (tools/figures --measure). Exceptions are in old_tables.txt: tables that were measured before their data
+had a commit, or that could not be measured again. The list may only shrink: a name that was not in an earlier version
+of the list is an error, and so is a name whose table is new enough. `NEW was OLD` renames a table of the list.
 
 MAX_AGE is two days of the project at the rate of November 2026, about 50 such commits per day. Tables are measured on
 machines that a continuous integration does not have, so a smaller number would only fill the list.
@@ -40,14 +41,14 @@ class Repository:
         return (self.git("rev-parse", "--is-shallow-repository") == "false"
                 and Path(self.git("rev-parse", "--show-toplevel")).resolve() == self.root)
 
-    def age(self, commit, file):
+    def age(self, commit):
         """Returns the number of commits after `commit` that change the measured code.
 
-        A rebase may have replaced `commit`: then the commit counts that stored its name in the file. The age is 0 if
-        none has stored it yet.
+        A rebase may have replaced `commit`: then the commit counts that first stored its name in docs/data. The age is
+        0 if none has stored it yet.
         """
         if self.git("merge-base", "--is-ancestor", commit, "HEAD") is None:
-            stored = self.git("log", "--format=%H", f"-S{commit}", "--", file)
+            stored = self.git("log", "--format=%H", f"-S{commit}", "--", "docs/data")
             if not stored:
                 return 0
             commit = stored.splitlines()[-1]
@@ -62,62 +63,99 @@ class Repository:
 
 
 def names_in(text):
-    return {line for line in text.splitlines() if line and not line.startswith("#")}
+    """Returns a table from each name of a list to its former name, which is mostly the same."""
+    lines = [line.split(" was ") for line in text.splitlines() if line and not line.startswith("#")]
+    return {line[0]: line[-1] for line in lines}
 
 
-def fault(repository, name):
-    """Returns why the table is too old, or None."""
-    file = f"docs/data/{name}.json"
-    commit = json.loads((repository.root / file).read_text(encoding="utf-8")).get("commit")
-    if commit is None:
-        return "has no key `commit`"
-    if not re.fullmatch("[0-9a-f]{12,40}", commit):
-        return f"has `{commit}` as its commit, expected 12 hexadecimal digits"
-    age = repository.age(commit, file)
-    return f"is {age} commits older than the measured code, {MAX_AGE} are allowed" if age > MAX_AGE else None
+def commits_of_tables(root):
+    """Returns a table from each name to the commits of its rows. Tables that copy rows of others have none."""
+    commits = {}
+    for path in (root / "docs/data").glob("*/*.json"):
+        table = json.loads(path.read_text(encoding="utf-8"))
+        if "copies" not in table.get("measured", {}):
+            commits[path.stem] = [table.get("commit")] if "rows" in table else []
+    for path in (root / "docs/data").glob("*.json"):
+        for run in json.loads(path.read_text(encoding="utf-8"))["runs"]:
+            for name in run["tables"]:
+                commits.setdefault(name, []).append(run["commit"])
+    return commits
+
+
+def fault(repository, commits):
+    """Returns why the rows of a table are too old, or None."""
+    if None in commits or not commits:
+        return "has no commit"
+    for commit in commits:
+        if not re.fullmatch("[0-9a-f]{12,40}", commit):
+            return f"has `{commit}` as its commit, expected 12 hexadecimal digits"
+        age = repository.age(commit)
+        if age > MAX_AGE:
+            return f"is {age} commits older than the measured code, {MAX_AGE} are allowed"
+    return None
 
 
 def problems(repository):
     listed = names_in((repository.root / LIST).read_text(encoding="utf-8"))
-    tables = {path.stem for path in (repository.root / "docs/data").glob("*.json")}
-    yield from (f"{LIST}: there is no docs/data/{name}.json" for name in sorted(listed - tables))
-    for name in sorted(tables):
-        why = fault(repository, name)
+    tables = commits_of_tables(repository.root)
+    yield from (f"{LIST}: there is no table {name}" for name in sorted(set(listed) - set(tables)))
+    for name, commits in sorted(tables.items()):
+        why = fault(repository, commits)
         if why and name not in listed:
-            yield f"docs/data/{name}.json {why}: measure it again with tools/figures --measure"
+            yield f"the table {name} {why}: measure it again with tools/figures --measure"
         if not why and name in listed:
             yield f"{LIST}: {name} is new enough, remove it from the list"
     for earlier in repository.earlier_lists():
-        yield from (f"{LIST}: {name} was added, but the list may only shrink" for name in sorted(listed - earlier))
+        yield from (f"{LIST}: {name} was added, but the list may only shrink" for name, former in sorted(listed.items())
+                    if name not in earlier and (former not in earlier or former in tables))
+
+
+class MadeRepository(Repository):
+    """A temporary repository with tables."""
+
+    def commit(self, **files):
+        """Writes files, whose names have __ for each slash, and commits them. Returns the commit."""
+        for name, text in files.items():
+            path = self.root / name.replace("__", "/").replace("_json", ".json").replace("_txt", ".txt")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        self.git("add", "-A")
+        self.git("-c", "user.name=a", "-c", "user.email=a@example.org", "commit", "-q", "--allow-empty", "-m", "a")
+        return self.git("rev-parse", "HEAD")
+
+
+def rows(commit):
+    """Returns the definition of a table by hand."""
+    return json.dumps({"measured": "by hand", "commit": commit, "rows": []})
+
+
+def machine(commit, *tables):
+    """Returns the data of a machine."""
+    return json.dumps({"machine": "m", "runs": [{"commit": commit, "tables": {name: [] for name in tables}}]})
 
 
 def unnoticed():
     """Yields a line for each fault that this test does not notice in a temporary repository."""
     with tempfile.TemporaryDirectory() as folder:
-        made = Repository(Path(folder).resolve())
-        for name in ("docs/data", "tests/architecture", "kernels"):
-            (made.root / name).mkdir(parents=True)
-
-        def commit(**files):
-            for name, text in files.items():
-                (made.root / name.replace("__", "/").replace("_json", ".json").replace("_txt", ".txt")).write_text(text)
-            made.git("add", "-A")
-            made.git("-c", "user.name=a", "-c", "user.email=a@example.org", "commit", "-q", "--allow-empty", "-m", "a")
-            return made.git("rev-parse", "HEAD")
-
+        made = MadeRepository(Path(folder).resolve())
         made.git("init", "-q")
-        first = commit(tests__architecture__old_tables_txt="# names\nlisted\n", docs__data__listed_json="{}")
-        commit(docs__data__new_json=json.dumps({"commit": first}),
-               docs__data__rebased_json=json.dumps({"commit": "0123456789ab"}))
+        first = made.commit(tests__architecture__old_tables_txt="# names\nlisted\nold\n", docs__data__a__run_json="{}",
+                            docs__data__a__old_json=rows(None), docs__data__a__listed_json=rows(None))
+        (made.root / "docs/data/a/old.json").unlink()
+        made.commit(docs__data__m_json=machine(first, "run"), docs__data__a__rebased_json=rows("0123456789ab"),
+                    docs__data__a__copied_json=json.dumps({"measured": {"copies": {}}}),
+                    docs__data__a__renamed_json=rows(None),
+                    tests__architecture__old_tables_txt="listed\nrenamed was old\n")
         if list(problems(made)):
-            yield f"a new and a listed table are not accepted: {list(problems(made))}"
+            yield f"new, listed and renamed tables are not accepted: {list(problems(made))}"
         for change in range(MAX_AGE + 1):
-            commit(kernels__code=str(change))
-        commit(tests__architecture__old_tables_txt="listed\nadded\nabsent\n", docs__data__added_json="{}",
-               docs__data__named_json=json.dumps({"commit": "some commit"}))
+            made.commit(kernels__code=str(change))
+        made.commit(tests__architecture__old_tables_txt="listed\nadded\nabsent\nother was listed\n",
+                    docs__data__a__added_json=rows(None), docs__data__a__other_json=rows(None),
+                    docs__data__a__named_json=rows("some commit"))
         found = "\n".join(problems(made))
-        for expected in (f"new.json is {MAX_AGE + 1} commits older", "added was added", "no docs/data/absent.json",
-                         f"rebased.json is {MAX_AGE + 1} commits older", "named.json has `some commit` as its commit"):
+        for expected in (f"run is {MAX_AGE + 1} commits older", "added was added", "no table absent", "other was added",
+                         f"rebased is {MAX_AGE + 1} commits older", "named has `some commit` as its commit"):
             if expected not in found:
                 yield f"this test does not report `{expected}`: {found}"
 

@@ -1,10 +1,12 @@
 """Tables of measured values, as tools/figures makes them from the JSON output of a benchmark."""
-from tool_module import tool_module
+import sys
+from pathlib import Path
 
 
 def table_of(source, name, bench):
-    """Returns the Markdown lines of the rows that tools/figures --measure would store in docs/data/NAME.json."""
-    figures = tool_module(source, "figures")
-    data = figures.load(name)
-    data["rows"] = figures.rows_of(data, bench)
-    return figures.table(data).splitlines()[2:]
+    """Returns the Markdown lines of the rows that tools/figures --measure would store for a table."""
+    sys.dont_write_bytecode = True
+    sys.path.insert(0, str(Path(source) / "tools"))
+    from figures_lib import data, markdown, measure
+    table = data.load(name)
+    return markdown.table_text(table["columns"], measure.rows_of_result(table, [bench])).splitlines()[2:]
