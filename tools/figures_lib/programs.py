@@ -86,8 +86,8 @@ class Session:
             self.prepared.add(command)
 
     def json_of(self, words):
-        """Returns the JSON output of the last command: a file after --json, or standard output."""
-        name = word_after(words, ["--json"])
+        """Returns the JSON output of a command: a file after --json or --gtest_output, or standard output."""
+        name = word_after([part for word in words for part in word.split("=json:")], ["--json", "--gtest_output"])
         path = self.folder / (name if name and name.endswith(".json") else "stdout")
         with path.open("rb") as file:
             starts_json = file.read(1) == b"{"

@@ -83,4 +83,16 @@ def leak_rows(_, result):
     return [*rows, ["all", [sum(row[1][i] for row in rows) for i in (0, 1)], None]]
 
 
-READERS = {"hard cases": hard_rows, "surfaces": surface_rows, "motion": motion_rows, "leaks": leak_rows}
+def texture_rows(_, result):
+    """Returns a row per texture of the tests: the errors of a square, whole and cut into triangles."""
+    suite = next(suite for suite in result["testsuites"] if suite["name"] == "Cases/Textures")
+    rows = []
+    for case in suite["testsuite"]:
+        name = case["name"].partition("/")[2].replace("_", " ")
+        errors = [float(case[key]) for key in ("worst", "worst_cut", "mean", "mean_cut")]
+        rows.append([name, *errors, max(float(case["bias"]), float(case["bias_cut"]))])
+    return rows
+
+
+READERS = {"hard cases": hard_rows, "surfaces": surface_rows, "motion": motion_rows, "leaks": leak_rows,
+           "textures": texture_rows}
