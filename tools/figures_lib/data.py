@@ -155,6 +155,14 @@ def merged(machine, run):
     return {"machine": machine["machine"], "runs": runs if same else [*runs, run]}
 
 
+def forget_old(names):
+    """Removes tables from the list of tables that are older than the measured code allows."""
+    path = TOP / "tests/architecture/old_tables.txt"
+    if path.exists():
+        lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+        path.write_text("".join(line for line in lines if line.partition(" ")[0].strip() not in names), encoding="utf-8")
+
+
 def take(path):
     """Adds the runs of a file to docs/data/MACHINE.json. Removes rows from definitions of tables now measured."""
     taken = load_machine(None, path)
@@ -164,8 +172,10 @@ def take(path):
     for run in taken["runs"]:
         machine = merged(machine, run)
     store(DATA / f"{taken['machine']}.json", machine)
-    for name in {name for run in taken["runs"] for name in run["tables"]}:
+    names = {name for run in taken["runs"] for name in run["tables"]}
+    for name in names:
         table = load(name)
         if "rows" in table and runs_of(name) is not None:
             store_table(name, {key: value for key, value in table.items()
                                if key not in ("rows", "machine", "commit", "version", "date")})
+    forget_old(names)

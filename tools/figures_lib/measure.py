@@ -19,12 +19,20 @@ MEASURED_CODE = ["kernels", "worker", "format/shard", "viewer/stream"]
 GPU, CPU = "one-gpu", "two-cores"
 
 
+def has_measured_changes():
+    """Returns True unless git states that the measured code has no uncommitted changes."""
+    try:
+        changes = subprocess.run(["git", "-C", TOP, "status", "--porcelain", "--", *MEASURED_CODE], check=True,
+                                 capture_output=True, text=True)
+    except (OSError, subprocess.CalledProcessError):
+        return True
+    return changes.stdout != ""
+
+
 def commit_of(program, stated):
     """Returns version and commit of a program. `stated` is the commit of a program that was built without git."""
     version, _, commit = (first_line([program, "--version"]) or "").partition(", commit ")
-    changes = subprocess.run(["git", "-C", TOP, "status", "--porcelain", "--", *MEASURED_CODE], capture_output=True,
-                             text=True, check=False)
-    is_changed = commit.endswith("with changes") and (changes.returncode != 0 or changes.stdout != "")
+    is_changed = commit.endswith("with changes") and has_measured_changes()
     commit = commit or stated or ""
     if not re.match("[0-9a-f]{12}", commit) or is_changed:
         raise Problem(f"{program}: expected a program of a commit, without changes of {', '.join(MEASURED_CODE)}; "

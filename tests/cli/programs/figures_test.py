@@ -50,6 +50,29 @@ class Figures(harness.FolderTest):
                 self.assertEqual(result.returncode, 1, result.stdout)
                 self.assertIn(expected, result.stdout)
 
+    def test_a_later_run_replaces_the_rows_of_its_tables(self):
+        sys.path.insert(0, str(SOURCE / "tools"))
+        from figures_lib import data
+        run = dict.fromkeys(data.RUN_KEYS)
+        before = {"machine": "m", "runs": [{**run, "commit": "a", "tables": {"one": [[1]], "two": [[2]]}}]}
+        after = data.merged(before, {**run, "commit": "b", "tables": {"two": [[3]]}})
+        self.assertEqual([(one["commit"], one["tables"]) for one in after["runs"]],
+                         [("a", {"one": [[1]]}), ("b", {"two": [[3]]})])
+        again = data.merged(after, {**run, "commit": "b", "tables": {"one": [[4]]}})
+        self.assertEqual([(one["commit"], one["tables"]) for one in again["runs"]],
+                         [("b", {"two": [[3]], "one": [[4]]})])
+
+    def test_repeats_are_combined(self):
+        sys.path.insert(0, str(SOURCE / "tools"))
+        from figures_lib import data, values
+        column = {"from": ["(time_s + 1) * 2"]}
+        scopes = [{"time_s": time_s, "hash": "a"} for time_s in (3, 1, 7)]
+        self.assertEqual(values.cell_of(column, scopes), 8)
+        self.assertEqual(values.cell_of({**column, "spread": True}, scopes), [4, 16])
+        self.assertEqual(values.cell_of({"from": ["hash"]}, scopes), "a")
+        with self.assertRaisesRegex(data.Problem, "repeats differ"):
+            values.cell_of({"from": ["hash"]}, [*scopes, {"hash": "b"}])
+
     def test_results_of_another_machine_are_stored(self):
         copy = self.copy_with()
         (copy / "README.md").write_text("<!-- data/performance/one.json -->\n<!-- end -->\n"
@@ -59,7 +82,11 @@ class Figures(harness.FolderTest):
         if "without changes of" in result.stdout:
             self.skipTest("a program with changes measures nothing")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        old = copy / "tests/architecture/old_tables.txt"
+        old.parent.mkdir(parents=True)
+        old.write_text("# names\none was another\nother\n")
         self.assertEqual(self.figures(copy, "--take", copy / "gpu.json").returncode, 0)
+        self.assertEqual(old.read_text(), "# names\nother\n")
         self.assertIn("\n| triangles |\n| --- |\n| 8 |\n", (copy / "README.md").read_text())
         self.assertIn("cores", (copy / "README.md").read_text())
         self.assertEqual(self.figures(copy, "--check").returncode, 0)
