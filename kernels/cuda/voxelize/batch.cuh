@@ -13,11 +13,15 @@ inline constexpr int bricks_per_block = 8;
 inline constexpr std::uint32_t max_pairs_together = 512;
 
 struct BatchCounters {
-  unsigned items, heavy, hard;                ///< of the current batch
+  unsigned long long batch_fragments, batch_voxels;  ///< of the current batch, like the next three members
+  unsigned items, heavy, hard;
   unsigned max_items, max_pairs, max_staged;  ///< maxima over the batches
-  unsigned long long fragments, voxels;       ///< sums over all batches; `voxels` counts all voxels of items,
+  unsigned long long fragments, voxels;       ///< sums over all finished batches; `voxels` counts all voxels of items,
                                               ///< including invisible voxels
-  unsigned visible;                           ///< visible voxels of the cell; known after the last batch
+  unsigned visible;                           ///< visible voxels up to the end of the last batch
+  unsigned is_stopped;                        ///< 1 after a batch that did not fit; all later batches are skipped
+  unsigned next_brick;                        ///< the first brick of the batch that did not fit; set if is_stopped
+  unsigned finished_pairs, finished_voxels;   ///< of the bricks before it
 };
 
 struct BatchView {
@@ -48,12 +52,25 @@ struct BrickSpan {
   __device__ std::uint32_t word() const { return first << 4 | bricks; }
 };
 
-/// Returns true if the batch's pairs and items fit. Kernels skip a batch that does not fit; the host enlarges the
-/// arrays and retries.
-__device__ inline bool items_fit(const BatchView& view) {
-  return view.counters->items <= view.items.capacity &&
-         view.bricks.start[view.end] - view.bricks.start[view.begin] <= view.items.pairs;
+__device__ inline std::uint32_t pairs_of(const BatchView& view) {
+  return view.bricks.start[view.end] - view.bricks.start[view.begin];
 }
+
+/// Returns true if the batch's pairs and items fit, and no batch before it stopped the level.
+__device__ inline bool items_fit(const BatchView& view) {
+  return view.counters->is_stopped == 0 && view.counters->items <= view.items.capacity &&
+         pairs_of(view) <= view.items.pairs;
+}
+
+/// Returns the number of places that the batch and, without staging arrays, the batches before it need. Valid if the
+/// items fit.
+__device__ inline std::uint32_t places_of(const BatchView& view) {
+  return view.place[view.end - 1] + view.marked[view.end - 1];
+}
+
+/// Returns true if the batch's items and voxels fit. Kernels skip a batch that does not fit; the host enlarges the
+/// arrays and continues with this batch.
+__device__ inline bool batch_fits(const BatchView& view) { return items_fit(view) && places_of(view) <= view.capacity; }
 
 /// Computes the masks of the batch's bricks and assigns the bricks to fill kernels. Launch with 32 threads per brick
 /// and bricks_per_block bricks per block.

@@ -62,6 +62,7 @@ __global__ void __launch_bounds__(pairs_per_group, 3)
   __shared__ typename Scan::TempStorage scan;
   __shared__ std::uint32_t group_first, group_bricks[2];
   __shared__ std::uint64_t all_slabs[8 * pairs_per_group];
+  if (*items.is_stopped != 0) return;
   const ThreadSlabs slabs{all_slabs + threadIdx.x};
   const std::uint32_t first_pair = bricks.start[begin], pairs = bricks.start[end] - first_pair;
   for (std::uint32_t group = blockIdx.x; group * pairs_per_group < pairs; group += gridDim.x) {

@@ -24,6 +24,7 @@ struct ItemView {
   std::uint32_t capacity;    ///< capacity of `cells` and `where`
   std::uint32_t pairs;       ///< capacity of `first`
   std::uint32_t* count;      ///< items found so far; may exceed the capacity
+  const std::uint32_t* is_stopped;  ///< not 0: find_items() does nothing
 };
 
 /// Bricks and their triangles, in the layout of BrickLists.

@@ -79,18 +79,10 @@ __device__ void assign_group(const BatchView& view, std::uint32_t group, unsigne
   }
 }
 
-/// Updates the maxima that the host reads, also if the batch does not fit.
-__device__ void count_batch(const BatchView& view) {
-  BatchCounters& c = *view.counters;
-  c.max_items = larger(c.max_items, c.items);
-  c.max_pairs = larger(c.max_pairs, view.bricks.start[view.end] - view.bricks.start[view.begin]);
-}
-
 }  // namespace
 
 __global__ void __launch_bounds__(32 * bricks_per_block) mark_bricks(BatchView view) {
   __shared__ MarkedBlock block;
-  if (blockIdx.x == 0 && threadIdx.x == 0) count_batch(view);
   if (!items_fit(view)) return;
   const std::uint32_t warp = threadIdx.x / 32, lane = threadIdx.x & 31,
                       brick = view.begin + blockIdx.x * bricks_per_block + warp;
@@ -101,8 +93,8 @@ __global__ void __launch_bounds__(32 * bricks_per_block) mark_bricks(BatchView v
   __syncthreads();
   if (threadIdx.x != 0) return;
   assign_group(view, blockIdx.x, block.wide);
-  atomicAdd(&view.counters->fragments, (unsigned long long)block.cells);
-  atomicAdd(&view.counters->voxels, (unsigned long long)block.voxels);
+  atomicAdd(&view.counters->batch_fragments, (unsigned long long)block.cells);
+  atomicAdd(&view.counters->batch_voxels, (unsigned long long)block.voxels);
 }
 
 }  // namespace gigabake::kernels

@@ -8,8 +8,8 @@
 
 namespace gigabake::kernels {
 
-/// Ratios measured on earlier cells, which determine the sizes of the next cell's arrays. A cell that exceeds a ratio
-/// is retried.
+/// Ratios measured on earlier cells, which determine the sizes of the next cell's arrays. The arrays of a cell that
+/// exceeds a ratio grow while it is filled.
 struct FillRatios {
   double voxels_per_pair = 5, items_per_pair = 2;
   double pairs_spread = 1, voxels_spread = 1;  ///< ratio of the fullest batch to the mean batch

@@ -136,7 +136,6 @@ __device__ void resolve_wave(const BatchView& view, BrickSpan span, const Wave& 
     if (!all_visible(materials) && !visible)
       drop_voxel(view.mask + 8 * std::size_t(span.first), wave.first + slot, shared);
     const std::uint32_t at = first + std::uint32_t(slot);
-    if (at >= view.capacity) continue;  // the host counts, enlarges the array and retries
     view.rgba[at] = visible ? pack_rgba(out.voxel.rgba) : 0;
     if (view.normal != nullptr && visible) view.normal[at] = pack_normal(out.voxel.normal);
     if (view.plane != nullptr && visible)

@@ -142,6 +142,21 @@ TEST_F(CudaBakerTest, KeepsToItsMemory) {
   expect_equal(at_once, in_parts);
 }
 
+/// The arrays are sized by the ratios of the cell before. Between flat ground of large triangles and ground of small
+/// ones, items, places and voxels all exceed them, in the middle of a level.
+TEST_F(CudaBakerTest, ContinuesWhereTheSizesOfTheCellBeforeDoNotSuffice) {
+  for (const AlphaMode alpha : {AlphaMode::opaque, AlphaMode::blend}) {
+    std::list<test::TestCell> cells;
+    for (const int quads : {400, 4, 150, 30, 400})
+      cells.push_back(test::ground(std::to_string(quads) + " quads", 1024, quads, false, alpha == AlphaMode::blend));
+    for (test::TestCell& cell : cells) {
+      cell.materials[0].alpha_mode = alpha;
+      SCOPED_TRACE(cell.name + ", alpha mode " + std::to_string(int(alpha)));
+      expect_same_bits(cell, cell.parameters(SurfaceRule::area, MipFilter::coverage, true));
+    }
+  }
+}
+
 TEST_F(CudaBakerTest, BakesACellWithoutTriangles) {
   test::TestCell cell;
   cell.materials.push_back({});
