@@ -105,7 +105,7 @@ std::uint64_t publish(Publication& publication) {
 void write_image(const FileImage& image, const std::filesystem::path& temporary, const std::filesystem::path& path) {
   const InStage writing(BakeStage::writing);
   const Descriptor out(temporary, O_WRONLY | O_TRUNC);
-  if (!out.is_open() || !out.write_all(image.file())) fail_to(path, "write");
+  if (!out.is_open() || !image.write_to(out)) fail_to(path, "write");
 }
 
 }  // namespace
@@ -127,11 +127,12 @@ StoredShard write_packed_shard(const std::filesystem::path& path, const PackedSh
   thread_local FileImage image;  // one per writer thread
   Publication publication(path);
   const Ahead ahead(shard);
-  const bool in_memory = ahead.bytes <= options.image_bytes;
+  const bool in_memory = ahead.is_packed || ahead.bytes <= options.image_bytes;
+  const ChunkMemory chunks = ahead.is_packed ? ChunkMemory::referred : ChunkMemory::copied;
   std::unique_lock turn(hdf5_mutex(), std::defer_lock);
   if (in_memory && ahead.is_packed) turn.lock();
   StoredShard stored =
-      make_file(in_memory ? Hdf5File::create(image, path) : Hdf5File::create(publication.temporary(), path),
+      make_file(in_memory ? Hdf5File::create(image, chunks, path) : Hdf5File::create(publication.temporary(), path),
                 shard.header, shard.above, options, [&](ShardColumns& columns) {
                   columns.add_nodes(shard.nodes);
                   columns.add_above(shard.above);

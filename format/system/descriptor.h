@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <span>
+#include <sys/uio.h>
 #include <unistd.h>
 #include <utility>
 
@@ -33,6 +34,12 @@ class Descriptor {
   /// Writes all of `bytes` at the file's position. Returns false on failure; errno has the reason, and a part may have
   /// been written.
   bool write_all(std::span<const std::uint8_t> bytes) const;
+  /// Writes all of `parts`, one after the other, from byte `at` of the file. Changes `parts`. Returns false on failure,
+  /// as write_all() does.
+  /// Range   At most IOV_MAX parts.
+  bool write_all_at(std::span<iovec> parts, std::uint64_t at) const;
+  /// Sets the length of the file. Returns false on failure; errno has the reason.
+  bool set_length(std::uint64_t bytes) const;
 
  private:
   int fd_ = -1;

@@ -1,34 +1,51 @@
 #include "format/shard/hdf5/file_image.h"
 
 #include <algorithm>
-#include <new>
-#include <stdexcept>
-#include <utility>
+#include <climits>
+#include <sys/uio.h>
 
 namespace gigabake {
 
-std::span<const std::uint8_t> FileImage::file() const {
-  // Byte offsets in an HDF5 superblock of version 2 or 3: of the version number and of the 64-bit end-of-file address.
-  constexpr std::size_t version_at = 8, end_at = 28, superblock_bytes = 48;
-  if (length_ < superblock_bytes || bytes_[version_at] < 2) throw std::logic_error("no HDF5 file was made in memory");
-  std::uint64_t end = 0;
-  for (std::size_t i = 0; i < 8; ++i) end |= std::uint64_t(bytes_[end_at + i]) << 8 * i;
-  if (end > length_) throw std::logic_error("an HDF5 file in memory is longer than its memory");
-  return {bytes_.get(), std::size_t(end)};
+void FileImage::begin_file(ChunkMemory chunks) noexcept {
+  pieces_.clear();
+  copied_.clear();
+  length_ = 0;
+  chunks_ = chunks;
 }
 
-void* FileImage::grow(std::size_t bytes) noexcept {
-  if (bytes > buffer_) {
-    const std::size_t buffer = std::max(bytes, buffer_ + buffer_ / 2);
-    std::unique_ptr<std::uint8_t[]> larger(new (std::nothrow) std::uint8_t[buffer]);
-    if (!larger) return nullptr;
-    std::copy_n(bytes_.get(), length_, larger.get());
-    bytes_ = std::move(larger);
-    buffer_ = buffer;
+void FileImage::write(std::uint64_t at, const std::uint8_t* bytes, std::size_t count, bool is_chunk) {
+  length_ = std::max(length_, at + count);
+  if (is_chunk && chunks_ == ChunkMemory::referred) {
+    pieces_.push_back({at, count, bytes, 0});
+    return;
   }
-  if (bytes > length_) std::fill_n(bytes_.get() + length_, bytes - length_, std::uint8_t(0));
-  length_ = bytes;
-  return bytes_.get();
+  pieces_.push_back({at, count, nullptr, copied_.size()});
+  copied_.insert(copied_.end(), bytes, bytes + count);
+}
+
+void FileImage::read(std::uint64_t at, std::uint8_t* bytes, std::size_t count) const {
+  std::fill_n(bytes, count, std::uint8_t(0));
+  for (const Piece& piece : pieces_) {
+    const std::uint64_t begin = std::max(at, piece.at), end = std::min(at + count, piece.end());
+    if (begin < end) std::copy_n(bytes_of(piece) + (begin - piece.at), end - begin, bytes + (begin - at));
+  }
+}
+
+/// Writes pieces that follow each other without a gap.
+bool FileImage::write_run(const Descriptor& file, const Piece* pieces, std::size_t count) const {
+  std::vector<iovec> parts(count);
+  for (std::size_t i = 0; i < count; ++i) parts[i] = {const_cast<std::uint8_t*>(bytes_of(pieces[i])), pieces[i].count};
+  return file.write_all_at(parts, pieces[0].at);
+}
+
+bool FileImage::write_to(const Descriptor& file) const {
+  // In the order of the writes, so that the last write to an address remains.
+  for (std::size_t first = 0, end = 0; first < pieces_.size(); first = end) {
+    for (end = first + 1; end < pieces_.size() && end - first < IOV_MAX && pieces_[end].at == pieces_[end - 1].end();)
+      ++end;
+    if (!write_run(file, pieces_.data() + first, end - first)) return false;
+  }
+  return file.set_length(length_);
 }
 
 }  // namespace gigabake

@@ -1,11 +1,11 @@
 #include "format/shard/hdf5/hdf5_file.h"
 
 #include <algorithm>
-#include <cstring>
 #include <hdf5.h>
 
 #include "core/base/error.h"
 #include "format/shard/hdf5/hdf5_types.h"
+#include "format/shard/hdf5/image_driver.h"
 
 namespace gigabake {
 namespace {
@@ -63,30 +63,6 @@ Hdf5File::Hdf5File(std::filesystem::path path, Hdf5Id file) : path_(std::move(pa
 
 namespace {
 
-/// The callbacks of HDF5's driver for files in memory. `image` is a FileImage, which outlives the file.
-void* take_room(std::size_t bytes, H5FD_file_image_op_t, void* image) {
-  return static_cast<FileImage*>(image)->grow(bytes);
-}
-void* grow_room(void*, std::size_t bytes, H5FD_file_image_op_t, void* image) {
-  return static_cast<FileImage*>(image)->grow(bytes);
-}
-void* copy_bytes(void* to, const void* from, std::size_t bytes, H5FD_file_image_op_t, void*) {
-  return std::memcpy(to, from, bytes);
-}
-herr_t keep_room(void*, H5FD_file_image_op_t, void*) { return 0; }
-void* same_image(void* image) { return image; }
-herr_t keep_image(void*) { return 0; }
-
-constexpr std::size_t image_increment = std::size_t(1) << 20;
-
-Hdf5Id access_to_memory(const Hdf5Call& call, FileImage& image) {
-  Hdf5Id access = access_properties(call);
-  call("H5Pset_fapl_core", H5Pset_fapl_core(access.get(), image_increment, false));
-  H5FD_file_image_callbacks_t callbacks{take_room, copy_bytes, grow_room, keep_room, same_image, keep_image, &image};
-  call("H5Pset_file_image_callbacks", H5Pset_file_image_callbacks(access.get(), &callbacks));
-  return access;
-}
-
 Hdf5Id created(const Hdf5Call& call, const std::filesystem::path& path, const Hdf5Id& access) {
   const Hdf5Id properties = call.id("H5Pcreate", H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   call("H5Pset_obj_track_times", H5Pset_obj_track_times(properties.get(), false));
@@ -102,11 +78,13 @@ Hdf5File Hdf5File::create(const std::filesystem::path& path, const std::filesyst
   return {called, created(call, path, access_properties(call))};
 }
 
-Hdf5File Hdf5File::create(FileImage& image, const std::filesystem::path& called) {
+Hdf5File Hdf5File::create(FileImage& image, ChunkMemory chunks, const std::filesystem::path& called) {
   const Hdf5Call call{called, ""};
   configure_hdf5(call);
-  image.begin_file();
-  return {called, created(call, called, access_to_memory(call, image))};
+  image.begin_file(chunks);
+  const Hdf5Id access = access_properties(call);
+  set_image_driver(call, access, image);
+  return {called, created(call, called, access)};
 }
 
 Hdf5File Hdf5File::open(const std::filesystem::path& path) {

@@ -59,9 +59,9 @@ class Hdf5File {
  public:
   /// Creates a file at `path`. Messages name the file `called`, which is its path after publication.
   static Hdf5File create(const std::filesystem::path& path, const std::filesystem::path& called);
-  /// Creates a file in memory and borrows `image`. After close(), image.file() returns the bytes of the file. Messages
-  /// name the file `called`. This name must differ from the names of all other open files.
-  static Hdf5File create(FileImage& image, const std::filesystem::path& called);
+  /// Creates a file in memory and borrows `image`. After close(), image.write_to() writes the file to disk. Messages
+  /// name the file `called`.
+  static Hdf5File create(FileImage& image, ChunkMemory chunks, const std::filesystem::path& called);
   static Hdf5File open(const std::filesystem::path& path);
 
   /// Writes the columns in chunks, encoded as in chunk_codec.h. The threads of `pool` pack the chunks in one loop over

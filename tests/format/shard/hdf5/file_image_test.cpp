@@ -1,33 +1,66 @@
 #include "format/shard/hdf5/file_image.h"
 
-#include <algorithm>
+#include <fcntl.h>
 #include <gtest/gtest.h>
+
+#include "tests/format/shard/made_shard.h"
 
 namespace gigabake {
 namespace {
 
-/// HDF5 clears unwritten bytes only if it was built to do this. A gap in a file must not show bytes of the previous
-/// file.
-TEST(FileImage, GivesZerosWhereTheFormerFileStood) {
-  FileImage image;
-  image.begin_file();
-  auto* bytes = static_cast<std::uint8_t*>(image.grow(1000));
-  std::fill_n(bytes, 1000, std::uint8_t(7));
-  image.begin_file();
-  bytes = static_cast<std::uint8_t*>(image.grow(100));
-  EXPECT_EQ(std::count(bytes, bytes + 100, 0), 100);
-  std::fill_n(bytes, 100, std::uint8_t(9));
-  bytes = static_cast<std::uint8_t*>(image.grow(5000));
-  EXPECT_EQ(std::count(bytes, bytes + 100, 9), 100) << "the file keeps its bytes";
-  EXPECT_EQ(std::count(bytes + 100, bytes + 5000, 0), 4900);
+using Bytes = std::vector<std::uint8_t>;
+
+Bytes bytes_on_disk(const FileImage& image) {
+  const made::TempFolder folder;
+  EXPECT_TRUE(image.write_to(Descriptor(folder / "file", O_WRONLY | O_CREAT | O_TRUNC)));
+  const std::string bytes = made::bytes_of(folder / "file");
+  return {bytes.begin(), bytes.end()};
 }
 
-TEST(FileImage, SaysWhereNoFileWasMade) {
+TEST(FileImage, KeepsTheLastWriteAndFillsGapsWithZeros) {
   FileImage image;
-  EXPECT_THROW(image.file(), std::logic_error);
-  image.begin_file();
-  image.grow(100);
-  EXPECT_THROW(image.file(), std::logic_error);
+  const Bytes sevens(6, 7), nines(2, 9);
+  image.begin_file(ChunkMemory::copied);
+  image.write(0, sevens.data(), 6, false);
+  image.begin_file(ChunkMemory::copied);
+  image.write(8, sevens.data(), 3, true);
+  image.write(2, sevens.data(), 4, false);
+  image.write(3, nines.data(), 2, false);
+  image.set_length(13);
+  const Bytes expected{0, 0, 7, 9, 9, 7, 0, 0, 7, 7, 7, 0, 0};
+  EXPECT_EQ(bytes_on_disk(image), expected);
+  Bytes read(13, 1);
+  image.read(0, read.data(), read.size());
+  EXPECT_EQ(read, expected);
+}
+
+TEST(FileImage, RefersToChunksAndCopiesMetadata) {
+  FileImage image;
+  Bytes chunk(3, 1), metadata(2, 5);
+  image.begin_file(ChunkMemory::referred);
+  image.write(2, chunk.data(), 3, true);
+  image.write(0, metadata.data(), 2, false);
+  chunk[1] = 8;
+  metadata[0] = 6;
+  EXPECT_EQ(bytes_on_disk(image), (Bytes{5, 5, 1, 8, 1}));
+}
+
+TEST(FileImage, WritesMorePartsThanOneSystemCallTakes) {
+  FileImage image;
+  image.begin_file(ChunkMemory::referred);
+  Bytes expected;
+  for (int i = 0; i < 5000; ++i) expected.push_back(std::uint8_t(i));
+  for (std::size_t i = 0; i < expected.size(); ++i) image.write(i, &expected[i], 1, true);
+  EXPECT_EQ(bytes_on_disk(image), expected);
+}
+
+TEST(FileImage, ReportsADiskThatIsFull) {
+  FileImage image;
+  image.begin_file(ChunkMemory::copied);
+  const Bytes bytes(10, 3);
+  image.write(0, bytes.data(), bytes.size(), false);
+  EXPECT_FALSE(image.write_to(Descriptor("/dev/full", O_WRONLY)));
+  EXPECT_EQ(errno, ENOSPC);
 }
 
 }  // namespace
