@@ -78,8 +78,9 @@ void BakeOptions::add_to(CLI::App& command) {
   command.add_option("--threads", asked.threads, "threads of each rank (the host's cores shared by its ranks)");
   command
       .add_option("--memory", memory_bytes,
-                  "target for the memory of each rank, such as 512M or 4G; 0: no bound (4G, or less if the host, its "
-                  "container or its batch job has less than twice that per rank)")
+                  "target for the memory of each rank, and of its GPU, such as 512M or 4G; 0: no bound (4G, or less if "
+                  "the host, its container or its batch job has less than twice that per rank; three quarters of a "
+                  "GPU, shared by its ranks)")
       ->transform(CLI::AsSizeValue(false));
   command.add_option("--scratch", asked.scratch,
                      "folder for temporary copies of tiles and textures that need more than a 128th of --memory (bake: "

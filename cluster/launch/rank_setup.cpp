@@ -23,8 +23,8 @@ std::uint64_t memory_of(const MpiSession& mpi, const BakeRequest& request) {
 WorkerSetup setup_of(const MpiSession& mpi, const BakeRequest& request, const SharedSources& sources) {
   WorkerSetup setup;
   setup.parameters = request.parameters;
-  setup.worker = {threads_of(mpi, request), memory_of(mpi, request), request.out, {},
-                  request.threads == 0,     scratch_of(request)};
+  setup.worker = {threads_of(mpi, request), memory_of(mpi, request),   request.out,        {},
+                  request.threads == 0,     request.is_default_memory, scratch_of(request)};
   setup.device = {request.backend, request.gpus, mpi.rank_on_host(), mpi.ranks_on_host()};
   setup.sources = sources.bytes;
   return setup;

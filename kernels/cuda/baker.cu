@@ -24,12 +24,6 @@ void keep_pool(int device) {
   check_cuda(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &threshold), "cudaMemPoolSetAttribute");
 }
 
-std::uint64_t quarter_of(int device) {
-  cudaDeviceProp p;
-  check_cuda(cudaGetDeviceProperties(&p, device), "cudaGetDeviceProperties");
-  return p.totalGlobalMem / 4;
-}
-
 }  // namespace
 
 class CudaInput : public DeviceInput {
@@ -42,14 +36,14 @@ class CudaBaker::Impl {
   Impl(int device, std::uint64_t texture_bytes)
       : device_(device),
         upload_stream_(device),
-        bake_stream_(device),
+        bake_stream_(device, StreamPriority::high),
         download_stream_(device),
         download_clock_(download_stream_.handle),
         upload_heap_(upload_stream_.handle, memory_stats_),
         bake_heap_(bake_stream_.handle, memory_stats_),
         download_heap_(download_stream_.handle, memory_stats_),
         tables_(upload_heap_),
-        textures_(upload_heap_, texture_bytes != 0 ? texture_bytes : quarter_of(device)),
+        textures_(upload_heap_, texture_bytes != 0 ? texture_bytes : device_memory_bytes(device) / 4),
         bake_(bake_heap_, tables_.view()) {
     keep_pool(device);
   }
@@ -107,6 +101,7 @@ class CudaBaker::Impl {
   void start() { check_cuda(cudaSetDevice(device_), "cudaSetDevice"); }
 
   int device_;
+  // A cell is computed by a chain of short kernels. The large kernels of packers must not delay each of them.
   Stream upload_stream_, bake_stream_, download_stream_;
   StreamClock download_clock_;
   DeviceMemoryStats memory_stats_;
@@ -138,6 +133,12 @@ CudaDevices cuda_devices() {
   }
   if (count == 0) devices.reason = "this machine has no CUDA device";
   return devices;
+}
+
+std::uint64_t device_memory_bytes(int device) {
+  cudaDeviceProp p;
+  check_cuda(cudaGetDeviceProperties(&p, device), "cudaGetDeviceProperties");
+  return p.totalGlobalMem;
 }
 
 double device_copy_rate(int device) {

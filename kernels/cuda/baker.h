@@ -22,6 +22,10 @@ struct CudaDevices {
 /// Cost    Starts the driver: about a second at the first call.
 CudaDevices cuda_devices();
 
+/// Returns the size of the device's memory.
+/// Errors  CudaFailure.
+std::uint64_t device_memory_bytes(int device);
+
 /// Returns the memory bandwidth of the device: bytes read plus bytes written per second by a large copy. Lower bounds
 /// of run times are computed from it.
 /// Errors  CudaFailure.

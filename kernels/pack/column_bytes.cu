@@ -9,8 +9,8 @@ namespace {
 /// bytes.
 std::shared_ptr<PinnedBuffer> read_back(DeviceHeap& heap, const std::uint8_t* bytes, std::size_t size,
                                         PinnedPool& pinned, const std::uint8_t*& arrived) {
-  std::shared_ptr<PinnedBuffer> buffer = pinned.take();
-  std::byte* to = buffer->reserve(rounded_capacity(size));
+  std::shared_ptr<PinnedBuffer> buffer = pinned.take(size);
+  std::byte* to = buffer->reserve(size);
   download_async(to, bytes, size, heap.stream(), "cudaMemcpyAsync (columns)");
   wait_for(heap.stream(), "cudaStreamSynchronize (columns)");
   arrived = reinterpret_cast<const std::uint8_t*>(to);

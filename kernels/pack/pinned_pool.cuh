@@ -1,6 +1,7 @@
 /// Page-locked buffers that are reused, because page-locking takes longer than filling a buffer.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <memory>
@@ -10,25 +11,6 @@
 
 namespace gigabake::kernels {
 
-/// A pool with as many buffers as were in use at the same time. One thread calls take(); any thread may release a
-/// buffer.
-class PinnedPool {
- public:
-  /// Returns an unused buffer. Its size is arbitrary; PinnedBuffer::reserve() enlarges it.
-  std::shared_ptr<PinnedBuffer> take() {
-    for (const std::shared_ptr<PinnedBuffer>& buffer : buffers_)
-      if (buffer.use_count() == 1) {
-        std::atomic_thread_fence(std::memory_order_acquire);  // orders the reuse after the reads of the previous user
-        return buffer;
-      }
-    buffers_.push_back(std::make_shared<PinnedBuffer>());
-    return buffers_.back();
-  }
-
- private:
-  std::vector<std::shared_ptr<PinnedBuffer>> buffers_;
-};
-
 /// Returns a capacity of at least `bytes` in steps of 25 %, so that cells of similar size do not enlarge a buffer
 /// repeatedly.
 inline std::size_t rounded_capacity(std::size_t bytes) {
@@ -36,5 +18,33 @@ inline std::size_t rounded_capacity(std::size_t bytes) {
   while (capacity < bytes) capacity += capacity / 4;
   return capacity;
 }
+
+/// A pool with as many buffers as were in use at the same time. One thread calls take(); any thread may release a
+/// buffer.
+class PinnedPool {
+ public:
+  /// Returns an unused buffer of at least `bytes` bytes. A buffer that is new or grows gets the capacity of the largest
+  /// request so far.
+  std::shared_ptr<PinnedBuffer> take(std::size_t bytes) {
+    max_capacity_ = std::max(max_capacity_, rounded_capacity(bytes));
+    std::shared_ptr<PinnedBuffer> found = unused(bytes);
+    std::atomic_thread_fence(std::memory_order_acquire);  // orders the reuse after the reads of the previous user
+    if (found->capacity() < bytes) found->reserve(max_capacity_);
+    return found;
+  }
+
+ private:
+  /// Returns an unused buffer that suffices, if possible.
+  std::shared_ptr<PinnedBuffer> unused(std::size_t bytes) {
+    const std::shared_ptr<PinnedBuffer>* found = nullptr;
+    for (const std::shared_ptr<PinnedBuffer>& buffer : buffers_)
+      if (buffer.use_count() == 1 && (found == nullptr || (*found)->capacity() < bytes)) found = &buffer;
+    if (found != nullptr) return *found;
+    return buffers_.emplace_back(std::make_shared<PinnedBuffer>());
+  }
+
+  std::vector<std::shared_ptr<PinnedBuffer>> buffers_;
+  std::size_t max_capacity_ = 0;
+};
 
 }  // namespace gigabake::kernels

@@ -12,7 +12,7 @@ namespace {
 WorkerSetup some_setup() {
   WorkerSetup s;
   s.parameters = {0.1, {1.0 / 3, -2, 3e5}, 512, SurfaceRule::thin, MipFilter::box, false};
-  s.worker = {7, std::uint64_t(5) << 33, "/shared/out", {}, true, "/local/scratch"};
+  s.worker = {7, std::uint64_t(5) << 33, "/shared/out", {}, true, true, "/local/scratch"};
   s.device = {Backend::cuda, {4, 1}, 9, 12};
   return s;
 }
@@ -24,6 +24,7 @@ void expect_equal(const WorkerSetup& a, const WorkerSetup& b) {
   EXPECT_EQ(a.worker.memory_bytes, b.worker.memory_bytes);
   EXPECT_EQ(a.worker.out, b.worker.out);
   EXPECT_EQ(a.worker.threads_are_a_share, b.worker.threads_are_a_share);
+  EXPECT_EQ(a.worker.memory_is_default, b.worker.memory_is_default);
   EXPECT_EQ(a.worker.scratch, b.worker.scratch);
   EXPECT_EQ(a.device.backend, b.device.backend);
   EXPECT_EQ(a.device.allowed, b.device.allowed);

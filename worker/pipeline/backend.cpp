@@ -23,9 +23,9 @@ DeviceChoice choose_device(const DeviceRequest& requested) {
     if (std::find(devices.usable.begin(), devices.usable.end(), device) == devices.usable.end())
       throw UsageError("gpus", "this host has no usable device " + std::to_string(device));
   const std::vector<int>& from = requested.allowed.empty() ? devices.usable : requested.allowed;
-  return {from[std::size_t(requested.rank_on_host) % from.size()],
-          {},
-          sharers_of_device(requested.rank_on_host, requested.ranks_on_host, int(from.size()))};
+  const int device = from[std::size_t(requested.rank_on_host) % from.size()],
+            sharers = sharers_of_device(requested.rank_on_host, requested.ranks_on_host, int(from.size()));
+  return {device, {}, sharers, kernels::device_memory_bytes(device) / 4 * 3 / std::uint64_t(sharers)};
 }
 
 }  // namespace gigabake

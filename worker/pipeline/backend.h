@@ -25,9 +25,10 @@ struct DeviceRequest {
 };
 
 struct DeviceChoice {
-  std::optional<int> device;  ///< CUDA ordinal; nullopt means the CPU
-  std::string reason;         ///< reason why Backend::automatic chose the CPU; else empty
-  int sharers = 1;            ///< ranks of the host that use this device, including this rank
+  std::optional<int> device;       ///< CUDA ordinal; nullopt means the CPU
+  std::string reason;              ///< reason why Backend::automatic chose the CPU; else empty
+  int sharers = 1;                 ///< ranks of the host that use this device, including this rank
+  std::uint64_t device_bytes = 0;  ///< this rank's share of three quarters of the device's memory; 0: no device
 };
 
 /// Returns how many of `ranks` use the device of rank `rank` when they are assigned to `devices` round-robin.

@@ -43,7 +43,7 @@ struct BakeAnswer {
 
 /// The device that the process bakes on, or the reason why the requested device is not available.
 struct DeviceAnswer {
-  DeviceChoice choice;
+  DeviceChoice choice;  ///< sent without device_bytes, which only the bake process uses
   std::string error;
 };
 

@@ -244,6 +244,7 @@ class BakeServer {
     // Kernels of ranks that share a device run one after the other. While one rank's kernels run, another rank may
     // therefore pack on the cores of all these ranks.
     if (setup_->worker.threads_are_a_share) setup_->worker.threads *= answer.choice.sharers;
+    setup_->worker.device_bytes = setup_->worker.memory_is_default ? answer.choice.device_bytes : 0;
     send(BakeMessageKind::ready, to_bytes(answer));
     if (setup_->worker.cuda_device) make_pipeline();
   }

@@ -1,6 +1,7 @@
 /// Bakes cells in overlapped stages. The next cell is read and decoded while the kernels compute the current one; the
 /// previous cell is packed and written at the same time. A device packs cells itself, concurrently with its kernels; a
-/// separate stage reads the packed cells back to the host.
+/// separate stage reads the packed cells back to the host. Without a device, several cells are computed concurrently on
+/// one pool of threads.
 #pragma once
 
 #include <cstddef>
@@ -25,13 +26,17 @@ struct WorkerOptions {
   std::optional<int> cuda_device = {};  ///< nullopt: the kernels run on the CPU
   /// True if `threads` is this rank's share of the host's cores rather than a number that the user requested.
   bool threads_are_a_share = false;
+  /// True if `memory_bytes` is the default rather than a number that the user requested. The memory of a device is then
+  /// bounded by `device_bytes`.
+  bool memory_is_default = false;
   /// Folder for tiles and textures that are large compared with memory_bytes. If empty, all stay in memory.
   std::filesystem::path scratch = {};
+  /// Target for the memory of the device: 1/4 for textures, 1/4 for packing, 1/2 for the kernels. 0: `memory_bytes`.
+  std::uint64_t device_bytes = 0;
 };
 
-/// A pipeline that bakes submitted jobs in order. Without a device, the reports have the order of the jobs. The order
-/// may differ if there is a device: several cells are written concurrently, because writing is by far the slowest stage
-/// (worker/pipeline/writer_pool_size.h).
+/// A pipeline that bakes submitted jobs in order. The order of the reports may differ if several cells are computed or
+/// written concurrently (worker/pipeline/writer_pool_size.h).
 /// Exact   A shard depends only on its job, the sources and the parameters, not on threads, memory or other jobs.
 /// Errors  Errors of a cell are not thrown: the cell's report holds the error as one line. The outcome is `refused` if
 ///         another attempt would fail the same way, else `failed`.

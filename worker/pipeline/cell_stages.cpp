@@ -26,8 +26,21 @@ std::uint64_t cache_bytes(const WorkerOptions& options) {
   return options.memory_bytes == 0 ? std::numeric_limits<std::uint64_t>::max() : options.memory_bytes / 4;
 }
 
+/// Returns the kernels' memory for one of the cells that are computed concurrently. 0 means no limit.
 std::uint64_t kernel_bytes(const WorkerOptions& options) {
-  return options.memory_bytes == 0 ? 0 : std::max(options.memory_bytes / 2, min_kernel_bytes);
+  if (options.memory_bytes == 0) return 0;
+  return std::max(options.memory_bytes / 2 / concurrent_cells_for(options), min_kernel_bytes);
+}
+
+/// Returns the target for the memory of the device. 0 means no limit.
+std::uint64_t device_bytes(const WorkerOptions& options) {
+  return options.device_bytes != 0 ? options.device_bytes : options.memory_bytes;
+}
+
+/// Returns the kernels' memory on the device. 0 means no limit.
+std::uint64_t device_kernel_bytes(const WorkerOptions& options) {
+  const std::uint64_t bytes = device_bytes(options);
+  return bytes == 0 ? 0 : std::max(bytes / 2, min_kernel_bytes);
 }
 
 std::uint64_t overview_bytes(const WorkerOptions& options) {
@@ -127,8 +140,8 @@ bool CellStages::is_wholly_inside(const CellJob& job) const {
                        AreaOverlap::inside;
 }
 
-kernels::CellParameters CellStages::parameters_of(const CellJob& job) const {
-  kernels::CellParameters p = cell_parameters(job, parameters_, kernel_bytes(options_));
+kernels::CellParameters CellStages::parameters_of(const CellJob& job, std::uint64_t memory_bytes) const {
+  kernels::CellParameters p = cell_parameters(job, parameters_, memory_bytes);
   if (!is_wholly_inside(job))
     p.kept = [this](const Vec3i64& min) { return area_->inside(snap_frame(parameters_), min); };
   return p;
@@ -161,7 +174,7 @@ void CellStages::prepare() {
 void CellStages::make_baker() {
   while (packers_.size() < readback_workers + 1)
     packers_.push_back(std::make_unique<kernels::CudaPacker>(*options_.cuda_device));
-  if (!cuda_) cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, options_.memory_bytes / 4);
+  if (!cuda_) cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, device_bytes(options_) / 4);
 }
 
 void CellStages::read(InFlightCell& cell) {
@@ -195,7 +208,7 @@ void CellStages::bake_overview(InFlightCell& overview) const {
 void CellStages::compute(InFlightCell& cell) {
   if (is_overview(cell.job)) return bake_overview(cell);
   const bool baked = on_device(cell, [&] {
-    cell.device_volume = cuda_->bake(*cell.device_input, parameters_of(cell.job));
+    cell.device_volume = cuda_->bake(*cell.device_input, parameters_of(cell.job, device_kernel_bytes(options_)));
     cell.device_input.reset();
     cell.report.on_device = true;
   });
@@ -206,7 +219,8 @@ void CellStages::compute(InFlightCell& cell) {
 /// Returns true if a next cell of the same size would not fit into device memory together with the cells that are being
 /// read back.
 bool CellStages::is_alone_on_device(const kernels::CellStats& stats) const {
-  return options_.memory_bytes != 0 && (readback_workers + 1) * stats.peak_bytes > kernel_bytes(options_);
+  const std::uint64_t memory = device_kernel_bytes(options_);
+  return memory != 0 && (readback_workers + 1) * stats.peak_bytes > memory;
 }
 
 void CellStages::read_back(InFlightCell& cell, std::size_t readback_worker) {
@@ -243,7 +257,7 @@ void CellStages::pack_on_device(InFlightCell& cell, kernels::CudaPacker& packer)
 /// Packs with one readback worker's fraction of the memory. If this fraction is too small, waits for the other readback
 /// workers and packs with all of the memory.
 void CellStages::pack_beside_others(InFlightCell& cell, kernels::CudaPacker& packer, kernels::PackRequest& request) {
-  const std::uint64_t memory = options_.memory_bytes / 4;
+  const std::uint64_t memory = device_bytes(options_) / 4;
   try {
     const std::shared_lock lock(packing_);
     request.memory_bytes = memory / readback_workers;
@@ -262,7 +276,7 @@ void CellStages::read_back_volume(InFlightCell& cell) {
 }
 
 void CellStages::bake_on_cpu(InFlightCell& cell) const {
-  cell.volume = kernels::bake_cell(cell.loaded->input(), parameters_of(cell.job), pool_);
+  cell.volume = kernels::bake_cell(cell.loaded->input(), parameters_of(cell.job, kernel_bytes(options_)), pool_);
 }
 
 void CellStages::clip(InFlightCell& cell, const ShardReader& shard) const {

@@ -76,7 +76,7 @@ class CellStages {
   template <class Step>
   bool on_device(InFlightCell& cell, const Step& step);
   void bake_on_cpu(InFlightCell& cell) const;
-  kernels::CellParameters parameters_of(const CellJob& job) const;
+  kernels::CellParameters parameters_of(const CellJob& job, std::uint64_t memory_bytes) const;
   /// Returns whether the area of interest contains all voxels of the cell.
   bool is_wholly_inside(const CellJob& job) const;
   void bake_overview(InFlightCell& overview) const;

@@ -9,6 +9,7 @@ namespace {
 void put(ByteWriter& writer, const WorkerOptions& options) {
   writer.put(std::int32_t(options.threads));
   writer.put(options.threads_are_a_share);
+  writer.put(options.memory_is_default);
   writer.put(options.memory_bytes);
   writer.put(options.out.string());
   writer.put(options.scratch.string());
@@ -35,8 +36,8 @@ WorkerOptions get_worker_options(ByteReader& reader) {
   WorkerOptions options;
   std::int32_t threads = 0;
   std::string out, scratch;
-  reader.get(threads), reader.get(options.threads_are_a_share), reader.get(options.memory_bytes), reader.get(out),
-      reader.get(scratch);
+  reader.get(threads), reader.get(options.threads_are_a_share), reader.get(options.memory_is_default),
+      reader.get(options.memory_bytes), reader.get(out), reader.get(scratch);
   if (threads < 1) throw InputError("worker options", "threads", "expected 1 or more");
   options.threads = threads;
   options.out = out;

@@ -14,7 +14,7 @@ namespace gigabake {
 
 struct WorkerSetup {
   BakeParameters parameters;
-  WorkerOptions worker;  ///< except cuda_device: the process chooses the device itself
+  WorkerOptions worker;  ///< except cuda_device and device_bytes: the process chooses the device itself
   DeviceRequest device;
   /// The serialized sources (format/job/source_bytes.h). Relative paths refer to the working folder that the bake
   /// process inherits from its supervisor.

@@ -16,6 +16,7 @@ class PinnedBuffer {
   /// Returns at least `bytes` bytes. Growing discards the contents.
   /// Errors  CudaFailure.
   std::byte* reserve(std::size_t bytes);
+  std::size_t capacity() const { return bytes_; }
 
  private:
   std::byte* data_ = nullptr;
