@@ -7,16 +7,19 @@
 #include "core/base/error.h"
 #include "core/base/pluralize.h"
 #include "scheduler/queue/schedule.h"
+#include "worker/pipeline/writer_pool_size.h"
 
 namespace gigabake::bench {
 namespace {
 
+WorkerOptions worker_options(const BakeBenchRequest& request, const std::optional<int>& device) {
+  return {request.scene.threads, request.scene.memory_bytes, request.out, device};
+}
+
 std::unique_ptr<CellPipeline> make_pipeline(const SceneSources& sources, const BakeBenchRequest& request,
                                             const std::optional<int>& device) {
   std::filesystem::remove_all(request.out / "shards");
-  return std::make_unique<CellPipeline>(
-      sources, request.scene.parameters,
-      WorkerOptions{request.scene.threads, request.scene.memory_bytes, request.out, device});
+  return std::make_unique<CellPipeline>(sources, request.scene.parameters, worker_options(request, device));
 }
 
 StageSeconds stages(const std::vector<CellReport>& reports) {
@@ -63,7 +66,9 @@ BakeBench bench_bake(const BakeBenchRequest& request) {
   plan_scene(sources, request.scene);
   progress.step("baking cells overlapped", jobs.size(), "cell");
   const auto start = Clock::now();
-  const int in_hand = slots_of_worker(device.device ? 1 : 0);
+  const WorkerOptions worker = worker_options(request, device.device);
+  const int in_hand =
+      slots_of_worker(device.device ? 1 : 0, int(concurrent_cells_for(worker)), writer_pool_size_for(worker).writers);
   const std::vector<CellReport> together = bake_cells(*pipeline, jobs, std::size_t(in_hand), progress);
   b.bake_s = seconds_since(start);
   b.overlapped = stages(together);

@@ -8,19 +8,25 @@
 #include "cluster/bake/dispatch.h"
 #include "cluster/bake/empty_scene.h"
 #include "cluster/bake/tile_loss.h"
+#include "cluster/launch/rank_setup.h"
 #include "cluster/mpi/mpi_rank_link.h"
 #include "core/base/error.h"
 #include "core/base/pluralize.h"
 #include "core/base/quote.h"
 #include "scheduler/journal/cached_results.h"
 #include "scheduler/plan/merge.h"
+#include "worker/pipeline/writer_pool_size.h"
 
 namespace gigabake {
 namespace {
 
-DispatchOptions dispatch_options(const BakeRequest& request, const BakeSummary& summary) {
+DispatchOptions dispatch_options(const MpiSession& mpi, const BakeRequest& request, const BakeSummary& summary) {
+  WorkerOptions worker;
+  worker.threads = threads_of(mpi, request);
+  worker.memory_bytes = memory_of(mpi, request);
   DispatchOptions options;
-  options.slots = slots_of_worker(summary.ranks_with_device);
+  options.slots = slots_of_worker(summary.ranks_with_device, int(concurrent_cells_for(worker)),
+                                  writer_pool_size_for(worker).writers);
   options.keep_going = request.keep_going;
   options.heartbeat_timeout_s = request.timeouts.heartbeat_timeout_s;
   return options;
@@ -72,7 +78,7 @@ void MasterBake::run() {
   }
   report_reused(prior.done);
   MpiRankLink link(session_.mpi, *session_.process);
-  DispatchResult result = dispatch(link, plan_.jobs, prior.done, dispatch_options(request_, summary_),
+  DispatchResult result = dispatch(link, plan_.jobs, prior.done, dispatch_options(session_.mpi, request_, summary_),
                                    [this](const BakeEvent& event) { take(event); });
   summary_.cells_taken_over = cells_among(prior.done);
   summary_.cells_planned = plan_.cells();

@@ -16,13 +16,17 @@
 
 namespace gigabake {
 
-/// Cells in flight per CPU worker: one read, one computed, one written, and three queued.
+/// Cells in flight per CPU worker that computes one cell at a time: one read, one computed, one written, and three
+/// queued.
 inline constexpr int worker_slots = 6;
 /// Cells in flight per device worker: four read, one computed, three read back, four written, and three queued.
 inline constexpr int device_worker_slots = 15;
 
-/// Returns the max number of cells in flight per worker. `devices` is the number of workers that compute on a device.
-inline int slots_of_worker(int devices) { return devices != 0 ? device_worker_slots : worker_slots; }
+/// Returns the max number of cells in flight per worker. `devices` is the number of workers that compute on a device. A
+/// CPU worker computes and writes the given numbers of cells concurrently.
+inline int slots_of_worker(int devices, int computed = 1, int written = 1) {
+  return devices != 0 ? device_worker_slots : worker_slots + (computed - 1) + (written - 1);
+}
 
 struct ScheduleOptions {
   int strikes = 3;                                              ///< failed attempts after which a cell is quarantined

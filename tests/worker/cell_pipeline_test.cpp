@@ -140,8 +140,8 @@ TEST_F(CellPipelineTest, BakesTheSameVoxelsForAnyMemoryBudgetAndThreads) {
   const auto cells = jobs();
   const Hash128 expected = hash_of(run(cells, "reference"));
   for (const auto& [threads, memory] :
-       {std::pair(1, std::uint64_t(1)), std::pair(3, std::uint64_t(1) << 20), std::pair(2, std::uint64_t(1) << 34)}) {
-    const auto reports = run(cells, "out" + std::to_string(memory), threads, memory);
+       {std::pair(1, std::uint64_t(1)), {3, std::uint64_t(1) << 20}, {2, std::uint64_t(1) << 34}, {16, 0}}) {
+    const auto reports = run(cells, "out" + std::to_string(threads), threads, memory);
     EXPECT_EQ(hash_of(reports), expected) << threads << " threads, " << memory << " bytes";
   }
 }

@@ -58,11 +58,26 @@ TEST(ImageBytes, AreASixteenthOfTheMemoryForAllWriters) {
   EXPECT_EQ(file_image_bytes_for(beside_device(16)), std::uint64_t(64) << 20);
 }
 
-TEST(WriterPoolSize, IsOneWriterWithAllThreadsWithoutADevice) {
+WorkerOptions without_device(int threads, std::uint64_t mebibytes) {
   WorkerOptions options;
-  options.threads = 12;
-  EXPECT_EQ(writer_pool_size_for(options).writers, 1);
-  EXPECT_EQ(writer_pool_size_for(options).threads, 12);
+  options.threads = threads;
+  options.memory_bytes = mebibytes << 20;
+  return options;
+}
+
+TEST(ConcurrentCells, AreOnePerTwoThreadsWhereMemorySuffices) {
+  for (const auto& [threads, cells] : {std::pair(1, 1u), {2, 1u}, {3, 1u}, {4, 2u}, {16, 8u}, {128, 8u}})
+    EXPECT_EQ(concurrent_cells_for(without_device(threads, 0)), cells) << threads;
+  for (const auto& [mebibytes, cells] : {std::pair(64u, 1u), {1024u, 2u}, {2048u, 4u}, {65536u, 8u}})
+    EXPECT_EQ(concurrent_cells_for(without_device(16, mebibytes)), cells) << mebibytes;
+  EXPECT_EQ(concurrent_cells_for(beside_device(16)), 1u);
+}
+
+TEST(WriterPoolSize, IsTwoWritersAtMostWithoutADevice) {
+  for (const auto& [threads, writers] : {std::pair(1, 1), {4, 1}, {6, 1}, {8, 2}, {64, 2}}) {
+    EXPECT_EQ(writer_pool_size_for(without_device(threads, 0)).writers, writers) << threads;
+    EXPECT_EQ(writer_pool_size_for(without_device(threads, 0)).threads, threads);
+  }
 }
 
 }  // namespace

@@ -66,13 +66,14 @@ class CellPipeline::Stages {
         on_report_(std::move(on_report)),
         loaded_(readahead_cells_for(options)) {
     reader_ = std::thread([this] { read_all(); });
-    computer_ = std::thread([this] { compute_all(); });
+    const std::size_t computers = concurrent_cells_for(options);
+    producers_ = has_device_ ? readback_workers + overview_makers_for(options) : computers;
+    for (std::size_t c = 0; c < computers; ++c) computers_.emplace_back([this] { compute_all(); });
     if (has_device_) {
-      const std::size_t makers = overview_makers_for(options);
-      producers_ = readback_workers + makers;
       for (std::size_t b = 0; b < readback_workers; ++b)
         readback_threads_.emplace_back([this, b] { read_back_all(b); });
-      for (std::size_t m = 0; m < makers; ++m) overview_makers_.emplace_back([this] { make_overviews(); });
+      for (std::size_t m = overview_makers_for(options); m > 0; --m)
+        overview_makers_.emplace_back([this] { make_overviews(); });
     }
     for (int w = writer_pool_size_for(options).writers; w > 0; --w) writers_.emplace_back([this] { write_all(); });
   }
@@ -84,7 +85,7 @@ class CellPipeline::Stages {
     }
     submitted_.notify_all();
     reader_.join();
-    computer_.join();
+    for (std::thread& computer : computers_) computer.join();
     for (std::thread& readback_worker : readback_threads_) readback_worker.join();
     for (std::thread& maker : overview_makers_) maker.join();
     for (std::thread& writer : writers_) writer.join();
@@ -163,7 +164,8 @@ class CellPipeline::Stages {
     if (--producers_ == 0) ready_.close();
   }
 
-  /// Runs the compute stage. Without a device there is no readback stage, and the compute thread feeds the writers.
+  /// Runs the compute stage. Without a device there is no readback stage: the compute threads feed the writers, each
+  /// with the cells that it computes.
   void compute_all() {
     BoundedQueue<std::unique_ptr<InFlightCell>>& next = has_device_ ? computed_ : ready_;
     while (auto cell = loaded_.take()) {
@@ -173,7 +175,10 @@ class CellPipeline::Stages {
       });
       next.push(std::move(*cell));
     }
-    next.close();
+    if (has_device_)
+      computed_.close();
+    else
+      release_producer();
   }
 
   void read_back_all(std::size_t readback_worker) {
@@ -209,9 +214,9 @@ class CellPipeline::Stages {
   BoundedQueue<std::unique_ptr<InFlightCell>> computed_, ready_;
   BoundedQueue<std::unique_ptr<InFlightCell>> overviews_{
       overviews_waiting};  ///< jobs only; their children are not yet read
-  std::thread reader_, computer_;
-  std::atomic<std::size_t> producers_{0};  ///< with a device: number of threads that feed ready_
-  std::vector<std::thread> readback_threads_, overview_makers_;
+  std::thread reader_;
+  std::atomic<std::size_t> producers_{0};  ///< number of threads that feed ready_
+  std::vector<std::thread> computers_, readback_threads_, overview_makers_;
   std::vector<std::thread> writers_;
 };
 

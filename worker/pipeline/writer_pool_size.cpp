@@ -8,11 +8,19 @@ namespace gigabake {
 WriterPoolSize writer_pool_size_for(const WorkerOptions& options) {
   constexpr std::uint64_t bytes_a_writer = std::uint64_t(512) << 20, min_writers = 2, max_writers = 4;
   constexpr int others = 4;  // reader, compute and readback threads, which mostly wait
-  if (!options.cuda_device) return {1, options.threads};
+  if (!options.cuda_device) return {concurrent_cells_for(options) < 4 ? 1 : 2, options.threads};
   const std::uint64_t by_memory = options.memory_bytes == 0 ? max_writers : options.memory_bytes / bytes_a_writer,
                       by_threads = std::uint64_t(options.threads / 2);
   const int writers = int(std::clamp(std::min(by_threads, by_memory), min_writers, max_writers));
   return {writers, std::max(1, options.threads - writers - others + 1)};
+}
+
+std::size_t concurrent_cells_for(const WorkerOptions& options) {
+  constexpr std::uint64_t bytes_a_cell = std::uint64_t(512) << 20, maximum = 8;
+  if (options.cuda_device) return 1;
+  const std::uint64_t by_memory = options.memory_bytes == 0 ? maximum : options.memory_bytes / bytes_a_cell,
+                      by_threads = std::uint64_t(options.threads / 2);
+  return std::size_t(std::clamp<std::uint64_t>(std::min(by_threads, by_memory), 1, maximum));
 }
 
 std::size_t readahead_cells_for(const WorkerOptions& options) {

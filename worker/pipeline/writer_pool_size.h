@@ -17,8 +17,13 @@ struct WriterPoolSize {
 /// shared pool packs cells that are read back unpacked. It has the threads that the writers and the other stages leave,
 /// at least one. A cell that the device has packed is only written. HDF5 serves one writer at a time, so more than four
 /// writers would wait for each other. If memory is short, fewer cells are written concurrently. Without a device there
-/// is one writer, because the kernels need the threads.
+/// is one writer, or two if at least four cells are computed concurrently; they share a pool of all threads.
 WriterPoolSize writer_pool_size_for(const WorkerOptions& options);
+
+/// Returns the number of cells that the CPU computes concurrently. A cell joins its threads several times, and some of
+/// its steps run on one thread; threads that would wait compute another cell. It is one cell per two threads, at most
+/// eight, and fewer if memory is short. It is 1 with a device, which computes one cell at a time.
+std::size_t concurrent_cells_for(const WorkerOptions& options);
 
 /// Returns the number of overviews made concurrently with a device. Most overviews become ready at the end of a bake,
 /// and some steps of making an overview run on one thread.
