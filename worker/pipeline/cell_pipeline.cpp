@@ -65,6 +65,7 @@ class CellPipeline::Stages {
         has_device_(options.cuda_device.has_value()),
         on_report_(std::move(on_report)),
         loaded_(readahead_cells_for(options)) {
+    preparer_ = std::thread([this] { stages_.prepare(); });
     reader_ = std::thread([this] { read_all(); });
     const std::size_t computers = concurrent_cells_for(options);
     producers_ = has_device_ ? readback_workers + overview_makers_for(options) : computers;
@@ -84,6 +85,7 @@ class CellPipeline::Stages {
       stopping_ = true;
     }
     submitted_.notify_all();
+    preparer_.join();
     reader_.join();
     for (std::thread& computer : computers_) computer.join();
     for (std::thread& readback_worker : readback_threads_) readback_worker.join();
@@ -125,7 +127,6 @@ class CellPipeline::Stages {
   }
 
   void read_all() {
-    stages_.prepare();
     while (auto job = next_job()) {
       auto cell = std::make_unique<InFlightCell>(std::move(*job));
       if (has_device_ && is_overview(cell->job)) {
@@ -214,7 +215,7 @@ class CellPipeline::Stages {
   BoundedQueue<std::unique_ptr<InFlightCell>> computed_, ready_;
   BoundedQueue<std::unique_ptr<InFlightCell>> overviews_{
       overviews_waiting};  ///< jobs only; their children are not yet read
-  std::thread reader_;
+  std::thread preparer_, reader_;
   std::atomic<std::size_t> producers_{0};  ///< number of threads that feed ready_
   std::vector<std::thread> computers_, readback_threads_, overview_makers_;
   std::vector<std::thread> writers_;

@@ -167,14 +167,16 @@ void CellStages::prepare() {
   try {
     if (options_.cuda_device) make_baker();
   } catch (const CudaFailure&) {
-    cuda_.reset();
+    return;
   }
 }
 
 void CellStages::make_baker() {
-  while (packers_.size() < readback_workers + 1)
-    packers_.push_back(std::make_unique<kernels::CudaPacker>(*options_.cuda_device));
-  if (!cuda_) cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, device_bytes(options_) / 4);
+  std::call_once(device_is_made_, [this] {
+    while (packers_.size() < readback_workers + 1)
+      packers_.push_back(std::make_unique<kernels::CudaPacker>(*options_.cuda_device));
+    cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, device_bytes(options_) / 4);
+  });
 }
 
 void CellStages::read(InFlightCell& cell) {

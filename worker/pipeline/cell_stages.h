@@ -50,8 +50,8 @@ class CellStages {
   /// Errors  InputError: OUT/shards cannot be created.
   CellStages(SceneSources sources, BakeParameters parameters, const WorkerOptions& options);
 
-  /// Initializes the device. Call it on the thread that calls read(). An error is ignored, because read() of the first
-  /// cell reports it again.
+  /// Initializes the device, while another thread may read the first cell. An error is ignored, because read() of the
+  /// first cell reports it again.
   void prepare();
   /// Reuses the shard of the job's fingerprint if OUT has a valid one. Otherwise loads tiles and textures, and uploads
   /// them to the device if there is one. For an overview, takes children from the cache where available and reads the
@@ -98,8 +98,9 @@ class CellStages {
   std::optional<AreaInScene> area_;
   CellLoader loader_;
   OverviewInputs overview_inputs_;
-  ThreadPool pool_, write_pool_;                               ///< write_pool_: shared by concurrent writers
-  std::unique_ptr<kernels::CudaBaker> cuda_;                   ///< made on the thread that reads
+  ThreadPool pool_, write_pool_;   ///< write_pool_: shared by concurrent writers
+  std::once_flag device_is_made_;  ///< guards the creation of the next two members
+  std::unique_ptr<kernels::CudaBaker> cuda_;
   std::vector<std::unique_ptr<kernels::CudaPacker>> packers_;  ///< one per readback worker, and one for compute()
   /// Shared while a cell is packed with a fraction of the memory; exclusive while one is packed with all of it.
   std::shared_mutex packing_;
