@@ -128,11 +128,10 @@ StoredShard write_packed_shard(const std::filesystem::path& path, const PackedSh
   Publication publication(path);
   const Ahead ahead(shard);
   const bool in_memory = ahead.is_packed || ahead.bytes <= options.image_bytes;
-  const ChunkMemory chunks = ahead.is_packed ? ChunkMemory::referred : ChunkMemory::copied;
   std::unique_lock turn(hdf5_mutex(), std::defer_lock);
   if (in_memory && ahead.is_packed) turn.lock();
   StoredShard stored =
-      make_file(in_memory ? Hdf5File::create(image, chunks, path) : Hdf5File::create(publication.temporary(), path),
+      make_file(in_memory ? Hdf5File::create(image, path) : Hdf5File::create(publication.temporary(), path),
                 shard.header, shard.above, options, [&](ShardColumns& columns) {
                   columns.add_nodes(shard.nodes);
                   columns.add_above(shard.above);

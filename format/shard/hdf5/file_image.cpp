@@ -6,11 +6,11 @@
 
 namespace gigabake {
 
-void FileImage::begin_file(ChunkMemory chunks) noexcept {
+void FileImage::begin_file() noexcept {
   pieces_.clear();
   copied_.clear();
   length_ = 0;
-  chunks_ = chunks;
+  chunks_ = ChunkMemory::copied;
 }
 
 void FileImage::write(std::uint64_t at, const std::uint8_t* bytes, std::size_t count, bool is_chunk) {

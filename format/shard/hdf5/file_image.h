@@ -29,7 +29,9 @@ class FileImage {
   // The next members are for HDF5's driver (image_driver.h).
 
   /// Starts a new file. It contains no bytes of the previous file.
-  void begin_file(ChunkMemory chunks) noexcept;
+  void begin_file() noexcept;
+  /// Applies to the next chunks that are written.
+  void set_chunk_memory(ChunkMemory chunks) noexcept { chunks_ = chunks; }
   /// Records a write. `is_chunk` is true for stored chunks, and false for HDF5's metadata.
   void write(std::uint64_t at, const std::uint8_t* bytes, std::size_t count, bool is_chunk);
   /// Reads bytes that were written; all other bytes are 0.

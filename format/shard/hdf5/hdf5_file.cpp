@@ -78,13 +78,15 @@ Hdf5File Hdf5File::create(const std::filesystem::path& path, const std::filesyst
   return {called, created(call, path, access_properties(call))};
 }
 
-Hdf5File Hdf5File::create(FileImage& image, ChunkMemory chunks, const std::filesystem::path& called) {
+Hdf5File Hdf5File::create(FileImage& image, const std::filesystem::path& called) {
   const Hdf5Call call{called, ""};
   configure_hdf5(call);
-  image.begin_file(chunks);
+  image.begin_file();
   const Hdf5Id access = access_properties(call);
   set_image_driver(call, access, image);
-  return {called, created(call, called, access)};
+  Hdf5File file(called, created(call, called, access));
+  file.image_ = &image;
+  return file;
 }
 
 Hdf5File Hdf5File::open(const std::filesystem::path& path) {

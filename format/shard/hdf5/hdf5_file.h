@@ -61,7 +61,7 @@ class Hdf5File {
   static Hdf5File create(const std::filesystem::path& path, const std::filesystem::path& called);
   /// Creates a file in memory and borrows `image`. After close(), image.write_to() writes the file to disk. Messages
   /// name the file `called`.
-  static Hdf5File create(FileImage& image, ChunkMemory chunks, const std::filesystem::path& called);
+  static Hdf5File create(FileImage& image, const std::filesystem::path& called);
   static Hdf5File open(const std::filesystem::path& path);
 
   /// Writes the columns in chunks, encoded as in chunk_codec.h. The threads of `pool` pack the chunks in one loop over
@@ -104,6 +104,10 @@ class Hdf5File {
   Hdf5File(std::filesystem::path path, Hdf5Id file);
   void make_group(const std::string& name);
   Hdf5Id make_column(const Hdf5Column& column, std::uint64_t rows, Codec codec);
+  /// Sets the memory of the next chunks. Has no effect on a file on disk.
+  void set_chunk_memory(ChunkMemory chunks) const {
+    if (image_ != nullptr) image_->set_chunk_memory(chunks);
+  }
   void write_raw_attribute(const char* name, std::int64_t type, const void* data, std::size_t count);
 
   struct ReadCounters {
@@ -112,6 +116,7 @@ class Hdf5File {
 
   std::filesystem::path path_;
   Hdf5Id file_;
+  FileImage* image_ = nullptr;  ///< of a file in memory
   std::unique_ptr<ReadCounters> reads_ = std::make_unique<ReadCounters>();
 };
 

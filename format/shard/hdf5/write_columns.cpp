@@ -102,16 +102,19 @@ class ColumnsInOrder {
     for (; next_ < ready_.size() && !ready_[next_].bytes().empty(); ++next_) {
       const Chunk taken = std::exchange(ready_[next_], {});
       lock.unlock();
-      store(chunks_[next_], taken.bytes());
+      store(chunks_[next_], taken);
       lock.lock();
     }
     storing_ = false;
   }
 
-  void store(const ChunkPlace& at, std::span<const std::uint8_t> bytes) {
+  void store(const ChunkPlace& at, const Chunk& chunk) {
+    const std::span<const std::uint8_t> bytes = chunk.bytes();
     make_columns_up_to(at.column + 1);
     const Hdf5Call call{file_.path(), columns_[at.column].column.name};
     configure_hdf5(call);
+    // A chunk that was packed here is freed after this call; the caller of write_columns() keeps the others.
+    file_.set_chunk_memory(chunk.own.empty() ? ChunkMemory::referred : ChunkMemory::copied);
     const hsize_t offset[2] = {at.number * rows_per_chunk_of(columns_[at.column]), 0};
     call("H5Dwrite_chunk", H5Dwrite_chunk(set_->get(), H5P_DEFAULT, 0, offset, bytes.size(), bytes.data()));
     stored_[at.column] += bytes.size();

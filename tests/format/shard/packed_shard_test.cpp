@@ -27,6 +27,7 @@ class PackedByHand {
 
   PackedByHand(const Shard& shard, As as, Codec codec) : as_(as), codec_(codec) {
     packed.header = shard.header;
+    packed.above = shard.above;
     packed.nodes.resize(packed_nodes(shard.header).size());
     ShardColumns columns(shard.header);
     columns.add_nodes(shard.nodes);
@@ -122,6 +123,15 @@ TEST(PackedShard, IsTheFileOfItsVoxels) {
     const auto as = rng() % 2 != 0 ? PackedByHand::As::raw : PackedByHand::As::stored;
     expect_same_file(shard, as, rng() % 3 == 0 ? Codec::lz4 : Codec::deflate);
   }
+}
+
+/// The columns of the downsample state are never packed in advance, so their chunks are freed before the file is
+/// written.
+TEST(PackedShard, HoldsItsDownsampleState) {
+  Shard shard = made::small_shard_with_planes();
+  shard.above = made::small_above();
+  for (const auto as : {PackedByHand::As::raw, PackedByHand::As::stored})
+    for (const Codec codec : values_of<Codec>()) expect_same_file(shard, as, codec);
 }
 
 TEST(PackedShard, HasTheCountsOfItsVoxels) {

@@ -20,9 +20,9 @@ Bytes bytes_on_disk(const FileImage& image) {
 TEST(FileImage, KeepsTheLastWriteAndFillsGapsWithZeros) {
   FileImage image;
   const Bytes sevens(6, 7), nines(2, 9);
-  image.begin_file(ChunkMemory::copied);
+  image.begin_file();
   image.write(0, sevens.data(), 6, false);
-  image.begin_file(ChunkMemory::copied);
+  image.begin_file();
   image.write(8, sevens.data(), 3, true);
   image.write(2, sevens.data(), 4, false);
   image.write(3, nines.data(), 2, false);
@@ -37,7 +37,8 @@ TEST(FileImage, KeepsTheLastWriteAndFillsGapsWithZeros) {
 TEST(FileImage, RefersToChunksAndCopiesMetadata) {
   FileImage image;
   Bytes chunk(3, 1), metadata(2, 5);
-  image.begin_file(ChunkMemory::referred);
+  image.begin_file();
+  image.set_chunk_memory(ChunkMemory::referred);
   image.write(2, chunk.data(), 3, true);
   image.write(0, metadata.data(), 2, false);
   chunk[1] = 8;
@@ -45,9 +46,22 @@ TEST(FileImage, RefersToChunksAndCopiesMetadata) {
   EXPECT_EQ(bytes_on_disk(image), (Bytes{5, 5, 1, 8, 1}));
 }
 
+TEST(FileImage, CopiesTheChunksThatTheWriterFrees) {
+  FileImage image;
+  Bytes kept(2, 1), freed(2, 4);
+  image.begin_file();
+  image.set_chunk_memory(ChunkMemory::referred);
+  image.write(0, kept.data(), 2, true);
+  image.set_chunk_memory(ChunkMemory::copied);
+  image.write(2, freed.data(), 2, true);
+  freed[0] = 9;
+  EXPECT_EQ(bytes_on_disk(image), (Bytes{1, 1, 4, 4}));
+}
+
 TEST(FileImage, WritesMorePartsThanOneSystemCallTakes) {
   FileImage image;
-  image.begin_file(ChunkMemory::referred);
+  image.begin_file();
+  image.set_chunk_memory(ChunkMemory::referred);
   Bytes expected;
   for (int i = 0; i < 5000; ++i) expected.push_back(std::uint8_t(i));
   for (std::size_t i = 0; i < expected.size(); ++i) image.write(i, &expected[i], 1, true);
@@ -56,7 +70,7 @@ TEST(FileImage, WritesMorePartsThanOneSystemCallTakes) {
 
 TEST(FileImage, ReportsADiskThatIsFull) {
   FileImage image;
-  image.begin_file(ChunkMemory::copied);
+  image.begin_file();
   const Bytes bytes(10, 3);
   image.write(0, bytes.data(), bytes.size(), false);
   EXPECT_FALSE(image.write_to(Descriptor("/dev/full", O_WRONLY)));
