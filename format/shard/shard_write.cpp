@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <mutex>
 
+#include "core/base/trace.h"
 #include "core/base/work_counts.h"
 #include "format/shard/columns/channels.h"
 #include "format/shard/columns/shard_columns.h"
@@ -47,6 +48,7 @@ void write_header(Hdf5File& file, const ShardHeader& h, const DownsampleState& a
 template <class AddColumns>
 StoredShard make_file(Hdf5File file, const ShardHeader& header, const DownsampleState& above,
                       const ShardWriteOptions& options, const AddColumns& add_columns) {
+  const TraceSpan span("HDF5");
   {
     const InStage writing(BakeStage::writing);
     write_header(file, header, above);
@@ -103,6 +105,7 @@ std::uint64_t publish(Publication& publication) {
 }
 
 void write_image(const FileImage& image, const std::filesystem::path& temporary, const std::filesystem::path& path) {
+  const TraceSpan span("write file");
   const InStage writing(BakeStage::writing);
   const Descriptor out(temporary, O_WRONLY | O_TRUNC);
   if (!out.is_open() || !image.write_to(out)) fail_to(path, "write");
@@ -129,7 +132,10 @@ StoredShard write_packed_shard(const std::filesystem::path& path, const PackedSh
   const Ahead ahead(shard);
   const bool in_memory = ahead.is_packed || ahead.bytes <= options.image_bytes;
   std::unique_lock turn(hdf5_mutex(), std::defer_lock);
-  if (in_memory && ahead.is_packed) turn.lock();
+  if (in_memory && ahead.is_packed) {
+    const TraceSpan span("wait for HDF5");
+    turn.lock();
+  }
   StoredShard stored =
       make_file(in_memory ? Hdf5File::create(image, path) : Hdf5File::create(publication.temporary(), path),
                 shard.header, shard.above, options, [&](ShardColumns& columns) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "core/base/thread_pool.h"
+#include "core/base/trace.h"
 #include "kernels/cpu/mip/level_hash.h"
 #include "kernels/cpu/prune/prune.h"
 #include "kernels/cpu/voxelize/quantize_groups.h"
@@ -49,6 +50,7 @@ class CudaBaker::Impl {
   }
 
   std::shared_ptr<const CudaInput> upload(const CellInput& input) {
+    const TraceSpan span("upload");
     start();
     return std::make_shared<const CudaInput>(upload_heap_, input, textures_, tables_.view());
   }

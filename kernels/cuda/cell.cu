@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <span>
 
+#include "core/base/trace.h"
 #include "kernels/body/mip/mip.h"
 #include "kernels/cpu/mip/downsample_state.h"
 #include "kernels/cpu/mip/level_hash.h"
@@ -113,9 +114,13 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
 /// Computes the levels [0, lods) of a range of bricks. Records the clock's marks 2 to 5.
 LevelsAbove CellBake::levels_of(const Cell& cell, KeyRange range, int lods, BinCapacity& capacity, CellStats& stats) {
   clock_.mark(2);
-  BrickLists lists = bin_triangles(heap_, cell.input, cell.window, range, capacity, stats);
+  BrickLists lists = [&] {
+    const TraceSpan span("bin");
+    return bin_triangles(heap_, cell.input, cell.window, range, capacity, stats);
+  }();
   clock_.mark(3);
   DeviceLevel finest;
+  const TraceSpan span("voxelize and levels");
   if (lists.bricks != 0)
     finest = voxelize(heap_, cell.input, cell.room, cell.window, std::move(lists), cell.parameters, cell.materials,
                       fill_ratios_, stats);

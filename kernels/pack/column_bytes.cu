@@ -1,3 +1,4 @@
+#include "core/base/trace.h"
 #include "core/codec/chunk_rows.h"
 #include "kernels/pack/column_bytes.cuh"
 #include "kernels/pack/pack_chunks.cuh"
@@ -10,6 +11,7 @@ namespace {
 std::shared_ptr<PinnedBuffer> read_back(DeviceHeap& heap, const std::uint8_t* bytes, std::size_t size,
                                         PinnedPool& pinned, const std::uint8_t*& arrived) {
   std::shared_ptr<PinnedBuffer> buffer = pinned.take(size);
+  const TraceSpan span("read back bytes");
   std::byte* to = buffer->reserve(size);
   download_async(to, bytes, size, heap.stream(), "cudaMemcpyAsync (columns)");
   wait_for(heap.stream(), "cudaStreamSynchronize (columns)");
@@ -35,6 +37,7 @@ std::shared_ptr<const void> read_back_stored(DeviceHeap& heap, const DeviceArray
     for (std::size_t at = 0; at < c.bytes; at += bytes)
       chunks.push_back({c.at + at, std::uint32_t(bytes), std::uint32_t(c.shape.shuffled_bytes)});
   }
+  const TraceSpan span("compress and read back");
   const PackedChunks packed = pack_chunks(heap, raw.data(), chunks, nullptr);
   const std::uint8_t* arrived = nullptr;
   std::shared_ptr<PinnedBuffer> buffer = read_back(heap, packed.bytes.data(), packed.ends.back(), pinned, arrived);

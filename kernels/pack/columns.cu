@@ -2,6 +2,7 @@
 #include <cub/device/device_scan.cuh>
 #include <stdexcept>
 
+#include "core/base/trace.h"
 #include "kernels/body/voxel.h"
 #include "kernels/pack/columns.cuh"
 
@@ -268,6 +269,7 @@ ValuesStored Findings::stored(const LevelsView& levels, int channel, int lod) co
 }
 
 FoundShares find_shares(DeviceHeap& heap, const LevelsView& levels, Findings& findings) {
+  const TraceSpan span("find shared values");
   const std::size_t items = std::size_t(levels.channels) * levels.bricks_in_all;
   FoundShares out{DeviceArray<std::uint8_t>(heap, share_bytes * items), DeviceArray<std::uint32_t>(heap, items + 1)};
   DeviceArray<std::uint32_t> values(heap, items + 1);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "core/base/trace.h"
 #include "core/codec/chunk_rows.h"
 #include "kernels/body/prune/node.h"
 #include "kernels/cuda/cell.cuh"
@@ -125,6 +126,7 @@ class CudaPacker::Impl {
     out.stats = cell.cell_stats;
     out.above = cell.above;
     clock_.mark(0);
+    const TraceSpan span("pack");
     out.content_hash = level_hashes(heap_, cell.levels, cell.window_min);
     clock_.mark(1);
     if (cell.nodes.count != 0) {

@@ -23,6 +23,7 @@
 #include "format/job/fingerprint.h"
 #include "format/job/run_work.h"
 #include "format/job/source_bytes.h"
+#include "format/system/meters/trace_file.h"
 #include "worker/pipeline/bake_messages.h"
 #include "worker/pipeline/cell_pipeline.h"
 #include "worker/pipeline/worker_setup.h"
@@ -341,6 +342,7 @@ class BakeServer {
 }  // namespace
 
 int serve_bakes(int fd) {
+  record_trace();
   // The server is never destroyed: the destructor would wait for the cells in flight, whose results are not needed.
   static BakeServer server(fd);
   return server.run();

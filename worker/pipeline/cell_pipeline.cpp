@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/trace.h"
 #include "format/system/meters/stage_clock.h"
 #include "worker/pipeline/bounded_queue.h"
 #include "worker/pipeline/cell_stages.h"
@@ -24,10 +25,11 @@ constexpr std::size_t overviews_waiting = 64;
 
 /// Runs one stage on a cell; an exception makes the report final. `of_input` is the outcome of an InputError in this
 /// stage. The write stage passes `failed`, because its errors are I/O errors. `stage` is the stage on the process's
-/// clock; the write stage passes nullopt, because the writer of shards distinguishes packing from writing.
+/// clock; the write stage passes nullopt, because the writer of shards distinguishes packing from writing. `step` is
+/// the name in a trace.
 template <class Work>
-void run_stage(InFlightCell& cell, double CellReport::*seconds, std::optional<BakeStage> stage, CellOutcome of_input,
-               const Work& work) {
+void run_stage(InFlightCell& cell, const char* step, double CellReport::*seconds, std::optional<BakeStage> stage,
+               CellOutcome of_input, const Work& work) {
   if (cell.is_final) return;
   const auto start = std::chrono::steady_clock::now();
   const auto fail = [&](std::string line, CellOutcome outcome = CellOutcome::failed) {
@@ -41,6 +43,7 @@ void run_stage(InFlightCell& cell, double CellReport::*seconds, std::optional<Ba
     cell.volume = {};
   };
   try {
+    const TraceSpan span(step, cell.job.name);
     std::optional<InStage> in_stage;
     if (stage) in_stage.emplace(*stage);
     work(cell);
@@ -143,7 +146,8 @@ class CellPipeline::Stages {
   void read(InFlightCell& cell) {
     // A missing child may still appear, because another host may have written it a moment ago.
     const CellOutcome of_input = is_overview(cell.job) ? CellOutcome::failed : CellOutcome::refused;
-    run_stage(cell, &CellReport::read_s, BakeStage::reading, of_input, [this](InFlightCell& c) { stages_.read(c); });
+    run_stage(cell, "read", &CellReport::read_s, BakeStage::reading, of_input,
+              [this](InFlightCell& c) { stages_.read(c); });
   }
 
   /// Reads and computes overviews on the host while a device bakes cells, so that the device never waits for an
@@ -151,10 +155,11 @@ class CellPipeline::Stages {
   void make_overviews() {
     while (auto cell = overviews_.take()) {
       read(**cell);
-      run_stage(**cell, &CellReport::kernel_s, BakeStage::kernels, CellOutcome::refused, [this](InFlightCell& c) {
-        stages_.compute(c);
-        stages_.read_back(c, 0);
-      });
+      run_stage(**cell, "make overview", &CellReport::kernel_s, BakeStage::kernels, CellOutcome::refused,
+                [this](InFlightCell& c) {
+                  stages_.compute(c);
+                  stages_.read_back(c, 0);
+                });
       ready_.push(std::move(*cell));
     }
     release_producer();
@@ -170,10 +175,11 @@ class CellPipeline::Stages {
   void compute_all() {
     BoundedQueue<std::unique_ptr<InFlightCell>>& next = has_device_ ? computed_ : ready_;
     while (auto cell = loaded_.take()) {
-      run_stage(**cell, &CellReport::kernel_s, BakeStage::kernels, CellOutcome::refused, [this](InFlightCell& c) {
-        stages_.compute(c);
-        if (!has_device_) stages_.read_back(c, 0);
-      });
+      run_stage(**cell, "compute", &CellReport::kernel_s, BakeStage::kernels, CellOutcome::refused,
+                [this](InFlightCell& c) {
+                  stages_.compute(c);
+                  if (!has_device_) stages_.read_back(c, 0);
+                });
       next.push(std::move(*cell));
     }
     if (has_device_)
@@ -184,7 +190,7 @@ class CellPipeline::Stages {
 
   void read_back_all(std::size_t readback_worker) {
     while (auto cell = computed_.take()) {
-      run_stage(**cell, &CellReport::kernel_s, BakeStage::packing, CellOutcome::refused,
+      run_stage(**cell, "read back", &CellReport::kernel_s, BakeStage::packing, CellOutcome::refused,
                 [this, readback_worker](InFlightCell& c) { stages_.read_back(c, readback_worker); });
       ready_.push(std::move(*cell));
     }
@@ -193,7 +199,8 @@ class CellPipeline::Stages {
 
   void write_all() {
     while (auto cell = ready_.take()) {
-      run_stage(**cell, &CellReport::write_s, {}, CellOutcome::failed, [this](InFlightCell& c) { stages_.write(c); });
+      run_stage(**cell, "write", &CellReport::write_s, {}, CellOutcome::failed,
+                [this](InFlightCell& c) { stages_.write(c); });
       {
         const std::scoped_lock lock(mutex_);
         reports_.push_back(std::move((*cell)->report));

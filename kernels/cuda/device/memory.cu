@@ -2,9 +2,15 @@
 #include <cstring>
 #include <string>
 
+#include "core/base/trace.h"
 #include "kernels/cuda/device/memory.cuh"
 
 namespace gigabake::kernels {
+namespace {
+
+constexpr std::chrono::microseconds long_step(200);  ///< shorter steps are left out of a trace
+
+}  // namespace
 
 void check_cuda(cudaError_t code, const char* call) {
   if (code == cudaSuccess) return;
@@ -15,6 +21,7 @@ void check_cuda(cudaError_t code, const char* call) {
 void* DeviceHeap::take(std::size_t bytes) {
   if (limit_ != 0 && live_ + bytes > limit_)
     throw DeviceFull(std::to_string(live_ + bytes) + " bytes where " + std::to_string(limit_) + " are allowed");
+  const TraceSpan span("allocate on the device", {}, long_step);
   void* data = nullptr;
   const cudaError_t code = cudaMallocAsync(&data, std::max<std::size_t>(bytes, 1), stream_);
   if (code == cudaErrorMemoryAllocation) {
@@ -30,6 +37,7 @@ void* DeviceHeap::take(std::size_t bytes) {
 
 void DeviceHeap::give(void* data, std::size_t bytes) noexcept {
   if (data == nullptr) return;
+  const TraceSpan span("free on the device", {}, long_step);
   cudaFreeAsync(data, stream_);
   live_ -= bytes;
   memory_stats_.add(-std::int64_t(bytes));
@@ -54,6 +62,7 @@ void download_async(void* host, const void* device, std::size_t bytes, cudaStrea
 
 void wait_for(cudaStream_t stream, const char* what) {
   count_work(WorkCounter::device_synchronizations);
+  const TraceSpan span("wait for the device", {}, long_step);
   check_cuda(cudaStreamSynchronize(stream), what);
 }
 

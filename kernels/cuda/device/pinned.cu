@@ -1,3 +1,4 @@
+#include "core/base/trace.h"
 #include "kernels/cuda/device/memory.cuh"
 #include "kernels/cuda/device/pinned.cuh"
 
@@ -7,6 +8,7 @@ PinnedBuffer::~PinnedBuffer() { cudaFreeHost(data_); }
 
 std::byte* PinnedBuffer::reserve(std::size_t bytes) {
   if (bytes <= bytes_) return data_;
+  const TraceSpan span("lock pages");
   check_cuda(cudaFreeHost(data_), "cudaFreeHost");
   data_ = nullptr;
   bytes_ = 0;
