@@ -20,7 +20,9 @@ double microseconds(TraceClock::duration time) { return std::chrono::duration<do
 class TraceFile {
  public:
   explicit TraceFile(const std::string& path) : file_(std::fopen(path.c_str(), "w")) {
-    if (file_) std::fputs("[\n", file_.get());
+    if (!file_) return;
+    std::setvbuf(file_.get(), nullptr, _IOLBF, BUFSIZ);  // a process that is killed loses no complete line
+    std::fputs("[\n", file_.get());
   }
   bool is_open() const { return file_ != nullptr; }
 
@@ -30,9 +32,6 @@ class TraceFile {
     const std::scoped_lock lock(mutex_);
     std::fprintf(file_.get(), line, name, microseconds(start.time_since_epoch()), microseconds(end - start),
                  int(::getpid()), long(::syscall(SYS_gettid)), what.c_str());
-    if (end - flushed_ < std::chrono::milliseconds(100)) return;
-    std::fflush(file_.get());
-    flushed_ = end;
   }
 
  private:
@@ -42,7 +41,6 @@ class TraceFile {
 
   std::mutex mutex_;
   std::unique_ptr<std::FILE, Close> file_;
-  TraceClock::time_point flushed_;
 };
 
 std::unique_ptr<TraceFile> trace_file;

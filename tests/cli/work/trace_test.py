@@ -41,8 +41,8 @@ class Trace(harness.FolderTest):
             stages.sort()
             self.assertEqual([stage for _, stage, _ in stages], STAGES[:len(stages)], name)
             self.assertEqual(len({process for _, _, process in stages}), 1, name)
-        # The last time stamps of a process may be lost when it is killed.
-        self.assertGreater(sum(len(stages) == len(STAGES) for stages in cells.values()), len(cells) / 2)
+        # A process may be killed before it records the end of its last cell.
+        self.assertGreaterEqual(sum(len(stages) == len(STAGES) for stages in cells.values()), len(cells) - 2)
 
     def test_nothing_is_recorded_without_the_variable(self):
         before = set(self.root.glob("*.json"))
