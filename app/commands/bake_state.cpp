@@ -1,52 +1,35 @@
 #include "app/commands/bake_state.h"
 
-#include <cerrno>
-#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "app/messages/json_text.h"
 #include "app/messages/status_text.h"
-#include "cluster/bake/status_feed.h"
-#include "cluster/mpi/collective.h"
-#include "cluster/process/folder_lock.h"
+#include "cluster/watch/observed_status.h"
 #include "core/base/error.h"
 
 namespace gigabake::app {
 namespace {
 
-constexpr double silence_s = 15;
-
-/// Returns true if the process that writes the status runs on this host. A process on another host cannot be checked.
-bool writer_is_alive(const BakeStatus& s) {
-  return s.host == host_name() && s.pid > 0 && (::kill(pid_t(s.pid), 0) == 0 || errno == EPERM);
-}
-
-/// Returns true if the process that writes the status seems to be dead. On this host, the process is checked; on
-/// another host, only a timeout shows it.
-bool seems_interrupted(const BakeStatus& s, const std::string& out, double now_s) {
-  if (is_over(s.state) || writer_is_alive(s) || lock_holder(out)) return false;
-  return s.host == host_name() || now_s - s.updated_s > silence_s;
+/// Returns the numbers of cells by the states that a viewer distinguishes.
+nlohmann::ordered_json cells_json(const CellTally& c) {
+  return {{"waiting", c.pending},
+          {"baking", c.running},
+          {"failed", c.quarantined},
+          {"done", c.taken_over + c.done + c.empty}};
 }
 
 }  // namespace
 
-Seen look(const std::string& out) {
-  Seen seen{read_status(out), unix_now_s(), false};
-  if (!seems_interrupted(seen.status, out, seen.now_s)) return seen;
-  seen.status = read_status(out);  // reread, because the bake may have ended since the first read
-  seen.interrupted = seems_interrupted(seen.status, out, seen.now_s);
-  return seen;
-}
-
 std::string bake_status_json(const std::string& out) {
   try {
-    const Seen seen = look(out);
+    const ObservedStatus seen = observe_status(out);
     const std::string line =
         seen.interrupted ? "interrupted: no process bakes this scene any more" : one_line(seen.status);
     return json_text({{"state", name_of(seen.status.state)},
                       {"interrupted", seen.interrupted},
                       {"line", line},
-                      {"share_done", share_done(seen.status)}},
+                      {"share_done", share_done(seen.status)},
+                      {"cells", cells_json(seen.status.cells)}},
                      -1);
   } catch (const InputError&) {
     return "null";

@@ -11,6 +11,7 @@
 #include "app/process/missing_report.h"
 #include "app/process/standard_streams.h"
 #include "app/process/stop_signal.h"
+#include "cluster/watch/bake_watch.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
 #include "viewer/web/http_guard.h"
@@ -35,6 +36,7 @@ void run(ServeArguments& a) {
   scene_options.max_viewers = a.max_viewers;
   if (a.server.token.empty() && StreamServer::is_public(a.server)) a.server.token = random_key();
   a.server.bake_status = [out] { return bake_status_json(out.string()); };
+  scene_options.watch = std::make_shared<BakeWatch>(out);
   LiveScene live(scene, std::move(scene_options));
   StreamServer server(live, a.server);
   const StopSignals signals("gigabake: stopped immediately; serving changes no file\n");

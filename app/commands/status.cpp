@@ -6,12 +6,12 @@
 #include <thread>
 
 #include "app/commands.h"
-#include "app/commands/bake_state.h"
 #include "app/messages/json_text.h"
 #include "app/messages/progress_line.h"
 #include "app/messages/status_text.h"
 #include "app/options/scene_argument.h"
 #include "app/process/standard_streams.h"
+#include "cluster/watch/observed_status.h"
 
 namespace gigabake::app {
 namespace {
@@ -24,19 +24,19 @@ struct StatusOptions {
 };
 
 /// Returns the exit code of the bake if it has ended; 0 while it runs.
-int exit_code_of(const Seen& seen) {
+int exit_code_of(const ObservedStatus& seen) {
   if (seen.interrupted || seen.status.state == BakeState::failed) return failed;
   if (seen.status.state == BakeState::incomplete) return cells_failed;
   return seen.status.state == BakeState::drained ? drained : complete;
 }
 
-void print_json(const Seen& seen) {
+void print_json(const ObservedStatus& seen) {
   auto j = nlohmann::ordered_json::parse(to_json(seen.status));
   j["interrupted"] = seen.interrupted;
   fmt::print("{}\n", json_text(j, -1));
 }
 
-void print_text(const Seen& seen) {
+void print_text(const ObservedStatus& seen) {
   fmt::print("{}", describe(seen.status, seen.now_s, seen.interrupted ? Writer::gone : Writer::there));
   if (seen.interrupted) fmt::print("no process bakes this scene any more; run the same command again to resume\n");
   if (seen.status.state == BakeState::drained) fmt::print("run the same command again to resume\n");
@@ -45,7 +45,7 @@ void print_text(const Seen& seen) {
 int follow(const StatusOptions& options) {
   ProgressLine line(stdout, 0);
   for (;; std::this_thread::sleep_for(std::chrono::duration<double>(look_every_s))) {
-    const Seen seen = look(options.out);
+    const ObservedStatus seen = observe_status(options.out);
     const bool ended = is_over(seen.status.state) || seen.interrupted;
     if (options.json) {
       print_json(seen);
@@ -61,7 +61,7 @@ int follow(const StatusOptions& options) {
 }
 
 int show(const StatusOptions& options) {
-  const Seen seen = look(options.out);
+  const ObservedStatus seen = observe_status(options.out);
   options.json ? print_json(seen) : print_text(seen);
   return exit_code_of(seen);
 }

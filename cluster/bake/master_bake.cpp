@@ -76,6 +76,7 @@ void MasterBake::run() {
     journal_.emplace(out_.journal(), content);
     prior = find_cached(plan_, content, request_.out, session_.mpi.cores());
   }
+  plan_file_.emplace(session_);
   report_reused(prior.done);
   MpiRankLink link(session_.mpi, *session_.process);
   DispatchResult result = dispatch(link, plan_.jobs, prior.done, dispatch_options(session_.mpi, request_, summary_),
@@ -113,6 +114,7 @@ void MasterBake::take(const BakeEvent& event) {
       session_.report(WarningLine{std::string("the bake continues without its journal: ") + e.what()});
     }
   }
+  plan_file_->take(event);
   session_.report(event);
 }
 

@@ -10,6 +10,7 @@
 #include "cluster/bake/status_feed.h"
 #include "cluster/mpi/mpi_session.h"
 #include "cluster/process/bake_process.h"
+#include "cluster/watch/plan_file.h"
 #include "scheduler/journal/journal.h"
 
 namespace gigabake {
@@ -40,6 +41,7 @@ class MasterBake {
   const OutputFolder& out_;
   BakeSummary& summary_;
   std::optional<Journal> journal_;
+  std::optional<PlanFile> plan_file_;
 };
 
 }  // namespace gigabake

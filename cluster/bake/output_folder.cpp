@@ -37,7 +37,8 @@ bool is_temporary_file(const std::string& name) {
   const std::optional<std::string> target = target_of_temporary(name);
   if (!target) return false;
   const bool is_in_out = *target == "scene.xml" || fs::path(*target) == status_file({}) ||
-                         fs::path(*target) == journal_of({}) || fs::path(*target) == scan_cache_of({});
+                         fs::path(*target) == journal_of({}) || fs::path(*target) == scan_cache_of({}) ||
+                         fs::path(*target) == plan_file_of({});
   return is_in_out || begins_as_a_shard(*target) || target->starts_with("g_");
 }
 

@@ -21,6 +21,9 @@ struct OrphanShards {
 /// Returns the journal of the bakes into `out`.
 inline std::filesystem::path journal_of(const std::filesystem::path& out) { return out / "journal"; }
 
+/// Returns the plan of the running bake into `out` (scheduler/journal/plan_record.h).
+inline std::filesystem::path plan_file_of(const std::filesystem::path& out) { return out / "plan"; }
+
 class OutputFolder {
  public:
   /// Creates OUT and OUT/shards if they are missing, locks OUT, removes temporary files of killed writers, and tests

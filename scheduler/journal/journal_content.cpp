@@ -76,9 +76,12 @@ bool JournalContent::take(const Place& place) {
 
 std::optional<CellReport> JournalContent::find(const Hash128& fingerprint) const {
   const auto it = payloads_.find(fingerprint);
-  if (it == payloads_.end()) return std::nullopt;
+  return it == payloads_.end() ? std::nullopt : report_at(it->second);
+}
+
+std::optional<CellReport> JournalContent::report_at(const Place& place) const {
   try {
-    ByteReader r(std::span<const std::uint8_t>(bytes_).subspan(it->second.at, it->second.bytes), "journal");
+    ByteReader r(std::span<const std::uint8_t>(bytes_).subspan(place.at, place.bytes), "journal");
     JournalEntry entry;
     std::vector<std::uint8_t> report;
     r.get(entry.fingerprint);
@@ -91,16 +94,25 @@ std::optional<CellReport> JournalContent::find(const Hash128& fingerprint) const
   }
 }
 
+std::vector<std::pair<JournalContent::Place, Hash128>> JournalContent::in_file_order() const {
+  std::vector<std::pair<Place, Hash128>> places;
+  for (const auto& [fingerprint, place] : payloads_) places.emplace_back(place, fingerprint);
+  std::sort(places.begin(), places.end(), [](const auto& a, const auto& b) { return a.first.at < b.first.at; });
+  return places;
+}
+
+void JournalContent::for_each(const std::function<void(const Hash128&, const CellReport&)>& visit) const {
+  for (const auto& [place, fingerprint] : in_file_order())
+    if (const std::optional<CellReport> report = report_at(place)) visit(fingerprint, *report);
+}
+
 std::vector<std::uint8_t> JournalContent::compacted(const std::function<bool(const Hash128&)>& wanted) const {
-  std::vector<Place> places;
-  for (const auto& [fingerprint, place] : payloads_)
-    if (wanted(fingerprint)) places.push_back(place);
-  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.at < b.at; });
   const std::string_view header = journal_header();
   std::vector<std::uint8_t> out(header.begin(), header.end());
-  for (const Place& p : places)
-    out.insert(out.end(), bytes_.begin() + std::ptrdiff_t(p.at - sizeof(RecordHeader)),
-               bytes_.begin() + std::ptrdiff_t(p.at + p.bytes));
+  for (const auto& [place, fingerprint] : in_file_order())
+    if (wanted(fingerprint))
+      out.insert(out.end(), bytes_.begin() + std::ptrdiff_t(place.at - sizeof(RecordHeader)),
+                 bytes_.begin() + std::ptrdiff_t(place.at + place.bytes));
   return out;
 }
 

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "format/job/cell_job.h"
@@ -40,6 +41,8 @@ class JournalContent {
   JournalContent& operator=(JournalContent&&) = default;
 
   std::optional<CellReport> find(const Hash128& fingerprint) const;
+  /// Visits the last record of each fingerprint, in the order of the file. Skips records of other program versions.
+  void for_each(const std::function<void(const Hash128&, const CellReport&)>& visit) const;
   /// Returns true if there is a record of this cell name with any fingerprint.
   bool knows_cell(std::string_view name) const { return cells_.contains(name); }
 
@@ -63,6 +66,8 @@ class JournalContent {
 
   std::optional<Place> record_at(std::size_t at) const;
   bool take(const Place& place);
+  std::optional<CellReport> report_at(const Place& place) const;
+  std::vector<std::pair<Place, Hash128>> in_file_order() const;
 
   std::vector<std::uint8_t> bytes_;
   std::unordered_map<Hash128, Place, LowHalf> payloads_;

@@ -37,9 +37,9 @@ void add_cells(const BakePlan& plan, const std::vector<CellReport>& reports, Sce
 
 }  // namespace
 
-SceneDescription merge(const BakePlan& plan, const std::vector<CellReport>& reports,
-                       const std::optional<Geodetic>& origin, const BakeParameters& parameters) {
-  SceneDescription scene;
+SceneHeader scene_header(const BakePlan& plan, const std::optional<Geodetic>& origin,
+                         const BakeParameters& parameters) {
+  SceneHeader scene;
   scene.generator = "gigabake " GIGABAKE_VERSION;
   scene.voxel_size_m = parameters.voxel_size_m;
   scene.lattice_origin_m = parameters.lattice_origin_m;
@@ -53,6 +53,13 @@ SceneDescription merge(const BakePlan& plan, const std::vector<CellReport>& repo
   scene.zero_area = plan.zero_area;
   scene.skipped_points = plan.skipped_points;
   scene.skipped_lines = plan.skipped_lines;
+  return scene;
+}
+
+SceneDescription merge(const BakePlan& plan, const std::vector<CellReport>& reports,
+                       const std::optional<Geodetic>& origin, const BakeParameters& parameters) {
+  SceneDescription scene;
+  static_cast<SceneHeader&>(scene) = scene_header(plan, origin, parameters);
   scene.losses = plan.losses;
   add_cells(plan, reports, scene);
   return scene;

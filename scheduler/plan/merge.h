@@ -16,4 +16,7 @@ namespace gigabake {
 SceneDescription merge(const BakePlan& plan, const std::vector<CellReport>& reports,
                        const std::optional<Geodetic>& origin, const BakeParameters& parameters);
 
+/// Returns the scene without cells, overviews and losses.
+SceneHeader scene_header(const BakePlan& plan, const std::optional<Geodetic>& origin, const BakeParameters& parameters);
+
 }  // namespace gigabake

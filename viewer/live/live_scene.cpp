@@ -8,7 +8,7 @@
 namespace gigabake {
 namespace {
 
-constexpr double check_interval_s = 0.5, wait_for_pages_s = 0.005;
+constexpr double check_interval_s = 0.5, watch_interval_s = 0.2, wait_for_pages_s = 0.005;
 /// Time slice of a full-size image, and the interval at which its progress is shown.
 constexpr double slice_s = 0.1, show_interval_s = 0.25;
 
@@ -82,6 +82,7 @@ std::optional<ViewerState> LiveScene::state(ViewerId id) const {
   if (!viewer) return std::nullopt;
   ViewerState out;
   out.has_scene = home_.has_value();
+  out.is_watching = is_watching_;
   out.has_place = place_.has_value();
   out.problem = problem_.empty() ? viewer->problem : problem_;
   out.problems = problems_;
@@ -119,6 +120,18 @@ LiveScene::FramePtr LiveScene::full_frame(ViewerId id, double timeout_s) const {
   });
 }
 
+std::optional<CellFacts> LiveScene::facts_at(ViewerId id, double right, double down) const {
+  std::optional<std::uint32_t> cell;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto viewer = find(id);
+    if (!is_watching_ || !viewer || !viewer->frame) return std::nullopt;
+    cell = picked_cell(viewer->frame->frame.picture, viewer->frame->rays.camera, boxes_, right, down);
+  }
+  if (!cell) return std::nullopt;
+  return options_.watch->facts(*cell);
+}
+
 bool LiveScene::has_scene() const {
   const std::lock_guard lock(mutex_);
   return home_.has_value();
@@ -138,13 +151,14 @@ void LiveScene::draw_all() {
     }
     std::unique_lock lock(mutex_);
     if (stop_) return;
-    wake_drawing_.wait_for(lock, seconds(std::clamp(next_call_s - now_s(), 0.001, check_interval_s)));
+    wake_drawing_.wait_for(lock, seconds(std::clamp(next_call_s - now_s(), 0.001, watch_interval_s)));
   }
 }
 
 void LiveScene::reload_if_replaced() {
-  if (now_s() < checked_s_ + check_interval_s) return;
+  if (now_s() < checked_s_ + (options_.watch ? watch_interval_s : check_interval_s)) return;
   checked_s_ = now_s();
+  if (follow_bake()) return;
   const std::optional<FileStamp> stamp = stamp_of(path_);
   if (!stamp) return;
   if (*stamp == FileStamp{}) {
@@ -154,19 +168,24 @@ void LiveScene::reload_if_replaced() {
   }
   if (*stamp == stamp_) return;
   stamp_ = *stamp;
-  reload();
+  open(
+      [this] {
+        const PagedScene readable(path_);  // if it throws, the previous scene stays
+        release_renderer();
+        return std::make_unique<FrameRenderer>(path_, options_.renderer);
+      },
+      {});
   options_.changed();
 }
 
-void LiveScene::reload() {
+/// Opens a scene by `make` and shows it from the same position, with the boxes of a watched bake.
+void LiveScene::open(const std::function<std::unique_ptr<FrameRenderer>()>& make, std::vector<CellBox> boxes) {
   std::unique_ptr<FrameRenderer> renderer;
   CameraOptions home;
   ViewerInput look;
   std::string problem;
   try {
-    const PagedScene readable(path_);  // if it throws, the previous scene stays
-    release_renderer();
-    renderer = std::make_unique<FrameRenderer>(path_, options_.renderer);
+    renderer = make();
     home = renderer->framed(options_.camera);
     look = options_.look(renderer->scene().header());
   } catch (const std::exception& e) {
@@ -174,6 +193,8 @@ void LiveScene::reload() {
   }
   const std::lock_guard lock(mutex_);
   problem_ = problem;
+  is_watching_ = problem.empty() && !boxes.empty();
+  boxes_ = is_watching_ ? std::move(boxes) : std::vector<CellBox>();
   if (!problem.empty()) return;
   renderer_ = std::move(renderer);
   home_ = home;
@@ -240,7 +261,7 @@ std::optional<Frame> LiveScene::render_request(Viewer& viewer, const RenderSched
 std::optional<Frame> LiveScene::slice(Viewer& viewer, const RenderScheduler::RenderRequest& order) {
   if (!viewer.in_tiles || viewer.in_tiles_pose != order.pose) {
     const bool sketched = viewer.frame && viewer.frame_pose == order.pose;
-    viewer.in_tiles = renderer_->begin(order.view, sketched ? &viewer.frame->frame.picture : nullptr);
+    viewer.in_tiles = renderer_->begin(order.view, sketched ? &viewer.frame->clean_picture() : nullptr);
     viewer.in_tiles_pose = order.pose;
   }
   ProgressiveFrame& work = *viewer.in_tiles;
@@ -302,6 +323,7 @@ void LiveScene::publish_frame(Viewer& viewer, const RenderScheduler::RenderReque
   frame->view = order.view;
   frame->rays = rays;
   frame->full = order.full;
+  add_boxes(*frame);
   frame->number = viewer.frame ? viewer.frame->number + 1 : 1;
   if (apart_s < 1) {
     const double before = viewer.frame ? viewer.frame->frames_per_s : 0;

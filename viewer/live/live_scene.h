@@ -17,7 +17,9 @@
 #include <thread>
 #include <vector>
 
+#include "format/scene/scene_watch.h"
 #include "format/system/file_stamp.h"
+#include "viewer/live/cell_boxes.h"
 #include "viewer/live/picked_point.h"
 #include "viewer/live/render_scheduler.h"
 #include "viewer/pictures/frame_renderer.h"
@@ -28,15 +30,20 @@ namespace gigabake {
 struct LiveFrame {
   std::uint64_t number = 0;  ///< counts this viewer's frames, from 1
   Frame frame;
-  View view;                ///< the view that was rendered
-  PictureRays rays;         ///< the rays of the image
+  View view;         ///< the view that was rendered
+  PictureRays rays;  ///< the rays of the image
+  /// The image without the boxes of a running bake; null if `frame` has no boxes.
+  std::shared_ptr<const Picture> without_boxes = {};
   bool full = false;        ///< has full size; all pixels are final if frame.stats.complete
   double frames_per_s = 0;  ///< smoothed; 0 if the previous frame is a second or more older
+
+  const Picture& clean_picture() const { return without_boxes ? *without_boxes : frame.picture; }
 };
 
 /// The state that a viewer is shown in addition to frames.
 struct ViewerState {
   bool has_scene = false;
+  bool is_watching = false;    ///< the scene is that of a running bake
   bool has_place = false;      ///< the scene has an origin on the earth, so a time can set the sun
   std::string problem;         ///< reason why the scene or the frame is missing; empty: no error
   std::uint64_t problems = 0;  ///< number of lines of FrameRenderer::problems() so far
@@ -59,12 +66,14 @@ class LiveScene {
     /// Returns the initial view of a new viewer.
     /// Errors  UsageError: the message is shown in place of the scene.
     std::function<ViewerInput(const SceneHeader&)> look = [](const SceneHeader&) { return ViewerInput{}; };
+    std::shared_ptr<SceneWatch> watch;      ///< of the bake that writes the scene; null: shows published scenes only
     std::function<void()> changed = [] {};  ///< called by the rendering thread after each frame and each loaded scene
   };
   enum class ViewerId : std::uint64_t {};
   using FramePtr = std::shared_ptr<const LiveFrame>;
 
   /// Renders `scene_path` once it exists, and loads it again whenever it is replaced. A missing file is not an error.
+  /// While options.watch has a scene, renders this scene instead, with the boxes of the cells that are not done.
   LiveScene(std::filesystem::path scene_path, Options options);
   ~LiveScene();
   LiveScene(const LiveScene&) = delete;
@@ -81,6 +90,10 @@ class LiveScene {
   FramePtr frame_after(ViewerId id, std::uint64_t after, double timeout_s) const;
   /// Returns the complete full-size image once the viewer rests; nullptr after timeout_s.
   FramePtr full_frame(ViewerId id, double timeout_s) const;
+
+  /// Returns the facts of the cell that picked_cell() finds in the last frame. Returns nullopt if there is none, or no
+  /// bake is watched.
+  std::optional<CellFacts> facts_at(ViewerId id, double right, double down) const;
 
   bool has_scene() const;
   /// Ends the rendering and all waits permanently.
@@ -103,7 +116,13 @@ class LiveScene {
 
   void draw_all();
   void reload_if_replaced();
-  void reload();
+  bool follow_bake();
+  void show_watched(const WatchedScene& watched);
+  void update_watched(const WatchedScene& watched);
+  void show_replaced(const WatchedScene& watched, const std::vector<std::uint32_t>& cells);
+  void redraw_boxes();
+  void add_boxes(LiveFrame& frame) const;
+  void open(const std::function<std::unique_ptr<FrameRenderer>()>& make, std::vector<CellBox> boxes);
   void release_renderer();
   std::shared_ptr<Viewer> next_order(RenderScheduler::RenderRequest& order, double& next_call_s);
   void draw(const std::shared_ptr<Viewer>& viewer, const RenderScheduler::RenderRequest& order);
@@ -127,6 +146,8 @@ class LiveScene {
   std::optional<CameraOptions> home_;             ///< set if a scene is loaded
   ViewerInput look_;                              ///< initial view of new viewers, from options_.look
   std::optional<Geodetic> place_;                 ///< the scene's origin on the earth
+  std::vector<CellBox> boxes_;                    ///< of the cells of the watched bake
+  bool is_watching_ = false;                      ///< the scene is options_.watch's
   std::string problem_;
   std::uint64_t problems_ = 0, ids_ = 0;
   bool stop_ = false;
@@ -138,6 +159,8 @@ class LiveScene {
   // Members of the rendering thread.
   std::unique_ptr<FrameRenderer> renderer_;
   FileStamp stamp_;
+  std::uint64_t watched_bake_ = 0;  ///< WatchedScene::bake that was opened; 0: none
+  std::vector<std::uint32_t> changed_cells_;
   double checked_s_ = -HUGE_VAL;
   std::thread thread_;
 };

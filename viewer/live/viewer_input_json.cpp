@@ -48,6 +48,7 @@ ViewerInput viewer_input_from_json(std::string_view text) {
 std::string to_json(const ViewerState& state, const LiveFrame* frame) {
   const View& view = state.full_view;
   nlohmann::ordered_json json{{"scene", state.has_scene},
+                              {"watching", state.is_watching},
                               {"problem", state.problem},
                               {"problems", state.problems},
                               {"resting", state.resting},
@@ -83,6 +84,15 @@ std::string to_json(const std::optional<PickedPoint>& point) {
   if (const auto& place = point->place)
     json["lat_lon_height"] = {place->latitude_deg, place->longitude_deg, place->height_m};
   return nlohmann::ordered_json{{"point", json}}.dump();
+}
+
+std::string to_json(const std::optional<CellFacts>& facts) {
+  if (!facts) return R"({"cell":null})";
+  const nlohmann::ordered_json json{{"name", facts->name},     {"state", name_of(facts->state)},
+                                    {"tiles", facts->tiles},   {"triangles", facts->triangles},
+                                    {"cost", facts->cost},     {"seconds", facts->seconds},
+                                    {"voxels", facts->voxels}, {"error", facts->error}};
+  return nlohmann::ordered_json{{"cell", json}}.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace gigabake

@@ -18,4 +18,7 @@ std::string to_json(const ViewerState& state, const LiveFrame* frame);
 /// Returns the point as JSON; {"point": null} if `point` is nullopt.
 std::string to_json(const std::optional<PickedPoint>& point);
 
+/// Returns the facts as JSON; {"cell": null} if `facts` is nullopt.
+std::string to_json(const std::optional<CellFacts>& facts);
+
 }  // namespace gigabake

@@ -13,6 +13,7 @@
 #include "viewer/pictures/view_needs.h"
 #include "viewer/stream/open_shards.h"
 #include "viewer/stream/page.h"
+#include "viewer/stream/watched_shards.h"
 
 namespace gigabake {
 namespace {
@@ -46,6 +47,7 @@ struct FrameRenderer::State {
   std::shared_ptr<const PagedScene> scene;
   std::shared_ptr<std::atomic<std::uint64_t>> files_opened = std::make_shared<std::atomic<std::uint64_t>>(0);
   ThreadPool policy;
+  std::shared_ptr<WatchedShards> watched;  ///< null unless shards appear
   PageSource source;
   Filling filling{};
   std::unique_ptr<SceneStream> stream;
@@ -62,12 +64,18 @@ struct FrameRenderer::State {
   PolygonPictures polygons;
   std::optional<HeightRange> heights;  ///< of the scene; set at the first view that needs them
 
-  State(std::shared_ptr<const PagedScene> opened, const PageSource& pages, const Options& wishes)
-      : options(wishes),
-        scene(std::move(opened)),
-        policy(threads_of(wishes)),
-        source(pages ? guarded_pages(pages, scene->header())
-                     : pages_from_open_shards(scene, files_opened, max_open(wishes))) {
+  enum class Shards { of_scene, appear };  ///< `appear`: while the scene is shown
+
+  State(std::shared_ptr<const PagedScene> opened, const PageSource& pages, const Options& wishes,
+        Shards shards = Shards::of_scene)
+      : options(wishes), scene(std::move(opened)), policy(threads_of(wishes)) {
+    if (shards == Shards::appear) {
+      watched = std::make_shared<WatchedShards>(*scene, max_open(wishes));
+      source = [all = watched](const PageKey& key) { return all->page(key); };
+    } else {
+      source =
+          pages ? guarded_pages(pages, scene->header()) : pages_from_open_shards(scene, files_opened, max_open(wishes));
+    }
     fill(filling_of({}));
   }
 
@@ -274,7 +282,18 @@ FrameRenderer::FrameRenderer(const SceneDescription& scene, const std::filesyste
 FrameRenderer::FrameRenderer(const std::filesystem::path& scene_path, const Options& options)
     : state_(std::make_unique<State>(std::make_shared<const PagedScene>(scene_path), PageSource(), options)) {}
 
+FrameRenderer::FrameRenderer(const std::filesystem::path& scene_path, const SceneDescription& watched,
+                             const Options& options)
+    : state_(std::make_unique<State>(std::make_shared<const PagedScene>(PagedScene::of_cells(scene_path, watched)),
+                                     PageSource(), options, State::Shards::appear)) {}
+
 FrameRenderer::~FrameRenderer() = default;
+
+void FrameRenderer::replace_shards(const std::vector<SceneCell>& watched, const std::vector<std::uint32_t>& cells) {
+  for (const std::uint32_t cell : cells) state_->watched->replace(cell, watched.at(cell));
+  state_->stream.reset();
+  state_->fill(state_->filling);
+}
 
 const PagedScene& FrameRenderer::scene() const { return *state_->scene; }
 

@@ -79,9 +79,15 @@ class FrameRenderer {
   /// is used only in messages.
   FrameRenderer(const SceneDescription& scene, const std::filesystem::path& scene_path, const PageSource& pages,
                 const Options& options);
+  /// Opens a scene whose shards appear while it is shown (format/scene/scene_watch.h).
+  FrameRenderer(const std::filesystem::path& scene_path, const SceneDescription& watched, const Options& options);
   ~FrameRenderer();
 
   const PagedScene& scene() const;
+
+  /// Replaces the shards of a watched scene's cells. `cells` are the numbers in `watched`, whose places are unchanged.
+  /// Images that begin() has started must be started again.
+  void replace_shards(const std::vector<SceneCell>& watched, const std::vector<std::uint32_t>& cells);
 
   /// Returns the options with eye and target set; their defaults show the whole scene from the south-east.
   /// Errors  The same as make_camera().

@@ -23,8 +23,9 @@ constexpr int moving_quality = 75, resting_quality = 92;
 /// The time limit of a full image, and the delays of a stream's filler bytes. Without a new image, a stream sends
 /// filler after first_fill_s, then every next_fill_s.
 constexpr double picture_s = 60, first_fill_s = 0.25, next_fill_s = 1;
-constexpr std::chrono::seconds bake_query_interval{1};
+constexpr std::chrono::milliseconds bake_query_interval{50};
 constexpr const char* json_type = "application/json";
+constexpr const char* position_expected = "expected x and y from 0 to 1, from the image's upper left corner";
 
 HttpReply error_reply(int status, const std::string& why) {
   return {status, json_type,
@@ -158,6 +159,7 @@ struct StreamServer::State {
     static constexpr Route routes[] = {
         {"/", false, &State::page},
         {"/viewer.js", false, &State::script},
+        {"/bake.js", false, &State::bake_script},
         {"/viewer.css", false, &State::style},
         {"/bake", false, &State::get_bake},
         {"/viewers", true, &State::open},
@@ -165,6 +167,7 @@ struct StreamServer::State {
         {"/stream", false, &State::for_viewer<&State::stream>},
         {"/picture.png", false, &State::for_viewer<&State::picture>},
         {"/point", false, &State::for_viewer<&State::get_point>},
+        {"/cell", false, &State::for_viewer<&State::get_cell>},
         {"/steer", true, &State::for_viewer<&State::steer>},
     };
     const bool is_post = request.head.method == "POST";
@@ -184,9 +187,10 @@ struct StreamServer::State {
   }
 
   HttpAnswer script(const HttpRequest&) { return page_part("text/javascript; charset=utf-8", web_script); }
+  HttpAnswer bake_script(const HttpRequest&) { return page_part("text/javascript; charset=utf-8", web_bake_script); }
   HttpAnswer style(const HttpRequest&) { return page_part("text/css; charset=utf-8", web_style); }
 
-  /// Queries the bake status at most once a second and by one thread at a time. Other requests get the previous status.
+  /// Queries the bake status at most every 50 ms and by one thread at a time. Other requests get the previous status.
   HttpAnswer get_bake(const HttpRequest&) {
     const std::lock_guard lock(bake_mutex);
     if (is_bake_queried || std::chrono::steady_clock::now() - bake_queried_at < bake_query_interval)
@@ -234,10 +238,19 @@ struct StreamServer::State {
   /// Returns the scene point that a pixel of the last frame shows.
   HttpAnswer get_point(const HttpRequest& request, ViewerId viewer) {
     const auto right = share_of(request.argument("x")), down = share_of(request.argument("y"));
-    if (!right || !down) return error_reply(400, "expected x and y from 0 to 1, from the image's upper left corner");
+    if (!right || !down) return error_reply(400, position_expected);
     const auto frame = scene.frame_after(viewer, 0, 0);
     if (!frame) return error_reply(404, "there is no image yet");
     return HttpReply{200, json_type, to_json(picked_point(frame->frame.picture, frame->rays, *right, *down))};
+  }
+
+  /// Returns the facts of the watched cell at a pixel of the last frame.
+  HttpAnswer get_cell(const HttpRequest& request, ViewerId viewer) {
+    const auto right = share_of(request.argument("x")), down = share_of(request.argument("y"));
+    if (!right || !down) return error_reply(400, position_expected);
+    return [this, viewer, right = *right, down = *down] {
+      return HttpReply{200, json_type, to_json(scene.facts_at(viewer, right, down))};
+    };
   }
 
   HttpAnswer steer(const HttpRequest& request, ViewerId viewer) {
@@ -258,7 +271,7 @@ struct StreamServer::State {
     return [this, viewer, over = std::shared_ptr<void>(nullptr, [this, key](void*) { sessions.end_picture(key); })] {
       const auto frame = scene.full_frame(viewer, picture_s);
       if (!frame) return error_reply(504, "the image is not complete yet; do not move the camera and try again");
-      HttpReply reply{200, "image/png", encode_png(frame->frame.picture)};
+      HttpReply reply{200, "image/png", encode_png(frame->clean_picture())};
       reply.headers.emplace_back("Content-Disposition", "attachment; filename=\"gigabake.png\"");
       return reply;
     };

@@ -21,7 +21,7 @@ class StreamServer {
     std::string token;  ///< empty: no token is required
     /// The URL under which a proxy publishes the server (viewer/web/external_url.h); empty: no proxy.
     std::string external_url;
-    /// Returns the status of the bake that writes the scene as one JSON value. Called at most once a second, from any
+    /// Returns the status of the bake that writes the scene as one JSON value. Called at most every 50 ms, from any
     /// thread.
     std::function<std::string()> bake_status = [] { return std::string("null"); };
     HttpServer::Limits limits;

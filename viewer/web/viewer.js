@@ -95,7 +95,7 @@ async function look() {
     fit();
     const state = await ask(forViewer('state'));
     show(state);
-    tell(state, state.scene && !state.problem ? null : await ask('bake'));
+    tell(state, state.scene && !state.problem && !state.watching ? null : await ask('bake'));
   } catch (failure) {
     await lost(failure);
   }
@@ -148,7 +148,8 @@ function statsLine(state) {
 function tell(state, bake) {
   const lines = [];
   if (!state.scene) lines.push(bake ? 'The scene is not baked yet.' : 'There is no scene yet.');
-  if (bake && bake.line) lines.push(bake.line);
+  if (bake && bake.line && !state.watching) lines.push(bake.line);
+  element('bake').textContent = bake && state.watching ? bake.line : '';
   if (state.problem && (state.scene || !bake)) lines.push(state.problem);
   message(lines.join('\n'));
 }

@@ -242,7 +242,7 @@ class Window {
     const auto full = scene_.full_frame(viewer_, 0);
     if (!full) return;
     image_is_requested_ = false;
-    const Picture& picture = full->frame.picture;
+    const Picture& picture = full->clean_picture();
     save("png", fmt::format(", {}x{}", picture.width, picture.height),
          [&](const auto& path) { write_png(path, picture); });
   }

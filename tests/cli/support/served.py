@@ -1,5 +1,7 @@
 """gigabake serve under test: started on a free port, queried over HTTP."""
+import contextlib
 import json
+import threading
 import time
 import urllib.error
 import urllib.request
@@ -35,6 +37,23 @@ class Server:
 
     def close(self):
         self.process.end()
+
+    @contextlib.contextmanager
+    def heard_from(self, key):
+        """Polls the server as a page does: a viewer that sends nothing for ten seconds counts as closed."""
+        over = threading.Event()
+
+        def ask():
+            while not over.wait(1):
+                self.ask(f"state?viewer={key}")
+
+        asking = threading.Thread(target=ask)
+        asking.start()
+        try:
+            yield
+        finally:
+            over.set()
+            asking.join()
 
     def ask(self, path, body=None):
         return answer_of(self.url + path, body)

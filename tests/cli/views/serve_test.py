@@ -11,7 +11,6 @@ import signal
 import socket
 import subprocess
 import sys
-import threading
 import time
 from pathlib import Path
 
@@ -176,23 +175,6 @@ class Serve(harness.FolderTest):
         page.wait_for(RESTS)
         page.wait_for("document.getElementById('loading').textContent === ''")
 
-    @contextlib.contextmanager
-    def heard_from(self, server, key):
-        """Polls the server as a page does: a viewer that sends nothing for ten seconds counts as closed."""
-        over = threading.Event()
-
-        def ask():
-            while not over.wait(1):
-                server.ask(f"state?viewer={key}")
-
-        asking = threading.Thread(target=ask)
-        asking.start()
-        try:
-            yield
-        finally:
-            over.set()
-            asking.join()
-
     def test_a_bake_is_watched_until_its_scene_appears_and_when_it_is_replaced(self):
         out = self.root / "watched"
         out.mkdir()
@@ -200,7 +182,7 @@ class Serve(harness.FolderTest):
         self.assertEqual(server.ask("bake"), (200, b"null"))
         key = json.loads(server.ask("viewers", {})[1])["viewer"]
         self.assertFalse(json.loads(server.ask(f"state?viewer={key}")[1])["scene"])
-        with self.heard_from(server, key):
+        with server.heard_from(key):
             page = self.open_page(server)
             page.wait_for("document.getElementById('message')?.textContent.includes('no scene yet')")
             self.bake(out)
@@ -241,7 +223,7 @@ class Serve(harness.FolderTest):
         server = self.serve(out)
         self.assertIn(f"waiting for a bake into {out}", server.process.said())
         key = json.loads(server.ask("viewers", {})[1])["viewer"]
-        with self.heard_from(server, key):
+        with server.heard_from(key):
             self.bake(out)
             self.assertEqual(server.ask(f"picture.png?viewer={key}")[0], 200)
 
