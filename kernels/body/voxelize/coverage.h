@@ -127,11 +127,13 @@ GB_HD SlabPolygon cut_slab(const TrianglePlane& t, double slab) {
 }
 
 /// Area, first and second moments of a polygon inside one cell, in projected voxel units relative to the cell's lowest
-/// corner.
-struct CellMoments {
-  double area, u, v;
-  float uu, uv, vv;  ///< 12, 24 and 12 times the second moments; float suffices for the width of a footprint
+/// corner. Real and Narrow are double and float, or the same for several cells at once (kernels/cpu/voxelize/lanes.h).
+template <class Real, class Narrow>
+struct MomentsOf {
+  Real area, u, v;
+  Narrow uu, uv, vv;  ///< 12, 24 and 12 times the second moments; float suffices for the width of a footprint
 };
+using CellMoments = MomentsOf<double, float>;
 
 /// Highest order of moments that the caller needs. Higher moments stay 0.
 enum class Moments : std::uint8_t { area, first, second };
@@ -174,39 +176,46 @@ GB_HD double clamp01_finite(double x) {
 
 GB_HD double at_most(double x, double high) { return x > high ? high : x; }
 
+GB_HD double select(bool condition, double a, double b) { return condition ? a : b; }
+GB_HD double value_or_zero(bool condition, double a) { return condition ? a : 0; }
+GB_HD float rounded_to_float(double x) { return float(x); }
+
 /// Adds the second moments of an edge. The part inside the cell leads from (ca, v_in) to (cb, v_in + dv_in). The part
 /// with u > 1 is clamped to u = 1 and leads from v_hi to v_hi + dv_hi.
-GB_HD void add_second_moments(float ca, float cb, float v_in, float dv_in, float v_hi, float dv_hi, CellMoments& sum) {
-  const float v_out = v_in + dv_in, v_top = v_hi + dv_hi;
-  const float aa = ca * ca, bb = cb * cb, c = ca + cb, v = v_in + v_out, middle = v_hi + v_top;
-  sum.uu += c * (aa + bb) * dv_in + 4 * dv_hi;
-  sum.uv += (2 * (aa * v_in + bb * v_out) + c * c * v) * dv_in + 6 * middle * dv_hi;
-  sum.vv += (2 * (ca * (v_in * v_in) + cb * (v_out * v_out)) + c * (v * v)) * dv_in +
-            4 * (middle * middle - v_hi * v_top) * dv_hi;
+template <class Real, class Narrow>
+GB_HD void add_second_moments(Narrow ca, Narrow cb, Narrow v_in, Narrow dv_in, Narrow v_hi, Narrow dv_hi,
+                              MomentsOf<Real, Narrow>& sum) {
+  const Narrow v_out = v_in + dv_in, v_top = v_hi + dv_hi;
+  const Narrow aa = ca * ca, bb = cb * cb, c = ca + cb, v = v_in + v_out, middle = v_hi + v_top;
+  sum.uu += c * (aa + bb) * dv_in + 4.0f * dv_hi;
+  sum.uv += (2.0f * (aa * v_in + bb * v_out) + c * c * v) * dv_in + 6.0f * middle * dv_hi;
+  sum.vv += (2.0f * (ca * (v_in * v_in) + cb * (v_out * v_out)) + c * (v * v)) * dv_in +
+            4.0f * (middle * middle - v_hi * v_top) * dv_hi;
 }
 
 /// Adds an edge of a polygon. The edge lies on `line` and leads from (au, av) to v = bv, relative to the cell. Within
 /// the cell's range of v, its dv has three parts: u < 0, u inside the cell, and u > 1. The first two parts are computed
 /// by dv/du; the third is the remainder. If dv/du is steep, rounding shifts the limits between the parts. An edge
 /// inside the cell therefore keeps its dv unchanged.
-template <Moments wanted>
-GB_HD void add_edge(double au, double av, double bv, const Line& line, CellMoments& sum) {
-  const double va = clamp01_finite(av), vb = clamp01_finite(bv);
-  const double ua = au + (va - av) * line.du_dv, ub = au + (vb - av) * line.du_dv;
-  const double ca = clamp01_finite(ua), cb = clamp01_finite(ub);
-  const double dv = vb - va;
-  const double dv_in = ca == ua && cb == ub ? dv : (cb - ca) * line.dv_du;
-  const double dv_lo = (at_most(ub, 0) - at_most(ua, 0)) * line.dv_du;
-  const double dv_hi = ua > 1 || ub > 1 ? (dv - dv_in) - dv_lo : 0;
+template <Moments wanted, class Real, class Narrow>
+GB_HD void add_edge(Real au, Real av, Real bv, const Line& line, MomentsOf<Real, Narrow>& sum) {
+  const Real va = clamp01_finite(av), vb = clamp01_finite(bv);
+  const Real ua = au + (va - av) * line.du_dv, ub = au + (vb - av) * line.du_dv;
+  const Real ca = clamp01_finite(ua), cb = clamp01_finite(ub);
+  const Real dv = vb - va;
+  const Real dv_in = select((ca == ua) & (cb == ub), dv, (cb - ca) * line.dv_du);
+  const Real dv_lo = (at_most(ub, 0) - at_most(ua, 0)) * line.dv_du;
+  const Real dv_hi = value_or_zero((ua > 1) | (ub > 1), (dv - dv_in) - dv_lo);
   sum.area += (ca + cb) * 0.5 * dv_in + dv_hi;
   if constexpr (wanted != Moments::area) {
-    const bool falls = ub < ua;
-    const double v_in = va + (falls ? dv_hi : dv_lo), v_out = v_in + dv_in;
-    const double v_hi = falls ? va : v_out, v_top = v_hi + dv_hi;
+    const auto falls = ub < ua;
+    const Real v_in = va + select(falls, dv_hi, dv_lo), v_out = v_in + dv_in;
+    const Real v_hi = select(falls, va, v_out), v_top = v_hi + dv_hi;
     sum.u += (ca * ca + ca * cb + cb * cb) * (1.0 / 6) * dv_in + 0.5 * dv_hi;
-    sum.v += (ca * (2 * v_in + v_out) + cb * (v_in + 2 * v_out)) * (1.0 / 6) * dv_in + 0.5 * dv_hi * (v_hi + v_top);
+    sum.v += (ca * (2.0 * v_in + v_out) + cb * (v_in + 2.0 * v_out)) * (1.0 / 6) * dv_in + 0.5 * dv_hi * (v_hi + v_top);
     if constexpr (wanted == Moments::second)
-      add_second_moments(float(ca), float(cb), float(v_in), float(dv_in), float(v_hi), float(dv_hi), sum);
+      add_second_moments(rounded_to_float(ca), rounded_to_float(cb), rounded_to_float(v_in), rounded_to_float(dv_in),
+                         rounded_to_float(v_hi), rounded_to_float(dv_hi), sum);
   }
 }
 

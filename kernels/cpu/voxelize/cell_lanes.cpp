@@ -1,52 +1,52 @@
 #include "kernels/cpu/voxelize/cell_lanes.h"
 
+#include <cstring>
+
 namespace gigabake::kernels {
 namespace {
 
-/// The sums of one group of lanes. They are local, so that compilers keep them in registers while edges are added.
-struct GroupMoments {
-  GroupMoments() {
-    for (int i = 0; i < lane_group; ++i) area[i] = u[i] = v[i] = uu[i] = uv[i] = vv[i] = 0;
-  }
-  double area[lane_group], u[lane_group], v[lane_group];
-  float uu[lane_group], uv[lane_group], vv[lane_group];
-};
+using GroupMoments = MomentsOf<DoubleLanes, FloatLanes>;
+
+DoubleLanes load(const double* values) {
+  DoubleLanes lanes;
+  std::memcpy(&lanes, values, sizeof lanes);
+  return lanes;
+}
+
+template <class Lanes, class Value>
+void store(const Lanes& lanes, Value* values) {
+  std::memcpy(values, &lanes, sizeof lanes);
+}
 
 template <Moments wanted>
-void add_edge_to_group(const TrianglePlane& plane, const SlabPolygon& polygon, int e, const double* u, const double* v,
-                       GroupMoments& sum) {
-  const int f = e + 1 == polygon.count ? 0 : e + 1;
-  const double eu = polygon.u[e], ev = polygon.v[e], fv = polygon.v[f];
-  if (ev == fv) return;  // horizontal edges do not contribute to ∮ u dv
-  const Line line = plane.line[polygon.line[e]];
-  for (int i = 0; i < lane_group; ++i) {
-    CellMoments m{sum.area[i], sum.u[i], sum.v[i], sum.uu[i], sum.uv[i], sum.vv[i]};
-    add_edge<wanted>(eu - u[i], ev - v[i], fv - v[i], line, m);
-    sum.area[i] = m.area;
-    sum.u[i] = m.u;
-    sum.v[i] = m.v;
-    sum.uu[i] = m.uu;
-    sum.uv[i] = m.uv;
-    sum.vv[i] = m.vv;
+GroupMoments moments_of_group(const TrianglePlane& plane, const SlabPolygon& polygon, DoubleLanes u, DoubleLanes v) {
+  const DoubleLanes zero{};
+  const FloatLanes narrow_zero{};
+  GroupMoments sum;
+  sum.area = sum.u = sum.v = zero;
+  sum.uu = sum.uv = sum.vv = narrow_zero;
+  for (int e = 0; e < polygon.count; ++e) {
+    const int f = e + 1 == polygon.count ? 0 : e + 1;
+    const double eu = polygon.u[e], ev = polygon.v[e], fv = polygon.v[f];
+    if (ev == fv) continue;  // horizontal edges do not contribute to ∮ u dv
+    const Line line = plane.line[polygon.line[e]];
+    add_edge<wanted>(eu - u, ev - v, fv - v, line, sum);
   }
+  return sum;
 }
 
 template <Moments wanted>
 void measure(const TrianglePlane& plane, const SlabPolygon& polygon, CellLanes& lanes) {
   for (int i = 0; i < lane_group; ++i) lanes.u[lanes.count + i] = lanes.v[lanes.count + i] = 0;
   for (int at = 0; at < lanes.count; at += lane_group) {
-    GroupMoments sum;
-    for (int e = 0; e < polygon.count; ++e)
-      add_edge_to_group<wanted>(plane, polygon, e, lanes.u + at, lanes.v + at, sum);
-    for (int i = 0; i < lane_group; ++i) {
-      lanes.area[at + i] = sum.area[i];
-      lanes.moment_u[at + i] = sum.u[i];
-      lanes.moment_v[at + i] = sum.v[i];
-      if constexpr (wanted != Moments::second) continue;
-      lanes.moment_uu[at + i] = sum.uu[i];
-      lanes.moment_uv[at + i] = sum.uv[i];
-      lanes.moment_vv[at + i] = sum.vv[i];
-    }
+    const GroupMoments sum = moments_of_group<wanted>(plane, polygon, load(lanes.u + at), load(lanes.v + at));
+    store(sum.area, lanes.area + at);
+    store(sum.u, lanes.moment_u + at);
+    store(sum.v, lanes.moment_v + at);
+    if constexpr (wanted != Moments::second) continue;
+    store(sum.uu, lanes.moment_uu + at);
+    store(sum.uv, lanes.moment_uv + at);
+    store(sum.vv, lanes.moment_vv + at);
   }
 }
 

@@ -4,10 +4,9 @@
 
 #include "kernels/body/voxelize/coverage.h"
 #include "kernels/body/voxelize/surface.h"
+#include "kernels/cpu/voxelize/lanes.h"
 
 namespace gigabake::kernels {
-
-inline constexpr int lane_group = 4;
 
 /// The cells of one slab, at most 64. Lanes from `count` to the next multiple of lane_group are computed and ignored.
 struct CellLanes {
