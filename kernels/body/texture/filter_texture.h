@@ -18,6 +18,7 @@
 
 #include "core/base/host_device.h"
 #include "kernels/body/texture/sample_texture.h"
+#include "kernels/body/texture/texel_vector.h"
 #include "kernels/body/voxelize/brick_triangle.h"
 
 namespace gigabake::kernels {
@@ -191,41 +192,92 @@ GB_HD Rgba16 test_footprint(const Rgba16& mean, std::uint8_t cutoff, const Alpha
   return test_box(mean, cutoff, along * scale, across * scale);
 }
 
-/// Returns the mean of level l over a footprint around (s, t).
+/// Texels of a footprint along both axes, and the parameters of their weights.
+struct FootprintTaps {
+  AxisTaps across, down;
+  AxisSlopes columns, rows;
+
+  GB_HD std::uint32_t weight(int column, int row) const {
+    return std::uint32_t(across.weight[column] * down.weight[row] + columns.of[column] * rows.of[row]);
+  }
+};
+
+#if defined(GB_HAS_TEXEL_VECTOR)
+/// Returns the sums of add_filtered_sample() over the nine texels of a level ≥ 1 of `width` texels.
+inline TexelVector sum_of_texels(const std::uint16_t* level, std::int32_t width, const FootprintTaps& taps) {
+  constexpr std::uint32_t start = sum_start + sum_half;
+  TexelVector sum{{start, start, start, start}};
+  for (int j = 0; j < 3; ++j) {
+    const std::uint32_t row = std::uint32_t(taps.down.texel[j]) * std::uint32_t(width);
+    for (int k = 0; k < 3; ++k)
+      sum.add(TexelVector::widened(level + 4 * std::size_t(row + std::uint32_t(taps.across.texel[k]))),
+              taps.weight(k, j));
+  }
+  return sum;
+}
+
+/// Adds the means that follow from the sums of add_filtered_sample() to `total`.
 template <bool opaque>
-GB_HD Rgba16 filtered_sample(const TextureView& view, const MaterialView& m, int l, const ImagePosition& s,
-                             const ImagePosition& t, LevelFootprint footprint, const Tables& tables) {
-  const std::int32_t width = level_extent(view.width, l), height = level_extent(view.height, l);
-  const AxisTaps across = axis_taps<weight_s_bits>(s.at, width, m.wrap_s, l == 0, footprint.width_squared),
-                 down = axis_taps<weight_t_bits>(t.at, height, m.wrap_t, l == 0, footprint.height_squared);
-  if (s.is_turned != t.is_turned) footprint.covariance = -footprint.covariance;
-  constexpr auto slope_s = float(1 << slope_s_bits), slope_t = float(1 << slope_t_bits);
-  const AxisSlopes columns = axis_slopes(across, slope_s), rows = axis_slopes(down, footprint.covariance * slope_t);
-  const bool is_tested = !opaque && l == 0 && view.mask_cutoff != 0;
-  const AxisSlopes tested_rows = is_tested ? axis_slopes(down, slope_s) : AxisSlopes{};
-  AlphaSlopes alpha{0, 0};
-  std::uint32_t sum[4];
-  for (std::uint32_t& x : sum) x = sum_start + sum_half;
+void add_means(const TexelVector& sum, std::uint32_t total[4]) {
+  TexelVector all = TexelVector::load(total);
+  all.add(sum.means<opaque>(sum_bits, sum_start >> sum_bits), 1);
+  all.store(total);
+}
+#endif
+
+/// Adds the nine weighted texels of level l to the sums. If `is_tested`, also adds the changes of alpha.
+template <bool opaque>
+GB_HD void add_texels(const TextureView& view, int l, std::int32_t width, const FootprintTaps& taps, bool is_tested,
+                      const Tables& tables, std::uint32_t sum[4], AlphaSlopes& alpha) {
+  constexpr auto slope_s = float(1 << slope_s_bits);
+  const AxisSlopes tested_rows = is_tested ? axis_slopes(taps.down, slope_s) : AxisSlopes{};
   GB_UNROLL
   for (int j = 0; j < 3; ++j) {
-    const std::uint32_t row = std::uint32_t(down.texel[j]) * std::uint32_t(width);
+    const std::uint32_t row = std::uint32_t(taps.down.texel[j]) * std::uint32_t(width);
     std::uint32_t at[3];
-    for (int k = 0; k < 3; ++k) at[k] = row + std::uint32_t(across.texel[k]);
+    for (int k = 0; k < 3; ++k) at[k] = row + std::uint32_t(taps.across.texel[k]);
     Rgba16 texel[3];
     load_texels<opaque, 3>(view, l, at, tables, texel);
     GB_UNROLL
     for (int k = 0; k < 3; ++k) {
-      const auto weight = std::uint32_t(across.weight[k] * down.weight[j] + columns.of[k] * rows.of[j]);
+      const std::uint32_t weight = taps.weight(k, j);
       for (int c = 0; c < (opaque ? 3 : 4); ++c) sum[c] += weight * texel[k].c[c];
       if (!is_tested) continue;
-      alpha.s += columns.of[k] * down.weight[j] * texel[k].c[3];
-      alpha.t += tested_rows.of[j] * across.weight[k] * texel[k].c[3];
+      alpha.s += taps.columns.of[k] * taps.down.weight[j] * texel[k].c[3];
+      alpha.t += tested_rows.of[j] * taps.across.weight[k] * texel[k].c[3];
     }
   }
+}
+
+/// Adds the mean of level l over a footprint around (s, t) to `total`.
+template <bool opaque>
+GB_HD void add_filtered_sample(const TextureView& view, const MaterialView& m, int l, const ImagePosition& s,
+                               const ImagePosition& t, LevelFootprint footprint, const Tables& tables,
+                               std::uint32_t total[4]) {
+  const std::int32_t width = level_extent(view.width, l), height = level_extent(view.height, l);
+  FootprintTaps taps;
+  taps.across = axis_taps<weight_s_bits>(s.at, width, m.wrap_s, l == 0, footprint.width_squared);
+  taps.down = axis_taps<weight_t_bits>(t.at, height, m.wrap_t, l == 0, footprint.height_squared);
+  if (s.is_turned != t.is_turned) footprint.covariance = -footprint.covariance;
+  constexpr auto slope_s = float(1 << slope_s_bits), slope_t = float(1 << slope_t_bits);
+  taps.columns = axis_slopes(taps.across, slope_s);
+  taps.rows = axis_slopes(taps.down, footprint.covariance * slope_t);
+#if defined(GB_HAS_TEXEL_VECTOR)
+  if (l > 0) return add_means<opaque>(sum_of_texels(view.level[l], width, taps), total);
+#endif
+  const bool is_tested = !opaque && l == 0 && view.mask_cutoff != 0;
+  AlphaSlopes alpha{0, 0};
+  std::uint32_t sum[4];
+  for (std::uint32_t& x : sum) x = sum_start + sum_half;
+  add_texels<opaque>(view, l, width, taps, is_tested, tables, sum, alpha);
+#if defined(GB_HAS_TEXEL_VECTOR)
+  if (!is_tested) return add_means<opaque>(TexelVector::load(sum), total);
+#endif
   Rgba16 r{{0, 0, 0, 0}};
   for (int c = 0; c < (opaque ? 3 : 4); ++c) r.c[c] = channel_of(sum[c]);
   for (int c = 0; !opaque && c < 3; ++c) r.c[c] = smaller(r.c[c], r.c[3]);
-  return is_tested && r.c[3] != 0 && r.c[3] != 65535 ? test_footprint(r, view.mask_cutoff, alpha, footprint) : r;
+  if (is_tested && r.c[3] != 0 && r.c[3] != 65535) r = test_footprint(r, view.mask_cutoff, alpha, footprint);
+  for (int c = 0; c < 4; ++c) total[c] += r.c[c];
 }
 
 }  // namespace gigabake::kernels

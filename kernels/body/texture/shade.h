@@ -219,8 +219,7 @@ GB_HD Rgba16 texture_over(const TextureView& view, const MaterialView& m, const 
   for (std::int32_t i = 0; i < count; ++i) {
     const ImagePosition at_s = image_position(s + double(column * parts.along_s + row * parts.across_s), m.wrap_s),
                         at_t = image_position(t + double(column * parts.along_t + row * parts.across_t), m.wrap_t);
-    const Rgba16 p = filtered_sample<opaque>(view, m, parts.level, at_s, at_t, footprint, tables);
-    for (int c = 0; c < 4; ++c) sum[c] += p.c[c];
+    add_filtered_sample<opaque>(view, m, parts.level, at_s, at_t, footprint, tables, sum);
     row += column < last_column ? 0 : 1.0f;
     column = column < last_column ? column + 1 : first_column;
   }
