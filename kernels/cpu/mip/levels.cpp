@@ -19,8 +19,6 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr std::size_t parents_per_run = 16;
-
 /// The voxels of a brick, indexed by x + 8y + 64z. Entries without a mask bit are stale.
 struct OpenBrick {
   const std::uint64_t* mask;
@@ -229,12 +227,12 @@ FilteredLevel coarser_level(const Level& fine, int lod, const LevelSurface& surf
                             const ThreadPool& pool) {
   const std::vector<std::size_t> starts = starts_below(fine, parent_key);
   const std::size_t parents = starts.size() - 1;
-  std::vector<LevelRun> runs((parents + parents_per_run - 1) / parents_per_run, {BrickRun(normals), {}});
+  std::vector<LevelRun> runs((parents + bricks_per_run - 1) / bricks_per_run, {BrickRun(normals), {}});
   std::vector<std::unique_ptr<ParentBuilder>> builders(std::size_t(pool.threads()));
-  pool.parallel_for(parents, parents_per_run, [&](std::size_t begin, std::size_t end, int thread) {
+  pool.parallel_for(parents, bricks_per_run, [&](std::size_t begin, std::size_t end, int thread) {
     auto& builder = builders[std::size_t(thread)];
     if (!builder) builder = std::make_unique<ParentBuilder>(fine, lod, surface, filter);
-    for (std::size_t p = begin; p < end; ++p) builder->build(starts[p], starts[p + 1], runs[p / parents_per_run]);
+    for (std::size_t p = begin; p < end; ++p) builder->build(starts[p], starts[p + 1], runs[p / bricks_per_run]);
   });
   FilteredLevel out;
   join(runs, &LevelSurface::rasters, pool, out.surface.rasters);

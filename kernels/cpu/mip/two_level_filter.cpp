@@ -13,8 +13,6 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr std::size_t coarse_bricks_per_run = 16;
-
 /// A brick under construction.
 struct CoarseBrick {
   std::uint64_t mask[8] = {};
@@ -47,13 +45,13 @@ Level two_level_filtered_level(const Level& fine, bool normals, const ThreadPool
   const Tables tables = TableStore::host().view();
   const std::vector<std::size_t> starts = starts_below(fine, grandparent_key);
   const std::size_t bricks = starts.size() - 1;
-  std::vector<BrickRun> runs((bricks + coarse_bricks_per_run - 1) / coarse_bricks_per_run, BrickRun(normals));
-  pool.parallel_for(bricks, coarse_bricks_per_run, [&](std::size_t begin, std::size_t end, int) {
+  std::vector<BrickRun> runs((bricks + bricks_per_run - 1) / bricks_per_run, BrickRun(normals));
+  pool.parallel_for(bricks, bricks_per_run, [&](std::size_t begin, std::size_t end, int) {
     const auto brick = std::make_unique<CoarseBrick>();
     for (std::size_t b = begin; b < end; ++b) {
       for (std::uint64_t& word : brick->mask) word = 0;
       for (std::size_t child = starts[b]; child < starts[b + 1]; ++child) fill_from(fine, child, tables, *brick);
-      pack(*brick, grandparent_key(fine.key[starts[b]]), runs[b / coarse_bricks_per_run]);
+      pack(*brick, grandparent_key(fine.key[starts[b]]), runs[b / bricks_per_run]);
     }
   });
   Level out;

@@ -1,6 +1,7 @@
 #include "kernels/cpu/voxelize/bin.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/thread_pool.h"
 #include "kernels/body/voxelize/triangle_bricks.h"
@@ -24,18 +25,44 @@ void visit_range(std::span<const WindowTriangle> triangles, std::size_t range, c
     for_each_brick(triangles[t], window, [&](std::uint64_t key) { visit(key, std::uint32_t(t)); });
 }
 
-std::vector<std::uint64_t> pairs_per_bucket(std::span<const WindowTriangle> triangles, const CellWindow& window,
-                                            int bucket_shift, const ThreadPool& pool) {
+/// Numbers of pairs.
+struct PairCounts {
+  std::vector<std::uint64_t> bucket, range;
+};
+
+PairCounts count_pairs(std::span<const WindowTriangle> triangles, const CellWindow& window, int bucket_shift,
+                       const ThreadPool& pool) {
   const std::size_t buckets = std::size_t(1) << (key_bits(window) - bucket_shift);
   std::vector<std::vector<std::uint64_t>> counts(pool.threads(), std::vector<std::uint64_t>(buckets, 0));
-  pool.parallel_for(range_count(triangles.size()), 1, [&](std::size_t begin, std::size_t end, int thread) {
-    for (std::size_t r = begin; r < end; ++r)
-      visit_range(triangles, r, window,
-                  [&](std::uint64_t key, std::uint32_t) { ++counts[thread][key >> bucket_shift]; });
+  std::vector<std::uint64_t> of_range(range_count(triangles.size()));
+  pool.parallel_for(of_range.size(), 1, [&](std::size_t begin, std::size_t end, int thread) {
+    for (std::size_t r = begin; r < end; ++r) {
+      std::uint64_t n = 0;
+      visit_range(triangles, r, window, [&](std::uint64_t key, std::uint32_t) {
+        ++counts[thread][key >> bucket_shift];
+        ++n;
+      });
+      of_range[r] = n;
+    }
   });
   for (std::size_t i = 1; i < counts.size(); ++i)
     for (std::size_t b = 0; b < buckets; ++b) counts[0][b] += counts[i][b];
-  return std::move(counts[0]);
+  return {std::move(counts[0]), std::move(of_range)};
+}
+
+/// Counts the batch's pairs of each range of triangles.
+template <class InBatch>
+std::vector<std::uint64_t> count_in_batch(std::span<const WindowTriangle> triangles, const CellWindow& window,
+                                          const InBatch& in_batch, const ThreadPool& pool) {
+  std::vector<std::uint64_t> counts(range_count(triangles.size()));
+  pool.parallel_for(counts.size(), 1, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t r = begin; r < end; ++r) {
+      std::uint64_t n = 0;
+      visit_range(triangles, r, window, [&](std::uint64_t key, std::uint32_t) { n += in_batch(key); });
+      counts[r] = n;
+    }
+  });
+  return counts;
 }
 
 }  // namespace
@@ -44,21 +71,22 @@ std::vector<Batch> plan_batches(std::span<const WindowTriangle> triangles, const
                                 std::uint64_t pairs_per_batch, const ThreadPool& pool) {
   const CellWindow window = window_of(parameters);
   const int shift = std::max(0, key_bits(window) - bucket_bits);
-  const auto counts = pairs_per_bucket(triangles, window, shift, pool);
+  PairCounts counts = count_pairs(triangles, window, shift, pool);
   std::vector<Batch> batches;
   Batch open{0, 0, 0};
   const auto close = [&] {
     if (open.pairs != 0) batches.push_back(open);
   };
-  for (std::uint64_t b = 0; b < counts.size(); ++b) {
-    if (open.pairs != 0 && open.pairs + counts[b] > pairs_per_batch) {
+  for (std::uint64_t b = 0; b < counts.bucket.size(); ++b) {
+    if (open.pairs != 0 && open.pairs + counts.bucket[b] > pairs_per_batch) {
       close();
       open = {b << shift, 0, 0};
     }
     open.end_key = (b + 1) << shift;
-    open.pairs += counts[b];
+    open.pairs += counts.bucket[b];
   }
   close();
+  if (batches.size() == 1) batches.front().range_pairs = std::move(counts.range);
   return batches;
 }
 
@@ -66,15 +94,10 @@ UnsetArray<Pair> sorted_pairs(std::span<const WindowTriangle> triangles, const C
                               const Batch& batch, const ThreadPool& pool, CellStats& stats) {
   const CellWindow window = window_of(parameters);
   const auto in_batch = [&](std::uint64_t key) { return key >= batch.first_key && key < batch.end_key; };
-  std::vector<std::uint64_t> first(range_count(triangles.size()) + 1, 0);
-  pool.parallel_for(first.size() - 1, 1, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t r = begin; r < end; ++r) {
-      std::uint64_t n = 0;
-      visit_range(triangles, r, window, [&](std::uint64_t key, std::uint32_t) { n += in_batch(key); });
-      first[r + 1] = n;
-    }
-  });
-  for (std::size_t r = 1; r < first.size(); ++r) first[r] += first[r - 1];
+  const std::vector<std::uint64_t> counts =
+      batch.range_pairs.empty() ? count_in_batch(triangles, window, in_batch, pool) : batch.range_pairs;
+  std::vector<std::uint64_t> first{0};
+  for (const std::uint64_t n : counts) first.push_back(first.back() + n);
   UnsetArray<Pair> pairs(first.back());
   pool.parallel_for(first.size() - 1, 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t r = begin; r < end; ++r) {

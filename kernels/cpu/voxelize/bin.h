@@ -24,6 +24,7 @@ GB_HD std::uint32_t triangle_of(Pair p) { return std::uint32_t(p); }
 struct Batch {
   std::uint64_t first_key, end_key;
   std::uint64_t pairs;
+  std::vector<std::uint64_t> range_pairs = {};  ///< pairs per range of triangles; empty if there are several batches
 };
 
 /// Splits the brick keys of the window into batches of at most `pairs_per_batch` pairs. A batch has more pairs only if

@@ -34,7 +34,18 @@ const ThreadPool& threads_for(std::size_t voxels, const ThreadPool& pool) {
 
 }  // namespace
 
+/// Reserves memory for a whole run whose bricks have as many voxels as the first. Growing the arrays brick by brick
+/// copies them several times.
+void BrickRun::reserve_for(std::size_t voxels_per_brick) {
+  const std::size_t voxels = bricks_per_run * voxels_per_brick;
+  key_.reserve(bricks_per_run);
+  mask_.reserve(8 * bricks_per_run);
+  rgba_.reserve(4 * voxels);
+  if (normals_) normal_.reserve(2 * voxels);
+}
+
 void BrickRun::push_brick(std::uint64_t key, const std::uint64_t mask[8], std::span<const Voxel> voxels) {
+  if (key_.empty()) reserve_for(voxels.size());
   key_.push_back(key);
   mask_.insert(mask_.end(), mask, mask + 8);
   const std::size_t at = rgba_.size() / 4;

@@ -11,6 +11,9 @@
 
 namespace gigabake::kernels {
 
+/// Max number of bricks of a run.
+inline constexpr std::size_t bricks_per_run = 16;
+
 /// Consecutive bricks of a level in Morton order.
 class BrickRun {
  public:
@@ -22,6 +25,7 @@ class BrickRun {
   /// Appends the directional coverage and planes of the last brick, directional_coverage_bytes per voxel. Call it for
   /// all bricks or for none.
   void push_directional_coverage(std::span<const std::uint8_t> directional_coverage) {
+    if (directional_coverage_.empty()) directional_coverage_.reserve(bricks_per_run * directional_coverage.size());
     directional_coverage_.insert(directional_coverage_.end(), directional_coverage.begin(), directional_coverage.end());
   }
   bool has_planes() const { return planes_; }
@@ -31,6 +35,7 @@ class BrickRun {
   friend void append(Level& level, std::vector<BrickRun>& runs, const ThreadPool& pool);
 
  private:
+  void reserve_for(std::size_t voxels_per_brick);
   void make_room(Level& level, std::size_t bricks, std::size_t voxels, bool directional_coverage,
                  const ThreadPool& pool) const;
 

@@ -20,8 +20,6 @@
 namespace gigabake::kernels {
 namespace {
 
-constexpr std::size_t bricks_per_run = 16;
-
 /// The data of a part that is the same for all its triangles.
 struct PartSurface {
   PartArrays part;
@@ -37,11 +35,10 @@ std::vector<PartSurface> part_surfaces(const CellInput& input) {
   return out;
 }
 
-Surface triangle_surface(const PartSurface& from, const WindowTriangle& w, const TrianglePlane& plane) {
-  Surface s = from.surface;
-  if (s.has_vertex_rgba) load_vertex_rgba(from.part, w.index, s.vertex_rgba);
-  if (s.texture != nullptr) s.map = texture_map(from.part, w.index, plane, *s.texture);
-  return s;
+/// Sets the members of `s` that differ between triangles of one part.
+void set_triangle(const PartArrays& part, const WindowTriangle& w, const TrianglePlane& plane, Surface& s) {
+  if (s.has_vertex_rgba) load_vertex_rgba(part, w.index, s.vertex_rgba);
+  if (s.texture != nullptr) s.map = texture_map(part, w.index, plane, *s.texture);
 }
 
 /// Normals of a triangle.
@@ -51,15 +48,18 @@ struct TriangleNormals {
   TriangleMap map{};
 
   bool has_map() const { return map.texture != nullptr; }
-};
 
-TriangleNormals triangle_normals(const PartArrays& part, const TextureView* textures, std::uint32_t triangle,
-                                 const TrianglePlane& plane, const Vec3<std::int16_t>& geometric) {
-  TriangleNormals n{geometric, {}, part.normal != nullptr};
-  const double side = n.has_vertex ? load_vertex_normals(part, triangle, geometric, n.vertex) : 1;
-  n.map = triangle_map(part, textures, triangle, plane, side);
-  return n;
-}
+  /// Sets the normals of a triangle. Members that its part does not use are not written: copying all of them takes as
+  /// long as cutting a small triangle.
+  void set(const PartArrays& part, const TextureView* textures, std::uint32_t triangle, const TrianglePlane& plane,
+           const Vec3<std::int16_t>& of_triangle) {
+    geometric = of_triangle;
+    has_vertex = part.normal != nullptr;
+    const double side = has_vertex ? load_vertex_normals(part, triangle, geometric, vertex) : 1;
+    map.texture = nullptr;
+    if (part.normal_map.texture >= 0) map = triangle_map(part, textures, triangle, plane, side);
+  }
+};
 
 /// The voxelizer of one thread. Its buffers are reused for all its bricks.
 class BrickWalker {
@@ -89,11 +89,12 @@ class BrickWalker {
     if ((slab[0] | slab[1] | slab[2] | slab[3] | slab[4] | slab[5] | slab[6] | slab[7]) == 0) return;
     const TrianglePlane plane = make_plane(t);
     const PartArrays& part = parts_[w.part].part;
-    const Surface surface = triangle_surface(parts_[w.part], w, plane);
-    normals_ = triangle_normals(part, textures_, w.index, plane, triangle_normal(part, w.index, t));
-    if (surface.look() == ShadingRate::linear) linear_ = make_linear_colour(surface, plane);
+    if (w.part != surface_part_) surface_ = parts_[w.part].surface, surface_part_ = w.part;
+    set_triangle(part, w, plane, surface_);
+    normals_.set(part, textures_, w.index, plane, triangle_normal(part, w.index, t));
+    if (surface_.look() == ShadingRate::linear) linear_ = make_linear_colour(surface_, plane);
     for (int i = 0; i < 8; ++i)
-      if (slab[i] != 0) add_slab(plane, surface, t.axis, i, slab[i]);
+      if (slab[i] != 0) add_slab(plane, surface_, t.axis, i, slab[i]);
     sums_.end_triangle();
   }
 
@@ -177,9 +178,11 @@ class BrickWalker {
   Tables tables_;
   BrickSums sums_;
   CellLanes lanes_;
-  LinearColour linear_;      ///< colour of the current triangle, if its shading rate is linear
-  TriangleNormals normals_;  ///< of the current triangle
-  PlaneOffset offset_;       ///< of the current triangle in the current slab
+  Surface surface_;                          ///< of the current triangle
+  std::uint32_t surface_part_ = UINT32_MAX;  ///< part of `surface_`
+  LinearColour linear_;                      ///< colour of the current triangle, if its shading rate is linear
+  TriangleNormals normals_;                  ///< of the current triangle
+  PlaneOffset offset_;                       ///< of the current triangle in the current slab
   std::uint64_t fragments_ = 0;
 };
 
