@@ -19,12 +19,19 @@
 #endif
 
 /// GB_UNROLL marks a loop that a device must unroll, so that arrays indexed in it stay in registers. GB_NO_UNROLL
-/// prevents unrolling, because large kernels miss the instruction cache.
+/// prevents unrolling, because large kernels miss the instruction cache. GB_UNROLL_ALWAYS also marks a loop for hosts:
+/// the shifts in it depend only on its counter, but compilers do not unroll a loop of this size by themselves.
 #if defined(__CUDA_ARCH__)
 #define GB_UNROLL _Pragma("unroll")
+#define GB_UNROLL_ALWAYS _Pragma("unroll")
 #define GB_NO_UNROLL _Pragma("unroll 1")
 #else
 #define GB_UNROLL
+#if defined(__GNUC__) && !defined(__clang__) && !defined(__CUDACC__)
+#define GB_UNROLL_ALWAYS _Pragma("GCC unroll 8")
+#else
+#define GB_UNROLL_ALWAYS
+#endif
 #define GB_NO_UNROLL
 #endif
 

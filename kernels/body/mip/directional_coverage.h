@@ -64,7 +64,7 @@ template <int N>
 GB_HD CellRun<N> cover(const CellRun<N>& low, const CellRun<N>& high, std::uint32_t sums[3]) {
   CellRun<N> either;
 #if defined(__CUDA_ARCH__)
-  GB_UNROLL
+  GB_UNROLL_ALWAYS
   for (int w = 0; w < N; ++w) {
     either.word[w] = cover_4(low.word[w], high.word[w]);
     sums[0] += sum_4(low.word[w]);
@@ -146,7 +146,7 @@ GB_HD void see_run(const Children& children, int axis, int column, int run, std:
       cover(children.template cells<4>(low, axis, run), children.template cells<4>(high, axis, run), sums);
   std::uint32_t* to = raster + 16 * axis + 8 * (column >> 1) + (column & 1);  // two words per row
   if constexpr (Edge == 4) {
-    GB_UNROLL
+    GB_UNROLL_ALWAYS
     for (int row = 0; row < 4; ++row) to[2 * row] = either.word[row];
   } else {
     to[2 * run] = even_bytes(means_of(either.word[0], either.word[2]), means_of(either.word[1], either.word[3]));
@@ -157,10 +157,10 @@ GB_HD void see_run(const Children& children, int axis, int column, int run, std:
 template <class Children>
 GB_HD CoverageSums see_small(const Children& children, std::uint32_t* raster) {
   CoverageSums result;
-  GB_UNROLL
+  GB_UNROLL_ALWAYS
   for (int axis = 0; axis < 3; ++axis) {
     std::uint32_t either[4];
-    GB_UNROLL
+    GB_UNROLL_ALWAYS
     for (int column = 0; column < 4; ++column) {
       const int low = low_child(axis, column), high = low | 1 << axis;
       std::uint32_t sums[3] = {};
@@ -168,7 +168,7 @@ GB_HD CoverageSums see_small(const Children& children, std::uint32_t* raster) {
           cover(children.template cells<1>(low, axis, 0), children.template cells<1>(high, axis, 0), sums).word[0];
       result.add(axis, column, sums);
     }
-    GB_UNROLL
+    GB_UNROLL_ALWAYS
     for (int half = 0; half < 4; half += 2) {  // two adjacent columns form two rows
       raster[4 * axis + half] = (either[half] & 0xffff) | either[half + 1] << 16;
       raster[4 * axis + half + 1] = either[half] >> 16 | (either[half + 1] & 0xffff0000);
@@ -201,10 +201,10 @@ GB_HD CoverageSums see_voxels(const AxisCoverage& c, std::uint32_t raster[3]) {
   const std::uint32_t low[3] = {even_bytes(x[0], x[1]), (y[0] & 0xffff) | y[1] << 16, z[0]};
   const std::uint32_t high[3] = {even_bytes(x[0] >> 8, x[1] >> 8), y[0] >> 16 | (y[1] & 0xffff0000), z[1]};
   CoverageSums result;
-  GB_UNROLL
+  GB_UNROLL_ALWAYS
   for (int axis = 0; axis < 3; ++axis) {
     raster[axis] = cover_4(low[axis], high[axis]);
-    GB_UNROLL
+    GB_UNROLL_ALWAYS
     for (int column = 0; column < 4; ++column) {
       const int at = 8 * column;
       const std::uint32_t sums[3] = {low[axis] >> at & 255, high[axis] >> at & 255, raster[axis] >> at & 255};

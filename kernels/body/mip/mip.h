@@ -38,11 +38,11 @@ struct Weights {
 /// Byte c of `there` is 1 if child c exists. `edge` is the edge of the children's rasters in cells.
 GB_HD Weights weights_of(const CoverageSums& seen, int edge, const std::uint32_t there[2]) {
   Weights w{};
-  GB_UNROLL
+  GB_UNROLL_ALWAYS
   for (int c = 0; c < 8; ++c)
     if ((there[c / 4] >> 8 * (c % 4) & 1) != 0) w.child[c / 4] |= seen.weight(c, edge) << 8 * (c % 4);
   if ((w.child[0] | w.child[1]) == 0) w.child[0] = there[0], w.child[1] = there[1];
-  GB_UNROLL
+  GB_UNROLL_ALWAYS
   for (int a = 0; a < 3; ++a) w.directional_coverage |= std::uint32_t(seen.directional_coverage(a, edge)) << 8 * a;
   return w;
 }
@@ -111,7 +111,7 @@ GB_HD Voxel filter_children(const Voxel children[8], const Weights& weights, Mip
                             const Each& each) {
   MipSums sums;
   UnitNormal first{{0, 0, 0}};
-  GB_UNROLL
+  GB_UNROLL_ALWAYS
   for (int c = 0; c < 8; ++c) {
     const std::uint32_t w = by_view ? weights.of(c) : children[c].rgba[3];
 #if !defined(__CUDA_ARCH__)

@@ -107,10 +107,13 @@ GB_HD SurfaceMoments join_patches(const PatchSums& sums, const SurfaceMoments pa
   const UnitNormal n = unit_normal_of(parent.normal, tables);
   SurfaceMoments out = sums.patch(n);
   std::int32_t spread = 0, unknown_weight = 0;
-  GB_UNROLL
+  GB_UNROLL_ALWAYS
   for (int c = 0; c < 8; ++c) {
     const SurfaceMoments of_child = patches[c];
     const auto w = std::int32_t(weights.of(c));
+#if !defined(__CUDA_ARCH__)
+    if (w == 0) continue;  // as in filter_children()
+#endif
     spread += w * squared_distance_in_parent(of_child, c, out, n);
     if (!is_finest) spread += w * (64 * std::int32_t(of_child.spread));
     if (is_finest && of_child.spread == unknown_spread) unknown_weight += w;

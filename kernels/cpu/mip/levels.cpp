@@ -42,38 +42,48 @@ struct Children {
   Voxel voxel[8];  ///< zero if the child does not exist
   std::size_t index[8];
   std::uint32_t there[2] = {};  ///< byte c: 1 if child c exists
+
+  bool has(int c) const { return (there[c / 4] >> 8 * (c % 4) & 1) != 0; }
 };
 
 /// The accessor to the coverage masks of children that cover_children() requires
 /// (kernels/body/mip/directional_coverage.h).
+template <int Edge>
 struct ChildRasters {
   const Children& children;
   const std::uint32_t* rasters;  ///< coverage masks of all voxels of the children's level
-  int edge;
 
   template <int N>
   CellRun<N> cells(int child, int axis, int run) const {
     CellRun<N> out = {};
-    if ((children.there[child / 4] >> 8 * (child % 4) & 1) == 0) return out;
-    const std::size_t at = children.index[child] * std::size_t(raster_words(edge));
-    std::copy_n(rasters + at + axis * edge * edge / 4 + N * run, N, out.word);
+    if (!children.has(child)) return out;
+    const std::size_t at = children.index[child] * std::size_t(raster_words(Edge));
+    std::copy_n(rasters + at + axis * Edge * Edge / 4 + N * run, N, out.word);
     return out;
   }
 };
 
-CoverageSums see_finest(const Children& children, bool has_normals, const Tables& tables, std::uint32_t* raster) {
+Weights see_finest(const Children& children, bool has_normals, const Tables& tables, std::uint32_t* raster) {
   AxisCoverage all;
-  for (int c = 0; c < 8; ++c) all.add(c, coverage_of_finest(children.voxel[c], has_normals, tables));
-  return see_voxels(all, raster);
+  GB_UNROLL_ALWAYS
+  for (int c = 0; c < 8; ++c)
+    if (children.has(c)) all.add(c, coverage_of_finest(children.voxel[c], has_normals, tables));
+  return weights_of(see_voxels(all, raster), 1, children.there);
+}
+
+/// Computes the coverage of a voxel from its children's masks with Edge cells along an edge. The constant edge makes
+/// the divisions of weights_of() cheap.
+template <int Edge>
+Weights see(const Children& children, const std::uint32_t* rasters, std::uint32_t* raster) {
+  return weights_of(cover_children<Edge>(ChildRasters<Edge>{children, rasters}, raster), Edge, children.there);
 }
 
 /// Computes the coverage of a voxel from the coverage masks of its children. `edge` is the edge of the children's masks
 /// in cells.
 /// Range   The children are not of lod 0.
-CoverageSums see(const Children& children, const std::uint32_t* rasters, int edge, std::uint32_t* raster) {
-  const ChildRasters from{children, rasters, edge};
-  if (edge == 2) return cover_children<2>(from, raster);
-  return edge == 4 ? cover_children<4>(from, raster) : cover_children<8>(from, raster);
+Weights see(const Children& children, const std::uint32_t* rasters, int edge, std::uint32_t* raster) {
+  if (edge == 2) return see<2>(children, rasters, raster);
+  return edge == 4 ? see<4>(children, rasters, raster) : see<8>(children, rasters, raster);
 }
 
 /// Consecutive bricks with the surface data that the next coarser level needs.
@@ -121,6 +131,7 @@ class ParentBuilder {
   /// lowest of the eight voxels, and `to` is the position in the parent.
   void filter(int from, int to) {
     Children children;
+    GB_UNROLL_ALWAYS
     for (int c = 0; c < 8; ++c) {
       const int at = from + (c & 1) + 8 * (c >> 1 & 1) + 64 * (c >> 2);
       const bool there = (open_.mask[at >> 6] >> (at & 63) & 1) != 0;
@@ -130,9 +141,8 @@ class ParentBuilder {
     }
     mask_[to >> 6] |= std::uint64_t(1) << (to & 63);
     if (filters_by_view(filter_)) {
-      const CoverageSums seen = is_finest() ? see_finest(children, has_planes_, tables_, raster_[to])
-                                            : see(children, surface_.rasters.data(), edge_, raster_[to]);
-      weights_[to] = weights_of(seen, edge_, children.there);
+      weights_[to] = is_finest() ? see_finest(children, has_planes_, tables_, raster_[to])
+                                 : see(children, surface_.rasters.data(), edge_, raster_[to]);
       if (has_planes_)
         filter_patch(children, to);
       else
