@@ -68,7 +68,7 @@ WorkerOptions without_device(int threads, std::uint64_t mebibytes) {
 TEST(ConcurrentCells, AreOnePerTwoThreadsWhereMemorySuffices) {
   for (const auto& [threads, cells] : {std::pair(1, 1u), {2, 1u}, {3, 1u}, {4, 2u}, {16, 8u}, {128, 8u}})
     EXPECT_EQ(concurrent_cells_for(without_device(threads, 0)), cells) << threads;
-  for (const auto& [mebibytes, cells] : {std::pair(64u, 1u), {1024u, 2u}, {2048u, 4u}, {65536u, 8u}})
+  for (const auto& [mebibytes, cells] : {std::pair(64u, 1u), {2048u, 2u}, {4096u, 4u}, {65536u, 8u}})
     EXPECT_EQ(concurrent_cells_for(without_device(16, mebibytes)), cells) << mebibytes;
   EXPECT_EQ(concurrent_cells_for(beside_device(16)), 1u);
 }

@@ -16,7 +16,7 @@ WriterPoolSize writer_pool_size_for(const WorkerOptions& options) {
 }
 
 std::size_t concurrent_cells_for(const WorkerOptions& options) {
-  constexpr std::uint64_t bytes_a_cell = std::uint64_t(512) << 20, maximum = 8;
+  constexpr std::uint64_t bytes_a_cell = std::uint64_t(1) << 30, maximum = 8;
   if (options.cuda_device) return 1;
   const std::uint64_t by_memory = options.memory_bytes == 0 ? maximum : options.memory_bytes / bytes_a_cell,
                       by_threads = std::uint64_t(options.threads / 2);

@@ -21,8 +21,8 @@ struct WriterPoolSize {
 WriterPoolSize writer_pool_size_for(const WorkerOptions& options);
 
 /// Returns the number of cells that the CPU computes concurrently. A cell joins its threads several times, and some of
-/// its steps run on one thread; threads that would wait compute another cell. It is one cell per two threads, at most
-/// eight, and fewer if memory is short. It is 1 with a device, which computes one cell at a time.
+/// its steps run on one thread; threads that would wait compute another cell. It is one cell per two threads and per
+/// GiB of memory, at most eight. It is 1 with a device, which computes one cell at a time.
 std::size_t concurrent_cells_for(const WorkerOptions& options);
 
 /// Returns the number of overviews made concurrently with a device. Most overviews become ready at the end of a bake,
