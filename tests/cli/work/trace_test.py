@@ -6,6 +6,7 @@ Usage: trace_test.py GIGABAKE SOURCE_DIR
 import collections
 import json
 import os
+import subprocess
 import sys
 import unittest
 import unittest.mock
@@ -44,6 +45,13 @@ class Trace(harness.FolderTest):
         # A process may be killed before it records the end of its last cell.
         self.assertGreaterEqual(sum(len(stages) == len(STAGES) for stages in cells.values()), len(cells) - 2)
 
+        files = sorted(self.root.glob("trace.*.json"))
+        table = subprocess.run([sys.executable, Path(SOURCE) / "tools/trace-times", *files], check=True, text=True,
+                               capture_output=True).stdout
+        for stage in STAGES:
+            numbers = [int(line.split("|")[3]) for line in table.splitlines() if f"| {stage} |" in line]
+            self.assertGreaterEqual(sum(numbers), len(cells) - 2, table)
+
     def test_nothing_is_recorded_without_the_variable(self):
         before = set(self.root.glob("*.json"))
         PROGRAM.sample(self.root / "other", size=64, tiles=1)
@@ -53,5 +61,5 @@ class Trace(harness.FolderTest):
 
 
 if __name__ == "__main__":
-    PROGRAM = harness.Gigabake(sys.argv[1])
+    PROGRAM, SOURCE = harness.Gigabake(sys.argv[1]), sys.argv[2]
     harness.main(argv=sys.argv[:1], verbosity=2)
