@@ -142,6 +142,7 @@ bool LiveScene::has_scene() const {
 void LiveScene::draw_all() {
   for (;;) {
     reload_if_replaced();
+    exchange();
     RenderScheduler::RenderRequest order;
     double next_call_s = HUGE_VAL;
     const auto viewer = next_order(order, next_call_s);
@@ -151,7 +152,8 @@ void LiveScene::draw_all() {
     }
     std::unique_lock lock(mutex_);
     if (stop_) return;
-    wake_drawing_.wait_for(lock, seconds(std::clamp(next_call_s - now_s(), 0.001, watch_interval_s)));
+    const double max_wait_s = renderer_ && renderer_->has_exchange() ? wait_for_pages_s : watch_interval_s;
+    wake_drawing_.wait_for(lock, seconds(std::clamp(next_call_s - now_s(), 0.001, max_wait_s)));
   }
 }
 
@@ -168,6 +170,7 @@ void LiveScene::reload_if_replaced() {
   }
   if (*stamp == stamp_) return;
   stamp_ = *stamp;
+  if (replace_in_place()) return;
   open(
       [this] {
         const PagedScene readable(path_);  // if it throws, the previous scene stays

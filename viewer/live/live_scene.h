@@ -119,8 +119,9 @@ class LiveScene {
   bool follow_bake();
   void show_watched(const WatchedScene& watched);
   void update_watched(const WatchedScene& watched);
-  void show_replaced(const WatchedScene& watched, const std::vector<std::uint32_t>& cells);
   void redraw_boxes();
+  void exchange();
+  bool replace_in_place();
   void add_boxes(LiveFrame& frame) const;
   void open(const std::function<std::unique_ptr<FrameRenderer>()>& make, std::vector<CellBox> boxes);
   void release_renderer();
@@ -161,6 +162,7 @@ class LiveScene {
   FileStamp stamp_;
   std::uint64_t watched_bake_ = 0;  ///< WatchedScene::bake that was opened; 0: none
   std::vector<std::uint32_t> changed_cells_;
+  std::vector<std::uint32_t> exchanged_cells_;  ///< done cells of the watched bake that are not shown yet
   double checked_s_ = -HUGE_VAL;
   std::thread thread_;
 };

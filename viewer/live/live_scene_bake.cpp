@@ -1,12 +1,18 @@
 // The members of LiveScene that follow a running bake.
 #include <algorithm>
 #include <exception>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "viewer/live/live_scene.h"
 
 namespace gigabake {
+namespace {
+
+constexpr double exchange_s = 0.02;  ///< time of an exchange between two frames
+
+}  // namespace
 
 /// Shows the changes of the watched bake. Returns false if the published scene should be shown.
 bool LiveScene::follow_bake() {
@@ -28,6 +34,7 @@ bool LiveScene::follow_bake() {
 
 void LiveScene::show_watched(const WatchedScene& watched) {
   watched_bake_ = watched.bake;
+  exchanged_cells_.clear();
   std::vector<CellBox> boxes;
   for (std::size_t i = 0; i < watched.states.size(); ++i)
     boxes.push_back({window_of(watched.scene.cells[i]), watched.states[i]});
@@ -41,19 +48,63 @@ void LiveScene::show_watched(const WatchedScene& watched) {
   options_.changed();
 }
 
-/// Shows new shards. The box of a new cell stays until its image is rendered. If only states have changed, draws the
-/// boxes of the last frames again.
+/// Begins to show new shards; their boxes stay until then. Draws the boxes of the last frames again.
 void LiveScene::update_watched(const WatchedScene& watched) {
-  std::vector<std::uint32_t> replaced;
+  std::vector<std::uint32_t> done;
   {
     const std::lock_guard lock(mutex_);
+    bool are_boxes_changed = false;
     for (const std::uint32_t cell : changed_cells_) {
-      if (watched.states[cell] == CellState::done) replaced.push_back(cell);
-      boxes_[cell].state = watched.states[cell];
+      if (watched.states[cell] == CellState::done) {
+        done.push_back(cell);
+      } else {
+        boxes_[cell].state = watched.states[cell];
+        are_boxes_changed = true;
+      }
     }
-    if (replaced.empty()) redraw_boxes();
+    if (are_boxes_changed) redraw_boxes();
   }
-  if (!replaced.empty()) show_replaced(watched, replaced);
+  if (!done.empty()) renderer_->replace_shards(watched.scene.cells, done);
+  exchanged_cells_.insert(exchanged_cells_.end(), done.begin(), done.end());
+  options_.changed();
+}
+
+/// Begins to exchange the shown scene for its replacement within the same pools. Returns false if the replacement must
+/// be opened again.
+bool LiveScene::replace_in_place() {
+  if (!renderer_ || is_watching_) return false;
+  try {
+    return renderer_->replace_scene();
+  } catch (const std::exception& e) {
+    const std::lock_guard lock(mutex_);
+    problem_ = e.what();
+    return true;  // the previous scene stays
+  }
+}
+
+/// Continues an exchange of the renderer. At its end, all viewers render the new contents.
+void LiveScene::exchange() {
+  if (!renderer_ || !renderer_->has_exchange() || !renderer_->advance_exchange(exchange_s)) return;
+  const CameraOptions home = renderer_->framed(options_.camera);
+  ViewerInput look;
+  std::string problem;
+  try {
+    look = options_.look(renderer_->scene().header());
+  } catch (const std::exception& e) {
+    problem = e.what();
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    home_ = home;
+    look_ = look;
+    problem_ = problem;
+    for (const std::uint32_t cell : std::exchange(exchanged_cells_, {}))
+      if (cell < boxes_.size()) boxes_[cell].state = CellState::done;
+    for (const auto& viewer : viewers_) {
+      viewer->in_tiles.reset();
+      apply_home(*viewer);
+    }
+  }
   options_.changed();
 }
 
@@ -66,17 +117,6 @@ void LiveScene::redraw_boxes() {
     viewer->frame = std::move(frame);
   }
   wake_viewers_.notify_all();
-}
-
-void LiveScene::show_replaced(const WatchedScene& watched, const std::vector<std::uint32_t>& cells) {
-  {
-    const std::lock_guard lock(mutex_);
-    for (const auto& viewer : viewers_) {
-      viewer->in_tiles.reset();
-      if (viewer->scheduler) viewer->scheduler->new_scene(*home_);
-    }
-  }
-  renderer_->replace_shards(watched.scene.cells, cells);
 }
 
 /// Draws the boxes of the watched bake into the frame's image.

@@ -1,278 +1,19 @@
 #include "viewer/pictures/frame_renderer.h"
 
-#include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <functional>
-#include <future>
 #include <utility>
 
 #include "core/base/error.h"
-#include "format/system/host_limits.h"
-#include "viewer/pictures/render.h"
-#include "viewer/pictures/view_needs.h"
-#include "viewer/stream/open_shards.h"
-#include "viewer/stream/page.h"
-#include "viewer/stream/watched_shards.h"
+#include "viewer/pictures/frame_renderer_state.h"
 
 namespace gigabake {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-Clock::time_point from_now(double seconds) {
-  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
-}
-
-kernels::StopAsked after(double seconds) {
-  return [end = from_now(seconds)] { return Clock::now() >= end; };
-}
-
-bool is_asked(const kernels::StopAsked& stop) { return stop && stop(); }
 
 Point<Scene> to_scene_m(const SceneHeader& scene, const Vec3d& voxels) {
   const Vec3d m = scene.lattice_origin_m + voxels * scene.voxel_size_m;
   return {m[0], m[1], m[2]};
 }
 
-/// The working set of a view counts as larger than the memory budget if the view has read this multiple of the budget.
-constexpr std::uint64_t max_page_reread_factor = 4;
-
 }  // namespace
-
-struct FrameRenderer::State {
-  Options options;
-  std::shared_ptr<const PagedScene> scene;
-  std::shared_ptr<std::atomic<std::uint64_t>> files_opened = std::make_shared<std::atomic<std::uint64_t>>(0);
-  ThreadPool policy;
-  std::shared_ptr<WatchedShards> watched;  ///< null unless shards appear
-  PageSource source;
-  Filling filling{};
-  std::unique_ptr<SceneStream> stream;
-  std::vector<std::uint32_t> requested;  ///< requests of the last frame
-  View last;
-  std::uint32_t frame_pass = 0;         ///< first pass of the last frame
-  bool put_in = false;                  ///< the last put_in_wanted() uploaded data
-  bool was_complete = false;            ///< no ray of the last frame missed data
-  double upload_s = 0;                  ///< time of uploads in this frame
-  double waited_s = 0;                  ///< time of the wait for roots at the start of this frame
-  std::uint64_t bytes_read_before = 0;  ///< bytes that the stream had read before `last` was first rendered
-  bool starved = false;
-  std::vector<std::string> problems;  ///< in addition to problems of pages
-  PolygonPictures polygons;
-  std::optional<HeightRange> heights;  ///< of the scene; set at the first view that needs them
-
-  enum class Shards { of_scene, appear };  ///< `appear`: while the scene is shown
-
-  State(std::shared_ptr<const PagedScene> opened, const PageSource& pages, const Options& wishes,
-        Shards shards = Shards::of_scene)
-      : options(wishes), scene(std::move(opened)), policy(threads_of(wishes)) {
-    if (shards == Shards::appear) {
-      watched = std::make_shared<WatchedShards>(*scene, max_open(wishes));
-      source = [all = watched](const PageKey& key) { return all->page(key); };
-    } else {
-      source =
-          pages ? guarded_pages(pages, scene->header()) : pages_from_open_shards(scene, files_opened, max_open(wishes));
-    }
-    fill(filling_of({}));
-  }
-
-  static int threads_of(const Options& wishes) {
-    if (wishes.threads < 0 || wishes.threads > 1024)
-      throw UsageError("threads", "expected 1 to 1024, or 0 for all cores");
-    return wishes.threads > 0 ? wishes.threads : host_limits().cores();
-  }
-
-  static std::uint64_t memory_of(const Options& wishes) {
-    return std::min(wishes.memory_bytes, host_limits().memory_bytes / 2);
-  }
-  static std::size_t max_open(const Options& wishes) { return open_shards_within(memory_of(wishes)); }
-
-  /// Returns the memory for pools and pages. The open shards reduce it by at most 1/8. A scene can have fewer shards
-  /// than the limit of open shards.
-  std::uint64_t bytes_next_to_shards() const {
-    const std::uint64_t shards = scene->totals().cells + scene->totals().overviews, all = memory_of(options);
-    return all - std::min(std::min<std::uint64_t>(max_open(options), shards) * open_shard_bytes, all / 8);
-  }
-
-  void fill(const Filling& filling_key) {
-    if (stream && filling_key == filling) return;
-    filling = filling_key;
-    stream.reset();  // free its memory before the next stream allocates
-    SceneStream::Options wishes{filling_key.lit_by ? daylight(*filling_key.lit_by) : kernels::unlit(),
-                                filling_key.surface,
-                                bytes_next_to_shards(),
-                                policy.threads(),
-                                options.cuda_device,
-                                options.device_bytes,
-                                filling_key.cells_alone};
-    try {
-      stream = std::make_unique<SceneStream>(*scene, source, wishes, policy);
-    } catch (const CudaFailure& failure) {
-      if (options.device_required) throw;
-      problems.push_back(std::string("the CPU casts rays: ") + failure.what());
-      wishes.cuda_device = options.cuda_device = {};
-      stream = std::make_unique<SceneStream>(*scene, source, wishes, policy);
-    }
-    requested.clear();
-    last = {};
-  }
-
-  /// Returns true if this view fills the pools or its pages evict each other. Pages are read repeatedly only if there
-  /// is too little memory for them.
-  bool is_starved(const SceneStream::Served& served) const {
-    const std::uint64_t read = stream->page_counts().bytes_read - bytes_read_before;
-    return served.is_full || read / max_page_reread_factor > stream->page_bytes_allowed();
-  }
-
-  void look_at(const View& view) {
-    if (same_picture(view, last)) return;
-    last = view;
-    starved = false;
-    bytes_read_before = stream->page_counts().bytes_read;
-  }
-
-  kernels::CastCamera camera_of(const View& view) {
-    if (view.mode == ViewMode::slope && !scene->header().has_normals)
-      throw UsageError(
-          "mode", "slope needs normals, and this scene was baked without; bake it with channels that hold normals");
-    kernels::CastCamera camera = make_camera(view.camera, *scene);
-    if (shows_light(view.mode)) camera.tone = screen_tone(options.exposure_stops);
-    if (!light_part_of(view)) camera.haze = haze_of(view);
-    camera.debug_color = debug_color_of(view.mode);
-    if (view.polygons) camera.polygons = polygons.drawn(view, camera, scene->header(), haze_of(view), policy);
-    return camera;
-  }
-
-  kernels::CastHaze haze_of(const View& view) const {
-    if (!view.background.sky || view.mode != ViewMode::lit) return {};
-    return air(options.haze_visibility_m, scene->header().voxel_size_m, view.sun);
-  }
-
-  RenderSettings look_of(const View& view) {
-    RenderSettings look{to_cast(view.background, shows_light(view.mode) ? view.sun : SunDirection{})};
-    if (const auto part = light_part_of(view)) look.lighting = lighting(view.sun, *part, haze_of(view));
-    if (view.mode == ViewMode::height && !heights) heights = occupied_heights(*scene);
-    look.shader = shader_of(view, heights.value_or(HeightRange{}));
-    look.blends_levels = view.level_blend == LevelBlend::on;
-    return look;
-  }
-
-  void tell(FrameStats& stats) const {
-    stats.pages_loading = stream->page_counts().queued;
-    stats.files_opened = *files_opened;
-    stats.bytes_held = stream->bytes_held();
-    stats.bytes_allowed = stream->bytes_allowed();
-    stats.starved = starved;
-  }
-
-  void put_in_wanted(const kernels::CastCamera& camera, const PreviewLimits& limits) {
-    const auto start = Clock::now();
-    const kernels::StopAsked enough = [over = after(limits.upload_s - upload_s), &limits] {
-      return over() || is_asked(limits.stop);
-    };
-    stream->begin_pass();
-    const SceneStream::Served served = stream->serve(requested, camera.eye, enough, {frame_pass, true});
-    starved = starved || is_starved(served);
-    put_in = served.uploads > 0;
-    upload_s += since(start);
-  }
-
-  /// Uploads requested data until every tree has a resident root, for at most limits.roots_s.
-  void wait_for_roots(const kernels::CastCamera& camera, const PreviewLimits& limits) {
-    const auto start = Clock::now();
-    stream->request_roots();
-    const kernels::StopAsked over = after(limits.roots_s);
-    while (stream->has_pending_roots() && !over() && !is_asked(limits.stop)) {
-      put_in_wanted(camera, limits);
-      if (!put_in) stream->wait(std::chrono::milliseconds(5));
-    }
-    waited_s = since(start);
-    upload_s = 0;
-  }
-
-  /// Casts the view's rays. Rays that miss data wait for its upload within the time limit, then continue at the same
-  /// sample. One frame can thus load several levels at about the cost of one cast. Afterwards coarser bricks replace
-  /// the data that is still missing.
-  void cast(const View& view, const kernels::CastCamera& camera, const PreviewLimits& limits, Picture& picture) {
-    kernels::Caster& caster = stream->caster();
-    const std::size_t rays = std::size_t(camera.width) * std::size_t(camera.height);
-    std::future<Picture> blank = std::async(std::launch::async, blank_picture, camera.width, camera.height, view.light);
-    caster.start(camera, {0, 0, camera.width, camera.height});
-    std::size_t waiting = caster.cast(0, rays, true, limits.stop);
-    frame_pass = caster.pass();
-    while (waiting > 0 && !starved && upload_s < limits.upload_s && !is_asked(limits.stop)) {
-      requested = caster.requested();
-      put_in_wanted(camera, limits);
-      if (!put_in) break;
-      waiting = caster.cast(0, rays, true, limits.stop);
-    }
-    if (waiting > 0) caster.cast(0, rays, false, limits.stop);
-    requested = waiting > 0 ? caster.requested() : std::vector<std::uint32_t>();
-    const RenderSettings look = look_of(view);
-    was_complete = waiting == 0;
-    if (look.blends_levels) {
-      caster.start_blend();
-      cast_more(camera, limits, [&](bool blocking) { return caster.cast_blend(0, rays, blocking, limits.stop); });
-    }
-    if (look.lighting) {
-      caster.start_light(*look.lighting, look.shader);
-      const auto cast_light = [&](bool blocking) { return caster.cast_light(0, rays, blocking, limits.stop); };
-      cast_more(camera, limits, cast_light);
-      caster.reuse_shadow_samples();
-      cast_more(camera, limits, cast_light);
-    }
-    picture = blank.get();
-    caster.resolve(look.background, pixels_of(picture));
-  }
-
-  /// Casts secondary rays in the same way as cast(). If primary rays missed data, secondary rays do not wait for data.
-  void cast_more(const kernels::CastCamera& camera, const PreviewLimits& limits,
-                 const std::function<std::size_t(bool blocking)>& pass) {
-    const std::vector<std::uint32_t> wanted_before = requested;
-    std::size_t waiting = was_complete ? pass(true) : SIZE_MAX;
-    while (was_complete && waiting > 0 && !starved && upload_s < limits.upload_s && !is_asked(limits.stop)) {
-      requested = stream->caster().requested();
-      put_in_wanted(camera, limits);
-      if (!put_in) break;
-      waiting = pass(true);
-    }
-    if (waiting == 0) return;
-    pass(false);
-    was_complete = false;
-    requested = stream->caster().requested();
-    requested.insert(requested.end(), wanted_before.begin(), wanted_before.end());
-    std::sort(requested.begin(), requested.end());
-    requested.erase(std::unique(requested.begin(), requested.end()), requested.end());
-  }
-
-  /// Renders one pass over resident and newly uploaded data.
-  Frame pass_over(const View& view, const PreviewLimits& limits, bool roots_first) {
-    const auto start = Clock::now();
-    const kernels::CastCamera camera = camera_of(view);
-    const std::uint64_t uploads_before = stream->uploads();
-    Frame frame;
-    upload_s = waited_s = 0;
-    if (roots_first) wait_for_roots(camera, limits);
-    put_in_wanted(camera, limits);
-    cast(view, camera, limits, frame.picture);
-    frame.stats.upload_s = waited_s + upload_s;
-    frame.stats.total_s = since(start);
-    frame.stats.cast_s = frame.stats.total_s - frame.stats.upload_s;
-    frame.stats.requested = requested.size();
-    frame.stats.uploads = stream->uploads() - uploads_before;
-    frame.stats.complete = was_complete;
-    tell(frame.stats);
-    return frame;
-  }
-
-  void show(const View& view) {
-    fill(filling_of(view));
-    look_at(view);
-  }
-};
 
 FrameRenderer::FrameRenderer(const SceneDescription& scene, const std::filesystem::path& scene_path,
                              const PageSource& pages, const Options& options)
@@ -285,15 +26,9 @@ FrameRenderer::FrameRenderer(const std::filesystem::path& scene_path, const Opti
 FrameRenderer::FrameRenderer(const std::filesystem::path& scene_path, const SceneDescription& watched,
                              const Options& options)
     : state_(std::make_unique<State>(std::make_shared<const PagedScene>(PagedScene::of_cells(scene_path, watched)),
-                                     PageSource(), options, State::Shards::appear)) {}
+                                     PageSource(), options)) {}
 
 FrameRenderer::~FrameRenderer() = default;
-
-void FrameRenderer::replace_shards(const std::vector<SceneCell>& watched, const std::vector<std::uint32_t>& cells) {
-  for (const std::uint32_t cell : cells) state_->watched->replace(cell, watched.at(cell));
-  state_->stream.reset();
-  state_->fill(state_->filling);
-}
 
 const PagedScene& FrameRenderer::scene() const { return *state_->scene; }
 
@@ -350,7 +85,7 @@ ProgressiveFrame FrameRenderer::begin(const View& view, const Picture* meanwhile
 
 void FrameRenderer::resume(ProgressiveFrame& frame, const kernels::StopAsked& enough, const kernels::StopAsked& stop) {
   State& s = *state_;
-  const auto start = Clock::now();
+  const auto start = State::Clock::now();
   s.show(frame.view);
   s.requested.clear();
   const std::uint64_t uploads_before = s.stream->uploads();
@@ -361,12 +96,53 @@ void FrameRenderer::resume(ProgressiveFrame& frame, const kernels::StopAsked& en
     ++frame.done;
     if (enough && enough()) break;
   }
-  frame.stats.total_s += since(start);
+  frame.stats.total_s += State::since(start);
   frame.stats.cast_s = frame.stats.total_s;
   frame.stats.uploads += s.stream->uploads() - uploads_before;
   frame.stats.complete = frame.is_complete();
   s.tell(frame.stats);
 }
+
+void FrameRenderer::replace_shards(const std::vector<SceneCell>& watched, const std::vector<std::uint32_t>& cells) {
+  State& s = *state_;
+  if (!s.next) s.next = {s.scene, s.numbers, {}};
+  for (const std::uint32_t cell : cells) {
+    s.next->numbers.cells.at(cell) = s.table->add(watched.at(cell));
+    s.next->changed.push_back(window_of(watched[cell]));
+  }
+  s.stream->begin_exchange(*s.next->scene, s.next->numbers, s.next->changed);
+}
+
+bool FrameRenderer::replace_scene() {
+  State& s = *state_;
+  const auto next = std::make_shared<const PagedScene>(s.scene->file());
+  if (!s.stream->problems().empty()) return false;  // opening the scene again tries unreadable pages again
+  if (!s.table || !are_exchangeable(*s.scene, *next) || !s.stream->has_layout_of(*next)) return false;
+  SceneChanges changes = changes_between(*s.scene, s.numbers, *next, *s.table);
+  s.next = {next, std::move(changes.numbers), std::move(changes.boxes)};
+  s.stream->begin_exchange(*next, s.next->numbers, s.next->changed);
+  return true;
+}
+
+bool FrameRenderer::has_exchange() const { return state_->next.has_value(); }
+
+bool FrameRenderer::advance_exchange(double upload_s) {
+  State& s = *state_;
+  // The pools may have been refilled for another mode since the exchange began.
+  const bool is_refilled = !s.stream->has_exchange();
+  if (is_refilled && !s.stream->has_layout_of(*s.next->scene)) {
+    s.adopt_next();
+    s.stream.reset();
+    s.fill(s.filling);
+    return true;
+  }
+  if (is_refilled) s.stream->begin_exchange(*s.next->scene, s.next->numbers, s.next->changed);
+  if (!s.stream->advance_exchange(State::after(upload_s))) return false;
+  s.adopt_next();
+  return true;
+}
+
+std::uint64_t FrameRenderer::uploads() const { return state_->stream->uploads(); }
 
 std::vector<std::string> FrameRenderer::problems() const {
   std::vector<std::string> all = state_->problems;

@@ -85,9 +85,20 @@ class FrameRenderer {
 
   const PagedScene& scene() const;
 
-  /// Replaces the shards of a watched scene's cells. `cells` are the numbers in `watched`, whose places are unchanged.
-  /// Images that begin() has started must be started again.
+  /// Begins to exchange the shards of a watched scene's cells. `cells` are the numbers in `watched`, whose places are
+  /// unchanged.
   void replace_shards(const std::vector<SceneCell>& watched, const std::vector<std::uint32_t>& cells);
+  /// Begins to exchange the scene for the scene that the file describes now. Pages and bricks of shards with equal
+  /// content stay. Returns false if the scene must be opened again because its lattice, channels or layout differ.
+  /// Errors  InputError: the scene is unreadable.
+  bool replace_scene();
+  /// Returns whether an exchange is in progress. Images show the previous contents until it is complete.
+  bool has_exchange() const;
+  /// Continues the exchange for at most `upload_s`. Returns true once it is complete. Images that begin() has started
+  /// must then be started again.
+  bool advance_exchange(double upload_s);
+  /// Returns the number of bricks and node tiles that were uploaded so far.
+  std::uint64_t uploads() const;
 
   /// Returns the options with eye and target set; their defaults show the whole scene from the south-east.
   /// Errors  The same as make_camera().

@@ -25,6 +25,7 @@ struct OverviewLevel {
   std::int64_t edge() const { return std::int64_t(1) << bits; }
   OverviewBlock block_of(const Vec3i64& v) const;
   Vec3i64 corner_of(const OverviewBlock& block) const;
+  friend bool operator==(const OverviewLevel&, const OverviewLevel&) = default;
 };
 
 struct OverviewLevels {

@@ -129,6 +129,47 @@ void PoolAllocator::release_tile(std::uint32_t tile) {
   free_tiles_.push_back(tile);
 }
 
+std::vector<std::uint32_t> PoolAllocator::nodes_in_use() const {
+  std::vector<std::uint32_t> nodes;
+  for (std::uint32_t n = 0; n < nodes_.size(); ++n)
+    if (tiles_[n / 8].used && (n < cells_ || n / 8 >= root_tiles(cells_))) nodes.push_back(n);
+  const auto lod = [this](std::uint32_t n) { return n < cells_ ? lods_ - 1 : tiles_[n / 8].place.lod - 1; };
+  std::stable_sort(nodes.begin(), nodes.end(), [&](std::uint32_t a, std::uint32_t b) { return lod(a) > lod(b); });
+  return nodes;
+}
+
+void PoolAllocator::forget_brick(std::uint32_t node) {
+  if (kernels::is_resident(nodes_[node].brick)) release_slot(nodes_[node].brick);
+  if (nodes_[node].brick != not_resident_ref) change(node, {nodes_[node].children, not_resident_ref});
+}
+
+void PoolAllocator::forget_children(std::uint32_t node) {
+  const std::uint32_t tile = nodes_[node].children;
+  if (kernels::is_resident(tile)) {
+    for (std::uint32_t n = 8 * tile; n < 8 * tile + 8; ++n)
+      if (kernels::is_resident(nodes_[n].children)) forget_children(n);
+    release_tile(tile);
+  } else if (tile == lost_ref) {
+    change(node, {not_resident_ref, nodes_[node].brick});
+  }
+}
+
+void PoolAllocator::set_children(std::uint32_t node, std::uint8_t children) {
+  const std::uint32_t tile = nodes_[node].children;
+  const bool finest = tiles_[tile].place.lod == 1;
+  for (std::uint32_t c = 0; c < 8; ++c) {
+    const std::uint32_t child = 8 * tile + c;
+    const bool exists = (children >> c & 1) != 0;
+    const bool existed = nodes_[child].children != empty_ref || nodes_[child].brick != empty_ref;
+    if (exists == existed) continue;
+    if (existed) {
+      forget_children(child);
+      forget_brick(child);
+    }
+    change(child, {exists && !finest ? not_resident_ref : empty_ref, exists ? not_resident_ref : empty_ref});
+  }
+}
+
 /// Returns the indices of up to `maximum` candidates, the least recently used first. A candidate is a pair of last use
 /// and index. Omits candidates that must stay.
 std::vector<std::uint32_t> PoolAllocator::oldest(std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates,

@@ -53,6 +53,17 @@ class PoolAllocator {
   void set_empty(std::uint32_t node);
   void set_lost(std::uint32_t node, kernels::RequestKind what);
 
+  /// Returns the nodes of all tiles in use, the coarsest first.
+  std::vector<std::uint32_t> nodes_in_use() const;
+  /// Returns whether the node's tile is in use.
+  bool is_in_use(std::uint32_t node) const { return tiles_[node / 8].used; }
+  /// Makes the node's brick not resident, also if it was empty or lost.
+  void forget_brick(std::uint32_t node);
+  /// Makes the node's children and all nodes below them not resident.
+  void forget_children(std::uint32_t node);
+  /// Changes which children of a node with a tile exist. A child that appears is not resident.
+  void set_children(std::uint32_t node, std::uint8_t children);
+
   /// Returns the changed nodes for the caster, each once with its current value, and clears the list.
   std::vector<kernels::NodeChange> take_changes();
 

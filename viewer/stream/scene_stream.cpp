@@ -80,20 +80,23 @@ struct SceneStream::Answer {
   bool is_empty = false;
 };
 
-SceneStream::Opened SceneStream::open(const PagedScene& scene, const Options& options, const ThreadPool& policy) {
+SceneStream::Opened SceneStream::open(const PagedScene& scene, const Options& options, const ThreadPool& policy,
+                                      const ShardNumbers* numbers) {
   std::optional<OverviewLevels> levels;
   if (!options.cells_alone) levels = overview_levels(scene);
   if (!levels) {
     const std::vector<SceneCell> cells = scene.cells(policy);
     CellLayout layout = lay_out_cells(cells, scene.file());
-    return {std::move(layout), ShardMap(cells)};
+    return {std::move(layout), numbers != nullptr ? ShardMap(cells, numbers->cells) : ShardMap(cells)};
   }
   CellLayout layout = lay_out_root(scene.root().overviews[levels->root], scene.totals().window);
+  if (numbers != nullptr) return {std::move(layout), ShardMap(scene, std::move(*levels), *numbers)};
   return {std::move(layout), ShardMap(scene, std::move(*levels))};
 }
 
-SceneStream::SceneStream(const PagedScene& scene, PageSource source, const Options& options, const ThreadPool& policy)
-    : SceneStream(scene, open(scene, options, policy), std::move(source), options, policy) {}
+SceneStream::SceneStream(const PagedScene& scene, PageSource source, const Options& options, const ThreadPool& policy,
+                         const ShardNumbers* numbers)
+    : SceneStream(scene, open(scene, options, policy, numbers), std::move(source), options, policy) {}
 
 SceneStream::SceneStream(const PagedScene& scene, Opened opened, PageSource source, const Options& options,
                          const ThreadPool& policy)
@@ -101,6 +104,7 @@ SceneStream::SceneStream(const PagedScene& scene, Opened opened, PageSource sour
       page_bytes_(bytes_for_pages(options)),
       pool_bytes_(0),
       tile_edge_(options.cuda_device ? device_tile_edge : cpu_tile_edge),
+      cells_alone_(options.cells_alone),
       layout_(std::move(opened.layout)),
       map_(std::move(opened.map)),
       shading_(options.light, scene.header(), options.surface),
@@ -228,11 +232,43 @@ SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& request
     new_bricks_.clear();
   }
   caster_->put_nodes(allocator_.take_changes());
+  missing.insert(missing.end(), exchange_missing_.begin(), exchange_missing_.end());
   pager_.request(missing);
   remove_loaded_roots();
   served.evicted_used = allocator_.evicted_used();
   uploads_ += served.uploads;
   return served;
+}
+
+bool SceneStream::has_layout_of(const PagedScene& next) const {
+  Options options;
+  options.cells_alone = cells_alone_;
+  const CellLayout layout = open(next, options, policy_, nullptr).layout;
+  const auto min_of = [](const kernels::CastCell& cell) { return cell.min; };
+  return layout.scene.min == layout_.scene.min && layout.scene.max == layout_.scene.max &&
+         layout.scene.cell_bits == layout_.scene.cell_bits && layout.column_key == layout_.column_key &&
+         layout.column_first == layout_.column_first &&
+         std::ranges::equal(layout.cells, layout_.cells, {}, min_of, min_of);
+}
+
+void SceneStream::begin_exchange(const PagedScene& next, const ShardNumbers& numbers, std::vector<Box3i64> changed) {
+  Options options;
+  options.cells_alone = cells_alone_;
+  exchange_missing_.clear();
+  exchange_.emplace(open(next, options, policy_, &numbers).map, std::move(changed), allocator_, layout_);
+}
+
+bool SceneStream::advance_exchange(const kernels::StopAsked& enough) {
+  pager_.begin_pass();
+  exchange_missing_.clear();
+  if (!exchange_->prepare(pager_, shading_, policy_, enough, exchange_missing_)) {
+    pager_.request(exchange_missing_);
+    return false;
+  }
+  uploads_ += exchange_->enter(*caster_);
+  map_ = exchange_->take_map();
+  exchange_.reset();
+  return true;
 }
 
 }  // namespace gigabake

@@ -15,6 +15,7 @@
 #include "kernels/render/caster.h"
 #include "viewer/light/shading.h"
 #include "viewer/stream/cell_layout.h"
+#include "viewer/stream/exchange/scene_exchange.h"
 #include "viewer/stream/pager.h"
 #include "viewer/stream/pool_allocator.h"
 #include "viewer/stream/shard_map.h"
@@ -48,10 +49,11 @@ class SceneStream {
     bool is_full = false;       ///< a request was dropped, because everything in the pools is in use
   };
 
-  /// Borrows `policy`.
+  /// Borrows `policy`. `numbers` are the shards' numbers in the keys of pages; null: the order of the scene.
   /// Errors  InputError: the errors of lay_out_cells(). UsageError: less memory than the scene's roots need.
   ///         CudaFailure, also from all members that use the caster.
-  SceneStream(const PagedScene& scene, PageSource source, const Options& options, const ThreadPool& policy);
+  SceneStream(const PagedScene& scene, PageSource source, const Options& options, const ThreadPool& policy,
+              const ShardNumbers* numbers = nullptr);
 
   kernels::Caster& caster() { return *caster_; }
   const CellLayout& layout() const { return layout_; }
@@ -69,6 +71,16 @@ class SceneStream {
   /// Waits until nothing is being read. Returns false on timeout.
   bool settle(std::chrono::milliseconds maximum) { return pager_.settle(maximum); }
   bool has_loaded_pages() const { return pager_.has_loaded_pages(); }
+
+  /// Begins to exchange the contents of the boxes `changed` (lod-0 voxels) for the contents of another scene with the
+  /// same layout. Until the end, images show the previous contents. Replaces an exchange in progress.
+  /// Range   `changed` includes all voxels in which the next scene differs from the shown scene.
+  void begin_exchange(const PagedScene& next, const ShardNumbers& numbers, std::vector<Box3i64> changed);
+  bool has_exchange() const { return exchange_.has_value(); }
+  /// Returns whether the scene has the layout of this stream, so that it can be exchanged.
+  bool has_layout_of(const PagedScene& next) const;
+  /// Continues the exchange until `enough` returns true. Returns true once the new contents are in the pools.
+  bool advance_exchange(const kernels::StopAsked& enough);
 
   /// Makes each later serve() also load the bricks of the roots, requested or not, if the pools can hold all of them.
   /// Then every view has a coarse fallback for the whole scene.
@@ -96,7 +108,8 @@ class SceneStream {
     CellLayout layout;
     ShardMap map;
   };
-  static Opened open(const PagedScene& scene, const Options& options, const ThreadPool& policy);
+  static Opened open(const PagedScene& scene, const Options& options, const ThreadPool& policy,
+                     const ShardNumbers* numbers);
   SceneStream(const PagedScene& scene, Opened opened, PageSource source, const Options& options,
               const ThreadPool& policy);
 
@@ -110,6 +123,7 @@ class SceneStream {
   const ThreadPool& policy_;
   std::uint64_t page_bytes_, pool_bytes_;
   int tile_edge_;
+  bool cells_alone_;
   CellLayout layout_;
   ShardMap map_;
   Shading shading_;
@@ -122,6 +136,8 @@ class SceneStream {
   std::vector<std::uint32_t> new_slots_;
   std::vector<kernels::CastBrick> new_bricks_;
   std::uint64_t uploads_ = 0;
+  std::optional<SceneExchange> exchange_;
+  std::vector<PageKey> exchange_missing_;  ///< pages for which the exchange waits
 };
 
 }  // namespace gigabake

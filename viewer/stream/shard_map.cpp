@@ -52,6 +52,17 @@ ShardMap::ShardMap(const std::vector<SceneCell>& cells)
       cell_count_(std::uint32_t(cells.size())),
       cells_(listed_cells(cells, 0)) {}
 
+ShardMap::ShardMap(const std::vector<SceneCell>& cells, const std::vector<std::uint32_t>& numbers) : ShardMap(cells) {
+  for (ListedCell& cell : cells_) cell.number = numbers.at(cell.number);
+}
+
+ShardMap::ShardMap(const PagedScene& scene, OverviewLevels levels, const ShardNumbers& numbers)
+    : ShardMap(scene, std::move(levels)) {
+  for (ListedCell& cell : cells_) cell.number = numbers.cells.at(cell.number);
+  // find_overview() adds cell_count_, modulo 2^32.
+  for (ListedOverview& overview : overviews_) overview.index = numbers.overviews.at(overview.index) - cell_count_;
+}
+
 ShardMap::ShardMap(const PagedScene& scene, OverviewLevels levels)
     : cell_lods_(levels.levels.front().own_lod()),
       cell_bits_(std::countr_zero(scene.totals().cell_voxels)),

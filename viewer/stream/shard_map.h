@@ -12,6 +12,7 @@
 #include "core/math/vec3.h"
 #include "format/scene/paged_scene.h"
 #include "kernels/marching/locate.h"
+#include "viewer/stream/exchange/shard_table.h"
 #include "viewer/stream/overview_levels.h"
 #include "viewer/stream/pager.h"
 
@@ -46,8 +47,12 @@ class ShardMap {
   /// Creates a map of cells only, which are all in memory. cells[i] has the shard number i.
   /// Range   lay_out_cells() accepts the cells.
   explicit ShardMap(const std::vector<SceneCell>& cells);
+  /// Creates a map of cells only, with the given numbers.
+  ShardMap(const std::vector<SceneCell>& cells, const std::vector<std::uint32_t>& numbers);
   /// Creates a map of a scene with overviews. It finds cells and overviews through the scene's pages.
   ShardMap(const PagedScene& scene, OverviewLevels levels);
+  /// Creates a map of a scene with overviews and without pages, with the given numbers.
+  ShardMap(const PagedScene& scene, OverviewLevels levels, const ShardNumbers& numbers);
 
   /// Returns the number of the last provider of level `lod`. A level may be stored several times: by the cells or by
   /// one overview level, and as duplicates by coarser overview levels. Each of these is a provider. Provider 0 has the

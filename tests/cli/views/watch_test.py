@@ -204,6 +204,19 @@ class Watch(harness.FolderTest):
             return json.loads((self.out / "status.json").read_text())["cells"]["done"]
         return 0
 
+    def test_a_changed_tile_replaces_only_its_cells(self):
+        shutil.copytree(self.root / "sample", self.root / "changing")
+        source = self.root / "changing" / "tileset.json"
+        bake = ["bake", source, "-o", self.out, "--voxel-size", 0.25, "--cell-voxels", 64]
+        GIGABAKE.succeed(*bake)
+        server, key = self.serve()
+        self.wait_for(server, key, lambda s: s["resting"])
+        tiles = self.root / "changing" / "tiles"
+        shutil.copy(tiles / "tile_1_1.glb", tiles / "tile_1_2.glb")
+        GIGABAKE.succeed(*bake)
+        self.wait_for(server, key, lambda s: not s["watching"] and s["resting"])
+        self.expect_the_image_of_render(server, key)
+
     def test_a_killed_bake_is_shown_as_far_as_it_came(self):
         self.start()
         self.pause_when(lambda: len(self.shards()) >= 8)

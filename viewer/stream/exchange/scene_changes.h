@@ -1,0 +1,30 @@
+/// The difference between a scene and the scene that replaces it. Viewers keep equal shards.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/math/box3.h"
+#include "format/scene/paged_scene.h"
+#include "viewer/stream/exchange/shard_table.h"
+
+namespace gigabake {
+
+struct SceneChanges {
+  ShardNumbers numbers;        ///< of the next scene; equal shards keep their numbers
+  std::vector<Box3i64> boxes;  ///< in which voxels of some level differ; lod-0 voxels
+};
+
+/// Returns whether one pool can contain both scenes. They then have the same lattice, place, channels, cell size and
+/// overview levels, and list all shards in scene.xml.
+bool are_exchangeable(const PagedScene& a, const PagedScene& b);
+
+/// Compares the scenes by the content hashes of their shards. Adds the other shards of `next` to the table, and
+/// replaces files of equal content.
+/// Range   are_exchangeable(previous, next); `numbers` are the numbers of the shards of `previous` in `table`.
+/// Exact   A voxel of an overview depends only on the voxels below it, except if the bake has `max_error`. An overview
+///         with `max_error`, or without a changed cell below it, is a changed box.
+SceneChanges changes_between(const PagedScene& previous, const ShardNumbers& numbers, const PagedScene& next,
+                             ShardTable& table);
+
+}  // namespace gigabake
