@@ -68,9 +68,11 @@ __device__ inline std::uint32_t places_of(const BatchView& view) {
   return view.place[view.end - 1] + view.marked[view.end - 1];
 }
 
-/// Returns true if the batch's items and voxels fit. Kernels skip a batch that does not fit; the host enlarges the
-/// arrays and continues with this batch.
-__device__ inline bool batch_fits(const BatchView& view) { return items_fit(view) && places_of(view) <= view.capacity; }
+/// Returns true if the batch's items and voxels fit, and the places have 32 bits. Kernels skip a batch that does not
+/// fit; the host enlarges the arrays and continues with this batch.
+__device__ inline bool batch_fits(const BatchView& view) {
+  return items_fit(view) && places_of(view) <= view.capacity && places_of(view) >= view.place[view.begin];
+}
 
 /// Computes the masks of the batch's bricks and assigns the bricks to fill kernels. Launch with 32 threads per brick
 /// and bricks_per_block bricks per block.

@@ -38,10 +38,22 @@ __global__ void __launch_bounds__(fill_threads) fill_hard_bricks(BatchView view)
   }
 }
 
+/// Returns the number of visible voxels up to the end of the batch; 2^32-1 if the number has more than 32 bits.
+__device__ std::uint32_t visible_of(const BatchView& view, const FinestArrays& level) {
+  const std::uint32_t visible = level.first[view.end];
+  return visible < level.first[view.begin] ? ~0u : visible;
+}
+
+/// Returns true if the batch and its visible voxels fit.
+__device__ bool level_fits(const BatchView& view, const FinestArrays& level) {
+  const std::uint32_t visible = visible_of(view, level);
+  return batch_fits(view) && visible <= level.capacity && visible != ~0u;
+}
+
 /// Moves the voxels of a brick. One warp per brick.
 __global__ void unstage(BatchView view, FinestArrays level) {
   const std::uint32_t brick = view.begin + (blockIdx.x * blockDim.x + threadIdx.x) / 32, lane = threadIdx.x & 31;
-  if (brick >= view.end || !batch_fits(view) || level.first[view.end] > level.capacity) return;
+  if (brick >= view.end || !level_fits(view, level)) return;
   const std::uint32_t staged = view.marked[brick], from = view.place[brick];
   std::uint32_t to = level.first[brick];
   for (std::uint32_t step = 0; step < staged; step += 32) {
@@ -64,8 +76,8 @@ __global__ void finish_batch(BatchView view, FinestArrays level) {
   c.max_items = larger(c.max_items, c.items);
   c.max_pairs = larger(c.max_pairs, pairs_of(view));
   c.max_staged = larger(c.max_staged, items_fit(view) ? places_of(view) : 0);
-  c.visible = level.first[view.end];
-  if (batch_fits(view) && c.visible <= level.capacity) {
+  c.visible = visible_of(view, level);
+  if (level_fits(view, level)) {
     c.fragments += c.batch_fragments;
     c.voxels += c.batch_voxels;
     return;

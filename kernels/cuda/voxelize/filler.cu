@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "core/base/rules.h"
+#include "core/octree/brick.h"
 #include "kernels/cuda/voxelize/fill.cuh"
 #include "kernels/cuda/voxelize/filler.cuh"
 
@@ -135,10 +136,12 @@ class Filler {
   /// Enlarges the arrays that did not suffice. Returns the brick to continue with.
   std::uint32_t enlarge() {
     const BatchCounters& counted = out_.counted;
+    if (counted.max_pairs > max_pairs_of_batch) throw DeviceFull("more than 2^26 triangle-brick pairs in one batch");
+    if (counted.visible == std::numeric_limits<std::uint32_t>::max()) throw DeviceFull("more than 2^32-1 voxels");
     check_cuda(cudaMemsetAsync(&view_.counters->is_stopped, 0, sizeof counted.is_stopped, heap_.stream()),
                "cudaMemsetAsync");
     FillSizes larger = sizes_;
-    larger.pairs_per_batch = enlarged(sizes_.pairs_per_batch, counted.max_pairs);
+    larger.pairs_per_batch = std::min(enlarged(sizes_.pairs_per_batch, counted.max_pairs), max_pairs_of_batch);
     larger.items_per_batch = enlarged(sizes_.items_per_batch, counted.max_items);
     if (sizes_.stage_voxels != 0) larger.stage_voxels = enlarged(sizes_.stage_voxels, counted.max_staged);
     if (counted.visible > sizes_.voxels) larger.voxels = voxels_expected();
@@ -159,10 +162,10 @@ class Filler {
     constexpr double spare = 1.125;
     const BatchCounters& counted = out_.counted;
     const double per_pair = double(counted.finished_voxels) / std::max(1.0, double(counted.finished_pairs)),
-                 expected = spare * per_pair * double(lists_.triangle.size());
-    if (counted.voxels > std::numeric_limits<std::uint32_t>::max()) throw DeviceFull("more than 2^32-1 voxels");
-    return std::uint32_t(
-        std::min(std::max(expected, spare * counted.visible), double(std::numeric_limits<std::uint32_t>::max())));
+                 expected = spare * per_pair * double(lists_.triangle.size()),
+                 maximum =
+                     std::min(double(brick_voxels) * lists_.bricks, double(std::numeric_limits<std::uint32_t>::max()));
+    return std::uint32_t(std::min(std::max(expected, spare * counted.visible), maximum));
   }
 
   /// Moves the finished voxels to larger arrays. If the device has no memory for both, starts again with the first

@@ -13,6 +13,8 @@ namespace gigabake::kernels {
 /// Number of pairs in a group, which one block processes together. A group's items are stored consecutively, in the
 /// order of its pairs.
 inline constexpr unsigned pairs_per_group = 256;
+/// Max number of pairs of a batch: ItemView::where has 26 bits for the pair.
+inline constexpr std::uint32_t max_pairs_of_batch = std::uint32_t(1) << 26;
 
 /// Arrays of items. An item is the overlap of a triangle with one slab of a brick: 64 cells across the triangle's
 /// dominant axis.

@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "core/base/rules.h"
+#include "core/octree/brick.h"
 #include "kernels/cuda/voxelize/filler.cuh"
 #include "kernels/cuda/voxelize/select.cuh"
 #include "kernels/cuda/voxelize/voxelize.cuh"
@@ -92,9 +93,11 @@ FillSizes first_sizes(const BrickLists& lists, const FillRatios& ratios, bool at
                                         1 + std::uint64_t(double(voxels_per_batch) / ratios.voxels_per_pair)});
   FillSizes s;
   s.bricks_per_batch = std::uint32_t(std::max<std::uint64_t>(1, lists.bricks * batch / pairs));
-  s.pairs_per_batch = with_capacity(batch_spare * double(batch) * ratios.pairs_spread, pairs_per_group);
+  s.pairs_per_batch =
+      std::min(with_capacity(batch_spare * double(batch) * ratios.pairs_spread, pairs_per_group), max_pairs_of_batch);
   s.items_per_batch = with_capacity(batch_spare * double(batch) * ratios.pairs_spread * ratios.items_per_pair, 1024);
-  s.voxels = with_capacity(spare * double(pairs) * ratios.voxels_per_pair, 1024);
+  s.voxels = with_capacity(
+      std::min(spare * double(pairs) * ratios.voxels_per_pair, double(brick_voxels) * lists.bricks), 1024);
   s.stage_voxels =
       at_once
           ? 0
