@@ -85,7 +85,7 @@ H5FD_class_t driver_class() {
   H5FD_class_t driver{};
 #if H5_VERSION_GE(1, 13, 0)
   driver.version = H5FD_CLASS_VERSION;
-  driver.value = H5FD_class_value_t(H5FD_RESERVED + 3);  // the range of drivers that are not registered
+  driver.value = H5FD_class_value_t(H5_VFD_RESERVED + 3);  // the range of drivers that are not registered
 #endif
   driver.name = "gigabake file image";
   driver.maxaddr = max_address;
