@@ -166,7 +166,7 @@ bool CellStages::on_device(InFlightCell& cell, const Step& step) {
 void CellStages::prepare() {
   try {
     if (options_.cuda_device) make_baker();
-  } catch (const CudaFailure&) {
+  } catch (const std::exception&) {
     return;
   }
 }
