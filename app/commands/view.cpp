@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <filesystem>
 #include <fmt/core.h>
 #include <memory>
 #include <tuple>
@@ -8,6 +9,8 @@
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
 #include "app/process/missing_report.h"
+#include "cluster/bake/output_folder.h"
+#include "cluster/watch/bake_watch.h"
 #include "format/scene/paged_scene.h"
 #include "viewer/window/window.h"
 
@@ -19,8 +22,17 @@ struct ViewArguments {
   std::string size = "1280x720", output = ".";
 };
 
+/// Returns the scene.xml to show; it need not exist if a bake has planned its cells.
+std::filesystem::path scene_to_view(const std::string& given) {
+  std::error_code error;
+  const bool is_begun = std::filesystem::exists(plan_file_of(given), error) &&
+                        !std::filesystem::exists(std::filesystem::path(given) / "scene.xml", error);
+  return is_begun ? live_scene_argument(given) : scene_argument(given);
+}
+
 void run(ViewArguments& a) {
-  a.live.scene = scene_argument(a.live.scene).string();
+  const std::filesystem::path path = scene_to_view(a.live.scene);
+  a.live.scene = path.string();
   LiveScene::Options scene_options = live_options(a.live);
   WindowOptions window;
   std::tie(window.width, window.height) = size_option(a.size);
@@ -29,7 +41,9 @@ void run(ViewArguments& a) {
     fmt::print("{}\n", line);
     std::fflush(stdout);
   };
-  const PagedScene scene(a.live.scene);  // opened before the window, so that errors are printed on the terminal
+  // The scene is opened before the window, so that errors are printed on the terminal.
+  if (std::filesystem::exists(path) || !std::filesystem::exists(plan_file_of(path.parent_path()))) PagedScene{path};
+  scene_options.watch = std::make_shared<BakeWatch>(path.has_parent_path() ? path.parent_path() : ".");
   report_missing_data(complete);
   show_window(a.live.scene, std::move(scene_options), window);
 }

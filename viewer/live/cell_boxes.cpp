@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fmt/format.h>
 #include <utility>
 #include <vector>
 
+#include "core/base/pluralize.h"
 #include "kernels/marching/cast_line.h"
 #include "kernels/marching/cast_ray.h"
 #include "kernels/marching/pixel.h"
@@ -181,6 +183,18 @@ std::optional<std::uint32_t> picked_cell(const Picture& picture, const kernels::
     }
   }
   return open ? open : solid;
+}
+
+std::string cell_text(const CellFacts& facts) {
+  constexpr std::size_t max_tiles = 8;
+  std::string text = fmt::format("{}: {}, {} triangles, {:.1f} % of the cost", facts.name, name_of(facts.state),
+                                 facts.triangles, 100 * facts.cost);
+  if (facts.seconds > 0) text += fmt::format(", {:.1f} s, {} voxels", facts.seconds, facts.voxels);
+  const std::size_t shown = std::min(facts.tiles.size(), max_tiles);
+  text += ", " + pluralize(facts.tiles.size(), "tile");
+  for (std::size_t i = 0; i < shown; ++i) text += (i == 0 ? ": " : ", ") + facts.tiles[i];
+  if (shown < facts.tiles.size()) text += ", …";
+  return facts.error.empty() ? text : text + "; " + facts.error;
 }
 
 }  // namespace gigabake

@@ -162,6 +162,9 @@ class Window {
       case WindowCommand::toggle_keys:
         shows_keys_ = !shows_keys_;
         break;
+      case WindowCommand::report_cell:
+        report_cell();
+        break;
       case WindowCommand::close:
         closed_by_ = "Esc";
         glfwSetWindowShouldClose(window_, GLFW_TRUE);
@@ -199,6 +202,13 @@ class Window {
     if (from) return say(distance_text(*from, *to));
     measured_from_ = to;
     note("from " + place_text(*to) + ": press C at the other end");
+  }
+
+  /// Prints the facts of the cell under the mouse while a bake is watched.
+  void report_cell() {
+    const auto mouse = input_.mouse();
+    if (!mouse) return;
+    if (const auto facts = scene_.facts_at(viewer_, (*mouse)[0], (*mouse)[1])) say(cell_text(*facts));
   }
 
   bool take_frame() {

@@ -3,6 +3,7 @@
 #include <GLFW/glfw3.h>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <imgui.h>
 #include <map>
 #include <utility>
@@ -10,6 +11,7 @@
 namespace gigabake {
 namespace {
 
+constexpr double click_pixels = 4;  ///< a longer movement with a button pressed is a drag
 constexpr double slow_share = 0.2, swing_heights_per_s = 0.3;
 
 const std::map<int, std::array<double, 3>> walks{{GLFW_KEY_W, {1, 0, 0}}, {GLFW_KEY_S, {-1, 0, 0}},
@@ -103,8 +105,17 @@ void WindowInput::typed(unsigned character) {
     commands_.push_back(command->second);
 }
 
+/// Reports a click of the left button if the cursor has not moved.
+void WindowInput::click(int action) {
+  if (action == GLFW_PRESS) pressed_ = {x_, y_};
+  if (action != GLFW_RELEASE || !pressed_) return;
+  const std::array<double, 2> from = *std::exchange(pressed_, std::nullopt);
+  if (std::hypot(x_ - from[0], y_ - from[1]) < click_pixels) commands_.push_back(WindowCommand::report_cell);
+}
+
 void WindowInput::button(int button, int action) {
   touch();
+  if (button == GLFW_MOUSE_BUTTON_LEFT && !ImGui::GetIO().WantCaptureMouse) click(action);
   if (action == GLFW_RELEASE) buttons_.erase(button);
   if (action == GLFW_PRESS && !ImGui::GetIO().WantCaptureMouse) buttons_.insert(button);
 }

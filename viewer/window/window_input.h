@@ -22,6 +22,7 @@ enum class WindowCommand {
   record,
   toggle_panel,
   toggle_keys,
+  report_cell,  ///< a click without a movement
   close
 };
 
@@ -61,6 +62,7 @@ class WindowInput {
 
  private:
   double window_height() const;
+  void click(int action);
 
   GLFWwindow* window_;
   ViewerInput pending_;
@@ -69,6 +71,7 @@ class WindowInput {
   std::set<int> held_;  ///< keys that move or turn
   std::set<int> buttons_;
   double x_ = 0, y_ = 0;
+  std::optional<std::array<double, 2>> pressed_;  ///< position of the cursor when the left button was pressed
   bool slow_ = false, repeats_ = false, sent_held_ = false, touched_ = true;
 };
 

@@ -5,7 +5,9 @@ Usage: view_test.py GIGABAKE SOURCE_DIR
 """
 import json
 import os
+import re
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -134,6 +136,29 @@ class View(harness.FolderTest):
         path = self.root / "rendered.png"
         GIGABAKE.succeed("render", self.scene, "-o", path, "--size", "{}x{}".format(*SIZE), *options)
         return path
+
+    def test_a_window_follows_a_bake_and_reports_the_cell_at_a_click(self):
+        out = self.root / "watched"
+        command = [GIGABAKE.executable, "bake", self.root / "sample" / "tileset.json", "-o", out,
+                   "--voxel-size", "0.25", "--cell-voxels", "32", "--threads", "1"]
+        bake = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+        self.addCleanup(lambda: bake.poll() is None and os.killpg(bake.pid, signal.SIGKILL))
+        while len(list((out / "shards").glob("c_*.h5"))) < 8:
+            self.assertIsNone(bake.poll(), "the bake ended before")
+            time.sleep(0.002)
+        os.killpg(bake.pid, signal.SIGSTOP)
+        self.scene = out
+        self.open_window()
+        positions = iter([(x, y) for y in range(20, SIZE[1], 20) for x in range(20, SIZE[0], 20)] * 100)
+
+        def clicked():  # the panel covers some positions
+            self.screen.hands("mousemove", "--window", self.window, *next(positions), "sleep", 0.05, "click", 1)
+            return re.search(r"^c_[-\d_]+: (waiting|baking|done), \d+ triangles", self.process.said(), re.MULTILINE)
+
+        self.wait_for(clicked)
+        os.killpg(bake.pid, signal.SIGCONT)
+        self.assertEqual(bake.wait(timeout=300), 0)
+        self.wait_for(lambda: "loading" not in self.title())
 
     def test_the_saved_picture_has_the_bytes_of_render_and_is_on_the_screen(self):
         camera = ("--eye=60,-70,50", "--target=0,0,0")

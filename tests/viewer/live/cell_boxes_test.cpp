@@ -98,5 +98,19 @@ TEST(CellBoxes, AClickFindsTheFirstOpenCellBeforeTheSurface) {
   EXPECT_EQ(picked_cell(grey_picture(1000), camera_to_north(), std::vector<CellBox>{boxes[2]}, 0.5, 0.5), std::nullopt);
 }
 
+TEST(CellBoxes, TheTextOfACellNamesItsFirstTilesAndItsError) {
+  CellFacts facts;
+  facts.name = "c_1_2_0";
+  facts.state = CellState::failed;
+  facts.triangles = 120;
+  facts.cost = 0.03;
+  facts.tiles = {"a.glb"};
+  facts.error = "disk full";
+  EXPECT_EQ(cell_text(facts), "c_1_2_0: failed, 120 triangles, 3.0 % of the cost, 1 tile: a.glb; disk full");
+  facts.tiles.assign(9, "b.glb");
+  facts.error.clear();
+  EXPECT_TRUE(cell_text(facts).ends_with("9 tiles: b.glb, b.glb, b.glb, b.glb, b.glb, b.glb, b.glb, b.glb, …"));
+}
+
 }  // namespace
 }  // namespace gigabake
