@@ -1,7 +1,6 @@
 #include "core/base/trace.h"
 
 #include <atomic>
-#include <utility>
 
 namespace gigabake {
 namespace {
@@ -12,10 +11,10 @@ std::atomic<TraceSink> receiver{nullptr};
 
 void set_trace_sink(TraceSink sink) noexcept { receiver = sink; }
 
-TraceSpan::TraceSpan(const char* name, std::string what, TraceClock::duration min_time)
+TraceSpan::TraceSpan(const char* name, std::string_view what, TraceClock::duration min_time)
     : name_(name), sink_(receiver), min_time_(min_time) {
   if (sink_ == nullptr) return;
-  what_ = std::move(what);
+  what_ = what;
   start_ = TraceClock::now();
 }
 

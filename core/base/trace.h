@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <string>
+#include <string_view>
 
 namespace gigabake {
 
@@ -21,7 +22,7 @@ void set_trace_sink(TraceSink sink) noexcept;
 /// Cost    Without a receiver, one comparison.
 class TraceSpan {
  public:
-  explicit TraceSpan(const char* name, std::string what = {}, TraceClock::duration min_time = {});
+  explicit TraceSpan(const char* name, std::string_view what = {}, TraceClock::duration min_time = {});
   ~TraceSpan();
   TraceSpan(const TraceSpan&) = delete;
   TraceSpan& operator=(const TraceSpan&) = delete;

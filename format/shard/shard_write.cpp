@@ -132,7 +132,7 @@ StoredShard write_packed_shard(const std::filesystem::path& path, const PackedSh
   const Ahead ahead(shard);
   const bool in_memory = ahead.is_packed || ahead.bytes <= options.image_bytes;
   std::unique_lock turn(hdf5_mutex(), std::defer_lock);
-  if (in_memory && ahead.is_packed) {
+  if (ahead.is_packed) {
     const TraceSpan span("wait for HDF5");
     turn.lock();
   }

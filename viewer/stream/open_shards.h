@@ -47,4 +47,8 @@ class OpenShards {
   LruCache<std::uint32_t, std::shared_ptr<Shard>> shards_;  ///< by number; the cost of a shard is 1
 };
 
+/// Returns the page of node rows or bricks that the key names.
+/// Errors  InputError, as ShardPages::nodes() and level().
+Page page_of(const ShardPages& shard, const PageKey& key);
+
 }  // namespace gigabake

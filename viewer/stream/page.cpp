@@ -47,6 +47,15 @@ PageSource pages_from_files(std::shared_ptr<const PagedScene> scene,
   return pages_from_open_shards(std::move(scene), std::move(files_opened), max_open_shards);
 }
 
+Page page_of(const ShardPages& shard, const PageKey& key) {
+  Page page;
+  if (key.part == PageKey::node_rows)
+    page.rows = shard.nodes(std::uint64_t(key.block) * nodes_per_block, nodes_per_block);
+  else
+    page.bricks = shard.level(key.part, std::uint64_t(key.block) * bricks_per_block, bricks_per_block);
+  return page;
+}
+
 PageSource pages_from_open_shards(std::shared_ptr<const PagedScene> scene,
                                   std::shared_ptr<std::atomic<std::uint64_t>> files_opened, std::size_t max_open) {
   struct Files {
@@ -58,13 +67,7 @@ PageSource pages_from_open_shards(std::shared_ptr<const PagedScene> scene,
   };
   return [files = std::make_shared<Files>(std::move(scene), files_opened, max_open)](const PageKey& key) {
     if (key.part <= PageKey::listing) return files->numbers.listing(key);
-    const auto shard = files->shards.get(key.shard);
-    Page page;
-    if (key.part == PageKey::node_rows)
-      page.rows = shard->nodes(std::uint64_t(key.block) * nodes_per_block, nodes_per_block);
-    else
-      page.bricks = shard->level(key.part, std::uint64_t(key.block) * bricks_per_block, bricks_per_block);
-    return page;
+    return page_of(*files->shards.get(key.shard), key);
   };
 }
 

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/octree/brick.h"
 #include "format/scene/shard_of_scene.h"
+#include "viewer/stream/open_shards.h"
 
 namespace gigabake {
 namespace {
@@ -76,13 +77,7 @@ ShardTable::Pages ShardTable::opened(std::uint32_t number) {
 
 Page ShardTable::page(const PageKey& key) {
   const Pages pages = opened(key.shard);
-  if (!pages) return page_of_empty(key);
-  Page page;
-  if (key.part == PageKey::node_rows)
-    page.rows = pages->nodes(std::uint64_t(key.block) * nodes_per_block, nodes_per_block);
-  else
-    page.bricks = pages->level(key.part, std::uint64_t(key.block) * bricks_per_block, bricks_per_block);
-  return page;
+  return pages ? page_of(*pages, key) : page_of_empty(key);
 }
 
 }  // namespace gigabake
