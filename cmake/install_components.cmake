@@ -3,7 +3,7 @@ include(CMakePackageConfigHelpers)
 include(cmake/public_headers.cmake)
 
 # Each component follows the components that it links.
-set(gb_installed_components core georeference system area shard scene source export kernels viewer query)
+set(gb_installed_components core georeference system area edit shard scene source export kernels viewer query)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/gigabake)
 
 # gb_install_component(component): installs the library of a component, its public headers, and gigabake-<component>.cmake, which

@@ -137,7 +137,7 @@ void scan_source(BakeSession& s) {
 
 /// Makes the plan on rank 0. Throws on every rank if the losses of the plan prevent a scene.
 void plan_jobs(BakeSession& s, PlanLevels levels) {
-  collective_try(s.mpi, [&] {
+  check_options_collectively(s.mpi, [&] {
     if (s.mpi.rank() != 0) return;
     s.plan = make_plan(s.scans, s.sources.scene, s.request.parameters, levels, s.progress.steps);
     if (s.plan.jobs.empty() && s.plan.losses.empty()) throw InputError(s.request.source, "", no_triangles(s.plan));

@@ -14,13 +14,24 @@ namespace {
 /// Version of the fingerprints. Increment it if shards of the current version may not match their fingerprints. Version
 /// 1 is rejected: its shards may come from other options than their fingerprints.
 constexpr std::uint32_t fingerprint_version = 2;
+/// Precedes the edits, so that they differ from tiles.
+constexpr std::uint32_t edits_mark = 0x74696465;
+
+/// Adds the edits that select a voxel of a cell, in their order; nothing if there are none.
+void add_edits(const EditsInScene& edits, const Box3i64& cell, XXH3_state_t& state) {
+  const std::vector<std::uint32_t> selecting = edits.selecting(cell);
+  if (selecting.empty()) return;
+  XXH3_128bits_update(&state, &edits_mark, sizeof edits_mark);
+  for (const std::uint32_t e : selecting) XXH3_128bits_update(&state, &edits.hash(e), sizeof(Hash128));
+}
 
 }  // namespace
 
 CellFingerprints::CellFingerprints(const BakeParameters& parameters, const std::optional<Geodetic>& origin,
-                                   std::shared_ptr<const Area> area)
+                                   std::shared_ptr<const Area> area, std::shared_ptr<const EditList> edits)
     : frame_{parameters.voxel_size_m, parameters.lattice_origin_m} {
   if (area) area_.emplace(std::move(area), origin);
+  if (edits) edits_.emplace(std::move(edits), origin, frame_);
   ByteWriter w;
   w.put(fingerprint_version);
   w.put(kernel_version);
@@ -44,6 +55,7 @@ Hash128 CellFingerprints::of(const CellJob& job, std::vector<Hash128> tile_sourc
     const Hash128 border = area_->border_hash(frame_, voxels);
     XXH3_128bits_update(&state, &border, sizeof border);
   }
+  if (edits_) add_edits(*edits_, voxels, state);
   const XXH128_hash_t h = XXH3_128bits_digest(&state);
   return {h.low64, h.high64};
 }

@@ -7,6 +7,7 @@
 
 #include "core/octree/parameters.h"
 #include "format/area/area_in_scene.h"
+#include "format/edit/edits_in_scene.h"
 #include "format/job/cell_job.h"
 
 namespace gigabake {
@@ -15,12 +16,14 @@ namespace gigabake {
 /// its own inputs with match().
 /// Exact   A fingerprint depends on the set of tiles and their multiplicity, not on their order, because results do not
 ///         depend on the order of triangles. It depends on the area of interest only if the area's border cuts the
-///         cell, and then only on the border in the cell.
+///         cell, and then only on the border in the cell. It depends on exactly those edits that select a voxel of the
+///         cell, and on their order.
 class CellFingerprints {
  public:
-  /// `area` is the area of interest; null without one.
+  /// `area` is the area of interest; null without one. `edits` are the edits of the scene; null without any.
+  /// Errors  UsageError like AreaInScene() and EditsInScene().
   CellFingerprints(const BakeParameters& parameters, const std::optional<Geodetic>& origin,
-                   std::shared_ptr<const Area> area = nullptr);
+                   std::shared_ptr<const Area> area = nullptr, std::shared_ptr<const EditList> edits = nullptr);
 
   /// Returns the fingerprint of a cell. `tile_sources` has the TileScan::source of each of job.tiles, in any order.
   Hash128 of(const CellJob& job, std::vector<Hash128> tile_sources) const;
@@ -33,6 +36,7 @@ class CellFingerprints {
   std::vector<std::uint8_t> shared_;  ///< inputs that all cells share
   SnapFrame frame_;
   std::optional<AreaInScene> area_;
+  std::optional<EditsInScene> edits_;
 };
 
 }  // namespace gigabake

@@ -9,6 +9,7 @@
 
 #include "core/io/bytes.h"
 #include "format/area/area.h"
+#include "format/edit/edit_json.h"
 #include "format/source/raster/crs_map.h"
 #include "format/source/raster/dem.h"
 #include "format/source/tiles/archive.h"
@@ -299,6 +300,7 @@ std::vector<std::uint8_t> to_bytes(const SceneSources& sources) {
   w.put(sources.notes);
   w.put(std::uint8_t(sources.area != nullptr));
   if (sources.area) put(w, *sources.area);
+  w.put(sources.edits ? to_json(*sources.edits) : std::string());
   return w.take();
 }
 
@@ -317,6 +319,9 @@ SceneSources sources_from_bytes(std::span<const std::uint8_t> bytes) {
   bool has_area = false;
   r.get(has_area);
   if (has_area) sources.area = std::make_shared<const Area>(with_crs_map(get_area(r)));
+  std::string edits;
+  r.get(edits);
+  if (!edits.empty()) sources.edits = std::make_shared<const EditList>(edits_from_json("the scene's edits", edits));
   r.expect_end();
   return sources;
 }

@@ -20,6 +20,7 @@ namespace gigabake {
 class Archive;
 struct Area;
 struct DemTile;
+struct Edit;
 
 /// Statements about the elevation rasters of a source. A scene .json has its own statements per raster.
 struct RasterOptions {
@@ -83,6 +84,7 @@ struct SceneSources {
   std::vector<SkippedSource> skipped;
   std::vector<std::string> notes;              ///< information on the sources' places for the user; one line each
   std::shared_ptr<const Area> area = nullptr;  ///< SourceOptions::area
+  std::shared_ptr<const std::vector<Edit>> edits = nullptr;  ///< edits of the scene, in their order; null: none
   std::uint64_t outside = 0;  ///< known content files that were not opened, because they lie outside the area
 };
 

@@ -53,6 +53,17 @@ using VoxelMask = std::array<std::uint64_t, 8>;
 /// Threads call it concurrently.
 using KeptVoxels = std::function<VoxelMask(const Vec3i64& min)>;
 
+struct Level;
+
+/// The edits of a cell, as functions of its bricks. Keys are Morton codes of bricks in the window.
+struct LevelEdits {
+  /// Applies the edits to the voxels of lod 0, of which `level` has the bricks with keys in [first, end). May remove
+  /// bricks, and add bricks in this range.
+  std::function<void(Level& level, std::uint64_t first, std::uint64_t end)> apply;
+  /// Returns an upper bound of the number of voxels that the edits fill in the bricks with keys in [first, end).
+  std::function<std::uint64_t(std::uint64_t first, std::uint64_t end)> filled_voxels;
+};
+
 struct CellParameters {
   SnapFrame frame;
   Vec3i64 window_min{};                ///< lod-0 voxels, multiples of 8
@@ -62,9 +73,11 @@ struct CellParameters {
   bool normals = true;
   bool directional_coverage =
       true;  ///< store the directional coverage of MipFilter::coverage; the filter uses it in either case
-  std::uint32_t max_error = 0;     ///< max error of stored values in units of 1/255 (quantize_groups.h); at most 127
-  std::uint64_t memory_bytes = 0;  ///< target; bricks are processed in batches to meet it. 0: no bound
-  KeptVoxels kept = nullptr;       ///< voxels of lod 0 that are kept; all if null. Only the CPU backend accepts it
+  std::uint32_t max_error = 0;        ///< max error of stored values in units of 1/255 (quantize_groups.h); at most 127
+  std::uint64_t memory_bytes = 0;     ///< target; bricks are processed in batches to meet it. 0: no bound
+  const LevelEdits* edits = nullptr;  ///< applied to lod 0 before other voxels are computed; none if null
+  KeptVoxels kept = nullptr;          ///< voxels of lod 0 that are kept after the edits; all if null. Only the CPU
+                                      ///< backend accepts it
 };
 
 /// Returns true if lod-0 voxels have planes.

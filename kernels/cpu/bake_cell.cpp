@@ -110,6 +110,8 @@ void add_all_but_finest(Level finest, const CellParameters& parameters, const Th
 CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, const ThreadPool& pool) {
   CellVolume volume;
   Level finest = finest_level(input, parameters, pool, volume.stats);
+  if (parameters.edits != nullptr)
+    parameters.edits->apply(finest, 0, std::uint64_t(1) << key_bits(window_of(parameters)));
   if (parameters.kept) clip(finest, parameters, pool);
   add_all_but_finest(std::move(finest), parameters, pool, volume);
   return volume;

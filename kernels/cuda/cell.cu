@@ -8,6 +8,7 @@
 #include "kernels/cpu/mip/levels.h"
 #include "kernels/cuda/cell.cuh"
 #include "kernels/cuda/device/download.cuh"
+#include "kernels/cuda/edit.cuh"
 #include "kernels/cuda/mip/hash.cuh"
 #include "kernels/cuda/voxelize/quantize_groups.cuh"
 
@@ -61,15 +62,23 @@ struct CellBake::Cell {
 
 /// The octree nodes that a cell can be split into, and the pairs before each of them.
 struct CellBake::Units {
-  int level;  ///< number of levels above the bricks
-  std::vector<std::uint64_t> pairs_before;
+  int level;                                      ///< number of levels above the bricks
+  std::vector<std::uint64_t> pairs_before{0};     ///< of triangles and bricks
+  std::vector<std::uint64_t> contents_before{0};  ///< pairs, and voxels that edits fill
 
+  void push_back(std::uint64_t pairs, std::uint64_t filled_voxels) {
+    pairs_before.push_back(pairs_before.back() + pairs);
+    contents_before.push_back(contents_before.back() + pairs + filled_voxels);
+  }
   std::uint64_t pairs(std::size_t first, std::size_t end) const { return pairs_before[end] - pairs_before[first]; }
-  /// Returns the unit inside (first, end) that splits the pairs into about equal halves.
+  std::uint64_t contents(std::size_t first, std::size_t end) const {
+    return contents_before[end] - contents_before[first];
+  }
+  /// Returns the unit inside (first, end) that splits the contents into about equal halves.
   /// Range   At least two units.
   std::size_t middle(std::size_t first, std::size_t end) const {
-    const auto at = pairs_before.begin();
-    const std::uint64_t half = pairs_before[first] + pairs(first, end) / 2;
+    const auto at = contents_before.begin();
+    const std::uint64_t half = contents_before[first] + contents(first, end) / 2;
     const auto found = std::lower_bound(at + std::ptrdiff_t(first) + 1, at + std::ptrdiff_t(end) - 1, half);
     return std::size_t(found - at);
   }
@@ -82,7 +91,8 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
   out.window_min = parameters.window_min;
   out.max_error = parameters.max_error;
   const InputView input = uploaded.view();
-  if (input.triangle_count == 0) return;
+  const bool has_triangles = input.triangle_count != 0;
+  if (!has_triangles && parameters.edits == nullptr) return;
   // Live bytes should stay within 1.2 times input and output. The output per triangle is estimated from the last cell.
   const double input_bytes = double(uploaded.bytes_with_textures()),
                output_bytes = output_per_triangle_ * double(input.triangle_count);
@@ -96,10 +106,11 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
   clock_.mark(0);
   DeviceArray<SnappedVertex> vertices;
   DeviceArray<SnapWindow> window;
-  if (double(input.vertex_count) * sizeof(SnappedVertex) < 0.1 * (input_bytes + output_bytes)) {
+  if (has_triangles && double(input.vertex_count) * sizeof(SnappedVertex) < 0.1 * (input_bytes + output_bytes)) {
     vertices = snap_vertices(heap_, cell.input, cell.window);
     cell.input.vertices = vertices.data();
-  } else {  // keeping the vertices would take more than half of the spare 20 %, so each access snaps again
+  } else if (
+      has_triangles) {  // keeping the vertices would take more than half of the spare 20 %, so each access snaps again
     window = DeviceArray<SnapWindow>(heap_, 1);
     const SnapWindow& snapped_to = cell.window;
     upload_async(window.data(), &snapped_to, sizeof snapped_to, heap_.stream(), "cudaMemcpyAsync (window)");
@@ -114,16 +125,18 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
 /// Computes the levels [0, lods) of a range of bricks. Records the clock's marks 2 to 5.
 LevelsAbove CellBake::levels_of(const Cell& cell, KeyRange range, int lods, BinCapacity& capacity, CellStats& stats) {
   clock_.mark(2);
-  BrickLists lists = [&] {
+  BrickLists lists;
+  if (cell.input.triangle_count != 0) {
     const TraceSpan span("bin");
-    return bin_triangles(heap_, cell.input, cell.window, range, capacity, stats);
-  }();
+    lists = bin_triangles(heap_, cell.input, cell.window, range, capacity, stats);
+  }
   clock_.mark(3);
   DeviceLevel finest;
   const TraceSpan span("voxelize and levels");
   if (lists.bricks != 0)
     finest = voxelize(heap_, cell.input, cell.room, cell.window, std::move(lists), cell.parameters, cell.materials,
                       fill_ratios_, stats);
+  if (cell.parameters.edits != nullptr) edit_level(heap_, pinned_, *cell.parameters.edits, range, host_, finest);
   clock_.mark(4);
   LevelsAbove all;
   if (finest.bricks != 0) {
@@ -157,7 +170,7 @@ bool CellBake::bake_at_once(const Cell& cell, BakedCell& out) {
     if (!levels.empty()) nodes = brick_nodes(heap_, levels);
     std::uint64_t bytes = 0;
     for (const DeviceLevel& level : levels) bytes += level.bytes();
-    output_per_triangle_ = double(bytes) / double(cell.input.triangle_count);
+    if (cell.parameters.edits == nullptr) output_per_triangle_ = double(bytes) / double(cell.input.triangle_count);
     clock_.mark(6);
     out.levels = std::move(levels);
     out.nodes = std::move(nodes);
@@ -187,12 +200,16 @@ DownsampleState CellBake::source_of(const LevelsAbove& all, int lod, MipFilter f
 /// on the host.
 void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
   Units units{std::clamp(cell.window.levels - levels_above_units, std::min(min_unit_level, cell.window.levels),
-                         cell.window.levels),
-              {0}};
+                         cell.window.levels)};
   heap_.limit_to(0);
-  for (const std::uint64_t pairs : pairs_by_unit(heap_, cell.input, cell.window, units.level, out.cell_stats))
-    units.pairs_before.push_back(units.pairs_before.back() + pairs);
-  bake_units(cell, units, 0, units.pairs_before.size() - 1, out);
+  std::vector<std::uint64_t> pairs(std::size_t(1) << 3 * (cell.window.levels - units.level));
+  if (cell.input.triangle_count != 0)
+    pairs = pairs_by_unit(heap_, cell.input, cell.window, units.level, out.cell_stats);
+  const LevelEdits* edits = cell.parameters.edits;
+  for (std::uint64_t u = 0; u < pairs.size(); ++u)
+    units.push_back(pairs[u],
+                    edits == nullptr ? 0 : edits->filled_voxels(u << 3 * units.level, (u + 1) << 3 * units.level));
+  bake_units(cell, units, 0, pairs.size(), out);
   if (out.host_levels.empty()) return;
   std::size_t lod = out.host_levels.size();
   add_coarser_levels(out.host_levels, out.host_surface, cell.window.levels + 1, cell.parameters.mip,
@@ -205,7 +222,7 @@ void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
 
 /// Bakes a range of units; splits it into halves if it does not fit.
 void CellBake::bake_units(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out) {
-  if (units.pairs(first, end) == 0 || bake_part(cell, units, first, end, out)) return;
+  if (units.contents(first, end) == 0 || bake_part(cell, units, first, end, out)) return;
   const std::size_t middle = units.middle(first, end);
   bake_units(cell, units, first, middle, out);
   bake_units(cell, units, middle, end, out);
@@ -219,7 +236,7 @@ bool CellBake::bake_part(const Cell& cell, const Units& units, std::size_t first
   try {
     CellStats stats;
     BinCapacity capacity;
-    capacity.pairs = units.pairs(first, end);
+    capacity.pairs = std::max<std::uint64_t>(units.pairs(first, end), 1);
     const KeyRange keys{std::uint32_t(first << 3 * units.level), std::uint32_t(end << 3 * units.level)};
     const LevelsAbove part = levels_of(cell, keys, units.level + 1, capacity, stats);
     if (!part.levels.empty()) take_part(part, out);

@@ -13,6 +13,7 @@
 #include "format/area/area_in_scene.h"
 #include "format/job/fingerprint.h"
 #include "format/source/raster/dem.h"
+#include "scheduler/plan/edited_cells.h"
 #include "scheduler/plan/overviews.h"
 
 namespace gigabake {
@@ -141,6 +142,21 @@ void add_columns(const std::vector<TileScan>& scans, std::uint32_t cell_voxels, 
   }
 }
 
+/// Appends the cells that fills add, except cells outside the area. Without an area, checks that each edit selects a
+/// voxel of the scene.
+void add_edited_cells(const SceneSources& sources, const BakeParameters& parameters, const std::vector<TileScan>& scans,
+                      const PlannedArea& area, BakePlan& plan) {
+  if (!sources.edits) return;
+  const EditsInScene edits(sources.edits, sources.origin, {parameters.voxel_size_m, parameters.lattice_origin_m});
+  const auto first = std::ptrdiff_t(plan.jobs.size());
+  add_filled_cells(edits, scans, parameters.cell_voxels, plan.jobs);
+  plan.jobs.erase(std::remove_if(plan.jobs.begin() + first, plan.jobs.end(),
+                                 [&](const CellJob& job) { return area.excludes(job); }),
+                  plan.jobs.end());
+  if (!area.is_restricted()) expect_selecting(edits, plan.jobs);
+  plan.bounds = hull(plan.bounds, filled_bounds(edits));
+}
+
 /// A summary of warnings from several sources: one line per text, with summed counts.
 class WarningSummary {
  public:
@@ -253,7 +269,7 @@ void name_jobs(const std::vector<TileScan>& scans, const SceneSources& sources, 
     return std::tie(a.lattice_min[2], a.lattice_min[1], a.lattice_min[0]) <
            std::tie(b.lattice_min[2], b.lattice_min[1], b.lattice_min[0]);
   });
-  const CellFingerprints fingerprints(parameters, sources.origin, sources.area);
+  const CellFingerprints fingerprints(parameters, sources.origin, sources.area, sources.edits);
   progress.step("naming the cells", jobs.size());
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     progress.advance();
@@ -287,6 +303,7 @@ BakePlan make_plan(std::vector<TileScan> scans, const SceneSources& sources, con
   plan.precision = source_precision(scans, sources, parameters.voxel_size_m);
   const PlannedArea area(sources, parameters);
   add_columns(scans, parameters.cell_voxels, area, progress, plan.jobs);
+  add_edited_cells(sources, parameters, scans, area, plan);
   if (area.is_restricted()) plan.bounds = intersection(plan.bounds, box_of(plan.jobs));
   name_jobs(scans, sources, parameters, progress, plan.jobs);
   if (levels == PlanLevels::cells_and_overviews) add_overviews(plan.jobs);

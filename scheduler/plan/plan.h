@@ -45,8 +45,9 @@ enum class PlanLevels { cells, cells_and_overviews };
 
 /// Makes the plan. `scans` has one entry per entry of sources.tiles. A stack of cells is centred on the height range of
 /// its column. It starts at a multiple of the coarsest level's voxel, so that every level of every cell lies on one
-/// grid. Cells that no tile overlaps are omitted.
-/// Errors  Stopped if `progress` cancels the plan.
+/// grid. Cells that no tile overlaps and no edit fills are omitted (scheduler/plan/edited_cells.h).
+/// Errors  UsageError with file and key: an edit selects no voxel of the scene, does not fit the lattice, or fills too
+///         many cells. Stopped if `progress` cancels the plan.
 BakePlan make_plan(std::vector<TileScan> scans, const SceneSources& sources, const BakeParameters& parameters,
                    PlanLevels levels = PlanLevels::cells, const Progress& progress = {});
 

@@ -133,6 +133,7 @@ CellStages::CellStages(SceneSources sources, BakeParameters parameters, const Wo
       pool_(options_.threads),
       write_pool_(writer_pool_size_for(options_).threads) {
   if (sources_.area) area_.emplace(sources_.area, sources_.origin);
+  if (sources_.edits) edits_.emplace(sources_.edits, sources_.origin, snap_frame(parameters_));
 }
 
 bool CellStages::is_wholly_inside(const CellJob& job) const {
@@ -140,8 +141,23 @@ bool CellStages::is_wholly_inside(const CellJob& job) const {
                        AreaOverlap::inside;
 }
 
-kernels::CellParameters CellStages::parameters_of(const CellJob& job, std::uint64_t memory_bytes) const {
+/// Finds the edits that select a voxel of the cell, and claims the memory of the voxels that they fill.
+void CellStages::find_edits(InFlightCell& cell) const {
+  if (!edits_) return;
+  auto edits = std::make_unique<const CellEdits>(*edits_, cell_parameters(cell.job, parameters_, 0), pool_);
+  if (edits->empty()) return;
+  constexpr std::uint64_t voxel_bytes = 2 * (4 + 2 + directional_coverage_bytes);
+  cell.edits = std::move(edits);
+  cell.edit_functions = cell.edits->functions();
+  const std::uint64_t bricks = cell.job.cell_voxels / brick_edge;
+  cell.loaded->memory.add_items(cell.edit_functions.filled_voxels(0, bricks * bricks * bricks), voxel_bytes, "edits",
+                                "filled voxels");
+}
+
+kernels::CellParameters CellStages::parameters_of(const InFlightCell& cell, std::uint64_t memory_bytes) const {
+  const CellJob& job = cell.job;
   kernels::CellParameters p = cell_parameters(job, parameters_, memory_bytes);
+  if (cell.edits) p.edits = &cell.edit_functions;
   if (!is_wholly_inside(job))
     p.kept = [this](const Vec3i64& min) { return area_->inside(snap_frame(parameters_), min); };
   return p;
@@ -196,6 +212,7 @@ void CellStages::read(InFlightCell& cell) {
     return;
   }
   cell.loaded = loader_.load(cell.job);
+  find_edits(cell);
   on_device(cell, [&] {
     make_baker();
     cell.device_input = cuda_->upload(cell.loaded->input());
@@ -210,7 +227,7 @@ void CellStages::bake_overview(InFlightCell& overview) const {
 void CellStages::compute(InFlightCell& cell) {
   if (is_overview(cell.job)) return bake_overview(cell);
   const bool baked = on_device(cell, [&] {
-    cell.device_volume = cuda_->bake(*cell.device_input, parameters_of(cell.job, device_kernel_bytes(options_)));
+    cell.device_volume = cuda_->bake(*cell.device_input, parameters_of(cell, device_kernel_bytes(options_)));
     cell.device_input.reset();
     cell.report.on_device = true;
   });
@@ -278,7 +295,7 @@ void CellStages::read_back_volume(InFlightCell& cell) {
 }
 
 void CellStages::bake_on_cpu(InFlightCell& cell) const {
-  cell.volume = kernels::bake_cell(cell.loaded->input(), parameters_of(cell.job, kernel_bytes(options_)), pool_);
+  cell.volume = kernels::bake_cell(cell.loaded->input(), parameters_of(cell, kernel_bytes(options_)), pool_);
 }
 
 void CellStages::clip(InFlightCell& cell, const ShardReader& shard) const {

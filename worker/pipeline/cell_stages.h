@@ -10,10 +10,12 @@
 
 #include "core/base/thread_pool.h"
 #include "format/area/area_in_scene.h"
+#include "format/edit/edits_in_scene.h"
 #include "format/job/cell_job.h"
 #include "kernels/body/cell.h"
 #include "kernels/cuda/baker.h"
 #include "kernels/pack/packer.h"
+#include "worker/edit/cell_edits.h"
 #include "worker/overview/overview_bake.h"
 #include "worker/overview/overview_inputs.h"
 #include "worker/pipeline/cell_loader.h"
@@ -31,7 +33,9 @@ struct InFlightCell {
   /// Kept until the cell is packed or its volume is on the host. If the device fails before that, the CPU bakes from
   /// this data.
   std::optional<LoadedCell> loaded;
-  OverviewChildren children;  ///< input of an overview, instead of `loaded`
+  std::unique_ptr<const CellEdits> edits;  ///< null if no edit selects a voxel of the cell
+  kernels::LevelEdits edit_functions;      ///< of `edits`
+  OverviewChildren children;               ///< input of an overview, instead of `loaded`
   std::shared_ptr<const kernels::CudaInput> device_input;
   std::unique_ptr<kernels::CudaVolume> device_volume;  ///< kept until it is packed or on the host
   std::optional<kernels::PackedCell> packed;           ///< if set, `volume` is empty
@@ -76,7 +80,8 @@ class CellStages {
   template <class Step>
   bool on_device(InFlightCell& cell, const Step& step);
   void bake_on_cpu(InFlightCell& cell) const;
-  kernels::CellParameters parameters_of(const CellJob& job, std::uint64_t memory_bytes) const;
+  void find_edits(InFlightCell& cell) const;
+  kernels::CellParameters parameters_of(const InFlightCell& cell, std::uint64_t memory_bytes) const;
   /// Returns whether the area of interest contains all voxels of the cell.
   bool is_wholly_inside(const CellJob& job) const;
   void bake_overview(InFlightCell& overview) const;
@@ -96,6 +101,7 @@ class CellStages {
   const BakeParameters parameters_;
   const WorkerOptions options_;
   std::optional<AreaInScene> area_;
+  std::optional<EditsInScene> edits_;
   CellLoader loader_;
   OverviewInputs overview_inputs_;
   ThreadPool pool_, write_pool_;   ///< write_pool_: shared by concurrent writers

@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/math/georeference.h"
 #include "core/math/transform.h"
+#include "format/edit/edit_json.h"
 #include "format/source/origin_check.h"
 #include "format/source/raster/dem.h"
 #include "format/source/raster/dem_source.h"
@@ -166,7 +167,7 @@ SceneSources open_scene_json(const std::filesystem::path& file, const Json& json
                              const Progress& progress) {
   const JsonMembers scene(file, json);
   if (scene.find<std::uint64_t>("gigabake") != 1) scene.fail("gigabake", "expected 1, the version of this format");
-  scene.only({"gigabake", "sources"});
+  scene.only({"gigabake", "sources", "edits"});
   std::vector<Entry> entries;
   const Json& list = scene.array("sources");
   std::vector<Entry> surfaces = raster_entries(scene, list, options, progress);
@@ -188,6 +189,7 @@ SceneSources open_scene_json(const std::filesystem::path& file, const Json& json
   if (options.local && entries[0].position)
     throw InputError(file, "sources", "lon/lat placements need a georeference; leave out `local`");
   if (!options.local) out.origin = options.origin ? options.origin : entries[0].position;
+  if (EditList edits = edits_of(scene); !edits.empty()) out.edits = std::make_shared<const EditList>(std::move(edits));
   add_place_warnings(entries, out);
   progress.step("placing the sources", entries.size(), "source");
   for (Entry& e : entries) {

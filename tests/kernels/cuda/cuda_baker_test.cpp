@@ -129,6 +129,60 @@ TEST_F(CudaBakerTest, BakesTheSameBitsInPartsOfAnySize) {
   EXPECT_GT(max_parts, 100u);
 }
 
+/// Returns edits that remove every second brick and fill bricks with keys that are multiples of 37.
+LevelEdits sparse_edits(const CellParameters& parameters) {
+  const auto apply = [parameters](Level& level, std::uint64_t first, std::uint64_t end) {
+    const auto put = [](Level& to, const Level& from, std::size_t b) {
+      to.key.push_back(from.key[b]);
+      to.mask.insert(to.mask.end(), &from.mask[8 * b], &from.mask[8 * b] + 8);
+      const auto begin = std::ptrdiff_t(from.first[b]), stop = std::ptrdiff_t(from.first[b + 1]);
+      to.rgba.insert(to.rgba.end(), from.rgba.begin() + 4 * begin, from.rgba.begin() + 4 * stop);
+      if (!from.normal.empty())
+        to.normal.insert(to.normal.end(), from.normal.begin() + 2 * begin, from.normal.begin() + 2 * stop);
+      if (!from.directional_coverage.empty())
+        to.directional_coverage.insert(to.directional_coverage.end(), from.directional_coverage.begin() + 4 * begin,
+                                       from.directional_coverage.begin() + 4 * stop);
+      to.first.push_back(to.first.back() + std::uint64_t(stop - begin));
+    };
+    Level filled;
+    filled.key = {0}, filled.mask.assign(8, 0), filled.mask[0] = 5, filled.first = {0, 2};
+    filled.rgba = {10, 20, 30, 255, 40, 50, 60, 255};
+    if (parameters.normals) filled.normal = {0, 0, 127, 0};
+    if (has_finest_planes(parameters)) filled.directional_coverage = {0, 0, 0, 35, 0, 0, 0, 0};
+    Level out;
+    out.first = {0};
+    std::size_t b = 0;
+    for (std::uint64_t key = first; key < end; ++key) {
+      const bool is_stored = b < level.key.size() && level.key[b] == key;
+      filled.key[0] = key;
+      if (key % 37 == 0)
+        put(out, filled, 0);
+      else if (is_stored && key % 2 == 0)
+        put(out, level, b);
+      b += is_stored ? 1 : 0;
+    }
+    if (out.key.empty()) out = Level();
+    level = std::move(out);
+  };
+  return {apply, [](std::uint64_t first, std::uint64_t end) { return ((end + 36) / 37 - (first + 36) / 37) * 2; }};
+}
+
+TEST_F(CudaBakerTest, BakesTheSameBitsAsTheCpuWithEditsAtOnceAndInParts) {
+  std::list<test::TestCell> cells = test::all_cells();
+  for (test::TestCell& cell : cells)
+    for (const std::uint64_t bytes : {std::uint64_t(0), std::uint64_t(1)}) {
+      SCOPED_TRACE(cell.name + ", bytes " + std::to_string(bytes));
+      CellParameters parameters = cell.parameters(SurfaceRule::area, MipFilter::coverage, true);
+      const LevelEdits edits = sparse_edits(parameters);
+      parameters.edits = &edits;
+      parameters.memory_bytes = bytes;
+      expect_same_bits(cell, parameters);
+      const CellVolume host = bake_cell({}, parameters, pool_), device = baker_->bake_cell({}, parameters);
+      EXPECT_FALSE(host.levels.empty());
+      expect_equal(host, device);
+    }
+}
+
 TEST_F(CudaBakerTest, KeepsToItsMemory) {
   test::TestCell cell = test::ground("large", 2048, 512, false, true);
   CellParameters parameters = cell.parameters(SurfaceRule::area, MipFilter::coverage, true);

@@ -1,0 +1,27 @@
+/// Edits in a plan: the cells that fills add, and edits that change nothing.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "format/edit/edits_in_scene.h"
+#include "format/job/cell_job.h"
+#include "format/job/tile_scan.h"
+
+namespace gigabake {
+
+/// Appends a cell, without tiles, for each cell in which a fill selects a voxel and that is not among the jobs. In a
+/// column of tiles, cells continue the column's stack upwards and downwards. In other columns, cells begin at multiples
+/// of their edge. Thus, no other cell depends on the edits.
+/// Errors  UsageError with file and key: a fill needs more than max_cells_per_tile cells.
+void add_filled_cells(const EditsInScene& edits, const std::vector<TileScan>& scans, std::uint32_t cell_voxels,
+                      std::vector<CellJob>& jobs);
+
+/// Returns a box that contains all filled voxels; empty without fills.
+Box3i64 filled_bounds(const EditsInScene& edits);
+
+/// Checks that each edit selects a voxel of at least one cell.
+/// Errors  UsageError with file and key for the first edit that does not.
+void expect_selecting(const EditsInScene& edits, const std::vector<CellJob>& jobs);
+
+}  // namespace gigabake

@@ -1,0 +1,130 @@
+#include "worker/edit/cell_edits.h"
+
+#include <algorithm>
+#include <bit>
+#include <optional>
+
+#include "core/octree/morton.h"
+#include "kernels/body/voxelize/window.h"
+#include "worker/edit/edited_brick.h"
+
+namespace gigabake {
+namespace {
+
+using kernels::Level;
+
+/// Edge of the blocks that edits are listed for. Ranges of keys begin and end at blocks of this edge, or of the window.
+constexpr std::int64_t block_edge = 32;
+
+/// Appends bricks [begin, end) of a level.
+void append(const Level& from, std::size_t begin, std::size_t end, Level& to) {
+  if (begin == end) return;
+  const std::uint64_t voxels = to.first.empty() ? 0 : to.first.back();
+  if (to.first.empty()) to.first.push_back(0);
+  const auto copy = [](const auto& source, auto& target, std::uint64_t first, std::uint64_t last) {
+    if (!source.empty())
+      target.insert(target.end(), source.begin() + std::ptrdiff_t(first), source.begin() + std::ptrdiff_t(last));
+  };
+  const std::uint64_t first = from.first[begin], last = from.first[end];
+  copy(from.key, to.key, begin, end);
+  copy(from.mask, to.mask, 8 * begin, 8 * end);
+  for (std::size_t b = begin + 1; b <= end; ++b) to.first.push_back(voxels + from.first[b] - first);
+  copy(from.rgba, to.rgba, 4 * first, 4 * last);
+  copy(from.normal, to.normal, 2 * first, 2 * last);
+  copy(from.directional_coverage, to.directional_coverage, directional_coverage_bytes * first,
+       directional_coverage_bytes * last);
+}
+
+std::size_t lower_brick(const Level& level, std::uint64_t key) {
+  return std::size_t(std::lower_bound(level.key.begin(), level.key.end(), key) - level.key.begin());
+}
+
+}  // namespace
+
+CellEdits::CellEdits(const EditsInScene& edits, const kernels::CellParameters& parameters, const ThreadPool& pool)
+    : in_scene_(edits),
+      parameters_(parameters),
+      pool_(pool),
+      edits_(edits.selecting(Box3i64::cube(parameters.window_min, parameters.window_voxels))) {}
+
+kernels::LevelEdits CellEdits::functions() const {
+  return {[this](Level& level, std::uint64_t first, std::uint64_t end) { apply(level, first, end); },
+          [this](std::uint64_t first, std::uint64_t end) { return filled_voxels(first, end); }};
+}
+
+Vec3i64 CellEdits::lowest_voxel(std::uint64_t brick) const {
+  return parameters_.window_min + static_cast<Vec3i64>(demorton(brick)) * std::int64_t(brick_edge);
+}
+
+std::vector<CellEdits::Block> CellEdits::blocks_in(std::uint64_t first, std::uint64_t end) const {
+  std::vector<Block> blocks;
+  add_blocks(0, parameters_.window_voxels, first, end, edits_, blocks);
+  return blocks;
+}
+
+/// Adds the blocks of a node with edge `edge`. `node` is its Morton code among the nodes of its level.
+void CellEdits::add_blocks(std::uint64_t node, std::int64_t edge, std::uint64_t first, std::uint64_t end,
+                           const std::vector<std::uint32_t>& candidates, std::vector<Block>& out) const {
+  const std::int64_t along = edge / brick_edge;
+  const std::uint64_t bricks = std::uint64_t(along) * std::uint64_t(along) * std::uint64_t(along);
+  if (node * bricks >= end || (node + 1) * bricks <= first) return;
+  const Box3i64 box = Box3i64::cube(lowest_voxel(node * bricks), edge);
+  std::vector<std::uint32_t> near;
+  for (const std::uint32_t e : candidates)
+    if (in_scene_.overlap(e, box) != AreaOverlap::outside) near.push_back(e);
+  if (near.empty()) return;
+  if (edge <= block_edge) return out.push_back({node * bricks, std::move(near)});
+  for (std::uint64_t child = 0; child < 8; ++child) add_blocks(8 * node + child, edge / 2, first, end, near, out);
+}
+
+std::uint64_t CellEdits::filled_voxels(std::uint64_t first, std::uint64_t end) const {
+  std::uint64_t voxels = 0;
+  const std::uint64_t edge = std::min<std::uint64_t>(block_edge, parameters_.window_voxels);
+  for (const Block& block : blocks_in(first, end))
+    for (const std::uint32_t e : block.edits)
+      if (in_scene_.edit(e).type == EditType::fill) {
+        voxels += edge * edge * edge;
+        break;
+      }
+  return voxels;
+}
+
+/// Returns the bricks of a block after its edits.
+Level CellEdits::edited(const Block& block, const Level& level) const {
+  const std::uint64_t edge = std::min<std::uint64_t>(block_edge, parameters_.window_voxels) / brick_edge;
+  std::size_t stored = lower_brick(level, block.first_brick);
+  Level out;
+  for (std::uint64_t key = block.first_brick; key < block.first_brick + edge * edge * edge; ++key) {
+    const bool is_stored = stored < level.key.size() && level.key[stored] == key;
+    EditedBrick brick(in_scene_, lowest_voxel(key), parameters_);
+    if (is_stored) brick.load(level, stored);
+    const bool is_changed = brick.apply(block.edits);
+    if (is_changed)
+      brick.append_to(out, key);
+    else if (is_stored)
+      append(level, stored, stored + 1, out);
+    stored += is_stored ? 1 : 0;
+  }
+  return out;
+}
+
+void CellEdits::apply(Level& level, std::uint64_t first, std::uint64_t end) const {
+  const std::vector<Block> blocks = blocks_in(first, end);
+  std::vector<Level> results(blocks.size());
+  pool_.parallel_for(blocks.size(), 1, [&](std::size_t begin, std::size_t stop, int) {
+    for (std::size_t i = begin; i < stop; ++i) results[i] = edited(blocks[i], level);
+  });
+  const std::uint64_t edge = std::min<std::uint64_t>(block_edge, parameters_.window_voxels) / brick_edge;
+  Level out;
+  std::size_t taken = 0;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    append(level, taken, lower_brick(level, blocks[i].first_brick), out);
+    append(results[i], 0, results[i].key.size(), out);
+    results[i] = Level();
+    taken = lower_brick(level, blocks[i].first_brick + edge * edge * edge);
+  }
+  append(level, taken, level.key.size(), out);
+  level = std::move(out);
+}
+
+}  // namespace gigabake
