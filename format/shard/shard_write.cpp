@@ -1,5 +1,5 @@
 #include <fcntl.h>
-#include <mutex>
+#include <optional>
 
 #include "core/base/trace.h"
 #include "core/base/work_counts.h"
@@ -64,14 +64,6 @@ StoredShard make_file(Hdf5File file, const ShardHeader& header, const Downsample
   return stored;
 }
 
-/// Returns the mutex that serializes the building of packed files in memory. HDF5 locks each of its calls, and a
-/// blocked thread sleeps until it is woken. Four concurrent writers, with 2,000 calls each, take four times as long as
-/// four writers one after the other.
-std::mutex& hdf5_mutex() {
-  static std::mutex turn;
-  return turn;
-}
-
 template <class Visit>
 void for_each_column(const PackedShard& shard, const Visit& visit) {
   for (const PackedColumn& column : shard.nodes) visit(column);
@@ -131,19 +123,21 @@ StoredShard write_packed_shard(const std::filesystem::path& path, const PackedSh
   Publication publication(path);
   const Ahead ahead(shard);
   const bool in_memory = ahead.is_packed || ahead.bytes <= options.image_bytes;
-  std::unique_lock turn(hdf5_mutex(), std::defer_lock);
+  // A packed shard is made in one turn. A turn must not wait for threads, so this thread packs the few other columns.
+  std::optional<Hdf5Turn> turn;
   if (ahead.is_packed) {
     const TraceSpan span("wait for HDF5");
-    turn.lock();
+    turn.emplace();
   }
+  const ShardWriteOptions making{ahead.is_packed ? callers_thread() : options.pool, options.codec, options.image_bytes};
   StoredShard stored =
       make_file(in_memory ? Hdf5File::create(image, path) : Hdf5File::create(publication.temporary(), path),
-                shard.header, shard.above, options, [&](ShardColumns& columns) {
+                shard.header, shard.above, making, [&](ShardColumns& columns) {
                   columns.add_nodes(shard.nodes);
                   columns.add_above(shard.above);
                   for (const PackedLevel& level : shard.levels) columns.add_level(level);
                 });
-  if (turn.owns_lock()) turn.unlock();
+  turn.reset();
   if (in_memory) write_image(image, publication.temporary(), path);
   stored.file = publish(publication);
   return stored;

@@ -52,6 +52,11 @@ int register_lz4(const Hdf5Call& call) {
 
 }  // namespace
 
+std::recursive_mutex& Hdf5Turn::mutex() {
+  static std::recursive_mutex turns;
+  return turns;
+}
+
 void Hdf5Call::fail(const char* name) const {
   std::string reason;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_reason, &reason);

@@ -5,12 +5,25 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <mutex>
 #include <string>
 #include <utility>
 
 namespace gigabake {
 
 using Hdf5Closer = int (*)(std::int64_t id);
+
+/// A turn at HDF5: other threads wait until it ends. A thread may hold several turns at once. HDF5 locks each of its
+/// calls, and a blocked thread sleeps until it is woken. Sequences of calls by several threads would interleave call by
+/// call, which takes several times as long as one sequence after the other. A turn must not wait for other threads.
+class Hdf5Turn {
+ public:
+  Hdf5Turn() : lock_(mutex()) {}
+
+ private:
+  static std::recursive_mutex& mutex();
+  std::unique_lock<std::recursive_mutex> lock_;
+};
 
 /// An owner of an HDF5 identifier.
 class Hdf5Id {
@@ -19,22 +32,27 @@ class Hdf5Id {
   Hdf5Id(Hdf5Id&& o) noexcept : id_(std::exchange(o.id_, -1)), close_(o.close_) {}
   Hdf5Id& operator=(Hdf5Id&&) = delete;
   ~Hdf5Id() {
-    if (id_ >= 0) close_(id_);
+    if (id_ >= 0) close();
   }
   std::int64_t get() const { return id_; }
   /// Closes the identifier now. Returns HDF5's result: negative if data could not be flushed.
-  int close() { return close_(std::exchange(id_, -1)); }
+  int close() {
+    const Hdf5Turn turn;
+    return close_(std::exchange(id_, -1));
+  }
 
  private:
   std::int64_t id_;
   Hdf5Closer close_;
 };
 
-/// Wrapper of calls on one object of one file: `call("H5Pset_chunk", H5Pset_chunk(…))` returns the call's result.
+/// Wrapper of calls on one object of one file: `call("H5Pset_chunk", H5Pset_chunk(…))` returns the call's result. Holds
+/// a turn at HDF5.
 /// Errors  InputError naming file, object, call and HDF5's innermost reason, if the call failed.
 struct Hdf5Call {
   const std::filesystem::path& file;
   std::string object;
+  Hdf5Turn turn{};
 
   template <class Result>
   Result operator()(const char* name, Result result) const {

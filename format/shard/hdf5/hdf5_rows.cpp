@@ -28,9 +28,8 @@ std::uint64_t size_of_file(const Hdf5File& file) {
 
 /// Returns the filters of the dataset. Rejects filters that chunk_codec.h cannot undo. Accepted are an optional
 /// shuffle, then LZ4 or deflate, then the checksum.
-ChunkFilters checked_filters(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set) {
+ChunkFilters checked_filters(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& properties) {
   const Hdf5Call call{file.path(), column.name};
-  const Hdf5Id properties = call.id("H5Dget_create_plist", H5Dget_create_plist(set.get()), H5Pclose);
   std::vector<H5Z_filter_t> found;
   const int count = call("H5Pget_nfilters", H5Pget_nfilters(properties.get()));
   for (int i = 0; i < count; ++i) {
@@ -48,10 +47,12 @@ ChunkFilters checked_filters(const Hdf5File& file, const Hdf5Column& column, con
   file.fail(column.name, "is not stored with the expected filters");
 }
 
-/// Returns the number of rows. Rejects a damaged shape whose rows would need more memory than the stored bytes can
-/// expand to.
-std::uint64_t checked_rows(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set,
-                           std::uint64_t file_bytes) {
+/// The size of a dataset as the file states it.
+struct StatedSize {
+  std::uint64_t rows = 0, stored_bytes = 0;
+};
+
+StatedSize checked_size(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set, std::uint64_t file_bytes) {
   const Hdf5Call call{file.path(), column.name};
   const Hdf5Id space = call.id("H5Dget_space", H5Dget_space(set.get()), H5Sclose);
   const Hdf5Id type = call.id("H5Dget_type", H5Dget_type(set.get()), H5Tclose);
@@ -64,17 +65,19 @@ std::uint64_t checked_rows(const Hdf5File& file, const Hdf5Column& column, const
     file.fail(column.name, "has another type than expected");
   const std::uint64_t stored = H5Dget_storage_size(set.get());
   if (stored > file_bytes) file.fail(column.name, "states a stored size that exceeds the size of the file");
-  if (shape[0] == 0) return 0;
-  if (shape[0] > stored * max_expansion_ratio(checked_filters(file, column, set).codec) / column.row_bytes())
-    file.fail(column.name, "states " + pluralize(shape[0], "row") + ", more than its stored bytes can hold");
-  return shape[0];
+  return {shape[0], stored};
+}
+
+/// Rejects a damaged shape whose rows would need more memory than the stored bytes can expand to.
+void check_expansion(const Hdf5File& file, const Hdf5Column& column, const StatedSize& size, Codec codec) {
+  if (size.rows > size.stored_bytes * max_expansion_ratio(codec) / column.row_bytes())
+    file.fail(column.name, "states " + pluralize(size.rows, "row") + ", more than its stored bytes can hold");
 }
 
 /// Returns the number of rows per chunk, which is the same for all chunks of the dataset.
-std::uint64_t checked_chunk_rows(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set,
+std::uint64_t checked_chunk_rows(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& properties,
                                  std::uint64_t rows) {
   const Hdf5Call call{file.path(), column.name};
-  const Hdf5Id properties = call.id("H5Dget_create_plist", H5Dget_create_plist(set.get()), H5Pclose);
   hsize_t chunk[2] = {0, column.width};
   if (call("H5Pget_layout", H5Pget_layout(properties.get())) != H5D_CHUNKED ||
       call("H5Pget_chunk", H5Pget_chunk(properties.get(), column.dimensions(), chunk)) != column.dimensions() ||
@@ -103,11 +106,15 @@ Hdf5Rows::Hdf5Rows(const Hdf5File& file, const Hdf5Column& column)
       column_(column),
       set_(file.open_column(column)),
       descriptor_(file.descriptor()),
-      file_bytes_(size_of_file(file)),
-      rows_(checked_rows(file, column, set_, file_bytes_)) {
+      file_bytes_(size_of_file(file)) {
+  const Hdf5Call call{file.path(), column.name};
+  const StatedSize size = checked_size(file, column, set_, file_bytes_);
+  rows_ = size.rows;
   if (rows_ == 0) return;
-  filters_ = checked_filters(file, column, set_);
-  chunk_rows_ = checked_chunk_rows(file, column, set_, rows_);
+  const Hdf5Id properties = call.id("H5Dget_create_plist", H5Dget_create_plist(set_.get()), H5Pclose);
+  filters_ = checked_filters(file, column, properties);
+  check_expansion(file, column, size, filters_.codec);
+  chunk_rows_ = checked_chunk_rows(file, column, properties, rows_);
 }
 
 void Hdf5Rows::fail_chunk(std::uint64_t index, const char* message) const {

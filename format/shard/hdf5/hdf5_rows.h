@@ -42,7 +42,7 @@ class Hdf5Rows : public StoredRows {
   Hdf5Id set_;
   int descriptor_;
   ChunkFilters filters_;
-  std::uint64_t file_bytes_, rows_, chunk_rows_ = 0;
+  std::uint64_t file_bytes_, rows_ = 0, chunk_rows_ = 0;
   mutable std::mutex mutex_;
   mutable std::unordered_map<std::uint64_t, Chunk> chunks_;  ///< chunks located so far, by index
 };
