@@ -18,22 +18,34 @@ OverviewQueue::OverviewQueue(const std::vector<CellJob>& jobs)
     missing_.push_back(std::uint32_t(jobs[p].children.size()));
   }
   waiting_ = missing_.size();
+  votes_.resize(missing_.size());
 }
 
 void OverviewQueue::settled(std::uint32_t job, std::optional<int> worker) {
   if (overviews_begin_.empty()) return;
   for (std::uint32_t i = overviews_begin_[job]; i < overviews_begin_[job + 1]; ++i) {
+    Vote& vote = votes_[overviews_[i] - first_overview_];
+    if (worker && vote.lead == 0) vote.worker = *worker;
+    if (worker) vote.worker == *worker ? ++vote.lead : --vote.lead;
     std::uint32_t& missing = missing_[overviews_[i] - first_overview_];
     if (missing == taken || --missing != 0) continue;
-    ready_.push_back({overviews_[i], worker});
+    if (worker && vote.lead == 0) vote = {*worker, 1};
+    ready_.push_back(overviews_[i]);
     --waiting_;
   }
 }
 
+void OverviewQueue::forget(int worker) {
+  for (Vote& vote : votes_)
+    if (vote.worker == worker) vote.lead = 0;
+}
+
 std::optional<std::uint32_t> OverviewQueue::choose(int worker) const {
-  if (ready_.empty()) return std::nullopt;
-  const auto own = std::find_if(ready_.begin(), ready_.end(), [worker](const Ready& r) { return r.worker == worker; });
-  return own == ready_.end() ? ready_.front().overview : own->overview;
+  const auto found = std::find_if(ready_.begin(), ready_.end(), [&](std::uint32_t overview) {
+    const Vote& vote = votes_[overview - first_overview_];
+    return vote.lead == 0 || vote.worker == worker;
+  });
+  return found == ready_.end() ? std::nullopt : std::optional(*found);
 }
 
 void OverviewQueue::take(std::uint32_t overview) {
@@ -42,8 +54,7 @@ void OverviewQueue::take(std::uint32_t overview) {
   if (missing != 0)
     --waiting_;
   else
-    ready_.erase(
-        std::find_if(ready_.begin(), ready_.end(), [overview](const Ready& r) { return r.overview == overview; }));
+    ready_.erase(std::find(ready_.begin(), ready_.end(), overview));
   missing = taken;
 }
 

@@ -13,6 +13,9 @@ namespace {
 constexpr int max_coincidental_losses = 1;
 /// Max number of pending retries that are examined to find one for a worker. The rest is left to other workers.
 constexpr int max_examined = 64;
+/// Number of cells of mean cost per worker that are dispatched in the order of cost. The most expensive of them costs
+/// twice the mean, and may take four times as long as estimated.
+constexpr std::uint64_t mean_cells_at_the_end = 8;
 
 }  // namespace
 
@@ -56,10 +59,12 @@ std::optional<Assignment> Schedule::next(int worker, double now_s) {
   if (stopped_ || w.lost || w.alone || counts_.pending == 0) return std::nullopt;
   if (w.hand.empty())
     if (const auto job = first_allowed(suspects_, worker)) return dispatch_job(*job, worker, true);
-  if (is_reserved(worker, now_s) || !has_room(w)) return std::nullopt;
-  if (const auto job = first_allowed(again_, worker)) return dispatch_job(*job, worker, false);
+  if (is_reserved(worker, now_s) || w.hand.size() >= std::size_t(options_.slots)) return std::nullopt;
+  // An overview is cheap and its children are in this worker's memory, so it does not wait for other cells to finish.
   if (const auto job = overviews_.choose(worker)) return dispatch_job(*job, worker, false);
-  if (const auto job = order_.choose(w.last)) return dispatch_job(*job, worker, false);
+  if (!has_room(w)) return std::nullopt;
+  if (const auto job = first_allowed(again_, worker)) return dispatch_job(*job, worker, false);
+  if (const auto job = order_.choose(worker, w.last, is_ending())) return dispatch_job(*job, worker, false);
   return std::nullopt;
 }
 
@@ -68,9 +73,13 @@ std::optional<Assignment> Schedule::next(int worker, double now_s) {
 /// fraction of the pending cells, by number and by cost.
 bool Schedule::has_room(const Worker& w) const {
   if (w.hand.empty()) return true;
-  if (w.hand.size() >= std::size_t(options_.slots)) return false;
   const std::size_t ready = counts_.pending - overviews_.waiting();
   return live_ == 1 || (w.hand.size() < ready / live_ && w.cost <= pending_cost_ / live_);
+}
+
+/// Returns true if the pending cells are few enough that their order decides when the last worker finishes.
+bool Schedule::is_ending() const {
+  return live_ > 1 && pending_cost_ <= mean_cells_at_the_end * order_.mean_cost() * live_;
 }
 
 /// Returns true if the worker must become idle for an isolated retry. Such a retry needs an idle worker, usually the
@@ -110,7 +119,10 @@ Assignment Schedule::dispatch_job(std::uint32_t job, int worker, bool alone) {
   Worker& w = workers_[std::size_t(worker)];
   w.hand.push_back(job);
   w.cost += cell_cost(jobs_[job]);
-  if (!is_overview(jobs_[job])) w.last = job;
+  if (!is_overview(jobs_[job])) {
+    w.last = job;
+    order_.claim(job, worker);
+  }
   w.alone = alone;
   if (alone && reserved_worker_ == worker) reserved_worker_.reset();
   return {job, ++j.attempt, alone};
@@ -149,6 +161,7 @@ Verdict Schedule::failed(int worker, std::uint32_t job, std::uint32_t attempt, c
 
 void Schedule::process_died(int worker, const std::string& why, double now_s) {
   heard_from(worker, now_s);
+  overviews_.forget(worker);
   const std::vector<std::uint32_t> jobs = empty_hand(workers_[std::size_t(worker)]);
   for (const std::uint32_t job : jobs) {
     trouble_[job].suspect = true;
@@ -174,6 +187,7 @@ void Schedule::lose(int worker, double now_s) {
   Worker& w = workers_[std::size_t(worker)];
   w.lost = true;
   --live_;
+  overviews_.forget(worker);
   if (reserved_worker_ == worker) reserved_worker_.reset();
   const bool alone = w.alone;
   for (const std::uint32_t job : empty_hand(w)) {

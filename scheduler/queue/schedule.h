@@ -67,11 +67,11 @@ struct JobCounts {
 /// Scheduler of jobs. Workers are numbers from 0. A worker is known and alive from the first call that names it. Name
 /// all workers before the first next(), so that even a small number of cells is distributed evenly. Time is monotonic
 /// seconds from an arbitrary origin. An overview is dispatched when all of its children are done or quarantined. Ready
-/// overviews are dispatched before cells, preferably to the worker that finished the last child: that child is still in
-/// the worker's memory.
+/// overviews are dispatched before cells, to the worker that finished most of the children: these are still in the
+/// worker's memory.
 /// Exact   Deterministic: the same calls give the same answers. The schedule uses no clock and no random numbers.
 /// Ends    A cell is dispatched at most 2 + `strikes` times, so every job ends as done, failed or abandoned.
-/// Cost    28 bytes per job, more for jobs with failures; a call is O(log jobs), silent() is O(workers).
+/// Cost    52 bytes per job, more for jobs with failures; a call is O(log jobs), silent() is O(workers).
 class Schedule {
  public:
   /// `jobs` must outlive the schedule.
@@ -142,6 +142,7 @@ class Schedule {
 
   Worker& known(int worker, double now_s);
   bool has_room(const Worker& w) const;
+  bool is_ending() const;
   bool is_reserved(int worker, double now_s);
   bool may_try(int worker, std::uint32_t job) const;
   std::optional<std::uint32_t> first_allowed(const Ranks& waiting, int worker) const;

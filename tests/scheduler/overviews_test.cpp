@@ -182,7 +182,7 @@ TEST_F(FourCells, HaveOverviewsOfOtherNamesWhereACellIsLost) {
   EXPECT_THAT(root.child_files, ElementsAre(shard_path(jobs_[4]).generic_string(), shard_path(holed).generic_string()));
 }
 
-TEST_F(FourCells, MakeTheirOverviewReadyForWhoFinishedTheLast) {
+TEST_F(FourCells, MakeTheirOverviewReadyForAWorkerThatFinishedOne) {
   OverviewQueue queue(jobs_);
   EXPECT_EQ(queue.waiting(), 3u);
   EXPECT_FALSE(queue.choose(0));
@@ -191,12 +191,44 @@ TEST_F(FourCells, MakeTheirOverviewReadyForWhoFinishedTheLast) {
   queue.settled(3, 1);
   queue.settled(2, 3);
   EXPECT_EQ(queue.waiting(), 1u);
+  EXPECT_EQ(queue.choose(2), 4u);
   EXPECT_EQ(queue.choose(3), 5u);
-  EXPECT_EQ(queue.choose(1), 4u) << "the first where none is its own";
+  EXPECT_FALSE(queue.choose(1)) << "the children are in the memory of others";
+  queue.forget(2);
+  EXPECT_EQ(queue.choose(1), 4u);
   queue.take(4);
-  EXPECT_EQ(queue.choose(2), 5u);
+  EXPECT_EQ(queue.choose(3), 5u);
   queue.take(6);  // baked by an earlier run
   EXPECT_EQ(queue.waiting(), 0u);
+}
+
+TEST(OverviewQueue, IsReadyForTheWorkerThatFinishedMoreThanHalfInAnyOrder) {
+  std::vector<CellJob> jobs(12);
+  for (std::uint32_t i = 0; i < jobs.size(); ++i) jobs[i].id = i;
+  jobs[11].first_lod = 1;
+  for (std::uint32_t child = 0; child < 11; ++child) jobs[11].children.push_back(child);
+  std::vector<std::optional<int>> finished_by{5, 5, 5, 5, 5, 5, 7, 8, 7, std::nullopt, 9};
+  for (int round = 0; round < 100; ++round) {
+    const test::RandomSeed seed(round);
+    std::mt19937 random{unsigned(seed)};
+    std::shuffle(finished_by.begin(), finished_by.end(), random);
+    OverviewQueue queue(jobs);
+    for (std::uint32_t child = 0; child < 11; ++child) queue.settled(child, finished_by[child]);
+    EXPECT_EQ(queue.choose(5), 11u);
+    EXPECT_FALSE(queue.choose(7));
+    queue.forget(5);
+    EXPECT_EQ(queue.choose(7), 11u);
+  }
+}
+
+TEST(OverviewQueue, IsReadyForAllIfNoWorkerOfThisRunFinishedAChild) {
+  std::vector<CellJob> jobs(3);
+  for (std::uint32_t i = 0; i < jobs.size(); ++i) jobs[i].id = i;
+  jobs[2].first_lod = 1, jobs[2].children = {0, 1};
+  OverviewQueue queue(jobs);
+  queue.settled(0, std::nullopt);
+  queue.settled(1, std::nullopt);
+  EXPECT_EQ(queue.choose(4), 2u);
 }
 
 }  // namespace
