@@ -13,6 +13,7 @@ enum ExitCode : int { complete = 0, failed = 1, usage = 2, cells_failed = 3, ran
 void add_sample(CLI::App& app, int& exit_code);
 void add_plan(CLI::App& app, int& exit_code);
 void add_bake(CLI::App& app, int& exit_code);
+void add_edit(CLI::App& app, int& exit_code);
 void add_status(CLI::App& app, int& exit_code);
 void add_info(CLI::App& app, int& exit_code);
 void add_verify(CLI::App& app, int& exit_code);

@@ -10,6 +10,7 @@ int main(int argc, char** argv) {
     add_sample(program, exit_code);
     add_plan(program, exit_code);
     add_bake(program, exit_code);
+    add_edit(program, exit_code);
     add_status(program, exit_code);
     add_info(program, exit_code);
     add_verify(program, exit_code);

@@ -30,6 +30,9 @@ const std::map<std::string, Lines> examples{
       "gigabake bake scan.obj --voxel-size 0.01 --up z --codec lz4 -o SCENE",
       "gigabake bake dem.tif --ortho photo.tif --voxel-size 0.5 -o SCENE",
       "mpirun -n 8 gigabake bake city/tileset.json --voxel-size 0.5 --origin 46.93,8.30,610 -o SCENE"}},
+    {"edit",
+     {"gigabake edit SCENE --carve sphere:12,30,4,2.5", "gigabake edit SCENE --fill box:0,0,0,8,4,3 --rgb 200,190,180",
+      "gigabake edit SCENE --from edits.json", "gigabake edit SCENE --undo", "gigabake edit SCENE --list"}},
     {"status", {"gigabake status SCENE", "gigabake status SCENE --follow"}},
     {"info", {"gigabake info SCENE", "gigabake info SCENE --json"}},
     {"verify", {"gigabake verify SCENE", "gigabake verify SCENE --json"}},
@@ -76,8 +79,9 @@ bool reads_sources(const std::string& words) {
 }
 
 bool reads_a_scene(const std::string& words) {
-  return words == "info" || words == "verify" || words == "export" || words == "render" || words == "query" ||
-         words == "view" || words == "serve" || words == "status" || words == "bench render" || words == "bench query";
+  return words == "edit" || words == "info" || words == "verify" || words == "export" || words == "render" ||
+         words == "query" || words == "view" || words == "serve" || words == "status" || words == "bench render" ||
+         words == "bench query";
 }
 
 Lines legends() {

@@ -77,8 +77,8 @@ void expect_own_file(const char* option, const std::string& name, std::string_vi
 
 std::vector<fs::path> files_of_bake(const fs::path& out) {
   std::vector<fs::path> files;
-  for (const char* name :
-       {"scene.xml", "journal", ".lock", "plan", "survey.cache", "status.json", "shards", "pages", "scratch"})
+  for (const char* name : {"scene.xml", "journal", ".lock", "plan", "survey.cache", "status.json", "edits.json",
+                           "source.json", "shards", "pages", "scratch"})
     files.push_back(out / name);
   return files;
 }

@@ -32,16 +32,33 @@ constexpr double heartbeat_timeouts_per_collective = 10;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
+/// Returns the change of OUT/edits.json. Without a requested change, both texts are those in OUT.
+EditsChange edits_change(const BakeRequest& request) {
+  if (request.edits) return *request.edits;
+  const std::string text = request.out.empty() ? std::string() : read_edits_file(request.out);
+  return {text, text};
+}
+
 void open_source(BakeSession& s) {
   set_memory_limit(s.request.memory_bytes);
-  s.sources = open_shared_sources(s.mpi, s.request.source, s.request.source_options, s.progress.steps);
+  SourceOptions options = s.request.source_options;
+  check_options_collectively(s.mpi, [&] {
+    if (s.mpi.rank() != 0) return;  // only rank 0 opens the source
+    s.edits = edits_change(s.request);
+    options.edits = std::make_shared<const EditList>(edits_of_file(s.request.out, s.edits.after));
+  });
+  s.sources = open_shared_sources(s.mpi, s.request.source, options, s.progress.steps);
   if (s.mpi.rank() == 0) s.report(SourceOpened{s.sources.scene});
 }
 
 /// Creates and locks OUT on rank 0; checks on every rank that OUT is visible.
 void claim_output(BakeSession& s) {
   collective_try(s.mpi, [&] {
-    if (s.mpi.rank() == 0) s.out.emplace(s.request.out, s.request.source);
+    if (s.mpi.rank() != 0) return;
+    s.out.emplace(s.request.out, s.request.source);
+    if (read_edits_file(s.request.out) != s.edits.before)
+      throw InputError(edits_file_of(s.request.out), "",
+                       "was changed by another process while this one started; run the same command again");
   });
   collective_try(s.mpi, [&] { expect_output_folder(s.request.out); });
 }

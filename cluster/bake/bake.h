@@ -10,6 +10,7 @@
 #include "cluster/bake/output_folder.h"
 #include "cluster/bake/run_amounts.h"
 #include "cluster/bake/shared_sources.h"
+#include "cluster/edit/scene_edits.h"
 #include "cluster/mpi/collective.h"
 #include "cluster/mpi/mpi_session.h"
 #include "core/base/progress.h"
@@ -41,7 +42,9 @@ struct BakeRequest {
   bool prune = false;     ///< remove shards that the new scene does not use, if it is complete
   std::vector<int> gpus;  ///< devices of each host to use; empty: all
   Timeouts timeouts;
-  std::filesystem::path metrics;  ///< file for rank 0's status in Prometheus format; empty: none
+  std::string source_record;         ///< text of OUT/source.json after the bake; empty: the file remains unchanged
+  std::optional<EditsChange> edits;  ///< change of OUT/edits.json by this bake; nullopt: the file remains unchanged
+  std::filesystem::path metrics;     ///< file for rank 0's status in Prometheus format; empty: none
 };
 
 /// The caller's view of a bake.
@@ -77,8 +80,9 @@ struct BakeSummary {
 
 /// Collective call. Locks OUT during the bake. Returns early once is_drain_requested() is true; if no cell has been
 /// started by then, throws Stopped on every rank instead. The scene and the sums of the summary are filled on rank 0
-/// only. OUT/scene.xml is replaced last. Shards that the new scene.xml does not name are kept unless request.prune is
-/// set.
+/// only. The edits of the source apply first, then the edits of OUT/edits.json. OUT/edits.json and OUT/source.json
+/// change only if the scene is published. OUT/scene.xml is replaced last. Shards that the new scene.xml does not name
+/// are kept unless request.prune is set.
 /// Errors  CollectiveFailure, with OUT/scene.xml unchanged: the source cannot be opened or has no triangles, OUT cannot
 ///         be written, or another bake has locked OUT. CollectiveFailure also if no cell could be baked, or if any
 ///         input is missing without keep_going.

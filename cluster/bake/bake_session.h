@@ -35,6 +35,7 @@ struct BakeSession {
   const BakeProgress& progress;
   StatusFeed* feed;  ///< on rank 0 of a bake
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  EditsChange edits;  ///< on rank 0
   SharedSources sources;
   std::optional<OutputFolder> out;  ///< on rank 0 of a bake
   std::optional<BakeScratch> scratch;

@@ -13,6 +13,7 @@
 #include "core/base/error.h"
 #include "core/base/pluralize.h"
 #include "core/base/quote.h"
+#include "format/system/publish.h"
 #include "scheduler/journal/cached_results.h"
 #include "scheduler/plan/merge.h"
 #include "worker/pipeline/writer_pool_size.h"
@@ -132,6 +133,21 @@ void MasterBake::forget_orphans() {
   }
 }
 
+/// Publishes the scene, and before it the edits and the source that it was baked from. If the scene cannot be
+/// published, the edits are restored.
+void MasterBake::publish_scene() {
+  const EditsChange& edits = session_.edits;
+  if (!request_.source_record.empty()) publish_file(source_file_of(request_.out), request_.source_record);
+  if (edits.after == edits.before) return out_.publish(summary_.scene);
+  write_edits_file(request_.out, edits.after);
+  try {
+    out_.publish(summary_.scene);
+  } catch (...) {
+    write_edits_file(request_.out, edits.before);
+    throw;
+  }
+}
+
 void MasterBake::publish() {
   session_.report(StateEntered{BakeState::publishing});
   out_.expect_shards(summary_.scene);
@@ -140,7 +156,7 @@ void MasterBake::publish() {
   const bool is_empty = summary_.scene.cells.empty();
   if (is_empty && summary_.scene.losses.empty())
     throw nothing_visible(request_.source, session_.sources.scene, plan_, "nothing was published");
-  if (!is_empty) out_.publish(summary_.scene);  // an empty scene was drained before its first voxel
+  if (!is_empty) publish_scene();  // an empty scene was drained before its first voxel
   if (request_.prune && summary_.scene.losses.empty()) {
     summary_.pruned = out_.remove_orphans(summary_.scene);
     forget_orphans();

@@ -34,6 +34,7 @@ class MasterBake {
   std::size_t cells_among(const std::vector<CellReport>& reports) const;
   void forget_orphans();
   void publish();
+  void publish_scene();
 
   BakeSession& session_;
   const BakeRequest& request_;

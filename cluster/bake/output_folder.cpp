@@ -6,6 +6,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "cluster/edit/scene_edits.h"
 #include "core/base/error.h"
 #include "core/base/quote.h"
 #include "format/scene/xml/page_write.h"
@@ -38,7 +39,8 @@ bool is_temporary_file(const std::string& name) {
   if (!target) return false;
   const bool is_in_out = *target == "scene.xml" || fs::path(*target) == status_file({}) ||
                          fs::path(*target) == journal_of({}) || fs::path(*target) == scan_cache_of({}) ||
-                         fs::path(*target) == plan_file_of({});
+                         fs::path(*target) == plan_file_of({}) || fs::path(*target) == edits_file_of({}) ||
+                         fs::path(*target) == source_file_of({});
   return is_in_out || begins_as_a_shard(*target) || target->starts_with("g_");
 }
 

@@ -8,6 +8,7 @@
 #include "core/base/pluralize.h"
 #include "core/math/georeference.h"
 #include "core/math/transform.h"
+#include "format/edit/edit.h"
 #include "format/source/content/composite.h"
 #include "format/source/earth_centred.h"
 #include "format/source/folder_listing.h"
@@ -281,6 +282,13 @@ void restrict_to_area(const std::shared_ptr<const Area>& area, SceneSources& sou
         fmt::format("area of interest: {} outside and not read", pluralize(sources.outside, "tile is", "tiles are")));
 }
 
+void add_edits(const EditList& edits, SceneSources& sources) {
+  if (edits.empty()) return;
+  EditList all = sources.edits ? *sources.edits : EditList();
+  all.insert(all.end(), edits.begin(), edits.end());
+  sources.edits = std::make_shared<const EditList>(std::move(all));
+}
+
 }  // namespace
 
 SceneSources open_sources(const std::filesystem::path& path, const SourceOptions& options, const Progress& progress) {
@@ -305,6 +313,7 @@ SceneSources open_sources(const std::filesystem::path& path, const SourceOptions
         path, "",
         "expected a .glb, .gltf, .b3dm, .i3dm, .cmpt, .obj, .ply, .stl, .tif, .asc, .hgt or .vrt, a folder, "
         "a tileset.json, a .3tz or a scene .json");
+  if (options.edits) add_edits(*options.edits, out);
   if (options.area) restrict_to_area(options.area, out);
   for (const TileRef& tile : out.tiles)
     if (!tile.scene_from_tile.is_finite()) throw InputError(tile.path, "transform", "the tile's place is not finite");

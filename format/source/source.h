@@ -36,8 +36,9 @@ struct SourceOptions {
   std::optional<Geodetic> origin;  ///< scene origin; default: the source's own (see open_sources)
   std::optional<UpAxis> scene_up;  ///< up axis in a tileset's own frame (default z) or in mesh files (default y, as in
                                    ///< glTF)
-  std::shared_ptr<const Area> area = nullptr;  ///< the part of the source that is used; null: all of it
-  RasterOptions raster = {};                   ///< for a source that consists of elevation rasters
+  std::shared_ptr<const Area> area = nullptr;                ///< the part of the source that is used; null: all of it
+  RasterOptions raster = {};                                 ///< for a source that consists of elevation rasters
+  std::shared_ptr<const std::vector<Edit>> edits = nullptr;  ///< applied after the edits of the source; null: none
 };
 
 enum class ContentKind : std::uint8_t { glb, gltf, b3dm, i3dm, obj, dem, ply, stl };

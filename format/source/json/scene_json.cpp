@@ -61,7 +61,8 @@ Entry read_entry(const JsonMembers& json, SourceOptions options, const Progress&
   Entry e;
   e.where = json.path();
   options.origin.reset();
-  options.area.reset();  // it refers to the frame of the whole scene
+  options.area.reset();  // the area and the edits refer to the frame of the whole scene
+  options.edits.reset();
   const auto path = json.get<std::string>("path");
   json.only({"path", "place", "heading_deg", "scale"});
   const bool is_placed = json.contains("place");
@@ -98,6 +99,7 @@ std::vector<Entry> raster_entries(const JsonMembers& scene, const Json& list, co
   SourceOptions own = options;
   own.origin.reset();
   own.area.reset();
+  own.edits.reset();
   for (SceneSources& source : dem_sources(root_of(file), rasters, own, progress)) {
     Entry e;
     e.where = where.at(source.tiles.front().dem->raster->parts[0].options.dem);

@@ -76,7 +76,8 @@ class Prior(unittest.TestCase):
         self.bake(*options)
         published = [path for folder in (self.out, texts) for path in folder.rglob("*") if path.is_file()]
         self.assertEqual({path.name for path in published if "shards" not in path.parts},
-                         {"scene.xml", "status.json", "journal", "survey.cache", "bake.prom", "report.json"})
+                         {"scene.xml", "source.json", "status.json", "journal", "survey.cache", "bake.prom",
+                          "report.json"})
         dead = self.pid_of_a_process_that_ended()
         for path in published:
             (path.parent / f".{path.name}.{dead}-0.part").write_bytes(b"half of a file")

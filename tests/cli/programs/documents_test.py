@@ -161,6 +161,8 @@ class Documents(harness.FolderTest):
             polygon = {"type": "Polygon", "coordinates": [ring]}
             (cls.root / "made" / f"{name}.geojson").write_text(json.dumps(polygon))
         line = {"type": "LineString", "coordinates": ring[:2]}
+        edit = {"type": "carve", "sphere": {"position_m": [0, 0, 0], "radius_m": 9}}
+        (cls.root / "made" / "edits.json").write_text(json.dumps({"edits": [edit]}))
         (cls.root / "made" / "line.geojson").write_text(json.dumps(line))
         numpy.save(cls.root / "made" / "rays.npy", [[0.0, 0, 900, 0, 0, -1]])
         write_rasters(cls.root / "made")

@@ -1,0 +1,111 @@
+#include "app/edit/edit_options.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <iterator>
+#include <string_view>
+
+#include "app/options/text_values.h"
+#include "core/base/error.h"
+#include "format/area/geojson.h"
+#include "format/edit/edit_json.h"
+#include "format/system/read_file.h"
+
+namespace gigabake::app {
+namespace {
+
+constexpr const char* shape_forms =
+    "box:X,Y,Z,X,Y,Z, sphere:X,Y,Z,RADIUS, cylinder:X,Y,Z,RADIUS,HEIGHT or prism:AREA.geojson,LOW,HIGH";
+
+std::array<double, 3> position(const std::vector<double>& n, std::size_t first) {
+  return {n[first], n[first + 1], n[first + 2]};
+}
+
+/// Returns the prism over the only polygon of a GeoJSON file. `text` is FILE,LOW,HIGH.
+PrismShape prism_of(const char* option, const std::string& text) {
+  const std::size_t high = text.rfind(','), low = high == std::string::npos ? high : text.rfind(',', high - 1);
+  if (high == 0 || low == std::string::npos)
+    throw UsageError(fmt::format("{}: expected prism:AREA.geojson,LOW,HIGH", option));
+  const std::vector<double> heights = numbers(option, "LOW,HIGH", text.substr(low + 1), {2});
+  const std::vector<AreaPolygon> polygons = read_geojson_polygons(text.substr(0, low));
+  if (polygons.size() != 1)
+    throw UsageError(
+        fmt::format("{}: expected one polygon, but '{}' has {}", option, text.substr(0, low), polygons.size()));
+  PrismShape prism{{}, heights[0], heights[1]};
+  for (const Ring& ring : polygons[0].rings()) {
+    prism.rings.emplace_back();
+    for (const FixedPoint& p : ring)
+      prism.rings.back().push_back({double(p.x) / fixed_per_unit, double(p.y) / fixed_per_unit});
+  }
+  return prism;
+}
+
+/// Sets the shape and the frame of an edit from the text of an option.
+void set_shape(const char* option, const std::string& text, bool degrees, Edit& edit) {
+  const std::size_t colon = text.find(':');
+  const std::string name = text.substr(0, colon), rest = colon == std::string::npos ? "" : text.substr(colon + 1);
+  edit.frame = degrees || name == "prism" ? EditFrame::degrees : EditFrame::scene;
+  if (name == "box") {
+    const std::vector<double> n = numbers(option, "box:X,Y,Z,X,Y,Z", rest, {6});
+    edit.shape = BoxShape{position(n, 0), position(n, 3)};
+  } else if (name == "sphere") {
+    const std::vector<double> n = numbers(option, "sphere:X,Y,Z,RADIUS", rest, {4});
+    edit.shape = SphereShape{position(n, 0), n[3]};
+  } else if (name == "cylinder") {
+    const std::vector<double> n = numbers(option, "cylinder:X,Y,Z,RADIUS,HEIGHT", rest, {5});
+    edit.shape = CylinderShape{position(n, 0), n[3], n[4]};
+  } else if (name == "prism") {
+    edit.shape = prism_of(option, rest);
+  } else {
+    throw UsageError(fmt::format("{}: expected {}; got '{}'", option, shape_forms, text));
+  }
+}
+
+std::uint8_t byte_of(const char* option, double value, double minimum) {
+  if (value == std::int64_t(value) && value >= minimum && value <= 255) return std::uint8_t(value);
+  throw UsageError(fmt::format("{}: expected whole numbers from {} to 255", option, minimum));
+}
+
+}  // namespace
+
+void EditOptions::add_to(CLI::App& command) {
+  command.add_option("--carve", carve, fmt::format("SHAPE: remove its voxels; {}", shape_forms));
+  command.add_option("--fill", fill, "SHAPE: fill it with opaque voxels of colour --rgb");
+  command.add_option("--paint", paint, "SHAPE: give its voxels the colour --rgb, and --alpha if given");
+  command.add_option("--from", from, "EDITS.json: append its edits (docs/editing.md)");
+  command.add_option("--rgb", rgb, "R,G,B: sRGB colour of --fill or --paint, 0 to 255");
+  command.add_option("--alpha", alpha, "alpha of --paint, 1 to 255");
+  command.add_flag(
+      "--degrees", degrees,
+      "X,Y,Z of shapes are longitude, latitude and height above the WGS84 ellipsoid (default: metres of the "
+      "scene's frame); a prism is always in degrees");
+}
+
+EditList EditOptions::edits() const {
+  EditList list;
+  if (!from.empty()) {
+    const std::vector<std::uint8_t> bytes = read_whole_file(from);
+    list = edits_from_json(from, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  }
+  const int given = int(!carve.empty()) + int(!fill.empty()) + int(!paint.empty());
+  if (given > 1)
+    throw UsageError("--carve, --fill and --paint exclude each other; list several edits in a file for --from");
+  if (carve.empty() == false && !rgb.empty()) throw UsageError("--rgb: a carved voxel has no colour");
+  if ((!fill.empty() || !paint.empty()) && rgb.empty()) throw UsageError("--rgb: is missing; expected R,G,B");
+  if (paint.empty() && !alpha.empty()) throw UsageError("--alpha: only --paint changes alpha");
+  if (given == 0) return list;
+  Edit edit;
+  edit.type = !carve.empty() ? EditType::carve : (!fill.empty() ? EditType::fill : EditType::paint);
+  const char* option = !carve.empty() ? "--carve" : (!fill.empty() ? "--fill" : "--paint");
+  set_shape(option, !carve.empty() ? carve : (!fill.empty() ? fill : paint), degrees, edit);
+  if (!rgb.empty()) {
+    const std::vector<double> colour = numbers("--rgb", "R,G,B", rgb, {3});
+    for (std::size_t c = 0; c < 3; ++c) edit.rgb[c] = byte_of("--rgb", colour[c], 0);
+  }
+  if (!alpha.empty()) edit.alpha = byte_of("--alpha", number("--alpha", alpha), 1);
+  const EditList checked = edits_from_json(option, to_json(EditList{edit}));
+  list.insert(list.end(), checked.begin(), checked.end());
+  return list;
+}
+
+}  // namespace gigabake::app

@@ -1,0 +1,31 @@
+#include "cluster/edit/scene_edits.h"
+
+#include <system_error>
+
+#include "core/base/error.h"
+#include "format/edit/edit_json.h"
+#include "format/system/publish.h"
+#include "format/system/read_file.h"
+
+namespace gigabake {
+
+std::string read_edits_file(const std::filesystem::path& out) {
+  const std::filesystem::path file = edits_file_of(out);
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return {};
+  const std::vector<std::uint8_t> bytes = read_whole_file(file);
+  return {bytes.begin(), bytes.end()};
+}
+
+EditList edits_of_file(const std::filesystem::path& out, const std::string& text) {
+  return text.empty() ? EditList() : edits_from_json(edits_file_of(out), text);
+}
+
+void write_edits_file(const std::filesystem::path& out, const std::string& text) {
+  if (!text.empty()) return publish_file(edits_file_of(out), text);
+  std::error_code error;
+  std::filesystem::remove(edits_file_of(out), error);
+  if (error) throw InputError(edits_file_of(out), "", "cannot be removed: " + error.message());
+}
+
+}  // namespace gigabake
