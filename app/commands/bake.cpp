@@ -8,6 +8,7 @@
 #include "app/options/scene_argument.h"
 #include "app/process/bake_run.h"
 #include "app/process/on_all_ranks.h"
+#include "app/process/rank_start.h"
 #include "cluster/process/drain.h"
 
 namespace gigabake::app {
@@ -53,6 +54,9 @@ void add_bake(CLI::App& app, int& exit_code) {
   command->add_flag("--prune", options->asked.prune,
                     "once the scene is complete, remove shards that it does not use (default: keep them; a bake with "
                     "earlier settings reuses them)");
+  command->add_option("--ranks", options->ranks,
+                      "ranks to start on this host with mpirun (one per GPU; 1 without GPUs, in a batch job, or if "
+                      "mpirun starts gigabake)");
   command->add_flag("-q,--quiet", options->quiet, "print only errors, warnings and missing inputs");
   command->add_flag_function(
       "--log-time,!--no-log-time", [options](std::int64_t given) { options->log_time = given > 0; },
@@ -67,6 +71,10 @@ void add_bake(CLI::App& app, int& exit_code) {
   add_seconds("--silence", timeouts.heartbeat_timeout_s,
               "heartbeat timeout: seconds without a message after which a rank counts as lost");
   command->callback([options, &exit_code] {
+    if (const std::optional<int> ranks = ranks_to_start(*options)) {
+      exit_code = run_on_ranks(*options, *ranks);
+      return;
+    }
     install_drain_handlers();  // before MPI starts, because mpirun passes signals on from the beginning
     exit_code = on_all_ranks("bake", [&](MpiSession& mpi) { return run(*options, mpi); });
   });

@@ -19,6 +19,7 @@ struct BakeOptions {
   RasterArguments raster;
   AreaOptions area;
   bool json = false, quiet = false;
+  std::optional<int> ranks;      ///< --ranks of `bake`; unset: one per GPU of the host
   std::optional<bool> log_time;  ///< unset: log times if standard error is not a terminal
 
   BakeOptions();
