@@ -4,7 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
-#include "format/area/polygon.h"
+#include "format/area/fixed_point.h"
+#include "format/edit/rings_json.h"
 #include "format/system/hash_bytes.h"
 
 namespace gigabake {
@@ -12,36 +13,20 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double max_longitude = full_turn_degrees;
-/// Max absolute metres, so that a coordinate fits the lattice of any voxel size above a nanometre.
-constexpr double max_metres = max_area_coordinate;
 constexpr double max_colour = 255;
 
-/// Names of the members that hold the coordinates of a shape, in metres and in degrees.
-struct FrameKeys {
-  const char* metres;
-  const char* degrees;
-};
-
-/// Returns the frame of the only given member of the two.
-EditFrame frame_of(const JsonMembers& shape, const FrameKeys& keys) {
-  if (shape.has(keys.metres) == shape.has(keys.degrees))
-    throw InputError(shape.file(), shape.path(), std::string("expected either ") + keys.metres + " or " + keys.degrees);
-  return shape.has(keys.degrees) ? EditFrame::degrees : EditFrame::scene;
-}
-
 std::array<double, 3> position(const JsonMembers& shape, const FrameKeys& keys, EditFrame frame) {
-  const char* key = frame == EditFrame::degrees ? keys.degrees : keys.metres;
-  const auto at = shape.numbers<3>(key, -max_metres, max_metres);
+  const char* key = keys.in(frame);
+  const auto at = shape.numbers<3>(key, -max_edit_metres, max_edit_metres);
   if (!at) shape.fail(key, "is missing");
   if (frame == EditFrame::degrees &&
-      (std::fabs((*at)[0]) > max_longitude || std::fabs((*at)[1]) > max_latitude_degrees))
+      (std::fabs((*at)[0]) > full_turn_degrees || std::fabs((*at)[1]) > max_latitude_degrees))
     shape.fail(key, "expected degrees of longitude (±360) and latitude (±90), and metres, in this order");
   return *at;
 }
 
 double positive(const JsonMembers& shape, const char* key) {
-  const auto value = shape.number(key, 0, max_metres);
+  const auto value = shape.number(key, 0, max_edit_metres);
   if (!value || *value == 0) shape.fail(key, "expected a positive number of metres");
   return *value;
 }
@@ -73,51 +58,13 @@ CylinderShape cylinder_of(const JsonMembers& shape, EditFrame& frame) {
   return {position(shape, place_keys, frame), positive(shape, "radius_m"), positive(shape, "height_m")};
 }
 
-std::array<double, 2> corner_of(const JsonMembers& shape, const std::string& key, const Json& corner, EditFrame frame) {
-  const bool is_pair = corner.is_array() && corner.size() == 2 && corner[0].is_number() && corner[1].is_number();
-  if (!is_pair) shape.fail(key, "expected an array of 2 numbers");
-  const std::array<double, 2> at{corner[0].get<double>(), corner[1].get<double>()};
-  const double max_x = frame == EditFrame::degrees ? max_longitude : max_metres,
-               max_y = frame == EditFrame::degrees ? max_latitude_degrees : max_metres;
-  if (!(std::fabs(at[0]) <= max_x && std::fabs(at[1]) <= max_y))
-    shape.fail(key, frame == EditFrame::degrees ? "expected degrees of longitude (±360) and latitude (±90)"
-                                                : "expected metres within ±1e9");
-  return at;
-}
-
-PrismShape::Ring ring_of(const JsonMembers& shape, const std::string& key, const Json& corners, EditFrame frame) {
-  if (!corners.is_array()) shape.fail(key, "expected an array of positions");
-  PrismShape::Ring ring;
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    ring.push_back(corner_of(shape, key + "[" + std::to_string(i) + "]", corners[i], frame));
-  if (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
-  if (ring.size() < 3) shape.fail(key, "expected at least three positions");
-  return ring;
-}
-
-/// Returns rings whose coordinates are rounded to 2^-30 metres or degrees, for the check of their order.
-std::vector<Ring> fixed_rings(const std::vector<PrismShape::Ring>& rings) {
-  std::vector<Ring> out;
-  for (const PrismShape::Ring& ring : rings) {
-    out.emplace_back();
-    for (const auto& at : ring) out.back().push_back({to_fixed(at[0]), to_fixed(at[1])});
-  }
-  return out;
-}
-
 PrismShape prism_of(const JsonMembers& shape, EditFrame& frame) {
-  constexpr FrameKeys keys{"rings_m", "rings_lon_lat"};
-  shape.only({keys.metres, keys.degrees, "low_m", "high_m"});
-  frame = frame_of(shape, keys);
-  const char* key = frame == EditFrame::degrees ? keys.degrees : keys.metres;
-  const Json& rings = shape.array(key);
+  shape.only({ring_keys.metres, ring_keys.degrees, "low_m", "high_m"});
   PrismShape prism;
-  for (std::size_t r = 0; r < rings.size(); ++r)
-    prism.rings.push_back(ring_of(shape, std::string(key) + "[" + std::to_string(r) + "]", rings[r], frame));
-  if (prism.rings.empty()) shape.fail(key, "expected at least one ring");
-  if (const auto fault = fault_of(fixed_rings(prism.rings))) shape.fail(key, *fault);
+  prism.rings = rings_of(shape, frame);
   prism.low_m = shape.get<double>("low_m"), prism.high_m = shape.get<double>("high_m");
-  if (!(prism.low_m < prism.high_m && std::fabs(prism.low_m) <= max_metres && std::fabs(prism.high_m) <= max_metres))
+  if (!(prism.low_m < prism.high_m && std::fabs(prism.low_m) <= max_edit_metres &&
+        std::fabs(prism.high_m) <= max_edit_metres))
     shape.fail("high_m", "expected more than low_m, both within ±1e9 metres");
   return prism;
 }
@@ -171,7 +118,7 @@ Json json_of(const CylinderShape& s, bool degrees) {
       {degrees ? place_keys.degrees : place_keys.metres, s.base}, {"radius_m", s.radius_m}, {"height_m", s.height_m}};
 }
 Json json_of(const PrismShape& s, bool degrees) {
-  return {{degrees ? "rings_lon_lat" : "rings_m", s.rings}, {"low_m", s.low_m}, {"high_m", s.high_m}};
+  return {{degrees ? ring_keys.degrees : ring_keys.metres, s.rings}, {"low_m", s.low_m}, {"high_m", s.high_m}};
 }
 
 constexpr const char* shape_names[] = {"box", "sphere", "cylinder", "prism"};

@@ -7,6 +7,7 @@
 
 #include "core/base/kernel_version.h"
 #include "core/io/bytes.h"
+#include "format/system/hash_bytes.h"
 
 namespace gigabake {
 namespace {
@@ -41,7 +42,32 @@ CellFingerprints::CellFingerprints(const BakeParameters& parameters, const std::
   shared_ = w.take();
 }
 
+CellFingerprints::CellFingerprints(const BakeParameters& parameters, const SceneSources& sources)
+    : CellFingerprints(parameters, sources.origin, sources.area, sources.edits) {
+  for (const TileRef& tile : sources.tiles)
+    if (tile.edits && !source_edits_.contains(tile.edits.get()))
+      source_edits_.emplace(tile.edits.get(), placed_edits(*tile.edits, sources.origin));
+  if (source_edits_.empty()) return;
+  for (const TileRef& tile : sources.tiles) edits_of_tile_.push_back(tile.edits.get());
+}
+
+void CellFingerprints::add_source_edits(const CellJob& job, std::vector<Hash128>& tile_sources) const {
+  if (edits_of_tile_.empty()) return;
+  const SceneRange cell = range_of(frame_, Box3i64::cube(job.lattice_min, job.cell_voxels));
+  for (std::size_t i = 0; i < job.tiles.size(); ++i) {
+    const SourceEdits* edits = edits_of_tile_.at(job.tiles[i]);
+    if (edits == nullptr) continue;
+    ByteWriter w;
+    w.put(edits_mark), w.put(tile_sources.at(i));
+    bool is_affected = false;
+    for (const SourceEditInScene& edit : source_edits_.at(edits))
+      if (edit.affects(cell)) is_affected = true, w.put(edit.hash());
+    if (is_affected) tile_sources[i] = hash_of_bytes(w.take());
+  }
+}
+
 Hash128 CellFingerprints::of(const CellJob& job, std::vector<Hash128> tile_sources) const {
+  add_source_edits(job, tile_sources);
   std::sort(tile_sources.begin(), tile_sources.end(),
             [](const Hash128& a, const Hash128& b) { return std::tie(a.hi, a.lo) < std::tie(b.hi, b.lo); });
   XXH3_state_t state;

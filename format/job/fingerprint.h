@@ -1,6 +1,7 @@
 /// The key of a cell's result: a hash of all its inputs.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -8,7 +9,9 @@
 #include "core/octree/parameters.h"
 #include "format/area/area_in_scene.h"
 #include "format/edit/edits_in_scene.h"
+#include "format/edit/source_edits_in_scene.h"
 #include "format/job/cell_job.h"
+#include "format/source/source.h"
 
 namespace gigabake {
 
@@ -24,8 +27,11 @@ class CellFingerprints {
   /// Errors  UsageError like AreaInScene() and EditsInScene().
   CellFingerprints(const BakeParameters& parameters, const std::optional<Geodetic>& origin,
                    std::shared_ptr<const Area> area = nullptr, std::shared_ptr<const EditList> edits = nullptr);
+  /// Takes origin, area, edits and the edits of tiles from the sources.
+  CellFingerprints(const BakeParameters& parameters, const SceneSources& sources);
 
-  /// Returns the fingerprint of a cell. `tile_sources` has the TileScan::source of each of job.tiles, in any order.
+  /// Returns the fingerprint of a cell. `tile_sources` has the TileScan::source of each of job.tiles, in any order
+  /// if no tile has edits.
   Hash128 of(const CellJob& job, std::vector<Hash128> tile_sources) const;
   /// Returns whether the job's fingerprint matches these parameters and this origin. Returns true for an overview job,
   /// because its fingerprint derives from the fingerprints of its children. Returns true for a job without
@@ -33,10 +39,16 @@ class CellFingerprints {
   bool match(const CellJob& job) const;
 
  private:
+  /// Adds to the identity of each tile the edits that may change its surface in the cell.
+  void add_source_edits(const CellJob& job, std::vector<Hash128>& tile_sources) const;
+
   std::vector<std::uint8_t> shared_;  ///< inputs that all cells share
   SnapFrame frame_;
   std::optional<AreaInScene> area_;
   std::optional<EditsInScene> edits_;
+  /// Edits of sources by TileRef::edits, and TileRef::edits by tile; both are empty if no tile has edits.
+  std::map<const SourceEdits*, SourceEditsInScene> source_edits_;
+  std::vector<const SourceEdits*> edits_of_tile_;
 };
 
 }  // namespace gigabake

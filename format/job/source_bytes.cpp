@@ -10,6 +10,7 @@
 #include "core/io/bytes.h"
 #include "format/area/area.h"
 #include "format/edit/edit_json.h"
+#include "format/edit/source_edit_json.h"
 #include "format/source/raster/crs_map.h"
 #include "format/source/raster/dem.h"
 #include "format/source/tiles/archive.h"
@@ -23,7 +24,7 @@ constexpr const char* what = "sources";
 constexpr std::size_t max_shared_prefix = 4096;
 
 /// The parts that a tile has in addition to its placement.
-enum TileFlag : std::uint8_t { has_range = 1, has_archive = 2, has_raster = 4, all_flags = 7 };
+enum TileFlag : std::uint8_t { has_range = 1, has_archive = 2, has_raster = 4, has_edits = 8, all_flags = 15 };
 
 /// Archives or rasters that many tiles share. Each part is written once; tiles refer to the part by number.
 template <class Part>
@@ -192,17 +193,20 @@ class TileWriter {
     for (const TileRef& tile : tiles) {
       archives_.add(tile.archive);
       if (tile.dem) rasters_.add(tile.dem->raster);
+      edits_.add(tile.edits);
     }
     w_.put(std::uint64_t(archives_.parts().size()));
     for (const auto& archive : archives_.parts()) w_.put(archive->file().string());
     w_.put(std::uint64_t(rasters_.parts().size()));
     for (const auto& raster : rasters_.parts()) put_raster(w_, *raster);
+    w_.put(std::uint64_t(edits_.parts().size()));
+    for (const auto& edits : edits_.parts()) w_.put(to_json(*edits));
   }
 
   void put(const TileRef& tile) {
     w_.put(std::uint8_t(tile.kind)), w_.put(std::uint8_t(tile.gltf_up));
     w_.put(std::uint8_t((tile.range == ByteRange{} ? 0 : has_range) | (tile.archive ? has_archive : 0) |
-                        (tile.dem ? has_raster : 0)));
+                        (tile.dem ? has_raster : 0) | (tile.edits ? has_edits : 0)));
     put_next(w_, path_, tile.path.string());
     put_next(w_, name_, tile.name);
     w_.put(tile.bytes);
@@ -211,6 +215,7 @@ class TileWriter {
     if (tile.range != ByteRange{}) w_.put(tile.range);
     if (tile.archive) w_.put(archives_.number(tile.archive));
     if (tile.dem) put_dem(w_, *tile.dem, rasters_.number(tile.dem->raster));
+    if (tile.edits) w_.put(edits_.number(tile.edits));
     path_ = tile.path.string(), name_ = tile.name, scene_ = tile.scene_from_tile, world_ = tile.world_from_tile;
   }
 
@@ -218,10 +223,21 @@ class TileWriter {
   ByteWriter& w_;
   Shared<Archive> archives_;
   Shared<DemRaster> rasters_;
+  Shared<SourceEdits> edits_;
   std::string path_, name_;  ///< path_, name_, scene_ and world_ are of the previous tile
   Affine<Scene, World> scene_;
   Affine<World, World> world_;
 };
+
+/// Returns the edits that `read` reads. Wrong edits mean malformed bytes, not a wrong option.
+template <class Read>
+auto edits_in_bytes(const Read& read) {
+  try {
+    return read();
+  } catch (const UsageError& e) {
+    throw InputError(what, "edits", e.what());
+  }
+}
 
 class TileReader {
  public:
@@ -231,6 +247,13 @@ class TileReader {
     std::uint64_t archives = 0, rasters = 0;
     for (r_.get(archives); archives > 0; --archives) archives_.push_back(std::make_shared<const Archive>(get_path(r_)));
     for (r_.get(rasters); rasters > 0; --rasters) rasters_.push_back(get_raster(r_));
+    std::uint64_t edits = 0;
+    std::string text;
+    for (r_.get(edits); edits > 0; --edits) {
+      r_.get(text);
+      edits_.push_back(std::make_shared<const SourceEdits>(
+          edits_in_bytes([&] { return source_edits_from_json("the edits of a source", text); })));
+    }
   }
 
   TileRef get() {
@@ -247,6 +270,7 @@ class TileReader {
     if ((flags & has_range) != 0) r_.get(tile.range);
     if ((flags & has_archive) != 0) tile.archive = get_archive();
     if ((flags & has_raster) != 0) tile.dem = get_dem(r_, rasters_);
+    if ((flags & has_edits) != 0) tile.edits = get_edits();
     if ((tile.kind == ContentKind::dem) != (tile.dem != nullptr))
       refuse("tile.raster", "a raster only for an elevation tile");
     tile.path = path_, tile.name = name_, tile.scene_from_tile = scene_, tile.world_from_tile = world_;
@@ -261,9 +285,17 @@ class TileReader {
     return archives_[number];
   }
 
+  std::shared_ptr<const SourceEdits> get_edits() {
+    std::uint32_t number = 0;
+    r_.get(number);
+    if (number >= edits_.size()) refuse("tile.edits", "the number of a list of edits");
+    return edits_[number];
+  }
+
   ByteReader& r_;
   std::vector<std::shared_ptr<const Archive>> archives_;
   std::vector<std::shared_ptr<const DemRaster>> rasters_;
+  std::vector<std::shared_ptr<const SourceEdits>> edits_;
   std::string path_, name_;
   Affine<Scene, World> scene_;
   Affine<World, World> world_;
@@ -321,7 +353,9 @@ SceneSources sources_from_bytes(std::span<const std::uint8_t> bytes) {
   if (has_area) sources.area = std::make_shared<const Area>(with_crs_map(get_area(r)));
   std::string edits;
   r.get(edits);
-  if (!edits.empty()) sources.edits = std::make_shared<const EditList>(edits_from_json("the scene's edits", edits));
+  if (!edits.empty())
+    sources.edits =
+        std::make_shared<const EditList>(edits_in_bytes([&] { return edits_from_json("the scene's edits", edits); }));
   r.expect_end();
   return sources;
 }

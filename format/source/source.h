@@ -21,6 +21,7 @@ class Archive;
 struct Area;
 struct DemTile;
 struct Edit;
+struct SourceEdits;
 
 /// Statements about the elevation rasters of a source. A scene .json has its own statements per raster.
 struct RasterOptions {
@@ -67,6 +68,7 @@ struct TileRef {
   Affine<World, World> world_from_tile = {};         ///< the tileset's transforms only; an i3dm needs them to find east
                                                      ///< and north
   std::shared_ptr<const DemTile> dem = nullptr;      ///< cells of a raster; null for other formats
+  std::shared_ptr<const SourceEdits> edits = nullptr;  ///< edits of the tile's triangles; null: none
 };
 
 /// An input that the source names but the bake cannot use: a missing file, an unsupported format. The exit status is 3

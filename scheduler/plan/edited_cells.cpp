@@ -1,12 +1,14 @@
 #include "scheduler/plan/edited_cells.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "format/edit/source_edits_in_scene.h"
 #include "scheduler/plan/plan.h"
 
 namespace gigabake {
@@ -90,7 +92,38 @@ void add_cells(const EditsInScene& edits, std::int64_t x, std::int64_t y, std::i
   }
 }
 
+/// Extends a column to the heights of the edits that flatten a surface there.
+void extend(const SourceEditsInScene& edits, const SnapFrame& frame, std::int64_t n, ColumnExtent& column) {
+  const Vec3i64 min{column.column_x * n, column.column_y * n, column.z_min};
+  const SceneRange range = range_of(frame, {min, {min[0] + n, min[1] + n, column.z_end}});
+  for (const SourceEditInScene& edit : edits) {
+    if (edit.type() != SourceEditType::flatten || !edit.affects(range)) continue;
+    const auto voxel = [&](double z_m) {
+      return std::int64_t(std::floor((z_m - frame.lattice_origin_m[2]) / frame.voxel_size_m));
+    };
+    const auto [low_m, high_m] = edit.flat_range(range);
+    column.z_min = std::min(column.z_min, voxel(low_m) - 1), column.z_end = std::max(column.z_end, voxel(high_m) + 2);
+  }
+}
+
 }  // namespace
+
+void extend_to_flattened(const SceneSources& sources, const BakeParameters& parameters, std::vector<TileScan>& scans) {
+  const SnapFrame frame{parameters.voxel_size_m, parameters.lattice_origin_m};
+  std::map<const SourceEdits*, SourceEditsInScene> placed;
+  for (TileScan& scan : scans) {
+    const SourceEdits* edits = sources.tiles.at(scan.tile).edits.get();
+    if (edits == nullptr) continue;
+    const auto [at, is_new] = placed.try_emplace(edits);
+    if (is_new) at->second = placed_edits(*edits, sources.origin);
+    for (ColumnExtent& column : scan.columns) {
+      extend(at->second, frame, parameters.cell_voxels, column);
+      if (scan.bounds.is_empty()) continue;
+      scan.bounds.min[2] = std::min(scan.bounds.min[2], column.z_min);
+      scan.bounds.end[2] = std::max(scan.bounds.end[2], column.z_end);
+    }
+  }
+}
 
 void add_filled_cells(const EditsInScene& edits, const std::vector<TileScan>& scans, std::uint32_t cell_voxels,
                       std::vector<CellJob>& jobs) {

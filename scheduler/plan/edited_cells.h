@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/octree/parameters.h"
 #include "format/edit/edits_in_scene.h"
 #include "format/job/cell_job.h"
 #include "format/job/tile_scan.h"
+#include "format/source/source.h"
 
 namespace gigabake {
 
@@ -16,6 +18,10 @@ namespace gigabake {
 /// Errors  UsageError with file and key: a fill needs more than max_cells_per_tile cells.
 void add_filled_cells(const EditsInScene& edits, const std::vector<TileScan>& scans, std::uint32_t cell_voxels,
                       std::vector<CellJob>& jobs);
+
+/// Extends the heights of the columns of each tile to the heights to which edits of its source may flatten it.
+/// Errors  UsageError with file and key: a height does not fit the lattice.
+void extend_to_flattened(const SceneSources& sources, const BakeParameters& parameters, std::vector<TileScan>& scans);
 
 /// Returns a box that contains all filled voxels; empty without fills.
 Box3i64 filled_bounds(const EditsInScene& edits);

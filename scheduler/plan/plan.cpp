@@ -269,7 +269,7 @@ void name_jobs(const std::vector<TileScan>& scans, const SceneSources& sources, 
     return std::tie(a.lattice_min[2], a.lattice_min[1], a.lattice_min[0]) <
            std::tie(b.lattice_min[2], b.lattice_min[1], b.lattice_min[0]);
   });
-  const CellFingerprints fingerprints(parameters, sources.origin, sources.area, sources.edits);
+  const CellFingerprints fingerprints(parameters, sources);
   progress.step("naming the cells", jobs.size());
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     progress.advance();
@@ -296,6 +296,7 @@ BakePlan make_plan(std::vector<TileScan> scans, const SceneSources& sources, con
                    PlanLevels levels, const Progress& progress) {
   progress.step("planning");
   std::sort(scans.begin(), scans.end(), [](const TileScan& a, const TileScan& b) { return a.tile < b.tile; });
+  extend_to_flattened(sources, parameters, scans);
   refuse_spread_tiles(scans, parameters.cell_voxels);
   BakePlan plan;
   add_counts(scans, sources, parameters.voxel_size_m, plan);

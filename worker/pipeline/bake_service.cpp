@@ -253,7 +253,7 @@ class BakeServer {
   void open_scene() {
     try {
       sources_ = sources_from_bytes(std::exchange(source_bytes_, {}));
-      fingerprints_.emplace(setup_->parameters, sources_.origin, sources_.area, sources_.edits);
+      fingerprints_.emplace(setup_->parameters, sources_);
       scanner_ = std::make_unique<ScanThread>(sources_, *setup_, done_);
       scans_ = true;
     } catch (const std::exception& e) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
+#include "worker/edit/edited_mesh.h"
 #include "worker/pipeline/lattice.h"
 #include "worker/scan/long_triangles.h"
 #include "worker/tiles/clusters.h"
@@ -37,13 +38,24 @@ kernels::PartView part_view(const Primitive& primitive, const Instance& instance
   return part;
 }
 
+/// Returns the box that contains each surface before the edits that is in `cell` after them. An edit that flattens
+/// moves surfaces of any height.
+Box3i64 box_before(const SourceEditsInScene& edits, Box3i64 cell) {
+  constexpr std::int64_t any_height = std::int64_t(1) << 45;
+  const auto is_flatten = [](const SourceEditInScene& edit) { return edit.type() == SourceEditType::flatten; };
+  if (std::none_of(edits.begin(), edits.end(), is_flatten)) return cell;
+  cell.min[2] = -any_height, cell.end[2] = any_height;
+  return cell;
+}
+
 }  // namespace
 
 kernels::CellInput LoadedCell::input() const { return {span(parts), span(materials), span(texture_views)}; }
 
 CellLoader::CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes,
                        int threads, const TileScratch& scratch)
-    : parameters_(parameters),
+    : sources_(sources),
+      parameters_(parameters),
       pool_(threads),
       tile_store_(sources, parameters, scratch, threads),
       texture_store_(scratch.folder, scratch.max_tile_bytes),
@@ -90,7 +102,11 @@ LoadedCell CellLoader::load_whole(const CellJob& job) {
   cell.memory = MemoryClaim("cell " + job.name, cell_advice);
   load_tiles(job, cell);
   RequiredTextures wanted;
-  for (const auto& tile : cell.tiles) add_parts(job, *tile, cell, wanted);
+  for (std::size_t i = 0; i < cell.tiles.size(); ++i) {
+    const SourceEdits* edits = sources_.tiles.at(job.tiles[i]).edits.get();
+    const SourceEditsInScene placed = edits == nullptr ? SourceEditsInScene() : placed_edits(*edits, sources_.origin);
+    add_parts(job, *cell.tiles[i], placed, cell, wanted);
+  }
   load_textures(wanted, cell);
   return cell;
 }
@@ -105,9 +121,9 @@ void CellLoader::load_tiles(const CellJob& job, LoadedCell& cell) {
   });
 }
 
-void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCell& cell,
-                           RequiredTextures& wanted) const {
-  const auto box = Box3i64::cube(job.lattice_min, job.cell_voxels);
+void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, const SourceEditsInScene& edits,
+                           LoadedCell& cell, RequiredTextures& wanted) const {
+  const Box3i64 box = box_before(edits, Box3i64::cube(job.lattice_min, job.cell_voxels));
   const TileMesh& mesh = tile.mesh();
   std::vector<CellMaterial> cell_materials(mesh.materials.size());
   const auto add_material = [&](const Material& material) {
@@ -121,6 +137,7 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, LoadedCel
     if (!may_overlap(reach, parameters_, box)) continue;
     const Instance& instance = mesh.instances[i];
     std::shared_ptr<const Primitive> near = mesh_near(box, tile, instance, cell.memory);
+    if (near != nullptr) near = edited_mesh(std::move(near), instance.scene_from_local, edits, cell.memory);
     if (near == nullptr) continue;
     const std::size_t of_tile = std::size_t(mesh.primitives[std::size_t(instance.primitive)].material);
     CellMaterial& material = cell_materials[of_tile];

@@ -10,6 +10,7 @@
 #include "core/base/memory_limit.h"
 #include "core/math/box3.h"
 #include "core/octree/parameters.h"
+#include "format/edit/source_edits_in_scene.h"
 #include "format/job/cell_job.h"
 #include "format/source/mesh.h"
 #include "format/source/source.h"
@@ -48,9 +49,9 @@ class CellLoader {
   CellLoader(const SceneSources& sources, const BakeParameters& parameters, std::uint64_t cache_bytes, int threads,
              const TileScratch& scratch = {});
 
-  /// Loads a cell. Omits instances and clusters whose bounds do not overlap the cell, and images that only omitted
-  /// instances use. Also omits triangles that are too long (worker/scan/long_triangles.h); this test does not depend on
-  /// the cell.
+  /// Loads a cell, and applies the edits of its sources (worker/edit/edited_mesh.h). Omits instances and clusters whose
+  /// bounds do not overlap the cell, and images that only omitted instances use. Also omits triangles that are too long
+  /// (worker/scan/long_triangles.h); this test does not depend on the cell.
   /// Cost    Proportional to the data near the cell, plus one comparison per instance in the cell's tiles and per
   ///         cluster of the instances near the cell.
   /// Exact   If job.tile_sources is not empty, each tile's hash is verified when the tile is read, and is part of the
@@ -74,11 +75,13 @@ class CellLoader {
   static TileKey key_of(const CellJob& job, std::size_t tile);
   LoadedCell load_whole(const CellJob& job);
   void load_tiles(const CellJob& job, LoadedCell& cell);
-  void add_parts(const CellJob& job, const LoadedTile& tile, LoadedCell& cell, RequiredTextures& wanted) const;
+  void add_parts(const CellJob& job, const LoadedTile& tile, const SourceEditsInScene& edits, LoadedCell& cell,
+                 RequiredTextures& wanted) const;
   std::shared_ptr<const Primitive> mesh_near(const Box3i64& box, const LoadedTile& tile, const Instance& instance,
                                              MemoryClaim& memory) const;
   void load_textures(const RequiredTextures& wanted, LoadedCell& cell);
 
+  const SceneSources& sources_;
   const BakeParameters& parameters_;
   ThreadPool pool_;
   TileStore tile_store_;  ///< has its own threads, because tiles are read concurrently on pool_

@@ -9,6 +9,8 @@
 #include "core/math/georeference.h"
 #include "core/math/transform.h"
 #include "format/edit/edit_json.h"
+#include "format/edit/source_edit_json.h"
+#include "format/edit/source_edits_in_scene.h"
 #include "format/source/origin_check.h"
 #include "format/source/raster/dem.h"
 #include "format/source/raster/dem_source.h"
@@ -39,7 +41,14 @@ struct Entry {
   std::optional<Geodetic> position;    ///< on the earth; nullopt: position_m applies
   std::array<double, 3> position_m{};  ///< in the scene, in metres
   double heading_deg = 0, scale = 1;
+  std::shared_ptr<const SourceEdits> edits = nullptr;
 };
+
+/// Returns the edits of an entry; null if it has none.
+std::shared_ptr<const SourceEdits> edits_in(const JsonMembers& entry) {
+  SourceEdits edits = source_edits_of(entry);
+  return edits.list.empty() ? nullptr : std::make_shared<const SourceEdits>(std::move(edits));
+}
 
 void read_place(const JsonMembers& place, Entry& e) {
   place.only({"position_m", "lon_lat_height"});
@@ -64,7 +73,8 @@ Entry read_entry(const JsonMembers& json, SourceOptions options, const Progress&
   options.area.reset();  // the area and the edits refer to the frame of the whole scene
   options.edits.reset();
   const auto path = json.get<std::string>("path");
-  json.only({"path", "place", "heading_deg", "scale"});
+  json.only({"path", "place", "heading_deg", "scale", "edits"});
+  e.edits = edits_in(json);
   const bool is_placed = json.contains("place");
   if (is_placed) read_place(json.members("place"), e);
   e.heading_deg = json.find<double>("heading_deg").value_or(0);
@@ -78,6 +88,22 @@ Entry read_entry(const JsonMembers& json, SourceOptions options, const Progress&
   return e;
 }
 
+std::string text_of(const std::shared_ptr<const SourceEdits>& edits) { return edits ? to_json(*edits) : std::string(); }
+
+/// Returns the edits of a surface, which its entries must share. `where` names the entries of rasters.
+std::shared_ptr<const SourceEdits> edits_of_surface(
+    const std::filesystem::path& file, const DemRaster& raster,
+    const std::map<std::filesystem::path, std::string>& where,
+    const std::map<std::string, std::shared_ptr<const SourceEdits>>& edits) {
+  const std::string& first = where.at(raster.parts[0].options.dem);
+  for (const DemPart& part : raster.parts)
+    if (const std::string& entry = where.at(part.options.dem); text_of(edits.at(entry)) != text_of(edits.at(first)))
+      throw UsageError(InputError(file, entry + ".edits",
+                                  "differ from the edits of " + first + ", which is a part of the same surface")
+                           .what());
+  return edits.at(first);
+}
+
 /// Opens the rasters of all entries together, because one surface may consist of several entries. Returns one entry per
 /// surface.
 std::vector<Entry> raster_entries(const JsonMembers& scene, const Json& list, const SourceOptions& options,
@@ -85,10 +111,12 @@ std::vector<Entry> raster_entries(const JsonMembers& scene, const Json& list, co
   const std::filesystem::path& file = scene.file();
   std::vector<DemOptions> rasters;
   std::map<std::filesystem::path, std::string> where;
+  std::map<std::string, std::shared_ptr<const SourceEdits>> edits;
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (!list[i].is_object() || !list[i].contains("dem")) continue;
     const JsonMembers entry = scene.element("sources", list, i);
-    entry.only({"dem", "ortho", "crs", "ortho_crs", "nodata", "height_scale", "geoid_offset_m", "tile_cells"});
+    entry.only({"dem", "ortho", "crs", "ortho_crs", "nodata", "height_scale", "geoid_offset_m", "tile_cells", "edits"});
+    edits[entry.path()] = edits_in(entry);
     for (DemOptions& o : dem_options(entry)) {
       where.emplace(o.dem, entry.path());
       rasters.push_back(std::move(o));
@@ -104,6 +132,7 @@ std::vector<Entry> raster_entries(const JsonMembers& scene, const Json& list, co
     Entry e;
     e.where = where.at(source.tiles.front().dem->raster->parts[0].options.dem);
     e.position = source.origin;
+    e.edits = edits_of_surface(file, *source.tiles.front().dem->raster, where, edits);
     e.source = std::move(source);
     out.push_back(std::move(e));
   }
@@ -128,6 +157,7 @@ Affine<Scene, Scene> placement(const Entry& e, const std::optional<Geodetic>& or
 }
 
 void add_entry(Entry e, SceneSources& out) {
+  if (e.edits) placed_edits(*e.edits, out.origin);  // throws early if the scene has no place for them
   const Affine<Scene, Scene> place = placement(e, out.origin);
   // The names of the last file are cached: many tiles of a raster or a composite share a file, and name_in() needs
   // system calls.
@@ -141,6 +171,7 @@ void add_entry(Entry e, SceneSources& out) {
       name = name_in(out.root, file);
     }
     tile.name = name + tile.name.substr(std::min(own.size(), tile.name.size()));  // keeps the part, e.g. "[1]"
+    tile.edits = e.edits;
     out.tiles.push_back(std::move(tile));
   }
   for (const std::string& note : e.source.notes) out.notes.push_back(note);

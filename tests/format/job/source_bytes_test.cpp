@@ -7,6 +7,8 @@
 #include <random>
 
 #include "core/base/error.h"
+#include "format/edit/edit_json.h"
+#include "format/edit/source_edit_json.h"
 #include "format/source/raster/dem.h"
 
 namespace gigabake {
@@ -74,6 +76,11 @@ SceneSources random_sources(Random& random, std::size_t tiles) {
   s.root = random_name(random);
   if (random() % 2 == 0) s.origin = Geodetic{47.1, -8.25, 400.0 / 3};
   const auto raster = random_raster(random);
+  const auto edits = std::make_shared<const SourceEdits>(
+      SourceEdits{{{SourceEditType::flatten, EditFrame::degrees, {{{8, 47}, {8.5, 47}, {8.1, 47.3}}}, double(tiles)}}});
+  Edit some_edit;
+  some_edit.shape = SphereShape{{1, 2, 3}, 4};
+  if (random() % 2 == 0) s.edits = std::make_shared<const EditList>(EditList{some_edit});
   TileRef tile;
   for (std::size_t i = 0; i < tiles; ++i) {
     tile.kind = ContentKind(random() % 8);
@@ -85,6 +92,7 @@ SceneSources random_sources(Random& random, std::size_t tiles) {
     tile.bytes = random();
     tile.range = random() % 4 == 0 ? ByteRange{random(), random()} : ByteRange{};
     tile.dem = tile.kind == ContentKind::dem ? random_dem(raster, random) : nullptr;
+    if (random() % 3 == 0) tile.edits = edits;
     s.tiles.push_back(tile);
   }
   for (std::uint64_t n = random() % 4; n > 0; --n)
@@ -134,6 +142,8 @@ void expect_same(const TileRef& a, const TileRef& b) {
   EXPECT_EQ(a.archive == nullptr, b.archive == nullptr);
   ASSERT_EQ(a.dem == nullptr, b.dem == nullptr);
   if (a.dem) expect_same(*a.dem, *b.dem);
+  ASSERT_EQ(a.edits == nullptr, b.edits == nullptr);
+  EXPECT_EQ(a.edits ? to_json(*a.edits) : "", b.edits ? to_json(*b.edits) : "");
 }
 
 TEST(SourceBytes, ComeBackAsTheSameSources) {
@@ -144,6 +154,8 @@ TEST(SourceBytes, ComeBackAsTheSameSources) {
     EXPECT_EQ(a.root, b.root);
     EXPECT_EQ(a.origin, b.origin);
     EXPECT_EQ(a.notes, b.notes);
+    ASSERT_EQ(a.edits == nullptr, b.edits == nullptr);
+    EXPECT_EQ(a.edits ? to_json(*a.edits) : "", b.edits ? to_json(*b.edits) : "");
     ASSERT_EQ(a.tiles.size(), b.tiles.size());
     for (std::size_t i = 0; i < tiles; ++i) expect_same(a.tiles[i], b.tiles[i]);
     ASSERT_EQ(a.skipped.size(), b.skipped.size());

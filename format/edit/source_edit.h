@@ -1,0 +1,40 @@
+/// Edits of a source before its triangles become voxels.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/rules.h"
+#include "format/edit/edit.h"
+
+namespace gigabake {
+
+enum class SourceEditType : std::uint8_t {
+  inside,   ///< keeps the part of the surface inside the polygon
+  outside,  ///< keeps the part outside
+  flatten,  ///< moves the part inside to one height
+};
+template <>
+constexpr auto names_of<SourceEditType>() {
+  return std::to_array<std::string_view>({"inside", "outside", "flatten"});
+}
+
+/// An edit by a polygon with holes, at all heights.
+struct SourceEdit {
+  SourceEditType type = SourceEditType::inside;
+  EditFrame frame = EditFrame::scene;
+  std::vector<PrismShape::Ring> rings;  ///< the outer ring first; without repeated last positions
+  double height_m = 0;                  ///< of flatten: z of the scene, or above the WGS84 ellipsoid
+  std::filesystem::path file = {};      ///< where the edit is listed, for messages
+  std::string key = {};                 ///< its key in the file, such as "sources[0].edits[3]"
+};
+
+/// The edits of a source, in their order.
+struct SourceEdits {
+  std::vector<SourceEdit> list;
+};
+
+}  // namespace gigabake

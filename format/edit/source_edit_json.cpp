@@ -1,0 +1,64 @@
+#include "format/edit/source_edit_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "format/edit/rings_json.h"
+
+namespace gigabake {
+namespace {
+
+using Json = nlohmann::json;
+
+SourceEdit source_edit_of(const JsonMembers& members) {
+  members.only({"type", ring_keys.metres, ring_keys.degrees, "height_m"});
+  SourceEdit edit;
+  edit.type = members.get<SourceEditType>("type", "inside, outside or flatten");
+  edit.rings = rings_of(members, edit.frame);
+  const auto height = members.number("height_m", -max_edit_metres, max_edit_metres);
+  if (height.has_value() != (edit.type == SourceEditType::flatten))
+    members.fail("height_m", height ? "only flatten has a height" : "is missing; expected the height of the flat part");
+  edit.height_m = height.value_or(0);
+  edit.file = members.file(), edit.key = members.path();
+  return edit;
+}
+
+SourceEdits read_source_edits(const JsonMembers& members) {
+  const Json& list = members.array("edits");
+  SourceEdits edits;
+  for (std::size_t i = 0; i < list.size(); ++i) edits.list.push_back(source_edit_of(members.element("edits", list, i)));
+  return edits;
+}
+
+}  // namespace
+
+SourceEdits source_edits_of(const JsonMembers& source) {
+  try {
+    return read_source_edits(source);
+  } catch (const InputError& e) {
+    throw UsageError(e.what());
+  }
+}
+
+std::string to_json(const SourceEdit& edit) {
+  Json out{{"type", name_of(edit.type)}, {ring_keys.in(edit.frame), edit.rings}};
+  if (edit.type == SourceEditType::flatten) out["height_m"] = edit.height_m;
+  return out.dump();
+}
+
+std::string to_json(const SourceEdits& edits) {
+  std::string out = "{\"edits\": [";
+  for (std::size_t i = 0; i < edits.list.size(); ++i) out += (i == 0 ? "" : ",\n") + to_json(edits.list[i]);
+  return out + "]}\n";
+}
+
+SourceEdits source_edits_from_json(const std::filesystem::path& file, std::string_view text) {
+  try {
+    const Json json = parse_json_object(file, text);
+    return read_source_edits(JsonMembers(file, json));
+  } catch (const InputError& e) {
+    throw UsageError(e.what());
+  }
+}
+
+}  // namespace gigabake
