@@ -16,10 +16,11 @@ enum class SourceEditType : std::uint8_t {
   inside,   ///< keeps the part of the surface inside the polygon
   outside,  ///< keeps the part outside
   flatten,  ///< moves the part inside to one height
+  raise,    ///< moves the part inside up by a distance
 };
 template <>
 constexpr auto names_of<SourceEditType>() {
-  return std::to_array<std::string_view>({"inside", "outside", "flatten"});
+  return std::to_array<std::string_view>({"inside", "outside", "flatten", "raise"});
 }
 
 /// An edit by a polygon with holes, at all heights.
@@ -28,6 +29,7 @@ struct SourceEdit {
   EditFrame frame = EditFrame::scene;
   std::vector<PrismShape::Ring> rings;  ///< the outer ring first; without repeated last positions
   double height_m = 0;                  ///< of flatten: z of the scene, or above the WGS84 ellipsoid
+  double by_m = 0;                      ///< of raise: a distance along z of the scene; negative lowers
   std::filesystem::path file = {};      ///< where the edit is listed, for messages
   std::string key = {};                 ///< its key in the file, such as "sources[0].edits[3]"
 };

@@ -10,15 +10,21 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// Returns the metres of a member that edits of one type have, and no others; 0 for others.
+double metres_of(const JsonMembers& members, const char* key, bool is_needed, const char* type) {
+  const auto metres = members.number(key, -max_edit_metres, max_edit_metres);
+  if (metres && !is_needed) members.fail(key, std::string("only ") + type + " has this member");
+  if (!metres && is_needed) members.fail(key, "is missing; expected metres");
+  return metres.value_or(0);
+}
+
 SourceEdit source_edit_of(const JsonMembers& members) {
-  members.only({"type", ring_keys.metres, ring_keys.degrees, "height_m"});
+  members.only({"type", ring_keys.metres, ring_keys.degrees, "height_m", "by_m"});
   SourceEdit edit;
-  edit.type = members.get<SourceEditType>("type", "inside, outside or flatten");
+  edit.type = members.get<SourceEditType>("type", "inside, outside, flatten or raise");
   edit.rings = rings_of(members, edit.frame);
-  const auto height = members.number("height_m", -max_edit_metres, max_edit_metres);
-  if (height.has_value() != (edit.type == SourceEditType::flatten))
-    members.fail("height_m", height ? "only flatten has a height" : "is missing; expected the height of the flat part");
-  edit.height_m = height.value_or(0);
+  edit.height_m = metres_of(members, "height_m", edit.type == SourceEditType::flatten, "flatten");
+  edit.by_m = metres_of(members, "by_m", edit.type == SourceEditType::raise, "raise");
   edit.file = members.file(), edit.key = members.path();
   return edit;
 }
@@ -43,6 +49,7 @@ SourceEdits source_edits_of(const JsonMembers& source) {
 std::string to_json(const SourceEdit& edit) {
   Json out{{"type", name_of(edit.type)}, {ring_keys.in(edit.frame), edit.rings}};
   if (edit.type == SourceEditType::flatten) out["height_m"] = edit.height_m;
+  if (edit.type == SourceEditType::raise) out["by_m"] = edit.by_m;
   return out.dump();
 }
 

@@ -28,7 +28,11 @@ Hash128 hash_of_text(const SourceEdit& edit) {
 }  // namespace
 
 SourceEditInScene::SourceEditInScene(const SourceEdit& edit, const std::optional<Geodetic>& origin)
-    : type_(edit.type), polygon_(polygon_of(edit)), height_m_(edit.height_m), hash_(hash_of_text(edit)) {
+    : type_(edit.type),
+      polygon_(polygon_of(edit)),
+      height_m_(edit.height_m),
+      by_m_(edit.by_m),
+      hash_(hash_of_text(edit)) {
   if (edit.frame == EditFrame::scene) return;
   if (!origin)
     throw UsageError(InputError(edit.file, edit.key,
@@ -48,7 +52,8 @@ std::array<double, 2> SourceEditInScene::in_plane(const Point<Scene>& p) const {
   return {middle_longitude_ + std::remainder(g.longitude_deg - middle_longitude_, full_turn_degrees), g.latitude_deg};
 }
 
-Point<Scene> SourceEditInScene::flattened(Point<Scene> p) const {
+Point<Scene> SourceEditInScene::moved(Point<Scene> p) const {
+  if (type_ == SourceEditType::raise) return {p.x, p.y, p.z + by_m_};
   if (!area_) return {p.x, p.y, height_m_};
   constexpr int steps = 5;  // each reduces the error by the square of the tilt of the vertical, at most about 0.01
   for (int i = 0; i < steps; ++i) p.z += height_m_ - geodetic_of((*ecef_from_scene_)(p)).height_m;
@@ -65,11 +70,12 @@ bool SourceEditInScene::affects(const SceneRange& box) const {
   return overlap(box) != (type_ == SourceEditType::inside ? AreaOverlap::inside : AreaOverlap::outside);
 }
 
-std::array<double, 2> SourceEditInScene::flat_range(const SceneRange& box) const {
+std::array<double, 2> SourceEditInScene::moved_range(const SceneRange& box) const {
+  if (type_ == SourceEditType::raise) return {box.low[2] + by_m_, box.high[2] + by_m_};
   if (!area_) return {height_m_, height_m_};
   const BoxSamples samples = samples_of([&](double x, double y, double z) {
     const auto at = [&](std::size_t c, double f) { return box.low[c] * (1 - f) + box.high[c] * f; };
-    return flattened({at(0, x), at(1, y), at(2, z)});
+    return moved({at(0, x), at(1, y), at(2, z)});
   });
   const auto [low, high] =
       std::minmax_element(samples.begin(), samples.end(), [](const auto& a, const auto& b) { return a.z < b.z; });

@@ -29,20 +29,24 @@ class SourceEditInScene {
   const Hash128& hash() const { return hash_; }
   /// Returns the position of a point in the polygon's plane. Longitudes are continuous around the polygon.
   std::array<double, 2> in_plane(const Point<Scene>& p) const;
-  /// Returns the point with the same x and y at the edit's height. Heights in degrees are met within a micrometre.
-  Point<Scene> flattened(Point<Scene> p) const;
+  /// Returns whether the edit moves surfaces along z.
+  bool moves() const { return type_ == SourceEditType::flatten || type_ == SourceEditType::raise; }
+  /// Returns the point to which the edit moves a point inside the polygon: with the same x and y. Heights above the
+  /// ellipsoid are exact within a micrometre.
+  /// Range   moves() is true.
+  Point<Scene> moved(Point<Scene> p) const;
   /// Classifies a box against the polygon. May return `border` for a box that is inside or outside, but near the
   /// border.
   AreaOverlap overlap(const SceneRange& box) const;
   /// Returns whether the edit may change a surface in the box.
   bool affects(const SceneRange& box) const;
-  /// Returns an interval of z that contains flattened() of all points in the box.
-  std::array<double, 2> flat_range(const SceneRange& box) const;
+  /// Returns an interval of z that contains moved() of all points in the box.
+  std::array<double, 2> moved_range(const SceneRange& box) const;
 
  private:
   SourceEditType type_;
   AreaPolygon polygon_;
-  double height_m_;
+  double height_m_, by_m_;
   Hash128 hash_;
   double middle_longitude_ = 0;
   std::optional<AreaInScene> area_;  ///< of degrees

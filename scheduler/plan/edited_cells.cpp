@@ -92,23 +92,23 @@ void add_cells(const EditsInScene& edits, std::int64_t x, std::int64_t y, std::i
   }
 }
 
-/// Extends a column to the heights of the edits that flatten a surface there.
+/// Extends a column to the heights to which edits move a surface there.
 void extend(const SourceEditsInScene& edits, const SnapFrame& frame, std::int64_t n, ColumnExtent& column) {
-  const Vec3i64 min{column.column_x * n, column.column_y * n, column.z_min};
-  const SceneRange range = range_of(frame, {min, {min[0] + n, min[1] + n, column.z_end}});
+  const Vec3i64 min{column.column_x * n, column.column_y * n, 0};
   for (const SourceEditInScene& edit : edits) {
-    if (edit.type() != SourceEditType::flatten || !edit.affects(range)) continue;
+    const SceneRange range = range_of(frame, {{min[0], min[1], column.z_min}, {min[0] + n, min[1] + n, column.z_end}});
+    if (!edit.moves() || !edit.affects(range)) continue;
     const auto voxel = [&](double z_m) {
       return std::int64_t(std::floor((z_m - frame.lattice_origin_m[2]) / frame.voxel_size_m));
     };
-    const auto [low_m, high_m] = edit.flat_range(range);
+    const auto [low_m, high_m] = edit.moved_range(range);
     column.z_min = std::min(column.z_min, voxel(low_m) - 1), column.z_end = std::max(column.z_end, voxel(high_m) + 2);
   }
 }
 
 }  // namespace
 
-void extend_to_flattened(const SceneSources& sources, const BakeParameters& parameters, std::vector<TileScan>& scans) {
+void extend_to_moved(const SceneSources& sources, const BakeParameters& parameters, std::vector<TileScan>& scans) {
   const SnapFrame frame{parameters.voxel_size_m, parameters.lattice_origin_m};
   std::map<const SourceEdits*, SourceEditsInScene> placed;
   for (TileScan& scan : scans) {

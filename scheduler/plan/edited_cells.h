@@ -19,9 +19,9 @@ namespace gigabake {
 void add_filled_cells(const EditsInScene& edits, const std::vector<TileScan>& scans, std::uint32_t cell_voxels,
                       std::vector<CellJob>& jobs);
 
-/// Extends the heights of the columns of each tile to the heights to which edits of its source may flatten it.
+/// Extends the heights of the columns of each tile to the heights to which edits of its source may move it.
 /// Errors  UsageError with file and key: a height does not fit the lattice.
-void extend_to_flattened(const SceneSources& sources, const BakeParameters& parameters, std::vector<TileScan>& scans);
+void extend_to_moved(const SceneSources& sources, const BakeParameters& parameters, std::vector<TileScan>& scans);
 
 /// Returns a box that contains all filled voxels; empty without fills.
 Box3i64 filled_bounds(const EditsInScene& edits);

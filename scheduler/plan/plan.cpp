@@ -296,7 +296,7 @@ BakePlan make_plan(std::vector<TileScan> scans, const SceneSources& sources, con
                    PlanLevels levels, const Progress& progress) {
   progress.step("planning");
   std::sort(scans.begin(), scans.end(), [](const TileScan& a, const TileScan& b) { return a.tile < b.tile; });
-  extend_to_flattened(sources, parameters, scans);
+  extend_to_moved(sources, parameters, scans);
   refuse_spread_tiles(scans, parameters.cell_voxels);
   BakePlan plan;
   add_counts(scans, sources, parameters.voxel_size_m, plan);

@@ -103,10 +103,8 @@ class MeshEditor {
     cut(corners, points);
   }
 
-  bool is_kept(bool is_inside) const {
-    return edit_.type() == SourceEditType::flatten || is_inside == (edit_.type() == SourceEditType::inside);
-  }
-  bool is_moved(bool is_inside) const { return is_inside && edit_.type() == SourceEditType::flatten; }
+  bool is_kept(bool is_inside) const { return edit_.moves() || is_inside == (edit_.type() == SourceEditType::inside); }
+  bool is_moved(bool is_inside) const { return is_inside && edit_.moves(); }
 
   void add_whole(const CornerIndices& corners, bool is_inside) {
     is_changed_ = is_changed_ || !is_kept(is_inside) || is_moved(is_inside);
@@ -149,18 +147,19 @@ class MeshEditor {
       const auto direction = [&](std::uint32_t corner) { return direction_of(mesh_.normal[corner]); };
       const std::array<double, 3> n = mixed<3>(corners, weight, direction);
       const VertexNormal none{no_vertex_normal, no_vertex_normal};
-      out_.normal.push_back(is_moved(is_inside)      ? none  // the plane of the moved triangle
+      const bool is_flat = is_inside && edit_.type() == SourceEditType::flatten;
+      out_.normal.push_back(is_flat                  ? none  // the plane of the moved triangle
                             : copied != weight.end() ? mesh_.normal[corners[nearest]]
                                                      : encode_vertex_normal({n[0], n[1], n[2]}));
     }
     if (!mesh_.tangent.empty()) out_.tangent.push_back(mesh_.tangent[corners[nearest]]);
   }
 
-  void add_position(const CornerIndices& corners, const std::array<double, 3>& weight, bool is_flat) {
+  void add_position(const CornerIndices& corners, const std::array<double, 3>& weight, bool is_moved) {
     std::array<double, 3> p = mixed<3>(corners, weight, values_of<3>(mesh_.position));
-    if (is_flat && local_from_scene_) {
+    if (is_moved && local_from_scene_) {
       const Point<Scene> at = scene_from_local_({p[0], p[1], p[2]});
-      const Point<Local> moved = (*local_from_scene_)(edit_.flattened(at));
+      const Point<Local> moved = (*local_from_scene_)(edit_.moved(at));
       p = {moved.x, moved.y, moved.z};
     }
     for (const double v : p) out_.position.push_back(float(v));

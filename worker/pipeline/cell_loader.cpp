@@ -38,12 +38,12 @@ kernels::PartView part_view(const Primitive& primitive, const Instance& instance
   return part;
 }
 
-/// Returns the box that contains each surface before the edits that is in `cell` after them. An edit that flattens
-/// moves surfaces of any height.
+/// Returns the box that contains each surface before the edits that is in `cell` after them. An edit may move
+/// surfaces of any height.
 Box3i64 box_before(const SourceEditsInScene& edits, Box3i64 cell) {
   constexpr std::int64_t any_height = std::int64_t(1) << 45;
-  const auto is_flatten = [](const SourceEditInScene& edit) { return edit.type() == SourceEditType::flatten; };
-  if (std::none_of(edits.begin(), edits.end(), is_flatten)) return cell;
+  const auto moves = [](const SourceEditInScene& edit) { return edit.moves(); };
+  if (std::none_of(edits.begin(), edits.end(), moves)) return cell;
   cell.min[2] = -any_height, cell.end[2] = any_height;
   return cell;
 }

@@ -122,6 +122,15 @@ class SourceEdits(harness.FolderTest):
                         self.expect_close(found[voxel], value)
                 self.assertLessEqual({v[:2] for v in found}, columns)
 
+    def test_raise_moves_the_part_inside_up_or_down(self):
+        for voxels in (9, -40):
+            found = self.bake("raised", [{"type": "raise", "rings_m": ALIGNED, "by_m": voxels * VOXEL_M}])
+            is_inside = lambda v: in_rings(ALIGNED, (v[0] + 0.5) * VOXEL_M, (v[1] + 0.5) * VOXEL_M)
+            expected = {(*v[:2], v[2] + voxels * is_inside(v)): value for v, value in self.plain.items()}
+            self.assertEqual(set(found), set(expected))
+            for voxel, value in expected.items():
+                self.expect_close(found[voxel], value)
+
     def test_edits_apply_in_their_order(self):
         flat = {"type": "flatten", "rings_m": [[[-4, -4], [4, -4], [4, 4], [-4, 4]]], "height_m": 12.1}
         hole = {"type": "outside", "rings_m": [[[-2, -2], [2, -2], [2, 2], [-2, 2]]]}
@@ -162,10 +171,12 @@ class SourceEdits(harness.FolderTest):
     def test_bad_edits_are_one_line_each(self):
         good = {"type": "inside", "rings_m": ALIGNED}
         for edit, *expected in (
-                ({**good, "type": "invert"}, "type", "inside, outside, flatten"),
+                ({**good, "type": "invert"}, "type", "inside, outside, flatten, raise"),
                 ({"type": "inside"}, "rings_m or rings_lon_lat"),
-                ({**good, "height_m": 3}, "height_m", "only flatten"),
+                ({**good, "height_m": 3}, "height_m", "only flatten has"),
                 ({**good, "type": "flatten"}, "height_m", "is missing"),
+                ({**good, "type": "raise", "height_m": 2}, "height_m", "only flatten has"),
+                ({**good, "type": "raise", "by_m": "2"}, "by_m", "expected a number"),
                 ({"type": "inside", "rings_m": [[[0, 0], [4, 4], [4, 0], [0, 4]]]}, "crosses or touches itself"),
                 ({"type": "inside", "rings_m": [ALIGNED[0], [[90, 90], [91, 90], [91, 91]]]}, "lies outside"),
                 ({"type": "inside", "rings_lon_lat": [[[8, 47], [9, 47], [9, 48]]]}, "no place on the earth")):
