@@ -51,7 +51,7 @@ struct Primitive {
 };
 
 /// Max triangles of a part that a PrimitiveSink (source.h) receives. A part has only the vertices that it uses.
-inline constexpr std::uint64_t max_part_triangles = std::uint64_t(1) << 20;
+inline constexpr std::uint64_t max_part_triangles = std::uint64_t(1) << 18;
 
 /// One placement of a primitive.
 struct Instance {

@@ -26,7 +26,8 @@ struct SinkFailure {
 
 }  // namespace
 
-TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadScope scope, const PrimitiveSink& sink) {
+TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadScope scope, const PrimitiveSink& sink,
+                   const ThreadPool& pool) {
   const PrimitiveSink guarded = [&sink](std::size_t index, Primitive&& primitive) {
     try {
       sink(index, std::move(primitive));
@@ -35,7 +36,7 @@ TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadS
     }
   };
   try {
-    if (holds_gltf(tile.kind)) return read_gltf(tile, root, scope, sink ? guarded : sink);
+    if (holds_gltf(tile.kind)) return read_gltf(tile, root, scope, sink ? guarded : sink, pool);
     if (tile.kind == ContentKind::obj) return read_obj(tile, files_of(tile, root), scope, sink ? guarded : sink);
     if (tile.kind == ContentKind::ply) return read_ply(tile, files_of(tile, root), scope, sink ? guarded : sink);
     if (tile.kind == ContentKind::stl) return read_stl(tile, files_of(tile, root), sink ? guarded : sink);

@@ -12,6 +12,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/rules.h"
+#include "core/base/thread_pool.h"
 #include "core/math/frames.h"
 #include "format/source/mesh.h"
 
@@ -118,11 +119,12 @@ using PrimitiveSink = std::function<void(std::size_t index, Primitive&& primitiv
 /// Reads one content file. Untrusted input is checked before any library reads it: nesting, sizes, URIs, views,
 /// accessors. If a sink is given, TileMesh::primitives keeps only `material` and `position_step` of each primitive. A
 /// triangle list that is too large for one part (mesh_parts.h) becomes several primitives, each with its own Instances.
+/// The threads of `pool` read the parts of a glTF primitive, as many at once as memory_limit() permits.
 /// Exact   The triangles, their order within a list, every value and the counts are the same with a sink and without.
 /// Errors  InputError names the file, the key, the byte offset and the expected value, or the required extension that
 ///         is not supported. A sink may have received some primitives before the error. Exceptions of the sink are
 ///         passed through.
 TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadScope scope,
-                   const PrimitiveSink& sink = nullptr);
+                   const PrimitiveSink& sink = nullptr, const ThreadPool& pool = callers_thread());
 
 }  // namespace gigabake

@@ -1,6 +1,7 @@
 #include "format/source/tile_hash.h"
 
 #define XXH_INLINE_ALL
+#include <algorithm>
 #include <memory>
 #include <xxhash.h>
 
@@ -164,6 +165,12 @@ Hash128 tile_hash(const TileRef& tile, const std::filesystem::path& root) { retu
 
 std::filesystem::path path_of(const TileRef& tile, const StampedFile& file) {
   return tile.path.parent_path() / file.name;
+}
+
+bool are_unchanged(const TileRef& tile, std::span<const StampedFile> files) {
+  return !files.empty() && std::all_of(files.begin(), files.end(), [&](const StampedFile& file) {
+    return file.settled && stamp_of(path_of(tile, file)) == file.stamp;
+  });
 }
 
 }  // namespace gigabake

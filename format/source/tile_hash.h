@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include "core/io/hash128.h"
@@ -29,5 +30,9 @@ Hash128 tile_hash(const TileRef& tile, const std::filesystem::path& root);
 /// Returns the path of an entry of TileIdentity::files. Does not resolve links in the path, because a link may later be
 /// redirected to another file.
 std::filesystem::path path_of(const TileRef& tile, const StampedFile& file);
+
+/// Returns true if the files of the tile have the same content as when they were stamped, as far as their stamps can
+/// tell (format/system/file_stamp.h). Returns false if there are no files or one stamp was not settled. Reads no file.
+bool are_unchanged(const TileRef& tile, std::span<const StampedFile> files);
 
 }  // namespace gigabake

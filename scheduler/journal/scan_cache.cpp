@@ -77,9 +77,7 @@ bool is_worth_keeping(const TileScan& scan) {
 }
 
 bool is_unchanged(const TileRef& tile, const TileScan& scan) {
-  return is_worth_keeping(scan) && std::all_of(scan.files.begin(), scan.files.end(), [&](const StampedFile& f) {
-           return stamp_of(path_of(tile, f)) == f.stamp;
-         });
+  return scan.error.empty() && are_unchanged(tile, scan.files);
 }
 
 }  // namespace

@@ -33,13 +33,18 @@ TileMesh add_stored(const LoadedTile& tile, TileScanner& scanner) {
 
 /// Scans the tile without holding the whole mesh in memory. Reads the file twice, because a part is read before its
 /// placements are known.
-TileMesh add_in_parts(const TileRef& tile, const std::filesystem::path& root, TileScanner& scanner) {
-  TileMesh mesh = read_tile(tile, root, ReadScope::positions_only, [](std::size_t, const Primitive&) {});
+TileMesh add_in_parts(const TileRef& tile, const std::filesystem::path& root, const ThreadPool& pool,
+                      TileScanner& scanner) {
+  TileMesh mesh = read_tile(
+      tile, root, ReadScope::positions_only, [](std::size_t, const Primitive&) {}, pool);
   const auto placed = placements_of(mesh);
-  read_tile(tile, root, ReadScope::positions_only, [&](std::size_t p, const Primitive& part) {
-    if (p >= placed.size()) throw InputError(tile.path, "", "changed while it was read");
-    scanner.add(part, placed[p]);
-  });
+  read_tile(
+      tile, root, ReadScope::positions_only,
+      [&](std::size_t p, const Primitive& part) {
+        if (p >= placed.size()) throw InputError(tile.path, "", "changed while it was read");
+        scanner.add(part, placed[p]);
+      },
+      pool);
   return mesh;
 }
 
@@ -71,9 +76,9 @@ TileScan scan_tile(const SceneSources& sources, std::uint32_t tile, const BakePa
     if (store == nullptr || !store->may_be_large(tile))
       take_counts(add_held(ref, sources.root, scanner), scan);
     else if (store->has_scratch())
-      take_counts(add_stored(*store->load(tile, identity.hash), scanner), scan);
+      take_counts(add_stored(*store->load(tile, identity.hash, identity.files), scanner), scan);
     else
-      take_counts(add_in_parts(ref, sources.root, scanner), scan);
+      take_counts(add_in_parts(ref, sources.root, pool, scanner), scan);
     scanner.finish(scan);
     scan.source = identity.hash;
     scan.files = std::move(identity.files);

@@ -9,6 +9,9 @@
 namespace gigabake {
 namespace {
 
+/// Max size of a batch of parts, relative to the max size of a tile in memory (a 128th of the memory limit).
+constexpr std::uint64_t max_batch = 4;
+
 std::uint64_t list_bytes(const Primitive& p) {
   return 4 * (p.position.size() + p.index.size() + p.uv.size() + p.normal.size() + p.normal_uv.size() +
               p.tangent.size()) +
@@ -47,7 +50,7 @@ void TilePrimitiveCollector::take(Primitive&& primitive) {
   if (limit_.scratch_file.empty()) return claim_.add(bytes, "", "triangles");
   if (!writer_ && bytes_ > limit_.max_bytes) writer_.emplace(limit_.scratch_file);
   const std::uint64_t enough =
-      std::clamp(limit_.max_bytes / 2, part_bytes(), part_bytes() * std::uint64_t(pool_.threads()));
+      std::clamp(max_batch * limit_.max_bytes, part_bytes(), part_bytes() * std::uint64_t(pool_.threads()));
   if (writer_ && bytes_ >= enough) cut_pending();
 }
 
@@ -71,11 +74,15 @@ void TilePrimitiveCollector::cut(const std::vector<Primitive>& batch) {
       done[i] = cut_one(batch[i], cut_bytes_[i]);
     }
   });
+  std::vector<std::uint64_t> begins(batch.size());
   for (std::size_t i = 0; i < done.size(); ++i) {
-    const std::uint64_t begin = writer_->append_clusters(cut_bytes_[i]);
-    for (TileCluster& c : done[i].clusters) c.stored.offset += begin;
+    begins[i] = writer_->reserve(cut_bytes_[i].size());
+    for (TileCluster& c : done[i].clusters) c.stored.offset += begins[i];
     cut_.push_back(std::move(done[i]));
   }
+  pool_.parallel_for(begins.size(), 1, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) writer_->put_clusters(begins[i], cut_bytes_[i]);
+  });
 }
 
 TileDirectory TilePrimitiveCollector::finish(TileMesh&& mesh) {

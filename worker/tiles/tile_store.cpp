@@ -22,12 +22,13 @@ bool TileStore::may_be_large(std::uint32_t tile) const {
   return sources_.tiles.at(tile).bytes > scratch_.max_tile_bytes;
 }
 
-std::shared_ptr<const LoadedTile> TileStore::load(std::uint32_t tile, const std::optional<Hash128>& expected) const {
-  if (scratch_.folder.empty() || !expected) return read(tile, expected, {});
+std::shared_ptr<const LoadedTile> TileStore::load(std::uint32_t tile, const std::optional<Hash128>& expected,
+                                                  std::span<const StampedFile> hashed) const {
+  if (scratch_.folder.empty() || !expected) return read(tile, expected, hashed, {});
   const std::string content = parameters_.normals ? "" : "_without_normals";
   const std::filesystem::path file = scratch_.folder / ("t_" + expected->hex() + content + ".clusters");
   const auto find = [&] { return stored(file); };
-  const auto make = [&] { return read(tile, expected, file); };
+  const auto make = [&] { return read(tile, expected, hashed, file); };
   if (may_be_large(tile)) return find_or_make(file, find, make);
   const auto found = find();  // a small file, but its decompressed triangles may exceed the limit
   return found ? found : make();
@@ -41,14 +42,16 @@ std::shared_ptr<const LoadedTile> TileStore::stored(const std::filesystem::path&
 }
 
 std::shared_ptr<const LoadedTile> TileStore::read(std::uint32_t tile, const std::optional<Hash128>& expected,
+                                                  std::span<const StampedFile> hashed,
                                                   const std::filesystem::path& file) const {
   const TileRef& ref = sources_.tiles.at(tile);
   TilePrimitiveCollector gatherer(ref.path, {scratch_.max_tile_bytes, file}, pool_);
   const ReadScope scope = parameters_.normals ? ReadScope::everything : ReadScope::without_normals;
-  TileMesh mesh = read_tile(ref, sources_.root, scope,
-                            [&](std::size_t, Primitive&& primitive) { gatherer.take(std::move(primitive)); });
-  // The hash is compared after the read, so that a replacement of the file during the read is detected too.
-  if (expected && tile_hash(ref, sources_.root) != *expected)
+  TileMesh mesh = read_tile(
+      ref, sources_.root, scope, [&](std::size_t, Primitive&& primitive) { gatherer.take(std::move(primitive)); },
+      pool_);
+  // The files are compared after the read, so that a replacement of a file during the read is detected too.
+  if (expected && !are_unchanged(ref, hashed) && tile_hash(ref, sources_.root) != *expected)
     throw InputError(ref.path, "", "changed while the bake ran; bake again");
   TileDirectory directory = gatherer.finish(std::move(mesh));
   if (!gatherer.is_on_scratch())

@@ -8,11 +8,13 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "core/base/thread_pool.h"
 #include "core/io/hash128.h"
 #include "core/octree/parameters.h"
 #include "format/source/source.h"
+#include "format/system/file_stamp.h"
 #include "worker/tiles/loaded_tile.h"
 
 namespace gigabake {
@@ -34,9 +36,12 @@ class TileStore {
 
   /// Loads a tile. If several ranks need the same large tile, one reads it and the others wait for its scratch file.
   /// `expected` is tile_hash() at the scan; if it is nullopt, the current content of the files is loaded into memory.
+  /// `hashed` are the files from which the caller has just computed `expected`, with their stamps: if these have not
+  /// changed, the files are not hashed again after they were read.
   /// Errors  The errors of read_tile(). InputError: the files changed since the scan. IoError: the scratch folder
   ///         cannot be written, for example because its disk is full.
-  std::shared_ptr<const LoadedTile> load(std::uint32_t tile, const std::optional<Hash128>& expected) const;
+  std::shared_ptr<const LoadedTile> load(std::uint32_t tile, const std::optional<Hash128>& expected,
+                                         std::span<const StampedFile> hashed = {}) const;
 
   /// Returns true if the source file is so large that the tile may exceed the memory limit per tile. Such a tile goes
   /// to scratch if there is a scratch folder.
@@ -46,7 +51,7 @@ class TileStore {
  private:
   std::shared_ptr<const LoadedTile> stored(const std::filesystem::path& file) const;
   std::shared_ptr<const LoadedTile> read(std::uint32_t tile, const std::optional<Hash128>& expected,
-                                         const std::filesystem::path& file) const;
+                                         std::span<const StampedFile> hashed, const std::filesystem::path& file) const;
 
   const SceneSources& sources_;
   const BakeParameters& parameters_;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <map>
+#include <mutex>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -15,16 +17,12 @@
 #include "format/source/gltf/corners.h"
 #include "format/source/gltf/load.h"
 #include "format/source/gltf/material.h"
+#include "format/source/gltf/model/vertex_values.h"
 #include "format/source/gltf/nodes.h"
 #include "format/source/mesh_parts.h"
 
 namespace gigabake {
 namespace {
-
-/// Bytes of a vertex: its position, its texture coordinates, and its colour before and after conversion. Bytes of a
-/// normal and of a tangent before and after conversion, of coordinates of a normal map, and of a corner.
-constexpr std::uint64_t vertex_bytes = 12 + 8 + 16 + 8, normal_bytes = 12 + 4, tangent_bytes = 16 + 4, uv_bytes = 8,
-                        corner_bytes = 8;
 
 struct PrimitiveCounts {
   std::uint64_t triangles = 0, points = 0, lines = 0;
@@ -36,48 +34,12 @@ struct MeshParts {
   PrimitiveCounts counts;
 };
 
+std::uint64_t part_count(std::uint64_t triangles) { return (triangles + max_part_triangles - 1) / max_part_triangles; }
+
 std::uint64_t line_count(std::uint64_t vertices, int mode) {
   if (mode == TINYGLTF_MODE_LINE) return vertices / 2;
   return mode == TINYGLTF_MODE_LINE_LOOP ? vertices : (vertices > 0 ? vertices - 1 : 0);
 }
-
-std::uint16_t unit16(float v) { return v > 0 ? std::uint16_t(std::min(v, 1.0f) * 65535.0f + 0.5f) : std::uint16_t(0); }
-
-std::vector<std::uint16_t> linear_colours(const std::vector<float>& rgba) {
-  std::vector<std::uint16_t> out(rgba.size());
-  std::transform(rgba.begin(), rgba.end(), out.begin(), unit16);
-  return out;
-}
-
-std::vector<VertexNormal> vertex_normals(const std::vector<float>& xyz) {
-  std::vector<VertexNormal> out(xyz.size() / 3);
-  for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = encode_vertex_normal({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]});
-  return out;
-}
-
-/// A tangent whose fourth number is neither positive nor negative has no direction.
-std::vector<VertexTangent> vertex_tangents(const std::vector<float>& xyzw) {
-  std::vector<VertexTangent> out(xyzw.size() / 4);
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const float* t = &xyzw[4 * i];
-    const bool has_side = t[3] > 0 || t[3] < 0;
-    out[i] = encode_vertex_tangent(has_side ? Vec3d{t[0], t[1], t[2]} : Vec3d{0, 0, 0}, t[3] < 0);
-  }
-  return out;
-}
-
-/// Readers of the vertices of a primitive, for all vertices or for the vertices of a part.
-struct VertexValues {
-  AccessorItems position;
-  int material = 0;
-  std::optional<AccessorItems> colour = {}, uv = {}, normal = {}, normal_uv = {}, tangent = {};
-  bool shares_uv = false;  ///< `uv` has the coordinates of the normal map
-
-  std::uint64_t bytes_of_vertex() const {
-    return vertex_bytes + (normal ? normal_bytes : 0) + (normal_uv ? uv_bytes : 0) + (tangent ? tangent_bytes : 0);
-  }
-};
 
 /// Memory claim of a primitive, given back when the primitive has been passed on.
 class HeldClaim {
@@ -98,9 +60,11 @@ class HeldClaim {
 
 class TileReader {
  public:
-  TileReader(const TileRef& tile, const std::filesystem::path& root, ReadScope scope, const PrimitiveSink& sink)
+  TileReader(const TileRef& tile, const std::filesystem::path& root, ReadScope scope, const PrimitiveSink& sink,
+             const ThreadPool& pool)
       : tile_(tile),
         sink_(sink),
+        pool_(pool),
         everything_(scope != ReadScope::positions_only),
         with_normals_(scope == ReadScope::everything),
         document_(load_gltf(tile, root, everything_)),
@@ -190,8 +154,7 @@ class TileReader {
     if (!sink_ || !is_split(corners.triangles(), vertices)) {
       add_whole(corners, values, at, parts);
     } else {
-      for (std::uint64_t first = 0; first == 0 || first < corners.triangles(); first += max_part_triangles)
-        add_part(corners, first, values, at, parts);
+      add_parts(corners, values, at, parts);
     }
   }
 
@@ -280,39 +243,38 @@ class TileReader {
     HeldClaim claim(claim_);
     claim.add_items(values.position.count(), values.bytes_of_vertex(), at, "vertices");
     claim.add_items(corners.triangles() * 3, corner_bytes, at, "corners of triangles");
-    Primitive out;
-    out.index = corners.of_triangles(0, corners.triangles());
-    out.position = values.position.floats(3);
-    if (values.colour) out.rgba = linear_colours(values.colour->floats(4, 1.0f));
-    const SourceMaterial& m = materials_[std::size_t(values.material)];
-    if (values.uv) out.uv = transformed(values.uv->floats(2), m.texture);
-    if (values.normal) out.normal = vertex_normals(values.normal->floats(3));
-    if (values.normal_uv) out.normal_uv = transformed(values.normal_uv->floats(2), m.normal_map);
-    if (values.tangent) out.tangent = vertex_tangents(values.tangent->floats(4));
-    add(std::move(out), values, parts);
+    add(read_whole(corners, values, materials_[std::size_t(values.material)]), values, parts);
     if (!sink_) claim.keep();
   }
 
-  void add_part(const Corners& corners, std::uint64_t first, const VertexValues& values, const std::string& at,
-                MeshParts& parts) {
-    HeldClaim claim(claim_);
-    const std::uint64_t triangles = std::min(corners.triangles() - first, max_part_triangles);
-    claim.add_items(triangles * 3, corner_bytes, at, "corners of triangles");
-    claim.add_items(values.position.count() / 64 + 1, UsedVertices::bytes_of_64, at, "flags of vertices");
-    Primitive out;
-    out.index = corners.of_triangles(first, triangles);
-    const UsedVertices used(out.index);
-    used.renumber(out.index);
-    const std::vector<std::uint32_t>& vertices = used.ascending();
-    claim.add_items(vertices.size(), values.bytes_of_vertex(), at, "vertices");
-    out.position = values.position.floats_of(vertices, 3);
-    if (values.colour) out.rgba = linear_colours(values.colour->floats_of(vertices, 4, 1.0f));
-    const SourceMaterial& m = materials_[std::size_t(values.material)];
-    if (values.uv) out.uv = transformed(values.uv->floats_of(vertices, 2), m.texture);
-    if (values.normal) out.normal = vertex_normals(values.normal->floats_of(vertices, 3));
-    if (values.normal_uv) out.normal_uv = transformed(values.normal_uv->floats_of(vertices, 2), m.normal_map);
-    if (values.tangent) out.tangent = vertex_tangents(values.tangent->floats_of(vertices, 4));
-    add(std::move(out), values, parts);
+  /// Adds the parts of a large primitive. The threads read as many parts at once as fit into a sixteenth of the memory
+  /// limit. The error of the first part that has one is thrown.
+  void add_parts(const Corners& corners, const VertexValues& values, const std::string& at, MeshParts& parts) {
+    const std::uint64_t count = std::max<std::uint64_t>(1, part_count(corners.triangles()));
+    const std::uint64_t vertices = values.position.count() / count + 1;
+    const std::uint64_t part_bytes = max_part_triangles * 3 * corner_bytes + vertices * values.bytes_of_vertex();
+    const auto at_once = std::clamp<std::uint64_t>(memory_limit() / 16 / part_bytes, 1, std::uint64_t(pool_.threads()));
+    for (std::uint64_t first = 0; first < count; first += at_once) {
+      std::mutex claiming;
+      HeldClaim claim(claim_);
+      const auto add_claim = [&](std::uint64_t items, std::uint64_t item_bytes, const char* what) {
+        const std::scoped_lock lock(claiming);
+        claim.add_items(items, item_bytes, at, what);
+      };
+      std::vector<Primitive> read(std::min(at_once, count - first));
+      std::vector<std::exception_ptr> errors(read.size());
+      pool_.parallel_for(read.size(), 1, [&](std::size_t i, std::size_t, int) {
+        try {
+          read[i] = read_part(corners, (first + i) * max_part_triangles, values,
+                              materials_[std::size_t(values.material)], add_claim);
+        } catch (...) {
+          errors[i] = std::current_exception();
+        }
+      });
+      for (const std::exception_ptr& error : errors)
+        if (error) std::rethrow_exception(error);
+      for (Primitive& part : read) add(std::move(part), values, parts);
+    }
   }
 
   void add(Primitive&& primitive, const VertexValues& values, MeshParts& parts) {
@@ -323,16 +285,6 @@ class TileReader {
     if (!sink_) return out_.primitives.push_back(std::move(primitive));
     out_.primitives.push_back(without_lists(primitive));
     sink_(out_.primitives.size() - 1, std::move(primitive));
-  }
-
-  static std::vector<float> transformed(std::vector<float> uv, const TextureSource& source) {
-    const auto& t = source.uv_transform;
-    for (std::size_t i = 0; i < uv.size(); i += 2) {
-      const float u = uv[i], v = uv[i + 1];
-      uv[i] = t[0][0] * u + t[0][1] * v + t[0][2];
-      uv[i + 1] = t[1][0] * u + t[1][1] * v + t[1][2];
-    }
-    return uv;
   }
 
   void expect_count(int accessor, std::uint64_t vertices, const std::string& at) const {
@@ -371,6 +323,7 @@ class TileReader {
 
   const TileRef& tile_;
   const PrimitiveSink& sink_;
+  const ThreadPool& pool_;
   bool everything_, with_normals_;
   MemoryClaim claim_{tile_.path};
   GltfDocument document_;
@@ -384,8 +337,9 @@ class TileReader {
 
 }  // namespace
 
-TileMesh read_gltf(const TileRef& tile, const std::filesystem::path& root, ReadScope scope, const PrimitiveSink& sink) {
-  return TileReader(tile, root, scope, sink).read();
+TileMesh read_gltf(const TileRef& tile, const std::filesystem::path& root, ReadScope scope, const PrimitiveSink& sink,
+                   const ThreadPool& pool) {
+  return TileReader(tile, root, scope, sink, pool).read();
 }
 
 }  // namespace gigabake

@@ -9,6 +9,7 @@
 namespace gigabake {
 
 /// Reads a content file of any format that contains glTF, as read_tile() does.
-TileMesh read_gltf(const TileRef& tile, const std::filesystem::path& root, ReadScope scope, const PrimitiveSink& sink);
+TileMesh read_gltf(const TileRef& tile, const std::filesystem::path& root, ReadScope scope, const PrimitiveSink& sink,
+                   const ThreadPool& pool);
 
 }  // namespace gigabake

@@ -56,6 +56,7 @@ struct Streamed {
   std::string error;
 };
 
+/// Reads the tile whole, or its parts with three threads.
 Streamed read(const TileRef& tile, const std::filesystem::path& root, ReadScope scope, bool in_parts) {
   Streamed out;
   const PrimitiveSink sink = [&](std::size_t index, Primitive&& primitive) {
@@ -64,7 +65,8 @@ Streamed read(const TileRef& tile, const std::filesystem::path& root, ReadScope 
     out.parts.push_back(std::move(primitive));
   };
   try {
-    out.mesh = read_tile(tile, root, scope, in_parts ? sink : nullptr);
+    static const ThreadPool pool(3);
+    out.mesh = read_tile(tile, root, scope, in_parts ? sink : nullptr, pool);
   } catch (const InputError& e) {
     out.error = e.what();
   }

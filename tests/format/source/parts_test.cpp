@@ -20,8 +20,9 @@ namespace {
 using namespace test;
 using testing::HasSubstr;
 
-/// The number of quads along the edge of a grid whose triangles fill 1.05 parts.
+/// The number of quads along the edge of a grid whose triangles fill 4.2 parts.
 constexpr std::uint32_t edge = 742, points = edge + 1, grid_vertices = points * points;
+constexpr std::size_t parts_of_grid = 2 * edge * edge / max_part_triangles + 1;
 
 std::vector<std::uint32_t> corners_of_grid() {
   std::vector<std::uint32_t> out;
@@ -77,7 +78,7 @@ TEST_F(InParts, AnIndexedGridWithColoursAndTextureCoordinates) {
                            "AElFTkSuQmCC"}}};
   made.gltf["textures"] = {{{"source", 0}}};
   made.gltf["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
-  EXPECT_EQ(parts_of(made), 2u);
+  EXPECT_EQ(parts_of(made), parts_of_grid);
   const Primitive read_whole = read().primitives.at(0);
   EXPECT_FALSE(read_whole.uv.empty() || read_whole.rgba.empty() || read_whole.normal.empty());
 }
@@ -90,7 +91,7 @@ TEST_F(InParts, VerticesInRandomOrder) {
   MadeGlb made;
   const int position = made.add(numbers<float>(3 * grid_vertices, 5), 3, of_floats, false, 64);
   made.add_primitive(position, made.add(corners, 1, of_words));
-  EXPECT_EQ(parts_of(made), 2u);
+  EXPECT_EQ(parts_of(made), parts_of_grid);
 }
 
 /// Some vertices are so far apart that they are read one by one.
@@ -133,6 +134,24 @@ TEST_F(InParts, StripsAndFans) {
   EXPECT_EQ(parts_of(made), 4u);
 }
 
+TEST_F(InParts, FaultsOfSeveralPartsOfWhichTheFirstIsReported) {
+  std::vector<std::uint32_t> corners = corners_of_grid();
+  for (const std::uint64_t part : {3, 2, 1}) corners[3 * (part * max_part_triangles + 7)] = grid_vertices + part;
+  MadeGlb made;
+  made.add_primitive(made.add(numbers<float>(3 * grid_vertices, 12), 3, of_floats), made.add(corners, 1, of_words));
+  open(made);
+  const ThreadPool pool(3);
+  for (int round = 0; round < 20; ++round) {
+    try {
+      read_tile(
+          sources.tiles.at(0), sources.root, ReadScope::everything, [](std::size_t, Primitive&&) {}, pool);
+      ADD_FAILURE() << "was read";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(std::to_string(grid_vertices + 1)));
+    }
+  }
+}
+
 TEST_F(InParts, SparseValuesOfAnyPart) {
   MadeGlb made;
   const int position = made.add(numbers<float>(3 * grid_vertices, 13), 3, of_floats);
@@ -143,7 +162,7 @@ TEST_F(InParts, SparseValuesOfAnyPart) {
       {"count", 3},
       {"indices", {{"bufferView", where}, {"componentType", of_words}}},
       {"values", {{"bufferView", values}}}};
-  EXPECT_EQ(parts_of(made), 2u);
+  EXPECT_EQ(parts_of(made), parts_of_grid);
 }
 
 TEST_F(InParts, SeveralPrimitivesAndPlacements) {
@@ -157,11 +176,11 @@ TEST_F(InParts, SeveralPrimitivesAndPlacements) {
   made.add_primitive(position, few, 6);
   made.gltf["nodes"] = {{{"mesh", 0}}, {{"mesh", 0}, {"translation", {1, 2, 3}}}};
   made.gltf["scenes"][0]["nodes"] = {1, 0};
-  EXPECT_EQ(parts_of(made), 4u);
+  EXPECT_EQ(parts_of(made), parts_of_grid + 2);
   std::size_t taken = 0;
   const TileMesh mesh = read([&](std::size_t, Primitive&&) { ++taken; });
-  EXPECT_EQ(taken, 4u) << "a mesh that is placed twice is read once";
-  EXPECT_EQ(mesh.instances.size(), 8u);
+  EXPECT_EQ(taken, parts_of_grid + 2) << "a mesh that is placed twice is read once";
+  EXPECT_EQ(mesh.instances.size(), 2 * (parts_of_grid + 2));
 }
 
 /// The STL has one full part and three more facets.
@@ -222,12 +241,12 @@ TEST_F(LargeGrid, WhatTheSinkThrowsPassesThrough) {
   EXPECT_THROW(read([](std::size_t, Primitive&&) { throw std::bad_alloc(); }), std::bad_alloc);
 }
 
-/// One part of a grid needs memory for the corners of 2^20 triangles and half as many vertices, 48 MB.
+/// One part of a grid needs memory for the corners of 2^18 triangles and half as many vertices, 12 MB.
 TEST_F(LargeGrid, ClaimsAPartWhereItIsHandedOverInParts) {
-  set_memory_limit(std::uint64_t(52) << 20);
+  set_memory_limit(std::uint64_t(14) << 20);
   EXPECT_EQ(refusal([](std::size_t, Primitive&&) {}), "was read");
-  set_memory_limit(std::uint64_t(44) << 20);
-  EXPECT_THAT(refusal([](std::size_t, Primitive&&) {}), HasSubstr("`memory_bytes` allows 44.0 MB"));
+  set_memory_limit(std::uint64_t(11) << 20);
+  EXPECT_THAT(refusal([](std::size_t, Primitive&&) {}), HasSubstr("`memory_bytes` allows 11.0 MB"));
 }
 
 /// The file is longer than the memory limit of the process.
