@@ -5,17 +5,20 @@
 #include <iterator>
 #include <string_view>
 
+#include "app/options/choices.h"
 #include "app/options/text_values.h"
 #include "core/base/error.h"
 #include "format/area/geojson.h"
 #include "format/edit/edit_json.h"
+#include "format/source/shape_mesh.h"
 #include "format/system/read_file.h"
 
 namespace gigabake::app {
 namespace {
 
 constexpr const char* shape_forms =
-    "box:X,Y,Z,X,Y,Z, sphere:X,Y,Z,RADIUS, cylinder:X,Y,Z,RADIUS,HEIGHT or prism:AREA.geojson,LOW,HIGH";
+    "box:X,Y,Z,X,Y,Z, sphere:X,Y,Z,RADIUS, cylinder:X,Y,Z,RADIUS,HEIGHT, prism:AREA.geojson,LOW,HIGH or "
+    "mesh:FILE,X,Y,Z";
 
 std::array<double, 3> position(const std::vector<double>& n, std::size_t first) {
   return {n[first], n[first + 1], n[first + 2]};
@@ -40,8 +43,21 @@ PrismShape prism_of(const char* option, const std::string& text) {
   return prism;
 }
 
+/// Returns the mesh of a file at a place. `text` is FILE,X,Y,Z.
+MeshShape mesh_of(const char* option, const std::string& text, bool degrees, const std::optional<UpAxis>& up) {
+  std::size_t comma = text.size();
+  for (int i = 0; i < 3; ++i) comma = comma == 0 || comma == std::string::npos ? comma : text.rfind(',', comma - 1);
+  if (comma == 0 || comma == std::string::npos) throw UsageError(fmt::format("{}: expected mesh:FILE,X,Y,Z", option));
+  const std::vector<double> n = numbers(option, "X,Y,Z", text.substr(comma + 1), {3});
+  MeshShape mesh = read_shape_mesh(text.substr(0, comma), up);
+  if (degrees) mesh.place = position(n, 0);
+  for (auto& p : mesh.positions_m)
+    for (std::size_t c = 0; c < 3 && !degrees; ++c) p[c] += n[c];
+  return mesh;
+}
+
 /// Sets the shape and the frame of an edit from the text of an option.
-void set_shape(const char* option, const std::string& text, bool degrees, Edit& edit) {
+void set_shape(const char* option, const std::string& text, bool degrees, const std::optional<UpAxis>& up, Edit& edit) {
   const std::size_t colon = text.find(':');
   const std::string name = text.substr(0, colon), rest = colon == std::string::npos ? "" : text.substr(colon + 1);
   edit.frame = degrees || name == "prism" ? EditFrame::degrees : EditFrame::scene;
@@ -56,6 +72,8 @@ void set_shape(const char* option, const std::string& text, bool degrees, Edit& 
     edit.shape = CylinderShape{position(n, 0), n[3], n[4]};
   } else if (name == "prism") {
     edit.shape = prism_of(option, rest);
+  } else if (name == "mesh") {
+    edit.shape = mesh_of(option, rest, degrees, up);
   } else {
     throw UsageError(fmt::format("{}: expected {}; got '{}'", option, shape_forms, text));
   }
@@ -75,6 +93,7 @@ void EditOptions::add_to(CLI::App& command) {
   command.add_option("--from", from, "EDITS.json: append its edits (docs/editing.md)");
   command.add_option("--rgb", rgb, "R,G,B: sRGB colour of --fill or --paint, 0 to 255");
   command.add_option("--alpha", alpha, "alpha of --paint, 1 to 255");
+  add_choice(command, "--up", up, "axis of a mesh file that points up (y)");
   command.add_flag(
       "--degrees", degrees,
       "X,Y,Z of shapes are longitude, latitude and height above the WGS84 ellipsoid (default: metres of the "
@@ -97,7 +116,7 @@ EditList EditOptions::edits() const {
   Edit edit;
   edit.type = !carve.empty() ? EditType::carve : (!fill.empty() ? EditType::fill : EditType::paint);
   const char* option = !carve.empty() ? "--carve" : (!fill.empty() ? "--fill" : "--paint");
-  set_shape(option, !carve.empty() ? carve : (!fill.empty() ? fill : paint), degrees, edit);
+  set_shape(option, !carve.empty() ? carve : (!fill.empty() ? fill : paint), degrees, up, edit);
   if (!rgb.empty()) {
     const std::vector<double> colour = numbers("--rgb", "R,G,B", rgb, {3});
     for (std::size_t c = 0; c < 3; ++c) edit.rgb[c] = byte_of("--rgb", colour[c], 0);

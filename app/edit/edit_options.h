@@ -2,9 +2,11 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/math/frames.h"
 #include "format/edit/edit.h"
 
 namespace gigabake::app {
@@ -13,6 +15,7 @@ struct EditOptions {
   std::string carve, fill, paint, from;
   std::string rgb, alpha;
   bool degrees = false;
+  std::optional<UpAxis> up;
 
   void add_to(CLI::App& command);
   /// Returns the edits of --from, then that of --carve, --fill or --paint; none without these options.

@@ -53,7 +53,14 @@ struct PrismShape {
   double low_m = 0, high_m = 0;
 };
 
-using EditShape = std::variant<BoxShape, SphereShape, CylinderShape, PrismShape>;
+/// A closed triangle mesh. In degrees, its positions are metres east, north and up of `place`.
+struct MeshShape {
+  std::array<double, 3> place{};  ///< longitude, latitude, height; only in degrees
+  std::vector<std::array<double, 3>> positions_m;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+using EditShape = std::variant<BoxShape, SphereShape, CylinderShape, PrismShape, MeshShape>;
 
 struct Edit {
   EditType type = EditType::carve;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
 #include "core/base/error.h"
 #include "format/area/fixed_point.h"
@@ -69,11 +70,61 @@ PrismShape prism_of(const JsonMembers& shape, EditFrame& frame) {
   return prism;
 }
 
-EditShape shape_of(const JsonMembers& edit, EditFrame& frame) {
+/// Returns the triples of numbers in an array. `limit` bounds their magnitude.
+template <class Number>
+std::vector<std::array<Number, 3>> triples(const JsonMembers& shape, const char* key, double low, double high) {
+  const Json& list = shape.array(key);
+  std::vector<std::array<Number, 3>> out;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    std::array<Number, 3>& triple = out.emplace_back();
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Json* value = list[i].is_array() && list[i].size() == 3 ? &list[i][c] : nullptr;
+      const bool is_number =
+          value != nullptr && (std::is_integral_v<Number> ? value->is_number_integer() : value->is_number());
+      const double number = is_number ? value->get<double>() : NAN;
+      if (!(number >= low && number <= high))
+        shape.fail(std::string(key) + "[" + std::to_string(i) + "]", std::is_integral_v<Number>
+                                                                         ? "expected three indices of positions"
+                                                                         : "expected three numbers of metres");
+      triple[c] = Number(number);
+    }
+  }
+  if (out.empty()) shape.fail(key, "is missing or empty");
+  return out;
+}
+
+/// Returns the mesh of a file, which is moved to `position_m`, or which `lon_lat_height` places.
+MeshShape mesh_of_file(const JsonMembers& shape, EditFrame& frame, const ShapeMeshReader& reader) {
+  shape.only({"path", "up", place_keys.metres, place_keys.degrees});
+  if (!reader) shape.fail("path", "mesh files are named in a scene .json only; list positions_m and triangles");
+  frame = frame_of(shape, place_keys);
+  const std::array<double, 3> place = position(shape, place_keys, frame);
+  MeshShape mesh = reader(shape);
+  if (frame == EditFrame::degrees) mesh.place = place;
+  for (auto& p : mesh.positions_m)
+    for (std::size_t c = 0; c < 3 && frame == EditFrame::scene; ++c) p[c] += place[c];
+  return mesh;
+}
+
+MeshShape mesh_of(const JsonMembers& shape, EditFrame& frame, const ShapeMeshReader& reader) {
+  if (shape.has("path")) return mesh_of_file(shape, frame, reader);
+  shape.only({place_keys.degrees, "positions_m", "triangles"});
+  frame = shape.has(place_keys.degrees) ? EditFrame::degrees : EditFrame::scene;
+  MeshShape mesh;
+  if (frame == EditFrame::degrees) mesh.place = position(shape, place_keys, frame);
+  mesh.positions_m = triples<double>(shape, "positions_m", -max_edit_metres, max_edit_metres);
+  mesh.triangles = triples<std::uint32_t>(shape, "triangles", 0, double(mesh.positions_m.size()) - 1);
+  return mesh;
+}
+
+constexpr const char* shape_names[] = {"box", "sphere", "cylinder", "prism", "mesh"};
+
+EditShape shape_of(const JsonMembers& edit, EditFrame& frame, const ShapeMeshReader& reader) {
   int shapes = 0;
-  for (const char* key : {"box", "sphere", "cylinder", "prism"}) shapes += edit.has(key) ? 1 : 0;
+  for (const char* key : shape_names) shapes += edit.has(key) ? 1 : 0;
   if (shapes != 1)
-    throw InputError(edit.file(), edit.path(), "expected exactly one shape: box, sphere, cylinder or prism");
+    throw InputError(edit.file(), edit.path(), "expected exactly one shape: box, sphere, cylinder, prism or mesh");
+  if (edit.has("mesh")) return mesh_of(edit.members("mesh"), frame, reader);
   if (edit.has("box")) return box_of(edit.members("box"), frame);
   if (edit.has("sphere")) return sphere_of(edit.members("sphere"), frame);
   if (edit.has("cylinder")) return cylinder_of(edit.members("cylinder"), frame);
@@ -97,11 +148,11 @@ void read_colour(const JsonMembers& edit, Edit& out) {
   if (const auto alpha = edit.number("alpha", 1, max_colour)) out.alpha = byte_of(edit, "alpha", *alpha);
 }
 
-Edit edit_of(const JsonMembers& members) {
-  members.only({"type", "box", "sphere", "cylinder", "prism", "rgb", "alpha"});
+Edit edit_of(const JsonMembers& members, const ShapeMeshReader& reader) {
+  members.only({"type", "box", "sphere", "cylinder", "prism", "mesh", "rgb", "alpha"});
   Edit edit;
   edit.type = members.get<EditType>("type", "carve, fill or paint");
-  edit.shape = shape_of(members, edit.frame);
+  edit.shape = shape_of(members, edit.frame, reader);
   read_colour(members, edit);
   edit.file = members.file(), edit.key = members.path();
   return edit;
@@ -121,7 +172,11 @@ Json json_of(const PrismShape& s, bool degrees) {
   return {{degrees ? ring_keys.degrees : ring_keys.metres, s.rings}, {"low_m", s.low_m}, {"high_m", s.high_m}};
 }
 
-constexpr const char* shape_names[] = {"box", "sphere", "cylinder", "prism"};
+Json json_of(const MeshShape& s, bool degrees) {
+  Json out = {{"positions_m", s.positions_m}, {"triangles", s.triangles}};
+  if (degrees) out[place_keys.degrees] = s.place;
+  return out;
+}
 
 Json json_of(const Edit& edit) {
   Json out{{"type", name_of(edit.type)}};
@@ -132,12 +187,12 @@ Json json_of(const Edit& edit) {
   return out;
 }
 
-EditList read_edits(const JsonMembers& members) {
+EditList read_edits(const JsonMembers& members, const ShapeMeshReader& reader) {
   const Json& list = members.array("edits");
   if (list.size() > max_edits) members.fail("edits", "expected at most " + std::to_string(max_edits) + " edits");
   EditList edits;
   edits.reserve(list.size());
-  for (std::size_t i = 0; i < list.size(); ++i) edits.push_back(edit_of(members.element("edits", list, i)));
+  for (std::size_t i = 0; i < list.size(); ++i) edits.push_back(edit_of(members.element("edits", list, i), reader));
   return edits;
 }
 
@@ -153,8 +208,8 @@ EditList with_usage_errors(const Read& read) {
 
 }  // namespace
 
-EditList edits_of(const JsonMembers& members) {
-  return with_usage_errors([&] { return read_edits(members); });
+EditList edits_of(const JsonMembers& members, const ShapeMeshReader& reader) {
+  return with_usage_errors([&] { return read_edits(members, reader); });
 }
 
 EditList edits_from_json(const std::filesystem::path& file, std::string_view text) {
@@ -162,7 +217,7 @@ EditList edits_from_json(const std::filesystem::path& file, std::string_view tex
     const Json json = parse_json_object(file, text);
     const JsonMembers members(file, json);
     members.only({"edits"});
-    return read_edits(members);
+    return read_edits(members, nullptr);
   });
 }
 

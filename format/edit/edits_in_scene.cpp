@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -20,6 +21,8 @@ constexpr std::int64_t max_blocks = 1024;
 constexpr double max_diagonal_m = 300e3;
 /// Min distance of a shape in degrees from a pole.
 constexpr double min_from_pole_degrees = 3;
+
+const std::string too_wide = "is wider than " + std::to_string(max_shape_edge / subvoxels) + " voxels";
 
 std::int64_t centre_of(std::int64_t voxel) { return voxel * subvoxels + subvoxels / 2; }
 
@@ -82,8 +85,7 @@ class EditsInScene::Placer {
   void set(LatticeShape shape, PlacedEdit& out) const {
     const LatticeBox box = bounds_of(shape);
     for (std::size_t c = 0; c < 3; ++c)
-      if (box.high[c] - box.low[c] > max_shape_edge)
-        fail("is wider than " + std::to_string(max_shape_edge / subvoxels) + " voxels");
+      if (box.high[c] - box.low[c] > max_shape_edge) fail(too_wide);
     out.bounds = {box.low >> subvoxel_bits, (box.high >> subvoxel_bits) + Vec3i64::all(1)};
     out.shape = std::move(shape);
   }
@@ -127,6 +129,31 @@ class EditsInScene::Placer {
         {degrees(around.high.x), degrees(around.high.y), prism.high_m}, out);
   }
 
+  void place(const MeshShape& mesh, PlacedEdit& out) const {
+    std::optional<Affine<Scene, Scene>> scene_from_mesh;
+    if (is_degrees())
+      scene_from_mesh = *scene_from_ecef_ * ecef_from_enu({mesh.place[1], mesh.place[0], mesh.place[2]});
+    std::vector<Vec3i64> positions;
+    for (const auto& at : mesh.positions_m) {
+      const Point<Scene> p{at[0], at[1], at[2]};
+      positions.push_back(on_lattice(scene_from_mesh ? (*scene_from_mesh)(p) : p));
+    }
+    if (const auto fault = open_edges(positions, mesh.triangles)) fail(*fault);
+    expect_narrow(positions);
+    try {
+      set(LatticeMesh(std::move(positions), mesh.triangles), out);
+    } catch (const std::length_error& e) {
+      fail(e.what());
+    }
+  }
+
+  void expect_narrow(const std::vector<Vec3i64>& positions) const {
+    Vec3i64 low = positions.at(0), high = low;
+    for (const Vec3i64& p : positions) low = min_by_axis(low, p), high = max_by_axis(high, p);
+    for (std::size_t c = 0; c < 3; ++c)
+      if (high[c] - low[c] > max_shape_edge) fail(too_wide);
+  }
+
   static AreaBounds bounds_in_degrees(const FixedPoint& low, const FixedPoint& high, double low_m, double high_m) {
     return {AreaFrame::degrees, low, high, low_m, high_m};
   }
@@ -147,8 +174,7 @@ class EditsInScene::Placer {
     for (std::size_t c = 0; c < 3; ++c) {
       const auto [lowest_m, highest_m] = interval_of(samples, c);
       min[c] = on_axis(lowest_m, c), max[c] = on_axis(highest_m, c);
-      if (max[c] - min[c] > max_shape_edge)
-        fail("is wider than " + std::to_string(max_shape_edge / subvoxels) + " voxels");
+      if (max[c] - min[c] > max_shape_edge) fail(too_wide);
     }
     out.bounds = {(min >> subvoxel_bits) - Vec3i64::all(1), (max >> subvoxel_bits) + Vec3i64::all(2)};
     out.shape = AreaInScene(std::make_shared<const Area>(area), origin_);

@@ -21,6 +21,8 @@ LatticeBox around(const LatticePrism& s) {
   return {{b.low.x, b.low.y, s.low}, {b.high.x, b.high.y, s.high}};
 }
 
+LatticeBox around(const LatticeMesh& s) { return {s.low(), s.high()}; }
+
 bool has(const LatticeBox& s, const Vec3i64& p) {
   return p[0] >= s.low[0] && p[0] < s.high[0] && p[1] >= s.low[1] && p[1] < s.high[1] && p[2] >= s.low[2] &&
          p[2] < s.high[2];
@@ -42,6 +44,8 @@ bool has(const LatticeCylinder& s, const Vec3i64& p) {
 bool has(const LatticePrism& s, const Vec3i64& p) {
   return p[2] >= s.low && p[2] < s.high && s.polygon.contains({p[0], p[1]});
 }
+
+bool has(const LatticeMesh& s, const Vec3i64& p) { return s.contains(p); }
 
 Vec3i64 corner_of(const LatticeBox& box, int corner) {
   return {(corner & 1) != 0 ? box.high[0] : box.low[0], (corner & 2) != 0 ? box.high[1] : box.low[1],
@@ -79,6 +83,7 @@ AreaOverlap classified(const LatticePrism& s, const LatticeBox& box) {
   const bool is_between = box.low[2] >= s.low && box.high[2] < s.high;
   return in_plane == AreaOverlap::inside && !is_between ? AreaOverlap::border : in_plane;
 }
+AreaOverlap classified(const LatticeMesh& s, const LatticeBox& box) { return s.overlap(box.low, box.high); }
 template <class Shape>
 AreaOverlap classified(const Shape& s, const LatticeBox& box) {
   if (is_outside(s, box)) return AreaOverlap::outside;

@@ -13,6 +13,7 @@
 
 #include "core/math/box3.h"
 #include "format/area/polygon.h"
+#include "format/edit/lattice_mesh.h"
 
 namespace gigabake {
 
@@ -40,7 +41,7 @@ struct LatticePrism {
   std::int64_t low = 0, high = 0;
 };
 
-using LatticeShape = std::variant<LatticeBox, LatticeSphere, LatticeCylinder, LatticePrism>;
+using LatticeShape = std::variant<LatticeBox, LatticeSphere, LatticeCylinder, LatticePrism, LatticeMesh>;
 
 /// Returns the closed box around a shape.
 LatticeBox bounds_of(const LatticeShape& shape);

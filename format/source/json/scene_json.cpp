@@ -14,6 +14,7 @@
 #include "format/source/origin_check.h"
 #include "format/source/raster/dem.h"
 #include "format/source/raster/dem_source.h"
+#include "format/source/shape_mesh.h"
 #include "format/source/source_files.h"
 #include "format/source/tiles/tileset_document.h"
 #include "format/system/json/json_members.h"
@@ -222,7 +223,17 @@ SceneSources open_scene_json(const std::filesystem::path& file, const Json& json
   if (options.local && entries[0].position)
     throw InputError(file, "sources", "lon/lat placements need a georeference; leave out `local`");
   if (!options.local) out.origin = options.origin ? options.origin : entries[0].position;
-  if (EditList edits = edits_of(scene); !edits.empty()) out.edits = std::make_shared<const EditList>(std::move(edits));
+  const auto mesh_at = [&](const JsonMembers& shape) {
+    const auto path = shape.get<std::string>("path");
+    const auto up = shape.find<UpAxis>("up");
+    try {
+      return read_shape_mesh(resolve_name(root_of(file), file, shape.path_of("path"), path), up);
+    } catch (const InputError& e) {
+      shape.fail("path", e.what());
+    }
+  };
+  if (EditList edits = edits_of(scene, mesh_at); !edits.empty())
+    out.edits = std::make_shared<const EditList>(std::move(edits));
   add_place_warnings(entries, out);
   progress.step("placing the sources", entries.size(), "source");
   for (Entry& e : entries) {

@@ -24,6 +24,17 @@ OPTIONS = ("--threads", 2)
 LATITUDE, LONGITUDE = 47.0, 8.0
 
 
+# Triangles of a box whose corner i has the higher x, y and z for bits 0, 1 and 2 of i.
+BOX_FACES = [[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
+             [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5]]
+
+
+def write_box(path, corners):
+    lines = [f"v {x} {y} {z}" for x, y, z in corners]
+    lines += ["f " + " ".join(str(i + 1) for i in face) for face in BOX_FACES]
+    path.write_text("\n".join(lines) + "\n")
+
+
 def cells(folder):
     """Returns the fingerprints of the scene's cells by their names."""
     text = (Path(folder) / "scene.xml").read_text(encoding="utf-8")
@@ -160,7 +171,35 @@ class Edits(harness.FolderTest):
         inside = {v: value for v, value in apply(self.plain, edits).items() if -4 <= v[0] < 40 and -4 <= v[1] < 40}
         self.expect_equal(self.voxels("area"), inside)
 
+    def test_a_mesh_of_a_box_has_the_effect_of_the_box(self):
+        low, high = [-4.25, -5.5, -3], [3.5, 2.75, 4.25]
+        corners = [[(low, high)[i >> c & 1][c] for c in range(3)] for i in range(8)]
+        write_box(self.root / "box.obj", corners)
+        box = {"type": "carve", "box": {"min_m": low, "max_m": high}}
+        self.bake("box", [box])
+        for name, mesh in (("inline", {"positions_m": corners, "triangles": BOX_FACES}),
+                           ("file", {"path": "box.obj", "up": "z", "position_m": [0, 0, 0]})):
+            self.bake(name, [{"type": "carve", "mesh": mesh}])
+            self.assertEqual(hashes(self.root / name), hashes(self.root / "box"))
+        write_box(self.root / "moved.obj", [[x - 1, y, z + 0.5] for x, y, z in corners])
+        PROGRAM.bake(scene_file(self.root / "edited.json", []), self.root / "edited", VOXEL_M, "--cell-voxels", 16)
+        shape = f"mesh:{self.root / 'moved.obj'},1,0,-0.5"
+        PROGRAM.succeed("edit", self.root / "edited", f"--carve={shape}", "--up=z", "-q")
+        self.assertEqual(hashes(self.root / "edited"), hashes(self.root / "box"))
+
+    def test_a_filled_mesh_equals_the_reference_in_whole_numbers(self):
+        top, bottom = [0.3, 0.2, 9.7], [0.1, -0.4, 2.3]
+        turns = numpy.linspace(0, 6.2, 9)[:8]
+        rim = [[4.1 * math.cos(t) + 1, 3.7 * math.sin(t) - 1, 6.1 + 0.3 * (t > 3)] for t in turns]
+        faces = [f for i in range(8) for f in ([i, (i + 1) % 8, 8], [(i + 1) % 8, i, 9])]
+        mesh = {"positions_m": [*rim, top, bottom], "triangles": faces}
+        edit = {"type": "fill", "mesh": mesh, "rgb": [1, 2, 3]}
+        self.bake("mesh", [edit])
+        self.expect_equal(self.voxels("mesh"), apply(self.plain, [edit]))
+
     def test_bad_edits_are_one_line_each(self):
+        tetrahedron = {"positions_m": [[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]],
+                       "triangles": [[0, 2, 1], [0, 1, 3], [1, 2, 3]]}
         ball = {"position_m": [0, 0, 0], "radius_m": 2}
         good = {"type": "carve", "sphere": ball}
         bow = {"rings_m": [[[0, 0], [4, 4], [4, 0], [0, 4]]], "low_m": 0, "high_m": 1}
@@ -179,6 +218,9 @@ class Edits(harness.FolderTest):
                 ({"type": "carve", "sphere": {"radius_m": 1}}, "position_m or lon_lat_height"),
                 ({"type": "carve", "sphere": {**ball, "colour": 1}}, "unknown member"),
                 ({"type": "carve", "box": {"min_m": [0, 0, 0], "max_m": [1, 0, 1]}}, "max_m", "along y"),
+                ({"type": "carve", "mesh": tetrahedron}, "is not closed: 3 of 6 edges"),
+                ({"type": "carve", "mesh": {**tetrahedron, "triangles": [[0, 1, 4]]}}, "triangles[0]", "indices"),
+                ({"type": "carve", "mesh": {"path": "nowhere.obj", "position_m": [0, 0, 0]}}, "nowhere.obj"),
                 ({"type": "carve", "prism": bow}, "rings_m", "crosses or touches itself"),
                 ({"type": "carve", "prism": {**bow, "rings_m": [[[0, 0], [1, 1]]]}}, "at least three"),
                 ({"type": "carve", "sphere": {"lon_lat_height": [8, 47, 0], "radius_m": 2}}, "no place on the earth"),

@@ -5,6 +5,7 @@ Shapes are rounded to 1/256 voxel once; a voxel is selected if its centre is ins
 import itertools
 import json
 import math
+from fractions import Fraction
 
 import numpy
 
@@ -69,7 +70,29 @@ def in_prism(shape):
     return lambda p: low <= p[2] < high and in_rings(rings, p[0], p[1])
 
 
-SHAPES = {"box": in_box, "sphere": in_sphere, "cylinder": in_cylinder, "prism": in_prism}
+def in_mesh(shape):
+    """Adds the windings of the triangles above a position."""
+    positions = [[sub_voxels(v) for v in p] for p in shape["positions_m"]]
+    triangles = [[positions[i] for i in t] for t in shape["triangles"]]
+
+    def winding(t, p):
+        turns = 0
+        for a, b in ((t[0], t[1]), (t[1], t[2]), (t[2], t[0])):
+            low, high, sign = (a, b, 1) if a[1] <= b[1] else (b, a, -1)
+            if low[1] <= p[1] < high[1]:
+                east_of_edge = Fraction((high[0] - low[0]) * (p[1] - low[1]), high[1] - low[1]) + low[0] > p[0]
+                turns += sign * east_of_edge
+        if turns == 0:
+            return 0
+        u, v = ([t[i][c] - t[0][c] for c in range(3)] for i in (1, 2))
+        area = u[0] * v[1] - u[1] * v[0]
+        x, y = p[0] - t[0][0], p[1] - t[0][1]
+        z = t[0][2] + Fraction((x * v[1] - y * v[0]) * u[2] + (u[0] * y - u[1] * x) * v[2], area)
+        return turns if z > p[2] else 0
+    return lambda p: sum(winding(t, p) for t in triangles) != 0
+
+
+SHAPES = {"box": in_box, "sphere": in_sphere, "cylinder": in_cylinder, "prism": in_prism, "mesh": in_mesh}
 
 
 def bounds_m(name, shape):
@@ -79,6 +102,8 @@ def bounds_m(name, shape):
     if name == "prism":
         corners = numpy.array([p for ring in shape["rings_m"] for p in ring])
         return [*corners.min(0), shape["low_m"]], [*corners.max(0), shape["high_m"]]
+    if name == "mesh":
+        return numpy.min(shape["positions_m"], 0), numpy.max(shape["positions_m"], 0)
     at, radius = numpy.array(shape["position_m"]), shape["radius_m"]
     return at - radius, at + max(radius, shape.get("height_m", 0))
 
@@ -152,7 +177,7 @@ def random_edit(rng):
         return abs(metres(limit)) + VOXEL_M
     type = rng.choice(("carve", "fill", "paint"))
     x, y, z = metres(EDGE_M / 2 - 2), metres(EDGE_M / 2 - 2), metres(3)
-    name = rng.choice(list(SHAPES))
+    name = rng.choice(["box", "sphere", "cylinder", "prism"])
     if name == "box":
         shape = {"min_m": [x, y, z - 3], "max_m": [x + length(5), y + length(5), z + 3]}
     elif name == "sphere":
