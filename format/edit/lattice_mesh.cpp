@@ -12,7 +12,7 @@ namespace {
 
 /// Triangles are listed by blocks of 2^grid_bits sub-voxels along x and y: a brick.
 constexpr int grid_bits = subvoxel_bits + 3;
-constexpr std::size_t max_entries = std::size_t(1) << 27;
+constexpr std::size_t max_entries = std::size_t(1) << 25;
 /// Boxes with more blocks are not tested against each block.
 constexpr std::int64_t max_box_blocks = 9;
 

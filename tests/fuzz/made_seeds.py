@@ -268,7 +268,21 @@ def rasters():
 def scenes():
     place = {"path": "model.gltf", "place": {"position_m": [1, 2, 3]}, "heading_deg": 30, "scale": 2}
     earth = {"path": "set.json", "place": {"lon_lat_height": [8.25, 46.5, 1200]}}
-    return [text({"gigabake": 1, "sources": [place]}), text({"gigabake": 1, "sources": [earth]})]
+    ring = [[0, 0], [4, 0], [4, 4.5], [1, 3]]
+    cut = [{"type": "outside", "rings_m": [ring, [[1, 1], [2, 1], [2, 2]]]},
+           {"type": "raise", "rings_m": [ring], "by_m": 2}, {"type": "flatten", "rings_m": [ring], "height_m": -1}]
+    mesh = {"positions_m": [[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]],
+            "triangles": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]}
+    edits = [{"type": "carve", "box": {"min_m": [0, 0, 0], "max_m": [1, 2, 3]}},
+             {"type": "fill", "sphere": {"position_m": [1, 2, 3], "radius_m": 2}, "rgb": [1, 2, 3]},
+             {"type": "paint", "cylinder": {"position_m": [1, 2, 3], "radius_m": 2, "height_m": 4}, "rgb": [9, 8, 7],
+              "alpha": 99}, {"type": "carve", "prism": {"rings_m": [ring], "low_m": -1, "high_m": 5}},
+             {"type": "carve", "mesh": mesh}]
+    bounds = {"min_lon_lat_height": [8.25, 46.5, 1200], "max_lon_lat_height": [8.26, 46.51, 1210]}
+    degrees = [{"type": "paint", "box": bounds, "rgb": [0, 0, 0]}]
+    return [text({"gigabake": 1, "sources": [place]}), text({"gigabake": 1, "sources": [earth]}),
+            text({"gigabake": 1, "sources": [{**place, "edits": cut}], "edits": edits}),
+            text({"gigabake": 1, "sources": [earth], "edits": degrees})]
 
 
 def geojsons():

@@ -6,9 +6,12 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/memory_limit.h"
 #include "core/base/thread_pool.h"
 #include "core/math/geodesic.h"
 #include "format/area/geojson.h"
+#include "format/edit/edits_in_scene.h"
+#include "format/edit/source_edits_in_scene.h"
 #include "format/source/content/content_magic.h"
 #include "format/source/image/image_rows.h"
 #include "format/source/mesh.h"
@@ -17,6 +20,7 @@
 #include "format/system/read_file.h"
 #include "tests/format/source/source_scene.h"
 #include "tests/fuzz/readers.h"
+#include "worker/edit/edited_mesh.h"
 #include "worker/scan/scan_tile.h"
 
 namespace gigabake::fuzz {
@@ -68,17 +72,28 @@ void read_in_parts(const TileRef& tile, const Path& root) {
   if (triangles != 0) throw FaultFound("parts of other triangles than the whole has");
 }
 
+/// Applies the edits of a source to all instances.
+void edit(const TileMesh& mesh, const SourceEditsInScene& edits) {
+  MemoryClaim memory("tile");
+  for (const Instance& instance : mesh.instances)
+    edited_mesh(std::make_shared<const Primitive>(mesh.primitives.at(std::size_t(instance.primitive))),
+                instance.scene_from_local, edits, memory);
+}
+
 void read_as_a_bake_does(const Path& file) {
   static const ThreadPool pool(1);
   BakeParameters parameters;
   parameters.voxel_size_m = 1;
   const SceneSources sources = open_sources(file, {});
+  if (sources.edits)
+    EditsInScene(sources.edits, sources.origin, {parameters.voxel_size_m, {}}).selecting(Box3i64::cube({0, 0, 0}, 32));
   for (std::uint32_t t = 0; t < std::min(tiles_read, sources.tiles.size()); ++t) {
     const TileRef& tile = sources.tiles[t];
     identify_tile(tile, sources.root);
     read_in_parts(tile, sources.root);
     const TileMesh mesh = read_tile(tile, sources.root, ReadScope::everything);
     if (is_small(mesh)) scan_tile(sources, t, parameters, pool);
+    if (is_small(mesh) && tile.edits) edit(mesh, placed_edits(*tile.edits, sources.origin));
     for (const Primitive& p : mesh.primitives)
       for (const std::uint32_t vertex : p.index)
         if (3 * std::size_t(vertex) >= p.position.size()) throw FaultFound("an index beyond the vertices");

@@ -12,7 +12,7 @@ import numpy
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
 from gdal_there import gdal, osr
-from raster_places import LEFT, PIXEL, TOP, RasterTest, translate
+from raster_places import LEFT, PIXEL, TOP, RasterTest, lon_lat, translate
 
 
 def change(path, work):
@@ -160,6 +160,26 @@ class SurfaceTest(RasterTest):
         vrt = None
         self.expect_no_gap(survey / "mosaic.vrt")
         self.expect_no_gap(survey)
+
+    def test_edits_cut_and_move_a_surface_in_degrees(self):
+        self.halves()
+
+        def ring(low, high):
+            corners = ((low, low), (high, low), (high, high), (low, high))
+            return [lon_lat(LEFT + (c + 0.5) * PIXEL, TOP - (r + 0.5) * PIXEL) for c, r in corners]
+        edits = [{"type": "flatten", "rings_lon_lat": [ring(14.5, 26.5)], "height_m": 130},
+                 {"type": "outside", "rings_lon_lat": [ring(17.5, 22.5)]},
+                 {"type": "raise", "rings_lon_lat": [ring(30.5, 35.5)], "by_m": -12}]
+        expected = self.height.copy()
+        expected[15:27, 15:27] = 130
+        expected[18:23, 18:23] = numpy.nan
+        expected[31:36, 31:36] -= 12
+        self.bake(self.scene({"dem": "w.tif", "edits": edits}, {"dem": "e.tif", "edits": edits}))
+        self.expect_heights(expected, step=1)
+        result = self.program.run("plan", self.scene({"dem": "w.tif", "edits": edits}, {"dem": "e.tif"}),
+                                  "--voxel-size", 2, "--no-measure")
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn("sources[1].edits: differ from the edits of sources[0]", result.stderr)
 
     def test_a_raster_of_a_folder_that_cannot_be_read_costs_itself_alone(self):
         self.halves()
