@@ -43,9 +43,8 @@ void ScratchPublication::expect_room(std::uint64_t bytes) const {
 }
 
 std::uint64_t ScratchPublication::append(std::span<const std::uint8_t> bytes) {
-  const std::uint64_t offset = reserve(bytes.size());
-  put(offset, bytes);
-  return offset;
+  if (!file_.write_all(bytes)) fail_to_write(target_);
+  return std::exchange(bytes_, bytes_ + bytes.size());
 }
 
 void ScratchPublication::put(std::uint64_t offset, std::span<const std::uint8_t> bytes) {

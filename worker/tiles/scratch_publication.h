@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
-#include <utility>
 
 #include "format/system/descriptor.h"
 #include "format/system/publish.h"
@@ -22,9 +21,7 @@ class ScratchPublication {
   void expect_room(std::uint64_t bytes) const;
   /// Appends the bytes and returns their offset in the file.
   std::uint64_t append(std::span<const std::uint8_t> bytes);
-  /// Reserves the next `bytes` bytes of the file, so that put() may write them later. Returns their offset.
-  std::uint64_t reserve(std::uint64_t bytes) { return std::exchange(bytes_, bytes_ + bytes); }
-  /// Writes at any offset; gaps read as 0. A file that has appended bytes takes only reserved offsets. Thread-safe.
+  /// Writes at any offset; gaps read as 0. Must not be combined with append().
   void put(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   /// Publishes the file without flushing it to disk: after a power failure it may be truncated. Readers then reject the
   /// file, and it is made again.

@@ -37,10 +37,8 @@ class TileFileWriter {
   explicit TileFileWriter(std::filesystem::path target) : file_(std::move(target)) {}
   /// Appends bytes that TileFile::read() later reads in one call.
   ScratchBytes store(std::span<const std::uint8_t> bytes);
-  /// Reserves the next `bytes` bytes of the file for put_clusters(). Returns their offset.
-  std::uint64_t reserve(std::uint64_t bytes) { return file_.reserve(bytes); }
-  /// Writes the concatenated results of append_cluster() at a reserved offset. Thread-safe.
-  void put_clusters(std::uint64_t offset, std::span<const std::uint8_t> bytes) { file_.put(offset, bytes); }
+  /// Appends the concatenated results of append_cluster(); returns their offset in the file.
+  std::uint64_t append_clusters(std::span<const std::uint8_t> bytes) { return file_.append(bytes); }
   void publish(std::span<const std::uint8_t> directory);
 
  private:

@@ -41,6 +41,7 @@ TilePrimitiveCollector::TilePrimitiveCollector(const std::filesystem::path& tile
 
 TilePrimitiveCollector::~TilePrimitiveCollector() {
   if (cutting_.valid()) cutting_.wait();
+  if (writing_.valid()) writing_.wait();
 }
 
 void TilePrimitiveCollector::take(Primitive&& primitive) {
@@ -54,34 +55,36 @@ void TilePrimitiveCollector::take(Primitive&& primitive) {
   if (writer_ && bytes_ >= enough) cut_pending();
 }
 
-/// Starts a task that splits and writes the pending batch while the next batch is read.
+/// Starts a task that splits the pending batch while the next batch is read and the previous one is written.
 void TilePrimitiveCollector::cut_pending() {
-  wait();
+  if (cutting_.valid()) cutting_.get();
   bytes_ = 0;
   cutting_ = std::async(std::launch::async, [this, batch = std::exchange(pending_, {})] { cut(batch); });
 }
 
 void TilePrimitiveCollector::wait() {
   if (cutting_.valid()) cutting_.get();
+  if (writing_.valid()) writing_.get();
 }
 
 void TilePrimitiveCollector::cut(const std::vector<Primitive>& batch) {
   std::vector<TilePrimitive> done(batch.size());
-  if (cut_bytes_.size() < batch.size()) cut_bytes_.resize(batch.size());
+  std::vector<std::vector<std::uint8_t>>& bytes = cut_bytes_[cut_batches_++ % cut_bytes_.size()];
+  if (bytes.size() < batch.size()) bytes.resize(batch.size());
   pool_.parallel_for(batch.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
-      cut_bytes_[i].clear();
-      done[i] = cut_one(batch[i], cut_bytes_[i]);
+      bytes[i].clear();
+      done[i] = cut_one(batch[i], bytes[i]);
     }
   });
-  std::vector<std::uint64_t> begins(batch.size());
-  for (std::size_t i = 0; i < done.size(); ++i) {
-    begins[i] = writer_->reserve(cut_bytes_[i].size());
-    for (TileCluster& c : done[i].clusters) c.stored.offset += begins[i];
-    cut_.push_back(std::move(done[i]));
-  }
-  pool_.parallel_for(begins.size(), 1, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) writer_->put_clusters(begins[i], cut_bytes_[i]);
+  if (writing_.valid()) writing_.get();
+  // One thread writes: the system lets several threads write to a file only one after the other.
+  writing_ = std::async(std::launch::async, [this, &bytes, done = std::move(done)]() mutable {
+    for (std::size_t i = 0; i < done.size(); ++i) {
+      const std::uint64_t begin = writer_->append_clusters(bytes[i]);
+      for (TileCluster& c : done[i].clusters) c.stored.offset += begin;
+      cut_.push_back(std::move(done[i]));
+    }
   });
 }
 
@@ -91,7 +94,7 @@ TileDirectory TilePrimitiveCollector::finish(TileMesh&& mesh) {
   if (writer_) {
     cut_pending();
     wait();
-    cut_bytes_.clear();
+    cut_bytes_ = {};
     all.primitives = std::move(cut_);
     for (TileImage& image : all.images) image.stored = writer_->store(std::exchange(image.encoded.bytes, {}));
     writer_->publish(to_bytes(all));

@@ -2,6 +2,7 @@
 /// tile is large.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <future>
@@ -51,10 +52,12 @@ class TilePrimitiveCollector {
   std::vector<Primitive> pending_;  ///< in memory, not yet split into clusters
   std::optional<TileFileWriter> writer_;
   std::vector<TilePrimitive> cut_;  ///< primitives in the file
-  /// Buffers of the batch that is being split, one per primitive. The next batch reuses them, because zeroing newly
-  /// allocated pages would take a sixth of the time.
-  std::vector<std::vector<std::uint8_t>> cut_bytes_;
-  std::future<void> cutting_;  ///< ends when the last batch is split and written
+  /// Buffers of the batches that are being split and written, one per primitive. Later batches reuse them, because
+  /// zeroing newly allocated pages would take a sixth of the time.
+  std::array<std::vector<std::vector<std::uint8_t>>, 2> cut_bytes_;
+  std::size_t cut_batches_ = 0;
+  std::future<void> writing_;  ///< started by cutting_; ends when the batch is written
+  std::future<void> cutting_;  ///< ends when the last batch is split and its writing has begun
 };
 
 }  // namespace gigabake
