@@ -109,7 +109,8 @@ void pack_by_device(const std::vector<FileChunk>& chunks, int repeats, const Byt
   Bytes raw;
   std::vector<kernels::RawChunk> places;
   for (const FileChunk& c : chunks) {
-    places.push_back({raw.size(), std::uint32_t(c.raw.size()), std::uint32_t(c.filters.shuffled_bytes)});
+    places.push_back(
+        {raw.size(), std::uint32_t(c.raw.size()), std::uint32_t(c.filters.shuffled_bytes), c.filters.min_match_bytes});
     raw.insert(raw.end(), c.raw.begin(), c.raw.end());
   }
   out.device = kernels::pack_on_device(devices.usable.front(), raw, places, std::max(2, repeats));

@@ -121,13 +121,14 @@ GB_HD bool better_one_later(const Match& here, const Match& next) {
   return 2 * bytes + int(floor_log2(here.distance)) - int(floor_log2(next.distance)) > 2;
 }
 
-/// Passes the tokens of bytes [begin, end) to `add(token)` in order. `match_at(p, end, length)` returns match_in() at
-/// position p. It may also return a match of at least min_match bytes that is not longer than `length`. parse_segment()
-/// calls it for ascending positions and may skip positions.
+/// Passes the tokens of bytes [begin, end) to `add(token)` in order. Matches have at least `min_match_bytes` bytes.
+/// `match_at(p, end, length)` returns match_in() at position p. It may also return a match that has `min_match_bytes`
+/// or more and is not longer than `length`. parse_segment() calls it for ascending positions and may skip positions.
+/// Range   min_match_bytes ≥ min_match.
 template <class MatchAt, class Add>
-GB_HD void parse_segment(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end, MatchAt& match_at,
-                         Add& add) {
-  Match here = match_at(begin, end, min_match - 1);
+GB_HD void parse_segment(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end,
+                         std::uint32_t min_match_bytes, MatchAt& match_at, Add& add) {
+  Match here = match_at(begin, end, min_match_bytes - 1);
   for (std::uint32_t at = begin;;) {
     if (here.length == 0) {
       add(bytes[at++]);
@@ -144,7 +145,7 @@ GB_HD void parse_segment(const std::uint8_t* bytes, std::uint32_t begin, std::ui
       at += here.length;
     }
     if (at == end) return;
-    here = match_at(at, end, min_match - 1);
+    here = match_at(at, end, min_match_bytes - 1);
   }
 }
 

@@ -7,26 +7,43 @@
 #include <span>
 #include <vector>
 
-#include "core/codec/shared_value.h"
+#include "core/codec/matches.h"
 
 namespace gigabake {
 
-/// The arrays of BrickLevel that have an element per voxel.
-enum class VoxelArray : std::uint8_t { rgba, normal, directional_coverage };
-
-/// The location of a column's values in a voxel array.
-struct ChannelPlace {
-  VoxelArray array;
-  std::size_t stride;         ///< bytes from voxel to voxel
-  std::size_t offset, width;  ///< bytes within a voxel; width ≤ max_value_bytes
-};
-
-/// The size of a column's rows, and the element size of HDF5's shuffle filter (1: not shuffled). Columns of values have
-/// rows of the channel's width and are not shuffled.
+/// The form of a column's rows: their size, the size of the items that HDF5's shuffle filter separates, and the length
+/// of deflate's matches. The value 1 of `shuffled_bytes` means that the column is not shuffled.
 struct RowShape {
   std::size_t bytes, shuffled_bytes;
+  std::uint32_t min_match_bytes = deflate::min_match;
 };
-inline constexpr RowShape mask_row{64, 1}, first_row{8, 8}, share_row{share_bytes, 1};
+
+/// The columns of a level in file order (docs/format.md).
+enum class LevelColumn : std::uint8_t { first, children, rgb, alpha, normal, facing, plane };
+inline constexpr std::size_t level_column_count = 7;
+
+/// Deflate finds no useful short matches among differences, because literals of small numbers take few bits
+/// (docs/experiments/bytes.md).
+inline constexpr std::uint32_t min_match_of_differences = 12, min_match_of_alpha = 8;
+
+/// Returns the shape of a column's rows. Rows of `first` have three numbers: the first row of a brick in the columns
+/// with a row per voxel, in `children` and in `facing`.
+constexpr RowShape row_of(LevelColumn column) {
+  switch (column) {
+    case LevelColumn::first:
+      return {3 * sizeof(std::uint64_t), sizeof(std::uint64_t)};
+    case LevelColumn::rgb:
+      return {3, 3, min_match_of_differences};
+    case LevelColumn::alpha:
+      return {1, 1, min_match_of_alpha};
+    case LevelColumn::normal:
+      return {2, 1, min_match_of_differences};
+    case LevelColumn::facing:
+      return {3, 1, min_match_of_differences};
+    default:
+      return {1, 1};
+  }
+}
 
 /// The columns of a node table in file order, each with one row per node. Rows of `normal` and `directional_coverage`
 /// are zero for nodes that are not constant. The column `directional_coverage` exists only if the shard has that
@@ -41,15 +58,12 @@ struct PackedColumn {
   std::vector<std::span<const std::uint8_t>> stored = {};
 };
 
-/// The columns of a channel. `share` and `first` have rows only if values are shared.
-struct PackedChannel {
-  PackedColumn value, share, first;
-};
-
 struct PackedLevel {
-  PackedColumn mask, first;
-  std::vector<PackedChannel> channels;         ///< in the order in which the channels were requested
-  std::array<std::uint64_t, 256> alphas = {};  ///< number of voxels with each alpha
+  std::array<PackedColumn, level_column_count> columns = {};  ///< by LevelColumn
+  std::array<std::uint64_t, 256> alphas = {};                 ///< number of voxels with each alpha
+
+  PackedColumn& operator[](LevelColumn column) { return columns[std::size_t(column)]; }
+  const PackedColumn& operator[](LevelColumn column) const { return columns[std::size_t(column)]; }
 };
 
 }  // namespace gigabake

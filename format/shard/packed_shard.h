@@ -16,12 +16,12 @@ struct PackedShard {
   ShardHeader header;
   std::vector<PackedColumn> nodes;  ///< columns in the order of packed_nodes()
   NodeTable constants;              ///< the constant nodes: only their class, lod and value
-  std::vector<PackedLevel> levels;  ///< [lod]; channels in the order of packed_channels()
+  std::vector<PackedLevel> levels;  ///< [lod]; each has the columns of level_columns()
   DownsampleState above = {};       ///< see Shard::above
 };
 
-/// Returns the channels of level `lod` in the order in which they must be packed, for shards of the current version.
-std::vector<ChannelPlace> packed_channels(const ShardHeader& header, int lod);
+/// Returns the columns of level `lod` in file order, for shards of the current version.
+std::vector<LevelColumn> level_columns(const ShardHeader& header, int lod);
 
 /// Returns the row shapes of the node table's columns, in the order of the file (see NodeColumns).
 std::vector<RowShape> packed_nodes(const ShardHeader& header);

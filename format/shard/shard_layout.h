@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/codec/packed_level.h"
 #include "format/shard/columns/shared_values.h"
 #include "format/shard/columns/voxel_channel.h"
 #include "format/shard/hdf5/hdf5_file.h"
@@ -11,19 +12,19 @@
 namespace gigabake {
 
 inline constexpr char shard_format[] = "gigabake-shard";
-inline constexpr std::int32_t shard_version = 6;
+inline constexpr std::int32_t shard_version = 7;
 inline constexpr std::int32_t oldest_shard_version = 1;
 
 struct NodeColumns {
   explicit NodeColumns(std::int32_t version)
       : directional_coverage{"/nodes/facing", Hdf5Type::u8,
                              version >= 3 ? directional_coverage_bytes : coverage_bytes} {}
-  Hdf5Column key{"/nodes/key", Hdf5Type::u64, 1, BytePlanes::yes};
+  Hdf5Column key{"/nodes/key", Hdf5Type::u64, 1, BytePlanes::of_elements};
   Hdf5Column lod{"/nodes/lod", Hdf5Type::u8, 1};
   Hdf5Column kind{"/nodes/kind", Hdf5Type::u8, 1};
   Hdf5Column child_mask{"/nodes/child_mask", Hdf5Type::u8, 1};
-  Hdf5Column first_child{"/nodes/first_child", Hdf5Type::u32, 1, BytePlanes::yes};
-  Hdf5Column value{"/nodes/value", Hdf5Type::u32, 1, BytePlanes::yes};
+  Hdf5Column first_child{"/nodes/first_child", Hdf5Type::u32, 1, BytePlanes::of_elements};
+  Hdf5Column value{"/nodes/value", Hdf5Type::u32, 1, BytePlanes::of_elements};
   Hdf5Column normal{"/nodes/normal", Hdf5Type::i8, 2};
   Hdf5Column directional_coverage;  ///< versions 1 and 2 have no planes
 
@@ -46,12 +47,21 @@ struct NodeColumns {
   }
 };
 
+inline std::string level_group(int lod) { return "/lod_" + std::to_string(lod); }
+
+/// The first version whose levels store differences. Earlier levels store masks and values.
+inline constexpr std::int32_t first_version_of_differences = 7;
+
+/// Returns a column of a level since version 7.
+Hdf5Column level_column(int lod, LevelColumn column);
+
+/// The columns of a level in versions 1 to 6, without the channels.
 struct LevelColumns {
-  explicit LevelColumns(int lod) : LevelColumns("/lod_" + std::to_string(lod)) {}
+  explicit LevelColumns(int lod) : LevelColumns(level_group(lod)) {}
   explicit LevelColumns(std::string name)
       : group(std::move(name)),
         mask{group + "/mask", Hdf5Type::u64, 8},
-        first{group + "/first", Hdf5Type::u64, 1, BytePlanes::yes} {}
+        first{group + "/first", Hdf5Type::u64, 1, BytePlanes::of_elements} {}
   std::string group;
   Hdf5Column mask, first;
 };
@@ -71,12 +81,13 @@ struct DownsampleStateColumns {
 std::vector<DirectionalCoverage> directional_coverage_of_rows(const std::vector<std::uint8_t>& bytes,
                                                               const Hdf5Column& column);
 
-/// The columns of one channel. `share` and `first` exist only if voxels share values (shared_values.h).
+/// The columns of one channel in versions 1 to 6. `share` and `first` exist only if voxels share values
+/// (shared_values.h).
 struct ChannelColumns {
   ChannelColumns(const std::string& group, const VoxelChannel& channel)
       : value{group + "/" + channel.name, channel.type, channel.width},
         share{value.name + "_share", Hdf5Type::u8, share_bytes},
-        first{value.name + "_first", Hdf5Type::u64, 1, BytePlanes::yes} {}
+        first{value.name + "_first", Hdf5Type::u64, 1, BytePlanes::of_elements} {}
   Hdf5Column value, share, first;
 };
 

@@ -9,6 +9,7 @@
 #include "format/shard/check/shard_check.h"
 #include "format/shard/check/shard_outline.h"
 #include "format/shard/columns/channel_rows.h"
+#include "format/shard/columns/predicted_level.h"
 #include "format/shard/hdf5/hdf5_rows.h"
 #include "format/shard/shard_header.h"
 #include "format/shard/shard_layout.h"
@@ -61,20 +62,37 @@ struct ShardPages::Nodes {
   ShardOutline outline;
 };
 
-struct ShardPages::Level {
-  Level(const Hdf5File& file, const std::vector<VoxelChannel>& of_voxels, const LevelColumns& columns,
-        std::uint64_t bricks_of_nodes)
-      : source(file), bricks(bricks_of_nodes), mask(file, columns.mask), first(file, columns.first) {
+/// A level of versions 1 to 6.
+struct ShardPages::ValueLevel {
+  ValueLevel(const FileColumns& source, const Hdf5File& file, const std::vector<VoxelChannel>& of_voxels,
+             const LevelColumns& columns, std::uint64_t bricks)
+      : mask(file, columns.mask), first(file, columns.first) {
     if (mask.rows() != bricks) file.fail(columns.group, "the number of bricks differs from the nodes of this level");
     if (first.rows() != bricks + 1) file.fail(columns.group, "first does not match mask");
     voxels = read_range<std::uint64_t>(first, bricks, 1)[0];
     for (const VoxelChannel& channel : of_voxels) channels.emplace_back(source, columns.group, channel, bricks, voxels);
   }
 
-  FileColumns source;
-  std::uint64_t bricks, voxels = 0;
+  std::uint64_t voxels = 0;
   Hdf5Rows mask, first;
   std::deque<ChannelRows> channels;
+};
+
+struct ShardPages::Level {
+  Level(const Hdf5File& file, std::uint64_t bricks_of_nodes) : source(file), bricks(bricks_of_nodes) {}
+
+  FileColumns source;
+  std::uint64_t bricks;
+  std::optional<ValueLevel> values;
+  std::optional<PredictedLevel> predicted;       ///< since version 7
+  std::shared_ptr<const DecodedBricks> decoded;  ///< guarded by mutex_: the last bricks that finer ones needed
+};
+
+struct ShardPages::DecodedBricks {
+  BrickLevel level;
+  std::uint64_t begin;
+
+  std::uint64_t end() const { return begin + level.mask.size() / 8; }
 };
 
 ShardPages::ShardPages(const std::filesystem::path& path)
@@ -89,12 +107,17 @@ const ShardPages::Nodes& ShardPages::open_nodes() const {
 }
 
 const ShardPages::Level& ShardPages::open_level(int lod) const {
-  const LevelColumns columns(lod);
-  if (lod < 0 || std::uint32_t(lod) >= header_.lods) file_.fail(columns.group, "the cell has no such level");
+  if (lod < 0 || std::uint32_t(lod) >= header_.lods) file_.fail(level_group(lod), "the cell has no such level");
   const std::uint64_t bricks = open_nodes().outline.bricks(lod);
   const std::scoped_lock lock(mutex_);
   std::unique_ptr<Level>& level = levels_[std::size_t(lod)];
-  if (!level) level = std::make_unique<Level>(file_, stored_channels(version_, header_, lod), columns, bricks);
+  if (level) return *level;
+  auto opened = std::make_unique<Level>(file_, bricks);
+  if (version_ < first_version_of_differences)
+    opened->values.emplace(opened->source, file_, stored_channels(version_, header_, lod), LevelColumns(lod), bricks);
+  else
+    opened->predicted.emplace(opened->source, header_, lod, bricks);
+  level = std::move(opened);
   return *level;
 }
 
@@ -133,15 +156,19 @@ std::vector<NodeRow> ShardPages::nodes(std::uint64_t first, std::uint32_t count)
 }
 
 BrickBlock ShardPages::level(int lod, std::uint64_t first, std::uint32_t count) const {
-  const Level& columns = open_level(lod);
-  const std::string name = LevelColumns(lod).group;
-  const std::uint64_t bricks = clipped(file_, name, first, std::min(count, max_bricks), columns.bricks);
+  const Level& level = open_level(lod);
+  const std::uint64_t bricks = clipped(file_, level_group(lod), first, std::min(count, max_bricks), level.bricks);
+  return level.values ? read_values(lod, first, bricks) : cut_out(lod, first, bricks);
+}
+
+BrickBlock ShardPages::read_values(int lod, std::uint64_t first, std::uint64_t bricks) const {
+  const ValueLevel& columns = *open_level(lod).values;
   BrickBlock block;
   block.mask = read_range<std::uint64_t>(columns.mask, first, bricks, 8);
   const auto starts = read_range<std::uint64_t>(columns.first, first, bricks + 1);
   check_bricks(file_.path(), lod, first, block.mask, starts);
   const std::uint64_t begin = starts.front(), voxels = starts.back() - begin;
-  const BrokenRule table{file_.path(), name};
+  const BrokenRule table{file_.path(), level_group(lod)};
   table.expect(first > 0 || begin == 0, 0, "first does not begin at 0");
   table.expect(begin <= columns.voxels && voxels <= columns.voxels - begin, first,
                "first exceeds the number of voxels");
@@ -152,6 +179,66 @@ BrickBlock ShardPages::level(int lod, std::uint64_t first, std::uint32_t count) 
   check_coverage(file_.path(), lod, begin, block.rgba);
   check_planes(file_.path(), lod, begin, block.directional_coverage);
   return block;
+}
+
+/// Returns bricks of a level since version 7. Decodes also the bricks before them whose starts are not stored.
+BrickBlock ShardPages::cut_out(int lod, std::uint64_t first, std::uint64_t bricks) const {
+  const std::uint64_t skipped = first % bricks_per_start;
+  BrickLevel level = decode(lod, first - skipped, skipped + bricks);
+  const std::uint64_t before = level.first[skipped];
+  const auto cut = [](auto& from, std::uint64_t count) {
+    from.erase(from.begin(), from.begin() + std::ptrdiff_t(std::min<std::size_t>(count, from.size())));
+  };
+  BrickBlock block;
+  for (std::size_t b = skipped; b < level.first.size(); ++b)
+    block.first.push_back(std::uint32_t(level.first[b] - before));
+  cut(level.mask, brick_edge * skipped);
+  cut(level.rgba, 4 * before);
+  cut(level.normal, 2 * before);
+  cut(level.directional_coverage, directional_coverage_bytes * before);
+  block.mask = std::move(level.mask);
+  block.rgba = std::move(level.rgba);
+  block.normal = std::move(level.normal);
+  block.directional_coverage = std::move(level.directional_coverage);
+  return block;
+}
+
+/// Returns bricks of a level since version 7.
+/// Range   `begin` is a multiple of bricks_per_start.
+BrickLevel ShardPages::decode(int lod, std::uint64_t begin, std::uint64_t count) const {
+  const Level& level = open_level(lod);
+  std::vector<BrickParent> parents = open_nodes().outline.parents(lod, begin, count);
+  std::uint64_t low = ~std::uint64_t(0), end = 0;
+  for (BrickParent& parent : parents) {
+    if (parent.kind == BrickParent::constant) {
+      const NodeRow row = nodes(parent.value, 1)[0];
+      parent.value = row.value;
+      parent.normal = std::uint16_t(std::uint8_t(row.normal[0]) | std::uint8_t(row.normal[1]) << 8);
+    } else if (parent.kind == BrickParent::brick) {
+      low = std::min<std::uint64_t>(low, parent.value);
+      end = std::max<std::uint64_t>(end, parent.value + std::uint64_t(1));
+    }
+  }
+  if (end == 0) return level.predicted->read(begin, parents, {});
+  const std::shared_ptr<const DecodedBricks> above = decoded(lod + 1, low, end);
+  return level.predicted->read(begin, parents, {&above->level, above->begin});
+}
+
+/// Returns at least bricks [low, end) of a level since version 7. Keeps the bricks for the next call, because requests
+/// for finer bricks often have parents near each other.
+std::shared_ptr<const ShardPages::DecodedBricks> ShardPages::decoded(int lod, std::uint64_t low,
+                                                                     std::uint64_t end) const {
+  const Level& level = open_level(lod);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (level.decoded && level.decoded->begin <= low && end <= level.decoded->end()) return level.decoded;
+  }
+  const std::uint64_t begin = low - low % bricks_per_start,
+                      stop = std::min(level.bricks, (end + bricks_per_start - 1) / bricks_per_start * bricks_per_start);
+  auto bricks = std::make_shared<const DecodedBricks>(DecodedBricks{decode(lod, begin, stop - begin), begin});
+  const std::scoped_lock lock(mutex_);
+  levels_[std::size_t(lod)]->decoded = bricks;
+  return bricks;
 }
 
 }  // namespace gigabake

@@ -16,7 +16,9 @@ namespace gigabake {
 /// Exact   Returns the same values as ShardReader. Checks each part as strictly as the complete shard, with two
 ///         exceptions. Keys are not read. The position of a block's first voxel is only checked to lie inside the
 ///         columns.
-/// Cost    Reads the chunks that contain the requested part. The first call also reads three bytes per node.
+/// Cost    Reads the chunks that contain the requested part. The first call also reads three bytes per node, and two of
+///         them stay in memory. Since version 7 a block of bricks also needs their ancestors: up to a third more
+///         voxels. The last ancestors of each level stay in memory.
 /// Errors  InputError naming file and dataset, from every member.
 class ShardPages {
  public:
@@ -38,9 +40,15 @@ class ShardPages {
 
  private:
   struct Nodes;
+  struct ValueLevel;
   struct Level;
+  struct DecodedBricks;
   const Nodes& open_nodes() const;
   const Level& open_level(int lod) const;
+  BrickBlock read_values(int lod, std::uint64_t first, std::uint64_t bricks) const;
+  BrickBlock cut_out(int lod, std::uint64_t first, std::uint64_t bricks) const;
+  BrickLevel decode(int lod, std::uint64_t begin, std::uint64_t count) const;
+  std::shared_ptr<const DecodedBricks> decoded(int lod, std::uint64_t low, std::uint64_t end) const;
 
   Hdf5File file_;
   ShardHeader header_;

@@ -6,6 +6,7 @@
 #include "format/shard/hdf5/hdf5_rows.h"
 #include "format/shard/levels/above.h"
 #include "format/shard/levels/coarse_levels.h"
+#include "format/shard/packed_shard.h"
 #include "format/shard/shard.h"
 #include "format/shard/shard_header.h"
 #include "format/shard/shard_layout.h"
@@ -70,18 +71,8 @@ NodeTable ShardReader::nodes() const {
 
 BrickLevel ShardReader::level(int lod) const {
   if (lod < 0 || std::uint32_t(lod) >= header_.lods)
-    throw InputError(path_, "/lod_" + std::to_string(lod), "the cell has no such level");
-  const NodeColumns columns(version_);
-  std::vector<std::uint8_t> lods;
-  std::vector<NodeKind> kinds;
-  read_rows(*file_, columns.lod, lods);
-  read_rows(*file_, columns.kind, kinds);
-  if (lods.size() != kinds.size()) file_->fail("/nodes", "columns differ in length");
-  return read_level(lod, brick_counts(header_, lods, kinds)[std::size_t(lod)]);
-}
-
-BrickLevel ShardReader::read_level(int lod, std::uint64_t bricks) const {
-  return read_brick_level(FileColumns(*file_), header_, version_, lod, bricks);
+    throw InputError(path_, level_group(lod), "the cell has no such level");
+  return read_brick_level(FileColumns(*file_), header_, version_, lod);
 }
 
 CoarseLevels ShardReader::coarse_levels(int lod) const {
@@ -105,14 +96,18 @@ DownsampleState ShardReader::above() const {
 
 Shard ShardReader::all() const {
   Shard shard{header_, nodes(), {}, above()};
-  const std::vector<std::uint64_t> bricks = brick_counts(header_, shard.nodes.lod, shard.nodes.kind);
-  for (int lod = 0; lod < int(header_.lods); ++lod) shard.levels.push_back(read_level(lod, bricks[std::size_t(lod)]));
+  shard.levels = read_brick_levels(FileColumns(*file_), header_, version_, shard.nodes, 0);
   return shard;
 }
 
-std::vector<Hdf5Column> ShardReader::level_columns(int lod) const {
+std::vector<Hdf5Column> ShardReader::columns_of_level(int lod) const {
+  std::vector<Hdf5Column> all;
+  if (version_ >= first_version_of_differences) {
+    for (const LevelColumn column : level_columns(header_, lod)) all.push_back(level_column(lod, column));
+    return all;
+  }
   const LevelColumns columns(lod);
-  std::vector<Hdf5Column> all{columns.mask, columns.first};
+  all = {columns.mask, columns.first};
   for (const VoxelChannel& channel : stored_channels(version_, header_, lod)) {
     const ChannelColumns of_channel(columns.group, channel);
     all.push_back(of_channel.value);
@@ -124,7 +119,7 @@ std::vector<Hdf5Column> ShardReader::level_columns(int lod) const {
 
 std::uint64_t ShardReader::level_bytes(int lod) const {
   std::uint64_t bytes = 0;
-  for (const Hdf5Column& column : level_columns(lod)) bytes += file_->stored_bytes(column);
+  for (const Hdf5Column& column : columns_of_level(lod)) bytes += file_->stored_bytes(column);
   return bytes;
 }
 
@@ -146,7 +141,7 @@ std::vector<std::string> ShardReader::unreadable_columns() const {
   };
   for (const Hdf5Column& column : NodeColumns(version_).all(header_)) try_column(column);
   for (int lod = 0; lod < int(header_.lods); ++lod)
-    for (const Hdf5Column& column : level_columns(lod)) try_column(column);
+    for (const Hdf5Column& column : columns_of_level(lod)) try_column(column);
   try {
     above();
   } catch (const InputError& error) {

@@ -33,7 +33,9 @@ class ShardReader {
   const std::filesystem::path& path() const { return path_; }
   const ShardHeader& header() const { return header_; }
   NodeTable nodes() const;
-  BrickLevel level(int lod) const;  ///< has as many bricks as nodes() lists for this level
+  /// Returns one level; it has as many bricks as nodes() lists for it.
+  /// Cost    Since version 7 also reads the coarser levels, from which the level is predicted: a third more.
+  BrickLevel level(int lod) const;
   /// Returns levels [lod, lods) without reading finer levels.
   /// Range   0 ≤ lod < header().lods.
   CoarseLevels coarse_levels(int lod) const;
@@ -50,8 +52,7 @@ class ShardReader {
   std::vector<std::string> unreadable_columns() const;
 
  private:
-  BrickLevel read_level(int lod, std::uint64_t bricks) const;
-  std::vector<Hdf5Column> level_columns(int lod) const;
+  std::vector<Hdf5Column> columns_of_level(int lod) const;
 
   std::filesystem::path path_;
   std::unique_ptr<const Hdf5File> file_;

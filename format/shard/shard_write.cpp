@@ -67,10 +67,8 @@ StoredShard make_file(Hdf5File file, const ShardHeader& header, const Downsample
 template <class Visit>
 void for_each_column(const PackedShard& shard, const Visit& visit) {
   for (const PackedColumn& column : shard.nodes) visit(column);
-  for (const PackedLevel& level : shard.levels) {
-    visit(level.mask), visit(level.first);
-    for (const PackedChannel& c : level.channels) visit(c.value), visit(c.share), visit(c.first);
-  }
+  for (const PackedLevel& level : shard.levels)
+    for (const PackedColumn& column : level.columns) visit(column);
 }
 
 /// The work that remains to write a packed shard.
@@ -111,7 +109,7 @@ StoredShard write_shard(const std::filesystem::path& path, const Shard& shard, c
                                  [&](ShardColumns& columns) {
                                    columns.add_nodes(shard.nodes);
                                    columns.add_above(shard.above);
-                                   for (const BrickLevel& level : shard.levels) columns.add_level(level, options.pool);
+                                   columns.add_levels(shard.nodes, shard.levels, options.pool);
                                  });
   stored.file = publish(publication);
   return stored;

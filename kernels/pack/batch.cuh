@@ -16,7 +16,7 @@ namespace gigabake::kernels::pack {
 /// A chunk of the batch. The host sets all members but the last three, which place_chunks() sets.
 struct ChunkPlace {
   std::uint64_t raw;  ///< offset of the chunk's first byte in Batch::raw
-  std::uint32_t bytes, element_bytes;
+  std::uint32_t bytes, element_bytes, min_match_bytes;
   std::uint32_t staged;               ///< offset in Batch::bytes and Batch::words, a multiple of 16
   std::uint32_t first_block, blocks;  ///< index of the first block in Batch::blocks, and number of blocks
   std::uint32_t as_is;                ///< 1: the chunk has stored (uncompressed) blocks

@@ -35,7 +35,8 @@ std::shared_ptr<const void> read_back_stored(DeviceHeap& heap, const DeviceArray
   for (const RawColumn& c : columns) {
     const std::size_t bytes = chunk_bytes(c.column->rows, c.shape.bytes);
     for (std::size_t at = 0; at < c.bytes; at += bytes)
-      chunks.push_back({c.at + at, std::uint32_t(bytes), std::uint32_t(c.shape.shuffled_bytes)});
+      chunks.push_back(
+          {c.at + at, std::uint32_t(bytes), std::uint32_t(c.shape.shuffled_bytes), c.shape.min_match_bytes});
   }
   const TraceSpan span("compress and read back");
   const PackedChunks packed = pack_chunks(heap, raw.data(), chunks, nullptr);

@@ -1,79 +1,66 @@
-/// A cell's columns on the device. The kernels find the voxels that share a value, count the values, and write the
-/// columns. One warp per brick and channel applies the rules of core/codec.
+/// A cell's columns on the device. The kernels count the rows of the columns and write them, one warp per brick, by the
+/// rules of core/codec.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "core/codec/shared_value.h"
+#include "core/codec/prediction.h"
 #include "kernels/body/voxelize/window.h"
 #include "kernels/cuda/mip/levels.cuh"
 #include "kernels/pack/packer.h"
 
 namespace gigabake::kernels {
 
-inline constexpr int max_channels = 6;
-
-/// The source of a column of values: `width` bytes per voxel, `stride` bytes apart. `bytes` is null if the level does
-/// not have the channel.
-struct ChannelView {
-  const std::uint8_t* bytes;
-  std::uint32_t stride, width;
-};
-
 /// The concatenated levels of a cell: brick b of a level is brick offset + b of the cell.
 struct LevelsView {
   const std::uint64_t* mask[max_levels];
-  const std::uint32_t* first[max_levels];
-  const std::uint32_t* rgba[max_levels];
+  const std::uint32_t *first[max_levels], *rgba[max_levels];
+  const std::uint16_t* normal[max_levels];               ///< null if the level does not store normals
+  const std::uint8_t* directional_coverage[max_levels];  ///< null if the level stores neither coverages nor planes
   std::uint32_t bricks[max_levels], offset[max_levels], voxels[max_levels];
-  ChannelView channel[max_levels][max_channels];
-  int levels, channels;
+  bool has_coverage[max_levels];  ///< the level has the column `facing`
+  int levels;
   std::uint32_t bricks_in_all;
 };
 
 /// Returns the view of `levels`.
-/// Range   A level has at most max_channels channels.
-/// Errors  std::length_error beyond max_channels or 2^32-1 bricks; std::invalid_argument if a level lacks a requested
-///         channel.
-LevelsView view_of(const std::vector<const DeviceLevel*>& levels,
-                   const std::vector<std::vector<ChannelPlace>>& channels);
+/// Errors  std::length_error beyond 2^32-1 bricks; std::invalid_argument if a level lacks a requested column.
+LevelsView view_of(const std::vector<const DeviceLevel*>& levels, const std::vector<std::vector<LevelColumn>>& columns);
 
-/// The results of find_shares() from which the host computes the sizes of the columns.
+/// The results of count_rows() from which the host computes the sizes of the columns.
 struct Findings {
-  std::uint32_t begin[max_channels][max_levels];   ///< index of the level's first value among all levels and channels
-  std::uint32_t values[max_channels][max_levels];  ///< number of values if they are shared
-  std::uint32_t differ[max_channels][max_levels];  ///< 1: not all voxels are equal
+  /// The number of rows in `children` and `facing`: before the level among all levels, and of the level. A dense level
+  /// has more rows in `children`, a complete level in `facing`.
+  std::uint32_t children_begin[max_levels], children[max_levels], coverage_begin[max_levels], coverage[max_levels];
+  std::uint32_t is_dense[max_levels];     ///< 1: a voxel of the level has no parent voxel
+  std::uint32_t is_complete[max_levels];  ///< 1: all voxels of the level have a row in `facing`
   unsigned long long alphas[max_levels][256];
 
-  ValuesStored stored(const LevelsView& levels, int channel, int lod) const;
+  std::uint64_t rows(const LevelsView& levels, LevelColumn column, int lod) const;
 };
 
-/// The shared values of all bricks. The entry of channel c of brick b has index c · bricks_in_all + b.
-struct FoundShares {
-  DeviceArray<std::uint8_t> share;   ///< share_bytes per entry
-  DeviceArray<std::uint32_t> start;  ///< index of the entry's first value
+/// Results of count_rows() per brick of the cell. The arrays of rows have one more entry.
+struct BrickRows {
+  DeviceArray<BrickParent> parent;
+  DeviceArray<std::uint32_t> children, coverage;  ///< the number of rows before each brick
 };
 
-/// Finds the voxels that share a value. Waits for the stream.
+/// Finds the parents of all bricks and counts rows. Waits for the stream.
 /// Errors  CudaFailure.
-FoundShares find_shares(DeviceHeap& heap, const LevelsView& levels, Findings& findings);
+BrickRows count_rows(DeviceHeap& heap, const LevelsView& levels, const DeviceNodes& nodes, Findings& findings);
 
 /// The destinations of a level's columns. Destinations of columns that are not stored are not used.
 struct LevelOut {
-  std::uint64_t *mask, *first;
-  struct Channel {
-    ValuesStored stored;
-    std::uint8_t *value, *share;
-    std::uint64_t* first;
-    std::uint32_t begin;  ///< Findings::begin of this level and channel
-  } channel[max_channels];
+  std::uint64_t* first;
+  std::uint8_t *children, *rgb, *alpha, *normal, *facing, *plane;
+  std::uint32_t children_begin, coverage_begin;  ///< as in Findings
+  bool is_dense, is_complete, has_plane;
 };
 
 /// Writes the columns of all levels. `out` has one entry per lod.
 /// Errors  CudaFailure.
-void make_columns(DeviceHeap& heap, const LevelsView& levels, const FoundShares& shares,
-                  const std::vector<LevelOut>& out);
+void make_columns(DeviceHeap& heap, const LevelsView& levels, const BrickRows& rows, const std::vector<LevelOut>& out);
 
 /// The destinations of a node table's columns. If all nodes are bricks, the columns `kind`, `normal` and
 /// `directional_coverage` are not written. They must be zero already.

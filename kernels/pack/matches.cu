@@ -92,13 +92,12 @@ __global__ void __launch_bounds__(32) candidates(Batch batch) {
 
 __global__ void __launch_bounds__(threads) matches(Batch batch) {
   const BlockPlace& block = batch.blocks[blockIdx.x / parts];
-  const std::uint32_t staged = batch.chunks[block.chunk].staged;
+  const std::uint32_t staged = batch.chunks[block.chunk].staged, min_bytes = batch.chunks[block.chunk].min_match_bytes;
   const Part part = part_of(block);
   for (std::uint32_t p = part.begin; p < part.end; p += threads) {
     std::uint32_t& word = batch.words[staged + p];
     const std::uint32_t end = deflate::segment_end(p, block.end);
-    const deflate::Match match =
-        deflate::match_in(deflate::Bucket(word), batch.bytes + staged, p, end, deflate::min_match - 1);
+    const deflate::Match match = deflate::match_in(deflate::Bucket(word), batch.bytes + staged, p, end, min_bytes - 1);
     word = deflate::match_token(match.length, match.distance);
   }
 }
@@ -120,7 +119,8 @@ __global__ void __launch_bounds__(32) parse(Batch batch) {
       to[tokens++] = token;
       deflate::count_symbols(token, [&](std::uint32_t symbol) { atomicAdd(&counts[symbol], 1u); });
     };
-    deflate::parse_segment(batch.bytes + staged, begin, deflate::segment_end(begin, block.end), match_at, add);
+    deflate::parse_segment(batch.bytes + staged, begin, deflate::segment_end(begin, block.end),
+                           batch.chunks[block.chunk].min_match_bytes, match_at, add);
   }
   block.segment_tokens[lane] = tokens;
   __syncwarp();

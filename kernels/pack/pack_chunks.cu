@@ -19,6 +19,7 @@ void add_chunk(const RawChunk& chunk, BatchPlan& plan) {
   place.raw = chunk.begin;
   place.bytes = chunk.bytes;
   place.element_bytes = chunk.element_bytes;
+  place.min_match_bytes = chunk.min_match_bytes;
   place.staged = std::uint32_t(plan.staged_bytes);
   place.first_block = std::uint32_t(plan.blocks.size());
   place.blocks = blocks;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include "core/base/trace.h"
 #include "core/codec/chunk_rows.h"
@@ -27,7 +28,7 @@ class ColumnPlan {
     for (std::size_t c = 0; c < request.nodes.size(); ++c)
       nodes_.push_back(place(cell.nodes[c], nodes, request.nodes[c]));
     for (std::size_t lod = 0; lod < cell.levels.size(); ++lod)
-      place_level(int(lod), request.channels[lod], cell.levels[lod]);
+      place_level(int(lod), request.levels[lod], cell.levels[lod]);
   }
 
   std::size_t bytes() const { return bytes_; }
@@ -51,26 +52,23 @@ class ColumnPlan {
   }
 
   std::vector<LevelOut> outs(std::uint8_t* raw) const {
-    std::vector<LevelOut> outs(outs_.size());
-    for (std::size_t lod = 0; lod < outs.size(); ++lod) {
+    std::vector<LevelOut> outs;
+    for (std::size_t lod = 0; lod < outs_.size(); ++lod) {
       const Places& p = outs_[lod];
-      outs[lod].mask = reinterpret_cast<std::uint64_t*>(raw + p.mask);
-      outs[lod].first = reinterpret_cast<std::uint64_t*>(raw + p.first);
-      for (std::size_t c = 0; c < p.channel.size(); ++c)
-        outs[lod].channel[c] = {p.channel[c].stored, raw + p.channel[c].value, raw + p.channel[c].share,
-                                reinterpret_cast<std::uint64_t*>(raw + p.channel[c].first), found_.begin[c][lod]};
+      const auto at = [&](LevelColumn column) { return raw + p.at[std::size_t(column)]; };
+      outs.push_back({reinterpret_cast<std::uint64_t*>(at(LevelColumn::first)), at(LevelColumn::children),
+                      at(LevelColumn::rgb), at(LevelColumn::alpha), at(LevelColumn::normal), at(LevelColumn::facing),
+                      at(LevelColumn::plane), found_.children_begin[lod], found_.coverage_begin[lod],
+                      found_.is_dense[lod] != 0, found_.is_complete[lod] != 0, p.has_plane});
     }
     return outs;
   }
 
  private:
+  /// The offsets of a level's columns, by LevelColumn.
   struct Places {
-    std::size_t mask, first;
-    struct Channel {
-      ValuesStored stored;
-      std::size_t value = 0, share = 0, first = 0;
-    };
-    std::vector<Channel> channel;
+    std::array<std::size_t, level_column_count> at = {};
+    bool has_plane = false;
   };
 
   std::size_t place(PackedColumn& column, std::uint64_t rows, const RowShape& shape) {
@@ -81,26 +79,13 @@ class ColumnPlan {
     return at;
   }
 
-  void place_level(int lod, const std::vector<ChannelPlace>& channels, PackedLevel& level) {
-    const std::uint64_t bricks = view_.bricks[lod];
+  void place_level(int lod, const std::vector<LevelColumn>& columns, PackedLevel& level) {
     std::copy(std::begin(found_.alphas[lod]), std::end(found_.alphas[lod]), level.alphas.begin());
-    level.channels.resize(channels.size());
     Places& places = outs_[std::size_t(lod)];
-    places.mask = place(level.mask, bricks, mask_row);
-    places.first = place(level.first, bricks + 1, first_row);
-    for (std::size_t c = 0; c < channels.size(); ++c)
-      places.channel.push_back(place_channel(lod, int(c), channels[c].width, level.channels[c]));
-  }
-
-  Places::Channel place_channel(int lod, int channel, std::size_t width, PackedChannel& packed) {
-    Places::Channel places{found_.stored(view_, channel, lod)};
-    const std::uint64_t bricks = view_.bricks[lod],
-                        values = values_stored(places.stored, view_.voxels[lod], found_.values[channel][lod]);
-    places.value = place(packed.value, values, {width, 1});
-    if (places.stored != ValuesStored::shared) return places;
-    places.share = place(packed.share, bricks, share_row);
-    places.first = place(packed.first, bricks + 1, first_row);
-    return places;
+    for (const LevelColumn column : columns) {
+      places.at[std::size_t(column)] = place(level[column], found_.rows(view_, column, lod), row_of(column));
+      places.has_plane = places.has_plane || column == LevelColumn::plane;
+    }
   }
 
   const LevelsView& view_;
@@ -145,14 +130,14 @@ class CudaPacker::Impl {
  private:
   void pack_levels(const std::vector<const DeviceLevel*>& levels, const DeviceNodes& nodes, const PackRequest& request,
                    PackedCell& out) {
-    const LevelsView view = view_of(levels, request.channels);
+    const LevelsView view = view_of(levels, request.levels);
     const auto found = std::make_unique<Findings>();
-    const FoundShares shares = find_shares(heap_, view, *found);
+    const BrickRows rows = count_rows(heap_, view, nodes, *found);
     out.levels.resize(levels.size());
     const ColumnPlan plan(view, request, *found, nodes.count, out);
     DeviceArray<std::uint8_t> raw(heap_, plan.bytes());
     raw.clear_to_zero();
-    make_columns(heap_, view, shares, plan.outs(raw.data()));
+    make_columns(heap_, view, rows, plan.outs(raw.data()));
     make_node_columns(heap_, nodes, plan.nodes(raw.data()));
     const auto bring = request.as == ColumnBytes::stored ? read_back_stored : read_back_raw;
     out.memory = bring(heap_, raw, plan.columns(), pinned_);

@@ -21,8 +21,8 @@ enum class ColumnBytes : std::uint8_t {
 };
 
 struct PackRequest {
-  std::vector<std::vector<ChannelPlace>> channels;  ///< [lod]; the channels of each level
-  std::vector<RowShape> nodes;                      ///< row shapes of the node table's columns, by NodeColumn
+  std::vector<std::vector<LevelColumn>> levels;  ///< [lod]; the columns of each level
+  std::vector<RowShape> nodes;                   ///< row shapes of the node table's columns, by NodeColumn
   ColumnBytes as = ColumnBytes::stored;
   std::uint64_t memory_bytes = 0;  ///< limit of device memory for temporary arrays and columns; 0: no limit
 };

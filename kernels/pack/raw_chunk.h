@@ -3,12 +3,15 @@
 
 #include <cstdint>
 
+#include "core/codec/matches.h"
+
 namespace gigabake::kernels {
 
 struct RawChunk {
   std::uint64_t begin = 0;          ///< offset of the chunk's first byte
   std::uint32_t bytes = 0;          ///< total size; the caller pads the last chunk
   std::uint32_t element_bytes = 1;  ///< element size of HDF5's shuffle, which divides `bytes`; 1: no shuffle
+  std::uint32_t min_match_bytes = deflate::min_match;
 };
 
 inline constexpr std::uint32_t max_packed_chunk_bytes = 1u << 26;

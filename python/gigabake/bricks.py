@@ -69,6 +69,20 @@ def values(group: dict[str, Column], name: str, voxels: BrickVoxels) -> Array:
     return numpy.repeat(column.rows(), len(voxels), axis=0)
 
 
+class ValueLevel:
+    """One level of an open shard of versions 1 to 6."""
+
+    def __init__(self, columns: dict[str, Column]) -> None:
+        self.columns = columns
+
+    def read(self, begin: int, end: int) -> tuple[NDArray[numpy.intp], dict[str, Array]]:
+        """Returns the voxels of bricks by rising 512 · brick + place, the brick counted from `begin`, and their values."""
+        voxels = brick_voxels(self.columns["mask"], self.columns["first"], begin, end)
+        channels = [name for name in self.columns
+                    if name not in ("mask", "first") and not name.endswith(("_share", "_first"))]
+        return voxels.there, {name: values(self.columns, name, voxels) for name in channels}
+
+
 def shared_values(column: Column, share: Column, first: Column, voxels: BrickVoxels) -> Array:
     """Returns the values of voxels that share them in sets: a brick, octants of 4³ and groups of 2³ voxels."""
     bricks = len(voxels.mask)

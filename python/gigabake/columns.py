@@ -136,7 +136,7 @@ class Column:
                             "pip install lz4, or apt install python3-lz4") from error
         except DAMAGES as error:
             raise self.fail(f"chunk {number} cannot be read: {error}") from error
-        return numpy.frombuffer(data, self.dtype, count).reshape((self._chunk_rows, *row_shape))
+        return numpy.frombuffer(data, self.dtype, count).reshape((self._chunk_rows, *row_shape, *self.dtype.shape))
 
     def _unfiltered(self, data: bytes, mask: int, chunk_bytes: int) -> bytes:
         """Undoes the filters of a stored chunk. Raises ValueError if the chunk is damaged."""

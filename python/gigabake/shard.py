@@ -10,12 +10,14 @@ import h5py
 import numpy
 from numpy.typing import NDArray
 
-from .bricks import BRICK_VOXELS, PLACES, brick_voxels, values
+from . import differences
+from .bricks import BRICK_VOXELS, PLACES, ValueLevel
 from .columns import Array, Column
 from .errors import BAKE_AGAIN, NEWER_PROGRAM, GigabakeError, damage_of
 from .scene_xml import BRICK_EDGE, SceneXml, ShardEntry
 
-OLDEST_SHARD_VERSION, NEWEST_SHARD_VERSION = 1, 6
+OLDEST_SHARD_VERSION, NEWEST_SHARD_VERSION = 1, 7
+FIRST_VERSION_OF_DIFFERENCES = 7
 BRICK, LEAF_CONSTANT = 0, 2
 # Columns of /nodes that do not describe the voxels of constant nodes.
 STRUCTURE = {"key", "lod", "kind", "child_mask", "first_child"}
@@ -149,7 +151,8 @@ class Shard:
 
     def _parts(self, own_lod: int, box: IndexBox | None) -> Iterator[LevelPart]:
         columns = self._columns("nodes")
-        nodes = {name: self._column(columns, "nodes", name).rows() for name in ("key", "lod", "kind", "value")}
+        nodes = {name: self._column(columns, "nodes", name).rows()
+                 for name in ("key", "lod", "kind", "value", "normal")}
         if len({len(column) for column in nodes.values()}) != 1:
             raise GigabakeError(self.file, "/nodes", "has columns of different lengths", BAKE_AGAIN)
         there = (nodes["lod"] == own_lod) | ((nodes["lod"] > own_lod) & (nodes["kind"] == LEAF_CONSTANT))
@@ -158,41 +161,62 @@ class Shard:
         edge = BRICK_EDGE << down
         low = from_morton(nodes["key"][rows].astype(numpy.uint64)) * edge[:, None]
         is_brick = nodes["kind"][rows] == BRICK
-        self._expect_count(own_lod, edge[~is_brick], nodes["value"][rows[is_brick]])
+        level = self._level(own_lod, nodes) if self.version >= FIRST_VERSION_OF_DIFFERENCES else None
+        self._expect_count(own_lod, level, edge[~is_brick], nodes["value"][rows[is_brick]])
         if box is not None:
             inside = ((low < box.end) & (low + edge[:, None] > box.low)).all(axis=1)
             rows, edge, low, is_brick = rows[inside], edge[inside], low[inside], is_brick[inside]
-        yield from self._brick_parts(own_lod, nodes["value"][rows[is_brick]].astype(numpy.int64), low[is_brick])
+        numbers = nodes["value"][rows[is_brick]].astype(numpy.int64)
+        yield from self._brick_parts(level or ValueLevel(self._level_columns(own_lod)), numbers, low[is_brick])
         constant = rows[~is_brick]
         looks = {name: columns[name].rows()[constant] for name in columns if name not in STRUCTURE}
         yield from self._constant_parts(own_lod, looks, edge[~is_brick], low[~is_brick], box)
 
-    def _expect_count(self, own_lod: int, constant_edges: NDArray[numpy.int64], numbers: Array) -> None:
-        """Raises an error unless bricks are numbered in order, and the level has the voxels that scene.xml states."""
+    def _level_columns(self, own_lod: int) -> dict[str, Column]:
+        """Returns the columns of a level. Raises an error if one without which no voxel can be read is missing."""
         name = f"lod_{own_lod}"
-        first = self._column(self._columns(name), name, "first")
-        if len(first) != len(numbers) + 1 or not numpy.array_equal(numbers, numpy.arange(len(numbers))):
+        columns = self._columns(name)
+        needed = ["first", "mask"]
+        if self.version >= FIRST_VERSION_OF_DIFFERENCES:
+            needed = ["first", "children", "rgb", "alpha", *(["normal"] if "normal" in self._channels() else [])]
+        for each in needed:
+            self._column(columns, name, each)
+        return columns
+
+    def _channels(self) -> list[str]:
+        return str(self._attribute("channels")).split()
+
+    def _level(self, own_lod: int, nodes: dict[str, Array]) -> differences.Level:
+        """Opens a level since version 7."""
+        level: differences.Level | None = None
+        for lod in range(self.entry.lods - 1, own_lod - 1, -1):
+            level = differences.Level(self._level_columns(lod), differences.node_rows(nodes, lod), level)
+        assert level is not None
+        return level
+
+    def _expect_count(self, own_lod: int, level: differences.Level | None, constant_edges: NDArray[numpy.int64],
+                      numbers: Array) -> None:
+        """Raises an error unless bricks are numbered in order, and the level has the voxels that scene.xml states."""
+        first = self._level_columns(own_lod)["first"]
+        bricks = level.bricks if level else len(first) - 1
+        if bricks != len(numbers) or not numpy.array_equal(numbers, numpy.arange(len(numbers))):
             raise first.fail(f"does not agree with /nodes, which have {len(numbers)} bricks of this level")
-        voxels = int(first.rows(len(numbers))[0]) + int((constant_edges**3).sum())
+        of_bricks = int(level.totals[differences.OF_VOXELS]) if level else int(first.rows(len(numbers))[0])
+        voxels = of_bricks + int((constant_edges**3).sum())
         if voxels != self.entry.voxels[own_lod]:
             raise first.fail(f"the level has {voxels} voxels, scene.xml states {self.entry.voxels[own_lod]}")
 
-    def _brick_parts(self, own_lod: int, numbers: NDArray[numpy.int64],
+    @staticmethod
+    def _brick_parts(level: differences.Level | ValueLevel, numbers: NDArray[numpy.int64],
                      low: NDArray[numpy.int64]) -> Iterator[LevelPart]:
         """Yields the voxels of bricks with these numbers and lowest corners."""
-        name = f"lod_{own_lod}"
-        group = self._columns(name)
-        mask, first = self._column(group, name, "mask"), self._column(group, name, "first")
-        channels = [channel for channel in group if channel not in ("mask", "first")
-                    and not channel.endswith(("_share", "_first"))]
         for begin, end in runs_of(numbers):
-            voxels = brick_voxels(mask, first, begin, end)
+            there, read = level.read(begin, end)
             corner = numpy.full((end - begin, 3), -1, numpy.int64)
             chosen = (numbers >= begin) & (numbers < end)
             corner[numbers[chosen] - begin] = low[chosen]
-            brick = voxels.there // BRICK_VOXELS
-            index = corner[brick] + PLACES[voxels.there % BRICK_VOXELS]
-            read = {channel: values(group, channel, voxels) for channel in channels}
+            brick = there // BRICK_VOXELS
+            index = corner[brick] + PLACES[there % BRICK_VOXELS]
             if len(numbers[chosen]) < end - begin:  # gaps were read too
                 wanted = corner[brick, 0] >= 0
                 index, read = index[wanted], {channel: rows[wanted] for channel, rows in read.items()}

@@ -9,7 +9,7 @@ namespace gigabake {
 namespace {
 
 constexpr double usual_levels = 4.0 / 3;  // each coarser level of a surface has a quarter of the voxels
-constexpr double usual_bytes_per_voxel = 3, usual_bytes_per_cell = 24000;
+constexpr double usual_bytes_per_voxel = 2, usual_bytes_per_cell = 24000;
 
 std::uint64_t rounded(double v) { return std::uint64_t(std::llround(std::clamp(v, 0.0, 9e18))); }
 

@@ -39,7 +39,7 @@ struct SizeEstimate {
   double share = 0;              ///< fraction of the surface that was baked
 };
 
-/// Estimates a bake. If there are no pieces, assumes one lod-0 voxel per projected voxel and three bytes per voxel.
+/// Estimates a bake. If there are no pieces, assumes one lod-0 voxel per projected voxel and two bytes per voxel.
 /// Exact   If the pieces are the whole scene, the numbers of voxels are the sums over the pieces. Otherwise the rest is
 ///         estimated from the mean of the pieces' voxels per projected voxel (Hansen and Hurwitz 1943). A voxel that
 ///         several tiles occupy counts once per tile.

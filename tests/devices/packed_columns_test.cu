@@ -30,7 +30,7 @@ ShardHeader header_of(bool normals, bool directional_coverage, std::uint32_t cel
 
 kernels::PackRequest request_of(const ShardHeader& header, std::size_t lods) {
   kernels::PackRequest request;
-  for (std::size_t lod = 0; lod < lods; ++lod) request.channels.push_back(packed_channels(header, int(lod)));
+  for (std::size_t lod = 0; lod < lods; ++lod) request.levels.push_back(level_columns(header, int(lod)));
   request.nodes = packed_nodes(header);
   return request;
 }
@@ -43,8 +43,7 @@ std::vector<std::uint8_t> stored_chunk(const ColumnRows& column, std::size_t num
   const auto raw = column.get(first, rows, scratch);
   std::vector<std::uint8_t> whole(raw.begin(), raw.end());
   whole.resize(per_chunk * row);
-  const bool planes = column.column.planes == BytePlanes::yes;
-  return encode_chunk(whole, {Codec::deflate, planes ? element_bytes(column.column.type) : 1});
+  return encode_chunk(whole, column.column.filters(Codec::deflate));
 }
 
 /// Compares chunks in their stored form. Returns the first difference, or an empty string.
@@ -115,7 +114,7 @@ class DevicePack : public testing::Test {
     ShardColumns host(header), device(header);
     host.add_nodes(nodes);
     device.add_nodes(packed.nodes);
-    for (const BrickLevel& level : levels) host.add_level(level, pool_);
+    host.add_levels(nodes, levels, pool_);
     for (const PackedLevel& level : packed.levels) device.add_level(level);
     EXPECT_EQ(difference(host.columns(), device.columns(), pool_), "");
     for (std::size_t l = 0; l < levels.size(); ++l) {
@@ -166,8 +165,12 @@ BrickLevel made_level(std::mt19937_64& rng, std::size_t bricks, bool normals, bo
   std::vector<std::uint8_t> normal;
   if (normals) add_values(rng, level, 2, normal);
   level.normal.assign(normal.begin(), normal.end());
-  if (directional_coverage)
-    add_values(rng, level, bytes_a_voxel(VoxelArray::directional_coverage), level.directional_coverage);
+  if (!directional_coverage) return level;
+  add_values(rng, level, directional_coverage_bytes, level.directional_coverage);
+  const bool is_complete = rng() % 4 == 0;  // coverages also of voxels whose planes are complete
+  for (std::size_t v = 0; v < level.directional_coverage.size(); v += directional_coverage_bytes)
+    if (!stores_coverage(level.directional_coverage[v + directional_coverage_plane], is_complete))
+      std::fill_n(&level.directional_coverage[v], coverage_bytes, std::uint8_t(0));
   return level;
 }
 

@@ -267,7 +267,7 @@ void CellStages::pack_on_device(InFlightCell& cell, kernels::CudaPacker& packer)
   const ShardHeader header = header_of(cell);
   kernels::PackRequest request;
   for (std::uint32_t edge = header.cell_voxels; edge >= brick_edge; edge /= 2)
-    request.channels.push_back(packed_channels(header, int(request.channels.size())));
+    request.levels.push_back(level_columns(header, int(request.levels.size())));
   request.nodes = packed_nodes(header);
   request.as = parameters_.codec == Codec::deflate ? kernels::ColumnBytes::stored : kernels::ColumnBytes::raw;
   pack_beside_others(cell, packer, request);

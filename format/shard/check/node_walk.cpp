@@ -9,6 +9,15 @@ constexpr std::uint32_t no_child = 0xffffffffu;
 
 }  // namespace
 
+void NodePlace::advance(NodeKind kind, std::uint8_t child_mask) {
+  next_child += std::uint64_t(std::popcount(child_mask));
+  if (kind == NodeKind::brick) ++next_brick;
+  if (++row < level_end || next_child == row) return;
+  level_end = next_child;
+  next_brick = 0;
+  --lod;
+}
+
 NodeWalk::NodeWalk(const std::filesystem::path& path, const ShardHeader& header, std::uint64_t rows)
     : NodeWalk(path, {.lod = header.lods - 1}, rows) {}
 
@@ -29,20 +38,15 @@ void NodeWalk::check_links(NodeKind kind, std::uint8_t child_mask, std::uint32_t
 
 void NodeWalk::step(std::uint32_t lod, NodeKind kind, std::uint8_t child_mask) {
   const std::uint64_t row = place_.row;
-  const auto children = std::uint64_t(std::popcount(child_mask));
+  const int children = std::popcount(child_mask);
   table_.expect(row < place_.level_end, row, "has no parent");
   table_.expect(lod == place_.lod, row, "lod does not follow its parent's lod");
   table_.expect(kind <= NodeKind::leaf_constant, row, "the node's type is unknown");
   const bool is_leaf = lod == 0 || kind == NodeKind::leaf_constant;
   table_.expect(is_leaf || children > 0, row, "children are missing");
   table_.expect(!is_leaf || children == 0, row, "a leaf has children");
-  place_.next_child += children;
-  table_.expect(place_.next_child <= rows_, row, "has more children than there are rows");
-  if (kind == NodeKind::brick) ++place_.next_brick;
-  if (++place_.row < place_.level_end || place_.next_child == place_.row) return;
-  place_.level_end = place_.next_child;
-  place_.next_brick = 0;
-  --place_.lod;
+  table_.expect(place_.next_child + std::uint64_t(children) <= rows_, row, "has more children than there are rows");
+  place_.advance(kind, child_mask);
 }
 
 }  // namespace gigabake

@@ -16,6 +16,9 @@ struct NodePlace {
   std::uint64_t next_child = 1;  ///< the row of the next child
   std::uint64_t next_brick = 0;  ///< the number of the next brick on this level
   std::uint32_t lod = 0;
+
+  /// Advances to the next row. `kind` and `child_mask` are the values of row `row`.
+  void advance(NodeKind kind, std::uint8_t child_mask);
 };
 
 /// Checker of the order and links of a node table. Levels are ordered from the root down. The rows of a level are the

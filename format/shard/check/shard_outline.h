@@ -1,11 +1,12 @@
-/// A summary of a node table. It allows checking any block of rows as strictly as the whole table, without the other
-/// rows in memory.
+/// A summary of a node table. It allows checking any block of rows as strictly as the whole table, and finds the
+/// parents of bricks, without the other columns in memory.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <vector>
 
+#include "core/codec/prediction.h"
 #include "format/shard/check/node_walk.h"
 #include "format/shard/shard.h"
 
@@ -15,10 +16,10 @@ class ShardOutline {
  public:
   static constexpr std::uint64_t rows_per_place = 4096;
 
-  /// Reads the columns of the whole table but does not keep them.
+  /// Keeps two of the columns: two bytes per node.
   /// Errors  InputError: the columns break a rule of NodeWalk, or differ in length.
   ShardOutline(const std::filesystem::path& path, const ShardHeader& header, const std::vector<std::uint8_t>& lod,
-               const std::vector<NodeKind>& kind, const std::vector<std::uint8_t>& child_mask);
+               std::vector<NodeKind> kind, std::vector<std::uint8_t> child_mask);
 
   std::uint64_t rows() const { return rows_; }
   std::uint64_t bricks(int lod) const { return bricks_[std::size_t(lod)]; }
@@ -26,8 +27,19 @@ class ShardOutline {
   /// Range   row < rows().
   const NodePlace& place_before(std::uint64_t row) const { return places_[row / rows_per_place]; }
 
+  /// Returns the parents of consecutive bricks of a level. `value` of a constant parent is its row.
+  /// Range   begin + count ≤ bricks(lod).
+  /// Cost    Visits up to rows_per_place rows before each of the first brick and its parent.
+  std::vector<BrickParent> parents(int lod, std::uint64_t begin, std::uint64_t count) const;
+
  private:
+  void advance(NodePlace& place) const { place.advance(kind_[place.row], child_mask_[place.row]); }
+  std::uint64_t row_of_brick(int lod, std::uint64_t brick) const;
+  NodePlace parent_of_row(std::uint64_t row) const;
+
   std::uint64_t rows_;
+  std::vector<NodeKind> kind_;
+  std::vector<std::uint8_t> child_mask_;
   std::vector<NodePlace> places_;      ///< the place of every rows_per_place-th row
   std::vector<std::uint64_t> bricks_;  ///< number of bricks per lod
 };

@@ -29,8 +29,7 @@ class PackedRows : public StoredRows {
 
  private:
   void unpack(std::uint64_t index, std::span<std::uint8_t> raw) const {
-    const std::size_t shuffled = column_.planes == BytePlanes::yes ? element_bytes(column_.type) : 1;
-    if (index >= packed_.stored.size() || !decode_chunk(packed_.stored[index], {Codec::deflate, shuffled},
+    if (index >= packed_.stored.size() || !decode_chunk(packed_.stored[index], column_.filters(Codec::deflate),
                                                         chunk_bytes(packed_.rows, column_.row_bytes()), raw))
       throw InputError(path_, column_.name, "is not packed as expected");
   }
@@ -45,21 +44,9 @@ class PackedRows : public StoredRows {
 PackedColumns::PackedColumns(const PackedShard& shard) : path_(shard.header.cell) {
   const std::vector<Hdf5Column> nodes = NodeColumns(shard_version).all(shard.header);
   for (std::size_t c = 0; c < nodes.size(); ++c) columns_[nodes[c].name] = &shard.nodes.at(c);
-  for (std::size_t lod = 0; lod < shard.levels.size(); ++lod) {
-    const PackedLevel& level = shard.levels[lod];
-    const LevelColumns names{int(lod)};
-    columns_[names.mask.name] = &level.mask;
-    columns_[names.first.name] = &level.first;
-    const std::vector<VoxelChannel> channels = stored_channels(shard_version, shard.header, int(lod));
-    for (std::size_t c = 0; c < channels.size(); ++c) {
-      const ChannelColumns of_channel(names.group, channels[c]);
-      const PackedChannel& packed = level.channels.at(c);
-      columns_[of_channel.value.name] = &packed.value;
-      if (packed.share.rows == 0) continue;
-      columns_[of_channel.share.name] = &packed.share;
-      columns_[of_channel.first.name] = &packed.first;
-    }
-  }
+  for (std::size_t lod = 0; lod < shard.levels.size(); ++lod)
+    for (const LevelColumn column : level_columns(shard.header, int(lod)))
+      columns_[level_column(int(lod), column).name] = &shard.levels[lod][column];
 }
 
 std::unique_ptr<StoredRows> PackedColumns::open(const Hdf5Column& column) const {

@@ -4,14 +4,16 @@
 #include <atomic>
 #include <bit>
 
+#include "core/base/error.h"
+#include "format/shard/packed_shard.h"
+
 namespace gigabake {
 namespace {
 
 constexpr std::size_t bricks_per_check = 8192;
 
-/// Returns whether level.first counts the mask bits and each channel has one entry per voxel. Readers reject a level
-/// without this property.
-bool is_consistent(const BrickLevel& level, const std::vector<VoxelChannel>& channels, const ThreadPool& pool) {
+/// Returns whether level.first counts the mask bits and each array has one entry per voxel.
+bool is_consistent(const BrickLevel& level, const std::vector<LevelColumn>& columns, const ThreadPool& pool) {
   const std::size_t bricks = level.mask.size() / 8;
   if (level.mask.size() % 8 != 0 || level.first.size() != bricks + 1 || level.first[0] != 0) return false;
   std::atomic<bool> fits{true};
@@ -22,9 +24,11 @@ bool is_consistent(const BrickLevel& level, const std::vector<VoxelChannel>& cha
       if (level.first[b + 1] != level.first[b] + voxels) fits = false;
     }
   });
-  return fits && std::all_of(channels.begin(), channels.end(), [&](const VoxelChannel& channel) {
-           return array_bytes(channel, level) == level.first.back() * bytes_a_voxel(channel.array);
-         });
+  const auto has = [&](LevelColumn column) { return std::ranges::find(columns, column) != columns.end(); };
+  const std::uint64_t voxels = level.first.back();
+  return fits && level.rgba.size() == 4 * voxels && (level.normal.size() == 2 * voxels || !has(LevelColumn::normal)) &&
+         (level.directional_coverage.size() == directional_coverage_bytes * voxels ||
+          !(has(LevelColumn::facing) || has(LevelColumn::plane)));
 }
 
 }  // namespace
@@ -81,57 +85,44 @@ void ShardColumns::add_above(const DownsampleState& above) {
   if (!above.patch.empty()) add_array(names.patch, above.patch);
 }
 
-LevelColumns ShardColumns::next_level() {
+void ShardColumns::begin_level() {
   next_part_ = lods_;
-  LevelColumns names(lods_++);
-  group_ = names.group;
-  return names;
+  group_ = level_group(lods_++);
 }
 
-std::vector<VoxelChannel> ShardColumns::channels() const { return stored_channels(shard_version, header_, lods_ - 1); }
-
-void ShardColumns::add_level(const BrickLevel& level, const ThreadPool& pool) {
-  const LevelColumns names = next_level();
-  add_array(names.mask, level.mask);
-  add_array(names.first, level.first);
-  const bool consistent = is_consistent(level, channels(), pool);
-  if (consistent) groups_.push_back(group_voxels(level.mask, level.first, pool));
-  for (const VoxelChannel& channel : channels()) {
-    const auto bytes = bytes_of(channel, level);
-    if (consistent)
-      values_.emplace_back(groups_.back(), level.first, bytes, channel.width, pool);
-    else
-      values_.emplace_back(bytes, channel.width, array_bytes(channel, level) / bytes.stride);
-    add_channel({names.group, channel}, values_.back());
+void ShardColumns::add_levels(const NodeTable& nodes, const std::vector<BrickLevel>& levels, const ThreadPool& pool) {
+  std::vector<std::size_t> bricks;
+  for (std::size_t lod = 0; lod < levels.size(); ++lod) {
+    if (!is_consistent(levels[lod], level_columns(header_, int(lod)), pool))
+      throw InputError(header_.cell, level_group(int(lod)), "the arrays of the level do not match each other");
+    bricks.push_back(levels[lod].mask.size() / 8);
+  }
+  std::vector<std::vector<BrickParent>> parents = brick_parents(nodes, bricks);
+  for (std::size_t lod = 0; lod < levels.size(); ++lod) {
+    const std::vector<LevelColumn> columns = level_columns(header_, int(lod));
+    const bool has_coverage = std::ranges::find(columns, LevelColumn::facing) != columns.end();
+    const BrickLevel* above = lod + 1 < levels.size() ? &levels[lod + 1] : nullptr;
+    add_level(levels_.emplace_back(levels[lod], above, std::move(parents[lod]), has_coverage, pool));
   }
 }
 
-void ShardColumns::add_channel(const ChannelColumns& names, const SharedValues& values) {
-  const std::size_t width = names.value.row_bytes();
-  add(names.value, values.count(),
-      [&values, width](std::uint64_t first, std::uint64_t count, std::vector<std::uint8_t>& scratch) {
-        scratch.resize(count * width);
-        values.collect(first, scratch);
-        return std::span<const std::uint8_t>(scratch);
-      });
-  if (values.share().empty()) return;
-  add_array(names.share, values.share());
-  add_array(names.first, values.first());
+void ShardColumns::add_level(const LevelDifferences& level) {
+  begin_level();
+  for (const LevelColumn column : level_columns(header_, lods_ - 1)) {
+    const Hdf5Column stored = level_column(lods_ - 1, column);
+    add(stored, level.rows(column),
+        [&level, column, width = stored.row_bytes()](std::uint64_t first, std::uint64_t count, auto& scratch) {
+          scratch.resize(count * width);
+          level.collect(column, first, scratch);
+          return std::span<const std::uint8_t>(scratch);
+        });
+  }
 }
 
 void ShardColumns::add_level(const PackedLevel& level) {
-  const LevelColumns names = next_level();
-  add_packed(names.mask, level.mask);
-  add_packed(names.first, level.first);
-  const std::vector<VoxelChannel> all = channels();
-  for (std::size_t c = 0; c < all.size(); ++c) {
-    const ChannelColumns of_channel(names.group, all[c]);
-    const PackedChannel& packed = level.channels.at(c);
-    add_packed(of_channel.value, packed.value);
-    if (packed.share.rows == 0) continue;
-    add_packed(of_channel.share, packed.share);
-    add_packed(of_channel.first, packed.first);
-  }
+  begin_level();
+  for (const LevelColumn column : level_columns(header_, lods_ - 1))
+    add_packed(level_column(lods_ - 1, column), level[column]);
 }
 
 }  // namespace gigabake

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/codec/packed_level.h"
+#include "format/shard/columns/level_differences.h"
 #include "format/shard/shard.h"
 #include "format/shard/shard_layout.h"
 
@@ -24,9 +25,10 @@ class ShardColumns {
   void add_nodes(const NodeTable& nodes);
   void add_nodes(const std::vector<PackedColumn>& nodes);
   void add_above(const DownsampleState& above);
-  /// Adds the next level and determines which of its voxels share a value. Stores inconsistent arrays unchanged;
-  /// readers reject them.
-  void add_level(const BrickLevel& level, const ThreadPool& pool);
+  /// Adds all levels.
+  /// Errors  InputError naming the cell and the level: its arrays do not match each other.
+  void add_levels(const NodeTable& nodes, const std::vector<BrickLevel>& levels, const ThreadPool& pool);
+  /// Adds the next level.
   void add_level(const PackedLevel& level);
 
   std::span<const ColumnRows> columns() const { return columns_; }
@@ -45,13 +47,11 @@ class ShardColumns {
   void add_array(const Hdf5Column& column, const std::vector<T>& values);
   void add_bytes(const Hdf5Column& column, std::uint64_t rows, const std::uint8_t* bytes);
   void add_packed(const Hdf5Column& column, const PackedColumn& packed);
-  void add_channel(const ChannelColumns& names, const SharedValues& values);
-  LevelColumns next_level();
-  std::vector<VoxelChannel> channels() const;
+  void add_level(const LevelDifferences& level);
+  void begin_level();
 
   const ShardHeader& header_;
-  std::deque<VoxelGroups> groups_;  ///< deques: elements are borrowed and must not move
-  std::deque<SharedValues> values_;
+  std::deque<LevelDifferences> levels_;  ///< a deque: elements are borrowed and must not move
   std::vector<ColumnRows> columns_;
   std::vector<int> part_;  ///< per column: its lod, of_nodes or of_above
   std::string group_;      ///< HDF5 group to create before the next column; empty: none

@@ -1,17 +1,18 @@
-/// The channels of a voxel: for each channel, its column in the file and its position in memory. To add a channel, add
-/// it here, to BrickLevel and to BrickBlock. Code that writes, reads, pages or deduplicates values iterates over the
-/// channels and needs no change.
+/// The channels of a voxel in shards of versions 1 to 6: for each channel, its column in the file and its position in
+/// memory.
 #pragma once
 
 #include <cstdint>
 #include <type_traits>
 #include <vector>
 
-#include "core/codec/packed_level.h"
 #include "format/shard/hdf5/hdf5_file.h"
 #include "format/shard/shard.h"
 
 namespace gigabake {
+
+/// The arrays of BrickLevel that have an element per voxel.
+enum class VoxelArray : std::uint8_t { rgba, normal, directional_coverage };
 
 struct VoxelChannel {
   const char* name;    ///< name of the column
@@ -81,18 +82,6 @@ template <class Bricks, class Use>
 auto with_array(const VoxelChannel& channel, Bricks& bricks, const Use& use) {
   if (channel.array == VoxelArray::rgba) return use(bricks.rgba);
   return channel.array == VoxelArray::directional_coverage ? use(bricks.directional_coverage) : use(bricks.normal);
-}
-
-template <class Bricks>
-std::size_t array_bytes(const VoxelChannel& channel, const Bricks& bricks) {
-  return with_array(channel, bricks, [](const auto& array) { return array.size(); });
-}
-
-template <class Bricks>
-ChannelBytes<const std::uint8_t> bytes_of(const VoxelChannel& channel, const Bricks& bricks) {
-  const auto* bytes = with_array(channel, bricks,
-                                 [](const auto& array) { return reinterpret_cast<const std::uint8_t*>(array.data()); });
-  return {bytes + channel.offset, bytes_a_voxel(channel.array)};
 }
 
 /// Resizes the array that holds the channel to `voxels` entries, and returns the channel's bytes.

@@ -152,7 +152,8 @@ std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw, const 
   ordered.resize(std::max(ordered.size(), raw.size() + deflate::readable_beyond));
   shuffle_chunk(raw, filters.shuffled_bytes, ordered.data());
   const std::span<const std::uint8_t> bytes(ordered.data(), raw.size());
-  std::vector<std::uint8_t> out = filters.codec == Codec::lz4 ? encode_frame(bytes) : zlib_frame(bytes, checksum_bytes);
+  std::vector<std::uint8_t> out =
+      filters.codec == Codec::lz4 ? encode_frame(bytes) : zlib_frame(bytes, filters.min_match_bytes, checksum_bytes);
   const std::uint32_t sum = fletcher32(out);
   for (int i = 0; i < 4; ++i) out.push_back(std::uint8_t(sum >> (8 * i)));
   return out;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/base/rules.h"
+#include "core/codec/matches.h"
 
 namespace gigabake {
 
@@ -23,6 +24,9 @@ struct ChunkFilters {
   /// bytes, and so on. The value 1 means that chunks are not shuffled.
   /// Range   The size of a chunk is a multiple of shuffled_bytes.
   std::size_t shuffled_bytes = 1;
+  /// The shortest match that deflate may write. Readers need not know it.
+  /// Range   ≥ deflate::min_match.
+  std::uint32_t min_match_bytes = deflate::min_match;
 };
 
 /// Writes the chunk's bytes to `to` in shuffled order. Copies them unchanged if `element_bytes` is 0 or 1.

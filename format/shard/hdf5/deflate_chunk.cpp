@@ -95,8 +95,8 @@ std::uint32_t order(std::uint32_t* counts, std::uint32_t symbols, std::uint32_t*
   return used;
 }
 
-void parse_block(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end, Candidates& candidates,
-                 Workplace& at) {
+void parse_block(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end, std::uint32_t min_match_bytes,
+                 Candidates& candidates, Workplace& at) {
   std::fill(std::begin(at.counts), std::end(at.counts), 0u);
   at.counts[rules::end_of_block] = 1;
   rules::Token* to = at.tokens.data();
@@ -107,7 +107,7 @@ void parse_block(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t e
   for (; begin < end; begin += rules::segment_bytes) {
     const std::uint32_t segment_end = rules::segment_end(begin, end);
     candidates.begin_segment(begin, segment_end);
-    rules::parse_segment(bytes, begin, segment_end, candidates, add);
+    rules::parse_segment(bytes, begin, segment_end, min_match_bytes, candidates, add);
   }
   at.token_count = std::size_t(to - at.tokens.data());
 }
@@ -152,7 +152,8 @@ void write_block(Workplace& at, bool last, TokenWriter& writer) {
 
 }  // namespace
 
-std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::size_t buffer) {
+std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::uint32_t min_match_bytes,
+                                     std::size_t buffer) {
   // The working memory is kept per thread, because allocating it takes longer than packing a typical chunk.
   thread_local const std::unique_ptr<Workplace> kept = std::make_unique<Workplace>();
   Workplace& at = *kept;
@@ -166,7 +167,7 @@ std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::s
   const std::uint32_t blocks = rules::blocks_of(size);
   for (std::uint32_t b = 0; b < blocks; ++b) {
     const std::uint32_t begin = b * rules::block_bytes;
-    parse_block(bytes.data(), begin, std::min(size, begin + rules::block_bytes), candidates, at);
+    parse_block(bytes.data(), begin, std::min(size, begin + rules::block_bytes), min_match_bytes, candidates, at);
     write_block(at, b + 1 == blocks, writer);
   }
   writer.finish();

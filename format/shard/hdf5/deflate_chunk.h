@@ -10,9 +10,11 @@
 
 namespace gigabake {
 
-/// Returns the zlib frame of `bytes`. Reserves `buffer` more bytes, so that the caller can append to the frame without
-/// a reallocation.
-/// Range   `bytes` must be followed by deflate::readable_beyond readable bytes, whose values do not matter.
-std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::size_t buffer);
+/// Returns the zlib frame of `bytes`, whose matches have at least `min_match_bytes` bytes. Reserves `buffer` more
+/// bytes, so that the caller can append to the frame without a reallocation.
+/// Range   min_match_bytes ≥ deflate::min_match. `bytes` must be followed by deflate::readable_beyond readable bytes,
+///         whose values do not matter.
+std::vector<std::uint8_t> zlib_frame(std::span<const std::uint8_t> bytes, std::uint32_t min_match_bytes,
+                                     std::size_t buffer);
 
 }  // namespace gigabake

@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "format/shard/hdf5/hdf5_call.h"
 #include "format/shard/hdf5/hdf5_types.h"
+#include "format/shard/shard_layout.h"
 
 namespace gigabake {
 namespace {
@@ -45,6 +46,14 @@ ChunkFilters filters_of(const Hdf5Call& call, const Hdf5Id& properties, std::siz
   return filters;
 }
 
+/// Returns the length of matches with which the writer packs a column, named like "lod_0/rgb".
+std::uint32_t min_match_bytes_of(const std::string& name) {
+  for (std::size_t c = 0; c < level_column_count && name.starts_with("lod_"); ++c)
+    if (const Hdf5Column column = level_column(0, LevelColumn(c)); column.name.ends_with(name.substr(name.find('/'))))
+      return column.min_match_bytes;
+  return deflate::min_match;
+}
+
 void add_chunks(const std::filesystem::path& path, const Hdf5Id& file, const std::string& name,
                 std::vector<FileChunk>& chunks) {
   const Hdf5Call call{path, name};
@@ -53,7 +62,8 @@ void add_chunks(const std::filesystem::path& path, const Hdf5Id& file, const std
   const Hdf5Id properties = call.id("H5Dget_create_plist", H5Dget_create_plist(object.get()), H5Pclose);
   const ChunkShape shape = shape_of(call, object, properties);
   if (shape.bytes == 0) return;
-  const ChunkFilters filters = filters_of(call, properties, shape.element_bytes);
+  ChunkFilters filters = filters_of(call, properties, shape.element_bytes);
+  filters.min_match_bytes = min_match_bytes_of(name);
   const Hdf5Id space = call.id("H5Dget_space", H5Dget_space(object.get()), H5Sclose);
   hsize_t count = 0;
   call("H5Dget_num_chunks", H5Dget_num_chunks(object.get(), space.get(), &count));

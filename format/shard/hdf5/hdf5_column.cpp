@@ -13,7 +13,7 @@ Hdf5Id creation_properties(const Hdf5Call& call, const Hdf5Column& column, std::
   if (rows == 0) return create;
   const hsize_t chunk[2] = {rows_per_chunk(rows, column.row_bytes()), column.width};
   call("H5Pset_chunk", H5Pset_chunk(create.get(), column.dimensions(), chunk));
-  if (column.planes == BytePlanes::yes) call("H5Pset_shuffle", H5Pset_shuffle(create.get()));
+  if (column.planes != BytePlanes::no) call("H5Pset_shuffle", H5Pset_shuffle(create.get()));
   if (codec == Codec::lz4)
     call("H5Pset_filter", H5Pset_filter(create.get(), lz4_filter, H5Z_FLAG_OPTIONAL, 0, nullptr));
   else
@@ -45,11 +45,11 @@ Hdf5Id Hdf5File::make_column(const Hdf5Column& column, std::uint64_t rows, Codec
   const Hdf5Call call{path_, column.name};
   const hsize_t shape[2] = {rows, column.width};
   const Hdf5Id space = call.id("H5Screate_simple", H5Screate_simple(column.dimensions(), shape, nullptr), H5Sclose);
-  const Hdf5Id properties = creation_properties(call, column, rows, codec);
-  return call.id("H5Dcreate2",
-                 H5Dcreate2(file_.get(), column.name.c_str(), hdf5_type(column.type), space.get(), H5P_DEFAULT,
-                            properties.get(), H5P_DEFAULT),
-                 H5Dclose);
+  const Hdf5Id properties = creation_properties(call, column, rows, codec), type = hdf5_type(call, column);
+  return call.id(
+      "H5Dcreate2",
+      H5Dcreate2(file_.get(), column.name.c_str(), type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+      H5Dclose);
 }
 
 bool Hdf5File::has_column(const Hdf5Column& column) const {

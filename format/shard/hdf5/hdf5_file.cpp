@@ -46,6 +46,13 @@ std::int64_t hdf5_type(Hdf5Type type) {
   return H5T_IEEE_F64LE;
 }
 
+Hdf5Id hdf5_type(const Hdf5Call& call, const Hdf5Column& column) {
+  const std::int64_t element = hdf5_type(column.type);
+  if (column.planes != BytePlanes::of_rows) return call.id("H5Tcopy", H5Tcopy(element), H5Tclose);
+  const hsize_t width = column.width;
+  return call.id("H5Tarray_create2", H5Tarray_create2(element, 1, &width), H5Tclose);
+}
+
 std::size_t element_bytes(Hdf5Type type) {
   switch (type) {
     case Hdf5Type::u8:

@@ -24,18 +24,28 @@ enum class Hdf5Type : std::uint8_t { u8, i8, u32, i32, u64, i64, f64 };
 
 std::size_t element_bytes(Hdf5Type type);
 
-/// The shuffle setting of a column. The value `yes` stores each chunk byte plane by byte plane. It is used for columns
-/// of ascending or small numbers.
-enum class BytePlanes : std::uint8_t { no, yes };
+/// The shuffle setting of a column: whether each chunk is stored byte plane by byte plane.
+enum class BytePlanes : std::uint8_t {
+  no,
+  of_elements,  ///< for columns of ascending or small numbers
+  of_rows,      ///< for columns whose bytes have different meanings; the column is a list of arrays
+};
 
 /// The description of one dataset of fixed-width rows.
 struct Hdf5Column {
   std::string name;  ///< path in the file, e.g. "/lod_0/mask"
   Hdf5Type type;
-  std::size_t width;  ///< elements per row; 1: the dataset has one dimension
+  std::size_t width;  ///< elements per row
   BytePlanes planes = BytePlanes::no;
+  std::uint32_t min_match_bytes = deflate::min_match;  ///< of deflate, for the writer
   std::size_t row_bytes() const { return width * element_bytes(type); }
-  int dimensions() const { return width == 1 ? 1 : 2; }
+  /// Returns 1 if a row is one element or one array, else 2.
+  int dimensions() const { return width == 1 || planes == BytePlanes::of_rows ? 1 : 2; }
+  /// Returns the bytes of the items that the shuffle filter separates; 1: the column is not shuffled.
+  std::size_t shuffled_bytes() const {
+    return planes == BytePlanes::no ? 1 : planes == BytePlanes::of_elements ? element_bytes(type) : row_bytes();
+  }
+  ChunkFilters filters(Codec codec) const { return {codec, shuffled_bytes(), min_match_bytes}; }
 };
 
 /// A column to be written. Its rows may be generated on demand, so that only the chunks that are being packed are in

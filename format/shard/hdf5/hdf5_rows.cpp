@@ -42,7 +42,7 @@ ChunkFilters checked_filters(const Hdf5File& file, const Hdf5Column& column, con
     const H5Z_filter_t packed = codec == Codec::lz4 ? lz4_filter : H5Z_FILTER_DEFLATE;
     if (found == std::vector{packed, H5Z_FILTER_FLETCHER32}) return {codec, 1};
     if (found == std::vector{H5Z_FILTER_SHUFFLE, packed, H5Z_FILTER_FLETCHER32})
-      return {codec, element_bytes(column.type)};
+      return {codec, column.planes == BytePlanes::of_rows ? column.row_bytes() : element_bytes(column.type)};
   }
   file.fail(column.name, "is not stored with the expected filters");
 }
@@ -56,12 +56,14 @@ StatedSize checked_size(const Hdf5File& file, const Hdf5Column& column, const Hd
   const Hdf5Call call{file.path(), column.name};
   const Hdf5Id space = call.id("H5Dget_space", H5Dget_space(set.get()), H5Sclose);
   const Hdf5Id type = call.id("H5Dget_type", H5Dget_type(set.get()), H5Tclose);
+  const Hdf5Id expected_type = hdf5_type(call, column);
   hsize_t shape[2] = {0, 1};
+  const std::size_t width = column.dimensions() == 1 ? 1 : column.width;
   if (call("H5Sget_simple_extent_ndims", H5Sget_simple_extent_ndims(space.get())) != column.dimensions())
     file.fail(column.name, "has another shape than expected");
   call("H5Sget_simple_extent_dims", H5Sget_simple_extent_dims(space.get(), shape, nullptr));
-  if (shape[1] != column.width) file.fail(column.name, "has another shape than expected");
-  if (call("H5Tequal", H5Tequal(type.get(), hdf5_type(column.type))) == 0)
+  if (shape[1] != width) file.fail(column.name, "has another shape than expected");
+  if (call("H5Tequal", H5Tequal(type.get(), expected_type.get())) == 0)
     file.fail(column.name, "has another type than expected");
   const std::uint64_t stored = H5Dget_storage_size(set.get());
   if (stored > file_bytes) file.fail(column.name, "states a stored size that exceeds the size of the file");
@@ -78,10 +80,11 @@ void check_expansion(const Hdf5File& file, const Hdf5Column& column, const State
 std::uint64_t checked_chunk_rows(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& properties,
                                  std::uint64_t rows) {
   const Hdf5Call call{file.path(), column.name};
-  hsize_t chunk[2] = {0, column.width};
+  const std::size_t width = column.dimensions() == 1 ? 1 : column.width;
+  hsize_t chunk[2] = {0, width};
   if (call("H5Pget_layout", H5Pget_layout(properties.get())) != H5D_CHUNKED ||
       call("H5Pget_chunk", H5Pget_chunk(properties.get(), column.dimensions(), chunk)) != column.dimensions() ||
-      chunk[0] == 0 || chunk[0] > rows || chunk[0] > max_chunk_bytes / column.row_bytes() || chunk[1] != column.width)
+      chunk[0] == 0 || chunk[0] > rows || chunk[0] > max_chunk_bytes / column.row_bytes() || chunk[1] != width)
     file.fail(column.name, "is not stored in the expected chunks");
   return chunk[0];
 }

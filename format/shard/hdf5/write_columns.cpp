@@ -39,7 +39,7 @@ std::vector<ChunkPlace> all_chunks(std::span<const ColumnRows> columns) {
 /// Encodes chunk `number`. Stored chunks are always complete: the last chunk of a column is padded with zeros.
 Bytes encode(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scratch) {
   const Hdf5Column& column = from.column;
-  const ChunkFilters filters{codec, column.planes == BytePlanes::yes ? element_bytes(column.type) : 1};
+  const ChunkFilters filters = column.filters(codec);
   const std::size_t per_chunk = rows_per_chunk_of(from), first = number * per_chunk;
   const std::size_t rows = std::min<std::size_t>(per_chunk, from.rows - first);
   const std::span<const std::uint8_t> raw = from.get(first, rows, scratch);

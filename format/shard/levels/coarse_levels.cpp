@@ -6,6 +6,8 @@
 #include "format/shard/check/shard_check.h"
 #include "format/shard/columns/channel_rows.h"
 #include "format/shard/columns/packed_columns.h"
+#include "format/shard/columns/parent_voxels.h"
+#include "format/shard/columns/predicted_level.h"
 #include "format/shard/levels/coarse_nodes.h"
 #include "format/shard/shard_layout.h"
 
@@ -19,10 +21,9 @@ void read_all(const ColumnSource& source, const Hdf5Column& column, std::vector<
   rows->read(0, rows->rows(), out.data());
 }
 
-}  // namespace
-
-BrickLevel read_brick_level(const ColumnSource& source, const ShardHeader& header, std::int32_t version, int lod,
-                            std::uint64_t bricks) {
+/// Reads a level of versions 1 to 6.
+BrickLevel read_values(const ColumnSource& source, const ShardHeader& header, std::int32_t version, int lod,
+                       std::uint64_t bricks) {
   const LevelColumns columns(lod);
   BrickLevel level;
   read_all(source, columns.mask, level.mask);
@@ -38,12 +39,38 @@ BrickLevel read_brick_level(const ColumnSource& source, const ShardHeader& heade
   return level;
 }
 
+}  // namespace
+
+std::vector<BrickLevel> read_brick_levels(const ColumnSource& source, const ShardHeader& header, std::int32_t version,
+                                          const NodeTable& nodes, int begin) {
+  const std::vector<std::uint64_t> counted = brick_counts(header, nodes.lod, nodes.kind);
+  const std::vector<std::size_t> bricks(counted.begin(), counted.end());
+  const std::vector<std::vector<BrickParent>> parents = brick_parents(nodes, bricks);
+  std::vector<BrickLevel> levels(std::size_t(int(header.lods) - begin));
+  for (int lod = int(header.lods) - 1; lod >= begin; --lod) {
+    BrickLevel& level = levels[std::size_t(lod - begin)];
+    const std::uint64_t count = counted[std::size_t(lod)];
+    if (version < first_version_of_differences) {
+      level = read_values(source, header, version, lod, count);
+      continue;
+    }
+    const SomeBricks above{lod + 1 < int(header.lods) ? &levels[std::size_t(lod + 1 - begin)] : nullptr, 0};
+    level = PredictedLevel(source, header, lod, count).read(0, parents[std::size_t(lod)], above);
+  }
+  return levels;
+}
+
+BrickLevel read_brick_level(const ColumnSource& source, const ShardHeader& header, std::int32_t version, int lod) {
+  const NodeTable nodes = read_coarse_nodes(source, header, version, lod);
+  if (version >= first_version_of_differences)
+    return std::move(read_brick_levels(source, header, version, nodes, lod).front());
+  return read_values(source, header, version, lod, brick_counts(header, nodes.lod, nodes.kind)[std::size_t(lod)]);
+}
+
 CoarseLevels read_coarse_levels(const ColumnSource& source, const ShardHeader& header, std::int32_t version,
                                 int begin) {
   CoarseLevels coarse{read_coarse_nodes(source, header, version, begin), {}};
-  const std::vector<std::uint64_t> bricks = brick_counts(header, coarse.nodes.lod, coarse.nodes.kind);
-  for (int lod = begin; lod < int(header.lods); ++lod)
-    coarse.levels.push_back(read_brick_level(source, header, version, lod, bricks[std::size_t(lod)]));
+  coarse.levels = read_brick_levels(source, header, version, coarse.nodes, begin);
   return coarse;
 }
 

@@ -27,9 +27,14 @@ CoarseLevels take_coarse_levels(Shard&& shard, int begin);
 /// Returns levels [begin, lods) of a packed shard. Unpacks only the chunks that contain rows of these levels.
 CoarseLevels unpack_coarse_levels(const PackedShard& shard, int begin);
 
-/// Reads all bricks of one level. `bricks` is the number of brick nodes that the node table has on this level.
+/// Reads one level, and since version 7 also the coarser levels.
+/// Range   lod < header.lods.
 /// Errors  InputError naming file, dataset, row and rule.
-BrickLevel read_brick_level(const ColumnSource& source, const ShardHeader& header, std::int32_t version, int lod,
-                            std::uint64_t bricks);
+BrickLevel read_brick_level(const ColumnSource& source, const ShardHeader& header, std::int32_t version, int lod);
+
+/// Reads all bricks of levels [begin, lods). `nodes` has at least the node rows of these levels.
+/// Errors  InputError naming file, dataset, row and rule.
+std::vector<BrickLevel> read_brick_levels(const ColumnSource& source, const ShardHeader& header, std::int32_t version,
+                                          const NodeTable& nodes, int begin);
 
 }  // namespace gigabake

@@ -238,18 +238,18 @@ class ShardTest(unittest.TestCase):
 
     def test_external_storage(self):
         with self.h5py.File(self.shard, "r+") as file:
-            shape, kind = file["lod_0/mask"].shape, file["lod_0/mask"].dtype
-            del file["lod_0/mask"]
-            file.create_dataset("lod_0/mask", shape, kind, external=[(str(self.other), 0, self.h5py.h5f.UNLIMITED)])
+            shape, kind = file["lod_0/alpha"].shape, file["lod_0/alpha"].dtype
+            del file["lod_0/alpha"]
+            file.create_dataset("lod_0/alpha", shape, kind, external=[(str(self.other), 0, self.h5py.h5f.UNLIMITED)])
         self.expect_refusal()
 
     def test_virtual_dataset(self):
         with self.h5py.File(self.shard, "r+") as file:
-            shape, kind = file["lod_0/mask"].shape, file["lod_0/mask"].dtype
-            del file["lod_0/mask"]
+            shape, kind = file["lod_0/alpha"].shape, file["lod_0/alpha"].dtype
+            del file["lod_0/alpha"]
             layout = self.h5py.VirtualLayout(shape, kind)
-            layout[:] = self.h5py.VirtualSource(str(self.other), "lod_0/mask", shape=shape)
-            file.create_virtual_dataset("lod_0/mask", layout)
+            layout[:] = self.h5py.VirtualSource(str(self.other), "lod_0/alpha", shape=shape)
+            file.create_virtual_dataset("lod_0/alpha", layout)
         self.expect_refusal()
 
 

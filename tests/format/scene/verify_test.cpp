@@ -62,19 +62,18 @@ TEST(Verify, NamesEveryDamagedDataset) {
   const std::vector<Shard> shards = two_cells();
   made::write_scene_of(folder / "scene.xml", shards);
   const auto first_voxels = [](const BrickLevel& level) {
-    std::string rgb;
-    for (std::size_t v = 0; v < 8; ++v)
-      rgb.append(level.rgba.begin() + std::ptrdiff_t(4 * v), level.rgba.begin() + std::ptrdiff_t(4 * v + 3));
-    return rgb;
+    std::string alpha;
+    for (std::size_t v = 0; v < 8; ++v) alpha += char(level.rgba[4 * v + 3]);
+    return alpha;
   };
   flip_byte_of(folder / "shards/left.h5", first_voxels(shards[0].levels[0]));
   flip_byte_of(folder / "shards/left.h5", first_voxels(shards[0].levels[1]));
   flip_byte_of(folder / "shards/right.h5", first_voxels(shards[1].levels[0]));
   const VerifyResult r = verify_scene(folder / "scene.xml", 2);
   ASSERT_EQ(r.faults.size(), 3u) << all_faults(folder / "scene.xml");
-  EXPECT_NE(r.faults[0].find("left.h5: /lod_0/rgb: row 0: the checksum is wrong"), std::string::npos);
-  EXPECT_NE(r.faults[1].find("left.h5: /lod_1/rgb: row 0: the checksum is wrong"), std::string::npos);
-  EXPECT_NE(r.faults[2].find("right.h5: /lod_0/rgb: row 0: the checksum is wrong"), std::string::npos);
+  EXPECT_NE(r.faults[0].find("left.h5: /lod_0/alpha: row 0: the checksum is wrong"), std::string::npos);
+  EXPECT_NE(r.faults[1].find("left.h5: /lod_1/alpha: row 0: the checksum is wrong"), std::string::npos);
+  EXPECT_NE(r.faults[2].find("right.h5: /lod_0/alpha: row 0: the checksum is wrong"), std::string::npos);
 }
 
 TEST(Verify, NamesAShardThatIsMissing) {

@@ -82,6 +82,9 @@ Shard small_overview() {
   overview.header.copied_lods = 1;
   overview.header.cell_voxels <<= 5;
   overview.header.lattice_min = {-512, 1024, 64};
+  NodeTable& n = overview.nodes;  // without the constant node, which only a cell may have
+  n.key.pop_back(), n.lod.pop_back(), n.kind.pop_back(), n.child_mask = {1, 0}, n.first_child.pop_back();
+  n.value.pop_back(), n.normal.pop_back(), n.directional_coverage.pop_back();
   for (std::size_t b = 0; b < overview.levels[0].rgba.size() / 4; ++b)
     overview.levels[0].directional_coverage.insert(overview.levels[0].directional_coverage.end(), {7, 8, 9, 0x1a});
   return overview;

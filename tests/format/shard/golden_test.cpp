@@ -25,7 +25,7 @@ struct Version {
     return {shard(), made::small_overview()};
   }
 };
-const Version newest{"version_6_scene_5", true, true, true, true, true};
+const Version newest{"version_7_scene_5", true, true, true, true, true};
 
 std::filesystem::path golden(const Version& version) {
   return std::filesystem::path(GIGABAKE_SOURCE_DIR) / "tests/format/golden" / version.folder;
@@ -61,7 +61,8 @@ INSTANTIATE_TEST_SUITE_P(Versions, Golden,
                                          Version{"version_2_scene_2", true}, Version{"version_3_scene_2", true, true},
                                          Version{"version_4_scene_3", true, true, true},
                                          Version{"version_5_scene_4", true, true, true, true},
-                                         Version{"version_5_scene_5", true, true, true, true}, newest),
+                                         Version{"version_5_scene_5", true, true, true, true},
+                                         Version{"version_6_scene_5", true, true, true, true, true}, newest),
                          [](const auto& version) { return version.param.folder; });
 
 TEST(GoldenToday, WriterStoresWhatTheNewestVersionStores) {

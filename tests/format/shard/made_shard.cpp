@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 
+#include "core/codec/prediction.h"
 #include "core/math/box3.h"
 #include "core/octree/parameters.h"
 #include "format/shard/levels/brick_walk.h"
@@ -27,13 +28,35 @@ DirectionalCoverage random_directional_coverage(std::mt19937_64& rng, const Shar
   if (!shape.normals) return directional_coverage;
   do directional_coverage[directional_coverage_plane] = std::uint8_t(rng() % 64);
   while (!is_plane(directional_coverage[directional_coverage_plane]));
+  if (!stores_coverage(directional_coverage[directional_coverage_plane], false))
+    std::fill_n(directional_coverage.begin(), coverage_bytes, std::uint8_t(0));
   return directional_coverage;
 }
 
-void add_brick(std::mt19937_64& rng, const ShardShape& shape, int lod, BrickLevel& level) {
+/// The voxels that a brick may have.
+using Mask = std::array<std::uint64_t, brick_edge>;
+constexpr Mask all_voxels{~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull};
+
+/// Returns the voxels of a child that lie in voxels of its parent.
+Mask voxels_below(const std::uint64_t* parent, unsigned octant) {
+  Mask below{};
+  for (unsigned voxel = 0; voxel < brick_voxels; ++voxel) {
+    const unsigned x = 4 * (octant & 1) + (voxel & 7) / 2, y = 4 * (octant >> 1 & 1) + (voxel >> 3 & 7) / 2,
+                   z = 4 * (octant >> 2) + (voxel >> 6) / 2;
+    if ((parent[z] >> (x + 8 * y) & 1) != 0) below[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
+  }
+  return below;
+}
+
+/// Range   `allowed` has at least one voxel.
+void add_brick(std::mt19937_64& rng, const ShardShape& shape, int lod, const Mask& allowed, BrickLevel& level) {
   std::uint64_t voxels = 0;
-  for (int word = 0; word < 8; ++word) {
-    const std::uint64_t mask = word == 3 ? rng() | 1 : rng() & rng() & rng();
+  const auto first =
+      std::size_t(std::ranges::find_if(allowed, [](std::uint64_t word) { return word != 0; }) - allowed.begin());
+  for (std::size_t word = 0; word < allowed.size(); ++word) {
+    const std::uint64_t at_least = word == (shape.nested ? first : 3) ? allowed[word] & (0 - allowed[word]) : 0;
+    const bool is_thick = shape.nested || at_least != 0;
+    const std::uint64_t mask = ((is_thick ? rng() : rng() & rng() & rng()) & allowed[word]) | at_least;
     level.mask.push_back(mask);
     voxels += std::uint64_t(std::popcount(mask));
   }
@@ -75,13 +98,24 @@ NodeKind random_kind(std::mt19937_64& rng, int lod, bool is_root) {
   return dice == 7 && lod < 3 ? NodeKind::leaf_constant : dice == 6 ? NodeKind::constant : NodeKind::brick;
 }
 
+/// Returns the voxels that the brick of a node may have.
+Mask allowed_voxels(const Shard& s, std::size_t node) {
+  const NodeTable& n = s.nodes;
+  for (std::size_t p = 0; p < node; ++p) {
+    if (n.lod[p] != n.lod[node] + 1 || n.key[p] != n.key[node] >> 3) continue;
+    if (n.kind[p] != NodeKind::brick) return all_voxels;
+    return voxels_below(&s.levels[n.lod[p]].mask[brick_edge * n.value[p]], unsigned(n.key[node] & 7));
+  }
+  return all_voxels;
+}
+
 /// Fills the node's content and appends its children to the table.
 void grow(std::mt19937_64& rng, const ShardShape& shape, std::size_t i, Shard& s) {
   NodeTable& n = s.nodes;
   const int lod = n.lod[i];
   if (n.kind[i] == NodeKind::brick) {
     n.value[i] = std::uint32_t(s.levels[std::size_t(lod)].mask.size() / 8);
-    add_brick(rng, shape, lod, s.levels[std::size_t(lod)]);
+    add_brick(rng, shape, lod, shape.nested ? allowed_voxels(s, i) : all_voxels, s.levels[std::size_t(lod)]);
   } else {
     n.value[i] = std::uint32_t(rng()) | 0x01000000u;
     if (shape.normals) n.normal[i] = {std::int8_t(rng() % 127), std::int8_t(rng() % 127)};
@@ -89,7 +123,11 @@ void grow(std::mt19937_64& rng, const ShardShape& shape, std::size_t i, Shard& s
   }
   if (lod == 0 || n.kind[i] == NodeKind::leaf_constant) return;
   n.first_child[i] = std::uint32_t(n.key.size());
-  while (n.child_mask[i] == 0) n.child_mask[i] = std::uint8_t(rng());
+  unsigned octants = 255;
+  for (unsigned octant = 0; shape.nested && n.kind[i] == NodeKind::brick && octant < 8; ++octant)
+    if (voxels_below(&s.levels[std::size_t(lod)].mask[brick_edge * n.value[i]], octant) == Mask{})
+      octants &= ~(1u << octant);
+  while (n.child_mask[i] == 0) n.child_mask[i] = std::uint8_t(rng() & octants);
   while (std::popcount(n.child_mask[i]) > shape.max_children) n.child_mask[i] &= std::uint8_t(n.child_mask[i] - 1);
   for (std::uint64_t c = 0; c < 8; ++c)
     if (n.child_mask[i] >> c & 1) add_node(n, n.key[i] << 3 | c, lod - 1, random_kind(rng, lod - 1, false));

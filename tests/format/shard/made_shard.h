@@ -36,6 +36,7 @@ struct ShardShape {
   int max_children = 8;              ///< per node
   bool alike = false;                ///< neighbours are often equal, so that values are shared
   bool directional_coverage = true;  ///< and planes, with normals
+  bool nested = false;               ///< each voxel lies in a voxel of the next coarser level, as in a bake
 };
 
 /// Returns a random consistent shard: bricks, constant and leaf-constant nodes, voxels of all colours, with

@@ -4,95 +4,18 @@
 #include <algorithm>
 #include <deque>
 #include <gtest/gtest.h>
-#include <list>
 
-#include "core/codec/chunk_rows.h"
-#include "format/shard/columns/shard_columns.h"
-#include "format/shard/hdf5/chunk_codec.h"
 #include "format/shard/levels/brick_walk.h"
 #include "format/shard/levels/coarse_levels.h"
 #include "format/shard/shard_reader.h"
 #include "tests/format/shard/made_shard.h"
+#include "tests/format/shard/packed_by_hand.h"
 #include "tests/random_seed.h"
 
 namespace gigabake {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
-
-/// Owner of the data that a PackedShard borrows.
-class PackedByHand {
- public:
-  enum class As { raw, stored };
-
-  PackedByHand(const Shard& shard, As as, Codec codec) : as_(as), codec_(codec) {
-    packed.header = shard.header;
-    packed.above = shard.above;
-    packed.nodes.resize(packed_nodes(shard.header).size());
-    ShardColumns columns(shard.header);
-    columns.add_nodes(shard.nodes);
-    for (const BrickLevel& level : shard.levels) columns.add_level(level, callers_thread());
-    for (const BrickLevel& level : shard.levels) packed.levels.push_back(of_level(level));
-    for (const ColumnRows& column : columns.columns()) take(column);
-    for (std::size_t n = 0; n < shard.nodes.kind.size(); ++n) {
-      if (shard.nodes.kind[n] == NodeKind::brick) continue;
-      packed.constants.kind.push_back(shard.nodes.kind[n]);
-      packed.constants.lod.push_back(shard.nodes.lod[n]);
-      packed.constants.value.push_back(shard.nodes.value[n]);
-    }
-  }
-
-  PackedShard packed;
-
- private:
-  PackedLevel of_level(const BrickLevel& level) const {
-    PackedLevel out;
-    for (std::size_t i = 3; i < level.rgba.size(); i += 4) ++out.alphas[level.rgba[i]];
-    out.channels.resize(packed_channels(packed.header, int(packed.levels.size())).size());
-    return out;
-  }
-
-  PackedColumn* place_of(const std::string& name) {
-    for (std::size_t lod = 0; lod < packed.levels.size(); ++lod) {
-      PackedLevel& level = packed.levels[lod];
-      const LevelColumns names{int(lod)};
-      if (name == names.mask.name) return &level.mask;
-      if (name == names.first.name) return &level.first;
-      const std::vector<VoxelChannel> channels = stored_channels(shard_version, packed.header, int(lod));
-      for (std::size_t c = 0; c < channels.size(); ++c) {
-        const ChannelColumns of_channel(names.group, channels[c]);
-        if (name == of_channel.value.name) return &level.channels[c].value;
-        if (name == of_channel.share.name) return &level.channels[c].share;
-        if (name == of_channel.first.name) return &level.channels[c].first;
-      }
-    }
-    const std::vector<Hdf5Column> nodes = NodeColumns(shard_version).all(packed.header);
-    const auto of_nodes = std::find_if(nodes.begin(), nodes.end(), [&](const auto& c) { return c.name == name; });
-    return &packed.nodes.at(std::size_t(of_nodes - nodes.begin()));
-  }
-
-  void take(const ColumnRows& from) {
-    PackedColumn* to = place_of(from.column.name);
-    to->rows = from.rows;
-    if (from.rows == 0) return;
-    Bytes scratch;
-    const auto rows = from.get(0, from.rows, scratch);
-    Bytes& raw = kept_.emplace_back(rows.begin(), rows.end());
-    if (as_ == As::raw) {
-      to->raw = raw;
-      return;
-    }
-    const std::size_t bytes = chunk_bytes(from.rows, from.column.row_bytes());
-    raw.resize(bytes * chunk_count(from.rows, from.column.row_bytes()));
-    const ChunkFilters filters{codec_, from.column.planes == BytePlanes::yes ? element_bytes(from.column.type) : 1};
-    for (std::size_t at = 0; at < raw.size(); at += bytes)
-      to->stored.push_back(kept_.emplace_back(encode_chunk(std::span(raw).subspan(at, bytes), filters)));
-  }
-
-  As as_;
-  Codec codec_;
-  std::list<Bytes> kept_;
-};
+using made::PackedByHand;
 
 void expect_same_file(const Shard& shard, PackedByHand::As as, Codec codec) {
   const made::TempFolder folder;
@@ -197,7 +120,7 @@ TEST(PackedShard, OfSeveralMegabytesIsTheFileOfItsVoxels) {
         }
     const Shard shard = made::shard_of(voxels, {}, 128);
     const PackedByHand by_hand(shard, PackedByHand::As::stored, Codec::deflate);
-    EXPECT_EQ(by_hand.packed.levels[0].channels[0].value.stored.size() > 4, height > 2);
+    EXPECT_EQ(by_hand.packed.levels[0][LevelColumn::rgb].stored.size() > 4, height > 2);
     expect_same_file(shard, PackedByHand::As::stored, Codec::deflate);
   }
 }
@@ -228,17 +151,15 @@ TEST(PackedShard, OfLevelsWithoutBricksIsTheFileOfItsVoxelsToo) {
   expect_same_file(made::constant_shard(), PackedByHand::As::stored, Codec::deflate);
 }
 
-/// Expects the rows of a packer to have the sizes and byte planes that the file's layout requires.
+/// Expects the rows of a packer to have the sizes, byte planes and matches that the file's layout requires.
 TEST(PackedShard, HasRowsAsItsColumnsAre) {
   const auto expect_row = [](const Hdf5Column& column, const RowShape& row) {
     EXPECT_EQ(column.row_bytes(), row.bytes) << column.name;
-    EXPECT_EQ(column.planes == BytePlanes::yes ? element_bytes(column.type) : 1, row.shuffled_bytes) << column.name;
+    EXPECT_EQ(column.shuffled_bytes(), row.shuffled_bytes) << column.name;
+    EXPECT_EQ(column.min_match_bytes, row.min_match_bytes) << column.name;
   };
   ShardHeader header;
   header.has_directional_coverage = true;
-  const LevelColumns level(1);
-  expect_row(level.mask, mask_row);
-  expect_row(level.first, first_row);
   const std::vector<RowShape> nodes = packed_nodes(header);
   const NodeColumns names(shard_version);
   ASSERT_EQ(nodes.size(), names.all(header).size());
@@ -250,17 +171,8 @@ TEST(PackedShard, HasRowsAsItsColumnsAre) {
   expect_row(names.value, nodes[std::size_t(NodeColumn::value)]);
   const std::vector<std::string> order{"key", "lod", "kind", "child_mask", "first_child", "value"};
   for (std::size_t c = 0; c < order.size(); ++c) EXPECT_EQ(names.all(header)[c].name, "/nodes/" + order[c]);
-  const std::vector<ChannelPlace> places = packed_channels(header, 1);
-  const std::vector<VoxelChannel> channels = stored_channels(shard_version, header, 1);
-  ASSERT_EQ(places.size(), channels.size());
-  for (std::size_t c = 0; c < channels.size(); ++c) {
-    const ChannelColumns of_channel(level.group, channels[c]);
-    expect_row(of_channel.value, {places[c].width, 1});
-    expect_row(of_channel.share, share_row);
-    expect_row(of_channel.first, first_row);
-    EXPECT_LE(places[c].offset + places[c].width, places[c].stride);
-    EXPECT_LE(places[c].width, max_value_bytes);
-  }
+  EXPECT_EQ(level_columns(header, 1).size(), level_column_count);
+  for (const LevelColumn column : level_columns(header, 1)) expect_row(level_column(1, column), row_of(column));
 }
 
 }  // namespace

@@ -163,21 +163,6 @@ TEST(ShardPages, AreRefusedWhereTheyDoNotFitTheRest) {
       {"first_child without children", [](Shard& s) { s.nodes.first_child[1] = 0; }},
       {"a leaf has children", [](Shard& s) { s.nodes.kind[0] = NodeKind::leaf_constant; }},
       {"children are missing", [](Shard& s) { s.nodes.child_mask[0] = 0; }},
-      {"first does not match mask",
-       [](Shard& s) {
-         s.levels[0].first = {0, 3, 3};
-       }},
-      {"rgb does not match first", [](Shard& s) { s.levels[0].first[1] = std::uint64_t(1) << 60; }},
-      {"rgb does not match first",
-       [](Shard& s) {
-         s.levels[0].first = {1, 4};
-       }},
-      {"first does not begin at 0",
-       [](Shard& s) {
-         s.levels[0].first = {1, 4};
-         s.levels[0].rgba.resize(16, 1), s.levels[0].normal.resize(8);
-       }},
-      {"rgb does not match first", [](Shard& s) { s.levels[0].rgba.resize(8), s.levels[0].normal.resize(4); }},
   };
   cases.insert(cases.end(), more.begin(), more.end());
   EXPECT_EQ(told_of_pages(folder / "s.h5", [](Shard&) {}), "");

@@ -20,10 +20,10 @@ namespace {
 
 using test::Bytes;
 
-Bytes framed(Bytes bytes) {
+Bytes framed(Bytes bytes, std::uint32_t min_match_bytes = deflate::min_match) {
   const std::size_t size = bytes.size();
   bytes.resize(size + deflate::readable_beyond, 0xee);
-  return zlib_frame({bytes.data(), size}, 0);
+  return zlib_frame({bytes.data(), size}, min_match_bytes, 0);
 }
 
 /// Decompresses a frame with libdeflate, which also checks the checksum. Returns an empty array if that fails.
@@ -68,6 +68,17 @@ TEST(DeflateChunk, IsReadBackForRandomSizesAndMixtures) {
     }
     ASSERT_EQ(unframed(framed(bytes), bytes.size()), bytes) << "round " << round;
   }
+}
+
+TEST(DeflateChunk, WithLongMatchesOnlyIsReadBackAndTakesLessForNoise) {
+  const test::RandomSeed seed;
+  test::Random rng(seed);
+  for (const std::size_t size : test::awkward_sizes())
+    for (const test::NamedBytes& made : test::made_bytes(rng, size))
+      for (const std::uint32_t min_match_bytes : {8u, 12u, 300u})
+        ASSERT_EQ(unframed(framed(made.bytes, min_match_bytes), size), made.bytes) << made.name << ", " << size;
+  const Bytes noise = test::noise(rng, 1 << 17, 4);
+  EXPECT_LT(framed(noise, 12).size(), framed(noise).size());
 }
 
 TEST(DeflateChunk, TakesHardlyMoreThanLibdeflateOfWhatShardsHold) {
