@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "core/base/error.h"
 #include "core/math/georeference.h"
@@ -33,6 +34,13 @@ SourceEditInScene::SourceEditInScene(const SourceEdit& edit, const std::optional
       height_m_(edit.height_m),
       by_m_(edit.by_m),
       hash_(hash_of_text(edit)) {
+  if (!edit.through.empty()) {
+    const auto& [a, b, c] = std::tie(edit.through[0], edit.through[1], edit.through[2]);
+    const double bx = b[0] - a[0], by = b[1] - a[1], bz = b[2] - a[2], cx = c[0] - a[0], cy = c[1] - a[1],
+                 cz = c[2] - a[2], area = bx * cy - by * cx;
+    height_m_ = a[2], level_at_ = {a[0], a[1]};
+    slope_ = {(bz * cy - cz * by) / area, (cz * bx - bz * cx) / area};
+  }
   if (edit.frame == EditFrame::scene) return;
   if (!origin)
     throw UsageError(InputError(edit.file, edit.key,
@@ -54,9 +62,10 @@ std::array<double, 2> SourceEditInScene::in_plane(const Point<Scene>& p) const {
 
 Point<Scene> SourceEditInScene::moved(Point<Scene> p) const {
   if (type_ == SourceEditType::raise) return {p.x, p.y, p.z + by_m_};
-  if (!area_) return {p.x, p.y, height_m_};
+  const double height_m = height_at(in_plane(p));
+  if (!area_) return {p.x, p.y, height_m};
   constexpr int steps = 5;  // each reduces the error by the square of the tilt of the vertical, at most about 0.01
-  for (int i = 0; i < steps; ++i) p.z += height_m_ - geodetic_of((*ecef_from_scene_)(p)).height_m;
+  for (int i = 0; i < steps; ++i) p.z += height_m - geodetic_of((*ecef_from_scene_)(p)).height_m;
   return p;
 }
 
@@ -72,7 +81,6 @@ bool SourceEditInScene::affects(const SceneRange& box) const {
 
 std::array<double, 2> SourceEditInScene::moved_range(const SceneRange& box) const {
   if (type_ == SourceEditType::raise) return {box.low[2] + by_m_, box.high[2] + by_m_};
-  if (!area_) return {height_m_, height_m_};
   const BoxSamples samples = samples_of([&](double x, double y, double z) {
     const auto at = [&](std::size_t c, double f) { return box.low[c] * (1 - f) + box.high[c] * f; };
     return moved({at(0, x), at(1, y), at(2, z)});
@@ -81,6 +89,15 @@ std::array<double, 2> SourceEditInScene::moved_range(const SceneRange& box) cons
       std::minmax_element(samples.begin(), samples.end(), [](const auto& a, const auto& b) { return a.z < b.z; });
   const double margin_m = high->z - low->z;  // the surface bends by less between the samples
   return {low->z - margin_m, high->z + margin_m};
+}
+
+double SourceEditInScene::height_at(const std::array<double, 2>& at) const {
+  const FixedBox& box = polygon_.bounds();
+  const auto beyond = [](double value, std::int64_t low, std::int64_t high) {
+    return std::clamp(value, double(low) / fixed_per_unit, double(high) / fixed_per_unit);
+  };
+  return height_m_ + slope_[0] * (beyond(at[0], box.low.x, box.high.x) - level_at_[0]) +
+         slope_[1] * (beyond(at[1], box.low.y, box.high.y) - level_at_[1]);
 }
 
 SourceEditsInScene placed_edits(const SourceEdits& edits, const std::optional<Geodetic>& origin) {

@@ -46,7 +46,11 @@ class SourceEditInScene {
  private:
   SourceEditType type_;
   AreaPolygon polygon_;
+  /// Returns the height at a position of the polygon's plane, of flatten.
+  double height_at(const std::array<double, 2>& in_plane) const;
+
   double height_m_, by_m_;
+  std::array<double, 2> level_at_{}, slope_{};  ///< where the height is height_m_, and metres per unit of the plane
   Hash128 hash_;
   double middle_longitude_ = 0;
   std::optional<AreaInScene> area_;  ///< of degrees

@@ -122,6 +122,19 @@ class SourceEdits(harness.FolderTest):
                         self.expect_close(found[voxel], value)
                 self.assertLessEqual({v[:2] for v in found}, columns)
 
+    def test_flatten_moves_the_part_inside_to_a_plane(self):
+        corners = [[-6, -6, 1.26], [6, -6, 4.26], [-6, 6, 7.26]]
+        height = lambda x, y: 1.26 + 3 * (x + 6) / 12 + 6 * (y + 6) / 12
+        ring = [[-6, -6], [6, -6], [6, 6], [-6, 6]]
+        found = self.bake("plane", [{"type": "flatten", "rings_m": [ring], "through_m": corners}])
+        normal = numpy.array([-0.25, -0.5, 1]) / math.hypot(0.25, 0.5, 1)
+        inside = {v: value for v, value in found.items() if all(-11 <= c < 11 for c in v[:2])}
+        self.assertEqual({v[:2] for v in inside}, {(x, y) for x in range(-11, 11) for y in range(-11, 11)})
+        for (x, y, z), (_, n) in inside.items():
+            steps = [height((x + dx) * VOXEL_M, (y + dy) * VOXEL_M) / VOXEL_M for dx in (0, 1) for dy in (0, 1)]
+            self.assertTrue(math.floor(min(steps) - 0.01) <= z <= math.floor(max(steps) + 0.01), (x, y, z))
+            self.assertLess(numpy.abs(normal - n).max(), 0.03)
+
     def test_raise_moves_the_part_inside_up_or_down(self):
         for voxels in (9, -40):
             found = self.bake("raised", [{"type": "raise", "rings_m": ALIGNED, "by_m": voxels * VOXEL_M}])
@@ -176,6 +189,9 @@ class SourceEdits(harness.FolderTest):
                 ({**good, "height_m": 3}, "height_m", "only flatten has"),
                 ({**good, "type": "flatten"}, "height_m", "is missing"),
                 ({**good, "type": "raise", "height_m": 2}, "height_m", "only flatten has"),
+                ({**good, "type": "flatten", "through_m": [[0, 0, 1], [1, 1, 2], [2, 2, 3]]}, "on one line"),
+                ({**good, "type": "flatten", "through_lon_lat_height": [[0, 0, 1]]}, "through_m", "same frame"),
+                ({**good, "through_m": [[0, 0, 1], [1, 1, 2], [2, 0, 3]]}, "through_m", "only flatten has"),
                 ({**good, "type": "raise", "by_m": "2"}, "by_m", "expected a number"),
                 ({"type": "inside", "rings_m": [[[0, 0], [4, 4], [4, 0], [0, 4]]]}, "crosses or touches itself"),
                 ({"type": "inside", "rings_m": [ALIGNED[0], [[90, 90], [91, 90], [91, 91]]]}, "lies outside"),
