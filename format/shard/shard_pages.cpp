@@ -17,6 +17,12 @@
 namespace gigabake {
 namespace {
 
+/// The bricks of a coarser level that are decoded together, and the number of such blocks kept per level. A block takes
+/// some 200 kB.
+constexpr std::uint64_t bricks_at_once = 512;
+constexpr std::size_t max_kept = 2;
+static_assert(bricks_at_once % bricks_per_start == 0);
+
 template <class T>
 std::vector<T> read_range(const Hdf5Rows& column, std::uint64_t first, std::uint64_t count, std::size_t width = 1) {
   std::vector<T> out(count * width);
@@ -84,8 +90,9 @@ struct ShardPages::Level {
   FileColumns source;
   std::uint64_t bricks;
   std::optional<ValueLevel> values;
-  std::optional<PredictedLevel> predicted;       ///< since version 7
-  std::shared_ptr<const DecodedBricks> decoded;  ///< guarded by mutex_: the last bricks that finer ones needed
+  std::optional<PredictedLevel> predicted;  ///< since version 7
+  /// The last bricks that finer levels needed, the latest first. Guarded by mutex_.
+  std::vector<std::shared_ptr<const DecodedBricks>> decoded;
 };
 
 struct ShardPages::DecodedBricks {
@@ -184,7 +191,7 @@ BrickBlock ShardPages::read_values(int lod, std::uint64_t first, std::uint64_t b
 /// Returns bricks of a level since version 7. Decodes also the bricks before them whose starts are not stored.
 BrickBlock ShardPages::cut_out(int lod, std::uint64_t first, std::uint64_t bricks) const {
   const std::uint64_t skipped = first % bricks_per_start;
-  BrickLevel level = decode(lod, first - skipped, skipped + bricks);
+  BrickLevel level = decode(lod, first - skipped, skipped + bricks, PredictedLevel::Values::all);
   const std::uint64_t before = level.first[skipped];
   const auto cut = [](auto& from, std::uint64_t count) {
     from.erase(from.begin(), from.begin() + std::ptrdiff_t(std::min<std::size_t>(count, from.size())));
@@ -205,7 +212,7 @@ BrickBlock ShardPages::cut_out(int lod, std::uint64_t first, std::uint64_t brick
 
 /// Returns bricks of a level since version 7.
 /// Range   `begin` is a multiple of bricks_per_start.
-BrickLevel ShardPages::decode(int lod, std::uint64_t begin, std::uint64_t count) const {
+BrickLevel ShardPages::decode(int lod, std::uint64_t begin, std::uint64_t count, PredictedLevel::Values values) const {
   const Level& level = open_level(lod);
   std::vector<BrickParent> parents = open_nodes().outline.parents(lod, begin, count);
   std::uint64_t low = ~std::uint64_t(0), end = 0;
@@ -219,25 +226,29 @@ BrickLevel ShardPages::decode(int lod, std::uint64_t begin, std::uint64_t count)
       end = std::max<std::uint64_t>(end, parent.value + std::uint64_t(1));
     }
   }
-  if (end == 0) return level.predicted->read(begin, parents, {});
+  if (end == 0) return level.predicted->read(begin, parents, {}, values);
   const std::shared_ptr<const DecodedBricks> above = decoded(lod + 1, low, end);
-  return level.predicted->read(begin, parents, {&above->level, above->begin});
+  return level.predicted->read(begin, parents, {&above->level, above->begin}, values);
 }
 
-/// Returns at least bricks [low, end) of a level since version 7. Keeps the bricks for the next call, because requests
-/// for finer bricks often have parents near each other.
+/// Returns at least bricks [low, end) of a level since version 7, without alphas and planes. Keeps the last of them,
+/// because requests for finer bricks often have parents near each other.
 std::shared_ptr<const ShardPages::DecodedBricks> ShardPages::decoded(int lod, std::uint64_t low,
                                                                      std::uint64_t end) const {
   const Level& level = open_level(lod);
   {
     const std::scoped_lock lock(mutex_);
-    if (level.decoded && level.decoded->begin <= low && end <= level.decoded->end()) return level.decoded;
+    for (const std::shared_ptr<const DecodedBricks>& kept : level.decoded)
+      if (kept->begin <= low && end <= kept->end()) return kept;
   }
-  const std::uint64_t begin = low - low % bricks_per_start,
-                      stop = std::min(level.bricks, (end + bricks_per_start - 1) / bricks_per_start * bricks_per_start);
-  auto bricks = std::make_shared<const DecodedBricks>(DecodedBricks{decode(lod, begin, stop - begin), begin});
+  const std::uint64_t begin = low - low % bricks_at_once,
+                      stop = std::min(level.bricks, (end + bricks_at_once - 1) / bricks_at_once * bricks_at_once);
+  auto bricks = std::make_shared<const DecodedBricks>(
+      DecodedBricks{decode(lod, begin, stop - begin, PredictedLevel::Values::predictions), begin});
   const std::scoped_lock lock(mutex_);
-  levels_[std::size_t(lod)]->decoded = bricks;
+  std::vector<std::shared_ptr<const DecodedBricks>>& kept = levels_[std::size_t(lod)]->decoded;
+  kept.insert(kept.begin(), bricks);
+  if (kept.size() > max_kept) kept.pop_back();
   return bricks;
 }
 

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "format/shard/columns/predicted_level.h"
 #include "format/shard/hdf5/hdf5_file.h"
 #include "format/shard/shard.h"
 
@@ -18,7 +19,8 @@ namespace gigabake {
 ///         columns.
 /// Cost    Reads the chunks that contain the requested part. The first call also reads three bytes per node, and two of
 ///         them stay in memory. Since version 7 a block of bricks also needs their ancestors: up to a third more
-///         voxels. The last ancestors of each level stay in memory.
+///         voxels. Two blocks of 512 ancestors per level stay in
+///         memory.
 /// Errors  InputError naming file and dataset, from every member.
 class ShardPages {
  public:
@@ -47,7 +49,7 @@ class ShardPages {
   const Level& open_level(int lod) const;
   BrickBlock read_values(int lod, std::uint64_t first, std::uint64_t bricks) const;
   BrickBlock cut_out(int lod, std::uint64_t first, std::uint64_t bricks) const;
-  BrickLevel decode(int lod, std::uint64_t begin, std::uint64_t count) const;
+  BrickLevel decode(int lod, std::uint64_t begin, std::uint64_t count, PredictedLevel::Values values) const;
   std::shared_ptr<const DecodedBricks> decoded(int lod, std::uint64_t low, std::uint64_t end) const;
 
   Hdf5File file_;

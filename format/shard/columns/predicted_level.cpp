@@ -184,8 +184,8 @@ void PredictedLevel::add_differences(Range& range) const {
   }
 }
 
-BrickLevel PredictedLevel::read(std::uint64_t begin, std::span<const BrickParent> parents,
-                                const SomeBricks& above) const {
+BrickLevel PredictedLevel::read(std::uint64_t begin, std::span<const BrickParent> parents, const SomeBricks& above,
+                                Values values) const {
   Range range{begin, parents, above, {}, {}, {}};
   range.out.first = {0};
   if (parents.empty()) return std::move(range.out);
@@ -194,6 +194,11 @@ BrickLevel PredictedLevel::read(std::uint64_t begin, std::span<const BrickParent
       BrokenRule{source_.path(), level_group(lod_)}.expect(false, begin, "a parent is not a brick of the level above");
   range.starts = read_starts(begin, parents.size());
   read_masks(range);
+  if (values == Values::predictions) {
+    range.out.rgba.resize(4 * range.voxels());
+    add_differences(range);
+    return std::move(range.out);
+  }
   read_values(range);
   if (has(LevelColumn::facing)) read_coverages(range);
   add_differences(range);

@@ -23,11 +23,18 @@ class PredictedLevel {
   std::uint64_t bricks() const { return bricks_; }
   std::uint64_t voxels() const { return totals_[0]; }
 
+  /// The values that read() decodes.
+  enum class Values : std::uint8_t {
+    all,
+    predictions,  ///< masks, colours and normals, from which finer levels are predicted; alphas are 0
+  };
+
   /// Decodes consecutive bricks, starting at `begin`. `parents` has their parents; bricks among them are in `above`.
   /// Thread-safe.
   /// Range   `begin` is a multiple of bricks_per_start; begin + parents.size() ≤ bricks().
   /// Errors  InputError naming the dataset, and the row or brick that breaks a rule.
-  BrickLevel read(std::uint64_t begin, std::span<const BrickParent> parents, const SomeBricks& above) const;
+  BrickLevel read(std::uint64_t begin, std::span<const BrickParent> parents, const SomeBricks& above,
+                  Values values) const;
 
  private:
   /// A row of the column `first`: rows in the columns with a row per voxel, in `children` and in `facing`.

@@ -55,7 +55,8 @@ std::vector<BrickLevel> read_brick_levels(const ColumnSource& source, const Shar
       continue;
     }
     const SomeBricks above{lod + 1 < int(header.lods) ? &levels[std::size_t(lod + 1 - begin)] : nullptr, 0};
-    level = PredictedLevel(source, header, lod, count).read(0, parents[std::size_t(lod)], above);
+    level = PredictedLevel(source, header, lod, count)
+                .read(0, parents[std::size_t(lod)], above, PredictedLevel::Values::all);
   }
   return levels;
 }
