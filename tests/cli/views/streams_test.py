@@ -46,6 +46,7 @@ class Streams(harness.FolderTest):
             "sample": (["--size", "64", "--tiles", "1", self.new()], True),
             "plan": ([*bake, "--no-measure"], True),
             "bake": ([*bake, "-o", self.new(), "--json"], True),
+            "edit": ([self.out, "--list", "--json"], True),
             "status": ([self.out], True),
             "info": ([self.out], True),
             "verify": ([self.out], True),
