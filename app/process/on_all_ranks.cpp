@@ -16,17 +16,16 @@
 namespace gigabake::app {
 
 int on_all_ranks(const std::string& command, const std::function<int(MpiSession&)>& work) {
-  const Environment environment = [](const char* name) { return std::getenv(name); };
-  if (const auto line = has_mpi() ? std::nullopt : ranks_without_mpi_error(environment)) {
+  if (const auto line = has_mpi() ? std::nullopt : ranks_without_mpi_error(environment_of_process)) {
     // mpirun ends all processes when the first one fails: only the process that prints the line fails.
-    if (rank_from_launcher(environment) != 0) return complete;
+    if (rank_from_launcher(environment_of_process) != 0) return complete;
     print_message("gigabake: {}\n", *line);
     return usage;
   }
-  const int tasks = slurm_task_count(environment);
+  const int tasks = slurm_task_count(environment_of_process);
   MpiSession mpi;
   if (const auto line = unlaunched_rank_error(mpi.ranks(), tasks)) {
-    const char* task = environment("SLURM_PROCID");
+    const char* task = environment_of_process("SLURM_PROCID");
     if (task == nullptr || std::atoi(task) == 0) print_message("gigabake: {}\n", *line);
     return usage;
   }

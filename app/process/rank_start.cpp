@@ -1,6 +1,5 @@
 #include "app/process/rank_start.h"
 
-#include <cstdlib>
 #include <fmt/format.h>
 #include <fstream>
 #include <iterator>
@@ -20,21 +19,19 @@ namespace {
 
 constexpr int max_ranks = 1024;
 
-const char* environment(const char* name) { return std::getenv(name); }
-
 void expect_start_of_ranks(int ranks) {
   if (ranks < 1 || ranks > max_ranks)
     throw UsageError(fmt::format("--ranks: expected 1 to {}, got {}", max_ranks, ranks));
-  if (is_launched(environment))
+  if (is_launched(environment_of_process))
     throw UsageError("--ranks: mpirun or another launcher started this process and sets the number of ranks");
   if (ranks > 1 && !has_mpi()) throw UsageError("--ranks: this gigabake was built without MPI");
-  if (ranks > 1 && !find_mpirun(environment)) throw UsageError("--ranks: mpirun is not in PATH");
+  if (ranks > 1 && !find_mpirun(environment_of_process)) throw UsageError("--ranks: mpirun is not in PATH");
 }
 
 /// Returns the number of different GPUs that the bake may use; 0 if it shall not or cannot use any.
 int usable_gpus(const BakeOptions& options) {
   if (options.asked.backend == Backend::cpu || kernels::cuda_build().toolkit.empty()) return 0;
-  const int visible = visible_gpus(environment);
+  const int visible = visible_gpus(environment_of_process);
   if (options.asked.gpus.empty()) return visible;
   return std::min(visible, int(std::set<int>(options.asked.gpus.begin(), options.asked.gpus.end()).size()));
 }
@@ -62,17 +59,17 @@ std::optional<int> ranks_to_start(const BakeOptions& options) {
     expect_start_of_ranks(*options.ranks);
     return *options.ranks > 1 ? options.ranks : std::nullopt;
   }
-  if (!has_mpi() || !may_start_ranks(environment)) return std::nullopt;
+  if (!has_mpi() || !may_start_ranks(environment_of_process)) return std::nullopt;
   const int gpus = usable_gpus(options);
   if (gpus < 2) return std::nullopt;
-  if (find_mpirun(environment)) return gpus;
+  if (find_mpirun(environment_of_process)) return gpus;
   print_message("gigabake: one of {} GPUs is used, because mpirun is not in PATH\n", gpus);
   return std::nullopt;
 }
 
 int run_on_ranks(const BakeOptions& options, int ranks) {
   if (!options.quiet) print_message("{} ranks on this host; --ranks changes their number\n", ranks);
-  return run_local_ranks(*find_mpirun(environment), ranks, std::filesystem::read_symlink("/proc/self/exe"),
+  return run_local_ranks(*find_mpirun(environment_of_process), ranks, std::filesystem::read_symlink("/proc/self/exe"),
                          arguments_without_ranks());
 }
 

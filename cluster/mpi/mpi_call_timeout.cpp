@@ -51,7 +51,7 @@ MpiCallTimeout::MpiCallTimeout(double limit_s, const char* call) {
       "gigabake: {} did not return within {:g} s: another rank died or hangs; run the same command again "
       "(GIGABAKE_MPI_SECONDS sets this limit)\n",
       call, limit_s);
-  const int rank = rank_from_launcher([](const char* name) { return std::getenv(name); });
+  const int rank = rank_from_launcher(environment_of_process);
   last_line_bytes = rank < printing_ranks ? std::min(line.size(), sizeof last_line) : 0;
   std::memcpy(last_line, line.data(), last_line_bytes);
   if (std::signal(SIGALRM, end_by_timeout) == SIG_ERR) throw std::runtime_error("signal(SIGALRM) failed");

@@ -113,7 +113,7 @@ MpiSession::MpiSession() : outbox_(std::make_unique<Outbox>()) {
   const MpiCallTimeout bound(max_mpi_call_s(), "the start of MPI");
   // Open MPI's hwloc probes GPUs through any X display it finds, and ends the process when that display closes.
   ::setenv("HWLOC_COMPONENTS", "-gl", 0);
-  if (!is_launched([](const char* name) { return std::getenv(name); })) expect_no_other_ranks();
+  if (!is_launched(environment_of_process)) expect_no_other_ranks();
   int provided = MPI_THREAD_SINGLE;
   check(MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided), "MPI_Init_thread");
   if (provided < MPI_THREAD_FUNNELED) throw std::runtime_error("MPI_Init_thread: this MPI has no MPI_THREAD_FUNNELED");

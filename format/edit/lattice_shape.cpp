@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/math/box3.h"
+
 namespace gigabake {
 namespace {
 
@@ -23,10 +25,7 @@ LatticeBox around(const LatticePrism& s) {
 
 LatticeBox around(const LatticeMesh& s) { return {s.low(), s.high()}; }
 
-bool has(const LatticeBox& s, const Vec3i64& p) {
-  return p[0] >= s.low[0] && p[0] < s.high[0] && p[1] >= s.low[1] && p[1] < s.high[1] && p[2] >= s.low[2] &&
-         p[2] < s.high[2];
-}
+bool has(const LatticeBox& s, const Vec3i64& p) { return Box3i64{s.low, s.high}.contains(p); }
 bool has(const LatticeSphere& s, const Vec3i64& p) {
   const Vec3i64 v = p - s.centre;
   return dot(v, v) <= s.radius * s.radius;

@@ -153,10 +153,9 @@ HostLimits limits_from(const std::filesystem::path& root, const Environment& env
   return limits;
 }
 
-HostLimits host_limits() {
-  return limits_from(
-      "/", [](const char* name) { return std::getenv(name); }, int(cores_of_this_process().count()));
-}
+const char* environment_of_process(const char* name) { return std::getenv(name); }
+
+HostLimits host_limits() { return limits_from("/", environment_of_process, int(cores_of_this_process().count())); }
 
 std::uint64_t default_memory(std::uint64_t wished, std::uint64_t memory_bytes, int processes) {
   return std::clamp(memory_bytes / 2 / std::uint64_t(std::max(1, processes)), std::min(min_memory, wished), wished);

@@ -32,6 +32,9 @@ struct HostLimits {
 /// A function that returns the value of an environment variable, or null.
 using Environment = std::function<const char*(const char*)>;
 
+/// Returns the value of an environment variable of this process, or null. It is the usual Environment.
+const char* environment_of_process(const char* name);
+
 /// Returns the min of all limits of a process. Control groups have the limits cpu.max, memory.max and memory.high (v2)
 /// or their v1 counterparts, from the process's own group upwards. Slurm has the limits SLURM_CPUS_ON_NODE,
 /// SLURM_CPUS_PER_TASK, SLURM_MEM_PER_NODE and SLURM_MEM_PER_CPU. Further limits are `allowed_cores` and MemTotal in

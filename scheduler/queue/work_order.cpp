@@ -85,28 +85,28 @@ bool WorkOrder::Candidate::is_better_than(const Candidate& other) const {
 
 WorkOrder::WorkOrder(const std::vector<CellJob>& jobs) : jobs_(jobs), mean_cost_(mean_cost_of_cells(jobs)) {
   std::vector<std::uint32_t> ordinary;
+  std::vector<int> class_of_job;
   const int expensive = cost_class(expensive_multiple_of_mean * mean_cost_);
   for (std::uint32_t j = 0; j < jobs.size(); ++j) {
     place_.push_back(place_of(jobs[j]));
-    if (!is_overview(jobs[j]) && cost_class(cell_cost(jobs[j])) < expensive) ordinary.push_back(j);
+    class_of_job.push_back(cost_class(cell_cost(jobs[j])));
+    if (!is_overview(jobs[j]) && class_of_job[j] < expensive) ordinary.push_back(j);
   }
   std::stable_sort(ordinary.begin(), ordinary.end(),
                    [this](std::uint32_t a, std::uint32_t b) { return place_[a] < place_[b]; });
   ordinary_.assign(std::move(ordinary), jobs.size());
-  sort_by_cost();
+  sort_by_cost(class_of_job);
   find_groups();
 }
 
-void WorkOrder::sort_by_cost() {
+void WorkOrder::sort_by_cost(const std::vector<int>& class_of_job) {
   std::vector<std::uint32_t> sorted(jobs_.size());
   std::iota(sorted.begin(), sorted.end(), 0u);
-  const auto class_of_job = [this](std::uint32_t job) { return cost_class(cell_cost(jobs_[job])); };
   std::sort(sorted.begin(), sorted.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const int class_a = class_of_job(a), class_b = class_of_job(b);
-    return std::tie(class_b, place_[a], a) < std::tie(class_a, place_[b], b);
+    return std::tie(class_of_job[b], place_[a], a) < std::tie(class_of_job[a], place_[b], b);
   });
   for (std::uint32_t r = 0; r < sorted.size(); ++r)
-    if (r + 1 == sorted.size() || class_of_job(sorted[r + 1]) != class_of_job(sorted[r])) class_end_.push_back(r + 1);
+    if (r + 1 == sorted.size() || class_of_job[sorted[r + 1]] != class_of_job[sorted[r]]) class_end_.push_back(r + 1);
   by_cost_.assign(std::move(sorted), jobs_.size());
 }
 

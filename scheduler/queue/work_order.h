@@ -70,7 +70,7 @@ class WorkOrder {
   static constexpr std::uint32_t none = 0xffffffffu;
   static constexpr int unclaimed = -1;
 
-  void sort_by_cost();
+  void sort_by_cost(const std::vector<int>& class_of_job);
   void find_groups();
   Range class_of(std::uint32_t rank) const;
   Claim claim_of(std::uint32_t job, int worker) const;

@@ -83,12 +83,6 @@ def voxels(scene, out):
     return harness.read_ply(out)
 
 
-def cells(folder):
-    """Returns the fingerprints of the scene's cells by their names, without overviews."""
-    text = (Path(folder) / "scene.xml").read_text(encoding="utf-8")
-    return dict(re.findall(r'shards/(c_[-\d_]+)-([0-9a-f]{32})\.h5', text))
-
-
 class Area(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
@@ -130,7 +124,7 @@ class Area(harness.FolderTest):
     def test_cells_inside_keep_their_fingerprints(self):
         low, high = (-21.3, -17.9), (14.2, 23.7)
         out, _ = self.bake("kept", "--bounds", text_of(bounds_around(low, high)))
-        whole, part = cells(self.root / "whole"), cells(out)
+        whole, part = harness.cells_of(self.root / "whole"), harness.cells_of(out)
         self.assertTrue(set(part) < set(whole))
         edge = 16 * VOXEL_M
         inside = [name for name in whole
@@ -186,9 +180,9 @@ class Area(harness.FolderTest):
         out = self.root / "grown"
         command = ("bake", self.tileset, "-o", out, "--voxel-size", VOXEL_M, "--cell-voxels", 16, "--json")
         PROGRAM.succeed(*command, "--bounds", text_of(small))
-        first = cells(out)
+        first = harness.cells_of(out)
         report = json.loads(PROGRAM.succeed(*command, "--bounds", text_of(large)))
-        second = cells(out)
+        second = harness.cells_of(out)
         kept = [n for n in first if second.get(n) == first[n]]
         self.assertGreater(len(kept), len(first) / 2)
         self.assertGreaterEqual(report["cells_taken_over"], len(kept))

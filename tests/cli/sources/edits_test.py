@@ -35,12 +35,6 @@ def write_box(path, corners):
     path.write_text("\n".join(lines) + "\n")
 
 
-def cells(folder):
-    """Returns the fingerprints of the scene's cells by their names."""
-    text = (Path(folder) / "scene.xml").read_text(encoding="utf-8")
-    return dict(re.findall(r'shards/(c_[-\d_]+)-([0-9a-f]{32})\.h5', text))
-
-
 def hashes(folder):
     return harness.lod_hashes(PROGRAM.info(Path(folder) / "scene.xml"))
 
@@ -101,36 +95,36 @@ class Edits(harness.FolderTest):
             self.bake("steps", edits[:count])
             self.bake("once", edits[:count])
             self.assertEqual(hashes(self.root / "steps"), hashes(self.root / "once"))
-            self.assertEqual(cells(self.root / "steps"), cells(self.root / "once"))
+            self.assertEqual(harness.cells_of(self.root / "steps"), harness.cells_of(self.root / "once"))
         PROGRAM.succeed("verify", self.root / "steps")
 
     def test_only_cells_that_an_edit_selects_voxels_of_change(self):
         edit = {"type": "paint", "sphere": {"position_m": [3, 3, 0], "radius_m": 2}, "rgb": [1, 2, 3]}
         touching = {"type": "carve", "box": {"min_m": [3, 3, -4], "max_m": [8, 8, 4]}}
         self.bake("one", [edit])
-        before, after = cells(self.root / "plain"), cells(self.root / "one")
+        before, after = harness.cells_of(self.root / "plain"), harness.cells_of(self.root / "one")
         self.assertEqual(set(before), set(after))
         changed = {name for name in before if before[name] != after[name]}
         self.assertEqual({tuple(name.split("_")[1:3]) for name in changed}, {("0", "0")})
         self.bake("face", [touching])
-        changed = {name for name, print_ in before.items() if cells(self.root / "face").get(name) != print_}
+        changed = {name for name, print_ in before.items() if harness.cells_of(self.root / "face").get(name) != print_}
         self.assertEqual({tuple(name.split("_")[1:3]) for name in changed}, {("0", "0")})
 
     def test_fill_adds_cells_and_carve_removes_them(self):
         tower = {"type": "fill", "box": {"min_m": [30, 1, 40], "max_m": [31, 2, 41.5]}, "rgb": [9, 8, 7]}
         above = {"type": "fill", "box": {"min_m": [1, 1, 20], "max_m": [2, 2, 21]}, "rgb": [9, 8, 7]}
         hole = {"type": "carve", "box": {"min_m": [0, 0, -20], "max_m": [8, 8, 20]}}
-        before = cells(self.root / "plain")
+        before = harness.cells_of(self.root / "plain")
         self.bake("towers", [tower, above])
-        after = cells(self.root / "towers")
+        after = harness.cells_of(self.root / "towers")
         self.assertEqual({name: after.get(name) for name in before}, before)
         self.assertEqual(len(after), len(before) + 2)
         self.expect_equal(self.voxels("towers"), apply(self.plain, [tower, above]))
         self.bake("hole", [hole])
-        gone = set(before) - set(cells(self.root / "hole"))
+        gone = set(before) - set(harness.cells_of(self.root / "hole"))
         self.assertTrue(gone and all(name.startswith("c_0_0_") for name in gone), gone)
         self.bake("hole", [])
-        self.assertEqual(cells(self.root / "hole"), before)
+        self.assertEqual(harness.cells_of(self.root / "hole"), before)
         self.assertEqual(hashes(self.root / "hole"), hashes(self.root / "plain"))
 
     def test_shapes_in_degrees_select_by_the_place_of_a_voxel(self):

@@ -9,7 +9,6 @@ Usage: source_edits_test.py GIGABAKE SOURCE_DIR [--rounds N]
 import json
 import math
 import random
-import re
 import sys
 from pathlib import Path
 
@@ -49,11 +48,6 @@ def distance_to_edge(a, b, x, y):
     dx, dy = b[0] - a[0], b[1] - a[1]
     t = max(0, min(1, ((x - a[0]) * dx + (y - a[1]) * dy) / (dx * dx + dy * dy)))
     return math.hypot(a[0] + t * dx - x, a[1] + t * dy - y)
-
-
-def cells(folder):
-    text = (Path(folder) / "scene.xml").read_text(encoding="utf-8")
-    return dict(re.findall(r'shards/(c_[-\d_]+)-([0-9a-f]{32})\.h5', text))
 
 
 class SourceEdits(harness.FolderTest):
@@ -162,11 +156,11 @@ class SourceEdits(harness.FolderTest):
             self.assertEqual(self.hashes(f"cells{edge}")[:2], expected)
         self.bake("cells", [])
         self.assertEqual(self.hashes("cells"), self.hashes("plain"))
-        self.assertEqual(cells(self.root / "cells"), cells(self.root / "plain"))
+        self.assertEqual(harness.cells_of(self.root / "cells"), harness.cells_of(self.root / "plain"))
 
     def test_only_cells_near_a_border_have_other_fingerprints(self):
         self.bake("near", [{"type": "outside", "rings_m": [[[2, 2], [5, 2], [5, 5]]]}])
-        before, after = cells(self.root / "plain"), cells(self.root / "near")
+        before, after = harness.cells_of(self.root / "plain"), harness.cells_of(self.root / "near")
         changed = {name for name in before if before[name] != after.get(name)}
         self.assertTrue(changed and all(name.startswith("c_0_0_") for name in changed), changed)
 

@@ -1,6 +1,7 @@
 """Shared code of the command-line tests: runs the program, writes small scenes and reads PLY files."""
 import json
 import os
+import re
 import struct
 import sys
 import tempfile
@@ -88,6 +89,12 @@ def skip_without(program, library, name):
 
 def lod_hashes(info, lods=None):
     return [lod["content_hash"] for lod in info["lods"]][:lods]
+
+
+def cells_of(folder):
+    """Returns the fingerprints of the scene's cells by their names, without overviews."""
+    text = (Path(folder) / "scene.xml").read_text(encoding="utf-8")
+    return dict(re.findall(r"shards/(c_[-\d_]+)-([0-9a-f]{32})\.h5", text))
 
 
 def write_glb(path, positions, indices, colours=None, translation=(0, 0, 0), material=None):
