@@ -17,6 +17,8 @@ enum class WorkCounter : std::uint8_t {
   shard_rows_read,          ///< rows of all columns of shards, as requested by callers
   shard_bytes_read,         ///< stored bytes of the chunks that contain these rows
   shard_bytes_written,      ///< complete files
+  shard_bytes_copied,       ///< of these: chunks that edits of stored shards copied as stored
+  edited_bricks,            ///< bricks that edits of stored shards built again
   overview_children,        ///< children of the overviews that were made
   overview_children_read,   ///< children that were read from their shards, not taken from memory
   overview_rows,            ///< node rows of the overviews' children, from memory and from shards
@@ -30,9 +32,10 @@ enum class WorkCounter : std::uint8_t {
 template <>
 constexpr auto names_of<WorkCounter>() {
   return std::to_array<std::string_view>({"files_opened", "file_bytes_read", "shard_rows_read", "shard_bytes_read",
-                                          "shard_bytes_written", "overview_children", "overview_children_read",
-                                          "overview_rows", "joins", "device_bytes_uploaded", "device_bytes_downloaded",
-                                          "device_launches", "device_synchronizations", "device_allocations"});
+                                          "shard_bytes_written", "shard_bytes_copied", "edited_bricks",
+                                          "overview_children", "overview_children_read", "overview_rows", "joins",
+                                          "device_bytes_uploaded", "device_bytes_downloaded", "device_launches",
+                                          "device_synchronizations", "device_allocations"});
 }
 
 struct WorkCounts {

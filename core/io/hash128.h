@@ -19,6 +19,12 @@ struct Hash128 {
     hi += o.hi + (lo < o.lo ? 1 : 0);
     return *this;
   }
+  /// Subtracts mod 2^128: the inverse of the addition.
+  GB_HD Hash128& operator-=(const Hash128& o) {
+    hi -= o.hi + (lo < o.lo ? 1 : 0);
+    lo -= o.lo;
+    return *this;
+  }
   std::string hex() const;  ///< 32 lower-case digits, hi first
   static std::optional<Hash128> from_hex(std::string_view text);
 };

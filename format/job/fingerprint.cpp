@@ -3,6 +3,7 @@
 #define XXH_INLINE_ALL
 #include <algorithm>
 #include <tuple>
+#include <utility>
 #include <xxhash.h>
 
 #include "core/base/kernel_version.h"
@@ -19,8 +20,7 @@ constexpr std::uint32_t fingerprint_version = 2;
 constexpr std::uint32_t edits_mark = 0x74696465;
 
 /// Adds the edits that select a voxel of a cell, in their order; nothing if there are none.
-void add_edits(const EditsInScene& edits, const Box3i64& cell, XXH3_state_t& state) {
-  const std::vector<std::uint32_t> selecting = edits.selecting(cell);
+void add_edits(const EditsInScene& edits, std::span<const std::uint32_t> selecting, XXH3_state_t& state) {
   if (selecting.empty()) return;
   XXH3_128bits_update(&state, &edits_mark, sizeof edits_mark);
   for (const std::uint32_t e : selecting) XXH3_128bits_update(&state, &edits.hash(e), sizeof(Hash128));
@@ -66,7 +66,28 @@ void CellFingerprints::add_source_edits(const CellJob& job, std::vector<Hash128>
   }
 }
 
+std::vector<std::uint32_t> CellFingerprints::edits_of(const CellJob& job) const {
+  if (!edits_) return {};
+  return edits_->selecting(Box3i64::cube(job.lattice_min, job.cell_voxels));
+}
+
 Hash128 CellFingerprints::of(const CellJob& job, std::vector<Hash128> tile_sources) const {
+  return with_edits(job, std::move(tile_sources), edits_of(job));
+}
+
+std::vector<CellFingerprints::EarlierEdits> CellFingerprints::with_fewer_edits(const CellJob& job) const {
+  const std::vector<std::uint32_t> edits = edits_of(job);
+  std::vector<EarlierEdits> out;
+  const auto add = [&](std::size_t count) {
+    out.push_back({count, with_edits(job, job.tile_sources, std::span(edits).first(count))});
+  };
+  for (std::size_t count = edits.size(); count-- > 0 && out.size() < max_earlier_edits;) add(count);
+  if (!out.empty() && out.back().edits != 0) add(0);
+  return out;
+}
+
+Hash128 CellFingerprints::with_edits(const CellJob& job, std::vector<Hash128> tile_sources,
+                                     std::span<const std::uint32_t> edits) const {
   add_source_edits(job, tile_sources);
   std::sort(tile_sources.begin(), tile_sources.end(),
             [](const Hash128& a, const Hash128& b) { return std::tie(a.hi, a.lo) < std::tie(b.hi, b.lo); });
@@ -81,7 +102,7 @@ Hash128 CellFingerprints::of(const CellJob& job, std::vector<Hash128> tile_sourc
     const Hash128 border = area_->border_hash(frame_, voxels);
     XXH3_128bits_update(&state, &border, sizeof border);
   }
-  if (edits_) add_edits(*edits_, voxels, state);
+  if (edits_) add_edits(*edits_, edits, state);
   const XXH128_hash_t h = XXH3_128bits_digest(&state);
   return {h.low64, h.high64};
 }

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/octree/parameters.h"
@@ -33,6 +34,15 @@ class CellFingerprints {
   /// Returns the fingerprint of a cell. `tile_sources` has the TileScan::source of each of job.tiles, in any order
   /// if no tile has edits.
   Hash128 of(const CellJob& job, std::vector<Hash128> tile_sources) const;
+  /// A result of the same cell with only the first `edits` of the edits that select a voxel of it.
+  struct EarlierEdits {
+    std::size_t edits;
+    Hash128 fingerprint;
+  };
+  /// Returns results with fewer edits, the most edits first: up to `max_earlier_edits`, then without edits.
+  /// Range   The job has tile_sources, unless it has no tiles.
+  std::vector<EarlierEdits> with_fewer_edits(const CellJob& job) const;
+  static constexpr std::size_t max_earlier_edits = 64;
   /// Returns whether the job's fingerprint matches these parameters and this origin. Returns true for an overview job,
   /// because its fingerprint derives from the fingerprints of its children. Returns true for a job without
   /// tile_sources, because its result is not stored by fingerprint.
@@ -41,6 +51,8 @@ class CellFingerprints {
  private:
   /// Adds to the identity of each tile the edits that may change its surface in the cell.
   void add_source_edits(const CellJob& job, std::vector<Hash128>& tile_sources) const;
+  Hash128 with_edits(const CellJob& job, std::vector<Hash128> tile_sources, std::span<const std::uint32_t> edits) const;
+  std::vector<std::uint32_t> edits_of(const CellJob& job) const;
 
   std::vector<std::uint8_t> shared_;  ///< inputs that all cells share
   SnapFrame frame_;

@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <fcntl.h>
+#include <memory>
 #include <optional>
+#include <utility>
 
 #include "core/base/trace.h"
 #include "core/base/work_counts.h"
@@ -9,6 +12,7 @@
 #include "format/shard/packed_shard.h"
 #include "format/shard/shard.h"
 #include "format/shard/shard_layout.h"
+#include "format/shard/splice/spliced_shard.h"
 #include "format/system/descriptor.h"
 #include "format/system/meters/stage_clock.h"
 #include "format/system/publish.h"
@@ -113,6 +117,35 @@ StoredShard write_shard(const std::filesystem::path& path, const Shard& shard, c
                                  });
   stored.file = publish(publication);
   return stored;
+}
+
+StoredSplice write_spliced_shard(const std::filesystem::path& path, const SplicedShard& shard, const BaseShard& base,
+                                 const ShardWriteOptions& options) {
+  std::vector<std::unique_ptr<SplicedRows>> levels(shard.levels.size());
+  std::vector<std::pair<std::size_t, LevelColumn>> columns_of_all;
+  for (std::size_t lod = 0; lod < levels.size(); ++lod)
+    for (const LevelColumn column : level_columns(shard.header, int(lod))) columns_of_all.emplace_back(lod, column);
+  const auto has_coverage = [&](std::size_t lod) {
+    return std::ranges::find(columns_of_all, std::pair(lod, LevelColumn::facing)) != columns_of_all.end();
+  };
+  options.pool.parallel_for(levels.size(), 1, [&](std::size_t lod, std::size_t, int) {
+    const SplicedLevel* above = lod + 1 < levels.size() ? &shard.levels[lod + 1] : nullptr;
+    levels[lod] = std::make_unique<SplicedRows>(shard.levels[lod], above, base.level(lod), has_coverage(lod));
+  });
+  options.pool.parallel_for(columns_of_all.size(), 1, [&](std::size_t c, std::size_t, int) {
+    levels[columns_of_all[c].first]->read_chunks(columns_of_all[c].second);
+  });
+  Publication publication(path);
+  StoredSplice out{make_file(Hdf5File::create(publication.temporary(), path), shard.header, shard.above, options,
+                             [&](ShardColumns& columns) {
+                               columns.add_nodes(shard.nodes);
+                               columns.add_above(shard.above);
+                               for (const auto& level : levels) columns.add_level(*level);
+                             }),
+                   0};
+  for (const auto& level : levels) out.copied += level->copied_bytes();
+  out.stored.file = publish(publication);
+  return out;
 }
 
 StoredShard write_packed_shard(const std::filesystem::path& path, const PackedShard& shard,

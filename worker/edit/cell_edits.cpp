@@ -1,12 +1,11 @@
 #include "worker/edit/cell_edits.h"
 
 #include <algorithm>
-#include <bit>
-#include <optional>
 
 #include "core/octree/morton.h"
 #include "kernels/body/voxelize/window.h"
 #include "worker/edit/edited_brick.h"
+#include "worker/edit/level_bricks.h"
 
 namespace gigabake {
 namespace {
@@ -16,40 +15,27 @@ using kernels::Level;
 /// Edge of the blocks that edits are listed for. Ranges of keys begin and end at blocks of this edge, or of the window.
 constexpr std::int64_t block_edge = 32;
 
-/// Appends bricks [begin, end) of a level.
-void append(const Level& from, std::size_t begin, std::size_t end, Level& to) {
-  if (begin == end) return;
-  const std::uint64_t voxels = to.first.empty() ? 0 : to.first.back();
-  if (to.first.empty()) to.first.push_back(0);
-  const auto copy = [](const auto& source, auto& target, std::uint64_t first, std::uint64_t last) {
-    if (!source.empty())
-      target.insert(target.end(), source.begin() + std::ptrdiff_t(first), source.begin() + std::ptrdiff_t(last));
-  };
-  const std::uint64_t first = from.first[begin], last = from.first[end];
-  copy(from.key, to.key, begin, end);
-  copy(from.mask, to.mask, 8 * begin, 8 * end);
-  for (std::size_t b = begin + 1; b <= end; ++b) to.first.push_back(voxels + from.first[b] - first);
-  copy(from.rgba, to.rgba, 4 * first, 4 * last);
-  copy(from.normal, to.normal, 2 * first, 2 * last);
-  copy(from.directional_coverage, to.directional_coverage, directional_coverage_bytes * first,
-       directional_coverage_bytes * last);
-}
-
-std::size_t lower_brick(const Level& level, std::uint64_t key) {
-  return std::size_t(std::lower_bound(level.key.begin(), level.key.end(), key) - level.key.begin());
-}
-
 }  // namespace
 
-CellEdits::CellEdits(const EditsInScene& edits, const kernels::CellParameters& parameters, const ThreadPool& pool)
+CellEdits::CellEdits(const EditsInScene& edits, const kernels::CellParameters& parameters, const ThreadPool& pool,
+                     std::size_t applied)
     : in_scene_(edits),
       parameters_(parameters),
       pool_(pool),
-      edits_(edits.selecting(Box3i64::cube(parameters.window_min, parameters.window_voxels))) {}
+      edits_(edits.selecting(Box3i64::cube(parameters.window_min, parameters.window_voxels))) {
+  edits_.erase(edits_.begin(), edits_.begin() + std::ptrdiff_t(std::min(applied, edits_.size())));
+}
 
 kernels::LevelEdits CellEdits::functions() const {
   return {[this](Level& level, std::uint64_t first, std::uint64_t end) { apply(level, first, end); },
           [this](std::uint64_t first, std::uint64_t end) { return filled_voxels(first, end); }};
+}
+
+std::vector<std::uint64_t> CellEdits::first_bricks() const {
+  const std::uint64_t edge = parameters_.window_voxels / brick_edge;
+  std::vector<std::uint64_t> bricks;
+  for (const Block& block : blocks_in(0, edge * edge * edge)) bricks.push_back(block.first_brick);
+  return bricks;
 }
 
 Vec3i64 CellEdits::lowest_voxel(std::uint64_t brick) const {
@@ -102,7 +88,7 @@ Level CellEdits::edited(const Block& block, const Level& level) const {
     if (is_changed)
       brick.append_to(out, key);
     else if (is_stored)
-      append(level, stored, stored + 1, out);
+      append_bricks(level, stored, stored + 1, out);
     stored += is_stored ? 1 : 0;
   }
   return out;
@@ -118,12 +104,12 @@ void CellEdits::apply(Level& level, std::uint64_t first, std::uint64_t end) cons
   Level out;
   std::size_t taken = 0;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    append(level, taken, lower_brick(level, blocks[i].first_brick), out);
-    append(results[i], 0, results[i].key.size(), out);
+    append_bricks(level, taken, lower_brick(level, blocks[i].first_brick), out);
+    append_bricks(results[i], 0, results[i].key.size(), out);
     results[i] = Level();
     taken = lower_brick(level, blocks[i].first_brick + edge * edge * edge);
   }
-  append(level, taken, level.key.size(), out);
+  append_bricks(level, taken, level.key.size(), out);
   level = std::move(out);
 }
 

@@ -17,10 +17,15 @@ namespace gigabake {
 
 class CellEdits {
  public:
-  /// Finds the edits that select a voxel of the cell whose window `parameters` describe.
-  CellEdits(const EditsInScene& edits, const kernels::CellParameters& parameters, const ThreadPool& pool);
+  /// Finds the edits that select a voxel of the cell whose window `parameters` describe. Omits the first `applied` of
+  /// them, which the voxels have already.
+  CellEdits(const EditsInScene& edits, const kernels::CellParameters& parameters, const ThreadPool& pool,
+            std::size_t applied = 0);
 
   bool empty() const { return edits_.empty(); }
+  std::size_t size() const { return edits_.size(); }
+  /// Returns the keys of the blocks of bricks, by their first brick, in which an edit may select a voxel, ascending.
+  std::vector<std::uint64_t> first_bricks() const;
   /// Returns the functions for the kernels. They refer to this object.
   kernels::LevelEdits functions() const;
 

@@ -87,16 +87,6 @@ StoredShard stored_shard(const std::filesystem::path& path, std::size_t lods) {
   return stored;
 }
 
-/// Returns true if the header is the one that this bake would write. The fingerprint covers all fields; comparing the
-/// fields too detects an edited file.
-bool is_of_job(const ShardHeader& h, const CellJob& job, const BakeParameters& p,
-               const std::optional<Geodetic>& origin) {
-  return h.fingerprint == job.fingerprint && h.cell == job.name && h.lattice_min == job.lattice_min &&
-         h.cell_voxels == job.cell_voxels && h.first_lod == job.first_lod && h.copied_lods == job.copied_lods &&
-         h.voxel_size_m == p.voxel_size_m && h.lattice_origin_m == p.lattice_origin_m && h.origin == origin &&
-         h.has_normals == p.normals && h.has_directional_coverage == has_directional_coverage(p);
-}
-
 /// Returns the shard of an earlier run if it is complete, matches the job, and its voxels match the stored hash.
 /// Cost    Each thread hashes a voxel in 16 ns, which is little compared with reading the voxel.
 std::optional<Shard> published_shard(const std::filesystem::path& path, const CellJob& job, const BakeParameters& p,
@@ -133,7 +123,9 @@ CellStages::CellStages(SceneSources sources, BakeParameters parameters, const Wo
       pool_(options_.threads),
       write_pool_(writer_pool_size_for(options_).threads) {
   if (sources_.area) area_.emplace(sources_.area, sources_.origin);
-  if (sources_.edits) edits_.emplace(sources_.edits, sources_.origin, snap_frame(parameters_));
+  if (!sources_.edits) return;
+  edits_.emplace(sources_.edits, sources_.origin, snap_frame(parameters_));
+  fingerprints_.emplace(parameters_, sources_);
 }
 
 bool CellStages::is_wholly_inside(const CellJob& job) const {
@@ -211,6 +203,7 @@ void CellStages::read(InFlightCell& cell) {
         options_.out, cell.job, [this](const std::string& file) { return overview_inputs_.find(file); }, pool_);
     return;
   }
+  if (edit_stored(cell)) return;
   cell.loaded = loader_.load(cell.job);
   find_edits(cell);
   on_device(cell, [&] {

@@ -12,6 +12,7 @@
 #include "format/area/area_in_scene.h"
 #include "format/edit/edits_in_scene.h"
 #include "format/job/cell_job.h"
+#include "format/job/fingerprint.h"
 #include "kernels/body/cell.h"
 #include "kernels/cuda/baker.h"
 #include "kernels/pack/packer.h"
@@ -57,9 +58,10 @@ class CellStages {
   /// Initializes the device, while another thread may read the first cell. An error is ignored, because read() of the
   /// first cell reports it again.
   void prepare();
-  /// Reuses the shard of the job's fingerprint if OUT has a valid one. Otherwise loads tiles and textures, and uploads
-  /// them to the device if there is one. For an overview, takes children from the cache where available and reads the
-  /// others from OUT.
+  /// Reuses the shard of the job's fingerprint if OUT has a valid one. If OUT has a shard of the cell with fewer edits,
+  /// applies the others to it (worker/edit/shard_edit.h) and writes the new shard. Otherwise loads tiles and textures,
+  /// and uploads them to the device if there is one. For an overview, takes children from the cache where available and
+  /// reads the others from OUT.
   void read(InFlightCell& cell);
   /// Computes the volume from the loaded data: on the device if there is one and the cell is not an overview. If the
   /// device fails, the cell is baked on the CPU, and the report has a note.
@@ -81,6 +83,8 @@ class CellStages {
   bool on_device(InFlightCell& cell, const Step& step);
   void bake_on_cpu(InFlightCell& cell) const;
   void find_edits(InFlightCell& cell) const;
+  bool edit_stored(InFlightCell& cell) const;
+  bool edit_stored(InFlightCell& cell, const CellJob& earlier, std::size_t applied) const;
   kernels::CellParameters parameters_of(const InFlightCell& cell, std::uint64_t memory_bytes) const;
   /// Returns whether the area of interest contains all voxels of the cell.
   bool is_wholly_inside(const CellJob& job) const;
@@ -102,6 +106,7 @@ class CellStages {
   const WorkerOptions options_;
   std::optional<AreaInScene> area_;
   std::optional<EditsInScene> edits_;
+  std::optional<CellFingerprints> fingerprints_;  ///< if there are edits
   CellLoader loader_;
   OverviewInputs overview_inputs_;
   ThreadPool pool_, write_pool_;   ///< write_pool_: shared by concurrent writers

@@ -146,8 +146,8 @@ void LevelDifferences::write_coverages(std::size_t brick, std::uint8_t* to) cons
 void LevelDifferences::collect_starts(std::uint64_t begin, std::span<std::uint8_t> to) const {
   for (std::size_t at = 0; at < to.size(); at += row_of(LevelColumn::first).bytes, ++begin) {
     const std::size_t brick = std::min<std::size_t>(begin * bricks_per_start, bricks());
-    const std::uint64_t row[3] = {level_.first[brick], first_children_[brick], first_coverage_[brick]};
-    std::memcpy(&to[at], row, sizeof row);
+    const std::array<std::uint64_t, 3> row = rows_before(brick);
+    std::memcpy(&to[at], row.data(), sizeof row);
   }
 }
 

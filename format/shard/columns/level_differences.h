@@ -2,6 +2,7 @@
 /// same rows (kernels/pack).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -22,6 +23,11 @@ class LevelDifferences {
                    bool has_coverage, const ThreadPool& pool);
 
   std::uint64_t rows(LevelColumn column) const;
+  /// Returns the number of rows before a brick: in the columns with a row per voxel, in `children` and in `facing`.
+  /// Range   brick ≤ the number of bricks.
+  std::array<std::uint64_t, 3> rows_before(std::size_t brick) const {
+    return {level_.first[brick], first_children_[brick], first_coverage_[brick]};
+  }
   /// Copies rows, starting at row `begin`, until `to` is full. Thread-safe.
   void collect(LevelColumn column, std::uint64_t begin, std::span<std::uint8_t> to) const;
 

@@ -194,6 +194,7 @@ BrickLevel PredictedLevel::read(std::uint64_t begin, std::span<const BrickParent
       BrokenRule{source_.path(), level_group(lod_)}.expect(false, begin, "a parent is not a brick of the level above");
   range.starts = read_starts(begin, parents.size());
   read_masks(range);
+  if (values == Values::masks) return std::move(range.out);
   if (values == Values::predictions) {
     range.out.rgba.resize(4 * range.voxels());
     add_differences(range);

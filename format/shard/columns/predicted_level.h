@@ -27,6 +27,7 @@ class PredictedLevel {
   enum class Values : std::uint8_t {
     all,
     predictions,  ///< masks, colours and normals, from which finer levels are predicted; alphas are 0
+    masks,        ///< only masks and first voxels; bricks of `above` need no more than these
   };
 
   /// Decodes consecutive bricks, starting at `begin`. `parents` has their parents; bricks among them are in `above`.

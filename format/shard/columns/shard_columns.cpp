@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "format/shard/packed_shard.h"
+#include "format/shard/splice/spliced_rows.h"
 
 namespace gigabake {
 namespace {
@@ -116,6 +117,18 @@ void ShardColumns::add_level(const LevelDifferences& level) {
           level.collect(column, first, scratch);
           return std::span<const std::uint8_t>(scratch);
         });
+  }
+}
+
+void ShardColumns::add_level(const SplicedRows& level) {
+  begin_level();
+  for (const LevelColumn column : level_columns(header_, lods_ - 1)) {
+    add(level_column(lods_ - 1, column), level.rows(column),
+        [&level, column](std::uint64_t first, std::uint64_t count, auto& scratch) {
+          level.collect(column, first, count, scratch);
+          return std::span<const std::uint8_t>(scratch);
+        });
+    columns_.back().stored = level.copied_chunks(column);
   }
 }
 

@@ -16,6 +16,8 @@
 
 namespace gigabake {
 
+class SplicedRows;  // format/shard/splice/spliced_rows.h
+
 /// List of a shard's columns. Borrows its inputs.
 class ShardColumns {
  public:
@@ -28,6 +30,8 @@ class ShardColumns {
   /// Adds all levels.
   /// Errors  InputError naming the cell and the level: its arrays do not match each other.
   void add_levels(const NodeTable& nodes, const std::vector<BrickLevel>& levels, const ThreadPool& pool);
+  /// Adds the next level, whose chunks are partly packed already.
+  void add_level(const SplicedRows& level);
   /// Adds the next level.
   void add_level(const PackedLevel& level);
 

@@ -159,13 +159,18 @@ std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw, const 
   return out;
 }
 
-bool decode_chunk(std::span<const std::uint8_t> stored, const ChunkFilters& filters, std::size_t chunk_bytes,
-                  std::span<std::uint8_t> raw) {
+bool has_valid_checksum(std::span<const std::uint8_t> stored) {
   if (stored.size() < 4) return false;
   const auto packed = stored.first(stored.size() - 4);
   std::uint32_t sum = 0;
   for (int i = 0; i < 4; ++i) sum |= std::uint32_t(stored[packed.size() + std::size_t(i)]) << (8 * i);
-  if (fletcher32(packed) != sum) return false;
+  return fletcher32(packed) == sum;
+}
+
+bool decode_chunk(std::span<const std::uint8_t> stored, const ChunkFilters& filters, std::size_t chunk_bytes,
+                  std::span<std::uint8_t> raw) {
+  if (!has_valid_checksum(stored)) return false;
+  const auto packed = stored.first(stored.size() - 4);
   if (filters.shuffled_bytes <= 1) return unpack(packed, filters.codec, chunk_bytes, raw);
   std::vector<std::uint8_t> shuffled(chunk_bytes);
   if (!unpack(packed, filters.codec, chunk_bytes, shuffled)) return false;

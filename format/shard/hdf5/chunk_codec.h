@@ -37,6 +37,9 @@ void shuffle_chunk(std::span<const std::uint8_t> raw, std::size_t element_bytes,
 /// writes the same bytes (kernels/pack).
 std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw, const ChunkFilters& filters);
 
+/// Returns whether the chunk's checksum is the one of its bytes.
+bool has_valid_checksum(std::span<const std::uint8_t> stored);
+
 /// Fills `raw` with the first unpacked bytes of a chunk that has `chunk_bytes` bytes in total. Returns false if the
 /// checksum is wrong or the frame does not hold `chunk_bytes` bytes.
 /// Range   raw.size() ≤ chunk_bytes.

@@ -58,7 +58,8 @@ struct ColumnRows {
   std::function<std::span<const std::uint8_t>(std::uint64_t first, std::uint64_t count,
                                               std::vector<std::uint8_t>& scratch)>
       get;
-  /// All chunks in stored form, packed by the same codec as the other columns. If it is not empty, `get` is not called.
+  /// All chunks in stored form, packed by the same codec as the other columns; empty if no chunk is. `get` is called
+  /// only for the rows of empty chunks.
   std::span<const std::span<const std::uint8_t>> stored = {};
 };
 

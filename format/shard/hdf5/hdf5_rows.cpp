@@ -141,14 +141,24 @@ Hdf5Rows::Chunk Hdf5Rows::find_chunk(std::uint64_t index) const {
   return chunks_[index] = {offset, bytes};
 }
 
-void Hdf5Rows::read_chunk(std::uint64_t index, std::span<std::uint8_t> raw) const {
+std::vector<std::uint8_t> Hdf5Rows::bytes_of_chunk(std::uint64_t index) const {
   const Chunk chunk = find_chunk(index);
   std::vector<std::uint8_t> stored(chunk.bytes);
   file_.add_read_bytes(chunk.bytes);
   if (!read_bytes(descriptor_, chunk.offset, stored))
     fail_chunk(index, errno == 0 ? "the file ends before it" : std::strerror(errno));
-  if (!decode_chunk(stored, filters_, chunk_rows_ * column_.row_bytes(), raw))
+  return stored;
+}
+
+void Hdf5Rows::read_chunk(std::uint64_t index, std::span<std::uint8_t> raw) const {
+  if (!decode_chunk(bytes_of_chunk(index), filters_, chunk_rows_ * column_.row_bytes(), raw))
     fail_chunk(index, "the checksum is wrong: the file is damaged");
+}
+
+std::vector<std::uint8_t> Hdf5Rows::stored_chunk(std::uint64_t index) const {
+  std::vector<std::uint8_t> stored = bytes_of_chunk(index);
+  if (!has_valid_checksum(stored)) fail_chunk(index, "the checksum is wrong: the file is damaged");
+  return stored;
 }
 
 void Hdf5Rows::read(std::uint64_t first, std::uint64_t count, void* to) const {

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <span>
 #include <unordered_map>
+#include <vector>
 
 #include "format/shard/columns/stored_rows.h"
 #include "format/shard/hdf5/hdf5_file.h"
@@ -20,6 +21,11 @@ class Hdf5Rows : public StoredRows {
   Hdf5Rows(const Hdf5File& file, const Hdf5Column& column);
 
   std::uint64_t rows() const override { return rows_; }
+  /// Returns the rows per chunk; 0 if there are no rows.
+  std::uint64_t chunk_rows() const { return chunk_rows_; }
+  /// Returns a chunk in stored form. Thread-safe.
+  /// Errors  InputError: the chunk is missing or damaged.
+  std::vector<std::uint8_t> stored_chunk(std::uint64_t index) const;
 
   /// Reads rows [first, first + count). Thread-safe.
   /// Range   `to` has the size of `count` rows; first + count ≤ rows().
@@ -33,6 +39,7 @@ class Hdf5Rows : public StoredRows {
     std::uint64_t offset = 0, bytes = 0;
   };
   Chunk find_chunk(std::uint64_t index) const;
+  std::vector<std::uint8_t> bytes_of_chunk(std::uint64_t index) const;
   /// Fills `raw` with the first bytes of chunk `index`.
   void read_chunk(std::uint64_t index, std::span<std::uint8_t> raw) const;
   [[noreturn]] void fail_chunk(std::uint64_t index, const char* message) const;

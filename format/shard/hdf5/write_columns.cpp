@@ -50,12 +50,14 @@ Bytes encode(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scr
 }
 
 bool are_packed(std::span<const ColumnRows> columns) {
-  return std::all_of(columns.begin(), columns.end(),
-                     [](const ColumnRows& c) { return c.rows == 0 || !c.stored.empty(); });
+  return std::all_of(columns.begin(), columns.end(), [](const ColumnRows& c) {
+    const auto is_stored = [](const auto& chunk) { return !chunk.empty(); };
+    return c.rows == 0 || (!c.stored.empty() && std::ranges::all_of(c.stored, is_stored));
+  });
 }
 
 Chunk pack(const ColumnRows& from, std::size_t number, Codec codec, Bytes& scratch) {
-  if (!from.stored.empty()) return {{}, from.stored[number]};
+  if (!from.stored.empty() && !from.stored[number].empty()) return {{}, from.stored[number]};
   const InStage packing(BakeStage::packing);
   return {encode(from, number, codec, scratch), {}};
 }

@@ -39,15 +39,8 @@ CommonVoxel voxel_of(const Level& level, std::size_t i) {
 }
 
 BrickClass classify_brick(const Level& level, std::size_t b) {
-  BrickClass v;
-  if (!is_full(&level.first[b])) return v;
-  const std::size_t first = level.first[b];
-  v.value = voxel_of(level, first);
-  bool is_constant = true;
-  for (std::size_t i = first + 1; is_constant && i < first + brick_voxels; ++i)
-    is_constant = are_equal(v.value, voxel_of(level, i));
-  v.kind = kind_of_brick(is_constant);
-  return v;
+  const std::optional<CommonVoxel> value = common_value(level, b);
+  return {kind_of_brick(value.has_value()), value.value_or(CommonVoxel{})};
 }
 
 bool branch_is_constant(const BrickClass& parent, const BrickClasses& below, std::size_t begin, std::size_t end) {
@@ -85,31 +78,7 @@ void add_level_nodes(const Level& level, const BrickClasses& classes, std::size_
   std::uint32_t brick = 0;
   for (std::size_t b = 0; b < classes.size(); ++b) {
     const BrickClass& v = classes[b];
-    const CommonVoxel value = value_of_node(v.kind, v.value, !level.directional_coverage.empty());
-    const std::uint32_t number = stores_voxels(v.kind) ? brick++ : value.rgba;
-    if (!v.stored) continue;
-    nodes.key.push_back(level.key[b]);
-    nodes.lod.push_back(std::uint8_t(lod));
-    nodes.kind.push_back(v.kind);
-    nodes.child_mask.push_back(0);
-    nodes.first_child.push_back(no_child);
-    nodes.value.push_back(number);
-    nodes.normal.push_back({std::int8_t(byte_of(value.normal, 0)), std::int8_t(byte_of(value.normal, 1))});
-    nodes.directional_coverage.push_back(
-        {byte_of(value.directional_coverage, 0), byte_of(value.directional_coverage, 1),
-         byte_of(value.directional_coverage, 2), byte_of(value.directional_coverage, 3)});
-  }
-}
-
-/// Links parents to children: nodes [begin, end) are the parents of nodes [end, nodes.key.size()).
-void link_children(NodeTable& nodes, std::size_t begin, std::size_t end) {
-  std::size_t parent = begin;
-  for (std::size_t child = end; child < nodes.key.size(); ++child) {
-    while (nodes.key[parent] != parent_key(nodes.key[child])) ++parent;
-    NodeChildren children{nodes.first_child[parent], nodes.child_mask[parent]};
-    children.add(std::uint32_t(child), nodes.key[child]);
-    nodes.first_child[parent] = children.first;
-    nodes.child_mask[parent] = children.mask;
+    if (v.stored) append_node(level.key[b], lod, v.kind, v.value, !level.directional_coverage.empty(), brick, nodes);
   }
 }
 
@@ -149,6 +118,41 @@ NodeTable nodes_of(const std::vector<Level>& levels, const std::vector<BrickClas
 }
 
 }  // namespace
+
+std::optional<CommonVoxel> common_value(const Level& level, std::size_t b) {
+  if (!is_full(&level.first[b])) return std::nullopt;
+  const std::size_t first = level.first[b];
+  const CommonVoxel value = voxel_of(level, first);
+  for (std::size_t i = first + 1; i < first + brick_voxels; ++i)
+    if (!are_equal(value, voxel_of(level, i))) return std::nullopt;
+  return value;
+}
+
+void append_node(std::uint64_t key, std::size_t lod, NodeKind kind, const CommonVoxel& voxel, bool has_coverage,
+                 std::uint32_t& brick, NodeTable& nodes) {
+  const CommonVoxel value = value_of_node(kind, voxel, has_coverage);
+  nodes.key.push_back(key);
+  nodes.lod.push_back(std::uint8_t(lod));
+  nodes.kind.push_back(kind);
+  nodes.child_mask.push_back(0);
+  nodes.first_child.push_back(no_child);
+  nodes.value.push_back(stores_voxels(kind) ? brick++ : value.rgba);
+  nodes.normal.push_back({std::int8_t(byte_of(value.normal, 0)), std::int8_t(byte_of(value.normal, 1))});
+  nodes.directional_coverage.push_back({byte_of(value.directional_coverage, 0), byte_of(value.directional_coverage, 1),
+                                        byte_of(value.directional_coverage, 2),
+                                        byte_of(value.directional_coverage, 3)});
+}
+
+void link_children(NodeTable& nodes, std::size_t begin, std::size_t end) {
+  std::size_t parent = begin;
+  for (std::size_t child = end; child < nodes.key.size(); ++child) {
+    while (nodes.key[parent] != parent_key(nodes.key[child])) ++parent;
+    NodeChildren children{nodes.first_child[parent], nodes.child_mask[parent]};
+    children.add(std::uint32_t(child), nodes.key[child]);
+    nodes.first_child[parent] = children.first;
+    nodes.child_mask[parent] = children.mask;
+  }
+}
 
 NodeTable prune(std::vector<Level>& levels, const ThreadPool& pool) {
   const std::vector<BrickClasses> classes = judge(levels, pool);

@@ -116,6 +116,32 @@ class Edit(harness.FolderTest):
         self.assertEqual(shards(self.scene), before)
         self.assertFalse((self.scene / "edits.json").exists())
 
+    def test_a_small_edit_builds_few_bricks_whatever_the_size_of_the_scene(self):
+        work = []
+        for copies in (1, 5):
+            places = [{"path": "ground.glb", "place": {"position_m": [100 * x, 0, 0]}} for x in range(copies)]
+            source, out = self.root / f"size{copies}.json", self.root / f"size{copies}"
+            source.write_text(json.dumps({"gigabake": 1, "sources": places}))
+            PROGRAM.succeed("bake", source, "-o", out, "--voxel-size", VOXEL_M, *OPTIONS, "--no-overviews")
+            reports = [json.loads(PROGRAM.succeed("edit", out, option, "--rgb=1,2,3", "--json"))
+                       for option in ("--paint=sphere:2,2,2,1.2", "--fill=box:2,2,2,3,3,5")]
+            work.append([(r["run"]["work"]["edited_bricks"], r["run"]["work"]["shard_bytes_written"],
+                          r["run"]["work"]["shard_bytes_copied"], r["run"]["work"]["file_bytes_read"])
+                         for r in reports])
+        self.assertEqual(work[0], work[1])
+        for bricks, written, copied, read in work[0]:
+            self.assertTrue(0 < bricks <= 4 * 2 * 8 and copied <= written and read == 0, work[0])
+
+    def test_a_damaged_shard_is_not_edited_but_baked_again(self):
+        for name in shards(self.scene):
+            if "/c_" in name:
+                data = bytearray((self.scene / name).read_bytes())
+                data[len(data) // 2] ^= 255
+                (self.scene / name).write_bytes(bytes(data))
+        report = json.loads(PROGRAM.succeed("edit", self.scene, "--paint=sphere:4,4,0,30", "--rgb=1,2,3", "--json"))
+        self.assertEqual(report["run"]["work"]["edited_bricks"], 0)
+        self.expect_state(self.listed())
+
     def test_a_bake_of_the_source_applies_both_lists(self):
         first = {"type": "carve", "box": {"min_m": [-3, -3, -9], "max_m": [3, 3, 9]}}
         second = {"type": "fill", "sphere": {"position_m": [0, 0, 0], "radius_m": 2}, "rgb": [9, 9, 9]}
