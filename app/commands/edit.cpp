@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "app/commands.h"
@@ -8,6 +9,7 @@
 #include "app/options/scene_argument.h"
 #include "app/process/bake_run.h"
 #include "app/process/on_all_ranks.h"
+#include "app/process/rank_start.h"
 #include "cluster/edit/scene_edits.h"
 #include "cluster/process/drain.h"
 #include "core/base/error.h"
@@ -22,6 +24,7 @@ struct EditArguments {
   EditOptions edits;
   bool list = false, undo = false, json = false, quiet = false;
   int threads = 0;
+  std::optional<int> ranks;
 };
 
 /// Returns the change of SCENE/edits.json that the arguments request.
@@ -85,11 +88,21 @@ void add_edit(CLI::App& app, int& exit_code) {
   command->add_flag("--undo", arguments->undo, "remove the last edit");
   command->add_flag("--list", arguments->list, "only print the edits, in their order");
   command->add_option("--threads", arguments->threads, "threads of each rank (the host's cores shared by its ranks)");
+  command->add_option("--ranks", arguments->ranks,
+                      "ranks to start on this host with mpirun (one per GPU; 1 without GPUs, in a batch job, or if "
+                      "mpirun starts gigabake)");
   command->add_flag("--json", arguments->json, "print the answer as JSON");
   command->add_flag("-q,--quiet", arguments->quiet, "print only errors, warnings and missing inputs");
   command->callback([arguments, &exit_code] {
     if (arguments->list) {
       exit_code = print_list(*arguments, scene_argument(arguments->scene).parent_path());
+      return;
+    }
+    BakeOptions start;
+    start.ranks = arguments->ranks;
+    start.quiet = arguments->quiet;
+    if (const std::optional<int> ranks = ranks_to_start(start)) {
+      exit_code = run_on_ranks(start, *ranks);
       return;
     }
     install_drain_handlers();  // before MPI starts, because mpirun passes signals on from the beginning

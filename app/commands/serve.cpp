@@ -6,6 +6,7 @@
 
 #include "app/commands.h"
 #include "app/commands/bake_state.h"
+#include "app/edit/scene_editor.h"
 #include "app/options/live_options.h"
 #include "app/options/scene_argument.h"
 #include "app/process/missing_report.h"
@@ -26,6 +27,7 @@ struct ServeArguments {
   LiveArguments live;
   StreamServer::Options server;
   std::size_t max_viewers = LiveScene::Options{}.max_viewers;
+  bool edit = false;
 };
 
 void run(ServeArguments& a) {
@@ -34,12 +36,15 @@ void run(ServeArguments& a) {
   LiveScene::Options scene_options = live_options(a.live);
   if (a.max_viewers < 1 || a.max_viewers > 64) throw UsageError("--viewers: expected 1 to 64");
   scene_options.max_viewers = a.max_viewers;
-  if (a.server.token.empty() && StreamServer::is_public(a.server)) a.server.token = random_key();
+  // A page that may change files needs a secret even on this machine, where other users and pages can connect.
+  if (a.server.token.empty() && (a.edit || StreamServer::is_public(a.server))) a.server.token = random_key();
+  if (a.edit) scene_options.editor = make_scene_editor(out);
   a.server.bake_status = [out] { return bake_status_json(out.string()); };
   scene_options.watch = std::make_shared<BakeWatch>(out);
   LiveScene live(scene, std::move(scene_options));
   StreamServer server(live, a.server);
-  const StopSignals signals("gigabake: stopped immediately; serving changes no file\n");
+  const StopSignals signals(a.edit ? "gigabake: stopped immediately; an edit that was begun ends by itself\n"
+                                   : "gigabake: stopped immediately; serving changes no file\n");
   fmt::print("{}\n", server.url());
   if (!a.server.external_url.empty()) fmt::print("the proxy connects to {} port {}\n", a.server.bind, server.port());
   if (!std::filesystem::exists(scene))
@@ -71,6 +76,8 @@ void add_serve(CLI::App& app, int&) {
                      "secret that browsers must send (if other machines can connect: generated and printed)");
   command.add_option("--external-url", a->server.external_url,
                      "address under which a proxy on this machine shows the page: https://HOST/PATH/ (docs/viewer.md)");
+  command.add_flag("--edit", a->edit,
+                   "let viewers change the scene (docs/editing.md); requires a token, which is generated and printed");
   command.add_option("--viewers", a->max_viewers, "max number of concurrent viewers")->capture_default_str();
   command.callback([a] { run(*a); });
 }

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "app/commands.h"
+#include "app/edit/scene_editor.h"
 #include "app/options/live_options.h"
 #include "app/options/scene_argument.h"
 #include "app/options/text_values.h"
@@ -20,6 +21,7 @@ namespace {
 struct ViewArguments {
   LiveArguments live;
   std::string size = "1280x720", output = ".";
+  bool edit = false;
 };
 
 /// Returns the scene.xml to show; it need not exist if a bake has planned its cells.
@@ -44,6 +46,7 @@ void run(ViewArguments& a) {
   // The scene is opened before the window, so that errors are printed on the terminal.
   if (std::filesystem::exists(path) || !std::filesystem::exists(plan_file_of(path.parent_path()))) PagedScene{path};
   scene_options.watch = std::make_shared<BakeWatch>(path.has_parent_path() ? path.parent_path() : ".");
+  if (a.edit) scene_options.editor = make_scene_editor(path.has_parent_path() ? path.parent_path() : ".");
   report_missing_data(complete);
   show_window(a.live.scene, std::move(scene_options), window);
 }
@@ -57,6 +60,7 @@ void add_view(CLI::App& app, int&) {
   add_live_options(command, a->live);
   command.add_option("--size", a->size, "WIDTHxHEIGHT of the window")->capture_default_str();
   command.add_option("-o,--output", a->output, "folder for saved images and paths")->capture_default_str();
+  command.add_flag("--edit", a->edit, "offer a brush that changes the scene: F2 (docs/editing.md)");
   command.callback([a] { run(*a); });
 }
 

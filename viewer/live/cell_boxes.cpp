@@ -45,16 +45,17 @@ class BoxPainter {
         right_squared_(dot(camera.right, camera.right)),
         up_squared_(dot(camera.up, camera.up)) {}
 
-  void paint(const CellBox& cell) {
+  void paint(const CellBox& cell) { paint(cell.window, colour_of(cell.state), cell.state == CellState::failed); }
+
+  void paint(const Box3i64& box, const Rgb& rgb, bool has_diagonals) {
     std::array<CameraPoint, 8> corners;
     for (unsigned c = 0; c < 8; ++c)
-      corners[c] = in_camera(Vec3d::by_axis(
-          [&](int axis) { return double((c >> axis & 1) != 0 ? cell.window.end[axis] : cell.window.min[axis]); }));
-    const Rgb rgb = colour_of(cell.state);
+      corners[c] = in_camera(
+          Vec3d::by_axis([&](int axis) { return double((c >> axis & 1) != 0 ? box.end[axis] : box.min[axis]); }));
     for (unsigned c = 0; c < 8; ++c)
       for (unsigned axis = 1; axis < 8; axis *= 2)
         if ((c & axis) == 0) line(corners[c], corners[c | axis], rgb);
-    if (cell.state != CellState::failed) return;
+    if (!has_diagonals) return;
     for (unsigned c = 0; c < 4; ++c) line(corners[c], corners[7 - c], rgb);
   }
 
@@ -160,6 +161,10 @@ std::optional<std::pair<double, double>> crossing(const kernels::CastLine& ray, 
 void draw_boxes(Picture& picture, const kernels::CastCamera& camera, std::span<const CellBox> cells) {
   BoxPainter painter(picture, camera);
   for (const CellBox& cell : cells_to_draw(cells, camera.eye)) painter.paint(cell);
+}
+
+void draw_edges(Picture& picture, const kernels::CastCamera& camera, const Box3i64& box, const Rgb& rgb) {
+  BoxPainter(picture, camera).paint(box, rgb, false);
 }
 
 std::optional<std::uint32_t> picked_cell(const Picture& picture, const kernels::CastCamera& camera,

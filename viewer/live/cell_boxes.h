@@ -1,6 +1,7 @@
 /// Boxes of the cells of a running bake in an image, and the cell at a pixel.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -24,6 +25,10 @@ inline constexpr std::size_t max_boxes_drawn = 4096;
 /// Draws the edges of cells that are not done: grey if they wait, yellow if they are baking, red with diagonals if they
 /// failed. Edges behind surfaces are faint. Changes the colours of the image and not its depth.
 void draw_boxes(Picture& picture, const kernels::CastCamera& camera, std::span<const CellBox> cells);
+
+/// Draws the edges of a box in lod-0 voxels, like the edges of cells.
+void draw_edges(Picture& picture, const kernels::CastCamera& camera, const Box3i64& box,
+                const std::array<std::uint8_t, 3>& rgb);
 
 /// Returns the index of the cell at (right, down), fractions of the image's width and height from its upper left
 /// corner. This is the first cell that is not done before the surface, else the cell of the surface.

@@ -158,7 +158,8 @@ void LiveScene::draw_all() {
 }
 
 void LiveScene::reload_if_replaced() {
-  if (now_s() < checked_s_ + (options_.watch ? watch_interval_s : check_interval_s)) return;
+  if (!is_edited_.exchange(false) && now_s() < checked_s_ + (options_.watch ? watch_interval_s : check_interval_s))
+    return;
   checked_s_ = now_s();
   if (follow_bake()) return;
   const std::optional<FileStamp> stamp = stamp_of(path_);
@@ -326,7 +327,7 @@ void LiveScene::publish_frame(Viewer& viewer, const RenderScheduler::RenderReque
   frame->view = order.view;
   frame->rays = rays;
   frame->full = order.full;
-  add_boxes(*frame);
+  add_boxes(viewer, *frame);
   frame->number = viewer.frame ? viewer.frame->number + 1 : 1;
   if (apart_s < 1) {
     const double before = viewer.frame ? viewer.frame->frames_per_s : 0;

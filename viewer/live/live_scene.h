@@ -22,6 +22,7 @@
 #include "viewer/live/cell_boxes.h"
 #include "viewer/live/picked_point.h"
 #include "viewer/live/render_scheduler.h"
+#include "viewer/live/scene_editor.h"
 #include "viewer/pictures/frame_renderer.h"
 
 namespace gigabake {
@@ -32,7 +33,7 @@ struct LiveFrame {
   Frame frame;
   View view;         ///< the view that was rendered
   PictureRays rays;  ///< the rays of the image
-  /// The image without the boxes of a running bake; null if `frame` has no boxes.
+  /// The image without the boxes of a running bake and previews of edits; null if `frame` has none.
   std::shared_ptr<const Picture> without_boxes = {};
   bool full = false;        ///< has full size; all pixels are final if frame.stats.complete
   double frames_per_s = 0;  ///< smoothed; 0 if the previous frame is a second or more older
@@ -66,6 +67,7 @@ class LiveScene {
     /// Returns the initial view of a new viewer.
     /// Errors  UsageError: the message is shown in place of the scene.
     std::function<ViewerInput(const SceneHeader&)> look = [](const SceneHeader&) { return ViewerInput{}; };
+    std::shared_ptr<SceneEditor> editor;    ///< edits the scene; null: viewers cannot edit
     std::shared_ptr<SceneWatch> watch;      ///< of the bake that writes the scene; null: shows published scenes only
     std::function<void()> changed = [] {};  ///< called by the rendering thread after each frame and each loaded scene
   };
@@ -95,6 +97,17 @@ class LiveScene {
   /// bake is watched.
   std::optional<CellFacts> facts_at(ViewerId id, double right, double down) const;
 
+  /// Shows a preview of edits in the viewer's images; none if `edits` is empty. Replaces the viewer's last preview.
+  /// Returns false if the viewer has no image yet, or may_edit() is false.
+  /// Errors  UsageError or InputError: see SceneEditor::preview().
+  bool preview(ViewerId id, const std::string& edits);
+  /// Applies the edits to the scene and ends the viewer's preview; undoes the last edit if `edits` is empty. Waits for
+  /// its end.
+  /// Range   Options::editor is set.
+  /// Errors  InputError: see SceneEditor::apply().
+  void edit(ViewerId id, const std::string& edits);
+  bool may_edit() const { return options_.editor != nullptr; }
+
   bool has_scene() const;
   /// Ends the rendering and all waits permanently.
   void stop();
@@ -109,6 +122,7 @@ class LiveScene {
     double drawn_s = -HUGE_VAL;    ///< time of the last frame
     double drawn_share = 0;
     std::string problem;
+    EditPreviews previews;
 
     std::optional<ProgressiveFrame> in_tiles;  ///< used by the rendering thread only
     std::uint64_t in_tiles_pose = 0;           ///< `pose` of the request that in_tiles renders
@@ -122,7 +136,8 @@ class LiveScene {
   void redraw_boxes();
   void exchange();
   bool replace_in_place();
-  void add_boxes(LiveFrame& frame) const;
+  void add_boxes(const Viewer& viewer, LiveFrame& frame) const;
+  void redraw_boxes(Viewer& viewer);
   void open(const std::function<std::unique_ptr<FrameRenderer>()>& make, std::vector<CellBox> boxes);
   void release_renderer();
   std::shared_ptr<Viewer> next_order(RenderScheduler::RenderRequest& order, double& next_call_s);
@@ -154,8 +169,9 @@ class LiveScene {
   bool stop_ = false;
   const Viewer* rendered_viewer_ = nullptr;  ///< viewer at rest for which an image is being rendered
 
-  std::atomic<bool> cancel_ = false;  ///< true: the image in progress would be discarded, so stop rendering
-  std::atomic<bool> yield_ = false;   ///< true: another viewer moves, so end the time slice
+  std::atomic<bool> cancel_ = false;     ///< true: the image in progress would be discarded, so stop rendering
+  std::atomic<bool> is_edited_ = false;  ///< true: look for a replaced scene at once
+  std::atomic<bool> yield_ = false;      ///< true: another viewer moves, so end the time slice
 
   // Members of the rendering thread.
   std::unique_ptr<FrameRenderer> renderer_;

@@ -109,25 +109,28 @@ void LiveScene::exchange() {
 }
 
 void LiveScene::redraw_boxes() {
-  for (const auto& viewer : viewers_) {
-    if (!viewer->frame) continue;
-    auto frame = std::make_shared<LiveFrame>(*viewer->frame);
-    ++frame->number;
-    add_boxes(*frame);
-    viewer->frame = std::move(frame);
-  }
+  for (const auto& viewer : viewers_) redraw_boxes(*viewer);
+}
+
+void LiveScene::redraw_boxes(Viewer& viewer) {
+  if (!viewer.frame) return;
+  auto frame = std::make_shared<LiveFrame>(*viewer.frame);
+  ++frame->number;
+  add_boxes(viewer, *frame);
+  viewer.frame = std::move(frame);
   wake_viewers_.notify_all();
 }
 
-/// Draws the boxes of the watched bake into the frame's image.
-void LiveScene::add_boxes(LiveFrame& frame) const {
+/// Draws the boxes of the watched bake and the viewer's previews into the frame's image.
+void LiveScene::add_boxes(const Viewer& viewer, LiveFrame& frame) const {
   Picture& picture = frame.frame.picture;
   if (frame.without_boxes) picture = *frame.without_boxes;
   frame.without_boxes = nullptr;
   const auto is_open = [](const CellBox& box) { return box.state != CellState::done; };
-  if (std::none_of(boxes_.begin(), boxes_.end(), is_open)) return;
+  if (std::none_of(boxes_.begin(), boxes_.end(), is_open) && viewer.previews.empty()) return;
   frame.without_boxes = std::make_shared<const Picture>(picture);
   draw_boxes(picture, frame.rays.camera, boxes_);
+  draw_previews(picture, frame.rays, viewer.previews);
 }
 
 }  // namespace gigabake

@@ -1,14 +1,15 @@
-// Reports the cell at a click while a bake is watched.
+// Clicks on the image. While a bake is watched, a click reports the cell.
 'use strict';
 
 const CLICK_PIXELS = 4;  // a longer movement with the button pressed is a drag
 
-let pressed = null;  // position at which the button was pressed
+const onClick = [reportCell];  // functions that get the event of a click
+let pressed = null;            // position at which the button was pressed
 
 picture.addEventListener('pointerdown', (event) => { pressed = [event.clientX, event.clientY]; });
 picture.addEventListener('pointerup', (event) => {
   const isClick = pressed && Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) < CLICK_PIXELS;
-  if (isClick) reportCell(event);
+  if (isClick) for (const listen of onClick) listen(event);
   pressed = null;
 });
 

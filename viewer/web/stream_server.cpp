@@ -1,6 +1,7 @@
 #include "viewer/web/stream_server.h"
 
 #include <algorithm>
+#include <atomic>
 #include <charconv>
 #include <fmt/format.h>
 #include <iterator>
@@ -25,6 +26,7 @@ constexpr int moving_quality = 75, resting_quality = 92;
 constexpr double picture_s = 60, first_fill_s = 0.25, next_fill_s = 1;
 constexpr std::chrono::milliseconds bake_query_interval{50};
 constexpr const char* json_type = "application/json";
+constexpr const char* no_edits = "this server does not change the scene; start it with `edit`";
 constexpr const char* position_expected = "expected x and y from 0 to 1, from the image's upper left corner";
 
 HttpReply error_reply(int status, const std::string& why) {
@@ -35,6 +37,8 @@ HttpReply error_reply(int status, const std::string& why) {
 HttpReply reply_to(std::exception_ptr problem) {
   try {
     std::rethrow_exception(problem);
+  } catch (const UsageError& e) {
+    return error_reply(400, e.what());
   } catch (const InputError& e) {
     return error_reply(400, e.what());
   } catch (const std::exception& e) {
@@ -50,6 +54,18 @@ std::optional<double> share_of(const std::string& text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), share);
   if (error != std::errc() || end != text.data() + text.size() || !(share >= 0 && share <= 1)) return std::nullopt;
   return share;
+}
+
+/// Returns true for {"edits": []}, which ends a preview.
+bool is_empty_list(const std::string& body) {
+  const auto json = nlohmann::json::parse(body, nullptr, false);
+  return json.is_object() && json.contains("edits") && json["edits"].is_array() && json["edits"].empty();
+}
+
+/// Returns true for {"undo": true}.
+bool is_undo(const std::string& body) {
+  const auto json = nlohmann::json::parse(body, nullptr, false);
+  return json.is_object() && json.size() == 1 && json.contains("undo") && json["undo"] == true;
 }
 
 HttpReply page_part(const char* type, std::string_view text) { return {200, type, std::string(text)}; }
@@ -107,6 +123,8 @@ struct StreamServer::State {
   bool is_bake_queried = false;
   std::chrono::steady_clock::time_point bake_queried_at{};
 
+  std::atomic<bool> is_editing = false;
+
   HttpServer http;  ///< last, because it calls the members above
 
   State(LiveScene& s, const Options& o)
@@ -160,6 +178,7 @@ struct StreamServer::State {
         {"/", false, &State::page},
         {"/viewer.js", false, &State::script},
         {"/bake.js", false, &State::bake_script},
+        {"/edit.js", false, &State::edit_script},
         {"/viewer.css", false, &State::style},
         {"/bake", false, &State::get_bake},
         {"/viewers", true, &State::open},
@@ -169,6 +188,8 @@ struct StreamServer::State {
         {"/point", false, &State::for_viewer<&State::get_point>},
         {"/cell", false, &State::for_viewer<&State::get_cell>},
         {"/steer", true, &State::for_viewer<&State::steer>},
+        {"/preview", true, &State::for_viewer<&State::preview>},
+        {"/edit", true, &State::for_viewer<&State::edit>},
     };
     const bool is_post = request.head.method == "POST";
     const std::string_view path = without_external_path(request.path, external);
@@ -188,6 +209,7 @@ struct StreamServer::State {
 
   HttpAnswer script(const HttpRequest&) { return page_part("text/javascript; charset=utf-8", web_script); }
   HttpAnswer bake_script(const HttpRequest&) { return page_part("text/javascript; charset=utf-8", web_bake_script); }
+  HttpAnswer edit_script(const HttpRequest&) { return page_part("text/javascript; charset=utf-8", web_edit_script); }
   HttpAnswer style(const HttpRequest&) { return page_part("text/css; charset=utf-8", web_style); }
 
   /// Queries the bake status at most every 50 ms and by one thread at a time. Other requests get the previous status.
@@ -216,8 +238,10 @@ struct StreamServer::State {
   HttpAnswer open(const HttpRequest& request) {
     const auto key = sessions.open(viewer_input_from_json(request.body));
     if (!key) return error_reply(503, "the server has its maximum number of viewers; try again later");
-    const nlohmann::ordered_json told{
-        {"viewer", *key}, {"modes", names_of<ViewMode>()}, {"styles", names_of<CameraController::Style>()}};
+    const nlohmann::ordered_json told{{"viewer", *key},
+                                      {"modes", names_of<ViewMode>()},
+                                      {"styles", names_of<CameraController::Style>()},
+                                      {"may_edit", scene.may_edit()}};
     return HttpReply{201, json_type, told.dump()};
   }
 
@@ -256,6 +280,27 @@ struct StreamServer::State {
   HttpAnswer steer(const HttpRequest& request, ViewerId viewer) {
     scene.steer(viewer, viewer_input_from_json(request.body));
     return get_state(request, viewer);
+  }
+
+  /// Shows a preview of the edits in the body to this viewer; ends it if the list is empty.
+  HttpAnswer preview(const HttpRequest& request, ViewerId viewer) {
+    if (!scene.may_edit()) return error_reply(403, no_edits);
+    return [this, viewer, edits = is_empty_list(request.body) ? std::string() : request.body] {
+      if (!scene.preview(viewer, edits)) return error_reply(404, "there is no image yet");
+      return HttpReply{200, json_type, "{}"};
+    };
+  }
+
+  /// Applies the edits in the body to the scene, or removes the last edit. One edit at a time.
+  HttpAnswer edit(const HttpRequest& request, ViewerId viewer) {
+    if (!scene.may_edit()) return error_reply(403, no_edits);
+    if (is_editing.exchange(true)) return error_reply(409, "another viewer's edit is being applied; try again");
+    return [this, viewer, edits = is_undo(request.body) ? std::string() : request.body,
+            over = std::shared_ptr<void>(nullptr, [this](void*) { is_editing = false; })]() mutable {
+      const std::shared_ptr<void> until_reply = std::move(over);
+      scene.edit(viewer, edits);
+      return HttpReply{200, json_type, "{}"};
+    };
   }
 
   HttpAnswer stream(const HttpRequest& request, ViewerId viewer) {

@@ -20,6 +20,7 @@ let heldSent = 0;        // time at which the held keys were last sent
 let shownState = null;
 let askedSize = [0, 0];  // image size that the server was last sent
 let saving = false;      // an image is being saved
+const onJoined = [];     // functions that get the server's answer when the page joins
 
 // Communication with the server.
 
@@ -43,6 +44,7 @@ async function join() {
   viewer = welcome.viewer;
   offer('mode', welcome.modes);
   offer('style', welcome.styles);
+  for (const listen of onJoined) listen(welcome);
   picture.src = forViewer('stream');
 }
 
@@ -346,7 +348,7 @@ function halfLevels(coarser) {
 
 addEventListener('keydown', (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
-  if (event.target.tagName === 'SELECT' || event.target.type === 'datetime-local') return;
+  if (event.target.tagName === 'SELECT' || ['datetime-local', 'number'].includes(event.target.type)) return;
   slow = event.shiftKey;
   if (WALK[event.code] || SWING[event.code]) {
     event.preventDefault();

@@ -5,6 +5,6 @@
 
 namespace gigabake {
 
-extern const std::string_view web_page, web_script, web_bake_script, web_style;
+extern const std::string_view web_page, web_script, web_bake_script, web_edit_script, web_style;
 
 }  // namespace gigabake

@@ -112,6 +112,8 @@ void show_keys() {
                                             {"P", "save the image"},
                                             {"R", "record a path"},
                                             {"F1", "the panel"},
+                                            {"F2", "the brush, if the window may edit"},
+                                            {"Enter", "apply the placed brush"},
                                             {"?", "these keys"},
                                             {"Esc", "close"}};
   ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x - 8, 8}, ImGuiCond_Appearing, {1, 0});

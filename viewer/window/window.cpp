@@ -18,6 +18,7 @@
 #include "viewer/pictures/image_files.h"
 #include "viewer/window/panel.h"
 #include "viewer/window/screen_image.h"
+#include "viewer/window/window_edits.h"
 #include "viewer/window/window_input.h"
 
 namespace gigabake {
@@ -99,6 +100,7 @@ class Window {
         gui_(window_),
         scene_(scene, std::move(scene_options)),
         viewer_(scene_.add_viewer().value()),
+        edits_(scene_, viewer_),
         views_(options.output) {}
 
   void run() {
@@ -108,6 +110,7 @@ class Window {
       handle();
       const bool news = take_frame();
       finish_picture();
+      if (const auto told = edits_.finished()) say(*told);
       set_title();
       if (recorder_) recorder_->see(state().pose, glfwGetTime());
       redraws = input_.take_touched() || news ? redraws_after_event : std::max(redraws - 1, 0);
@@ -162,8 +165,14 @@ class Window {
       case WindowCommand::toggle_keys:
         shows_keys_ = !shows_keys_;
         break;
-      case WindowCommand::report_cell:
-        report_cell();
+      case WindowCommand::toggle_brush:
+        shows_brush_ = scene_.may_edit() && !shows_brush_;
+        break;
+      case WindowCommand::apply_edit:
+        if (shows_brush_) edits_.apply();
+        break;
+      case WindowCommand::click:
+        click();
         break;
       case WindowCommand::close:
         closed_by_ = "Esc";
@@ -204,10 +213,12 @@ class Window {
     note("from " + place_text(*to) + ": press C at the other end");
   }
 
-  /// Prints the facts of the cell under the mouse while a bake is watched.
-  void report_cell() {
+  /// Places the brush at a surface if its panel is shown. Otherwise prints the facts of the cell under the mouse while
+  /// a bake is watched.
+  void click() {
     const auto mouse = input_.mouse();
     if (!mouse) return;
+    if (const std::optional<PickedPoint> at = pointed(); at && shows_brush_) note(edits_.place(*at));
     if (const auto facts = scene_.facts_at(viewer_, (*mouse)[0], (*mouse)[1])) say(cell_text(*facts));
   }
 
@@ -290,6 +301,7 @@ class Window {
       answer =
           show_panel(state(), frame_.get(), recorder_.has_value(), message_, place ? place_text(*place) : "", clock_);
     if (shows_keys_) show_keys();
+    if (const std::string told = shows_brush_ ? edits_.show() : std::string(); !told.empty()) note(told);
     ImGui::Render();
     ImGui_ImplOpenGL2_RenderDrawData(ImGui::GetDrawData());
     glfwSwapBuffers(window_);
@@ -310,13 +322,14 @@ class Window {
   const LiveScene::ViewerId viewer_;
   LiveScene::FramePtr frame_;
   std::array<int, 2> size_{};
+  WindowEdits edits_;
   std::optional<PathRecorder> recorder_;
   const Bookmarks views_;
   std::optional<PickedPoint> measured_from_;
   const char* closed_by_ = "the window was closed";
   std::string message_, title_;
   double message_at_s_ = 0;
-  bool image_is_requested_ = false, shows_panel_ = true, shows_keys_ = false;
+  bool image_is_requested_ = false, shows_panel_ = true, shows_keys_ = false, shows_brush_ = false;
   SunClock clock_;
 };
 

@@ -22,9 +22,10 @@ const std::map<int, std::array<double, 2>> swings{{GLFW_KEY_RIGHT, {swing_height
                                                   {GLFW_KEY_UP, {0, swing_heights_per_s}},
                                                   {GLFW_KEY_DOWN, {0, -swing_heights_per_s}}};
 const std::map<int, WindowCommand> commands{
-    {GLFW_KEY_M, WindowCommand::next_mode}, {GLFW_KEY_O, WindowCommand::next_style},
-    {GLFW_KEY_C, WindowCommand::measure},   {GLFW_KEY_P, WindowCommand::save_picture},
-    {GLFW_KEY_R, WindowCommand::record},    {GLFW_KEY_F1, WindowCommand::toggle_panel},
+    {GLFW_KEY_M, WindowCommand::next_mode},     {GLFW_KEY_O, WindowCommand::next_style},
+    {GLFW_KEY_C, WindowCommand::measure},       {GLFW_KEY_P, WindowCommand::save_picture},
+    {GLFW_KEY_R, WindowCommand::record},        {GLFW_KEY_F1, WindowCommand::toggle_panel},
+    {GLFW_KEY_F2, WindowCommand::toggle_brush}, {GLFW_KEY_ENTER, WindowCommand::apply_edit},
     {GLFW_KEY_ESCAPE, WindowCommand::close}};
 /// Commands by character, because the keys of these characters differ between keyboard layouts.
 const std::map<unsigned, WindowCommand> commands_of_signs{{'+', WindowCommand::coarser},
@@ -110,7 +111,7 @@ void WindowInput::click(int action) {
   if (action == GLFW_PRESS) pressed_ = {x_, y_};
   if (action != GLFW_RELEASE || !pressed_) return;
   const std::array<double, 2> from = *std::exchange(pressed_, std::nullopt);
-  if (std::hypot(x_ - from[0], y_ - from[1]) < click_pixels) commands_.push_back(WindowCommand::report_cell);
+  if (std::hypot(x_ - from[0], y_ - from[1]) < click_pixels) commands_.push_back(WindowCommand::click);
 }
 
 void WindowInput::button(int button, int action) {

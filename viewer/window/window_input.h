@@ -22,7 +22,9 @@ enum class WindowCommand {
   record,
   toggle_panel,
   toggle_keys,
-  report_cell,  ///< a click without a movement
+  toggle_brush,
+  apply_edit,
+  click,  ///< of the left button, without a movement
   close
 };
 

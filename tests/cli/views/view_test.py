@@ -160,6 +160,29 @@ class View(harness.FolderTest):
         self.assertEqual(bake.wait(timeout=300), 0)
         self.wait_for(lambda: "loading" not in self.title())
 
+    def test_the_brush_previews_and_applies_an_edit(self):
+        self.scene = self.root / "brushed"
+        shutil.copytree(self.root / "out", self.scene)
+        self.open_window("--edit", size=(640, 480))
+        self.screen.hands("key", "F1")  # hides the panel
+        before = self.picture()
+        self.screen.hands("key", "F2")
+        self.wait_for(lambda: "loading" not in self.title())
+        shown = self.screen.image()
+
+        def placed():
+            self.screen.hands("mousemove", "--window", self.window, 400, 240, "sleep", 0.1, "click", 1, "sleep", 0.3)
+            return numpy.abs(self.screen.image()[200:280, 340:460] - shown[200:280, 340:460]).mean() > 0.5
+
+        self.wait_for(placed)
+        self.assertEqual(numpy.abs(self.picture() - before).mean(), 0)  # saved images have no preview
+        self.screen.hands("key", "Return")
+        self.wait_for(lambda: "applied" in self.process.said())
+        edits = json.loads(GIGABAKE.succeed("edit", self.scene, "--list", "--json"))["edits"]
+        self.assertEqual([sorted(edit) for edit in edits], [["sphere", "type"]])
+        self.wait_for(lambda: numpy.abs(self.picture() - before).mean() > 0)
+        GIGABAKE.succeed("verify", self.scene)
+
     def test_the_saved_picture_has_the_bytes_of_render_and_is_on_the_screen(self):
         camera = ("--eye=60,-70,50", "--target=0,0,0")
         self.open_window(*camera)

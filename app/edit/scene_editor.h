@@ -1,0 +1,15 @@
+/// The editor of the commands `serve` and `view`: runs the command `edit` of this program.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "viewer/live/scene_editor.h"
+
+namespace gigabake::app {
+
+/// Returns an editor of the scene in `folder`. Each edit is a process of `gigabake edit`, with its lock of the scene
+/// and its checks. An edit that was begun ends even if this process ends.
+std::shared_ptr<SceneEditor> make_scene_editor(const std::filesystem::path& folder);
+
+}  // namespace gigabake::app
