@@ -132,9 +132,17 @@ bool OutputFolder::has_whole_scene() const {
   }
 }
 
+/// Keeps the pages of the replaced scene until the next publication: viewers that show it read them to find the
+/// changed cells.
 void OutputFolder::publish(const SceneDescription& scene) const {
+  PageNames previous;
+  try {
+    previous = page_names(out_ / "scene.xml");
+  } catch (const InputError&) {
+    // There is no previous scene, or no viewer can show it.
+  }
   write_scene(out_ / "scene.xml", scene);
-  remove_unused_pages(out_ / "scene.xml");
+  remove_unused_pages(out_ / "scene.xml", previous);
   remove_temporary_files();
 }
 

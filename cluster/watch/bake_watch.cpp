@@ -54,12 +54,11 @@ std::array<std::int64_t, 2> column_of(const SceneCell& cell) { return {cell.latt
 
 }  // namespace
 
-BakeWatch::BakeWatch(fs::path out) : out_(std::move(out)) {}
+BakeWatch::BakeWatch(fs::path out, std::size_t few_cells) : out_(std::move(out)), few_cells_(few_cells) {}
 
 const WatchedScene* BakeWatch::poll(std::vector<std::uint32_t>& changed) {
   const std::lock_guard lock(mutex_);
-  changed.clear();
-  changed_.clear();
+  changed.clear();  // changed_ may have cells of a call that ended by an error
   if (!shows_plan()) {
     started_s_ = -1;
     return nullptr;
@@ -70,10 +69,20 @@ const WatchedScene* BakeWatch::poll(std::vector<std::uint32_t>& changed) {
   if (looks_for_shards_) take_unseen();
   take_failures();
   take_running();
-  if (is_new) return &watched_;
-  std::sort(changed_.begin(), changed_.end());
-  std::unique_copy(changed_.begin(), changed_.end(), std::back_inserter(changed));
-  return &watched_;
+  if (!is_new) {
+    std::sort(changed_.begin(), changed_.end());
+    std::unique_copy(changed_.begin(), changed_.end(), std::back_inserter(changed));
+  }
+  changed_.clear();
+  if (is_new) is_small_change_ = changes_little();
+  return is_small_change_ ? nullptr : &watched_;
+}
+
+/// Returns whether few cells of the plan are not done, and a published scene shows the others.
+bool BakeWatch::changes_little() const {
+  const auto open =
+      std::size_t(std::ranges::count_if(watched_.states, [](CellState state) { return state != CellState::done; }));
+  return open <= std::max(few_cells_, few_cells_ * watched_.states.size() / 64) && is_file(out_ / "scene.xml");
 }
 
 /// Observes the status if it was replaced, or once a second, since the bake may have died. Returns whether the plan is

@@ -20,13 +20,16 @@
 
 namespace gigabake {
 
-/// Shows the bake while it runs and its cells are planned, and after its interruption if there is no scene.xml.
+/// Shows the bake while it runs and its cells are planned, and after its interruption if there is no scene.xml. Does
+/// not show a bake that changes few cells of a published scene, such as an edit: viewers keep this scene and exchange
+/// these cells at the end.
 /// A cell is done if the journal has a record of its fingerprint and OUT has its shard.
 /// Exact   A previous scene is shown only if it has the same lattice, place, channels and cell size. Its cells that
 ///         overlap a planned cell at another place are omitted.
 class BakeWatch : public SceneWatch {
  public:
-  explicit BakeWatch(std::filesystem::path out);
+  /// A bake changes few cells if it has to bake at most `few_cells` of them, or an eighth.
+  explicit BakeWatch(std::filesystem::path out, std::size_t few_cells = 8);
 
   const WatchedScene* poll(std::vector<std::uint32_t>& changed) override;
   CellFacts facts(std::uint32_t cell) const override;
@@ -42,6 +45,7 @@ class BakeWatch : public SceneWatch {
   };
 
   bool shows_plan();
+  bool changes_little() const;
   bool load_plan();
   void index_cells();
   void add_previous();
@@ -55,12 +59,14 @@ class BakeWatch : public SceneWatch {
   void set_state(std::uint32_t cell, CellState state);
 
   const std::filesystem::path out_;
+  const std::size_t few_cells_;
   std::optional<ObservedStatus> status_;
   FileStamp status_stamp_;
   double observed_s_ = 0;  ///< Unix time of the last observation
 
-  mutable std::mutex mutex_;  ///< guards all members below
-  double started_s_ = -1;     ///< BakeStatus::started_s of the bake that wrote plan_; -1: there is no plan
+  mutable std::mutex mutex_;      ///< guards all members below
+  bool is_small_change_ = false;  ///< plan_ changes few cells
+  double started_s_ = -1;         ///< BakeStatus::started_s of the bake that wrote plan_; -1: there is no plan
   PlanRecord plan_;
   WatchedScene watched_;
   std::vector<Finished> finished_;               ///< per planned cell

@@ -44,7 +44,7 @@ class BakeWatchTest : public ::testing::Test {
   TestFolder folder;
   BakePlan plan = made_plan(4);
   BakeStatus status;
-  BakeWatch watch{folder.path()};
+  BakeWatch watch{folder.path(), 0};
   std::vector<std::uint32_t> changed;
 };
 

@@ -86,6 +86,7 @@ std::optional<ViewerState> LiveScene::state(ViewerId id) const {
   out.has_place = place_.has_value();
   out.problem = problem_.empty() ? viewer->problem : problem_;
   out.problems = problems_;
+  out.uploads = uploads_;
   if (!viewer->scheduler) return out;
   const RenderScheduler& scheduler = *viewer->scheduler;
   out.resting = scheduler.rests();
@@ -292,12 +293,13 @@ void LiveScene::draw(const std::shared_ptr<Viewer>& viewer, const RenderSchedule
     problem = e.what();
   }
   const bool waits = frame && !order.in_tiles && !frame->stats.complete && frame->stats.uploads == 0;
-  const std::uint64_t problems = renderer_->problems().size();
+  const std::uint64_t problems = renderer_->problems().size(), uploads = renderer_->uploads();
   {
     std::unique_lock lock(mutex_);
     rendered_viewer_ = nullptr;
     viewer->problem = problem;
     problems_ = problems;
+    uploads_ = uploads;
     const auto& work = viewer->in_tiles;
     viewer->drawn_share = work ? double(work->done) / double(work->tiles.size()) : frame && frame->stats.complete;
     if (!problem.empty()) {

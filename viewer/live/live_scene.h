@@ -48,6 +48,7 @@ struct ViewerState {
   bool has_place = false;      ///< the scene has an origin on the earth, so a time can set the sun
   std::string problem;         ///< reason why the scene or the frame is missing; empty: no error
   std::uint64_t problems = 0;  ///< number of lines of FrameRenderer::problems() so far
+  std::uint64_t uploads = 0;   ///< bricks and lists of children uploaded since the scene was opened, for all viewers
   CameraPose pose;
   CameraController::Style style = CameraController::Style::orbit;
   View full_view;
@@ -165,7 +166,7 @@ class LiveScene {
   std::vector<CellBox> boxes_;                    ///< of the cells of the watched bake
   bool is_watching_ = false;                      ///< the scene is options_.watch's
   std::string problem_;
-  std::uint64_t problems_ = 0, ids_ = 0;
+  std::uint64_t problems_ = 0, uploads_ = 0, ids_ = 0;
   bool stop_ = false;
   const Viewer* rendered_viewer_ = nullptr;  ///< viewer at rest for which an image is being rendered
 

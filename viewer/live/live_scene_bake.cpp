@@ -14,7 +14,8 @@ constexpr double exchange_s = 0.02;  ///< time of an exchange between two frames
 
 }  // namespace
 
-/// Shows the changes of the watched bake. Returns false if the published scene should be shown.
+/// Shows the changes of the watched bake. Returns false if the published scene should be shown. If the bake cannot be
+/// read at this time, the shown scene stays, and the next call continues.
 bool LiveScene::follow_bake() {
   if (!options_.watch) return false;
   const WatchedScene* watched = nullptr;
@@ -23,6 +24,7 @@ bool LiveScene::follow_bake() {
   } catch (const std::exception& e) {
     const std::lock_guard lock(mutex_);
     if (!home_) problem_ = e.what();
+    return is_watching_;
   }
   if (watched == nullptr) return false;
   if (watched->bake != watched_bake_)

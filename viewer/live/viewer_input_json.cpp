@@ -51,6 +51,7 @@ std::string to_json(const ViewerState& state, const LiveFrame* frame) {
                               {"watching", state.is_watching},
                               {"problem", state.problem},
                               {"problems", state.problems},
+                              {"uploads", state.uploads},
                               {"resting", state.resting},
                               {"drawn", state.drawn},
                               {"eye", coordinates_json(state.pose.eye_m)},

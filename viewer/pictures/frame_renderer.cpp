@@ -117,9 +117,13 @@ bool FrameRenderer::replace_scene() {
   State& s = *state_;
   const auto next = std::make_shared<const PagedScene>(s.scene->file());
   if (!s.stream->problems().empty()) return false;  // opening the scene again tries unreadable pages again
-  if (!s.table || !are_exchangeable(*s.scene, *next) || !s.stream->has_layout_of(*next)) return false;
-  SceneChanges changes = changes_between(*s.scene, s.numbers, *next, *s.table);
-  s.next = {next, std::move(changes.numbers), std::move(changes.boxes)};
+  if ((!s.table && !s.paged_table) || !are_exchangeable(*s.scene, *next) || !s.stream->has_layout_of(*next))
+    return false;
+  std::optional<SceneChanges> changes = s.paged_table
+                                            ? paged_changes_between(*s.scene, s.numbers, *next, *s.paged_table)
+                                            : changes_between(*s.scene, s.numbers, *next, *s.table);
+  if (!changes) return false;
+  s.next = {next, std::move(changes->numbers), std::move(changes->boxes)};
   s.stream->begin_exchange(*next, s.next->numbers, s.next->changed);
   return true;
 }

@@ -14,6 +14,7 @@
 #include "viewer/pictures/frame_renderer.h"
 #include "viewer/pictures/render.h"
 #include "viewer/pictures/view_needs.h"
+#include "viewer/stream/exchange/paged_shards.h"
 #include "viewer/stream/exchange/scene_changes.h"
 #include "viewer/stream/exchange/shard_table.h"
 #include "viewer/stream/open_shards.h"
@@ -50,8 +51,9 @@ struct FrameRenderer::State {
   std::shared_ptr<const PagedScene> scene;
   std::shared_ptr<std::atomic<std::uint64_t>> files_opened = std::make_shared<std::atomic<std::uint64_t>>(0);
   ThreadPool policy;
-  std::shared_ptr<ShardTable> table;  ///< null if the scene has pages, or an external source
-  ShardNumbers numbers;               ///< of `scene` in the table
+  std::shared_ptr<ShardTable> table;         ///< null if the scene has pages, or an external source
+  std::shared_ptr<PagedShards> paged_table;  ///< null if the scene has no pages, or an external source
+  ShardNumbers numbers;                      ///< of `scene` in one of the tables
   PageSource source;
   Filling filling{};
   std::unique_ptr<SceneStream> stream;
@@ -78,7 +80,8 @@ struct FrameRenderer::State {
       numbers = table->add_all(*scene);
       source = [all = table](const PageKey& key) { return all->page(key); };
     } else {
-      source = pages_from_open_shards(scene, files_opened, max_open(wishes));
+      paged_table = std::make_shared<PagedShards>(scene, max_open(wishes), files_opened);
+      source = [all = paged_table](const PageKey& key) { return all->page(key); };
     }
     fill(filling_of({}));
   }
@@ -113,12 +116,12 @@ struct FrameRenderer::State {
                                 options.device_bytes,
                                 filling_key.cells_alone};
     try {
-      stream = std::make_unique<SceneStream>(*scene, source, wishes, policy, table ? &numbers : nullptr);
+      stream = std::make_unique<SceneStream>(*scene, source, wishes, policy, table || paged_table ? &numbers : nullptr);
     } catch (const CudaFailure& failure) {
       if (options.device_required) throw;
       problems.push_back(std::string("the CPU casts rays: ") + failure.what());
       wishes.cuda_device = options.cuda_device = {};
-      stream = std::make_unique<SceneStream>(*scene, source, wishes, policy, table ? &numbers : nullptr);
+      stream = std::make_unique<SceneStream>(*scene, source, wishes, policy, table || paged_table ? &numbers : nullptr);
     }
     requested.clear();
     last = {};
@@ -134,6 +137,7 @@ struct FrameRenderer::State {
   void adopt_next() {
     scene = next->scene;
     numbers = std::move(next->numbers);
+    if (paged_table) paged_table->show(scene);
     next.reset();
     heights.reset();
     requested.clear();

@@ -66,6 +66,14 @@ kernels::PoolSizes pool_sizes(const CellLayout& layout, std::uint64_t bytes) {
   return {first.tiles + more, first.slots + 2 * more, first.voxels + 2 * parts_per_slot * more};
 }
 
+/// Returns the numbers of cells in the order of the scene.
+std::vector<std::uint32_t> numbers_of(const std::vector<SceneCell>& cells, const ShardNumbers& numbers) {
+  if (!numbers.cells.empty()) return numbers.cells;
+  std::vector<std::uint32_t> out;
+  for (std::uint32_t cell = 0; cell < cells.size(); ++cell) out.push_back(numbers.of_paged(cell));
+  return out;
+}
+
 std::unique_ptr<kernels::Caster> make_caster(const CellLayout& layout, const kernels::PoolSizes& sizes,
                                              const SceneStream::Options& options, const ThreadPool& policy) {
   return options.cuda_device ? kernels::make_cuda_caster(layout.scene, sizes, *options.cuda_device, policy)
@@ -87,7 +95,7 @@ SceneStream::Opened SceneStream::open(const PagedScene& scene, const Options& op
   if (!levels) {
     const std::vector<SceneCell> cells = scene.cells(policy);
     CellLayout layout = lay_out_cells(cells, scene.file());
-    return {std::move(layout), numbers != nullptr ? ShardMap(cells, numbers->cells) : ShardMap(cells)};
+    return {std::move(layout), numbers != nullptr ? ShardMap(cells, numbers_of(cells, *numbers)) : ShardMap(cells)};
   }
   CellLayout layout = lay_out_root(scene.root().overviews[levels->root], scene.totals().window);
   if (numbers != nullptr) return {std::move(layout), ShardMap(scene, std::move(*levels), *numbers)};

@@ -58,6 +58,10 @@ ShardMap::ShardMap(const std::vector<SceneCell>& cells, const std::vector<std::u
 
 ShardMap::ShardMap(const PagedScene& scene, OverviewLevels levels, const ShardNumbers& numbers)
     : ShardMap(scene, std::move(levels)) {
+  if (!pages_.empty()) {
+    paged_ = numbers;
+    return;
+  }
   for (ListedCell& cell : cells_) cell.number = numbers.cells.at(cell.number);
   // find_overview() adds cell_count_, modulo 2^32.
   for (ListedOverview& overview : overviews_) overview.index = numbers.overviews.at(overview.index) - cell_count_;
@@ -78,7 +82,7 @@ ShardMap::Cells::const_iterator ShardMap::first_above(const Cells& cells, const 
 }
 
 ShardExtent ShardMap::placed(const ListedCell& cell) const {
-  return {cell.number, 0, cell_bits_ - 2, 0, cube_at(cell.min, std::int64_t(1) << cell_bits_)};
+  return {paged_.of_paged(cell.number), 0, cell_bits_ - 2, 0, cube_at(cell.min, std::int64_t(1) << cell_bits_)};
 }
 
 /// Returns the listing; null if it is not resident. If it can never be read and its shards may overlap gaps.own, sets
@@ -100,7 +104,8 @@ std::optional<ShardExtent> ShardMap::find_overview(const OverviewLevel& level, c
   const std::vector<ListedPage>* pages = &pages_;
   for (std::int32_t part = PageKey::listing;; --part) {
     if (const ListedOverview* found = overview_at(*overviews, std::uint32_t(level.own_lod()), corner))
-      return ShardExtent{cell_count_ + found->index, level.first_lod, level.lods, level.own_lod(), window};
+      return ShardExtent{paged_.of_paged(cell_count_ + found->index), level.first_lod, level.lods, level.own_lod(),
+                         window};
     if (pages->empty() || pages->front().block.edge < level.edge()) return {};
     const ListedPage* listed = page_around(*pages, block_around(corner, pages->front().block.edge));
     const Page* page = listed != nullptr ? find_listing(*listed, part, window, pager, missing_pages) : nullptr;

@@ -51,7 +51,7 @@ class ShardMap {
   ShardMap(const std::vector<SceneCell>& cells, const std::vector<std::uint32_t>& numbers);
   /// Creates a map of a scene with overviews. It finds cells and overviews through the scene's pages.
   ShardMap(const PagedScene& scene, OverviewLevels levels);
-  /// Creates a map of a scene with overviews and without pages, with the given numbers.
+  /// Creates a map of a scene with overviews, with the given numbers.
   ShardMap(const PagedScene& scene, OverviewLevels levels, const ShardNumbers& numbers);
 
   /// Returns the number of the last provider of level `lod`. A level may be stored several times: by the cells or by
@@ -127,6 +127,7 @@ class ShardMap {
   }
 
   std::int32_t cell_lods_ = 0, cell_bits_ = 0;
+  ShardNumbers paged_;  ///< replaced shards of a scene with pages
   std::optional<OverviewLevels> overview_levels_;
   std::uint32_t cell_count_ = 0;
   Cells cells_;  ///< listed in scene.xml itself, like the next two members

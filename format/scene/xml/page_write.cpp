@@ -166,18 +166,24 @@ ScenePage write_pages(const fs::path& scene_xml, const SceneDescription& scene, 
   return {{}, std::move(pages), writer.overviews().taken()};
 }
 
-void remove_unused_pages(const fs::path& scene_xml) {
+PageNames page_names(const fs::path& scene_xml) {
+  PageNames names;
+  PagedScene(scene_xml).for_each_reference(
+      [&names](const PageReference& page) { names.insert(fs::path(page.file).filename().string()); });
+  return names;
+}
+
+void remove_unused_pages(const fs::path& scene_xml, const PageNames& kept) {
   std::error_code error;
-  if (!fs::is_directory(scene_xml.parent_path() / page_folder, error)) return;
-  const PagedScene scene(scene_xml);
-  std::unordered_set<std::string> used;
-  scene.for_each_reference(
-      [&used](const PageReference& page) { used.insert(fs::path(page.file).filename().string()); });
+  const fs::path folder = scene_xml.parent_path() / page_folder;
+  if (!fs::is_directory(folder, error)) return;
+  const PageNames used = page_names(scene_xml);
   std::vector<fs::path> unused;
-  for (fs::directory_iterator it(scene.folder() / page_folder, error), end; !error && it != end; it.increment(error)) {
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     const bool is_page = name.starts_with("g_") && name.ends_with(".xml");
-    if ((is_page && !used.contains(name)) || (name.starts_with(".g_") && name.ends_with(".part")))
+    if ((is_page && !used.contains(name) && !kept.contains(name)) ||
+        (name.starts_with(".g_") && name.ends_with(".part")))
       unused.push_back(it->path());
   }
   for (const fs::path& path : unused) fs::remove(path, error);

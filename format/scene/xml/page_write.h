@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <unordered_set>
 
 #include "format/scene/scene_page.h"
 
@@ -14,9 +16,16 @@ namespace gigabake {
 /// Errors  InputError: a page cannot be written; the previous scene remains valid.
 ScenePage write_pages(const std::filesystem::path& scene_xml, const SceneDescription& scene, const PageRule& rule);
 
-/// Removes pages that `scene_xml` does not refer to, and temporary files of writers that were killed. Ignores files
-/// that cannot be removed; they do no harm.
+/// Names of the files of pages.
+using PageNames = std::unordered_set<std::string>;
+
+/// Returns the names of the pages to which a scene refers.
+/// Errors  InputError: the scene cannot be read.
+PageNames page_names(const std::filesystem::path& scene_xml);
+
+/// Removes pages to which `scene_xml` does not refer and that are not in `kept`, and temporary files of writers that
+/// were killed. Ignores files that cannot be removed; they do no harm.
 /// Errors  InputError: the scene cannot be read; nothing is removed then.
-void remove_unused_pages(const std::filesystem::path& scene_xml);
+void remove_unused_pages(const std::filesystem::path& scene_xml, const PageNames& kept = {});
 
 }  // namespace gigabake

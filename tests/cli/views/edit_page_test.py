@@ -106,6 +106,32 @@ class EditPage(harness.FolderTest):
         page.evaluate("element('edit').open = false")
         self.wait_for_picture(page, lambda image: numpy.abs(image - before).mean() < 0.5)
 
+    def test_a_change_of_one_of_a_thousand_cells_uploads_little_and_keeps_the_memory_bound(self):
+        GIGABAKE.succeed("sample", self.root / "sample", "--size", 256, "--tiles", 2)
+        self.scene = self.root / "thousand"
+        GIGABAKE.succeed("bake", self.root / "sample" / "tileset.json", "-o", self.scene, "--voxel-size", 0.5,
+                         "--cell-voxels", 16, "-q")
+        self.assertGreater(len(harness.cells_of(self.scene)), 1000)
+        server = self.serve("--edit", "--memory", "64M", "--pixel-error", 1)
+        page = self.open_page(server)
+        page.evaluate("steer({pixel_error: 0.5})")
+        time.sleep(1)
+        before = self.picture(page)
+        uploads = page.evaluate("shownState.uploads")
+        key = page.evaluate("viewer")
+        url, bearer = self.origin_of(server), {"Authorization": f"Bearer {self.token_of(server)}"}
+        at = json.loads(answer_of(f"{url}/point?viewer={key}&x=0.5&y=0.5", None, bearer)[1])["point"]["scene"]
+        edit = {"edits": [{"type": "paint", "sphere": {"position_m": at, "radius_m": 1.5}, "rgb": [255, 0, 255]}]}
+        self.assertEqual(answer_of(f"{url}/edit?viewer={key}", edit, bearer)[0], 200)
+        deadline = time.monotonic() + 60
+        while numpy.abs(self.picture(page) - before).max() < 60:
+            stats = page.evaluate("shownState.frame.stats")
+            self.assertLessEqual(stats["bytes_held"], stats["bytes_allowed"])
+            self.assertLess(time.monotonic(), deadline, "the change never appeared")
+        page.wait_for(STEADY)
+        again = page.evaluate("shownState.uploads") - uploads
+        self.assertTrue(0 < again <= uploads / 50, (again, uploads))
+
     def test_only_this_servers_page_with_the_token_may_edit(self):
         hashes, edit = self.hashes(self.scene), {"edits": [{"type": "carve", "sphere": {"position_m": [0, 0, 1],
                                                                                         "radius_m": 3}}]}

@@ -123,7 +123,7 @@ class Watch(harness.FolderTest):
         server, key = self.serve()
         self.assertFalse(self.state(server, key)["scene"])
         self.start()
-        self.pause_when(lambda: len(self.shards()) >= 8)
+        self.pause_when(lambda: len(self.shards()) >= 24)  # the first cells lie in one corner, where no click hits
         state = self.wait_for(server, key, lambda s: s["watching"] and s["resting"])
         self.assertTrue(state["scene"])
         self.assertFalse((self.out / "scene.xml").exists())
@@ -210,11 +210,11 @@ class Watch(harness.FolderTest):
         bake = ["bake", source, "-o", self.out, "--voxel-size", 0.25, "--cell-voxels", 64]
         GIGABAKE.succeed(*bake)
         server, key = self.serve()
-        self.wait_for(server, key, lambda s: s["resting"])
+        uploads = self.wait_for(server, key, lambda s: s["resting"])["uploads"]
         tiles = self.root / "changing" / "tiles"
         shutil.copy(tiles / "tile_1_1.glb", tiles / "tile_1_2.glb")
         GIGABAKE.succeed(*bake)
-        self.wait_for(server, key, lambda s: not s["watching"] and s["resting"])
+        self.wait_for(server, key, lambda s: s["uploads"] != uploads and not s["watching"] and s["resting"])
         self.expect_the_image_of_render(server, key)
 
     def test_a_killed_bake_is_shown_as_far_as_it_came(self):

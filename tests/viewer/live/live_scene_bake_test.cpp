@@ -1,7 +1,10 @@
+#include <chrono>
 #include <gtest/gtest.h>
 #include <mutex>
 #include <set>
+#include <thread>
 
+#include "core/base/error.h"
 #include "tests/format/shard/made_shard.h"
 #include "viewer/live/live_scene.h"
 
@@ -22,6 +25,8 @@ class MadeWatch : public SceneWatch {
 
   const WatchedScene* poll(std::vector<std::uint32_t>& changed) override {
     const std::lock_guard lock(mutex_);
+    ++polls_;
+    if (is_unreadable_) throw InputError("journal", "", "cannot be read");
     changed = std::exchange(changed_, {});
     if (is_over_) return nullptr;
     for (const std::uint32_t cell : changed) {
@@ -48,12 +53,21 @@ class MadeWatch : public SceneWatch {
     const std::lock_guard lock(mutex_);
     is_over_ = true;
   }
+  void set_unreadable(bool is_unreadable) {
+    const std::lock_guard lock(mutex_);
+    is_unreadable_ = is_unreadable;
+  }
+  int polls() const {
+    const std::lock_guard lock(mutex_);
+    return polls_;
+  }
 
  private:
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   WatchedScene watched_, next_;  ///< as returned by poll(); as set by the test
   std::vector<std::uint32_t> changed_;
-  bool is_over_ = false;
+  bool is_over_ = false, is_unreadable_ = false;
+  int polls_ = 0;
 };
 
 Shard ground_shard(std::int64_t x_min, const std::array<std::uint8_t, 4>& rgba) {
@@ -133,6 +147,26 @@ TEST_F(LiveBake, ShowsEachCellWhenItIsDoneAndTheSceneAtTheEnd) {
   ASSERT_NE(last, nullptr);
   EXPECT_FALSE(scene.state(viewer)->is_watching);
   EXPECT_EQ(last->frame.picture.rgba, exact("both.xml", last->view).rgba);
+}
+
+// 2026-11-28: one error of the watch ended the view of the bake.
+TEST_F(LiveBake, ContinuesAfterTheBakeCouldNotBeRead) {
+  write_scene(folder / "scene.xml", only_red);  // of the previous bake
+  LiveScene scene(folder / "scene.xml", options);
+  const auto viewer = scene.add_viewer().value();
+  const auto empty = complete_frame(scene, viewer, has_boxes);
+  ASSERT_NE(empty, nullptr);
+  watch->set_unreadable(true);
+  for (const int before = watch->polls(); watch->polls() < before + 2;)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_TRUE(scene.state(viewer)->is_watching);
+  watch->set(0, CellState::done, baked.cells[0]);
+  watch->set_unreadable(false);
+  const auto one = complete_frame(
+      scene, viewer, [&](const LiveFrame& f) { return f.clean_picture().rgba != empty->clean_picture().rgba; });
+  ASSERT_NE(one, nullptr);
+  EXPECT_TRUE(has_boxes(*one));
+  EXPECT_EQ(one->clean_picture().rgba, exact("red.xml", one->view).rgba);
 }
 
 TEST_F(LiveBake, AChangedStateRedrawsTheBoxesAndRendersNothing) {

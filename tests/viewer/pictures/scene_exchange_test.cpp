@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/octree/parameters.h"
+#include "format/scene/xml/page_write.h"
 #include "tests/format/shard/made_shard.h"
 #include "viewer/pictures/frame_renderer.h"
 
@@ -86,6 +87,74 @@ TEST_F(SceneExchangeTest, EndsWithTheImageOfTheNewScene) {
     EXPECT_NE(after.rgba, before.rgba);
     EXPECT_EQ(after.rgba, exact(view).rgba) << rise;
     EXPECT_EQ(after.depth, exact(view).depth) << rise;
+  }
+}
+
+/// Pages with few cells, so that a small scene has pages below pages.
+constexpr PageRule small_pages{4, 2, 2};
+
+TEST_F(SceneExchangeTest, ExchangesCellsOfScenesWithPages) {
+  write(8);
+  write_scene(path(), scene, small_pages);
+  ASSERT_FALSE(PagedScene(path()).root().pages.empty());
+  FrameRenderer renderer(path(), with_one_thread());
+  const View view = view_of_all(renderer);
+  const Picture before = renderer.render_complete(view).picture;
+  const std::uint64_t all = renderer.uploads();
+  for (const std::int64_t rise : {0, 3, -4}) {
+    scene.cells[13] = write_cell(hill_cell(5, 1, red, rise));
+    write_scene(path(), scene, small_pages);
+    const std::uint64_t uploads = renderer.uploads();
+    ASSERT_TRUE(renderer.replace_scene());
+    finish(renderer);
+    const Picture after = renderer.render_complete(view).picture;
+    EXPECT_NE(after.rgba, before.rgba);
+    EXPECT_EQ(after.rgba, exact(view).rgba) << rise;
+    EXPECT_LE(renderer.uploads() - uploads, all / 4);
+  }
+}
+
+TEST_F(SceneExchangeTest, OpensScenesWithPagesAgainIfCellsAppearOrPagesAreLost) {
+  write(8);
+  write_scene(path(), scene, small_pages);
+  FrameRenderer renderer(path(), with_one_thread());
+  scene.cells.push_back(write_cell(hill_cell(8, 8, red)));
+  write_scene(path(), scene, small_pages);
+  EXPECT_FALSE(renderer.replace_scene());
+  scene.cells.pop_back();
+  scene.cells[13] = write_cell(hill_cell(5, 1, red));
+  write_scene(path(), scene, small_pages);
+  EXPECT_TRUE(renderer.replace_scene());
+  FrameRenderer other(path(), with_one_thread());
+  scene.cells[13] = write_cell(hill_cell(5, 1, green, 1));
+  write_scene(path(), scene, small_pages);
+  remove_unused_pages(path());
+  EXPECT_FALSE(other.replace_scene()) << "the pages of the previous scene are removed";
+}
+
+// The re-bake of one of 1,000 cells.
+TEST_F(SceneExchangeTest, UploadsAtMostTwoPercentAndKeepsTheMemoryBound) {
+  write(32);
+  FrameRenderer::Options options = with_one_thread();
+  options.memory_bytes = std::uint64_t(96) << 20;
+  FrameRenderer renderer(path(), options);
+  const View view = view_of_all(renderer);
+  renderer.render_complete(view);
+  const std::uint64_t all = renderer.uploads();
+  for (const std::int64_t rise : {1, 2}) {
+    replace(500, hill_cell(500 % 32, 500 / 32, red, rise));
+    const std::uint64_t uploads = renderer.uploads();
+    ASSERT_TRUE(renderer.replace_scene());
+    Frame frame;
+    do {
+      frame = renderer.draw(view, 0.01);
+      EXPECT_LE(frame.stats.bytes_held, frame.stats.bytes_allowed);
+    } while (!renderer.advance_exchange(0.002));
+    frame = renderer.render_complete(view);
+    EXPECT_LE(frame.stats.bytes_held, frame.stats.bytes_allowed);
+    EXPECT_EQ(frame.picture.rgba, exact(view).rgba);
+    EXPECT_GT(renderer.uploads(), uploads);
+    EXPECT_LE(renderer.uploads() - uploads, all / 50) << all;
   }
 }
 

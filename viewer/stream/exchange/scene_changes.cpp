@@ -67,11 +67,78 @@ class Comparison {
   ShardTable& table_;
 };
 
+/// A comparison of scenes with pages, page by page.
+class PagedComparison {
+ public:
+  PagedComparison(const PagedScene& previous, const PagedScene& next)
+      : previous_(previous), next_(next), cells_(std::uint32_t(next.totals().cells)) {
+    try {
+      has_equal_places_ = previous.totals().cells == next.totals().cells &&
+                          previous.totals().overviews == next.totals().overviews &&
+                          compare(previous.root(), next.root(), 0, 0);
+    } catch (const InputError&) {
+      has_equal_places_ = false;
+    }
+  }
+
+  bool has_equal_places() const { return has_equal_places_; }
+  /// Returns the changed shards of the next scene, with their numbers in the scene.
+  const std::vector<std::pair<std::uint32_t, SceneCell>>& changed() const { return changed_; }
+
+ private:
+  /// `cell` and `overview` count the cells and overviews before these pages.
+  bool compare(const ScenePage& a, const ScenePage& b, std::uint32_t cell, std::uint32_t overview) {
+    if (!compare(a.cells, b.cells, cell) || !compare(a.overviews, b.overviews, cells_ + overview)) return false;
+    if (a.pages.size() != b.pages.size()) return false;
+    overview += std::uint32_t(a.overviews.size());
+    for (std::size_t i = 0; i < a.pages.size(); ++i) {
+      if (!compare(a.pages[i], b.pages[i], cell, overview)) return false;
+      cell += std::uint32_t(a.pages[i].totals.cells);
+      overview += std::uint32_t(a.pages[i].totals.overviews);
+    }
+    return true;
+  }
+
+  bool compare(const PageReference& a, const PageReference& b, std::uint32_t cell, std::uint32_t overview) {
+    if (a.block != b.block || a.groups != b.groups || a.totals.cells != b.totals.cells ||
+        a.totals.overviews != b.totals.overviews)
+      return false;
+    if (a.checksum == b.checksum) return true;
+    return compare(read_page(previous_.file(), previous_.header(), a), read_page(next_.file(), next_.header(), b), cell,
+                   overview);
+  }
+
+  bool compare(const std::vector<SceneCell>& a, const std::vector<SceneCell>& b, std::uint32_t first) {
+    if (a.size() != b.size()) return false;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      if (key_of(a[i]) != key_of(b[i])) return false;
+      if (a[i].content_hash != b[i].content_hash) changed_.emplace_back(first + std::uint32_t(i), b[i]);
+    }
+    return changed_.size() <= max_changed_shards;
+  }
+
+  const PagedScene &previous_, &next_;
+  const std::uint32_t cells_;
+  bool has_equal_places_ = false;
+  std::vector<std::pair<std::uint32_t, SceneCell>> changed_;
+};
+
+/// Appends the windows of changed overviews. An exact overview changes only in the boxes of changed cells, which
+/// `boxes` has already.
+void add_overviews(const std::vector<Box3i64>& windows, bool are_exact, std::vector<Box3i64>& boxes) {
+  const auto cells = std::ptrdiff_t(boxes.size());
+  for (const Box3i64& window : windows) {
+    const bool has_changed_cell =
+        std::any_of(boxes.begin(), boxes.begin() + cells, [&](const Box3i64& cell) { return cell.overlaps(window); });
+    if (!are_exact || !has_changed_cell) boxes.push_back(window);
+  }
+}
+
 }  // namespace
 
 bool are_exchangeable(const PagedScene& a, const PagedScene& b) {
   const SceneHeader &h = a.header(), &g = b.header();
-  return a.root().pages.empty() && b.root().pages.empty() && a.folder() == b.folder() &&
+  return a.root().pages.empty() == b.root().pages.empty() && a.folder() == b.folder() &&
          h.voxel_size_m == g.voxel_size_m && h.lattice_origin_m == g.lattice_origin_m && h.origin == g.origin &&
          h.has_normals == g.has_normals && h.has_directional_coverage == g.has_directional_coverage &&
          a.totals().cell_voxels == b.totals().cell_voxels && a.totals().cell_voxels != 0 &&
@@ -84,15 +151,24 @@ SceneChanges changes_between(const PagedScene& previous, const ShardNumbers& num
   const Comparison comparison(previous, next, table);
   const ScenePage &before = previous.root(), &after = next.root();
   changes.numbers.cells = comparison.compare(before.cells, numbers.cells, after.cells, changes.boxes);
-  const std::size_t cells = changes.boxes.size();
   std::vector<Box3i64> windows;
   changes.numbers.overviews = comparison.compare(before.overviews, numbers.overviews, after.overviews, windows);
-  const bool are_exact = is_exact(previous.header()) && is_exact(next.header());
-  for (const Box3i64& window : windows) {
-    const bool has_changed_cell = std::any_of(changes.boxes.begin(), changes.boxes.begin() + std::ptrdiff_t(cells),
-                                              [&](const Box3i64& cell) { return cell.overlaps(window); });
-    if (!are_exact || !has_changed_cell) changes.boxes.push_back(window);
+  add_overviews(windows, is_exact(previous.header()) && is_exact(next.header()), changes.boxes);
+  return changes;
+}
+
+std::optional<SceneChanges> paged_changes_between(const PagedScene& previous, const ShardNumbers& numbers,
+                                                  const PagedScene& next, PagedShards& shards) {
+  if (previous.header().parameters != next.header().parameters) return std::nullopt;
+  PagedComparison comparison(previous, next);
+  if (!comparison.has_equal_places()) return std::nullopt;
+  SceneChanges changes{numbers, {}};
+  std::vector<Box3i64> windows;
+  for (const auto& [index, shard] : comparison.changed()) {
+    changes.numbers.replaced[index] = shards.add(shard);
+    (index < next.totals().cells ? changes.boxes : windows).push_back(window_of(shard));
   }
+  add_overviews(windows, is_exact(next.header()), changes.boxes);
   return changes;
 }
 

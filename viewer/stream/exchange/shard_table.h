@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <unordered_map>
 #include <vector>
 
 #include "core/base/lru_cache.h"
@@ -18,7 +19,14 @@ namespace gigabake {
 
 /// The numbers of a scene's shards in a table.
 struct ShardNumbers {
-  std::vector<std::uint32_t> cells, overviews;  ///< in the order of the scene's lists
+  std::vector<std::uint32_t> cells, overviews;  ///< in the order of the scene's lists; empty if the scene has pages
+  /// The numbers of replaced shards of a scene with pages, by PageKey::shard. Other shards keep this number.
+  std::unordered_map<std::uint32_t, std::uint32_t> replaced = {};
+
+  std::uint32_t of_paged(std::uint32_t shard) const {
+    const auto found = replaced.find(shard);
+    return found == replaced.end() ? shard : found->second;
+  }
 };
 
 /// Thread-safe.
