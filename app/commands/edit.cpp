@@ -14,6 +14,7 @@
 #include "cluster/process/drain.h"
 #include "core/base/error.h"
 #include "format/edit/edit_json.h"
+#include "format/edit/scene_edits.h"
 #include "format/scene/paged_scene.h"
 
 namespace gigabake::app {
@@ -30,8 +31,8 @@ struct EditArguments {
 /// Returns the change of SCENE/edits.json that the arguments request.
 EditsChange change_of(const EditArguments& arguments, const std::filesystem::path& folder) {
   EditsChange change{read_edits_file(folder), {}};
-  EditList all = edits_of_file(folder, change.before);
-  const EditList added = arguments.edits.edits();
+  SceneEditList all = edits_of_file(folder, change.before);
+  const SceneEditList added = arguments.edits.edits();
   if (arguments.undo) {
     if (!added.empty()) throw UsageError("--undo removes the last edit, and adds none");
     if (all.empty()) throw UsageError("--undo: the scene has no edits; edits of a scene .json are removed there");
@@ -44,12 +45,12 @@ EditsChange change_of(const EditArguments& arguments, const std::filesystem::pat
 }
 
 int print_list(const EditArguments& arguments, const std::filesystem::path& folder) {
-  const EditList edits = edits_of_file(folder, read_edits_file(folder));
+  const SceneEditList edits = edits_of_file(folder, read_edits_file(folder));
   if (arguments.json) {
     fmt::print("{}", to_json(edits));
     return complete;
   }
-  for (const Edit& edit : edits) fmt::print("{}: {}\n", edit.key, to_json(edit));
+  for (const SceneEdit& edit : edits) fmt::print("{}: {}\n", key_of(edit), to_json(edit));
   if (edits.empty()) fmt::print("no edits\n");
   return complete;
 }
@@ -80,8 +81,8 @@ int run(const EditArguments& arguments, MpiSession& mpi) {
 }  // namespace
 
 void add_edit(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand(
-      "edit", "Change a baked scene: carve, fill or paint voxels, or undo; bakes the changed cells again");
+  auto* command =
+      app.add_subcommand("edit", "Change a baked scene: carve, fill or paint voxels, cut or move its sources, or undo");
   auto arguments = std::make_shared<EditArguments>();
   command->add_option("SCENE", arguments->scene, "folder of a bake, or its scene.xml")->required();
   arguments->edits.add_to(*command);

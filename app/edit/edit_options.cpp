@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <iterator>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 #include "app/options/choices.h"
 #include "app/options/text_values.h"
 #include "core/base/error.h"
 #include "format/area/geojson.h"
 #include "format/edit/edit_json.h"
+#include "format/edit/source_edit_json.h"
 #include "format/source/shape_mesh.h"
 #include "format/system/read_file.h"
 
@@ -24,23 +27,27 @@ std::array<double, 3> position(const std::vector<double>& n, std::size_t first) 
   return {n[first], n[first + 1], n[first + 2]};
 }
 
+/// Returns the rings of the only polygon of a GeoJSON file, in degrees.
+std::vector<PrismShape::Ring> rings_of_file(const char* option, const std::string& file) {
+  const std::vector<AreaPolygon> polygons = read_geojson_polygons(file);
+  if (polygons.size() != 1)
+    throw UsageError(fmt::format("{}: expected one polygon, but '{}' has {}", option, file, polygons.size()));
+  std::vector<PrismShape::Ring> rings;
+  for (const Ring& ring : polygons[0].rings()) {
+    rings.emplace_back();
+    for (const FixedPoint& p : ring)
+      rings.back().push_back({double(p.x) / fixed_per_unit, double(p.y) / fixed_per_unit});
+  }
+  return rings;
+}
+
 /// Returns the prism over the only polygon of a GeoJSON file. `text` is FILE,LOW,HIGH.
 PrismShape prism_of(const char* option, const std::string& text) {
   const std::size_t high = text.rfind(','), low = high == std::string::npos ? high : text.rfind(',', high - 1);
   if (high == 0 || low == std::string::npos)
     throw UsageError(fmt::format("{}: expected prism:AREA.geojson,LOW,HIGH", option));
   const std::vector<double> heights = numbers(option, "LOW,HIGH", text.substr(low + 1), {2});
-  const std::vector<AreaPolygon> polygons = read_geojson_polygons(text.substr(0, low));
-  if (polygons.size() != 1)
-    throw UsageError(
-        fmt::format("{}: expected one polygon, but '{}' has {}", option, text.substr(0, low), polygons.size()));
-  PrismShape prism{{}, heights[0], heights[1]};
-  for (const Ring& ring : polygons[0].rings()) {
-    prism.rings.emplace_back();
-    for (const FixedPoint& p : ring)
-      prism.rings.back().push_back({double(p.x) / fixed_per_unit, double(p.y) / fixed_per_unit});
-  }
-  return prism;
+  return {rings_of_file(option, text.substr(0, low)), heights[0], heights[1]};
 }
 
 /// Returns the mesh of a file at a place. `text` is FILE,X,Y,Z.
@@ -84,12 +91,34 @@ std::uint8_t byte_of(const char* option, double value, double minimum) {
   throw UsageError(fmt::format("{}: expected whole numbers from {} to 255", option, minimum));
 }
 
+/// Returns an edit of a source. `text` is AREA.geojson, for flatten and raise with a number of metres.
+SourceEdit source_edit_of_option(SourceEditType type, const char* option, const std::string& text) {
+  SourceEdit edit;
+  edit.type = type;
+  edit.frame = EditFrame::degrees;
+  const bool has_metres = type == SourceEditType::flatten || type == SourceEditType::raise;
+  const std::size_t comma = has_metres ? text.rfind(',') : text.size();
+  if (comma == 0 || comma == std::string::npos)
+    throw UsageError(fmt::format("{}: expected AREA.geojson,METRES", option));
+  if (has_metres)
+    (type == SourceEditType::flatten ? edit.height_m : edit.by_m) = number(option, text.substr(comma + 1));
+  edit.rings = rings_of_file(option, text.substr(0, comma));
+  return source_edits_from_json(option, to_json(SourceEdits{{edit}})).list.front();
+}
+
 }  // namespace
 
 void EditOptions::add_to(CLI::App& command) {
   command.add_option("--carve", carve, fmt::format("SHAPE: remove its voxels; {}", shape_forms));
   command.add_option("--fill", fill, "SHAPE: fill it with opaque voxels of colour --rgb");
   command.add_option("--paint", paint, "SHAPE: give its voxels the colour --rgb, and --alpha if given");
+  command.add_option("--inside", inside, "AREA.geojson: keep only the part of the sources inside its polygon");
+  command.add_option("--outside", outside, "AREA.geojson: keep only the part outside");
+  command.add_option("--flatten", flatten, "AREA.geojson,HEIGHT: move the part inside to a height above the ellipsoid");
+  command.add_option("--raise", raise, "AREA.geojson,METRES: move the part inside up, or down by a negative number");
+  command.add_option(
+      "--source", source,
+      "path of the source in the scene .json that --inside, --outside, --flatten or --raise changes (all)");
   command.add_option("--from", from, "EDITS.json: append its edits (docs/editing.md)");
   command.add_option("--rgb", rgb, "R,G,B: sRGB colour of --fill or --paint, 0 to 255");
   command.add_option("--alpha", alpha, "alpha of --paint, 1 to 255");
@@ -100,19 +129,48 @@ void EditOptions::add_to(CLI::App& command) {
       "scene's frame); a prism is always in degrees");
 }
 
-EditList EditOptions::edits() const {
-  EditList list;
+SceneEditList EditOptions::edits() const {
+  SceneEditList list;
   if (!from.empty()) {
     const std::vector<std::uint8_t> bytes = read_whole_file(from);
-    list = edits_from_json(from, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    list = scene_edits_from_json(from, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
   }
+  std::optional<Edit> of_voxels = voxel_edit();
+  std::optional<NamedSourceEdit> of_source = source_edit();
+  if (of_voxels && of_source)
+    throw UsageError("edits of voxels and of sources exclude each other; list them in a file for --from");
+  if (of_voxels) list.emplace_back(*std::move(of_voxels));
+  if (of_source) list.emplace_back(*std::move(of_source));
+  return list;
+}
+
+/// Returns the edit of a source that the options state.
+std::optional<NamedSourceEdit> EditOptions::source_edit() const {
+  const std::string* const texts[] = {&inside, &outside, &flatten, &raise};
+  constexpr const char* options[] = {"--inside", "--outside", "--flatten", "--raise"};
+  NamedSourceEdit out;
+  out.source = source;
+  bool is_given = false;
+  for (std::size_t i = 0; i < std::size(texts); ++i) {
+    if (texts[i]->empty()) continue;
+    if (std::exchange(is_given, true))
+      throw UsageError("--inside, --outside, --flatten and --raise exclude each other; list several edits in a file");
+    out.edit = source_edit_of_option(SourceEditType(i), options[i], *texts[i]);
+  }
+  if (is_given) return out;
+  if (!source.empty()) throw UsageError("--source: only --inside, --outside, --flatten and --raise edit a source");
+  return std::nullopt;
+}
+
+/// Returns the edit of voxels that the options state.
+std::optional<Edit> EditOptions::voxel_edit() const {
   const int given = int(!carve.empty()) + int(!fill.empty()) + int(!paint.empty());
   if (given > 1)
     throw UsageError("--carve, --fill and --paint exclude each other; list several edits in a file for --from");
   if (carve.empty() == false && !rgb.empty()) throw UsageError("--rgb: a carved voxel has no colour");
   if ((!fill.empty() || !paint.empty()) && rgb.empty()) throw UsageError("--rgb: is missing; expected R,G,B");
   if (paint.empty() && !alpha.empty()) throw UsageError("--alpha: only --paint changes alpha");
-  if (given == 0) return list;
+  if (given == 0) return std::nullopt;
   Edit edit;
   edit.type = !carve.empty() ? EditType::carve : (!fill.empty() ? EditType::fill : EditType::paint);
   const char* option = !carve.empty() ? "--carve" : (!fill.empty() ? "--fill" : "--paint");
@@ -122,9 +180,7 @@ EditList EditOptions::edits() const {
     for (std::size_t c = 0; c < 3; ++c) edit.rgb[c] = byte_of("--rgb", colour[c], 0);
   }
   if (!alpha.empty()) edit.alpha = byte_of("--alpha", number("--alpha", alpha), 1);
-  const EditList checked = edits_from_json(option, to_json(EditList{edit}));
-  list.insert(list.end(), checked.begin(), checked.end());
-  return list;
+  return edits_from_json(option, to_json(EditList{edit})).front();
 }
 
 }  // namespace gigabake::app

@@ -45,7 +45,9 @@ void open_source(BakeSession& s) {
   check_options_collectively(s.mpi, [&] {
     if (s.mpi.rank() != 0) return;  // only rank 0 opens the source
     s.edits = edits_change(s.request);
-    options.edits = std::make_shared<const EditList>(edits_of_file(s.request.out, s.edits.after));
+    const SceneEditList edits = edits_of_file(s.request.out, s.edits.after);
+    options.edits = std::make_shared<const EditList>(voxel_edits(edits));
+    options.source_edits = std::make_shared<const NamedSourceEdits>(source_edits(edits));
   });
   s.sources = open_shared_sources(s.mpi, s.request.source, options, s.progress.steps);
   if (s.mpi.rank() == 0) s.report(SourceOpened{s.sources.scene});

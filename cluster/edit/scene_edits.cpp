@@ -3,7 +3,6 @@
 #include <system_error>
 
 #include "core/base/error.h"
-#include "format/edit/edit_json.h"
 #include "format/system/publish.h"
 #include "format/system/read_file.h"
 
@@ -17,8 +16,8 @@ std::string read_edits_file(const std::filesystem::path& out) {
   return {bytes.begin(), bytes.end()};
 }
 
-EditList edits_of_file(const std::filesystem::path& out, const std::string& text) {
-  return text.empty() ? EditList() : edits_from_json(edits_file_of(out), text);
+SceneEditList edits_of_file(const std::filesystem::path& out, const std::string& text) {
+  return text.empty() ? SceneEditList() : scene_edits_from_json(edits_file_of(out), text);
 }
 
 void write_edits_file(const std::filesystem::path& out, const std::string& text) {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "format/edit/edit.h"
+#include "format/edit/scene_edits.h"
 
 namespace gigabake {
 
@@ -24,8 +24,8 @@ struct EditsChange {
 std::string read_edits_file(const std::filesystem::path& out);
 
 /// Returns the edits in a text of OUT/edits.json; none if the text is empty.
-/// Errors  UsageError like edits_from_json().
-EditList edits_of_file(const std::filesystem::path& out, const std::string& text);
+/// Errors  UsageError like scene_edits_from_json().
+SceneEditList edits_of_file(const std::filesystem::path& out, const std::string& text);
 
 /// Writes OUT/edits.json, or removes it if `text` is empty.
 /// Errors  InputError.

@@ -208,6 +208,8 @@ EditList with_usage_errors(const Read& read) {
 
 }  // namespace
 
+Edit edit_of(const JsonMembers& edit) { return edit_of(edit, nullptr); }
+
 EditList edits_of(const JsonMembers& members, const ShapeMeshReader& reader) {
   return with_usage_errors([&] { return read_edits(members, reader); });
 }

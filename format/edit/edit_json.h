@@ -22,6 +22,10 @@ using ShapeMeshReader = std::function<MeshShape(const JsonMembers& shape)>;
 ///         swapped; a polygon crosses itself; a number is out of range.
 EditList edits_of(const JsonMembers& members, const ShapeMeshReader& reader = nullptr);
 
+/// Returns one edit. Meshes list their positions.
+/// Errors  InputError with file and key, for the reasons of edits_of().
+Edit edit_of(const JsonMembers& edit);
+
 /// Parses the text of to_json(). The edits get the file's name for messages.
 /// Errors  UsageError like edits_of(), and if the text is not a JSON object with the member `edits` only.
 EditList edits_from_json(const std::filesystem::path& file, std::string_view text);

@@ -49,9 +49,11 @@ std::vector<std::array<double, 3>> plane_of(const JsonMembers& members, const So
   return out;
 }
 
-SourceEdit source_edit_of(const JsonMembers& members) {
-  members.only(
-      {"type", ring_keys.metres, ring_keys.degrees, plane_keys.metres, plane_keys.degrees, "height_m", "by_m"});
+}  // namespace
+
+SourceEdit source_edit_of(const JsonMembers& members, MayNameSource naming) {
+  members.only({"type", ring_keys.metres, ring_keys.degrees, plane_keys.metres, plane_keys.degrees, "height_m", "by_m",
+                naming == MayNameSource::yes ? "source" : "type"});
   SourceEdit edit;
   edit.type = members.get<SourceEditType>("type", "inside, outside, flatten or raise");
   edit.rings = rings_of(members, edit.frame);
@@ -63,10 +65,13 @@ SourceEdit source_edit_of(const JsonMembers& members) {
   return edit;
 }
 
+namespace {
+
 SourceEdits read_source_edits(const JsonMembers& members) {
   const Json& list = members.array("edits");
   SourceEdits edits;
-  for (std::size_t i = 0; i < list.size(); ++i) edits.list.push_back(source_edit_of(members.element("edits", list, i)));
+  for (std::size_t i = 0; i < list.size(); ++i)
+    edits.list.push_back(source_edit_of(members.element("edits", list, i), MayNameSource::no));
   return edits;
 }
 

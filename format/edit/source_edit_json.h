@@ -1,6 +1,7 @@
 /// Edits of a source as JSON: the member `edits` of a source in a scene .json (docs/editing.md).
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -8,6 +9,13 @@
 #include "format/system/json/json_members.h"
 
 namespace gigabake {
+
+/// The permission to have the member `source`, which the caller reads.
+enum class MayNameSource : std::uint8_t { no, yes };
+
+/// Returns one edit.
+/// Errors  InputError with file and key, for the reasons of source_edits_of().
+SourceEdit source_edit_of(const JsonMembers& edit, MayNameSource naming);
 
 /// Returns the edits in the member `edits`; none if it is absent.
 /// Errors  UsageError with file and key: an unknown type or member, a polygon that crosses itself, or a number out of

@@ -8,7 +8,8 @@
 #include "core/base/pluralize.h"
 #include "core/math/georeference.h"
 #include "core/math/transform.h"
-#include "format/edit/edit.h"
+#include "format/edit/scene_edits.h"
+#include "format/edit/source_edits_in_scene.h"
 #include "format/source/content/composite.h"
 #include "format/source/earth_centred.h"
 #include "format/source/folder_listing.h"
@@ -289,6 +290,18 @@ void add_edits(const EditList& edits, SceneSources& sources) {
   sources.edits = std::make_shared<const EditList>(std::move(all));
 }
 
+/// Adds the edits to all tiles of a source that is no scene .json.
+void add_source_edits(const NamedSourceEdits& edits, SceneSources& sources) {
+  if (edits.empty()) return;
+  auto all = std::make_shared<SourceEdits>();
+  for (const NamedSourceEdit& edit : edits) {
+    if (!edit.source.empty()) refuse(edit, "names a source, but only the sources of a scene .json have names");
+    all->list.push_back(edit.edit);
+  }
+  placed_edits(*all, sources.origin);  // throws early if the scene has no place for them
+  for (TileRef& tile : sources.tiles) tile.edits = all;
+}
+
 }  // namespace
 
 SceneSources open_sources(const std::filesystem::path& path, const SourceOptions& options, const Progress& progress) {
@@ -314,6 +327,7 @@ SceneSources open_sources(const std::filesystem::path& path, const SourceOptions
         "expected a .glb, .gltf, .b3dm, .i3dm, .cmpt, .obj, .ply, .stl, .tif, .asc, .hgt or .vrt, a folder, "
         "a tileset.json, a .3tz or a scene .json");
   if (options.edits) add_edits(*options.edits, out);
+  if (options.source_edits && !out.is_scene_json) add_source_edits(*options.source_edits, out);
   if (options.area) restrict_to_area(options.area, out);
   for (const TileRef& tile : out.tiles)
     if (!tile.scene_from_tile.is_finite()) throw InputError(tile.path, "transform", "the tile's place is not finite");

@@ -23,6 +23,7 @@ struct Area;
 struct DemTile;
 struct Edit;
 struct SourceEdits;
+struct NamedSourceEdit;
 
 /// Statements about the elevation rasters of a source. A scene .json has its own statements per raster.
 struct RasterOptions {
@@ -41,6 +42,8 @@ struct SourceOptions {
   std::shared_ptr<const Area> area = nullptr;                ///< the part of the source that is used; null: all of it
   RasterOptions raster = {};                                 ///< for a source that consists of elevation rasters
   std::shared_ptr<const std::vector<Edit>> edits = nullptr;  ///< applied after the edits of the source; null: none
+  /// Edits of sources, applied after the edits in a scene .json; null: none.
+  std::shared_ptr<const std::vector<NamedSourceEdit>> source_edits = nullptr;
 };
 
 enum class ContentKind : std::uint8_t { glb, gltf, b3dm, i3dm, obj, dem, ply, stl };
@@ -89,6 +92,7 @@ struct SceneSources {
   std::vector<std::string> notes;              ///< information on the sources' places for the user; one line each
   std::shared_ptr<const Area> area = nullptr;  ///< SourceOptions::area
   std::shared_ptr<const std::vector<Edit>> edits = nullptr;  ///< edits of the scene, in their order; null: none
+  bool is_scene_json = false;                                ///< a scene .json lists the sources
   std::uint64_t outside = 0;  ///< known content files that were not opened, because they lie outside the area
 };
 

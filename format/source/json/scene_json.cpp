@@ -9,6 +9,7 @@
 #include "core/math/georeference.h"
 #include "core/math/transform.h"
 #include "format/edit/edit_json.h"
+#include "format/edit/scene_edits.h"
 #include "format/edit/source_edit_json.h"
 #include "format/edit/source_edits_in_scene.h"
 #include "format/source/origin_check.h"
@@ -45,9 +46,14 @@ struct Entry {
   std::shared_ptr<const SourceEdits> edits = nullptr;
 };
 
-/// Returns the edits of an entry; null if it has none.
-std::shared_ptr<const SourceEdits> edits_in(const JsonMembers& entry) {
+/// Returns the edits of an entry, then the edits in the options that concern it; null if there are none. `name` is the
+/// entry's path.
+std::shared_ptr<const SourceEdits> edits_in(const JsonMembers& entry, const std::string& name,
+                                            const SourceOptions& options) {
   SourceEdits edits = source_edits_of(entry);
+  if (options.source_edits)
+    for (const NamedSourceEdit& edit : *options.source_edits)
+      if (edit.source.empty() || edit.source == name) edits.list.push_back(edit.edit);
   return edits.list.empty() ? nullptr : std::make_shared<const SourceEdits>(std::move(edits));
 }
 
@@ -75,7 +81,8 @@ Entry read_entry(const JsonMembers& json, SourceOptions options, const Progress&
   options.edits.reset();
   const auto path = json.get<std::string>("path");
   json.only({"path", "place", "heading_deg", "scale", "edits"});
-  e.edits = edits_in(json);
+  e.edits = edits_in(json, path, options);
+  options.source_edits.reset();
   const bool is_placed = json.contains("place");
   if (is_placed) read_place(json.members("place"), e);
   e.heading_deg = json.find<double>("heading_deg").value_or(0);
@@ -105,6 +112,23 @@ std::shared_ptr<const SourceEdits> edits_of_surface(
   return edits.at(first);
 }
 
+/// Returns the text of the member `path` or `dem` of an entry; empty if it is not one text.
+std::string name_of_entry(const Json& entry) {
+  for (const char* key : {"path", "dem"})
+    if (entry.is_object() && entry.contains(key) && entry[key].is_string()) return entry[key].get<std::string>();
+  return {};
+}
+
+/// Checks that each named edit in the options names an entry.
+void expect_named_entries(const Json& list, const SourceOptions& options) {
+  if (!options.source_edits) return;
+  for (const NamedSourceEdit& edit : *options.source_edits) {
+    const auto is_named = [&](const Json& entry) { return name_of_entry(entry) == edit.source; };
+    if (!edit.source.empty() && std::none_of(list.begin(), list.end(), is_named))
+      refuse(edit, "no source of the scene has the path " + in_quotes(edit.source));
+  }
+}
+
 /// Opens the rasters of all entries together, because one surface may consist of several entries. Returns one entry per
 /// surface.
 std::vector<Entry> raster_entries(const JsonMembers& scene, const Json& list, const SourceOptions& options,
@@ -117,7 +141,7 @@ std::vector<Entry> raster_entries(const JsonMembers& scene, const Json& list, co
     if (!list[i].is_object() || !list[i].contains("dem")) continue;
     const JsonMembers entry = scene.element("sources", list, i);
     entry.only({"dem", "ortho", "crs", "ortho_crs", "nodata", "height_scale", "geoid_offset_m", "tile_cells", "edits"});
-    edits[entry.path()] = edits_in(entry);
+    edits[entry.path()] = edits_in(entry, name_of_entry(list[i]), options);
     for (DemOptions& o : dem_options(entry)) {
       where.emplace(o.dem, entry.path());
       rasters.push_back(std::move(o));
@@ -129,6 +153,7 @@ std::vector<Entry> raster_entries(const JsonMembers& scene, const Json& list, co
   own.origin.reset();
   own.area.reset();
   own.edits.reset();
+  own.source_edits.reset();
   for (SceneSources& source : dem_sources(root_of(file), rasters, own, progress)) {
     Entry e;
     e.where = where.at(source.tiles.front().dem->raster->parts[0].options.dem);
@@ -204,6 +229,7 @@ SceneSources open_scene_json(const std::filesystem::path& file, const Json& json
   scene.only({"gigabake", "sources", "edits"});
   std::vector<Entry> entries;
   const Json& list = scene.array("sources");
+  expect_named_entries(list, options);
   std::vector<Entry> surfaces = raster_entries(scene, list, options, progress);
   for (std::size_t i = 0; i < list.size(); ++i) {
     const JsonMembers entry = scene.element("sources", list, i);
@@ -216,6 +242,7 @@ SceneSources open_scene_json(const std::filesystem::path& file, const Json& json
   }
   if (entries.empty()) throw InputError(file, "sources", "expected at least one source");
   SceneSources out;
+  out.is_scene_json = true;
   out.root = root_of(file);
   for (const Entry& e : entries)
     if (e.position.has_value() != entries[0].position.has_value())

@@ -209,6 +209,57 @@ class Edit(harness.FolderTest):
         PROGRAM.succeed("bake", source, "-o", self.root / "placed", "--voxel-size", VOXEL_M, *OPTIONS)
         self.assertEqual(self.hash_of(self.scene), self.hash_of(self.root / "placed"))
 
+    def test_edits_of_sources_equal_those_of_a_scene_json(self):
+        place = {"lon_lat_height": [8, 47, 100]}
+        ring = [[8 - 5e-5, 47 - 3e-5], [8 + 7e-5, 47 - 2e-5], [8 + 1e-5, 47 + 6e-5]]
+        area = self.root / "part.geojson"
+        area.write_text(json.dumps({"type": "Polygon", "coordinates": [[*ring, ring[0]]]}))
+        source = scene_file(self.root / "parts.json", [], place)
+        PROGRAM.succeed("bake", source, "-o", self.scene, "--voxel-size", VOXEL_M, *OPTIONS)
+        hashes = [self.hash_of(self.scene)]
+        steps = ([f"--flatten={area},101.5"], [f"--raise={area},-2", "--source=ground.glb"],
+                 ["--carve=sphere:8,47,101,3", "--degrees"], [f"--outside={area}"])
+        for options in steps:
+            PROGRAM.succeed("edit", self.scene, *options, "-q")
+            hashes.append(self.hash_of(self.scene))
+        self.assertEqual(len({tuple(h) for h in hashes}), len(hashes))
+        edits = self.listed()
+        self.assertEqual([edit["type"] for edit in edits], ["flatten", "raise", "carve", "outside"])
+        self.assertEqual([edit.get("source") for edit in edits], [None, "ground.glb", None, None])
+        of_source = [{k: v for k, v in e.items() if k != "source"} for e in edits if e["type"] != "carve"]
+        entry = {"path": "ground.glb", "place": place, "edits": of_source}
+        document = {"gigabake": 1, "sources": [entry], "edits": [edits[2]]}
+        source.write_text(json.dumps(document))
+        PROGRAM.succeed("bake", source, "-o", self.root / "parts", "--voxel-size", VOXEL_M, *OPTIONS)
+        self.assertEqual(self.hash_of(self.root / "parts"), hashes[-1])
+        source.write_text(json.dumps({**document, "sources": [{**entry, "edits": []}], "edits": []}))
+        for before in reversed(hashes[:-1]):
+            PROGRAM.succeed("edit", self.scene, "--undo", "-q")
+            self.assertEqual(self.hash_of(self.scene), before)
+        for options, text in ((["--source=other.glb", f"--outside={area}"], "'other.glb'"),
+                              (["--source=ground.glb", "--carve=sphere:8,47,101,3"], "--source"),
+                              ([f"--outside={area}", f"--inside={area}"], "exclude each other"),
+                              ([f"--flatten={area}"], "--flatten: expected AREA.geojson,METRES"),
+                              ([f"--raise={area},high"], "--raise")):
+            with self.subTest(options=options):
+                self.fail_with(2, *options, text=text)
+
+    def test_sources_without_a_scene_json_are_edited_as_a_whole(self):
+        ring = [[-4, -4], [5, -3], [1, 6]]
+        out, file = self.root / "mesh", self.root / "mesh.json"
+        PROGRAM.succeed("bake", self.root / "ground.glb", "-o", out, "--voxel-size", VOXEL_M, "--local", *OPTIONS)
+        before = self.hash_of(out)
+        file.write_text(json.dumps({"edits": [{"type": "outside", "rings_m": [ring]}]}))
+        PROGRAM.succeed("edit", out, "--from", file, "-q")
+        PROGRAM.succeed("verify", out)
+        self.assertNotEqual(self.hash_of(out), before)
+        PROGRAM.succeed("edit", out, "--undo", "-q")
+        self.assertEqual(self.hash_of(out), before)
+        file.write_text(json.dumps({"edits": [{"type": "outside", "rings_m": [ring], "source": "ground.glb"}]}))
+        result = PROGRAM.run("edit", out, "--from", file)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn("only the sources of a scene .json have names", result.stderr)
+
     def test_bad_edits_are_one_line_and_change_nothing(self):
         broken = self.root / "broken.json"
         ball = {"position_m": [0, 0, 0], "radius_m": 1}
