@@ -133,17 +133,20 @@ bool CellStages::is_wholly_inside(const CellJob& job) const {
                        AreaOverlap::inside;
 }
 
+void CellStages::claim_filled_voxels(const CellEdits& edits, const CellJob& job, MemoryClaim& memory) {
+  constexpr std::uint64_t voxel_bytes = 2 * (4 + 2 + directional_coverage_bytes);
+  const std::uint64_t bricks = job.cell_voxels / brick_edge;
+  memory.add_items(edits.functions().filled_voxels(0, bricks * bricks * bricks), voxel_bytes, "edits", "filled voxels");
+}
+
 /// Finds the edits that select a voxel of the cell, and claims the memory of the voxels that they fill.
 void CellStages::find_edits(InFlightCell& cell) const {
   if (!edits_) return;
   auto edits = std::make_unique<const CellEdits>(*edits_, cell_parameters(cell.job, parameters_, 0), pool_);
   if (edits->empty()) return;
-  constexpr std::uint64_t voxel_bytes = 2 * (4 + 2 + directional_coverage_bytes);
   cell.edits = std::move(edits);
   cell.edit_functions = cell.edits->functions();
-  const std::uint64_t bricks = cell.job.cell_voxels / brick_edge;
-  cell.loaded->memory.add_items(cell.edit_functions.filled_voxels(0, bricks * bricks * bricks), voxel_bytes, "edits",
-                                "filled voxels");
+  claim_filled_voxels(*cell.edits, cell.job, cell.loaded->memory);
 }
 
 kernels::CellParameters CellStages::parameters_of(const InFlightCell& cell, std::uint64_t memory_bytes) const {

@@ -83,6 +83,9 @@ class CellStages {
   bool on_device(InFlightCell& cell, const Step& step);
   void bake_on_cpu(InFlightCell& cell) const;
   void find_edits(InFlightCell& cell) const;
+  /// Claims the memory of the voxels that edits fill.
+  /// Errors  InputError: the memory limit is exceeded.
+  static void claim_filled_voxels(const CellEdits& edits, const CellJob& job, MemoryClaim& memory);
   bool edit_stored(InFlightCell& cell) const;
   bool edit_stored(InFlightCell& cell, const CellJob& earlier, std::size_t applied) const;
   kernels::CellParameters parameters_of(const InFlightCell& cell, std::uint64_t memory_bytes) const;

@@ -61,6 +61,8 @@ bool CellStages::edit_stored(InFlightCell& cell, const CellJob& earlier, std::si
   if (!is_of_job(base.header(), earlier, parameters_, sources_.origin) || !base.is_spliceable()) return false;
   const kernels::CellParameters parameters = parameters_of(cell, 0);
   const CellEdits edits(*edits_, parameters, pool_, applied);
+  MemoryClaim memory("cell", cell_advice);
+  claim_filled_voxels(edits, cell.job, memory);
   std::optional<EditedShard> edited = edited_shard(base, edits, parameters, pool_);
   if (!edited) return false;
   count_work(WorkCounter::edited_bricks, edited->bricks);

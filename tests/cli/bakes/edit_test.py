@@ -209,6 +209,16 @@ class Edit(harness.FolderTest):
         PROGRAM.succeed("bake", source, "-o", self.root / "placed", "--voxel-size", VOXEL_M, *OPTIONS)
         self.assertEqual(self.hash_of(self.scene), self.hash_of(self.root / "placed"))
 
+    def test_a_fill_beyond_the_memory_limit_is_one_line_and_changes_nothing(self):
+        out = self.root / "large"
+        PROGRAM.succeed("bake", self.root / "ground.glb", "-o", out, "--voxel-size", VOXEL_M / 64, "--local",
+                        "--cell-voxels", 4096, "-q")
+        before = self.hash_of(out)
+        result = PROGRAM.run("edit", out, "--fill=box:-12,-12,-12,12,12,12", "--rgb=1,2,3", "-q")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertRegex(result.stderr, r"\Agigabake: .*filled voxels would take.*\n\Z")
+        self.assertEqual(self.hash_of(out), before)
+
     def test_edits_of_sources_equal_those_of_a_scene_json(self):
         place = {"lon_lat_height": [8, 47, 100]}
         ring = [[8 - 5e-5, 47 - 3e-5], [8 + 7e-5, 47 - 2e-5], [8 + 1e-5, 47 + 6e-5]]
