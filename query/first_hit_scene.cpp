@@ -9,6 +9,8 @@
 #include "core/base/error.h"
 #include "format/scene/shard_of_scene.h"
 #include "format/shard/levels/brick_walk.h"
+#include "format/shard/levels/coarse_levels.h"
+#include "format/shard/levels/leaf_walk.h"
 #include "query/first_hit_tree.h"
 
 namespace gigabake {
@@ -103,10 +105,8 @@ void FirstHitBuilder::add_brick(const Position& at, const BrickLevel& level, std
   }
 }
 
-void FirstHitBuilder::add_cell(const Vec3i64& lattice_min, const NodeTable& nodes, const BrickLevel& level) {
-  check_columns(nodes, level);
-  if (empty_) first_corner_ = lattice_min;
-  empty_ = false;
+/// Returns the corner of a cell.
+FirstHitBuilder::Position FirstHitBuilder::corner_of(const Vec3i64& lattice_min) const {
   Position cell;
   for (std::size_t a = 0; a < 3; ++a) {
     const std::int64_t apart = lattice_min[a] - first_corner_[a];
@@ -115,6 +115,68 @@ void FirstHitBuilder::add_cell(const Vec3i64& lattice_min, const NodeTable& node
             "distances between cells are not multiples of four voxels of this lod");
     if (std::abs(cell[a]) >= std::int64_t(1) << kernels::max_first_hit_bits) throw too_wide();
   }
+  return cell;
+}
+
+/// Adds an octant of voxels that are one level coarser than the tree's: eight nodes of 2×2×2 of them.
+void FirstHitBuilder::add_half_bricks(const Position& at, const LeafOctant& octant) {
+  for (int node = 0; node < 8; ++node) {
+    Leaf leaf{{std::int32_t(at[0] / 4) + (node & 1), std::int32_t(at[1] / 4) + (node >> 1 & 1),
+               std::int32_t(at[2] / 4) + (node >> 2)},
+              {}};
+    for (int child = 0; child < 64; ++child) {
+      const int x = 2 * (node & 1) + (child & 3) / 2, y = 2 * (node >> 1 & 1) + (child >> 2 & 3) / 2,
+                z = 2 * (node >> 2) + (child >> 4) / 2, of_leaf = x + 4 * y + 16 * z;
+      if ((octant.mask >> of_leaf & 1) == 0) continue;
+      leaf.node.mask |= std::uint64_t(1) << child;
+      attributes_.push_back(octant.attributes[std::size_t(of_leaf)]);
+    }
+    if (leaf.node.mask == 0) continue;
+    leaf.node.end = std::uint32_t(attributes_.size());
+    leaves_.push_back(leaf);
+  }
+}
+
+/// Adds an octant of voxels that are `coarser` levels coarser than the tree's, one constant node per voxel.
+void FirstHitBuilder::add_cubes(const Position& at, const LeafOctant& octant, int coarser) {
+  const std::int64_t edge = std::int64_t(1) << coarser;
+  for (std::uint64_t rest = octant.mask; rest != 0; rest &= rest - 1) {
+    const int voxel = std::countr_zero(rest);
+    const Position corner = at + Position{voxel & 3, voxel >> 2 & 3, voxel >> 4} * edge;
+    constants_.push_back({corner, edge, std::uint32_t(attributes_.size())});
+    attributes_.insert(attributes_.end(), 64, octant.attributes[std::size_t(voxel)]);
+  }
+}
+
+void FirstHitBuilder::add_leaves(const Vec3i64& lattice_min, const NodeTable& nodes,
+                                 const std::vector<BrickLevel>& levels) {
+  const Position cell = corner_of(lattice_min);
+  for_each_leaf_octant(nodes, levels, lod_, [&](const LeafVoxels& leaf) {
+    LeafOctant octant;
+    const int coarser = leaf.lod - lod_;
+    for_each_leaf(leaf, [&](const Vec3<int>& at, const std::uint8_t* rgba, const std::int8_t* normal,
+                            const std::uint8_t* directional_coverage) {
+      const int voxel = at[0] + 4 * at[1] + 16 * at[2];
+      octant.mask |= std::uint64_t(1) << voxel;
+      octant.attributes[std::size_t(voxel)] = look_of(rgba, normal, directional_coverage);
+      octant.attributes[std::size_t(voxel)].coarser = std::uint8_t(coarser);
+    });
+    if (attributes_.size() + brick_voxels * brick_edge > max_looks)
+      throw std::length_error("2^32 voxels or more; use a coarser lod");
+    const Position at = cell + leaf.octant * (std::int64_t(brick_edge / 2) << coarser);
+    if (coarser == 1)
+      add_half_bricks(at, octant);
+    else
+      add_cubes(at, octant, coarser);
+    voxels_ += std::uint64_t(std::popcount(octant.mask)) << 3 * coarser;
+  });
+}
+
+void FirstHitBuilder::add_cell(const Vec3i64& lattice_min, const NodeTable& nodes, const BrickLevel& level) {
+  check_columns(nodes, level);
+  if (empty_) first_corner_ = lattice_min;
+  empty_ = false;
+  const Position cell = corner_of(lattice_min);
   for (std::size_t n = 0; n < nodes.key.size(); ++n) {
     if (nodes.lod[n] < lod_ || (nodes.lod[n] > lod_ && nodes.kind[n] != NodeKind::leaf_constant)) continue;
     const std::int64_t edge = std::int64_t(brick_edge) << (nodes.lod[n] - lod_);
@@ -247,6 +309,9 @@ FirstHitScene build_first_hit_scene(const SceneDescription& scene, const std::fi
       if (lod < 0 || lod >= int(cell.lods)) throw std::invalid_argument("no lod " + std::to_string(lod));
       const ShardReader shard = open_shard_of_scene(scene_path, scene, cell);
       builder.add_cell(cell.lattice_min, shard.nodes(), shard.level(lod));
+      if (shard.header().leaf_lod <= std::uint32_t(lod)) continue;
+      const CoarseLevels coarse = shard.coarse_levels(lod);
+      builder.add_leaves(cell.lattice_min, coarse.nodes, coarse.levels);
     }
     return builder.finish();
   } catch (const std::invalid_argument& error) {

@@ -43,6 +43,11 @@ class FirstHitBuilder {
   ///         std::length_error: 2^32 voxels or more.
   void add_cell(const Vec3i64& lattice_min, const NodeTable& nodes, const BrickLevel& level);
 
+  /// Adds the leaves of a cell that are coarser than the builder's lod, as cubes of their size. `levels` are the cell's
+  /// levels from the builder's lod on.
+  /// Errors  The errors of add_cell(), which was called for the cell before.
+  void add_leaves(const Vec3i64& lattice_min, const NodeTable& nodes, const std::vector<BrickLevel>& levels);
+
   /// Returns the scene.
   /// Errors  std::length_error: an edge of 2^18 voxels or more.
   FirstHitScene finish();
@@ -52,6 +57,11 @@ class FirstHitBuilder {
 
  private:
   using Position = Vec3i64;  ///< in voxels of lod_ from the first cell's corner
+  /// The voxels of an octant, by x + 4y + 16z.
+  struct LeafOctant {
+    std::uint64_t mask = 0;
+    std::array<kernels::VoxelAttributes, 64> attributes;
+  };
 
   struct Leaf {
     std::array<std::int32_t, 3> at;  ///< in nodes of 4×4×4 voxels
@@ -68,7 +78,10 @@ class FirstHitBuilder {
     int bits = 6;
   };
 
+  Position corner_of(const Vec3i64& lattice_min) const;
   void add_brick(const Position& at, const BrickLevel& level, std::size_t brick);
+  void add_half_bricks(const Position& at, const LeafOctant& octant);
+  void add_cubes(const Position& at, const LeafOctant& octant, int coarser);
   Cube cube_of_voxels() const;
   static Cube cube_of_window(std::int64_t edge);
   std::vector<kernels::FirstHitNode> build_nodes(const Cube& cube);

@@ -1,10 +1,12 @@
 #include "query/query_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <stdexcept>
 
 #include "core/base/error.h"
 #include "format/scene/shard_of_scene.h"
+#include "format/shard/levels/coarse_levels.h"
 
 namespace gigabake {
 namespace {
@@ -15,7 +17,9 @@ constexpr double rim = 0x1p-19;
 
 /// Bytes that a tree requires while it is built, measured on surfaces. A voxel requires its columns, twice its
 /// attributes (vector growth), and its fraction of the nodes. A brick requires a mask and three copies of up to eight
-/// nodes. A constant node requires 64 attributes and a node.
+/// nodes. A constant node requires 64 attributes and a node. An octant of leaves has some 24 voxels, each a constant
+/// node.
+constexpr std::uint64_t bytes_per_leaf_octant = 24 * 1200;
 constexpr std::uint64_t bytes_per_voxel = 26, bytes_per_brick = 600, bytes_per_constant = 1200, bytes_of_all = 1u << 16;
 
 }  // namespace
@@ -29,6 +33,7 @@ QueryTreeSource::QueryTreeSource(const PagedScene& scene, const SceneCell& shard
   std::uint64_t in_constants = 0;
   for (std::size_t n = 0; n < nodes_.lod.size(); ++n) {
     const int above = int(nodes_.lod[n]) - shard_lod_;
+    if (above > 0 && !nodes_.leaf_mask.empty()) leaf_octants_ += std::uint64_t(std::popcount(nodes_.leaf_mask[n]));
     if (above == 0 && nodes_.kind[n] == NodeKind::brick) {
       ++bricks_;
     } else if (above == 0 || (above > 0 && nodes_.kind[n] == NodeKind::leaf_constant)) {
@@ -42,7 +47,8 @@ QueryTreeSource::QueryTreeSource(const PagedScene& scene, const SceneCell& shard
 }
 
 std::uint64_t QueryTreeSource::bytes_to_build() const {
-  return stored_voxels_ * bytes_per_voxel + bricks_ * bytes_per_brick + constants_ * bytes_per_constant + bytes_of_all;
+  return stored_voxels_ * bytes_per_voxel + bricks_ * bytes_per_brick + constants_ * bytes_per_constant +
+         leaf_octants_ * bytes_per_leaf_octant + bytes_of_all;
 }
 
 QueryTree::QueryTree(const QueryTreeSource& source) {
@@ -57,7 +63,13 @@ QueryTree::QueryTree(const QueryTreeSource& source) {
   }
   try {
     FirstHitBuilder builder(source.shard_lod_);
-    builder.add_cell({0, 0, 0}, source.nodes_, source.reader_.level(source.shard_lod_));
+    if (source.leaf_octants_ == 0) {
+      builder.add_cell({0, 0, 0}, source.nodes_, source.reader_.level(source.shard_lod_));
+    } else {
+      const CoarseLevels coarse = source.reader_.coarse_levels(source.shard_lod_);
+      builder.add_cell({0, 0, 0}, source.nodes_, coarse.levels.front());
+      builder.add_leaves({0, 0, 0}, source.nodes_, coarse.levels);
+    }
     scene_ = builder.finish_window(std::int64_t(source.shard_.cell_voxels) >> view_.lod);
   } catch (const std::invalid_argument& error) {
     throw InputError(source.path_, "", error.what());

@@ -28,7 +28,7 @@ class QueryTreeSource {
   int shard_lod_;
   ShardReader reader_;
   NodeTable nodes_;
-  std::uint64_t stored_voxels_ = 0, bricks_ = 0, constants_ = 0;
+  std::uint64_t stored_voxels_ = 0, bricks_ = 0, constants_ = 0, leaf_octants_ = 0;
 };
 
 class QueryTree {

@@ -11,6 +11,7 @@
 #include "app/options/flags.h"
 #include "app/options/scene_argument.h"
 #include "core/base/pluralize.h"
+#include "format/scene/scene_level.h"
 #include "format/scene/stored_bytes.h"
 
 namespace gigabake::app {
@@ -27,15 +28,19 @@ struct Info {
   SceneHeader scene;
   SceneTotals totals;
   StoredBytes stored;
+  /// Voxels that describe lod 0: stored voxels, and voxels of expanded leaves. 0 without leaves.
+  std::uint64_t described = 0;
 };
 
-/// Reads the scene. If scene.xml does not store the byte sizes of the shards' columns (before version 3), reads shards.
+/// Reads the scene. If scene.xml does not store the byte sizes of the shards' columns (before version 3), or if voxels
+/// of coarser levels describe lod 0, reads shards.
 Info read_info(const std::filesystem::path& scene_xml, const Progress& progress) {
   progress.step("reading the scene");
   const PagedScene scene(scene_xml);
   const SceneTotals& totals = scene.totals();
   return {scene.header(), totals,
-          totals.has_stored() ? StoredBytes{totals.level_bytes, totals.node_bytes} : stored_bytes(scene, progress)};
+          totals.has_stored() ? StoredBytes{totals.level_bytes, totals.node_bytes} : stored_bytes(scene, progress),
+          scene.header().leaf_lod == 0 ? 0 : described_voxels(scene, 0)};
 }
 
 /// Returns the bounds of the cells in scene metres.
@@ -67,7 +72,7 @@ Json levels_to_json(const SceneTotals& totals, const StoredBytes& stored) {
 }
 
 Json to_json(const Info& info) {
-  const auto& [scene, totals, stored] = info;
+  const auto& [scene, totals, stored, described] = info;
   Json j;
   j["generator"] = scene.generator;
   j["voxel_size_m"] = scene.voxel_size_m;
@@ -85,6 +90,10 @@ Json to_json(const Info& info) {
                   {"non_finite", scene.non_finite},
                   {"zero_area", scene.zero_area}};
   j["voxels"] = std::accumulate(totals.voxels.begin(), totals.voxels.end(), std::uint64_t(0));
+  if (scene.leaf_lod != 0) {
+    j["leaf_lod"] = scene.leaf_lod;
+    j["described_voxels"] = described;
+  }
   j["bytes"] = totals.bytes;
   j["node_bytes"] = stored.of_nodes;
   if (totals.cells != 0) {
@@ -110,13 +119,16 @@ void print_place(const Info& info) {
 }
 
 void print_text(const Info& info) {
-  const auto& [scene, totals, stored] = info;
+  const auto& [scene, totals, stored, described] = info;
   fmt::print("{} of {} m voxels, {}, {}\n", pluralize(totals.cells, "cell"), scene.voxel_size_m,
              pluralize(scene.triangles, "triangle"), readable_bytes(totals.bytes));
   print_place(info);
   for (std::size_t lod = 0; lod < totals.voxels.size(); ++lod)
     fmt::print("  lod {:<2} {:>14} voxels {:>10}  {}\n", lod, totals.voxels[lod], readable_bytes(stored.of_lod.at(lod)),
                totals.content_hash[lod].hex());
+  if (scene.leaf_lod != 0)
+    fmt::print("{} describe lod 0; levels up to {} store a part of them as coarser voxels\n",
+               pluralize(described, "voxel"), scene.leaf_lod);
   fmt::print("content hash {}\n", totals.all_content().hex());
   const std::uint64_t dropped = scene.non_finite + scene.zero_area;
   if (dropped + scene.skipped_points + scene.skipped_lines != 0)

@@ -49,7 +49,8 @@ void open_source(BakeSession& s) {
     options.edits = std::make_shared<const EditList>(voxel_edits(edits));
     options.source_edits = std::make_shared<const NamedSourceEdits>(source_edits(edits));
   });
-  s.sources = open_shared_sources(s.mpi, s.request.source, options, s.progress.steps);
+  s.sources = open_shared_sources(s.mpi, s.request.source, options, s.request.parameters, s.progress.steps);
+  s.request.parameters = s.sources.parameters;
   if (s.mpi.rank() == 0) s.report(SourceOpened{s.sources.scene});
 }
 

@@ -31,7 +31,7 @@ struct BakeSession {
   }
 
   MpiSession& mpi;
-  const BakeRequest& request;  ///< equal on all ranks
+  BakeRequest request;  ///< equal on all ranks; open_source() adds the levels of the sources to its parameters
   const BakeProgress& progress;
   StatusFeed* feed;  ///< on rank 0 of a bake
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();

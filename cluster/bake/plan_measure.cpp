@@ -32,8 +32,9 @@ constexpr std::chrono::milliseconds max_nap{5};
 double elapsed_s(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// Returns the cells of a piece's column. Their ids begin at first_id, and their shard names are unique.
-std::vector<CellJob> jobs_of(const Piece& piece, std::uint32_t cell_voxels, std::uint32_t first_id) {
-  const CellStack stack = stack_over(piece.column.z_min, piece.column.z_end, cell_voxels);
+std::vector<CellJob> jobs_of(const Piece& piece, const BakeParameters& parameters, std::uint32_t first_id) {
+  const std::uint32_t cell_voxels = parameters.cell_voxels;
+  const CellStack stack = stack_over(piece.column.z_min, piece.column.z_end, cell_voxels, parameters.coarsest_lod);
   std::vector<CellJob> jobs;
   for (std::int64_t level = 0; level < stack.cells; ++level) {
     CellJob job;
@@ -151,7 +152,7 @@ class SizeSampler {
   }
 
   void submit(const Piece& piece) {
-    const std::vector<CellJob> jobs = jobs_of(piece, setup_.parameters.cell_voxels, std::uint32_t(owner_.size()));
+    const std::vector<CellJob> jobs = jobs_of(piece, setup_.parameters, std::uint32_t(owner_.size()));
     InFlightPiece in_flight;
     in_flight.piece.tile = piece.tile;
     in_flight.piece.projected_voxels = double(piece.column.projected_voxels) / projected_voxel_unit;
@@ -184,7 +185,8 @@ class SizeSampler {
     if (report.outcome != CellOutcome::baked) return;
     on_device_ = on_device_ || report.on_device;
     ++piece.cells;
-    piece.voxels_lod0 += report.cell.voxels.at(0);
+    // Surface that is voxelized at a coarser level has most voxels there.
+    piece.voxels_lod0 += *std::ranges::max_element(report.cell.voxels);
     piece.voxels = std::accumulate(report.cell.voxels.begin(), report.cell.voxels.end(), piece.voxels);
     piece.shard_bytes += report.cell.bytes;
     for (const LevelSummary& level : report.levels) piece.level_bytes += level.stored_bytes;
@@ -224,8 +226,10 @@ WorkerSetup setup_at(double voxel_size_m, double budget_s, const std::filesystem
                      const BakeRequest& request, const SharedSources& sources) {
   WorkerSetup setup = setup_of(mpi, request, sources);
   setup.parameters.voxel_size_m = voxel_size_m;
-  setup.parameters.cell_voxels = piece_voxels(
+  const std::uint32_t wanted_voxels = piece_voxels(
       voxels_per_thread_s * setup.worker.threads * budget_s / double(pieces_wanted), request.parameters.cell_voxels);
+  setup.parameters.cell_voxels =
+      std::max(wanted_voxels, std::uint32_t(brick_edge) << request.parameters.coarsest_lod);  // has the coarsest level
   setup.worker.out = folder;
   setup.worker.scratch = folder / "scratch";  // shared by all sizes, so that a large tile is split only once
   return setup;
@@ -267,8 +271,10 @@ void fill_gaps(std::vector<MeasuredSize>& sizes, const MeasuredSize& asked, cons
 
 }  // namespace
 
-PlanMeasure measure_plan(const MpiSession& mpi, const BakeRequest& request, const SharedSources& sources,
+PlanMeasure measure_plan(const MpiSession& mpi, const BakeRequest& requested, const SharedSources& sources,
                          const BakePlan& plan, bool measures, const Progress& progress) {
+  BakeRequest request = requested;
+  request.parameters = sources.parameters;
   PlanMeasure out;
   out.ranks = mpi.ranks();
   out.threads = threads_of(mpi, request);

@@ -9,6 +9,7 @@
 #include "cluster/mpi/collective.h"
 #include "core/base/error.h"
 #include "format/job/source_bytes.h"
+#include "format/source/source_levels.h"
 
 namespace gigabake {
 namespace {
@@ -69,15 +70,17 @@ void expect_source(const std::filesystem::path& path) {
 }  // namespace
 
 SharedSources open_shared_sources(MpiSession& mpi, const std::filesystem::path& path, const SourceOptions& options,
-                                  const Progress& progress) {
+                                  const BakeParameters& parameters, const Progress& progress) {
   collective_try(mpi, [&] { expect_source(path); });
   SharedSources sources;
+  sources.parameters = parameters;
   std::vector<std::uint8_t> bytes;
   std::exception_ptr failure;
   if (mpi.rank() == 0) {
     try {
       HeartbeatsWhileOpening signs(mpi, progress);
       sources.scene = open_sources(path, options, Progress(signs));
+      set_source_levels(sources.scene, sources.parameters);
       bytes = to_bytes(sources.scene);
     } catch (...) {
       failure = std::current_exception();
@@ -90,6 +93,9 @@ SharedSources open_shared_sources(MpiSession& mpi, const std::filesystem::path& 
     if (failure) std::rethrow_exception(failure);
   });
   sources.bytes = std::make_shared<const std::vector<std::uint8_t>>(mpi.from_master(std::move(bytes)));
+  const std::string text = to_json(sources.parameters);
+  const std::vector<std::uint8_t> agreed = mpi.from_master({text.begin(), text.end()});
+  sources.parameters = parameters_from_json(std::string(agreed.begin(), agreed.end()));
   return sources;
 }
 

@@ -40,4 +40,14 @@ GB_HD bool snap(const SnapFrame& frame, const double scene_from_local[12], const
   return true;
 }
 
+/// Converts `local` like snap(), but to multiples of 2^lod sub-voxels: 1/256 of a voxel of level `lod`.
+/// Range   0 ≤ lod ≤ 10.
+GB_HD bool snap_to_level(const SnapFrame& frame, const double scene_from_local[12], const float local[3], int lod,
+                         LatticePoint& out) {
+  const SnapFrame coarser{frame.voxel_size_m * double(1 << lod), frame.lattice_origin_m};
+  if (!snap(coarser, scene_from_local, local, out)) return false;
+  out.v = out.v * (std::int64_t(1) << lod);
+  return true;
+}
+
 }  // namespace gigabake

@@ -42,6 +42,9 @@ struct NodeTable {
   std::vector<DirectionalCoverage> directional_coverage;  ///< constant nodes; empty if the channel is off. For lod-0
                                                           ///< voxels, only the plane applies
   bool has_finest_planes = false;                         ///< lod-0 voxels have planes
+  /// Bit c: octant c of the node is a leaf. Its voxels exist and describe all finer levels; child c is not stored.
+  /// Empty if no node has leaves, as in all scenes whose sources have one voxel size.
+  std::vector<std::uint8_t> leaf_mask = {};
 };
 
 /// The bricks of one level in Morton order. Voxel (x,y,z) of a brick is bit x+8y of word z. The voxels of a brick are

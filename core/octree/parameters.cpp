@@ -43,6 +43,7 @@ std::string to_json(const BakeParameters& p) {
   // Write the key "facing" only if its value is false. Parameter sets from before this option keep their JSON and
   // fingerprint.
   if (!p.directional_coverage) j["facing"] = false;
+  if (p.coarsest_lod != 0) j["coarsest_lod"] = p.coarsest_lod;
   return j.dump();
 }
 
@@ -62,6 +63,7 @@ BakeParameters parameters_from_json(const std::string& json) {
     if (j.contains("max_error")) j.at("max_error").get_to(p.max_error);
     if (j.contains("codec")) get_named(j, "codec", p.codec);
     if (j.contains("facing")) j.at("facing").get_to(p.directional_coverage);
+    if (j.contains("coarsest_lod")) j.at("coarsest_lod").get_to(p.coarsest_lod);
   } catch (const nlohmann::json::exception&) {
     throw InputError("parameters", "", "expected a JSON object with the parameters of a bake, as gigabake writes it");
   }
@@ -76,6 +78,12 @@ void check(const BakeParameters& p) {
     throw UsageError("cell_voxels", "expected a power of two from 8 to 8192, got " + std::to_string(p.cell_voxels));
   if (p.max_error > 127)
     throw UsageError("max_error", "expected 0 to 127 codes of 255, got " + std::to_string(p.max_error));
+  const int levels = std::countr_zero(p.cell_voxels) - 2;
+  if (int(p.coarsest_lod) >= levels)
+    throw UsageError("coarsest_lod", fmt::format("expected 0 to {} for cells of {} voxels, got {}", levels - 1,
+                                                 p.cell_voxels, p.coarsest_lod));
+  if (p.coarsest_lod != 0 && p.mip == MipFilter::thesis)
+    throw UsageError("mip", "thesis filters two levels at once, so that all sources need one voxel size; use coverage");
   for (const double x : p.lattice_origin_m)
     if (!std::isfinite(x)) throw UsageError("lattice_origin_m", "expected three finite numbers in metres");
 }

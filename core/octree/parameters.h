@@ -23,6 +23,8 @@ struct BakeParameters {
       true;  ///< store directional coverage; only for MipFilter::coverage, see has_directional_coverage()
   std::uint32_t max_error = 0;  ///< max deviation of a stored voxel in codes of 255, 0 … 127 (docs/accuracy.md)
   Codec codec = Codec::deflate;
+  /// Coarsest level at which a source is voxelized; follows from the sources (format/source/source_levels.h).
+  std::uint32_t coarsest_lod = 0;
 };
 
 /// Returns true if the shards of a bake with these parameters have the channel `directional_coverage`.

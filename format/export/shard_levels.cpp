@@ -1,5 +1,6 @@
 #include "format/export/shard_levels.h"
 
+#include <bit>
 #include <utility>
 
 namespace gigabake {
@@ -55,6 +56,14 @@ std::vector<Box3i64> bricks_of(const ShardHeader& header, const NodeTable& nodes
     const std::int64_t edge = std::int64_t(brick_edge) << down;
     boxes.push_back(Box3i64::cube(lowest_of(corner, nodes.key[n], edge), edge));
   });
+  for (std::size_t n = 0; n < nodes.leaf_mask.size(); ++n) {
+    const int down = nodes.lod[n] + int(header.first_lod) - lod;
+    for (unsigned rest = down > 0 ? nodes.leaf_mask[n] : 0u; rest != 0; rest &= rest - 1) {
+      const std::int64_t edge = std::int64_t(brick_edge / 2) << down;
+      boxes.push_back(
+          Box3i64::cube(lowest_of(corner, nodes.key[n] << 3 | unsigned(std::countr_zero(rest)), edge), edge));
+    }
+  }
   return boxes;
 }
 

@@ -45,8 +45,8 @@ class ShardLevel {
   BrickLevel level_;
 };
 
-/// Returns the boxes of all bricks and constant nodes of lattice level `lod`, in voxels of this level. Reads only the
-/// node table.
+/// Returns the boxes of all bricks, constant nodes and octants of leaves that represent lattice level `lod`, in voxels
+/// of this level. Reads only the node table.
 std::vector<Box3i64> bricks_of(const ShardHeader& header, const NodeTable& nodes, int lod);
 
 /// Cache of the most recently used levels. Thread-safe.

@@ -18,6 +18,8 @@ namespace {
 constexpr std::uint32_t fingerprint_version = 2;
 /// Precedes the edits, so that they differ from tiles.
 constexpr std::uint32_t edits_mark = 0x74696465;
+/// Precedes the level of a tile.
+constexpr std::uint32_t level_mark = 0x6c65766c;
 
 /// Adds the edits that select a voxel of a cell, in their order; nothing if there are none.
 void add_edits(const EditsInScene& edits, std::span<const std::uint32_t> selecting, XXH3_state_t& state) {
@@ -44,11 +46,23 @@ CellFingerprints::CellFingerprints(const BakeParameters& parameters, const std::
 
 CellFingerprints::CellFingerprints(const BakeParameters& parameters, const SceneSources& sources)
     : CellFingerprints(parameters, sources.origin, sources.area, sources.edits) {
+  if (parameters.coarsest_lod != 0)
+    for (const TileRef& tile : sources.tiles) lod_of_tile_.push_back(tile.lod);
   for (const TileRef& tile : sources.tiles)
     if (tile.edits && !source_edits_.contains(tile.edits.get()))
       source_edits_.emplace(tile.edits.get(), placed_edits(*tile.edits, sources.origin));
   if (source_edits_.empty()) return;
   for (const TileRef& tile : sources.tiles) edits_of_tile_.push_back(tile.edits.get());
+}
+
+void CellFingerprints::add_levels(const CellJob& job, std::vector<Hash128>& tile_sources) const {
+  for (std::size_t i = 0; i < job.tiles.size() && !lod_of_tile_.empty(); ++i) {
+    const std::uint8_t lod = lod_of_tile_.at(job.tiles[i]);
+    if (lod == 0) continue;
+    ByteWriter w;
+    w.put(level_mark), w.put(tile_sources.at(i)), w.put(lod);
+    tile_sources[i] = hash_of_bytes(w.take());
+  }
 }
 
 void CellFingerprints::add_source_edits(const CellJob& job, std::vector<Hash128>& tile_sources) const {
@@ -88,6 +102,7 @@ std::vector<CellFingerprints::EarlierEdits> CellFingerprints::with_fewer_edits(c
 
 Hash128 CellFingerprints::with_edits(const CellJob& job, std::vector<Hash128> tile_sources,
                                      std::span<const std::uint32_t> edits) const {
+  add_levels(job, tile_sources);
   add_source_edits(job, tile_sources);
   std::sort(tile_sources.begin(), tile_sources.end(),
             [](const Hash128& a, const Hash128& b) { return std::tie(a.hi, a.lo) < std::tie(b.hi, b.lo); });

@@ -28,11 +28,11 @@ class CellFingerprints {
   /// Errors  UsageError like AreaInScene() and EditsInScene().
   CellFingerprints(const BakeParameters& parameters, const std::optional<Geodetic>& origin,
                    std::shared_ptr<const Area> area = nullptr, std::shared_ptr<const EditList> edits = nullptr);
-  /// Takes origin, area, edits and the edits of tiles from the sources.
+  /// Takes origin, area, edits, and the edits and levels of tiles from the sources.
   CellFingerprints(const BakeParameters& parameters, const SceneSources& sources);
 
   /// Returns the fingerprint of a cell. `tile_sources` has the TileScan::source of each of job.tiles, in any order
-  /// if no tile has edits.
+  /// if no tile has edits or a level.
   Hash128 of(const CellJob& job, std::vector<Hash128> tile_sources) const;
   /// A result of the same cell with only the first `edits` of the edits that select a voxel of it.
   struct EarlierEdits {
@@ -49,6 +49,8 @@ class CellFingerprints {
   bool match(const CellJob& job) const;
 
  private:
+  /// Adds to the identity of each tile its level, if that is not 0.
+  void add_levels(const CellJob& job, std::vector<Hash128>& tile_sources) const;
   /// Adds to the identity of each tile the edits that may change its surface in the cell.
   void add_source_edits(const CellJob& job, std::vector<Hash128>& tile_sources) const;
   Hash128 with_edits(const CellJob& job, std::vector<Hash128> tile_sources, std::span<const std::uint32_t> edits) const;
@@ -58,6 +60,7 @@ class CellFingerprints {
   SnapFrame frame_;
   std::optional<AreaInScene> area_;
   std::optional<EditsInScene> edits_;
+  std::vector<std::uint8_t> lod_of_tile_;  ///< empty if all tiles are voxelized at lod 0
   /// Edits of sources by TileRef::edits, and TileRef::edits by tile; both are empty if no tile has edits.
   std::map<const SourceEdits*, SourceEditsInScene> source_edits_;
   std::vector<const SourceEdits*> edits_of_tile_;

@@ -22,9 +22,18 @@ constexpr const char* what = "sources";
 /// Max length of the prefix that a tile's name shares with the previous one. Without this bound, malformed bytes could
 /// request any amount of memory.
 constexpr std::size_t max_shared_prefix = 4096;
+/// The coarsest level of the largest cell.
+constexpr int max_source_lod = 10;
 
 /// The parts that a tile has in addition to its placement.
-enum TileFlag : std::uint8_t { has_range = 1, has_archive = 2, has_raster = 4, has_edits = 8, all_flags = 15 };
+enum TileFlag : std::uint8_t {
+  has_range = 1,
+  has_archive = 2,
+  has_raster = 4,
+  has_edits = 8,
+  has_lod = 16,
+  all_flags = 31
+};
 
 /// Archives or rasters that many tiles share. Each part is written once; tiles refer to the part by number.
 template <class Part>
@@ -206,7 +215,7 @@ class TileWriter {
   void put(const TileRef& tile) {
     w_.put(std::uint8_t(tile.kind)), w_.put(std::uint8_t(tile.gltf_up));
     w_.put(std::uint8_t((tile.range == ByteRange{} ? 0 : has_range) | (tile.archive ? has_archive : 0) |
-                        (tile.dem ? has_raster : 0) | (tile.edits ? has_edits : 0)));
+                        (tile.dem ? has_raster : 0) | (tile.edits ? has_edits : 0) | (tile.lod != 0 ? has_lod : 0)));
     put_next(w_, path_, tile.path.string());
     put_next(w_, name_, tile.name);
     w_.put(tile.bytes);
@@ -216,6 +225,7 @@ class TileWriter {
     if (tile.archive) w_.put(archives_.number(tile.archive));
     if (tile.dem) put_dem(w_, *tile.dem, rasters_.number(tile.dem->raster));
     if (tile.edits) w_.put(edits_.number(tile.edits));
+    if (tile.lod != 0) w_.put(tile.lod);
     path_ = tile.path.string(), name_ = tile.name, scene_ = tile.scene_from_tile, world_ = tile.world_from_tile;
   }
 
@@ -271,6 +281,8 @@ class TileReader {
     if ((flags & has_archive) != 0) tile.archive = get_archive();
     if ((flags & has_raster) != 0) tile.dem = get_dem(r_, rasters_);
     if ((flags & has_edits) != 0) tile.edits = get_edits();
+    if ((flags & has_lod) != 0) r_.get(tile.lod);
+    if (tile.lod > max_source_lod) refuse("tile.lod", "a level of a cell");
     if ((tile.kind == ContentKind::dem) != (tile.dem != nullptr))
       refuse("tile.raster", "a raster only for an elevation tile");
     tile.path = path_, tile.name = name_, tile.scene_from_tile = scene_, tile.world_from_tile = world_;

@@ -27,7 +27,8 @@ struct ColumnExtent {
   std::int64_t z_min = 0, z_end = 0;  ///< lod-0 voxel range [z_min, z_end) that contains all voxels of the tile in this
                                       ///< column
   std::uint64_t triangles = 0;        ///< triangles that may overlap the column
-  /// Approximate number of projected lod-0 voxels of the tile's surface in this column, times projected_voxel_unit. It
+  /// Approximate number of projected voxels of the tile's level (TileRef::lod) of its surface in this column, times
+  /// projected_voxel_unit. It
   /// is the sum of the triangles' areas projected along x, y and z. The areas of a triangle are divided evenly among
   /// its columns. If surfaces are close together, they occupy fewer voxels.
   std::uint64_t projected_voxels = 0;

@@ -7,8 +7,10 @@
 #include <map>
 
 #include "core/base/error.h"
+#include "format/scene/expanded_leaves.h"
 #include "format/scene/shard_of_scene.h"
 #include "format/shard/levels/brick_walk.h"
+#include "format/shard/levels/coarse_levels.h"
 #include "format/shard/levels/content_hash.h"
 
 namespace gigabake {
@@ -47,6 +49,15 @@ void visit_parts(const LevelIndex& lowest, const DenseBrick& brick, const VisitB
   for (const auto& [block, part] : parts) visit(block, part);
 }
 
+/// Returns the number of voxels of a level that the leaves of a shard represent.
+std::uint64_t voxels_of_leaves(const PagedScene& scene, const SceneCell& shard, int lod) {
+  const ShardReader reader = open_shard_of_scene(scene.file(), scene.header(), shard);
+  if (reader.header().leaf_lod <= std::uint32_t(lod)) return 0;
+  const int shard_lod = lod - int(shard.first_lod);
+  const CoarseLevels above = reader.coarse_levels(shard_lod + 1);
+  return voxels_of_leaves(above.nodes, above.levels, shard_lod);
+}
+
 }  // namespace
 
 void DenseBrick::set(std::size_t voxel, const std::uint8_t* colour, const std::int8_t* oct) {
@@ -77,10 +88,13 @@ void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, con
 ReadLevel read_level(const PagedScene& scene, const SceneCell& shard, int lod) {
   const ShardReader reader = open_shard_of_scene(scene.file(), scene.header(), shard);
   const int shard_lod = lod - int(shard.first_lod);
-  ReadLevel read{reader.header(), reader.nodes(), reader.level(shard_lod)};
+  const bool has_leaves = reader.header().leaf_lod > std::uint32_t(lod);
+  const CoarseLevels coarse = has_leaves ? reader.coarse_levels(shard_lod) : CoarseLevels();
+  ReadLevel read{reader.header(), reader.nodes(), has_leaves ? coarse.levels.front() : reader.level(shard_lod)};
   if (content_hash(read.header, read.nodes, read.level, shard_lod) != shard.content_hash.at(std::size_t(shard_lod)))
     throw InputError(scene.folder() / shard.file, fmt::format("/lod_{}", shard_lod),
                      "the voxels do not match the content hash in scene.xml; bake again");
+  if (has_leaves) expand_leaves(coarse.levels, shard_lod, read.nodes, read.level);
   return read;
 }
 
@@ -104,9 +118,16 @@ std::uint64_t voxels_of_level(const PagedScene& scene, int lod) {
   return totals.voxels.at(std::size_t(lod));
 }
 
+std::uint64_t described_voxels(const PagedScene& scene, int lod) {
+  std::uint64_t voxels = voxels_of_level(scene, lod);
+  if (scene.header().leaf_lod > std::uint32_t(lod))
+    for_each_shard_of_level(scene, lod, [&](const SceneCell& shard) { voxels += voxels_of_leaves(scene, shard, lod); });
+  return voxels;
+}
+
 SceneLevel open_scene_level(const std::filesystem::path& scene_xml, int lod) {
   PagedScene scene(scene_xml);
-  const std::uint64_t voxels = voxels_of_level(scene, lod);
+  const std::uint64_t voxels = described_voxels(scene, lod);
   return {std::move(scene), voxels};
 }
 

@@ -43,7 +43,8 @@ struct ReadLevel {
   BrickLevel level;
 };
 
-/// Reads a level of the scene from one of its shards. `lod` is a level of the lattice.
+/// Reads a level of the scene from one of its shards. `lod` is a level of the lattice. Leaves of coarser levels are
+/// expanded (format/scene/expanded_leaves.h).
 /// Errors  InputError if the shard is missing, damaged or not part of the scene, or if its voxels do not match the
 ///         content hash in scene.xml.
 ReadLevel read_level(const PagedScene& scene, const SceneCell& shard, int lod);
@@ -51,18 +52,23 @@ ReadLevel read_level(const PagedScene& scene, const SceneCell& shard, int lod);
 /// Visits the shards that contain a level as their own level: cells, or overviews for levels above the cells' levels.
 void for_each_shard_of_level(const PagedScene& scene, int lod, const PagedScene::VisitCell& visit);
 
-/// Returns the number of voxels of a level, from the scene's totals.
+/// Returns the number of voxels that a level stores, from the scene's totals.
 /// Errors  InputError if the level does not exist, or exists in only some cells. The message names the existing levels.
 std::uint64_t voxels_of_level(const PagedScene& scene, int lod);
 
-/// A scene and the number of voxels of one of its levels.
+/// Returns the number of voxels that describe a level: those that it stores, and those that leaves of coarser levels
+/// represent on it. If the scene has such leaves, reads the coarser levels of all cells.
+/// Errors  The errors of voxels_of_level(). InputError: a shard is damaged or not part of the scene.
+std::uint64_t described_voxels(const PagedScene& scene, int lod);
+
+/// A scene and the number of voxels that describe one of its levels.
 struct SceneLevel {
   PagedScene scene;
   std::uint64_t voxels = 0;
 };
 
 /// Opens a scene to export one of its levels.
-/// Errors  InputError if scene.xml cannot be read; the errors of voxels_of_level().
+/// Errors  InputError if scene.xml cannot be read; the errors of described_voxels().
 SceneLevel open_scene_level(const std::filesystem::path& scene_xml, int lod);
 
 /// Visits the bricks of a level, shard by shard. `progress` advances by the number of voxels.

@@ -26,8 +26,8 @@ std::span<const std::string_view> known_of_page() {
 int expect_page_of(const std::filesystem::path& path, const SceneAttributes& a, const SceneHeader& header,
                    const PageReference& reference) {
   const int version = a.value<int>("Version");
-  if (version < 3 || version > newest_scene_version)
-    a.fail("Version", fmt::format("expected 3 to {}; a newer gigabake wrote this page", newest_scene_version));
+  if (version < 3 || version > scene_version_without_leaves)
+    a.fail("Version", fmt::format("expected 3 to {}; a newer gigabake wrote this page", scene_version_without_leaves));
   SceneHeader own;
   read_lattice(a, own);
   if (own.voxel_size_m != header.voxel_size_m || own.lattice_origin_m != header.lattice_origin_m ||

@@ -20,6 +20,7 @@ std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, 
   expect(header.origin == scene.origin, "origin", "differs from scene.xml");
   expect(header.has_normals == scene.has_normals && header.has_directional_coverage == scene.has_directional_coverage,
          "channels", "differ from scene.xml");
+  expect(header.leaf_lod <= scene.leaf_lod, "leaf_lod", "states leaves on a level where scene.xml has none");
   expect(header.triangles == cell.triangles, "triangles", "differ from scene.xml");
   expect(header.fingerprint == cell.fingerprint, "fingerprint", "differs from scene.xml: a shard of another bake");
   expect(header.content_hash == cell.content_hash, "content_hash", "differs from scene.xml");

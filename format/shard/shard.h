@@ -26,6 +26,7 @@ struct NodeRow {
   std::uint8_t directional_coverage[directional_coverage_bytes] = {};
   NodeKind kind = NodeKind::brick;
   std::uint8_t child_mask = 0;
+  std::uint8_t leaf_mask = 0;  ///< see NodeTable
 };
 
 /// Consecutive bricks of a level. Same layout as BrickLevel, but `first` counts from the block's first voxel.
@@ -54,6 +55,7 @@ struct ShardHeader {
   bool has_normals = true;
   bool has_directional_coverage = false;
   std::uint64_t triangles = 0;  ///< triangles that touched the cell
+  std::uint32_t leaf_lod = 0;   ///< coarsest lattice level with leaves (NodeTable::leaf_mask); 0: there are none
 };
 
 struct Shard {

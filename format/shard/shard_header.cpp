@@ -65,6 +65,8 @@ ShardHeader read_header(const Hdf5File& file) {
   h.lods = scalar<std::uint32_t>(file, "lods", Hdf5Type::u32);
   if (version >= 4) h.first_lod = scalar<std::uint32_t>(file, "first_lod", Hdf5Type::u32);
   if (version >= 5) h.copied_lods = scalar<std::uint32_t>(file, "copied_lods", Hdf5Type::u32);
+  if (version >= 8) h.leaf_lod = scalar<std::uint32_t>(file, "leaf_lod", Hdf5Type::u32);
+  if (version >= 8 && h.leaf_lod == 0) file.fail("leaf_lod", "expected a level with leaves, got 0");
   if (file.has_attribute("origin")) {
     double origin[3];
     file.read_attribute("origin", Hdf5Type::f64, origin, 3);

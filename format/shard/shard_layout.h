@@ -12,7 +12,9 @@
 namespace gigabake {
 
 inline constexpr char shard_format[] = "gigabake-shard";
-inline constexpr std::int32_t shard_version = 7;
+inline constexpr std::int32_t shard_version = 8;
+/// The version that is written for shards without leaves, so that earlier programs read them.
+inline constexpr std::int32_t shard_version_without_leaves = 7;
 inline constexpr std::int32_t oldest_shard_version = 1;
 
 struct NodeColumns {
@@ -23,6 +25,7 @@ struct NodeColumns {
   Hdf5Column lod{"/nodes/lod", Hdf5Type::u8, 1};
   Hdf5Column kind{"/nodes/kind", Hdf5Type::u8, 1};
   Hdf5Column child_mask{"/nodes/child_mask", Hdf5Type::u8, 1};
+  Hdf5Column leaf_mask{"/nodes/leaf_mask", Hdf5Type::u8, 1};  ///< only in shards with leaves
   Hdf5Column first_child{"/nodes/first_child", Hdf5Type::u32, 1, BytePlanes::of_elements};
   Hdf5Column value{"/nodes/value", Hdf5Type::u32, 1, BytePlanes::of_elements};
   Hdf5Column normal{"/nodes/normal", Hdf5Type::i8, 2};
@@ -38,6 +41,7 @@ struct NodeColumns {
     visit(first_child, &NodeTable::first_child);
     visit(value, &NodeTable::value);
     visit(normal, &NodeTable::normal);
+    if (header.leaf_lod != 0) visit(leaf_mask, &NodeTable::leaf_mask);
     if (header.has_directional_coverage) visit(directional_coverage, &NodeTable::directional_coverage);
   }
   std::vector<Hdf5Column> all(const ShardHeader& header) const {

@@ -54,7 +54,10 @@ struct ShardPages::Nodes {
         value(file, columns.value),
         normal(file, columns.normal),
         outline(file.path(), header, read_all<std::uint8_t>(Hdf5Rows(file, columns.lod)), read_all<NodeKind>(kind),
-                read_all<std::uint8_t>(child_mask)) {
+                read_all<std::uint8_t>(child_mask),
+                header.leaf_lod == 0 ? std::vector<std::uint8_t>()
+                                     : read_all<std::uint8_t>(Hdf5Rows(file, columns.leaf_mask))) {
+    if (header.leaf_lod != 0) leaf_mask.emplace(file, columns.leaf_mask);
     for (const Hdf5Rows* column : {&first_child, &value, &normal})
       if (column->rows() != outline.rows()) file.fail("/nodes", "columns differ in length");
     if (header.has_directional_coverage) directional_coverage.emplace(file, columns.directional_coverage);
@@ -64,7 +67,7 @@ struct ShardPages::Nodes {
 
   Hdf5Column directional_coverage_column;
   Hdf5Rows kind, child_mask, first_child, value, normal;
-  std::optional<Hdf5Rows> directional_coverage;
+  std::optional<Hdf5Rows> directional_coverage, leaf_mask;
   ShardOutline outline;
 };
 
@@ -135,10 +138,12 @@ std::uint64_t ShardPages::bricks(int lod) const { return open_level(lod).bricks;
 std::vector<NodeRow> ShardPages::nodes(std::uint64_t first, std::uint32_t count) const {
   const Nodes& columns = open_nodes();
   const std::uint64_t rows = clipped(file_, "/nodes", first, count, columns.outline.rows());
-  NodeWalk walk(file_.path(), columns.outline.place_before(first), columns.outline.rows());
+  NodeWalk walk(file_.path(), header_, columns.outline.place_before(first), columns.outline.rows());
   const std::uint64_t begin = walk.place().row;
   const auto kind = read_range<NodeKind>(columns.kind, begin, first + rows - begin);
   const auto child_mask = read_range<std::uint8_t>(columns.child_mask, begin, first + rows - begin);
+  const auto leaf_mask = columns.leaf_mask ? read_range<std::uint8_t>(*columns.leaf_mask, begin, first + rows - begin)
+                                           : std::vector<std::uint8_t>(first + rows - begin);
   const auto first_child = read_range<std::uint32_t>(columns.first_child, first, rows);
   const auto value = read_range<std::uint32_t>(columns.value, first, rows);
   const auto normal = read_range<std::int8_t>(columns.normal, first, rows, 2);
@@ -154,10 +159,11 @@ std::vector<NodeRow> ShardPages::nodes(std::uint64_t first, std::uint32_t count)
     if (begin + i >= first) {
       const std::size_t to = begin + i - first;
       walk.check_links(kind[i], child_mask[i], first_child[to], value[to]);
-      out[to] = {first_child[to], value[to], {normal[2 * to], normal[2 * to + 1]}, {}, kind[i], child_mask[i]};
+      out[to] = {first_child[to], value[to],   {normal[2 * to], normal[2 * to + 1]}, {}, kind[i],
+                 child_mask[i],   leaf_mask[i]};
       std::copy_n(directional_coverage[to].begin(), directional_coverage_bytes, out[to].directional_coverage);
     }
-    walk.step(walk.place().lod, kind[i], child_mask[i]);
+    walk.step(walk.place().lod, kind[i], child_mask[i], leaf_mask[i]);
   }
   return out;
 }

@@ -58,6 +58,7 @@ NodeTable ShardReader::nodes() const {
   read_rows(*file_, columns.lod, n.lod);
   read_rows(*file_, columns.kind, n.kind);
   read_rows(*file_, columns.child_mask, n.child_mask);
+  if (header_.leaf_lod != 0) read_rows(*file_, columns.leaf_mask, n.leaf_mask);
   read_rows(*file_, columns.first_child, n.first_child);
   read_rows(*file_, columns.value, n.value);
   read_rows(*file_, columns.normal, n.normal);
@@ -97,6 +98,7 @@ DownsampleState ShardReader::above() const {
 Shard ShardReader::all() const {
   Shard shard{header_, nodes(), {}, above()};
   shard.levels = read_brick_levels(FileColumns(*file_), header_, version_, shard.nodes, 0);
+  check_leaves(path_, shard.nodes, shard.levels);
   return shard;
 }
 

@@ -24,7 +24,8 @@ namespace {
 void write_header(Hdf5File& file, const ShardHeader& h, const DownsampleState& above) {
   const auto u32 = [&](const char* name, std::uint32_t v) { file.write_attribute(name, Hdf5Type::u32, &v, 0); };
   file.write_attribute("format", shard_format);
-  file.write_attribute("version", Hdf5Type::i32, &shard_version, 0);
+  const std::int32_t version = h.leaf_lod == 0 ? shard_version_without_leaves : shard_version;
+  file.write_attribute("version", Hdf5Type::i32, &version, 0);
   file.write_attribute("generator", h.generator);
   file.write_attribute("cell", h.cell);
   file.write_attribute("lattice_min", Hdf5Type::i64, h.lattice_min.v, 3);
@@ -35,6 +36,7 @@ void write_header(Hdf5File& file, const ShardHeader& h, const DownsampleState& a
   u32("lods", h.lods);
   u32("first_lod", h.first_lod);
   u32("copied_lods", h.copied_lods);
+  if (h.leaf_lod != 0) u32("leaf_lod", h.leaf_lod);
   if (h.origin) {
     const double origin[3] = {h.origin->latitude_deg, h.origin->longitude_deg, h.origin->height_m};
     file.write_attribute("origin", Hdf5Type::f64, origin, 3);

@@ -58,6 +58,13 @@ struct ByteRange {
   friend bool operator==(const ByteRange&, const ByteRange&) = default;
 };
 
+/// The voxel size that a scene .json states for a source.
+struct SourceVoxelSize {
+  std::filesystem::path file;  ///< scene .json
+  std::string key;             ///< the key in it
+  double metres = 0;
+};
+
 /// One content file, or a part of one, and its placement in the scene. Several tiles may place the same file.
 struct TileRef {
   std::filesystem::path path;  ///< readable file inside the source folder
@@ -72,7 +79,9 @@ struct TileRef {
   Affine<World, World> world_from_tile = {};         ///< the tileset's transforms only; an i3dm needs them to find east
                                                      ///< and north
   std::shared_ptr<const DemTile> dem = nullptr;      ///< cells of a raster; null for other formats
-  std::shared_ptr<const SourceEdits> edits = nullptr;  ///< edits of the tile's triangles; null: none
+  std::shared_ptr<const SourceEdits> edits = nullptr;           ///< edits of the tile's triangles; null: none
+  std::shared_ptr<const SourceVoxelSize> voxel_size = nullptr;  ///< null: that of the scene
+  std::uint8_t lod = 0;  ///< level at which its triangles are voxelized; see set_source_levels() (source_levels.h)
 };
 
 /// An input that the source names but the bake cannot use: a missing file, an unsupported format. The exit status is 3

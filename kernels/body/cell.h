@@ -38,6 +38,9 @@ struct PartView {
   NormalMapView normal_map = {};           ///< used only if `normal_uv` is not empty
   Span<const float> normal_uv = {};        ///< coordinates of the normal map, 2 per vertex or empty; may be `uv`
   Span<const VertexTangent> tangent = {};  ///< 1 per vertex, or empty: computed from `normal_uv`
+  /// Level at which its triangles are voxelized, except where finer parts or edits occupy the same brick. Only the CPU
+  /// backend accepts other levels than 0.
+  int lod = 0;
 };
 
 struct CellInput {
@@ -49,9 +52,9 @@ struct CellInput {
 /// The voxels of a brick: bit x + 8y of word z, as in core/octree/octree.h.
 using VoxelMask = std::array<std::uint64_t, 8>;
 
-/// A function that returns the voxels of a brick that a cell keeps. `min` is the brick's lowest voxel on the lattice.
-/// Threads call it concurrently.
-using KeptVoxels = std::function<VoxelMask(const Vec3i64& min)>;
+/// A function that returns the voxels of a brick of level `lod` that a cell keeps. `min` is the brick's lowest voxel,
+/// in voxels of that level from the lattice's origin. Threads call it concurrently.
+using KeptVoxels = std::function<VoxelMask(const Vec3i64& min, int lod)>;
 
 struct Level;
 
@@ -62,6 +65,8 @@ struct LevelEdits {
   std::function<void(Level& level, std::uint64_t first, std::uint64_t end)> apply;
   /// Returns an upper bound of the number of voxels that the edits fill in the bricks with keys in [first, end).
   std::function<std::uint64_t(std::uint64_t first, std::uint64_t end)> filled_voxels;
+  /// Calls visit(key) for each brick of the window in which an edit selects a voxel. Threads call `visit` concurrently.
+  std::function<void(const std::function<void(std::uint64_t key)>& visit)> for_each_selected = nullptr;
 };
 
 struct CellParameters {
@@ -76,8 +81,8 @@ struct CellParameters {
   std::uint32_t max_error = 0;        ///< max error of stored values in units of 1/255 (quantize_groups.h); at most 127
   std::uint64_t memory_bytes = 0;     ///< target; bricks are processed in batches to meet it. 0: no bound
   const LevelEdits* edits = nullptr;  ///< applied to lod 0 before other voxels are computed; none if null
-  KeptVoxels kept = nullptr;          ///< voxels of lod 0 that are kept after the edits; all if null. Only the CPU
-                                      ///< backend accepts it
+  KeptVoxels kept = nullptr;          ///< voxels that are kept after the edits; all if null. Only the CPU backend
+                                      ///< accepts it
 };
 
 /// Returns true if lod-0 voxels have planes.

@@ -9,7 +9,9 @@ namespace gigabake::kernels {
 
 CellVolume bake_cell(const CellInput& input, const CellParameters& parameters, const ThreadPool& pool);
 
-/// Computes the volume of a cell from its voxels of lod 0, as bake_cell() does after voxelization.
-CellVolume volume_of(Level finest, const CellParameters& parameters, const ThreadPool& pool);
+/// Computes the volume of a cell from its voxels, as bake_cell() does after voxelization. `voxelized` has the voxels of
+/// lod 0, and then the leaves of each level (kernels/cpu/mip/leaves.h), all in the form of lod 0.
+/// Range   At least one level, at most as many as the cell has.
+CellVolume volume_of(std::vector<Level> voxelized, const CellParameters& parameters, const ThreadPool& pool);
 
 }  // namespace gigabake::kernels

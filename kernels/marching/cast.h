@@ -274,7 +274,8 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
   const double distance = point_distance(line, ray.lod, ray.step);
   const CastPoint point = point_in_brick(point_of(line, march, ray), march.lod);
   const CastCorners corners = corners_of(scene.brick(march.head), point);
-  const NeighbourhoodSurface neighbourhood = classify_neighbourhood(corners, brick.lod, ray.lod, ray.normal);
+  const NeighbourhoodSurface neighbourhood =
+      classify_neighbourhood(corners, brick.lod, ray.lod, brick.waits, ray.normal);
   const SurfaceBlend& blend = neighbourhood.blend;
   if (is_met(surface_hit_distance(blend, line, brick.lod, distance, ray), march, ray)) return;
   ray.is_seen = false;

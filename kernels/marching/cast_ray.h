@@ -32,6 +32,7 @@ struct alignas(16) CastRay {
   bool is_other_side = false;    ///< the ray meets the current surface on the side opposite to its normals
   bool is_seen = false;          ///< the hit at `met` has been composited
   bool is_behind = false;        ///< the ray came to that sample from the side opposite to its normals
+  std::uint8_t surface_lod = 0;  ///< level of the brick that held that sample
   std::uint32_t normal = 0;      ///< ByteVector: normal of the surface at that sample; 0: no surface
 
   static constexpr float no_depth = 3e38f, no_signed_distance = 3e38f;

@@ -238,18 +238,18 @@ struct NeighbourhoodSurface {
   bool is_doubled = false;  ///< if there is any residual, all coverage is residual
 };
 
-/// Classifies the neighbourhood of a point in a brick of level `brick_lod`; `ray_lod` is the level of the ray. Fallback
-/// bricks of coarser levels are rendered by their coverages only. Their voxels may be wider than the distance to the
-/// eye, so their planes may lie behind the eye. `side` is as in blend_planes().
+/// Classifies the neighbourhood of a point in a brick of level `brick_lod`; `ray_lod` is the level of the ray. Bricks
+/// of coarser levels that replace missing ones until they arrive (`waits`) are rendered by their coverages only. Bricks
+/// with leaves, which describe all finer levels, are rendered like bricks of lod 0. `side` is as in blend_planes().
 ///
 /// At lod 0, all coverage around a crease is residual, in addition to the blended surface, because planes do not
 /// represent the surface there. The same applies to coverage around a translucent voxel.
-GB_HD NeighbourhoodSurface classify_neighbourhood(const CastCorners& corners, int brick_lod, int ray_lod,
+GB_HD NeighbourhoodSurface classify_neighbourhood(const CastCorners& corners, int brick_lod, int ray_lod, bool waits,
                                                   ByteVector side) {
   const BlendedPlanes planes = blend_planes(corners, side);
-  if (planes.bits == 0 || brick_lod != ray_lod) return {};
+  if (planes.bits == 0 || (brick_lod != ray_lod && waits)) return {};
   if ((planes.bits & clear_plane) != 0) return {PointKind::translucent, planes.blend};
-  return {PointKind::surface, planes.blend, planes.is_flat, brick_lod == 0};
+  return {PointKind::surface, planes.blend, planes.is_flat, brick_lod == 0 || brick_lod != ray_lod};
 }
 
 /// Returns the residual at a point. `neighbourhood` is the result of classify_neighbourhood(). `is_covered` is true if

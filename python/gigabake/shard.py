@@ -11,16 +11,17 @@ import numpy
 from numpy.typing import NDArray
 
 from . import differences
-from .bricks import BRICK_VOXELS, PLACES, ValueLevel
+from .bricks import BRICK_VOXELS, OCTANT, PLACES, ValueLevel
 from .columns import Array, Column
 from .errors import BAKE_AGAIN, NEWER_PROGRAM, GigabakeError, damage_of
 from .scene_xml import BRICK_EDGE, SceneXml, ShardEntry
 
-OLDEST_SHARD_VERSION, NEWEST_SHARD_VERSION = 1, 7
+OLDEST_SHARD_VERSION, NEWEST_SHARD_VERSION = 1, 8
 FIRST_VERSION_OF_DIFFERENCES = 7
+FIRST_VERSION_OF_LEAVES = 8
 BRICK, LEAF_CONSTANT = 0, 2
 # Columns of /nodes that do not describe the voxels of constant nodes.
-STRUCTURE = {"key", "lod", "kind", "child_mask", "first_child"}
+STRUCTURE = {"key", "lod", "kind", "child_mask", "first_child", "leaf_mask"}
 # Bounds the memory of one step: a brick takes 512 bytes and at most 512 voxels.
 MAX_BRICKS_AT_ONCE = 1 << 12
 MAX_BLOCKS_AT_ONCE = 1 << 11
@@ -155,6 +156,7 @@ class Shard:
                  for name in ("key", "lod", "kind", "value", "normal")}
         if len({len(column) for column in nodes.values()}) != 1:
             raise GigabakeError(self.file, "/nodes", "has columns of different lengths", BAKE_AGAIN)
+        leaves = self._leaves(columns, nodes) if self.version >= FIRST_VERSION_OF_LEAVES else None
         there = (nodes["lod"] == own_lod) | ((nodes["lod"] > own_lod) & (nodes["kind"] == LEAF_CONSTANT))
         rows = numpy.flatnonzero(there)
         down = nodes["lod"][rows].astype(numpy.int64) - own_lod
@@ -167,10 +169,25 @@ class Shard:
             inside = ((low < box.end) & (low + edge[:, None] > box.low)).all(axis=1)
             rows, edge, low, is_brick = rows[inside], edge[inside], low[inside], is_brick[inside]
         numbers = nodes["value"][rows[is_brick]].astype(numpy.int64)
-        yield from self._brick_parts(level or ValueLevel(self._level_columns(own_lod)), numbers, low[is_brick])
+        yield from self._brick_parts(level or ValueLevel(self._level_columns(own_lod)), numbers, low[is_brick],
+                                     None if leaves is None else leaves[rows[is_brick]])
         constant = rows[~is_brick]
         looks = {name: columns[name].rows()[constant] for name in columns if name not in STRUCTURE}
+        if leaves is not None:
+            looks["leaf"] = leaves[constant]
         yield from self._constant_parts(own_lod, looks, edge[~is_brick], low[~is_brick], box)
+
+    def _leaves(self, columns: dict[str, Column], nodes: dict[str, Array]) -> Array:
+        """Returns the octants of each node that are leaves, as bits; none of nodes that allow no leaves."""
+        column = self._column(columns, "nodes", "leaf_mask")
+        leaves = column.rows()
+        child_mask = self._column(columns, "nodes", "child_mask").rows()
+        if len(leaves) != len(nodes["lod"]) or len(child_mask) != len(leaves):
+            raise column.fail("has another length than /nodes/lod")
+        above = nodes["lod"].astype(numpy.int64) + self.entry.first_lod > int(self._attribute("leaf_lod"))
+        if ((leaves & child_mask) != 0).any() or leaves[above | (nodes["lod"] == 0)].any():
+            raise column.fail("has leaves where the shard allows none")
+        return leaves
 
     def _level_columns(self, own_lod: int) -> dict[str, Column]:
         """Returns the columns of a level. Raises an error if one without which no voxel can be read is missing."""
@@ -208,14 +225,18 @@ class Shard:
 
     @staticmethod
     def _brick_parts(level: differences.Level | ValueLevel, numbers: NDArray[numpy.int64],
-                     low: NDArray[numpy.int64]) -> Iterator[LevelPart]:
-        """Yields the voxels of bricks with these numbers and lowest corners."""
+                     low: NDArray[numpy.int64], leaves: Array | None) -> Iterator[LevelPart]:
+        """Yields the voxels of bricks with these numbers, lowest corners and masks of leaves."""
         for begin, end in runs_of(numbers):
             there, read = level.read(begin, end)
             corner = numpy.full((end - begin, 3), -1, numpy.int64)
             chosen = (numbers >= begin) & (numbers < end)
             corner[numbers[chosen] - begin] = low[chosen]
             brick = there // BRICK_VOXELS
+            if leaves is not None:
+                of_brick = numpy.zeros(end - begin, numpy.uint8)
+                of_brick[numbers[chosen] - begin] = leaves[chosen]
+                read["leaf"] = of_brick[brick] >> OCTANT[there % BRICK_VOXELS].astype(numpy.uint8) & 1
             index = corner[brick] + PLACES[there % BRICK_VOXELS]
             if len(numbers[chosen]) < end - begin:  # gaps were read too
                 wanted = corner[brick, 0] >= 0
@@ -229,6 +250,7 @@ class Shard:
         rgba = looks["value"].astype("<u4").view(numpy.uint8).reshape(-1, 4)
         columns = {"rgb": rgba[:, :3], "alpha": rgba[:, 3]}
         columns.update({name: look for name, look in looks.items() if name in group})
+        leaves = looks.get("leaf")
         if "facing" in columns:
             columns["facing"] = columns["facing"][:, :3]
         if "plane" in group and "facing" in looks and looks["facing"].shape[1] > 3:
@@ -237,8 +259,10 @@ class Shard:
         for begin in range(0, len(node), MAX_BLOCKS_AT_ONCE):
             some = slice(begin, begin + MAX_BLOCKS_AT_ONCE)
             index = (corner[some, None] + PLACES).reshape(-1, 3)
-            yield LevelPart(index, {name: numpy.repeat(column[node[some]], BRICK_VOXELS, axis=0)
-                                    for name, column in columns.items()})
+            part = {name: numpy.repeat(column[node[some]], BRICK_VOXELS, axis=0) for name, column in columns.items()}
+            if leaves is not None:
+                part["leaf"] = (leaves[node[some], None] >> OCTANT.astype(numpy.uint8) & 1).reshape(-1)
+            yield LevelPart(index, part)
 
 
 def blocks_of(low: NDArray[numpy.int64], edges: NDArray[numpy.int64],

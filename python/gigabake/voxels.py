@@ -118,6 +118,11 @@ class Voxels:
         return None if "normal" not in self.columns else UNIT_NORMALS[octahedron_rows(self.columns["normal"])]
 
     @property
+    def is_leaf(self) -> NDArray[numpy.bool_] | None:
+        """True for a voxel that describes its cube on all finer levels, which do not store it; None: no voxel does."""
+        return None if "leaf" not in self.columns else self.columns["leaf"].astype(bool)
+
+    @property
     def classes(self) -> Array | None:
         """Classes, if the scene has a column `class`."""
         return self.columns.get("class")

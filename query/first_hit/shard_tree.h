@@ -39,35 +39,37 @@ GB_HD FirstHitRay ray_in_shard(const ShardTree& shard, const QueryRay& ray, cons
   return local;
 }
 
-/// Returns the first voxel that the ray hits between the distances `from` and `to`. `shard_number` is stored in the
-/// hit. `stack` is described at advance().
+/// Returns the first voxel, of the tree's level or a leaf, that the ray hits between the distances `from` and `to`.
+/// `shard_number` is stored in the hit. `stack` is described at advance().
 /// Exact   Host and device return the same bits. The voxel is found with an error of the position on the ray of at most
 ///         half the enlargement. The distance is the ray's entry into that voxel, computed in double precision.
 template <class Stack>
 GB_HD QueryHit first_hit_in_shard(const ShardTree& shard, const QueryRay& ray, double from, double to,
                                   std::uint32_t shard_number, Stack stack) {
   QueryHit hit;
-  const double voxel = power_of_two(shard.lod);
-  RayChord chord = chord_of(ray, shard.window, voxel);
+  RayChord chord = chord_of(ray, shard.window, power_of_two(shard.lod));
   chord = {larger_of(chord.enter, from), smaller_of(chord.leave, to)};
   if (chord.empty()) return hit;
   const FirstHitTree tree = shard.tree;
   const FirstHit found = first_hit(tree, ray_in_shard(shard, ray, chord), 0, stack);
   if (found.attributes_index == no_attributes) return hit;
+  const VoxelAttributes of_voxel = shard.attributes[found.attributes_index];
   hit.outcome = QueryOutcome::hit;
-  hit.lod = shard.lod;
+  hit.lod = shard.lod + of_voxel.coarser;
   hit.shard = shard_number;
+  const int leaf_lod = shard.shard_lod + of_voxel.coarser;
+  const auto voxel = std::int64_t(power_of_two(hit.lod));
   VoxelBox box;
   for (int a = 0; a < 3; ++a) {
-    const std::int64_t at = std::int64_t(found.voxel >> 21 * a & 0x1fffff) << shard.shard_lod;
-    hit.voxel[a] = shard.window.min[a] + (shard.tree_min[a] + at) * std::int64_t(shard.unit);
+    const std::int64_t at = std::int64_t(found.voxel >> 21 * a & 0x1fffff) << shard.shard_lod,
+                       of_leaf = (shard.tree_min[a] + at) >> leaf_lod << leaf_lod;
+    hit.voxel[a] = shard.window.min[a] + of_leaf * std::int64_t(shard.unit);
     box.min[a] = hit.voxel[a];
-    box.max[a] = hit.voxel[a] + std::int64_t(voxel);
+    box.max[a] = hit.voxel[a] + voxel;
   }
   const RayChord exact = chord_of(ray, box, 0);
   const double rough = chord.enter + double(found.distance) * shard.unit * shard.grown;
   hit.distance = smaller_of(larger_of(exact.empty() ? rough : exact.enter, from), to);
-  const VoxelAttributes of_voxel = shard.attributes[found.attributes_index];
   hit.rgba = of_voxel.rgba;
   hit.normal[0] = of_voxel.normal[0];
   hit.normal[1] = of_voxel.normal[1];

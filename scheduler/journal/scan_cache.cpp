@@ -68,6 +68,7 @@ Hash128 key_of(const TileRef& tile, const BakeParameters& p) {
   w.put(p.lattice_origin_m);
   w.put(p.cell_voxels);
   w.put(p.surface);
+  if (tile.lod != 0) w.put(tile.lod);
   return hash_of_bytes(w.take());
 }
 

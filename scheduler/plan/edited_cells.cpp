@@ -75,10 +75,11 @@ CellJob job_at(std::int64_t x, std::int64_t y, std::int64_t level, std::int64_t 
 }
 
 /// Appends the cells of a column in which one of its fills selects a voxel.
-void add_cells(const EditsInScene& edits, std::int64_t x, std::int64_t y, std::int64_t n, FilledColumn& column,
-               std::vector<CellJob>& jobs) {
+void add_cells(const EditsInScene& edits, std::int64_t x, std::int64_t y, const BakeParameters& parameters,
+               FilledColumn& column, std::vector<CellJob>& jobs) {
+  const std::int64_t n = parameters.cell_voxels;
   const std::int64_t base =
-      column.tiles ? stack_over(column.tiles->first, column.tiles->second, std::uint32_t(n)).z_min : 0;
+      column.tiles ? stack_over(column.tiles->first, column.tiles->second, n, parameters.coarsest_lod).z_min : 0;
   for (const std::uint32_t fill : column.fills) {
     const Box3i64& box = edits.bounds(fill);
     const std::int64_t last = floor_div(box.end[2] - 1 - base, n);
@@ -125,14 +126,14 @@ void extend_to_moved(const SceneSources& sources, const BakeParameters& paramete
   }
 }
 
-void add_filled_cells(const EditsInScene& edits, const std::vector<TileScan>& scans, std::uint32_t cell_voxels,
+void add_filled_cells(const EditsInScene& edits, const std::vector<TileScan>& scans, const BakeParameters& parameters,
                       std::vector<CellJob>& jobs) {
-  const std::int64_t n = cell_voxels;
+  const std::int64_t n = parameters.cell_voxels;
   FilledColumns columns = columns_of_fills(edits, n);
   if (columns.empty()) return;
   add_tiles(scans, columns);
   add_known(jobs, n, columns);
-  for (auto& [at, column] : columns) add_cells(edits, at.first, at.second, n, column, jobs);
+  for (auto& [at, column] : columns) add_cells(edits, at.first, at.second, parameters, column, jobs);
 }
 
 Box3i64 filled_bounds(const EditsInScene& edits) {

@@ -16,7 +16,7 @@ namespace gigabake {
 /// column of tiles, cells continue the column's stack upwards and downwards. In other columns, cells begin at multiples
 /// of their edge. Thus, no other cell depends on the edits.
 /// Errors  UsageError with file and key: a fill needs more than max_cells_per_tile cells.
-void add_filled_cells(const EditsInScene& edits, const std::vector<TileScan>& scans, std::uint32_t cell_voxels,
+void add_filled_cells(const EditsInScene& edits, const std::vector<TileScan>& scans, const BakeParameters& parameters,
                       std::vector<CellJob>& jobs);
 
 /// Extends the heights of the columns of each tile to the heights to which edits of its source may move it.

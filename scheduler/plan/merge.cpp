@@ -47,6 +47,7 @@ SceneHeader scene_header(const BakePlan& plan, const std::optional<Geodetic>& or
   scene.has_normals = parameters.normals;
   scene.has_directional_coverage = has_directional_coverage(parameters);
   scene.parameters = to_json(parameters);
+  scene.leaf_lod = parameters.coarsest_lod;
   scene.bounds = plan.bounds;
   scene.triangles = plan.triangles;
   scene.non_finite = plan.non_finite;

@@ -104,13 +104,14 @@ class PlannedArea {
 };
 
 /// Appends the cells of a column's stack that at least one tile overlaps.
-void add_column(std::span<const TileColumn> column, std::uint32_t cell_voxels, std::vector<CellJob>& jobs) {
+void add_column(std::span<const TileColumn> column, const BakeParameters& parameters, std::vector<CellJob>& jobs) {
+  const std::uint32_t cell_voxels = parameters.cell_voxels;
   std::int64_t z_min = column[0].extent->z_min, z_end = column[0].extent->z_end;
   for (const TileColumn& t : column) {
     z_min = std::min(z_min, t.extent->z_min);
     z_end = std::max(z_end, t.extent->z_end);
   }
-  const CellStack stack = stack_over(z_min, z_end, cell_voxels);
+  const CellStack stack = stack_over(z_min, z_end, cell_voxels, parameters.coarsest_lod);
   std::vector<std::pair<std::int64_t, const TileColumn*>> reached;  // pairs of a level in the stack and a tile's column
   for (const TileColumn& t : column) {
     const std::int64_t last = (t.extent->z_end - 1 - stack.z_min) / cell_voxels;
@@ -127,7 +128,7 @@ void add_column(std::span<const TileColumn> column, std::uint32_t cell_voxels, s
 }
 
 /// Appends the cells of all columns, except cells outside the area. A column's stack does not depend on the area.
-void add_columns(const std::vector<TileScan>& scans, std::uint32_t cell_voxels, const PlannedArea& area,
+void add_columns(const std::vector<TileScan>& scans, const BakeParameters& parameters, const PlannedArea& area,
                  const Progress& progress, std::vector<CellJob>& jobs) {
   const std::vector<TileColumn> all = by_column(scans);
   jobs.reserve(columns_in(all));  // few columns have more than one cell
@@ -135,7 +136,7 @@ void add_columns(const std::vector<TileScan>& scans, std::uint32_t cell_voxels, 
   for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
     while (end < all.size() && same_column(all[begin], all[end])) ++end;
     const auto first = std::ptrdiff_t(jobs.size());
-    add_column(std::span(all).subspan(begin, end - begin), cell_voxels, jobs);
+    add_column(std::span(all).subspan(begin, end - begin), parameters, jobs);
     jobs.erase(std::remove_if(jobs.begin() + first, jobs.end(), [&](const CellJob& job) { return area.excludes(job); }),
                jobs.end());
     progress.advance(end - begin);
@@ -149,7 +150,7 @@ void add_edited_cells(const SceneSources& sources, const BakeParameters& paramet
   if (!sources.edits) return;
   const EditsInScene edits(sources.edits, sources.origin, {parameters.voxel_size_m, parameters.lattice_origin_m});
   const auto first = std::ptrdiff_t(plan.jobs.size());
-  add_filled_cells(edits, scans, parameters.cell_voxels, plan.jobs);
+  add_filled_cells(edits, scans, parameters, plan.jobs);
   plan.jobs.erase(std::remove_if(plan.jobs.begin() + first, plan.jobs.end(),
                                  [&](const CellJob& job) { return area.excludes(job); }),
                   plan.jobs.end());
@@ -281,9 +282,10 @@ void name_jobs(const std::vector<TileScan>& scans, const SceneSources& sources, 
 
 }  // namespace
 
-CellStack stack_over(std::int64_t z_min, std::int64_t z_end, std::int64_t cell_voxels) {
+CellStack stack_over(std::int64_t z_min, std::int64_t z_end, std::int64_t cell_voxels, std::uint32_t coarsest_lod) {
   // A stack starts at a multiple of the coarsest level's voxel, so that every level of every cell lies on one grid.
-  const std::int64_t step = std::max<std::int64_t>(brick_edge, cell_voxels / brick_edge);
+  const std::int64_t octant = coarsest_lod == 0 ? 0 : std::int64_t(brick_edge / 2) << coarsest_lod;
+  const std::int64_t step = std::max({std::int64_t(brick_edge), cell_voxels / brick_edge, octant});
   for (std::int64_t cells = (z_end - z_min + cell_voxels - 1) / cell_voxels;; ++cells) {
     const std::int64_t spare = cells * cell_voxels - (z_end - z_min);
     std::int64_t start = floor_to(z_min - spare / 2, step);
@@ -303,7 +305,7 @@ BakePlan make_plan(std::vector<TileScan> scans, const SceneSources& sources, con
   plan.warnings = warning_lines(scans, sources);
   plan.precision = source_precision(scans, sources, parameters.voxel_size_m);
   const PlannedArea area(sources, parameters);
-  add_columns(scans, parameters.cell_voxels, area, progress, plan.jobs);
+  add_columns(scans, parameters, area, progress, plan.jobs);
   add_edited_cells(sources, parameters, scans, area, plan);
   if (area.is_restricted()) plan.bounds = intersection(plan.bounds, box_of(plan.jobs));
   name_jobs(scans, sources, parameters, progress, plan.jobs);

@@ -56,8 +56,9 @@ struct CellStack {
   std::int64_t z_min = 0;
   std::int64_t cells = 0;
 };
-/// Returns the smallest stack that contains the voxels [z_min, z_end).
-/// Range   z_min < z_end.
-CellStack stack_over(std::int64_t z_min, std::int64_t z_end, std::int64_t cell_voxels);
+/// Returns the smallest stack that contains the voxels [z_min, z_end). If sources are voxelized at levels up to
+/// `coarsest_lod`, octants of this level are aligned in all stacks, because leaves consist of octants.
+/// Range   z_min < z_end. A cell has a level `coarsest_lod`.
+CellStack stack_over(std::int64_t z_min, std::int64_t z_end, std::int64_t cell_voxels, std::uint32_t coarsest_lod = 0);
 
 }  // namespace gigabake

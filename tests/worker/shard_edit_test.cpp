@@ -125,7 +125,9 @@ class ShardEdit : public testing::Test {
       CellEdits(*edits, p, pool_).functions().apply(finest, 0, edge * edge * edge);
     }
     if (finest.key.empty()) return false;
-    write_shard(folder_ / name, shard_from_volume(kernels::volume_of(std::move(finest), p, pool_), header_of(p)),
+    std::vector<kernels::Level> voxelized;
+    voxelized.push_back(std::move(finest));
+    write_shard(folder_ / name, shard_from_volume(kernels::volume_of(std::move(voxelized), p, pool_), header_of(p)),
                 {pool_, Codec::deflate});
     return true;
   }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/math/box3.h"
+#include "kernels/body/mip/plane_in_part.h"
 
 namespace gigabake {
 namespace {
@@ -62,6 +63,7 @@ class BrickFiller {
     }
     if (place.kind == VoxelPlace::Kind::constant) fill_constant(first, place);
     if (place.kind == VoxelPlace::Kind::brick) fill_from_brick(first, place, half);
+    if (place.kind == VoxelPlace::Kind::leaf) fill_from_leaf(first, half, place.leaf_lod);
     if (place.kind == VoxelPlace::Kind::unreadable && !gaps_.damaged) fill_from_coarser(first, half);
     SlotPart rest = part;
     for (int a = 0; a < 3; ++a) {
@@ -101,6 +103,29 @@ class BrickFiller {
       return voxel;
     }
     return {};
+  }
+
+  /// Fills a part of the border that leaves of level `leaf_lod` describe. Uses a leaf's values where its plane passes,
+  /// or everywhere if it has none.
+  void fill_from_leaf(const SlotPart& part, std::int64_t half, int leaf_lod) {
+    for (int z = part.min[2]; z < part.end[2]; ++z)
+      for (int y = part.min[1]; y < part.end[1]; ++y)
+        for (int x = part.min[0]; x < part.end[0]; ++x) {
+          const Vec3i64 v{lattice(0, x), lattice(1, y), lattice(2, z) + half};
+          const VoxelPlace place = lookup_.place(leaf_lod, v, gaps_, path_);
+          auto voxel = voxel_at(place, leaf_lod, v);
+          if (!voxel) continue;
+          const Vec3i64 in_leaf = (v >> lod_ << lod_) - (v >> leaf_lod << leaf_lod);
+          if (kernels::is_fully_planar(voxel->plane)) {
+            const std::optional<std::uint8_t> plane = kernels::plane_in_part(
+                voxel->plane, Vec3<std::int32_t>(voxel->normal), in_leaf >> lod_, leaf_lod - lod_);
+            if (!plane) continue;
+            voxel->plane = *plane;
+          } else {
+            voxel->plane = 0;
+          }
+          put(x, y, z, *voxel);
+        }
   }
 
   std::optional<kernels::CastVoxel> voxel_at(const VoxelPlace& place, int lod, const Vec3i64& v) const {
@@ -182,14 +207,20 @@ VoxelBox box_of(const FieldNode& node, const CellLayout& layout) {
   return {min, min + Vec3i64::all(std::int64_t(brick_edge) << node.lod)};
 }
 
-std::uint8_t children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup,
-                         MissingPages& missing_pages) {
-  VoxelLookup::Boxes boxes;
+ChildMasks children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup,
+                       MissingPages& missing_pages) {
+  const int lod = node.lod - 1;
+  VoxelLookup::Boxes own, boxes;
   for (unsigned octant = 0; octant < 8; ++octant) {
-    boxes[octant] = box_of(node.child(octant), layout);
-    for (std::int64_t& side : boxes[octant].max) side += std::int64_t(1) << (node.lod - 1);
+    own[octant] = boxes[octant] = box_of(node.child(octant), layout);
+    for (std::int64_t& side : boxes[octant].max) side += std::int64_t(1) << lod;
   }
-  return lookup.occupied(node.lod - 1, boxes, missing_pages);
+  ChildMasks children{lookup.occupied(lod, boxes, missing_pages), 0};
+  if (lod >= layout.leaf_lod) return children;
+  children.leaves = lookup.leaves(lod, own, missing_pages);
+  children.stored |= lookup.leaves(lod, boxes, missing_pages);
+  children.stored = std::uint8_t(children.stored & ~unsigned(children.leaves));
+  return children;
 }
 
 bool fill_brick(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,

@@ -25,11 +25,17 @@ struct FieldNode {
 /// Returns the box of the node's own voxels, without the border.
 kernels::VoxelBox box_of(const FieldNode& node, const CellLayout& layout);
 
-/// Returns the mask of the node's children that exist; some of these children may turn out to be empty. The mask is
-/// valid only if missing_pages.missing stays empty.
+/// Masks of a node's children. A child in neither mask is empty.
+struct ChildMasks {
+  std::uint8_t stored = 0;  ///< have voxels of their level in themselves, or any at their border
+  std::uint8_t leaves = 0;  ///< coarser leaves describe them: the node's brick replaces them
+};
+
+/// Returns the node's children; some stored ones may turn out to be empty. The masks are valid only if
+/// missing_pages.missing stays empty.
 /// Range   node.lod > 0.
-std::uint8_t children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup,
-                         MissingPages& missing_pages);
+ChildMasks children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup,
+                       MissingPages& missing_pages);
 
 /// Fills the brick; returns false if the brick and its border contain no voxels. The result is valid only if
 /// missing_pages.missing stays empty.

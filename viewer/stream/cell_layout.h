@@ -19,6 +19,7 @@ struct CellLayout {
   std::vector<kernels::CastCell> cells;
   std::vector<std::uint64_t> column_key;
   std::vector<std::uint32_t> column_first;
+  int leaf_lod = 0;  ///< SceneHeader::leaf_lod
 
   /// The scene for the ray caster. It refers to the arrays above; its pools are empty.
   kernels::CastScene scene;

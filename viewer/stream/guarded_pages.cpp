@@ -29,6 +29,8 @@ std::string fault_of_rows(const std::vector<NodeRow>& rows) {
   for (const NodeRow& row : rows) {
     if (row.kind > NodeKind::leaf_constant) return "a node of unknown type";
     if (row.kind == NodeKind::leaf_constant && row.child_mask != 0) return "a leaf with children";
+    if ((row.leaf_mask & row.child_mask) != 0 || (row.leaf_mask != 0 && row.kind == NodeKind::leaf_constant))
+      return "a leaf in an octant with a child";
     if (row.child_mask != 0 && row.first_child > 0xffffffffu - 8) return "children beyond every table";
     if (!is_plane(row.directional_coverage[directional_coverage_plane])) return "an invalid plane";
   }

@@ -18,6 +18,14 @@ std::uint32_t root_tiles(std::size_t cells) { return std::uint32_t((cells + 7) /
 
 std::uint32_t last_use(std::uint32_t touch, std::uint32_t born) { return std::max(touch, born); }
 
+/// Returns the value of child `c` before any of its data is resident. `finest` is true if it is of level 0. Leaves
+/// never become resident: the coarser brick that contains them replaces them.
+CastNode new_node(const ChildMasks& children, std::uint32_t c, bool finest) {
+  if ((children.stored >> c & 1) != 0) return {finest ? empty_ref : not_resident_ref, not_resident_ref};
+  if ((children.leaves >> c & 1) != 0) return {lost_ref, lost_ref};
+  return {empty_ref, empty_ref};
+}
+
 }  // namespace
 
 PoolAllocator::PoolAllocator(std::size_t cells, int lods, const kernels::PoolSizes& sizes)
@@ -76,17 +84,18 @@ std::vector<kernels::NodeChange> PoolAllocator::take_changes() {
   return changes;
 }
 
-bool PoolAllocator::put_children(std::uint32_t node, std::uint8_t children, kernels::Caster& caster) {
+bool PoolAllocator::put_children(std::uint32_t node, const ChildMasks& children, kernels::Caster& caster) {
+  if (children.stored == 0 && children.leaves != 0) {  // needs no tile
+    set_lost(node, kernels::RequestKind::children);
+    return true;
+  }
   if (free_tiles_.empty() && !free_some_tiles(node / 8, caster)) return false;
   const std::uint32_t t = free_tiles_.back();
   free_tiles_.pop_back();
   tiles_[t] = {node, place_of(node), caster.pass(), round_, 0, true};
   if (node >= cells_) ++tiles_[node / 8].resident_children;
   const bool finest = tiles_[t].place.lod == 1;
-  for (std::uint32_t c = 0; c < 8; ++c) {
-    const bool there = (children >> c & 1) != 0;
-    change(8 * t + c, {there && !finest ? not_resident_ref : empty_ref, there ? not_resident_ref : empty_ref});
-  }
+  for (std::uint32_t c = 0; c < 8; ++c) change(8 * t + c, new_node(children, c, finest));
   change(node, {t, nodes_[node].brick});
   return true;
 }
@@ -154,19 +163,20 @@ void PoolAllocator::forget_children(std::uint32_t node) {
   }
 }
 
-void PoolAllocator::set_children(std::uint32_t node, std::uint8_t children) {
+void PoolAllocator::set_children(std::uint32_t node, const ChildMasks& children) {
   const std::uint32_t tile = nodes_[node].children;
   const bool finest = tiles_[tile].place.lod == 1;
   for (std::uint32_t c = 0; c < 8; ++c) {
     const std::uint32_t child = 8 * tile + c;
-    const bool exists = (children >> c & 1) != 0;
-    const bool existed = nodes_[child].children != empty_ref || nodes_[child].brick != empty_ref;
-    if (exists == existed) continue;
-    if (existed) {
+    const CastNode value = new_node(children, c, finest);
+    const bool is_stored = value.brick == not_resident_ref, was_lost = nodes_[child].brick == lost_ref,
+               was_stored = !was_lost && (nodes_[child].children != empty_ref || nodes_[child].brick != empty_ref);
+    if (is_stored && was_stored) continue;
+    if (was_stored) {
       forget_children(child);
       forget_brick(child);
     }
-    change(child, {exists && !finest ? not_resident_ref : empty_ref, exists ? not_resident_ref : empty_ref});
+    change(child, value);
   }
 }
 

@@ -43,7 +43,7 @@ class PoolAllocator {
 
   /// Allocates the tile of the node's children; returns false if the pool is full and nothing can be evicted. `caster`
   /// supplies the usage timestamps for eviction.
-  bool put_children(std::uint32_t node, std::uint8_t children, kernels::Caster& caster);
+  bool put_children(std::uint32_t node, const ChildMasks& children, kernels::Caster& caster);
   /// Allocates a slot for a brick of `parts` parts; nullopt if the pools are full and nothing can be evicted. May move
   /// bricks in the voxel pool.
   std::optional<std::uint32_t> put_brick(std::uint32_t node, std::uint32_t parts, kernels::Caster& caster);
@@ -62,7 +62,7 @@ class PoolAllocator {
   /// Makes the node's children and all nodes below them not resident.
   void forget_children(std::uint32_t node);
   /// Changes which children of a node with a tile exist. A child that appears is not resident.
-  void set_children(std::uint32_t node, std::uint8_t children);
+  void set_children(std::uint32_t node, const ChildMasks& children);
 
   /// Returns the changed nodes for the caster, each once with its current value, and clears the list.
   std::vector<kernels::NodeChange> take_changes();

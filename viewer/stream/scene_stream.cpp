@@ -84,7 +84,7 @@ std::unique_ptr<kernels::Caster> make_caster(const CellLayout& layout, const ker
 
 struct SceneStream::Answer {
   MissingPages missing_pages;
-  std::uint8_t children = 0;
+  ChildMasks children;
   bool is_empty = false;
 };
 
@@ -95,9 +95,11 @@ SceneStream::Opened SceneStream::open(const PagedScene& scene, const Options& op
   if (!levels) {
     const std::vector<SceneCell> cells = scene.cells(policy);
     CellLayout layout = lay_out_cells(cells, scene.file());
+    layout.leaf_lod = int(scene.header().leaf_lod);
     return {std::move(layout), numbers != nullptr ? ShardMap(cells, numbers_of(cells, *numbers)) : ShardMap(cells)};
   }
   CellLayout layout = lay_out_root(scene.root().overviews[levels->root], scene.totals().window);
+  layout.leaf_lod = int(scene.header().leaf_lod);
   if (numbers != nullptr) return {std::move(layout), ShardMap(scene, std::move(*levels), *numbers)};
   return {std::move(layout), ShardMap(scene, std::move(*levels))};
 }
@@ -253,9 +255,9 @@ bool SceneStream::has_layout_of(const PagedScene& next) const {
   options.cells_alone = cells_alone_;
   const CellLayout layout = open(next, options, policy_, nullptr).layout;
   const auto min_of = [](const kernels::CastCell& cell) { return cell.min; };
-  return layout.scene.min == layout_.scene.min && layout.scene.max == layout_.scene.max &&
-         layout.scene.cell_bits == layout_.scene.cell_bits && layout.column_key == layout_.column_key &&
-         layout.column_first == layout_.column_first &&
+  return layout.leaf_lod == layout_.leaf_lod && layout.scene.min == layout_.scene.min &&
+         layout.scene.max == layout_.scene.max && layout.scene.cell_bits == layout_.scene.cell_bits &&
+         layout.column_key == layout_.column_key && layout.column_first == layout_.column_first &&
          std::ranges::equal(layout.cells, layout_.cells, {}, min_of, min_of);
 }
 

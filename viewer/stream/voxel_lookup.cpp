@@ -64,13 +64,17 @@ unsigned VoxelLookup::Question::reached_by(const VoxelBox& box) const {
 }
 
 VoxelLookup::Question VoxelLookup::Question::within(const VoxelBox& box) const {
-  Question part{lod, provider, boxes, reached_by(box)};
+  Question part{lod, provider, boxes, reached_by(box), is_for_leaves};
   for (VoxelBox& own : part.boxes) own = common_box(own, box);
   return part;
 }
 
 std::uint8_t VoxelLookup::occupied(int lod, const Boxes& boxes, MissingPages& missing_pages) const {
   return std::uint8_t(occupied_by_any({lod, 0, boxes, 255}, missing_pages));
+}
+
+std::uint8_t VoxelLookup::leaves(int lod, const Boxes& boxes, MissingPages& missing_pages) const {
+  return std::uint8_t(occupied_by_any({lod, 0, boxes, 255, true}, missing_pages));
 }
 
 unsigned VoxelLookup::occupied_by_any(Question question, MissingPages& missing_pages) const {
@@ -115,21 +119,27 @@ unsigned VoxelLookup::unread_occupied(const ShardExtent& shard, const Question& 
   return open;
 }
 
-/// Returns the boxes that nodes of the question's level overlap, in the subtree of row `row_index`. The node of this
-/// row exists and overlaps the boxes of `open`.
+/// Returns the boxes that nodes of the question's level, or coarser leaves, overlap in the subtree of row `row_index`.
+/// The node of this row exists and overlaps the boxes of `open`.
 unsigned VoxelLookup::occupied_below(const ShardExtent& shard, std::uint32_t row_index, int level,
                                      const Vec3i64& corner, const Question& question, unsigned open,
                                      MissingPages& missing_pages) const {
-  if (level == question.lod || open == 0) return open;
+  if (level == question.lod || open == 0) return question.is_for_leaves ? 0 : open;
   const NodeRow* node = row(shard, row_index, missing_pages);
-  if (node == nullptr) return lacks_row(shard, row_index) ? unread_occupied(shard, question, open, missing_pages) : 0;
-  if (node->kind == NodeKind::leaf_constant) return open;
+  if (node == nullptr)
+    return lacks_row(shard, row_index) && !question.is_for_leaves
+               ? unread_occupied(shard, question, open, missing_pages)
+               : 0;
+  if (node->kind == NodeKind::leaf_constant) return question.is_for_leaves ? 0 : open;
+  const unsigned leaves = question.is_for_leaves ? node->leaf_mask : 0u;
   unsigned found = 0;
   for (int child = 0; child < 8 && found != open; ++child) {
-    if ((node->child_mask >> child & 1) == 0) continue;
+    if (((node->child_mask | leaves) >> child & 1) == 0) continue;
     const Vec3i64 at = corner + octant_offset(child, level);
     const unsigned reached = question.reached_by(node_box(at, level - 1)) & open & ~found;
-    if (reached != 0)
+    if ((leaves >> child & 1) != 0)
+      found |= reached;
+    else if (reached != 0)
       found |= occupied_below(shard, child_row(*node, child), level - 1, at, question, reached, missing_pages);
   }
   return found;
@@ -188,6 +198,10 @@ VoxelPlace VoxelLookup::place_in(const ShardExtent& shard, int lod, const Vec3i6
     for (int a = 0; a < 3; ++a) child |= int(local[a] >> (level + 2) & 1) << a;
     corner += octant_offset(child, level);
     place.box = node_box(corner, --level);
+    if ((node->leaf_mask >> child & 1) != 0) {
+      place.kind = VoxelPlace::Kind::leaf;
+      place.leaf_lod = level + 1;
+    }
     if ((node->child_mask >> child & 1) == 0) return place;
     node = row(shard, child_row(*node, child), missing_pages);
     if (node == nullptr) break;

@@ -12,8 +12,9 @@ namespace gigabake {
 
 /// The content of the lattice at a voxel, and the box in which it applies.
 struct VoxelPlace {
-  enum class Kind { nothing, brick, constant, unreadable };
+  enum class Kind { nothing, brick, constant, leaf, unreadable };
   Kind kind = Kind::nothing;
+  int leaf_lod = 0;  ///< of `Kind::leaf`: the coarser level whose voxels describe the requested one
   kernels::VoxelBox box;
   const BrickBlock* block = nullptr;  ///< block of the brick, valid until the pager's next pass
   std::size_t brick = 0;              ///< index in the block
@@ -47,6 +48,10 @@ class VoxelLookup {
   /// occupied; for an overview, all shards below it.
   std::uint8_t occupied(int lod, const Boxes& boxes, MissingPages& missing_pages) const;
 
+  /// Returns a mask: bit i is set if leaves of coarser levels than `lod` overlap boxes[i] (lod-0 voxels). Unreadable
+  /// data counts as without leaves.
+  std::uint8_t leaves(int lod, const Boxes& boxes, MissingPages& missing_pages) const;
+
   /// Returns the content of the voxel of level `lod` that contains lod-0 voxel v.
   VoxelPlace place(int lod, const Vec3i64& v, MissingPages& missing_pages, NodePath& path) const;
 
@@ -59,6 +64,7 @@ class VoxelLookup {
     int lod, provider;
     Boxes boxes;
     unsigned open;
+    bool is_for_leaves = false;  ///< requests leaves in place of nodes
 
     kernels::VoxelBox around() const;
     unsigned reached_by(const kernels::VoxelBox& box) const;

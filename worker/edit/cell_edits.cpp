@@ -28,7 +28,8 @@ CellEdits::CellEdits(const EditsInScene& edits, const kernels::CellParameters& p
 
 kernels::LevelEdits CellEdits::functions() const {
   return {[this](Level& level, std::uint64_t first, std::uint64_t end) { apply(level, first, end); },
-          [this](std::uint64_t first, std::uint64_t end) { return filled_voxels(first, end); }};
+          [this](std::uint64_t first, std::uint64_t end) { return filled_voxels(first, end); },
+          [this](const std::function<void(std::uint64_t)>& visit) { for_each_selected(visit); }};
 }
 
 std::vector<std::uint64_t> CellEdits::first_bricks() const {
@@ -73,6 +74,20 @@ std::uint64_t CellEdits::filled_voxels(std::uint64_t first, std::uint64_t end) c
         break;
       }
   return voxels;
+}
+
+void CellEdits::for_each_selected(const std::function<void(std::uint64_t)>& visit) const {
+  const std::uint64_t along = parameters_.window_voxels / brick_edge;
+  const std::vector<Block> blocks = blocks_in(0, along * along * along);
+  const std::uint64_t edge = std::min<std::uint64_t>(block_edge, parameters_.window_voxels) / brick_edge;
+  pool_.parallel_for(blocks.size(), 1, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::uint64_t key = blocks[i].first_brick; key < blocks[i].first_brick + edge * edge * edge; ++key)
+        if (std::ranges::any_of(blocks[i].edits, [&](std::uint32_t e) {
+              return in_scene_.selects_any(e, Box3i64::cube(lowest_voxel(key), brick_edge));
+            }))
+          visit(key);
+  });
 }
 
 /// Returns the bricks of a block after its edits.

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/base/thread_pool.h"
@@ -38,6 +39,7 @@ class CellEdits {
 
   void apply(kernels::Level& level, std::uint64_t first, std::uint64_t end) const;
   std::uint64_t filled_voxels(std::uint64_t first, std::uint64_t end) const;
+  void for_each_selected(const std::function<void(std::uint64_t key)>& visit) const;
   /// Lists the blocks that contain keys in [first, end), in Morton order.
   std::vector<Block> blocks_in(std::uint64_t first, std::uint64_t end) const;
   void add_blocks(std::uint64_t node, std::int64_t edge, std::uint64_t first, std::uint64_t end,

@@ -191,7 +191,7 @@ EditedLevels edited_levels(const BaseShard& base, const StoredBricks& stored, co
   const Level before = stored.read(0, keys);
   Level after = before;
   edits.functions().apply(after, 0, std::uint64_t(1) << 3 * (lods - 1));
-  if (parameters.kept) kernels::clip(after, parameters, pool);
+  if (parameters.kept) kernels::clip(after, 0, parameters, pool);
   EditedLevels out;
   out.levels.resize(lods);
   out.levels[0].keys = changed_keys(before, after);

@@ -23,7 +23,8 @@ struct CellMaterial {
   kernels::NormalMapView normal_map;  ///< without texture until a part needs it
 };
 
-kernels::PartView part_view(const Primitive& primitive, const Instance& instance, const CellMaterial& material) {
+kernels::PartView part_view(const Primitive& primitive, const Instance& instance, const CellMaterial& material,
+                            int lod) {
   kernels::PartView part{span(primitive.position),
                          span(primitive.index),
                          span(primitive.uv),
@@ -33,7 +34,8 @@ kernels::PartView part_view(const Primitive& primitive, const Instance& instance
                          std::uint32_t(material.index),
                          material.normal_map,
                          span(primitive.shares_uv ? primitive.uv : primitive.normal_uv),
-                         span(primitive.tangent)};
+                         span(primitive.tangent),
+                         lod};
   std::ranges::copy(row_major(instance.scene_from_local), part.scene_from_local);
   return part;
 }
@@ -105,7 +107,7 @@ LoadedCell CellLoader::load_whole(const CellJob& job) {
   for (std::size_t i = 0; i < cell.tiles.size(); ++i) {
     const SourceEdits* edits = sources_.tiles.at(job.tiles[i]).edits.get();
     const SourceEditsInScene placed = edits == nullptr ? SourceEditsInScene() : placed_edits(*edits, sources_.origin);
-    add_parts(job, *cell.tiles[i], placed, cell, wanted);
+    add_parts(job, *cell.tiles[i], sources_.tiles.at(job.tiles[i]).lod, placed, cell, wanted);
   }
   load_textures(wanted, cell);
   return cell;
@@ -121,7 +123,7 @@ void CellLoader::load_tiles(const CellJob& job, LoadedCell& cell) {
   });
 }
 
-void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, const SourceEditsInScene& edits,
+void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, int lod, const SourceEditsInScene& edits,
                            LoadedCell& cell, RequiredTextures& wanted) const {
   const Box3i64 box = box_before(edits, Box3i64::cube(job.lattice_min, job.cell_voxels));
   const TileMesh& mesh = tile.mesh();
@@ -144,10 +146,10 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, const Sou
     if (material.index < 0) material = add_material(mesh.materials[of_tile]);
     if (material.normal_image >= 0 && (near->shares_uv || !near->normal_uv.empty()))
       material.normal_map.texture = wanted.index_of(tile, std::size_t(material.normal_image), normal_map_filter);
-    cell.parts.push_back(part_view(*near, instance, material));
+    cell.parts.push_back(part_view(*near, instance, material, lod));
     if (may_have_long_triangle(reach, parameters_)) {
       cell.memory.add_items(near->index.size(), sizeof(std::uint32_t), "", "corners of triangles");
-      cell.indices.push_back(index_without_long(*near, instance, parameters_));
+      cell.indices.push_back(index_without_long(*near, instance, parameters_, lod));
       cell.parts.back().index = span(cell.indices.back());
     }
     cell.meshes.push_back(std::move(near));

@@ -75,7 +75,8 @@ class CellLoader {
   static TileKey key_of(const CellJob& job, std::size_t tile);
   LoadedCell load_whole(const CellJob& job);
   void load_tiles(const CellJob& job, LoadedCell& cell);
-  void add_parts(const CellJob& job, const LoadedTile& tile, const SourceEditsInScene& edits, LoadedCell& cell,
+  /// Adds the parts of a tile that is voxelized at level `lod`.
+  void add_parts(const CellJob& job, const LoadedTile& tile, int lod, const SourceEditsInScene& edits, LoadedCell& cell,
                  RequiredTextures& wanted) const;
   std::shared_ptr<const Primitive> mesh_near(const Box3i64& box, const LoadedTile& tile, const Instance& instance,
                                              MemoryClaim& memory) const;

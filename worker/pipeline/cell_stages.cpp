@@ -139,6 +139,11 @@ void CellStages::claim_filled_voxels(const CellEdits& edits, const CellJob& job,
   memory.add_items(edits.functions().filled_voxels(0, bricks * bricks * bricks), voxel_bytes, "edits", "filled voxels");
 }
 
+/// Returns whether a source of the cell is voxelized at another level than 0.
+bool CellStages::has_levels(const CellJob& job) const {
+  return std::ranges::any_of(job.tiles, [this](std::uint32_t tile) { return sources_.tiles.at(tile).lod != 0; });
+}
+
 /// Finds the edits that select a voxel of the cell, and claims the memory of the voxels that they fill.
 void CellStages::find_edits(InFlightCell& cell) const {
   if (!edits_) return;
@@ -154,15 +159,17 @@ kernels::CellParameters CellStages::parameters_of(const InFlightCell& cell, std:
   kernels::CellParameters p = cell_parameters(job, parameters_, memory_bytes);
   if (cell.edits) p.edits = &cell.edit_functions;
   if (!is_wholly_inside(job))
-    p.kept = [this](const Vec3i64& min) { return area_->inside(snap_frame(parameters_), min); };
+    p.kept = [this](const Vec3i64& min, int lod) { return area_->inside(snap_frame(parameters_), min, lod); };
   return p;
 }
 
 /// Runs one step of a cell on the device. Returns false if there is no device, or if this or an earlier step of the
-/// cell failed, or if the border of the area cuts the cell; the CPU then bakes the cell.
+/// cell failed, if the border of the area cuts the cell, or if its sources have several levels; the CPU then bakes the
+/// cell.
 template <class Step>
 bool CellStages::on_device(InFlightCell& cell, const Step& step) {
-  if (!options_.cuda_device || !cell.report.note.empty() || !is_wholly_inside(cell.job)) return false;
+  if (!options_.cuda_device || !cell.report.note.empty() || !is_wholly_inside(cell.job) || has_levels(cell.job))
+    return false;
   try {
     step();
     return true;

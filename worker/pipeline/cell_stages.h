@@ -91,6 +91,7 @@ class CellStages {
   kernels::CellParameters parameters_of(const InFlightCell& cell, std::uint64_t memory_bytes) const;
   /// Returns whether the area of interest contains all voxels of the cell.
   bool is_wholly_inside(const CellJob& job) const;
+  bool has_levels(const CellJob& job) const;
   void bake_overview(InFlightCell& overview) const;
   void read_back_from_device(InFlightCell& cell, kernels::CudaPacker& packer);
   void pack_on_device(InFlightCell& cell, kernels::CudaPacker& packer);

@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t words_per_brick = 8;
 constexpr std::uint64_t bricks_per_step = 8;
 
-/// A brick of lod 0 and the node that stores it. `mask` has the voxels inside the area.
+/// A brick of lod 0, or one with leaves, and the node that stores it. `mask` has the voxels inside the area.
 struct KeptBrick {
   std::uint64_t key = 0;
   std::size_t node = 0;
@@ -30,6 +30,22 @@ std::vector<KeptBrick> bricks_of(const NodeTable& nodes) {
   }
   std::sort(bricks.begin(), bricks.end(), [](const KeptBrick& a, const KeptBrick& b) { return a.key < b.key; });
   return bricks;
+}
+
+/// Lists the bricks of level `lod` that have leaves, in Morton order.
+std::vector<KeptBrick> bricks_with_leaves(const NodeTable& nodes, int lod) {
+  std::vector<KeptBrick> bricks;
+  for (std::size_t n = 0; n < nodes.leaf_mask.size(); ++n)
+    if (nodes.lod[n] == lod && nodes.leaf_mask[n] != 0) bricks.push_back({nodes.key[n], n, {}});
+  return bricks;
+}
+
+/// Returns the coarsest level with leaves; 0 if there are none.
+int leaf_lod_of(const NodeTable& nodes) {
+  int lod = 0;
+  for (std::size_t n = 0; n < nodes.leaf_mask.size(); ++n)
+    if (nodes.leaf_mask[n] != 0) lod = std::max(lod, int(nodes.lod[n]));
+  return lod;
 }
 
 /// Appends the voxels of a brick that are inside the area, in the order of the shard.
@@ -87,17 +103,24 @@ class LevelWriter {
 kernels::CellVolume clipped_volume(const ShardReader& shard, const kernels::CellParameters& parameters,
                                    const AreaInScene& area, const ThreadPool& pool) {
   const NodeTable nodes = shard.nodes();
-  const BrickLevel stored = shard.level(0);
-  std::vector<KeptBrick> bricks = bricks_of(nodes);
-  pool.parallel_for(bricks.size(), 16, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t b = begin; b < end; ++b) {
-      const Vec3i64 brick = static_cast<Vec3i64>(demorton(bricks[b].key));
-      bricks[b].mask = area.inside(parameters.frame, parameters.window_min + brick * std::int64_t(brick_edge));
-    }
-  });
-  LevelWriter level(nodes, stored, parameters.normals);
-  for (const KeptBrick& brick : bricks) level.add(brick);
-  kernels::CellVolume volume = kernels::volume_of(level.take(), parameters, pool);
+  std::vector<kernels::Level> voxelized;
+  for (int lod = 0; lod <= leaf_lod_of(nodes); ++lod) {
+    std::vector<KeptBrick> bricks = lod == 0 ? bricks_of(nodes) : bricks_with_leaves(nodes, lod);
+    const Vec3i64 min = parameters.window_min >> lod;
+    pool.parallel_for(bricks.size(), 16, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t b = begin; b < end; ++b) {
+        const Vec3i64 brick = static_cast<Vec3i64>(demorton(bricks[b].key));
+        bricks[b].mask = area.inside(parameters.frame, min + brick * std::int64_t(brick_edge), lod);
+        for (unsigned z = 0; lod != 0 && z < bricks[b].mask.size(); ++z)
+          bricks[b].mask[z] &= octant_word(nodes.leaf_mask[bricks[b].node], z);
+      }
+    });
+    const BrickLevel stored = shard.level(lod);
+    LevelWriter level(nodes, stored, parameters.normals);
+    for (const KeptBrick& brick : bricks) level.add(brick);
+    voxelized.push_back(level.take());
+  }
+  kernels::CellVolume volume = kernels::volume_of(std::move(voxelized), parameters, pool);
   volume.stats.triangles = shard.header().triangles;
   return volume;
 }

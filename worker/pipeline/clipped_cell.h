@@ -8,7 +8,8 @@
 
 namespace gigabake {
 
-/// Computes the volume of a cell from the voxels of lod 0 that its shard stores and that are inside the area.
+/// Computes the volume of a cell from the voxels of lod 0 and the leaves that its shard stores and that are inside the
+/// area.
 /// `parameters` are the parameters of the bake that wrote the shard.
 /// Exact   The volume equals a bake with the area if the bake has max_error 0. Else stored voxels are quantized again.
 /// Errors  InputError: the shard is damaged.

@@ -1,8 +1,21 @@
 #include "worker/pipeline/shard_from_volume.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace gigabake {
+
+namespace {
+
+/// Returns the coarsest level with leaves, counted on the lattice; 0 if there are none.
+std::uint32_t leaf_lod_of(const NodeTable& nodes, std::uint32_t first_lod) {
+  std::uint32_t lod = 0;
+  for (std::size_t n = 0; n < nodes.leaf_mask.size(); ++n)
+    if (nodes.leaf_mask[n] != 0) lod = std::max(lod, first_lod + nodes.lod[n]);
+  return lod;
+}
+
+}  // namespace
 
 Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header) {
   Shard shard;
@@ -11,6 +24,7 @@ Shard shard_from_volume(kernels::CellVolume volume, ShardHeader header) {
   for (kernels::Level& level : volume.levels) shard.levels.push_back(std::move(static_cast<BrickLevel&>(level)));
   if (!shard.header.has_directional_coverage) shard.nodes.directional_coverage.clear();
   shard.header.lods = std::uint32_t(shard.levels.size());
+  shard.header.leaf_lod = leaf_lod_of(shard.nodes, shard.header.first_lod);
   shard.header.content_hash = std::move(volume.content_hash);
   shard.above = std::move(volume.above);
   return shard;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/octree/brick.h"
+
 namespace gigabake {
 
 LocalBounds bounds_of(const Primitive& primitive) {
@@ -21,6 +23,7 @@ LocalBounds bounds_of(const Primitive& primitive) {
 
 SceneBox scene_box(const LocalBounds& bounds, const Instance& instance, const BakeParameters& parameters) {
   SceneBox box;
+  const double snapped_m = parameters.voxel_size_m * std::ldexp(1.0, int(parameters.coarsest_lod) - subvoxel_bits);
   if (bounds.low[0] > bounds.high[0] || bounds.low[1] > bounds.high[1] || bounds.low[2] > bounds.high[2]) return box;
   for (std::size_t r = 0; r < 3; ++r) {
     const auto& row = instance.scene_from_local.m[r];
@@ -31,7 +34,7 @@ SceneBox scene_box(const LocalBounds& bounds, const Instance& instance, const Ba
       high += std::max(a, b);
       terms += std::max(std::fabs(a), std::fabs(b));
     }
-    const double margin_m = parameters.voxel_size_m + 1e-12 * terms;
+    const double margin_m = parameters.voxel_size_m + snapped_m + 1e-12 * terms;
     box.low_m[r] = low - margin_m;
     box.high_m[r] = high + margin_m;
   }

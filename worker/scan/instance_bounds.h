@@ -25,8 +25,9 @@ struct SceneBox {
 };
 
 /// Returns a box that contains every voxel that a triangle of the instance can occupy under any surface rule.
-/// Exact   The box is conservative. The transformed bounds are grown by one voxel and by 1e-12 of the sum of the
-///         transform's absolute terms, because these terms may cancel.
+/// Exact   The box is conservative. The transformed bounds are grown by one voxel, by the step to which vertices of
+///         the coarsest sources are snapped, and by 1e-12 of the sum of the transform's absolute terms, because these
+///         terms may cancel.
 SceneBox scene_box(const LocalBounds& bounds, const Instance& instance, const BakeParameters& parameters);
 
 /// Returns false only if geometry inside `box`, a result of scene_box(), cannot occupy a lod-0 voxel of the cell.

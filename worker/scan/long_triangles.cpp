@@ -14,7 +14,7 @@ bool may_have_long_triangle(const SceneBox& box, const BakeParameters& parameter
 }
 
 std::vector<std::uint32_t> index_without_long(const Primitive& primitive, const Instance& instance,
-                                              const BakeParameters& parameters) {
+                                              const BakeParameters& parameters, int lod) {
   const SnapFrame frame = snap_frame(parameters);
   const auto scene_from_local = row_major(instance.scene_from_local);
   std::vector<std::uint32_t> kept;
@@ -25,7 +25,7 @@ std::vector<std::uint32_t> index_without_long(const Primitive& primitive, const 
     for (std::size_t i = 0; i < 3; ++i) {
       LatticePoint p{};
       const float* local = primitive.position.data() + 3 * std::size_t(primitive.index[at + i]);
-      valid = snap(frame, scene_from_local.data(), local, p) && valid;
+      valid = snap_to_level(frame, scene_from_local.data(), local, lod, p) && valid;
       triangle.p[i] = p.v;
     }
     if (valid && side_of(triangle) > max_triangle_side) continue;

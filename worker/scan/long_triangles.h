@@ -32,8 +32,8 @@ inline std::int64_t side_of(const LatticeTriangle& t) {
 bool may_have_long_triangle(const SceneBox& box, const BakeParameters& parameters);
 
 /// Returns the primitive's index list without the triangles that are too long with this instance's transform; keeps the
-/// order.
+/// order. `lod` is the level at which they are voxelized.
 std::vector<std::uint32_t> index_without_long(const Primitive& primitive, const Instance& instance,
-                                              const BakeParameters& parameters);
+                                              const BakeParameters& parameters, int lod);
 
 }  // namespace gigabake

@@ -48,8 +48,9 @@ double side_m(const Primitive& primitive, const std::uint32_t* index, const Inst
 /// is exact for lattice triangles while the values fit into a double.
 double doubled_views(const Vec3d& a, const Vec3d& b) { return sum_of_magnitudes(cross(a, b)); }
 
-std::uint64_t projected_voxels_of(const LatticeTriangle& t) {
-  return std::uint64_t(std::min(doubled_views(Vec3d(t.p[1] - t.p[0]), Vec3d(t.p[2] - t.p[0])), max_projected_voxels));
+std::uint64_t projected_voxels_of(const LatticeTriangle& t, int lod) {
+  const double views = doubled_views(Vec3d(t.p[1] - t.p[0]), Vec3d(t.p[2] - t.p[0]));
+  return std::uint64_t(std::min(std::ldexp(views, -2 * lod), max_projected_voxels));
 }
 
 /// Returns the area of the primitive's finite triangles in its local frame.
@@ -150,7 +151,8 @@ void TileScanner::snap(const Primitive& mesh, const Instance& instance, std::spa
   const SnapFrame frame = snap_frame(parameters_);
   const auto scene_from_local = row_major(instance.scene_from_local);
   for (std::size_t i = 0; i < out.size(); ++i)
-    out[i].valid = gigabake::snap(frame, scene_from_local.data(), mesh.position.data() + 3 * (first + i), out[i].p);
+    out[i].valid =
+        snap_to_level(frame, scene_from_local.data(), mesh.position.data() + 3 * (first + i), tile_.lod, out[i].p);
 }
 
 void TileScanner::add_placed(const Primitive& mesh, const Instance& instance) {
@@ -203,7 +205,8 @@ void TileScanner::add_boxes(const Primitive& mesh, Placements placements) {
 /// Returns the projected voxels of an area with evenly distributed normals, times projected_voxel_unit. The mean of |x|
 /// + |y| + |z| over all unit normals (x, y, z) is 3/2.
 std::uint64_t TileScanner::projected_voxels_of_area(double surface_m2) const {
-  const double voxels = 1.5 * surface_m2 / (parameters_.voxel_size_m * parameters_.voxel_size_m);
+  const double voxel_m = std::ldexp(parameters_.voxel_size_m, tile_.lod),
+               voxels = 1.5 * surface_m2 / (voxel_m * voxel_m);
   return std::uint64_t(std::clamp(voxels * projected_voxel_unit, 0.0, max_projected_voxels));
 }
 
@@ -279,9 +282,9 @@ void TileScanner::add_triangle(const LatticeTriangle& triangle, ThreadScan& foun
   found.bounds = hull(found.bounds, box_of(voxels));
   const VoxelSpan x = columns_of(voxels[0], grid_), y = columns_of(voxels[1], grid_), z = voxels[2];
   if (is_one(x) && is_one(y)) {
-    found.map.add({x.first, y.first, z.first, z.last + 1, 1, projected_voxels_of(triangle)});
+    found.map.add({x.first, y.first, z.first, z.last + 1, 1, projected_voxels_of(triangle, tile_.lod)});
   } else {
-    add_wide(triangle, projected_voxels_of(triangle), found);
+    add_wide(triangle, projected_voxels_of(triangle, tile_.lod), found);
   }
   if (found.map.is_too_wide()) refuse();
 }

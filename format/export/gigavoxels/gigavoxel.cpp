@@ -115,6 +115,11 @@ class GigavoxelWriter {
 std::uint64_t export_gigavoxel(const std::filesystem::path& scene_xml, int lod, const std::filesystem::path& folder,
                                GigavoxelTreeFile kind, const Progress& progress) {
   const auto [scene, voxels] = open_scene_level(scene_xml, lod);
+  if (int(scene.header().leaf_lod) > lod)
+    throw InputError(scene_xml, "LeafLod",
+                     fmt::format("lod {} has leaves of coarser levels, which this format cannot store; use lod {} or "
+                                 "coarser, or another format",
+                                 lod, scene.header().leaf_lod));
   FolderPublication publication(folder);
   GigavoxelWriter writer(publication.target(), publication.temporary(), kind);
   progress.step("writing the cells", voxels);

@@ -104,7 +104,7 @@ class TilesetExport {
     constexpr int always_on_lattice = 3;
     for (const auto& [lod, count] : voxels) {
       const bool is_known = !made_->has(lod) && (lod <= always_on_lattice || owners_.has_overviews());
-      if (is_known && count != scene_.totals().voxels.at(std::size_t(lod))) return false;
+      if (is_known && count != described_voxels(scene_, lod)) return false;
     }
     return true;
   }

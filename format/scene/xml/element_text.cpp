@@ -27,8 +27,8 @@ void set_sphere(pugi::xml_node node, const SceneHeader& scene, const Box3i64& wi
 
 }  // namespace
 
-void set_schema(pugi::xml_node root) {
-  set_number(root, "Version", newest_scene_version);
+void set_schema(pugi::xml_node root, int version) {
+  set_number(root, "Version", version);
   set_text(root, "Compressed", "1");
   for (const char* key : {"BrickXSize", "BrickYSize", "BrickZSize"}) set_number(root, key, brick_edge);
 }

@@ -25,7 +25,7 @@ inline void set_text(pugi::xml_node node, const char* key, const std::string& va
 }
 
 /// Writes the version, and the attributes that readers of the thesis's schema require.
-void set_schema(pugi::xml_node root);
+void set_schema(pugi::xml_node root, int version);
 /// Writes voxel size, lattice and channels.
 void set_lattice(pugi::xml_node root, const SceneHeader& scene);
 void set_totals(pugi::xml_node group, const SceneTotals& totals);

@@ -29,7 +29,13 @@ std::span<const std::string_view> known_of_scene(int version) {
     names.insert(names.end(), {"ParentTiers", "BoundsMin", "BoundsEnd"});
     return names;
   }();
-  if (version >= 5) return of_5;
+  static const std::vector<std::string_view> of_6 = [] {
+    std::vector<std::string_view> names = of_5;
+    names.emplace_back("LeafLod");
+    return names;
+  }();
+  if (version >= 6) return of_6;
+  if (version == 5) return of_5;
   if (version >= 3) return of_3;
   return std::span(of_all).first(version == 2 ? of_all.size() : of_all.size() - 4);
 }
@@ -73,6 +79,9 @@ class SceneReader {
         a.fail("Origin", "expected a latitude within ±90 and a longitude within ±360 degrees");
     }
     scene.parameters = a.text("Parameters");
+    if (reading_.version < 6) return;
+    scene.leaf_lod = a.value<std::uint32_t>("LeafLod");
+    if (scene.leaf_lod < 1 || scene.leaf_lod > 10) a.fail("LeafLod", "expected 1 to 10");
   }
 
   void read_counts(const SceneAttributes& a) {

@@ -14,7 +14,9 @@
 
 namespace gigabake {
 
-inline constexpr int newest_scene_version = 5;
+inline constexpr int newest_scene_version = 6;
+/// The version that is written for scenes without leaves, so that earlier programs read them; also of all pages.
+inline constexpr int scene_version_without_leaves = 5;
 
 /// A fault in a scene.xml.
 struct SceneFault {

@@ -13,13 +13,14 @@ namespace gigabake {
 namespace {
 
 void set_header(pugi::xml_node group, const SceneHeader& scene) {
-  set_schema(group);
+  set_schema(group, scene.leaf_lod == 0 ? scene_version_without_leaves : newest_scene_version);
   set_text(group, "Generator", scene.generator);
   set_lattice(group, scene);
   if (scene.origin)
     set_text(group, "Origin",
              fmt::format("{} {} {}", scene.origin->latitude_deg, scene.origin->longitude_deg, scene.origin->height_m));
   set_text(group, "Parameters", scene.parameters);
+  if (scene.leaf_lod != 0) set_number(group, "LeafLod", scene.leaf_lod);
   if (!scene.bounds.is_empty()) {
     set_numbers(group, "BoundsMin", scene.bounds.min);
     set_numbers(group, "BoundsEnd", scene.bounds.end);

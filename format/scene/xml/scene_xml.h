@@ -75,7 +75,9 @@ struct SceneHeader {
   bool has_normals = true;
   bool has_directional_coverage = false;
   std::string parameters;  ///< the bake's parameters as one line of JSON
-  Box3i64 bounds;          ///< lod-0 voxels that contain all surfaces of the sources; empty: not recorded
+  /// Coarsest level that may have leaves: voxels that describe all finer levels. 0: there are none.
+  std::uint32_t leaf_lod = 0;
+  Box3i64 bounds;  ///< lod-0 voxels that contain all surfaces of the sources; empty: not recorded
   std::uint64_t triangles = 0, non_finite = 0, zero_area = 0, skipped_points = 0, skipped_lines = 0;
   std::vector<SceneLoss> losses;
   /// The overview levels (tier_shape.h); empty unless all cells have one root and scene.xml lists the levels.

@@ -19,10 +19,14 @@ void NodePlace::advance(NodeKind kind, std::uint8_t child_mask) {
 }
 
 NodeWalk::NodeWalk(const std::filesystem::path& path, const ShardHeader& header, std::uint64_t rows)
-    : NodeWalk(path, {.lod = header.lods - 1}, rows) {}
+    : NodeWalk(path, header, {.lod = header.lods - 1}, rows) {}
 
-NodeWalk::NodeWalk(const std::filesystem::path& path, const NodePlace& place, std::uint64_t rows)
-    : table_{path, "/nodes"}, place_(place), rows_(rows) {
+NodeWalk::NodeWalk(const std::filesystem::path& path, const ShardHeader& header, const NodePlace& place,
+                   std::uint64_t rows)
+    : table_{path, "/nodes"},
+      place_(place),
+      rows_(rows),
+      end_of_leaves_(header.leaf_lod == 0 ? 0 : header.leaf_lod - header.first_lod + 1) {
   table_.expect(rows > 0 && rows < no_child, 0, "expected 1 to 2^32-2 nodes");
 }
 
@@ -36,14 +40,16 @@ void NodeWalk::check_links(NodeKind kind, std::uint8_t child_mask, std::uint32_t
                 "value is not the next brick of its level");
 }
 
-void NodeWalk::step(std::uint32_t lod, NodeKind kind, std::uint8_t child_mask) {
+void NodeWalk::step(std::uint32_t lod, NodeKind kind, std::uint8_t child_mask, std::uint8_t leaf_mask) {
   const std::uint64_t row = place_.row;
   const int children = std::popcount(child_mask);
   table_.expect(row < place_.level_end, row, "has no parent");
   table_.expect(lod == place_.lod, row, "lod does not follow its parent's lod");
   table_.expect(kind <= NodeKind::leaf_constant, row, "the node's type is unknown");
   const bool is_leaf = lod == 0 || kind == NodeKind::leaf_constant;
-  table_.expect(is_leaf || children > 0, row, "children are missing");
+  table_.expect(leaf_mask == 0 || (!is_leaf && lod < end_of_leaves_), row, "has leaves where the shard allows none");
+  table_.expect((leaf_mask & child_mask) == 0, row, "an octant is a leaf and has a child");
+  table_.expect(is_leaf || children > 0 || leaf_mask != 0, row, "children are missing");
   table_.expect(!is_leaf || children == 0, row, "a leaf has children");
   table_.expect(place_.next_child + std::uint64_t(children) <= rows_, row, "has more children than there are rows");
   place_.advance(kind, child_mask);

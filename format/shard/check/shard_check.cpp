@@ -47,6 +47,8 @@ void check_header(const std::filesystem::path& path, const ShardHeader& h) {
     table.expect(h.first_lod == 0 || low % (std::int64_t(h.cell_voxels) / 8) == 0, 0,
                  "lattice_min of an overview is not a multiple of a voxel of its coarsest level");
   }
+  table.expect(h.leaf_lod == 0 || (h.leaf_lod > h.first_lod && h.leaf_lod < h.first_lod + h.lods), 0,
+               "leaf_lod is not a level above the shard's finest level");
   table.expect(h.content_hash.size() == h.lods, 0, "content_hash does not have one entry per lod");
 }
 
@@ -55,17 +57,30 @@ void check_nodes(const std::filesystem::path& path, const ShardHeader& header, c
   const std::size_t count = n.key.size();
   table.expect(n.lod.size() == count && n.kind.size() == count && n.child_mask.size() == count &&
                    n.first_child.size() == count && n.value.size() == count && n.normal.size() == count &&
-                   n.directional_coverage.size() == (header.has_directional_coverage ? count : 0),
+                   n.directional_coverage.size() == (header.has_directional_coverage ? count : 0) &&
+                   n.leaf_mask.size() == (header.leaf_lod != 0 ? count : 0),
                0, "columns differ in length");
   NodeWalk walk(path, header, count);
   for (std::size_t i = 0; i < count; ++i) {
     table.expect(header.first_lod == 0 || n.kind[i] == NodeKind::brick, i, "is a constant node of an overview");
     walk.check_links(n.kind[i], n.child_mask[i], n.first_child[i], n.value[i]);
-    walk.step(n.lod[i], n.kind[i], n.child_mask[i]);
+    walk.step(n.lod[i], n.kind[i], n.child_mask[i], n.leaf_mask.empty() ? std::uint8_t(0) : n.leaf_mask[i]);
     check_key(table, header, n, i);
   }
   for (std::size_t i = 0; i < count; ++i) check_keys_of_children(table, n, i);
   check_planes_of_nodes(path, 0, n.directional_coverage);
+}
+
+void check_leaves(const std::filesystem::path& path, const NodeTable& n, const std::vector<BrickLevel>& levels) {
+  const BrokenRule table{path, "/nodes"};
+  for (std::size_t i = 0; i < n.leaf_mask.size(); ++i) {
+    if (n.lod[i] == 0 || n.kind[i] == NodeKind::leaf_constant) continue;
+    const unsigned octants = n.kind[i] == NodeKind::brick
+                                 ? occupied_octants(&levels.at(n.lod[i]).mask.at(brick_edge * std::size_t(n.value[i])))
+                                 : 255u;
+    table.expect(octants == unsigned(n.child_mask[i] | n.leaf_mask[i]), i,
+                 "an octant with voxels is neither a leaf nor stored, or an empty one is");
+  }
 }
 
 void check_bricks_of_level(const std::filesystem::path& path, const BrickLevel& level, int lod,

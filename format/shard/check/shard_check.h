@@ -15,6 +15,7 @@ namespace gigabake {
 void check_header(const std::filesystem::path& path, const ShardHeader& header);
 /// Checks the order of the nodes: level by level from the root, and in Morton order within a level. Checks the
 /// numbering of bricks, and that every node but the root has exactly one parent.
+void check_leaves(const std::filesystem::path& path, const NodeTable& nodes, const std::vector<BrickLevel>& levels);
 void check_nodes(const std::filesystem::path& path, const ShardHeader& header, const NodeTable& nodes);
 /// Checks that the level has `bricks_of_nodes` bricks, and that level.first is the running sum of the mask bits per
 /// brick. The sum starts at 0.

@@ -8,14 +8,15 @@ namespace gigabake {
 
 ShardOutline::ShardOutline(const std::filesystem::path& path, const ShardHeader& header,
                            const std::vector<std::uint8_t>& lod, std::vector<NodeKind> kind,
-                           std::vector<std::uint8_t> child_mask)
+                           std::vector<std::uint8_t> child_mask, const std::vector<std::uint8_t>& leaf_mask)
     : rows_(lod.size()), kind_(std::move(kind)), child_mask_(std::move(child_mask)), bricks_(header.lods, 0) {
-  BrokenRule{path, "/nodes"}.expect(kind_.size() == rows_ && child_mask_.size() == rows_, 0,
-                                    "columns differ in length");
+  BrokenRule{path, "/nodes"}.expect(
+      kind_.size() == rows_ && child_mask_.size() == rows_ && leaf_mask.size() == (header.leaf_lod != 0 ? rows_ : 0), 0,
+      "columns differ in length");
   NodeWalk walk(path, header, rows_);
   for (std::uint64_t i = 0; i < rows_; ++i) {
     if (i % rows_per_place == 0) places_.push_back(walk.place());
-    walk.step(lod[i], kind_[i], child_mask_[i]);
+    walk.step(lod[i], kind_[i], child_mask_[i], leaf_mask.empty() ? std::uint8_t(0) : leaf_mask[i]);
     if (kind_[i] == NodeKind::brick) ++bricks_[lod[i]];
   }
 }

@@ -16,10 +16,11 @@ class ShardOutline {
  public:
   static constexpr std::uint64_t rows_per_place = 4096;
 
-  /// Keeps two of the columns: two bytes per node.
+  /// Keeps `kind` and `child_mask`: two bytes per node. `leaf_mask` is empty if the shard has no leaves.
   /// Errors  InputError: the columns break a rule of NodeWalk, or differ in length.
   ShardOutline(const std::filesystem::path& path, const ShardHeader& header, const std::vector<std::uint8_t>& lod,
-               std::vector<NodeKind> kind, std::vector<std::uint8_t> child_mask);
+               std::vector<NodeKind> kind, std::vector<std::uint8_t> child_mask,
+               const std::vector<std::uint8_t>& leaf_mask);
 
   std::uint64_t rows() const { return rows_; }
   std::uint64_t bricks(int lod) const { return bricks_[std::size_t(lod)]; }

@@ -11,12 +11,14 @@
 namespace gigabake {
 namespace {
 
-/// The classes and child masks of a shard's nodes, read on demand in order from the root.
+/// The classes, child masks and leaf masks of a shard's nodes, read on demand in order from the root.
 class Branches {
  public:
-  Branches(const ColumnSource& source, const NodeColumns& columns)
+  Branches(const ColumnSource& source, const ShardHeader& header, const NodeColumns& columns)
       : kinds_(source.open(columns.kind)), masks_(source.open(columns.child_mask)) {
-    BrokenRule{source.path(), "/nodes"}.expect(masks_->rows() == rows(), 0, "columns differ in length");
+    if (header.leaf_lod != 0) leaves_ = source.open(columns.leaf_mask);
+    BrokenRule{source.path(), "/nodes"}.expect(
+        masks_->rows() == rows() && (leaves_ == nullptr || leaves_->rows() == rows()), 0, "columns differ in length");
   }
   std::uint64_t rows() const { return kinds_->rows(); }
 
@@ -26,17 +28,19 @@ class Branches {
     const std::uint64_t have = kind.size();
     if (end <= have) return;
     const std::uint64_t to = std::min(rows(), std::max({end, 4 * have, first_rows}));
-    kind.resize(to), child_mask.resize(to);
+    kind.resize(to), child_mask.resize(to), leaf_mask.resize(to);
     kinds_->read(have, to - have, kind.data() + have);
     masks_->read(have, to - have, child_mask.data() + have);
+    if (leaves_ != nullptr) leaves_->read(have, to - have, leaf_mask.data() + have);
   }
 
   std::vector<NodeKind> kind;
   std::vector<std::uint8_t> child_mask;
+  std::vector<std::uint8_t> leaf_mask;  ///< zeros if the shard has no leaves
 
  private:
   static constexpr std::uint64_t first_rows = 4096;
-  std::unique_ptr<StoredRows> kinds_, masks_;
+  std::unique_ptr<StoredRows> kinds_, masks_, leaves_;
 };
 
 /// Appends the node at the place of `walk`. Its key is in the table already, because add_row() of its parent appended
@@ -87,7 +91,7 @@ void read_constants(const ColumnSource& source, const ShardHeader& header, const
 
 NodeTable read_coarse_nodes(const ColumnSource& source, const ShardHeader& header, std::int32_t version, int begin) {
   const NodeColumns columns(version);
-  Branches branches(source, columns);
+  Branches branches(source, header, columns);
   NodeWalk walk(source.path(), header, branches.rows());
   NodeTable n;
   n.key = {0};
@@ -97,7 +101,8 @@ NodeTable read_coarse_nodes(const ColumnSource& source, const ShardHeader& heade
     branches.read_to(end);
     for (std::uint64_t row = walk.place().row; row < end; ++row) {
       add_row(walk, branches.kind[row], branches.child_mask[row], n);
-      walk.step(walk.place().lod, branches.kind[row], branches.child_mask[row]);
+      if (header.leaf_lod != 0) n.leaf_mask.push_back(branches.leaf_mask[row]);
+      walk.step(walk.place().lod, branches.kind[row], branches.child_mask[row], branches.leaf_mask[row]);
     }
     if (walk.place().level_end == end) break;  // no node of this level has a child
   }

@@ -44,6 +44,7 @@ struct Entry {
   std::array<double, 3> position_m{};  ///< in the scene, in metres
   double heading_deg = 0, scale = 1;
   std::shared_ptr<const SourceEdits> edits = nullptr;
+  std::shared_ptr<const SourceVoxelSize> voxel_size = nullptr;
 };
 
 /// Returns the edits of an entry, then the edits in the options that concern it; null if there are none. `name` is the
@@ -55,6 +56,14 @@ std::shared_ptr<const SourceEdits> edits_in(const JsonMembers& entry, const std:
     for (const NamedSourceEdit& edit : *options.source_edits)
       if (edit.source.empty() || edit.source == name) edits.list.push_back(edit.edit);
   return edits.list.empty() ? nullptr : std::make_shared<const SourceEdits>(std::move(edits));
+}
+
+/// Returns the voxel size of an entry; null if it states none.
+std::shared_ptr<const SourceVoxelSize> voxel_size_of(const JsonMembers& entry) {
+  const auto metres = entry.find<double>("voxel_size_m");
+  if (!metres) return nullptr;
+  if (!(*metres >= 1e-6 && *metres <= 1e6)) entry.fail("voxel_size_m", "expected 1e-6 to 1e6 metres");
+  return std::make_shared<const SourceVoxelSize>(SourceVoxelSize{entry.file(), entry.path_of("voxel_size_m"), *metres});
 }
 
 void read_place(const JsonMembers& place, Entry& e) {
@@ -80,9 +89,10 @@ Entry read_entry(const JsonMembers& json, SourceOptions options, const Progress&
   options.area.reset();  // the area and the edits refer to the frame of the whole scene
   options.edits.reset();
   const auto path = json.get<std::string>("path");
-  json.only({"path", "place", "heading_deg", "scale", "edits"});
+  json.only({"path", "place", "heading_deg", "scale", "voxel_size_m", "edits"});
   e.edits = edits_in(json, path, options);
   options.source_edits.reset();
+  e.voxel_size = voxel_size_of(json);
   const bool is_placed = json.contains("place");
   if (is_placed) read_place(json.members("place"), e);
   e.heading_deg = json.find<double>("heading_deg").value_or(0);
@@ -129,6 +139,21 @@ void expect_named_entries(const Json& list, const SourceOptions& options) {
   }
 }
 
+/// Returns the voxel size of a surface, which its entries must share. `where` names the entries of rasters.
+std::shared_ptr<const SourceVoxelSize> voxel_size_of_surface(
+    const std::filesystem::path& file, const DemRaster& raster,
+    const std::map<std::filesystem::path, std::string>& where,
+    const std::map<std::string, std::shared_ptr<const SourceVoxelSize>>& sizes) {
+  const auto metres = [](const std::shared_ptr<const SourceVoxelSize>& size) { return size ? size->metres : 0; };
+  const std::string& first = where.at(raster.parts[0].options.dem);
+  for (const DemPart& part : raster.parts)
+    if (const std::string& entry = where.at(part.options.dem); metres(sizes.at(entry)) != metres(sizes.at(first)))
+      throw UsageError(InputError(file, entry + ".voxel_size_m",
+                                  "differs from that of " + first + ", which is a part of the same surface")
+                           .what());
+  return sizes.at(first);
+}
+
 /// Opens the rasters of all entries together, because one surface may consist of several entries. Returns one entry per
 /// surface.
 std::vector<Entry> raster_entries(const JsonMembers& scene, const Json& list, const SourceOptions& options,
@@ -137,11 +162,14 @@ std::vector<Entry> raster_entries(const JsonMembers& scene, const Json& list, co
   std::vector<DemOptions> rasters;
   std::map<std::filesystem::path, std::string> where;
   std::map<std::string, std::shared_ptr<const SourceEdits>> edits;
+  std::map<std::string, std::shared_ptr<const SourceVoxelSize>> sizes;
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (!list[i].is_object() || !list[i].contains("dem")) continue;
     const JsonMembers entry = scene.element("sources", list, i);
-    entry.only({"dem", "ortho", "crs", "ortho_crs", "nodata", "height_scale", "geoid_offset_m", "tile_cells", "edits"});
+    entry.only({"dem", "ortho", "crs", "ortho_crs", "nodata", "height_scale", "geoid_offset_m", "tile_cells",
+                "voxel_size_m", "edits"});
     edits[entry.path()] = edits_in(entry, name_of_entry(list[i]), options);
+    sizes[entry.path()] = voxel_size_of(entry);
     for (DemOptions& o : dem_options(entry)) {
       where.emplace(o.dem, entry.path());
       rasters.push_back(std::move(o));
@@ -159,6 +187,7 @@ std::vector<Entry> raster_entries(const JsonMembers& scene, const Json& list, co
     e.where = where.at(source.tiles.front().dem->raster->parts[0].options.dem);
     e.position = source.origin;
     e.edits = edits_of_surface(file, *source.tiles.front().dem->raster, where, edits);
+    e.voxel_size = voxel_size_of_surface(file, *source.tiles.front().dem->raster, where, sizes);
     e.source = std::move(source);
     out.push_back(std::move(e));
   }
@@ -198,6 +227,7 @@ void add_entry(Entry e, SceneSources& out) {
     }
     tile.name = name + tile.name.substr(std::min(own.size(), tile.name.size()));  // keeps the part, e.g. "[1]"
     tile.edits = e.edits;
+    tile.voxel_size = e.voxel_size;
     out.tiles.push_back(std::move(tile));
   }
   for (const std::string& note : e.source.notes) out.notes.push_back(note);

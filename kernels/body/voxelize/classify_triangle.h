@@ -45,9 +45,11 @@ void add_to(CellStats& stats, const TriangleCounts<Count>& counts) {
   stats.bad_uv += counts.bad_uv;
 }
 
-GB_HD SnappedVertex snap_vertex(const SnapWindow& window, const PartArrays& part, std::uint32_t vertex) {
+/// Snaps a vertex of a part whose triangles are voxelized at level `lod`.
+GB_HD SnappedVertex snap_vertex(const SnapWindow& window, const PartArrays& part, std::uint32_t vertex, int lod = 0) {
   LatticePoint p;
-  if (!snap(window.frame, part.scene_from_local, part.position + 3 * std::size_t(vertex), p)) return {not_finite, 0, 0};
+  if (!snap_to_level(window.frame, part.scene_from_local, part.position + 3 * std::size_t(vertex), lod, p))
+    return {not_finite, 0, 0};
   const Vec3i64 at = p.v - window.min * subvoxels;
   bool is_far = false;
   for (const std::int64_t x : at) is_far |= x > max_coordinate || x < -max_coordinate;
@@ -81,26 +83,28 @@ GB_HD bool intersects_window(const Vec3<T> p[3], std::int64_t edge) {
 }
 
 /// Classifies a triangle with a vertex beyond max_coordinate. Its vertices are snapped again, into wider integers.
-GB_HD TriangleClass classify_far_triangle(const CellWindow& window, const PartArrays& part, const std::uint32_t v[3]) {
+GB_HD TriangleClass classify_far_triangle(const CellWindow& window, const PartArrays& part, const std::uint32_t v[3],
+                                          int lod) {
   Vec3i64 p[3];
   for (int i = 0; i < 3; ++i) {
     LatticePoint vertex{};
-    snap(window.frame, part.scene_from_local, part.position + 3 * std::size_t(v[i]), vertex);
+    snap_to_level(window.frame, part.scene_from_local, part.position + 3 * std::size_t(v[i]), lod, vertex);
     p[i] = vertex.v - window.min * subvoxels;
   }
   if (!intersects_window(p, window.edge)) return TriangleClass::elsewhere;
   return has_area<__int128>(p) ? TriangleClass::oversized : TriangleClass::zero_area;
 }
 
-/// Classifies a triangle. `v` holds the indices of its vertices, and `p` the results of snap_vertex() for them.
+/// Classifies a triangle. `v` holds the indices of its vertices, and `p` the results of snap_vertex() for them, with
+/// the same level.
 GB_HD TriangleClass classify_triangle(const CellWindow& window, const PartArrays& part, const std::uint32_t v[3],
-                                      const SnappedVertex p[3]) {
+                                      const SnappedVertex p[3], int lod = 0) {
   bool is_far = false;
   for (int i = 0; i < 3; ++i) {
     if (p[i][0] == not_finite) return TriangleClass::non_finite;
     is_far |= p[i][0] == out_of_reach;
   }
-  if (is_far) return classify_far_triangle(window, part, v);
+  if (is_far) return classify_far_triangle(window, part, v, lod);
   if (!intersects_window(p, window.edge)) return TriangleClass::elsewhere;
   return has_area<std::int64_t>(p) ? TriangleClass::kept : TriangleClass::zero_area;
 }

@@ -12,6 +12,7 @@
 #include "kernels/body/mip/mip.h"
 #include "kernels/body/mip/plane_fit.h"
 #include "kernels/body/prune/node.h"
+#include "kernels/cpu/mip/leaves.h"
 #include "kernels/cpu/mip/level_read.h"
 #include "kernels/cpu/mip/two_level_filter.h"
 #include "kernels/cpu/voxelize/brick_run.h"
@@ -256,7 +257,7 @@ FilteredLevel coarser_level(const Level& fine, int lod, const LevelSurface& surf
 }  // namespace
 
 void add_coarser_levels(std::vector<Level>& levels, LevelSurface& surface, int lods, MipFilter filter, bool normals,
-                        const ThreadPool& pool) {
+                        const ThreadPool& pool, std::span<const Level> leaves) {
   while (int(levels.size()) < lods) {
     const int lod = int(levels.size());
     if (is_of_64(filter, lod)) {
@@ -266,6 +267,7 @@ void add_coarser_levels(std::vector<Level>& levels, LevelSurface& surface, int l
     FilteredLevel next = coarser_level(levels.back(), lod, surface, filter, normals, pool);
     levels.push_back(std::move(next.level));
     surface = std::move(next.surface);
+    if (std::size_t(lod) < leaves.size()) add_leaves(levels.back(), surface, leaves[std::size_t(lod)], lod, filter);
   }
 }
 

@@ -1,6 +1,8 @@
 /// Stage 4 of a cell: all coarser levels, from the packed bricks of finer levels.
 #pragma once
 
+#include <span>
+
 #include "core/base/rules.h"
 #include "core/base/thread_pool.h"
 #include "kernels/body/cell.h"
@@ -22,11 +24,13 @@ struct LevelSurface {
 /// Exact   Colour and normal depend on the stored 8-bit voxels of the next finer level and on their visible fractions.
 ///         Coverage depends on the voxels of lod 0. If `filter` is MipFilter::thesis, levels from 2 on depend on the
 ///         stored voxels of the level two steps finer.
+/// Leaves  `leaves` has the voxels that were voxelized at their own level, by level: entry k is added to level k, if k
+///         is at least 1 (kernels/cpu/mip/leaves.h). MipFilter::thesis accepts none.
 /// Cost    Each level is read once (MipFilter::thesis: twice) and written once. On a surface, a level has about a
 ///         quarter of the voxels of the next finer level. MipFilter::coverage takes 20 more bytes per voxel of lod 1,
 ///         and at most about the same total for each coarser level.
 void add_coarser_levels(std::vector<Level>& levels, LevelSurface& surface, int lods, MipFilter filter, bool normals,
-                        const ThreadPool& pool);
+                        const ThreadPool& pool, std::span<const Level> leaves = {});
 
 /// Removes the directional coverage of all levels. Only alpha remains, which is the max of the three coverages.
 void drop_directional_coverage(std::vector<Level>& levels);

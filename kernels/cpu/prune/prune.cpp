@@ -20,7 +20,6 @@ using BrickClasses = std::vector<BrickClass>;
 
 /// Returns, for each brick of `level`, the index of its first child in `below`. The last entry is the number of bricks
 /// in `below`.
-/// Range   Every brick has at least one child.
 std::vector<std::size_t> child_starts(const Level& level, const Level& below) {
   std::vector<std::size_t> starts;
   std::size_t child = 0;
@@ -73,13 +72,27 @@ std::vector<BrickClasses> judge(const std::vector<Level>& levels, const ThreadPo
   return classes;
 }
 
-/// Appends the nodes of one level. link_children() sets their children after the next finer level is appended.
+/// Appends the nodes of one level. Sets leaf_mask to all occupied octants; remove_children_from_leaves() completes it.
+/// link_children() sets their children after the next finer level is appended.
 void add_level_nodes(const Level& level, const BrickClasses& classes, std::size_t lod, NodeTable& nodes) {
   std::uint32_t brick = 0;
   for (std::size_t b = 0; b < classes.size(); ++b) {
     const BrickClass& v = classes[b];
-    if (v.stored) append_node(level.key[b], lod, v.kind, v.value, !level.directional_coverage.empty(), brick, nodes);
+    if (!v.stored) continue;
+    append_node(level.key[b], lod, v.kind, v.value, !level.directional_coverage.empty(), brick, nodes);
+    const bool may_have_leaves = lod != 0 && !ends_branch(v.kind);
+    nodes.leaf_mask.push_back(std::uint8_t(may_have_leaves ? occupied_octants(&level.mask[8 * b]) : 0u));
   }
+}
+
+/// Completes leaf_mask: an occupied octant with a stored child is no leaf. Empties it if there are no leaves.
+void remove_children_from_leaves(NodeTable& nodes) {
+  bool any = false;
+  for (std::size_t n = 0; n < nodes.leaf_mask.size(); ++n) {
+    nodes.leaf_mask[n] = std::uint8_t(nodes.leaf_mask[n] & ~nodes.child_mask[n]);
+    any = any || nodes.leaf_mask[n] != 0;
+  }
+  if (!any) nodes.leaf_mask = {};
 }
 
 void remove_constant_bricks(Level& level, const BrickClasses& classes) {
@@ -114,6 +127,7 @@ NodeTable nodes_of(const std::vector<Level>& levels, const std::vector<BrickClas
     if (begin != 0) link_children(nodes, above, begin);  // the root has no parent
     above = begin;
   }
+  remove_children_from_leaves(nodes);
   return nodes;
 }
 

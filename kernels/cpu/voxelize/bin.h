@@ -13,6 +13,14 @@
 
 namespace gigabake::kernels {
 
+class StoredDepth;
+
+/// The bricks of one level in which a triangle is voxelized. Without `depth`, all bricks that the triangle may touch.
+struct BrickChoice {
+  const StoredDepth* depth = nullptr;
+  int lod = 0;
+};
+
 /// A pair: the brick's key in the upper 32 bits, and the triangle's index in the lower 32 bits.
 using Pair = std::uint64_t;
 
@@ -30,11 +38,13 @@ struct Batch {
 /// Splits the brick keys of the window into batches of at most `pairs_per_batch` pairs. A batch has more pairs only if
 /// one of the 32,768 equal parts of the key range has more. Batches are in ascending order and cover all keys with
 /// pairs; empty batches are omitted.
+/// `parameters` belong to the level of `choice`.
 std::vector<Batch> plan_batches(std::span<const WindowTriangle> triangles, const CellParameters& parameters,
-                                std::uint64_t pairs_per_batch, const ThreadPool& pool);
+                                std::uint64_t pairs_per_batch, const ThreadPool& pool, const BrickChoice& choice = {});
 
 /// Returns the batch's pairs, sorted by brick key.
 UnsetArray<Pair> sorted_pairs(std::span<const WindowTriangle> triangles, const CellParameters& parameters,
-                              const Batch& batch, const ThreadPool& pool, CellStats& stats);
+                              const Batch& batch, const ThreadPool& pool, CellStats& stats,
+                              const BrickChoice& choice = {});
 
 }  // namespace gigabake::kernels

@@ -10,12 +10,11 @@ namespace {
 constexpr std::size_t words_per_brick = 8;
 
 /// Replaces the masks of all bricks by the masks of the kept voxels, and returns the old masks.
-std::vector<std::uint64_t> keep_in_masks(Level& level, const CellParameters& parameters, const ThreadPool& pool) {
+std::vector<std::uint64_t> keep_in_masks(Level& level, const KeptInBrick& kept_in, const ThreadPool& pool) {
   std::vector<std::uint64_t> before = level.mask;
   pool.parallel_for(level.key.size(), 16, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t b = begin; b < end; ++b) {
-      const Vec3i64 brick = static_cast<Vec3i64>(demorton(level.key[b]));
-      const VoxelMask kept = parameters.kept(parameters.window_min + brick * std::int64_t(brick_edge));
+      const VoxelMask kept = kept_in(level.key[b]);
       for (std::size_t w = 0; w < words_per_brick; ++w) level.mask[words_per_brick * b + w] &= kept[w];
     }
   });
@@ -30,8 +29,16 @@ void keep_values(std::vector<Value>& values, std::size_t per_voxel, std::uint64_
 
 }  // namespace
 
-void clip(Level& level, const CellParameters& parameters, const ThreadPool& pool) {
-  const std::vector<std::uint64_t> before = keep_in_masks(level, parameters, pool);
+void clip(Level& level, int lod, const CellParameters& parameters, const ThreadPool& pool) {
+  const Vec3i64 min = parameters.window_min >> lod;
+  const auto kept = [&](std::uint64_t key) {
+    return parameters.kept(min + static_cast<Vec3i64>(demorton(key)) * std::int64_t(brick_edge), lod);
+  };
+  keep_voxels(level, kept, pool);
+}
+
+void keep_voxels(Level& level, const KeptInBrick& kept_in, const ThreadPool& pool) {
+  const std::vector<std::uint64_t> before = keep_in_masks(level, kept_in, pool);
   const std::size_t per_normal = level.normal.empty() ? 0 : 2,
                     per_plane = level.directional_coverage.empty() ? 0 : directional_coverage_bytes;
   std::uint64_t from = 0, to = 0;

@@ -24,11 +24,11 @@ struct Range {
   TriangleCounts<std::uint64_t> counts{};
 };
 
-UnsetArray<SnappedVertex> snap_vertices(const PartArrays& part, std::size_t vertices, const CellWindow& window,
+UnsetArray<SnappedVertex> snap_vertices(const PartArrays& part, std::size_t vertices, const CellWindow& window, int lod,
                                         const ThreadPool& pool) {
   UnsetArray<SnappedVertex> out(vertices);
   pool.parallel_for(out.size(), 65536, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) out[i] = snap_vertex(window, part, std::uint32_t(i));
+    for (std::size_t i = begin; i < end; ++i) out[i] = snap_vertex(window, part, std::uint32_t(i), lod);
   });
   return out;
 }
@@ -36,6 +36,7 @@ UnsetArray<SnappedVertex> snap_vertices(const PartArrays& part, std::size_t vert
 /// A part with its vertices snapped to the lattice.
 struct SnappedPart {
   PartArrays part;
+  int lod;  ///< level at which its triangles are voxelized
   UnsetArray<SnappedVertex> vertices;
 
   WindowTriangle triangle(std::uint32_t number, std::uint32_t index, std::uint32_t v[3]) const {
@@ -51,7 +52,7 @@ void judge(const SnappedPart& from, const CellWindow& window, Range& range) {
   for (std::size_t t = range.begin; t < range.end; ++t) {
     std::uint32_t v[3];
     const WindowTriangle triangle = from.triangle(range.part, std::uint32_t(t), v);
-    const TriangleClass triangle_class = classify_triangle(window, from.part, v, triangle.p);
+    const TriangleClass triangle_class = classify_triangle(window, from.part, v, triangle.p, from.lod);
     ++range.counts.triangle_class[int(triangle_class)];
     range.counts.bad_uv += has_bad_uv(triangle_class, from.part, v);
     const std::size_t bit = t - range.begin;
@@ -77,7 +78,7 @@ UnsetArray<WindowTriangle> window_triangles(const CellInput& input, const CellPa
   for (std::uint32_t p = 0; p < input.parts.size; ++p) {
     const PartView& view = input.parts[p];
     const PartArrays part = part_arrays(input, view);
-    parts.push_back({part, snap_vertices(part, view.position.size / 3, window, pool)});
+    parts.push_back({part, view.lod, snap_vertices(part, view.position.size / 3, window, view.lod, pool)});
     const std::size_t count = view.index.size / 3;
     for (std::size_t begin = 0; begin < count; begin += triangles_per_window_range)
       ranges.push_back({p, begin, std::min(count, begin + triangles_per_window_range)});

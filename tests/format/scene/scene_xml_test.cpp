@@ -142,7 +142,10 @@ TEST(SceneXml, IsRefusedWithElementAndAttributeWhereItIsWrong) {
     const char *from, *to, *told;
   } cases[] = {
       {"<OctTreeGroup", "<OctTreeGrouq", "not a scene"},
-      {"Version=\"5\"", "Version=\"6\"", "OctTreeGroup Version: expected 1 to 5"},
+      {"Version=\"5\"", "Version=\"7\"", "OctTreeGroup Version: expected 1 to 6"},
+      {"Version=\"5\"", "Version=\"6\"", "OctTreeGroup LeafLod: is missing"},
+      {"Version=\"5\"", "Version=\"6\" LeafLod=\"0\"", "OctTreeGroup LeafLod: expected 1 to 10"},
+      {"Version=\"5\"", "Version=\"6\" LeafLod=\"11\"", "OctTreeGroup LeafLod: expected 1 to 10"},
       {"Parents=\"0\"", "Parents=\"1\"", "OctTreeGroup Parents: states 1, but 0 are listed"},
       {"Lods=\"2\"", "FirstLod=\"0\" Lods=\"2\"", "PagedOctTree FirstLod: expected 1 to 28"},
       {"Lods=\"2\"", "FirstLod=\"33\" Lods=\"2\"", "PagedOctTree FirstLod: expected 1 to 28"},

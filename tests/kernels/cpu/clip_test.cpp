@@ -66,7 +66,7 @@ TEST(Clip, KeepsExactlyTheVoxelsInsideWithTheirValues) {
     CellParameters parameters;
     parameters.window_min = {-16, 8, 1024};
     const auto is_inside = [](const Vec3i64& v) { return v[0] + 2 * v[1] < 41 && v[2] >= 1029; };
-    parameters.kept = [&](const Vec3i64& min) {
+    parameters.kept = [&](const Vec3i64& min, int) {
       VoxelMask mask{};
       for (std::int64_t i = 0; i < 512; ++i)
         if (is_inside(min + Vec3i64{i % 8, i / 8 % 8, i / 64})) mask[std::size_t(i) / 64] |= std::uint64_t(1) << i % 64;
@@ -78,7 +78,7 @@ TEST(Clip, KeepsExactlyTheVoxelsInsideWithTheirValues) {
     std::erase_if(expected, [&](const auto& voxel) { return !is_inside(parameters.window_min + voxel.first); });
     ASSERT_GT(expected.size(), 0u);
     ASSERT_LT(expected.size(), before);
-    clip(level, parameters, pool);
+    clip(level, 0, parameters, pool);
     EXPECT_EQ(voxels_of(level), expected);
     for (std::size_t b = 0; b + 1 < level.first.size(); ++b) EXPECT_LT(level.first[b], level.first[b + 1]);
     EXPECT_EQ(level.normal.empty(), !has_normals);
@@ -91,8 +91,8 @@ TEST(Clip, LeavesNothingOfALevelOutside) {
   std::mt19937_64 random(seed);
   Level level = random_level(random, true);
   CellParameters parameters;
-  parameters.kept = [](const Vec3i64&) { return VoxelMask{}; };
-  clip(level, parameters, callers_thread());
+  parameters.kept = [](const Vec3i64&, int) { return VoxelMask{}; };
+  clip(level, 0, parameters, callers_thread());
   EXPECT_TRUE(level.key.empty() && level.mask.empty() && level.rgba.empty() && level.normal.empty());
 }
 

@@ -66,7 +66,7 @@ struct CastField {
 };
 
 CastField field_at(const CastCorners& corners, bool is_wanted, const Vec3d& direction) {
-  const NeighbourhoodSurface neighbourhood = classify_neighbourhood(corners, 1, is_wanted ? 1 : 0, 0);
+  const NeighbourhoodSurface neighbourhood = classify_neighbourhood(corners, 1, is_wanted ? 1 : 0, true, 0);
   return {volumetric_residual(corners, neighbourhood, direction, false).sample, neighbourhood.blend};
 }
 
@@ -270,7 +270,7 @@ TEST(Sheet, IsAllThereIsWhereItIsCalledFlat) {
     RandomPoints points;
     for (int n = 0; n < 50; ++n) {
       const CastCorners corners = corners_of(brick.view(), points.next());
-      const NeighbourhoodSurface neighbourhood = classify_neighbourhood(corners, 1, 1, 0);
+      const NeighbourhoodSurface neighbourhood = classify_neighbourhood(corners, 1, 1, false, 0);
       if (neighbourhood.kind != PointKind::surface) continue;
       const CastSample residual = residual_sample(corners, neighbourhood.blend);
       ++(neighbourhood.is_flat ? flat : others);

@@ -42,7 +42,7 @@ class SceneExchange {
     FieldNode place;
     bool has_brick = false, has_children = false;  ///< parts to prepare
     bool is_ready = false, is_empty = false, is_brick_lost = false, are_children_lost = false;
-    std::uint8_t children = 0;
+    ChildMasks children;
     kernels::CastBrick brick = {};
   };
 

@@ -1,0 +1,147 @@
+#include "format/scene/expanded_leaves.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <tuple>
+
+#include "format/shard/levels/leaf_walk.h"
+
+namespace gigabake {
+namespace {
+
+/// Edge of an octant in voxels, and the levels from a leaf-constant node to a voxel of the node's size.
+constexpr int octant_edge = brick_edge / 2, node_levels = 3;
+
+class LeafExpander {
+ public:
+  LeafExpander(int lod, bool has_normals, BrickLevel& level) : lod_(lod), has_normals_(has_normals), level_(level) {
+    if (level_.first.empty()) level_.first.push_back(0);
+    level_.directional_coverage = {};
+  }
+
+  /// Keeps the nodes that represent voxels of the level.
+  void keep_nodes(const NodeTable& from) {
+    for (std::size_t n = 0; n < from.key.size(); ++n)
+      if (from.lod[n] == lod_ || (from.lod[n] > lod_ && from.kind[n] == NodeKind::leaf_constant))
+        add_node(from.key[n], from.lod[n], from.kind[n], from.value[n], from.normal[n]);
+  }
+
+  void add_octant(const LeafVoxels& leaves) {
+    const int coarser = leaves.lod - lod_;
+    if (coarser < node_levels) return add_bricks(leaves, coarser);
+    for_each_leaf(leaves,
+                  [&](const Vec3<int>& at, const std::uint8_t* rgba, const std::int8_t* normal, const std::uint8_t*) {
+                    const Vec3i64 voxel = leaves.octant * octant_edge + static_cast<Vec3i64>(at);
+                    add_node(morton(std::uint32_t(voxel[0]), std::uint32_t(voxel[1]), std::uint32_t(voxel[2])),
+                             std::uint8_t(leaves.lod - node_levels), NodeKind::leaf_constant,
+                             std::uint32_t(rgba[0] | rgba[1] << 8 | rgba[2] << 16) | std::uint32_t(rgba[3]) << 24,
+                             {normal[0], normal[1]});
+                  });
+  }
+
+  /// Returns the nodes, sorted by level, from the root down, and then by key.
+  NodeTable take_nodes() {
+    std::vector<std::size_t> order(nodes_.key.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::ranges::sort(order, {}, [this](std::size_t n) { return std::make_tuple(-int(nodes_.lod[n]), nodes_.key[n]); });
+    NodeTable sorted;
+    for (const std::size_t n : order) {
+      sorted.key.push_back(nodes_.key[n]);
+      sorted.lod.push_back(nodes_.lod[n]);
+      sorted.kind.push_back(nodes_.kind[n]);
+      sorted.value.push_back(nodes_.value[n]);
+      sorted.normal.push_back(nodes_.normal[n]);
+    }
+    sorted.child_mask.assign(order.size(), 0);
+    sorted.first_child.assign(order.size(), 0xffffffffu);
+    return sorted;
+  }
+
+ private:
+  struct OpenBrick {
+    std::array<std::uint64_t, brick_edge> mask{};
+    std::array<std::array<std::uint8_t, 4>, brick_voxels> rgba{};
+    std::array<std::array<std::int8_t, 2>, brick_voxels> normal{};
+  };
+
+  void add_node(std::uint64_t key, std::uint8_t lod, NodeKind kind, std::uint32_t value,
+                const std::array<std::int8_t, 2>& normal) {
+    nodes_.key.push_back(key);
+    nodes_.lod.push_back(lod);
+    nodes_.kind.push_back(kind);
+    nodes_.value.push_back(value);
+    nodes_.normal.push_back(normal);
+  }
+
+  /// Adds an octant as one brick, or as eight if its voxels are four times as wide as voxels of the level.
+  void add_bricks(const LeafVoxels& leaves, int coarser) {
+    const int along = 1 << (coarser - 1), edge = 1 << coarser;  // bricks of the octant, voxels of a leaf along an edge
+    std::vector<OpenBrick> bricks(std::size_t(along * along * along));
+    for_each_leaf(
+        leaves, [&](const Vec3<int>& at, const std::uint8_t* rgba, const std::int8_t* normal, const std::uint8_t*) {
+          for (int i = 0; i < edge * edge * edge; ++i) {
+            const Vec3<int> voxel = at * edge + Vec3<int>{i % edge, i / edge % edge, i / edge / edge};
+            OpenBrick& brick = bricks[std::size_t((voxel[0] >> 3) | (voxel[1] >> 3) << 1 | (voxel[2] >> 3) << 2)];
+            const auto z = std::size_t(voxel[2] & 7);
+            const int bit = (voxel[0] & 7) + 8 * (voxel[1] & 7);
+            brick.mask[z] |= std::uint64_t(1) << bit;
+            std::copy_n(rgba, 4, brick.rgba[64 * z + std::size_t(bit)].begin());
+            std::copy_n(normal, 2, brick.normal[64 * z + std::size_t(bit)].begin());
+          }
+        });
+    const std::uint64_t key =
+        morton(std::uint32_t(leaves.octant[0]), std::uint32_t(leaves.octant[1]), std::uint32_t(leaves.octant[2]))
+        << 3 * (coarser - 1);
+    for (std::size_t b = 0; b < bricks.size(); ++b) append(key + b, bricks[b]);
+  }
+
+  void append(std::uint64_t key, const OpenBrick& brick) {
+    const std::uint64_t before = level_.first.back();
+    std::uint64_t voxels = before;
+    for (std::size_t z = 0; z < brick.mask.size(); ++z)
+      for (std::uint64_t rest = brick.mask[z]; rest != 0; rest &= rest - 1, ++voxels) {
+        const std::size_t voxel = 64 * z + std::size_t(std::countr_zero(rest));
+        level_.rgba.insert(level_.rgba.end(), brick.rgba[voxel].begin(), brick.rgba[voxel].end());
+        if (has_normals_)
+          level_.normal.insert(level_.normal.end(), brick.normal[voxel].begin(), brick.normal[voxel].end());
+      }
+    if (voxels == before) return;
+    add_node(key, std::uint8_t(lod_), NodeKind::brick, std::uint32_t(level_.mask.size() / brick_edge), {0, 0});
+    level_.mask.insert(level_.mask.end(), brick.mask.begin(), brick.mask.end());
+    level_.first.push_back(voxels);
+  }
+
+  int lod_;
+  bool has_normals_;
+  BrickLevel& level_;
+  NodeTable nodes_;
+};
+
+}  // namespace
+
+void expand_leaves(const std::vector<BrickLevel>& levels, int lod, NodeTable& nodes, BrickLevel& level) {
+  const bool has_normals = std::ranges::any_of(levels, [](const BrickLevel& l) { return !l.normal.empty(); });
+  LeafExpander expander(lod, has_normals, level);
+  expander.keep_nodes(nodes);
+  for_each_leaf_octant(nodes, levels, lod, [&](const LeafVoxels& leaves) { expander.add_octant(leaves); });
+  nodes = expander.take_nodes();
+}
+
+std::uint64_t voxels_of_leaves(const NodeTable& nodes, const std::vector<BrickLevel>& above, int lod) {
+  std::uint64_t voxels = 0;
+  for (std::size_t n = 0; n < nodes.leaf_mask.size() && nodes.lod[n] > lod; ++n) {
+    std::uint64_t leaves = 0;
+    for (unsigned z = 0; z < brick_edge && nodes.leaf_mask[n] != 0; ++z) {
+      const std::uint64_t exists =
+          nodes.kind[n] == NodeKind::brick
+              ? above.at(std::size_t(nodes.lod[n] - lod - 1)).mask.at(brick_edge * std::size_t(nodes.value[n]) + z)
+              : ~std::uint64_t(0);
+      leaves += std::uint64_t(std::popcount(exists & octant_word(nodes.leaf_mask[n], z)));
+    }
+    voxels += leaves << 3 * (nodes.lod[n] - lod);
+  }
+  return voxels;
+}
+
+}  // namespace gigabake

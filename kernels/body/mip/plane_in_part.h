@@ -1,0 +1,30 @@
+/// The plane of a leaf in one of the finer voxels that the leaf describes.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include "core/math/vec3.h"
+#include "kernels/body/mip/plane.h"
+
+namespace gigabake::kernels {
+
+/// Returns the packed plane of a part of a leaf; nullopt if the leaf's plane does not intersect the part. `normal` is
+/// the leaf's normal on the octahedron |x| + |y| + |z| = 127. `part` is the part's position in the leaf, in parts, of
+/// which the leaf has 2^levels along an edge.
+/// Range   The leaf is fully planar; 1 ≤ levels ≤ 10.
+inline std::optional<std::uint8_t> plane_in_part(std::uint8_t plane, const Vec3<std::int32_t>& normal,
+                                                 const Vec3i64& part, int levels) {
+  const double parts = std::ldexp(1.0, levels), half_edge = 1 / parts;  // in half edges of the leaf
+  double at_centre = 0;
+  for (int a = 0; a < 3; ++a) at_centre += normal[a] / 127.0 * (double(2 * part[a] + 1) * half_edge - 1);
+  const double offset = (unpack_plane(plane).offset - max_offset * at_centre) * parts;
+  constexpr double rounding = 0.5;
+  if (std::fabs(offset) > max_offset + rounding) return {};
+  const double nearest = std::floor(offset + rounding);
+  return pack_plane(
+      {int(nearest > max_offset ? max_offset : (nearest < -max_offset ? -max_offset : nearest)), max_coherence});
+}
+
+}  // namespace gigabake::kernels
