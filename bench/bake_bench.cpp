@@ -67,8 +67,8 @@ BakeBench bench_bake(const BakeBenchRequest& request) {
   progress.step("baking cells overlapped", jobs.size(), "cell");
   const auto start = Clock::now();
   const WorkerOptions worker = worker_options(request, device.device);
-  const int in_hand =
-      slots_of_worker(device.device ? 1 : 0, int(concurrent_cells_for(worker)), writer_pool_size_for(worker).writers);
+  const int in_hand = slots_of_worker(device.device.has_value(), int(concurrent_cells_for(worker)),
+                                      writer_pool_size_for(worker).writers);
   const std::vector<CellReport> together = bake_cells(*pipeline, jobs, std::size_t(in_hand), progress);
   b.bake_s = seconds_since(start);
   b.overlapped = stages(together);

@@ -25,13 +25,13 @@ void check_outputs(const BakeOptions& options) {
   expect_own_file("--metrics", options.metrics, "# HELP gigabake_", kept);
 }
 
-int run(const BakeOptions& options, MpiSession& mpi) {
+int run(const BakeOptions& options, MpiSession& mpi, std::unique_ptr<ChildProcess> early) {
   BakeRequest request = options.request_of(mpi);
   request.source_record = bake_record(options);
   collective_try(mpi, [&] {
     if (mpi.rank() == 0) check_outputs(options);
   });
-  return run_bake(request, {options.json, options.quiet, options.log_time, options.report}, mpi);
+  return run_bake(request, {options.json, options.quiet, options.log_time, options.report}, mpi, std::move(early));
 }
 
 }  // namespace
@@ -76,7 +76,8 @@ void add_bake(CLI::App& app, int& exit_code) {
       return;
     }
     install_drain_handlers();  // before MPI starts, because mpirun passes signals on from the beginning
-    exit_code = on_all_ranks("bake", [&](MpiSession& mpi) { return run(*options, mpi); });
+    auto early = start_bake_process(options->asked.backend, options->asked.gpus);
+    exit_code = on_all_ranks("bake", [&](MpiSession& mpi) { return run(*options, mpi, std::move(early)); });
   });
 }
 

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 #include <functional>
 #include <unistd.h>
+#include <utility>
 
 #include "app/commands.h"
 #include "app/messages/bake_console.h"
 #include "app/messages/bake_report.h"
 #include "app/options/flags.h"
 #include "app/process/stop_signal.h"
+#include "cluster/launch/launcher.h"
+#include "cluster/process/bake_process.h"
 #include "cluster/process/drain.h"
 #include "core/base/error.h"
 #include "format/system/message.h"
@@ -53,7 +56,7 @@ BakeListener with_log_time(const BakeListener& listener, const std::function<voi
   };
 }
 
-int run(const BakeRequest& request, const BakeOutput& output, MpiSession& mpi) {
+int run(const BakeRequest& request, const BakeOutput& output, MpiSession& mpi, std::unique_ptr<ChildProcess> early) {
   BakeConsole console(mpi.rank() == 0 && !output.quiet ? stderr : nullptr, {is_drain_requested, {}});
   BakeProgress progress = console.progress();
   const bool has_time = output.log_time.value_or(::isatty(STDERR_FILENO) == 0);
@@ -66,7 +69,7 @@ int run(const BakeRequest& request, const BakeOutput& output, MpiSession& mpi) {
       "\ngigabake: stopped immediately, before the first cell; the same command starts the bake again\n");
   if (output.quiet) progress.listener = print_warnings;
   progress.listener = with_log_time(progress.listener, begin_log);
-  const BakeSummary summary = bake(mpi, request, progress);
+  const BakeSummary summary = bake(mpi, request, progress, std::move(early));
   log_time.reset();  // lines after this one are the result of the command
   if (mpi.rank() != 0) return complete;
   const std::string report = json_report(summary, request.out);
@@ -84,9 +87,15 @@ int run(const BakeRequest& request, const BakeOutput& output, MpiSession& mpi) {
 
 }  // namespace
 
-int run_bake(const BakeRequest& request, const BakeOutput& output, MpiSession& mpi) {
+std::unique_ptr<ChildProcess> start_bake_process(Backend backend, const std::vector<int>& gpus) {
+  const auto local = local_rank_from_launcher(environment_of_process);
+  return local ? start_early({backend, gpus, local->rank, local->ranks}) : nullptr;
+}
+
+int run_bake(const BakeRequest& request, const BakeOutput& output, MpiSession& mpi,
+             std::unique_ptr<ChildProcess> early) {
   try {
-    return run(request, output, mpi);
+    return run(request, output, mpi, std::move(early));
   } catch (const Stopped&) {
     if (mpi.rank() == 0)
       print_message("gigabake: stopped by a signal before the first cell; run the same command again to resume\n");

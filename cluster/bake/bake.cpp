@@ -8,9 +8,9 @@
 #include <variant>
 
 #include "cluster/bake/bake_session.h"
-#include "cluster/bake/dispatch.h"
 #include "cluster/bake/master_bake.h"
 #include "cluster/bake/scan_tiles.h"
+#include "cluster/dispatch/dispatch.h"
 #include "cluster/launch/agreed_request.h"
 #include "cluster/launch/rank_setup.h"
 #include "cluster/process/drain.h"
@@ -75,8 +75,8 @@ void prepare_scratch(BakeSession& s) {
   s.scratch.emplace(scratch_of(s.request));
 }
 
-void start_process(BakeSession& s) {
-  s.process.emplace(setup_of(s.mpi, s.request, s.sources), process_options(s.request));
+void start_process(BakeSession& s, std::unique_ptr<ChildProcess> early) {
+  s.process.emplace(setup_of(s.mpi, s.request, s.sources), process_options(s.request), std::move(early));
   collective_try(s.mpi, [&] { s.process->prepare(); });
 }
 
@@ -171,32 +171,13 @@ void plan_jobs(BakeSession& s, PlanLevels levels) {
   s.summary.scan_s = seconds_since(s.start);
 }
 
-/// Waits until the process has reported its device. Restarts a process that dies before that; gives up after the third
-/// consecutive death.
-DeviceChoice device_of(const MpiSession& mpi, BakeProcess& process) {
-  constexpr std::chrono::milliseconds max_wait{50};
-  for (int deaths = 0; !process.device(); process.wait(max_wait)) {
-    process.prepare();
-    const auto event = process.poll();
-    const auto* died = event ? std::get_if<BakeProcess::Died>(&*event) : nullptr;
-    if (died == nullptr) continue;
-    if (++deaths == max_failed_starts) throw_no_start(died->why);
-    print_message("rank {} on {}: the bake process ended during its start, and is started again: {}\n", mpi.rank(),
-                  host_name(), died->why);
-  }
-  if (!process.device()->error.empty()) throw std::runtime_error(process.device()->error);
-  return process.device()->choice;
-}
-
-/// Chooses devices. If only some ranks have a device, each rank without one prints a line, because its cells take
-/// longer.
-void choose_devices(BakeSession& s) {
-  DeviceChoice choice;
-  collective_try(s.mpi, [&] { choice = device_of(s.mpi, *s.process); });
-  s.summary.ranks_with_device = int(s.mpi.sum_of(choice.device.has_value() ? 1 : 0));
-  s.summary.no_device = choice.reason;
-  if (s.summary.ranks_with_device != 0 && !choice.device && !choice.reason.empty())
-    print_message("rank {} on {} uses the CPU: {}\n", s.mpi.rank(), host_name(), choice.reason);
+/// Throws on every rank if a rank has reported that it has no device, although one was requested. Other ranks report
+/// their devices while cells are dispatched, so that no rank waits for the driver of another.
+void expect_device(const BakeSession& s) {
+  collective_try(s.mpi, [&] {
+    const auto& device = s.process->device();
+    if (device && !device->error.empty()) throw std::runtime_error(device->error);
+  });
 }
 
 /// Warns if the ranks may use at most half of the host's cores. The cause may be that mpirun binds each rank to one
@@ -227,7 +208,8 @@ void bake_jobs(BakeSession& s) {
 }
 
 /// Runs all steps of a bake. OUT is unlocked when it returns. `feed` is null except on rank 0.
-BakeSummary run_steps(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress, StatusFeed* feed) {
+BakeSummary run_steps(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress, StatusFeed* feed,
+                      std::unique_ptr<ChildProcess> early) {
   EnergyMeter energy;
   BakeSession s(mpi, request, progress, feed);
   s.summary.ranks = mpi.ranks();
@@ -236,9 +218,9 @@ BakeSummary run_steps(MpiSession& mpi, const BakeRequest& request, const BakePro
   open_source(s);
   claim_output(s);
   prepare_scratch(s);
-  start_process(s);
+  start_process(s, std::move(early));
   scan_source(s);
-  choose_devices(s);  // after the scan, because the driver's start would delay the scan
+  expect_device(s);
   plan_jobs(s, request.overviews ? PlanLevels::cells_and_overviews : PlanLevels::cells);
   bake_jobs(s);
   s.summary.joules = energy.joules();
@@ -284,13 +266,14 @@ PlannedBake plan_bake(MpiSession& mpi, const BakeRequest& own, const BakeProgres
   return {std::move(s.plan), std::move(s.sources), s.summary.scan_s};
 }
 
-BakeSummary bake(MpiSession& mpi, const BakeRequest& own, const BakeProgress& progress) {
+BakeSummary bake(MpiSession& mpi, const BakeRequest& own, const BakeProgress& progress,
+                 std::unique_ptr<ChildProcess> early) {
   const BakeRequest request = agreed_request(mpi, own);
   mpi.set_collective_timeout(heartbeat_timeouts_per_collective * request.timeouts.heartbeat_timeout_s);
   std::optional<StatusFeed> feed;
   if (mpi.rank() == 0) feed.emplace(request.out, mpi.ranks(), request.metrics, progress.listener);
   try {
-    BakeSummary summary = run_steps(mpi, request, progress, feed ? &*feed : nullptr);
+    BakeSummary summary = run_steps(mpi, request, progress, feed ? &*feed : nullptr, std::move(early));
     if (feed) end_status(*feed, summary);
     return summary;
   } catch (const Stopped&) {

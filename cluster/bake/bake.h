@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "cluster/edit/scene_edits.h"
 #include "cluster/mpi/collective.h"
 #include "cluster/mpi/mpi_session.h"
+#include "cluster/process/child_process.h"
 #include "core/base/progress.h"
 #include "core/octree/parameters.h"
 #include "format/job/run_work.h"
@@ -78,7 +80,8 @@ struct BakeSummary {
   OrphanShards pruned;   ///< removed from OUT
 };
 
-/// Collective call. Locks OUT during the bake. Returns early once is_drain_requested() is true; if no cell has been
+/// Collective call. `early` is this rank's bake process, if start_early() has started it before MPI.
+/// Locks OUT during the bake. Returns early once is_drain_requested() is true; if no cell has been
 /// started by then, throws Stopped on every rank instead. The scene and the sums of the summary are filled on rank 0
 /// only. The edits of the source apply first, then the edits of OUT/edits.json. OUT/edits.json and OUT/source.json
 /// change only if the scene is published. OUT/scene.xml is replaced last. Shards that the new scene.xml does not name
@@ -86,7 +89,8 @@ struct BakeSummary {
 /// Errors  CollectiveFailure, with OUT/scene.xml unchanged: the source cannot be opened or has no triangles, OUT cannot
 ///         be written, or another bake has locked OUT. CollectiveFailure also if no cell could be baked, or if any
 ///         input is missing without keep_going.
-BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress);
+BakeSummary bake(MpiSession& mpi, const BakeRequest& request, const BakeProgress& progress,
+                 std::unique_ptr<ChildProcess> early = nullptr);
 
 /// Result of plan_bake().
 struct PlannedBake {

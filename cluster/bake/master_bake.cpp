@@ -5,9 +5,10 @@
 #include <string>
 #include <sys/resource.h>
 
-#include "cluster/bake/dispatch.h"
 #include "cluster/bake/empty_scene.h"
 #include "cluster/bake/tile_loss.h"
+#include "cluster/dispatch/dispatch.h"
+#include "cluster/launch/local_ranks.h"
 #include "cluster/launch/rank_setup.h"
 #include "cluster/mpi/mpi_rank_link.h"
 #include "core/base/error.h"
@@ -16,18 +17,25 @@
 #include "format/system/publish.h"
 #include "scheduler/journal/cached_results.h"
 #include "scheduler/plan/merge.h"
+#include "worker/pipeline/backend.h"
 #include "worker/pipeline/writer_pool_size.h"
 
 namespace gigabake {
 namespace {
 
-DispatchOptions dispatch_options(const MpiSession& mpi, const BakeRequest& request, const BakeSummary& summary) {
+/// Returns whether this host has GPUs that the bake may use. A rank reports its device only during the dispatch, when
+/// the driver has started.
+bool expects_device(const BakeRequest& request) {
+  return request.backend != Backend::cpu && is_built_for_devices() && visible_gpus(environment_of_process) > 0;
+}
+
+DispatchOptions dispatch_options(const MpiSession& mpi, const BakeRequest& request) {
   WorkerOptions worker;
   worker.threads = threads_of(mpi, request);
   worker.memory_bytes = memory_of(mpi, request);
   DispatchOptions options;
-  options.slots = slots_of_worker(summary.ranks_with_device, int(concurrent_cells_for(worker)),
-                                  writer_pool_size_for(worker).writers);
+  options.slots =
+      slots_of_worker(expects_device(request), int(concurrent_cells_for(worker)), writer_pool_size_for(worker).writers);
   options.keep_going = request.keep_going;
   options.heartbeat_timeout_s = request.timeouts.heartbeat_timeout_s;
   return options;
@@ -80,11 +88,13 @@ void MasterBake::run() {
   plan_file_.emplace(session_);
   report_reused(prior.done);
   MpiRankLink link(session_.mpi, *session_.process);
-  DispatchResult result = dispatch(link, plan_.jobs, prior.done, dispatch_options(session_.mpi, request_, summary_),
+  DispatchResult result = dispatch(link, plan_.jobs, prior.done, dispatch_options(session_.mpi, request_),
                                    [this](const BakeEvent& event) { take(event); });
   summary_.cells_taken_over = cells_among(prior.done);
   summary_.cells_planned = plan_.cells();
   summary_.is_drained = result.is_drained;
+  summary_.ranks_with_device = result.ranks_with_device;
+  summary_.no_device = result.no_device;
   summary_.lost_ranks = result.lost_ranks.size();
   summary_.peak_process_bytes = std::max({result.peak_bytes, session_.process->peak_bytes(), peak_bytes_here()});
   summary_.amounts = amounts_of(plan_, result.reports, request_.parameters.voxel_size_m);

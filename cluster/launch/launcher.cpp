@@ -40,6 +40,15 @@ int rank_from_launcher(const Environment& environment) {
   return 0;
 }
 
+std::optional<LocalRank> local_rank_from_launcher(const Environment& environment) {
+  if (!is_launched(environment)) return LocalRank{};
+  const char* rank = environment("OMPI_COMM_WORLD_LOCAL_RANK");
+  const char* ranks = environment("OMPI_COMM_WORLD_LOCAL_SIZE");
+  if (rank == nullptr || ranks == nullptr) return std::nullopt;
+  const LocalRank local{std::atoi(rank), std::atoi(ranks)};
+  return local.rank >= 0 && local.rank < local.ranks ? std::optional(local) : std::nullopt;
+}
+
 std::optional<std::string> ranks_without_mpi_error(const Environment& environment) {
   if (!may_have_other_ranks(environment)) return std::nullopt;
   return "this gigabake was built without MPI, so each of the launched processes would bake the whole scene: start one "

@@ -20,6 +20,14 @@ bool is_launched(const Environment& environment);
 /// Returns this process's rank as the launcher states it before MPI_Init; 0 if no launcher does.
 int rank_from_launcher(const Environment& environment);
 
+/// The index of a process among those that its launcher started on this host.
+struct LocalRank {
+  int rank = 0, ranks = 1;
+};
+/// Returns the local rank as the launcher states it before MPI_Init, or the only one if no launcher started this
+/// process. Returns nullopt if the launcher does not state it.
+std::optional<LocalRank> local_rank_from_launcher(const Environment& environment);
+
 /// Returns the error line of a build without MPI if a launcher may have started more than this process; else nullopt.
 std::optional<std::string> ranks_without_mpi_error(const Environment& environment);
 

@@ -1,7 +1,7 @@
 /// Transport of dispatch() over MPI.
 #pragma once
 
-#include "cluster/bake/rank_baker.h"
+#include "cluster/dispatch/rank_baker.h"
 #include "cluster/mpi/mpi_session.h"
 #include "cluster/mpi/rank_link.h"
 

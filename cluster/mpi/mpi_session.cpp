@@ -86,6 +86,18 @@ void expect_no_other_ranks() {
   ::setenv("OMPI_MCA_btl", "self", 0);
 }
 
+/// Min size of a message that MPI moves in many parts.
+constexpr std::size_t large_message_bytes = std::size_t(1) << 17;
+
+/// Moves a large message while the receiver takes it. MPI moves a part of it per call, so each part would otherwise
+/// wait for the next poll().
+void move_large(MPI_Request& request) {
+  constexpr std::chrono::milliseconds max_time{10};
+  const auto end = std::chrono::steady_clock::now() + max_time;
+  while (!is_done(request, "MPI_Isend") && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::microseconds(20));
+}
+
 /// Broadcasts rank 0's bytes. Collective call.
 void broadcast(void* bytes, std::size_t count, double collective_timeout_s) {
   MPI_Request request = MPI_REQUEST_NULL;
@@ -142,6 +154,7 @@ void MpiSession::send(int to, int tag, std::vector<std::uint8_t> bytes) {
   letter.bytes = std::move(bytes);
   check(MPI_Isend(letter.bytes.data(), int(letter.bytes.size()), MPI_BYTE, to, tag, MPI_COMM_WORLD, &letter.request),
         "MPI_Isend");
+  if (letter.bytes.size() >= large_message_bytes) move_large(letter.request);
 }
 
 void MpiSession::progress() { outbox_->remove_sent(); }

@@ -39,22 +39,27 @@ std::string advice(const std::filesystem::path& program) {
   return program.string().starts_with("/proc/") ? "; a bake needs /proc to be mounted" : "";
 }
 
+std::unique_ptr<ChildProcess> started_child(const BakeProcessOptions& options) {
+  return std::make_unique<ChildProcess>(options.program, std::vector<std::string>{"bake-process"});
+}
+
 }  // namespace
 
-BakeProcess::BakeProcess(const WorkerSetup& setup, BakeProcessOptions options)
+BakeProcess::BakeProcess(const WorkerSetup& setup, BakeProcessOptions options, std::unique_ptr<ChildProcess> early)
     : setup_(to_bytes(setup)),
       sources_(setup.sources),
       options_(std::move(options)),
+      early_(std::move(early)),
       watch_(seconds(options_.timeouts.no_progress_s)) {}
 
 void BakeProcess::prepare() {
   if (!child_ && !is_paused()) start();
 }
 
-void BakeProcess::submit(CellJob job, std::uint32_t attempt) {
+void BakeProcess::submit(BakeOrder order) {
   expect_work();
   if (cells_.empty()) cell_since_ = watch_.watched();
-  cells_.push_back({std::move(job), attempt});
+  cells_.push_back(std::move(order));
   if (channel_) channel_->send(BakeMessageKind::bake, to_bytes(cells_.back()));
   if (!child_) work();
 }
@@ -90,7 +95,7 @@ void BakeProcess::start() {
   std::erase_if(abandoned_, [](const auto& child) { return child->ended().has_value(); });
   has_started_ = false;
   try {
-    child_ = std::make_unique<ChildProcess>(options_.program, std::vector<std::string>{"bake-process"});
+    child_ = early_ ? std::move(early_) : started_child(options_);
   } catch (const std::system_error& e) {
     if (!is_temporary(e.code())) throw std::runtime_error(fmt::format("{}{}", e.what(), advice(options_.program)));
     return report_death(reason_of(e));
@@ -146,7 +151,7 @@ void BakeProcess::take(const BakeMessage& message) {
     if (asked == cells_.end()) throw InputError("cell report", "id", "was not requested");
     if (asked == cells_.begin()) cell_since_ = watch_.watched();
     cells_.erase(asked);
-    events_.push_back(Baked{std::move(answer.report), answer.attempt, answer.work});
+    events_.push_back(Baked{std::move(answer.report), answer.attempt, answer.work, std::move(answer.child)});
   } else {
     throw InputError("bake message", "kind", "expected an answer");
   }
@@ -217,6 +222,16 @@ void BakeProcess::wait(std::chrono::milliseconds maximum) const {
 }
 
 std::optional<pid_t> BakeProcess::pid() const { return channel_ ? std::optional(child_->pid()) : std::nullopt; }
+
+std::unique_ptr<ChildProcess> start_early(const DeviceRequest& expected, const BakeProcessOptions& options) {
+  try {
+    auto child = started_child(options);
+    FrameChannel(child->socket()).send(BakeMessageKind::device, to_bytes(expected));  // fits into the socket's buffer
+    return child;
+  } catch (const std::system_error&) {
+    return nullptr;  // BakeProcess starts a process later, and reports why it cannot
+  }
+}
 
 void throw_no_start(const std::string& why) {
   throw std::runtime_error("the bake process ended during its start: " + why);

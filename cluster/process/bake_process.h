@@ -43,7 +43,8 @@ class BakeProcess {
   struct Baked {
     CellReport report;
     std::uint32_t attempt;
-    RunWork work;  ///< the process's work since its previous answer
+    RunWork work;                          ///< the process's work since its previous answer
+    std::vector<std::uint8_t> child = {};  ///< see BakeAnswer
   };
   /// The death of the process, with the requests that were in flight, oldest first. The caller may submit them again.
   struct Died {
@@ -55,8 +56,9 @@ class BakeProcess {
   };
   using Event = std::variant<Scanned, Baked, Died>;
 
-  /// Keeps setup.sources, because every process that is started receives them.
-  BakeProcess(const WorkerSetup& setup, BakeProcessOptions options = {});
+  /// Keeps setup.sources, because every process that is started receives them. `early` is a process that
+  /// start_early() started; it becomes the first process. null: none.
+  BakeProcess(const WorkerSetup& setup, BakeProcessOptions options = {}, std::unique_ptr<ChildProcess> early = nullptr);
   /// Ends the process: see ~ChildProcess.
   ~BakeProcess() = default;
   BakeProcess(const BakeProcess&) = delete;
@@ -67,7 +69,8 @@ class BakeProcess {
   void prepare();
   /// Returns the device of the current or last process; nullopt until the process has reported its device.
   const std::optional<DeviceAnswer>& device() const { return device_; }
-  void submit(CellJob job, std::uint32_t attempt);
+  void submit(BakeOrder order);
+  void submit(CellJob job, std::uint32_t attempt) { submit(BakeOrder{std::move(job), attempt}); }
   void scan(std::uint32_t tile);
   /// Returns the next event, if any. Also sends and receives messages, and starts or kills the process. Call it often
   /// while requests are in flight.
@@ -102,6 +105,7 @@ class BakeProcess {
   const std::vector<std::uint8_t> setup_;
   const std::shared_ptr<const std::vector<std::uint8_t>> sources_;
   const BakeProcessOptions options_;
+  std::unique_ptr<ChildProcess> early_;  ///< until it becomes child_
   std::unique_ptr<ChildProcess> child_;
   std::optional<FrameChannel> channel_;                   ///< none while the process is ending
   std::vector<std::unique_ptr<ChildProcess>> abandoned_;  ///< processes that the kernel could not end yet
@@ -117,6 +121,11 @@ class BakeProcess {
   bool has_started_ = false;      ///< of the current or last process
   std::uint64_t peak_bytes_ = 0;  ///< of processes that ended
 };
+
+/// Starts a bake process before its setup is known, so that its device starts while this process starts MPI and opens
+/// the source. `expected` is the request that the setup will probably contain; another one only costs time. The caller
+/// must outlive the process, as described for BakeProcess. Returns null if the process cannot be started now.
+std::unique_ptr<ChildProcess> start_early(const DeviceRequest& expected, const BakeProcessOptions& options = {});
 
 /// Throws the error for max_failed_starts consecutive processes that ended before they had started. `why` states how
 /// the last process ended.

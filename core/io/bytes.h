@@ -28,7 +28,12 @@ class ByteWriter {
   template <class T>
   void put(const std::vector<T>& values) {
     put(std::uint64_t(values.size()));
-    for (const T& v : values) put(v);
+    if constexpr (std::is_trivially_copyable_v<T> && !std::is_same_v<T, bool>) {
+      const auto* from = reinterpret_cast<const std::uint8_t*>(values.data());
+      bytes_.insert(bytes_.end(), from, from + values.size() * sizeof(T));
+    } else {
+      for (const T& v : values) put(v);
+    }
   }
   std::vector<std::uint8_t> take() { return std::move(bytes_); }
 
@@ -72,8 +77,14 @@ class ByteReader {
   }
   template <class T>
   void get(std::vector<T>& values) {
-    values.resize(length(std::is_trivially_copyable_v<T> ? sizeof(T) : 8));
-    for (T& v : values) get(v);
+    const std::uint64_t count = length(std::is_trivially_copyable_v<T> ? sizeof(T) : 8);
+    values.resize(count);
+    if constexpr (std::is_trivially_copyable_v<T> && !std::is_enum_v<T> && !std::is_same_v<T, bool>) {
+      if (count != 0) std::memcpy(values.data(), bytes_.data() + at_, count * sizeof(T));
+      at_ += count * sizeof(T);
+    } else {
+      for (T& v : values) get(v);
+    }
   }
   void expect_end() const {
     if (at_ != bytes_.size()) fail("has bytes after its end");

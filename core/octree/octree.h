@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/rules.h"
 #include "core/octree/brick.h"
 
 namespace gigabake {
@@ -29,6 +30,11 @@ enum class NodeKind : std::uint8_t {
   constant = 1,       ///< all 512 voxels exist and are equal; children may differ. value: rgba
   leaf_constant = 2,  ///< like constant, for all finer levels too: no children are stored. value: rgba
 };
+
+template <>
+constexpr auto names_of<NodeKind>() {
+  return std::to_array<std::string_view>({"brick", "constant", "leaf_constant"});
+}
 
 /// The octree's nodes: levels from the root (lod = lods-1) to lod 0, in Morton order within a level.
 struct NodeTable {

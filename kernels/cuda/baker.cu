@@ -137,6 +137,11 @@ CudaDevices cuda_devices() {
   return devices;
 }
 
+void start_device(int device) {
+  check_cuda(cudaSetDevice(device), "cudaSetDevice");
+  check_cuda(cudaFree(nullptr), "cudaFree (start of the device)");
+}
+
 std::uint64_t device_memory_bytes(int device) {
   cudaDeviceProp p;
   check_cuda(cudaGetDeviceProperties(&p, device), "cudaGetDeviceProperties");

@@ -9,6 +9,7 @@ class CudaBaker::Impl {};
 
 CudaDevices cuda_devices() { return {{}, "this gigabake was built without CUDA (no nvcc was found)"}; }
 
+void start_device(int) { throw CudaFailure(cuda_devices().reason); }
 std::uint64_t device_memory_bytes(int) { throw CudaFailure(cuda_devices().reason); }
 double device_copy_rate(int) { throw CudaFailure(cuda_devices().reason); }
 

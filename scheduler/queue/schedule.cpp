@@ -68,6 +68,12 @@ std::optional<Assignment> Schedule::next(int worker, double now_s) {
   return std::nullopt;
 }
 
+bool Schedule::is_for_other_overview(int worker, std::uint32_t job) const {
+  if (jobs_[job].kept_lod == 0 || live_ < 2) return false;
+  constexpr std::size_t few_workers = 16;  // rank 0 then passes on at most 60 MB/s
+  return live_ <= few_workers || is_overview(jobs_[job]) || is_ending() || order_.is_claimed_by_other(job, worker);
+}
+
 /// Returns true if the worker may get another cell. Several cells in flight keep the worker's stages busy, but near the
 /// end of the bake they would leave other workers idle. No worker may then have more cells in flight than an even
 /// fraction of the pending cells, by number and by cost.

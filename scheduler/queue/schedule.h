@@ -19,13 +19,13 @@ namespace gigabake {
 /// Cells in flight per CPU worker that computes one cell at a time: one read, one computed, one written, and three
 /// queued.
 inline constexpr int worker_slots = 6;
-/// Cells in flight per device worker: four read, one computed, three read back, four written, and three queued.
-inline constexpr int device_worker_slots = 15;
+/// Cells in flight per device worker: six read, one computed, three read back, four written, and three queued.
+inline constexpr int device_worker_slots = 17;
 
-/// Returns the max number of cells in flight per worker. `devices` is the number of workers that compute on a device. A
-/// CPU worker computes and writes the given numbers of cells concurrently.
-inline int slots_of_worker(int devices, int computed = 1, int written = 1) {
-  return devices != 0 ? device_worker_slots : worker_slots + (computed - 1) + (written - 1);
+/// Returns the max number of cells in flight per worker, which computes on a device or on the CPU. A CPU worker
+/// computes and writes the given numbers of cells concurrently.
+inline int slots_of_worker(bool has_device, int computed = 1, int written = 1) {
+  return has_device ? device_worker_slots : worker_slots + (computed - 1) + (written - 1);
 }
 
 struct ScheduleOptions {
@@ -86,6 +86,10 @@ class Schedule {
   /// Returns the next cell for this worker, if it should get one now. Call it for all workers until it returns nullopt
   /// for each: at the start, and again after every result or death of a process.
   std::optional<Assignment> next(int worker, double now_s);
+
+  /// Returns true if another worker may make the overview above this job, which `worker` has just got. The worker then
+  /// sends the overview's input along with its report.
+  bool is_for_other_overview(int worker, std::uint32_t job) const;
 
   /// Records a finished cell. Accepts a result of a lost worker if the cell was not dispatched again.
   Verdict finished(int worker, std::uint32_t job, std::uint32_t attempt, double now_s);

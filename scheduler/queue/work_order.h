@@ -42,6 +42,7 @@ class WorkOrder {
   void take(std::uint32_t job);
   /// Records that `worker` gets the job. It claims the job's group of overviews, unless another worker has claimed it.
   void claim(std::uint32_t job, int worker);
+  bool is_claimed_by_other(std::uint32_t job, int worker) const { return claim_of(job, worker) == Claim::others; }
 
  private:
   /// A permutation of jobs, and which of these wait.

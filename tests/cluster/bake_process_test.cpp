@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "bake_scene.h"
+#include "cluster/dispatch/rank_baker.h"
 #include "tests/random_seed.h"
 #include "worker/scan/scan_tile.h"
 
@@ -113,6 +114,74 @@ TEST_F(BakeProcessTest, TakesAStoppedProcessForHungAndGoesOn) {
   ASSERT_EQ(died.cells.size(), 1u);
   process.submit(jobs[0], 2);
   EXPECT_EQ(expect<Baked>(process).report.outcome, CellOutcome::baked);
+}
+
+/// `bake` starts its process before MPI, with the device that it expects to request. A wrong expectation only costs
+/// time.
+TEST_F(BakeProcessTest, AProcessThatWasStartedEarlyScansAndBakes) {
+  for (const DeviceRequest& expected : {DeviceRequest{}, DeviceRequest{Backend::cuda, {}, 1, 2}}) {
+    auto early = start_early(expected, real_program());
+    ASSERT_TRUE(early);
+    const pid_t pid = early->pid();
+    BakeProcess process(scene.setup("out"), real_program(), std::move(early));
+    process.scan(0);
+    EXPECT_TRUE(expect<Scanned>(process).scan.error.empty());
+    EXPECT_EQ(process.pid(), pid);
+    process.submit(jobs[0], 1);
+    EXPECT_EQ(expect<Baked>(process).report.outcome, CellOutcome::baked);
+    ASSERT_TRUE(process.device());
+    EXPECT_EQ(process.device()->error, "") << "the device of the setup counts";
+  }
+}
+
+TEST_F(BakeProcessTest, AProcessThatWasStartedEarlyAndDiedIsReplaced) {
+  auto early = start_early({}, real_program());
+  ASSERT_TRUE(early);
+  early->kill();
+  BakeProcess process(scene.setup("out"), real_program(), std::move(early));
+  process.scan(0);
+  EXPECT_EQ(expect<Died>(process).tiles, std::vector<std::uint32_t>{0});
+  process.scan(0);
+  EXPECT_TRUE(expect<Scanned>(process).scan.error.empty());
+}
+
+TEST_F(BakeProcessTest, ItsRankReportsTheDeviceOnceBeforeTheFirstCell) {
+  BakeProcess process(scene.setup("out"), real_program());
+  RankBaker baker(process);
+  for (const std::uint32_t job : {0u, 1u}) {
+    const std::vector<std::uint8_t> order = order_bytes(0, {jobs[job], 1});
+    baker.handle(order);
+  }
+  std::vector<int> tags;
+  const auto last = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (tags.size() < 3 && std::chrono::steady_clock::now() < last) {
+    process.wait(milliseconds(20));
+    while (const auto message = baker.answer()) tags.push_back(message->tag);
+  }
+  EXPECT_EQ(tags, (std::vector<int>{tag_device, tag_report, tag_report}));
+}
+
+TEST_F(BakeProcessTest, ItsRankReportsAProcessThatNeverStarts) {
+  BakeProcess process(scene.setup("out"), {scene.script("broken", "exit 7")});
+  RankBaker baker(process);
+  std::vector<Message> messages;
+  const auto last = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  for (std::uint32_t deaths = 0; messages.size() < 4 && std::chrono::steady_clock::now() < last;) {
+    if (process.in_flight() == 0) baker.handle(order_bytes(deaths, {jobs[0], 1}));
+    process.wait(milliseconds(20));
+    while (auto message = baker.answer()) {
+      deaths += message->tag == tag_died;
+      messages.push_back(std::move(*message));
+    }
+  }
+  ASSERT_EQ(messages.size(), 4u);
+  EXPECT_EQ(messages[2].tag, tag_device);
+  EXPECT_EQ(device_from_bytes(messages[2].bytes).error, "the bake process ended during its start: exit code 7");
+  for (const int death : {0, 1, 3}) EXPECT_EQ(messages[std::size_t(death)].tag, tag_died);
+}
+
+TEST_F(BakeProcessTest, AProgramThatCannotBeStartedEarlyIsReportedLater) {
+  EXPECT_FALSE(start_early({}, {"/no/such/program"}));
 }
 
 /// Regression of 2026-11-22: all ranks waited for ever for a process that hung in its start, before it had a cell.

@@ -1,4 +1,4 @@
-#include "cluster/bake/dispatch.h"
+#include "cluster/dispatch/dispatch.h"
 
 #include <algorithm>
 #include <gmock/gmock.h>
@@ -177,6 +177,51 @@ TEST_F(Dispatch, StopsAtTheFirstCellThatIsSetAsideWhereItIsNotToGoOn) {
   EXPECT_EQ(result.counts.failed, 1u);
   EXPECT_GT(result.counts.abandoned, 0u);
   EXPECT_FALSE(result.is_drained);
+  expect_all_stopped(ranks);
+}
+
+/// Ranks report their devices during the dispatch, because no rank waits for the driver of another.
+TEST_F(Dispatch, CountsDevicesAndNamesTheRanksThatHaveNone) {
+  ScriptedRanks ranks(4, seed);
+  int turn = 0;
+  const DeviceAnswer gpu{{0, "", 1, 0}, ""}, none{{std::nullopt, "no driver", 1, 0}, ""};
+  ranks.at = [&](double) {
+    ++turn;
+    if (turn == 2) ranks.report_device(3, none);
+    if (turn == 5) ranks.report_device(1, gpu), ranks.report_device(0, none);
+    if (turn == 7) ranks.report_device(2, gpu);
+  };
+  const DispatchResult result = run(ranks);
+  expect_each_once(result);
+  EXPECT_EQ(result.ranks_with_device, 2);
+  EXPECT_EQ(result.no_device, "no driver");
+  EXPECT_THAT(notes_, testing::UnorderedElementsAre(HasSubstr("rank 3 on "), HasSubstr("rank 0 on ")));
+  for (const std::string& note : notes_) EXPECT_THAT(note, HasSubstr(" uses the CPU: no driver"));
+}
+
+TEST_F(Dispatch, IsSilentAboutDevicesIfNoRankHasOne) {
+  ScriptedRanks ranks(2, seed);
+  bool told = false;
+  ranks.at = [&](double) {
+    if (std::exchange(told, true)) return;
+    for (const int rank : {0, 1}) ranks.report_device(rank, {{std::nullopt, "no driver", 1, 0}, ""});
+  };
+  const DispatchResult result = run(ranks);
+  EXPECT_EQ(result.ranks_with_device, 0);
+  EXPECT_THAT(notes_, IsEmpty());
+}
+
+TEST_F(Dispatch, EndsIfARankCannotGetTheDeviceThatWasRequested) {
+  ScriptedRanks ranks(3, seed);
+  ranks.at = [&](double now_s) {
+    if (now_s > 1) ranks.report_device(2, {{}, "`backend` cuda: out of order"});
+  };
+  try {
+    run(ranks);
+    FAIL() << "no error";
+  } catch (const std::runtime_error& e) {
+    EXPECT_STREQ(e.what(), "`backend` cuda: out of order");
+  }
   expect_all_stopped(ranks);
 }
 

@@ -71,6 +71,26 @@ TEST(WithoutMpi, KnowsTheRankThatTheLauncherStates) {
     EXPECT_EQ(rank_from_launcher(of({{name, "3"}})), 3) << name;
 }
 
+/// A bake process is started before MPI_Init, for the device of its rank on this host.
+TEST(LocalRank, IsTheOneThatTheLauncherStates) {
+  const auto alone = local_rank_from_launcher(of({}));
+  ASSERT_TRUE(alone);
+  EXPECT_EQ(alone->rank, 0);
+  EXPECT_EQ(alone->ranks, 1);
+  const auto third = local_rank_from_launcher(
+      of({{"OMPI_COMM_WORLD_LOCAL_RANK", "2"}, {"OMPI_COMM_WORLD_LOCAL_SIZE", "4"}, {"OMPI_COMM_WORLD_SIZE", "8"}}));
+  ASSERT_TRUE(third);
+  EXPECT_EQ(third->rank, 2);
+  EXPECT_EQ(third->ranks, 4);
+}
+
+TEST(LocalRank, IsUnknownIfTheLauncherDoesNotStateIt) {
+  EXPECT_FALSE(local_rank_from_launcher(of({{"PMIX_RANK", "2"}})));
+  EXPECT_FALSE(local_rank_from_launcher(of({{"OMPI_COMM_WORLD_SIZE", "8"}, {"OMPI_COMM_WORLD_LOCAL_RANK", "5"}})));
+  EXPECT_FALSE(local_rank_from_launcher(
+      of({{"OMPI_COMM_WORLD_SIZE", "8"}, {"OMPI_COMM_WORLD_LOCAL_RANK", "4"}, {"OMPI_COMM_WORLD_LOCAL_SIZE", "4"}})));
+}
+
 bool launched(const char* only) {
   return is_launched([&](const char* name) { return std::string(name) == only ? "1" : nullptr; });
 }

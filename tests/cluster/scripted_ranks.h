@@ -31,6 +31,7 @@ class ScriptedRanks : public RankLink {
   void stall(int rank) { ranks_[std::size_t(rank)].stalled = true; }
   void wake(int rank) { ranks_[std::size_t(rank)].stalled = false; }
   void kill_process(int rank);
+  void report_device(int rank, const DeviceAnswer& device) { say(rank, tag_device, to_bytes(device)); }
   void ask_to_drain() { drain_asked_ = true; }
 
   // Results.

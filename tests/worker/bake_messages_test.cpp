@@ -71,20 +71,37 @@ TEST(BakeOrder, ComesBackFromItsBytesAndSoDoesTheAnswer) {
   order.job.name = "c_1_2_3";
   order.job.tiles = {4, 5};
   order.attempt = 3;
+  order.returns_child = true;
+  order.children = {{"shards/a.h5", {}}, {"shards/b.h5", {1, 2, 3}}};
   const BakeOrder back = order_from_bytes(to_bytes(order));
   EXPECT_EQ(back.job.name, order.job.name);
   EXPECT_EQ(back.job.tiles, order.job.tiles);
   EXPECT_EQ(back.attempt, 3u);
+  EXPECT_TRUE(back.returns_child);
+  ASSERT_EQ(back.children.size(), 2u);
+  EXPECT_EQ(back.children[1].file, "shards/b.h5");
+  EXPECT_EQ(back.children[1].bytes, order.children[1].bytes);
   BakeAnswer answer;
   answer.report.error = "no";
   answer.attempt = 4;
+  answer.child = {9, 8};
   answer.work.counts.counts[std::size_t(WorkCounter::joins)] = 7;
   answer.work.cpu_s = 1.5;
   EXPECT_EQ(answer_from_bytes(to_bytes(answer)).report.error, "no");
   EXPECT_EQ(answer_from_bytes(to_bytes(answer)).attempt, 4u);
+  EXPECT_EQ(answer_from_bytes(to_bytes(answer)).child, answer.child);
   EXPECT_EQ(answer_from_bytes(to_bytes(answer)).work.counts, answer.work.counts);
   EXPECT_EQ(answer_from_bytes(to_bytes(answer)).work.cpu_s, 1.5);
   EXPECT_EQ(tile_of_request(scan_request(77)), 77u);
+}
+
+TEST(DeviceRequest, ComesBackFromItsBytesAndIsRefusedWhereTheyAreWrong) {
+  const DeviceRequest request{Backend::cuda, {2, 3}, 1, 4};
+  EXPECT_EQ(device_request_from_bytes(to_bytes(request)), request);
+  EXPECT_THROW(device_request_from_bytes(to_bytes(DeviceRequest{Backend::cuda, {}, 4, 4})), InputError);
+  EXPECT_THROW(device_request_from_bytes(to_bytes(DeviceRequest{Backend::cuda, {}, -1, 4})), InputError);
+  const std::vector<std::uint8_t> bytes = to_bytes(request);
+  EXPECT_THROW(device_request_from_bytes(std::span(bytes).first(bytes.size() - 1)), InputError);
 }
 
 TEST(BakeOrder, IsRefusedWhereBytesAreMissing) {

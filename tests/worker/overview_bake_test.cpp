@@ -15,6 +15,7 @@
 #include "format/shard/levels/level_lookup.h"
 #include "tests/format/shard/made_shard.h"
 #include "tests/random_seed.h"
+#include "worker/overview/child_bytes.h"
 #include "worker/overview/overview_check.h"
 #include "worker/pipeline/shard_from_volume.h"
 
@@ -162,6 +163,7 @@ void expect_same(const OverviewChild& a, const OverviewChild& b) {
   EXPECT_EQ(m.value, n.value);
   EXPECT_EQ(m.normal, n.normal);
   EXPECT_EQ(m.directional_coverage, n.directional_coverage);
+  EXPECT_EQ(m.has_finest_planes, n.has_finest_planes);
   ASSERT_EQ(a.copied.coarse.levels.size(), b.copied.coarse.levels.size());
   for (std::size_t l = 0; l < a.copied.coarse.levels.size(); ++l) {
     const BrickLevel &i = a.copied.coarse.levels[l], &j = b.copied.coarse.levels[l];
@@ -193,7 +195,18 @@ TEST(ChildOf, AShardInMemoryIsWhatIsReadOfItsFile) {
     overview.copied_lods = 1;
     const OverviewChild read = read_child(ShardReader(folder / "child.h5"), overview);
     expect_same(child_of(std::move(shard), overview.first_lod), read);
+    expect_same(overview_child_from_bytes(to_bytes(read)), read);
   }
+}
+
+TEST(ChildBytes, AreRefusedWhereBytesAreMissingOrTooMany) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  std::vector<std::uint8_t> bytes = to_bytes(child_of(made::random_shard(rng, {2, true, 4, false, true}), 0));
+  for (std::size_t size = 0; size < bytes.size(); size += 1 + rng() % 5)
+    EXPECT_THROW(overview_child_from_bytes(std::span(bytes).first(size)), InputError) << size;
+  bytes.push_back(0);
+  EXPECT_THROW(overview_child_from_bytes(bytes), InputError);
 }
 
 /// Returns the child's downsample state for the box filter, which needs no coverage masks.

@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "kernels/cuda/baker.h"
+#include "kernels/cuda/device/build.h"
 
 namespace gigabake {
 
@@ -11,6 +12,8 @@ int sharers_of_device(int rank, int ranks, int devices) {
   const int turn = rank % devices;
   return ranks / devices + (turn < ranks % devices ? 1 : 0);
 }
+
+bool is_built_for_devices() { return !kernels::cuda_build().toolkit.empty(); }
 
 DeviceChoice choose_device(const DeviceRequest& requested) {
   if (requested.backend == Backend::cpu) return {};

@@ -22,6 +22,8 @@ struct DeviceRequest {
   std::vector<int> allowed = {};  ///< CUDA ordinals that may be chosen; empty means all
   int rank_on_host = 0;
   int ranks_on_host = 1;
+
+  bool operator==(const DeviceRequest&) const = default;
 };
 
 struct DeviceChoice {
@@ -34,6 +36,9 @@ struct DeviceChoice {
 /// Returns how many of `ranks` use the device of rank `rank` when they are assigned to `devices` round-robin.
 /// Range   0 ≤ rank < ranks; devices > 0.
 int sharers_of_device(int rank, int ranks, int devices);
+
+/// Returns whether this build has kernels for GPUs.
+bool is_built_for_devices();
 
 /// Returns the device of a rank. The ranks of a host are assigned to its devices round-robin, so several ranks share a
 /// device if there are fewer devices than ranks.

@@ -22,39 +22,25 @@ static_assert(sizeof(FrameHeader) == 24);
 
 void check(const FrameHeader& h) {
   if (h.magic != frame_magic) throw InputError("bake message", "magic", "expected a frame");
-  if (h.kind < std::uint32_t(BakeMessageKind::setup) || h.kind > std::uint32_t(BakeMessageKind::started))
+  if (h.kind < std::uint32_t(BakeMessageKind::setup) || h.kind > std::uint32_t(BakeMessageKind::device))
     throw InputError("bake message", "kind", "unknown: " + std::to_string(h.kind));
   if (h.bytes > max_payload_bytes) throw InputError("bake message", "bytes", "too long: " + std::to_string(h.bytes));
 }
 
-template <class Content>
-std::vector<std::uint8_t> with_attempt(std::uint32_t attempt, const Content& content) {
+}  // namespace
+
+std::vector<std::uint8_t> to_bytes(const BakeOrder& order) {
   ByteWriter w;
-  w.put(attempt);
-  w.put(to_bytes(content));
+  w.put(order.attempt), w.put(order.returns_child), w.put(to_bytes(order.job));
+  w.put(std::uint64_t(order.children.size()));
+  for (const ChildBytes& child : order.children) w.put(child.file), w.put(child.bytes);
   return w.take();
 }
 
-/// Returns the content that follows the attempt number, and sets `attempt` to that number.
-std::vector<std::uint8_t> split_attempt(std::span<const std::uint8_t> bytes, const char* what, std::uint32_t& attempt) {
-  ByteReader r(bytes, what);
-  std::vector<std::uint8_t> content;
-  r.get(attempt), r.get(content);
-  r.expect_end();
-  return content;
-}
-
-}  // namespace
-
-std::vector<std::uint8_t> to_bytes(const BakeOrder& order) { return with_attempt(order.attempt, order.job); }
-
 std::vector<std::uint8_t> to_bytes(const BakeAnswer& answer) {
   ByteWriter w;
-  w.put(answer.work);
-  std::vector<std::uint8_t> bytes = w.take();
-  const std::vector<std::uint8_t> report = with_attempt(answer.attempt, answer.report);
-  bytes.insert(bytes.end(), report.begin(), report.end());
-  return bytes;
+  w.put(answer.work), w.put(answer.attempt), w.put(to_bytes(answer.report)), w.put(answer.child);
+  return w.take();
 }
 
 std::vector<std::uint8_t> to_bytes(const DeviceAnswer& answer) {
@@ -64,6 +50,26 @@ std::vector<std::uint8_t> to_bytes(const DeviceAnswer& answer) {
   w.put(std::int32_t(answer.choice.sharers));
   w.put(answer.error);
   return w.take();
+}
+
+std::vector<std::uint8_t> to_bytes(const DeviceRequest& request) {
+  ByteWriter w;
+  w.put(request.backend);
+  w.put(request.allowed);
+  w.put(request.rank_on_host);
+  w.put(request.ranks_on_host);
+  return w.take();
+}
+
+DeviceRequest device_request_from_bytes(std::span<const std::uint8_t> bytes) {
+  ByteReader r(bytes, "device request");
+  DeviceRequest request;
+  r.get(request.backend), r.get(request.allowed), r.get(request.rank_on_host), r.get(request.ranks_on_host);
+  r.expect_end();
+  if (request.rank_on_host < 0) throw InputError("device request", "rank_on_host", "expected 0 or more");
+  if (request.ranks_on_host <= request.rank_on_host)
+    throw InputError("device request", "ranks_on_host", "expected more");
+  return request;
 }
 
 DeviceAnswer device_from_bytes(std::span<const std::uint8_t> bytes) {
@@ -86,15 +92,27 @@ std::vector<std::uint8_t> scan_request(std::uint32_t tile) {
 }
 
 BakeOrder order_from_bytes(std::span<const std::uint8_t> bytes) {
+  ByteReader r(bytes, "bake order");
   BakeOrder order;
-  order.job = job_from_bytes(split_attempt(bytes, "bake order", order.attempt));
+  std::vector<std::uint8_t> job;
+  std::uint64_t children = 0;
+  r.get(order.attempt), r.get(order.returns_child), r.get(job), r.get(children);
+  for (; children > 0; --children) {  // terminates because get() throws at the end of the bytes
+    ChildBytes& child = order.children.emplace_back();
+    r.get(child.file), r.get(child.bytes);
+  }
+  r.expect_end();
+  order.job = job_from_bytes(job);
   return order;
 }
 
 BakeAnswer answer_from_bytes(std::span<const std::uint8_t> bytes) {
+  ByteReader r(bytes, "bake answer");
   BakeAnswer answer;
-  ByteReader(bytes, "bake answer").get(answer.work);
-  answer.report = report_from_bytes(split_attempt(bytes.subspan(sizeof answer.work), "bake answer", answer.attempt));
+  std::vector<std::uint8_t> report;
+  r.get(answer.work), r.get(answer.attempt), r.get(report), r.get(answer.child);
+  r.expect_end();
+  answer.report = report_from_bytes(report);
   return answer;
 }
 

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
-#include <future>
 #include <memory>
 #include <mutex>
 #include <poll.h>
@@ -20,12 +19,14 @@
 
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
+#include "core/base/trace.h"
 #include "format/job/fingerprint.h"
 #include "format/job/run_work.h"
 #include "format/job/source_bytes.h"
 #include "format/system/meters/trace_file.h"
 #include "worker/pipeline/bake_messages.h"
 #include "worker/pipeline/cell_pipeline.h"
+#include "worker/pipeline/device_start.h"
 #include "worker/pipeline/worker_setup.h"
 #include "worker/scan/scan_tile.h"
 
@@ -109,6 +110,7 @@ class ScanThread {
   TileScan scan(std::uint32_t tile) {
     std::unique_lock one_at_a_time(large_, std::defer_lock);
     if (sources_.tiles[tile].bytes > small_bytes || store_.may_be_large(tile)) one_at_a_time.lock();
+    const TraceSpan span("scan");
     return scan_tile(sources_, tile, parameters_, pool_, &store_);
   }
 
@@ -142,8 +144,11 @@ class ScanThread {
   std::vector<std::thread> crew_;  ///< declared last, because the threads use the other members
 };
 
-/// Cell id and number of the attempt.
-using Attempt = std::pair<std::uint32_t, std::uint32_t>;
+/// An attempt at a cell, by the cell's id.
+struct Attempt {
+  std::uint32_t cell, number;
+  bool returns_child;
+};
 
 class BakeServer {
  public:
@@ -188,10 +193,13 @@ class BakeServer {
   }
 
   void handle(const BakeMessage& message) {
-    const bool opens = message.kind == BakeMessageKind::setup || message.kind == BakeMessageKind::sources;
+    const bool opens = message.kind == BakeMessageKind::setup || message.kind == BakeMessageKind::sources ||
+                       message.kind == BakeMessageKind::device;
     if (opens == setup_.has_value())
-      throw InputError("bake message", "kind", "expected one setup, as the first message");
+      throw InputError("bake message", "kind", "expected one setup, before all requests");
     switch (message.kind) {
+      case BakeMessageKind::device:
+        return device_start_.begin(device_request_from_bytes(message.payload));
       case BakeMessageKind::sources:
         source_bytes_.insert(source_bytes_.end(), message.payload.begin(), message.payload.end());
         return;
@@ -206,41 +214,20 @@ class BakeServer {
     }
   }
 
-  /// Opens the sources, and chooses the device on another thread. Tiles are scanned during the choice, because the
-  /// driver takes about a second to start.
+  /// Opens the sources. Tiles are scanned while the device starts on another thread.
   void open(WorkerSetup setup) {
     setup_ = std::move(setup);
     set_memory_limit(setup_->worker.memory_bytes);
-    chosen_ = choice_.get_future();
-    chooser_ = std::thread([this, requested = setup_->device] {
-      choice_.set_value(answer_to(requested));
-      done_.ring();
-    });
+    device_start_.begin(setup_->device);
     open_scene();
     send(BakeMessageKind::started, {});
   }
 
-  static DeviceAnswer answer_to(const DeviceRequest& requested) {
-    DeviceAnswer answer;
-    try {
-      answer.choice = choose_device(requested);
-    } catch (const std::exception& e) {
-      answer.error = e.what();
-    }
-    return answer;
-  }
-
-  bool is_device_known() const {
-    return chosen_.valid() && chosen_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-  }
-
   /// Waits for the choice of the device and sends it to the supervisor. Makes the pipeline if it is not the CPU.
   void take_device() {
-    const DeviceAnswer answer = chosen_.get();
-    if (!answer.error.empty()) {
-      why_not_ = answer.error;
-      scans_ = false;  // because the bake will fail
-    }
+    is_device_taken_ = true;
+    const DeviceAnswer& answer = device_start_.answer();
+    if (!answer.error.empty()) why_not_ = answer.error;
     setup_->worker.cuda_device = answer.choice.device;
     // Kernels of ranks that share a device run one after the other. While one rank's kernels run, another rank may
     // therefore pack on the cores of all these ranks.
@@ -280,13 +267,15 @@ class BakeServer {
   }
 
   void bake(BakeOrder order) {
-    if (chosen_.valid()) take_device();
+    if (!is_device_taken_) take_device();
     make_pipeline();
     if (pipeline_ && !fingerprints_->match(order.job))
       return answer_without_shard(order, CellOutcome::refused,
                                   "its fingerprint does not match the parameters of this process");
     if (pipeline_) {
-      attempts_.emplace_back(order.job.id, order.attempt);
+      attempts_.push_back({order.job.id, order.attempt, order.returns_child});
+      for (const ChildBytes& child : order.children)
+        pipeline_->keep_child(child.file, overview_child_from_bytes(child.bytes));
       return pipeline_->submit(std::move(order.job));
     }
     answer_without_shard(order, CellOutcome::failed, why_not_);
@@ -303,7 +292,7 @@ class BakeServer {
 
   void answer() {
     done_.silence();  // before polling, so that later results wake the thread again
-    if (is_device_known()) take_device();
+    if (setup_ && !is_device_taken_ && device_start_.is_chosen()) take_device();
     while (scanner_) {
       const auto scan = scanner_->poll();
       if (!scan) break;
@@ -313,8 +302,11 @@ class BakeServer {
       auto report = pipeline_->poll();
       if (!report) break;
       // Finds the oldest attempt at this cell, because the cell may have been requested again.
-      const auto attempt = std::ranges::find(attempts_, report->id, &Attempt::first);
-      send(BakeMessageKind::baked, to_bytes(BakeAnswer{std::move(*report), attempt->second, work_.next()}));
+      const auto attempt = std::ranges::find(attempts_, report->id, &Attempt::cell);
+      BakeAnswer answer{std::move(*report), attempt->number, work_.next()};
+      if (attempt->returns_child && answer.report.outcome == CellOutcome::baked)
+        if (const auto child = pipeline_->find_child(answer.report.cell.file)) answer.child = to_bytes(*child);
+      send(BakeMessageKind::baked, to_bytes(answer));
       attempts_.erase(attempt);
     }
   }
@@ -329,9 +321,8 @@ class BakeServer {
   std::optional<CellFingerprints> fingerprints_;  ///< fingerprints for the parameters and sources of this process
   /// The error that answers every request that needs the scene or the device; empty if there is none.
   std::string why_not_;
-  std::promise<DeviceAnswer> choice_;
-  std::future<DeviceAnswer> chosen_;  ///< valid from the setup until take_device()
-  std::thread chooser_;
+  DeviceStart device_start_{[this] { done_.ring(); }};
+  bool is_device_taken_ = false;
   std::unique_ptr<ScanThread> scanner_;
   bool scans_ = false;  ///< true if scan requests are accepted
   std::unique_ptr<CellPipeline> pipeline_;

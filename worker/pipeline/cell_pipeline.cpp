@@ -69,7 +69,8 @@ class CellPipeline::Stages {
         on_report_(std::move(on_report)),
         loaded_(readahead_cells_for(options)) {
     preparer_ = std::thread([this] { stages_.prepare(); });
-    reader_ = std::thread([this] { read_all(); });
+    producers_of_loaded_ = readers_for(options);
+    for (std::size_t r = producers_of_loaded_; r > 0; --r) readers_.emplace_back([this] { read_all(); });
     const std::size_t computers = concurrent_cells_for(options);
     producers_ = has_device_ ? readback_workers + overview_makers_for(options) : computers;
     for (std::size_t c = 0; c < computers; ++c) computers_.emplace_back([this] { compute_all(); });
@@ -89,7 +90,7 @@ class CellPipeline::Stages {
     }
     submitted_.notify_all();
     preparer_.join();
-    reader_.join();
+    for (std::thread& reader : readers_) reader.join();
     for (std::thread& computer : computers_) computer.join();
     for (std::thread& readback_worker : readback_threads_) readback_worker.join();
     for (std::thread& maker : overview_makers_) maker.join();
@@ -113,6 +114,8 @@ class CellPipeline::Stages {
     --in_flight_;
     return report;
   }
+
+  OverviewInputs& overview_inputs() { return stages_.overview_inputs(); }
 
   std::size_t in_flight() const {
     const std::scoped_lock lock(mutex_);
@@ -139,6 +142,7 @@ class CellPipeline::Stages {
       read(*cell);
       loaded_.push(std::move(cell));
     }
+    if (--producers_of_loaded_ != 0) return;
     loaded_.close();
     overviews_.close();
   }
@@ -222,9 +226,10 @@ class CellPipeline::Stages {
   BoundedQueue<std::unique_ptr<InFlightCell>> computed_, ready_;
   BoundedQueue<std::unique_ptr<InFlightCell>> overviews_{
       overviews_waiting};  ///< jobs only; their children are not yet read
-  std::thread preparer_, reader_;
-  std::atomic<std::size_t> producers_{0};  ///< number of threads that feed ready_
-  std::vector<std::thread> computers_, readback_threads_, overview_makers_;
+  std::thread preparer_;
+  std::atomic<std::size_t> producers_of_loaded_{0};  ///< number of threads that feed loaded_ and overviews_
+  std::atomic<std::size_t> producers_{0};            ///< number of threads that feed ready_
+  std::vector<std::thread> readers_, computers_, readback_threads_, overview_makers_;
   std::vector<std::thread> writers_;
 };
 
@@ -235,6 +240,12 @@ CellPipeline::~CellPipeline() = default;
 
 void CellPipeline::submit(CellJob job) { stages_->submit(std::move(job)); }
 std::optional<CellReport> CellPipeline::poll() { return stages_->poll(); }
+std::shared_ptr<const OverviewChild> CellPipeline::find_child(const std::string& file) {
+  return stages_->overview_inputs().find(file);
+}
+void CellPipeline::keep_child(const std::string& file, OverviewChild child) {
+  stages_->overview_inputs().keep(file, std::move(child));
+}
 std::size_t CellPipeline::in_flight() const { return stages_->in_flight(); }
 
 }  // namespace gigabake

@@ -14,6 +14,7 @@
 #include "core/octree/parameters.h"
 #include "format/job/cell_job.h"
 #include "format/source/source.h"
+#include "worker/overview/overview_bake.h"
 
 namespace gigabake {
 
@@ -56,6 +57,10 @@ class CellPipeline {
   void submit(CellJob job);
   /// Returns the next report, if any.
   std::optional<CellReport> poll();
+  /// Returns the data of a baked shard that its overview needs; null if it is no longer in memory.
+  std::shared_ptr<const OverviewChild> find_child(const std::string& file);
+  /// Takes the data of a shard that another worker has baked. Call it before submitting the overview.
+  void keep_child(const std::string& file, OverviewChild child);
   /// Returns the number of jobs submitted and not yet polled.
   std::size_t in_flight() const;
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/trace.h"
 #include "format/shard/levels/brick_walk.h"
 #include "format/shard/levels/content_hash.h"
 #include "format/shard/packed_shard.h"
@@ -13,6 +14,7 @@
 #include "kernels/cpu/bake_cell.h"
 #include "worker/pipeline/cell_parameters.h"
 #include "worker/pipeline/clipped_cell.h"
+#include "worker/pipeline/device_start.h"
 #include "worker/pipeline/lattice.h"
 #include "worker/pipeline/shard_from_volume.h"
 #include "worker/pipeline/writer_pool_size.h"
@@ -191,6 +193,8 @@ void CellStages::prepare() {
 
 void CellStages::make_baker() {
   std::call_once(device_is_made_, [this] {
+    const TraceSpan span("make baker");
+    start_device(*options_.cuda_device);
     while (packers_.size() < readback_workers + 1)
       packers_.push_back(std::make_unique<kernels::CudaPacker>(*options_.cuda_device));
     cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, device_bytes(options_) / 4);
@@ -218,6 +222,7 @@ void CellStages::read(InFlightCell& cell) {
   find_edits(cell);
   on_device(cell, [&] {
     make_baker();
+    const std::scoped_lock one_at_a_time(uploading_);
     cell.device_input = cuda_->upload(cell.loaded->input());
   });
 }

@@ -61,7 +61,7 @@ class CellStages {
   /// Reuses the shard of the job's fingerprint if OUT has a valid one. If OUT has a shard of the cell with fewer edits,
   /// applies the others to it (worker/edit/shard_edit.h) and writes the new shard. Otherwise loads tiles and textures,
   /// and uploads them to the device if there is one. For an overview, takes children from the cache where available and
-  /// reads the others from OUT.
+  /// reads the others from OUT. Several threads may call it for different cells.
   void read(InFlightCell& cell);
   /// Computes the volume from the loaded data: on the device if there is one and the cell is not an overview. If the
   /// device fails, the cell is baked on the CPU, and the report has a note.
@@ -76,6 +76,7 @@ class CellStages {
   void clip(InFlightCell& cell, const ShardReader& shard) const;
   /// Writes the volume or the columns to a shard, and fills the report.
   void write(InFlightCell& cell);
+  OverviewInputs& overview_inputs() { return overview_inputs_; }
 
  private:
   void make_baker();
@@ -112,6 +113,7 @@ class CellStages {
   std::optional<EditsInScene> edits_;
   std::optional<CellFingerprints> fingerprints_;  ///< if there are edits
   CellLoader loader_;
+  std::mutex uploading_;  ///< the device takes the cells of several readers one at a time
   OverviewInputs overview_inputs_;
   ThreadPool pool_, write_pool_;   ///< write_pool_: shared by concurrent writers
   std::once_flag device_is_made_;  ///< guards the creation of the next two members

@@ -2,6 +2,7 @@
 
 #include "core/io/bytes.h"
 #include "format/job/option_bytes.h"
+#include "worker/pipeline/bake_messages.h"
 
 namespace gigabake {
 namespace {
@@ -13,23 +14,6 @@ void put(ByteWriter& writer, const WorkerOptions& options) {
   writer.put(options.memory_bytes);
   writer.put(options.out.string());
   writer.put(options.scratch.string());
-}
-
-void put(ByteWriter& writer, const DeviceRequest& requested) {
-  writer.put(requested.backend);
-  writer.put(requested.allowed);
-  writer.put(requested.rank_on_host);
-  writer.put(requested.ranks_on_host);
-}
-
-DeviceRequest get_device_request(ByteReader& reader) {
-  DeviceRequest requested;
-  reader.get(requested.backend), reader.get(requested.allowed), reader.get(requested.rank_on_host),
-      reader.get(requested.ranks_on_host);
-  if (requested.rank_on_host < 0) throw InputError("device wish", "rank_on_host", "expected 0 or more");
-  if (requested.ranks_on_host <= requested.rank_on_host)
-    throw InputError("device wish", "ranks_on_host", "expected more");
-  return requested;
 }
 
 WorkerOptions get_worker_options(ByteReader& reader) {
@@ -51,7 +35,7 @@ std::vector<std::uint8_t> to_bytes(const WorkerSetup& setup) {
   ByteWriter w;
   put(w, setup.parameters);
   put(w, setup.worker);
-  put(w, setup.device);
+  w.put(to_bytes(setup.device));
   return w.take();
 }
 
@@ -60,7 +44,9 @@ WorkerSetup setup_from_bytes(std::span<const std::uint8_t> bytes) {
   WorkerSetup setup;
   setup.parameters = get_parameters(r);
   setup.worker = get_worker_options(r);
-  setup.device = get_device_request(r);
+  std::vector<std::uint8_t> device;
+  r.get(device);
+  setup.device = device_request_from_bytes(device);
   r.expect_end();
   return setup;
 }

@@ -107,6 +107,15 @@ class Counts(harness.FolderTest):
         self.assertEqual(work["overview_children_read"], 0)
         self.assertEqual(work["shard_rows_read"], 0, "a bake reads no shard that it wrote")
 
+    # 2026-11-28: an overview read the children of other ranks from shards; near the end, all ranks waited for it.
+    def test_ranks_send_each_other_the_rows_of_overviews(self):
+        report = self.root / "ranks.json"
+        PROGRAM.bake(self.tileset, self.root / "ranks", VOXEL_M, *OPTIONS, "--backend", "cpu", "--report", report,
+                     ranks=3)
+        work = json.loads(report.read_text(encoding="utf-8"))["run"]["work"]
+        self.assertGreater(work["overview_children"], 10)
+        self.assertLess(work["overview_children_read"], work["overview_children"] / 10)
+
     def test_an_overview_of_a_touched_tile_reads_only_the_rows_that_it_duplicates(self):
         out = self.root / "touched"
         PROGRAM.bake(self.tileset, out, VOXEL_M, *OPTIONS, "--backend", "cpu")

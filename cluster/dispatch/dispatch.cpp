@@ -1,11 +1,13 @@
-#include "cluster/bake/dispatch.h"
+#include "cluster/dispatch/dispatch.h"
 
 #include <algorithm>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "cluster/bake/rank_baker.h"
+#include "cluster/dispatch/rank_baker.h"
+#include "cluster/dispatch/sent_children.h"
 #include "cluster/mpi/collective.h"
 #include "cluster/mpi/heartbeat.h"
 #include "scheduler/plan/overviews.h"
@@ -26,6 +28,7 @@ class Dispatcher {
         keep_going_(options.keep_going),
         listener_(listener),
         schedule_(jobs, options),
+        children_(jobs),
         deaths_(std::size_t(link.ranks())),
         hosts_(std::size_t(link.ranks())) {}
 
@@ -35,7 +38,8 @@ class Dispatcher {
       schedule_.already_done(report.id);
     }
     for (int rank = 0; rank < link_.ranks(); ++rank) schedule_.heard_from(rank, link_.now_s());
-    listener_(WorkerJoined{0, host_name()});
+    hosts_[0] = host_name();
+    listener_(WorkerJoined{0, hosts_[0]});
     try {
       while (!schedule_.is_over()) {
         step();
@@ -92,21 +96,29 @@ class Dispatcher {
         if (lost_.contains(rank)) continue;
         if (const auto assignment = schedule_.next(rank, link_.now_s())) {
           listener_(JobDispatched{assignment->job, rank});
-          link_.send(rank, tag_job,
-                     order_bytes(deaths_[std::size_t(rank)], orders_.order(assignment->job), assignment->attempt));
+          link_.send(rank, tag_job, order_bytes(deaths_[std::size_t(rank)], order_of(*assignment, rank)));
           gave = true;
         }
       }
     }
   }
 
+  BakeOrder order_of(const Assignment& assignment, int rank) {
+    BakeOrder order{orders_.order(assignment.job), assignment.attempt,
+                    schedule_.is_for_other_overview(rank, assignment.job)};
+    if (is_overview(order.job)) order.children = children_.take_for(assignment.job, rank);
+    return order;
+  }
+
   void take(const Message& message) {
     hear(message.from);
     if (message.tag == tag_report) {
-      const BakeAnswer answer = answer_from_bytes(message.bytes);
+      BakeAnswer answer = answer_from_bytes(message.bytes);
       result_.work += answer.work;
+      children_.keep(message.from, answer.report, std::move(answer.child));
       take(message.from, answer.report, answer.attempt);
     }
+    if (message.tag == tag_device) take_device(message.from, device_from_bytes(message.bytes));
     if (message.tag == tag_died) report_end(message.from, std::string(message.bytes.begin(), message.bytes.end()));
     if (message.tag == tag_alive) take_heartbeat(message);
   }
@@ -116,6 +128,21 @@ class Dispatcher {
     if (lost_.erase(rank) == 0) return;
     has_new_events_ = true;
     listener_(WorkerJoined{rank, hosts_[std::size_t(rank)]});
+  }
+
+  /// Records the device of a rank. If only some ranks have a device, the others are reported, because their cells take
+  /// longer.
+  void take_device(int rank, const DeviceAnswer& answer) {
+    if (!answer.error.empty()) throw std::runtime_error(answer.error);
+    if (rank == 0) result_.no_device = answer.choice.reason;
+    if (answer.choice.device)
+      ++result_.ranks_with_device;
+    else if (!answer.choice.reason.empty())
+      without_device_.emplace_back(rank, answer.choice.reason);
+    if (result_.ranks_with_device == 0) return;
+    for (const auto& [other, reason] : std::exchange(without_device_, {}))
+      listener_(WarningLine{"rank " + std::to_string(other) + " on " + hosts_[std::size_t(other)] +
+                            " uses the CPU: " + reason});
   }
 
   void take_heartbeat(const Message& message) {
@@ -166,9 +193,11 @@ class Dispatcher {
   const bool keep_going_;
   const BakeListener& listener_;
   Schedule schedule_;
+  SentChildren children_;
   std::vector<std::uint32_t> deaths_;  ///< number of deaths of each rank's bake process that rank 0 has counted
   std::vector<std::string> hosts_;     ///< host name of each rank; empty until the rank has sent a heartbeat
   std::set<int> lost_;
+  std::vector<std::pair<int, std::string>> without_device_;  ///< ranks to report, with the reason
   DispatchResult result_;
   double shown_s_ = -heartbeat_interval_s;
   bool has_new_events_ = true, is_draining_ = false;

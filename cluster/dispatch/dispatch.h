@@ -24,6 +24,8 @@ struct DispatchResult {
   std::vector<int> lost_ranks;   ///< ranks lost at the end; if there are any, no collective call may follow
   std::uint64_t peak_bytes = 0;  ///< max over the bake processes of ranks other than 0
   RunWork work;                  ///< of all ranks' bake processes, including failed attempts
+  int ranks_with_device = 0;     ///< ranks that reported a device before the end
+  std::string no_device;         ///< reason why rank 0 has no device
   bool is_drained = false;       ///< the bake ended on request before all cells were baked
 };
 
@@ -31,7 +33,8 @@ struct DispatchResult {
 /// `listener` receives the events of the dispatch, the first of which is WorkerJoined. Sends tag_stop to all other
 /// ranks at the end, also if it throws.
 /// Exact   Each job is reported at most once, even if ranks die or rejoin.
-/// Errors  InputError: a rank's message is malformed.
+/// Errors  InputError: a rank's message is malformed. std::runtime_error: a rank has no device although one was
+///         requested, or its bake process cannot start.
 DispatchResult dispatch(RankLink& link, const std::vector<CellJob>& jobs, const std::vector<CellReport>& done,
                         const DispatchOptions& options, const BakeListener& listener);
 

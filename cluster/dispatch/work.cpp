@@ -2,8 +2,8 @@
 #include <string>
 #include <utility>
 
-#include "cluster/bake/dispatch.h"
-#include "cluster/bake/rank_baker.h"
+#include "cluster/dispatch/dispatch.h"
+#include "cluster/dispatch/rank_baker.h"
 #include "cluster/mpi/heartbeat.h"
 
 namespace gigabake {
