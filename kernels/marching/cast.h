@@ -67,9 +67,11 @@ GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
   ray.past = -1;
 }
 
-/// Returns the number of the ray's steps to its next sample in a coarser fallback brick. The next sample is half a
-/// voxel of the brick ahead, unless the brick or the ray's level ends before. `beyond` is the step of the first sample
-/// that may lie outside the brick. The function is not inlined, because fallback bricks are rare.
+/// Returns the number of the ray's steps to its next sample in a coarser brick. The next sample is half a voxel of the
+/// brick ahead, unless the brick or the ray's level ends before. `beyond` is the step of the first sample that may lie
+/// outside the brick, seen from `step`: the next sample must not depend on where the ray entered the brick, because a
+/// ray continues in other passes, and on a device after each hit. The function is not inlined, because such bricks are
+/// rare.
 GB_HD_NOINLINE double steps_in_coarser(double lod1_distance, int brick_lod, int lod, double step, double beyond) {
   CastLine line;
   line.lod1_distance = lod1_distance;
@@ -259,6 +261,7 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool block
   if (leaves_surface(march, ray)) return;
   if (march.lod != ray.lod) {
     ray.step += steps_in_coarser(line.lod1_distance, march.lod, ray.lod, ray.step, march.in_brick_until);
+    march.in_brick_until = -1;
     return;
   }
   const Vec3<std::uint32_t> u{at.in_node(0, march.lod), at.in_node(1, march.lod), at.in_node(2, march.lod)};
@@ -290,6 +293,7 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
     composite<ray_type>(residual.sample, residual.translucent, line, brick, steps, distance, camera, ray);
   ray.step += steps;
   if (is_residual_only || blend.weight > 0) ray.past = ray.step;
+  if (brick.lod != ray.lod) march.in_brick_until = -1;
   march.task = ray.transmittance < transmittance_cutoff ? CastTask::none : CastTask::seek;
 }
 
