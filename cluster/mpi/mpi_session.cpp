@@ -6,6 +6,7 @@
 #include <limits>
 #include <list>
 #include <mpi.h>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -89,13 +90,20 @@ void expect_no_other_ranks() {
 /// Min size of a message that MPI moves in many parts.
 constexpr std::size_t large_message_bytes = std::size_t(1) << 17;
 
-/// Moves a large message while the receiver takes it. MPI moves a part of it per call, so each part would otherwise
-/// wait for the next poll().
-void move_large(MPI_Request& request) {
-  constexpr std::chrono::milliseconds max_time{10};
-  const auto end = std::chrono::steady_clock::now() + max_time;
+/// Returns until when a rank calls MPI at short intervals for a message whose transfer begins. MPI moves a part of a
+/// large message per call, so each part would otherwise wait for the next poll(). The other rank may be suspended.
+std::chrono::steady_clock::time_point end_of_transfer(std::size_t bytes) {
+  constexpr std::size_t bytes_per_us = 100;
+  return std::chrono::steady_clock::now() + std::chrono::milliseconds(10) +
+         std::chrono::microseconds(bytes / bytes_per_us);
+}
+constexpr std::chrono::microseconds transfer_interval{20};
+
+/// Moves a large message while the receiver takes it.
+void move_large(MPI_Request& request, std::size_t bytes) {
+  const auto end = end_of_transfer(bytes);
   while (!is_done(request, "MPI_Isend") && std::chrono::steady_clock::now() < end)
-    std::this_thread::sleep_for(std::chrono::microseconds(20));
+    std::this_thread::sleep_for(transfer_interval);
 }
 
 /// Broadcasts rank 0's bytes. Collective call.
@@ -120,7 +128,60 @@ struct MpiSession::Outbox {
   }
 };
 
-MpiSession::MpiSession() : outbox_(std::make_unique<Outbox>()) {
+/// Messages that are being received. A large message arrives in parts, for which its sender must call MPI; a call that
+/// waited for a suspended sender would stop this rank, too.
+struct MpiSession::Inbox {
+  struct PendingReceive {
+    Message message;
+    MPI_Request request = MPI_REQUEST_NULL;
+    bool is_complete = false;
+    std::chrono::steady_clock::time_point transfer_end;
+  };
+  std::list<PendingReceive> letters;
+
+  /// Begins to receive all messages that have been announced.
+  void begin_receives() {
+    for (;;) {
+      int arrived = 0, bytes = 0;
+      MPI_Message matched = MPI_MESSAGE_NULL;
+      MPI_Status status;
+      check(MPI_Improbe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &arrived, &matched, &status), "MPI_Improbe");
+      if (arrived == 0) return;
+      check(MPI_Get_count(&status, MPI_BYTE, &bytes), "MPI_Get_count");
+      PendingReceive& letter = letters.emplace_back();
+      letter.transfer_end = end_of_transfer(std::size_t(bytes));
+      letter.message = {status.MPI_SOURCE, status.MPI_TAG, std::vector<std::uint8_t>(std::size_t(bytes))};
+      check(MPI_Imrecv(letter.message.bytes.data(), bytes, MPI_BYTE, &matched, &letter.request), "MPI_Imrecv");
+    }
+  }
+
+  /// Returns the next message, if one is complete soon.
+  std::optional<Message> take() {
+    for (;;) {
+      if (auto message = take_complete()) return message;
+      const auto now = std::chrono::steady_clock::now();
+      if (std::ranges::none_of(letters, [now](const PendingReceive& l) { return now < l.transfer_end; })) return {};
+      std::this_thread::sleep_for(transfer_interval);
+    }
+  }
+
+ private:
+  /// Returns the first complete message. Messages of one rank keep their order.
+  std::optional<Message> take_complete() {
+    std::set<int> incomplete;
+    for (auto letter = letters.begin(); letter != letters.end(); ++letter) {
+      if (!letter->is_complete) letter->is_complete = is_done(letter->request, "MPI_Imrecv");
+      if (!letter->is_complete) incomplete.insert(letter->message.from);
+      if (incomplete.contains(letter->message.from)) continue;
+      std::optional<Message> message = std::move(letter->message);
+      letters.erase(letter);
+      return message;
+    }
+    return std::nullopt;
+  }
+};
+
+MpiSession::MpiSession() : outbox_(std::make_unique<Outbox>()), inbox_(std::make_unique<Inbox>()) {
   end_if_mpirun_dies();  // before MPI_Init, in which a rank may hang
   const MpiCallTimeout bound(max_mpi_call_s(), "the start of MPI");
   // Open MPI's hwloc probes GPUs through any X display it finds, and ends the process when that display closes.
@@ -154,22 +215,15 @@ void MpiSession::send(int to, int tag, std::vector<std::uint8_t> bytes) {
   letter.bytes = std::move(bytes);
   check(MPI_Isend(letter.bytes.data(), int(letter.bytes.size()), MPI_BYTE, to, tag, MPI_COMM_WORLD, &letter.request),
         "MPI_Isend");
-  if (letter.bytes.size() >= large_message_bytes) move_large(letter.request);
+  if (letter.bytes.size() >= large_message_bytes) move_large(letter.request, letter.bytes.size());
 }
 
 void MpiSession::progress() { outbox_->remove_sent(); }
 
 std::optional<Message> MpiSession::poll() {
   progress();
-  int arrived = 0;
-  MPI_Status status;
-  check(MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &arrived, &status), "MPI_Iprobe");
-  if (arrived == 0) return std::nullopt;
-  int bytes = 0;
-  check(MPI_Get_count(&status, MPI_BYTE, &bytes), "MPI_Get_count");
-  Message m{status.MPI_SOURCE, status.MPI_TAG, std::vector<std::uint8_t>(std::size_t(bytes))};
-  check(MPI_Recv(m.bytes.data(), bytes, MPI_BYTE, m.from, m.tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE), "MPI_Recv");
-  return m;
+  inbox_->begin_receives();
+  return inbox_->take();
 }
 
 std::int64_t MpiSession::max_of(std::int64_t value) { return reduce(value, MPI_MAX, collective_timeout_s_); }

@@ -62,7 +62,9 @@ class MpiSession {
 
  private:
   struct Outbox;
+  struct Inbox;
   std::unique_ptr<Outbox> outbox_;
+  std::unique_ptr<Inbox> inbox_;
   double collective_timeout_s_ = 600;
   int rank_ = 0, ranks_ = 1, rank_on_host_ = 0, ranks_on_host_ = 1, cores_ = 1;
 };
