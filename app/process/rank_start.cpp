@@ -12,7 +12,7 @@
 #include "cluster/mpi/mpi_version.h"
 #include "core/base/error.h"
 #include "format/system/message.h"
-#include "kernels/cuda/device/build.h"
+#include "worker/pipeline/backend.h"
 
 namespace gigabake::app {
 namespace {
@@ -30,7 +30,7 @@ void expect_start_of_ranks(int ranks) {
 
 /// Returns the number of different GPUs that the bake may use; 0 if it shall not or cannot use any.
 int usable_gpus(const BakeOptions& options) {
-  if (options.asked.backend == Backend::cpu || kernels::cuda_build().toolkit.empty()) return 0;
+  if (options.asked.backend == Backend::cpu || !is_built_for_devices()) return 0;
   const int visible = visible_gpus(environment_of_process);
   if (options.asked.gpus.empty()) return visible;
   return std::min(visible, int(std::set<int>(options.asked.gpus.begin(), options.asked.gpus.end()).size()));

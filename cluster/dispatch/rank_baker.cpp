@@ -26,7 +26,7 @@ std::optional<Message> RankBaker::answer() {
 std::vector<std::uint8_t> RankBaker::device_bytes() const {
   if (process_.device()) return to_bytes(*process_.device());
   DeviceAnswer none;
-  none.error = "the bake process ended during its start: " + last_death_;
+  none.error = no_start_error(last_death_);
   return to_bytes(none);
 }
 

@@ -134,7 +134,6 @@ struct MpiSession::Inbox {
   struct PendingReceive {
     Message message;
     MPI_Request request = MPI_REQUEST_NULL;
-    bool is_complete = false;
     std::chrono::steady_clock::time_point transfer_end;
   };
   std::list<PendingReceive> letters;
@@ -170,8 +169,7 @@ struct MpiSession::Inbox {
   std::optional<Message> take_complete() {
     std::set<int> incomplete;
     for (auto letter = letters.begin(); letter != letters.end(); ++letter) {
-      if (!letter->is_complete) letter->is_complete = is_done(letter->request, "MPI_Imrecv");
-      if (!letter->is_complete) incomplete.insert(letter->message.from);
+      if (!is_done(letter->request, "MPI_Imrecv")) incomplete.insert(letter->message.from);
       if (incomplete.contains(letter->message.from)) continue;
       std::optional<Message> message = std::move(letter->message);
       letters.erase(letter);

@@ -233,9 +233,9 @@ std::unique_ptr<ChildProcess> start_early(const DeviceRequest& expected, const B
   }
 }
 
-void throw_no_start(const std::string& why) {
-  throw std::runtime_error("the bake process ended during its start: " + why);
-}
+std::string no_start_error(const std::string& why) { return "the bake process ended during its start: " + why; }
+
+void throw_no_start(const std::string& why) { throw std::runtime_error(no_start_error(why)); }
 
 std::uint64_t BakeProcess::peak_bytes() const { return std::max(peak_bytes_, child_ ? child_->peak_bytes() : 0); }
 

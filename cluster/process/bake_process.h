@@ -127,6 +127,9 @@ class BakeProcess {
 /// must outlive the process, as described for BakeProcess. Returns null if the process cannot be started now.
 std::unique_ptr<ChildProcess> start_early(const DeviceRequest& expected, const BakeProcessOptions& options = {});
 
+/// Returns the line for a process that ended before it had started. `why` states how it ended.
+std::string no_start_error(const std::string& why);
+
 /// Throws the error for max_failed_starts consecutive processes that ended before they had started. `why` states how
 /// the last process ended.
 /// Errors  std::runtime_error, always.

@@ -10,13 +10,13 @@
 
 namespace gigabake {
 
-/// Creates the context of the device, if this process has none yet. The driver serves one process of a host at a time,
-/// so processes of gigabake take turns: the first one bakes while the others wait. Thread-safe.
+/// Creates the context of the device, if this process has none yet. Waits if a DeviceStart creates it. Thread-safe.
 /// Errors  CudaFailure.
 void start_device(int device);
 
 /// The choice and the start of a device on a thread. The driver takes 0.1 s to list the devices and 0.15 s to create a
-/// context. Processes of a host take turns for both.
+/// context. It serves one process of a host at a time, so processes of gigabake take turns for both: the first one
+/// bakes while the others wait.
 class DeviceStart {
  public:
   /// `on_chosen` is called on another thread after each choice.

@@ -106,20 +106,20 @@ Entry read_entry(const JsonMembers& json, SourceOptions options, const Progress&
   return e;
 }
 
-std::string text_of(const std::shared_ptr<const SourceEdits>& edits) { return edits ? to_json(*edits) : std::string(); }
-
-/// Returns the edits of a surface, which its entries must share. `where` names the entries of rasters.
-std::shared_ptr<const SourceEdits> edits_of_surface(
-    const std::filesystem::path& file, const DemRaster& raster,
-    const std::map<std::filesystem::path, std::string>& where,
-    const std::map<std::string, std::shared_ptr<const SourceEdits>>& edits) {
+/// Returns the value of a surface, which its entries must share; `comparable` maps a value to one that is compared.
+/// `where` names the entries of rasters. `difference` begins the error's cause, before the first entry's name.
+template <class T, class Comparable>
+std::shared_ptr<const T> value_of_surface(const std::filesystem::path& file, const DemRaster& raster,
+                                          const std::map<std::filesystem::path, std::string>& where,
+                                          const std::map<std::string, std::shared_ptr<const T>>& values,
+                                          const char* member, const char* difference, const Comparable& comparable) {
   const std::string& first = where.at(raster.parts[0].options.dem);
   for (const DemPart& part : raster.parts)
-    if (const std::string& entry = where.at(part.options.dem); text_of(edits.at(entry)) != text_of(edits.at(first)))
-      throw UsageError(InputError(file, entry + ".edits",
-                                  "differ from the edits of " + first + ", which is a part of the same surface")
-                           .what());
-  return edits.at(first);
+    if (const std::string& entry = where.at(part.options.dem);
+        comparable(values.at(entry)) != comparable(values.at(first)))
+      throw UsageError(
+          InputError(file, entry + member, difference + first + ", which is a part of the same surface").what());
+  return values.at(first);
 }
 
 /// Returns the text of the member `path` or `dem` of an entry; empty if it is not one text.
@@ -137,21 +137,6 @@ void expect_named_entries(const Json& list, const SourceOptions& options) {
     if (!edit.source.empty() && std::none_of(list.begin(), list.end(), is_named))
       refuse(edit, "no source of the scene has the path " + in_quotes(edit.source));
   }
-}
-
-/// Returns the voxel size of a surface, which its entries must share. `where` names the entries of rasters.
-std::shared_ptr<const SourceVoxelSize> voxel_size_of_surface(
-    const std::filesystem::path& file, const DemRaster& raster,
-    const std::map<std::filesystem::path, std::string>& where,
-    const std::map<std::string, std::shared_ptr<const SourceVoxelSize>>& sizes) {
-  const auto metres = [](const std::shared_ptr<const SourceVoxelSize>& size) { return size ? size->metres : 0; };
-  const std::string& first = where.at(raster.parts[0].options.dem);
-  for (const DemPart& part : raster.parts)
-    if (const std::string& entry = where.at(part.options.dem); metres(sizes.at(entry)) != metres(sizes.at(first)))
-      throw UsageError(InputError(file, entry + ".voxel_size_m",
-                                  "differs from that of " + first + ", which is a part of the same surface")
-                           .what());
-  return sizes.at(first);
 }
 
 /// Opens the rasters of all entries together, because one surface may consist of several entries. Returns one entry per
@@ -186,8 +171,11 @@ std::vector<Entry> raster_entries(const JsonMembers& scene, const Json& list, co
     Entry e;
     e.where = where.at(source.tiles.front().dem->raster->parts[0].options.dem);
     e.position = source.origin;
-    e.edits = edits_of_surface(file, *source.tiles.front().dem->raster, where, edits);
-    e.voxel_size = voxel_size_of_surface(file, *source.tiles.front().dem->raster, where, sizes);
+    const DemRaster& raster = *source.tiles.front().dem->raster;
+    e.edits = value_of_surface(file, raster, where, edits, ".edits", "differ from the edits of ",
+                               [](const auto& own_edits) { return own_edits ? to_json(*own_edits) : std::string(); });
+    e.voxel_size = value_of_surface(file, raster, where, sizes, ".voxel_size_m", "differs from that of ",
+                                    [](const auto& size) { return size ? size->metres : 0; });
     e.source = std::move(source);
     out.push_back(std::move(e));
   }

@@ -130,3 +130,13 @@ class Page:
 
     def screenshot(self):
         return base64.b64decode(self.command("Page.captureScreenshot", format="png")["data"])
+
+
+def open_page(test, url, size):
+    """Returns a page that closes at the end of the test. Skips the test if no browser starts."""
+    program = find()
+    if program is None:
+        test.skipTest("there is no Chromium that starts (Debian: apt install chromium)")
+    page = Page(program, url, *size)
+    test.addCleanup(page.close)
+    return page

@@ -40,11 +40,7 @@ class EditPage(harness.FolderTest):
         return server
 
     def open_page(self, server):
-        program = chromium.find()
-        if program is None:
-            self.skipTest("there is no Chromium that starts (Debian: apt install chromium)")
-        page = chromium.Page(program, server.url, *SIZE)
-        self.addCleanup(page.close)
+        page = chromium.open_page(self, server.url, SIZE)
         page.wait_for(f"typeof shownState !== 'undefined' && {STEADY}")
         return page
 

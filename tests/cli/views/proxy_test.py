@@ -159,14 +159,11 @@ class BehindProxies(harness.FolderTest):
                 self.assertFalse(ended, "the stream ended while nothing moved")
 
     def test_a_browser_sees_the_last_image_through_nginx(self):  # 2026-11-25
-        program = chromium.find()
-        if program is None:
-            self.skipTest("there is no Chromium that starts (Debian: apt install chromium)")
         server = self.serve("--port", 0)
         port = int(server.url.split(":")[2].strip("/"))
         # The host as the browser sends it, so that it equals the page's Origin.
         nginx = self.closed_at_end(Nginx(PASS.format(port=port, more="proxy_set_header Host $http_host;")))
-        page = self.closed_at_end(chromium.Page(program, f"http://127.0.0.1:{nginx.port}/", *SIZE))
+        page = chromium.open_page(self, f"http://127.0.0.1:{nginx.port}/", SIZE)
         page.wait_for("typeof shownState !== 'undefined' && shownState && shownState.resting")
         page.drag((100, 100), (180, 90))
         page.evaluate("document.getElementById('bar').style.visibility = 'hidden'")

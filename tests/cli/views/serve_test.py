@@ -46,12 +46,7 @@ class Serve(harness.FolderTest):
         return server
 
     def open_page(self, server):
-        program = chromium.find()
-        if program is None:
-            self.skipTest("there is no Chromium that starts (Debian: apt install chromium)")
-        page = chromium.Page(program, server.url, *SIZE)
-        self.addCleanup(page.close)
-        return page
+        return chromium.open_page(self, server.url, SIZE)
 
     def shown(self, page):
         """Returns the page's image at rest without its texts, the expected image, and the page's state."""

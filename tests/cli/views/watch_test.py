@@ -225,12 +225,8 @@ class Watch(harness.FolderTest):
         self.assertTrue(json.loads(server.ask("bake")[1])["interrupted"])
 
     def test_a_page_reports_the_cell_at_a_click(self):
-        program = chromium.find()
-        if program is None:
-            self.skipTest("there is no Chromium that starts (Debian: apt install chromium)")
         server, _ = self.serve()
-        page = chromium.Page(program, server.url, *SIZE)
-        self.addCleanup(page.close)
+        page = chromium.open_page(self, server.url, SIZE)
         self.start()
         self.pause_when(lambda: len(self.shards()) >= 8)
         page.wait_for("typeof shownState !== 'undefined' && shownState && shownState.watching && shownState.frame")
