@@ -13,6 +13,7 @@
 namespace gigabake {
 
 struct MpiSession::Outbox {};
+struct MpiSession::Inbox {};
 
 MpiSession::MpiSession() {
   const HostLimits limits = host_limits();
