@@ -279,8 +279,13 @@ class Faults(harness.FolderTest):
         self.assertEqual(harness.lod_hashes(self.program.info(out / "scene.xml")), self.undisturbed)
         self.program.succeed("verify", out / "scene.xml")
 
-    def stop_scanning_ranks(self, launch):
-        """Stops each rank, and its bake process, as soon as the bake process scans tiles."""
+    def stop_scanning_ranks(self, launch, out):
+        """Stops each rank, and its bake process, as soon as the bake process scans tiles.
+
+        Rank 0 locks the scene's folder after the start of MPI. A rank that is stopped before would end that start.
+        """
+        while launch.process.poll() is None and not (out / ".lock").exists():
+            time.sleep(0.001)
         waiting = {}
         while launch.process.poll() is None and len(waiting) < 2:
             waiting = {pid: below[0][0] for pid in launch.pids("worker rank") if (below := children(pid))}
@@ -313,7 +318,7 @@ class Faults(harness.FolderTest):
         for attempt in range(5):
             out = self.root / f"{name}_{attempt}"
             launch = Launch(self.program, self.bake_of_tiles(out), 3, *launcher)
-            self.stop_scanning_ranks(launch)
+            self.stop_scanning_ranks(launch, out)
             code, log = launch.wait()
             if happened(code, log):
                 break
