@@ -64,10 +64,10 @@ std::string error_line(const std::string& text) {
   return line;
 }
 
-/// Runs this program and waits for its end.
+/// Runs the program and waits for its end.
 /// Errors  InputError: the line that the program printed. std::system_error: it cannot be started.
-void run(const std::vector<std::string>& arguments) {
-  std::vector<std::string> words{std::filesystem::read_symlink("/proc/self/exe")};
+void run(const std::filesystem::path& program, const std::vector<std::string>& arguments) {
+  std::vector<std::string> words{std::filesystem::canonical(program).string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -94,7 +94,8 @@ void run(const std::vector<std::string>& arguments) {
 
 class CommandEditor : public SceneEditor {
  public:
-  explicit CommandEditor(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  CommandEditor(std::filesystem::path folder, std::filesystem::path program)
+      : folder_(std::move(folder)), program_(std::move(program)) {}
 
   EditPreviews preview(const std::string& edits, const PictureRays& scene) const override {
     const auto list = std::make_shared<const EditList>(edits_from_json("edits", edits));
@@ -111,19 +112,20 @@ class CommandEditor : public SceneEditor {
     const TemporaryFolder scratch;
     const std::filesystem::path file = scratch.path() / "edits.json";
     publish_file(file, edits);
-    run({"edit", folder_.string(), "--from", file.string(), "--ranks", "1", "--quiet"});
+    run(program_, {"edit", folder_.string(), "--from", file.string(), "--ranks", "1", "--quiet"});
   }
 
-  void undo() override { run({"edit", folder_.string(), "--undo", "--ranks", "1", "--quiet"}); }
+  void undo() override { run(program_, {"edit", folder_.string(), "--undo", "--ranks", "1", "--quiet"}); }
 
  private:
-  const std::filesystem::path folder_;
+  const std::filesystem::path folder_, program_;
 };
 
 }  // namespace
 
-std::shared_ptr<SceneEditor> make_scene_editor(const std::filesystem::path& folder) {
-  return std::make_shared<CommandEditor>(folder);
+std::shared_ptr<SceneEditor> make_scene_editor(const std::filesystem::path& folder,
+                                               const std::filesystem::path& program) {
+  return std::make_shared<CommandEditor>(folder, program);
 }
 
 }  // namespace gigabake::app

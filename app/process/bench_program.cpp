@@ -19,31 +19,35 @@ namespace {
 constexpr const char* program_name = "gigabake-bench";
 
 /// Names and descriptions, in the order in which help lists them.
-constexpr std::array<std::pair<const char*, const char*>, 7> bench_commands{{
+constexpr std::array<std::pair<const char*, const char*>, 8> bench_commands{{
     {"kernels", "Time the kernels of a source's largest cell on each available backend"},
     {"bake", "Time whole cells from files to shards: stages one by one, then overlapped"},
     {"schedule", "Simulate the schedule of a bake: synthetic terrain, virtual time, and workers that may fail"},
     {"pack", "Time Deflate of a bake's shards: on the host, on a GPU and by libdeflate"},
     {"query", "Compare the rays of `query` with rays that Embree casts through the cubes of the voxels"},
     {"render", "Time rays and frames from fixed views and along a flight"},
+    {"edit", "Time edits of a shown scene: preview, files and images"},
     {"accuracy", "Measure speed and error of many settings, compared with images of the triangles"},
 }};
 
-/// Returns the folders that may contain gigabake-bench: its folder in a build, and its folder in an installation.
-std::array<std::filesystem::path, 2> bench_folders() {
+/// Returns the folders that may contain the other program: the folder of both in a build, and its folder in an
+/// installation. `installed` is relative to this program's folder.
+std::array<std::filesystem::path, 2> program_folders(const char* installed) {
   const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  return {own, (own / GIGABAKE_BENCH_FOLDER).lexically_normal()};
+  return {own, (own / installed).lexically_normal()};
 }
 
-std::optional<std::filesystem::path> find_bench() {
-  for (const std::filesystem::path& folder : bench_folders())
-    if (const auto file = folder / program_name; ::access(file.c_str(), X_OK) == 0) return file;
+std::optional<std::filesystem::path> find_program(const char* name, const char* installed) {
+  for (const std::filesystem::path& folder : program_folders(installed))
+    if (const auto file = folder / name; ::access(file.c_str(), X_OK) == 0) return file;
   return std::nullopt;
 }
 
+std::optional<std::filesystem::path> find_bench() { return find_program(program_name, GIGABAKE_BENCH_FOLDER); }
+
 std::filesystem::path bench_file() {
   if (const auto file = find_bench()) return *file;
-  const auto [built, installed] = bench_folders();
+  const auto [built, installed] = program_folders(GIGABAKE_BENCH_FOLDER);
   throw std::runtime_error(
       fmt::format("bench: the program {} is neither in {} nor in {}; install the package {}, or build gigabake with "
                   "-DGIGABAKE_BENCH=ON",
@@ -100,6 +104,13 @@ std::optional<Command> bench_tree() {
   while (const std::size_t bytes = std::fread(part.data(), 1, part.size(), pipe)) text.append(part.data(), bytes);
   // gigabake-bench has printed the reason of a failure.
   return ::pclose(pipe) == 0 ? std::optional(command_from_json(text)) : std::nullopt;
+}
+
+std::filesystem::path caller_program() {
+  if (const auto file = find_program("gigabake", GIGABAKE_FROM_BENCH)) return *file;
+  const auto [built, installed] = program_folders(GIGABAKE_FROM_BENCH);
+  throw std::runtime_error(fmt::format("bench: the program gigabake is neither in {} nor in {}; build or install both",
+                                       built.string(), installed.string()));
 }
 
 std::optional<std::string> other_version_error(const std::string& caller) {

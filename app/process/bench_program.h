@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +27,10 @@ void add_bench_starter(CLI::App& program, const std::vector<std::string>& argume
 
 /// Returns the tree of `bench` with all options, as gigabake-bench prints it; nullopt if that program is missing.
 std::optional<Command> bench_tree();
+
+/// Returns the program gigabake that belongs to this gigabake-bench.
+/// Errors  std::runtime_error: it is missing.
+std::filesystem::path caller_program();
 
 /// Returns the error line if another version of gigabake started this gigabake-bench; else nullopt. `caller` is the
 /// build_version() of the gigabake that started it.

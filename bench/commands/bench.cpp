@@ -257,6 +257,7 @@ void add_bench(CLI::App& program, int& exit_code) {
   add_bench_pack(bench, exit_code);
   add_bench_query(bench, exit_code);
   add_bench_render(bench, exit_code);
+  add_bench_edit(bench, exit_code);
   add_bench_accuracy(bench, exit_code);
 }
 

@@ -10,6 +10,7 @@ namespace gigabake::app {
 void add_bench(CLI::App& program, int& exit_code);
 /// Adds the options of one subcommand to `bench`.
 void add_bench_accuracy(CLI::App& bench, int& exit_code);
+void add_bench_edit(CLI::App& bench, int& exit_code);
 void add_bench_pack(CLI::App& bench, int& exit_code);
 void add_bench_query(CLI::App& bench, int& exit_code);
 void add_bench_render(CLI::App& bench, int& exit_code);

@@ -18,7 +18,7 @@ import harness
 
 PROGRAM = Path(sys.argv[1]).resolve()
 BENCH = PROGRAM.with_name("gigabake-bench")
-COMMANDS = ["kernels", "bake", "schedule", "pack", "query", "render", "accuracy"]
+COMMANDS = ["kernels", "bake", "schedule", "pack", "query", "render", "edit", "accuracy"]
 SCHEDULE = ("bench", "schedule", "--cells", "20")
 
 

@@ -73,6 +73,24 @@ def first_hits_are_timed_and_compared(gigabake, work):
         assert result.returncode == 2 and "--size" in result.stderr, result
 
 
+def edits_are_timed_and_undone(gigabake, work):
+    scene = work / "edited"
+    gigabake.bake(work / "sample/tileset.json", scene, 0.5, "--cell-voxels", 64)
+    before = (scene / "scene.xml").read_bytes()
+    options = ("bench", "edit", scene, "--size", "64x40", "--brush", 8, "--distance", 60, "--repeats", 1,
+               "--backend", "cpu")
+    bench = json.loads(gigabake.succeed(*options, "--json"))
+    assert [edit["type"] for edit in bench["edits"]] == ["paint", "carve", "fill"], bench
+    for edit in bench["edits"]:
+        assert 0 < edit["disk_s"] < edit["image_s"] <= edit["rest_s"] and edit["undo_s"] > 0, edit
+        assert edit["uploads"] > 0 and edit["preview_s"] > 0, edit
+    assert bench["same_as_rendered"] and bench["is_restored"], bench
+    assert (scene / "scene.xml").read_bytes() == before
+    assert "equal bytes" in gigabake.succeed(*options)
+    result = gigabake.run("bench", "edit", scene, "--brush", 0)
+    assert result.returncode == 2 and "--brush" in result.stderr, result
+
+
 # Regression of 2026-11-25: exit code 0 with 0 voxels, 0 chunks, 0 compared rays or images without a surface.
 def what_measured_nothing_fails(gigabake, work):
     (work / "clear.mtl").write_text("newmtl clear\nd 0\n")
@@ -113,7 +131,8 @@ def main():
         gigabake.succeed("sample", work / "sample", "--size", 96)
         for test in (kernels_are_timed_with_their_hash, bakes_are_timed_alone_and_overlapped, chunks_are_packed_again,
                      schedules_are_near_the_lower_bound, schedules_survive_failures,
-                     first_hits_are_timed_and_compared, what_measured_nothing_fails, a_scene_is_not_overwritten):
+                     first_hits_are_timed_and_compared, edits_are_timed_and_undone, what_measured_nothing_fails,
+                     a_scene_is_not_overwritten):
             print(test.__name__, flush=True)
             test(gigabake, work)
 

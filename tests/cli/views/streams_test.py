@@ -65,6 +65,8 @@ class Streams(harness.FolderTest):
             "bench query": ([self.out, "--rays", "10"], True),
             "bench render": ([self.out, "--size", "16x16", "--what", "first-hits", "--repeats", "1",
                               "--backend", "cpu"], True),
+            "bench edit": ([self.out, "--size", "32x32", "--distance", "20", "--brush", "4", "--repeats", "1",
+                            "--backend", "cpu"], True),
             "bench accuracy": ([self.new()], False),
         }
 
