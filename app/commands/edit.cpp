@@ -28,6 +28,14 @@ struct EditArguments {
   std::optional<int> ranks;
 };
 
+/// Errors  UsageError: there is nothing to do, or more than one command does.
+void check(const EditArguments& arguments) {
+  if (arguments.list && (arguments.undo || !arguments.edits.empty()))
+    throw UsageError("--list only prints the edits of the scene; it excludes --undo and new edits");
+  if (!arguments.list && !arguments.undo && arguments.edits.empty())
+    throw UsageError("expected an edit, such as --carve SHAPE or --from EDITS.json, or --undo or --list");
+}
+
 /// Returns the change of SCENE/edits.json that the arguments request.
 EditsChange change_of(const EditArguments& arguments, const std::filesystem::path& folder) {
   EditsChange change{read_edits_file(folder), {}};
@@ -95,6 +103,7 @@ void add_edit(CLI::App& app, int& exit_code) {
   command->add_flag("--json", arguments->json, "print the answer as JSON");
   command->add_flag("-q,--quiet", arguments->quiet, "print only errors, warnings and missing inputs");
   command->callback([arguments, &exit_code] {
+    check(*arguments);
     if (arguments->list) {
       exit_code = print_list(*arguments, scene_argument(arguments->scene).parent_path());
       return;

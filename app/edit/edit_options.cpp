@@ -129,6 +129,11 @@ void EditOptions::add_to(CLI::App& command) {
       "scene's frame); a prism is always in degrees");
 }
 
+bool EditOptions::empty() const {
+  const std::string* const edits[] = {&carve, &fill, &paint, &inside, &outside, &flatten, &raise, &from};
+  return std::ranges::all_of(edits, [](const std::string* text) { return text->empty(); });
+}
+
 SceneEditList EditOptions::edits() const {
   SceneEditList list;
   if (!from.empty()) {
@@ -169,6 +174,9 @@ std::optional<Edit> EditOptions::voxel_edit() const {
     throw UsageError("--carve, --fill and --paint exclude each other; list several edits in a file for --from");
   if (carve.empty() == false && !rgb.empty()) throw UsageError("--rgb: a carved voxel has no colour");
   if ((!fill.empty() || !paint.empty()) && rgb.empty()) throw UsageError("--rgb: is missing; expected R,G,B");
+  if (fill.empty() && paint.empty() && !rgb.empty()) throw UsageError("--rgb: only --fill and --paint have a colour");
+  if (carve.empty() && fill.empty() && paint.empty() && degrees)
+    throw UsageError("--degrees: only the shapes of --carve, --fill and --paint may be in degrees");
   if (paint.empty() && !alpha.empty()) throw UsageError("--alpha: only --paint changes alpha");
   if (given == 0) return std::nullopt;
   Edit edit;

@@ -19,6 +19,8 @@ struct EditOptions {
   std::optional<UpAxis> up;
 
   void add_to(CLI::App& command);
+  /// Returns true if no option states an edit.
+  bool empty() const;
   /// Returns the edits of --from, then the edit of another option; none without these options.
   /// Errors  UsageError: several of these options, or the option and its expected value; the errors of
   ///         edits_from_json(). InputError: a file cannot be read.
