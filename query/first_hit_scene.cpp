@@ -7,10 +7,10 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "format/scene/expanded_leaves.h"
 #include "format/scene/shard_of_scene.h"
 #include "format/shard/levels/brick_walk.h"
 #include "format/shard/levels/coarse_levels.h"
-#include "format/shard/levels/leaf_walk.h"
 #include "query/first_hit_tree.h"
 
 namespace gigabake {
@@ -148,10 +148,48 @@ void FirstHitBuilder::add_cubes(const Position& at, const LeafOctant& octant, in
   }
 }
 
+/// Adds an octant of leaves as voxels of the tree's level: those that their planes cross, or all of their cubes.
+void FirstHitBuilder::add_crossed(const Position& at, const LeafOctant& octant, int coarser) {
+  const int edge = 1 << coarser;  // voxels along an edge of a leaf, and nodes along an edge of the octant
+  std::vector<std::array<VoxelAttributes, 64>> attributes(std::size_t(edge * edge * edge));
+  std::vector<std::uint64_t> mask(attributes.size());
+  for (std::uint64_t rest = octant.mask; rest != 0; rest &= rest - 1) {
+    const int leaf = std::countr_zero(rest);
+    VoxelAttributes voxel = octant.attributes[std::size_t(leaf)];
+    const auto set = [&](const Vec3<int>& in_leaf) {
+      const Vec3<int> p = Vec3<int>{leaf & 3, leaf >> 2 & 3, leaf >> 4} * edge + in_leaf;
+      const auto node = std::size_t((p[0] >> 2) + edge * ((p[1] >> 2) + edge * (p[2] >> 2)));
+      const auto child = std::size_t((p[0] & 3) | (p[1] & 3) << 2 | (p[2] & 3) << 4);
+      mask[node] |= std::uint64_t(1) << child;
+      attributes[node][child] = voxel;
+    };
+    if (is_cut(LeafShape::plane, coarser, voxel.plane)) {
+      voxel.coarser = 0;
+      for_each_crossed(octant.attributes[std::size_t(leaf)].normal, octant.attributes[std::size_t(leaf)].plane, coarser,
+                       [&](const Vec3<int>& in_leaf, std::uint8_t plane) {
+                         voxel.plane = plane;
+                         set(in_leaf);
+                       });
+    } else {
+      for (int i = 0; i < edge * edge * edge; ++i) set({i % edge, i / edge % edge, i / edge / edge});
+    }
+  }
+  for (std::size_t node = 0; node < mask.size(); ++node) {
+    if (mask[node] == 0) continue;
+    for (std::uint64_t rest = mask[node]; rest != 0; rest &= rest - 1)
+      attributes_.push_back(attributes[node][std::size_t(std::countr_zero(rest))]);
+    const auto x = std::int32_t(node) % edge, y = std::int32_t(node) / edge % edge,
+               z = std::int32_t(node) / edge / edge;
+    leaves_.push_back({{std::int32_t(at[0] / 4) + x, std::int32_t(at[1] / 4) + y, std::int32_t(at[2] / 4) + z},
+                       {mask[node], std::uint32_t(attributes_.size())}});
+    voxels_ += std::uint64_t(std::popcount(mask[node]));
+  }
+}
+
 void FirstHitBuilder::add_leaves(const Vec3i64& lattice_min, const NodeTable& nodes,
-                                 const std::vector<BrickLevel>& levels) {
+                                 const std::vector<BrickLevel>& levels, LeafShape shape) {
   const Position cell = corner_of(lattice_min);
-  for_each_leaf_octant(nodes, levels, lod_, [&](const LeafVoxels& leaf) {
+  for_each_leaf_octant(nodes, levels, lod_, lod_, [&](const LeafVoxels& leaf) {
     LeafOctant octant;
     const int coarser = leaf.lod - lod_;
     for_each_leaf(leaf, [&](const Vec3<int>& at, const std::uint8_t* rgba, const std::int8_t* normal,
@@ -164,6 +202,7 @@ void FirstHitBuilder::add_leaves(const Vec3i64& lattice_min, const NodeTable& no
     if (attributes_.size() + brick_voxels * brick_edge > max_looks)
       throw std::length_error("2^32 voxels or more; use a coarser lod");
     const Position at = cell + leaf.octant * (std::int64_t(brick_edge / 2) << coarser);
+    if (shape == LeafShape::plane && coarser <= max_ended_lod) return add_crossed(at, octant, coarser);
     if (coarser == 1)
       add_half_bricks(at, octant);
     else
@@ -311,7 +350,7 @@ FirstHitScene build_first_hit_scene(const SceneDescription& scene, const std::fi
       builder.add_cell(cell.lattice_min, shard.nodes(), shard.level(lod));
       if (shard.header().leaf_lod <= std::uint32_t(lod)) continue;
       const CoarseLevels coarse = shard.coarse_levels(lod);
-      builder.add_leaves(cell.lattice_min, coarse.nodes, coarse.levels);
+      builder.add_leaves(cell.lattice_min, coarse.nodes, coarse.levels, leaf_shape_of(scene));
     }
     return builder.finish();
   } catch (const std::invalid_argument& error) {

@@ -8,6 +8,7 @@
 
 #include "core/math/vec3.h"
 #include "format/scene/xml/scene_xml.h"
+#include "format/shard/levels/leaf_walk.h"
 #include "format/shard/shard.h"
 #include "query/first_hit/first_hit_tree.h"
 
@@ -43,10 +44,11 @@ class FirstHitBuilder {
   ///         std::length_error: 2^32 voxels or more.
   void add_cell(const Vec3i64& lattice_min, const NodeTable& nodes, const BrickLevel& level);
 
-  /// Adds the leaves of a cell that are coarser than the builder's lod, as cubes of their size. `levels` are the cell's
-  /// levels from the builder's lod on.
+  /// Adds the leaves of a cell that are coarser than the builder's lod. They become cubes of their size, or voxels of
+  /// the builder's lod that their planes cross. `levels` are the cell's levels from the builder's lod on.
   /// Errors  The errors of add_cell(), which was called for the cell before.
-  void add_leaves(const Vec3i64& lattice_min, const NodeTable& nodes, const std::vector<BrickLevel>& levels);
+  void add_leaves(const Vec3i64& lattice_min, const NodeTable& nodes, const std::vector<BrickLevel>& levels,
+                  LeafShape shape);
 
   /// Returns the scene.
   /// Errors  std::length_error: an edge of 2^18 voxels or more.
@@ -81,6 +83,7 @@ class FirstHitBuilder {
   Position corner_of(const Vec3i64& lattice_min) const;
   void add_brick(const Position& at, const BrickLevel& level, std::size_t brick);
   void add_half_bricks(const Position& at, const LeafOctant& octant);
+  void add_crossed(const Position& at, const LeafOctant& octant, int coarser);
   void add_cubes(const Position& at, const LeafOctant& octant, int coarser);
   Cube cube_of_voxels() const;
   static Cube cube_of_window(std::int64_t edge);

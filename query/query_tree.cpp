@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/base/error.h"
+#include "format/scene/expanded_leaves.h"
 #include "format/scene/shard_of_scene.h"
 #include "format/shard/levels/coarse_levels.h"
 
@@ -18,8 +19,8 @@ constexpr double rim = 0x1p-19;
 /// Bytes that a tree requires while it is built, measured on surfaces. A voxel requires its columns, twice its
 /// attributes (vector growth), and its fraction of the nodes. A brick requires a mask and three copies of up to eight
 /// nodes. A constant node requires 64 attributes and a node. An octant of leaves has some 24 voxels, each a constant
-/// node.
-constexpr std::uint64_t bytes_per_leaf_octant = 24 * 1200;
+/// node, or cut by its plane to some 20 voxels.
+constexpr std::uint64_t bytes_per_leaf_octant = 24 * 1200, bytes_per_cut_octant = 24 * 500;
 constexpr std::uint64_t bytes_per_voxel = 26, bytes_per_brick = 600, bytes_per_constant = 1200, bytes_of_all = 1u << 16;
 
 }  // namespace
@@ -29,7 +30,8 @@ QueryTreeSource::QueryTreeSource(const PagedScene& scene, const SceneCell& shard
       shard_(shard),
       shard_lod_(lod - int(shard.first_lod)),
       reader_(open_shard_of_scene(scene.file(), scene.header(), shard)),
-      nodes_(reader_.nodes()) {
+      nodes_(reader_.nodes()),
+      leaf_shape_(leaf_shape_of(scene.header())) {
   std::uint64_t in_constants = 0;
   for (std::size_t n = 0; n < nodes_.lod.size(); ++n) {
     const int above = int(nodes_.lod[n]) - shard_lod_;
@@ -48,7 +50,8 @@ QueryTreeSource::QueryTreeSource(const PagedScene& scene, const SceneCell& shard
 
 std::uint64_t QueryTreeSource::bytes_to_build() const {
   return stored_voxels_ * bytes_per_voxel + bricks_ * bytes_per_brick + constants_ * bytes_per_constant +
-         leaf_octants_ * bytes_per_leaf_octant + bytes_of_all;
+         leaf_octants_ * (leaf_shape_ == LeafShape::plane ? bytes_per_cut_octant : bytes_per_leaf_octant) +
+         bytes_of_all;
 }
 
 QueryTree::QueryTree(const QueryTreeSource& source) {
@@ -68,7 +71,7 @@ QueryTree::QueryTree(const QueryTreeSource& source) {
     } else {
       const CoarseLevels coarse = source.reader_.coarse_levels(source.shard_lod_);
       builder.add_cell({0, 0, 0}, source.nodes_, coarse.levels.front());
-      builder.add_leaves({0, 0, 0}, source.nodes_, coarse.levels);
+      builder.add_leaves({0, 0, 0}, source.nodes_, coarse.levels, source.leaf_shape_);
     }
     scene_ = builder.finish_window(std::int64_t(source.shard_.cell_voxels) >> view_.lod);
   } catch (const std::invalid_argument& error) {

@@ -28,6 +28,7 @@ class QueryTreeSource {
   int shard_lod_;
   ShardReader reader_;
   NodeTable nodes_;
+  LeafShape leaf_shape_;
   std::uint64_t stored_voxels_ = 0, bricks_ = 0, constants_ = 0, leaf_octants_ = 0;
 };
 

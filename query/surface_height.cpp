@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "core/math/octahedral.h"
-#include "kernels/body/mip/plane.h"
+#include "core/octree/plane.h"
 
 namespace gigabake {
 namespace {
@@ -79,9 +79,9 @@ double surface_distance(const QueryRay& ray, const QueryHit& hit, SurfaceRule ru
   const double extent = rule == SurfaceRule::thin ? sum * (edge - 1) + maximum : sum * edge;
   const double below_centre = 0.5 * (extent - cosine * edge / advance);
   const double middle = (from_centre + below_centre) / cosine;
-  const kernels::Plane plane = kernels::unpack_plane(hit.plane);
+  const Plane plane = unpack_plane(hit.plane);
   if (plane.coherence == 0) return middle;
-  const double above_centre = side * sum * edge * plane.offset / (2 * kernels::max_offset);
+  const double above_centre = side * sum * edge * plane.offset / (2 * max_offset);
   const double half_range = height_error_edges * edge / advance;
   return std::clamp((from_centre - above_centre) / cosine, middle - half_range, middle + half_range);
 }

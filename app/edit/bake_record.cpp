@@ -34,6 +34,7 @@ Words options_of(const BakeOptions& o) {
   add("--mip", std::string(name_of(p.mip)), words);
   add("--channels", o.channels, words);
   add("--max-error", std::to_string(p.max_error), words);
+  if (p.depth_error != 0) add("--depth-error", std::to_string(p.depth_error), words);
   add("--codec", std::string(name_of(p.codec)), words);
   add("--cell-voxels", std::to_string(p.cell_voxels), words);
   add("--lattice-origin", o.lattice_origin, words);

@@ -63,6 +63,11 @@ void BakeOptions::add_to(CLI::App& command) {
                   "max error of a voxel, in codes of 255 (normals: chord/2); larger values store less exact voxels in "
                   "fewer bytes")
       ->capture_default_str();
+  command
+      .add_option("--depth-error", p.depth_error,
+                  "max error of a coarser voxel that is stored in place of finer ones, in codes of 255 (positions: "
+                  "eighths of a voxel); larger values store fewer voxels; 0: only equal voxels; bakes on the CPU")
+      ->capture_default_str();
   add_choice(command, "--codec", p.codec, "compression of shards; lz4 is larger and faster");
   command.add_option("--cell-voxels", p.cell_voxels, "edge of a cell in voxels, a power of two from 8 to 8192")
       ->capture_default_str();

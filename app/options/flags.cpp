@@ -23,6 +23,7 @@ constexpr auto flags = std::to_array<std::pair<std::string_view, std::string_vie
     {"crs", "--crs"},
     {"dem_crs", "--dem-crs"},
     {"depth", "--depth"},
+    {"depth_error", "--depth-error"},
     {"external_url", "--external-url"},
     {"eye_m", "--eye"},
     {"format", "--format"},

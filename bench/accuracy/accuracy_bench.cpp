@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/base/error.h"
+#include "core/octree/octree.h"
 #include "kernels/marching/cast_camera.h"
 #include "viewer/light/sky.h"
 #include "viewer/pictures/frame_renderer.h"
@@ -23,7 +24,7 @@ AccuracySetting make_setting(const BakeParameters& parameters, SurfaceRule surfa
   setting.parameters.mip = mip;
   setting.parameters.voxel_size_m *= coarser;
   setting.parameters.normals = setting.parameters.directional_coverage = true;
-  setting.parameters.max_error = 0;
+  setting.parameters.max_error = setting.parameters.depth_error = 0;
   setting.parameters.codec = Codec::deflate;
   return setting;
 }
@@ -42,6 +43,12 @@ std::vector<AccuracySetting> all_settings(const BakeParameters& parameters) {
     settings.push_back(make_setting(parameters, SurfaceRule::area, MipFilter::coverage, 1));
     settings.back().name += "-error-" + std::to_string(codes);
     settings.back().parameters.max_error = codes;
+  }
+  for (const std::uint32_t codes : {2, 4, 8, 16}) {
+    settings.push_back(make_setting(parameters, SurfaceRule::area, MipFilter::coverage, 1));
+    settings.back().name += "-depth-" + std::to_string(codes);
+    settings.back().parameters.depth_error = codes;
+    settings.back().parameters.coarsest_lod = max_ended_lod;
   }
   for (const bool normals : {true, false}) {
     settings.push_back(make_setting(parameters, SurfaceRule::area, MipFilter::coverage, 1));

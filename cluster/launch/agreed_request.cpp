@@ -75,6 +75,7 @@ std::vector<NamedOption> named_options(const BakeRequest& request) {
       {"`channels`",
        fmt::format("{}{}", p.normals ? "with normals" : "without normals", p.directional_coverage ? ", facing" : "")},
       {"`max_error`", fmt::format("{}", p.max_error)},
+      {"`depth_error`", fmt::format("{}", p.depth_error)},
       {"`codec`", std::string(name_of(p.codec))},
       {"`cell_voxels`", fmt::format("{}", p.cell_voxels)},
       {"`lattice_origin_m`", fmt::format("{}", fmt::join(p.lattice_origin_m, ","))},

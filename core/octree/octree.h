@@ -12,7 +12,7 @@ namespace gigabake {
 
 /// The directional data of a voxel. The first three bytes are its directional coverage along x, y and z; at lod 0 they
 /// are zero. Byte directional_coverage_plane is the plane of its surface, if the surface has one plane
-/// (kernels/body/mip/plane.h).
+/// (core/octree/plane.h).
 inline constexpr std::size_t coverage_bytes = 3, directional_coverage_plane = 3, directional_coverage_bytes = 4;
 using DirectionalCoverage = std::array<std::uint8_t, directional_coverage_bytes>;
 
@@ -24,6 +24,10 @@ inline DirectionalCoverage finest_directional_coverage(const std::uint8_t direct
 /// Returns true if `byte` is a valid plane. The value 0 means no plane. Otherwise the upper bits are the plane's offset
 /// plus 8 (1 to 15). The lower two bits are the fraction of the surface on the plane (1 to 3).
 constexpr bool is_plane(std::uint8_t byte) { return byte == 0 || (byte < 64 && (byte >> 2) != 0 && (byte & 3) != 0); }
+
+/// The coarsest level whose voxels may end a branch within an error bound (BakeParameters::depth_error). All cells of
+/// at least 32 voxels have it, and its octants are aligned in all of them.
+inline constexpr int max_ended_lod = 2;
 
 enum class NodeKind : std::uint8_t {
   brick = 0,          ///< value: the index of the brick in its level

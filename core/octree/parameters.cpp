@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/octree/octree.h"
 
 namespace gigabake {
 
@@ -22,6 +23,17 @@ void get_named(const OrderedJson& j, const char* key, Enum& value) {
     throw InputError("parameters", key,
                      "is " + in_quotes(name) + ", which is unknown; a newer gigabake may have written it");
   value = *known;
+}
+
+void check_depth_error(const BakeParameters& p) {
+  if (p.depth_error == 0) return;
+  if (p.depth_error > 127)
+    throw UsageError("depth_error", "expected 0 to 127 codes of 255, got " + std::to_string(p.depth_error));
+  if (!p.normals || !has_directional_coverage(p))
+    throw UsageError("depth_error", "compares planes, which need the filter coverage and all channels");
+  if (p.cell_voxels < std::uint32_t(brick_edge) << max_ended_lod)
+    throw UsageError("depth_error", fmt::format("needs cells of at least {} voxels, got {}",
+                                                std::uint32_t(brick_edge) << max_ended_lod, p.cell_voxels));
 }
 
 }  // namespace
@@ -43,6 +55,7 @@ std::string to_json(const BakeParameters& p) {
   // Write the key "facing" only if its value is false. Parameter sets from before this option keep their JSON and
   // fingerprint.
   if (!p.directional_coverage) j["facing"] = false;
+  if (p.depth_error != 0) j["depth_error"] = p.depth_error;
   if (p.coarsest_lod != 0) j["coarsest_lod"] = p.coarsest_lod;
   return j.dump();
 }
@@ -63,6 +76,7 @@ BakeParameters parameters_from_json(const std::string& json) {
     if (j.contains("max_error")) j.at("max_error").get_to(p.max_error);
     if (j.contains("codec")) get_named(j, "codec", p.codec);
     if (j.contains("facing")) j.at("facing").get_to(p.directional_coverage);
+    if (j.contains("depth_error")) j.at("depth_error").get_to(p.depth_error);
     if (j.contains("coarsest_lod")) j.at("coarsest_lod").get_to(p.coarsest_lod);
   } catch (const nlohmann::json::exception&) {
     throw InputError("parameters", "", "expected a JSON object with the parameters of a bake, as gigabake writes it");
@@ -78,6 +92,7 @@ void check(const BakeParameters& p) {
     throw UsageError("cell_voxels", "expected a power of two from 8 to 8192, got " + std::to_string(p.cell_voxels));
   if (p.max_error > 127)
     throw UsageError("max_error", "expected 0 to 127 codes of 255, got " + std::to_string(p.max_error));
+  check_depth_error(p);
   const int levels = std::countr_zero(p.cell_voxels) - 2;
   if (int(p.coarsest_lod) >= levels)
     throw UsageError("coarsest_lod", fmt::format("expected 0 to {} for cells of {} voxels, got {}", levels - 1,

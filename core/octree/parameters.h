@@ -23,7 +23,9 @@ struct BakeParameters {
       true;  ///< store directional coverage; only for MipFilter::coverage, see has_directional_coverage()
   std::uint32_t max_error = 0;  ///< max deviation of a stored voxel in codes of 255, 0 … 127 (docs/accuracy.md)
   Codec codec = Codec::deflate;
-  /// Coarsest level at which a source is voxelized; follows from the sources (format/source/source_levels.h).
+  /// Max error of a voxel that ends a branch, 0 … 127 (docs/voxels.md). 0: only equal voxels end one.
+  std::uint32_t depth_error = 0;
+  /// Coarsest level with leaves; follows from the sources (format/source/source_levels.h) and `depth_error`.
   std::uint32_t coarsest_lod = 0;
 };
 

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "format/shard/levels/leaf_walk.h"
+#include "core/octree/parameters.h"
 
 namespace gigabake {
 namespace {
@@ -15,7 +15,8 @@ constexpr int octant_edge = brick_edge / 2, node_levels = 3;
 
 class LeafExpander {
  public:
-  LeafExpander(int lod, bool has_normals, BrickLevel& level) : lod_(lod), has_normals_(has_normals), level_(level) {
+  LeafExpander(int lod, LeafShape shape, bool has_normals, BrickLevel& level)
+      : lod_(lod), shape_(shape), has_normals_(has_normals), level_(level) {
     if (level_.first.empty()) level_.first.push_back(0);
     level_.directional_coverage = {};
   }
@@ -29,7 +30,8 @@ class LeafExpander {
 
   void add_octant(const LeafVoxels& leaves) {
     const int coarser = leaves.lod - lod_;
-    if (coarser < node_levels) return add_bricks(leaves, coarser);
+    if (coarser < node_levels || (coarser == node_levels && shape_ == LeafShape::plane))
+      return add_bricks(leaves, coarser);
     for_each_leaf(leaves,
                   [&](const Vec3<int>& at, const std::uint8_t* rgba, const std::int8_t* normal, const std::uint8_t*) {
                     const Vec3i64 voxel = leaves.octant * octant_edge + static_cast<Vec3i64>(at);
@@ -63,6 +65,14 @@ class LeafExpander {
     std::array<std::uint64_t, brick_edge> mask{};
     std::array<std::array<std::uint8_t, 4>, brick_voxels> rgba{};
     std::array<std::array<std::int8_t, 2>, brick_voxels> normal{};
+
+    void set(const Vec3<int>& voxel, const std::uint8_t* colour, const std::int8_t* octahedral) {
+      const auto z = std::size_t(voxel[2] & 7);
+      const int bit = (voxel[0] & 7) + 8 * (voxel[1] & 7);
+      mask[z] |= std::uint64_t(1) << bit;
+      std::copy_n(colour, 4, rgba[64 * z + std::size_t(bit)].begin());
+      std::copy_n(octahedral, 2, normal[64 * z + std::size_t(bit)].begin());
+    }
   };
 
   void add_node(std::uint64_t key, std::uint8_t lod, NodeKind kind, std::uint32_t value,
@@ -74,22 +84,22 @@ class LeafExpander {
     nodes_.normal.push_back(normal);
   }
 
-  /// Adds an octant as one brick, or as eight if its voxels are four times as wide as voxels of the level.
+  /// Adds an octant as one brick, or as eight or more if its voxels are four or more times as wide as the level's.
   void add_bricks(const LeafVoxels& leaves, int coarser) {
     const int along = 1 << (coarser - 1), edge = 1 << coarser;  // bricks of the octant, voxels of a leaf along an edge
     std::vector<OpenBrick> bricks(std::size_t(along * along * along));
-    for_each_leaf(
-        leaves, [&](const Vec3<int>& at, const std::uint8_t* rgba, const std::int8_t* normal, const std::uint8_t*) {
-          for (int i = 0; i < edge * edge * edge; ++i) {
-            const Vec3<int> voxel = at * edge + Vec3<int>{i % edge, i / edge % edge, i / edge / edge};
-            OpenBrick& brick = bricks[std::size_t((voxel[0] >> 3) | (voxel[1] >> 3) << 1 | (voxel[2] >> 3) << 2)];
-            const auto z = std::size_t(voxel[2] & 7);
-            const int bit = (voxel[0] & 7) + 8 * (voxel[1] & 7);
-            brick.mask[z] |= std::uint64_t(1) << bit;
-            std::copy_n(rgba, 4, brick.rgba[64 * z + std::size_t(bit)].begin());
-            std::copy_n(normal, 2, brick.normal[64 * z + std::size_t(bit)].begin());
-          }
-        });
+    for_each_leaf(leaves, [&](const Vec3<int>& at, const std::uint8_t* rgba, const std::int8_t* normal,
+                              const std::uint8_t* coverage) {
+      const auto set = [&](const Vec3<int>& in_leaf) {
+        const Vec3<int> voxel = at * edge + in_leaf;
+        bricks[morton(std::uint32_t(voxel[0] >> 3), std::uint32_t(voxel[1] >> 3), std::uint32_t(voxel[2] >> 3))].set(
+            voxel, rgba, normal);
+      };
+      const std::uint8_t plane = coverage == nullptr ? std::uint8_t(0) : coverage[directional_coverage_plane];
+      if (is_cut(shape_, coarser, plane))
+        return for_each_crossed(normal, plane, coarser, [&](const Vec3<int>& part, std::uint8_t) { set(part); });
+      for (int i = 0; i < edge * edge * edge; ++i) set({i % edge, i / edge % edge, i / edge / edge});
+    });
     const std::uint64_t key =
         morton(std::uint32_t(leaves.octant[0]), std::uint32_t(leaves.octant[1]), std::uint32_t(leaves.octant[2]))
         << 3 * (coarser - 1);
@@ -113,6 +123,7 @@ class LeafExpander {
   }
 
   int lod_;
+  LeafShape shape_;
   bool has_normals_;
   BrickLevel& level_;
   NodeTable nodes_;
@@ -120,27 +131,33 @@ class LeafExpander {
 
 }  // namespace
 
-void expand_leaves(const std::vector<BrickLevel>& levels, int lod, NodeTable& nodes, BrickLevel& level) {
+LeafShape leaf_shape_of(const SceneHeader& scene) {
+  return scene.leaf_lod != 0 && parameters_from_json(scene.parameters).depth_error != 0 ? LeafShape::plane
+                                                                                        : LeafShape::cube;
+}
+
+void expand_leaves(const std::vector<BrickLevel>& levels, int lod, LeafShape shape, NodeTable& nodes,
+                   BrickLevel& level) {
   const bool has_normals = std::ranges::any_of(levels, [](const BrickLevel& l) { return !l.normal.empty(); });
-  LeafExpander expander(lod, has_normals, level);
+  LeafExpander expander(lod, shape, has_normals, level);
   expander.keep_nodes(nodes);
-  for_each_leaf_octant(nodes, levels, lod, [&](const LeafVoxels& leaves) { expander.add_octant(leaves); });
+  for_each_leaf_octant(nodes, levels, lod, lod, [&](const LeafVoxels& leaves) { expander.add_octant(leaves); });
   nodes = expander.take_nodes();
 }
 
-std::uint64_t voxels_of_leaves(const NodeTable& nodes, const std::vector<BrickLevel>& above, int lod) {
+std::uint64_t voxels_of_leaves(const NodeTable& nodes, const std::vector<BrickLevel>& above, int lod, LeafShape shape) {
   std::uint64_t voxels = 0;
-  for (std::size_t n = 0; n < nodes.leaf_mask.size() && nodes.lod[n] > lod; ++n) {
-    std::uint64_t leaves = 0;
-    for (unsigned z = 0; z < brick_edge && nodes.leaf_mask[n] != 0; ++z) {
-      const std::uint64_t exists =
-          nodes.kind[n] == NodeKind::brick
-              ? above.at(std::size_t(nodes.lod[n] - lod - 1)).mask.at(brick_edge * std::size_t(nodes.value[n]) + z)
-              : ~std::uint64_t(0);
-      leaves += std::uint64_t(std::popcount(exists & octant_word(nodes.leaf_mask[n], z)));
-    }
-    voxels += leaves << 3 * (nodes.lod[n] - lod);
-  }
+  for_each_leaf_octant(nodes, above, lod + 1, lod, [&](const LeafVoxels& leaves) {
+    const int coarser = leaves.lod - lod;
+    for_each_leaf(
+        leaves, [&](const Vec3<int>&, const std::uint8_t*, const std::int8_t* normal, const std::uint8_t* coverage) {
+          const std::uint8_t plane = coverage == nullptr ? std::uint8_t(0) : coverage[directional_coverage_plane];
+          if (is_cut(shape, coarser, plane))
+            for_each_crossed(normal, plane, coarser, [&](const Vec3<int>&, std::uint8_t) { ++voxels; });
+          else
+            voxels += std::uint64_t(1) << 3 * coarser;
+        });
+  });
   return voxels;
 }
 

@@ -55,7 +55,7 @@ std::uint64_t voxels_of_leaves(const PagedScene& scene, const SceneCell& shard, 
   if (reader.header().leaf_lod <= std::uint32_t(lod)) return 0;
   const int shard_lod = lod - int(shard.first_lod);
   const CoarseLevels above = reader.coarse_levels(shard_lod + 1);
-  return voxels_of_leaves(above.nodes, above.levels, shard_lod);
+  return voxels_of_leaves(above.nodes, above.levels, shard_lod, leaf_shape_of(scene.header()));
 }
 
 }  // namespace
@@ -94,7 +94,7 @@ ReadLevel read_level(const PagedScene& scene, const SceneCell& shard, int lod) {
   if (content_hash(read.header, read.nodes, read.level, shard_lod) != shard.content_hash.at(std::size_t(shard_lod)))
     throw InputError(scene.folder() / shard.file, fmt::format("/lod_{}", shard_lod),
                      "the voxels do not match the content hash in scene.xml; bake again");
-  if (has_leaves) expand_leaves(coarse.levels, shard_lod, read.nodes, read.level);
+  if (has_leaves) expand_leaves(coarse.levels, shard_lod, leaf_shape_of(scene.header()), read.nodes, read.level);
   return read;
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "core/octree/octree.h"
 
 namespace gigabake {
 namespace {
@@ -51,7 +52,7 @@ void set_source_levels(SceneSources& sources, BakeParameters& parameters) {
   const double scene_m = parameters.voxel_size_m;
   for (const TileRef& tile : sources.tiles)
     if (tile.voxel_size) parameters.voxel_size_m = std::min(parameters.voxel_size_m, tile.voxel_size->metres);
-  parameters.coarsest_lod = 0;
+  parameters.coarsest_lod = parameters.depth_error != 0 ? std::uint32_t(max_ended_lod) : 0;
   for (TileRef& tile : sources.tiles) {
     tile.lod = level_of(tile, scene_m, parameters);
     parameters.coarsest_lod = std::max(parameters.coarsest_lod, std::uint32_t(tile.lod));

@@ -78,7 +78,10 @@ struct CellParameters {
   bool normals = true;
   bool directional_coverage =
       true;  ///< store the directional coverage of MipFilter::coverage; the filter uses it in either case
-  std::uint32_t max_error = 0;        ///< max error of stored values in units of 1/255 (quantize_groups.h); at most 127
+  std::uint32_t max_error = 0;  ///< max error of stored values in units of 1/255 (quantize_groups.h); at most 127
+  /// Max error of a voxel that ends a branch (kernels/body/mip/branch_error.h); at most 127. Only the CPU backend
+  /// accepts other values than 0.
+  std::uint32_t depth_error = 0;
   std::uint64_t memory_bytes = 0;     ///< target; bricks are processed in batches to meet it. 0: no bound
   const LevelEdits* edits = nullptr;  ///< applied to lod 0 before other voxels are computed; none if null
   KeptVoxels kept = nullptr;          ///< voxels that are kept after the edits; all if null. Only the CPU backend

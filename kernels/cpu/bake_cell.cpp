@@ -8,6 +8,7 @@
 #include "core/base/thread_pool.h"
 #include "kernels/body/voxelize/window.h"
 #include "kernels/cpu/mip/downsample_state.h"
+#include "kernels/cpu/mip/end_branches.h"
 #include "kernels/cpu/mip/level_hash.h"
 #include "kernels/cpu/mip/levels.h"
 #include "kernels/cpu/prune/prune.h"
@@ -137,6 +138,7 @@ void add_levels(std::vector<Level> voxelized, const CellParameters& parameters, 
   volume.stats.peak_bytes = std::max(volume.stats.peak_bytes, 2 * bytes_of(volume.levels));
   {
     const StageClock clock(volume.stats.prune_s);
+    end_branches(volume.levels, parameters.depth_error, pool);
     quantize_groups(volume.levels, parameters.max_error, pool);
   }
   {

@@ -3,7 +3,7 @@
 /// The signed distances to the eight planes are interpolated like colours. They are also weighted by the amount of each
 /// voxel's surface that lies on its plane. The surface is where the interpolated distance changes its sign.
 /// Neighbouring points use the same continuous function, so the surface has no gaps through which rays could pass.
-/// Distances are measured along octahedral normals (kernels/body/mip/plane.h), so they are up to 1.7 times too long.
+/// Distances are measured along octahedral normals (core/octree/plane.h), so they are up to 1.7 times too long.
 /// Their zeros and signs are exact.
 ///
 /// Exact   IEEE float: host and device return the same bits.
@@ -14,7 +14,7 @@
 #include <cstdint>
 
 #include "core/base/host_device.h"
-#include "kernels/body/mip/plane.h"
+#include "core/octree/plane.h"
 #include "kernels/marching/sample.h"
 #include "kernels/marching/scene.h"
 

@@ -14,7 +14,7 @@ namespace gigabake::kernels {
 struct CastVoxel {
   std::uint16_t c[6] = {};
   Vec3<std::int8_t> normal{};  ///< the normal, scaled to the octahedron |x| + |y| + |z| = 127; 0, 0, 0: no normal
-  std::uint8_t plane = 0;      ///< code of kernels/body/mip/plane.h (0: no plane), or clear_plane
+  std::uint8_t plane = 0;      ///< code of core/octree/plane.h (0: no plane), or clear_plane
 };
 /// The value of CastVoxel::plane for a translucent voxel of lod 0, which has no plane.
 inline constexpr std::uint8_t clear_plane = 64;

@@ -136,7 +136,7 @@ class Voxels:
     def plane_offset_m(self) -> NDArray[numpy.float64] | None:
         """Distance of the plane from the voxel's centre along its normal; NaN without a plane.
 
-        The stored offset refers to a normal with |x| + |y| + |z| = 1 (kernels/body/mip/plane.h).
+        The stored offset refers to a normal with |x| + |y| + |z| = 1 (core/octree/plane.h).
         """
         if "plane" not in self.columns or "normal" not in self.columns:
             return None

@@ -21,7 +21,7 @@ struct alignas(16) FirstHitNode {
 struct alignas(8) VoxelAttributes {
   std::uint32_t rgba = 0;      ///< sRGB colour and coverage; red in the lowest byte
   std::int8_t normal[2] = {};  ///< octahedral
-  std::uint8_t plane = 0;      ///< of the surface (kernels/body/mip/plane.h); 0: none
+  std::uint8_t plane = 0;      ///< of the surface (core/octree/plane.h); 0: none
   std::uint8_t coarser = 0;    ///< levels by which the voxel is coarser than the tree's: a leaf; 0: of the tree's level
 };
 

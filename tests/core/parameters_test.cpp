@@ -23,6 +23,8 @@ TEST(BakeParameters, ComeBackFromTheirText) {
     p.normals = rng() % 2 == 0;
     p.directional_coverage = rng() % 2 == 0;
     p.max_error = std::uint32_t(rng() % 128);
+    if (p.normals && p.mip == MipFilter::coverage && p.directional_coverage && p.cell_voxels >= 64)
+      p.depth_error = std::uint32_t(rng() % 128);
     p.codec = Codec(rng() % 2);
     const BakeParameters q = parameters_from_json(to_json(p));
     EXPECT_EQ(p.voxel_size_m, q.voxel_size_m);
@@ -33,6 +35,7 @@ TEST(BakeParameters, ComeBackFromTheirText) {
     EXPECT_EQ(p.normals, q.normals);
     EXPECT_EQ(p.directional_coverage, q.directional_coverage);
     EXPECT_EQ(p.max_error, q.max_error);
+    EXPECT_EQ(p.depth_error, q.depth_error);
     EXPECT_EQ(p.codec, q.codec);
     EXPECT_EQ(to_json(p), to_json(q));
   }
@@ -106,6 +109,7 @@ TEST(BakeParameters, NameTheFieldThatIsOutOfRange) {
   for (const std::uint32_t bad : {0u, 4u, 100u, 16384u})
     EXPECT_EQ(told([bad](BakeParameters& p) { p.cell_voxels = bad; }).find("`cell_voxels`: "), 0u) << bad;
   EXPECT_EQ(told([](BakeParameters& p) { p.max_error = 128; }).find("`max_error`: "), 0u);
+  EXPECT_EQ(told([](BakeParameters& p) { p.depth_error = 128; }).find("`depth_error`: "), 0u);
   EXPECT_EQ(told([](BakeParameters& p) { p.lattice_origin_m[1] = INFINITY; }).find("`lattice_origin_m`: "), 0u);
 }
 

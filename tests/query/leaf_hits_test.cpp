@@ -60,7 +60,7 @@ struct LeafCell {
           cubes.push_back(Box3i64::cube(Vec3i64{x, y, z} << lod, std::int64_t(1) << lod));
         });
     const std::vector<BrickLevel> from_lod(levels.begin() + lod, levels.end());
-    for_each_leaf_octant(nodes, from_lod, lod, [&](const LeafVoxels& octant) {
+    for_each_leaf_octant(nodes, from_lod, lod, lod, [&](const LeafVoxels& octant) {
       for_each_leaf(octant, [&](const Vec3<int>& at, const std::uint8_t*, const std::int8_t*, const std::uint8_t*) {
         cubes.push_back(
             Box3i64::cube((octant.octant * 4 + static_cast<Vec3i64>(at)) << octant.lod, std::int64_t(1) << octant.lod));
@@ -91,7 +91,7 @@ TEST(LeafHits, AreTheNearestCubesOfAllLevels) {
     FirstHitBuilder builder(lod);
     const std::vector<BrickLevel> from_lod(cell.levels.begin() + lod, cell.levels.end());
     builder.add_cell({0, 0, 0}, cell.nodes, from_lod.front());
-    builder.add_leaves({0, 0, 0}, cell.nodes, from_lod);
+    builder.add_leaves({0, 0, 0}, cell.nodes, from_lod, LeafShape::cube);
     const FirstHitScene scene = builder.finish();
     const std::vector<Box3i64> cubes = cell.cubes(lod);
     ASSERT_GT(cubes.size(), 50u);

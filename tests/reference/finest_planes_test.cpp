@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "bake_scene.h"
-#include "kernels/body/mip/plane.h"
+#include "core/octree/plane.h"
 #include "triangle_families.h"
 
 namespace gigabake::reference {

@@ -7,7 +7,7 @@
 #include "closed_meshes.h"
 #include "core/base/rules.h"
 #include "core/octree/octree.h"
-#include "kernels/body/mip/plane.h"
+#include "core/octree/plane.h"
 #include "print.h"
 #include "raster.h"
 
@@ -143,9 +143,8 @@ void expect_parent_by_view(const BakedVoxel& parent, const Octet& o, const Views
     int sum = 0;
     for (const int cell : views.fine.cells[axis]) sum += cell;
     const int directional_coverage = std::max(1, rounded(sum, edge * edge));
-    ASSERT_EQ(
-        int(parent.directional_coverage[axis]),
-        kernels::is_fully_planar(parent.directional_coverage[directional_coverage_plane]) ? 0 : directional_coverage)
+    ASSERT_EQ(int(parent.directional_coverage[axis]),
+              is_fully_planar(parent.directional_coverage[directional_coverage_plane]) ? 0 : directional_coverage)
         << axis;
     maximum = std::max(maximum, directional_coverage);
   }

@@ -28,7 +28,7 @@ struct MixedCell {
   std::vector<std::uint32_t> index{0, 1, 2, 3, 4, 5};
   kernels::MaterialView white;
 
-  kernels::CellVolume bake(int slope_lod) const {
+  kernels::CellVolume bake(int slope_lod, std::uint32_t depth_error) const {
     std::array<kernels::PartView, 2> parts;
     parts[0].position = {slope.data(), slope.size()};
     parts[0].index = {index.data(), 6};
@@ -39,17 +39,18 @@ struct MixedCell {
       for (int i = 0; i < 3; ++i) part.scene_from_local[5 * i] = 1;
     kernels::CellParameters parameters;
     parameters.window_voxels = cell_voxels;
+    parameters.depth_error = depth_error;
     return kernels::bake_cell({{parts.data(), parts.size()}, {&white, 1}, {}}, parameters, ThreadPool(1));
   }
 };
 
-Shard shard_of(int slope_lod) {
+Shard shard_of(int slope_lod, std::uint32_t depth_error = 0) {
   ShardHeader header;
   header.cell = "c_0_0_0";
   header.cell_voxels = cell_voxels;
   header.voxel_size_m = 1;
   header.has_directional_coverage = true;
-  return shard_from_volume(MixedCell().bake(slope_lod), header);
+  return shard_from_volume(MixedCell().bake(slope_lod, depth_error), header);
 }
 
 class LeavesTest : public testing::Test {
@@ -120,11 +121,11 @@ TEST_F(LeavesTest, ExpandToTheCubesThatTheyDescribe) {
     NodeTable nodes = shard.nodes;
     BrickLevel level = shard.levels[std::size_t(lod)];
     const std::vector<BrickLevel> levels(shard.levels.begin() + lod, shard.levels.end());
-    expand_leaves(levels, lod, nodes, level);
+    expand_leaves(levels, lod, LeafShape::cube, nodes, level);
     const std::set<Vec3i64> expanded = voxels_of(nodes, level, lod),
                             stored = voxels_of(shard.nodes, shard.levels[std::size_t(lod)], lod);
     const std::vector<BrickLevel> above(levels.begin() + 1, levels.end());
-    EXPECT_EQ(expanded.size(), stored.size() + voxels_of_leaves(shard.nodes, above, lod));
+    EXPECT_EQ(expanded.size(), stored.size() + voxels_of_leaves(shard.nodes, above, lod, LeafShape::cube));
     for (const Vec3i64& voxel : voxels_of(full.nodes, full.levels[std::size_t(lod)], lod))
       EXPECT_TRUE(expanded.contains(voxel)) << "a hole at level " << lod;
     // Each added voxel lies in the cube of a leaf, which is occupied at full depth.
@@ -137,6 +138,33 @@ TEST_F(LeavesTest, ExpandToTheCubesThatTheyDescribe) {
       for (const auto& [coarser, cubes] : occupied) is_in_cube = is_in_cube || cubes.contains(voxel >> (coarser - lod));
       EXPECT_TRUE(is_in_cube);
     }
+  }
+}
+
+/// Returns whether `voxels` has a voxel that is at most one voxel away along each axis.
+bool has_near(const std::set<Vec3i64>& voxels, const Vec3i64& at) {
+  for (int i = 0; i < 27; ++i)
+    if (voxels.contains(at + Vec3i64{i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1})) return true;
+  return false;
+}
+
+TEST_F(LeavesTest, ExpandToTheVoxelsThatTheirPlanesCross) {
+  const Shard shard = shard_of(0, 4), full = shard_of(0);
+  ASSERT_EQ(shard.header.leaf_lod, std::uint32_t(max_ended_lod));
+  for (int lod = 0; lod < max_ended_lod; ++lod) {
+    NodeTable nodes = shard.nodes;
+    BrickLevel level = shard.levels[std::size_t(lod)];
+    const std::vector<BrickLevel> levels(shard.levels.begin() + lod, shard.levels.end());
+    const std::vector<BrickLevel> above(levels.begin() + 1, levels.end());
+    expand_leaves(levels, lod, LeafShape::plane, nodes, level);
+    const std::set<Vec3i64> expanded = voxels_of(nodes, level, lod),
+                            stored = voxels_of(shard.nodes, shard.levels[std::size_t(lod)], lod),
+                            all = voxels_of(full.nodes, full.levels[std::size_t(lod)], lod);
+    EXPECT_LT(stored.size(), all.size() / 2) << lod;
+    EXPECT_EQ(expanded.size(), stored.size() + voxels_of_leaves(shard.nodes, above, lod, LeafShape::plane)) << lod;
+    EXPECT_LT(double(expanded.size()), 1.3 * double(all.size())) << lod;
+    for (const Vec3i64& voxel : all) EXPECT_TRUE(has_near(expanded, voxel)) << "a hole at level " << lod;
+    for (const Vec3i64& voxel : expanded) EXPECT_TRUE(has_near(all, voxel)) << "an extra voxel at level " << lod;
   }
 }
 

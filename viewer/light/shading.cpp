@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/octree/parameters.h"
-#include "kernels/body/mip/plane.h"
+#include "core/octree/plane.h"
 #include "kernels/body/tables.h"
 
 namespace gigabake {
@@ -44,7 +44,7 @@ kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], cons
   // If a voxel's whole surface lies on its plane, the ray caster derives the coverage from the plane. Alpha is
   // then the coverage along all axes; it matters only in a brick that replaces missing finer bricks.
   const bool is_planar =
-      directional_coverage != nullptr && kernels::is_fully_planar(directional_coverage[directional_coverage_plane]);
+      directional_coverage != nullptr && is_fully_planar(directional_coverage[directional_coverage_plane]);
   for (int a = 0; a < 3; ++a)
     coverage[a] =
         std::uint16_t(257 * (directional_coverage == nullptr || lod == 0 ? coverage_[std::size_t(lod)][rgba[3]]
@@ -58,7 +58,7 @@ kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], cons
   if (!has_normals_) return voxel;
   if (directional_coverage != nullptr) voxel.plane = directional_coverage[directional_coverage_plane];
   if (lod == 0 && rgba[3] < 255) voxel.plane = kernels::clear_plane;
-  const kernels::OctahedronPoint n = kernels::octahedron_point(normal);
+  const OctahedronPoint n = octahedron_point(normal);
   for (int a = 0; a < 3; ++a) voxel.normal[a] = std::int8_t(n.c[a]);
   return voxel;
 }

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "core/math/box3.h"
-#include "kernels/body/mip/plane_in_part.h"
+#include "core/octree/plane_in_part.h"
 
 namespace gigabake {
 namespace {
@@ -116,9 +116,9 @@ class BrickFiller {
           auto voxel = voxel_at(place, leaf_lod, v);
           if (!voxel) continue;
           const Vec3i64 in_leaf = (v >> lod_ << lod_) - (v >> leaf_lod << leaf_lod);
-          if (kernels::is_fully_planar(voxel->plane)) {
-            const std::optional<std::uint8_t> plane = kernels::plane_in_part(
-                voxel->plane, Vec3<std::int32_t>(voxel->normal), in_leaf >> lod_, leaf_lod - lod_);
+          if (is_fully_planar(voxel->plane)) {
+            const std::optional<std::uint8_t> plane =
+                plane_in_part(voxel->plane, Vec3<std::int32_t>(voxel->normal), in_leaf >> lod_, leaf_lod - lod_);
             if (!plane) continue;
             voxel->plane = *plane;
           } else {

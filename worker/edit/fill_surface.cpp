@@ -1,7 +1,7 @@
 #include "worker/edit/fill_surface.h"
 
 #include "core/math/octahedral.h"
-#include "kernels/body/mip/plane.h"
+#include "core/octree/plane.h"
 
 namespace gigabake {
 namespace {
@@ -62,7 +62,7 @@ FilledSurface FilledBrick::surface(const Vec3<int>& at) const {
     return {encoded(face_normal(from_middle, half_)), 0};
   }
   const bool has_plane = outward != Vec3i64{};
-  return {encoded(outward), has_plane ? kernels::pack_plane({0, kernels::max_coherence}) : std::uint8_t(0)};
+  return {encoded(outward), has_plane ? pack_plane({0, max_coherence}) : std::uint8_t(0)};
 }
 
 }  // namespace gigabake

@@ -16,6 +16,7 @@ kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters
   c.normals = p.normals;
   c.directional_coverage = has_directional_coverage(p);
   c.max_error = p.max_error;
+  c.depth_error = p.depth_error;
   c.memory_bytes = kernel_bytes;
   return c;
 }

@@ -141,9 +141,10 @@ void CellStages::claim_filled_voxels(const CellEdits& edits, const CellJob& job,
   memory.add_items(edits.functions().filled_voxels(0, bricks * bricks * bricks), voxel_bytes, "edits", "filled voxels");
 }
 
-/// Returns whether a source of the cell is voxelized at another level than 0.
+/// Returns whether the cell may have leaves: a source is voxelized at another level than 0, or branches end early.
 bool CellStages::has_levels(const CellJob& job) const {
-  return std::ranges::any_of(job.tiles, [this](std::uint32_t tile) { return sources_.tiles.at(tile).lod != 0; });
+  return parameters_.depth_error != 0 ||
+         std::ranges::any_of(job.tiles, [this](std::uint32_t tile) { return sources_.tiles.at(tile).lod != 0; });
 }
 
 /// Finds the edits that select a voxel of the cell, and claims the memory of the voxels that they fill.

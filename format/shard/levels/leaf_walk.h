@@ -3,14 +3,23 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <vector>
 
 #include "core/math/vec3.h"
 #include "core/octree/morton.h"
 #include "core/octree/octree.h"
+#include "core/octree/plane_in_part.h"
 
 namespace gigabake {
+
+/// The voxels that leaves describe on finer levels.
+enum class LeafShape : std::uint8_t {
+  cube,  ///< all voxels of its cube
+  plane  ///< only voxels that its plane crosses, if is_cut(); otherwise its cube
+};
 
 /// An octant of leaves: 4×4×4 voxels, of which some exist. Borrowed.
 struct LeafVoxels {
@@ -23,14 +32,16 @@ struct LeafVoxels {
 };
 
 /// Calls visit(LeafVoxels) for each octant of leaves on a level above `lod`, in the order of the nodes. `levels` are
-/// the shard's levels from `lod` on.
+/// the shard's levels from `first_lod` on, which is at most lod + 1.
 template <class Visit>
-void for_each_leaf_octant(const NodeTable& nodes, const std::vector<BrickLevel>& levels, int lod, const Visit& visit) {
+void for_each_leaf_octant(const NodeTable& nodes, const std::vector<BrickLevel>& levels, int first_lod, int lod,
+                          const Visit& visit) {
   for (std::size_t n = 0; n < nodes.leaf_mask.size() && nodes.lod[n] > lod; ++n)
     for (unsigned rest = nodes.leaf_mask[n]; rest != 0; rest &= rest - 1) {
       const auto number = unsigned(std::countr_zero(rest));
       const Vec3i64 octant = static_cast<Vec3i64>(demorton(nodes.key[n] << 3 | number));
-      visit(LeafVoxels{int(nodes.lod[n]), octant, number, &nodes, n, &levels.at(std::size_t(nodes.lod[n] - lod))});
+      visit(
+          LeafVoxels{int(nodes.lod[n]), octant, number, &nodes, n, &levels.at(std::size_t(nodes.lod[n] - first_lod))});
     }
 }
 
@@ -60,6 +71,54 @@ void for_each_leaf(const LeafVoxels& leaves, const Visit& visit) {
       else
         visit(at, constant.data(), nodes.normal[leaves.node].data(),
               nodes.directional_coverage.empty() ? nullptr : nodes.directional_coverage[leaves.node].data());
+    }
+  }
+}
+
+/// Returns whether a leaf describes only some voxels of its cube `finer` levels below it. `plane` is its stored plane;
+/// 0 if it has none.
+inline bool is_cut(LeafShape shape, int finer, std::uint8_t plane) {
+  return shape == LeafShape::plane && finer <= max_ended_lod && is_fully_planar(plane);
+}
+
+/// The voxels of a column of a leaf that the leaf's plane crosses, from `low` to before `end`.
+struct CrossedColumn {
+  int low = 0, end = 0;
+};
+
+/// Returns the crossed voxels of a column along the normal's largest axis. `height` is the height of the plane at the
+/// column's centre, and `reach` the difference to its extremes in the column, in voxels from the leaf's lower face. A
+/// plane on a face belongs to the upper voxel. A plane that passes the leaf at a distance of at most one voxel counts
+/// for the nearest voxel, because planes of adjacent leaves differ by the error bound, and no hole may be between them.
+inline CrossedColumn crossed_column(double height, double reach, int edge) {
+  if (!(height >= -1 && height <= edge + 1)) return {};
+  const double low = std::floor(height - reach), high = std::ceil(height + reach);
+  const int from = int(low < 0 ? 0 : (low > edge - 1 ? edge - 1 : low)), to = int(high > edge ? edge : high);
+  return {from, to > from ? to : from + 1};
+}
+
+/// Calls visit(position in the leaf, plane) for each voxel `finer` levels below a leaf that the leaf's plane crosses.
+/// Range   is_cut().
+template <class Visit>
+void for_each_crossed(const std::int8_t normal[2], std::uint8_t plane, int finer, const Visit& visit) {
+  const OctahedronPoint point = octahedron_point(normal);
+  const Vec3<std::int32_t>& n = point.c;
+  std::size_t axis = 0;
+  for (std::size_t a = 1; a < 3; ++a)
+    if (std::abs(n[a]) > std::abs(n[axis])) axis = a;
+  const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+  const int edge = 1 << finer;
+  const double reach = 0.5 * (std::abs(n[u]) + std::abs(n[v])) / std::abs(n[axis]);
+  for (int column = 0; column < edge * edge; ++column) {
+    Vec3<int> at{};
+    at[u] = column & (edge - 1);
+    at[v] = column >> finer;
+    const double across = n[u] * (at[u] + 0.5 - 0.5 * edge) + n[v] * (at[v] + 0.5 - 0.5 * edge);
+    const double offset = 127.0 * unpack_plane(plane).offset * edge / (2 * max_offset);
+    const CrossedColumn crossed = crossed_column((offset - across) / n[axis] + 0.5 * edge, reach, edge);
+    for (int z = crossed.low; z < crossed.end; ++z) {
+      at[axis] = z;
+      visit(at, nearest_plane(offset_in_part(plane, n, static_cast<Vec3i64>(at), finer)));
     }
   }
 }

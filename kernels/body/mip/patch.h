@@ -1,5 +1,5 @@
 /// Surface moments of a coarser voxel: mean position and flatness of its surface. Planes are fitted to them
-/// (kernels/body/mip/plane.h).
+/// (core/octree/plane.h).
 ///
 /// A voxel's *patch* is kept next to its level while coarser levels are computed, and is not stored. Positions are
 /// relative to the centre of the patch's voxel, in half edges of that voxel. They lie between -1 and 1 at every level.
@@ -12,8 +12,8 @@
 
 #include "core/base/host_device.h"
 #include "core/math/vec3.h"
+#include "core/octree/plane.h"
 #include "kernels/body/mip/mip.h"
-#include "kernels/body/mip/plane.h"
 #include "kernels/body/tables.h"
 #include "kernels/body/voxel.h"
 
@@ -37,7 +37,7 @@ GB_HD SurfaceMoments patch_without_plane() { return {{0, 0, 0}, unknown_spread, 
 
 /// Returns the patch of a lod-0 voxel with unit normal `n`. Its position is the point of the plane that is nearest to
 /// the voxel's centre. It needs no division: |x| + |y| + |z| of `n` is the inverse length of the plane's normal
-/// (kernels/body/mip/plane.h).
+/// (core/octree/plane.h).
 GB_HD SurfaceMoments finest_patch(std::uint8_t plane, const UnitNormal& n) {
   if (plane == 0) return patch_without_plane();
   const std::int32_t distance = sum_of_magnitudes(n.c) * unpack_plane(plane).offset / (2 * max_offset);

@@ -8,8 +8,8 @@
 
 #include "core/base/host_device.h"
 #include "core/math/vec3.h"
+#include "core/octree/plane.h"
 #include "kernels/body/mip/patch.h"
-#include "kernels/body/mip/plane.h"
 
 namespace gigabake::kernels {
 

@@ -13,7 +13,7 @@
 
 #include "core/base/host_device.h"
 #include "core/math/vec3.h"
-#include "kernels/body/mip/plane.h"
+#include "core/octree/plane.h"
 #include "kernels/body/voxelize/accumulate.h"
 
 namespace gigabake::kernels {

@@ -12,7 +12,7 @@
 
 #include "core/math/octahedral.h"
 #include "core/octree/morton.h"
-#include "kernels/body/mip/plane.h"
+#include "core/octree/plane.h"
 #include "kernels/cpu/bake_cell.h"
 
 namespace gigabake::kernels {

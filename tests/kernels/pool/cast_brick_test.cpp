@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "kernels/body/mip/plane.h"
+#include "core/octree/plane.h"
 
 namespace gigabake::kernels {
 namespace {

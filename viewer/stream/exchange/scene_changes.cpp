@@ -19,7 +19,8 @@ bool are_equal(const std::optional<OverviewLevels>& a, const std::optional<Overv
 /// Returns whether the bake stores every voxel exactly, so that a voxel does not depend on others of its level.
 bool is_exact(const SceneHeader& scene) {
   try {
-    return parameters_from_json(scene.parameters).max_error == 0;
+    const BakeParameters parameters = parameters_from_json(scene.parameters);
+    return parameters.max_error == 0 && parameters.depth_error == 0;
   } catch (const InputError&) {
     return false;
   }

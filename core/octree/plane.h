@@ -17,7 +17,7 @@
 #include "core/base/host_device.h"
 #include "core/math/vec3.h"
 
-namespace gigabake::kernels {
+namespace gigabake {
 
 inline constexpr int max_coherence = 3, max_offset = 7;
 
@@ -59,4 +59,4 @@ GB_HD std::int32_t max_component(const OctahedronPoint& n) {
   return maximum > z ? maximum : z;
 }
 
-}  // namespace gigabake::kernels
+}  // namespace gigabake
