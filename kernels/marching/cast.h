@@ -75,7 +75,7 @@ GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
 GB_HD_NOINLINE double steps_in_coarser(double lod1_distance, int brick_lod, int lod, double step, double beyond) {
   CastLine line;
   line.lod1_distance = lod1_distance;
-  double steps = larger_of(beyond - step, 1);
+  double steps = larger_of(std::floor(beyond) - step, 1);
   const double to_end = std::ceil((lod_end(line, lod) - point_distance(line, lod, step)) * steps_per_voxel(lod));
   if (to_end >= 1 && steps > to_end) steps = to_end;
   const double wide = power_of_two(brick_lod - lod);
@@ -231,8 +231,9 @@ GB_HD bool enter_brick(const CastScene& scene, const CastLine& line, bool blocki
     return false;
   }
   const bool is_brick = is_resident(place.brick);
+  const bool is_own_level = is_brick && place.lod == ray.lod;
   const double beyond =
-      ray.step + steps_within(is_brick ? exit_distance_node(line, place.at, place.node_lod) : place.exit_distance,
+      ray.step + steps_within(is_own_level ? exit_distance_node(line, place.at, place.lod) : place.exit_distance,
                               short_power_of_two(1 - ray.lod));
   if (!is_brick) {
     if (!leaves_surface(march, ray)) ray.step = beyond;

@@ -155,10 +155,11 @@ struct SampleLocation {
   /// and y, in the cell for z.
   FixedPoint at;
   std::uint32_t brick = empty_ref;  ///< slot; empty_ref: the field of this level is zero
-  float exit_distance = 0;          ///< if there is no brick: exit distance from the empty space, lod-0 voxels
-  std::int32_t lod = 0;       ///< level of the brick: the requested level, or a coarser level if that is not resident
-  std::int32_t node_lod = 0;  ///< the result applies to the point's whole node of this level
-  bool waits = false;         ///< finer data was requested and will become resident
+  /// The distance along the ray within which the result is the same, lod-0 voxels. Unset for a brick of the requested
+  /// level, whose result applies to its whole node.
+  float exit_distance = 0;
+  std::int32_t lod = 0;  ///< level of the brick: the requested level, or a coarser level if that is not resident
+  bool waits = false;    ///< finer data was requested and will become resident
 };
 
 /// The node at which a descent ended.
@@ -279,7 +280,8 @@ GB_HD float exit_distance_node(const CastLine& line, const FixedPoint& point, in
 
 /// Returns the exit distance, in lod-0 voxels, from the empty node at which a descent for level `of` ended. The
 /// distance extends over empty siblings that the ray enters next. It also extends beyond the node's upper sides,
-/// because the field is zero up to the next voxel centre of level `of`.
+/// because the field is zero up to the next voxel centre of level `of`. In a scene with leaves it does not: the coarser
+/// field of a leaf may begin there, and its first sample must not depend on where the ray came from.
 GB_HD float exit_distance_empty(const CastScene& scene, const CastLine& line, const FixedPoint& point,
                                 const CastDescent& at, int of) {
   constexpr float edge = float(node_mask + 1);
@@ -309,11 +311,13 @@ GB_HD float exit_distance_empty(const CastScene& scene, const CastLine& line, co
     GB_UNROLL
     for (int a = 0; a < 3; ++a) exit_distance[a] += a == axis ? edge * unit : 0;
   }
-  const float beyond = float(fixed_one - (fixed_one >> (at.lod - of)));
+  const float beyond = scene.has_leaves ? 0 : float(fixed_one - (fixed_one >> (at.lod - of)));
   GB_UNROLL
   for (int a = 0; a < 3; ++a) exit_distance[a] += backward(line, a) != 0 ? 0 : beyond * line.inv_direction[a];
   return min_of(exit_distance) * short_power_of_two(at.lod - fraction_bits);
 }
+
+GB_HD float smaller_of(float a, float b) { return a < b ? a : b; }
 
 /// Converts fixed-point coordinates from level `from` to level `to`. Each level's origin is its lowest voxel centre.
 GB_HD void count_for_level(int from, int to, FixedPoint& point) {
@@ -330,9 +334,12 @@ GB_HD SampleLocation find_brick(const CastScene& scene, const CastLine& line, in
                                 bool blocking, CellFrame& frame, CastPath& path) {
   SampleLocation place;
   FixedPoint at = point;
-  int known = -1;  // level at which the first descent ended: that node has no resident descendants
+  float within = 1e30f;  // exit distance from the nodes at which descents for finer levels ended
   for (place.lod = lod;;) {
-    if (!enter_cell(scene, line, at, frame, place.exit_distance)) return place;
+    if (!enter_cell(scene, line, at, frame, place.exit_distance)) {
+      place.exit_distance = smaller_of(place.exit_distance, within);
+      return place;
+    }
     place.at = at;
     place.at.bits[2] -= frame.low;
     const std::uint32_t in_cell = (1u << scene.cell_bits) - 1;
@@ -340,20 +347,20 @@ GB_HD SampleLocation find_brick(const CastScene& scene, const CastLine& line, in
     const CastDescent end = descend(scene, frame.cell, place.lod, local, path);
     const CastNode node = scene.node_of(end.word);
     if (node.brick == empty_ref) {
-      place.exit_distance = exit_distance_empty(scene, line, place.at, end, place.lod);
+      place.exit_distance = smaller_of(exit_distance_empty(scene, line, place.at, end, place.lod), within);
       return place;
     }
-    if (known < 0) known = end.lod;
-    place.node_lod = known;
     place.waits |= request_missing(scene, end, node, place.lod);
     if (blocking && place.waits) return place;
     if (end.lod == place.lod && is_resident(node.brick)) {
       place.brick = node.brick;
+      if (place.lod != lod) place.exit_distance = smaller_of(exit_distance_node(line, place.at, place.lod), within);
       touch(scene.feedback.slot_used + place.brick, scene.pass);
       return place;
     }
+    within = smaller_of(exit_distance_node(line, place.at, end.lod), within);
     if (place.lod == scene.lods - 1) {  // the root is not resident either
-      place.exit_distance = exit_distance_node(line, place.at, place.lod);
+      place.exit_distance = within;
       return place;
     }
     const int coarser = end.lod == place.lod ? place.lod + 1 : end.lod;

@@ -48,8 +48,9 @@ struct CastScene {
   std::int64_t column_count[2] = {};       ///< per axis; below 2^31
   std::int32_t cell_bits = 0;              ///< a cell's edge is 2^cell_bits voxels
   std::int32_t lods = 0;
-  Vec3d min{}, max{};  ///< a box around all voxels
-  Vec3i64 corner{};    ///< origin of fixed-point coordinates (kernels/marching/fixed_point.h); see set_corner()
+  bool has_leaves = false;  ///< some octants have only coarser voxels, whose bricks replace the octants'
+  Vec3d min{}, max{};       ///< a box around all voxels
+  Vec3i64 corner{};         ///< origin of fixed-point coordinates (kernels/marching/fixed_point.h); see set_corner()
 
   bool is_lit = false;  ///< the voxels' radiance contains `light`, whose irradiance depends on the normal
   CastLight light;

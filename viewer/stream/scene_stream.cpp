@@ -74,6 +74,11 @@ std::vector<std::uint32_t> numbers_of(const std::vector<SceneCell>& cells, const
   return out;
 }
 
+void set_leaves(const SceneHeader& header, CellLayout& layout) {
+  layout.leaf_lod = int(header.leaf_lod);
+  layout.scene.has_leaves = header.leaf_lod != 0;
+}
+
 std::unique_ptr<kernels::Caster> make_caster(const CellLayout& layout, const kernels::PoolSizes& sizes,
                                              const SceneStream::Options& options, const ThreadPool& policy) {
   return options.cuda_device ? kernels::make_cuda_caster(layout.scene, sizes, *options.cuda_device, policy)
@@ -95,11 +100,11 @@ SceneStream::Opened SceneStream::open(const PagedScene& scene, const Options& op
   if (!levels) {
     const std::vector<SceneCell> cells = scene.cells(policy);
     CellLayout layout = lay_out_cells(cells, scene.file());
-    layout.leaf_lod = int(scene.header().leaf_lod);
+    set_leaves(scene.header(), layout);
     return {std::move(layout), numbers != nullptr ? ShardMap(cells, numbers_of(cells, *numbers)) : ShardMap(cells)};
   }
   CellLayout layout = lay_out_root(scene.root().overviews[levels->root], scene.totals().window);
-  layout.leaf_lod = int(scene.header().leaf_lod);
+  set_leaves(scene.header(), layout);
   if (numbers != nullptr) return {std::move(layout), ShardMap(scene, std::move(*levels), *numbers)};
   return {std::move(layout), ShardMap(scene, std::move(*levels))};
 }

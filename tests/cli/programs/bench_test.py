@@ -83,12 +83,26 @@ def edits_are_timed_and_undone(gigabake, work):
     assert [edit["type"] for edit in bench["edits"]] == ["paint", "carve", "fill"], bench
     for edit in bench["edits"]:
         assert 0 < edit["disk_s"] < edit["image_s"] <= edit["rest_s"] and edit["undo_s"] > 0, edit
-        assert edit["uploads"] > 0 and edit["preview_s"] > 0, edit
+        # The whole view has more than 1,500 bricks and lists of children.
+        assert 0 < edit["uploads"] < 200 and edit["preview_s"] > 0, edit
     assert bench["same_as_rendered"] and bench["is_restored"], bench
     assert (scene / "scene.xml").read_bytes() == before
     assert "equal bytes" in gigabake.succeed(*options)
     result = gigabake.run("bench", "edit", scene, "--brush", 0)
     assert result.returncode == 2 and "--brush" in result.stderr, result
+
+
+# Regressions of 2026-11-28: images of leaves depended on bricks that were resident before, and after an edit viewers
+# showed the finer voxels of expanded leaves.
+def images_of_leaves_are_exact_in_a_viewer(gigabake, work):
+    gigabake.succeed("sample", work / "other", "--size", 64, "--seed", 9)
+    sources = [{"path": "sample/tileset.json", "voxel_size_m": 2}, {"path": "other/tileset.json"}]
+    (work / "two.json").write_text(json.dumps({"gigabake": 1, "sources": sources}))
+    scene = work / "two"
+    gigabake.bake(work / "two.json", scene, 0.25, "--cell-voxels", 128)
+    gigabake.succeed("bench", "render", scene, "--what", "live", "--size", "320x240", "--backend", "cpu")
+    gigabake.succeed("bench", "edit", scene, "--size", "200x150", "--brush", 20, "--distance", 90, "--repeats", 1,
+                     "--backend", "cpu")
 
 
 # Regression of 2026-11-25: exit code 0 with 0 voxels, 0 chunks, 0 compared rays or images without a surface.
@@ -131,7 +145,8 @@ def main():
         gigabake.succeed("sample", work / "sample", "--size", 96)
         for test in (kernels_are_timed_with_their_hash, bakes_are_timed_alone_and_overlapped, chunks_are_packed_again,
                      schedules_are_near_the_lower_bound, schedules_survive_failures,
-                     first_hits_are_timed_and_compared, edits_are_timed_and_undone, what_measured_nothing_fails,
+                     first_hits_are_timed_and_compared, edits_are_timed_and_undone,
+                     images_of_leaves_are_exact_in_a_viewer, what_measured_nothing_fails,
                      a_scene_is_not_overwritten):
             print(test.__name__, flush=True)
             test(gigabake, work)

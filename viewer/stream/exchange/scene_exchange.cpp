@@ -18,6 +18,12 @@ bool is_nonexistent(const CastNode& node) {
   return node.children == kernels::empty_ref && node.brick == kernels::empty_ref;
 }
 
+/// Returns whether the node lies in a leaf. PoolAllocator::set_children() has entered its parent's children before, so
+/// other nodes whose data was lost are requested again.
+bool is_in_leaf(const CastNode& node, const FieldNode& place, std::int32_t root_lod) {
+  return place.lod < root_lod && node.children == kernels::lost_ref && node.brick == kernels::lost_ref;
+}
+
 std::vector<Box3i64> bounded(std::vector<Box3i64> boxes) {
   if (boxes.size() <= max_changed_boxes) return boxes;
   Box3i64 all;
@@ -126,10 +132,12 @@ void SceneExchange::enter(Prepared& item, kernels::Caster& caster) {
 
 std::uint64_t SceneExchange::enter(kernels::Caster& caster) {
   allocator_.begin_round(0, true);
+  const std::int32_t root_lod = layout_.scene.lods - 1;
   for (const std::uint32_t node : allocator_.nodes_in_use()) {
     // Skips nodes of released tiles, and children that do not exist.
-    if (!allocator_.is_in_use(node) || !is_changed(allocator_.place_of(node))) continue;
-    if (is_nonexistent(allocator_.node(node))) continue;
+    const FieldNode place = allocator_.place_of(node);
+    if (!allocator_.is_in_use(node) || !is_changed(place)) continue;
+    if (is_nonexistent(allocator_.node(node)) || is_in_leaf(allocator_.node(node), place, root_lod)) continue;
     if (Prepared* item = find(node)) {
       enter(*item, caster);
     } else {
