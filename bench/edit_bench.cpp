@@ -134,10 +134,11 @@ class EditedView {
     }
   }
 
-  /// Tests whether the picked pixel shows another scene. An image without the preview shows the same scene.
+  /// Tests whether an image after the edit shows the edited scene. A viewer at rest renders smaller images only of
+  /// another scene; an image without the preview has full size and the same pixels.
   bool differs(const LiveFrame& frame, const LiveFrame& before) const {
     const Picture &now = frame.clean_picture(), &then = before.clean_picture();
-    if (now.width != then.width || now.height != then.height) return false;
+    if (now.width != then.width || now.height != then.height) return true;
     const auto rgba = [&](const Picture& picture) { return picture.rgba.begin() + std::ptrdiff_t(4 * pixel_); };
     return now.depth[pixel_] != then.depth[pixel_] || !std::equal(rgba(now), rgba(now) + 4, rgba(then));
   }

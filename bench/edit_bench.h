@@ -27,7 +27,7 @@ struct EditBenchRow {
   std::string type;
   double preview_s = 0;       ///< LiveScene::preview() until an image with the preview is published
   double disk_s = 0;          ///< LiveScene::edit() until the new scene is on disk
-  double image_s = 0;         ///< LiveScene::edit() until an image shows the new scene
+  double image_s = 0;         ///< LiveScene::edit() until an image, of any size, shows the new scene
   double rest_s = 0;          ///< LiveScene::edit() until the complete image at full size
   double undo_s = 0;          ///< the same as disk_s, of the undo
   std::uint64_t uploads = 0;  ///< bricks and lists of children that the viewer uploaded for the edit

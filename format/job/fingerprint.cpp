@@ -8,6 +8,7 @@
 
 #include "core/base/kernel_version.h"
 #include "core/io/bytes.h"
+#include "format/edit/edited_fingerprint.h"
 #include "format/system/hash_bytes.h"
 
 namespace gigabake {
@@ -16,17 +17,10 @@ namespace {
 /// Version of the fingerprints. Increment it if shards of the current version may not match their fingerprints. Version
 /// 1 is rejected: its shards may come from other options than their fingerprints.
 constexpr std::uint32_t fingerprint_version = 2;
-/// Precedes the edits, so that they differ from tiles.
+/// Precedes the edits of a tile.
 constexpr std::uint32_t edits_mark = 0x74696465;
 /// Precedes the level of a tile.
 constexpr std::uint32_t level_mark = 0x6c65766c;
-
-/// Adds the edits that select a voxel of a cell, in their order; nothing if there are none.
-void add_edits(const EditsInScene& edits, std::span<const std::uint32_t> selecting, XXH3_state_t& state) {
-  if (selecting.empty()) return;
-  XXH3_128bits_update(&state, &edits_mark, sizeof edits_mark);
-  for (const std::uint32_t e : selecting) XXH3_128bits_update(&state, &edits.hash(e), sizeof(Hash128));
-}
 
 }  // namespace
 
@@ -86,22 +80,23 @@ std::vector<std::uint32_t> CellFingerprints::edits_of(const CellJob& job) const 
 }
 
 Hash128 CellFingerprints::of(const CellJob& job, std::vector<Hash128> tile_sources) const {
-  return with_edits(job, std::move(tile_sources), edits_of(job));
+  Hash128 fingerprint = without_edits(job, std::move(tile_sources));
+  for (const std::uint32_t e : edits_of(job)) fingerprint = edited_fingerprint(fingerprint, edits_->hash(e));
+  return fingerprint;
 }
 
 std::vector<CellFingerprints::EarlierEdits> CellFingerprints::with_fewer_edits(const CellJob& job) const {
   const std::vector<std::uint32_t> edits = edits_of(job);
-  std::vector<EarlierEdits> out;
-  const auto add = [&](std::size_t count) {
-    out.push_back({count, with_edits(job, job.tile_sources, std::span(edits).first(count))});
-  };
-  for (std::size_t count = edits.size(); count-- > 0 && out.size() < max_earlier_edits;) add(count);
-  if (!out.empty() && out.back().edits != 0) add(0);
-  return out;
+  std::vector<EarlierEdits> all{{0, without_edits(job, job.tile_sources)}};
+  for (const std::uint32_t e : edits)
+    all.push_back({all.size(), edited_fingerprint(all.back().fingerprint, edits_->hash(e))});
+  all.pop_back();  // the result with all edits
+  std::reverse(all.begin(), all.end());
+  if (all.size() > max_earlier_edits + 1) all.erase(all.begin() + max_earlier_edits, all.end() - 1);
+  return all;
 }
 
-Hash128 CellFingerprints::with_edits(const CellJob& job, std::vector<Hash128> tile_sources,
-                                     std::span<const std::uint32_t> edits) const {
+Hash128 CellFingerprints::without_edits(const CellJob& job, std::vector<Hash128> tile_sources) const {
   add_levels(job, tile_sources);
   add_source_edits(job, tile_sources);
   std::sort(tile_sources.begin(), tile_sources.end(),
@@ -117,7 +112,6 @@ Hash128 CellFingerprints::with_edits(const CellJob& job, std::vector<Hash128> ti
     const Hash128 border = area_->border_hash(frame_, voxels);
     XXH3_128bits_update(&state, &border, sizeof border);
   }
-  if (edits_) add_edits(*edits_, edits, state);
   const XXH128_hash_t h = XXH3_128bits_digest(&state);
   return {h.low64, h.high64};
 }

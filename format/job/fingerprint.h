@@ -4,7 +4,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "core/octree/parameters.h"
@@ -53,7 +52,7 @@ class CellFingerprints {
   void add_levels(const CellJob& job, std::vector<Hash128>& tile_sources) const;
   /// Adds to the identity of each tile the edits that may change its surface in the cell.
   void add_source_edits(const CellJob& job, std::vector<Hash128>& tile_sources) const;
-  Hash128 with_edits(const CellJob& job, std::vector<Hash128> tile_sources, std::span<const std::uint32_t> edits) const;
+  Hash128 without_edits(const CellJob& job, std::vector<Hash128> tile_sources) const;
   std::vector<std::uint32_t> edits_of(const CellJob& job) const;
 
   std::vector<std::uint8_t> shared_;  ///< inputs that all cells share

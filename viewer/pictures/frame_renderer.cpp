@@ -105,7 +105,7 @@ void FrameRenderer::resume(ProgressiveFrame& frame, const kernels::StopAsked& en
 
 void FrameRenderer::replace_shards(const std::vector<SceneCell>& watched, const std::vector<std::uint32_t>& cells) {
   State& s = *state_;
-  if (!s.next) s.next = {s.scene, s.numbers, {}};
+  if (!s.next) s.next = {s.scene, s.numbers, {}, s.edits};
   for (const std::uint32_t cell : cells) {
     s.next->numbers.cells.at(cell) = s.table->add(watched.at(cell));
     s.next->changed.push_back(window_of(watched[cell]));
@@ -119,11 +119,13 @@ bool FrameRenderer::replace_scene() {
   if (!s.stream->problems().empty()) return false;  // opening the scene again tries unreadable pages again
   if ((!s.table && !s.paged_table) || !are_exchangeable(*s.scene, *next) || !s.stream->has_layout_of(*next))
     return false;
+  EditList edits = voxel_edits_of_folder(*next);
+  const EditedBoxes edited(s.edits, edits, next->header());
   std::optional<SceneChanges> changes = s.paged_table
-                                            ? paged_changes_between(*s.scene, s.numbers, *next, *s.paged_table)
-                                            : changes_between(*s.scene, s.numbers, *next, *s.table);
+                                            ? paged_changes_between(*s.scene, s.numbers, *next, edited, *s.paged_table)
+                                            : changes_between(*s.scene, s.numbers, *next, edited, *s.table);
   if (!changes) return false;
-  s.next = {next, std::move(changes->numbers), std::move(changes->boxes)};
+  s.next = {next, std::move(changes->numbers), std::move(changes->boxes), std::move(edits)};
   s.stream->begin_exchange(*next, s.next->numbers, s.next->changed);
   return true;
 }

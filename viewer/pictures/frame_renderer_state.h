@@ -27,6 +27,7 @@ struct NextScene {
   std::shared_ptr<const PagedScene> scene;
   ShardNumbers numbers;
   std::vector<Box3i64> changed;
+  EditList edits;  ///< of its folder
 };
 
 struct FrameRenderer::State {
@@ -54,6 +55,7 @@ struct FrameRenderer::State {
   std::shared_ptr<ShardTable> table;         ///< null if the scene has pages, or an external source
   std::shared_ptr<PagedShards> paged_table;  ///< null if the scene has no pages, or an external source
   ShardNumbers numbers;                      ///< of `scene` in one of the tables
+  EditList edits;                            ///< of the folder of `scene`
   PageSource source;
   Filling filling{};
   std::unique_ptr<SceneStream> stream;
@@ -75,7 +77,11 @@ struct FrameRenderer::State {
       : options(wishes), scene(std::move(opened)), policy(threads_of(wishes)) {
     if (pages) {
       source = guarded_pages(pages, scene->header());
-    } else if (scene->root().pages.empty()) {
+      fill(filling_of({}));
+      return;
+    }
+    edits = voxel_edits_of_folder(*scene);
+    if (scene->root().pages.empty()) {
       table = std::make_shared<ShardTable>(*scene, max_open(wishes), files_opened);
       numbers = table->add_all(*scene);
       source = [all = table](const PageKey& key) { return all->page(key); };
@@ -137,6 +143,7 @@ struct FrameRenderer::State {
   void adopt_next() {
     scene = next->scene;
     numbers = std::move(next->numbers);
+    edits = std::move(next->edits);
     if (paged_table) paged_table->show(scene);
     next.reset();
     heights.reset();

@@ -18,17 +18,17 @@ bool are_equal(const std::optional<OverviewLevels>& a, const std::optional<Overv
 
 /// Returns whether the bake stores every voxel exactly, so that a voxel does not depend on others of its level.
 bool is_exact(const SceneHeader& scene) {
-  try {
-    const BakeParameters parameters = parameters_from_json(scene.parameters);
-    return parameters.max_error == 0 && parameters.depth_error == 0;
-  } catch (const InputError&) {
-    return false;
-  }
+  const std::optional<BakeParameters> parameters = parameters_of(scene);
+  return parameters && parameters->max_error == 0 && parameters->depth_error == 0;
 }
 
 using Key = std::pair<std::uint32_t, Vec3i64>;  ///< finest native level and position
 
 Key key_of(const SceneCell& shard) { return {shard.own_lod(), shard.lattice_min}; }
+
+void append(const std::vector<Box3i64>& boxes, std::vector<Box3i64>& to) {
+  to.insert(to.end(), boxes.begin(), boxes.end());
+}
 
 struct KnownShard {
   const SceneCell* shard;
@@ -40,9 +40,11 @@ class Comparison {
   Comparison(const PagedScene& previous, const PagedScene& next, ShardTable& table)
       : same_parameters_(previous.header().parameters == next.header().parameters), table_(table) {}
 
-  /// Returns the numbers of the next shards, and appends the windows of changed shards to `windows`.
+  /// Returns the numbers of the next shards, and appends to `windows` the windows of changed shards, or their parts
+  /// that `edits` changed. null: overviews.
   std::vector<std::uint32_t> compare(const std::vector<SceneCell>& previous, const std::vector<std::uint32_t>& numbers,
-                                     const std::vector<SceneCell>& next, std::vector<Box3i64>& windows) const {
+                                     const std::vector<SceneCell>& next, const EditedBoxes* edits,
+                                     std::vector<Box3i64>& windows) const {
     std::map<Key, KnownShard> known;
     for (std::size_t i = 0; i < previous.size(); ++i) known[key_of(previous[i])] = {&previous[i], numbers.at(i)};
     std::vector<std::uint32_t> of_next;
@@ -50,7 +52,10 @@ class Comparison {
       const auto found = known.find(key_of(shard));
       const bool is_equal = found != known.end() && found->second.shard->content_hash == shard.content_hash;
       of_next.push_back(is_equal && same_parameters_ ? kept(found->second, shard) : table_.add(shard));
-      if (!is_equal) windows.push_back(window_of(shard));
+      if (!is_equal && found != known.end() && edits != nullptr)
+        append(edits->of_cell(*found->second.shard, shard), windows);
+      else if (!is_equal)
+        windows.push_back(window_of(shard));
       if (found != known.end()) known.erase(found);
     }
     for (const auto& [key, gone] : known) windows.push_back(window_of(*gone.shard));
@@ -83,8 +88,11 @@ class PagedComparison {
   }
 
   bool has_equal_places() const { return has_equal_places_; }
-  /// Returns the changed shards of the next scene, with their numbers in the scene.
-  const std::vector<std::pair<std::uint32_t, SceneCell>>& changed() const { return changed_; }
+  struct Changed {
+    std::uint32_t number;  ///< in both scenes
+    SceneCell before, after;
+  };
+  const std::vector<Changed>& changed() const { return changed_; }
 
  private:
   /// `cell` and `overview` count the cells and overviews before these pages.
@@ -113,7 +121,7 @@ class PagedComparison {
     if (a.size() != b.size()) return false;
     for (std::size_t i = 0; i < a.size(); ++i) {
       if (key_of(a[i]) != key_of(b[i])) return false;
-      if (a[i].content_hash != b[i].content_hash) changed_.emplace_back(first + std::uint32_t(i), b[i]);
+      if (a[i].content_hash != b[i].content_hash) changed_.push_back({first + std::uint32_t(i), a[i], b[i]});
     }
     return changed_.size() <= max_changed_shards;
   }
@@ -121,7 +129,7 @@ class PagedComparison {
   const PagedScene &previous_, &next_;
   const std::uint32_t cells_;
   bool has_equal_places_ = false;
-  std::vector<std::pair<std::uint32_t, SceneCell>> changed_;
+  std::vector<Changed> changed_;
 };
 
 /// Appends the windows of changed overviews. An exact overview changes only in the boxes of changed cells, which
@@ -147,27 +155,32 @@ bool are_exchangeable(const PagedScene& a, const PagedScene& b) {
 }
 
 SceneChanges changes_between(const PagedScene& previous, const ShardNumbers& numbers, const PagedScene& next,
-                             ShardTable& table) {
+                             const EditedBoxes& edits, ShardTable& table) {
   SceneChanges changes;
   const Comparison comparison(previous, next, table);
   const ScenePage &before = previous.root(), &after = next.root();
-  changes.numbers.cells = comparison.compare(before.cells, numbers.cells, after.cells, changes.boxes);
+  changes.numbers.cells = comparison.compare(before.cells, numbers.cells, after.cells, &edits, changes.boxes);
   std::vector<Box3i64> windows;
-  changes.numbers.overviews = comparison.compare(before.overviews, numbers.overviews, after.overviews, windows);
+  changes.numbers.overviews =
+      comparison.compare(before.overviews, numbers.overviews, after.overviews, nullptr, windows);
   add_overviews(windows, is_exact(previous.header()) && is_exact(next.header()), changes.boxes);
   return changes;
 }
 
 std::optional<SceneChanges> paged_changes_between(const PagedScene& previous, const ShardNumbers& numbers,
-                                                  const PagedScene& next, PagedShards& shards) {
+                                                  const PagedScene& next, const EditedBoxes& edits,
+                                                  PagedShards& shards) {
   if (previous.header().parameters != next.header().parameters) return std::nullopt;
   PagedComparison comparison(previous, next);
   if (!comparison.has_equal_places()) return std::nullopt;
   SceneChanges changes{numbers, {}};
   std::vector<Box3i64> windows;
-  for (const auto& [index, shard] : comparison.changed()) {
-    changes.numbers.replaced[index] = shards.add(shard);
-    (index < next.totals().cells ? changes.boxes : windows).push_back(window_of(shard));
+  for (const auto& [number, before, after] : comparison.changed()) {
+    changes.numbers.replaced[number] = shards.add(after);
+    if (number < next.totals().cells)
+      append(edits.of_cell(before, after), changes.boxes);
+    else
+      windows.push_back(window_of(after));
   }
   add_overviews(windows, is_exact(next.header()), changes.boxes);
   return changes;

@@ -6,6 +6,7 @@
 
 #include "core/math/box3.h"
 #include "format/scene/paged_scene.h"
+#include "viewer/stream/exchange/edited_boxes.h"
 #include "viewer/stream/exchange/paged_shards.h"
 #include "viewer/stream/exchange/shard_table.h"
 
@@ -21,12 +22,13 @@ struct SceneChanges {
 bool are_exchangeable(const PagedScene& a, const PagedScene& b);
 
 /// Compares the scenes by the content hashes of their shards. Adds the other shards of `next` to the table, and
-/// replaces files of equal content.
+/// replaces files of equal content. `edits` are the edits between the scenes: a cell that only they change counts as
+/// the boxes of these edits.
 /// Range   are_exchangeable(previous, next); `numbers` are the numbers of the shards of `previous` in `table`.
 /// Exact   A voxel of an overview depends only on the voxels below it, except if the bake has `max_error`. An overview
 ///         with `max_error`, or without a changed cell below it, is a changed box.
 SceneChanges changes_between(const PagedScene& previous, const ShardNumbers& numbers, const PagedScene& next,
-                             ShardTable& table);
+                             const EditedBoxes& edits, ShardTable& table);
 
 /// The max number of changed shards of scenes with pages that are exchanged in place.
 inline constexpr std::size_t max_changed_shards = 4096;
@@ -37,6 +39,7 @@ inline constexpr std::size_t max_changed_shards = 4096;
 /// Range   are_exchangeable(previous, next); both have pages.
 /// Exact   See changes_between().
 std::optional<SceneChanges> paged_changes_between(const PagedScene& previous, const ShardNumbers& numbers,
-                                                  const PagedScene& next, PagedShards& shards);
+                                                  const PagedScene& next, const EditedBoxes& edits,
+                                                  PagedShards& shards);
 
 }  // namespace gigabake
