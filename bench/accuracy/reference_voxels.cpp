@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "format/scene/shard_of_scene.h"
+#include "format/scene/scene_level.h"
 #include "format/shard/levels/brick_walk.h"
 
 namespace gigabake::bench {
@@ -17,9 +17,10 @@ std::uint64_t key_of(std::int64_t x, std::int64_t y, std::int64_t z) {
 
 ReferenceVoxels::ReferenceVoxels(const SceneDescription& scene, const std::filesystem::path& scene_path, int lod) {
   if (!scene.cells.empty()) origin_ = scene.cells[0].lattice_min;
+  const PagedScene paged(scene_path);
   for (const SceneCell& cell : scene.cells) {
-    const ShardReader shard = open_shard_of_scene(scene_path, scene, cell);
-    add_cell((cell.lattice_min - origin_) >> lod, shard.nodes(), shard.level(lod), lod);
+    const ReadLevel read = read_level(paged, cell, lod);
+    add_cell((cell.lattice_min - origin_) >> lod, read.nodes, read.level, lod);
   }
 }
 

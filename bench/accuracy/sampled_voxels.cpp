@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "bench/schedule_model.h"
-#include "format/scene/shard_of_scene.h"
+#include "format/scene/scene_level.h"
 #include "format/shard/levels/brick_walk.h"
 
 namespace gigabake::bench {
@@ -29,14 +29,14 @@ class RunSampler {
 
 std::vector<SampledVoxel> sample_voxels(const SceneDescription& scene, const std::filesystem::path& scene_path,
                                         std::uint64_t maximum, std::uint64_t seed) {
-  std::uint64_t voxels = 0;
-  for (const SceneCell& cell : scene.cells) voxels += cell.voxels.at(0);
+  const PagedScene paged(scene_path);
+  const std::uint64_t voxels = described_voxels(paged, 0);
   RunSampler choice(std::max<std::uint64_t>(1, (voxels + maximum - 1) / maximum), seed);
   std::vector<SampledVoxel> sampled;
   for (const SceneCell& cell : scene.cells) {
-    const ShardReader shard = open_shard_of_scene(scene_path, scene, cell);
+    const ReadLevel read = read_level(paged, cell, 0);
     for_each_voxel_of_level(
-        shard.nodes(), shard.level(0), 0,
+        read.nodes, read.level, 0,
         [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
           if (!choice.takes_next()) return;
           sampled.push_back(

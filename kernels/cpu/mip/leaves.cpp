@@ -76,7 +76,7 @@ class LeafJoiner {
             ? std::uint8_t(0)
             : leaves_.directional_coverage[directional_coverage_bytes * i + directional_coverage_plane];
     std::uint32_t raster[raster_words(max_raster_edge)];
-    set_leaf_raster(leaf, has_normals_, edge_, tables_, raster);
+    set_leaf_raster(leaf, plane, has_normals_, edge_, tables_, raster);
     joint_surface.rasters.insert(joint_surface.rasters.end(), raster, raster + words_);
     std::uint8_t coverage[directional_coverage_bytes];
     set_leaf_coverage(leaf, plane, coverage);

@@ -167,6 +167,20 @@ class DepthError(harness.FolderTest):
             far = [v for v in some if not any((v[0] + x, v[1] + y, v[2] + z) in others for x, y, z in steps)]
             self.assertEqual(far, [])
 
+    def test_parts_of_the_scene_are_as_opaque_as_parts_of_full_depth(self):
+        for lod in (3, 4, 5):
+            alpha = []
+            for name in ("full", "ended"):
+                PROGRAM.succeed("export", self.root / name, "--lod", lod, "--bounds", "3.3,3.3,78,29", "--crs", "scene",
+                                "-o", self.root / "v.ply")
+                voxels = harness.read_ply(self.root / "v.ply")
+                alpha.append({tuple(v["ijk"].tolist()): int(v["rgba"][3]) for v in voxels})
+            full, ended = alpha
+            self.assertLess(len(set(full) ^ set(ended)), 0.03 * len(full), lod)
+            apart = [ended[at] - full[at] for at in full if at in ended]
+            self.assertLess(abs(numpy.mean(apart)), 5, lod)
+            self.assertLess(numpy.mean(numpy.abs(apart)), 8, lod)
+
     def test_queries_hit_planes(self):
         rows = {}
         for name in ("full", "ended"):
