@@ -46,11 +46,12 @@ VoxelAttributes look_of(const std::uint8_t rgba[4], const std::int8_t normal[2],
 void check_columns(const NodeTable& nodes, const BrickLevel& level) {
   const std::size_t count = nodes.key.size(), bricks = level.mask.size() / brick_edge;
   require(nodes.lod.size() == count && nodes.kind.size() == count && nodes.value.size() == count &&
-              nodes.normal.size() == count,
+              nodes.normal.size() == count && (nodes.voxel_class.empty() || nodes.voxel_class.size() == count),
           "the node table's columns differ in length");
   require(level.mask.size() == bricks * brick_edge && level.first.size() == bricks + 1 &&
               level.first[bricks] * 4 == level.rgba.size() &&
-              (level.normal.empty() || level.normal.size() * 2 == level.rgba.size()),
+              (level.normal.empty() || level.normal.size() * 2 == level.rgba.size()) &&
+              (level.voxel_class.empty() || level.voxel_class.size() * 4 == level.rgba.size()),
           "the level's columns do not match each other");
   for (std::size_t b = 0; b < bricks; ++b) {
     std::uint64_t voxels = 0;
@@ -80,22 +81,32 @@ std::uint64_t FirstHitScene::tree_bytes() const {
   return (nodes.size() + shells[0].size() + shells[1].size()) * sizeof(FirstHitNode);
 }
 
-std::uint64_t FirstHitScene::bytes() const { return tree_bytes() + attributes.size() * sizeof(VoxelAttributes); }
+std::uint64_t FirstHitScene::bytes() const {
+  return tree_bytes() + attributes.size() * sizeof(VoxelAttributes) + classes.size() * sizeof(VoxelClass);
+}
+
+void FirstHitBuilder::add_attributes(const VoxelAttributes& attributes, VoxelClass voxel_class, std::size_t count) {
+  attributes_.insert(attributes_.end(), count, attributes);
+  if (has_classes_) classes_.insert(classes_.end(), count, voxel_class);
+}
 
 void FirstHitBuilder::add_brick(const Position& at, const BrickLevel& level, std::size_t brick) {
   FirstHitNode octants[8];
   std::vector<VoxelAttributes> attributes[8];
+  std::vector<VoxelClass> classes[8];
   for_each_voxel(
       level, brick, {0, 0, 0},
       [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal,
-          const std::uint8_t* directional_coverage) {
+          const std::uint8_t* directional_coverage, VoxelClass voxel_class) {
         const std::size_t o = (x >> 2) | (y >> 2) << 1 | (z >> 2) << 2;
         octants[o].mask |= std::uint64_t(1) << ((x & 3) | (y & 3) << 2 | (z & 3) << 4);
         attributes[o].push_back(look_of(rgba, normal, directional_coverage));  // in the order of the node's children
+        if (has_classes_) classes[o].push_back(voxel_class);
       });
   for (std::size_t o = 0; o < 8; ++o) {
     if (attributes[o].empty()) continue;
     attributes_.insert(attributes_.end(), attributes[o].begin(), attributes[o].end());
+    classes_.insert(classes_.end(), classes[o].begin(), classes[o].end());
     octants[o].end = std::uint32_t(attributes_.size());
     leaves_.push_back(
         {{std::int32_t(at[0] / 4) + std::int32_t(o & 1), std::int32_t(at[1] / 4) + std::int32_t(o >> 1 & 1),
@@ -129,7 +140,7 @@ void FirstHitBuilder::add_half_bricks(const Position& at, const LeafOctant& octa
                 z = 2 * (node >> 2) + (child >> 4) / 2, of_leaf = x + 4 * y + 16 * z;
       if ((octant.mask >> of_leaf & 1) == 0) continue;
       leaf.node.mask |= std::uint64_t(1) << child;
-      attributes_.push_back(octant.attributes[std::size_t(of_leaf)]);
+      add_attributes(octant.attributes[std::size_t(of_leaf)], octant.classes[std::size_t(of_leaf)]);
     }
     if (leaf.node.mask == 0) continue;
     leaf.node.end = std::uint32_t(attributes_.size());
@@ -144,7 +155,7 @@ void FirstHitBuilder::add_cubes(const Position& at, const LeafOctant& octant, in
     const int voxel = std::countr_zero(rest);
     const Position corner = at + Position{voxel & 3, voxel >> 2 & 3, voxel >> 4} * edge;
     constants_.push_back({corner, edge, std::uint32_t(attributes_.size())});
-    attributes_.insert(attributes_.end(), 64, octant.attributes[std::size_t(voxel)]);
+    add_attributes(octant.attributes[std::size_t(voxel)], octant.classes[std::size_t(voxel)], 64);
   }
 }
 
@@ -152,6 +163,7 @@ void FirstHitBuilder::add_cubes(const Position& at, const LeafOctant& octant, in
 void FirstHitBuilder::add_crossed(const Position& at, const LeafOctant& octant, int coarser) {
   const int edge = 1 << coarser;  // voxels along an edge of a leaf, and nodes along an edge of the octant
   std::vector<std::array<VoxelAttributes, 64>> attributes(std::size_t(edge * edge * edge));
+  std::vector<std::array<VoxelClass, 64>> classes(attributes.size());
   std::vector<std::uint64_t> mask(attributes.size());
   for (std::uint64_t rest = octant.mask; rest != 0; rest &= rest - 1) {
     const int leaf = std::countr_zero(rest);
@@ -162,6 +174,7 @@ void FirstHitBuilder::add_crossed(const Position& at, const LeafOctant& octant, 
       const auto child = std::size_t((p[0] & 3) | (p[1] & 3) << 2 | (p[2] & 3) << 4);
       mask[node] |= std::uint64_t(1) << child;
       attributes[node][child] = voxel;
+      classes[node][child] = octant.classes[std::size_t(leaf)];
     };
     if (is_cut(LeafShape::plane, coarser, voxel.plane)) {
       voxel.coarser = 0;
@@ -176,8 +189,10 @@ void FirstHitBuilder::add_crossed(const Position& at, const LeafOctant& octant, 
   }
   for (std::size_t node = 0; node < mask.size(); ++node) {
     if (mask[node] == 0) continue;
-    for (std::uint64_t rest = mask[node]; rest != 0; rest &= rest - 1)
-      attributes_.push_back(attributes[node][std::size_t(std::countr_zero(rest))]);
+    for (std::uint64_t rest = mask[node]; rest != 0; rest &= rest - 1) {
+      const auto child = std::size_t(std::countr_zero(rest));
+      add_attributes(attributes[node][child], classes[node][child]);
+    }
     const auto x = std::int32_t(node) % edge, y = std::int32_t(node) / edge % edge,
                z = std::int32_t(node) / edge / edge;
     leaves_.push_back({{std::int32_t(at[0] / 4) + x, std::int32_t(at[1] / 4) + y, std::int32_t(at[2] / 4) + z},
@@ -193,11 +208,12 @@ void FirstHitBuilder::add_leaves(const Vec3i64& lattice_min, const NodeTable& no
     LeafOctant octant;
     const int coarser = leaf.lod - lod_;
     for_each_leaf(leaf, [&](const Vec3<int>& at, const std::uint8_t* rgba, const std::int8_t* normal,
-                            const std::uint8_t* directional_coverage) {
+                            const std::uint8_t* directional_coverage, VoxelClass voxel_class) {
       const int voxel = at[0] + 4 * at[1] + 16 * at[2];
       octant.mask |= std::uint64_t(1) << voxel;
       octant.attributes[std::size_t(voxel)] = look_of(rgba, normal, directional_coverage);
       octant.attributes[std::size_t(voxel)].coarser = std::uint8_t(coarser);
+      octant.classes[std::size_t(voxel)] = voxel_class;
     });
     if (attributes_.size() + brick_voxels * brick_edge > max_looks)
       throw std::length_error("2^32 voxels or more; use a coarser lod");
@@ -213,7 +229,7 @@ void FirstHitBuilder::add_leaves(const Vec3i64& lattice_min, const NodeTable& no
 
 void FirstHitBuilder::add_cell(const Vec3i64& lattice_min, const NodeTable& nodes, const BrickLevel& level) {
   check_columns(nodes, level);
-  if (empty_) first_corner_ = lattice_min;
+  if (empty_) first_corner_ = lattice_min, has_classes_ = !nodes.voxel_class.empty();
   empty_ = false;
   const Position cell = corner_of(lattice_min);
   for (std::size_t n = 0; n < nodes.key.size(); ++n) {
@@ -232,7 +248,7 @@ void FirstHitBuilder::add_cell(const Vec3i64& lattice_min, const NodeTable& node
     constants_.push_back({at, edge, std::uint32_t(attributes_.size())});
     DirectionalCoverage finest;
     const std::uint8_t* directional_coverage = directional_coverage_of_constant(nodes, n, lod_ == 0, finest);
-    attributes_.insert(attributes_.end(), 64, look_of(rgba, nodes.normal[n].data(), directional_coverage));
+    add_attributes(look_of(rgba, nodes.normal[n].data(), directional_coverage), class_of_constant(nodes, n), 64);
     voxels_ += std::uint64_t(edge * edge * edge);
   }
 }
@@ -294,6 +310,7 @@ FirstHitScene FirstHitBuilder::place_tree(const Cube& cube) {
   scene.voxels = voxels_;
   scene.nodes = build_nodes(cube);
   scene.attributes = std::move(attributes_);
+  scene.classes = std::move(classes_);
   const std::int64_t voxel = std::int64_t(1) << lod_;
   double centre[3], half[3];
   for (std::size_t a = 0; a < 3; ++a) {

@@ -23,6 +23,7 @@ struct FirstHitScene {
   std::vector<kernels::FirstHitNode> nodes;
   std::array<std::vector<kernels::FirstHitNode>, 2> shells;  ///< empty if a constant node is wider than 64 voxels
   std::vector<kernels::VoxelAttributes> attributes;          ///< one per voxel, and 64 per constant node
+  std::vector<VoxelClass> classes;                           ///< one per entry of `attributes`; empty without classes
   kernels::FirstHitView view;                                ///< borrows the arrays above
   Vec3i64 lattice_min{};                                     ///< lod-0 voxel at the tree's lowest corner
   int lod = 0;                                               ///< level of the tree's voxels
@@ -63,6 +64,7 @@ class FirstHitBuilder {
   struct LeafOctant {
     std::uint64_t mask = 0;
     std::array<kernels::VoxelAttributes, 64> attributes;
+    std::array<VoxelClass, 64> classes{};
   };
 
   struct Leaf {
@@ -89,6 +91,8 @@ class FirstHitBuilder {
   static Cube cube_of_window(std::int64_t edge);
   std::vector<kernels::FirstHitNode> build_nodes(const Cube& cube);
   FirstHitScene place_tree(const Cube& cube);
+  /// Appends the attributes and class of `count` voxels.
+  void add_attributes(const kernels::VoxelAttributes& attributes, VoxelClass voxel_class, std::size_t count = 1);
   static void add_shells(const Cube& cube, FirstHitScene& scene);
 
   int lod_;
@@ -97,6 +101,8 @@ class FirstHitBuilder {
   std::vector<Leaf> leaves_;
   std::vector<Constant> constants_;
   std::vector<kernels::VoxelAttributes> attributes_;
+  bool has_classes_ = false;  ///< of the cells so far
+  std::vector<VoxelClass> classes_;
   std::uint64_t voxels_ = 0;
 };
 

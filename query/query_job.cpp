@@ -27,7 +27,7 @@ class Run {
         surface_(parameters_from_json(query.scene().header().parameters).surface),
         frames_(query.scene().header(), query.window(), job.frame, job.crs),
         text_(job.format, job.kind, frames_, query.scene().header().voxel_size_m,
-              {inputs.have_ids(), inputs.have_stations()}, inputs.count()) {
+              {inputs.have_ids(), inputs.have_stations(), query.scene().header().has_classes}, inputs.count()) {
     if (!(job.max_distance_m > 0)) throw UsageError("max_distance", "expected metres above 0");
     if (!(job.ignore_ends_m >= 0 && std::isfinite(job.ignore_ends_m)))
       throw UsageError("ignore_ends", "expected metres, 0 or more");

@@ -179,12 +179,12 @@ std::unique_ptr<QuerySource> npy_queries(QueryFile file, QueryKind kind, QueryFr
   return std::make_unique<NpyQueries>(std::move(file), kind, frame, pool);
 }
 
-std::string npy_header(QueryKind kind, QueryFrame frame, std::uint64_t count) {
+std::string npy_header(QueryKind kind, QueryFrame frame, std::uint64_t count, bool has_classes) {
   constexpr std::size_t alignment = 64, before_text = 10;
   const char* height = frame == QueryFrame::crs ? "height" : "height_m";  // heights of a system may be in feet
   std::string text = std::string("{'descr': [('") + (kind == QueryKind::height ? height : "distance_m") +
-                     "', '<f8'), ('normal', '<f4', (3,)), ('rgba', '|u1', (4,)), ('outcome', '|u1'), ('lod', '|i1')], "
-                     "'fortran_order': False, 'shape': (" +
+                     "', '<f8'), ('normal', '<f4', (3,)), ('rgba', '|u1', (4,)), ('outcome', '|u1'), ('lod', '|i1')" +
+                     (has_classes ? ", ('class', '<u2')" : "") + "], 'fortran_order': False, 'shape': (" +
                      std::to_string(count) + ",), }";
   text.append(alignment - 1 - (before_text + text.size()) % alignment, ' ');
   text += '\n';
@@ -195,7 +195,8 @@ std::string npy_header(QueryKind kind, QueryFrame frame, std::uint64_t count) {
   return header + text;
 }
 
-void add_npy(const QueryAnswer& answer, QueryKind kind, const QueryFrames& frames, std::string& bytes) {
+void add_npy(const QueryAnswer& answer, QueryKind kind, const QueryFrames& frames, bool has_classes,
+             std::string& bytes) {
   const QueryHit& hit = answer.hit;
   const bool is_hit = hit.outcome == QueryOutcome::hit;
   double length = frames.metres(hit.distance);
@@ -209,6 +210,7 @@ void add_npy(const QueryAnswer& answer, QueryKind kind, const QueryFrames& frame
   put(hit.rgba, bytes);
   put(std::uint8_t(hit.outcome), bytes);
   put(std::int8_t(is_hit ? hit.lod : -1), bytes);
+  if (has_classes) put(hit.voxel_class, bytes);
 }
 
 }  // namespace gigabake

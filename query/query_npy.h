@@ -40,9 +40,10 @@ QueryFile open_query_file(const std::filesystem::path& path);
 ///         number that is not finite, a file of the wrong length.
 std::unique_ptr<QuerySource> npy_queries(QueryFile file, QueryKind kind, QueryFrame frame, const ThreadPool& pool);
 
-/// Returns the magic bytes and the header of a .npy file of `count` answers.
-std::string npy_header(QueryKind kind, QueryFrame frame, std::uint64_t count);
+/// Returns the magic bytes and the header of a .npy file of `count` answers. `has_classes` adds a field `class`.
+std::string npy_header(QueryKind kind, QueryFrame frame, std::uint64_t count, bool has_classes);
 /// Appends the record of an answer.
-void add_npy(const QueryAnswer& answer, QueryKind kind, const QueryFrames& frames, std::string& bytes);
+void add_npy(const QueryAnswer& answer, QueryKind kind, const QueryFrames& frames, bool has_classes,
+             std::string& bytes);
 
 }  // namespace gigabake

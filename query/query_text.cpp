@@ -104,10 +104,11 @@ std::string_view QueryText::outcome(QueryOutcome outcome) const {
 std::string QueryText::begin() const {
   if (format_ == QueryFormat::geojson) return "{\"type\":\"FeatureCollection\",\"features\":[";
   if (format_ == QueryFormat::json) return "[";
-  if (format_ == QueryFormat::npy) return npy_header(kind_, frames_.frame(), count_);
+  if (format_ == QueryFormat::npy) return npy_header(kind_, frames_.frame(), count_, columns_.classes);
   return std::string(columns_.ids ? "id," : "") + (columns_.stations ? "station_m," : "") + "outcome,distance_m," +
          (frames_.frame() == QueryFrame::lonlat ? "lon,lat,height" : "x,y,z") +
-         (kind_ == QueryKind::height ? ",height_error_m" : "") + ",nx,ny,nz,red,green,blue,coverage,lod,cell\n";
+         (kind_ == QueryKind::height ? ",height_error_m" : "") + ",nx,ny,nz,red,green,blue,coverage," +
+         (columns_.classes ? "class," : "") + "lod,cell\n";
 }
 
 std::string QueryText::end() const {
@@ -116,7 +117,7 @@ std::string QueryText::end() const {
 }
 
 void QueryText::add(const QueryAnswer& answer, bool first, std::string& text) const {
-  if (format_ == QueryFormat::npy) return add_npy(answer, kind_, frames_, text);
+  if (format_ == QueryFormat::npy) return add_npy(answer, kind_, frames_, columns_.classes, text);
   if (format_ != QueryFormat::csv) text += first ? "\n" : ",\n";
   if (format_ == QueryFormat::csv) add_csv(answer, text);
   if (format_ == QueryFormat::json) add_json(answer, text);
@@ -180,6 +181,10 @@ void QueryText::add_csv(const QueryAnswer& answer, std::string& text) const {
       add_integer(hit.rgba >> 8 * c & 255, text);
     }
     text += ',';
+    if (columns_.classes) {
+      add_integer(hit.voxel_class, text);
+      text += ',';
+    }
     add_integer(hit.lod, text);
     text += ',';
   } else if (kind_ == QueryKind::height) {
@@ -187,9 +192,9 @@ void QueryText::add_csv(const QueryAnswer& answer, std::string& text) const {
     place[2] = 0;
     add_point(place, decimals_, text);
     text.erase(text.rfind(',') + 1);  // no height was found
-    text += ",,,,,,,,,,";
+    text += columns_.classes ? ",,,,,,,,,,," : ",,,,,,,,,,";
   } else {
-    text += ",,,,,,,,,,,";
+    text += columns_.classes ? ",,,,,,,,,,,," : ",,,,,,,,,,,";
   }
   text += answer.shard;
   text += '\n';
@@ -218,6 +223,10 @@ void QueryText::add_outcome(const QueryAnswer& answer, std::string& text) const 
 /// Appends the last members of an answer.
 void QueryText::add_place(const QueryAnswer& answer, std::string& text) const {
   if (answer.hit.outcome == QueryOutcome::hit) {
+    if (columns_.classes) {
+      text += ",\"class\":";
+      add_integer(answer.hit.voxel_class, text);
+    }
     text += ",\"lod\":";
     add_integer(answer.hit.lod, text);
   }

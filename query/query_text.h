@@ -28,9 +28,9 @@ struct QueryAnswer {
 /// Returns the number of decimals, at most nine, that resolve `step`.
 int decimals_for(double step);
 
-/// The columns that some sources of queries add to the answers.
+/// The columns that some sources of queries and some scenes add to the answers.
 struct QueryColumns {
-  bool ids = false, stations = false;
+  bool ids = false, stations = false, classes = false;
 };
 
 /// A formatter of answers. The text of a result consists of begin(), the text of each answer, and end().

@@ -20,7 +20,9 @@ constexpr double rim = 0x1p-19;
 /// attributes (vector growth), and its fraction of the nodes. A brick requires a mask and three copies of up to eight
 /// nodes. A constant node requires 64 attributes and a node. An octant of leaves has some 24 voxels, each a constant
 /// node, or cut by its plane to some 20 voxels.
-constexpr std::uint64_t bytes_per_leaf_octant = 24 * 1200, bytes_per_cut_octant = 24 * 500;
+constexpr std::uint64_t leaves_per_octant = 24, voxels_per_constant = 64, bytes_per_cut_leaf = 500;
+/// Bytes of a class: in the column and, with vector growth, twice in the tree.
+constexpr std::uint64_t bytes_per_class = 6;
 constexpr std::uint64_t bytes_per_voxel = 26, bytes_per_brick = 600, bytes_per_constant = 1200, bytes_of_all = 1u << 16;
 
 }  // namespace
@@ -49,9 +51,14 @@ QueryTreeSource::QueryTreeSource(const PagedScene& scene, const SceneCell& shard
 }
 
 std::uint64_t QueryTreeSource::bytes_to_build() const {
+  const std::uint64_t of_classes =
+      reader_.header().has_classes
+          ? bytes_per_class * (stored_voxels_ + voxels_per_constant * (constants_ + leaf_octants_ * leaves_per_octant))
+          : 0;
   return stored_voxels_ * bytes_per_voxel + bricks_ * bytes_per_brick + constants_ * bytes_per_constant +
-         leaf_octants_ * (leaf_shape_ == LeafShape::plane ? bytes_per_cut_octant : bytes_per_leaf_octant) +
-         bytes_of_all;
+         leaf_octants_ * leaves_per_octant *
+             (leaf_shape_ == LeafShape::plane ? bytes_per_cut_leaf : bytes_per_constant) +
+         of_classes + bytes_of_all;
 }
 
 QueryTree::QueryTree(const QueryTreeSource& source) {
@@ -81,6 +88,7 @@ QueryTree::QueryTree(const QueryTreeSource& source) {
   }
   view_.tree = scene_.view.tree;
   view_.attributes = scene_.view.attributes;
+  view_.classes = {scene_.classes.data(), scene_.classes.size()};
   std::ranges::copy(scene_.lattice_min, view_.tree_min);
   view_.grown = 1 + rim * double(scene_.view.tree.edge) / view_.half_window;
 }

@@ -35,7 +35,8 @@ void print_json(const SceneDifference& d) {
                            {"largest_rgba", l.maximum},
                            {"mean_rgba", l.mean},
                            {"turned", l.turned},
-                           {"refaced", l.refaced}});
+                           {"refaced", l.refaced},
+                           {"reclassified", l.reclassified}});
     j["cells"].push_back(c);
   }
   fmt::print("{}\n", json_text(j));
@@ -54,9 +55,9 @@ void print_text(const SceneDifference& d) {
       fmt::print(
           "  lod {:<2} {} only in A, {} only in B; of {} in both {} differ in colour (r g b alpha by at most "
           "{}, on "
-          "average {:.2f}), {} in their normal, {} in coverage along an axis\n",
+          "average {:.2f}), {} in their normal, {} in coverage along an axis, {} in class\n",
           l.lod, pluralize(l.only_in_a, "voxel"), l.only_in_b, l.both, l.recoloured, fmt::join(l.maximum, " "),
-          fmt::join(l.mean, " "), l.turned, l.refaced);
+          fmt::join(l.mean, " "), l.turned, l.refaced, l.reclassified);
   }
   if (!d.compared.empty() || d.not_compared.empty())
     fmt::print("lods {}: {}\n", fmt::join(d.compared, " "),

@@ -26,6 +26,7 @@
 #include "format/export/openvdb/openvdb_export.h"
 #include "format/export/ply/ply.h"
 #include "format/export/voxel_tiles/voxel_tileset.h"
+#include "format/scene/paged_scene.h"
 #include "format/system/message.h"
 
 namespace gigabake::app {
@@ -77,6 +78,11 @@ const ExportFormat formats[] = {
      }},
 };
 
+bool carries_classes(const ExportFormat& format) {
+  const std::string_view name = format.name;
+  return name == "ply" || name == "las";
+}
+
 std::vector<std::string> format_names() {
   std::vector<std::string> names;
   for (const ExportFormat& f : formats) names.emplace_back(f.name);
@@ -116,6 +122,12 @@ void expect_no_other_options(const CLI::App& command, const ExportFormat& format
       throw UsageError(fmt::format("{}: is an option of --to {}, not of {}", option.name, option.formats, format.name));
 }
 
+/// Prints a line if the scene has classes and the format has no place for them.
+void report_lost_classes(const ExportOptions& o, const ExportFormat& format) {
+  if (o.quiet || carries_classes(format) || !PagedScene(o.scene).header().has_classes) return;
+  print_message("{} has no place for the classes of voxels: they are left out; ply and las have them\n", format.name);
+}
+
 void print_done(const ExportOptions& o, std::uint64_t voxels) {
   if (!o.quiet) fmt::print("{} of lod {} in {}\n", pluralize(voxels, "voxel"), o.lod, o.out);
 }
@@ -141,6 +153,7 @@ int run_on_rank(const ExportOptions& options, const ExportFormat& format, MpiSes
   std::optional<ClippedScene> scene;  // each rank clips for itself, because hosts may share no temporary folder
   check_options_collectively(
       mpi, [&] { scene.emplace(options.scene, options.area, tiles.threads, mpi.rank() == 0 && !options.quiet); });
+  if (mpi.rank() == 0) report_lost_classes(options, format);
   const MpiExportTeam team(mpi);
   try {
     const std::uint64_t voxels = with_progress(
@@ -156,6 +169,7 @@ int run_on_rank(const ExportOptions& options, const ExportFormat& format, MpiSes
 
 int run_map(const ExportOptions& o, const ExportFormat& format, MpiSession& mpi) {
   expect_same_options(mpi, shared_options(o, format));
+  if (mpi.rank() == 0) report_lost_classes(o, format);
   MapExport map;
   map.scene = o.scene;
   map.out = o.out;
@@ -227,6 +241,7 @@ void add_export(CLI::App& app, int& exit_code) {
     const ClippedScene scene(o->scene, has_crs ? area_without_map_crs(o->area) : o->area, 0, !o->quiet);
     ExportOptions of_clipped = *o;
     of_clipped.scene = scene.file().string();
+    report_lost_classes(*o, format);
     const std::uint64_t voxels = with_progress(
         [&](const Progress& progress) { return format.write(of_clipped, progress); }, o->quiet ? nullptr : stderr);
     print_done(*o, voxels);

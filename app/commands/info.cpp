@@ -80,6 +80,7 @@ Json to_json(const Info& info) {
   j["origin"] = scene.origin ? to_json(*scene.origin) : Json();
   j["normals"] = scene.has_normals;
   j["facing"] = scene.has_directional_coverage;
+  if (scene.has_classes) j["classes"] = true;
   j["parameters"] = Json::parse(scene.parameters, nullptr, false);
   j["content_hash"] = totals.all_content().hex();
   j["lods"] = levels_to_json(totals, stored);
@@ -129,6 +130,7 @@ void print_text(const Info& info) {
   if (scene.leaf_lod != 0)
     fmt::print("{} describe lod 0; levels up to {} store a part of them as coarser voxels\n",
                pluralize(described, "voxel"), scene.leaf_lod);
+  if (scene.has_classes) fmt::print("voxels have classes\n");
   fmt::print("content hash {}\n", totals.all_content().hex());
   const std::uint64_t dropped = scene.non_finite + scene.zero_area;
   if (dropped + scene.skipped_points + scene.skipped_lines != 0)

@@ -1,6 +1,7 @@
 #include "app/edit/edit_options.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <iterator>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "app/options/choices.h"
 #include "app/options/text_values.h"
 #include "core/base/error.h"
+#include "core/octree/octree.h"
 #include "format/area/geojson.h"
 #include "format/edit/edit_json.h"
 #include "format/edit/source_edit_json.h"
@@ -106,6 +108,13 @@ SourceEdit source_edit_of_option(SourceEditType type, const char* option, const 
   return source_edits_from_json(option, to_json(SourceEdits{{edit}})).list.front();
 }
 
+VoxelClass class_of_option(const std::string& text) {
+  const double value = number("--class", text);
+  if (!(value >= 0 && value <= max_class) || value != std::floor(value))
+    throw UsageError(fmt::format("--class: expected a whole number from 0 to {}, got '{}'", max_class, text));
+  return VoxelClass(value);
+}
+
 }  // namespace
 
 void EditOptions::add_to(CLI::App& command) {
@@ -122,6 +131,7 @@ void EditOptions::add_to(CLI::App& command) {
   command.add_option("--from", from, "EDITS.json: append its edits (docs/editing.md)");
   command.add_option("--rgb", rgb, "R,G,B: sRGB colour of --fill or --paint, 0 to 255");
   command.add_option("--alpha", alpha, "alpha of --paint, 1 to 255");
+  command.add_option("--class", voxel_class, "class of --fill or --paint, 0 to 65535; --paint then needs no --rgb");
   add_choice(command, "--up", up, "axis of a mesh file that points up (y)");
   command.add_flag(
       "--degrees", degrees,
@@ -173,8 +183,11 @@ std::optional<Edit> EditOptions::voxel_edit() const {
   if (given > 1)
     throw UsageError("--carve, --fill and --paint exclude each other; list several edits in a file for --from");
   if (carve.empty() == false && !rgb.empty()) throw UsageError("--rgb: a carved voxel has no colour");
-  if ((!fill.empty() || !paint.empty()) && rgb.empty()) throw UsageError("--rgb: is missing; expected R,G,B");
+  if ((!fill.empty() || (!paint.empty() && voxel_class.empty())) && rgb.empty())
+    throw UsageError("--rgb: is missing; expected R,G,B");
   if (fill.empty() && paint.empty() && !rgb.empty()) throw UsageError("--rgb: only --fill and --paint have a colour");
+  if (fill.empty() && paint.empty() && !voxel_class.empty())
+    throw UsageError("--class: only --fill and --paint have a class");
   if (carve.empty() && fill.empty() && paint.empty() && degrees)
     throw UsageError("--degrees: only the shapes of --carve, --fill and --paint may be in degrees");
   if (paint.empty() && !alpha.empty()) throw UsageError("--alpha: only --paint changes alpha");
@@ -187,6 +200,8 @@ std::optional<Edit> EditOptions::voxel_edit() const {
     const std::vector<double> colour = numbers("--rgb", "R,G,B", rgb, {3});
     for (std::size_t c = 0; c < 3; ++c) edit.rgb[c] = byte_of("--rgb", colour[c], 0);
   }
+  edit.has_rgb = !rgb.empty();
+  if (!voxel_class.empty()) edit.voxel_class = class_of_option(voxel_class);
   if (!alpha.empty()) edit.alpha = byte_of("--alpha", number("--alpha", alpha), 1);
   return edits_from_json(option, to_json(EditList{edit})).front();
 }

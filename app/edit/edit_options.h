@@ -14,7 +14,7 @@ namespace gigabake::app {
 struct EditOptions {
   std::string carve, fill, paint, from;
   std::string inside, outside, flatten, raise, source;
-  std::string rgb, alpha;
+  std::string rgb, alpha, voxel_class;
   bool degrees = false;
   std::optional<UpAxis> up;
 

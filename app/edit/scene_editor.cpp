@@ -20,7 +20,12 @@
 namespace gigabake::app {
 namespace {
 
-constexpr std::array<std::uint8_t, 3> carve_rgb{255, 60, 60};
+constexpr std::array<std::uint8_t, 3> carve_rgb{255, 60, 60}, class_rgb{150, 150, 150};
+
+std::array<std::uint8_t, 3> shown_rgb(const Edit& edit) {
+  if (edit.type == EditType::carve) return carve_rgb;
+  return edit.has_rgb ? edit.rgb : class_rgb;
+}
 
 /// A pipe whose ends are closed with it.
 struct Pipe {
@@ -103,7 +108,7 @@ class CommandEditor : public SceneEditor {
         std::make_shared<const EditsInScene>(list, scene.origin, SnapFrame{scene.voxel_size_m, scene.lattice_origin_m});
     EditPreviews out;
     for (std::uint32_t e = 0; e < placed->size(); ++e)
-      out.push_back({placed->bounds(e), (*list)[e].type == EditType::carve ? carve_rgb : (*list)[e].rgb,
+      out.push_back({placed->bounds(e), shown_rgb((*list)[e]),
                      [placed, e](const Vec3i64& voxel) { return placed->selects(e, voxel); }});
     return out;
   }

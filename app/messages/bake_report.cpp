@@ -142,6 +142,7 @@ void print_report(const BakeSummary& s, const std::filesystem::path& out) {
     fmt::print("{} on the GPUs of {}; ", pluralize(s.cells_on_device, "cell"), pluralize(s.ranks_with_device, "rank"));
   fmt::print("stages read {:.2f} s, kernels {:.2f} s, write {:.2f} s: {} takes longest\n", s.read_s, s.kernel_s,
              s.write_s, slowest_stage(s));
+  if (s.ranks_with_device != 0 && s.scene.has_classes) fmt::print("cells with classes are baked on the CPU\n");
   print_slowest(s.status.slowest);
   fmt::print("peak memory {} (kernels {})\n", readable_bytes(s.peak_process_bytes),
              readable_bytes(s.peak_kernel_bytes));

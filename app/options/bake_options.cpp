@@ -29,23 +29,24 @@ std::string with_commas(std::string names) {
 void choose_channels(std::string names, BakeParameters& parameters) {
   const std::string given = names;
   std::replace(names.begin(), names.end(), ',', ' ');
-  if (given.find(' ') != std::string::npos ||
-      !parse_channels(names, parameters.normals, parameters.directional_coverage))
+  const auto channels = given.find(' ') == std::string::npos ? parse_channels(names) : std::nullopt;
+  if (!channels || channels->classes)
     throw UsageError("--channels: expected rgba, optionally followed by ,normal and ,facing, got '" + given + "'");
+  parameters.normals = channels->normals, parameters.directional_coverage = channels->directional_coverage;
 }
 
 std::vector<std::string> all_channels() {
   std::vector<std::string> all;
   for (const bool has_directional_coverage : {false, true})
     for (const bool has_normals : {false, true})
-      all.push_back(with_commas(channel_names(has_normals, has_directional_coverage)));
+      all.push_back(with_commas(channel_names({has_normals, has_directional_coverage})));
   return all;
 }
 
 }  // namespace
 
 BakeOptions::BakeOptions()
-    : channels(with_commas(channel_names(asked.parameters.normals, asked.parameters.directional_coverage))) {}
+    : channels(with_commas(channel_names({asked.parameters.normals, asked.parameters.directional_coverage}))) {}
 
 void BakeOptions::add_to(CLI::App& command) {
   BakeParameters& p = asked.parameters;

@@ -9,6 +9,7 @@
 #include "cluster/mpi/collective.h"
 #include "core/base/error.h"
 #include "format/job/source_bytes.h"
+#include "format/source/classes/source_classes.h"
 #include "format/source/source_levels.h"
 
 namespace gigabake {
@@ -81,6 +82,7 @@ SharedSources open_shared_sources(MpiSession& mpi, const std::filesystem::path& 
       HeartbeatsWhileOpening signs(mpi, progress);
       sources.scene = open_sources(path, options, Progress(signs));
       set_source_levels(sources.scene, sources.parameters);
+      set_classes(sources.scene, sources.parameters);
       bytes = to_bytes(sources.scene);
     } catch (...) {
       failure = std::current_exception();

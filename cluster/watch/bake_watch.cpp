@@ -27,7 +27,8 @@ bool is_file(const fs::path& path) {
 /// Returns whether cells of both scenes can be shown together.
 bool are_compatible(const SceneHeader& a, const SceneHeader& b) {
   return a.voxel_size_m == b.voxel_size_m && a.lattice_origin_m == b.lattice_origin_m && a.origin == b.origin &&
-         a.has_normals == b.has_normals && a.has_directional_coverage == b.has_directional_coverage;
+         a.has_normals == b.has_normals && a.has_directional_coverage == b.has_directional_coverage &&
+         a.has_classes == b.has_classes;
 }
 
 /// Returns the previous scene; nullopt if it does not exist or cannot be shown together with the planned scene.

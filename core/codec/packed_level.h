@@ -19,8 +19,8 @@ struct RowShape {
 };
 
 /// The columns of a level in file order (docs/format.md).
-enum class LevelColumn : std::uint8_t { first, children, rgb, alpha, normal, facing, plane };
-inline constexpr std::size_t level_column_count = 7;
+enum class LevelColumn : std::uint8_t { first, children, rgb, alpha, normal, facing, plane, voxel_class };
+inline constexpr std::size_t level_column_count = 8;
 
 /// Deflate finds no useful short matches among differences, because literals of small numbers take few bits
 /// (docs/experiments/bytes.md).
@@ -40,6 +40,8 @@ constexpr RowShape row_of(LevelColumn column) {
       return {2, 1, min_match_of_differences};
     case LevelColumn::facing:
       return {3, 1, min_match_of_differences};
+    case LevelColumn::voxel_class:
+      return {2, 2};
     default:
       return {1, 1};
   }

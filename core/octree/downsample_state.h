@@ -36,6 +36,7 @@ struct DownsampleState {
   /// Surface moments, 8 bytes per voxel of the coarsest level (kernels/body/mip/patch.h). Empty without
   /// MipFilter::coverage, without normals, and at lod 0 without planes.
   std::vector<std::uint8_t> patch;
+  std::vector<VoxelClass> voxel_class = {};  ///< 1 per voxel; empty if the channel is off
 
   std::size_t voxels() const { return rgba.size() / 4; }
   bool empty() const { return rgba.empty(); }

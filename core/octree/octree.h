@@ -29,6 +29,11 @@ constexpr bool is_plane(std::uint8_t byte) { return byte == 0 || (byte < 64 && (
 /// at least 32 voxels have it, and its octants are aligned in all of them.
 inline constexpr int max_ended_lod = 2;
 
+/// The class of a voxel: a number that a scene .json gives to sources, materials or ids in the data.
+using VoxelClass = std::uint16_t;
+inline constexpr VoxelClass no_class = 0;  ///< of content without a class
+inline constexpr std::uint32_t max_class = 65535;
+
 enum class NodeKind : std::uint8_t {
   brick = 0,          ///< value: the index of the brick in its level
   constant = 1,       ///< all 512 voxels exist and are equal; children may differ. value: rgba
@@ -55,6 +60,7 @@ struct NodeTable {
   /// Bit c: octant c of the node is a leaf. Its voxels exist and describe all finer levels; child c is not stored.
   /// Empty if no node has leaves, as in all scenes whose sources have one voxel size.
   std::vector<std::uint8_t> leaf_mask = {};
+  std::vector<VoxelClass> voxel_class = {};  ///< constant nodes; others: no_class. Empty if the channel is off
 };
 
 /// The bricks of one level in Morton order. Voxel (x,y,z) of a brick is bit x+8y of word z. The voxels of a brick are
@@ -66,6 +72,7 @@ struct BrickLevel {
   std::vector<std::int8_t> normal;   ///< 2 per voxel: octahedral; empty if the channel is off
   /// directional_coverage_bytes per voxel. Empty if the channel is off, and at lod 0 without planes.
   std::vector<std::uint8_t> directional_coverage;
+  std::vector<VoxelClass> voxel_class = {};  ///< 1 per voxel; empty if the channel is off
 };
 
 }  // namespace gigabake

@@ -57,6 +57,7 @@ std::string to_json(const BakeParameters& p) {
   if (!p.directional_coverage) j["facing"] = false;
   if (p.depth_error != 0) j["depth_error"] = p.depth_error;
   if (p.coarsest_lod != 0) j["coarsest_lod"] = p.coarsest_lod;
+  if (p.classes) j["classes"] = true;
   return j.dump();
 }
 
@@ -78,6 +79,7 @@ BakeParameters parameters_from_json(const std::string& json) {
     if (j.contains("facing")) j.at("facing").get_to(p.directional_coverage);
     if (j.contains("depth_error")) j.at("depth_error").get_to(p.depth_error);
     if (j.contains("coarsest_lod")) j.at("coarsest_lod").get_to(p.coarsest_lod);
+    if (j.contains("classes")) j.at("classes").get_to(p.classes);
   } catch (const nlohmann::json::exception&) {
     throw InputError("parameters", "", "expected a JSON object with the parameters of a bake, as gigabake writes it");
   }
@@ -99,6 +101,8 @@ void check(const BakeParameters& p) {
                                                  p.cell_voxels, p.coarsest_lod));
   if (p.coarsest_lod != 0 && p.mip == MipFilter::thesis)
     throw UsageError("mip", "thesis filters two levels at once, so that all sources need one voxel size; use coverage");
+  if (p.classes && p.mip == MipFilter::thesis)
+    throw UsageError("mip", "thesis filters two levels at once and no classes; use coverage or box");
   for (const double x : p.lattice_origin_m)
     if (!std::isfinite(x)) throw UsageError("lattice_origin_m", "expected three finite numbers in metres");
 }

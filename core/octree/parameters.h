@@ -27,6 +27,8 @@ struct BakeParameters {
   std::uint32_t depth_error = 0;
   /// Coarsest level with leaves; follows from the sources (format/source/source_levels.h) and `depth_error`.
   std::uint32_t coarsest_lod = 0;
+  /// Voxels have classes; follows from the sources and edits (format/source/classes/source_classes.h).
+  bool classes = false;
 };
 
 /// Returns true if the shards of a bake with these parameters have the channel `directional_coverage`.

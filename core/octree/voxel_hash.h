@@ -2,8 +2,9 @@
 /// format/shard/levels/content_hash.h defines.
 ///
 /// Exact   XXH3-128 (seed 0) of the 34-byte record: lod (int32), lowest corner in lod-0 voxels of the lattice (3 ×
-///         int64), rgba, normal, little endian. On levels with `directional_coverage`, the four bytes of
-///         `directional_coverage` and two zeros follow. Unsigned arithmetic: host and device return the same bits.
+///         int64), rgba, normal, little endian. On levels with `directional_coverage` or classes, the four bytes of
+///         `directional_coverage` and the class (uint16) follow, each 0 if the level lacks it. Unsigned arithmetic:
+///         host and device return the same bits.
 /// Source  github.com/Cyan4973/xxHash, doc/xxhash_spec.md, XXH3 for inputs of 17 to 128 bytes.
 #pragma once
 
@@ -68,13 +69,14 @@ GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::
 }
 
 /// Hashes a voxel of a level with `directional_coverage`. The lowest byte of `directional_coverage` is the coverage
-/// along x.
+/// along x. Levels with classes and without `directional_coverage` use 0 for the latter.
 GB_HD Hash128 hash_voxel(std::int32_t lod, std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t rgba,
-                         std::uint16_t normal, std::uint32_t directional_coverage) {
+                         std::uint16_t normal, std::uint32_t directional_coverage, std::uint16_t voxel_class = 0) {
   const auto ux = std::uint64_t(x), uy = std::uint64_t(y), uz = std::uint64_t(z);
   const std::uint64_t w0 = std::uint64_t(std::uint32_t(lod)) | ux << 32, w1 = ux >> 32 | uy << 32,
                       w2 = uy >> 32 | uz << 32, w3 = uz >> 32 | std::uint64_t(rgba) << 32,
-                      w4 = std::uint64_t(normal) | std::uint64_t(directional_coverage) << 16;
+                      w4 = std::uint64_t(normal) | std::uint64_t(directional_coverage) << 16 |
+                           std::uint64_t(voxel_class) << 48;
   return xxh3::hash_record(40, w0, w1, w2, w3, w1, w2, w3, w4);
 }
 

@@ -19,7 +19,7 @@ namespace gigabake {
 enum class EditType : std::uint8_t {
   carve,  ///< removes them
   fill,   ///< makes them opaque, with a colour and a normal, whether they existed or not
-  paint,  ///< replaces the colour of existing voxels, and their alpha if the edit states one
+  paint,  ///< replaces the colour, alpha and class of existing voxels, as far as the edit states them
 };
 template <>
 constexpr auto names_of<EditType>() {
@@ -66,10 +66,12 @@ struct Edit {
   EditType type = EditType::carve;
   EditFrame frame = EditFrame::scene;
   EditShape shape;
-  std::array<std::uint8_t, 3> rgb{};       ///< sRGB; for fill and paint
-  std::optional<std::uint8_t> alpha = {};  ///< 1 … 255; for paint
-  std::filesystem::path file = {};         ///< where the edit is listed, for messages
-  std::string key = {};                    ///< its key in the file, such as "edits[3]"
+  std::array<std::uint8_t, 3> rgb{};              ///< sRGB; for fill and paint
+  std::optional<std::uint8_t> alpha = {};         ///< 1 … 255; for paint
+  bool has_rgb = true;                            ///< false: a paint that changes only the class, and perhaps alpha
+  std::optional<std::uint16_t> voxel_class = {};  ///< for fill and paint
+  std::filesystem::path file = {};                ///< where the edit is listed, for messages
+  std::string key = {};                           ///< its key in the file, such as "edits[3]"
 };
 
 using EditList = std::vector<Edit>;

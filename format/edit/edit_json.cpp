@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "core/base/error.h"
+#include "core/octree/octree.h"
 #include "format/area/fixed_point.h"
 #include "format/edit/rings_json.h"
 #include "format/system/hash_bytes.h"
@@ -137,19 +138,25 @@ std::uint8_t byte_of(const JsonMembers& edit, const char* key, double value) {
 }
 
 void read_colour(const JsonMembers& edit, Edit& out) {
-  const bool has_colour = out.type != EditType::carve;
-  if (edit.has("rgb") != has_colour)
-    edit.fail("rgb",
-              has_colour ? "is missing; expected red, green and blue, 0 to 255" : "a carved voxel has no colour");
+  const bool is_carve = out.type == EditType::carve;
+  if (is_carve && edit.has("rgb")) edit.fail("rgb", "a carved voxel has no colour");
+  if (is_carve && edit.has("class")) edit.fail("class", "a carved voxel has no class");
   if (edit.has("alpha") && out.type != EditType::paint) edit.fail("alpha", "only paint changes alpha");
-  if (!has_colour) return;
-  const auto rgb = *edit.numbers<3>("rgb", 0, max_colour);
-  for (std::size_t c = 0; c < 3; ++c) out.rgb[c] = byte_of(edit, "rgb", rgb[c]);
+  if (is_carve) return;
+  if (const auto voxel_class = edit.number("class", 0, max_class)) {
+    if (*voxel_class != std::floor(*voxel_class)) edit.fail("class", "expected a whole number");
+    out.voxel_class = std::uint16_t(*voxel_class);
+  }
+  const auto rgb = edit.numbers<3>("rgb", 0, max_colour);
+  out.has_rgb = rgb.has_value();
+  if (!rgb && (out.type == EditType::fill || !out.voxel_class))
+    edit.fail("rgb", "is missing; expected red, green and blue, 0 to 255");
+  for (std::size_t c = 0; c < 3 && rgb; ++c) out.rgb[c] = byte_of(edit, "rgb", (*rgb)[c]);
   if (const auto alpha = edit.number("alpha", 1, max_colour)) out.alpha = byte_of(edit, "alpha", *alpha);
 }
 
 Edit edit_of(const JsonMembers& members, const ShapeMeshReader& reader) {
-  members.only({"type", "box", "sphere", "cylinder", "prism", "mesh", "rgb", "alpha"});
+  members.only({"type", "box", "sphere", "cylinder", "prism", "mesh", "rgb", "alpha", "class"});
   Edit edit;
   edit.type = members.get<EditType>("type", "carve, fill or paint");
   edit.shape = shape_of(members, edit.frame, reader);
@@ -182,7 +189,8 @@ Json json_of(const Edit& edit) {
   Json out{{"type", name_of(edit.type)}};
   out[shape_names[edit.shape.index()]] =
       std::visit([&](const auto& s) { return json_of(s, edit.frame == EditFrame::degrees); }, edit.shape);
-  if (edit.type != EditType::carve) out["rgb"] = edit.rgb;
+  if (edit.type != EditType::carve && edit.has_rgb) out["rgb"] = edit.rgb;
+  if (edit.voxel_class) out["class"] = *edit.voxel_class;
   if (edit.alpha) out["alpha"] = *edit.alpha;
   return out;
 }

@@ -11,6 +11,7 @@
 #include "format/area/area.h"
 #include "format/edit/edit_json.h"
 #include "format/edit/source_edit_json.h"
+#include "format/source/classes/source_classes.h"
 #include "format/source/raster/crs_map.h"
 #include "format/source/raster/dem.h"
 #include "format/source/tiles/archive.h"
@@ -32,7 +33,8 @@ enum TileFlag : std::uint8_t {
   has_raster = 4,
   has_edits = 8,
   has_lod = 16,
-  all_flags = 31
+  has_classes = 32,
+  all_flags = 63
 };
 
 /// Archives or rasters that many tiles share. Each part is written once; tiles refer to the part by number.
@@ -203,6 +205,7 @@ class TileWriter {
       archives_.add(tile.archive);
       if (tile.dem) rasters_.add(tile.dem->raster);
       edits_.add(tile.edits);
+      classes_.add(tile.classes);
     }
     w_.put(std::uint64_t(archives_.parts().size()));
     for (const auto& archive : archives_.parts()) w_.put(archive->file().string());
@@ -210,12 +213,16 @@ class TileWriter {
     for (const auto& raster : rasters_.parts()) put_raster(w_, *raster);
     w_.put(std::uint64_t(edits_.parts().size()));
     for (const auto& edits : edits_.parts()) w_.put(to_json(*edits));
+    w_.put(std::uint64_t(classes_.parts().size()));
+    for (const auto& classes : classes_.parts())
+      w_.put(to_json(*classes)), w_.put(classes->file.string()), w_.put(classes->key);
   }
 
   void put(const TileRef& tile) {
     w_.put(std::uint8_t(tile.kind)), w_.put(std::uint8_t(tile.gltf_up));
     w_.put(std::uint8_t((tile.range == ByteRange{} ? 0 : has_range) | (tile.archive ? has_archive : 0) |
-                        (tile.dem ? has_raster : 0) | (tile.edits ? has_edits : 0) | (tile.lod != 0 ? has_lod : 0)));
+                        (tile.dem ? has_raster : 0) | (tile.edits ? has_edits : 0) | (tile.lod != 0 ? has_lod : 0) |
+                        (tile.classes ? has_classes : 0)));
     put_next(w_, path_, tile.path.string());
     put_next(w_, name_, tile.name);
     w_.put(tile.bytes);
@@ -226,6 +233,7 @@ class TileWriter {
     if (tile.dem) put_dem(w_, *tile.dem, rasters_.number(tile.dem->raster));
     if (tile.edits) w_.put(edits_.number(tile.edits));
     if (tile.lod != 0) w_.put(tile.lod);
+    if (tile.classes) w_.put(classes_.number(tile.classes));
     path_ = tile.path.string(), name_ = tile.name, scene_ = tile.scene_from_tile, world_ = tile.world_from_tile;
   }
 
@@ -234,6 +242,7 @@ class TileWriter {
   Shared<Archive> archives_;
   Shared<DemRaster> rasters_;
   Shared<SourceEdits> edits_;
+  Shared<SourceClasses> classes_;
   std::string path_, name_;  ///< path_, name_, scene_ and world_ are of the previous tile
   Affine<Scene, World> scene_;
   Affine<World, World> world_;
@@ -264,6 +273,14 @@ class TileReader {
       edits_.push_back(std::make_shared<const SourceEdits>(
           edits_in_bytes([&] { return source_edits_from_json("the edits of a source", text); })));
     }
+    std::uint64_t classes = 0;
+    for (r_.get(classes); classes > 0; --classes) {
+      r_.get(text);
+      auto read = std::make_shared<SourceClasses>(edits_in_bytes([&] { return source_classes_from_json(text); }));
+      read->file = get_path(r_);
+      r_.get(read->key);
+      classes_.push_back(std::move(read));
+    }
   }
 
   TileRef get() {
@@ -278,10 +295,12 @@ class TileReader {
     get_next_place(r_, world_);
     if (!scene_.is_finite()) refuse("tile.scene_from_tile", "a finite transform");
     if ((flags & has_range) != 0) r_.get(tile.range);
-    if ((flags & has_archive) != 0) tile.archive = get_archive();
+    if ((flags & has_archive) != 0) tile.archive = shared_part(archives_, "tile.archive", "the number of an archive");
     if ((flags & has_raster) != 0) tile.dem = get_dem(r_, rasters_);
-    if ((flags & has_edits) != 0) tile.edits = get_edits();
+    if ((flags & has_edits) != 0) tile.edits = shared_part(edits_, "tile.edits", "the number of a list of edits");
     if ((flags & has_lod) != 0) r_.get(tile.lod);
+    if ((flags & has_classes) != 0)
+      tile.classes = shared_part(classes_, "tile.classes", "the number of the classes of a source");
     if (tile.lod > max_source_lod) refuse("tile.lod", "a level of a cell");
     if ((tile.kind == ContentKind::dem) != (tile.dem != nullptr))
       refuse("tile.raster", "a raster only for an elevation tile");
@@ -290,24 +309,21 @@ class TileReader {
   }
 
  private:
-  std::shared_ptr<const Archive> get_archive() {
+  /// Returns the part with the number that is read.
+  template <class Part>
+  std::shared_ptr<const Part> shared_part(const std::vector<std::shared_ptr<const Part>>& parts, const char* key,
+                                          const char* expected) {
     std::uint32_t number = 0;
     r_.get(number);
-    if (number >= archives_.size()) refuse("tile.archive", "the number of an archive");
-    return archives_[number];
-  }
-
-  std::shared_ptr<const SourceEdits> get_edits() {
-    std::uint32_t number = 0;
-    r_.get(number);
-    if (number >= edits_.size()) refuse("tile.edits", "the number of a list of edits");
-    return edits_[number];
+    if (number >= parts.size()) refuse(key, expected);
+    return parts[number];
   }
 
   ByteReader& r_;
   std::vector<std::shared_ptr<const Archive>> archives_;
   std::vector<std::shared_ptr<const DemRaster>> rasters_;
   std::vector<std::shared_ptr<const SourceEdits>> edits_;
+  std::vector<std::shared_ptr<const SourceClasses>> classes_;
   std::string path_, name_;
   Affine<Scene, World> scene_;
   Affine<World, World> world_;

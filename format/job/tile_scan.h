@@ -15,7 +15,7 @@ namespace gigabake {
 
 /// The version of a scan. Increment it if scan_tile() returns another result for the same files, or if the fields of
 /// TileScan change. Stored scans of earlier bakes are then discarded.
-inline constexpr std::uint32_t scan_version = 7;
+inline constexpr std::uint32_t scan_version = 8;
 
 /// Max side of a triangle's box in voxels. Triangles with a longer side are omitted, because the arithmetic would not
 /// be exact (decision 151).
@@ -53,8 +53,10 @@ struct TileScan {
   /// Max coordinate resolution over the tile's vertices: the distance, in scene metres, between neighbouring positions
   /// that the file can represent.
   double spacing_m = 0;
-  std::vector<SourceWarning> warnings = {};  ///< TileMesh::warnings
-  double reach_m = 0;                        ///< max side of the boxes of triangles counted in too_far
+  std::vector<SourceWarning> warnings = {};    ///< TileMesh::warnings
+  double reach_m = 0;                          ///< max side of the boxes of triangles counted in too_far
+  std::vector<std::uint32_t> classified = {};  ///< TileMesh::classified
+  bool is_refused = false;                     ///< `error` is a UsageError: the scene does not fit the tile
 };
 
 }  // namespace gigabake

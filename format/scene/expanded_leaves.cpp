@@ -15,8 +15,8 @@ constexpr int octant_edge = brick_edge / 2, node_levels = 3;
 
 class LeafExpander {
  public:
-  LeafExpander(int lod, LeafShape shape, bool has_normals, BrickLevel& level)
-      : lod_(lod), shape_(shape), has_normals_(has_normals), level_(level) {
+  LeafExpander(int lod, LeafShape shape, bool has_normals, bool has_classes, BrickLevel& level)
+      : lod_(lod), shape_(shape), has_normals_(has_normals), has_classes_(has_classes), level_(level) {
     if (level_.first.empty()) level_.first.push_back(0);
     level_.directional_coverage = {};
   }
@@ -25,21 +25,21 @@ class LeafExpander {
   void keep_nodes(const NodeTable& from) {
     for (std::size_t n = 0; n < from.key.size(); ++n)
       if (from.lod[n] == lod_ || (from.lod[n] > lod_ && from.kind[n] == NodeKind::leaf_constant))
-        add_node(from.key[n], from.lod[n], from.kind[n], from.value[n], from.normal[n]);
+        add_node(from.key[n], from.lod[n], from.kind[n], from.value[n], from.normal[n], class_of_constant(from, n));
   }
 
   void add_octant(const LeafVoxels& leaves) {
     const int coarser = leaves.lod - lod_;
     if (coarser < node_levels || (coarser == node_levels && shape_ == LeafShape::plane))
       return add_bricks(leaves, coarser);
-    for_each_leaf(leaves,
-                  [&](const Vec3<int>& at, const std::uint8_t* rgba, const std::int8_t* normal, const std::uint8_t*) {
-                    const Vec3i64 voxel = leaves.octant * octant_edge + static_cast<Vec3i64>(at);
-                    add_node(morton(std::uint32_t(voxel[0]), std::uint32_t(voxel[1]), std::uint32_t(voxel[2])),
-                             std::uint8_t(leaves.lod - node_levels), NodeKind::leaf_constant,
-                             std::uint32_t(rgba[0] | rgba[1] << 8 | rgba[2] << 16) | std::uint32_t(rgba[3]) << 24,
-                             {normal[0], normal[1]});
-                  });
+    for_each_leaf(leaves, [&](const Vec3<int>& at, const std::uint8_t* rgba, const std::int8_t* normal,
+                              const std::uint8_t*, VoxelClass voxel_class) {
+      const Vec3i64 voxel = leaves.octant * octant_edge + static_cast<Vec3i64>(at);
+      add_node(morton(std::uint32_t(voxel[0]), std::uint32_t(voxel[1]), std::uint32_t(voxel[2])),
+               std::uint8_t(leaves.lod - node_levels), NodeKind::leaf_constant,
+               std::uint32_t(rgba[0] | rgba[1] << 8 | rgba[2] << 16) | std::uint32_t(rgba[3]) << 24,
+               {normal[0], normal[1]}, voxel_class);
+    });
   }
 
   /// Returns the nodes, sorted by level, from the root down, and then by key.
@@ -54,6 +54,7 @@ class LeafExpander {
       sorted.kind.push_back(nodes_.kind[n]);
       sorted.value.push_back(nodes_.value[n]);
       sorted.normal.push_back(nodes_.normal[n]);
+      if (has_classes_) sorted.voxel_class.push_back(nodes_.voxel_class[n]);
     }
     sorted.child_mask.assign(order.size(), 0);
     sorted.first_child.assign(order.size(), 0xffffffffu);
@@ -65,18 +66,21 @@ class LeafExpander {
     std::array<std::uint64_t, brick_edge> mask{};
     std::array<std::array<std::uint8_t, 4>, brick_voxels> rgba{};
     std::array<std::array<std::int8_t, 2>, brick_voxels> normal{};
+    std::array<VoxelClass, brick_voxels> voxel_class{};
 
-    void set(const Vec3<int>& voxel, const std::uint8_t* colour, const std::int8_t* octahedral) {
+    void set(const Vec3<int>& voxel, const std::uint8_t* colour, const std::int8_t* octahedral, VoxelClass of_voxel) {
       const auto z = std::size_t(voxel[2] & 7);
       const int bit = (voxel[0] & 7) + 8 * (voxel[1] & 7);
       mask[z] |= std::uint64_t(1) << bit;
       std::copy_n(colour, 4, rgba[64 * z + std::size_t(bit)].begin());
       std::copy_n(octahedral, 2, normal[64 * z + std::size_t(bit)].begin());
+      voxel_class[64 * z + std::size_t(bit)] = of_voxel;
     }
   };
 
   void add_node(std::uint64_t key, std::uint8_t lod, NodeKind kind, std::uint32_t value,
-                const std::array<std::int8_t, 2>& normal) {
+                const std::array<std::int8_t, 2>& normal, VoxelClass voxel_class) {
+    nodes_.voxel_class.push_back(voxel_class);
     nodes_.key.push_back(key);
     nodes_.lod.push_back(lod);
     nodes_.kind.push_back(kind);
@@ -89,11 +93,11 @@ class LeafExpander {
     const int along = 1 << (coarser - 1), edge = 1 << coarser;  // bricks of the octant, voxels of a leaf along an edge
     std::vector<OpenBrick> bricks(std::size_t(along * along * along));
     for_each_leaf(leaves, [&](const Vec3<int>& at, const std::uint8_t* rgba, const std::int8_t* normal,
-                              const std::uint8_t* coverage) {
+                              const std::uint8_t* coverage, VoxelClass voxel_class) {
       const auto set = [&](const Vec3<int>& in_leaf) {
         const Vec3<int> voxel = at * edge + in_leaf;
         bricks[morton(std::uint32_t(voxel[0] >> 3), std::uint32_t(voxel[1] >> 3), std::uint32_t(voxel[2] >> 3))].set(
-            voxel, rgba, normal);
+            voxel, rgba, normal, voxel_class);
       };
       const std::uint8_t plane = coverage == nullptr ? std::uint8_t(0) : coverage[directional_coverage_plane];
       if (is_cut(shape_, coarser, plane))
@@ -115,16 +119,18 @@ class LeafExpander {
         level_.rgba.insert(level_.rgba.end(), brick.rgba[voxel].begin(), brick.rgba[voxel].end());
         if (has_normals_)
           level_.normal.insert(level_.normal.end(), brick.normal[voxel].begin(), brick.normal[voxel].end());
+        if (has_classes_) level_.voxel_class.push_back(brick.voxel_class[voxel]);
       }
     if (voxels == before) return;
-    add_node(key, std::uint8_t(lod_), NodeKind::brick, std::uint32_t(level_.mask.size() / brick_edge), {0, 0});
+    add_node(key, std::uint8_t(lod_), NodeKind::brick, std::uint32_t(level_.mask.size() / brick_edge), {0, 0},
+             no_class);
     level_.mask.insert(level_.mask.end(), brick.mask.begin(), brick.mask.end());
     level_.first.push_back(voxels);
   }
 
   int lod_;
   LeafShape shape_;
-  bool has_normals_;
+  bool has_normals_, has_classes_;
   BrickLevel& level_;
   NodeTable nodes_;
 };
@@ -139,7 +145,7 @@ LeafShape leaf_shape_of(const SceneHeader& scene) {
 void expand_leaves(const std::vector<BrickLevel>& levels, int lod, LeafShape shape, NodeTable& nodes,
                    BrickLevel& level) {
   const bool has_normals = std::ranges::any_of(levels, [](const BrickLevel& l) { return !l.normal.empty(); });
-  LeafExpander expander(lod, shape, has_normals, level);
+  LeafExpander expander(lod, shape, has_normals, !nodes.voxel_class.empty(), level);
   expander.keep_nodes(nodes);
   for_each_leaf_octant(nodes, levels, lod, lod, [&](const LeafVoxels& leaves) { expander.add_octant(leaves); });
   nodes = expander.take_nodes();
@@ -149,14 +155,14 @@ std::uint64_t voxels_of_leaves(const NodeTable& nodes, const std::vector<BrickLe
   std::uint64_t voxels = 0;
   for_each_leaf_octant(nodes, above, lod + 1, lod, [&](const LeafVoxels& leaves) {
     const int coarser = leaves.lod - lod;
-    for_each_leaf(
-        leaves, [&](const Vec3<int>&, const std::uint8_t*, const std::int8_t* normal, const std::uint8_t* coverage) {
-          const std::uint8_t plane = coverage == nullptr ? std::uint8_t(0) : coverage[directional_coverage_plane];
-          if (is_cut(shape, coarser, plane))
-            for_each_crossed(normal, plane, coarser, [&](const Vec3<int>&, std::uint8_t) { ++voxels; });
-          else
-            voxels += std::uint64_t(1) << 3 * coarser;
-        });
+    for_each_leaf(leaves, [&](const Vec3<int>&, const std::uint8_t*, const std::int8_t* normal,
+                              const std::uint8_t* coverage, VoxelClass) {
+      const std::uint8_t plane = coverage == nullptr ? std::uint8_t(0) : coverage[directional_coverage_plane];
+      if (is_cut(shape, coarser, plane))
+        for_each_crossed(normal, plane, coarser, [&](const Vec3<int>&, std::uint8_t) { ++voxels; });
+      else
+        voxels += std::uint64_t(1) << 3 * coarser;
+    });
   });
   return voxels;
 }

@@ -26,12 +26,13 @@ std::span<const std::string_view> known_of_page() {
 int expect_page_of(const std::filesystem::path& path, const SceneAttributes& a, const SceneHeader& header,
                    const PageReference& reference) {
   const int version = a.value<int>("Version");
-  if (version < 3 || version > scene_version_without_leaves)
-    a.fail("Version", fmt::format("expected 3 to {}; a newer gigabake wrote this page", scene_version_without_leaves));
+  if (version < 3 || version > newest_page_version)
+    a.fail("Version", fmt::format("expected 3 to {}; a newer gigabake wrote this page", newest_page_version));
   SceneHeader own;
   read_lattice(a, own);
   if (own.voxel_size_m != header.voxel_size_m || own.lattice_origin_m != header.lattice_origin_m ||
-      own.has_normals != header.has_normals || own.has_directional_coverage != header.has_directional_coverage)
+      own.has_normals != header.has_normals || own.has_directional_coverage != header.has_directional_coverage ||
+      own.has_classes != header.has_classes)
     a.fail("VoxelSize", "a page of another scene: voxel size, lattice or channels differ; bake again");
   if (read_block(a) != reference.block) a.fail("BlockMin", "is of another block than its reference; bake again");
   if (a.value<std::uint64_t>("Groups") != reference.groups) a.fail("Groups", "differs from its reference; bake again");

@@ -18,7 +18,8 @@ std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, 
   expect(header.voxel_size_m == scene.voxel_size_m, "voxel_size_m", "differs from scene.xml");
   expect(header.lattice_origin_m == scene.lattice_origin_m, "lattice_origin_m", "differs from scene.xml");
   expect(header.origin == scene.origin, "origin", "differs from scene.xml");
-  expect(header.has_normals == scene.has_normals && header.has_directional_coverage == scene.has_directional_coverage,
+  expect(header.has_normals == scene.has_normals && header.has_directional_coverage == scene.has_directional_coverage &&
+             header.has_classes == scene.has_classes,
          "channels", "differ from scene.xml");
   expect(header.leaf_lod <= scene.leaf_lod, "leaf_lod", "states leaves on a level where scene.xml has none");
   expect(header.triangles == cell.triangles, "triangles", "differ from scene.xml");

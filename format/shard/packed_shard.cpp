@@ -10,6 +10,7 @@ std::vector<LevelColumn> level_columns(const ShardHeader& header, int lod) {
   if (header.has_normals) columns.push_back(LevelColumn::normal);
   if (header.has_directional_coverage && lattice_lod > 0) columns.push_back(LevelColumn::facing);
   if (has_planes(shard_version, header, lattice_lod)) columns.push_back(LevelColumn::plane);
+  if (header.has_classes) columns.push_back(LevelColumn::voxel_class);
   return columns;
 }
 
@@ -35,6 +36,8 @@ Hdf5Column level_column(int lod, LevelColumn column) {
       return make("normal", Hdf5Type::i8, 2);
     case LevelColumn::facing:
       return make("facing", Hdf5Type::u8, coverage_bytes);
+    case LevelColumn::voxel_class:
+      return {group + "class", Hdf5Type::u16, 1, BytePlanes::of_elements, row_of(column).min_match_bytes};
     default:
       return make("plane", Hdf5Type::u8, 1);
   }

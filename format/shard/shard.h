@@ -27,6 +27,7 @@ struct NodeRow {
   NodeKind kind = NodeKind::brick;
   std::uint8_t child_mask = 0;
   std::uint8_t leaf_mask = 0;  ///< see NodeTable
+  VoxelClass voxel_class = no_class;
 };
 
 /// Consecutive bricks of a level. Same layout as BrickLevel, but `first` counts from the block's first voxel.
@@ -37,6 +38,7 @@ struct BrickBlock {
   std::vector<std::int8_t> normal;   ///< 2 per voxel; empty if the channel is off
   std::vector<std::uint8_t>
       directional_coverage;  ///< directional_coverage_bytes per voxel; empty at lod 0 and if the channel is off
+  std::vector<VoxelClass> voxel_class = {};  ///< 1 per voxel; empty if the channel is off
 };
 
 struct ShardHeader {
@@ -54,6 +56,7 @@ struct ShardHeader {
   std::vector<Hash128> content_hash;  ///< per lod; sum over voxels, see content_hash.h
   bool has_normals = true;
   bool has_directional_coverage = false;
+  bool has_classes = false;
   std::uint64_t triangles = 0;  ///< triangles that touched the cell
   std::uint32_t leaf_lod = 0;   ///< coarsest lattice level with leaves (NodeTable::leaf_mask); 0: there are none
 };

@@ -30,8 +30,12 @@ std::vector<Hash128> hashes(const Hdf5File& file, const char* name) {
 
 void read_channels(const Hdf5File& file, ShardHeader& h) {
   const std::string channels = file.read_text("channels");
-  if (!parse_channels(channels, h.has_normals, h.has_directional_coverage))
-    file.fail("channels", "expected 'rgba', optionally followed by 'normal' and 'facing', got " + in_quotes(channels));
+  const auto parsed = parse_channels(channels);
+  if (!parsed)
+    file.fail("channels",
+              "expected 'rgba', optionally followed by 'normal', 'facing' and 'class', got " + in_quotes(channels));
+  h.has_normals = parsed->normals, h.has_directional_coverage = parsed->directional_coverage;
+  h.has_classes = parsed->classes;
 }
 
 }  // namespace
@@ -65,8 +69,10 @@ ShardHeader read_header(const Hdf5File& file) {
   h.lods = scalar<std::uint32_t>(file, "lods", Hdf5Type::u32);
   if (version >= 4) h.first_lod = scalar<std::uint32_t>(file, "first_lod", Hdf5Type::u32);
   if (version >= 5) h.copied_lods = scalar<std::uint32_t>(file, "copied_lods", Hdf5Type::u32);
-  if (version >= 8) h.leaf_lod = scalar<std::uint32_t>(file, "leaf_lod", Hdf5Type::u32);
-  if (version >= 8 && h.leaf_lod == 0) file.fail("leaf_lod", "expected a level with leaves, got 0");
+  const bool has_leaves =
+      version == first_version_of_leaves || (version >= first_version_of_classes && file.has_attribute("leaf_lod"));
+  if (has_leaves) h.leaf_lod = scalar<std::uint32_t>(file, "leaf_lod", Hdf5Type::u32);
+  if (has_leaves && h.leaf_lod == 0) file.fail("leaf_lod", "expected a level with leaves, got 0");
   if (file.has_attribute("origin")) {
     double origin[3];
     file.read_attribute("origin", Hdf5Type::f64, origin, 3);
@@ -77,6 +83,8 @@ ShardHeader read_header(const Hdf5File& file) {
   h.fingerprint = fingerprint[0];
   h.content_hash = hashes(file, "content_hash");
   read_channels(file, h);
+  if (h.has_classes != (version >= first_version_of_classes))
+    file.fail("channels", h.has_classes ? "have 'class', which this version does not have" : "lack 'class'");
   h.triangles = scalar<std::uint64_t>(file, "triangles", Hdf5Type::u64);
   check_header(file.path(), h);
   return h;

@@ -12,9 +12,13 @@
 namespace gigabake {
 
 inline constexpr char shard_format[] = "gigabake-shard";
-inline constexpr std::int32_t shard_version = 8;
-/// The version that is written for shards without leaves, so that earlier programs read them.
-inline constexpr std::int32_t shard_version_without_leaves = 7;
+inline constexpr std::int32_t shard_version = 9;
+
+/// The first version whose levels store differences. Earlier levels store masks and values.
+inline constexpr std::int32_t first_version_of_differences = 7;
+/// The first versions with leaves and with classes. A shard gets the lowest version that has its content, so that
+/// earlier programs read it.
+inline constexpr std::int32_t first_version_of_leaves = 8, first_version_of_classes = 9;
 inline constexpr std::int32_t oldest_shard_version = 1;
 
 struct NodeColumns {
@@ -29,6 +33,7 @@ struct NodeColumns {
   Hdf5Column first_child{"/nodes/first_child", Hdf5Type::u32, 1, BytePlanes::of_elements};
   Hdf5Column value{"/nodes/value", Hdf5Type::u32, 1, BytePlanes::of_elements};
   Hdf5Column normal{"/nodes/normal", Hdf5Type::i8, 2};
+  Hdf5Column voxel_class{"/nodes/class", Hdf5Type::u16, 1, BytePlanes::of_elements};  ///< only in shards with classes
   Hdf5Column directional_coverage;  ///< versions 1 and 2 have no planes
 
   /// Calls visit(column, pointer to the NodeTable member) for each column, in the order of the file.
@@ -43,6 +48,7 @@ struct NodeColumns {
     visit(normal, &NodeTable::normal);
     if (header.leaf_lod != 0) visit(leaf_mask, &NodeTable::leaf_mask);
     if (header.has_directional_coverage) visit(directional_coverage, &NodeTable::directional_coverage);
+    if (header.has_classes) visit(voxel_class, &NodeTable::voxel_class);
   }
   std::vector<Hdf5Column> all(const ShardHeader& header) const {
     std::vector<Hdf5Column> columns;
@@ -52,9 +58,6 @@ struct NodeColumns {
 };
 
 inline std::string level_group(int lod) { return "/lod_" + std::to_string(lod); }
-
-/// The first version whose levels store differences. Earlier levels store masks and values.
-inline constexpr std::int32_t first_version_of_differences = 7;
 
 /// Returns a column of a level since version 7.
 Hdf5Column level_column(int lod, LevelColumn column);
@@ -78,6 +81,7 @@ struct DownsampleStateColumns {
   Hdf5Column normal{"/above/normal", Hdf5Type::i8, 2};
   Hdf5Column raster;
   Hdf5Column patch{"/above/patch", Hdf5Type::u8, source_patch_bytes};
+  Hdf5Column voxel_class{"/above/class", Hdf5Type::u16, 1, BytePlanes::of_elements};
 };
 
 /// Converts the stored rows of NodeColumns::directional_coverage. Bytes of a DirectionalCoverage that a stored row

@@ -61,13 +61,14 @@ struct ShardPages::Nodes {
     for (const Hdf5Rows* column : {&first_child, &value, &normal})
       if (column->rows() != outline.rows()) file.fail("/nodes", "columns differ in length");
     if (header.has_directional_coverage) directional_coverage.emplace(file, columns.directional_coverage);
-    if (directional_coverage && directional_coverage->rows() != outline.rows())
-      file.fail("/nodes", "columns differ in length");
+    if (header.has_classes) voxel_class.emplace(file, columns.voxel_class);
+    for (const auto* column : {&directional_coverage, &voxel_class})
+      if (*column && (*column)->rows() != outline.rows()) file.fail("/nodes", "columns differ in length");
   }
 
   Hdf5Column directional_coverage_column;
   Hdf5Rows kind, child_mask, first_child, value, normal;
-  std::optional<Hdf5Rows> directional_coverage, leaf_mask;
+  std::optional<Hdf5Rows> directional_coverage, leaf_mask, voxel_class;
   ShardOutline outline;
 };
 
@@ -153,14 +154,16 @@ std::vector<NodeRow> ShardPages::nodes(std::uint64_t first, std::uint32_t count)
                                                                   columns.directional_coverage_column.row_bytes()),
                                          columns.directional_coverage_column)
           : std::vector<DirectionalCoverage>(rows);
+  const auto voxel_class = columns.voxel_class ? read_range<VoxelClass>(*columns.voxel_class, first, rows)
+                                               : std::vector<VoxelClass>(rows, no_class);
   check_planes_of_nodes(file_.path(), first, directional_coverage);
   std::vector<NodeRow> out(rows);
   for (std::size_t i = 0; i < kind.size(); ++i) {
     if (begin + i >= first) {
       const std::size_t to = begin + i - first;
       walk.check_links(kind[i], child_mask[i], first_child[to], value[to]);
-      out[to] = {first_child[to], value[to],   {normal[2 * to], normal[2 * to + 1]}, {}, kind[i],
-                 child_mask[i],   leaf_mask[i]};
+      out[to] = {first_child[to], value[to],      {normal[2 * to], normal[2 * to + 1]}, {}, kind[i], child_mask[i],
+                 leaf_mask[i],    voxel_class[to]};
       std::copy_n(directional_coverage[to].begin(), directional_coverage_bytes, out[to].directional_coverage);
     }
     walk.step(walk.place().lod, kind[i], child_mask[i], leaf_mask[i]);
@@ -209,10 +212,12 @@ BrickBlock ShardPages::cut_out(int lod, std::uint64_t first, std::uint64_t brick
   cut(level.rgba, 4 * before);
   cut(level.normal, 2 * before);
   cut(level.directional_coverage, directional_coverage_bytes * before);
+  cut(level.voxel_class, before);
   block.mask = std::move(level.mask);
   block.rgba = std::move(level.rgba);
   block.normal = std::move(level.normal);
   block.directional_coverage = std::move(level.directional_coverage);
+  block.voxel_class = std::move(level.voxel_class);
   return block;
 }
 

@@ -65,6 +65,7 @@ NodeTable ShardReader::nodes() const {
   if (header_.has_directional_coverage)
     n.directional_coverage =
         directional_coverage_of_rows(read_bytes(*file_, columns.directional_coverage), columns.directional_coverage);
+  if (header_.has_classes) read_rows(*file_, columns.voxel_class, n.voxel_class);
   n.has_finest_planes = has_finest_planes(version_, header_);
   check_nodes(path_, header_, n);
   return n;
@@ -90,6 +91,7 @@ DownsampleState ShardReader::above() const {
   if (header_.has_normals) read_rows(*file_, columns.normal, above.normal);
   if (columns.raster.width != 0 && file_->has_column(columns.raster)) read_rows(*file_, columns.raster, above.raster);
   if (file_->has_column(columns.patch)) read_rows(*file_, columns.patch, above.patch);
+  if (header_.has_classes) read_rows(*file_, columns.voxel_class, above.voxel_class);
   check_above(path_, header_, above);
   if (hash_of(above) != *hash) file_->fail("/above", "does not match above_hash");
   return above;

@@ -24,7 +24,9 @@ namespace {
 void write_header(Hdf5File& file, const ShardHeader& h, const DownsampleState& above) {
   const auto u32 = [&](const char* name, std::uint32_t v) { file.write_attribute(name, Hdf5Type::u32, &v, 0); };
   file.write_attribute("format", shard_format);
-  const std::int32_t version = h.leaf_lod == 0 ? shard_version_without_leaves : shard_version;
+  const std::int32_t version = h.has_classes     ? first_version_of_classes
+                               : h.leaf_lod != 0 ? first_version_of_leaves
+                                                 : first_version_of_differences;
   file.write_attribute("version", Hdf5Type::i32, &version, 0);
   file.write_attribute("generator", h.generator);
   file.write_attribute("cell", h.cell);
@@ -46,7 +48,7 @@ void write_header(Hdf5File& file, const ShardHeader& h, const DownsampleState& a
   for (const Hash128& hash : h.content_hash) hashes += (hashes.empty() ? "" : " ") + hash.hex();
   file.write_attribute("content_hash", hashes);
   if (!above.empty()) file.write_attribute("above_hash", hash_of(above).hex());
-  file.write_attribute("channels", channel_names(h.has_normals, h.has_directional_coverage));
+  file.write_attribute("channels", channel_names({h.has_normals, h.has_directional_coverage, h.has_classes}));
   file.write_attribute("triangles", Hdf5Type::u64, &h.triangles, 0);
 }
 

@@ -11,6 +11,7 @@
 #include "core/base/rules.h"
 #include "core/math/frames.h"
 #include "core/math/octahedral.h"
+#include "core/octree/octree.h"
 
 namespace gigabake {
 
@@ -26,6 +27,9 @@ struct NormalMap {
   float scale = 1;  ///< factor of x and y; finite
 };
 
+/// The value of a class that is not stated.
+inline constexpr std::int32_t not_stated = -1;
+
 struct Material {
   std::array<float, 4> base_color{1, 1, 1, 1};  ///< linear RGB and alpha factor, each clamped to 0…1
   TextureUse texture;
@@ -34,6 +38,7 @@ struct Material {
   float alpha_cutoff = 0.5f;
   bool double_sided = false;
   bool unlit = false;
+  std::int32_t voxel_class = not_stated;  ///< class of its name (source_classes.h)
 };
 
 /// A triangle list. Every index is less than the number of vertices. Strips and fans are expanded.
@@ -46,8 +51,10 @@ struct Primitive {
   std::vector<VertexNormal> normal;  ///< 1 per vertex, or empty; a vertex may have none
   std::vector<float> normal_uv;      ///< coordinates of the normal map: 2 per vertex, or empty
   bool shares_uv = false;            ///< `uv` has the coordinates of the normal map; `normal_uv` is empty
-  std::vector<VertexTangent> tangent;  ///< 1 per vertex, or empty; a vertex may have none
-  int material = 0;                    ///< index into TileMesh::materials (always valid)
+  std::vector<VertexTangent> tangent;         ///< 1 per vertex, or empty; a vertex may have none
+  std::vector<VoxelClass> vertex_class = {};  ///< 1 per vertex, only while a reader splits the primitive by classes
+  int material = 0;                           ///< index into TileMesh::materials (always valid)
+  std::int32_t voxel_class = not_stated;      ///< class of its ids (source_classes.h), before that of its material
 };
 
 /// Max triangles of a part that a PrimitiveSink (source.h) receives. A part has only the vertices that it uses.
@@ -103,6 +110,8 @@ struct TileMesh {
   std::vector<EncodedImage> images;
   TileCounts counts;
   std::vector<SourceWarning> warnings;  ///< without the file's name
+  /// Indices in SourceClasses::of_materials of the names that the file has, ascending.
+  std::vector<std::uint32_t> classified = {};
 };
 
 /// Grey of an object whose material or image is missing: sRGB code 127 as linear value.

@@ -71,6 +71,7 @@ Primitive without_lists(const Primitive& primitive) {
   out.position_step = primitive.position_step;
   out.shares_uv = primitive.shares_uv;
   out.material = primitive.material;
+  out.voxel_class = primitive.voxel_class;
   return out;
 }
 

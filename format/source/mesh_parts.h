@@ -46,8 +46,8 @@ class UsedVertices {
 Primitive with_corners(const Primitive& whole, std::vector<std::uint32_t>&& index,
                        std::vector<std::uint32_t>& vertices);
 
-/// Returns a copy with only `material`, `position_step` and `shares_uv`. TileMesh keeps this copy after the primitive
-/// has been passed to a sink.
+/// Returns a copy with only `material`, `position_step`, `shares_uv` and `voxel_class`. TileMesh keeps this copy after
+/// the primitive has been passed to a sink.
 Primitive without_lists(const Primitive& primitive);
 
 /// Passes the primitives of a complete mesh to the sink, large primitives in parts. The mesh keeps without_lists() of

@@ -2,6 +2,7 @@
 #include <exception>
 
 #include "core/base/error.h"
+#include "format/source/classes/source_classes.h"
 #include "format/source/content/content_container.h"
 #include "format/source/gltf/read.h"
 #include "format/source/mesh/obj_read.h"
@@ -37,6 +38,7 @@ TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadS
   };
   try {
     if (holds_gltf(tile.kind)) return read_gltf(tile, root, scope, sink ? guarded : sink, pool);
+    expect_no_ids(tile);
     if (tile.kind == ContentKind::obj) return read_obj(tile, files_of(tile, root), scope, sink ? guarded : sink);
     if (tile.kind == ContentKind::ply) return read_ply(tile, files_of(tile, root), scope, sink ? guarded : sink);
     if (tile.kind == ContentKind::stl) return read_stl(tile, files_of(tile, root), sink ? guarded : sink);

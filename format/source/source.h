@@ -22,6 +22,7 @@ class Archive;
 struct Area;
 struct DemTile;
 struct Edit;
+struct SourceClasses;
 struct SourceEdits;
 struct NamedSourceEdit;
 
@@ -81,6 +82,7 @@ struct TileRef {
   std::shared_ptr<const DemTile> dem = nullptr;      ///< cells of a raster; null for other formats
   std::shared_ptr<const SourceEdits> edits = nullptr;           ///< edits of the tile's triangles; null: none
   std::shared_ptr<const SourceVoxelSize> voxel_size = nullptr;  ///< null: that of the scene
+  std::shared_ptr<const SourceClasses> classes = nullptr;       ///< null: the source states no classes
   std::uint8_t lod = 0;  ///< level at which its triangles are voxelized; see set_source_levels() (source_levels.h)
 };
 

@@ -6,6 +6,7 @@
 #include <xxhash.h>
 
 #include "core/base/error.h"
+#include "format/source/classes/source_classes.h"
 #include "format/source/content/content_container.h"
 #include "format/source/content/data_uri.h"
 #include "format/source/gltf/version.h"
@@ -136,9 +137,7 @@ TileIdentity identify_plain_mesh(const TileRef& tile, const SourceFiles& files) 
   return out;
 }
 
-}  // namespace
-
-TileIdentity identify_tile(const TileRef& tile, const std::filesystem::path& root) {
+TileIdentity identify_content(const TileRef& tile, const std::filesystem::path& root) {
   TileIdentity out;
   const SourceFiles files = files_of(tile, root);
   if (tile.kind == ContentKind::dem) return identify_dem(tile, files);
@@ -157,6 +156,19 @@ TileIdentity identify_tile(const TileRef& tile, const std::filesystem::path& roo
   digest.add(tile.scene_from_tile.m.data(), sizeof tile.scene_from_tile.m);
   digest.add(&tile.gltf_up, sizeof tile.gltf_up);
   if (container.is_instanced) digest.add(tile.world_from_tile.m.data(), sizeof tile.world_from_tile.m);
+  out.hash = digest.value();
+  return out;
+}
+
+}  // namespace
+
+TileIdentity identify_tile(const TileRef& tile, const std::filesystem::path& root) {
+  TileIdentity out = identify_content(tile, root);
+  if (!tile.classes) return out;
+  const std::string classes = to_json(*tile.classes);
+  Digest digest;
+  digest.add(&out.hash, sizeof out.hash);
+  digest.add(classes.data(), classes.size());
   out.hash = digest.value();
   return out;
 }

@@ -41,6 +41,7 @@ struct PartView {
   /// Level at which its triangles are voxelized, except where finer parts or edits occupy the same brick. Only the CPU
   /// backend accepts other levels than 0.
   int lod = 0;
+  VoxelClass voxel_class = no_class;  ///< class of its triangles, if CellParameters::classes
 };
 
 struct CellInput {
@@ -78,6 +79,8 @@ struct CellParameters {
   bool normals = true;
   bool directional_coverage =
       true;  ///< store the directional coverage of MipFilter::coverage; the filter uses it in either case
+  /// Store a class per voxel (kernels/body/voxel_class.h). Only the CPU backend accepts it.
+  bool classes = false;
   std::uint32_t max_error = 0;  ///< max error of stored values in units of 1/255 (quantize_groups.h); at most 127
   /// Max error of a voxel that ends a branch (kernels/body/mip/branch_error.h); at most 127. Only the CPU backend
   /// accepts other values than 0.

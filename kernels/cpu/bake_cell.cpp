@@ -47,7 +47,7 @@ std::uint64_t pairs_per_batch(const CellParameters& parameters, std::uint64_t tr
 
 std::uint64_t bytes_of(const Level& l) {
   return 8 * (l.key.capacity() + l.mask.capacity() + l.first.capacity()) + l.rgba.capacity() + l.normal.capacity() +
-         l.directional_coverage.capacity();
+         l.directional_coverage.capacity() + sizeof(VoxelClass) * l.voxel_class.capacity();
 }
 
 std::uint64_t bytes_of(const std::vector<Level>& levels) {

@@ -10,7 +10,7 @@ from typing import Any
 
 from .errors import BAKE_AGAIN, NEWER_PROGRAM, GigabakeError
 
-OLDEST_SCENE_VERSION, NEWEST_SCENE_VERSION = 1, 6
+OLDEST_SCENE_VERSION, NEWEST_SCENE_VERSION = 1, 7
 BRICK_EDGE = 8
 MAX_LODS = 62
 MAX_PAGES_KEPT = 64  # of some 512 shards each, about 1 KB per shard

@@ -16,9 +16,10 @@ from .columns import Array, Column
 from .errors import BAKE_AGAIN, NEWER_PROGRAM, GigabakeError, damage_of
 from .scene_xml import BRICK_EDGE, SceneXml, ShardEntry
 
-OLDEST_SHARD_VERSION, NEWEST_SHARD_VERSION = 1, 8
+OLDEST_SHARD_VERSION, NEWEST_SHARD_VERSION = 1, 9
 FIRST_VERSION_OF_DIFFERENCES = 7
 FIRST_VERSION_OF_LEAVES = 8
+FIRST_VERSION_OF_CLASSES = 9
 BRICK, LEAF_CONSTANT = 0, 2
 # Columns of /nodes that do not describe the voxels of constant nodes.
 STRUCTURE = {"key", "lod", "kind", "child_mask", "first_child", "leaf_mask"}
@@ -156,7 +157,11 @@ class Shard:
                  for name in ("key", "lod", "kind", "value", "normal")}
         if len({len(column) for column in nodes.values()}) != 1:
             raise GigabakeError(self.file, "/nodes", "has columns of different lengths", BAKE_AGAIN)
-        leaves = self._leaves(columns, nodes) if self.version >= FIRST_VERSION_OF_LEAVES else None
+        if self.version >= FIRST_VERSION_OF_CLASSES:
+            classes = self._column(columns, "nodes", "class")
+            if len(classes) != len(nodes["lod"]):
+                raise classes.fail("has another length than /nodes/lod")
+        leaves = self._leaves(columns, nodes) if self._has_leaves() else None
         there = (nodes["lod"] == own_lod) | ((nodes["lod"] > own_lod) & (nodes["kind"] == LEAF_CONSTANT))
         rows = numpy.flatnonzero(there)
         down = nodes["lod"][rows].astype(numpy.int64) - own_lod
@@ -177,6 +182,10 @@ class Shard:
             looks["leaf"] = leaves[constant]
         yield from self._constant_parts(own_lod, looks, edge[~is_brick], low[~is_brick], box)
 
+    def _has_leaves(self) -> bool:
+        return self.version == FIRST_VERSION_OF_LEAVES or \
+            (self.version >= FIRST_VERSION_OF_CLASSES and "leaf_lod" in self._hdf5.attrs)
+
     def _leaves(self, columns: dict[str, Column], nodes: dict[str, Array]) -> Array:
         """Returns the octants of each node that are leaves, as bits; none of nodes that allow no leaves."""
         column = self._column(columns, "nodes", "leaf_mask")
@@ -195,7 +204,8 @@ class Shard:
         columns = self._columns(name)
         needed = ["first", "mask"]
         if self.version >= FIRST_VERSION_OF_DIFFERENCES:
-            needed = ["first", "children", "rgb", "alpha", *(["normal"] if "normal" in self._channels() else [])]
+            needed = ["first", "children", "rgb", "alpha",
+                      *(channel for channel in ("normal", "class") if channel in self._channels())]
         for each in needed:
             self._column(columns, name, each)
         return columns

@@ -123,8 +123,8 @@ class Voxels:
         return None if "leaf" not in self.columns else self.columns["leaf"].astype(bool)
 
     @property
-    def classes(self) -> Array | None:
-        """Classes, if the scene has a column `class`."""
+    def classes(self) -> NDArray[numpy.uint16] | None:
+        """Classes; 0 for voxels of content without a class."""
         return self.columns.get("class")
 
     @property

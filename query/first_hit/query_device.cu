@@ -54,12 +54,15 @@ class CudaQuery::Impl {
     DeviceArray<VoxelAttributes> attributes;
     own(resident.tree.nodes, nodes);
     own(resident.attributes, attributes);
+    DeviceArray<std::uint16_t> classes;
+    own(resident.classes, classes);
     const QueryCells::Entry entry{shard, QueryCells::State::resident};
     copy_to_device(trees_.data() + cell, Span<const ShardTree>{&resident, 1}, stream_.handle, copy_call);
     copy_to_device(entries_.data() + cell, Span<const QueryCells::Entry>{&entry, 1}, stream_.handle, copy_call);
     wait();
     nodes_.push_back(std::move(nodes));
     attributes_.push_back(std::move(attributes));
+    classes_.push_back(std::move(classes));
   }
 
   void cast(Span<const QueryRay> rays, Span<QueryTraversal> walks) {
@@ -104,6 +107,7 @@ class CudaQuery::Impl {
   DeviceArray<ShardTree> trees_;
   std::vector<DeviceArray<FirstHitNode>> nodes_;
   std::vector<DeviceArray<VoxelAttributes>> attributes_;
+  std::vector<DeviceArray<std::uint16_t>> classes_;
   DeviceArray<QueryRay> rays_;
   DeviceArray<QueryTraversal> walks_;
 };

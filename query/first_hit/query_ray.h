@@ -42,6 +42,7 @@ struct QueryHit {
   std::int64_t voxel[3] = {};      ///< lowest corner
   std::uint32_t rgba = 0;          ///< sRGB colour and coverage; red in the lowest byte
   std::int8_t normal[2] = {};      ///< octahedral
+  std::uint16_t voxel_class = 0;   ///< 0 also in scenes without classes
   std::uint8_t plane = 0;          ///< of the surface (core/octree/plane.h); 0: none
   std::uint32_t shard = no_shard;  ///< number of the shard that holds the voxel or is missing (SceneQuery::name_of())
 };

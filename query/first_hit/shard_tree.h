@@ -17,9 +17,10 @@ namespace gigabake::kernels {
 struct ShardTree {
   FirstHitTree tree;
   Span<const VoxelAttributes> attributes;
-  VoxelBox window{};              ///< lod-0 voxels of the lattice
-  std::int64_t tree_min[3] = {};  ///< the tree's lowest corner
-  double unit = 1;                ///< edge of a voxel of the shard's own level 0, lod-0 voxels
+  Span<const std::uint16_t> classes;  ///< one per entry of `attributes`; empty without classes
+  VoxelBox window{};                  ///< lod-0 voxels of the lattice
+  std::int64_t tree_min[3] = {};      ///< the tree's lowest corner
+  double unit = 1;                    ///< edge of a voxel of the shard's own level 0, lod-0 voxels
   double half_window = 0;
   double grown = 1;            ///< enlargement factor of the voxels
   std::int32_t lod = 0;        ///< level of the tree's voxels
@@ -74,6 +75,7 @@ GB_HD QueryHit first_hit_in_shard(const ShardTree& shard, const QueryRay& ray, d
   hit.normal[0] = of_voxel.normal[0];
   hit.normal[1] = of_voxel.normal[1];
   hit.plane = of_voxel.plane;
+  if (shard.classes.size != 0) hit.voxel_class = shard.classes[found.attributes_index];
   return hit;
 }
 

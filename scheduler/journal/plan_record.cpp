@@ -14,14 +14,14 @@
 namespace gigabake {
 namespace {
 
-constexpr std::string_view file_header = "gigabake plan 1\n";
+constexpr std::string_view file_header = "gigabake plan 2\n";
 constexpr std::uint64_t max_plan_bytes = std::uint64_t(1) << 40;
 
 /// Calls `f` for each field of the record's header: ByteWriter::put to serialize, ByteReader::get to restore.
 template <class Header, class F>
 void each_field_of_header(Header& h, const F& f) {
   f(h.generator), f(h.voxel_size_m), f(h.lattice_origin_m), f(h.has_normals), f(h.has_directional_coverage),
-      f(h.parameters), f(h.bounds.min), f(h.bounds.end);
+      f(h.has_classes), f(h.parameters), f(h.bounds.min), f(h.bounds.end);
 }
 
 template <class Cell, class F>

@@ -7,6 +7,7 @@
 #include "core/base/thread_pool.h"
 #include "core/io/bytes.h"
 #include "format/job/cell_job.h"
+#include "format/source/classes/source_classes.h"
 #include "format/source/raster/dem.h"
 #include "format/source/tile_hash.h"
 #include "format/system/hash_bytes.h"
@@ -69,6 +70,7 @@ Hash128 key_of(const TileRef& tile, const BakeParameters& p) {
   w.put(p.cell_voxels);
   w.put(p.surface);
   if (tile.lod != 0) w.put(tile.lod);
+  if (tile.classes) w.put(to_json(*tile.classes));
   return hash_of_bytes(w.take());
 }
 

@@ -46,6 +46,7 @@ SceneHeader scene_header(const BakePlan& plan, const std::optional<Geodetic>& or
   scene.origin = origin;
   scene.has_normals = parameters.normals;
   scene.has_directional_coverage = has_directional_coverage(parameters);
+  scene.has_classes = parameters.classes;
   scene.parameters = to_json(parameters);
   scene.leaf_lod = parameters.coarsest_lod;
   scene.bounds = plan.bounds;

@@ -14,6 +14,7 @@ from gltf_more import QUANTIZATION, Quantized, add_second_node
 from odd import Case
 
 EXTENSIONS = "extensions that are not read"
+UNUSED_IDS = "primitives with ids that are not used (class_from_ids of a scene .json)"
 HIDDEN = "KHR_node_visibility"
 INSTANCING = "EXT_mesh_gpu_instancing"
 
@@ -118,6 +119,7 @@ class GltfWriter:
             out["attributes"]["NORMAL"] = self.buffers.plain(numpy.tile([0.0, 0, 1], (len(points), 1)), "VEC3")
         if odd.maybe(0.1):
             out["attributes"]["_BATCHID"] = self.buffers.plain(numpy.zeros((len(points), 1)), "SCALAR")
+            self.warn(UNUSED_IDS)
         self.case.voxels.update(expected)
         return out
 

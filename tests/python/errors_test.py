@@ -100,7 +100,7 @@ class Errors(unittest.TestCase):
     def test_unknown_versions(self):
         folder = self.copy()
         self.edit(folder, 'Version="5"', 'Version="99"')
-        self.expect_error(folder, "scene.xml", "Version", "is 99; this package reads 1 to 6", (0,))
+        self.expect_error(folder, "scene.xml", "Version", "is 99; this package reads 1 to 7", (0,))
         folder = self.copy()
         with h5py.File(folder / "shards/c_0_0_0.h5", "r+") as shard:
             shard.attrs.modify("version", numpy.int32(99))

@@ -73,6 +73,9 @@ class VoxelsOfThePackage(harness.FolderTest):
                 if voxels.normal is not None:
                     numpy.testing.assert_array_equal(voxels.normal, ply["n"])
                 self.assertEqual("normal" in scene.channels, voxels.normal is not None)
+                if voxels.classes is not None:
+                    numpy.testing.assert_array_equal(voxels.classes, ply["class"])
+                self.assertEqual("class" in scene.channels, voxels.classes is not None)
         return scene.level_count
 
     def test_golden_scenes_of_all_versions(self):

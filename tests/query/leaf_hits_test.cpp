@@ -61,10 +61,11 @@ struct LeafCell {
         });
     const std::vector<BrickLevel> from_lod(levels.begin() + lod, levels.end());
     for_each_leaf_octant(nodes, from_lod, lod, lod, [&](const LeafVoxels& octant) {
-      for_each_leaf(octant, [&](const Vec3<int>& at, const std::uint8_t*, const std::int8_t*, const std::uint8_t*) {
-        cubes.push_back(
-            Box3i64::cube((octant.octant * 4 + static_cast<Vec3i64>(at)) << octant.lod, std::int64_t(1) << octant.lod));
-      });
+      for_each_leaf(octant,
+                    [&](const Vec3<int>& at, const std::uint8_t*, const std::int8_t*, const std::uint8_t*, VoxelClass) {
+                      cubes.push_back(Box3i64::cube((octant.octant * 4 + static_cast<Vec3i64>(at)) << octant.lod,
+                                                    std::int64_t(1) << octant.lod));
+                    });
     });
     return cubes;
   }

@@ -29,6 +29,8 @@ PartView view_of(const Part& part) {
   view.rgba = span_of(part.rgba);
   std::copy(part.scene_from_local.begin(), part.scene_from_local.end(), view.scene_from_local);
   view.material = part.material;
+  view.voxel_class = part.voxel_class;
+  view.lod = part.lod;
   return view;
 }
 
@@ -78,6 +80,7 @@ void expand_brick(const Level& level, std::size_t brick, const Voxel& corner, Vo
     if (!level.directional_coverage.empty())
       std::copy_n(&level.directional_coverage[directional_coverage_bytes * at], directional_coverage_bytes,
                   value.directional_coverage.begin());
+    if (!level.voxel_class.empty()) value.voxel_class = level.voxel_class[at];
     out[{corner[0] + bit % 8, corner[1] + bit / 8 % 8, corner[2] + bit / 64}] = value;
     ++at;
   }
@@ -88,6 +91,7 @@ void expand_constant(const NodeTable& nodes, std::size_t node, const Voxel& corn
   BakedVoxel value;
   for (int c = 0; c < 4; ++c) value.rgba[c] = std::uint8_t(nodes.value[node] >> (8 * c));
   if (!nodes.normal.empty()) value.normal = nodes.normal[node];
+  if (!nodes.voxel_class.empty()) value.voxel_class = nodes.voxel_class[node];
   if (lod > 0) value.directional_coverage = nodes.directional_coverage[node];
   if (lod == 0 && nodes.has_finest_planes)
     value.directional_coverage = finest_directional_coverage(nodes.directional_coverage[node].data());
@@ -196,13 +200,13 @@ std::set<Voxel> positions_of(const VoxelMap& voxels) {
 bool same_bits(const CellVolume& a, const CellVolume& b) {
   const auto same_level = [](const Level& x, const Level& y) {
     return x.key == y.key && x.mask == y.mask && x.first == y.first && x.rgba == y.rgba && x.normal == y.normal &&
-           x.directional_coverage == y.directional_coverage;
+           x.directional_coverage == y.directional_coverage && x.voxel_class == y.voxel_class;
   };
   const NodeTable &m = a.nodes, &n = b.nodes;
   return std::equal(a.levels.begin(), a.levels.end(), b.levels.begin(), b.levels.end(), same_level) && m.key == n.key &&
          m.lod == n.lod && m.kind == n.kind && m.child_mask == n.child_mask && m.first_child == n.first_child &&
          m.value == n.value && m.normal == n.normal && m.directional_coverage == n.directional_coverage &&
-         m.has_finest_planes == n.has_finest_planes;
+         m.voxel_class == n.voxel_class && m.has_finest_planes == n.has_finest_planes;
 }
 
 const ThreadPool& policy_of(int threads) {

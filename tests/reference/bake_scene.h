@@ -16,6 +16,7 @@ struct BakedVoxel {
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
   DirectionalCoverage directional_coverage{};  ///< zeros if the level has no such channel
+  VoxelClass voxel_class = no_class;
   friend bool operator==(const BakedVoxel&, const BakedVoxel&) = default;
 };
 using VoxelMap = std::map<Voxel, BakedVoxel>;
@@ -28,6 +29,8 @@ struct Part {
   std::vector<std::uint16_t> rgba;
   std::array<double, 12> scene_from_local{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   std::uint32_t material = 0;
+  VoxelClass voxel_class = no_class;
+  int lod = 0;
 };
 
 class BakeScene {

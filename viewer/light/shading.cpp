@@ -21,7 +21,28 @@ void paint_normal(const std::int8_t* normal, std::uint8_t rgba[4]) {
   for (int c = 0; c < 3; ++c) rgba[c] = std::uint8_t((n[c] + 32767) * 255 / 65534);
 }
 
+/// Colours that differ in hue and lightness, after the usual colours of LAS classes. Class 2 (ground) is brown, 3 to 5
+/// (vegetation) are green, 6 (building) is red, 9 (water) is blue.
+constexpr std::array<std::array<std::uint8_t, 3>, 12> class_colours{{{187, 187, 187},
+                                                                     {170, 120, 70},
+                                                                     {187, 204, 51},
+                                                                     {100, 180, 60},
+                                                                     {20, 110, 50},
+                                                                     {210, 60, 50},
+                                                                     {238, 119, 51},
+                                                                     {170, 51, 119},
+                                                                     {51, 119, 200},
+                                                                     {238, 204, 102},
+                                                                     {90, 90, 140},
+                                                                     {102, 204, 238}}};
+
 }  // namespace
+
+std::array<std::uint8_t, 3> class_colour(VoxelClass voxel_class) {
+  constexpr std::array<std::uint8_t, 3> without_class{96, 96, 96};
+  if (voxel_class == no_class) return without_class;
+  return class_colours[(std::size_t(voxel_class) - 1) % class_colours.size()];
+}
 
 Shading::Shading(const kernels::CastLight& light, const SceneHeader& scene, Surface surface)
     : light_(surface == Surface::colour ? light : kernels::unlit()),
@@ -39,7 +60,7 @@ Shading::Shading(const kernels::CastLight& light, const SceneHeader& scene, Surf
 }
 
 kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal,
-                                       const std::uint8_t* directional_coverage) const {
+                                       const std::uint8_t* directional_coverage, VoxelClass voxel_class) const {
   Vec3<std::uint16_t> coverage;
   // If a voxel's whole surface lies on its plane, the ray caster derives the coverage from the plane. Alpha is
   // then the coverage along all axes; it matters only in a brick that replaces missing finer bricks.
@@ -52,6 +73,7 @@ kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], cons
                                          : std::max<std::uint8_t>(directional_coverage[a], 1)));
   std::uint8_t shown[4] = {rgba[0], rgba[1], rgba[2], rgba[3]};
   if (surface_ == Surface::coverage) std::fill_n(shown, 3, rgba[3]);
+  if (surface_ == Surface::voxel_class) std::ranges::copy(class_colour(voxel_class), shown);
   if (surface_ == Surface::normal && has_normals_) paint_normal(normal, shown);
   kernels::CastVoxel voxel = kernels::shade_voxel(shown, has_normals_ && surface_ == Surface::colour ? normal : nullptr,
                                                   light_, kernels::TableStore::host().view(), coverage);

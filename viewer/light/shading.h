@@ -11,7 +11,10 @@
 namespace gigabake {
 
 /// The property of voxels that an image shows.
-enum class Surface : std::uint8_t { colour, normal, coverage };
+enum class Surface : std::uint8_t { colour, normal, coverage, voxel_class };
+
+/// Returns the colour of a class in images: grey of class 0, else one of twelve colours, by class − 1 modulo 12.
+std::array<std::uint8_t, 3> class_colour(VoxelClass voxel_class);
 
 /// A converter of stored voxels to the values that the ray caster composites.
 /// The coverage of a voxel along each axis is its directional coverage (`directional_coverage`). Voxels have no
@@ -27,7 +30,7 @@ class Shading {
   /// Returns the shaded voxel. `normal` is octahedral, and is ignored if the scene has no normals.
   /// `directional_coverage` is null if the level has no directional coverage.
   kernels::CastVoxel operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal,
-                                const std::uint8_t* directional_coverage) const;
+                                const std::uint8_t* directional_coverage, VoxelClass voxel_class = no_class) const;
 
  private:
   kernels::CastLight light_;

@@ -29,6 +29,9 @@ std::string view_mode_legend(ViewMode mode) {
       return "height above the scene's lowest voxel: blue the lowest, then green, yellow, brown, white the highest";
     case ViewMode::slope:
       return "slope: green level, yellow 27°, red 45°, dark red 63° and steeper; violet overhangs";
+    case ViewMode::voxel_class:
+      return "class: 0 dark grey; 1 light grey, 2 brown, 3 to 5 greens, 6 red, 7 orange, 8 purple, 9 blue, 10 sand, "
+             "11 slate, 12 cyan; from 13 on the same colours again";
   }
   return "";
 }

@@ -108,7 +108,8 @@ class FrameRenderer {
 
   /// Renders a frame in one pass over resident data. `upload_s` is the maximum time for uploads; some data is always
   /// uploaded. If the pools are too small for the view, its next frames are rendered by render_complete().
-  /// Errors  UsageError: the errors of make_camera(); ViewMode::slope for a scene without normals. Damaged shards cause
+  /// Errors  UsageError: the errors of make_camera(); ViewMode::slope for a scene without normals,
+  ///         ViewMode::voxel_class for one without classes. Damaged shards cause
   ///         no exception: see problems().
   Frame draw(const View& view, double upload_s);
 

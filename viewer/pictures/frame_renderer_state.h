@@ -162,6 +162,8 @@ struct FrameRenderer::State {
     if (view.mode == ViewMode::slope && !scene->header().has_normals)
       throw UsageError(
           "mode", "slope needs normals, and this scene was baked without; bake it with channels that hold normals");
+    if (view.mode == ViewMode::voxel_class && !scene->header().has_classes)
+      throw UsageError("mode", "class needs classes, and this scene has none; state them in its scene .json");
     kernels::CastCamera camera = make_camera(view.camera, *scene);
     if (shows_light(view.mode)) camera.tone = screen_tone(options.exposure_stops);
     if (!light_part_of(view)) camera.haze = haze_of(view);

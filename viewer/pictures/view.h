@@ -16,18 +16,19 @@
 namespace gigabake {
 
 enum class ViewMode : std::uint8_t {
-  lit,       ///< sun, sky and air
-  albedo,    ///< the surface's own colour
-  normal,    ///< x, y, z from -1 to 1 as red, green, blue
-  coverage,  ///< coverage of voxels, from black to white
-  lod,       ///< one colour per level
-  cell,      ///< one colour per cell
-  requests,  ///< red where finer data was requested, green elsewhere
-  sun,       ///< direct sunlight only, with shadows
-  sky,       ///< skylight only, occluded by surfaces
-  shadow,    ///< visible fraction of the sun; white: the whole sun is visible
-  height,    ///< colours by height above the scene's lowest voxel
-  slope,     ///< colours by the steepness of the surface
+  lit,          ///< sun, sky and air
+  albedo,       ///< the surface's own colour
+  normal,       ///< x, y, z from -1 to 1 as red, green, blue
+  coverage,     ///< coverage of voxels, from black to white
+  lod,          ///< one colour per level
+  cell,         ///< one colour per cell
+  requests,     ///< red where finer data was requested, green elsewhere
+  sun,          ///< direct sunlight only, with shadows
+  sky,          ///< skylight only, occluded by surfaces
+  shadow,       ///< visible fraction of the sun; white: the whole sun is visible
+  height,       ///< colours by height above the scene's lowest voxel
+  slope,        ///< colours by the steepness of the surface
+  voxel_class,  ///< one colour per class
 };
 
 /// Shadows cast by surfaces in ViewMode::lit.
@@ -40,8 +41,8 @@ constexpr auto names_of<Shadows>() {
 
 template <>
 constexpr auto names_of<ViewMode>() {
-  return std::to_array<std::string_view>(
-      {"lit", "albedo", "normal", "coverage", "lod", "cell", "requests", "sun", "sky", "shadow", "height", "slope"});
+  return std::to_array<std::string_view>({"lit", "albedo", "normal", "coverage", "lod", "cell", "requests", "sun",
+                                          "sky", "shadow", "height", "slope", "class"});
 }
 
 /// Blending of the two adjacent levels (kernels/marching/level_blend.h).

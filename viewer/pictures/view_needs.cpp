@@ -31,6 +31,8 @@ Filling filling_of(const View& view) {
       return {Surface::normal};
     case ViewMode::coverage:
       return {Surface::coverage};
+    case ViewMode::voxel_class:
+      return {Surface::voxel_class};
     case ViewMode::cell:
       return {Surface::colour, SunDirection{}, true};
     case ViewMode::lit:

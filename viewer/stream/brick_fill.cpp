@@ -131,7 +131,7 @@ class BrickFiller {
   std::optional<kernels::CastVoxel> voxel_at(const VoxelPlace& place, int lod, const Vec3i64& v) const {
     if (place.kind == VoxelPlace::Kind::constant)
       return shading_(lod, place.rgba.data(), place.normal.data(),
-                      place.has_directional_coverage ? place.directional_coverage.data() : nullptr);
+                      place.has_directional_coverage ? place.directional_coverage.data() : nullptr, place.voxel_class);
     if (place.kind != VoxelPlace::Kind::brick) return {};
     const auto at = static_cast<Vec3<int>>((v - place.box.min) >> lod);
     const std::uint64_t* mask = &place.block->mask[8 * place.brick];
@@ -149,13 +149,14 @@ class BrickFiller {
         block.directional_coverage.empty()
             ? nullptr
             : &block.directional_coverage[directional_coverage_bytes * std::size_t(rank)];
-    return shading_(lod, &block.rgba[4 * std::size_t(rank)], normal, directional_coverage);
+    return shading_(lod, &block.rgba[4 * std::size_t(rank)], normal, directional_coverage,
+                    block.voxel_class.empty() ? no_class : block.voxel_class[rank]);
   }
 
   void fill_constant(const SlotPart& part, const VoxelPlace& place) {
     const kernels::CastVoxel voxel =
         shading_(lod_, place.rgba.data(), place.normal.data(),
-                 place.has_directional_coverage ? place.directional_coverage.data() : nullptr);
+                 place.has_directional_coverage ? place.directional_coverage.data() : nullptr, place.voxel_class);
     for (int z = part.min[2]; z < part.end[2]; ++z)
       for (int y = part.min[1]; y < part.end[1]; ++y)
         for (int x = part.min[0]; x < part.end[0]; ++x) put(x, y, z, voxel);

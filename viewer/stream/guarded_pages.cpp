@@ -52,6 +52,7 @@ std::string fault_of_bricks(const BrickBlock& block, bool has_normals) {
   if (block.normal.size() != (has_normals ? 2 * voxels : 0)) return "normals do not match the channels of the scene";
   if (!block.directional_coverage.empty() && block.directional_coverage.size() != directional_coverage_bytes * voxels)
     return "facing does not match the voxels";
+  if (!block.voxel_class.empty() && block.voxel_class.size() != voxels) return "classes do not match the voxels";
   for (std::size_t v = 0; v < block.directional_coverage.size(); v += directional_coverage_bytes)
     if (!is_plane(block.directional_coverage[v + directional_coverage_plane])) return "an invalid plane";
   return {};

@@ -11,7 +11,8 @@ namespace gigabake {
 std::uint64_t Page::bytes() const {
   return sizeof(Page) + rows.size() * sizeof(NodeRow) + bricks.mask.size() * sizeof(std::uint64_t) +
          bricks.first.size() * sizeof(std::uint32_t) + bricks.rgba.size() + bricks.normal.size() +
-         bricks.directional_coverage.size() + cells.size() * sizeof(ListedCell) + pages.size() * sizeof(ListedPage) +
+         bricks.directional_coverage.size() + bricks.voxel_class.size() * sizeof(VoxelClass) +
+         cells.size() * sizeof(ListedCell) + pages.size() * sizeof(ListedPage) +
          overviews.size() * sizeof(ListedOverview);
 }
 

@@ -153,6 +153,7 @@ void VoxelLookup::set_content(const ShardExtent& shard, const NodeRow& found, in
     std::copy_n(found.normal, 2, place.normal.begin());
     std::copy_n(found.directional_coverage, directional_coverage_bytes, place.directional_coverage.begin());
     if (lod == 0) place.directional_coverage = finest_directional_coverage(found.directional_coverage);
+    place.voxel_class = found.voxel_class;
     place.has_directional_coverage = place.directional_coverage != DirectionalCoverage{};
     return;
   }

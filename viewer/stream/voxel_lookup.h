@@ -22,6 +22,7 @@ struct VoxelPlace {
   std::array<std::int8_t, 2> normal{};
   DirectionalCoverage directional_coverage{};  ///< rgba, normal and directional_coverage are set for `Kind::constant`
   bool has_directional_coverage = false;
+  VoxelClass voxel_class = no_class;  ///< for `Kind::constant`
 };
 
 inline constexpr std::uint32_t no_shard = 0xffffffffu;

@@ -3,7 +3,8 @@
 /// Exact   An edit selects voxels by their centres (format/edit/edits_in_scene.h). Edits apply in their order. A carved
 ///         voxel is removed. A filled voxel gets the edit's colour, alpha 255, and a normal and a plane by
 ///         fill_surface.h. A painted voxel, if it exists, gets the edit's colour; if the edit states an alpha, also
-///         this alpha, and no plane if it is below 255. Both backends run this code.
+///         this alpha, and no plane if it is below 255. If the edit states a class, painted and filled voxels get it;
+///         otherwise painted voxels keep their class, and filled voxels have none. Both backends run this code.
 #pragma once
 
 #include <cstdint>

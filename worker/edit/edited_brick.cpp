@@ -29,6 +29,7 @@ void EditedBrick::load(const kernels::Level& level, std::size_t index) {
     if (!level.normal.empty()) std::copy_n(&level.normal[2 * from], 2, v.normal.begin());
     if (!level.directional_coverage.empty())
       v.plane = level.directional_coverage[directional_coverage_bytes * from + directional_coverage_plane];
+    if (!level.voxel_class.empty()) v.voxel_class = level.voxel_class[from];
     ++from;
   });
 }
@@ -62,7 +63,8 @@ void EditedBrick::fill(std::uint32_t edit, const BrickMask& selected) {
   const FilledBrick filled(edits_, edit, min_, selected);
   for_each(selected, [&](std::size_t z, std::size_t bit, std::size_t i) {
     const FilledSurface surface = filled.surface({int(bit) % brick_edge, int(bit) / brick_edge, int(z)});
-    voxels_[i] = {{by.rgb[0], by.rgb[1], by.rgb[2], 255}, surface.normal, surface.plane};
+    voxels_[i] = {
+        {by.rgb[0], by.rgb[1], by.rgb[2], 255}, surface.normal, surface.plane, by.voxel_class.value_or(no_class)};
   });
   for (std::size_t w = 0; w < mask_words; ++w) mask_[w] |= selected[w];
 }
@@ -72,8 +74,9 @@ void EditedBrick::paint(const Edit& edit, const BrickMask& selected) {
   for (std::size_t w = 0; w < mask_words; ++w) painted[w] = mask_[w] & selected[w];
   for_each(painted, [&](std::size_t, std::size_t, std::size_t i) {
     Voxel& v = voxels_[i];
-    std::copy_n(edit.rgb.begin(), 3, v.rgba.begin());
+    if (edit.has_rgb) std::copy_n(edit.rgb.begin(), 3, v.rgba.begin());
     if (edit.alpha) v.rgba[3] = *edit.alpha;
+    if (edit.voxel_class) v.voxel_class = *edit.voxel_class;
     if (v.rgba[3] != 255) v.plane = 0;
   });
 }
@@ -88,6 +91,7 @@ void EditedBrick::append_to(kernels::Level& level, std::uint64_t key) const {
     level.rgba.insert(level.rgba.end(), v.rgba.begin(), v.rgba.end());
     if (parameters_.normals) level.normal.insert(level.normal.end(), v.normal.begin(), v.normal.end());
     if (has_planes) level.directional_coverage.insert(level.directional_coverage.end(), {0, 0, 0, v.plane});
+    if (parameters_.classes) level.voxel_class.push_back(v.voxel_class);
     ++voxels;
   });
   level.key.push_back(key);

@@ -29,6 +29,7 @@ class EditedBrick {
     std::array<std::uint8_t, 4> rgba;
     std::array<std::int8_t, 2> normal;
     std::uint8_t plane;
+    VoxelClass voxel_class;
   };
 
   /// Calls visit(word, bit, index) for each voxel of a mask, in the order of a brick's voxels.

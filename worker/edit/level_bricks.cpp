@@ -19,6 +19,7 @@ void copy_voxels(const Level& from, std::uint64_t first, std::uint64_t end, Leve
   copy(from.rgba, first, end, 4, to.rgba);
   copy(from.normal, first, end, 2, to.normal);
   copy(from.directional_coverage, first, end, directional_coverage_bytes, to.directional_coverage);
+  copy(from.voxel_class, first, end, 1, to.voxel_class);
 }
 
 /// Tests whether two arrays have the same values for `voxels` voxels from `a` and `b` on.
@@ -56,7 +57,8 @@ bool are_equal_bricks(const Level& a, std::size_t brick_a, const Level& b, std::
   if (!std::equal(&a.mask[8 * brick_a], &a.mask[8 * brick_a] + 8, &b.mask[8 * brick_b])) return false;
   const std::uint64_t at_a = a.first[brick_a], at_b = b.first[brick_b], voxels = a.first[brick_a + 1] - at_a;
   return are_equal(a.rgba, at_a, b.rgba, at_b, voxels, 4) && are_equal(a.normal, at_a, b.normal, at_b, voxels, 2) &&
-         are_equal(a.directional_coverage, at_a, b.directional_coverage, at_b, voxels, directional_coverage_bytes);
+         are_equal(a.directional_coverage, at_a, b.directional_coverage, at_b, voxels, directional_coverage_bytes) &&
+         are_equal(a.voxel_class, at_a, b.voxel_class, at_b, voxels, 1);
 }
 
 }  // namespace gigabake

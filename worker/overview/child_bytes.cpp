@@ -7,18 +7,18 @@ namespace {
 
 template <class State, class F>
 void each_field_of_state(State& s, const F& f) {
-  f(s.place), f(s.rgba), f(s.normal), f(s.raster), f(s.patch);
+  f(s.place), f(s.rgba), f(s.normal), f(s.raster), f(s.patch), f(s.voxel_class);
 }
 
 template <class Nodes, class F>
 void each_field_of_nodes(Nodes& n, const F& f) {
   f(n.key), f(n.lod), f(n.kind), f(n.child_mask), f(n.first_child), f(n.value), f(n.normal), f(n.directional_coverage),
-      f(n.has_finest_planes);
+      f(n.has_finest_planes), f(n.voxel_class);
 }
 
 template <class Level, class F>
 void each_field_of_level(Level& l, const F& f) {
-  f(l.mask), f(l.first), f(l.rgba), f(l.normal), f(l.directional_coverage);
+  f(l.mask), f(l.first), f(l.rgba), f(l.normal), f(l.directional_coverage), f(l.voxel_class);
 }
 
 template <class Child, class F>

@@ -23,6 +23,7 @@ struct BrickView {
   const std::uint8_t* directional_coverage;
   bool is_constant;                           ///< all voxels have the same value
   bool has_normal, has_directional_coverage;  ///< if false, `normal` or `directional_coverage` points to zeros
+  const VoxelClass* voxel_class = nullptr;    ///< null: the child has no classes
 
   std::size_t at(std::size_t voxel) const { return is_constant ? 0 : voxel; }
 };
@@ -64,6 +65,7 @@ class LevelJoin {
     level.rgba.resize(4 * voxels);
     level.normal.resize(window_.normals ? 2 * voxels : 0);
     level.directional_coverage.resize(window_.directional_coverage ? directional_coverage_bytes * voxels : 0);
+    level.voxel_class.resize(window_.classes ? voxels : 0);
     pool.parallel_for(level.key.size(), bricks_a_task, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t b = begin; b < end; ++b) fill(b, level);
     });
@@ -113,6 +115,7 @@ class LevelJoin {
       view.has_normal = true;
       view.has_directional_coverage = !n.directional_coverage.empty() && lod_ > child.first_lod;
       if (view.has_directional_coverage) view.directional_coverage = n.directional_coverage[node].data();
+      if (!n.voxel_class.empty()) view.voxel_class = &n.voxel_class[node];
       return view;
     }
     const BrickLevel& level = child.coarse.levels[lod_ - child.begin];
@@ -124,6 +127,7 @@ class LevelJoin {
     view.has_directional_coverage = !level.directional_coverage.empty();
     if (view.has_directional_coverage)
       view.directional_coverage = &level.directional_coverage[directional_coverage_bytes * first];
+    if (!level.voxel_class.empty()) view.voxel_class = &level.voxel_class[first];
     return view;
   }
 
@@ -207,6 +211,8 @@ class LevelJoin {
     if (window_.directional_coverage && from.has_directional_coverage)
       std::copy_n(from.directional_coverage + directional_coverage_bytes * voxel, directional_coverage_bytes * count,
                   &level.directional_coverage[directional_coverage_bytes * to]);
+    if (window_.classes && from.voxel_class != nullptr)
+      std::copy_n(from.voxel_class + voxel, count, &level.voxel_class[to]);
   }
 
   const std::span<const ChildLevels* const> children_;

@@ -32,7 +32,7 @@ struct DuplicatedWindow {
   Vec3i64 min{};                     ///< lod-0 voxels
   std::uint32_t edge = 0;            ///< lod-0 voxels
   std::uint32_t begin = 0, end = 0;  ///< levels of the lattice
-  bool normals = true, directional_coverage = true;
+  bool normals = true, directional_coverage = true, classes = false;
 };
 
 /// Joins the children's levels [window.begin, window.end) in the window, and returns these levels.

@@ -22,7 +22,8 @@ std::vector<kernels::Level> copies_of(const CellJob& overview, const OverviewChi
                                 overview.first_lod,
                                 overview.first_lod + overview.copied_lods,
                                 p.normals,
-                                has_directional_coverage(p)};
+                                has_directional_coverage(p),
+                                p.classes};
   return joined_levels(copied, window, pool);
 }
 
@@ -45,10 +46,11 @@ std::uint64_t bytes_of(const OverviewChild& child) {
   };
   const DownsampleState& source = child.source;
   const NodeTable& n = child.copied.coarse.nodes;
-  std::uint64_t bytes = all(source.place, source.rgba, source.normal, source.raster, source.patch, n.key, n.lod, n.kind,
-                            n.child_mask, n.first_child, n.value, n.normal, n.directional_coverage);
+  std::uint64_t bytes =
+      all(source.place, source.rgba, source.normal, source.raster, source.patch, source.voxel_class, n.key, n.lod,
+          n.kind, n.child_mask, n.first_child, n.value, n.normal, n.directional_coverage, n.voxel_class);
   for (const BrickLevel& level : child.copied.coarse.levels)
-    bytes += all(level.mask, level.first, level.rgba, level.normal, level.directional_coverage);
+    bytes += all(level.mask, level.first, level.rgba, level.normal, level.directional_coverage, level.voxel_class);
   return bytes;
 }
 

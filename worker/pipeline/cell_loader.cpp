@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
+#include "format/source/classes/source_classes.h"
 #include "worker/edit/edited_mesh.h"
 #include "worker/pipeline/lattice.h"
 #include "worker/scan/long_triangles.h"
@@ -23,8 +24,15 @@ struct CellMaterial {
   kernels::NormalMapView normal_map;  ///< without texture until a part needs it
 };
 
-kernels::PartView part_view(const Primitive& primitive, const Instance& instance, const CellMaterial& material,
-                            int lod) {
+/// Returns the class of a primitive: that of its ids, else of its material's name, else of the source.
+VoxelClass class_of(const Primitive& primitive, const Material& material, const SourceClasses* classes) {
+  for (const std::int32_t stated : {primitive.voxel_class, material.voxel_class})
+    if (stated != not_stated) return VoxelClass(stated);
+  return classes == nullptr ? no_class : classes->of_source;
+}
+
+kernels::PartView part_view(const Primitive& primitive, const Instance& instance, const CellMaterial& material, int lod,
+                            VoxelClass voxel_class) {
   kernels::PartView part{span(primitive.position),
                          span(primitive.index),
                          span(primitive.uv),
@@ -35,7 +43,8 @@ kernels::PartView part_view(const Primitive& primitive, const Instance& instance
                          material.normal_map,
                          span(primitive.shares_uv ? primitive.uv : primitive.normal_uv),
                          span(primitive.tangent),
-                         lod};
+                         lod,
+                         voxel_class};
   std::ranges::copy(row_major(instance.scene_from_local), part.scene_from_local);
   return part;
 }
@@ -107,7 +116,7 @@ LoadedCell CellLoader::load_whole(const CellJob& job) {
   for (std::size_t i = 0; i < cell.tiles.size(); ++i) {
     const SourceEdits* edits = sources_.tiles.at(job.tiles[i]).edits.get();
     const SourceEditsInScene placed = edits == nullptr ? SourceEditsInScene() : placed_edits(*edits, sources_.origin);
-    add_parts(job, *cell.tiles[i], sources_.tiles.at(job.tiles[i]).lod, placed, cell, wanted);
+    add_parts(job, *cell.tiles[i], sources_.tiles.at(job.tiles[i]), placed, cell, wanted);
   }
   load_textures(wanted, cell);
   return cell;
@@ -123,8 +132,8 @@ void CellLoader::load_tiles(const CellJob& job, LoadedCell& cell) {
   });
 }
 
-void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, int lod, const SourceEditsInScene& edits,
-                           LoadedCell& cell, RequiredTextures& wanted) const {
+void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, const TileRef& source,
+                           const SourceEditsInScene& edits, LoadedCell& cell, RequiredTextures& wanted) const {
   const Box3i64 box = box_before(edits, Box3i64::cube(job.lattice_min, job.cell_voxels));
   const TileMesh& mesh = tile.mesh();
   std::vector<CellMaterial> cell_materials(mesh.materials.size());
@@ -141,15 +150,17 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, int lod, 
     std::shared_ptr<const Primitive> near = mesh_near(box, tile, instance, cell.memory);
     if (near != nullptr) near = edited_mesh(std::move(near), instance.scene_from_local, edits, cell.memory);
     if (near == nullptr) continue;
-    const std::size_t of_tile = std::size_t(mesh.primitives[std::size_t(instance.primitive)].material);
+    const Primitive& shell = mesh.primitives[std::size_t(instance.primitive)];
+    const std::size_t of_tile = std::size_t(shell.material);
     CellMaterial& material = cell_materials[of_tile];
     if (material.index < 0) material = add_material(mesh.materials[of_tile]);
     if (material.normal_image >= 0 && (near->shares_uv || !near->normal_uv.empty()))
       material.normal_map.texture = wanted.index_of(tile, std::size_t(material.normal_image), normal_map_filter);
-    cell.parts.push_back(part_view(*near, instance, material, lod));
+    cell.parts.push_back(part_view(*near, instance, material, source.lod,
+                                   class_of(shell, mesh.materials[of_tile], source.classes.get())));
     if (may_have_long_triangle(reach, parameters_)) {
       cell.memory.add_items(near->index.size(), sizeof(std::uint32_t), "", "corners of triangles");
-      cell.indices.push_back(index_without_long(*near, instance, parameters_, lod));
+      cell.indices.push_back(index_without_long(*near, instance, parameters_, source.lod));
       cell.parts.back().index = span(cell.indices.back());
     }
     cell.meshes.push_back(std::move(near));

@@ -75,9 +75,9 @@ class CellLoader {
   static TileKey key_of(const CellJob& job, std::size_t tile);
   LoadedCell load_whole(const CellJob& job);
   void load_tiles(const CellJob& job, LoadedCell& cell);
-  /// Adds the parts of a tile that is voxelized at level `lod`.
-  void add_parts(const CellJob& job, const LoadedTile& tile, int lod, const SourceEditsInScene& edits, LoadedCell& cell,
-                 RequiredTextures& wanted) const;
+  /// Adds the parts of a tile, with the level and classes of its source.
+  void add_parts(const CellJob& job, const LoadedTile& tile, const TileRef& source, const SourceEditsInScene& edits,
+                 LoadedCell& cell, RequiredTextures& wanted) const;
   std::shared_ptr<const Primitive> mesh_near(const Box3i64& box, const LoadedTile& tile, const Instance& instance,
                                              MemoryClaim& memory) const;
   void load_textures(const RequiredTextures& wanted, LoadedCell& cell);

@@ -15,6 +15,7 @@ kernels::CellParameters cell_parameters(const CellJob& job, const BakeParameters
   c.mip = p.mip;
   c.normals = p.normals;
   c.directional_coverage = has_directional_coverage(p);
+  c.classes = p.classes;
   c.max_error = p.max_error;
   c.depth_error = p.depth_error;
   c.memory_bytes = kernel_bytes;
@@ -29,6 +30,7 @@ kernels::OverviewParameters overview_parameters(const CellJob& job, const BakePa
   out.mip = p.mip;
   out.normals = p.normals;
   out.directional_coverage = has_directional_coverage(p);
+  out.classes = p.classes;
   out.max_error = p.max_error;
   return out;
 }

@@ -167,11 +167,12 @@ kernels::CellParameters CellStages::parameters_of(const InFlightCell& cell, std:
 }
 
 /// Runs one step of a cell on the device. Returns false if there is no device, or if this or an earlier step of the
-/// cell failed, if the border of the area cuts the cell, or if its sources have several levels; the CPU then bakes the
-/// cell.
+/// cell failed, if the border of the area cuts the cell, if it may have leaves, or if voxels have classes; the CPU then
+/// bakes the cell.
 template <class Step>
 bool CellStages::on_device(InFlightCell& cell, const Step& step) {
-  if (!options_.cuda_device || !cell.report.note.empty() || !is_wholly_inside(cell.job) || has_levels(cell.job))
+  if (!options_.cuda_device || !cell.report.note.empty() || !is_wholly_inside(cell.job) || has_levels(cell.job) ||
+      parameters_.classes)
     return false;
   try {
     step();
@@ -367,6 +368,7 @@ ShardHeader CellStages::header_of(const InFlightCell& cell) const {
   h.fingerprint = cell.job.fingerprint;
   h.has_normals = parameters_.normals;
   h.has_directional_coverage = has_directional_coverage(parameters_);
+  h.has_classes = parameters_.classes;
   h.triangles = cell.stats().triangles;
   return h;
 }

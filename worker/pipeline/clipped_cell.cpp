@@ -84,6 +84,8 @@ class LevelWriter {
       out_.rgba.push_back(is_constant ? std::uint8_t(nodes_.value[node] >> (8 * c)) : stored_.rgba.at(4 * from + c));
     for (std::size_t c = 0; has_normals_ && c < 2; ++c)
       out_.normal.push_back(is_constant ? nodes_.normal[node][c] : stored_.normal.at(2 * from + c));
+    if (!nodes_.voxel_class.empty())
+      out_.voxel_class.push_back(is_constant ? nodes_.voxel_class[node] : stored_.voxel_class.at(from));
     if (!nodes_.has_finest_planes) return;
     const DirectionalCoverage plane =
         finest_directional_coverage(is_constant ? nodes_.directional_coverage[node].data()

@@ -35,7 +35,8 @@ bool is_of_job(const ShardHeader& h, const CellJob& job, const BakeParameters& p
   return h.fingerprint == job.fingerprint && h.cell == job.name && h.lattice_min == job.lattice_min &&
          h.cell_voxels == job.cell_voxels && h.first_lod == job.first_lod && h.copied_lods == job.copied_lods &&
          h.voxel_size_m == p.voxel_size_m && h.lattice_origin_m == p.lattice_origin_m && h.origin == origin &&
-         h.has_normals == p.normals && h.has_directional_coverage == has_directional_coverage(p);
+         h.has_normals == p.normals && h.has_directional_coverage == has_directional_coverage(p) &&
+         h.has_classes == p.classes;
 }
 
 PackedShard shard_from_packed(kernels::PackedCell& cell, ShardHeader header) {

@@ -53,6 +53,7 @@ void take_counts(const TileMesh& mesh, TileScan& scan) {
   scan.skipped_points = mesh.counts.skipped_points;
   scan.skipped_lines = mesh.counts.skipped_lines;
   scan.warnings = mesh.warnings;
+  scan.classified = mesh.classified;
 }
 
 TileScan unreadable(std::uint32_t tile, std::string reason) {
@@ -85,6 +86,10 @@ TileScan scan_tile(const SceneSources& sources, std::uint32_t tile, const BakePa
     return scan;
   } catch (const std::bad_alloc&) {
     return unreadable(tile, InputError(ref.path, "", not_enough_memory).what());
+  } catch (const UsageError& e) {
+    scan = unreadable(tile, e.what());
+    scan.is_refused = true;
+    return scan;
   } catch (const std::exception& e) {
     return unreadable(tile, e.what());
   }

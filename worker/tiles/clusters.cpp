@@ -79,6 +79,7 @@ class ClusterBuilder {
   explicit ClusterBuilder(const Primitive& mesh) : mesh_(mesh), local_(mesh.position.size() / 3, no_vertex) {
     cluster_.material = mesh_.material;
     cluster_.position_step = mesh_.position_step;
+    cluster_.voxel_class = mesh_.voxel_class;
     cluster_.shares_uv = mesh_.shares_uv;
   }
 
@@ -166,6 +167,7 @@ Primitive joined(std::span<const std::shared_ptr<const Primitive>> clusters) {
   if (clusters.empty()) return all;
   all.material = clusters.front()->material;
   all.position_step = clusters.front()->position_step;
+  all.voxel_class = clusters.front()->voxel_class;
   all.position.reserve(3 * vertices);
   all.index.reserve(corners);
   if (!clusters.front()->uv.empty()) all.uv.reserve(2 * vertices);

@@ -43,6 +43,7 @@ void put_material(ByteWriter& w, const Material& m) {
   w.put(m.base_color);
   put_texture(w, m.texture), put_texture(w, m.normal_map.texture);
   w.put(m.normal_map.scale), w.put(m.alpha_mode), w.put(m.alpha_cutoff), w.put(m.double_sided), w.put(m.unlit);
+  w.put(m.voxel_class);
 }
 
 /// Reads an enum that is stored as a number, with values 0 to `last`.
@@ -67,7 +68,7 @@ Material get_material(ByteReader& r) {
   get_texture(r, m.texture), get_texture(r, m.normal_map.texture);
   r.get(m.normal_map.scale);
   get_numbered(r, m.alpha_mode, AlphaMode::blend);
-  r.get(m.alpha_cutoff), r.get(m.double_sided), r.get(m.unlit);
+  r.get(m.alpha_cutoff), r.get(m.double_sided), r.get(m.unlit), r.get(m.voxel_class);
   return m;
 }
 
@@ -120,13 +121,13 @@ SourceWarning get_warning(ByteReader& r) {
 }
 
 void put_shell(ByteWriter& w, const Primitive& p) {
-  w.put(std::int32_t(p.material)), w.put(p.position_step), w.put(p.shares_uv);
+  w.put(std::int32_t(p.material)), w.put(p.position_step), w.put(p.shares_uv), w.put(p.voxel_class);
 }
 
 Primitive get_shell(ByteReader& r) {
   Primitive p;
   std::int32_t material = 0;
-  r.get(material), r.get(p.position_step), r.get(p.shares_uv);
+  r.get(material), r.get(p.position_step), r.get(p.shares_uv), r.get(p.voxel_class);
   p.material = material;
   return p;
 }
@@ -145,7 +146,10 @@ void check(const TileDirectory& d) {
   const auto within = [](int index, std::size_t size) { return index >= 0 && std::size_t(index) < size; };
   bool is_right = d.primitives.size() == d.mesh.primitives.size();
   for (const Instance& i : d.mesh.instances) is_right = is_right && within(i.primitive, d.primitives.size());
-  for (const Primitive& p : d.mesh.primitives) is_right = is_right && within(p.material, d.mesh.materials.size());
+  const auto is_class = [](std::int32_t c) { return c >= not_stated && c <= std::int32_t(max_class); };
+  for (const Primitive& p : d.mesh.primitives)
+    is_right = is_right && within(p.material, d.mesh.materials.size()) && is_class(p.voxel_class);
+  for (const Material& m : d.mesh.materials) is_right = is_right && is_class(m.voxel_class);
   for (const Material& m : d.mesh.materials)
     for (const int image : {m.texture.image, m.normal_map.texture.image})
       is_right = is_right && (image < 0 || within(image, d.images.size()));
@@ -171,6 +175,7 @@ std::vector<std::uint8_t> to_bytes(const TileDirectory& d) {
   put_list(w, d.mesh.materials, put_material), put_list(w, d.images, put_image);
   w.put(d.mesh.counts);
   put_list(w, d.mesh.warnings, put_warning);
+  w.put(d.mesh.classified);
   put_list(w, d.primitives, put_primitive);
   return w.take();
 }
@@ -182,6 +187,7 @@ TileDirectory directory_from_bytes(std::span<const std::uint8_t> bytes) {
   get_list(r, d.mesh.materials, get_material), get_list(r, d.images, get_image);
   r.get(d.mesh.counts);
   get_list(r, d.mesh.warnings, get_warning);
+  r.get(d.mesh.classified);
   get_list(r, d.primitives, get_primitive);
   r.expect_end();
   check(d);

@@ -18,15 +18,17 @@ namespace gigabake {
 namespace {
 
 constexpr std::size_t points_per_batch = 4096;
+constexpr VoxelClass max_las_class = 255;
 
 struct Voxel {
   Vec3i64 corner;  ///< lod-0 voxels
   std::uint8_t rgba[4];
   std::int8_t normal[2];
+  VoxelClass voxel_class;
 };
 
 LasHeader header_of(const SceneHeader& scene, const LasFrame& frame) {
-  LasHeader header{scene.generator, frame.wkt, scene.has_normals, frame.scale, frame.offset};
+  LasHeader header{scene.generator, frame.wkt, scene.has_normals, scene.has_classes, frame.scale, frame.offset};
   if (frame.from_scene_m) return header;
   header.scale.fill(scene.voxel_size_m / 2);
   std::copy(scene.lattice_origin_m.begin(), scene.lattice_origin_m.end(), header.offset.begin());
@@ -50,15 +52,16 @@ class PointStream {
 
   void write_shard(const ReadLevel& read) {
     const Vec3i64& low = read.header.lattice_min;
-    for_each_voxel_of_level(
-        read.nodes, read.level, lod_ - int(read.header.first_lod),
-        [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
-          Voxel& voxel = batch_.emplace_back();
-          voxel.corner = low + (Vec3i64{x, y, z} << lod_);
-          std::copy_n(rgba, 4, voxel.rgba);
-          if (scene_.has_normals) std::copy_n(normal, 2, voxel.normal);
-          if (batch_.size() == points_per_batch) flush();
-        });
+    for_each_voxel_of_level(read.nodes, read.level, lod_ - int(read.header.first_lod),
+                            [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
+                                const std::int8_t* normal, const std::uint8_t*, VoxelClass voxel_class) {
+                              Voxel& voxel = batch_.emplace_back();
+                              voxel.corner = low + (Vec3i64{x, y, z} << lod_);
+                              std::copy_n(rgba, 4, voxel.rgba);
+                              voxel.voxel_class = voxel_class;
+                              if (scene_.has_normals) std::copy_n(normal, 2, voxel.normal);
+                              if (batch_.size() == points_per_batch) flush();
+                            });
   }
 
   /// Writes the header again, with the number and the bounds of the points.
@@ -133,13 +136,16 @@ class PointStream {
       bounds_.low[c] = std::min(bounds_.low[c], integers[c]);
       bounds_.high[c] = std::max(bounds_.high[c], integers[c]);
     }
-    put(std::uint16_t(0));                             // intensity: none
-    put(std::uint8_t(0x11));                           // the first of one return
-    for (int i = 0; i < 7; ++i) put(std::uint8_t(0));  // flags, class, user data, scan angle, point source
+    put(std::uint16_t(0));    // intensity: none
+    put(std::uint8_t(0x11));  // the first of one return
+    put(std::uint8_t(0));     // flags
+    put(std::uint8_t(voxel.voxel_class <= max_las_class ? voxel.voxel_class : no_class));
+    for (int i = 0; i < 5; ++i) put(std::uint8_t(0));  // user data, scan angle, point source
     put(0.0);                                          // GPS time
     for (std::size_t c = 0; c < 3; ++c) put(std::uint16_t(voxel.rgba[c] * 257));
     put(voxel.rgba[3]);
     if (scene_.has_normals) put(unit_normal(voxel.normal));
+    if (scene_.has_classes) put(voxel.voxel_class);
   }
 
   const SceneHeader& scene_;

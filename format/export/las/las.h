@@ -24,8 +24,9 @@ struct LasFrame {
 
 /// Writes one point per voxel, at the voxel's centre, in the order of export_ply(). A point has the voxel's colour (16
 /// bits: the byte times 257). Extra bytes are `coverage` (0 to 255) and the normal along the scene's axes (`NormalX`,
-/// `NormalY`, `NormalZ`), which is absent if the scene has no normals. The class is 0 (never classified). Returns the
-/// number of voxels.
+/// `NormalY`, `NormalZ`), which is absent if the scene has no normals. If the scene has classes, the classification of
+/// LAS is the class, or 0 above 255, and the extra bytes `VoxelClass` have it exactly; else it is 0 (never classified).
+/// Returns the number of voxels.
 /// Exact   In the scene's frame, scale is half a voxel of lod 0 and offset the lattice's origin: coordinates are the
 ///         doubles of export_ply(). In another frame, coordinates are rounded to the nearest multiple of scale.
 /// Cost    Holds one level of one cell in memory.

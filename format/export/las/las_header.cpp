@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint16_t las_header_bytes = 375, record_head_bytes = 54, extra_bytes_bytes = 192;
 constexpr std::uint16_t wkt_record = 2112, extra_bytes_record = 4;
 constexpr std::uint16_t has_wkt = 1 << 4;  // in the global encoding
-constexpr std::uint8_t type_uchar = 1, type_float = 9;
+constexpr std::uint8_t type_uchar = 1, type_ushort = 3, type_float = 9;
 
 /// Writes bytes in little endian.
 class LasBytes {
@@ -50,7 +50,8 @@ class LasBytes {
 }  // namespace
 
 std::vector<std::uint8_t> las_header(const LasHeader& header, std::uint64_t points, const LasBounds& bounds) {
-  const std::size_t wkt_bytes = header.wkt.size() + 1, extra_values = header.has_normals ? 4 : 1;
+  const std::size_t wkt_bytes = header.wkt.size() + 1,
+                    extra_values = std::size_t(1 + (header.has_normals ? 3 : 0) + (header.has_classes ? 1 : 0));
   if (wkt_bytes > 65535) throw InputError("", "crs", "its WKT has more than 65,534 bytes, the limit of LAS");
   LasBytes out;
   out.text("LASF", 4);
@@ -65,7 +66,7 @@ std::vector<std::uint8_t> las_header(const LasHeader& header, std::uint64_t poin
   out.put(std::uint32_t(las_header_bytes + 2 * record_head_bytes + wkt_bytes + extra_values * extra_bytes_bytes));
   out.put(std::uint32_t(2));  // records
   out.put(std::uint8_t(7));   // point format
-  out.put(las_point_bytes(header.has_normals));
+  out.put(las_point_bytes(header));
   out.zeros(24);  // counts of formats before LAS 1.4
   for (const double v : header.scale) out.put(v);
   for (const double v : header.offset) out.put(v);
@@ -83,6 +84,7 @@ std::vector<std::uint8_t> las_header(const LasHeader& header, std::uint64_t poin
   if (header.has_normals)
     for (const char* name : {"NormalX", "NormalY", "NormalZ"})
       out.extra_value(type_float, name, "along the axes of the scene");
+  if (header.has_classes) out.extra_value(type_ushort, "VoxelClass", "0: none");
   return out.bytes;
 }
 

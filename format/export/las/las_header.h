@@ -23,12 +23,14 @@ struct LasBounds {
 
 struct LasHeader {
   std::string software, wkt;
-  bool has_normals = false;
+  bool has_normals = false, has_classes = false;
   std::array<double, 3> scale{}, offset{};
 };
 
-/// Returns the length of a point's record: format 7, coverage, and a normal of three floats.
-inline std::uint16_t las_point_bytes(bool has_normals) { return has_normals ? 49 : 37; }
+/// Returns the length of a point's record: format 7, coverage, a normal of three floats, and a class.
+inline std::uint16_t las_point_bytes(const LasHeader& header) {
+  return std::uint16_t(37 + (header.has_normals ? 12 : 0) + (header.has_classes ? 2 : 0));
+}
 
 /// Returns the bytes before the first point. Their number does not depend on `points` and `bounds`.
 /// Errors  InputError: the WKT exceeds the 65,535 bytes of a record.

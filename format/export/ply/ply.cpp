@@ -17,7 +17,9 @@
 namespace gigabake {
 namespace {
 
-constexpr std::size_t vertex_bytes = 3 * 8 + 3 * 4 + 4 + 3 * 4;
+/// Bytes of a vertex without its class, and with it.
+constexpr std::size_t plain_vertex_bytes = 3 * 8 + 3 * 4 + 4 + 3 * 4,
+                      max_vertex_bytes = plain_vertex_bytes + sizeof(VoxelClass);
 
 /// Returns the comments that place the scene's frame on the earth; empty for a local scene.
 std::string origin_comments(const SceneHeader& scene) {
@@ -33,8 +35,9 @@ std::string header(const SceneHeader& scene, int lod, std::uint64_t voxels) {
       "ply\nformat binary_little_endian 1.0\ncomment {}, lod {}, voxels of {} m\n{}element vertex {}\n"
       "property double x\nproperty double y\nproperty double z\nproperty int i\nproperty int j\nproperty int k\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
-      "property float nx\nproperty float ny\nproperty float nz\nend_header\n",
-      scene.generator, lod, std::ldexp(scene.voxel_size_m, lod), origin_comments(scene), voxels);
+      "property float nx\nproperty float ny\nproperty float nz\n{}end_header\n",
+      scene.generator, lod, std::ldexp(scene.voxel_size_m, lod), origin_comments(scene), voxels,
+      scene.has_classes ? "property ushort class\n" : "");
 }
 
 /// Writer of the vertices, shard by shard.
@@ -42,7 +45,12 @@ class VertexStream {
  public:
   VertexStream(const SceneHeader& scene, int lod, const std::filesystem::path& target,
                const std::filesystem::path& temporary, const Progress& progress)
-      : scene_(scene), lod_(lod), target_(target), progress_(progress), out_(temporary, std::ios::binary) {}
+      : scene_(scene),
+        lod_(lod),
+        target_(target),
+        progress_(progress),
+        vertex_bytes_(scene.has_classes ? max_vertex_bytes : plain_vertex_bytes),
+        out_(temporary, std::ios::binary) {}
 
   void write(std::string_view bytes) {
     errno = 0;
@@ -52,11 +60,11 @@ class VertexStream {
 
   void write_shard(const std::filesystem::path& shard, const ReadLevel& read) {
     const Vec3i64& low = read.header.lattice_min;
-    for_each_voxel_of_level(
-        read.nodes, read.level, lod_ - int(read.header.first_lod),
-        [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
-          add_vertex(shard, low + (Vec3i64{x, y, z} << lod_), rgba, normal);
-        });
+    for_each_voxel_of_level(read.nodes, read.level, lod_ - int(read.header.first_lod),
+                            [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
+                                const std::int8_t* normal, const std::uint8_t*, VoxelClass voxel_class) {
+                              add_vertex(shard, low + (Vec3i64{x, y, z} << lod_), rgba, normal, voxel_class);
+                            });
   }
 
   void finish() {
@@ -67,8 +75,8 @@ class VertexStream {
 
  private:
   void add_vertex(const std::filesystem::path& shard, const Vec3i64& corner, const std::uint8_t* rgba,
-                  const std::int8_t* normal) {
-    if (used_ + vertex_bytes > buffer_.size()) flush();
+                  const std::int8_t* normal, VoxelClass voxel_class) {
+    if (used_ + vertex_bytes_ > buffer_.size()) flush();
     char* const to = buffer_.data() + used_;
     const Vec3d half = Vec3d::all(std::ldexp(0.5, lod_));
     const Vec3d centre_m = scene_.lattice_origin_m + (Vec3d(corner) + half) * scene_.voxel_size_m;
@@ -81,11 +89,12 @@ class VertexStream {
     std::memcpy(to + 24, &index32, 12);
     std::memcpy(to + 36, rgba, 4);
     std::memcpy(to + 40, &n, 12);
-    used_ += vertex_bytes;
+    if (scene_.has_classes) std::memcpy(to + plain_vertex_bytes, &voxel_class, sizeof voxel_class);
+    used_ += vertex_bytes_;
   }
   void flush() {
     write({buffer_.data(), used_});
-    progress_.advance(used_ / vertex_bytes);
+    progress_.advance(used_ / vertex_bytes_);
     used_ = 0;
   }
 
@@ -93,8 +102,9 @@ class VertexStream {
   int lod_;
   const std::filesystem::path& target_;
   const Progress& progress_;
+  std::size_t vertex_bytes_;
   std::ofstream out_;
-  std::array<char, vertex_bytes * 4096> buffer_;
+  std::array<char, max_vertex_bytes * 4096> buffer_;
   std::size_t used_ = 0;
 };
 

@@ -10,7 +10,8 @@ namespace gigabake {
 
 /// Writes a binary_little_endian PLY file with one vertex per voxel. A vertex has the voxel's centre in scene metres
 /// (double x y z). Its lattice index (int i j k) is in voxels of 2^lod from the lattice's 0,0,0. Its attributes are
-/// uchar red green blue alpha, and float nx ny nz (0 if the scene has no normals).
+/// uchar red green blue alpha, float nx ny nz (0 if the scene has no normals), and ushort class if the scene has
+/// classes.
 /// The header of a georeferenced scene has the origin of its frame in comments. Cells are in the scene's order. Levels
 /// from 4 up may not be aligned with the lattice; i, j and k are then rounded down. Returns the number of voxels.
 /// Cost    Holds one level of one cell in memory.

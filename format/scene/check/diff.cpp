@@ -58,6 +58,7 @@ class DifferenceSum {
     d_.turned += std::memcmp(a.normal, b.normal, 2) != 0;
     d_.refaced += a.directional_coverage != nullptr && b.directional_coverage != nullptr &&
                   std::memcmp(a.directional_coverage, b.directional_coverage, directional_coverage_bytes) != 0;
+    d_.reclassified += a.voxel_class != b.voxel_class;
     if (std::memcmp(a.rgba, b.rgba, 4) == 0) return;
     ++d_.recoloured;
     for (std::size_t c = 0; c < 4; ++c) {
@@ -97,20 +98,21 @@ PairResult compare_level(const OpenCell& a, const BrickLevel& level_a, const Ope
   const auto corner_of = [lod](const Vec3i64& min, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
     return min + (Vec3i64{x, y, z} << lod);
   };
-  for_each_voxel_of_level(a.nodes, level_a, lod - a.first_lod,
-                          [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
-                              const std::int8_t* normal, const std::uint8_t* directional_coverage) {
-                            ++r.a.all;
-                            const Vec3i64 corner = corner_of(a.min, x, y, z);
-                            if (!box.contains(corner)) return;
-                            ++r.a.inside;
-                            const Vec3<std::uint32_t> at((corner - b.min) >> lod);
-                            VoxelValue other;
-                            if (in_b.find(at[0], at[1], at[2], other))
-                              sum.add_both({rgba, normal, directional_coverage}, other);
-                            else
-                              sum.add_only_in_a(1);
-                          });
+  for_each_voxel_of_level(
+      a.nodes, level_a, lod - a.first_lod,
+      [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal,
+          const std::uint8_t* directional_coverage, VoxelClass voxel_class) {
+        ++r.a.all;
+        const Vec3i64 corner = corner_of(a.min, x, y, z);
+        if (!box.contains(corner)) return;
+        ++r.a.inside;
+        const Vec3<std::uint32_t> at((corner - b.min) >> lod);
+        VoxelValue other;
+        if (in_b.find(at[0], at[1], at[2], other))
+          sum.add_both({rgba, normal, directional_coverage, voxel_class}, other);
+        else
+          sum.add_only_in_a(1);
+      });
   for_each_voxel_of_level(
       b.nodes, level_b, lod - b.first_lod,
       [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t*, const std::int8_t*) {

@@ -18,9 +18,10 @@ struct LevelDifference {
   std::uint64_t recoloured = 0;  ///< voxels of `both` whose r, g, b or alpha differ
   std::uint64_t turned = 0;      ///< voxels of `both` whose normals differ
   std::uint64_t refaced = 0;     ///< voxels of `both` whose directional coverage differs; 0 unless both scenes store it
-  std::array<int, 4> maximum{};  ///< max |a − b| of 8-bit r, g, b, alpha
-  std::array<double, 4> mean{};  ///< mean |a − b| of 8-bit r, g, b, alpha over the recoloured voxels
-  bool any() const { return only_in_a + only_in_b + recoloured + turned + refaced != 0; }
+  std::uint64_t reclassified = 0;  ///< voxels of `both` whose classes differ; without classes, each has class 0
+  std::array<int, 4> maximum{};    ///< max |a − b| of 8-bit r, g, b, alpha
+  std::array<double, 4> mean{};    ///< mean |a − b| of 8-bit r, g, b, alpha over the recoloured voxels
+  bool any() const { return only_in_a + only_in_b + recoloured + turned + refaced + reclassified != 0; }
 };
 
 struct CellDifference {

@@ -50,6 +50,7 @@ void check_parameters(const BakeParameters& p, const SceneReading& reading, Scen
   expect(p.normals == scene.has_normals, "normals");
   // The parameters of some scenes of version 1 lack this member, because the channel did not exist.
   expect(reading.version < 2 || has_directional_coverage(p) == scene.has_directional_coverage, "facing");
+  expect(p.classes == scene.has_classes, "classes");
   for (const SceneCell& cell : scene.cells)
     if (cell.cell_voxels != p.cell_voxels) return expect(false, "cell_voxels");
   for (const PageReference& page : reading.pages)

@@ -36,7 +36,7 @@ void set_schema(pugi::xml_node root, int version) {
 void set_lattice(pugi::xml_node root, const SceneHeader& scene) {
   set_number(root, "VoxelSize", scene.voxel_size_m);
   set_numbers(root, "LatticeOrigin", scene.lattice_origin_m);
-  set_text(root, "Channels", channel_names(scene.has_normals, scene.has_directional_coverage));
+  set_text(root, "Channels", channel_names({scene.has_normals, scene.has_directional_coverage, scene.has_classes}));
 }
 
 void set_totals(pugi::xml_node group, const SceneTotals& totals) {

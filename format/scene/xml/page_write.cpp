@@ -126,7 +126,7 @@ class PageWriter {
       for (const SceneCell* overview : blocks[b].overviews) page.totals.add(*overview);
       pugi::xml_document document;
       pugi::xml_node root = document.append_child("OctTreeGroup");
-      set_schema(root, scene_version_without_leaves);
+      set_schema(root, newest_page_version);
       set_lattice(root, scene_);
       set_block(root, page.block);
       set_number(root, "Groups", page.groups);

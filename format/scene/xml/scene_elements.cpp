@@ -242,8 +242,10 @@ void read_lattice(const SceneAttributes& a, SceneHeader& header) {
   header.voxel_size_m = a.value<double>("VoxelSize");
   if (!(header.voxel_size_m > 0)) a.fail("VoxelSize", "expected a positive number of metres");
   header.lattice_origin_m = a.triple<double>("LatticeOrigin");
-  if (!parse_channels(a.text("Channels"), header.has_normals, header.has_directional_coverage))
-    a.fail("Channels", "expected 'rgba', optionally followed by 'normal' and 'facing'");
+  const auto channels = parse_channels(a.text("Channels"));
+  if (!channels) a.fail("Channels", "expected 'rgba', optionally followed by 'normal', 'facing' and 'class'");
+  header.has_normals = channels->normals, header.has_directional_coverage = channels->directional_coverage;
+  header.has_classes = channels->classes;
 }
 
 std::vector<SceneFault> faults_of_root(const SceneAttributes& root, std::span<const std::string_view> known) {

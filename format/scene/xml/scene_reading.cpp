@@ -79,7 +79,10 @@ class SceneReader {
         a.fail("Origin", "expected a latitude within ±90 and a longitude within ±360 degrees");
     }
     scene.parameters = a.text("Parameters");
-    if (reading_.version < 6) return;
+    if (scene.has_classes != (reading_.version >= first_scene_version_of_classes))
+      a.fail("Channels", scene.has_classes ? "state 'class', which this version does not have" : "lack 'class'");
+    if (reading_.version < first_scene_version_of_leaves) return;
+    if (reading_.version >= first_scene_version_of_classes && !a.has("LeafLod")) return;
     scene.leaf_lod = a.value<std::uint32_t>("LeafLod");
     if (scene.leaf_lod < 1 || scene.leaf_lod > 10) a.fail("LeafLod", "expected 1 to 10");
   }

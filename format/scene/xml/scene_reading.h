@@ -14,9 +14,11 @@
 
 namespace gigabake {
 
-inline constexpr int newest_scene_version = 6;
-/// The version that is written for scenes without leaves, so that earlier programs read them; also of all pages.
-inline constexpr int scene_version_without_leaves = 5;
+inline constexpr int newest_scene_version = 7;
+/// The first versions with leaves and with classes. A scene gets the lowest version that has its content, so that
+/// earlier programs read it. Pages have version newest_page_version.
+inline constexpr int first_scene_version_of_leaves = 6, first_scene_version_of_classes = 7;
+inline constexpr int newest_page_version = 5;
 
 /// A fault in a scene.xml.
 struct SceneFault {

@@ -13,7 +13,9 @@ namespace gigabake {
 namespace {
 
 void set_header(pugi::xml_node group, const SceneHeader& scene) {
-  set_schema(group, scene.leaf_lod == 0 ? scene_version_without_leaves : newest_scene_version);
+  set_schema(group, scene.has_classes     ? first_scene_version_of_classes
+                    : scene.leaf_lod != 0 ? first_scene_version_of_leaves
+                                          : newest_page_version);
   set_text(group, "Generator", scene.generator);
   set_lattice(group, scene);
   if (scene.origin)

@@ -74,7 +74,8 @@ struct SceneHeader {
   std::optional<Geodetic> origin;
   bool has_normals = true;
   bool has_directional_coverage = false;
-  std::string parameters;  ///< the bake's parameters as one line of JSON
+  bool has_classes = false;  ///< voxels have classes
+  std::string parameters;    ///< the bake's parameters as one line of JSON
   /// Coarsest level that may have leaves: voxels that describe all finer levels. 0: there are none.
   std::uint32_t leaf_lod = 0;
   Box3i64 bounds;  ///< lod-0 voxels that contain all surfaces of the sources; empty: not recorded

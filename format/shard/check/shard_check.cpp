@@ -58,12 +58,15 @@ void check_nodes(const std::filesystem::path& path, const ShardHeader& header, c
   table.expect(n.lod.size() == count && n.kind.size() == count && n.child_mask.size() == count &&
                    n.first_child.size() == count && n.value.size() == count && n.normal.size() == count &&
                    n.directional_coverage.size() == (header.has_directional_coverage ? count : 0) &&
-                   n.leaf_mask.size() == (header.leaf_lod != 0 ? count : 0),
+                   n.leaf_mask.size() == (header.leaf_lod != 0 ? count : 0) &&
+                   n.voxel_class.size() == (header.has_classes ? count : 0),
                0, "columns differ in length");
   NodeWalk walk(path, header, count);
   for (std::size_t i = 0; i < count; ++i) {
     table.expect(header.first_lod == 0 || n.kind[i] == NodeKind::brick, i, "is a constant node of an overview");
     walk.check_links(n.kind[i], n.child_mask[i], n.first_child[i], n.value[i]);
+    table.expect(n.voxel_class.empty() || n.kind[i] != NodeKind::brick || n.voxel_class[i] == no_class, i,
+                 "a brick has a class");
     walk.step(n.lod[i], n.kind[i], n.child_mask[i], n.leaf_mask.empty() ? std::uint8_t(0) : n.leaf_mask[i]);
     check_key(table, header, n, i);
   }

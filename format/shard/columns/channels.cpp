@@ -2,14 +2,15 @@
 
 namespace gigabake {
 
-std::string channel_names(bool has_normals, bool has_directional_coverage) {
-  return std::string("rgba") + (has_normals ? " normal" : "") + (has_directional_coverage ? " facing" : "");
+std::string channel_names(const VoxelChannels& channels) {
+  return std::string("rgba") + (channels.normals ? " normal" : "") + (channels.directional_coverage ? " facing" : "") +
+         (channels.classes ? " class" : "");
 }
 
-bool parse_channels(std::string_view text, bool& has_normals, bool& has_directional_coverage) {
-  has_normals = text.find(" normal") != std::string_view::npos;
-  has_directional_coverage = text.find(" facing") != std::string_view::npos;
-  return text == channel_names(has_normals, has_directional_coverage);
+std::optional<VoxelChannels> parse_channels(std::string_view text) {
+  const auto has = [&](std::string_view name) { return text.find(name) != std::string_view::npos; };
+  const VoxelChannels channels{has(" normal"), has(" facing"), has(" class")};
+  return text == channel_names(channels) ? std::optional(channels) : std::nullopt;
 }
 
 }  // namespace gigabake

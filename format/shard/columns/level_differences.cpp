@@ -174,6 +174,9 @@ void LevelDifferences::collect(LevelColumn column, std::uint64_t begin, std::spa
     case LevelColumn::plane:
       for (std::size_t i = 0; i < to.size(); ++i) to[i] = coverage_of(begin + i)[directional_coverage_plane];
       return;
+    case LevelColumn::voxel_class:
+      std::memcpy(to.data(), level_.voxel_class.data() + begin, to.size());
+      return;
   }
 }
 

@@ -125,6 +125,8 @@ void PredictedLevel::read_values(Range& range) const {
   range.out.rgba.resize(4 * count);
   const auto alpha = read_rows<std::uint8_t>(LevelColumn::alpha, first, count);
   for (std::size_t v = 0; v < count; ++v) range.out.rgba[4 * v + 3] = alpha[v];
+  if (has(LevelColumn::voxel_class))
+    range.out.voxel_class = read_rows<VoxelClass>(LevelColumn::voxel_class, first, count);
   if (!has(LevelColumn::facing) && !has(LevelColumn::plane)) return;
   range.out.directional_coverage.resize(directional_coverage_bytes * count);
   if (!has(LevelColumn::plane)) return;

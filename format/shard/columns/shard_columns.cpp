@@ -28,6 +28,7 @@ bool is_consistent(const BrickLevel& level, const std::vector<LevelColumn>& colu
   const auto has = [&](LevelColumn column) { return std::ranges::find(columns, column) != columns.end(); };
   const std::uint64_t voxels = level.first.back();
   return fits && level.rgba.size() == 4 * voxels && (level.normal.size() == 2 * voxels || !has(LevelColumn::normal)) &&
+         (level.voxel_class.size() == voxels || !has(LevelColumn::voxel_class)) &&
          (level.directional_coverage.size() == directional_coverage_bytes * voxels ||
           !(has(LevelColumn::facing) || has(LevelColumn::plane)));
 }
@@ -84,6 +85,7 @@ void ShardColumns::add_above(const DownsampleState& above) {
   if (!above.normal.empty()) add_array(names.normal, above.normal);
   if (!above.raster.empty()) add_array(names.raster, above.raster);
   if (!above.patch.empty()) add_array(names.patch, above.patch);
+  if (!above.voxel_class.empty()) add_array(names.voxel_class, above.voxel_class);
 }
 
 void ShardColumns::begin_level() {

@@ -32,6 +32,8 @@ std::int64_t hdf5_type(Hdf5Type type) {
       return H5T_STD_U8LE;
     case Hdf5Type::i8:
       return H5T_STD_I8LE;
+    case Hdf5Type::u16:
+      return H5T_STD_U16LE;
     case Hdf5Type::u32:
       return H5T_STD_U32LE;
     case Hdf5Type::i32:
@@ -58,6 +60,8 @@ std::size_t element_bytes(Hdf5Type type) {
     case Hdf5Type::u8:
     case Hdf5Type::i8:
       return 1;
+    case Hdf5Type::u16:
+      return 2;
     case Hdf5Type::u32:
     case Hdf5Type::i32:
       return 4;

@@ -20,7 +20,7 @@
 namespace gigabake {
 
 /// Element types, little-endian in the file and in memory.
-enum class Hdf5Type : std::uint8_t { u8, i8, u32, i32, u64, i64, f64 };
+enum class Hdf5Type : std::uint8_t { u8, i8, u16, u32, i32, u64, i64, f64 };
 
 std::size_t element_bytes(Hdf5Type type);
 

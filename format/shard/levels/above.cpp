@@ -13,6 +13,7 @@ Hash128 hash_of(const DownsampleState& above) {
   XXH3_128bits_reset(&state);
   const auto add = [&state](const auto& column) { XXH3_128bits_update(&state, column.data(), column.size()); };
   add(above.place), add(above.rgba), add(above.normal), add(above.raster), add(above.patch);
+  XXH3_128bits_update(&state, above.voxel_class.data(), above.voxel_class.size() * sizeof(VoxelClass));
   const XXH128_hash_t h = XXH3_128bits_digest(&state);
   return {h.low64, h.high64};
 }
@@ -21,7 +22,8 @@ void check_above(const std::filesystem::path& path, const ShardHeader& header, c
   const BrokenRule table{path, "/above"};
   const std::size_t voxels = above.voxels();
   table.expect(voxels > 0 && above.place.size() == source_place_bytes * voxels &&
-                   above.normal.size() == (header.has_normals ? 2 * voxels : 0),
+                   above.normal.size() == (header.has_normals ? 2 * voxels : 0) &&
+                   above.voxel_class.size() == (header.has_classes ? voxels : 0),
                0, "columns differ in length");
   std::size_t coarsest = 0;
   for (std::size_t v = 0; v < voxels; ++v) {

@@ -22,17 +22,21 @@ std::vector<std::uint64_t> count_voxels(const Shard& shard);
 
 template <class Visit>
 void visit_voxel(const Visit& visit, std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
-                 const std::int8_t* normal, const std::uint8_t* directional_coverage) {
+                 const std::int8_t* normal, const std::uint8_t* directional_coverage, VoxelClass voxel_class) {
   if constexpr (std::is_invocable_v<Visit, std::uint32_t, std::uint32_t, std::uint32_t, const std::uint8_t*,
-                                    const std::int8_t*, const std::uint8_t*>)
+                                    const std::int8_t*, const std::uint8_t*, VoxelClass>)
+    visit(x, y, z, rgba, normal, directional_coverage, voxel_class);
+  else if constexpr (std::is_invocable_v<Visit, std::uint32_t, std::uint32_t, std::uint32_t, const std::uint8_t*,
+                                         const std::int8_t*, const std::uint8_t*>)
     visit(x, y, z, rgba, normal, directional_coverage);
   else
     visit(x, y, z, rgba, normal);
 }
 
 /// Calls visit(x, y, z, rgba, normal) for each voxel of one brick. If `visit` accepts a sixth argument, it is
-/// `directional_coverage`. `at` is the position of the brick, in bricks of the level. `normal` points at two zeros if
-/// the shard has no normals; `directional_coverage` is null if the level has no directional coverage.
+/// `directional_coverage`; a seventh is the class, no_class if the shard has no classes. `at` is the position of the
+/// brick, in bricks of the level. `normal` points at two zeros if the shard has no normals; `directional_coverage` is
+/// null if the level has no directional coverage.
 /// Space   x, y and z are in voxels of the level, relative to the cell's lowest corner.
 template <class Visit>
 void for_each_voxel(const BrickLevel& level, std::size_t brick, BrickCoordinate at, const Visit& visit) {
@@ -44,7 +48,8 @@ void for_each_voxel(const BrickLevel& level, std::size_t brick, BrickCoordinate 
       visit_voxel(
           visit, at.x * 8 + (bit & 7), at.y * 8 + (bit >> 3), at.z * 8 + z, &level.rgba[4 * i],
           level.normal.empty() ? no_normal : &level.normal[2 * i],
-          level.directional_coverage.empty() ? nullptr : &level.directional_coverage[directional_coverage_bytes * i]);
+          level.directional_coverage.empty() ? nullptr : &level.directional_coverage[directional_coverage_bytes * i],
+          level.voxel_class.empty() ? no_class : level.voxel_class[i]);
     }
 }
 
@@ -57,6 +62,11 @@ inline const std::uint8_t* directional_coverage_of_constant(const NodeTable& nod
   if (!is_finest) return stored;
   finest = finest_directional_coverage(stored);
   return finest.data();
+}
+
+/// Returns the class of the voxels that a constant node represents.
+inline VoxelClass class_of_constant(const NodeTable& nodes, std::size_t node) {
+  return nodes.voxel_class.empty() ? no_class : nodes.voxel_class[node];
 }
 
 /// Visits the voxels that a constant node represents on the level that is `down` levels finer than the node's level.
@@ -73,7 +83,7 @@ void for_each_constant_voxel(const NodeTable& nodes, std::size_t node, int down,
     for (std::uint32_t y = 0; y < edge; ++y)
       for (std::uint32_t x = 0; x < edge; ++x)
         visit_voxel(visit, at.x * edge + x, at.y * edge + y, at.z * edge + z, rgba, nodes.normal[node].data(),
-                    directional_coverage);
+                    directional_coverage, class_of_constant(nodes, node));
 }
 
 /// Visits every voxel of level `lod`. `level` has the bricks of this level.

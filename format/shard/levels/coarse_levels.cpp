@@ -85,7 +85,7 @@ CoarseLevels take_coarse_levels(Shard&& shard, int begin) {
   };
   keep(coarse.nodes.key, n.key), keep(coarse.nodes.lod, n.lod), keep(coarse.nodes.kind, n.kind);
   keep(coarse.nodes.child_mask, n.child_mask), keep(coarse.nodes.first_child, n.first_child);
-  keep(coarse.nodes.leaf_mask, n.leaf_mask);
+  keep(coarse.nodes.leaf_mask, n.leaf_mask), keep(coarse.nodes.voxel_class, n.voxel_class);
   keep(coarse.nodes.value, n.value), keep(coarse.nodes.normal, n.normal),
       keep(coarse.nodes.directional_coverage, n.directional_coverage);
   coarse.nodes.has_finest_planes = n.has_finest_planes;

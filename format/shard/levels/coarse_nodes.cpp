@@ -62,6 +62,7 @@ void add_row(const NodeWalk& walk, NodeKind kind, std::uint8_t child_mask, NodeT
 void read_constants(const ColumnSource& source, const ShardHeader& header, const NodeColumns& columns, NodeTable& n) {
   n.normal.assign(n.kind.size(), {0, 0});
   n.directional_coverage.assign(header.has_directional_coverage ? n.kind.size() : 0, DirectionalCoverage{});
+  n.voxel_class.assign(header.has_classes ? n.kind.size() : 0, no_class);
   const auto is_constant = [](NodeKind kind) { return kind != NodeKind::brick; };
   const auto first = std::find_if(n.kind.begin(), n.kind.end(), is_constant);
   if (first == n.kind.end()) return;
@@ -77,6 +78,7 @@ void read_constants(const ColumnSource& source, const ShardHeader& header, const
   std::vector<std::uint32_t> value(end - begin);
   read(columns.value, value.data());
   read(columns.normal, &n.normal[begin]);
+  if (header.has_classes) read(columns.voxel_class, &n.voxel_class[begin]);
   std::vector<std::uint8_t> directional_coverage(
       header.has_directional_coverage ? (end - begin) * columns.directional_coverage.row_bytes() : 0);
   if (header.has_directional_coverage) read(columns.directional_coverage, directional_coverage.data());

@@ -11,10 +11,12 @@
 namespace gigabake {
 
 /// Returns the XXH3-128 hash of a 34-byte record: lod (int32), the voxel's lowest corner in lod-0 voxels of the lattice
-/// (3 × int64), rgba, normal. If `directional_coverage` is not null, the record has 6 more bytes: facing, padded with
-/// zeros. Integers are little endian. A voxel of a constant node has the same hash as a stored voxel.
+/// (3 × int64), rgba, normal. If `directional_coverage` is not null, or `has_classes`, the record has 6 more bytes:
+/// facing (zeros if it is null) and the class (uint16). Integers are little endian. A voxel of a constant node has the
+/// same hash as a stored voxel.
 Hash128 voxel_hash(int lod, Vec3i64 corner_lattice, const std::uint8_t rgba[4], const std::int8_t normal[2],
-                   const std::uint8_t* directional_coverage = nullptr);
+                   const std::uint8_t* directional_coverage = nullptr, bool has_classes = false,
+                   VoxelClass voxel_class = no_class);
 
 /// Returns the content hash per lod of a complete shard. Verification compares it with the hash that
 /// core/octree/voxel_hash.h computed during baking.

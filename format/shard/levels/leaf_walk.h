@@ -12,6 +12,7 @@
 #include "core/octree/morton.h"
 #include "core/octree/octree.h"
 #include "core/octree/plane_in_part.h"
+#include "format/shard/levels/brick_walk.h"
 
 namespace gigabake {
 
@@ -45,8 +46,8 @@ void for_each_leaf_octant(const NodeTable& nodes, const std::vector<BrickLevel>&
     }
 }
 
-/// Calls visit(position in the octant, rgba, normal, directional coverage) for each voxel of an octant of leaves.
-/// Normal is zero, and directional coverage null, if the shard has none.
+/// Calls visit(position in the octant, rgba, normal, directional coverage, class) for each voxel of an octant of
+/// leaves. Normal is zero, and directional coverage null, if the shard has none.
 template <class Visit>
 void for_each_leaf(const LeafVoxels& leaves, const Visit& visit) {
   static constexpr std::int8_t no_normal[2] = {0, 0};
@@ -67,10 +68,12 @@ void for_each_leaf(const LeafVoxels& leaves, const Visit& visit) {
       if (is_brick)
         visit(at, &level.rgba[4 * voxel], level.normal.empty() ? no_normal : &level.normal[2 * voxel],
               level.directional_coverage.empty() ? nullptr
-                                                 : &level.directional_coverage[directional_coverage_bytes * voxel]);
+                                                 : &level.directional_coverage[directional_coverage_bytes * voxel],
+              level.voxel_class.empty() ? no_class : level.voxel_class[voxel]);
       else
         visit(at, constant.data(), nodes.normal[leaves.node].data(),
-              nodes.directional_coverage.empty() ? nullptr : nodes.directional_coverage[leaves.node].data());
+              nodes.directional_coverage.empty() ? nullptr : nodes.directional_coverage[leaves.node].data(),
+              class_of_constant(nodes, leaves.node));
     }
   }
 }

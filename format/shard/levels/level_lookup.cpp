@@ -46,16 +46,16 @@ bool LevelLookup::find(std::uint32_t x, std::uint32_t y, std::uint32_t z, VoxelV
   if (node_ == no_node) return false;
   if (nodes_.kind[node_] != NodeKind::brick) {
     value = {constant_, nodes_.normal[node_].data(),
-             directional_coverage_of_constant(nodes_, node_, lod_ == 0, finest_)};
+             directional_coverage_of_constant(nodes_, node_, lod_ == 0, finest_), class_of_constant(nodes_, node_)};
     return true;
   }
   const std::size_t brick = nodes_.value[node_];
   const std::uint32_t bit = (x & 7) | (y & 7) << 3;
   if ((level_.mask[8 * brick + (z & 7)] >> bit & 1) == 0) return false;
   const std::size_t i = level_.first[brick] + rank(&level_.mask[8 * brick], z & 7, bit);
-  value = {
-      &level_.rgba[4 * i], level_.normal.empty() ? no_normal : &level_.normal[2 * i],
-      level_.directional_coverage.empty() ? nullptr : &level_.directional_coverage[directional_coverage_bytes * i]};
+  value = {&level_.rgba[4 * i], level_.normal.empty() ? no_normal : &level_.normal[2 * i],
+           level_.directional_coverage.empty() ? nullptr : &level_.directional_coverage[directional_coverage_bytes * i],
+           level_.voxel_class.empty() ? no_class : level_.voxel_class[i]};
   return true;
 }
 

@@ -14,6 +14,7 @@ struct VoxelValue {
   const std::int8_t* normal;  ///< 2 bytes; two zeros if the shard has no normals
   const std::uint8_t*
       directional_coverage;  ///< directional_coverage_bytes; null if the level has no directional coverage
+  VoxelClass voxel_class = no_class;
 };
 
 /// Lookup by coordinates. Borrows the nodes and the bricks of level `lod`.

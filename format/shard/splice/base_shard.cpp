@@ -33,7 +33,7 @@ std::size_t counted_by(LevelColumn column) {
 
 BaseShard::BaseShard(const std::filesystem::path& path, const ThreadPool& pool)
     : pages_(path), file_(Hdf5File::open(path)) {
-  if (read_version(file_) != shard_version_without_leaves)
+  if (read_version(file_) != first_version_of_differences)
     throw InputError(path, "version", "is not the current version, of which edits take bricks");
   const ShardReader reader(path);
   nodes_ = reader.nodes();

@@ -101,6 +101,13 @@ class TileReader {
       if (!m.normal_map.fault.empty()) map = {};
       out_.materials.push_back(m.material);
     }
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < model_.materials.size(); ++i) {
+      const std::string& name = model_.materials[i].name;
+      out_.materials[i].voxel_class = class_of_material(tile_.classes.get(), name);
+      names.insert(name);
+    }
+    out_.classified = classified_names(tile_.classes.get(), names);
   }
 
   /// Makes a material with an unusable image grey, so that the rest of the tile can be baked.
@@ -150,6 +157,10 @@ class TileReader {
     find_appearance(p, at, values);
     find_normals(p, at, values);
     find_normal_map(p, at, values);
+    if (tile_.classes && tile_.classes->ids)
+      values.ids.emplace(tile_.path, document_, p, at, *tile_.classes);
+    else
+      count_unused_ids(p, at, warnings_);
     parts.counts.triangles += corners.triangles();
     if (!sink_ || !is_split(corners.triangles(), vertices)) {
       add_whole(corners, values, at, parts);
@@ -243,7 +254,7 @@ class TileReader {
     HeldClaim claim(claim_);
     claim.add_items(values.position.count(), values.bytes_of_vertex(), at, "vertices");
     claim.add_items(corners.triangles() * 3, corner_bytes, at, "corners of triangles");
-    add(read_whole(corners, values, materials_[std::size_t(values.material)]), values, parts);
+    add(read_whole(corners, values, materials_[std::size_t(values.material)]), values, at, parts);
     if (!sink_) claim.keep();
   }
 
@@ -273,11 +284,17 @@ class TileReader {
       });
       for (const std::exception_ptr& error : errors)
         if (error) std::rethrow_exception(error);
-      for (Primitive& part : read) add(std::move(part), values, parts);
+      for (Primitive& part : read) add(std::move(part), values, at, parts);
     }
   }
 
-  void add(Primitive&& primitive, const VertexValues& values, MeshParts& parts) {
+  void add(Primitive&& primitive, const VertexValues& values, const std::string& at, MeshParts& parts) {
+    if (!values.ids) return add_part(std::move(primitive), values, parts);
+    for (Primitive& part : split_by_class(std::move(primitive), at, warnings_))
+      add_part(std::move(part), values, parts);
+  }
+
+  void add_part(Primitive&& primitive, const VertexValues& values, MeshParts& parts) {
     primitive.position_step = values.position.quantization_step();
     primitive.material = values.material;
     primitive.shares_uv = values.shares_uv;

@@ -12,6 +12,7 @@
 #include "format/edit/scene_edits.h"
 #include "format/edit/source_edit_json.h"
 #include "format/edit/source_edits_in_scene.h"
+#include "format/source/classes/source_classes.h"
 #include "format/source/origin_check.h"
 #include "format/source/raster/dem.h"
 #include "format/source/raster/dem_source.h"
@@ -45,6 +46,7 @@ struct Entry {
   double heading_deg = 0, scale = 1;
   std::shared_ptr<const SourceEdits> edits = nullptr;
   std::shared_ptr<const SourceVoxelSize> voxel_size = nullptr;
+  std::shared_ptr<const SourceClasses> classes = nullptr;
 };
 
 /// Returns the edits of an entry, then the edits in the options that concern it; null if there are none. `name` is the
@@ -89,10 +91,12 @@ Entry read_entry(const JsonMembers& json, SourceOptions options, const Progress&
   options.area.reset();  // the area and the edits refer to the frame of the whole scene
   options.edits.reset();
   const auto path = json.get<std::string>("path");
-  json.only({"path", "place", "heading_deg", "scale", "voxel_size_m", "edits"});
+  json.only({"path", "place", "heading_deg", "scale", "voxel_size_m", "class", "class_of_material", "class_from_ids",
+             "edits"});
   e.edits = edits_in(json, path, options);
   options.source_edits.reset();
   e.voxel_size = voxel_size_of(json);
+  e.classes = source_classes_of(json);
   const bool is_placed = json.contains("place");
   if (is_placed) read_place(json.members("place"), e);
   e.heading_deg = json.find<double>("heading_deg").value_or(0);
@@ -148,13 +152,15 @@ std::vector<Entry> raster_entries(const JsonMembers& scene, const Json& list, co
   std::map<std::filesystem::path, std::string> where;
   std::map<std::string, std::shared_ptr<const SourceEdits>> edits;
   std::map<std::string, std::shared_ptr<const SourceVoxelSize>> sizes;
+  std::map<std::string, std::shared_ptr<const SourceClasses>> classes;
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (!list[i].is_object() || !list[i].contains("dem")) continue;
     const JsonMembers entry = scene.element("sources", list, i);
     entry.only({"dem", "ortho", "crs", "ortho_crs", "nodata", "height_scale", "geoid_offset_m", "tile_cells",
-                "voxel_size_m", "edits"});
+                "voxel_size_m", "class", "edits"});
     edits[entry.path()] = edits_in(entry, name_of_entry(list[i]), options);
     sizes[entry.path()] = voxel_size_of(entry);
+    classes[entry.path()] = source_classes_of(entry);
     for (DemOptions& o : dem_options(entry)) {
       where.emplace(o.dem, entry.path());
       rasters.push_back(std::move(o));
@@ -176,6 +182,9 @@ std::vector<Entry> raster_entries(const JsonMembers& scene, const Json& list, co
                                [](const auto& own_edits) { return own_edits ? to_json(*own_edits) : std::string(); });
     e.voxel_size = value_of_surface(file, raster, where, sizes, ".voxel_size_m", "differs from that of ",
                                     [](const auto& size) { return size ? size->metres : 0; });
+    e.classes = value_of_surface(
+        file, raster, where, classes, ".class", "differs from that of ",
+        [](const auto& own_classes) { return own_classes ? std::optional(own_classes->of_source) : std::nullopt; });
     e.source = std::move(source);
     out.push_back(std::move(e));
   }
@@ -216,6 +225,7 @@ void add_entry(Entry e, SceneSources& out) {
     tile.name = name + tile.name.substr(std::min(own.size(), tile.name.size()));  // keeps the part, e.g. "[1]"
     tile.edits = e.edits;
     tile.voxel_size = e.voxel_size;
+    tile.classes = e.classes;
     out.tiles.push_back(std::move(tile));
   }
   for (const std::string& note : e.source.notes) out.notes.push_back(note);

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
+#include "format/source/classes/source_classes.h"
 #include "format/source/mesh/mesh_origin.h"
 #include "format/source/mesh/obj_material_table.h"
 #include "format/source/mesh/obj_vertices.h"
@@ -88,7 +89,8 @@ enum class Faces { keep, look_at, hand_over };
 class ObjReader {
  public:
   ObjReader(const TileRef& tile, const SourceFiles& files, ReadScope scope, const PrimitiveSink& sink)
-      : file_(tile.path),
+      : tile_(tile),
+        file_(tile.path),
         files_(files),
         everything_(scope != ReadScope::positions_only),
         with_normals_(scope == ReadScope::everything),
@@ -262,10 +264,14 @@ class ObjReader {
   /// Adds materials in the order of their names. This order determines their indices.
   void add_materials() {
     if (everything_)
-      for (auto& [use, index] : material_index_) index = materials_.add(use, with_normals_, out_);
+      for (auto& [use, index] : material_index_) {
+        index = materials_.add(use, with_normals_, out_);
+        out_.materials[std::size_t(index)].voxel_class = class_of_material(tile_.classes.get(), use.name);
+      }
     for (const auto& [use, index] : material_index_) materials_.warn_of_normal_map(use, warnings_);
     if (out_.materials.empty()) out_.materials.emplace_back();
     materials_.warn(used_materials_, warnings_);
+    out_.classified = classified_names(tile_.classes.get(), used_materials_);
     out_.warnings = warnings_.take();
     for (SourceWarning& w : out_.warnings)
       if (w.text.starts_with("faces ")) w.of = faces_;
@@ -308,6 +314,7 @@ class ObjReader {
     if (is_streamed_) claim_.give_back(bytes);
   }
 
+  const TileRef& tile_;
   const std::filesystem::path& file_;
   const SourceFiles& files_;
   bool everything_, with_normals_;

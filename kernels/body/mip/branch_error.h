@@ -6,6 +6,7 @@
 /// - unit normals by a chord of at most 2·codes/255,
 /// - positions by at most codes/8 of an edge of the finer voxel. The position is the height of the plane along the
 ///   largest axis of the leaf's normal, anywhere in the column of the finer voxel along this axis.
+/// Their classes are equal.
 /// Coverage is compared per column of lod-0 voxels along this axis: where the leaf's plane crosses the centre line of a
 /// column inside the leaf, a lod-0 voxel exists within codes/8 of an edge.
 ///

@@ -31,18 +31,21 @@ struct CommonVoxel {
   std::uint32_t rgba = 0,
                 directional_coverage = 0;  ///< alpha along each axis if the voxel stores neither coverages nor a plane
   std::uint16_t normal = 0;
+  VoxelClass voxel_class = no_class;
 };
 
 /// Returns the values of a voxel. `directional_coverage` points to its directional coverage; it is null if the level
 /// has none.
-GB_HD CommonVoxel common_voxel(std::uint32_t rgba, std::uint16_t normal, const std::uint8_t* directional_coverage) {
+GB_HD CommonVoxel common_voxel(std::uint32_t rgba, std::uint16_t normal, const std::uint8_t* directional_coverage,
+                               VoxelClass voxel_class = no_class) {
   const std::uint32_t alpha = byte_of(rgba, 3),
                       stored = directional_coverage != nullptr ? pack_directional_coverage(directional_coverage) : 0;
-  return {rgba, stored != 0 ? stored : alpha | alpha << 8 | alpha << 16, normal};
+  return {rgba, stored != 0 ? stored : alpha | alpha << 8 | alpha << 16, normal, voxel_class};
 }
 
 GB_HD bool are_equal(const CommonVoxel& a, const CommonVoxel& b) {
-  return a.rgba == b.rgba && a.normal == b.normal && a.directional_coverage == b.directional_coverage;
+  return a.rgba == b.rgba && a.normal == b.normal && a.directional_coverage == b.directional_coverage &&
+         a.voxel_class == b.voxel_class;
 }
 
 /// Returns the node type of a brick. `is_constant` is true if the brick is full and all its voxels are equal.
@@ -60,7 +63,7 @@ GB_HD NodeKind kind_of_constant(bool like_all_below) {
 /// coverage store none.
 GB_HD CommonVoxel value_of_node(NodeKind kind, const CommonVoxel& voxel, bool has_directional_coverage) {
   if (stores_voxels(kind)) return {};
-  return {voxel.rgba, has_directional_coverage ? voxel.directional_coverage : 0, voxel.normal};
+  return {voxel.rgba, has_directional_coverage ? voxel.directional_coverage : 0, voxel.normal, voxel.voxel_class};
 }
 
 /// Children of a node, stored consecutively in ascending order of their keys.

@@ -28,6 +28,7 @@ void add_level(const Level& level, std::uint8_t below, DownsampleState& source) 
   add_places(level, below, source.place);
   source.rgba.insert(source.rgba.end(), level.rgba.begin(), level.rgba.end());
   source.normal.insert(source.normal.end(), level.normal.begin(), level.normal.end());
+  source.voxel_class.insert(source.voxel_class.end(), level.voxel_class.begin(), level.voxel_class.end());
 }
 
 template <class T>

@@ -28,6 +28,10 @@ std::optional<PlanarVoxel> planar_voxel_at(const Level& level, std::size_t i) {
   return planar_voxel(voxel_at(level, i), plane);
 }
 
+VoxelClass class_at(const Level& level, std::size_t i) {
+  return level.voxel_class.empty() ? no_class : level.voxel_class[i];
+}
+
 /// Calls visit(voxel's index in the level, position in the brick) for each voxel of a brick until it returns false.
 template <class Visit>
 bool all_voxels(const Level& level, std::size_t brick, const Visit& visit) {
@@ -48,7 +52,9 @@ class Octant {
     is_planar_ = all_voxels(levels[std::size_t(lod)], brick, [&](std::size_t voxel, const Vec3<int>& at) {
       if (unsigned((at[0] >> 2) | (at[1] >> 2) << 1 | (at[2] >> 2) << 2) != number) return true;
       const std::optional<PlanarVoxel> leaf = planar_voxel_at(levels_[std::size_t(lod_)], voxel);
-      if (leaf) leaf_[std::size_t(place_in_octant({at[0] & 3, at[1] & 3, at[2] & 3}))] = leaf_plane(*leaf);
+      const auto place = std::size_t(place_in_octant({at[0] & 3, at[1] & 3, at[2] & 3}));
+      if (leaf) leaf_[place] = leaf_plane(*leaf);
+      class_[place] = class_at(levels_[std::size_t(lod_)], voxel);
       return leaf.has_value();
     });
   }
@@ -81,9 +87,10 @@ class Octant {
 
   /// `at` is the voxel's position in the octant.
   bool describes_voxel(const Level& level, std::size_t voxel, const Vec3<int>& at, int finer, const Tables& tables) {
-    const std::optional<LeafPlane>& leaf = leaf_[std::size_t(place_in_octant(at >> finer))];
+    const auto place = std::size_t(place_in_octant(at >> finer));
+    const std::optional<LeafPlane>& leaf = leaf_[place];
     const std::optional<PlanarVoxel> planar = planar_voxel_at(level, voxel);
-    if (!leaf || !planar) return false;
+    if (!leaf || !planar || class_at(level, voxel) != class_[place]) return false;
     const int edge = 1 << finer;
     const Vec3<int> in_leaf = at - (at >> finer) * edge;
     return describes(*leaf, *planar, in_leaf * 2 + Vec3<int>::all(1 - edge), finer, codes_, tables);
@@ -131,6 +138,7 @@ class Octant {
   std::uint64_t key_;  ///< of the bricks that the octant is above
   bool is_planar_ = false;
   std::array<std::optional<LeafPlane>, octant_voxels> leaf_;
+  std::array<VoxelClass, octant_voxels> class_{};
   std::array<const std::uint64_t*, max_bricks * max_bricks * max_bricks> finest_{};
 };
 

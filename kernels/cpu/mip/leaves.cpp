@@ -60,6 +60,7 @@ class LeafJoiner {
 
   void copy_voxel(std::size_t i) {
     copy(level_.rgba, i, 4, joint.rgba);
+    copy(level_.voxel_class, i, 1, joint.voxel_class);
     copy(level_.normal, i, 2, joint.normal);
     copy(level_.directional_coverage, i, directional_coverage_bytes, joint.directional_coverage);
     copy(surface_.rasters, i, words_, joint_surface.rasters);
@@ -68,6 +69,7 @@ class LeafJoiner {
 
   void add_leaf(std::size_t i) {
     copy(leaves_.rgba, i, 4, joint.rgba);
+    copy(leaves_.voxel_class, i, 1, joint.voxel_class);
     copy(leaves_.normal, i, 2, joint.normal);
     if (!has_views_) return;
     const Voxel leaf = voxel_at(leaves_, i);

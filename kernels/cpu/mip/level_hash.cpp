@@ -16,12 +16,17 @@ Hash128 brick_hash(const Level& level, std::size_t brick, int lod, const Vec3i64
   const BrickCoordinate at = demorton(level.key[brick]);
   Hash128 sum;
   std::size_t i = level.first[brick];
+  const auto coverage = [&] {
+    return level.directional_coverage.empty() ? nullptr : &level.directional_coverage[directional_coverage_bytes * i];
+  };
+  const auto normal = [&] { return level.normal.empty() ? std::uint16_t(0) : pack_normal(&level.normal[2 * i]); };
   for (int z = 0; z < brick_edge; ++z)
     for (std::uint64_t rest = level.mask[8 * brick + std::size_t(z)]; rest != 0; rest &= rest - 1, ++i)
-      sum += hash_of_voxel(
-          window_min, lod, at, 64 * z + std::countr_zero(rest), pack_rgba(&level.rgba[4 * i]),
-          level.normal.empty() ? std::uint16_t(0) : pack_normal(&level.normal[2 * i]),
-          level.directional_coverage.empty() ? nullptr : &level.directional_coverage[directional_coverage_bytes * i]);
+      sum += level.voxel_class.empty()
+                 ? hash_of_voxel(window_min, lod, at, 64 * z + std::countr_zero(rest), pack_rgba(&level.rgba[4 * i]),
+                                 normal(), coverage())
+                 : hash_of_voxel(window_min, lod, at, 64 * z + std::countr_zero(rest), pack_rgba(&level.rgba[4 * i]),
+                                 normal(), coverage(), level.voxel_class[i]);
   return sum;
 }
 

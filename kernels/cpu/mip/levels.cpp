@@ -12,6 +12,7 @@
 #include "kernels/body/mip/mip.h"
 #include "kernels/body/mip/plane_fit.h"
 #include "kernels/body/prune/node.h"
+#include "kernels/body/voxel_class.h"
 #include "kernels/cpu/mip/leaves.h"
 #include "kernels/cpu/mip/level_read.h"
 #include "kernels/cpu/mip/two_level_filter.h"
@@ -151,6 +152,18 @@ class ParentBuilder {
     } else {
       parent_[to] = filter_children<false>(children.voxel, {}, filter_, tables_);
     }
+    if (!fine_.voxel_class.empty()) class_[to] = class_of(children, to);
+  }
+
+  VoxelClass class_of(const Children& children, int to) const {
+    VoxelClass classes[8] = {};
+    std::uint32_t weights[8] = {};
+    for (int c = 0; c < 8; ++c) {
+      if (!children.has(c)) continue;
+      classes[c] = fine_.voxel_class[children.index[c]];
+      weights[c] = filters_by_view(filter_) ? weights_[to].of(c) : children.voxel[c].rgba[3];
+    }
+    return class_of_children(classes, weights);
   }
 
   void filter_patch(const Children& children, int to) {
@@ -179,6 +192,11 @@ class ParentBuilder {
     const std::span<const std::uint16_t> voxels(packed_, count);
     for (std::size_t i = 0; i < count; ++i) packed_voxel_[i] = parent_[voxels[i]];
     run.bricks.push_brick(key, mask_, {packed_voxel_, count});
+    if (!fine_.voxel_class.empty()) {
+      VoxelClass classes[brick_voxels];
+      for (std::size_t i = 0; i < count; ++i) classes[i] = class_[voxels[i]];
+      run.bricks.push_classes({classes, count});
+    }
     if (filters_by_view(filter_)) pack_views(voxels, run);
     for (std::uint64_t& word : mask_) word = 0;
   }
@@ -207,6 +225,7 @@ class ParentBuilder {
   Weights weights_[brick_voxels];  ///< used only with MipFilter::coverage
   std::uint32_t raster_[brick_voxels][raster_words(max_raster_edge)];
   SurfaceMoments patch_[brick_voxels];  ///< used only with MipFilter::coverage and normals
+  VoxelClass class_[brick_voxels];      ///< used only with classes
   std::uint64_t mask_[8] = {};
   std::uint16_t packed_[brick_voxels];  ///< positions of the parent's voxels, in ascending order
   Voxel packed_voxel_[brick_voxels];

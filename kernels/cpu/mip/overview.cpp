@@ -59,6 +59,8 @@ class JoinedLevel {
     Level level;
     std::vector<BrickRun> runs{std::move(run)};
     append(level, runs, pool);
+    for (const PlacedVoxel& v : voxels_)
+      if (parameters_.classes) level.voxel_class.push_back(v.source->voxel_class[v.row]);
     return level;
   }
 
@@ -118,6 +120,7 @@ void expect_columns(const DownsampleState& s, const OverviewParameters& p) {
   const bool by_view = filters_by_view(p.mip);
   expect(s.normal.size() == (p.normals ? 2 * voxels : 0));
   expect(s.raster.size() == (by_view ? raster_bytes(p.child_lod) * coarsest : 0));
+  expect(s.voxel_class.size() == (p.classes ? voxels : 0));
   const bool finest_without_planes = p.child_lod == 0 && s.patch.empty();
   expect(s.patch.size() == (by_view && p.normals && !finest_without_planes ? source_patch_bytes * coarsest : 0));
   expect((coarsest < voxels) == (voxels > 0 && is_of_64(p.mip, p.child_lod + 1)));

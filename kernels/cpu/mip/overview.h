@@ -27,6 +27,7 @@ struct OverviewParameters {
   int levels = 0;        ///< the window has 8 · 2^(child_lod + levels) voxels of lod 0 along its edge
   MipFilter mip = MipFilter::coverage;
   bool normals = true, directional_coverage = true;
+  bool classes = false;         ///< as in CellParameters
   std::uint32_t max_error = 0;  ///< as in CellParameters
 };
 

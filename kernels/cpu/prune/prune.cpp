@@ -34,7 +34,8 @@ std::vector<std::size_t> child_starts(const Level& level, const Level& below) {
 CommonVoxel voxel_of(const Level& level, std::size_t i) {
   return common_voxel(
       pack_rgba(&level.rgba[4 * i]), level.normal.empty() ? std::uint16_t(0) : pack_normal(&level.normal[2 * i]),
-      level.directional_coverage.empty() ? nullptr : &level.directional_coverage[directional_coverage_bytes * i]);
+      level.directional_coverage.empty() ? nullptr : &level.directional_coverage[directional_coverage_bytes * i],
+      level.voxel_class.empty() ? no_class : level.voxel_class[i]);
 }
 
 BrickClass classify_brick(const Level& level, std::size_t b) {
@@ -80,6 +81,7 @@ void add_level_nodes(const Level& level, const BrickClasses& classes, std::size_
     const BrickClass& v = classes[b];
     if (!v.stored) continue;
     append_node(level.key[b], lod, v.kind, v.value, !level.directional_coverage.empty(), brick, nodes);
+    if (!level.voxel_class.empty()) nodes.voxel_class.push_back(stores_voxels(v.kind) ? no_class : v.value.voxel_class);
     const bool may_have_leaves = lod != 0 && !ends_branch(v.kind);
     nodes.leaf_mask.push_back(std::uint8_t(may_have_leaves ? occupied_octants(&level.mask[8 * b]) : 0u));
   }
@@ -112,6 +114,9 @@ void remove_constant_bricks(Level& level, const BrickClasses& classes) {
           kept.directional_coverage.end(),
           level.directional_coverage.begin() + std::ptrdiff_t(directional_coverage_bytes) * first,
           level.directional_coverage.begin() + std::ptrdiff_t(directional_coverage_bytes) * end);
+    if (!level.voxel_class.empty())
+      kept.voxel_class.insert(kept.voxel_class.end(), level.voxel_class.begin() + first,
+                              level.voxel_class.begin() + end);
     kept.first.push_back(kept.rgba.size() / 4);
   }
   level = std::move(kept);

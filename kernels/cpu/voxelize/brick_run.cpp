@@ -58,17 +58,18 @@ void BrickRun::push_brick(std::uint64_t key, const std::uint64_t mask[8], std::s
   for (std::size_t i = 0; i < voxels.size(); ++i) std::memcpy(normal + 2 * i, voxels[i].normal, 2);
 }
 
-void BrickRun::make_room(Level& level, std::size_t bricks, std::size_t voxels, bool directional_coverage,
+void BrickRun::make_room(Level& level, std::size_t bricks, std::size_t voxels, bool directional_coverage, bool classes,
                          const ThreadPool& pool) const {
   // Growing an array fills it with zeros, which takes time. Each array is therefore a separate task. The largest array
   // is the first.
-  threads_for(voxels, pool).parallel_for(6, 1, [&](std::size_t array, std::size_t, int) {
+  threads_for(voxels, pool).parallel_for(7, 1, [&](std::size_t array, std::size_t, int) {
     if (array == 0) level.rgba.resize(4 * voxels);
     if (array == 1 && directional_coverage) level.directional_coverage.resize(directional_coverage_bytes * voxels);
     if (array == 2 && normals_) level.normal.resize(2 * voxels);
     if (array == 3) level.mask.resize(8 * bricks);
     if (array == 4) level.first.resize(bricks + 1);
     if (array == 5) level.key.resize(bricks);
+    if (array == 6 && classes) level.voxel_class.resize(voxels);
   });
 }
 
@@ -77,7 +78,9 @@ void append(Level& level, std::vector<BrickRun>& runs, const ThreadPool& pool) {
   const std::vector<Landing> at = landings(runs, {level.key.size(), level.rgba.size() / 4});
   const bool directional_coverage =  // the first runs may have no brick
       std::ranges::any_of(runs, [](const BrickRun& run) { return !run.directional_coverage_.empty(); });
-  if (!runs.empty()) runs.front().make_room(level, at.back().brick, at.back().voxel, directional_coverage, pool);
+  const bool classes = std::ranges::any_of(runs, [](const BrickRun& run) { return !run.voxel_class_.empty(); });
+  if (!runs.empty())
+    runs.front().make_room(level, at.back().brick, at.back().voxel, directional_coverage, classes, pool);
   pool.parallel_for(runs.size(), 4, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t r = begin; r < end; ++r) {
       BrickRun& run = runs[r];
@@ -87,6 +90,8 @@ void append(Level& level, std::vector<BrickRun>& runs, const ThreadPool& pool) {
       std::copy(run.normal_.begin(), run.normal_.end(), level.normal.begin() + 2 * at[r].voxel);
       std::copy(run.directional_coverage_.begin(), run.directional_coverage_.end(),
                 level.directional_coverage.begin() + directional_coverage_bytes * at[r].voxel);
+      std::copy(run.voxel_class_.begin(), run.voxel_class_.end(),
+                level.voxel_class.begin() + std::ptrdiff_t(at[r].voxel));
       std::uint64_t first = at[r].voxel;
       for (std::size_t b = 0; b < run.bricks(); ++b) {
         for (int word = 0; word < 8; ++word) first += std::popcount(run.mask_[8 * b + word]);

@@ -28,6 +28,10 @@ class BrickRun {
     if (directional_coverage_.empty()) directional_coverage_.reserve(bricks_per_run * directional_coverage.size());
     directional_coverage_.insert(directional_coverage_.end(), directional_coverage.begin(), directional_coverage.end());
   }
+  /// Appends the classes of the last brick, one per voxel. Call it for all bricks or for none.
+  void push_classes(std::span<const VoxelClass> classes) {
+    voxel_class_.insert(voxel_class_.end(), classes.begin(), classes.end());
+  }
   bool has_planes() const { return planes_; }
   std::size_t voxels() const { return rgba_.size() / 4; }
   std::size_t bricks() const { return key_.size(); }
@@ -36,7 +40,7 @@ class BrickRun {
 
  private:
   void reserve_for(std::size_t voxels_per_brick);
-  void make_room(Level& level, std::size_t bricks, std::size_t voxels, bool directional_coverage,
+  void make_room(Level& level, std::size_t bricks, std::size_t voxels, bool directional_coverage, bool classes,
                  const ThreadPool& pool) const;
 
   bool normals_, planes_;
@@ -44,6 +48,7 @@ class BrickRun {
   std::vector<std::uint8_t> rgba_;
   std::vector<std::int8_t> normal_;
   std::vector<std::uint8_t> directional_coverage_;
+  std::vector<VoxelClass> voxel_class_;
 };
 
 /// Moves the runs' bricks, in order, to the end of the level and empties the runs.

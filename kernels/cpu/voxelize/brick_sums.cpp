@@ -15,7 +15,10 @@ void for_each_bit(const std::uint64_t mask[8], const Body& body) {
 
 }  // namespace
 
-BrickSums::BrickSums() : narrow_store_(std::make_unique<std::array<Narrow, brick_voxels>>()), narrow_(*narrow_store_) {}
+BrickSums::BrickSums(bool classes)
+    : narrow_store_(std::make_unique<std::array<Narrow, brick_voxels>>()), narrow_(*narrow_store_) {
+  if (classes) areas_.emplace();
+}
 
 void BrickSums::flush() {
   if (!wide_) wide_ = std::make_unique<std::array<Wide, brick_voxels>>();
@@ -33,11 +36,13 @@ void BrickSums::resolve_to(BrickRun& run, std::uint64_t key, const Tables& table
   std::array<Voxel, brick_voxels> voxels;
   std::array<DirectionalCoverage, brick_voxels> planes;
   std::size_t count = 0;
+  std::vector<VoxelClass> classes = areas_ ? areas_->take_classes() : std::vector<VoxelClass>();
   for_each_bit(mask_, [&](int voxel) {
     FinestVoxel resolved;
     const bool there =
         flushed_ ? resolve((*wide_)[voxel].data(), tables, resolved) : resolve(narrow_[voxel].data(), tables, resolved);
     if (there) {
+      if (!classes.empty()) classes[count] = classes[std::size_t(voxel)];
       voxels[count] = resolved.voxel;
       planes[count++] = {0, 0, 0, resolved.plane};
       visible[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
@@ -48,6 +53,7 @@ void BrickSums::resolve_to(BrickRun& run, std::uint64_t key, const Tables& table
   if (count != 0) {
     run.push_brick(key, visible, std::span(voxels).first(count));
     if (run.has_planes()) run.push_directional_coverage({planes[0].data(), directional_coverage_bytes * count});
+    if (!classes.empty()) run.push_classes(std::span(classes).first(count));
   }
   for (std::uint64_t& word : mask_) word = 0;
   triangles_ = 0;

@@ -4,11 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "core/octree/brick.h"
 #include "kernels/body/voxelize/accumulate.h"
 #include "kernels/body/voxelize/resolve.h"
 #include "kernels/cpu/voxelize/brick_run.h"
+#include "kernels/cpu/voxelize/class_areas.h"
 
 namespace gigabake::kernels {
 
@@ -16,12 +18,17 @@ namespace gigabake::kernels {
 /// number of triangles per voxel is exact. An object is reused for the next brick; all sums are zero between bricks.
 class BrickSums {
  public:
-  BrickSums();
+  /// `classes` states whether resolve_to() also writes the classes of the voxels.
+  explicit BrickSums(bool classes = false);
 
   void add(int voxel, const Fragment& fragment) {
     accumulate(narrow_[voxel].data(), fragment);
     mask_[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
+    if (areas_ && has_class_weight(fragment.alpha)) areas_->add(voxel, class_of_triangle_, fragment.weight);
   }
+
+  /// Sets the class of the next triangle's fragments.
+  void begin_triangle(VoxelClass voxel_class) { class_of_triangle_ = voxel_class; }
 
   /// Ends a triangle. Call it after the last fragment of each triangle.
   /// Range   A triangle adds at most one fragment per voxel.
@@ -41,6 +48,8 @@ class BrickSums {
   std::unique_ptr<std::array<Narrow, brick_voxels>> narrow_store_;
   std::array<Narrow, brick_voxels>& narrow_;
   std::unique_ptr<std::array<Wide, brick_voxels>> wide_;  ///< allocated by the first flush
+  std::optional<ClassAreas> areas_;                       ///< only with classes
+  VoxelClass class_of_triangle_ = no_class;
   std::uint64_t mask_[8] = {};
   int triangles_ = 0;
   bool flushed_ = false;

@@ -40,7 +40,8 @@ void clip(Level& level, int lod, const CellParameters& parameters, const ThreadP
 void keep_voxels(Level& level, const KeptInBrick& kept_in, const ThreadPool& pool) {
   const std::vector<std::uint64_t> before = keep_in_masks(level, kept_in, pool);
   const std::size_t per_normal = level.normal.empty() ? 0 : 2,
-                    per_plane = level.directional_coverage.empty() ? 0 : directional_coverage_bytes;
+                    per_plane = level.directional_coverage.empty() ? 0 : directional_coverage_bytes,
+                    per_class = level.voxel_class.empty() ? 0 : 1;
   std::uint64_t from = 0, to = 0;
   std::size_t bricks = 0;
   for (std::size_t b = 0; b < level.key.size(); ++b) {
@@ -52,6 +53,7 @@ void keep_voxels(Level& level, const KeptInBrick& kept_in, const ThreadPool& poo
         keep_values(level.rgba, 4, from, to);
         keep_values(level.normal, per_normal, from, to);
         keep_values(level.directional_coverage, per_plane, from, to);
+        keep_values(level.voxel_class, per_class, from, to);
         ++to;
       }
       level.mask[words_per_brick * bricks + w] = kept;
@@ -67,6 +69,7 @@ void keep_voxels(Level& level, const KeptInBrick& kept_in, const ThreadPool& poo
   level.rgba.resize(4 * to);
   level.normal.resize(per_normal * to);
   level.directional_coverage.resize(per_plane * to);
+  level.voxel_class.resize(per_class * to);
 }
 
 }  // namespace gigabake::kernels

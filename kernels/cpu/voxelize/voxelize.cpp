@@ -24,13 +24,14 @@ namespace {
 struct PartSurface {
   PartArrays part;
   Surface surface;
+  VoxelClass voxel_class;
 };
 
 std::vector<PartSurface> part_surfaces(const CellInput& input) {
   std::vector<PartSurface> out;
   for (std::size_t i = 0; i < input.parts.size; ++i) {
     const PartArrays part = part_arrays(input, input.parts[i]);
-    out.push_back({part, surface_of(part, input.materials.data, input.textures.data)});
+    out.push_back({part, surface_of(part, input.materials.data, input.textures.data), input.parts[i].voxel_class});
   }
   return out;
 }
@@ -65,8 +66,13 @@ struct TriangleNormals {
 class BrickWalker {
  public:
   BrickWalker(std::span<const WindowTriangle> triangles, const std::vector<PartSurface>& parts,
-              const TextureView* textures, SurfaceRule rule)
-      : triangles_(triangles), parts_(parts), textures_(textures), rule_(rule), tables_(TableStore::host().view()) {}
+              const TextureView* textures, const CellParameters& parameters)
+      : triangles_(triangles),
+        parts_(parts),
+        textures_(textures),
+        rule_(parameters.surface),
+        tables_(TableStore::host().view()),
+        sums_(parameters.classes) {}
 
   void walk(const Pair* begin, const Pair* end, BrickRun& run) {
     const std::uint64_t key = brick_of(*begin);
@@ -93,6 +99,7 @@ class BrickWalker {
     set_triangle(part, w, plane, surface_);
     normals_.set(part, textures_, w.index, plane, triangle_normal(part, w.index, t));
     if (surface_.look() == ShadingRate::linear) linear_ = make_linear_colour(surface_, plane);
+    sums_.begin_triangle(parts_[w.part].voxel_class);
     for (int i = 0; i < 8; ++i)
       if (slab[i] != 0) add_slab(plane, surface_, t.axis, i, slab[i]);
     sums_.end_triangle();
@@ -207,7 +214,7 @@ void voxelize(const CellInput& input, std::span<const WindowTriangle> triangles,
   std::vector<std::unique_ptr<BrickWalker>> walkers(pool.threads());
   pool.parallel_for(bricks, bricks_per_run, [&](std::size_t begin, std::size_t end, int thread) {
     if (!walkers[thread])
-      walkers[thread] = std::make_unique<BrickWalker>(triangles, parts, input.textures.data, parameters.surface);
+      walkers[thread] = std::make_unique<BrickWalker>(triangles, parts, input.textures.data, parameters);
     for (std::size_t b = begin; b < end; ++b)
       walkers[thread]->walk(pairs.data() + starts[b], pairs.data() + starts[b + 1], runs[b / bricks_per_run]);
   });

@@ -136,6 +136,7 @@ def write_glb_document(path, document, binary=b""):
 
 
 PLY_VERTEX = numpy.dtype([("p", "<f8", 3), ("ijk", "<i4", 3), ("rgba", "u1", 4), ("n", "<f4", 3)])
+PLY_VERTEX_WITH_CLASS = numpy.dtype(PLY_VERTEX.descr + [("class", "<u2")])
 
 
 def read_ply(path):
@@ -143,6 +144,7 @@ def read_ply(path):
     content = Path(path).read_bytes()
     header, body = content.split(b"end_header\n", 1)
     count = int(header.split(b"element vertex ")[1].split(b"\n")[0])
-    vertices = numpy.frombuffer(body, PLY_VERTEX, count)
+    has_classes = b"property ushort class\n" in header
+    vertices = numpy.frombuffer(body, PLY_VERTEX_WITH_CLASS if has_classes else PLY_VERTEX, count)
     assert vertices.nbytes == len(body)
     return vertices[numpy.lexsort(vertices["ijk"].T)]

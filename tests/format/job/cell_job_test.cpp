@@ -46,7 +46,9 @@ TileScan some_scan() {
           {{"a.gltf", {1, 2, 3, 4}, true}, {"b c.bin", {}, false}},
           0.5,
           {"a warning", lost_faces()},
-          2.5};
+          2.5,
+          {0, 3},
+          true};
 }
 
 TEST(CellJob, ComesBackFromItsBytes) {
@@ -111,6 +113,8 @@ TEST(TileScan, ComesBackFromItsBytes) {
   EXPECT_EQ(back.columns[1].triangles, 3u);
   EXPECT_EQ(back.bounds, scan.bounds);
   EXPECT_EQ(back.skipped_lines, scan.skipped_lines);
+  EXPECT_EQ(back.classified, scan.classified);
+  EXPECT_EQ(back.is_refused, scan.is_refused);
   EXPECT_EQ(back.source, scan.source);
   EXPECT_EQ(back.error, scan.error);
   EXPECT_EQ(back.spacing_m, 0.5);

@@ -25,6 +25,7 @@ SceneDescription random_scene(std::mt19937_64& rng) {
   const auto share = [&rng] { return double(rng()) / 0x1p64; };
   if (rng() % 2 == 0) s.origin = Geodetic{180 * share() - 90, 360 * share() - 180, real()};
   s.has_normals = rng() % 2 == 0;
+  s.has_classes = rng() % 2 == 0;
   if (rng() % 2 == 0) s.bounds = {{-70, 130, 3}, {-5, 150, 290}};
   s.parameters = R"({"voxel_size_m":0.1,"surface":"area"})";
   s.triangles = rng();
@@ -59,6 +60,7 @@ void expect_same(const SceneDescription& a, const SceneDescription& b) {
   EXPECT_EQ(a.origin, b.origin);
   EXPECT_EQ(a.bounds, b.bounds);
   EXPECT_EQ(a.has_normals, b.has_normals);
+  EXPECT_EQ(a.has_classes, b.has_classes);
   EXPECT_EQ(a.parameters, b.parameters);
   EXPECT_EQ(a.triangles, b.triangles);
   EXPECT_EQ(a.skipped_lines, b.skipped_lines);
@@ -142,7 +144,9 @@ TEST(SceneXml, IsRefusedWithElementAndAttributeWhereItIsWrong) {
     const char *from, *to, *told;
   } cases[] = {
       {"<OctTreeGroup", "<OctTreeGrouq", "not a scene"},
-      {"Version=\"5\"", "Version=\"7\"", "OctTreeGroup Version: expected 1 to 6"},
+      {"Version=\"5\"", "Version=\"8\"", "OctTreeGroup Version: expected 1 to 7"},
+      {"Version=\"5\"", "Version=\"7\"", "OctTreeGroup Channels: lack 'class'"},
+      {"Channels=\"rgba normal", "Channels=\"rgba normal class", "OctTreeGroup Channels: state 'class'"},
       {"Version=\"5\"", "Version=\"6\"", "OctTreeGroup LeafLod: is missing"},
       {"Version=\"5\"", "Version=\"6\" LeafLod=\"0\"", "OctTreeGroup LeafLod: expected 1 to 10"},
       {"Version=\"5\"", "Version=\"6\" LeafLod=\"11\"", "OctTreeGroup LeafLod: expected 1 to 10"},

@@ -13,19 +13,22 @@ namespace {
 struct Version {
   std::string folder;  ///< named after the version of the shards, and of scene.xml if it has one
   bool has_totals;
-  bool has_planes = false, has_above = false, has_overview = false, has_finest_planes = false;
+  bool has_planes = false, has_above = false, has_overview = false, has_finest_planes = false, has_classes = false;
 
   Shard shard() const {
     Shard shard = has_planes ? made::small_shard_with_planes(has_finest_planes ? 6 : 5) : made::small_shard();
     if (has_above) shard.above = made::small_above();
-    return shard;
+    return has_classes ? made::with_classes(std::move(shard)) : shard;
   }
   std::vector<Shard> shards() const {
     if (!has_overview) return {shard()};
-    return {shard(), made::small_overview()};
+    return {shard(), overview()};
   }
+  Shard overview() const { return has_classes ? made::with_classes(made::small_overview()) : made::small_overview(); }
 };
-const Version newest{"version_7_scene_5", true, true, true, true, true};
+/// The versions of scenes without classes and with classes.
+const Version newest{"version_7_scene_5", true, true, true, true, true},
+    newest_with_classes{"version_9_scene_7", true, true, true, true, true, true};
 
 std::filesystem::path golden(const Version& version) {
   return std::filesystem::path(GIGABAKE_SOURCE_DIR) / "tests/format/golden" / version.folder;
@@ -35,7 +38,8 @@ class Golden : public testing::TestWithParam<Version> {};
 
 TEST_P(Golden, SceneReadsAsOnTheDayItWasWritten) {
   const std::filesystem::path folder = golden(GetParam());
-  if (GetParam().folder == newest.folder && std::getenv("GIGABAKE_WRITE_GOLDEN") != nullptr)
+  const bool is_newest = GetParam().folder == newest.folder || GetParam().folder == newest_with_classes.folder;
+  if (is_newest && std::getenv("GIGABAKE_WRITE_GOLDEN") != nullptr)
     made::write_scene_of(folder / "scene.xml", GetParam().shards());
   const SceneDescription scene = read_scene(folder / "scene.xml");
   ASSERT_EQ(scene.cells.size(), 1u);
@@ -48,7 +52,7 @@ TEST_P(Golden, SceneReadsAsOnTheDayItWasWritten) {
   EXPECT_EQ(read_shard(folder / scene.cells[0].file).above, GetParam().shard().above);
   ASSERT_EQ(scene.overviews.size(), GetParam().shards().size() - 1);
   for (const SceneCell& overview : scene.overviews) {
-    EXPECT_EQ(made::difference(read_shard(folder / overview.file), made::small_overview()), "");
+    EXPECT_EQ(made::difference(read_shard(folder / overview.file), GetParam().overview()), "");
     EXPECT_EQ(overview.copied_lods, 1u);
   }
   const VerifyResult verified = verify_scene(folder / "scene.xml", 1);
@@ -62,20 +66,24 @@ INSTANTIATE_TEST_SUITE_P(Versions, Golden,
                                          Version{"version_4_scene_3", true, true, true},
                                          Version{"version_5_scene_4", true, true, true, true},
                                          Version{"version_5_scene_5", true, true, true, true},
-                                         Version{"version_6_scene_5", true, true, true, true, true}, newest),
+                                         Version{"version_6_scene_5", true, true, true, true, true}, newest,
+                                         newest_with_classes),
                          [](const auto& version) { return version.param.folder; });
 
 TEST(GoldenToday, WriterStoresWhatTheNewestVersionStores) {
-  const made::TempFolder folder;
-  const SceneDescription today = made::write_scene_of(folder / "scene.xml", newest.shards());
-  const SceneDescription then = read_scene(golden(newest) / "scene.xml");
-  EXPECT_EQ(made::difference(read_shard(folder / today.cells[0].file), read_shard(golden(newest) / then.cells[0].file)),
-            "");
-  EXPECT_EQ(today.cells[0].content_hash, then.cells[0].content_hash);
-  const StoredTotals said = read_scene_text(folder / "scene.xml").said.value();
-  const StoredTotals said_then = read_scene_text(golden(newest) / "scene.xml").said.value();
-  EXPECT_EQ(said.voxels, said_then.voxels);
-  EXPECT_EQ(said.content_hash, said_then.content_hash);
+  for (const Version& version : {newest, newest_with_classes}) {
+    const made::TempFolder folder;
+    const SceneDescription today = made::write_scene_of(folder / "scene.xml", version.shards());
+    const SceneDescription then = read_scene(golden(version) / "scene.xml");
+    EXPECT_EQ(
+        made::difference(read_shard(folder / today.cells[0].file), read_shard(golden(version) / then.cells[0].file)),
+        "");
+    EXPECT_EQ(today.cells[0].content_hash, then.cells[0].content_hash);
+    const StoredTotals said = read_scene_text(folder / "scene.xml").said.value();
+    const StoredTotals said_then = read_scene_text(golden(version) / "scene.xml").said.value();
+    EXPECT_EQ(said.voxels, said_then.voxels);
+    EXPECT_EQ(said.content_hash, said_then.content_hash);
+  }
 }
 
 }  // namespace

@@ -267,6 +267,20 @@ Shard small_shard_with_planes(int version) {
   return with_content_hash(std::move(s));
 }
 
+Shard with_classes(Shard s) {
+  s.header.has_classes = true;
+  std::uint32_t next = 3;
+  const auto add = [&next](std::vector<VoxelClass>& to) { to.push_back(VoxelClass(next = next * 40503 + 1)); };
+  for (BrickLevel& level : s.levels)
+    for (std::size_t v = 0; v < level.rgba.size() / 4; ++v) add(level.voxel_class);
+  for (const NodeKind kind : s.nodes.kind) {
+    add(s.nodes.voxel_class);
+    if (kind == NodeKind::brick) s.nodes.voxel_class.back() = no_class;
+  }
+  for (std::size_t v = 0; v < s.above.voxels(); ++v) add(s.above.voxel_class);
+  return with_content_hash(std::move(s));
+}
+
 DownsampleState small_above() {
   DownsampleState above;
   above.place = {0, 0, 0, 0, 0, 7, 3, 5};
@@ -340,6 +354,7 @@ SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const st
     scene.voxel_size_m = h.voxel_size_m;
     scene.has_normals = h.has_normals;
     scene.has_directional_coverage = h.has_directional_coverage;
+    scene.has_classes = h.has_classes;
     scene.lattice_origin_m = h.lattice_origin_m;
     scene.origin = h.origin;
     scene.has_normals = h.has_normals;
@@ -349,6 +364,7 @@ SceneDescription write_scene_of(const std::filesystem::path& scene_xml, const st
   if (!scene.cells.empty()) parameters.cell_voxels = scene.cells[0].cell_voxels;
   parameters.normals = scene.has_normals;
   parameters.directional_coverage = scene.has_directional_coverage;
+  parameters.classes = scene.has_classes;
   scene.parameters = to_json(parameters);
   write_scene(scene_xml, scene);
   return scene;
@@ -361,18 +377,18 @@ std::string difference(const Shard& a, const Shard& b) {
       h.voxel_size_m != g.voxel_size_m || h.lattice_origin_m != g.lattice_origin_m || h.origin != g.origin ||
       h.lods != g.lods || h.fingerprint != g.fingerprint || h.content_hash != g.content_hash ||
       h.has_normals != g.has_normals || h.has_directional_coverage != g.has_directional_coverage ||
-      h.triangles != g.triangles)
+      h.has_classes != g.has_classes || h.triangles != g.triangles)
     return "headers differ";
   const NodeTable &n = a.nodes, &m = b.nodes;
   if (n.key != m.key || n.lod != m.lod || n.kind != m.kind || n.child_mask != m.child_mask ||
       n.first_child != m.first_child || n.value != m.value || n.normal != m.normal ||
-      n.directional_coverage != m.directional_coverage)
+      n.directional_coverage != m.directional_coverage || n.voxel_class != m.voxel_class)
     return "nodes differ";
   if (a.levels.size() != b.levels.size()) return "numbers of levels differ";
   for (std::size_t lod = 0; lod < a.levels.size(); ++lod) {
     const BrickLevel &l = a.levels[lod], &k = b.levels[lod];
     if (l.mask != k.mask || l.first != k.first || l.rgba != k.rgba || l.normal != k.normal ||
-        l.directional_coverage != k.directional_coverage)
+        l.directional_coverage != k.directional_coverage || l.voxel_class != k.voxel_class)
       return "levels differ at lod " + std::to_string(lod);
   }
   return "";

@@ -46,6 +46,9 @@ Shard random_shard(std::mt19937_64& rng, const ShardShape& shape);
 /// Returns the shard with the content_hash of its voxels.
 Shard with_content_hash(Shard shard);
 
+/// Returns the shard with different classes for its voxels, and with its content_hash.
+Shard with_classes(Shard shard);
+
 /// Returns a cell of 16³ voxels whose every byte is defined in this module: the content of the golden files.
 Shard small_shard();
 

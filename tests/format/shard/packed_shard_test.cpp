@@ -159,7 +159,7 @@ TEST(PackedShard, HasRowsAsItsColumnsAre) {
     EXPECT_EQ(column.min_match_bytes, row.min_match_bytes) << column.name;
   };
   ShardHeader header;
-  header.has_directional_coverage = true;
+  header.has_directional_coverage = header.has_classes = true;
   const std::vector<RowShape> nodes = packed_nodes(header);
   const NodeColumns names(shard_version);
   ASSERT_EQ(nodes.size(), names.all(header).size());

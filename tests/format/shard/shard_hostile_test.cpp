@@ -33,7 +33,7 @@ TEST(HostileShard, WithAnOverwrittenStretchIsAnErrorOrReadsAsBefore) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
-  const Shard shard = made::random_shard(rng, {3, true, 3, rng() % 2 == 0});
+  const Shard shard = made::with_classes(made::random_shard(rng, {3, true, 3, rng() % 2 == 0}));
   write_shard(folder / "s.h5", shard, {});
   made::for_each_overwritten_stretch(
       folder / "s.h5", seed, [&](const std::string& what) { expect_error_or_equal(folder / "s.h5", shard, what); });

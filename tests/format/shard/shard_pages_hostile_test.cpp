@@ -34,6 +34,7 @@ Shard put_together(const ShardPages& pages, const Shard& written) {
     s.nodes.normal.push_back({row.normal[0], row.normal[1]});
     if (s.header.has_directional_coverage)
       s.nodes.directional_coverage.push_back(std::to_array(row.directional_coverage));
+    if (s.header.has_classes) s.nodes.voxel_class.push_back(row.voxel_class);
   }
   s.nodes.has_finest_planes = s.header.has_directional_coverage && s.header.has_normals && s.header.first_lod == 0;
   for (int lod = 0; lod < int(s.header.lods); ++lod) {
@@ -48,6 +49,7 @@ Shard put_together(const ShardPages& pages, const Shard& written) {
       level.normal.insert(level.normal.end(), block.normal.begin(), block.normal.end());
       level.directional_coverage.insert(level.directional_coverage.end(), block.directional_coverage.begin(),
                                         block.directional_coverage.end());
+      level.voxel_class.insert(level.voxel_class.end(), block.voxel_class.begin(), block.voxel_class.end());
     }
   }
   return s;
@@ -75,7 +77,7 @@ TEST(HostileShardPages, WithAnOverwrittenStretchAreAnErrorOrReadAsBefore) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
-  const Shard shard = made::random_shard(rng, {3, true, 3, rng() % 2 == 0});
+  const Shard shard = made::with_classes(made::random_shard(rng, {3, true, 3, rng() % 2 == 0}));
   write_shard(folder / "s.h5", shard, {});
   made::for_each_overwritten_stretch(folder / "s.h5", seed, [&](const std::string& what) {
     expect_error_or_equal_pages(folder / "s.h5", shard, what);

@@ -2,6 +2,7 @@
 // voxel is checked by tests/cli/bakes/depth_error_test.py, which shares no code with the program.
 #include "kernels/cpu/mip/end_branches.h"
 
+#include <algorithm>
 #include <array>
 #include <gtest/gtest.h>
 #include <map>
@@ -19,9 +20,17 @@ constexpr std::uint32_t bound = 4;
 /// Triangles of one colour each, in voxels of the window.
 class Triangles {
  public:
-  void add(const Vec3<float>& a, const Vec3<float>& b, const Vec3<float>& c, std::uint8_t grey = 128) {
+  void add(const Vec3<float>& a, const Vec3<float>& b, const Vec3<float>& c, std::uint8_t grey = 128,
+           VoxelClass voxel_class = no_class) {
     for (const Vec3<float>& corner : {a, b, c}) position_.insert(position_.end(), {corner[0], corner[1], corner[2]});
     grey_.push_back(grey);
+    class_.push_back(voxel_class);
+  }
+  /// Adds the part of a floor from x = `low` to `high`.
+  void add_strip(float low, float high, VoxelClass voxel_class) {
+    const float far = branch_window, height = 20.3f;
+    add({low, 0, height}, {high, 0, height}, {high, far, height}, 128, voxel_class);
+    add({low, 0, height}, {high, far, height}, {low, far, height}, 128, voxel_class);
   }
   /// Adds a square z = `height` over the whole window.
   void add_floor(float height, std::uint8_t grey = 128) {
@@ -30,7 +39,7 @@ class Triangles {
     add({0, 0, height}, {far, far, height}, {0, far, height}, grey);
   }
 
-  CellVolume bake(std::uint32_t depth_error, int threads = 1) {
+  CellVolume bake(std::uint32_t depth_error, int threads = 1, bool classes = false) {
     std::vector<std::uint32_t> index{0, 1, 2};
     std::vector<PartView> parts;
     std::vector<MaterialView> materials(grey_.size());
@@ -43,11 +52,13 @@ class Triangles {
       part.index = {index.data(), 3};
       for (const int diagonal : {0, 5, 10}) part.scene_from_local[diagonal] = 1;
       part.material = std::uint32_t(t);
+      part.voxel_class = class_[t];
       parts.push_back(part);
     }
     CellParameters parameters;
     parameters.window_voxels = branch_window;
     parameters.depth_error = depth_error;
+    parameters.classes = classes;
     return bake_cell({{parts.data(), parts.size()}, {materials.data(), materials.size()}, {}}, parameters,
                      ThreadPool(threads));
   }
@@ -55,6 +66,7 @@ class Triangles {
  private:
   std::vector<float> position_;
   std::vector<std::uint8_t> grey_;
+  std::vector<VoxelClass> class_;
 };
 
 std::size_t voxel_count(const Level& level) { return level.rgba.size() / 4; }
@@ -110,6 +122,20 @@ TEST(EndBranches, AStepOfColourEndsUpToTwiceTheBound) {
     EXPECT_EQ(is_leaf_octant(ended.nodes, 2, {4, 1, 1}), step <= 2 * bound) << int(step);
     EXPECT_TRUE(is_leaf_octant(ended.nodes, 2, {3, 1, 1}));
   }
+}
+
+/// A strip of another class, one voxel wide: the voxels above have the class around it.
+TEST(EndBranches, AnotherClassKeepsItsVoxels) {
+  Triangles floor;
+  floor.add_strip(0, 61, 5);
+  floor.add_strip(61, 62, 6);
+  floor.add_strip(62, branch_window, 5);
+  const CellVolume without = floor.bake(bound), ended = floor.bake(bound, 1, true);
+  EXPECT_TRUE(is_leaf_octant(without.nodes, 2, {3, 1, 1}));
+  EXPECT_FALSE(is_leaf_octant(ended.nodes, 2, {3, 1, 1}));
+  EXPECT_TRUE(is_leaf_octant(ended.nodes, 2, {2, 1, 1}));
+  EXPECT_TRUE(is_leaf_octant(ended.nodes, 2, {4, 1, 1}));
+  EXPECT_EQ(std::ranges::count(ended.levels[0].voxel_class, VoxelClass(6)), branch_window);
 }
 
 /// The border of a surface: columns of which half is covered must not become covered leaves.

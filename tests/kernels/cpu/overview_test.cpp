@@ -20,6 +20,7 @@ struct OverviewRules {
   MipFilter mip = MipFilter::coverage;
   bool normals = true, directional_coverage = true;
   std::uint32_t max_error = 0;
+  bool classes = false;
 };
 
 CellParameters parameters_of(const test::TestCell& cell, const OverviewRules& rules) {
@@ -27,7 +28,22 @@ CellParameters parameters_of(const test::TestCell& cell, const OverviewRules& ru
   p.window_voxels = whole_voxels;
   p.directional_coverage = rules.directional_coverage;
   p.max_error = rules.max_error;
+  p.classes = rules.classes;
   return p;
+}
+
+/// Returns parts of at most 200 triangles of the cell, with five classes in turn.
+std::vector<PartView> classified_parts(const CellInput& input) {
+  constexpr std::size_t corners = 600, classes = 5;
+  std::vector<PartView> parts;
+  for (std::size_t p = 0; p < input.parts.size; ++p)
+    for (std::size_t at = 0; at < input.parts[p].index.size; at += corners) {
+      PartView part = input.parts[p];
+      part.index = {part.index.data + at, std::min(corners, part.index.size - at)};
+      part.voxel_class = VoxelClass(parts.size() % classes);
+      parts.push_back(part);
+    }
+  return parts;
 }
 
 /// A baked cell or overview, with its position.
@@ -39,8 +55,8 @@ struct Baked {
 /// A scene that is baked in cells, and then in larger and larger blocks up to one. The hashes of each level are summed.
 class InBlocks {
  public:
-  InBlocks(test::TestCell& cell, const OverviewRules& rules, std::mt19937& random)
-      : input_(cell.input()), parameters_(parameters_of(cell, rules)), random_(random) {}
+  InBlocks(const CellInput& input, const CellParameters& parameters, std::mt19937& random)
+      : input_(input), parameters_(parameters), random_(random) {}
 
   /// Returns the hashes of all levels. `z_shift`, 0 to 7, moves the cells by an eighth of their edge per unit.
   std::vector<Hash128> hashes(std::uint32_t cell_voxels, std::int64_t z_shift) {
@@ -82,7 +98,7 @@ class InBlocks {
           OverviewParameters p{{x, y, z}, int(std::bit_width(std::uint64_t(child_edge / 8))) - 1, levels};
           p.mip = parameters_.mip, p.normals = parameters_.normals,
           p.directional_coverage = parameters_.directional_coverage;
-          p.max_error = parameters_.max_error;
+          p.max_error = parameters_.max_error, p.classes = parameters_.classes;
           keep(bake_overview(children, p, pool_), p.child_lod + 1, {x, y, z});
         }
   }
@@ -109,12 +125,16 @@ TEST_P(OverviewLevels, AreThoseOfOneCellOverAllForEverySizeOfCellsAndBlocks) {
   const gigabake::test::RandomSeed seed;
   std::mt19937 random{unsigned(seed)};
   test::TestCell cell = test::ground("", whole_voxels, 30, false, true);
-  CellVolume whole = bake_cell(cell.input(), parameters_of(cell, GetParam()), ThreadPool(2));
+  CellInput input = cell.input();
+  const std::vector<PartView> parts = classified_parts(input);
+  input.parts = {parts.data(), parts.size()};
+  const CellParameters parameters = parameters_of(cell, GetParam());
+  CellVolume whole = bake_cell(input, parameters, ThreadPool(2));
   ASSERT_EQ(whole.content_hash.size(), std::size_t(whole_lods));
   for (const std::uint32_t edge : {8u, 16u, 32u, 64u}) {
     // Quantization groups span a brick, and bricks move with the cells.
     const std::int64_t z_shift = GetParam().max_error == 0 ? std::int64_t(random() % 8) : 0;
-    InBlocks blocks(cell, GetParam(), random);
+    InBlocks blocks(input, parameters, random);
     EXPECT_EQ(blocks.hashes(edge, z_shift), whole.content_hash) << "cells of " << edge << ", shifted by " << z_shift;
     ASSERT_EQ(blocks.baked().size(), 1u);
     EXPECT_EQ(blocks.baked()[0].source, whole.above) << "what a level above the root would be made of";
@@ -126,7 +146,10 @@ INSTANTIATE_TEST_SUITE_P(OfEveryRule, OverviewLevels,
                                          OverviewRules{MipFilter::coverage, true, false},
                                          OverviewRules{MipFilter::coverage, true, true, 4},
                                          OverviewRules{MipFilter::thesis}, OverviewRules{MipFilter::thesis, false},
-                                         OverviewRules{MipFilter::box}, OverviewRules{MipFilter::box, true, true, 9}));
+                                         OverviewRules{MipFilter::box}, OverviewRules{MipFilter::box, true, true, 9},
+                                         OverviewRules{MipFilter::coverage, true, true, 0, true},
+                                         OverviewRules{MipFilter::coverage, false, false, 4, true},
+                                         OverviewRules{MipFilter::box, true, true, 0, true}));
 
 TEST(Overview, OfChildrenWithoutVoxelsHasNone) {
   const DownsampleState nothing;
@@ -148,6 +171,9 @@ TEST(Overview, RefusesChildrenThatOverlapOrDoNotFitItsRules) {
   torn.raster.pop_back();
   const JoinedChild child{&torn, {}};
   EXPECT_THROW(bake_overview(std::span(&child, 1), {{}, 3, 2}, ThreadPool(1)), InputError);
+  OverviewParameters with_classes{{}, 3, 2};
+  with_classes.classes = true;
+  EXPECT_THROW(bake_overview(std::span(twice, 1), with_classes, ThreadPool(1)), InputError);
 }
 
 }  // namespace

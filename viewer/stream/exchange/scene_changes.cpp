@@ -150,8 +150,8 @@ bool are_exchangeable(const PagedScene& a, const PagedScene& b) {
   return a.root().pages.empty() == b.root().pages.empty() && a.folder() == b.folder() &&
          h.voxel_size_m == g.voxel_size_m && h.lattice_origin_m == g.lattice_origin_m && h.origin == g.origin &&
          h.has_normals == g.has_normals && h.has_directional_coverage == g.has_directional_coverage &&
-         a.totals().cell_voxels == b.totals().cell_voxels && a.totals().cell_voxels != 0 &&
-         are_equal(overview_levels(a), overview_levels(b));
+         h.has_classes == g.has_classes && a.totals().cell_voxels == b.totals().cell_voxels &&
+         a.totals().cell_voxels != 0 && are_equal(overview_levels(a), overview_levels(b));
 }
 
 SceneChanges changes_between(const PagedScene& previous, const ShardNumbers& numbers, const PagedScene& next,

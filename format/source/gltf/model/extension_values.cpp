@@ -13,7 +13,8 @@ using tinygltf::Value;
 
 /// Returns whether members of the extension are read.
 bool has_read_members(const std::string& extension) {
-  static const std::set<std::string> known{"EXT_mesh_gpu_instancing",
+  static const std::set<std::string> known{"EXT_mesh_features",
+                                           "EXT_mesh_gpu_instancing",
                                            "EXT_texture_webp",
                                            "KHR_draco_mesh_compression",
                                            "KHR_materials_emissive_strength",

@@ -1,6 +1,7 @@
 #include "format/source/gltf/model/vertex_values.h"
 
 #include <algorithm>
+#include <numeric>
 #include <span>
 
 #include "format/source/mesh_parts.h"
@@ -9,8 +10,9 @@ namespace gigabake {
 namespace {
 
 /// Bytes of a vertex: its position, its texture coordinates, and its colour before and after conversion. Bytes of a
-/// normal and of a tangent before and after conversion, and of coordinates of a normal map.
-constexpr std::uint64_t vertex_bytes = 12 + 8 + 16 + 8, normal_bytes = 12 + 4, tangent_bytes = 16 + 4, uv_bytes = 8;
+/// normal and of a tangent before and after conversion, of coordinates of a normal map, and of an id and its class.
+constexpr std::uint64_t vertex_bytes = 12 + 8 + 16 + 8, normal_bytes = 12 + 4, tangent_bytes = 16 + 4, uv_bytes = 8,
+                        id_bytes = 4 + 2;
 
 std::uint16_t unit16(float v) { return v > 0 ? std::uint16_t(std::min(v, 1.0f) * 65535.0f + 0.5f) : std::uint16_t(0); }
 
@@ -30,21 +32,26 @@ std::vector<float> transformed(std::vector<float> uv, const TextureSource& sourc
   return uv;
 }
 
-/// Sets the lists of vertices. `read` returns the floats of an attribute.
-template <class Read>
-void set_vertices(const VertexValues& values, const SourceMaterial& m, const Read& read, Primitive& out) {
+/// Sets the lists of vertices. `read` returns the floats of an attribute, `numbers` the numbers of the vertices.
+template <class Read, class Numbers>
+void set_vertices(const VertexValues& values, const SourceMaterial& m, const Read& read, const Numbers& numbers,
+                  Primitive& out) {
   out.position = read(values.position, 3, 0.0f);
   if (values.colour) out.rgba = linear_colours(read(*values.colour, 4, 1.0f));
   if (values.uv) out.uv = transformed(read(*values.uv, 2, 0.0f), m.texture);
   if (values.normal) out.normal = vertex_normals(read(*values.normal, 3, 0.0f));
   if (values.normal_uv) out.normal_uv = transformed(read(*values.normal_uv, 2, 0.0f), m.normal_map);
   if (values.tangent) out.tangent = vertex_tangents(read(*values.tangent, 4, 0.0f));
+  if (!values.ids) return;
+  const AccessorItems* ids = values.ids->attribute();
+  out.vertex_class = ids != nullptr ? values.ids->classes_of(read(*ids, 1, 0.0f)) : values.ids->classes_of(numbers());
 }
 
 }  // namespace
 
 std::uint64_t VertexValues::bytes_of_vertex() const {
-  return vertex_bytes + (normal ? normal_bytes : 0) + (normal_uv ? uv_bytes : 0) + (tangent ? tangent_bytes : 0);
+  return vertex_bytes + (normal ? normal_bytes : 0) + (normal_uv ? uv_bytes : 0) + (tangent ? tangent_bytes : 0) +
+         (ids ? id_bytes : 0);
 }
 
 std::vector<VertexNormal> vertex_normals(const std::vector<float>& xyz) {
@@ -70,7 +77,12 @@ Primitive read_whole(const Corners& corners, const VertexValues& values, const S
   const auto read = [](const AccessorItems& items, int components, float missing) {
     return items.floats(components, missing);
   };
-  set_vertices(values, material, read, out);
+  const auto numbers = [&] {
+    std::vector<std::uint32_t> all(values.position.count());
+    std::iota(all.begin(), all.end(), std::uint32_t(0));
+    return all;
+  };
+  set_vertices(values, material, read, numbers, out);
   return out;
 }
 
@@ -88,7 +100,8 @@ Primitive read_part(const Corners& corners, std::uint64_t first, const VertexVal
   const auto read = [&](const AccessorItems& items, int components, float missing) {
     return items.floats_of(vertices, components, missing);
   };
-  set_vertices(values, material, read, out);
+  set_vertices(
+      values, material, read, [&] { return vertices; }, out);
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "format/source/classes/feature_ids.h"
 #include "format/source/gltf/accessor.h"
 #include "format/source/gltf/corners.h"
 #include "format/source/gltf/material.h"
@@ -21,7 +22,8 @@ struct VertexValues {
   AccessorItems position;
   int material = 0;
   std::optional<AccessorItems> colour = {}, uv = {}, normal = {}, normal_uv = {}, tangent = {};
-  bool shares_uv = false;  ///< `uv` has the coordinates of the normal map
+  std::optional<FeatureIds> ids = {};  ///< classes are taken from them
+  bool shares_uv = false;              ///< `uv` has the coordinates of the normal map
 
   /// Returns the bytes that a vertex needs while it is read.
   std::uint64_t bytes_of_vertex() const;
