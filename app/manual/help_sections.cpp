@@ -63,6 +63,7 @@ const std::map<std::string, Lines> examples{
     {"bench pack", {"gigabake bench pack SCENE/shards --repeats 5"}},
     {"bench query", {"gigabake bench query SCENE --rays 1000000 --lod 1"}},
     {"bench render", {"gigabake bench render SCENE --size 1280x720 --what frames"}},
+    {"bench edit", {"gigabake bench edit SCENE --brush 32"}},
     {"bench accuracy",
      {"gigabake bench accuracy village/tileset.json --voxel-size 0.5 -o FOLDER --settings area-coverage,thin-coverage",
       "gigabake bench accuracy --hard", "gigabake bench accuracy --leaks --json leaks.json"}},
@@ -81,7 +82,7 @@ bool reads_sources(const std::string& words) {
 bool reads_a_scene(const std::string& words) {
   return words == "edit" || words == "info" || words == "verify" || words == "export" || words == "render" ||
          words == "query" || words == "view" || words == "serve" || words == "status" || words == "bench render" ||
-         words == "bench query";
+         words == "bench query" || words == "bench edit";
 }
 
 Lines legends() {
