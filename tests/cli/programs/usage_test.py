@@ -95,7 +95,7 @@ class Usage(unittest.TestCase):
         modes = GIGABAKE.succeed("render", "--help").partition("Modes:\n")[2].partition("\n\n")[0]
         self.assertEqual(re.findall(r"^  (\w+) ", modes, re.M),
                          ["lit", "albedo", "normal", "coverage", "lod", "cell", "requests",
-                          "sun", "sky", "shadow", "height", "slope"])
+                          "sun", "sky", "shadow", "height", "slope", "class"])
         viewer = (Path(SOURCE) / "docs" / "viewer.md").read_text(encoding="utf-8")
         for mode, legend in re.findall(r"^  (\w+) +(.*)$", modes, re.M)[1:]:
             self.assertIn(f"| `{mode}` | {legend} |", viewer)
