@@ -1,12 +1,12 @@
 #include "bench/edit_bench.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <functional>
 #include <optional>
 
+#include "bench/bench_scene.h"
 #include "core/base/error.h"
 #include "viewer/live/edit_brush.h"
 #include "viewer/live/live_scene.h"
@@ -14,11 +14,7 @@
 namespace gigabake::bench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr double max_wait_s = 600;
-
-double measured_s(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
@@ -35,11 +31,7 @@ class EditedView {
 
   /// Returns the complete image at full size. The scene's folder is looked at every half second, so the viewer must
   /// have shown the latest edit before.
-  LiveScene::FramePtr rest() {
-    const auto frame = scene_.full_frame(viewer_, max_wait_s);
-    if (!frame) throw InputError("edit", "", "no image arrived within ten minutes");
-    return frame;
-  }
+  LiveScene::FramePtr rest() { return arrived(scene_.full_frame(viewer_, max_wait_s)); }
 
   /// Returns the edit of a repeat. Brushes of repeats are one voxel apart, because a repeated edit finds its shard.
   std::string edits(std::size_t type, int repeat) const {
@@ -56,20 +48,20 @@ class EditedView {
     const auto start = Clock::now();
     scene_.preview(viewer_, edits);
     wait_for(last, [](const LiveFrame& frame) { return frame.without_boxes != nullptr; });
-    return measured_s(start);
+    return seconds_since(start);
   }
 
-  /// Applies the edits, or an undo, and adds the times to `row`.
+  /// Applies the edits, or an undo if they are empty, and sets its times and uploads.
   void edit(const std::string& edits, double& disk_s, double& image_s, double& rest_s, std::uint64_t& uploads) {
     const auto before = rest();
     const std::uint64_t uploaded = scene_.state(viewer_)->uploads;
     const auto start = Clock::now();
     scene_.edit(viewer_, edits);
-    disk_s = measured_s(start);
-    const auto shown = wait_for(before->number, [&](const LiveFrame& frame) { return differs(frame, *before); });
-    image_s = measured_s(start);
+    disk_s = seconds_since(start);
+    wait_for(before->number, [&](const LiveFrame& frame) { return differs(frame, *before); });
+    image_s = seconds_since(start);
     rest();
-    rest_s = measured_s(start);
+    rest_s = seconds_since(start);
     uploads = scene_.state(viewer_)->uploads - uploaded;
   }
 
@@ -125,10 +117,14 @@ class EditedView {
         .value();
   }
 
+  static LiveScene::FramePtr arrived(LiveScene::FramePtr frame) {
+    if (!frame) throw InputError("edit", "", "no image arrived within ten minutes");
+    return frame;
+  }
+
   LiveScene::FramePtr wait_for(std::uint64_t after, const std::function<bool(const LiveFrame&)>& good) {
     for (;;) {
-      const auto frame = scene_.frame_after(viewer_, after, max_wait_s);
-      if (!frame) throw InputError("edit", "", "no image arrived within ten minutes");
+      const auto frame = arrived(scene_.frame_after(viewer_, after, max_wait_s));
       if (good(*frame)) return frame;
       after = frame->number;
     }

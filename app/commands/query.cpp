@@ -18,6 +18,7 @@
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
 #include "core/base/pluralize.h"
+#include "core/base/usage_errors.h"
 #include "core/math/geodesic.h"
 #include "format/area/geojson.h"
 #include "format/source/raster/crs_map.h"
@@ -42,11 +43,7 @@ std::unique_ptr<QuerySource> one_ray(const QueryArguments& a) {
 /// Returns the line of the file.
 /// Errors  UsageError: the file cannot be used.
 GeodesicPath line_of(const std::string& file) {
-  try {
-    return GeodesicPath(read_geojson_line(file));
-  } catch (const InputError& e) {
-    throw UsageError(e.what());
-  }
+  return with_usage_errors([&] { return GeodesicPath(read_geojson_line(file)); });
 }
 
 struct Asked {

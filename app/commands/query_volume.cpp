@@ -10,6 +10,7 @@
 #include "app/process/clipped_scene.h"
 #include "core/base/error.h"
 #include "core/base/pluralize.h"
+#include "core/base/usage_errors.h"
 #include "format/area/geojson.h"
 #include "format/system/message.h"
 #include "query/volume/volume_text.h"
@@ -21,11 +22,7 @@ namespace {
 /// Errors  UsageError: the file cannot be used.
 std::shared_ptr<const Area> polygons_of(const std::string& file) {
   Area area;
-  try {
-    area.polygons = read_geojson_polygons(file);
-  } catch (const InputError& e) {
-    throw UsageError(e.what());
-  }
+  area.polygons = with_usage_errors([&] { return read_geojson_polygons(file); });
   return std::make_shared<const Area>(std::move(area));
 }
 

@@ -4,6 +4,7 @@
 
 #include "app/options/text_values.h"
 #include "core/base/error.h"
+#include "core/base/usage_errors.h"
 #include "format/area/geojson.h"
 #include "format/source/raster/crs_map.h"
 
@@ -53,11 +54,7 @@ void AreaOptions::add_to(CLI::App& command) {
 std::shared_ptr<const Area> AreaOptions::area() const {
   if (!crs.empty() && bounds.empty()) throw UsageError("--crs: is the coordinate system of --bounds, which is missing");
   if (bounds.empty() && clip.empty()) return nullptr;
-  try {
-    return std::make_shared<const Area>(area_of(*this));
-  } catch (const InputError& e) {
-    throw UsageError(e.what());
-  }
+  return with_usage_errors([&] { return std::make_shared<const Area>(area_of(*this)); });
 }
 
 std::string AreaOptions::text() const {

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "core/base/error.h"
+#include "core/base/usage_errors.h"
 #include "core/octree/octree.h"
 #include "format/area/fixed_point.h"
 #include "format/edit/rings_json.h"
@@ -202,16 +203,6 @@ EditList read_edits(const JsonMembers& members, const ShapeMeshReader& reader) {
   edits.reserve(list.size());
   for (std::size_t i = 0; i < list.size(); ++i) edits.push_back(edit_of(members.element("edits", list, i), reader));
   return edits;
-}
-
-/// Returns the result of `read`. Turns an InputError into a UsageError with the same text.
-template <class Read>
-EditList with_usage_errors(const Read& read) {
-  try {
-    return read();
-  } catch (const InputError& e) {
-    throw UsageError(e.what());
-  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/base/usage_errors.h"
 #include "format/edit/edit_json.h"
 #include "format/edit/source_edit_json.h"
 
@@ -47,7 +48,7 @@ const std::string& key_of(const SceneEdit& edit) {
 }
 
 SceneEditList scene_edits_from_json(const std::filesystem::path& file, std::string_view text) {
-  try {
+  return with_usage_errors([&] {
     const Json json = parse_json_object(file, text);
     const JsonMembers members(file, json);
     members.only({"edits"});
@@ -56,9 +57,7 @@ SceneEditList scene_edits_from_json(const std::filesystem::path& file, std::stri
     SceneEditList edits;
     for (std::size_t i = 0; i < list.size(); ++i) edits.push_back(scene_edit_of(members.element("edits", list, i)));
     return edits;
-  } catch (const InputError& e) {
-    throw UsageError(e.what());
-  }
+  });
 }
 
 std::string to_json(const SceneEdit& edit) {

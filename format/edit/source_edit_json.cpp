@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/base/usage_errors.h"
 #include "format/edit/rings_json.h"
 
 namespace gigabake {
@@ -78,11 +79,7 @@ SourceEdits read_source_edits(const JsonMembers& members) {
 }  // namespace
 
 SourceEdits source_edits_of(const JsonMembers& source) {
-  try {
-    return read_source_edits(source);
-  } catch (const InputError& e) {
-    throw UsageError(e.what());
-  }
+  return with_usage_errors([&] { return read_source_edits(source); });
 }
 
 std::string to_json(const SourceEdit& edit) {
@@ -100,12 +97,10 @@ std::string to_json(const SourceEdits& edits) {
 }
 
 SourceEdits source_edits_from_json(const std::filesystem::path& file, std::string_view text) {
-  try {
+  return with_usage_errors([&] {
     const Json json = parse_json_object(file, text);
     return read_source_edits(JsonMembers(file, json));
-  } catch (const InputError& e) {
-    throw UsageError(e.what());
-  }
+  });
 }
 
 }  // namespace gigabake

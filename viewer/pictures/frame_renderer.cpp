@@ -119,8 +119,8 @@ bool FrameRenderer::replace_scene() {
   if (!s.stream->problems().empty()) return false;  // opening the scene again tries unreadable pages again
   if ((!s.table && !s.paged_table) || !are_exchangeable(*s.scene, *next) || !s.stream->has_layout_of(*next))
     return false;
-  EditList edits = voxel_edits_of_folder(*next);
-  const EditedBoxes edited(s.edits, edits, next->header());
+  std::string edits = edits_text_of(*next);
+  const EditedBoxes edited(voxel_edits_in(*s.scene, s.edits), voxel_edits_in(*next, edits), next->header());
   std::optional<SceneChanges> changes = s.paged_table
                                             ? paged_changes_between(*s.scene, s.numbers, *next, edited, *s.paged_table)
                                             : changes_between(*s.scene, s.numbers, *next, edited, *s.table);

@@ -27,7 +27,7 @@ struct NextScene {
   std::shared_ptr<const PagedScene> scene;
   ShardNumbers numbers;
   std::vector<Box3i64> changed;
-  EditList edits;  ///< of its folder
+  std::string edits;  ///< text of the list of edits in its folder
 };
 
 struct FrameRenderer::State {
@@ -55,7 +55,7 @@ struct FrameRenderer::State {
   std::shared_ptr<ShardTable> table;         ///< null if the scene has pages, or an external source
   std::shared_ptr<PagedShards> paged_table;  ///< null if the scene has no pages, or an external source
   ShardNumbers numbers;                      ///< of `scene` in one of the tables
-  EditList edits;                            ///< of the folder of `scene`
+  std::string edits;                         ///< text of the list of edits in the folder of `scene`
   PageSource source;
   Filling filling{};
   std::unique_ptr<SceneStream> stream;
@@ -80,7 +80,7 @@ struct FrameRenderer::State {
       fill(filling_of({}));
       return;
     }
-    edits = voxel_edits_of_folder(*scene);
+    edits = edits_text_of(*scene);
     if (scene->root().pages.empty()) {
       table = std::make_shared<ShardTable>(*scene, max_open(wishes), files_opened);
       numbers = table->add_all(*scene);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/base/usage_errors.h"
 #include "format/edit/edit.h"
 #include "format/source/source.h"
 
@@ -56,16 +57,6 @@ SourceClasses classes_in(const JsonMembers& source) {
   std::ranges::sort(classes.of_materials, {}, &SourceClasses::OfMaterial::name);
   if (source.has("class_from_ids")) classes.ids = ids_in(source);
   return classes;
-}
-
-/// Returns the result of `read`. Turns an InputError into a UsageError with the same text.
-template <class Read>
-auto with_usage_errors(const Read& read) {
-  try {
-    return read();
-  } catch (const InputError& e) {
-    throw UsageError(e.what());
-  }
 }
 
 }  // namespace

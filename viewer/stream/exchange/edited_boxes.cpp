@@ -17,11 +17,17 @@ std::optional<BakeParameters> parameters_of(const SceneHeader& scene) {
   }
 }
 
-EditList voxel_edits_of_folder(const PagedScene& scene) {
+std::string edits_text_of(const PagedScene& scene) {
   try {
-    return voxel_edits(edits_of_file(scene.folder(), read_edits_file(scene.folder())));
+    return read_edits_file(scene.folder());
   } catch (const InputError&) {
     return {};
+  }
+}
+
+EditList voxel_edits_in(const PagedScene& scene, const std::string& text) {
+  try {
+    return voxel_edits(edits_of_file(scene.folder(), text));
   } catch (const UsageError&) {
     return {};
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/math/box3.h"
@@ -14,8 +15,10 @@ namespace gigabake {
 /// Returns the parameters of a scene's bake; nullopt if another version wrote them.
 std::optional<BakeParameters> parameters_of(const SceneHeader& scene);
 
-/// Returns the edits of voxels in the folder of a scene; none if its list of edits cannot be read.
-EditList voxel_edits_of_folder(const PagedScene& scene);
+/// Returns the text of the list of edits in the folder of a scene; empty if it cannot be read.
+std::string edits_text_of(const PagedScene& scene);
+/// Returns the edits of voxels in such a text; none if it is no list of edits.
+EditList voxel_edits_in(const PagedScene& scene, const std::string& text);
 
 /// The edits that were added to a list of edits, or removed from its end.
 class EditedBoxes {
