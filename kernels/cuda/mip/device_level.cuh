@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "core/octree/octree.h"
 #include "kernels/cuda/device/memory.cuh"
 
 namespace gigabake::kernels {
@@ -16,8 +17,12 @@ struct DeviceLevel {
   DeviceArray<std::uint8_t> directional_coverage;  ///< directional_coverage_bytes per voxel, or empty
   std::uint32_t bricks = 0, voxels = 0;
 
+  /// Returns the bytes of the level's content. Its arrays may be longer, because voxelization allocates spare voxels.
   std::uint64_t bytes() const {
-    return key.bytes() + first.bytes() + mask.bytes() + rgba.bytes() + normal.bytes() + directional_coverage.bytes();
+    const std::uint64_t of_brick = sizeof(std::uint32_t) * 2 + sizeof(std::uint64_t) * 8,
+                        of_voxel = sizeof(std::uint32_t) + (normal.empty() ? 0 : sizeof(std::uint16_t)) +
+                                   (directional_coverage.empty() ? 0 : directional_coverage_bytes);
+    return of_brick * bricks + of_voxel * voxels;
   }
 };
 
