@@ -7,7 +7,8 @@
 #include "bench/bench_scene.h"
 #include "bench/hard/exact_place.h"
 #include "core/base/error.h"
-#include "format/shard/levels/brick_walk.h"
+#include "format/shard/levels/leaf_walk.h"
+#include "format/source/classes/source_classes.h"
 #include "worker/pipeline/lattice.h"
 
 namespace gigabake::bench {
@@ -62,18 +63,60 @@ void measure_places(const HardScene& scene, const SceneSources& sources, const B
   }
 }
 
+StoredVoxel stored(const std::uint8_t* rgba, const std::int8_t* normal, const std::uint8_t* directional_coverage,
+                   VoxelClass voxel_class) {
+  StoredVoxel v;
+  std::copy_n(rgba, 4, v.rgba.begin());
+  std::copy_n(normal, 2, v.normal.begin());
+  if (directional_coverage != nullptr) v.plane = directional_coverage[directional_coverage_plane];
+  v.voxel_class = voxel_class;
+  return v;
+}
+
 StoredVoxels voxels_of(const Shard& shard) {
   StoredVoxels out;
-  const auto& low = shard.header.lattice_min;
-  for_each_voxel_of_level(
-      shard.nodes, shard.levels[0], 0,
-      [&](std::int64_t x, std::int64_t y, std::int64_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
-        StoredVoxel v;
-        std::copy_n(rgba, 4, v.rgba.begin());
-        std::copy_n(normal, 2, v.normal.begin());
-        out[low + Vec3i64{x, y, z}] = v;
-      });
+  for_each_voxel_of_level(shard.nodes, shard.levels[0], 0,
+                          [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
+                              const std::int8_t* normal, const std::uint8_t* coverage, VoxelClass voxel_class) {
+                            const Vec3i64 at = shard.header.lattice_min + Vec3i64{x, y, z};
+                            out[at] = stored(rgba, normal, coverage, voxel_class);
+                          });
   return out;
+}
+
+std::vector<StoredVoxels> leaves_of(const Shard& shard) {
+  std::vector<StoredVoxels> out(shard.levels.size() - 1);
+  for_each_leaf_octant(shard.nodes, shard.levels, 0, 0, [&](const LeafVoxels& leaves) {
+    const Vec3i64 corner = (shard.header.lattice_min >> leaves.lod) + leaves.octant * 4;
+    StoredVoxels& of_level = out.at(std::size_t(leaves.lod) - 1);
+    for_each_leaf(leaves, [&](const Vec3<int>& at, const std::uint8_t* rgba, const std::int8_t* normal,
+                              const std::uint8_t* coverage, VoxelClass voxel_class) {
+      of_level[corner + static_cast<Vec3i64>(at)] = stored(rgba, normal, coverage, voxel_class);
+    });
+  });
+  return out;
+}
+
+/// Sets what a scene .json would state about each tile.
+void set_levels_and_classes(const HardScene& scene, SceneSources& sources) {
+  for (std::size_t i = 0; i < scene.tiles.size(); ++i) {
+    const HardTile& tile = scene.tiles[i];
+    sources.tiles.at(i).lod = std::uint8_t(tile.lod);
+    if (tile.voxel_class == no_class) continue;
+    SourceClasses classes;
+    classes.of_source = tile.voxel_class;
+    sources.tiles[i].classes = std::make_shared<const SourceClasses>(std::move(classes));
+  }
+}
+
+BakeParameters parameters_of(const HardCase& hard, const HardScene& scene) {
+  BakeParameters parameters = hard.parameters;
+  parameters.cell_voxels = std::uint32_t(hard.window.edge);
+  for (const HardTile& tile : scene.tiles) {
+    parameters.coarsest_lod = std::max(parameters.coarsest_lod, std::uint32_t(tile.lod));
+    parameters.classes = parameters.classes || tile.voxel_class != no_class;
+  }
+  return parameters;
 }
 
 }  // namespace
@@ -84,14 +127,15 @@ SceneSources open_hard(const std::filesystem::path& folder, const HardScene& sce
   SourceOptions options;
   options.local = !scene.on_earth;
   options.origin = scene.origin;
-  return open_sources(write_scene(folder, scene), options);
+  SceneSources sources = open_sources(write_scene(folder, scene), options);
+  set_levels_and_classes(scene, sources);
+  return sources;
 }
 
 HardBake bake_hard(const std::filesystem::path& folder, const HardScene& scene, const HardCase& hard,
                    const HardMachine& machine, const SceneSources& sources) {
   HardBake out;
-  BakeParameters parameters = hard.parameters;
-  parameters.cell_voxels = std::uint32_t(hard.window.edge);
+  const BakeParameters parameters = parameters_of(hard, scene);
   measure_places(scene, sources, parameters, out);
   WorkerOptions worker{machine.threads, 0, folder, machine.cuda_device};
   CellPipeline pipeline(sources, parameters, worker);
@@ -99,6 +143,7 @@ HardBake bake_hard(const std::filesystem::path& folder, const HardScene& scene, 
   if (out.report.outcome != CellOutcome::baked) return out;
   const Shard shard = read_shard(folder / out.report.cell.file);
   out.voxels = voxels_of(shard);
+  out.leaves = leaves_of(shard);
   out.content_hash = shard.header.content_hash.at(0).hex();
   return out;
 }

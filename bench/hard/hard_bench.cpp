@@ -37,10 +37,10 @@ void add_voxel(const StoredVoxel& stored, const reference::ExpectedVoxel& expect
 }
 
 /// Compares stored with expected voxels. A voxel may be missing or extra if its alpha is below the bound of alpha.
-VoxelErrors compare(const StoredVoxels& stored, const ExpectedVoxels& expected, const HardBounds& bounds) {
+void compare(const StoredVoxels& stored, const ExpectedVoxels& expected, const HardBounds& bounds,
+             VoxelErrors& errors) {
   constexpr double rounding = 0.501;
   const double slack = std::max(0.0, bounds.alpha_codes - rounding);
-  VoxelErrors errors;
   for (const auto& [voxel, what] : expected) {
     const auto found = stored.find(voxel);
     if (found != stored.end()) {
@@ -56,13 +56,24 @@ VoxelErrors compare(const StoredVoxels& stored, const ExpectedVoxels& expected, 
     if (found == expected.end()) errors.alpha_codes = std::max(errors.alpha_codes, double(value.rgba[3]));
     if (value.rgba[3] > slack) ++errors.extra;
   }
+}
+
+/// Compares the voxels of level 0 and the leaves of each coarser level.
+VoxelErrors compare(const HardBake& bake, const std::vector<ExpectedVoxels>& expected, const HardBounds& bounds) {
+  VoxelErrors errors;
+  compare(bake.voxels, expected.at(0), bounds, errors);
+  const ExpectedVoxels none;
+  for (std::size_t l = 0; l < bake.leaves.size(); ++l)
+    compare(bake.leaves[l], l + 1 < expected.size() ? expected[l + 1] : none, bounds, errors);
   return errors;
 }
 
-ExpectedVoxels expected_of(const HardCase& hard, const SceneSources& sources) {
-  if (hard.expected) return hard.expected();
-  return reference::expected_voxels(painted_triangles(hard.scenes[0], sources.origin, hard.parameters),
-                                    hard.parameters.surface, hard.window);
+/// Returns the expected voxels of level 0, and of the leaves of each coarser level.
+std::vector<ExpectedVoxels> expected_of(const HardCase& hard, const SceneSources& sources) {
+  if (hard.expected_levels) return hard.expected_levels();
+  if (hard.expected) return {hard.expected()};
+  return {reference::expected_voxels(painted_triangles(hard.scenes[0], sources.origin, hard.parameters),
+                                     hard.parameters.surface, hard.window)};
 }
 
 void add_hand_work(const HardCase& hard, const StoredVoxels& stored, HardResult& out) {
@@ -73,11 +84,13 @@ void add_hand_work(const HardCase& hard, const StoredVoxels& stored, HardResult&
       {"differs from hand-work", "voxels", double(hard.by_hand->size() + stored.size() - 2 * met), 0});
 }
 
-void add_figures(const HardCase& hard, const HardBake& bake, const ExpectedVoxels& expected, HardResult& out) {
-  const VoxelErrors e = compare(bake.voxels, expected, hard.bounds);
+void add_figures(const HardCase& hard, const HardBake& bake, const std::vector<ExpectedVoxels>& expected,
+                 HardResult& out) {
+  const VoxelErrors e = compare(bake, expected, hard.bounds);
   const HardBounds& b = hard.bounds;
   const double snap_m = std::numbers::sqrt3 * hard.parameters.voxel_size_m / 512;
   out.voxels = bake.voxels.size();
+  for (const StoredVoxels& leaves : bake.leaves) out.voxels += leaves.size();
   out.figures = {{"missed", "voxels", double(e.missed), 0},
                  {"extra", "voxels", double(e.extra), 0},
                  {"alpha", "codes", e.alpha_codes, b.alpha_codes}};
@@ -113,7 +126,8 @@ std::string file_name(std::string name) {
 
 std::vector<HardCase> all_cases(int million_triangles) {
   std::vector<HardCase> all;
-  for (auto& group : {tie_cases(), value_cases(), extreme_cases(million_triangles), earth_cases(), texture_cases()})
+  for (auto& group : {tie_cases(), value_cases(), extreme_cases(million_triangles), earth_cases(), texture_cases(),
+                      leaf_cases(), class_cases()})
     all.insert(all.end(), group.begin(), group.end());
   return all;
 }

@@ -27,6 +27,8 @@ struct HardBounds {
 struct StoredVoxel {
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
+  std::uint8_t plane = 0;  ///< core/octree/plane.h
+  VoxelClass voxel_class = no_class;
 };
 using StoredVoxels = std::map<reference::Voxel, StoredVoxel>;
 using ExpectedVoxels = std::map<reference::Voxel, reference::ExpectedVoxel>;
@@ -34,7 +36,8 @@ using ExpectedVoxels = std::map<reference::Voxel, reference::ExpectedVoxel>;
 /// The result of baking a scene as one cell.
 struct HardBake {
   CellReport report;
-  StoredVoxels voxels;
+  StoredVoxels voxels;               ///< of level 0
+  std::vector<StoredVoxels> leaves;  ///< [lod - 1], in voxels of their level
   std::string content_hash;
   double placement_m = 0;  ///< maximum distance of a vertex in double from its exact position, before the snap
   double position_m = 0;   ///< the same distance after the snap
@@ -52,6 +55,8 @@ struct HardCase {
   /// Returns the expected voxels if exact clipping of plain triangles cannot be the reference: for textures, and for
   /// too many triangles.
   std::function<ExpectedVoxels()> expected{};
+  /// Returns the expected voxels of level 0 and the leaves of coarser levels, for tiles of several levels.
+  std::function<std::vector<ExpectedVoxels>()> expected_levels{};
   /// Returns additional measurements of the case's first scene.
   std::function<std::vector<HardFigure>(const HardBake&)> more{};
 };
@@ -73,5 +78,7 @@ std::vector<HardCase> value_cases();  ///< colour, alpha and normal
 std::vector<HardCase> extreme_cases(int million_triangles);
 std::vector<HardCase> earth_cases();    ///< tiles in ECEF, and 1,000 km from the origin
 std::vector<HardCase> texture_cases();  ///< texture coordinates, seams, masks
+std::vector<HardCase> leaf_cases();     ///< voxels of several levels, and planes of leaves
+std::vector<HardCase> class_cases();    ///< classes of equal areas
 
 }  // namespace gigabake::bench

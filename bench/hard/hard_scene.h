@@ -9,6 +9,7 @@
 
 #include "bench/exact/painted.h"
 #include "core/math/frames.h"
+#include "core/octree/octree.h"
 #include "format/source/mesh.h"
 
 namespace gigabake::bench {
@@ -38,6 +39,8 @@ struct HardTile {
   std::vector<HardMaterial> materials{HardMaterial()};
   std::vector<Image> images;       ///< PNG in the file
   Affine<World, World> transform;  ///< of the tile, in tileset.json
+  int lod = 0;                     ///< level of its voxels; above 0 they are leaves
+  VoxelClass voxel_class = no_class;
 };
 
 /// A 3D Tiles tileset. If the scene is on the earth, transforms lead to ECEF.

@@ -69,12 +69,15 @@ HardResult worst_of(const std::vector<const HardResult*>& group) {
   return worst;
 }
 
-bool is_tie(const HardResult& r) { return r.group.rfind("ties", 0) == 0; }
+/// Returns whether the report has one row for the whole group.
+bool is_grouped(const HardResult& r) {
+  return r.group.starts_with("ties") || r.group.ends_with("leaves") || r.group == "classes";
+}
 
-std::string rows_of_ties(const HardBench& bench) {
+std::string rows_of_groups(const HardBench& bench) {
   std::vector<std::string> groups;
   for (const HardResult& r : bench.cases)
-    if (is_tie(r) && std::find(groups.begin(), groups.end(), r.group) == groups.end()) groups.push_back(r.group);
+    if (is_grouped(r) && std::find(groups.begin(), groups.end(), r.group) == groups.end()) groups.push_back(r.group);
   std::string rows;
   for (const std::string& group : groups) {
     std::vector<const HardResult*> holding;
@@ -153,9 +156,9 @@ std::string to_markdown(const HardBench& bench) {
       "before the snap, mm | "
       "more |\n"
       "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
-  out += rows_of_ties(bench);
+  out += rows_of_groups(bench);
   for (const HardResult& r : bench.cases)
-    if (!has_goals(r) && (!is_tie(r) || !r.holds())) out += row_of("`" + r.name + "`", r);
+    if (!has_goals(r) && (!is_grouped(r) || !r.holds())) out += row_of("`" + r.name + "`", r);
   const auto failed =
       std::count_if(bench.cases.begin(), bench.cases.end(), [](const HardResult& r) { return !r.holds(); });
   out += fmt::format("\n{} cases on {}: {}\n", bench.cases.size(), bench.backend,

@@ -27,7 +27,7 @@ TEST(HardSuite, EveryBoundHoldsOnTheCpu) {
   });
   EXPECT_TRUE(bench.holds());
   EXPECT_EQ(bench.cases.size(), cases);
-  EXPECT_GE(cases, 200u);
+  EXPECT_GE(cases, 280u);
 }
 
 class HardSuiteNotices : public testing::Test {
@@ -68,6 +68,27 @@ TEST_F(HardSuiteNotices, AnAlphaOfHalf) {
   wanted.mode = AlphaMode::blend;
   wanted.colour[3] = 32768;
   EXPECT_FALSE(figure(result(), "alpha").holds());
+}
+
+TEST_F(HardSuiteNotices, ALeafThatIsMissingOrOnAnotherLevel) {
+  hard.scenes[0].tiles[0].lod = 1;
+  reference::Painted at_half = wanted;
+  for (reference::LatticeVertex& v : at_half.triangle) v = {v[0] / 2, v[1] / 2, v[2] / 2};
+  const ExpectedVoxels leaves = reference::expected_voxels({at_half}, SurfaceRule::area, {{-4, -4, -4}, 8});
+  hard.expected_levels = [&] { return std::vector<ExpectedVoxels>{{}, leaves}; };
+  EXPECT_TRUE(result().holds());
+  hard.expected_levels = [&] { return std::vector<ExpectedVoxels>{leaves, {}}; };
+  const HardResult r = result();
+  EXPECT_EQ(figure(r, "missed").measured, double(leaves.size()));
+  EXPECT_EQ(figure(r, "extra").measured, double(leaves.size()));
+}
+
+TEST_F(HardSuiteNotices, AnotherClass) {
+  for (HardCase& one : class_cases())
+    if (one.name == "class-tie-reversed") hard = one;
+  EXPECT_TRUE(result().holds());
+  hard.scenes[0].tiles[1].voxel_class = 6;
+  EXPECT_EQ(figure(result(), "another class").measured, 1);
 }
 
 TEST_F(HardSuiteNotices, AWayToWriteTheSceneThatShows) {

@@ -24,13 +24,13 @@ def hard_row(columns, name, cases):
 
 
 def hard_rows(table, result):
-    """Returns a row per group of ties, and a row per other case."""
+    """Returns a row per group of ties, leaves and classes, and a row per other case."""
     groups = {}
     for case in result["cases"]:
         if case["group"] == "surfaces":
             continue
-        is_tie = case["group"].startswith("ties")
-        groups.setdefault(case["group"] if is_tie else f"`{case['name']}`", []).append(case)
+        is_grouped = case["group"].startswith("ties") or case["group"] in ("leaves", "planes of leaves", "classes")
+        groups.setdefault(case["group"] if is_grouped else f"`{case['name']}`", []).append(case)
     return [hard_row(table["columns"], f"{name}: the worst of {len(cases)}" if len(cases) > 1 else name, cases)
             for name, cases in groups.items()]
 
