@@ -182,6 +182,7 @@ void compare(const std::filesystem::path& folder, const AccuracyBench& bench, co
     setting.views.push_back(
         {bench.views[v].name(), compared_pixels(references.albedo[v]), frame.stats.total_s, errors.back(), {}});
     setting.render_s += frame.stats.total_s;
+    setting.bytes_held = std::max(setting.bytes_held, frame.stats.bytes_held);
     write_png(picture_path(folder, bench.views[v]), frame.picture);
   }
   if (!renderer.problems().empty()) throw InputError(folder, "", renderer.problems().front());

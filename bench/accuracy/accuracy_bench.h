@@ -44,7 +44,8 @@ struct AccuracySetting {
   BakeParameters parameters;
   double bake_s = 0;  ///< from the sources to scene.xml, in one process
   std::uint64_t voxels = 0, bytes = 0;
-  double render_s = 0;  ///< time for all views, including reading the scene
+  double render_s = 0;           ///< time for all views, including reading the scene
+  std::uint64_t bytes_held = 0;  ///< max memory of pools and pages over the views, which are rendered in turn
   std::vector<ViewError> views;
   PictureError mean;  ///< means over the views
   VoxelError voxel;

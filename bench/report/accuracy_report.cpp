@@ -58,6 +58,7 @@ Json to_json(const AccuracySetting& s) {
          {"bytes", s.bytes},
          {"bytes_per_voxel", s.bytes_per_voxel()},
          {"render_s", s.render_s},
+         {"bytes_held", s.bytes_held},
          {"mean", to_json(s.mean)},
          {"voxel_error", to_json(s.voxel)}};
   for (const ViewError& view : s.views) {
