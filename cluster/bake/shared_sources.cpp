@@ -10,7 +10,7 @@
 #include "core/base/error.h"
 #include "format/job/source_bytes.h"
 #include "format/source/classes/source_classes.h"
-#include "format/source/source_levels.h"
+#include "format/source/levels/source_levels.h"
 
 namespace gigabake {
 namespace {

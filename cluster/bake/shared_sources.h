@@ -20,7 +20,7 @@ struct SharedSources {
 };
 
 /// Collective. Rank 0 opens the source and sends heartbeats to the other ranks during that time. It sets the levels of
-/// the sources (format/source/source_levels.h), which may change the parameters.
+/// the sources (format/source/levels/source_levels.h), which may change the parameters.
 /// Errors  CollectiveUsageError: the area does not fit the source, or a source has a wrong voxel size.
 ///         CollectiveFailure: another error of open_sources() on rank 0, or another rank does not see the path.
 ///         Stopped: a stop was requested on rank 0. RankLost: no message from rank 0 within the timeout of a collective

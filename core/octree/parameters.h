@@ -25,7 +25,7 @@ struct BakeParameters {
   Codec codec = Codec::deflate;
   /// Max error of a voxel that ends a branch, 0 … 127 (docs/voxels.md). 0: only equal voxels end one.
   std::uint32_t depth_error = 0;
-  /// Coarsest level with leaves; follows from the sources (format/source/source_levels.h) and `depth_error`.
+  /// Coarsest level with leaves; follows from the sources (format/source/levels/source_levels.h) and `depth_error`.
   std::uint32_t coarsest_lod = 0;
   /// Voxels have classes; follows from the sources and edits (format/source/classes/source_classes.h).
   bool classes = false;

@@ -28,7 +28,7 @@ template <class Scan, class F>
 void each_field_of_scan(Scan& s, const F& f) {
   f(s.tile), f(s.columns), f(s.triangles), f(s.non_finite), f(s.zero_area), f(s.skipped_points), f(s.skipped_lines),
       f(s.source), f(s.error), f(s.spacing_m), f(s.too_far), f(s.reach_m), f(s.bounds.min), f(s.bounds.end),
-      f(s.classified), f(s.is_refused);
+      f(s.classified), f(s.sized), f(s.is_refused);
 }
 
 template <class File, class F>

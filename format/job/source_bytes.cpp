@@ -11,7 +11,9 @@
 #include "format/area/area.h"
 #include "format/edit/edit_json.h"
 #include "format/edit/source_edit_json.h"
+#include "format/job/raster_bytes.h"
 #include "format/source/classes/source_classes.h"
+#include "format/source/levels/named_voxel_sizes.h"
 #include "format/source/raster/crs_map.h"
 #include "format/source/raster/dem.h"
 #include "format/source/tiles/archive.h"
@@ -19,12 +21,11 @@
 namespace gigabake {
 namespace {
 
-constexpr const char* what = "sources";
+using namespace source_bytes;
+
 /// Max length of the prefix that a tile's name shares with the previous one. Without this bound, malformed bytes could
 /// request any amount of memory.
 constexpr std::size_t max_shared_prefix = 4096;
-/// The coarsest level of the largest cell.
-constexpr int max_source_lod = 10;
 
 /// The parts that a tile has in addition to its placement.
 enum TileFlag : std::uint8_t {
@@ -34,7 +35,8 @@ enum TileFlag : std::uint8_t {
   has_edits = 8,
   has_lod = 16,
   has_classes = 32,
-  all_flags = 63
+  has_named_sizes = 64,
+  all_flags = 127
 };
 
 /// Archives or rasters that many tiles share. Each part is written once; tiles refer to the part by number.
@@ -52,28 +54,18 @@ class Shared {
   std::vector<std::shared_ptr<const Part>> parts_;
 };
 
-template <class Value>
-void put_optional(ByteWriter& w, const std::optional<Value>& value) {
-  w.put(std::uint8_t(value.has_value()));
-  if (value) w.put(*value);
+/// Writes the number of parts, then each part by put(part).
+template <class Part, class Put>
+void put_all(ByteWriter& w, const Shared<Part>& shared, const Put& put) {
+  w.put(std::uint64_t(shared.parts().size()));
+  for (const auto& part : shared.parts()) put(*part);
 }
 
-[[noreturn]] void refuse(const char* key, const char* expected) {
-  throw InputError(what, key, std::string("expected ") + expected);
-}
-
-template <class Value>
-void get_optional(ByteReader& r, std::optional<Value>& value) {
-  bool is_there = false;
-  r.get(is_there);
-  value.reset();
-  if (is_there) r.get(value.emplace());
-}
-
-std::filesystem::path get_path(ByteReader& r) {
-  std::string text;
-  r.get(text);
-  return text;
+/// Reads what put_all() wrote. Does not reserve memory, because the count is not trusted.
+template <class Parts, class Get>
+void get_all(ByteReader& r, Parts& parts, const Get& get) {
+  std::uint64_t count = 0;
+  for (r.get(count); count > 0; --count) parts.push_back(get());
 }
 
 /// Writes the length of the prefix shared with the previous text, and the rest of the text.
@@ -119,83 +111,6 @@ void get_next_place(ByteReader& r, Place& place) {
     if ((changed >> i & 1) != 0) r.get(place.m[i / place_columns][i % place_columns]);
 }
 
-void put_part(ByteWriter& w, const DemPart& part) {
-  const DemOptions& o = part.options;
-  w.put(o.dem.string()), w.put(o.ortho.string()), w.put(o.crs), w.put(o.ortho_crs);
-  w.put(o.nodata), put_optional(w, o.height_scale), put_optional(w, o.geoid_offset_m);
-  for (const int number : {o.tile_cells, part.column, part.row, part.columns, part.rows}) w.put(std::int32_t(number));
-  w.put(std::uint64_t(part.grids.size()));
-  for (const std::filesystem::path& grid : part.grids) w.put(grid.string());
-}
-
-DemPart get_part(ByteReader& r) {
-  DemPart part;
-  DemOptions& o = part.options;
-  o.dem = get_path(r), o.ortho = get_path(r);
-  r.get(o.crs), r.get(o.ortho_crs);
-  r.get(o.nodata), get_optional(r, o.height_scale), get_optional(r, o.geoid_offset_m);
-  for (int* const number : {&o.tile_cells, &part.column, &part.row, &part.columns, &part.rows}) {
-    std::int32_t value = 0;
-    r.get(value);
-    *number = value;
-  }
-  std::uint64_t grids = 0;
-  for (r.get(grids); grids > 0; --grids) part.grids.push_back(get_path(r));
-  if (o.tile_cells < 1 || part.columns < 2 || part.rows < 2)
-    refuse("raster", "at least one cell per tile and 2 × 2 pixels");
-  return part;
-}
-
-void put_raster(ByteWriter& w, const DemRaster& raster) {
-  w.put(std::uint64_t(raster.parts.size()));
-  for (const DemPart& part : raster.parts) put_part(w, part);
-  for (const int number : {raster.columns, raster.rows, raster.texels_per_cell}) w.put(std::int32_t(number));
-  w.put(raster.geotransform), w.put(raster.origin), w.put(std::uint8_t(raster.is_on_earth));
-}
-
-std::shared_ptr<const DemRaster> get_raster(ByteReader& r) {
-  auto raster = std::make_shared<DemRaster>();
-  std::uint64_t parts = 0;
-  for (r.get(parts); parts > 0; --parts) raster->parts.push_back(get_part(r));
-  std::int32_t columns = 0, rows = 0, texels = 0;
-  std::uint8_t is_on_earth = 0;
-  r.get(columns), r.get(rows), r.get(texels);
-  r.get(raster->geotransform), r.get(raster->origin), r.get(is_on_earth);
-  if (raster->parts.empty() || columns < 2 || rows < 2 || texels < 1)
-    refuse("raster", "at least one part and 2 × 2 pixels");
-  for (const DemPart& part : raster->parts)
-    if (part.column < 0 || part.row < 0 || part.columns > columns - part.column || part.rows > rows - part.row)
-      refuse("raster", "parts inside the raster");
-  raster->columns = columns, raster->rows = rows, raster->texels_per_cell = texels;
-  raster->is_on_earth = is_on_earth != 0;
-  return raster;
-}
-
-void put_dem(ByteWriter& w, const DemTile& dem, std::uint32_t raster) {
-  w.put(raster);
-  for (const int number : {dem.column, dem.row, dem.columns, dem.rows}) w.put(std::int32_t(number));
-  w.put(dem.offset_m);
-}
-
-/// Returns whether `cells` cells from `first` on lie within a row of `pixels` pixels.
-bool is_inside(std::int32_t first, std::int32_t cells, int pixels) {
-  return first >= 0 && cells >= 1 && first < pixels && cells < pixels - first;
-}
-
-std::shared_ptr<const DemTile> get_dem(ByteReader& r, const std::vector<std::shared_ptr<const DemRaster>>& rasters) {
-  std::uint32_t number = 0;
-  std::int32_t column = 0, row = 0, columns = 0, rows = 0;
-  auto dem = std::make_shared<DemTile>();
-  r.get(number), r.get(column), r.get(row), r.get(columns), r.get(rows), r.get(dem->offset_m);
-  if (number >= rasters.size()) refuse("tile.raster", "the number of a raster");
-  const DemRaster& raster = *rasters[number];
-  if (!is_inside(column, columns, raster.columns) || !is_inside(row, rows, raster.rows))
-    refuse("tile.raster", "cells inside the raster");
-  dem->raster = rasters[number];
-  dem->column = column, dem->row = row, dem->columns = columns, dem->rows = rows;
-  return dem;
-}
-
 class TileWriter {
  public:
   explicit TileWriter(ByteWriter& w) : w_(w) {}
@@ -206,23 +121,22 @@ class TileWriter {
       if (tile.dem) rasters_.add(tile.dem->raster);
       edits_.add(tile.edits);
       classes_.add(tile.classes);
+      named_sizes_.add(tile.named_sizes);
     }
-    w_.put(std::uint64_t(archives_.parts().size()));
-    for (const auto& archive : archives_.parts()) w_.put(archive->file().string());
-    w_.put(std::uint64_t(rasters_.parts().size()));
-    for (const auto& raster : rasters_.parts()) put_raster(w_, *raster);
-    w_.put(std::uint64_t(edits_.parts().size()));
-    for (const auto& edits : edits_.parts()) w_.put(to_json(*edits));
-    w_.put(std::uint64_t(classes_.parts().size()));
-    for (const auto& classes : classes_.parts())
-      w_.put(to_json(*classes)), w_.put(classes->file.string()), w_.put(classes->key);
+    put_all(w_, archives_, [this](const Archive& archive) { w_.put(archive.file().string()); });
+    put_all(w_, rasters_, [this](const DemRaster& raster) { put_raster(w_, raster); });
+    put_all(w_, edits_, [this](const SourceEdits& edits) { w_.put(to_json(edits)); });
+    const auto put_stated = [this](const auto& part) {
+      w_.put(to_json(part)), w_.put(part.file.string()), w_.put(part.key);
+    };
+    put_all(w_, classes_, put_stated), put_all(w_, named_sizes_, put_stated);
   }
 
   void put(const TileRef& tile) {
     w_.put(std::uint8_t(tile.kind)), w_.put(std::uint8_t(tile.gltf_up));
     w_.put(std::uint8_t((tile.range == ByteRange{} ? 0 : has_range) | (tile.archive ? has_archive : 0) |
                         (tile.dem ? has_raster : 0) | (tile.edits ? has_edits : 0) | (tile.lod != 0 ? has_lod : 0) |
-                        (tile.classes ? has_classes : 0)));
+                        (tile.classes ? has_classes : 0) | (tile.named_sizes ? has_named_sizes : 0)));
     put_next(w_, path_, tile.path.string());
     put_next(w_, name_, tile.name);
     w_.put(tile.bytes);
@@ -234,6 +148,7 @@ class TileWriter {
     if (tile.edits) w_.put(edits_.number(tile.edits));
     if (tile.lod != 0) w_.put(tile.lod);
     if (tile.classes) w_.put(classes_.number(tile.classes));
+    if (tile.named_sizes) w_.put(named_sizes_.number(tile.named_sizes));
     path_ = tile.path.string(), name_ = tile.name, scene_ = tile.scene_from_tile, world_ = tile.world_from_tile;
   }
 
@@ -243,19 +158,31 @@ class TileWriter {
   Shared<DemRaster> rasters_;
   Shared<SourceEdits> edits_;
   Shared<SourceClasses> classes_;
+  Shared<NamedVoxelSizes> named_sizes_;
   std::string path_, name_;  ///< path_, name_, scene_ and world_ are of the previous tile
   Affine<Scene, World> scene_;
   Affine<World, World> world_;
 };
 
-/// Returns the edits that `read` reads. Wrong edits mean malformed bytes, not a wrong option.
-template <class Read>
-auto edits_in_bytes(const Read& read) {
+/// Reads a text, and parses it. Wrong members mean malformed bytes, not a wrong option.
+template <class Parse>
+auto get_parsed(ByteReader& r, const Parse& parse) {
+  std::string text;
+  r.get(text);
   try {
-    return read();
+    return parse(text);
   } catch (const UsageError& e) {
     throw InputError(what, "edits", e.what());
   }
+}
+
+/// Reads what a scene .json states for a source, and its place in the file.
+template <class Parse>
+auto get_stated(ByteReader& r, const Parse& parse) {
+  auto stated = get_parsed(r, parse);
+  stated.file = get_path(r);
+  r.get(stated.key);
+  return std::make_shared<const decltype(stated)>(std::move(stated));
 }
 
 class TileReader {
@@ -263,24 +190,14 @@ class TileReader {
   explicit TileReader(ByteReader& r) : r_(r) {}
 
   void get_shared() {
-    std::uint64_t archives = 0, rasters = 0;
-    for (r_.get(archives); archives > 0; --archives) archives_.push_back(std::make_shared<const Archive>(get_path(r_)));
-    for (r_.get(rasters); rasters > 0; --rasters) rasters_.push_back(get_raster(r_));
-    std::uint64_t edits = 0;
-    std::string text;
-    for (r_.get(edits); edits > 0; --edits) {
-      r_.get(text);
-      edits_.push_back(std::make_shared<const SourceEdits>(
-          edits_in_bytes([&] { return source_edits_from_json("the edits of a source", text); })));
-    }
-    std::uint64_t classes = 0;
-    for (r_.get(classes); classes > 0; --classes) {
-      r_.get(text);
-      auto read = std::make_shared<SourceClasses>(edits_in_bytes([&] { return source_classes_from_json(text); }));
-      read->file = get_path(r_);
-      r_.get(read->key);
-      classes_.push_back(std::move(read));
-    }
+    get_all(r_, archives_, [this] { return std::make_shared<const Archive>(get_path(r_)); });
+    get_all(r_, rasters_, [this] { return get_raster(r_); });
+    get_all(r_, edits_, [this] {
+      return std::make_shared<const SourceEdits>(get_parsed(
+          r_, [](const std::string& text) { return source_edits_from_json("the edits of a source", text); }));
+    });
+    get_all(r_, classes_, [this] { return get_stated(r_, source_classes_from_json); });
+    get_all(r_, named_sizes_, [this] { return get_stated(r_, named_voxel_sizes_from_json); });
   }
 
   TileRef get() {
@@ -301,6 +218,8 @@ class TileReader {
     if ((flags & has_lod) != 0) r_.get(tile.lod);
     if ((flags & has_classes) != 0)
       tile.classes = shared_part(classes_, "tile.classes", "the number of the classes of a source");
+    if ((flags & has_named_sizes) != 0)
+      tile.named_sizes = shared_part(named_sizes_, "tile.named_sizes", "the number of the voxel sizes of names");
     if (tile.lod > max_source_lod) refuse("tile.lod", "a level of a cell");
     if ((tile.kind == ContentKind::dem) != (tile.dem != nullptr))
       refuse("tile.raster", "a raster only for an elevation tile");
@@ -324,6 +243,7 @@ class TileReader {
   std::vector<std::shared_ptr<const DemRaster>> rasters_;
   std::vector<std::shared_ptr<const SourceEdits>> edits_;
   std::vector<std::shared_ptr<const SourceClasses>> classes_;
+  std::vector<std::shared_ptr<const NamedVoxelSizes>> named_sizes_;
   std::string path_, name_;
   Affine<Scene, World> scene_;
   Affine<World, World> world_;
@@ -371,19 +291,15 @@ SceneSources sources_from_bytes(std::span<const std::uint8_t> bytes) {
   get_optional(r, sources.origin);
   TileReader tiles(r);
   tiles.get_shared();
-  std::uint64_t count = 0;
-  // Does not reserve memory, because the count is not trusted.
-  for (r.get(count); count > 0; --count) sources.tiles.push_back(tiles.get());
-  for (r.get(count); count > 0; --count) sources.skipped.push_back(get_skipped(r));
+  get_all(r, sources.tiles, [&tiles] { return tiles.get(); });
+  get_all(r, sources.skipped, [&r] { return get_skipped(r); });
   r.get(sources.notes);
   bool has_area = false;
   r.get(has_area);
   if (has_area) sources.area = std::make_shared<const Area>(with_crs_map(get_area(r)));
-  std::string edits;
-  r.get(edits);
-  if (!edits.empty())
-    sources.edits =
-        std::make_shared<const EditList>(edits_in_bytes([&] { return edits_from_json("the scene's edits", edits); }));
+  sources.edits = get_parsed(r, [](const std::string& text) -> std::shared_ptr<const EditList> {
+    return text.empty() ? nullptr : std::make_shared<const EditList>(edits_from_json("the scene's edits", text));
+  });
   r.expect_end();
   return sources;
 }

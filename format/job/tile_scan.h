@@ -15,7 +15,7 @@ namespace gigabake {
 
 /// The version of a scan. Increment it if scan_tile() returns another result for the same files, or if the fields of
 /// TileScan change. Stored scans of earlier bakes are then discarded.
-inline constexpr std::uint32_t scan_version = 8;
+inline constexpr std::uint32_t scan_version = 9;
 
 /// Max side of a triangle's box in voxels. Triangles with a longer side are omitted, because the arithmetic would not
 /// be exact (decision 151).
@@ -27,10 +27,10 @@ struct ColumnExtent {
   std::int64_t z_min = 0, z_end = 0;  ///< lod-0 voxel range [z_min, z_end) that contains all voxels of the tile in this
                                       ///< column
   std::uint64_t triangles = 0;        ///< triangles that may overlap the column
-  /// Approximate number of projected voxels of the tile's level (TileRef::lod) of its surface in this column, times
-  /// projected_voxel_unit. It
-  /// is the sum of the triangles' areas projected along x, y and z. The areas of a triangle are divided evenly among
-  /// its columns. If surfaces are close together, they occupy fewer voxels.
+  /// Approximate number of projected voxels of the tile's surface in this column, times projected_voxel_unit. A
+  /// triangle counts voxels of its level (lod_of()). The number is the sum of the triangles' areas projected along x, y
+  /// and z. The areas of a triangle are divided evenly among its columns. If surfaces are close together, they occupy
+  /// fewer voxels.
   std::uint64_t projected_voxels = 0;
 };
 
@@ -56,6 +56,7 @@ struct TileScan {
   std::vector<SourceWarning> warnings = {};    ///< TileMesh::warnings
   double reach_m = 0;                          ///< max side of the boxes of triangles counted in too_far
   std::vector<std::uint32_t> classified = {};  ///< TileMesh::classified
+  std::vector<std::uint32_t> sized = {};       ///< TileMesh::sized
   bool is_refused = false;                     ///< `error` is a UsageError: the scene does not fit the tile
 };
 

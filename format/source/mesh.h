@@ -27,8 +27,11 @@ struct NormalMap {
   float scale = 1;  ///< factor of x and y; finite
 };
 
-/// The value of a class that is not stated.
+/// The value of a class or level that is not stated.
 inline constexpr std::int32_t not_stated = -1;
+
+/// The coarsest level of the largest cell.
+inline constexpr int max_source_lod = 10;
 
 struct Material {
   std::array<float, 4> base_color{1, 1, 1, 1};  ///< linear RGB and alpha factor, each clamped to 0…1
@@ -64,6 +67,7 @@ inline constexpr std::uint64_t max_part_triangles = std::uint64_t(1) << 18;
 struct Instance {
   int primitive = 0;
   Affine<Scene, Local> scene_from_local;  ///< if its determinant is negative, the caller reverses the winding
+  std::int32_t lod = not_stated;          ///< level of its material or node (named_voxel_sizes.h)
 };
 
 /// Max placements in a file. A few bytes of a file can place a mesh again, so placements are also limited by
@@ -112,6 +116,8 @@ struct TileMesh {
   std::vector<SourceWarning> warnings;  ///< without the file's name
   /// Indices in SourceClasses::of_materials of the names that the file has, ascending.
   std::vector<std::uint32_t> classified = {};
+  /// Numbers in NamedVoxelSizes of the names that the file has, ascending.
+  std::vector<std::uint32_t> sized = {};
 };
 
 /// Grey of an object whose material or image is missing: sRGB code 127 as linear value.

@@ -131,7 +131,7 @@ void pass_on_parts(TileMesh& mesh, const PrimitiveSink& sink) {
   std::vector<Instance> placed;
   for (const Instance& instance : mesh.instances)
     for (int part = 0; part < count[std::size_t(instance.primitive)]; ++part)
-      placed.push_back({first[std::size_t(instance.primitive)] + part, instance.scene_from_local});
+      placed.push_back({first[std::size_t(instance.primitive)] + part, instance.scene_from_local, instance.lod});
   mesh.instances = std::move(placed);
   mesh.primitives = hand_over.left();
 }

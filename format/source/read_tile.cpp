@@ -5,6 +5,7 @@
 #include "format/source/classes/source_classes.h"
 #include "format/source/content/content_container.h"
 #include "format/source/gltf/read.h"
+#include "format/source/levels/named_voxel_sizes.h"
 #include "format/source/mesh/obj_read.h"
 #include "format/source/mesh/ply_read.h"
 #include "format/source/mesh/stl_read.h"
@@ -40,6 +41,7 @@ TileMesh read_tile(const TileRef& tile, const std::filesystem::path& root, ReadS
     if (holds_gltf(tile.kind)) return read_gltf(tile, root, scope, sink ? guarded : sink, pool);
     expect_no_ids(tile);
     if (tile.kind == ContentKind::obj) return read_obj(tile, files_of(tile, root), scope, sink ? guarded : sink);
+    expect_no_nodes(tile);
     if (tile.kind == ContentKind::ply) return read_ply(tile, files_of(tile, root), scope, sink ? guarded : sink);
     if (tile.kind == ContentKind::stl) return read_stl(tile, files_of(tile, root), sink ? guarded : sink);
     TileMesh mesh = read_dem_tile(tile, scope);

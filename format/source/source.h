@@ -22,6 +22,7 @@ class Archive;
 struct Area;
 struct DemTile;
 struct Edit;
+struct NamedVoxelSizes;
 struct SourceClasses;
 struct SourceEdits;
 struct NamedSourceEdit;
@@ -59,7 +60,7 @@ struct ByteRange {
   friend bool operator==(const ByteRange&, const ByteRange&) = default;
 };
 
-/// The voxel size that a scene .json states for a source.
+/// The voxel size that a scene .json states for a source, or for a name in it.
 struct SourceVoxelSize {
   std::filesystem::path file;  ///< scene .json
   std::string key;             ///< the key in it
@@ -80,10 +81,12 @@ struct TileRef {
   Affine<World, World> world_from_tile = {};         ///< the tileset's transforms only; an i3dm needs them to find east
                                                      ///< and north
   std::shared_ptr<const DemTile> dem = nullptr;      ///< cells of a raster; null for other formats
-  std::shared_ptr<const SourceEdits> edits = nullptr;           ///< edits of the tile's triangles; null: none
-  std::shared_ptr<const SourceVoxelSize> voxel_size = nullptr;  ///< null: that of the scene
-  std::shared_ptr<const SourceClasses> classes = nullptr;       ///< null: the source states no classes
-  std::uint8_t lod = 0;  ///< level at which its triangles are voxelized; see set_source_levels() (source_levels.h)
+  std::shared_ptr<const SourceEdits> edits = nullptr;            ///< edits of the tile's triangles; null: none
+  std::shared_ptr<const SourceVoxelSize> voxel_size = nullptr;   ///< null: that of the scene
+  std::shared_ptr<const NamedVoxelSizes> named_sizes = nullptr;  ///< of materials and nodes; null: none
+  std::shared_ptr<const SourceClasses> classes = nullptr;        ///< null: the source states no classes
+  std::uint8_t lod =
+      0;  ///< level at which its triangles are voxelized; see set_source_levels() (source_levels.h) and lod_of()
 };
 
 /// An input that the source names but the bake cannot use: a missing file, an unsupported format. The exit status is 3

@@ -3,6 +3,7 @@
 #define XXH_INLINE_ALL
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <xxhash.h>
 
 #include "core/base/error.h"
@@ -10,6 +11,7 @@
 #include "format/source/content/content_container.h"
 #include "format/source/content/data_uri.h"
 #include "format/source/gltf/version.h"
+#include "format/source/levels/named_voxel_sizes.h"
 #include "format/source/mesh/obj_read.h"
 #include "format/source/mesh/ply_read.h"
 #include "format/source/raster/dem.h"
@@ -133,8 +135,25 @@ TileIdentity identify_plain_mesh(const TileRef& tile, const SourceFiles& files) 
   for (const std::filesystem::path& file : dependencies_of(tile, files)) dependencies.add_file(file);
   digest.add(tile.scene_from_tile.m.data(), sizeof tile.scene_from_tile.m);
   digest.add(&tile.gltf_up, sizeof tile.gltf_up);
+  if (tile.named_sizes) {
+    const std::string levels = to_json(*tile.named_sizes);
+    digest.add(levels.data(), levels.size());
+  }
   out.hash = digest.value();
   return out;
+}
+
+/// Returns the names of the items of a list in a glTF document. An item without a name has the name "", as in
+/// read_tile().
+std::set<std::string> names_in(const Json& gltf, const char* list) {
+  std::set<std::string> names;
+  const auto items = gltf.find(list);
+  if (items == gltf.end() || !items->is_array()) return names;
+  for (const Json& item : *items) {
+    const bool is_named = item.is_object() && item.contains("name") && item["name"].is_string();
+    names.insert(is_named ? item["name"].get<std::string>() : std::string());
+  }
+  return names;
 }
 
 TileIdentity identify_content(const TileRef& tile, const std::filesystem::path& root) {
@@ -156,6 +175,11 @@ TileIdentity identify_content(const TileRef& tile, const std::filesystem::path& 
   digest.add(tile.scene_from_tile.m.data(), sizeof tile.scene_from_tile.m);
   digest.add(&tile.gltf_up, sizeof tile.gltf_up);
   if (container.is_instanced) digest.add(tile.world_from_tile.m.data(), sizeof tile.world_from_tile.m);
+  if (tile.named_sizes) {
+    // Levels of names that the file does not have are left out, so that a change of them does not concern the tile.
+    const std::string levels = to_json(*tile.named_sizes, names_in(gltf, "materials"), names_in(gltf, "nodes"));
+    digest.add(levels.data(), levels.size());
+  }
   out.hash = digest.value();
   return out;
 }

@@ -8,6 +8,7 @@
 #include "core/io/bytes.h"
 #include "format/job/cell_job.h"
 #include "format/source/classes/source_classes.h"
+#include "format/source/levels/named_voxel_sizes.h"
 #include "format/source/raster/dem.h"
 #include "format/source/tile_hash.h"
 #include "format/system/hash_bytes.h"
@@ -70,6 +71,7 @@ Hash128 key_of(const TileRef& tile, const BakeParameters& p) {
   w.put(p.cell_voxels);
   w.put(p.surface);
   if (tile.lod != 0) w.put(tile.lod);
+  if (tile.named_sizes) w.put(to_json(*tile.named_sizes));
   if (tile.classes) w.put(to_json(*tile.classes));
   return hash_of_bytes(w.take());
 }

@@ -13,9 +13,9 @@
 #include "format/area/area_in_scene.h"
 #include "format/job/fingerprint.h"
 #include "format/source/raster/dem.h"
-#include "scheduler/plan/class_check.h"
 #include "scheduler/plan/edited_cells.h"
 #include "scheduler/plan/overviews.h"
+#include "scheduler/plan/stated_names.h"
 
 namespace gigabake {
 namespace {
@@ -299,7 +299,7 @@ BakePlan make_plan(std::vector<TileScan> scans, const SceneSources& sources, con
                    PlanLevels levels, const Progress& progress) {
   progress.step("planning");
   std::sort(scans.begin(), scans.end(), [](const TileScan& a, const TileScan& b) { return a.tile < b.tile; });
-  expect_classes(scans, sources);
+  expect_stated_names(scans, sources);
   extend_to_moved(sources, parameters, scans);
   refuse_spread_tiles(scans, parameters.cell_voxels);
   BakePlan plan;

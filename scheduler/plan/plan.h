@@ -47,8 +47,8 @@ enum class PlanLevels { cells, cells_and_overviews };
 /// its column. It starts at a multiple of the coarsest level's voxel, so that every level of every cell lies on one
 /// grid. Cells that no tile overlaps and no edit fills are omitted (scheduler/plan/edited_cells.h).
 /// Errors  UsageError with file and key: an edit selects no voxel of the scene, does not fit the lattice, or fills too
-///         many cells. UsageError: a source does not fit its classes (scheduler/plan/class_check.h). Stopped if
-///         `progress` cancels the plan.
+///         many cells. UsageError: a source does not fit its classes or voxel sizes (scheduler/plan/stated_names.h).
+///         Stopped if `progress` cancels the plan.
 BakePlan make_plan(std::vector<TileScan> scans, const SceneSources& sources, const BakeParameters& parameters,
                    PlanLevels levels = PlanLevels::cells, const Progress& progress = {});
 

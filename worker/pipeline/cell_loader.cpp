@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "format/source/classes/source_classes.h"
+#include "format/source/levels/named_voxel_sizes.h"
 #include "worker/edit/edited_mesh.h"
 #include "worker/pipeline/lattice.h"
 #include "worker/scan/long_triangles.h"
@@ -152,15 +153,16 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, const Til
     if (near == nullptr) continue;
     const Primitive& shell = mesh.primitives[std::size_t(instance.primitive)];
     const std::size_t of_tile = std::size_t(shell.material);
+    const int lod = lod_of(instance, source);
     CellMaterial& material = cell_materials[of_tile];
     if (material.index < 0) material = add_material(mesh.materials[of_tile]);
     if (material.normal_image >= 0 && (near->shares_uv || !near->normal_uv.empty()))
       material.normal_map.texture = wanted.index_of(tile, std::size_t(material.normal_image), normal_map_filter);
-    cell.parts.push_back(part_view(*near, instance, material, source.lod,
-                                   class_of(shell, mesh.materials[of_tile], source.classes.get())));
+    cell.parts.push_back(
+        part_view(*near, instance, material, lod, class_of(shell, mesh.materials[of_tile], source.classes.get())));
     if (may_have_long_triangle(reach, parameters_)) {
       cell.memory.add_items(near->index.size(), sizeof(std::uint32_t), "", "corners of triangles");
-      cell.indices.push_back(index_without_long(*near, instance, parameters_, source.lod));
+      cell.indices.push_back(index_without_long(*near, instance, parameters_, lod));
       cell.parts.back().index = span(cell.indices.back());
     }
     cell.meshes.push_back(std::move(near));

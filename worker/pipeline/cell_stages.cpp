@@ -10,6 +10,7 @@
 #include "format/shard/levels/content_hash.h"
 #include "format/shard/packed_shard.h"
 #include "format/shard/shard_reader.h"
+#include "format/source/levels/named_voxel_sizes.h"
 #include "format/system/meters/stage_clock.h"
 #include "kernels/cpu/bake_cell.h"
 #include "worker/pipeline/cell_parameters.h"
@@ -143,8 +144,9 @@ void CellStages::claim_filled_voxels(const CellEdits& edits, const CellJob& job,
 
 /// Returns whether the cell may have leaves: a source is voxelized at another level than 0, or branches end early.
 bool CellStages::has_levels(const CellJob& job) const {
-  return parameters_.depth_error != 0 ||
-         std::ranges::any_of(job.tiles, [this](std::uint32_t tile) { return sources_.tiles.at(tile).lod != 0; });
+  return parameters_.depth_error != 0 || std::ranges::any_of(job.tiles, [this](std::uint32_t tile) {
+           return may_have_levels(sources_.tiles.at(tile));
+         });
 }
 
 /// Finds the edits that select a voxel of the cell, and claims the memory of the voxels that they fill.

@@ -54,6 +54,7 @@ void take_counts(const TileMesh& mesh, TileScan& scan) {
   scan.skipped_lines = mesh.counts.skipped_lines;
   scan.warnings = mesh.warnings;
   scan.classified = mesh.classified;
+  scan.sized = mesh.sized;
 }
 
 TileScan unreadable(std::uint32_t tile, std::string reason) {

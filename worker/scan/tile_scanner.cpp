@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "format/source/levels/named_voxel_sizes.h"
 #include "kernels/body/voxelize/part.h"
 #include "worker/pipeline/lattice.h"
 #include "worker/scan/instance_bounds.h"
@@ -150,9 +151,9 @@ void TileScanner::snap(const Primitive& mesh, const Instance& instance, std::spa
                        std::size_t first) const {
   const SnapFrame frame = snap_frame(parameters_);
   const auto scene_from_local = row_major(instance.scene_from_local);
+  const int lod = lod_of(instance, tile_);
   for (std::size_t i = 0; i < out.size(); ++i)
-    out[i].valid =
-        snap_to_level(frame, scene_from_local.data(), mesh.position.data() + 3 * (first + i), tile_.lod, out[i].p);
+    out[i].valid = snap_to_level(frame, scene_from_local.data(), mesh.position.data() + 3 * (first + i), lod, out[i].p);
 }
 
 void TileScanner::add_placed(const Primitive& mesh, const Instance& instance) {
@@ -192,7 +193,8 @@ void TileScanner::add_boxes(const Primitive& mesh, Placements placements) {
     ThreadScan& found = threads_[std::size_t(thread)];
     for (std::size_t i = begin; i < end; ++i) {
       const SceneBox box = scene_box(bounds, *placements[i], parameters_);
-      const std::uint64_t projected_voxels = projected_voxels_of_area(local_area_m2 * area_scale(*placements[i]));
+      const std::uint64_t projected_voxels =
+          projected_voxels_of_area(local_area_m2 * area_scale(*placements[i]), lod_of(*placements[i], tile_));
       is_far[i] = may_have_long_triangle(box, parameters_) ||
                   (!box.is_empty() && !add_box(box, triangles, projected_voxels, found));
       if (is_far[i] == 0) found.non_finite += non_finite;
@@ -204,9 +206,8 @@ void TileScanner::add_boxes(const Primitive& mesh, Placements placements) {
 
 /// Returns the projected voxels of an area with evenly distributed normals, times projected_voxel_unit. The mean of |x|
 /// + |y| + |z| over all unit normals (x, y, z) is 3/2.
-std::uint64_t TileScanner::projected_voxels_of_area(double surface_m2) const {
-  const double voxel_m = std::ldexp(parameters_.voxel_size_m, tile_.lod),
-               voxels = 1.5 * surface_m2 / (voxel_m * voxel_m);
+std::uint64_t TileScanner::projected_voxels_of_area(double surface_m2, int lod) const {
+  const double voxel_m = std::ldexp(parameters_.voxel_size_m, lod), voxels = 1.5 * surface_m2 / (voxel_m * voxel_m);
   return std::uint64_t(std::clamp(voxels * projected_voxel_unit, 0.0, max_projected_voxels));
 }
 
@@ -245,6 +246,7 @@ void TileScanner::refuse() const {
 void TileScanner::add_triangles(const Primitive& mesh, std::span<const std::uint32_t> corners,
                                 std::span<const SnappedVertex> vertices, const Instance& instance,
                                 ThreadScan& found) const {
+  const int lod = lod_of(instance, tile_);
   for (std::size_t t = 0; t + 2 < corners.size(); t += 3) {
     LatticeTriangle triangle;
     bool is_on_lattice = true;
@@ -254,7 +256,7 @@ void TileScanner::add_triangles(const Primitive& mesh, std::span<const std::uint
       triangle.p[i] = v.p.v;
     }
     if (is_on_lattice) {
-      add_triangle(triangle, found);
+      add_triangle(triangle, lod, found);
     } else if (const double side = side_m(mesh, &corners[t], instance); std::isfinite(side)) {
       ++found.too_far;
       found.reach_m = std::max(found.reach_m, side);
@@ -264,7 +266,7 @@ void TileScanner::add_triangles(const Primitive& mesh, std::span<const std::uint
   }
 }
 
-void TileScanner::add_triangle(const LatticeTriangle& triangle, ThreadScan& found) const {
+void TileScanner::add_triangle(const LatticeTriangle& triangle, int lod, ThreadScan& found) const {
   const std::int64_t side = side_of(triangle);
   const bool is_far = side > max_triangle_side;
   // Products of differences up to max_triangle_side fit into 64 bits.
@@ -282,9 +284,9 @@ void TileScanner::add_triangle(const LatticeTriangle& triangle, ThreadScan& foun
   found.bounds = hull(found.bounds, box_of(voxels));
   const VoxelSpan x = columns_of(voxels[0], grid_), y = columns_of(voxels[1], grid_), z = voxels[2];
   if (is_one(x) && is_one(y)) {
-    found.map.add({x.first, y.first, z.first, z.last + 1, 1, projected_voxels_of(triangle, tile_.lod)});
+    found.map.add({x.first, y.first, z.first, z.last + 1, 1, projected_voxels_of(triangle, lod)});
   } else {
-    add_wide(triangle, projected_voxels_of(triangle, tile_.lod), found);
+    add_wide(triangle, projected_voxels_of(triangle, lod), found);
   }
   if (found.map.is_too_wide()) refuse();
 }

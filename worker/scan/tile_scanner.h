@@ -58,10 +58,10 @@ class TileScanner {
   bool add_box(const SceneBox& box, std::uint64_t triangles, std::uint64_t projected_voxels, ThreadScan& found) const;
   void add_triangles(const Primitive& mesh, std::span<const std::uint32_t> corners,
                      std::span<const SnappedVertex> vertices, const Instance& instance, ThreadScan& found) const;
-  void add_triangle(const LatticeTriangle& triangle, ThreadScan& found) const;
+  void add_triangle(const LatticeTriangle& triangle, int lod, ThreadScan& found) const;
   void add_wide(const LatticeTriangle& triangle, std::uint64_t projected_voxels, ThreadScan& found) const;
   void snap(const Primitive& mesh, const Instance& instance, std::span<SnappedVertex> out, std::size_t first) const;
-  std::uint64_t projected_voxels_of_area(double surface_m2) const;
+  std::uint64_t projected_voxels_of_area(double surface_m2, int lod) const;
   [[noreturn]] void refuse() const;
 
   const TileRef& tile_;

@@ -132,12 +132,14 @@ Primitive get_shell(ByteReader& r) {
   return p;
 }
 
-void put_instance(ByteWriter& w, const Instance& i) { w.put(std::int32_t(i.primitive)), w.put(i.scene_from_local); }
+void put_instance(ByteWriter& w, const Instance& i) {
+  w.put(std::int32_t(i.primitive)), w.put(i.scene_from_local), w.put(i.lod);
+}
 
 Instance get_instance(ByteReader& r) {
   Instance i;
   std::int32_t primitive = 0;
-  r.get(primitive), r.get(i.scene_from_local);
+  r.get(primitive), r.get(i.scene_from_local), r.get(i.lod);
   i.primitive = primitive;
   return i;
 }
@@ -145,7 +147,9 @@ Instance get_instance(ByteReader& r) {
 void check(const TileDirectory& d) {
   const auto within = [](int index, std::size_t size) { return index >= 0 && std::size_t(index) < size; };
   bool is_right = d.primitives.size() == d.mesh.primitives.size();
-  for (const Instance& i : d.mesh.instances) is_right = is_right && within(i.primitive, d.primitives.size());
+  const auto is_level = [](std::int32_t lod) { return lod >= not_stated && lod <= max_source_lod; };
+  for (const Instance& i : d.mesh.instances)
+    is_right = is_right && within(i.primitive, d.primitives.size()) && is_level(i.lod);
   const auto is_class = [](std::int32_t c) { return c >= not_stated && c <= std::int32_t(max_class); };
   for (const Primitive& p : d.mesh.primitives)
     is_right = is_right && within(p.material, d.mesh.materials.size()) && is_class(p.voxel_class);
@@ -175,7 +179,7 @@ std::vector<std::uint8_t> to_bytes(const TileDirectory& d) {
   put_list(w, d.mesh.materials, put_material), put_list(w, d.images, put_image);
   w.put(d.mesh.counts);
   put_list(w, d.mesh.warnings, put_warning);
-  w.put(d.mesh.classified);
+  w.put(d.mesh.classified), w.put(d.mesh.sized);
   put_list(w, d.primitives, put_primitive);
   return w.take();
 }
@@ -187,7 +191,7 @@ TileDirectory directory_from_bytes(std::span<const std::uint8_t> bytes) {
   get_list(r, d.mesh.materials, get_material), get_list(r, d.images, get_image);
   r.get(d.mesh.counts);
   get_list(r, d.mesh.warnings, get_warning);
-  r.get(d.mesh.classified);
+  r.get(d.mesh.classified), r.get(d.mesh.sized);
   get_list(r, d.primitives, get_primitive);
   r.expect_end();
   check(d);

@@ -71,6 +71,10 @@ void SourceClasses::refuse(const std::string& member, const std::string& message
   throw UsageError(InputError(file, key.empty() ? member : key + "." + member, message).what());
 }
 
+void SourceClasses::refuse_unknown(std::size_t material) const {
+  refuse("class_of_material", "no material of the source has the name " + in_quotes(of_materials.at(material).name));
+}
+
 std::optional<VoxelClass> class_in(const JsonMembers& members, const char* key) {
   const auto number = whole_number(members, key, 0, max_class);
   return number ? std::optional(VoxelClass(*number)) : std::nullopt;

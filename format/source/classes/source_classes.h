@@ -44,10 +44,13 @@ struct SourceClasses {
   std::filesystem::path file;  ///< scene .json
   std::string key;             ///< the source's entry in it
 
+  std::size_t names() const { return of_materials.size(); }
   /// Returns the index in of_materials; nullopt if no class is stated for the name.
   std::optional<std::size_t> find_material(std::string_view name) const;
   /// Throws the error of a source that does not fit its classes: UsageError with file, member and message.
   [[noreturn]] void refuse(const std::string& member, const std::string& message) const;
+  /// Throws the error of a material's name that no tile of the source has.
+  [[noreturn]] void refuse_unknown(std::size_t material) const;
 };
 
 /// Returns a class that is a member of an object; nullopt if it is absent.

@@ -92,18 +92,19 @@ class NodeInstances {
 
 }  // namespace
 
-void for_each_placement(const std::filesystem::path& file, const GltfDocument& document,
+void for_each_placement(const std::filesystem::path& file, const GltfDocument& document, const NamedVoxelSizes* sizes,
                         const std::function<void(const MeshPlacement&)>& visit) {
   const tinygltf::Model& model = document.model;
   struct Pending {
     int node;
     Map parent;
+    std::int32_t lod_of_parent;
   };
   std::vector<Pending> pending;
-  const auto push_all = [&pending](const std::vector<int>& nodes, const Map& parent) {
-    for (auto n = nodes.rbegin(); n != nodes.rend(); ++n) pending.push_back({*n, parent});
+  const auto push_all = [&pending](const std::vector<int>& nodes, const Map& parent, std::int32_t lod) {
+    for (auto n = nodes.rbegin(); n != nodes.rend(); ++n) pending.push_back({*n, parent, lod});
   };
-  push_all(root_nodes(model), Map());
+  push_all(root_nodes(model), Map(), not_stated);
   MemoryClaim claim(file);
   std::size_t placed = 0;
   while (!pending.empty()) {
@@ -114,13 +115,14 @@ void for_each_placement(const std::filesystem::path& file, const GltfDocument& d
     const Map map = at.parent * node_map(node);
     if (!map.is_finite())
       throw InputError(file, "nodes[" + std::to_string(at.node) + "]", "the transform is not finite");
-    push_all(node.children, map);
+    const std::int32_t stated = lod_of_node(sizes, node.name), lod = stated == not_stated ? at.lod_of_parent : stated;
+    push_all(node.children, map, lod);
     if (node.mesh < 0) continue;
     const NodeInstances instances(file, document, node, claim);
     placed += instances.count();
     if (placed > max_placements) throw InputError(file, "nodes", "more than 2^24 placements of meshes; split the file");
     claim.add_items(instances.count(), placement_bytes, "nodes", "placements of meshes");
-    for (std::size_t i = 0; i < instances.count(); ++i) visit({node.mesh, map * instances.map(i)});
+    for (std::size_t i = 0; i < instances.count(); ++i) visit({node.mesh, map * instances.map(i), lod});
   }
 }
 

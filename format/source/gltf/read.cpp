@@ -19,6 +19,7 @@
 #include "format/source/gltf/material.h"
 #include "format/source/gltf/model/vertex_values.h"
 #include "format/source/gltf/nodes.h"
+#include "format/source/levels/named_voxel_sizes.h"
 #include "format/source/mesh_parts.h"
 
 namespace gigabake {
@@ -76,7 +77,8 @@ class TileReader {
   TileMesh read() {
     read_materials();
     count_unused_states(model_, warnings_);
-    for_each_placement(tile_.path, document_, [this](const MeshPlacement& placement) { place(placement); });
+    for_each_placement(tile_.path, document_, tile_.named_sizes.get(),
+                       [this](const MeshPlacement& placement) { place(placement); });
     keep_images();
     out_.warnings = warnings_.take();
     return std::move(out_);
@@ -108,6 +110,9 @@ class TileReader {
       names.insert(name);
     }
     out_.classified = classified_names(tile_.classes.get(), names);
+    std::set<std::string> nodes;
+    for (const tinygltf::Node& node : model_.nodes) nodes.insert(node.name);
+    out_.sized = sized_names(tile_.named_sizes.get(), names, nodes);
   }
 
   /// Makes a material with an unusable image grey, so that the rest of the tile can be baked.
@@ -131,8 +136,17 @@ class TileReader {
     for (const Affine<World, World>& instance : document_.instances) {
       const Affine<Scene, Local> scene_from_local = scene_from_tile_ * instance * model;
       if (!scene_from_local.is_finite()) throw InputError(tile_.path, "", "a placement in the scene is not finite");
-      for (const int primitive : parts.primitives) out_.instances.push_back({primitive, scene_from_local});
+      for (const int primitive : parts.primitives)
+        out_.instances.push_back({primitive, scene_from_local, lod_of(primitive, placement)});
     }
+  }
+
+  /// Returns the level of a placed primitive: that of its material, else that of its node.
+  std::int32_t lod_of(int primitive, const MeshPlacement& placement) const {
+    const std::size_t material = std::size_t(out_.primitives[std::size_t(primitive)].material);
+    if (material >= model_.materials.size()) return placement.lod;
+    const std::int32_t lod = lod_of_material(tile_.named_sizes.get(), model_.materials[material].name);
+    return lod == not_stated ? placement.lod : lod;
   }
 
   MeshParts read_mesh(int mesh) {

@@ -13,6 +13,7 @@
 #include "format/edit/source_edit_json.h"
 #include "format/edit/source_edits_in_scene.h"
 #include "format/source/classes/source_classes.h"
+#include "format/source/levels/named_voxel_sizes.h"
 #include "format/source/origin_check.h"
 #include "format/source/raster/dem.h"
 #include "format/source/raster/dem_source.h"
@@ -46,6 +47,7 @@ struct Entry {
   double heading_deg = 0, scale = 1;
   std::shared_ptr<const SourceEdits> edits = nullptr;
   std::shared_ptr<const SourceVoxelSize> voxel_size = nullptr;
+  std::shared_ptr<const NamedVoxelSizes> named_sizes = nullptr;
   std::shared_ptr<const SourceClasses> classes = nullptr;
 };
 
@@ -91,11 +93,12 @@ Entry read_entry(const JsonMembers& json, SourceOptions options, const Progress&
   options.area.reset();  // the area and the edits refer to the frame of the whole scene
   options.edits.reset();
   const auto path = json.get<std::string>("path");
-  json.only({"path", "place", "heading_deg", "scale", "voxel_size_m", "class", "class_of_material", "class_from_ids",
-             "edits"});
+  json.only({"path", "place", "heading_deg", "scale", "voxel_size_m", "voxel_size_of_material", "voxel_size_of_node",
+             "class", "class_of_material", "class_from_ids", "edits"});
   e.edits = edits_in(json, path, options);
   options.source_edits.reset();
   e.voxel_size = voxel_size_of(json);
+  e.named_sizes = named_voxel_sizes_of(json);
   e.classes = source_classes_of(json);
   const bool is_placed = json.contains("place");
   if (is_placed) read_place(json.members("place"), e);
@@ -225,6 +228,7 @@ void add_entry(Entry e, SceneSources& out) {
     tile.name = name + tile.name.substr(std::min(own.size(), tile.name.size()));  // keeps the part, e.g. "[1]"
     tile.edits = e.edits;
     tile.voxel_size = e.voxel_size;
+    tile.named_sizes = e.named_sizes;
     tile.classes = e.classes;
     out.tiles.push_back(std::move(tile));
   }

@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
 #include "format/source/classes/source_classes.h"
+#include "format/source/levels/obj_levels.h"
 #include "format/source/mesh/mesh_origin.h"
 #include "format/source/mesh/obj_material_table.h"
 #include "format/source/mesh/obj_vertices.h"
@@ -71,6 +72,14 @@ struct HashOfCorner {
   }
 };
 
+/// The key of a part: its faces have one use of a material and one stated level.
+struct PartKey {
+  ObjMaterialUse use;
+  std::int32_t lod = not_stated;
+
+  friend auto operator<=>(const PartKey&, const PartKey&) = default;
+};
+
 /// Triangles of one material. Each triple of position, texture coordinate and normal is stored once.
 struct Part {
   Primitive primitive;
@@ -97,7 +106,8 @@ class ObjReader {
         sink_(sink),
         materials_(tile.path, files),
         vertices_(file_, claim_),
-        origins_(tile) {}
+        origins_(tile),
+        levels_(tile.named_sizes.get()) {}
 
   TileMesh read() {
     const SourceBytes text = files_.open(file_);
@@ -113,7 +123,7 @@ class ObjReader {
     origins_.finish();
     add_materials();
     if (is_streamed_) read_faces(text, Faces::hand_over);
-    for (auto& [use, part] : parts_) add_primitive(use, part);
+    for (auto& [key, part] : parts_) add_primitive(key, part);
     if (sink_ && !is_streamed_) pass_on_parts(out_, sink_);
     return std::move(out_);
   }
@@ -139,8 +149,10 @@ class ObjReader {
   void read_faces(const SourceBytes& text, Faces faces) {
     range_ = {0, 0, 0, vertices_.positions(), vertices_.uvs(), normals_};
     set_material("", faces);
+    levels_.restart();
     for_each_obj_line(file_, text, [&](const ObjLine& line) {
       if (is_face(line)) return take_face(line, faces);
+      levels_.take(line.word, line.rest);
       if (line.word == "usemtl") set_material(std::string(line.rest), faces);
       if (line.word == "v") ++range_.positions;
       if (line.word == "vt") ++range_.uvs;
@@ -169,12 +181,12 @@ class ObjReader {
       if (!everything_ || !use.has_uv) c.uv = ObjCorner::none;
       if (!with_normals_) c.normal = ObjCorner::none;
     }
-    const ObjMaterialUse kept = everything_ ? use : ObjMaterialUse();
+    const PartKey key{everything_ ? use : ObjMaterialUse(), levels_.lod()};
     if (faces == Faces::hand_over)
-      make_room(line, kept);
+      make_room(line, key);
     else
-      material_index_.try_emplace(kept, 0);
-    if (faces != Faces::look_at) add_face(parts_[kept]);
+      material_index_.try_emplace(key.use, 0);
+    if (faces != Faces::look_at) add_face(parts_[key]);
   }
 
   ObjMaterialUse use_of_corners() const {
@@ -238,10 +250,10 @@ class ObjReader {
   }
 
   /// Passes parts to the sink if the current face would exceed the max number of triangles per part or in all parts.
-  void make_room(const ObjLine& line, const ObjMaterialUse& use) {
+  void make_room(const ObjLine& line, const PartKey& key) {
     const std::uint64_t max_held = 2 * part_triangles(), triangles = corners_.size() - 2;
-    if (material_index_.count(use) == 0) fail_as_changed(line);
-    const auto own = parts_.find(use);
+    if (material_index_.count(key.use) == 0) fail_as_changed(line);
+    const auto own = parts_.find(key);
     if (own != parts_.end() && own->second.triangles() + triangles > part_triangles()) hand_over(own);
     if (held_triangles_ + triangles > max_held && !parts_.empty())
       hand_over(std::max_element(parts_.begin(), parts_.end(), [](const auto& a, const auto& b) {
@@ -255,7 +267,7 @@ class ObjReader {
     throw InputError(file_, name_of(line), "changed while it was read; bake again");
   }
 
-  void hand_over(std::map<ObjMaterialUse, Part>::iterator part) {
+  void hand_over(std::map<PartKey, Part>::iterator part) {
     held_triangles_ -= part->second.triangles();
     add_primitive(part->first, part->second);
     parts_.erase(part);
@@ -272,6 +284,7 @@ class ObjReader {
     if (out_.materials.empty()) out_.materials.emplace_back();
     materials_.warn(used_materials_, warnings_);
     out_.classified = classified_names(tile_.classes.get(), used_materials_);
+    out_.sized = levels_.sized(used_materials_);
     out_.warnings = warnings_.take();
     for (SourceWarning& w : out_.warnings)
       if (w.text.starts_with("faces ")) w.of = faces_;
@@ -292,7 +305,8 @@ class ObjReader {
     return p.uv.size() * sizeof(float);
   }
 
-  void add_primitive(const ObjMaterialUse& use, Part& part) {
+  void add_primitive(const PartKey& key, Part& part) {
+    const ObjMaterialUse& use = key.use;
     Primitive& p = part.primitive;
     const ObjMap map = materials_.placed_map(use.name);
     const std::uint64_t normal_uv_bytes = with_normals_ ? set_normal_uv(use, map, p) : 0;
@@ -306,7 +320,7 @@ class ObjReader {
     p.material = material_index_.at(use);
     const std::uint64_t bytes = part.bytes() + normal_uv_bytes;
     origins_.place(std::move(p), part.position_of, vertices_.position(), [&](Primitive&& piece, const MeshOrigin& at) {
-      out_.instances.push_back({int(out_.primitives.size()), at.scene_from_local()});
+      out_.instances.push_back({int(out_.primitives.size()), at.scene_from_local(), key.lod});
       if (!is_streamed_) return out_.primitives.push_back(std::move(piece));
       out_.primitives.push_back(without_lists(piece));
       sink_(out_.primitives.size() - 1, std::move(piece));
@@ -323,6 +337,7 @@ class ObjReader {
   ObjMaterialTable materials_;
   ObjVertices vertices_;
   MeshOrigins origins_;
+  ObjLevels levels_;  ///< at the current line
   SourceWarnings warnings_;
   ObjIndexRange range_;  ///< at the current line
   std::uint64_t normals_ = 0;
@@ -337,7 +352,7 @@ class ObjReader {
   std::vector<Vector> polygon_;
   std::vector<std::uint32_t> numbers_;
   std::map<ObjMaterialUse, int> material_index_;  ///< index in TileMesh::materials; set by add_materials()
-  std::map<ObjMaterialUse, Part> parts_;
+  std::map<PartKey, Part> parts_;
   bool is_streamed_ = false;
   std::uint64_t held_triangles_ = 0;
   TileMesh out_;

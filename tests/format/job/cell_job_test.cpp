@@ -48,6 +48,7 @@ TileScan some_scan() {
           {"a warning", lost_faces()},
           2.5,
           {0, 3},
+          {1, 2},
           true};
 }
 
@@ -114,6 +115,7 @@ TEST(TileScan, ComesBackFromItsBytes) {
   EXPECT_EQ(back.bounds, scan.bounds);
   EXPECT_EQ(back.skipped_lines, scan.skipped_lines);
   EXPECT_EQ(back.classified, scan.classified);
+  EXPECT_EQ(back.sized, scan.sized);
   EXPECT_EQ(back.is_refused, scan.is_refused);
   EXPECT_EQ(back.source, scan.source);
   EXPECT_EQ(back.error, scan.error);

@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "format/edit/edit_json.h"
 #include "format/edit/source_edit_json.h"
+#include "format/source/levels/named_voxel_sizes.h"
 #include "format/source/raster/dem.h"
 
 namespace gigabake {
@@ -81,6 +82,8 @@ SceneSources random_sources(Random& random, std::size_t tiles) {
   Edit some_edit;
   some_edit.shape = SphereShape{{1, 2, 3}, 4};
   if (random() % 2 == 0) s.edits = std::make_shared<const EditList>(EditList{some_edit});
+  NamedVoxelSizes sizes{{{"glass", {}, 3}}, {{"", {}, 10}, {"Tree_17", {}, 0}}, "scene.json", "sources[0]"};
+  const auto named_sizes = std::make_shared<const NamedVoxelSizes>(sizes);
   TileRef tile;
   for (std::size_t i = 0; i < tiles; ++i) {
     tile.kind = ContentKind(random() % 8);
@@ -93,6 +96,8 @@ SceneSources random_sources(Random& random, std::size_t tiles) {
     tile.range = random() % 4 == 0 ? ByteRange{random(), random()} : ByteRange{};
     tile.dem = tile.kind == ContentKind::dem ? random_dem(raster, random) : nullptr;
     if (random() % 3 == 0) tile.edits = edits;
+    tile.lod = std::uint8_t(random() % 11);
+    tile.named_sizes = random() % 3 == 0 ? named_sizes : nullptr;
     s.tiles.push_back(tile);
   }
   for (std::uint64_t n = random() % 4; n > 0; --n)
@@ -144,6 +149,12 @@ void expect_same(const TileRef& a, const TileRef& b) {
   if (a.dem) expect_same(*a.dem, *b.dem);
   ASSERT_EQ(a.edits == nullptr, b.edits == nullptr);
   EXPECT_EQ(a.edits ? to_json(*a.edits) : "", b.edits ? to_json(*b.edits) : "");
+  EXPECT_EQ(a.lod, b.lod);
+  ASSERT_EQ(a.named_sizes == nullptr, b.named_sizes == nullptr);
+  if (!a.named_sizes) return;
+  EXPECT_EQ(to_json(*a.named_sizes), to_json(*b.named_sizes));
+  EXPECT_EQ(a.named_sizes->file, b.named_sizes->file);
+  EXPECT_EQ(a.named_sizes->key, b.named_sizes->key);
 }
 
 TEST(SourceBytes, ComeBackAsTheSameSources) {

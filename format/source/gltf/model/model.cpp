@@ -144,6 +144,7 @@ tinygltf::Mesh mesh_of(const Json& json) {
 
 tinygltf::Node node_of(const Json& json) {
   tinygltf::Node out;
+  out.name = text_of(json, "name");
   out.mesh = index_of(json, "mesh");
   out.children = indices_of(json, "children");
   out.matrix = numbers_of(json, "matrix");

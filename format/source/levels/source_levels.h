@@ -6,8 +6,9 @@
 
 namespace gigabake {
 
-/// Sets TileRef::lod of all tiles and parameters.coarsest_lod. If a source states a finer voxel size than the scene's,
-/// parameters.voxel_size_m becomes the finest of all, and other sources keep their size on a coarser level.
+/// Sets TileRef::lod and the levels of TileRef::named_sizes of all tiles, and parameters.coarsest_lod. If a source, a
+/// material or a node states a finer voxel size than the scene's, parameters.voxel_size_m becomes the finest of all.
+/// Others then keep their size on a coarser level.
 /// Exact   Does nothing if no source states a voxel size.
 /// Errors  UsageError with file and key: a size is not the finest size times a power of two, or is coarser than a
 ///         cell's coarsest level; the errors of check().
