@@ -278,11 +278,13 @@ def scenes():
              {"type": "paint", "cylinder": {"position_m": [1, 2, 3], "radius_m": 2, "height_m": 4}, "rgb": [9, 8, 7],
               "alpha": 99}, {"type": "carve", "prism": {"rings_m": [ring], "low_m": -1, "high_m": 5}},
              {"type": "carve", "mesh": mesh}]
+    sizes = {"voxel_size_m": 2, "voxel_size_of_material": {"": 4, "b": 1}, "voxel_size_of_node": {"": 1, "a": 8}}
     bounds = {"min_lon_lat_height": [8.25, 46.5, 1200], "max_lon_lat_height": [8.26, 46.51, 1210]}
     degrees = [{"type": "paint", "box": bounds, "rgb": [0, 0, 0]}]
     return [text({"gigabake": 1, "sources": [place]}), text({"gigabake": 1, "sources": [earth]}),
             text({"gigabake": 1, "sources": [{**place, "edits": cut}], "edits": edits}),
-            text({"gigabake": 1, "sources": [earth], "edits": degrees})]
+            text({"gigabake": 1, "sources": [earth], "edits": degrees}),
+            text({"gigabake": 1, "sources": [{**place, **sizes}]})]
 
 
 def geojsons():

@@ -14,6 +14,7 @@
 #include "format/edit/source_edits_in_scene.h"
 #include "format/source/content/content_magic.h"
 #include "format/source/image/image_rows.h"
+#include "format/source/levels/source_levels.h"
 #include "format/source/mesh.h"
 #include "format/source/source.h"
 #include "format/source/tile_hash.h"
@@ -84,7 +85,10 @@ void read_as_a_bake_does(const Path& file) {
   static const ThreadPool pool(1);
   BakeParameters parameters;
   parameters.voxel_size_m = 1;
-  const SceneSources sources = open_sources(file, {});
+  SceneSources sources = open_sources(file, {});
+  BakeParameters with_levels = parameters;
+  set_source_levels(sources, with_levels);
+  parameters.coarsest_lod = with_levels.coarsest_lod;  // keeps the voxel size, because small voxels take much time
   if (sources.edits)
     EditsInScene(sources.edits, sources.origin, {parameters.voxel_size_m, {}}).selecting(Box3i64::cube({0, 0, 0}, 32));
   for (std::uint32_t t = 0; t < std::min(tiles_read, sources.tiles.size()); ++t) {
