@@ -147,6 +147,14 @@ class NamedSizes(harness.FolderTest):
             self.assertNotEqual(harness.lod_hashes(reference, LODS), harness.lod_hashes(self.of_split, LODS))
             self.expect_same(f"{name}_named", self.bake(f"{name}_named", named, *options), f"{name}_split", reference)
 
+    def test_the_command_edit_equals_edits_in_the_scene(self):
+        self.bake("stored", self.named)
+        PROGRAM.succeed("edit", self.root / "stored", "--carve", "box:8,8,-8,16,16,8", "-q")
+        PROGRAM.succeed("verify", self.root / "stored")
+        carve = [{"type": "carve", "box": {"min_m": [8, 8, -8], "max_m": [16, 16, 8]}}]
+        scene = self.scene_file("listed", {"path": "both.glb", "voxel_size_of_material": {"ground": 1}}, edits=carve)
+        self.expect_same("stored", PROGRAM.info(self.root / "stored"), "listed", self.bake("listed", scene))
+
     def test_nodes_equal_split_files(self):
         """A size applies to the nodes below, up to a deeper size. Materials win over nodes."""
         meshes = [[(self.ground, None)], [(self.trees, None)], [(self.other, None), (self.trees + [0, 8, 0], 1)]]
