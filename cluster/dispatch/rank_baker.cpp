@@ -17,17 +17,20 @@ void RankBaker::handle(std::span<const std::uint8_t> order) {
 std::optional<Message> RankBaker::answer() {
   if (held_) return std::exchange(held_, std::nullopt);
   auto event = next_event();
-  if (is_device_told_ || !(process_.device() || deaths_ >= max_failed_starts)) return event;
-  is_device_told_ = true;
+  const std::optional<DeviceAnswer> now = device();
+  const bool is_told = told_ && *told_ != DeviceAnswer{};  // an empty answer: no device was needed yet
+  if (is_told || !now || now == told_) return event;
+  told_ = now;
   held_ = std::move(event);
-  return Message{0, tag_device, device_bytes()};
+  return Message{0, tag_device, to_bytes(*now)};
 }
 
-std::vector<std::uint8_t> RankBaker::device_bytes() const {
-  if (process_.device()) return to_bytes(*process_.device());
+/// Returns the process's device; nullopt while it is not known.
+std::optional<DeviceAnswer> RankBaker::device() const {
+  if (process_.device() || deaths_ < max_failed_starts) return process_.device();
   DeviceAnswer none;
   none.error = no_start_error(last_death_);
-  return to_bytes(none);
+  return none;
 }
 
 std::optional<Message> RankBaker::next_event() {

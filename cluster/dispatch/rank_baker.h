@@ -27,11 +27,11 @@ class RankBaker {
 
  private:
   std::optional<Message> next_event();
-  std::vector<std::uint8_t> device_bytes() const;
+  std::optional<DeviceAnswer> device() const;
 
   BakeProcess& process_;
-  std::uint32_t deaths_ = 0;  ///< number of deaths of the process that were reported to rank 0
-  bool is_device_told_ = false;
+  std::uint32_t deaths_ = 0;          ///< number of deaths of the process that were reported to rank 0
+  std::optional<DeviceAnswer> told_;  ///< the device that was reported to rank 0
   std::string last_death_;
   std::optional<Message> held_;  ///< an event that came with the device
 };

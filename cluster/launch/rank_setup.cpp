@@ -25,7 +25,7 @@ WorkerSetup setup_of(const MpiSession& mpi, const BakeRequest& request, const Sh
   setup.parameters = request.parameters;
   setup.worker = {threads_of(mpi, request), memory_of(mpi, request),   request.out,        {},
                   request.threads == 0,     request.is_default_memory, scratch_of(request)};
-  setup.device = {request.backend, request.gpus, mpi.rank_on_host(), mpi.ranks_on_host()};
+  setup.device = {request.backend, request.gpus, mpi.rank_on_host(), mpi.ranks_on_host(), request.edits.has_value()};
   setup.sources = sources.bytes;
   return setup;
 }

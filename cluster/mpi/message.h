@@ -12,7 +12,7 @@ enum Tag : int {
   tag_job,        ///< master to worker: deaths u32, then one BakeOrder
   tag_report,     ///< worker to master: one BakeAnswer
   tag_died,       ///< worker to master: why its bake process ended and lost its requests; the worker restarts it
-  tag_device,     ///< worker to master: one DeviceAnswer, once, before the first report
+  tag_device,     ///< worker to master: one DeviceAnswer before the first report; another if a device is needed later
   tag_alive,      ///< heartbeat; worker to master: peak bytes u64, host; master to worker: empty
   tag_opened,     ///< master to worker: opening the source has succeeded or failed
   tag_stop,       ///< master to worker: no more jobs or scans; worker to master: no scan result follows

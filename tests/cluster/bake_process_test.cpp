@@ -161,6 +161,45 @@ TEST_F(BakeProcessTest, ItsRankReportsTheDeviceOnceBeforeTheFirstCell) {
   EXPECT_EQ(tags, (std::vector<int>{tag_device, tag_report, tag_report}));
 }
 
+TEST_F(BakeProcessTest, ChoosesNoDeviceBeforeACellMustBeBakedFromItsSource) {
+  const auto stored = scene.baked_here({jobs[0], jobs[1]}, "out");
+  const auto expected = scene.baked_here({jobs[2], jobs[3]}, "here");
+  WorkerSetup setup = scene.setup("out");
+  setup.device = {Backend::cuda, {1000}, 0, 1, true};  // no host has this device
+  BakeProcess process(setup, real_program());
+  for (const CellReport& e : stored) {
+    process.submit(jobs[e.id], 1);
+    expect_same_voxels(expect<Baked>(process).report, e);
+  }
+  ASSERT_TRUE(process.device());
+  EXPECT_EQ(*process.device(), DeviceAnswer{}) << "cells of stored shards need none";
+  process.submit(jobs[2], 1);
+  const CellReport report = expect<Baked>(process).report;
+  EXPECT_EQ(report.outcome, CellOutcome::failed);
+  EXPECT_EQ(report.error, process.device()->error);
+  EXPECT_NE(report.error, "");
+
+  setup.device = {Backend::automatic, {}, 0, 1, true};
+  BakeProcess other(setup, real_program());
+  RankBaker baker(other);
+  std::vector<CellReport> reports;
+  DeviceAnswer told;
+  for (const std::uint32_t job : {2u, 0u, 3u}) baker.handle(order_bytes(0, {jobs[job], 1}));
+  const auto last = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (reports.size() < 3 && std::chrono::steady_clock::now() < last) {
+    other.wait(milliseconds(20));
+    while (const auto message = baker.answer()) {
+      if (message->tag == tag_device) told = device_from_bytes(message->bytes);
+      if (message->tag != tag_report) continue;
+      reports.push_back(answer_from_bytes(message->bytes).report);
+      EXPECT_TRUE(reports.back().id == jobs[0].id || told != DeviceAnswer{}) << "the choice precedes the cell";
+    }
+  }
+  ASSERT_EQ(reports.size(), 3u);
+  EXPECT_EQ(told, *other.device());
+  for (const CellReport& e : expected) expect_same_voxels(*std::ranges::find(reports, e.id, &CellReport::id), e);
+}
+
 TEST_F(BakeProcessTest, ItsRankReportsAProcessThatNeverStarts) {
   BakeProcess process(scene.setup("out"), {scene.script("broken", "exit 7")});
   RankBaker baker(process);

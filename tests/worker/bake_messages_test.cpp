@@ -96,7 +96,7 @@ TEST(BakeOrder, ComesBackFromItsBytesAndSoDoesTheAnswer) {
 }
 
 TEST(DeviceRequest, ComesBackFromItsBytesAndIsRefusedWhereTheyAreWrong) {
-  const DeviceRequest request{Backend::cuda, {2, 3}, 1, 4};
+  const DeviceRequest request{Backend::cuda, {2, 3}, 1, 4, true};
   EXPECT_EQ(device_request_from_bytes(to_bytes(request)), request);
   EXPECT_THROW(device_request_from_bytes(to_bytes(DeviceRequest{Backend::cuda, {}, 4, 4})), InputError);
   EXPECT_THROW(device_request_from_bytes(to_bytes(DeviceRequest{Backend::cuda, {}, -1, 4})), InputError);

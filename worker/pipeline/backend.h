@@ -22,6 +22,8 @@ struct DeviceRequest {
   std::vector<int> allowed = {};  ///< CUDA ordinals that may be chosen; empty means all
   int rank_on_host = 0;
   int ranks_on_host = 1;
+  /// The driver is started only if a cell must be baked from its source. Cells made from stored shards need no device.
+  bool only_if_needed = false;
 
   bool operator==(const DeviceRequest&) const = default;
 };
@@ -31,6 +33,8 @@ struct DeviceChoice {
   std::string reason;              ///< reason why Backend::automatic chose the CPU; else empty
   int sharers = 1;                 ///< ranks of the host that use this device, including this rank
   std::uint64_t device_bytes = 0;  ///< this rank's share of three quarters of the device's memory; 0: no device
+
+  bool operator==(const DeviceChoice&) const = default;
 };
 
 /// Returns how many of `ranks` use the device of rank `rank` when they are assigned to `devices` round-robin.

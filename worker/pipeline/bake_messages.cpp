@@ -58,13 +58,15 @@ std::vector<std::uint8_t> to_bytes(const DeviceRequest& request) {
   w.put(request.allowed);
   w.put(request.rank_on_host);
   w.put(request.ranks_on_host);
+  w.put(request.only_if_needed);
   return w.take();
 }
 
 DeviceRequest device_request_from_bytes(std::span<const std::uint8_t> bytes) {
   ByteReader r(bytes, "device request");
   DeviceRequest request;
-  r.get(request.backend), r.get(request.allowed), r.get(request.rank_on_host), r.get(request.ranks_on_host);
+  r.get(request.backend), r.get(request.allowed), r.get(request.rank_on_host), r.get(request.ranks_on_host),
+      r.get(request.only_if_needed);
   r.expect_end();
   if (request.rank_on_host < 0) throw InputError("device request", "rank_on_host", "expected 0 or more");
   if (request.ranks_on_host <= request.rank_on_host)

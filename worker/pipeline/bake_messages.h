@@ -3,7 +3,8 @@
 /// The supervisor sends, in this order: maybe one `device` (DeviceRequest), so that the device starts before the setup
 /// exists; `sources` (consecutive parts of WorkerSetup::sources); one `setup` (WorkerSetup); then requests: `scan` (the
 /// tile's index, u32) and `bake` (BakeOrder). The process sends one `started` (no payload) once it accepts requests and
-/// one `ready` (DeviceAnswer). It answers every `scan` with `scanned` (TileScan) and every `bake` with `baked`
+/// one `ready` (DeviceAnswer). If the device is chosen only if needed, this `ready` states no device, and another
+/// `ready` follows when it is chosen. It answers every `scan` with `scanned` (TileScan) and every `bake` with `baked`
 /// (BakeAnswer).
 ///
 /// A frame consists of magic "GBKE" (u32), `kind` (u32), size of the payload in bytes (u64), XXH3-64 of the payload
@@ -51,6 +52,8 @@ struct BakeAnswer {
 struct DeviceAnswer {
   DeviceChoice choice;  ///< sent without device_bytes, which only the bake process uses
   std::string error;
+
+  bool operator==(const DeviceAnswer&) const = default;
 };
 
 std::vector<std::uint8_t> to_bytes(const DeviceAnswer& answer);

@@ -218,13 +218,17 @@ class BakeServer {
   void open(WorkerSetup setup) {
     setup_ = std::move(setup);
     set_memory_limit(setup_->worker.memory_bytes);
-    device_start_.begin(setup_->device);
+    if (is_device_deferred())
+      send(BakeMessageKind::ready, to_bytes(DeviceAnswer{}));
+    else
+      device_start_.begin(setup_->device);
     open_scene();
     send(BakeMessageKind::started, {});
   }
 
   /// Waits for the choice of the device and sends it to the supervisor. Makes the pipeline if it is not the CPU.
   void take_device() {
+    device_start_.begin(setup_->device);
     is_device_taken_ = true;
     const DeviceAnswer& answer = device_start_.answer();
     if (!answer.error.empty()) why_not_ = answer.error;
@@ -256,29 +260,54 @@ class BakeServer {
     send(BakeMessageKind::scanned, to_bytes(scan));
   }
 
+  /// Returns whether no cell has needed the device yet.
+  bool is_device_deferred() const { return setup_->device.only_if_needed && !is_device_taken_; }
+
+  std::unique_ptr<CellPipeline>& current_pipeline() { return is_device_deferred() ? stored_pipeline_ : pipeline_; }
+
   void make_pipeline() {
-    if (pipeline_ || !why_not_.empty()) return;
+    std::unique_ptr<CellPipeline>& pipeline = current_pipeline();
+    if (pipeline || !why_not_.empty()) return;
+    WorkerOptions options = setup_->worker;
+    options.stored_only = is_device_deferred();
     try {
-      pipeline_ =
-          std::make_unique<CellPipeline>(sources_, setup_->parameters, setup_->worker, [this] { done_.ring(); });
+      pipeline = std::make_unique<CellPipeline>(sources_, setup_->parameters, options, [this] { done_.ring(); });
     } catch (const std::exception& e) {
       why_not_ = reason_of(e);
     }
   }
 
   void bake(BakeOrder order) {
-    if (!is_device_taken_) take_device();
+    if (!is_device_deferred() && !is_device_taken_) take_device();
     make_pipeline();
-    if (pipeline_ && !fingerprints_->match(order.job))
+    CellPipeline* const pipeline = current_pipeline().get();
+    if (pipeline != nullptr && !fingerprints_->match(order.job))
       return answer_without_shard(order, CellOutcome::refused,
                                   "its fingerprint does not match the parameters of this process");
-    if (pipeline_) {
+    if (pipeline != nullptr) {
       attempts_.push_back({order.job.id, order.attempt, order.returns_child});
       for (const ChildBytes& child : order.children)
-        pipeline_->keep_child(child.file, overview_child_from_bytes(child.bytes));
-      return pipeline_->submit(std::move(order.job));
+        pipeline->keep_child(child.file, overview_child_from_bytes(child.bytes));
+      return pipeline->submit(std::move(order.job));
     }
     answer_without_shard(order, CellOutcome::failed, why_not_);
+  }
+
+  /// Bakes a cell that no stored shard makes. All later orders go to the same pipeline.
+  void bake_from_source(CellJob job) {
+    if (!is_device_taken_) take_device();
+    make_pipeline();
+    if (pipeline_) return pipeline_->submit(std::move(job));
+    const Attempt attempt = take_attempt(job.id);
+    answer_without_shard({std::move(job), attempt.number}, CellOutcome::failed, why_not_);
+  }
+
+  /// Removes and returns the oldest attempt at a cell, because the cell may have been requested again.
+  Attempt take_attempt(std::uint32_t cell) {
+    const auto found = std::ranges::find(attempts_, cell, &Attempt::cell);
+    const Attempt attempt = *found;
+    attempts_.erase(found);
+    return attempt;
   }
 
   void answer_without_shard(const BakeOrder& order, CellOutcome outcome, std::string why) {
@@ -298,16 +327,22 @@ class BakeServer {
       if (!scan) break;
       send(BakeMessageKind::scanned, to_bytes(*scan));
     }
-    while (pipeline_) {
-      auto report = pipeline_->poll();
-      if (!report) break;
-      // Finds the oldest attempt at this cell, because the cell may have been requested again.
-      const auto attempt = std::ranges::find(attempts_, report->id, &Attempt::cell);
-      BakeAnswer answer{std::move(*report), attempt->number, work_.next()};
-      if (attempt->returns_child && answer.report.outcome == CellOutcome::baked)
-        if (const auto child = pipeline_->find_child(answer.report.cell.file)) answer.child = to_bytes(*child);
+    while (stored_pipeline_) {
+      auto job = stored_pipeline_->take_unstored();
+      if (!job) break;
+      bake_from_source(std::move(*job));
+    }
+    if (stored_pipeline_) answer_cells_of(*stored_pipeline_);
+    if (pipeline_) answer_cells_of(*pipeline_);
+  }
+
+  void answer_cells_of(CellPipeline& pipeline) {
+    while (auto report = pipeline.poll()) {
+      const Attempt attempt = take_attempt(report->id);
+      BakeAnswer answer{std::move(*report), attempt.number, work_.next()};
+      if (attempt.returns_child && answer.report.outcome == CellOutcome::baked)
+        if (const auto child = pipeline.find_child(answer.report.cell.file)) answer.child = to_bytes(*child);
       send(BakeMessageKind::baked, to_bytes(answer));
-      attempts_.erase(attempt);
     }
   }
 
@@ -325,6 +360,9 @@ class BakeServer {
   bool is_device_taken_ = false;
   std::unique_ptr<ScanThread> scanner_;
   bool scans_ = false;  ///< true if scan requests are accepted
+  /// Makes cells from stored shards without the device, until a cell must be baked from its source; null unless
+  /// DeviceRequest::only_if_needed.
+  std::unique_ptr<CellPipeline> stored_pipeline_;
   std::unique_ptr<CellPipeline> pipeline_;
   RunWorkMeter work_;
   std::vector<Attempt> attempts_;  ///< attempts at the cells in the pipeline, oldest first

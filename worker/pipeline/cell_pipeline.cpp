@@ -115,6 +115,15 @@ class CellPipeline::Stages {
     return report;
   }
 
+  std::optional<CellJob> take_unstored() {
+    const std::scoped_lock lock(mutex_);
+    if (unstored_.empty()) return std::nullopt;
+    CellJob job = std::move(unstored_.front());
+    unstored_.pop_front();
+    --in_flight_;
+    return job;
+  }
+
   OverviewInputs& overview_inputs() { return stages_.overview_inputs(); }
 
   std::size_t in_flight() const {
@@ -140,11 +149,22 @@ class CellPipeline::Stages {
         continue;
       }
       read(*cell);
-      loaded_.push(std::move(cell));
+      if (cell->is_unstored)
+        return_unstored(std::move(cell->job));
+      else
+        loaded_.push(std::move(cell));
     }
     if (--producers_of_loaded_ != 0) return;
     loaded_.close();
     overviews_.close();
+  }
+
+  void return_unstored(CellJob job) {
+    {
+      const std::scoped_lock lock(mutex_);
+      unstored_.push_back(std::move(job));
+    }
+    if (on_report_) on_report_();
   }
 
   void read(InFlightCell& cell) {
@@ -218,7 +238,7 @@ class CellPipeline::Stages {
   const std::function<void()> on_report_;
   mutable std::mutex mutex_;
   std::condition_variable submitted_;
-  std::deque<CellJob> jobs_;
+  std::deque<CellJob> jobs_, unstored_;
   std::deque<CellReport> reports_;
   std::size_t in_flight_ = 0;
   bool stopping_ = false;
@@ -240,6 +260,7 @@ CellPipeline::~CellPipeline() = default;
 
 void CellPipeline::submit(CellJob job) { stages_->submit(std::move(job)); }
 std::optional<CellReport> CellPipeline::poll() { return stages_->poll(); }
+std::optional<CellJob> CellPipeline::take_unstored() { return stages_->take_unstored(); }
 std::shared_ptr<const OverviewChild> CellPipeline::find_child(const std::string& file) {
   return stages_->overview_inputs().find(file);
 }

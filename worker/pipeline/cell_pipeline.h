@@ -34,6 +34,9 @@ struct WorkerOptions {
   std::filesystem::path scratch = {};
   /// Target for the memory of the device: 1/4 for textures, 1/4 for packing, 1/2 for the kernels. 0: `memory_bytes`.
   std::uint64_t device_bytes = 0;
+  /// True if the pipeline makes only cells that need no kernels: overviews, and cells of stored shards.
+  /// CellPipeline::take_unstored() returns the others.
+  bool stored_only = false;
 };
 
 /// A pipeline that bakes submitted jobs in order. The order of the reports may differ if several cells are computed or
@@ -57,6 +60,9 @@ class CellPipeline {
   void submit(CellJob job);
   /// Returns the next report, if any.
   std::optional<CellReport> poll();
+  /// Returns the next job whose cell must be baked from its source, if any; it gets no report. Only with
+  /// WorkerOptions::stored_only; `on_report` is called for it, too.
+  std::optional<CellJob> take_unstored();
   /// Returns the data of a baked shard that its overview needs; null if it is no longer in memory.
   std::shared_ptr<const OverviewChild> find_child(const std::string& file);
   /// Takes the data of a shard that another worker has baked. Call it before submitting the overview.

@@ -222,6 +222,10 @@ void CellStages::read(InFlightCell& cell) {
     return;
   }
   if (edit_stored(cell)) return;
+  if (options_.stored_only) {
+    cell.is_unstored = true;
+    return;
+  }
   cell.loaded = loader_.load(cell.job);
   find_edits(cell);
   on_device(cell, [&] {

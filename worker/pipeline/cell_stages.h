@@ -30,7 +30,8 @@ struct InFlightCell {
 
   CellJob job;
   CellReport report;
-  bool is_final = false;  ///< the report is final; later stages skip the cell
+  bool is_final = false;     ///< the report is final; later stages skip the cell
+  bool is_unstored = false;  ///< with stored_only: the cell must be baked from its source
   /// Kept until the cell is packed or its volume is on the host. If the device fails before that, the CPU bakes from
   /// this data.
   std::optional<LoadedCell> loaded;
@@ -61,7 +62,8 @@ class CellStages {
   /// Reuses the shard of the job's fingerprint if OUT has a valid one. If OUT has a shard of the cell with fewer edits,
   /// applies the others to it (worker/edit/shard_edit.h) and writes the new shard. Otherwise loads tiles and textures,
   /// and uploads them to the device if there is one. For an overview, takes children from the cache where available and
-  /// reads the others from OUT. Several threads may call it for different cells.
+  /// reads the others from OUT. Several threads may call it for different cells. If stored_only is set, loads no
+  /// tiles, but sets `is_unstored`.
   void read(InFlightCell& cell);
   /// Computes the volume from the loaded data: on the device if there is one and the cell is not an overview. If the
   /// device fails, the cell is baked on the CPU, and the report has a note.

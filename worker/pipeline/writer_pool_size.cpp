@@ -25,7 +25,7 @@ std::size_t concurrent_cells_for(const WorkerOptions& options) {
 
 std::size_t readers_for(const WorkerOptions& options) {
   constexpr std::uint64_t bytes_a_reader = std::uint64_t(2) << 30, threads_a_reader = 4, maximum = 3;
-  if (!options.cuda_device) return 1;
+  if (!options.cuda_device && !options.stored_only) return 1;
   const std::uint64_t by_memory = options.memory_bytes == 0 ? maximum : options.memory_bytes / bytes_a_reader,
                       by_threads = std::uint64_t(options.threads) / threads_a_reader;
   return std::size_t(std::clamp<std::uint64_t>(std::min(by_threads, by_memory), 1, maximum));

@@ -31,7 +31,8 @@ std::size_t overview_makers_for(const WorkerOptions& options);
 
 /// Returns the number of cells that are read concurrently. Most of the time for a tile's first cell is the decoding of
 /// one image on one thread, so a device worker reads up to three cells at a time, if threads and memory suffice.
-/// Without a device it is 1, because reading and kernels share the threads.
+/// If `stored_only` is set, it is the same, because readers edit stored shards, partly on one thread. Otherwise it is 1
+/// without a device, because reading and kernels share the threads.
 std::size_t readers_for(const WorkerOptions& options);
 
 /// Returns the number of cells read before a device needs them. A tile's first cell takes as long to read as several

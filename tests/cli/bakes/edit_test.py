@@ -42,6 +42,11 @@ def shards(folder):
     return set(re.findall(r"shards/[cp][-\d_]*-[0-9a-f]{32}\.h5", text))
 
 
+def chose_device(report):
+    """Returns whether a bake process chose its device, with or without success."""
+    return report["ranks_with_device"] > 0 or "no_device" in report
+
+
 class Edit(harness.FolderTest):
     @classmethod
     def setUpClass(cls):
@@ -112,7 +117,9 @@ class Edit(harness.FolderTest):
         changed = {name for name in after - before if "/c_" in name}
         self.assertTrue(changed and all("/c_0_0_" in name for name in changed), changed)
         self.assertEqual(report["cells_taken_over"], len([n for n in before if "/c_" in n]) - len(changed))
-        PROGRAM.succeed("edit", self.scene, "--undo", "-q")
+        self.assertFalse(chose_device(report), "an edit in place needs no device")
+        report = json.loads(PROGRAM.succeed("edit", self.scene, "--undo", "--json"))
+        self.assertFalse(chose_device(report), "an undo needs no device")
         self.assertEqual(shards(self.scene), before)
         self.assertFalse((self.scene / "edits.json").exists())
 
@@ -140,6 +147,7 @@ class Edit(harness.FolderTest):
                 (self.scene / name).write_bytes(bytes(data))
         report = json.loads(PROGRAM.succeed("edit", self.scene, "--paint=sphere:4,4,0,30", "--rgb=1,2,3", "--json"))
         self.assertEqual(report["run"]["work"]["edited_bricks"], 0)
+        self.assertTrue(chose_device(report))
         self.expect_state(self.listed())
 
     def test_a_bake_of_the_source_applies_both_lists(self):
