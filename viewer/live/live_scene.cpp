@@ -329,7 +329,10 @@ void LiveScene::publish_frame(Viewer& viewer, const RenderScheduler::RenderReque
   frame->view = order.view;
   frame->rays = rays;
   frame->full = order.full;
-  add_boxes(viewer, *frame);
+  if (has_boxes(viewer)) {
+    frame->without_boxes = std::make_shared<const Picture>(frame->frame.picture);
+    add_boxes(viewer, *frame);
+  }
   frame->number = viewer.frame ? viewer.frame->number + 1 : 1;
   if (apart_s < 1) {
     const double before = viewer.frame ? viewer.frame->frames_per_s : 0;

@@ -137,6 +137,7 @@ class LiveScene {
   void redraw_boxes();
   void exchange();
   bool replace_in_place();
+  bool has_boxes(const Viewer& viewer) const;
   void add_boxes(const Viewer& viewer, LiveFrame& frame) const;
   void redraw_boxes(Viewer& viewer);
   void open(const std::function<std::unique_ptr<FrameRenderer>()>& make, std::vector<CellBox> boxes);

@@ -114,25 +114,33 @@ void LiveScene::redraw_boxes() {
   for (const auto& viewer : viewers_) redraw_boxes(*viewer);
 }
 
+/// Replaces the viewer's frame by one with the present boxes and previews. The pixels are copied once: the clean image
+/// stays that of the earlier frame.
 void LiveScene::redraw_boxes(Viewer& viewer) {
   if (!viewer.frame) return;
-  auto frame = std::make_shared<LiveFrame>(*viewer.frame);
-  ++frame->number;
-  add_boxes(viewer, *frame);
+  const FramePtr last = viewer.frame;
+  const auto clean = last->without_boxes ? last->without_boxes
+                                         : std::shared_ptr<const Picture>(last, &last->frame.picture);  // shares it
+  auto frame = std::make_shared<LiveFrame>(LiveFrame{
+      last->number + 1, {*clean, last->frame.stats}, last->view, last->rays, {}, last->full, last->frames_per_s});
+  if (has_boxes(viewer)) {
+    frame->without_boxes = clean;
+    add_boxes(viewer, *frame);
+  }
   viewer.frame = std::move(frame);
   wake_viewers_.notify_all();
+}
+
+bool LiveScene::has_boxes(const Viewer& viewer) const {
+  const auto is_open = [](const CellBox& box) { return box.state != CellState::done; };
+  return !viewer.previews.empty() || std::any_of(boxes_.begin(), boxes_.end(), is_open);
 }
 
 /// Draws the boxes of the watched bake and the viewer's previews into the frame's image.
 void LiveScene::add_boxes(const Viewer& viewer, LiveFrame& frame) const {
   Picture& picture = frame.frame.picture;
-  if (frame.without_boxes) picture = *frame.without_boxes;
-  frame.without_boxes = nullptr;
-  const auto is_open = [](const CellBox& box) { return box.state != CellState::done; };
-  if (std::none_of(boxes_.begin(), boxes_.end(), is_open) && viewer.previews.empty()) return;
-  frame.without_boxes = std::make_shared<const Picture>(picture);
   draw_boxes(picture, frame.rays.camera, boxes_);
-  draw_previews(picture, frame.rays, viewer.previews);
+  draw_previews(picture, frame.rays, viewer.previews, renderer_ ? renderer_->pool() : callers_thread());
 }
 
 }  // namespace gigabake

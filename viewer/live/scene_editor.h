@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/thread_pool.h"
 #include "core/math/box3.h"
 #include "core/math/vec3.h"
 #include "viewer/live/picked_point.h"
@@ -24,8 +25,8 @@ using EditPreviews = std::vector<EditPreview>;
 
 /// Tints the surfaces of the image that the edits select, and draws the edges of the edits' bounds. `rays` are the rays
 /// of `picture`. Does not change depths.
-/// Cost    20 ns per pixel and edit.
-void draw_previews(Picture& picture, const PictureRays& rays, const EditPreviews& previews);
+/// Cost    Each thread takes 20 ns per edit and pixel in the rectangle around the image of the edit's bounds.
+void draw_previews(Picture& picture, const PictureRays& rays, const EditPreviews& previews, const ThreadPool& pool);
 
 /// The caller's way to edit a scene. `edits` is JSON such as {"edits": […]} (docs/editing.md). Thread-safe.
 class SceneEditor {

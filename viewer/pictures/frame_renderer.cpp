@@ -31,6 +31,7 @@ FrameRenderer::FrameRenderer(const std::filesystem::path& scene_path, const Scen
 FrameRenderer::~FrameRenderer() = default;
 
 const PagedScene& FrameRenderer::scene() const { return *state_->scene; }
+const ThreadPool& FrameRenderer::pool() const { return state_->policy; }
 
 kernels::CastCamera FrameRenderer::rays_of(const CameraOptions& options) const {
   return make_camera(options, *state_->scene);

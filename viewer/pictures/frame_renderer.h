@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/base/progress.h"
+#include "core/base/thread_pool.h"
 #include "format/scene/paged_scene.h"
 #include "viewer/pictures/picture.h"
 #include "viewer/pictures/view.h"
@@ -84,6 +85,8 @@ class FrameRenderer {
   ~FrameRenderer();
 
   const PagedScene& scene() const;
+  /// Returns the pool of the renderer's threads.
+  const ThreadPool& pool() const;
 
   /// Begins to exchange the shards of a watched scene's cells. `cells` are the numbers in `watched`, whose places are
   /// unchanged.

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "kernels/marching/cast_line.h"
 #include "kernels/marching/pixel.h"
+#include "viewer/live/cell_boxes.h"
 #include "viewer/live/edit_brush.h"
 
 namespace gigabake {
@@ -40,7 +42,7 @@ TEST(DrawPreviews, TintsExactlyTheSurfacesOfSelectedVoxels) {
   const Picture before = wall();
   Picture drawn = before;
   const auto selects = [](const Vec3i64& v) { return v[0] * v[0] + v[2] * v[2] < 30 * 30; };
-  draw_previews(drawn, rays, {{{{-9999, -999, -9999}, {9999, 999, 9999}}, {200, 0, 0}, selects}});
+  draw_previews(drawn, rays, {{{{-9999, -999, -9999}, {9999, 999, 9999}}, {200, 0, 0}, selects}}, callers_thread());
   int tinted = 0;
   for (int y = 0; y < wall_pixels; ++y)
     for (int x = 0; x < wall_pixels; ++x) {
@@ -60,11 +62,59 @@ TEST(DrawPreviews, TintsExactlyTheSurfacesOfSelectedVoxels) {
 TEST(DrawPreviews, OutlinesTheBoundsWhereNoSurfaceIsSelected) {
   Picture drawn = wall();
   const auto none = [](const Vec3i64&) { return false; };
-  draw_previews(drawn, rays_to_north(), {{Box3i64::cube({-20, -40, -20}, 40), {200, 0, 0}, none}});
+  draw_previews(drawn, rays_to_north(), {{Box3i64::cube({-20, -40, -20}, 40), {200, 0, 0}, none}}, callers_thread());
   EXPECT_NE(drawn.rgba, wall().rgba);
   drawn = wall();
-  draw_previews(drawn, rays_to_north(), {});
+  draw_previews(drawn, rays_to_north(), {}, callers_thread());
   EXPECT_EQ(drawn.rgba, wall().rgba);
+}
+
+/// Draws the previews with a test of every pixel.
+void draw_slowly(Picture& picture, const PictureRays& rays, const EditPreviews& previews) {
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x)
+      for (const EditPreview& preview : previews) {
+        const std::size_t pixel = std::size_t(y * picture.width + x);
+        const kernels::CastLine line = kernels::line_of_sight({}, rays.camera, x, y);
+        const Vec3i64 voxel = Vec3i64::by_axis([&](int axis) {
+          return std::int64_t(
+              std::floor(line.origin[axis] + line.direction[axis] * (double(picture.depth[pixel]) + 0.5)));
+        });
+        if (picture.depth[pixel] == kernels::CastRay::no_depth || !preview.bounds.contains(voxel)) continue;
+        for (std::size_t c = 0; preview.selects(voxel) && c < 3; ++c)
+          picture.rgba[4 * pixel + c] = std::uint8_t((picture.rgba[4 * pixel + c] + 2 * preview.rgb[c]) / 3);
+      }
+  for (const EditPreview& preview : previews) draw_edges(picture, rays.camera, preview.bounds, preview.rgb);
+}
+
+/// Random boxes are partly outside the image, around the eye or behind it, so all types of rectangles occur.
+TEST(DrawPreviews, EqualsATestOfEveryPixelForAnyBoxesAndThreads) {
+  constexpr unsigned seed = 77;
+  std::mt19937 random(seed);
+  const auto from = [&](int low, int high) { return std::uniform_int_distribution<int>(low, high)(random); };
+  const auto any = [](const Vec3i64&) { return true; };
+  const ThreadPool pool(3);
+  int changed = 0;
+  for (int round = 0; round < 200; ++round) {
+    PictureRays rays = rays_to_north();
+    rays.camera.eye = {from(-50, 50) / 3.0, -100 + from(-50, 50) / 3.0, from(-50, 50) / 3.0};
+    rays.camera.right = {0.5 + from(0, 10) / 10.0, 0, 0};
+    Picture before = wall();
+    for (float& depth : before.depth)
+      if (depth != kernels::CastRay::no_depth) depth = float(from(1, 150));
+    EditPreviews previews;
+    for (int i = from(1, 3); i > 0; --i)
+      previews.push_back({Box3i64::cube({from(-120, 80), from(-160, 40), from(-120, 80)}, from(1, 90)),
+                          {std::uint8_t(from(0, 255)), 0, 90},
+                          any});
+    Picture drawn = before, expected = before;
+    draw_previews(drawn, rays, previews, pool);
+    draw_slowly(expected, rays, previews);
+    ASSERT_EQ(drawn.rgba, expected.rgba) << "seed " << seed << " round " << round;
+    ASSERT_EQ(drawn.depth, before.depth);
+    changed += drawn.rgba != before.rgba;
+  }
+  EXPECT_GT(changed, 50);
 }
 
 TEST(EditBrush, MakesListsInTheFormOfEdits) {
