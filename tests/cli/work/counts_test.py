@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Counts the work of fixed small bakes and compares the counts with counts.json. Times are not compared.
 
-Counts do not depend on the load of a machine, so a change that makes the program do more work fails here. A change that
-does so on purpose, or that saves work, stores the new counts in the same commit:
+Counts do not depend on the load of a machine, except that of `render`, so a change that makes the program do more work
+fails here. A change that does so on purpose, or that saves work, stores the new counts in the same commit:
 
     counts_test.py GIGABAKE SOURCE_DIR --record
 
@@ -31,6 +31,9 @@ VOXEL_M = 0.25
 OPTIONS = ("--cell-voxels", 64, "--threads", 2)
 # Device counts are zero without a device, and are recorded apart.
 DEVICE = "device_"
+# Rays that wait more than 50 ms for pages are cast again (viewer/pictures/render.cpp), as on a loaded machine. The min
+# of several runs counts.
+MAX_RUNS = {"render": 4}
 
 
 def differences(measured, recorded):
@@ -145,9 +148,16 @@ class Counts(harness.FolderTest):
             self.skipTest("the instructions of builds that are not optimized are not counted")
         if not RECORD and name not in self.recorded.get("instructions", {}).get(compiler, {}):
             self.skipTest(f"no instructions of {compiler} are recorded")
+        recorded = self.recorded.get("instructions", {}).get(compiler, {}).get(name, {})
+        counts = [self.instructions_of(valgrind, name, *arguments)]
+        while len(counts) < MAX_RUNS.get(name, 1) and list(differences({"instructions": min(counts)}, recorded)):
+            counts.append(self.instructions_of(valgrind, f"{name}-{len(counts)}", *arguments))
+        self.compare({"instructions": min(counts)}, "instructions", compiler, name)
+
+    def instructions_of(self, valgrind, name, *arguments):
         counts = self.callgrind(valgrind, name, *arguments)
         start = self.callgrind(valgrind, f"{name}-start", "--version")[0]  # depends on the libraries that are linked
-        self.compare({"instructions": sum(counts) - len(counts) * start}, "instructions", compiler, name)
+        return sum(counts) - len(counts) * start
 
     def callgrind(self, valgrind, name, *arguments):
         """Runs the program. Returns the instructions of each of its processes."""
