@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <optional>
 #include <utility>
 
 #include "cluster/mpi/collective.h"
@@ -13,20 +12,6 @@ namespace gigabake {
 namespace {
 
 namespace fs = std::filesystem;
-
-template <class Value>
-void put_optional(ByteWriter& w, const std::optional<Value>& value) {
-  w.put(std::uint8_t(value.has_value()));
-  if (value) w.put(*value);
-}
-
-template <class Value>
-void get_optional(ByteReader& r, std::optional<Value>& value) {
-  bool is_there = false;
-  r.get(is_there);
-  value.reset();
-  if (is_there) r.get(value.emplace());
-}
 
 /// Returns the absolute path; empty if a plan has no OUT.
 fs::path place_of(const fs::path& path) { return path.empty() ? path : fs::absolute(path); }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -107,5 +108,21 @@ class ByteReader {
   const char* what_;
   std::size_t at_ = 0;
 };
+
+/// Writes whether there is a value, and the value.
+template <class Value>
+void put_optional(ByteWriter& w, const std::optional<Value>& value) {
+  w.put(std::uint8_t(value.has_value()));
+  if (value) w.put(*value);
+}
+
+/// Reads what put_optional() wrote.
+template <class Value>
+void get_optional(ByteReader& r, std::optional<Value>& value) {
+  bool is_there = false;
+  r.get(is_there);
+  value.reset();
+  if (is_there) r.get(value.emplace());
+}
 
 }  // namespace gigabake

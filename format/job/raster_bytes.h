@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "core/io/bytes.h"
@@ -17,20 +16,6 @@ inline constexpr const char* what = "sources";
 
 /// Throws InputError: `key` is not `expected`.
 [[noreturn]] void refuse(const char* key, const char* expected);
-
-template <class Value>
-void put_optional(ByteWriter& w, const std::optional<Value>& value) {
-  w.put(std::uint8_t(value.has_value()));
-  if (value) w.put(*value);
-}
-
-template <class Value>
-void get_optional(ByteReader& r, std::optional<Value>& value) {
-  bool is_there = false;
-  r.get(is_there);
-  value.reset();
-  if (is_there) r.get(value.emplace());
-}
 
 std::filesystem::path get_path(ByteReader& r);
 
