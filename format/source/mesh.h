@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,6 +26,14 @@ struct TextureUse {
 struct NormalMap {
   TextureUse texture;
   float scale = 1;  ///< factor of x and y; finite
+};
+
+struct TexelIds;  // core/octree/texel_ids.h
+
+/// A texture whose texels are ids that classes are taken from.
+struct IdTexture {
+  TextureUse texture;
+  std::shared_ptr<const TexelIds> ids;  ///< null if there is no texture
 };
 
 /// The value of a class or level that is not stated.
@@ -58,6 +67,8 @@ struct Primitive {
   std::vector<VoxelClass> vertex_class = {};  ///< 1 per vertex, only while a reader splits the primitive by classes
   int material = 0;                           ///< index into TileMesh::materials (always valid)
   std::int32_t voxel_class = not_stated;      ///< class of its ids (source_classes.h), before that of its material
+  IdTexture id_texture = {};                  ///< classes of its texels, before all other classes
+  std::vector<float> id_uv = {};              ///< coordinates of `id_texture`: 2 per vertex, or empty
 };
 
 /// Max triangles of a part that a PrimitiveSink (source.h) receives. A part has only the vertices that it uses.
@@ -68,6 +79,7 @@ struct Instance {
   int primitive = 0;
   Affine<Scene, Local> scene_from_local;  ///< if its determinant is negative, the caller reverses the winding
   std::int32_t lod = not_stated;          ///< level of its material or node (named_voxel_sizes.h)
+  std::int32_t voxel_class = not_stated;  ///< class of its id (instance_ids.h), before all other classes
 };
 
 /// Max placements in a file. A few bytes of a file can place a mesh again, so placements are also limited by

@@ -72,6 +72,7 @@ Primitive without_lists(const Primitive& primitive) {
   out.shares_uv = primitive.shares_uv;
   out.material = primitive.material;
   out.voxel_class = primitive.voxel_class;
+  out.id_texture = primitive.id_texture;
   return out;
 }
 
@@ -88,6 +89,7 @@ Primitive with_corners(const Primitive& whole, std::vector<std::uint32_t>&& inde
   out.normal = chosen(whole.normal, vertices, 1);
   out.normal_uv = chosen(whole.normal_uv, vertices, 2);
   out.tangent = chosen(whole.tangent, vertices, 1);
+  out.id_uv = chosen(whole.id_uv, vertices, 2);
   return out;
 }
 

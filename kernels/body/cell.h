@@ -26,6 +26,8 @@
 
 namespace gigabake::kernels {
 
+struct IdTextureView;  // kernels/body/texture/id_texture_view.h
+
 /// One instance of one primitive. If scene_from_local mirrors, the winding is restored when the part is read.
 struct PartView {
   Span<const float> position;        ///< 3 per vertex
@@ -41,7 +43,9 @@ struct PartView {
   /// Level at which its triangles are voxelized, except where finer parts or edits occupy the same brick. Only the CPU
   /// backend accepts other levels than 0.
   int lod = 0;
-  VoxelClass voxel_class = no_class;  ///< class of its triangles, if CellParameters::classes
+  VoxelClass voxel_class = no_class;          ///< class of its triangles, if CellParameters::classes
+  const IdTextureView* id_texture = nullptr;  ///< replaces `voxel_class` where its coordinates are usable; host memory
+  Span<const float> id_uv = {};               ///< coordinates of `id_texture`, 2 per vertex; empty without it
 };
 
 struct CellInput {

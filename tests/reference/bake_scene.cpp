@@ -31,6 +31,8 @@ PartView view_of(const Part& part) {
   view.material = part.material;
   view.voxel_class = part.voxel_class;
   view.lod = part.lod;
+  if (part.id_texture.texture >= 0) view.id_texture = &part.id_texture;
+  view.id_uv = span_of(part.id_uv);
   return view;
 }
 
@@ -127,6 +129,11 @@ std::uint32_t BakeScene::add_textured(MaterialView material, std::vector<std::ui
   textures_.emplace_back(std::move(rgba), width, height, alpha, cutoff, policy_of(1));
   material.texture = std::int32_t(textures_.size() - 1);
   return add_material(material);
+}
+
+std::int32_t BakeScene::add_texture(std::vector<std::uint8_t> rgba, int width, int height) {
+  textures_.emplace_back(std::move(rgba), width, height, TextureAlpha::blend, 0, policy_of(1));
+  return std::int32_t(textures_.size() - 1);
 }
 
 Part& BakeScene::add_part(Part part) { return parts_.emplace_back(std::move(part)); }

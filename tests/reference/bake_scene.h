@@ -7,6 +7,7 @@
 #include <map>
 
 #include "bench/exact/painted.h"
+#include "kernels/body/texture/id_texture_view.h"
 #include "kernels/cpu/bake_cell.h"
 #include "kernels/cpu/texture/texture.h"
 
@@ -31,6 +32,8 @@ struct Part {
   std::uint32_t material = 0;
   VoxelClass voxel_class = no_class;
   int lod = 0;
+  kernels::IdTextureView id_texture = {};
+  std::vector<float> id_uv = {};
 };
 
 class BakeScene {
@@ -44,6 +47,9 @@ class BakeScene {
   std::uint32_t add_colour(const Rgba16& linear, AlphaMode mode = AlphaMode::opaque);
   /// Adds the material with a texture of sRGB bytes with straight alpha.
   std::uint32_t add_textured(kernels::MaterialView material, std::vector<std::uint8_t> rgba, int width, int height);
+
+  /// Returns the number of a texture with these bytes in level 0.
+  std::int32_t add_texture(std::vector<std::uint8_t> rgba, int width, int height);
 
   Part& add_part(Part part);
   /// Adds the triangle as a separate part. Coordinates are integers up to 2^52 and stay exact.

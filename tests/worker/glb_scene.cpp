@@ -134,8 +134,8 @@ void write_glb(const std::filesystem::path& path, const GlbMesh& mesh) {
       "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{"
       "\"primitives\":"
       "[{\"attributes\":{" +
-      attributes + "},\"indices\":1,\"material\":0}]}]," + textures + "\"materials\":[" + material_json(mesh) +
-      "],\"accessors\":[" + accessors + "],\"bufferViews\":[" + views +
+      attributes + "},\"indices\":1,\"material\":0,\"extensions\":" + mesh.extensions + "}]}]," + textures +
+      "\"materials\":[" + material_json(mesh) + "],\"accessors\":[" + accessors + "],\"bufferViews\":[" + views +
       "],\"buffers\":[{\"byteLength\":" + std::to_string(bin.size()) + "}]}";
   std::string chunks;
   append_chunk(chunks, "JSON", json, ' ');

@@ -33,6 +33,7 @@ struct GlbMesh {
   std::vector<std::uint8_t> image;  ///< encoded image; may be empty
   std::string material = "{}";      ///< glTF material without its texture
   std::vector<float> normal = {};   ///< empty, or one per vertex; requires `uv`
+  std::string extensions = "{}";    ///< of the primitive
 };
 
 /// Returns rolling ground of 2·n² triangles with one metre per step: x east, y up, z south.

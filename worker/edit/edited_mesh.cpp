@@ -138,6 +138,7 @@ class MeshEditor {
     add_position(corners, weight, is_moved(is_inside));
     add_mixed<2>(mesh_.uv, corners, weight, out_.uv);
     add_mixed<2>(mesh_.normal_uv, corners, weight, out_.normal_uv);
+    add_mixed<2>(mesh_.id_uv, corners, weight, out_.id_uv);
     if (!mesh_.rgba.empty())
       for (const double v : mixed<4>(corners, weight, values_of<4>(mesh_.rgba)))
         out_.rgba.push_back(std::uint16_t(std::clamp(std::floor(v + 0.5), 0.0, 65535.0)));
@@ -175,7 +176,7 @@ class MeshEditor {
 
 std::uint64_t bytes_of(const Primitive& p) {
   return 4 * (p.position.capacity() + p.index.capacity() + p.uv.capacity() + p.normal_uv.capacity() +
-              p.normal.capacity() + p.tangent.capacity()) +
+              p.id_uv.capacity() + p.normal.capacity() + p.tangent.capacity()) +
          2 * p.rgba.capacity();
 }
 

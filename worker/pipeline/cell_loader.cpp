@@ -25,15 +25,16 @@ struct CellMaterial {
   kernels::NormalMapView normal_map;  ///< without texture until a part needs it
 };
 
-/// Returns the class of a primitive: that of its ids, else of its material's name, else of the source.
-VoxelClass class_of(const Primitive& primitive, const Material& material, const SourceClasses* classes) {
-  for (const std::int32_t stated : {primitive.voxel_class, material.voxel_class})
+/// Returns the class of a placed primitive: that of ids, else of its material's name, else of the source.
+VoxelClass class_of(const Instance& instance, const Primitive& primitive, const Material& material,
+                    const SourceClasses* classes) {
+  for (const std::int32_t stated : {instance.voxel_class, primitive.voxel_class, material.voxel_class})
     if (stated != not_stated) return VoxelClass(stated);
   return classes == nullptr ? no_class : classes->of_source;
 }
 
 kernels::PartView part_view(const Primitive& primitive, const Instance& instance, const CellMaterial& material, int lod,
-                            VoxelClass voxel_class) {
+                            VoxelClass voxel_class, const kernels::IdTextureView* id_texture) {
   kernels::PartView part{span(primitive.position),
                          span(primitive.index),
                          span(primitive.uv),
@@ -45,7 +46,9 @@ kernels::PartView part_view(const Primitive& primitive, const Instance& instance
                          span(primitive.shares_uv ? primitive.uv : primitive.normal_uv),
                          span(primitive.tangent),
                          lod,
-                         voxel_class};
+                         voxel_class,
+                         id_texture,
+                         span(primitive.id_uv)};
   std::ranges::copy(row_major(instance.scene_from_local), part.scene_from_local);
   return part;
 }
@@ -158,8 +161,12 @@ void CellLoader::add_parts(const CellJob& job, const LoadedTile& tile, const Til
     if (material.index < 0) material = add_material(mesh.materials[of_tile]);
     if (material.normal_image >= 0 && (near->shares_uv || !near->normal_uv.empty()))
       material.normal_map.texture = wanted.index_of(tile, std::size_t(material.normal_image), normal_map_filter);
-    cell.parts.push_back(
-        part_view(*near, instance, material, lod, class_of(shell, mesh.materials[of_tile], source.classes.get())));
+    const VoxelClass voxel_class = class_of(instance, shell, mesh.materials[of_tile], source.classes.get());
+    const kernels::IdTextureView* ids = nullptr;
+    if (const TextureUse& use = shell.id_texture.texture; !near->id_uv.empty())
+      ids = &cell.id_textures.emplace_back(wanted.index_of(tile, std::size_t(use.image), id_texture_filter), use.wrap_s,
+                                           use.wrap_t, *shell.id_texture.ids);
+    cell.parts.push_back(part_view(*near, instance, material, lod, voxel_class, ids));
     if (may_have_long_triangle(reach, parameters_)) {
       cell.memory.add_items(near->index.size(), sizeof(std::uint32_t), "", "corners of triangles");
       cell.indices.push_back(index_without_long(*near, instance, parameters_, lod));

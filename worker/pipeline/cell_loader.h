@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "format/source/mesh.h"
 #include "format/source/source.h"
 #include "format/system/loading_cache.h"
+#include "kernels/body/texture/id_texture_view.h"
 #include "kernels/cpu/bake_cell.h"
 #include "worker/tiles/loaded_tile.h"
 #include "worker/tiles/texture_store.h"
@@ -34,6 +36,7 @@ struct LoadedCell {
   std::vector<std::shared_ptr<const CellTexture>> textures;
   /// Index lists without triangles that are too long, for the parts that may have such triangles.
   std::vector<std::vector<std::uint32_t>> indices;
+  std::deque<kernels::IdTextureView> id_textures;  ///< a deque: parts refer to its elements
   std::vector<kernels::PartView> parts;
   std::vector<kernels::MaterialView> materials;
   std::vector<kernels::TextureView> texture_views;

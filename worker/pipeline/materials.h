@@ -29,6 +29,9 @@ struct ShadedMaterial {
 inline constexpr TextureFilterKey normal_map_filter{kernels::TextureAlpha::ignore, 0,
                                                     kernels::TextureContent::directions};
 
+/// Filtering of all textures of ids: level 0 keeps the bytes of the image, alpha included.
+inline constexpr TextureFilterKey id_texture_filter{kernels::TextureAlpha::blend, 0, kernels::TextureContent::colours};
+
 /// Converts a material. The alpha test of AlphaMode::mask is `factor · texel ≥ cutoff`, where `factor` is the alpha of
 /// the base colour. If there is a texture, the test becomes a threshold on texels. The pyramid can then store the
 /// fraction of texels that pass, and vertex alpha is ignored. A cutoff of 0 lets every texel pass, so the material is

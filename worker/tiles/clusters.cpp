@@ -109,6 +109,7 @@ class ClusterBuilder {
     gather<1>(mesh_.normal, cluster_.normal);
     gather<2>(mesh_.normal_uv, cluster_.normal_uv);
     gather<1>(mesh_.tangent, cluster_.tangent);
+    gather<2>(mesh_.id_uv, cluster_.id_uv);
     for (const std::uint32_t vertex : used_) local_[vertex] = no_vertex;
     used_.clear();
   }
@@ -175,6 +176,7 @@ Primitive joined(std::span<const std::shared_ptr<const Primitive>> clusters) {
   if (!clusters.front()->normal.empty()) all.normal.reserve(vertices);
   if (!clusters.front()->normal_uv.empty()) all.normal_uv.reserve(2 * vertices);
   if (!clusters.front()->tangent.empty()) all.tangent.reserve(vertices);
+  if (!clusters.front()->id_uv.empty()) all.id_uv.reserve(2 * vertices);
   all.shares_uv = clusters.front()->shares_uv;
   for (const auto& c : clusters) {
     const std::uint32_t first = std::uint32_t(all.position.size() / 3);
@@ -185,6 +187,7 @@ Primitive joined(std::span<const std::shared_ptr<const Primitive>> clusters) {
     all.normal.insert(all.normal.end(), c->normal.begin(), c->normal.end());
     all.normal_uv.insert(all.normal_uv.end(), c->normal_uv.begin(), c->normal_uv.end());
     all.tangent.insert(all.tangent.end(), c->tangent.begin(), c->tangent.end());
+    all.id_uv.insert(all.id_uv.end(), c->id_uv.begin(), c->id_uv.end());
   }
   return all;
 }

@@ -96,7 +96,7 @@ std::uint64_t LoadedTile::bytes() const {
       if (c.mesh != nullptr)
         sum += sizeof(Primitive) + bytes_held(c.mesh->position) + bytes_held(c.mesh->index) + bytes_held(c.mesh->uv) +
                bytes_held(c.mesh->rgba) + bytes_held(c.mesh->normal) + bytes_held(c.mesh->normal_uv) +
-               bytes_held(c.mesh->tangent);
+               bytes_held(c.mesh->tangent) + bytes_held(c.mesh->id_uv);
   }
   for (const TileImage& image : images()) sum += image.encoded.bytes.capacity();
   return sum;

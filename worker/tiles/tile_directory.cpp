@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/io/bytes.h"
+#include "core/octree/texel_ids.h"
 #include "format/source/image/image_size.h"
 #include "format/source/source_warning.h"
 #include "format/system/hash_bytes.h"
@@ -122,24 +123,28 @@ SourceWarning get_warning(ByteReader& r) {
 
 void put_shell(ByteWriter& w, const Primitive& p) {
   w.put(std::int32_t(p.material)), w.put(p.position_step), w.put(p.shares_uv), w.put(p.voxel_class);
+  put_texture(w, p.id_texture.texture), w.put(p.id_texture.ids ? *p.id_texture.ids : TexelIds());
 }
 
 Primitive get_shell(ByteReader& r) {
   Primitive p;
   std::int32_t material = 0;
   r.get(material), r.get(p.position_step), r.get(p.shares_uv), r.get(p.voxel_class);
+  TexelIds ids;
+  get_texture(r, p.id_texture.texture), r.get(ids);
+  if (p.id_texture.texture.image >= 0) p.id_texture.ids = std::make_shared<const TexelIds>(ids);
   p.material = material;
   return p;
 }
 
 void put_instance(ByteWriter& w, const Instance& i) {
-  w.put(std::int32_t(i.primitive)), w.put(i.scene_from_local), w.put(i.lod);
+  w.put(std::int32_t(i.primitive)), w.put(i.scene_from_local), w.put(i.lod), w.put(i.voxel_class);
 }
 
 Instance get_instance(ByteReader& r) {
   Instance i;
   std::int32_t primitive = 0;
-  r.get(primitive), r.get(i.scene_from_local), r.get(i.lod);
+  r.get(primitive), r.get(i.scene_from_local), r.get(i.lod), r.get(i.voxel_class);
   i.primitive = primitive;
   return i;
 }
@@ -148,11 +153,18 @@ void check(const TileDirectory& d) {
   const auto within = [](int index, std::size_t size) { return index >= 0 && std::size_t(index) < size; };
   bool is_right = d.primitives.size() == d.mesh.primitives.size();
   const auto is_level = [](std::int32_t lod) { return lod >= not_stated && lod <= max_source_lod; };
-  for (const Instance& i : d.mesh.instances)
-    is_right = is_right && within(i.primitive, d.primitives.size()) && is_level(i.lod);
   const auto is_class = [](std::int32_t c) { return c >= not_stated && c <= std::int32_t(max_class); };
+  for (const Instance& i : d.mesh.instances)
+    is_right = is_right && within(i.primitive, d.primitives.size()) && is_level(i.lod) && is_class(i.voxel_class);
+  const auto is_right_texture = [&](const IdTexture& t) {
+    if (!t.ids) return true;
+    bool are_channels = t.ids->channels >= 1 && t.ids->channels <= TexelIds::max_channels;
+    for (const std::uint8_t channel : t.ids->channel) are_channels = are_channels && channel < 4;
+    return are_channels && within(t.texture.image, d.images.size());
+  };
   for (const Primitive& p : d.mesh.primitives)
-    is_right = is_right && within(p.material, d.mesh.materials.size()) && is_class(p.voxel_class);
+    is_right = is_right && within(p.material, d.mesh.materials.size()) && is_class(p.voxel_class) &&
+               is_right_texture(p.id_texture);
   for (const Material& m : d.mesh.materials) is_right = is_right && is_class(m.voxel_class);
   for (const Material& m : d.mesh.materials)
     for (const int image : {m.texture.image, m.normal_map.texture.image})

@@ -22,11 +22,12 @@ struct Trailer {
 
 struct ClusterHead {
   std::uint32_t vertices = 0, corners = 0;
-  std::uint32_t has_uv = 0, has_rgba = 0, has_normal = 0, has_normal_uv = 0, has_tangent = 0, shares_uv = 0;
+  std::uint32_t has_uv = 0, has_rgba = 0, has_normal = 0, has_normal_uv = 0, has_tangent = 0, has_id_uv = 0,
+                shares_uv = 0;
 
   std::uint64_t bytes() const {
     const std::uint64_t vertex_bytes =
-        12 + 8 * has_uv + 8 * has_rgba + 4 * has_normal + 8 * has_normal_uv + 4 * has_tangent;
+        12 + 8 * has_uv + 8 * has_rgba + 4 * has_normal + 8 * has_normal_uv + 4 * has_tangent + 8 * has_id_uv;
     return sizeof *this + vertices * vertex_bytes + 2 * std::uint64_t(corners);
   }
 };
@@ -81,6 +82,7 @@ ScratchBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>&
                          cluster.normal.empty() ? 0u : 1u,
                          cluster.normal_uv.empty() ? 0u : 1u,
                          cluster.tangent.empty() ? 0u : 1u,
+                         cluster.id_uv.empty() ? 0u : 1u,
                          cluster.shares_uv ? 1u : 0u};
   const std::vector<std::uint16_t> index(cluster.index.begin(), cluster.index.end());
   const auto head_bytes = raw_bytes(head);
@@ -88,6 +90,7 @@ ScratchBytes append_cluster(const Primitive& cluster, std::vector<std::uint8_t>&
   append_values(cluster.position, bytes), append_values(cluster.uv, bytes);
   append_values(cluster.rgba, bytes), append_values(cluster.normal, bytes);
   append_values(cluster.normal_uv, bytes), append_values(cluster.tangent, bytes);
+  append_values(cluster.id_uv, bytes);
   append_values(index, bytes);
   const auto all = std::span<const std::uint8_t>(bytes).subspan(begin);
   return {begin, checksum_of(all), all.size()};
@@ -152,6 +155,7 @@ Primitive TileFile::read_cluster(const ScratchBytes& cluster) const {
   from = take(from, std::size_t(head.vertices) * head.has_normal, mesh.normal);
   from = take(from, 2 * std::size_t(head.vertices) * head.has_normal_uv, mesh.normal_uv);
   from = take(from, std::size_t(head.vertices) * head.has_tangent, mesh.tangent);
+  from = take(from, 2 * std::size_t(head.vertices) * head.has_id_uv, mesh.id_uv);
   mesh.shares_uv = head.shares_uv != 0;
   take(from, head.corners, index);
   mesh.index.assign(index.begin(), index.end());

@@ -19,7 +19,7 @@
 namespace gigabake {
 
 /// Version of the file. Increment it when the same tile would be read or stored differently.
-inline constexpr std::uint32_t tile_file_version = 6;
+inline constexpr std::uint32_t tile_file_version = 8;
 
 /// Location of a cluster or an image in the file.
 struct ScratchBytes {

@@ -14,7 +14,7 @@ constexpr std::uint64_t max_batch = 4;
 
 std::uint64_t list_bytes(const Primitive& p) {
   return 4 * (p.position.size() + p.index.size() + p.uv.size() + p.normal.size() + p.normal_uv.size() +
-              p.tangent.size()) +
+              p.tangent.size() + p.id_uv.size()) +
          2 * p.rgba.size();
 }
 

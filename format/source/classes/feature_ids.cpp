@@ -15,13 +15,6 @@ namespace {
 
 constexpr const char* features_extension = "EXT_mesh_features";
 
-/// Returns a member that is a whole number of at least 0; nullopt if it is absent or has another value.
-std::optional<double> number_in(const tinygltf::Value& object, const char* key) {
-  if (!object.IsObject() || !object.Has(key) || !object.Get(key).IsNumber()) return std::nullopt;
-  const double number = object.Get(key).GetNumberAsDouble();
-  return number >= 0 && number == std::floor(number) ? std::optional(number) : std::nullopt;
-}
-
 VoxelClass class_of_triangle(const VoxelClass of_vertex[3], bool& is_mixed) {
   const auto [a, b, c] = std::array{of_vertex[0], of_vertex[1], of_vertex[2]};
   is_mixed = a != b || b != c;
@@ -32,17 +25,24 @@ VoxelClass class_of_triangle(const VoxelClass of_vertex[3], bool& is_mixed) {
 }  // namespace
 
 FeatureIds::FeatureIds(const std::filesystem::path& file, const GltfDocument& document,
-                       const tinygltf::Primitive& primitive, const std::string& where, const SourceClasses& classes)
+                       const tinygltf::Primitive& primitive, const std::string& where, const SourceClasses& classes,
+                       SourceWarnings& warnings)
     : classes_(classes), where_(file.filename().string() + ": " + where) {
+  const RefuseIds refuse_ids = [this](const std::string& message) { refuse(message); };
   std::string name = classes.ids->attribute;
   if (classes.ids->feature_set) {
-    const tinygltf::Value& set = feature_set(primitive);
-    if (set.IsObject() && set.Has("texture")) refuse("its feature ids are a texture, which is not read");
-    null_id_ = number_in(set, "nullFeatureId").value_or(-1);
-    const auto number = number_in(set, "attribute");
-    if (!number && set.IsObject() && set.Has("attribute")) refuse("expected the number of an attribute of feature ids");
-    if (!number) return;
-    name = fmt::format("_FEATURE_ID_{}", std::int64_t(*number));
+    const tinygltf::Value& set =
+        id_set(primitive.extensions, features_extension, *classes.ids->feature_set, refuse_ids);
+    null_id_ = null_id_of(set);
+    if (set.IsObject() && set.Has("texture")) {
+      texture_.emplace(id_texture(file, document, primitive, set.Get("texture"), refuse_ids, warnings));
+      texture_->ids.null_id = null_id_ < double(max_id) ? std::int32_t(null_id_) : -1;
+      texture_->ids.add = std::int32_t(classes.ids->add);
+      return;
+    }
+    const auto of_set = id_attribute(set, refuse_ids);
+    if (!of_set) return;
+    name = *of_set;
   }
   const auto attribute = primitive.attributes.find(name);
   if (attribute == primitive.attributes.end()) refuse("has no attribute " + name);
@@ -57,26 +57,13 @@ void FeatureIds::refuse(const std::string& message) const {
   classes_.refuse("class_from_ids", where_ + ": " + message);
 }
 
-/// Returns the entry of EXT_mesh_features that the classes name.
-const tinygltf::Value& FeatureIds::feature_set(const tinygltf::Primitive& primitive) {
-  const auto extension = primitive.extensions.find(features_extension);
-  if (extension == primitive.extensions.end()) refuse(std::string("has no ") + features_extension);
-  const auto set = std::size_t(*classes_.ids->feature_set);
-  const tinygltf::Value& sets = extension->second.Get("featureIds");
-  if (!sets.IsArray() || set >= sets.ArrayLen()) refuse(fmt::format("{} has no set {}", features_extension, set));
-  return sets.Get(set);
+void FeatureIds::check_texels(const std::filesystem::path& file, const GltfDocument& document,
+                              SourceWarnings& warnings) const {
+  const auto refuse_ids = [this](const std::string& message) { refuse(message); };
+  gigabake::check_texels(file, document, *texture_, refuse_ids, warnings);
 }
 
-VoxelClass FeatureIds::class_of(double id) const {
-  if (!(id >= 0 && id < double(max_id)) || id != std::floor(id))
-    refuse(fmt::format("the id {:g} is not a whole number from 0 to {}", id, max_id - 1));
-  if (id == null_id_) return no_class;
-  const std::int64_t sum = std::int64_t(id) + classes_.ids->add;
-  if (sum < 0 || sum > std::int64_t(max_class))
-    refuse(
-        fmt::format("the id {} + {} is not a class; expected 0 to {}", std::int64_t(id), classes_.ids->add, max_class));
-  return VoxelClass(sum);
-}
+VoxelClass FeatureIds::class_of(double id) const { return class_of_id(id, null_id_, classes_, where_); }
 
 std::vector<VoxelClass> FeatureIds::classes_of(std::span<const float> ids) const {
   std::vector<VoxelClass> out;

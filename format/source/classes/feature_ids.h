@@ -1,4 +1,4 @@
-/// Ids of the vertices of glTF primitives, from which a source takes classes: batch ids and feature ids.
+/// Ids of the vertices or texels of glTF primitives, from which a source takes classes: batch ids and feature ids.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <tiny_gltf.h>
 #include <vector>
 
+#include "format/source/classes/id_texture.h"
 #include "format/source/classes/source_classes.h"
 #include "format/source/gltf/accessor.h"
 #include "format/source/mesh.h"
@@ -15,18 +16,24 @@
 
 namespace gigabake {
 
-/// The ids of a primitive's vertices: an attribute, or the numbers of the vertices.
+/// The ids of a primitive: an attribute of its vertices, the numbers of the vertices, or a texture.
 class FeatureIds {
  public:
   /// Finds the ids that `classes` names. `where` is the path of the primitive, for messages. `classes` must outlive
   /// the object.
   /// Range   classes.ids is set.
-  /// Errors  UsageError with the scene .json and the primitive: it has no such ids, not one per vertex, or they are a
-  ///         texture.
+  /// Errors  UsageError with the scene .json and the primitive: it has no such ids, not one per vertex, or a texture of
+  ///         ids that cannot be used.
   FeatureIds(const std::filesystem::path& file, const GltfDocument& document, const tinygltf::Primitive& primitive,
-             const std::string& where, const SourceClasses& classes);
+             const std::string& where, const SourceClasses& classes, SourceWarnings& warnings);
 
-  /// Returns the attribute with the ids; null if the numbers of the vertices are the ids.
+  /// Returns the texture with the ids; null if the vertices have ids.
+  const IdTextureSource* texture() const { return texture_ ? &*texture_ : nullptr; }
+  /// Checks each texel of texture(), which must not be null. Counts an image with lossy compression.
+  /// Errors  UsageError: the image cannot be decoded or has more than 8 bits per channel, or id + add of a texel is not
+  ///         a class.
+  void check_texels(const std::filesystem::path& file, const GltfDocument& document, SourceWarnings& warnings) const;
+  /// Returns the attribute with the ids; null if the numbers of the vertices or texels are the ids.
   const AccessorItems* attribute() const { return attribute_ ? &*attribute_ : nullptr; }
   /// Returns the classes of ids. `ids` are values of attribute(). A null id has no class.
   /// Errors  UsageError: an id is not a whole number below max_id, or id + add is not a class.
@@ -37,12 +44,12 @@ class FeatureIds {
 
  private:
   [[noreturn]] void refuse(const std::string& message) const;
-  const tinygltf::Value& feature_set(const tinygltf::Primitive& primitive);
   VoxelClass class_of(double id) const;
 
   const SourceClasses& classes_;
   std::string where_;
   std::optional<AccessorItems> attribute_;
+  std::optional<IdTextureSource> texture_;
   double null_id_ = -1;
 };
 

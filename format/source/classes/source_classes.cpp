@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
@@ -30,13 +31,15 @@ std::optional<std::int64_t> whole_number(const JsonMembers& members, const std::
 
 ClassIds ids_in(const JsonMembers& source) {
   const JsonMembers members = source.members("class_from_ids");
-  members.only({"attribute", "feature_ids", "add"});
+  members.only({"attribute", "feature_ids", "instance_ids", "add"});
   ClassIds ids;
   ids.attribute = members.find<std::string>("attribute").value_or("");
-  ids.feature_set = members.find<int>("feature_ids");
-  if (ids.attribute.empty() != ids.feature_set.has_value())
+  ids.feature_set = whole_number(members, "feature_ids", 0, max_id);
+  ids.instance_set = whole_number(members, "instance_ids", 0, max_id);
+  if (int(!ids.attribute.empty()) + int(ids.feature_set.has_value()) + int(ids.instance_set.has_value()) != 1)
     members.fail("attribute",
-                 "expected either the attribute, such as _BATCHID, or feature_ids, a number in EXT_mesh_features");
+                 "expected one of: the attribute, such as _BATCHID; feature_ids, a number in EXT_mesh_features; "
+                 "instance_ids, a number in EXT_instance_features");
   ids.add = whole_number(members, "add", -max_id, max_class).value_or(0);
   return ids;
 }
@@ -91,10 +94,9 @@ std::string to_json(const SourceClasses& classes) {
   if (classes.ids) {
     nlohmann::json& ids = out["class_from_ids"];
     ids["add"] = classes.ids->add;
-    if (classes.ids->feature_set)
-      ids["feature_ids"] = *classes.ids->feature_set;
-    else
-      ids["attribute"] = classes.ids->attribute;
+    if (!classes.ids->attribute.empty()) ids["attribute"] = classes.ids->attribute;
+    if (classes.ids->feature_set) ids["feature_ids"] = *classes.ids->feature_set;
+    if (classes.ids->instance_set) ids["instance_ids"] = *classes.ids->instance_set;
   }
   return out.dump();
 }
@@ -105,6 +107,26 @@ SourceClasses source_classes_from_json(const std::string& text) {
     const nlohmann::json json = parse_json_object(file, text);
     return classes_in(JsonMembers(file, json));
   });
+}
+
+bool takes_instance_ids(const SourceClasses* classes) {
+  return classes != nullptr && classes->ids && classes->ids->instance_set;
+}
+
+bool takes_primitive_ids(const SourceClasses* classes) {
+  return classes != nullptr && classes->ids && !classes->ids->instance_set;
+}
+
+VoxelClass class_of_id(double id, double null_id, const SourceClasses& classes, const std::string& where) {
+  const auto refuse = [&](const std::string& message) { classes.refuse("class_from_ids", where + ": " + message); };
+  if (!(id >= 0 && id < double(max_id)) || id != std::floor(id))
+    refuse(fmt::format("the id {:g} is not a whole number from 0 to {}", id, max_id - 1));
+  if (id == null_id) return no_class;
+  const std::int64_t sum = std::int64_t(id) + classes.ids->add;
+  if (sum < 0 || sum > std::int64_t(max_class))
+    refuse(
+        fmt::format("the id {} + {} is not a class; expected 0 to {}", std::int64_t(id), classes.ids->add, max_class));
+  return VoxelClass(sum);
 }
 
 std::int32_t class_of_material(const SourceClasses* classes, std::string_view name) {

@@ -22,12 +22,14 @@ namespace gigabake {
 struct SceneSources;
 struct TileRef;
 
-/// Classes from ids in glTF: class = id + add. The ids are an attribute of the vertices, or one of the sets that
-/// EXT_mesh_features lists for a primitive.
+/// Classes from ids in glTF: class = id + add. The ids are an attribute of the vertices, one of the sets that
+/// EXT_mesh_features lists for a primitive, or one of the sets that EXT_instance_features lists for a node.
+/// Range   One of `attribute`, `feature_set` and `instance_set` is set.
 struct ClassIds {
-  std::string attribute = {};           ///< such as "_BATCHID"; empty: `feature_set` applies
-  std::optional<int> feature_set = {};  ///< index in featureIds of EXT_mesh_features
-  std::int64_t add = 0;                 ///< −max_id … max_class
+  std::string attribute = {};            ///< such as "_BATCHID", or empty
+  std::optional<int> feature_set = {};   ///< index in featureIds of EXT_mesh_features
+  std::optional<int> instance_set = {};  ///< index in featureIds of EXT_instance_features; 0 is BATCH_ID of an i3dm
+  std::int64_t add = 0;                  ///< −max_id … max_class
 };
 
 /// Ids are below this number, so that attributes of floats have them exactly.
@@ -67,6 +69,15 @@ std::string to_json(const SourceClasses& classes);
 /// Parses the text of to_json(). `file` and `key` are not part of it.
 /// Errors  UsageError like source_classes_of().
 SourceClasses source_classes_from_json(const std::string& text);
+
+/// Returns whether ids of instances decide. `classes` may be null.
+bool takes_instance_ids(const SourceClasses* classes);
+/// Returns whether ids of primitives decide. `classes` may be null.
+bool takes_primitive_ids(const SourceClasses* classes);
+/// Returns the class of an id: id + add, or no_class for `null_id`, which is negative if there is none.
+/// Range   classes.ids is set. `where` is for messages.
+/// Errors  UsageError with file and key: the id is not a whole number below max_id, or id + add is not a class.
+VoxelClass class_of_id(double id, double null_id, const SourceClasses& classes, const std::string& where);
 
 /// Returns the class that is stated for a material's name; not_stated (mesh.h) if there is none. `classes` may be null.
 std::int32_t class_of_material(const SourceClasses* classes, std::string_view name);

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 #include <string_view>
 
 #include "core/base/memory_limit.h"
 #include "core/io/byte_cursor.h"
+#include "format/source/classes/source_classes.h"
 #include "format/source/content/content_magic.h"
 #include "format/source/gltf/version.h"
 #include "format/source/tiles/b3dm_layout.h"
@@ -123,6 +125,16 @@ std::string model_uri_of(Bytes bytes) {
   return uri.substr(0, uri.find_last_not_of(std::string_view(" \0\t\r\n", 5)) + 1);
 }
 
+/// Reads the ids of the instances if the source uses them. Without BATCH_ID, the numbers of the instances are the ids.
+void take_instance_ids(const TileRef& tile, const FeatureTable& table, ContentContainer& out) {
+  out.has_unused_instance_ids = table.has("BATCH_ID") && !takes_instance_ids(tile.classes.get());
+  if (!takes_instance_ids(tile.classes.get())) return;
+  out.instance_ids = table.ids("BATCH_ID", out.instances.size());
+  if (!out.instance_ids.empty()) return;
+  out.instance_ids.resize(out.instances.size());
+  std::iota(out.instance_ids.begin(), out.instance_ids.end(), 0);
+}
+
 /// Reads the header and the instances of an i3dm, and opens its glTF.
 /// Source  3D Tiles 1.0, "Instanced 3D Model".
 void open_i3dm(const TileRef& tile, const SourceFiles& files, ByteCursor in, ContentContainer& out) {
@@ -134,6 +146,7 @@ void open_i3dm(const TileRef& tile, const SourceFiles& files, ByteCursor in, Con
   out.rtc_center = table.vector("RTC_CENTER").value_or(std::array<double, 3>{});
   out.instances = i3dm_instances(tile.path, table, tile.world_from_tile, out.rtc_center);
   out.is_instanced = true;
+  take_instance_ids(tile, table, out);
   out.gltf = rest_of(out.content, in);
   if (format == 1) return;
   out.model_uri = model_uri_of(in.rest);

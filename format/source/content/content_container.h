@@ -26,6 +26,8 @@ struct ContentContainer {
   bool is_instanced = false;
   std::vector<Affine<World, World>> instances{1};  ///< of an i3dm: transforms in the tile's z-up frame, without
                                                    ///< rtc_center
+  std::vector<std::uint32_t> instance_ids;  ///< of an i3dm: one per instance if the source takes classes from them
+  bool has_unused_instance_ids = false;     ///< of an i3dm whose source does not take classes from its ids
 };
 
 /// Returns the files of the source that a tile belongs to. `root` is SceneSources::root.

@@ -110,6 +110,9 @@ GltfDocument load_gltf(const TileRef& tile, const std::filesystem::path& root, b
   const std::vector<PackedView> packed = packed_views(file, json, !container.bin.empty());
   out.rtc_center = rtc_center_of(file, json, container);
   out.instances = std::move(container.instances);
+  out.instance_ids = std::move(container.instance_ids);
+  out.is_instanced = container.is_instanced;
+  out.has_unused_instance_ids = container.has_unused_instance_ids;
   claim_model(file, json);
   out.model = model_of(json);
   refer_to_packed_bytes(packed, out.model);

@@ -10,12 +10,15 @@
 namespace gigabake {
 
 struct GltfDocument {
-  tinygltf::Model model;                        ///< without the buffers' bytes
-  std::vector<SourceBytes> buffers;             ///< buffers of the document, then of unpacked data
-  std::vector<SourceBytes> images;              ///< encoded; an unusable or unrequested image is empty
-  std::vector<std::string> image_faults;        ///< per image: why it cannot be used, else empty
-  std::array<double, 3> rtc_center{};           ///< b3dm's or i3dm's RTC_CENTER plus the CESIUM_RTC extension, z up
-  std::vector<Affine<World, World>> instances;  ///< see ContentContainer
+  tinygltf::Model model;                  ///< without the buffers' bytes
+  std::vector<SourceBytes> buffers;       ///< buffers of the document, then of unpacked data
+  std::vector<SourceBytes> images;        ///< encoded; an unusable or unrequested image is empty
+  std::vector<std::string> image_faults;  ///< per image: why it cannot be used, else empty
+  std::array<double, 3> rtc_center{};     ///< b3dm's or i3dm's RTC_CENTER plus the CESIUM_RTC extension, z up
+  // See ContentContainer.
+  std::vector<Affine<World, World>> instances;
+  std::vector<std::uint32_t> instance_ids;
+  bool is_instanced = false, has_unused_instance_ids = false;
 
   /// Returns the bytes of a view of the model.
   SourceBytes view_bytes(int view) const;

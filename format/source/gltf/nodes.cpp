@@ -7,7 +7,9 @@
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
 #include "core/math/transform.h"
+#include "format/source/classes/instance_ids.h"
 #include "format/source/gltf/accessor.h"
+#include "format/source/levels/named_voxel_sizes.h"
 #include "format/source/mesh.h"
 
 namespace gigabake {
@@ -68,9 +70,18 @@ class NodeInstances {
     };
     t_ = read("TRANSLATION", 3), q_ = read("ROTATION", 4), s_ = read("SCALE", 3);
     count_ = std::max({t_.size() / 3, q_.size() / 4, s_.size() / 3});
+    if (t_.empty() && q_.empty() && s_.empty()) count_ = count_of_others(file, document, attributes);
     const auto fits = [this](std::size_t items) { return items == 0 || items == count_; };
     if (!fits(t_.size() / 3) || !fits(q_.size() / 4) || !fits(s_.size() / 3))
       throw InputError(file, "EXT_mesh_gpu_instancing", "TRANSLATION, ROTATION and SCALE differ in length");
+  }
+
+  /// Returns the number of instances without transforms, which further attributes such as _FEATURE_ID_0 state.
+  static std::size_t count_of_others(const std::filesystem::path& file, const GltfDocument& document,
+                                     const tinygltf::Value& attributes) {
+    const std::vector<std::string> names = attributes.Keys();
+    if (names.empty()) return 1;
+    return AccessorItems(file, document, attributes.Get(names.front()).GetNumberAsInt()).count();
   }
 
   std::size_t count() const { return count_; }
@@ -90,10 +101,22 @@ class NodeInstances {
   std::size_t count_ = 1;
 };
 
+/// Returns the classes of a node's instances; empty if the source does not take classes from them.
+std::vector<VoxelClass> classes_of(const TileRef& tile, const GltfDocument& document, int node, std::size_t instances,
+                                   SourceWarnings& warnings) {
+  const std::string where = "nodes[" + std::to_string(node) + "]";
+  const tinygltf::Node& of_model = document.model.nodes[std::size_t(node)];
+  if (takes_instance_ids(tile.classes.get()) && !document.is_instanced)
+    return classes_of_instances(tile.path, document, of_model, where, instances, *tile.classes);
+  count_unused_instance_ids(of_model, where, warnings);
+  return {};
+}
+
 }  // namespace
 
-void for_each_placement(const std::filesystem::path& file, const GltfDocument& document, const NamedVoxelSizes* sizes,
+void for_each_placement(const TileRef& tile, const GltfDocument& document, SourceWarnings& warnings,
                         const std::function<void(const MeshPlacement&)>& visit) {
+  const std::filesystem::path& file = tile.path;
   const tinygltf::Model& model = document.model;
   struct Pending {
     int node;
@@ -115,14 +138,17 @@ void for_each_placement(const std::filesystem::path& file, const GltfDocument& d
     const Map map = at.parent * node_map(node);
     if (!map.is_finite())
       throw InputError(file, "nodes[" + std::to_string(at.node) + "]", "the transform is not finite");
-    const std::int32_t stated = lod_of_node(sizes, node.name), lod = stated == not_stated ? at.lod_of_parent : stated;
+    const std::int32_t stated = lod_of_node(tile.named_sizes.get(), node.name),
+                       lod = stated == not_stated ? at.lod_of_parent : stated;
     push_all(node.children, map, lod);
     if (node.mesh < 0) continue;
     const NodeInstances instances(file, document, node, claim);
     placed += instances.count();
     if (placed > max_placements) throw InputError(file, "nodes", "more than 2^24 placements of meshes; split the file");
     claim.add_items(instances.count(), placement_bytes, "nodes", "placements of meshes");
-    for (std::size_t i = 0; i < instances.count(); ++i) visit({node.mesh, map * instances.map(i), lod});
+    const std::vector<VoxelClass> classes = classes_of(tile, document, at.node, instances.count(), warnings);
+    for (std::size_t i = 0; i < instances.count(); ++i)
+      visit({node.mesh, map * instances.map(i), lod, classes.empty() ? not_stated : std::int32_t(classes[i])});
   }
 }
 

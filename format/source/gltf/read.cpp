@@ -13,6 +13,7 @@
 #include "core/base/memory_limit.h"
 #include "core/base/pluralize.h"
 #include "core/math/transform.h"
+#include "format/source/classes/instance_ids.h"
 #include "format/source/gltf/accessor.h"
 #include "format/source/gltf/corners.h"
 #include "format/source/gltf/load.h"
@@ -68,7 +69,7 @@ class TileReader {
         pool_(pool),
         everything_(scope != ReadScope::positions_only),
         with_normals_(scope == ReadScope::everything),
-        document_(load_gltf(tile, root, everything_)),
+        document_(load_gltf(tile, root, everything_ || has_id_textures(tile))),
         model_(document_.model) {
     const auto& rtc = document_.rtc_center;
     scene_from_tile_ = tile.scene_from_tile * translation<World, World>(rtc[0], rtc[1], rtc[2]);
@@ -77,14 +78,21 @@ class TileReader {
   TileMesh read() {
     read_materials();
     count_unused_states(model_, warnings_);
-    for_each_placement(tile_.path, document_, tile_.named_sizes.get(),
-                       [this](const MeshPlacement& placement) { place(placement); });
+    if (document_.has_unused_instance_ids) warnings_.count(unused_instance_ids, "BATCH_ID");
+    if (!document_.instance_ids.empty())
+      classes_of_i3dm_ = classes_of_i3dm(tile_.path, document_.instance_ids, *tile_.classes);
+    for_each_placement(tile_, document_, warnings_, [this](const MeshPlacement& placement) { place(placement); });
     keep_images();
     out_.warnings = warnings_.take();
     return std::move(out_);
   }
 
  private:
+  /// Returns whether textures of the tile may have ids. Their texels are checked in each scope.
+  static bool has_id_textures(const TileRef& tile) {
+    return tile.classes && tile.classes->ids && tile.classes->ids->feature_set;
+  }
+
   std::string where(int mesh, std::size_t primitive) const {
     return "meshes[" + std::to_string(mesh) + "].primitives[" + std::to_string(primitive) + "]";
   }
@@ -133,11 +141,12 @@ class TileReader {
       throw InputError(tile_.path, "", "more than 2^24 placements of meshes; split the tile");
     claim_.add_items(times * parts.primitives.size(), placement_bytes, "nodes", "placements of meshes");
     const Affine<World, Local> model = z_up_from<World, Gltf>(tile_.gltf_up) * placement.gltf_from_local;
-    for (const Affine<World, World>& instance : document_.instances) {
-      const Affine<Scene, Local> scene_from_local = scene_from_tile_ * instance * model;
+    for (std::size_t i = 0; i < document_.instances.size(); ++i) {
+      const Affine<Scene, Local> scene_from_local = scene_from_tile_ * document_.instances[i] * model;
+      const std::int32_t voxel_class = classes_of_i3dm_.empty() ? placement.voxel_class : classes_of_i3dm_[i];
       if (!scene_from_local.is_finite()) throw InputError(tile_.path, "", "a placement in the scene is not finite");
       for (const int primitive : parts.primitives)
-        out_.instances.push_back({primitive, scene_from_local, lod_of(primitive, placement)});
+        out_.instances.push_back({primitive, scene_from_local, lod_of(primitive, placement), voxel_class});
     }
   }
 
@@ -171,8 +180,8 @@ class TileReader {
     find_appearance(p, at, values);
     find_normals(p, at, values);
     find_normal_map(p, at, values);
-    if (tile_.classes && tile_.classes->ids)
-      values.ids.emplace(tile_.path, document_, p, at, *tile_.classes);
+    if (takes_primitive_ids(tile_.classes.get()))
+      find_ids(p, at, values);
     else
       count_unused_ids(p, at, warnings_);
     parts.counts.triangles += corners.triangles();
@@ -202,6 +211,14 @@ class TileReader {
     if (!p.attributes.contains(set))
       warnings_.count("primitives without the texture coordinates of their texture", at + "." + set);
     find(set, out.uv);
+  }
+
+  /// Finds the ids of a primitive. Checks each image of ids once.
+  void find_ids(const tinygltf::Primitive& p, const std::string& at, VertexValues& out) {
+    out.ids.emplace(tile_.path, document_, p, at, *tile_.classes, warnings_);
+    const IdTextureSource* texture = out.ids->texture();
+    if (texture != nullptr && checked_ids_.insert({texture->texture.image, texture->ids}).second)
+      out.ids->check_texels(tile_.path, document_, warnings_);
   }
 
   /// Finds the normals of the vertices, and counts the normals without a direction. Without a sink and with it, the
@@ -303,7 +320,7 @@ class TileReader {
   }
 
   void add(Primitive&& primitive, const VertexValues& values, const std::string& at, MeshParts& parts) {
-    if (!values.ids) return add_part(std::move(primitive), values, parts);
+    if (!values.ids || values.ids->texture() != nullptr) return add_part(std::move(primitive), values, parts);
     for (Primitive& part : split_by_class(std::move(primitive), at, warnings_))
       add_part(std::move(part), values, parts);
   }
@@ -312,6 +329,8 @@ class TileReader {
     primitive.position_step = values.position.quantization_step();
     primitive.material = values.material;
     primitive.shares_uv = values.shares_uv;
+    if (const IdTextureSource* ids = values.ids ? values.ids->texture() : nullptr)
+      primitive.id_texture = {ids->texture, std::make_shared<const TexelIds>(ids->ids)};
     parts.primitives.push_back(int(out_.primitives.size()));
     if (!sink_) return out_.primitives.push_back(std::move(primitive));
     out_.primitives.push_back(without_lists(primitive));
@@ -335,7 +354,8 @@ class TileReader {
         warnings_.count_loss("unusable images, replaced by grey", without_file(m.texture.fault));
       if (!m.normal_map.fault.empty() && map_faults.insert(m.normal_map.fault).second)
         warnings_.count_loss("unusable images of normal maps, not used", without_file(m.normal_map.fault));
-      for (const int image : {m.material.texture.image, with_normals_ ? m.material.normal_map.texture.image : -1})
+      for (const int image : {m.material.texture.image, with_normals_ ? m.material.normal_map.texture.image : -1,
+                              p.id_texture.texture.image})
         if (image >= 0) is_used[std::size_t(image)] = 1;
     }
     for (std::size_t i = 0; everything_ && i < document_.images.size(); ++i) {
@@ -361,7 +381,9 @@ class TileReader {
   const tinygltf::Model& model_;
   Affine<Scene, World> scene_from_tile_;  ///< RTC_CENTER included
   std::vector<SourceMaterial> materials_;
+  std::vector<VoxelClass> classes_of_i3dm_;  ///< 1 per instance, or empty
   std::map<int, MeshParts> meshes_;
+  std::set<std::pair<int, TexelIds>> checked_ids_;  ///< images of ids whose texels have been checked
   SourceWarnings warnings_;
   TileMesh out_;
 };

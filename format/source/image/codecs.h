@@ -74,6 +74,8 @@ DracoMesh decode_draco(const std::filesystem::path& file, const std::string& whe
 bool has_webp();
 /// Returns the size that the header states.
 ImageSize webp_size(const EncodedImage& image);
+/// Returns whether the compression changed texels, or may have changed them.
+bool is_lossy_webp(const EncodedImage& image);
 Image decode_webp(const EncodedImage& image);
 
 }  // namespace gigabake

@@ -14,6 +14,13 @@ ImageSize webp_size(const EncodedImage& image) {
   return {std::uint64_t(width), std::uint64_t(height)};
 }
 
+bool is_lossy_webp(const EncodedImage& image) {
+  constexpr int lossless = 2;
+  WebPBitstreamFeatures features;
+  return WebPGetFeatures(image.bytes.data(), image.bytes.size(), &features) != VP8_STATUS_OK ||
+         features.format != lossless;
+}
+
 Image decode_webp(const EncodedImage& image) {
   Image out;
   const ImageSize size = webp_size(image);

@@ -61,6 +61,16 @@ std::vector<float> FeatureTable::floats(const char* key, std::uint64_t items, st
   return column<float>(key, items, components);
 }
 
+std::vector<std::uint32_t> FeatureTable::ids(const char* key, std::uint64_t items) const {
+  const auto widened = [](const auto& column) { return std::vector<std::uint32_t>(column.begin(), column.end()); };
+  const bool is_object = has(key) && json_[key].is_object();
+  const auto type = is_object ? members().members(key).find<std::string>("componentType") : std::nullopt;
+  if (!type || *type == "UNSIGNED_SHORT") return widened(column<std::uint16_t>(key, items, 1));
+  if (*type == "UNSIGNED_BYTE") return widened(column<std::uint8_t>(key, items, 1));
+  if (*type == "UNSIGNED_INT") return column<std::uint32_t>(key, items, 1);
+  fail(key, "componentType UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT");
+}
+
 std::vector<std::uint16_t> FeatureTable::shorts(const char* key, std::uint64_t items, std::uint64_t components) const {
   return column<std::uint16_t>(key, items, components);
 }

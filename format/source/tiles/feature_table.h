@@ -30,6 +30,8 @@ class FeatureTable {
   /// Returns `components` values for each of `items` features; empty if the key is absent.
   std::vector<float> floats(const char* key, std::uint64_t items, std::uint64_t components) const;
   std::vector<std::uint16_t> shorts(const char* key, std::uint64_t items, std::uint64_t components) const;
+  /// Returns an id for each of `items` features; empty if the key is absent. Ids have 8, 16 or 32 bits.
+  std::vector<std::uint32_t> ids(const char* key, std::uint64_t items) const;
 
  private:
   JsonMembers members() const { return {file_, json_, "feature table"}; }

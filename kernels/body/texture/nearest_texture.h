@@ -217,11 +217,12 @@ GB_HD int level_for(const TextureView& view, const TexelOutline& o) {
   return l;
 }
 
-/// Converts the outline's coordinates from images relative to the centroid to texels relative to the first texel.
-GB_HD void place_outline(const TexelGrid& grid, const TexelSpan& columns, const TexelSpan& rows, TexelOutline& o) {
+/// Converts the outline's coordinates from images relative to the centroid to texels relative to the first texel. An
+/// image has width × height texels, and (middle_x, middle_y) is the centroid.
+GB_HD void place_outline(double width, double height, double middle_x, double middle_y, TexelOutline& o) {
   for (int i = 0; i < o.count; ++i) {
-    o.x[i] = columns.middle + o.x[i] * grid.width;
-    o.y[i] = rows.middle + o.y[i] * grid.height;
+    o.x[i] = middle_x + o.x[i] * width;
+    o.y[i] = middle_y + o.y[i] * height;
   }
   for (int i = 0; i < o.count; ++i) {
     const int j = i + 1 == o.count ? 0 : i + 1;
@@ -297,7 +298,7 @@ GB_HD_NOINLINE Rgba16 nearest_over(const TextureView& view, NearestMap look, Fra
       outline.high_x - outline.low_x < no_size / width && outline.high_y - outline.low_y < no_size / height;
   if (is_point || columns.count * rows.count == 1 || grid.width * grid.height == 1)
     return grid.texel(columns.middle_texel(), rows.middle_texel());
-  place_outline(grid, columns, rows, outline);
+  place_outline(width, height, columns.middle, rows.middle, outline);
   const double covered = f.area * (map.determinant * (width * height));
   return mean_of_covered(grid, columns, rows, outline, double(1 << 24) / covered);
 }

@@ -24,11 +24,16 @@ class BrickSums {
   void add(int voxel, const Fragment& fragment) {
     accumulate(narrow_[voxel].data(), fragment);
     mask_[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
-    if (areas_ && has_class_weight(fragment.alpha)) areas_->add(voxel, class_of_triangle_, fragment.weight);
+    if (areas_ && class_of_triangle_ && has_class_weight(fragment.alpha))
+      areas_->add(voxel, *class_of_triangle_, fragment.weight);
   }
 
-  /// Sets the class of the next triangle's fragments.
-  void begin_triangle(VoxelClass voxel_class) { class_of_triangle_ = voxel_class; }
+  /// Sets the class of the next triangle's fragments. Without one, the caller adds their areas with add_area().
+  void begin_triangle(std::optional<VoxelClass> voxel_class) { class_of_triangle_ = voxel_class; }
+
+  /// Adds to the area of a class. `area` is part of Fragment::weight.
+  /// Range   resolve_to() writes classes.
+  void add_area(int voxel, VoxelClass voxel_class, std::int64_t area) { areas_->add(voxel, voxel_class, area); }
 
   /// Ends a triangle. Call it after the last fragment of each triangle.
   /// Range   A triangle adds at most one fragment per voxel.
@@ -49,7 +54,7 @@ class BrickSums {
   std::array<Narrow, brick_voxels>& narrow_;
   std::unique_ptr<std::array<Wide, brick_voxels>> wide_;  ///< allocated by the first flush
   std::optional<ClassAreas> areas_;                       ///< only with classes
-  VoxelClass class_of_triangle_ = no_class;
+  std::optional<VoxelClass> class_of_triangle_ = no_class;
   std::uint64_t mask_[8] = {};
   int triangles_ = 0;
   bool flushed_ = false;

@@ -2,11 +2,13 @@
 
 #include <bit>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/base/rules.h"
 #include "core/base/thread_pool.h"
+#include "kernels/body/texture/texel_classes.h"
 #include "kernels/body/voxelize/normal_maps.h"
 #include "kernels/body/voxelize/part.h"
 #include "kernels/body/voxelize/plane_offset.h"
@@ -25,15 +27,35 @@ struct PartSurface {
   PartArrays part;
   Surface surface;
   VoxelClass voxel_class;
+  IdTextureView ids;
+  const float* id_uv;
 };
 
-std::vector<PartSurface> part_surfaces(const CellInput& input) {
+std::vector<PartSurface> part_surfaces(const CellInput& input, bool classes) {
   std::vector<PartSurface> out;
   for (std::size_t i = 0; i < input.parts.size; ++i) {
-    const PartArrays part = part_arrays(input, input.parts[i]);
-    out.push_back({part, surface_of(part, input.materials.data, input.textures.data), input.parts[i].voxel_class});
+    const PartView& view = input.parts[i];
+    const PartArrays part = part_arrays(input, view);
+    out.push_back({part, surface_of(part, input.materials.data, input.textures.data), view.voxel_class,
+                   classes && view.id_texture != nullptr ? *view.id_texture : IdTextureView(), view.id_uv.data});
   }
   return out;
+}
+
+/// Sets the ids of a triangle. It has none if its part has no texture of ids or its coordinates are unusable.
+void set_ids(const PartSurface& from, const TextureView* textures, std::uint32_t triangle, const TrianglePlane& plane,
+             TriangleIds& ids) {
+  ids.texture = nullptr;
+  if (from.ids.texture < 0) return;
+  std::uint32_t v[3];
+  float uv[6];
+  triangle_vertices(from.part, triangle, v);
+  if (!load_uv(from.id_uv, v, uv)) return;
+  ids.texture = textures + from.ids.texture;
+  ids.texels = from.ids.texels;
+  const TextureMap map = make_texture_map(plane, uv, ids.texture->width, ids.texture->height);
+  ids.map = {map.s0, map.su, map.sv, map.t0, map.tu, map.tv, from.ids.wrap_s, from.ids.wrap_t};
+  ids.weight_scale = plane.weight_scale;
 }
 
 /// Sets the members of `s` that differ between triangles of one part.
@@ -99,7 +121,8 @@ class BrickWalker {
     set_triangle(part, w, plane, surface_);
     normals_.set(part, textures_, w.index, plane, triangle_normal(part, w.index, t));
     if (surface_.look() == ShadingRate::linear) linear_ = make_linear_colour(surface_, plane);
-    sums_.begin_triangle(parts_[w.part].voxel_class);
+    set_ids(parts_[w.part], textures_, w.index, plane, ids_);
+    sums_.begin_triangle(ids_.texture == nullptr ? std::optional(parts_[w.part].voxel_class) : std::nullopt);
     for (int i = 0; i < 8; ++i)
       if (slab[i] != 0) add_slab(plane, surface_, t.axis, i, slab[i]);
     sums_.end_triangle();
@@ -157,10 +180,21 @@ class BrickWalker {
     return mapped_normal(normals_.map, smooth, normals_.geometric, plane, shape_of(plane, polygon, i), tables_);
   }
 
+  /// Adds the fragment of a lane, and the areas of its classes if its triangle has ids in a texture.
+  void add(const TrianglePlane& plane, const SlabPolygon& polygon, int i, int voxel, const Fragment& fragment) {
+    sums_.add(voxel, fragment);
+    if (ids_.texture == nullptr || !has_class_weight(fragment.alpha)) return;
+    const double u = lanes_.u[i], v = lanes_.v[i];
+    const FragmentShape shape{{0, 0}, lanes_.area[i], 0, 0, 0, u, v, polygon.u, polygon.v, polygon.count};
+    for_each_class(ids_, shape, small_centroid(plane, u, v), fragment.weight,
+                   [&](VoxelClass of_texels, std::int64_t area) { sums_.add_area(voxel, of_texels, area); });
+  }
+
   void add_linear_cells(const TrianglePlane& plane, const SlabPolygon& polygon, const int voxel[64]) {
     for (int i = 0; i < lanes_.count; ++i)
-      sums_.add(voxel[i], linear_fragment(linear_, lanes_.u[i], lanes_.v[i], moments_of(i), plane.weight_scale,
-                                          normal_of(plane, polygon, i), offset_in(offset_, lanes_.u[i], lanes_.v[i])));
+      add(plane, polygon, i, voxel[i],
+          linear_fragment(linear_, lanes_.u[i], lanes_.v[i], moments_of(i), plane.weight_scale,
+                          normal_of(plane, polygon, i), offset_in(offset_, lanes_.u[i], lanes_.v[i])));
   }
 
   void add_cells(const TrianglePlane& plane, const SlabPolygon& polygon, const Surface& surface, const int voxel[64]) {
@@ -172,9 +206,9 @@ class BrickWalker {
         const FragmentShape shape = shape_of(plane, polygon, i);
         rgba = opaque ? shade<true>(surface, plane, shape, tables_) : shade<false>(surface, plane, shape, tables_);
       }
-      sums_.add(voxel[i],
-                fragment_of_colour(weight_of(lanes_.area[i], plane.weight_scale), rgba.c, normal_of(plane, polygon, i),
-                                   offset_in(offset_, lanes_.u[i], lanes_.v[i])));
+      add(plane, polygon, i, voxel[i],
+          fragment_of_colour(weight_of(lanes_.area[i], plane.weight_scale), rgba.c, normal_of(plane, polygon, i),
+                             offset_in(offset_, lanes_.u[i], lanes_.v[i])));
     }
   }
 
@@ -190,6 +224,7 @@ class BrickWalker {
   LinearColour linear_;                      ///< colour of the current triangle, if its shading rate is linear
   TriangleNormals normals_;                  ///< of the current triangle
   PlaneOffset offset_;                       ///< of the current triangle in the current slab
+  TriangleIds ids_;                          ///< of the current triangle
   std::uint64_t fragments_ = 0;
 };
 
@@ -206,7 +241,7 @@ std::vector<std::size_t> brick_starts(std::span<const Pair> pairs) {
 
 void voxelize(const CellInput& input, std::span<const WindowTriangle> triangles, const CellParameters& parameters,
               std::span<const Pair> pairs, const ThreadPool& pool, Level& level, CellStats& stats) {
-  const std::vector<PartSurface> parts = part_surfaces(input);
+  const std::vector<PartSurface> parts = part_surfaces(input, parameters.classes);
   const std::vector<std::size_t> starts = brick_starts(pairs);
   const std::size_t bricks = starts.size() - 1;
   std::vector<BrickRun> runs((bricks + bricks_per_run - 1) / bricks_per_run,

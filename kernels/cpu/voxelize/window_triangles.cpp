@@ -36,7 +36,8 @@ UnsetArray<SnappedVertex> snap_vertices(const PartArrays& part, std::size_t vert
 /// A part with its vertices snapped to the lattice.
 struct SnappedPart {
   PartArrays part;
-  int lod;  ///< level at which its triangles are voxelized
+  int lod;             ///< level at which its triangles are voxelized
+  const float* id_uv;  ///< coordinates of ids that classes are taken from; null if there are none
   UnsetArray<SnappedVertex> vertices;
 
   WindowTriangle triangle(std::uint32_t number, std::uint32_t index, std::uint32_t v[3]) const {
@@ -44,6 +45,10 @@ struct SnappedPart {
     triangle_vertices(part, index, v);
     for (int i = 0; i < 3; ++i) t.p[i] = vertices[v[i]];
     return t;
+  }
+  bool has_bad_id_uv(const std::uint32_t v[3]) const {
+    float uv[6];
+    return id_uv != nullptr && !load_uv(id_uv, v, uv);
   }
 };
 
@@ -54,7 +59,8 @@ void judge(const SnappedPart& from, const CellWindow& window, Range& range) {
     const WindowTriangle triangle = from.triangle(range.part, std::uint32_t(t), v);
     const TriangleClass triangle_class = classify_triangle(window, from.part, v, triangle.p, from.lod);
     ++range.counts.triangle_class[int(triangle_class)];
-    range.counts.bad_uv += has_bad_uv(triangle_class, from.part, v);
+    range.counts.bad_uv +=
+        has_bad_uv(triangle_class, from.part, v) || (triangle_class == TriangleClass::kept && from.has_bad_id_uv(v));
     const std::size_t bit = t - range.begin;
     range.kept[bit / 64] |= std::uint64_t(triangle_class == TriangleClass::kept) << bit % 64;
     range.kept_count += triangle_class == TriangleClass::kept;
@@ -78,7 +84,8 @@ UnsetArray<WindowTriangle> window_triangles(const CellInput& input, const CellPa
   for (std::uint32_t p = 0; p < input.parts.size; ++p) {
     const PartView& view = input.parts[p];
     const PartArrays part = part_arrays(input, view);
-    parts.push_back({part, view.lod, snap_vertices(part, view.position.size / 3, window, view.lod, pool)});
+    const float* id_uv = parameters.classes && view.id_texture != nullptr ? view.id_uv.data : nullptr;
+    parts.push_back({part, view.lod, id_uv, snap_vertices(part, view.position.size / 3, window, view.lod, pool)});
     const std::size_t count = view.index.size / 3;
     for (std::size_t begin = 0; begin < count; begin += triangles_per_window_range)
       ranges.push_back({p, begin, std::min(count, begin + triangles_per_window_range)});

@@ -41,9 +41,12 @@ class ClassErrors(harness.FolderTest):
                                             {"points": tile(2, 0, 1, 1, 0)}])
         write_gltf(self.root / "few.glb", [{"points": tile(0, 0, 1, 1, 0), "ids": {"_BATCHID": [1] * 5}}])
         write_gltf(self.root / "odd.glb", [{"points": tile(0, 0, 1, 1, 0), "ids": {"_BATCHID": [1.5] * 6}}])
-        texture = {"featureIds": [{"featureCount": 1, "texture": {"index": 0}}]}
-        write_gltf(self.root / "texture.glb", [{"points": tile(0, 0, 1, 1, 0),
-                                                "extensions": {"EXT_mesh_features": texture}}])
+        features = {"featureIds": [{"featureCount": 1, "attribute": 0}]}
+        write_gltf(self.root / "features.glb", [{"points": tile(0, 0, 1, 1, 0), "ids": {"_FEATURE_ID_0": [1] * 6},
+                                                 "extensions": {"EXT_mesh_features": features}}])
+        write_gltf(self.root / "sparse.glb", [{"points": tile(0, 0, 1, 1, 0), "ids": {"_FEATURE_ID_0": [1] * 6},
+                                               "extensions": {"EXT_mesh_features": {"featureIds": [None, *features[
+                                                   "featureIds"]]}}}])
         (self.root / "plain.ply").write_text("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
                                              "property float y\nproperty float z\nelement face 1\n"
                                              "property list uchar int vertex_indices\nend_header\n"
@@ -58,7 +61,7 @@ class ClassErrors(harness.FolderTest):
                  "no material of the source has the name"),
                 ({**high, "class_of_material": {"roof": 70000}}, "class_of_material.roof", "expected a whole number"),
                 ({**high, "class_of_material": {"roof": None}}, "class_of_material.roof", "expected a class"),
-                ({**low, "class_from_ids": {"add": 1}}, "class_from_ids.attribute", "expected either"),
+                ({**low, "class_from_ids": {"add": 1}}, "class_from_ids.attribute", "expected one of"),
                 ({**low, "class_from_ids": {**batch, "add": 99999999}}, "class_from_ids.add",
                  "expected a whole number"),
                 ({**low, "class_from_ids": {**batch, "add": 65533}}, "class_from_ids", "is not a class"),
@@ -69,8 +72,8 @@ class ClassErrors(harness.FolderTest):
                  "primitives[1]: has no attribute _BATCHID"),
                 ({"path": "few.glb", "class_from_ids": batch}, "class_from_ids", "has 5 ids for 6 vertices"),
                 ({"path": "odd.glb", "class_from_ids": batch}, "class_from_ids", "the id 1.5 is not a whole number"),
-                ({"path": "texture.glb", "class_from_ids": {"feature_ids": 0}}, "class_from_ids", "are a texture"),
-                ({"path": "texture.glb", "class_from_ids": {"feature_ids": 3}}, "class_from_ids", "has no set 3"),
+                ({"path": "sparse.glb", "class_from_ids": {"feature_ids": 0}}, "class_from_ids", "has no set 0"),
+                ({"path": "features.glb", "class_from_ids": {"feature_ids": 3}}, "class_from_ids", "has no set 3"),
                 ({**low, "class_from_ids": {"feature_ids": 0}}, "class_from_ids", "has no EXT_mesh_features"),
                 ({"path": "plain.ply", "class_from_ids": batch}, "class_from_ids", "has no ids")):
             for command in ("bake", "plan"):

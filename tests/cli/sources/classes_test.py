@@ -20,8 +20,6 @@ import harness
 from class_scene import EDGE, majority, mosaic, tile, write_gltf
 from png_file import read_png
 
-PLY_VERTEX = numpy.dtype(harness.PLY_VERTEX.descr + [("class", "<u2")])
-
 
 class Classes(harness.FolderTest):
     @classmethod
@@ -58,7 +56,7 @@ class Classes(harness.FolderTest):
         PROGRAM.succeed("export", self.root / name, "--lod", lod, "-o", file)
         header, body = file.read_bytes().split(b"end_header\n", 1)
         self.assertIn(b"property ushort class\n", header)
-        vertices = numpy.frombuffer(body, PLY_VERTEX)
+        vertices = numpy.frombuffer(body, harness.PLY_VERTEX_WITH_CLASS)
         return {tuple(v["ijk"].tolist()): int(v["class"]) for v in vertices}
 
     def expect_equal(self, found, expected, message=""):
@@ -191,7 +189,7 @@ class Classes(harness.FolderTest):
         PROGRAM.succeed("export", self.root / "whole", "-o", self.root / "cut.ply", "--bounds", "5,5,20,20", "--crs",
                         "scene")
         body = (self.root / "cut.ply").read_bytes().split(b"end_header\n", 1)[1]
-        cut = {tuple(v["ijk"].tolist()): int(v["class"]) for v in numpy.frombuffer(body, PLY_VERTEX)}
+        cut = {tuple(v["ijk"].tolist()): int(v["class"]) for v in numpy.frombuffer(body, harness.PLY_VERTEX_WITH_CLASS)}
         self.expect_equal(cut, inside)
 
     def test_coarse_sources_have_classes(self):

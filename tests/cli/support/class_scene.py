@@ -8,8 +8,10 @@ import harness
 EDGE = 48  # of the scene, metres; a voxel is one metre
 
 
-def write_gltf(path, primitives, materials=()):
-    """Writes a GLB. A primitive has positions (y up), and optionally ids by attribute, a material, and extensions."""
+def write_gltf(path, primitives, materials=(), members=None, instances=None, features=None):
+    """Writes a GLB. A primitive has positions (y up), and optionally ids by attribute (or texture coordinates, with two
+    numbers per vertex), a material, and extensions. `members` are further members of the document. `instances` are
+    attributes of EXT_mesh_gpu_instancing, and `features` are the sets of EXT_instance_features."""
     binary, views, accessors, entries = b"", [], [], []
 
     def add(data, component, kind, **more):
@@ -20,19 +22,29 @@ def write_gltf(path, primitives, materials=()):
         binary += data.tobytes() + b"\0" * (-data.nbytes % 4)
         return len(accessors) - 1
 
+    def add_floats(items):
+        values = numpy.asarray(items, "<f4")
+        return add(values, 5126, "SCALAR" if values.ndim == 1 else f"VEC{values.shape[1]}")
+
     for primitive in primitives:
         points = numpy.asarray(primitive["points"], "<f4")
         attributes = {"POSITION": add(points, 5126, "VEC3", min=points.min(0).tolist(), max=points.max(0).tolist())}
         for name, ids in primitive.get("ids", {}).items():
-            attributes[name] = add(numpy.asarray(ids, "<f4"), 5126, "SCALAR")
+            attributes[name] = add_floats(ids)
         entry = {"attributes": attributes}
         for key in ("material", "extensions"):
             if key in primitive:
                 entry[key] = primitive[key]
         entries.append(entry)
-    document = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    node = {"mesh": 0}
+    if instances is not None:
+        attributes = {name: add_floats(items) for name, items in instances.items()}
+        node["extensions"] = {"EXT_mesh_gpu_instancing": {"attributes": attributes},
+                              "EXT_instance_features": {"featureIds": features}}
+    document = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [node],
                 "meshes": [{"primitives": entries}], "accessors": accessors, "bufferViews": views,
-                "buffers": [{"byteLength": len(binary)}], "extensionsUsed": ["EXT_mesh_features"]}
+                "buffers": [{"byteLength": len(binary)}],
+                "extensionsUsed": ["EXT_mesh_features", *node.get("extensions", ())], **(members or {})}
     if materials:
         document["materials"] = [{"name": name} for name in materials]
     harness.write_glb_document(path, document, binary)

@@ -9,6 +9,7 @@
 #include "../glb_scene.h"
 #include "core/base/error.h"
 #include "core/base/memory_limit.h"
+#include "format/source/classes/source_classes.h"
 #include "format/source/tile_hash.h"
 #include "kernels/cpu/bake_cell.h"
 #include "tests/format/system/small_disk.h"
@@ -118,6 +119,25 @@ TEST_F(TileStoreTest, CellsHaveTheSameBitsFromScratchWithNormalMaps) {
     const std::vector<Hash128> with = bake(128, 128, {});
     EXPECT_EQ(bake(128, 128, {scratch(), 0}), with);
     EXPECT_NE(with, without);
+  }
+}
+
+TEST_F(TileStoreTest, CellsHaveTheSameBitsFromScratchWithTexturesOfIds) {
+  const std::vector<Hash128> without = bake(128, 128, {});
+  GlbMesh mesh = rolling_ground(128, 0, 0);
+  mesh.extensions = R"({"EXT_mesh_features":{"featureIds":[{"featureCount":65536,"texture":)"
+                    R"({"index":0,"channels":[1],"extensions":{"KHR_texture_transform":{"scale":[2,3]}}}}]}})";
+  write(mesh);
+  parameters.classes = true;
+  std::vector<Hash128> before = without;
+  for (const std::int64_t add : {0, 5}) {
+    SourceClasses classes;
+    classes.ids = ClassIds{{}, 0, {}, add};
+    sources.tiles[0].classes = std::make_shared<SourceClasses>(classes);
+    const std::vector<Hash128> from_file = bake(128, 128, {});
+    EXPECT_EQ(bake(128, 128, {scratch(), 0}), from_file);
+    EXPECT_NE(from_file, before);
+    before = from_file;
   }
 }
 

@@ -13,7 +13,8 @@ using tinygltf::Value;
 
 /// Returns whether members of the extension are read.
 bool has_read_members(const std::string& extension) {
-  static const std::set<std::string> known{"EXT_mesh_features",
+  static const std::set<std::string> known{"EXT_instance_features",
+                                           "EXT_mesh_features",
                                            "EXT_mesh_gpu_instancing",
                                            "EXT_texture_webp",
                                            "KHR_draco_mesh_compression",
@@ -25,18 +26,31 @@ bool has_read_members(const std::string& extension) {
   return known.contains(extension);
 }
 
-Value object_of(const Json& json) {
-  Value::Object members;
-  for (const auto& [key, member] : json.items())
-    if (Value value = value_of(member); value.Type() != tinygltf::NULL_TYPE) members.emplace(key, std::move(value));
-  return members.empty() ? Value() : Value(std::move(members));
+/// Returns whether the extension has lists of ids.
+bool has_ids(const std::string& extension) {
+  return extension == "EXT_mesh_features" || extension == "EXT_instance_features";
 }
 
-Value array_of(const Json& json) {
+enum class EmptyValues : std::uint8_t { omitted, kept };
+
+Value converted(const Json& json, EmptyValues empty);
+
+Value object_of(const Json& json, EmptyValues empty) {
+  const bool keeps = empty == EmptyValues::kept;
+  Value::Object members;
+  for (const auto& [key, member] : json.items())
+    if (Value value = converted(member, empty); keeps || value.Type() != tinygltf::NULL_TYPE)
+      members.emplace(key, std::move(value));
+  return members.empty() && !keeps ? Value() : Value(std::move(members));
+}
+
+Value array_of(const Json& json, EmptyValues empty) {
+  const bool keeps = empty == EmptyValues::kept;
   Value::Array items;
   for (const Json& item : json)
-    if (Value value = value_of(item); value.Type() != tinygltf::NULL_TYPE) items.push_back(std::move(value));
-  return items.empty() ? Value() : Value(std::move(items));
+    if (Value value = converted(item, empty); keeps || value.Type() != tinygltf::NULL_TYPE)
+      items.push_back(std::move(value));
+  return items.empty() && !keeps ? Value() : Value(std::move(items));
 }
 
 Value number_of(const Json& json) {
@@ -46,15 +60,17 @@ Value number_of(const Json& json) {
   return is_int ? Value(json.get<int>()) : Value(number);
 }
 
-}  // namespace
-
-tinygltf::Value value_of(const Json& json) {
-  if (json.is_object()) return object_of(json);
-  if (json.is_array()) return array_of(json);
+Value converted(const Json& json, EmptyValues empty) {
+  if (json.is_object()) return object_of(json, empty);
+  if (json.is_array()) return array_of(json, empty);
   if (json.is_string()) return Value(json.get<std::string>());
   if (json.is_boolean()) return Value(json.get<bool>());
   return json.is_number() ? number_of(json) : Value();
 }
+
+}  // namespace
+
+tinygltf::Value value_of(const Json& json) { return converted(json, EmptyValues::omitted); }
 
 tinygltf::ExtensionMap extensions_of(const Json& object) {
   tinygltf::ExtensionMap out;
@@ -62,7 +78,8 @@ tinygltf::ExtensionMap extensions_of(const Json& object) {
   if (extensions == object.end() || !extensions->is_object()) return out;
   for (const auto& [name, json] : extensions->items()) {
     if (!json.is_object()) continue;
-    Value value = has_read_members(name) ? value_of(json) : Value();
+    const EmptyValues empty = has_ids(name) ? EmptyValues::kept : EmptyValues::omitted;
+    Value value = has_read_members(name) ? converted(json, empty) : Value();
     out[name] = value.IsObject() ? std::move(value) : Value(Value::Object());
   }
   return out;

@@ -12,6 +12,7 @@ namespace gigabake {
 tinygltf::Value value_of(const Json& json);
 
 /// Returns the extensions of an object. An extension that is not read gets no members, because its value can be large.
+/// Lists of ids keep null and empty items, unlike value_of(), because their items are found by number.
 tinygltf::ExtensionMap extensions_of(const Json& object);
 
 }  // namespace gigabake

@@ -10,7 +10,7 @@ namespace gigabake {
 namespace {
 
 /// Bytes of a vertex: its position, its texture coordinates, and its colour before and after conversion. Bytes of a
-/// normal and of a tangent before and after conversion, of coordinates of a normal map, and of an id and its class.
+/// normal and of a tangent before and after conversion, of further coordinates, and of an id and its class.
 constexpr std::uint64_t vertex_bytes = 12 + 8 + 16 + 8, normal_bytes = 12 + 4, tangent_bytes = 16 + 4, uv_bytes = 8,
                         id_bytes = 4 + 2;
 
@@ -43,6 +43,10 @@ void set_vertices(const VertexValues& values, const SourceMaterial& m, const Rea
   if (values.normal_uv) out.normal_uv = transformed(read(*values.normal_uv, 2, 0.0f), m.normal_map);
   if (values.tangent) out.tangent = vertex_tangents(read(*values.tangent, 4, 0.0f));
   if (!values.ids) return;
+  if (const IdTextureSource* texture = values.ids->texture()) {
+    out.id_uv = transformed(read(texture->uv, 2, 0.0f), texture->coordinates);
+    return;
+  }
   const AccessorItems* ids = values.ids->attribute();
   out.vertex_class = ids != nullptr ? values.ids->classes_of(read(*ids, 1, 0.0f)) : values.ids->classes_of(numbers());
 }
@@ -51,7 +55,7 @@ void set_vertices(const VertexValues& values, const SourceMaterial& m, const Rea
 
 std::uint64_t VertexValues::bytes_of_vertex() const {
   return vertex_bytes + (normal ? normal_bytes : 0) + (normal_uv ? uv_bytes : 0) + (tangent ? tangent_bytes : 0) +
-         (ids ? id_bytes : 0);
+         (ids ? (ids->texture() != nullptr ? uv_bytes : id_bytes) : 0);
 }
 
 std::vector<VertexNormal> vertex_normals(const std::vector<float>& xyz) {
