@@ -80,7 +80,7 @@ const ExportFormat formats[] = {
 
 bool carries_classes(const ExportFormat& format) {
   const std::string_view name = format.name;
-  return name == "ply" || name == "las";
+  return name == "ply" || name == "las" || name == "vdb" || name == "nvdb";
 }
 
 std::vector<std::string> format_names() {
@@ -125,7 +125,8 @@ void expect_no_other_options(const CLI::App& command, const ExportFormat& format
 /// Prints a line if the scene has classes and the format has no place for them.
 void report_lost_classes(const ExportOptions& o, const ExportFormat& format) {
   if (o.quiet || carries_classes(format) || !PagedScene(o.scene).header().has_classes) return;
-  print_message("{} has no place for the classes of voxels: they are left out; ply and las have them\n", format.name);
+  print_message("{} has no place for the classes of voxels: they are left out; ply, las, vdb and nvdb have them\n",
+                format.name);
 }
 
 void print_done(const ExportOptions& o, std::uint64_t voxels) {

@@ -22,7 +22,8 @@ void visit_constant(const NodeTable& nodes, std::size_t node, int down, const Le
   const std::uint32_t v = nodes.value[node];
   const std::uint8_t rgba[4] = {std::uint8_t(v), std::uint8_t(v >> 8), std::uint8_t(v >> 16), std::uint8_t(v >> 24)};
   DenseBrick brick;
-  for (std::size_t voxel = 0; voxel < brick_voxels; ++voxel) brick.set(voxel, rgba, nodes.normal[node].data());
+  for (std::size_t voxel = 0; voxel < brick_voxels; ++voxel)
+    brick.set(voxel, rgba, nodes.normal[node].data(), class_of_constant(nodes, node));
   const std::int64_t edge = std::int64_t(1) << down;
   const LevelIndex at = cell + LevelIndex(demorton(nodes.key[node])) * (brick_edge * edge);
   for (std::int64_t z = 0; z < edge; ++z)
@@ -44,7 +45,8 @@ void visit_parts(const LevelIndex& lowest, const DenseBrick& brick, const VisitB
     const LevelIndex at{lowest[0] + std::int64_t(voxel & 7), lowest[1] + std::int64_t(voxel >> 3 & 7),
                         lowest[2] + std::int64_t(voxel >> 6)};
     const std::size_t in_block = std::size_t((at[0] & 7) + 8 * (at[1] & 7) + 64 * (at[2] & 7));
-    parts[{at[0] & ~7, at[1] & ~7, at[2] & ~7}].set(in_block, brick.rgba[voxel].data(), brick.normal[voxel].data());
+    parts[{at[0] & ~7, at[1] & ~7, at[2] & ~7}].set(in_block, brick.rgba[voxel].data(), brick.normal[voxel].data(),
+                                                    brick.voxel_class[voxel]);
   }
   for (const auto& [block, part] : parts) visit(block, part);
 }
@@ -60,10 +62,11 @@ std::uint64_t voxels_of_leaves(const PagedScene& scene, const SceneCell& shard, 
 
 }  // namespace
 
-void DenseBrick::set(std::size_t voxel, const std::uint8_t* colour, const std::int8_t* oct) {
+void DenseBrick::set(std::size_t voxel, const std::uint8_t* colour, const std::int8_t* oct, VoxelClass of_voxel) {
   mask[voxel >> 6] |= std::uint64_t(1) << (voxel & 63);
   std::memcpy(rgba[voxel].data(), colour, 4);
   std::memcpy(normal[voxel].data(), oct, 2);
+  voxel_class[voxel] = of_voxel;
 }
 
 void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, const BrickLevel& level, int lod,
@@ -78,9 +81,10 @@ void for_each_dense_brick(const ShardHeader& header, const NodeTable& nodes, con
     }
     if (down != 0) continue;
     DenseBrick brick;
-    for_each_voxel(level, nodes.value[n], {},
-                   [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
-                       const std::int8_t* normal) { brick.set(x + 8 * y + 64 * z, rgba, normal); });
+    for_each_voxel(
+        level, nodes.value[n], {},
+        [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal,
+            const std::uint8_t*, VoxelClass voxel_class) { brick.set(x + 8 * y + 64 * z, rgba, normal, voxel_class); });
     visit(cell + LevelIndex(demorton(nodes.key[n])) * brick_edge, brick);
   }
 }

@@ -24,9 +24,10 @@ struct DenseBrick {
   std::array<std::array<std::uint8_t, 4>, brick_voxels> rgba{};   ///< zero where there is no voxel
   std::array<std::array<std::int8_t, 2>, brick_voxels> normal{};  ///< zero where there is no voxel or the shard has no
                                                                   ///< normals
+  std::array<VoxelClass, brick_voxels> voxel_class{};             ///< no_class where there is no voxel or class
 
   bool has(std::size_t voxel) const { return (mask[voxel >> 6] >> (voxel & 63) & 1) != 0; }
-  void set(std::size_t voxel, const std::uint8_t* colour, const std::int8_t* oct);
+  void set(std::size_t voxel, const std::uint8_t* colour, const std::int8_t* oct, VoxelClass of_voxel);
 };
 
 using VisitBrick = std::function<void(const LevelIndex& lowest, const DenseBrick& brick)>;

@@ -56,14 +56,17 @@ NanovdbTree tree_of(const PagedScene& scene, int lod, const Progress& progress) 
 /// Writer of the grids of a file. The constructor determines their offsets.
 class NanovdbWriter {
  public:
-  NanovdbWriter(NanovdbTree& tree, const NanovdbFrame& frame, bool normals)
+  NanovdbWriter(NanovdbTree& tree, const NanovdbFrame& frame, bool normals, bool classes)
       : tree_(tree), rgba_("rgba", tree, frame), written_(tree.leaves().size()) {
-    std::uint64_t at = sizeof(FileHeader) + head_bytes(rgba_);
-    if (normals) at += head_bytes(normal_.emplace("normal", tree, frame));
-    rgba_.begin_at(at);
-    at += rgba_.bytes();
-    if (normal_) normal_->begin_at(at);
-    bytes_ = at + (normal_ ? normal_->bytes() : 0);
+    if (normals) normal_.emplace("normal", tree, frame);
+    if (classes) class_.emplace("class", tree, frame);
+    std::uint64_t at = sizeof(FileHeader);
+    for_each_grid(*this, [&](auto& grid) { at += head_bytes(grid); });
+    for_each_grid(*this, [&](auto& grid) {
+      grid.begin_at(at);
+      at += grid.bytes();
+    });
+    bytes_ = at;
   }
 
   std::uint64_t bytes() const { return bytes_; }
@@ -80,6 +83,11 @@ class NanovdbWriter {
           leaf_of<Vec3f>(lowest, brick,
                          [&](std::size_t voxel) { return Vec3f{unit_normal(brick.normal[voxel].data())}; }),
           written_[leaf]);
+    if (class_)
+      class_->write_leaf(
+          file, leaf,
+          leaf_of<UInt32>(lowest, brick, [&](std::size_t voxel) { return UInt32{brick.voxel_class[voxel]}; }),
+          written_[leaf]);
     written_[leaf] = true;
     tree_.widen(leaf, box_of(rgba));
     return true;
@@ -88,15 +96,21 @@ class NanovdbWriter {
   /// Writes everything except the leaves. Call it after the last write_leaf().
   void write_nodes(RandomAccessFile& file) {
     FileHeader header;
-    header.grids = normal_ ? 2 : 1;
+    for_each_grid(*this, [&](const auto&) { ++header.grids; });
     file.write_value(0, header);
-    const std::uint64_t second = write_meta_data(file, sizeof header, rgba_);
-    if (normal_) write_meta_data(file, second, *normal_);
-    rgba_.write_nodes(file);
-    if (normal_) normal_->write_nodes(file);
+    std::uint64_t at = sizeof header;
+    for_each_grid(*this, [&](const auto& grid) { at = write_meta_data(file, at, grid); });
+    for_each_grid(*this, [&](const auto& grid) { grid.write_nodes(file); });
   }
 
  private:
+  /// Visits the grids in the order of the file. `self` is the writer, constant or not.
+  template <class Self, class Visit>
+  static void for_each_grid(Self& self, const Visit& visit) {
+    visit(self.rgba_);
+    if (self.normal_) visit(*self.normal_);
+    if (self.class_) visit(*self.class_);
+  }
   template <class Value>
   static std::uint64_t head_bytes(const NanovdbGrid<Value>& grid) {
     return sizeof(FileMetaData) + grid.name().size() + 1;
@@ -113,6 +127,7 @@ class NanovdbWriter {
   NanovdbTree& tree_;
   NanovdbGrid<Rgba8> rgba_;
   std::optional<NanovdbGrid<Vec3f>> normal_;
+  std::optional<NanovdbGrid<UInt32>> class_;
   std::vector<bool> written_;
   std::uint64_t bytes_ = 0;
 };
@@ -127,7 +142,7 @@ std::uint64_t export_nanovdb(const std::filesystem::path& scene_xml, int lod, co
   NanovdbTree tree = tree_of(scene, lod, progress);
   const SceneHeader& header = scene.header();
   NanovdbWriter writer(tree, {std::ldexp(header.voxel_size_m, lod), header.lattice_origin_m, voxels},
-                       header.has_normals);
+                       header.has_normals, header.has_classes);
   {
     RandomAccessFile file(nvdb, publication.temporary(), writer.bytes());
     progress.step("writing the voxels", voxels);

@@ -160,5 +160,6 @@ void NanovdbGrid<Value>::write_nodes(RandomAccessFile& file) const {
 
 template class NanovdbGrid<Rgba8>;
 template class NanovdbGrid<Vec3f>;
+template class NanovdbGrid<UInt32>;
 
 }  // namespace gigabake

@@ -18,7 +18,7 @@ struct NanovdbFrame {
   std::uint64_t voxels = 0;
 };
 
-/// One grid. `Value` is Rgba8 or Vec3f of nanovdb_layout. Borrows the tree.
+/// One grid. `Value` is Rgba8, Vec3f or UInt32 of nanovdb_layout. Borrows the tree.
 template <class Value>
 class NanovdbGrid {
  public:

@@ -25,6 +25,11 @@ struct Vec3f {
   Vec3<float> v{};
 };
 
+struct UInt32 {
+  static constexpr std::uint32_t grid_type = 10;
+  std::uint32_t v = 0;
+};
+
 struct IndexBox {
   Vec3<std::int32_t> min{INT32_MAX, INT32_MAX, INT32_MAX}, max{INT32_MIN, INT32_MIN, INT32_MIN};
 };
@@ -134,9 +139,9 @@ struct alignas(32) LeafNode {
 
 static_assert(sizeof(FileHeader) == 16 && sizeof(FileMetaData) == 176 && sizeof(Map) == 264);
 static_assert(sizeof(GridData) == 672 && sizeof(TreeData) == 64 && sizeof(RootTile) == 32);
-static_assert(sizeof(RootData<Rgba8>) == 64 && sizeof(RootData<Vec3f>) == 96);
+static_assert(sizeof(RootData<Rgba8>) == 64 && sizeof(RootData<UInt32>) == 64 && sizeof(RootData<Vec3f>) == 96);
 static_assert(sizeof(UpperNode<Rgba8>) == 270400 && sizeof(UpperNode<Vec3f>) == 532544);
 static_assert(sizeof(LowerNode<Rgba8>) == 33856 && sizeof(LowerNode<Vec3f>) == 66624);
-static_assert(sizeof(LeafNode<Rgba8>) == 2144 && sizeof(LeafNode<Vec3f>) == 6272);
+static_assert(sizeof(LeafNode<Rgba8>) == 2144 && sizeof(LeafNode<UInt32>) == 2144 && sizeof(LeafNode<Vec3f>) == 6272);
 
 }  // namespace gigabake::nanovdb_layout

@@ -13,7 +13,8 @@
 namespace gigabake {
 namespace {
 
-/// Approximate memory per leaf in bytes, including a part of its ancestors: in a float grid and in a Vec3s grid.
+/// Approximate memory per leaf in bytes, including a part of its ancestors: in a grid of floats or integers, and in a
+/// Vec3s grid.
 constexpr std::uint64_t scalar_leaf_bytes = 2600, vector_leaf_bytes = 6800;
 
 /// Sets the voxels of one leaf. value(v) returns the stored value of voxel v of the brick.
@@ -31,6 +32,7 @@ class Grids : public OpenvdbGrids {
     density_->setGridClass(openvdb::GRID_FOG_VOLUME);
     prepare(*density_, "density", scene, lod);
     prepare(*colour_, "Cd", scene, lod);
+    if (scene.has_classes) prepare(*(class_ = openvdb::Int32Grid::create()), "class", scene, lod);
     if (!scene.has_normals) return;
     normal_ = openvdb::Vec3SGrid::create();
     normal_->setVectorType(openvdb::VEC_COVARIANT_NORMALIZE);
@@ -45,6 +47,7 @@ class Grids : public OpenvdbGrids {
       const auto& rgba = part.rgba[n];
       return openvdb::Vec3f(float(linear[rgba[0]]), float(linear[rgba[1]]), float(linear[rgba[2]]));
     });
+    if (class_) set_voxels(*class_, lowest, part, [&](std::size_t n) { return std::int32_t(part.voxel_class[n]); });
     if (!normal_) return;
     set_voxels(*normal_, lowest, part, [&](std::size_t n) {
       const Vec3<float> v = unit_normal(part.normal[n].data());
@@ -53,7 +56,8 @@ class Grids : public OpenvdbGrids {
   }
 
   std::uint64_t bytes() const override {
-    return density_->tree().leafCount() * (scalar_leaf_bytes + (normal_ ? 2 : 1) * vector_leaf_bytes);
+    return density_->tree().leafCount() *
+           ((class_ ? 2 : 1) * scalar_leaf_bytes + (normal_ ? 2 : 1) * vector_leaf_bytes);
   }
 
   void write(const std::filesystem::path& vdb, const std::filesystem::path& temporary) const override;
@@ -62,6 +66,7 @@ class Grids : public OpenvdbGrids {
   openvdb::GridPtrVec all() const {
     openvdb::GridPtrVec grids{density_, colour_};
     if (normal_) grids.push_back(normal_);
+    if (class_) grids.push_back(class_);
     return grids;
   }
 
@@ -81,6 +86,7 @@ class Grids : public OpenvdbGrids {
 
   openvdb::FloatGrid::Ptr density_ = openvdb::FloatGrid::create();
   openvdb::Vec3SGrid::Ptr colour_ = openvdb::Vec3SGrid::create(), normal_;
+  openvdb::Int32Grid::Ptr class_;
 };
 
 /// Checks that one more byte fits on the disk. The library ignores failed writes. If the disk is full, this additional

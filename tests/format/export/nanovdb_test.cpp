@@ -91,9 +91,20 @@ void expect_sound(const nanovdb::NanoGrid<Value>& grid, const made::SceneVoxels&
   EXPECT_EQ(Vec3i64::from(box.max()), high);
 }
 
-void expect_same_voxels(const std::filesystem::path& nvdb, const made::SceneVoxels& voxels, bool normals) {
+void expect_same_classes(const nanovdb::NanoGrid<std::uint32_t>* classes, const made::SceneVoxels& voxels) {
+  ASSERT_NE(classes, nullptr);
+  EXPECT_STREQ(classes->gridName(), "class");
+  expect_sound(*classes, voxels);
+  for_each_active(*classes,
+                  [&](const Vec3i64& at, std::uint32_t value) { EXPECT_EQ(value, voxels.at(at).voxel_class); });
+}
+
+void expect_same_voxels(const std::filesystem::path& nvdb, const made::SceneVoxels& voxels,
+                        const SceneDescription& scene) {
   const auto grids = nanovdb::io::readGrids(nvdb.string());
-  ASSERT_EQ(grids.size(), normals ? 2u : 1u);
+  const bool normals = scene.has_normals;
+  ASSERT_EQ(grids.size(), 1u + (normals ? 1 : 0) + (scene.has_classes ? 1 : 0));
+  if (scene.has_classes) expect_same_classes(grids.back().grid<std::uint32_t>(), voxels);
   const auto* rgba = grids[0].grid<nanovdb::Rgba8>();
   ASSERT_NE(rgba, nullptr);
   EXPECT_STREQ(rgba->gridName(), "rgba");
@@ -121,11 +132,11 @@ void expect_same_voxels(const std::filesystem::path& nvdb, const made::SceneVoxe
 
 TEST(Nanovdb, TheLibraryReadsTheVoxelsOfEveryLevelOfARandomScene) {
   for (int round = 0; round < 6; ++round) {
-    const made::RandomScene scene(round);
+    const made::RandomScene scene(round, true);
     for (int lod = 0; lod < 4; ++lod) {
       const made::SceneVoxels voxels = scene.voxels(lod);
       EXPECT_EQ(export_nanovdb(scene.xml(), lod, scene / "v.nvdb"), voxels.size());
-      expect_same_voxels(scene / "v.nvdb", voxels, scene.description().has_normals);
+      expect_same_voxels(scene / "v.nvdb", voxels, scene.description());
     }
   }
 }

@@ -29,11 +29,12 @@ constexpr std::uint64_t enough = std::uint64_t(1) << 32;
 
 std::uint8_t rounded(float share) { return std::uint8_t(std::lround(share * 255)); }
 
-void expect_same_grid(const std::filesystem::path& vdb, const made::SceneVoxels& voxels, bool normals) {
+void expect_same_grid(const std::filesystem::path& vdb, const made::SceneVoxels& voxels,
+                      const SceneDescription& scene) {
   openvdb::initialize();
   openvdb::io::File file(vdb.string());
   file.open();
-  EXPECT_EQ(file.getGrids()->size(), normals ? 3u : 2u);
+  EXPECT_EQ(file.getGrids()->size(), 2u + (scene.has_normals ? 1 : 0) + (scene.has_classes ? 1 : 0));
   const auto density = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("density"));
   const auto colour = openvdb::gridPtrCast<openvdb::Vec3SGrid>(file.readGrid("Cd"));
   ASSERT_EQ(density->activeVoxelCount(), voxels.size());
@@ -46,7 +47,13 @@ void expect_same_grid(const std::filesystem::path& vdb, const made::SceneVoxels&
     const std::array<std::uint8_t, 4> rgba{srgb_byte(light[0]), srgb_byte(light[1]), srgb_byte(light[2]), rounded(*v)};
     EXPECT_EQ(rgba, voxel.rgba);
   }
-  if (!normals) return;
+  if (scene.has_classes) {
+    const auto classes = openvdb::gridPtrCast<openvdb::Int32Grid>(file.readGrid("class"));
+    ASSERT_EQ(classes->activeVoxelCount(), voxels.size());
+    for (auto v = classes->cbeginValueOn(); v; ++v)
+      EXPECT_EQ(*v, voxels.at({v.getCoord()[0], v.getCoord()[1], v.getCoord()[2]}).voxel_class);
+  }
+  if (!scene.has_normals) return;
   const auto normal = openvdb::gridPtrCast<openvdb::Vec3SGrid>(file.readGrid("N"));
   ASSERT_EQ(normal->activeVoxelCount(), voxels.size());
   for (auto v = normal->cbeginValueOn(); v; ++v) {
@@ -57,11 +64,11 @@ void expect_same_grid(const std::filesystem::path& vdb, const made::SceneVoxels&
 
 TEST(Openvdb, TheLibraryReadsTheVoxelsOfEveryLevelOfARandomScene) {
   for (int round = 0; round < 3; ++round) {
-    const made::RandomScene scene(round);
+    const made::RandomScene scene(round, true);
     for (int lod = 0; lod < 4; ++lod) {
       const made::SceneVoxels voxels = scene.voxels(lod);
       EXPECT_EQ(export_openvdb(scene.xml(), lod, scene / "v.vdb", enough), voxels.size());
-      expect_same_grid(scene / "v.vdb", voxels, scene.description().has_normals);
+      expect_same_grid(scene / "v.vdb", voxels, scene.description());
     }
   }
 }
