@@ -68,6 +68,7 @@ const ExportFormat formats[] = {
     {"3dtiles-gltf", "", FormatClass::tiles, {}},
     {"dsm", "", FormatClass::map, {}},
     {"ortho", "", FormatClass::map, {}},
+    {"classes", "", FormatClass::map, {}},
     {"gigavoxel-xml", "", FormatClass::voxels,
      [](const ExportOptions& o, const Progress& p) {
        return export_gigavoxel(o.scene, o.lod, o.out, GigavoxelTreeFile::xml, p);
@@ -80,7 +81,7 @@ const ExportFormat formats[] = {
 
 bool carries_classes(const ExportFormat& format) {
   const std::string_view name = format.name;
-  return name == "ply" || name == "las" || name == "vdb" || name == "nvdb";
+  return name == "ply" || name == "las" || name == "vdb" || name == "nvdb" || name == "classes";
 }
 
 std::vector<std::string> format_names() {
@@ -112,9 +113,9 @@ void expect_no_other_options(const CLI::App& command, const ExportFormat& format
   const OptionOfFormats options[] = {
       {"--tile-voxels", "3dtiles and 3dtiles-gltf", {FormatClass::tiles}},
       {"--update", "3dtiles and 3dtiles-gltf", {FormatClass::tiles}},
-      {"--threads", "3dtiles, 3dtiles-gltf, dsm and ortho", {FormatClass::tiles, FormatClass::map}},
-      {"--step", "dsm and ortho", {FormatClass::map}},
-      {"--memory", "dsm and ortho", {FormatClass::map}},
+      {"--threads", "3dtiles, 3dtiles-gltf, dsm, ortho and classes", {FormatClass::tiles, FormatClass::map}},
+      {"--step", "dsm, ortho and classes", {FormatClass::map}},
+      {"--memory", "dsm, ortho and classes", {FormatClass::map}},
   };
   for (const OptionOfFormats& option : options)
     if (command.count(option.name) != 0 &&
@@ -125,8 +126,9 @@ void expect_no_other_options(const CLI::App& command, const ExportFormat& format
 /// Prints a line if the scene has classes and the format has no place for them.
 void report_lost_classes(const ExportOptions& o, const ExportFormat& format) {
   if (o.quiet || carries_classes(format) || !PagedScene(o.scene).header().has_classes) return;
-  print_message("{} has no place for the classes of voxels: they are left out; ply, las, vdb and nvdb have them\n",
-                format.name);
+  print_message(
+      "{} has no place for the classes of voxels: they are left out; ply, las, vdb, nvdb and classes have them\n",
+      format.name);
 }
 
 void print_done(const ExportOptions& o, std::uint64_t voxels) {
@@ -168,13 +170,18 @@ int run_on_rank(const ExportOptions& options, const ExportFormat& format, MpiSes
   }
 }
 
+MapContent content_of(std::string_view format) {
+  if (format == "classes") return MapContent::classes;
+  return format == "ortho" ? MapContent::colours : MapContent::heights;
+}
+
 int run_map(const ExportOptions& o, const ExportFormat& format, MpiSession& mpi) {
   expect_same_options(mpi, shared_options(o, format));
   if (mpi.rank() == 0) report_lost_classes(o, format);
   MapExport map;
   map.scene = o.scene;
   map.out = o.out;
-  map.content = std::string_view(format.name) == "ortho" ? MapContent::colours : MapContent::heights;
+  map.content = content_of(format.name);
   map.area = o.area;
   map.lod = o.lod;
   map.step = o.step;
@@ -187,10 +194,11 @@ int run_map(const ExportOptions& o, const ExportFormat& format, MpiSession& mpi)
 void add_map_options(CLI::App& command, ExportOptions& options) {
   command.add_option(
       "--step", options.step,
-      "dsm and ortho: edge of a pixel in units of --crs (edge of a voxel at --lod, if these are metres)");
+      "dsm, ortho and classes: edge of a pixel in units of --crs (edge of a voxel at --lod, if these are metres)");
   command
-      .add_option("--memory", options.memory_bytes,
-                  "dsm and ortho: max bytes of memory of each rank, such as 256M; 0: half of the host's memory (1G)")
+      .add_option(
+          "--memory", options.memory_bytes,
+          "dsm, ortho and classes: max bytes of memory of each rank, such as 256M; 0: half of the host's memory (1G)")
       ->transform(CLI::AsSizeValue(false));
 }
 
@@ -201,7 +209,7 @@ void add_tile_options(CLI::App& command, ExportOptions& options) {
       ->check(CLI::Range(8, 126));
   command
       .add_option("--threads", options.tiles.threads,
-                  "3dtiles, dsm and ortho: threads of each rank (the host's cores shared by its ranks)")
+                  "3dtiles, dsm, ortho and classes: threads of each rank (the host's cores shared by its ranks)")
       ->check(CLI::Range(0, 1024));
   command.add_flag("--update", options.tiles.update,
                    "3dtiles: update an earlier export of the scene; only tiles that changed are rewritten");
@@ -211,7 +219,7 @@ void add_tile_options(CLI::App& command, ExportOptions& options) {
 
 void add_export(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand(
-      "export", "Write a baked scene's voxels in another format; 3dtiles, dsm and ortho under mpirun on all ranks");
+      "export", "Write a baked scene's voxels in another format; 3dtiles and maps under mpirun on all ranks");
   auto o = std::make_shared<ExportOptions>();
   command->add_option("SCENE", o->scene, "folder of a bake, or its scene.xml")->required();
   command->add_option("--to", o->format, "format (default: by the suffix of -o: .ply, .las, .nvdb, .vdb, .3tz)")

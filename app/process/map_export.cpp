@@ -76,8 +76,14 @@ double step_of(const MapExport& o, const SceneHeader& scene, const MapFrame& fra
   return std::ldexp(scene.voxel_size_m, o.lod) / frame.facts().metres_per_unit;
 }
 
+void expect_classes(const MapExport& o, const SceneHeader& scene) {
+  if (o.content == MapContent::classes && !scene.has_classes)
+    throw UsageError("--to classes: expected a scene with classes (docs/classes.md); this scene has none");
+}
+
 MapPlace place_of(const MapExport& o, const SceneQuery& query, const MapFrame& frame, std::shared_ptr<const Area> all) {
   const SceneHeader& scene = query.scene().header();
+  expect_classes(o, scene);
   const double step = step_of(o, scene, frame);
   if (!(step > 0) || !std::isfinite(step)) throw UsageError("--step: expected a number above 0");
   const std::array<Vec3d, 2> corners = box_of_scene_m(query);
@@ -134,6 +140,11 @@ GeotiffImage image_of(const MapExport& o, const MapGrid& grid, const SceneHeader
   if (o.content == MapContent::colours) {
     image.pixels = GeotiffPixels::colours;
     image.description = "Colours seen from above; " + detail;
+    return image;
+  }
+  if (o.content == MapContent::classes) {
+    image.pixels = GeotiffPixels::classes;
+    image.description = "Classes of the highest voxels; " + detail;
     return image;
   }
   const char* above = "above the WGS84 ellipsoid";

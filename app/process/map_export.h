@@ -1,4 +1,4 @@
-/// `gigabake export --to dsm` and `--to ortho`: a scene seen from above, as a GeoTIFF.
+/// `gigabake export --to dsm`, `--to ortho` and `--to classes`: a scene seen from above, as a GeoTIFF.
 #pragma once
 
 #include <cstdint>

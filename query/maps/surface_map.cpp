@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -96,13 +97,21 @@ struct SurfaceMap::State {
   }
 
   void put_none(std::byte* to) const {
-    const float none = job_.content == MapContent::heights ? std::numeric_limits<float>::quiet_NaN() : 0.0f;
+    constexpr float no_height = std::numeric_limits<float>::quiet_NaN();
+    const std::int32_t none = job_.content == MapContent::heights   ? std::bit_cast<std::int32_t>(no_height)
+                              : job_.content == MapContent::classes ? -1
+                                                                    : 0;
     std::memcpy(to, &none, sizeof none);
   }
 
   void put(std::size_t r, std::byte* to, int thread) const {
     if (job_.content == MapContent::colours) {
       std::memcpy(to, &hits_[r].rgba, pixel_bytes);
+      return;
+    }
+    if (job_.content == MapContent::classes) {
+      const std::int32_t number = hits_[r].voxel_class;
+      std::memcpy(to, &number, sizeof number);
       return;
     }
     const QueryPoint at = frames_.point_in_query_frame(frames_.scene_point(rays_[r], hits_[r].distance));

@@ -1,4 +1,4 @@
-/// Heights or colours of a scene seen from above, for the pixels of a map.
+/// Heights, colours or classes of a scene seen from above, for the pixels of a map.
 #pragma once
 
 #include <cstddef>
@@ -33,7 +33,8 @@ MapGrid grid_of(const MapBox& box, double step, bool is_exact);
 
 enum class MapContent : std::uint8_t {
   heights,  ///< float: the height of the surface as a height query returns it; NaN without a surface
-  colours   ///< red, green, blue (sRGB) and coverage, one byte each; zero without a surface
+  colours,  ///< red, green, blue (sRGB) and coverage, one byte each; zero without a surface
+  classes   ///< int32: the class of the highest voxel; −1 without a surface
 };
 
 struct MapJob {

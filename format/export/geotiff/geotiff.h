@@ -17,7 +17,8 @@ namespace gigabake {
 
 enum class GeotiffPixels : std::uint8_t {
   heights,  ///< one band of float; NaN is no-data
-  colours   ///< red, green, blue and alpha, one byte each; alpha 0: no-data
+  colours,  ///< red, green, blue and alpha, one byte each; alpha 0: no-data
+  classes   ///< one band of int32; −1 is no-data
 };
 
 /// A raster with square pixels. Row 0 is the northern one.

@@ -56,7 +56,7 @@ void register_drivers() {
 
 GDALDriver& driver(const char* name) {
   GDALDriver* const found = GetGDALDriverManager()->GetDriverByName(name);
-  if (found == nullptr) throw UsageError(std::string("`to` dsm and ortho: this GDAL has no driver ") + name);
+  if (found == nullptr) throw UsageError(std::string("`to` dsm, ortho and classes: this GDAL has no driver ") + name);
   return *found;
 }
 
@@ -111,12 +111,9 @@ class CogFile : public GeotiffFile {
     const std::uint32_t x = column * geotiff_block, y = row * geotiff_block;
     const int width = int(std::min(geotiff_block, image_.columns - x)),
               height = int(std::min(geotiff_block, image_.rows - y));
-    const bool is_heights = image_.pixels == GeotiffPixels::heights;
-    const int bands = is_heights ? 1 : 4;
     auto* const data = const_cast<std::byte*>(pixels.data());  // GDAL only reads it
-    const CPLErr result =
-        raster_->RasterIO(GF_Write, int(x), int(y), width, height, data, width, height,
-                          is_heights ? GDT_Float32 : GDT_Byte, bands, nullptr, 4, GSpacing(4) * width, 1, nullptr);
+    const CPLErr result = raster_->RasterIO(GF_Write, int(x), int(y), width, height, data, width, height, type(),
+                                            bands(), nullptr, 4, GSpacing(4) * width, 1, nullptr);
     errors.expect_none(target_, result != CE_None);
   }
 
@@ -125,8 +122,10 @@ class CogFile : public GeotiffFile {
     ProgressOfGdal of_gdal{progress};
     progress.step("writing overviews", ProgressOfGdal::parts, "");
     std::vector<int> factors = overview_factors(image_);
-    bool failed = !factors.empty() && raster_->BuildOverviews("AVERAGE", int(factors.size()), factors.data(), 0,
-                                                              nullptr, ProgressOfGdal::report, &of_gdal) != CE_None;
+    // Means of classes are other classes.
+    const char* filter = image_.pixels == GeotiffPixels::classes ? "MODE" : "AVERAGE";
+    bool failed = !factors.empty() && raster_->BuildOverviews(filter, int(factors.size()), factors.data(), 0, nullptr,
+                                                              ProgressOfGdal::report, &of_gdal) != CE_None;
     expect_done(errors, of_gdal, failed);
     progress.step("writing the file", ProgressOfGdal::parts, "");
     of_gdal.reported = 0;
@@ -148,10 +147,16 @@ class CogFile : public GeotiffFile {
     options.SetNameValue("BLOCKXSIZE", std::to_string(geotiff_block).c_str());
     options.SetNameValue("BLOCKYSIZE", std::to_string(geotiff_block).c_str());
     options.SetNameValue("NUM_THREADS", threads_.c_str());
-    const bool is_heights = image_.pixels == GeotiffPixels::heights;
-    if (!is_heights) options.SetNameValue("PHOTOMETRIC", "RGB"), options.SetNameValue("ALPHA", "NON-PREMULTIPLIED");
-    raster_.reset(driver("GTiff").Create(blocks_.temporary().c_str(), int(image_.columns), int(image_.rows),
-                                         is_heights ? 1 : 4, is_heights ? GDT_Float32 : GDT_Byte, options.List()));
+    if (image_.pixels == GeotiffPixels::colours)
+      options.SetNameValue("PHOTOMETRIC", "RGB"), options.SetNameValue("ALPHA", "NON-PREMULTIPLIED");
+    raster_.reset(driver("GTiff").Create(blocks_.temporary().c_str(), int(image_.columns), int(image_.rows), bands(),
+                                         type(), options.List()));
+  }
+
+  int bands() const { return image_.pixels == GeotiffPixels::colours ? 4 : 1; }
+  GDALDataType type() const {
+    if (image_.pixels == GeotiffPixels::colours) return GDT_Byte;
+    return image_.pixels == GeotiffPixels::heights ? GDT_Float32 : GDT_Int32;
   }
 
   void describe() {
@@ -164,8 +169,9 @@ class CogFile : public GeotiffFile {
     raster_->SetGeoTransform(transform);
     raster_->SetMetadataItem("TIFFTAG_SOFTWARE", image_.software.c_str());
     raster_->SetMetadataItem("TIFFTAG_IMAGEDESCRIPTION", image_.description.c_str());
-    if (image_.pixels != GeotiffPixels::heights) return;
     GDALRasterBand& band = *raster_->GetRasterBand(1);
+    if (image_.pixels == GeotiffPixels::classes) band.SetNoDataValue(-1);
+    if (image_.pixels != GeotiffPixels::heights) return;
     band.SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
     band.SetUnitType(image_.height_unit.c_str());
   }

@@ -5,7 +5,8 @@ namespace gigabake {
 
 std::unique_ptr<GeotiffFile> create_geotiff(const std::filesystem::path&, const GeotiffImage&,
                                             const GeotiffResources&) {
-  throw UsageError("`to` dsm and ortho: this gigabake was built without GDAL; install libgdal-dev and build again");
+  throw UsageError(
+      "`to` dsm, ortho and classes: this gigabake was built without GDAL; install libgdal-dev and build again");
 }
 
 }  // namespace gigabake

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""GeoTIFF exports (dsm, ortho), read by GDAL: each pixel equals the answer of `query` at its centre.
+"""GeoTIFF exports (dsm, ortho, classes), read by GDAL: each pixel equals the answer of `query` at its centre.
 
 Usage: export_map_test.py GIGABAKE SOURCE_DIR
 """
@@ -234,6 +234,36 @@ class ExportMap(harness.FolderTest):
         self.assertEqual(of_ranks.returncode, MISSING, of_ranks.stderr)
         self.assertEqual(of_ranks.stderr.count(cell), 1, of_ranks.stderr)
 
+    def test_a_map_of_classes_has_the_classes_of_query(self):
+        sources = [{"path": "village/tileset.json", "class": 2,
+                    "class_of_material": {name: number for number, name in enumerate(self.materials(), 300)}}]
+        (self.root / "classes.json").write_text(json.dumps({"gigabake": 1, "sources": sources}))
+        scene = self.root / "with_classes"
+        self.program.bake(self.root / "classes.json", scene, VOXEL_M, "--cell-voxels", "64")
+        raster = self.map("--to", "classes", "--crs", "scene", "--step", "0.07", scene=scene, name="classes.tif")
+        answers = self.answers(raster, scene=scene)
+        has_surface = numpy.isfinite(answers["height_m"])
+        self.assertTrue(numpy.array_equal(raster.pixels, numpy.where(has_surface, answers["class"].astype("i4"), -1)))
+        self.assertGreater(len(numpy.unique(raster.pixels)), 3)
+        band = raster.data.GetRasterBand(1)
+        self.assertEqual((band.DataType, band.GetNoDataValue()), (gdal.GDT_Int32, -1))
+        self.assertGreater(band.GetOverviewCount(), 0)
+        coarse = numpy.unique(band.GetOverview(band.GetOverviewCount() - 1).ReadAsArray())
+        self.assertLessEqual(set(coarse), set(numpy.unique(raster.pixels)))
+        of_ranks = self.program.run("export", scene, "--to", "classes", "--crs", "scene", "--step", "0.07", "-q", "-o",
+                                    self.root / "ranks.tif", ranks=2)
+        self.assertEqual(of_ranks.returncode, 0, of_ranks.stderr)
+        self.assertEqual((self.root / "ranks.tif").read_bytes(), (self.root / "classes.tif").read_bytes())
+
+    def materials(self):
+        """Returns the names of the materials of the village."""
+        names = set()
+        for tile in (self.root / "village").rglob("*.glb"):
+            data = tile.read_bytes()
+            length = int.from_bytes(data[12:16], "little")
+            names |= {m.get("name", "") for m in json.loads(data[20:20 + length]).get("materials", [])}
+        return sorted(names - {""})
+
     def test_bad_input_is_one_line_and_leaves_no_file(self):
         before = sorted(self.root.iterdir())
         for expected, *options in (
@@ -241,7 +271,8 @@ class ExportMap(harness.FolderTest):
                 ("--step", "--to", "dsm", "--step", "1e-9"), ("--lod", "--to", "dsm", "--lod", "40"),
                 ("EPSG:99999", "--to", "ortho", "--crs", "EPSG:99999"),
                 ("--bounds", "--to", "dsm", "--bounds", "100,40,101,41"),
-                ("--memory", "--to", "dsm", "--memory", "1K"), ("--step", "--to", "ply", "--step", "1"),
+                ("--to classes", "--to", "classes"), ("--memory", "--to", "dsm", "--memory", "1K"),
+                ("--step", "--to", "ply", "--step", "1"),
                 ("--tile-voxels", "--to", "dsm", "--tile-voxels", "32")):
             result = self.program.run("export", self.scene, "-o", self.root / "none.tif", *options)
             self.assertEqual((result.returncode, len(lines_of(result.stderr))), (2, 1), (options, result.stderr))
