@@ -151,6 +151,8 @@ bool FrameRenderer::advance_exchange(double upload_s) {
 
 std::uint64_t FrameRenderer::uploads() const { return state_->stream->uploads(); }
 
+std::uint64_t FrameRenderer::uploaded_bytes() const { return state_->stream->uploaded_bytes(); }
+
 std::vector<std::string> FrameRenderer::problems() const {
   std::vector<std::string> all = state_->problems;
   for (std::string& problem : state_->stream->problems()) all.push_back(std::move(problem));

@@ -102,6 +102,8 @@ class FrameRenderer {
   bool advance_exchange(double upload_s);
   /// Returns the number of bricks and node tiles that were uploaded so far.
   std::uint64_t uploads() const;
+  /// Returns the bytes of these bricks and nodes in the pools, when they were uploaded.
+  std::uint64_t uploaded_bytes() const;
 
   /// Returns the options with eye and target set; their defaults show the whole scene from the south-east.
   /// Errors  The same as make_camera().

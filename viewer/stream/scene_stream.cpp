@@ -242,11 +242,15 @@ SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& request
     }
     std::vector<kernels::BrickPlace> places;
     for (const std::uint32_t slot : new_slots_) places.push_back(allocator_.brick_place(slot));
+    for (const kernels::CastBrick& brick : new_bricks_)
+      uploaded_bytes_ += sizeof(brick.head) + sizeof(kernels::PackedVoxel) * brick.parts.size();
     caster_->put_bricks(places, new_bricks_);
     new_slots_.clear();
     new_bricks_.clear();
   }
-  caster_->put_nodes(allocator_.take_changes());
+  const auto changes = allocator_.take_changes();
+  uploaded_bytes_ += sizeof(kernels::NodeChange) * changes.size();
+  caster_->put_nodes(changes);
   missing.insert(missing.end(), exchange_missing_.begin(), exchange_missing_.end());
   pager_.request(missing);
   remove_loaded_roots();

@@ -98,7 +98,8 @@ class SceneStream {
   std::uint64_t bytes_held() const { return allocator_.in_use().bytes() + pager_.counts().bytes; }
   std::uint64_t page_bytes_allowed() const { return page_bytes_; }
   PagerCounts page_counts() const { return pager_.counts(); }
-  std::uint64_t uploads() const { return uploads_; }  ///< bricks and node tiles put into the pools so far
+  std::uint64_t uploads() const { return uploads_; }                ///< bricks and node tiles put into the pools so far
+  std::uint64_t uploaded_bytes() const { return uploaded_bytes_; }  ///< bytes that serve() put into the pools so far
   /// Returns one line per page that could not be read.
   std::vector<std::string> problems() const { return pager_.problems(); }
 
@@ -135,7 +136,7 @@ class SceneStream {
   std::vector<std::uint32_t> pending_roots_;  ///< requests of root bricks
   std::vector<std::uint32_t> new_slots_;
   std::vector<kernels::CastBrick> new_bricks_;
-  std::uint64_t uploads_ = 0;
+  std::uint64_t uploads_ = 0, uploaded_bytes_ = 0;
   std::optional<SceneExchange> exchange_;
   std::vector<PageKey> exchange_missing_;  ///< pages for which the exchange waits
 };
