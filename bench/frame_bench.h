@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/flight/fly.h"
 #include "viewer/pictures/frame_renderer.h"
 
 namespace gigabake::bench {
@@ -33,19 +34,11 @@ struct FrameBenchView {
   std::uint64_t surface_pixels = 0;  ///< pixels of the exact image that show the surface
 };
 
-struct FlightBench {
-  int frames = 0;
-  double median_s = 0, p99_s = 0, worst_s = 0;
-  std::uint64_t uploads = 0, peak_bytes = 0, allowed_bytes = 0;
-  double mean_psnr_db = 0, worst_psnr_db = 0;  ///< frames as displayed, compared with exact images
-  std::uint64_t surface_pixels = 0;            ///< pixels of these exact images that show the surface
-};
-
 struct FrameBench {
   std::string backend;
   int width = 0, height = 0;
   std::vector<FrameBenchView> views;
-  FlightBench flight;
+  FlightTimes flight;
 
   /// Returns the number of pixels in all exact images that show the surface.
   std::uint64_t surface_pixels() const;

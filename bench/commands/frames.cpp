@@ -23,7 +23,7 @@ void print_text(const bench::FrameBench& b) {
     fmt::print("{:<14} {:>7} {:>9} {:>11.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.1f} {:>10.1f} {:>6}\n", v.view,
                v.frames_to_complete, v.uploads, v.complete_s, 1e3 * v.best_s, 1e3 * v.median_s, 1e3 * v.best_cast_s,
                mrays_per_s(b, v.best_cast_s), v.first_psnr_db, v.same_as_exact ? "yes" : "NO");
-  const bench::FlightBench& f = b.flight;
+  const bench::FlightTimes& f = b.flight;
   if (f.frames == 0) return;
   fmt::print(
       "\nflight of {}: median {:.2f} ms, 99 % below {:.2f} ms, worst {:.2f} ms; {}; at most {:.0f} of "
@@ -46,7 +46,7 @@ nlohmann::ordered_json to_json(const bench::FrameBench& b) {
                           {"first_psnr_db", v.first_psnr_db},
                           {"same_as_exact", v.same_as_exact},
                           {"surface_pixels", v.surface_pixels}});
-  const bench::FlightBench& f = b.flight;
+  const bench::FlightTimes& f = b.flight;
   j["flight"] = {{"frames", f.frames},
                  {"median_s", f.median_s},
                  {"p99_s", f.p99_s},
