@@ -66,6 +66,7 @@ const std::map<std::string, Lines> examples{
     {"bench edit", {"gigabake bench edit SCENE --brush 32"}},
     {"bench accuracy",
      {"gigabake bench accuracy village/tileset.json --voxel-size 0.5 -o FOLDER --settings area-coverage,thin-coverage",
+      "gigabake bench accuracy village/tileset.json --voxel-size 0.5 -o FOLDER --flight --steps 10,2 --size 640x360",
       "gigabake bench accuracy --hard", "gigabake bench accuracy --leaks --json leaks.json"}},
     {"completion", {"source <(gigabake completion bash)", "gigabake completion fish | source"}},
     {"man", {"gigabake man", "gigabake man bench render", "gigabake man bake > gigabake-bake.1"}},

@@ -22,12 +22,13 @@ struct AccuracyBenchRequest {
   /// The output folder. It receives images and one folder per setting; shards in these folders are replaced.
   std::filesystem::path out;
   Backend backend = Backend::automatic;
-  int repeats = 3;                               ///< bakes per setting; the minimum time is reported
-  int samples = 64;                              ///< rays per pixel of the reference
-  std::vector<double> scales = accuracy_scales;  ///< voxels per pixel of the images
-  int width = 160, height = 120;                 ///< maximum size of images
-  VoxelErrorSample sample;                       ///< samples of the surface and of each setting's voxels
-  std::vector<std::string> only;                 ///< names of the settings to bake; empty: all
+  int repeats = 3;                                   ///< bakes per setting; the minimum time is reported
+  int samples = 64;                                  ///< rays per pixel of the reference
+  std::vector<double> scales = accuracy_scales;      ///< voxels per pixel of the images
+  int width = 160, height = 120;                     ///< maximum size of images
+  VoxelErrorSample sample;                           ///< samples of the surface and of each setting's voxels
+  std::vector<std::string> only;                     ///< names of the settings to bake; empty: all
+  std::vector<double> steps_m = {12.9, 2.58, 0.86};  ///< metres per frame of bench_flight()
 };
 
 struct ViewError {

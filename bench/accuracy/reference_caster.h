@@ -24,6 +24,7 @@ class ReferenceCaster {
   /// Builds the acceleration structure.
   /// Errors  UsageError: built without Embree. InputError: as SourceTriangles.
   ReferenceCaster(const SceneSources& sources, const BakeParameters& lattice, int threads);
+  ReferenceCaster(SourceTriangles triangles, int threads);
   ~ReferenceCaster();
   ReferenceCaster(const ReferenceCaster&) = delete;
   ReferenceCaster& operator=(const ReferenceCaster&) = delete;

@@ -13,6 +13,7 @@
 #include "app/options/text_values.h"
 #include "bench/commands/commands.h"
 #include "bench/report/accuracy_report.h"
+#include "bench/report/flight_report.h"
 #include "bench/report/hard_report.h"
 #include "bench/report/leak_report.h"
 #include "bench/report/light_report.h"
@@ -32,8 +33,8 @@ struct AccuracyOptions {
   int samples = 64, repeats = 3, million_triangles = 17, scene_voxels = 1536;
   std::uint64_t voxels = 50000;
   std::vector<std::string> settings, families;
-  std::vector<double> scales = bench::accuracy_scales;
-  bool hard = false, leaks = false, light = false, motion = false;
+  std::vector<double> scales = bench::accuracy_scales, steps_m = bench::AccuracyBenchRequest().steps_m;
+  bool hard = false, leaks = false, light = false, motion = false, flight = false;
 };
 
 int threads_of(const BakeOptions& bake) { return bake.asked.threads > 0 ? bake.asked.threads : host_limits().cores(); }
@@ -54,6 +55,7 @@ bench::AccuracyBenchRequest request_of(const AccuracyOptions& options) {
   r.samples = options.samples;
   r.only = options.settings;
   r.scales = options.scales;
+  r.steps_m = options.steps_m;
   r.sample.voxels = options.voxels;
   r.sample.points = 4 * options.voxels;
   r.repeats = options.repeats;
@@ -151,8 +153,8 @@ int run_leaks(const AccuracyOptions& options) {
   return expect_measured(b);
 }
 
-/// Runs a benchmark of images: bench_light() or bench_motion(). Checks no bounds; docs/accuracy-rendering.md states the
-/// goals.
+/// Runs a benchmark of images: bench_light(), bench_motion() or bench_flight(). Checks no bounds;
+/// docs/accuracy-rendering.md states the goals.
 template <class Bench>
 int run_pictures(const AccuracyOptions& options,
                  Bench (*bench)(const bench::AccuracyBenchRequest&, const bench::AccuracyProgress&)) {
@@ -183,6 +185,7 @@ int run(const AccuracyOptions& options) {
     throw UsageError("expected SOURCE, -o and --voxel-size, or --hard, or --leaks");
   if (options.light) return run_pictures(options, bench::bench_light);
   if (options.motion) return run_pictures(options, bench::bench_motion);
+  if (options.flight) return run_pictures(options, bench::bench_flight);
   bench::AccuracyBenchRequest request = request_of(options);
   const bench::AccuracyBench b = with_progress([&](const Progress& progress) {
     request.scene.progress = progress;
@@ -222,6 +225,16 @@ void add_bench_accuracy(CLI::App& bench, int& exit_code) {
                  "measure lighting instead: sun and sky with shadows, compared with shadowed triangles, and the time "
                  "of frames with and without shadows")
       ->excludes(hard);
+  auto* flight = command->add_flag(
+      "--flight", o->flight,
+      "measure flights instead: frame times and errors at several speeds, at 60 and 120 Hz, and still images of voxels "
+      "and of a mesh with levels of one pixel of error, compared with triangles");
+  flight->excludes(hard);
+  command->add_option("--steps", o->steps_m, "metres that the eye moves per frame of --flight, separated by commas")
+      ->delimiter(',')
+      ->capture_default_str()
+      ->check(CLI::Range(1e-3, 1e6))
+      ->needs(flight);
   command
       ->add_option("--scene-voxels", o->scene_voxels,
                    "width of the scenes of --leaks in voxels; distant views include only scenes that are at least 24 "

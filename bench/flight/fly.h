@@ -26,8 +26,8 @@ struct FlightTimes {
   std::uint64_t surface_pixels = 0;            ///< pixels of these exact images that show the surface
 };
 
-/// Renders the views in turn. Compares `exact_frames` evenly spaced frames with complete
-/// images. These are rendered after the flight, so that no page is loaded while they are rendered.
+/// Renders the views in turn. Compares at least `exact_frames` evenly spaced frames, or all if there are fewer, with
+/// complete images. These are rendered after the flight, so that they give it no time to load pages.
 /// Range   At least one view.
 /// Errors  See FrameRenderer.
 FlightTimes fly(const std::filesystem::path& scene, const FrameRenderer::Options& renderer,

@@ -61,11 +61,18 @@ kernels::Rgba16 texel_at(const kernels::PartView& part, const kernels::MaterialV
 }  // namespace
 
 SourceTriangles::SourceTriangles(const SceneSources& sources, const BakeParameters& lattice, int threads)
-    : cell_(CellLoader(sources, lattice, 0, threads).load(everything(sources))),
+    : cell_(std::make_shared<LoadedCell>(CellLoader(sources, lattice, 0, threads).load(everything(sources)))),
+      parts_(cell_->parts),
       voxel_size_m_(lattice.voxel_size_m),
       lattice_origin_m_(lattice.lattice_origin_m) {
   measure();
   if (!(box_.min[0] <= box_.max[0])) throw InputError(sources.root, "", "has no triangles to show");
+}
+
+SourceTriangles SourceTriangles::with_indices(const std::vector<Span<const std::uint32_t>>& indices) const {
+  SourceTriangles other = *this;
+  for (std::size_t part = 0; part < parts(); ++part) other.parts_[part].index = indices[part];
+  return other;
 }
 
 Vec3d SourceTriangles::to_lattice(const kernels::PartView& part, std::size_t vertex) const {
@@ -80,7 +87,7 @@ Vec3d SourceTriangles::to_lattice(const kernels::PartView& part, std::size_t ver
 void SourceTriangles::measure() {
   constexpr double infinite = std::numeric_limits<double>::infinity();
   box_ = {Vec3d::all(infinite), Vec3d::all(-infinite)};
-  for (const kernels::PartView& part : cell_.parts)
+  for (const kernels::PartView& part : parts_)
     for (std::size_t i = 0; i < part.index.size; ++i) {
       const Vec3d p = to_lattice(part, part.index[i]);
       if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
@@ -91,26 +98,26 @@ void SourceTriangles::measure() {
 }
 
 std::array<Vec3d, 3> SourceTriangles::corners(std::size_t part, std::size_t triangle) const {
-  const kernels::PartView& view = cell_.parts[part];
+  const kernels::PartView& view = parts_[part];
   const auto corner = [&](std::size_t k) { return to_lattice(view, view.index[3 * triangle + k]); };
   return {corner(0), corner(1), corner(2)};
 }
 
 double SourceTriangles::texels(std::size_t part, std::size_t triangle) const {
-  const kernels::PartView& view = cell_.parts[part];
-  const std::int32_t texture = cell_.materials[view.material].texture;
+  const kernels::PartView& view = parts_[part];
+  const std::int32_t texture = cell_->materials[view.material].texture;
   if (texture < 0 || view.uv.empty()) return 0;
   const auto uv = [&](std::size_t corner, std::size_t c) {
     return double(view.uv[2 * std::size_t(view.index[3 * triangle + corner]) + c]);
   };
   const double area = (uv(1, 0) - uv(0, 0)) * (uv(2, 1) - uv(0, 1)) - (uv(2, 0) - uv(0, 0)) * (uv(1, 1) - uv(0, 1));
-  const kernels::TextureView& image = cell_.texture_views[std::size_t(texture)];
+  const kernels::TextureView& image = cell_->texture_views[std::size_t(texture)];
   const double texels = std::fabs(area) / 2 * image.width * image.height;
   return std::isfinite(texels) ? texels : 0;
 }
 
 bool SourceTriangles::is_mirrored(std::size_t part) const {
-  const double* m = cell_.parts[part].scene_from_local;
+  const double* m = parts_[part].scene_from_local;
   return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
              m[2] * (m[4] * m[9] - m[5] * m[8]) <
          0;
@@ -125,7 +132,7 @@ Vec3d SourceTriangles::outside(std::size_t part, std::size_t triangle) const {
 }
 
 std::vector<float> SourceTriangles::positions(std::size_t part) const {
-  const kernels::PartView& view = cell_.parts[part];
+  const kernels::PartView& view = parts_[part];
   std::vector<float> out;
   out.reserve(view.position.size);
   for (std::size_t v = 0; v < view.position.size / 3; ++v) {
@@ -136,13 +143,13 @@ std::vector<float> SourceTriangles::positions(std::size_t part) const {
 }
 
 std::array<float, 4> SourceTriangles::colour(const TrianglePoint& at) const {
-  const kernels::PartView& part = cell_.parts[at.part];
-  const kernels::MaterialView& material = cell_.materials[part.material];
+  const kernels::PartView& part = parts_[at.part];
+  const kernels::MaterialView& material = cell_->materials[part.material];
   const std::uint32_t* vertex = part.index.data + 3 * std::size_t(at.triangle);
   const Weights weights(at);
   kernels::Rgba16 texel{{65535, 65535, 65535, 65535}};
   if (material.texture >= 0)
-    texel = texel_at(part, material, cell_.texture_views[std::size_t(material.texture)], vertex, weights);
+    texel = texel_at(part, material, cell_->texture_views[std::size_t(material.texture)], vertex, weights);
   const kernels::Rgba16 rgba = kernels::apply_material(material, factor_at(part, material, vertex, weights), texel);
   std::array<float, 4> out;
   for (std::size_t c = 0; c < 4; ++c) out[c] = float(rgba.c[c]) / 65535;

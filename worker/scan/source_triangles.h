@@ -9,6 +9,7 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/math/vec3.h"
@@ -42,9 +43,15 @@ class SourceTriangles {
   /// Errors  InputError if a tile or image cannot be read, or if the source has no triangles.
   SourceTriangles(const SceneSources& sources, const BakeParameters& lattice, int threads);
 
-  std::size_t parts() const { return cell_.parts.size(); }
+  /// Returns the same parts with other triangles of their vertices. `indices` has one entry per part and is borrowed.
+  /// box() and middle() do not change. Copies share the source's data.
+  SourceTriangles with_indices(const std::vector<Span<const std::uint32_t>>& indices) const;
+
+  std::size_t parts() const { return parts_.size(); }
+  /// Returns the vertices of a part, in the coordinates of its tile, and the attributes that colour() interpolates.
+  const kernels::PartView& part(std::size_t part) const { return parts_[part]; }
   /// Returns 3 indices per triangle, each < the vertex count.
-  Span<const std::uint32_t> indices(std::size_t part) const { return cell_.parts[part].index; }
+  Span<const std::uint32_t> indices(std::size_t part) const { return parts_[part].index; }
   /// Returns 3 coordinates per vertex, relative to middle(); not finite if the source's coordinates are not.
   std::vector<float> positions(std::size_t part) const;
   /// Returns the corners of one triangle, in double, in the order of its indices.
@@ -66,7 +73,8 @@ class SourceTriangles {
   Vec3d to_lattice(const kernels::PartView& part, std::size_t vertex) const;
   void measure();
 
-  LoadedCell cell_;
+  std::shared_ptr<const LoadedCell> cell_;
+  std::vector<kernels::PartView> parts_;
   double voxel_size_m_;
   Vec3d lattice_origin_m_;
   TriangleBox box_;

@@ -29,6 +29,7 @@ void check(RTCDevice device, const char* call) {
 void add_part(RTCDevice device, RTCScene scene, const SourceTriangles& triangles, std::size_t part) {
   const std::vector<float> position = triangles.positions(part);
   const Span<const std::uint32_t> index = triangles.indices(part);
+  if (index.empty()) return;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   void* vertices =
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, position.size() / 3);
@@ -112,8 +113,7 @@ struct ReferenceCaster::State {
   Device device;
   EmbreeScene scene;
 
-  State(const SceneSources& sources, const BakeParameters& lattice, int threads)
-      : triangles(sources, lattice, threads), pool(threads) {
+  State(SourceTriangles source, int threads) : triangles(std::move(source)), pool(threads) {
     device.reset(rtcNewDevice(("threads=" + std::to_string(threads)).c_str()));
     if (!device) throw std::runtime_error("rtcNewDevice: Embree error " + std::to_string(rtcGetDeviceError(nullptr)));
     scene.reset(rtcNewScene(device.get()));
@@ -226,7 +226,10 @@ struct ReferenceCaster::State {
 bool ReferenceCaster::is_built() { return true; }
 
 ReferenceCaster::ReferenceCaster(const SceneSources& sources, const BakeParameters& lattice, int threads)
-    : state_(std::make_unique<State>(sources, lattice, threads)) {}
+    : ReferenceCaster(SourceTriangles(sources, lattice, threads), threads) {}
+
+ReferenceCaster::ReferenceCaster(SourceTriangles triangles, int threads)
+    : state_(std::make_unique<State>(std::move(triangles), threads)) {}
 
 ReferenceCaster::~ReferenceCaster() = default;
 

@@ -11,6 +11,10 @@ ReferenceCaster::ReferenceCaster(const SceneSources&, const BakeParameters&, int
   throw UsageError("bench accuracy: this gigabake was built without Embree; install libembree-dev and build again");
 }
 
+ReferenceCaster::ReferenceCaster(SourceTriangles, int) {
+  throw UsageError("bench accuracy: this gigabake was built without Embree");
+}
+
 ReferenceCaster::~ReferenceCaster() = default;
 
 // Without Embree no caster can be constructed, so none of these functions is called.
