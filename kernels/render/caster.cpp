@@ -14,7 +14,7 @@ namespace gigabake::kernels {
 namespace {
 
 constexpr int block_edge = 8;  ///< pixels; neighbouring pixels use the same bricks
-constexpr std::size_t blocks_per_range = 4;
+constexpr std::size_t blocks_per_range = 4, copies_per_range = 64;
 
 class CpuCaster final : public Caster {
  public:
@@ -37,12 +37,15 @@ class CpuCaster final : public Caster {
   }
 
   void put_bricks(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) override {
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      CastHead& head = heads_[places[i].slot];
-      head = bricks[i].head;
-      head.first = places[i].first;
-      std::copy(bricks[i].parts.begin(), bricks[i].parts.end(), voxels_.get() + places[i].first);
-    }
+    // The first write to a part of the pool also makes the system allocate its memory, so all threads write.
+    pool_.parallel_for(places.size(), copies_per_range, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t i = begin; i < end; ++i) {
+        CastHead& head = heads_[places[i].slot];
+        head = bricks[i].head;
+        head.first = places[i].first;
+        std::copy(bricks[i].parts.begin(), bricks[i].parts.end(), voxels_.get() + places[i].first);
+      }
+    });
   }
 
   void move_voxels(const std::vector<VoxelMove>& moves) override {
@@ -191,10 +194,11 @@ class CpuCaster final : public Caster {
   bool for_each_ray(std::size_t begin, std::size_t end, const StopAsked& stop, const Body& body) {
     std::atomic<bool> stopped{false};
     const auto across = std::size_t(tile_.width + block_edge - 1) / block_edge;
-    const auto down = std::size_t(tile_.height + block_edge - 1) / block_edge;
-    pool_.parallel_for(across * down, blocks_per_range, [&](std::size_t first, std::size_t last, int) {
+    const std::size_t rays_per_row = std::size_t(tile_.width) * block_edge;  // a row of blocks
+    const std::size_t top = begin / rays_per_row, bottom = (end + rays_per_row - 1) / rays_per_row;
+    pool_.parallel_for(across * (bottom - top), blocks_per_range, [&](std::size_t first, std::size_t last, int) {
       if (stop && !stopped && stop()) stopped = true;
-      for (std::size_t b = first; b < last && !stopped; ++b) {
+      for (std::size_t b = across * top + first; b < across * top + last && !stopped; ++b) {
         const int x0 = int(b % across) * block_edge, y0 = int(b / across) * block_edge;
         for (int y = y0; y < std::min(y0 + block_edge, tile_.height); ++y)
           for (int x = x0; x < std::min(x0 + block_edge, tile_.width); ++x) {

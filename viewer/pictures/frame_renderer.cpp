@@ -63,6 +63,7 @@ Frame FrameRenderer::render_preview(const View& view, const PreviewLimits& limit
 
 Frame FrameRenderer::render_complete(const View& view, const Progress& progress) {
   ProgressiveFrame frame = begin(view, nullptr);
+  frame.tiles = state_->tiles_of_whole(view.camera.width, view.camera.height);
   progress.step("rendering", frame.tiles.size());
   const auto tile_done = [&] {
     progress.advance();
@@ -92,14 +93,17 @@ void FrameRenderer::resume(ProgressiveFrame& frame, const kernels::StopAsked& en
   const std::uint64_t uploads_before = s.stream->uploads();
   const kernels::CastCamera camera = s.camera_of(frame.view);
   const RenderSettings look = s.look_of(frame.view);
+  PassCounts counts;
   while (!frame.is_complete()) {
-    if (!render_tile(*s.stream, camera, frame.tiles[frame.done], look, stop, frame.picture)) break;
+    if (!render_tile(*s.stream, camera, frame.tiles[frame.done], look, stop, frame.picture, counts)) break;
     ++frame.done;
     if (enough && enough()) break;
   }
   frame.stats.total_s += State::since(start);
   frame.stats.cast_s = frame.stats.total_s;
   frame.stats.uploads += s.stream->uploads() - uploads_before;
+  frame.stats.passes += counts.passes;
+  frame.stats.page_waits += counts.page_waits;
   frame.stats.complete = frame.is_complete();
   s.tell(frame.stats);
 }

@@ -107,7 +107,23 @@ struct FrameRenderer::State {
   /// than the limit of open shards.
   std::uint64_t bytes_next_to_shards() const {
     const std::uint64_t shards = scene->totals().cells + scene->totals().overviews, all = memory_of(options);
-    return all - std::min(std::min<std::uint64_t>(max_open(options), shards) * open_shard_bytes, all / 8);
+    const std::uint64_t open = std::min<std::uint64_t>(max_open(options), shards) * open_shard_bytes;
+    return all - std::min(open, all / 8) - bytes_for_rays();
+  }
+
+  /// Returns the memory for the rays of a large tile on the CPU. It grows with the number of threads, because caches of
+  /// few cores hold few rays. Returns 0 if the pools need all memory: then all tiles are small.
+  std::uint64_t bytes_for_rays() const {
+    const auto small = std::uint64_t(kernels::light_region) * kernels::light_region * tile_bytes_per_pixel;
+    const std::uint64_t bytes = std::min(memory_of(options) / 16, std::uint64_t(threads_of(options)) * 2 * small);
+    return options.cuda_device || bytes < 2 * small ? 0 : bytes;
+  }
+
+  /// Returns the tiles of an image that is not shown before it is complete. Large tiles need fewer passes.
+  std::vector<kernels::CastTile> tiles_of_whole(int width, int height) const {
+    const std::uint64_t bytes = bytes_for_rays();
+    if (bytes == 0) return tiles_of(width, height, stream->tile_edge());
+    return large_tiles_of(width, height, kernels::light_region, bytes / tile_bytes_per_pixel);
   }
 
   void fill(const Filling& filling_key) {
@@ -127,6 +143,7 @@ struct FrameRenderer::State {
       if (options.device_required) throw;
       problems.push_back(std::string("the CPU casts rays: ") + failure.what());
       wishes.cuda_device = options.cuda_device = {};
+      wishes.memory_bytes = bytes_next_to_shards();
       stream = std::make_unique<SceneStream>(*scene, source, wishes, policy, table || paged_table ? &numbers : nullptr);
     }
     requested.clear();

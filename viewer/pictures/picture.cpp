@@ -1,7 +1,9 @@
 #include "viewer/pictures/picture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
 
 namespace gigabake {
 namespace {
@@ -19,6 +21,20 @@ std::vector<Between> between(int from, int to) {
     const auto first = std::size_t(at);
     all.push_back({first, std::min(first + 1, std::size_t(from - 1)), unsigned(256 * (at - double(first)))});
   }
+  return all;
+}
+
+/// Returns the tiles of an image, from its middle outwards.
+std::vector<kernels::CastTile> tiles(int width, int height, int tile_width, int tile_height) {
+  std::vector<kernels::CastTile> all;
+  for (int y = 0; y < height; y += tile_height)
+    for (int x = 0; x < width; x += tile_width)
+      all.push_back({x, y, std::min(tile_width, width - x), std::min(tile_height, height - y)});
+  const auto from_middle = [&](const kernels::CastTile& t) {
+    return std::hypot(2.0 * t.x + t.width - width, 2.0 * t.y + t.height - height);
+  };
+  std::stable_sort(all.begin(), all.end(),
+                   [&](const auto& a, const auto& b) { return from_middle(a) < from_middle(b); });
   return all;
 }
 
@@ -56,17 +72,21 @@ Picture enlarged(const Picture& picture, int width, int height, PictureLight lig
   return out;
 }
 
-std::vector<kernels::CastTile> tiles_of(int width, int height, int edge) {
-  std::vector<kernels::CastTile> tiles;
-  for (int y = 0; y < height; y += edge)
-    for (int x = 0; x < width; x += edge)
-      tiles.push_back({x, y, std::min(edge, width - x), std::min(edge, height - y)});
-  const auto from_middle = [&](const kernels::CastTile& t) {
-    return std::hypot(2.0 * t.x + t.width - width, 2.0 * t.y + t.height - height);
-  };
-  std::stable_sort(tiles.begin(), tiles.end(),
-                   [&](const auto& a, const auto& b) { return from_middle(a) < from_middle(b); });
-  return tiles;
+std::vector<kernels::CastTile> tiles_of(int width, int height, int edge) { return tiles(width, height, edge, edge); }
+
+std::vector<kernels::CastTile> large_tiles_of(int width, int height, int unit, std::uint64_t max_pixels) {
+  const auto units = [&](int pixels) { return std::int64_t(pixels + unit - 1) / unit; };
+  const auto count = [](std::int64_t pixels, std::int64_t edge) { return (pixels + edge - 1) / edge; };
+  const std::int64_t across = units(width), down = units(height);
+  const auto max_units = std::max<std::int64_t>(1, std::int64_t(max_pixels / unsigned(unit) / unsigned(unit)));
+  std::array<std::int64_t, 4> best{across * down + 1};  // tiles, size, difference of the edges, width
+  for (std::int64_t x = 1; x <= std::min(across, max_units); ++x) {
+    // Rows of tiles of equal height leave no thin row at the bottom.
+    const std::int64_t rows = count(down, std::min(down, max_units / x)), y = count(down, rows);
+    best = std::min(best, {count(across, x) * rows, x * y, std::abs(x - y), x});
+  }
+  const std::int64_t x = best[3], y = best[1] / x;
+  return tiles(width, height, int(x) * unit, int(y) * unit);
 }
 
 }  // namespace gigabake

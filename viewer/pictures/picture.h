@@ -33,5 +33,8 @@ kernels::CastPixels pixels_of(Picture& picture);
 
 /// Returns the tiles of an image, from its middle outwards, because users look at the middle first.
 std::vector<kernels::CastTile> tiles_of(int width, int height, int edge);
+/// Returns a minimal number of tiles of at most `max_pixels` pixels, in the same order. Their edges are multiples of
+/// `unit`; tiles have unit × unit pixels if even this is more than `max_pixels`.
+std::vector<kernels::CastTile> large_tiles_of(int width, int height, int unit, std::uint64_t max_pixels);
 
 }  // namespace gigabake

@@ -119,6 +119,7 @@ SceneStream::SceneStream(const PagedScene& scene, Opened opened, PageSource sour
       page_bytes_(bytes_for_pages(options)),
       pool_bytes_(0),
       tile_edge_(options.cuda_device ? device_tile_edge : cpu_tile_edge),
+      casts_on_host_(!options.cuda_device),
       cells_alone_(options.cells_alone),
       layout_(std::move(opened.layout)),
       map_(std::move(opened.map)),
@@ -147,6 +148,15 @@ void SceneStream::request_roots() {
 bool SceneStream::is_fulfilled(std::uint32_t request) const {
   const kernels::CastNode& node = allocator_.node(node_of(request));
   return (kind_of_request(request) == RequestKind::brick ? node.brick : node.children) != kernels::not_resident_ref;
+}
+
+/// Returns whether the request is still to be answered. A request is obsolete once its node was evicted.
+bool SceneStream::is_open(std::uint32_t request) const {
+  return allocator_.is_in_use(node_of(request)) && !is_fulfilled(request);
+}
+
+std::size_t SceneStream::open_requests(const std::vector<std::uint32_t>& requests) const {
+  return std::size_t(std::ranges::count_if(requests, [&](std::uint32_t request) { return is_open(request); }));
 }
 
 /// Returns the squared apparent size of the node: near and coarse nodes cover the most pixels.
@@ -219,7 +229,9 @@ SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& request
                                        const kernels::StopAsked& enough, const Keep& keep) {
   Served served;
   std::vector<PageKey> missing;
-  const std::vector<std::uint32_t> requests = sort_by_urgency(requested, eye);
+  std::vector<std::uint32_t> open = requested;
+  std::erase_if(open, [&](std::uint32_t request) { return !is_open(request); });
+  const std::vector<std::uint32_t> requests = sort_by_urgency(open, eye);
   std::vector<Answer> answers;
   const std::size_t per_batch = requests_per_batch(policy_);
   std::vector<kernels::CastBrick> bricks(std::min(requests.size(), per_batch));
@@ -251,6 +263,7 @@ SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& request
   const auto changes = allocator_.take_changes();
   uploaded_bytes_ += sizeof(kernels::NodeChange) * changes.size();
   caster_->put_nodes(changes);
+  served.misses_pages = !missing.empty();
   missing.insert(missing.end(), exchange_missing_.begin(), exchange_missing_.end());
   pager_.request(missing);
   remove_loaded_roots();

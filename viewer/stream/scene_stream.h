@@ -45,6 +45,7 @@ class SceneStream {
   /// Result of one call of serve().
   struct Served {
     std::uint64_t uploads = 0;
+    bool misses_pages = false;  ///< requests wait for pages, which the pager reads now
     bool evicted_used = false;  ///< evicted entries that rays used since Keep::used_since
     bool is_full = false;       ///< a request was dropped, because everything in the pools is in use
   };
@@ -59,10 +60,13 @@ class SceneStream {
   const CellLayout& layout() const { return layout_; }
 
   /// Answers the requests of rays (Caster::requested()) whose pages are resident, until `enough` returns true, but at
-  /// least one batch. Requests missing pages from the pager. Near and coarse nodes come first; `eye` is in lod-0
-  /// voxels.
+  /// least one batch. Skips requests that were answered since. Requests missing pages from the pager. Near and coarse
+  /// nodes come first; `eye` is in lod-0 voxels.
   Served serve(const std::vector<std::uint32_t>& requested, const Vec3d& eye, const kernels::StopAsked& enough,
                const Keep& keep);
+
+  /// Returns how many of the requests were not answered yet.
+  std::size_t open_requests(const std::vector<std::uint32_t>& requests) const;
 
   /// Makes pages resident that were read since the last call.
   void begin_pass() { pager_.begin_pass(); }
@@ -91,6 +95,8 @@ class SceneStream {
   /// Returns the edge of a render tile in pixels. It is large enough to share page requests and to fill a GPU, and
   /// small enough to bound memory and cancellation latency.
   int tile_edge() const { return tile_edge_; }
+  /// Returns whether the CPU casts the rays.
+  bool casts_on_host() const { return casts_on_host_; }
 
   /// Returns the size of the pools, on host or device, plus the memory limit of the pages.
   std::uint64_t bytes_allowed() const { return pool_bytes_ + page_bytes_; }
@@ -118,12 +124,14 @@ class SceneStream {
   bool enter(std::uint32_t request, const Answer& answer, kernels::CastBrick& brick);
   std::vector<std::uint32_t> sort_by_urgency(const std::vector<std::uint32_t>& requested, const Vec3d& eye) const;
   bool is_fulfilled(std::uint32_t request) const;
+  bool is_open(std::uint32_t request) const;
   double urgency(std::uint32_t request, const Vec3d& eye) const;
   void remove_loaded_roots();
 
   const ThreadPool& policy_;
   std::uint64_t page_bytes_, pool_bytes_;
   int tile_edge_;
+  bool casts_on_host_;
   bool cells_alone_;
   CellLayout layout_;
   ShardMap map_;

@@ -13,8 +13,8 @@ import harness
 from programs import lines_of
 
 SIZE = "160x90"
-STATS = {"cast_s", "upload_s", "total_s", "wanted", "uploads", "pages_loading", "files_opened", "bytes_held",
-         "bytes_allowed", "complete"}
+STATS = {"cast_s", "upload_s", "total_s", "wanted", "uploads", "pages_loading", "passes", "page_waits", "files_opened",
+         "bytes_held", "bytes_allowed", "complete"}
 
 
 class Paths(harness.FolderTest):
